@@ -1,0 +1,36 @@
+// Vectors and transforms on the host. Double precision wherever a file or a pose is involved; the GPU gets floats.
+#pragma once
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+namespace palpa {
+
+using Vec2 = glm::dvec2;
+using Vec3 = glm::dvec3;
+using Vec4 = glm::dvec4;
+
+/// A rigid or affine map named T_a_b: takes coordinates in frame b to frame a. GLM stores columns; files write rows.
+using Transform = glm::dmat4;
+
+inline Vec3 transform_point(const Transform& T_a_b, const Vec3& point_b) { return Vec3(T_a_b * Vec4(point_b, 1.0)); }
+inline Vec3 transform_direction(const Transform& T_a_b, const Vec3& direction_b) {
+  return Vec3(T_a_b * Vec4(direction_b, 0.0));
+}
+
+/// Axis-aligned box; empty when any low > high.
+struct Box {
+  Vec3 low{1e300, 1e300, 1e300};
+  Vec3 high{-1e300, -1e300, -1e300};
+
+  bool empty() const { return low.x > high.x || low.y > high.y || low.z > high.z; }
+  void add(const Vec3& p) {
+    low = Vec3(p.x < low.x ? p.x : low.x, p.y < low.y ? p.y : low.y, p.z < low.z ? p.z : low.z);
+    high = Vec3(p.x > high.x ? p.x : high.x, p.y > high.y ? p.y : high.y, p.z > high.z ? p.z : high.z);
+  }
+  Vec3 centre() const { return (low + high) * 0.5; }
+};
+
+}  // namespace palpa

@@ -1,0 +1,32 @@
+// glTF 2.0 models (.gltf with files or data URIs, .glb) as world-space triangle meshes.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/mesh.hpp"
+
+namespace palpa::geometry {
+
+/// One node's mesh, all its triangle primitives together, in the scene's coordinates (= world), not yet welded.
+struct SceneMesh {
+  std::string name;  ///< the node's name, else its mesh's, else "node N"
+  Mesh mesh;
+};
+
+struct Scene {
+  std::string file;
+  std::vector<SceneMesh> meshes;  ///< depth-first in the scene's node order
+};
+
+/// Reads `scene_index`, or the file's default scene, or scene 0; a file without scenes gives all root nodes. Triangle lists,
+/// strips and fans, indexed by 8, 16 or 32 bits or not at all; sparse and interleaved accessors; node hierarchies, TRS and
+/// matrices, negative scale (triangles are turned so that they keep facing outwards), instances. Points and lines are
+/// skipped. Throws bad_input, one line naming file and fault: unreadable, malformed, out-of-range indices, non-finite
+/// positions, a node loop, zero scale, a required extension that is not supported (by name), an absent scene. Faults without
+/// bearing on the geometry (textures, wrong min/max) are warnings at most.
+Scene load_gltf(const std::filesystem::path& file, std::optional<int> scene_index = std::nullopt);
+
+}  // namespace palpa::geometry

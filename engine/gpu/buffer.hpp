@@ -1,0 +1,93 @@
+// Memory by intent: what stays on the device, what the host writes, what the host reads.
+#pragma once
+
+#include <volk.h>
+
+#include <cstddef>
+#include <span>
+
+#include "gpu/device.hpp"
+#include "gpu/handle.hpp"
+
+namespace palpa::gpu {
+
+/// A range of a buffer, as a pass binds it.
+struct BufferRef {
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;
+  VkDeviceSize size = 0;
+};
+
+/// Device memory that only passes touch. Contents are undefined until a pass or `vkCmdFillBuffer` writes them.
+/// Usable as storage, indirect, vertex, index, uniform, and as either end of a copy. A size of 0 allocates 4 bytes.
+class Buffer {
+ public:
+  Buffer() = default;
+  Buffer(const Device& device, VkDeviceSize size, const char* name);
+
+  BufferRef ref() const { return {buffer_.get(), 0, size_}; }
+  VkDeviceSize size() const { return size_; }
+
+ private:
+  friend class Upload;
+  friend class Readback;
+  Buffer(const Device& device, VkDeviceSize size, const char* name, VkMemoryPropertyFlags required,
+         VkMemoryPropertyFlags preferred);
+  std::byte* map(const Device& device) const;
+
+  // Destroyed in reverse: the buffer before its memory. One allocation per buffer: the engine keeps a few dozen long-lived
+  // buffers, far below any driver's limit of allocations.
+  Handle<VkDeviceMemory> memory_;
+  Handle<VkBuffer> buffer_;
+  VkDeviceSize size_ = 0;
+};
+
+/// The host writes `data()`, passes read `ref()`. Where memory is unified both are the same bytes.
+class Upload {
+ public:
+  Upload() = default;
+  Upload(const Device& device, VkDeviceSize size, const char* name);
+
+  std::byte* data() const { return mapped_; }
+  template <typename T>
+  std::span<T> as() const {
+    return {reinterpret_cast<T*>(mapped_), static_cast<std::size_t>(ref().size / sizeof(T))};
+  }
+  BufferRef ref() const { return device_ ? device_.ref() : host_.ref(); }
+  /// After the host has written: copies the first `bytes` and makes them visible to later compute, indirect, vertex and
+  /// transfer reads. Records nothing where memory is unified, since a submit makes host writes visible.
+  void record(VkCommandBuffer commands, VkDeviceSize bytes = VK_WHOLE_SIZE) const;
+
+ private:
+  struct Staged {
+    Buffer buffer;
+    explicit operator bool() const { return buffer.size() != 0; }
+    BufferRef ref() const { return buffer.ref(); }
+  };
+  Buffer host_;
+  Staged device_;
+  std::byte* mapped_ = nullptr;
+};
+
+/// Passes write `ref()`; the host reads `data()` once the submit that recorded `record` has completed.
+class Readback {
+ public:
+  Readback() = default;
+  Readback(const Device& device, VkDeviceSize size, const char* name);
+
+  const std::byte* data() const { return mapped_; }
+  template <typename T>
+  std::span<const T> as() const {
+    return {reinterpret_cast<const T*>(mapped_), static_cast<std::size_t>(host_.size() / sizeof(T))};
+  }
+  BufferRef ref() const { return device_.size() ? device_.ref() : host_.ref(); }
+  /// After the last compute or transfer write: brings the first `bytes` to the host.
+  void record(VkCommandBuffer commands, VkDeviceSize bytes = VK_WHOLE_SIZE) const;
+
+ private:
+  Buffer host_;
+  Buffer device_;
+  std::byte* mapped_ = nullptr;
+};
+
+}  // namespace palpa::gpu

@@ -1,0 +1,17 @@
+// Every Vulkan call that returns a VkResult goes through PALPA_VK: a failure becomes an Error with the call's text, its
+// file and line, and the result's name.
+#pragma once
+
+#include <volk.h>
+
+namespace palpa::gpu {
+
+/// "VK_ERROR_DEVICE_LOST" and so on.
+const char* result_name(VkResult result);
+
+/// Throws Error (Exit::failed) unless `result` is a success code.
+void check(VkResult result, const char* call, const char* file, int line);
+
+}  // namespace palpa::gpu
+
+#define PALPA_VK(call) ::palpa::gpu::check((call), #call, __FILE__, __LINE__)

@@ -1,0 +1,85 @@
+#include "gpu/commands.hpp"
+
+#include <fmt/core.h>
+
+#include "base/error.hpp"
+#include "gpu/check.hpp"
+
+namespace palpa::gpu {
+
+Recorder::Recorder(const Device& device, const char* name) : device_(&device) {
+  VkCommandPoolCreateInfo info{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  info.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
+  info.queueFamilyIndex = device.queue_family();
+  VkCommandPool pool = VK_NULL_HANDLE;
+  PALPA_VK(vkCreateCommandPool(device.get(), &info, nullptr, &pool));
+  pool_ = Handle<VkCommandPool>(device.get(), pool, vkDestroyCommandPool);
+  VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  allocate.commandPool = pool;
+  allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  allocate.commandBufferCount = 1;
+  PALPA_VK(vkAllocateCommandBuffers(device.get(), &allocate, &commands_));
+  device.name(VK_OBJECT_TYPE_COMMAND_BUFFER, reinterpret_cast<std::uint64_t>(commands_), name);
+}
+
+VkCommandBuffer Recorder::begin() const {
+  PALPA_VK(vkResetCommandPool(device_->get(), pool_.get(), 0));
+  VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  PALPA_VK(vkBeginCommandBuffer(commands_, &info));
+  return commands_;
+}
+
+VkCommandBuffer Recorder::end() const {
+  PALPA_VK(vkEndCommandBuffer(commands_));
+  return commands_;
+}
+
+Timeline::Timeline(const Device& device, const char* name) : device_(&device) {
+  VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO};
+  type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+  VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &type};
+  VkSemaphore semaphore = VK_NULL_HANDLE;
+  PALPA_VK(vkCreateSemaphore(device.get(), &info, nullptr, &semaphore));
+  semaphore_ = Handle<VkSemaphore>(device.get(), semaphore, vkDestroySemaphore);
+  device.name(VK_OBJECT_TYPE_SEMAPHORE, reinterpret_cast<std::uint64_t>(semaphore), name);
+}
+
+std::uint64_t Timeline::submit(VkCommandBuffer commands) {
+  VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
+  buffer.commandBuffer = commands;
+  VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
+  signal.semaphore = semaphore_.get();
+  signal.value = last_ + 1;
+  signal.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
+  info.commandBufferInfoCount = 1;
+  info.pCommandBufferInfos = &buffer;
+  info.signalSemaphoreInfoCount = 1;
+  info.pSignalSemaphoreInfos = &signal;
+  const std::lock_guard lock(device_->queue_mutex());
+  PALPA_VK(device_->lost() ? VK_ERROR_DEVICE_LOST : vkQueueSubmit2(device_->queue(), 1, &info, VK_NULL_HANDLE));
+  return ++last_;
+}
+
+void Timeline::wait(std::uint64_t value, double timeout_s) const {
+  const VkSemaphore semaphore = semaphore_.get();
+  VkSemaphoreWaitInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO};
+  info.semaphoreCount = 1;
+  info.pSemaphores = &semaphore;
+  info.pValues = &value;
+  const VkResult result = vkWaitSemaphores(device_->get(), &info, static_cast<std::uint64_t>(timeout_s * 1e9));
+  if (result == VK_TIMEOUT) {
+    throw failure(fmt::format("{}: no answer within {} s; another program may be using the GPU",
+                              device_->description().name, timeout_s));
+  }
+  check(result, "vkWaitSemaphores(...)", __FILE__, __LINE__);
+}
+
+bool Timeline::done(std::uint64_t value) const {
+  std::uint64_t reached = 0;
+  PALPA_VK(vkGetSemaphoreCounterValue(device_->get(), semaphore_.get(), &reached));
+  return reached >= value;
+}
+
+}  // namespace palpa::gpu

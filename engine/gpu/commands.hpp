@@ -1,0 +1,49 @@
+// Recording and submitting. A Recorder is one command buffer that is recorded anew for every frame; a Timeline is the
+// semaphore that says how far the device has come. Nothing here ever waits for an idle device.
+#pragma once
+
+#include <volk.h>
+
+#include <cstdint>
+
+#include "gpu/device.hpp"
+#include "gpu/handle.hpp"
+
+namespace palpa::gpu {
+
+/// One primary command buffer with its own pool. Re-recording is legal once the submit that used it has completed.
+class Recorder {
+ public:
+  Recorder() = default;
+  Recorder(const Device& device, const char* name);
+
+  VkCommandBuffer begin() const;
+  /// Ends recording; pass the result to Timeline::submit.
+  VkCommandBuffer end() const;
+
+ private:
+  const Device* device_ = nullptr;
+  Handle<VkCommandPool> pool_;
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;
+};
+
+/// A timeline semaphore: submit number n signals the value n. Submits of one timeline complete in order.
+class Timeline {
+ public:
+  explicit Timeline(const Device& device, const char* name = "timeline");
+
+  /// Submits to the device's queue and returns the value that its completion signals.
+  std::uint64_t submit(VkCommandBuffer commands);
+  /// Blocks until `value` is signalled. Throws Error (Exit::failed) when the device is lost or `timeout_s` passes.
+  void wait(std::uint64_t value, double timeout_s = 60.0) const;
+  bool done(std::uint64_t value) const;
+  /// The value of the newest submit.
+  std::uint64_t last() const { return last_; }
+
+ private:
+  const Device* device_;
+  Handle<VkSemaphore> semaphore_;
+  std::uint64_t last_ = 0;
+};
+
+}  // namespace palpa::gpu

@@ -1,0 +1,337 @@
+#include "gpu/device.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdlib>
+#include <cstring>
+#include <span>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "gpu/check.hpp"
+
+namespace palpa::gpu {
+namespace {
+
+constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
+std::atomic<std::uint64_t> validation_error_count{0};
+
+VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                          VkDebugUtilsMessageTypeFlagsEXT,
+                                          const VkDebugUtilsMessengerCallbackDataEXT* data, void*) {
+  if (severity & VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT) {
+    ++validation_error_count;
+    log::error(fmt::format("Vulkan validation: {}", data->pMessage));
+  } else {
+    log::debug(fmt::format("Vulkan validation: {}", data->pMessage));
+  }
+  return VK_FALSE;
+}
+
+bool load_vulkan() {
+  static const bool loaded = volkInitialize() == VK_SUCCESS;
+  return loaded;
+}
+
+std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
+  std::uint32_t count = 0;
+  if (vkEnumeratePhysicalDevices(instance, &count, nullptr) != VK_SUCCESS) return {};
+  std::vector<VkPhysicalDevice> devices(count);
+  if (vkEnumeratePhysicalDevices(instance, &count, devices.data()) < VK_SUCCESS) return {};
+  devices.resize(count);
+  return devices;
+}
+
+bool has_extension(VkPhysicalDevice physical, const char* name) {
+  std::uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+/// A family that computes and, if there is one, also draws.
+std::optional<std::uint32_t> find_queue_family(VkPhysicalDevice physical) {
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+  std::optional<std::uint32_t> computes;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const VkQueueFlags flags = families[i].queueFlags;
+    if (!(flags & VK_QUEUE_COMPUTE_BIT) || families[i].timestampValidBits == 0) continue;
+    if (flags & VK_QUEUE_GRAPHICS_BIT) return i;
+    if (!computes) computes = i;
+  }
+  return computes;
+}
+
+const char* kind_name(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "cpu";
+    default: return "other";
+  }
+}
+
+int rank(const DeviceDescription& device) {
+  constexpr std::array<const char*, 4> order{"discrete", "integrated", "virtual", "cpu"};
+  return static_cast<int>(std::find(order.begin(), order.end(), device.kind) - order.begin());
+}
+
+std::string why_unusable(VkPhysicalDevice physical, const VkPhysicalDeviceProperties& properties) {
+  if (properties.apiVersion < VK_API_VERSION_1_3) {
+    return fmt::format("offers Vulkan {}.{}, palpa needs 1.3", VK_API_VERSION_MAJOR(properties.apiVersion),
+                       VK_API_VERSION_MINOR(properties.apiVersion));
+  }
+  if (!find_queue_family(physical)) return "has no compute queue with timestamps";
+  if (!has_extension(physical, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME)) return "lacks VK_KHR_push_descriptor";
+  return {};
+}
+
+DeviceDescription describe(VkPhysicalDevice physical, std::uint32_t index) {
+  VkPhysicalDeviceProperties basic;
+  vkGetPhysicalDeviceProperties(physical, &basic);
+  VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver};
+  vkGetPhysicalDeviceProperties2(physical, &properties);
+  DeviceDescription d;
+  d.index = index;
+  d.name = basic.deviceName;
+  d.driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
+  d.kind = kind_name(basic.deviceType);
+  d.unusable = why_unusable(physical, basic);
+  return d;
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+bool selected(const DeviceDescription& device, const std::string& select) {
+  if (select.empty()) return true;
+  if (std::all_of(select.begin(), select.end(), [](unsigned char c) { return std::isdigit(c); })) {
+    return std::to_string(device.index) == select;
+  }
+  return lower(device.name).find(lower(select)) != std::string::npos;
+}
+
+bool env_flag(const char* name) {
+  const char* value = std::getenv(name);
+  return value && *value && std::strcmp(value, "0") != 0;
+}
+
+Validation validation_from_environment() {
+  const char* value = std::getenv("PALPA_VALIDATION");
+  if (!value || !*value) return Validation::off;
+  if (const auto preset = parse_validation(value)) return *preset;
+  throw bad_usage(fmt::format("PALPA_VALIDATION is '{}': give off, core, sync or gpu-assisted", value));
+}
+
+}  // namespace
+
+std::optional<Validation> parse_validation(const std::string& name) {
+  if (name == "off") return Validation::off;
+  if (name == "core") return Validation::core;
+  if (name == "sync") return Validation::sync;
+  if (name == "gpu-assisted") return Validation::gpu_assisted;
+  return std::nullopt;
+}
+
+std::uint64_t validation_errors() { return validation_error_count; }
+
+bool validation_layer_present() {
+  if (!load_vulkan()) return false;
+  std::uint32_t count = 0;
+  vkEnumerateInstanceLayerProperties(&count, nullptr);
+  std::vector<VkLayerProperties> layers(count);
+  vkEnumerateInstanceLayerProperties(&count, layers.data());
+  return std::any_of(layers.begin(), layers.end(),
+                     [](const auto& layer) { return std::strcmp(layer.layerName, validation_layer) == 0; });
+}
+
+std::vector<DeviceDescription> list_devices() {
+  if (!load_vulkan()) return {};
+  VkApplicationInfo app{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+  app.apiVersion = VK_API_VERSION_1_3;
+  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+  info.pApplicationInfo = &app;
+  VkInstance instance = VK_NULL_HANDLE;
+  if (vkCreateInstance(&info, nullptr, &instance) != VK_SUCCESS) return {};
+  volkLoadInstanceOnly(instance);
+  std::vector<DeviceDescription> devices;
+  for (VkPhysicalDevice physical : physical_devices(instance)) {
+    devices.push_back(describe(physical, static_cast<std::uint32_t>(devices.size())));
+  }
+  vkDestroyInstance(instance, nullptr);
+  return devices;
+}
+
+Device::Device(const DeviceOptions& options) {
+  if (!load_vulkan()) {
+    throw Error(Exit::no_device, "no Vulkan loader found: install libvulkan1 and a driver such as mesa-vulkan-drivers");
+  }
+  const Validation validation = options.validation ? *options.validation : validation_from_environment();
+  try {
+    create_instance(options, validation);
+    choose_physical(options);
+    create_device(!options.window_extensions.empty());
+  } catch (...) {
+    destroy();
+    throw;
+  }
+  unified_ = (description_.kind == "cpu" || description_.kind == "integrated") &&
+             !options.force_staging.value_or(env_flag("PALPA_FORCE_STAGING"));
+}
+
+Device::~Device() { destroy(); }
+
+void Device::destroy() {
+  if (device_) vkDestroyDevice(device_, nullptr);
+  if (messenger_) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
+  if (instance_) vkDestroyInstance(instance_, nullptr);
+  device_ = VK_NULL_HANDLE;
+  messenger_ = VK_NULL_HANDLE;
+  instance_ = VK_NULL_HANDLE;
+}
+
+void Device::create_instance(const DeviceOptions& options, Validation validation) {
+  VkApplicationInfo app{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+  app.pApplicationName = "palpa";
+  app.apiVersion = VK_API_VERSION_1_3;
+
+  std::vector<const char*> extensions = options.window_extensions;
+  std::vector<const char*> layers;
+  std::vector<VkValidationFeatureEnableEXT> enables;
+  if (validation != Validation::off) {
+    if (!validation_layer_present()) {
+      throw Error(Exit::no_device, "validation was asked for, but VK_LAYER_KHRONOS_validation is not installed: "
+                                   "install vulkan-validationlayers");
+    }
+    layers.push_back(validation_layer);
+    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+  }
+  if (validation == Validation::sync) {
+    enables = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+    // The layer knows the check across command buffers only by this name, not by an enumerator.
+    setenv("VK_LAYER_ENABLES", "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT", 0);
+  } else if (validation == Validation::gpu_assisted) {
+    enables = {VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
+               VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT};
+  }
+  VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
+  features.enabledValidationFeatureCount = static_cast<std::uint32_t>(enables.size());
+  features.pEnabledValidationFeatures = enables.data();
+
+  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+  info.pNext = enables.empty() ? nullptr : &features;
+  info.pApplicationInfo = &app;
+  info.enabledLayerCount = static_cast<std::uint32_t>(layers.size());
+  info.ppEnabledLayerNames = layers.data();
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
+  const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
+  if (result != VK_SUCCESS) {
+    throw Error(Exit::no_device, fmt::format("no Vulkan instance ({}): install a driver such as mesa-vulkan-drivers",
+                                             result_name(result)));
+  }
+  volkLoadInstanceOnly(instance_);
+  if (validation != Validation::off) {
+    VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+    messenger.messageSeverity =
+        VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
+    messenger.pfnUserCallback = on_message;
+    PALPA_VK(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_));
+  }
+}
+
+void Device::choose_physical(const DeviceOptions& options) {
+  const auto devices = physical_devices(instance_);
+  std::string reasons;
+  std::optional<DeviceDescription> best;
+  for (std::uint32_t i = 0; i < devices.size(); ++i) {
+    DeviceDescription d = describe(devices[i], i);
+    if (d.unusable.empty() && !options.window_extensions.empty() &&
+        !has_extension(devices[i], VK_KHR_SWAPCHAIN_EXTENSION_NAME)) {
+      d.unusable = "cannot present to a window (no VK_KHR_swapchain)";
+    }
+    if (d.unusable.empty() && !selected(d, options.select)) {
+      d.unusable = fmt::format("is not '{}'", options.select);
+    }
+    if (!d.unusable.empty()) {
+      reasons += fmt::format("{}{} {} {}", reasons.empty() ? "" : "; ", i, d.name, d.unusable);
+    } else if (!best || rank(d) < rank(*best)) {
+      best = d;
+    }
+  }
+  if (!best) {
+    throw Error(Exit::no_device, devices.empty()
+                                     ? std::string("no Vulkan device: install a driver such as mesa-vulkan-drivers")
+                                     : fmt::format("no usable Vulkan device: {}", reasons));
+  }
+  description_ = *best;
+  physical_ = devices[best->index];
+  VkPhysicalDeviceProperties properties;
+  vkGetPhysicalDeviceProperties(physical_, &properties);
+  limits_ = properties.limits;
+  vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+}
+
+void Device::create_device(bool window) {
+  queue_family_ = find_queue_family(physical_).value();
+  const float priority = 1.0f;
+  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+  queue.queueFamilyIndex = queue_family_;
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+
+  VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+  v13.synchronization2 = VK_TRUE;
+  v13.dynamicRendering = VK_TRUE;
+  v13.maintenance4 = VK_TRUE;
+  VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, &v13};
+  v12.timelineSemaphore = VK_TRUE;
+  v12.hostQueryReset = VK_TRUE;
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &v12};
+
+  std::vector<const char*> extensions{VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
+  if (window) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
+  info.queueCreateInfoCount = 1;
+  info.pQueueCreateInfos = &queue;
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
+  PALPA_VK(vkCreateDevice(physical_, &info, nullptr, &device_));
+  volkLoadDevice(device_);
+  vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+}
+
+std::uint32_t Device::memory_type(std::uint32_t allowed_bits, VkMemoryPropertyFlags required,
+                                  VkMemoryPropertyFlags preferred) const {
+  for (const VkMemoryPropertyFlags wanted : {required | preferred, required}) {
+    for (std::uint32_t i = 0; i < memory_.memoryTypeCount; ++i) {
+      if ((allowed_bits & (1u << i)) && (memory_.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
+    }
+  }
+  throw failure(fmt::format("{}: no memory type with flags {:#x}", description_.name, required));
+}
+
+void Device::name(VkObjectType type, std::uint64_t object, const char* name) const {
+  if (!messenger_) return;
+  VkDebugUtilsObjectNameInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT};
+  info.objectType = type;
+  info.objectHandle = object;
+  info.pObjectName = name;
+  vkSetDebugUtilsObjectNameEXT(device_, &info);
+}
+
+}  // namespace palpa::gpu

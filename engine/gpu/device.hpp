@@ -1,0 +1,108 @@
+// Instance, device and its one queue. Nothing here knows a window or a hand.
+#pragma once
+
+#include <volk.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpa::gpu {
+
+/// Validation presets. Each includes the one before, except gpu_assisted, which the layer cannot combine with sync.
+enum class Validation {
+  off,
+  core,          ///< the layer's ordinary checks
+  sync,          ///< core + synchronization, also across command buffers of one submit
+  gpu_assisted,  ///< core + shader instrumentation: out-of-bounds accesses
+};
+
+/// "off", "core", "sync" or "gpu-assisted".
+std::optional<Validation> parse_validation(const std::string& name);
+
+struct DeviceOptions {
+  /// Part of a device's name (any case) or its index as `palpa doctor` lists them; empty: the fastest kind present.
+  std::string select;
+  /// Defaults to the environment's PALPA_VALIDATION, else off.
+  std::optional<Validation> validation;
+  /// Copy through staging buffers even where memory is unified, as on a discrete GPU. Defaults to PALPA_FORCE_STAGING=1.
+  std::optional<bool> force_staging;
+  /// Instance extensions a window needs (from GLFW); with any, the device must also offer VK_KHR_swapchain.
+  std::vector<const char*> window_extensions;
+};
+
+struct DeviceDescription {
+  std::uint32_t index = 0;
+  std::string name;
+  std::string driver;    ///< driver name and version
+  std::string kind;      ///< "discrete", "integrated", "virtual", "cpu" or "other"
+  std::string unusable;  ///< why palpa cannot use it; empty if it can
+};
+
+/// All physical devices in index order. Empty where there is no Vulkan loader or driver.
+std::vector<DeviceDescription> list_devices();
+bool validation_layer_present();
+
+/// Validation errors reported in this process so far. Tests and programs fail when it is not zero.
+std::uint64_t validation_errors();
+
+class Device {
+ public:
+  /// Throws Error (Exit::no_device) with the reason for each device that does not fit.
+  explicit Device(const DeviceOptions& options = {});
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  VkInstance instance() const { return instance_; }
+  VkPhysicalDevice physical() const { return physical_; }
+  VkDevice get() const { return device_; }
+  VkQueue queue() const { return queue_; }
+  std::uint32_t queue_family() const { return queue_family_; }
+  const DeviceDescription& description() const { return description_; }
+  const VkPhysicalDeviceLimits& limits() const { return limits_; }
+
+  /// True where host and device share memory and nobody asked for staging: uploads and readbacks then copy nothing.
+  bool unified_memory() const { return unified_; }
+  /// Index of a memory type with all of `required` and, if there is one, all of `preferred`; throws if there is none.
+  std::uint32_t memory_type(std::uint32_t allowed_bits, VkMemoryPropertyFlags required,
+                            VkMemoryPropertyFlags preferred) const;
+
+  /// Guards the queue: vkQueueSubmit and vkQueuePresent need external synchronization.
+  std::mutex& queue_mutex() const { return queue_mutex_; }
+
+  void name(VkObjectType type, std::uint64_t object, const char* name) const;
+
+  /// Counters that prove a loop's steady state: both stand still after its first frame.
+  mutable std::atomic<std::uint64_t> memory_allocations{0};
+  mutable std::atomic<std::uint64_t> pipelines_created{0};
+
+  /// From now on every submit reports VK_ERROR_DEVICE_LOST: lets tests and rehearsals see what a lost GPU does.
+  void lose() const { lost_ = true; }
+  bool lost() const { return lost_; }
+
+ private:
+  void create_instance(const DeviceOptions& options, Validation validation);
+  void choose_physical(const DeviceOptions& options);
+  void create_device(bool window);
+  void destroy();
+
+  VkInstance instance_ = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  std::uint32_t queue_family_ = 0;
+  DeviceDescription description_;
+  VkPhysicalDeviceLimits limits_{};
+  VkPhysicalDeviceMemoryProperties memory_{};
+  bool unified_ = false;
+  mutable std::mutex queue_mutex_;
+  mutable std::atomic<bool> lost_{false};
+};
+
+}  // namespace palpa::gpu

@@ -1,0 +1,41 @@
+// A move-only owner of one Vulkan object.
+#pragma once
+
+#include <volk.h>
+
+#include <utility>
+
+namespace palpa::gpu {
+
+template <typename T>
+class Handle {
+ public:
+  using Destroy = void(VKAPI_PTR*)(VkDevice, T, const VkAllocationCallbacks*);
+
+  Handle() = default;
+  Handle(VkDevice device, T object, Destroy destroy) : device_(device), object_(object), destroy_(destroy) {}
+  Handle(Handle&& other) noexcept { swap(other); }
+  Handle& operator=(Handle&& other) noexcept {
+    Handle(std::move(other)).swap(*this);
+    return *this;
+  }
+  ~Handle() {
+    if (object_ != VK_NULL_HANDLE) destroy_(device_, object_, nullptr);
+  }
+
+  T get() const { return object_; }
+  explicit operator bool() const { return object_ != VK_NULL_HANDLE; }
+
+ private:
+  void swap(Handle& other) {
+    std::swap(device_, other.device_);
+    std::swap(object_, other.object_);
+    std::swap(destroy_, other.destroy_);
+  }
+
+  VkDevice device_ = VK_NULL_HANDLE;
+  T object_ = VK_NULL_HANDLE;
+  Destroy destroy_ = nullptr;
+};
+
+}  // namespace palpa::gpu

@@ -1,0 +1,52 @@
+// A compute pipeline whose storage buffers are pushed at each dispatch: no descriptor pools, nothing to keep alive.
+#pragma once
+
+#include <volk.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+
+#include "gpu/buffer.hpp"
+#include "gpu/device.hpp"
+#include "gpu/handle.hpp"
+
+namespace palpa::gpu {
+
+/// Groups needed so that groups * group_size >= threads.
+constexpr std::uint32_t groups_for(std::uint64_t threads, std::uint32_t group_size) {
+  return static_cast<std::uint32_t>((threads + group_size - 1) / group_size);
+}
+
+struct PipelineLayout {
+  std::uint32_t buffers = 0;     ///< storage buffers at set 0, bindings 0..buffers-1
+  std::uint32_t push_bytes = 0;  ///< size of the push constant block, a multiple of 4, at most 128
+  /// Values of the specialization constants with ids 0, 1, ...
+  std::span<const std::uint32_t> constants = {};
+};
+
+class ComputePipeline {
+ public:
+  ComputePipeline() = default;
+  /// `spirv` is one of the arrays of namespace palpa::spirv; the entry point is main.
+  ComputePipeline(const Device& device, const char* name, std::span<const std::uint32_t> spirv,
+                  const PipelineLayout& layout);
+
+  /// `buffers` in binding order; `push` points to exactly push_bytes. At most 65,535 groups per axis.
+  void dispatch(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push, std::uint32_t groups_x,
+                std::uint32_t groups_y = 1, std::uint32_t groups_z = 1) const;
+  /// Group counts are three words at `arguments` (a VkDispatchIndirectCommand).
+  void dispatch_indirect(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push,
+                         BufferRef arguments) const;
+
+ private:
+  void bind(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push) const;
+
+  Handle<VkDescriptorSetLayout> set_layout_;
+  Handle<VkPipelineLayout> layout_;
+  Handle<VkPipeline> pipeline_;
+  std::uint32_t buffers_ = 0;
+  std::uint32_t push_bytes_ = 0;
+};
+
+}  // namespace palpa::gpu

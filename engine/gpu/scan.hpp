@@ -1,0 +1,39 @@
+// Exclusive prefix sum of the counts that the workgroups of a compaction found. Compaction by prefix sum keeps the input's
+// order, so its output is the same on every run, whatever order workgroups ran in.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "gpu/buffer.hpp"
+#include "gpu/pipeline.hpp"
+#include "shaders/scan.h"
+
+namespace palpa::gpu {
+
+/// C++ twin: replaces each count by the sum of those before it and returns the total.
+std::uint32_t exclusive_scan(std::span<std::uint32_t> counts);
+
+/// Pipelines only; the caller owns buffers and command buffer.
+class ScanPass {
+ public:
+  explicit ScanPass(const Device& device);
+
+  /// In place over `counts` (uint32 each, at most `most_counts` of them and at most the buffer's size). With `length` the
+  /// number of counts is ceil(length[0] / items_per_count), read on the device and bounded by `most_counts`; an empty
+  /// BufferRef means exactly `most_counts`. Writes to `total` a ScanTotal: the sum, clamped to `most_total`, and the three
+  /// group counts of an indirect dispatch with `group_size` items per group.
+  /// Barriers: expects counts and length to be visible to compute; the caller adds compute_to_compute afterwards.
+  struct Sizes {
+    std::uint32_t most_counts = 0;
+    std::uint32_t items_per_count = 1;
+    std::uint32_t most_total = 0xffffffffu;
+    std::uint32_t group_size = 64;
+  };
+  void record(VkCommandBuffer commands, BufferRef counts, BufferRef length, BufferRef total, const Sizes& sizes) const;
+
+ private:
+  ComputePipeline pipeline_;
+};
+
+}  // namespace palpa::gpu

@@ -1,0 +1,37 @@
+// The physical set-up as a TOML file: cameras, array, screen, all posed in the world. Schema in docs/files.md.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sensing/camera.hpp"
+
+namespace palpa::sensing {
+
+struct ArrayPlacement {
+  std::string layout;                     ///< a built-in layout's name or a layout TOML's path
+  std::optional<Transform> T_world_layout;  ///< absent: where that layout stands by default
+};
+
+struct Screen {
+  double width_m = 0, height_m = 0;
+  Transform T_world_screen{1.0};
+  Vec3 eye_m{};  ///< the viewer's eye in the world
+};
+
+struct Rig {
+  std::string file;
+  std::vector<Camera> cameras;
+  std::optional<ArrayPlacement> array;
+  std::optional<Screen> screen;
+};
+
+/// Throws bad_input naming file, line and key: unknown keys, missing or non-finite values, sizes of zero or above 16384,
+/// negative focal lengths, units or ranges, poses that are not rigid (4 rows of 4, last row 0 0 0 1, rotation orthonormal to 1e-4).
+Rig load_rig(const std::filesystem::path& file);
+/// The same text that load_rig reads; doubles round-trip.
+std::string to_toml(const Rig& rig);
+
+}  // namespace palpa::sensing

@@ -1,0 +1,58 @@
+// What touching yields: contacts, fingers, cross-section frames and foci.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <vector>
+
+namespace palpa::touch {
+
+struct Parameters {
+  double delta_m = 1.5e-3;        ///< thickness of the shell (paper: delta)
+  double finger_gap_m = 5e-3;     ///< Euclidean tolerance: contacts no farther apart are in one finger
+  std::uint32_t min_points = 5;   ///< clusters with fewer contacts are no finger
+  std::uint32_t foci = 10;        ///< N, at most max_foci
+};
+
+inline constexpr std::uint32_t max_foci = 64;
+inline constexpr std::uint32_t max_fingers = 64;
+
+/// A skin point in the shell of a solid. A point in the shells of several solids is a contact of the first of them.
+struct Contact {
+  std::uint32_t point = 0;  ///< index of the skin point (its place in the file; with depth frames the pixel's index)
+  std::uint32_t solid = 0;  ///< index into the scene's solids
+  float depth_m = 0;        ///< Eq. (1), in (0, delta)
+  glm::vec3 position{};     ///< metres, world
+};
+
+/// Eq. (2)-(4): centroid and principal axes. Axes are orthonormal and right-handed, signs as in docs/conventions.md.
+struct CrossSection {
+  glm::vec3 centroid{};
+  std::array<glm::vec3, 3> axes{};        ///< w1, w2, w3
+  std::array<float, 3> eigenvalues{};     ///< m^2, descending, never negative
+};
+
+struct Focus {
+  glm::vec3 position{};      ///< Eq. (6), metres, world; meaningless when points == 0
+  std::uint32_t points = 0;  ///< |C_n|: contacts in the sector
+};
+
+struct Finger {
+  std::uint32_t solid = 0;
+  std::vector<std::uint32_t> contacts;  ///< indices into the touch's contacts, ascending
+  CrossSection section;
+  std::vector<Focus> foci;  ///< N sectors of Eq. (7); one, at the centroid, when `point_like`
+  /// Fewer than 3 contacts, or collinear ones: no cross-section; one focus at the centroid, amplitude-modulated.
+  bool point_like = false;
+};
+
+/// Reused from frame to frame: clear() keeps the storage.
+struct Touch {
+  std::vector<Contact> contacts;  ///< ascending by point
+  std::vector<Finger> fingers;    ///< ordered by their smallest contact; only the first `finger_count` are valid
+  std::uint32_t finger_count = 0;
+};
+
+}  // namespace palpa::touch

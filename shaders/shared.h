@@ -1,0 +1,33 @@
+// Lets one header describe a struct to both GLSL (std430) and C++. Use only `uint`, `int`, `float` and `vec4`-sized members
+// and keep every struct a multiple of 16 bytes: then both sides agree without padding rules to remember.
+#ifndef PALPA_SHADERS_SHARED_H
+#define PALPA_SHADERS_SHARED_H
+
+#ifdef __cplusplus
+#include <cstddef>
+#include <cstdint>
+#define PALPA_SHADER_BEGIN namespace palpa::shader {
+#define PALPA_SHADER_END }
+#define PALPA_CONST inline constexpr std::uint32_t
+// Size and offsets are proved on the C++ side; a test reads the same numbers back from the SPIR-V.
+#define PALPA_CHECK_SIZE(type, bytes) static_assert(sizeof(type) == (bytes), #type " differs from its shader")
+#define PALPA_CHECK_OFFSET(type, member, bytes) \
+  static_assert(offsetof(type, member) == (bytes), #type "::" #member " differs from its shader")
+namespace palpa::shader {
+using uint = std::uint32_t;
+struct alignas(16) vec4 {
+  float x, y, z, w;
+};
+struct alignas(16) uvec4 {
+  uint x, y, z, w;
+};
+}  // namespace palpa::shader
+#else
+#define PALPA_SHADER_BEGIN
+#define PALPA_SHADER_END
+#define PALPA_CONST const uint
+#define PALPA_CHECK_SIZE(type, bytes)
+#define PALPA_CHECK_OFFSET(type, member, bytes)
+#endif
+
+#endif
