@@ -1,0 +1,135 @@
+#include "driver/doctor.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include "driver/usb.hpp"
+
+namespace palpa::driver {
+namespace {
+
+constexpr int any_product = -1;
+
+struct Known {
+  std::uint16_t vendor;
+  int product;
+  const char* chip;
+  const char* remark;  ///< what speaks through it
+};
+
+/// The USB chips of the open 40 kHz arrays. Each is also found in other things: a board is never opened by its id
+/// alone.
+constexpr Known boards[]{
+    {0x0403, 0x6014, "FT232H", "OpenMPD board; also JTAG probes and others: say which by its serial number"},
+    {0x0403, 0x6010, "FT2232H", "two-channel FTDI array; also JTAG probes and others: say which by its serial number"},
+    {0x0403, 0x6001, "FT232R", "SonicSurface on an FTDI serial adapter"},
+    {0x1a86, 0x7523, "CH340", "SonicSurface or an Arduino clone on a CH340 serial adapter"},
+    {0x10c4, 0xea60, "CP210x", "SonicSurface on a CP210x serial adapter"},
+    {0x2341, any_product, "Arduino", "Ultraino and SonicSurface on an Arduino"},
+};
+
+constexpr Known cameras[]{
+    {0x8086, 0x0ad3, "RealSense D415", ""},
+    {0x8086, 0x0b07, "RealSense D435", ""},
+    {0x8086, 0x0b3a, "RealSense D435i", ""},
+    {0x8086, 0x0b48, "RealSense SR305", ""},
+};
+
+template <std::size_t N>
+const Known* find(const Known (&table)[N], std::uint16_t vendor, std::uint16_t product) {
+  for (const Known& known : table) {
+    if (known.vendor == vendor && (known.product == any_product || known.product == product)) return &known;
+  }
+  return nullptr;
+}
+
+cli::DoctorItem describe(const UsbDevice& device, const Known& known) {
+  const std::string id = fmt::format("{:04x}:{:04x}", device.vendor, device.product);
+  cli::DoctorItem item;
+  item.title = fmt::format("{} {} at bus {} address {}", id, known.chip, device.bus, device.address);
+  item.ok = device.refusal.empty();
+  item.facts = {{"id", id},
+                {"chip", std::string(known.chip)},
+                {"bus", std::int64_t{device.bus}},
+                {"address", std::int64_t{device.address}},
+                {"serial", device.serial},
+                {"usable", item.ok}};
+  item.advice = known.remark;
+  if (device.forbidden) {
+    item.advice = fmt::format(
+        "no permission: as root, write SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{:04x}\", "
+        "ATTR{{idProduct}}==\"{:04x}\", "
+        "MODE=\"0660\", GROUP=\"plugdev\", TAG+=\"uaccess\" to /etc/udev/rules.d/70-palpa.rules, run udevadm control "
+        "--reload, plug the device in again",
+        device.vendor, device.product);
+  } else if (!device.refusal.empty()) {
+    item.advice = fmt::format("cannot be opened: {}", device.refusal);
+  }
+  return item;
+}
+
+template <std::size_t N>
+void add_usb(cli::DoctorSection& section, const Known (&table)[N], bool (*wanted)(std::uint16_t, std::uint16_t)) {
+  const UsbListing listing = list_usb(wanted);
+  for (const UsbDevice& device : listing.devices) {
+    if (const Known* known = find(table, device.vendor, device.product))
+      section.items.push_back(describe(device, *known));
+  }
+  section.note = listing.problem;
+}
+
+cli::DoctorSection look_at_boards() {
+  cli::DoctorSection section{"boards", "Boards", {}, {}};
+  add_usb(section, boards, [](std::uint16_t v, std::uint16_t p) { return find(boards, v, p) != nullptr; });
+  if (section.items.empty() && section.note.empty()) section.note = "no board on USB";
+  return section;
+}
+
+/// A node that the kernel made for a camera's stream.
+cli::DoctorItem describe_video_node(const std::filesystem::path& node) {
+  std::string name;
+  std::ifstream file(std::filesystem::path("/sys/class/video4linux") / node.filename() / "name");
+  std::getline(file, name);
+  cli::DoctorItem item;
+  item.title = name.empty() ? node.string() : fmt::format("{} {}", node.string(), name);
+  item.ok = access(node.c_str(), R_OK | W_OK) == 0;
+  if (!item.ok) {
+    item.advice = errno == EACCES
+                      ? "no permission: add yourself to the group video (usermod -aG video $USER) and log in again"
+                      : std::generic_category().message(errno);
+  }
+  item.facts = {{"node", node.string()}, {"name", name}, {"usable", item.ok}};
+  return item;
+}
+
+cli::DoctorSection look_at_cameras() {
+  cli::DoctorSection section{"cameras", "Depth cameras", {}, {}};
+  add_usb(section, cameras, [](std::uint16_t v, std::uint16_t p) { return find(cameras, v, p) != nullptr; });
+  std::vector<std::filesystem::path> nodes;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev", ignored)) {
+    if (entry.path().filename().string().starts_with("video")) nodes.push_back(entry.path());
+  }
+  std::sort(nodes.begin(), nodes.end());
+  for (const auto& node : nodes)
+    section.items.push_back(describe_video_node(node));
+  if (section.items.empty()) {
+    section.note =
+        section.note.empty() ? "no depth camera on USB and no /dev/video*" : section.note + "; no /dev/video*";
+  }
+  return section;
+}
+
+}  // namespace
+
+std::vector<cli::DoctorProbe> doctor_probes() {
+  return {look_at_boards, look_at_cameras};
+}
+
+}  // namespace palpa::driver

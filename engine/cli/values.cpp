@@ -1,0 +1,214 @@
+#include "cli/values.hpp"
+
+#include <fmt/core.h>
+
+#include <CLI/App.hpp>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include "base/error.hpp"
+
+namespace palpa::cli {
+namespace {
+
+/// The text of a value in a message: control characters and endless values would spoil its one line.
+std::string shown(const std::string& text) {
+  constexpr std::size_t most = 60;
+  return text.size() <= most ? text : text.substr(0, most) + "...";
+}
+
+std::string range_words(const Range& range, const std::function<std::string(double)>& format) {
+  const bool bounded = range.high < 1e300;
+  if (!bounded) return fmt::format("{} {}", range.open ? "above" : "at least", format(range.low));
+  if (range.open) return fmt::format("above {}, at most {}", format(range.low), format(range.high));
+  return fmt::format("from {} to {}", format(range.low), format(range.high));
+}
+
+bool within(double value, const Range& range) {
+  return (range.open ? value > range.low : value >= range.low) && value <= range.high;
+}
+
+double take_quantity(const std::string& name, const std::string& text, Quantity quantity, const Range& range) {
+  const std::optional<double> value = parse_quantity(text, quantity);
+  if (!value) throw bad_usage(fmt::format("{}: '{}' is not {}", name, shown(text), quantity_hint(quantity)));
+  if (!within(*value, range)) {
+    throw bad_usage(fmt::format("{}: '{}' is out of range, give a value {}", name, shown(text),
+                                range_words(range, [&](double v) { return format_quantity(v, quantity); })));
+  }
+  return *value;
+}
+
+double take_number(const std::string& name, const std::string& text, const Range& range) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, fault] = std::from_chars(text.data(), end, value);
+  if (fault != std::errc{} || rest != end || !std::isfinite(value)) {
+    throw bad_usage(fmt::format("{}: '{}' is not a number", name, shown(text)));
+  }
+  if (!within(value, range)) {
+    throw bad_usage(fmt::format("{}: '{}' is out of range, give a number {}", name, shown(text),
+                                range_words(range, [](double v) { return fmt::format("{}", v); })));
+  }
+  return value;
+}
+
+template <typename T>
+T take_integer(const std::string& name, const std::string& text, T low, T high) {
+  T value = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, fault] = std::from_chars(text.data(), end, value);
+  if (fault != std::errc{} || rest != end || value < low || value > high) {
+    throw bad_usage(fmt::format("{}: '{}' is not a whole number from {} to {}", name, shown(text), low, high));
+  }
+  return value;
+}
+
+const char* quantity_type(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::length:
+      return "LENGTH";
+    case Quantity::time:
+      return "TIME";
+    case Quantity::frequency:
+      return "FREQUENCY";
+    case Quantity::speed:
+      return "SPEED";
+  }
+  return "NUMBER";
+}
+
+}  // namespace
+
+std::string format_quantity(double value, Quantity quantity) {
+  const double size = std::abs(value);
+  struct Unit {
+    const char* name;
+    double per_si;
+  };
+  Unit unit{"", 1};
+  switch (quantity) {
+    case Quantity::length:
+      unit = size != 0 && size < 1 ? Unit{"mm", 1e3} : Unit{"m", 1};
+      break;
+    case Quantity::time:
+      unit = size != 0 && size < 1 ? Unit{"ms", 1e3} : Unit{"s", 1};
+      break;
+    case Quantity::frequency:
+      unit = size >= 1e3 ? Unit{"kHz", 1e-3} : Unit{"Hz", 1};
+      break;
+    case Quantity::speed:
+      unit = {"m/s", 1};
+      break;
+  }
+  const std::string scaled = fmt::format("{}{}", value * unit.per_si, unit.name);
+  if (parse_quantity(scaled, quantity) == value) return scaled;
+  // Scaling rounded: then the SI number itself is the shortest exact text.
+  return fmt::format("{}", value);
+}
+
+std::array<double, 3> parse_point(const std::string& option, const std::string& text) {
+  std::array<double, 3> point{};
+  std::string_view rest = text;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t comma = rest.find(',');
+    const bool last = i == 2;
+    const std::optional<double> value = (comma == std::string_view::npos) == last
+                                            ? parse_quantity(rest.substr(0, comma), Quantity::length)
+                                            : std::nullopt;
+    if (!value) {
+      throw bad_usage(
+          fmt::format("{}: '{}' is not a point x,y,z such as 0,0,150mm or 0,0,0.15 (metres)", option, shown(text)));
+    }
+    point[i] = *value;
+    if (!last) rest.remove_prefix(comma + 1);
+  }
+  return point;
+}
+
+void Group::add(const std::string& name, const std::string& type, const std::string& initial, const std::string& help,
+                std::function<void(const std::string&)> take) const {
+  app_->add_option_function<std::string>(name, take, help)->type_name(type)->default_str(initial)->group(heading_);
+}
+
+void Group::quantity(const std::string& name, double& target, Quantity quantity, const Range& range,
+                     const std::string& help) const {
+  add(name, quantity_type(quantity), format_quantity(target, quantity), help,
+      [name, &target, quantity, range](const auto& text) { target = take_quantity(name, text, quantity, range); });
+}
+
+void Group::quantity(const std::string& name, std::optional<double>& target, Quantity quantity, const Range& range,
+                     const std::string& help) const {
+  add(name, quantity_type(quantity), target ? format_quantity(*target, quantity) : "", help,
+      [name, &target, quantity, range](const auto& text) { target = take_quantity(name, text, quantity, range); });
+}
+
+void Group::number(const std::string& name, std::optional<double>& target, const Range& range, const std::string& type,
+                   const std::string& help) const {
+  add(name, type, target ? fmt::format("{}", *target) : "", help,
+      [name, &target, range](const auto& text) { target = take_number(name, text, range); });
+}
+
+void Group::integer(const std::string& name, std::uint32_t& target, std::uint32_t low, std::uint32_t high,
+                    const std::string& help) const {
+  add(name, "N", fmt::format("{}", target), help,
+      [name, &target, low, high](const auto& text) { target = take_integer(name, text, low, high); });
+}
+
+void Group::integer(const std::string& name, std::uint64_t& target, std::uint64_t low, std::uint64_t high,
+                    const std::string& help) const {
+  add(name, "N", fmt::format("{}", target), help,
+      [name, &target, low, high](const auto& text) { target = take_integer(name, text, low, high); });
+}
+
+void Group::integer(const std::string& name, std::optional<std::uint32_t>& target, std::uint32_t low,
+                    std::uint32_t high, const std::string& help) const {
+  add(name, "N", target ? fmt::format("{}", *target) : "", help,
+      [name, &target, low, high](const auto& text) { target = take_integer(name, text, low, high); });
+}
+
+void Group::text(const std::string& name, std::string& target, const std::string& type, const std::string& help) const {
+  add(name, type, target, help, [name, type, &target](const std::string& text) {
+    if (text.empty()) throw bad_usage(fmt::format("{}: the value is empty, give {}", name, type));
+    target = text;
+  });
+}
+
+void Group::texts(const std::string& name, std::vector<std::string>& target, const std::string& type,
+                  const std::string& help) const {
+  app_->add_option_function<std::vector<std::string>>(
+          name,
+          [name, type, &target](const std::vector<std::string>& all) {
+            for (const std::string& text : all) {
+              if (text.empty()) throw bad_usage(fmt::format("{}: the value is empty, give {}", name, type));
+            }
+            target = all;
+          },
+          help)
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->type_name(type)
+      ->group(heading_);
+}
+
+void Group::flag(const std::string& name, bool& target, const std::string& help) const {
+  app_->add_flag_callback(
+          name, [&target] { target = true; }, help)
+      ->group(heading_);
+}
+
+void Group::pick(const std::string& name, std::vector<std::string> words, std::size_t initial, const std::string& help,
+                 std::function<void(std::size_t)> chosen) const {
+  std::string list;
+  for (const std::string& word : words)
+    list += (list.empty() ? "" : "|") + word;
+  add(name, list, initial < words.size() ? words[initial] : "", help,
+      [name, words = std::move(words), list, chosen = std::move(chosen)](const std::string& text) {
+        for (std::size_t i = 0; i < words.size(); ++i) {
+          if (words[i] == text) return chosen(i);
+        }
+        throw bad_usage(fmt::format("{}: '{}' is none of {}", name, shown(text), list));
+      });
+}
+
+}  // namespace palpa::cli

@@ -1,0 +1,91 @@
+// Options of a command line, typed: each names its unit, its default and its range in --help, and a bad value names
+// option, value and what would be right. The parser's own header stays out of the commands' files.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/units.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace palpa::cli {
+
+/// Bounds of a number, both included unless `open` leaves the low end out.
+struct Range {
+  double low = 0;
+  double high = 1e300;
+  bool open = false;
+};
+/// Everything above zero, up to `high`.
+constexpr Range positive(double high = 1e300) {
+  return {0, high, true};
+}
+
+/// The options under one heading of a subcommand's help. Targets must outlive the parse; what they hold when an option
+/// is added is its default, and is shown. A bad value throws bad_usage while parsing.
+class Group {
+ public:
+  Group(CLI::App& app, std::string heading) : app_(&app), heading_(std::move(heading)) {}
+
+  /// A number with a unit, "1.5mm"; a bare number is SI.
+  void quantity(const std::string& name, double& target, Quantity quantity, const Range& range,
+                const std::string& help) const;
+  void quantity(const std::string& name, std::optional<double>& target, Quantity quantity, const Range& range,
+                const std::string& help) const;
+  /// A number without a unit; `type` is its placeholder in the help.
+  void number(const std::string& name, std::optional<double>& target, const Range& range, const std::string& type,
+              const std::string& help) const;
+  void integer(const std::string& name, std::uint32_t& target, std::uint32_t low, std::uint32_t high,
+               const std::string& help) const;
+  void integer(const std::string& name, std::uint64_t& target, std::uint64_t low, std::uint64_t high,
+               const std::string& help) const;
+  void integer(const std::string& name, std::optional<std::uint32_t>& target, std::uint32_t low, std::uint32_t high,
+               const std::string& help) const;
+  /// Any text, such as a file's name; empty is refused.
+  void text(const std::string& name, std::string& target, const std::string& type, const std::string& help) const;
+  /// An option that may be given again and again, one value each time.
+  void texts(const std::string& name, std::vector<std::string>& target, const std::string& type,
+             const std::string& help) const;
+  void flag(const std::string& name, bool& target, const std::string& help) const;
+  /// One of several words.
+  template <typename T>
+  void choice(const std::string& name, T& target, std::initializer_list<std::pair<const char*, T>> words,
+              const std::string& help) const {
+    std::vector<std::string> names;
+    std::vector<T> values;
+    std::size_t initial = words.size();
+    for (const auto& [word, value] : words) {
+      if (value == target) initial = names.size();
+      names.emplace_back(word);
+      values.push_back(value);
+    }
+    pick(name, std::move(names), initial, help, [&target, values](std::size_t i) { target = values[i]; });
+  }
+
+ private:
+  void pick(const std::string& name, std::vector<std::string> words, std::size_t initial, const std::string& help,
+            std::function<void(std::size_t)> chosen) const;
+  void add(const std::string& name, const std::string& type, const std::string& initial, const std::string& help,
+           std::function<void(const std::string&)> take) const;
+
+  CLI::App* app_;
+  std::string heading_;
+};
+
+/// "1.5mm", "1.5ms", "40kHz", "343m/s": the shortest text that reads back as `value`, in the unit people would use.
+std::string format_quantity(double value, Quantity quantity);
+
+/// Three numbers "x,y,z" with optional length units; throws bad_usage naming the option.
+std::array<double, 3> parse_point(const std::string& option, const std::string& text);
+
+}  // namespace palpa::cli
