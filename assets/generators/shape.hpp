@@ -1,0 +1,36 @@
+// What the generators share: rings of vertices sewn into surfaces, and edges flipped until they suit.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "geometry/mesh.hpp"
+
+namespace palpa::assets {
+
+/// `count` consecutive vertices of a mesh that go once around; a ring of one vertex is a pole.
+struct Ring {
+  std::uint32_t first;
+  std::uint32_t count;
+};
+
+/// Sews ring a to ring b with a.count + b.count triangles (fewer when one is a pole), always by the shorter diagonal.
+/// The triangles face outwards where a lies above b and both run counter-clockwise seen from above.
+void sew(geometry::Mesh& mesh, Ring a, Ring b);
+
+/// The edge from a to b between the triangles (a, b, left) and (b, a, right).
+struct Hinge {
+  Vec3 a, b, left, right;
+};
+
+/// Flips edges for which `worse` holds, in passes over all of them, until none is left (at most `passes`). The numbers
+/// of vertices and triangles stay; boundary edges stay.
+void flip_edges(geometry::Mesh& mesh, const std::function<bool(const Hinge&)>& worse, int passes = 100);
+
+/// Rounds every coordinate to the nearest 32-bit float, so that the mesh in memory is the one in the file.
+void round_to_float(geometry::Mesh& mesh);
+
+/// The smallest angle of any triangle, radians.
+double smallest_angle(const geometry::Mesh& mesh);
+
+}  // namespace palpa::assets
