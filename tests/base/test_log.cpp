@@ -1,0 +1,76 @@
+#include <gtest/gtest.h>
+
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/log.hpp"
+
+namespace palpa {
+namespace {
+
+/// Sets a level for one test.
+class AtLevel {
+ public:
+  explicit AtLevel(log::Level level) : before_(log::level()) { log::set_level(level); }
+  ~AtLevel() { log::set_level(before_); }
+  AtLevel(const AtLevel&) = delete;
+  AtLevel& operator=(const AtLevel&) = delete;
+
+ private:
+  log::Level before_;
+};
+
+std::string everything_at(log::Level level) {
+  const AtLevel at(level);
+  testing::internal::CaptureStderr();
+  log::error("e");
+  log::warning("w");
+  log::info("i");
+  log::debug("d");
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(Log, EachLevelIncludesThoseBefore) {
+  EXPECT_EQ(everything_at(log::Level::quiet), "");
+  EXPECT_EQ(everything_at(log::Level::error), "palpa: error: e\n");
+  EXPECT_EQ(everything_at(log::Level::warning), "palpa: error: e\npalpa: warning: w\n");
+  EXPECT_EQ(everything_at(log::Level::info), "palpa: error: e\npalpa: warning: w\npalpa: info: i\n");
+  EXPECT_EQ(everything_at(log::Level::debug), "palpa: error: e\npalpa: warning: w\npalpa: info: i\npalpa: debug: d\n");
+}
+
+TEST(Log, WarningsAreTheDefault) {
+  EXPECT_EQ(log::level(), log::Level::warning);
+}
+
+TEST(Log, LevelsAreReadByName) {
+  EXPECT_EQ(log::parse_level("quiet"), log::Level::quiet);
+  EXPECT_EQ(log::parse_level("error"), log::Level::error);
+  EXPECT_EQ(log::parse_level("warning"), log::Level::warning);
+  EXPECT_EQ(log::parse_level("info"), log::Level::info);
+  EXPECT_EQ(log::parse_level("debug"), log::Level::debug);
+  for (const char* other : {"", "Debug", "warn", "debug ", "trace"})
+    EXPECT_FALSE(log::parse_level(other)) << other;
+}
+
+TEST(Log, LinesOfSeveralThreadsStayWhole) {
+  const AtLevel at(log::Level::info);
+  const std::string line(200, 'x');
+  testing::internal::CaptureStderr();
+  {
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 4; ++t) {
+      threads.emplace_back([&] {
+        for (int i = 0; i < 200; ++i)
+          log::info(line);
+      });
+    }
+  }
+  std::string expected;
+  for (int i = 0; i < 800; ++i)
+    expected += "palpa: info: " + line + "\n";
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), expected);
+}
+
+}  // namespace
+}  // namespace palpa

@@ -1,0 +1,49 @@
+# Checks #include lines against the house: arrows point downward only.
+#   awk -f tests/house/arrows.awk FILE...      (paths from the project's root)
+
+BEGIN {
+  split("base gpu geometry sensing touch array session cli", floor_names)
+  for (i in floor_names) floor_of[floor_names[i]] = i + 0
+
+  # driver/ sees the engine through its small interfaces only.
+  interface["session/link.hpp"] = interface["session/registry.hpp"] = 1
+  interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
+  interface["array/drive.hpp"] = interface["array/layout.hpp"] = 1
+  bad = 0
+}
+
+FNR == 1 {
+  split(FILENAME, path, "/")
+  house = path[1]                             # engine, driver, viewer, palpa, assets
+  room = house == "engine" ? path[2] : house
+}
+
+function fault(text) {
+  printf "   %s:%d: %s\n", FILENAME, FNR, text
+  bad = 1
+}
+
+/^[ \t]*#[ \t]*include[ \t]*[<"]/ {
+  match($0, /[<"][^>"]+[>"]/)
+  name = substr($0, RSTART + 1, RLENGTH - 2)
+  split(name, part, "/")
+  target = part[1]
+
+  if (name ~ /^(GLFW\/|glfw)/ && FILENAME !~ /^viewer\/.*window/) fault("only the viewer's window may know GLFW")
+  if (name ~ /^(volk\.h|vulkan\/)/ && room ~ /^(base|cli|driver|palpa|assets)$/) fault(room " may not know Vulkan")
+
+  if (house == "engine") {
+    if (target ~ /^(driver|viewer|palpa|assets|tests)$/) fault("engine/ may not include " name ", which is above it")
+    if ((target in floor_of) && floor_of[target] > floor_of[room]) fault(room "/ may not include " name ", which is above it")
+  } else if (house == "driver") {
+    if (target ~ /^(viewer|palpa|assets|tests)$/) fault("driver/ may not include " name)
+    if ((target in floor_of) && target != "base" && !(name in interface))
+      fault("driver/ may not include " name ": it uses the engine's small interfaces only")
+  } else if (house == "viewer" && target ~ /^(palpa|assets|tests)$/) {
+    fault("viewer/ may not include " name)
+  } else if (house == "assets" && (target in floor_of) && target !~ /^(base|geometry|sensing|array)$/) {
+    fault("the generators in assets/ may not include " name)
+  }
+}
+
+END { exit bad }

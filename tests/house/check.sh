@@ -1,0 +1,109 @@
+#!/usr/bin/env bash
+# check.sh: everything that can be said about the sources without running them. Expects build/release to be built.
+# shellcheck disable=SC2317  # the steps are called by name
+set -uo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.." || exit
+
+bad=0
+step() { # NAME COMMAND...: runs all steps, so that one run shows all faults
+  local begin=$SECONDS
+  printf '== %s\n' "$1"
+  if "${@:2}"; then
+    printf '   fine, %d s\n' $((SECONDS - begin))
+  else
+    printf '   FAILED\n'
+    bad=1
+  fi
+}
+
+# The project's files, also those not yet committed. PATTERN...: git pathspecs
+files() {
+  if git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
+    git ls-files --cached --others --exclude-standard --deduplicate -- "$@" | while read -r file; do
+      [[ -f $file ]] && printf '%s\n' "$file"
+    done
+  else # an unpacked archive: everything but what is built
+    local pattern find=()
+    for pattern; do find+=(-o -path "./$pattern"); done
+    find . -type f \( "${find[@]:1}" \) ! -path './build/*' ! -path './out/*' ! -path './.git/*' | sed 's|^\./||' | sort
+  fi
+}
+
+# One version of clang-format for everybody: others disagree about details.
+format() {
+  local version
+  version=$(clang-format --version | grep -o '[0-9]\+' | head -n 1)
+  if ((version != 14)); then
+    echo "   clang-format $version; the project is formatted with 14: not checked"
+    return 0
+  fi
+  files '*.cpp' '*.hpp' '*.c' '*.h' | xargs -r clang-format --dry-run -Werror
+}
+
+tidy() { python3 tests/house/tidy.py build/release; }
+
+shell() {
+  local scripts
+  mapfile -t scripts < <(files '*.sh' dev '.ci/*')
+  shellcheck "${scripts[@]}"
+}
+
+# The build validates each module as it compiles it; this looks at what lies there.
+spirv() {
+  local module count=0
+  while read -r module; do
+    spirv-val --target-env vulkan1.3 --scalar-block-layout "$module" || return
+    count=$((count + 1))
+  done < <(find build/release -name '*.spv')
+  echo "   $count modules"
+  ((count > 0))
+}
+
+# Who may include whom: tests/house/arrows.awk.
+arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'palpa/*.?pp' 'assets/*.?pp' | xargs -r awk -f tests/house/arrows.awk; }
+
+# Small files with one job. A longer one is listed with its reason in tests/house/long-files.txt.
+sizes() {
+  local file lines found=0
+  while read -r file; do
+    lines=$(wc -l <"$file")
+    if ((lines > 500)) && ! grep -q "^$file " tests/house/long-files.txt; then
+      echo "   $file has $lines lines: split it, or list it with a reason in tests/house/long-files.txt"
+      found=1
+    fi
+  done < <(files '*.cpp' '*.hpp' '*.h' '*.c' '*.comp' '*.vert' '*.frag' '*.glsl' '*.sh' '*.py' '*.cmake' dev)
+  return "$found"
+}
+
+# Nothing may lean on one machine's folders.
+paths() {
+  local hits
+  hits=$(files | grep -v '\.\(png\|glb\|ply\|bin\)$' |
+    xargs -r -d '\n' grep -nE "(^|[^A-Za-z0-9_.<])/(work|home|tmp|root|mnt|Users)/" --)
+  [[ -z $hits ]] && return
+  printf '%s\n' "$hits"
+  return 1
+}
+
+# No pass without its shared header, no shader without a user.
+shaders() {
+  local shader name found=0
+  while read -r shader; do
+    name=${shader#shaders/}
+    if ! grep -rqw --include=CMakeLists.txt "${name//./\\.}" engine viewer driver tests; then
+      echo "   no room compiles $shader"
+      found=1
+    fi
+  done < <(files 'shaders/*.comp' 'shaders/*.vert' 'shaders/*.frag')
+  return "$found"
+}
+
+step "clang-format" format
+step "arrows between rooms" arrows
+step "file sizes" sizes
+step "machine paths" paths
+step "shaders in use" shaders
+step "shellcheck" shell
+step "spirv-val" spirv
+step "clang-tidy" tidy
+exit $bad

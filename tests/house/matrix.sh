@@ -1,0 +1,94 @@
+#!/usr/bin/env bash
+# matrix.sh [LEG...]: the tests under sanitizers, Vulkan validation, thread counts, vector widths and memory modes; all legs
+# without arguments, `matrix.sh list` names them. Stops at the first leg that fails; says at the end how long each took.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+
+# Name, preset, the tests (a ctest label, - for all), environment. The variables that speak to lavapipe are ignored by other
+# drivers. Only threads-2 runs one test at a time: its threads shall have the cores, since it looks for their races.
+legs() {
+  cat <<'END'
+threads-1    release gpu     LP_NUM_THREADS=1
+threads-2    release gpu     LP_NUM_THREADS=2 PALPA_JOBS=1
+width-128    release gpu     LP_NATIVE_VECTOR_WIDTH=128
+width-256    release gpu     LP_NATIVE_VECTOR_WIDTH=256
+width-512    release gpu     LP_NATIVE_VECTOR_WIDTH=512
+poison       release gpu     LVP_POISON_MEMORY=1
+staging      release gpu     PALPA_FORCE_STAGING=1
+core         release gpu     PALPA_VALIDATION=core
+sync         release gpu     PALPA_VALIDATION=sync
+gpu-assisted release gpu     PALPA_VALIDATION=gpu-assisted
+asan         asan    -
+tsan         tsan    threads
+END
+}
+
+if [[ ${1:-} == list ]]; then
+  legs
+  exit
+fi
+
+digests=build/digests
+rm -rf "$digests"
+mkdir -p "$digests" build/logs
+summary=()
+
+# The executables behind the tests of a label, so that a sanitizer builds no more than it runs.
+targets_of() { # PRESET LABEL
+  ctest --test-dir "build/$1" -N -L "^$2\$" | sed -n 's/^ *Test *#[0-9]*: //p'
+}
+
+build_leg() { # PRESET LABEL
+  local targets=()
+  cmake --preset "$1" --log-level=WARNING >/dev/null
+  if [[ $2 != - ]]; then
+    mapfile -t targets < <(targets_of "$1" "$2")
+  fi
+  cmake --build --preset "$1" ${targets[0]+--target "${targets[@]}"}
+}
+
+run_leg() { # NAME PRESET LABEL [VARIABLE=VALUE...]
+  local name=$1 preset=$2 label=$3 filter=() begin=$SECONDS built log=build/logs/matrix-$1.log
+  shift 3
+  echo "== $name: ${*:+$* }tests $label, preset $preset"
+  if ! build_leg "$preset" "$label" >"$log" 2>&1; then
+    cat "$log"
+    echo "matrix: $name does not build"
+    return 1
+  fi
+  built=$((SECONDS - begin))
+  [[ $label == - ]] || filter=(-L "^$label\$")
+  if ! env "$@" PALPA_LEG="$name" PALPA_DIGEST="$PWD/$digests/$name" tests/house/suite.sh "$preset" "${filter[@]}" \
+    >"$log" 2>&1; then
+    cat "$log"
+    echo "matrix: $name fails"
+    return 1
+  fi
+  # What ctest closes with: passed and failed, labels, time.
+  sed -n '/tests passed/,$p' "$log"
+  summary+=("$(printf '%-13s passed, %4d s of which build %d s' "$name" $((SECONDS - begin)) "$built")")
+}
+
+# Same input, same bytes: one line per computed result, whatever the leg.
+compare_digests() {
+  local file first=
+  for file in "$digests"/*; do
+    [[ -f $file ]] || continue
+    if [[ -z $first ]]; then
+      first=$file
+    elif ! diff "$first" "$file"; then
+      echo "matrix: ${file##*/} computes other bytes than ${first##*/}"
+      return 1
+    fi
+  done
+  [[ -n $first ]] || return 0
+  summary+=("the same bytes in all of: $(cd "$digests" && echo *)")
+}
+
+while read -r name preset label environment; do
+  ((!$#)) || [[ " $* " == *" $name "* ]] || continue
+  read -ra variables <<<"$environment"
+  run_leg "$name" "$preset" "$label" "${variables[@]}" </dev/null
+done < <(legs)
+compare_digests
+printf '%s\n' "== summary" "${summary[@]}"

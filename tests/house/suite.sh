@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# suite.sh PRESET [CTEST ARGUMENT...]: runs the tests of a built preset.
+#
+# As many tests side by side as there are cores, each with one rasterizer thread where lavapipe is the driver: two tests of
+# one thread keep two cores busier than one test of two threads. What depends on the number of threads is the matrix's
+# business, which sets LP_NUM_THREADS itself. Drivers and layers keep their caches in the build directory, PALPA_LEG apart.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+
+preset=$1
+shift
+cache=$PWD/build/cache/${PALPA_LEG:-$preset}
+mkdir -p "$cache"
+export MESA_SHADER_CACHE_DIR=$cache/mesa XDG_CACHE_HOME=$cache LP_NUM_THREADS=${LP_NUM_THREADS:-1}
+
+# For the presets asan and tsan; the others ignore them.
+export UBSAN_OPTIONS=print_stacktrace=1
+export LSAN_OPTIONS=print_suppressions=0:suppressions=$PWD/tests/house/lsan.supp
+export TSAN_OPTIONS=halt_on_error=1:suppressions=$PWD/tests/house/tsan.supp
+run=()
+if [[ $preset == tsan ]] && setarch --addr-no-randomize true 2>/dev/null; then
+  # Kernels that randomise many bits of addresses put code where GCC 12's ThreadSanitizer wants its shadow.
+  run=(setarch --addr-no-randomize)
+fi
+
+exec "${run[@]}" ctest --test-dir "build/$preset" --output-on-failure --no-tests=error \
+  --parallel "${PALPA_JOBS:-$(nproc)}" "$@"
