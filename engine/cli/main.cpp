@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/App.hpp>
+#include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <csignal>
 #include <exception>
@@ -80,7 +81,10 @@ Exit parse_and_run(int argc, const char* const* argv, const Extensions& extensio
     write_output("-", "palpa " PALPA_VERSION "\n");
     return Exit::ok;
   } catch (const CLI::ParseError& error) {
-    throw bad_usage(fmt::format("{}; see {} --help", one_line(error.what()), place(app)));
+    std::string line = one_line(error.what());
+    // The parser's sentences begin like sentences, an error line does not; an option's name keeps its case.
+    if (line.starts_with("A ") || line.starts_with("The ")) line[0] = static_cast<char>(line[0] - 'A' + 'a');
+    throw bad_usage(fmt::format("{}; see {} --help", line, place(app)));
   }
   apply_logging(*program.common);
   program.action();

@@ -1,5 +1,10 @@
 #include "cli/options.hpp"
 
+#include <fmt/core.h>
+
+#include <numeric>
+
+#include "base/error.hpp"
 #include "cli/values.hpp"
 
 namespace palpa::cli {
@@ -35,6 +40,85 @@ gpu::DeviceOptions device_options(const CommonOptions& options) {
   device.select = options.gpu;
   device.validation = options.validation;
   return device;
+}
+
+void add_touch_options(CLI::App& app, TouchOptions& options) {
+  const Group group(app, "Touch");
+  touch::Parameters& p = options.parameters;
+  group.quantity("--delta", p.delta_m, Quantity::length, positive(1),
+                 "thickness of the shell: how deep a contact may be");
+  group.quantity("--finger-gap", p.finger_gap_m, Quantity::length, positive(1),
+                 "contacts no farther apart than this are in one finger");
+  group.integer("--min-points", p.min_points, 1, 1u << 30, "contacts that make a finger");
+  group.integer("--foci", p.foci, 1, touch::max_foci, "foci per finger");
+  group.integer("--stride", options.stride, 1, 1u << 20, "every which focus is next; coprime to --foci");
+  group.quantity("--dwell", options.dwell_s, Quantity::time, {1e-6, 10}, "how long a focus lasts");
+  group.choice("--method", options.method, {{"cross-section", Method::cross_section}},
+               "how a cross-section becomes foci");
+}
+
+void check(const TouchOptions& options) {
+  const std::uint32_t foci = options.parameters.foci;
+  const std::uint32_t common = std::gcd(options.stride, foci);
+  if (foci == 1 || common == 1) return;
+  // The nearest stride that visits every focus; 1 always does.
+  std::uint32_t better = options.stride % foci;
+  while (better > 1 && std::gcd(better, foci) != 1)
+    --better;
+  throw bad_usage(
+      fmt::format("--stride: {} and --foci {} share the divisor {}, so some foci would never sound; give a "
+                  "stride such as {}",
+                  options.stride, foci, common, std::max(better, 1u)));
+}
+
+void add_medium_options(CLI::App& app, MediumOptions& options) {
+  const Group group(app, "Air and tone");
+  group.number("--temperature", options.celsius, {-273.15, 1000, true}, "CELSIUS",
+               "of the air, gives the sound speed [20]");
+  group.quantity("--sound-speed", options.sound_speed, Quantity::speed, positive(1e5), "instead of --temperature");
+  group.quantity("--frequency", options.frequency, Quantity::frequency, positive(1e9), "of the transducers");
+}
+
+array::Medium medium(const MediumOptions& options) {
+  if (options.celsius && options.sound_speed) {
+    throw bad_usage("--temperature and --sound-speed both say how fast sound is: give one of them");
+  }
+  array::Medium air;
+  air.sound_speed = options.sound_speed ? *options.sound_speed : array::sound_speed_at(options.celsius.value_or(20.0));
+  air.frequency = options.frequency;
+  return air;
+}
+
+void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
+  const Group group(app, "Drives");
+  group.choice("--amplitude", options.weighting,
+               {{"distance", array::Weighting::distance}, {"uniform", array::Weighting::uniform}},
+               "what a focus asks of a transducer");
+  group.choice("--solver", options.solver, {{"naive", Solver::naive}}, "how several foci share the array: their sum");
+  group.choice("--constraint", options.constraint,
+               {{"normalise", array::Constraint::normalise},
+                {"uniform", array::Constraint::uniform},
+                {"clamp", array::Constraint::clamp}},
+               "how amplitudes come into 0..1");
+  group.choice("--directivity", options.directivity,
+               {{"omni", Directivity::omni}, {"piston", Directivity::piston}, {"t4010a1", Directivity::t4010a1}},
+               "of a transducer; naive ignores it");
+  add_medium_options(app, options.medium);
+}
+
+array::DriveOptions drive_options(const DriveOptionsGroup& options) {
+  array::DriveOptions drive;
+  drive.weighting = options.weighting;
+  drive.constraint = options.constraint;
+  drive.medium = medium(options.medium);
+  return drive;
+}
+
+void add_rig_options(CLI::App& app, RigOptions& options) {
+  const Group group(app, "Rig");
+  group.text("--rig", options.rig, "FILE", "cameras, array and screen as TOML [the paper's]");
+  group.text("--layout", options.layout, "NAME|FILE",
+             "array: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML");
 }
 
 }  // namespace palpa::cli

@@ -7,8 +7,11 @@
 #include <optional>
 #include <string>
 
+#include "array/drive.hpp"
+#include "array/layout.hpp"
 #include "base/log.hpp"
 #include "gpu/device.hpp"
+#include "touch/types.hpp"
 
 namespace CLI {
 class App;
@@ -32,5 +35,52 @@ void add_common(CLI::App& app, CommonOptions& options);
 /// Sets the log level: --log-level, else "error" with --quiet, else "warning".
 void apply_logging(const CommonOptions& options);
 gpu::DeviceOptions device_options(const CommonOptions& options);
+
+/// How a cross-section becomes foci. More methods will follow.
+enum class Method { cross_section };
+
+/// From skin points to a schedule.
+struct TouchOptions {
+  touch::Parameters parameters;  ///< --delta, --finger-gap, --min-points, --foci
+  std::uint32_t stride = 3;
+  double dwell_s = 1.5e-3;
+  Method method = Method::cross_section;
+};
+void add_touch_options(CLI::App& app, TouchOptions& options);
+/// Throws bad_usage, with a stride that would do, where stride and foci share a divisor: such an order leaves foci out.
+void check(const TouchOptions& options);
+
+/// The air and the tone: --temperature or --sound-speed, --frequency.
+struct MediumOptions {
+  std::optional<double> celsius;
+  std::optional<double> sound_speed;
+  double frequency = 40e3;
+};
+void add_medium_options(CLI::App& app, MediumOptions& options);
+/// Throws bad_usage where both temperature and sound speed are given. Neither: 20 degrees Celsius.
+array::Medium medium(const MediumOptions& options);
+
+enum class Solver { naive };
+/// How a transducer's sound falls off to the side. The naive solver does not look at it: its phases are those of the
+/// distances alone.
+enum class Directivity { omni, piston, t4010a1 };
+
+/// What drives are made of.
+struct DriveOptionsGroup {
+  array::Weighting weighting = array::Weighting::distance;
+  Solver solver = Solver::naive;
+  array::Constraint constraint = array::Constraint::normalise;
+  Directivity directivity = Directivity::t4010a1;
+  MediumOptions medium;
+};
+void add_drive_options(CLI::App& app, DriveOptionsGroup& options);
+array::DriveOptions drive_options(const DriveOptionsGroup& options);
+
+/// The physical set-up; --layout replaces the rig's array.
+struct RigOptions {
+  std::string rig;     ///< file; empty: the paper's
+  std::string layout;  ///< built-in name or file; empty: the rig's
+};
+void add_rig_options(CLI::App& app, RigOptions& options);
 
 }  // namespace palpa::cli

@@ -202,7 +202,8 @@ void Group::pick(const std::string& name, std::vector<std::string> words, std::s
   std::string list;
   for (const std::string& word : words)
     list += (list.empty() ? "" : "|") + word;
-  add(name, list, initial < words.size() ? words[initial] : "", help,
+  const std::string shown_initial = initial < words.size() ? words[initial] : "";
+  add(name, list, shown_initial, help,
       [name, words = std::move(words), list, chosen = std::move(chosen)](const std::string& text) {
         for (std::size_t i = 0; i < words.size(); ++i) {
           if (words[i] == text) return chosen(i);
