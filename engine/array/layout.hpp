@@ -1,7 +1,7 @@
-// Positions and axes of all transducers of an array, in the array's own frame.
+// Positions and axes of all transducers of an array, in the array's own frame. docs/layouts.md draws the built-in ones.
 #pragma once
 
-#include <filesystem>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,20 +14,34 @@ struct Transducer {
   Vec3 axis;      ///< unit vector, the direction it sounds in
 };
 
+/// One physical board of a layout: a rectangle centred on the board's origin in its z = 0 plane, sounding towards +z.
+struct Board {
+  std::string type;         ///< `autd3`, `openmpd` or `sonicsurface`
+  std::uint32_t first = 0;  ///< index of its first transducer
+  std::uint32_t count = 0;  ///< its transducers are first .. first + count - 1, in the board type's own order
+  double width_m = 0;       ///< along the board's x
+  double height_m = 0;      ///< along the board's y
+  Transform T_layout_board{1.0};
+};
+
+/// More than this no layout may hold; sixteen times the paper's.
+inline constexpr std::uint32_t max_transducers = 65536;
+
 struct Layout {
   std::string name;
   std::vector<Transducer> transducers;  ///< in drive order
+  std::vector<Board> boards;            ///< ascending by `first`; transducers given one by one belong to no board
   double source_level_pa_m = 4.386;     ///< peak pressure at 1 m on the axis at full amplitude, times 1 m
   /// Where it stands when neither rig nor user says: `paper` at the world's origin, a board 150 mm below it facing +y.
   Transform default_T_world_layout{1.0};
 };
 
-/// `autd3`, `paper`, `openmpd`, `openmpd-pair` or `sonicsurface`, or the path of a layout TOML. Throws bad_input naming file,
-/// line and key; an unknown name lists the known ones.
+/// `autd3`, `paper`, `openmpd`, `openmpd-pair` or `sonicsurface`, or the path of a layout TOML (schema in
+/// docs/layouts.md). Throws bad_input naming file, line and key; a name that is neither lists the known ones.
 Layout load_layout(const std::string& name_or_file);
 std::vector<std::string> layout_names();
 
-/// The same transducers in world coordinates.
+/// The same transducers and boards in world coordinates. `T_world_layout` is rigid.
 Layout transformed(const Layout& layout, const Transform& T_world_layout);
 
 }  // namespace palpa::array

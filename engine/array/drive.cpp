@@ -1,0 +1,138 @@
+#include "array/drive.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "base/error.hpp"
+
+namespace palpa::array {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// The largest float that is not above pi: pi itself rounds up.
+constexpr float float_pi = 3.1415925f;
+
+float as_phase(double radians) {
+  return std::clamp(static_cast<float>(radians), -float_pi, float_pi);
+}
+float as_amplitude(double amplitude) {
+  return static_cast<float>(std::clamp(amplitude, 0.0, 1.0));
+}
+
+/// -k d in turns, wrapped to (-1/2, 1/2].
+double delay_turns(double distance, const Medium& medium) {
+  const double turns = distance * medium.turns_per_metre();
+  const double early = std::floor(turns) - turns;
+  return early <= -0.5 ? early + 1 : early;
+}
+
+struct Source {
+  const SlotFocus* focus;
+  double reach;  ///< distance of the farthest transducer
+  double gain;   ///< 0..1
+};
+
+double gain_of(const SlotFocus& focus) {
+  return focus.gain > 0 ? std::min(1.0, static_cast<double>(focus.gain)) : 0.0;
+}
+
+double asked_amplitude(double distance, double reach, Weighting weighting) {
+  return weighting == Weighting::uniform || reach == 0 ? 1.0 : distance / reach;
+}
+
+double constrained(double amplitude, double largest, Constraint constraint) {
+  switch (constraint) {
+    case Constraint::normalise:
+      return largest > 0 ? std::min(1.0, amplitude / largest) : (amplitude > 0 ? 1.0 : 0.0);
+    case Constraint::uniform:
+      return 1.0;
+    case Constraint::clamp:
+      return std::min(1.0, amplitude);
+  }
+  return 0;
+}
+
+void drive_one(const Layout& layout, const Source& source, const DriveOptions& options,
+               std::span<TransducerDrive> out) {
+  const Weighting weighting = options.constraint == Constraint::uniform ? Weighting::uniform : options.weighting;
+  for (std::size_t t = 0; t < out.size(); ++t) {
+    const double distance = glm::distance(layout.transducers[t].position, source.focus->position);
+    out[t].amplitude = as_amplitude(asked_amplitude(distance, source.reach, weighting) * source.gain);
+    out[t].phase = as_phase(2 * std::numbers::pi * delay_turns(distance, options.medium));
+  }
+}
+
+void drive_several(const Layout& layout, std::span<const Source> sources, const DriveOptions& options,
+                   std::span<TransducerDrive> out) {
+  double shared_gain = 0;
+  for (const Source& source : sources)
+    shared_gain = std::max(shared_gain, source.gain);
+  double largest = 0;
+  std::vector<Complex> sums(out.size());
+  for (std::size_t t = 0; t < out.size(); ++t) {
+    Complex plain = 0;
+    for (const Source& source : sources) {
+      const double distance = glm::distance(layout.transducers[t].position, source.focus->position);
+      const Complex asked = std::polar(asked_amplitude(distance, source.reach, options.weighting),
+                                       2 * std::numbers::pi * delay_turns(distance, options.medium));
+      plain += asked;
+      sums[t] += (shared_gain > 0 ? source.gain / shared_gain : 1.0) * asked;
+    }
+    largest = std::max(largest, std::abs(plain));
+  }
+  for (std::size_t t = 0; t < out.size(); ++t) {
+    const double amplitude = constrained(std::abs(sums[t]), largest, options.constraint);
+    out[t] = {as_amplitude(amplitude * shared_gain), as_phase(std::arg(sums[t]))};
+  }
+}
+
+}  // namespace
+
+double sound_speed_at(double celsius) {
+  if (!(celsius > -273.15) || !std::isfinite(celsius)) {
+    throw bad_usage(
+        fmt::format("temperature {} is below absolute zero or not a number: degrees Celsius, such as 20", celsius));
+  }
+  return 331.3 * std::sqrt(1 + celsius / 273.15);
+}
+
+bool drivable(const SlotFocus& focus) {
+  const Vec3& p = focus.position;
+  // Written so that NaN fails.
+  return std::abs(p.x) <= 100 && std::abs(p.y) <= 100 && std::abs(p.z) <= 100;
+}
+
+void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
+               std::span<TransducerDrive> out) {
+  assert(out.size() == layout.transducers.size());
+  std::vector<Source> sources;
+  for (const SlotFocus& focus : foci) {
+    if (!drivable(focus)) continue;
+    Source source{&focus, 0, gain_of(focus)};
+    for (const Transducer& transducer : layout.transducers) {
+      source.reach = std::max(source.reach, glm::distance(transducer.position, focus.position));
+    }
+    sources.push_back(source);
+  }
+  if (sources.empty()) {
+    std::ranges::fill(out, TransducerDrive{0, 0});
+  } else if (sources.size() == 1) {
+    drive_one(layout, sources[0], options, out);
+  } else {
+    drive_several(layout, sources, options, out);
+  }
+}
+
+Drive drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options) {
+  Drive drive(layout.transducers.size());
+  drive_for(layout, foci, options, drive);
+  return drive;
+}
+
+}  // namespace palpa::array

@@ -1,0 +1,148 @@
+#include "array/schedule.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "base/error.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::array {
+namespace {
+
+// 1 ns .. 1000 s keeps every product below within 64 bits.
+std::uint64_t nanoseconds(double seconds) {
+  return static_cast<std::uint64_t>(std::llround(std::clamp(seconds, 1e-9, 1e3) * 1e9));
+}
+
+std::uint64_t steps(const Voice& voice) {
+  return voice.foci_per_slot == 0 ? 0 : voice.order.size() / voice.foci_per_slot;
+}
+
+/// Sectors divide the circle evenly, so the angle between two of them is the way round the shorter side.
+std::uint32_t sectors_apart(std::uint32_t a, std::uint32_t b, std::uint32_t count) {
+  const std::uint32_t apart = a > b ? a - b : b - a;
+  return std::min(apart, count - apart);
+}
+
+std::uint32_t nearest_filled(const std::vector<touch::Focus>& sectors, std::uint32_t sector) {
+  const auto count = static_cast<std::uint32_t>(sectors.size());
+  std::uint32_t best = count;
+  for (std::uint32_t other = 0; other < count; ++other) {
+    if (sectors[other].points == 0) continue;
+    if (best == count || sectors_apart(sector, other, count) < sectors_apart(sector, best, count)) best = other;
+  }
+  return best;
+}
+
+}  // namespace
+
+void fill_order(std::uint32_t count, std::uint32_t stride, std::vector<std::uint32_t>& order) {
+  if (count == 0) throw bad_usage("0 foci: there must be at least one");
+  const std::uint32_t shared = std::gcd(count, stride);
+  if (shared != 1) {
+    std::uint32_t coprime = 1;
+    for (std::uint32_t other = 2; other < count && coprime == 1; ++other) {
+      if (std::gcd(count, other) == 1) coprime = other;
+    }
+    throw bad_usage(fmt::format("stride {} and {} foci share the divisor {}: choose a stride without one, such as {}",
+                                stride, count, shared, coprime));
+  }
+  order.resize(count);
+  std::uint64_t at = 0;
+  for (std::uint32_t& entry : order) {
+    entry = static_cast<std::uint32_t>(at);
+    at = (at + stride) % count;
+  }
+}
+
+std::vector<std::uint32_t> fill_order(std::uint32_t count, std::uint32_t stride) {
+  std::vector<std::uint32_t> order;
+  fill_order(count, stride, order);
+  return order;
+}
+
+Voice& Schedule::add_voice() {
+  if (voice_count == voices.size()) voices.emplace_back();
+  return voices[voice_count++];
+}
+
+void make_voice(const touch::Finger& finger, std::uint32_t id, const VoiceOptions& options, Voice& voice) {
+  voice.id = id;
+  voice.solid = finger.solid;
+  voice.dwell_s = options.dwell_s;
+  voice.modulation_hz = finger.point_like ? options.point_like_modulation_hz : options.modulation_hz;
+  voice.foci.clear();
+  const auto count = static_cast<std::uint32_t>(finger.foci.size());
+  for (std::uint32_t sector = 0; sector < count; ++sector) {
+    const std::uint32_t filled = nearest_filled(finger.foci, sector);
+    if (filled == count) break;
+    voice.foci.emplace_back(finger.foci[filled].position);
+  }
+  if (voice.foci.empty()) voice.foci.emplace_back(finger.section.centroid);
+  const auto foci = static_cast<std::uint32_t>(voice.foci.size());
+  fill_order(foci, options.together ? 1 : options.stride, voice.order);
+  voice.foci_per_slot = options.together ? foci : 1;
+}
+
+void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<SlotFocus>& out) {
+  out.clear();
+  const std::uint64_t slot_ns = nanoseconds(schedule.slot_s);
+  for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
+    const Voice& voice = schedule.voices[v];
+    const std::uint64_t count = steps(voice);
+    if (count == 0) continue;
+    const std::uint64_t step = slot * slot_ns / nanoseconds(voice.dwell_s) % count;
+    const double midpoint = (static_cast<double>(slot) + 0.5) * schedule.slot_s;
+    const auto gain = static_cast<float>(modulation_gain(voice.modulation_hz, midpoint));
+    for (std::uint32_t together = 0; together < voice.foci_per_slot; ++together) {
+      const std::uint32_t focus = voice.order[step * voice.foci_per_slot + together];
+      if (focus < voice.foci.size()) out.push_back({voice.foci[focus], gain});
+    }
+  }
+}
+
+double modulation_gain(double hz, double time_s) {
+  if (hz == 0) return 1;
+  const double turns = hz * time_s;
+  return 0.5 * (1 + std::sin(2 * std::numbers::pi * (turns - std::floor(turns))));
+}
+
+bool shared_modulation(const Schedule& schedule) {
+  for (std::uint32_t v = 1; v < schedule.voice_count; ++v) {
+    if (schedule.voices[v].modulation_hz != schedule.voices[0].modulation_hz) return false;
+  }
+  return true;
+}
+
+std::uint64_t cycle_length(const Schedule& schedule, std::uint64_t most) {
+  const std::uint64_t slot_ns = nanoseconds(schedule.slot_s);
+  std::uint64_t cycle = 1;
+  // Lengthens the cycle to a multiple of `period`, in nanoseconds (or parts of a turn); false if that is too long.
+  const auto join = [&](std::uint64_t period) {
+    const std::uint64_t slots = period / std::gcd(period, slot_ns);
+    const std::uint64_t more = slots / std::gcd(cycle, slots);
+    if (more > most / cycle) return false;
+    cycle *= more;
+    return true;
+  };
+  if (most == 0) return 0;
+  for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
+    const Voice& voice = schedule.voices[v];
+    const std::uint64_t count = steps(voice);
+    if (count == 0) continue;
+    if (count > 1 && !join(count * nanoseconds(voice.dwell_s))) return 0;
+    if (voice.modulation_hz != 0) {
+      // A slot is millihertz x nanoseconds / 10^12 turns.
+      constexpr std::uint64_t turn = 1'000'000'000'000;
+      const auto millihertz = static_cast<std::uint64_t>(std::llround(std::clamp(voice.modulation_hz, 0.0, 1e6) * 1e3));
+      if (!join(turn / std::gcd(turn, millihertz))) return 0;
+    }
+  }
+  return cycle;
+}
+
+}  // namespace palpa::array

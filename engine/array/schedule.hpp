@@ -1,0 +1,78 @@
+// Which focus sounds when. Pure values: no clock, no thread.
+//
+// Time is counted in slots of `slot_s` from slot 0, which is the loop's first and never comes again: a new frame brings
+// a new Schedule, and the counter runs on into it. At 90 Hz a frame lasts 7.4 slots; starting every frame at the head
+// of the order would never play its tail.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "array/drive.hpp"
+#include "base/math.hpp"
+
+namespace palpa::touch {
+struct Finger;
+}
+
+namespace palpa::array {
+
+/// The paper's order of the foci: 0, stride, 2 stride, ... modulo `count`. Throws bad_usage where count is 0 or shares
+/// a divisor with the stride, since such an order leaves foci out. One focus has the order 0 whatever the stride.
+std::vector<std::uint32_t> fill_order(std::uint32_t count, std::uint32_t stride);
+/// The same into a vector whose storage is kept.
+void fill_order(std::uint32_t count, std::uint32_t stride, std::vector<std::uint32_t>& order);
+
+/// One finger's part of a schedule.
+struct Voice {
+  std::uint32_t id = 0;              ///< the finger's, stable for as long as it is followed
+  std::uint32_t solid = 0;           ///< what it touches: index into the scene's solids
+  std::vector<Vec3> foci;            ///< metres; one per sector, none of them empty
+  std::vector<std::uint32_t> order;  ///< indices into `foci`, as they play
+  std::uint32_t foci_per_slot = 1;   ///< that many entries of `order` sound together; `multi-focus`: all of them
+  double dwell_s = 1.5e-3;           ///< how long each lasts
+  double modulation_hz = 0;          ///< amplitude modulation, see modulation_gain; 0: none
+};
+
+struct Schedule {
+  double slot_s = 1.5e-3;     ///< the tick: how long one drive lasts; not longer than any voice's dwell
+  std::vector<Voice> voices;  ///< only the first `voice_count` are valid; the others keep their storage for later
+  std::uint32_t voice_count = 0;
+  double time_s = 0;     ///< capture time of the frame that it was made from
+  double expires_s = 0;  ///< silence from here on, on the same clock
+
+  /// The next free voice, its vectors' storage kept from earlier use.
+  Voice& add_voice();
+  void clear() { voice_count = 0; }
+  bool silent_at(double now_s) const { return voice_count == 0 || now_s >= expires_s; }
+};
+
+struct VoiceOptions {
+  std::uint32_t stride = 3;  ///< coprime to the number of foci
+  double dwell_s = 1.5e-3;
+  bool together = false;                  ///< all foci in one slot
+  double modulation_hz = 0;               ///< for fingers with a cross-section
+  double point_like_modulation_hz = 200;  ///< for fingers with a single focus at their centroid
+};
+
+/// Turns a finger into a voice. An empty sector takes the position of the nearest non-empty one by angle; of two
+/// equally near, the one with the lower index. A finger without any non-empty sector gets one focus at its centroid.
+void make_voice(const touch::Finger& finger, std::uint32_t id, const VoiceOptions& options, Voice& voice);
+
+/// Replaces `out` by the foci of slot `slot`, voice after voice: the entry floor(slot slot_s / dwell) modulo its number
+/// of steps of each voice's order, with the voice's modulation as gain. Reckons in whole nanoseconds, so that no
+/// rounding makes a step late; exact for 10^13 slots of 1.5 ms. Does not look at the time: ask `silent_at` first.
+void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<SlotFocus>& out);
+
+/// Amplitude of a finger modulated at `hz`, `time_s` after the beginning of slot 0: (1 + sin(2 pi hz t)) / 2, and 1
+/// where hz is 0. It holds for a slot's whole length and is sampled at its midpoint: at 1.5 ms, 200 Hz has 3.3 samples
+/// per period.
+double modulation_gain(double hz, double time_s);
+
+/// Whether all voices have the same modulation: then it is one scalar over the whole drive. True for no voices.
+bool shared_modulation(const Schedule& schedule);
+
+/// Number of slots after which foci and gains repeat, or 0 if that is more than `most`. 1 for no voices.
+std::uint64_t cycle_length(const Schedule& schedule, std::uint64_t most);
+
+}  // namespace palpa::array
