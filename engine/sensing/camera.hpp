@@ -10,23 +10,34 @@
 
 namespace palpa::sensing {
 
-/// Camera frame: x right, y down, z forward; pixel centres at integers. Depth is the z coordinate, not the ray's length.
+/// Camera frame: x right, y down, z forward; pixel centres at integers. Depth is the z coordinate, not the ray's
+/// length.
 struct Camera {
   std::string name;
-  std::uint32_t width = 0, height = 0;     ///< pixels
-  double fx = 0, fy = 0, cx = 0, cy = 0;   ///< pixels
-  std::array<double, 5> distortion{};      ///< k1 k2 p1 p2 k3, as OpenCV
-  double depth_unit_m = 0.001;             ///< metres per step of the 16-bit depth; depth 0 means no data
-  double min_range_m = 0;                  ///< depths nearer than this are no data
-  double rate_hz = 0;                      ///< frames per second
+  std::uint32_t width = 0, height = 0;    ///< pixels
+  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
+  std::array<double, 5> distortion{};     ///< k1 k2 p1 p2 k3, as OpenCV
+  double depth_unit_m = 0.001;            ///< metres per step of the 16-bit depth; depth 0 means no data
+  double min_range_m = 0;                 ///< depths nearer than this are no data
+  double rate_hz = 0;                     ///< frames per second
   Transform T_world_camera{1.0};
 };
 
 /// Pixel of a point in camera coordinates (z > 0), distorted.
 Vec2 project(const Camera& camera, const Vec3& point_camera);
-/// Normalised coordinates (x/z, y/z) of the ray through a pixel: undoes the distortion to within 1e-9 where it is invertible.
+/// Normalised coordinates (x/z, y/z) of the ray through a pixel: undoes the distortion to within 1e-9. Both are NaN
+/// where the lens model sends no ray to that pixel, or only one beyond the circle where the model folds back on itself.
 Vec2 undistort(const Camera& camera, const Vec2& pixel);
 /// World point of pixel (u, v) at raw depth d > 0, in double precision.
 Vec3 deproject(const Camera& camera, double u, double v, std::uint16_t depth);
+
+/// The smallest raw depth that is data: at least 1 (0 means no data) and not nearer than `min_range_m`. Above 65535
+/// where the camera can hold no valid depth at all.
+std::uint32_t first_valid_depth(const Camera& camera);
+
+/// Pixels of one image.
+inline std::uint64_t pixel_count(const Camera& camera) {
+  return std::uint64_t{camera.width} * camera.height;
+}
 
 }  // namespace palpa::sensing

@@ -19,8 +19,8 @@ struct DepthFrame {
 /// One frame of every camera of a rig, in the rig's order, taken together.
 struct FrameSet {
   std::vector<DepthFrame> frames;
-  double time_s = 0;          ///< the oldest capture time among them
-  std::uint64_t sequence = 0; ///< counts from 0; gaps are frames that the source dropped
+  double time_s = 0;           ///< the oldest capture time among them
+  std::uint64_t sequence = 0;  ///< counts from 0; gaps are frames that the source dropped
 };
 
 class DepthSource {
@@ -28,8 +28,8 @@ class DepthSource {
   virtual ~DepthSource() = default;
   /// Constant for the source's life.
   virtual const std::vector<Camera>& cameras() const = 0;
-  /// Blocks until the next set is there, at most about `timeout_s`. Reuses `out`'s storage. False at the end of the stream.
-  /// A set that did not come in time leaves `out.frames` empty and returns true. Throws Error on a fault.
+  /// Blocks until the next set is there, at most about `timeout_s`. Reuses `out`'s storage. False at the end of the
+  /// stream. A set that did not come in time leaves `out.frames` empty and returns true. Throws Error on a fault.
   virtual bool next(FrameSet& out, double timeout_s) = 0;
 };
 

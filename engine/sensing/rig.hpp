@@ -11,7 +11,7 @@
 namespace palpa::sensing {
 
 struct ArrayPlacement {
-  std::string layout;                     ///< a built-in layout's name or a layout TOML's path
+  std::string layout;                       ///< a built-in layout's name or a layout TOML's path
   std::optional<Transform> T_world_layout;  ///< absent: where that layout stands by default
 };
 
@@ -28,8 +28,9 @@ struct Rig {
   std::optional<Screen> screen;
 };
 
-/// Throws bad_input naming file, line and key: unknown keys, missing or non-finite values, sizes of zero or above 16384,
-/// negative focal lengths, units or ranges, poses that are not rigid (4 rows of 4, last row 0 0 0 1, rotation orthonormal to 1e-4).
+/// Throws bad_input naming file, line and key: unknown keys, missing or non-finite values, sizes of zero or above
+/// 16384, negative focal lengths, units or ranges, poses that are not rigid (4 rows of 4, last row 0 0 0 1, rotation
+/// orthonormal to 1e-4).
 Rig load_rig(const std::filesystem::path& file);
 /// The same text that load_rig reads; doubles round-trip.
 std::string to_toml(const Rig& rig);

@@ -1,0 +1,211 @@
+#include "sensing/rays.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <glm/common.hpp>
+#include <glm/matrix.hpp>
+
+#include "base/error.hpp"
+
+namespace palpa::sensing {
+namespace {
+
+constexpr std::uint32_t round_up(std::uint32_t value, std::uint32_t step) {
+  return (value + step - 1) / step * step;
+}
+
+/// Bounds in normalised coordinates and depth of what a camera can see of a box.
+struct Outline {
+  Vec2 low{1e300}, high{-1e300};
+  double near = 1e300, far = -1e300;
+
+  void add(const Vec3& p) {
+    const Vec2 n = Vec2(p) / p.z;
+    low = glm::dvec2(std::min(low.x, n.x), std::min(low.y, n.y));
+    high = glm::dvec2(std::max(high.x, n.x), std::max(high.y, n.y));
+    near = std::min(near, p.z);
+    far = std::max(far, p.z);
+  }
+  bool empty() const { return near > far; }
+};
+
+/// The box in camera coordinates, cut off nearer than `nearest` > 0, seen from the camera. A convex body in front of
+/// the camera projects into the bounds of its projected corners.
+Outline outline(const Camera& camera, const Box& box, double nearest) {
+  const Transform T_camera_world = glm::inverse(camera.T_world_camera);
+  std::array<Vec3, 8> corners;
+  for (unsigned i = 0; i < 8; ++i) {
+    const Vec3 corner(i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y, i & 4 ? box.high.z : box.low.z);
+    corners[i] = transform_point(T_camera_world, corner);
+  }
+  Outline out;
+  for (unsigned i = 0; i < 8; ++i) {
+    if (corners[i].z >= nearest) out.add(corners[i]);
+    for (unsigned axis = 1; axis < 8; axis <<= 1) {  // the three edges that leave corner i upwards
+      if (i & axis) continue;
+      const Vec3 &a = corners[i], &b = corners[i | axis];
+      if ((a.z < nearest) == (b.z < nearest)) continue;
+      const double t = (nearest - a.z) / (b.z - a.z);
+      out.add(Vec3(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), nearest));
+    }
+  }
+  return out;
+}
+
+/// The box with room for what float arithmetic adds to a point of it, and without infinities.
+Box grown(const Camera& camera, const Box& box) {
+  constexpr double world = 1e6;  // metres
+  const Vec3 low = glm::clamp(box.low, Vec3(-world), Vec3(world)),
+             high = glm::clamp(box.high, Vec3(-world), Vec3(world));
+  double largest = 1;
+  for (int i = 0; i < 3; ++i) {
+    largest = std::max({largest, std::abs(low[i]), std::abs(high[i]), std::abs(camera.T_world_camera[3][i])});
+  }
+  const Vec3 margin(1e-6 * largest);  // 16 roundings of 2^-24
+  return {low - margin, high + margin};
+}
+
+struct TileRange {
+  std::uint32_t x0 = ~0u, y0 = ~0u, x1 = 0, y1 = 0;  // inclusive
+  bool empty() const { return x0 > x1; }
+};
+
+TileRange find_tiles(const CameraTable& table, const glm::vec2& low, const glm::vec2& high) {
+  TileRange range;
+  const RayBounds* tile = table.tiles.data();
+  for (std::uint32_t y = 0; y < table.tiles_y; ++y) {
+    for (std::uint32_t x = 0; x < table.tiles_x; ++x, ++tile) {
+      if (tile->low.x > high.x || tile->high.x < low.x || tile->low.y > high.y || tile->high.y < low.y) continue;
+      range.x0 = std::min(range.x0, x);
+      range.y0 = std::min(range.y0, y);
+      range.x1 = std::max(range.x1, x);
+      range.y1 = y;
+    }
+  }
+  return range;
+}
+
+void fill_rays(const Camera& camera, CameraTable& table, std::span<glm::vec2> rays) {
+  for (std::uint32_t v = 0; v < table.height; ++v) {
+    glm::vec2* row = rays.data() + std::size_t{v} * table.pitch;
+    for (std::uint32_t u = 0; u < table.width; ++u) {
+      const Vec2 ray = undistort(camera, {static_cast<double>(u), static_cast<double>(v)});
+      if (!(std::abs(ray.x) < 1e6 && std::abs(ray.y) < 1e6)) continue;
+      row[u] = glm::vec2(ray);
+      RayBounds& tile = table.tiles[std::size_t{v / tile_pixels} * table.tiles_x + u / tile_pixels];
+      tile.low = glm::vec2(std::min(tile.low.x, row[u].x), std::min(tile.low.y, row[u].y));
+      tile.high = glm::vec2(std::max(tile.high.x, row[u].x), std::max(tile.high.y, row[u].y));
+    }
+  }
+}
+
+}  // namespace
+
+RayTables make_rays(std::span<const Camera> cameras) {
+  RayTables tables;
+  for (const Camera& camera : cameras) {
+    CameraTable& table = tables.cameras.emplace_back();
+    table.width = camera.width;
+    table.height = camera.height;
+    table.pitch = round_up(camera.width, block_pixels);
+    table.first_pixel = tables.padded_pixels;
+    table.first_index = tables.pixels;
+    tables.padded_pixels += std::uint64_t{table.pitch} * table.height;
+    tables.pixels += pixel_count(camera);
+  }
+  if (tables.padded_pixels > most_pixels) {
+    throw bad_usage(fmt::format("the cameras have {} pixels together, at most {} are supported", tables.padded_pixels,
+                                most_pixels));
+  }
+  tables.rays.assign(tables.padded_pixels, glm::vec2(no_ray));
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    CameraTable& table = tables.cameras[i];
+    table.tiles_x = round_up(table.width, tile_pixels) / tile_pixels;
+    table.tiles_y = round_up(table.height, tile_pixels) / tile_pixels;
+    table.tiles.assign(std::size_t{table.tiles_x} * table.tiles_y, {});
+    fill_rays(cameras[i], table,
+              std::span(tables.rays).subspan(table.first_pixel, std::size_t{table.pitch} * table.height));
+  }
+  return tables;
+}
+
+void plan_views(std::span<const Camera> cameras, const RayTables& tables, const Box& box, std::vector<View>& views) {
+  views.clear();
+  if (box.empty()) return;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const Camera& camera = cameras[i];
+    const CameraTable& table = tables.cameras[i];
+    const std::uint32_t first_depth = first_valid_depth(camera);
+    if (first_depth > 65535) continue;
+    // Half a depth step nearer than any data: what is cut off there holds none.
+    const Outline seen = outline(camera, grown(camera, box), (first_depth - 0.5) * camera.depth_unit_m);
+    if (seen.empty()) continue;
+
+    // Rays and depths are floats too.
+    constexpr double slack = 1e-6;
+    const double scale =
+        1 + std::max({std::abs(seen.low.x), std::abs(seen.low.y), std::abs(seen.high.x), std::abs(seen.high.y)});
+    const Vec2 grow(slack * scale);
+    const TileRange tiles = find_tiles(table, glm::vec2(seen.low - grow), glm::vec2(seen.high + grow));
+    if (tiles.empty()) continue;
+    const double low = std::floor((seen.near * (1 - slack) - slack) / camera.depth_unit_m) - 1;
+    const double high = std::ceil((seen.far * (1 + slack) + slack) / camera.depth_unit_m) + 1;
+
+    View view;
+    view.camera = static_cast<std::uint32_t>(i);
+    view.first_column = tiles.x0 * tile_pixels;
+    view.first_row = tiles.y0 * tile_pixels;
+    const std::uint32_t end_column = std::min((tiles.x1 + 1) * tile_pixels, table.pitch);
+    view.blocks_per_row = (end_column - view.first_column) / block_pixels;
+    view.rows = std::min((tiles.y1 + 1) * tile_pixels, table.height) - view.first_row;
+    view.depth_low = static_cast<std::uint32_t>(std::clamp(low, static_cast<double>(first_depth), 65536.0));
+    view.depth_high = static_cast<std::uint32_t>(std::clamp(high, 0.0, 65535.0));
+    if (view.depth_low > view.depth_high) continue;
+    view.depth_unit = static_cast<float>(camera.depth_unit_m);
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 4; ++column) {
+        view.rows_of_pose[row][column] = static_cast<float>(camera.T_world_camera[column][row]);
+      }
+    }
+    views.push_back(view);
+  }
+}
+
+void pack_depth(const RayTables& tables, std::span<const DepthFrame> frames, std::span<std::uint16_t> packed) {
+  if (frames.size() != tables.cameras.size()) {
+    throw bad_usage(fmt::format("{} depth frames for {} cameras", frames.size(), tables.cameras.size()));
+  }
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const CameraTable& table = tables.cameras[i];
+    const std::vector<std::uint16_t>& depth = frames[i].depth;
+    if (depth.size() != std::size_t{table.width} * table.height) {
+      throw bad_usage(
+          fmt::format("depth frame {} has {} pixels, its camera {}x{}", i, depth.size(), table.width, table.height));
+    }
+    std::uint16_t* out = packed.data() + table.first_pixel;
+    if (table.pitch == table.width) {
+      std::memcpy(out, depth.data(), depth.size() * sizeof(std::uint16_t));
+      continue;
+    }
+    for (std::uint32_t v = 0; v < table.height; ++v, out += table.pitch) {
+      std::copy_n(depth.data() + std::size_t{v} * table.width, table.width, out);
+      std::fill(out + table.width, out + table.pitch, std::uint16_t{0});
+    }
+  }
+}
+
+std::uint64_t count_valid(std::span<const Camera> cameras, std::span<const DepthFrame> frames) {
+  std::uint64_t valid = 0;
+  for (std::size_t i = 0; i < std::min(cameras.size(), frames.size()); ++i) {
+    const std::uint32_t first = first_valid_depth(cameras[i]);
+    for (const std::uint16_t depth : frames[i].depth)
+      valid += depth >= first;
+  }
+  return valid;
+}
+
+}  // namespace palpa::sensing

@@ -1,0 +1,18 @@
+// The [[camera]] tables of a rig TOML, which a recording's TOML shares.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sensing/camera.hpp"
+#include "sensing/toml_reader.hpp"
+
+namespace palpa::sensing {
+
+/// Every [[camera]] of the top-level table, at most 64.
+std::vector<Camera> read_cameras(TomlTable& root);
+
+/// One [[camera]] as read_cameras reads it.
+std::string to_toml(const Camera& camera);
+
+}  // namespace palpa::sensing
