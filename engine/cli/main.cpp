@@ -40,6 +40,13 @@ Exit report(Exit code, const std::string& line) {
   return code;
 }
 
+/// The formatter leaves two empty lines between groups; one screen has none to spare.
+std::string tidy_help(std::string text) {
+  for (std::size_t at = 0; (at = text.find("\n\n\n", at)) != std::string::npos;)
+    text.erase(at, 1);
+  return text;
+}
+
 /// The subcommand that was being parsed, for advice: "palpa touch".
 std::string place(const CLI::App& app) {
   for (const CLI::App* command : app.get_subcommands())
@@ -75,7 +82,7 @@ Exit parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    write_output("-", app.help());
+    write_output("-", tidy_help(app.help()));
     return Exit::ok;
   } catch (const CLI::CallForVersion&) {
     write_output("-", "palpa " PALPA_VERSION "\n");
@@ -98,7 +105,7 @@ Exit parse_and_run(int argc, const char* const* argv, const Extensions& extensio
 
 CLI::App& add_command(Program& program, const CommandText& text) {
   CLI::App* command = program.app.add_subcommand(text.name, text.summary);
-  command->set_help_flag("-h,--help", "show this help and exit");
+  command->set_help_flag("-h,--help", "show this help and exit")->group("Common options");
   command->footer(fmt::format("Examples:\n{}", text.examples));
   return *command;
 }

@@ -21,14 +21,14 @@ void add_common(CLI::App& app, CommonOptions& options) {
                 {"warning", std::optional(log::Level::warning)},
                 {"info", std::optional(log::Level::info)},
                 {"debug", std::optional(log::Level::debug)}},
-               "what stderr shows [warning]");
+               "what stderr shows, default warning");
   group.integer("--seed", options.seed, 0, ~std::uint64_t{0}, "for whatever is random");
   group.choice("--validation", options.validation,
                {{"off", std::optional(gpu::Validation::off)},
                 {"core", std::optional(gpu::Validation::core)},
                 {"sync", std::optional(gpu::Validation::sync)},
                 {"gpu-assisted", std::optional(gpu::Validation::gpu_assisted)}},
-               "Vulkan validation [$PALPA_VALIDATION or off]");
+               "default $PALPA_VALIDATION or off");
 }
 
 void apply_logging(const CommonOptions& options) {
@@ -74,8 +74,9 @@ void check(const TouchOptions& options) {
 void add_medium_options(CLI::App& app, MediumOptions& options) {
   const Group group(app, "Air and tone");
   group.number("--temperature", options.celsius, {-273.15, 1000, true}, "CELSIUS",
-               "of the air, gives the sound speed [20]");
-  group.quantity("--sound-speed", options.sound_speed, Quantity::speed, positive(1e5), "instead of --temperature");
+               "of the air, which says how fast sound is [20]");
+  group.quantity("--sound-speed", options.sound_speed, Quantity::speed, positive(1e5),
+                 "to be used in place of the temperature's");
   group.quantity("--frequency", options.frequency, Quantity::frequency, positive(1e9), "of the transducers");
 }
 

@@ -38,6 +38,10 @@ void Output::fail(int code) const {
                             code ? std::generic_category().message(code) : std::string("the write came up short")));
 }
 
+void refuse_two_on_stdout(const std::string& json, const std::string& csv) {
+  if (json == "-" && csv == "-") throw bad_usage("--json - and --csv - would mix on stdout: give one of them a file");
+}
+
 void write_output(const std::string& file, std::string_view text) {
   Output output(file);
   output.write(text);

@@ -26,6 +26,9 @@ class Output {
   std::FILE* file_ = nullptr;
 };
 
+/// Throws bad_usage where more than one of these files is "-": their texts would run into each other.
+void refuse_two_on_stdout(const std::string& json, const std::string& csv);
+
 /// The whole of `text` to a file, or to stdout for "-".
 void write_output(const std::string& file, std::string_view text);
 

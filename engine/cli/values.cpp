@@ -128,7 +128,8 @@ std::array<double, 3> parse_point(const std::string& option, const std::string& 
 
 void Group::add(const std::string& name, const std::string& type, const std::string& initial, const std::string& help,
                 std::function<void(const std::string&)> take) const {
-  app_->add_option_function<std::string>(name, take, help)->type_name(type)->default_str(initial)->group(heading_);
+  const std::string text = initial.empty() ? help : fmt::format("{} [{}]", help, initial);
+  app_->add_option_function<std::string>(name, take, text)->type_name(type)->group(heading_);
 }
 
 void Group::quantity(const std::string& name, double& target, Quantity quantity, const Range& range,
@@ -203,7 +204,7 @@ void Group::pick(const std::string& name, std::vector<std::string> words, std::s
   for (const std::string& word : words)
     list += (list.empty() ? "" : "|") + word;
   const std::string shown_initial = initial < words.size() ? words[initial] : "";
-  add(name, list, shown_initial, help,
+  add(name, "WORD", shown_initial, fmt::format("{}: {}", help, list),
       [name, words = std::move(words), list, chosen = std::move(chosen)](const std::string& text) {
         for (std::size_t i = 0; i < words.size(); ++i) {
           if (words[i] == text) return chosen(i);

@@ -1,0 +1,138 @@
+#include "array/drive.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <numbers>
+
+#include "array/layout.hpp"
+#include "base/error.hpp"
+#include "cli/commands.hpp"
+#include "cli/json_out.hpp"
+#include "cli/options.hpp"
+#include "cli/output.hpp"
+#include "cli/values.hpp"
+
+namespace palpa::cli {
+namespace {
+
+struct DriveCommand {
+  CommonOptions common;
+  std::string layout;
+  std::vector<std::string> foci;
+  DriveOptionsGroup drive;
+  std::string csv;
+};
+
+void add_options(CLI::App& app, DriveCommand& o) {
+  const Group group(app, "What to drive");
+  group.text("--layout", o.layout, "NAME|FILE", "autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
+  group.texts("--focus", o.foci, "X,Y,Z", "in the layout's own frame; again for several foci at once");
+  group.text("--csv", o.csv, "FILE|-", "index,x,y,z,nx,ny,nz,amplitude,phase of every transducer");
+  add_drive_options(app, o.drive);
+}
+
+/// Nearer than this a focus stands on a transducer, and the direction of its sound means nothing.
+constexpr double on_transducer_m = 1e-6;
+
+std::vector<array::SlotFocus> read_foci(const DriveCommand& o, const array::Layout& layout) {
+  std::vector<array::SlotFocus> foci;
+  for (const std::string& text : o.foci) {
+    const auto [x, y, z] = parse_point("--focus", text);
+    const array::SlotFocus focus{{x, y, z}, 1};
+    if (!array::drivable(focus))
+      throw bad_usage(fmt::format("--focus: '{}' is farther than 100 m from the array", text));
+    for (std::size_t i = 0; i < layout.transducers.size(); ++i) {
+      if (glm::distance(layout.transducers[i].position, focus.position) < on_transducer_m) {
+        throw bad_usage(
+            fmt::format("--focus: '{}' is where transducer {} stands; give a point in front of the array", text, i));
+      }
+    }
+    foci.push_back(focus);
+  }
+  return foci;
+}
+
+std::string to_csv(const array::Layout& layout, const array::Drive& drive) {
+  std::string csv = "index,x,y,z,nx,ny,nz,amplitude,phase\n";
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    const auto& [p, n] = layout.transducers[i];
+    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{},{},{}\n", i, p.x, p.y, p.z, n.x, n.y, n.z,
+                   drive[i].amplitude, drive[i].phase);
+  }
+  return csv;
+}
+
+std::string to_json(const array::Layout& layout, const std::vector<array::SlotFocus>& foci, const array::Medium& air,
+                    const array::Drive& drive) {
+  JsonWriter json;
+  json.begin_object()
+      .member("layout", layout.name)
+      .member("transducers", std::uint64_t{drive.size()})
+      .member("sound_speed_m_s", air.sound_speed)
+      .member("frequency_hz", air.frequency);
+  json.key("foci_m").begin_array();
+  for (const array::SlotFocus& focus : foci)
+    json.value(focus.position);
+  json.end_array();
+  json.key("amplitudes").begin_array();
+  for (const array::TransducerDrive& d : drive)
+    json.value(d.amplitude);
+  json.end_array();
+  json.key("phases_rad").begin_array();
+  for (const array::TransducerDrive& d : drive)
+    json.value(d.phase);
+  json.end_array().end_object();
+  return json.take();
+}
+
+std::string summary(const array::Layout& layout, const std::vector<array::SlotFocus>& foci, const array::Medium& air,
+                    const array::Drive& drive) {
+  float least = 1, most = 0;
+  for (const array::TransducerDrive& d : drive) {
+    least = std::min(least, d.amplitude);
+    most = std::max(most, d.amplitude);
+  }
+  std::string text = fmt::format("{}: {} transducers, {} kHz, sound at {:.2f} m/s, wavelength {:.3f} mm\n", layout.name,
+                                 drive.size(), air.frequency / 1e3, air.sound_speed, 1e3 / air.turns_per_metre());
+  for (const array::SlotFocus& focus : foci) {
+    fmt::format_to(std::back_inserter(text), "focus at ({:.2f}, {:.2f}, {:.2f}) mm\n", focus.position.x * 1e3,
+                   focus.position.y * 1e3, focus.position.z * 1e3);
+  }
+  fmt::format_to(std::back_inserter(text), "amplitudes {:.3f} to {:.3f}; --csv or --json give every transducer\n",
+                 least, most);
+  return text;
+}
+
+void run(const DriveCommand& o) {
+  if (o.layout.empty())
+    throw bad_usage("--layout is missing: give autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
+  if (o.foci.empty())
+    throw bad_usage("--focus is missing: give a point x,y,z in the layout's frame, such as 0,0,150mm");
+  refuse_two_on_stdout(o.common.json, o.csv);
+  const array::DriveOptions options = drive_options(o.drive);
+  const array::Layout layout = array::load_layout(o.layout);
+  const std::vector<array::SlotFocus> foci = read_foci(o, layout);
+  const array::Drive drive = array::drive_for(layout, foci, options);
+
+  if (!o.csv.empty()) write_output(o.csv, to_csv(layout, drive));
+  if (!o.common.json.empty()) write_output(o.common.json, to_json(layout, foci, options.medium, drive));
+  if (o.csv.empty() && o.common.json.empty() && !o.common.quiet) {
+    write_output("-", summary(layout, foci, options.medium, drive));
+  }
+}
+
+}  // namespace
+
+void add_drive(Program& program) {
+  add_subcommand<DriveCommand>(
+      program,
+      {"drive", "Amplitude and phase of every transducer for one focus, or for several at once.",
+       "  palpa drive --layout openmpd --focus 0,0,150mm --csv drive.csv\n"
+       "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0 --json -\n"
+       "Phases are delays in radians (time factor e^-iwt), amplitudes lie in 0..1."},
+      add_options, run);
+}
+
+}  // namespace palpa::cli

@@ -1,0 +1,40 @@
+#include "cli/progress.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+namespace palpa::cli {
+
+Progress::Progress(std::string what, std::uint64_t total, bool quiet)
+    : what_(std::move(what)), total_(total), on_(!quiet && isatty(STDERR_FILENO) != 0) {}
+
+Progress::~Progress() {
+  // Carriage return, then erase to the end of the line.
+  if (drawn_) std::fputs("\r\x1b[K", stderr);
+}
+
+void Progress::set(std::uint64_t done) {
+  if (!on_) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_) return;
+  next_ = now + std::chrono::milliseconds(100);
+  draw(done);
+}
+
+void Progress::draw(std::uint64_t done) {
+  constexpr std::uint64_t width = 30;
+  drawn_ = true;
+  if (total_ == 0) {
+    fmt::print(stderr, "\r{} {}\x1b[K", what_, done);
+  } else {
+    const std::uint64_t filled = std::min(width, done * width / total_);
+    fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {}/{}\x1b[K", what_, "", filled, "", width - filled, done, total_);
+  }
+  std::fflush(stderr);
+}
+
+}  // namespace palpa::cli
