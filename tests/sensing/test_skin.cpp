@@ -1,0 +1,281 @@
+#include "sensing/skin.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <set>
+
+#include "base/error.hpp"
+#include "gpu/barrier.hpp"
+#include "random_rig.hpp"
+#include "shaders/skin.h"
+#include "spirv/skin_count.comp.hpp"
+#include "spirv/skin_scatter.comp.hpp"
+#include "support/device.hpp"
+#include "support/spirv.hpp"
+
+namespace palpa::sensing {
+namespace {
+
+using test::GuardedBuffer;
+
+struct Scene {
+  std::vector<Camera> cameras;
+  std::vector<DepthFrame> frames;
+};
+
+Scene random_scene(std::mt19937_64& random, std::uint32_t cameras) {
+  Scene scene;
+  for (std::uint32_t i = 0; i < cameras; ++i) {
+    scene.cameras.push_back(test::random_camera(random));
+    scene.frames.push_back(test::random_frame(random, scene.cameras.back()));
+  }
+  return scene;
+}
+
+struct DeviceResult {
+  std::vector<SkinPoint> points;
+  shader::ScanTotal total{};
+};
+
+/// One run of the pass, every buffer between guard words, `room` points at most.
+DeviceResult run_pass(const Scene& scene, const Box& box, std::uint64_t room = ~0ull) {
+  gpu::Device& device = test::test_device();
+  const RayTables tables = make_rays(scene.cameras);
+  std::vector<View> views;
+  plan_views(scene.cameras, tables, box, views);
+
+  std::vector<std::uint16_t> packed(tables.padded_pixels);
+  pack_depth(tables, scene.frames, packed);
+  auto depth = GuardedBuffer::of<std::uint16_t>(device, packed);
+  auto rays = GuardedBuffer::of<glm::vec2>(device, tables.rays);
+  GuardedBuffer blocks(device, std::size_t{skin_groups(tables)} * shader::skin_group * 4);
+  GuardedBuffer counts(device, std::size_t{skin_groups(tables)} * 4);
+  GuardedBuffer points(device, std::min(room, tables.pixels) * sizeof(SkinPoint));
+  GuardedBuffer total(device, sizeof(shader::ScanTotal));
+
+  const SkinPass pass(device);
+  test::run_on_device([&](VkCommandBuffer commands) {
+    const SkinBuffers buffers{depth.ref(), rays.ref(), blocks.ref(), counts.ref(), points.ref(), total.ref()};
+    pass.record(commands, buffers, tables, box, views);
+    gpu::writes_to_transfer(commands);
+  });
+  for (GuardedBuffer* buffer : {&depth, &rays, &blocks, &counts, &points, &total})
+    EXPECT_TRUE(buffer->intact());
+
+  DeviceResult result;
+  result.total = total.read<shader::ScanTotal>()[0];
+  result.points = points.read<SkinPoint>();
+  EXPECT_LE(result.total.total, result.points.size());
+  result.points.resize(std::min<std::size_t>(result.total.total, result.points.size()));
+  return result;
+}
+
+double outside_by(const Box& box, const Vec3& p) {
+  double worst = -1e300;
+  for (int i = 0; i < 3; ++i)
+    worst = std::max({worst, box.low[i] - p[i], p[i] - box.high[i]});
+  return worst;
+}
+
+/// Every pixel's world point in double precision, camera after camera; NaN where there is none.
+std::vector<Vec3> all_points(const Scene& scene) {
+  std::vector<Vec3> points;
+  for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
+    const Camera& camera = scene.cameras[c];
+    for (std::uint32_t v = 0; v < camera.height; ++v) {
+      for (std::uint32_t u = 0; u < camera.width; ++u) {
+        const std::uint16_t depth = scene.frames[c].depth[v * camera.width + u];
+        const bool valid = depth != 0 && depth * camera.depth_unit_m >= camera.min_range_m - 1e-9;
+        points.push_back(valid ? deproject(camera, u, v, depth) : Vec3(NAN));
+      }
+    }
+  }
+  return points;
+}
+
+/// Exactly the points inside the box, in order; only those within `band` of its faces may be in or out.
+void expect_brute_force(const std::vector<Vec3>& all, const Box& box, const std::vector<SkinPoint>& found) {
+  constexpr double band = 2e-6;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double outside = std::isfinite(all[i].x) ? outside_by(box, all[i]) : 1;
+    if (next < found.size() && found[next].index == i) {
+      ASSERT_LE(outside, band) << "pixel " << i << " is not inside";
+      ASSERT_LT(glm::length(all[i] - Vec3(found[next].position)), 1e-6) << "pixel " << i;
+      ++next;
+    } else {
+      ASSERT_GE(outside, -band) << "missed pixel " << i;
+    }
+  }
+  ASSERT_EQ(next, found.size());
+}
+
+bool same_bytes(const std::vector<SkinPoint>& a, const std::vector<SkinPoint>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(SkinPoint)) == 0);
+}
+
+TEST(Skin, TwinFindsWhatBruteForceInDoubleFindsForAnyBoxAndDistortion) {
+  std::mt19937_64 random(7);
+  std::size_t points = 0;
+  for (int round = 0; round < 60; ++round) {
+    const Scene scene = random_scene(random, test::uniform(random, 0, 3));
+    const std::vector<Vec3> all = all_points(scene);
+    const RayTables tables = make_rays(scene.cameras);
+    std::vector<View> views;
+    std::vector<SkinPoint> found;
+    for (int i = 0; i < 80; ++i) {
+      const Box box = test::random_box(random);
+      plan_views(scene.cameras, tables, box, views);
+      find_skin(tables, scene.frames, box, views, found);
+      points += found.size();
+      expect_brute_force(all, box, found);
+      if (HasFatalFailure()) FAIL() << "round " << round;
+    }
+  }
+  EXPECT_GT(points, 20000u);  // the boxes are not just empty
+}
+
+TEST(Skin, DeviceGivesTheTwinsBytes) {
+  std::mt19937_64 random(11);
+  for (int round = 0; round < 25; ++round) {
+    const Scene scene = random_scene(random, test::uniform(random, 1, 4));
+    const Box box = test::random_box(random);
+    const auto twin = find_skin(scene.cameras, scene.frames, box);
+    const DeviceResult device = run_pass(scene, box);
+    EXPECT_TRUE(same_bytes(twin, device.points))
+        << "round " << round << ": " << twin.size() << " and " << device.points.size();
+    EXPECT_EQ(device.total.groups_x, (twin.size() + 63) / 64);
+    EXPECT_EQ(device.total.groups_y, 1u);
+  }
+}
+
+TEST(Skin, WholeImagesAndNothingAtAll) {
+  std::mt19937_64 random(3);
+  Scene scene;
+  for (int i = 0; i < 3; ++i) {
+    scene.cameras.push_back(test::d415(test::random_pose(random, 0.5)));
+    scene.frames.push_back(test::random_frame(random, scene.cameras.back()));
+  }
+  Box everything;
+  everything.add(Vec3(-1e300));
+  everything.add(Vec3(1e300));
+  const auto twin = find_skin(scene.cameras, scene.frames, everything);
+  EXPECT_EQ(twin.size(), count_valid(scene.cameras, scene.frames));
+  EXPECT_TRUE(same_bytes(twin, run_pass(scene, everything).points));
+
+  EXPECT_TRUE(find_skin(scene.cameras, scene.frames, Box{}).empty());
+  const DeviceResult none = run_pass(scene, Box{});
+  EXPECT_EQ(none.total.total, 0u);
+  EXPECT_EQ(none.total.groups_x, 0u);
+  Box behind;  // a box that every camera has behind it or beyond its reach
+  behind.add(Vec3(100));
+  behind.add(Vec3(101));
+  EXPECT_EQ(run_pass(scene, behind).total.total, 0u);
+}
+
+TEST(Skin, TooLittleRoomKeepsTheFirstPointsAndStaysInside) {
+  std::mt19937_64 random(5);
+  const Scene scene = random_scene(random, 3);
+  Box box;
+  box.add(Vec3(-2));
+  box.add(Vec3(2));
+  auto twin = find_skin(scene.cameras, scene.frames, box);
+  ASSERT_GT(twin.size(), 100u);
+  twin.resize(100);
+  const DeviceResult device = run_pass(scene, box, 100);
+  EXPECT_EQ(device.total.total, 100u);
+  EXPECT_TRUE(same_bytes(twin, device.points));
+}
+
+TEST(Skin, MovingRigAndBoxTogetherMovesThePoints) {
+  // Turned by 90 degrees about z, so that the box stays a box.
+  std::mt19937_64 random(13);
+  const Transform motion(Vec4(0, 1, 0, 0), Vec4(-1, 0, 0, 0), Vec4(0, 0, 1, 0), Vec4(0.25, -0.5, 0.125, 1));
+  for (int round = 0; round < 20; ++round) {
+    Scene scene = random_scene(random, 2);
+    const Box box = test::random_box(random);
+    const auto before = find_skin(scene.cameras, scene.frames, box);
+    Box moved;
+    moved.add(transform_point(motion, box.low));
+    moved.add(transform_point(motion, box.high));
+    for (Camera& camera : scene.cameras)
+      camera.T_world_camera = motion * camera.T_world_camera;
+    const auto after = find_skin(scene.cameras, scene.frames, moved);
+    std::set<std::uint32_t> indices;
+    for (const SkinPoint& point : after)
+      indices.insert(point.index);
+    std::size_t shared = 0;
+    for (const SkinPoint& point : before)
+      shared += indices.count(point.index);
+    EXPECT_LE(before.size() - shared, before.size() / 500);  // only those on the box's faces may change sides
+    for (std::size_t i = 0; before.size() == after.size() && i < before.size(); ++i) {
+      if (before[i].index != after[i].index) continue;
+      EXPECT_LT(glm::length(transform_point(motion, Vec3(before[i].position)) - Vec3(after[i].position)), 2e-6);
+    }
+  }
+}
+
+TEST(Skin, ReorderingTheCamerasReordersThePoints) {
+  std::mt19937_64 random(17);
+  const Scene scene = random_scene(random, 2);
+  const Scene swapped{{scene.cameras[1], scene.cameras[0]}, {scene.frames[1], scene.frames[0]}};
+  Box box;
+  box.add(Vec3(-0.5));
+  box.add(Vec3(0.5));
+  const auto a = find_skin(scene.cameras, scene.frames, box);
+  const auto b = find_skin(swapped.cameras, swapped.frames, box);
+  ASSERT_EQ(a.size(), b.size());
+  ASSERT_FALSE(a.empty());
+  const auto first = static_cast<std::uint32_t>(pixel_count(scene.cameras[0]));
+  const auto split = std::find_if(a.begin(), a.end(), [&](const SkinPoint& p) { return p.index >= first; }) - a.begin();
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const SkinPoint& other = b[(i + a.size() - split) % a.size()];
+    EXPECT_EQ(a[i].position, other.position);
+  }
+}
+
+TEST(Skin, NearestRangeIsAWholeStep) {
+  Camera camera = test::d415(Transform(1.0));
+  EXPECT_EQ(first_valid_depth(camera), 2800u);
+  camera.min_range_m = 0;
+  EXPECT_EQ(first_valid_depth(camera), 1u);
+  camera.min_range_m = 0.28004;
+  EXPECT_EQ(first_valid_depth(camera), 2801u);
+  camera.min_range_m = 1000;
+  EXPECT_EQ(first_valid_depth(camera), 65536u);
+}
+
+TEST(Skin, FramesThatDoNotFitAreRefused) {
+  std::mt19937_64 random(19);
+  Scene scene = random_scene(random, 2);
+  scene.frames[1].depth.pop_back();
+  const RayTables tables = make_rays(scene.cameras);
+  std::vector<std::uint16_t> packed(tables.padded_pixels);
+  EXPECT_THROW(pack_depth(tables, scene.frames, packed), Error);
+  EXPECT_THROW(find_skin(scene.cameras, scene.frames, Box{}), Error);
+  scene.frames.pop_back();
+  EXPECT_THROW(pack_depth(tables, scene.frames, packed), Error);
+  Camera huge = test::d415(Transform(1.0));
+  huge.width = huge.height = 16384;
+  EXPECT_THROW(make_rays(std::span(&huge, 1)), Error);
+}
+
+TEST(Skin, ShadersAgreeWithTheSharedHeader) {
+  for (const auto& words : {std::span<const std::uint32_t>(spirv::skin_count_comp),
+                            std::span<const std::uint32_t>(spirv::skin_scatter_comp)}) {
+    const test::SpirvModule module = test::read_spirv(words);
+    EXPECT_EQ(module.local_size, (std::array<std::uint32_t, 3>{shader::skin_group, 1, 1}));
+    const auto& push = module.structs.at("SkinPush").offsets;
+    EXPECT_EQ(push.at("pose_y"), offsetof(shader::SkinPush, pose_y));
+    EXPECT_EQ(push.at("box_low"), offsetof(shader::SkinPush, box_low));
+    EXPECT_EQ(push.at("first_block"), offsetof(shader::SkinPush, first_block));
+    EXPECT_EQ(push.at("depth_span"), offsetof(shader::SkinPush, depth_span));
+    EXPECT_EQ(push.at("most_points"), offsetof(shader::SkinPush, most_points));
+  }
+  EXPECT_EQ(test::read_spirv(spirv::skin_count_comp).bindings.size(), shader::skin_count_buffers);
+  EXPECT_EQ(test::read_spirv(spirv::skin_scatter_comp).bindings.size(), shader::skin_scatter_buffers);
+}
+
+}  // namespace
+}  // namespace palpa::sensing
