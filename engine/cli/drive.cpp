@@ -6,6 +6,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "array/drive_pass.hpp"
 #include "array/layout.hpp"
 #include "base/error.hpp"
 #include "cli/commands.hpp"
@@ -13,6 +14,8 @@
 #include "cli/options.hpp"
 #include "cli/output.hpp"
 #include "cli/values.hpp"
+#include "gpu/commands.hpp"
+#include "gpu/device.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -52,6 +55,20 @@ std::vector<array::SlotFocus> read_foci(const DriveCommand& o, const array::Layo
     foci.push_back(focus);
   }
   return foci;
+}
+
+array::Drive drive_on_gpu(const gpu::DeviceOptions& select, const array::Layout& layout,
+                          const std::vector<array::SlotFocus>& foci, const array::DriveOptions& options) {
+  const gpu::Device device(select);
+  const array::DrivesPass pass(device);
+  array::DriveBuffers buffers(device, layout, options.medium, 1, static_cast<std::uint32_t>(foci.size()));
+  if (!buffers.add_slot(foci)) throw failure("more foci than the GPU's buffers hold");
+  const gpu::Recorder recorder(device, "drive");
+  gpu::Timeline timeline(device);
+  buffers.record(recorder.begin(), pass, options.weighting, options.constraint);
+  timeline.wait(timeline.submit(recorder.end()));
+  const auto drive = buffers.drive(0);
+  return {drive.begin(), drive.end()};
 }
 
 std::string to_csv(const array::Layout& layout, const array::Drive& drive) {
@@ -114,7 +131,9 @@ void run(const DriveCommand& o) {
   const array::DriveOptions options = drive_options(o.drive);
   const array::Layout layout = array::load_layout(o.layout);
   const std::vector<array::SlotFocus> foci = read_foci(o, layout);
-  const array::Drive drive = array::drive_for(layout, foci, options);
+  const array::Drive drive = o.common.backend == Backend::cpu
+                                 ? array::drive_for(layout, foci, options)
+                                 : drive_on_gpu(device_options(o.common), layout, foci, options);
 
   if (!o.csv.empty()) write_output(o.csv, to_csv(layout, drive));
   if (!o.common.json.empty()) write_output(o.common.json, to_json(layout, foci, options.medium, drive));

@@ -88,6 +88,9 @@ Exit parse_and_run(int argc, const char* const* argv, const Extensions& extensio
     write_output("-", "palpa " PALPA_VERSION "\n");
     return Exit::ok;
   } catch (const CLI::ParseError& error) {
+    if (app.get_subcommands().empty() && !app.remaining().empty()) {
+      throw bad_usage(fmt::format("there is no subcommand '{}'; see palpa --help", app.remaining().front()));
+    }
     std::string line = one_line(error.what());
     // The parser's sentences begin like sentences, an error line does not; an option's name keeps its case.
     if (line.starts_with("A ") || line.starts_with("The ")) line[0] = static_cast<char>(line[0] - 'A' + 'a');
@@ -105,13 +108,15 @@ Exit parse_and_run(int argc, const char* const* argv, const Extensions& extensio
 
 CLI::App& add_command(Program& program, const CommandText& text) {
   CLI::App* command = program.app.add_subcommand(text.name, text.summary);
-  command->set_help_flag("-h,--help", "show this help and exit")->group("Common options");
+  command->set_help_flag();
   command->footer(fmt::format("Examples:\n{}", text.examples));
   return *command;
 }
 
 void finish_command(Program& program, CLI::App& command, CommonOptions& common, Action action) {
   add_common(command, common);
+  // Set again, after the command's own options: groups are shown in the order of their first option.
+  command.set_help_flag("-h,--help", "show this help and exit")->group("Common options");
   command.callback([&program, &common, action = std::move(action)] {
     program.action = action;
     program.common = &common;

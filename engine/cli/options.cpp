@@ -21,14 +21,14 @@ void add_common(CLI::App& app, CommonOptions& options) {
                 {"warning", std::optional(log::Level::warning)},
                 {"info", std::optional(log::Level::info)},
                 {"debug", std::optional(log::Level::debug)}},
-               "what stderr shows, default warning");
+               "what goes to stderr, normally warnings");
   group.integer("--seed", options.seed, 0, ~std::uint64_t{0}, "for whatever is random");
   group.choice("--validation", options.validation,
                {{"off", std::optional(gpu::Validation::off)},
                 {"core", std::optional(gpu::Validation::core)},
                 {"sync", std::optional(gpu::Validation::sync)},
                 {"gpu-assisted", std::optional(gpu::Validation::gpu_assisted)}},
-               "default $PALPA_VALIDATION or off");
+               "of Vulkan calls, normally $PALPA_VALIDATION");
 }
 
 void apply_logging(const CommonOptions& options) {
@@ -95,7 +95,7 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
   group.choice("--amplitude", options.weighting,
                {{"distance", array::Weighting::distance}, {"uniform", array::Weighting::uniform}},
                "what a focus asks of a transducer");
-  group.choice("--solver", options.solver, {{"naive", Solver::naive}}, "how several foci share the array: their sum");
+  group.choice("--solver", options.solver, {{"naive", Solver::naive}}, "how several foci share the array");
   group.choice("--constraint", options.constraint,
                {{"normalise", array::Constraint::normalise},
                 {"uniform", array::Constraint::uniform},
@@ -103,7 +103,7 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
                "how amplitudes come into 0..1");
   group.choice("--directivity", options.directivity,
                {{"omni", Directivity::omni}, {"piston", Directivity::piston}, {"t4010a1", Directivity::t4010a1}},
-               "of a transducer; naive ignores it");
+               "of a transducer, unused by naive");
   add_medium_options(app, options.medium);
 }
 

@@ -1,0 +1,124 @@
+#include "process.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <sstream>
+
+namespace palpa::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+[[noreturn]] void become(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                         const RunOptions& options, int out, int err) {
+  if (!options.stdout_file.empty()) out = open(options.stdout_file.c_str(), O_WRONLY);
+  const int in = open("/dev/null", O_RDONLY);
+  dup2(in, STDIN_FILENO);
+  dup2(out, STDOUT_FILENO);
+  dup2(err, STDERR_FILENO);
+  // A shell starts programs with SIGPIPE at its default.
+  std::signal(SIGPIPE, SIG_DFL);
+  for (const auto& [name, value] : options.environment)
+    setenv(name.c_str(), value.c_str(), 1);
+  std::vector<char*> argv{const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments)
+    argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  execv(program.c_str(), argv.data());
+  _exit(127);
+}
+
+/// Reads both pipes until both are closed; false when the time is up first.
+bool read_both(const std::array<int, 2>& pipes, const std::array<std::string*, 2>& texts, Clock::time_point deadline) {
+  std::array<pollfd, 2> polls{pollfd{pipes[0], POLLIN, 0}, pollfd{pipes[1], POLLIN, 0}};
+  std::array<char, 65536> block;
+  while (polls[0].fd >= 0 || polls[1].fd >= 0) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
+    if (left <= 0) return false;
+    if (poll(polls.data(), polls.size(), static_cast<int>(left)) < 0 && errno != EINTR) return false;
+    for (std::size_t i = 0; i < polls.size(); ++i) {
+      if (polls[i].fd < 0 || polls[i].revents == 0) continue;
+      const ssize_t got = read(polls[i].fd, block.data(), block.size());
+      if (got > 0) {
+        texts[i]->append(block.data(), static_cast<std::size_t>(got));
+      } else {
+        polls[i].fd = -1;
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<std::string> Result::err_lines() const {
+  std::vector<std::string> lines;
+  std::istringstream stream(err);
+  for (std::string line; std::getline(stream, line);)
+    lines.push_back(line);
+  return lines;
+}
+
+Result run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                   const RunOptions& options) {
+  std::array<int, 2> out{}, err{};
+  if (pipe2(out.data(), O_CLOEXEC) != 0 || pipe2(err.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+  const auto begin = Clock::now();
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("no fork");
+  if (child == 0) {
+    if (options.close_stdout_reader) close(out[0]);
+    become(program, arguments, options, out[1], err[1]);
+  }
+  close(out[1]);
+  close(err[1]);
+  if (options.close_stdout_reader) {
+    close(out[0]);
+    out[0] = -1;
+  }
+  Result result;
+  const auto deadline = begin + std::chrono::microseconds(static_cast<std::int64_t>(options.timeout_s * 1e6));
+  if (!read_both({out[0], err[0]}, {&result.out, &result.err}, deadline)) {
+    result.timed_out = true;
+    kill(child, SIGKILL);
+  }
+  int status = 0;
+  rusage usage{};
+  while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
+  }
+  result.wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  result.peak_mib = static_cast<double>(usage.ru_maxrss) / 1024;
+  if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
+  if (out[0] >= 0) close(out[0]);
+  close(err[0]);
+  return result;
+}
+
+Result palpa(const std::vector<std::string>& arguments, const RunOptions& options) {
+  return run_program(PALPA_BINARY, arguments, options);
+}
+
+void expect_failure(const Result& result, int code, const std::string& part) {
+  EXPECT_EQ(result.exit_code, code) << result.err;
+  EXPECT_EQ(result.signal, 0);
+  EXPECT_FALSE(result.timed_out);
+  EXPECT_EQ(result.out, "");
+  const std::vector<std::string> lines = result.err_lines();
+  ASSERT_EQ(lines.size(), 1u) << result.err;
+  EXPECT_TRUE(lines[0].starts_with("palpa: error: ")) << lines[0];
+  EXPECT_NE(lines[0].find(part), std::string::npos) << lines[0] << "\ndoes not contain: " << part;
+  EXPECT_EQ(result.err.back(), '\n');
+}
+
+}  // namespace palpa::test

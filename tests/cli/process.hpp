@@ -1,0 +1,48 @@
+// Runs the real programs as a shell would, and keeps what they said.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace palpa::test {
+
+struct RunOptions {
+  std::vector<std::pair<std::string, std::string>> environment;  ///< added to this process's
+  std::string stdout_file;           ///< where stdout goes instead of into `Result::out`, e.g. /dev/full
+  bool close_stdout_reader = false;  ///< stdout is a pipe that nobody reads
+  double timeout_s = 120;            ///< then the program is killed, and `timed_out` is set
+};
+
+struct Result {
+  int exit_code = -1;  ///< -1 where a signal ended it
+  int signal = 0;
+  bool timed_out = false;
+  std::string out, err;
+  double wall_s = 0;
+  double peak_mib = 0;  ///< resident memory
+
+  /// The lines of stderr.
+  std::vector<std::string> err_lines() const;
+};
+
+/// `arguments` without the program's own name.
+Result run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                   const RunOptions& options = {});
+/// The `palpa` that this build made.
+Result palpa(const std::vector<std::string>& arguments, const RunOptions& options = {});
+
+/// Whether this build slows programs down and fattens them (sanitizers).
+constexpr bool instrumented() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return true;
+#else
+  return false;
+#endif
+}
+
+/// gtest: the program failed with `code`, said so in one line that contains `part`, and printed no result.
+void expect_failure(const Result& result, int code, const std::string& part);
+
+}  // namespace palpa::test

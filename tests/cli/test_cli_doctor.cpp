@@ -1,0 +1,58 @@
+// `palpa doctor` on whatever machine this is: a GPU, perhaps none; USB, perhaps none.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "process.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+
+TEST(Doctor, ListsGpusLayerBoardsAndCameras) {
+  const Result result = palpa({"doctor", "--json", "-"});
+  ASSERT_TRUE(result.exit_code == 0 || result.exit_code == 3) << result.err;
+  const json report = json::parse(result.out);
+  ASSERT_TRUE(report["gpus"].is_array());
+  bool usable = false;
+  for (const json& gpu : report["gpus"]) {
+    EXPECT_TRUE(gpu["index"].is_number_integer());
+    for (const char* key : {"name", "driver", "kind"})
+      EXPECT_TRUE(gpu[key].is_string()) << key;
+    usable |= gpu["usable"].get<bool>();
+  }
+  EXPECT_EQ(report["ok"].get<bool>(), usable);
+  EXPECT_EQ(result.exit_code, usable ? 0 : 3);
+  EXPECT_TRUE(report["validation"][0]["present"].is_boolean());
+  for (const char* key : {"boards", "cameras"}) {
+    ASSERT_TRUE(report[key].is_array());
+    // Nothing found is never silent.
+    if (report[key].empty()) {
+      EXPECT_FALSE(report["notes"][key].get<std::string>().empty());
+    }
+  }
+}
+
+TEST(Doctor, SpeaksToPeople) {
+  const Result result = palpa({"doctor"});
+  for (const char* heading : {"GPUs", "Validation layer", "Boards", "Depth cameras"}) {
+    EXPECT_NE(result.out.find(heading), std::string::npos) << heading;
+  }
+  if (result.exit_code == 0) {
+    EXPECT_EQ(result.err, "");
+  }
+}
+
+TEST(Doctor, WithoutAGpuItAdvisesAndReturns3) {
+  RunOptions none;
+  none.environment = {{"VK_DRIVER_FILES", "/nonexistent.json"}, {"VK_ICD_FILENAMES", "/nonexistent.json"}};
+  const Result result = palpa({"doctor", "--json", "-"}, none);
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_FALSE(json::parse(result.out)["ok"].get<bool>());
+  ASSERT_EQ(result.err_lines().size(), 1u) << result.err;
+  EXPECT_NE(result.err.find("mesa-vulkan-drivers"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace palpa::test

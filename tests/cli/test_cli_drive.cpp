@@ -1,0 +1,197 @@
+// `palpa drive` against phases that another program computed, and against itself on both backends.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+
+#include "process.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+
+using Rows = std::vector<std::vector<double>>;
+
+/// Rows of numbers below a header line.
+Rows read_rows(std::istream& stream, std::string* header = nullptr) {
+  Rows rows;
+  std::string line;
+  std::getline(stream, line);
+  if (header) *header = line;
+  while (std::getline(stream, line)) {
+    std::vector<double> row;
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');)
+      row.push_back(std::stod(cell));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+double wrapped(double radians) {
+  return std::remainder(radians, 2 * std::numbers::pi);
+}
+
+class Drive : public testing::TestWithParam<std::string> {
+ protected:
+  Rows csv(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "drive");
+    arguments.insert(arguments.end(), {"--backend", GetParam(), "--csv", "-"});
+    const Result result = palpa(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    std::istringstream text(result.out);
+    std::string header;
+    const Rows rows = read_rows(text, &header);
+    EXPECT_EQ(header, "index,x,y,z,nx,ny,nz,amplitude,phase");
+    return rows;
+  }
+};
+
+// Wrapped -k r of 256 transducers by the Python package levitate, c = 343 m/s, 40 kHz. Its array is the same board in
+// another order, so transducers are matched by position.
+TEST_P(Drive, AgreesWithLevitate) {
+  PALPA_SHARED_OR_SKIP(folder, "acoustics-levitate");
+  std::ifstream positions_file(folder / "array16x16_positions.csv"), phases_file(folder / "phases_f0.csv");
+  const Rows positions = read_rows(positions_file), phases = read_rows(phases_file);
+  const Rows ours = csv({"--layout", "openmpd", "--focus", "0,0,0.15", "--sound-speed", "343"});
+  ASSERT_EQ(ours.size(), 256u);
+  ASSERT_EQ(positions.size(), 256u);
+  ASSERT_EQ(phases.size(), 256u);
+  double common = 0, worst = 0;
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    std::size_t match = 0, matches = 0;
+    for (std::size_t j = 0; j < positions.size(); ++j) {
+      const auto& p = positions[j];
+      if (std::hypot(p[0] - ours[i][1], p[1] - ours[i][2], p[2] - ours[i][3]) > 1e-6) continue;
+      match = j;
+      ++matches;
+    }
+    ASSERT_EQ(matches, 1u) << "transducer " << i;
+    const double difference = wrapped(ours[i][8] - phases[match][0]);
+    if (i == 0) common = difference;
+    worst = std::max(worst, std::abs(wrapped(difference - common)));
+  }
+  EXPECT_LE(worst, 5e-5);
+}
+
+TEST_P(Drive, OneFocusIsThePapersFormula) {
+  const double c = 331.3 * std::sqrt(1 + 25 / 273.15), f = 41e3;
+  const std::vector<double> focus{0.012, -0.034, 0.12};
+  const Rows rows =
+      csv({"--layout", "paper", "--focus", "12mm,-3.4cm,0.12", "--temperature", "25", "--frequency", "41kHz"});
+  ASSERT_EQ(rows.size(), 3984u);
+  double farthest = 0;
+  const auto distance = [&](const auto& r) { return std::hypot(focus[0] - r[1], focus[1] - r[2], focus[2] - r[3]); };
+  for (const auto& row : rows)
+    farthest = std::max(farthest, distance(row));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& row = rows[i];
+    ASSERT_EQ(row.size(), 9u);
+    EXPECT_EQ(row[0], static_cast<double>(i));
+    EXPECT_NEAR(std::hypot(row[4], row[5], row[6]), 1, 1e-9);
+    EXPECT_NEAR(row[7], distance(row) / farthest, 1e-5);
+    EXPECT_NEAR(wrapped(row[8] + 2 * std::numbers::pi * f / c * distance(row)), 0, 5e-5) << i;
+    EXPECT_GT(row[8], -std::numbers::pi - 1e-6);
+    EXPECT_LE(row[8], std::numbers::pi + 1e-6);
+  }
+}
+
+TEST_P(Drive, SeveralFociAreTheirNormalisedSum) {
+  const std::vector<std::string> both{"--layout", "autd3", "--focus", "-20mm,0,0.15", "--focus", "0.02,10mm,0.14"};
+  const Rows sum = csv(both);
+  const Rows a = csv({"--layout", "autd3", "--focus", "-20mm,0,0.15"}),
+             b = csv({"--layout", "autd3", "--focus", "0.02,10mm,0.14"});
+  ASSERT_EQ(sum.size(), 249u);
+  std::vector<std::complex<double>> expected;
+  double largest = 0;
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    expected.push_back(std::polar(a[i][7], a[i][8]) + std::polar(b[i][7], b[i][8]));
+    largest = std::max(largest, std::abs(expected.back()));
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    EXPECT_LT(std::abs(std::polar(sum[i][7], sum[i][8]) - expected[i] / largest), 2e-4) << i;
+  }
+  const auto constrained = [&](const char* constraint) {
+    std::vector<std::string> line = both;
+    line.insert(line.end(), {"--constraint", constraint});
+    return csv(line);
+  };
+  for (const auto& row : constrained("uniform"))
+    EXPECT_EQ(row[7], 1);
+  const Rows clamped = constrained("clamp");
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    EXPECT_NEAR(clamped[i][7], std::min(1.0, std::abs(expected[i])), 2e-4);
+  for (const auto& row : csv({"--layout", "autd3", "--focus", "0,0,0.1", "--amplitude", "uniform"}))
+    EXPECT_EQ(row[7], 1);
+}
+
+TEST_P(Drive, JsonSaysTheSameAsCsv) {
+  const Rows rows = csv({"--layout", "sonicsurface", "--focus", "0,0,0.1"});
+  const Result result =
+      palpa({"drive", "--layout", "sonicsurface", "--focus", "0,0,0.1", "--backend", GetParam(), "--json", "-"});
+  const json drive = json::parse(result.out);
+  EXPECT_EQ(drive["layout"], "sonicsurface");
+  EXPECT_EQ(drive["transducers"], 256);
+  EXPECT_NEAR(drive["sound_speed_m_s"].get<double>(), 343.21, 0.01);
+  EXPECT_EQ(drive["frequency_hz"], 40000);
+  EXPECT_EQ(drive["foci_m"], json::parse("[[0,0,0.1]]"));
+  ASSERT_EQ(drive["amplitudes"].size(), rows.size());
+  ASSERT_EQ(drive["phases_rad"].size(), rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(drive["amplitudes"][i].get<double>(), rows[i][7]);
+    EXPECT_EQ(drive["phases_rad"][i].get<double>(), rows[i][8]);
+  }
+}
+
+TEST_P(Drive, TheSameBytesForAnyThreadCount) {
+  const std::vector<std::string> line{"drive",    "--layout", "paper", "--focus",   "0,0,0.03", "--focus",
+                                      "0.01,0,0", "--csv",    "-",     "--backend", GetParam()};
+  RunOptions one, two;
+  one.environment = {{"LP_NUM_THREADS", "1"}};
+  two.environment = {{"LP_NUM_THREADS", "2"}};
+  EXPECT_EQ(palpa(line, one).out, palpa(line, two).out);
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, Drive, testing::Values("cpu", "gpu"), [](const auto& test) { return test.param; });
+
+TEST(DriveLayouts, EveryBuiltInOneHasItsTransducers) {
+  const std::pair<const char*, std::size_t> layouts[]{
+      {"autd3", 249}, {"paper", 3984}, {"openmpd", 256}, {"openmpd-pair", 512}, {"sonicsurface", 256}};
+  for (const auto& [name, count] : layouts) {
+    const Result result = palpa({"drive", "--layout", name, "--focus", "0,0,0.1", "--backend", "cpu", "--json", "-"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(json::parse(result.out)["amplitudes"].size(), count) << name;
+  }
+}
+
+TEST(DriveErrors, FociThatCannotBe) {
+  const auto refused = [](const char* focus, const char* part) {
+    expect_failure(palpa({"drive", "--layout", "openmpd", "--focus", focus, "--backend", "cpu"}), 2, part);
+  };
+  for (const char* text :
+       {"0,0", "0,0,0,0", "a,b,c", "0,0,nan", "0,0,inf", "0,0,1e999", "0;0;0", ",,", "0,0,0.1kHz", "0, 0, 0.1"}) {
+    refused(text, "x,y,z");
+  }
+  refused("0,0,1e6", "100 m");
+  refused("-78.75mm,78.75mm,0", "transducer 0");
+}
+
+TEST(DriveErrors, WhatIsMissing) {
+  expect_failure(palpa({"drive", "--focus", "0,0,0.1"}), 2, "--layout");
+  expect_failure(palpa({"drive", "--layout", "openmpd"}), 2, "--focus");
+  expect_failure(palpa({"drive", "--layout", "no such layout", "--focus", "0,0,0.1"}), 4, "openmpd-pair");
+  expect_failure(palpa({"drive", "--layout", "/dev/null", "--focus", "0,0,0.1"}), 4, "/dev/null");
+  expect_failure(
+      palpa({"drive", "--layout", "openmpd", "--focus", "0,0,0.1", "--temperature", "20", "--sound-speed", "343"}), 2,
+      "--sound-speed");
+}
+
+}  // namespace
+}  // namespace palpa::test
