@@ -18,14 +18,13 @@ function(palpa_room NAME)
   set_property(GLOBAL APPEND PROPERTY PALPA_ROOMS ${target})
 endfunction()
 
-# palpa_test(NAME SOURCES ... [LINKS ...] [SHADERS ...] [LABELS ...]): one GoogleTest executable per topic, one ctest entry.
+# palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...]): one GoogleTest executable per topic, one ctest entry. A test may
+# include the embedded SPIR-V ("spirv/name.comp.hpp") of any room it links.
 function(palpa_test NAME)
-  cmake_parse_arguments(TEST "" "" "SOURCES;LINKS;SHADERS;LABELS" ${ARGN})
+  cmake_parse_arguments(TEST "" "" "SOURCES;LINKS;LABELS" ${ARGN})
   add_executable(${NAME} ${TEST_SOURCES})
   target_link_libraries(${NAME} PRIVATE ${TEST_LINKS} palpa_test_support GTest::gtest palpa_options)
-  if(TEST_SHADERS)
-    palpa_shaders(${NAME} ${TEST_SHADERS})
-  endif()
+  target_include_directories(${NAME} PRIVATE ${PROJECT_BINARY_DIR})
   add_test(NAME ${NAME} COMMAND ${NAME})
   set_tests_properties(${NAME} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT 600)
 endfunction()

@@ -1,0 +1,131 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+
+#include "base/error.hpp"
+#include "gpu/barrier.hpp"
+#include "gpu/check.hpp"
+#include "gpu/commands.hpp"
+#include "gpu/device.hpp"
+#include "gpu/timestamps.hpp"
+#include "support/device.hpp"
+
+namespace palpa::gpu {
+namespace {
+
+Exit exit_of(const DeviceOptions& options, std::string* line = nullptr) {
+  try {
+    const Device device(options);
+  } catch (const Error& error) {
+    if (line) *line = error.what();
+    return error.code();
+  }
+  return Exit::ok;
+}
+
+TEST(Device, ListsWhatIsThere) {
+  const auto devices = list_devices();
+  ASSERT_FALSE(devices.empty());
+  for (std::size_t i = 0; i < devices.size(); ++i) EXPECT_EQ(devices[i].index, i);
+  RecordProperty("device", test::test_device().description().name);
+  std::printf("device: %s, driver %s\n", test::test_device().description().name.c_str(),
+              test::test_device().description().driver.c_str());
+}
+
+TEST(Device, IsChosenByIndexAndByPartOfItsNameInAnyCase) {
+  const DeviceDescription wanted = test::test_device().description();
+  EXPECT_EQ(Device({.select = std::to_string(wanted.index)}).description().name, wanted.name);
+  std::string part = wanted.name.substr(0, 4);
+  for (char& c : part) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  EXPECT_NE(Device({.select = part}).description().name, "");
+}
+
+TEST(Device, RefusesWithAReasonWhenNothingFits) {
+  std::string line;
+  EXPECT_EQ(exit_of({.select = "no such GPU"}, &line), Exit::no_device);
+  EXPECT_NE(line.find("is not 'no such GPU'"), std::string::npos) << line;
+  EXPECT_EQ(line.find('\n'), std::string::npos);
+  EXPECT_EQ(exit_of({.select = "999"}, &line), Exit::no_device);
+}
+
+TEST(Device, StagedAndUnifiedBuffersCarryTheSameBytes) {
+  for (const bool staging : {false, true}) {
+    const Device device({.force_staging = staging});
+    EXPECT_FALSE(staging && device.unified_memory());
+    Upload upload(device, 1000, "up");
+    Readback readback(device, 1000, "down");
+    EXPECT_EQ(upload.ref().size, 1000u);
+    for (int i = 0; i < 1000; ++i) upload.data()[i] = static_cast<std::byte>(i * 7);
+    const Recorder recorder(device, "copy");
+    Timeline timeline(device);
+    const VkCommandBuffer commands = recorder.begin();
+    upload.record(commands);
+    const VkBufferCopy region{0, 0, 1000};
+    vkCmdCopyBuffer(commands, upload.ref().buffer, readback.ref().buffer, 1, &region);
+    readback.record(commands);
+    const std::uint64_t value = timeline.submit(recorder.end());
+    timeline.wait(value);
+    EXPECT_TRUE(timeline.done(value));
+    EXPECT_EQ(std::memcmp(upload.data(), readback.data(), 1000), 0) << "staging " << staging;
+  }
+}
+
+TEST(Device, ALostDeviceIsAnErrorNotACrash) {
+  const Device device;
+  const Recorder recorder(device, "lost");
+  Timeline timeline(device);
+  recorder.begin();
+  const VkCommandBuffer commands = recorder.end();
+  device.lose();
+  try {
+    timeline.submit(commands);
+    FAIL() << "submitted to a lost device";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Exit::failed);
+    EXPECT_NE(std::string(error.what()).find("VK_ERROR_DEVICE_LOST"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Device, ChecksNameCallFileAndResult) {
+  try {
+    PALPA_VK(VK_ERROR_OUT_OF_DEVICE_MEMORY);
+    FAIL();
+  } catch (const Error& error) {
+    const std::string line = error.what();
+    EXPECT_NE(line.find("VK_ERROR_OUT_OF_DEVICE_MEMORY"), std::string::npos);
+    EXPECT_NE(line.find("test_device.cpp:"), std::string::npos);
+  }
+  EXPECT_NO_THROW(PALPA_VK(VK_SUBOPTIMAL_KHR));
+}
+
+TEST(Device, KnowsItsValidationPresets) {
+  EXPECT_EQ(parse_validation("sync"), Validation::sync);
+  EXPECT_EQ(parse_validation("gpu-assisted"), Validation::gpu_assisted);
+  EXPECT_EQ(parse_validation("best"), std::nullopt);
+}
+
+TEST(Timestamps, AddUpByNameAndNeverRunBackwards) {
+  Device& device = test::test_device();
+  Timestamps timestamps(device, 4);
+  const Buffer buffer(device, 1 << 20, "filled");
+  const Recorder recorder(device, "timed");
+  Timeline timeline(device);
+  const VkCommandBuffer commands = recorder.begin();
+  timestamps.begin(commands);
+  for (const char* name : {"fill", "fill", "other"}) {
+    vkCmdFillBuffer(commands, buffer.ref().buffer, 0, VK_WHOLE_SIZE, 7);
+    writes_to_transfer(commands);
+    timestamps.mark(commands, name);
+  }
+  timeline.wait(timeline.submit(recorder.end()));
+  std::vector<PassTime> times;
+  timestamps.read(times);
+  ASSERT_EQ(times.size(), 2u);
+  EXPECT_STREQ(times[0].name, "fill");
+  EXPECT_STREQ(times[1].name, "other");
+  for (const PassTime& time : times) EXPECT_GE(time.ms, 0.0);
+}
+
+}  // namespace
+}  // namespace palpa::gpu

@@ -1,0 +1,96 @@
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <random>
+
+#include "gpu/barrier.hpp"
+#include "gpu/scan.hpp"
+#include "spirv/scan.comp.hpp"
+#include "support/device.hpp"
+#include "support/spirv.hpp"
+
+namespace palpa {
+namespace {
+
+using test::GuardedBuffer;
+
+std::vector<std::uint32_t> random_counts(std::size_t size) {
+  std::mt19937 random(static_cast<unsigned>(size));
+  std::vector<std::uint32_t> counts(size);
+  for (auto& count : counts) count = random() % 257;
+  return counts;
+}
+
+struct Scanned {
+  std::vector<std::uint32_t> offsets;
+  shader::ScanTotal total;
+  bool intact;
+};
+
+Scanned scan_on_device(const std::vector<std::uint32_t>& counts, std::uint32_t length, gpu::ScanPass::Sizes sizes) {
+  gpu::Device& device = test::test_device();
+  const gpu::ScanPass pass(device);
+  auto in_place = GuardedBuffer::of<std::uint32_t>(device, counts);
+  auto items = GuardedBuffer::of<std::uint32_t>(device, std::array{length});
+  GuardedBuffer total(device, sizeof(shader::ScanTotal));
+  test::run_on_device([&](VkCommandBuffer commands) {
+    pass.record(commands, in_place.ref(), sizes.items_per_count ? items.ref() : gpu::BufferRef{}, total.ref(), sizes);
+    gpu::compute_to_compute(commands);
+  });
+  return {in_place.read<std::uint32_t>(), total.read<shader::ScanTotal>()[0],
+          in_place.intact() && items.intact() && total.intact()};
+}
+
+TEST(Scan, AgreesWithTheTwinAndWithStdExclusiveScan) {
+  for (const std::size_t size : {1u, 2u, 255u, 256u, 257u, 1000u, 4783u, 65536u}) {
+    const auto counts = random_counts(size);
+    auto twin = counts;
+    const std::uint32_t twin_total = gpu::exclusive_scan(twin);
+    std::vector<std::uint32_t> expected(size);
+    std::exclusive_scan(counts.begin(), counts.end(), expected.begin(), 0u);
+
+    const Scanned scanned = scan_on_device(counts, 0, {static_cast<std::uint32_t>(size), 0, 0xffffffffu, 64});
+    EXPECT_EQ(scanned.offsets, expected) << size;
+    EXPECT_EQ(twin, expected) << size;
+    EXPECT_EQ(scanned.total.total, twin_total);
+    EXPECT_EQ(scanned.total.groups_x, (twin_total + 63) / 64);
+    EXPECT_EQ(scanned.total.groups_y, 1u);
+    EXPECT_EQ(scanned.total.groups_z, 1u);
+    EXPECT_TRUE(scanned.intact) << size;
+  }
+}
+
+TEST(Scan, ReadsItsLengthOnTheDevice) {
+  const auto counts = random_counts(100);
+  // 700 items at 64 per count: 11 counts, the rest must stay as they are.
+  const Scanned scanned = scan_on_device(counts, 700, {100, 64, 0xffffffffu, 64});
+  auto expected = counts;
+  gpu::exclusive_scan(std::span(expected).first(11));
+  EXPECT_EQ(scanned.offsets, expected);
+  EXPECT_EQ(scanned.total.total, std::accumulate(counts.begin(), counts.begin() + 11, 0u));
+  EXPECT_TRUE(scanned.intact);
+}
+
+TEST(Scan, ALengthBeyondTheBufferIsBounded) {
+  const auto counts = random_counts(10);
+  const Scanned scanned = scan_on_device(counts, 1'000'000, {10, 64, 0xffffffffu, 64});
+  EXPECT_EQ(scanned.total.total, std::accumulate(counts.begin(), counts.end(), 0u));
+  EXPECT_TRUE(scanned.intact);
+}
+
+TEST(Scan, ClampsTheTotal) {
+  const Scanned scanned = scan_on_device({5, 6, 7}, 0, {3, 0, 10, 64});
+  EXPECT_EQ(scanned.total.total, 10u);
+  EXPECT_EQ(scanned.offsets, (std::vector<std::uint32_t>{0, 5, 11}));
+}
+
+TEST(Scan, LayoutIsWhatTheShaderHas) {
+  const test::SpirvModule module = test::read_spirv(spirv::scan_comp);
+  EXPECT_EQ(module.local_size[0], shader::scan_group);
+  EXPECT_EQ(module.bindings, (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_EQ(module.structs.at("ScanTotal").offsets.at("groups_x"), offsetof(shader::ScanTotal, groups_x));
+  EXPECT_EQ(module.structs.at("ScanPush").offsets.at("group_size"), offsetof(shader::ScanPush, group_size));
+}
+
+}  // namespace
+}  // namespace palpa

@@ -1,0 +1,25 @@
+// main() of every test executable: says what it runs on and fails on any validation error.
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "gpu/device.hpp"
+
+namespace {
+
+// The loader unloads lavapipe at teardown; leak reports would then name an unknown module that no suppression can match.
+[[maybe_unused]] void* const keep_driver = dlopen("libvulkan_lvp.so", RTLD_LAZY | RTLD_NODELETE);
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  const int failed = RUN_ALL_TESTS();
+  if (palpa::gpu::validation_errors() != 0) {
+    std::fprintf(stderr, "FAILED: %llu Vulkan validation errors\n",
+                 static_cast<unsigned long long>(palpa::gpu::validation_errors()));
+    return 1;
+  }
+  return failed;
+}

@@ -1,0 +1,25 @@
+// Recorded data that is not part of the repository: `../shared/data` beside the checkout, or $PALPA_SHARED/data.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+namespace palpa::test {
+
+/// The path if it exists, else an empty path.
+std::filesystem::path shared_data(const std::string& relative);
+
+/// A file of the source tree, e.g. source_file("assets/cube.glb").
+std::filesystem::path source_file(const std::string& relative);
+
+/// A fresh empty folder below the build directory, removed at exit.
+std::filesystem::path scratch_folder(const std::string& name);
+
+}  // namespace palpa::test
+
+/// Declares `variable` or ends the test as skipped where the data is not there.
+#define PALPA_SHARED_OR_SKIP(variable, relative)                                  \
+  const std::filesystem::path variable = ::palpa::test::shared_data(relative);   \
+  if (variable.empty()) GTEST_SKIP() << "skipped: no ../shared/data/" << relative
