@@ -46,19 +46,18 @@ Timeline::Timeline(const Device& device, const char* name) : device_(&device) {
 }
 
 std::uint64_t Timeline::submit(VkCommandBuffer commands) {
-  VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
-  buffer.commandBuffer = commands;
-  VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
-  signal.semaphore = semaphore_.get();
-  signal.value = last_ + 1;
-  signal.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
-  info.commandBufferInfoCount = 1;
-  info.pCommandBufferInfos = &buffer;
-  info.signalSemaphoreInfoCount = 1;
-  info.pSignalSemaphoreInfos = &signal;
+  const std::uint64_t value = last_ + 1;
+  const VkSemaphore semaphore = semaphore_.get();
+  VkTimelineSemaphoreSubmitInfo timeline{VK_STRUCTURE_TYPE_TIMELINE_SEMAPHORE_SUBMIT_INFO};
+  timeline.signalSemaphoreValueCount = 1;
+  timeline.pSignalSemaphoreValues = &value;
+  VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO, &timeline};
+  info.commandBufferCount = 1;
+  info.pCommandBuffers = &commands;
+  info.signalSemaphoreCount = 1;
+  info.pSignalSemaphores = &semaphore;
   const std::lock_guard lock(device_->queue_mutex());
-  PALPA_VK(device_->lost() ? VK_ERROR_DEVICE_LOST : vkQueueSubmit2(device_->queue(), 1, &info, VK_NULL_HANDLE));
+  PALPA_VK(device_->lost() ? VK_ERROR_DEVICE_LOST : vkQueueSubmit(device_->queue(), 1, &info, VK_NULL_HANDLE));
   return ++last_;
 }
 
