@@ -178,9 +178,9 @@ Device::Device(const DeviceOptions& options) {
   if (!load_vulkan()) {
     throw Error(Exit::no_device, "no Vulkan loader found: install libvulkan1 and a driver such as mesa-vulkan-drivers");
   }
-  const Validation validation = options.validation ? *options.validation : validation_from_environment();
+  validation_ = options.validation ? *options.validation : validation_from_environment();
   try {
-    create_instance(options, validation);
+    create_instance(options);
     choose_physical(options);
     create_device(!options.window_extensions.empty());
   } catch (...) {
@@ -202,7 +202,7 @@ void Device::destroy() {
   instance_ = VK_NULL_HANDLE;
 }
 
-void Device::create_instance(const DeviceOptions& options, Validation validation) {
+void Device::create_instance(const DeviceOptions& options) {
   VkApplicationInfo app{VK_STRUCTURE_TYPE_APPLICATION_INFO};
   app.pApplicationName = "palpa";
   app.apiVersion = VK_API_VERSION_1_3;
@@ -210,7 +210,7 @@ void Device::create_instance(const DeviceOptions& options, Validation validation
   std::vector<const char*> extensions = options.window_extensions;
   std::vector<const char*> layers;
   std::vector<VkValidationFeatureEnableEXT> enables;
-  if (validation != Validation::off) {
+  if (validation_ != Validation::off) {
     if (!validation_layer_present()) {
       throw Error(Exit::no_device, "validation was asked for, but VK_LAYER_KHRONOS_validation is not installed: "
                                    "install vulkan-validationlayers");
@@ -219,11 +219,11 @@ void Device::create_instance(const DeviceOptions& options, Validation validation
     extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
   }
-  if (validation == Validation::sync) {
+  if (validation_ == Validation::sync) {
     enables = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
     // The layer knows the check across command buffers only by this name, not by an enumerator.
     setenv("VK_LAYER_ENABLES", "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT", 0);
-  } else if (validation == Validation::gpu_assisted) {
+  } else if (validation_ == Validation::gpu_assisted) {
     enables = {VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
                VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT};
   }
@@ -244,7 +244,7 @@ void Device::create_instance(const DeviceOptions& options, Validation validation
                                              result_name(result)));
   }
   volkLoadInstanceOnly(instance_);
-  if (validation != Validation::off) {
+  if (validation_ != Validation::off) {
     VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
     messenger.messageSeverity =
         VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;

@@ -65,6 +65,7 @@ class Device {
   std::uint32_t queue_family() const { return queue_family_; }
   const DeviceDescription& description() const { return description_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
+  Validation validation() const { return validation_; }
 
   /// True where host and device share memory and nobody asked for staging: uploads and readbacks then copy nothing.
   bool unified_memory() const { return unified_; }
@@ -86,7 +87,7 @@ class Device {
   bool lost() const { return lost_; }
 
  private:
-  void create_instance(const DeviceOptions& options, Validation validation);
+  void create_instance(const DeviceOptions& options);
   void choose_physical(const DeviceOptions& options);
   void create_device(bool window);
   void destroy();
@@ -100,6 +101,7 @@ class Device {
   DeviceDescription description_;
   VkPhysicalDeviceLimits limits_{};
   VkPhysicalDeviceMemoryProperties memory_{};
+  Validation validation_ = Validation::off;
   bool unified_ = false;
   mutable std::mutex queue_mutex_;
   mutable std::atomic<bool> lost_{false};
