@@ -21,12 +21,12 @@ struct Scene {
   std::vector<SceneMesh> meshes;  ///< depth-first in the scene's node order
 };
 
-/// Reads `scene_index`, or the file's default scene, or scene 0; a file without scenes gives all root nodes. Triangle lists,
-/// strips and fans, indexed by 8, 16 or 32 bits or not at all; sparse and interleaved accessors; node hierarchies, TRS and
-/// matrices, negative scale (triangles are turned so that they keep facing outwards), instances. Points and lines are
-/// skipped. Throws bad_input, one line naming file and fault: unreadable, malformed, out-of-range indices, non-finite
-/// positions, a node loop, zero scale, a required extension that is not supported (by name), an absent scene. Faults without
-/// bearing on the geometry (textures, wrong min/max) are warnings at most.
+/// Reads `scene_index`, or the file's default scene, or scene 0; a file without scenes gives all root nodes. Triangle
+/// lists, strips and fans, indexed by 8, 16 or 32 bits or not at all; sparse and interleaved accessors; node
+/// hierarchies, TRS and matrices, negative scale (triangles are turned so that they keep facing outwards), instances.
+/// Points and lines are skipped. Throws bad_input, one line naming file and fault: unreadable, malformed, out-of-range
+/// indices, non-finite positions, a node loop, zero scale, a required extension that is not supported (by name), an
+/// absent scene. Faults without bearing on the geometry (textures, wrong min/max) are warnings at most.
 Scene load_gltf(const std::filesystem::path& file, std::optional<int> scene_index = std::nullopt);
 
 }  // namespace palpa::geometry

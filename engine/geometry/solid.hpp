@@ -4,16 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "geometry/convex.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/mesh.hpp"
 
 namespace palpa::geometry {
-
-/// Points with dot(normal, x) < offset lie on the inner side. `normal` has unit length and points outwards.
-struct Plane {
-  Vec3 normal;
-  double offset;
-};
 
 struct Solid {
   std::string name;           ///< the glTF node's name
@@ -22,14 +17,16 @@ struct Solid {
   Box bounds;
 };
 
-/// Eq. (1): min over faces m of (x_m - x) . n_m, metres, positive inside. The exact depth for points inside a convex solid;
-/// outside it is minus the distance to the worst plane, a lower bound of the distance.
+/// Eq. (1): min over faces m of (x_m - x) . n_m, metres, positive inside. The exact depth for points inside a convex
+/// solid; outside it is minus the distance to the worst plane, a lower bound of the distance.
 double depth(const Solid& solid, const Vec3& point);
 
-/// The solids of a scene, in node order. Meshes that are open by themselves but closed together (CAD exports split faces
-/// over nodes) become one solid. Throws bad_input naming file and mesh: no mesh at all; open, non-manifold or inconsistently
-/// oriented (which edges, how many); flat; made of several shells; concave (a reflex edge and its angle). A mesh that is
-/// inside out is turned, with a warning.
+/// The solids of a scene, in node order. Meshes that are open by themselves but closed together (CAD exports split
+/// faces over nodes) become one solid, named after the first of them. Vertices are welded where positions are equal;
+/// where that leaves a mesh open, those within flatness_tolerance of each other are, too. Throws bad_input naming file
+/// and mesh: no mesh at all; open, non-manifold or inconsistently oriented (how many edges, and one of them); flat;
+/// larger than a kilometre or smaller than a micrometre; made of several shells; concave (a reflex edge and its angle).
+/// A mesh that is inside out is turned, with a warning.
 std::vector<Solid> make_solids(const Scene& scene);
 
 }  // namespace palpa::geometry

@@ -1,0 +1,43 @@
+// Numbers out of bytes: strided, sparse, of any width.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/math.hpp"
+
+namespace palpa::geometry::gltf {
+
+/// `count` elements, `stride` bytes apart, the first at the front of `bytes`. Empty bytes stand for zeros.
+struct Column {
+  std::span<const unsigned char> bytes;
+  std::size_t count, stride;
+  int component;  ///< glTF's number: 5121 u8, 5123 u16, 5125 u32, 5126 f32
+};
+
+/// Elements that replace those of a column.
+struct Sparse {
+  Column indices, values;
+};
+
+/// 32-bit float VEC3. `fault` gets the sparse index that is out of range or not ascending, and nothing is returned
+/// then.
+std::optional<std::vector<Vec3>> read_vec3(const Column& column, const std::optional<Sparse>& sparse,
+                                           std::uint64_t& fault);
+
+/// Unsigned scalars of 8, 16 or 32 bits; `fault` as above.
+std::optional<std::vector<std::uint32_t>> read_unsigned(const Column& column, const std::optional<Sparse>& sparse,
+                                                        std::uint64_t& fault);
+
+/// Triangles of `vertices` (0, 1, 2, ... or an index list) as list (mode 4), strip (5) or fan (6); left-over vertices
+/// of an incomplete triangle are dropped. glTF 2.0 section 3.7.2.1.
+std::vector<glm::uvec3> triangles_of(int mode, std::span<const std::uint32_t> vertices);
+
+/// How many those are.
+std::size_t triangle_count(int mode, std::size_t vertices);
+
+}  // namespace palpa::geometry::gltf

@@ -1,0 +1,25 @@
+// The outer hull of a glTF file: JSON text, and the BIN chunk of a .glb.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "geometry/file.hpp"
+
+namespace palpa::geometry::gltf {
+
+struct BinChunk {
+  std::uint64_t offset, size;  ///< bytes in the file
+};
+
+struct Container {
+  std::string json;             ///< without a byte order mark
+  std::optional<BinChunk> bin;  ///< in a .glb only
+};
+
+/// Told apart by their first bytes, not by their names. Throws bad_input: neither kind; glTF 1.0; lengths that do not
+/// fit the file; JSON of more than 64 MiB.
+Container read_container(const InputFile& file);
+
+}  // namespace palpa::geometry::gltf

@@ -1,0 +1,155 @@
+#include "geometry/gltf_json.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/error.hpp"
+#include "geometry/text.hpp"
+
+namespace palpa::geometry::gltf {
+namespace {
+
+constexpr int deepest = 128;
+constexpr std::size_t most_values = 2'000'000;  // some 80 bytes each, and twice: here and in tinygltf
+
+// The value as a whole number: JSON writers may say 28 or 28.0.
+std::optional<std::uint64_t> as_whole(const Json& value) {
+  if (value.is_number_unsigned()) return value.get<std::uint64_t>();
+  if (value.is_number_float()) {
+    const double number = value.get<double>();
+    if (number >= 0 && number <= 9007199254740992.0 && number == std::floor(number))
+      return static_cast<std::uint64_t>(number);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Json parse_json(const std::string& file, const std::string& text) {
+  std::size_t values = 0;
+  const auto bounded = [&](int depth, Json::parse_event_t event, Json&) {
+    if (depth > deepest) throw bad_input(file, fmt::format("its JSON is nested more than {} levels deep", deepest));
+    const bool counts = event != Json::parse_event_t::object_end && event != Json::parse_event_t::array_end;
+    if (counts && ++values > most_values)
+      throw bad_input(file, fmt::format("its JSON has more than {} values", most_values));
+    return true;
+  };
+  try {
+    return Json::parse(text, bounded);
+  } catch (const Json::parse_error& e) {
+    // Its own text quotes the input, which may be endless and hold anything.
+    const std::size_t end = std::min(e.byte, text.size());
+    const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n') + 1;
+    throw bad_input(file, fmt::format("its JSON has a syntax error at line {}, byte {}", line, end));
+  } catch (const Json::exception&) {
+    throw bad_input(file, "its JSON has a number that no computer holds");
+  }
+}
+
+Item::Item(const std::string& file, const Json& value, std::string where)
+    : file_(&file), value_(&value), where_(std::move(where)) {
+  if (!value.is_object()) fail("is not a JSON object");
+}
+
+void Item::fail(const std::string& fault) const {
+  throw bad_input(*file_, where_ + ": " + fault);
+}
+
+std::optional<std::uint64_t> Item::whole(const char* key, std::uint64_t least, std::uint64_t most) const {
+  const auto found = value_->find(key);
+  if (found == value_->end()) return std::nullopt;
+  const auto number = as_whole(*found);
+  if (!number) fail(fmt::format("\"{}\" is not a whole number", key));
+  if (*number < least || *number > most)
+    fail(fmt::format("\"{}\" is {}; it must lie within {} and {}", key, *number, least, most));
+  return number;
+}
+
+std::uint64_t Item::needed_whole(const char* key, std::uint64_t least, std::uint64_t most) const {
+  const auto number = whole(key, least, most);
+  if (!number) fail(fmt::format("\"{}\" is missing", key));
+  return *number;
+}
+
+std::uint64_t Item::checked_index(const Json& value, const char* key, const char* collection, std::size_t count) const {
+  const auto number = as_whole(value);
+  if (!number) fail(fmt::format("\"{}\" is not an index", key));
+  if (*number >= count) fail(fmt::format("\"{}\" names {} {}, but the file has {}", key, collection, *number, count));
+  return *number;
+}
+
+std::optional<std::uint32_t> Item::index(const char* key, const char* collection, std::size_t count) const {
+  const auto found = value_->find(key);
+  if (found == value_->end()) return std::nullopt;
+  return static_cast<std::uint32_t>(checked_index(*found, key, collection, count));
+}
+
+std::uint32_t Item::needed_index(const char* key, const char* collection, std::size_t count) const {
+  const auto number = index(key, collection, count);
+  if (!number) fail(fmt::format("\"{}\" is missing", key));
+  return *number;
+}
+
+std::vector<std::uint32_t> Item::indices(const char* key, const char* collection, std::size_t count) const {
+  std::vector<std::uint32_t> result;
+  const Json* list = array(key);
+  if (list == nullptr) return result;
+  result.reserve(list->size());
+  for (const Json& value : *list)
+    result.push_back(static_cast<std::uint32_t>(checked_index(value, key, collection, count)));
+  std::vector<std::uint32_t> sorted = result;
+  std::sort(sorted.begin(), sorted.end());
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twice != sorted.end()) fail(fmt::format("\"{}\" names {} {} twice", key, collection, *twice));
+  return result;
+}
+
+std::optional<std::vector<double>> Item::numbers(const char* key, std::size_t count) const {
+  const Json* list = array(key);
+  if (list == nullptr) return std::nullopt;
+  if (list->size() != count) fail(fmt::format("\"{}\" has {} values; it needs {}", key, list->size(), count));
+  std::vector<double> result;
+  result.reserve(count);
+  for (const Json& value : *list) {
+    if (!value.is_number()) fail(fmt::format("\"{}\" holds something that is not a number", key));
+    result.push_back(value.get<double>());
+    if (!std::isfinite(result.back())) fail(fmt::format("\"{}\" holds a number that is not finite", key));
+  }
+  return result;
+}
+
+std::optional<std::string> Item::string(const char* key) const {
+  const auto found = value_->find(key);
+  if (found == value_->end()) return std::nullopt;
+  if (!found->is_string()) fail(fmt::format("\"{}\" is not a string", key));
+  return found->get<std::string>();
+}
+
+std::optional<Item> Item::item(const char* key) const {
+  const auto found = value_->find(key);
+  if (found == value_->end()) return std::nullopt;
+  return Item(*file_, *found, where_ + ", " + key);
+}
+
+Item Item::needed_item(const char* key) const {
+  auto found = item(key);
+  if (!found) fail(fmt::format("\"{}\" is missing", key));
+  return *std::move(found);
+}
+
+const Json* Item::array(const char* key) const {
+  const auto found = value_->find(key);
+  if (found == value_->end()) return nullptr;
+  if (!found->is_array()) fail(fmt::format("\"{}\" is not an array", key));
+  return &*found;
+}
+
+bool Item::has_extension(const char* name) const {
+  const auto found = value_->find("extensions");
+  return found != value_->end() && found->is_object() && found->contains(name);
+}
+
+}  // namespace palpa::geometry::gltf

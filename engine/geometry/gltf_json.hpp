@@ -1,0 +1,58 @@
+// JSON of a file that nobody vouches for: bounded parsing, and members read with their types checked.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpa::geometry::gltf {
+
+using Json = nlohmann::json;
+
+/// Throws bad_input: a syntax error (its line), nesting beyond 128 levels, more than two million values.
+Json parse_json(const std::string& file, const std::string& text);
+
+/// An object of the document with its name for messages, e.g. "accessor 3".
+class Item {
+ public:
+  /// Throws bad_input unless `value` is an object.
+  Item(const std::string& file, const Json& value, std::string where);
+
+  const Json& json() const { return *value_; }
+  const std::string& where() const { return where_; }
+  const std::string& file() const { return *file_; }
+
+  /// bad_input "<where>: <fault>".
+  [[noreturn]] void fail(const std::string& fault) const;
+
+  bool has(const char* key) const { return value_->contains(key); }
+  /// A whole number in [least, most]; nullopt where absent.
+  std::optional<std::uint64_t> whole(const char* key, std::uint64_t least, std::uint64_t most) const;
+  std::uint64_t needed_whole(const char* key, std::uint64_t least, std::uint64_t most) const;
+  /// An index into a collection of `count`.
+  std::optional<std::uint32_t> index(const char* key, const char* collection, std::size_t count) const;
+  std::uint32_t needed_index(const char* key, const char* collection, std::size_t count) const;
+  /// Distinct indices; empty where absent.
+  std::vector<std::uint32_t> indices(const char* key, const char* collection, std::size_t count) const;
+  /// Exactly `count` finite numbers; nullopt where absent.
+  std::optional<std::vector<double>> numbers(const char* key, std::size_t count) const;
+  std::optional<std::string> string(const char* key) const;
+  /// A member that is an object.
+  std::optional<Item> item(const char* key) const;
+  Item needed_item(const char* key) const;
+  /// A member that is an array; nullptr where absent.
+  const Json* array(const char* key) const;
+  /// Whether the object carries the extension.
+  bool has_extension(const char* name) const;
+
+ private:
+  std::uint64_t checked_index(const Json& value, const char* key, const char* collection, std::size_t count) const;
+
+  const std::string* file_;
+  const Json* value_;
+  std::string where_;
+};
+
+}  // namespace palpa::geometry::gltf
