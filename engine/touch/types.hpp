@@ -1,19 +1,19 @@
-// What touching yields: contacts, fingers, cross-section frames and foci.
+// What touching yields: contacts, fingers, cross-section frames and foci. The rules for what the paper leaves open are
+// in docs/touch.md.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <optional>
 #include <vector>
 
 namespace palpa::touch {
 
 struct Parameters {
-  double delta_m = 1.5e-3;        ///< thickness of the shell (paper: delta)
-  double finger_gap_m = 5e-3;     ///< Euclidean tolerance: contacts no farther apart are in one finger
-  std::uint32_t min_points = 5;   ///< clusters with fewer contacts are no finger
-  std::uint32_t foci = 10;        ///< N, at most max_foci
+  double delta_m = 1.5e-3;       ///< thickness of the shell (paper: delta)
+  double finger_gap_m = 5e-3;    ///< Euclidean tolerance: contacts no farther apart are in one finger
+  std::uint32_t min_points = 5;  ///< clusters with fewer contacts are no finger
+  std::uint32_t foci = 10;       ///< N, 1 to max_foci
 };
 
 inline constexpr std::uint32_t max_foci = 64;
@@ -27,11 +27,12 @@ struct Contact {
   glm::vec3 position{};     ///< metres, world
 };
 
-/// Eq. (2)-(4): centroid and principal axes. Axes are orthonormal and right-handed, signs as in docs/conventions.md.
+/// Eq. (2)-(4): centroid and principal axes. Axes are orthonormal and right-handed: w3 has y >= 0 (lying within 1e-6 of
+/// the horizontal: z, then x, positive), w1's largest component is positive, w2 = w3 x w1.
 struct CrossSection {
   glm::vec3 centroid{};
-  std::array<glm::vec3, 3> axes{};        ///< w1, w2, w3
-  std::array<float, 3> eigenvalues{};     ///< m^2, descending, never negative
+  std::array<glm::vec3, 3> axes{};     ///< w1, w2, w3
+  std::array<float, 3> eigenvalues{};  ///< m^2, descending, never negative
 };
 
 struct Focus {
@@ -44,15 +45,20 @@ struct Finger {
   std::vector<std::uint32_t> contacts;  ///< indices into the touch's contacts, ascending
   CrossSection section;
   std::vector<Focus> foci;  ///< N sectors of Eq. (7); one, at the centroid, when `point_like`
-  /// Fewer than 3 contacts, or collinear ones: no cross-section; one focus at the centroid, amplitude-modulated.
+  /// Fewer than 3 contacts, coincident or collinear ones: no cross-section; one focus at the centroid,
+  /// amplitude-modulated.
   bool point_like = false;
 };
 
-/// Reused from frame to frame: clear() keeps the storage.
+/// Reused from frame to frame: what its vectors have allocated is kept.
 struct Touch {
-  std::vector<Contact> contacts;  ///< ascending by point
-  std::vector<Finger> fingers;    ///< ordered by their smallest contact; only the first `finger_count` are valid
+  std::vector<Contact> contacts;  ///< in the order of the skin points: ascending by point
+  /// Ordered by their smallest contact; only the first `finger_count` are valid.
+  std::vector<Finger> fingers;
   std::uint32_t finger_count = 0;
+  /// Clusters of at least min_points contacts. More than max_fingers: those with the smallest first contacts are
+  /// fingers.
+  std::uint32_t cluster_count = 0;
 };
 
 }  // namespace palpa::touch

@@ -1,0 +1,180 @@
+#include "touch/chain.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/error.hpp"
+#include "gpu/barrier.hpp"
+#include "gpu/commands.hpp"
+
+namespace palpa::touch {
+namespace {
+
+/// What one indirect dispatch reaches: 65,535 groups of 64.
+constexpr std::uint32_t most_points = 65'535 * shader::contacts_group;
+
+template <typename T>
+gpu::Upload upload(const gpu::Device& device, VkCommandBuffer commands, const std::vector<T>& values,
+                   const char* name) {
+  gpu::Upload buffer(device, values.size() * sizeof(T), name);
+  if (!values.empty()) std::memcpy(buffer.data(), values.data(), values.size() * sizeof(T));
+  buffer.record(commands);
+  return buffer;
+}
+
+Capacity checked(const Capacity& capacity) {
+  if (capacity.points > most_points) {
+    throw bad_usage(fmt::format("{} skin points per frame: at most {}", capacity.points, most_points));
+  }
+  return {std::max(capacity.points, 1U), std::clamp(capacity.contacts, 1U, std::max(capacity.points, 1U))};
+}
+
+}  // namespace
+
+SolidTable::SolidTable(const gpu::Device& device, const std::vector<geometry::Solid>& solids)
+    : host_(make_plane_table(solids)) {
+  const gpu::Recorder recorder(device, "solids");
+  gpu::Timeline timeline(device, "solids");
+  const VkCommandBuffer commands = recorder.begin();
+  solids_ = upload(device, commands, host_.solids, "solids");
+  cells_ = upload(device, commands, host_.cells, "plane cells");
+  planes_ = upload(device, commands, host_.planes, "planes");
+  borders_ = upload(device, commands, sector_borders(), "sector borders");
+  timeline.wait(timeline.submit(recorder.end()));
+}
+
+TouchBuffers::TouchBuffers(const gpu::Device& device, const Capacity& capacity)
+    : capacity_(checked(capacity)),
+      hits_(device, std::uint64_t{gpu::groups_for(capacity_.points, 64)} * 64 * sizeof(shader::Hit), "contact hits"),
+      counts_(device, std::uint64_t{gpu::groups_for(capacity_.points, 64)} * 4, "contact counts"),
+      total_(device, sizeof(shader::ScanTotal), "contact total"),
+      nodes_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::Node), "finger nodes"),
+      cells_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::CellKey), "finger cells"),
+      places_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::Place), "finger places"),
+      sizes_(device, std::uint64_t{capacity_.contacts} * 4, "finger sizes"),
+      slots_(device, std::uint64_t{slots_for(capacity_.contacts)} * sizeof(shader::Slot), "finger slots"),
+      parents_(device, std::uint64_t{capacity_.contacts} * 4, "finger parents"),
+      contacts_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::ContactRecord), "contacts"),
+      header_(device, sizeof(shader::TouchHeader), "touch header"),
+      fingers_(device, max_fingers * sizeof(shader::FingerRecord), "fingers"),
+      foci_(device, max_fingers * max_foci * sizeof(shader::FocusRecord), "foci") {}
+
+TouchPasses::TouchPasses(const gpu::Device& device) : contacts_(device), fingers_(device), sections_(device) {}
+
+void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, TouchBuffers& b, gpu::BufferRef points,
+                         gpu::BufferRef total, const Parameters& parameters, gpu::Timestamps* times) const {
+  check(parameters, table.host());
+  const auto mark = [&](const char* name) {
+    if (times) times->mark(commands, name);
+  };
+  contacts_.record(commands,
+                   {.points = points,
+                    .length = total,
+                    .solids = table.solids(),
+                    .cells = table.cells(),
+                    .planes = table.planes(),
+                    .hits = b.hits_.ref(),
+                    .counts = b.counts_.ref(),
+                    .total = b.total_.ref(),
+                    .contacts = b.contacts_.ref(),
+                    .most_points = b.capacity_.points,
+                    .most_contacts = b.capacity_.contacts},
+                   table.host(), parameters.delta_m);
+  gpu::compute_to_compute(commands);
+  mark("contacts");
+  fingers_.record(commands,
+                  {.length = total,
+                   .solids = table.solids(),
+                   .total = b.total_.ref(),
+                   .contacts = b.contacts_.ref(),
+                   .nodes = b.nodes_.ref(),
+                   .cells = b.cells_.ref(),
+                   .places = b.places_.ref(),
+                   .sizes = b.sizes_.ref(),
+                   .slots = b.slots_.ref(),
+                   .parents = b.parents_.ref(),
+                   .header = b.header_.ref(),
+                   .fingers = b.fingers_.ref(),
+                   .most_contacts = b.capacity_.contacts},
+                  table.host(), parameters);
+  gpu::compute_to_compute(commands);
+  mark("fingers");
+  sections_.record(commands,
+                   {.total = b.total_.ref(),
+                    .parents = b.parents_.ref(),
+                    .contacts = b.contacts_.ref(),
+                    .header = b.header_.ref(),
+                    .fingers = b.fingers_.ref(),
+                    .foci = b.foci_.ref(),
+                    .borders = table.borders(),
+                    .most_contacts = b.capacity_.contacts},
+                   parameters);
+  mark("foci");
+  b.foci_per_finger_ = parameters.foci;
+  b.contacts_.record(commands);
+  b.header_.record(commands);
+  b.fingers_.record(commands);
+  b.foci_.record(commands);
+}
+
+void read(const TouchBuffers& b, Touch& out) {
+  const shader::TouchHeader& header = b.header_.as<shader::TouchHeader>()[0];
+  if (header.points > b.capacity_.points) {
+    throw failure(
+        fmt::format("{} skin points in one frame: there is room for {}; narrow the region that the cameras watch",
+                    header.points, b.capacity_.points));
+  }
+  if (header.contacts > b.capacity_.contacts) {
+    throw failure(fmt::format("{} contacts in one frame: there is room for {}; give a smaller delta or fewer points",
+                              header.contacts, b.capacity_.contacts));
+  }
+  out.cluster_count = header.clusters;
+  out.finger_count = header.fingers;
+  if (out.fingers.size() < header.fingers) out.fingers.resize(header.fingers);
+  const auto fingers = b.fingers_.as<shader::FingerRecord>();
+  const auto foci = b.foci_.as<shader::FocusRecord>();
+  const auto vec = [](const shader::vec4& v) { return glm::vec3(v.x, v.y, v.z); };
+  for (std::uint32_t f = 0; f < header.fingers; ++f) {
+    const shader::FingerRecord& record = fingers[f];
+    Finger& finger = out.fingers[f];
+    finger.solid = record.solid;
+    finger.point_like = record.point_like != 0;
+    finger.section.centroid = vec(record.centre);
+    finger.section.axes = {vec(record.axis1), vec(record.axis2), vec(record.axis3)};
+    finger.section.eigenvalues = {record.axis1.w, record.axis2.w, record.axis3.w};
+    finger.contacts.clear();
+    finger.contacts.reserve(record.contacts);
+    finger.foci.resize(finger.point_like ? 1 : b.foci_per_finger_);
+    for (std::size_t n = 0; n < finger.foci.size(); ++n) {
+      const shader::FocusRecord& focus = foci[std::size_t{f} * max_foci + n];
+      finger.foci[n] = {{focus.x, focus.y, focus.z}, focus.points};
+    }
+  }
+  const auto contacts = b.contacts_.as<shader::ContactRecord>().first(header.contacts);
+  out.contacts.resize(contacts.size());
+  for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+    const shader::ContactRecord& record = contacts[i];
+    out.contacts[i] = {record.point, record.solid, record.depth, {record.x, record.y, record.z}};
+    if (record.finger < header.fingers) out.fingers[record.finger].contacts.push_back(i);
+  }
+}
+
+void touch_points(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
+                  Touch& out) {
+  check(parameters, table);
+  find_contacts(points, table, parameters.delta_m, out.contacts);
+  find_fingers(parameters, table, out);
+  find_sections(parameters, out);
+}
+
+void touch_points(std::span<const glm::vec3> points, const std::vector<geometry::Solid>& solids,
+                  const Parameters& parameters, Touch& out) {
+  std::vector<sensing::SkinPoint> skin(points.size());
+  for (std::uint32_t i = 0; i < skin.size(); ++i)
+    skin[i] = {points[i], i};
+  touch_points(skin, make_plane_table(solids), parameters, out);
+}
+
+}  // namespace palpa::touch

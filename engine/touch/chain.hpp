@@ -1,0 +1,100 @@
+// The whole of touching: skin points in, fingers with their foci out. On the device as one stretch of a command buffer,
+// and as plain C++.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "geometry/solid.hpp"
+#include "gpu/buffer.hpp"
+#include "gpu/timestamps.hpp"
+#include "sensing/skin.hpp"
+#include "touch/contacts.hpp"
+#include "touch/fingers.hpp"
+#include "touch/sections.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// The scene's solids on the device; built once, read by every frame.
+class SolidTable {
+ public:
+  /// Uploads and waits. Throws bad_usage for a solid without planes or with a box that is not finite.
+  SolidTable(const gpu::Device& device, const std::vector<geometry::Solid>& solids);
+
+  const PlaneTable& host() const { return host_; }
+  gpu::BufferRef solids() const { return solids_.ref(); }
+  gpu::BufferRef cells() const { return cells_.ref(); }
+  gpu::BufferRef planes() const { return planes_.ref(); }
+  gpu::BufferRef borders() const { return borders_.ref(); }
+
+ private:
+  PlaneTable host_;
+  gpu::Upload solids_, cells_, planes_, borders_;
+};
+
+/// Room for one frame in flight. 29 bytes of memory per point and 112 per contact: 61 MB for the defaults.
+struct Capacity {
+  std::uint32_t points = 1'250'000;  ///< at most 4,194,240
+  std::uint32_t contacts = 262'144;  ///< more than this many contacts in a frame are an error that read() reports
+};
+
+/// All buffers of one frame in flight, allocated once.
+class TouchBuffers {
+ public:
+  /// Throws bad_usage for more points than fit.
+  TouchBuffers(const gpu::Device& device, const Capacity& capacity);
+
+  const Capacity& capacity() const { return capacity_; }
+  /// For passes that go on from here: shader::TouchHeader, FingerRecord[max_fingers], FocusRecord[max_fingers *
+  /// max_foci], ContactRecord[], of which the header says how many are valid.
+  gpu::BufferRef header() const { return header_.ref(); }
+  gpu::BufferRef fingers() const { return fingers_.ref(); }
+  gpu::BufferRef foci() const { return foci_.ref(); }
+  gpu::BufferRef contacts() const { return contacts_.ref(); }
+
+ private:
+  friend class TouchPasses;
+  friend void read(const TouchBuffers& buffers, Touch& out);
+  Capacity capacity_;
+  gpu::Buffer hits_, counts_, total_, nodes_, cells_, places_, sizes_, slots_, parents_;
+  gpu::Readback contacts_, header_, fingers_, foci_;
+  std::uint32_t foci_per_finger_ = 0;  ///< of the newest record
+};
+
+/// All pipelines; one for any number of frames in flight.
+class TouchPasses {
+ public:
+  explicit TouchPasses(const gpu::Device& device);
+
+  /// Records ten dispatches and the readback. `points` holds a vec4 per skin point (x, y, z, the bits of its index,
+  /// indices ascending), `total` their shader::ScanTotal with 64 per group. With `times`, marks "contacts", "fingers"
+  /// and "foci". Barriers: expects points and total to be visible to compute and as indirect arguments, and the submit
+  /// that used `buffers` before to have completed. Throws bad_usage on unusable parameters.
+  void record(VkCommandBuffer commands, const SolidTable& table, TouchBuffers& buffers, gpu::BufferRef points,
+              gpu::BufferRef total, const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
+
+ private:
+  ContactsPass contacts_;
+  FingersPass fingers_;
+  SectionsPass sections_;
+};
+
+inline void record(VkCommandBuffer commands, const TouchPasses& passes, const SolidTable& table, TouchBuffers& buffers,
+                   gpu::BufferRef points, gpu::BufferRef total, const Parameters& parameters,
+                   gpu::Timestamps* times = nullptr) {
+  passes.record(commands, table, buffers, points, total, parameters, times);
+}
+
+/// What the newest record found, once its submit has completed. Allocates only where `out` grows beyond what it has
+/// held. Throws failure() naming the figure when there were more points or contacts than `buffers` has room for.
+void read(const TouchBuffers& buffers, Touch& out);
+
+/// The twin of the whole: find_contacts, find_fingers, find_sections. Throws bad_usage as they do.
+void touch_points(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
+                  Touch& out);
+/// The same for points whose index is their place.
+void touch_points(std::span<const glm::vec3> points, const std::vector<geometry::Solid>& solids,
+                  const Parameters& parameters, Touch& out);
+
+}  // namespace palpa::touch

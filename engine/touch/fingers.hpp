@@ -1,0 +1,64 @@
+// Fingers: exact Euclidean clusters of each solid's contacts. Two contacts of one solid no farther apart than the
+// finger gap are in one cluster, and so is whatever hangs together through others; a cluster of at least min_points is
+// a finger.
+//
+// Method: cells so small that all contacts of one cell are in one cluster, in a hash table (Wang, Gu, Shun 2020); pairs
+// of contacts are tested only between cells at most two apart, up to the first hit; a lock-free union-find with path
+// halving joins them (Jaiganesh and Burtscher's ECL-CC, HPDC 2018).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "gpu/buffer.hpp"
+#include "gpu/pipeline.hpp"
+#include "shaders/fingers.h"
+#include "touch/plane_cells.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// Throws bad_usage unless delta and finger gap are finite and positive, 1 <= foci <= max_foci, and the gap is not so
+/// small against the largest solid (1/100,000 of it) that single precision could not place a contact in a cell.
+void check(const Parameters& parameters, const PlaneTable& table);
+
+/// C++ twin of FingersPass: fills `out.fingers` (solid and contacts), `finger_count` and `cluster_count` from
+/// `out.contacts`. The distance test is the same single-precision arithmetic, so the partition is the same.
+void find_fingers(const Parameters& parameters, const PlaneTable& table, Touch& out);
+
+/// What the pass reads and writes, with room for `most_contacts`.
+struct FingersBuffers {
+  gpu::BufferRef length;    ///< in: shader::ScanTotal of the skin points, for the header only
+  gpu::BufferRef solids;    ///< in: shader::SolidRecord[]
+  gpu::BufferRef total;     ///< in: shader::ScanTotal of the contacts
+  gpu::BufferRef contacts;  ///< in: shader::ContactRecord[]
+  gpu::BufferRef nodes;     ///< scratch: 16 bytes per contact
+  gpu::BufferRef cells;     ///< scratch: 16 bytes per contact
+  gpu::BufferRef places;    ///< scratch: 8 bytes per contact
+  gpu::BufferRef sizes;     ///< scratch: 4 bytes per contact
+  gpu::BufferRef slots;     ///< scratch: 16 bytes for each of slots_for(most_contacts)
+  gpu::BufferRef parents;   ///< out: per contact the smallest contact of its cluster
+  gpu::BufferRef header;    ///< out: shader::TouchHeader
+  gpu::BufferRef fingers;   ///< out: shader::FingerRecord[max_fingers], first, solid and contacts
+  std::uint32_t most_contacts = 0;
+};
+
+/// Slots of the hash table for that many contacts.
+std::uint32_t slots_for(std::uint32_t contacts);
+
+/// Pipelines only; six dispatches: prepare, insert, link (near, far), label, select. Every loop is bounded; labels and
+/// fingers do not depend on the order in which anything ran.
+class FingersPass {
+ public:
+  explicit FingersPass(const gpu::Device& device);
+
+  /// Barriers: expects total and contacts to be visible to compute and as indirect arguments; adds its own inside; the
+  /// caller adds compute_to_compute afterwards. Throws what check() throws.
+  void record(VkCommandBuffer commands, const FingersBuffers& buffers, const PlaneTable& table,
+              const Parameters& parameters) const;
+
+ private:
+  gpu::ComputePipeline prepare_, insert_, link_, label_, select_;
+};
+
+}  // namespace palpa::touch

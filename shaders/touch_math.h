@@ -1,0 +1,281 @@
+// The arithmetic that decides: included by the shaders and by their twins, so that both give the same answer to "in reach?",
+// "which cell?", "which axes?" and "which sector?". PALPA_EXACT keeps a compiler from fusing or reordering; the C++ side is
+// built with -ffp-contract=off. Only what C++ and GLSL both understand is used here.
+#ifndef PALPA_SHADERS_TOUCH_MATH_H
+#define PALPA_SHADERS_TOUCH_MATH_H
+#include "shared.h"
+
+#ifdef __cplusplus
+#include <bit>
+#include <cmath>
+#define PALPA_FN inline
+#define PALPA_EXACT
+PALPA_SHADER_BEGIN
+using std::abs;
+using std::floor;
+using std::sqrt;
+inline uint floatBitsToUint(float value) {
+  return std::bit_cast<uint>(value);
+}
+#else
+#define PALPA_FN
+#define PALPA_EXACT precise
+PALPA_SHADER_BEGIN
+#endif
+
+struct Float3 {
+  float x, y, z;
+};
+
+PALPA_FN Float3 minus(Float3 a, Float3 b) {
+  PALPA_EXACT Float3 d;
+  d.x = a.x - b.x;
+  d.y = a.y - b.y;
+  d.z = a.z - b.z;
+  return d;
+}
+
+PALPA_FN float dot3(Float3 a, Float3 b) {
+  PALPA_EXACT float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+  return sum;
+}
+
+// A product that no compiler may fuse with the sum it goes into.
+PALPA_FN float product(float a, float b) {
+  PALPA_EXACT float p = a * b;
+  return p;
+}
+
+// By the bits: a compiler may assume that comparisons never meet a NaN.
+PALPA_FN bool is_finite(float value) {
+  return (floatBitsToUint(value) & 0x7f800000u) != 0x7f800000u;
+}
+
+// ---- contacts ----
+
+// Eq. (1)'s (x_m - x) . n_m for the plane dot(n, x) = offset.
+PALPA_FN float plane_depth(Float3 normal, float offset, Float3 point) {
+  PALPA_EXACT float depth = offset - (normal.x * point.x + normal.y * point.y + normal.z * point.z);
+  return depth;
+}
+
+// ---- fingers ----
+
+// Whether two contacts are no farther apart than the finger gap; `limit` is its square.
+PALPA_FN bool in_reach(Float3 a, Float3 b, float limit) {
+  PALPA_EXACT float x = a.x - b.x;
+  PALPA_EXACT float y = a.y - b.y;
+  PALPA_EXACT float z = a.z - b.z;
+  PALPA_EXACT float square = x * x + y * y + z * z;
+  return square <= limit;
+}
+
+// ---- cross-section frames ----
+
+// A running sum and what rounding has taken from it (Kahan): the error stays at one rounding, however many terms.
+struct Sum {
+  float sum, lost;
+};
+
+PALPA_FN Sum add(Sum s, float term) {
+  PALPA_EXACT float y = term - s.lost;
+  PALPA_EXACT float t = s.sum + y;
+  PALPA_EXACT float taken = t - s.sum;
+  Sum r;
+  PALPA_EXACT float lost = taken - y;
+  r.sum = t;
+  r.lost = lost;
+  return r;
+}
+
+// A symmetric matrix.
+struct Sym3 {
+  float xx, xy, xz, yy, yz, zz;
+};
+
+struct Axes {
+  Float3 w1, w2, w3;
+  float l1, l2, l3;  // eigenvalues, l1 >= l2 >= l3 >= 0
+};
+
+PALPA_FN Float3 scaled(Float3 a, float factor) {
+  PALPA_EXACT Float3 r;
+  r.x = a.x * factor;
+  r.y = a.y * factor;
+  r.z = a.z * factor;
+  return r;
+}
+
+PALPA_FN Float3 cross3(Float3 a, Float3 b) {
+  PALPA_EXACT Float3 r;
+  r.x = a.y * b.z - a.z * b.y;
+  r.y = a.z * b.x - a.x * b.z;
+  r.z = a.x * b.y - a.y * b.x;
+  return r;
+}
+
+PALPA_FN Float3 unit(Float3 a) {
+  PALPA_EXACT float factor = 1.0f / sqrt(dot3(a, a));
+  return scaled(a, factor);
+}
+
+PALPA_FN float largest_component(Float3 a) {
+  float largest = a.x;
+  if (abs(a.y) > abs(largest)) largest = a.y;
+  if (abs(a.z) > abs(largest)) largest = a.z;
+  return largest;
+}
+
+// Cyclic Jacobi rotations on a matrix scaled to trace 1; ten sweeps are three more than any 3x3 float matrix needs.
+// Always finite and orthonormal: the zero matrix gives w1 = x, w3 = y, w2 = w3 x w1 = -z.
+// Signs: w3 points upwards (y >= 0; lying within 1e-6 of the horizontal, z, then x, is positive), w1's largest component is
+// positive, w2 = w3 x w1.
+PALPA_FN Axes principal_axes(Sym3 m) {
+  const float trace = m.xx + m.yy + m.zz;
+  const bool empty = !(trace > 0.0f);
+  const float scale = empty ? 0.0f : 1.0f / trace;
+  float a[3][3];
+  float v[3][3];
+  a[0][0] = m.xx * scale;
+  a[1][1] = m.yy * scale;
+  a[2][2] = m.zz * scale;
+  a[0][1] = m.xy * scale;
+  a[0][2] = m.xz * scale;
+  a[1][2] = m.yz * scale;
+  a[1][0] = a[0][1];
+  a[2][0] = a[0][2];
+  a[2][1] = a[1][2];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) v[i][j] = i == j ? 1.0f : 0.0f;
+  }
+  for (int turn = 0; turn < 30; ++turn) {
+    const int pair = turn % 3;
+    const int p = pair == 2 ? 1 : 0;
+    const int q = pair == 0 ? 1 : 2;
+    const int o = 3 - p - q;
+    const float apq = a[p][q];
+    if (abs(apq) <= 1e-12f) continue;  // far below the last digit of a trace of 1
+    PALPA_EXACT float theta = (a[q][q] - a[p][p]) / (2.0f * apq);
+    PALPA_EXACT float root = abs(theta) + sqrt(theta * theta + 1.0f);
+    PALPA_EXACT float t = (theta < 0.0f ? -1.0f : 1.0f) / root;
+    PALPA_EXACT float c = 1.0f / sqrt(t * t + 1.0f);
+    PALPA_EXACT float s = t * c;
+    PALPA_EXACT float app = a[p][p] - t * apq;
+    PALPA_EXACT float aqq = a[q][q] + t * apq;
+    PALPA_EXACT float aop = c * a[o][p] - s * a[o][q];
+    PALPA_EXACT float aoq = s * a[o][p] + c * a[o][q];
+    a[p][p] = app;
+    a[q][q] = aqq;
+    a[p][q] = 0.0f;
+    a[q][p] = 0.0f;
+    a[o][p] = aop;
+    a[p][o] = aop;
+    a[o][q] = aoq;
+    a[q][o] = aoq;
+    for (int row = 0; row < 3; ++row) {
+      PALPA_EXACT float vp = c * v[row][p] - s * v[row][q];
+      PALPA_EXACT float vq = s * v[row][p] + c * v[row][q];
+      v[row][p] = vp;
+      v[row][q] = vq;
+    }
+  }
+  int first = 0, middle = 1, last = 2;
+  if (empty) {
+    middle = 2;
+    last = 1;
+  }
+  if (a[first][first] < a[middle][middle]) {
+    const int swapped = first;
+    first = middle;
+    middle = swapped;
+  }
+  if (a[middle][middle] < a[last][last]) {
+    const int swapped = middle;
+    middle = last;
+    last = swapped;
+  }
+  if (a[first][first] < a[middle][middle]) {
+    const int swapped = first;
+    first = middle;
+    middle = swapped;
+  }
+  Axes r;
+  r.w1.x = v[0][first];
+  r.w1.y = v[1][first];
+  r.w1.z = v[2][first];
+  r.w3.x = v[0][last];
+  r.w3.y = v[1][last];
+  r.w3.z = v[2][last];
+  r.w1 = unit(r.w1);
+  r.w3 = unit(minus(r.w3, scaled(r.w1, dot3(r.w1, r.w3))));
+  float decides = r.w3.y;
+  if (abs(decides) < 1e-6f) decides = r.w3.z;
+  if (abs(r.w3.y) < 1e-6f && abs(decides) < 1e-6f) decides = r.w3.x;
+  if (decides < 0.0f) r.w3 = scaled(r.w3, -1.0f);
+  if (largest_component(r.w1) < 0.0f) r.w1 = scaled(r.w1, -1.0f);
+  r.w2 = cross3(r.w3, r.w1);
+  PALPA_EXACT float l1 = a[first][first] * trace;
+  PALPA_EXACT float l2 = a[middle][middle] * trace;
+  PALPA_EXACT float l3 = a[last][last] * trace;
+  r.l1 = l1 > 0.0f ? l1 : 0.0f;
+  r.l2 = l2 > 0.0f ? l2 : 0.0f;
+  r.l3 = l3 > 0.0f ? l3 : 0.0f;
+  return r;
+}
+
+// A finger without a cross-section: fewer than 3 contacts; coincident ones (a spread below a tenth of a micrometre, the
+// spacing of single-precision coordinates a metre from the origin); collinear ones (a thousand times longer than wide:
+// below that, the covariance's second eigenvalue is rounding).
+PALPA_CONST point_like_contacts = 3u;
+PALPA_FN bool is_point_like(uint contacts, float l1, float l2) {
+  return contacts < point_like_contacts || l1 <= 1e-14f || l2 <= 1e-6f * l1;
+}
+
+// ---- foci ----
+
+// Eq. (5), its second coordinate turned over: angles of (x, y) run clockwise seen from the tip of w3, so y counts against w2.
+struct Float2 {
+  float x, y;
+};
+PALPA_FN Float2 on_plane(Axes axes, Float3 from_centroid, float scale1, float scale2) {
+  PALPA_EXACT Float2 r;
+  r.x = dot3(axes.w1, from_centroid) * scale1;
+  r.y = -(dot3(axes.w2, from_centroid) * scale2);
+  return r;
+}
+
+// Angles in [pi, 2 pi).
+PALPA_FN bool in_second_half(Float2 p) {
+  return p.y < 0.0f || (p.y == 0.0f && p.x < 0.0f);
+}
+
+// Whether p's angle is at least the border's, both in [0, 2 pi): no arctangent, so no disagreement about its last digits.
+PALPA_FN bool reaches(Float2 p, Float2 border) {
+  const bool second = in_second_half(p);
+  const bool border_second = in_second_half(border);
+  PALPA_EXACT float turn = border.x * p.y - border.y * p.x;
+  return second == border_second ? turn >= 0.0f : second;
+}
+
+// Sector sums are integers, whose order does not matter. The steps are as fine as 31 bits allow: the sum of all distances
+// from the centroid is at most contacts * sqrt(l1 + l2 + l3) (Cauchy-Schwarz), and stays below 2^30 steps.
+PALPA_FN float steps_per_metre(uint contacts, Axes axes) {
+  PALPA_EXACT float reach = float(contacts) * sqrt(axes.l1 + axes.l2 + axes.l3);
+  PALPA_EXACT float steps = 1.0e9f / reach;
+  return steps;
+}
+
+PALPA_FN int in_steps(float metres, float steps) {
+  PALPA_EXACT float scaled_up = metres * steps;
+  return int(floor(scaled_up + 0.5f));
+}
+
+// The mean is the centroid relative to the origin, so that a position's digits are lost only once.
+PALPA_FN float focus_coordinate(float origin, float mean, int sum, uint points, float steps) {
+  PALPA_EXACT float offset = float(sum) / (float(points) * steps);
+  PALPA_EXACT float coordinate = origin + (mean + offset);
+  return coordinate;
+}
+
+PALPA_SHADER_END
+#endif

@@ -1,0 +1,206 @@
+#include "touch/harness.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "gpu/barrier.hpp"
+#include "support/device.hpp"
+
+namespace palpa::touch::test {
+
+using palpa::test::test_device;
+
+std::string backend_name(const ::testing::TestParamInfo<Backend>& info) {
+  return info.param == Backend::cpu ? "cpu" : "gpu";
+}
+
+std::vector<sensing::SkinPoint> indexed(const std::vector<glm::vec3>& points) {
+  std::vector<sensing::SkinPoint> skin(points.size());
+  for (std::uint32_t i = 0; i < skin.size(); ++i)
+    skin[i] = {points[i], i};
+  return skin;
+}
+
+Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vector<geometry::Solid>& solids,
+                      const Parameters& parameters, const Capacity& capacity, int runs,
+                      std::vector<gpu::PassTime>* times) {
+  gpu::Device& device = test_device();
+  static const TouchPasses passes(device);
+  const SolidTable table(device, solids);
+  TouchBuffers buffers(device, capacity);
+  const gpu::Upload skin(device, std::max<std::size_t>(points.size_bytes(), 16), "test points");
+  const gpu::Upload total(device, sizeof(shader::ScanTotal), "test total");
+  if (!points.empty()) std::memcpy(skin.data(), points.data(), points.size_bytes());
+  const auto count = static_cast<std::uint32_t>(points.size());
+  total.as<shader::ScanTotal>()[0] = {count, (count + 63) / 64, 1, 1};
+  gpu::Timestamps stamps(device, 8);
+  const gpu::Recorder recorder(device, "touch test");
+  gpu::Timeline timeline(device, "touch test");
+  Touch out;
+  std::vector<gpu::PassTime> once;
+  for (int run = 0; run < runs; ++run) {
+    const VkCommandBuffer commands = recorder.begin();
+    skin.record(commands);
+    total.record(commands);
+    stamps.begin(commands);
+    record(commands, passes, table, buffers, skin.ref(), total.ref(), parameters, &stamps);
+    timeline.wait(timeline.submit(recorder.end()));
+    const Touch before = out;
+    read(buffers, out);
+    if (run > 0) expect_identical(before, out);
+    if (times) {
+      stamps.read(once);
+      if (run == 0) *times = once;
+      for (std::size_t i = 0; i < once.size(); ++i)
+        (*times)[i].ms = std::min((*times)[i].ms, once[i].ms);
+    }
+  }
+  return out;
+}
+
+Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
+               const Parameters& parameters) {
+  if (backend == Backend::cpu) {
+    Touch out;
+    touch_points(points, solids, parameters, out);
+    return out;
+  }
+  const auto count = static_cast<std::uint32_t>(points.size());
+  return touch_on_device(indexed(points), solids, parameters, {count, count}, 2);
+}
+
+geometry::Solid box(const Vec3& low, const Vec3& high, const std::string& name) {
+  geometry::Solid solid;
+  solid.name = name;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 normal(0);
+    normal[axis] = 1;
+    solid.planes.push_back({normal, high[axis]});
+    solid.planes.push_back({-normal, -low[axis]});
+  }
+  solid.bounds = {low, high};
+  return solid;
+}
+
+geometry::Solid cube() {
+  return box({-0.02, -0.04, -0.02}, {0.02, 0, 0.02}, "cube");
+}
+
+geometry::Solid ball(const Vec3& centre, double radius, std::uint32_t count, const std::string& name) {
+  geometry::Solid solid;
+  solid.name = name;
+  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double y = 1 - 2 * (i + 0.5) / count, r = std::sqrt(1 - y * y);
+    const Vec3 normal(r * std::cos(golden * i), y, r * std::sin(golden * i));
+    solid.planes.push_back({normal, glm::dot(normal, centre) + radius});
+  }
+  const double reach = radius * (1 + 8.0 / count);
+  solid.bounds = {centre - reach, centre + reach};
+  return solid;
+}
+
+geometry::Solid half_ball(const Vec3& centre, double radius, std::uint32_t count) {
+  geometry::Solid solid = ball(centre, radius, 2 * count, "half ball");
+  std::erase_if(solid.planes, [](const geometry::Plane& plane) { return plane.normal.y < 0; });
+  solid.planes.push_back({{0, -1, 0}, -centre.y});
+  solid.bounds.low.y = centre.y;
+  return solid;
+}
+
+geometry::Solid moved(const geometry::Solid& solid, const Transform& T_world_solid, double scale) {
+  geometry::Solid out = solid;
+  out.bounds = {};
+  for (geometry::Plane& plane : out.planes) {
+    const Vec3 on_plane = transform_point(T_world_solid, plane.normal * plane.offset * scale);
+    plane.normal = transform_direction(T_world_solid, plane.normal);
+    plane.offset = glm::dot(plane.normal, on_plane);
+  }
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 at(corner & 1 ? solid.bounds.high.x : solid.bounds.low.x,
+                  corner & 2 ? solid.bounds.high.y : solid.bounds.low.y,
+                  corner & 4 ? solid.bounds.high.z : solid.bounds.low.z);
+    out.bounds.add(transform_point(T_world_solid, at * scale));
+  }
+  return out;
+}
+
+std::vector<glm::vec3> fingertip(std::uint32_t count, double depth, double x, double z, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  const double radius = 8e-3, length = 50e-3;
+  const double tip_share = radius / length;  // area of the half sphere against that of the whole finger
+  std::vector<glm::vec3> points;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double around = 2 * std::numbers::pi * unit(random);
+    const double share = unit(random);
+    const double along = share < tip_share ? unit(random) * radius : radius + unit(random) * (length - radius);
+    const double wide = along < radius ? std::sqrt(radius * radius - (radius - along) * (radius - along)) : radius;
+    points.emplace_back(x + wide * std::cos(around), along - depth, z + wide * std::sin(around));
+  }
+  return points;
+}
+
+std::vector<glm::vec3> random_points(std::uint32_t count, const Vec3& low, const Vec3& high, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<glm::vec3> points;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double x = unit(random), y = unit(random), z = unit(random);
+    points.emplace_back(low + (high - low) * Vec3(x, y, z));
+  }
+  return points;
+}
+
+geometry::Solid everything() {
+  return box(Vec3(-2), Vec3(2), "everything");
+}
+
+Parameters everything_is_contact(double gap, std::uint32_t min_points) {
+  return {.delta_m = 10, .finger_gap_m = gap, .min_points = min_points, .foci = 10};
+}
+
+std::vector<int> finger_of_contacts(const Touch& touch) {
+  std::vector<int> finger(touch.contacts.size(), -1);
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+    for (const std::uint32_t i : touch.fingers[f].contacts)
+      finger.at(i) = static_cast<int>(f);
+  }
+  return finger;
+}
+
+namespace {
+template <typename T>
+bool same_bits(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+}  // namespace
+
+void expect_identical(const Touch& a, const Touch& b) {
+  ASSERT_EQ(a.contacts.size(), b.contacts.size());
+  for (std::size_t i = 0; i < a.contacts.size(); ++i) {
+    ASSERT_TRUE(same_bits(a.contacts[i], b.contacts[i]))
+        << "contact " << i << ": point " << a.contacts[i].point << " depth " << a.contacts[i].depth_m << ", point "
+        << b.contacts[i].point << " depth " << b.contacts[i].depth_m;
+  }
+  ASSERT_EQ(a.finger_count, b.finger_count);
+  EXPECT_EQ(a.cluster_count, b.cluster_count);
+  for (std::size_t f = 0; f < a.finger_count; ++f) {
+    const Finger &p = a.fingers[f], &q = b.fingers[f];
+    EXPECT_EQ(p.solid, q.solid);
+    EXPECT_EQ(p.contacts, q.contacts) << "finger " << f;
+    EXPECT_EQ(p.point_like, q.point_like) << "finger " << f;
+    EXPECT_TRUE(same_bits(p.section, q.section)) << "finger " << f;
+    ASSERT_EQ(p.foci.size(), q.foci.size()) << "finger " << f;
+    for (std::size_t n = 0; n < p.foci.size(); ++n) {
+      EXPECT_EQ(p.foci[n].points, q.foci[n].points) << "finger " << f << " focus " << n;
+      if (p.foci[n].points) {
+        EXPECT_TRUE(same_bits(p.foci[n].position, q.foci[n].position)) << "finger " << f << " focus " << n;
+      }
+    }
+  }
+}
+
+}  // namespace palpa::touch::test

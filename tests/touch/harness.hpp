@@ -1,0 +1,57 @@
+// Solids, point clouds and both backends, for the tests of touching.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <glm/vec3.hpp>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/solid.hpp"
+#include "gpu/timestamps.hpp"
+#include "touch/chain.hpp"
+
+namespace palpa::touch::test {
+
+enum class Backend { cpu, gpu };
+std::string backend_name(const ::testing::TestParamInfo<Backend>& info);
+
+/// Same test body on both.
+class OnBothBackends : public ::testing::TestWithParam<Backend> {};
+
+/// One touch of points whose index is their place. On the GPU twice, into reused buffers: both runs must agree.
+Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
+               const Parameters& parameters = {});
+/// The same on the device for any indices and capacity; `times` gets the passes' times of the last of `runs`.
+Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vector<geometry::Solid>& solids,
+                      const Parameters& parameters, const Capacity& capacity, int runs = 1,
+                      std::vector<gpu::PassTime>* times = nullptr);
+std::vector<sensing::SkinPoint> indexed(const std::vector<glm::vec3>& points);
+
+/// An axis-aligned box as six planes; the mesh stays empty: touching asks only planes and bounds.
+geometry::Solid box(const Vec3& low, const Vec3& high, const std::string& name = "box");
+/// 40 mm cube, top at y = 0 on the y axis.
+geometry::Solid cube();
+/// `count` planes that touch a sphere, evenly spread: a convex polytope around it.
+geometry::Solid ball(const Vec3& centre, double radius, std::uint32_t count, const std::string& name = "ball");
+/// The half of a ball with its flat side down.
+geometry::Solid half_ball(const Vec3& centre, double radius, std::uint32_t count);
+/// A solid moved by a rigid motion and scaled about the origin.
+geometry::Solid moved(const geometry::Solid& solid, const Transform& T_world_solid, double scale = 1);
+
+/// Points on the skin of a finger of 8 mm radius that dips `depth` below y = 0 at (x, z), 0.35 mm apart or so.
+std::vector<glm::vec3> fingertip(std::uint32_t count, double depth, double x = 0, double z = 0, unsigned seed = 1);
+/// Evenly random in a box.
+std::vector<glm::vec3> random_points(std::uint32_t count, const Vec3& low, const Vec3& high, unsigned seed = 1);
+/// A box so large, and a delta so thick, that every point near the origin is a contact.
+geometry::Solid everything();
+Parameters everything_is_contact(double gap = 5e-3, std::uint32_t min_points = 1);
+
+/// Partition as each contact's finger, or -1.
+std::vector<int> finger_of_contacts(const Touch& touch);
+/// Bit for bit, so that NaN and -0 count.
+void expect_identical(const Touch& a, const Touch& b);
+
+}  // namespace palpa::touch::test
