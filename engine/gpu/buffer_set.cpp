@@ -1,0 +1,74 @@
+#include "gpu/buffer_set.hpp"
+
+#include <array>
+#include <cassert>
+
+#include "gpu/check.hpp"
+
+namespace palpa::gpu {
+namespace {
+constexpr std::uint32_t most_buffers = 16;
+constexpr std::uint32_t ring_length = 4096;
+}  // namespace
+
+BufferSet::BufferSet(const Device& device, std::uint32_t count, VkShaderStageFlags stages)
+    : count_(count), device_(device.get()) {
+  assert(count <= most_buffers);
+  const bool pushed = device.validation() != Validation::gpu_assisted;
+  std::array<VkDescriptorSetLayoutBinding, most_buffers> bindings{};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, stages, nullptr};
+  }
+  VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+  info.flags = pushed ? VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR : 0;
+  info.bindingCount = count;
+  info.pBindings = bindings.data();
+  VkDescriptorSetLayout layout = VK_NULL_HANDLE;
+  PALPA_VK(vkCreateDescriptorSetLayout(device.get(), &info, nullptr, &layout));
+  layout_ = Handle<VkDescriptorSetLayout>(device.get(), layout, vkDestroyDescriptorSetLayout);
+  if (pushed || count == 0) return;
+
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, ring_length * count};
+  VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  pool_info.maxSets = ring_length;
+  pool_info.poolSizeCount = 1;
+  pool_info.pPoolSizes = &size;
+  VkDescriptorPool pool = VK_NULL_HANDLE;
+  PALPA_VK(vkCreateDescriptorPool(device.get(), &pool_info, nullptr, &pool));
+  ring_pool_ = Handle<VkDescriptorPool>(device.get(), pool, vkDestroyDescriptorPool);
+  const std::vector<VkDescriptorSetLayout> layouts(ring_length, layout);
+  VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  allocate.descriptorPool = pool;
+  allocate.descriptorSetCount = ring_length;
+  allocate.pSetLayouts = layouts.data();
+  ring_.resize(ring_length);
+  PALPA_VK(vkAllocateDescriptorSets(device.get(), &allocate, ring_.data()));
+}
+
+void BufferSet::bind(VkCommandBuffer commands, VkPipelineBindPoint point, VkPipelineLayout layout,
+                     std::initializer_list<BufferRef> buffers) const {
+  assert(buffers.size() == count_);
+  if (count_ == 0) return;
+  const VkDescriptorSet set = ring_.empty() ? VK_NULL_HANDLE : ring_[ring_next_++ % ring_.size()];
+  std::array<VkDescriptorBufferInfo, most_buffers> infos{};
+  std::array<VkWriteDescriptorSet, most_buffers> writes{};
+  std::uint32_t i = 0;
+  for (const BufferRef& ref : buffers) {
+    infos[i] = {ref.buffer, ref.offset, ref.size};
+    writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    writes[i].dstSet = set;
+    writes[i].dstBinding = i;
+    writes[i].descriptorCount = 1;
+    writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    writes[i].pBufferInfo = &infos[i];
+    ++i;
+  }
+  if (set == VK_NULL_HANDLE) {
+    vkCmdPushDescriptorSetKHR(commands, point, layout, 0, i, writes.data());
+  } else {
+    vkUpdateDescriptorSets(device_, i, writes.data(), 0, nullptr);
+    vkCmdBindDescriptorSets(commands, point, layout, 0, 1, &set, 0, nullptr);
+  }
+}
+
+}  // namespace palpa::gpu

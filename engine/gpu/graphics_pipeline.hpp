@@ -1,0 +1,56 @@
+// A pipeline that draws triangles whose vertices the shader fetches from storage buffers: no vertex input, no
+// descriptor pools. What changes from draw to draw (culling, depth) is dynamic, so that a handful of pipelines draw
+// everything.
+#pragma once
+
+#include <volk.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+
+#include "gpu/buffer.hpp"
+#include "gpu/buffer_set.hpp"
+#include "gpu/device.hpp"
+#include "gpu/handle.hpp"
+
+namespace palpa::gpu {
+
+struct GraphicsLayout {
+  std::uint32_t buffers = 0;     ///< read-only storage buffers at set 0, bindings 0..buffers-1
+  std::uint32_t push_bytes = 0;  ///< push constant block of both stages, a multiple of 4, at most 128
+  VkFormat colour = VK_FORMAT_UNDEFINED;
+  VkFormat depth = VK_FORMAT_UNDEFINED;
+  VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
+  bool blend = false;              ///< source over destination, by the fragment's alpha
+  bool alpha_to_coverage = false;  ///< alpha chooses samples: soft edges that need no sorting
+};
+
+/// How one draw treats faces and depth.
+struct DrawState {
+  VkCullModeFlags cull = VK_CULL_MODE_NONE;  ///< front faces are counter-clockwise as seen in the image
+  bool depth_test = true;
+  bool depth_write = false;
+  VkCompareOp compare = VK_COMPARE_OP_GREATER_OR_EQUAL;  ///< depth runs from 1 (near) to 0 (far)
+};
+
+class GraphicsPipeline {
+ public:
+  GraphicsPipeline() = default;
+  /// `vertex` and `fragment` are arrays of namespace palpa::spirv; the entry points are main.
+  GraphicsPipeline(const Device& device, const char* name, std::span<const std::uint32_t> vertex,
+                   std::span<const std::uint32_t> fragment, const GraphicsLayout& layout);
+
+  /// Inside a rendering of the layout's formats and samples, with viewport and scissor set. `buffers` in binding order;
+  /// `push` points to exactly push_bytes. gl_VertexIndex counts from `first`. Records nothing where `vertices` is 0.
+  void draw(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push,
+            const DrawState& state, std::uint32_t vertices, std::uint32_t first = 0) const;
+
+ private:
+  BufferSet set_;
+  Handle<VkPipelineLayout> layout_;
+  Handle<VkPipeline> pipeline_;
+  std::uint32_t push_bytes_ = 0;
+};
+
+}  // namespace palpa::gpu

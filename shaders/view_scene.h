@@ -1,0 +1,82 @@
+// Shared by viewer/ and shaders/view_*: what the viewer's four pipelines fetch and their common push constants.
+#ifndef PALPA_SHADERS_VIEW_SCENE_H
+#define PALPA_SHADERS_VIEW_SCENE_H
+#include "shared.h"
+PALPA_SHADER_BEGIN
+
+// Every pipeline fetches one array, at binding 0.
+PALPA_CONST view_items = 0u;
+PALPA_CONST view_buffers = 1u;
+
+// A corner of a mesh triangle. Three in a row are one triangle.
+struct ViewVertex {
+  vec4 position;  // xyz metres, w unused
+  vec4 normal;    // xyz unit, w unused
+};
+PALPA_CHECK_SIZE(ViewVertex, 32);
+PALPA_CHECK_OFFSET(ViewVertex, normal, 16);
+
+// A line with round ends, constant width on the screen. A stroke from a point to itself is a disc.
+struct ViewStroke {
+  vec4 from;    // xyz metres in the world, or x y in pixels from the top left; w: half the width in pixels
+  vec4 to;      // xyz likewise; w unused
+  vec4 colour;  // rgb as on the screen, alpha
+};
+PALPA_CHECK_SIZE(ViewStroke, 48);
+PALPA_CHECK_OFFSET(ViewStroke, colour, 32);
+
+// An edge of a mesh: drawn when it is a crease or where the surface turns away from the viewer.
+struct ViewEdge {
+  vec4 from;   // xyz metres; w: 1 for a crease, 0 for an edge inside a smooth surface
+  vec4 to;     // xyz metres; w unused
+  vec4 left;   // xyz unit normal of one face; w unused
+  vec4 right;  // and of the other
+};
+PALPA_CHECK_SIZE(ViewEdge, 64);
+PALPA_CHECK_OFFSET(ViewEdge, left, 32);
+
+// A point or a transducer.
+struct ViewDisc {
+  vec4 centre;  // xyz metres; w: radius in metres
+  vec4 axis;    // xyz: unit normal, or 0: faces the viewer and is shaded like a ball; w: least radius in pixels
+  vec4 colour;  // rgb; w: greatest radius in pixels
+};
+PALPA_CHECK_SIZE(ViewDisc, 48);
+PALPA_CHECK_OFFSET(ViewDisc, colour, 32);
+
+struct ViewPush {
+  vec4 clip_x;  // rows of the map from the world to clip coordinates, y down, depth 1 near and 0 far
+  vec4 clip_y;
+  vec4 clip_z;
+  vec4 clip_w;
+  vec4 eye;     // w = 1: the eye's position; w = 0: the direction towards a viewer infinitely far away
+  vec4 window;  // x, y: size in pixels; z: pixels per metre where clip w = 1; w: depth bias towards the viewer, relative
+  vec4 colour;  // mesh, edge: rgb and alpha; stroke, disc: unused
+  vec4 style;   // mesh: x alpha at the silhouette, y 1 for shading, 0 for none; edge: x half the width in pixels;
+                // stroke: x 1 where coordinates are pixels, y multiplies widths;
+                // disc: x outline in pixels, y multiplies radii given in pixels
+};
+PALPA_CHECK_SIZE(ViewPush, 128);
+PALPA_CHECK_OFFSET(ViewPush, eye, 64);
+PALPA_CHECK_OFFSET(ViewPush, colour, 96);
+
+PALPA_SHADER_END
+
+#ifndef __cplusplus
+layout(push_constant) uniform Push { ViewPush push; };
+
+vec4 to_clip(vec3 world) {
+  const vec4 p = vec4(world, 1.0);
+  return vec4(dot(push.clip_x, p), dot(push.clip_y, p), dot(push.clip_z, p), dot(push.clip_w, p));
+}
+
+// From a point of the world to the viewer.
+vec3 towards_viewer(vec3 world) {
+  return normalize(push.eye.xyz - push.eye.w * world);
+}
+
+// A triangle all of whose corners are here is not drawn.
+const vec4 nowhere = vec4(2.0, 2.0, -1.0, 1.0);
+#endif
+
+#endif

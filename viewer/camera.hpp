@@ -1,0 +1,58 @@
+// The viewer's eye: an orbit around a target. Values and arithmetic only; window and pictures share it.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "base/math.hpp"
+#include "shaders/view_scene.h"
+
+namespace palpa::viewer {
+
+struct Camera {
+  Vec3 target{0, 0, 0};       ///< metres, world
+  double azimuth = 0.6;       ///< radians around +y; 0 looks along -z from the front, pi/2 along -x from the right
+  double elevation = 0.45;    ///< radians above the horizon, -pi/2..pi/2
+  double distance = 0.3;      ///< metres from eye to target
+  double fov = 0.44;          ///< vertical field of view, radians
+  bool orthographic = false;  ///< parallel projection that shows the target as large as the perspective does
+};
+
+enum class StandardView { front, right, top, iso };
+/// "front", "right", "top" or "iso".
+std::optional<StandardView> parse_view(std::string_view name);
+
+/// Turns the camera to a standard view; target, distance and projection stay.
+void look(Camera& camera, StandardView view);
+/// Puts the eye at `eye`, looking at `target`. The two must differ.
+void look(Camera& camera, const Vec3& eye, const Vec3& target);
+/// Moves target and distance so that `box` just fits an image of that width / height, with a margin. An empty box or a
+/// point gives a view 10 cm wide.
+void frame(Camera& camera, const Box& box, double aspect);
+
+/// Mouse: turns by a drag in pixels (a drag over `height` pixels is half a turn).
+void orbit(Camera& camera, double dx, double dy, double height);
+/// Moves the target so that what is at its depth follows the mouse.
+void pan(Camera& camera, double dx, double dy, double height);
+/// Positive steps come nearer.
+void zoom(Camera& camera, double steps);
+
+struct Basis {
+  Vec3 eye, right, up, forward;  ///< world; the last three are orthonormal
+};
+Basis basis(const Camera& camera);
+/// Metres of the world per pixel at the target's depth, for an image of that height.
+double metres_per_pixel(const Camera& camera, double height);
+
+/// The projection part of the pipelines' push constants for an image of width x height pixels; `depth_bias`, colour and
+/// style are left 0. Depth is reversed: 1 near, 0 far.
+shader::ViewPush projection(const Camera& camera, double width, double height);
+
+struct Projected {
+  double x = 0, y = 0;   ///< pixels from the top left
+  double depth = 0;      ///< metres before the eye
+  bool visible = false;  ///< before the eye
+};
+Projected project(const shader::ViewPush& projection, const Vec3& world);
+
+}  // namespace palpa::viewer

@@ -1,0 +1,34 @@
+// Pictures without a window: renders into an image of its own and reads it back.
+#pragma once
+
+#include "gpu/commands.hpp"
+#include "viewer/png.hpp"
+#include "viewer/renderer.hpp"
+
+namespace palpa::viewer {
+
+class Offscreen {
+ public:
+  /// `ratio`: pixels per point, for text and line widths. Throws failure() for sizes the device cannot do.
+  Offscreen(const gpu::Device& device, std::uint32_t width, std::uint32_t height, double ratio = 1);
+
+  /// Draws one frame and waits for it. The same scene and camera give the same bytes on one machine.
+  void draw(Scene& scene, const Camera& camera);
+  /// What the last draw drew; all zero before the first.
+  Pixels pixels() const;
+
+  std::uint32_t width() const { return canvas_.extent().width; }
+  std::uint32_t height() const { return canvas_.extent().height; }
+
+ private:
+  Renderer renderer_;
+  Canvas canvas_;
+  gpu::Image image_;
+  gpu::Readback readback_;
+  gpu::Recorder recorder_;
+  gpu::Timeline timeline_;
+  double ratio_;
+  bool drawn_ = false;
+};
+
+}  // namespace palpa::viewer

@@ -1,0 +1,271 @@
+#include "viewer/overlay.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <string_view>
+
+#include "viewer/font.hpp"
+#include "viewer/palette.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+enum class Align { left, centre, right };
+
+/// Strokes in pixels; sizes are given in points.
+class Ink {
+ public:
+  Ink(double ratio, const Colour& paper, std::vector<shader::ViewStroke>& strokes)
+      : ratio_(ratio), paper_(paper), strokes_(strokes) {}
+
+  double px(double points) const { return points * ratio_; }
+  void line(const Vec2& a, const Vec2& b, double width, const Colour& c) {
+    const auto f = [](double v) { return static_cast<float>(v); };
+    strokes_.push_back({{f(a.x), f(a.y), 0, f(px(width) / 2)}, {f(b.x), f(b.y), 0, 0}, {c.r, c.g, c.b, c.a}});
+  }
+  void disc(const Vec2& centre, double radius, const Colour& c) { line(centre, centre, 2 * radius, c); }
+  void ring(const Vec2& centre, double radius, double width, const Colour& c) {
+    constexpr int pieces = 40;
+    Vec2 last = centre + Vec2(px(radius), 0);
+    for (int i = 1; i <= pieces; ++i) {
+      const double a = 2 * std::numbers::pi * i / pieces;
+      const Vec2 next = centre + px(radius) * Vec2(std::cos(a), std::sin(a));
+      line(last, next, width, c);
+      last = next;
+    }
+  }
+  /// `at` is where the baseline begins, is centred or ends.
+  void text(std::string_view words, Vec2 at, double height, const Colour& c, Align align = Align::left,
+            double weight = 1) {
+    if (align != Align::left) at.x -= text_width(words, px(height)) * (align == Align::centre ? 0.5 : 1.0);
+    pen_.clear();
+    write_text(words, at, px(height), pen_);
+    for (const PenStroke& s : pen_)
+      line(s.from, s.to, weight * (0.55 + 0.088 * height), c);
+  }
+  /// Text with a border of the paper's colour, legible over anything.
+  void label(std::string_view words, Vec2 at, double height, const Colour& c, Align align = Align::left,
+             double weight = 1) {
+    text(words, at, height, paper_, align, 3.2 * weight);
+    text(words, at, height, c, align, weight);
+  }
+
+ private:
+  double ratio_;
+  Colour paper_;
+  std::vector<shader::ViewStroke>& strokes_;
+  std::vector<PenStroke> pen_;
+};
+
+constexpr double text_size = 9.0;  // height of capitals, points
+
+struct Placed {
+  Vec2 at;
+  double depth;
+  std::size_t index;
+};
+
+void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, const shader::ViewPush& projection,
+                 const Theme& theme) {
+  const Colour colour = finger_colour(index);
+  std::vector<Placed> placed;
+  for (std::size_t i = 0; i < finger.foci.size(); ++i) {
+    const Projected p = project(projection, Vec3(finger.foci[i].position));
+    if (p.visible) placed.push_back({{p.x, p.y}, p.depth, i});
+  }
+  if (placed.empty()) return;
+  // As large as the gaps between neighbours allow, so that a distant finger is small dots instead of one blot.
+  double nearest = 1e9;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    for (std::size_t j = i + 1; j < placed.size(); ++j) {
+      const double gap = glm::distance(placed[i].at, placed[j].at);
+      if (finger.foci[placed[i].index].own && finger.foci[placed[j].index].own && gap > 1e-3) {
+        nearest = std::min(nearest, gap);
+      }
+    }
+  }
+  double span = 0;
+  for (const Placed& p : placed)
+    span = std::max(span, glm::distance(p.at, placed[0].at));
+  const double radius = std::clamp(std::max(0.46 * nearest, 0.1 * span) / ink.px(1), 2.2, 10.5);
+  const bool numbered = radius >= 6.0;
+
+  for (std::size_t i = 0; i < placed.size() && placed.size() > 1; ++i) {
+    ink.line(placed[i].at, placed[(i + 1) % placed.size()].at, 1.3, with_alpha(mix(colour, theme.ink, 0.25f), 0.75f));
+  }
+  std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) { return a.depth > b.depth; });
+  // The running focus last: on top.
+  std::stable_partition(placed.begin(), placed.end(), [&](const Placed& p) { return finger.running != p.index; });
+  for (const Placed& p : placed) {
+    const FocusMark& focus = finger.foci[p.index];
+    const bool running = finger.running == p.index;
+    if (!focus.own && !running) continue;
+    if (running) ink.disc(p.at, radius + 5.5, with_alpha(colour, 0.30f));
+    ink.disc(p.at, radius + (running ? 1.6 : 0.9), theme.background);
+    ink.disc(p.at, radius + (running ? 0.8 : 0.1), colour);
+    if (!running) ink.disc(p.at, radius - std::min(1.6, 0.4 * radius), rgb(0xffffff));
+    if (numbered && focus.own) {
+      const std::string number = fmt::format("{}", focus.number);
+      const double size = number.size() > 1 ? radius * 0.80 : radius * 0.95;
+      ink.text(number, p.at + Vec2(0, ink.px(size / 2)), size, running ? rgb(0xffffff) : rgb(0x1f2933), Align::centre,
+               1.1);
+    }
+  }
+}
+
+std::string counted(std::size_t n, std::string_view one) {
+  return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
+}
+
+void draw_legend(Ink& ink, const Picture& picture, const Theme& theme) {
+  const double x = ink.px(22), line_height = ink.px(19);
+  double y = ink.px(30);
+  const Vec2 swatch(x + ink.px(5), 0);
+  const auto entry = [&](std::string_view words) {
+    ink.label(words, {x + ink.px(20), y}, text_size, theme.ink);
+    y += line_height;
+  };
+  const auto middle = [&] { return Vec2(swatch.x, y - ink.px(text_size / 2)); };
+  if (!picture.title.empty()) {
+    ink.label(picture.title, {x, y}, text_size * 1.3, theme.ink, Align::left, 1.15);
+    y += line_height * 1.35;
+  }
+  if (!picture.solids.empty()) {
+    std::string names;
+    for (std::size_t i = 0; i < picture.solids.size() && i < 4; ++i) {
+      names += (i ? ", " : "") + picture.solids[i].name.substr(0, 40);
+    }
+    if (picture.solids.size() > 4) names += fmt::format(" and {} more", picture.solids.size() - 4);
+    const Vec2 m = middle(), half(ink.px(5), 0);
+    ink.line(m - half, m + half, 9, theme.solid_rim);
+    entry(names);
+  }
+  if (picture.skin) {
+    const Vec2 m = middle(), half(ink.px(5), 0);
+    ink.line(m - half, m + half, 9, theme.skin_rim);
+    entry(picture.skin->name);
+  }
+  if (!picture.skin_points.empty()) {
+    ink.disc(middle(), 3, theme.skin_point);
+    entry(counted(picture.skin_points.size() + picture.contacts.size(), "skin point"));
+  }
+  std::size_t loose = 0;
+  for (const ContactMark& c : picture.contacts)
+    loose += c.finger ? 0 : 1;
+  constexpr std::size_t most_fingers = 8;
+  for (std::size_t f = 0; f < std::min(picture.fingers.size(), most_fingers); ++f) {
+    const FingerMarks& finger = picture.fingers[f];
+    const Colour colour = finger_colour(static_cast<std::uint32_t>(f));
+    ink.disc(middle() - Vec2(ink.px(5), 0), 3.4, colour);
+    ink.disc(middle() + Vec2(ink.px(5), 0), 5, colour);
+    ink.disc(middle() + Vec2(ink.px(5), 0), 3.5, rgb(0xffffff));
+    const auto own = std::count_if(finger.foci.begin(), finger.foci.end(), [](const FocusMark& m) { return m.own; });
+    std::string foci = counted(static_cast<std::size_t>(own), "focus");
+    if (own != 1) foci = fmt::format("{} foci in order", own);
+    entry(fmt::format("finger {}: {}, {}", f + 1, counted(finger.contacts, "contact"), foci));
+  }
+  if (picture.fingers.size() > most_fingers)
+    entry(fmt::format("and {} more", counted(picture.fingers.size() - most_fingers, "finger")));
+  if (loose > 0) {
+    ink.disc(middle(), 3.4, theme.loose_contact);
+    entry(fmt::format("{} of no finger", counted(loose, "contact")));
+  }
+  if (!picture.transducers.empty() && !picture.driven) {
+    ink.disc(middle(), 4, theme.idle_transducer);
+    entry(counted(picture.transducers.size(), "transducer"));
+  }
+}
+
+/// Phase as hue around a wheel, amplitude as brightness from its centre outwards.
+void draw_drive_wheel(Ink& ink, const Picture& picture, double width, const Theme& theme) {
+  const double radius = 26, right = 62;
+  const Vec2 centre(width - ink.px(right), ink.px(64));
+  constexpr int sectors = 96, rings = 9;
+  for (int ring = 0; ring < rings; ++ring) {
+    const double r = ink.px(radius * (ring + 0.5) / rings);
+    for (int s = 0; s < sectors; ++s) {
+      const double from = 2 * std::numbers::pi * s / sectors, to = 2 * std::numbers::pi * (s + 1) / sectors;
+      const Colour c = drive_colour(static_cast<float>((ring + 0.5) / rings), static_cast<float>((from + to) / 2));
+      ink.line(centre + r * Vec2(std::cos(from), -std::sin(from)), centre + r * Vec2(std::cos(to), -std::sin(to)),
+               radius / rings + 0.6, c);
+    }
+  }
+  ink.label("0", centre + Vec2(ink.px(radius + 9), ink.px(4)), 8, theme.ink);
+  ink.label("\u03c0", centre + Vec2(-ink.px(radius + 9), ink.px(4)), 8, theme.ink, Align::right);
+  ink.label("hue: phase", centre + Vec2(0, -ink.px(radius + 8)), 8, theme.ink, Align::centre);
+  ink.label("brightness: amplitude", centre + Vec2(0, ink.px(radius + 18)), 8, theme.faint_ink, Align::centre);
+  ink.label(counted(picture.transducers.size(), "transducer"), {width - ink.px(20), ink.px(64 + radius + 36)}, 8,
+            theme.ink, Align::right);
+}
+
+void draw_axes(Ink& ink, const Camera& camera, double height) {
+  struct Axis {
+    Vec3 direction;
+    const char* name;
+    Colour colour;
+  };
+  const std::array<Axis, 3> axes{Axis{{1, 0, 0}, "x", rgb(0xd55e00)}, Axis{{0, 1, 0}, "y", rgb(0x009e73)},
+                                 Axis{{0, 0, 1}, "z", rgb(0x0072b2)}};
+  const Basis b = basis(camera);
+  const Vec2 origin(ink.px(52), height - ink.px(52));
+  std::array<std::size_t, 3> order{0, 1, 2};
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    return glm::dot(axes[i].direction, b.forward) > glm::dot(axes[j].direction, b.forward);
+  });
+  for (const std::size_t i : order) {
+    const Vec2 d(glm::dot(axes[i].direction, b.right), -glm::dot(axes[i].direction, b.up));
+    if (glm::length(d) < 0.08) continue;  // end-on: a letter on the origin would only blot it
+    ink.line(origin, origin + ink.px(28) * d, 2, axes[i].colour);
+    const Vec2 at = origin + ink.px(28) * d + ink.px(9) * d / glm::length(d);
+    ink.label(axes[i].name, at + Vec2(0, ink.px(3)), text_size, axes[i].colour, Align::centre, 1.2);
+  }
+}
+
+void draw_scale(Ink& ink, const Camera& camera, const OverlayOptions& options, const Theme& theme) {
+  const double per_pixel = metres_per_pixel(camera, options.height);
+  const double length = scale_bar_length(std::min(ink.px(150), options.width * 0.3) * per_pixel);
+  const double pixels = length / per_pixel;
+  const Vec2 right(options.width - ink.px(24), options.height - ink.px(28)), left = right - Vec2(pixels, 0);
+  const Vec2 tick(0, ink.px(4));
+  ink.line(left, right, 1.6, theme.ink);
+  ink.line(left - tick, left + tick, 1.6, theme.ink);
+  ink.line(right - tick, right + tick, 1.6, theme.ink);
+  ink.label(fmt::format("{:g} mm", length * 1e3), (left + right) * 0.5 - Vec2(0, ink.px(9)), text_size, theme.ink,
+            Align::centre);
+}
+
+}  // namespace
+
+double scale_bar_length(double longest_m) {
+  if (!(longest_m > 1e-9) || longest_m > 1e9) return 1e-3;
+  const double power = std::pow(10.0, std::floor(std::log10(longest_m) + 1e-9));
+  const double mantissa = longest_m / power;
+  return power * (mantissa >= 5 ? 5 : mantissa >= 2 ? 2 : 1);
+}
+
+void build_overlay(const Picture& picture, const Camera& camera, const OverlayOptions& options,
+                   std::vector<shader::ViewStroke>& strokes) {
+  strokes.clear();
+  const Theme& theme = picture.dark ? dark_theme() : light_theme();
+  Ink ink(options.ratio, theme.background, strokes);
+  const shader::ViewPush view = projection(camera, options.width, options.height);
+  for (const CameraMark& mark : picture.cameras) {
+    const Projected p = project(view, Vec3(mark.apex));
+    if (p.visible) ink.label(mark.name, Vec2(p.x, p.y - ink.px(8)), 8, theme.faint_ink, Align::centre);
+  }
+  for (std::size_t f = 0; f < picture.fingers.size(); ++f) {
+    draw_finger(ink, picture.fingers[f], static_cast<std::uint32_t>(f), view, theme);
+  }
+  if (!picture.legend) return;
+  draw_legend(ink, picture, theme);
+  if (picture.driven) draw_drive_wheel(ink, picture, options.width, theme);
+  draw_axes(ink, camera, options.height);
+  draw_scale(ink, camera, options, theme);
+}
+
+}  // namespace palpa::viewer

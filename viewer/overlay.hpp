@@ -1,0 +1,27 @@
+// What lies flat on the picture: foci with their numbers, legend, axes, scale. Built anew for every frame as strokes in
+// pixels, since it depends on the camera.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "shaders/view_scene.h"
+#include "viewer/camera.hpp"
+#include "viewer/picture.hpp"
+
+namespace palpa::viewer {
+
+struct OverlayOptions {
+  double width = 0, height = 0;  ///< of the picture in pixels
+  double ratio = 1;              ///< pixels per point, 2 on a high-resolution screen
+};
+
+/// Replaces `strokes`, whose storage is kept, by the overlay of `picture`; later strokes lie over earlier ones.
+/// Surfaces, points and transducers are only named and counted.
+void build_overlay(const Picture& picture, const Camera& camera, const OverlayOptions& options,
+                   std::vector<shader::ViewStroke>& strokes);
+
+/// Length in metres of the scale bar: the longest of 1, 2 and 5 times a power of ten that is at most `longest_m`.
+double scale_bar_length(double longest_m);
+
+}  // namespace palpa::viewer

@@ -1,0 +1,90 @@
+#include "viewer/palette.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace palpa::viewer {
+namespace {
+
+float encode(float linear) {
+  const float c = std::clamp(linear, 0.0f, 1.0f);
+  return c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1.0f / 2.4f) - 0.055f;
+}
+
+/// Björn Ottosson's Oklab, 2020.
+Colour from_oklch(float lightness, float chroma, float hue) {
+  const float a = chroma * std::cos(hue), b = chroma * std::sin(hue);
+  const auto cube = [](float v) { return v * v * v; };
+  const float l = cube(lightness + 0.3963377774f * a + 0.2158037573f * b);
+  const float m = cube(lightness - 0.1055613458f * a - 0.0638541728f * b);
+  const float s = cube(lightness - 0.0894841775f * a - 1.2914855480f * b);
+  return {encode(4.0767416621f * l - 3.3077115913f * m + 0.2309699292f * s),
+          encode(-1.2684380046f * l + 2.6097574011f * m - 0.3413193965f * s),
+          encode(-0.0041960863f * l - 0.7034186147f * m + 1.7076147010f * s), 1.0f};
+}
+
+}  // namespace
+
+Colour mix(Colour a, Colour b, float t) {
+  return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t, a.a + (b.a - a.a) * t};
+}
+
+const Theme& light_theme() {
+  static const Theme theme{
+      .background = rgb(0xffffff),
+      .ink = rgb(0x1f2933),
+      .faint_ink = rgb(0x66727f),
+      .grid = rgb(0x8a97a5, 0.28f),
+      .grid_major = rgb(0x8a97a5, 0.62f),
+      .solid = rgb(0x9db8d2, 0.30f),
+      .solid_rim = rgb(0x9db8d2, 0.55f),
+      .edge = rgb(0x2b3c4d),
+      .skin = rgb(0xd8a48a, 0.10f),
+      .skin_rim = rgb(0xd8a48a, 0.55f),
+      .skin_point = rgb(0xa08b80),
+      .loose_contact = rgb(0x3a3a3a),
+      .board = rgb(0xaab4be, 0.10f),
+      .board_edge = rgb(0x66727f, 0.55f),
+      .idle_transducer = rgb(0xc3cad1),
+      .frustum = rgb(0x66727f, 0.75f),
+  };
+  return theme;
+}
+
+const Theme& dark_theme() {
+  static const Theme theme{
+      .background = rgb(0x1c2127),
+      .ink = rgb(0xe8edf2),
+      .faint_ink = rgb(0x9aa7b4),
+      .grid = rgb(0x8a97a5, 0.18f),
+      .grid_major = rgb(0x8a97a5, 0.42f),
+      .solid = rgb(0x8fb2d6, 0.24f),
+      .solid_rim = rgb(0xa9c8e8, 0.50f),
+      .edge = rgb(0xc9d8e8),
+      .skin = rgb(0xe0ae95, 0.10f),
+      .skin_rim = rgb(0xe0ae95, 0.50f),
+      .skin_point = rgb(0xb09a8e),
+      .loose_contact = rgb(0xd0d0d0),
+      .board = rgb(0x6c7884, 0.14f),
+      .board_edge = rgb(0x9aa7b4, 0.5f),
+      .idle_transducer = rgb(0x3c444d),
+      .frustum = rgb(0x9aa7b4, 0.75f),
+  };
+  return theme;
+}
+
+Colour finger_colour(std::uint32_t index) {
+  // Okabe and Ito, "Color Universal Design", 2008; the darker ones first, since they stand out on white.
+  static constexpr std::array<std::uint32_t, 7> colours{0xd55e00, 0x0072b2, 0x009e73, 0xcc79a7,
+                                                        0xe69f00, 0x56b4e9, 0xf0e442};
+  return rgb(colours[index % colours.size()]);
+}
+
+Colour drive_colour(float amplitude, float phase) {
+  const float a = std::isfinite(amplitude) ? std::clamp(amplitude, 0.0f, 1.0f) : 0.0f;
+  const float hue = (std::isfinite(phase) ? phase : 0.0f) + 0.7f;
+  return from_oklch(0.22f + 0.53f * a, 0.122f * a, hue);
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,38 @@
+// Every colour of the pictures. Fingers use the palette of Okabe and Ito, which colour-blind people can tell apart.
+#pragma once
+
+#include <cstdint>
+
+namespace palpa::viewer {
+
+/// As on the screen (sRGB, gamma-encoded), each component 0..1.
+struct Colour {
+  float r = 0, g = 0, b = 0, a = 1;
+};
+constexpr Colour rgb(std::uint32_t hex, float alpha = 1) {
+  return {static_cast<float>(hex >> 16 & 255u) / 255.0f, static_cast<float>(hex >> 8 & 255u) / 255.0f,
+          static_cast<float>(hex & 255u) / 255.0f, alpha};
+}
+constexpr Colour with_alpha(Colour c, float alpha) {
+  return {c.r, c.g, c.b, alpha};
+}
+Colour mix(Colour a, Colour b, float t);
+
+/// Colours that depend on the background.
+struct Theme {
+  Colour background, ink, faint_ink, grid, grid_major;
+  Colour solid, solid_rim, edge;
+  Colour skin, skin_rim, skin_point, loose_contact;
+  Colour board, board_edge, idle_transducer, frustum;
+};
+const Theme& light_theme();
+const Theme& dark_theme();
+
+/// The colour of finger `index`; repeats after seven.
+Colour finger_colour(std::uint32_t index);
+
+/// Hue from the phase (any radians; 0 is red-orange, then through yellow, green and blue), brightness from the
+/// amplitude (0..1): equal amplitudes look equally bright at every phase (OKLCH with constant lightness and chroma).
+Colour drive_colour(float amplitude, float phase);
+
+}  // namespace palpa::viewer

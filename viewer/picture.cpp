@@ -1,0 +1,150 @@
+#include "viewer/picture.hpp"
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+
+namespace palpa::viewer {
+
+void show_solids(Picture& picture, std::span<const geometry::Solid> solids) {
+  picture.solids.clear();
+  for (const auto& solid : solids)
+    picture.solids.push_back({solid.name, solid.mesh});
+}
+
+void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::span<const Vec3> positions,
+                const touch::Touch& touch) {
+  std::vector<bool> is_contact(positions.size(), false);
+  picture.contacts.clear();
+  for (const auto& contact : touch.contacts) {
+    if (contact.point < is_contact.size()) is_contact[contact.point] = true;
+    picture.contacts.push_back({contact.position, std::nullopt});
+  }
+  picture.skin_points.clear();
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (!is_contact[i]) picture.skin_points.emplace_back(positions[i]);
+  }
+  picture.fingers.clear();
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+    const touch::Finger& finger = touch.fingers[f];
+    for (const std::uint32_t c : finger.contacts)
+      picture.contacts[c].finger = f;
+    FingerMarks marks;
+    marks.solid = finger.solid < solids.size() ? solids[finger.solid].name : "";
+    marks.contacts = static_cast<std::uint32_t>(finger.contacts.size());
+    picture.fingers.push_back(std::move(marks));
+  }
+}
+
+void show_schedule(Picture& picture, const array::Schedule& schedule, const touch::Touch& touch) {
+  const std::size_t count = std::min<std::size_t>({schedule.voice_count, picture.fingers.size(), touch.finger_count});
+  for (std::size_t f = 0; f < count; ++f) {
+    const array::Voice& voice = schedule.voices[f];
+    const touch::Finger& finger = touch.fingers[f];
+    auto& foci = picture.fingers[f].foci;
+    foci.clear();
+    for (const std::uint32_t sector : voice.order) {
+      const bool own = finger.point_like || (sector < finger.foci.size() && finger.foci[sector].points > 0);
+      foci.push_back({glm::vec3(voice.foci[sector]), static_cast<std::uint32_t>(foci.size() + 1), own});
+    }
+  }
+}
+
+void show_slot(Picture& picture, const array::Schedule& schedule, std::uint64_t slot) {
+  const std::size_t count = std::min<std::size_t>(schedule.voice_count, picture.fingers.size());
+  for (std::size_t f = 0; f < count; ++f) {
+    const array::Voice& voice = schedule.voices[f];
+    const auto steps = static_cast<std::uint64_t>(voice.dwell_s / schedule.slot_s + 0.5);
+    const std::size_t foci = picture.fingers[f].foci.size();
+    if (foci == 0) continue;
+    picture.fingers[f].running = static_cast<std::uint32_t>(slot / std::max<std::uint64_t>(steps, 1) % foci);
+  }
+}
+
+void show_array(Picture& picture, const array::Layout& layout) {
+  picture.transducers.clear();
+  picture.driven = false;
+  for (const auto& t : layout.transducers)
+    picture.transducers.push_back({glm::vec3(t.position), glm::vec3(t.axis), 0, 0});
+  picture.boards.clear();
+  for (const array::Board& board : layout.boards) {
+    const double w = board.width_m / 2, h = board.height_m / 2;
+    BoardMark mark;
+    const std::array<Vec3, 4> corners{Vec3(-w, -h, 0), Vec3(w, -h, 0), Vec3(w, h, 0), Vec3(-w, h, 0)};
+    for (std::size_t i = 0; i < 4; ++i)
+      mark[i] = glm::vec3(transform_point(board.T_layout_board, corners[i]));
+    picture.boards.push_back(mark);
+  }
+}
+
+void show_drive(Picture& picture, std::span<const array::TransducerDrive> drive) {
+  picture.driven = true;
+  for (std::size_t i = 0; i < std::min(drive.size(), picture.transducers.size()); ++i) {
+    picture.transducers[i].amplitude = drive[i].amplitude;
+    picture.transducers[i].phase = drive[i].phase;
+  }
+}
+
+void show_cameras(Picture& picture, std::span<const sensing::Camera> cameras, double depth_m) {
+  picture.cameras.clear();
+  for (const sensing::Camera& camera : cameras) {
+    CameraMark mark;
+    mark.name = camera.name;
+    mark.apex = glm::vec3(transform_point(camera.T_world_camera, Vec3(0)));
+    const double w = camera.width, h = camera.height;
+    const std::array<Vec2, 4> pixels{Vec2(0, 0), Vec2(w, 0), Vec2(w, h), Vec2(0, h)};
+    for (std::size_t i = 0; i < 4; ++i) {
+      // The ideal pinhole: a few pixels of distortion do not show in a frustum.
+      const Vec3 ray((pixels[i].x - 0.5 - camera.cx) / camera.fx, (pixels[i].y - 0.5 - camera.cy) / camera.fy, 1.0);
+      mark.corners[i] = glm::vec3(transform_point(camera.T_world_camera, ray * depth_m));
+    }
+    picture.cameras.push_back(mark);
+  }
+}
+
+Box extent(const Picture& picture, Extent extent) {
+  Box box;
+  for (const ContactMark& c : picture.contacts) {
+    if (c.finger || extent != Extent::touch) box.add(Vec3(c.position));
+  }
+  for (const FingerMarks& finger : picture.fingers) {
+    for (const FocusMark& focus : finger.foci)
+      box.add(Vec3(focus.position));
+  }
+  if (extent == Extent::touch && !box.empty()) {
+    const Vec3 margin(2e-3);
+    box.low -= margin;
+    box.high += margin;
+    return box;
+  }
+  for (const Surface& solid : picture.solids) {
+    for (const Vec3& p : solid.mesh.positions)
+      box.add(p);
+  }
+  if (extent != Extent::all && !box.empty()) {
+    constexpr double near = 0.03;
+    const Box core = box;
+    const auto add_near = [&](const Vec3& p) {
+      if (glm::all(glm::greaterThanEqual(p, core.low - near)) && glm::all(glm::lessThanEqual(p, core.high + near))) {
+        box.add(p);
+      }
+    };
+    for (const glm::vec3& p : picture.skin_points)
+      add_near(Vec3(p));
+    if (picture.skin) std::for_each(picture.skin->mesh.positions.begin(), picture.skin->mesh.positions.end(), add_near);
+    return box;
+  }
+  for (const glm::vec3& p : picture.skin_points)
+    box.add(Vec3(p));
+  if (picture.skin) {
+    for (const Vec3& p : picture.skin->mesh.positions)
+      box.add(p);
+  }
+  for (const TransducerMark& t : picture.transducers)
+    box.add(Vec3(t.position));
+  for (const CameraMark& c : picture.cameras)
+    box.add(Vec3(c.apex));
+  return box;
+}
+
+}  // namespace palpa::viewer

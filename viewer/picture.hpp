@@ -1,0 +1,106 @@
+// What a picture shows, as plain values: the renderer's whole input besides the camera. Nothing of Vulkan in it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+#include "array/schedule.hpp"
+#include "base/math.hpp"
+#include "geometry/mesh.hpp"
+#include "geometry/solid.hpp"
+#include "sensing/camera.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::viewer {
+
+/// A translucent surface in world coordinates, welded.
+struct Surface {
+  std::string name;
+  geometry::Mesh mesh;
+};
+
+/// A skin point in a solid's shell, drawn in its finger's colour.
+struct ContactMark {
+  glm::vec3 position{};
+  std::optional<std::uint32_t> finger;  ///< none: its cluster is too small to be a finger
+};
+
+/// One entry of a finger's order. An empty sector plays another sector's focus and has no mark of its own.
+struct FocusMark {
+  glm::vec3 position{};
+  std::uint32_t number = 0;  ///< its place in the order, from 1
+  bool own = true;           ///< false: an empty sector's slot
+};
+
+struct FingerMarks {
+  std::string solid;  ///< what it touches
+  std::uint32_t contacts = 0;
+  std::vector<FocusMark> foci;  ///< as they play; joined by a line in this order
+  /// Index into `foci` of the focus that sounds now, highlighted.
+  std::optional<std::uint32_t> running;
+};
+
+struct TransducerMark {
+  glm::vec3 position{}, axis{};
+  float amplitude = 0, phase = 0;  ///< of its drive; brightness and hue
+};
+
+/// A transducer board: corners in order around it.
+using BoardMark = std::array<glm::vec3, 4>;
+
+struct CameraMark {
+  std::string name;
+  glm::vec3 apex{};
+  std::array<glm::vec3, 4> corners{};  ///< where the image's corners are, some way before the apex
+};
+
+struct Picture {
+  std::string title;  ///< above the legend, may be empty
+  std::vector<Surface> solids;
+  std::optional<Surface> skin;  ///< the finger's or hand's surface, drawn faintly
+  std::vector<glm::vec3> skin_points;
+  std::vector<ContactMark> contacts;
+  std::vector<FingerMarks> fingers;
+  std::vector<TransducerMark> transducers;
+  float transducer_radius_m = 4.2e-3f;
+  bool driven = false;  ///< transducers have a drive; otherwise they are drawn idle
+  std::vector<BoardMark> boards;
+  std::vector<CameraMark> cameras;
+  bool dark = false;   ///< dark-neutral instead of white background
+  bool legend = true;  ///< title, legend, axes and scale
+  bool grid = true;
+};
+
+// What fills a picture from the engine's values; each replaces its own part only.
+
+void show_solids(Picture& picture, std::span<const geometry::Solid> solids);
+/// `positions` of all skin points; those that are contacts are drawn as contacts only.
+void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::span<const Vec3> positions,
+                const touch::Touch& touch);
+/// Foci in playing order, one voice per finger of `show_touch` and in its order.
+void show_schedule(Picture& picture, const array::Schedule& schedule, const touch::Touch& touch);
+/// Which focus sounds in `slot`; the counter never restarts.
+void show_slot(Picture& picture, const array::Schedule& schedule, std::uint64_t slot);
+/// `layout` posed in the world.
+void show_array(Picture& picture, const array::Layout& layout);
+/// The drive of the transducers that show_array put there, in the same order.
+void show_drive(Picture& picture, std::span<const array::TransducerDrive> drive);
+/// Frusta as long as `depth_m`.
+void show_cameras(Picture& picture, std::span<const sensing::Camera> cameras, double depth_m = 0.08);
+
+/// What the camera should frame.
+enum class Extent {
+  touch,    ///< close up: fingers' contacts and foci; objects where nothing touches
+  objects,  ///< solids, contacts, and the skin up to 3 cm around them
+  all,      ///< everything, array and cameras too
+};
+Box extent(const Picture& picture, Extent extent);
+
+}  // namespace palpa::viewer

@@ -1,0 +1,230 @@
+#include "viewer/renderer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <glm/geometric.hpp>
+
+#include "base/error.hpp"
+#include "gpu/check.hpp"
+#include "spirv/view_disc.frag.hpp"
+#include "spirv/view_disc.vert.hpp"
+#include "spirv/view_edge.vert.hpp"
+#include "spirv/view_mesh.frag.hpp"
+#include "spirv/view_mesh.vert.hpp"
+#include "spirv/view_stroke.frag.hpp"
+#include "spirv/view_stroke.vert.hpp"
+#include "viewer/overlay.hpp"
+#include "viewer/palette.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+/// One part in a thousand of the distance: lines lie on their surface, not half in it.
+constexpr float line_bias = 1.0e-3f;
+
+VkFormat pick_depth_format(const gpu::Device& device) {
+  for (const VkFormat format : {VK_FORMAT_D32_SFLOAT, VK_FORMAT_X8_D24_UNORM_PACK32}) {
+    VkFormatProperties properties;
+    vkGetPhysicalDeviceFormatProperties(device.physical(), format, &properties);
+    if (properties.optimalTilingFeatures & VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT) return format;
+  }
+  return VK_FORMAT_D16_UNORM;  // every device has it
+}
+
+VkSampleCountFlagBits pick_samples(const gpu::Device& device) {
+  const auto& limits = device.limits();
+  const auto both = limits.framebufferColorSampleCounts & limits.framebufferDepthSampleCounts;
+  return both & VK_SAMPLE_COUNT_4_BIT ? VK_SAMPLE_COUNT_4_BIT : VK_SAMPLE_COUNT_1_BIT;
+}
+
+shader::vec4 pack(const Colour& c) {
+  return {c.r, c.g, c.b, c.a};
+}
+
+constexpr std::uint32_t corners_of(std::uint32_t quads) {
+  return quads * 6;
+}
+
+}  // namespace
+
+struct Renderer::Frame {
+  VkCommandBuffer commands;
+  shader::ViewPush push;  // projection, window and eye; colour and style are each draw's own
+  const Theme& theme;
+  Vec3 eye;
+  float ratio;
+};
+
+Renderer::Renderer(const gpu::Device& device, VkFormat colour)
+    : device_(&device), colour_(colour), depth_(pick_depth_format(device)), samples_(pick_samples(device)) {
+  gpu::GraphicsLayout layout;
+  layout.buffers = shader::view_buffers;
+  layout.push_bytes = sizeof(shader::ViewPush);
+  layout.colour = colour_;
+  layout.depth = depth_;
+  layout.samples = samples_;
+  layout.blend = true;
+  mesh_ = {device, "view mesh", spirv::view_mesh_vert, spirv::view_mesh_frag, layout};
+  edge_ = {device, "view edge", spirv::view_edge_vert, spirv::view_stroke_frag, layout};
+  stroke_ = {device, "view stroke", spirv::view_stroke_vert, spirv::view_stroke_frag, layout};
+  layout.blend = samples_ == VK_SAMPLE_COUNT_1_BIT;
+  layout.alpha_to_coverage = !layout.blend;
+  disc_ = {device, "view disc", spirv::view_disc_vert, spirv::view_disc_frag, layout};
+}
+
+Canvas Renderer::make_canvas(VkExtent2D extent) const {
+  Canvas canvas;
+  constexpr VkImageUsageFlags transient = VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
+  canvas.depth_ = gpu::Image(
+      *device_, {extent, depth_, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | transient, samples_}, "view depth");
+  if (samples_ != VK_SAMPLE_COUNT_1_BIT) {
+    canvas.colour_ = gpu::Image(*device_, {extent, colour_, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | transient, samples_},
+                                "view samples");
+  }
+  return canvas;
+}
+
+void Renderer::record(VkCommandBuffer commands, Scene& scene, const Camera& camera, Canvas& canvas,
+                      const Target& target, double ratio) const {
+  const VkExtent2D extent = canvas.extent();
+  const Theme& theme = scene.picture_.dark ? dark_theme() : light_theme();
+  Frame frame{commands, projection(camera, extent.width, extent.height), theme, basis(camera).eye,
+              static_cast<float>(ratio)};
+  frame.push.window.w = 0;
+
+  scene.record_upload(commands);
+  build_overlay(scene.picture_, camera, {static_cast<double>(extent.width), static_cast<double>(extent.height), ratio},
+                canvas.strokes_);
+  const VkDeviceSize overlay_bytes = canvas.strokes_.size() * sizeof(shader::ViewStroke);
+  if (canvas.overlay_.data() == nullptr || canvas.overlay_.ref().size < overlay_bytes) {
+    canvas.overlay_ = gpu::Upload(*device_, std::max<VkDeviceSize>(2 * overlay_bytes, 4096), "view overlay");
+  }
+  if (overlay_bytes != 0) std::memcpy(canvas.overlay_.data(), canvas.strokes_.data(), overlay_bytes);
+  canvas.overlay_.record(commands, overlay_bytes);
+
+  const bool resolve = canvas.colour_.get() != VK_NULL_HANDLE;
+  gpu::transition(commands, target.image, colour_, gpu::image_use::discard_colour, gpu::image_use::colour_target);
+  gpu::transition(commands, canvas.depth_.get(), depth_, gpu::image_use::discard_depth, gpu::image_use::depth_target);
+  if (resolve) {
+    gpu::transition(commands, canvas.colour_.get(), colour_, gpu::image_use::discard_colour,
+                    gpu::image_use::colour_target);
+  }
+
+  VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+  colour.imageView = resolve ? canvas.colour_.view() : target.view;
+  colour.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+  if (resolve) {
+    colour.resolveMode = VK_RESOLVE_MODE_AVERAGE_BIT;
+    colour.resolveImageView = target.view;
+    colour.resolveImageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+  }
+  colour.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+  colour.storeOp = resolve ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE;
+  colour.clearValue.color = {{theme.background.r, theme.background.g, theme.background.b, 1.0f}};
+  VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+  depth.imageView = canvas.depth_.view();
+  depth.imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
+  depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+  depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+  depth.clearValue.depthStencil = {0.0f, 0};
+  VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
+  rendering.renderArea.extent = extent;
+  rendering.layerCount = 1;
+  rendering.colorAttachmentCount = 1;
+  rendering.pColorAttachments = &colour;
+  rendering.pDepthAttachment = &depth;
+  vkCmdBeginRendering(commands, &rendering);
+  const VkViewport viewport{0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height), 0, 1};
+  vkCmdSetViewport(commands, 0, 1, &viewport);
+  vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
+  draw_points(frame, scene);
+  draw_boards_and_lines(frame, scene);
+  draw_surfaces(frame, scene);
+  draw_overlay(frame, scene, canvas);
+  vkCmdEndRendering(commands);
+}
+
+// Opaque and first: they write depth, and what is translucent then blends over those behind it.
+void Renderer::draw_points(const Frame& frame, const Scene& scene) const {
+  const auto draw = [&](const Range& range, float outline) {
+    shader::ViewPush push = frame.push;
+    push.style = {outline * frame.ratio, frame.ratio, 0, 0};
+    disc_.draw(frame.commands, {scene.discs_.ref()}, &push, {.depth_write = true}, corners_of(range.count),
+               corners_of(range.first));
+  };
+  draw(scene.transducers_, 0.0f);
+  draw(scene.points_, 0.0f);
+  draw(scene.contacts_, 0.6f);
+}
+
+void Renderer::draw_boards_and_lines(const Frame& frame, const Scene& scene) const {
+  shader::ViewPush push = frame.push;
+  push.window.w = line_bias;
+  push.style = {0, frame.ratio, 0, 0};
+  stroke_.draw(frame.commands, {scene.strokes_.ref()}, &push, {}, corners_of(scene.lines_.count));
+  push = frame.push;
+  push.colour = pack(frame.theme.board);
+  push.style = {frame.theme.board.a, 0, 0, 0};
+  mesh_.draw(frame.commands, {scene.board_vertices_.ref()}, &push, {}, scene.boards_.count);
+}
+
+// Solids are convex, so that back faces, then front faces, blend in the right order; several solids from far to near.
+// The skin's surface may pass through a solid: the part behind the solid's front is drawn before that front, the rest
+// after.
+void Renderer::draw_surfaces(const Frame& frame, const Scene& scene) const {
+  const auto paint = [&](const Range& range, Colour face, Colour rim, float shading, const gpu::DrawState& state) {
+    shader::ViewPush push = frame.push;
+    push.colour = pack(face);
+    push.style = {rim.a, shading, 0, 0};
+    mesh_.draw(frame.commands, {scene.vertices_.ref()}, &push, state, range.count, range.first);
+  };
+  const auto paint_skin = [&](VkCompareOp compare) {
+    for (const VkCullModeFlagBits hidden : {VK_CULL_MODE_FRONT_BIT, VK_CULL_MODE_BACK_BIT}) {
+      paint(scene.skin_.vertices, frame.theme.skin, frame.theme.skin_rim, 1, {.cull = hidden, .compare = compare});
+    }
+  };
+
+  std::vector<std::size_t> order(scene.solids_.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return glm::distance(scene.solids_[a].centre, frame.eye) > glm::distance(scene.solids_[b].centre, frame.eye);
+  });
+  for (const std::size_t i : order) {
+    const Range& range = scene.solids_[i].vertices;
+    paint(range, frame.theme.solid, frame.theme.solid_rim, 1, {.cull = VK_CULL_MODE_FRONT_BIT});
+    // Depth alone, by painting with no alpha.
+    paint(range, with_alpha(frame.theme.solid, 0), with_alpha(frame.theme.solid, 0), 0,
+          {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = true});
+  }
+  if (!order.empty()) paint_skin(VK_COMPARE_OP_LESS);
+  for (const std::size_t i : order) {
+    paint(scene.solids_[i].vertices, frame.theme.solid, frame.theme.solid_rim, 1, {.cull = VK_CULL_MODE_BACK_BIT});
+    draw_edges(frame, scene, scene.solids_[i]);
+  }
+  paint_skin(VK_COMPARE_OP_GREATER_OR_EQUAL);
+}
+
+// What lies behind a surface faintly, what is before it firmly.
+void Renderer::draw_edges(const Frame& frame, const Scene& scene, const SurfaceRange& surface) const {
+  shader::ViewPush push = frame.push;
+  push.window.w = line_bias;
+  const auto draw = [&](float width, float alpha, VkCompareOp compare) {
+    push.colour = pack(with_alpha(frame.theme.edge, alpha));
+    push.style = {0.5f * width * frame.ratio, 0, 0, 0};
+    edge_.draw(frame.commands, {scene.edges_.ref()}, &push, {.compare = compare}, corners_of(surface.edges.count),
+               corners_of(surface.edges.first));
+  };
+  draw(1.0f, 0.30f, VK_COMPARE_OP_LESS);
+  draw(1.5f, 0.90f, VK_COMPARE_OP_GREATER_OR_EQUAL);
+}
+
+void Renderer::draw_overlay(const Frame& frame, const Scene&, Canvas& canvas) const {
+  shader::ViewPush push = frame.push;
+  push.style = {1, 1, 0, 0};
+  stroke_.draw(frame.commands, {canvas.overlay_.ref()}, &push, {.depth_test = false},
+               corners_of(static_cast<std::uint32_t>(canvas.strokes_.size())));
+}
+
+}  // namespace palpa::viewer

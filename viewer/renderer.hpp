@@ -1,0 +1,62 @@
+// Draws a scene into an image. Knows no window: it records into the caller's command buffer, and the caller owns the
+// image that is drawn to, be it a swapchain's or one that is read back.
+#pragma once
+
+#include <vector>
+
+#include "gpu/graphics_pipeline.hpp"
+#include "gpu/image.hpp"
+#include "viewer/camera.hpp"
+#include "viewer/scene.hpp"
+
+namespace palpa::viewer {
+
+/// What one frame in flight draws with: the multisampled image, depth, and the overlay's strokes. From
+/// Renderer::make_canvas; may be used again once the frame that used it has completed.
+class Canvas {
+ public:
+  VkExtent2D extent() const { return depth_.extent(); }
+
+ private:
+  friend class Renderer;
+  gpu::Image colour_, depth_;
+  gpu::Upload overlay_;
+  std::vector<shader::ViewStroke> strokes_;
+};
+
+struct Target {
+  VkImage image = VK_NULL_HANDLE;
+  VkImageView view = VK_NULL_HANDLE;
+};
+
+class Renderer {
+ public:
+  /// `colour` is the targets' format, 8 bits per channel and UNORM: colours are blended as they appear on the screen.
+  Renderer(const gpu::Device& device, VkFormat colour);
+
+  VkFormat colour_format() const { return colour_; }
+  /// Throws failure() for an extent of zero or beyond the device's limit.
+  Canvas make_canvas(VkExtent2D extent) const;
+
+  /// Draws `scene` into `target`, which must have the canvas' extent; whatever it held is lost. `ratio` is pixels per
+  /// point (2 on a high-resolution screen). Barriers: earlier users of the target's image are ordered before
+  /// colour-attachment output by the caller (a semaphore's wait, or a submit before that was waited for). Afterwards
+  /// the target is a colour target (gpu::image_use::colour_target): the caller moves it on.
+  void record(VkCommandBuffer commands, Scene& scene, const Camera& camera, Canvas& canvas, const Target& target,
+              double ratio = 1) const;
+
+ private:
+  struct Frame;
+  void draw_points(const Frame& frame, const Scene& scene) const;
+  void draw_boards_and_lines(const Frame& frame, const Scene& scene) const;
+  void draw_surfaces(const Frame& frame, const Scene& scene) const;
+  void draw_edges(const Frame& frame, const Scene& scene, const SurfaceRange& surface) const;
+  void draw_overlay(const Frame& frame, const Scene& scene, Canvas& canvas) const;
+
+  const gpu::Device* device_;
+  VkFormat colour_, depth_;
+  VkSampleCountFlagBits samples_;
+  gpu::GraphicsPipeline mesh_, edge_, stroke_, disc_;
+};
+
+}  // namespace palpa::viewer

@@ -1,0 +1,19 @@
+// A mesh as the renderer wants it: corners with shading normals, and edges with the normals on both sides.
+#pragma once
+
+#include <vector>
+
+#include "geometry/mesh.hpp"
+#include "shaders/view_scene.h"
+
+namespace palpa::viewer {
+
+struct Shape {
+  std::vector<shader::ViewVertex> vertices;  ///< three per triangle
+  std::vector<shader::ViewEdge> edges;       ///< creases, open edges and edges of smooth surfaces; none where coplanar
+};
+
+/// `mesh` welded; triangles without area are left out. Faces that meet at less than `crease` radians shade smoothly.
+Shape make_shape(const geometry::Mesh& mesh, double crease = 0.52);
+
+}  // namespace palpa::viewer
