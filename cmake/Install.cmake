@@ -1,0 +1,29 @@
+# `cmake --install`: every room with its headers, the programs, and a package that find_package(palpa) finds:
+#   find_package(palpa REQUIRED)
+#   target_link_libraries(mine PRIVATE palpa::touch palpa::array)   # or palpa::palpa, the whole engine
+include(CMakePackageConfigHelpers)
+
+get_property(rooms GLOBAL PROPERTY PALPA_ROOMS)
+
+add_library(palpa_everything INTERFACE)
+add_library(palpa::palpa ALIAS palpa_everything)
+set_target_properties(palpa_everything PROPERTIES EXPORT_NAME palpa)
+target_link_libraries(palpa_everything INTERFACE ${rooms})
+
+install(TARGETS ${rooms} palpa_everything EXPORT palpaTargets
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+
+# Rooms include each other as "touch/types.hpp" and the structs they share with shaders as "shaders/contacts.h".
+install(DIRECTORY engine/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpa FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY driver viewer shaders DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpa
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h")
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/palpa)
+install(EXPORT palpaTargets NAMESPACE palpa:: DESTINATION ${package_dir})
+configure_package_config_file(cmake/palpaConfig.cmake.in ${PROJECT_BINARY_DIR}/palpaConfig.cmake
+  INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/palpaConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/palpaConfig.cmake ${PROJECT_BINARY_DIR}/palpaConfigVersion.cmake
+  DESTINATION ${package_dir})
+install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -18,6 +18,7 @@ step() { # NAME COMMAND...: runs all steps, so that one run shows all faults
 
 # The project's files, also those not yet committed. PATTERN...: git pathspecs
 files() {
+  (($#)) || set -- '*'
   if git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
     git ls-files --cached --others --exclude-standard --deduplicate -- "$@" | while read -r file; do
       [[ -f $file ]] && printf '%s\n' "$file"

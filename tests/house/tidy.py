@@ -61,7 +61,9 @@ def main():
         if not source.is_relative_to(ROOT) or source.is_relative_to(build) or source.suffix != ".cpp":
             continue
         state = [version, rules, entry["command"]]
-        state += [f"{name} {hashes.of(name)}" for name in deps.get(entry["output"], [str(source)])]
+        words = entry["command"].split()
+        made = words[words.index("-o") + 1]
+        state += [f"{name} {hashes.of(name)}" for name in deps.get(made, [str(source)])]
         key = hashlib.sha256("\n".join(state).encode()).hexdigest()
         jobs[source] = clean / key
 
