@@ -8,11 +8,13 @@
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
+#include <glm/matrix.hpp>
 #include <map>
 #include <numeric>
 
@@ -22,13 +24,14 @@
 #include "geometry/gltf_buffers.hpp"
 #include "geometry/gltf_check.hpp"
 #include "geometry/gltf_container.hpp"
+#include "geometry/gltf_skin.hpp"
 #include "geometry/text.hpp"
 
 namespace palpa::geometry {
 namespace {
 
 // All instances together. A small file can ask for any number of them.
-constexpr std::size_t most_triangles = 2'000'000, most_vertices = 6'000'000;
+constexpr std::size_t most_triangles = 2'000'000, most_vertices = 6'000'000, most_displaced = 20'000'000;
 
 struct Source {
   const InputFile& file;
@@ -73,24 +76,20 @@ tinygltf::Model parse(const InputFile& file, const gltf::Container& container, c
 
 class SceneReader {
  public:
-  SceneReader(const std::string& file, const tinygltf::Model& model) : model_(model) { scene_.file = file; }
+  SceneReader(const std::string& file, const tinygltf::Model& model, const std::vector<std::uint32_t>& parents)
+      : model_(model), parents_(parents), T_world_(model.nodes.size()) {
+    scene_.file = file;
+  }
 
   Scene read(const std::vector<std::uint32_t>& roots) {
-    struct Visit {
-      std::uint32_t node;
-      Transform T_world_parent;
-    };
-    std::vector<Visit> stack;
-    for (auto n = roots.rbegin(); n != roots.rend(); ++n)
-      stack.push_back({*n, Transform(1)});
+    std::vector<std::uint32_t> stack(roots.rbegin(), roots.rend());
     while (!stack.empty()) {
-      const Visit visit = stack.back();
+      const std::uint32_t n = stack.back();
       stack.pop_back();
-      const tinygltf::Node& node = model_.nodes[visit.node];
-      const Transform T_world_node = visit.T_world_parent * local_transform(node);
-      if (node.mesh >= 0) add(visit.node, T_world_node);
+      const tinygltf::Node& node = model_.nodes[n];
+      if (node.mesh >= 0) add(n, node);
       for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
-        stack.push_back({static_cast<std::uint32_t>(*child), T_world_node});
+        stack.push_back(static_cast<std::uint32_t>(*child));
       }
     }
     return std::move(scene_);
@@ -106,39 +105,73 @@ class SceneReader {
       const auto& q = node.rotation;
       T = glm::mat4_cast(glm::normalize(glm::dquat(q[3], q[0], q[1], q[2])));
     }
-    if (node.scale.size() == 3) {
-      for (int i = 0; i < 3; ++i)
-        T[i] *= node.scale[static_cast<std::size_t>(i)];
-    }
+    for (std::size_t i = 0; i < node.scale.size(); ++i)
+      T[static_cast<int>(i)] *= node.scale[i];
     if (node.translation.size() == 3) T[3] = Vec4(node.translation[0], node.translation[1], node.translation[2], 1);
     return T;
   }
 
-  void add(std::uint32_t n, const Transform& T_world_node) {
-    const tinygltf::Node& node = model_.nodes[n];
-    const Mesh& local = mesh(static_cast<std::uint32_t>(node.mesh));
-    if (local.triangles.empty()) return;
-    const double determinant = check_transform(n, T_world_node);
-    triangles_ += local.triangles.size();
-    vertices_ += local.positions.size();
+  // Each node's is worked out once, from the first known ancestor down.
+  const Transform& world_transform(std::uint32_t n) {
+    std::vector<std::uint32_t> chain;
+    for (std::uint32_t i = n; i != gltf::Document::no_parent && !T_world_[i]; i = parents_[i])
+      chain.push_back(i);
+    for (auto i = chain.rbegin(); i != chain.rend(); ++i) {
+      const std::uint32_t parent = parents_[*i];
+      const Transform local = local_transform(model_.nodes[*i]);
+      T_world_[*i] = parent == gltf::Document::no_parent ? local : *T_world_[parent] * local;
+    }
+    return *T_world_[n];
+  }
+
+  void add(std::uint32_t n, const tinygltf::Node& node) {
+    const auto m = static_cast<std::uint32_t>(node.mesh);
+    if (!count(m)) return;
+    const std::string& mesh_name = model_.meshes[m].name;
+    SceneMesh out{!node.name.empty() ? node.name : !mesh_name.empty() ? mesh_name : fmt::format("node {}", n), {}};
+    bool mirrored = false;
+    if (node.skin >= 0) {
+      // The bones say where a skinned mesh is; its node's own transform does not count (glTF 2.0, 3.7.3.3).
+      const std::vector<Transform> T_world_bind = bones(model_.skins[static_cast<std::size_t>(node.skin)]);
+      out.mesh = build(m, node.weights, &T_world_bind);
+      mirrored = std::all_of(T_world_bind.begin(), T_world_bind.end(),
+                             [](const Transform& T) { return glm::determinant(glm::dmat3(T)) < 0; });
+    } else {
+      const Transform& T_world_node = world_transform(n);
+      mirrored = handedness(n, T_world_node) < 0;
+      out.mesh = node.weights.empty() ? shared_mesh(m) : build(m, node.weights, nullptr);
+      for (Vec3& p : out.mesh.positions)
+        p = transform_point(T_world_node, p);
+    }
+    for (std::size_t v = 0; v < out.mesh.positions.size(); ++v) {
+      if (!finite(out.mesh.positions[v])) fail(fmt::format("node {}: vertex {} is not finite in the world", n, v));
+    }
+    if (mirrored) flip(out.mesh);
+    scene_.meshes.push_back(std::move(out));
+  }
+
+  // Adds one more instance of the mesh to the scene's size, before anything is allocated; false if it has no triangles.
+  bool count(std::uint32_t m) {
+    std::size_t triangles = 0;
+    for (const tinygltf::Primitive& p : model_.meshes[m].primitives) {
+      const std::size_t vertices = model_.accessors[static_cast<std::size_t>(p.attributes.at("POSITION"))].count;
+      const std::size_t corners =
+          p.indices < 0 ? vertices : model_.accessors[static_cast<std::size_t>(p.indices)].count;
+      triangles += gltf::triangle_count(p.mode, corners);
+      vertices_ += vertices;
+    }
+    triangles_ += triangles;
     if (triangles_ > most_triangles || vertices_ > most_vertices) {
       fail(fmt::format("the scene has more than {} triangles or {} vertices, instances counted; palpa reads no more",
                        most_triangles, most_vertices));
     }
-    const std::string& mesh_name = model_.meshes[static_cast<std::size_t>(node.mesh)].name;
-    SceneMesh out{!node.name.empty() ? node.name : !mesh_name.empty() ? mesh_name : fmt::format("node {}", n), local};
-    for (std::size_t v = 0; v < out.mesh.positions.size(); ++v) {
-      Vec3& p = out.mesh.positions[v];
-      p = transform_point(T_world_node, p);
-      if (!finite(p)) fail(fmt::format("node {}: vertex {} is not finite in the world", n, v));
-    }
-    if (determinant < 0) flip(out.mesh);
-    scene_.meshes.push_back(std::move(out));
+    return triangles > 0;
   }
 
   static bool finite(const Vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
-  double check_transform(std::uint32_t n, const Transform& T) const {
+  // Negative for a mirroring transform. Throws for one that flattens.
+  double handedness(std::uint32_t n, const Transform& T) const {
     const Vec3 x(T[0]), y(T[1]), z(T[2]);
     if (!finite(x) || !finite(y) || !finite(z) || !finite(Vec3(T[3]))) {
       fail(fmt::format("node {}: its transform in the world is not finite", n));
@@ -153,70 +186,144 @@ class SceneReader {
     return sine;
   }
 
-  // The mesh in its own coordinates; read once, however many nodes show it.
-  const Mesh& mesh(std::uint32_t m) {
-    const auto known = meshes_.find(m);
-    if (known != meshes_.end()) return known->second;
-    Mesh result;
-    const auto& primitives = model_.meshes[m].primitives;
-    for (std::size_t p = 0; p < primitives.size(); ++p)
-      append(result, primitive(fmt::format("mesh {}", m), primitives[p]));
-    return meshes_.emplace(m, std::move(result)).first->second;
+  std::vector<Transform> bones(const tinygltf::Skin& skin) {
+    std::vector<double> inverse;
+    if (skin.inverseBindMatrices >= 0) inverse = numbers(static_cast<std::size_t>(skin.inverseBindMatrices), 16);
+    std::vector<Transform> T_world_bind;
+    T_world_bind.reserve(skin.joints.size());
+    for (std::size_t j = 0; j < skin.joints.size(); ++j) {
+      T_world_bind.push_back(world_transform(static_cast<std::uint32_t>(skin.joints[j])));
+      if (!inverse.empty()) T_world_bind.back() *= glm::make_mat4(inverse.data() + 16 * j);
+    }
+    return T_world_bind;
   }
 
-  Mesh primitive(const std::string& where, const tinygltf::Primitive& primitive) {
+  // The mesh in its own coordinates; read once, however many nodes show it.
+  const Mesh& shared_mesh(std::uint32_t m) {
+    const auto known = meshes_.find(m);
+    if (known != meshes_.end()) return known->second;
+    return meshes_.emplace(m, build(m, {}, nullptr)).first->second;
+  }
+
+  // All primitives together, morphed by the node's weights (else the mesh's), and on its bones, if any.
+  Mesh build(std::uint32_t m, const std::vector<double>& node_weights, const std::vector<Transform>* T_world_bind) {
+    const tinygltf::Mesh& mesh = model_.meshes[m];
+    const std::vector<double>& weights = node_weights.empty() ? mesh.weights : node_weights;
     Mesh result;
-    const auto position = static_cast<std::size_t>(primitive.attributes.at("POSITION"));
-    const std::size_t count = model_.accessors[position].count;
-    const bool indexed = primitive.indices >= 0;
-    const std::size_t corners = indexed ? model_.accessors[static_cast<std::size_t>(primitive.indices)].count : count;
-    if (count > most_vertices || gltf::triangle_count(primitive.mode, corners) > most_triangles) {
-      fail(fmt::format("{} has {} vertices and {} corners; palpa reads at most {} vertices and {} triangles", where,
-                       count, corners, most_vertices, most_triangles));
+    for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
+      const tinygltf::Primitive& primitive = mesh.primitives[p];
+      const std::string where = fmt::format("mesh {}", m);
+      Mesh piece;
+      piece.positions = positions(static_cast<std::size_t>(primitive.attributes.at("POSITION")));
+      for (std::size_t t = 0; t < weights.size() && t < primitive.targets.size(); ++t) {
+        if (weights[t] != 0) displace(piece.positions, primitive.targets[t], weights[t]);
+      }
+      if (T_world_bind != nullptr) put_on_bones(where, piece.positions, primitive, *T_world_bind);
+      piece.triangles = triangles(where, primitive, piece.positions.size());
+      append(result, piece);
     }
-    result.positions = positions(position);
-    std::vector<std::uint32_t> order(count);
-    if (indexed) {
-      order = indices(static_cast<std::size_t>(primitive.indices), count);
-    } else {
-      std::iota(order.begin(), order.end(), 0U);
-    }
-    if (corners < 3 || (primitive.mode == TINYGLTF_MODE_TRIANGLES && corners % 3 != 0)) {
-      log::warning(fmt::format("{}: {} has {} corners, which do not make whole triangles; the rest is dropped",
-                               scene_.file, where, corners));
-    }
-    result.triangles = gltf::triangles_of(primitive.mode, order);
     return result;
   }
 
-  std::vector<Vec3> positions(std::size_t accessor) const {
-    std::uint64_t fault = 0;
-    auto values = gltf::read_vec3(column(accessor, 12), sparse(accessor, 12), fault);
-    if (!values) fail_sparse(accessor, fault);
-    for (std::size_t v = 0; v < values->size(); ++v) {
-      const Vec3& p = (*values)[v];
-      if (!finite(p)) fail(fmt::format("accessor {}: vertex {} is not finite: {}", accessor, v, text::point(p)));
+  std::vector<glm::uvec3> triangles(const std::string& where, const tinygltf::Primitive& primitive,
+                                    std::size_t vertices) const {
+    std::vector<std::uint32_t> order(vertices);
+    if (primitive.indices >= 0) {
+      order = indices(static_cast<std::size_t>(primitive.indices), vertices);
+    } else {
+      std::iota(order.begin(), order.end(), 0U);
     }
+    if (order.size() < 3 || (primitive.mode == TINYGLTF_MODE_TRIANGLES && order.size() % 3 != 0)) {
+      log::warning(
+          fmt::format("{}: {} has a primitive of {} corners, which do not make whole triangles; the rest is dropped",
+                      scene_.file, where, order.size()));
+    }
+    return gltf::triangles_of(primitive.mode, order);
+  }
+
+  void displace(std::vector<Vec3>& positions, const std::map<std::string, int>& target, double weight) {
+    const auto found = target.find("POSITION");
+    if (found == target.end()) return;
+    displaced_ += positions.size();
+    if (displaced_ > most_displaced)
+      fail(fmt::format("morph targets move more than {} vertices; palpa reads no more", most_displaced));
+    const std::vector<double> by = numbers(static_cast<std::size_t>(found->second), 3);
+    for (std::size_t v = 0; v < positions.size(); ++v)
+      positions[v] += weight * Vec3(by[3 * v], by[3 * v + 1], by[3 * v + 2]);
+  }
+
+  void put_on_bones(const std::string& where, std::vector<Vec3>& positions, const tinygltf::Primitive& primitive,
+                    const std::vector<Transform>& T_world_bind) const {
+    std::vector<gltf::Influence> influences;
+    for (int set = 0; set < 8; ++set) {
+      const auto joints = primitive.attributes.find(fmt::format("JOINTS_{}", set));
+      const auto weights = primitive.attributes.find(fmt::format("WEIGHTS_{}", set));
+      if (joints == primitive.attributes.end() && weights == primitive.attributes.end()) break;
+      if (joints == primitive.attributes.end() || weights == primitive.attributes.end()) {
+        fail(fmt::format("{}: JOINTS_{} and WEIGHTS_{} go together; one is missing", where, set, set));
+      }
+      influences.push_back({unsigned_values(static_cast<std::size_t>(joints->second), 4),
+                            numbers(static_cast<std::size_t>(weights->second), 4)});
+    }
+    if (influences.empty()) fail(fmt::format("{}: its node has a skin, but the mesh has no JOINTS_0", where));
+    if (const auto vertex = gltf::apply_skin(positions, influences, T_world_bind)) {
+      fail(fmt::format("{}: vertex {} has no positive weight, or names a joint that its skin does not have", where,
+                       *vertex));
+    }
+  }
+
+  std::vector<double> numbers(std::size_t accessor, std::size_t width) const {
+    std::uint64_t fault = 0;
+    auto values = gltf::read_numbers(column(accessor, width), width, sparse(accessor, width), fault);
+    if (!values) fail_sparse(accessor, fault);
     return *std::move(values);
+  }
+
+  std::vector<std::uint32_t> unsigned_values(std::size_t accessor, std::size_t width) const {
+    std::uint64_t fault = 0;
+    auto values = gltf::read_unsigned(column(accessor, width), width, sparse(accessor, width), fault);
+    if (!values) fail_sparse(accessor, fault);
+    return *std::move(values);
+  }
+
+  std::vector<Vec3> positions(std::size_t accessor) const {
+    const std::vector<double> values = numbers(accessor, 3);
+    std::vector<Vec3> result(values.size() / 3);
+    Box box;
+    for (std::size_t v = 0; v < result.size(); ++v) {
+      result[v] = Vec3(values[3 * v], values[3 * v + 1], values[3 * v + 2]);
+      if (!finite(result[v]))
+        fail(fmt::format("accessor {}: vertex {} is not finite: {}", accessor, v, text::point(result[v])));
+      box.add(result[v]);
+    }
+    const tinygltf::Accessor& a = model_.accessors[accessor];
+    for (std::size_t i = 0; i < 3 && a.minValues.size() == 3 && a.maxValues.size() == 3; ++i) {
+      const int axis = static_cast<int>(i);
+      const double slack = 1e-6 * std::max(std::abs(box.low[axis]), std::abs(box.high[axis]));
+      if (std::abs(a.minValues[i] - box.low[axis]) <= slack && std::abs(a.maxValues[i] - box.high[axis]) <= slack)
+        continue;
+      log::warning(
+          fmt::format("{}: accessor {}: its min and max are not those of its positions", scene_.file, accessor));
+      break;
+    }
+    return result;
   }
 
   std::vector<std::uint32_t> indices(std::size_t accessor, std::size_t vertices) const {
     const int component = model_.accessors[accessor].componentType;
     const std::size_t size = component_size(component);
-    std::uint64_t fault = 0;
-    auto values = gltf::read_unsigned(column(accessor, size), sparse(accessor, size), fault);
-    if (!values) fail_sparse(accessor, fault);
+    std::vector<std::uint32_t> values = unsigned_values(accessor, 1);
     const std::uint32_t restart = size == 4 ? 0xffffffffU : (1U << (8 * size)) - 1;
-    for (std::size_t i = 0; i < values->size(); ++i) {
-      const std::uint32_t index = (*values)[i];
-      if (index == restart)
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (values[i] < vertices) continue;
+      if (values[i] == restart) {
         fail(fmt::format("accessor {}: index {} is {}, a primitive restart, which glTF does not have", accessor, i,
-                         index));
-      if (index >= vertices) {
-        fail(fmt::format("accessor {}: index {} names vertex {}, but there are only {}", accessor, i, index, vertices));
+                         restart));
       }
+      fail(fmt::format("accessor {}: index {} names vertex {}, but there are only {}", accessor, i, values[i],
+                       vertices));
     }
-    return *std::move(values);
+    return values;
   }
 
   [[noreturn]] void fail_sparse(std::size_t accessor, std::uint64_t index) const {
@@ -235,26 +342,28 @@ class SceneReader {
     return {bytes.subspan(view.byteOffset, view.byteLength).subspan(offset), count,
             view.byteStride == 0 ? element : view.byteStride, component};
   }
-  gltf::Column column(std::size_t accessor, std::size_t element) const {
+  gltf::Column column(std::size_t accessor, std::size_t width) const {
     const tinygltf::Accessor& a = model_.accessors[accessor];
-    return column(a.bufferView, a.byteOffset, a.count, element, a.componentType);
+    return column(a.bufferView, a.byteOffset, a.count, width * component_size(a.componentType), a.componentType);
   }
-  std::optional<gltf::Sparse> sparse(std::size_t accessor, std::size_t element) const {
+  std::optional<gltf::Sparse> sparse(std::size_t accessor, std::size_t width) const {
     const tinygltf::Accessor& a = model_.accessors[accessor];
     if (!a.sparse.isSparse) return std::nullopt;
     const auto count = static_cast<std::size_t>(a.sparse.count);
     const auto& indices = a.sparse.indices;
     const auto& values = a.sparse.values;
-    return gltf::Sparse{
-        column(indices.bufferView, static_cast<std::size_t>(indices.byteOffset), count,
-               component_size(indices.componentType), indices.componentType),
-        column(values.bufferView, static_cast<std::size_t>(values.byteOffset), count, element, a.componentType)};
+    return gltf::Sparse{column(indices.bufferView, static_cast<std::size_t>(indices.byteOffset), count,
+                               component_size(indices.componentType), indices.componentType),
+                        column(values.bufferView, static_cast<std::size_t>(values.byteOffset), count,
+                               width * component_size(a.componentType), a.componentType)};
   }
 
   const tinygltf::Model& model_;
+  const std::vector<std::uint32_t>& parents_;
+  std::vector<std::optional<Transform>> T_world_;
   Scene scene_;
   std::map<std::uint32_t, Mesh> meshes_;
-  std::size_t triangles_ = 0, vertices_ = 0;
+  std::size_t triangles_ = 0, vertices_ = 0, displaced_ = 0;
 };
 
 }  // namespace
@@ -265,7 +374,7 @@ Scene load_gltf(const std::filesystem::path& path, std::optional<int> scene_inde
   gltf::Document document = gltf::check_document(file.name(), container, scene_index);
   container.json = {};
   const tinygltf::Model model = parse(file, container, document);
-  return SceneReader(file.name(), model).read(document.roots);
+  return SceneReader(file.name(), model, document.parents).read(document.roots);
 }
 
 }  // namespace palpa::geometry

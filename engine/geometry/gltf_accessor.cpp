@@ -16,39 +16,51 @@ T load(const unsigned char* bytes) {
   return value;
 }
 
-Vec3 vec3_at(const Column& column, std::size_t i) {
-  if (column.bytes.empty()) return Vec3(0);
-  const unsigned char* at = column.bytes.data() + i * column.stride;
-  return {load<float>(at), load<float>(at + 4), load<float>(at + 8)};
+double number_at(const unsigned char* at, int component, std::size_t i) {
+  switch (component) {
+    case 5121:
+      return at[i] / 255.0;
+    case 5123:
+      return load<std::uint16_t>(at + 2 * i) / 65535.0;
+    default:
+      return load<float>(at + 4 * i);
+  }
 }
 
-std::uint32_t unsigned_at(const Column& column, std::size_t i) {
-  const unsigned char* at = column.bytes.data() + i * column.stride;
-  switch (column.component) {
+std::uint32_t unsigned_at(const unsigned char* at, int component, std::size_t i) {
+  switch (component) {
     case 5121:
-      return *at;
+      return at[i];
     case 5123:
-      return load<std::uint16_t>(at);
+      return load<std::uint16_t>(at + 2 * i);
     default:
-      return load<std::uint32_t>(at);
+      return load<std::uint32_t>(at + 4 * i);
   }
 }
 
 template <typename T, typename Read>
-std::optional<std::vector<T>> read(const Column& column, const std::optional<Sparse>& sparse, std::uint64_t& fault,
-                                   const Read& at) {
-  std::vector<T> values(column.count);
-  for (std::size_t i = 0; i < column.count; ++i)
-    values[i] = at(column, i);
+std::optional<std::vector<T>> read(const Column& column, std::size_t width, const std::optional<Sparse>& sparse,
+                                   std::uint64_t& fault, const Read& read_at) {
+  std::vector<T> values(column.count * width);
+  const auto copy = [&](const Column& from, std::size_t source, std::size_t target) {
+    const unsigned char* at = from.bytes.data() + source * from.stride;
+    for (std::size_t i = 0; i < width; ++i)
+      values[target * width + i] = read_at(at, from.component, i);
+  };
+  if (!column.bytes.empty()) {
+    for (std::size_t i = 0; i < column.count; ++i)
+      copy(column, i, i);
+  }
   if (!sparse) return values;
   std::uint64_t least = 0;
   for (std::size_t i = 0; i < sparse->indices.count; ++i) {
-    const std::uint32_t index = unsigned_at(sparse->indices, i);
+    const unsigned char* at = sparse->indices.bytes.data() + i * sparse->indices.stride;
+    const std::uint32_t index = unsigned_at(at, sparse->indices.component, 0);
     if (index < least || index >= column.count) {
       fault = index;
       return std::nullopt;
     }
-    values[index] = at(sparse->values, i);
+    copy(sparse->values, i, index);
     least = std::uint64_t{index} + 1;
   }
   return values;
@@ -56,14 +68,14 @@ std::optional<std::vector<T>> read(const Column& column, const std::optional<Spa
 
 }  // namespace
 
-std::optional<std::vector<Vec3>> read_vec3(const Column& column, const std::optional<Sparse>& sparse,
-                                           std::uint64_t& fault) {
-  return read<Vec3>(column, sparse, fault, vec3_at);
+std::optional<std::vector<double>> read_numbers(const Column& column, std::size_t width,
+                                                const std::optional<Sparse>& sparse, std::uint64_t& fault) {
+  return read<double>(column, width, sparse, fault, number_at);
 }
 
-std::optional<std::vector<std::uint32_t>> read_unsigned(const Column& column, const std::optional<Sparse>& sparse,
-                                                        std::uint64_t& fault) {
-  return read<std::uint32_t>(column, sparse, fault, unsigned_at);
+std::optional<std::vector<std::uint32_t>> read_unsigned(const Column& column, std::size_t width,
+                                                        const std::optional<Sparse>& sparse, std::uint64_t& fault) {
+  return read<std::uint32_t>(column, width, sparse, fault, unsigned_at);
 }
 
 std::size_t triangle_count(int mode, std::size_t vertices) {

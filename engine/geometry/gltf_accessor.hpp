@@ -24,14 +24,15 @@ struct Sparse {
   Column indices, values;
 };
 
-/// 32-bit float VEC3. `fault` gets the sparse index that is out of range or not ascending, and nothing is returned
-/// then.
-std::optional<std::vector<Vec3>> read_vec3(const Column& column, const std::optional<Sparse>& sparse,
-                                           std::uint64_t& fault);
+/// `width` numbers per element, one after the other: floats as they are, 8- and 16-bit integers divided by their
+/// largest value (weights). `fault` gets the sparse index that is out of range or not ascending, and nothing is
+/// returned then.
+std::optional<std::vector<double>> read_numbers(const Column& column, std::size_t width,
+                                                const std::optional<Sparse>& sparse, std::uint64_t& fault);
 
-/// Unsigned scalars of 8, 16 or 32 bits; `fault` as above.
-std::optional<std::vector<std::uint32_t>> read_unsigned(const Column& column, const std::optional<Sparse>& sparse,
-                                                        std::uint64_t& fault);
+/// Likewise unsigned integers of 8, 16 or 32 bits.
+std::optional<std::vector<std::uint32_t>> read_unsigned(const Column& column, std::size_t width,
+                                                        const std::optional<Sparse>& sparse, std::uint64_t& fault);
 
 /// Triangles of `vertices` (0, 1, 2, ... or an index list) as list (mode 4), strip (5) or fan (6); left-over vertices
 /// of an incomplete triangle are dropped. glTF 2.0 section 3.7.2.1.

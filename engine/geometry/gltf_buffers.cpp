@@ -12,13 +12,8 @@ namespace palpa::geometry::gltf {
 namespace {
 
 std::vector<unsigned char> decode_data_uri(const BufferSource& source, const auto& fail) {
-  // data:[media type][;parameter]...;base64,DATA
   const std::string_view uri = source.uri;
   const std::size_t comma = uri.find(',');
-  const std::string_view head = uri.substr(0, comma);
-  if (comma == std::string_view::npos || !head.ends_with(";base64") || head.find(";;") != std::string_view::npos) {
-    fail("its data URI is not \"data:application/octet-stream;base64,...\"");
-  }
   const std::string_view text = uri.substr(comma + 1);
   if (text.size() / 4 * 3 + 3 < source.length) {
     fail(fmt::format("\"byteLength\" is {}, but its data URI has only {} characters", source.length, text.size()));
@@ -34,6 +29,23 @@ std::vector<unsigned char> decode_data_uri(const BufferSource& source, const aut
 
 }  // namespace
 
+std::optional<std::string> uri_fault(const std::string& uri) {
+  if (uri.starts_with("data:")) {
+    // data:[media type][;parameter]...;base64,DATA
+    const std::string_view head = std::string_view(uri).substr(0, uri.find(','));
+    if (head.size() == uri.size() || !head.ends_with(";base64") || head.find(";;") != std::string_view::npos) {
+      return "its data URI is not \"data:application/octet-stream;base64,...\"";
+    }
+    return std::nullopt;
+  }
+  const auto path = decode_percent(uri);
+  if (!path || path->empty() || path->starts_with('/') ||
+      path->substr(0, path->find('/')).find(':') != std::string::npos) {
+    return fmt::format("its uri {} is not a relative path", text::quoted(uri));
+  }
+  return std::nullopt;
+}
+
 std::vector<unsigned char> load_buffer(const InputFile& file, const std::optional<BinChunk>& bin, std::size_t index,
                                        const BufferSource& source) {
   const auto fail = [&](const std::string& fault) {
@@ -46,14 +58,11 @@ std::vector<unsigned char> load_buffer(const InputFile& file, const std::optiona
     file.read_at(bin.value().offset, bytes);
     return bytes;
   }
-  const auto path = decode_percent(source.uri);
-  if (!path || path->starts_with('/') || path->substr(0, path->find('/')).find(':') != std::string::npos) {
-    fail(fmt::format("its uri {} is not a relative path", text::quoted(source.uri)));
-  }
+  const std::string path = decode_percent(source.uri).value();
   try {
-    const InputFile beside(std::filesystem::path(file.name()).parent_path() / *path);
+    const InputFile beside(std::filesystem::path(file.name()).parent_path() / path);
     if (beside.size() < source.length) {
-      fail(fmt::format("\"byteLength\" is {}, but {} has {} bytes", source.length, text::quoted(*path), beside.size()));
+      fail(fmt::format("\"byteLength\" is {}, but {} has {} bytes", source.length, text::quoted(path), beside.size()));
     }
     bytes.resize(source.length);
     beside.read_at(0, bytes);

@@ -12,8 +12,11 @@
 
 namespace palpa::geometry::gltf {
 
+/// What is wrong with a URI as such, before anything is opened: it is neither a data URI of base64 nor a relative path.
+std::optional<std::string> uri_fault(const std::string& uri);
+
 /// Exactly source.length bytes: of the BIN chunk, of a data URI, or of a file beside `file`. Throws bad_input naming
-/// `file` and buffer `index`: a URI that is no relative path, a missing or irregular file, too few bytes, broken
+/// `file` and buffer `index`: a missing or irregular file, too few bytes, broken
 /// base64.
 std::vector<unsigned char> load_buffer(const InputFile& file, const std::optional<BinChunk>& bin, std::size_t index,
                                        const BufferSource& source);

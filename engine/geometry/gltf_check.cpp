@@ -4,19 +4,19 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <string_view>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "geometry/gltf_data.hpp"
 #include "geometry/gltf_json.hpp"
 #include "geometry/text.hpp"
 
 namespace palpa::geometry::gltf {
 namespace {
 
-constexpr std::uint64_t any = std::numeric_limits<std::uint64_t>::max() / 4;  // leaves room to add two of them
-constexpr int u8 = 5121, u16 = 5123, u32 = 5125, f32 = 5126;
+// Of nodes, meshes, primitives, accessors and the like: tinygltf spends up to a kilobyte on each.
+constexpr std::size_t most_items = 100'000;
 
 // Extensions that cannot change where a triangle is: a file may require them.
 bool is_harmless(std::string_view extension) {
@@ -26,36 +26,10 @@ bool is_harmless(std::string_view extension) {
   return std::any_of(prefixes.begin(), prefixes.end(), [&](std::string_view p) { return extension.starts_with(p); });
 }
 
-std::uint64_t component_size(std::uint64_t component) {
-  switch (component) {
-    case 5120:
-    case u8:
-      return 1;
-    case 5122:
-    case u16:
-      return 2;
-    case u32:
-    case f32:
-      return 4;
-    default:
-      return 0;
-  }
-}
-
-std::uint64_t component_count(const std::string& type) {
-  if (type == "SCALAR") return 1;
-  if (type == "VEC2") return 2;
-  if (type == "VEC3") return 3;
-  if (type == "VEC4" || type == "MAT2") return 4;
-  if (type == "MAT3") return 9;
-  if (type == "MAT4") return 16;
-  return 0;
-}
-
 class Checker {
  public:
   Checker(const std::string& file, const Json& json, const Container& container)
-      : file_(file), root_(file, json, "the document"), container_(container) {}
+      : file_(file), root_(file, json, "the document"), data_(root_, container) {}
 
   Document run(std::optional<int> scene_index) {
     check_root();
@@ -64,12 +38,14 @@ class Checker {
     Document document;
     document.roots = choose_scene(scene_index);
     const std::size_t meshes = walk(document.roots);
+    document.parents = parent_;
+    document.json = clean_.dump(-1, ' ', false, Json::error_handler_t::replace);
+    document.buffers = data_.buffers();
+    // From here on the reduced document is done; what follows may spoil clean_.
     if (const std::string fault = fault_elsewhere(); !fault.empty()) {
       if (meshes == 0) throw bad_input(file_, fault);
       log::warning(file_ + ": " + fault + " (the scene does not need it)");
     }
-    document.json = clean_.dump(-1, ' ', false, Json::error_handler_t::replace);
-    document.buffers = std::move(buffers_);
     return document;
   }
 
@@ -106,25 +82,23 @@ class Checker {
       }
     }
     clean_ = {{"asset", {{"version", "2.0"}}}};
-    // Stand-ins, replaced as needed.
-    const auto stand_in = [&](const char* key, const Json& value) {
-      if (const std::size_t count = size(key); count > 0) clean_[key] = Json::array_t(count, value);
-    };
-    stand_in("buffers", {{"byteLength", 1}, {"uri", "unused"}});
-    stand_in("bufferViews", {{"buffer", 0}, {"byteLength", 1}});
-    stand_in("accessors", {{"componentType", f32}, {"count", 1}, {"type", "SCALAR"}});
-    stand_in("meshes", Json::object());
-    stand_in("nodes", Json::object());
-    buffers_.resize(size("buffers"));
+    for (const char* key : {"accessors", "bufferViews", "buffers", "meshes", "nodes", "scenes", "skins"}) {
+      if (size(key) > most_items)
+        throw bad_input(file_, fmt::format("has {} {}; palpa reads at most {}", size(key), key, most_items));
+    }
+    data_.start(clean_);
+    for (const char* key : {"meshes", "nodes", "skins"}) {
+      if (size(key) > 0) clean_[key] = Json::array_t(size(key), Json::object());
+    }
     mesh_checked_.assign(size("meshes"), 0);
-    view_checked_.assign(size("bufferViews"), 0);
-    accessor_role_.assign(size("accessors"), 0);
+    skin_checked_.assign(size("skins"), 0);
   }
 
   // One parent at most, no loops: a forest.
   void check_nodes() {
-    constexpr std::uint32_t none = 0xffffffffU;
+    constexpr std::uint32_t none = Document::no_parent;
     parent_.assign(node_count_, none);
+    transform_checked_.assign(node_count_, 0);
     children_.resize(node_count_);
     for (std::uint32_t n = 0; n < node_count_; ++n) {
       const Item node = at("nodes", "node", n);
@@ -199,11 +173,32 @@ class Checker {
     return meshes;
   }
 
+  // True if it shows a mesh.
   bool check_node(std::uint32_t n) {
     const Item node = at("nodes", "node", n);
+    check_transform(n);
     Json& clean = clean_["nodes"][n];
     if (const auto name = node.string("name")) clean["name"] = *name;
     if (!children_[n].empty()) clean["children"] = children_[n];
+    const auto mesh = node.index("mesh", "mesh", mesh_checked_.size());
+    if (!mesh) return false;
+    clean["mesh"] = *mesh;
+    const std::size_t targets = check_mesh(*mesh);
+    if (const Json* weights = node.array("weights"); weights != nullptr && !weights->empty()) {
+      clean["weights"] = node.numbers("weights", targets).value();
+    }
+    if (const auto skin = node.index("skin", "skin", skin_checked_.size())) {
+      check_skin(*skin);
+      clean["skin"] = *skin;
+    }
+    return true;
+  }
+
+  void check_transform(std::uint32_t n) {
+    if (transform_checked_[n]) return;
+    transform_checked_[n] = 1;
+    const Item node = at("nodes", "node", n);
+    Json& clean = clean_["nodes"][n];
     if (const auto matrix = node.numbers("matrix", 16)) {
       if (node.has("translation") || node.has("rotation") || node.has("scale")) {
         node.fail("has both \"matrix\" and translation, rotation or scale; it may have only one of the two");
@@ -221,234 +216,146 @@ class Checker {
       if (!(norm > 0.98 && norm < 1.02)) node.fail("\"rotation\" is not a unit quaternion");
       clean["rotation"] = *q;
     }
-    const auto mesh = node.index("mesh", "mesh", mesh_checked_.size());
-    if (!mesh) return false;
-    clean["mesh"] = *mesh;
-    if (node.has("skin")) {
-      log::warning(
-          fmt::format("{}: node {} is skinned; its mesh is taken as it is stored, not as its bones stand", file_, n));
-    }
-    check_mesh(*mesh);
-    return true;
   }
 
-  void check_mesh(std::uint32_t m) {
-    if (mesh_checked_[m]) return;
-    mesh_checked_[m] = 1;
+  void check_skin(std::uint32_t s) {
+    if (skin_checked_[s]) return;
+    skin_checked_[s] = 1;
+    const Item skin = at("skins", "skin", s);
+    const std::vector<std::uint32_t> joints = skin.indices("joints", "node", node_count_);
+    if (joints.empty()) skin.fail("has no joints");
+    for (std::uint32_t n : joints) {
+      for (; n != Document::no_parent && !transform_checked_[n]; n = parent_[n])
+        check_transform(n);
+    }
+    Json& clean = clean_["skins"][s];
+    clean["joints"] = joints;
+    if (const auto matrices = skin.index("inverseBindMatrices", "accessor", data_.accessor_count())) {
+      const std::uint64_t count = data_.check(*matrices, Role::bind_matrices);
+      if (count < joints.size())
+        skin.fail(fmt::format("has {} joints but only {} inverse bind matrices", joints.size(), count));
+      clean["inverseBindMatrices"] = *matrices;
+    }
+  }
+
+  // The number of its morph targets.
+  std::size_t check_mesh(std::uint32_t m) {
+    Json& clean = clean_["meshes"][m];
     const Item mesh = at("meshes", "mesh", m);
-    Json clean = Json::object();
-    if (const auto name = mesh.string("name")) clean["name"] = *name;
     const Json* primitives = mesh.array("primitives");
     if (primitives == nullptr || primitives->empty()) mesh.fail("has no primitives");
+    const Item first(file_, (*primitives)[0], fmt::format("mesh {}, primitive 0", m));
+    const Json* first_targets = first.array("targets");
+    const std::size_t targets = first_targets == nullptr ? 0 : first_targets->size();
+    if (mesh_checked_[m]) return targets;
+    mesh_checked_[m] = 1;
+    if (const auto name = mesh.string("name")) clean["name"] = *name;
+    if (const Json* weights = mesh.array("weights"); weights != nullptr && !weights->empty()) {
+      clean["weights"] = mesh.numbers("weights", targets).value();
+    }
     clean["primitives"] = Json::array();
+    primitives_ += primitives->size();
+    if (primitives_ > most_items)
+      throw bad_input(file_, fmt::format("has more than {} primitives; palpa reads no more", most_items));
     for (std::size_t p = 0; p < primitives->size(); ++p) {
       const Item primitive(file_, (*primitives)[p], fmt::format("mesh {}, primitive {}", m, p));
-      Json checked = check_primitive(primitive);
+      Json checked = check_primitive(primitive, targets);
       if (!checked.is_null()) clean["primitives"].push_back(std::move(checked));
     }
-    clean_["meshes"][m] = std::move(clean);
+    return targets;
   }
 
   // Null for points, lines and what has no positions.
-  Json check_primitive(const Item& primitive) {
+  Json check_primitive(const Item& primitive, std::size_t target_count) {
     const std::uint64_t mode = primitive.whole("mode", 0, 6).value_or(4);
     const Item attributes = primitive.needed_item("attributes");
-    const auto position = attributes.index("POSITION", "accessor", accessor_role_.size());
+    const auto position = attributes.index("POSITION", "accessor", data_.accessor_count());
     if (mode < 4) return {};
     if (!position) {
       log::warning(fmt::format("{}: {} has no POSITION and is left out", file_, primitive.where()));
       return {};
     }
-    if (primitive.has_extension("KHR_draco_mesh_compression") &&
-        !at("accessors", "accessor", *position).has("bufferView")) {
+    if (primitive.has_extension("KHR_draco_mesh_compression") && !data_.has_data(*position)) {
       primitive.fail("is stored with the extension KHR_draco_mesh_compression only, which palpa does not support");
     }
     Json clean{{"mode", mode}, {"attributes", {{"POSITION", *position}}}};
-    check_accessor(*position, Role::position);
-    if (const auto indices = primitive.index("indices", "accessor", accessor_role_.size())) {
-      check_accessor(*indices, Role::indices);
+    const std::uint64_t vertices = data_.check(*position, Role::position);
+    const auto check_count = [&](const Item& item, const std::string& what, std::uint64_t count) {
+      if (count != vertices) item.fail(fmt::format("has {} positions but {} of {}", vertices, count, what));
+    };
+    if (const auto indices = primitive.index("indices", "accessor", data_.accessor_count())) {
+      data_.check(*indices, Role::indices);
       clean["indices"] = *indices;
+    }
+    for (int set = 0; set < 8; ++set) {
+      for (const auto& [prefix, role] : {std::pair("JOINTS_", Role::joints), std::pair("WEIGHTS_", Role::weights)}) {
+        const std::string name = prefix + std::to_string(set);
+        const auto accessor = attributes.index(name.c_str(), "accessor", data_.accessor_count());
+        if (!accessor) continue;
+        check_count(primitive, name, data_.check(*accessor, role));
+        clean["attributes"][name] = *accessor;
+      }
+    }
+    if (const Json* targets = primitive.array("targets")) {
+      if (targets->size() != target_count) {
+        primitive.fail(
+            fmt::format("has {} morph targets, the mesh's first primitive {}", targets->size(), target_count));
+      }
+      clean["targets"] = Json::array();
+      for (std::size_t t = 0; t < targets->size(); ++t) {
+        const Item target(file_, (*targets)[t], fmt::format("{}, target {}", primitive.where(), t));
+        Json displacement = Json::object();
+        if (const auto accessor = target.index("POSITION", "accessor", data_.accessor_count())) {
+          check_count(target, "POSITION", data_.check(*accessor, Role::displacement));
+          displacement["POSITION"] = *accessor;
+        }
+        clean["targets"].push_back(std::move(displacement));
+      }
+    } else if (target_count != 0) {
+      primitive.fail(fmt::format("has no morph targets, the mesh's first primitive {}", target_count));
     }
     return clean;
   }
 
-  enum class Role : char { unused, position, indices };
-
-  void check_accessor(std::uint32_t a, Role role) {
-    const Item accessor = at("accessors", "accessor", a);
-    if (accessor_role_[a] != 0) {
-      if (accessor_role_[a] != static_cast<char>(role)) accessor.fail("is used both for positions and for indices");
-      return;
-    }
-    accessor_role_[a] = static_cast<char>(role);
-    const std::uint64_t component = accessor.needed_whole("componentType", 5120, 5126);
-    const std::uint64_t count = accessor.needed_whole("count", 1, any);
-    const std::string type = accessor.string("type").value_or("");
-    const std::uint64_t element = component_size(component) * component_count(type);
-    if (element == 0)
-      accessor.fail(fmt::format("has the unknown type {} of component type {}", text::quoted(type), component));
-    if (role == Role::position) {
-      if (type != "VEC3") accessor.fail(fmt::format("holds positions as {}; they are VEC3", text::quoted(type)));
-      if (component != f32) {
-        accessor.fail(fmt::format(
-            "holds positions of component type {}; without the extension KHR_mesh_quantization, which palpa "
-            "does not support, they are 32-bit floats (5126)",
-            component));
-      }
-    } else if (type != "SCALAR" || (component != u8 && component != u16 && component != u32)) {
-      accessor.fail("holds indices that are not scalar unsigned integers of 8, 16 or 32 bits (5121, 5123, 5125)");
-    }
-    Json clean{{"componentType", component}, {"count", count}, {"type", type}};
-    const auto view = accessor.index("bufferView", "buffer view", view_checked_.size());
-    const std::uint64_t offset = accessor.whole("byteOffset", 0, any).value_or(0);
-    if (view) {
-      const View found = check_view(*view);
-      if (role == Role::indices && found.stride != 0) accessor.fail("holds indices in a buffer view with a byteStride");
-      check_fit(accessor, found, offset, count, found.stride == 0 ? element : found.stride, element);
-      if (offset % component_size(component) != 0) {
-        log::warning(fmt::format("{}: {} starts at byte {}, not at a multiple of its components' size", file_,
-                                 accessor.where(), offset));
-      }
-      clean["bufferView"] = *view;
-      clean["byteOffset"] = offset;
-    } else if (role == Role::indices || !accessor.has("sparse")) {
-      accessor.fail("has no data: \"bufferView\" is missing");
-    } else if (offset != 0) {
-      accessor.fail("has a \"byteOffset\" but no \"bufferView\"");
-    }
-    if (const auto sparse = accessor.item("sparse")) clean["sparse"] = check_sparse(*sparse, count, element);
-    clean_["accessors"][a] = std::move(clean);
-  }
-
-  Json check_sparse(const Item& sparse, std::uint64_t accessor_count, std::uint64_t element) {
-    const std::uint64_t count = sparse.needed_whole("count", 1, accessor_count);
-    const Item indices = sparse.needed_item("indices"), values = sparse.needed_item("values");
-    const std::uint64_t component = indices.needed_whole("componentType", 5120, 5126);
-    if (component != u8 && component != u16 && component != u32)
-      indices.fail("are not unsigned integers of 8, 16 or 32 bits");
-    const auto check_part = [&](const Item& part, std::uint64_t size) {
-      const std::uint32_t view = part.needed_index("bufferView", "buffer view", view_checked_.size());
-      const std::uint64_t offset = part.whole("byteOffset", 0, any).value_or(0);
-      const View found = check_view(view);
-      if (found.stride != 0) part.fail("are in a buffer view with a byteStride");
-      check_fit(part, found, offset, count, size, size);
-      return Json{{"bufferView", view}, {"byteOffset", offset}};
-    };
-    Json clean_indices = check_part(indices, component_size(component));
-    clean_indices["componentType"] = component;
-    return {{"count", count}, {"indices", std::move(clean_indices)}, {"values", check_part(values, element)}};
-  }
-
-  struct View {
-    std::uint64_t length, stride;
-  };
-
-  static void check_fit(const Item& item, const View& view, std::uint64_t offset, std::uint64_t count,
-                        std::uint64_t stride, std::uint64_t element) {
-    if (stride < element)
-      item.fail(fmt::format("has elements of {} bytes, but its buffer view a byteStride of {}", element, stride));
-    if (offset > view.length || view.length - offset < element ||
-        count - 1 > (view.length - offset - element) / stride) {
-      item.fail(fmt::format("does not fit its buffer view: {} elements, {} bytes apart, from byte {} on, in {} bytes",
-                            count, stride, offset, view.length));
-    }
-  }
-
-  View check_view(std::uint32_t v) {
-    const Item view = at("bufferViews", "buffer view", v);
-    const std::uint32_t buffer = view.needed_index("buffer", "buffer", buffers_.size());
-    const std::uint64_t offset = view.whole("byteOffset", 0, any).value_or(0);
-    const std::uint64_t length = view.needed_whole("byteLength", 1, any);
-    const auto stride = view.whole("byteStride", 4, 252);
-    if (stride && *stride % 4 != 0) view.fail(fmt::format("\"byteStride\" is {}; it must be a multiple of 4", *stride));
-    if (view_checked_[v]) return {length, stride.value_or(0)};
-    view_checked_[v] = 1;
-    const bool compressed =
-        view.has_extension("EXT_meshopt_compression") || view.has_extension("KHR_meshopt_compression");
-    const Item source = at("buffers", "buffer", buffer);
-    if (compressed && !source.has("uri") && !(buffer == 0 && container_.bin)) {
-      view.fail("is stored with the extension EXT_meshopt_compression only, which palpa does not support");
-    }
-    const std::uint64_t available = check_buffer(buffer);
-    if (offset > available || length > available - offset) {
-      view.fail(
-          fmt::format("does not fit its buffer: {} bytes from byte {} on, in {} bytes", length, offset, available));
-    }
-    Json clean{{"buffer", buffer}, {"byteOffset", offset}, {"byteLength", length}};
-    if (stride) clean["byteStride"] = *stride;
-    clean_["bufferViews"][v] = std::move(clean);
-    return {length, stride.value_or(0)};
-  }
-
-  std::uint64_t check_buffer(std::uint32_t b) {
-    BufferSource& source = buffers_[b];
-    if (source.length != 0) return source.length;
-    const Item buffer = at("buffers", "buffer", b);
-    const std::uint64_t length = buffer.needed_whole("byteLength", 1, any);
-    const auto uri = buffer.string("uri");
-    if (!uri) {
-      if (b != 0 || !container_.bin) buffer.fail("has no \"uri\", and there is no BIN chunk that could be it");
-      if (length > container_.bin->size) {
-        buffer.fail(fmt::format("\"byteLength\" is {}, but the BIN chunk has {} bytes", length, container_.bin->size));
-      }
-    } else if (uri->empty()) {
-      buffer.fail("\"uri\" is empty");
-    }
-    total_ += std::min(length, most_buffer_bytes + 1);
-    if (total_ > most_buffer_bytes) {
-      buffer.fail(
-          fmt::format("\"byteLength\" is {}; palpa reads at most {} bytes of buffers", length, most_buffer_bytes));
-    }
-    source = {length, uri.value_or("")};
-    clean_["buffers"][b] = {{"byteLength", length}, {"uri", fmt::format("buffer {}", b)}};
-    return length;
-  }
-
   // The first fault of what the scene has not led to; empty if there is none.
   std::string fault_elsewhere() {
-    const Json kept = clean_;
-    const std::vector<BufferSource> kept_buffers = buffers_;
-    std::string fault;
     try {
-      for (const char* key : {"animations", "cameras", "images", "materials", "samplers", "scenes", "skins", "textures",
-                              "buffers", "bufferViews", "accessors", "meshes"}) {
+      for (const char* key :
+           {"animations", "cameras", "images", "materials", "samplers", "scenes", "skins", "textures"}) {
         for (std::size_t i = 0; i < size(key); ++i)
           at(key, key, i);
       }
-      for (std::uint32_t i = 0; i < buffers_.size(); ++i)
-        check_buffer(i);
-      for (std::uint32_t i = 0; i < view_checked_.size(); ++i)
-        check_view(i);
+      for (std::uint32_t i = 0; i < node_count_; ++i) {
+        at("nodes", "node", i).index("mesh", "mesh", mesh_checked_.size());
+        check_transform(i);
+      }
       for (std::uint32_t i = 0; i < mesh_checked_.size(); ++i)
         check_mesh(i);
-      for (std::uint32_t i = 0; i < node_count_; ++i)
-        at("nodes", "node", i).index("mesh", "mesh", mesh_checked_.size());
-      for (std::uint32_t i = 0; i < accessor_role_.size(); ++i) {
-        if (accessor_role_[i] != 0) continue;
-        const Item accessor = at("accessors", "accessor", i);
-        accessor.needed_whole("componentType", 5120, 5126);
-        accessor.needed_whole("count", 1, any);
-        if (component_count(accessor.string("type").value_or("")) == 0) accessor.fail("has an unknown \"type\"");
-        accessor.index("bufferView", "buffer view", view_checked_.size());
+      for (std::uint32_t i = 0; i < skin_checked_.size(); ++i)
+        check_skin(i);
+      data_.check_rest();
+      for (std::size_t i = 0; i < size("textures"); ++i)
+        at("textures", "texture", i).index("source", "image", size("images"));
+      for (std::size_t i = 0; i < size("materials"); ++i) {
+        const auto surface = at("materials", "material", i).item("pbrMetallicRoughness");
+        if (!surface) continue;
+        const auto texture = surface->item("baseColorTexture");
+        if (texture) texture->index("index", "texture", size("textures"));
       }
     } catch (const Error& e) {
-      fault = std::string(e.what()).substr(file_.size() + 2);
+      return std::string(e.what()).substr(file_.size() + 2);
     }
-    clean_ = kept;
-    buffers_ = kept_buffers;
-    return fault;
+    return {};
   }
 
   const std::string& file_;
   Item root_;
-  const Container& container_;
   Json clean_;
-  std::size_t node_count_ = 0;
+  DataChecker data_;
+  std::size_t node_count_ = 0, primitives_ = 0;
   std::vector<std::uint32_t> parent_;
   std::vector<std::vector<std::uint32_t>> children_;
-  std::vector<char> is_root_, mesh_checked_, view_checked_, accessor_role_;
-  std::vector<BufferSource> buffers_;
-  std::uint64_t total_ = 0;
+  std::vector<char> is_root_, transform_checked_, mesh_checked_, skin_checked_;
 };
 
 }  // namespace

@@ -1,0 +1,53 @@
+// The lowest layer of a glTF document: accessors, buffer views, buffers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "geometry/gltf_check.hpp"
+#include "geometry/gltf_json.hpp"
+
+namespace palpa::geometry::gltf {
+
+/// What an accessor is used for; each use allows certain types.
+enum class Role : char { unused, position, displacement, indices, joints, weights, bind_matrices };
+
+/// Checks accessors on demand and copies what they need into the reduced document. All throw bad_input.
+class DataChecker {
+ public:
+  DataChecker(const Item& root, const Container& container);
+
+  /// Puts stand-ins for everything into `clean`, which is also where check() writes.
+  void start(Json& clean);
+  /// The accessor with all it rests on; the number of its elements.
+  std::uint64_t check(std::uint32_t accessor, Role role);
+  bool has_data(std::uint32_t accessor) const;
+  std::size_t accessor_count() const { return role_.size(); }
+  const std::vector<BufferSource>& buffers() const { return buffers_; }
+
+  /// Checks what check() has not met, as far as it can be without a use.
+  void check_rest();
+
+ private:
+  struct View {
+    std::uint64_t length, stride;
+  };
+  Item at(const char* key, const char* name, std::size_t index) const;
+  Json check_sparse(const Item& sparse, std::uint64_t accessor_count, std::uint64_t element);
+  static void check_fit(const Item& item, const View& view, std::uint64_t offset, std::uint64_t count,
+                        std::uint64_t stride, std::uint64_t element);
+  View check_view(std::uint32_t view);
+  std::uint64_t check_buffer(std::uint32_t buffer);
+
+  const Item& root_;
+  const Container& container_;
+  Json* clean_ = nullptr;
+  std::vector<Role> role_;
+  std::vector<char> view_checked_;
+  std::vector<BufferSource> buffers_;
+  std::uint64_t total_ = 0;
+};
+
+}  // namespace palpa::geometry::gltf
