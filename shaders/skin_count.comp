@@ -8,29 +8,41 @@ layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = skin_depth) readonly buffer Depth { uvec4 depth[]; };
 layout(std430, set = 0, binding = skin_rays) readonly buffer Rays { vec2 rays[]; };
-layout(std430, set = 0, binding = skin_blocks) writeonly buffer Blocks { uint blocks[]; };
+layout(std430, set = 0, binding = skin_runs) writeonly buffer Runs { SkinRun runs[]; };
 layout(std430, set = 0, binding = skin_counts) writeonly buffer Counts { uint counts[]; };
 layout(push_constant) uniform Push { SkinPush push; };
 
-shared uint subgroup_sums[skin_group];
-
 #include "skin_point.glsl"
 
-void main() {
-  const uint group = gl_WorkGroupID.x;
-  const uint block = gl_GlobalInvocationID.x;
+shared uint subgroup_sums[skin_group];
+
+uint find_survivors(uint first_block) {
+  const Lens lens = read_lens();
+  const uint depth_low = push.depth_range & 0xffffu;
+  const uint depth_span = (push.depth_range >> 16) - depth_low;
+  const uint end = min(first_block + skin_run_blocks, push.blocks);
+  uvec2 pixel = block_pixel(first_block);
   uint survivors = 0u;
-  if (block < push.blocks) {
-    const uint row = block / push.blocks_per_row;
-    const uint place = push.first_block + row * push.pitch_blocks + (block - row * push.blocks_per_row);
+  uint bit = 1u;
+  for (uint block = first_block; block < end; ++block) {
+    const uint place = place_of(pixel);
     const uvec4 words = depth[place];
     for (uint i = 0u; i < 8u; ++i) {
       const uint raw = raw_depth(words, i);
-      if (raw - push.depth_low <= push.depth_span) {
-        if (inside(skin_point(raw, rays[place * 8u + i]))) survivors |= 1u << i;
+      if (raw - depth_low <= depth_span) {
+        const vec2 ray = ray_of(lens, uvec2(pixel.x + i, pixel.y), place * 8u + i);
+        if (inside(lens, skin_point(lens, raw, ray))) survivors |= bit;
       }
+      bit <<= 1;
     }
+    pixel = next_block(pixel);
   }
+  return survivors;
+}
+
+void main() {
+  const uint first_block = gl_GlobalInvocationID.x * skin_run_blocks;
+  const uint survivors = first_block < push.blocks ? find_survivors(first_block) : 0u;
 
   const uint count = bitCount(survivors);
   uint before = subgroupExclusiveAdd(count);
@@ -39,6 +51,7 @@ void main() {
   barrier();
   for (uint i = 0u; i < gl_SubgroupID; ++i) before += subgroup_sums[i];
 
-  blocks[(push.first_group + group) * skin_group + gl_LocalInvocationIndex] = survivors | before << 8;
-  if (gl_LocalInvocationIndex == skin_group - 1u) counts[push.first_group + group] = before + count;
+  const uint group = push.first_group + gl_WorkGroupID.x;
+  runs[group * skin_group + gl_LocalInvocationIndex] = SkinRun(survivors, before);
+  if (gl_LocalInvocationIndex == skin_group - 1u) counts[group] = before + count;
 }

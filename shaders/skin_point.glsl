@@ -1,19 +1,55 @@
 // Common to the two skin shaders. `precise` keeps a compiler from fusing, so that both shaders and the C++ twin agree on every
 // bit wherever additions and products round correctly.
 
+layout(constant_id = 0) const uint rays_from_table = 1u;
+
+// The push constants that every pixel needs, read once: inside branches each use would be a load of its own.
+struct Lens {
+  vec4 x, y, z;
+  vec4 low, high;
+  vec4 pinhole;
+};
+
+Lens read_lens() {
+  return Lens(push.pose_x, push.pose_y, push.pose_z, push.box_low, push.box_high, push.pinhole);
+}
+
+// Column and row of the first pixel of the view's block number `block`.
+uvec2 block_pixel(uint block) {
+  const uint per_row = push.row_blocks & 0xffffu;
+  const uint row = block / per_row;
+  return uvec2((push.corner & 0xffffu) + (block - row * per_row) * 8u, (push.corner >> 16) + row);
+}
+
+// The block after: the next row begins where the view's rows end.
+uvec2 next_block(uvec2 pixel) {
+  const uint begin = push.corner & 0xffffu;
+  const uint end = begin + (push.row_blocks & 0xffffu) * 8u;
+  return pixel.x + 8u < end ? uvec2(pixel.x + 8u, pixel.y) : uvec2(begin, pixel.y + 1u);
+}
+
+// Where the pixel's block lies in the common arrangement.
+uint place_of(uvec2 pixel) { return push.first_block + pixel.y * (push.row_blocks >> 16) + (pixel.x >> 3); }
+
 uint raw_depth(uvec4 words, uint i) { return words[i >> 1] >> ((i & 1u) * 16u) & 0xffffu; }
 
-vec3 skin_point(uint raw, vec2 ray) {
-  precise const float z = float(raw) * push.box_low.w;
+vec2 ray_of(Lens lens, uvec2 pixel, uint table_index) {
+  if (rays_from_table != 0u) return rays[table_index];
+  precise const vec2 ray = (vec2(pixel) - lens.pinhole.xy) * lens.pinhole.zw;
+  return ray;
+}
+
+vec3 skin_point(Lens lens, uint raw, vec2 ray) {
+  precise const float z = float(raw) * lens.low.w;
   precise const float x = ray.x * z;
   precise const float y = ray.y * z;
   precise vec3 world;
-  world.x = ((push.pose_x.x * x + push.pose_x.y * y) + push.pose_x.z * z) + push.pose_x.w;
-  world.y = ((push.pose_y.x * x + push.pose_y.y * y) + push.pose_y.z * z) + push.pose_y.w;
-  world.z = ((push.pose_z.x * x + push.pose_z.y * y) + push.pose_z.z * z) + push.pose_z.w;
+  world.x = ((lens.x.x * x + lens.x.y * y) + lens.x.z * z) + lens.x.w;
+  world.y = ((lens.y.x * x + lens.y.y * y) + lens.y.z * z) + lens.y.w;
+  world.z = ((lens.z.x * x + lens.z.y * y) + lens.z.z * z) + lens.z.w;
   return world;
 }
 
-bool inside(vec3 point) {
-  return all(greaterThanEqual(point, push.box_low.xyz)) && all(lessThanEqual(point, push.box_high.xyz));
+bool inside(Lens lens, vec3 point) {
+  return all(greaterThanEqual(point, lens.low.xyz)) && all(lessThanEqual(point, lens.high.xyz));
 }

@@ -7,7 +7,7 @@ layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = skin_depth) readonly buffer Depth { uvec4 depth[]; };
 layout(std430, set = 0, binding = skin_rays) readonly buffer Rays { vec2 rays[]; };
-layout(std430, set = 0, binding = skin_blocks) readonly buffer Blocks { uint blocks[]; };
+layout(std430, set = 0, binding = skin_runs) readonly buffer Runs { SkinRun runs[]; };
 layout(std430, set = 0, binding = skin_counts) readonly buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = skin_points) writeonly buffer Points { vec4 points[]; };
 layout(push_constant) uniform Push { SkinPush push; };
@@ -15,23 +15,32 @@ layout(push_constant) uniform Push { SkinPush push; };
 #include "skin_point.glsl"
 
 void main() {
-  const uint block = gl_GlobalInvocationID.x;
-  if (block >= push.blocks) return;
-  const uint found = blocks[push.first_group * skin_group + block];
-  if ((found & 0xffu) == 0u) return;
+  const uint group = push.first_group + gl_WorkGroupID.x;
+  const SkinRun run = runs[group * skin_group + gl_LocalInvocationIndex];
+  if (run.survivors == 0u) return;
 
-  const uint row = block / push.blocks_per_row;
-  const uint column = block - row * push.blocks_per_row;
-  const uint place = push.first_block + row * push.pitch_blocks + column;
-  const uint index = push.first_index + row * push.width + column * 8u;
-  const uvec4 words = depth[place];
-  uint slot = counts[push.first_group + gl_WorkGroupID.x] + (found >> 8);
-  for (uint i = 0u; i < 8u; ++i) {
-    if ((found >> i & 1u) != 0u) {
-      if (slot < push.most_points) {
-        points[slot] = vec4(skin_point(raw_depth(words, i), rays[place * 8u + i]), uintBitsToFloat(index + i));
+  const Lens lens = read_lens();
+  const uint room = points.length();
+  const uint width = push.width, first_index = push.first_index;
+  uint slot = counts[group] + run.before;
+  uvec2 pixel = block_pixel(gl_GlobalInvocationID.x * skin_run_blocks);
+  uint left = run.survivors;
+  for (uint block = 0u; block < skin_run_blocks; ++block) {
+    if ((left & 0xffu) != 0u) {
+      const uint place = place_of(pixel);
+      const uint index = first_index + pixel.y * width + pixel.x;
+      const uvec4 words = depth[place];
+      for (uint i = 0u; i < 8u; ++i) {
+        if ((left >> i & 1u) != 0u) {
+          if (slot < room) {
+            const vec2 ray = ray_of(lens, uvec2(pixel.x + i, pixel.y), place * 8u + i);
+            points[slot] = vec4(skin_point(lens, raw_depth(words, i), ray), uintBitsToFloat(index + i));
+          }
+          ++slot;
+        }
       }
-      ++slot;
     }
+    left >>= 8;
+    pixel = next_block(pixel);
   }
 }

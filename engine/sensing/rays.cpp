@@ -93,9 +93,14 @@ void fill_rays(const Camera& camera, CameraTable& table, std::span<glm::vec2> ra
   for (std::uint32_t v = 0; v < table.height; ++v) {
     glm::vec2* row = rays.data() + std::size_t{v} * table.pitch;
     for (std::uint32_t u = 0; u < table.width; ++u) {
-      const Vec2 ray = undistort(camera, {static_cast<double>(u), static_cast<double>(v)});
-      if (!(std::abs(ray.x) < 1e6 && std::abs(ray.y) < 1e6)) continue;
-      row[u] = glm::vec2(ray);
+      if (table.pinhole) {
+        row[u] = glm::vec2((static_cast<float>(u) - table.cx) * table.per_fx,
+                           (static_cast<float>(v) - table.cy) * table.per_fy);
+      } else {
+        const Vec2 ray = undistort(camera, {static_cast<double>(u), static_cast<double>(v)});
+        if (!(std::abs(ray.x) < 1e6 && std::abs(ray.y) < 1e6)) continue;
+        row[u] = glm::vec2(ray);
+      }
       RayBounds& tile = table.tiles[std::size_t{v / tile_pixels} * table.tiles_x + u / tile_pixels];
       tile.low = glm::vec2(std::min(tile.low.x, row[u].x), std::min(tile.low.y, row[u].y));
       tile.high = glm::vec2(std::max(tile.high.x, row[u].x), std::max(tile.high.y, row[u].y));
@@ -111,6 +116,11 @@ RayTables make_rays(std::span<const Camera> cameras) {
     CameraTable& table = tables.cameras.emplace_back();
     table.width = camera.width;
     table.height = camera.height;
+    table.pinhole = std::all_of(camera.distortion.begin(), camera.distortion.end(), [](double k) { return k == 0; });
+    table.cx = static_cast<float>(camera.cx);
+    table.cy = static_cast<float>(camera.cy);
+    table.per_fx = static_cast<float>(1 / camera.fx);
+    table.per_fy = static_cast<float>(1 / camera.fy);
     table.pitch = round_up(camera.width, block_pixels);
     table.first_pixel = tables.padded_pixels;
     table.first_index = tables.pixels;
@@ -164,7 +174,7 @@ void plan_views(std::span<const Camera> cameras, const RayTables& tables, const 
     view.rows = std::min((tiles.y1 + 1) * tile_pixels, table.height) - view.first_row;
     view.depth_low = static_cast<std::uint32_t>(std::clamp(low, static_cast<double>(first_depth), 65536.0));
     view.depth_high = static_cast<std::uint32_t>(std::clamp(high, 0.0, 65535.0));
-    if (view.depth_low > view.depth_high) continue;
+    if (view.depth_low > view.depth_high) continue;  // thus both fit 16 bits
     view.depth_unit = static_cast<float>(camera.depth_unit_m);
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 4; ++column) {

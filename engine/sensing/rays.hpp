@@ -29,6 +29,8 @@ struct CameraTable {
   std::uint32_t pitch = 0;        ///< pixels from row to row, a multiple of block_pixels
   std::uint64_t first_pixel = 0;  ///< of the padded arrangement, a multiple of block_pixels
   std::uint64_t first_index = 0;  ///< of the skin points' indices: pixels of the earlier cameras
+  bool pinhole = false;           ///< no distortion: the ray is ((u - cx) * per_fx, (v - cy) * per_fy), in float
+  float cx = 0, cy = 0, per_fx = 0, per_fy = 0;
   std::uint32_t tiles_x = 0, tiles_y = 0;
   std::vector<RayBounds> tiles;  ///< tiles_x * tiles_y, rows from the top
 };

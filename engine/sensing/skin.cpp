@@ -17,10 +17,13 @@ namespace {
 
 static_assert(sizeof(SkinPoint) == 16, "a skin point is one vec4 on the device");
 static_assert(sizeof(glm::vec2) == 8, "a ray is one vec2 on the device");
+static_assert(skin_group_runs == shader::skin_group);
 static_assert(tile_pixels % block_pixels == 0, "views begin and end at whole blocks");
 
+constexpr std::uint32_t group_blocks = shader::skin_group * shader::skin_run_blocks;
+
 std::uint32_t view_groups(const View& view) {
-  return gpu::groups_for(view.blocks(), shader::skin_group);
+  return gpu::groups_for(view.blocks(), group_blocks);
 }
 
 shader::SkinPush push_of(const View& view, const CameraTable& table, const Box& box) {
@@ -29,14 +32,13 @@ shader::SkinPush push_of(const View& view, const CameraTable& table, const Box& 
   push.box_low = {static_cast<float>(box.low.x), static_cast<float>(box.low.y), static_cast<float>(box.low.z),
                   view.depth_unit};
   push.box_high = {static_cast<float>(box.high.x), static_cast<float>(box.high.y), static_cast<float>(box.high.z), 0};
-  push.first_block = static_cast<std::uint32_t>(
-      (table.first_pixel + std::uint64_t{view.first_row} * table.pitch + view.first_column) / block_pixels);
-  push.pitch_blocks = table.pitch / block_pixels;
-  push.blocks_per_row = view.blocks_per_row;
+  push.pinhole = {table.cx, table.cy, table.per_fx, table.per_fy};
+  push.first_block = static_cast<std::uint32_t>(table.first_pixel / block_pixels);
+  push.corner = view.first_column | view.first_row << 16;
+  push.row_blocks = view.blocks_per_row | (table.pitch / block_pixels) << 16;
   push.blocks = view.blocks();
-  push.depth_low = view.depth_low;
-  push.depth_span = view.depth_high - view.depth_low;
-  push.first_index = static_cast<std::uint32_t>(table.first_index) + view.first_row * table.width + view.first_column;
+  push.depth_range = view.depth_low | view.depth_high << 16;
+  push.first_index = static_cast<std::uint32_t>(table.first_index);
   push.width = table.width;
   return push;
 }
@@ -95,7 +97,7 @@ std::vector<SkinPoint> find_skin(std::span<const Camera> cameras, std::span<cons
 std::uint32_t skin_groups(const RayTables& tables) {
   std::uint32_t groups = 0;
   for (const CameraTable& table : tables.cameras) {
-    groups += gpu::groups_for(std::uint64_t{table.pitch} * table.height / block_pixels, shader::skin_group);
+    groups += gpu::groups_for(std::uint64_t{table.pitch} * table.height / block_pixels, group_blocks);
   }
   return groups;
 }
@@ -118,46 +120,47 @@ gpu::Buffer upload_rays(const gpu::Device& device, const RayTables& tables) {
 }
 
 SkinMemory::SkinMemory(const gpu::Device& device, const RayTables& tables)
-    : blocks(device, std::uint64_t{skin_groups(tables)} * shader::skin_group * sizeof(std::uint32_t), "skin blocks"),
+    : runs(device, std::uint64_t{skin_groups(tables)} * skin_group_runs * sizeof(shader::SkinRun), "skin runs"),
       counts(device, std::uint64_t{skin_groups(tables)} * sizeof(std::uint32_t), "skin counts"),
       points(device, tables.pixels * sizeof(SkinPoint), "skin points"),
       total(device, sizeof(shader::ScanTotal), "skin total") {}
 
-SkinPass::SkinPass(const gpu::Device& device)
-    : count_(device, "skin count", spirv::skin_count_comp, {shader::skin_count_buffers, sizeof(shader::SkinPush)}),
-      scatter_(device, "skin scatter", spirv::skin_scatter_comp,
-               {shader::skin_scatter_buffers, sizeof(shader::SkinPush)}),
-      scan_(device) {}
+SkinPass::Kernels::Kernels(const gpu::Device& device, std::uint32_t rays_from_table)
+    : count(device, "skin count", spirv::skin_count_comp,
+            {shader::skin_count_buffers, sizeof(shader::SkinPush), std::span(&rays_from_table, 1)}),
+      scatter(device, "skin scatter", spirv::skin_scatter_comp,
+              {shader::skin_scatter_buffers, sizeof(shader::SkinPush), std::span(&rays_from_table, 1)}) {}
+
+SkinPass::SkinPass(const gpu::Device& device) : pinhole_(device, 0), table_(device, 1), scan_(device) {}
 
 void SkinPass::record(VkCommandBuffer commands, const SkinBuffers& buffers, const RayTables& tables, const Box& box,
                       std::span<const View> views, gpu::Timestamps* times) const {
-  const auto most_points =
-      static_cast<std::uint32_t>(std::min<std::uint64_t>(tables.pixels, buffers.points.size / sizeof(SkinPoint)));
-  const auto push_view = [&](const View& view, std::uint32_t first_group) {
-    shader::SkinPush push = push_of(view, tables.cameras[view.camera], box);
-    push.first_group = first_group;
-    push.most_points = most_points;
-    return push;
+  const auto kernels = [&](const View& view) -> const Kernels& {
+    return tables.cameras[view.camera].pinhole ? pinhole_ : table_;
   };
-
   std::uint32_t groups = 0;
   for (const View& view : views) {
-    const shader::SkinPush push = push_view(view, groups);
-    count_.dispatch(commands, {buffers.depth, buffers.rays, buffers.blocks, buffers.counts}, &push, view_groups(view));
+    shader::SkinPush push = push_of(view, tables.cameras[view.camera], box);
+    push.first_group = groups;
+    kernels(view).count.dispatch(commands, {buffers.depth, buffers.rays, buffers.runs, buffers.counts}, &push,
+                                 view_groups(view));
     groups += view_groups(view);
   }
   gpu::compute_to_compute(commands);  // counts -> scan
   if (times) times->mark(commands, "skin count");
 
-  scan_.record(commands, buffers.counts, {}, buffers.total, {groups, 1, most_points, shader::skin_group});
-  gpu::compute_to_compute(commands);  // scanned counts, blocks -> scatter
+  const auto room = static_cast<std::uint32_t>(buffers.points.size / sizeof(SkinPoint));
+  scan_.record(commands, buffers.counts, {}, buffers.total, {groups, 1, room, 64});
+  gpu::compute_to_compute(commands);  // scanned counts, runs -> scatter
   if (times) times->mark(commands, "skin scan");
 
   groups = 0;
   for (const View& view : views) {
-    const shader::SkinPush push = push_view(view, groups);
-    scatter_.dispatch(commands, {buffers.depth, buffers.rays, buffers.blocks, buffers.counts, buffers.points}, &push,
-                      view_groups(view));
+    shader::SkinPush push = push_of(view, tables.cameras[view.camera], box);
+    push.first_group = groups;
+    kernels(view).scatter.dispatch(commands,
+                                   {buffers.depth, buffers.rays, buffers.runs, buffers.counts, buffers.points}, &push,
+                                   view_groups(view));
     groups += view_groups(view);
   }
   if (times) times->mark(commands, "skin scatter");

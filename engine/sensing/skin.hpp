@@ -32,13 +32,14 @@ std::vector<SkinPoint> find_skin(std::span<const Camera> cameras, std::span<cons
 struct SkinBuffers {
   gpu::BufferRef depth;   ///< packed by pack_depth, 2 bytes per padded pixel
   gpu::BufferRef rays;    ///< upload_rays, 8 bytes per padded pixel
-  gpu::BufferRef blocks;  ///< scratch, 4 * skin_groups(tables) * 64 bytes
+  gpu::BufferRef runs;    ///< scratch, 8 * skin_groups(tables) * skin_group_runs bytes
   gpu::BufferRef counts;  ///< scratch, 4 * skin_groups(tables) bytes
   gpu::BufferRef points;  ///< out: SkinPoint[], room for size / 16 of them, at most tables.pixels are written
   gpu::BufferRef total;   ///< out: shader::ScanTotal, points found and an indirect dispatch with 64 of them per group
 };
 
-/// Most groups that any box needs.
+/// Most groups that any box needs; each looks at skin_group_runs runs of 32 pixels.
+inline constexpr std::uint32_t skin_group_runs = 64;
 std::uint32_t skin_groups(const RayTables& tables);
 
 /// Bytes of the packed depth frames, e.g. for a gpu::Upload.
@@ -51,11 +52,11 @@ gpu::Buffer upload_rays(const gpu::Device& device, const RayTables& tables);
 
 /// Scratch and output of one frame in flight, sized for every pixel of every camera.
 struct SkinMemory {
-  gpu::Buffer blocks, counts, points, total;
+  gpu::Buffer runs, counts, points, total;
 
   SkinMemory(const gpu::Device& device, const RayTables& tables);
   SkinBuffers with(gpu::BufferRef depth, gpu::BufferRef rays) const {
-    return {depth, rays, blocks.ref(), counts.ref(), points.ref(), total.ref()};
+    return {depth, rays, runs.ref(), counts.ref(), points.ref(), total.ref()};
   }
 };
 
@@ -65,14 +66,18 @@ class SkinPass {
   explicit SkinPass(const gpu::Device& device);
 
   /// Finds the skin points inside `box` (world, compared in float) from the views that plan_views gave for it.
-  /// Barriers: expects depth and rays to be visible to compute, and earlier readers of blocks, counts, points and total
+  /// Barriers: expects depth and rays to be visible to compute, and earlier readers of runs, counts, points and total
   /// to be ordered before; inside it adds its own; the caller adds compute_to_compute (or writes_to_transfer)
   /// afterwards. With `times`, marks "skin count", "skin scan" and "skin scatter".
   void record(VkCommandBuffer commands, const SkinBuffers& buffers, const RayTables& tables, const Box& box,
               std::span<const View> views, gpu::Timestamps* times = nullptr) const;
 
  private:
-  gpu::ComputePipeline count_, scatter_;
+  struct Kernels {
+    Kernels(const gpu::Device& device, std::uint32_t rays_from_table);
+    gpu::ComputePipeline count, scatter;
+  };
+  Kernels pinhole_, table_;  ///< cameras without and with distortion
   gpu::ScanPass scan_;
 };
 

@@ -60,6 +60,7 @@ inline sensing::Camera random_camera(std::mt19937_64& random) {
   camera.cy = camera.height * (0.5 + 0.4 * unit(random));
   camera.distortion = {0.3 * unit(random), 0.2 * unit(random), 0.02 * unit(random), 0.02 * unit(random),
                        0.1 * unit(random)};
+  if (uniform(random, 0, 2) == 0) camera.distortion = {};
   camera.depth_unit_m = uniform(random, 0, 1) ? 1e-3 : 1.25e-4;
   camera.min_range_m = uniform(random, 0, 1) ? 0.2 : 0;
   // Somewhere around the origin, looking roughly at it, rolled anyhow.

@@ -49,18 +49,18 @@ DeviceResult run_pass(const Scene& scene, const Box& box, std::uint64_t room = ~
   pack_depth(tables, scene.frames, packed);
   auto depth = GuardedBuffer::of<std::uint16_t>(device, packed);
   auto rays = GuardedBuffer::of<glm::vec2>(device, tables.rays);
-  GuardedBuffer blocks(device, std::size_t{skin_groups(tables)} * shader::skin_group * 4);
+  GuardedBuffer runs(device, std::size_t{skin_groups(tables)} * skin_group_runs * sizeof(shader::SkinRun));
   GuardedBuffer counts(device, std::size_t{skin_groups(tables)} * 4);
   GuardedBuffer points(device, std::min(room, tables.pixels) * sizeof(SkinPoint));
   GuardedBuffer total(device, sizeof(shader::ScanTotal));
 
   const SkinPass pass(device);
   test::run_on_device([&](VkCommandBuffer commands) {
-    const SkinBuffers buffers{depth.ref(), rays.ref(), blocks.ref(), counts.ref(), points.ref(), total.ref()};
+    const SkinBuffers buffers{depth.ref(), rays.ref(), runs.ref(), counts.ref(), points.ref(), total.ref()};
     pass.record(commands, buffers, tables, box, views);
     gpu::writes_to_transfer(commands);
   });
-  for (GuardedBuffer* buffer : {&depth, &rays, &blocks, &counts, &points, &total})
+  for (GuardedBuffer* buffer : {&depth, &rays, &runs, &counts, &points, &total})
     EXPECT_TRUE(buffer->intact());
 
   DeviceResult result;
@@ -270,8 +270,10 @@ TEST(Skin, ShadersAgreeWithTheSharedHeader) {
     EXPECT_EQ(push.at("pose_y"), offsetof(shader::SkinPush, pose_y));
     EXPECT_EQ(push.at("box_low"), offsetof(shader::SkinPush, box_low));
     EXPECT_EQ(push.at("first_block"), offsetof(shader::SkinPush, first_block));
-    EXPECT_EQ(push.at("depth_span"), offsetof(shader::SkinPush, depth_span));
-    EXPECT_EQ(push.at("most_points"), offsetof(shader::SkinPush, most_points));
+    EXPECT_EQ(push.at("pinhole"), offsetof(shader::SkinPush, pinhole));
+    EXPECT_EQ(push.at("depth_range"), offsetof(shader::SkinPush, depth_range));
+    EXPECT_EQ(push.at("width"), offsetof(shader::SkinPush, width));
+    EXPECT_EQ(module.structs.at("SkinRun").offsets.at("before"), offsetof(shader::SkinRun, before));
   }
   EXPECT_EQ(test::read_spirv(spirv::skin_count_comp).bindings.size(), shader::skin_count_buffers);
   EXPECT_EQ(test::read_spirv(spirv::skin_scatter_comp).bindings.size(), shader::skin_scatter_buffers);
