@@ -1,0 +1,62 @@
+// A posable right hand, about life size.
+//
+// Frame, the same for every pose: the wrist is fixed, 176 mm along +y from the tip of the straight index finger;
+// fingers point along -y, the palm faces -z, the thumb is on the +x side, the forearm's stub runs along +y and ends
+// rounded. With the index finger straight (all its angles zero, as in the `point` pose) its tip touches the origin and
+// its body runs along +y, so that the hand can stand in for the finger of finger.ply.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+#include "geometry/mesh.hpp"
+
+namespace palpa::assets {
+
+/// Joint angles in radians, all zero when straight. Flexion bends towards the palm.
+struct FingerPose {
+  double mcp = 0;  ///< flexion of the knuckle
+  double pip = 0;  ///< flexion of the middle joint
+  double dip = 0;  ///< flexion of the last joint
+  double abduction =
+      0;  ///< sideways at the knuckle, spreading: index and middle towards the thumb, the others away from it
+};
+
+struct ThumbPose {
+  double cmc = 0;        ///< flexion at the wrist's side, across the palm
+  double mcp = 0;        ///< flexion of the knuckle
+  double ip = 0;         ///< flexion of the last joint
+  double abduction = 0;  ///< at the wrist's side, away from the palm's plane (towards -z)
+};
+
+struct HandPose {
+  ThumbPose thumb;
+  std::array<FingerPose, 4> fingers;  ///< index, middle, ring, little
+};
+
+/// "spread", "point", "relaxed" or "fist".
+std::optional<HandPose> named_hand_pose(std::string_view name);
+
+/// A pose from TOML: tables `thumb` (keys cmc, mcp, ip, abduction) and `index`, `middle`, `ring`, `little` (mcp, pip,
+/// dip, abduction), radians; what is absent is zero. Throws bad_input: not TOML, unknown keys, flexion outside -0.5..2
+/// or abduction outside -0.7..0.9.
+HandPose read_hand_pose(const std::filesystem::path& file);
+
+struct Fingertip {
+  Vec3 position;   ///< on the skin, at the end of the last bone
+  Vec3 direction;  ///< unit, outwards along that bone
+  double radius;   ///< of the skin's curvature
+};
+
+/// Thumb, index, middle, ring, little.
+std::array<Fingertip, 5> fingertips(const HandPose& pose);
+
+/// The skin: one closed shell without handles, without self-intersections, facing outwards; neighbouring vertices 1.2
+/// mm apart at the fingertips, growing to 3 mm; coordinates are 32-bit floats. Fingers that a pose presses against each
+/// other or against the palm are flattened there and keep a gap. The same pose gives the same bytes. Takes about a
+/// second.
+geometry::Mesh make_hand(const HandPose& pose);
+
+}  // namespace palpa::assets
