@@ -1,0 +1,89 @@
+// Drives on the GPU: many slots in one go.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+#include "array/reach.hpp"
+#include "gpu/buffer.hpp"
+#include "gpu/pipeline.hpp"
+#include "shaders/drive.h"
+
+namespace palpa::array {
+
+/// What one record of the pass binds.
+struct DriveRefs {
+  gpu::BufferRef transducers;  ///< shader::DrivePoint[transducers]
+  gpu::BufferRef foci;         ///< shader::DriveFocus[]
+  gpu::BufferRef slots;        ///< shader::DriveSlot[slots]; first + count within `foci`
+  gpu::BufferRef drives;  ///< written: shader::DriveOut[slots * transducers], slot after slot; no more than 2^32 - 1
+};
+
+struct DriveBatch {
+  std::uint32_t transducers = 0;  ///< at most max_transducers
+  std::uint32_t slots = 0;        ///< at most 65,535
+  bool single = true;             ///< some slot has one focus or none
+  bool several = true;            ///< some slot has several foci
+  Weighting weighting = Weighting::distance;
+  Constraint constraint = Constraint::normalise;
+};
+
+/// Pipelines only. Twin: drive_for, which it follows within 2e-6 rad and 1e-6 of amplitude for single foci up to 2 m
+/// away (float grows coarser beyond: 2e-4 rad at 10 m); sums of several foci depend on the device's sine (Vulkan
+/// promises 2^-11).
+class DrivesPass {
+ public:
+  explicit DrivesPass(const gpu::Device& device);
+
+  /// Barriers: expects the three inputs to be visible to compute; the caller makes `drives` visible afterwards.
+  void record(VkCommandBuffer commands, const DriveRefs& refs, const DriveBatch& batch) const;
+
+ private:
+  gpu::ComputePipeline focus_;
+  gpu::ComputePipeline sum_;
+};
+
+/// Everything one batch in flight needs; allocates when made and never again. Not to be touched between the submit that
+/// recorded it and its completion, but for `drive` thereafter.
+class DriveBuffers {
+ public:
+  DriveBuffers() = default;
+  /// `layout` as posed in the frame of the foci. Throws bad_usage where `most_slots` slots of it exceed the device's
+  /// largest storage buffer (128 MiB on small devices: 4210 slots of 3984 transducers); see fitting_slots.
+  DriveBuffers(const gpu::Device& device, const Layout& layout, const Medium& medium, std::uint32_t most_slots,
+               std::uint32_t most_foci);
+
+  /// The most slots that one batch of this layout can have.
+  static std::uint32_t fitting_slots(const gpu::Device& device, std::size_t transducers);
+
+  /// Begins a new batch.
+  void clear();
+  /// Adds the next slot; its foci may be none. False, and nothing added, where slots or foci would not fit.
+  bool add_slot(std::span<const SlotFocus> foci);
+  std::uint32_t slots() const { return batch_.slots; }
+  std::uint32_t transducers() const { return batch_.transducers; }
+
+  /// Records upload, pass and readback of the slots added since `clear`; complete with the submit, no barrier needed.
+  void record(VkCommandBuffer commands, const DrivesPass& pass, Weighting weighting, Constraint constraint);
+
+  /// Drive of the batch's slot `slot`, once the submit has completed.
+  std::span<const TransducerDrive> drive(std::uint32_t slot) const;
+  /// Where the drives lie on the device, for passes that go on from there.
+  gpu::BufferRef drives_ref() const { return drives_.ref(); }
+
+ private:
+  double turns_per_metre_ = 0;
+  Reach reach_{Layout{}};
+  gpu::Upload transducers_, foci_, slots_;
+  gpu::Readback drives_;
+  DriveBatch batch_;
+  std::uint32_t used_foci_ = 0;
+  bool transducers_sent_ = false;
+};
+
+/// A place as the shaders want it. `w` parts are left 0.
+shader::DrivePoint drive_point(const Vec3& metres, double turns_per_metre);
+
+}  // namespace palpa::array
