@@ -1,0 +1,118 @@
+#include "session/foci_link.hpp"
+
+#include <fmt/format.h>
+#include <netdb.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <iterator>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+
+namespace palpa::session {
+namespace {
+
+/// A JSON string; names come from glTF files and may hold anything.
+void append_string(std::string& out, const std::string& text) {
+  out += '"';
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+    } else if (static_cast<unsigned char>(c) < 0x20) {
+      fmt::format_to(std::back_inserter(out), "\\u{:04x}", static_cast<unsigned>(c));
+    } else {
+      out += c;
+    }
+  }
+  out += '"';
+}
+
+class FociLink : public Link {
+ public:
+  FociLink(int socket, const LinkSetting& setting)
+      : socket_(socket), solid_names_(setting.solid_names.begin(), setting.solid_names.end()) {}
+  ~FociLink() override { ::close(socket_); }
+  FociLink(const FociLink&) = delete;
+  FociLink& operator=(const FociLink&) = delete;
+
+  void foci(const array::Schedule& schedule) override {
+    line_.clear();
+    write_foci_line(schedule, solid_names_, line_);
+    line_ += '\n';
+    // Nobody listening (ECONNREFUSED) is no fault of the sender's: a receiver may come and go.
+    if (::send(socket_, line_.data(), line_.size(), MSG_NOSIGNAL) < 0 && errno != ECONNREFUSED && !warned_) {
+      warned_ = true;
+      log::warning(fmt::format("link foci: a frame could not be sent: {}", std::strerror(errno)));
+    }
+  }
+  void send(std::uint64_t, std::span<const array::TransducerDrive>) override {}
+
+ private:
+  int socket_;
+  std::vector<std::string> solid_names_;
+  std::string line_;
+  bool warned_ = false;
+};
+
+int connect_udp(const std::string& host, const std::string& port) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* found = nullptr;
+  if (const int fault = getaddrinfo(host.c_str(), port.c_str(), &hints, &found)) {
+    throw failure(fmt::format("link foci: {}:{} does not resolve: {}", host, port, gai_strerror(fault)));
+  }
+  int connected = -1;
+  for (const addrinfo* address = found; address && connected < 0; address = address->ai_next) {
+    const int candidate = ::socket(address->ai_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (candidate < 0) continue;
+    if (::connect(candidate, address->ai_addr, address->ai_addrlen) == 0) {
+      connected = candidate;
+    } else {
+      ::close(candidate);
+    }
+  }
+  freeaddrinfo(found);
+  if (connected < 0)
+    throw failure(fmt::format("link foci: cannot send to {}:{}: {}", host, port, std::strerror(errno)));
+  return connected;
+}
+
+}  // namespace
+
+void write_foci_line(const array::Schedule& schedule, std::span<const std::string> solid_names, std::string& out) {
+  const auto into = std::back_inserter(out);
+  fmt::format_to(into, "{{\"time_s\":{},\"fingers\":[", schedule.time_s);
+  for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
+    const array::Voice& voice = schedule.voices[v];
+    fmt::format_to(into, "{}{{\"id\":{},\"solid\":", v ? "," : "", voice.id);
+    append_string(out, voice.solid < solid_names.size() ? solid_names[voice.solid] : std::string());
+    out += ",\"foci_m\":[";
+    for (std::size_t i = 0; i < voice.foci.size(); ++i) {
+      const Vec3& p = voice.foci[i];
+      fmt::format_to(into, "{}[{},{},{}]", i ? "," : "", static_cast<float>(p.x), static_cast<float>(p.y),
+                     static_cast<float>(p.z));
+    }
+    fmt::format_to(into, "],\"order\":[{}],\"dwell_s\":{},\"modulation_hz\":{}}}", fmt::join(voice.order, ","),
+                   voice.dwell_s, voice.modulation_hz);
+  }
+  out += "]}";
+}
+
+std::unique_ptr<Link> open_foci_link(const std::string& argument, const LinkSetting& setting) {
+  const std::string form = "link foci takes udp:HOST:PORT, for example foci:udp:127.0.0.1:9000";
+  const std::size_t last = argument.rfind(':');
+  if (argument.rfind("udp:", 0) != 0 || last <= 4) throw bad_usage(form);
+  std::string host = argument.substr(4, last - 4);
+  const std::string port = argument.substr(last + 1);
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  const bool digits = !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == std::string::npos;
+  if (host.empty() || !digits || std::stoi(port) < 1 || std::stoi(port) > 65535) throw bad_usage(form);
+  return std::make_unique<FociLink>(connect_udp(host, port), setting);
+}
+
+}  // namespace palpa::session

@@ -1,0 +1,24 @@
+// The stream of foci: lets any other array's SDK, a game engine or a script be driven by palpa.
+//
+// One UDP datagram per frame, one JSON object and a newline:
+//   {"time_s": 12.5, "fingers": [{"id": 0, "solid": "cube", "foci_m": [[x,y,z], ...], "order": [0,3,6,...], "dwell_s":
+//   0.0015,
+//    "modulation_hz": 0}]}
+// Positions are in the world. No fingers mean silence; that is also sent when foci expire and, last of all, at the end.
+// `time_s` is the frame's capture time on the source's clock.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "session/link.hpp"
+
+namespace palpa::session {
+
+/// Link "foci:udp:HOST:PORT". Throws bad_usage for another form, failure() for a host that does not resolve.
+std::unique_ptr<Link> open_foci_link(const std::string& argument, const LinkSetting& setting);
+
+/// The line without its newline. Appends to `out`, which keeps its storage.
+void write_foci_line(const array::Schedule& schedule, std::span<const std::string> solid_names, std::string& out);
+
+}  // namespace palpa::session

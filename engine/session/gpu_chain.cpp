@@ -1,0 +1,159 @@
+// The chain on the device. A frame takes two submits: depth to foci, then, once the host has made the schedule, foci to
+// drives. The hop over the host costs a fraction of a millisecond and keeps schedules, methods and solvers in plain
+// C++.
+#include <array>
+#include <cstring>
+
+#include "array/drive_pass.hpp"
+#include "gpu/barrier.hpp"
+#include "gpu/commands.hpp"
+#include "sensing/skin.hpp"
+#include "session/chain.hpp"
+#include "touch/chain.hpp"
+
+namespace palpa::session {
+namespace {
+
+constexpr std::size_t flights = 2;
+
+/// Everything that one frame in flight writes to.
+struct Flight {
+  gpu::Upload depth;
+  sensing::SkinMemory skin;
+  touch::TouchBuffers touch_buffers;
+  array::DriveBuffers drive_buffers;
+  gpu::Recorder touch_recorder, drive_recorder;
+  gpu::Timestamps touch_times, drive_times;
+  touch::Touch touch;
+  array::Schedule schedule;
+
+  enum class State { idle, touching, driving } state = State::idle;
+  std::uint64_t submitted = 0;
+  Plan plan;
+  FrameReport report;
+
+  Flight(const gpu::Device& device, const ChainSetting& setting, const sensing::RayTables& tables)
+      : depth(device, sensing::packed_bytes(tables), "depth frames"),
+        skin(device, tables),
+        touch_buffers(device, {.points = static_cast<std::uint32_t>(tables.pixels)}),
+        drive_buffers(device, setting.layout, setting.drive.medium, most_cycle, most_cycle * touch::max_fingers),
+        touch_recorder(device, "touch"),
+        drive_recorder(device, "drives"),
+        touch_times(device, 16),
+        drive_times(device, 4) {}
+};
+
+class GpuChain : public Chain {
+ public:
+  GpuChain(const gpu::Device& device, const ChainSetting& setting)
+      : setting_(setting),
+        box_(touchable_box(setting.solids)),
+        tables_(sensing::make_rays(setting.cameras)),
+        rays_(sensing::upload_rays(device, tables_)),
+        skin_pass_(device),
+        touch_passes_(device),
+        drives_pass_(device),
+        solids_(device, setting.solids),
+        flights_{Flight(device, setting, tables_), Flight(device, setting, tables_)},
+        timeline_(device, "frames") {}
+
+  bool can_start() const override { return started_ - finished_ < flights; }
+  bool busy() const override { return started_ != finished_; }
+
+  void start(const sensing::FrameSet& frame, double captured_s, double now_s) override {
+    Flight& flight = flights_[started_ % flights];
+    sensing::pack_depth(tables_, frame.frames, flight.depth.as<std::uint16_t>());
+    sensing::plan_views(setting_.cameras, tables_, box_, views_);
+
+    const VkCommandBuffer commands = flight.touch_recorder.begin();
+    flight.touch_times.begin(commands);
+    flight.depth.record(commands);
+    const sensing::SkinBuffers buffers = flight.skin.with(flight.depth.ref(), rays_.ref());
+    skin_pass_.record(commands, buffers, tables_, box_, views_, &flight.touch_times);
+    gpu::compute_to_compute(commands);
+    touch_passes_.record(commands, solids_, flight.touch_buffers, buffers.points, buffers.total, setting_.touch,
+                         &flight.touch_times);
+    flight.submitted = timeline_.submit(flight.touch_recorder.end());
+    flight.state = Flight::State::touching;
+    flight.plan.captured_s = captured_s;
+    flight.report = {frame.sequence, frame.time_s, &flight.touch, {}, now_s, 0};
+    ++started_;
+  }
+
+  bool step(Plan& plan, FrameReport& report) override {
+    Flight& flight = flights_[finished_ % flights];
+    if (flight.state == Flight::State::touching) {
+      timeline_.wait(flight.submitted);
+      begin_drives(flight);
+      return false;
+    }
+    finish(flight, plan);
+    report = flight.report;
+    report.passes = passes_;
+    flight.state = Flight::State::idle;
+    ++finished_;
+    return true;
+  }
+
+ private:
+  void begin_drives(Flight& flight) {
+    touch::read(flight.touch_buffers, flight.touch);
+    make_schedule(flight.touch, flight.report.time_s, setting_, flight.plan.schedule);
+    flight.drive_buffers.clear();
+    plan_slots(flight.plan, unmodulated_, foci_,
+               [&](std::span<const array::SlotFocus> foci) { flight.drive_buffers.add_slot(foci); });
+    flight.submitted = 0;
+    if (flight.plan.cycle != 0) {
+      const VkCommandBuffer commands = flight.drive_recorder.begin();
+      flight.drive_times.begin(commands);
+      flight.drive_buffers.record(commands, drives_pass_, setting_.drive.weighting, setting_.drive.constraint);
+      flight.drive_times.mark(commands, "drives");
+      flight.submitted = timeline_.submit(flight.drive_recorder.end());
+    }
+    flight.state = Flight::State::driving;
+  }
+
+  void finish(Flight& flight, Plan& plan) {
+    flight.touch_times.read(passes_);
+    const std::size_t transducers = setting_.layout.transducers.size();
+    plan.schedule = flight.plan.schedule;
+    plan.captured_s = flight.plan.captured_s;
+    plan.cycle = flight.plan.cycle;
+    plan.shared_modulation_hz = flight.plan.shared_modulation_hz;
+    plan.drives.resize(plan.cycle * transducers);
+    if (flight.submitted == 0) return;
+    timeline_.wait(flight.submitted);
+    for (std::uint32_t slot = 0; slot < plan.cycle; ++slot) {
+      const auto drive = flight.drive_buffers.drive(slot);
+      std::memcpy(plan.drives.data() + slot * transducers, drive.data(), drive.size_bytes());
+    }
+    flight.drive_times.read(drive_passes_);
+    passes_.insert(passes_.end(), drive_passes_.begin(), drive_passes_.end());
+  }
+
+  ChainSetting setting_;
+  Box box_;
+  sensing::RayTables tables_;
+  gpu::Buffer rays_;
+  sensing::SkinPass skin_pass_;
+  touch::TouchPasses touch_passes_;
+  array::DrivesPass drives_pass_;
+  touch::SolidTable solids_;
+  std::array<Flight, flights> flights_;
+  gpu::Timeline timeline_;
+  std::uint64_t started_ = 0, finished_ = 0;
+
+  // Scratch that keeps its storage.
+  std::vector<sensing::View> views_;
+  std::vector<array::SlotFocus> foci_;
+  array::Schedule unmodulated_;
+  std::vector<gpu::PassTime> passes_, drive_passes_;
+};
+
+}  // namespace
+
+std::unique_ptr<Chain> make_gpu_chain(const gpu::Device& device, const ChainSetting& setting) {
+  return std::make_unique<GpuChain>(device, setting);
+}
+
+}  // namespace palpa::session

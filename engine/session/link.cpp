@@ -1,0 +1,41 @@
+#include "session/link.hpp"
+
+#include "base/error.hpp"
+#include "session/foci_link.hpp"
+#include "session/record_link.hpp"
+
+namespace palpa::session {
+namespace {
+
+/// Takes everything and does nothing: the loop without an array.
+class NullLink : public Link {
+ public:
+  void foci(const array::Schedule&) override {}
+  void send(std::uint64_t, std::span<const array::TransducerDrive>) override {}
+};
+
+}  // namespace
+
+std::vector<LinkKind> builtin_links() {
+  return {{"null", "null: drives go nowhere",
+           [](const std::string& argument, const LinkSetting&) -> std::unique_ptr<Link> {
+             if (!argument.empty()) throw bad_usage("link null takes no argument, not '" + argument + "'");
+             return std::make_unique<NullLink>();
+           }},
+          {"record", "record:FILE: every drive into a file", open_record_link},
+          {"foci", "foci:udp:HOST:PORT: one JSON line per frame with the foci", open_foci_link}};
+}
+
+std::unique_ptr<Link> open_link(const std::string& spec, std::span<const LinkKind> kinds, const LinkSetting& setting) {
+  const std::size_t colon = spec.find(':');
+  const std::string name = spec.substr(0, colon);
+  const std::string argument = colon == std::string::npos ? "" : spec.substr(colon + 1);
+  std::string known;
+  for (const LinkKind& kind : kinds) {
+    if (kind.name == name) return kind.open(argument, setting);
+    known += (known.empty() ? "" : "; ") + kind.help;
+  }
+  throw bad_usage("there is no link '" + name + "'; known are " + known);
+}
+
+}  // namespace palpa::session

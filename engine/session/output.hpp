@@ -1,0 +1,35 @@
+// The output thread's work: a drive for every slot, on time, whatever the frames do; silence before everything else.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "array/drive.hpp"
+#include "session/chain.hpp"
+#include "session/clock.hpp"
+#include "session/link.hpp"
+#include "session/newest.hpp"
+#include "session/stats.hpp"
+
+namespace palpa::session {
+
+struct OutputSetting {
+  const array::Layout& layout;
+  array::DriveOptions drive;
+  double slot_s = 1.5e-3;
+  double hold_s = 0.1;  ///< a plan sounds at most that long after its frame's capture
+};
+
+/// Plays the newest plan until `stop`, then silence: an all-zero drive is the last thing that `link` gets, also when
+/// the link or anything else throws (the error is passed on afterwards). The slot counter starts at 0 and never
+/// restarts; slots that the thread overslept by a whole slot are left out.
+void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock,
+          const std::atomic<bool>& stop, OutputStats& stats);
+
+/// The drive of one slot, into `scratch` where it has to be computed: plan's drive, its modulation, or all zero where
+/// the plan has expired at `now_s` or touches nothing.
+std::span<const array::TransducerDrive> drive_of_slot(const Plan& plan, std::uint64_t slot, double now_s,
+                                                      const OutputSetting& setting, array::Drive& scratch,
+                                                      std::vector<array::SlotFocus>& foci);
+
+}  // namespace palpa::session

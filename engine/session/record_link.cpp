@@ -1,0 +1,103 @@
+#include "session/record_link.hpp"
+
+#include <fmt/core.h>
+
+#include <bit>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace palpa::session {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the file format is written as memory lies");
+static_assert(sizeof(array::TransducerDrive) == 8);
+
+constexpr char magic[8] = {'p', 'a', 'l', 'p', 'a', 'd', 'r', 'v'};
+constexpr std::uint32_t version = 1;
+
+struct Header {
+  char magic[8];
+  std::uint32_t version;
+  std::uint32_t transducers;
+  double slot_s;
+};
+static_assert(sizeof(Header) == 24);
+
+class RecordLink : public Link {
+ public:
+  RecordLink(const std::string& file, const LinkSetting& setting) : name_(file), file_(std::fopen(file.c_str(), "wb")) {
+    if (!file_) throw failure(fmt::format("{}: cannot be written: {}", name_, std::strerror(errno)));
+    Header header{{}, version, static_cast<std::uint32_t>(setting.layout.transducers.size()), setting.slot_s};
+    std::memcpy(header.magic, magic, sizeof(magic));
+    write(&header, sizeof(header));
+  }
+  ~RecordLink() override {
+    if (file_) std::fclose(file_);
+  }
+  RecordLink(const RecordLink&) = delete;
+  RecordLink& operator=(const RecordLink&) = delete;
+
+  void foci(const array::Schedule&) override {}
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+    write(&slot, sizeof(slot));
+    write(drive.data(), drive.size_bytes());
+  }
+  void finish() override {
+    std::FILE* file = std::exchange(file_, nullptr);
+    if (file && std::fclose(file) != 0) fail();
+  }
+
+ private:
+  void write(const void* data, std::size_t bytes) {
+    if (std::fwrite(data, 1, bytes, file_) != bytes) fail();
+  }
+  [[noreturn]] void fail() const {
+    throw failure(fmt::format("{}: cannot be written: {}", name_, std::strerror(errno)));
+  }
+
+  std::string name_;
+  std::FILE* file_;
+};
+
+}  // namespace
+
+std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting) {
+  if (file.empty()) throw bad_usage("link record needs a file: record:FILE");
+  return std::make_unique<RecordLink>(file, setting);
+}
+
+DriveRecording read_drive_recording(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw bad_input(file.string(), "cannot be read");
+  Header header{};
+  if (!in.read(reinterpret_cast<char*>(&header), sizeof(header)) ||
+      std::memcmp(header.magic, magic, sizeof(magic)) != 0) {
+    throw bad_input(file.string(), "is no recording of drives (it should begin with 'palpadrv')");
+  }
+  if (header.version != version) {
+    throw bad_input(file.string(), fmt::format("has version {}, this palpa reads version {}", header.version, version));
+  }
+  if (header.transducers > 65536) {
+    throw bad_input(file.string(),
+                    fmt::format("claims {} transducers, at most 65536 are possible", header.transducers));
+  }
+  DriveRecording recording{header.slot_s, header.transducers, {}};
+  RecordedDrive record;
+  record.drive.resize(header.transducers);
+  while (in.read(reinterpret_cast<char*>(&record.slot), sizeof(record.slot))) {
+    const auto bytes = static_cast<std::streamsize>(record.drive.size() * sizeof(array::TransducerDrive));
+    if (!in.read(reinterpret_cast<char*>(record.drive.data()), bytes)) break;
+    recording.drives.push_back(record);
+  }
+  if (in.gcount() != 0) {
+    throw bad_input(file.string(), fmt::format("is cut off in the middle of drive {}", recording.drives.size()));
+  }
+  return recording;
+}
+
+}  // namespace palpa::session

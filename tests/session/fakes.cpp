@@ -1,0 +1,80 @@
+#include "fakes.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+namespace palpa::session::test {
+
+array::Layout small_layout() {
+  array::Layout layout;
+  layout.name = "small";
+  for (int i = 0; i < 16; ++i)
+    layout.transducers.push_back({Vec3(0.01 * i, 0, 0), Vec3(0, 1, 0)});
+  return layout;
+}
+
+array::Schedule touching(const Vec3& centre, double modulation_hz) {
+  array::Schedule schedule;
+  array::Voice& voice = schedule.add_voice();
+  voice.foci.clear();
+  for (int i = 0; i < 10; ++i) {
+    const double angle = 0.628318 * i;
+    voice.foci.push_back(centre + Vec3(0.004 * std::cos(angle), 0, 0.004 * std::sin(angle)));
+  }
+  voice.order = array::fill_order(10, 3);
+  voice.modulation_hz = modulation_hz;
+  return schedule;
+}
+
+bool FakeSource::next(sensing::FrameSet& out, double) {
+  if (given == count) return false;
+  if (before) before(given);
+  std::this_thread::sleep_for(std::chrono::duration<double>(period_s));
+  out.frames.resize(1);
+  out.frames[0].depth.assign(4, 500);
+  out.sequence = given;
+  out.time_s = 100.0 + std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  ++given;
+  return true;
+}
+
+void FakeChain::start(const sensing::FrameSet& frame, double captured, double now_s) {
+  captured_s = captured;
+  current = {frame.sequence, frame.time_s, &touch, {}, now_s, 0};
+  under_way = true;
+}
+
+bool FakeChain::step(Plan& plan, FrameReport& report) {
+  if (before) before(current.sequence);
+  seen.push_back(current.sequence);
+  touch.finger_count = fingers(current.sequence);
+  plan.schedule = touch.finger_count ? touching(Vec3(0, 0.15, 0)) : array::Schedule();
+  plan.captured_s = captured_s;
+  plan.drives.clear();
+  array::Schedule unmodulated;
+  std::vector<array::SlotFocus> foci;
+  plan_slots(plan, unmodulated, foci, [&](std::span<const array::SlotFocus> slot_foci) {
+    plan.drives.resize(plan.drives.size() + layout.transducers.size());
+    array::drive_for(layout, slot_foci, {}, std::span(plan.drives).last(layout.transducers.size()));
+  });
+  report = current;
+  under_way = false;
+  return true;
+}
+
+void SpyLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
+  float loud = 0;
+  for (const array::TransducerDrive& transducer : drive)
+    loud = std::max(loud, transducer.amplitude);
+  if (slots.size() >= fail_at && (broken || slots.size() == fail_at)) {
+    slots.push_back(slot);
+    loudest.push_back(broken ? loud : -1.0f);
+    throw failure("spy: the link broke");
+  }
+  slots.push_back(slot);
+  loudest.push_back(loud);
+}
+
+}  // namespace palpa::session::test

@@ -1,0 +1,62 @@
+// A source, a chain and a link that do as the test says.
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <vector>
+
+#include "base/error.hpp"
+#include "sensing/depth_source.hpp"
+#include "session/chain.hpp"
+#include "session/link.hpp"
+
+namespace palpa::session::test {
+
+array::Layout small_layout();
+/// One finger, ten foci on a circle about `centre`.
+array::Schedule touching(const Vec3& centre, double modulation_hz = 0);
+
+struct FakeSource : sensing::DepthSource {
+  std::vector<sensing::Camera> rig{sensing::Camera{.name = "fake", .width = 2, .height = 2, .fx = 1, .fy = 1}};
+  std::uint64_t count = 10;  ///< frames until the end
+  double period_s = 0.002;
+  std::function<void(std::uint64_t)> before;  ///< called before frame n; may sleep or throw
+  std::uint64_t given = 0;
+
+  const std::vector<sensing::Camera>& cameras() const override { return rig; }
+  bool next(sensing::FrameSet& out, double timeout_s) override;
+};
+
+/// Every frame touches (or not, as `fingers` says); plans are made at once.
+struct FakeChain : Chain {
+  array::Layout layout = small_layout();
+  std::function<std::uint32_t(std::uint64_t)> fingers = [](std::uint64_t) { return 1u; };
+  std::function<void(std::uint64_t)> before;  ///< called in step; may sleep or throw
+  std::vector<std::uint64_t> seen;
+  bool under_way = false;
+  FrameReport current;
+  double captured_s = 0;
+  touch::Touch touch;
+
+  bool can_start() const override { return !under_way; }
+  bool busy() const override { return under_way; }
+  void start(const sensing::FrameSet& frame, double captured, double now_s) override;
+  bool step(Plan& plan, FrameReport& report) override;
+};
+
+/// Remembers what it was sent.
+struct SpyLink : Link {
+  std::vector<std::uint64_t> slots;
+  std::vector<float> loudest;  ///< largest amplitude of each drive
+  std::vector<std::uint32_t> voices;
+  bool finished = false;
+  std::uint64_t fail_at = ~0ull;  ///< throws in the n-th send, and in every later one while `broken`
+  bool broken = false;
+
+  void foci(const array::Schedule& schedule) override { voices.push_back(schedule.voice_count); }
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override;
+  void finish() override { finished = true; }
+  bool ended_silent() const { return !loudest.empty() && loudest.back() == 0.0f; }
+};
+
+}  // namespace palpa::session::test

@@ -1,0 +1,196 @@
+// The three threads together, with frames, plans and links of the test's making.
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <thread>
+
+#include "fakes.hpp"
+#include "session/loop.hpp"
+
+namespace palpa::session {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Loop {
+  test::FakeSource source;
+  test::FakeChain chain;
+  test::SpyLink link;
+  LoopSetting setting{{chain.layout, {}, 1.5e-3, 0.1}, 0, false};
+  std::atomic<bool> stop{false};
+  LoopStats stats;
+  LoopObservers observers;
+
+  void run() { run_loop(source, chain, link, setting, stop, observers, stats); }
+  std::string fault() {
+    try {
+      run();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  }
+};
+
+TEST(Loop, RunsToTheEndOfItsSourceAndEndsSilent) {
+  Loop loop;
+  loop.source.count = 30;
+  loop.run();
+  EXPECT_EQ(loop.stats.captured, 30u);
+  EXPECT_EQ(loop.stats.planned + loop.stats.replaced, 30u);
+  EXPECT_EQ(loop.stats.touching, loop.stats.planned);
+  EXPECT_GT(*std::max_element(loop.link.loudest.begin(), loop.link.loudest.end()), 0.9f);
+  EXPECT_TRUE(loop.link.ended_silent());
+  EXPECT_EQ(loop.stats.output.drives + 1, loop.link.slots.size());
+}
+
+TEST(Loop, StopsAfterTheFramesAskedFor) {
+  Loop loop;
+  loop.source.count = 1'000'000;
+  loop.setting.frames = 7;
+  loop.run();
+  EXPECT_EQ(loop.stats.captured, 7u);
+}
+
+TEST(Loop, LooksAtEveryFrameWhenAsked) {
+  Loop loop;
+  loop.source.count = 25;
+  loop.source.period_s = 0;
+  loop.setting.every_frame = true;
+  loop.chain.before = [](std::uint64_t) { std::this_thread::sleep_for(1ms); };
+  loop.run();
+  std::vector<std::uint64_t> all(25);
+  std::iota(all.begin(), all.end(), 0);
+  EXPECT_EQ(loop.chain.seen, all);
+}
+
+TEST(Loop, TheNewestFrameWinsWhenComputeIsSlow) {
+  Loop loop;
+  loop.source.count = 60;
+  loop.source.period_s = 0.001;
+  loop.chain.before = [](std::uint64_t) { std::this_thread::sleep_for(20ms); };
+  loop.run();
+  EXPECT_GT(loop.stats.replaced, 10u);
+  EXPECT_TRUE(std::is_sorted(loop.chain.seen.begin(), loop.chain.seen.end()));
+  EXPECT_EQ(loop.chain.seen.back(), 59u) << "the last frame is the newest";
+}
+
+TEST(Loop, DrivesLeaveWhileAFrameIsLate) {
+  Loop loop;
+  loop.source.count = 3;
+  loop.setting.output.hold_s = 1.0;
+  std::atomic<bool> late{false};
+  loop.chain.before = [&](std::uint64_t frame) {
+    if (frame != 2) return;
+    late = true;
+    std::this_thread::sleep_for(200ms);
+  };
+  loop.run();
+  ASSERT_TRUE(late);
+  // 200 ms are 133 slots; a loaded machine may skip some, but the loop must not have waited.
+  EXPECT_GT(loop.stats.output.drives - loop.stats.output.silent_drives, 40u);
+}
+
+TEST(Loop, FallsSilentWhenFramesStopComing) {
+  Loop loop;
+  loop.source.count = 4;
+  loop.setting.output.hold_s = 0.03;
+  loop.source.before = [](std::uint64_t frame) {
+    if (frame == 3) std::this_thread::sleep_for(200ms);
+  };
+  loop.run();
+  // Sound, then silence, then sound again.
+  int changes = 0;
+  for (std::size_t i = 1; i < loop.link.loudest.size(); ++i) {
+    changes += (loop.link.loudest[i] > 0) != (loop.link.loudest[i - 1] > 0) ? 1 : 0;
+  }
+  EXPECT_GE(changes, 3);
+  EXPECT_NE(std::count(loop.link.voices.begin(), loop.link.voices.end(), 0u), 0);
+}
+
+TEST(Loop, FallsSilentWhenTheHandLeaves) {
+  Loop loop;
+  loop.source.count = 60;
+  loop.setting.output.hold_s = 10;
+  loop.chain.fingers = [](std::uint64_t frame) { return frame < 20 ? 1u : 0u; };
+  loop.setting.every_frame = true;
+  loop.stop = false;
+  std::size_t silent_from = 0;
+  loop.observers.planned = [&](const FrameReport& report, const Plan& plan) {
+    if (report.sequence == 20) silent_from = plan.schedule.voice_count;
+    if (report.sequence == 59) loop.stop = true;
+  };
+  loop.run();
+  EXPECT_EQ(silent_from, 0u);
+  const auto loud = std::find_if(loop.link.loudest.rbegin(), loop.link.loudest.rend(), [](float a) { return a > 0; });
+  EXPECT_GT(std::distance(loop.link.loudest.rbegin(), loud), 5) << "the hold must not keep a hand that has left";
+}
+
+TEST(Loop, AnErrorOfTheSourceEndsInSilenceAndIsReported) {
+  Loop loop;
+  loop.source.before = [](std::uint64_t frame) {
+    if (frame == 5) throw failure("camera: unplugged");
+  };
+  EXPECT_EQ(loop.fault(), "camera: unplugged");
+  EXPECT_TRUE(loop.link.ended_silent());
+}
+
+TEST(Loop, AnErrorOfTheChainEndsInSilenceAndIsReported) {
+  Loop loop;
+  loop.source.count = 1'000'000;
+  loop.chain.before = [](std::uint64_t frame) {
+    if (frame >= 5) throw failure("the GPU was lost");
+  };
+  EXPECT_EQ(loop.fault(), "the GPU was lost");
+  EXPECT_TRUE(loop.link.ended_silent());
+}
+
+TEST(Loop, ABrokenLinkEndsTheLoopAndIsReported) {
+  Loop loop;
+  loop.source.count = 1'000'000;
+  loop.link.fail_at = 20;
+  EXPECT_EQ(loop.fault(), "spy: the link broke");
+  EXPECT_TRUE(loop.link.ended_silent());
+}
+
+TEST(Loop, AnErrorOfAnObserverIsReportedToo) {
+  Loop loop;
+  loop.observers.captured = [](const sensing::FrameSet& set) {
+    if (set.sequence == 3) throw failure("recording: no space left on device");
+  };
+  EXPECT_EQ(loop.fault(), "recording: no space left on device");
+  EXPECT_TRUE(loop.link.ended_silent());
+}
+
+TEST(Loop, StopsWhenTold) {
+  Loop loop;
+  loop.source.count = 1'000'000;
+  std::thread stopper([&] {
+    std::this_thread::sleep_for(50ms);
+    loop.stop = true;
+  });
+  loop.run();
+  stopper.join();
+  EXPECT_TRUE(loop.link.ended_silent());
+  EXPECT_LT(loop.source.given, 1'000'000u);
+}
+
+TEST(Stats, QuantilesAndJson) {
+  Samples samples;
+  for (int i = 100; i >= 0; --i)
+    samples.add(i);
+  EXPECT_EQ(samples.quantile(0.5), 50.0);
+  EXPECT_EQ(samples.quantile(0.99), 99.0);
+  EXPECT_EQ(samples.quantile(1.0), 100.0);
+  EXPECT_EQ(Samples().quantile(0.5), 0.0);
+  LoopStats stats;
+  const gpu::PassTime times[]{{"skin", 1.0}, {"contacts", 2.0}};
+  stats.add_passes(times);
+  stats.add_passes(times);
+  ASSERT_EQ(stats.passes.size(), 2u);
+  EXPECT_EQ(stats.passes[1].ms.count(), 2u);
+  EXPECT_NE(to_json(stats).find("\"contacts\":{\"count\":2,\"median\":2,"), std::string::npos) << to_json(stats);
+}
+
+}  // namespace
+}  // namespace palpa::session

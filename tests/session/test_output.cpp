@@ -1,0 +1,170 @@
+// What the output thread sends when.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "fakes.hpp"
+#include "session/output.hpp"
+
+namespace palpa::session {
+namespace {
+
+struct Output {
+  array::Layout layout = test::small_layout();
+  OutputSetting setting{layout, {}, 1.5e-3, 0.1};
+
+  Plan plan_of(array::Schedule schedule, double captured_s = 0) {
+    Plan plan;
+    plan.schedule = std::move(schedule);
+    plan.captured_s = captured_s;
+    array::Schedule unmodulated;
+    std::vector<array::SlotFocus> foci;
+    plan_slots(plan, unmodulated, foci, [&](std::span<const array::SlotFocus> slot_foci) {
+      plan.drives.resize(plan.drives.size() + layout.transducers.size());
+      array::drive_for(layout, slot_foci, {}, std::span(plan.drives).last(layout.transducers.size()));
+    });
+    return plan;
+  }
+  array::Drive slot(const Plan& plan, std::uint64_t number, double now_s) {
+    array::Drive scratch;
+    std::vector<array::SlotFocus> foci;
+    const auto drive = drive_of_slot(plan, number, now_s, setting, scratch, foci);
+    return {drive.begin(), drive.end()};
+  }
+};
+
+float loudest(const array::Drive& drive) {
+  float loud = 0;
+  for (const auto& transducer : drive)
+    loud = std::max(loud, transducer.amplitude);
+  return loud;
+}
+
+bool same(const array::Drive& a, const array::Drive& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i].amplitude != b[i].amplitude || a[i].phase != b[i].phase) return false;
+  }
+  return a.size() == b.size();
+}
+
+TEST(Output, PlaysTheOrderOfTheSlotCounterNotOfTheFrame) {
+  Output out;
+  const Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)));
+  ASSERT_EQ(plan.cycle, 10u);
+  const auto order = array::fill_order(10, 3);
+  for (const std::uint64_t slot : {0ull, 7ull, 8ull, 12345ull}) {
+    const std::vector<array::SlotFocus> focus{{plan.schedule.voices[0].foci[order[slot % 10]], 1.0f}};
+    array::Drive expected(out.layout.transducers.size());
+    array::drive_for(out.layout, focus, {}, expected);
+    EXPECT_TRUE(same(out.slot(plan, slot, 0.0), expected)) << slot;
+  }
+}
+
+TEST(Output, ExpiresAfterTheHold) {
+  Output out;
+  const Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 5.0);
+  EXPECT_EQ(loudest(out.slot(plan, 0, 5.099)), 1.0f);
+  EXPECT_EQ(loudest(out.slot(plan, 0, 5.1)), 0.0f);
+}
+
+TEST(Output, NothingTouchedIsSilence) {
+  Output out;
+  const Plan plan = out.plan_of(array::Schedule());
+  EXPECT_EQ(out.slot(plan, 3, 0).size(), out.layout.transducers.size());
+  EXPECT_EQ(loudest(out.slot(plan, 3, 0)), 0.0f);
+}
+
+TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
+  Output out;
+  const Plan plain = out.plan_of(test::touching(Vec3(0, 0.15, 0)));
+  const Plan modulated = out.plan_of(test::touching(Vec3(0, 0.15, 0), 200));
+  EXPECT_EQ(modulated.shared_modulation_hz, 200.0);
+  float least = 1, most = 0;
+  for (std::uint64_t slot = 0; slot < 20; ++slot) {
+    const auto a = out.slot(plain, slot, 0), b = out.slot(modulated, slot, 0);
+    const double expected = (1 + std::sin(2 * M_PI * 200 * (static_cast<double>(slot) + 0.5) * 1.5e-3)) / 2;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      EXPECT_NEAR(b[i].amplitude, a[i].amplitude * expected, 1e-6);
+      EXPECT_EQ(b[i].phase, a[i].phase);
+    }
+    least = std::min(least, loudest(b));
+    most = std::max(most, loudest(b));
+  }
+  EXPECT_LT(least, 0.1f);
+  EXPECT_GT(most, 0.9f);
+}
+
+TEST(Output, FingersThatDifferInModulationAreSummedPerSlot) {
+  Output out;
+  array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
+  array::Voice& second = schedule.add_voice();
+  second = test::touching(Vec3(0.06, 0.15, 0.02), 200).voices[0];
+  const Plan plan = out.plan_of(schedule);
+  EXPECT_EQ(plan.shared_modulation_hz, 0.0);
+  ASSERT_EQ(plan.cycle, 10u) << "200 Hz repeats after ten slots of 1.5 ms";
+  for (const std::uint64_t slot : {0ull, 4ull, 13ull}) {
+    std::vector<array::SlotFocus> foci;
+    array::foci_of_slot(schedule, slot, foci);
+    array::Drive expected(out.layout.transducers.size());
+    array::drive_for(out.layout, foci, {}, expected);
+    EXPECT_TRUE(same(out.slot(plan, slot, 0), expected)) << slot;
+  }
+}
+
+TEST(Output, AScheduleWithoutAShortCycleIsComputedSlotBySlot) {
+  Output out;
+  array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
+  schedule.add_voice() = test::touching(Vec3(0.06, 0.15, 0.02), 199.37).voices[0];
+  const Plan plan = out.plan_of(schedule);
+  EXPECT_EQ(plan.cycle, 0u);
+  std::vector<array::SlotFocus> foci;
+  array::foci_of_slot(schedule, 777, foci);
+  array::Drive expected(out.layout.transducers.size());
+  array::drive_for(out.layout, foci, {}, expected);
+  EXPECT_TRUE(same(out.slot(plan, 777, 0), expected));
+}
+
+TEST(Output, SendsSilenceLastWhenStopped) {
+  Output out;
+  test::SpyLink link;
+  Newest<Plan> plans;
+  const Clock clock;
+  plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 0.0);
+  plans.publish();
+  std::atomic<bool> stop{false};
+  OutputStats stats;
+  std::thread stopper([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    stop = true;
+  });
+  play(link, plans, out.setting, clock, stop, stats);
+  stopper.join();
+  ASSERT_GT(link.slots.size(), 3u);
+  EXPECT_GT(*std::max_element(link.loudest.begin(), link.loudest.end()), 0.9f);
+  EXPECT_TRUE(link.ended_silent());
+  EXPECT_EQ(link.voices.back(), 0u);
+  EXPECT_TRUE(link.finished);
+  EXPECT_TRUE(std::is_sorted(link.slots.begin(), link.slots.end()));
+  EXPECT_EQ(std::adjacent_find(link.slots.begin(), link.slots.end()), link.slots.end()) << "a slot was sent twice";
+}
+
+TEST(Output, SendsSilenceLastWhenTheLinkBreaks) {
+  for (const bool broken : {false, true}) {
+    Output out;
+    test::SpyLink link;
+    link.fail_at = 5;
+    link.broken = broken;
+    Newest<Plan> plans;
+    plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 1e9);
+    plans.publish();
+    std::atomic<bool> stop{false};
+    OutputStats stats;
+    EXPECT_THROW(play(link, plans, out.setting, Clock(), stop, stats), Error);
+    EXPECT_TRUE(link.ended_silent()) << "broken " << broken;
+    EXPECT_TRUE(link.finished);
+  }
+}
+
+}  // namespace
+}  // namespace palpa::session
