@@ -9,13 +9,14 @@ namespace palpa {
 /// What a program returns to the shell.
 enum class Exit : int {
   ok = 0,
-  failed = 1,      ///< a run-time failure: lost device, full disk, closed pipe
-  usage = 2,       ///< unusable arguments
-  no_device = 3,   ///< no usable Vulkan device or display
-  bad_input = 4,   ///< a missing, broken or absurd file
+  failed = 1,     ///< a run-time failure: lost device, full disk, closed pipe
+  usage = 2,      ///< unusable arguments
+  no_device = 3,  ///< no usable Vulkan device or display
+  bad_input = 4,  ///< a missing, broken or absurd file
 };
 
-/// `what()` is one line that names what is wrong, where, and what would be right; it ends without a full stop or newline.
+/// `what()` is one line that names what is wrong, where, and what would be right; it ends without a full stop or
+/// newline.
 class Error : public std::runtime_error {
  public:
   Error(Exit code, const std::string& line) : std::runtime_error(line), code_(code) {}

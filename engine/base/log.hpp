@@ -19,4 +19,12 @@ void warning(std::string_view line);
 void info(std::string_view line);
 void debug(std::string_view line);
 
+/// From now on warnings are kept instead of written: a program that turns out to fail says only why, one that succeeds
+/// releases them. Long work releases them before it begins.
+void hold_warnings();
+/// Writes what was kept, in order, and ends keeping.
+void release_warnings();
+/// Forgets what was kept and ends keeping.
+void drop_warnings();
+
 }  // namespace palpa::log

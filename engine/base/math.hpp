@@ -15,7 +15,9 @@ using Vec4 = glm::dvec4;
 /// A rigid or affine map named T_a_b: takes coordinates in frame b to frame a. GLM stores columns; files write rows.
 using Transform = glm::dmat4;
 
-inline Vec3 transform_point(const Transform& T_a_b, const Vec3& point_b) { return Vec3(T_a_b * Vec4(point_b, 1.0)); }
+inline Vec3 transform_point(const Transform& T_a_b, const Vec3& point_b) {
+  return Vec3(T_a_b * Vec4(point_b, 1.0));
+}
 inline Vec3 transform_direction(const Transform& T_a_b, const Vec3& direction_b) {
   return Vec3(T_a_b * Vec4(direction_b, 0.0));
 }

@@ -38,7 +38,8 @@ void transfer_to_use(VkCommandBuffer commands) {
 }
 
 void writes_to_transfer(VkCommandBuffer commands) {
-  barrier(commands, compute | indirect | transfer, shader_write | VK_ACCESS_2_TRANSFER_WRITE_BIT, transfer, transfer_any);
+  barrier(commands, compute | indirect | transfer, shader_write | VK_ACCESS_2_TRANSFER_WRITE_BIT, transfer,
+          transfer_any);
 }
 
 void writes_to_host(VkCommandBuffer commands) {

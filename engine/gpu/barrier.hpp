@@ -1,5 +1,5 @@
-// The few barriers that the engine's passes need, by name. Global memory barriers: with a handful of dispatches per frame a
-// per-buffer barrier would tell the driver nothing more.
+// The few barriers that the engine's passes need, by name. Global memory barriers: with a handful of dispatches per
+// frame a per-buffer barrier would tell the driver nothing more.
 #pragma once
 
 #include <volk.h>

@@ -35,8 +35,8 @@ class Buffer {
          VkMemoryPropertyFlags preferred);
   std::byte* map(const Device& device) const;
 
-  // Destroyed in reverse: the buffer before its memory. One allocation per buffer: the engine keeps a few dozen long-lived
-  // buffers, far below any driver's limit of allocations.
+  // Destroyed in reverse: the buffer before its memory. One allocation per buffer: the engine keeps a few dozen
+  // long-lived buffers, far below any driver's limit of allocations.
   Handle<VkDeviceMemory> memory_;
   Handle<VkBuffer> buffer_;
   VkDeviceSize size_ = 0;

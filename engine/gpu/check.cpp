@@ -11,7 +11,8 @@ namespace palpa::gpu {
 const char* result_name(VkResult result) {
   switch (result) {
 #define PALPA_NAME(name) \
-  case name: return #name
+  case name:             \
+    return #name
     PALPA_NAME(VK_SUCCESS);
     PALPA_NAME(VK_NOT_READY);
     PALPA_NAME(VK_TIMEOUT);
@@ -30,7 +31,8 @@ const char* result_name(VkResult result) {
     PALPA_NAME(VK_ERROR_OUT_OF_DATE_KHR);
     PALPA_NAME(VK_SUBOPTIMAL_KHR);
 #undef PALPA_NAME
-    default: return "an unnamed VkResult";
+    default:
+      return "an unnamed VkResult";
   }
 }
 

@@ -72,11 +72,16 @@ std::optional<std::uint32_t> find_queue_family(VkPhysicalDevice physical) {
 
 const char* kind_name(VkPhysicalDeviceType type) {
   switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete";
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated";
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual";
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "cpu";
-    default: return "other";
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "cpu";
+    default:
+      return "other";
   }
 }
 
@@ -145,7 +150,9 @@ std::optional<Validation> parse_validation(const std::string& name) {
   return std::nullopt;
 }
 
-std::uint64_t validation_errors() { return validation_error_count; }
+std::uint64_t validation_errors() {
+  return validation_error_count;
+}
 
 bool validation_layer_present() {
   if (!load_vulkan()) return false;
@@ -191,7 +198,9 @@ Device::Device(const DeviceOptions& options) {
              !options.force_staging.value_or(env_flag("PALPA_FORCE_STAGING"));
 }
 
-Device::~Device() { destroy(); }
+Device::~Device() {
+  destroy();
+}
 
 void Device::destroy() {
   if (device_) vkDestroyDevice(device_, nullptr);
@@ -212,8 +221,9 @@ void Device::create_instance(const DeviceOptions& options) {
   std::vector<VkValidationFeatureEnableEXT> enables;
   if (validation_ != Validation::off) {
     if (!validation_layer_present()) {
-      throw Error(Exit::no_device, "validation was asked for, but VK_LAYER_KHRONOS_validation is not installed: "
-                                   "install vulkan-validationlayers");
+      throw Error(Exit::no_device,
+                  "validation was asked for, but VK_LAYER_KHRONOS_validation is not installed: "
+                  "install vulkan-validationlayers");
     }
     layers.push_back(validation_layer);
     extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);

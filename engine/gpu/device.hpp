@@ -29,7 +29,8 @@ struct DeviceOptions {
   std::string select;
   /// Defaults to the environment's PALPA_VALIDATION, else off.
   std::optional<Validation> validation;
-  /// Copy through staging buffers even where memory is unified, as on a discrete GPU. Defaults to PALPA_FORCE_STAGING=1.
+  /// Copy through staging buffers even where memory is unified, as on a discrete GPU. Defaults to
+  /// PALPA_FORCE_STAGING=1.
   std::optional<bool> force_staging;
   /// Instance extensions a window needs (from GLFW); with any, the device must also offer VK_KHR_swapchain.
   std::vector<const char*> window_extensions;

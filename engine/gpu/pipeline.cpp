@@ -10,7 +10,7 @@ namespace palpa::gpu {
 namespace {
 constexpr std::uint32_t most_buffers = 16;
 constexpr std::uint32_t ring_length = 512;
-}
+}  // namespace
 
 ComputePipeline::ComputePipeline(const Device& device, const char* name, std::span<const std::uint32_t> spirv,
                                  const PipelineLayout& layout)
@@ -105,7 +105,8 @@ void ComputePipeline::bind(VkCommandBuffer commands, std::initializer_list<Buffe
     vkCmdPushDescriptorSetKHR(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, i, writes.data());
   } else {
     const VkDescriptorSet descriptors = ring_[ring_next_++ % ring_.size()];
-    for (std::uint32_t w = 0; w < i; ++w) writes[w].dstSet = descriptors;
+    for (std::uint32_t w = 0; w < i; ++w)
+      writes[w].dstSet = descriptors;
     vkUpdateDescriptorSets(device_, i, writes.data(), 0, nullptr);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, &descriptors, 0, nullptr);
   }

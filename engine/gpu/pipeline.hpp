@@ -34,8 +34,8 @@ class ComputePipeline {
                   const PipelineLayout& layout);
 
   /// `buffers` in binding order; `push` points to exactly push_bytes. At most 65,535 groups per axis.
-  void dispatch(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push, std::uint32_t groups_x,
-                std::uint32_t groups_y = 1, std::uint32_t groups_z = 1) const;
+  void dispatch(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push,
+                std::uint32_t groups_x, std::uint32_t groups_y = 1, std::uint32_t groups_z = 1) const;
   /// Group counts are three words at `arguments` (a VkDispatchIndirectCommand).
   void dispatch_indirect(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push,
                          BufferRef arguments) const;

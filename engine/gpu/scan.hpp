@@ -1,5 +1,5 @@
-// Exclusive prefix sum of the counts that the workgroups of a compaction found. Compaction by prefix sum keeps the input's
-// order, so its output is the same on every run, whatever order workgroups ran in.
+// Exclusive prefix sum of the counts that the workgroups of a compaction found. Compaction by prefix sum keeps the
+// input's order, so its output is the same on every run, whatever order workgroups ran in.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +19,11 @@ class ScanPass {
  public:
   explicit ScanPass(const Device& device);
 
-  /// In place over `counts` (uint32 each, at most `most_counts` of them and at most the buffer's size). With `length` the
-  /// number of counts is ceil(length[0] / items_per_count), read on the device and bounded by `most_counts`; an empty
-  /// BufferRef means exactly `most_counts`. Writes to `total` a ScanTotal: the sum, clamped to `most_total`, and the three
-  /// group counts of an indirect dispatch with `group_size` items per group.
-  /// Barriers: expects counts and length to be visible to compute; the caller adds compute_to_compute afterwards.
+  /// In place over `counts` (uint32 each, at most `most_counts` of them and at most the buffer's size). With `length`
+  /// the number of counts is ceil(length[0] / items_per_count), read on the device and bounded by `most_counts`; an
+  /// empty BufferRef means exactly `most_counts`. Writes to `total` a ScanTotal: the sum, clamped to `most_total`, and
+  /// the three group counts of an indirect dispatch with `group_size` items per group. Barriers: expects counts and
+  /// length to be visible to compute; the caller adds compute_to_compute afterwards.
   struct Sizes {
     std::uint32_t most_counts = 0;
     std::uint32_t items_per_count = 1;

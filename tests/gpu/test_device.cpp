@@ -27,7 +27,8 @@ Exit exit_of(const DeviceOptions& options, std::string* line = nullptr) {
 TEST(Device, ListsWhatIsThere) {
   const auto devices = list_devices();
   ASSERT_FALSE(devices.empty());
-  for (std::size_t i = 0; i < devices.size(); ++i) EXPECT_EQ(devices[i].index, i);
+  for (std::size_t i = 0; i < devices.size(); ++i)
+    EXPECT_EQ(devices[i].index, i);
   RecordProperty("device", test::test_device().description().name);
   std::printf("device: %s, driver %s\n", test::test_device().description().name.c_str(),
               test::test_device().description().driver.c_str());
@@ -37,7 +38,8 @@ TEST(Device, IsChosenByIndexAndByPartOfItsNameInAnyCase) {
   const DeviceDescription wanted = test::test_device().description();
   EXPECT_EQ(Device({.select = std::to_string(wanted.index)}).description().name, wanted.name);
   std::string part = wanted.name.substr(0, 4);
-  for (char& c : part) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (char& c : part)
+    c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   EXPECT_NE(Device({.select = part}).description().name, "");
 }
 
@@ -56,7 +58,8 @@ TEST(Device, StagedAndUnifiedBuffersCarryTheSameBytes) {
     Upload upload(device, 1000, "up");
     Readback readback(device, 1000, "down");
     EXPECT_EQ(upload.ref().size, 1000u);
-    for (int i = 0; i < 1000; ++i) upload.data()[i] = static_cast<std::byte>(i * 7);
+    for (int i = 0; i < 1000; ++i)
+      upload.data()[i] = static_cast<std::byte>(i * 7);
     const Recorder recorder(device, "copy");
     Timeline timeline(device);
     const VkCommandBuffer commands = recorder.begin();
@@ -124,7 +127,8 @@ TEST(Timestamps, AddUpByNameAndNeverRunBackwards) {
   ASSERT_EQ(times.size(), 2u);
   EXPECT_STREQ(times[0].name, "fill");
   EXPECT_STREQ(times[1].name, "other");
-  for (const PassTime& time : times) EXPECT_GE(time.ms, 0.0);
+  for (const PassTime& time : times)
+    EXPECT_GE(time.ms, 0.0);
 }
 
 }  // namespace

@@ -17,7 +17,8 @@ using test::GuardedBuffer;
 std::vector<std::uint32_t> random_counts(std::size_t size) {
   std::mt19937 random(static_cast<unsigned>(size));
   std::vector<std::uint32_t> counts(size);
-  for (auto& count : counts) count = random() % 257;
+  for (auto& count : counts)
+    count = random() % 257;
   return counts;
 }
 

@@ -23,7 +23,10 @@ void run_on_device(const std::function<void(VkCommandBuffer)>& record) {
 }
 
 GuardedBuffer::GuardedBuffer(gpu::Device& device, std::size_t bytes, std::uint8_t fill)
-    : device_(&device), bytes_(std::max<std::size_t>((bytes + 3) / 4 * 4, 4)), guard_(1024), total_(bytes_ + 2 * guard_),
+    : device_(&device),
+      bytes_(std::max<std::size_t>((bytes + 3) / 4 * 4, 4)),
+      guard_(1024),
+      total_(bytes_ + 2 * guard_),
       buffer_(device, total_, "guarded") {
   const std::vector<std::uint8_t> contents(bytes_, fill);
   write(contents.data(), contents.size());

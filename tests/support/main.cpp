@@ -8,7 +8,8 @@
 
 namespace {
 
-// The loader unloads lavapipe at teardown; leak reports would then name an unknown module that no suppression can match.
+// The loader unloads lavapipe at teardown; leak reports would then name an unknown module that no suppression can
+// match.
 [[maybe_unused]] void* const keep_driver = dlopen("libvulkan_lvp.so", RTLD_LAZY | RTLD_NODELETE);
 
 }  // namespace

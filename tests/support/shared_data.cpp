@@ -13,7 +13,8 @@ struct Scratch {
   std::vector<std::filesystem::path> folders;
   ~Scratch() {
     std::error_code ignored;
-    for (const auto& folder : folders) std::filesystem::remove_all(folder, ignored);
+    for (const auto& folder : folders)
+      std::filesystem::remove_all(folder, ignored);
   }
 };
 

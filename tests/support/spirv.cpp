@@ -8,9 +8,20 @@ namespace {
 
 // The opcodes and decorations of the SPIR-V specification that carry layout.
 enum : std::uint32_t {
-  op_name = 5, op_member_name = 6, op_execution_mode = 16, op_type_array = 28, op_type_runtime_array = 29,
-  op_constant = 43, op_decorate = 71, op_member_decorate = 72, op_execution_mode_id = 331,
-  mode_local_size = 17, mode_local_size_id = 38, decoration_array_stride = 6, decoration_binding = 33, decoration_offset = 35
+  op_name = 5,
+  op_member_name = 6,
+  op_execution_mode = 16,
+  op_type_array = 28,
+  op_type_runtime_array = 29,
+  op_constant = 43,
+  op_decorate = 71,
+  op_member_decorate = 72,
+  op_execution_mode_id = 331,
+  mode_local_size = 17,
+  mode_local_size_id = 38,
+  decoration_array_stride = 6,
+  decoration_binding = 33,
+  decoration_offset = 35
 };
 
 std::string text(std::span<const std::uint32_t> words) {
@@ -40,17 +51,25 @@ SpirvModule read_spirv(std::span<const std::uint32_t> words) {
     if (length == 0 || at + length > words.size()) throw std::runtime_error("truncated SPIR-V module");
     const auto w = words.subspan(at, length);
     switch (op) {
-      case op_name: names[w[1]] = text(w.subspan(2)); break;
-      case op_member_name: member_names[w[1]][w[2]] = text(w.subspan(3)); break;
+      case op_name:
+        names[w[1]] = text(w.subspan(2));
+        break;
+      case op_member_name:
+        member_names[w[1]][w[2]] = text(w.subspan(3));
+        break;
       case op_execution_mode:
         if (w[2] == mode_local_size) module.local_size = {w[3], w[4], w[5]};
         break;
       case op_execution_mode_id:
         if (w[2] == mode_local_size_id) local_size_ids.assign(w.begin() + 3, w.end());
         break;
-      case op_constant: constants[w[2]] = w[3]; break;
+      case op_constant:
+        constants[w[2]] = w[3];
+        break;
       case op_type_array:
-      case op_type_runtime_array: element_types[w[1]] = w[2]; break;
+      case op_type_runtime_array:
+        element_types[w[1]] = w[2];
+        break;
       case op_decorate:
         if (w[2] == decoration_binding) module.bindings.push_back(w[3]);
         if (w[2] == decoration_array_stride) strides[w[1]] = w[3];
@@ -58,14 +77,17 @@ SpirvModule read_spirv(std::span<const std::uint32_t> words) {
       case op_member_decorate:
         if (w[3] == decoration_offset) member_offsets[w[1]][w[2]] = w[4];
         break;
-      default: break;
+      default:
+        break;
     }
     at += length;
   }
-  for (std::size_t i = 0; i < local_size_ids.size() && i < 3; ++i) module.local_size[i] = constants[local_size_ids[i]];
+  for (std::size_t i = 0; i < local_size_ids.size() && i < 3; ++i)
+    module.local_size[i] = constants[local_size_ids[i]];
   std::sort(module.bindings.begin(), module.bindings.end());
   for (const auto& [id, offsets] : member_offsets) {
-    for (const auto& [member, offset] : offsets) module.structs[names[id]].offsets[member_names[id][member]] = offset;
+    for (const auto& [member, offset] : offsets)
+      module.structs[names[id]].offsets[member_names[id][member]] = offset;
   }
   for (const auto& [array, stride] : strides) {
     if (element_types.count(array)) module.array_strides[names[element_types[array]]] = stride;

@@ -17,8 +17,8 @@ struct SpirvStruct {
 
 struct SpirvModule {
   std::array<std::uint32_t, 3> local_size{};
-  std::vector<std::uint32_t> bindings;              ///< ascending
-  std::map<std::string, SpirvStruct> structs;       ///< by GLSL name
+  std::vector<std::uint32_t> bindings;                 ///< ascending
+  std::map<std::string, SpirvStruct> structs;          ///< by GLSL name
   std::map<std::string, std::uint32_t> array_strides;  ///< struct name -> stride of arrays of it
 };
 
