@@ -437,7 +437,9 @@ class Body {
     if (ply.triangles.size() + corners - 2 > most_triangles) {
       reader_.fail(fmt::format("more than {} triangles; palpa reads no more", most_triangles));
     }
-    glm::uvec3 t(index(row, p), index(row, p), 0);
+    glm::uvec3 t(0);  // one by one: the order in which arguments are evaluated is open
+    t[0] = index(row, p);
+    t[1] = index(row, p);
     for (std::uint64_t i = 2; i < corners; ++i) {
       t[2] = index(row, p);
       ply.triangles.push_back(t);
