@@ -36,6 +36,7 @@ std::string one_line(std::string text) {
 }
 
 Exit report(Exit code, const std::string& line) {
+  log::drop_warnings();
   log::error(one_line(line));
   return code;
 }
@@ -101,6 +102,7 @@ Exit parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   if (const std::uint64_t errors = gpu::validation_errors()) {
     throw failure(fmt::format("Vulkan validation reported {} error{}", errors, errors == 1 ? "" : "s"));
   }
+  log::release_warnings();
   return Exit::ok;
 }
 

@@ -33,6 +33,8 @@ void add_common(CLI::App& app, CommonOptions& options) {
 
 void apply_logging(const CommonOptions& options) {
   log::set_level(options.log_level.value_or(options.quiet ? log::Level::error : log::Level::warning));
+  // Whoever asked for more than the default wants every line when it happens.
+  if (log::level() <= log::Level::warning) log::hold_warnings();
 }
 
 gpu::DeviceOptions device_options(const CommonOptions& options) {

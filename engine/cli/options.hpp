@@ -32,7 +32,9 @@ struct CommonOptions {
   std::optional<gpu::Validation> validation;
 };
 void add_common(CLI::App& app, CommonOptions& options);
-/// Sets the log level: --log-level, else "error" with --quiet, else "warning".
+/// Sets the log level: --log-level, else "error" with --quiet, else "warning". At these, warnings are held until the
+/// outcome is known, since a failing command writes nothing but its error: long work calls log::release_warnings() once
+/// its input is read.
 void apply_logging(const CommonOptions& options);
 gpu::DeviceOptions device_options(const CommonOptions& options);
 

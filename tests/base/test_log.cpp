@@ -72,5 +72,21 @@ TEST(Log, LinesOfSeveralThreadsStayWhole) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), expected);
 }
 
+TEST(Log, HeldWarningsAreWrittenOnReleaseAndForgottenOnDrop) {
+  log::set_level(log::Level::warning);
+  testing::internal::CaptureStderr();
+  log::hold_warnings();
+  log::warning("first");
+  log::warning("second");
+  log::error("not held");
+  log::release_warnings();
+  log::warning("third");
+  log::hold_warnings();
+  log::warning("forgotten");
+  log::drop_warnings();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "palpa: error: not held\npalpa: warning: first\npalpa: warning: second\npalpa: warning: third\n");
+}
+
 }  // namespace
 }  // namespace palpa

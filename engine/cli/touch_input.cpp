@@ -1,0 +1,129 @@
+#include "cli/touch_input.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "cli/values.hpp"
+#include "geometry/gltf.hpp"
+#include "geometry/ply.hpp"
+#include "sensing/png16.hpp"
+#include "sensing/rays.hpp"
+#include "sensing/rig.hpp"
+
+namespace palpa::cli {
+namespace {
+
+/// The y by which points move so that the lowest of them lies `penetration` below the highest point of the solids.
+double lowering(const std::vector<geometry::Solid>& solids, const std::vector<Vec3>& points, double penetration) {
+  Box all;
+  for (const geometry::Solid& solid : solids) {
+    all.add(solid.bounds.low);
+    all.add(solid.bounds.high);
+  }
+  double lowest = points.front().y;
+  for (const Vec3& point : points)
+    lowest = std::min(lowest, point.y);
+  return all.high.y - penetration - lowest;
+}
+
+void load_points(const TouchInputOptions& options, TouchInput& input) {
+  std::vector<Vec3> positions = geometry::read_ply(options.points).positions;
+  if (options.penetration_m && !positions.empty()) {
+    const double dy = lowering(input.solids, positions, *options.penetration_m);
+    for (Vec3& position : positions)
+      position.y += dy;
+  }
+  input.points.reserve(positions.size());
+  for (const Vec3& p : positions) {
+    const glm::vec3 single(p);
+    if (!std::isfinite(single.x) || !std::isfinite(single.y) || !std::isfinite(single.z)) {
+      throw bad_input(options.points,
+                      fmt::format("vertex {} lies beyond 3e38 m; coordinates are metres", input.points.size()));
+    }
+    input.points.push_back({single, static_cast<std::uint32_t>(input.points.size())});
+  }
+  input.point_count = input.points.size();
+}
+
+std::vector<sensing::Camera> load_cameras(const TouchInputOptions& options) {
+  std::vector<sensing::Camera> cameras;
+  if (!options.rig.empty()) {
+    cameras = sensing::load_rig(options.rig).cameras;
+    if (cameras.size() != options.depths.size()) {
+      throw bad_usage(
+          fmt::format("--rig {} has {} cameras, but --depth is given {} times: give one image per camera, in "
+                      "the rig's order",
+                      options.rig, cameras.size(), options.depths.size()));
+    }
+    return cameras;
+  }
+  for (const std::string& file : options.cameras) {
+    const sensing::Rig one = sensing::load_rig(file);
+    if (one.cameras.size() != 1) {
+      throw bad_input(file,
+                      fmt::format("has {} cameras where --camera wants one; --rig takes several", one.cameras.size()));
+    }
+    cameras.push_back(one.cameras.front());
+  }
+  return cameras;
+}
+
+void load_depths(const TouchInputOptions& options, TouchInput& input) {
+  input.cameras = load_cameras(options);
+  for (std::size_t i = 0; i < options.depths.size(); ++i) {
+    const sensing::Camera& camera = input.cameras[i];
+    sensing::DepthFrame frame;
+    sensing::read_png16(options.depths[i], camera.width, camera.height, frame.depth);
+    input.frames.push_back(std::move(frame));
+  }
+  input.point_count = sensing::count_valid(input.cameras, input.frames);
+}
+
+}  // namespace
+
+void add_touch_input(CLI::App& app, TouchInputOptions& options) {
+  const Group group(app, "What touches what");
+  group.text("--scene", options.scene, "FILE", "glTF model: the solids, in world coordinates");
+  group.integer("--gltf-scene", options.gltf_scene, 0, 1u << 30, "scene of that file, if not its default one");
+  group.text("--points", options.points, "FILE", "skin points as PLY, world coordinates");
+  group.texts("--depth", options.depths, "FILE", "16-bit PNG in place of --points; again for several cameras");
+  group.texts("--camera", options.cameras, "FILE", "camera TOML of each --depth, in their order");
+  group.text("--rig", options.rig, "FILE", "rig TOML in place of --camera");
+  group.quantity("--penetration", options.penetration_m, Quantity::length, {-10, 10},
+                 "shift --points along y: lowest that far below the solids' top");
+}
+
+void check(const TouchInputOptions& o) {
+  if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
+  if (o.points.empty() == o.depths.empty()) {
+    throw bad_usage(o.points.empty() ? "no skin: give --points FILE.ply, or --depth FILE.png with --camera FILE.toml"
+                                     : "--points and --depth exclude each other: give one of them");
+  }
+  if (!o.points.empty() && !(o.cameras.empty() && o.rig.empty()))
+    throw bad_usage("--camera and --rig go with --depth, not with --points");
+  if (o.depths.empty()) return;
+  if (o.penetration_m) throw bad_usage("--penetration moves --points; depth images stay where their cameras are");
+  if (!o.rig.empty() && !o.cameras.empty()) throw bad_usage("--rig and --camera exclude each other: give one of them");
+  if (o.rig.empty() && o.cameras.size() != o.depths.size()) {
+    throw bad_usage(fmt::format("--depth is given {} times and --camera {} times: give one camera per image, or --rig",
+                                o.depths.size(), o.cameras.size()));
+  }
+}
+
+TouchInput load_touch_input(const TouchInputOptions& options) {
+  TouchInput input;
+  std::optional<int> scene;
+  if (options.gltf_scene) scene = static_cast<int>(*options.gltf_scene);
+  input.solids = geometry::make_solids(geometry::load_gltf(options.scene, scene));
+  if (options.depths.empty()) {
+    load_points(options, input);
+  } else {
+    load_depths(options, input);
+  }
+  return input;
+}
+
+}  // namespace palpa::cli

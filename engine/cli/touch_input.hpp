@@ -1,0 +1,43 @@
+// What `palpa touch` touches with what: a scene's solids, and skin points from a file or from depth images.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/solid.hpp"
+#include "sensing/camera.hpp"
+#include "sensing/depth_source.hpp"
+#include "sensing/skin.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace palpa::cli {
+
+struct TouchInputOptions {
+  std::string scene;
+  std::optional<std::uint32_t> gltf_scene;
+  std::string points;
+  std::vector<std::string> depths, cameras;
+  std::string rig;
+  std::optional<double> penetration_m;
+};
+void add_touch_input(CLI::App& app, TouchInputOptions& options);
+/// Throws bad_usage for what is missing or excludes each other.
+void check(const TouchInputOptions& options);
+
+struct TouchInput {
+  std::vector<geometry::Solid> solids;     ///< at least one
+  std::vector<sensing::SkinPoint> points;  ///< from --points
+  std::vector<sensing::Camera> cameras;    ///< from --depth: then `frames` has one for each
+  std::vector<sensing::DepthFrame> frames;
+  std::uint64_t point_count = 0;  ///< skin points in all, of depth images the valid pixels
+};
+
+/// Reads the files. Throws bad_input naming file and fault.
+TouchInput load_touch_input(const TouchInputOptions& options);
+
+}  // namespace palpa::cli
