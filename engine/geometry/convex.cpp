@@ -227,12 +227,16 @@ Facets find_facets(const Mesh& mesh, std::span<const std::uint32_t> twin, double
     }
     Plane plane{glm::normalize(total), -std::numeric_limits<double>::infinity()};
     // No corner of the facet lies outside its plane.
+    Box box;
     for (const std::uint32_t t : member) {
       for (int i = 0; i < 3; ++i) {
-        plane.offset = std::max(plane.offset, glm::dot(plane.normal, mesh.positions[mesh.triangles[t][i]]));
+        const Vec3& corner = mesh.positions[mesh.triangles[t][i]];
+        plane.offset = std::max(plane.offset, glm::dot(plane.normal, corner));
+        box.add(corner);
       }
     }
-    grown.push_back({first, plane, moment / weight, width[seed]});
+    const double facet_width = std::max(width[seed], weight / 2 / glm::distance(box.low, box.high));
+    grown.push_back({first, plane, moment / weight, facet_width});
   }
   std::vector<std::uint32_t> by_first(grown.size()), place(grown.size());
   std::iota(by_first.begin(), by_first.end(), 0U);

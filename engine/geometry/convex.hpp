@@ -27,7 +27,7 @@ double flatness_tolerance(const Mesh& mesh);
 struct Facets {
   std::vector<Plane> planes;
   std::vector<Vec3> centres;               ///< of the facets, metres
-  std::vector<double> widths;              ///< of their widest triangles: the height over the longest side, metres
+  std::vector<double> widths;              ///< of the facets across their longest extent, roughly, metres
   std::vector<std::uint32_t> of_triangle;  ///< each triangle's facet, or `no_facet` for slivers that found none
   static constexpr std::uint32_t no_facet = 0xffffffffU;
 };

@@ -1,0 +1,147 @@
+#include "geometry/gltf_builder.hpp"
+
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+namespace palpa::test {
+
+using geometry::Mesh;
+
+GltfBuilder::GltfBuilder() {
+  doc = {{"asset", {{"version", "2.0"}}},
+         {"scene", 0},
+         {"scenes", {{{"nodes", Json::array()}}}},
+         {"nodes", Json::array()},
+         {"meshes", Json::array()},
+         {"accessors", Json::array()},
+         {"bufferViews", Json::array()}};
+}
+
+int GltfBuilder::add_view(const std::vector<unsigned char>& bytes, int stride) {
+  bin.resize((bin.size() + 3) / 4 * 4);
+  Json view{{"buffer", 0}, {"byteOffset", bin.size()}, {"byteLength", bytes.size()}};
+  if (stride != 0) view["byteStride"] = stride;
+  bin.insert(bin.end(), bytes.begin(), bytes.end());
+  doc["bufferViews"].push_back(view);
+  return static_cast<int>(doc["bufferViews"].size()) - 1;
+}
+
+int GltfBuilder::add_positions(const std::vector<Vec3>& positions) {
+  std::vector<float> values;
+  for (const Vec3& p : positions) {
+    for (int i = 0; i < 3; ++i)
+      values.push_back(static_cast<float>(p[i]));
+  }
+  doc["accessors"].push_back({{"bufferView", add_view(bytes_of(values))},
+                              {"componentType", 5126},
+                              {"count", positions.size()},
+                              {"type", "VEC3"}});
+  return static_cast<int>(doc["accessors"].size()) - 1;
+}
+
+int GltfBuilder::add_indices(const std::vector<std::uint32_t>& indices, int component) {
+  const int view = component == 5121   ? add_view(bytes_of(std::vector<std::uint8_t>(indices.begin(), indices.end())))
+                   : component == 5123 ? add_view(bytes_of(std::vector<std::uint16_t>(indices.begin(), indices.end())))
+                                       : add_view(bytes_of(indices));
+  doc["accessors"].push_back(
+      {{"bufferView", view}, {"componentType", component}, {"count", indices.size()}, {"type", "SCALAR"}});
+  return static_cast<int>(doc["accessors"].size()) - 1;
+}
+
+int GltfBuilder::add_mesh(int positions, int indices, int mode) {
+  Json primitive{{"attributes", {{"POSITION", positions}}}};
+  if (indices >= 0) primitive["indices"] = indices;
+  if (mode != 4) primitive["mode"] = mode;
+  doc["meshes"].push_back({{"primitives", {primitive}}});
+  return static_cast<int>(doc["meshes"].size()) - 1;
+}
+
+int GltfBuilder::add_mesh(const Mesh& mesh) {
+  std::vector<std::uint32_t> indices;
+  for (const glm::uvec3& t : mesh.triangles)
+    indices.insert(indices.end(), {t[0], t[1], t[2]});
+  const int positions = add_positions(mesh.positions);
+  return add_mesh(positions, add_indices(indices));
+}
+
+int GltfBuilder::add_node(Json node, bool root) {
+  doc["nodes"].push_back(std::move(node));
+  const int index = static_cast<int>(doc["nodes"].size()) - 1;
+  if (root) doc["scenes"][0]["nodes"].push_back(index);
+  return index;
+}
+
+std::string GltfBuilder::text(const std::string& uri) const {
+  Json whole = doc;
+  if (!whole.contains("buffers")) {
+    whole["buffers"] = {{{"byteLength", bin.size()}}};
+    if (!uri.empty()) whole["buffers"][0]["uri"] = uri;
+  }
+  return whole.dump();
+}
+
+std::vector<unsigned char> GltfBuilder::glb() const {
+  std::string json = text("");
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::vector<unsigned char> padded = bin;
+  padded.resize((padded.size() + 3) / 4 * 4);
+  std::vector<unsigned char> out;
+  const auto word = [&](std::size_t value) {
+    for (int i = 0; i < 4; ++i)
+      out.push_back(static_cast<unsigned char>(value >> (8 * i)));
+  };
+  word(0x46546c67);
+  word(2);
+  word(12 + 8 + json.size() + 8 + padded.size());
+  word(json.size());
+  word(0x4e4f534a);
+  out.insert(out.end(), json.begin(), json.end());
+  word(padded.size());
+  word(0x004e4942);
+  out.insert(out.end(), padded.begin(), padded.end());
+  return out;
+}
+
+std::filesystem::path GltfBuilder::write_embedded(const std::filesystem::path& file) const {
+  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string uri = "data:application/octet-stream;base64,";
+  for (std::size_t i = 0; i < bin.size(); i += 3) {
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      bits = bits << 8 | (i + k < bin.size() ? bin[i + k] : 0U);
+    for (std::size_t k = 0; k < 4; ++k)
+      uri += i + k <= bin.size() ? digits[bits >> (18 - 6 * k) & 63] : '=';
+  }
+  write_text(file, text(uri));
+  return file;
+}
+
+std::filesystem::path GltfBuilder::write_with_bin(const std::filesystem::path& file) const {
+  // A space in the name: it is "%20" in a URI.
+  const std::string stem = file.stem().string();
+  write_bytes(file.parent_path() / (stem + " data.bin"), bin.data(), bin.size());
+  write_text(file, text(stem + "%20data.bin"));
+  return file;
+}
+
+std::filesystem::path GltfBuilder::write_glb(const std::filesystem::path& file) const {
+  const auto bytes = glb();
+  write_bytes(file, bytes.data(), bytes.size());
+  return file;
+}
+
+void write_bytes(const std::filesystem::path& file, const void* data, std::size_t size) {
+  std::ofstream(file, std::ios::binary).write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
+}
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+  write_bytes(file, text.data(), text.size());
+}
+
+std::vector<unsigned char> read_bytes(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+}  // namespace palpa::test

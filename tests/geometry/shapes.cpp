@@ -1,0 +1,108 @@
+#include "geometry/shapes.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace palpa::test {
+
+using geometry::Mesh;
+
+Mesh box(const Vec3& low, const Vec3& high) {
+  Mesh mesh;
+  for (int i = 0; i < 8; ++i) {
+    mesh.positions.emplace_back((i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y,
+                                (i & 4) != 0 ? high.z : low.z);
+  }
+  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return mesh;
+}
+
+Mesh sphere(double radius, int rings, int segments) {
+  constexpr double pi = std::numbers::pi;
+  Mesh mesh;
+  mesh.positions.emplace_back(0, 0, radius);
+  for (int i = 1; i < rings; ++i) {
+    for (int k = 0; k < segments; ++k) {
+      const double theta = pi * i / rings, phi = 2 * pi * k / segments;
+      mesh.positions.emplace_back(radius * std::sin(theta) * std::cos(phi), radius * std::sin(theta) * std::sin(phi),
+                                  radius * std::cos(theta));
+    }
+  }
+  mesh.positions.emplace_back(0, 0, -radius);
+  const auto south = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+  const auto at = [&](int ring, int k) { return static_cast<std::uint32_t>(1 + (ring - 1) * segments + k % segments); };
+  for (int k = 0; k < segments; ++k) {
+    mesh.triangles.emplace_back(0, at(1, k), at(1, k + 1));
+    mesh.triangles.emplace_back(south, at(rings - 1, k + 1), at(rings - 1, k));
+    for (int i = 1; i + 1 < rings; ++i) {
+      mesh.triangles.emplace_back(at(i, k), at(i + 1, k), at(i, k + 1));
+      mesh.triangles.emplace_back(at(i, k + 1), at(i + 1, k), at(i + 1, k + 1));
+    }
+  }
+  return mesh;
+}
+
+Mesh torus(double radius, double tube, int segments) {
+  constexpr double pi = std::numbers::pi;
+  Mesh mesh;
+  for (int i = 0; i < segments; ++i) {
+    for (int k = 0; k < segments; ++k) {
+      const double around = 2 * pi * i / segments, across = 2 * pi * k / segments;
+      const double r = radius + tube * std::cos(across);
+      mesh.positions.emplace_back(r * std::cos(around), r * std::sin(around), tube * std::sin(across));
+    }
+  }
+  const auto at = [&](int i, int k) { return static_cast<std::uint32_t>((i % segments) * segments + k % segments); };
+  for (int i = 0; i < segments; ++i) {
+    for (int k = 0; k < segments; ++k) {
+      mesh.triangles.emplace_back(at(i, k), at(i + 1, k), at(i, k + 1));
+      mesh.triangles.emplace_back(at(i, k + 1), at(i + 1, k), at(i + 1, k + 1));
+    }
+  }
+  return mesh;
+}
+
+Mesh unshared(const Mesh& mesh) {
+  Mesh out;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const auto first = static_cast<std::uint32_t>(out.positions.size());
+    for (int i = 0; i < 3; ++i)
+      out.positions.push_back(mesh.positions[t[i]]);
+    out.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  return out;
+}
+
+Mesh transformed(Mesh mesh, const std::function<Vec3(const Vec3&)>& map) {
+  for (Vec3& p : mesh.positions)
+    p = map(p);
+  return mesh;
+}
+
+Mesh rounded(const Mesh& mesh) {
+  return transformed(mesh, [](const Vec3& p) {
+    return Vec3(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z));
+  });
+}
+
+std::string error_of(const std::function<void()>& action, Exit code) {
+  try {
+    action();
+  } catch (const Error& e) {
+    const std::string line = e.what();
+    EXPECT_EQ(e.code(), code) << line;
+    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    EXPECT_LT(line.size(), 1000U) << line;
+    return line;
+  }
+  return {};
+}
+
+std::string stderr_of(const std::function<void()>& action) {
+  ::testing::internal::CaptureStderr();
+  action();
+  return ::testing::internal::GetCapturedStderr();
+}
+
+}  // namespace palpa::test

@@ -1,0 +1,167 @@
+#include "geometry/mesh.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "geometry/shapes.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+using test::box;
+
+TEST(Weld, SharesEqualPositionsAndKeepsOrderOfFirstUse) {
+  const Mesh cube = test::unshared(box(Vec3(0), Vec3(1)));
+  ASSERT_EQ(cube.positions.size(), 36U);
+  const Mesh welded = weld(cube);
+  EXPECT_EQ(welded.positions.size(), 8U);
+  EXPECT_EQ(welded.triangles.size(), 12U);
+  EXPECT_EQ(welded.triangles[0], glm::uvec3(0, 1, 2));
+  EXPECT_EQ(welded.positions[1], cube.positions[1]);
+  EXPECT_TRUE(find_defects(welded).closed_and_oriented());
+}
+
+TEST(Weld, DoesNotDependOnHowTheInputWasIndexed) {
+  const Mesh shared = test::sphere(1, 12, 20);
+  const Mesh a = weld(shared), b = weld(test::unshared(shared));
+  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_EQ(a.triangles, b.triangles);
+}
+
+TEST(Weld, TakesNegativeZeroForZero) {
+  const Mesh mesh{{{0.0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, -0.0, 0}, {0, 1, -0.0}, {-1, 0, 0}},
+                  {{0, 1, 2}, {3, 4, 5}}};
+  const Mesh welded = weld(mesh);
+  EXPECT_EQ(welded.positions.size(), 4U);
+  for (const Vec3& p : welded.positions)
+    EXPECT_FALSE(std::signbit(p.z));
+}
+
+TEST(Weld, DropsCollapsedTrianglesAndTheirVertices) {
+  const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {9, 9, 9}, {9, 9, 9}, {8, 8, 8}, {7, 7, 7}},
+                  {{3, 4, 5}, {0, 1, 2}}};
+  const Mesh welded = weld(mesh);
+  EXPECT_EQ(welded.triangles.size(), 1U);
+  EXPECT_EQ(welded.positions.size(), 3U);
+  EXPECT_TRUE(weld(Mesh{}).triangles.empty());
+}
+
+TEST(Weld, WithToleranceJoinsWhatRoundingParted) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> jitter(-1e-9, 1e-9);
+  for (const Vec3 shift : {Vec3(0), Vec3(-3, 5, 1e-9)}) {
+    const Mesh mesh = test::transformed(test::unshared(test::sphere(0.02, 20, 30)), [&](const Vec3& p) {
+      return p + shift + Vec3(jitter(random), jitter(random), jitter(random));
+    });
+    EXPECT_FALSE(find_defects(weld(mesh)).closed_and_oriented());
+    const Mesh near = weld(mesh, 4e-9);
+    EXPECT_EQ(near.positions.size(), 19U * 30 + 2);
+    EXPECT_TRUE(find_defects(near).closed_and_oriented());
+  }
+}
+
+TEST(Weld, WithToleranceSurvivesAbsurdCoordinates) {
+  const double huge = 1e300;
+  const Mesh mesh{{{huge, 0, 0}, {-huge, 0, 0}, {0, huge, 1e-300}}, {{0, 1, 2}}};
+  EXPECT_EQ(weld(mesh, 1e-6).positions.size(), 3U);
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(weld(Mesh{{{inf, 0, 0}, {-inf, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, 1e-6).triangles.size(), 1U);
+}
+
+TEST(Mesh, VolumeAreaAndBounds) {
+  const Mesh cube = box(Vec3(-1, 2, 3), Vec3(1, 5, 7));
+  EXPECT_NEAR(signed_volume(cube), 24, 1e-12);
+  EXPECT_NEAR(area(cube), 2 * (2 * 3 + 3 * 4 + 2 * 4), 1e-12);
+  EXPECT_EQ(bounds(cube).low, Vec3(-1, 2, 3));
+  EXPECT_EQ(bounds(cube).high, Vec3(1, 5, 7));
+  EXPECT_NEAR(signed_volume(test::sphere(2, 200, 400)), 4.0 / 3 * std::numbers::pi * 8, 0.01);
+  EXPECT_NEAR(area(test::sphere(2, 200, 400)), 4 * std::numbers::pi * 4, 0.01);
+  EXPECT_TRUE(bounds(Mesh{}).empty());
+  EXPECT_EQ(signed_volume(Mesh{}), 0);
+}
+
+TEST(Mesh, VolumeKeepsItsDigitsFarFromTheOrigin) {
+  const Vec3 far(1e4, -2e4, 3e4);
+  EXPECT_NEAR(signed_volume(box(far, far + Vec3(0.04))), 6.4e-5, 1e-12);
+}
+
+TEST(Mesh, FlipAndAppend) {
+  Mesh mesh = box(Vec3(0), Vec3(1));
+  append(mesh, box(Vec3(2), Vec3(4)));
+  EXPECT_NEAR(signed_volume(mesh), 9, 1e-12);
+  flip(mesh);
+  EXPECT_NEAR(signed_volume(mesh), -9, 1e-12);
+}
+
+TEST(Defects, CountsOpenEdges) {
+  Mesh mesh = box(Vec3(0), Vec3(1));
+  mesh.triangles.pop_back();
+  const Defects d = find_defects(mesh);
+  EXPECT_EQ(d.open, 3U);
+  EXPECT_EQ(d.non_manifold + d.flipped, 0U);
+  EXPECT_FALSE(d.closed_and_oriented());
+  // The first of the triangle (3, 7, 5)'s edges in ascending order is 3-5, and it is open on the other triangle's side.
+  EXPECT_EQ(d.first_open, (std::array<std::uint32_t, 2>{3, 5}));
+}
+
+TEST(Defects, CountsFlippedEdges) {
+  Mesh mesh = box(Vec3(0), Vec3(1));
+  std::swap(mesh.triangles[0][1], mesh.triangles[0][2]);
+  const Defects d = find_defects(mesh);
+  EXPECT_EQ(d.flipped, 3U);
+  EXPECT_EQ(d.open + d.non_manifold, 0U);
+  EXPECT_EQ(d.first_flipped, (std::array<std::uint32_t, 2>{0, 1}));
+}
+
+TEST(Defects, CountsEdgesOfMoreThanTwoFaces) {
+  Mesh mesh = box(Vec3(0), Vec3(1));
+  append(mesh, box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
+  const Mesh welded = weld(mesh);
+  const Defects d = find_defects(welded);
+  EXPECT_EQ(d.non_manifold, 1U);
+  for (const std::uint32_t v : d.first_non_manifold) {
+    EXPECT_EQ(welded.positions[v].x, 1);
+    EXPECT_EQ(welded.positions[v].y, 1);
+  }
+}
+
+TEST(Defects, AgreeWithACountOfPairsOnRandomTriangles) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 200; ++round) {
+    Mesh mesh;
+    const std::uint32_t vertices = 4 + random() % 5;
+    for (std::uint32_t v = 0; v < vertices; ++v)
+      mesh.positions.emplace_back(v, v * v, 1);
+    for (int t = 0; t < 8; ++t) {
+      const glm::uvec3 c(random() % vertices, random() % vertices, random() % vertices);
+      if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) mesh.triangles.push_back(c);
+    }
+    std::uint64_t open = 0, many = 0, flipped = 0;
+    for (std::uint32_t a = 0; a < vertices; ++a) {
+      for (std::uint32_t b = a + 1; b < vertices; ++b) {
+        int forward = 0, backward = 0;
+        for (const glm::uvec3& t : mesh.triangles) {
+          for (int i = 0; i < 3; ++i) {
+            forward += t[i] == a && t[(i + 1) % 3] == b ? 1 : 0;
+            backward += t[i] == b && t[(i + 1) % 3] == a ? 1 : 0;
+          }
+        }
+        open += forward + backward == 1 ? 1 : 0;
+        many += forward + backward > 2 ? 1 : 0;
+        flipped += forward + backward == 2 && forward != 1 ? 1 : 0;
+      }
+    }
+    const Defects d = find_defects(mesh);
+    EXPECT_EQ(d.open, open);
+    EXPECT_EQ(d.non_manifold, many);
+    EXPECT_EQ(d.flipped, flipped);
+  }
+}
+
+}  // namespace
+}  // namespace palpa::geometry

@@ -1,0 +1,325 @@
+#include "geometry/solid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <numbers>
+#include <random>
+
+#include "geometry/shapes.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+using test::box;
+using test::error_of;
+
+Scene scene_of(std::vector<Mesh> meshes) {
+  Scene scene{"test.glb", {}};
+  for (std::size_t i = 0; i < meshes.size(); ++i)
+    scene.meshes.push_back({"mesh " + std::to_string(i), std::move(meshes[i])});
+  return scene;
+}
+
+std::vector<Solid> solids_of(std::vector<Mesh> meshes) {
+  return make_solids(scene_of(std::move(meshes)));
+}
+
+std::string fault_of(std::vector<Mesh> meshes) {
+  const std::string line = error_of([&] { solids_of(std::move(meshes)); });
+  EXPECT_TRUE(line.empty() || line.starts_with("test.glb: ")) << line;
+  return line;
+}
+
+glm::dmat3 random_rotation(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  return glm::mat3_cast(glm::normalize(glm::dquat(normal(random), normal(random), normal(random), normal(random))));
+}
+
+TEST(Solid, CubeHasSixPlanesAndExactDepth) {
+  const auto solids = solids_of({test::unshared(box(Vec3(-0.02, -0.04, -0.02), Vec3(0.02, 0, 0.02)))});
+  ASSERT_EQ(solids.size(), 1U);
+  const Solid& cube = solids[0];
+  EXPECT_EQ(cube.name, "mesh 0");
+  EXPECT_EQ(cube.mesh.positions.size(), 8U);
+  ASSERT_EQ(cube.planes.size(), 6U);
+  for (const Plane& p : cube.planes)
+    EXPECT_NEAR(glm::length(p.normal), 1, 1e-15);
+  EXPECT_EQ(cube.bounds.low, Vec3(-0.02, -0.04, -0.02));
+  EXPECT_NEAR(depth(cube, Vec3(0, -0.02, 0)), 0.02, 1e-15);
+  EXPECT_NEAR(depth(cube, Vec3(0.019, -0.02, 0)), 0.001, 1e-15);
+  EXPECT_NEAR(depth(cube, Vec3(0, 0.003, 0)), -0.003, 1e-15);
+  EXPECT_NEAR(depth(cube, Vec3(0.024, 0.003, 0)), -0.004, 1e-15);
+}
+
+TEST(Solid, DepthIsTheDistanceToTheSurfaceInside) {
+  const Solid ball = solids_of({test::rounded(test::sphere(0.02, 40, 60))})[0];
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-0.01, 0.01);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 p(uniform(random), uniform(random), uniform(random));
+    // Faces lie between the sphere and its sagitta below.
+    EXPECT_LE(depth(ball, p), 0.02 - glm::length(p) + 1e-9);
+    EXPECT_GE(depth(ball, p), 0.02 - glm::length(p) - 5e-5);
+  }
+}
+
+TEST(Solid, RigidMotionMovesThePlanesAlong) {
+  std::mt19937 random(5);
+  const Mesh shape = test::sphere(0.02, 8, 11);
+  const Solid still = solids_of({shape})[0];
+  for (int round = 0; round < 20; ++round) {
+    const glm::dmat3 R = random_rotation(random);
+    const Vec3 t(0.1 * round, -0.2, 0.3);
+    const Solid moved = solids_of({test::transformed(shape, [&](const Vec3& p) { return R * p + t; })})[0];
+    ASSERT_EQ(moved.planes.size(), still.planes.size());
+    for (int i = 0; i < 20; ++i) {
+      const Vec3 p(0.001 * i, 0.002 * (i % 7), -0.0015 * (i % 5));
+      EXPECT_NEAR(depth(moved, R * p + t), depth(still, p), 1e-9);
+    }
+  }
+}
+
+TEST(Solid, MergesCoplanarTrianglesOfFinelyDividedFaces) {
+  // Each face of a turned cube as 20 x 20 squares, in single precision.
+  std::mt19937 random(9);
+  for (int round = 0; round < 10; ++round) {
+    const glm::dmat3 R = random_rotation(random);
+    Mesh mesh;
+    constexpr int n = 20;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double side : {-1.0, 1.0}) {
+        const auto corner = [&](int i, int k) {
+          Vec3 p;
+          p[axis] = side;
+          p[(axis + 1) % 3] = side * (2.0 * i / n - 1);
+          p[(axis + 2) % 3] = 2.0 * k / n - 1;
+          return R * p * 0.02 + Vec3(0.05, 0, 0);
+        };
+        for (int i = 0; i < n; ++i) {
+          for (int k = 0; k < n; ++k) {
+            const auto v = static_cast<std::uint32_t>(mesh.positions.size());
+            mesh.positions.insert(mesh.positions.end(),
+                                  {corner(i, k), corner(i + 1, k), corner(i + 1, k + 1), corner(i, k + 1)});
+            mesh.triangles.insert(mesh.triangles.end(), {{v, v + 1, v + 2}, {v, v + 2, v + 3}});
+          }
+        }
+      }
+    }
+    const Solid cube = solids_of({test::rounded(mesh)})[0];
+    EXPECT_EQ(cube.planes.size(), 6U);
+    EXPECT_NEAR(depth(cube, Vec3(0.05, 0, 0)), 0.02, 2e-8);
+  }
+}
+
+TEST(Solid, TurnsAMeshThatIsInsideOutAndSaysSo) {
+  Mesh cube = box(Vec3(0), Vec3(1));
+  flip(cube);
+  std::vector<Solid> solids;
+  const std::string warning = test::stderr_of([&] { solids = solids_of({cube}); });
+  EXPECT_CONTAINS(warning, "inside out");
+  EXPECT_NEAR(signed_volume(solids[0].mesh), 1, 1e-12);
+  EXPECT_NEAR(depth(solids[0], Vec3(0.5)), 0.5, 1e-12);
+}
+
+TEST(Solid, OpenMeshesThatCloseTogetherAreOneSolid) {
+  // Two boxes, each split over two nodes, interleaved, and one whole one.
+  std::vector<Mesh> pieces;
+  for (const Vec3 at : {Vec3(0), Vec3(5, 0, 0)}) {
+    const Mesh whole = box(at, at + Vec3(1));
+    Mesh top{whole.positions, {whole.triangles.begin(), whole.triangles.begin() + 5}};
+    Mesh rest{whole.positions, {whole.triangles.begin() + 5, whole.triangles.end()}};
+    pieces.push_back(top);
+    pieces.push_back(rest);
+  }
+  std::swap(pieces[1], pieces[2]);
+  pieces.push_back(box(Vec3(9), Vec3(10)));
+  const auto solids = solids_of(pieces);
+  ASSERT_EQ(solids.size(), 3U);
+  EXPECT_EQ(solids[0].name, "mesh 0");
+  EXPECT_EQ(solids[1].name, "mesh 1");
+  EXPECT_EQ(solids[2].name, "mesh 4");
+  for (const Solid& s : solids)
+    EXPECT_NEAR(signed_volume(s.mesh), 1, 1e-12);
+}
+
+TEST(Solid, SeamsThatWereRoundedDifferentlyClose) {
+  Mesh mesh = test::unshared(test::sphere(0.02, 10, 16));
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> jitter(-2e-9, 2e-9);
+  for (Vec3& p : mesh.positions)
+    p += Vec3(jitter(random), jitter(random), jitter(random));
+  EXPECT_EQ(solids_of({mesh})[0].mesh.positions.size(), 9U * 16 + 2);
+}
+
+TEST(Solid, RefusesNothing) {
+  EXPECT_CONTAINS(fault_of({}), "no triangle mesh");
+}
+
+TEST(Solid, RefusesAnOpenMeshAndSaysWhere) {
+  Mesh mesh = box(Vec3(0), Vec3(0.04));
+  mesh.triangles.pop_back();
+  const std::string line = fault_of({mesh});
+  EXPECT_CONTAINS(line, "mesh \"mesh 0\"");
+  EXPECT_CONTAINS(line, "3 open edges");
+  EXPECT_CONTAINS(line, "(0.04, 0.04, 0)");
+}
+
+TEST(Solid, RefusesFlippedFaces) {
+  Mesh mesh = box(Vec3(0), Vec3(1));
+  std::swap(mesh.triangles[0][1], mesh.triangles[0][2]);
+  EXPECT_CONTAINS(fault_of({mesh}), "3 edges lie between faces of opposite orientation");
+}
+
+TEST(Solid, RefusesNonManifoldEdges) {
+  Mesh mesh = box(Vec3(0), Vec3(1));
+  append(mesh, box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
+  EXPECT_CONTAINS(fault_of({mesh}), "1 edge has more than two faces");
+}
+
+TEST(Solid, RefusesSeveralShells) {
+  Mesh mesh = box(Vec3(0), Vec3(1));
+  append(mesh, box(Vec3(2), Vec3(3)));
+  EXPECT_CONTAINS(fault_of({mesh}), "2 separate shells");
+  // A void inside is a shell, too.
+  Mesh hollow = box(Vec3(0), Vec3(3)), inner = box(Vec3(1), Vec3(2));
+  flip(inner);
+  append(hollow, inner);
+  EXPECT_CONTAINS(fault_of({hollow}), "2 separate shells");
+}
+
+TEST(Solid, RefusesFlatMeshes) {
+  const Mesh sheet{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}};
+  EXPECT_CONTAINS(fault_of({sheet}), "flat");
+  EXPECT_CONTAINS(fault_of({box(Vec3(0), Vec3(1, 1, 1e-9))}), "flat");
+  EXPECT_CONTAINS(fault_of({Mesh{{{1, 2, 3}}, {{0, 0, 0}}}}), "flat");
+  // A sheet of paper is not.
+  EXPECT_EQ(solids_of({box(Vec3(0), Vec3(0.2, 0.3, 1e-4))})[0].planes.size(), 6U);
+}
+
+TEST(Solid, RefusesAbsurdSizes) {
+  EXPECT_CONTAINS(fault_of({box(Vec3(0), Vec3(1e30))}), "kilometre");
+  EXPECT_CONTAINS(fault_of({box(Vec3(1e9), Vec3(1e9 + 1))}), "kilometre");
+  EXPECT_CONTAINS(fault_of({box(Vec3(0), Vec3(1e-9))}), "micrometre");
+}
+
+TEST(Convexity, NamesTheReflexEdgeAndItsAngle) {
+  // A house with its roof pushed in by 45 degrees: the valley runs along z at x = 0.5, y = 1.
+  Mesh house{{{0, 0, 0},
+              {1, 0, 0},
+              {1, 1.5, 0},
+              {0.5, 1, 0},
+              {0, 1.5, 0},
+              {0, 0, 2},
+              {1, 0, 2},
+              {1, 1.5, 2},
+              {0.5, 1, 2},
+              {0, 1.5, 2}},
+             {}};
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    const std::uint32_t k = (i + 1) % 5;
+    house.triangles.insert(house.triangles.end(), {{i, k, k + 5}, {i, k + 5, i + 5}});
+  }
+  for (const auto& [a, b, c] : {std::tuple(0U, 3U, 1U), std::tuple(1U, 3U, 2U), std::tuple(0U, 4U, 3U)}) {
+    house.triangles.insert(house.triangles.end(), {{a, b, c}, {a + 5, c + 5, b + 5}});
+  }
+  ASSERT_TRUE(find_defects(house).closed_and_oriented());
+  const std::string line = fault_of({house});
+  EXPECT_CONTAINS(line, "concave");
+  EXPECT_CONTAINS(line, "90 degrees");
+  EXPECT_CONTAINS(line, "(0.5, 1, 0)");
+  EXPECT_CONTAINS(line, "(0.5, 1, 2)");
+}
+
+TEST(Convexity, RefusesATorus) {
+  EXPECT_CONTAINS(fault_of({test::torus(0.03, 0.01, 24)}), "concave");
+}
+
+TEST(Convexity, AcceptsConvexBodiesInSinglePrecisionAnywhere) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> scale(0.2, 3);
+  for (int round = 0; round < 60; ++round) {
+    const glm::dmat3 R = random_rotation(random);
+    const Vec3 stretch(scale(random), scale(random), scale(random)), at(0.1 * (round % 7), -0.3, 0.05 * round);
+    const int rings = 3 + static_cast<int>(random() % 40), segments = 3 + static_cast<int>(random() % 80);
+    const Mesh mesh =
+        test::transformed(test::sphere(0.02, rings, segments), [&](const Vec3& p) { return R * (stretch * p) + at; });
+    EXPECT_EQ(fault_of({test::rounded(mesh)}), "") << rings << " x " << segments;
+  }
+}
+
+TEST(Convexity, FindsAVertexPushedIn) {
+  std::mt19937 random(13);
+  for (int round = 0; round < 60; ++round) {
+    Mesh mesh = test::sphere(0.02, 10 + round % 5, 14);
+    // Past the chord of its neighbours: sagitta of a 26 degree cap is 2.5 % of the radius.
+    mesh.positions[random() % mesh.positions.size()] *= 0.94;
+    EXPECT_CONTAINS(fault_of({mesh}), "concave");
+  }
+}
+
+TEST(Convexity, AcceptsSliversButNotWhatTheyHide) {
+  // A cube whose face has a vertex almost on an edge: the triangle between is a needle without a direction.
+  Mesh cube = box(Vec3(0), Vec3(1));
+  cube.positions.emplace_back(0.5, 1e-9, 0);
+  // The edge 0-1 at y = z = 0, shared by (0,2,1) and (0,1,4), is cut: the vertex belongs to the face z = 0.
+  cube.triangles[0] = {0, 2, 8};
+  cube.triangles.insert(cube.triangles.end(), {{8, 2, 1}, {0, 8, 1}});
+  ASSERT_TRUE(find_defects(cube).closed_and_oriented());
+  const auto solids = solids_of({cube});
+  EXPECT_EQ(solids[0].planes.size(), 6U);
+  EXPECT_NEAR(depth(solids[0], Vec3(0.5)), 0.5, 1e-6);
+  // An L-shape whose inner corner is bevelled by a strip too narrow for a normal of its own.
+  const double w = 2e-7;
+  const std::vector<Vec2> outline{{0, 0}, {2, 0}, {2, 1}, {1 + w, 1}, {1, 1 + w}, {1, 2}, {0, 2}};
+  Mesh bevelled;
+  for (const double z : {0.0, 1.0}) {
+    for (const Vec2& p : outline)
+      bevelled.positions.emplace_back(p.x, p.y, z);
+  }
+  for (std::uint32_t i = 0; i < 7; ++i) {
+    const std::uint32_t k = (i + 1) % 7;
+    bevelled.triangles.insert(bevelled.triangles.end(), {{i, k, k + 7}, {i, k + 7, i + 7}});
+  }
+  for (const auto& [a, b, c] : {std::tuple(0U, 1U, 3U), std::tuple(1U, 2U, 3U), std::tuple(0U, 3U, 4U),
+                                std::tuple(0U, 4U, 6U), std::tuple(4U, 5U, 6U)}) {
+    bevelled.triangles.insert(bevelled.triangles.end(), {{a, c, b}, {a + 7, b + 7, c + 7}});
+  }
+  ASSERT_TRUE(find_defects(bevelled).closed_and_oriented());
+  EXPECT_CONTAINS(fault_of({bevelled}), "concave");
+}
+
+// A dent so shallow and so finely divided that no edge of it stands out of rounding.
+TEST(Convexity, FindsADentOfEdgesTooFlatToCall) {
+  const Mesh fine = test::transformed(test::sphere(0.02, 400, 800), [](const Vec3& p) {
+    // The polar cap, radius 6 mm, is bent inwards to a bowl of the same curvature: some 1.9 mm deep.
+    const double limit = 0.019;
+    return p.z > limit ? Vec3(p.x, p.y, 2 * limit - p.z) : p;
+  });
+  EXPECT_CONTAINS(fault_of({test::rounded(fine)}), "concave");
+  // The same bowl, 4 micrometres deep.
+  const Mesh shallow = test::transformed(test::sphere(0.02, 400, 800), [](const Vec3& p) {
+    const double r = std::hypot(p.x, p.y), z = 0.0199 + r * r;
+    return p.z > z ? Vec3(p.x, p.y, z) : p;
+  });
+  EXPECT_CONTAINS(fault_of({test::rounded(shallow)}), "concave");
+}
+
+TEST(Convexity, AMillionFacesTakeSeconds) {
+  const Mesh mesh = test::rounded(test::sphere(0.02, 500, 1000));
+  ASSERT_EQ(mesh.triangles.size(), 998'000U);
+  const auto start = std::chrono::steady_clock::now();
+  const auto solids = solids_of({mesh});
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  EXPECT_NEAR(signed_volume(solids[0].mesh), 4.0 / 3 * std::numbers::pi * 8e-6, 1e-9);
+#ifdef NDEBUG
+  EXPECT_LT(seconds.count(), 20);
+#endif
+}
+
+}  // namespace
+}  // namespace palpa::geometry
