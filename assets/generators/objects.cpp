@@ -3,6 +3,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "assets/generators/shape.hpp"
@@ -58,18 +59,23 @@ Mesh make_semi_sphere() {
   Mesh mesh;
   mesh.positions.emplace_back(0.0, 0.0, 0.0);
   Ring above{0, 1};
+  double turn = 0.0;  // of a ring, in steps between its vertices
   for (int row = 1; row <= kDomeRows; ++row) {
     const double polar = row * std::numbers::pi / (2 * kDomeRows);
     const bool is_rim = row == kDomeRows;
     const double radius = is_rim ? kRadius : kRadius * std::sin(polar);
     const double y = is_rim ? -kRadius : kRadius * (std::cos(polar) - 1.0);
-    // Neighbours on a ring are as far apart as makes equilateral triangles with these rows.
+    // Neighbours on a ring are about as far apart as makes equilateral triangles with these rows. Counts are multiples
+    // of six: two rings' edges then line up either often and exactly or, as below, nowhere nearly.
     const double spacing = kRadius * std::numbers::pi / (2 * kDomeRows) * 2.0 / std::numbers::sqrt3;
-    const auto count = static_cast<std::uint32_t>(std::lround(2 * std::numbers::pi * radius / spacing));
+    const auto count = 6 * static_cast<std::uint32_t>(std::lround(2 * std::numbers::pi * radius / spacing / 6));
+    // Two parallel edges of neighbouring rings would span a flat trapezoid. Middles of edges on the two rings differ by
+    // multiples of gcd / (n m) turns, plus what the second ring is turned: half of that keeps them farthest apart.
+    if (row > 1)
+      turn = count * ((0.5 + turn) / above.count - 0.5 * std::gcd(above.count, count) / above.count / count) - 0.5;
     const Ring ring{static_cast<std::uint32_t>(mesh.positions.size()), count};
     for (std::uint32_t i = 0; i < count; ++i) {
-      // Every other row is turned by half a step.
-      const double angle = 2 * std::numbers::pi * (i + 0.5 * (row % 2)) / count;
+      const double angle = 2 * std::numbers::pi * (i + turn) / count;
       mesh.positions.emplace_back(radius * std::cos(angle), y, -radius * std::sin(angle));
     }
     sew(mesh, above, ring);

@@ -1,0 +1,78 @@
+// What is committed under assets/ is what the generators write, byte for byte.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "geometry/gltf.hpp"
+#include "geometry/ply.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa {
+namespace {
+
+int run(const std::string& command) {
+  const int status = std::system((command + " 2> /dev/null").c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void expect_as_committed(const std::filesystem::path& folder, const std::string& name) {
+  const std::string committed = bytes_of(test::source_file("assets/" + name));
+  ASSERT_FALSE(committed.empty()) << name;
+  EXPECT_TRUE(bytes_of(folder / name) == committed) << name << " differs: build assets_regenerate and commit, or mend";
+}
+
+TEST(AssetFiles, Objects) {
+  const auto folder = test::scratch_folder("assets-objects");
+  ASSERT_EQ(run(std::string(MAKE_OBJECTS) + " '" + folder.string() + "'"), 0);
+  for (const std::string name : {"cube", "semi-sphere", "pyramid", "prism"}) {
+    expect_as_committed(folder, name + ".glb");
+    const auto scene = geometry::load_gltf(folder / (name + ".glb"));
+    ASSERT_EQ(scene.meshes.size(), 1U);
+    EXPECT_EQ(scene.meshes[0].name, name);
+  }
+}
+
+TEST(AssetFiles, Finger) {
+  const auto folder = test::scratch_folder("assets-finger");
+  ASSERT_EQ(run(std::string(MAKE_FINGER) + " '" + folder.string() + "'"), 0);
+  expect_as_committed(folder, "finger.glb");
+  expect_as_committed(folder, "finger.ply");
+  const auto scene = geometry::load_gltf(folder / "finger.glb");
+  const auto ply = geometry::read_ply(folder / "finger.ply");
+  ASSERT_EQ(scene.meshes.size(), 1U);
+  EXPECT_EQ(scene.meshes[0].name, "finger");
+  EXPECT_TRUE(scene.meshes[0].mesh.positions == ply.positions);
+  EXPECT_TRUE(scene.meshes[0].mesh.triangles == ply.triangles);
+}
+
+TEST(AssetFiles, Hands) {
+  const auto folder = test::scratch_folder("assets-hand");
+  const std::pair<const char*, const char*> hands[] = {
+      {"spread", "hand.glb"}, {"point", "hand-point.glb"}, {"relaxed", "hand-relaxed.glb"}};
+  for (const auto& [pose, name] : hands) {
+    ASSERT_EQ(run(std::string(MAKE_HAND) + " --pose " + pose + " -o '" + (folder / name).string() + "'"), 0);
+    expect_as_committed(folder, name);
+    EXPECT_LT(std::filesystem::file_size(folder / name), 1000000U);
+  }
+  EXPECT_EQ(geometry::load_gltf(folder / "hand.glb").meshes.at(0).name, "hand");
+}
+
+TEST(AssetFiles, GeneratorsSayWhatIsWrong) {
+  EXPECT_EQ(run(MAKE_OBJECTS), 2);
+  EXPECT_EQ(run(std::string(MAKE_OBJECTS) + " /nowhere/at/all"), 1);
+  EXPECT_EQ(run(std::string(MAKE_HAND) + " --pose spread"), 2);
+  EXPECT_EQ(run(std::string(MAKE_HAND) + " --pose wave -o /dev/null"), 4);  // no such pose, so a file that is not there
+  EXPECT_EQ(run(std::string(MAKE_HAND) + " --pose point -o /dev/full"), 1);
+}
+
+}  // namespace
+}  // namespace palpa

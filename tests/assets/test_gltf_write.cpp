@@ -1,0 +1,145 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <string>
+
+#include "base/error.hpp"
+#include "geometry/gltf.hpp"
+#include "geometry/gltf_write.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+Mesh triangle(double x) {
+  return {{{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0.125}}, {{0, 1, 2}}};
+}
+
+/// A strip of `vertices` vertices.
+Mesh strip(std::uint32_t vertices) {
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < vertices; ++i)
+    mesh.positions.emplace_back(i / 2, i % 2, 0);
+  for (std::uint32_t i = 0; i + 2 < vertices; ++i) {
+    if (i % 2 == 0)
+      mesh.triangles.emplace_back(i, i + 1, i + 2);
+    else
+      mesh.triangles.emplace_back(i + 1, i, i + 2);
+  }
+  return mesh;
+}
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::uint32_t word(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  std::memcpy(&value, bytes.data() + at, 4);
+  return value;
+}
+
+class WriteGlb : public ::testing::Test {
+ protected:
+  std::filesystem::path file_ = test::scratch_folder("gltf_write") / "out.glb";
+
+  std::string fault_of(const std::vector<SceneMesh>& meshes) {
+    try {
+      write_glb(file_, meshes);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Exit::failed);
+      return error.what();
+    }
+    return "";
+  }
+};
+
+TEST_F(WriteGlb, GivesTheSameMeshesBackWithTheirNames) {
+  const std::vector<SceneMesh> meshes{
+      {"a \"quoted\" \\ name", triangle(0)}, {"tab\there", triangle(-5)}, {"Würfel", strip(9)}};
+  write_glb(file_, meshes);
+  const Scene scene = load_gltf(file_);
+  ASSERT_EQ(scene.meshes.size(), meshes.size());
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    EXPECT_EQ(scene.meshes[i].name, meshes[i].name);
+    EXPECT_EQ(scene.meshes[i].mesh.positions, meshes[i].mesh.positions);
+    EXPECT_EQ(scene.meshes[i].mesh.triangles, meshes[i].mesh.triangles);
+  }
+}
+
+TEST_F(WriteGlb, UsesShortIndicesAsLongAsTheyReach) {
+  for (const std::uint32_t vertices : {65535U, 65536U}) {
+    const SceneMesh item{"strip", strip(vertices)};
+    write_glb(file_, {&item, 1});
+    const bool is_short = vertices == 65535;
+    EXPECT_EQ(bytes_of(file_).find("\"componentType\":5123") != std::string::npos, is_short);
+    EXPECT_EQ(bytes_of(file_).find("\"componentType\":5125") != std::string::npos, !is_short);
+    const Scene scene = load_gltf(file_);
+    EXPECT_EQ(scene.meshes.at(0).mesh.positions.size(), vertices);
+    EXPECT_EQ(scene.meshes.at(0).mesh.triangles, item.mesh.triangles);
+  }
+}
+
+TEST_F(WriteGlb, LaysChunksOutAsTheFormatSays) {
+  // One triangle: 36 bytes of positions, 6 of indices padded to 8.
+  const SceneMesh item{"t", triangle(-0.25)};
+  write_glb(file_, {&item, 1});
+  const std::string bytes = bytes_of(file_);
+  ASSERT_GT(bytes.size(), 28U);
+  EXPECT_EQ(bytes.substr(0, 4), "glTF");
+  EXPECT_EQ(word(bytes, 4), 2U);
+  EXPECT_EQ(word(bytes, 8), bytes.size());
+  const std::uint32_t json = word(bytes, 12);
+  EXPECT_EQ(json % 4, 0U);
+  EXPECT_EQ(bytes.substr(16, 4), "JSON");
+  EXPECT_EQ(word(bytes, 20 + json), 44U);
+  EXPECT_EQ(bytes.substr(24 + json, 4), std::string("BIN\0", 4));
+  EXPECT_EQ(bytes.size(), 28 + json + 44);
+  EXPECT_NE(bytes.find("\"generator\":\"palpa\""), std::string::npos);
+  EXPECT_NE(bytes.find("\"min\":[-0.25,0,0],\"max\":[0.75,1,0.125]"), std::string::npos);
+}
+
+TEST_F(WriteGlb, WritesTheSameBytesEachTime) {
+  const SceneMesh item{"strip", strip(100)};
+  write_glb(file_, {&item, 1});
+  const std::string first = bytes_of(file_);
+  write_glb(file_, {&item, 1});
+  EXPECT_EQ(bytes_of(file_), first);
+}
+
+TEST_F(WriteGlb, WritesNoNegativeZero) {
+  const SceneMesh item{"t", {{{-0.0, -0.0, -0.0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}};
+  write_glb(file_, {&item, 1});
+  const std::string bytes = bytes_of(file_);
+  const std::size_t binary = 28 + word(bytes, 12);
+  EXPECT_EQ(bytes.substr(binary, 12), std::string(12, '\0'));
+}
+
+TEST_F(WriteGlb, RefusesWhatAFileCannotHold) {
+  EXPECT_NE(fault_of({{"empty", {}}}).find("\"empty\" has no triangles"), std::string::npos);
+  Mesh broken = triangle(0);
+  broken.triangles[0].z = 3;
+  EXPECT_NE(fault_of({{"broken", broken}}).find("index out of range"), std::string::npos);
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e39}) {
+    Mesh huge = triangle(0);
+    huge.positions[1].y = bad;
+    EXPECT_NE(fault_of({{"huge", huge}}).find("coordinate"), std::string::npos);
+  }
+}
+
+TEST_F(WriteGlb, SaysWhenTheFileCannotBeWritten) {
+  for (const char* place : {"/dev/full", "/nowhere/at/all.glb"}) {
+    file_ = place;
+    const std::string fault = fault_of({{"t", triangle(0)}});
+    EXPECT_EQ(fault.rfind(std::string(place) + ": cannot be written: ", 0), 0U) << fault;
+    EXPECT_EQ(fault.find('\n'), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace palpa::geometry
