@@ -24,5 +24,9 @@ run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/consumer -B ${consumer} -G Nin
     -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
     -DWANTED_VERSION=${VERSION})
 run(${CMAKE_COMMAND} --build ${consumer})
-run(${consumer}/feel)
+set(assets ${prefix}/share/palpa/assets)
+foreach(program feel everything)
+  run(${consumer}/${program} ${assets}/cube.glb ${assets}/finger.ply)
+endforeach()
+run(${consumer}/byte_link_test ${BUILD}/package/bytes)
 run(${prefix}/bin/palpa --version)

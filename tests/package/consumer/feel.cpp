@@ -1,21 +1,45 @@
-// A user's program: how deep is a point in a cube of 4 cm?
-#include <cmath>
+// A user's program: presses a finger 3 mm into a model and drives the paper's array for it, slot by slot.
+//   feel MODEL.glb FINGER.ply
+#include <algorithm>
 #include <cstdio>
+#include <vector>
 
+#include "array/drive.hpp"
+#include "base/error.hpp"
+#include "geometry/gltf.hpp"
+#include "geometry/ply.hpp"
 #include "geometry/solid.hpp"
+#include "touch/chain.hpp"
 
-int main() {
-  using palpa::Vec3;
-  palpa::geometry::Scene scene{"cube", {{"cube", {}}}};
-  palpa::geometry::Mesh& cube = scene.meshes.front().mesh;
-  for (int i = 0; i < 8; ++i) {
-    cube.positions.push_back(Vec3(i & 1 ? 0.02 : -0.02, i & 2 ? 0.02 : -0.02, i & 4 ? 0.02 : -0.02));
+int main(int argc, char** argv) try {
+  using namespace palpa;
+  if (argc != 3) throw bad_usage("usage: feel MODEL.glb FINGER.ply");
+
+  const std::vector<geometry::Solid> solids = geometry::make_solids(geometry::load_gltf(argv[1]));
+  std::vector<glm::vec3> skin;
+  for (const Vec3& point : geometry::read_ply(argv[2]).positions) {
+    skin.emplace_back(point - Vec3(0, 0.003, 0));
   }
-  cube.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
 
-  const auto solids = palpa::geometry::make_solids(scene);
-  const double depth = palpa::geometry::depth(solids.at(0), Vec3(0.001, 0.018, -0.003));
-  std::printf("%s: 2 mm below the top the depth is %.17g m\n", solids[0].name.c_str(), depth);
-  return std::abs(depth - 0.002) < 1e-12 ? 0 : 1;
+  touch::Touch touch;
+  touch::touch_points(skin, solids, touch::Parameters{}, touch);
+
+  const array::Layout paper = array::load_layout("paper");
+  const array::Layout layout = array::transformed(paper, paper.default_T_world_layout);
+  array::Drive drive(layout.transducers.size());
+  int drives = 0;
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+    for (const touch::Focus& focus : touch.fingers[f].foci) {
+      if (focus.points == 0) continue;
+      const array::SlotFocus slot{Vec3(focus.position), 1.0f};
+      array::drive_for(layout, {&slot, 1}, array::DriveOptions{}, drive);
+      drives += std::any_of(drive.begin(), drive.end(), [](const auto& d) { return d.amplitude == 1.0f; });
+    }
+  }
+  std::printf("%zu contacts, %u fingers, %d drives of %zu transducers\n", touch.contacts.size(), touch.finger_count,
+              drives, drive.size());
+  return touch.finger_count == 1 && drives == 10 && drive.size() == 3984 ? 0 : 1;
+} catch (const palpa::Error& error) {
+  std::fprintf(stderr, "feel: %s\n", error.what());
+  return static_cast<int>(error.code());
 }
