@@ -99,7 +99,27 @@ shaders() {
   return "$found"
 }
 
+# Pages point to files that exist, and the example that a page shows is the one that is compiled.
+docs() {
+  local page target found=0
+  while read -r page; do
+    while read -r target; do
+      if [[ ! -e ${page%"${page##*/}"}$target ]]; then
+        echo "   $page points to $target, which does not exist"
+        found=1
+      fi
+    done < <(grep -o '](\([^)#:]*\)[^):]*)' "$page" | sed 's/^](//; s/[#)].*//' | grep .)
+  done < <(files '*.md')
+  if ! awk '/^```/ { inside = /cpp/ && !seen++; next } inside' docs/add-a-link.md |
+    diff - tests/package/consumer/byte_link.hpp; then
+    echo "   docs/add-a-link.md shows another byte_link.hpp than the one that is tested"
+    found=1
+  fi
+  return "$found"
+}
+
 step "clang-format" format
+step "docs" docs
 step "arrows between rooms" arrows
 step "file sizes" sizes
 step "machine paths" paths
