@@ -1,0 +1,273 @@
+// Layout TOMLs: what they mean, what is refused and how, and what hostile files do.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+#include "array/layout_toml.hpp"
+#include "array/toml_guard.hpp"
+#include "base/error.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::array {
+namespace {
+
+constexpr const char* one_unit = R"(
+name = "mine"
+source_level_pa_m = 5
+[[unit]]
+type = "autd3"
+position_m = [0.1, 0, -0.2]
+quaternion_wxyz = [0.7071, 0, 0, 0.7071]  # a quarter turn about z
+)";
+
+std::string fault_of(const std::string& text) {
+  try {
+    parse_layout_toml(text, "my.toml");
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Exit::bad_input);
+    const std::string line = error.what();
+    EXPECT_TRUE(line.starts_with("my.toml: ")) << line;
+    for (const char c : line)
+      EXPECT_TRUE(c >= ' ' && c != 127) << line;
+    EXPECT_LT(line.size(), 400u);
+    return line.substr(9);
+  }
+  return "accepted";
+}
+
+TEST(LayoutToml, PlacesUnits) {
+  const Layout layout = parse_layout_toml(one_unit, "x/y.toml");
+  const Layout unit = load_layout("autd3");
+  EXPECT_EQ(layout.name, "mine");
+  EXPECT_EQ(layout.source_level_pa_m, 5);
+  ASSERT_EQ(layout.transducers.size(), 249u);
+  for (std::size_t t = 0; t < 249; ++t) {
+    const Vec3 p = unit.transducers[t].position;
+    EXPECT_LE(glm::distance(layout.transducers[t].position, Vec3(-p.y + 0.1, p.x, -0.2)), 1e-12);
+    EXPECT_LE(glm::distance(layout.transducers[t].axis, Vec3(0, 0, 1)), 1e-12);
+  }
+  ASSERT_EQ(layout.boards.size(), 1u);
+  EXPECT_EQ(layout.boards[0].type, "autd3");
+  EXPECT_EQ(layout.default_T_world_layout[3].y, -0.15);
+}
+
+TEST(LayoutToml, PlacesTransducersBehindUnits) {
+  const Layout layout = parse_layout_toml(R"(
+[[transducer]]
+position_m = [0, 0, 0.3]
+axis = [0, 0.6, -0.8]
+[[unit]]
+type = "openmpd"
+position_m = [0, 0, 0]
+quaternion_wxyz = [1, 0, 0, 0]
+[[transducer]]
+position_m = [0.01, 0.0, 0.3]
+axis = [0, 0, -1]
+)",
+                                          "dome.toml");
+  EXPECT_EQ(layout.name, "dome");
+  EXPECT_EQ(layout.source_level_pa_m, 4.386);
+  ASSERT_EQ(layout.transducers.size(), 258u);
+  EXPECT_EQ(layout.transducers[256].position, Vec3(0, 0, 0.3));
+  EXPECT_LE(glm::distance(layout.transducers[256].axis, Vec3(0, 0.6, -0.8)), 1e-12);
+  EXPECT_EQ(layout.transducers[257].position, Vec3(0.01, 0, 0.3));
+}
+
+TEST(LayoutToml, TheExampleLoads) {
+  const Layout layout = load_layout(test::source_file("assets/layouts/example.toml").string());
+  EXPECT_FALSE(layout.transducers.empty());
+  EXPECT_FALSE(layout.boards.empty());
+}
+
+TEST(LayoutToml, FaultsNameLineAndKey) {
+  const std::string pose = "position_m = [0, 0, 0]\nquaternion_wxyz = [1, 0, 0, 0]\n";
+  EXPECT_EQ(fault_of(""), "no transducers: write [[unit]] or [[transducer]] tables");
+  EXPECT_EQ(fault_of("unit = 3"), "line 1: unit is not a list: write [[unit]]");
+  EXPECT_EQ(fault_of("\nunit = [3]"), "line 2: unit is not a table: write [[unit]]");
+  EXPECT_EQ(fault_of("[unit]\n"), "line 1: unit is not a list: write [[unit]]");
+  EXPECT_EQ(fault_of("# head\ncolour = 1\n"),
+            "line 2: unknown key colour in a layout; known: name, source_level_pa_m, unit, transducer");
+  EXPECT_EQ(fault_of("[[unit]]\ntype = \"autd4\"\n" + pose),
+            "line 2: type is no known board; known: autd3, openmpd, sonicsurface");
+  EXPECT_EQ(fault_of("[[unit]]\ntype = \"paper\"\n" + pose),
+            "line 2: type is no known board; known: autd3, openmpd, sonicsurface");
+  EXPECT_EQ(fault_of("[[unit]]\ntype = 3\n" + pose), "line 2: type is not a string");
+  EXPECT_EQ(fault_of("[[unit]]\n" + pose), "line 1: [[unit]] lacks type");
+  EXPECT_EQ(fault_of("[[unit]]\ntype = \"autd3\"\nposition_m = [0, 0, 0]\n"), "line 1: [[unit]] lacks quaternion_wxyz");
+  EXPECT_EQ(fault_of("[[unit]]\ntype = \"autd3\"\nposition_m = [0, 0, 0]\nquaternion_wxyz = [1, 1, 0, 0]\n"),
+            "line 4: quaternion_wxyz has length 1.4142135623730951, not 1");
+  EXPECT_EQ(fault_of("[[unit]]\ntype = \"autd3\"\nposition_m = [0, 0, 0]\nquaternion_wxyz = [nan, 1, 0, 0]\n"),
+            "line 4: quaternion_wxyz is not a finite number");
+  EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0]\naxis = [0, 0, 1]\n"),
+            "line 2: position_m is not a list of 3 numbers");
+  EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, 11]\naxis = [0, 0, 1]\n"),
+            "line 2: position_m has 11 m; at most 10 m from the origin");
+  EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, \"1\"]\naxis = [0, 0, 1]\n"),
+            "line 2: position_m is not a finite number");
+  EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, inf]\naxis = [0, 0, 1]\n"),
+            "line 2: position_m is not a finite number");
+  EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, 1]\naxis = [0, 0, 0]\n"), "line 3: axis has length 0, not 1");
+  EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, 1]\naxis = [0, 0, 1]\nx = 1\n"),
+            "line 4: unknown key x in [[transducer]]; known: position_m, axis");
+  EXPECT_EQ(fault_of("source_level_pa_m = 0\n"),
+            "line 1: source_level_pa_m is 0; above 0 and at most 10000 Pa m, such as 4.386");
+  EXPECT_EQ(fault_of("source_level_pa_m = true\n"), "line 1: source_level_pa_m is not a finite number");
+  EXPECT_EQ(fault_of("name = 3\n"), "line 1: name is not a string");
+  EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, 1]\naxis = [0, 0, 1]\n[[transducer]]\nposition_m = [0, 0, "
+                     "1]\naxis = [0, 1, 0]\n"),
+            "transducers 0 and 1 are at the same place");
+  EXPECT_TRUE(fault_of("name = \"x\"\nunit = [[\n").starts_with("line ")) << "whatever the parser calls it";
+  EXPECT_TRUE(fault_of("\x01").starts_with("line 1: "));
+  EXPECT_TRUE(fault_of("\"\\u0001\\nb\" = 1").starts_with("line 1: unknown key ??b in a layout"));
+}
+
+TEST(LayoutToml, FilesThatAreNone) {
+  const auto folder = test::scratch_folder("layout_toml");
+  const auto refused = [](const std::filesystem::path& file) {
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_THROW(load_layout(file.string()), Error) << file;
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1)) << file;
+  };
+  refused(folder / "absent.toml");
+  refused(folder);
+  ASSERT_EQ(mkfifo((folder / "pipe.toml").c_str(), 0600), 0);
+  refused(folder / "pipe.toml");
+  refused("/dev/zero");
+  std::ofstream(folder / "zeros.toml") << "";
+  refused(folder / "zeros.toml");
+  std::filesystem::resize_file(folder / "zeros.toml", 4096);
+  refused(folder / "zeros.toml");
+  std::filesystem::resize_file(folder / "zeros.toml", std::uintmax_t{10} << 30);  // sparse
+  refused(folder / "zeros.toml");
+  std::filesystem::create_symlink(folder / "loop.toml", folder / "loop.toml");
+  refused(folder / "loop.toml");
+}
+
+std::string transducers(std::size_t count) {
+  std::ostringstream text;
+  for (std::size_t i = 0; i < count; ++i) {
+    text << "[[transducer]]\nposition_m = [" << 0.01 * static_cast<double>(i % 256) << ", "
+         << 0.01 * static_cast<double>(i / 256) << ", 0]\naxis = [0, 0, 1]\n";
+  }
+  return text.str();
+}
+
+TEST(LayoutToml, HoldsAsManyTransducersAsAllowedAndNoMore) {
+  EXPECT_EQ(parse_layout_toml(transducers(max_transducers), "most.toml").transducers.size(), max_transducers);
+  const std::string fault = fault_of(transducers(max_transducers + 1));
+  EXPECT_TRUE(fault.ends_with("more than 65536 transducers")) << fault;
+}
+
+TEST(LayoutToml, HostileShapesAreRefusedAtOnce) {
+  const std::size_t big = max_layout_bytes;
+  /// `head`, as many `part`s as fit into `bytes`, `tail`.
+  const auto repeat = [](std::string_view part, std::size_t bytes, std::string_view head = "",
+                         std::string_view tail = "") {
+    std::string text(head);
+    while (text.size() + part.size() <= bytes)
+      text += part;
+    text += tail;
+    return text;
+  };
+  std::string dotted_inside = "a = [";
+  for (int depth = 0; depth < 100; ++depth)
+    dotted_inside += repeat("b.", 10000, "{", "b = [");
+  const std::vector<std::pair<const char*, std::string>> shapes{
+      {"zeros", std::string(big, '\0')},
+      {"too many bytes", std::string(big + 1, ' ')},
+      {"brackets", repeat("[", big)},
+      {"open lists", repeat("[", big - 10, "a = ")},
+      {"inline tables", repeat("{a=", big - 10, "a = ")},
+      {"dotted key", repeat("a.", big - 10, "", "a = 1")},
+      {"quoted dotted key", repeat("\",\".", big - 10, "", "a = 1")},
+      {"literal dotted key", repeat("'\n'.", big - 10, "", "a = 1")},
+      {"dotted header", repeat("a.", big - 10, "[", "a]")},
+      {"dotted keys within tables within lists", dotted_inside},
+      {"values", repeat("1,", big - 10, "a = [", "]")},
+      {"keys", repeat("\n\n\n", big)},
+      {"endless string", repeat("x", big - 10, "a = \"")},
+      {"escapes to the end", repeat("\\", big - 10, "a = \"")},
+      {"quotes", repeat("\"", big)},
+      {"bad utf-8", repeat("\xc3", big)},
+      {"long number", repeat("1", big - 10, "a = ")},
+      {"one comment", repeat("x", big - 10, "#")},
+  };
+  for (const auto& [name, text] : shapes) {
+    const auto begin = std::chrono::steady_clock::now();
+    const std::string fault = fault_of(text);
+    EXPECT_NE(fault, "accepted") << name;
+    // A second on an idle machine at full speed; sanitizers and neighbours need more.
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20)) << name;
+    if (testing::Test::HasFailure()) FAIL() << name << ": " << fault;
+    std::printf("  %s: %s (%.0f ms)\n", name, fault.c_str(),
+                std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+  }
+}
+
+TEST(TomlGuard, CountsKeyPartsOutsideOfStringsOnly) {
+  EXPECT_NO_THROW(
+      guard_toml("a = \"1.2.3.4.5.6.7.8.9.10\"\nb = '''\n1.1.1.1.1.1.1.1.1.1\n'''\n# 1.1.1.1.1.1.1.1.1.1.1", "x"));
+  EXPECT_NO_THROW(guard_toml("a = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0]", "x"));
+  EXPECT_NO_THROW(guard_toml("a = \"\"\"x\"\"\"\"\"\nb.c = 1", "x"));
+  EXPECT_THROW(guard_toml("a.b.c.d.e.f.g.h.i = 1", "x"), Error);
+  EXPECT_THROW(guard_toml("a = \"\\\"\"\na . b . c.d.e.f.g.h.i = 1", "x"), Error);
+  EXPECT_THROW(guard_toml("\"a\".'b'.\"c\".d.e.f.g.h.i = 1", "x"), Error);
+  try {
+    guard_toml("\n\"\\\n\"\n''' \n'''\na.b.c.d.e.f.g.h.i = 1", "x");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "x: line 6: a key of more than 8 parts");
+  }
+}
+
+TEST(LayoutToml, FuzzedTextsNeverGetThroughBroken) {
+  const std::string seeds[] = {
+      one_unit, transducers(3),
+      "unit = [{type = \"openmpd\", position_m = [0, 0, 0], quaternion_wxyz = [1, 0, 0, 0]}]\n"};
+  const std::string alphabet = "[]{}=.,\"'#\n\\ \t019-+eEnai_:TZ\x00\x7f\xc3\xa9x";
+  std::mt19937 random(20240601);
+  int accepted = 0;
+  for (int round = 0; round < 20000; ++round) {
+    std::string text = seeds[random() % 3];
+    for (unsigned edits = 1 + random() % 4; edits > 0 && !text.empty(); --edits) {
+      const std::size_t at = random() % text.size();
+      switch (random() % 4) {
+        case 0:
+          text[at] = alphabet[random() % alphabet.size()];
+          break;
+        case 1:
+          text.erase(at, 1 + random() % 12);
+          break;
+        case 2:
+          text.insert(at, 1, alphabet[random() % alphabet.size()]);
+          break;
+        default:
+          text.insert(at, text.substr(random() % text.size(), random() % 40));
+          break;
+      }
+    }
+    try {
+      const Layout layout = parse_layout_toml(text, "fuzz.toml");
+      ++accepted;
+      ASSERT_FALSE(layout.transducers.empty());
+      for (const Transducer& t : layout.transducers) {
+        ASSERT_LT(glm::length(t.position), 20) << text;
+        ASSERT_NEAR(glm::length(t.axis), 1, 1e-9) << text;
+      }
+    } catch (const Error& error) {
+      ASSERT_EQ(error.code(), Exit::bad_input);
+      ASSERT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    }
+  }
+  // The fuzz reaches both sides.
+  EXPECT_GT(accepted, 200);
+  EXPECT_LT(accepted, 15000);
+}
+
+}  // namespace
+}  // namespace palpa::array
