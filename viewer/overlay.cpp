@@ -39,6 +39,12 @@ class Ink {
       last = next;
     }
   }
+  void swatch(const Vec2& centre, const Colour& fill, const Colour& border) {
+    const Vec2 half(px(4.5), 0);
+    line(centre - half, centre + half, 10, border);
+    line(centre - half, centre + half, 8, paper_);
+    line(centre - half, centre + half, 8, fill);
+  }
   /// `at` is where the baseline begins, is centred or ends.
   void text(std::string_view words, Vec2 at, double height, const Colour& c, Align align = Align::left,
             double weight = 1) {
@@ -141,13 +147,13 @@ void draw_legend(Ink& ink, const Picture& picture, const Theme& theme) {
       names += (i ? ", " : "") + picture.solids[i].name.substr(0, 40);
     }
     if (picture.solids.size() > 4) names += fmt::format(" and {} more", picture.solids.size() - 4);
-    const Vec2 m = middle(), half(ink.px(5), 0);
-    ink.line(m - half, m + half, 9, theme.solid_rim);
+    const Vec2 m = middle();
+    ink.swatch(m, theme.solid_rim, theme.edge);
     entry(names);
   }
   if (picture.skin) {
-    const Vec2 m = middle(), half(ink.px(5), 0);
-    ink.line(m - half, m + half, 9, theme.skin_rim);
+    const Vec2 m = middle();
+    ink.swatch(m, theme.skin_rim, theme.skin_point);
     entry(picture.skin->name);
   }
   if (!picture.skin_points.empty()) {

@@ -12,17 +12,17 @@ void show_solids(Picture& picture, std::span<const geometry::Solid> solids) {
     picture.solids.push_back({solid.name, solid.mesh});
 }
 
-void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::span<const Vec3> positions,
+void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::span<const sensing::SkinPoint> points,
                 const touch::Touch& touch) {
-  std::vector<bool> is_contact(positions.size(), false);
   picture.contacts.clear();
-  for (const auto& contact : touch.contacts) {
-    if (contact.point < is_contact.size()) is_contact[contact.point] = true;
+  for (const touch::Contact& contact : touch.contacts)
     picture.contacts.push_back({contact.position, std::nullopt});
-  }
   picture.skin_points.clear();
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (!is_contact[i]) picture.skin_points.emplace_back(positions[i]);
+  auto contact = touch.contacts.begin();
+  for (const sensing::SkinPoint& point : points) {
+    while (contact != touch.contacts.end() && contact->point < point.index)
+      ++contact;
+    if (contact == touch.contacts.end() || contact->point != point.index) picture.skin_points.push_back(point.position);
   }
   picture.fingers.clear();
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {

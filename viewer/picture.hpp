@@ -16,6 +16,7 @@
 #include "geometry/mesh.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
+#include "sensing/skin.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::viewer {
@@ -81,8 +82,8 @@ struct Picture {
 // What fills a picture from the engine's values; each replaces its own part only.
 
 void show_solids(Picture& picture, std::span<const geometry::Solid> solids);
-/// `positions` of all skin points; those that are contacts are drawn as contacts only.
-void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::span<const Vec3> positions,
+/// `points` in ascending order of index; those that are contacts are drawn as contacts only.
+void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::span<const sensing::SkinPoint> points,
                 const touch::Touch& touch);
 /// Foci in playing order, one voice per finger of `show_touch` and in its order.
 void show_schedule(Picture& picture, const array::Schedule& schedule, const touch::Touch& touch);

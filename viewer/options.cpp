@@ -1,0 +1,127 @@
+#include "viewer/options.hpp"
+
+#include <fmt/core.h>
+
+#include <charconv>
+
+#include "base/error.hpp"
+#include "cli/values.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+bool has_skin(const Options& o) {
+  return !o.input.points.empty() || !o.input.depths.empty();
+}
+
+Vec3 point(const std::string& option, const std::string& text) {
+  const auto p = cli::parse_point(option, text);
+  return {p[0], p[1], p[2]};
+}
+
+}  // namespace
+
+void add_options(CLI::App& app, Options& o) {
+  cli::add_touch_input(app, o.input);
+  cli::add_touch_options(app, o.touch);
+  const cli::Group array(app, "Array");
+  array.text("--layout", o.layout, "NAME|FILE",
+             "array to draw: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML");
+  array.integer("--slot", o.slot, 0, std::uint64_t{1} << 40,
+                "first slot to show: its focus is highlighted, its drive coloured");
+  cli::add_drive_options(app, o.drive);
+
+  const cli::Group what(app, "Picture");
+  what.text("--skin", o.skin, "FILE",
+            "surface of the finger or hand as PLY, drawn faintly; --penetration moves it too");
+  what.text("--title", o.title, "TEXT", "above the legend");
+  what.flag("--show-cameras", o.show_cameras, "draw the cameras of --depth");
+  what.flag("--dark", o.dark, "dark background");
+  what.flag("--no-legend", o.no_legend, "neither legend nor axes nor scale");
+  what.flag("--no-grid", o.no_grid, "no grid");
+
+  const cli::Group where(app, "View");
+  where.choice("--view", o.view,
+               {{"front", StandardView::front},
+                {"right", StandardView::right},
+                {"top", StandardView::top},
+                {"iso", StandardView::iso}},
+               "from where");
+  where.text("--eye", o.eye, "X,Y,Z", "in place of --view: the eye, looking at --target");
+  where.text("--target", o.target, "X,Y,Z", "what --eye looks at [0,0,0]");
+  where.choice("--frame", o.frame,
+               {{"touch", std::optional(Extent::touch)},
+                {"objects", std::optional(Extent::objects)},
+                {"all", std::optional(Extent::all)}},
+               "what fills the picture, normally all where an array is drawn, else objects");
+  where.flag("--ortho", o.orthographic, "parallel projection");
+
+  const cli::Group how(app, "Without a window");
+  how.flag("--headless", o.headless, "open no window");
+  how.integer("--frames", o.frames, 1, 1'000'000, "frames to draw, a slot each, then exit [headless: 1]");
+  how.text("--screenshot", o.screenshot, "FILE", "write the last frame as PNG");
+  how.text("--size", o.size, "WxH", "of picture or window, pixels [1280x800]");
+  how.number("--pixel-ratio", o.pixel_ratio, {0.5, 8}, "NUMBER", "pixels per point: how large text and lines are [1]");
+  how.text("--reference", o.reference, "FILE", "compare the last frame with this PNG");
+  how.number("--threshold", o.threshold, {0, 1}, "NUMBER",
+             "mean difference from --reference above which the exit code is 1 [0.02]");
+}
+
+void check(const Options& o) {
+  if (o.input.scene.empty() && o.layout.empty()) {
+    throw bad_usage("nothing to show: give --scene FILE, such as assets/cube.glb, or --layout NAME");
+  }
+  if (has_skin(o)) {
+    cli::check(o.input);
+    cli::check(o.touch);
+  } else if (!o.input.cameras.empty() || !o.input.rig.empty()) {
+    throw bad_usage("--camera and --rig go with --depth: give the depth images");
+  }
+  if (o.input.penetration_m && o.input.points.empty() && o.skin.empty()) {
+    throw bad_usage("--penetration moves --points and --skin: give one of them");
+  }
+  if (o.input.penetration_m && o.input.scene.empty()) throw bad_usage("--penetration goes with --scene");
+  if (!o.target.empty() && o.eye.empty()) throw bad_usage("--target goes with --eye");
+  if (!o.eye.empty()) {
+    const Vec3 target = o.target.empty() ? Vec3(0) : point("--target", o.target);
+    if (point("--eye", o.eye) == target) throw bad_usage("--eye and --target are the same point");
+  }
+  picture_size(o);
+  if (!o.headless) {
+    if (!o.screenshot.empty()) throw bad_usage("--screenshot goes with --headless");
+    if (!o.reference.empty()) throw bad_usage("--reference goes with --headless");
+  }
+  if (o.threshold && o.reference.empty()) throw bad_usage("--threshold goes with --reference");
+  cli::drive_options(o.drive);
+}
+
+Size picture_size(const Options& o) {
+  Size size;
+  const char* end = o.size.data() + o.size.size();
+  const auto width = std::from_chars(o.size.data(), end, size.width);
+  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
+    const auto height = std::from_chars(width.ptr + 1, end, size.height);
+    const auto fits = [](std::uint32_t v) { return v >= 16 && v <= 8192; };
+    if (height.ec == std::errc() && height.ptr == end && fits(size.width) && fits(size.height)) return size;
+  }
+  throw bad_usage(
+      fmt::format("--size: '{}' is no size; give width x height, 16 to 8192 pixels each, such as 1280x800", o.size));
+}
+
+Box home_of(const Options& o, const Picture& picture) {
+  return extent(picture, o.frame.value_or(picture.transducers.empty() ? Extent::objects : Extent::all));
+}
+
+Camera first_camera(const Options& o, const Picture& picture, double aspect) {
+  Camera camera;
+  camera.orthographic = o.orthographic;
+  if (!o.eye.empty()) {
+    look(camera, point("--eye", o.eye), o.target.empty() ? Vec3(0) : point("--target", o.target));
+    return camera;
+  }
+  look(camera, o.view);
+  frame(camera, home_of(o, picture), aspect);
+  return camera;
+}
+
+}  // namespace palpa::viewer

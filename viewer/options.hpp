@@ -1,0 +1,58 @@
+// The command line of palpa-viewer. Groups that `palpa` has too come from engine/cli, with the same names and defaults.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "cli/options.hpp"
+#include "cli/touch_input.hpp"
+#include "viewer/camera.hpp"
+#include "viewer/picture.hpp"
+
+namespace palpa::viewer {
+
+struct Options {
+  cli::CommonOptions common;
+  cli::TouchInputOptions input;  ///< all of it may be absent where there is a layout
+  cli::TouchOptions touch;
+  cli::DriveOptionsGroup drive;
+  std::string layout;  ///< built-in name or file; empty: the rig's array where there is a rig, else none
+
+  std::string skin;  ///< mesh of the finger or hand, as PLY
+  std::string title;
+  bool show_cameras = false;
+  bool dark = false;
+  bool no_legend = false;
+  bool no_grid = false;
+  std::uint64_t slot = 0;
+
+  StandardView view = StandardView::iso;
+  std::string eye, target;  ///< "x,y,z"
+  std::optional<Extent> frame;
+  bool orthographic = false;
+
+  bool headless = false;
+  std::optional<std::uint32_t> frames;
+  std::string size = "1280x800";
+  std::optional<double> pixel_ratio;
+  std::string screenshot, reference;
+  std::optional<double> threshold;
+};
+
+/// Puts every option on `app`.
+void add_options(CLI::App& app, Options& options);
+/// Throws bad_usage for what is missing, excludes each other or does not parse.
+void check(const Options& options);
+
+struct Size {
+  std::uint32_t width = 0, height = 0;  ///< pixels
+};
+/// Of --size.
+Size picture_size(const Options& options);
+/// Where the camera stands at first, for a picture of that shape.
+Camera first_camera(const Options& options, const Picture& picture, double aspect);
+/// What F frames, and what the first camera does unless an eye is given.
+Box home_of(const Options& options, const Picture& picture);
+
+}  // namespace palpa::viewer

@@ -1,0 +1,79 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "base/error.hpp"
+#include "cli/json_out.hpp"
+#include "cli/output.hpp"
+#include "cli/touch_run.hpp"
+#include "viewer/offscreen.hpp"
+#include "viewer/run.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+std::string to_json(const Pixels& pixels, std::uint32_t frames, std::optional<double> difference, double frame_ms) {
+  cli::JsonWriter json;
+  json.begin_object().member("frames", frames).member("width", pixels.width).member("height", pixels.height);
+  if (difference) json.member("difference", *difference);
+  json.key("timing_ms").begin_object().member("frame", frame_ms).end_object().end_object();
+  return json.take();
+}
+
+double compare(const Options& options, const Pixels& pixels) {
+  const Pixels reference = read_png(options.reference);
+  if (reference.width != pixels.width || reference.height != pixels.height) {
+    throw bad_input(options.reference,
+                    fmt::format("is {}x{} pixels, the picture is {}x{}: give --size {}x{}", reference.width,
+                                reference.height, pixels.width, pixels.height, reference.width, reference.height));
+  }
+  return mean_difference(pixels, reference);
+}
+
+}  // namespace
+
+void run_headless(const Options& options, Show& show) {
+  const gpu::Device device(cli::device_options(options.common));
+  const Size size = picture_size(options);
+  Offscreen offscreen(device, size.width, size.height, options.pixel_ratio.value_or(1));
+  Scene scene(device);
+  scene.update(show.picture());
+  const Camera camera = first_camera(options, show.picture(), static_cast<double>(size.width) / size.height);
+
+  const std::uint32_t frames = options.frames.value_or(1);
+  std::vector<double> times;
+  cli::Stopwatch watch;
+  for (std::uint32_t i = 0; i < frames; ++i) {
+    if (i > 0 && show.changes()) {
+      show.go_to(options.slot + i);
+      scene.update_marks(show.picture());
+    }
+    offscreen.draw(scene, camera);
+    times.push_back(watch.lap_ms());
+  }
+  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
+  const double frame_ms = times[times.size() / 2];
+
+  const Pixels pixels = offscreen.pixels();
+  if (!options.screenshot.empty()) write_png(options.screenshot, pixels);
+  std::optional<double> difference;
+  if (!options.reference.empty()) difference = compare(options, pixels);
+  if (!options.common.json.empty())
+    cli::write_output(options.common.json, to_json(pixels, frames, difference, frame_ms));
+  const double threshold = options.threshold.value_or(0.02);
+  if (difference && *difference > threshold) {
+    throw failure(fmt::format("the picture differs from {} by {:.4f} on average, more than {}", options.reference,
+                              *difference, threshold));
+  }
+  if (options.common.json != "-" && !options.common.quiet) {
+    cli::write_output(
+        "-", fmt::format("{} frame{} of {}x{} pixels, {:.1f} ms each{}{}\n", frames, frames == 1 ? "" : "s",
+                         pixels.width, pixels.height, frame_ms,
+                         options.screenshot.empty() ? "" : "; the last one is " + options.screenshot,
+                         difference ? fmt::format("; differs from {} by {:.4f}", options.reference, *difference) : ""));
+  }
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,37 @@
+// From the command line to a picture, slot by slot: loads what is shown and lets the engine touch it.
+#pragma once
+
+#include <cstdint>
+
+#include "array/drive.hpp"
+#include "array/schedule.hpp"
+#include "viewer/options.hpp"
+#include "viewer/picture.hpp"
+
+namespace palpa::viewer {
+
+class Show {
+ public:
+  /// Reads the files and finds contacts, fingers and foci. Throws as the engine does.
+  explicit Show(const Options& options);
+
+  const Picture& picture() const { return picture_; }
+  /// Whether slots look different from each other.
+  bool changes() const;
+  /// The running foci and the drive of that slot.
+  void go_to(std::uint64_t slot);
+
+ private:
+  void load_objects(const Options& options);
+  void load_skin_surface(const Options& options);
+  void load_array(const Options& options);
+
+  Picture picture_;
+  array::Schedule schedule_;
+  array::Layout layout_;  ///< in the world
+  array::DriveOptions drive_options_;
+  std::vector<array::SlotFocus> foci_;
+  array::Drive drive_;
+};
+
+}  // namespace palpa::viewer

@@ -1,0 +1,195 @@
+#include "viewer/swapchain.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "base/error.hpp"
+#include "gpu/check.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+/// UNORM: the renderer's colours are already as they should appear.
+VkSurfaceFormatKHR pick_format(const gpu::Device& device, VkSurfaceKHR surface) {
+  VkBool32 presents = VK_FALSE;
+  PALPA_VK(vkGetPhysicalDeviceSurfaceSupportKHR(device.physical(), device.queue_family(), surface, &presents));
+  std::uint32_t count = 0;
+  if (presents) PALPA_VK(vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical(), surface, &count, nullptr));
+  std::vector<VkSurfaceFormatKHR> formats(count);
+  if (count) PALPA_VK(vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical(), surface, &count, formats.data()));
+  for (const VkSurfaceFormatKHR& f : formats) {
+    if (f.format == VK_FORMAT_B8G8R8A8_UNORM || f.format == VK_FORMAT_R8G8B8A8_UNORM) return f;
+  }
+  throw Error(Exit::no_device, fmt::format("{} cannot present to this window: use --headless --screenshot FILE.png, or "
+                                           "another device with --gpu",
+                                           device.description().name));
+}
+
+gpu::Handle<VkSemaphore> make_semaphore(const gpu::Device& device) {
+  const VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+  VkSemaphore semaphore = VK_NULL_HANDLE;
+  PALPA_VK(vkCreateSemaphore(device.get(), &info, nullptr, &semaphore));
+  return {device.get(), semaphore, vkDestroySemaphore};
+}
+
+}  // namespace
+
+Presenter::Presenter(const gpu::Device& device, VkSurfaceKHR surface)
+    : device_(&device), surface_(surface), format_(pick_format(device, surface)), renderer_(device, format_.format) {
+  for (Frame& frame : frames_) {
+    frame.recorder = gpu::Recorder(device, "window frame");
+    frame.acquired = make_semaphore(device);
+    VkFenceCreateInfo info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    info.flags = VK_FENCE_CREATE_SIGNALED_BIT;
+    VkFence fence = VK_NULL_HANDLE;
+    PALPA_VK(vkCreateFence(device.get(), &info, nullptr, &fence));
+    frame.done = gpu::Handle<VkFence>(device.get(), fence, vkDestroyFence);
+  }
+}
+
+Presenter::~Presenter() {
+  // Fences do not cover presentation, which still holds semaphores and images.
+  const std::lock_guard lock(device_->queue_mutex());
+  vkQueueWaitIdle(device_->queue());
+}
+
+void Presenter::finish() {
+  const std::array fences{frames_[0].done.get(), frames_[1].done.get()};
+  constexpr std::uint64_t ten_seconds = 10'000'000'000;
+  PALPA_VK(vkWaitForFences(device_->get(), 2, fences.data(), VK_TRUE, ten_seconds) == VK_SUCCESS
+               ? VK_SUCCESS
+               : VK_ERROR_DEVICE_LOST);
+}
+
+bool Presenter::rebuild(std::uint32_t width, std::uint32_t height) {
+  VkSurfaceCapabilitiesKHR surface;
+  PALPA_VK(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_->physical(), surface_, &surface));
+  VkExtent2D extent = surface.currentExtent;
+  if (extent.width == 0xffffffffu) {
+    extent = {std::clamp(width, surface.minImageExtent.width, surface.maxImageExtent.width),
+              std::clamp(height, surface.minImageExtent.height, surface.maxImageExtent.height)};
+  }
+  if (extent.width == 0 || extent.height == 0) return false;
+
+  finish();
+  {
+    // Only when the window changes: what is being presented holds on to the old images and semaphores, and no fence
+    // says when it lets go.
+    const std::lock_guard lock(device_->queue_mutex());
+    PALPA_VK(vkQueueWaitIdle(device_->queue()));
+  }
+  images_.clear();
+  VkSwapchainCreateInfoKHR info{VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR};
+  info.surface = surface_;
+  info.minImageCount =
+      surface.maxImageCount ? std::min(surface.minImageCount + 1, surface.maxImageCount) : surface.minImageCount + 1;
+  info.imageFormat = format_.format;
+  info.imageColorSpace = format_.colorSpace;
+  info.imageExtent = extent;
+  info.imageArrayLayers = 1;
+  info.imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+  info.preTransform = surface.currentTransform;
+  info.compositeAlpha = surface.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
+                            ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
+                            : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR;
+  info.presentMode = VK_PRESENT_MODE_FIFO_KHR;  // every device has it, and it does not burn frames nobody sees
+  info.clipped = VK_TRUE;
+  info.oldSwapchain = swapchain_.get();
+  VkSwapchainKHR swapchain = VK_NULL_HANDLE;
+  PALPA_VK(vkCreateSwapchainKHR(device_->get(), &info, nullptr, &swapchain));
+  swapchain_ = gpu::Handle<VkSwapchainKHR>(device_->get(), swapchain, vkDestroySwapchainKHR);
+
+  std::uint32_t count = 0;
+  PALPA_VK(vkGetSwapchainImagesKHR(device_->get(), swapchain, &count, nullptr));
+  std::vector<VkImage> images(count);
+  PALPA_VK(vkGetSwapchainImagesKHR(device_->get(), swapchain, &count, images.data()));
+  for (VkImage image : images) {
+    VkImageViewCreateInfo view_info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+    view_info.image = image;
+    view_info.viewType = VK_IMAGE_VIEW_TYPE_2D;
+    view_info.format = format_.format;
+    view_info.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    VkImageView view = VK_NULL_HANDLE;
+    PALPA_VK(vkCreateImageView(device_->get(), &view_info, nullptr, &view));
+    images_.push_back({image, {device_->get(), view, vkDestroyImageView}, make_semaphore(*device_)});
+  }
+  if (extent.width != extent_.width || extent.height != extent_.height || !frames_[0].canvas) {
+    for (Frame& frame : frames_)
+      frame.canvas = renderer_.make_canvas(extent);
+  }
+  extent_ = extent;
+  asked_width_ = width;
+  asked_height_ = height;
+  stale_ = false;
+  return true;
+}
+
+void Presenter::submit(Frame& frame, const Image& image) {
+  const VkSemaphore wait = frame.acquired.get(), signal = image.drawn.get();
+  const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+  const VkCommandBuffer commands = frame.recorder.end();
+  VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+  info.waitSemaphoreCount = 1;
+  info.pWaitSemaphores = &wait;
+  info.pWaitDstStageMask = &stage;
+  info.commandBufferCount = 1;
+  info.pCommandBuffers = &commands;
+  info.signalSemaphoreCount = 1;
+  info.pSignalSemaphores = &signal;
+  const VkFence fence = frame.done.get();
+  PALPA_VK(vkResetFences(device_->get(), 1, &fence));
+  const std::lock_guard lock(device_->queue_mutex());
+  PALPA_VK(device_->lost() ? VK_ERROR_DEVICE_LOST : vkQueueSubmit(device_->queue(), 1, &info, fence));
+}
+
+bool Presenter::draw(Scene& scene, const Camera& camera, std::uint32_t width, std::uint32_t height, double ratio) {
+  if (width == 0 || height == 0) return false;
+  if ((stale_ || width != asked_width_ || height != asked_height_) && !rebuild(width, height)) return false;
+
+  Frame& frame = frames_[next_frame_];
+  const VkFence fence = frame.done.get();
+  constexpr std::uint64_t ten_seconds = 10'000'000'000;
+  if (vkWaitForFences(device_->get(), 1, &fence, VK_TRUE, ten_seconds) != VK_SUCCESS) {
+    throw failure(fmt::format("{}: no answer within 10 s", device_->description().name));
+  }
+  std::uint32_t index = 0;
+  const VkResult acquired = vkAcquireNextImageKHR(device_->get(), swapchain_.get(), ten_seconds, frame.acquired.get(),
+                                                  VK_NULL_HANDLE, &index);
+  if (acquired == VK_ERROR_OUT_OF_DATE_KHR || acquired == VK_TIMEOUT || acquired == VK_NOT_READY) {
+    stale_ = true;
+    return false;
+  }
+  // A suboptimal image is still drawn and shown: its semaphore has been taken.
+  stale_ = acquired == VK_SUBOPTIMAL_KHR;
+  if (!stale_) PALPA_VK(acquired);
+
+  const Image& image = images_[index];
+  const VkCommandBuffer commands = frame.recorder.begin();
+  renderer_.record(commands, scene, camera, *frame.canvas, {image.image, image.view.get()}, ratio);
+  gpu::transition(commands, image.image, format_.format, gpu::image_use::colour_target, gpu::image_use::presented);
+  submit(frame, image);
+  next_frame_ = (next_frame_ + 1) % frames_.size();
+
+  const VkSemaphore wait = image.drawn.get();
+  const VkSwapchainKHR swapchain = swapchain_.get();
+  VkPresentInfoKHR present{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
+  present.waitSemaphoreCount = 1;
+  present.pWaitSemaphores = &wait;
+  present.swapchainCount = 1;
+  present.pSwapchains = &swapchain;
+  present.pImageIndices = &index;
+  VkResult presented = VK_SUCCESS;
+  {
+    const std::lock_guard lock(device_->queue_mutex());
+    presented = vkQueuePresentKHR(device_->queue(), &present);
+  }
+  if (presented == VK_ERROR_OUT_OF_DATE_KHR || presented == VK_SUBOPTIMAL_KHR) {
+    stale_ = true;
+    return presented == VK_SUBOPTIMAL_KHR;
+  }
+  PALPA_VK(presented);
+  return true;
+}
+
+}  // namespace palpa::viewer

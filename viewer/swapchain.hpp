@@ -1,0 +1,57 @@
+// Presents a scene on a window's surface, whatever window that is.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "gpu/commands.hpp"
+#include "viewer/renderer.hpp"
+
+namespace palpa::viewer {
+
+class Presenter {
+ public:
+  /// `surface` stays the caller's and must outlive the presenter. Throws Error (Exit::no_device) when the device cannot
+  /// present to it.
+  Presenter(const gpu::Device& device, VkSurfaceKHR surface);
+  ~Presenter();
+  Presenter(const Presenter&) = delete;
+  Presenter& operator=(const Presenter&) = delete;
+
+  /// Draws and presents one frame of width x height pixels, making the swapchain anew where the window has changed.
+  /// False where nothing could be shown: the window has no area, or it changed again meanwhile; draw once more later.
+  bool draw(Scene& scene, const Camera& camera, std::uint32_t width, std::uint32_t height, double ratio);
+
+  /// Waits until no frame is in flight: the scene may then be updated.
+  void finish();
+
+ private:
+  struct Frame {
+    gpu::Recorder recorder;
+    gpu::Handle<VkSemaphore> acquired;
+    gpu::Handle<VkFence> done;
+    std::optional<Canvas> canvas;
+  };
+  struct Image {
+    VkImage image;
+    gpu::Handle<VkImageView> view;
+    gpu::Handle<VkSemaphore> drawn;
+  };
+  bool rebuild(std::uint32_t width, std::uint32_t height);
+  void submit(Frame& frame, const Image& image);
+
+  const gpu::Device* device_;
+  VkSurfaceKHR surface_;
+  VkSurfaceFormatKHR format_;
+  Renderer renderer_;
+  gpu::Handle<VkSwapchainKHR> swapchain_;
+  VkExtent2D extent_{};
+  std::uint32_t asked_width_ = 0, asked_height_ = 0;
+  bool stale_ = true;
+  std::vector<Image> images_;
+  std::array<Frame, 2> frames_;
+  std::size_t next_frame_ = 0;
+};
+
+}  // namespace palpa::viewer

@@ -1,0 +1,43 @@
+// A window, its events and its Vulkan surface. window.cpp is the only file that knows GLFW.
+#pragma once
+
+#include <volk.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "viewer/controls.hpp"
+
+namespace palpa::viewer {
+
+class Window {
+ public:
+  /// Throws Error (Exit::no_device), suggesting --headless, where there is no display or none that Vulkan can present
+  /// to. One window per process.
+  Window(std::uint32_t width, std::uint32_t height, const char* title);
+  ~Window();
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  /// Instance extensions for gpu::DeviceOptions.
+  std::vector<const char*> extensions() const;
+  /// The caller destroys it, before the instance and after everything that presents to it.
+  VkSurfaceKHR make_surface(VkInstance instance) const;
+
+  /// In pixels; 0 x 0 while minimised.
+  VkExtent2D size() const;
+  /// Pixels per point: 2 on a high-resolution screen.
+  double pixel_ratio() const;
+  /// Waits for something to happen, at most `timeout_s` (0: only looks; negative: for ever), and appends what did, with
+  /// positions in pixels.
+  void wait(double timeout_s, std::vector<Event>& events);
+  /// The user asked to close it.
+  bool closing() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace palpa::viewer
