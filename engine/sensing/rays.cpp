@@ -108,6 +108,16 @@ void fill_rays(const Camera& camera, CameraTable& table, std::span<glm::vec2> ra
   }
 }
 
+std::vector<RayBounds> bound_rows(const CameraTable& table) {
+  std::vector<RayBounds> rows(table.tiles_y);
+  for (std::size_t i = 0; i < table.tiles.size(); ++i) {
+    RayBounds& row = rows[i / table.tiles_x];
+    row.low = glm::min(row.low, table.tiles[i].low);
+    row.high = glm::max(row.high, table.tiles[i].high);
+  }
+  return rows;
+}
+
 }  // namespace
 
 RayTables make_rays(std::span<const Camera> cameras) {
@@ -139,6 +149,7 @@ RayTables make_rays(std::span<const Camera> cameras) {
     table.tiles.assign(std::size_t{table.tiles_x} * table.tiles_y, {});
     fill_rays(cameras[i], table,
               std::span(tables.rays).subspan(table.first_pixel, std::size_t{table.pitch} * table.height));
+    table.tile_rows = bound_rows(table);
   }
   return tables;
 }

@@ -32,7 +32,8 @@ struct CameraTable {
   bool pinhole = false;           ///< no distortion: the ray is ((u - cx) * per_fx, (v - cy) * per_fy), in float
   float cx = 0, cy = 0, per_fx = 0, per_fy = 0;
   std::uint32_t tiles_x = 0, tiles_y = 0;
-  std::vector<RayBounds> tiles;  ///< tiles_x * tiles_y, rows from the top
+  std::vector<RayBounds> tile_rows;  ///< tiles_y, each the bounds of its tiles
+  std::vector<RayBounds> tiles;      ///< tiles_x * tiles_y, rows from the top
 };
 
 /// Normalised coordinates (x/z, y/z) of every pixel's ray in float. A pixel without a ray, and the padding, hold

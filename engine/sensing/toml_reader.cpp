@@ -68,6 +68,22 @@ std::string one_line(std::string text) {
   return text;
 }
 
+/// A dotted key nests one table per part, and toml++ destroys them recursively: a line of a million dots would exhaust
+/// the stack. No line that people write has so many.
+void refuse_dotted_lines(std::string_view text, const std::string& file) {
+  constexpr int most_dots = 1000;
+  std::size_t line = 1;
+  int dots = 0;
+  for (const char c : text) {
+    if (c == '\n') {
+      ++line;
+      dots = 0;
+    } else if (c == '.' && ++dots > most_dots) {
+      throw bad_input(file, fmt::format("line {}: more than {} dots in one line", line, most_dots));
+    }
+  }
+}
+
 }  // namespace
 
 void need_regular_file(const std::filesystem::path& file, std::uint64_t most_bytes) {
@@ -90,6 +106,7 @@ TomlTable TomlTable::load(const std::filesystem::path& file, std::uint64_t most_
   std::ostringstream text;
   text << in.rdbuf();
   if (!in) throw bad_input(file.string(), "cannot be read");
+  refuse_dotted_lines(text.view(), file.string());
   try {
     const toml::table root = toml::parse(text.view(), file.string());
     auto copied = std::make_shared<const TomlNode>(copy(root, file.string(), 0));

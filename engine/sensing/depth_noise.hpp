@@ -1,0 +1,59 @@
+// From exact depths to what a stereo depth camera reports. Counter-based: a pixel's noise depends on key and place
+// alone.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <span>
+#include <vector>
+
+#include "sensing/camera.hpp"
+
+namespace palpa::sensing {
+
+/// Depth of a pixel that shows nothing; any real depth is below.
+inline constexpr float beyond = 1e9f;
+
+/// A stereo camera's faults. Noise lives in disparity fx * baseline / z: a standard deviation of sigma_px there is
+/// z^2 * sigma_px / (fx * baseline) in depth (Keselman et al., "Intel RealSense Stereoscopic Depth Cameras", CVPRW
+/// 2017).
+struct D415 {
+  static constexpr double baseline_m = 0.055;
+  static constexpr double sigma_px = 0.08;
+  static constexpr double disparity_step_px = 1.0 / 32;
+  // The noise is white noise smoothed by [1 2 1]/4 in both directions and scaled back to sigma_px: correlation 2/3 with
+  // the next pixel, 1/6 with the next but one, none beyond.
+  static constexpr double jump_m = 0.01;      ///< a step in depth larger than this is a silhouette
+  static constexpr int rim_px = 2;            ///< pixels this near to a silhouette, along rows or columns, are at risk:
+  static constexpr double rim_holes = 0.5;    ///< this share of them has no data
+  static constexpr double rim_flying = 0.15;  ///< and this share floats between the two sides
+  /// Share of holes by the cosine of incidence: all below the first, none above the second, linear between.
+  static constexpr double grazing_all = 0.1, grazing_none = 0.3;
+};
+
+/// One camera's exact image: width * height values of depth (metres along z, or `beyond`) and slant (|ray . unit
+/// normal|; over the ray's length it is the cosine of incidence), and its rays with `pitch` from row to row.
+struct DepthImage {
+  const Camera& camera;
+  std::span<const float> depth, slant;
+  std::span<const glm::vec2> rays;
+  std::uint32_t pitch;
+};
+
+/// Exact depths rounded to the camera's unit; 0 where nothing is, nearer than the range or beyond 65535 units.
+void quantize(const DepthImage& image, std::vector<std::uint16_t>& out);
+
+/// A different stream for every frame of every camera.
+std::uint64_t noise_key(std::uint64_t seed, std::uint64_t sequence, std::uint64_t camera);
+
+/// Adds the D415's faults, then quantizes. Keeps its working rows between calls.
+class DepthNoise {
+ public:
+  void apply(const DepthImage& image, std::uint64_t key, std::vector<std::uint16_t>& out);
+
+ private:
+  std::vector<float> white_, smooth_;  ///< one row of white noise; three rows smoothed along u
+  std::vector<float> steps_;           ///< one row of silhouette steps
+};
+
+}  // namespace palpa::sensing

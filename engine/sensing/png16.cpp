@@ -1,0 +1,195 @@
+#include "sensing/png16.hpp"
+
+#include <fmt/format.h>
+#include <png.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <csetjmp>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include "base/error.hpp"
+#include "sensing/toml_reader.hpp"
+
+// libpng reports errors by longjmp. The functions that it may jump out of hold nothing with a destructor; what owns
+// memory lives in their callers.
+namespace palpa::sensing {
+namespace {
+
+struct Fault {
+  char text[160] = "";
+};
+
+void on_error(png_structp png, png_const_charp text) {
+  auto* fault = static_cast<Fault*>(png_get_error_ptr(png));
+  std::snprintf(fault->text, sizeof(fault->text), "%s", text);
+  for (char* c = fault->text; *c; ++c) {
+    if (static_cast<unsigned char>(*c) < 0x20 || static_cast<unsigned char>(*c) > 0x7e) *c = ' ';
+  }
+  png_longjmp(png, 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+struct Memory {
+  const std::uint8_t* data;
+  std::size_t left;
+};
+
+void read_memory(png_structp png, png_bytep out, std::size_t bytes) {
+  auto* memory = static_cast<Memory*>(png_get_io_ptr(png));
+  if (bytes > memory->left) png_error(png, "the file ends early");
+  std::memcpy(out, memory->data, bytes);
+  memory->data += bytes;
+  memory->left -= bytes;
+}
+
+struct Reader {
+  Fault fault;
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &fault, on_error, on_warning);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  Reader() = default;
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+  ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+struct Header {
+  png_uint_32 width = 0, height = 0;
+  int bits = 0, colour = 0;
+};
+
+bool read_header(Reader& reader, Memory& memory, Header& header) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
+  png_set_read_fn(reader.png, &memory, read_memory);
+  png_set_user_limits(reader.png, 0x7fffffff, 0x7fffffff);  // the size is checked here, with a better message
+  png_set_chunk_malloc_max(reader.png, 1 << 20);
+  png_set_chunk_cache_max(reader.png, 64);
+  png_read_info(reader.png, reader.info);
+  png_get_IHDR(reader.png, reader.info, &header.width, &header.height, &header.bits, &header.colour, nullptr, nullptr,
+               nullptr);
+  return true;
+}
+
+bool read_rows(Reader& reader, png_bytepp rows) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
+  if (std::endian::native == std::endian::little) png_set_swap(reader.png);
+  png_set_interlace_handling(reader.png);
+  png_read_update_info(reader.png, reader.info);
+  png_read_image(reader.png, rows);
+  png_read_end(reader.png, nullptr);
+  return true;
+}
+
+std::string kind_of(const Header& header) {
+  const char* colour = header.colour == PNG_COLOR_TYPE_GRAY         ? "grey"
+                       : header.colour == PNG_COLOR_TYPE_GRAY_ALPHA ? "grey with alpha"
+                       : header.colour == PNG_COLOR_TYPE_PALETTE    ? "palette"
+                       : header.colour == PNG_COLOR_TYPE_RGB        ? "colour"
+                                                                    : "colour with alpha";
+  return fmt::format("{}-bit {}", header.bits, colour);
+}
+
+std::vector<std::uint8_t> read_file(const std::filesystem::path& file, std::uint64_t most_bytes) {
+  need_regular_file(file, most_bytes);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "rb"), std::fclose);
+  if (!in) throw bad_input(file.string(), fmt::format("cannot be opened: {}", std::strerror(errno)));
+  std::vector<std::uint8_t> bytes(std::filesystem::file_size(file));
+  bytes.resize(std::fread(bytes.data(), 1, bytes.size(), in.get()));
+  if (std::ferror(in.get())) throw bad_input(file.string(), "cannot be read");
+  return bytes;
+}
+
+struct Writer {
+  Fault fault;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &fault, on_error, on_warning);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  Writer() = default;
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+  ~Writer() { png_destroy_write_struct(&png, &info); }
+};
+
+void write_stdio(png_structp png, png_bytep data, std::size_t bytes) {
+  if (std::fwrite(data, 1, bytes, static_cast<std::FILE*>(png_get_io_ptr(png))) != bytes) png_error(png, "short write");
+}
+
+void flush_nothing(png_structp) {}
+
+bool write_rows(Writer& writer, std::FILE* out, std::uint32_t width, std::uint32_t height, png_bytepp rows) {
+  if (setjmp(png_jmpbuf(writer.png))) return false;
+  png_set_write_fn(writer.png, out, write_stdio, flush_nothing);
+  png_set_IHDR(writer.png, writer.info, width, height, 16, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  // A recording must keep up with the cameras.
+  png_set_compression_level(writer.png, 1);
+  png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+  png_write_info(writer.png, writer.info);
+  if (std::endian::native == std::endian::little) png_set_swap(writer.png);
+  png_write_image(writer.png, rows);
+  png_write_end(writer.png, nullptr);
+  return true;
+}
+
+std::vector<png_bytep> rows_of(const std::uint16_t* pixels, std::uint32_t width, std::uint32_t height) {
+  std::vector<png_bytep> rows(height);
+  auto* bytes = reinterpret_cast<png_bytep>(const_cast<std::uint16_t*>(pixels));
+  for (std::uint32_t v = 0; v < height; ++v)
+    rows[v] = bytes + std::size_t{v} * width * sizeof(std::uint16_t);
+  return rows;
+}
+
+}  // namespace
+
+void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
+                std::vector<std::uint16_t>& out) {
+  // Deflate never grows data by much; the rest is room for ancillary chunks.
+  const std::uint64_t most_bytes = std::uint64_t{width} * height * 2 + std::uint64_t{width} * height / 4 + (4u << 20);
+  const std::vector<std::uint8_t> bytes = read_file(file, most_bytes);
+  if (bytes.size() < 8 || png_sig_cmp(bytes.data(), 0, 8) != 0) throw bad_input(file.string(), "is not a PNG file");
+
+  Reader reader;
+  if (!reader.info) throw failure("out of memory");
+  Memory memory{bytes.data(), bytes.size()};
+  Header header;
+  if (!read_header(reader, memory, header)) {
+    throw bad_input(file.string(), fmt::format("is a broken PNG file: {}", reader.fault.text));
+  }
+  if (header.bits != 16 || header.colour != PNG_COLOR_TYPE_GRAY) {
+    throw bad_input(file.string(), fmt::format("is a {} PNG, a depth image is 16-bit grey", kind_of(header)));
+  }
+  if (header.width != width || header.height != height) {
+    throw bad_input(file.string(),
+                    fmt::format("is {}x{} pixels, its camera is {}x{}", header.width, header.height, width, height));
+  }
+  out.resize(std::size_t{width} * height);
+  std::vector<png_bytep> rows = rows_of(out.data(), width, height);
+  if (!read_rows(reader, rows.data())) {
+    throw bad_input(file.string(), fmt::format("is a broken PNG file: {}", reader.fault.text));
+  }
+}
+
+void write_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
+                 std::span<const std::uint16_t> pixels) {
+  if (width == 0 || height == 0 || pixels.size() != std::size_t{width} * height) {
+    throw bad_usage(fmt::format("{} pixels do not make an image of {}x{}", pixels.size(), width, height));
+  }
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.c_str(), "wb"), std::fclose);
+  if (!out) throw failure(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
+  Writer writer;
+  if (!writer.info) throw failure("out of memory");
+  std::vector<png_bytep> rows = rows_of(pixels.data(), width, height);
+  errno = 0;
+  const bool written = write_rows(writer, out.get(), width, height, rows.data());
+  // A full disk may show only when the last buffer is flushed.
+  if (!written || std::fflush(out.get()) != 0 || std::fclose(out.release()) != 0) {
+    const std::string reason = errno ? std::strerror(errno) : writer.fault.text;
+    throw failure(fmt::format("{}: cannot be written whole: {}", file.string(), reason));
+  }
+}
+
+}  // namespace palpa::sensing

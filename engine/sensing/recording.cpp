@@ -1,0 +1,244 @@
+#include "sensing/recording.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#include "base/error.hpp"
+#include "sensing/png16.hpp"
+#include "sensing/rig_toml.hpp"
+
+namespace palpa::sensing {
+namespace {
+
+constexpr std::uint64_t most_frames = 1'000'000;
+constexpr std::uint64_t most_bytes = 256u << 20;  // of times.csv
+
+/// A printf-like pattern with exactly one %d, %4d or %04d.
+struct Pattern {
+  std::string before, after;
+  int width = 0;
+  char fill = ' ';
+
+  std::string name(std::uint64_t frame) const {
+    const std::string digits = fmt::format("{}", frame);
+    const std::size_t missing = digits.size() < static_cast<std::size_t>(width) ? width - digits.size() : 0;
+    return before + std::string(missing, fill) + digits + after;
+  }
+};
+
+std::optional<Pattern> parse_pattern(const std::string& text) {
+  const std::size_t percent = text.find('%');
+  if (percent == std::string::npos) return std::nullopt;
+  Pattern pattern;
+  pattern.before = text.substr(0, percent);
+  std::size_t at = percent + 1;
+  if (at < text.size() && text[at] == '0') {
+    pattern.fill = '0';
+    ++at;
+  }
+  while (at < text.size() && text[at] >= '0' && text[at] <= '9' && pattern.width < 20) {
+    pattern.width = pattern.width * 10 + (text[at++] - '0');
+  }
+  if (at >= text.size() || text[at] != 'd' || pattern.width > 20) return std::nullopt;
+  pattern.after = text.substr(at + 1);
+  if (pattern.after.find('%') != std::string::npos) return std::nullopt;
+  return pattern;
+}
+
+struct Times {
+  std::vector<std::vector<double>> rows;
+  std::vector<std::uint64_t> sequences;
+};
+
+template <typename T>
+bool parse_cell(std::string_view text, T& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+/// `sequence,time,time,...` per frame after a heading. A last line without its end is a frame that was never finished.
+Times read_times(const std::filesystem::path& file, std::size_t cameras) {
+  need_regular_file(file, most_bytes);
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream contents;
+  contents << in.rdbuf();
+  if (!in) throw bad_input(file.string(), "cannot be read");
+  const std::string text = contents.str();
+  Times times;
+  std::size_t line = 0;
+  for (std::size_t begin = 0, end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {
+    if (++line == 1) continue;
+    std::string_view rest(text.data() + begin, end - begin);
+    if (!rest.empty() && rest.back() == '\r') rest.remove_suffix(1);
+    const auto fault = [&](const std::string& what) {
+      return bad_input(file.string(), fmt::format("line {}: {}", line, what));
+    };
+    std::vector<double> row;
+    std::uint64_t sequence = 0;
+    for (std::size_t column = 0; column <= cameras; ++column) {
+      const std::size_t comma = rest.find(',');
+      const std::string_view cell = rest.substr(0, comma);
+      double time = 0;
+      if ((comma == std::string_view::npos) != (column == cameras) ||
+          !(column == 0 ? parse_cell(cell, sequence) : parse_cell(cell, time) && std::isfinite(time))) {
+        throw fault(fmt::format("expected a sequence number and {} times in seconds", cameras));
+      }
+      if (column > 0) row.push_back(time);
+      rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
+    }
+    if (!times.rows.empty()) {
+      const auto& last = times.rows.back();
+      if (sequence <= times.sequences.back()) throw fault("the sequence number does not increase");
+      if (!(*std::min_element(row.begin(), row.end()) > *std::min_element(last.begin(), last.end()))) {
+        throw fault("the time does not increase");
+      }
+    }
+    if (times.rows.size() == most_frames) throw fault(fmt::format("more than {} frames", most_frames));
+    times.rows.push_back(std::move(row));
+    times.sequences.push_back(sequence);
+  }
+  return times;
+}
+
+bool is_file(const std::filesystem::path& file) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(file, error);
+}
+
+/// The image of a frame must exist when the recording is opened: a hole in it shows at once, not minutes later.
+void add_files(Recording::Entry& entry, const std::filesystem::path& folder, const std::string& name) {
+  entry.files.push_back(folder / name);
+  if (!is_file(entry.files.back())) throw bad_input(entry.files.back().string(), "no such image");
+}
+
+/// Entries from `files`: one pattern per camera.
+void list_patterns(TomlTable& table, const std::filesystem::path& folder, std::optional<std::uint64_t> frames,
+                   Recording& recording) {
+  std::vector<Pattern> patterns;
+  const std::vector<std::string> texts = table.texts("files");
+  if (texts.size() != recording.cameras.size()) {
+    throw table.fault("files",
+                      fmt::format("files has {} patterns for {} cameras", texts.size(), recording.cameras.size()));
+  }
+  for (const std::string& text : texts) {
+    const auto pattern = parse_pattern(text);
+    if (!pattern) throw table.fault("files", "files must hold one number each, such as \"depth-%06d.png\"");
+    patterns.push_back(*pattern);
+  }
+  const std::uint64_t first = table.has("first") ? table.whole("first", 0, 1'000'000'000) : 0;
+  if (!frames && table.has("count")) frames = table.whole("count", 1, most_frames);
+  if (!frames) {  // as many as there are
+    const auto complete = [&](std::uint64_t frame) {
+      return std::all_of(patterns.begin(), patterns.end(),
+                         [&](const Pattern& p) { return is_file(folder / p.name(first + frame)); });
+    };
+    frames = 0;
+    while (*frames < most_frames && complete(*frames))
+      ++*frames;
+    if (*frames == 0) throw bad_input((folder / patterns[0].name(first)).string(), "no such image");
+  }
+  recording.entries.resize(*frames);
+  for (std::uint64_t frame = 0; frame < *frames; ++frame) {
+    for (const Pattern& pattern : patterns)
+      add_files(recording.entries[frame], folder, pattern.name(first + frame));
+  }
+}
+
+/// Entries from `[[frame]]` tables: the names of its images, one per camera.
+void list_frames(std::vector<TomlTable>& tables, const std::filesystem::path& folder, Recording& recording) {
+  for (TomlTable& table : tables) {
+    Recording::Entry& entry = recording.entries.emplace_back();
+    const std::vector<std::string> names = table.texts("files");
+    if (names.size() != recording.cameras.size()) {
+      throw table.fault("files",
+                        fmt::format("files names {} images for {} cameras", names.size(), recording.cameras.size()));
+    }
+    for (const std::string& name : names)
+      add_files(entry, folder, name);
+    if (table.has("time_s")) {
+      const double time = table.number("time_s", -1e12, 1e12);
+      entry.times_s.assign(recording.cameras.size(), time);
+      if (recording.entries.size() > 1) {
+        const auto& last = recording.entries[recording.entries.size() - 2].times_s;
+        if (last.empty() || !(time > last.front())) throw table.fault("time_s", "the time does not increase");
+      }
+    }
+    table.done();
+  }
+}
+
+/// At a constant rate: frame n at n / rate.
+void spread_times(double rate_hz, Recording& recording) {
+  for (std::size_t i = 0; i < recording.entries.size(); ++i) {
+    recording.entries[i].times_s.assign(recording.cameras.size(), static_cast<double>(i) / rate_hz);
+  }
+}
+
+}  // namespace
+
+Recording load_recording(const std::filesystem::path& folder_or_toml) {
+  std::error_code error;
+  const bool is_folder = std::filesystem::is_directory(folder_or_toml, error);
+  const std::filesystem::path toml = is_folder ? folder_or_toml / "recording.toml" : folder_or_toml;
+  const std::filesystem::path folder = toml.parent_path();
+  TomlTable root = TomlTable::load(toml, 4u << 20);
+  Recording recording;
+  recording.file = toml.string();
+  recording.cameras = read_cameras(root);
+  if (recording.cameras.empty()) throw root.fault("", "[[camera]] is missing: a recording needs its cameras");
+  auto table = root.table("recording");
+  if (!table) throw root.fault("", "[recording] is missing");
+
+  std::vector<TomlTable> frames = root.tables("frame");
+  if (frames.empty() && !table->has("files")) {
+    throw table->fault("", "files is missing: one pattern per camera, or [[frame]] tables");
+  }
+  std::optional<Times> times;
+  if (table->has("times")) times = read_times(folder / table->text("times"), recording.cameras.size());
+  if (!frames.empty()) {
+    list_frames(frames, folder, recording);
+  } else {
+    list_patterns(*table, folder, times ? std::optional<std::uint64_t>(times->rows.size()) : std::nullopt, recording);
+  }
+  if (times && times->rows.size() != recording.entries.size()) {
+    throw table->fault("times",
+                       fmt::format("times has {} lines for {} frames", times->rows.size(), recording.entries.size()));
+  }
+  const double rate_hz = table->number_or("rate_hz", recording.cameras.front().rate_hz, 1e-3, 1e6);
+  table->done();
+  root.done();
+  if (recording.entries.empty()) throw bad_input(recording.file, "the recording has no frame");
+
+  for (std::size_t i = 0; times && i < recording.entries.size(); ++i)
+    recording.entries[i].times_s = times->rows[i];
+  if (recording.entries.front().times_s.empty()) {
+    if (!(rate_hz > 0)) throw bad_input(recording.file, "rate_hz is missing: neither times nor rate are given");
+    spread_times(rate_hz, recording);
+  }
+  for (std::size_t i = 0; i < recording.entries.size(); ++i) {
+    Recording::Entry& entry = recording.entries[i];
+    if (entry.times_s.empty()) throw bad_input(recording.file, fmt::format("frame {} has no time_s", i));
+    entry.time_s = *std::min_element(entry.times_s.begin(), entry.times_s.end());
+    entry.sequence = times ? times->sequences[i] : i;
+  }
+  return recording;
+}
+
+void read_entry(const Recording& recording, std::size_t index, FrameSet& out) {
+  const Recording::Entry& entry = recording.entries.at(index);
+  out.frames.resize(recording.cameras.size());
+  for (std::size_t i = 0; i < recording.cameras.size(); ++i) {
+    read_png16(entry.files[i], recording.cameras[i].width, recording.cameras[i].height, out.frames[i].depth);
+    out.frames[i].time_s = entry.times_s[i];
+  }
+  out.time_s = entry.time_s;
+  out.sequence = entry.sequence;
+}
+
+}  // namespace palpa::sensing

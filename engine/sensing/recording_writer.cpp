@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "base/error.hpp"
+#include "sensing/png16.hpp"
+#include "sensing/recording.hpp"
+#include "sensing/rig_toml.hpp"
+
+namespace palpa::sensing {
+namespace {
+
+/// All of the text is on its way to the disk, or the recording fails.
+void put(std::FILE* out, const std::string& text, const std::filesystem::path& file) {
+  errno = 0;
+  if (std::fwrite(text.data(), 1, text.size(), out) != text.size() || std::fflush(out) != 0) {
+    throw failure(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
+  }
+}
+
+std::FILE* create(const std::filesystem::path& file) {
+  std::FILE* out = std::fopen(file.c_str(), "wb");
+  if (!out) throw failure(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
+  return out;
+}
+
+}  // namespace
+
+RecordingWriter::RecordingWriter(const std::filesystem::path& folder, const std::vector<Camera>& cameras)
+    : folder_(folder), cameras_(cameras) {
+  if (cameras.empty()) throw bad_usage("a recording needs a camera");
+  std::error_code error;
+  std::filesystem::create_directory(folder, error);
+  if (error) throw failure(fmt::format("{}: cannot be created: {}", folder.string(), error.message()));
+  const std::filesystem::path toml = folder / "recording.toml", times = folder / "times.csv";
+  if (std::filesystem::exists(toml, error) || std::filesystem::exists(times, error)) {
+    throw bad_usage(fmt::format("{} holds a recording already, name a new folder", folder.string()));
+  }
+
+  std::string text = "[recording]\nfiles = [";
+  std::string columns = "sequence";
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    text += fmt::format("{}\"%06d-{}.png\"", i == 0 ? "" : ", ", i);
+    columns += fmt::format(",time_{}_s", i);
+  }
+  text += "]\ntimes = \"times.csv\"\n\n";
+  for (const Camera& camera : cameras)
+    text += to_toml(camera) + "\n";
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(create(toml), std::fclose);
+  put(out.get(), text, toml);
+  times_ = create(times);
+  try {
+    put(times_, columns + "\n", times);
+  } catch (...) {
+    std::fclose(times_);
+    throw;
+  }
+}
+
+RecordingWriter::~RecordingWriter() {
+  if (times_) std::fclose(times_);
+}
+
+void RecordingWriter::write(const FrameSet& set) {
+  if (set.frames.size() != cameras_.size()) {
+    throw bad_usage(fmt::format("{} depth frames for {} cameras", set.frames.size(), cameras_.size()));
+  }
+  std::string line = fmt::format("{}", set.sequence);
+  double oldest = set.frames.front().time_s;
+  for (const DepthFrame& frame : set.frames) {
+    line += fmt::format(",{}", frame.time_s);
+    oldest = std::min(oldest, frame.time_s);
+  }
+  if (frames_ > 0 && !(oldest > last_time_)) {
+    throw bad_usage(fmt::format("frame {} at {} s does not come after the one at {} s", frames_, oldest, last_time_));
+  }
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    write_png16(folder_ / fmt::format("{:06}-{}.png", frames_, i), cameras_[i].width, cameras_[i].height,
+                set.frames[i].depth);
+  }
+  // The line makes the frame part of the recording: it comes last, in one piece.
+  put(times_, line + "\n", folder_ / "times.csv");
+  last_time_ = oldest;
+  ++frames_;
+}
+
+}  // namespace palpa::sensing

@@ -1,0 +1,78 @@
+// A rig without cameras: renders meshes into 16-bit depth frames as a D415 would see them.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/mesh.hpp"
+#include "sensing/depth_noise.hpp"
+#include "sensing/depth_source.hpp"
+#include "sensing/rays.hpp"
+
+namespace palpa::sensing {
+
+enum class Noise {
+  none,  ///< exact depths, rounded to the camera's depth unit
+  d415,  ///< depth_noise.hpp
+};
+
+/// A mesh and where it stands.
+struct Posed {
+  const geometry::Mesh* mesh = nullptr;
+  Transform T_world_mesh{1.0};
+};
+
+/// Renders by casting each pixel centre's ray (through the lens' distortion) at the triangles; the nearest hit wins.
+class SyntheticRig {
+ public:
+  /// `occluders` (world coordinates, e.g. the array's boards) never move; they are seen and hide what is behind them.
+  SyntheticRig(std::vector<Camera> cameras, const geometry::Mesh& occluders, Noise noise, std::uint64_t seed);
+
+  const std::vector<Camera>& cameras() const { return cameras_; }
+  /// All cameras' frames with `skin` in it. Times are left alone. The same seed, `sequence` and meshes give the same
+  /// bytes.
+  void render(std::span<const Posed> skin, std::uint64_t sequence, FrameSet& out);
+
+ private:
+  struct Layer {
+    std::vector<float> depth, slant;  ///< as in DepthImage
+  };
+  void draw(std::size_t camera, const geometry::Mesh& mesh, const Transform& T_world_mesh, Layer& layer);
+
+  std::vector<Camera> cameras_;
+  RayTables tables_;
+  std::vector<Layer> still_;  ///< per camera, the occluders
+  Layer work_;
+  std::vector<Vec3> corners_;
+  DepthNoise noise_maker_;
+  Noise noise_;
+  std::uint64_t seed_;
+};
+
+/// Where the skin stands at a time.
+using Motion = std::function<Transform(double time_s)>;
+
+/// A fingertip that dips into an object whose top is at y = 0 and out again every 2 s, between y = +4 and -4 mm, with a
+/// lateral sway of a few millimetres. It begins on its way down at y = 0.
+Transform dipping_motion(double time_s);
+
+struct SyntheticOptions {
+  Motion motion = dipping_motion;
+  Noise noise = Noise::d415;
+  std::uint64_t seed = 1;
+  double rate_hz = 0;  ///< 0: the first camera's, or 90 where that says nothing
+  /// Frames come in real time at the rate, and those that nobody fetched are dropped; otherwise as fast as asked, none
+  /// dropped.
+  bool paced = true;
+  std::optional<std::uint64_t> frames;  ///< the stream ends after this many sequence numbers
+};
+
+/// Frame s is taken at s / rate on the source's clock.
+std::unique_ptr<DepthSource> make_synthetic_source(std::vector<Camera> cameras, geometry::Mesh skin,
+                                                   const geometry::Mesh& occluders, SyntheticOptions options = {});
+
+}  // namespace palpa::sensing
