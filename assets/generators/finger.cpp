@@ -97,9 +97,9 @@ std::uint32_t vertices_of(const std::vector<Row>& rows) {
   return sum;
 }
 
-/// The gentlest growth of the spacing that needs exactly the paper's number of vertices.
+/// A growth of the spacing that needs exactly the paper's number of vertices: about 56 micrometres per millimetre.
 std::vector<Row> find_rows(const Profile& profile) {
-  for (double slope = 0.04; slope < 0.2; slope += 0.00002) {
+  for (double slope = 0.056; slope < 0.2; slope += 0.00002) {
     const std::vector<Row> rows = lay_rows(profile, slope);
     if (vertices_of(rows) == kRingVertices) return rows;
   }

@@ -47,7 +47,8 @@ geometry::Mesh make_hand(const HandPose& pose) {
       nearest = std::min(nearest, glm::distance(p, tip.position));
     return std::clamp(kFineSize + kGrowth * (nearest - kFineReach), kFineSize, kCoarseSize);
   };
-  geometry::Mesh mesh = remesh(isosurface(field, skin.bounds(), kCell), field, sizing);
+  // Parts pressed together hard can pinch off a crumb.
+  geometry::Mesh mesh = remesh(largest_shell(isosurface(field, skin.bounds(), kCell)), field, sizing);
   round_to_float(mesh);
   return mesh;
 }

@@ -53,10 +53,11 @@ struct Fingertip {
 /// Thumb, index, middle, ring, little.
 std::array<Fingertip, 5> fingertips(const HandPose& pose);
 
-/// The skin: one closed shell without handles, without self-intersections, facing outwards; neighbouring vertices 1.2
-/// mm apart at the fingertips, growing to 3 mm; coordinates are 32-bit floats. Fingers that a pose presses against each
-/// other or against the palm are flattened there and keep a gap. The same pose gives the same bytes. Takes about a
-/// second.
+/// The skin: one closed shell without handles or self-intersections, facing outwards; neighbouring vertices 1.2 mm
+/// apart at the fingertips, growing to 3 mm; coordinates are 32-bit floats. Fingers that a pose presses against each
+/// other or against the palm are flattened there and keep a gap. (Where a pose drives parts deep into each other, as no
+/// hand can, handles may remain; the surface is closed and does not cross itself even then.) The same pose gives the
+/// same bytes. About a second.
 geometry::Mesh make_hand(const HandPose& pose);
 
 }  // namespace palpa::assets

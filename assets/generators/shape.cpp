@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/topology.hpp"
+
 namespace palpa::assets {
 namespace {
 
@@ -16,51 +18,30 @@ std::uint32_t at(Ring ring, std::uint32_t step) {
   return ring.first + step % ring.count;
 }
 
-/// One side of an edge, lower vertex first in `ends`.
-struct Side {
-  std::array<std::uint32_t, 2> ends;
-  std::uint32_t triangle;
-  int corner;  ///< of the triangle, opposite the edge
-};
-
-std::vector<Side> sorted_sides(const Mesh& mesh) {
-  std::vector<Side> sides;
-  sides.reserve(3 * mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int corner = 0; corner < 3; ++corner) {
-      const auto [low, high] = std::minmax({mesh.triangles[t][(corner + 1) % 3], mesh.triangles[t][(corner + 2) % 3]});
-      sides.push_back({{low, high}, t, corner});
-    }
-  }
-  std::sort(sides.begin(), sides.end(),
-            [](const Side& p, const Side& q) { return p.ends != q.ends ? p.ends < q.ends : p.triangle < q.triangle; });
-  return sides;
-}
-
-bool has_edge(const std::vector<Side>& sides, std::uint32_t p, std::uint32_t q) {
-  const std::array<std::uint32_t, 2> ends{std::min(p, q), std::max(p, q)};
-  const auto found = std::lower_bound(sides.begin(), sides.end(), ends,
-                                      [](const Side& s, const std::array<std::uint32_t, 2>& e) { return s.ends < e; });
-  return found != sides.end() && found->ends == ends;
+bool has_edge(const std::vector<geometry::Side>& sides, std::uint32_t p, std::uint32_t q) {
+  const auto ends = std::minmax(p, q);
+  const auto found = std::lower_bound(sides.begin(), sides.end(), ends, [](const geometry::Side& s, const auto& e) {
+    return s.low != e.first ? s.low < e.first : s.high < e.second;
+  });
+  return found != sides.end() && found->low == ends.first && found->high == ends.second;
 }
 
 /// One pass; a triangle takes part in one flip at most, so that `sides` stays true for the others.
 bool flip_pass(Mesh& mesh, const std::function<bool(const Hinge&)>& worse) {
-  const std::vector<Side> sides = sorted_sides(mesh);
+  const std::vector<geometry::Side> sides = geometry::sorted_sides(mesh);
   std::vector<char> touched(mesh.triangles.size(), 0);
   bool flipped = false;
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    const Side &s = sides[i], &o = sides[i + 1];
-    if (s.ends != o.ends || touched[s.triangle] != 0 || touched[o.triangle] != 0) continue;
-    const std::uint32_t left = mesh.triangles[s.triangle][s.corner];
-    const std::uint32_t a = mesh.triangles[s.triangle][(s.corner + 1) % 3];
-    const std::uint32_t b = mesh.triangles[s.triangle][(s.corner + 2) % 3];
-    const std::uint32_t right = mesh.triangles[o.triangle][o.corner];
+    const geometry::Side &s = sides[i], &o = sides[i + 1];
+    const std::uint32_t one = s.side / 3, other = o.side / 3;
+    if (s.low != o.low || s.high != o.high || touched[one] != 0 || touched[other] != 0) continue;
+    const auto [a, b] = geometry::side_vertices(mesh, s.side);
+    const std::uint32_t left = geometry::opposite_vertex(mesh, s.side), right = geometry::opposite_vertex(mesh, o.side);
     const auto& p = mesh.positions;
     if (!worse({p[a], p[b], p[left], p[right]}) || has_edge(sides, left, right)) continue;
-    mesh.triangles[s.triangle] = {a, right, left};
-    mesh.triangles[o.triangle] = {right, b, left};
-    touched[s.triangle] = touched[o.triangle] = 1;
+    mesh.triangles[one] = {a, right, left};
+    mesh.triangles[other] = {right, b, left};
+    touched[one] = touched[other] = 1;
     flipped = true;
   }
   return flipped;
@@ -81,7 +62,8 @@ void sew(Mesh& mesh, Ring a, Ring b) {
   for (std::uint32_t i = 0, j = 0; i < steps_a || j < steps_b;) {
     const std::uint32_t from_a = at(a, i), from_b = at(b, start + j);
     const std::uint32_t to_a = at(a, i + 1), to_b = at(b, start + j + 1);
-    if (j == steps_b || (i < steps_a && distance(to_a, from_b) < distance(from_a, to_b))) {
+    // Diagonals of a symmetric piece are equally long: the margin keeps rounding from deciding.
+    if (j == steps_b || (i < steps_a && distance(to_a, from_b) < (1.0 - 1e-9) * distance(from_a, to_b))) {
       mesh.triangles.emplace_back(from_a, from_b, to_a);
       ++i;
     } else {
@@ -94,6 +76,23 @@ void sew(Mesh& mesh, Ring a, Ring b) {
 void flip_edges(Mesh& mesh, const std::function<bool(const Hinge&)>& worse, int passes) {
   for (int pass = 0; pass < passes && flip_pass(mesh, worse); ++pass) {
   }
+}
+
+Mesh largest_shell(const Mesh& mesh) {
+  geometry::UnionFind pieces(mesh.positions.size());
+  for (const glm::uvec3& t : mesh.triangles) {
+    pieces.join(t.x, t.y);
+    pieces.join(t.y, t.z);
+  }
+  std::vector<std::size_t> size(mesh.positions.size(), 0);
+  for (const glm::uvec3& t : mesh.triangles)
+    ++size[pieces.find(t.x)];
+  const auto largest = static_cast<std::uint32_t>(std::max_element(size.begin(), size.end()) - size.begin());
+  Mesh kept{mesh.positions, {}};
+  for (const glm::uvec3& t : mesh.triangles) {
+    if (pieces.find(t.x) == largest) kept.triangles.push_back(t);
+  }
+  return geometry::weld(kept);
 }
 
 void round_to_float(Mesh& mesh) {

@@ -27,6 +27,9 @@ struct Hinge {
 /// of vertices and triangles stay; boundary edges stay.
 void flip_edges(geometry::Mesh& mesh, const std::function<bool(const Hinge&)>& worse, int passes = 100);
 
+/// The connected piece with the most triangles, order kept.
+geometry::Mesh largest_shell(const geometry::Mesh& mesh);
+
 /// Rounds every coordinate to the nearest 32-bit float, so that the mesh in memory is the one in the file.
 void round_to_float(geometry::Mesh& mesh);
 
