@@ -1,0 +1,312 @@
+// Damaged files, the same ones on every run: reading them succeeds or throws palpa::Error, nothing else. Under the
+// sanitizers this is also a search for memory faults.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "base/log.hpp"
+#include "geometry/gltf.hpp"
+#include "geometry/gltf_builder.hpp"
+#include "geometry/memory_file.hpp"
+#include "geometry/ply.hpp"
+#include "geometry/shapes.hpp"
+#include "geometry/solid.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+using test::box;
+using test::GltfBuilder;
+using Json = GltfBuilder::Json;
+using Random = std::mt19937;
+
+class Quiet {
+ public:
+  Quiet() { log::set_level(log::Level::quiet); }
+  ~Quiet() { log::set_level(before_); }
+
+ private:
+  log::Level before_ = log::level();
+};
+
+struct Tally {
+  int good = 0, refused = 0;
+};
+
+void try_gltf(const std::vector<unsigned char>& bytes, Tally& tally) {
+  static test::MemoryFile file;
+  const auto path = file.write(bytes.data(), bytes.size());
+  bool read = false;
+  const std::string line = test::error_of([&] {
+    const Scene scene = load_gltf(path);
+    read = true;
+    for (const SceneMesh& m : scene.meshes) {
+      for (const glm::uvec3& t : m.mesh.triangles) {
+        for (int i = 0; i < 3; ++i)
+          ASSERT_LT(t[i], m.mesh.positions.size());
+      }
+    }
+    for (const Solid& s : make_solids(scene)) {
+      ASSERT_GT(signed_volume(s.mesh), 0);
+      ASSERT_GE(s.planes.size(), 4U);
+    }
+  });
+  ++(line.empty() ? tally.good : tally.refused);
+}
+
+void try_ply(const std::vector<unsigned char>& bytes, Tally& tally) {
+  static test::MemoryFile file;
+  const auto path = file.write(bytes.data(), bytes.size());
+  const std::string line = test::error_of([&] {
+    const Ply ply = read_ply(path);
+    for (const glm::uvec3& t : ply.triangles) {
+      for (int i = 0; i < 3; ++i)
+        ASSERT_LT(t[i], ply.positions.size());
+    }
+  });
+  ++(line.empty() ? tally.good : tally.refused);
+}
+
+// A few bytes changed, removed, repeated, or the end cut off.
+std::vector<unsigned char> damaged(std::vector<unsigned char> bytes, Random& random) {
+  const std::size_t hits = 1 + random() % 4;
+  for (std::size_t i = 0; i < hits && !bytes.empty(); ++i) {
+    const std::size_t at = random() % bytes.size();
+    const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+    switch (random() % 7) {
+      case 0:
+        *place = static_cast<unsigned char>(random());
+        break;
+      case 1:
+        *place ^= static_cast<unsigned char>(1U << (random() % 8));
+        break;
+      case 2:
+        *place = 0xff;
+        break;
+      case 3:
+        bytes.erase(place,
+                    place + static_cast<std::ptrdiff_t>(std::min<std::size_t>(1 + random() % 8, bytes.size() - at)));
+        break;
+      case 4:
+        bytes.insert(place, static_cast<unsigned char>("0123456789[]{},:\"-.eE \n"[random() % 23]));
+        break;
+      case 5:
+        bytes.resize(at);
+        break;
+      default: {
+        const std::vector<unsigned char> piece(
+            place, place + static_cast<std::ptrdiff_t>(std::min<std::size_t>(random() % 40, bytes.size() - at)));
+        bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(random() % bytes.size()), piece.begin(), piece.end());
+      }
+    }
+  }
+  return bytes;
+}
+
+// Some value of the document, replaced by one that is wrong in an interesting way.
+void damage(Json& value, Random& random) {
+  Json* at = &value;
+  while (at->is_structured() && !at->empty() && random() % 8 != 0) {
+    auto child = at->begin();
+    std::advance(child, static_cast<std::ptrdiff_t>(random() % at->size()));
+    at = &*child;
+  }
+  static const std::vector<Json> replacements{nullptr,
+                                              true,
+                                              -1,
+                                              0,
+                                              1,
+                                              2,
+                                              3,
+                                              4,
+                                              255,
+                                              65535,
+                                              2147483647,
+                                              2147483648U,
+                                              4294967295U,
+                                              18446744073709551615U,
+                                              1e300,
+                                              -1e300,
+                                              0.5,
+                                              1e-300,
+                                              "",
+                                              "x",
+                                              "SCALAR",
+                                              "VEC3",
+                                              "MAT4",
+                                              Json::array(),
+                                              Json::object(),
+                                              5120,
+                                              5121,
+                                              5123,
+                                              5125,
+                                              5126,
+                                              {0, 0},
+                                              {0, 1, 2},
+                                              {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+  switch (random() % 6) {
+    case 0:
+      if (at->is_structured() && !at->empty()) {
+        if (at->is_array()) {
+          at->erase(random() % at->size());
+        } else {
+          at->erase(std::next(at->begin(), static_cast<std::ptrdiff_t>(random() % at->size())).key());
+        }
+        break;
+      }
+      [[fallthrough]];
+    case 1:
+      if (at->is_array() && !at->empty()) {
+        at->push_back((*at)[random() % at->size()]);
+        break;
+      }
+      [[fallthrough]];
+    case 2:
+      if (at->is_number()) {
+        *at = at->get<double>() + static_cast<double>(random() % 9) - 4;
+        break;
+      }
+      [[fallthrough]];
+    default:
+      *at = replacements[random() % replacements.size()];
+  }
+}
+
+// One file with a bit of everything.
+GltfBuilder rich_file() {
+  GltfBuilder b;
+  b.add_mesh(box(Vec3(0), Vec3(1)));
+  const Mesh cube = box(Vec3(2), Vec3(3));
+  std::vector<std::uint32_t> indices;
+  for (const glm::uvec3& t : cube.triangles)
+    indices.insert(indices.end(), {t[0], t[1], t[2]});
+  const int positions = b.add_positions(cube.positions);
+  b.add_mesh(positions, b.add_indices(indices, 5121));
+  b.doc["accessors"][static_cast<std::size_t>(positions)]["sparse"] = {
+      {"count", 1},
+      {"indices", {{"bufferView", b.add_view({7})}, {"componentType", 5121}}},
+      {"values", {{"bufferView", b.add_view(test::bytes_of(std::vector<float>{3, 3, 3}))}}}};
+  b.add_mesh(b.add_positions(test::unshared(box(Vec3(5), Vec3(6))).positions));
+  b.doc["meshes"][0]["primitives"][0]["targets"] = Json::array({{{"POSITION", 0}}});
+  b.doc["meshes"][0]["weights"] = {0.25};
+  std::vector<std::uint8_t> joints(32, 0);
+  std::vector<std::uint16_t> weights(32, 0);
+  for (std::size_t i = 0; i < 32; i += 4)
+    weights[i] = 65535;
+  const auto accessor = [&](int view, int component, int count, const char* type) {
+    b.doc["accessors"].push_back(
+        {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
+    return b.doc["accessors"].size() - 1;
+  };
+  auto& attributes = b.doc["meshes"][1]["primitives"][0]["attributes"];
+  attributes["JOINTS_0"] = accessor(b.add_view(joints), 5121, 8, "VEC4");
+  attributes["WEIGHTS_0"] = accessor(b.add_view(test::bytes_of(weights)), 5123, 8, "VEC4");
+  const std::vector<float> identity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  b.doc["skins"] = Json::array(
+      {{{"joints", {0}}, {"inverseBindMatrices", accessor(b.add_view(test::bytes_of(identity)), 5126, 1, "MAT4")}}});
+  b.add_node(
+      {{"mesh", 0}, {"name", "a"}, {"translation", {0, 0, 9}}, {"rotation", {0, 0, 0, 1}}, {"scale", {1, -1, 1}}});
+  b.add_node({{"mesh", 1}, {"skin", 0}});
+  const int leaf = b.add_node({{"mesh", 2}}, false);
+  b.add_node({{"children", {leaf}}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1}}});
+  b.doc["materials"] = Json::array({{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}});
+  b.doc["textures"] = Json::array({{{"source", 0}}});
+  b.doc["images"] = Json::array({{{"uri", "a.png"}}});
+  return b;
+}
+
+TEST(GeometryFuzz, TheUndamagedFileIsThreeSolids) {
+  Tally tally;
+  try_gltf(rich_file().glb(), tally);
+  EXPECT_EQ(tally.good, 1);
+  static test::MemoryFile file;
+  const auto bytes = rich_file().glb();
+  EXPECT_EQ(make_solids(load_gltf(file.write(bytes.data(), bytes.size()))).size(), 3U);
+}
+
+TEST(GeometryFuzz, GltfWithDamagedBytes) {
+  const Quiet quiet;
+  Random random(20240501);
+  const auto binary = rich_file().glb();
+  const std::string text = rich_file().text("data:application/octet-stream;base64,AAAA");
+  const std::vector<unsigned char> plain(text.begin(), text.end());
+  Tally tally;
+  for (int i = 0; i < 3000; ++i)
+    try_gltf(damaged(i % 3 == 0 ? plain : binary, random), tally);
+  // Cut off everywhere.
+  for (std::size_t length = 1; length < binary.size(); length += 7) {
+    try_gltf({binary.begin(), binary.begin() + static_cast<std::ptrdiff_t>(length)}, tally);
+  }
+  EXPECT_GT(tally.refused, 1000);
+}
+
+TEST(GeometryFuzz, GltfWithDamagedValues) {
+  const Quiet quiet;
+  Random random(20240502);
+  const GltfBuilder good = rich_file();
+  Tally tally;
+  for (int i = 0; i < 4000; ++i) {
+    GltfBuilder bad = good;
+    bad.doc["buffers"] = Json::array({{{"byteLength", bad.bin.size()}}});
+    for (std::size_t hits = 1 + random() % 3; hits > 0; --hits)
+      damage(bad.doc, random);
+    std::vector<unsigned char> bytes;
+    try {
+      if (!bad.doc.is_object()) continue;
+      bytes = bad.glb();
+    } catch (const Json::exception&) {
+      continue;
+    }
+    try_gltf(bytes, tally);
+  }
+  EXPECT_GT(tally.good, 200);
+  EXPECT_GT(tally.refused, 1000);
+}
+
+TEST(GeometryFuzz, DamagedRealFiles) {
+  PALPA_SHARED_OR_SKIP(folder, "gltf-valid");
+  const Quiet quiet;
+  Random random(20240503);
+  Tally tally;
+  for (const char* name : {"03_Box/Box.glb", "07_cubeStrip/cubeStrip.glb", "39_quad_skin/quad_skin.glb",
+                           "53_BoxVertexColors/BoxVertexColors.gltf"}) {
+    const auto bytes = test::read_bytes(folder / name);
+    ASSERT_FALSE(bytes.empty());
+    for (int i = 0; i < 500; ++i)
+      try_gltf(damaged(bytes, random), tally);
+  }
+  EXPECT_GT(tally.refused, 500);
+}
+
+TEST(GeometryFuzz, Ply) {
+  const Quiet quiet;
+  Random random(20240504);
+  const auto folder = test::scratch_folder("fuzz");
+  const Mesh ball = test::sphere(0.02, 4, 5);
+  std::vector<std::vector<unsigned char>> seeds;
+  for (const PlyFormat format : {PlyFormat::ascii, PlyFormat::binary}) {
+    write_ply(folder / "seed.ply", ball.positions, ball.triangles, format);
+    seeds.push_back(test::read_bytes(folder / "seed.ply"));
+  }
+  std::string big =
+      "ply\nformat binary_big_endian 1.0\nelement extra 2\nproperty list int double a\nelement vertex 2\nproperty "
+      "double x\n"
+      "property list uchar short b\nproperty short y\nproperty uint z\nelement face 1\nproperty list uchar uchar "
+      "vertex_index\nend_header\n";
+  big += std::string(2 * 4 + 2 * 15, '\0') + std::string("\3\0\1\0", 4);
+  seeds.emplace_back(big.begin(), big.end());
+  Tally tally;
+  for (const auto& seed : seeds) {
+    Tally whole;
+    try_ply(seed, whole);
+    EXPECT_EQ(whole.good, 1);
+    for (int i = 0; i < 2000; ++i)
+      try_ply(damaged(seed, random), tally);
+  }
+  EXPECT_GT(tally.good, 100);
+  EXPECT_GT(tally.refused, 1000);
+}
+
+}  // namespace
+}  // namespace palpa::geometry

@@ -1,0 +1,286 @@
+// What a well-formed file means: containers, hierarchies, scenes, names.
+#include "geometry/gltf.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <random>
+
+#include "geometry/gltf_builder.hpp"
+#include "geometry/shapes.hpp"
+#include "geometry/solid.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+using test::box;
+using test::GltfBuilder;
+using Json = GltfBuilder::Json;
+
+class Gltf : public ::testing::Test {
+ protected:
+  std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+  Scene load(const GltfBuilder& builder, std::optional<int> scene = std::nullopt) const {
+    return load_gltf(builder.write_glb(file("model.glb")), scene);
+  }
+
+ private:
+  std::filesystem::path folder_ = test::scratch_folder("gltf");
+};
+
+GltfBuilder cube_file(double size = 1) {
+  GltfBuilder builder;
+  builder.add_mesh(box(Vec3(0), Vec3(size)));
+  return builder;
+}
+
+void expect_box(const Mesh& mesh, const Vec3& low, const Vec3& high) {
+  const Box found = bounds(mesh);
+  const Vec3 extent = high - low;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(found.low[i], low[i], 1e-6) << "axis " << i;
+    EXPECT_NEAR(found.high[i], high[i], 1e-6) << "axis " << i;
+  }
+  EXPECT_NEAR(signed_volume(mesh), extent.x * extent.y * extent.z, 1e-5);
+}
+
+TEST_F(Gltf, EmbeddedBesideAndBinaryGiveTheSame) {
+  GltfBuilder builder;
+  builder.add_mesh(test::rounded(test::sphere(0.02, 7, 9)));
+  builder.add_node({{"mesh", 0}, {"name", "ball"}});
+  // Base64 ends differently for each remainder of the length by three.
+  for (int extra = 0; extra < 3; ++extra) {
+    const Scene a = load_gltf(builder.write_embedded(file("a.gltf")));
+    const Scene b = load_gltf(builder.write_with_bin(file("b.gltf")));
+    const Scene c = load_gltf(builder.write_glb(file("c.glb")));
+    for (const Scene* s : {&a, &b, &c}) {
+      ASSERT_EQ(s->meshes.size(), 1U);
+      EXPECT_EQ(s->meshes[0].name, "ball");
+      EXPECT_TRUE(s->meshes[0].mesh.positions == test::rounded(test::sphere(0.02, 7, 9)).positions);
+      EXPECT_TRUE(s->meshes[0].mesh.triangles == test::sphere(0.02, 7, 9).triangles);
+    }
+    EXPECT_EQ(a.file, file("a.gltf").string());
+    builder.bin.push_back(0);
+  }
+}
+
+TEST_F(Gltf, NamesComeFromTheNodeThenTheMeshThenTheNumber) {
+  GltfBuilder builder = cube_file();
+  builder.add_mesh(box(Vec3(0), Vec3(1)));
+  builder.doc["meshes"][0]["name"] = "die";
+  builder.add_node({{"mesh", 0}, {"name", "first"}});
+  builder.add_node({{"mesh", 0}});
+  builder.add_node({{"mesh", 1}});
+  const Scene scene = load(builder);
+  ASSERT_EQ(scene.meshes.size(), 3U);
+  EXPECT_EQ(scene.meshes[0].name, "first");
+  EXPECT_EQ(scene.meshes[1].name, "die");
+  EXPECT_EQ(scene.meshes[2].name, "node 2");
+}
+
+TEST_F(Gltf, HierarchiesMultiplyFromTheRoot) {
+  GltfBuilder builder = cube_file();
+  // Scale by 2 along x, then a quarter turn about z (x to y), then a shift.
+  const int leaf = builder.add_node({{"mesh", 0}, {"translation", {1, 0, 0}}}, false);
+  const int middle = builder.add_node({{"children", {leaf}}, {"scale", {2, 1, 1}}}, false);
+  const double h = std::sqrt(0.5);
+  builder.add_node({{"children", {middle}}, {"rotation", {0, 0, h, h}}, {"translation", {10, 20, 30}}});
+  const Scene scene = load(builder);
+  // x in [1, 2] -> [2, 4] -> y; y in [0, 1] -> -x.
+  expect_box(scene.meshes.at(0).mesh, Vec3(9, 22, 30), Vec3(10, 24, 31));
+}
+
+TEST_F(Gltf, MatricesAreByColumns) {
+  GltfBuilder builder = cube_file();
+  builder.add_node({{"mesh", 0}, {"matrix", {0, 3, 0, 0, -2, 0, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1}}});
+  expect_box(load(builder).meshes.at(0).mesh, Vec3(3, 6, 7), Vec3(5, 9, 8));
+}
+
+TEST_F(Gltf, MatrixAndTrsAgree) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> uniform(-2, 2);
+  for (int round = 0; round < 20; ++round) {
+    GltfBuilder builder = cube_file();
+    const Vec3 t(uniform(random), uniform(random), uniform(random));
+    const Vec3 s(uniform(random) + 3, uniform(random) - 3, uniform(random) + 3);
+    const glm::dquat q = glm::normalize(glm::dquat(uniform(random), uniform(random), uniform(random), uniform(random)));
+    const glm::dmat3 R = glm::mat3_cast(q);
+    std::vector<double> m;
+    for (int column = 0; column < 3; ++column) {
+      for (int row = 0; row < 3; ++row)
+        m.push_back(R[column][row] * s[column]);
+      m.push_back(0);
+    }
+    m.insert(m.end(), {t.x, t.y, t.z, 1});
+    builder.add_node({{"mesh", 0}, {"matrix", m}});
+    builder.add_node({{"mesh", 0},
+                      {"translation", {t.x, t.y, t.z}},
+                      {"rotation", {q.x, q.y, q.z, q.w}},
+                      {"scale", {s.x, s.y, s.z}}});
+    const Scene scene = load(builder);
+    for (std::size_t v = 0; v < 8; ++v) {
+      EXPECT_LT(glm::distance(scene.meshes[0].mesh.positions[v], scene.meshes[1].mesh.positions[v]), 1e-12);
+    }
+    EXPECT_NEAR(signed_volume(scene.meshes[0].mesh), std::abs(s.x * s.y * s.z), 1e-9);
+  }
+}
+
+TEST_F(Gltf, NegativeScaleKeepsFacesOutwards) {
+  for (const Vec3 s : {Vec3(-1, 1, 1), Vec3(1, -2, 1), Vec3(-1, -1, -1), Vec3(-1, -1, 1)}) {
+    GltfBuilder builder = cube_file();
+    builder.add_node({{"mesh", 0}, {"scale", {s.x, s.y, s.z}}});
+    const Scene scene = load(builder);
+    EXPECT_NEAR(signed_volume(scene.meshes.at(0).mesh), std::abs(s.x * s.y * s.z), 1e-12);
+    EXPECT_EQ(test::stderr_of([&] { make_solids(scene); }), "");
+  }
+}
+
+TEST_F(Gltf, InstancesAreMeshesOfTheirOwn) {
+  GltfBuilder builder = cube_file();
+  for (int i = 0; i < 5; ++i)
+    builder.add_node({{"mesh", 0}, {"translation", {2.0 * i, 0, 0}}});
+  const auto solids = make_solids(load(builder));
+  ASSERT_EQ(solids.size(), 5U);
+  for (int i = 0; i < 5; ++i)
+    EXPECT_EQ(solids[static_cast<std::size_t>(i)].bounds.low.x, 2.0 * i);
+}
+
+TEST_F(Gltf, MeshesComeDepthFirst) {
+  GltfBuilder builder = cube_file();
+  const auto leaf = [&](const char* name) { return builder.add_node({{"mesh", 0}, {"name", name}}, false); };
+  const int a = leaf("a"), b = leaf("b"), c = leaf("c");
+  builder.add_node({{"mesh", 0}, {"name", "root"}, {"children", {b, a}}});
+  builder.doc["scenes"][0]["nodes"].push_back(c);
+  std::string order;
+  for (const SceneMesh& m : load(builder).meshes)
+    order += m.name + " ";
+  EXPECT_EQ(order, "root b a c ");
+}
+
+TEST_F(Gltf, ScenesAreChosenByIndexElseByDefaultElseTheFirst) {
+  GltfBuilder builder = cube_file();
+  for (int i = 0; i < 3; ++i)
+    builder.add_node({{"mesh", 0}, {"name", std::string(1, static_cast<char>('a' + i))}}, false);
+  builder.doc["scenes"] = Json::array({{{"nodes", {0}}}, {{"nodes", {1}}}, {{"nodes", {2, 0}}}});
+  builder.doc["scene"] = 1;
+  EXPECT_EQ(load(builder).meshes.at(0).name, "b");
+  EXPECT_EQ(load(builder, 0).meshes.at(0).name, "a");
+  EXPECT_EQ(load(builder, 2).meshes.size(), 2U);
+  for (const int absent : {3, -1}) {
+    EXPECT_CONTAINS(test::error_of([&] { load(builder, absent); }),
+                    "has no scene " + std::to_string(absent) + "; it has 3");
+  }
+  builder.doc.erase("scene");
+  EXPECT_EQ(load(builder).meshes.at(0).name, "a");
+  builder.doc.erase("scenes");
+  EXPECT_EQ(load(builder).meshes.size(), 3U);
+}
+
+TEST_F(Gltf, SeveralPrimitivesAreOneMeshAndPointsAndLinesNone) {
+  GltfBuilder builder;
+  const Mesh cube = box(Vec3(0), Vec3(1));
+  const int positions = builder.add_positions(cube.positions);
+  Json primitives = Json::array();
+  for (std::size_t half = 0; half < 2; ++half) {
+    std::vector<std::uint32_t> indices;
+    for (std::size_t t = 6 * half; t < 6 * half + 6; ++t) {
+      indices.insert(indices.end(), {cube.triangles[t][0], cube.triangles[t][1], cube.triangles[t][2]});
+    }
+    primitives.push_back({{"attributes", {{"POSITION", positions}}}, {"indices", builder.add_indices(indices, 5121)}});
+  }
+  for (int mode = 0; mode < 4; ++mode)
+    primitives.push_back({{"attributes", {{"POSITION", positions}}}, {"mode", mode}});
+  builder.doc["meshes"] = Json::array({{{"primitives", primitives}}, {{"primitives", {primitives[2]}}}});
+  builder.add_node({{"mesh", 0}});
+  builder.add_node({{"mesh", 1}});
+  const auto solids = make_solids(load(builder));
+  ASSERT_EQ(solids.size(), 1U);
+  EXPECT_NEAR(signed_volume(solids[0].mesh), 1, 1e-12);
+}
+
+TEST_F(Gltf, ExtensionsThatDoNotMoveTrianglesMayBeRequired) {
+  GltfBuilder builder = cube_file();
+  builder.add_node({{"mesh", 0}});
+  builder.doc["extensionsRequired"] = {"KHR_materials_unlit", "KHR_texture_transform"};
+  EXPECT_EQ(load(builder).meshes.size(), 1U);
+  for (const char* name :
+       {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization", "ACME_new"}) {
+    builder.doc["extensionsRequired"] = {name};
+    EXPECT_CONTAINS(test::error_of([&] { load(builder); }), std::string("requires the extension \"") + name + "\"");
+  }
+}
+
+TEST_F(Gltf, CompressionWithAFallbackIsReadFromTheFallback) {
+  GltfBuilder builder = cube_file();
+  builder.add_node({{"mesh", 0}});
+  builder.doc["extensionsUsed"] = {"KHR_draco_mesh_compression", "EXT_meshopt_compression"};
+  builder.doc["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 0}};
+  builder.doc["bufferViews"][0]["extensions"]["EXT_meshopt_compression"] = {{"buffer", 0}};
+  expect_box(load(builder).meshes.at(0).mesh, Vec3(0), Vec3(1));
+  // Without one the extension is what is wrong.
+  GltfBuilder draco = builder;
+  draco.doc["accessors"][0].erase("bufferView");
+  EXPECT_CONTAINS(test::error_of([&] { load(draco); }), "KHR_draco_mesh_compression");
+  GltfBuilder meshopt = builder;
+  meshopt.doc["buffers"] = Json::array({{{"byteLength", builder.bin.size()}}, {{"byteLength", 1000}}});
+  meshopt.doc["bufferViews"][0]["buffer"] = 1;
+  EXPECT_CONTAINS(test::error_of([&] { load(meshopt); }), "EXT_meshopt_compression");
+}
+
+TEST_F(Gltf, PicturesAndMaterialsDoNotMatter) {
+  GltfBuilder builder = cube_file();
+  builder.add_node({{"mesh", 0}});
+  builder.doc["images"] = Json::array({{{"uri", "absent.png"}},
+                                       {{"uri", "data:image/png;base64,AAAA"}},
+                                       {{"bufferView", 0}, {"mimeType", "image/png"}}});
+  builder.doc["textures"] = Json::array({{{"source", 0}}});
+  builder.doc["extras"] = {{"anything", {1, 2, 3}}};
+  EXPECT_EQ(test::stderr_of([&] { EXPECT_EQ(load(builder).meshes.size(), 1U); }), "");
+  builder.doc["materials"] = Json::array({{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 7}}}}}}});
+  EXPECT_CONTAINS(test::stderr_of([&] { EXPECT_EQ(load(builder).meshes.size(), 1U); }), "texture 7");
+}
+
+TEST_F(Gltf, FaultsBesideTheSceneAreWarnings) {
+  GltfBuilder builder = cube_file();
+  builder.add_node({{"mesh", 0}});
+  builder.doc["accessors"].push_back({{"bufferView", 9}, {"componentType", 5126}, {"count", 1}, {"type", "VEC3"}});
+  builder.doc["meshes"].push_back(Json::object());
+  const std::string warning = test::stderr_of([&] { EXPECT_EQ(load(builder).meshes.size(), 1U); });
+  EXPECT_CONTAINS(warning, "mesh 1: has no primitives (the scene does not need it)");
+  builder.doc["scenes"][0]["nodes"] = Json::array();
+  EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "mesh 1: has no primitives");
+}
+
+TEST_F(Gltf, WrongBoundsAreAWarning) {
+  GltfBuilder builder = cube_file();
+  builder.add_node({{"mesh", 0}});
+  builder.doc["accessors"][0]["min"] = {0, 0, 0};
+  builder.doc["accessors"][0]["max"] = {1, 1, 1};
+  EXPECT_EQ(test::stderr_of([&] { load(builder); }), "");
+  builder.doc["accessors"][0]["max"] = {1, 2, 1};
+  EXPECT_CONTAINS(test::stderr_of([&] { load(builder); }), "accessor 0: its min and max");
+}
+
+TEST_F(Gltf, BytesAfterTheEndOfAGlbAreAWarning) {
+  GltfBuilder builder = cube_file();
+  builder.add_node({{"mesh", 0}});
+  auto bytes = builder.glb();
+  bytes.resize(bytes.size() + 5, 0xff);
+  test::write_bytes(file("long.glb"), bytes.data(), bytes.size());
+  EXPECT_CONTAINS(test::stderr_of([&] { EXPECT_EQ(load_gltf(file("long.glb")).meshes.size(), 1U); }), "5 bytes after");
+}
+
+TEST_F(Gltf, DeepChainsAreNotDangerous) {
+  GltfBuilder builder = cube_file();
+  constexpr int depth = 20'000;
+  for (int i = 0; i < depth; ++i)
+    builder.add_node({{"translation", {0.001, 0, 0}}, {"children", {i + 1}}}, i == 0);
+  builder.add_node({{"mesh", 0}}, false);
+  EXPECT_NEAR(bounds(load(builder).meshes.at(0).mesh).low.x, 20, 1e-6);
+}
+
+}  // namespace
+}  // namespace palpa::geometry

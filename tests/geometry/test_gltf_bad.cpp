@@ -1,0 +1,399 @@
+// Broken files made here: each fault is an error that names it, at once and without much memory.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <cmath>
+#include <ctime>
+#include <functional>
+#include <limits>
+
+#include "geometry/gltf.hpp"
+#include "geometry/gltf_builder.hpp"
+#include "geometry/shapes.hpp"
+#include "geometry/solid.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+using test::box;
+using test::GltfBuilder;
+using Json = GltfBuilder::Json;
+
+const std::filesystem::path& folder() {
+  static const std::filesystem::path path = test::scratch_folder("gltf-bad");
+  return path;
+}
+
+// The error of loading, which must name the file and come within a second.
+std::string fault_of_file(const std::filesystem::path& file) {
+  [[maybe_unused]] const std::clock_t start = std::clock();  // processor time: other tests may keep this one waiting
+  const std::string line = test::error_of([&] { make_solids(load_gltf(file)); });
+#ifdef NDEBUG
+  EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC) << line;
+#endif
+  EXPECT_TRUE(line.starts_with(file.string() + ": ")) << line;
+  return line;
+}
+
+std::string fault_of_text(const std::string& text) {
+  test::write_text(folder() / "model.gltf", text);
+  return fault_of_file(folder() / "model.gltf");
+}
+
+std::string fault_of(const GltfBuilder& builder) {
+  return fault_of_file(builder.write_glb(folder() / "model.glb"));
+}
+
+std::string fault_of_bytes(const std::vector<unsigned char>& bytes) {
+  test::write_bytes(folder() / "model.glb", bytes.data(), bytes.size());
+  return fault_of_file(folder() / "model.glb");
+}
+
+GltfBuilder cube_file() {
+  GltfBuilder builder;
+  builder.add_mesh(box(Vec3(0), Vec3(1)));
+  builder.add_node({{"mesh", 0}});
+  return builder;
+}
+
+TEST(BadGltf, NotAFileAtAll) {
+  EXPECT_CONTAINS(fault_of_file(folder() / "absent.glb"), "No such file");
+  EXPECT_CONTAINS(fault_of_file(folder()), "directory");
+  EXPECT_CONTAINS(fault_of_file("/dev/zero"), "not a regular file");
+  const auto pipe = folder() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_CONTAINS(fault_of_file(pipe), "not a regular file");
+  test::write_text(folder() / "empty.glb", "");
+  EXPECT_CONTAINS(fault_of_file(folder() / "empty.glb"), "empty");
+}
+
+TEST(BadGltf, TenGigabytesOfZeros) {
+  const auto file = folder() / "zeros.glb";
+  test::write_text(file, "x");
+  std::filesystem::resize_file(file, 10ULL << 30);
+  EXPECT_CONTAINS(fault_of_file(file), "neither glTF");
+  // With a beginning that promises something.
+  for (const std::string& head : {std::string("{"), std::string("glTF\2\0\0\0\xff\xff\xff\xff\xf0\xff\xff\xffJSON", 20),
+                                  std::string("glTF\2\0\0\0\xff\xff\xff\xff\0\0\0\1JSON", 20),
+                                  std::string("glTF\2\0\0\0\xff\xff\xff\xff\0\0\0\4JSON", 20)}) {
+    test::write_text(file, head);
+    std::filesystem::resize_file(file, 10ULL << 30);
+    EXPECT_NE(fault_of_file(file), "");
+  }
+  std::filesystem::remove(file);
+}
+
+TEST(BadGltf, JsonThatIsNone) {
+  EXPECT_CONTAINS(fault_of_text("hello"), "neither glTF");
+  EXPECT_CONTAINS(fault_of_text("{\n\n  \"asset\": }"), "syntax error at line 3");
+  EXPECT_CONTAINS(fault_of_text("{\"asset\": {\"version\": \"2.0\"}} trailing"), "syntax error");
+  EXPECT_CONTAINS(fault_of_text("{\"a\": \"\xff\xfe\"}"), "syntax error");
+  EXPECT_CONTAINS(fault_of_text("{\"a\": " + std::string(1'000'000, '[')), "nested");
+  EXPECT_CONTAINS(fault_of_text("{\"a\": [1e999]}"), "");
+  std::string many = "{\"a\": [0";
+  for (int i = 0; i < 2'100'000; ++i)
+    many += ",0";
+  EXPECT_CONTAINS(fault_of_text(many + "]}"), "more than 2000000 values");
+}
+
+TEST(BadGltf, VersionsAndExtensions) {
+  EXPECT_CONTAINS(fault_of_text("{}"), "\"asset\" is missing");
+  EXPECT_CONTAINS(fault_of_text("{\"asset\": {}}"), "version");
+  EXPECT_CONTAINS(fault_of_text("{\"asset\": {\"version\": 2.0}}"), "not a string");
+  for (const char* version : {"1.0", "2", "2.", "2.0x", "20", "3.0"}) {
+    EXPECT_CONTAINS(fault_of_text(std::string("{\"asset\": {\"version\": \"") + version + "\"}}"),
+                    "palpa reads glTF 2.0");
+  }
+  EXPECT_CONTAINS(fault_of_text(R"({"asset": {"version": "2.0", "minVersion": "2.1"}})"), "2.1");
+  // A name from the file cannot break the line.
+  EXPECT_CONTAINS(fault_of_text(R"({"asset": {"version": "2.0"}, "extensionsRequired": ["A\nB"]})"), "\"A?B\"");
+}
+
+TEST(BadGltf, BinaryContainers) {
+  const auto good = cube_file().glb();
+  for (std::size_t length : {0U, 3U, 11U, 12U, 19U, 20U, 30U}) {
+    auto cut = good;
+    cut.resize(length);
+    EXPECT_NE(fault_of_bytes(cut), "") << length;
+  }
+  auto bytes = good;
+  bytes.pop_back();
+  EXPECT_CONTAINS(fault_of_bytes(bytes), "cut off");
+  bytes = good;
+  bytes[4] = 1;
+  EXPECT_CONTAINS(fault_of_bytes(bytes), "version 1");
+  bytes = good;
+  bytes[16] = 'B';
+  EXPECT_CONTAINS(fault_of_bytes(bytes), "first chunk is not JSON");
+  bytes = good;
+  bytes[15] = 0xff;
+  EXPECT_CONTAINS(fault_of_bytes(bytes), "chunk 0 is cut off");
+}
+
+struct Case {
+  const char* name;
+  std::function<void(GltfBuilder&)> spoil;
+  const char* fault;
+};
+
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+  return out << c.name;
+}
+
+class BadCube : public ::testing::TestWithParam<Case> {};
+
+TEST_P(BadCube, IsNamed) {
+  GltfBuilder builder = cube_file();
+  GetParam().spoil(builder);
+  EXPECT_CONTAINS(fault_of(builder), GetParam().fault);
+}
+
+const std::vector<Case> cases{
+    {"SceneAbsent", [](GltfBuilder& b) { b.doc["scene"] = 1; }, "\"scene\" names scene 1"},
+    {"SceneNegative", [](GltfBuilder& b) { b.doc["scene"] = -1; }, "\"scene\" is not an index"},
+    {"SceneHalf", [](GltfBuilder& b) { b.doc["scene"] = 0.5; }, "\"scene\" is not an index"},
+    {"SceneEmpty", [](GltfBuilder& b) { b.doc["scenes"][0]["nodes"] = Json::array(); }, "no triangle mesh"},
+    {"SceneNodeTwice",
+     [](GltfBuilder& b) {
+       b.doc["scenes"][0]["nodes"] = {0, 0};
+     },
+     "names node 0 twice"},
+    {"SceneNodeAbsent", [](GltfBuilder& b) { b.doc["scenes"][0]["nodes"] = {4}; }, "names node 4"},
+    {"NodesAnObject", [](GltfBuilder& b) { b.doc["nodes"] = Json::object(); }, "\"nodes\" is not an array"},
+    {"NodeANumber", [](GltfBuilder& b) { b.doc["nodes"][0] = 3; }, "node 0: is not a JSON object"},
+    {"NodeLoop",
+     [](GltfBuilder& b) {
+       b.doc["nodes"] = {{{"children", {1}}}, {{"children", {0}}, {"mesh", 0}}};
+     },
+     "loop"},
+    {"NodeItsOwnChild", [](GltfBuilder& b) { b.doc["nodes"][0]["children"] = {0}; }, "its own child"},
+    {"NodeTwoParents",
+     [](GltfBuilder& b) {
+       b.doc["nodes"] = {{{"children", {2}}}, {{"children", {2}}}, {{"mesh", 0}}};
+     },
+     "both node 0 and node 1"},
+    {"SceneListsAChild",
+     [](GltfBuilder& b) {
+       b.doc["nodes"] = {{{"mesh", 0}}, {{"children", {0}}}};
+     },
+     "a child of node 1"},
+    {"MeshAbsent", [](GltfBuilder& b) { b.doc["nodes"][0]["mesh"] = 1; }, "names mesh 1"},
+    {"MatrixShort",
+     [](GltfBuilder& b) {
+       b.doc["nodes"][0]["matrix"] = {1, 0};
+     },
+     "2 values; it needs 16"},
+    {"MatrixProjective",
+     [](GltfBuilder& b) { b.doc["nodes"][0]["matrix"] = {1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}; },
+     "not affine"},
+    {"MatrixSingular",
+     [](GltfBuilder& b) { b.doc["nodes"][0]["matrix"] = {1, 2, 3, 0, 1, 2, 3, 0, 0, 0, 1, 0, 0, 0, 0, 1}; },
+     "scale is zero"},
+    {"MatrixAndScale",
+     [](GltfBuilder& b) {
+       b.doc["nodes"][0]["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+       b.doc["nodes"][0]["scale"] = {1, 1, 1};
+     },
+     "both \"matrix\""},
+    {"ScaleZero",
+     [](GltfBuilder& b) {
+       b.doc["nodes"][0]["scale"] = {1, 0, 1};
+     },
+     "scale is zero"},
+    {"ScaleHuge",
+     [](GltfBuilder& b) {
+       b.doc["nodes"][0]["scale"] = {1e300, 1e300, 1e300};
+     },
+     ""},
+    {"ScaleTiny",
+     [](GltfBuilder& b) {
+       b.doc["nodes"][0]["scale"] = {1e-200, 1e-200, 1e-200};
+     },
+     ""},
+    {"TranslationHuge",
+     [](GltfBuilder& b) {
+       b.doc["nodes"][0]["translation"] = {1e308, 0, 0};
+     },
+     "kilometre"},
+    {"RotationZero",
+     [](GltfBuilder& b) {
+       b.doc["nodes"][0]["rotation"] = {0, 0, 0, 0};
+     },
+     "unit quaternion"},
+    {"RotationText",
+     [](GltfBuilder& b) {
+       b.doc["nodes"][0]["rotation"] = {0, "0", 0, 1};
+     },
+     "not a number"},
+    {"ModeSeven", [](GltfBuilder& b) { b.doc["meshes"][0]["primitives"][0]["mode"] = 7; }, "\"mode\" is 7"},
+    {"PrimitivesNone", [](GltfBuilder& b) { b.doc["meshes"][0]["primitives"] = Json::array(); }, "no primitives"},
+    {"AttributesNone", [](GltfBuilder& b) { b.doc["meshes"][0]["primitives"][0].erase("attributes"); },
+     "\"attributes\" is missing"},
+    {"PositionText", [](GltfBuilder& b) { b.doc["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = "0"; },
+     "not an index"},
+    {"PositionsTwoWide", [](GltfBuilder& b) { b.doc["accessors"][0]["type"] = "VEC2"; }, "they are VEC3"},
+    {"PositionsShort",
+     [](GltfBuilder& b) {
+       b.doc["accessors"][0]["componentType"] = 5122;
+       b.doc["accessors"][0]["normalized"] = true;
+     },
+     "KHR_mesh_quantization"},
+    {"IndicesFloat", [](GltfBuilder& b) { b.doc["accessors"][1]["componentType"] = 5126; },
+     "not scalar unsigned integers"},
+    {"IndicesSigned", [](GltfBuilder& b) { b.doc["accessors"][1]["componentType"] = 5124; }, "accessor 1"},
+    {"CountZero", [](GltfBuilder& b) { b.doc["accessors"][0]["count"] = 0; }, "\"count\" is 0"},
+    {"CountTooLarge", [](GltfBuilder& b) { b.doc["accessors"][0]["count"] = 9; }, "does not fit its buffer view"},
+    {"CountAbsurd", [](GltfBuilder& b) { b.doc["accessors"][0]["count"] = 4'000'000'000U; },
+     "does not fit its buffer view"},
+    {"CountBeyondAll", [](GltfBuilder& b) { b.doc["accessors"][0]["count"] = 1e30; },
+     "\"count\" is not a whole number"},
+    {"OffsetTooLarge", [](GltfBuilder& b) { b.doc["accessors"][0]["byteOffset"] = 4; }, "does not fit its buffer view"},
+    {"NoData", [](GltfBuilder& b) { b.doc["accessors"][0].erase("bufferView"); }, "has no data"},
+    {"ViewTooLong", [](GltfBuilder& b) { b.doc["bufferViews"][1]["byteLength"] = 4'000'000; },
+     "does not fit its buffer"},
+    {"ViewOffset", [](GltfBuilder& b) { b.doc["bufferViews"][0]["byteOffset"] = 4'000'000'000U; },
+     "does not fit its buffer"},
+    {"StrideSmall", [](GltfBuilder& b) { b.doc["bufferViews"][0]["byteStride"] = 8; }, "byteStride of 8"},
+    {"StrideOdd", [](GltfBuilder& b) { b.doc["bufferViews"][0]["byteStride"] = 13; }, "multiple of 4"},
+    {"StrideLarge", [](GltfBuilder& b) { b.doc["bufferViews"][0]["byteStride"] = 256; }, "within 4 and 252"},
+    {"StrideOfIndices", [](GltfBuilder& b) { b.doc["bufferViews"][1]["byteStride"] = 4; }, "byteStride"},
+    {"BufferTooLong",
+     [](GltfBuilder& b) {
+       b.doc["buffers"] = {{{"byteLength", 4'000}}};
+     },
+     "but the BIN chunk has"},
+    {"BufferAbsurd",
+     [](GltfBuilder& b) {
+       b.doc["buffers"] = {{{"byteLength", 4'000'000'000U}, {"uri", "data:;base64,AAAA"}}};
+     },
+     "reads at most"},
+    {"UriAbsent",
+     [](GltfBuilder& b) {
+       b.doc["buffers"] = {{{"byteLength", 240}, {"uri", "absent.bin"}}};
+     },
+     "absent.bin"},
+    {"UriAbsolute",
+     [](GltfBuilder& b) {
+       b.doc["buffers"] = {{{"byteLength", 240}, {"uri", "/dev/zero"}}};
+     },
+     "not a relative path"},
+    {"UriDevice",
+     [](GltfBuilder& b) {
+       b.doc["buffers"] = {{{"byteLength", 240}, {"uri", "../../../../../../../../dev/zero"}}};
+     },
+     "buffer 0"},
+    {"UriPercent",
+     [](GltfBuilder& b) {
+       b.doc["buffers"] = {{{"byteLength", 240}, {"uri", "a%zz"}}};
+     },
+     "not a relative path"},
+    {"UriFolder",
+     [](GltfBuilder& b) {
+       b.doc["buffers"] = {{{"byteLength", 240}, {"uri", "."}}};
+     },
+     "directory"},
+    {"DataUriShort",
+     [](GltfBuilder& b) {
+       b.doc["buffers"] = {{{"byteLength", 240}, {"uri", "data:;base64,AAAA"}}};
+     },
+     "byteLength"},
+    {"DataUriNoBase64",
+     [](GltfBuilder& b) {
+       b.doc["buffers"] = {{{"byteLength", 240}, {"uri", "data:;base64," + std::string(320, '!')}}};
+     },
+     "not base64"},
+    {"SparseTooMany",
+     [](GltfBuilder& b) {
+       b.doc["accessors"][0]["sparse"] = {{"count", 9}, {"indices", {}}, {"values", {}}};
+     },
+     "\"count\" is 9"},
+    {"SparseEmpty",
+     [](GltfBuilder& b) {
+       b.doc["accessors"][0]["sparse"] = {{"count", 1}};
+     },
+     "\"indices\" is missing"},
+    {"SkinAbsent", [](GltfBuilder& b) { b.doc["nodes"][0]["skin"] = 0; }, "names skin 0"},
+    {"NameANumber", [](GltfBuilder& b) { b.doc["nodes"][0]["name"] = 7; }, "\"name\" is not a string"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Faults, BadCube, ::testing::ValuesIn(cases), [](const auto& one) { return one.param.name; });
+
+TEST(BadGltf, PositionsThatAreNotFinite) {
+  for (const float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                            -std::numeric_limits<float>::infinity()}) {
+    GltfBuilder builder;
+    Mesh cube = box(Vec3(0), Vec3(1));
+    cube.positions[5].y = wrong;
+    builder.add_mesh(cube);
+    builder.add_node({{"mesh", 0}});
+    EXPECT_CONTAINS(fault_of(builder), "vertex 5 is not finite");
+  }
+}
+
+TEST(BadGltf, IndicesOutOfRangeAndPrimitiveRestarts) {
+  for (const auto& [component, restart] :
+       {std::pair(5121, 255U), std::pair(5123, 65535U), std::pair(5125, 4294967295U)}) {
+    for (const std::uint32_t index : {8U, restart}) {
+      GltfBuilder builder;
+      const int positions = builder.add_positions(box(Vec3(0), Vec3(1)).positions);
+      builder.add_mesh(positions, builder.add_indices({0, 1, 2, 3, index, 5}, component));
+      builder.add_node({{"mesh", 0}});
+      EXPECT_CONTAINS(fault_of(builder),
+                      index == 8 ? "index 4 names vertex 8, but there are only 8" : "primitive restart");
+    }
+  }
+}
+
+// A small file that asks for a great deal.
+TEST(BadGltf, BombsAreRefusedBeforeTheyGoOff) {
+  GltfBuilder nodes;
+  nodes.add_mesh(test::sphere(1, 100, 200));
+  Json all = Json::array(), roots = Json::array();
+  for (int i = 0; i < 10'000; ++i) {
+    all.push_back({{"mesh", 0}});
+    roots.push_back(i);
+  }
+  nodes.doc["nodes"] = all;
+  nodes.doc["scenes"][0]["nodes"] = roots;
+  EXPECT_CONTAINS(fault_of(nodes), "more than 2000000 triangles");
+
+  GltfBuilder primitives;
+  primitives.add_mesh(test::sphere(1, 100, 200));
+  const Json one = primitives.doc["meshes"][0]["primitives"][0];
+  primitives.doc["meshes"][0]["primitives"] = Json::array_t(10'000, one);
+  primitives.add_node({{"mesh", 0}});
+  EXPECT_CONTAINS(fault_of(primitives), "more than 2000000 triangles");
+  primitives.doc["meshes"][0]["primitives"] = Json::array_t(110'000, one);
+  EXPECT_CONTAINS(fault_of(primitives), "more than 100000 primitives");
+
+  GltfBuilder morph;
+  morph.add_mesh(test::sphere(1, 100, 200));
+  morph.doc["meshes"][0]["primitives"][0]["targets"] = Json::array_t(5'000, {{"POSITION", 0}});
+  morph.doc["meshes"][0]["weights"] = Json::array_t(5'000, 1);
+  morph.add_node({{"mesh", 0}});
+  EXPECT_CONTAINS(fault_of(morph), "morph targets move more than");
+
+  GltfBuilder many;
+  many.doc["nodes"] = Json::array_t(200'000, Json::object());
+  EXPECT_CONTAINS(fault_of(many), "has 200000 nodes");
+
+  GltfBuilder base = cube_file();
+  base.doc["accessors"][0].erase("bufferView");
+  base.doc["accessors"][0]["count"] = 4'000'000'000U;
+  base.doc["accessors"][0]["sparse"] = {
+      {"count", 1}, {"indices", {{"bufferView", 1}, {"componentType", 5125}}}, {"values", {{"bufferView", 0}}}};
+  EXPECT_CONTAINS(fault_of(base), "more than 2000000 triangles or 6000000 vertices");
+}
+
+TEST(BadGltf, PeakMemoryStaysBelowAGigabyte) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+#ifdef NDEBUG
+  EXPECT_LT(usage.ru_maxrss, 1'000'000) << "kB";
+#endif
+}
+
+}  // namespace
+}  // namespace palpa::geometry

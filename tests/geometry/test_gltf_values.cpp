@@ -1,0 +1,243 @@
+// Numbers out of accessors: modes, widths, strides, sparse values, skins, morph targets.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <random>
+
+#include "geometry/gltf.hpp"
+#include "geometry/gltf_builder.hpp"
+#include "geometry/shapes.hpp"
+#include "geometry/solid.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+using test::box;
+using test::bytes_of;
+using test::GltfBuilder;
+using Json = GltfBuilder::Json;
+
+Scene load(const GltfBuilder& builder) {
+  static const std::filesystem::path folder = test::scratch_folder("gltf-values");
+  return load_gltf(builder.write_glb(folder / "model.glb"));
+}
+
+// Triangles as corner positions: what a mesh shows, however it is indexed.
+std::vector<std::array<Vec3, 3>> shown(const Mesh& mesh) {
+  std::vector<std::array<Vec3, 3>> corners;
+  for (const glm::uvec3& t : mesh.triangles) {
+    corners.push_back({mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]});
+  }
+  return corners;
+}
+
+const std::vector<Vec3> zigzag{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 2, 0}, {1, 2, 0}, {0, 3, 0}};
+
+TEST(GltfModes, ListsStripsAndFansAsTheSpecificationDrawsThem) {
+  for (const int component : {0, 5121, 5123, 5125}) {
+    // Indices run backwards, so that ignoring them would show.
+    std::vector<Vec3> stored = zigzag;
+    std::vector<std::uint32_t> indices;
+    if (component != 0) {
+      std::reverse(stored.begin(), stored.end());
+      for (std::uint32_t i = 0; i < 7; ++i)
+        indices.push_back(6 - i);
+    }
+    const auto& p = zigzag;
+    const std::vector<std::pair<int, std::vector<std::array<Vec3, 3>>>> cases{
+        {4, {{p[0], p[1], p[2]}, {p[3], p[4], p[5]}}},
+        {5, {{p[0], p[1], p[2]}, {p[1], p[3], p[2]}, {p[2], p[3], p[4]}, {p[3], p[5], p[4]}, {p[4], p[5], p[6]}}},
+        {6, {{p[1], p[2], p[0]}, {p[2], p[3], p[0]}, {p[3], p[4], p[0]}, {p[4], p[5], p[0]}, {p[5], p[6], p[0]}}}};
+    for (const auto& [mode, expected] : cases) {
+      GltfBuilder builder;
+      const int positions = builder.add_positions(stored);
+      builder.add_mesh(positions, component == 0 ? -1 : builder.add_indices(indices, component), mode);
+      builder.add_node({{"mesh", 0}});
+      Scene scene;
+      const std::string warning = test::stderr_of([&] { scene = load(builder); });
+      EXPECT_EQ(shown(scene.meshes.at(0).mesh), expected) << "mode " << mode << ", component " << component;
+      // Seven corners are no whole number of separate triangles.
+      EXPECT_EQ(warning.empty(), mode != 4);
+    }
+  }
+}
+
+TEST(GltfModes, ACubeAsAStripIsASolid) {
+  // The classic strip of 14 corners.
+  const std::vector<Vec3> p{{0, 1, 1}, {1, 1, 1}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}, {1, 1, 1}, {1, 1, 0},
+                            {0, 1, 1}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  GltfBuilder builder;
+  builder.add_mesh(builder.add_positions(p), -1, 5);
+  builder.add_node({{"mesh", 0}});
+  std::vector<Solid> solids;
+  test::stderr_of([&] { solids = make_solids(load(builder)); });
+  ASSERT_EQ(solids.size(), 1U);
+  EXPECT_NEAR(signed_volume(solids[0].mesh), 1, 1e-12);
+  EXPECT_EQ(solids[0].planes.size(), 6U);
+}
+
+TEST(GltfModes, FewerThanThreeCornersShowNothing) {
+  for (const int mode : {4, 5, 6}) {
+    GltfBuilder builder;
+    builder.add_mesh(builder.add_positions({{0, 0, 0}, {1, 0, 0}}), -1, mode);
+    builder.add_node({{"mesh", 0}});
+    EXPECT_TRUE(load(builder).meshes.empty());
+  }
+}
+
+TEST(GltfAccessors, InterleavedWithOffsets) {
+  const Mesh cube = box(Vec3(0), Vec3(1, 2, 3));
+  // Per vertex: 8 bytes of something else, the position, 4 bytes of something else.
+  std::vector<unsigned char> bytes(8 * 24, 0x7f);
+  for (std::size_t v = 0; v < 8; ++v) {
+    for (int i = 0; i < 3; ++i) {
+      const auto value = static_cast<float>(cube.positions[v][i]);
+      std::memcpy(bytes.data() + 24 * v + 8 + 4 * static_cast<std::size_t>(i), &value, 4);
+    }
+  }
+  GltfBuilder builder;
+  builder.add_view({1, 2, 3, 4, 5});
+  const int view = builder.add_view(bytes, 24);
+  builder.doc["accessors"].push_back(
+      {{"bufferView", view}, {"byteOffset", 8}, {"componentType", 5126}, {"count", 8}, {"type", "VEC3"}});
+  std::vector<std::uint32_t> indices;
+  for (const glm::uvec3& t : cube.triangles)
+    indices.insert(indices.end(), {t[0], t[1], t[2]});
+  builder.add_mesh(0, builder.add_indices(indices, 5123));
+  builder.add_node({{"mesh", 0}});
+  const Mesh mesh = load(builder).meshes.at(0).mesh;
+  EXPECT_EQ(mesh.positions, cube.positions);
+  EXPECT_EQ(mesh.triangles, cube.triangles);
+}
+
+TEST(GltfAccessors, SparseValuesReplace) {
+  for (const int component : {5121, 5123, 5125}) {
+    for (const bool based : {true, false}) {
+      GltfBuilder builder;
+      const int positions = builder.add_positions({{9, 9, 9}, {1, 0, 0}, {9, 9, 9}});
+      const std::vector<std::uint32_t> replaced{0, 2};
+      const int index_view = component == 5121   ? builder.add_view(bytes_of(std::vector<std::uint8_t>{0, 2}))
+                             : component == 5123 ? builder.add_view(bytes_of(std::vector<std::uint16_t>{0, 2}))
+                                                 : builder.add_view(bytes_of(replaced));
+      const int value_view = builder.add_view(bytes_of(std::vector<float>{0, 0, 5, 0, 1, 0}));
+      Json& accessor = builder.doc["accessors"][static_cast<std::size_t>(positions)];
+      if (!based) accessor.erase("bufferView");
+      accessor["sparse"] = {{"count", 2},
+                            {"indices", {{"bufferView", index_view}, {"componentType", component}}},
+                            {"values", {{"bufferView", value_view}}}};
+      builder.add_mesh(positions);
+      builder.add_node({{"mesh", 0}});
+      const Mesh mesh = load(builder).meshes.at(0).mesh;
+      const std::vector<Vec3> expected{{0, 0, 5}, {based ? 1 : 0, 0, 0}, {0, 1, 0}};
+      EXPECT_EQ(mesh.positions, expected);
+      // Descending, repeated and too large indices are faults.
+      for (const std::vector<std::uint8_t>& wrong : {std::vector<std::uint8_t>{2, 0}, {1, 1}, {0, 3}}) {
+        if (component != 5121) break;
+        GltfBuilder bad = builder;
+        const auto offset =
+            bad.doc["bufferViews"][static_cast<std::size_t>(index_view)]["byteOffset"].get<std::size_t>();
+        std::copy(wrong.begin(), wrong.end(), bad.bin.begin() + static_cast<std::ptrdiff_t>(offset));
+        EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "sparse index");
+      }
+    }
+  }
+}
+
+TEST(GltfAccessors, SparseIndicesReplaceToo) {
+  GltfBuilder builder;
+  const int positions = builder.add_positions(zigzag);
+  const int indices = builder.add_indices({0, 1, 6});
+  builder.doc["accessors"][static_cast<std::size_t>(indices)]["sparse"] = {
+      {"count", 1},
+      {"indices", {{"bufferView", builder.add_view({2})}, {"componentType", 5121}}},
+      {"values", {{"bufferView", builder.add_view(bytes_of(std::vector<std::uint32_t>{2}))}}}};
+  builder.add_mesh(positions, indices);
+  builder.add_node({{"mesh", 0}});
+  EXPECT_EQ(load(builder).meshes.at(0).mesh.triangles.at(0), glm::uvec3(0, 1, 2));
+}
+
+TEST(GltfMorph, DefaultWeightsOfMeshAndNode) {
+  GltfBuilder builder;
+  builder.add_mesh(box(Vec3(0), Vec3(1)));
+  const int up = builder.add_positions(std::vector<Vec3>(8, Vec3(0, 1, 0)));
+  const int right = builder.add_positions(std::vector<Vec3>(8, Vec3(1, 0, 0)));
+  builder.doc["meshes"][0]["primitives"][0]["targets"] = Json::array({{{"POSITION", up}}, {{"POSITION", right}}});
+  builder.doc["meshes"][0]["weights"] = {0.5, 0};
+  builder.add_node({{"mesh", 0}});
+  builder.add_node({{"mesh", 0}, {"weights", {0, 2}}});
+  const Scene scene = load(builder);
+  EXPECT_EQ(bounds(scene.meshes.at(0).mesh).low, Vec3(0, 0.5, 0));
+  EXPECT_EQ(bounds(scene.meshes.at(1).mesh).low, Vec3(2, 0, 0));
+  builder.doc["nodes"][1]["weights"] = {1};
+  EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "\"weights\" has 1 values; it needs 2");
+}
+
+// A bar of two bones: the lower half belongs to one, the upper to the other, which is turned and shifted.
+class GltfSkin : public ::testing::Test {
+ protected:
+  GltfSkin() {
+    builder.add_mesh(box(Vec3(0), Vec3(1, 2, 1)));
+    std::vector<std::uint8_t> joints;
+    std::vector<float> weights;
+    for (const Vec3& p : box(Vec3(0), Vec3(1, 2, 1)).positions) {
+      joints.insert(joints.end(), {0, 1, 0, 0});
+      weights.insert(weights.end(), {p.y < 1 ? 3.0F : 0.0F, p.y < 1 ? 0.0F : 3.0F, 0, 0});
+    }
+    accessor(builder.add_view(joints), 5121, 8, "VEC4");
+    accessor(builder.add_view(bytes_of(weights)), 5126, 8, "VEC4");
+    // The second bone sits at y = 1 when bound.
+    std::vector<float> inverse(32);
+    for (std::size_t i = 0; i < 32; ++i)
+      inverse[i] = i % 16 % 5 == 0 ? 1.0F : 0.0F;
+    inverse[16 + 13] = -1;
+    accessor(builder.add_view(bytes_of(inverse)), 5126, 2, "MAT4");
+    auto& attributes = builder.doc["meshes"][0]["primitives"][0]["attributes"];
+    attributes["JOINTS_0"] = 2;
+    attributes["WEIGHTS_0"] = 3;
+    builder.doc["skins"] = Json::array({{{"joints", {1, 2}}, {"inverseBindMatrices", 4}}});
+    // The node's own place does not count for a skinned mesh.
+    builder.add_node({{"mesh", 0}, {"skin", 0}, {"translation", {100, 0, 0}}});
+    builder.add_node({{"children", {2}}, {"translation", {0, 5, 0}}});
+    builder.add_node({{"translation", {0, 1, 0}}, {"scale", {2, 2, 2}}}, false);
+  }
+  void accessor(int view, int component, int count, const char* type) {
+    builder.doc["accessors"].push_back(
+        {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
+  }
+  GltfBuilder builder;
+};
+
+TEST_F(GltfSkin, FollowsTheBones) {
+  const Mesh mesh = load(builder).meshes.at(0).mesh;
+  const Mesh bound = box(Vec3(0), Vec3(1, 2, 1));
+  for (std::size_t v = 0; v < 8; ++v) {
+    const Vec3& p = bound.positions[v];
+    const Vec3 expected = p.y < 1 ? p + Vec3(0, 5, 0) : Vec3(0, 6, 0) + 2.0 * (p - Vec3(0, 1, 0));
+    EXPECT_LT(glm::distance(mesh.positions[v], expected), 1e-6) << v;
+  }
+}
+
+TEST_F(GltfSkin, FaultsAreNamed) {
+  GltfBuilder bad = builder;
+  bad.doc["skins"][0]["joints"] = {1};
+  EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "names a joint that its skin does not have");
+  bad.doc["skins"][0]["joints"] = {1, 7};
+  EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "skin 0: \"joints\" names node 7");
+  bad = builder;
+  bad.doc["accessors"][4]["count"] = 1;
+  EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "2 joints but only 1 inverse bind matrices");
+  bad = builder;
+  bad.doc["meshes"][0]["primitives"][0]["attributes"].erase("WEIGHTS_0");
+  EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "one is missing");
+  bad = builder;
+  bad.doc["accessors"][2]["count"] = 7;
+  EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "8 positions but 7 of JOINTS_0");
+}
+
+}  // namespace
+}  // namespace palpa::geometry

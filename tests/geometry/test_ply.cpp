@@ -1,0 +1,308 @@
+#include "geometry/ply.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <random>
+
+#include "geometry/memory_file.hpp"
+#include "geometry/shapes.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+const std::filesystem::path& folder() {
+  static const std::filesystem::path path = test::scratch_folder("ply");
+  return path;
+}
+
+std::filesystem::path written(const std::string& bytes) {
+  static test::MemoryFile file;
+  return file.write(bytes.data(), bytes.size());
+}
+
+Ply read(const std::string& bytes) {
+  return read_ply(written(bytes));
+}
+
+std::string fault_of_file(const std::filesystem::path& file) {
+  [[maybe_unused]] const std::clock_t start = std::clock();
+  const std::string line = test::error_of([&] { read_ply(file); });
+#ifdef NDEBUG
+  EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC) << line;
+#endif
+  EXPECT_TRUE(line.starts_with(file.string() + ": ")) << line;
+  return line;
+}
+
+std::string fault_of(const std::string& bytes) {
+  return fault_of_file(written(bytes));
+}
+
+std::string header(const std::string& format, const std::string& elements) {
+  return "ply\nformat " + format + " 1.0\n" + elements + "end_header\n";
+}
+
+const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+const std::string triangle_header =
+    "element vertex 3\n" + xyz + "element face 1\nproperty list uchar int vertex_indices\n";
+
+TEST(Ply, RoundTripsExactlyInAscii) {
+  std::mt19937_64 random(1);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 500; ++i) {
+    Vec3 p;
+    for (int k = 0; k < 3; ++k) {
+      do
+        p[k] = std::bit_cast<double>(random());
+      while (!std::isfinite(p[k]));
+    }
+    points.push_back(p);
+  }
+  points.emplace_back(0.1, -0.0, std::numeric_limits<double>::denorm_min());
+  write_ply(folder() / "a.ply", points, {}, PlyFormat::ascii);
+  const Ply back = read_ply(folder() / "a.ply");
+  EXPECT_TRUE(back.positions == points);
+  EXPECT_TRUE(back.triangles.empty());
+}
+
+TEST(Ply, RoundTripsInBinaryToSinglePrecision) {
+  const Mesh ball = test::sphere(0.02, 30, 40);
+  write_ply(folder() / "b.ply", ball.positions, ball.triangles);
+  const Ply back = read_ply(folder() / "b.ply");
+  EXPECT_TRUE(back.positions == test::rounded(ball).positions);
+  EXPECT_TRUE(back.triangles == ball.triangles);
+  // 12 bytes a vertex, 13 a triangle, and the header.
+  const auto size = std::filesystem::file_size(folder() / "b.ply");
+  EXPECT_LT(size - 12 * ball.positions.size() - 13 * ball.triangles.size(), 300U);
+  write_ply(folder() / "c.ply", ball.positions, ball.triangles, PlyFormat::ascii);
+  EXPECT_TRUE(read_ply(folder() / "c.ply").triangles == ball.triangles);
+  write_ply(folder() / "none.ply", {});
+  EXPECT_TRUE(read_ply(folder() / "none.ply").positions.empty());
+}
+
+TEST(Ply, ReadsAsciiAsPeopleWriteIt) {
+  const Ply ply = read(
+      "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nobj_info x\r\nelement vertex 4\r\n"
+      "property float32 x\r\nproperty uchar red\r\nproperty double y\r\nproperty float z\r\n"
+      "element face 2\r\nproperty uchar flag\r\nproperty list uchar uint vertex_index\r\n"
+      "element edge 1\r\nproperty int a\r\nend_header\r\n"
+      "0 255 0 0\r\n+1 0 0 0\r\n 1.5e0\t7 1 0 \r\n\r\n0 7 1 -.25\r\n0 4 0 1 2 3\r\n1 3 0 2 3\r\n");
+  const std::vector<Vec3> positions{{0, 0, 0}, {1, 0, 0}, {1.5, 1, 0}, {0, 1, -0.25}};
+  EXPECT_TRUE(ply.positions == positions);
+  // The quadrilateral becomes a fan.
+  const std::vector<glm::uvec3> triangles{{0, 1, 2}, {0, 2, 3}, {0, 2, 3}};
+  EXPECT_TRUE(ply.triangles == triangles);
+}
+
+template <typename T>
+void put(std::string& out, T value, bool big) {
+  std::string bytes(sizeof(T), '\0');
+  std::memcpy(bytes.data(), &value, sizeof(T));
+  if (big) std::reverse(bytes.begin(), bytes.end());
+  out += bytes;
+}
+
+template <typename T>
+void check_type(const std::string& name) {
+  for (const bool big : {false, true}) {
+    std::string file = header(big ? "binary_big_endian" : "binary_little_endian",
+                              "element vertex 2\nproperty list " + std::string(std::is_integral_v<T> ? name : "uint8") +
+                                  " short extra\nproperty " + name + " x\nproperty " + name + " y\nproperty " + name +
+                                  " z\nproperty double more\n");
+    for (int v = 0; v < 2; ++v) {
+      if constexpr (std::is_integral_v<T>) {
+        put<T>(file, 2, big);
+      } else {
+        put<std::uint8_t>(file, 2, big);
+      }
+      put<std::int16_t>(file, -1, big);
+      put<std::int16_t>(file, 12345, big);
+      put<T>(file, static_cast<T>(100 + v), big);
+      put<T>(file, std::numeric_limits<T>::max(), big);
+      put<T>(file, std::numeric_limits<T>::lowest(), big);
+      put<double>(file, 0.5, big);
+    }
+    const Ply ply = read(file);
+    ASSERT_EQ(ply.positions.size(), 2U);
+    for (int v = 0; v < 2; ++v) {
+      EXPECT_EQ(ply.positions[static_cast<std::size_t>(v)],
+                Vec3(100 + v, static_cast<double>(std::numeric_limits<T>::max()),
+                     static_cast<double>(std::numeric_limits<T>::lowest())))
+          << name << (big ? " big" : " little");
+    }
+  }
+}
+
+TEST(Ply, ReadsEveryTypeInEitherByteOrder) {
+  check_type<std::int8_t>("char");
+  check_type<std::int8_t>("int8");
+  check_type<std::uint8_t>("uchar");
+  check_type<std::uint8_t>("uint8");
+  check_type<std::int16_t>("short");
+  check_type<std::int16_t>("int16");
+  check_type<std::uint16_t>("ushort");
+  check_type<std::uint16_t>("uint16");
+  check_type<std::int32_t>("int");
+  check_type<std::int32_t>("int32");
+  check_type<std::uint32_t>("uint");
+  check_type<std::uint32_t>("uint32");
+  check_type<float>("float");
+  check_type<float>("float32");
+  check_type<double>("double");
+  check_type<double>("float64");
+}
+
+TEST(Ply, ElementsInAnyOrder) {
+  std::string file = header("binary_little_endian",
+                            "element junk 1000\nproperty double a\nproperty uchar b\n"
+                            "element face 1\nproperty list int ushort vertex_indices\nproperty float q\n"
+                            "element lists 2\nproperty list uchar float l\nelement vertex 3\n" +
+                                xyz + "element tail 9\nproperty char c\n");
+  file += std::string(9000, '\x55');
+  put<std::int32_t>(file, 3, false);
+  for (const std::uint16_t i : {2, 1, 0})
+    put(file, i, false);
+  put<float>(file, 1, false);
+  put<std::uint8_t>(file, 0, false);
+  put<std::uint8_t>(file, 2, false);
+  put<double>(file, 1, false);
+  for (int i = 0; i < 9; ++i)
+    put(file, static_cast<float>(i), false);
+  file += std::string(9, 'c');
+  const Ply ply = read(file);
+  ASSERT_EQ(ply.positions.size(), 3U);
+  EXPECT_EQ(ply.positions[2], Vec3(6, 7, 8));
+  EXPECT_EQ(ply.triangles.at(0), glm::uvec3(2, 1, 0));
+}
+
+TEST(PlyFaults, NotAFileAtAll) {
+  EXPECT_CONTAINS(fault_of_file(folder() / "absent.ply"), "No such file");
+  EXPECT_CONTAINS(fault_of_file(folder()), "directory");
+  EXPECT_CONTAINS(fault_of_file("/dev/zero"), "not a regular file");
+  const auto pipe = folder() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_CONTAINS(fault_of_file(pipe), "not a regular file");
+  EXPECT_CONTAINS(fault_of(""), "empty");
+}
+
+TEST(PlyFaults, TenGigabytes) {
+  const auto file = folder() / "zeros.ply";
+  const std::string lists = "element a 2000000000\nproperty list uchar int l\n";
+  for (const std::string& head :
+       {std::string("x"), std::string("ply\n"), header("ascii", "element vertex 9\n" + xyz),
+        header("ascii", "element vertex 9\n" + xyz) + " \n",
+        header("binary_little_endian", "element vertex 800000000\n" + xyz),
+        header("ascii", "element vertex 1000000000\n" + xyz), header("binary_big_endian", lists + triangle_header),
+        header("binary_big_endian", "element a 2000000000\nproperty int l\nelement vertex 3\nproperty int x\n")}) {
+    std::ofstream(file, std::ios::binary) << head;
+    std::filesystem::resize_file(file, 10ULL << 30);
+    EXPECT_NE(fault_of_file(file), "") << head;
+  }
+  std::filesystem::remove(file);
+}
+
+TEST(PlyFaults, Headers) {
+  EXPECT_CONTAINS(fault_of("plyformat"), "first line");
+  EXPECT_CONTAINS(fault_of("solid x"), "first line");
+  EXPECT_CONTAINS(fault_of("ply\nformat ascii 1.0\n"), "end_header");
+  EXPECT_CONTAINS(fault_of("ply\n" + std::string(100'000, 'c') + "\n"), "header");
+  EXPECT_CONTAINS(fault_of("ply\nelement vertex 1\n" + xyz + "end_header\n0 0 0\n"), "\"format\"");
+  EXPECT_CONTAINS(fault_of(header("ascii2", "")), "line 2");
+  EXPECT_CONTAINS(fault_of("ply\nformat ascii 2.0\nend_header\n"), "line 2");
+  EXPECT_CONTAINS(fault_of(header("ascii", "")), "no element \"vertex\"");
+  EXPECT_CONTAINS(fault_of(header("ascii", "elephant\n")), "unknown keyword");
+  EXPECT_CONTAINS(fault_of(header("ascii", "property float x\n")), "line 3");
+  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex -1\n")), "whole number");
+  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex 99999999999999999999\n")), "whole number");
+  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex 1\nproperty half x\n")), "unknown type");
+  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex 1\nproperty list float int x\n")), "integer");
+  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex 1\nproperty float x\nproperty float y\n") + "0 0\n"),
+                  "x, y, z");
+  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex 1\n" + xyz + "property int x\n") + "0 0 0 0\n"), "twice");
+  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex 1\n" + xyz + "element vertex 1\n" + xyz) + "0 0 0 0 0 0\n"),
+                  "twice");
+}
+
+TEST(PlyFaults, CountsThatTheFileCannotHold) {
+  for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+    EXPECT_CONTAINS(fault_of(header(format, "element vertex 4000000000\n" + xyz) + "0 0 0\n"), "promises 4000000000");
+    EXPECT_CONTAINS(fault_of(header(format, "element vertex 18446744073709551615\n" + xyz) + "0 0 0\n"), "promises");
+    EXPECT_CONTAINS(fault_of(header(format, "element vertex 1\n" + xyz +
+                                                "element face 3000000000\n"
+                                                "property list uchar int vertex_indices\n") +
+                             "0 0 0 0 0 0 0 0 0 0 0 0 0 0 0"),
+                    "promises 3000000000");
+  }
+}
+
+TEST(PlyFaults, Truncation) {
+  const Mesh ball = test::sphere(0.02, 5, 6);
+  for (const PlyFormat format : {PlyFormat::ascii, PlyFormat::binary}) {
+    write_ply(folder() / "whole.ply", ball.positions, ball.triangles, format);
+    std::ifstream in(folder() / "whole.ply", std::ios::binary);
+    const std::string whole((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    // The last newline of an ascii file may be missing, and its last number may lose digits unseen.
+    const std::size_t spare = format == PlyFormat::ascii ? 3 : 0;
+    for (std::size_t length = 1; length + spare < whole.size(); ++length)
+      EXPECT_NE(fault_of(whole.substr(0, length)), "") << length;
+  }
+}
+
+TEST(PlyFaults, Values) {
+  const std::string start = header("ascii", triangle_header);
+  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"), "vertex 1 is not finite");
+  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 -inf\n3 0 1 2\n"), "vertex 2 is not finite");
+  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 1e999\n0 1 0\n3 0 1 2\n"), "vertex 1 is not finite");
+  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n"), "line 11: \"zero\" is not a number");
+  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"), "vertex 3, but there are only 3");
+  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -2\n"), "uses vertex -2");
+  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n3 0 1 1.5\n"), "does not fit its type");
+  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n2 0 1 0\n"), "has 2 corners");
+  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n300 0 1 2\n"), "does not fit its type");
+  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0" + std::string(5000, ' ') + "3 0 1 2\n"),
+                  "a number is missing");
+  EXPECT_CONTAINS(fault_of(start + std::string(500, '1') + " 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), "400 characters");
+  std::string binary = header("binary_little_endian", "element vertex 2\n" + xyz);
+  for (int i = 0; i < 5; ++i)
+    put(binary, 1.0F, false);
+  put(binary, std::numeric_limits<float>::quiet_NaN(), false);
+  EXPECT_CONTAINS(fault_of(binary), "vertex 1 is not finite");
+}
+
+TEST(PlyFaults, ADiskThatIsFull) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "skipped: no /dev/full";
+  const Mesh ball = test::sphere(0.02, 100, 200);
+  const std::vector<Vec3> one{{0, 0, 0}};
+  for (const PlyFormat format : {PlyFormat::ascii, PlyFormat::binary}) {
+    EXPECT_CONTAINS(
+        test::error_of([&] { write_ply("/dev/full", ball.positions, ball.triangles, format); }, Exit::failed),
+        "/dev/full: cannot be written: No space left");
+    EXPECT_CONTAINS(test::error_of([&] { write_ply("/dev/full", one, {}, format); }, Exit::failed), "No space left");
+  }
+  EXPECT_CONTAINS(test::error_of([&] { write_ply(folder() / "absent" / "a.ply", one); }, Exit::failed), "No such file");
+}
+
+TEST(Ply, AMillionPointsTakeASecondOrTwo) {
+  const Mesh ball = test::sphere(0.02, 500, 2000);
+  for (const PlyFormat format : {PlyFormat::ascii, PlyFormat::binary}) {
+    write_ply(folder() / "large.ply", ball.positions, {}, format);
+    [[maybe_unused]] const std::clock_t start = std::clock();
+    EXPECT_EQ(read_ply(folder() / "large.ply").positions.size(), ball.positions.size());
+#ifdef NDEBUG
+    EXPECT_LT(std::clock() - start, 3 * CLOCKS_PER_SEC);
+#endif
+  }
+}
+
+}  // namespace
+}  // namespace palpa::geometry
