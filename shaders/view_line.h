@@ -17,7 +17,7 @@ void line_corner(uint corner, vec2 a, vec2 b, float depth_a, float depth_b) {
   const bool at_b = corner == 1u || corner == 2u || corner == 4u;
   const float side = corner == 2u || corner == 4u || corner == 5u ? 1.0 : -1.0;
   const vec2 pixel = (at_b ? b + t * reach : a - t * reach) + s * side * reach;
-  ends = vec4(a, b);
+  ends = vec4(a, b) + push.style.zwzw;  // where gl_FragCoord will find them
   gl_Position = vec4(pixel / push.window.xy * 2.0 - 1.0, clamp(at_b ? depth_b : depth_a, 0.0, 1.0), 1.0);
 }
 

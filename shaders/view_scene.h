@@ -53,7 +53,7 @@ struct ViewPush {
   vec4 window;  // x, y: size in pixels; z: pixels per metre where clip w = 1; w: depth bias towards the viewer, relative
   vec4 colour;  // mesh, edge: rgb and alpha; stroke, disc: unused
   vec4 style;   // mesh: x alpha at the silhouette, y 1 for shading, 0 for none; edge: x half the width in pixels;
-                // stroke: x 1 where coordinates are pixels, y multiplies widths;
+                // stroke: x 1 where coordinates are pixels, y multiplies widths; edge, stroke: zw where the view begins, pixels;
                 // disc: x outline in pixels, y multiplies radii given in pixels
 };
 PALPA_CHECK_SIZE(ViewPush, 128);

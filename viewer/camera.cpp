@@ -66,7 +66,7 @@ void frame(Camera& camera, const Box& box, double aspect) {
   constexpr double margin = 1.18;
   camera.target = box.empty() ? Vec3(0) : box.centre();
   const Basis b = basis(camera);
-  const double tan_y = std::tan(camera.fov / 2), tan_x = tan_y * aspect;
+  const double tan_y = std::tan(camera.fov / 2), tan_x = tan_y * aspect * (1 - std::abs(camera.shift));
   double distance = box.empty() ? 0.05 / tan_x : 0;
   for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
     const Vec3 p = Vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
@@ -124,6 +124,11 @@ shader::ViewPush projection(const Camera& camera, double width, double height) {
     push.eye = row(b.eye, 1);
     push.window.z = static_cast<float>(height / (2 * tan_y));
   }
+  const auto shift = static_cast<float>(camera.shift);
+  push.clip_x.x += shift * push.clip_w.x;
+  push.clip_x.y += shift * push.clip_w.y;
+  push.clip_x.z += shift * push.clip_w.z;
+  push.clip_x.w += shift * push.clip_w.w;
   push.window.x = static_cast<float>(width);
   push.window.y = static_cast<float>(height);
   return push;

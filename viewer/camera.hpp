@@ -16,6 +16,7 @@ struct Camera {
   double distance = 0.3;      ///< metres from eye to target
   double fov = 0.44;          ///< vertical field of view, radians
   bool orthographic = false;  ///< parallel projection that shows the target as large as the perspective does
+  double shift = 0;           ///< shifted lens: the picture moves right by this share of half its width, undistorted
 };
 
 enum class StandardView { front, right, top, iso };

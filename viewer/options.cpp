@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "base/error.hpp"
@@ -55,6 +56,7 @@ void add_options(CLI::App& app, Options& o) {
                 {"all", std::optional(Extent::all)}},
                "what fills the picture, normally all where an array is drawn, else objects");
   where.flag("--ortho", o.orthographic, "parallel projection");
+  where.flag("--inset", o.inset, "a close-up of the touch in the corner");
 
   const cli::Group how(app, "Without a window");
   how.flag("--headless", o.headless, "open no window");
@@ -112,7 +114,7 @@ Box home_of(const Options& o, const Picture& picture) {
   return extent(picture, o.frame.value_or(picture.transducers.empty() ? Extent::objects : Extent::all));
 }
 
-Camera first_camera(const Options& o, const Picture& picture, double aspect) {
+Camera first_camera(const Options& o, const Picture& picture, const Size& size) {
   Camera camera;
   camera.orthographic = o.orthographic;
   if (!o.eye.empty()) {
@@ -120,8 +122,19 @@ Camera first_camera(const Options& o, const Picture& picture, double aspect) {
     return camera;
   }
   look(camera, o.view);
-  frame(camera, home_of(o, picture), aspect);
+  // A close-up covers the right of the picture: what is framed moves to the left.
+  camera.shift = o.inset && !picture.fingers.empty() ? -inset_share : 0;
+  frame(camera, home_of(o, picture), static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u));
   return camera;
+}
+
+std::vector<View> views_from(const Camera& camera, const Options& o, const Picture& picture, const Size& size,
+                             double ratio) {
+  std::vector<View> views{whole(camera, size.width, size.height)};
+  if (o.inset && !picture.fingers.empty()) {
+    views.push_back(close_up(camera, extent(picture, Extent::touch), size.width, size.height, ratio));
+  }
+  return views;
 }
 
 }  // namespace palpa::viewer

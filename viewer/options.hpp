@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cli/options.hpp"
 #include "cli/touch_input.hpp"
 #include "viewer/camera.hpp"
 #include "viewer/picture.hpp"
+#include "viewer/renderer.hpp"
 
 namespace palpa::viewer {
 
@@ -31,6 +33,7 @@ struct Options {
   std::string eye, target;  ///< "x,y,z"
   std::optional<Extent> frame;
   bool orthographic = false;
+  bool inset = false;
 
   bool headless = false;
   std::optional<std::uint32_t> frames;
@@ -50,8 +53,11 @@ struct Size {
 };
 /// Of --size.
 Size picture_size(const Options& options);
-/// Where the camera stands at first, for a picture of that shape.
-Camera first_camera(const Options& options, const Picture& picture, double aspect);
+/// Where the camera stands at first, for a picture of that size.
+Camera first_camera(const Options& options, const Picture& picture, const Size& size);
+/// What is drawn from there: the whole, and with --inset a close-up of the touch, if there is one.
+std::vector<View> views_from(const Camera& camera, const Options& options, const Picture& picture, const Size& size,
+                             double ratio);
 /// What F frames, and what the first camera does unless an eye is given.
 Box home_of(const Options& options, const Picture& picture);
 

@@ -189,7 +189,7 @@ void draw_legend(Ink& ink, const Picture& picture, const Theme& theme) {
 
 /// Phase as hue around a wheel, amplitude as brightness from its centre outwards.
 void draw_drive_wheel(Ink& ink, const Picture& picture, double width, const Theme& theme) {
-  const double radius = 26, right = 62;
+  const double radius = 26, right = 84;
   const Vec2 centre(width - ink.px(right), ink.px(64));
   constexpr int sectors = 96, rings = 9;
   for (int ring = 0; ring < rings; ++ring) {
@@ -205,8 +205,8 @@ void draw_drive_wheel(Ink& ink, const Picture& picture, double width, const Them
   ink.label("\u03c0", centre + Vec2(-ink.px(radius + 9), ink.px(4)), 8, theme.ink, Align::right);
   ink.label("hue: phase", centre + Vec2(0, -ink.px(radius + 8)), 8, theme.ink, Align::centre);
   ink.label("brightness: amplitude", centre + Vec2(0, ink.px(radius + 18)), 8, theme.faint_ink, Align::centre);
-  ink.label(counted(picture.transducers.size(), "transducer"), {width - ink.px(20), ink.px(64 + radius + 36)}, 8,
-            theme.ink, Align::right);
+  ink.label(counted(picture.transducers.size(), "transducer"), centre + Vec2(0, ink.px(radius + 36)), 8, theme.ink,
+            Align::centre);
 }
 
 void draw_axes(Ink& ink, const Camera& camera, double height) {
@@ -256,7 +256,6 @@ double scale_bar_length(double longest_m) {
 
 void build_overlay(const Picture& picture, const Camera& camera, const OverlayOptions& options,
                    std::vector<shader::ViewStroke>& strokes) {
-  strokes.clear();
   const Theme& theme = picture.dark ? dark_theme() : light_theme();
   Ink ink(options.ratio, theme.background, strokes);
   const shader::ViewPush view = projection(camera, options.width, options.height);
@@ -266,6 +265,14 @@ void build_overlay(const Picture& picture, const Camera& camera, const OverlayOp
   }
   for (std::size_t f = 0; f < picture.fingers.size(); ++f) {
     draw_finger(ink, picture.fingers[f], static_cast<std::uint32_t>(f), view, theme);
+  }
+  if (options.inset) {
+    const Vec2 far(options.width, options.height);
+    const std::array<Vec2, 4> corners{Vec2(0, 0), Vec2(far.x, 0), far, Vec2(0, far.y)};
+    for (std::size_t i = 0; i < 4; ++i)
+      ink.line(corners[i], corners[(i + 1) % 4], 2, theme.faint_ink);
+    if (picture.legend) draw_scale(ink, camera, options, theme);
+    return;
   }
   if (!picture.legend) return;
   draw_legend(ink, picture, theme);

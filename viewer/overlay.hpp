@@ -12,12 +12,13 @@
 namespace palpa::viewer {
 
 struct OverlayOptions {
-  double width = 0, height = 0;  ///< of the picture in pixels
+  double width = 0, height = 0;  ///< of the view in pixels
   double ratio = 1;              ///< pixels per point, 2 on a high-resolution screen
+  bool inset = false;            ///< a close-up inside another view: a border and a scale in place of legend and axes
 };
 
-/// Replaces `strokes`, whose storage is kept, by the overlay of `picture`; later strokes lie over earlier ones.
-/// Surfaces, points and transducers are only named and counted.
+/// Appends the overlay of `picture`, in pixels from the view's top left; later strokes lie over earlier ones. Surfaces,
+/// points and transducers are only named and counted.
 void build_overlay(const Picture& picture, const Camera& camera, const OverlayOptions& options,
                    std::vector<shader::ViewStroke>& strokes);
 

@@ -112,7 +112,7 @@ Box extent(const Picture& picture, Extent extent) {
       box.add(Vec3(focus.position));
   }
   if (extent == Extent::touch && !box.empty()) {
-    const Vec3 margin(2e-3);
+    const Vec3 margin(0.8e-3);
     box.low -= margin;
     box.high += margin;
     return box;

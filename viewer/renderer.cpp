@@ -42,6 +42,17 @@ shader::vec4 pack(const Colour& c) {
   return {c.r, c.g, c.b, c.a};
 }
 
+/// Uploads overwrite what earlier frames' draws fetched.
+void after_last_draws(VkCommandBuffer commands) {
+  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  memory.srcStageMask = VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT;
+  memory.dstStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  info.memoryBarrierCount = 1;
+  info.pMemoryBarriers = &memory;
+  vkCmdPipelineBarrier2(commands, &info);
+}
+
 constexpr std::uint32_t corners_of(std::uint32_t quads) {
   return quads * 6;
 }
@@ -85,23 +96,50 @@ Canvas Renderer::make_canvas(VkExtent2D extent) const {
   return canvas;
 }
 
-void Renderer::record(VkCommandBuffer commands, Scene& scene, const Camera& camera, Canvas& canvas,
+View whole(const Camera& camera, std::uint32_t width, std::uint32_t height) {
+  return {camera, {{0, 0}, {width, height}}, false};
+}
+
+View close_up(const Camera& camera, const Box& box, std::uint32_t width, std::uint32_t height, double ratio) {
+  const double w = inset_share * width, h = std::min(0.5 * height, w);
+  const double margin = std::min(24 * ratio, 0.04 * height), below = std::min(64 * ratio, 0.1 * height);
+  View view{camera, {}, true};
+  view.area.extent = {static_cast<std::uint32_t>(w), static_cast<std::uint32_t>(h)};
+  view.area.offset = {static_cast<std::int32_t>(width - w - margin), static_cast<std::int32_t>(height - h - below)};
+  view.camera.shift = 0;
+  frame(view.camera, box, w / h);
+  return view;
+}
+
+// Which strokes belong to which view.
+std::vector<Range> Renderer::upload_overlay(VkCommandBuffer commands, const Scene& scene, std::span<const View> views,
+                                            Canvas& canvas, double ratio) const {
+  canvas.strokes_.clear();
+  std::vector<Range> ranges;
+  for (const View& view : views) {
+    const auto first = static_cast<std::uint32_t>(canvas.strokes_.size());
+    build_overlay(
+        scene.picture_, view.camera,
+        {static_cast<double>(view.area.extent.width), static_cast<double>(view.area.extent.height), ratio, view.inset},
+        canvas.strokes_);
+    ranges.push_back({first, static_cast<std::uint32_t>(canvas.strokes_.size()) - first});
+  }
+  const VkDeviceSize bytes = canvas.strokes_.size() * sizeof(shader::ViewStroke);
+  if (canvas.overlay_.data() == nullptr || canvas.overlay_.ref().size < bytes) {
+    canvas.overlay_ = gpu::Upload(*device_, std::max<VkDeviceSize>(2 * bytes, 4096), "view overlay");
+  }
+  if (bytes != 0) std::memcpy(canvas.overlay_.data(), canvas.strokes_.data(), bytes);
+  canvas.overlay_.record(commands, bytes);
+  return ranges;
+}
+
+void Renderer::record(VkCommandBuffer commands, Scene& scene, std::span<const View> views, Canvas& canvas,
                       const Target& target, double ratio) const {
   const VkExtent2D extent = canvas.extent();
   const Theme& theme = scene.picture_.dark ? dark_theme() : light_theme();
-  Frame frame{commands, projection(camera, extent.width, extent.height), theme, basis(camera).eye,
-              static_cast<float>(ratio)};
-  frame.push.window.w = 0;
-
+  after_last_draws(commands);
   scene.record_upload(commands);
-  build_overlay(scene.picture_, camera, {static_cast<double>(extent.width), static_cast<double>(extent.height), ratio},
-                canvas.strokes_);
-  const VkDeviceSize overlay_bytes = canvas.strokes_.size() * sizeof(shader::ViewStroke);
-  if (canvas.overlay_.data() == nullptr || canvas.overlay_.ref().size < overlay_bytes) {
-    canvas.overlay_ = gpu::Upload(*device_, std::max<VkDeviceSize>(2 * overlay_bytes, 4096), "view overlay");
-  }
-  if (overlay_bytes != 0) std::memcpy(canvas.overlay_.data(), canvas.strokes_.data(), overlay_bytes);
-  canvas.overlay_.record(commands, overlay_bytes);
+  const std::vector<Range> overlays = upload_overlay(commands, scene, views, canvas, ratio);
 
   const bool resolve = canvas.colour_.get() != VK_NULL_HANDLE;
   gpu::transition(commands, target.image, colour_, gpu::image_use::discard_colour, gpu::image_use::colour_target);
@@ -135,14 +173,40 @@ void Renderer::record(VkCommandBuffer commands, Scene& scene, const Camera& came
   rendering.pColorAttachments = &colour;
   rendering.pDepthAttachment = &depth;
   vkCmdBeginRendering(commands, &rendering);
-  const VkViewport viewport{0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height), 0, 1};
-  vkCmdSetViewport(commands, 0, 1, &viewport);
-  vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const VkExtent2D size = views[i].area.extent;
+    Frame frame{commands, projection(views[i].camera, size.width, size.height), theme, basis(views[i].camera).eye,
+                static_cast<float>(ratio)};
+    frame.push.style.z = static_cast<float>(views[i].area.offset.x);
+    frame.push.style.w = static_cast<float>(views[i].area.offset.y);
+    draw_view(frame, scene, canvas, views[i], overlays[i]);
+  }
+  vkCmdEndRendering(commands);
+}
+
+void Renderer::draw_view(const Frame& frame, const Scene& scene, const Canvas& canvas, const View& view,
+                         const Range& overlay) const {
+  const VkRect2D& area = view.area;
+  const VkViewport viewport{static_cast<float>(area.offset.x),
+                            static_cast<float>(area.offset.y),
+                            static_cast<float>(area.extent.width),
+                            static_cast<float>(area.extent.height),
+                            0,
+                            1};
+  vkCmdSetViewport(frame.commands, 0, 1, &viewport);
+  vkCmdSetScissor(frame.commands, 0, 1, &area);
+  if (view.inset) {
+    std::array<VkClearAttachment, 2> clears{};
+    clears[0].aspectMask = VK_IMAGE_ASPECT_COLOR_BIT;
+    clears[0].clearValue.color = {{frame.theme.background.r, frame.theme.background.g, frame.theme.background.b, 1.0f}};
+    clears[1].aspectMask = VK_IMAGE_ASPECT_DEPTH_BIT;
+    const VkClearRect rect{area, 0, 1};
+    vkCmdClearAttachments(frame.commands, 2, clears.data(), 1, &rect);
+  }
   draw_points(frame, scene);
   draw_boards_and_lines(frame, scene);
   draw_surfaces(frame, scene);
-  draw_overlay(frame, scene, canvas);
-  vkCmdEndRendering(commands);
+  draw_overlay(frame, canvas, overlay);
 }
 
 // Opaque and first: they write depth, and what is translucent then blends over those behind it.
@@ -161,7 +225,7 @@ void Renderer::draw_points(const Frame& frame, const Scene& scene) const {
 void Renderer::draw_boards_and_lines(const Frame& frame, const Scene& scene) const {
   shader::ViewPush push = frame.push;
   push.window.w = line_bias;
-  push.style = {0, frame.ratio, 0, 0};
+  push.style = {0, frame.ratio, frame.push.style.z, frame.push.style.w};
   stroke_.draw(frame.commands, {scene.strokes_.ref()}, &push, {}, corners_of(scene.lines_.count));
   push = frame.push;
   push.colour = pack(frame.theme.board);
@@ -212,7 +276,7 @@ void Renderer::draw_edges(const Frame& frame, const Scene& scene, const SurfaceR
   push.window.w = line_bias;
   const auto draw = [&](float width, float alpha, VkCompareOp compare) {
     push.colour = pack(with_alpha(frame.theme.edge, alpha));
-    push.style = {0.5f * width * frame.ratio, 0, 0, 0};
+    push.style = {0.5f * width * frame.ratio, 0, frame.push.style.z, frame.push.style.w};
     edge_.draw(frame.commands, {scene.edges_.ref()}, &push, {.compare = compare}, corners_of(surface.edges.count),
                corners_of(surface.edges.first));
   };
@@ -220,11 +284,12 @@ void Renderer::draw_edges(const Frame& frame, const Scene& scene, const SurfaceR
   draw(1.5f, 0.90f, VK_COMPARE_OP_GREATER_OR_EQUAL);
 }
 
-void Renderer::draw_overlay(const Frame& frame, const Scene&, Canvas& canvas) const {
+void Renderer::draw_overlay(const Frame& frame, const Canvas& canvas, const Range& strokes) const {
   shader::ViewPush push = frame.push;
-  push.style = {1, 1, 0, 0};
-  stroke_.draw(frame.commands, {canvas.overlay_.ref()}, &push, {.depth_test = false},
-               corners_of(static_cast<std::uint32_t>(canvas.strokes_.size())));
+  push.style.x = 1;
+  push.style.y = 1;
+  stroke_.draw(frame.commands, {canvas.overlay_.ref()}, &push, {.depth_test = false}, corners_of(strokes.count),
+               corners_of(strokes.first));
 }
 
 }  // namespace palpa::viewer

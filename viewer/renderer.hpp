@@ -2,6 +2,7 @@
 // image that is drawn to, be it a swapchain's or one that is read back.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "gpu/graphics_pipeline.hpp"
@@ -24,6 +25,18 @@ class Canvas {
   std::vector<shader::ViewStroke> strokes_;
 };
 
+/// One view of the scene in a rectangle of the picture.
+struct View {
+  Camera camera;
+  VkRect2D area{};     ///< pixels, inside the canvas
+  bool inset = false;  ///< over what earlier views drew, with a border
+};
+/// The whole picture from one side.
+View whole(const Camera& camera, std::uint32_t width, std::uint32_t height);
+/// A close-up of `box` from the same side, on the right below the middle. Its width is inset_share of the picture's.
+View close_up(const Camera& camera, const Box& box, std::uint32_t width, std::uint32_t height, double ratio);
+inline constexpr double inset_share = 0.33;
+
 struct Target {
   VkImage image = VK_NULL_HANDLE;
   VkImageView view = VK_NULL_HANDLE;
@@ -38,11 +51,11 @@ class Renderer {
   /// Throws failure() for an extent of zero or beyond the device's limit.
   Canvas make_canvas(VkExtent2D extent) const;
 
-  /// Draws `scene` into `target`, which must have the canvas' extent; whatever it held is lost. `ratio` is pixels per
-  /// point (2 on a high-resolution screen). Barriers: earlier users of the target's image are ordered before
-  /// colour-attachment output by the caller (a semaphore's wait, or a submit before that was waited for). Afterwards
-  /// the target is a colour target (gpu::image_use::colour_target): the caller moves it on.
-  void record(VkCommandBuffer commands, Scene& scene, const Camera& camera, Canvas& canvas, const Target& target,
+  /// Draws `scene` into `target`, which must have the canvas' extent; whatever it held is lost. Views are drawn in
+  /// order. `ratio` is pixels per point (2 on a high-resolution screen). Barriers: earlier users of the target's image
+  /// are ordered before colour-attachment output by the caller (a semaphore's wait, or a submit before that was waited
+  /// for). Afterwards the target is a colour target (gpu::image_use::colour_target): the caller moves it on.
+  void record(VkCommandBuffer commands, Scene& scene, std::span<const View> views, Canvas& canvas, const Target& target,
               double ratio = 1) const;
 
  private:
@@ -51,7 +64,11 @@ class Renderer {
   void draw_boards_and_lines(const Frame& frame, const Scene& scene) const;
   void draw_surfaces(const Frame& frame, const Scene& scene) const;
   void draw_edges(const Frame& frame, const Scene& scene, const SurfaceRange& surface) const;
-  void draw_overlay(const Frame& frame, const Scene& scene, Canvas& canvas) const;
+  void draw_overlay(const Frame& frame, const Canvas& canvas, const Range& strokes) const;
+  std::vector<Range> upload_overlay(VkCommandBuffer commands, const Scene& scene, std::span<const View> views,
+                                    Canvas& canvas, double ratio) const;
+  void draw_view(const Frame& frame, const Scene& scene, const Canvas& canvas, const View& view,
+                 const Range& overlay) const;
 
   const gpu::Device* device_;
   VkFormat colour_, depth_;

@@ -37,10 +37,12 @@ double compare(const Options& options, const Pixels& pixels) {
 void run_headless(const Options& options, Show& show) {
   const gpu::Device device(cli::device_options(options.common));
   const Size size = picture_size(options);
-  Offscreen offscreen(device, size.width, size.height, options.pixel_ratio.value_or(1));
+  const double ratio = options.pixel_ratio.value_or(1);
+  Offscreen offscreen(device, size.width, size.height, ratio);
   Scene scene(device);
   scene.update(show.picture());
-  const Camera camera = first_camera(options, show.picture(), static_cast<double>(size.width) / size.height);
+  const Camera camera = first_camera(options, show.picture(), size);
+  const auto views = views_from(camera, options, show.picture(), size, ratio);
 
   const std::uint32_t frames = options.frames.value_or(1);
   std::vector<double> times;
@@ -50,7 +52,7 @@ void run_headless(const Options& options, Show& show) {
       show.go_to(options.slot + i);
       scene.update_marks(show.picture());
     }
-    offscreen.draw(scene, camera);
+    offscreen.draw(scene, views);
     times.push_back(watch.lap_ms());
   }
   std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());

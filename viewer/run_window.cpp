@@ -26,6 +26,11 @@ class WindowSurface {
   VkSurfaceKHR surface_;
 };
 
+Size pixels_of(const Window& window) {
+  const VkExtent2D extent = window.size();
+  return {extent.width, extent.height};
+}
+
 }  // namespace
 
 void run_window(const Options& options) {
@@ -40,9 +45,8 @@ void run_window(const Options& options) {
   Scene scene(device);
   scene.update(show.picture());
 
-  VkExtent2D extent = window.size();
-  Camera camera =
-      first_camera(options, show.picture(), extent.height ? static_cast<double>(extent.width) / extent.height : 1.6);
+  Size extent = pixels_of(window);
+  Camera camera = first_camera(options, show.picture(), extent);
   const Box home = home_of(options, show.picture());
   Controls controls;
   std::vector<Event> events;
@@ -54,7 +58,7 @@ void run_window(const Options& options) {
   // Draws only when something has changed: a window that nobody touches costs nothing.
   while (!window.closing() && !(options.frames && drawn >= *options.frames)) {
     double timeout = -1;
-    extent = window.size();
+    extent = pixels_of(window);
     const bool visible = extent.width > 0 && extent.height > 0;
     if (options.frames || (dirty && visible)) {
       timeout = 0;
@@ -84,10 +88,10 @@ void run_window(const Options& options) {
       scene.update_marks(show.picture());
       dirty = true;
     }
-    extent = window.size();
+    extent = pixels_of(window);
     if (!dirty && !options.frames) continue;
-    if (presenter.draw(scene, camera, extent.width, extent.height,
-                       options.pixel_ratio.value_or(window.pixel_ratio()))) {
+    const double ratio = options.pixel_ratio.value_or(window.pixel_ratio());
+    if (presenter.draw(scene, views_from(camera, options, show.picture(), extent, ratio), ratio)) {
       ++drawn;
       dirty = false;
     } else if (extent.width == 0 || extent.height == 0) {

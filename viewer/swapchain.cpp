@@ -143,7 +143,8 @@ void Presenter::submit(Frame& frame, const Image& image) {
   PALPA_VK(device_->lost() ? VK_ERROR_DEVICE_LOST : vkQueueSubmit(device_->queue(), 1, &info, fence));
 }
 
-bool Presenter::draw(Scene& scene, const Camera& camera, std::uint32_t width, std::uint32_t height, double ratio) {
+bool Presenter::draw(Scene& scene, std::span<const View> views, double ratio) {
+  const auto [width, height] = views.front().area.extent;
   if (width == 0 || height == 0) return false;
   if ((stale_ || width != asked_width_ || height != asked_height_) && !rebuild(width, height)) return false;
 
@@ -166,7 +167,7 @@ bool Presenter::draw(Scene& scene, const Camera& camera, std::uint32_t width, st
 
   const Image& image = images_[index];
   const VkCommandBuffer commands = frame.recorder.begin();
-  renderer_.record(commands, scene, camera, *frame.canvas, {image.image, image.view.get()}, ratio);
+  renderer_.record(commands, scene, views, *frame.canvas, {image.image, image.view.get()}, ratio);
   gpu::transition(commands, image.image, format_.format, gpu::image_use::colour_target, gpu::image_use::presented);
   submit(frame, image);
   next_frame_ = (next_frame_ + 1) % frames_.size();

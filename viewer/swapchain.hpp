@@ -19,9 +19,10 @@ class Presenter {
   Presenter(const Presenter&) = delete;
   Presenter& operator=(const Presenter&) = delete;
 
-  /// Draws and presents one frame of width x height pixels, making the swapchain anew where the window has changed.
-  /// False where nothing could be shown: the window has no area, or it changed again meanwhile; draw once more later.
-  bool draw(Scene& scene, const Camera& camera, std::uint32_t width, std::uint32_t height, double ratio);
+  /// Draws and presents one frame; the first view says how large the window is, making the swapchain anew where the
+  /// window has changed. False where nothing could be shown: the window has no area, or it changed again meanwhile;
+  /// draw once more later.
+  bool draw(Scene& scene, std::span<const View> views, double ratio);
 
   /// Waits until no frame is in flight: the scene may then be updated.
   void finish();
