@@ -1,0 +1,349 @@
+// What a drive is: formulas in double precision, properties, degenerate input. Each on both backends.
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "backends.hpp"
+#include "base/error.hpp"
+
+namespace palpa::array {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+
+class DriveOn : public testing::TestWithParam<Backend> {};
+INSTANTIATE_TEST_SUITE_P(Backends, DriveOn, testing::ValuesIn(backends), backend_name);
+
+/// A cube of places up to a metre from its middle; nothing regular about it.
+Layout scattered(std::size_t count, unsigned seed, double half = 0.5) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-half, half);
+  Layout layout;
+  for (std::size_t i = 0; i < count; ++i) {
+    layout.transducers.push_back({{place(random), place(random), place(random)}, {0, 0, 1}});
+  }
+  return layout;
+}
+
+Vec3 somewhere() {
+  const auto coordinate = [] { return *rc::gen::inRange(-80000, 80000) * 1e-6; };
+  return {coordinate(), coordinate(), coordinate()};
+}
+
+/// The paper's q_k under e^{-iwt}, written down anew.
+Complex asked(const Layout& layout, std::size_t t, const Vec3& focus, const DriveOptions& options) {
+  double farthest = 0;
+  for (const Transducer& other : layout.transducers)
+    farthest = std::max(farthest, glm::distance(other.position, focus));
+  const double d = glm::distance(layout.transducers[t].position, focus);
+  const double k = 2 * pi * options.medium.frequency / options.medium.sound_speed;
+  return (options.weighting == Weighting::uniform ? 1 : d / farthest) * std::exp(Complex(0, -k * d));
+}
+
+TEST_P(DriveOn, OneFocusIsThePapersFormula) {
+  const Layout layout = load_layout("paper");
+  const auto slots = random_slots(20, 1, 3);
+  const auto drives = GetParam().drives(layout, slots, {});
+  for (std::size_t s = 0; s < slots.size(); ++s) {
+    EXPECT_EQ(faults(drives[s]), 0u);
+    for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
+      if (slots[s].empty()) {
+        ASSERT_EQ(drives[s][t].amplitude, 0);
+        ASSERT_EQ(drives[s][t].phase, 0);
+        continue;
+      }
+      const Complex q = asked(layout, t, slots[s][0].position, {});
+      ASSERT_NEAR(drives[s][t].amplitude, std::abs(q) * slots[s][0].gain, 3e-7) << s << " " << t;
+      ASSERT_LE(angle_between(drives[s][t].phase, std::arg(q)), GetParam().phase_tolerance) << s << " " << t;
+    }
+  }
+}
+
+TEST_P(DriveOn, PhasesAreExactUpToTwoMetres) {
+  const Layout layout = scattered(4000, 5, 0.57);  // within 1 m of the origin
+  for (const double shift : {0.0, 0.3, 1.0}) {
+    const Vec3 focus(shift, 0, 0);
+    const Drive drive = GetParam().drive(layout, {{focus}});
+    double worst = 0;
+    for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
+      worst = std::max(worst, angle_between(drive[t].phase, std::arg(asked(layout, t, focus, {}))));
+    }
+    EXPECT_LE(worst, GetParam().phase_tolerance) << shift;
+    std::printf("  %s, focus at %.1f m: phases within %.1e rad\n", GetParam().name, shift, worst);
+  }
+}
+
+TEST_P(DriveOn, FarAwayPhasesAreStillRight) {
+  Layout layout = scattered(2000, 6, 5);
+  const Drive drive = GetParam().drive(layout, {{{4, 4, 4}}});
+  for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
+    ASSERT_LE(angle_between(drive[t].phase, std::arg(asked(layout, t, {4, 4, 4}, {}))), 1e-3);
+  }
+}
+
+TEST_P(DriveOn, SeveralFociAreTheNormalisedSum) {
+  const Layout layout = load_layout("paper");
+  const auto slots = random_slots(12, 5, 4);
+  for (const Weighting weighting : {Weighting::distance, Weighting::uniform}) {
+    for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+      DriveOptions options;
+      options.weighting = weighting;
+      options.constraint = constraint;
+      const auto drives = GetParam().drives(layout, slots, options);
+      for (std::size_t s = 0; s < slots.size(); ++s) {
+        if (slots[s].size() < 2) continue;
+        EXPECT_EQ(faults(drives[s]), 0u);
+        double shared = 0;
+        for (const SlotFocus& focus : slots[s])
+          shared = std::max<double>(shared, focus.gain);
+        std::vector<Complex> heard(layout.transducers.size());
+        double largest = 0;
+        for (std::size_t t = 0; t < heard.size(); ++t) {
+          Complex plain = 0;
+          for (const SlotFocus& focus : slots[s]) {
+            const Complex q = asked(layout, t, focus.position, options);
+            plain += q;
+            heard[t] += q * static_cast<double>(focus.gain);
+          }
+          largest = std::max(largest, std::abs(plain));
+        }
+        for (std::size_t t = 0; t < heard.size(); ++t) {
+          const double size = std::abs(heard[t]);
+          const double expected = constraint == Constraint::normalise ? std::min(size / largest, shared)
+                                  : constraint == Constraint::uniform ? shared
+                                                                      : std::min(size, shared);
+          ASSERT_NEAR(drives[s][t].amplitude, expected, GetParam().sum_tolerance) << s << " " << t;
+          ASSERT_LE(angle_between(drives[s][t].phase, std::arg(heard[t])) * std::min(1.0, size),
+                    GetParam().sum_tolerance * 3)
+              << s << " " << t;
+        }
+      }
+    }
+  }
+}
+
+TEST_P(DriveOn, TheLargestAmplitudeIsOne) {
+  const Layout layout = load_layout("autd3");
+  for (const std::size_t foci : {1u, 2u, 7u}) {
+    std::vector<SlotFocus> slot;
+    for (std::size_t j = 0; j < foci; ++j)
+      slot.push_back({{0.02 * static_cast<double>(j), 0.01, 0.15}});
+    const Drive drive = GetParam().drive(layout, slot);
+    const float largest = std::ranges::max_element(drive, {}, &TransducerDrive::amplitude)->amplitude;
+    EXPECT_LE(largest, 1);
+    EXPECT_GE(largest, 1 - 2e-7F) << foci;
+  }
+}
+
+TEST_P(DriveOn, AGainThatAllShareIsOneScalar) {
+  const Layout layout = load_layout("autd3");
+  for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+    DriveOptions options;
+    options.constraint = constraint;
+    std::vector<SlotFocus> full{{{0.01, 0, 0.1}}, {{-0.03, 0.02, 0.12}}, {{0, 0.02, 0.2}}};
+    auto soft = full;
+    for (SlotFocus& focus : soft)
+      focus.gain = 0.25F;
+    auto none = full;
+    for (SlotFocus& focus : none)
+      focus.gain = 0;
+    const auto drives = GetParam().drives(layout, {full, soft, none}, options);
+    for (std::size_t t = 0; t < drives[0].size(); ++t) {
+      ASSERT_EQ(drives[1][t].amplitude, 0.25F * drives[0][t].amplitude);
+      ASSERT_EQ(drives[1][t].phase, drives[0][t].phase);
+      ASSERT_EQ(drives[2][t].amplitude, 0);
+      ASSERT_EQ(drives[2][t].phase, drives[0][t].phase);
+    }
+  }
+}
+
+TEST_P(DriveOn, AFocusWithoutGainIsNotHeardButKeepsTheOthersDown) {
+  const Layout layout = load_layout("autd3");
+  const SlotFocus loud{{0.01, 0, 0.1}};
+  const SlotFocus mute{{-0.03, 0.02, 0.12}, 0};
+  const auto drives = GetParam().drives(layout, {{loud}, {loud, mute}, {loud, {mute.position, 1}}}, {});
+  double scale = -1;
+  for (std::size_t t = 0; t < drives[0].size(); ++t) {
+    ASSERT_LE(angle_between(drives[0][t].phase, drives[1][t].phase), 3e-5);
+    const double ratio = drives[1][t].amplitude / drives[0][t].amplitude;
+    if (scale < 0) scale = ratio;
+    // Normalised as when both sound: modulating one finger must not turn the other up.
+    ASSERT_NEAR(ratio, scale, 1e-5);
+  }
+  EXPECT_GT(scale, 0.4);
+  EXPECT_LT(scale, 0.7);
+}
+
+TEST_P(DriveOn, UniformConstraintDrivesEveryTransducerFully) {
+  DriveOptions options;
+  options.constraint = Constraint::uniform;
+  const Layout layout = load_layout("openmpd");
+  const auto drives = GetParam().drives(layout, {{{{0, 0, 0.15}}}, {{{0, 0, 0.15}}, {{0.03, 0, 0.15}}}}, options);
+  for (const Drive& drive : drives) {
+    for (const TransducerDrive& t : drive)
+      ASSERT_EQ(t.amplitude, 1);
+  }
+}
+
+TEST_P(DriveOn, AWholeWavelengthChangesNothing) {
+  EXPECT_TRUE(rc::check([&] {
+    DriveOptions options;
+    options.medium.sound_speed = *rc::gen::inRange(300, 400);
+    const double wavelength = 1 / options.medium.turns_per_metre();
+    const Vec3 focus = somewhere();
+    // Along one ray, a whole number of wavelengths apart.
+    const Vec3 ray = glm::normalize(somewhere() + Vec3(0.3, 0, 0));
+    const double d = *rc::gen::inRange(1000, 500000) * 1e-6;
+    Layout layout;
+    for (const int waves : {0, 1, 2, 10, 50}) {
+      layout.transducers.push_back({focus + (d + waves * wavelength) * ray, {0, 0, 1}});
+    }
+    const Drive drive = GetParam().drive(layout, {{focus}}, options);
+    RC_ASSERT(faults(drive) == 0);
+    for (const TransducerDrive& t : drive) {
+      RC_ASSERT(angle_between(t.phase, drive[0].phase) <= 2 * GetParam().phase_tolerance);
+    }
+  }));
+}
+
+TEST_P(DriveOn, PermutedTransducersGivePermutedDrives) {
+  EXPECT_TRUE(rc::check([&] {
+    const Layout layout = scattered(300, *rc::gen::arbitrary<unsigned>(), 0.2);
+    std::vector<std::size_t> order(layout.transducers.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+      order[i] = i;
+    std::shuffle(order.begin(), order.end(), std::mt19937(*rc::gen::arbitrary<unsigned>()));
+    Layout permuted = layout;
+    for (std::size_t i = 0; i < order.size(); ++i)
+      permuted.transducers[i] = layout.transducers[order[i]];
+    std::vector<SlotFocus> foci(*rc::gen::inRange<std::size_t>(1, 4));
+    for (SlotFocus& focus : foci)
+      focus.position = somewhere();
+    const Drive plain = GetParam().drive(layout, foci);
+    const Drive moved = GetParam().drive(permuted, foci);
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      RC_ASSERT(moved[i].amplitude == plain[order[i]].amplitude);
+      RC_ASSERT(moved[i].phase == plain[order[i]].phase);
+    }
+  }));
+}
+
+TEST_P(DriveOn, PermutedFociGiveTheSameDrive) {
+  const Layout layout = load_layout("autd3");
+  auto foci = random_slots(1, 1000, 2)[0];
+  foci.resize(6);
+  const Drive forward = GetParam().drive(layout, foci);
+  std::ranges::reverse(foci);
+  const Drive backward = GetParam().drive(layout, foci);
+  for (std::size_t t = 0; t < forward.size(); ++t) {
+    ASSERT_NEAR(forward[t].amplitude, backward[t].amplitude, 1e-5);
+  }
+}
+
+TEST_P(DriveOn, ARigidMotionOfEverythingChangesNothing) {
+  const Layout layout = load_layout("paper");
+  EXPECT_TRUE(rc::check([&] {
+    const double angle = *rc::gen::inRange(0, 628) * 0.01;
+    const Vec3 axis = glm::normalize(somewhere() + Vec3(0, 0, 0.2));
+    const Vec3 u = glm::normalize(glm::cross(axis, Vec3(1, 0.1, 0)));
+    const Vec3 v = glm::cross(axis, u);
+    const Transform turn(Vec4(std::cos(angle) * u + std::sin(angle) * v, 0),
+                         Vec4(-std::sin(angle) * u + std::cos(angle) * v, 0), Vec4(axis, 0), Vec4(somewhere(), 1));
+    const SlotFocus focus{somewhere()};
+    const Drive still = GetParam().drive(layout, {focus});
+    const Drive moved = GetParam().drive(transformed(layout, turn), {{transform_point(turn, focus.position)}});
+    for (std::size_t t = 0; t < still.size(); ++t) {
+      RC_ASSERT(angle_between(still[t].phase, moved[t].phase) <= 2 * GetParam().phase_tolerance);
+      RC_ASSERT(std::abs(still[t].amplitude - moved[t].amplitude) <= 5e-7F);
+    }
+  }));
+}
+
+TEST_P(DriveOn, AFocusOnATransducer) {
+  Layout layout = load_layout("openmpd");
+  const Vec3 place = layout.transducers[17].position;
+  for (const double off : {0.0, 1e-12, 1e-9, 1e-7, 1e-5, 1e-4}) {
+    const Vec3 focus = place + Vec3(0, 0, off);
+    const auto drives = GetParam().drives(layout, {{{focus}}, {{focus}, {{0, 0, 0.1}}}}, {});
+    EXPECT_EQ(faults(drives[0]) + faults(drives[1]), 0u) << off;
+    EXPECT_LE(angle_between(drives[0][17].phase, -2 * pi * off * DriveOptions{}.medium.turns_per_metre()), 1e-6) << off;
+    EXPECT_NEAR(drives[0][17].amplitude, 0, off * 20 + 1e-12);
+  }
+}
+
+TEST_P(DriveOn, DegenerateSlots) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr float bad = std::numeric_limits<float>::quiet_NaN();
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  const Layout layout = load_layout("openmpd");
+  const SlotFocus good{{0, 0, 0.1}};
+  const auto drives = GetParam().drives(layout,
+                                        {{},
+                                         {{{nan, 0, 0}}},
+                                         {{{0, inf, 0}}, {{0, 0, -inf}}},
+                                         {{{1e6, 0, 0}}},
+                                         {good},
+                                         {good, {{0, nan, 0}}},
+                                         {{good.position, bad}},
+                                         {{good.position, -3.0F}},
+                                         {{good.position, 7.0F}},
+                                         {good, good, good},
+                                         {{{99, 99, 99}}}},
+                                        {});
+  for (const Drive& drive : drives)
+    EXPECT_EQ(faults(drive), 0u);
+  const auto loudest = [&](int slot) {
+    return std::ranges::max_element(drives[slot], {}, &TransducerDrive::amplitude)->amplitude;
+  };
+  for (const int silent : {0, 1, 2, 3, 6, 7})
+    EXPECT_EQ(loudest(silent), 0) << silent;
+  for (const int sounding : {4, 5, 8, 9, 10})
+    EXPECT_NEAR(loudest(sounding), 1, 1e-6) << sounding;
+  for (std::size_t t = 0; t < drives[4].size(); ++t) {
+    // A focus that is none changes nothing; three in one place are one.
+    ASSERT_EQ(drives[5][t].phase, drives[4][t].phase);
+    ASSERT_EQ(drives[8][t].amplitude, drives[4][t].amplitude);
+    ASSERT_NEAR(drives[9][t].amplitude, drives[4][t].amplitude, 1e-5);
+    ASSERT_LE(angle_between(drives[9][t].phase, drives[4][t].phase), 1e-5);
+  }
+}
+
+TEST_P(DriveOn, DegenerateLayouts) {
+  Layout layout;
+  EXPECT_TRUE(GetParam().drive(layout, {{{0, 0, 0.1}}}).empty());
+  EXPECT_TRUE(GetParam().drive(layout, {{{0, 0, 0.1}}, {{0, 0, 0.2}}}).empty());
+  // One transducer with the focus right on it, and with two foci that cancel there.
+  layout.transducers.push_back({{0, 0, 0}, {0, 0, 1}});
+  const double half_wave = 0.5 / DriveOptions{}.medium.turns_per_metre();
+  for (const Weighting weighting : {Weighting::distance, Weighting::uniform}) {
+    DriveOptions options;
+    options.weighting = weighting;
+    const auto drives = GetParam().drives(
+        layout, {{{{0, 0, 0}}}, {{{0, 0, half_wave}}, {{0, 0, 2 * half_wave}}}, {{{0, 0, 0}}, {{0, 0, 0}}}}, options);
+    for (const Drive& drive : drives)
+      EXPECT_EQ(faults(drive), 0u);
+    EXPECT_EQ(drives[0][0].amplitude, 1);
+    EXPECT_EQ(drives[0][0].phase, 0);
+    EXPECT_EQ(drives[2][0].amplitude, 1);
+  }
+}
+
+TEST(Medium, SoundSpeedAtATemperature) {
+  EXPECT_NEAR(sound_speed_at(0), 331.3, 1e-12);
+  EXPECT_NEAR(sound_speed_at(15), 340.28, 0.005);
+  EXPECT_NEAR(sound_speed_at(20), 343.21, 0.005);
+  EXPECT_NEAR(sound_speed_at(30), 349.02, 0.005);
+  EXPECT_NEAR(Medium{}.sound_speed, sound_speed_at(20), 0.005);
+  EXPECT_THROW(sound_speed_at(-300), Error);
+  EXPECT_THROW(sound_speed_at(std::nan("")), Error);
+  EXPECT_THROW(sound_speed_at(INFINITY), Error);
+}
+
+}  // namespace
+}  // namespace palpa::array

@@ -1,0 +1,267 @@
+// The pass itself: stays inside its buffers, gives the same bytes every time, keeps its promises about sines and
+// layout.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+#include "array/drive_pass.hpp"
+#include "array/reach.hpp"
+#include "backends.hpp"
+#include "base/error.hpp"
+#include "gpu/barrier.hpp"
+#include "spirv/drive_focus.comp.hpp"
+#include "spirv/drive_sum.comp.hpp"
+#include "spirv/drive_sum_checked.comp.hpp"
+#include "support/device.hpp"
+#include "support/spirv.hpp"
+
+namespace palpa::array {
+namespace {
+
+using test::GuardedBuffer;
+
+/// The pass' inputs, written by its header's words alone.
+struct Inputs {
+  std::vector<shader::DrivePoint> transducers;
+  std::vector<shader::DriveFocus> foci;
+  std::vector<shader::DriveSlot> slots;
+  bool several = false;
+
+  Inputs(const Layout& layout, const std::vector<std::vector<SlotFocus>>& batch, const Medium& medium = {}) {
+    const double turns = medium.turns_per_metre();
+    for (const Transducer& t : layout.transducers)
+      transducers.push_back(drive_point(t.position, turns));
+    for (const auto& slot : batch) {
+      float gain = 0;
+      for (const SlotFocus& focus : slot)
+        gain = std::max(gain, focus.gain);
+      slots.push_back({static_cast<std::uint32_t>(foci.size()), static_cast<std::uint32_t>(slot.size()), gain, 0});
+      several = several || slot.size() > 1;
+      for (const SlotFocus& focus : slot) {
+        const shader::DrivePoint point = drive_point(focus.position, turns);
+        double reach = 0;
+        for (const Transducer& t : layout.transducers)
+          reach = std::max(reach, glm::distance(t.position, focus.position));
+        foci.push_back({point.coarse, point.fine});
+        foci.back().coarse.w = static_cast<float>(1 / (reach * turns));
+        foci.back().fine.w = gain > 0 ? focus.gain / gain : 1;
+      }
+    }
+    foci.resize(std::max<std::size_t>(1, foci.size()));
+  }
+  DriveBatch batch() const {
+    DriveBatch batch;
+    batch.transducers = static_cast<std::uint32_t>(transducers.size());
+    batch.slots = static_cast<std::uint32_t>(slots.size());
+    batch.several = several;
+    return batch;
+  }
+};
+
+/// Runs `record` on guarded buffers and returns the drives of all slots; fails where a guard word changed.
+template <typename Record>
+std::vector<shader::DriveOut> run_guarded(const Inputs& inputs, const Record& record) {
+  gpu::Device& device = test::test_device();
+  auto transducers = GuardedBuffer::of<shader::DrivePoint>(device, inputs.transducers);
+  auto foci = GuardedBuffer::of<shader::DriveFocus>(device, inputs.foci);
+  auto slots = GuardedBuffer::of<shader::DriveSlot>(device, inputs.slots);
+  GuardedBuffer drives(device, inputs.slots.size() * inputs.transducers.size() * sizeof(shader::DriveOut));
+  test::run_on_device([&](VkCommandBuffer commands) {
+    record(commands, DriveRefs{transducers.ref(), foci.ref(), slots.ref(), drives.ref()});
+    gpu::compute_to_compute(commands);
+  });
+  EXPECT_TRUE(transducers.intact() && foci.intact() && slots.intact() && drives.intact());
+  return drives.read<shader::DriveOut>();
+}
+
+std::vector<shader::DriveOut> run_guarded(const Inputs& inputs, const DriveBatch& batch) {
+  const DrivesPass pass(test::test_device());
+  return run_guarded(inputs,
+                     [&](VkCommandBuffer commands, const DriveRefs& refs) { pass.record(commands, refs, batch); });
+}
+
+Layout line(std::size_t count) {
+  Layout layout;
+  for (std::size_t i = 0; i < count; ++i)
+    layout.transducers.push_back({{0.001 * static_cast<double>(i), 0, 0}, {0, 0, 1}});
+  return layout;
+}
+
+TEST(DrivesPass, StaysInsideItsBuffersAtEverySize) {
+  // Around the group sizes: 32 threads, 4 or 8 transducers each, 64 slots per group.
+  for (const std::size_t transducers : {1u, 31u, 32u, 33u, 127u, 129u, 255u, 256u, 257u}) {
+    for (const std::size_t slots : {1u, 2u, 63u, 64u, 65u, 129u}) {
+      const Layout layout = line(transducers);
+      const auto batch = random_slots(slots, 3, static_cast<unsigned>(transducers * 1000 + slots));
+      const Inputs inputs(layout, batch);
+      const auto drives = run_guarded(inputs, inputs.batch());
+      for (std::size_t s = 0; s < slots; ++s) {
+        const Drive twin = drive_for(layout, batch[s]);
+        for (std::size_t t = 0; t < transducers; ++t) {
+          const shader::DriveOut& out = drives[s * transducers + t];
+          ASSERT_NEAR(out.amplitude, twin[t].amplitude, 1e-4) << transducers << " " << slots << " " << s << " " << t;
+          ASSERT_LE(angle_between(out.phase, twin[t].phase) * twin[t].amplitude, 1e-4);
+        }
+      }
+    }
+  }
+}
+
+TEST(DrivesPass, NoSineOutsideOfMinusPiToPi) {
+  // drive_sum_checked is drive_sum, but its sines of anything else are NaN.
+  auto batch = random_slots(40, 6, 11);
+  // Where wrapping is delicate: a transducer at whole and half wavelengths, at the focus and far away.
+  const double wavelength = 1 / Medium{}.turns_per_metre();
+  const Layout layout = load_layout("openmpd");
+  for (const double waves : {0.0, 0.25, 0.5, 0.75, 1.0, 10.5, 100.5, 1000.5}) {
+    const Vec3 there = layout.transducers[3].position + Vec3(0, 0, waves * wavelength);
+    batch.push_back({{there}, {there + Vec3(0, 0, 1e-9)}, {{0, 0, 0.1}}});
+  }
+  const Inputs inputs(layout, batch);
+  DriveBatch sums = inputs.batch();
+  sums.single = false;
+  const auto plain = run_guarded(inputs, sums);
+  const gpu::ComputePipeline checked(test::test_device(), "drive_sum_checked", spirv::drive_sum_checked_comp,
+                                     {shader::drive_buffers, sizeof(shader::DrivePush)});
+  const shader::DrivePush push{sums.transducers, sums.slots, shader::drive_by_distance, shader::drive_normalise};
+  const auto watched = run_guarded(inputs, [&](VkCommandBuffer commands, const DriveRefs& refs) {
+    checked.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives}, &push, sums.slots);
+  });
+  std::size_t summed = 0;
+  for (std::size_t s = 0; s < batch.size(); ++s) {
+    if (batch[s].size() < 2) continue;
+    ++summed;
+    const std::size_t begin = s * inputs.transducers.size();
+    for (std::size_t i = begin; i < begin + inputs.transducers.size(); ++i) {
+      ASSERT_EQ(plain[i].amplitude, watched[i].amplitude);
+      ASSERT_EQ(plain[i].phase, watched[i].phase);
+    }
+  }
+  EXPECT_GT(summed, 30u);
+}
+
+TEST(DrivesPass, TheSameBytesOnEveryRun) {
+  const Layout layout = load_layout("paper");
+  const Inputs inputs(layout, random_slots(70, 4, 5));
+  const auto first = run_guarded(inputs, inputs.batch());
+  for (int run = 0; run < 3; ++run) {
+    const auto again = run_guarded(inputs, inputs.batch());
+    ASSERT_EQ(std::memcmp(first.data(), again.data(), first.size() * sizeof(first[0])), 0);
+  }
+  // Printed for the test matrix, which compares it between thread counts and vector widths.
+  std::uint64_t hash = 14695981039346656037ull;
+  for (const shader::DriveOut& out : first) {
+    std::uint32_t words[2];
+    std::memcpy(words, &out, sizeof(words));
+    for (const std::uint32_t word : words)
+      hash = (hash ^ word) * 1099511628211ull;
+  }
+  std::printf("  bytes of 70 drives: %016llx\n", static_cast<unsigned long long>(hash));
+}
+
+TEST(DrivesPass, LayoutIsWhatTheShadersHave) {
+  for (const auto words : {std::span<const std::uint32_t>(spirv::drive_focus_comp),
+                           std::span<const std::uint32_t>(spirv::drive_sum_comp)}) {
+    const test::SpirvModule module = test::read_spirv(words);
+    EXPECT_EQ(module.local_size[0], shader::drive_group);
+    EXPECT_EQ(module.local_size[1], 1u);
+    EXPECT_EQ(module.bindings, (std::vector<std::uint32_t>{0, 1, 2, 3}));
+    EXPECT_EQ(module.structs.at("DrivePoint").offsets.at("fine"), offsetof(shader::DrivePoint, fine));
+    EXPECT_EQ(module.structs.at("DriveFocus").offsets.at("fine"), offsetof(shader::DriveFocus, fine));
+    EXPECT_EQ(module.structs.at("DriveSlot").offsets.at("count"), offsetof(shader::DriveSlot, count));
+    EXPECT_EQ(module.structs.at("DriveSlot").offsets.at("gain"), offsetof(shader::DriveSlot, gain));
+    EXPECT_EQ(module.structs.at("DriveOut").offsets.at("phase"), offsetof(shader::DriveOut, phase));
+    EXPECT_EQ(module.structs.at("DrivePush").offsets.at("constraint"), offsetof(shader::DrivePush, constraint));
+    EXPECT_EQ(module.array_strides.at("DrivePoint"), sizeof(shader::DrivePoint));
+    EXPECT_EQ(module.array_strides.at("DriveFocus"), sizeof(shader::DriveFocus));
+    EXPECT_EQ(module.array_strides.at("DriveSlot"), sizeof(shader::DriveSlot));
+    EXPECT_EQ(module.array_strides.at("DriveOut"), sizeof(shader::DriveOut));
+  }
+}
+
+TEST(DriveBuffers, AreReusedBatchAfterBatchWithoutAllocating) {
+  gpu::Device& device = test::test_device();
+  const Layout layout = load_layout("autd3");
+  const DrivesPass pass(device);
+  DriveBuffers buffers(device, layout, {}, 10, 20);
+  std::uint64_t allocations = 0;
+  for (unsigned frame = 0; frame < 4; ++frame) {
+    const auto batch = random_slots(frame == 2 ? 3 : 10, 2, frame);
+    buffers.clear();
+    for (const auto& slot : batch)
+      ASSERT_TRUE(buffers.add_slot(slot));
+    test::run_on_device(
+        [&](VkCommandBuffer commands) { buffers.record(commands, pass, Weighting::distance, Constraint::normalise); });
+    ASSERT_EQ(buffers.slots(), batch.size());
+    for (std::uint32_t s = 0; s < buffers.slots(); ++s) {
+      const Drive twin = drive_for(layout, batch[s]);
+      for (std::size_t t = 0; t < twin.size(); ++t)
+        ASSERT_NEAR(buffers.drive(s)[t].amplitude, twin[t].amplitude, 1e-4);
+    }
+    if (frame == 0) allocations = device.memory_allocations;
+    EXPECT_EQ(device.memory_allocations, allocations);
+  }
+}
+
+TEST(DriveBuffers, AFullBatchRefusesAndStaysAsItIs) {
+  DriveBuffers buffers(test::test_device(), load_layout("openmpd"), {}, 2, 3);
+  const std::vector<SlotFocus> two(2), one(1);
+  EXPECT_TRUE(buffers.add_slot(two));
+  EXPECT_FALSE(buffers.add_slot(two));
+  EXPECT_EQ(buffers.slots(), 1u);
+  EXPECT_TRUE(buffers.add_slot(one));
+  EXPECT_FALSE(buffers.add_slot({}));
+  EXPECT_EQ(buffers.slots(), 2u);
+  buffers.clear();
+  EXPECT_TRUE(buffers.add_slot(two));
+}
+
+TEST(DriveBuffers, RefuseWhatTheDeviceCannotBind) {
+  gpu::Device& device = test::test_device();
+  const Layout layout = load_layout("paper");
+  const std::uint32_t fitting = DriveBuffers::fitting_slots(device, layout.transducers.size());
+  EXPECT_GE(fitting, 4000u);
+  EXPECT_LE(std::uint64_t{fitting} * layout.transducers.size() * sizeof(TransducerDrive),
+            device.limits().maxStorageBufferRange);
+  EXPECT_THROW(DriveBuffers(device, layout, {}, fitting + 1, 1), Error);
+  EXPECT_EQ(DriveBuffers::fitting_slots(device, 0), 65535u);
+}
+
+TEST(DriveBuffers, AnEmptyBatchIsFine) {
+  gpu::Device& device = test::test_device();
+  const DrivesPass pass(device);
+  DriveBuffers buffers(device, load_layout("openmpd"), {}, 0, 0);
+  test::run_on_device(
+      [&](VkCommandBuffer commands) { buffers.record(commands, pass, Weighting::distance, Constraint::normalise); });
+  EXPECT_EQ(buffers.slots(), 0u);
+}
+
+TEST(DriveBuffers, SpeedIsPrintedNotJudged) {
+  gpu::Device& device = test::test_device();
+  const DrivesPass pass(device);
+  const Layout layout = load_layout("paper");
+  const gpu::Recorder recorder(device, "drive speed");
+  gpu::Timeline timeline(device);
+  for (const auto& [slots, foci] : {std::pair{10U, 1U}, {1000U, 1U}, {10U, 2U}, {200U, 5U}}) {
+    DriveBuffers buffers(device, layout, {}, slots, slots * foci);
+    std::vector<double> times;
+    for (int round = 0; round < 6; ++round) {
+      const auto begin = std::chrono::steady_clock::now();
+      buffers.clear();
+      auto batch = random_slots(1, 0, 1);
+      batch[0].resize(foci, {{0.01, 0.02, 0.03}});
+      for (std::uint32_t s = 0; s < slots; ++s)
+        buffers.add_slot(batch[0]);
+      buffers.record(recorder.begin(), pass, Weighting::distance, Constraint::normalise);
+      timeline.wait(timeline.submit(recorder.end()));
+      times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    }
+    std::ranges::sort(times);
+    std::printf("  %4u slots of %u foci x %zu transducers: %.2f ms, %.0f foci/s\n", slots, foci,
+                layout.transducers.size(), times[2] * 1e3, slots * foci / times[2]);
+  }
+}
+
+}  // namespace
+}  // namespace palpa::array

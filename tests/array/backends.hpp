@@ -1,0 +1,38 @@
+// The same test body on both backends: the twin and the GPU.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "array/drive.hpp"
+
+namespace palpa::array {
+
+struct Backend {
+  const char* name;
+  /// Drives of a batch of slots, in their order.
+  std::vector<Drive> (*drives)(const Layout&, const std::vector<std::vector<SlotFocus>>&, const DriveOptions&);
+  double phase_tolerance;  ///< rad, one focus within 2 m
+  double sum_tolerance;    ///< of amplitudes where several foci are summed; phases: this over the amplitude
+  Drive drive(const Layout& layout, const std::vector<SlotFocus>& foci, const DriveOptions& options = {}) const {
+    return drives(layout, {foci}, options)[0];
+  }
+};
+
+extern const Backend backends[2];
+
+inline void PrintTo(const Backend& backend, std::ostream* out) {
+  *out << backend.name;
+}
+inline std::string backend_name(const testing::TestParamInfo<Backend>& info) {
+  return info.param.name;
+}
+
+/// The smaller of the two angles between them.
+double angle_between(double a, double b);
+/// NaN, infinite or out of range: what no drive may be. Counts them.
+std::size_t faults(const Drive& drive);
+std::vector<std::vector<SlotFocus>> random_slots(std::size_t slots, std::size_t most_foci, unsigned seed);
+
+}  // namespace palpa::array
