@@ -6,14 +6,30 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <tuple>
 
 namespace palpa::driver {
 namespace {
 
+/// The kernel keeps the serial number for everyone to read, also where the device may not be opened.
+std::string serial_in_sysfs(libusb_device* device) {
+  std::array<std::uint8_t, 8> ports{};
+  const int depth = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
+  if (depth <= 0) return {};
+  std::string name = fmt::format("{}-{}", libusb_get_bus_number(device), ports[0]);
+  for (int i = 1; i < depth; ++i)
+    name += fmt::format(".{}", ports[static_cast<std::size_t>(i)]);
+  std::string serial;
+  std::ifstream file(std::filesystem::path("/sys/bus/usb/devices") / name / "serial");
+  std::getline(file, serial);
+  return serial;
+}
+
 void read_serial(libusb_device* device, const libusb_device_descriptor& descriptor, UsbDevice& out) {
   libusb_device_handle* handle = nullptr;
+  out.serial = serial_in_sysfs(device);
   const int opened = libusb_open(device, &handle);
   if (opened != LIBUSB_SUCCESS) {
     out.refusal = libusb_strerror(static_cast<libusb_error>(opened));
@@ -21,7 +37,7 @@ void read_serial(libusb_device* device, const libusb_device_descriptor& descript
     return;
   }
   std::array<unsigned char, 256> text{};
-  if (descriptor.iSerialNumber != 0) {
+  if (out.serial.empty() && descriptor.iSerialNumber != 0) {
     const int length = libusb_get_string_descriptor_ascii(handle, descriptor.iSerialNumber, text.data(),
                                                           static_cast<int>(text.size()));
     if (length > 0) out.serial.assign(text.begin(), text.begin() + length);

@@ -105,8 +105,12 @@ Result run_program(const std::filesystem::path& program, const std::vector<std::
   return result;
 }
 
+std::string palpa_binary() {
+  return PALPA_BINARY;
+}
+
 Result palpa(const std::vector<std::string>& arguments, const RunOptions& options) {
-  return run_program(PALPA_BINARY, arguments, options);
+  return run_program(palpa_binary(), arguments, options);
 }
 
 void expect_failure(const Result& result, int code, const std::string& part) {

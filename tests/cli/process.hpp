@@ -30,7 +30,8 @@ struct Result {
 /// `arguments` without the program's own name.
 Result run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                    const RunOptions& options = {});
-/// The `palpa` that this build made.
+/// The `palpa` that this build made, and where it is.
+std::string palpa_binary();
 Result palpa(const std::vector<std::string>& arguments, const RunOptions& options = {});
 
 /// Whether this build slows programs down and fattens them (sanitizers).

@@ -1,0 +1,23 @@
+// Boxes as glTF models, put where a test wants a solid.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "base/math.hpp"
+#include "geometry/gltf.hpp"
+
+namespace palpa::test {
+
+/// A box with one face through `on_face`, whose outward normal is `normal`; `depth` thick behind it. `along` is a
+/// direction in that face (made so), along which the box reaches `half_along` to both sides; `half_across` across.
+struct TiltedBox {
+  std::string name;
+  Vec3 on_face, normal, along;
+  double half_along, half_across, depth;
+};
+geometry::SceneMesh make_box(const TiltedBox& box);
+
+void write_boxes(const std::filesystem::path& file, const std::vector<TiltedBox>& boxes);
+
+}  // namespace palpa::test

@@ -1,0 +1,231 @@
+// Recorded hands: `palpa touch` finds exactly the fingers that a person sees in the depth picture. Camera frame =
+// world.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <sstream>
+
+#include "boxes.hpp"
+#include "support/shared_data.hpp"
+#include "touch_json.hpp"
+
+namespace palpa::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Lens {
+  std::uint32_t width, height;
+  double f, cx, cy, unit_m;
+};
+constexpr Lens sr305{640, 480, 476.007, 313.683, 242.755, 0.000125};
+// Nominal values of the first Kinect; the recording does not say its own.
+constexpr Lens kinect{640, 480, 585, 320, 240, 0.001};
+
+struct Pixel {
+  double u, v;
+};
+
+Vec3 point_at(const Lens& lens, const Pixel& p, double z) {
+  return {(p.u - lens.cx) / lens.f * z, (p.v - lens.cy) / lens.f * z, z};
+}
+Pixel pixel_of(const Lens& lens, const Vec3& p) {
+  return {lens.cx + lens.f * p.x / p.z, lens.cy + lens.f * p.y / p.z};
+}
+
+fs::path write_camera(const fs::path& folder, const Lens& lens) {
+  const fs::path file = folder / "camera.toml";
+  std::ofstream toml(file);
+  toml.precision(17);
+  toml << "[[camera]]\nname = \"recorded\"\nwidth = " << lens.width << "\nheight = " << lens.height
+       << "\nfx = " << lens.f << "\nfy = " << lens.f << "\ncx = " << lens.cx << "\ncy = " << lens.cy
+       << "\ndistortion = [0.0, 0.0, 0.0, 0.0, 0.0]\ndepth_unit_m = " << lens.unit_m
+       << "\nmin_range_m = 0.1\nrate_hz = 30.0\nT_world_camera = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, "
+          "0.0, 1.0, "
+          "0.0], [0.0, 0.0, 0.0, 1.0]]\n";
+  return file;
+}
+
+/// A box whose face stands on the line between two pixels of the picture at depth z, edge-on to the camera; the box
+/// lies on the line's left seen from `from` to `to` with v pointing down, and 12 cm before and behind z.
+TiltedBox beside_line(const Lens& lens, const std::string& name, const Pixel& from, const Pixel& to, double z) {
+  const Vec3 a = point_at(lens, from, z), b = point_at(lens, to, z);
+  const Vec3 along = b - a;
+  const Vec3 outwards(-along.y, along.x, 0);
+  return {name, (a + b) / 2.0, outwards, along, glm::length(along) / 2, 0.12, 0.1};
+}
+
+class Hands : public testing::TestWithParam<std::string> {
+ protected:
+  TouchReport touch(const fs::path& scene, const fs::path& image, const Lens& lens, double delta = 1.5e-3) {
+    const fs::path camera = write_camera(scene.parent_path(), lens);
+    return run_touch({"--scene", scene.string(), "--depth", image.string(), "--camera", camera.string(), "--backend",
+                      GetParam(), "--delta", std::to_string(delta)},
+                     delta);
+  }
+};
+
+// The picture: a right hand, spread, palm to the camera. Little, ring and middle finger point to the left and cross the
+// column u = 240; the index finger points up and crosses the row v = 195, the thumb the row v = 208.
+constexpr const char* sr305_hand = "depth-hand-sr305-ondris/20210326-230536_70.png";
+
+TEST_P(Hands, Sr305ThreeFingersReachIntoOneBox) {
+  PALPA_SHARED_OR_SKIP(image, sr305_hand);
+  const fs::path scene = scratch_folder("hand-one-box") / "box.glb";
+  write_boxes(scene, {beside_line(sr305, "box", {240, 290}, {240, 150}, 0.57)});
+  const TouchReport report = touch(scene, image, sr305);
+  ASSERT_EQ(report.fingers.size(), 3u);
+  // From the top of the picture: middle, ring, little.
+  const double rows[]{204, 227, 256};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Pixel centre = pixel_of(sr305, report.fingers[i].centroid);
+    EXPECT_NEAR(centre.u, 239.5, 1.5);
+    EXPECT_NEAR(centre.v, rows[i], 6) << i;
+  }
+}
+
+TEST_P(Hands, Sr305AllFiveFingersReachIntoThreeBoxes) {
+  PALPA_SHARED_OR_SKIP(image, sr305_hand);
+  const fs::path scene = scratch_folder("hand-three-boxes") / "boxes.glb";
+  write_boxes(scene, {beside_line(sr305, "left", {240, 290}, {240, 150}, 0.57),
+                      beside_line(sr305, "top", {255, 195}, {300, 195}, 0.58),
+                      beside_line(sr305, "thumb", {322, 208}, {370, 208}, 0.54)});
+  const TouchReport report = touch(scene, image, sr305);
+  std::vector<std::string> touched;
+  for (const TouchFinger& finger : report.fingers)
+    touched.push_back(finger.solid);
+  std::sort(touched.begin(), touched.end());
+  EXPECT_EQ(touched, (std::vector<std::string>{"left", "left", "left", "thumb", "top"}));
+}
+
+struct Label {
+  int hand;
+  Pixel pixel;
+  double z;
+};
+
+std::vector<Label> read_tips(const fs::path& file) {
+  std::vector<Label> tips;
+  std::ifstream stream(file);
+  std::string line;
+  std::getline(stream, line);
+  while (std::getline(stream, line)) {
+    std::vector<std::string> cells;
+    std::istringstream text(line);
+    for (std::string cell; std::getline(text, cell, ',');)
+      cells.push_back(cell);
+    if (cells.at(1) == "tip")
+      tips.push_back({std::stoi(cells[0]), {std::stod(cells[2]), std::stod(cells[3])}, std::stod(cells[4]) / 1000});
+  }
+  return tips;
+}
+
+/// One box per hand. Both hands lean towards the camera, fingertips first: a plane in front of the palm cuts all five
+/// fingers.
+std::vector<TiltedBox> kinect_boxes(const std::vector<Label>& tips) {
+  // Pointing into the box, and how deep the shallowest tip of that hand lies in it. Beyond 8 mm (12 mm) two fingers of
+  // the hand hang together inside.
+  const std::pair<Vec3, double> planes[]{{{0.4931, 0.1606, -0.855}, 5e-3}, {{-0.1907, -0.1741, -0.9661}, 8e-3}};
+  std::vector<TiltedBox> boxes;
+  for (int hand = 1; hand <= 2; ++hand) {
+    const auto& [inwards, depth] = planes[hand - 1];
+    const Vec3 n = glm::normalize(inwards);
+    Vec3 middle(0);
+    double shallowest = 1e9;
+    for (const Label& tip : tips) {
+      if (tip.hand != hand) continue;
+      const Vec3 p = point_at(kinect, tip.pixel, tip.z);
+      middle += p / 5.0;
+      shallowest = std::min(shallowest, glm::dot(n, p));
+    }
+    const Vec3 on_face = middle + n * (shallowest - depth - glm::dot(n, middle));
+    boxes.push_back({hand == 1 ? "left" : "right", on_face, -n, Vec3(1, 0, 0), 0.14, 0.14, 0.15});
+  }
+  return boxes;
+}
+
+TEST_P(Hands, KinectTwoHandsAreTenFingers) {
+  PALPA_SHARED_OR_SKIP(folder, "depth-hand-kinect1-candescent");
+  const std::vector<Label> tips = read_tips(folder / "two_hands_labels.csv");
+  ASSERT_EQ(tips.size(), 10u);
+  const fs::path scene = scratch_folder("two-hands") / "boxes.glb";
+  write_boxes(scene, kinect_boxes(tips));
+  const TouchReport report = touch(scene, folder / "two_hands.png", kinect);
+  ASSERT_EQ(report.fingers.size(), 10u);
+  // Contacts are the thin ring where the finger enters the box; the tip is beyond it. Each finger has its own tip.
+  std::vector<std::size_t> taken;
+  for (const TouchFinger& finger : report.fingers) {
+    std::size_t nearest = 0;
+    for (std::size_t i = 1; i < tips.size(); ++i) {
+      const auto distance = [&](const Label& tip) {
+        return glm::distance(finger.centroid, point_at(kinect, tip.pixel, tip.z));
+      };
+      if (distance(tips[i]) < distance(tips[nearest])) nearest = i;
+    }
+    EXPECT_EQ(finger.solid, tips[nearest].hand == 1 ? "left" : "right");
+    taken.push_back(nearest);
+  }
+  std::sort(taken.begin(), taken.end());
+  for (std::size_t i = 0; i < taken.size(); ++i)
+    EXPECT_EQ(taken[i], i);
+}
+
+TEST_P(Hands, KinectEachFingerInsideHoldsExactlyOneLabelledTip) {
+  PALPA_SHARED_OR_SKIP(folder, "depth-hand-kinect1-candescent");
+  const std::vector<Label> tips = read_tips(folder / "two_hands_labels.csv");
+  ASSERT_EQ(tips.size(), 10u);
+  const fs::path scene = scratch_folder("two-hands-inside") / "boxes.glb";
+  write_boxes(scene, kinect_boxes(tips));
+  // A shell as thick as the box: everything inside is a contact, and a finger is all of a finger that is inside.
+  const TouchReport report = touch(scene, folder / "two_hands.png", kinect, 0.5);
+  ASSERT_EQ(report.fingers.size(), 10u);
+  for (const TouchFinger& finger : report.fingers) {
+    std::size_t held = 0;
+    for (const Label& tip : tips) {
+      const auto index = static_cast<std::uint32_t>(tip.pixel.v * kinect.width + tip.pixel.u);
+      held += static_cast<std::size_t>(std::count(finger.indices.begin(), finger.indices.end(), index));
+    }
+    EXPECT_EQ(held, 1u);
+  }
+}
+
+TEST_P(Hands, APersonWithoutAHandTouchesNothing) {
+  PALPA_SHARED_OR_SKIP(folder, "depth-hand-kinect1-candescent");
+  const fs::path scene = scratch_folder("no-hand") / "boxes.glb";
+  write_boxes(scene, kinect_boxes(read_tips(folder / "two_hands_labels.csv")));
+  const TouchReport report = touch(scene, folder / "no_hand.png", kinect);
+  EXPECT_GT(report.points, 100000u);
+  EXPECT_TRUE(report.fingers.empty());
+}
+
+TEST_P(Hands, SeveralCamerasConcatenateTheirPixels) {
+  PALPA_SHARED_OR_SKIP(image, sr305_hand);
+  PALPA_SHARED_OR_SKIP(other, "depth-hand-sr305-ondris/20210326-230536_90.png");
+  const fs::path folder = scratch_folder("two-cameras");
+  const fs::path scene = folder / "box.glb";
+  write_boxes(scene, {beside_line(sr305, "box", {240, 290}, {240, 150}, 0.57)});
+  const std::string camera = write_camera(folder, sr305).string();
+  const auto both = [&](const fs::path& first, const fs::path& second) {
+    return run_touch({"--scene", scene.string(), "--backend", GetParam(), "--depth", first.string(), "--camera", camera,
+                      "--depth", second.string(), "--camera", camera});
+  };
+  const TouchReport a = touch(scene, image, sr305), b = touch(scene, other, sr305), ab = both(image, other),
+                    ba = both(other, image);
+  EXPECT_EQ(ab.points, a.points + b.points);
+  const auto joined = [](const TouchReport& first, const TouchReport& second) {
+    std::vector<std::uint32_t> indices = first.contacts;
+    for (const std::uint32_t index : second.contacts)
+      indices.push_back(index + 640 * 480);
+    return indices;
+  };
+  EXPECT_EQ(ab.contacts, joined(a, b));
+  EXPECT_EQ(ba.contacts, joined(b, a));
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, Hands, testing::Values("cpu", "gpu"), [](const auto& test) { return test.param; });
+
+}  // namespace
+}  // namespace palpa::test
