@@ -9,6 +9,8 @@
 
 #include "cli/doctor.hpp"
 #include "cli/options.hpp"
+#include "session/link.hpp"
+#include "session/sources.hpp"
 
 namespace CLI {
 class App;
@@ -19,6 +21,8 @@ namespace palpa::cli {
 /// What rooms above the engine bring along; main() fills it, so that the engine never includes them.
 struct Extensions {
   std::vector<DoctorProbe> doctor;
+  std::vector<session::LinkKind> links;
+  std::vector<session::SourceKind> sources;
 };
 
 /// Does a subcommand's work; throws Error for every failure. Returning means exit code 0.

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "session/foci_link.hpp"
 #include "session/record_link.hpp"
+#include "session/spec.hpp"
 
 namespace palpa::session {
 namespace {
@@ -27,15 +28,8 @@ std::vector<LinkKind> builtin_links() {
 }
 
 std::unique_ptr<Link> open_link(const std::string& spec, std::span<const LinkKind> kinds, const LinkSetting& setting) {
-  const std::size_t colon = spec.find(':');
-  const std::string name = spec.substr(0, colon);
-  const std::string argument = colon == std::string::npos ? "" : spec.substr(colon + 1);
-  std::string known;
-  for (const LinkKind& kind : kinds) {
-    if (kind.name == name) return kind.open(argument, setting);
-    known += (known.empty() ? "" : "; ") + kind.help;
-  }
-  throw bad_usage("there is no link '" + name + "'; known are " + known);
+  const auto [name, argument] = parse_spec(spec);
+  return find_kind(kinds, name, "link").open(argument, setting);
 }
 
 }  // namespace palpa::session

@@ -1,0 +1,25 @@
+#!/usr/bin/env python3
+"""Receives palpa's foci and walks through them slot by slot, as another array's software would.
+
+    palpa run --scene assets/cube.glb --link foci:udp:127.0.0.1:9000
+"""
+import json
+import socket
+import time
+
+receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+receiver.bind(("127.0.0.1", 9000))
+receiver.setblocking(False)
+fingers, slot, dwell_s = [], 0, 0.0015
+while True:
+    try:
+        frame = json.loads(receiver.recv(65536))  # one line per frame; no fingers: be silent
+        fingers = frame["fingers"]
+    except BlockingIOError:
+        pass
+    for finger in fingers:
+        x, y, z = finger["foci_m"][finger["order"][slot % len(finger["order"])]]
+        dwell_s = finger["dwell_s"]
+        print(f"slot {slot}: finger {finger['id']} on {finger['solid']}: focus at {x:.4f} {y:.4f} {z:.4f} m")
+    slot += 1
+    time.sleep(dwell_s)

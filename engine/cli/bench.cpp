@@ -1,0 +1,135 @@
+#include "cli/bench.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <memory>
+
+#include "base/error.hpp"
+#include "cli/commands.hpp"
+#include "cli/json_out.hpp"
+#include "cli/options.hpp"
+#include "cli/output.hpp"
+#include "cli/progress.hpp"
+#include "cli/values.hpp"
+
+namespace palpa::cli {
+namespace {
+
+enum class Suite { all, touch, array, loop };
+
+struct BenchCommand {
+  CommonOptions common;
+  Suite suite = Suite::all;
+  std::uint32_t runs = 200;
+  std::string csv;
+};
+
+void add_options(CLI::App& app, BenchCommand& o) {
+  const Group group(app, "What to measure");
+  group.choice("--suite", o.suite,
+               {{"all", Suite::all}, {"touch", Suite::touch}, {"array", Suite::array}, {"loop", Suite::loop}},
+               "touch: points to foci; array: drives; loop: depth frames to drives");
+  group.integer("--runs", o.runs, 3, 100'000, "timed runs of each case, after a warm-up");
+  group.text("--csv", o.csv, "FILE|-", "suite,case,stage,median_ms,p99_ms,min_ms,runs,per_second,unit,device,driver");
+}
+
+std::string to_csv(const std::vector<BenchRow>& rows, const gpu::DeviceDescription& device) {
+  std::string csv = "suite,case,stage,median_ms,p99_ms,min_ms,runs,per_second,unit,device,driver\n";
+  for (const BenchRow& row : rows) {
+    csv += fmt::format("{},{},{},{:.5g},{:.5g},{:.5g},{},{:.6g},{},\"{}\",\"{}\"\n", row.suite, row.name, row.stage,
+                       row.median_ms, row.p99_ms, row.least_ms, row.runs, row.per_second, row.unit, device.name,
+                       device.driver);
+  }
+  return csv;
+}
+
+std::string to_json(const std::vector<BenchRow>& rows, const gpu::DeviceDescription& device, std::uint64_t resident) {
+  JsonWriter json;
+  json.begin_object().member("device", device.name).member("driver", device.driver);
+  json.member("peak_resident_bytes", resident).key("rows").begin_array();
+  for (const BenchRow& row : rows) {
+    json.begin_object().member("suite", row.suite).member("case", row.name).member("stage", row.stage);
+    json.member("median_ms", row.median_ms).member("p99_ms", row.p99_ms).member("min_ms", row.least_ms);
+    json.member("runs", std::uint64_t{row.runs}).member("per_second", row.per_second).member("unit", row.unit);
+    json.end_object();
+  }
+  json.end_array().end_object();
+  return json.take();
+}
+
+std::string table(const std::vector<BenchRow>& rows, const gpu::DeviceDescription& device, std::uint64_t resident) {
+  std::string text = fmt::format("{}, {}\n{:<6} {:<22} {:<14} {:>10} {:>10} {:>10}\n", device.name, device.driver,
+                                 "suite", "case", "stage", "median ms", "p99 ms", "min ms");
+  for (const BenchRow& row : rows) {
+    text += fmt::format("{:<6} {:<22} {:<14} {:>10.3f} {:>10.3f} {:>10.3f}", row.suite, row.name, row.stage,
+                        row.median_ms, row.p99_ms, row.least_ms);
+    if (row.per_second > 0) text += fmt::format("  {:.0f} {}", row.per_second, row.unit);
+    text += '\n';
+  }
+  return text + fmt::format("resident memory at most {} MB\n", resident / 1'000'000);
+}
+
+void run(const BenchCommand& o) {
+  refuse_two_on_stdout(o.common.json, o.csv);
+  if (o.common.backend == Backend::cpu) throw bad_usage("bench measures the GPU's passes; --backend cpu has none");
+  const gpu::Device device(device_options(o.common));
+  std::vector<BenchRow> rows;
+  std::unique_ptr<Progress> bar;
+  std::string shown;
+  const BenchContext context{device, o.runs, [&](const std::string& what, std::uint64_t done, std::uint64_t total) {
+                               if (what != shown || !bar) {
+                                 bar.reset();
+                                 bar = std::make_unique<Progress>(what, total, o.common.quiet);
+                                 shown = what;
+                               }
+                               bar->set(done);
+                             }};
+  if (o.suite == Suite::all || o.suite == Suite::touch) bench_touch(context, rows);
+  if (o.suite == Suite::all || o.suite == Suite::array) bench_array(context, rows);
+  if (o.suite == Suite::all || o.suite == Suite::loop) bench_loop(context, rows);
+  bar.reset();
+
+  const std::uint64_t resident = peak_resident_bytes();
+  if (!o.csv.empty()) write_output(o.csv, to_csv(rows, device.description()));
+  if (!o.common.json.empty()) write_output(o.common.json, to_json(rows, device.description(), resident));
+  if (o.csv != "-" && o.common.json != "-" && !o.common.quiet) {
+    write_output("-", table(rows, device.description(), resident));
+  }
+}
+
+}  // namespace
+
+BenchRow bench_row(std::string suite, std::string name, std::string stage, std::vector<double> samples_ms) {
+  std::sort(samples_ms.begin(), samples_ms.end());
+  const auto at = [&](double p) {
+    return samples_ms[static_cast<std::size_t>(std::lround(p * static_cast<double>(samples_ms.size() - 1)))];
+  };
+  BenchRow row{std::move(suite), std::move(name), std::move(stage)};
+  row.median_ms = at(0.5);
+  row.p99_ms = at(0.99);
+  row.least_ms = samples_ms.front();
+  row.runs = static_cast<std::uint32_t>(samples_ms.size());
+  return row;
+}
+
+std::uint64_t peak_resident_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) * 1024;
+  }
+  return 0;
+}
+
+void add_bench(Program& program) {
+  add_subcommand<BenchCommand>(program,
+                               {"bench", "how fast this machine is, correctness checked first",
+                                "  palpa bench\n"
+                                "  palpa bench --suite loop --runs 1000 --csv loop.csv\n"
+                                "  palpa bench --gpu 1 --json -"},
+                               add_options, [](const BenchCommand& o) { run(o); });
+}
+
+}  // namespace palpa::cli

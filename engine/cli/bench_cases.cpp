@@ -1,0 +1,275 @@
+// The benchmark's cases. Inputs are the paper's: its objects and finger, three D415, 3984 transducers.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <random>
+
+#include "array/board_mesh.hpp"
+#include "array/drive_pass.hpp"
+#include "base/error.hpp"
+#include "cli/assets.hpp"
+#include "cli/bench.hpp"
+#include "cli/set_up.hpp"
+#include "geometry/gltf.hpp"
+#include "geometry/ply.hpp"
+#include "gpu/commands.hpp"
+#include "gpu/timestamps.hpp"
+#include "sensing/synthetic.hpp"
+#include "session/chain.hpp"
+#include "touch/chain.hpp"
+
+namespace palpa::cli {
+namespace {
+
+double now_ms() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+[[noreturn]] void wrong(const std::string& what) {
+  throw failure(fmt::format("bench: {}: device and C++ twin disagree; nothing was timed", what));
+}
+
+/// Times of each pass over many runs.
+class StageSamples {
+ public:
+  void add(std::span<const gpu::PassTime> passes) {
+    for (const gpu::PassTime& pass : passes)
+      add(pass.name, pass.ms);
+  }
+  void add(const std::string& stage, double ms) {
+    for (auto& [name, samples] : stages_) {
+      if (name == stage) return samples.push_back(ms);
+    }
+    stages_.push_back({stage, {ms}});
+  }
+  void report(const std::string& suite, const std::string& name, std::vector<BenchRow>& rows) const {
+    for (const auto& [stage, samples] : stages_)
+      rows.push_back(bench_row(suite, name, stage, samples));
+  }
+
+ private:
+  std::vector<std::pair<std::string, std::vector<double>>> stages_;
+};
+
+constexpr std::uint32_t warm_up = 10;
+
+bool same_foci(const touch::Touch& a, const touch::Touch& b) {
+  if (a.finger_count != b.finger_count || a.contacts.size() != b.contacts.size()) return false;
+  for (std::uint32_t f = 0; f < a.finger_count; ++f) {
+    for (std::size_t i = 0; i < a.fingers[f].foci.size(); ++i) {
+      if (a.fingers[f].foci[i].points != b.fingers[f].foci[i].points) return false;
+      if (glm::distance(a.fingers[f].foci[i].position, b.fingers[f].foci[i].position) > 1e-6f) return false;
+    }
+  }
+  return true;
+}
+
+bool same_drives(const session::Plan& a, const session::Plan& b) {
+  if (a.cycle != b.cycle || a.drives.size() != b.drives.size() || a.drives.empty()) return false;
+  for (std::size_t i = 0; i < a.drives.size(); ++i) {
+    const double turn = std::remainder(a.drives[i].phase - b.drives[i].phase, 2 * M_PI);
+    // The foci themselves agree within a micrometre, 0.7 mrad.
+    if (std::abs(a.drives[i].amplitude - b.drives[i].amplitude) > 1e-4 || std::abs(turn) > 2e-3) return false;
+  }
+  return true;
+}
+
+/// Runs one frame through a chain that has nothing under way.
+session::FrameReport run_frame(session::Chain& chain, const sensing::FrameSet& frame, session::Plan& plan) {
+  session::FrameReport report;
+  chain.start(frame, 0, 0);
+  while (!chain.step(plan, report)) {
+  }
+  return report;
+}
+
+void bench_frame(const BenchContext& context, const std::string& name, const std::vector<geometry::Solid>& solids,
+                 const geometry::Mesh& skin, const Transform& T_world_skin, std::vector<BenchRow>& rows) {
+  const SetUp set_up = load_set_up({});
+  sensing::SyntheticRig rig(set_up.rig.cameras, array::board_mesh(set_up.layout), sensing::Noise::d415, 1);
+  sensing::FrameSet frame;
+  const sensing::Posed posed{&skin, T_world_skin};
+  rig.render(std::span(&posed, 1), 0, frame);
+
+  const session::ChainSetting setting{.cameras = set_up.rig.cameras, .solids = solids, .layout = set_up.layout};
+  const auto chain = session::make_gpu_chain(context.device, setting);
+  session::Plan plan, expected;
+  run_frame(*chain, frame, plan);
+  run_frame(*session::make_cpu_chain(setting), frame, expected);
+  if (!same_drives(plan, expected)) wrong(name);
+
+  std::vector<double> total;
+  StageSamples stages;
+  for (std::uint32_t run = 0; run < context.runs + warm_up; ++run) {
+    const double begin = now_ms();
+    const session::FrameReport report = run_frame(*chain, frame, plan);
+    const double ms = now_ms() - begin;
+    if (run < warm_up) continue;
+    total.push_back(ms);
+    stages.add(report.passes);
+    context.progress(name, run - warm_up + 1, context.runs);
+  }
+  BenchRow row = bench_row("loop", name, "total", total);
+  row.per_second = 1e3 / row.median_ms;
+  row.unit = "frames";
+  rows.push_back(row);
+  stages.report("loop", name, rows);
+}
+
+geometry::Mesh load_mesh(const std::string& asset) {
+  geometry::Mesh mesh;
+  for (const geometry::SceneMesh& part : geometry::load_gltf(find_asset(asset)).meshes)
+    geometry::append(mesh, part.mesh);
+  return mesh;
+}
+
+/// An axis-aligned box as a solid.
+std::vector<geometry::Solid> box_solid(const Vec3& low, const Vec3& high) {
+  geometry::Mesh mesh;
+  for (int corner = 0; corner < 8; ++corner) {
+    mesh.positions.emplace_back(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z);
+  }
+  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return geometry::make_solids({"box", {{"box", std::move(mesh)}}});
+}
+
+void bench_batch(const BenchContext& context, std::uint32_t slots, std::uint32_t foci_per_slot, const std::string& name,
+                 std::vector<BenchRow>& rows) {
+  const SetUp set_up = load_set_up({});
+  const array::DrivesPass pass(context.device);
+  array::DriveBuffers buffers(context.device, set_up.layout, {}, slots, slots * foci_per_slot);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(-0.03, 0.03);
+  std::vector<std::vector<array::SlotFocus>> foci(slots, std::vector<array::SlotFocus>(foci_per_slot));
+  for (auto& slot : foci) {
+    for (auto& focus : slot)
+      focus.position = Vec3(place(random), place(random), place(random));
+    if (!buffers.add_slot(slot)) throw failure("bench: the batch does not fit the device's buffers");
+  }
+  const gpu::Recorder recorder(context.device, "bench");
+  gpu::Timeline timeline(context.device);
+  const auto batch = [&] {
+    buffers.clear();
+    for (const auto& slot : foci)
+      buffers.add_slot(slot);
+    buffers.record(recorder.begin(), pass, array::Weighting::distance, array::Constraint::normalise);
+    timeline.wait(timeline.submit(recorder.end()));
+  };
+  batch();
+  for (const std::uint32_t slot : {0u, slots / 2, slots - 1}) {
+    const array::Drive expected = array::drive_for(set_up.layout, foci[slot]);
+    const auto drive = buffers.drive(slot);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      const double turn = std::remainder(drive[i].phase - expected[i].phase, 2 * M_PI);
+      // The phase of a sum that almost vanishes means nothing.
+      if (std::abs(drive[i].amplitude - expected[i].amplitude) > 1e-3 ||
+          (expected[i].amplitude > 0.05 && std::abs(turn) > 2e-2)) {
+        wrong(name);
+      }
+    }
+  }
+  std::vector<double> total;
+  const std::uint32_t runs = std::max(3u, std::min(context.runs, 20'000 / (slots * foci_per_slot)));
+  for (std::uint32_t run = 0; run < runs + 3; ++run) {
+    const double begin = now_ms();
+    batch();
+    if (run >= 3) total.push_back(now_ms() - begin);
+    context.progress(name, run, runs + 2);
+  }
+  BenchRow row = bench_row("array", name, "total", total);
+  row.per_second = slots * foci_per_slot * 1e3 / row.median_ms;
+  row.unit = "foci x 3984";
+  rows.push_back(row);
+}
+
+void bench_points(const BenchContext& context, const std::string& name, const std::vector<geometry::Solid>& solids,
+                  const std::vector<glm::vec3>& points, std::vector<BenchRow>& rows) {
+  touch::Touch found, expected;
+  touch::touch_points(points, solids, {}, expected);
+
+  const auto count = static_cast<std::uint32_t>(points.size());
+  const touch::TouchPasses passes(context.device);
+  const touch::SolidTable table(context.device, solids);
+  touch::TouchBuffers buffers(context.device, {.points = count});
+  const gpu::Upload upload(context.device, points.size() * sizeof(glm::vec4), "points");
+  const gpu::Upload total(context.device, sizeof(shader::ScanTotal), "point count");
+  for (std::uint32_t i = 0; i < count; ++i) {
+    upload.as<sensing::SkinPoint>()[i] = {points[i], i};
+  }
+  total.as<shader::ScanTotal>()[0] = {count, gpu::groups_for(count, 64), 1, 1};
+  gpu::Timestamps times(context.device, 16);
+  std::vector<gpu::PassTime> measured;
+  const gpu::Recorder recorder(context.device, "bench");
+  gpu::Timeline timeline(context.device);
+  const auto frame = [&] {
+    const VkCommandBuffer commands = recorder.begin();
+    times.begin(commands);
+    upload.record(commands);
+    total.record(commands);
+    touch::record(commands, passes, table, buffers, upload.ref(), total.ref(), {}, &times);
+    timeline.wait(timeline.submit(recorder.end()));
+    touch::read(buffers, found);
+  };
+  frame();
+  if (!same_foci(found, expected)) wrong(name);
+  std::vector<double> whole;
+  StageSamples stages;
+  for (std::uint32_t run = 0; run < context.runs + warm_up; ++run) {
+    const double begin = now_ms();
+    frame();
+    const double ms = now_ms() - begin;
+    if (run < warm_up) continue;
+    whole.push_back(ms);
+    times.read(measured);
+    stages.add(measured);
+    context.progress(name, run - warm_up + 1, context.runs);
+  }
+  rows.push_back(bench_row("touch", name, "total", whole));
+  stages.report("touch", name, rows);
+}
+
+}  // namespace
+
+void bench_loop(const BenchContext& context, std::vector<BenchRow>& rows) {
+  const geometry::Ply finger = geometry::read_ply(find_asset("finger.ply"));
+  const geometry::Mesh skin{finger.positions, finger.triangles};
+  Transform lowered(1.0);
+  lowered[3] = Vec4(0, -0.003, 0, 1);
+  bench_frame(context, "finger in cube", load_solids(find_asset("cube.glb"), {}), skin, lowered, rows);
+  bench_frame(context, "finger in semi-sphere", load_solids(find_asset("semi-sphere.glb"), {}), skin, lowered, rows);
+  // Everything that the cameras see but the boards lies in this box: the touch takes a tenth of it.
+  bench_frame(context, "hand in large box", box_solid(Vec3(-0.18, -0.18, -0.15), Vec3(0.18, 0.18, 0.15)),
+              load_mesh("hand-point.glb"), Transform(1.0), rows);
+}
+
+void bench_array(const BenchContext& context, std::vector<BenchRow>& rows) {
+  bench_batch(context, 10, 1, "ten foci of one frame", rows);
+  bench_batch(context, 1000, 1, "batch of 1000 foci", rows);
+  bench_batch(context, 200, 5, "200 slots of 5 foci", rows);
+}
+
+void bench_touch(const BenchContext& context, std::vector<BenchRow>& rows) {
+  const geometry::Ply finger = geometry::read_ply(find_asset("finger.ply"));
+  std::vector<glm::vec3> points;
+  for (const Vec3& p : finger.positions)
+    points.emplace_back(p.x, p.y - 0.003, p.z);
+  for (const char* object : {"cube", "semi-sphere", "pyramid", "prism"}) {
+    bench_points(context, fmt::format("finger in {}", object),
+                 load_solids(find_asset(fmt::format("{}.glb", object)), {}), points, rows);
+  }
+  // A large plate of skin: many contacts, one finger.
+  for (const std::uint32_t contacts : {20'000u, 100'000u}) {
+    std::mt19937 random(contacts);
+    const double side = std::sqrt(contacts) * 5e-4;
+    std::uniform_real_distribution<double> along(0, side), deep(1e-5, 1.4e-3);
+    std::vector<glm::vec3> plate;
+    for (std::uint32_t i = 0; i < contacts; ++i)
+      plate.emplace_back(along(random), -deep(random), along(random));
+    bench_points(context, fmt::format("{} contacts", contacts),
+                 box_solid(Vec3(-0.05, -0.1, -0.05), Vec3(0.25, 0, 0.25)), plate, rows);
+  }
+}
+
+}  // namespace palpa::cli

@@ -1,0 +1,161 @@
+#include <fmt/format.h>
+
+#include <atomic>
+#include <csignal>
+#include <memory>
+
+#include "array/board_mesh.hpp"
+#include "base/error.hpp"
+#include "cli/assets.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
+#include "cli/output.hpp"
+#include "cli/progress.hpp"
+#include "cli/set_up.hpp"
+#include "cli/values.hpp"
+#include "sensing/recording.hpp"
+#include "session/loop.hpp"
+#include "session/sources.hpp"
+
+namespace palpa::cli {
+namespace {
+
+enum class StatsFormat { none, json };
+
+struct RunCommand {
+  CommonOptions common;
+  std::string scene;
+  std::optional<std::uint32_t> gltf_scene;
+  std::string source = "synthetic";
+  std::string link = "null";
+  RigOptions rig;
+  TouchOptions touch;
+  DriveOptionsGroup drive;
+  double hold_s = 0.1;
+  std::uint64_t frames = 0;
+  bool every_frame = false;
+  bool noise_free = false;
+  std::string record;
+  StatsFormat stats = StatsFormat::none;
+};
+
+void add_options(CLI::App& app, RunCommand& o) {
+  const Group group(app, "What to run");
+  group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
+  group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000, "scene of the file (default: the file's own)");
+  group.text("--source", o.source, "SOURCE", "synthetic[:MESH] or recording:DIR");
+  group.text("--link", o.link, "LINK", "null, record:FILE or foci:udp:HOST:PORT");
+  group.integer("--frames", o.frames, 0, std::uint64_t{1} << 62,
+                "stop after that many frames; 0: at the source's end or Ctrl-C");
+  group.quantity("--hold", o.hold_s, Quantity::time, positive(10), "silence when no frame came for that long");
+  group.flag("--every-frame", o.every_frame, "look at every frame, however long it takes, instead of the newest");
+  group.flag("--noise-free", o.noise_free, "synthetic frames without the sensor's noise");
+  group.text("--record", o.record, "DIR", "write every frame into a new folder, to be replayed as recording:DIR");
+  group.choice("--stats", o.stats, {{"none", StatsFormat::none}, {"json", StatsFormat::json}},
+               "what the loop measured, on stdout; --json writes the same");
+  add_rig_options(app, o.rig);
+  add_touch_options(app, o.touch);
+  add_drive_options(app, o.drive);
+}
+
+/// Set by the first signal; the loop then ends in silence. Later signals change nothing: the array must not be left
+/// sounding by an impatient second Ctrl-C.
+std::atomic<bool> stop_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+void watch_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_requested = true; };
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT})
+    sigaction(signal, &action, nullptr);
+}
+
+std::string summary(const session::LoopStats& stats) {
+  return fmt::format(
+      "{} frames, {} with a touch, {} left out for newer ones\n"
+      "frame to drives: median {:.2f} ms, p99 {:.2f} ms; {} drives, {} of them silent, {} slots overslept\n",
+      stats.captured, stats.touching, stats.replaced, stats.frame_to_plan_s.quantile(0.5) * 1e3,
+      stats.frame_to_plan_s.quantile(0.99) * 1e3, stats.output.drives, stats.output.silent_drives,
+      stats.output.skipped_slots);
+}
+
+void report(const RunCommand& o, const session::LoopStats& stats) {
+  if (!o.common.json.empty()) write_output(o.common.json, session::to_json(stats));
+  if (o.stats == StatsFormat::json && o.common.json != "-") {
+    write_output("-", session::to_json(stats));
+  } else if (o.stats == StatsFormat::none && o.common.json.empty() && !o.common.quiet) {
+    write_output("-", summary(stats));
+  }
+}
+
+void run(const Extensions& extensions, const RunCommand& o) {
+  if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
+  check(o.touch);
+  const std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene);
+  std::vector<std::string> names;
+  for (const geometry::Solid& solid : solids)
+    names.push_back(solid.name);
+  const SetUp set_up = load_set_up(o.rig);
+  const array::DriveOptions drive = drive_options(o.drive);
+
+  std::vector<session::SourceKind> sources = session::builtin_sources();
+  sources.insert(sources.end(), extensions.sources.begin(), extensions.sources.end());
+  const geometry::Mesh boards = array::board_mesh(set_up.layout);
+  const std::unique_ptr<sensing::DepthSource> source =
+      session::open_source(o.source, sources,
+                           {.cameras = set_up.rig.cameras,
+                            .occluders = boards,
+                            .default_skin = o.source == "synthetic" ? find_asset("finger.ply") : std::string(),
+                            .noise = !o.noise_free,
+                            .seed = o.common.seed,
+                            .paced = !o.every_frame,
+                            .frames = o.frames ? std::optional(o.frames) : std::nullopt});
+  std::optional<sensing::RecordingWriter> recorder;
+  if (!o.record.empty()) recorder.emplace(o.record, source->cameras());
+
+  const session::ChainSetting setting{.cameras = source->cameras(),
+                                      .solids = solids,
+                                      .layout = set_up.layout,
+                                      .touch = o.touch.parameters,
+                                      .voice = {.stride = o.touch.stride, .dwell_s = o.touch.dwell_s},
+                                      .drive = drive,
+                                      .slot_s = o.touch.dwell_s};
+  std::optional<gpu::Device> device;
+  if (o.common.backend == Backend::gpu) device.emplace(device_options(o.common));
+  const std::unique_ptr<session::Chain> chain =
+      device ? session::make_gpu_chain(*device, setting) : session::make_cpu_chain(setting);
+
+  std::vector<session::LinkKind> links = session::builtin_links();
+  links.insert(links.end(), extensions.links.begin(), extensions.links.end());
+  const std::unique_ptr<session::Link> link = session::open_link(o.link, links, {set_up.layout, names, setting.slot_s});
+
+  watch_signals();
+  session::LoopStats stats;
+  Progress progress("frames", o.frames, o.common.quiet);
+  session::LoopObservers observers;
+  if (recorder) observers.captured = [&](const sensing::FrameSet& set) { recorder->write(set); };
+  observers.planned = [&](const session::FrameReport&, const session::Plan&) { progress.set(stats.planned); };
+  session::run_loop(
+      *source, *chain, *link,
+      {.output = {set_up.layout, drive, setting.slot_s, o.hold_s}, .frames = o.frames, .every_frame = o.every_frame},
+      stop_requested, observers, stats);
+  report(o, stats);
+}
+
+}  // namespace
+
+void add_run(Program& program) {
+  const Extensions& extensions = program.extensions;
+  add_subcommand<RunCommand>(
+      program,
+      {"run", "the live loop: frames in, drives out, until Ctrl-C",
+       "  palpa run --scene assets/cube.glb --source synthetic --link null --frames 300 --stats json\n"
+       "  palpa run --scene assets/cube.glb --link foci:udp:127.0.0.1:9000\n"
+       "  palpa run --scene assets/cube.glb --frames 90 --record take1\n"
+       "  palpa run --scene assets/cube.glb --source recording:take1 --link record:drives.bin"},
+      add_options, [&extensions](const RunCommand& o) { run(extensions, o); });
+}
+
+}  // namespace palpa::cli

@@ -1,0 +1,25 @@
+#include "cli/set_up.hpp"
+
+#include "base/error.hpp"
+#include "cli/assets.hpp"
+#include "geometry/gltf.hpp"
+
+namespace palpa::cli {
+
+std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene) {
+  const std::optional<int> index = gltf_scene ? std::optional(static_cast<int>(*gltf_scene)) : std::nullopt;
+  return geometry::make_solids(geometry::load_gltf(scene, index));
+}
+
+SetUp load_set_up(const RigOptions& options) {
+  SetUp set_up;
+  set_up.rig = sensing::load_rig(options.rig.empty() ? find_asset("rigs/paper.toml") : options.rig);
+  const bool from_rig = options.layout.empty();
+  if (from_rig && !set_up.rig.array) throw bad_input(set_up.rig.file, "has no [array]; add one or give --layout");
+  const array::Layout layout = array::load_layout(from_rig ? set_up.rig.array->layout : options.layout);
+  const bool posed = from_rig && set_up.rig.array->T_world_layout.has_value();
+  set_up.layout = transformed(layout, posed ? *set_up.rig.array->T_world_layout : layout.default_T_world_layout);
+  return set_up;
+}
+
+}  // namespace palpa::cli

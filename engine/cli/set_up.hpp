@@ -1,0 +1,28 @@
+// What the live commands stand on: the scene's solids and the physical set-up.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "array/layout.hpp"
+#include "cli/options.hpp"
+#include "geometry/solid.hpp"
+#include "sensing/rig.hpp"
+
+namespace palpa::cli {
+
+/// Throws bad_input naming file and fault; a scene without a solid is one.
+std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene);
+
+struct SetUp {
+  sensing::Rig rig;
+  array::Layout layout;  ///< as posed in the world
+};
+
+/// The rig (default: the paper's) and its array; --layout replaces the array, which then stands where that layout
+/// stands by default. Throws bad_input.
+SetUp load_set_up(const RigOptions& options);
+
+}  // namespace palpa::cli

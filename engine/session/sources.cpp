@@ -1,0 +1,58 @@
+#include "session/sources.hpp"
+
+#include <filesystem>
+
+#include "base/error.hpp"
+#include "geometry/gltf.hpp"
+#include "geometry/ply.hpp"
+#include "sensing/recording.hpp"
+#include "sensing/synthetic.hpp"
+#include "session/spec.hpp"
+
+namespace palpa::session {
+namespace {
+
+/// A skin mesh from a PLY or, all its meshes together, from a glTF file.
+geometry::Mesh load_skin(const std::string& file) {
+  geometry::Mesh mesh;
+  if (std::filesystem::path(file).extension() == ".ply") {
+    geometry::Ply ply = geometry::read_ply(file);
+    mesh = {std::move(ply.positions), std::move(ply.triangles)};
+  } else {
+    for (const geometry::SceneMesh& part : geometry::load_gltf(file).meshes)
+      geometry::append(mesh, part.mesh);
+  }
+  if (mesh.triangles.empty()) throw bad_input(file, "has no triangles; a synthetic source needs the skin as a mesh");
+  return mesh;
+}
+
+std::unique_ptr<sensing::DepthSource> open_synthetic(const std::string& file, const SourceSetting& setting) {
+  sensing::SyntheticOptions options;
+  options.noise = setting.noise ? sensing::Noise::d415 : sensing::Noise::none;
+  options.seed = setting.seed;
+  options.paced = setting.paced;
+  options.frames = setting.frames;
+  return sensing::make_synthetic_source(setting.cameras, load_skin(file.empty() ? setting.default_skin : file),
+                                        setting.occluders, options);
+}
+
+std::unique_ptr<sensing::DepthSource> open_recording(const std::string& folder, const SourceSetting& setting) {
+  if (folder.empty()) throw bad_usage("source recording needs a folder: recording:DIR");
+  return sensing::make_replay(sensing::load_recording(folder), {.paced = setting.paced});
+}
+
+}  // namespace
+
+std::vector<SourceKind> builtin_sources() {
+  return {
+      {"synthetic", "synthetic[:MESH]: a rendered fingertip, or another mesh, that dips in and out", open_synthetic},
+      {"recording", "recording:DIR: what palpa run --record wrote, or a folder with a recording.toml", open_recording}};
+}
+
+std::unique_ptr<sensing::DepthSource> open_source(const std::string& spec, std::span<const SourceKind> kinds,
+                                                  const SourceSetting& setting) {
+  const auto [name, argument] = parse_spec(spec);
+  return find_kind(kinds, name, "source").open(argument, setting);
+}
+
+}  // namespace palpa::session
