@@ -1,0 +1,234 @@
+#include "sensing/rig.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <cstring>
+#include <random>
+
+#include "geometry/ply.hpp"
+#include "random_rig.hpp"
+#include "sensing/rays.hpp"
+#include "support/shared_data.hpp"
+#include "throws.hpp"
+
+namespace palpa::sensing {
+namespace {
+
+using test::write_text;
+
+const std::string camera_text = R"([[camera]]
+name = "one"
+width = 848
+height = 480
+fx = 640
+fy = 640.5
+cx = 423.5
+cy = 239.5
+distortion = [0.1, -0.2, 0.001, 0.002, 0.05]
+depth_unit_m = 0.0001
+min_range_m = 0.28
+rate_hz = 90
+T_world_camera = [[1, 0, 0, 0.1], [0, 1, 0, 0.2], [0, 0, 1, 0.3], [0, 0, 0, 1]]
+)";
+
+std::string scratch() {
+  static const std::filesystem::path folder = test::scratch_folder("rig");
+  return (folder / "rig.toml").string();
+}
+
+Rig load_text(const std::string& text) {
+  write_text(scratch(), text);
+  return load_rig(scratch());
+}
+
+/// camera_text with the line that begins with `key` replaced.
+std::string with(const std::string& key, const std::string& line) {
+  std::string text = camera_text;
+  const std::size_t begin = text.find(key + " =");
+  text.replace(begin, text.find('\n', begin) - begin, line);
+  return text;
+}
+
+TEST(Rig, ReadsEveryKey) {
+  const Rig rig = load_text(camera_text + R"(
+[array]
+layout = "openmpd"
+T_world_layout = [[0, -1, 0, 1], [1, 0, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]]
+[screen]
+width_m = 0.4
+height_m = 0.3
+T_world_screen = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -0.35], [0, 0, 0, 1]]
+eye_m = [0, 0.1, 0.6]
+)");
+  ASSERT_EQ(rig.cameras.size(), 1u);
+  const Camera& camera = rig.cameras[0];
+  EXPECT_EQ(camera.name, "one");
+  EXPECT_EQ(camera.width, 848u);
+  EXPECT_EQ(camera.fy, 640.5);
+  EXPECT_EQ(camera.distortion, (std::array<double, 5>{0.1, -0.2, 0.001, 0.002, 0.05}));
+  EXPECT_EQ(camera.depth_unit_m, 1e-4);
+  EXPECT_EQ(camera.min_range_m, 0.28);
+  EXPECT_EQ(transform_point(camera.T_world_camera, Vec3(0)), Vec3(0.1, 0.2, 0.3));
+  ASSERT_TRUE(rig.array && rig.array->T_world_layout && rig.screen);
+  EXPECT_EQ(rig.array->layout, "openmpd");
+  EXPECT_EQ(transform_point(*rig.array->T_world_layout, Vec3(1, 0, 0)), Vec3(1, 3, 3));  // rows, not columns
+  EXPECT_EQ(rig.screen->eye_m, Vec3(0, 0.1, 0.6));
+  EXPECT_EQ(rig.screen->T_world_screen[3].z, -0.35);
+}
+
+TEST(Rig, OptionalKeysHaveDefaults) {
+  const Rig rig = load_text("[[camera]]\nwidth = 8\nheight = 4\nfx = 1\nfy = 1\ncx = 0\ncy = 0\n");
+  EXPECT_EQ(rig.cameras[0].distortion, (std::array<double, 5>{}));
+  EXPECT_EQ(rig.cameras[0].depth_unit_m, 0.001);
+  EXPECT_EQ(rig.cameras[0].min_range_m, 0);
+  EXPECT_EQ(rig.cameras[0].T_world_camera, Transform(1.0));
+  EXPECT_FALSE(rig.array || rig.screen);
+}
+
+TEST(Rig, ALayoutFileIsFoundFromTheRig) {
+  const Rig rig = load_text("[array]\nlayout = \"mine/board.toml\"\n");
+  EXPECT_EQ(rig.array->layout, (std::filesystem::absolute(scratch()).parent_path() / "mine/board.toml").string());
+  EXPECT_FALSE(rig.array->T_world_layout);
+}
+
+TEST(Rig, TextRoundTripsBitForBit) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 100; ++i) {
+    Rig rig;
+    for (std::uint32_t c = test::uniform(random, 0, 3); c > 0; --c) {
+      rig.cameras.push_back(test::random_camera(random));
+      rig.cameras.back().name = "quoted \"back\\slash\" \xc3\xa9 " + std::to_string(c);
+      rig.cameras.back().rate_hz = std::abs(normal(random)) * 1e-3;
+      rig.cameras.back().distortion[2] = -0.0;
+    }
+    rig.array.emplace().layout = "paper";
+    if (i % 2) rig.array->T_world_layout = test::random_pose(random, 1);
+    Screen& screen = rig.screen.emplace();
+    screen.width_m = 0.1 + std::abs(normal(random));
+    screen.height_m = 3;
+    screen.T_world_screen = test::random_pose(random, 1e-7);
+    screen.eye_m = Vec3(normal(random), -0.0, 1e-300);
+    const Rig back = load_text(to_toml(rig));
+    ASSERT_EQ(back.cameras.size(), rig.cameras.size());
+    for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+      const Camera &a = rig.cameras[c], &b = back.cameras[c];
+      EXPECT_EQ(a.name, b.name);
+      EXPECT_EQ(std::memcmp(&a.fx, &b.fx, 4 * sizeof(double)), 0);
+      EXPECT_EQ(std::memcmp(&a.distortion, &b.distortion, sizeof(a.distortion)), 0);
+      EXPECT_EQ(std::memcmp(&a.depth_unit_m, &b.depth_unit_m, 3 * sizeof(double)), 0);
+      EXPECT_EQ(std::memcmp(&a.T_world_camera, &b.T_world_camera, sizeof(Transform)), 0);
+      EXPECT_EQ(a.width, b.width);
+    }
+    EXPECT_EQ(rig.array->T_world_layout.has_value(), back.array->T_world_layout.has_value());
+    EXPECT_EQ(std::memcmp(&screen.T_world_screen, &back.screen->T_world_screen, sizeof(Transform)), 0);
+    EXPECT_EQ(std::memcmp(&screen.eye_m, &back.screen->eye_m, sizeof(Vec3)), 0);
+    EXPECT_EQ(to_toml(back), to_toml(rig));
+  }
+}
+
+TEST(Rig, FaultsNameFileLineAndKey) {
+  EXPECT_REFUSED(load_text(camera_text + "fz = 3\n"), "rig.toml: line 14: unknown key fz in [[camera]]");
+  EXPECT_REFUSED(load_text(camera_text + "[projector]\n"), "line 14: unknown key projector");
+  EXPECT_REFUSED(load_text(with("fx", "fx = 0")), "line 5: fx is 0");
+  EXPECT_REFUSED(load_text(with("fx", "fx = -640")), "line 5: fx is -640");
+  EXPECT_REFUSED(load_text(with("fx", "fx = nan")), "line 5: fx is nan");
+  EXPECT_REFUSED(load_text(with("fx", "fx = inf")), "line 5: fx is inf");
+  EXPECT_REFUSED(load_text(with("fx", "fx = \"640\"")), "line 5: fx must be a number");
+  EXPECT_REFUSED(load_text(with("fx", "")), "[[camera]] fx is missing");
+  EXPECT_REFUSED(load_text(with("width", "width = 0")), "line 3: width is 0");
+  EXPECT_REFUSED(load_text(with("width", "width = 16385")), "line 3: width is 16385");
+  EXPECT_REFUSED(load_text(with("width", "width = 1.5")), "whole number");
+  EXPECT_REFUSED(load_text(with("height", "height = -1")), "line 4: height");
+  EXPECT_REFUSED(load_text(with("distortion", "distortion = [1, 2, 3, 4]")), "line 9: distortion must be 5 finite");
+  EXPECT_REFUSED(load_text(with("distortion", "distortion = [1, 2, 3, 4, inf]")), "line 9: distortion");
+  EXPECT_REFUSED(load_text(with("depth_unit_m", "depth_unit_m = 0")), "line 10: depth_unit_m");
+  EXPECT_REFUSED(load_text(with("min_range_m", "min_range_m = -1")), "line 11: min_range_m");
+  const std::string pose = "T_world_camera";
+  EXPECT_REFUSED(load_text(with(pose, pose + " = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]")),
+                 "line 13: T_world_camera");
+  EXPECT_REFUSED(load_text(with(pose, pose + " = [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1]]")),
+                 "not rigid");
+  EXPECT_REFUSED(load_text(with(pose, pose + " = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]]")),
+                 "mirrors");
+  EXPECT_REFUSED(load_text(with(pose, pose + " = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 1]]")),
+                 "0 0 0 1");
+  EXPECT_REFUSED(load_text("camera = 3\n"), "line 1: camera must be a list of tables");
+  EXPECT_REFUSED(load_text("[camera]\n"), "camera must be a list of tables");
+  EXPECT_REFUSED(load_text("[array]\nlayout = \"\"\n"), "line 2: layout must be a text");
+  EXPECT_REFUSED(load_text("[[camera]\n"), "line 1: not TOML");
+  EXPECT_REFUSED(load_text("a = \"\xff\xfe\"\n"), "not TOML");
+}
+
+TEST(Rig, HostileFilesAreRefusedAtOnce) {
+  const auto began = std::chrono::steady_clock::now();
+  const std::filesystem::path folder = test::scratch_folder("rig-hostile");
+  EXPECT_REFUSED(load_rig(folder / "none.toml"), "none.toml: no such file");
+  EXPECT_REFUSED(load_rig(folder), "is a folder");
+  EXPECT_REFUSED(load_rig("/dev/zero"), "not a regular file");
+  const auto fifo = folder / "fifo";
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_REFUSED(load_rig(fifo), "not a regular file");
+  write_text((folder / "zeros.toml").string(), "");
+  std::filesystem::resize_file(folder / "zeros.toml", 10'000'000'000u);
+  EXPECT_REFUSED(load_rig(folder / "zeros.toml"), "10000000000 bytes");
+  const auto big = (folder / "big.toml").string();
+  for (const std::string& text : {std::string(1 << 20, '\0'), std::string(1 << 20, '['), std::string(1 << 20, '{'),
+                                  std::string(1 << 20, 'a'), "a" + std::string(1 << 19, '.') + "b = 1",
+                                  [] {
+                                    std::string dots = "a";
+                                    for (int i = 0; i < 400'000; ++i)
+                                      dots += ".a";
+                                    return dots + " = 1";
+                                  }(),
+                                  "x = " + std::string(500'000, '[') + std::string(500'000, ']')}) {
+    write_text(big, text);
+    EXPECT_REFUSED(load_rig(big), "big.toml: ");
+  }
+  std::string many;
+  for (int i = 0; i < 65; ++i)
+    many += camera_text;
+  EXPECT_REFUSED(load_text(many), "more than 64 cameras");
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20));
+}
+
+TEST(Rig, MutatedFilesLoadOrAreRefused) {
+  std::mt19937_64 random(99);
+  const std::string good = test::read_text(test::source_file("assets/rigs/paper.toml"));
+  ASSERT_FALSE(good.empty());
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(4);
+  const std::string alphabet = "[]{}=.,\"'\n#-+e0123456789nif\\\t \xff" + std::string(1, '\0');
+  int loaded = 0, refused = 0;
+  for (int i = 0; i < 4000 && std::chrono::steady_clock::now() < end; ++i) {
+    std::string text = good;
+    for (std::uint32_t edits = test::uniform(random, 1, 4); edits > 0; --edits) {
+      const std::size_t at = test::uniform(random, 0, static_cast<std::uint32_t>(text.size() - 1));
+      switch (test::uniform(random, 0, 4)) {
+        case 0:
+          text[at] = alphabet[random() % alphabet.size()];
+          break;
+        case 1:
+          text.erase(at, test::uniform(random, 1, 40));
+          break;
+        case 2:
+          text.insert(at, 1, alphabet[random() % alphabet.size()]);
+          break;
+        case 3:
+          text.insert(at, text.substr(random() % text.size(), 60));
+          break;
+        default:
+          text.resize(at + 1);
+          break;
+      }
+    }
+    const std::string line = test::refusal([&] { load_text(text); });
+    ++(line.empty() ? loaded : refused);
+  }
+  EXPECT_GT(loaded, 20);
+  EXPECT_GT(refused, 500);
+}
+
+}  // namespace
+}  // namespace palpa::sensing

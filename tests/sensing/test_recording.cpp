@@ -1,0 +1,286 @@
+#include "sensing/recording.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+#include "random_rig.hpp"
+#include "sensing/png16.hpp"
+#include "support/shared_data.hpp"
+#include "throws.hpp"
+
+namespace palpa::sensing {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path fresh(const std::string& name) {
+  const fs::path folder = test::scratch_folder("recording-" + name);
+  fs::remove_all(folder);
+  return folder;
+}
+
+struct Take {
+  std::vector<Camera> cameras;
+  std::vector<FrameSet> sets;
+};
+
+Take random_take(std::uint64_t seed, int frames) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  Take take;
+  for (int i = 0; i < 2; ++i)
+    take.cameras.push_back(test::random_camera(random));
+  for (int i = 0; i < frames; ++i) {
+    FrameSet set;
+    set.sequence = static_cast<std::uint64_t>(3 * i + 5);
+    for (const Camera& camera : take.cameras) {
+      set.frames.push_back(test::random_frame(random, camera));
+      set.frames.back().time_s = 1e5 + i / 90.0 + 0.001 * unit(random);
+    }
+    set.time_s = std::min(set.frames[0].time_s, set.frames[1].time_s);
+    take.sets.push_back(std::move(set));
+  }
+  return take;
+}
+
+void write(const fs::path& folder, const Take& take) {
+  RecordingWriter writer(folder, take.cameras);
+  for (const FrameSet& set : take.sets)
+    writer.write(set);
+  EXPECT_EQ(writer.frames(), take.sets.size());
+}
+
+void expect_same(const FrameSet& a, const FrameSet& b) {
+  EXPECT_EQ(a.sequence, b.sequence);
+  EXPECT_EQ(std::memcmp(&a.time_s, &b.time_s, sizeof(double)), 0);
+  ASSERT_EQ(a.frames.size(), b.frames.size());
+  for (std::size_t i = 0; i < a.frames.size(); ++i) {
+    EXPECT_EQ(a.frames[i].depth, b.frames[i].depth);
+    EXPECT_EQ(std::memcmp(&a.frames[i].time_s, &b.frames[i].time_s, sizeof(double)), 0);
+  }
+}
+
+TEST(Recording, ReadsBackBitForBit) {
+  const fs::path folder = fresh("round");
+  const Take take = random_take(1, 12);
+  write(folder, take);
+  const auto source = make_replay(load_recording(folder), {.paced = false});
+  ASSERT_EQ(source->cameras().size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Camera &a = take.cameras[i], &b = source->cameras()[i];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.width, b.width);
+    EXPECT_EQ(std::memcmp(&a.T_world_camera, &b.T_world_camera, sizeof(Transform)), 0);
+    EXPECT_EQ(std::memcmp(&a.distortion, &b.distortion, sizeof(a.distortion)), 0);
+    EXPECT_EQ(a.depth_unit_m, b.depth_unit_m);
+  }
+  FrameSet set;
+  for (const FrameSet& wanted : take.sets) {
+    ASSERT_TRUE(source->next(set, 1));
+    expect_same(wanted, set);
+  }
+  EXPECT_FALSE(source->next(set, 1));
+  EXPECT_FALSE(source->next(set, 1));
+}
+
+TEST(Recording, WhatIsOnDiskStaysReadableAfterACrash) {
+  const fs::path folder = fresh("crash");
+  const Take take = random_take(2, 4);
+  RecordingWriter writer(folder, take.cameras);
+  writer.write(take.sets[0]);
+  writer.write(take.sets[1]);
+  // Still open, and a frame was begun: an image, half a line.
+  write_png16(folder / "000002-0.png", take.cameras[0].width, take.cameras[0].height, take.sets[2].frames[0].depth);
+  const std::string times = test::read_text(folder / "times.csv");
+  test::write_text(folder / "times.csv", times + "11,100000.0");
+  const Recording recording = load_recording(folder);
+  ASSERT_EQ(recording.entries.size(), 2u);
+  FrameSet set;
+  read_entry(recording, 1, set);
+  expect_same(set, take.sets[1]);
+}
+
+TEST(Recording, WriterRefusesWhatItCannotKeep) {
+  const fs::path folder = fresh("refuse");
+  const Take take = random_take(3, 2);
+  write(folder, take);
+  EXPECT_NE(
+      test::refusal([&] { RecordingWriter(folder, take.cameras); }, Exit::usage).find("holds a recording already"),
+      std::string::npos);
+  RecordingWriter writer(fresh("refuse2"), take.cameras);
+  writer.write(take.sets[1]);
+  EXPECT_NE(test::refusal([&] { writer.write(take.sets[0]); }, Exit::usage).find("does not come after"),
+            std::string::npos);
+  FrameSet half = take.sets[1];
+  half.frames.pop_back();
+  EXPECT_NE(test::refusal([&] { writer.write(half); }, Exit::usage), "");
+  EXPECT_NE(test::refusal([&] { RecordingWriter(fresh("refuse3") / "no" / "parent", take.cameras); }, Exit::failed),
+            "");
+  EXPECT_NE(test::refusal([&] { RecordingWriter(fresh("refuse4"), {}); }, Exit::usage), "");
+}
+
+TEST(Recording, AFullDiskIsAFailure) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "skipped: no /dev/full";
+  const fs::path folder = fresh("full");
+  const Take take = random_take(4, 1);
+  RecordingWriter writer(folder, take.cameras);
+  fs::create_symlink("/dev/full", folder / "000000-1.png");
+  const std::string line = test::refusal([&] { writer.write(take.sets[0]); }, Exit::failed);
+  EXPECT_NE(line.find("000000-1.png: cannot be written whole"), std::string::npos) << line;
+  EXPECT_EQ(writer.frames(), 0u);
+}
+
+const std::string camera_text = "[[camera]]\nwidth = 4\nheight = 3\nfx = 5\nfy = 5\ncx = 2\ncy = 1\nrate_hz = 30\n";
+
+/// A folder of 4x3 images as another program might leave it.
+fs::path foreign(const std::string& name, const std::vector<std::string>& files) {
+  const fs::path folder = fresh(name);
+  fs::create_directories(folder / "depth");
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    write_png16(folder / files[i], 4, 3, std::vector<std::uint16_t>(12, static_cast<std::uint16_t>(100 + i)));
+  }
+  return folder;
+}
+
+Recording load_text(const fs::path& folder, const std::string& text) {
+  test::write_text(folder / "recording.toml", text);
+  return load_recording(folder);
+}
+
+TEST(Recording, ForeignSequencesByPattern) {
+  const fs::path folder = foreign("pattern", {"depth/f_7.png", "depth/f_8.png", "depth/f_9.png", "depth/f_10.png"});
+  const std::string text = "[recording]\nfiles = [\"depth/f_%d.png\"]\nfirst = 7\n";
+  const Recording all = load_text(folder, text + camera_text);
+  ASSERT_EQ(all.entries.size(), 4u);
+  EXPECT_EQ(all.entries[3].time_s, 3 / 30.0);
+  FrameSet set;
+  read_entry(all, 3, set);
+  EXPECT_EQ(set.frames[0].depth[0], 103);
+  EXPECT_EQ(set.sequence, 3u);
+  const Recording some = load_text(folder, text + "count = 2\nrate_hz = 10\n" + camera_text);
+  ASSERT_EQ(some.entries.size(), 2u);
+  EXPECT_EQ(some.entries[1].time_s, 0.1);
+  EXPECT_REFUSED(load_text(folder, text + "count = 5\n" + camera_text), "f_11.png: no such image");
+  EXPECT_REFUSED(load_text(folder, "[recording]\nfiles = [\"depth/f_%d.png\"]\n" + camera_text),
+                 "f_0.png: no such image");
+  for (const char* bad : {"depth/f.png", "%s.png", "%d%d.png", "%n", "%", "%99999999999d.png", "%-3d.png", "%*d"}) {
+    EXPECT_REFUSED(load_text(folder, "[recording]\nfiles = [\"" + std::string(bad) + "\"]\n" + camera_text),
+                   "line 2: files must hold one number each");
+  }
+}
+
+TEST(Recording, ForeignSequencesByList) {
+  const fs::path folder = foreign("list", {"b.png", "a.png"});
+  const auto frames = [](const std::string& first, const std::string& second) {
+    return "[[frame]]\nfiles = [\"b.png\"]\n" + first + "[[frame]]\nfiles = [\"a.png\"]\n" + second + "[recording]\n";
+  };
+  const Recording recording = load_text(folder, camera_text + frames("time_s = 5\n", "time_s = 5.5\n"));
+  ASSERT_EQ(recording.entries.size(), 2u);
+  EXPECT_EQ(recording.entries[1].time_s, 5.5);
+  FrameSet set;
+  read_entry(recording, 0, set);
+  EXPECT_EQ(set.frames[0].depth[0], 100);
+  EXPECT_EQ(load_text(folder, camera_text + frames("", "")).entries[1].time_s, 1 / 30.0);
+  EXPECT_REFUSED(load_text(folder, camera_text + frames("time_s = 5\n", "time_s = 5\n")), "the time does not increase");
+  EXPECT_REFUSED(load_text(folder, camera_text + frames("time_s = 5\n", "")), "frame 1 has no time_s");
+  EXPECT_REFUSED(load_text(folder, camera_text + frames("", "time_s = 5\n")), "the time does not increase");
+  EXPECT_REFUSED(load_text(folder, camera_text + frames("", "times = 5\n")), "unknown key times in [[frame]]");
+}
+
+TEST(Recording, FaultsAreNamed) {
+  const fs::path folder = foreign("faults", {"0.png", "1.png"});
+  const std::string text = "[recording]\nfiles = [\"%d.png\"]\n";
+  EXPECT_REFUSED(load_recording(folder / "none"), "no such file");
+  EXPECT_REFUSED(load_text(folder, text), "[[camera]] is missing");
+  EXPECT_REFUSED(load_text(folder, camera_text), "[recording] is missing");
+  EXPECT_REFUSED(load_text(folder, "[recording]\n" + camera_text), "files is missing");
+  EXPECT_REFUSED(load_text(folder, text + "speed = 3\n" + camera_text), "line 3: unknown key speed in [recording]");
+  EXPECT_REFUSED(load_text(folder, text + camera_text + camera_text), "files has 1 patterns for 2 cameras");
+  EXPECT_REFUSED(load_text(folder, text + "times = \"t.csv\"\n" + camera_text), "t.csv: no such file");
+  const auto with_times = [&](const std::string& csv) {
+    test::write_text(folder / "t.csv", csv);
+    return load_text(folder, text + "times = \"t.csv\"\n" + camera_text);
+  };
+  EXPECT_EQ(with_times("sequence,time_0_s\n3,0.5\r\n4,0.75\n").entries[1].sequence, 4u);
+  EXPECT_REFUSED(with_times("sequence,time_0_s\n3,0.5\n4,0.5\n"), "t.csv: line 3: the time does not increase");
+  EXPECT_REFUSED(with_times("sequence,time_0_s\n3,0.5\n3,0.6\n"),
+                 "t.csv: line 3: the sequence number does not increase");
+  EXPECT_REFUSED(with_times("sequence,time_0_s\n3,nan\n"), "t.csv: line 2: expected a sequence number and 1 times");
+  EXPECT_REFUSED(with_times("sequence,time_0_s\n3,1,2\n"), "line 2: expected");
+  EXPECT_REFUSED(with_times("sequence,time_0_s\n3\n"), "line 2: expected");
+  EXPECT_REFUSED(with_times("sequence,time_0_s\n-1,3\n"), "line 2: expected");
+  EXPECT_REFUSED(with_times("sequence,time_0_s\n"), "the recording has no frame");
+  EXPECT_REFUSED(with_times("sequence,time_0_s\n0,1\n1,2\n2,3\n"), "2.png: no such image");
+  Recording recording = load_text(folder, text + camera_text);
+  recording.cameras[0].width = 5;
+  FrameSet set;
+  EXPECT_REFUSED(read_entry(recording, 0, set), "0.png: is 4x3 pixels, its camera is 5x3");
+  fs::remove(folder / "1.png");
+  EXPECT_REFUSED(read_entry(recording, 1, set), "1.png: no such file");
+}
+
+TEST(Recording, LoopsWithTimesRunningOn) {
+  const fs::path folder = fresh("loop");
+  const Take take = random_take(6, 3);
+  write(folder, take);
+  const auto source = make_replay(load_recording(folder), {.paced = false, .loop = true});
+  FrameSet set;
+  double last_time = -1;
+  std::int64_t last_sequence = -1;
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_TRUE(source->next(set, 1));
+    EXPECT_GT(set.time_s, last_time);
+    EXPECT_GT(static_cast<std::int64_t>(set.sequence), last_sequence);
+    EXPECT_EQ(set.frames[0].depth, take.sets[i % 3].frames[0].depth);
+    last_time = set.time_s;
+    last_sequence = static_cast<std::int64_t>(set.sequence);
+  }
+  EXPECT_NEAR(last_time, take.sets[0].time_s + 9 / 90.0, 0.004);
+}
+
+TEST(Recording, PacedReplayWaitsAndDropsWhatIsLate) {
+  const fs::path folder = foreign("paced", {"0.png", "1.png", "2.png", "3.png"});
+  const auto source =
+      make_replay(load_text(folder, "[recording]\nfiles = [\"%d.png\"]\nrate_hz = 10\n" + camera_text), {});
+  FrameSet set;
+  const auto began = std::chrono::steady_clock::now();
+  ASSERT_TRUE(source->next(set, 1));
+  EXPECT_EQ(set.sequence, 0u);
+  ASSERT_TRUE(source->next(set, 0.001));
+  EXPECT_TRUE(set.frames.empty());  // not due yet
+  while (std::chrono::steady_clock::now() - began < std::chrono::milliseconds(450)) {
+  }
+  ASSERT_TRUE(source->next(set, 1));
+  EXPECT_EQ(set.sequence, 3u);  // the last one is never dropped
+  EXPECT_FALSE(source->next(set, 1));
+}
+
+TEST(Recording, ARealSequenceBecomesOne) {
+  PALPA_SHARED_OR_SKIP(data, "depth-hand-sr305-ondris");
+  const fs::path folder = fresh("real");
+  fs::create_directories(folder);
+  std::string frames;
+  std::size_t count = 0;
+  for (const auto& entry : fs::directory_iterator(data)) {
+    if (entry.path().extension() != ".png" || entry.path().filename().string().find("230536") == std::string::npos)
+      continue;
+    frames += "[[frame]]\nfiles = [\"" + fs::absolute(entry.path()).string() + "\"]\n";
+    ++count;
+  }
+  ASSERT_GT(count, 0u);
+  const Recording recording =
+      load_text(folder,
+                "[recording]\nrate_hz = 30\n[[camera]]\nname = \"SR305\"\nwidth = 640\nheight = 480\nfx = 476.007\n"
+                "fy = 476.007\ncx = 313.683\ncy = 242.755\ndepth_unit_m = 0.000125\n" +
+                    frames);
+  EXPECT_EQ(recording.entries.size(), count);
+  FrameSet set;
+  for (std::size_t i = 0; i < count; ++i)
+    read_entry(recording, i, set);
+}
+
+}  // namespace
+}  // namespace palpa::sensing
