@@ -12,6 +12,28 @@ Box touchable_box(const std::vector<geometry::Solid>& solids) {
   return box;
 }
 
+void reserve(array::Schedule& schedule) {
+  schedule.voices.resize(touch::max_fingers);
+  for (array::Voice& voice : schedule.voices) {
+    voice.foci.reserve(touch::max_foci);
+    voice.order.reserve(touch::max_foci);
+  }
+}
+
+void reserve(Plan& plan, std::size_t transducers) {
+  reserve(plan.schedule);
+  plan.drives.reserve(most_cycle * transducers);
+}
+
+void reserve(touch::Touch& touch) {
+  touch.contacts.reserve(touch::max_fingers * contacts_per_finger);
+  touch.fingers.resize(touch::max_fingers);
+  for (touch::Finger& finger : touch.fingers) {
+    finger.contacts.reserve(contacts_per_finger);
+    finger.foci.reserve(touch::max_foci);
+  }
+}
+
 void make_schedule(const touch::Touch& touch, double time_s, const ChainSetting& setting, array::Schedule& schedule) {
   schedule.clear();
   schedule.slot_s = setting.slot_s;

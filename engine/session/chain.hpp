@@ -78,6 +78,13 @@ std::unique_ptr<Chain> make_cpu_chain(const ChainSetting& setting);
 /// The world's box around everything touchable: skin outside of it needs no look. Grown by a hair against rounding.
 Box touchable_box(const std::vector<geometry::Solid>& solids);
 
+/// Gives these values all the room that a live frame needs, so that the loop allocates nothing once it runs: any number
+/// of fingers and foci, most_cycle drives, `contacts_per_finger` contacts (a finger that ever has more grows once).
+inline constexpr std::size_t contacts_per_finger = 4096;
+void reserve(Plan& plan, std::size_t transducers);
+void reserve(array::Schedule& schedule);
+void reserve(touch::Touch& touch);
+
 /// Turns the fingers of a frame into the voices of `schedule`.
 void make_schedule(const touch::Touch& touch, double time_s, const ChainSetting& setting, array::Schedule& schedule);
 

@@ -25,7 +25,6 @@ struct Flight {
   gpu::Recorder touch_recorder, drive_recorder;
   gpu::Timestamps touch_times, drive_times;
   touch::Touch touch;
-  array::Schedule schedule;
 
   enum class State { idle, touching, driving } state = State::idle;
   std::uint64_t submitted = 0;
@@ -40,7 +39,10 @@ struct Flight {
         touch_recorder(device, "touch"),
         drive_recorder(device, "drives"),
         touch_times(device, 16),
-        drive_times(device, 4) {}
+        drive_times(device, 4) {
+    reserve(touch);
+    reserve(plan.schedule);
+  }
 };
 
 class GpuChain : public Chain {
@@ -55,7 +57,13 @@ class GpuChain : public Chain {
         drives_pass_(device),
         solids_(device, setting.solids),
         flights_{Flight(device, setting, tables_), Flight(device, setting, tables_)},
-        timeline_(device, "frames") {}
+        timeline_(device, "frames") {
+    reserve(unmodulated_);
+    foci_.reserve(touch::max_fingers * touch::max_foci);
+    views_.reserve(setting.cameras.size());
+    passes_.reserve(16);
+    drive_passes_.reserve(4);
+  }
 
   bool can_start() const override { return started_ - finished_ < flights; }
   bool busy() const override { return started_ != finished_; }

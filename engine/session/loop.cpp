@@ -89,6 +89,7 @@ void run_loop(sensing::DepthSource& source, Chain& chain, Link& link, const Loop
   const Clock clock;
   Newest<Captured> frames;
   Newest<Plan> plans;
+  plans.each([&](Plan& plan) { reserve(plan, setting.output.layout.transducers.size()); });
   std::atomic<bool> stop_capture{false}, stop_output{false}, output_ended{false};
   std::exception_ptr capture_fault, compute_fault, output_fault;
 

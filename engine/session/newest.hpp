@@ -13,6 +13,13 @@ namespace palpa::session {
 template <typename T>
 class Newest {
  public:
+  /// Before either side begins: does `prepare` to all three values, e.g. gives them room.
+  template <typename Prepare>
+  void each(Prepare prepare) {
+    for (T& value : values_)
+      prepare(value);
+  }
+
   /// The writer's value. Only the writing thread touches it.
   T& back() { return values_[back_]; }
 

@@ -31,8 +31,12 @@ void* operator new(std::size_t size) {
   if (void* memory = std::malloc(size ? size : 1)) return memory;
   throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
 #endif
 
 namespace palpa::session {
@@ -77,9 +81,11 @@ FrameReport run_frame(Chain& chain, const sensing::FrameSet& frame, Plan& plan) 
 double mean_radius(const Plan& plan) {
   const auto& foci = plan.schedule.voices.at(0).foci;
   Vec3 centre(0);
-  for (const Vec3& p : foci) centre += p / static_cast<double>(foci.size());
+  for (const Vec3& p : foci)
+    centre += p / static_cast<double>(foci.size());
   double sum = 0;
-  for (const Vec3& p : foci) sum += glm::distance(p, centre) / static_cast<double>(foci.size());
+  for (const Vec3& p : foci)
+    sum += glm::distance(p, centre) / static_cast<double>(foci.size());
   return sum;
 }
 
@@ -136,7 +142,8 @@ TEST(Chain, FramesInFlightDoNotMix) {
   std::vector<Plan> together;
   auto next = frames.begin();
   while (together.size() < frames.size()) {
-    while (next != frames.end() && chain->can_start()) chain->start(*next++, 0, 0);
+    while (next != frames.end() && chain->can_start())
+      chain->start(*next++, 0, 0);
     FrameReport report;
     Plan plan;
     if (!chain->step(plan, report)) continue;
@@ -171,14 +178,16 @@ TEST(Chain, NothingIsAllocatedAndNoPipelineMadeAfterTheFirstFrames) {
   gpu::Device& device = test::test_device();
   const auto chain = make_gpu_chain(device, stage.setting());
   std::vector<sensing::FrameSet> frames;
-  for (std::uint64_t i = 0; i < 8; ++i) frames.push_back(stage.frame(0.003 - 1e-4 * static_cast<double>(i), i));
+  for (std::uint64_t i = 0; i < 8; ++i)
+    frames.push_back(stage.frame(0.003 - 1e-4 * static_cast<double>(i), i));
   Plan plan;
-  // The first frames bring every vector to its size: two frames are in flight, and the first is the deepest.
-  for (int i = 0; i < 4; ++i) run_frame(*chain, frames[0], plan);
+  reserve(plan, stage.layout.transducers.size());
+  run_frame(*chain, frames[0], plan);
   const std::uint64_t memory = device.memory_allocations, pipelines = device.pipelines_created;
   allocations = 0;
   watching = true;
-  for (const auto& frame : frames) run_frame(*chain, frame, plan);
+  for (const auto& frame : frames)
+    run_frame(*chain, frame, plan);
   watching = false;
   EXPECT_EQ(device.memory_allocations, memory);
   EXPECT_EQ(device.pipelines_created, pipelines);
