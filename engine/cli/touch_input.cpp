@@ -52,6 +52,7 @@ std::vector<sensing::Camera> load_cameras(const TouchInputOptions& options) {
   std::vector<sensing::Camera> cameras;
   if (!options.rig.empty()) {
     cameras = sensing::load_rig(options.rig).cameras;
+    if (cameras.empty()) throw bad_input(options.rig, "has no [[camera]]; depth images need one each");
     if (cameras.size() != options.depths.size()) {
       throw bad_usage(
           fmt::format("--rig {} has {} cameras, but --depth is given {} times: give one image per camera, in "

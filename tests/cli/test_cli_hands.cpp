@@ -126,9 +126,10 @@ std::vector<Label> read_tips(const fs::path& file) {
 /// One box per hand. Both hands lean towards the camera, fingertips first: a plane in front of the palm cuts all five
 /// fingers.
 std::vector<TiltedBox> kinect_boxes(const std::vector<Label>& tips) {
-  // Pointing into the box, and how deep the shallowest tip of that hand lies in it. Beyond 8 mm (12 mm) two fingers of
-  // the hand hang together inside.
-  const std::pair<Vec3, double> planes[]{{{0.4931, 0.1606, -0.855}, 5e-3}, {{-0.1907, -0.1741, -0.9661}, 8e-3}};
+  // Pointing into the box, and how deep the shallowest tip of that hand lies in it. From 5 to 7 mm on the left and 1 to
+  // 7 mm on the right every finger enters by one connected ring; deeper, planes almost along a finger graze it in
+  // pieces.
+  const std::pair<Vec3, double> planes[]{{{0.4931, 0.1606, -0.855}, 6e-3}, {{-0.1907, -0.1741, -0.9661}, 4e-3}};
   std::vector<TiltedBox> boxes;
   for (int hand = 1; hand <= 2; ++hand) {
     const auto& [inwards, depth] = planes[hand - 1];

@@ -1,6 +1,7 @@
 // `palpa doctor` with boards and cameras on a made-up USB: umockdev shows libusb a /sys and /dev that do not exist.
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -20,8 +21,12 @@ struct FakeDevice {
   std::string serial;
 };
 
+/// Low byte first; umockdev wants capitals.
 std::string swapped(const std::string& hex) {
-  return hex.substr(2, 2) + hex.substr(0, 2);
+  std::string bytes = hex.substr(2, 2) + hex.substr(0, 2);
+  for (char& c : bytes)
+    c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return bytes;
 }
 
 /// One device as umockdev reads it. The descriptors are those of a real FT232H module: one vendor interface with two

@@ -1,0 +1,207 @@
+// The live loop as the real program: what it says, what it sends, and that it always ends in silence.
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "process.hpp"
+#include "session/record_link.hpp"
+#include "support/shared_data.hpp"
+
+extern char** environ;
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+using namespace std::chrono_literals;
+
+std::string cube() {
+  return source_file("assets/cube.glb").string();
+}
+
+bool silent(const array::Drive& drive) {
+  return std::all_of(drive.begin(), drive.end(), [](const auto& t) { return t.amplitude == 0 && t.phase == 0; });
+}
+
+/// Every file of a folder with its bytes.
+std::vector<std::pair<std::string, std::string>> contents(const std::filesystem::path& folder) {
+  std::vector<std::pair<std::string, std::string>> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream in(entry.path(), std::ios::binary);
+    files.emplace_back(std::filesystem::relative(entry.path(), folder).string(),
+                       std::string(std::istreambuf_iterator<char>(in), {}));
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+TEST(CliRun, MeasuresItselfAndRecordsDrivesThatEndInSilence) {
+  const auto folder = scratch_folder("run");
+  const Result result = palpa({"run", "--scene", cube(), "--frames", "60", "--link",
+                               "record:" + (folder / "d.bin").string(), "--stats", "json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const json stats = json::parse(result.out);
+  EXPECT_EQ(stats["frames"]["captured"], 60);
+  EXPECT_GT(stats["frames"]["touching"], 0);
+  EXPECT_GT(stats["timing_ms"]["frame_to_plan"]["median"], 0);
+  for (const char* pass : {"contacts", "fingers", "foci", "drives"})
+    EXPECT_TRUE(stats["passes_ms"].contains(pass)) << pass;
+
+  const session::DriveRecording recording = session::read_drive_recording(folder / "d.bin");
+  EXPECT_EQ(recording.transducers, 3984u);
+  EXPECT_EQ(recording.slot_s, 1.5e-3);
+  ASSERT_GT(recording.drives.size(), 10u);
+  EXPECT_TRUE(silent(recording.drives.back().drive));
+  EXPECT_FALSE(
+      std::all_of(recording.drives.begin(), recording.drives.end(), [](const auto& d) { return silent(d.drive); }));
+  for (std::size_t i = 1; i < recording.drives.size(); ++i) {
+    ASSERT_GT(recording.drives[i].slot, recording.drives[i - 1].slot);
+  }
+}
+
+TEST(CliRun, WhatWasRecordedComesBackBitForBit) {
+  const auto folder = scratch_folder("record");
+  const auto first = folder / "first", second = folder / "second";
+  const Result made = palpa({"run", "--scene", cube(), "--frames", "8", "--every-frame", "--seed", "7", "--record",
+                             first.string(), "--quiet"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_EQ(made.out, "");
+  const Result again = palpa({"run", "--scene", cube(), "--source", "recording:" + first.string(), "--every-frame",
+                              "--record", second.string(), "--stats", "json"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(json::parse(again.out)["frames"]["planned"], 8);
+  const auto a = contents(first), b = contents(second);
+  EXPECT_GE(a.size(), 8u * 3);
+  EXPECT_EQ(a, b);
+}
+
+/// Starts palpa, waits until `started`, sends `signal`, and returns the exit code (minus the signal where one killed
+/// it).
+int interrupt(const std::vector<std::string>& arguments, int signal, const std::filesystem::path& started) {
+  std::vector<std::string> words{PALPA_BINARY};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words)
+    argv.push_back(word.data());
+  argv.push_back(nullptr);
+  pid_t child = 0;
+  EXPECT_EQ(posix_spawn(&child, PALPA_BINARY, nullptr, nullptr, argv.data(), environ), 0);
+  // The header and a few drives are there once the loop sounds.
+  for (int i = 0; i < 3000; ++i) {
+    std::error_code ignored;
+    const auto size = std::filesystem::file_size(started, ignored);
+    if (!ignored && size != static_cast<std::uintmax_t>(-1) && size > 4'000'000) break;
+    std::this_thread::sleep_for(10ms);
+  }
+  kill(child, signal);
+  kill(child, signal);  // impatience changes nothing
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+TEST(CliRun, SignalsEndItInSilence) {
+  const auto folder = scratch_folder("signals");
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const auto file = folder / ("drives" + std::to_string(signal));
+    EXPECT_EQ(interrupt({"run", "--scene", cube(), "--quiet", "--link", "record:" + file.string()}, signal, file), 0);
+    const session::DriveRecording recording = session::read_drive_recording(file);
+    ASSERT_FALSE(recording.drives.empty());
+    EXPECT_TRUE(silent(recording.drives.back().drive)) << "signal " << signal;
+  }
+}
+
+TEST(CliRun, StreamsFociToWhoeverListens) {
+  const int receiver = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(bind(receiver, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+  socklen_t size = sizeof(address);
+  getsockname(receiver, reinterpret_cast<sockaddr*>(&address), &size);
+  const timeval patience{1, 0};
+  setsockopt(receiver, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+  const Result result = palpa({"run", "--scene", cube(), "--frames", "40", "--quiet", "--link",
+                               "foci:udp:127.0.0.1:" + std::to_string(ntohs(address.sin_port))});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::vector<json> lines;
+  char text[65536];
+  for (ssize_t bytes; (bytes = recv(receiver, text, sizeof(text), 0)) > 0;)
+    lines.push_back(json::parse(text, text + bytes));
+  close(receiver);
+  ASSERT_GT(lines.size(), 5u);
+  EXPECT_TRUE(lines.back()["fingers"].empty());
+  const auto touched =
+      std::find_if(lines.begin(), lines.end(), [](const json& line) { return !line["fingers"].empty(); });
+  ASSERT_NE(touched, lines.end());
+  const json& finger = (*touched)["fingers"][0];
+  EXPECT_EQ(finger["solid"], "cube");
+  EXPECT_EQ(finger["foci_m"].size(), 10u);
+  EXPECT_EQ(finger["order"], (std::vector<int>{0, 3, 6, 9, 2, 5, 8, 1, 4, 7}));
+  EXPECT_LT(std::abs(finger["foci_m"][0][1].get<double>()), 0.006) << "foci lie near the cube's top";
+}
+
+TEST(CliRun, BothBackendsRun) {
+  const Result cpu =
+      palpa({"run", "--scene", cube(), "--backend", "cpu", "--frames", "5", "--every-frame", "--stats", "json"});
+  ASSERT_EQ(cpu.exit_code, 0) << cpu.err;
+  EXPECT_EQ(json::parse(cpu.out)["frames"]["planned"], 5);
+}
+
+TEST(CliRun, AFullDiskIsAnErrorAndStillSilence) {
+  const auto folder = scratch_folder("full");
+  // No file may grow beyond 400 kB: the same to the program as a disk without room.
+  const std::string shell = "ulimit -f 400; trap '' XFSZ; exec \"" PALPA_BINARY "\" run --scene " + cube() +
+                            " --frames 60 --quiet --link record:" + (folder / "drives").string();
+  const Result link = run_program("/bin/bash", {"-c", shell});
+  expect_failure(link, 1, "cannot be written");
+  const std::string recording = "ulimit -f 4; trap '' XFSZ; exec \"" PALPA_BINARY "\" run --scene " + cube() +
+                                " --frames 60 --quiet --record " + (folder / "take").string();
+  expect_failure(run_program("/bin/bash", {"-c", recording}), 1, "cannot be written");
+}
+
+TEST(CliRun, RefusesWhatItCannotRun) {
+  const auto folder = scratch_folder("refused");
+  expect_failure(palpa({"run"}), 2, "--scene is missing");
+  expect_failure(palpa({"run", "--scene", cube(), "--source", "telepathy"}), 2, "there is no source 'telepathy'");
+  expect_failure(palpa({"run", "--scene", cube(), "--link", "piano"}), 2, "there is no link 'piano'");
+  expect_failure(palpa({"run", "--scene", cube(), "--stride", "5"}), 2, "stride");
+  expect_failure(palpa({"run", "--scene", "none.glb"}), 4, "none.glb");
+  expect_failure(palpa({"run", "--scene", cube(), "--source", "recording:" + folder.string()}), 4, "recording.toml");
+  expect_failure(palpa({"run", "--scene", cube(), "--rig", "none.toml"}), 4, "none.toml");
+  expect_failure(palpa({"run", "--scene", cube(), "--layout", "none"}), 4, "none");
+  expect_failure(palpa({"run", "--scene", cube(), "--gpu", "no such GPU"}), 3, "no such GPU");
+  RunOptions closed;
+  closed.close_stdout_reader = true;
+  const Result pipe = palpa({"run", "--scene", cube(), "--frames", "3", "--stats", "json"}, closed);
+  EXPECT_EQ(pipe.exit_code, 1) << pipe.err;
+}
+
+TEST(CliBench, ChecksThenMeasures) {
+  const auto folder = scratch_folder("bench");
+  const Result result = palpa({"bench", "--runs", "3", "--suite", "loop", "--csv", (folder / "b.csv").string()});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::ifstream csv(folder / "b.csv");
+  std::string header, line;
+  std::getline(csv, header);
+  EXPECT_EQ(header, "suite,case,stage,median_ms,p99_ms,min_ms,runs,per_second,unit,device,driver");
+  int totals = 0;
+  while (std::getline(csv, line))
+    totals += line.find(",total,") != std::string::npos ? 1 : 0;
+  EXPECT_EQ(totals, 3);
+}
+
+}  // namespace
+}  // namespace palpa::test
