@@ -110,8 +110,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
                             .default_skin = o.source == "synthetic" ? find_asset("finger.ply") : std::string(),
                             .noise = !o.noise_free,
                             .seed = o.common.seed,
-                            .paced = !o.every_frame,
-                            .frames = o.frames ? std::optional(o.frames) : std::nullopt});
+                            .paced = !o.every_frame});
   std::optional<sensing::RecordingWriter> recorder;
   if (!o.record.empty()) recorder.emplace(o.record, source->cameras());
 

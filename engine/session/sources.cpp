@@ -31,7 +31,6 @@ std::unique_ptr<sensing::DepthSource> open_synthetic(const std::string& file, co
   options.noise = setting.noise ? sensing::Noise::d415 : sensing::Noise::none;
   options.seed = setting.seed;
   options.paced = setting.paced;
-  options.frames = setting.frames;
   return sensing::make_synthetic_source(setting.cameras, load_skin(file.empty() ? setting.default_skin : file),
                                         setting.occluders, options);
 }

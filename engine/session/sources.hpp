@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,7 +21,6 @@ struct SourceSetting {
   bool noise = true;                            ///< synthetic frames with the depth sensor's noise
   std::uint64_t seed = 0;
   bool paced = true;                    ///< in real time; otherwise as fast as asked, no frame left out
-  std::optional<std::uint64_t> frames;  ///< end after that many
 };
 
 /// A kind of source: `name` or `name:ARGUMENT` on the command line.
