@@ -100,7 +100,7 @@ std::uint32_t vertices_of(const std::vector<Row>& rows) {
 /// A growth of the spacing that needs exactly the paper's number of vertices: about 56 micrometres per millimetre.
 std::vector<Row> find_rows(const Profile& profile) {
   for (double slope = 0.056; slope < 0.2; slope += 0.00002) {
-    const std::vector<Row> rows = lay_rows(profile, slope);
+    std::vector<Row> rows = lay_rows(profile, slope);
     if (vertices_of(rows) == kRingVertices) return rows;
   }
   throw std::logic_error("no spacing gives the finger's number of vertices");
