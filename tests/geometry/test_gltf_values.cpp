@@ -222,6 +222,21 @@ TEST_F(GltfSkin, FollowsTheBones) {
   }
 }
 
+TEST_F(GltfSkin, WithoutBindMatricesJointsAreTheWorld) {
+  builder.doc["skins"][0].erase("inverseBindMatrices");
+  const Mesh mesh = load(builder).meshes.at(0).mesh;
+  // The corner (1, 2, 1) follows the second bone: scaled by 2, six metres up.
+  EXPECT_LT(glm::distance(mesh.positions[7], Vec3(2, 10, 2)), 1e-6);
+}
+
+TEST_F(GltfSkin, OneThatNobodyWearsDoesNotMatter) {
+  builder.doc["nodes"][0].erase("skin");
+  EXPECT_EQ(bounds(load(builder).meshes.at(0).mesh).low, Vec3(100, 0, 0));
+  builder.doc["skins"][0] = Json::object();
+  const std::string warning = test::stderr_of([&] { EXPECT_EQ(load(builder).meshes.size(), 1U); });
+  EXPECT_CONTAINS(warning, "skin 0: has no joints (the scene does not need it)");
+}
+
 TEST_F(GltfSkin, FaultsAreNamed) {
   GltfBuilder bad = builder;
   bad.doc["skins"][0]["joints"] = {1};
