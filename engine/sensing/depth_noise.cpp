@@ -156,8 +156,9 @@ void DepthNoise::apply(const DepthImage& image, std::uint64_t key, std::vector<s
         }
       }
       const float noisy = disparity / z + noise_scale * (above[u] + 2 * middle[u] + below[u]);
-      // Truncation rounds, since nothing here is negative that counts.
-      const auto steps = static_cast<std::int32_t>(std::min(noisy * (1 / step), 1e9f) + 0.5f);
+      // Truncation after adding a half rounds, since nothing negative counts; std::lround would be a call per pixel.
+      const float half_up = std::min(noisy * (1 / step), 1e9f) + 0.5f;
+      const auto steps = static_cast<std::int32_t>(half_up);
       if (steps <= 0) continue;
       const float raw = units / static_cast<float>(steps) + 0.5f;
       if (raw >= first && raw < 65536) out[row + u] = static_cast<std::uint16_t>(raw);

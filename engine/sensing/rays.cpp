@@ -8,8 +8,10 @@
 #include <cstring>
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
+#include <optional>
 
 #include "base/error.hpp"
+#include "sensing/lens.hpp"
 
 namespace palpa::sensing {
 namespace {
@@ -90,16 +92,20 @@ TileRange find_tiles(const CameraTable& table, const glm::vec2& low, const glm::
 }
 
 void fill_rays(const Camera& camera, CameraTable& table, std::span<glm::vec2> rays) {
+  const Lens lens(camera.distortion, true);
   for (std::uint32_t v = 0; v < table.height; ++v) {
+    std::optional<Vec2> guess;  // the neighbour's ray
     glm::vec2* row = rays.data() + std::size_t{v} * table.pitch;
     for (std::uint32_t u = 0; u < table.width; ++u) {
       if (table.pinhole) {
         row[u] = glm::vec2((static_cast<float>(u) - table.cx) * table.per_fx,
                            (static_cast<float>(v) - table.cy) * table.per_fy);
       } else {
-        const Vec2 ray = undistort(camera, {static_cast<double>(u), static_cast<double>(v)});
-        if (!(std::abs(ray.x) < 1e6 && std::abs(ray.y) < 1e6)) continue;
-        row[u] = glm::vec2(ray);
+        const Vec2 target{(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy};
+        const auto ray = lens.undo(target, guess.value_or(target));
+        guess = ray;
+        if (!ray || !(std::abs(ray->x) < 1e6 && std::abs(ray->y) < 1e6)) continue;
+        row[u] = glm::vec2(*ray);
       }
       RayBounds& tile = table.tiles[std::size_t{v / tile_pixels} * table.tiles_x + u / tile_pixels];
       tile.low = glm::vec2(std::min(tile.low.x, row[u].x), std::min(tile.low.y, row[u].y));

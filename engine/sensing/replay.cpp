@@ -59,8 +59,9 @@ class Replay : public DepthSource {
   /// Seconds after the first frame.
   double due(std::uint64_t frame) const {
     const std::uint64_t size = recording_.entries.size();
+    const std::uint64_t round = frame / size;
     return recording_.entries[frame % size].time_s - recording_.entries.front().time_s +
-           static_cast<double>(frame / size) * round_s_;
+           static_cast<double>(round) * round_s_;
   }
 
   Recording recording_;
