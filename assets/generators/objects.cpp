@@ -1,7 +1,6 @@
 #include "assets/generators/objects.hpp"
 
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <numbers>
 #include <numeric>
 #include <vector>
@@ -78,12 +77,10 @@ Mesh make_semi_sphere() {
       const double angle = 2 * std::numbers::pi * (i + turn) / count;
       mesh.positions.emplace_back(radius * std::cos(angle), y, -radius * std::sin(angle));
     }
-    sew(mesh, above, ring);
+    sew(mesh, above, ring);  // on a sphere the shorter diagonal is the convex one
     above = ring;
   }
   round_to_float(mesh);
-  // The convex hull of points on a sphere: no vertex lies above a neighbouring triangle's plane.
-  flip_edges(mesh, [](const Hinge& h) { return glm::dot(glm::cross(h.b - h.a, h.left - h.a), h.right - h.a) > 0.0; });
   std::vector<std::uint32_t> rim;
   for (std::uint32_t i = above.count; i-- > 0;)
     rim.push_back(above.first + i);

@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "assets/generators/shape.hpp"
-
 namespace palpa::assets {
 namespace {
 

@@ -1,10 +1,8 @@
 #include "assets/generators/shape.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <utility>
 #include <vector>
 
 #include "geometry/topology.hpp"
@@ -16,35 +14,6 @@ using geometry::Mesh;
 
 std::uint32_t at(Ring ring, std::uint32_t step) {
   return ring.first + step % ring.count;
-}
-
-bool has_edge(const std::vector<geometry::Side>& sides, std::uint32_t p, std::uint32_t q) {
-  const auto ends = std::minmax(p, q);
-  const auto found = std::lower_bound(sides.begin(), sides.end(), ends, [](const geometry::Side& s, const auto& e) {
-    return s.low != e.first ? s.low < e.first : s.high < e.second;
-  });
-  return found != sides.end() && found->low == ends.first && found->high == ends.second;
-}
-
-/// One pass; a triangle takes part in one flip at most, so that `sides` stays true for the others.
-bool flip_pass(Mesh& mesh, const std::function<bool(const Hinge&)>& worse) {
-  const std::vector<geometry::Side> sides = geometry::sorted_sides(mesh);
-  std::vector<char> touched(mesh.triangles.size(), 0);
-  bool flipped = false;
-  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    const geometry::Side &s = sides[i], &o = sides[i + 1];
-    const std::uint32_t one = s.side / 3, other = o.side / 3;
-    if (s.low != o.low || s.high != o.high || touched[one] != 0 || touched[other] != 0) continue;
-    const auto [a, b] = geometry::side_vertices(mesh, s.side);
-    const std::uint32_t left = geometry::opposite_vertex(mesh, s.side), right = geometry::opposite_vertex(mesh, o.side);
-    const auto& p = mesh.positions;
-    if (!worse({p[a], p[b], p[left], p[right]}) || has_edge(sides, left, right)) continue;
-    mesh.triangles[one] = {a, right, left};
-    mesh.triangles[other] = {right, b, left};
-    touched[one] = touched[other] = 1;
-    flipped = true;
-  }
-  return flipped;
 }
 
 }  // namespace
@@ -70,11 +39,6 @@ void sew(Mesh& mesh, Ring a, Ring b) {
       mesh.triangles.emplace_back(from_a, from_b, to_b);
       ++j;
     }
-  }
-}
-
-void flip_edges(Mesh& mesh, const std::function<bool(const Hinge&)>& worse, int passes) {
-  for (int pass = 0; pass < passes && flip_pass(mesh, worse); ++pass) {
   }
 }
 

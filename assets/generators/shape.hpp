@@ -1,8 +1,7 @@
-// What the generators share: rings of vertices sewn into surfaces, and edges flipped until they suit.
+// What the generators share.
 #pragma once
 
 #include <cstdint>
-#include <functional>
 
 #include "geometry/mesh.hpp"
 
@@ -17,15 +16,6 @@ struct Ring {
 /// Sews ring a to ring b with a.count + b.count triangles (fewer when one is a pole), always by the shorter diagonal.
 /// The triangles face outwards where a lies above b and both run counter-clockwise seen from above.
 void sew(geometry::Mesh& mesh, Ring a, Ring b);
-
-/// The edge from a to b between the triangles (a, b, left) and (b, a, right).
-struct Hinge {
-  Vec3 a, b, left, right;
-};
-
-/// Flips edges for which `worse` holds, in passes over all of them, until none is left (at most `passes`). The numbers
-/// of vertices and triangles stay; boundary edges stay.
-void flip_edges(geometry::Mesh& mesh, const std::function<bool(const Hinge&)>& worse, int passes = 100);
 
 /// The connected piece with the most triangles, order kept.
 geometry::Mesh largest_shell(const geometry::Mesh& mesh);
