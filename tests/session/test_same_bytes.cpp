@@ -1,0 +1,128 @@
+// One number for everything that the device computes. It must be the same on every run, and the test matrix compares it
+// between thread counts, vector widths, staging and sanitizers: with PALPA_DIGEST=FILE it is written there.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include "array/board_mesh.hpp"
+#include "geometry/gltf.hpp"
+#include "geometry/ply.hpp"
+#include "sensing/rig.hpp"
+#include "sensing/synthetic.hpp"
+#include "session/chain.hpp"
+#include "support/device.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::session {
+namespace {
+
+/// FNV-1a over the bytes of values without padding.
+class Digest {
+ public:
+  template <typename T>
+  void add(const T& value) {
+    static_assert(std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>);
+    unsigned char bytes[sizeof(T)];
+    std::memcpy(bytes, &value, sizeof(T));
+    for (const unsigned char byte : bytes)
+      hash_ = (hash_ ^ byte) * 0x100000001b3ull;
+  }
+  void add(const glm::vec3& p) {
+    for (int i = 0; i < 3; ++i)
+      add(p[i]);
+  }
+  std::uint64_t value() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325ull;
+};
+
+void add(Digest& digest, const touch::Touch& touch) {
+  for (const touch::Contact& contact : touch.contacts) {
+    digest.add(contact.point);
+    digest.add(contact.solid);
+    digest.add(contact.depth_m);
+    digest.add(contact.position);
+  }
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+    const touch::Finger& finger = touch.fingers[f];
+    for (const std::uint32_t contact : finger.contacts)
+      digest.add(contact);
+    digest.add(finger.section.centroid);
+    for (int i = 0; i < 3; ++i) {
+      digest.add(finger.section.axes[i]);
+      digest.add(finger.section.eigenvalues[i]);
+    }
+    for (const touch::Focus& focus : finger.foci) {
+      digest.add(focus.points);
+      if (focus.points > 0) digest.add(focus.position);
+    }
+  }
+}
+
+struct Scene {
+  const char* model;
+  const char* skin;
+  double lowered_m;
+};
+constexpr std::array scenes{Scene{"cube", "finger", 0.003}, Scene{"semi-sphere", "finger", 0.003},
+                            Scene{"pyramid", "finger", 0.003}, Scene{"prism", "finger", 0.003},
+                            Scene{"cube", "hand-point", 0.003}};
+
+std::uint64_t digest_of(std::span<const Scene> some) {
+  const sensing::Rig rig = sensing::load_rig(test::source_file("assets/rigs/paper.toml"));
+  const array::Layout layout = array::load_layout("paper");
+  Digest digest;
+  for (const Scene& scene : some) {
+    geometry::Mesh skin;
+    if (std::string(scene.skin) == "finger") {
+      const geometry::Ply ply = geometry::read_ply(test::source_file("assets/finger.ply"));
+      skin = {ply.positions, ply.triangles};
+    } else {
+      const auto model = geometry::load_gltf(test::source_file(std::string("assets/") + scene.skin + ".glb"));
+      for (const auto& part : model.meshes)
+        geometry::append(skin, part.mesh);
+    }
+    const auto solids =
+        geometry::make_solids(geometry::load_gltf(test::source_file(std::string("assets/") + scene.model + ".glb")));
+    sensing::SyntheticRig synthetic(rig.cameras, array::board_mesh(layout), sensing::Noise::d415, 1);
+    sensing::FrameSet frame;
+    Transform T(1.0);
+    T[3] = Vec4(0, -scene.lowered_m, 0, 1);
+    const sensing::Posed posed{&skin, T};
+    synthetic.render(std::span(&posed, 1), 0, frame);
+    for (const auto& image : frame.frames) {
+      for (const std::uint16_t depth : image.depth)
+        digest.add(depth);
+    }
+    const auto chain =
+        make_gpu_chain(test::test_device(), {.cameras = rig.cameras, .solids = solids, .layout = layout});
+    Plan plan;
+    FrameReport report;
+    chain->start(frame, 0, 0);
+    while (!chain->step(plan, report)) {
+    }
+    EXPECT_FALSE(report.touch->contacts.empty()) << scene.model;
+    add(digest, *report.touch);
+    for (const auto& drive : plan.drives) {
+      digest.add(drive.amplitude);
+      digest.add(drive.phase);
+    }
+  }
+  return digest.value();
+}
+
+TEST(SameBytes, OnEveryRunAndInEveryLegOfTheMatrix) {
+  const std::uint64_t first = digest_of(scenes);
+  EXPECT_EQ(digest_of(std::span(scenes).first(1)), digest_of(std::span(scenes).first(1)));
+  std::printf("digest %016llx\n", static_cast<unsigned long long>(first));
+  if (const char* file = std::getenv("PALPA_DIGEST"); file && *file) {
+    std::ofstream(file) << std::hex << first << '\n';
+  }
+}
+
+}  // namespace
+}  // namespace palpa::session
