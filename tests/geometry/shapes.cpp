@@ -107,7 +107,12 @@ std::string error_of(const std::function<void()>& action, Exit code) {
 
 std::string stderr_of(const std::function<void()>& action) {
   ::testing::internal::CaptureStderr();
-  action();
+  try {
+    action();
+  } catch (...) {
+    ::testing::internal::GetCapturedStderr();  // else the next capture ends the program
+    throw;
+  }
   return ::testing::internal::GetCapturedStderr();
 }
 
