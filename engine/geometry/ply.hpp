@@ -22,8 +22,8 @@ Ply read_ply(const std::filesystem::path& file);
 
 enum class PlyFormat { ascii, binary };
 
-/// Coordinates as float in binary, round-tripping decimals in ascii. Throws failure() when the file cannot be written
-/// whole.
+/// Coordinates as float in binary (little-endian), as round-tripping decimals of type double in ascii. Throws failure()
+/// when the file cannot be written whole.
 void write_ply(const std::filesystem::path& file, std::span<const Vec3> positions,
                std::span<const glm::uvec3> triangles = {}, PlyFormat format = PlyFormat::binary);
 
