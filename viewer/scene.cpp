@@ -31,6 +31,7 @@ shader::ViewStroke line(const glm::vec3& a, const glm::vec3& b, float width, con
 void add_grid(const Box& box, const Theme& theme, std::vector<shader::ViewStroke>& out) {
   if (box.empty()) return;
   const double reach = std::max(box.high.x - box.low.x, box.high.z - box.low.z);
+  if (!(reach < 1000)) return;  // a stray point far away: nothing a grid would help with
   double step = 0.01;
   while (reach / step > 60)
     step *= 10;

@@ -1,0 +1,81 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "viewer/font.hpp"
+#include "viewer/overlay.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+std::vector<PenStroke> strokes_of(const std::string& text, double height = 70) {
+  std::vector<PenStroke> strokes;
+  write_text(text, {0, 0}, height, strokes);
+  return strokes;
+}
+
+TEST(Font, HasEveryPrintableCharacterAndAllDiffer) {
+  const auto box = strokes_of("\xff");
+  std::set<std::string> drawings;
+  for (char c = '!'; c <= '~'; ++c) {
+    const auto strokes = strokes_of(std::string(1, c));
+    ASSERT_FALSE(strokes.empty()) << c;
+    std::string drawing;
+    for (const PenStroke& s : strokes) {
+      drawing += std::to_string(s.from.x) + " " + std::to_string(s.from.y) + " " + std::to_string(s.to.x) + " " +
+                 std::to_string(s.to.y) + ";";
+    }
+    EXPECT_TRUE(drawings.insert(drawing).second) << c << " looks like another character";
+  }
+  EXPECT_TRUE(strokes_of(" ").empty());
+  EXPECT_EQ(strokes_of("\u4e2d").size(), box.size());  // what it lacks is a box
+}
+
+TEST(Font, StaysInsideItsWidthAndHeight) {
+  for (char c = '!'; c <= '~'; ++c) {
+    const std::string text(1, c);
+    const double width = text_width(text, 70);
+    for (const PenStroke& s : strokes_of(text)) {
+      for (const Vec2& p : {s.from, s.to}) {
+        EXPECT_GE(p.x, -1) << c;
+        EXPECT_LE(p.x, width + 1) << c;
+        EXPECT_GE(p.y, -85) << c;  // a little above capitals for brackets
+        EXPECT_LE(p.y, 25) << c;
+      }
+    }
+  }
+  double highest = 0;
+  for (const PenStroke& s : strokes_of("H"))
+    highest = std::min({highest, s.from.y, s.to.y});
+  EXPECT_NEAR(highest, -70, 1e-9);
+}
+
+TEST(Font, WidthsAddUpAndDigitsAreEquallyWide) {
+  EXPECT_EQ(text_width("", 10), 0);
+  for (char c = '0'; c <= '9'; ++c)
+    EXPECT_EQ(text_width(std::string(1, c), 10), text_width("0", 10));
+  EXPECT_GT(text_width("mm", 10), 2 * text_width("m", 10));
+  EXPECT_NEAR(text_width("scale", 20), 2 * text_width("scale", 10), 1e-9);
+}
+
+TEST(Font, SurvivesBrokenUtf8) {
+  for (const char* text : {"\x80", "\xc3", "a\xe2\x82", "\xf0\x9f\x98\x80", "\xc3(", "\xe2\x28\xa1"}) {
+    EXPECT_FALSE(strokes_of(text).empty());
+    EXPECT_GT(text_width(text, 10), 0);
+  }
+  EXPECT_NE(strokes_of("\u03c0").size(), strokes_of("\xff").size());
+}
+
+TEST(Overlay, ScaleBarIsOneTwoOrFive) {
+  EXPECT_NEAR(scale_bar_length(0.0123), 0.01, 1e-12);
+  EXPECT_NEAR(scale_bar_length(0.0999), 0.05, 1e-12);
+  EXPECT_NEAR(scale_bar_length(0.02), 0.02, 1e-12);
+  EXPECT_NEAR(scale_bar_length(0.1), 0.1, 1e-12);
+  EXPECT_GT(scale_bar_length(0), 0);
+  EXPECT_GT(scale_bar_length(std::numeric_limits<double>::quiet_NaN()), 0);
+}
+
+}  // namespace
+}  // namespace palpa::viewer

@@ -1,0 +1,93 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <random>
+
+#include "base/error.hpp"
+#include "support/shared_data.hpp"
+#include "viewer/png.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+Pixels noise(std::uint32_t width, std::uint32_t height, unsigned seed) {
+  std::mt19937 random(seed);
+  Pixels pixels{width, height, std::vector<std::uint8_t>(std::size_t{4} * width * height)};
+  for (std::size_t i = 0; i < pixels.rgba.size(); ++i)
+    pixels.rgba[i] = i % 4 == 3 ? 255 : random() & 255;
+  return pixels;
+}
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+template <typename Call>
+Exit code_of(Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    return error.code();
+  }
+  return Exit::ok;
+}
+
+TEST(Png, ReadsBackWhatItWroteAndWritesTheSameBytes) {
+  const auto folder = test::scratch_folder("png");
+  const Pixels pixels = noise(37, 21, 1);
+  write_png(folder / "a.png", pixels);
+  write_png(folder / "b.png", pixels);
+  EXPECT_EQ(bytes_of(folder / "a.png"), bytes_of(folder / "b.png"));
+  const Pixels back = read_png(folder / "a.png");
+  EXPECT_EQ(back.width, 37u);
+  EXPECT_EQ(back.height, 21u);
+  EXPECT_EQ(back.rgba, pixels.rgba);
+}
+
+TEST(Png, BrokenFilesAreBadInput) {
+  const auto folder = test::scratch_folder("png-broken");
+  write_png(folder / "good.png", noise(64, 64, 2));
+  const std::string good = bytes_of(folder / "good.png");
+  std::ofstream(folder / "short.png", std::ios::binary) << good.substr(0, good.size() / 2);
+  std::ofstream(folder / "text.png") << "this is no picture";
+  std::ofstream(folder / "empty.png");
+  // A header that claims 2^31 - 1 pixels on a side.
+  std::string huge = good;
+  for (const std::size_t at : {16, 20})
+    huge.replace(at, 4, "\x7f\xff\xff\xff", 4);
+  std::ofstream(folder / "huge.png", std::ios::binary) << huge;
+  for (const char* name : {"short.png", "text.png", "empty.png", "huge.png", "absent.png"}) {
+    EXPECT_EQ(code_of([&] { read_png(folder / name); }), Exit::bad_input) << name;
+  }
+}
+
+TEST(Png, AnUnwritablePlaceIsAFailureAndLeavesNothing) {
+  const auto folder = test::scratch_folder("png-unwritable");
+  EXPECT_EQ(code_of([&] { write_png(folder / "no" / "such.png", noise(4, 4, 3)); }), Exit::failed);
+  if (std::filesystem::exists("/dev/full")) {
+    EXPECT_EQ(code_of([&] { write_png("/dev/full", noise(4, 4, 3)); }), Exit::failed);
+    EXPECT_TRUE(std::filesystem::exists("/dev/full"));
+  }
+}
+
+TEST(Png, MeanDifference) {
+  Pixels a = noise(10, 10, 4);
+  EXPECT_EQ(mean_difference(a, a), 0);
+  Pixels b = a;
+  for (auto& v : a.rgba)
+    v = 0;
+  for (auto& v : b.rgba)
+    v = 255;
+  EXPECT_DOUBLE_EQ(mean_difference(a, b), 1);
+  b = a;
+  b.rgba[0] = 51;
+  EXPECT_DOUBLE_EQ(mean_difference(a, b), 51.0 / 255 / 300);
+  b = a;
+  b.rgba[3] = 255;  // alpha does not count
+  EXPECT_EQ(mean_difference(a, b), 0);
+}
+
+}  // namespace
+}  // namespace palpa::viewer

@@ -1,0 +1,164 @@
+// palpa-viewer itself, without a window.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "cli/process.hpp"
+#include "support/shared_data.hpp"
+#include "viewer/png.hpp"
+
+namespace palpa {
+namespace {
+
+using test::source_file;
+
+test::Result viewer(const std::vector<std::string>& arguments) {
+  // No display of any kind: headless must not care.
+  return test::run_program(PALPA_VIEWER_BINARY, arguments, {{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}});
+}
+
+std::vector<std::string> cube_touch(std::vector<std::string> more) {
+  std::vector<std::string> arguments{"--scene",       source_file("assets/cube.glb").string(),
+                                     "--points",      source_file("assets/finger.ply").string(),
+                                     "--penetration", "3mm",
+                                     "--size",        "320x200"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(Viewer, WritesAScreenshotWithoutADisplay) {
+  const auto folder = test::scratch_folder("viewer-shot");
+  const std::string shot = (folder / "p.png").string();
+  const auto run = viewer(cube_touch(
+      {"--headless", "--frames", "3", "--screenshot", shot, "--skin", source_file("assets/finger.ply").string()}));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  const viewer::Pixels pixels = viewer::read_png(shot);
+  EXPECT_EQ(pixels.width, 320u);
+  EXPECT_EQ(pixels.height, 200u);
+}
+
+TEST(Viewer, TheSameCommandGivesTheSameBytesOnEitherBackend) {
+  const auto folder = test::scratch_folder("viewer-same");
+  const std::string a = (folder / "a.png").string(), b = (folder / "b.png").string(), c = (folder / "c.png").string();
+  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", a, "--quiet"})).exit_code, 0);
+  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", b, "--quiet"})).exit_code, 0);
+  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", c, "--quiet", "--backend", "cpu"})).exit_code, 0);
+  EXPECT_EQ(bytes_of(a), bytes_of(b));
+  EXPECT_LT(viewer::mean_difference(viewer::read_png(a), viewer::read_png(c)), 1e-4);
+}
+
+TEST(Viewer, FramesAdvanceTheRunningFocus) {
+  const auto folder = test::scratch_folder("viewer-slots");
+  const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {
+    const std::string file = (folder / name).string();
+    auto arguments = cube_touch({"--headless", "--screenshot", file, "--quiet", "--frame", "touch"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(viewer(arguments).exit_code, 0);
+    return bytes_of(file);
+  };
+  const std::string first = shot("1.png", {});
+  EXPECT_NE(shot("2.png", {"--frames", "2"}), first);
+  EXPECT_EQ(shot("11.png", {"--frames", "11"}), first);  // ten foci: around once
+  EXPECT_EQ(shot("s.png", {"--slot", "1"}), bytes_of(folder / "2.png"));
+}
+
+TEST(Viewer, ComparesWithAReference) {
+  const auto folder = test::scratch_folder("viewer-reference");
+  const std::string shot = (folder / "p.png").string(), other = (folder / "other.png").string();
+  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", shot, "--quiet"})).exit_code, 0);
+  EXPECT_EQ(viewer(cube_touch({"--headless", "--reference", shot, "--threshold", "0", "--quiet"})).exit_code, 0);
+  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", other, "--quiet", "--dark"})).exit_code, 0);
+  test::expect_failure(viewer(cube_touch({"--headless", "--reference", other})), 1, "other.png");
+  EXPECT_EQ(viewer(cube_touch({"--headless", "--reference", other, "--threshold", "0.99"})).exit_code, 0);
+  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", other, "--quiet", "--size", "300x200"})).exit_code, 0);
+  test::expect_failure(viewer(cube_touch({"--headless", "--reference", other})), 4, "300x200");
+}
+
+TEST(Viewer, DrawsAnArrayAloneAndWithATouch) {
+  const auto folder = test::scratch_folder("viewer-array");
+  const std::string alone = (folder / "alone.png").string(), driven = (folder / "driven.png").string();
+  EXPECT_EQ(viewer({"--layout", "sonicsurface", "--headless", "--screenshot", alone, "--quiet"}).exit_code, 0);
+  EXPECT_EQ(viewer::read_png(alone).width, 1280u);
+  EXPECT_EQ(
+      viewer(cube_touch({"--layout", "paper", "--headless", "--screenshot", driven, "--quiet", "--inset"})).exit_code,
+      0);
+}
+
+TEST(Viewer, ReportsAsJson) {
+  const auto run = viewer(cube_touch({"--headless", "--frames", "2", "--json", "-"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_EQ(json["frames"], 2);
+  EXPECT_EQ(json["width"], 320);
+  EXPECT_GT(json["timing_ms"]["frame"].get<double>(), 0);
+}
+
+TEST(Viewer, WithoutADisplayItSaysSoAndSuggestsHeadless) {
+  test::expect_failure(viewer(cube_touch({})), 3, "--headless");
+}
+
+TEST(Viewer, BadUsage) {
+  test::expect_failure(viewer({}), 2, "--scene");
+  test::expect_failure(viewer(cube_touch({"--screenshot", "p.png"})), 2, "--headless");
+  test::expect_failure(viewer(cube_touch({"--headless", "--size", "12x"})), 2, "--size");
+  test::expect_failure(viewer(cube_touch({"--headless", "--size", "1x1"})), 2, "--size");
+  test::expect_failure(viewer(cube_touch({"--headless", "--view", "below"})), 2, "--view");
+  test::expect_failure(viewer(cube_touch({"--headless", "--stride", "5"})), 2, "--stride");
+  test::expect_failure(viewer(cube_touch({"--headless", "--eye", "0,0,0"})), 2, "--eye");
+  test::expect_failure(viewer(cube_touch({"--headless", "--threshold", "0.1"})), 2, "--reference");
+  test::expect_failure(viewer(cube_touch({"--headless", "--frames", "0"})), 2, "--frames");
+  test::expect_failure(viewer(cube_touch({"--headless", "--nonsense"})), 2, "--nonsense");
+  test::expect_failure(viewer({"--headless", "--layout", "paper", "--penetration", "3mm"}), 2, "--penetration");
+}
+
+TEST(Viewer, NoSuchDevice) {
+  test::expect_failure(viewer(cube_touch({"--headless", "--gpu", "no such device"})), 3, "no such device");
+}
+
+TEST(Viewer, BadInput) {
+  const auto folder = test::scratch_folder("viewer-bad");
+  const std::string cloud = (folder / "cloud.ply").string(), text = (folder / "text.glb").string();
+  std::ofstream(cloud)
+      << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+         "end_header\n0 0 0\n";
+  std::ofstream(text) << "no model";
+  test::expect_failure(viewer({"--scene", text, "--headless"}), 4, "text.glb");
+  test::expect_failure(viewer({"--scene", (folder / "absent.glb").string(), "--headless"}), 4, "absent.glb");
+  test::expect_failure(viewer(cube_touch({"--headless", "--skin", cloud})), 4, "cloud.ply");
+  test::expect_failure(viewer(cube_touch({"--headless", "--layout", "nonsense"})), 4, "nonsense");
+  test::expect_failure(viewer(cube_touch({"--headless", "--reference", text})), 4, "text.glb");
+}
+
+TEST(Viewer, AnUnwritableScreenshotIsAFailure) {
+  test::expect_failure(viewer(cube_touch({"--headless", "--screenshot", "/no/such/folder/p.png"})), 1,
+                       "/no/such/folder/p.png");
+}
+
+TEST(Viewer, HelpAndVersion) {
+  const auto help = viewer({"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  for (const char* part : {"--scene", "--headless", "--screenshot", "--layout", "--delta", "--gpu", "Exit codes"}) {
+    EXPECT_NE(help.out.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(viewer({"--version"}).out.rfind("palpa-viewer ", 0), 0u);
+}
+
+TEST(Viewer, ValidationIsSilent) {
+  for (const char* preset : {"core", "sync"}) {
+    const auto run =
+        viewer(cube_touch({"--headless", "--frames", "3", "--layout", "autd3", "--inset", "--validation", preset}));
+    if (run.exit_code == 3 && run.err.find("vulkan-validationlayers") != std::string::npos) GTEST_SKIP() << run.err;
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.err, "");
+  }
+}
+
+}  // namespace
+}  // namespace palpa

@@ -1,0 +1,71 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "scenes.hpp"
+#include "viewer/shape.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+Vec3 xyz(const shader::vec4& v) {
+  return {v.x, v.y, v.z};
+}
+
+std::ptrdiff_t creases(const Shape& shape) {
+  return std::count_if(shape.edges.begin(), shape.edges.end(), [](const auto& e) { return e.from.w == 1.0f; });
+}
+
+TEST(Shape, ACubeHasTwelveCreasesAndFlatFaces) {
+  const Shape shape = make_shape(test::box_mesh({-1, -1, -1}, {1, 1, 1}));
+  EXPECT_EQ(shape.vertices.size(), 36u);
+  EXPECT_EQ(shape.edges.size(), 12u);  // the faces' diagonals are no edges
+  EXPECT_EQ(creases(shape), 12);
+  for (const auto& v : shape.vertices) {
+    EXPECT_NEAR(std::max({std::abs(v.normal.x), std::abs(v.normal.y), std::abs(v.normal.z)}), 1, 1e-6);
+    EXPECT_GT(glm::dot(xyz(v.normal), xyz(v.position)), 0.9);  // outwards
+  }
+}
+
+TEST(Shape, AFineCylinderIsSmoothAroundAndSharpAtItsRims) {
+  constexpr unsigned n = 40;
+  geometry::Mesh mesh;
+  for (unsigned i = 0; i < n; ++i) {
+    const double a = 2 * std::numbers::pi * i / n;
+    mesh.positions.emplace_back(std::cos(a), 0, std::sin(a));
+    mesh.positions.emplace_back(std::cos(a), 1, std::sin(a));
+  }
+  mesh.positions.emplace_back(0, 0, 0);
+  mesh.positions.emplace_back(0, 1, 0);
+  for (unsigned i = 0; i < n; ++i) {
+    const unsigned a = 2 * i, b = 2 * ((i + 1) % n);
+    mesh.triangles.push_back({a, a + 1, b});
+    mesh.triangles.push_back({b, a + 1, b + 1});
+    mesh.triangles.push_back({2 * n, a, b});
+    mesh.triangles.push_back({2 * n + 1, b + 1, a + 1});
+  }
+  const Shape shape = make_shape(mesh);
+  EXPECT_EQ(creases(shape), 2 * n);
+  EXPECT_EQ(shape.edges.size(), 3 * n);  // and the upright ones, for the silhouette
+  for (const auto& v : shape.vertices) {
+    if (std::abs(v.normal.y) < 0.5) {  // on the side: radial
+      EXPECT_NEAR(glm::distance(xyz(v.normal), Vec3(v.position.x, 0, v.position.z)), 0, 0.06);
+    }
+  }
+}
+
+TEST(Shape, OpenEdgesAreCreasesAndEmptyTrianglesAreLeftOut) {
+  geometry::Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 1, 3}};
+  const Shape shape = make_shape(mesh);
+  EXPECT_EQ(shape.vertices.size(), 3u);
+  EXPECT_EQ(creases(shape), 3);
+  EXPECT_TRUE(make_shape({}).vertices.empty());
+}
+
+}  // namespace
+}  // namespace palpa::viewer

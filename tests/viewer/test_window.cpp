@@ -1,0 +1,75 @@
+// The window, on a private X server; skipped where there is none.
+#include <gtest/gtest.h>
+
+#include <future>
+#include <thread>
+
+#include "cli/process.hpp"
+#include "support/shared_data.hpp"
+#include "x_display.hpp"
+
+namespace palpa {
+namespace {
+
+using namespace std::chrono_literals;
+using test::source_file;
+
+test::Result viewer(const test::XServer& server, const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{"--scene",       source_file("assets/cube.glb").string(),
+                                     "--points",      source_file("assets/finger.ply").string(),
+                                     "--penetration", "3mm",
+                                     "--size",        "500x400"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return test::run_program(PALPA_VIEWER_BINARY, arguments, {{{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}}});
+}
+
+/// With every call checked, where the layer is installed.
+std::string validation() {
+  return gpu::validation_layer_present() ? "sync" : "off";
+}
+
+TEST(Window, DrawsFramesAndEnds) {
+  const test::XServer server;
+  if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
+  const auto run = viewer(server, {"--frames", "10", "--layout", "autd3", "--inset", "--validation", validation()});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+}
+
+TEST(Window, SurvivesResizingAndHidingAndClosesWhenAsked) {
+  const test::XServer server;
+  if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
+  auto running = std::async(std::launch::async, [&] { return viewer(server, {"--validation", validation()}); });
+  test::XHand hand(server.name());
+  ASSERT_TRUE(hand.connected());
+  ASSERT_TRUE(hand.find("palpa", 60));
+  for (const auto& [width, height] :
+       {std::pair(700u, 300u), std::pair(64u, 64u), std::pair(1u, 1u), std::pair(640u, 480u)}) {
+    std::this_thread::sleep_for(400ms);
+    hand.resize(width, height);
+  }
+  // A storm of sizes, faster than frames.
+  for (unsigned i = 0; i < 60; ++i) {
+    hand.resize(300 + 5 * i, 500 - 5 * i);
+    std::this_thread::sleep_for(7ms);
+  }
+  std::this_thread::sleep_for(300ms);
+  hand.iconify();
+  std::this_thread::sleep_for(300ms);
+  hand.restore();
+  std::this_thread::sleep_for(300ms);
+  EXPECT_EQ(running.wait_for(0s), std::future_status::timeout) << "ended too early";
+  hand.close();
+  const auto run = running.get();
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+}
+
+TEST(Window, AServerThatIsNotThereIsNoDisplay) {
+  const auto run =
+      test::run_program(PALPA_VIEWER_BINARY, {"--layout", "autd3"}, {{{"DISPLAY", ":4711"}, {"WAYLAND_DISPLAY", ""}}});
+  test::expect_failure(run, 3, "--headless");
+}
+
+}  // namespace
+}  // namespace palpa
