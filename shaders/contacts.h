@@ -4,35 +4,32 @@
 #include "shared.h"
 PALPA_SHADER_BEGIN
 
-// One thread per skin point; one count per group.
+// The points are cut into contacts_chunks stretches of whole rounds of a group, one group each: few groups, since starting
+// one costs a software device a microsecond, and their counts need no scan of their own.
 PALPA_CONST contacts_group = 64u;
+PALPA_CONST contacts_chunks = 64u;
+PALPA_CONST contacts_most_words = 2048u;  // of 32 points each, in one chunk
+PALPA_CONST contacts_most_points = 4194304u;
 PALPA_CONST no_finger = 0xffffffffu;
+
+// Passes over contacts: threads stride over them in at most contacts_most_groups groups.
+PALPA_CONST contact_group = 128u;
+PALPA_CONST contacts_most_groups = 128u;
 
 // Bindings of contacts_find.
 PALPA_CONST contacts_points = 0u;  // uvec4[]: bits of x, y, z; the point's index
 PALPA_CONST contacts_length = 1u;  // ScanTotal of the points
-PALPA_CONST contacts_hits = 2u;    // Hit[]: group g's contacts from 64 g on, in input order
-PALPA_CONST contacts_counts = 3u;  // uint[]: contacts per group; after the scan those in the groups before
-PALPA_CONST contacts_solids = 4u;  // SolidRecord[]
-PALPA_CONST contacts_cells = 5u;   // PlaneCell[]
-PALPA_CONST contacts_planes = 6u;  // vec4[]: normal, offset
-PALPA_CONST contacts_find_buffers = 7u;
-// Bindings of contacts_pack: the first four of contacts_find, then
-PALPA_CONST contacts_total = 4u;  // ScanTotal of the contacts
-PALPA_CONST contacts_out = 5u;    // ContactRecord[]
-PALPA_CONST contacts_pack_buffers = 6u;
-
-struct ContactsPush {
-  vec4 low;  // box of the whole scene, world
-  vec4 high;
-  uint solids;
-  float delta;
-  uint most_points;
-  uint most_contacts;
-};
-PALPA_CHECK_SIZE(ContactsPush, 48);
-PALPA_CHECK_OFFSET(ContactsPush, solids, 32);
-PALPA_CHECK_OFFSET(ContactsPush, most_contacts, 44);
+PALPA_CONST contacts_hits = 2u;    // Hit[]: per point, written for contacts only
+PALPA_CONST contacts_masks = 3u;   // uint[]: which of 32 points are contacts
+PALPA_CONST contacts_counts = 4u;  // uint[contacts_chunks]: contacts per chunk
+PALPA_CONST contacts_solids = 5u;  // SolidRecord[]
+PALPA_CONST contacts_cells = 6u;   // PlaneCell[]
+PALPA_CONST contacts_planes = 7u;  // vec4[]: normal, offset
+PALPA_CONST contacts_find_buffers = 8u;
+// Bindings of contacts_pack: the first five of contacts_find, then
+PALPA_CONST contacts_total = 5u;  // ScanTotal of the contacts
+PALPA_CONST contacts_out = 6u;    // ContactRecord[]
+PALPA_CONST contacts_pack_buffers = 7u;
 
 // A convex solid. All its numbers are relative to its centre: the digits of single precision go to the solid's own size.
 struct SolidRecord {
@@ -49,6 +46,17 @@ PALPA_CHECK_SIZE(SolidRecord, 80);
 PALPA_CHECK_OFFSET(SolidRecord, cells_per_metre, 48);
 PALPA_CHECK_OFFSET(SolidRecord, first_cell, 64);
 
+struct ContactsPush {
+  SolidRecord only;  // the solid of a scene that has one: devices read push constants faster than buffers
+  uint solids;
+  float delta;
+  uint most_points;
+  uint most_contacts;
+};
+PALPA_CHECK_SIZE(ContactsPush, 96);
+PALPA_CHECK_OFFSET(ContactsPush, solids, 80);
+PALPA_CHECK_OFFSET(ContactsPush, most_contacts, 92);
+
 // A cell of a solid's box: the planes that can be the nearest one somewhere in it, and bounds of Eq. (1)'s depth.
 struct PlaneCell {
   uint first;  // in the list of planes
@@ -60,7 +68,7 @@ PALPA_CHECK_SIZE(PlaneCell, 16);
 PALPA_CHECK_OFFSET(PlaneCell, shallowest, 8);
 
 struct Hit {
-  uint place;  // point in its group (bits 0..5), solid (bits 6..)
+  uint solid;
   float depth;
 };
 PALPA_CHECK_SIZE(Hit, 8);
@@ -74,7 +82,7 @@ struct ContactRecord {
   uint solid;
   float depth;
   uint finger;  // index, or no_finger
-  uint unused0;
+  uint chain;   // what the sections pass keeps for itself, see sections.comp; no_finger before
 };
 PALPA_CHECK_SIZE(ContactRecord, 32);
 PALPA_CHECK_OFFSET(ContactRecord, point, 12);

@@ -1,38 +1,77 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "contacts.h"
+#include "contacts_chunk.glsl"
 #include "scan.h"
 
-// Brings the groups' contacts together, in input order.
+// Brings the chunks' contacts together, in input order.
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = contacts_points) readonly buffer Points { uvec4 points[]; };
 layout(std430, set = 0, binding = contacts_length) readonly buffer Length { ScanTotal given; };
 layout(std430, set = 0, binding = contacts_hits) readonly buffer Hits { Hit hits[]; };
-layout(std430, set = 0, binding = contacts_counts) readonly buffer Counts { uint counts[]; };
-layout(std430, set = 0, binding = contacts_total) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = contacts_masks) readonly buffer Masks { uint masks[]; };
+layout(std430, set = 0, binding = contacts_counts) readonly buffer Counts { uvec4 counts[]; };  // four chunks each
+layout(std430, set = 0, binding = contacts_total) writeonly buffer Total { ScanTotal found; };
 layout(std430, set = 0, binding = contacts_out) writeonly buffer Contacts { ContactRecord contacts[]; };
 layout(push_constant) uniform Push { ContactsPush push; };
 
-void main() {
-  const uint group = gl_WorkGroupID.x;
-  const uint groups = (min(given.total, push.most_points) + contacts_group - 1u) / contacts_group;
-  if (group >= groups) return;
-  const uint first = counts[group];
-  const uint end = group + 1u < groups ? counts[group + 1u] : found.total;
-  const uint place = first + gl_LocalInvocationIndex;
-  if (place >= end || place >= push.most_contacts) return;
+const uint segment = 8u;
+shared uint sums[contacts_group];
+shared uint segments[contacts_group / segment];
 
-  const Hit hit = hits[group * contacts_group + gl_LocalInvocationIndex];
-  const uvec4 point = points[group * contacts_group + (hit.place & 63u)];
-  ContactRecord contact;
-  contact.x = uintBitsToFloat(point.x);
-  contact.y = uintBitsToFloat(point.y);
-  contact.z = uintBitsToFloat(point.z);
-  contact.point = point.w;
-  contact.solid = hit.place >> 6u;
-  contact.depth = hit.depth;
-  contact.finger = no_finger;
-  contact.unused0 = 0u;
-  contacts[place] = contact;
+void main() {
+  const uint thread = gl_LocalInvocationIndex;
+  const uint group = gl_WorkGroupID.x;
+  if (thread == 0u) {
+    uint first = 0u, total = 0u;
+    for (uint k = 0u; k < contacts_chunks / 4u; ++k) {
+      const uvec4 four = counts[k];
+      if (k == group / 4u) {
+        first = total + (group % 4u > 0u ? four.x : 0u) + (group % 4u > 1u ? four.y : 0u) +
+                (group % 4u > 2u ? four.z : 0u);
+      }
+      total += four.x + four.y + four.z + four.w;
+    }
+    segments[0] = first;
+    if (group == 0u) {
+      const uint groups = (total + contact_group - 1u) / contact_group;
+      found = ScanTotal(total, min(groups, contacts_most_groups), 1u, 1u);
+    }
+  }
+  barrier();
+  const uint before = segments[0];
+
+  const uint chunk = points_per_chunk(min(given.total, push.most_points));
+  const uint words = chunk / 32u;
+  const uint first_word = group * words;
+  const uint run = (words + contacts_group - 1u) / contacts_group;
+  const uint begin = min(thread * run, words);
+  const uint end = min(begin + run, words);
+  uint mine = 0u;
+  for (uint w = begin; w < end; ++w) mine += uint(bitCount(masks[first_word + w]));
+  sums[thread] = mine;
+  barrier();
+  if (thread < contacts_group / segment) {
+    uint sum = 0u;
+    for (uint k = 0u; k < segment; ++k) sum += sums[thread * segment + k];
+    segments[thread] = sum;
+  }
+  barrier();
+  if (mine == 0u) return;
+  uint place = before;
+  for (uint k = 0u; k < thread / segment; ++k) place += segments[k];
+  for (uint k = thread / segment * segment; k < thread; ++k) place += sums[k];
+
+  for (uint w = begin; w < end; ++w) {
+    uint bits = masks[first_word + w];
+    while (bits != 0u && place < push.most_contacts) {  // one bit less each turn
+      const uint i = (first_word + w) * 32u + uint(findLSB(bits));
+      bits &= bits - 1u;
+      const uvec4 point = points[i];
+      const Hit hit = hits[i];
+      contacts[place++] = ContactRecord(uintBitsToFloat(point.x), uintBitsToFloat(point.y), uintBitsToFloat(point.z),
+                                        point.w, hit.solid, hit.depth, no_finger, no_finger);
+    }
+  }
 }

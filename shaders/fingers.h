@@ -4,92 +4,112 @@
 #include "shared.h"
 PALPA_SHADER_BEGIN
 
-PALPA_CONST fingers_group = 64u;         // one thread per contact
 PALPA_CONST fingers_select_group = 256u;  // a single group
 PALPA_CONST fingers_most = 64u;
 PALPA_CONST fingers_nothing = 0xffffffffu;
 
-// Cells have this side, in finger gaps. Anything up to 1/sqrt(3) = 0.577 keeps two contacts of one cell within the gap,
-// anything above 0.5 keeps contacts three cells apart beyond it; 0.55 leaves room for rounding on both sides, up to
-// fingers_most_cells cells from a solid's centre.
-PALPA_CONST fingers_most_cells = 100000u;
+// Cells have this side, in thousandths of the finger gap. Anything up to 1/sqrt(3) = 0.577 keeps two contacts of one cell
+// within the gap, anything above 0.5 keeps contacts three cells apart beyond it; 0.52 leaves room for rounding on both
+// sides, up to fingers_most_blocks blocks from a solid's centre. A block is 2x2x2 cells: contacts of blocks that do not
+// touch are beyond the gap. A block goes by its owner: the contact that came first.
+PALPA_CONST fingers_cell_thousandths = 520u;
+PALPA_CONST fingers_most_blocks = 30000u;
+PALPA_CONST fingers_block_cells = 8u;
+// Neighbours of a block, each pair from one side only, and the block itself.
+PALPA_CONST fingers_neighbours = 14u;
 
-// Neighbours of a cell within two cells, each pair from one side only: the near ones touch it.
-PALPA_CONST fingers_near = 13u;
-PALPA_CONST fingers_neighbours = 62u;
+// Groups of the passes over blocks.
+PALPA_CONST blocks_group = 64u;
+PALPA_CONST blocks_most_groups = 256u;
+// Tests of two groups of cells before they are put on the list of crowded ones.
+PALPA_CONST fingers_patience = 32u;
+// Room on that list. When it runs out, a last pass tests everything again, pair by pair: slow, but no less exact.
+PALPA_CONST fingers_contacts_per_crowded = 4u;
 
-// Bindings, the same numbers in all shaders that use them.
-PALPA_CONST fingers_total = 0u;     // ScanTotal of the contacts
-PALPA_CONST fingers_nodes = 1u;     // Node[]: per contact
-PALPA_CONST fingers_cells = 2u;     // CellKey[]: per contact
-PALPA_CONST fingers_parents = 3u;   // uint[]: per contact; at the end its cluster's smallest contact
-PALPA_CONST fingers_places = 4u;    // Place[]: per contact
-PALPA_CONST fingers_slots = 5u;     // Slot[]: the hash table, see table_slots
-PALPA_CONST fingers_sizes = 6u;     // uint[]: per contact: contacts of the cluster it is the smallest of, else 0
-PALPA_CONST fingers_contacts = 7u;  // ContactRecord[]
-PALPA_CONST fingers_solids = 8u;    // SolidRecord[] (prepare only)
-PALPA_CONST fingers_prepare_buffers = 9u;
-PALPA_CONST fingers_insert_buffers = 6u;
-PALPA_CONST fingers_link_buffers = 6u;
-PALPA_CONST fingers_label_buffers = 7u;
+// Bindings of all shaders but fingers_select.
+PALPA_CONST fingers_total = 0u;      // ScanTotal of the contacts
+PALPA_CONST fingers_contacts = 1u;   // ContactRecord[]
+PALPA_CONST fingers_solids = 2u;     // SolidRecord[]
+PALPA_CONST fingers_nodes = 3u;      // uvec4[]: per contact bits of x, y, z and the next one in its cell's list
+PALPA_CONST fingers_keys = 4u;       // BlockKey[]: per contact
+PALPA_CONST fingers_places = 5u;     // uint[]: per contact: its cell's place in `heads`
+PALPA_CONST fingers_slots = 6u;      // uint[]: hash table of blocks: a block's owner, or fingers_nothing
+PALPA_CONST fingers_heads = 7u;      // uint[]: cell c of block o has its list at 8 o + c
+PALPA_CONST fingers_list = 8u;       // uint[]: the blocks' owners, in any order
+PALPA_CONST fingers_crowded = 9u;    // CrowdedPair[]
+PALPA_CONST fingers_work = 10u;      // FingersWork
+PALPA_CONST fingers_parents = 11u;   // uint[]: union-find over the cells' heads; at the end each contact's root
+PALPA_CONST fingers_clusters = 12u;  // Cluster[]: per root
+PALPA_CONST fingers_groups = 13u;    // uint[]: per block owner: eight times four bits, see fingers_cells.glsl
+PALPA_CONST fingers_buffers = 14u;
 // fingers_select has its own:
 PALPA_CONST select_total = 0u;
 PALPA_CONST select_length = 1u;    // ScanTotal of the skin points
-PALPA_CONST select_sizes = 2u;
-PALPA_CONST select_contacts = 3u;
-PALPA_CONST select_header = 4u;    // TouchHeader
-PALPA_CONST select_fingers = 5u;   // FingerRecord[fingers_most]
-PALPA_CONST fingers_select_buffers = 6u;
+PALPA_CONST select_parents = 2u;
+PALPA_CONST select_clusters = 3u;
+PALPA_CONST select_contacts = 4u;
+PALPA_CONST select_header = 5u;    // TouchHeader
+PALPA_CONST select_fingers = 6u;   // FingerRecord[fingers_most]
+PALPA_CONST fingers_select_buffers = 7u;
 
 struct FingersPush {
   float cells_per_metre;
   float limit;  // the gap's square
   uint most_contacts;
-  uint first_neighbour;
-  uint end_neighbour;
   uint min_points;
+};
+PALPA_CHECK_SIZE(FingersPush, 16);
+PALPA_CHECK_OFFSET(FingersPush, most_contacts, 8);
+PALPA_CHECK_OFFSET(FingersPush, min_points, 12);
+
+// Block coordinates from the solid's centre, biased by 2^15, and the solid: 16 bits each.
+struct BlockKey {
+  uint xy;
+  uint z_solid;
+};
+PALPA_CHECK_SIZE(BlockKey, 8);
+
+// Two cells or groups of cells with many contacts each: a block's owner and its cells as bits.
+struct CrowdedPair {
+  uint block_a;
+  uint block_b;
+  uint cells_a;
+  uint cells_b;
+};
+PALPA_CHECK_SIZE(CrowdedPair, 16);
+PALPA_CHECK_OFFSET(CrowdedPair, cells_a, 8);
+
+// How much there is to do, and the indirect dispatches that do it.
+struct FingersWork {
+  uint blocks_x;
+  uint blocks_y;
+  uint blocks_z;
+  uint blocks;
+  uint links_x;
+  uint links_y;
+  uint links_z;
   uint unused0;
+  uint crowded_x;
+  uint crowded_y;
+  uint crowded_z;
+  uint crowded;
+  uint rest_x;  // none unless the list of crowded pairs ran out
+  uint rest_y;
+  uint rest_z;
   uint unused1;
 };
-PALPA_CHECK_SIZE(FingersPush, 32);
-PALPA_CHECK_OFFSET(FingersPush, most_contacts, 8);
-PALPA_CHECK_OFFSET(FingersPush, min_points, 20);
+PALPA_CHECK_SIZE(FingersWork, 64);
+PALPA_CHECK_OFFSET(FingersWork, blocks, 12);
+PALPA_CHECK_OFFSET(FingersWork, links_x, 16);
+PALPA_CHECK_OFFSET(FingersWork, crowded_x, 32);
+PALPA_CHECK_OFFSET(FingersWork, crowded, 44);
+PALPA_CHECK_OFFSET(FingersWork, rest_x, 48);
 
-// A contact in its cell's list.
-struct Node {
-  float x;
-  float y;
-  float z;
-  uint next;
+struct Cluster {
+  uint smallest;  // contact
+  uint size;
 };
-PALPA_CHECK_SIZE(Node, 16);
-PALPA_CHECK_OFFSET(Node, next, 12);
-
-struct CellKey {
-  int x;
-  int y;
-  int z;
-  uint solid;
-};
-PALPA_CHECK_SIZE(CellKey, 16);
-PALPA_CHECK_OFFSET(CellKey, solid, 12);
-
-struct Place {
-  uint slot;
-  uint rank;  // any order, but each of 0 .. count - 1 once
-};
-PALPA_CHECK_SIZE(Place, 8);
-
-// A cell that holds contacts.
-struct Slot {
-  uint owner;  // some contact of the cell
-  uint first;  // its smallest contact: the cell's node in the union-find
-  uint count;
-  uint head;   // of its list
-};
-PALPA_CHECK_SIZE(Slot, 16);
-PALPA_CHECK_OFFSET(Slot, first, 4);
-PALPA_CHECK_OFFSET(Slot, head, 12);
+PALPA_CHECK_SIZE(Cluster, 8);
 
 // What the host reads first; its first three words dispatch one group per finger.
 struct TouchHeader {
@@ -119,10 +139,6 @@ struct FingerRecord {
 PALPA_CHECK_SIZE(FingerRecord, 80);
 PALPA_CHECK_OFFSET(FingerRecord, centre, 16);
 PALPA_CHECK_OFFSET(FingerRecord, axis3, 64);
-
-#ifdef __cplusplus
-inline constexpr float fingers_cell_side = 0.55F;
-#endif
 
 PALPA_SHADER_END
 #endif

@@ -10,11 +10,18 @@ layout(local_size_x = 256) in;
 
 layout(std430, set = 0, binding = select_total) readonly buffer Total { ScanTotal found; };
 layout(std430, set = 0, binding = select_length) readonly buffer Length { ScanTotal given; };
-layout(std430, set = 0, binding = select_sizes) readonly buffer Sizes { uint sizes[]; };
+layout(std430, set = 0, binding = select_parents) readonly buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = select_clusters) readonly buffer Clusters { Cluster clusters[]; };
 layout(std430, set = 0, binding = select_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
 layout(std430, set = 0, binding = select_header) writeonly buffer Header { TouchHeader header; };
 layout(std430, set = 0, binding = select_fingers) writeonly buffer Fingers { FingerRecord fingers[]; };
 layout(push_constant) uniform Push { FingersPush push; };
+
+// The size of the cluster that begins at contact i, else 0.
+uint size_from(uint i) {
+  const Cluster cluster = clusters[parents[i]];
+  return cluster.smallest == i ? cluster.size : 0u;
+}
 
 shared uint sums[fingers_select_group];
 
@@ -27,7 +34,7 @@ void main() {
   const uint least = max(push.min_points, 1u);
 
   uint mine = 0u;
-  for (uint i = first; i < last; ++i) mine += sizes[i] >= least ? 1u : 0u;
+  for (uint i = first; i < last; ++i) mine += size_from(i) >= least ? 1u : 0u;
   sums[thread] = mine;
   barrier();
   for (uint step = 1u; step < fingers_select_group; step <<= 1u) {
@@ -40,7 +47,7 @@ void main() {
   uint finger = sums[thread] - mine;
   const uint end = finger + mine;
   for (uint i = first; i < last && finger < min(end, fingers_most); ++i) {
-    const uint size = sizes[i];
+    const uint size = size_from(i);
     if (size < least) continue;
     fingers[finger] = FingerRecord(i, contacts[i].solid, size, 0u, vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     ++finger;

@@ -1,5 +1,5 @@
-// Lock-free union-find over `parents` (coherent): a root is hooked under a smaller one, so a cluster's root ends up as its
-// smallest contact whatever the order. Needs `parents` and `most_steps`, a bound that no walk reaches.
+// Lock-free union-find over `parents` (coherent). Roots are hooked under smaller roots, so that no two hooks can make a
+// ring. Needs `most_steps`, a bound that no walk reaches.
 
 uint find_root(uint a) {
   for (uint step = 0u; step < most_steps; ++step) {

@@ -9,11 +9,11 @@
 // Eq. (2)-(7) for one finger per group: centroid, covariance, axes, sectors, foci. Sums run in a fixed order: each thread
 // adds its own contacts in theirs, then the threads' sums are added in thread order; the sectors' sums are integers, where
 // order does not matter.
-layout(local_size_x = 256) in;
+layout(local_size_x = 128) in;
 
 layout(std430, set = 0, binding = sections_total) readonly buffer Total { ScanTotal found; };
 layout(std430, set = 0, binding = sections_parents) readonly buffer Parents { uint parents[]; };
-layout(std430, set = 0, binding = sections_contacts) buffer Contacts { ContactRecord contacts[]; };
+layout(std430, set = 0, binding = sections_contacts) buffer Contacts { uvec4 contacts[]; };  // ContactRecord, in halves
 layout(std430, set = 0, binding = sections_fingers) buffer Fingers { FingerRecord fingers[]; };
 layout(std430, set = 0, binding = sections_foci) writeonly buffer Foci { FocusRecord foci[]; };
 layout(std430, set = 0, binding = sections_borders) readonly buffer Borders { Border borders[]; };
@@ -26,7 +26,10 @@ shared float scales[3];
 shared Border border[sections_most_foci];
 shared int sums[4][sections_most_foci];
 
-Float3 position(uint i) { return Float3(contacts[i].x, contacts[i].y, contacts[i].z); }
+Float3 position(uint i) {
+  const uvec4 bits = contacts[2u * i];
+  return Float3(uintBitsToFloat(bits.x), uintBitsToFloat(bits.y), uintBitsToFloat(bits.z));
+}
 
 // totals[k] = sum of partial[k], for the first `rows` rows.
 void reduce(uint rows) {
@@ -45,6 +48,7 @@ void main() {
   const uint finger = gl_WorkGroupID.x;
   const uint count = min(found.total, push.most_contacts);
   const uint first = fingers[finger].first;
+  const uint root = parents[first];
   const uint members = fingers[finger].contacts;
   const float share = 1.0 / float(members);
   const Float3 origin = position(first);
@@ -54,14 +58,23 @@ void main() {
     for (uint k = 0u; k < 4u; ++k) sums[k][thread] = 0;
   }
 
+  // The first look at all contacts chains this thread's own, so that the later ones see no others.
   Sum x = Sum(0.0, 0.0), y = x, z = x;
+  uint head = no_finger;
+  uint tail = no_finger;
   for (uint i = thread; i < count; i += sections_group) {
-    if (parents[i] != first) continue;
+    if (parents[i] != root) continue;
     const Float3 d = minus(position(i), origin);
     x = add(x, d.x);
     y = add(y, d.y);
     z = add(z, d.z);
-    contacts[i].finger = finger;
+    contacts[2u * i + 1u].z = finger;
+    if (tail == no_finger) {
+      head = i;
+    } else {
+      contacts[2u * tail + 1u].w = i;
+    }
+    tail = i;
   }
   partial[0][thread] = x.sum;
   partial[1][thread] = y.sum;
@@ -71,8 +84,7 @@ void main() {
   barrier();
 
   Sum xx = Sum(0.0, 0.0), xy = xx, xz = xx, yy = xx, yz = xx, zz = xx;
-  for (uint i = thread; i < count; i += sections_group) {
-    if (parents[i] != first) continue;
+  for (uint i = head, k = 0u; i != no_finger && k < count; i = contacts[2u * i + 1u].w, ++k) {
     const Float3 d = minus(minus(position(i), origin), mean);
     xx = add(xx, product(d.x, d.x));
     xy = add(xy, product(d.x, d.y));
@@ -113,8 +125,7 @@ void main() {
     return;
   }
   const Axes frame = axes;
-  for (uint i = thread; i < count; i += sections_group) {
-    if (parents[i] != first) continue;
+  for (uint i = head, k = 0u; i != no_finger && k < count; i = contacts[2u * i + 1u].w, ++k) {
     const Float3 d = minus(minus(position(i), origin), mean);
     const Float2 p = on_plane(frame, d, scales[0], scales[1]);
     uint sector = 0u;

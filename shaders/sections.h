@@ -5,12 +5,12 @@
 PALPA_SHADER_BEGIN
 
 // One group per finger; contact i belongs to thread i mod sections_group.
-PALPA_CONST sections_group = 256u;
+PALPA_CONST sections_group = 128u;
 PALPA_CONST sections_most_foci = 64u;
 
 // Bindings.
 PALPA_CONST sections_total = 0u;     // ScanTotal of the contacts
-PALPA_CONST sections_parents = 1u;   // uint[]: per contact its cluster's smallest contact
+PALPA_CONST sections_parents = 1u;   // uint[]: per contact its cluster's root
 PALPA_CONST sections_contacts = 2u;  // ContactRecord[]: `finger` is written
 PALPA_CONST sections_fingers = 3u;   // FingerRecord[]
 PALPA_CONST sections_foci = 4u;      // FocusRecord[finger * sections_most_foci + n]

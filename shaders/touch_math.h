@@ -149,6 +149,7 @@ PALPA_FN Axes principal_axes(Sym3 m) {
     for (int j = 0; j < 3; ++j) v[i][j] = i == j ? 1.0f : 0.0f;
   }
   for (int turn = 0; turn < 30; ++turn) {
+    if (abs(a[0][1]) + abs(a[0][2]) + abs(a[1][2]) <= 1e-12f) break;
     const int pair = turn % 3;
     const int p = pair == 2 ? 1 : 0;
     const int q = pair == 0 ? 1 : 2;

@@ -12,9 +12,6 @@
 namespace palpa::touch {
 namespace {
 
-/// What one indirect dispatch reaches: 65,535 groups of 64.
-constexpr std::uint32_t most_points = 65'535 * shader::contacts_group;
-
 template <typename T>
 gpu::Upload upload(const gpu::Device& device, VkCommandBuffer commands, const std::vector<T>& values,
                    const char* name) {
@@ -25,8 +22,8 @@ gpu::Upload upload(const gpu::Device& device, VkCommandBuffer commands, const st
 }
 
 Capacity checked(const Capacity& capacity) {
-  if (capacity.points > most_points) {
-    throw bad_usage(fmt::format("{} skin points per frame: at most {}", capacity.points, most_points));
+  if (capacity.points > shader::contacts_most_points) {
+    throw bad_usage(fmt::format("{} skin points per frame: at most {}", capacity.points, shader::contacts_most_points));
   }
   return {std::max(capacity.points, 1U), std::clamp(capacity.contacts, 1U, std::max(capacity.points, 1U))};
 }
@@ -47,15 +44,21 @@ SolidTable::SolidTable(const gpu::Device& device, const std::vector<geometry::So
 
 TouchBuffers::TouchBuffers(const gpu::Device& device, const Capacity& capacity)
     : capacity_(checked(capacity)),
-      hits_(device, std::uint64_t{gpu::groups_for(capacity_.points, 64)} * 64 * sizeof(shader::Hit), "contact hits"),
-      counts_(device, std::uint64_t{gpu::groups_for(capacity_.points, 64)} * 4, "contact counts"),
+      hits_(device, std::uint64_t{capacity_.points} * sizeof(shader::Hit), "contact hits"),
+      masks_(device, std::uint64_t{mask_words(capacity_.points)} * 4, "contact masks"),
+      counts_(device, std::uint64_t{shader::contacts_chunks} * 4, "contact counts"),
       total_(device, sizeof(shader::ScanTotal), "contact total"),
-      nodes_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::Node), "finger nodes"),
-      cells_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::CellKey), "finger cells"),
-      places_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::Place), "finger places"),
-      sizes_(device, std::uint64_t{capacity_.contacts} * 4, "finger sizes"),
-      slots_(device, std::uint64_t{slots_for(capacity_.contacts)} * sizeof(shader::Slot), "finger slots"),
+      nodes_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::uvec4), "finger nodes"),
+      keys_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::BlockKey), "finger keys"),
+      places_(device, std::uint64_t{capacity_.contacts} * 4, "finger places"),
+      slots_(device, std::uint64_t{slots_for(capacity_.contacts)} * 4, "finger slots"),
+      heads_(device, std::uint64_t{capacity_.contacts} * 4 * shader::fingers_block_cells, "finger heads"),
+      list_(device, std::uint64_t{capacity_.contacts} * 4, "finger blocks"),
+      groups_(device, std::uint64_t{capacity_.contacts} * 4, "finger groups"),
+      crowded_(device, std::uint64_t{capacity_.contacts} * 4 + 16, "finger crowded"),
+      work_(device, sizeof(shader::FingersWork), "finger work"),
       parents_(device, std::uint64_t{capacity_.contacts} * 4, "finger parents"),
+      clusters_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::Cluster), "finger clusters"),
       contacts_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::ContactRecord), "contacts"),
       header_(device, sizeof(shader::TouchHeader), "touch header"),
       fingers_(device, max_fingers * sizeof(shader::FingerRecord), "fingers"),
@@ -76,31 +79,35 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
                     .cells = table.cells(),
                     .planes = table.planes(),
                     .hits = b.hits_.ref(),
+                    .masks = b.masks_.ref(),
                     .counts = b.counts_.ref(),
                     .total = b.total_.ref(),
                     .contacts = b.contacts_.ref(),
                     .most_points = b.capacity_.points,
                     .most_contacts = b.capacity_.contacts},
-                   table.host(), parameters.delta_m);
+                   table.host(), parameters.delta_m, times);
   gpu::compute_to_compute(commands);
-  mark("contacts");
   fingers_.record(commands,
                   {.length = total,
                    .solids = table.solids(),
                    .total = b.total_.ref(),
                    .contacts = b.contacts_.ref(),
                    .nodes = b.nodes_.ref(),
-                   .cells = b.cells_.ref(),
+                   .keys = b.keys_.ref(),
                    .places = b.places_.ref(),
-                   .sizes = b.sizes_.ref(),
                    .slots = b.slots_.ref(),
+                   .heads = b.heads_.ref(),
+                   .list = b.list_.ref(),
+                   .groups = b.groups_.ref(),
+                   .crowded = b.crowded_.ref(),
+                   .clusters = b.clusters_.ref(),
+                   .work = b.work_.ref(),
                    .parents = b.parents_.ref(),
                    .header = b.header_.ref(),
                    .fingers = b.fingers_.ref(),
                    .most_contacts = b.capacity_.contacts},
-                  table.host(), parameters);
+                  table.host(), parameters, times);
   gpu::compute_to_compute(commands);
-  mark("fingers");
   sections_.record(commands,
                    {.total = b.total_.ref(),
                     .parents = b.parents_.ref(),

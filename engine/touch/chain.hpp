@@ -33,9 +33,9 @@ class SolidTable {
   gpu::Upload solids_, cells_, planes_, borders_;
 };
 
-/// Room for one frame in flight. 29 bytes of memory per point and 112 per contact: 61 MB for the defaults.
+/// Room for one frame in flight: 8 bytes of memory per point and 124 per contact, 43 MB for the defaults.
 struct Capacity {
-  std::uint32_t points = 1'250'000;  ///< at most 4,194,240
+  std::uint32_t points = 1'250'000;  ///< at most shader::contacts_most_points
   std::uint32_t contacts = 262'144;  ///< more than this many contacts in a frame are an error that read() reports
 };
 
@@ -57,7 +57,8 @@ class TouchBuffers {
   friend class TouchPasses;
   friend void read(const TouchBuffers& buffers, Touch& out);
   Capacity capacity_;
-  gpu::Buffer hits_, counts_, total_, nodes_, cells_, places_, sizes_, slots_, parents_;
+  gpu::Buffer hits_, masks_, counts_, total_, nodes_, keys_, places_, slots_, heads_, list_, groups_, crowded_, work_,
+      parents_, clusters_;
   gpu::Readback contacts_, header_, fingers_, foci_;
   std::uint32_t foci_per_finger_ = 0;  ///< of the newest record
 };
@@ -67,7 +68,7 @@ class TouchPasses {
  public:
   explicit TouchPasses(const gpu::Device& device);
 
-  /// Records ten dispatches and the readback. `points` holds a vec4 per skin point (x, y, z, the bits of its index,
+  /// Records eleven dispatches and the readback. `points` holds a vec4 per skin point (x, y, z, the bits of its index,
   /// indices ascending), `total` their shader::ScanTotal with 64 per group. With `times`, marks "contacts", "fingers"
   /// and "foci". Barriers: expects points and total to be visible to compute and as indirect arguments, and the submit
   /// that used `buffers` before to have completed. Throws bad_usage on unusable parameters.

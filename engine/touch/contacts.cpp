@@ -1,5 +1,7 @@
 #include "touch/contacts.hpp"
 
+#include <cassert>
+
 #include "gpu/barrier.hpp"
 #include "shaders/touch_math.h"
 #include "spirv/contacts_find.comp.hpp"
@@ -28,6 +30,8 @@ float shell_depth(const PlaneTable& table, std::size_t solid, const Float3& poin
   return depth > 0 && depth < delta ? depth : 0;
 }
 
+constexpr std::uint32_t one_solid = 1;
+
 }  // namespace
 
 void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable& table, double delta_m,
@@ -37,7 +41,6 @@ void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable&
   for (const sensing::SkinPoint& skin : points) {
     const Float3 point{skin.position.x, skin.position.y, skin.position.z};
     if (!shader::is_finite(point.x) || !shader::is_finite(point.y) || !shader::is_finite(point.z)) continue;
-    if (!inside(point, table.low, table.high)) continue;
     for (std::uint32_t s = 0; s < table.solids.size(); ++s) {
       const float depth = shell_depth(table, s, point, delta);
       if (depth == 0) continue;
@@ -47,36 +50,33 @@ void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable&
   }
 }
 
+std::uint32_t mask_words(std::uint32_t points) {
+  constexpr std::uint32_t round_of_all = shader::contacts_chunks * shader::contacts_group;
+  return gpu::groups_for(points, round_of_all) * round_of_all / 32;
+}
+
 ContactsPass::ContactsPass(const gpu::Device& device)
     : find_(device, "contacts find", spirv::contacts_find_comp,
             {shader::contacts_find_buffers, sizeof(shader::ContactsPush)}),
+      find_one_(device, "contacts find one", spirv::contacts_find_comp,
+                {shader::contacts_find_buffers, sizeof(shader::ContactsPush), {&one_solid, 1}}),
       pack_(device, "contacts pack", spirv::contacts_pack_comp,
-            {shader::contacts_pack_buffers, sizeof(shader::ContactsPush)}),
-      scan_(device) {}
+            {shader::contacts_pack_buffers, sizeof(shader::ContactsPush)}) {}
 
-void ContactsPass::record(VkCommandBuffer commands, const ContactsBuffers& buffers, const PlaneTable& table,
-                          double delta_m) const {
-  const shader::ContactsPush push{table.low,
-                                  table.high,
-                                  static_cast<std::uint32_t>(table.solids.size()),
-                                  static_cast<float>(delta_m),
-                                  buffers.most_points,
-                                  buffers.most_contacts};
-  const gpu::BufferRef groups{buffers.length.buffer, buffers.length.offset + offsetof(shader::ScanTotal, groups_x),
-                              sizeof(VkDispatchIndirectCommand)};
-  find_.dispatch_indirect(
-      commands,
-      {buffers.points, buffers.length, buffers.hits, buffers.counts, buffers.solids, buffers.cells, buffers.planes},
-      &push, groups);
+void ContactsPass::record(VkCommandBuffer commands, const ContactsBuffers& b, const PlaneTable& table, double delta_m,
+                          gpu::Timestamps* times) const {
+  assert(b.most_points <= shader::contacts_most_points);
+  const auto solids = static_cast<std::uint32_t>(table.solids.size());
+  shader::ContactsPush push{{}, solids, static_cast<float>(delta_m), b.most_points, b.most_contacts};
+  if (solids == 1) push.only = table.solids[0];
+  const gpu::ComputePipeline& find = solids == 1 ? find_one_ : find_;
+  find.dispatch(commands, {b.points, b.length, b.hits, b.masks, b.counts, b.solids, b.cells, b.planes}, &push,
+                shader::contacts_chunks);
   gpu::compute_to_compute(commands);
-  scan_.record(commands, buffers.counts, buffers.length, buffers.total,
-               {.most_counts = gpu::groups_for(buffers.most_points, shader::contacts_group),
-                .items_per_count = shader::contacts_group,
-                .most_total = buffers.most_points});
-  gpu::compute_to_compute(commands);
-  pack_.dispatch_indirect(
-      commands, {buffers.points, buffers.length, buffers.hits, buffers.counts, buffers.total, buffers.contacts}, &push,
-      groups);
+  if (times) times->mark(commands, "contacts find");
+  pack_.dispatch(commands, {b.points, b.length, b.hits, b.masks, b.counts, b.total, b.contacts}, &push,
+                 shader::contacts_chunks);
+  if (times) times->mark(commands, "contacts pack");
 }
 
 }  // namespace palpa::touch

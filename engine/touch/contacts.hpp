@@ -7,6 +7,7 @@
 #include "gpu/buffer.hpp"
 #include "gpu/pipeline.hpp"
 #include "gpu/scan.hpp"
+#include "gpu/timestamps.hpp"
 #include "sensing/skin.hpp"
 #include "touch/plane_cells.hpp"
 #include "touch/types.hpp"
@@ -23,32 +24,39 @@ void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable&
 
 /// What the pass reads and writes. `most_points` and `most_contacts` are the room in the buffers.
 struct ContactsBuffers {
-  gpu::BufferRef points;          ///< in: vec4 per skin point: x, y, z, the bits of its index
-  gpu::BufferRef length;          ///< in: shader::ScanTotal of the points, 64 per group
-  gpu::BufferRef solids;          ///< in: shader::SolidRecord[]
-  gpu::BufferRef cells;           ///< in: shader::PlaneCell[]
-  gpu::BufferRef planes;          ///< in: vec4[]
-  gpu::BufferRef hits;            ///< scratch: 8 bytes per point, whole groups of 64
-  gpu::BufferRef counts;          ///< scratch: 4 bytes per 64 points
-  gpu::BufferRef total;           ///< out: shader::ScanTotal: contacts found, also those for which there was no room
+  gpu::BufferRef points;  ///< in: vec4 per skin point: x, y, z, the bits of its index
+  gpu::BufferRef length;  ///< in: shader::ScanTotal of the points, 64 per group
+  gpu::BufferRef solids;  ///< in: shader::SolidRecord[]
+  gpu::BufferRef cells;   ///< in: shader::PlaneCell[]
+  gpu::BufferRef planes;  ///< in: vec4[]
+  gpu::BufferRef hits;    ///< scratch: 8 bytes per point
+  gpu::BufferRef masks;   ///< scratch: mask_words(most_points) words
+  gpu::BufferRef counts;  ///< scratch: shader::contacts_chunks words
+  /// out: shader::ScanTotal: contacts found, also those for which there was no room; its groups are those of the passes
+  /// over contacts, shader::contact_group each and at most shader::contacts_most_groups
+  gpu::BufferRef total;
   gpu::BufferRef contacts;        ///< out: shader::ContactRecord[], in input order, `finger` unset
-  std::uint32_t most_points = 0;  ///< at most 4,194,240
+  std::uint32_t most_points = 0;  ///< at most shader::contacts_most_points
   std::uint32_t most_contacts = 0;
 };
 
-/// Pipelines only; three dispatches: find, scan, pack. Points beyond `most_points` and contacts beyond `most_contacts`
+/// Words of 32 points that the pass's chunks cover.
+std::uint32_t mask_words(std::uint32_t points);
+
+/// Pipelines only; two dispatches: find, pack. Points beyond `most_points` and contacts beyond `most_contacts`
 /// are left out; `length` and `total` tell.
 class ContactsPass {
  public:
   explicit ContactsPass(const gpu::Device& device);
 
-  /// Barriers: expects points and length to be visible to compute and as indirect arguments; adds its own inside; the
+  /// Barriers: expects points and length to be visible to compute; adds its own inside; the
   /// caller adds compute_to_compute afterwards.
-  void record(VkCommandBuffer commands, const ContactsBuffers& buffers, const PlaneTable& table, double delta_m) const;
+  /// With `times`, marks "contacts find" and "contacts pack".
+  void record(VkCommandBuffer commands, const ContactsBuffers& buffers, const PlaneTable& table, double delta_m,
+              gpu::Timestamps* times = nullptr) const;
 
  private:
-  gpu::ComputePipeline find_, pack_;
-  gpu::ScanPass scan_;
+  gpu::ComputePipeline find_, find_one_, pack_;
 };
 
 }  // namespace palpa::touch

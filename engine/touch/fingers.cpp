@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <span>
 
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"
 #include "gpu/scan.hpp"
+#include "spirv/fingers_blocks.comp.hpp"
+#include "spirv/fingers_crowded.comp.hpp"
 #include "spirv/fingers_insert.comp.hpp"
 #include "spirv/fingers_label.comp.hpp"
 #include "spirv/fingers_link.comp.hpp"
@@ -36,7 +39,7 @@ void check(const Parameters& parameters, const PlaneTable& table) {
     for (const float side : {solid.low.x, solid.low.y, solid.low.z})
       reach = std::max(reach, -static_cast<double>(side));
   }
-  const double least = reach / (shader::fingers_cell_side * shader::fingers_most_cells);
+  const double least = reach / (2e-3 * shader::fingers_cell_thousandths * shader::fingers_most_blocks);
   if (parameters.finger_gap_m < least) {
     throw bad_usage(fmt::format("the finger gap is {} m: at least {:.2g} m for a solid of {:.3g} m",
                                 parameters.finger_gap_m, least * 1.01, 2 * reach));
@@ -47,47 +50,52 @@ std::uint32_t slots_for(std::uint32_t contacts) {
   return contacts <= 32 ? 64 : 2 * std::bit_ceil(contacts);
 }
 
+namespace {
+
+gpu::ComputePipeline pipeline(const gpu::Device& device, const char* name, std::span<const std::uint32_t> spirv,
+                              std::span<const std::uint32_t> constants = {}) {
+  return {device, name, spirv, {shader::fingers_buffers, sizeof(shader::FingersPush), constants}};
+}
+
+constexpr std::uint32_t test_all = 1;
+
+}  // namespace
+
 FingersPass::FingersPass(const gpu::Device& device)
-    : prepare_(device, "fingers prepare", spirv::fingers_prepare_comp,
-               {shader::fingers_prepare_buffers, sizeof(shader::FingersPush)}),
-      insert_(device, "fingers insert", spirv::fingers_insert_comp,
-              {shader::fingers_insert_buffers, sizeof(shader::FingersPush)}),
-      link_(device, "fingers link", spirv::fingers_link_comp,
-            {shader::fingers_link_buffers, sizeof(shader::FingersPush)}),
-      label_(device, "fingers label", spirv::fingers_label_comp,
-             {shader::fingers_label_buffers, sizeof(shader::FingersPush)}),
+    : prepare_(pipeline(device, "fingers prepare", spirv::fingers_prepare_comp)),
+      insert_(pipeline(device, "fingers insert", spirv::fingers_insert_comp)),
+      blocks_(pipeline(device, "fingers blocks", spirv::fingers_blocks_comp)),
+      link_(pipeline(device, "fingers link", spirv::fingers_link_comp)),
+      crowded_(pipeline(device, "fingers crowded", spirv::fingers_crowded_comp)),
+      rest_(pipeline(device, "fingers rest", spirv::fingers_link_comp, {&test_all, 1})),
+      label_(pipeline(device, "fingers label", spirv::fingers_label_comp)),
       select_(device, "fingers select", spirv::fingers_select_comp,
               {shader::fingers_select_buffers, sizeof(shader::FingersPush)}) {}
 
 void FingersPass::record(VkCommandBuffer commands, const FingersBuffers& b, const PlaneTable& table,
-                         const Parameters& parameters) const {
+                         const Parameters& parameters, gpu::Timestamps* times) const {
   check(parameters, table);
-  // A gap beyond every solid means one cluster per solid; its square must stay a number.
-  const float gap = std::min(static_cast<float>(parameters.finger_gap_m), 1e9F);
-  shader::FingersPush push{};
-  push.cells_per_metre = 1.0F / (shader::fingers_cell_side * gap);
-  push.limit = gap * gap;
-  push.most_contacts = b.most_contacts;
-  push.min_points = parameters.min_points;
-  const gpu::BufferRef groups{b.total.buffer, b.total.offset + offsetof(shader::ScanTotal, groups_x),
-                              sizeof(VkDispatchIndirectCommand)};
-
-  prepare_.dispatch_indirect(commands,
-                             {b.total, b.nodes, b.cells, b.parents, b.places, b.slots, b.sizes, b.contacts, b.solids},
-                             &push, groups);
-  gpu::compute_to_compute(commands);
-  insert_.dispatch_indirect(commands, {b.total, b.nodes, b.cells, b.parents, b.places, b.slots}, &push, groups);
-  gpu::compute_to_compute(commands);
-  push.end_neighbour = shader::fingers_near;
-  link_.dispatch_indirect(commands, {b.total, b.nodes, b.cells, b.parents, b.places, b.slots}, &push, groups);
-  gpu::compute_to_compute(commands);
-  push.first_neighbour = shader::fingers_near;
-  push.end_neighbour = shader::fingers_neighbours;
-  link_.dispatch_indirect(commands, {b.total, b.nodes, b.cells, b.parents, b.places, b.slots}, &push, groups);
-  gpu::compute_to_compute(commands);
-  label_.dispatch_indirect(commands, {b.total, b.nodes, b.cells, b.parents, b.places, b.slots, b.sizes}, &push, groups);
-  gpu::compute_to_compute(commands);
-  select_.dispatch(commands, {b.total, b.length, b.sizes, b.contacts, b.header, b.fingers}, &push, 1);
+  const float gap = float_gap(parameters);
+  const shader::FingersPush push{cells_per_metre(gap), gap * gap, b.most_contacts, parameters.min_points};
+  const auto run = [&](const gpu::ComputePipeline& stage, gpu::BufferRef where, VkDeviceSize groups) {
+    stage.dispatch_indirect(commands,
+                            {b.total, b.contacts, b.solids, b.nodes, b.keys, b.places, b.slots, b.heads, b.list,
+                             b.crowded, b.work, b.parents, b.clusters, b.groups},
+                            &push, {where.buffer, where.offset + groups, sizeof(VkDispatchIndirectCommand)});
+    gpu::compute_to_compute(commands);
+  };
+  constexpr VkDeviceSize per_contact = offsetof(shader::ScanTotal, groups_x);
+  run(prepare_, b.total, per_contact);
+  run(insert_, b.total, per_contact);
+  if (times) times->mark(commands, "cells");
+  run(blocks_, b.work, offsetof(shader::FingersWork, blocks_x));
+  run(link_, b.work, offsetof(shader::FingersWork, links_x));
+  run(crowded_, b.work, offsetof(shader::FingersWork, crowded_x));
+  run(rest_, b.work, offsetof(shader::FingersWork, rest_x));
+  if (times) times->mark(commands, "links");
+  run(label_, b.total, per_contact);
+  select_.dispatch(commands, {b.total, b.length, b.parents, b.clusters, b.contacts, b.header, b.fingers}, &push, 1);
+  if (times) times->mark(commands, "fingers");
 }
 
 }  // namespace palpa::touch

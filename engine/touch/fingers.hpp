@@ -2,16 +2,17 @@
 // finger gap are in one cluster, and so is whatever hangs together through others; a cluster of at least min_points is
 // a finger.
 //
-// Method: cells so small that all contacts of one cell are in one cluster, in a hash table (Wang, Gu, Shun 2020); pairs
-// of contacts are tested only between cells at most two apart, up to the first hit; a lock-free union-find with path
-// halving joins them (Jaiganesh and Burtscher's ECL-CC, HPDC 2018).
+// Method: cells so small that all contacts of one cell are in one cluster (Wang, Gu, Shun 2020), eight to a block,
+// blocks in a hash table; pairs of contacts are tested only between cells of blocks that touch, up to the first hit; a
+// lock-free union-find with path halving joins them (Jaiganesh and Burtscher's ECL-CC, HPDC 2018).
 #pragma once
 
-#include <span>
+#include <algorithm>
 #include <vector>
 
 #include "gpu/buffer.hpp"
 #include "gpu/pipeline.hpp"
+#include "gpu/timestamps.hpp"
 #include "shaders/fingers.h"
 #include "touch/plane_cells.hpp"
 #include "touch/types.hpp"
@@ -19,7 +20,7 @@
 namespace palpa::touch {
 
 /// Throws bad_usage unless delta and finger gap are finite and positive, 1 <= foci <= max_foci, and the gap is not so
-/// small against the largest solid (1/100,000 of it) that single precision could not place a contact in a cell.
+/// small against the largest solid (1/30,000 of it) that single precision could not place a contact in a cell.
 void check(const Parameters& parameters, const PlaneTable& table);
 
 /// C++ twin of FingersPass: fills `out.fingers` (solid and contacts), `finger_count` and `cluster_count` from
@@ -33,32 +34,48 @@ struct FingersBuffers {
   gpu::BufferRef total;     ///< in: shader::ScanTotal of the contacts
   gpu::BufferRef contacts;  ///< in: shader::ContactRecord[]
   gpu::BufferRef nodes;     ///< scratch: 16 bytes per contact
-  gpu::BufferRef cells;     ///< scratch: 16 bytes per contact
-  gpu::BufferRef places;    ///< scratch: 8 bytes per contact
-  gpu::BufferRef sizes;     ///< scratch: 4 bytes per contact
-  gpu::BufferRef slots;     ///< scratch: 16 bytes for each of slots_for(most_contacts)
-  gpu::BufferRef parents;   ///< out: per contact the smallest contact of its cluster
+  gpu::BufferRef keys;      ///< scratch: 8 bytes per contact
+  gpu::BufferRef places;    ///< scratch: 4 bytes per contact
+  gpu::BufferRef slots;     ///< scratch: 4 bytes for each of slots_for(most_contacts)
+  gpu::BufferRef heads;     ///< scratch: 32 bytes per contact
+  gpu::BufferRef list;      ///< scratch: 4 bytes per contact
+  gpu::BufferRef groups;    ///< scratch: 4 bytes per contact
+  gpu::BufferRef crowded;   ///< scratch: 4 bytes per contact, at least 16
+  gpu::BufferRef clusters;  ///< scratch: 8 bytes per contact
+  gpu::BufferRef work;      ///< scratch: shader::FingersWork
+  gpu::BufferRef parents;   ///< out: per contact a number that its cluster alone has (not the same on every run)
   gpu::BufferRef header;    ///< out: shader::TouchHeader
   gpu::BufferRef fingers;   ///< out: shader::FingerRecord[max_fingers], first, solid and contacts
   std::uint32_t most_contacts = 0;
 };
 
+/// Side of the cells for a gap; contacts of one cell are within the gap, whatever rounding does.
+inline float cells_per_metre(float gap) {
+  return 1.0F / (static_cast<float>(shader::fingers_cell_thousandths) * 1e-3F * gap);
+}
+/// The gap as single precision has it. Beyond every solid it means one cluster per solid; its square must stay a
+/// number.
+inline float float_gap(const Parameters& parameters) {
+  return std::min(static_cast<float>(parameters.finger_gap_m), 1e9F);
+}
+
 /// Slots of the hash table for that many contacts.
 std::uint32_t slots_for(std::uint32_t contacts);
 
-/// Pipelines only; six dispatches: prepare, insert, link (near, far), label, select. Every loop is bounded; labels and
-/// fingers do not depend on the order in which anything ran.
+/// Pipelines only; eight dispatches: prepare, insert, blocks, link, crowded, rest, label, select. Every loop is
+/// bounded; the fingers do not depend on the order in which anything ran.
 class FingersPass {
  public:
   explicit FingersPass(const gpu::Device& device);
 
   /// Barriers: expects total and contacts to be visible to compute and as indirect arguments; adds its own inside; the
   /// caller adds compute_to_compute afterwards. Throws what check() throws.
+  /// With `times`, marks "cells", "links" and "fingers".
   void record(VkCommandBuffer commands, const FingersBuffers& buffers, const PlaneTable& table,
-              const Parameters& parameters) const;
+              const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
 
  private:
-  gpu::ComputePipeline prepare_, insert_, link_, label_, select_;
+  gpu::ComputePipeline prepare_, insert_, blocks_, link_, crowded_, rest_, label_, select_;
 };
 
 }  // namespace palpa::touch

@@ -45,9 +45,9 @@ Float3 position(const Contact& contact) {
   return {contact.position.x, contact.position.y, contact.position.z};
 }
 
-Key cell_of(const Contact& contact, const PlaneTable& table, float cells_per_metre) {
+Key cell_of(const Contact& contact, const PlaneTable& table, float density) {
   const shader::vec4& centre = table.solids[contact.solid].centre;
-  const auto along = [&](float p, float c) { return static_cast<std::int32_t>(std::floor((p - c) * cells_per_metre)); };
+  const auto along = [&](float p, float c) { return static_cast<std::int32_t>(std::floor((p - c) * density)); };
   return {along(contact.position.x, centre.x), along(contact.position.y, centre.y), along(contact.position.z, centre.z),
           contact.solid};
 }
@@ -57,7 +57,7 @@ class Clustering {
  public:
   Clustering(const std::vector<Contact>& contacts, const PlaneTable& table, float gap)
       : contacts_(contacts), limit_(gap * gap), smallest_(contacts.size()) {
-    sort_into_cells(table, 1.0F / (shader::fingers_cell_side * gap));
+    sort_into_cells(table, cells_per_metre(gap));
     std::iota(smallest_.begin(), smallest_.end(), 0U);
     // Cells that touch first: most of the others are then in one cluster already.
     for (const int reach : {1, 2}) {
@@ -74,11 +74,11 @@ class Clustering {
   const std::vector<std::uint32_t>& smallest() const { return smallest_; }
 
  private:
-  void sort_into_cells(const PlaneTable& table, float cells_per_metre) {
+  void sort_into_cells(const PlaneTable& table, float density) {
     std::vector<std::uint32_t> cell_of_contact;
     cell_of_contact.reserve(contacts_.size());
     for (const Contact& contact : contacts_) {
-      const Key key = cell_of(contact, table, cells_per_metre);
+      const Key key = cell_of(contact, table, density);
       const auto [at, fresh] = by_key_.try_emplace(key, static_cast<std::uint32_t>(cells_.size()));
       if (fresh) cells_.push_back({key, 0, 0});
       cell_of_contact.push_back(at->second);
@@ -131,8 +131,7 @@ class Clustering {
 
 void find_fingers(const Parameters& parameters, const PlaneTable& table, Touch& out) {
   check(parameters, table);
-  const float gap = std::min(static_cast<float>(parameters.finger_gap_m), 1e9F);
-  const Clustering clustering(out.contacts, table, gap);
+  const Clustering clustering(out.contacts, table, float_gap(parameters));
   const std::vector<std::uint32_t>& smallest = clustering.smallest();
 
   std::vector<std::uint32_t> sizes(smallest.size());

@@ -14,12 +14,11 @@ namespace {
 /// Below this, cells are not refined further: no sensible delta reaches there.
 constexpr double refined_depth = 5e-3;
 /// A list this short is not worth splitting.
-constexpr std::size_t short_list = 6;
+constexpr std::size_t short_list = 1;
 /// All lists of a scene together, at 16 bytes each; a solid that would go beyond keeps one list of all its planes.
 constexpr std::size_t most_listed = std::size_t{3} << 20;
 
 std::uint32_t cells_per_axis(std::size_t planes) {
-  if (planes <= 16) return 1;
   if (planes <= 128) return 8;
   return planes <= 512 ? 16 : 32;
 }
@@ -167,7 +166,6 @@ bool finite(const Vec3& v) {
 PlaneTable make_plane_table(const std::vector<geometry::Solid>& solids) {
   PlaneTable table;
   std::vector<std::vector<LocalPlane>> local(solids.size());
-  Box box;
   for (std::size_t s = 0; s < solids.size(); ++s) {
     const geometry::Solid& solid = solids[s];
     bool usable =
@@ -180,16 +178,11 @@ PlaneTable make_plane_table(const std::vector<geometry::Solid>& solids) {
       usable = usable && finite(plane.normal) && std::isfinite(plane.offset);
     }
     if (!usable) throw bad_usage(fmt::format("solid '{}' has no planes or no finite box", solid.name));
-    box.add(solid.bounds.low - 1e-6 * (solid.bounds.high - solid.bounds.low + 1.0));
-    box.add(solid.bounds.high + 1e-6 * (solid.bounds.high - solid.bounds.low + 1.0));
   }
   table.first_plane.push_back(static_cast<std::uint32_t>(table.planes.size()));
   std::size_t listed = 0;
   for (std::size_t s = 0; s < solids.size(); ++s)
     add_solid(table, listed, solids[s], local[s], table.first_plane[s]);
-  if (solids.empty()) box = {Vec3(1), Vec3(-1)};
-  table.low = {rounded_down(box.low.x), rounded_down(box.low.y), rounded_down(box.low.z), 0};
-  table.high = {rounded_up(box.high.x), rounded_up(box.high.y), rounded_up(box.high.z), 0};
   return table;
 }
 

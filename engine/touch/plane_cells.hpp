@@ -16,7 +16,6 @@ struct PlaneTable {
   std::vector<shader::PlaneCell> cells;    ///< solid after solid, x fastest
   std::vector<shader::vec4> planes;        ///< first every plane of every solid, then the cells' lists
   std::vector<std::uint32_t> first_plane;  ///< per solid, plus one past the last: the range of all its planes
-  shader::vec4 low{}, high{};              ///< box of all solids, world, a little too large; low > high without solids
 };
 
 /// `solids` are convex and bounded. A cell of solid s lists every plane that is the nearest at some point of the cell

@@ -21,7 +21,7 @@ std::vector<shader::Border> sector_borders();
 
 struct SectionsBuffers {
   gpu::BufferRef total;     ///< in: shader::ScanTotal of the contacts
-  gpu::BufferRef parents;   ///< in: per contact its cluster's smallest contact
+  gpu::BufferRef parents;   ///< in: per contact a number that its cluster alone has
   gpu::BufferRef contacts;  ///< in: shader::ContactRecord[]; out: their `finger`
   gpu::BufferRef header;    ///< in: shader::TouchHeader, one group per finger
   gpu::BufferRef fingers;   ///< in: shader::FingerRecord[max_fingers] as FingersPass leaves it; out: frames
