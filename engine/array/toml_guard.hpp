@@ -7,8 +7,9 @@
 
 namespace palpa::array {
 
-/// Values and lines that a file may have: the parser needs about 100 bytes for each.
-inline constexpr std::uint64_t max_toml_items = 1'500'000;
+/// Values and lines that a file may have: the parser needs a microsecond and up to 300 bytes for each. 65,536
+/// transducers, three lines and six numbers each, have 850,000.
+inline constexpr std::uint64_t max_toml_items = 1'200'000;
 /// Parts of a dotted key. The parser nests one table per part and destroys them recursively: a line of a million dots
 /// would exhaust the stack.
 inline constexpr std::uint32_t max_key_parts = 8;
