@@ -121,7 +121,7 @@ void run_doctor(const DoctorOptions& options, const std::vector<DoctorProbe>& pr
 void add_doctor(Program& program) {
   add_subcommand<DoctorOptions>(
       program,
-      {"doctor", "What works on this machine, and what to do about the rest: GPUs, boards, cameras.",
+      {"doctor", "what works on this machine, and what to do about the rest",
        "  palpa doctor\n  palpa doctor --json -\n"
        "Exit code 0 when there is a GPU that palpa can use (the CPU driver of Mesa counts), else 3."},
       [](CLI::App&, DoctorOptions&) {},

@@ -145,13 +145,12 @@ void run(const DriveCommand& o) {
 }  // namespace
 
 void add_drive(Program& program) {
-  add_subcommand<DriveCommand>(
-      program,
-      {"drive", "Amplitude and phase of every transducer for one focus, or for several at once.",
-       "  palpa drive --layout openmpd --focus 0,0,150mm --csv drive.csv\n"
-       "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0 --json -\n"
-       "Phases are delays in radians (time factor e^-iwt), amplitudes lie in 0..1."},
-      add_options, run);
+  add_subcommand<DriveCommand>(program,
+                               {"drive", "amplitude and phase of every transducer for one focus or several at once",
+                                "  palpa drive --layout openmpd --focus 0,0,150mm --csv drive.csv\n"
+                                "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0 --json -\n"
+                                "Phases are delays in radians (time factor e^-iwt), amplitudes lie in 0..1."},
+                               add_options, run);
 }
 
 }  // namespace palpa::cli

@@ -67,18 +67,10 @@ Exit parse_and_run(int argc, const char* const* argv, const Extensions& extensio
       "Exit codes: 0 ok, 1 failed, 2 bad usage, 3 no usable Vulkan device, 4 bad or missing input.");
   Program program{app, extensions, {}, nullptr};
   add_doctor(program);
-#ifdef PALPA_CLI_TOUCH
   add_touch(program);
-#endif
-#ifdef PALPA_CLI_RUN
   add_run(program);
-#endif
-#ifdef PALPA_CLI_DRIVE
   add_drive(program);
-#endif
-#ifdef PALPA_CLI_BENCH
   add_bench(program);
-#endif
 
   try {
     app.parse(argc, argv);

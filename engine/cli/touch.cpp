@@ -172,7 +172,7 @@ void run(const TouchCommand& o) {
 void add_touch(Program& program) {
   add_subcommand<TouchCommand>(
       program,
-      {"touch", "One touch: where skin meets a model, which fingers, and where the foci go.",
+      {"touch", "one touch: where skin meets a model, which fingers, where the foci go",
        "  palpa touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm\n"
        "  palpa touch --scene model.glb --depth hand.png --camera camera.toml --json touch.json\n"
        "Depths and coordinates are metres in the world (glTF's axes, +y up)."},

@@ -6,8 +6,9 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "cli/assets.hpp"
+#include "cli/set_up.hpp"
 #include "cli/values.hpp"
-#include "geometry/gltf.hpp"
 #include "geometry/ply.hpp"
 #include "sensing/png16.hpp"
 #include "sensing/rays.hpp"
@@ -48,19 +49,22 @@ void load_points(const TouchInputOptions& options, TouchInput& input) {
   input.point_count = input.points.size();
 }
 
-std::vector<sensing::Camera> load_cameras(const TouchInputOptions& options) {
-  std::vector<sensing::Camera> cameras;
-  if (!options.rig.empty()) {
-    cameras = sensing::load_rig(options.rig).cameras;
-    if (cameras.empty()) throw bad_input(options.rig, "has no [[camera]]; depth images need one each");
-    if (cameras.size() != options.depths.size()) {
-      throw bad_usage(
-          fmt::format("--rig {} has {} cameras, but --depth is given {} times: give one image per camera, in "
-                      "the rig's order",
-                      options.rig, cameras.size(), options.depths.size()));
-    }
-    return cameras;
+std::vector<sensing::Camera> load_rig_cameras(const TouchInputOptions& options) {
+  const std::string rig = options.rig.empty() ? find_asset("rigs/paper.toml") : options.rig;
+  std::vector<sensing::Camera> cameras = sensing::load_rig(rig).cameras;
+  if (cameras.empty()) throw bad_input(rig, "has no [[camera]]; depth images need one each");
+  if (cameras.size() != options.depths.size()) {
+    throw bad_usage(fmt::format(
+        "--depth: given {} times, but the rig {} has {} cameras: give one image per camera in the rig's order, or "
+        "one --camera per image",
+        options.depths.size(), rig, cameras.size()));
   }
+  return cameras;
+}
+
+std::vector<sensing::Camera> load_cameras(const TouchInputOptions& options) {
+  if (options.cameras.empty()) return load_rig_cameras(options);
+  std::vector<sensing::Camera> cameras;
   for (const std::string& file : options.cameras) {
     const sensing::Rig one = sensing::load_rig(file);
     if (one.cameras.size() != 1) {
@@ -92,7 +96,7 @@ void add_touch_input(CLI::App& app, TouchInputOptions& options) {
   group.text("--points", options.points, "FILE", "skin points as PLY, world coordinates");
   group.texts("--depth", options.depths, "FILE", "16-bit PNG in place of --points; again for several cameras");
   group.texts("--camera", options.cameras, "FILE", "camera TOML of each --depth, in their order");
-  group.text("--rig", options.rig, "FILE", "rig TOML in place of --camera");
+  group.text("--rig", options.rig, "FILE", "rig TOML in place of --camera [the paper's]");
   group.quantity("--penetration", options.penetration_m, Quantity::length, {-10, 10},
                  "shift --points along y: lowest that far below the solids' top");
 }
@@ -100,25 +104,24 @@ void add_touch_input(CLI::App& app, TouchInputOptions& options) {
 void check(const TouchInputOptions& o) {
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
   if (o.points.empty() == o.depths.empty()) {
-    throw bad_usage(o.points.empty() ? "no skin: give --points FILE.ply, or --depth FILE.png with --camera FILE.toml"
-                                     : "--points and --depth exclude each other: give one of them");
+    throw bad_usage(o.points.empty()
+                        ? "no skin: give --points FILE.ply, or --depth FILE.png with its --camera FILE.toml"
+                        : "--points and --depth exclude each other: give one of them");
   }
   if (!o.points.empty() && !(o.cameras.empty() && o.rig.empty()))
     throw bad_usage("--camera and --rig go with --depth, not with --points");
   if (o.depths.empty()) return;
   if (o.penetration_m) throw bad_usage("--penetration moves --points; depth images stay where their cameras are");
   if (!o.rig.empty() && !o.cameras.empty()) throw bad_usage("--rig and --camera exclude each other: give one of them");
-  if (o.rig.empty() && o.cameras.size() != o.depths.size()) {
-    throw bad_usage(fmt::format("--depth is given {} times and --camera {} times: give one camera per image, or --rig",
-                                o.depths.size(), o.cameras.size()));
+  if (!o.cameras.empty() && o.cameras.size() != o.depths.size()) {
+    throw bad_usage(fmt::format("--camera: given {} times for {} depth images; give one per image", o.cameras.size(),
+                                o.depths.size()));
   }
 }
 
 TouchInput load_touch_input(const TouchInputOptions& options) {
   TouchInput input;
-  std::optional<int> scene;
-  if (options.gltf_scene) scene = static_cast<int>(*options.gltf_scene);
-  input.solids = geometry::make_solids(geometry::load_gltf(options.scene, scene));
+  input.solids = load_solids(options.scene, options.gltf_scene);
   if (options.depths.empty()) {
     load_points(options, input);
   } else {

@@ -14,6 +14,8 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "support/shared_data.hpp"
+
 namespace palpa::test {
 namespace {
 
@@ -73,19 +75,17 @@ Result run_program(const std::filesystem::path& program, const std::vector<std::
                    const RunOptions& options) {
   std::array<int, 2> out{}, err{};
   if (pipe2(out.data(), O_CLOEXEC) != 0 || pipe2(err.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
-  const auto begin = Clock::now();
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("no fork");
-  if (child == 0) {
-    if (options.close_stdout_reader) close(out[0]);
-    become(program, arguments, options, out[1], err[1]);
-  }
-  close(out[1]);
-  close(err[1]);
   if (options.close_stdout_reader) {
+    // Before the program can write anything.
     close(out[0]);
     out[0] = -1;
   }
+  const auto begin = Clock::now();
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("no fork");
+  if (child == 0) become(program, arguments, options, out[1], err[1]);
+  close(out[1]);
+  close(err[1]);
   Result result;
   const auto deadline = begin + std::chrono::microseconds(static_cast<std::int64_t>(options.timeout_s * 1e6));
   if (!read_both({out[0], err[0]}, {&result.out, &result.err}, deadline)) {
@@ -110,7 +110,10 @@ std::string palpa_binary() {
 }
 
 Result palpa(const std::vector<std::string>& arguments, const RunOptions& options) {
-  return run_program(palpa_binary(), arguments, options);
+  // A build folder may lie outside the source tree, where the program does not find its assets by itself.
+  RunOptions with_assets = options;
+  with_assets.environment.emplace(with_assets.environment.begin(), "PALPA_ASSETS", source_file("assets").string());
+  return run_program(palpa_binary(), arguments, with_assets);
 }
 
 void expect_failure(const Result& result, int code, const std::string& part) {
