@@ -1,5 +1,7 @@
 #include "viewer/renderer.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -38,6 +40,17 @@ VkSampleCountFlagBits pick_samples(const gpu::Device& device) {
   return both & VK_SAMPLE_COUNT_4_BIT ? VK_SAMPLE_COUNT_4_BIT : VK_SAMPLE_COUNT_1_BIT;
 }
 
+/// Mesa 22's llvmpipe dies of a null pointer when it compiles any fragment shader for 512-bit vectors (vkcube does
+/// too).
+void refuse_what_cannot_draw(const gpu::Device& device) {
+  const gpu::DeviceDescription& d = device.description();
+  if (d.name.find("512 bits") != std::string::npos && d.driver.find("Mesa 22.") != std::string::npos) {
+    throw Error(Exit::no_device,
+                fmt::format("{} ({}) cannot draw: set LP_NATIVE_VECTOR_WIDTH=256, or choose another device with --gpu",
+                            d.name, d.driver));
+  }
+}
+
 shader::vec4 pack(const Colour& c) {
   return {c.r, c.g, c.b, c.a};
 }
@@ -69,6 +82,7 @@ struct Renderer::Frame {
 
 Renderer::Renderer(const gpu::Device& device, VkFormat colour)
     : device_(&device), colour_(colour), depth_(pick_depth_format(device)), samples_(pick_samples(device)) {
+  refuse_what_cannot_draw(device);
   gpu::GraphicsLayout layout;
   layout.buffers = shader::view_buffers;
   layout.push_bytes = sizeof(shader::ViewPush);

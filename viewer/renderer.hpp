@@ -45,6 +45,7 @@ struct Target {
 class Renderer {
  public:
   /// `colour` is the targets' format, 8 bits per channel and UNORM: colours are blended as they appear on the screen.
+  /// Throws Error (Exit::no_device) for a driver that is known to crash when it draws.
   Renderer(const gpu::Device& device, VkFormat colour);
 
   VkFormat colour_format() const { return colour_; }

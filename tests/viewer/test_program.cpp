@@ -5,11 +5,14 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/process.hpp"
+#include "drawing_test.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/png.hpp"
 
 namespace palpa {
 namespace {
+
+using Viewer = test::DrawingTest;
 
 using test::source_file;
 
@@ -18,11 +21,11 @@ test::Result viewer(const std::vector<std::string>& arguments) {
   return test::run_program(PALPA_VIEWER_BINARY, arguments, {{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}});
 }
 
-std::vector<std::string> cube_touch(std::vector<std::string> more) {
+std::vector<std::string> cube_touch(const std::vector<std::string>& more, const std::string& size = "320x200") {
   std::vector<std::string> arguments{"--scene",       source_file("assets/cube.glb").string(),
                                      "--points",      source_file("assets/finger.ply").string(),
                                      "--penetration", "3mm",
-                                     "--size",        "320x200"};
+                                     "--size",        size};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }
@@ -32,7 +35,7 @@ std::string bytes_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST(Viewer, WritesAScreenshotWithoutADisplay) {
+TEST_F(Viewer, WritesAScreenshotWithoutADisplay) {
   const auto folder = test::scratch_folder("viewer-shot");
   const std::string shot = (folder / "p.png").string();
   const auto run = viewer(cube_touch(
@@ -44,7 +47,7 @@ TEST(Viewer, WritesAScreenshotWithoutADisplay) {
   EXPECT_EQ(pixels.height, 200u);
 }
 
-TEST(Viewer, TheSameCommandGivesTheSameBytesOnEitherBackend) {
+TEST_F(Viewer, TheSameCommandGivesTheSameBytesOnEitherBackend) {
   const auto folder = test::scratch_folder("viewer-same");
   const std::string a = (folder / "a.png").string(), b = (folder / "b.png").string(), c = (folder / "c.png").string();
   ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", a, "--quiet"})).exit_code, 0);
@@ -54,7 +57,7 @@ TEST(Viewer, TheSameCommandGivesTheSameBytesOnEitherBackend) {
   EXPECT_LT(viewer::mean_difference(viewer::read_png(a), viewer::read_png(c)), 1e-4);
 }
 
-TEST(Viewer, FramesAdvanceTheRunningFocus) {
+TEST_F(Viewer, FramesAdvanceTheRunningFocus) {
   const auto folder = test::scratch_folder("viewer-slots");
   const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {
     const std::string file = (folder / name).string();
@@ -69,7 +72,7 @@ TEST(Viewer, FramesAdvanceTheRunningFocus) {
   EXPECT_EQ(shot("s.png", {"--slot", "1"}), bytes_of(folder / "2.png"));
 }
 
-TEST(Viewer, ComparesWithAReference) {
+TEST_F(Viewer, ComparesWithAReference) {
   const auto folder = test::scratch_folder("viewer-reference");
   const std::string shot = (folder / "p.png").string(), other = (folder / "other.png").string();
   ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", shot, "--quiet"})).exit_code, 0);
@@ -77,11 +80,11 @@ TEST(Viewer, ComparesWithAReference) {
   ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", other, "--quiet", "--dark"})).exit_code, 0);
   test::expect_failure(viewer(cube_touch({"--headless", "--reference", other})), 1, "other.png");
   EXPECT_EQ(viewer(cube_touch({"--headless", "--reference", other, "--threshold", "0.99"})).exit_code, 0);
-  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", other, "--quiet", "--size", "300x200"})).exit_code, 0);
+  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", other, "--quiet"}, "300x200")).exit_code, 0);
   test::expect_failure(viewer(cube_touch({"--headless", "--reference", other})), 4, "300x200");
 }
 
-TEST(Viewer, DrawsAnArrayAloneAndWithATouch) {
+TEST_F(Viewer, DrawsAnArrayAloneAndWithATouch) {
   const auto folder = test::scratch_folder("viewer-array");
   const std::string alone = (folder / "alone.png").string(), driven = (folder / "driven.png").string();
   EXPECT_EQ(viewer({"--layout", "sonicsurface", "--headless", "--screenshot", alone, "--quiet"}).exit_code, 0);
@@ -91,7 +94,7 @@ TEST(Viewer, DrawsAnArrayAloneAndWithATouch) {
       0);
 }
 
-TEST(Viewer, ReportsAsJson) {
+TEST_F(Viewer, ReportsAsJson) {
   const auto run = viewer(cube_touch({"--headless", "--frames", "2", "--json", "-"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto json = nlohmann::json::parse(run.out);
@@ -100,15 +103,15 @@ TEST(Viewer, ReportsAsJson) {
   EXPECT_GT(json["timing_ms"]["frame"].get<double>(), 0);
 }
 
-TEST(Viewer, WithoutADisplayItSaysSoAndSuggestsHeadless) {
+TEST_F(Viewer, WithoutADisplayItSaysSoAndSuggestsHeadless) {
   test::expect_failure(viewer(cube_touch({})), 3, "--headless");
 }
 
-TEST(Viewer, BadUsage) {
+TEST_F(Viewer, BadUsage) {
   test::expect_failure(viewer({}), 2, "--scene");
   test::expect_failure(viewer(cube_touch({"--screenshot", "p.png"})), 2, "--headless");
-  test::expect_failure(viewer(cube_touch({"--headless", "--size", "12x"})), 2, "--size");
-  test::expect_failure(viewer(cube_touch({"--headless", "--size", "1x1"})), 2, "--size");
+  test::expect_failure(viewer(cube_touch({"--headless"}, "12x")), 2, "--size");
+  test::expect_failure(viewer(cube_touch({"--headless"}, "1x1")), 2, "--size");
   test::expect_failure(viewer(cube_touch({"--headless", "--view", "below"})), 2, "--view");
   test::expect_failure(viewer(cube_touch({"--headless", "--stride", "5"})), 2, "--stride");
   test::expect_failure(viewer(cube_touch({"--headless", "--eye", "0,0,0"})), 2, "--eye");
@@ -118,11 +121,11 @@ TEST(Viewer, BadUsage) {
   test::expect_failure(viewer({"--headless", "--layout", "paper", "--penetration", "3mm"}), 2, "--penetration");
 }
 
-TEST(Viewer, NoSuchDevice) {
+TEST_F(Viewer, NoSuchDevice) {
   test::expect_failure(viewer(cube_touch({"--headless", "--gpu", "no such device"})), 3, "no such device");
 }
 
-TEST(Viewer, BadInput) {
+TEST_F(Viewer, BadInput) {
   const auto folder = test::scratch_folder("viewer-bad");
   const std::string cloud = (folder / "cloud.ply").string(), text = (folder / "text.glb").string();
   std::ofstream(cloud)
@@ -136,12 +139,12 @@ TEST(Viewer, BadInput) {
   test::expect_failure(viewer(cube_touch({"--headless", "--reference", text})), 4, "text.glb");
 }
 
-TEST(Viewer, AnUnwritableScreenshotIsAFailure) {
+TEST_F(Viewer, AnUnwritableScreenshotIsAFailure) {
   test::expect_failure(viewer(cube_touch({"--headless", "--screenshot", "/no/such/folder/p.png"})), 1,
                        "/no/such/folder/p.png");
 }
 
-TEST(Viewer, HelpAndVersion) {
+TEST_F(Viewer, HelpAndVersion) {
   const auto help = viewer({"--help"});
   EXPECT_EQ(help.exit_code, 0);
   for (const char* part : {"--scene", "--headless", "--screenshot", "--layout", "--delta", "--gpu", "Exit codes"}) {
@@ -150,7 +153,7 @@ TEST(Viewer, HelpAndVersion) {
   EXPECT_EQ(viewer({"--version"}).out.rfind("palpa-viewer ", 0), 0u);
 }
 
-TEST(Viewer, ValidationIsSilent) {
+TEST_F(Viewer, ValidationIsSilent) {
   for (const char* preset : {"core", "sync"}) {
     const auto run =
         viewer(cube_touch({"--headless", "--frames", "3", "--layout", "autd3", "--inset", "--validation", preset}));

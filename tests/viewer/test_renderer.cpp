@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/error.hpp"
+#include "drawing_test.hpp"
 #include "scenes.hpp"
 #include "support/device.hpp"
 #include "viewer/offscreen.hpp"
@@ -11,6 +12,8 @@
 
 namespace palpa::viewer {
 namespace {
+
+using Renderer = test::DrawingTest;
 
 constexpr std::uint32_t width = 320, height = 240;
 
@@ -46,14 +49,14 @@ std::size_t count_not(const Pixels& pixels, const Colour& colour) {
   return n;
 }
 
-TEST(Renderer, AnEmptySceneIsBackground) {
+TEST_F(Renderer, AnEmptySceneIsBackground) {
   Picture picture = test::bare();
   EXPECT_EQ(count_not(draw(picture, test::front_camera()), light_theme().background), 0u);
   picture.dark = true;
   EXPECT_EQ(count_not(draw(picture, test::front_camera()), dark_theme().background), 0u);
 }
 
-TEST(Renderer, ACubeIsWhereItShouldBeAndTranslucent) {
+TEST_F(Renderer, ACubeIsWhereItShouldBeAndTranslucent) {
   const Camera camera = test::front_camera();
   const Pixels pixels = draw(test::cube_picture(), camera);
   // The back face, then the front face, each the solid's colour under the light of mesh.frag, over the background.
@@ -69,7 +72,7 @@ TEST(Renderer, ACubeIsWhereItShouldBeAndTranslucent) {
   EXPECT_LT(at(pixels, camera, {-0.02, -0.005, 0.02})[0], 140);
 }
 
-TEST(Renderer, HiddenEdgesAreFaint) {
+TEST_F(Renderer, HiddenEdgesAreFaint) {
   const Camera camera = test::front_camera();
   const Pixels pixels = draw(test::cube_picture(), camera);
   // The back face's edges show through the front face, lighter than the front's own and darker than the face.
@@ -80,7 +83,7 @@ TEST(Renderer, HiddenEdgesAreFaint) {
   EXPECT_LT(shown, hidden - 30);
 }
 
-TEST(Renderer, ASmoothSolidHasAnOutlineAndNoInnerEdges) {
+TEST_F(Renderer, ASmoothSolidHasAnOutlineAndNoInnerEdges) {
   Picture picture = test::bare();
   geometry::Mesh ball;  // rings of a sphere of 2 cm
   constexpr unsigned rings = 32, around = 64;
@@ -111,7 +114,7 @@ TEST(Renderer, ASmoothSolidHasAnOutlineAndNoInnerEdges) {
   EXPECT_LT(darkest_rim, 110);
 }
 
-TEST(Renderer, ContactsHaveTheirFingersColour) {
+TEST_F(Renderer, ContactsHaveTheirFingersColour) {
   Picture picture = test::bare();
   for (std::uint32_t f = 0; f < 4; ++f) {
     picture.contacts.push_back({{-0.015f + 0.01f * static_cast<float>(f), 0.01f, 0}, f});
@@ -127,7 +130,7 @@ TEST(Renderer, ContactsHaveTheirFingersColour) {
   EXPECT_LE(distance(at(pixels, camera, {0.01, -0.01, 0}), light_theme().skin_point), 30);
 }
 
-TEST(Renderer, AContactInsideASolidShowsThroughItAndOneBehindItToo) {
+TEST_F(Renderer, AContactInsideASolidShowsThroughItAndOneBehindItToo) {
   Picture picture = test::cube_picture();
   picture.contacts.push_back({{0.005f, 0.005f, 0.01f}, 0u});
   picture.contacts.push_back({{-0.008f, 0.005f, 0.03f}, 0u});  // before the front face
@@ -139,7 +142,7 @@ TEST(Renderer, AContactInsideASolidShowsThroughItAndOneBehindItToo) {
   EXPECT_LE(distance(at(pixels, camera, {-0.008, 0.005, 0.03}), finger_colour(0)), 12);  // not this one
 }
 
-TEST(Renderer, FociLieOnTopWithTheRunningOneFilled) {
+TEST_F(Renderer, FociLieOnTopWithTheRunningOneFilled) {
   Picture picture = test::cube_picture();
   picture.fingers.resize(1);
   picture.fingers[0].foci = {{{-0.012f, 0, 0}, 1, true}, {{0.012f, 0, 0}, 2, true}, {{0, 0.012f, 0}, 3, true}};
@@ -170,7 +173,7 @@ TEST(Renderer, FociLieOnTopWithTheRunningOneFilled) {
   EXPECT_GT(extreme({0.012, 0, 0}, false), 200);
 }
 
-TEST(Renderer, TransducersShowTheirDriveFromTheFrontOnly) {
+TEST_F(Renderer, TransducersShowTheirDriveFromTheFrontOnly) {
   Picture picture = test::bare();
   picture.driven = true;
   picture.transducers = {{{-0.02f, 0, 0}, {0, 0, 1}, 1.0f, 0.5f},
@@ -186,7 +189,7 @@ TEST(Renderer, TransducersShowTheirDriveFromTheFrontOnly) {
   EXPECT_LE(distance(at(pixels, camera, {-0.02, 0.0052, 0}), light_theme().background), 1);
 }
 
-TEST(Renderer, TheSkinIsFaintAndPassesThroughTheSolid) {
+TEST_F(Renderer, TheSkinIsFaintAndPassesThroughTheSolid) {
   Picture picture = test::cube_picture();
   picture.skin = Surface{"skin", test::box_mesh({-0.008, -0.008, 0.0}, {0.008, 0.03, 0.03})};
   const Camera camera = test::front_camera();
@@ -197,7 +200,7 @@ TEST(Renderer, TheSkinIsFaintAndPassesThroughTheSolid) {
   EXPECT_GT(distance(at(with, camera, {0, 0.027, 0.03}), light_theme().background), 5);  // above the cube
 }
 
-TEST(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {
+TEST_F(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {
   Picture picture = test::cube_picture();
   picture.legend = true;
   picture.grid = true;
@@ -220,7 +223,7 @@ TEST(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {
   EXPECT_EQ(offscreen.pixels().rgba, first.rgba);
 }
 
-TEST(Renderer, ASettledSceneAllocatesNothing) {
+TEST_F(Renderer, ASettledSceneAllocatesNothing) {
   gpu::Device& device = test::test_device();
   Picture picture = test::cube_picture();
   picture.fingers.resize(1);
@@ -239,7 +242,7 @@ TEST(Renderer, ASettledSceneAllocatesNothing) {
   EXPECT_EQ(device.pipelines_created, pipelines);
 }
 
-TEST(Renderer, AnInsetIsAPictureInThePicture) {
+TEST_F(Renderer, AnInsetIsAPictureInThePicture) {
   Picture picture = test::cube_picture();
   Scene scene(test::test_device());
   scene.update(picture);
@@ -275,7 +278,7 @@ TEST(Renderer, AnInsetIsAPictureInThePicture) {
   }
 }
 
-TEST(Renderer, StrokesBehindTheEyeAreCutOff) {
+TEST_F(Renderer, StrokesBehindTheEyeAreCutOff) {
   Picture picture = test::cube_picture();
   picture.grid = true;
   Camera camera;
@@ -288,7 +291,7 @@ TEST(Renderer, StrokesBehindTheEyeAreCutOff) {
   }
 }
 
-TEST(Renderer, AbsurdSizesAreFailures) {
+TEST_F(Renderer, AbsurdSizesAreFailures) {
   for (const auto& [w, h] : {std::pair(0u, 10u), std::pair(10u, 0u), std::pair(1'000'000u, 10u)}) {
     try {
       const Offscreen offscreen(test::test_device(), w, h);
@@ -299,7 +302,7 @@ TEST(Renderer, AbsurdSizesAreFailures) {
   }
 }
 
-TEST(Renderer, HugeAndBrokenCoordinatesDoNotHang) {
+TEST_F(Renderer, HugeAndBrokenCoordinatesDoNotHang) {
   Picture picture = test::cube_picture();
   const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
   for (const float v : {1e30f, inf, nan}) {

@@ -5,11 +5,15 @@
 #include <thread>
 
 #include "cli/process.hpp"
+#include "drawing_test.hpp"
+#include "gpu/device.hpp"
 #include "support/shared_data.hpp"
 #include "x_display.hpp"
 
 namespace palpa {
 namespace {
+
+using Window = test::DrawingTest;
 
 using namespace std::chrono_literals;
 using test::source_file;
@@ -28,7 +32,7 @@ std::string validation() {
   return gpu::validation_layer_present() ? "sync" : "off";
 }
 
-TEST(Window, DrawsFramesAndEnds) {
+TEST_F(Window, DrawsFramesAndEnds) {
   const test::XServer server;
   if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
   const auto run = viewer(server, {"--frames", "10", "--layout", "autd3", "--inset", "--validation", validation()});
@@ -36,7 +40,7 @@ TEST(Window, DrawsFramesAndEnds) {
   EXPECT_EQ(run.err, "");
 }
 
-TEST(Window, SurvivesResizingAndHidingAndClosesWhenAsked) {
+TEST_F(Window, SurvivesResizingAndHidingAndClosesWhenAsked) {
   const test::XServer server;
   if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
   auto running = std::async(std::launch::async, [&] { return viewer(server, {"--validation", validation()}); });
@@ -65,7 +69,7 @@ TEST(Window, SurvivesResizingAndHidingAndClosesWhenAsked) {
   EXPECT_EQ(run.err, "");
 }
 
-TEST(Window, AServerThatIsNotThereIsNoDisplay) {
+TEST_F(Window, AServerThatIsNotThereIsNoDisplay) {
   const auto run =
       test::run_program(PALPA_VIEWER_BINARY, {"--layout", "autd3"}, {{{"DISPLAY", ":4711"}, {"WAYLAND_DISPLAY", ""}}});
   test::expect_failure(run, 3, "--headless");
