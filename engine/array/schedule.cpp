@@ -124,12 +124,13 @@ std::uint64_t cycle_length(const Schedule& schedule, std::uint64_t most) {
   // Lengthens the cycle to a multiple of `period`, in nanoseconds (or parts of a turn); false if that is too long.
   const auto join = [&](std::uint64_t period) {
     const std::uint64_t slots = period / std::gcd(period, slot_ns);
-    const std::uint64_t more = slots / std::gcd(cycle, slots);
-    if (more > most / cycle) return false;
-    cycle *= more;
-    return true;
+    if (slots > most) return false;
+    // No overflow: neither exceeds `most`, which is bounded below.
+    cycle = std::lcm(cycle, slots);
+    return cycle <= most;
   };
   if (most == 0) return 0;
+  most = std::min<std::uint64_t>(most, 0xffffffffU);
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const Voice& voice = schedule.voices[v];
     const std::uint64_t count = steps(voice);

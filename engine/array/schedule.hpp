@@ -72,7 +72,8 @@ double modulation_gain(double hz, double time_s);
 /// Whether all voices have the same modulation: then it is one scalar over the whole drive. True for no voices.
 bool shared_modulation(const Schedule& schedule);
 
-/// Number of slots after which foci and gains repeat, or 0 if that is more than `most`. 1 for no voices.
+/// Number of slots after which foci and gains repeat, or 0 if that is more than `most` or than 2^32 - 1. 1 for no
+/// voices.
 std::uint64_t cycle_length(const Schedule& schedule, std::uint64_t most);
 
 }  // namespace palpa::array

@@ -85,7 +85,9 @@ TEST_P(DriveSoundOn, EveryTransducerArrivesInPhaseAtTheFocus) {
 /// Climbs from `at` in steps down to 0.01 mm.
 Vec3 peak_near(const Layout& layout, const Drive& drive, Vec3 at) {
   double best = std::abs(pressure(layout, drive, at));
-  for (double step = 1e-3; step > 5e-6; step /= 2) {
+  double step = 2e-3;
+  for (int halving = 0; halving < 8; ++halving) {
+    step /= 2;
     for (bool moved = true; moved;) {
       moved = false;
       for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}) {
