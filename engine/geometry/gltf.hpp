@@ -28,7 +28,7 @@ struct Scene {
 /// bad_input, one line naming file and fault: unreadable, malformed, out-of-range indices, non-finite positions, a node
 /// loop, zero scale, a required extension that is not supported (by name; those of materials, textures and lights are
 /// harmless), an absent scene, more than 2 million triangles or 6 million vertices (instances counted), 256 MiB of
-/// buffers, 64 MiB of JSON or 100 000 nodes, meshes, primitives or accessors. Faults without bearing on the scene's
+/// buffers, 64 MiB of JSON or 50 000 nodes, meshes, primitives or accessors. Faults without bearing on the scene's
 /// geometry (textures, wrong min/max, meshes that no node shows) are warnings; in a file whose scene has no mesh at all
 /// they are the error. Never blocks on devices or pipes.
 Scene load_gltf(const std::filesystem::path& file, std::optional<int> scene_index = std::nullopt);

@@ -87,8 +87,8 @@ std::optional<std::vector<unsigned char>> decode_base64(std::string_view text) {
   for (int padding = 0; padding < 2 && text.ends_with('='); ++padding)
     text.remove_suffix(1);
   if (text.size() % 4 == 1) return std::nullopt;
-  std::vector<unsigned char> bytes;
-  bytes.reserve(text.size() / 4 * 3 + 2);
+  std::vector<unsigned char> bytes(text.size() * 6 / 8);
+  auto out = bytes.begin();
   std::uint32_t bits = 0;
   int held = 0;
   for (const char c : text) {
@@ -98,7 +98,7 @@ std::optional<std::vector<unsigned char>> decode_base64(std::string_view text) {
     held += 6;
     if (held >= 8) {
       held -= 8;
-      bytes.push_back(static_cast<unsigned char>(bits >> held));
+      *out++ = static_cast<unsigned char>(bits >> held);
     }
   }
   return bytes;

@@ -16,7 +16,7 @@ namespace palpa::geometry::gltf {
 namespace {
 
 // Of nodes, meshes, primitives, accessors and the like: tinygltf spends up to a kilobyte on each.
-constexpr std::size_t most_items = 100'000;
+constexpr std::size_t most_items = 50'000;
 
 // Extensions that cannot change where a triangle is: a file may require them.
 bool is_harmless(std::string_view extension) {
@@ -28,8 +28,8 @@ bool is_harmless(std::string_view extension) {
 
 class Checker {
  public:
-  Checker(const std::string& file, const Json& json, const Container& container)
-      : file_(file), root_(file, json, "the document"), data_(root_, container) {}
+  Checker(const std::string& file, const Parsed& parsed, const Container& container)
+      : file_(file), root_(file, parsed.json, "the document"), data_(root_, parsed, container) {}
 
   Document run(std::optional<int> scene_index) {
     check_root();
@@ -363,8 +363,8 @@ class Checker {
 }  // namespace
 
 Document check_document(const std::string& file, const Container& container, std::optional<int> scene_index) {
-  const Json json = parse_json(file, container.json);
-  return Checker(file, json, container).run(scene_index);
+  const Parsed parsed = parse_json(file, container.json);
+  return Checker(file, parsed, container).run(scene_index);
 }
 
 }  // namespace palpa::geometry::gltf

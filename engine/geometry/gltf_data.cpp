@@ -79,7 +79,8 @@ void check_role(const Item& accessor, Role role, const std::string& type, std::u
 
 }  // namespace
 
-DataChecker::DataChecker(const Item& root, const Container& container) : root_(root), container_(container) {}
+DataChecker::DataChecker(const Item& root, const Parsed& parsed, const Container& container)
+    : root_(root), parsed_(parsed), container_(container) {}
 
 Item DataChecker::at(const char* key, const char* name, std::size_t index) const {
   return {root_.file(), (*root_.array(key))[index], fmt::format("{} {}", name, index)};
@@ -199,7 +200,8 @@ std::uint64_t DataChecker::check_buffer(std::uint32_t b) {
   if (source.length != 0) return source.length;
   const Item buffer = at("buffers", "buffer", b);
   const std::uint64_t length = buffer.needed_whole("byteLength", 1, any);
-  const auto uri = buffer.string("uri");
+  auto uri = buffer.string("uri");
+  if (uri) uri = parsed_.whole(*uri);
   if (!uri) {
     if (b != 0 || !container_.bin) buffer.fail("has no \"uri\", and there is no BIN chunk that could be it");
     if (length > container_.bin->size) {
@@ -213,7 +215,7 @@ std::uint64_t DataChecker::check_buffer(std::uint32_t b) {
     buffer.fail(
         fmt::format("\"byteLength\" is {}; palpa reads at most {} bytes of buffers", length, most_buffer_bytes));
   }
-  source = {length, uri.value_or("")};
+  source = {length, std::move(uri).value_or("")};
   (*clean_)["buffers"][b] = {{"byteLength", length}, {"uri", fmt::format("buffer {}", b)}};
   return length;
 }

@@ -17,7 +17,7 @@ enum class Role : char { unused, position, displacement, indices, joints, weight
 /// Checks accessors on demand and copies what they need into the reduced document. All throw bad_input.
 class DataChecker {
  public:
-  DataChecker(const Item& root, const Container& container);
+  DataChecker(const Item& root, const Parsed& parsed, const Container& container);
 
   /// Puts stand-ins for everything into `clean`, which is also where check() writes.
   void start(Json& clean);
@@ -42,6 +42,7 @@ class DataChecker {
   std::uint64_t check_buffer(std::uint32_t buffer);
 
   const Item& root_;
+  const Parsed& parsed_;
   const Container& container_;
   Json* clean_ = nullptr;
   std::vector<Role> role_;

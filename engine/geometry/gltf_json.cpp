@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -13,6 +14,8 @@ namespace palpa::geometry::gltf {
 namespace {
 
 constexpr int deepest = 128;
+constexpr std::size_t longest_string = 4096;
+constexpr std::string_view long_string_mark = "data:long string ";
 constexpr std::size_t most_values = 2'000'000;  // some 80 bytes each, and twice: here and in tinygltf
 
 // The value as a whole number: JSON writers may say 28 or 28.0.
@@ -26,19 +29,33 @@ std::optional<std::uint64_t> as_whole(const Json& value) {
   return std::nullopt;
 }
 
-// One pass over the raw text, before anything is built from it. (The parser's own callback would do, but its cost grows
-// with the square of an array's length.)
-void check_extent(const std::string& file, const std::string& text) {
+// The place of the quote that ends the string whose text begins at `from`; text.size() if none does.
+std::size_t end_of_string(const std::string& text, std::size_t from) {
+  for (std::size_t quote = text.find('"', from); quote != std::string::npos; quote = text.find('"', quote + 1)) {
+    std::size_t escapes = 0;
+    while (quote - escapes > from && text[quote - escapes - 1] == '\\')
+      ++escapes;
+    if (escapes % 2 == 0) return quote;
+  }
+  return text.size();
+}
+
+// One pass over the raw text, before anything is built from it: counts, and takes long strings out. (The parser's own
+// callback could count, but its cost grows with the square of an array's length.)
+std::string shortened(const std::string& file, const std::string& text, std::vector<std::string_view>& long_strings) {
+  std::string out;
   int depth = 0;
-  std::size_t values = 1;
-  bool in_string = false;
+  std::size_t values = 1, copied = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      in_string = c != '"';
-    } else if (c == '"') {
-      in_string = true;
+    if (c == '"') {
+      const std::size_t end = end_of_string(text, i + 1);
+      if (end - i > longest_string && end < text.size()) {
+        out.append(text, copied, i + 1 - copied).append(long_string_mark).append(std::to_string(long_strings.size()));
+        long_strings.push_back(std::string_view(text).substr(i + 1, end - i - 1));
+        copied = end;
+      }
+      i = end;
     } else if (c == '[' || c == '{') {
       ++values;
       if (++depth > deepest) throw bad_input(file, fmt::format("its JSON is nested more than {} levels deep", deepest));
@@ -49,22 +66,45 @@ void check_extent(const std::string& file, const std::string& text) {
     }
   }
   if (values > most_values) throw bad_input(file, fmt::format("its JSON has more than {} values", most_values));
+  return out.append(text, copied);
 }
 
 }  // namespace
 
-Json parse_json(const std::string& file, const std::string& text) {
-  check_extent(file, text);
+Parsed parse_json(const std::string& file, const std::string& text) {
+  Parsed parsed;
+  const std::string brief = shortened(file, text, parsed.long_strings);
   try {
-    return Json::parse(text);
+    parsed.json = Json::parse(brief);
+    return parsed;
   } catch (const Json::parse_error& e) {
     // Its own text quotes the input, which may be endless and hold anything.
-    const std::size_t end = std::min(e.byte, text.size());
-    const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n') + 1;
-    throw bad_input(file, fmt::format("its JSON has a syntax error at line {}, byte {}", line, end));
+    const std::size_t end = std::min(e.byte, brief.size());
+    const auto line = std::count(brief.begin(), brief.begin() + static_cast<std::ptrdiff_t>(end), '\n') + 1;
+    throw bad_input(file, fmt::format("its JSON has a syntax error at line {}", line));
   } catch (const Json::exception&) {
     throw bad_input(file, "its JSON has a number that no computer holds");
   }
+}
+
+std::string Parsed::whole(const std::string& value) const {
+  if (!value.starts_with(long_string_mark)) return value;
+  std::size_t index = 0;
+  const char* first = value.data() + long_string_mark.size();
+  const char* last = value.data() + value.size();
+  const auto [rest, fault] = std::from_chars(first, last, index);
+  if (fault != std::errc{} || rest != last || index >= long_strings.size()) return value;
+  // "\\/" is the one escape that some writers put into base64.
+  const std::string_view raw = long_strings[index];
+  std::string text;
+  text.reserve(raw.size());
+  std::size_t copied = 0;
+  for (std::size_t at = raw.find("\\/"); at != std::string_view::npos; at = raw.find("\\/", at + 1)) {
+    text.append(raw, copied, at - copied);
+    copied = at + 1;
+  }
+  text.append(raw, copied);
+  return text;
 }
 
 Item::Item(const std::string& file, const Json& value, std::string where)

@@ -5,14 +5,25 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace palpa::geometry::gltf {
 
 using Json = nlohmann::json;
 
-/// Throws bad_input: a syntax error (its line), nesting beyond 128 levels, more than two million values.
-Json parse_json(const std::string& file, const std::string& text);
+struct Parsed {
+  Json json;
+  std::vector<std::string_view> long_strings;  ///< into the text that was parsed
+
+  /// The string itself, if `value` stands for a long one.
+  std::string whole(const std::string& value) const;
+};
+
+/// Strings of more than 4 KiB (buffers as data URIs, mostly) are replaced by short ones that stand for them: the parser
+/// would spend a tenth of a microsecond on each of their bytes. Throws bad_input: a syntax error (its line), nesting
+/// beyond 128 levels, more than two million values.
+Parsed parse_json(const std::string& file, const std::string& text);
 
 /// An object of the document with its name for messages, e.g. "accessor 3".
 class Item {

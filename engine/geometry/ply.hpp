@@ -16,8 +16,10 @@ struct Ply {
 };
 
 /// Reads the `vertex` element's x, y, z (any numeric type) and, if present, the `face` element's vertex list; other
-/// elements and properties are skipped. Throws bad_input, one line naming file and fault (and line number for ascii):
-/// not a PLY, truncated, counts that the file cannot hold, non-finite coordinates (which vertex), indices out of range.
+/// elements and properties are skipped; what stands behind the last of the two is not read. Throws bad_input, one line
+/// naming file and fault (and line number for ascii): not a PLY, truncated, counts that the file cannot hold,
+/// non-finite coordinates (which vertex), indices out of range, more than 16 million vertices or triangles. Never
+/// blocks.
 Ply read_ply(const std::filesystem::path& file);
 
 enum class PlyFormat { ascii, binary };

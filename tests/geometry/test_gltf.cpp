@@ -67,6 +67,23 @@ TEST_F(Gltf, EmbeddedBesideAndBinaryGiveTheSame) {
   }
 }
 
+TEST_F(Gltf, LongDataUrisWithEscapedSlashes) {
+  GltfBuilder builder;
+  builder.add_mesh(test::rounded(test::sphere(0.02, 40, 60)));
+  builder.add_node({{"mesh", 0}});
+  ASSERT_GT(builder.bin.size(), 20'000U);
+  builder.write_embedded(file("long.gltf"));
+  const auto bytes = test::read_bytes(file("long.gltf"));
+  std::string escaped;
+  for (const unsigned char c : bytes)
+    escaped += c == '/' ? std::string("\\/") : std::string(1, static_cast<char>(c));
+  ASSERT_GT(escaped.size(), bytes.size());
+  test::write_text(file("escaped.gltf"), escaped);
+  const Mesh mesh = load_gltf(file("escaped.gltf")).meshes.at(0).mesh;
+  EXPECT_TRUE(mesh.positions == test::rounded(test::sphere(0.02, 40, 60)).positions);
+  EXPECT_TRUE(load_gltf(file("long.gltf")).meshes.at(0).mesh.positions == mesh.positions);
+}
+
 TEST_F(Gltf, NamesComeFromTheNodeThenTheMeshThenTheNumber) {
   GltfBuilder builder = cube_file();
   builder.add_mesh(box(Vec3(0), Vec3(1)));
