@@ -94,7 +94,7 @@ std::string Parsed::whole(const std::string& value) const {
   const char* last = value.data() + value.size();
   const auto [rest, fault] = std::from_chars(first, last, index);
   if (fault != std::errc{} || rest != last || index >= long_strings.size()) return value;
-  // "\\/" is the one escape that some writers put into base64.
+  // "\/" is the one escape that some writers put into base64.
   const std::string_view raw = long_strings[index];
   std::string text;
   text.reserve(raw.size());
