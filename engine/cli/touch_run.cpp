@@ -10,6 +10,7 @@
 #include "gpu/barrier.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/timestamps.hpp"
+#include "session/chain.hpp"
 #include "touch/chain.hpp"
 
 namespace palpa::cli {
@@ -18,11 +19,6 @@ namespace {
 std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
       .count();
-}
-
-/// No skin point outside of it can be a contact.
-Box reach_of(const touch::PlaneTable& table) {
-  return {{table.low.x, table.low.y, table.low.z}, {table.high.x, table.high.y, table.high.z}};
 }
 
 /// Skin points in device memory, and how many: from a file they are uploaded, from depth images passes find them.
@@ -51,7 +47,7 @@ class SkinOnGpu {
   std::optional<sensing::SkinPass> pass_;
 };
 
-constexpr std::uint32_t most_points_on_gpu = 4'194'240;
+constexpr std::uint32_t most_points_on_gpu = shader::contacts_most_points;
 constexpr std::uint32_t most_contacts_on_gpu = 1u << 20;
 
 SkinOnGpu::SkinOnGpu(const gpu::Device& device, const TouchInput& input, const Box& reach) : reach_(reach) {
@@ -119,7 +115,7 @@ touch::Touch touch_on_cpu(const TouchInput& input, const touch::Parameters& para
   times.emplace_back("setup", watch.lap_ms());
   std::vector<sensing::SkinPoint> seen;
   if (!input.cameras.empty()) {
-    seen = sensing::find_skin(input.cameras, input.frames, reach_of(table));
+    seen = sensing::find_skin(input.cameras, input.frames, session::touchable_box(input.solids));
     times.emplace_back("skin", watch.lap_ms());
   }
   touch::Touch out;
@@ -138,7 +134,7 @@ touch::Touch touch_on_gpu(const gpu::DeviceOptions& select, const TouchInput& in
   const gpu::Device device(select);
   const touch::SolidTable table(device, input.solids);
   touch::check(parameters, table.host());
-  SkinOnGpu skin(device, input, reach_of(table.host()));
+  SkinOnGpu skin(device, input, session::touchable_box(input.solids));
   touch::TouchBuffers buffers(device, {skin.most(), std::min(skin.most(), most_contacts_on_gpu)});
   const touch::TouchPasses passes(device);
   gpu::Timestamps stamps(device, 16);
