@@ -36,7 +36,7 @@ void main() {
     segments[0] = first;
     if (group == 0u) {
       const uint groups = (total + contact_group - 1u) / contact_group;
-      found = ScanTotal(total, min(groups, contacts_most_groups), 1u, 1u);
+      found = ScanTotal(total, clamp(groups, 1u, contacts_most_groups), 1u, 1u);  // one group sets up even for none
     }
   }
   barrier();

@@ -33,7 +33,7 @@ struct ContactsBuffers {
   gpu::BufferRef masks;   ///< scratch: mask_words(most_points) words
   gpu::BufferRef counts;  ///< scratch: shader::contacts_chunks words
   /// out: shader::ScanTotal: contacts found, also those for which there was no room; its groups are those of the passes
-  /// over contacts, shader::contact_group each and at most shader::contacts_most_groups
+  /// over contacts, shader::contact_group each, at least one and at most shader::contacts_most_groups
   gpu::BufferRef total;
   gpu::BufferRef contacts;        ///< out: shader::ContactRecord[], in input order, `finger` unset
   std::uint32_t most_points = 0;  ///< at most shader::contacts_most_points

@@ -1,0 +1,298 @@
+// Euclidean clusters on both backends against brute force.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "base/error.hpp"
+#include "support/device.hpp"
+#include "touch/harness.hpp"
+
+namespace palpa::touch::test {
+namespace {
+
+/// Contacts of one solid reach each other through steps of at most the gap: breadth-first over all pairs, in single
+/// precision as the contract says (tests keep clear of ties unless they are about them).
+std::vector<std::uint32_t> brute_force(const std::vector<Contact>& contacts, double gap_m) {
+  const float gap = static_cast<float>(gap_m), limit = gap * gap;
+  std::vector<std::uint32_t> smallest(contacts.size(), 0xffffffffU);
+  std::vector<std::uint32_t> rest(contacts.size()), front;
+  std::iota(rest.begin(), rest.end(), 0U);
+  while (!rest.empty()) {
+    const std::uint32_t first = rest.front();
+    front = {first};
+    smallest[first] = first;
+    rest.erase(rest.begin());
+    while (!front.empty()) {
+      const Contact& from = contacts[front.back()];
+      front.pop_back();
+      std::erase_if(rest, [&](std::uint32_t i) {
+        const glm::vec3 d = contacts[i].position - from.position;
+        if (contacts[i].solid != from.solid || d.x * d.x + d.y * d.y + d.z * d.z > limit) return false;
+        smallest[i] = first;
+        front.push_back(i);
+        return true;
+      });
+    }
+  }
+  return smallest;
+}
+
+void expect_clusters(const Touch& touch, const Parameters& parameters) {
+  const auto smallest = brute_force(touch.contacts, parameters.finger_gap_m);
+  std::vector<std::vector<std::uint32_t>> clusters;
+  for (std::uint32_t first = 0; first < smallest.size(); ++first) {
+    if (smallest[first] != first) continue;
+    std::vector<std::uint32_t> members;
+    for (std::uint32_t i = first; i < smallest.size(); ++i) {
+      if (smallest[i] == first) members.push_back(i);
+    }
+    if (members.size() >= std::max(parameters.min_points, 1U)) clusters.push_back(members);
+  }
+  ASSERT_EQ(touch.cluster_count, clusters.size());
+  ASSERT_EQ(touch.finger_count, std::min<std::size_t>(clusters.size(), max_fingers));
+  for (std::size_t f = 0; f < touch.finger_count; ++f) {
+    ASSERT_EQ(touch.fingers[f].contacts, clusters[f]) << "finger " << f;
+    EXPECT_EQ(touch.fingers[f].solid, touch.contacts[clusters[f].front()].solid);
+  }
+}
+
+class Fingers : public OnBothBackends {
+ protected:
+  Touch run(const std::vector<glm::vec3>& points, const Parameters& parameters) {
+    return touch_on(GetParam(), points, {everything()}, parameters);
+  }
+  void expect_exact(const std::vector<glm::vec3>& points, double gap, std::uint32_t min_points = 1) {
+    const Parameters parameters = everything_is_contact(gap, min_points);
+    const Touch touch = run(points, parameters);
+    ASSERT_EQ(touch.contacts.size(), points.size());
+    expect_clusters(touch, parameters);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(, Fingers, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
+
+TEST_P(Fingers, AreExactClustersOfRandomPoints) {
+  unsigned seed = 1;
+  for (const std::uint32_t count : {2U, 3U, 10U, 100U, 1000U, 4000U}) {
+    for (const double gap : {1e-3, 3e-3, 6e-3, 12e-3, 50e-3, 1.0}) {
+      SCOPED_TRACE(count);
+      SCOPED_TRACE(gap);
+      expect_exact(random_points(count, Vec3(-0.05), Vec3(0.05), ++seed), gap);
+    }
+  }
+}
+
+TEST_P(Fingers, AreExactNearThePercolationThreshold) {
+  // About 2.7 neighbours each: clusters of every size and shape.
+  for (unsigned seed = 1; seed <= 5; ++seed)
+    expect_exact(random_points(6000, Vec3(0), Vec3(0.1), seed), 4.8e-3, 4);
+}
+
+TEST_P(Fingers, AreExactOnAPlaneAndOnALine) {
+  expect_exact(random_points(3000, {-0.05, 0.01, -0.05}, {0.05, 0.01, 0.05}), 2e-3);
+  expect_exact(random_points(500, {-0.05, 0.01, 0.02}, {0.05, 0.01, 0.02}), 2e-4);
+}
+
+TEST_P(Fingers, HangTogetherThroughLongSpirals) {
+  // 10,000 points, each in reach of its neighbours along the thread only.
+  std::vector<glm::vec3> spiral;
+  double angle = 0, radius = 0.01;
+  for (int i = 0; i < 10'000; ++i) {
+    spiral.emplace_back(radius * std::cos(angle), 0.2, radius * std::sin(angle));
+    angle += 0.9e-3 / radius;
+    radius += 1.5e-3 * (0.9e-3 / radius) / (2 * std::numbers::pi);
+  }
+  const Touch whole = run(spiral, everything_is_contact(1e-3));
+  ASSERT_EQ(whole.finger_count, 1u);
+  EXPECT_EQ(whole.fingers[0].contacts.size(), spiral.size());
+  std::vector<glm::vec3> shuffled = spiral;
+  std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(5));
+  EXPECT_EQ(run(shuffled, everything_is_contact(1e-3)).finger_count, 1u);
+  spiral.erase(spiral.begin() + 4000);
+  const Touch cut = run(spiral, everything_is_contact(1e-3));
+  ASSERT_EQ(cut.finger_count, 2u);
+  EXPECT_EQ(cut.fingers[0].contacts.size(), 4000u);
+}
+
+TEST_P(Fingers, TiesAtTheToleranceAreTogether) {
+  // Coordinates that single precision holds exactly, 3-4-5 triangles included.
+  const float gap = 0.078125F, unit = gap / 5;
+  const std::vector<glm::vec3> points{{0, 0, 0},
+                                      {gap, 0, 0},
+                                      {2 * gap, 0, 0},
+                                      {0, 1, 0},
+                                      {3 * unit, 1, 4 * unit},
+                                      {-1, 0, 0},
+                                      {-1, std::nextafter(gap, 1.0F), 0}};
+  const Touch touch = run(points, everything_is_contact(gap));
+  EXPECT_EQ(finger_of_contacts(touch), (std::vector<int>{0, 0, 0, 1, 1, 2, 3}));
+}
+
+TEST_P(Fingers, TiesOnALatticeAreTogetherInEveryDirection) {
+  const double gap = 0.03125;
+  for (const double stretch : {1.0, 1.0 + 0x1p-10}) {
+    std::vector<glm::vec3> points;
+    for (int i = 0; i < 12 * 12 * 12; ++i) {
+      points.emplace_back(stretch * gap * (i % 12 - 6), stretch * gap * (i / 12 % 12 - 6),
+                          stretch * gap * (i / 144 - 6));
+    }
+    Parameters parameters = everything_is_contact(gap, 1);
+    const Touch touch = run(points, parameters);
+    EXPECT_EQ(touch.cluster_count, stretch == 1.0 ? 1u : 1728u);
+    EXPECT_EQ(touch.finger_count, stretch == 1.0 ? 1u : max_fingers);
+  }
+}
+
+TEST_P(Fingers, NeedMinPoints) {
+  std::vector<glm::vec3> points;
+  for (int size = 1; size <= 8; ++size) {
+    for (int i = 0; i < size; ++i)
+      points.emplace_back(0.1 * size, 1e-3 * i, 0);
+  }
+  for (std::uint32_t least = 0; least <= 9; ++least) {
+    const Touch touch = run(points, everything_is_contact(2e-3, least));
+    ASSERT_EQ(touch.finger_count, 9 - std::max(least, 1U)) << least;
+    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+      EXPECT_EQ(touch.fingers[f].contacts.size(), std::max(least, 1U) + f);
+    }
+  }
+}
+
+TEST_P(Fingers, BeyondTheMostAreLeftOutInOrder) {
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 3 * 150; ++i)
+    points.emplace_back(0.01 * (i % 150) - 0.7, 1e-4 * (i / 150), 0);
+  const Touch touch = run(points, everything_is_contact(1e-3, 3));
+  EXPECT_EQ(touch.cluster_count, 150u);
+  ASSERT_EQ(touch.finger_count, max_fingers);
+  for (std::uint32_t f = 0; f < max_fingers; ++f) {
+    EXPECT_EQ(touch.fingers[f].contacts, (std::vector<std::uint32_t>{f, 150 + f, 300 + f}));
+  }
+}
+
+TEST_P(Fingers, OfDifferentSolidsNeverMix) {
+  const std::vector<geometry::Solid> solids{box({-0.1, -0.1, -0.1}, {0, 0.1, 0.1}, "left"),
+                                            box({0, -0.1, -0.1}, {0.1, 0.1, 0.1}, "right")};
+  const auto points = random_points(5000, Vec3(-0.09), Vec3(0.09));
+  const Parameters parameters = everything_is_contact(0.03);
+  const Touch touch = touch_on(GetParam(), points, solids, parameters);
+  EXPECT_EQ(touch.finger_count, 2u);
+  expect_clusters(touch, parameters);
+}
+
+TEST_P(Fingers, AllInOnePlaceAreOne) {
+  const std::vector<glm::vec3> points(5000, glm::vec3(0.1F, 0.2F, 0.3F));
+  const Touch touch = run(points, everything_is_contact(1e-3));
+  ASSERT_EQ(touch.finger_count, 1u);
+  EXPECT_EQ(touch.fingers[0].contacts.size(), points.size());
+}
+
+/// Two tilted sheets, `between` apart.
+std::vector<glm::vec3> two_sheets(std::uint32_t count, double between, unsigned seed) {
+  const Vec3 normal = glm::normalize(Vec3(1, 2, -1.5)), u = glm::normalize(glm::cross(normal, Vec3(0, 0, 1)));
+  const Vec3 v = glm::cross(normal, u);
+  std::vector<glm::vec3> points;
+  for (const glm::vec3& p : random_points(count, Vec3(-0.02), Vec3(0.02), seed)) {
+    points.emplace_back(Vec3(p.x) * u + Vec3(p.y) * v + normal * (p.z > 0 ? between : 0.0));
+  }
+  return points;
+}
+
+TEST_P(Fingers, CrowdsThatNearlyTouchStayApart) {
+  // Thousands of contacts in a few blocks, no pair of which decides early.
+  for (const double gap : {5e-3, 20e-3}) {
+    const auto apart = two_sheets(8000, gap * 1.02, 1);
+    EXPECT_EQ(run(apart, everything_is_contact(gap)).finger_count, 2u);
+    expect_exact(two_sheets(3000, gap * 1.02, 2), gap);
+    expect_exact(two_sheets(3000, gap * 0.999, 3), gap);
+  }
+}
+
+TEST_P(Fingers, CurvedCrowdsStayApart) {
+  // A shell around a ball: no plane separates them.
+  const double gap = 10e-3;
+  std::vector<glm::vec3> points;
+  for (const glm::vec3& p : random_points(6000, Vec3(-1), Vec3(1), 9)) {
+    if (glm::length(p) < 0.1F) continue;
+    points.push_back(glm::normalize(p) * (p.x + p.y > 0.3F ? 15e-3F : 4.8e-3F));
+  }
+  EXPECT_EQ(run(points, everything_is_contact(gap)).finger_count, 2u);
+  expect_exact(points, gap);
+  expect_exact(points, 10.21e-3);
+}
+
+TEST_P(Fingers, MoreCrowdsThanTheListHoldsAreStillExact) {
+  // Six contacts in every block of a lattice just too wide: each block has thirteen crowded neighbours.
+  const double gap = 0.01, spacing = gap * 1.03;
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 6 * 6 * 6; ++i) {
+    const glm::vec3 at(spacing * (i % 6), spacing * (i / 6 % 6), spacing * (i / 36));
+    for (int k = 0; k < 6; ++k)
+      points.push_back(at + glm::vec3(1e-5F * static_cast<float>(k), 0, 0));
+  }
+  expect_exact(points, gap);
+  points.emplace_back(spacing * 2.5, spacing * 2, spacing * 2);  // joins two of them
+  expect_exact(points, gap);
+  const Touch touch = run(points, everything_is_contact(gap));
+  EXPECT_EQ(touch.cluster_count, 215u);
+}
+
+TEST_P(Fingers, AHundredThousandContactsAreOneBlobAtAnyLargeTolerance) {
+  const auto points = random_points(100'000, Vec3(-0.05), Vec3(0.05));
+  for (const double gap : {5e-3, 50e-3}) {
+    const Touch touch = run(points, everything_is_contact(gap, 5));
+    ASSERT_EQ(touch.finger_count, 1u);
+    EXPECT_EQ(touch.fingers[0].contacts.size(), points.size());
+  }
+}
+
+TEST_P(Fingers, MoveWithThePointsOrder) {
+  const auto points = random_points(3000, Vec3(-0.05), Vec3(0.05), 4);
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::shuffle(order.begin(), order.end(), std::mt19937(8));
+  std::vector<glm::vec3> shuffled;
+  for (const std::uint32_t i : order)
+    shuffled.push_back(points[i]);
+  const Parameters parameters = everything_is_contact(5.2e-3, 20);
+  const Touch a = run(points, parameters), b = run(shuffled, parameters);
+  const auto as_sets = [](const Touch& touch, auto&& index) {
+    std::vector<std::vector<std::uint32_t>> sets;
+    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+      sets.emplace_back();
+      for (const std::uint32_t i : touch.fingers[f].contacts)
+        sets.back().push_back(index(i));
+      std::sort(sets.back().begin(), sets.back().end());
+    }
+    std::sort(sets.begin(), sets.end());
+    return sets;
+  };
+  ASSERT_GT(a.finger_count, 1u);
+  EXPECT_EQ(as_sets(a, [](std::uint32_t i) { return i; }), as_sets(b, [&](std::uint32_t i) { return order[i]; }));
+}
+
+TEST_P(Fingers, RefuseUnusableParameters) {
+  const std::vector<glm::vec3> points{{0, -1e-3, 0}};
+  const auto refused = [&](const Parameters& parameters) {
+    try {
+      touch_on(GetParam(), points, {cube()}, parameters);
+    } catch (const Error& error) {
+      return error.code() == Exit::usage && std::string(error.what()).find('\n') == std::string::npos;
+    }
+    return false;
+  };
+  for (const double bad : {0.0, -1.0, std::nan(""), double{INFINITY}}) {
+    EXPECT_TRUE(refused({.delta_m = bad})) << bad;
+    EXPECT_TRUE(refused({.finger_gap_m = bad})) << bad;
+  }
+  EXPECT_TRUE(refused({.finger_gap_m = 1e-8}));
+  EXPECT_TRUE(refused({.foci = 0}));
+  EXPECT_TRUE(refused({.foci = max_foci + 1}));
+  EXPECT_FALSE(refused({.finger_gap_m = 1e-6}));
+  EXPECT_FALSE(refused({.finger_gap_m = 1e30}));
+}
+
+}  // namespace
+}  // namespace palpa::touch::test
