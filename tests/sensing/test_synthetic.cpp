@@ -282,6 +282,7 @@ TEST(Synthetic, TheSameSeedGivesTheSameBytesOnAnyThread) {
   const Mesh ball = sphere(0.06, 24);
   std::vector<std::vector<std::uint16_t>> results(4);
   std::vector<std::thread> threads;
+  threads.reserve(results.size());
   for (auto& result : results)
     threads.emplace_back([&] { result = render_one(camera, ball, Noise::d415, 7); });
   for (auto& thread : threads)
@@ -317,12 +318,12 @@ TEST(Synthetic, SourceDeliversEveryFrameUnlessPaced) {
   EXPECT_FALSE(source->next(set, 1));
 
   options.paced = true;
-  options.rate_hz = 5;
+  options.rate_hz = 1;
   options.frames = 2;
   const auto slow = make_synthetic_source({camera}, sphere(0.01, 8), {}, options);
   ASSERT_TRUE(slow->next(set, 1));
   EXPECT_EQ(set.sequence, 0u);
-  ASSERT_TRUE(slow->next(set, 0.001));  // the next one is 0.2 s away
+  ASSERT_TRUE(slow->next(set, 0.001));  // the next one is a second away
   EXPECT_TRUE(set.frames.empty());
   EXPECT_THROW(make_synthetic_source({}, sphere(0.01, 8), {}, {}), Error);
 }
