@@ -28,6 +28,13 @@ if [[ ${1:-} == list ]]; then
   exit
 fi
 
+for name; do
+  if ! legs | grep -q "^$name "; then
+    echo "matrix: there is no leg $name; matrix list names them" >&2
+    exit 2
+  fi
+done
+
 digests=build/digests
 rm -rf "$digests"
 mkdir -p "$digests" build/logs
