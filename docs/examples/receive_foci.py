@@ -10,13 +10,14 @@ import time
 receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 receiver.bind(("127.0.0.1", 9000))
 receiver.setblocking(False)
-fingers, slot, dwell_s = [], 0, 0.0015
+fingers, slot, dwell_s, heard = [], 0, 0.0015, 0.0
 while True:
     try:
         frame = json.loads(receiver.recv(65536))  # one line per frame; no fingers: be silent
-        fingers = frame["fingers"]
+        fingers, heard = frame["fingers"], time.monotonic()
     except BlockingIOError:
-        pass
+        if time.monotonic() - heard > 0.1:
+            fingers = []  # palpa is gone: be silent
     for finger in fingers:
         x, y, z = finger["foci_m"][finger["order"][slot % len(finger["order"])]]
         dwell_s = finger["dwell_s"]

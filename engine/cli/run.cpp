@@ -103,17 +103,13 @@ void run(const Extensions& extensions, const RunCommand& o) {
   std::vector<session::SourceKind> sources = session::builtin_sources();
   sources.insert(sources.end(), extensions.sources.begin(), extensions.sources.end());
   const geometry::Mesh boards = array::board_mesh(set_up.layout);
-  const std::unique_ptr<sensing::DepthSource> source =
-      session::open_source(o.source, sources,
-                           {.cameras = set_up.rig.cameras,
-                            .occluders = boards,
-                            .default_skin = o.source == "synthetic" ? find_asset("finger.ply") : std::string(),
-                            .noise = !o.noise_free,
-                            .seed = o.common.seed,
-                            .paced = !o.every_frame});
-  std::optional<sensing::RecordingWriter> recorder;
-  if (!o.record.empty()) recorder.emplace(o.record, source->cameras());
-
+  const std::unique_ptr<sensing::DepthSource> source = session::open_source(o.source, sources,
+                                                                            {.cameras = set_up.rig.cameras,
+                                                                             .occluders = boards,
+                                                                             .default_skin = find_asset("finger.ply"),
+                                                                             .noise = !o.noise_free,
+                                                                             .seed = o.common.seed,
+                                                                             .paced = !o.every_frame});
   const session::ChainSetting setting{.cameras = source->cameras(),
                                       .solids = solids,
                                       .layout = set_up.layout,
@@ -130,16 +126,25 @@ void run(const Extensions& extensions, const RunCommand& o) {
   links.insert(links.end(), extensions.links.begin(), extensions.links.end());
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, {set_up.layout, names, setting.slot_s});
 
+  // Last of all: a typing error elsewhere must not leave an empty recording behind.
+  std::optional<sensing::RecordingWriter> recorder;
+  if (!o.record.empty()) recorder.emplace(o.record, source->cameras());
+
   watch_signals();
+  log::release_warnings();
   session::LoopStats stats;
   Progress progress("frames", o.frames, o.common.quiet);
   session::LoopObservers observers;
-  if (recorder) observers.captured = [&](const sensing::FrameSet& set) { recorder->write(set); };
+  if (recorder) observers.record = [&](const sensing::FrameSet& set) { recorder->write(set); };
   observers.planned = [&](const session::FrameReport&, const session::Plan&) { progress.set(stats.planned); };
   session::run_loop(
       *source, *chain, *link,
       {.output = {set_up.layout, drive, setting.slot_s, o.hold_s}, .frames = o.frames, .every_frame = o.every_frame},
       stop_requested, observers, stats);
+  if (stats.unrecorded > 0) {
+    log::warning(fmt::format("{}: {} of {} frames came too fast to be written; --every-frame waits for each", o.record,
+                             stats.unrecorded, stats.captured));
+  }
   report(o, stats);
 }
 

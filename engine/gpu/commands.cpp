@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <exception>
+
 #include "base/error.hpp"
 #include "gpu/check.hpp"
 
@@ -43,6 +45,15 @@ Timeline::Timeline(const Device& device, const char* name) : device_(&device) {
   PALPA_VK(vkCreateSemaphore(device.get(), &info, nullptr, &semaphore));
   semaphore_ = Handle<VkSemaphore>(device.get(), semaphore, vkDestroySemaphore);
   device.name(VK_OBJECT_TYPE_SEMAPHORE, reinterpret_cast<std::uint64_t>(semaphore), name);
+}
+
+Timeline::~Timeline() {
+  if (last_ == 0 || device_->lost()) return;
+  try {
+    wait(last_, 10.0);
+  } catch (const std::exception&) {
+    // A lost device finishes nothing; there is nobody to tell from here.
+  }
 }
 
 std::uint64_t Timeline::submit(VkCommandBuffer commands) {

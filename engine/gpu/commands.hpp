@@ -31,6 +31,11 @@ class Recorder {
 class Timeline {
  public:
   explicit Timeline(const Device& device, const char* name = "timeline");
+  /// Waits for the submits under way: whatever they use may then be destroyed. Members that a submit uses must
+  /// therefore be declared before their Timeline.
+  ~Timeline();
+  Timeline(const Timeline&) = delete;
+  Timeline& operator=(const Timeline&) = delete;
 
   /// Submits to the device's queue and returns the value that its completion signals.
   std::uint64_t submit(VkCommandBuffer commands);

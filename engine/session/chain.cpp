@@ -34,12 +34,13 @@ void reserve(touch::Touch& touch) {
   }
 }
 
-void make_schedule(const touch::Touch& touch, double time_s, const ChainSetting& setting, array::Schedule& schedule) {
+void make_schedule(const touch::Touch& touch, std::span<const std::uint32_t> ids, double time_s,
+                   const ChainSetting& setting, array::Schedule& schedule) {
   schedule.clear();
   schedule.slot_s = setting.slot_s;
   schedule.time_s = time_s;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-    array::make_voice(touch.fingers[f], f, setting.voice, schedule.add_voice());
+    array::make_voice(touch.fingers[f], ids[f], setting.voice, schedule.add_voice());
   }
 }
 

@@ -1,6 +1,7 @@
 // The chain through the passes' C++ twins: one frame at a time on the calling thread.
 #include "sensing/skin.hpp"
 #include "session/chain.hpp"
+#include "session/follow.hpp"
 #include "touch/chain.hpp"
 
 namespace palpa::session {
@@ -27,7 +28,7 @@ class CpuChain : public Chain {
 
   bool step(Plan& plan, FrameReport& report) override {
     touch::touch_points(points_, planes_, setting_.touch, touch_);
-    make_schedule(touch_, report_.time_s, setting_, plan.schedule);
+    make_schedule(touch_, follower_.follow(touch_), report_.time_s, setting_, plan.schedule);
     plan.captured_s = captured_s_;
     plan.drives.clear();
     const std::size_t transducers = setting_.layout.transducers.size();
@@ -49,6 +50,7 @@ class CpuChain : public Chain {
   double captured_s_ = 0;
   FrameReport report_;
   touch::Touch touch_;
+  Follower follower_;
 
   std::vector<sensing::View> views_;
   std::vector<sensing::SkinPoint> points_;

@@ -44,8 +44,10 @@ class FociLink : public Link {
     line_.clear();
     write_foci_line(schedule, solid_names_, line_);
     line_ += '\n';
-    // Nobody listening (ECONNREFUSED) is no fault of the sender's: a receiver may come and go.
-    if (::send(socket_, line_.data(), line_.size(), MSG_NOSIGNAL) < 0 && errno != ECONNREFUSED && !warned_) {
+    // Nobody listening is no fault of the sender's: a receiver may come and go. The kernel tells of it at the send
+    // after, which is then not made; so it is made again.
+    const bool sent = try_send() || (errno == ECONNREFUSED && try_send());
+    if (!sent && errno != ECONNREFUSED && !warned_) {
       warned_ = true;
       log::warning(fmt::format("link foci: a frame could not be sent: {}", std::strerror(errno)));
     }
@@ -53,6 +55,9 @@ class FociLink : public Link {
   void send(std::uint64_t, std::span<const array::TransducerDrive>) override {}
 
  private:
+  /// Never blocks: the output thread has drives to send.
+  bool try_send() const { return ::send(socket_, line_.data(), line_.size(), MSG_NOSIGNAL | MSG_DONTWAIT) >= 0; }
+
   int socket_;
   std::vector<std::string> solid_names_;
   std::string line_;

@@ -1,14 +1,20 @@
 // The chain on the device. A frame takes two submits: depth to foci, then, once the host has made the schedule, foci to
 // drives. The hop over the host costs a fraction of a millisecond and keeps schedules, methods and solvers in plain
 // C++.
+#include <fmt/core.h>
+
 #include <array>
 #include <cstring>
+#include <utility>
 
 #include "array/drive_pass.hpp"
+#include "base/error.hpp"
+#include "base/log.hpp"
 #include "gpu/barrier.hpp"
 #include "gpu/commands.hpp"
 #include "sensing/skin.hpp"
 #include "session/chain.hpp"
+#include "session/follow.hpp"
 #include "touch/chain.hpp"
 
 namespace palpa::session {
@@ -104,12 +110,24 @@ class GpuChain : public Chain {
   }
 
  private:
+  /// A frame with more skin in the shell than there is room for touches nothing: the loop goes on, and says so once.
+  void read_touch(Flight& flight) {
+    try {
+      touch::read(flight.touch_buffers, flight.touch);
+    } catch (const Error& error) {
+      flight.touch.contacts.clear();
+      flight.touch.finger_count = 0;
+      if (!std::exchange(warned_, true)) log::warning(fmt::format("a frame was left out: {}", error.what()));
+    }
+  }
+
   void begin_drives(Flight& flight) {
-    touch::read(flight.touch_buffers, flight.touch);
-    make_schedule(flight.touch, flight.report.time_s, setting_, flight.plan.schedule);
+    read_touch(flight);
+    make_schedule(flight.touch, follower_.follow(flight.touch), flight.report.time_s, setting_, flight.plan.schedule);
     flight.drive_buffers.clear();
-    plan_slots(flight.plan, unmodulated_, foci_,
-               [&](std::span<const array::SlotFocus> foci) { flight.drive_buffers.add_slot(foci); });
+    plan_slots(flight.plan, unmodulated_, foci_, [&](std::span<const array::SlotFocus> foci) {
+      if (!flight.drive_buffers.add_slot(foci)) throw failure("a frame has more foci than its buffers hold");
+    });
     flight.submitted = 0;
     if (flight.plan.cycle != 0) {
       const VkCommandBuffer commands = flight.drive_recorder.begin();
@@ -150,6 +168,9 @@ class GpuChain : public Chain {
   std::array<Flight, flights> flights_;
   gpu::Timeline timeline_;
   std::uint64_t started_ = 0, finished_ = 0;
+
+  Follower follower_;
+  bool warned_ = false;
 
   // Scratch that keeps its storage.
   std::vector<sensing::View> views_;

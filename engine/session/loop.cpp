@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <exception>
 #include <limits>
+#include <optional>
 #include <thread>
+
+#include "session/source_clock.hpp"
 
 namespace palpa::session {
 namespace {
@@ -29,8 +32,58 @@ class SourceClock {
   double offset_ = std::numeric_limits<double>::infinity();
 };
 
-void capture(sensing::DepthSource& source, Newest<Captured>& frames, const LoopSetting& setting, const Clock& clock,
-             const std::atomic<bool>& stop, const LoopObservers& observers, LoopStats& stats) {
+/// A thread whose error is kept for whoever joins it.
+class Worker {
+ public:
+  template <typename Work>
+  explicit Worker(Work work) {
+    thread_ = std::thread([this, work] {
+      try {
+        work();
+      } catch (...) {
+        fault_ = std::current_exception();
+      }
+    });
+  }
+  ~Worker() {
+    if (thread_.joinable()) thread_.join();
+  }
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  std::exception_ptr join() {
+    thread_.join();
+    return fault_;
+  }
+
+ private:
+  std::exception_ptr fault_;
+  std::thread thread_;
+};
+
+/// Raises a flag on every way out of a thread.
+struct EndFlag {
+  std::atomic<bool>& flag;
+  explicit EndFlag(std::atomic<bool>& raised) : flag(raised) {}
+  ~EndFlag() { flag = true; }
+};
+
+/// Tells the reader that no more frames will come, on every way out of the capture thread.
+struct CloseFrames {
+  Newest<Captured>& frames;
+  explicit CloseFrames(Newest<Captured>& closed) : frames(closed) {}
+  ~CloseFrames() { frames.close(); }
+};
+
+/// For --every-frame: the value before must be in the reader's hands.
+template <typename T>
+void wait_until_taken(Newest<T>& values, const std::atomic<bool>& stop) {
+  while (!stop && !values.wait_taken(std::chrono::milliseconds(50))) {
+  }
+}
+
+void capture(sensing::DepthSource& source, Newest<Captured>& frames, Newest<sensing::FrameSet>* recorded,
+             const LoopSetting& setting, const Clock& clock, const std::atomic<bool>& stop, LoopStats& stats) {
   SourceClock source_clock;
   while (!stop && (setting.frames == 0 || stats.captured < setting.frames)) {
     Captured& next = frames.back();
@@ -39,15 +92,23 @@ void capture(sensing::DepthSource& source, Newest<Captured>& frames, const LoopS
       ++stats.missing;
       continue;
     }
-    next.arrived_s = clock.now();
-    next.captured_s = source_clock.capture_time(next.set.time_s, next.arrived_s);
     ++stats.captured;
-    if (observers.captured) observers.captured(next.set);
-    if (setting.every_frame) {
-      while (!stop && !frames.wait_taken(std::chrono::milliseconds(50))) {
-      }
+    if (setting.every_frame) wait_until_taken(frames, stop);
+    next.arrived_s = clock.now();
+    // Frames that wait for the loop have no age of their own.
+    next.captured_s = setting.every_frame ? next.arrived_s : source_clock.capture_time(next.set.time_s, next.arrived_s);
+    if (recorded) {
+      if (setting.every_frame) wait_until_taken(*recorded, stop);
+      recorded->back() = next.set;
+      if (recorded->publish()) ++stats.unrecorded;
     }
     if (frames.publish()) ++stats.replaced;
+  }
+}
+
+void record(Newest<sensing::FrameSet>& frames, const LoopObservers& observers) {
+  while (!frames.closed()) {
+    if (frames.take(std::chrono::milliseconds(100))) observers.record(frames.front());
   }
 }
 
@@ -90,26 +151,25 @@ void run_loop(sensing::DepthSource& source, Chain& chain, Link& link, const Loop
   Newest<Captured> frames;
   Newest<Plan> plans;
   plans.each([&](Plan& plan) { reserve(plan, setting.output.layout.transducers.size()); });
+  Newest<sensing::FrameSet> recorded;
   std::atomic<bool> stop_capture{false}, stop_output{false}, output_ended{false};
-  std::exception_ptr capture_fault, compute_fault, output_fault;
-
-  std::thread output_thread([&] {
-    try {
-      play(link, plans, setting.output, clock, stop_output, stats.output);
-    } catch (...) {
-      output_fault = std::current_exception();
-    }
-    output_ended = true;
-  });
-  std::thread capture_thread([&] {
-    try {
-      capture(source, frames, setting, clock, stop_capture, observers, stats);
-    } catch (...) {
-      capture_fault = std::current_exception();
-    }
-    frames.close();
-  });
+  std::exception_ptr compute_fault;
+  std::optional<Worker> output_thread, recorder_thread, capture_thread;
   try {
+    output_thread.emplace([&] {
+      const EndFlag ended(output_ended);
+      play(link, plans, setting.output, clock, stop_output, stats.output);
+    });
+    if (observers.record) {
+      recorder_thread.emplace([&] {
+        const EndFlag ended(stop);  // a recording that cannot go on ends the loop
+        record(recorded, observers);
+      });
+    }
+    capture_thread.emplace([&] {
+      const CloseFrames close(frames);
+      capture(source, frames, observers.record ? &recorded : nullptr, setting, clock, stop_capture, stats);
+    });
     const double last_s = compute(chain, frames, plans, clock, stop, output_ended, observers, stats);
     // A source that ended is one whose frames stopped coming: what it last showed sounds on until it expires.
     while (!stop && !output_ended && clock.now() < last_s + setting.output.hold_s) {
@@ -118,13 +178,15 @@ void run_loop(sensing::DepthSource& source, Chain& chain, Link& link, const Loop
   } catch (...) {
     compute_fault = std::current_exception();
   }
-  // Silence first: the capture thread may be waiting for a camera.
+  // Silence first: the capture thread may be waiting for a camera, the recorder for a disk.
   stop_output = true;
-  output_thread.join();
+  const std::exception_ptr output_fault = output_thread ? output_thread->join() : nullptr;
   stop_capture = true;
   frames.close();
-  capture_thread.join();
-  for (const std::exception_ptr& fault : {compute_fault, output_fault, capture_fault}) {
+  const std::exception_ptr capture_fault = capture_thread ? capture_thread->join() : nullptr;
+  recorded.close();
+  const std::exception_ptr record_fault = recorder_thread ? recorder_thread->join() : nullptr;
+  for (const std::exception_ptr& fault : {compute_fault, output_fault, record_fault, capture_fault}) {
     if (fault) std::rethrow_exception(fault);
   }
 }

@@ -21,10 +21,11 @@ struct LoopSetting {
   bool every_frame = false;
 };
 
-/// What others may look at while the loop runs. Called on the thread named; must not throw anything but Error and not
-/// linger.
+/// What others may look at while the loop runs. They must not throw anything but Error; `planned` must not linger.
 struct LoopObservers {
-  std::function<void(const sensing::FrameSet&)> captured;        ///< capture thread: every frame, e.g. to record it
+  /// On a thread of its own, so that a slow disk delays no touch: every frame, e.g. to be written down. Frames that
+  /// come while it is busy are left out, all but the newest (never with every_frame), and counted as `unrecorded`.
+  std::function<void(const sensing::FrameSet&)> record;
   std::function<void(const FrameReport&, const Plan&)> planned;  ///< compute thread (the caller's)
 };
 

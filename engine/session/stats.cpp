@@ -39,13 +39,14 @@ std::string to_json(const LoopStats& stats) {
     passes += fmt::format("{}\"{}\":{}", passes.empty() ? "" : ",", pass.name, distribution(pass.ms, 1.0));
   }
   return fmt::format(
-      "{{\"frames\":{{\"captured\":{},\"replaced\":{},\"missing\":{},\"planned\":{},\"touching\":{}}},\n"
+      "{{\"frames\":{{\"captured\":{},\"replaced\":{},\"missing\":{},\"unrecorded\":{},\"planned\":{},\"touching\":{}}}"
+      ",\n"
       " \"seconds\":{:.6g},\n"
-      " \"timing_ms\":{{\"frame_to_plan\":{},\"frame_to_drive\":{},\"drive_jitter\":{}}},\n"
+      " \"timing_ms\":{{\"frame_to_plan\":{},\"capture_to_drive\":{},\"drive_jitter\":{}}},\n"
       " \"passes_ms\":{{{}}},\n"
       " \"drives\":{{\"sent\":{},\"silent\":{},\"skipped_slots\":{}}}}}\n",
-      stats.captured, stats.replaced, stats.missing, stats.planned, stats.touching, stats.seconds,
-      distribution(stats.frame_to_plan_s, 1e3), distribution(stats.output.touch_to_drive_s, 1e3),
+      stats.captured, stats.replaced, stats.missing, stats.unrecorded, stats.planned, stats.touching, stats.seconds,
+      distribution(stats.frame_to_plan_s, 1e3), distribution(stats.output.capture_to_drive_s, 1e3),
       distribution(stats.output.jitter_s, 1e3), passes, stats.output.drives, stats.output.silent_drives,
       stats.output.skipped_slots);
 }

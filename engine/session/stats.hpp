@@ -36,8 +36,8 @@ class Samples {
 /// Kept by the output thread.
 struct OutputStats {
   std::uint64_t drives = 0, silent_drives = 0, skipped_slots = 0;
-  Samples jitter_s;          ///< how late each drive left
-  Samples touch_to_drive_s;  ///< from a frame's arrival to its first drive
+  Samples jitter_s;            ///< how late each drive left
+  Samples capture_to_drive_s;  ///< from a frame's capture to its first drive
 
   void sent(double late_s, bool silent) {
     ++drives;
@@ -45,7 +45,7 @@ struct OutputStats {
     jitter_s.add(late_s);
   }
   void skipped(std::uint64_t slots) { skipped_slots += slots; }
-  void first_drive(double latency_s) { touch_to_drive_s.add(latency_s); }
+  void first_drive(double latency_s) { capture_to_drive_s.add(latency_s); }
 };
 
 /// The time of one pass over all frames.
@@ -55,13 +55,14 @@ struct PassStats {
 };
 
 struct LoopStats {
-  std::uint64_t captured = 0;  ///< frames that came from the source
-  std::uint64_t replaced = 0;  ///< of these, not looked at because a newer one had come
-  std::uint64_t missing = 0;   ///< times that the source had nothing within the hold
-  std::uint64_t planned = 0;   ///< frames whose drives were made
-  std::uint64_t touching = 0;  ///< of these, frames with at least one finger
-  double seconds = 0;          ///< from the first frame to the end
-  Samples frame_to_plan_s;     ///< a frame in memory to its drives in memory
+  std::uint64_t captured = 0;    ///< frames that came from the source
+  std::uint64_t replaced = 0;    ///< of these, not looked at because a newer one had come
+  std::uint64_t missing = 0;     ///< times that the source had nothing within the hold
+  std::uint64_t unrecorded = 0;  ///< frames that came too fast for the recorder
+  std::uint64_t planned = 0;     ///< frames whose drives were made
+  std::uint64_t touching = 0;    ///< of these, frames with at least one finger
+  double seconds = 0;            ///< from the first frame to the end
+  Samples frame_to_plan_s;       ///< a frame in memory to its drives in memory
   std::vector<PassStats> passes;
   OutputStats output;
 

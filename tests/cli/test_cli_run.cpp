@@ -56,7 +56,7 @@ TEST(CliRun, MeasuresItselfAndRecordsDrivesThatEndInSilence) {
   EXPECT_EQ(stats["frames"]["captured"], 60);
   EXPECT_GT(stats["frames"]["touching"], 0);
   EXPECT_GT(stats["timing_ms"]["frame_to_plan"]["median"], 0);
-  for (const char* pass : {"contacts", "fingers", "foci", "drives"})
+  for (const char* pass : {"skin count", "fingers", "foci", "drives"})
     EXPECT_TRUE(stats["passes_ms"].contains(pass)) << pass;
 
   const session::DriveRecording recording = session::read_drive_recording(folder / "d.bin");
@@ -114,7 +114,7 @@ int interrupt(const std::vector<std::string>& arguments, int signal, const std::
 
 TEST(CliRun, SignalsEndItInSilence) {
   const auto folder = scratch_folder("signals");
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
     const auto file = folder / ("drives" + std::to_string(signal));
     EXPECT_EQ(interrupt({"run", "--scene", cube(), "--quiet", "--link", "record:" + file.string()}, signal, file), 0);
     const session::DriveRecording recording = session::read_drive_recording(file);

@@ -35,7 +35,9 @@ bool FakeSource::next(sensing::FrameSet& out, double) {
   out.frames.resize(1);
   out.frames[0].depth.assign(4, 500);
   out.sequence = given;
-  out.time_s = 100.0 + std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  const double now_s = std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  if (given == 0) begin_s = now_s;
+  out.time_s = 100.0 + (now_s - begin_s) / clock_rate;
   ++given;
   return true;
 }

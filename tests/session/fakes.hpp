@@ -20,8 +20,10 @@ struct FakeSource : sensing::DepthSource {
   std::vector<sensing::Camera> rig{sensing::Camera{.name = "fake", .width = 2, .height = 2, .fx = 1, .fy = 1}};
   std::uint64_t count = 10;  ///< frames until the end
   double period_s = 0.002;
+  double clock_rate = 1;                      ///< seconds on the source's clock per second of time
   std::function<void(std::uint64_t)> before;  ///< called before frame n; may sleep or throw
   std::uint64_t given = 0;
+  double begin_s = 0;
 
   const std::vector<sensing::Camera>& cameras() const override { return rig; }
   bool next(sensing::FrameSet& out, double timeout_s) override;

@@ -192,8 +192,24 @@ TEST(Chain, NothingIsAllocatedAndNoPipelineMadeAfterTheFirstFrames) {
   EXPECT_EQ(device.memory_allocations, memory);
   EXPECT_EQ(device.pipelines_created, pipelines);
 #ifdef PALPA_WATCH_HEAP
-  EXPECT_EQ(allocations, 0u) << "heap allocations in eight frames";
+  // The validation layer allocates on this thread.
+  if (device.validation() == gpu::Validation::off) {
+    EXPECT_EQ(allocations, 0u) << "heap allocations in eight frames";
+  }
 #endif
+}
+
+TEST(Chain, MayBeDestroyedWithFramesUnderWay) {
+  const Stage stage("cube");
+  const auto frame = stage.frame(0.003, 0);
+  for (const int steps : {0, 1}) {
+    const auto chain = make_gpu_chain(test::test_device(), stage.setting());
+    chain->start(frame, 0, 0);
+    Plan plan;
+    FrameReport report;
+    for (int i = 0; i < steps; ++i)
+      chain->step(plan, report);
+  }
 }
 
 TEST(Chain, ALostDeviceIsAnError) {

@@ -6,6 +6,7 @@
 
 #include "fakes.hpp"
 #include "session/loop.hpp"
+#include "session/source_clock.hpp"
 
 namespace palpa::session {
 namespace {
@@ -155,7 +156,7 @@ TEST(Loop, ABrokenLinkEndsTheLoopAndIsReported) {
 
 TEST(Loop, AnErrorOfAnObserverIsReportedToo) {
   Loop loop;
-  loop.observers.captured = [](const sensing::FrameSet& set) {
+  loop.observers.record = [](const sensing::FrameSet& set) {
     if (set.sequence == 3) throw failure("recording: no space left on device");
   };
   EXPECT_EQ(loop.fault(), "recording: no space left on device");
@@ -173,6 +174,72 @@ TEST(Loop, StopsWhenTold) {
   stopper.join();
   EXPECT_TRUE(loop.link.ended_silent());
   EXPECT_LT(loop.source.given, 1'000'000u);
+}
+
+TEST(Loop, ASlowRecorderDelaysNoTouchAndSaysWhatItLeftOut) {
+  Loop loop;
+  loop.source.count = 40;
+  loop.source.period_s = 0.003;
+  std::vector<std::uint64_t> written;
+  loop.observers.record = [&](const sensing::FrameSet& set) {
+    std::this_thread::sleep_for(30ms);
+    written.push_back(set.sequence);
+  };
+  loop.run();
+  EXPECT_GT(loop.stats.unrecorded, 10u);
+  EXPECT_EQ(written.size() + loop.stats.unrecorded, 40u);
+  EXPECT_EQ(written.back(), 39u);
+  EXPECT_GT(loop.stats.planned, 2 * written.size());
+}
+
+TEST(Loop, EveryFrameIsRecordedWhenEveryFrameIsLookedAt) {
+  Loop loop;
+  loop.source.count = 12;
+  loop.source.period_s = 0;
+  loop.setting.every_frame = true;
+  std::vector<std::uint64_t> written;
+  loop.observers.record = [&](const sensing::FrameSet& set) {
+    std::this_thread::sleep_for(3ms);
+    written.push_back(set.sequence);
+  };
+  loop.run();
+  EXPECT_EQ(written.size(), 12u);
+  EXPECT_EQ(loop.stats.unrecorded, 0u);
+}
+
+TEST(Loop, SoundsWhileItLooksAtEveryFrameOfASourceSlowerThanItsClock) {
+  Loop loop;
+  loop.source.count = 40;
+  loop.source.period_s = 0.01;
+  loop.source.clock_rate = 0.1;  // replayed at a tenth of its own speed
+  loop.setting.every_frame = true;
+  loop.run();
+  EXPECT_LT(loop.stats.output.silent_drives * 3, loop.stats.output.drives);
+}
+
+TEST(SourceClock, KnowsAFramesAge) {
+  SourceClock clock;
+  EXPECT_DOUBLE_EQ(clock.capture_time(100.0, 5.0), 5.0);
+  EXPECT_NEAR(clock.capture_time(100.011, 5.011), 5.011, 1e-4);
+  EXPECT_NEAR(clock.capture_time(100.022, 5.072), 5.022, 1e-4) << "50 ms late";
+  EXPECT_NEAR(clock.capture_time(100.033, 5.033), 5.033, 1e-4);
+}
+
+TEST(SourceClock, FollowsAClockThatRunsSlow) {
+  SourceClock clock;
+  double age = 0;
+  for (int i = 0; i < 90 * 3600; ++i) {  // an hour at 50 parts in a million
+    const double arrived = i / 90.0;
+    age = arrived - clock.capture_time(arrived * (1 - 50e-6), arrived);
+  }
+  EXPECT_LT(age, 1e-3);
+}
+
+TEST(SourceClock, StartsAnewWhenTheSourcesClockStepsBack) {
+  SourceClock clock;
+  clock.capture_time(1000.0, 5.0);
+  EXPECT_DOUBLE_EQ(clock.capture_time(0.0, 6.0), 6.0);
+  EXPECT_NEAR(clock.capture_time(0.011, 6.011), 6.011, 1e-4);
 }
 
 TEST(Stats, QuantilesAndJson) {
