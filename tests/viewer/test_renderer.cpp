@@ -244,6 +244,9 @@ TEST_F(Renderer, ASettledSceneAllocatesNothing) {
 
 TEST_F(Renderer, AnInsetIsAPictureInThePicture) {
   Picture picture = test::cube_picture();
+  picture.fingers.resize(1);
+  picture.fingers[0].foci = {{{0, 0, 0}, 1, false}};  // the running one has no number to hide its colour
+  picture.fingers[0].running = 0;
   Scene scene(test::test_device());
   scene.update(picture);
   Offscreen offscreen(test::test_device(), 640, 480);
@@ -270,6 +273,9 @@ TEST_F(Renderer, AnInsetIsAPictureInThePicture) {
     }
   }
   EXPECT_EQ(outside, 0u);
+  // Its overlay lies where it lies: the border, and a focus in its middle.
+  EXPECT_LT(both.at(x, y + area.extent.height / 2)[0], 170);
+  EXPECT_LE(distance(both.at(x + area.extent.width / 2, y + area.extent.height / 2), finger_colour(0)), 8);
   // The close-up shows the cube's middle all over: no background inside its border.
   for (std::uint32_t v = 4; v + 4 < area.extent.height; v += 7) {
     for (std::uint32_t u = 4; u + 4 < area.extent.width; u += 7) {
@@ -278,17 +284,27 @@ TEST_F(Renderer, AnInsetIsAPictureInThePicture) {
   }
 }
 
-TEST_F(Renderer, StrokesBehindTheEyeAreCutOff) {
-  Picture picture = test::cube_picture();
-  picture.grid = true;
+TEST_F(Renderer, LinesAreCutWhereTheyPassBehindTheEye) {
+  Picture picture = test::bare();
+  CameraMark mark;  // four lines from behind the viewer's right shoulder to a point ahead on the right
+  mark.apex = {0.01f, 0, 0.1f};
+  mark.corners.fill({0.01f, 0, -0.1f});
+  picture.cameras.push_back(mark);
   Camera camera;
-  look(camera, Vec3(0, -0.0195, 0.0), Vec3(0, -0.0195, -1));  // among the grid's lines, inside the cube
+  look(camera, Vec3(0), Vec3(0, 0, -1));
   const Pixels pixels = draw(picture, camera);
-  EXPECT_EQ(pixels.rgba.size(), std::size_t{4} * width * height);
-  // Nothing of what lies behind is flung across the sky.
-  for (std::uint32_t x = 0; x < width; x += 13) {
-    EXPECT_GT(pixels.at(x, 3)[0], 100) << x;
-  }
+  const Projected end = project(projection(camera, width, height), {0.01, 0, -0.1});
+  const auto darkest = [&](double from, double to) {
+    int dark = 255;
+    for (auto x = static_cast<std::uint32_t>(from); x < static_cast<std::uint32_t>(to); ++x) {
+      for (std::uint32_t y = height / 2 - 1; y <= height / 2; ++y)
+        dark = std::min<int>(dark, pixels.at(x, y)[0]);
+    }
+    return dark;
+  };
+  EXPECT_LT(darkest(end.x + 4, end.x + 8), 200);
+  EXPECT_LT(darkest(width - 6, width - 1), 200);  // on to the picture's edge
+  EXPECT_EQ(darkest(0, end.x - 8), 255);          // and not to the other side
 }
 
 TEST_F(Renderer, AbsurdSizesAreFailures) {
