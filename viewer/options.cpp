@@ -117,13 +117,13 @@ Box home_of(const Options& o, const Picture& picture) {
 Camera first_camera(const Options& o, const Picture& picture, const Size& size) {
   Camera camera;
   camera.orthographic = o.orthographic;
+  // A close-up covers the right of the picture: what is looked at moves to the left.
+  camera.shift = o.inset && !picture.fingers.empty() ? -inset_share : 0;
   if (!o.eye.empty()) {
     look(camera, point("--eye", o.eye), o.target.empty() ? Vec3(0) : point("--target", o.target));
     return camera;
   }
   look(camera, o.view);
-  // A close-up covers the right of the picture: what is framed moves to the left.
-  camera.shift = o.inset && !picture.fingers.empty() ? -inset_share : 0;
   frame(camera, home_of(o, picture), static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u));
   return camera;
 }
