@@ -42,9 +42,10 @@ void main() {
   barrier();
   const uint before = segments[0];
 
-  const uint chunk = points_per_chunk(min(given.total, push.most_points));
-  const uint words = chunk / 32u;
-  const uint first_word = group * words;
+  const uint count = min(given.total, push.most_points);
+  const uint chunk = points_per_chunk(count);
+  const uint words = group * chunk < count ? chunk / 32u : 0u;  // contacts_find left no masks of empty chunks
+  const uint first_word = group * chunk / 32u;
   const uint run = (words + contacts_group - 1u) / contacts_group;
   const uint begin = min(thread * run, words);
   const uint end = min(begin + run, words);

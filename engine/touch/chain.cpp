@@ -61,8 +61,8 @@ TouchBuffers::TouchBuffers(const gpu::Device& device, const Capacity& capacity)
       clusters_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::Cluster), "finger clusters"),
       contacts_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::ContactRecord), "contacts"),
       header_(device, sizeof(shader::TouchHeader), "touch header"),
-      fingers_(device, max_fingers * sizeof(shader::FingerRecord), "fingers"),
-      foci_(device, max_fingers * max_foci * sizeof(shader::FocusRecord), "foci") {}
+      fingers_(device, std::uint64_t{max_fingers} * sizeof(shader::FingerRecord), "fingers"),
+      foci_(device, std::uint64_t{max_fingers} * max_foci * sizeof(shader::FocusRecord), "foci") {}
 
 TouchPasses::TouchPasses(const gpu::Device& device) : contacts_(device), fingers_(device), sections_(device) {}
 
