@@ -101,7 +101,7 @@ std::string format_quantity(double value, Quantity quantity) {
       unit = {"m/s", 1};
       break;
   }
-  const std::string scaled = fmt::format("{}{}", value * unit.per_si, unit.name);
+  std::string scaled = fmt::format("{}{}", value * unit.per_si, unit.name);
   if (parse_quantity(scaled, quantity) == value) return scaled;
   // Scaling rounded: then the SI number itself is the shortest exact text.
   return fmt::format("{}", value);
@@ -127,7 +127,7 @@ std::array<double, 3> parse_point(const std::string& option, const std::string& 
 }
 
 void Group::add(const std::string& name, const std::string& type, const std::string& initial, const std::string& help,
-                std::function<void(const std::string&)> take) const {
+                const std::function<void(const std::string&)>& take) const {
   const std::string text = initial.empty() ? help : fmt::format("{} [{}]", help, initial);
   app_->add_option_function<std::string>(name, take, text)->type_name(type)->group(heading_);
 }

@@ -76,7 +76,7 @@ class Group {
   void pick(const std::string& name, std::vector<std::string> words, std::size_t initial, const std::string& help,
             std::function<void(std::size_t)> chosen) const;
   void add(const std::string& name, const std::string& type, const std::string& initial, const std::string& help,
-           std::function<void(const std::string&)> take) const;
+           const std::function<void(const std::string&)>& take) const;
 
   CLI::App* app_;
   std::string heading_;

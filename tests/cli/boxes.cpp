@@ -24,6 +24,7 @@ geometry::SceneMesh make_box(const TiltedBox& box) {
 
 void write_boxes(const std::filesystem::path& file, const std::vector<TiltedBox>& boxes) {
   std::vector<geometry::SceneMesh> scene;
+  scene.reserve(boxes.size());
   for (const TiltedBox& box : boxes)
     scene.push_back(make_box(box));
   geometry::write_glb(file, scene);

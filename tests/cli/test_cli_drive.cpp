@@ -48,7 +48,7 @@ class Drive : public testing::TestWithParam<std::string> {
     EXPECT_EQ(result.err, "");
     std::istringstream text(result.out);
     std::string header;
-    const Rows rows = read_rows(text, &header);
+    Rows rows = read_rows(text, &header);
     EXPECT_EQ(header, "index,x,y,z,nx,ny,nz,amplitude,phase");
     return rows;
   }

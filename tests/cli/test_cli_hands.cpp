@@ -37,7 +37,7 @@ Pixel pixel_of(const Lens& lens, const Vec3& p) {
 }
 
 fs::path write_camera(const fs::path& folder, const Lens& lens) {
-  const fs::path file = folder / "camera.toml";
+  fs::path file = folder / "camera.toml";
   std::ofstream toml(file);
   toml.precision(17);
   toml << "[[camera]]\nname = \"recorded\"\nwidth = " << lens.width << "\nheight = " << lens.height
