@@ -1,6 +1,7 @@
 #include "viewer/picture.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
@@ -51,13 +52,15 @@ void show_schedule(Picture& picture, const array::Schedule& schedule, const touc
 }
 
 void show_slot(Picture& picture, const array::Schedule& schedule, std::uint64_t slot) {
+  // In whole nanoseconds, as the schedule itself reckons.
+  const auto nanoseconds = [](double s) { return static_cast<std::uint64_t>(std::max(std::llround(s * 1e9), 1ll)); };
   const std::size_t count = std::min<std::size_t>(schedule.voice_count, picture.fingers.size());
   for (std::size_t f = 0; f < count; ++f) {
     const array::Voice& voice = schedule.voices[f];
-    const auto steps = static_cast<std::uint64_t>(voice.dwell_s / schedule.slot_s + 0.5);
     const std::size_t foci = picture.fingers[f].foci.size();
     if (foci == 0) continue;
-    picture.fingers[f].running = static_cast<std::uint32_t>(slot / std::max<std::uint64_t>(steps, 1) % foci);
+    const std::uint64_t step = slot * nanoseconds(schedule.slot_s) / nanoseconds(voice.dwell_s);
+    picture.fingers[f].running = static_cast<std::uint32_t>(step * voice.foci_per_slot % foci);
   }
 }
 

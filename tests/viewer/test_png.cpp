@@ -52,7 +52,7 @@ TEST(Png, BrokenFilesAreBadInput) {
   const std::string good = bytes_of(folder / "good.png");
   std::ofstream(folder / "short.png", std::ios::binary) << good.substr(0, good.size() / 2);
   std::ofstream(folder / "text.png") << "this is no picture";
-  std::ofstream(folder / "empty.png");
+  std::ofstream(folder / "empty.png") << "";
   // A header that claims 2^31 - 1 pixels on a side.
   std::string huge = good;
   for (const std::size_t at : {16, 20})
