@@ -15,9 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <numbers>
-#include <numeric>
 
 #include "geometry/topology.hpp"
 
@@ -26,16 +24,6 @@ namespace {
 
 // Vertices times facets up to which every facet is tested against every vertex: a tenth of a second.
 constexpr double small_product = 1e8;
-
-// The height over its longest side: below the tolerance a triangle has no direction of its own.
-double triangle_width(const Mesh& mesh, std::uint32_t triangle, double twice_area) {
-  const glm::uvec3& t = mesh.triangles[triangle];
-  double longest = 0;
-  for (int i = 0; i < 3; ++i) {
-    longest = std::max(longest, glm::distance(mesh.positions[t[i]], mesh.positions[t[(i + 1) % 3]]));
-  }
-  return longest > 0 ? twice_area / longest : 0;
-}
 
 struct Bend {
   double height;  // how far the nearer of the two opposite corners stands out, metres; positive: reflex
@@ -170,89 +158,6 @@ double flatness_tolerance(const Mesh& mesh) {
   for (int i = 0; i < 3; ++i)
     reach = std::max({reach, std::abs(box.low[i]), std::abs(box.high[i])});
   return std::max(1e-6 * glm::distance(box.low, box.high), 2.5e-7 * reach);
-}
-
-Facets find_facets(const Mesh& mesh, std::span<const std::uint32_t> twin, double tolerance) {
-  const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
-  std::vector<Vec3> area_vectors(count);
-  std::vector<double> width(count);
-  for (std::uint32_t t = 0; t < count; ++t) {
-    area_vectors[t] = area_vector(mesh, t);
-    width[t] = triangle_width(mesh, t, glm::length(area_vectors[t]));
-  }
-  // The widest triangle knows its plane best: it begins a facet, which then grows over its sides.
-  std::vector<std::uint32_t> order(count);
-  std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return width[a] != width[b] ? width[a] > width[b] : a < b; });
-  Facets facets;
-  facets.of_triangle.assign(count, Facets::no_facet);
-  std::vector<std::uint32_t> member;
-  struct Grown {
-    std::uint32_t first;
-    Plane plane;
-    Vec3 centre;
-    double width;
-  };
-  std::vector<Grown> grown;
-  for (const std::uint32_t seed : order) {
-    if (facets.of_triangle[seed] != Facets::no_facet) continue;
-    if (!(width[seed] > tolerance)) break;  // only slivers are left
-    const Vec3 normal = glm::normalize(area_vectors[seed]);
-    const double offset = glm::dot(normal, mesh.positions[mesh.triangles[seed][0]]);
-    const auto facet = static_cast<std::uint32_t>(grown.size());
-    member.assign(1, seed);
-    facets.of_triangle[seed] = facet;
-    Vec3 total(0), moment(0);
-    double weight = 0;
-    std::uint32_t first = seed;
-    for (std::size_t i = 0; i < member.size(); ++i) {
-      const std::uint32_t t = member[i];
-      const double twice_area = glm::length(area_vectors[t]);
-      total += area_vectors[t];
-      const glm::uvec3& c = mesh.triangles[t];
-      moment += twice_area / 3 * (mesh.positions[c[0]] + mesh.positions[c[1]] + mesh.positions[c[2]]);
-      weight += twice_area;
-      first = std::min(first, t);
-      for (std::uint32_t side = 3 * t; side < 3 * t + 3; ++side) {
-        const std::uint32_t neighbour = twin[side] / 3;
-        if (facets.of_triangle[neighbour] != Facets::no_facet) continue;
-        const double above = glm::dot(normal, mesh.positions[opposite_vertex(mesh, twin[side])]) - offset;
-        // A triangle folded back onto the facet lies in its plane, too, but faces the other way.
-        const bool folded = width[neighbour] > tolerance && glm::dot(area_vectors[neighbour], normal) < 0;
-        if (std::abs(above) > tolerance || folded) continue;
-        facets.of_triangle[neighbour] = facet;
-        member.push_back(neighbour);
-      }
-    }
-    Plane plane{glm::normalize(total), -std::numeric_limits<double>::infinity()};
-    // No corner of the facet lies outside its plane.
-    Box box;
-    for (const std::uint32_t t : member) {
-      for (int i = 0; i < 3; ++i) {
-        const Vec3& corner = mesh.positions[mesh.triangles[t][i]];
-        plane.offset = std::max(plane.offset, glm::dot(plane.normal, corner));
-        box.add(corner);
-      }
-    }
-    const double facet_width = std::max(width[seed], weight / 2 / glm::distance(box.low, box.high));
-    grown.push_back({first, plane, moment / weight, facet_width});
-  }
-  std::vector<std::uint32_t> by_first(grown.size()), place(grown.size());
-  std::iota(by_first.begin(), by_first.end(), 0U);
-  std::sort(by_first.begin(), by_first.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return grown[a].first < grown[b].first; });
-  for (std::uint32_t i = 0; i < by_first.size(); ++i) {
-    const Grown& g = grown[by_first[i]];
-    place[by_first[i]] = i;
-    facets.planes.push_back(g.plane);
-    facets.centres.push_back(g.centre);
-    facets.widths.push_back(g.width);
-  }
-  for (std::uint32_t& facet : facets.of_triangle) {
-    if (facet != Facets::no_facet) facet = place[facet];
-  }
-  return facets;
 }
 
 std::optional<ReflexEdge> find_concavity(const Mesh& mesh, std::span<const std::uint32_t> twin, const Facets& facets,

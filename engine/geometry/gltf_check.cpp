@@ -29,7 +29,7 @@ bool is_harmless(std::string_view extension) {
 class Checker {
  public:
   Checker(const std::string& file, const Parsed& parsed, const Container& container)
-      : file_(file), root_(file, parsed.json, "the document"), data_(root_, parsed, container) {}
+      : file_(file), root_(file, parsed.json(), "the document"), data_(root_, parsed, container) {}
 
   Document run(std::optional<int> scene_index) {
     check_root();
@@ -363,7 +363,7 @@ class Checker {
 }  // namespace
 
 Document check_document(const std::string& file, const Container& container, std::optional<int> scene_index) {
-  const Parsed parsed = parse_json(file, container.json);
+  const Parsed parsed(file, container.json);
   return Checker(file, parsed, container).run(scene_index);
 }
 

@@ -71,12 +71,10 @@ std::string shortened(const std::string& file, const std::string& text, std::vec
 
 }  // namespace
 
-Parsed parse_json(const std::string& file, const std::string& text) {
-  Parsed parsed;
-  const std::string brief = shortened(file, text, parsed.long_strings);
+Parsed::Parsed(const std::string& file, const std::string& text) {
+  const std::string brief = shortened(file, text, long_strings_);
   try {
-    parsed.json = Json::parse(brief);
-    return parsed;
+    json_ = Json::parse(brief);
   } catch (const Json::parse_error& e) {
     // Its own text quotes the input, which may be endless and hold anything.
     const std::size_t end = std::min(e.byte, brief.size());
@@ -93,9 +91,9 @@ std::string Parsed::whole(const std::string& value) const {
   const char* first = value.data() + long_string_mark.size();
   const char* last = value.data() + value.size();
   const auto [rest, fault] = std::from_chars(first, last, index);
-  if (fault != std::errc{} || rest != last || index >= long_strings.size()) return value;
+  if (fault != std::errc{} || rest != last || index >= long_strings_.size()) return value;
   // "\/" is the one escape that some writers put into base64.
-  const std::string_view raw = long_strings[index];
+  const std::string_view raw = long_strings_[index];
   std::string text;
   text.reserve(raw.size());
   std::size_t copied = 0;

@@ -12,18 +12,24 @@ namespace palpa::geometry::gltf {
 
 using Json = nlohmann::json;
 
-struct Parsed {
-  Json json;
-  std::vector<std::string_view> long_strings;  ///< into the text that was parsed
+/// A parsed document. Strings of more than 4 KiB (buffers as data URIs, mostly) are replaced by short ones that stand
+/// for them: the parser would spend a tenth of a microsecond on each of their bytes.
+class Parsed {
+ public:
+  /// `text` must outlive it. Throws bad_input: a syntax error (its line), nesting beyond 128 levels, more than two
+  /// million values.
+  Parsed(const std::string& file, const std::string& text);
+  Parsed(const Parsed&) = delete;
+  Parsed& operator=(const Parsed&) = delete;
 
+  const Json& json() const { return json_; }
   /// The string itself, if `value` stands for a long one.
   std::string whole(const std::string& value) const;
-};
 
-/// Strings of more than 4 KiB (buffers as data URIs, mostly) are replaced by short ones that stand for them: the parser
-/// would spend a tenth of a microsecond on each of their bytes. Throws bad_input: a syntax error (its line), nesting
-/// beyond 128 levels, more than two million values.
-Parsed parse_json(const std::string& file, const std::string& text);
+ private:
+  Json json_;
+  std::vector<std::string_view> long_strings_;  // into the text
+};
 
 /// An object of the document with its name for messages, e.g. "accessor 3".
 class Item {

@@ -57,6 +57,15 @@ Vec3 area_vector(const Mesh& mesh, std::uint32_t triangle) {
   return glm::cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
 }
 
+double triangle_width(const Mesh& mesh, std::uint32_t triangle, double twice_area) {
+  const glm::uvec3& t = mesh.triangles[triangle];
+  double longest = 0;
+  for (int i = 0; i < 3; ++i) {
+    longest = std::max(longest, glm::distance(mesh.positions[t[i]], mesh.positions[t[(i + 1) % 3]]));
+  }
+  return longest > 0 ? twice_area / longest : 0;
+}
+
 UnionFind::UnionFind(std::size_t count) : parent_(count) {
   std::iota(parent_.begin(), parent_.end(), 0U);
 }

@@ -41,6 +41,9 @@ inline std::uint32_t opposite_vertex(const Mesh& mesh, std::uint32_t side) {
 /// Twice the triangle's area times its normal.
 Vec3 area_vector(const Mesh& mesh, std::uint32_t triangle);
 
+/// The triangle's height over its longest side, metres, given twice its area.
+double triangle_width(const Mesh& mesh, std::uint32_t triangle, double twice_area);
+
 /// Groups of indices that are merged step by step; the smallest index stands for its group.
 class UnionFind {
  public:

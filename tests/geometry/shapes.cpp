@@ -96,7 +96,7 @@ std::string error_of(const std::function<void()>& action, Exit code) {
   try {
     action();
   } catch (const Error& e) {
-    const std::string line = e.what();
+    std::string line = e.what();
     EXPECT_EQ(e.code(), code) << line;
     EXPECT_EQ(line.find('\n'), std::string::npos) << line;
     EXPECT_LT(line.size(), 1000U) << line;

@@ -29,7 +29,7 @@ const std::filesystem::path& folder() {
 // The error of loading, which must name the file and come within a second.
 std::string fault_of_file(const std::filesystem::path& file) {
   [[maybe_unused]] const std::clock_t start = std::clock();  // processor time: other tests may keep this one waiting
-  const std::string line = test::error_of([&] { make_solids(load_gltf(file)); });
+  std::string line = test::error_of([&] { make_solids(load_gltf(file)); });
 #ifdef NDEBUG
   EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC) << line;
 #endif

@@ -93,7 +93,7 @@ TEST(GltfModes, FewerThanThreeCornersShowNothing) {
 TEST(GltfAccessors, InterleavedWithOffsets) {
   const Mesh cube = box(Vec3(0), Vec3(1, 2, 3));
   // Per vertex: 8 bytes of something else, the position, 4 bytes of something else.
-  std::vector<unsigned char> bytes(8 * 24, 0x7f);
+  std::vector<unsigned char> bytes(192, 0x7f);
   for (std::size_t v = 0; v < 8; ++v) {
     for (int i = 0; i < 3; ++i) {
       const auto value = static_cast<float>(cube.positions[v][i]);

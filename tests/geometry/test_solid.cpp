@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
@@ -30,7 +30,7 @@ std::vector<Solid> solids_of(std::vector<Mesh> meshes) {
 }
 
 std::string fault_of(std::vector<Mesh> meshes) {
-  const std::string line = error_of([&] { solids_of(std::move(meshes)); });
+  std::string line = error_of([&] { solids_of(std::move(meshes)); });
   EXPECT_TRUE(line.empty() || line.starts_with("test.glb: ")) << line;
   return line;
 }
@@ -312,12 +312,12 @@ TEST(Convexity, FindsADentOfEdgesTooFlatToCall) {
 TEST(Convexity, AMillionFacesTakeSeconds) {
   const Mesh mesh = test::rounded(test::sphere(0.02, 500, 1000));
   ASSERT_EQ(mesh.triangles.size(), 998'000U);
-  const auto start = std::chrono::steady_clock::now();
+  [[maybe_unused]] const std::clock_t start = std::clock();
   const auto solids = solids_of({mesh});
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  [[maybe_unused]] const std::clock_t spent = std::clock() - start;
   EXPECT_NEAR(signed_volume(solids[0].mesh), 4.0 / 3 * std::numbers::pi * 8e-6, 1e-9);
 #ifdef NDEBUG
-  EXPECT_LT(seconds.count(), 20);
+  EXPECT_LT(spent, 10 * CLOCKS_PER_SEC);
 #endif
 }
 
