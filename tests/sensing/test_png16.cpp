@@ -103,7 +103,12 @@ TEST(Png16, TruncatedAndFlippedFilesAreRefusedOrTheSame) {
   write_png16(scratch("d.png"), 40, 30, image);
   const std::string good = test::read_text(scratch("d.png"));
   std::vector<std::uint16_t> out;
-  for (std::size_t length = 0; length < good.size(); length += length + 40 < good.size() ? 1 + length / 20 : 1) {
+  std::vector<std::size_t> lengths;
+  for (std::size_t length = 0; length < good.size(); length += 1 + length / 20)
+    lengths.push_back(length);
+  for (std::size_t missing = 1; missing < 40; ++missing)
+    lengths.push_back(good.size() - missing);
+  for (const std::size_t length : lengths) {
     test::write_text(scratch("e.png"), good.substr(0, length));
     EXPECT_NE(test::refusal([&] { read_png16(scratch("e.png"), 40, 30, out); }), "")
         << length << " bytes of " << good.size();
