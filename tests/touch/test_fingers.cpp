@@ -223,6 +223,56 @@ TEST_P(Fingers, CurvedCrowdsStayApart) {
   expect_exact(points, 10.21e-3);
 }
 
+/// Pairs of tight crowds just out of each other's reach, in every direction and place relative to the cells; with
+/// `bridged` the first point of each leans over, so that these two alone are in reach, and lists that begin with the
+/// newest find them last.
+std::vector<glm::vec3> pairs_of_crowds(int pairs, int size, double gap, bool bridged) {
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto anywhere = [&] {
+    const double x = unit(random), y = unit(random), z = unit(random);
+    return Vec3(x, y, z);
+  };
+  std::vector<Vec3> centres, across;
+  for (int i = 0; i < pairs; ++i) {
+    centres.push_back(gap * (Vec3(i % 8, i / 8 % 8, i / 64) * 4.0 + anywhere()));
+    across.push_back(glm::normalize(anywhere()));
+  }
+  std::vector<glm::vec3> points;
+  for (int k = 0; k < size; ++k) {
+    for (int i = 0; i < pairs; ++i) {
+      const double lean = bridged && k == 0 ? 0.02 : 0;
+      for (const double side : {-1.0, 1.0}) {
+        points.emplace_back(centres[i] + side * gap * (0.51 - lean) * across[i] + 0.003 * gap * anywhere());
+      }
+    }
+  }
+  return points;
+}
+
+TEST_P(Fingers, CrowdsJoinedByOnePairAreFound) {
+  const double gap = 5e-3;
+  for (const int size : {7, 40}) {
+    EXPECT_EQ(run(pairs_of_crowds(256, size, gap, false), everything_is_contact(gap)).cluster_count, 512u) << size;
+    EXPECT_EQ(run(pairs_of_crowds(256, size, gap, true), everything_is_contact(gap)).cluster_count, 256u) << size;
+  }
+}
+
+TEST_P(Fingers, CrowdsJoinedByOnePairAreFoundEvenIfTheListIsFull) {
+  // A lattice of crowds whose many neighbours fill the list first; only along z do first points lean over to each
+  // other.
+  const double gap = 0.01, spacing = gap * 1.03;
+  std::vector<glm::vec3> points;
+  for (int k = 0; k < 7; ++k) {
+    for (int i = 0; i < 6 * 6 * 6; ++i) {
+      const double lean = k == 0 ? gap * (i / 36 % 2 == 0 ? 0.03 : -0.03) : 0;
+      points.emplace_back(spacing * (i % 6), spacing * (i / 6 % 6), spacing * (i / 36) + lean + 1e-6 * k);
+    }
+  }
+  EXPECT_EQ(run(points, everything_is_contact(gap)).cluster_count, 108u);
+  expect_exact(points, gap);
+}
+
 TEST_P(Fingers, MoreCrowdsThanTheListHoldsAreStillExact) {
   // Six contacts in every block of a lattice just too wide: each block has thirteen crowded neighbours.
   const double gap = 0.01, spacing = gap * 1.03;
