@@ -45,6 +45,15 @@ std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
   return devices;
 }
 
+bool has_instance_extension(const char* name) {
+  std::uint32_t count = 0;
+  vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateInstanceExtensionProperties(nullptr, &count, extensions.data());
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
 bool has_extension(VkPhysicalDevice physical, const char* name) {
   std::uint32_t count = 0;
   vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
@@ -68,6 +77,14 @@ std::optional<std::uint32_t> find_queue_family(VkPhysicalDevice physical) {
     if (!computes) computes = i;
   }
   return computes;
+}
+
+std::uint32_t timestamp_bits(VkPhysicalDevice physical, std::uint32_t family) {
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+  return families[family].timestampValidBits;
 }
 
 const char* kind_name(VkPhysicalDeviceType type) {
@@ -226,7 +243,6 @@ void Device::create_instance(const DeviceOptions& options) {
                   "install vulkan-validationlayers");
     }
     layers.push_back(validation_layer);
-    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
   }
   if (validation_ == Validation::sync) {
@@ -237,6 +253,9 @@ void Device::create_instance(const DeviceOptions& options) {
     enables = {VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
                VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT};
   }
+  // Names also help tools that capture frames; the layer brings the extension where the loader does not.
+  names_ = validation_ != Validation::off || has_instance_extension(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  if (names_) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
   VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
   features.enabledValidationFeatureCount = static_cast<std::uint32_t>(enables.size());
   features.pEnabledValidationFeatures = enables.data();
@@ -298,6 +317,8 @@ void Device::choose_physical(const DeviceOptions& options) {
 
 void Device::create_device(bool window) {
   queue_family_ = find_queue_family(physical_).value();
+  const std::uint32_t bits = timestamp_bits(physical_, queue_family_);
+  timestamp_mask_ = bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
   const float priority = 1.0f;
   VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
   queue.queueFamilyIndex = queue_family_;
@@ -320,7 +341,10 @@ void Device::create_device(bool window) {
   info.pQueueCreateInfos = &queue;
   info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
-  PALPA_VK(vkCreateDevice(physical_, &info, nullptr, &device_));
+  if (const VkResult result = vkCreateDevice(physical_, &info, nullptr, &device_); result != VK_SUCCESS) {
+    throw Error(Exit::no_device,
+                fmt::format("{} cannot be used: vkCreateDevice returned {}", description_.name, result_name(result)));
+  }
   volkLoadDevice(device_);
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 }
@@ -336,7 +360,7 @@ std::uint32_t Device::memory_type(std::uint32_t allowed_bits, VkMemoryPropertyFl
 }
 
 void Device::name(VkObjectType type, std::uint64_t object, const char* name) const {
-  if (!messenger_) return;
+  if (!names_) return;
   VkDebugUtilsObjectNameInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT};
   info.objectType = type;
   info.objectHandle = object;

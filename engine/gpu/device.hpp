@@ -67,6 +67,8 @@ class Device {
   const DeviceDescription& description() const { return description_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
   Validation validation() const { return validation_; }
+  /// The bits of a timestamp that count; the others are undefined.
+  std::uint64_t timestamp_mask() const { return timestamp_mask_; }
 
   /// True where host and device share memory and nobody asked for staging: uploads and readbacks then copy nothing.
   bool unified_memory() const { return unified_; }
@@ -104,6 +106,8 @@ class Device {
   VkPhysicalDeviceMemoryProperties memory_{};
   Validation validation_ = Validation::off;
   bool unified_ = false;
+  bool names_ = false;
+  std::uint64_t timestamp_mask_ = ~std::uint64_t{0};
   mutable std::mutex queue_mutex_;
   mutable std::atomic<bool> lost_{false};
 };

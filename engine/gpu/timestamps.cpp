@@ -37,7 +37,8 @@ void Timestamps::read(std::vector<PassTime>& out) const {
   PALPA_VK(vkGetQueryPoolResults(device_->get(), pool_.get(), 0, count, count * sizeof(std::uint64_t), ticks_.data(),
                                  sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
   for (std::size_t i = 0; i < names_.size(); ++i) {
-    const double ms = static_cast<double>(ticks_[i + 1] - ticks_[i]) * device_->limits().timestampPeriod * 1e-6;
+    const std::uint64_t ticks = (ticks_[i + 1] - ticks_[i]) & device_->timestamp_mask();
+    const double ms = static_cast<double>(ticks) * device_->limits().timestampPeriod * 1e-6;
     const auto same = std::find_if(out.begin(), out.end(),
                                    [&](const PassTime& pass) { return std::strcmp(pass.name, names_[i]) == 0; });
     if (same != out.end()) {
