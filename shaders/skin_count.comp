@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
 #include "skin.h"
 
 // Which pixels of a view hold a point inside the box, and how many per group: the first half of the compaction.
@@ -14,7 +13,7 @@ layout(push_constant) uniform Push { SkinPush push; };
 
 #include "skin_point.glsl"
 
-shared uint subgroup_sums[skin_group];
+shared uint sums[skin_group];
 
 uint find_survivors(uint first_block) {
   const Lens lens = read_lens();
@@ -44,14 +43,20 @@ void main() {
   const uint first_block = gl_GlobalInvocationID.x * skin_run_blocks;
   const uint survivors = first_block < push.blocks ? find_survivors(first_block) : 0u;
 
+  // In shared memory rather than by subgroups: not every device has their arithmetic, and none promises their order.
+  const uint thread = gl_LocalInvocationIndex;
   const uint count = bitCount(survivors);
-  uint before = subgroupExclusiveAdd(count);
-  const uint sum = subgroupAdd(count);
-  if (gl_SubgroupInvocationID == 0u) subgroup_sums[gl_SubgroupID] = sum;
+  sums[thread] = count;
   barrier();
-  for (uint i = 0u; i < gl_SubgroupID; ++i) before += subgroup_sums[i];
+  for (uint step = 1u; step < skin_group; step <<= 1u) {
+    const uint left = thread >= step ? sums[thread - step] : 0u;
+    barrier();
+    sums[thread] += left;
+    barrier();
+  }
+  const uint before = sums[thread] - count;
 
   const uint group = push.first_group + gl_WorkGroupID.x;
-  runs[group * skin_group + gl_LocalInvocationIndex] = SkinRun(survivors, before);
-  if (gl_LocalInvocationIndex == skin_group - 1u) counts[group] = before + count;
+  runs[group * skin_group + thread] = SkinRun(survivors, before);
+  if (thread == skin_group - 1u) counts[group] = before + count;
 }
