@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 #include "base/error.hpp"
@@ -14,6 +13,7 @@ namespace palpa::array {
 namespace {
 
 using Complex = std::complex<double>;
+using Source = DriveScratch::Source;
 
 /// The largest float that is not above pi: pi itself rounds up.
 constexpr float float_pi = 3.1415925f;
@@ -30,16 +30,6 @@ double delay_turns(double distance, const Medium& medium) {
   const double turns = distance * medium.turns_per_metre();
   const double early = std::floor(turns) - turns;
   return early <= -0.5 ? early + 1 : early;
-}
-
-struct Source {
-  const SlotFocus* focus;
-  double reach;  ///< distance of the farthest transducer
-  double gain;   ///< 0..1
-};
-
-double gain_of(const SlotFocus& focus) {
-  return focus.gain > 0 ? std::min(1.0, static_cast<double>(focus.gain)) : 0.0;
 }
 
 double asked_amplitude(double distance, double reach, Weighting weighting) {
@@ -62,23 +52,25 @@ void drive_one(const Layout& layout, const Source& source, const DriveOptions& o
                std::span<TransducerDrive> out) {
   const Weighting weighting = options.constraint == Constraint::uniform ? Weighting::uniform : options.weighting;
   for (std::size_t t = 0; t < out.size(); ++t) {
-    const double distance = glm::distance(layout.transducers[t].position, source.focus->position);
+    const double distance = glm::distance(layout.transducers[t].position, source.position);
     out[t].amplitude = as_amplitude(asked_amplitude(distance, source.reach, weighting) * source.gain);
     out[t].phase = as_phase(2 * std::numbers::pi * delay_turns(distance, options.medium));
   }
 }
 
-void drive_several(const Layout& layout, std::span<const Source> sources, const DriveOptions& options,
-                   std::span<TransducerDrive> out) {
+void drive_several(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out,
+                   DriveScratch& scratch) {
+  const std::vector<Source>& sources = scratch.sources;
+  std::vector<Complex>& sums = scratch.sums;
+  sums.assign(out.size(), 0);
   double shared_gain = 0;
   for (const Source& source : sources)
     shared_gain = std::max(shared_gain, source.gain);
   double largest = 0;
-  std::vector<Complex> sums(out.size());
   for (std::size_t t = 0; t < out.size(); ++t) {
     Complex plain = 0;
     for (const Source& source : sources) {
-      const double distance = glm::distance(layout.transducers[t].position, source.focus->position);
+      const double distance = glm::distance(layout.transducers[t].position, source.position);
       const Complex asked = std::polar(asked_amplitude(distance, source.reach, options.weighting),
                                        2 * std::numbers::pi * delay_turns(distance, options.medium));
       plain += asked;
@@ -108,13 +100,18 @@ bool drivable(const SlotFocus& focus) {
   return std::abs(p.x) <= 100 && std::abs(p.y) <= 100 && std::abs(p.z) <= 100;
 }
 
+float gain_of(const SlotFocus& focus) {
+  return focus.gain > 0 ? std::min(1.0f, focus.gain) : 0.0f;
+}
+
 void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
-               std::span<TransducerDrive> out) {
+               std::span<TransducerDrive> out, DriveScratch& scratch) {
   assert(out.size() == layout.transducers.size());
-  std::vector<Source> sources;
+  std::vector<Source>& sources = scratch.sources;
+  sources.clear();
   for (const SlotFocus& focus : foci) {
     if (!drivable(focus)) continue;
-    Source source{&focus, 0, gain_of(focus)};
+    Source source{focus.position, 0, gain_of(focus)};
     for (const Transducer& transducer : layout.transducers) {
       source.reach = std::max(source.reach, glm::distance(transducer.position, focus.position));
     }
@@ -125,8 +122,14 @@ void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const Driv
   } else if (sources.size() == 1) {
     drive_one(layout, sources[0], options, out);
   } else {
-    drive_several(layout, sources, options, out);
+    drive_several(layout, options, out, scratch);
   }
+}
+
+void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
+               std::span<TransducerDrive> out) {
+  DriveScratch scratch;
+  drive_for(layout, foci, options, out, scratch);
 }
 
 Drive drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options) {

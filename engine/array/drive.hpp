@@ -17,6 +17,7 @@
 // its gain.
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -61,9 +62,26 @@ struct DriveOptions {
 /// Whether a focus can be driven: finite, its coordinates within 100 m. Others are left out of their slot.
 bool drivable(const SlotFocus& focus);
 
+/// The focus' gain as it is used: within 0..1, NaN being 0.
+float gain_of(const SlotFocus& focus);
+
+/// What drive_for works in. Kept from call to call it makes drive_for allocate nothing once it has grown.
+struct DriveScratch {
+  struct Source {
+    Vec3 position;
+    double reach;  ///< distance of the farthest transducer
+    double gain;   ///< 0..1
+  };
+  std::vector<Source> sources;
+  std::vector<std::complex<double>> sums;  ///< one per transducer
+};
+
 /// The twin of DrivesPass, in double precision: the drive of one slot into `out`, one entry per transducer. No focus
 /// (or none that is drivable): all zero. Gains outside 0..1 are clamped, NaN is 0. A transducer at the very focus has
 /// phase 0.
+void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
+               std::span<TransducerDrive> out, DriveScratch& scratch);
+/// The same for callers that need few drives: they allocate on every call.
 void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
                std::span<TransducerDrive> out);
 Drive drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options = {});

@@ -91,7 +91,6 @@ bool DriveBuffers::add_slot(std::span<const SlotFocus> foci) {
   const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
   if (batch_.slots == slots.size() || count > store.size() - used_foci_) return false;
 
-  const auto gain_of = [](const SlotFocus& focus) { return focus.gain > 0 ? std::min(1.0F, focus.gain) : 0.0F; };
   float shared = 0;
   for (const SlotFocus& focus : foci) {
     if (drivable(focus)) shared = std::max(shared, gain_of(focus));

@@ -31,8 +31,9 @@ struct DriveBatch {
 };
 
 /// Pipelines only. Twin: drive_for, which it follows within 2e-6 rad and 1e-6 of amplitude for single foci up to 2 m
-/// away (float grows coarser beyond: 2e-4 rad at 10 m); sums of several foci depend on the device's sine (Vulkan
-/// promises 2^-11).
+/// away (float grows coarser beyond: 2e-4 rad at 10 m). Sums of several foci depend on the device's sine, cosine and
+/// atan(y, x), of which Vulkan promises no more than 2^-11 absolute and 4096 ULP (2.4e-4 of the phase): that much their
+/// drives may differ from one device to another.
 class DrivesPass {
  public:
   explicit DrivesPass(const gpu::Device& device);
@@ -61,7 +62,7 @@ class DriveBuffers {
   /// Begins a new batch.
   void clear();
   /// Adds the next slot; its foci may be none. False, and nothing added, where slots or foci would not fit.
-  bool add_slot(std::span<const SlotFocus> foci);
+  [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci);
   std::uint32_t slots() const { return batch_.slots; }
   std::uint32_t transducers() const { return batch_.transducers; }
 

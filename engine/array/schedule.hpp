@@ -38,13 +38,11 @@ struct Schedule {
   double slot_s = 1.5e-3;     ///< the tick: how long one drive lasts; not longer than any voice's dwell
   std::vector<Voice> voices;  ///< only the first `voice_count` are valid; the others keep their storage for later
   std::uint32_t voice_count = 0;
-  double time_s = 0;     ///< capture time of the frame that it was made from
-  double expires_s = 0;  ///< silence from here on, on the same clock
+  double time_s = 0;  ///< capture time of the frame that it was made from
 
   /// The next free voice, its vectors' storage kept from earlier use.
   Voice& add_voice();
   void clear() { voice_count = 0; }
-  bool silent_at(double now_s) const { return voice_count == 0 || now_s >= expires_s; }
 };
 
 struct VoiceOptions {
@@ -61,7 +59,8 @@ void make_voice(const touch::Finger& finger, std::uint32_t id, const VoiceOption
 
 /// Replaces `out` by the foci of slot `slot`, voice after voice: the entry floor(slot slot_s / dwell) modulo its number
 /// of steps of each voice's order, with the voice's modulation as gain. Reckons in whole nanoseconds, so that no
-/// rounding makes a step late; exact for 10^13 slots of 1.5 ms. Does not look at the time: ask `silent_at` first.
+/// rounding makes a step late; exact for 10^13 slots of 1.5 ms. Nothing for no voices; how long a schedule
+/// may play is for the caller to say.
 void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<SlotFocus>& out);
 
 /// Amplitude of a finger modulated at `hz`, `time_s` after the beginning of slot 0: (1 + sin(2 pi hz t)) / 2, and 1

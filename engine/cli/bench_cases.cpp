@@ -152,8 +152,9 @@ void bench_batch(const BenchContext& context, std::uint32_t slots, std::uint32_t
   gpu::Timeline timeline(context.device);
   const auto batch = [&] {
     buffers.clear();
-    for (const auto& slot : foci)
-      buffers.add_slot(slot);
+    for (const auto& slot : foci) {
+      if (!buffers.add_slot(slot)) throw failure("bench: the batch does not fit the device's buffers");
+    }
     buffers.record(recorder.begin(), pass, array::Weighting::distance, array::Constraint::normalise);
     timeline.wait(timeline.submit(recorder.end()));
   };

@@ -34,7 +34,7 @@ class CpuChain : public Chain {
     const std::size_t transducers = setting_.layout.transducers.size();
     plan_slots(plan, unmodulated_, foci_, [&](std::span<const array::SlotFocus> foci) {
       plan.drives.resize(plan.drives.size() + transducers);
-      array::drive_for(setting_.layout, foci, setting_.drive, std::span(plan.drives).last(transducers));
+      array::drive_for(setting_.layout, foci, setting_.drive, std::span(plan.drives).last(transducers), drive_scratch_);
     });
     report = report_;
     busy_ = false;
@@ -55,6 +55,7 @@ class CpuChain : public Chain {
   std::vector<sensing::View> views_;
   std::vector<sensing::SkinPoint> points_;
   std::vector<array::SlotFocus> foci_;
+  array::DriveScratch drive_scratch_;
   array::Schedule unmodulated_;
 };
 

@@ -30,34 +30,40 @@ void keep_error(std::exception_ptr& first, Work work) {
 
 }  // namespace
 
+void SlotScratch::reserve(std::size_t transducers) {
+  constexpr std::size_t most_foci = std::size_t{touch::max_fingers} * touch::max_foci;
+  drive.reserve(transducers);
+  foci.reserve(most_foci);
+  work.sources.reserve(most_foci);
+  work.sums.reserve(transducers);
+}
+
 std::span<const array::TransducerDrive> drive_of_slot(const Plan& plan, std::uint64_t slot, double now_s,
-                                                      const OutputSetting& setting, array::Drive& scratch,
-                                                      std::vector<array::SlotFocus>& foci) {
-  if (expired(plan, now_s, setting)) return silence(setting, scratch);
+                                                      const OutputSetting& setting, SlotScratch& scratch) {
+  if (expired(plan, now_s, setting)) return silence(setting, scratch.drive);
   const std::size_t transducers = setting.layout.transducers.size();
   if (plan.cycle == 0) {
-    scratch.resize(transducers);
-    array::foci_of_slot(plan.schedule, slot, foci);
-    array::drive_for(setting.layout, foci, setting.drive, scratch);
-    return scratch;
+    scratch.drive.resize(transducers);
+    array::foci_of_slot(plan.schedule, slot, scratch.foci);
+    array::drive_for(setting.layout, scratch.foci, setting.drive, scratch.drive, scratch.work);
+    return scratch.drive;
   }
   const auto drive = plan.drive(slot, transducers);
   if (plan.shared_modulation_hz == 0) return drive;
-  scratch.assign(drive.begin(), drive.end());
+  scratch.drive.assign(drive.begin(), drive.end());
   const double midpoint_s = (static_cast<double>(slot) + 0.5) * setting.slot_s;
   const auto gain = static_cast<float>(array::modulation_gain(plan.shared_modulation_hz, midpoint_s));
-  for (array::TransducerDrive& transducer : scratch)
+  for (array::TransducerDrive& transducer : scratch.drive)
     transducer.amplitude *= gain;
-  return scratch;
+  return scratch.drive;
 }
 
 void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock,
           const std::atomic<bool>& stop, OutputStats& stats) {
   // The kernel may delay a sleeping thread by 50 microseconds to save power; a slot is 1500.
   prctl(PR_SET_TIMERSLACK, 1000);
-  array::Drive scratch(setting.layout.transducers.size());
-  std::vector<array::SlotFocus> foci;
-  foci.reserve(touch::max_fingers * touch::max_foci);
+  SlotScratch scratch;
+  scratch.reserve(setting.layout.transducers.size());
   array::Schedule nothing;
   std::uint64_t slot = 0;
   std::exception_ptr fault;
@@ -79,7 +85,7 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
         link.foci(nothing);  // frames stopped coming: whoever listens to foci must hear of the end, too
       }
       sounding = !silent;
-      link.send(slot, drive_of_slot(plan, slot, now_s, setting, scratch, foci));
+      link.send(slot, drive_of_slot(plan, slot, now_s, setting, scratch));
       stats.sent(now_s - due_s, silent);
       // Overslept by a whole slot or more: the slots between are over.
       const auto running = static_cast<std::uint64_t>(std::floor((clock.now() - begin_s) / setting.slot_s));
@@ -89,7 +95,7 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
   });
   // Whatever happened: no sound remains.
   keep_error(fault, [&] { link.foci(nothing); });
-  keep_error(fault, [&] { link.send(slot, silence(setting, scratch)); });
+  keep_error(fault, [&] { link.send(slot, silence(setting, scratch.drive)); });
   keep_error(fault, [&] { link.finish(); });
   if (fault) std::rethrow_exception(fault);
 }

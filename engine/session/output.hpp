@@ -26,10 +26,18 @@ struct OutputSetting {
 void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock,
           const std::atomic<bool>& stop, OutputStats& stats);
 
+/// Where the drive of a slot is computed that a plan does not hold; kept from slot to slot.
+struct SlotScratch {
+  array::Drive drive;
+  std::vector<array::SlotFocus> foci;
+  array::DriveScratch work;
+  /// Gives it all the room that a slot of so many transducers can need.
+  void reserve(std::size_t transducers);
+};
+
 /// The drive of one slot, into `scratch` where it has to be computed: plan's drive, its modulation, or all zero where
 /// the plan has expired at `now_s` or touches nothing.
 std::span<const array::TransducerDrive> drive_of_slot(const Plan& plan, std::uint64_t slot, double now_s,
-                                                      const OutputSetting& setting, array::Drive& scratch,
-                                                      std::vector<array::SlotFocus>& foci);
+                                                      const OutputSetting& setting, SlotScratch& scratch);
 
 }  // namespace palpa::session

@@ -252,7 +252,7 @@ TEST(DriveBuffers, SpeedIsPrintedNotJudged) {
       auto batch = random_slots(1, 0, 1);
       batch[0].resize(foci, {{0.01, 0.02, 0.03}});
       for (std::uint32_t s = 0; s < slots; ++s)
-        buffers.add_slot(batch[0]);
+        ASSERT_TRUE(buffers.add_slot(batch[0]));
       buffers.record(recorder.begin(), pass, Weighting::distance, Constraint::normalise);
       timeline.wait(timeline.submit(recorder.end()));
       times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());

@@ -247,16 +247,17 @@ TEST(Schedule, IsReusedWithoutAllocating) {
   EXPECT_EQ(schedule.voice_count, 5u);
 }
 
-TEST(Schedule, SilentWithoutVoicesAndAfterItsTime) {
+TEST(Schedule, HasNoFociWithoutVoices) {
   Schedule schedule;
-  schedule.expires_s = 1.1;
   std::vector<SlotFocus> foci{{}};
-  EXPECT_TRUE(schedule.silent_at(0));
   foci_of_slot(schedule, 3, foci);
   EXPECT_TRUE(foci.empty());
   schedule.add_voice() = voice_of(finger_with({1}));
-  EXPECT_FALSE(schedule.silent_at(1.0999));
-  EXPECT_TRUE(schedule.silent_at(1.1));
+  foci_of_slot(schedule, 3, foci);
+  EXPECT_EQ(foci.size(), 1u);
+  schedule.clear();
+  foci_of_slot(schedule, 3, foci);
+  EXPECT_TRUE(foci.empty());
 }
 
 TEST(Modulation, IsASineFromNoneToFull) {

@@ -1,6 +1,7 @@
 // What the output thread sends when.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <thread>
 
@@ -27,9 +28,8 @@ struct Output {
     return plan;
   }
   array::Drive slot(const Plan& plan, std::uint64_t number, double now_s) {
-    array::Drive scratch;
-    std::vector<array::SlotFocus> foci;
-    const auto drive = drive_of_slot(plan, number, now_s, setting, scratch, foci);
+    SlotScratch scratch;
+    const auto drive = drive_of_slot(plan, number, now_s, setting, scratch);
     return {drive.begin(), drive.end()};
   }
 };
@@ -123,6 +123,26 @@ TEST(Output, AScheduleWithoutAShortCycleIsComputedSlotBySlot) {
   array::Drive expected(out.layout.transducers.size());
   array::drive_for(out.layout, foci, {}, expected);
   EXPECT_TRUE(same(out.slot(plan, 777, 0), expected));
+}
+
+TEST(Output, AReservedScratchNeverGrows) {
+  Output out;
+  array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
+  schedule.add_voice() = test::touching(Vec3(0.06, 0.15, 0.02), 199.37).voices[0];
+  const Plan plan = out.plan_of(schedule);
+  ASSERT_EQ(plan.cycle, 0u);
+  SlotScratch scratch;
+  scratch.reserve(out.layout.transducers.size());
+  const auto storage = [&] {
+    return std::array<const void*, 4>{scratch.drive.data(), scratch.foci.data(), scratch.work.sources.data(),
+                                      scratch.work.sums.data()};
+  };
+  const auto before = storage();
+  for (const std::uint64_t slot : {0ull, 1ull, 777ull}) {
+    drive_of_slot(plan, slot, 0, out.setting, scratch);
+    EXPECT_EQ(storage(), before) << slot;
+  }
+  EXPECT_EQ(scratch.work.sources.size(), 2u) << "the slots were not summed";
 }
 
 TEST(Output, SendsSilenceLastWhenStopped) {
