@@ -1,4 +1,5 @@
 // palpa-viewer: looks at what palpa computes, in a window or without one.
+#include <dlfcn.h>
 #include <fmt/core.h>
 
 #include <CLI/App.hpp>
@@ -16,6 +17,12 @@
 
 namespace palpa::viewer {
 namespace {
+
+#ifdef __SANITIZE_ADDRESS__
+// The loader unloads lavapipe at teardown; leak reports would then name an unknown module that no suppression can
+// match.
+[[maybe_unused]] void* const keep_driver = dlopen("libvulkan_lvp.so", RTLD_LAZY | RTLD_NODELETE);
+#endif
 
 /// Names from files and arguments may hold anything; an error stays one line.
 std::string one_line(std::string text) {

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "base/input_file.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -56,15 +57,14 @@ void write_png(const std::filesystem::path& file, const Pixels& pixels) {
 }
 
 Pixels read_png(const std::filesystem::path& file) {
-  File in(std::fopen(file.c_str(), "rb"));
-  if (!in) throw bad_input(file.string(), fmt::format("cannot be read: {}", std::strerror(errno)));
+  constexpr std::uint32_t most = 16384;
+  const std::string bytes = read_file(file, std::uint64_t{most} * most * 4);
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   const std::unique_ptr<png_image, decltype(&png_image_free)> guard(&image, png_image_free);
-  if (!png_image_begin_read_from_stdio(&image, in.get())) {
+  if (!png_image_begin_read_from_memory(&image, bytes.data(), bytes.size())) {
     throw bad_input(file.string(), fmt::format("is no PNG picture ({})", image.message));
   }
-  constexpr std::uint32_t most = 16384;
   if (image.width > most || image.height > most) {
     throw bad_input(file.string(),
                     fmt::format("is {}x{} pixels large: at most {} on a side", image.width, image.height, most));

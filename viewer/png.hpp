@@ -21,7 +21,7 @@ struct Pixels {
 /// when it cannot be written whole; no half-written file stays behind.
 void write_png(const std::filesystem::path& file, const Pixels& pixels);
 
-/// Throws bad_input naming the file: missing, no PNG, broken, or larger than 16384 pixels on a side.
+/// Throws bad_input naming the file: missing, no regular file, no PNG, broken, or larger than 16384 pixels on a side.
 Pixels read_png(const std::filesystem::path& file);
 
 /// Mean absolute difference of red, green and blue over all pixels, 0..1. The two must have the same size.

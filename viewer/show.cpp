@@ -111,7 +111,7 @@ void Show::go_to(std::uint64_t slot) {
   if (picture_.transducers.empty()) return;
   array::foci_of_slot(schedule_, slot, foci_);
   drive_.resize(layout_.transducers.size());
-  array::drive_for(layout_, foci_, drive_options_, drive_);
+  array::drive_for(layout_, foci_, drive_options_, drive_, drive_scratch_);
   show_drive(picture_, drive_);
 }
 

@@ -32,6 +32,7 @@ class Show {
   array::DriveOptions drive_options_;
   std::vector<array::SlotFocus> foci_;
   array::Drive drive_;
+  array::DriveScratch drive_scratch_;
 };
 
 }  // namespace palpa::viewer
