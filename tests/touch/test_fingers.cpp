@@ -259,17 +259,18 @@ TEST_P(Fingers, CrowdsJoinedByOnePairAreFound) {
 }
 
 TEST_P(Fingers, CrowdsJoinedByOnePairAreFoundEvenIfTheListIsFull) {
-  // A lattice of crowds whose many neighbours fill the list first; only along z do first points lean over to each
-  // other.
-  const double gap = 0.01, spacing = gap * 1.03;
+  // A lattice with a crowd in the middle of every block, whose neighbours along x and y fill the list; only along z do
+  // first points lean over to each other.
+  const double gap = 0.01, spacing = gap * 1.039;
   std::vector<glm::vec3> points;
-  for (int k = 0; k < 7; ++k) {
-    for (int i = 0; i < 6 * 6 * 6; ++i) {
-      const double lean = k == 0 ? gap * (i / 36 % 2 == 0 ? 0.03 : -0.03) : 0;
-      points.emplace_back(spacing * (i % 6), spacing * (i / 6 % 6), spacing * (i / 36) + lean + 1e-6 * k);
+  for (int k = 0; k < 6; ++k) {
+    for (int i = 0; i < 8 * 8 * 8; ++i) {
+      const double lean = k == 0 ? gap * (i / 64 % 2 == 0 ? 0.025 : -0.025) : 0;
+      points.emplace_back(glm::dvec3(0.26 * gap) + spacing * Vec3(i % 8, i / 8 % 8, i / 64) +
+                          Vec3(0, 0, lean + 1e-6 * k));
     }
   }
-  EXPECT_EQ(run(points, everything_is_contact(gap)).cluster_count, 108u);
+  EXPECT_EQ(run(points, everything_is_contact(gap)).cluster_count, 256U);
   expect_exact(points, gap);
 }
 
