@@ -21,7 +21,7 @@ struct BufferSource {
 struct Document {
   std::string json;  ///< glTF again, buffer i at the URI "buffer i"
   std::vector<BufferSource> buffers;
-  std::vector<std::uint32_t> roots;  ///< nodes of the chosen scene
+  std::vector<std::uint32_t> roots;    ///< nodes of the chosen scene
   std::vector<std::uint32_t> parents;  ///< of every node
   static constexpr std::uint32_t no_parent = 0xffffffffU;
 };

@@ -115,10 +115,11 @@ void put(std::string& out, T value, bool big) {
 template <typename T>
 void check_type(const std::string& name) {
   for (const bool big : {false, true}) {
-    std::string file = header(big ? "binary_big_endian" : "binary_little_endian",
-                              "element vertex 2\nproperty list " + std::string(std::is_integral_v<T> ? name : "uint8") +
-                                  " short extra\nproperty " + name + " x\nproperty " + name + " y\nproperty " + name +
-                                  " z\nproperty double more\n");
+    std::string elements = "element vertex 2\nproperty list ";
+    elements.append(std::is_integral_v<T> ? name : "uint8").append(" short extra\n");
+    for (const char axis : {'x', 'y', 'z'})
+      elements.append("property ").append(name).append({' ', axis, '\n'});
+    std::string file = header(big ? "binary_big_endian" : "binary_little_endian", elements + "property double more\n");
     for (int v = 0; v < 2; ++v) {
       if constexpr (std::is_integral_v<T>) {
         put<T>(file, 2, big);
@@ -186,8 +187,8 @@ TEST(Ply, ElementsInAnyOrder) {
 }
 
 TEST(PlyFaults, NotAFileAtAll) {
-  EXPECT_CONTAINS(fault_of_file(folder() / "absent.ply"), "No such file");
-  EXPECT_CONTAINS(fault_of_file(folder()), "directory");
+  EXPECT_CONTAINS(fault_of_file(folder() / "absent.ply"), "no such file");
+  EXPECT_CONTAINS(fault_of_file(folder()), "is a folder");
   EXPECT_CONTAINS(fault_of_file("/dev/zero"), "not a regular file");
   const auto pipe = folder() / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
