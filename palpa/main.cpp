@@ -1,7 +1,19 @@
 // The `palpa` command: the engine's subcommands, and what the driver adds to them.
+#include <dlfcn.h>
+
 #include "cli/commands.hpp"
 #include "driver/doctor.hpp"
 
+namespace {
+
+#ifdef __SANITIZE_ADDRESS__
+// The loader unloads lavapipe at teardown; leak reports would then name an unknown module that no suppression can
+// match.
+[[maybe_unused]] void* const keep_driver = dlopen("libvulkan_lvp.so", RTLD_LAZY | RTLD_NODELETE);
+#endif
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  return palpa::cli::main(argc, argv, {palpa::driver::doctor_probes()});
+  return palpa::cli::main(argc, argv, {palpa::driver::doctor_probes(), {}, {}});
 }

@@ -46,9 +46,14 @@ std::string describe(const FakeDevice& d) {
          (d.serial.empty() ? "" : "\nA: serial=" + d.serial) + "\nA: speed=480\n\n";
 }
 
+/// Ends the test where umockdev cannot be had: it slips in by LD_PRELOAD, which sanitizers do not bear.
+#define PALPA_UMOCKDEV_OR_SKIP(variable)                                                                         \
+  const std::filesystem::path variable = "/usr/bin/umockdev-run";                                                \
+  if (!std::filesystem::exists(variable)) GTEST_SKIP() << "skipped: no umockdev-run (apt-get install umockdev)"; \
+  if (instrumented()) GTEST_SKIP() << "skipped: umockdev-run and sanitizers do not go together"
+
 TEST(DriverDoctor, FindsBoardsAndCamerasOnUsb) {
-  const std::filesystem::path mock = "/usr/bin/umockdev-run";
-  if (!std::filesystem::exists(mock)) GTEST_SKIP() << "skipped: no umockdev-run (apt-get install umockdev)";
+  PALPA_UMOCKDEV_OR_SKIP(mock);
   const auto file = scratch_folder("usb") / "usb.umockdev";
   std::ofstream(file) << describe({3, 19, "0403", "6014", "FTY4PDOI"}) << describe({1, 7, "1a86", "7523", ""})
                       << describe({4, 21, "2341", "0042", "85430353531351B0D1E1"})
@@ -77,8 +82,7 @@ TEST(DriverDoctor, FindsBoardsAndCamerasOnUsb) {
 }
 
 TEST(DriverDoctor, ADeviceThatMayNotBeOpenedIsExplained) {
-  const std::filesystem::path mock = "/usr/bin/umockdev-run";
-  if (!std::filesystem::exists(mock)) GTEST_SKIP() << "skipped: no umockdev-run (apt-get install umockdev)";
+  PALPA_UMOCKDEV_OR_SKIP(mock);
   const auto file = scratch_folder("usb-forbidden") / "usb.umockdev";
   // The node is announced by sysfs, but is not there to be opened.
   std::string device = describe({3, 19, "0403", "6014", "FTY4PDOI"});
