@@ -7,9 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <glm/gtc/quaternion.hpp>
 #include <initializer_list>
 #include <optional>
@@ -17,6 +15,7 @@
 #include "array/builtin_layouts.hpp"
 #include "array/toml_guard.hpp"
 #include "base/error.hpp"
+#include "base/input_file.hpp"
 
 namespace palpa::array {
 namespace {
@@ -163,25 +162,6 @@ void refuse_coinciding(const std::string& file, const Layout& layout) {
   }
 }
 
-std::string read_text(const std::string& file) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) throw bad_input(file, "no such file");
-  // A pipe or a device would block or never end.
-  if (!std::filesystem::is_regular_file(status)) throw bad_input(file, "not a regular file");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw bad_input(file, "cannot be opened");
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error || size > max_layout_bytes) {
-    throw bad_input(file, fmt::format("larger than {} MiB, too large for a layout", max_layout_bytes >> 20));
-  }
-  // Read up to the bound, not up to the size that was reported: files of /proc report none.
-  std::string text(std::max<std::uintmax_t>(size, 4096) + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  return text;
-}
-
 }  // namespace
 
 Layout parse_layout_toml(std::string_view text, const std::string& file) {
@@ -217,7 +197,7 @@ Layout parse_layout_toml(std::string_view text, const std::string& file) {
 }
 
 Layout load_layout_toml(const std::string& file) {
-  return parse_layout_toml(read_text(file), file);
+  return parse_layout_toml(read_file(file, max_layout_bytes), file);
 }
 
 }  // namespace palpa::array

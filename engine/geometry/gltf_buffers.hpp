@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/file.hpp"
+#include "base/input_file.hpp"
 #include "geometry/gltf_check.hpp"
 
 namespace palpa::geometry::gltf {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "geometry/file.hpp"
+#include "base/input_file.hpp"
 
 namespace palpa::geometry::gltf {
 

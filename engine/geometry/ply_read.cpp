@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "base/error.hpp"
-#include "geometry/file.hpp"
+#include "base/input_file.hpp"
 #include "geometry/ply.hpp"
 #include "geometry/text.hpp"
 

@@ -13,7 +13,7 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "sensing/toml_reader.hpp"
+#include "base/input_file.hpp"
 
 // libpng reports errors by longjmp. The functions that it may jump out of hold nothing with a destructor; what owns
 // memory lives in their callers.
@@ -94,16 +94,6 @@ std::string kind_of(const Header& header) {
   return fmt::format("{}-bit {}", header.bits, colour);
 }
 
-std::vector<std::uint8_t> read_file(const std::filesystem::path& file, std::uint64_t most_bytes) {
-  need_regular_file(file, most_bytes);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "rb"), std::fclose);
-  if (!in) throw bad_input(file.string(), fmt::format("cannot be opened: {}", std::strerror(errno)));
-  std::vector<std::uint8_t> bytes(std::filesystem::file_size(file));
-  bytes.resize(std::fread(bytes.data(), 1, bytes.size(), in.get()));
-  if (std::ferror(in.get())) throw bad_input(file.string(), "cannot be read");
-  return bytes;
-}
-
 struct Writer {
   Fault fault;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &fault, on_error, on_warning);
@@ -149,7 +139,8 @@ void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uin
                 std::vector<std::uint16_t>& out) {
   // Deflate never grows data by much; the rest is room for ancillary chunks.
   const std::uint64_t most_bytes = std::uint64_t{width} * height * 2 + std::uint64_t{width} * height / 4 + (4u << 20);
-  const std::vector<std::uint8_t> bytes = read_file(file, most_bytes);
+  const std::string contents = read_file(file, most_bytes);
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(contents.data()), contents.size());
   if (bytes.size() < 8 || png_sig_cmp(bytes.data(), 0, 8) != 0) throw bad_input(file.string(), "is not a PNG file");
 
   Reader reader;

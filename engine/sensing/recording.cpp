@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <optional>
-#include <sstream>
 
 #include "base/error.hpp"
+#include "base/input_file.hpp"
 #include "sensing/png16.hpp"
 #include "sensing/rig_toml.hpp"
 
@@ -64,12 +63,7 @@ bool parse_cell(std::string_view text, T& value) {
 
 /// `sequence,time,time,...` per frame after a heading. A last line without its end is a frame that was never finished.
 Times read_times(const std::filesystem::path& file, std::size_t cameras) {
-  need_regular_file(file, most_bytes);
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream contents;
-  contents << in.rdbuf();
-  if (!in) throw bad_input(file.string(), "cannot be read");
-  const std::string text = contents.str();
+  const std::string text = read_file(file, most_bytes);
   Times times;
   std::size_t line = 0;
   for (std::size_t begin = 0, end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {

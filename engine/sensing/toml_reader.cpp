@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #define TOML_ENABLE_FORMATTERS 0
 #include <toml++/toml.h>
+
+#include "base/input_file.hpp"
 
 namespace palpa::sensing {
 
@@ -86,29 +86,11 @@ void refuse_dotted_lines(std::string_view text, const std::string& file) {
 
 }  // namespace
 
-void need_regular_file(const std::filesystem::path& file, std::uint64_t most_bytes) {
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (status.type() == std::filesystem::file_type::not_found) throw bad_input(file.string(), "no such file");
-  if (error) throw bad_input(file.string(), "cannot be opened: " + error.message());
-  if (std::filesystem::is_directory(status)) throw bad_input(file.string(), "is a folder, a file is needed");
-  if (!std::filesystem::is_regular_file(status)) throw bad_input(file.string(), "is not a regular file");
-  const std::uint64_t bytes = std::filesystem::file_size(file, error);
-  if (error) throw bad_input(file.string(), "cannot be read: " + error.message());
-  if (bytes > most_bytes) {
-    throw bad_input(file.string(), fmt::format("has {} bytes, at most {} are expected", bytes, most_bytes));
-  }
-}
-
 TomlTable TomlTable::load(const std::filesystem::path& file, std::uint64_t most_bytes) {
-  need_regular_file(file, most_bytes);
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) throw bad_input(file.string(), "cannot be read");
-  refuse_dotted_lines(text.view(), file.string());
+  const std::string text = read_file(file, most_bytes);
+  refuse_dotted_lines(text, file.string());
   try {
-    const toml::table root = toml::parse(text.view(), file.string());
+    const toml::table root = toml::parse(text, file.string());
     auto copied = std::make_shared<const TomlNode>(copy(root, file.string(), 0));
     const TomlNode* top = copied.get();
     return {std::move(copied), top, file.string(), ""};

@@ -63,7 +63,4 @@ std::string toml_string(std::string_view text);
 /// Four rows of four.
 std::string toml_pose(const Transform& pose);
 
-/// Throws bad_input unless `file` is a regular file of at most `most_bytes`; `what` names it, e.g. "a rig".
-void need_regular_file(const std::filesystem::path& file, std::uint64_t most_bytes);
-
 }  // namespace palpa::sensing

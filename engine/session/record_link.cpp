@@ -6,10 +6,11 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
+#include <span>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/input_file.hpp"
 
 namespace palpa::session {
 namespace {
@@ -64,6 +65,11 @@ class RecordLink : public Link {
   std::FILE* file_;
 };
 
+template <typename T>
+std::span<unsigned char> bytes_of(T& value) {
+  return {reinterpret_cast<unsigned char*>(&value), sizeof(value)};
+}
+
 }  // namespace
 
 std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting) {
@@ -72,30 +78,32 @@ std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSettin
 }
 
 DriveRecording read_drive_recording(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw bad_input(file.string(), "cannot be read");
+  const InputFile in(file);
   Header header{};
-  if (!in.read(reinterpret_cast<char*>(&header), sizeof(header)) ||
-      std::memcmp(header.magic, magic, sizeof(magic)) != 0) {
-    throw bad_input(file.string(), "is no recording of drives (it should begin with 'palpadrv')");
+  if (in.size() >= sizeof(header)) in.read_at(0, bytes_of(header));
+  if (std::memcmp(header.magic, magic, sizeof(magic)) != 0) {
+    throw bad_input(in.name(), "is no recording of drives (it should begin with 'palpadrv')");
   }
   if (header.version != version) {
-    throw bad_input(file.string(), fmt::format("has version {}, this palpa reads version {}", header.version, version));
+    throw bad_input(in.name(), fmt::format("has version {}, this palpa reads version {}", header.version, version));
   }
   if (header.transducers > 65536) {
-    throw bad_input(file.string(),
-                    fmt::format("claims {} transducers, at most 65536 are possible", header.transducers));
+    throw bad_input(in.name(), fmt::format("claims {} transducers, at most 65536 are possible", header.transducers));
   }
   DriveRecording recording{header.slot_s, header.transducers, {}};
   RecordedDrive record;
   record.drive.resize(header.transducers);
-  while (in.read(reinterpret_cast<char*>(&record.slot), sizeof(record.slot))) {
-    const auto bytes = static_cast<std::streamsize>(record.drive.size() * sizeof(array::TransducerDrive));
-    if (!in.read(reinterpret_cast<char*>(record.drive.data()), bytes)) break;
+  const std::span drive(reinterpret_cast<unsigned char*>(record.drive.data()),
+                        record.drive.size() * sizeof(array::TransducerDrive));
+  const std::uint64_t record_size = sizeof(record.slot) + drive.size();
+  std::uint64_t at = sizeof(header);
+  for (; in.size() - at >= record_size; at += record_size) {
+    in.read_at(at, bytes_of(record.slot));
+    in.read_at(at + sizeof(record.slot), drive);
     recording.drives.push_back(record);
   }
-  if (in.gcount() != 0) {
-    throw bad_input(file.string(), fmt::format("is cut off in the middle of drive {}", recording.drives.size()));
+  if (at != in.size()) {
+    throw bad_input(in.name(), fmt::format("is cut off in the middle of drive {}", recording.drives.size()));
   }
   return recording;
 }

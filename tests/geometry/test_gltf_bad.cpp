@@ -59,8 +59,8 @@ GltfBuilder cube_file() {
 }
 
 TEST(BadGltf, NotAFileAtAll) {
-  EXPECT_CONTAINS(fault_of_file(folder() / "absent.glb"), "No such file");
-  EXPECT_CONTAINS(fault_of_file(folder()), "directory");
+  EXPECT_CONTAINS(fault_of_file(folder() / "absent.glb"), "no such file");
+  EXPECT_CONTAINS(fault_of_file(folder()), "is a folder");
   EXPECT_CONTAINS(fault_of_file("/dev/zero"), "not a regular file");
   const auto pipe = folder() / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
@@ -312,7 +312,7 @@ const std::vector<Case> cases{
      [](GltfBuilder& b) {
        b.doc["buffers"] = {{{"byteLength", 240}, {"uri", "."}}};
      },
-     "directory"},
+     "is a folder"},
     {"DataUriShort",
      [](GltfBuilder& b) {
        b.doc["buffers"] = {{{"byteLength", 240}, {"uri", "data:;base64,AAAA"}}};

@@ -90,7 +90,7 @@ TEST(Png16, OtherImagesAreRefusedByName) {
   test::write_text(scratch("c.png"), "hello, this is no image");
   EXPECT_REFUSED(read(), "c.png: is not a PNG file");
   test::write_text(scratch("c.png"), "");
-  EXPECT_REFUSED(read(), "is not a PNG file");
+  EXPECT_REFUSED(read(), "c.png: is empty");
   EXPECT_REFUSED(read_png16(scratch("none.png"), 4, 3, out), "no such file");
   EXPECT_REFUSED(read_png16("/dev/zero", 4, 3, out), "not a regular file");
   std::filesystem::resize_file(scratch("c.png"), 10'000'000'000u);

@@ -91,6 +91,7 @@ TEST(RecordLink, BrokenFilesAreNamed) {
   std::ofstream(folder / "not") << "something else entirely, long enough";
   EXPECT_EQ(error_of([&] { read_drive_recording(folder / "not"); }).code(), Exit::bad_input);
   EXPECT_EQ(error_of([&] { read_drive_recording(folder / "missing"); }).code(), Exit::bad_input);
+  EXPECT_EQ(error_of([&] { read_drive_recording(folder); }).code(), Exit::bad_input);
   Setting s;
   const auto link = open_link("record:" + (folder / "cut").string(), builtin_links(), s.setting);
   link->send(0, array::Drive(3, {1.0f, 0.0f}));

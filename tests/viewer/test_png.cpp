@@ -58,7 +58,7 @@ TEST(Png, BrokenFilesAreBadInput) {
   for (const std::size_t at : {16, 20})
     huge.replace(at, 4, "\x7f\xff\xff\xff", 4);
   std::ofstream(folder / "huge.png", std::ios::binary) << huge;
-  for (const char* name : {"short.png", "text.png", "empty.png", "huge.png", "absent.png"}) {
+  for (const char* name : {"short.png", "text.png", "empty.png", "huge.png", "absent.png", "."}) {
     EXPECT_EQ(code_of([&] { read_png(folder / name); }), Exit::bad_input) << name;
   }
 }

@@ -4,19 +4,21 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string>
-#include <string_view>
-#include <vector>
 
-namespace palpa::geometry {
+namespace palpa {
 
-/// A regular file, open for reading. Owns the descriptor.
+/// A regular file, open for reading. Owns the descriptor: what was examined is what is read, whatever happens to the
+/// name meanwhile.
 class InputFile {
  public:
-  /// Throws bad_input: missing, unreadable, not a regular file, empty. Never blocks (a FIFO is refused without
-  /// waiting).
-  explicit InputFile(const std::filesystem::path& path);
+  static constexpr std::uint64_t any_size = std::numeric_limits<std::uint64_t>::max();
+
+  /// Throws bad_input: missing, unreadable, not a regular file, empty, of more than `most_bytes`. Never blocks (a FIFO
+  /// is refused without waiting).
+  explicit InputFile(const std::filesystem::path& path, std::uint64_t most_bytes = any_size);
   ~InputFile();
   InputFile(InputFile&& other) noexcept;
   InputFile(const InputFile&) = delete;
@@ -37,4 +39,7 @@ class InputFile {
   std::uint64_t size_ = 0;
 };
 
-}  // namespace palpa::geometry
+/// All of a file of at most `most_bytes`. Throws as InputFile does.
+std::string read_file(const std::filesystem::path& path, std::uint64_t most_bytes);
+
+}  // namespace palpa

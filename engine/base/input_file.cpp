@@ -1,8 +1,10 @@
-#include "geometry/file.hpp"
+#include "base/input_file.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -11,7 +13,7 @@
 
 #include "base/error.hpp"
 
-namespace palpa::geometry {
+namespace palpa {
 namespace {
 
 std::string reason(int error) {
@@ -20,22 +22,30 @@ std::string reason(int error) {
 
 }  // namespace
 
-InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
+InputFile::InputFile(const std::filesystem::path& path, std::uint64_t most_bytes) : name_(path.string()) {
   // O_NONBLOCK: opening a FIFO without a writer would wait for one.
   descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor_ < 0) throw bad_input(name_, "cannot be opened: " + reason(errno));
+  if (descriptor_ < 0) {
+    throw bad_input(name_, errno == ENOENT ? "no such file" : "cannot be opened: " + reason(errno));
+  }
   struct stat status {};
   const bool known = ::fstat(descriptor_, &status) == 0;
-  const char* fault = !known                     ? "cannot be examined"
-                      : S_ISDIR(status.st_mode)  ? "is a directory; a file is wanted"
-                      : !S_ISREG(status.st_mode) ? "is not a regular file"
-                      : status.st_size == 0      ? "is empty"
-                                                 : nullptr;
-  if (fault != nullptr) {
-    ::close(descriptor_);
-    throw bad_input(name_, fault);
+  size_ = known ? static_cast<std::uint64_t>(status.st_size) : 0;
+  std::string fault;
+  if (!known) {
+    fault = "cannot be examined: " + reason(errno);
+  } else if (S_ISDIR(status.st_mode)) {
+    fault = "is a folder, a file is needed";
+  } else if (!S_ISREG(status.st_mode)) {
+    fault = "is not a regular file";
+  } else if (size_ == 0) {
+    fault = "is empty";
+  } else if (size_ > most_bytes) {
+    fault = fmt::format("has {} bytes, at most {} are expected", size_, most_bytes);
   }
-  size_ = static_cast<std::uint64_t>(status.st_size);
+  if (fault.empty()) return;
+  ::close(descriptor_);
+  throw bad_input(name_, fault);
 }
 
 InputFile::~InputFile() {
@@ -51,8 +61,7 @@ void InputFile::read_at(std::uint64_t offset, std::span<unsigned char> out) cons
     const ssize_t got = ::pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) throw bad_input(name_, "cannot be read: " + reason(errno));
-    if (got == 0)
-      throw bad_input(name_, "ends after " + std::to_string(offset + done) + " bytes, in the middle of its data");
+    if (got == 0) throw bad_input(name_, fmt::format("ends after {} bytes, in the middle of its data", offset + done));
     done += static_cast<std::size_t>(got);
   }
 }
@@ -63,4 +72,9 @@ std::string InputFile::head(std::size_t count) const {
   return text;
 }
 
-}  // namespace palpa::geometry
+std::string read_file(const std::filesystem::path& path, std::uint64_t most_bytes) {
+  const InputFile file(path, most_bytes);
+  return file.head(static_cast<std::size_t>(file.size()));
+}
+
+}  // namespace palpa

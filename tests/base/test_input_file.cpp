@@ -1,0 +1,95 @@
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/input_file.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa {
+namespace {
+
+std::filesystem::path file_with(const std::string& name, const std::string& text) {
+  static const std::filesystem::path folder = test::scratch_folder("input_file");
+  std::ofstream(folder / name, std::ios::binary) << text;
+  return folder / name;
+}
+
+/// What is wrong with the file, without its name.
+std::string fault_of(const std::filesystem::path& path, std::uint64_t most_bytes = InputFile::any_size) {
+  try {
+    const InputFile file(path, most_bytes);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Exit::bad_input);
+    const std::string line = error.what();
+    EXPECT_TRUE(line.starts_with(path.string() + ": ")) << line;
+    return line.substr(path.string().size() + 2);
+  }
+  return "accepted";
+}
+
+TEST(InputFile, RefusesWhatIsNoFile) {
+  const std::filesystem::path folder = file_with("any", "x").parent_path();
+  EXPECT_EQ(fault_of(folder / "absent"), "no such file");
+  EXPECT_EQ(fault_of(folder / "any" / "below"), "cannot be opened: Not a directory");
+  EXPECT_EQ(fault_of(folder), "is a folder, a file is needed");
+  EXPECT_EQ(fault_of("/dev/zero"), "is not a regular file");
+  EXPECT_EQ(fault_of(file_with("empty", "")), "is empty");
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(fault_of(folder / "pipe"), "is not a regular file");  // and does not wait for a writer
+  std::filesystem::create_symlink(folder / "loop", folder / "loop");
+  EXPECT_EQ(fault_of(folder / "loop"), "cannot be opened: Too many levels of symbolic links");
+  if (geteuid() != 0) {
+    const auto secret = file_with("secret", "x");
+    std::filesystem::permissions(secret, std::filesystem::perms::none);
+    EXPECT_EQ(fault_of(secret), "cannot be opened: Permission denied");
+  }
+}
+
+TEST(InputFile, RefusesWhatIsTooLarge) {
+  const auto file = file_with("five", "12345");
+  EXPECT_EQ(fault_of(file, 5), "accepted");
+  EXPECT_EQ(fault_of(file, 4), "has 5 bytes, at most 4 are expected");
+  EXPECT_EQ(read_file(file, 5), "12345");
+  EXPECT_THROW(read_file(file, 4), Error);
+}
+
+TEST(InputFile, ReadsAnyPart) {
+  const std::string text("a\0b\ncdef", 8);
+  const InputFile file(file_with("text", text));
+  EXPECT_EQ(file.size(), 8u);
+  EXPECT_EQ(file.head(3), text.substr(0, 3));
+  EXPECT_EQ(file.head(100), text);
+  std::array<unsigned char, 3> part{};
+  file.read_at(5, part);
+  EXPECT_EQ(part, (std::array<unsigned char, 3>{'d', 'e', 'f'}));
+  EXPECT_THROW(file.read_at(6, part), Error);
+}
+
+TEST(InputFile, NoticesThatItsFileShrank) {
+  const auto path = file_with("shrinking", std::string(100, 'x'));
+  const InputFile file(path);
+  std::filesystem::resize_file(path, 40);
+  try {
+    file.head(100);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()), path.string() + ": ends after 40 bytes, in the middle of its data");
+  }
+}
+
+TEST(InputFile, MovesItsDescriptorAlong) {
+  InputFile first(file_with("moved", "xyz"));
+  const InputFile second(std::move(first));
+  EXPECT_EQ(second.head(3), "xyz");
+  EXPECT_TRUE(second.name().ends_with("moved"));
+}
+
+}  // namespace
+}  // namespace palpa
