@@ -186,7 +186,8 @@ std::vector<int> finger_of_contacts(const Touch& touch) {
 namespace {
 template <typename T>
 bool same_bits(const T& a, const T& b) {
-  return std::memcmp(&a, &b, sizeof(T)) == 0;
+  // Bit for bit on purpose, so that NaN equals NaN and 0 differs from -0; none of these structs has padding.
+  return std::memcmp(&a, &b, sizeof(T)) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
 }
 }  // namespace
 

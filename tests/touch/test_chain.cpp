@@ -65,11 +65,14 @@ TEST_P(TouchChainOn, APermutationOfPointsPermutesIndices) {
   std::iota(order.begin(), order.end(), 0U);
   std::shuffle(order.begin(), order.end(), std::mt19937(3));
   std::vector<glm::vec3> shuffled;
+  shuffled.reserve(points.size());
   for (const std::uint32_t i : order)
     shuffled.push_back(points[i]);
   const Touch a = touch_on(GetParam(), points, {cube()}), b = touch_on(GetParam(), shuffled, {cube()});
   ASSERT_EQ(a.contacts.size(), b.contacts.size());
   std::vector<std::uint32_t> of_a, of_b;
+  of_a.reserve(a.contacts.size());
+  of_b.reserve(b.contacts.size());
   for (const Contact& contact : a.contacts)
     of_a.push_back(contact.point);
   for (const Contact& contact : b.contacts)
@@ -110,6 +113,7 @@ TEST_P(TouchChainOn, MotionAndScaleCarryEverythingAlong) {
   ASSERT_EQ(still.finger_count, 1u);
   for (const double scale : {1.0, 3.0}) {
     std::vector<glm::vec3> moved_points;
+    moved_points.reserve(points.size());
     for (const glm::vec3& p : points)
       moved_points.emplace_back(transform_point(tilt, Vec3(p) * scale));
     // Points within rounding of a boundary may change sides: keep to those that do not.

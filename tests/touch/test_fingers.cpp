@@ -59,6 +59,12 @@ void expect_clusters(const Touch& touch, const Parameters& parameters) {
   }
 }
 
+/// Place i of a cubic lattice `wide` points across, in steps.
+Vec3 lattice(int i, int wide) {
+  const int y = i / wide % wide, z = i / (wide * wide);
+  return {i % wide, y, z};
+}
+
 class Fingers : public OnBothBackends {
  protected:
   Touch run(const std::vector<glm::vec3>& points, const Parameters& parameters) {
@@ -134,9 +140,9 @@ TEST_P(Fingers, TiesOnALatticeAreTogetherInEveryDirection) {
   const double gap = 0.03125;
   for (const double stretch : {1.0, 1.0 + 0x1p-10}) {
     std::vector<glm::vec3> points;
+    points.reserve(4096);
     for (int i = 0; i < 12 * 12 * 12; ++i) {
-      points.emplace_back(stretch * gap * (i % 12 - 6), stretch * gap * (i / 12 % 12 - 6),
-                          stretch * gap * (i / 144 - 6));
+      points.emplace_back(stretch * gap * (lattice(i, 12) - 6.0));
     }
     Parameters parameters = everything_is_contact(gap, 1);
     const Touch touch = run(points, parameters);
@@ -147,6 +153,7 @@ TEST_P(Fingers, TiesOnALatticeAreTogetherInEveryDirection) {
 
 TEST_P(Fingers, NeedMinPoints) {
   std::vector<glm::vec3> points;
+  points.reserve(4096);
   for (int size = 1; size <= 8; ++size) {
     for (int i = 0; i < size; ++i)
       points.emplace_back(0.1 * size, 1e-3 * i, 0);
@@ -162,8 +169,9 @@ TEST_P(Fingers, NeedMinPoints) {
 
 TEST_P(Fingers, BeyondTheMostAreLeftOutInOrder) {
   std::vector<glm::vec3> points;
+  points.reserve(4096);
   for (int i = 0; i < 3 * 150; ++i)
-    points.emplace_back(0.01 * (i % 150) - 0.7, 1e-4 * (i / 150), 0);
+    points.emplace_back(0.01 * lattice(i, 150).x - 0.7, 1e-4 * lattice(i, 150).y, 0);
   const Touch touch = run(points, everything_is_contact(1e-3, 3));
   EXPECT_EQ(touch.cluster_count, 150u);
   ASSERT_EQ(touch.finger_count, max_fingers);
@@ -194,6 +202,7 @@ std::vector<glm::vec3> two_sheets(std::uint32_t count, double between, unsigned 
   const Vec3 normal = glm::normalize(Vec3(1, 2, -1.5)), u = glm::normalize(glm::cross(normal, Vec3(0, 0, 1)));
   const Vec3 v = glm::cross(normal, u);
   std::vector<glm::vec3> points;
+  points.reserve(4096);
   for (const glm::vec3& p : random_points(count, Vec3(-0.02), Vec3(0.02), seed)) {
     points.emplace_back(Vec3(p.x) * u + Vec3(p.y) * v + normal * (p.z > 0 ? between : 0.0));
   }
@@ -214,6 +223,7 @@ TEST_P(Fingers, CurvedCrowdsStayApart) {
   // A shell around a ball: no plane separates them.
   const double gap = 10e-3;
   std::vector<glm::vec3> points;
+  points.reserve(4096);
   for (const glm::vec3& p : random_points(6000, Vec3(-1), Vec3(1), 9)) {
     if (glm::length(p) < 0.1F) continue;
     points.push_back(glm::normalize(p) * (p.x + p.y > 0.3F ? 15e-3F : 4.8e-3F));
@@ -235,10 +245,11 @@ std::vector<glm::vec3> pairs_of_crowds(int pairs, int size, double gap, bool bri
   };
   std::vector<Vec3> centres, across;
   for (int i = 0; i < pairs; ++i) {
-    centres.push_back(gap * (Vec3(i % 8, i / 8 % 8, i / 64) * 4.0 + anywhere()));
+    centres.push_back(gap * (lattice(i, 8) * 4.0 + anywhere()));
     across.push_back(glm::normalize(anywhere()));
   }
   std::vector<glm::vec3> points;
+  points.reserve(4096);
   for (int k = 0; k < size; ++k) {
     for (int i = 0; i < pairs; ++i) {
       const double lean = bridged && k == 0 ? 0.02 : 0;
@@ -263,11 +274,11 @@ TEST_P(Fingers, CrowdsJoinedByOnePairAreFoundEvenIfTheListIsFull) {
   // first points lean over to each other.
   const double gap = 0.01, spacing = gap * 1.039;
   std::vector<glm::vec3> points;
+  points.reserve(4096);
   for (int k = 0; k < 6; ++k) {
     for (int i = 0; i < 8 * 8 * 8; ++i) {
       const double lean = k == 0 ? gap * (i / 64 % 2 == 0 ? 0.025 : -0.025) : 0;
-      points.emplace_back(glm::dvec3(0.26 * gap) + spacing * Vec3(i % 8, i / 8 % 8, i / 64) +
-                          Vec3(0, 0, lean + 1e-6 * k));
+      points.emplace_back(glm::dvec3(0.26 * gap) + spacing * lattice(i, 8) + Vec3(0, 0, lean + 1e-6 * k));
     }
   }
   EXPECT_EQ(run(points, everything_is_contact(gap)).cluster_count, 256U);
@@ -278,8 +289,9 @@ TEST_P(Fingers, MoreCrowdsThanTheListHoldsAreStillExact) {
   // Six contacts in every block of a lattice just too wide: each block has thirteen crowded neighbours.
   const double gap = 0.01, spacing = gap * 1.03;
   std::vector<glm::vec3> points;
+  points.reserve(4096);
   for (int i = 0; i < 6 * 6 * 6; ++i) {
-    const glm::vec3 at(spacing * (i % 6), spacing * (i / 6 % 6), spacing * (i / 36));
+    const glm::vec3 at(spacing * lattice(i, 6));
     for (int k = 0; k < 6; ++k)
       points.push_back(at + glm::vec3(1e-5F * static_cast<float>(k), 0, 0));
   }
@@ -305,6 +317,7 @@ TEST_P(Fingers, MoveWithThePointsOrder) {
   std::iota(order.begin(), order.end(), 0U);
   std::shuffle(order.begin(), order.end(), std::mt19937(8));
   std::vector<glm::vec3> shuffled;
+  shuffled.reserve(points.size());
   for (const std::uint32_t i : order)
     shuffled.push_back(points[i]);
   const Parameters parameters = everything_is_contact(5.2e-3, 20);

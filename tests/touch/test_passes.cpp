@@ -26,7 +26,7 @@ using palpa::test::GuardedBuffer;
 
 /// Every buffer of the chain, exactly as large as its contract says, between guard words and filled with rubbish.
 struct Guarded {
-  Guarded(gpu::Device& device, const PlaneTable& table, const std::vector<sensing::SkinPoint>& skin, std::uint32_t room)
+  Guarded(gpu::Device& device, const PlaneTable& table, const std::vector<sensing::SkinPoint>& skin, std::size_t room)
       : points(GuardedBuffer::of<sensing::SkinPoint>(device, skin)),
         length(device, 16),
         solids(GuardedBuffer::of<shader::SolidRecord>(device, table.solids)),
@@ -34,14 +34,14 @@ struct Guarded {
         planes(GuardedBuffer::of<shader::vec4>(device, table.planes)),
         borders(GuardedBuffer::of<shader::Border>(device, sector_borders())),
         hits(device, skin.size() * 8),
-        masks(device, mask_words(static_cast<std::uint32_t>(skin.size())) * 4),
-        counts(device, shader::contacts_chunks * 4),
+        masks(device, std::size_t{4} * mask_words(static_cast<std::uint32_t>(skin.size()))),
+        counts(device, std::size_t{4} * shader::contacts_chunks),
         total(device, 16),
         contacts(device, room * 32),
         nodes(device, room * 16),
         keys(device, room * 8),
         places(device, room * 4),
-        slots(device, slots_for(room) * 4),
+        slots(device, std::size_t{4} * slots_for(static_cast<std::uint32_t>(room))),
         heads(device, room * 32),
         list(device, room * 4),
         groups(device, room * 4),
@@ -50,8 +50,8 @@ struct Guarded {
         work(device, sizeof(shader::FingersWork)),
         parents(device, room * 4),
         header(device, sizeof(shader::TouchHeader)),
-        fingers(device, max_fingers * sizeof(shader::FingerRecord)),
-        foci(device, max_fingers * max_foci * sizeof(shader::FocusRecord)) {
+        fingers(device, std::size_t{max_fingers} * sizeof(shader::FingerRecord)),
+        foci(device, std::size_t{max_fingers} * max_foci * sizeof(shader::FocusRecord)) {
     const auto count = static_cast<std::uint32_t>(skin.size());
     const shader::ScanTotal given{count, (count + 63) / 64, 1, 1};
     length.write(&given, sizeof(given));

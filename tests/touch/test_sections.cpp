@@ -116,7 +116,7 @@ class Sections : public OnBothBackends {
   Touch run(const std::vector<glm::vec3>& points, std::uint32_t foci = 10) {
     Parameters parameters = everything_is_contact(1.0);
     parameters.foci = foci;
-    const Touch touch = touch_on(GetParam(), points, {everything()}, parameters);
+    Touch touch = touch_on(GetParam(), points, {everything()}, parameters);
     EXPECT_EQ(touch.finger_count, points.empty() ? 0u : 1u);
     return touch;
   }
