@@ -1,17 +1,13 @@
 // palpa-viewer: looks at what palpa computes, in a window or without one.
 #include <dlfcn.h>
-#include <fmt/core.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <csignal>
-#include <exception>
-#include <new>
 
 #include "base/error.hpp"
-#include "base/log.hpp"
 #include "cli/output.hpp"
+#include "cli/program.hpp"
 #include "viewer/options.hpp"
 #include "viewer/run.hpp"
 
@@ -23,16 +19,6 @@ namespace {
 // match.
 [[maybe_unused]] void* const keep_driver = dlopen("libvulkan_lvp.so", RTLD_LAZY | RTLD_NODELETE);
 #endif
-
-/// Names from files and arguments may hold anything; an error stays one line.
-std::string one_line(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  }
-  while (!text.empty() && (text.back() == ' ' || text.back() == '.'))
-    text.pop_back();
-  return text;
-}
 
 void parse_and_run(int argc, char** argv) {
   CLI::App app("Looks at a touch: object, skin, contacts, foci and array, in a window or as a picture.",
@@ -63,9 +49,7 @@ void parse_and_run(int argc, char** argv) {
     cli::write_output("-", "palpa-viewer " PALPA_VERSION "\n");
     return;
   } catch (const CLI::ParseError& error) {
-    std::string line = one_line(error.what());
-    if (line.starts_with("A ") || line.starts_with("The ")) line[0] = static_cast<char>(line[0] - 'A' + 'a');
-    throw bad_usage(fmt::format("{}; see palpa-viewer --help", line));
+    throw bad_usage(cli::usage_line(error.what(), "palpa-viewer"));
   }
   cli::apply_logging(options.common);
   check(options);
@@ -75,32 +59,11 @@ void parse_and_run(int argc, char** argv) {
   } else {
     run_window(options);
   }
-  if (const std::uint64_t errors = gpu::validation_errors()) {
-    throw failure(fmt::format("Vulkan validation reported {} error{}", errors, errors == 1 ? "" : "s"));
-  }
-}
-
-Exit report(Exit code, const std::string& line) {
-  log::error(one_line(line));
-  return code;
 }
 
 }  // namespace
 }  // namespace palpa::viewer
 
 int main(int argc, char** argv) {
-  using palpa::Exit;
-  using palpa::viewer::report;
-  std::signal(SIGPIPE, SIG_IGN);
-  Exit code = Exit::ok;
-  try {
-    palpa::viewer::parse_and_run(argc, argv);
-  } catch (const palpa::Error& error) {
-    code = report(error.code(), error.what());
-  } catch (const std::bad_alloc&) {
-    code = report(Exit::failed, "out of memory");
-  } catch (const std::exception& error) {
-    code = report(Exit::failed, error.what());
-  }
-  return static_cast<int>(code);
+  return palpa::cli::run_program([&] { palpa::viewer::parse_and_run(argc, argv); });
 }
