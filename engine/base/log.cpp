@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.hpp"
+
 namespace palpa::log {
 namespace {
 
@@ -47,12 +49,9 @@ std::vector<std::string> end_holding() {
 void write(Level at, std::string_view line) {
   if (at > threshold.load(std::memory_order_relaxed)) return;
   // One fwrite per line keeps lines of several threads apart.
-  std::string text = fmt::format("palpa: {}: {}", names[static_cast<std::size_t>(at)], line);
   // Names from files may hold anything; an event stays one line.
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  }
-  text += '\n';
+  const std::string text =
+      fmt::format("palpa: {}: {}\n", names[static_cast<std::size_t>(at)], printable(line, std::string_view::npos, ' '));
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
 

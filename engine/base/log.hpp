@@ -13,7 +13,7 @@ Level level();
 /// "quiet", "error", "warning", "info" or "debug".
 std::optional<Level> parse_level(std::string_view name);
 
-/// Thread-safe; `line` carries no newline.
+/// Thread-safe. Control characters in `line`, newlines too, are written as spaces.
 void error(std::string_view line);
 void warning(std::string_view line);
 void info(std::string_view line);

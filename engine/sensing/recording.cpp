@@ -181,7 +181,7 @@ Recording load_recording(const std::filesystem::path& folder_or_toml) {
   const bool is_folder = std::filesystem::is_directory(folder_or_toml, error);
   const std::filesystem::path toml = is_folder ? folder_or_toml / "recording.toml" : folder_or_toml;
   const std::filesystem::path folder = toml.parent_path();
-  TomlTable root = TomlTable::load(toml, 4u << 20);
+  TomlTable root = TomlTable::load(toml, "a recording", {.bytes = 4u << 20});
   Recording recording;
   recording.file = toml.string();
   recording.cameras = read_cameras(root);

@@ -53,7 +53,7 @@ std::vector<Camera> read_cameras(TomlTable& root) {
 }
 
 Rig load_rig(const std::filesystem::path& file) {
-  TomlTable root = TomlTable::load(file);
+  TomlTable root = TomlTable::load(file, "a rig");
   Rig rig;
   rig.file = file.string();
   rig.cameras = read_cameras(root);

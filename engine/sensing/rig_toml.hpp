@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/toml.hpp"
 #include "sensing/camera.hpp"
-#include "sensing/toml_reader.hpp"
 
 namespace palpa::sensing {
 

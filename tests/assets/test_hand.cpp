@@ -170,12 +170,13 @@ TEST_F(PoseFile, GivesTheNamedAnglesAndZeroElsewhere) {
 }
 
 TEST_F(PoseFile, RefusesWhatIsNoPose) {
-  EXPECT_EQ(fault_of("[index]\nmcp = 2.5"), "index.mcp must be an angle in radians from -0.5 to 2");
-  EXPECT_EQ(fault_of("[index]\nabduction = nan"), "index.abduction must be an angle in radians from -0.7 to 0.9");
-  EXPECT_EQ(fault_of("[index]\nmcp = \"1\""), "index.mcp must be an angle in radians from -0.5 to 2");
-  EXPECT_EQ(fault_of("[thumb]\npip = 0.1"), "thumb.pip is unknown; known are cmc, mcp, ip and abduction");
-  EXPECT_EQ(fault_of("thumb = 1"), "thumb must be a table of angles");
-  EXPECT_EQ(fault_of("[pinky]\nmcp = 0"), "\"pinky\" is unknown; known are thumb, index, middle, ring and little");
+  EXPECT_EQ(fault_of("[index]\nmcp = 2.5"), "line 2: mcp is 2.5, expected -0.5 to 2");
+  EXPECT_EQ(fault_of("[index]\nabduction = nan"), "line 2: abduction is nan, expected -0.7 to 0.9");
+  EXPECT_EQ(fault_of("[index]\nmcp = \"1\""), "line 2: mcp must be a number");
+  EXPECT_EQ(fault_of("[thumb]\npip = 0.1"), "line 2: unknown key pip in [thumb]; known: cmc, mcp, ip, abduction");
+  EXPECT_EQ(fault_of("thumb = 1"), "line 1: thumb must be a table: [thumb]");
+  EXPECT_EQ(fault_of("[pinky]\nmcp = 0"),
+            "line 1: unknown key pinky in a hand's pose; known: thumb, index, middle, ring, little");
   EXPECT_NE(fault_of("[index"), "");
   std::filesystem::remove(file_);
   EXPECT_THROW(read_hand_pose(file_), Error);

@@ -39,6 +39,12 @@ TEST(Log, EachLevelIncludesThoseBefore) {
   EXPECT_EQ(everything_at(log::Level::debug), "palpa: error: e\npalpa: warning: w\npalpa: info: i\npalpa: debug: d\n");
 }
 
+TEST(Log, AnEventIsOneLineWhateverItHolds) {
+  testing::internal::CaptureStderr();
+  log::error("a\nb\x1b[2Jc\td");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "palpa: error: a b [2Jc d\n");
+}
+
 TEST(Log, WarningsAreTheDefault) {
   EXPECT_EQ(log::level(), log::Level::warning);
 }

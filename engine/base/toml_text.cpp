@@ -1,10 +1,9 @@
-#include "array/toml_guard.hpp"
-
+// What needs no parser: bounds on text to be read, and text to be written.
 #include <fmt/format.h>
 
-#include "base/error.hpp"
+#include "base/toml.hpp"
 
-namespace palpa::array {
+namespace palpa {
 namespace {
 
 /// Walks over TOML text and knows which characters are structure rather than content of strings and comments. Text that
@@ -67,15 +66,18 @@ class Scanner {
 
 }  // namespace
 
-void guard_toml(std::string_view text, const std::string& file) {
+void guard_toml(std::string_view text, const std::string& file, const TomlLimits& limits) {
+  if (text.size() > limits.bytes) {
+    throw bad_input(file, fmt::format("has {} bytes, at most {} are expected", text.size(), limits.bytes));
+  }
   Scanner scanner(text);
   std::uint64_t items = 0;
   std::uint32_t parts = 1;
   while (!scanner.done()) {
     switch (scanner.next()) {
       case '.':
-        if (++parts > max_key_parts) {
-          throw bad_input(file, fmt::format("line {}: a key of more than {} parts", scanner.line(), max_key_parts));
+        if (++parts > limits.key_parts) {
+          throw bad_input(file, fmt::format("line {}: a key of more than {} parts", scanner.line(), limits.key_parts));
         }
         break;
       case '\n':
@@ -84,8 +86,8 @@ void guard_toml(std::string_view text, const std::string& file) {
       case '{':
       case '=':
         parts = 1;
-        if (++items > max_toml_items) {
-          throw bad_input(file, fmt::format("line {}: more than {} values and lines", scanner.line(), max_toml_items));
+        if (++items > limits.items) {
+          throw bad_input(file, fmt::format("line {}: more than {} values and lines", scanner.line(), limits.items));
         }
         break;
       default:
@@ -94,13 +96,36 @@ void guard_toml(std::string_view text, const std::string& file) {
   }
 }
 
-std::string one_line(std::string_view message) {
-  std::string line;
-  for (const char c : message.substr(0, 200))
-    line += c >= ' ' && c != '\x7f' ? c : '?';
-  while (line.ends_with('.') || line.ends_with(' '))
-    line.pop_back();
-  return line;
+std::string toml_number(double value) {
+  std::string text = fmt::format("{}", value);
+  // "3" would read back as an integer, and "-0" as one without its sign.
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
 }
 
-}  // namespace palpa::array
+std::string toml_string(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      quoted += fmt::format("\\u{:04x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
+std::string toml_pose(const Transform& pose) {
+  std::string text = "[";
+  for (int row = 0; row < 4; ++row) {
+    text += row == 0 ? "[" : ",\n  [";
+    for (int column = 0; column < 4; ++column) {
+      text += (column == 0 ? "" : ", ") + toml_number(pose[column][row]);
+    }
+    text += "]";
+  }
+  return text + "]";
+}
+
+}  // namespace palpa

@@ -1,0 +1,264 @@
+#include "base/toml.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#define TOML_ENABLE_FORMATTERS 0
+#include <toml++/toml.h>
+
+#include "base/input_file.hpp"
+#include "base/text.hpp"
+
+namespace palpa {
+
+struct TomlTable::Document {
+  std::string file;
+  toml::table root;
+};
+
+namespace {
+
+const toml::table& as_table(const void* table) {
+  return *static_cast<const toml::table*>(table);
+}
+const toml::node& as_node(const void* node) {
+  return *static_cast<const toml::node*>(node);
+}
+
+/// The line of a key's fault: where the key stands, or the heading of a table.
+std::uint32_t line_of(const toml::key& key, const toml::node& value) {
+  const bool headed = value.is_table() || value.is_array_of_tables();
+  return headed ? value.source().begin.line : key.source().begin.line;
+}
+
+/// NaN for what is no number, which no range contains.
+double number_of(const toml::node& node) {
+  if (const auto* real = node.as_floating_point()) return real->get();
+  if (const auto* whole = node.as_integer()) return static_cast<double>(whole->get());
+  return std::nan("");
+}
+
+/// The finite numbers of a list; nothing where it is none or holds anything else.
+std::optional<std::vector<double>> numbers_of(const toml::node& node) {
+  const toml::array* list = node.as_array();
+  if (list == nullptr) return std::nullopt;
+  std::vector<double> values;
+  values.reserve(list->size());
+  for (const toml::node& item : *list) {
+    values.push_back(number_of(item));
+    if (!std::isfinite(values.back())) return std::nullopt;
+  }
+  return values;
+}
+
+/// What is wrong with it as a place and a direction; empty if nothing.
+std::string rigidity_fault(const Transform& pose) {
+  if (pose[0][3] != 0 || pose[1][3] != 0 || pose[2][3] != 0 || pose[3][3] != 1) {
+    return "is not rigid: its last row must be 0 0 0 1";
+  }
+  constexpr double tolerance = 1e-4;
+  const Vec3 x(pose[0]), y(pose[1]), z(pose[2]);
+  for (const auto& [a, b, wanted] : {std::tuple(x, x, 1.0), std::tuple(y, y, 1.0), std::tuple(z, z, 1.0),
+                                     std::tuple(x, y, 0.0), std::tuple(y, z, 0.0), std::tuple(z, x, 0.0)}) {
+    if (!(std::abs(a.x * b.x + a.y * b.y + a.z * b.z - wanted) <= tolerance)) {
+      return fmt::format("is not rigid: its rotation's columns must be orthonormal to {}", tolerance);
+    }
+  }
+  const Vec3 turned(x.y * y.z - x.z * y.y, x.z * y.x - x.x * y.z, x.x * y.y - x.y * y.x);
+  if (turned.x * z.x + turned.y * z.y + turned.z * z.z < 0) {
+    return "is not rigid: it mirrors";
+  }
+  constexpr double world = 1e4;  // metres
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(pose[3][i]) > world) return fmt::format("lies more than {} m away", world);
+  }
+  return "";
+}
+
+}  // namespace
+
+TomlTable TomlTable::load(const std::filesystem::path& file, std::string_view what, const TomlLimits& limits) {
+  return parse(read_file(file, limits.bytes), file.string(), what, limits);
+}
+
+TomlTable TomlTable::parse(std::string_view text, const std::string& file, std::string_view what,
+                           const TomlLimits& limits) {
+  guard_toml(text, file, limits);
+  try {
+    const auto document = std::make_shared<const Document>(Document{file, toml::parse(text)});
+    return {document, &document->root, std::string(what)};
+  } catch (const toml::parse_error& error) {
+    throw bad_input(
+        file, fmt::format("line {}: not TOML: {}", error.source().begin.line, one_line(error.description(), 200)));
+  }
+}
+
+TomlTable::TomlTable(std::shared_ptr<const Document> document, const void* table, std::string name)
+    : document_(std::move(document)), table_(table), name_(std::move(name)) {}
+
+void TomlTable::ask(std::string_view key, bool read) {
+  const auto known = std::find_if(asked_.begin(), asked_.end(), [&](const Asked& asked) { return asked.key == key; });
+  if (known == asked_.end()) {
+    asked_.push_back({std::string(key), read});
+  } else {
+    known->read |= read;
+  }
+}
+
+const void* TomlTable::find(std::string_view key) {
+  ask(key, true);
+  return as_table(table_).get(key);
+}
+
+bool TomlTable::has(std::string_view key) {
+  ask(key, false);
+  return as_table(table_).contains(key);
+}
+
+const void* TomlTable::need(std::string_view key) {
+  const void* node = find(key);
+  if (node == nullptr) {
+    throw fault(
+        key, name_.starts_with('[') ? fmt::format("{} {} is missing", name_, key) : fmt::format("{} is missing", key));
+  }
+  return node;
+}
+
+Error TomlTable::fault(std::string_view key, const std::string& fault) const {
+  const toml::table& table = as_table(table_);
+  const auto found = table.find(key);
+  const std::uint32_t line = found == table.end() ? table.source().begin.line : line_of(found->first, found->second);
+  // The top level begins nowhere.
+  const bool placed = line != 0 && (found != table.end() || table_ != &document_->root);
+  return bad_input(document_->file, placed ? fmt::format("line {}: {}", line, fault) : fault);
+}
+
+double TomlTable::number(std::string_view key) {
+  const double value = number_of(as_node(need(key)));
+  if (!std::isfinite(value)) throw fault(key, fmt::format("{} must be a finite number", key));
+  return value;
+}
+
+double TomlTable::number(std::string_view key, double low, double high) {
+  const toml::node& node = as_node(need(key));
+  if (!node.is_number()) throw fault(key, fmt::format("{} must be a number", key));
+  const double value = number_of(node);
+  if (!(value >= low && value <= high)) {
+    throw fault(key, fmt::format("{} is {}, expected {} to {}", key, value, low, high));
+  }
+  return value;
+}
+
+double TomlTable::number_or(std::string_view key, double fallback, double low, double high) {
+  return has(key) ? number(key, low, high) : fallback;
+}
+
+std::uint64_t TomlTable::whole(std::string_view key, std::uint64_t low, std::uint64_t high) {
+  const double value = number(key, static_cast<double>(low), static_cast<double>(high));
+  if (value != std::floor(value)) throw fault(key, fmt::format("{} is {}, expected a whole number", key, value));
+  return static_cast<std::uint64_t>(value);
+}
+
+std::string TomlTable::text(std::string_view key) {
+  const auto* node = as_node(need(key)).as_string();
+  if (node == nullptr || node->get().empty()) {
+    throw fault(key, fmt::format("{} must be a text in quotes, not empty", key));
+  }
+  if (printable(node->get(), 1024) != node->get()) {
+    throw fault(key, fmt::format("{} must be one line of at most 1024 characters", key));
+  }
+  return node->get();
+}
+
+std::string TomlTable::text_or(std::string_view key, std::string fallback) {
+  return has(key) ? text(key) : std::move(fallback);
+}
+
+bool TomlTable::flag_or(std::string_view key, bool fallback) {
+  if (!has(key)) return fallback;
+  const auto* flag = as_node(need(key)).as_boolean();
+  if (flag == nullptr) throw fault(key, fmt::format("{} must be true or false", key));
+  return flag->get();
+}
+
+std::vector<double> TomlTable::numbers(std::string_view key, std::size_t count) {
+  auto values = numbers_of(as_node(need(key)));
+  if (!values || (count != 0 && values->size() != count)) {
+    throw fault(key, count == 0 ? fmt::format("{} must be a list of finite numbers", key)
+                                : fmt::format("{} must be {} finite numbers in brackets", key, count));
+  }
+  return std::move(*values);
+}
+
+std::vector<std::string> TomlTable::texts(std::string_view key) {
+  const toml::array* list = as_node(need(key)).as_array();
+  std::vector<std::string> values;
+  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    const auto* text = list->get(i)->as_string();
+    if (text == nullptr) break;
+    values.push_back(text->get());
+  }
+  if (list == nullptr || values.size() != list->size()) {
+    throw fault(key, fmt::format("{} must be a list of texts", key));
+  }
+  return values;
+}
+
+Transform TomlTable::pose(std::string_view key) {
+  const toml::array* rows = as_node(need(key)).as_array();
+  const Error shape = fault(key, fmt::format("{} must be four rows of four finite numbers", key));
+  if (rows == nullptr || rows->size() != 4) throw shape;
+  Transform pose;
+  for (int row = 0; row < 4; ++row) {
+    const auto values = numbers_of(*rows->get(static_cast<std::size_t>(row)));
+    if (!values || values->size() != 4) throw shape;
+    for (int column = 0; column < 4; ++column)
+      pose[column][row] = (*values)[static_cast<std::size_t>(column)];
+  }
+  const std::string fault_text = rigidity_fault(pose);
+  if (!fault_text.empty()) throw fault(key, fmt::format("{} {}", key, fault_text));
+  return pose;
+}
+
+std::optional<TomlTable> TomlTable::table(std::string_view key) {
+  const void* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  const toml::table* table = as_node(node).as_table();
+  if (table == nullptr) throw fault(key, fmt::format("{} must be a table: [{}]", key, key));
+  return TomlTable(document_, table, fmt::format("[{}]", key));
+}
+
+std::vector<TomlTable> TomlTable::tables(std::string_view key) {
+  std::vector<TomlTable> tables;
+  const void* node = find(key);
+  if (node == nullptr) return tables;
+  const toml::array* list = as_node(node).as_array();
+  const std::string name = fmt::format("[[{}]]", key);
+  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    const toml::table* table = list->get(i)->as_table();
+    if (table == nullptr) break;
+    tables.push_back(TomlTable(document_, table, name));
+  }
+  if (list == nullptr || tables.size() != list->size()) {
+    throw fault(key, fmt::format("{} must be a list of tables: {}", key, name));
+  }
+  return tables;
+}
+
+void TomlTable::done() const {
+  for (const auto& [key, value] : as_table(table_)) {
+    const auto known = [&](const Asked& asked) { return asked.read && asked.key == key.str(); };
+    if (std::any_of(asked_.begin(), asked_.end(), known)) continue;
+    std::vector<std::string_view> keys;
+    for (const Asked& asked : asked_)
+      keys.emplace_back(asked.key);
+    throw fault(key.str(),
+                fmt::format("unknown key {} in {}; known: {}", printable(key.str(), 40), name_, fmt::join(keys, ", ")));
+  }
+}
+
+}  // namespace palpa

@@ -1,0 +1,94 @@
+// Strict reading of TOML files that people write and that strangers may send: bounded before they are parsed, every key
+// known, every number finite and within range, and every fault names file, line and key. Keeps toml++ out of the files
+// that use it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/math.hpp"
+
+namespace palpa {
+
+/// What a file may have at most.
+struct TomlLimits {
+  std::uint64_t bytes = 1u << 20;
+  /// Values and lines: the parser needs a microsecond and up to 300 bytes for each. A layout of 65,536 transducers,
+  /// three lines and six numbers each, has 850,000.
+  std::uint64_t items = 1'200'000;
+  /// Parts of a dotted key. The parser nests one table per part and destroys them recursively: a line of a million dots
+  /// would exhaust the stack.
+  std::uint32_t key_parts = 8;
+};
+
+/// Throws bad_input where `text` has more of any, naming the line. Knows strings and comments from structure, and
+/// says nothing about whether it is TOML.
+void guard_toml(std::string_view text, const std::string& file, const TomlLimits& limits = {});
+
+/// One table. Every getter throws bad_input; `done()` at the end refuses the keys that nobody read.
+class TomlTable {
+ public:
+  /// Reads a regular file; `what` names its kind in messages: "a rig".
+  static TomlTable load(const std::filesystem::path& file, std::string_view what, const TomlLimits& limits = {});
+  /// The same from a text; `file` is where it came from.
+  static TomlTable parse(std::string_view text, const std::string& file, std::string_view what,
+                         const TomlLimits& limits = {});
+
+  bool has(std::string_view key);
+  /// Any finite number.
+  double number(std::string_view key);
+  double number(std::string_view key, double low, double high);
+  double number_or(std::string_view key, double fallback, double low, double high);
+  std::uint64_t whole(std::string_view key, std::uint64_t low, std::uint64_t high);
+  std::string text(std::string_view key);
+  std::string text_or(std::string_view key, std::string fallback);
+  bool flag_or(std::string_view key, bool fallback);
+  /// Exactly `count` numbers, or any number of them where `count` is 0.
+  std::vector<double> numbers(std::string_view key, std::size_t count);
+  std::vector<std::string> texts(std::string_view key);
+  /// Four rows of four: rigid, i.e. last row 0 0 0 1, rotation orthonormal to 1e-4 and not mirrored.
+  Transform pose(std::string_view key);
+  /// `[key]`, if present.
+  std::optional<TomlTable> table(std::string_view key);
+  /// Every `[[key]]`.
+  std::vector<TomlTable> tables(std::string_view key);
+  /// Refuses a key that was not read and tells which were asked for.
+  void done() const;
+
+  /// "FILE: line N: fault" for the line of a key, or of this table where the key is absent.
+  Error fault(std::string_view key, const std::string& fault) const;
+
+ private:
+  struct Document;
+  /// A key that somebody asked for.
+  struct Asked {
+    std::string key;
+    bool read;
+  };
+
+  TomlTable(std::shared_ptr<const Document> document, const void* table, std::string name);
+  void ask(std::string_view key, bool read);
+  /// These return toml++'s nodes.
+  const void* find(std::string_view key);
+  const void* need(std::string_view key);
+
+  std::shared_ptr<const Document> document_;
+  const void* table_;  ///< toml++'s table within the document
+  std::string name_;   ///< as it stands in the file, "[[camera]]", or the file's kind for the top level
+  std::vector<Asked> asked_;
+};
+
+/// A double as TOML text that reads back to the same bits.
+std::string toml_number(double value);
+/// A quoted TOML string.
+std::string toml_string(std::string_view text);
+/// Four rows of four.
+std::string toml_pose(const Transform& pose);
+
+}  // namespace palpa
