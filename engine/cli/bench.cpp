@@ -95,7 +95,7 @@ void run(const BenchCommand& o) {
   const std::uint64_t resident = peak_resident_bytes();
   if (!o.csv.empty()) write_output(o.csv, to_csv(rows, device.description()));
   if (!o.common.json.empty()) write_output(o.common.json, to_json(rows, device.description(), resident));
-  if (o.csv != "-" && o.common.json != "-" && !o.common.quiet) {
+  if (shows_summary(o.common, o.csv)) {
     write_output("-", table(rows, device.description(), resident));
   }
 }

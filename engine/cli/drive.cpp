@@ -137,7 +137,7 @@ void run(const DriveCommand& o) {
 
   if (!o.csv.empty()) write_output(o.csv, to_csv(layout, drive));
   if (!o.common.json.empty()) write_output(o.common.json, to_json(layout, foci, options.medium, drive));
-  if (o.csv.empty() && o.common.json.empty() && !o.common.quiet) {
+  if (shows_summary(o.common, o.csv)) {
     write_output("-", summary(layout, foci, options.medium, drive));
   }
 }

@@ -37,6 +37,10 @@ void apply_logging(const CommonOptions& options) {
   if (log::level() <= log::Level::warning) log::hold_warnings();
 }
 
+bool shows_summary(const CommonOptions& options, const std::string& csv) {
+  return !options.quiet && options.json != "-" && csv != "-";
+}
+
 gpu::DeviceOptions device_options(const CommonOptions& options) {
   gpu::DeviceOptions device;
   device.select = options.gpu;

@@ -37,6 +37,8 @@ void add_common(CLI::App& app, CommonOptions& options);
 /// its input is read.
 void apply_logging(const CommonOptions& options);
 gpu::DeviceOptions device_options(const CommonOptions& options);
+/// Whether a command ends with a summary for people on stdout: unless --quiet, or JSON or CSV go there.
+bool shows_summary(const CommonOptions& options, const std::string& csv = {});
 
 /// How a cross-section becomes foci. More methods will follow.
 enum class Method { cross_section };

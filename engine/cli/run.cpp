@@ -83,9 +83,9 @@ std::string summary(const session::LoopStats& stats) {
 
 void report(const RunCommand& o, const session::LoopStats& stats) {
   if (!o.common.json.empty()) write_output(o.common.json, session::to_json(stats));
-  if (o.stats == StatsFormat::json && o.common.json != "-") {
-    write_output("-", session::to_json(stats));
-  } else if (o.stats == StatsFormat::none && o.common.json.empty() && !o.common.quiet) {
+  if (o.stats == StatsFormat::json) {
+    if (o.common.json != "-") write_output("-", session::to_json(stats));
+  } else if (shows_summary(o.common)) {
     write_output("-", summary(stats));
   }
 }

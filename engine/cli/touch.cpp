@@ -164,7 +164,7 @@ void run(const TouchCommand& o) {
                            o.touch.dwell_s, whole.lap_ms(), times};
   if (!o.csv.empty()) write_output(o.csv, to_csv(report));
   if (!o.common.json.empty()) write_output(o.common.json, to_json(report));
-  if (o.csv.empty() && o.common.json.empty() && !o.common.quiet) write_output("-", summary(report));
+  if (shows_summary(o.common, o.csv)) write_output("-", summary(report));
 }
 
 }  // namespace
