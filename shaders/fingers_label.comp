@@ -14,15 +14,13 @@ layout(std430, set = 0, binding = fingers_parents) coherent buffer Parents { uin
 layout(std430, set = 0, binding = fingers_clusters) coherent buffer Clusters { Cluster clusters[]; };
 layout(push_constant) uniform Push { FingersPush push; };
 
-uint most_steps = 0u;
-#include "fingers_union.glsl"
-
 void main() {
   const uint count = min(found.total, push.most_contacts);
   const uint threads = gl_NumWorkGroups.x * contact_group;
-  most_steps = count;
   for (uint i = gl_GlobalInvocationID.x; i < count; i += threads) {
-    const uint root = find_root(heads[places[i]]);
+    // No halving of paths here: it could put a mere ancestor in place of a root that another thread has just written.
+    uint root = heads[places[i]];
+    for (uint step = 0u; step < count && parents[root] != root; ++step) root = parents[root];
     parents[i] = root;
     if (clusters[root].smallest > i) atomicMin(clusters[root].smallest, i);
     atomicAdd(clusters[root].size, 1u);

@@ -161,6 +161,14 @@ std::string message_of(const std::function<void()>& action) {
   return {};
 }
 
+TEST(TouchOnDevice, GivesTheSameBytesOnEveryRun) {
+  // Clouds whose clusters are long and tangled, so that threads meet in the union-find; touch_on_device compares the runs.
+  const auto flat = indexed(random_points(3000, {-0.05, 0.01, -0.05}, {0.05, 0.01, 0.05}));
+  touch_on_device(flat, {everything()}, everything_is_contact(2e-3), {3000, 3000}, 150);
+  const auto cloud = indexed(random_points(6000, Vec3(0), Vec3(0.1)));
+  touch_on_device(cloud, {everything()}, everything_is_contact(4.8e-3), {6000, 6000}, 60);
+}
+
 TEST(TouchOnDevice, SaysWhenThereIsNoRoom) {
   const auto points = indexed(random_points(1000, Vec3(-0.1), Vec3(0.1)));
   const Parameters parameters = everything_is_contact();
