@@ -7,7 +7,7 @@
 
 #include <cerrno>
 #include <cstring>
-#include <iterator>
+#include <string_view>
 #include <vector>
 
 #include "base/error.hpp"
@@ -15,22 +15,6 @@
 
 namespace palpa::session {
 namespace {
-
-/// A JSON string; names come from glTF files and may hold anything.
-void append_string(std::string& out, const std::string& text) {
-  out += '"';
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      out += '\\';
-      out += c;
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      fmt::format_to(std::back_inserter(out), "\\u{:04x}", static_cast<unsigned>(c));
-    } else {
-      out += c;
-    }
-  }
-  out += '"';
-}
 
 class FociLink : public Link {
  public:
@@ -41,12 +25,11 @@ class FociLink : public Link {
   FociLink& operator=(const FociLink&) = delete;
 
   void foci(const array::Schedule& schedule) override {
-    line_.clear();
-    write_foci_line(schedule, solid_names_, line_);
-    line_ += '\n';
+    write_foci_line(schedule, solid_names_, json_);
+    const std::string_view line = json_.finish();
     // Nobody listening is no fault of the sender's: a receiver may come and go. The kernel tells of it at the send
     // after, which is then not made; so it is made again.
-    const bool sent = try_send() || (errno == ECONNREFUSED && try_send());
+    const bool sent = try_send(line) || (errno == ECONNREFUSED && try_send(line));
     if (!sent && errno != ECONNREFUSED && !warned_) {
       warned_ = true;
       log::warning(fmt::format("link foci: a frame could not be sent: {}", std::strerror(errno)));
@@ -56,11 +39,13 @@ class FociLink : public Link {
 
  private:
   /// Never blocks: the output thread has drives to send.
-  bool try_send() const { return ::send(socket_, line_.data(), line_.size(), MSG_NOSIGNAL | MSG_DONTWAIT) >= 0; }
+  bool try_send(std::string_view line) const {
+    return ::send(socket_, line.data(), line.size(), MSG_NOSIGNAL | MSG_DONTWAIT) >= 0;
+  }
 
   int socket_;
   std::vector<std::string> solid_names_;
-  std::string line_;
+  JsonWriter json_;
   bool warned_ = false;
 };
 
@@ -89,23 +74,22 @@ int connect_udp(const std::string& host, const std::string& port) {
 
 }  // namespace
 
-void write_foci_line(const array::Schedule& schedule, std::span<const std::string> solid_names, std::string& out) {
-  const auto into = std::back_inserter(out);
-  fmt::format_to(into, "{{\"time_s\":{},\"fingers\":[", schedule.time_s);
+void write_foci_line(const array::Schedule& schedule, std::span<const std::string> solid_names, JsonWriter& json) {
+  json.clear();
+  json.begin_object(JsonWriter::Style::compact).member("time_s", schedule.time_s);
+  json.key("fingers").begin_array();
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const array::Voice& voice = schedule.voices[v];
-    fmt::format_to(into, "{}{{\"id\":{},\"solid\":", v ? "," : "", voice.id);
-    append_string(out, voice.solid < solid_names.size() ? solid_names[voice.solid] : std::string());
-    out += ",\"foci_m\":[";
-    for (std::size_t i = 0; i < voice.foci.size(); ++i) {
-      const Vec3& p = voice.foci[i];
-      fmt::format_to(into, "{}[{},{},{}]", i ? "," : "", static_cast<float>(p.x), static_cast<float>(p.y),
-                     static_cast<float>(p.z));
-    }
-    fmt::format_to(into, "],\"order\":[{}],\"dwell_s\":{},\"modulation_hz\":{}}}", fmt::join(voice.order, ","),
-                   voice.dwell_s, voice.modulation_hz);
+    json.begin_object().member("id", voice.id).key("solid");
+    json.value(voice.solid < solid_names.size() ? std::string_view(solid_names[voice.solid]) : "");
+    json.key("foci_m").begin_array();
+    for (const Vec3& focus : voice.foci)
+      json.value(glm::vec3(focus));
+    json.end_array();
+    json.member("order", voice.order).member("dwell_s", voice.dwell_s).member("modulation_hz", voice.modulation_hz);
+    json.end_object();
   }
-  out += "]}";
+  json.end_array().end_object();
 }
 
 std::unique_ptr<Link> open_foci_link(const std::string& argument, const LinkSetting& setting) {

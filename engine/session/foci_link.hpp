@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "base/json_writer.hpp"
 #include "session/link.hpp"
 
 namespace palpa::session {
@@ -18,7 +19,7 @@ namespace palpa::session {
 /// Link "foci:udp:HOST:PORT". Throws bad_usage for another form, failure() for a host that does not resolve.
 std::unique_ptr<Link> open_foci_link(const std::string& argument, const LinkSetting& setting);
 
-/// The line without its newline. Appends to `out`, which keeps its storage.
-void write_foci_line(const array::Schedule& schedule, std::span<const std::string> solid_names, std::string& out);
+/// The line as a document of its own; `json` is cleared first and keeps its storage.
+void write_foci_line(const array::Schedule& schedule, std::span<const std::string> solid_names, JsonWriter& json);
 
 }  // namespace palpa::session

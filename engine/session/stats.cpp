@@ -1,17 +1,23 @@
 #include "session/stats.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+
+#include "base/json_writer.hpp"
 
 namespace palpa::session {
 namespace {
 
-std::string distribution(const Samples& samples, double scale) {
-  return fmt::format("{{\"count\":{},\"median\":{:.6g},\"p99\":{:.6g},\"p999\":{:.6g},\"max\":{:.6g}}}",
-                     samples.count(), samples.quantile(0.5) * scale, samples.quantile(0.99) * scale,
-                     samples.quantile(0.999) * scale, samples.quantile(1.0) * scale);
+constexpr int digits = 6;
+
+void add_distribution(JsonWriter& json, std::string_view key, const Samples& samples, double scale) {
+  json.key(key).begin_object().member("count", samples.count());
+  json.key("median").rounded(samples.quantile(0.5) * scale, digits);
+  json.key("p99").rounded(samples.quantile(0.99) * scale, digits);
+  json.key("p999").rounded(samples.quantile(0.999) * scale, digits);
+  json.key("max").rounded(samples.quantile(1.0) * scale, digits);
+  json.end_object();
 }
 
 }  // namespace
@@ -34,21 +40,27 @@ void LoopStats::add_passes(std::span<const gpu::PassTime> times) {
 }
 
 std::string to_json(const LoopStats& stats) {
-  std::string passes;
-  for (const PassStats& pass : stats.passes) {
-    passes += fmt::format("{}\"{}\":{}", passes.empty() ? "" : ",", pass.name, distribution(pass.ms, 1.0));
-  }
-  return fmt::format(
-      "{{\"frames\":{{\"captured\":{},\"replaced\":{},\"missing\":{},\"unrecorded\":{},\"planned\":{},\"touching\":{}}}"
-      ",\n"
-      " \"seconds\":{:.6g},\n"
-      " \"timing_ms\":{{\"frame_to_plan\":{},\"capture_to_drive\":{},\"drive_jitter\":{}}},\n"
-      " \"passes_ms\":{{{}}},\n"
-      " \"drives\":{{\"sent\":{},\"silent\":{},\"skipped_slots\":{}}}}}\n",
-      stats.captured, stats.replaced, stats.missing, stats.unrecorded, stats.planned, stats.touching, stats.seconds,
-      distribution(stats.frame_to_plan_s, 1e3), distribution(stats.output.capture_to_drive_s, 1e3),
-      distribution(stats.output.jitter_s, 1e3), passes, stats.output.drives, stats.output.silent_drives,
-      stats.output.skipped_slots);
+  JsonWriter json;
+  json.begin_object(JsonWriter::Style::rows);
+  json.key("frames").begin_object();
+  json.member("captured", stats.captured).member("replaced", stats.replaced).member("missing", stats.missing);
+  json.member("unrecorded", stats.unrecorded).member("planned", stats.planned).member("touching", stats.touching);
+  json.end_object();
+  json.key("seconds").rounded(stats.seconds, digits);
+  json.key("timing_ms").begin_object();
+  add_distribution(json, "frame_to_plan", stats.frame_to_plan_s, 1e3);
+  add_distribution(json, "capture_to_drive", stats.output.capture_to_drive_s, 1e3);
+  add_distribution(json, "drive_jitter", stats.output.jitter_s, 1e3);
+  json.end_object();
+  json.key("passes_ms").begin_object();
+  for (const PassStats& pass : stats.passes)
+    add_distribution(json, pass.name, pass.ms, 1.0);
+  json.end_object();
+  json.key("drives").begin_object();
+  json.member("sent", stats.output.drives).member("silent", stats.output.silent_drives);
+  json.member("skipped_slots", stats.output.skipped_slots).end_object();
+  json.end_object();
+  return json.take();
 }
 
 }  // namespace palpa::session

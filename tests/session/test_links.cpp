@@ -124,6 +124,24 @@ struct Receiver {
   }
 };
 
+TEST(FociLink, WritesTheSameBytesIntoTheSamePlace) {
+  const std::vector<std::string> names{"cube", "a \"b\"\n"};
+  JsonWriter json;
+  write_foci_line({}, names, json);
+  EXPECT_EQ(json.finish(), "{\"time_s\":0,\"fingers\":[]}\n");
+  const void* storage = nullptr;
+  for (int frame = 0; frame < 3; ++frame) {
+    write_foci_line(one_finger(), names, json);
+    const std::string_view line = json.finish();
+    EXPECT_EQ(line, R"({"time_s":12.5,"fingers":[{"id":4,"solid":"a \"b\"\u000a",)"
+                    R"("foci_m":[[0.001,-0.002,0.003],[0,0,1e-09]],"order":[1,0],"dwell_s":0.0015,)"
+                    R"("modulation_hz":0}]})"
+                    "\n");
+    EXPECT_TRUE(frame == 0 || storage == line.data());
+    storage = line.data();
+  }
+}
+
 TEST(FociLink, SendsOneJsonLinePerFrame) {
   Setting s;
   Receiver receiver;

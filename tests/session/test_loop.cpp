@@ -257,6 +257,23 @@ TEST(Stats, QuantilesAndJson) {
   ASSERT_EQ(stats.passes.size(), 2u);
   EXPECT_EQ(stats.passes[1].ms.count(), 2u);
   EXPECT_NE(to_json(stats).find("\"contacts\":{\"count\":2,\"median\":2,"), std::string::npos) << to_json(stats);
+
+  stats.captured = 7;
+  stats.seconds = 1.0 / 3;
+  stats.output.sent(0.00123456789, true);
+  const std::string none = R"({"count":0,"median":0,"p99":0,"p999":0,"max":0})";
+  EXPECT_EQ(to_json(stats),
+            R"({"frames":{"captured":7,"replaced":0,"missing":0,"unrecorded":0,"planned":0,"touching":0},)"
+            "\n \"seconds\":0.333333,\n"
+            R"( "timing_ms":{"frame_to_plan":)" +
+                none + R"(,"capture_to_drive":)" + none +
+                R"(,"drive_jitter":{"count":1,"median":1.23457,"p99":1.23457,"p999":1.23457,"max":1.23457}},)"
+                "\n"
+                R"( "passes_ms":{"skin":{"count":2,"median":1,"p99":1,"p999":1,"max":1},)"
+                R"("contacts":{"count":2,"median":2,"p99":2,"p999":2,"max":2}},)"
+                "\n"
+                R"( "drives":{"sent":1,"silent":1,"skipped_slots":0}})"
+                "\n");
 }
 
 }  // namespace

@@ -1,0 +1,89 @@
+// JSON text with numbers that read back exactly: each is the shortest decimal of its own type, so a float prints as 0.1
+// and not as the double nearest to it.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpa {
+
+/// Writes a document front to back. Objects and arrays open and close in pairs; keys keep the order they are written
+/// in. Non-finite numbers become null, since JSON has no word for them; what is no UTF-8 becomes U+FFFD.
+///
+/// A writer that is cleared and written again allocates nothing once its text has grown.
+class JsonWriter {
+ public:
+  /// How a container is laid out. Inside of anything but a block everything stays on one line.
+  enum class Style {
+    block,    ///< a member per line, two spaces deeper
+    line,     ///< [1, 2]
+    compact,  ///< [1,2], and all that it contains
+    rows,     ///< a member per line without further indentation, each of them compact
+  };
+
+  JsonWriter& begin_object(Style style = Style::block) { return begin('{', style); }
+  JsonWriter& end_object() { return end('}'); }
+  JsonWriter& begin_array(Style style = Style::line) { return begin('[', style); }
+  JsonWriter& end_array() { return end(']'); }
+  JsonWriter& key(std::string_view name);
+
+  JsonWriter& value(double number);
+  /// Rounded to so many significant digits.
+  JsonWriter& rounded(double number, int digits);
+  JsonWriter& value(float number);
+  JsonWriter& value(std::int64_t number);
+  JsonWriter& value(std::uint64_t number);
+  JsonWriter& value(std::uint32_t number) { return value(std::uint64_t{number}); }
+  JsonWriter& value(int number) { return value(std::int64_t{number}); }
+  JsonWriter& value(bool truth);
+  JsonWriter& value(std::string_view text);
+  JsonWriter& value(const char* text) { return value(std::string_view(text)); }
+  JsonWriter& null();
+
+  JsonWriter& value(const glm::vec3& v);
+  JsonWriter& value(const glm::dvec3& v);
+  template <typename T>
+  JsonWriter& value(std::span<const T> numbers) {
+    begin_array();
+    for (const T& number : numbers)
+      value(number);
+    return end_array();
+  }
+  template <typename T>
+  JsonWriter& value(const std::vector<T>& numbers) {
+    return value(std::span<const T>(numbers));
+  }
+
+  template <typename T>
+  JsonWriter& member(std::string_view name, const T& v) {
+    key(name);
+    return value(v);
+  }
+
+  /// Ends the document with a newline. Every container must be closed. Valid until the writer is used again.
+  std::string_view finish();
+  /// The same, handed over.
+  std::string take();
+  /// Begins anew and keeps the storage.
+  void clear();
+
+ private:
+  JsonWriter& begin(char open, Style style);
+  JsonWriter& end(char close);
+  void separate();
+  void quote(std::string_view text);
+
+  struct Level {
+    Style style;
+    bool empty;
+  };
+  std::string text_;
+  std::vector<Level> levels_;
+  bool after_key_ = false;
+};
+
+}  // namespace palpa
