@@ -162,7 +162,8 @@ std::string message_of(const std::function<void()>& action) {
 }
 
 TEST(TouchOnDevice, GivesTheSameBytesOnEveryRun) {
-  // Clouds whose clusters are long and tangled, so that threads meet in the union-find; touch_on_device compares the runs.
+  // Clouds whose clusters are long and tangled, so that threads meet in the union-find; touch_on_device compares the
+  // runs.
   const auto flat = indexed(random_points(3000, {-0.05, 0.01, -0.05}, {0.05, 0.01, 0.05}));
   touch_on_device(flat, {everything()}, everything_is_contact(2e-3), {3000, 3000}, 150);
   const auto cloud = indexed(random_points(6000, Vec3(0), Vec3(0.1)));
