@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "cli/json_out.hpp"
+#include "base/json_writer.hpp"
 #include "cli/output.hpp"
 #include "cli/touch_run.hpp"
 #include "viewer/offscreen.hpp"
@@ -15,7 +15,7 @@ namespace palpa::viewer {
 namespace {
 
 std::string to_json(const Pixels& pixels, std::uint32_t frames, std::optional<double> difference, double frame_ms) {
-  cli::JsonWriter json;
+  JsonWriter json;
   json.begin_object().member("frames", frames).member("width", pixels.width).member("height", pixels.height);
   if (difference) json.member("difference", *difference);
   json.key("timing_ms").begin_object().member("frame", frame_ms).end_object().end_object();

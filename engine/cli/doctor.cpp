@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include "base/error.hpp"
+#include "base/json_writer.hpp"
 #include "cli/commands.hpp"
-#include "cli/json_out.hpp"
 #include "cli/output.hpp"
 #include "gpu/device.hpp"
 

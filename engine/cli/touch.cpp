@@ -4,9 +4,9 @@
 #include <string>
 
 #include "array/schedule.hpp"
+#include "base/json_writer.hpp"
 #include "base/log.hpp"
 #include "cli/commands.hpp"
-#include "cli/json_out.hpp"
 #include "cli/output.hpp"
 #include "cli/touch_input.hpp"
 #include "cli/touch_run.hpp"
