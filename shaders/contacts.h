@@ -4,8 +4,8 @@
 #include "shared.h"
 PALPA_SHADER_BEGIN
 
-// The points are cut into contacts_chunks stretches of whole rounds of a group, one group each: few groups, since starting
-// one costs a software device a microsecond, and their counts need no scan of their own.
+// The points are cut into contacts_chunks stretches of whole rounds of a group, one group each: few groups, since
+// starting one costs a software device a microsecond, and their counts need no scan of their own.
 PALPA_CONST contacts_group = 64u;
 PALPA_CONST contacts_chunks = 64u;
 PALPA_CONST contacts_most_words = 2048u;  // of 32 points each, in one chunk
@@ -31,7 +31,8 @@ PALPA_CONST contacts_total = 5u;  // ScanTotal of the contacts
 PALPA_CONST contacts_out = 6u;    // ContactRecord[]
 PALPA_CONST contacts_pack_buffers = 7u;
 
-// A convex solid. All its numbers are relative to its centre: the digits of single precision go to the solid's own size.
+// A convex solid. All its numbers are relative to its centre: the digits of single precision go to the solid's own
+// size.
 struct SolidRecord {
   vec4 centre;  // world
   vec4 low;     // box, relative to the centre, a little too large

@@ -25,8 +25,8 @@ PALPA_CONST drive_normalise = 0u;
 PALPA_CONST drive_uniform = 1u;
 PALPA_CONST drive_clamp = 2u;
 
-// A place in wavelengths, as a multiple of 1/16 plus a rest: the squared difference of two such coarse parts is exact in
-// float up to 256 wavelengths, so that a phase hundreds of turns away is as exact as a near one.
+// A place in wavelengths, as a multiple of 1/16 plus a rest: the squared difference of two such coarse parts is exact
+// in float up to 256 wavelengths, so that a phase hundreds of turns away is as exact as a near one.
 struct DrivePoint {
   vec4 coarse;  // x, y, z; w unused
   vec4 fine;    // x, y, z in -1/32..1/32; w unused
@@ -35,7 +35,8 @@ PALPA_CHECK_SIZE(DrivePoint, 32);
 PALPA_CHECK_OFFSET(DrivePoint, fine, 16);
 
 struct DriveFocus {
-  vec4 coarse;  // x, y, z; w: 1 / distance of the farthest transducer, in wavelengths; 0: every transducer is at the focus
+  vec4 coarse;  // x, y, z; w: 1 / distance of the farthest transducer, in wavelengths; 0: every transducer is at the
+                // focus
   vec4 fine;    // x, y, z; w: gain relative to the slot's, 0..1
 };
 PALPA_CHECK_SIZE(DriveFocus, 32);

@@ -8,10 +8,10 @@ PALPA_CONST fingers_select_group = 256u;  // a single group
 PALPA_CONST fingers_most = 64u;
 PALPA_CONST fingers_nothing = 0xffffffffu;
 
-// Cells have this side, in thousandths of the finger gap. Anything up to 1/sqrt(3) = 0.577 keeps two contacts of one cell
-// within the gap, anything above 0.5 keeps contacts three cells apart beyond it; 0.52 leaves room for rounding on both
-// sides, up to fingers_most_blocks blocks from a solid's centre. A block is 2x2x2 cells: contacts of blocks that do not
-// touch are beyond the gap. A block goes by its owner: the contact that came first.
+// Cells have this side, in thousandths of the finger gap. Anything up to 1/sqrt(3) = 0.577 keeps two contacts of one
+// cell within the gap, anything above 0.5 keeps contacts three cells apart beyond it; 0.52 leaves room for rounding on
+// both sides, up to fingers_most_blocks blocks from a solid's centre. A block is 2x2x2 cells: contacts of blocks that
+// do not touch are beyond the gap. A block goes by its owner: the contact that came first.
 PALPA_CONST fingers_cell_thousandths = 520u;
 PALPA_CONST fingers_most_blocks = 30000u;
 PALPA_CONST fingers_block_cells = 8u;
@@ -44,12 +44,12 @@ PALPA_CONST fingers_groups = 13u;    // uint[]: per block owner: eight times fou
 PALPA_CONST fingers_buffers = 14u;
 // fingers_select has its own:
 PALPA_CONST select_total = 0u;
-PALPA_CONST select_length = 1u;    // ScanTotal of the skin points
+PALPA_CONST select_length = 1u;  // ScanTotal of the skin points
 PALPA_CONST select_parents = 2u;
 PALPA_CONST select_clusters = 3u;
 PALPA_CONST select_contacts = 4u;
-PALPA_CONST select_header = 5u;    // TouchHeader
-PALPA_CONST select_fingers = 6u;   // FingerRecord[fingers_most]
+PALPA_CONST select_header = 5u;   // TouchHeader
+PALPA_CONST select_fingers = 6u;  // FingerRecord[fingers_most]
 PALPA_CONST fingers_select_buffers = 7u;
 
 struct FingersPush {

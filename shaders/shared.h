@@ -1,5 +1,5 @@
-// Lets one header describe a struct to both GLSL (std430) and C++. Use only `uint`, `int`, `float` and `vec4`-sized members
-// and keep every struct a multiple of 16 bytes: then both sides agree without padding rules to remember.
+// Lets one header describe a struct to both GLSL (std430) and C++. Use only `uint`, `int`, `float` and `vec4`-sized
+// members and keep every struct a multiple of 16 bytes: then both sides agree without padding rules to remember.
 #ifndef PALPA_SHADERS_SHARED_H
 #define PALPA_SHADERS_SHARED_H
 

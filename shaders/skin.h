@@ -4,8 +4,8 @@
 #include "shared.h"
 PALPA_SHADER_BEGIN
 
-// A block is 8 pixels of one row: one 16-byte load of depths. One invocation looks at a run of 4 consecutive blocks of its
-// view (row after row), a group at 64 runs.
+// A block is 8 pixels of one row: one 16-byte load of depths. One invocation looks at a run of 4 consecutive blocks of
+// its view (row after row), a group at 64 runs.
 PALPA_CONST skin_group = 64u;
 PALPA_CONST skin_run_blocks = 4u;
 

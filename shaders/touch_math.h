@@ -1,6 +1,6 @@
-// The arithmetic that decides: included by the shaders and by their twins, so that both give the same answer to "in reach?",
-// "which cell?", "which axes?" and "which sector?". PALPA_EXACT keeps a compiler from fusing or reordering; the C++ side is
-// built with -ffp-contract=off. Only what C++ and GLSL both understand is used here.
+// The arithmetic that decides: included by the shaders and by their twins, so that both give the same answer to "in
+// reach?", "which cell?", "which axes?" and "which sector?". PALPA_EXACT keeps a compiler from fusing or reordering;
+// the C++ side is built with -ffp-contract=off. Only what C++ and GLSL both understand is used here.
 #ifndef PALPA_SHADERS_TOUCH_MATH_H
 #define PALPA_SHADERS_TOUCH_MATH_H
 #include "shared.h"
@@ -128,8 +128,8 @@ PALPA_FN float largest_component(Float3 a) {
 
 // Cyclic Jacobi rotations on a matrix scaled to trace 1; ten sweeps are three more than any 3x3 float matrix needs.
 // Always finite and orthonormal: the zero matrix gives w1 = x, w3 = y, w2 = w3 x w1 = -z.
-// Signs: w3 points upwards (y >= 0; lying within 1e-6 of the horizontal, z, then x, is positive), w1's largest component is
-// positive, w2 = w3 x w1.
+// Signs: w3 points upwards (y >= 0; lying within 1e-6 of the horizontal, z, then x, is positive), w1's largest
+// component is positive, w2 = w3 x w1.
 PALPA_FN Axes principal_axes(Sym3 m) {
   const float trace = m.xx + m.yy + m.zz;
   const bool empty = !(trace > 0.0f);
@@ -146,7 +146,8 @@ PALPA_FN Axes principal_axes(Sym3 m) {
   a[2][0] = a[0][2];
   a[2][1] = a[1][2];
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) v[i][j] = i == j ? 1.0f : 0.0f;
+    for (int j = 0; j < 3; ++j)
+      v[i][j] = i == j ? 1.0f : 0.0f;
   }
   for (int turn = 0; turn < 30; ++turn) {
     if (abs(a[0][1]) + abs(a[0][2]) + abs(a[1][2]) <= 1e-12f) break;
@@ -234,7 +235,8 @@ PALPA_FN bool is_point_like(uint contacts, float l1, float l2) {
 
 // ---- foci ----
 
-// Eq. (5), its second coordinate turned over: angles of (x, y) run clockwise seen from the tip of w3, so y counts against w2.
+// Eq. (5), its second coordinate turned over: angles of (x, y) run clockwise seen from the tip of w3, so y counts
+// against w2.
 struct Float2 {
   float x, y;
 };
@@ -250,7 +252,8 @@ PALPA_FN bool in_second_half(Float2 p) {
   return p.y < 0.0f || (p.y == 0.0f && p.x < 0.0f);
 }
 
-// Whether p's angle is at least the border's, both in [0, 2 pi): no arctangent, so no disagreement about its last digits.
+// Whether p's angle is at least the border's, both in [0, 2 pi): no arctangent, so no disagreement about its last
+// digits.
 PALPA_FN bool reaches(Float2 p, Float2 border) {
   const bool second = in_second_half(p);
   const bool border_second = in_second_half(border);
@@ -258,8 +261,8 @@ PALPA_FN bool reaches(Float2 p, Float2 border) {
   return second == border_second ? turn >= 0.0f : second;
 }
 
-// Sector sums are integers, whose order does not matter. The steps are as fine as 31 bits allow: the sum of all distances
-// from the centroid is at most contacts * sqrt(l1 + l2 + l3) (Cauchy-Schwarz), and stays below 2^30 steps.
+// Sector sums are integers, whose order does not matter. The steps are as fine as 31 bits allow: the sum of all
+// distances from the centroid is at most contacts * sqrt(l1 + l2 + l3) (Cauchy-Schwarz), and stays below 2^30 steps.
 PALPA_FN float steps_per_metre(uint contacts, Axes axes) {
   PALPA_EXACT float reach = float(contacts) * sqrt(axes.l1 + axes.l2 + axes.l3);
   PALPA_EXACT float steps = 1.0e9f / reach;

@@ -2,7 +2,7 @@
 #ifndef PALPA_SHADERS_VIEW_LINE_H
 #define PALPA_SHADERS_VIEW_LINE_H
 
-layout(location = 0) flat out vec4 ends;     // both ends, pixels
+layout(location = 0) flat out vec4 ends;  // both ends, pixels
 layout(location = 1) flat out vec4 line_colour;
 layout(location = 2) flat out float half_width;
 

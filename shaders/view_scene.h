@@ -49,12 +49,13 @@ struct ViewPush {
   vec4 clip_y;
   vec4 clip_z;
   vec4 clip_w;
-  vec4 eye;     // w = 1: the eye's position; w = 0: the direction towards a viewer infinitely far away
-  vec4 window;  // x, y: size in pixels; z: pixels per metre where clip w = 1; w: depth bias towards the viewer, relative
+  vec4 eye;  // w = 1: the eye's position; w = 0: the direction towards a viewer infinitely far away
+  vec4
+      window;  // x, y: size in pixels; z: pixels per metre where clip w = 1; w: depth bias towards the viewer, relative
   vec4 colour;  // mesh, edge: rgb and alpha; stroke, disc: unused
   vec4 style;   // mesh: x alpha at the silhouette, y 1 for shading, 0 for none; edge: x half the width in pixels;
-                // stroke: x 1 where coordinates are pixels, y multiplies widths; edge, stroke: zw where the view begins, pixels;
-                // disc: x outline in pixels, y multiplies radii given in pixels
+               // stroke: x 1 where coordinates are pixels, y multiplies widths; edge, stroke: zw where the view begins,
+               // pixels; disc: x outline in pixels, y multiplies radii given in pixels
 };
 PALPA_CHECK_SIZE(ViewPush, 128);
 PALPA_CHECK_OFFSET(ViewPush, eye, 64);
@@ -63,7 +64,9 @@ PALPA_CHECK_OFFSET(ViewPush, colour, 96);
 PALPA_SHADER_END
 
 #ifndef __cplusplus
-layout(push_constant) uniform Push { ViewPush push; };
+layout(push_constant) uniform Push {
+  ViewPush push;
+};
 
 vec4 to_clip(vec3 world) {
   const vec4 p = vec4(world, 1.0);
