@@ -112,8 +112,7 @@ bool DriveBuffers::add_slot(std::span<const SlotFocus> foci) {
 
 void DriveBuffers::record(VkCommandBuffer commands, const DrivesPass& pass, Weighting weighting,
                           Constraint constraint) {
-  // The batch before wrote and read the same memory. The host has waited for it, which orders them; saying so here as
-  // well costs nothing and lets validation, which does not follow host waits, see it.
+  // The batch before wrote and read the same memory; see gpu/barrier.hpp.
   gpu::compute_to_compute(commands);
   if (!transducers_sent_) transducers_.record(commands);
   transducers_sent_ = true;

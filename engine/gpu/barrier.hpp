@@ -1,5 +1,9 @@
 // The few barriers that the engine's passes need, by name. Global memory barriers: with a handful of dispatches per
 // frame a per-buffer barrier would tell the driver nothing more.
+//
+// Work that is recorded anew into the same buffers begins with one, too. The host has waited on the Timeline before it
+// records, which orders the submits; synchronisation validation does not follow waits of the host and would call the
+// second use of the buffers a hazard. The barrier costs nothing there: nothing is under way.
 #pragma once
 
 #include <volk.h>

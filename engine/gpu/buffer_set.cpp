@@ -8,10 +8,9 @@
 namespace palpa::gpu {
 namespace {
 constexpr std::uint32_t most_buffers = 16;
-constexpr std::uint32_t ring_length = 4096;
 }  // namespace
 
-BufferSet::BufferSet(const Device& device, std::uint32_t count, VkShaderStageFlags stages)
+BufferSet::BufferSet(const Device& device, std::uint32_t count, VkShaderStageFlags stages, std::uint32_t most_uses)
     : count_(count), device_(device.get()) {
   assert(count <= most_buffers);
   const bool pushed = device.validation() != Validation::gpu_assisted;
@@ -28,20 +27,20 @@ BufferSet::BufferSet(const Device& device, std::uint32_t count, VkShaderStageFla
   layout_ = Handle<VkDescriptorSetLayout>(device.get(), layout, vkDestroyDescriptorSetLayout);
   if (pushed || count == 0) return;
 
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, ring_length * count};
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, most_uses * count};
   VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-  pool_info.maxSets = ring_length;
+  pool_info.maxSets = most_uses;
   pool_info.poolSizeCount = 1;
   pool_info.pPoolSizes = &size;
   VkDescriptorPool pool = VK_NULL_HANDLE;
   PALPA_VK(vkCreateDescriptorPool(device.get(), &pool_info, nullptr, &pool));
   ring_pool_ = Handle<VkDescriptorPool>(device.get(), pool, vkDestroyDescriptorPool);
-  const std::vector<VkDescriptorSetLayout> layouts(ring_length, layout);
+  const std::vector<VkDescriptorSetLayout> layouts(most_uses, layout);
   VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
   allocate.descriptorPool = pool;
-  allocate.descriptorSetCount = ring_length;
+  allocate.descriptorSetCount = most_uses;
   allocate.pSetLayouts = layouts.data();
-  ring_.resize(ring_length);
+  ring_.resize(most_uses);
   PALPA_VK(vkAllocateDescriptorSets(device.get(), &allocate, ring_.data()));
 }
 

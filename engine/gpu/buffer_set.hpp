@@ -1,4 +1,5 @@
-// Storage buffers as a pipeline binds them: pushed with each draw, so that nothing needs to be allocated or kept alive.
+// Storage buffers as a pipeline binds them: pushed with each dispatch or draw, so that nothing needs to be allocated or
+// kept alive.
 #pragma once
 
 #include <volk.h>
@@ -17,7 +18,8 @@ namespace palpa::gpu {
 class BufferSet {
  public:
   BufferSet() = default;
-  BufferSet(const Device& device, std::uint32_t count, VkShaderStageFlags stages);
+  /// At most 16 buffers, bound at most `most_uses` times by the submits that are in flight together.
+  BufferSet(const Device& device, std::uint32_t count, VkShaderStageFlags stages, std::uint32_t most_uses);
 
   VkDescriptorSetLayout layout() const { return layout_.get(); }
   /// `buffers` in binding order, exactly `count` of them.
@@ -28,8 +30,8 @@ class BufferSet {
   Handle<VkDescriptorSetLayout> layout_;
   std::uint32_t count_ = 0;
 
-  // GPU-assisted validation cannot see pushed descriptors. Under that preset alone, draws take turns in a ring of
-  // ordinary sets, far longer than the draws of one pipeline that can be in flight.
+  // GPU-assisted validation cannot see pushed descriptors. Under that preset alone, binds take turns in a ring of
+  // `most_uses` ordinary sets.
   Handle<VkDescriptorPool> ring_pool_;
   std::vector<VkDescriptorSet> ring_;
   mutable std::size_t ring_next_ = 0;

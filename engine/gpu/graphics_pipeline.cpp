@@ -8,6 +8,9 @@
 namespace palpa::gpu {
 namespace {
 
+// Far more than the draws with one pipeline in two frames.
+constexpr std::uint32_t most_in_flight = 4096;
+
 constexpr VkShaderStageFlags stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
 Handle<VkShaderModule> make_module(const Device& device, std::span<const std::uint32_t> spirv) {
@@ -31,7 +34,7 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits kind, VkShaderModule
 
 GraphicsPipeline::GraphicsPipeline(const Device& device, const char* name, std::span<const std::uint32_t> vertex,
                                    std::span<const std::uint32_t> fragment, const GraphicsLayout& layout)
-    : set_(device, layout.buffers, VK_SHADER_STAGE_VERTEX_BIT), push_bytes_(layout.push_bytes) {
+    : set_(device, layout.buffers, VK_SHADER_STAGE_VERTEX_BIT, most_in_flight), push_bytes_(layout.push_bytes) {
   assert(layout.push_bytes <= 128);
   const VkDescriptorSetLayout set_layout = set_.layout();
   const VkPushConstantRange range{stages, 0, push_bytes_};

@@ -1,6 +1,5 @@
 #include "gpu/pipeline.hpp"
 
-#include <array>
 #include <cassert>
 #include <vector>
 
@@ -8,29 +7,15 @@
 
 namespace palpa::gpu {
 namespace {
-constexpr std::uint32_t most_buffers = 16;
-constexpr std::uint32_t ring_length = 512;
+// Far more than the dispatches with one pipeline in two frames.
+constexpr std::uint32_t most_in_flight = 512;
 }  // namespace
 
 ComputePipeline::ComputePipeline(const Device& device, const char* name, std::span<const std::uint32_t> spirv,
                                  const PipelineLayout& layout)
-    : buffers_(layout.buffers), push_bytes_(layout.push_bytes), device_(device.get()) {
-  assert(layout.buffers <= most_buffers && layout.push_bytes <= 128);
-  std::array<VkDescriptorSetLayoutBinding, most_buffers> bindings{};
-  for (std::uint32_t i = 0; i < buffers_; ++i) {
-    bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
-  }
-  VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-  const bool pushed = device.validation() != Validation::gpu_assisted;
-  set.flags = pushed ? VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR : 0;
-  set.bindingCount = buffers_;
-  set.pBindings = bindings.data();
-  VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
-  PALPA_VK(vkCreateDescriptorSetLayout(device.get(), &set, nullptr, &set_layout));
-  set_layout_ = Handle<VkDescriptorSetLayout>(device.get(), set_layout, vkDestroyDescriptorSetLayout);
-
-  if (!pushed) make_descriptor_ring(device);
-
+    : set_(device, layout.buffers, VK_SHADER_STAGE_COMPUTE_BIT, most_in_flight), push_bytes_(layout.push_bytes) {
+  assert(layout.push_bytes <= 128);
+  const VkDescriptorSetLayout set_layout = set_.layout();
   const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes_};
   VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   info.setLayoutCount = 1;
@@ -68,48 +53,9 @@ ComputePipeline::ComputePipeline(const Device& device, const char* name, std::sp
   device.name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), name);
 }
 
-void ComputePipeline::make_descriptor_ring(const Device& device) {
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, ring_length * buffers_};
-  VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-  info.maxSets = ring_length;
-  info.poolSizeCount = 1;
-  info.pPoolSizes = &size;
-  VkDescriptorPool pool = VK_NULL_HANDLE;
-  PALPA_VK(vkCreateDescriptorPool(device.get(), &info, nullptr, &pool));
-  ring_pool_ = Handle<VkDescriptorPool>(device.get(), pool, vkDestroyDescriptorPool);
-  const std::vector<VkDescriptorSetLayout> layouts(ring_length, set_layout_.get());
-  VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-  allocate.descriptorPool = pool;
-  allocate.descriptorSetCount = ring_length;
-  allocate.pSetLayouts = layouts.data();
-  ring_.resize(ring_length);
-  PALPA_VK(vkAllocateDescriptorSets(device.get(), &allocate, ring_.data()));
-}
-
 void ComputePipeline::bind(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push) const {
-  assert(buffers.size() == buffers_);
-  std::array<VkDescriptorBufferInfo, most_buffers> infos{};
-  std::array<VkWriteDescriptorSet, most_buffers> writes{};
-  std::uint32_t i = 0;
-  for (const BufferRef& ref : buffers) {
-    infos[i] = {ref.buffer, ref.offset, ref.size};
-    writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-    writes[i].dstBinding = i;
-    writes[i].descriptorCount = 1;
-    writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    writes[i].pBufferInfo = &infos[i];
-    ++i;
-  }
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.get());
-  if (ring_.empty()) {
-    vkCmdPushDescriptorSetKHR(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, i, writes.data());
-  } else {
-    const VkDescriptorSet descriptors = ring_[ring_next_++ % ring_.size()];
-    for (std::uint32_t w = 0; w < i; ++w)
-      writes[w].dstSet = descriptors;
-    vkUpdateDescriptorSets(device_, i, writes.data(), 0, nullptr);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, &descriptors, 0, nullptr);
-  }
+  set_.bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), buffers);
   if (push_bytes_) {
     vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes_, push);
   }

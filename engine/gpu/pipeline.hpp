@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <initializer_list>
 #include <span>
-#include <vector>
 
 #include "gpu/buffer.hpp"
+#include "gpu/buffer_set.hpp"
 #include "gpu/device.hpp"
 #include "gpu/handle.hpp"
 
@@ -43,20 +43,10 @@ class ComputePipeline {
  private:
   void bind(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push) const;
 
-  void make_descriptor_ring(const Device& device);
-
-  Handle<VkDescriptorSetLayout> set_layout_;
+  BufferSet set_;
   Handle<VkPipelineLayout> layout_;
   Handle<VkPipeline> pipeline_;
-  std::uint32_t buffers_ = 0;
   std::uint32_t push_bytes_ = 0;
-
-  // GPU-assisted validation cannot see pushed descriptors. Under that preset alone, dispatches take turns in a ring of
-  // ordinary sets, far longer than the dispatches of one pipeline that can be in flight.
-  Handle<VkDescriptorPool> ring_pool_;
-  std::vector<VkDescriptorSet> ring_;
-  mutable std::size_t ring_next_ = 0;
-  VkDevice device_ = VK_NULL_HANDLE;
 };
 
 }  // namespace palpa::gpu
