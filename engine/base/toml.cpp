@@ -251,7 +251,8 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) {
 
 void TomlTable::done() const {
   for (const auto& [key, value] : as_table(table_)) {
-    const auto known = [&](const Asked& asked) { return asked.read && asked.key == key.str(); };
+    const std::string_view name = key.str();
+    const auto known = [name](const Asked& asked) { return asked.read && asked.key == name; };
     if (std::any_of(asked_.begin(), asked_.end(), known)) continue;
     std::vector<std::string_view> keys;
     for (const Asked& asked : asked_)
