@@ -61,7 +61,7 @@ spirv() {
 }
 
 # Who may include whom: tests/house/arrows.awk.
-arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'palpa/*.?pp' 'assets/*.?pp' | xargs -r awk -f tests/house/arrows.awk; }
+arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' | xargs -r awk -f tests/house/arrows.awk; }
 
 # Small files with one job. A longer one is listed with its reason in tests/house/long-files.txt.
 sizes() {
