@@ -95,6 +95,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
   check(o.touch);
   const std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene);
   std::vector<std::string> names;
+  names.reserve(solids.size());
   for (const geometry::Solid& solid : solids)
     names.push_back(solid.name);
   const SetUp set_up = load_set_up(o.rig);

@@ -65,7 +65,7 @@ class GpuChain : public Chain {
         flights_{Flight(device, setting, tables_), Flight(device, setting, tables_)},
         timeline_(device, "frames") {
     reserve(unmodulated_);
-    foci_.reserve(touch::max_fingers * touch::max_foci);
+    foci_.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
     views_.reserve(setting.cameras.size());
     passes_.reserve(16);
     drive_passes_.reserve(4);

@@ -65,6 +65,7 @@ TEST(Log, LinesOfSeveralThreadsStayWhole) {
   testing::internal::CaptureStderr();
   {
     std::vector<std::jthread> threads;
+    threads.reserve(4);
     for (int t = 0; t < 4; ++t) {
       threads.emplace_back([&] {
         for (int i = 0; i < 200; ++i)

@@ -33,7 +33,7 @@ std::filesystem::path shared_data(const std::string& relative) {
 
 std::filesystem::path scratch_folder(const std::string& name) {
   static Scratch scratch;
-  const auto folder = std::filesystem::temp_directory_path() / ("palpa-" + std::to_string(getpid()) + "-" + name);
+  auto folder = std::filesystem::temp_directory_path() / ("palpa-" + std::to_string(getpid()) + "-" + name);
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   scratch.folders.push_back(folder);
