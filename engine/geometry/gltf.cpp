@@ -4,8 +4,14 @@
 
 #include <fmt/format.h>
 
+// Under a name of our own, not from its library: draco's library exports another build of tinygltf, with other layouts
+// under the same names, and which of the two a program gets would depend on the order in which it links.
+#define tinygltf palpa_tinygltf
+#define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
 #include <algorithm>
@@ -24,6 +30,7 @@
 #include "geometry/gltf_buffers.hpp"
 #include "geometry/gltf_check.hpp"
 #include "geometry/gltf_container.hpp"
+#include "geometry/gltf_draco.hpp"
 #include "geometry/gltf_skin.hpp"
 #include "geometry/text.hpp"
 
@@ -34,9 +41,7 @@ namespace {
 constexpr std::size_t most_triangles = 2'000'000, most_vertices = 6'000'000, most_displaced = 20'000'000;
 
 struct Source {
-  const InputFile& file;
-  const gltf::Container& container;
-  const gltf::Document& document;
+  gltf::BufferLoader loader;
   std::optional<Error> fault;  // exceptions must not pass through tinygltf
 };
 
@@ -48,7 +53,7 @@ bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const 
   if (digits == std::string::npos) return true;
   const std::size_t index = std::strtoull(path.c_str() + digits, nullptr, 10);
   try {
-    *out = gltf::load_buffer(source.file, source.container.bin, index, source.document.buffers.at(index));
+    *out = source.loader.load(index);
     return true;
   } catch (const Error& e) {
     source.fault = e;
@@ -58,7 +63,7 @@ bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const 
 }
 
 tinygltf::Model parse(const InputFile& file, const gltf::Container& container, const gltf::Document& document) {
-  Source source{file, container, document, std::nullopt};
+  Source source{gltf::BufferLoader(file, container.bin, document.buffers), std::nullopt};
   tinygltf::TinyGLTF reader;
   reader.SetFsCallbacks({[](const std::string&, void*) { return true; },
                          [](const std::string& path, void*) { return path; }, read_whole_file, nullptr, &source});
@@ -76,13 +81,13 @@ tinygltf::Model parse(const InputFile& file, const gltf::Container& container, c
 
 class SceneReader {
  public:
-  SceneReader(const std::string& file, const tinygltf::Model& model, const std::vector<std::uint32_t>& parents)
-      : model_(model), parents_(parents), T_world_(model.nodes.size()) {
+  SceneReader(const std::string& file, const tinygltf::Model& model, const gltf::Document& document)
+      : model_(model), document_(document), T_world_(model.nodes.size()) {
     scene_.file = file;
   }
 
-  Scene read(const std::vector<std::uint32_t>& roots) {
-    std::vector<std::uint32_t> stack(roots.rbegin(), roots.rend());
+  Scene read() {
+    std::vector<std::uint32_t> stack(document_.roots.rbegin(), document_.roots.rend());
     while (!stack.empty()) {
       const std::uint32_t n = stack.back();
       stack.pop_back();
@@ -114,10 +119,10 @@ class SceneReader {
   // Each node's is worked out once, from the first known ancestor down.
   const Transform& world_transform(std::uint32_t n) {
     std::vector<std::uint32_t> chain;
-    for (std::uint32_t i = n; i != gltf::Document::no_parent && !T_world_[i]; i = parents_[i])
+    for (std::uint32_t i = n; i != gltf::Document::no_parent && !T_world_[i]; i = document_.parents[i])
       chain.push_back(i);
     for (auto i = chain.rbegin(); i != chain.rend(); ++i) {
-      const std::uint32_t parent = parents_[*i];
+      const std::uint32_t parent = document_.parents[*i];
       const Transform local = local_transform(model_.nodes[*i]);
       T_world_[*i] = parent == gltf::Document::no_parent ? local : *T_world_[parent] * local;
     }
@@ -128,7 +133,11 @@ class SceneReader {
     const auto m = static_cast<std::uint32_t>(node.mesh);
     if (!count(m)) return;
     const std::string& mesh_name = model_.meshes[m].name;
-    SceneMesh out{!node.name.empty() ? node.name : !mesh_name.empty() ? mesh_name : fmt::format("node {}", n), {}};
+    SceneMesh out{!node.name.empty()   ? node.name
+                  : !mesh_name.empty() ? mesh_name
+                                       : fmt::format("node {}", n),
+                  {},
+                  document_.haptics[n]};
     bool mirrored = false;
     if (node.skin >= 0) {
       // The bones say where a skinned mesh is; its node's own transform does not count (glTF 2.0, 3.7.3.3).
@@ -153,11 +162,10 @@ class SceneReader {
   // Adds one more instance of the mesh to the scene's size, before anything is allocated; false if it has no triangles.
   bool count(std::uint32_t m) {
     std::size_t triangles = 0;
-    for (const tinygltf::Primitive& p : model_.meshes[m].primitives) {
-      const std::size_t vertices = model_.accessors[static_cast<std::size_t>(p.attributes.at("POSITION"))].count;
-      const std::size_t corners =
-          p.indices < 0 ? vertices : model_.accessors[static_cast<std::size_t>(p.indices)].count;
-      triangles += gltf::triangle_count(p.mode, corners);
+    const std::vector<tinygltf::Primitive>& primitives = model_.meshes[m].primitives;
+    for (std::uint32_t p = 0; p < primitives.size(); ++p) {
+      const auto [vertices, corners] = promised(primitives[p], stream_of(m, p));
+      triangles += gltf::triangle_count(primitives[p].mode, corners);
       vertices_ += vertices;
     }
     triangles_ += triangles;
@@ -210,19 +218,73 @@ class SceneReader {
     const tinygltf::Mesh& mesh = model_.meshes[m];
     const std::vector<double>& weights = node_weights.empty() ? mesh.weights : node_weights;
     Mesh result;
-    for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
+    for (std::uint32_t p = 0; p < mesh.primitives.size(); ++p) {
       const tinygltf::Primitive& primitive = mesh.primitives[p];
       const std::string where = fmt::format("mesh {}", m);
+      const std::optional<Unpacked> unpacked = unpack(m, p, primitive, T_world_bind != nullptr);
       Mesh piece;
-      piece.positions = positions(static_cast<std::size_t>(primitive.attributes.at("POSITION")));
+      piece.positions = positions(primitive, unpacked);
       for (std::size_t t = 0; t < weights.size() && t < primitive.targets.size(); ++t) {
         if (weights[t] != 0) displace(piece.positions, primitive.targets[t], weights[t]);
       }
-      if (T_world_bind != nullptr) put_on_bones(where, piece.positions, primitive, *T_world_bind);
-      piece.triangles = triangles(where, primitive, piece.positions.size());
+      if (T_world_bind != nullptr) put_on_bones(where, piece.positions, primitive, unpacked, *T_world_bind);
+      piece.triangles = unpacked ? unpacked->mesh.triangles : triangles(where, primitive, piece.positions.size());
       append(result, piece);
     }
     return result;
+  }
+
+  // A primitive out of a stream of draco.
+  struct Unpacked {
+    gltf::DracoMesh mesh;
+    std::map<std::string, std::size_t> values;  // the attribute's place in mesh.values
+  };
+
+  // nullopt where the primitive is stored in the plain way.
+  std::optional<Unpacked> unpack(std::uint32_t m, std::uint32_t p, const tinygltf::Primitive& primitive,
+                                 bool with_bones) const {
+    const gltf::DracoSource* source = stream_of(m, p);
+    if (source == nullptr) return std::nullopt;
+    Unpacked result;
+    std::vector<gltf::DracoAttribute> wanted;
+    for (const auto& [name, id] : source->attributes) {
+      const bool position = name == "POSITION";
+      if (!primitive.attributes.contains(name) || !(position || with_bones)) continue;
+      result.values.emplace(name, wanted.size());
+      wanted.push_back({id, position ? std::size_t{3} : std::size_t{4}});
+    }
+    const auto where = fmt::format("mesh {}: the draco data in buffer view {}", m, source->view);
+    const tinygltf::BufferView& view = model_.bufferViews[source->view];
+    const std::span<const unsigned char> bytes(model_.buffers[static_cast<std::size_t>(view.buffer)].data);
+    const auto [vertices, corners] = promised(primitive, source);
+    const std::size_t triangles = gltf::triangle_count(primitive.mode, corners);
+    std::string fault;
+    auto mesh = gltf::decode_draco(bytes.subspan(view.byteOffset, view.byteLength), wanted, vertices, triangles, fault);
+    if (!mesh) fail(fmt::format("{} {}", where, fault));
+    if (mesh->points < vertices || (mesh->triangles.size() < triangles && primitive.mode == TINYGLTF_MODE_TRIANGLES)) {
+      const std::string less = fmt::format("{} hold {} vertices and {} triangles where the file promises {} and {}",
+                                           where, mesh->points, mesh->triangles.size(), vertices, triangles);
+      // What is stored beside the stream goes by the promised number.
+      if (!primitive.targets.empty() || (with_bones && result.values.size() < primitive.attributes.size())) fail(less);
+      log::warning(fmt::format("{}: {}", scene_.file, less));
+    }
+    result.mesh = *std::move(mesh);
+    return result;
+  }
+
+  // nullptr where the primitive is stored in the plain way.
+  const gltf::DracoSource* stream_of(std::uint32_t m, std::uint32_t p) const {
+    const auto found = std::lower_bound(
+        document_.draco.begin(), document_.draco.end(), std::pair(m, p),
+        [](const gltf::DracoSource& d, const auto& place) { return std::pair(d.mesh, d.primitive) < place; });
+    return found == document_.draco.end() || found->mesh != m || found->primitive != p ? nullptr : &*found;
+  }
+
+  // Vertices, and corners of the triangles, as the accessors have it.
+  std::pair<std::size_t, std::size_t> promised(const tinygltf::Primitive& p, const gltf::DracoSource* stream) const {
+    const std::size_t vertices = model_.accessors[static_cast<std::size_t>(p.attributes.at("POSITION"))].count;
+    if (stream != nullptr) return {vertices, stream->corners};
+    return {vertices, p.indices < 0 ? vertices : model_.accessors[static_cast<std::size_t>(p.indices)].count};
   }
 
   std::vector<glm::uvec3> triangles(const std::string& where, const tinygltf::Primitive& primitive,
@@ -253,17 +315,19 @@ class SceneReader {
   }
 
   void put_on_bones(const std::string& where, std::vector<Vec3>& positions, const tinygltf::Primitive& primitive,
-                    const std::vector<Transform>& T_world_bind) const {
+                    const std::optional<Unpacked>& unpacked, const std::vector<Transform>& T_world_bind) const {
     std::vector<gltf::Influence> influences;
     for (int set = 0; set < 8; ++set) {
-      const auto joints = primitive.attributes.find(fmt::format("JOINTS_{}", set));
-      const auto weights = primitive.attributes.find(fmt::format("WEIGHTS_{}", set));
-      if (joints == primitive.attributes.end() && weights == primitive.attributes.end()) break;
-      if (joints == primitive.attributes.end() || weights == primitive.attributes.end()) {
-        fail(fmt::format("{}: JOINTS_{} and WEIGHTS_{} go together; one is missing", where, set, set));
+      const std::string joints = fmt::format("JOINTS_{}", set), weights = fmt::format("WEIGHTS_{}", set);
+      if (!primitive.attributes.contains(joints) && !primitive.attributes.contains(weights)) break;
+      if (!primitive.attributes.contains(joints) || !primitive.attributes.contains(weights))
+        fail(fmt::format("{}: {} and {} go together; one is missing", where, joints, weights));
+      gltf::Influence influence{{}, attribute(primitive, weights, 4, unpacked)};
+      for (const double joint : attribute(primitive, joints, 4, unpacked)) {
+        // A number that is none is a joint that no skin has.
+        influence.joints.push_back(joint >= 0 && joint <= 65535 ? static_cast<std::uint32_t>(joint) : 0xffffffffU);
       }
-      influences.push_back({unsigned_values(static_cast<std::size_t>(joints->second), 4),
-                            numbers(static_cast<std::size_t>(weights->second), 4)});
+      influences.push_back(std::move(influence));
     }
     if (influences.empty()) fail(fmt::format("{}: its node has a skin, but the mesh has no JOINTS_0", where));
     if (const auto vertex = gltf::apply_skin(positions, influences, T_world_bind)) {
@@ -286,8 +350,23 @@ class SceneReader {
     return *std::move(values);
   }
 
-  std::vector<Vec3> positions(std::size_t accessor) const {
-    const std::vector<double> values = numbers(accessor, 3);
+  // Of every vertex `width` numbers, wherever they are stored.
+  std::vector<double> attribute(const tinygltf::Primitive& primitive, const std::string& name, std::size_t width,
+                                const std::optional<Unpacked>& unpacked) const {
+    const auto accessor = static_cast<std::size_t>(primitive.attributes.at(name));
+    const tinygltf::Accessor& a = model_.accessors[accessor];
+    if (!unpacked || !unpacked->values.contains(name)) return numbers(accessor, width);
+    std::vector<double> values = unpacked->mesh.values[unpacked->values.at(name)];
+    if (a.normalized) {
+      for (double& value : values)
+        value = gltf::normalized_value(value, a.componentType);
+    }
+    return values;
+  }
+
+  std::vector<Vec3> positions(const tinygltf::Primitive& primitive, const std::optional<Unpacked>& unpacked) const {
+    const auto accessor = static_cast<std::size_t>(primitive.attributes.at("POSITION"));
+    const std::vector<double> values = attribute(primitive, "POSITION", 3, unpacked);
     std::vector<Vec3> result(values.size() / 3);
     Box box;
     for (std::size_t v = 0; v < result.size(); ++v) {
@@ -296,17 +375,27 @@ class SceneReader {
         fail(fmt::format("accessor {}: vertex {} is not finite: {}", accessor, v, text::point(result[v])));
       box.add(result[v]);
     }
+    // draco rounds, and leaves min and max as they were.
+    if (!unpacked) check_bounds(accessor, box);
+    return result;
+  }
+
+  void check_bounds(std::size_t accessor, const Box& box) const {
     const tinygltf::Accessor& a = model_.accessors[accessor];
     for (std::size_t i = 0; i < 3 && a.minValues.size() == 3 && a.maxValues.size() == 3; ++i) {
       const int axis = static_cast<int>(i);
+      // The file has them as they are stored.
+      const auto bound = [&](double value) {
+        return a.normalized ? gltf::normalized_value(value, a.componentType) : value;
+      };
       const double slack = 1e-6 * std::max(std::abs(box.low[axis]), std::abs(box.high[axis]));
-      if (std::abs(a.minValues[i] - box.low[axis]) <= slack && std::abs(a.maxValues[i] - box.high[axis]) <= slack)
+      if (std::abs(bound(a.minValues[i]) - box.low[axis]) <= slack &&
+          std::abs(bound(a.maxValues[i]) - box.high[axis]) <= slack)
         continue;
       log::warning(
           fmt::format("{}: accessor {}: its min and max are not those of its positions", scene_.file, accessor));
       break;
     }
-    return result;
   }
 
   std::vector<std::uint32_t> indices(std::size_t accessor, std::size_t vertices) const {
@@ -344,7 +433,9 @@ class SceneReader {
   }
   gltf::Column column(std::size_t accessor, std::size_t width) const {
     const tinygltf::Accessor& a = model_.accessors[accessor];
-    return column(a.bufferView, a.byteOffset, a.count, width * component_size(a.componentType), a.componentType);
+    auto result = column(a.bufferView, a.byteOffset, a.count, width * component_size(a.componentType), a.componentType);
+    result.normalized = a.normalized;
+    return result;
   }
   std::optional<gltf::Sparse> sparse(std::size_t accessor, std::size_t width) const {
     const tinygltf::Accessor& a = model_.accessors[accessor];
@@ -359,7 +450,7 @@ class SceneReader {
   }
 
   const tinygltf::Model& model_;
-  const std::vector<std::uint32_t>& parents_;
+  const gltf::Document& document_;
   std::vector<std::optional<Transform>> T_world_;
   Scene scene_;
   std::map<std::uint32_t, Mesh> meshes_;
@@ -374,7 +465,7 @@ Scene load_gltf(const std::filesystem::path& path, std::optional<int> scene_inde
   gltf::Document document = gltf::check_document(file.name(), container, scene_index);
   container.json = {};
   const tinygltf::Model model = parse(file, container, document);
-  return SceneReader(file.name(), model, document.parents).read(document.roots);
+  return SceneReader(file.name(), model, document).read();
 }
 
 }  // namespace palpa::geometry

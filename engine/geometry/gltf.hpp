@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/haptics.hpp"
 #include "geometry/mesh.hpp"
 
 namespace palpa::geometry {
@@ -14,6 +15,7 @@ namespace palpa::geometry {
 struct SceneMesh {
   std::string name;  ///< the node's name, else its mesh's, else "node N"
   Mesh mesh;
+  Haptics haptics{};  ///< of the node's extras; what it does not say is its nearest ancestor's that does
 };
 
 struct Scene {

@@ -1,5 +1,6 @@
 #include "geometry/gltf_accessor.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -18,10 +19,14 @@ T load(const unsigned char* bytes) {
 
 double number_at(const unsigned char* at, int component, std::size_t i) {
   switch (component) {
+    case 5120:
+      return load<std::int8_t>(at + i);
     case 5121:
-      return at[i] / 255.0;
+      return at[i];
+    case 5122:
+      return load<std::int16_t>(at + 2 * i);
     case 5123:
-      return load<std::uint16_t>(at + 2 * i) / 65535.0;
+      return load<std::uint16_t>(at + 2 * i);
     default:
       return load<float>(at + 4 * i);
   }
@@ -70,7 +75,27 @@ std::optional<std::vector<T>> read(const Column& column, std::size_t width, cons
 
 std::optional<std::vector<double>> read_numbers(const Column& column, std::size_t width,
                                                 const std::optional<Sparse>& sparse, std::uint64_t& fault) {
-  return read<double>(column, width, sparse, fault, number_at);
+  auto values = read<double>(column, width, sparse, fault, number_at);
+  if (values && column.normalized) {
+    for (double& value : *values)
+      value = normalized_value(value, column.component);
+  }
+  return values;
+}
+
+double normalized_value(double integer, int component) {
+  switch (component) {
+    case 5120:
+      return std::max(integer / 127.0, -1.0);
+    case 5121:
+      return integer / 255.0;
+    case 5122:
+      return std::max(integer / 32767.0, -1.0);
+    case 5123:
+      return integer / 65535.0;
+    default:
+      return integer;
+  }
 }
 
 std::optional<std::vector<std::uint32_t>> read_unsigned(const Column& column, std::size_t width,

@@ -16,7 +16,8 @@ namespace palpa::geometry::gltf {
 struct Column {
   std::span<const unsigned char> bytes;
   std::size_t count, stride;
-  int component;  ///< glTF's number: 5121 u8, 5123 u16, 5125 u32, 5126 f32
+  int component;            ///< glTF's number: 5120 i8, 5121 u8, 5122 i16, 5123 u16, 5125 u32, 5126 f32
+  bool normalized = false;  ///< integers stand for -1 to 1 or 0 to 1
 };
 
 /// Elements that replace those of a column.
@@ -24,9 +25,12 @@ struct Sparse {
   Column indices, values;
 };
 
-/// `width` numbers per element, one after the other: floats as they are, 8- and 16-bit integers divided by their
-/// largest value (weights). `fault` gets the sparse index that is out of range or not ascending, and nothing is
-/// returned then.
+/// What an integer of a normalized accessor stands for: unsigned 0 to 1, signed -1 to 1 (glTF 2.0 section 3.6.2.2).
+double normalized_value(double integer, int component);
+
+/// `width` numbers per element, one after the other: floats as they are, 8- and 16-bit integers by normalized_value()
+/// where the column is normalized, else as they are. `fault` gets the sparse index that is out of range or not
+/// ascending, and nothing is returned then.
 std::optional<std::vector<double>> read_numbers(const Column& column, std::size_t width,
                                                 const std::optional<Sparse>& sparse, std::uint64_t& fault);
 

@@ -75,6 +75,23 @@ std::vector<unsigned char> load_buffer(const InputFile& file, const std::optiona
   return bytes;
 }
 
+std::vector<unsigned char> BufferLoader::load(std::size_t index) {
+  const BufferSource& source = sources_[index];
+  if (!source.packed) return load_buffer(file_, bin_, index, source);
+  const MeshoptView& view = *source.packed;
+  auto found = packed_.find(view.buffer);
+  if (found == packed_.end())
+    found = packed_.emplace(view.buffer, load_buffer(file_, bin_, view.buffer, sources_[view.buffer])).first;
+  auto bytes = unpack_meshopt(view, std::span(found->second).subspan(view.offset, view.length));
+  if (!bytes) {
+    throw bad_input(file_.name(),
+                    fmt::format("buffer {}: bytes {} to {} are not what EXT_meshopt_compression unpacks to "
+                                "{} elements of {} bytes",
+                                view.buffer, view.offset, view.offset + view.length, view.count, view.stride));
+  }
+  return *std::move(bytes);
+}
+
 std::optional<std::vector<unsigned char>> decode_base64(std::string_view text) {
   static constexpr auto value = [] {
     std::array<unsigned char, 256> table{};

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "geometry/gltf_data.hpp"
+#include "geometry/gltf_extras.hpp"
 #include "geometry/gltf_json.hpp"
 #include "geometry/text.hpp"
 
@@ -18,11 +19,25 @@ namespace {
 // Of nodes, meshes, primitives, accessors and the like: tinygltf spends up to a kilobyte on each.
 constexpr std::size_t most_items = 50'000;
 
-// Extensions that cannot change where a triangle is: a file may require them.
-bool is_harmless(std::string_view extension) {
-  constexpr std::array<std::string_view, 12> prefixes{
-      "KHR_materials_", "EXT_materials_", "KHR_texture_",  "EXT_texture_", "MSFT_texture_", "KHR_lights_",
-      "EXT_lights_",    "KHR_xmp",        "KHR_animation", "KHR_audio",    "MSFT_packing",  "FB_ngon_encoding"};
+// Extensions that palpa reads, or that cannot change where a triangle is: a file may require them.
+bool may_be_required(std::string_view extension) {
+  constexpr std::array<std::string_view, 16> prefixes{// These do move triangles, but palpa reads them.
+                                                      "KHR_mesh_quantization",
+                                                      "KHR_draco_mesh_compression",
+                                                      "EXT_meshopt_compression",
+                                                      "KHR_meshopt_compression",
+                                                      "KHR_materials_",
+                                                      "EXT_materials_",
+                                                      "KHR_texture_",
+                                                      "EXT_texture_",
+                                                      "MSFT_texture_",
+                                                      "KHR_lights_",
+                                                      "EXT_lights_",
+                                                      "KHR_xmp",
+                                                      "KHR_animation",
+                                                      "KHR_audio",
+                                                      "MSFT_packing",
+                                                      "FB_ngon_encoding"};
   return std::any_of(prefixes.begin(), prefixes.end(), [&](std::string_view p) { return extension.starts_with(p); });
 }
 
@@ -37,10 +52,17 @@ class Checker {
     check_nodes();
     Document document;
     document.roots = choose_scene(scene_index);
+    haptics_.resize(node_count_);
     const std::size_t meshes = walk(document.roots);
+    warn_of_unknown_keys();
     document.parents = parent_;
+    document.haptics = haptics_;
     document.json = clean_.dump(-1, ' ', false, Json::error_handler_t::replace);
     document.buffers = data_.buffers();
+    document.draco = draco_;
+    std::sort(document.draco.begin(), document.draco.end(), [](const DracoSource& a, const DracoSource& b) {
+      return std::pair(a.mesh, a.primitive) < std::pair(b.mesh, b.primitive);
+    });
     // From here on the reduced document is done; what follows may spoil clean_.
     if (const std::string fault = fault_elsewhere(); !fault.empty()) {
       if (meshes == 0) throw bad_input(file_, fault);
@@ -75,7 +97,7 @@ class Checker {
       for (const Json& name : *required) {
         if (!name.is_string()) root_.fail("\"extensionsRequired\" holds something that is not a name");
         const auto& extension = name.get_ref<const std::string&>();
-        if (!is_harmless(extension)) {
+        if (!may_be_required(extension)) {
           throw bad_input(
               file_, fmt::format("requires the extension {}, which palpa does not support", text::quoted(extension)));
         }
@@ -179,6 +201,8 @@ class Checker {
   bool check_node(std::uint32_t n) {
     const Item node = at("nodes", "node", n);
     check_transform(n);
+    haptics_[n] = inherit(node, read_extras(node, unknown_keys_),
+                          parent_[n] == Document::no_parent ? Haptics{} : haptics_[parent_[n]]);
     Json& clean = clean_["nodes"][n];
     if (const auto name = node.string("name")) clean["name"] = *name;
     if (!children_[n].empty()) clean["children"] = children_[n];
@@ -194,6 +218,13 @@ class Checker {
       clean["skin"] = *skin;
     }
     return true;
+  }
+
+  void warn_of_unknown_keys() const {
+    for (const auto& [key, where] : unknown_keys_) {
+      log::warning(fmt::format("{}: {}: extras: {} means nothing to palpa; {}", file_, where, text::quoted(key),
+                               explain_unknown(key)));
+    }
   }
 
   void check_transform(std::uint32_t n) {
@@ -252,6 +283,11 @@ class Checker {
     if (mesh_checked_[m]) return targets;
     mesh_checked_[m] = 1;
     if (const auto name = mesh.string("name")) clean["name"] = *name;
+    if (has_palpa_extras(mesh)) {
+      log::warning(fmt::format(
+          "{}: {}: palpa reads the extras of nodes (Blender: the object's custom properties), not those of meshes",
+          file_, mesh.where()));
+    }
     if (const Json* weights = mesh.array("weights"); weights != nullptr && !weights->empty()) {
       clean["weights"] = mesh.numbers("weights", targets).value();
     }
@@ -261,14 +297,14 @@ class Checker {
       throw bad_input(file_, fmt::format("has more than {} primitives; palpa reads no more", most_items));
     for (std::size_t p = 0; p < primitives->size(); ++p) {
       const Item primitive(file_, (*primitives)[p], fmt::format("mesh {}, primitive {}", m, p));
-      Json checked = check_primitive(primitive, targets);
+      Json checked = check_primitive(primitive, targets, m, static_cast<std::uint32_t>(clean["primitives"].size()));
       if (!checked.is_null()) clean["primitives"].push_back(std::move(checked));
     }
     return targets;
   }
 
   // Null for points, lines and what has no positions.
-  Json check_primitive(const Item& primitive, std::size_t target_count) {
+  Json check_primitive(const Item& primitive, std::size_t target_count, std::uint32_t m, std::uint32_t place) {
     const std::uint64_t mode = primitive.whole("mode", 0, 6).value_or(4);
     const Item attributes = primitive.needed_item("attributes");
     const auto position = attributes.index("POSITION", "accessor", data_.accessor_count());
@@ -277,15 +313,24 @@ class Checker {
       log::warning(fmt::format("{}: {} has no POSITION and is left out", file_, primitive.where()));
       return {};
     }
-    if (primitive.has_extension("KHR_draco_mesh_compression") && !data_.has_data(*position)) {
-      primitive.fail("is stored with the extension KHR_draco_mesh_compression only, which palpa does not support");
-    }
+    const auto indices = primitive.index("indices", "accessor", data_.accessor_count());
+    // A copy in the plain way, if there is one, is the more exact of the two.
+    const bool packed = primitive.has_extension("KHR_draco_mesh_compression") &&
+                        !(data_.has_data(*position) && (!indices || data_.has_data(*indices)));
+    std::optional<DracoSource> stream;
+    if (packed) stream = check_stream(primitive);
+    const auto check_accessor = [&](const std::string& name, std::uint32_t accessor, Role role) {
+      return stream && stream->attributes.contains(name) ? data_.check_compressed(accessor, role)
+                                                         : data_.check(accessor, role);
+    };
     Json clean{{"mode", mode}, {"attributes", {{"POSITION", *position}}}};
-    const std::uint64_t vertices = data_.check(*position, Role::position);
+    const std::uint64_t vertices = check_accessor("POSITION", *position, Role::position);
     const auto check_count = [&](const Item& item, const std::string& what, std::uint64_t count) {
       if (count != vertices) item.fail(fmt::format("has {} positions but {} of {}", vertices, count, what));
     };
-    if (const auto indices = primitive.index("indices", "accessor", data_.accessor_count())) {
+    if (stream) {
+      stream->corners = indices ? data_.check_compressed(*indices, Role::indices) : vertices;
+    } else if (indices) {
       data_.check(*indices, Role::indices);
       clean["indices"] = *indices;
     }
@@ -294,7 +339,7 @@ class Checker {
         const std::string name = prefix + std::to_string(set);
         const auto accessor = attributes.index(name.c_str(), "accessor", data_.accessor_count());
         if (!accessor) continue;
-        check_count(primitive, name, data_.check(*accessor, role));
+        check_count(primitive, name, check_accessor(name, *accessor, role));
         clean["attributes"][name] = *accessor;
       }
     }
@@ -316,7 +361,25 @@ class Checker {
     } else if (target_count != 0) {
       primitive.fail(fmt::format("has no morph targets, the mesh's first primitive {}", target_count));
     }
+    if (stream) {
+      stream->primitive = place;
+      stream->mesh = m;
+      draco_.push_back(*std::move(stream));
+    }
     return clean;
+  }
+
+  // The extension's object; which primitive it belongs to is still to be said.
+  DracoSource check_stream(const Item& primitive) {
+    const Item draco = primitive.needed_item("extensions").needed_item("KHR_draco_mesh_compression");
+    DracoSource stream;
+    stream.view = draco.needed_index("bufferView", "buffer view", data_.view_count());
+    data_.check_stream(stream.view);
+    const Item attributes = draco.needed_item("attributes");
+    for (const auto& [name, id] : attributes.json().items())
+      stream.attributes.emplace(name, attributes.needed_whole(name.c_str(), 0, 0xffffffffU));
+    if (!stream.attributes.contains("POSITION")) attributes.fail("\"POSITION\" is missing");
+    return stream;
   }
 
   // The first fault of what the scene has not led to; empty if there is none.
@@ -357,6 +420,9 @@ class Checker {
   std::size_t node_count_ = 0, primitives_ = 0;
   std::vector<std::uint32_t> parent_;
   std::vector<std::vector<std::uint32_t>> children_;
+  std::vector<Haptics> haptics_;
+  std::vector<DracoSource> draco_;
+  UnknownKeys unknown_keys_;
   std::vector<char> is_root_, transform_checked_, mesh_checked_, skin_checked_;
 };
 

@@ -2,31 +2,46 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/gltf_container.hpp"
+#include "geometry/gltf_meshopt.hpp"
+#include "geometry/haptics.hpp"
 
 namespace palpa::geometry::gltf {
 
 /// Where a buffer's bytes come from.
 struct BufferSource {
-  std::uint64_t length = 0;  ///< bytes wanted; 0: the scene does not need this buffer
-  std::string uri;           ///< a data URI or a relative path; empty: the BIN chunk
+  std::uint64_t length = 0;                          ///< bytes wanted; 0: the scene does not need this buffer
+  std::string uri;                                   ///< a data URI or a relative path; empty: the BIN chunk
+  std::optional<MeshoptView> packed = std::nullopt;  ///< instead of either: to be unpacked from another buffer
+};
+
+/// A primitive of the reduced document whose vertices and triangles are in a stream of draco. It has no indices there.
+struct DracoSource {
+  std::uint32_t mesh = 0, primitive = 0;              ///< its place in the reduced document
+  std::uint32_t view = 0;                             ///< the buffer view of the stream
+  std::uint64_t corners = 0;                          ///< of its triangles, as many as the file promises
+  std::map<std::string, std::uint32_t> attributes{};  ///< number within the stream, by glTF's name of the attribute
 };
 
 /// The document reduced to what the chosen scene's triangles need, each reference in it checked. Indices are the file's
-/// own; what is not needed is replaced by inert stand-ins, so neither textures nor animations nor extras can do harm.
+/// own; what is not needed is replaced by inert stand-ins, so neither textures nor animations nor other
+/// people's extras can do harm.
 struct Document {
-  std::string json;  ///< glTF again, buffer i at the URI "buffer i"
-  std::vector<BufferSource> buffers;
+  std::string json;                    ///< glTF again, buffer i at the URI "buffer i"
+  std::vector<BufferSource> buffers;   ///< the file's, then one for each buffer view that has to be unpacked
+  std::vector<DracoSource> draco;      ///< by mesh, then primitive
   std::vector<std::uint32_t> roots;    ///< nodes of the chosen scene
   std::vector<std::uint32_t> parents;  ///< of every node
+  std::vector<Haptics> haptics;  ///< of every node that the scene shows, with what it takes over from its ancestors
   static constexpr std::uint32_t no_parent = 0xffffffffU;
 };
 
-/// The largest buffers that palpa reads, bytes, all together.
+/// The largest buffers that palpa reads, bytes, all together, packed and unpacked.
 inline constexpr std::uint64_t most_buffer_bytes = 256 << 20;
 
 /// Throws bad_input for whatever keeps the chosen scene from being read. A fault elsewhere in the file is a warning;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "base/error.hpp"
@@ -14,14 +15,14 @@ namespace palpa::geometry::gltf {
 namespace {
 
 constexpr std::uint64_t any = std::numeric_limits<std::uint32_t>::max();
-constexpr int u8 = 5121, u16 = 5123, u32 = 5125, f32 = 5126;
+constexpr int i8 = 5120, u8 = 5121, i16 = 5122, u16 = 5123, u32 = 5125, f32 = 5126;
 
 std::uint64_t component_size(std::uint64_t component) {
   switch (component) {
-    case 5120:
+    case i8:
     case u8:
       return 1;
-    case 5122:
+    case i16:
     case u16:
       return 2;
     case u32:
@@ -42,21 +43,32 @@ std::uint64_t component_count(const std::string& type) {
   return 0;
 }
 
-void check_role(const Item& accessor, Role role, const std::string& type, std::uint64_t component) {
+// The extension's object, under either of its names.
+std::optional<Item> meshopt_of(const Item& item) {
+  const auto extensions = item.item("extensions");
+  if (!extensions) return std::nullopt;
+  for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+    if (auto found = extensions->item(name)) return found;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void DataChecker::check_role(const Item& accessor, Role role, const std::string& type, std::uint64_t component) const {
   const bool whole = component == u8 || component == u16;
+  const bool small = whole || component == i8 || component == i16;
   switch (role) {
     case Role::unused:
       return;
     case Role::position:
     case Role::displacement:
       if (type != "VEC3") accessor.fail(fmt::format("holds positions as {}; they are VEC3", text::quoted(type)));
-      if (component != f32) {
-        accessor.fail(fmt::format(
-            "holds positions of component type {}; without the extension KHR_mesh_quantization, which palpa "
-            "does not support, they are 32-bit floats (5126)",
-            component));
-      }
-      return;
+      if (component == f32 || (small && quantized_)) return;
+      accessor.fail(
+          fmt::format("holds positions of component type {}; they are 32-bit floats (5126) or, where "
+                      "\"extensionsUsed\" has KHR_mesh_quantization, integers of 8 or 16 bits (5120 to 5123)",
+                      component));
     case Role::indices:
       if (type != "SCALAR" || !(whole || component == u32)) {
         accessor.fail("holds indices that are not scalar unsigned integers of 8, 16 or 32 bits (5121, 5123, 5125)");
@@ -77,8 +89,6 @@ void check_role(const Item& accessor, Role role, const std::string& type, std::u
   }
 }
 
-}  // namespace
-
 DataChecker::DataChecker(const Item& root, const Parsed& parsed, const Container& container)
     : root_(root), parsed_(parsed), container_(container) {}
 
@@ -93,27 +103,50 @@ void DataChecker::start(Json& clean) {
     if (items != nullptr && !items->empty()) clean[key] = Json::array_t(items->size(), value);
     return items == nullptr ? 0 : items->size();
   };
-  buffers_.resize(stand_in("buffers", {{"byteLength", 1}, {"uri", "unused"}}));
+  buffer_count_ = stand_in("buffers", {{"byteLength", 1}, {"uri", "unused"}});
+  buffers_.resize(buffer_count_);
+  fallback_.resize(buffer_count_);
   view_checked_.resize(stand_in("bufferViews", {{"buffer", 0}, {"byteLength", 1}}));
   role_.resize(stand_in("accessors", {{"componentType", f32}, {"count", 1}, {"type", "SCALAR"}}));
+  for (const char* key : {"extensionsUsed", "extensionsRequired"}) {
+    const Json* names = root_.array(key);
+    if (names != nullptr && std::find(names->begin(), names->end(), "KHR_mesh_quantization") != names->end())
+      quantized_ = true;
+  }
 }
 
 bool DataChecker::has_data(std::uint32_t accessor) const {
   return at("accessors", "accessor", accessor).has("bufferView");
 }
 
-std::uint64_t DataChecker::check(std::uint32_t a, Role role) {
-  const Item accessor = at("accessors", "accessor", a);
+DataChecker::Elements DataChecker::check_elements(const Item& accessor, Role role) const {
   const std::uint64_t count = accessor.needed_whole("count", 1, any);
-  if (role_[a] == role) return count;
-  role_[a] = role;
   const std::uint64_t component = accessor.needed_whole("componentType", 5120, 5126);
   const std::string type = accessor.string("type").value_or("");
-  const std::uint64_t element = component_size(component) * component_count(type);
-  if (element == 0)
+  const std::uint64_t size = component_size(component) * component_count(type);
+  if (size == 0)
     accessor.fail(fmt::format("has the unknown type {} of component type {}", text::quoted(type), component));
   check_role(accessor, role, type, component);
   Json clean{{"componentType", component}, {"count", count}, {"type", type}};
+  if (const auto normalized = accessor.json().find("normalized"); normalized != accessor.json().end()) {
+    if (!normalized->is_boolean()) accessor.fail("\"normalized\" is neither true nor false");
+    clean["normalized"] = *normalized;
+  }
+  return {count, component, size, std::move(clean)};
+}
+
+std::uint64_t DataChecker::check_compressed(std::uint32_t a, Role role) {
+  Elements elements = check_elements(at("accessors", "accessor", a), role);
+  // Some other primitive may have its data in the plain way.
+  if (role_[a] == Role::unused) (*clean_)["accessors"][a] = std::move(elements.clean);
+  return elements.count;
+}
+
+std::uint64_t DataChecker::check(std::uint32_t a, Role role) {
+  const Item accessor = at("accessors", "accessor", a);
+  if (role_[a] == role) return accessor.needed_whole("count", 1, any);
+  auto [count, component, element, clean] = check_elements(accessor, role);
+  role_[a] = role;
   const auto view = accessor.index("bufferView", "buffer view", view_checked_.size());
   const std::uint64_t offset = accessor.whole("byteOffset", 0, any).value_or(0);
   if (view) {
@@ -126,9 +159,9 @@ std::uint64_t DataChecker::check(std::uint32_t a, Role role) {
     }
     clean["bufferView"] = *view;
     clean["byteOffset"] = offset;
-  } else if (role != Role::displacement && role != Role::unused &&
+  } else if (role != Role::displacement && role != Role::joints && role != Role::unused &&
              (role != Role::position || !accessor.has("sparse"))) {
-    // All zeros, says the specification; nothing but displacements means anything by that.
+    // All zeros, says the specification; nothing but displacements and joints means anything by that.
     accessor.fail("has no data: \"bufferView\" is missing");
   }
   if (const auto sparse = accessor.item("sparse")) clean["sparse"] = check_sparse(*sparse, count, element);
@@ -172,27 +205,78 @@ void DataChecker::check_fit(const Item& item, const View& view, std::uint64_t of
 
 DataChecker::View DataChecker::check_view(std::uint32_t v) {
   const Item view = at("bufferViews", "buffer view", v);
-  const std::uint32_t buffer = view.needed_index("buffer", "buffer", buffers_.size());
+  const std::uint32_t buffer = view.needed_index("buffer", "buffer", buffer_count_);
   const std::uint64_t offset = view.whole("byteOffset", 0, any).value_or(0);
   const std::uint64_t length = view.needed_whole("byteLength", 1, any);
   const auto stride = view.whole("byteStride", 4, 252);
   if (stride && *stride % 4 != 0) view.fail(fmt::format("\"byteStride\" is {}; it must be a multiple of 4", *stride));
   if (view_checked_[v]) return {length, stride.value_or(0)};
   view_checked_[v] = 1;
-  const bool compressed =
-      view.has_extension("EXT_meshopt_compression") || view.has_extension("KHR_meshopt_compression");
-  const Item source = at("buffers", "buffer", buffer);
-  if (compressed && !source.has("uri") && !(buffer == 0 && container_.bin)) {
-    view.fail("is stored with the extension EXT_meshopt_compression only, which palpa does not support");
+  Json& clean = (*clean_)["bufferViews"][v];
+  if (const auto packed = meshopt_of(view)) {
+    // Its own buffer is for readers that do not know the extension, and need not be there.
+    fallback_[buffer] = 1;
+    check_packed(*packed, v, length, stride.value_or(0));
+  } else {
+    const std::uint64_t available = check_buffer(buffer);
+    if (offset > available || length > available - offset) {
+      view.fail(
+          fmt::format("does not fit its buffer: {} bytes from byte {} on, in {} bytes", length, offset, available));
+    }
+    clean = {{"buffer", buffer}, {"byteOffset", offset}, {"byteLength", length}};
   }
-  const std::uint64_t available = check_buffer(buffer);
-  if (offset > available || length > available - offset) {
-    view.fail(fmt::format("does not fit its buffer: {} bytes from byte {} on, in {} bytes", length, offset, available));
-  }
-  Json clean{{"buffer", buffer}, {"byteOffset", offset}, {"byteLength", length}};
   if (stride) clean["byteStride"] = *stride;
-  (*clean_)["bufferViews"][v] = std::move(clean);
   return {length, stride.value_or(0)};
+}
+
+void DataChecker::check_stream(std::uint32_t view) {
+  claim(at("bufferViews", "buffer view", view), check_view(view).length);
+}
+
+// A buffer of its own for what is unpacked.
+void DataChecker::check_packed(const Item& item, std::uint32_t v, std::uint64_t length, std::uint64_t stride) {
+  MeshoptView packed;
+  packed.buffer = item.needed_index("buffer", "buffer", buffer_count_);
+  packed.offset = item.whole("byteOffset", 0, any).value_or(0);
+  packed.length = item.needed_whole("byteLength", 1, any);
+  packed.stride = item.needed_whole("byteStride", 1, 256);
+  packed.count = item.needed_whole("count", 1, any);
+  const std::string mode = item.string("mode").value_or(""), filter = item.string("filter").value_or("NONE");
+  const auto choose = [&](const char* key, const std::string& name, const auto& known) {
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (found == known.end())
+      item.fail(fmt::format("\"{}\" is {}; palpa knows {}", key, text::quoted(name), fmt::join(known, ", ")));
+    return found - known.begin();
+  };
+  static constexpr std::array<std::string_view, 3> modes{"ATTRIBUTES", "TRIANGLES", "INDICES"};
+  static constexpr std::array<std::string_view, 4> filters{"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
+  packed.mode = static_cast<MeshoptMode>(choose("mode", mode, modes));
+  packed.filter = static_cast<MeshoptFilter>(choose("filter", filter, filters));
+  if (const auto fault = meshopt_fault(packed)) item.fail(*fault);
+  if (packed.stride * packed.count != length) {
+    item.fail(fmt::format("unpacks to {} elements of {} bytes, but the buffer view has {} bytes", packed.count,
+                          packed.stride, length));
+  }
+  if (stride != 0 && stride != packed.stride)
+    item.fail(fmt::format("has a byteStride of {}, the buffer view one of {}", packed.stride, stride));
+  const std::uint64_t available = check_buffer(packed.buffer);
+  if (packed.offset > available || packed.length > available - packed.offset) {
+    item.fail(fmt::format("does not fit its buffer: {} bytes from byte {} on, in {} bytes", packed.length,
+                          packed.offset, available));
+  }
+  claim(item, length);
+  const std::size_t b = buffers_.size();
+  buffers_.push_back({length, "", packed});
+  (*clean_)["buffers"].push_back({{"byteLength", length}, {"uri", fmt::format("buffer {}", b)}});
+  (*clean_)["bufferViews"][v] = {{"buffer", b}, {"byteOffset", 0}, {"byteLength", length}};
+}
+
+void DataChecker::claim(const Item& item, std::uint64_t bytes) {
+  total_ += std::min(bytes, most_buffer_bytes + 1);
+  if (total_ > most_buffer_bytes) {
+    item.fail(fmt::format("brings the buffers to more than {} bytes, packed and unpacked; palpa reads no more",
+                          most_buffer_bytes));
+  }
 }
 
 std::uint64_t DataChecker::check_buffer(std::uint32_t b) {
@@ -210,21 +294,22 @@ std::uint64_t DataChecker::check_buffer(std::uint32_t b) {
   } else if (const auto fault = uri_fault(*uri)) {
     buffer.fail(*fault);
   }
-  total_ += std::min(length, most_buffer_bytes + 1);
-  if (total_ > most_buffer_bytes) {
+  if (length > most_buffer_bytes) {
     buffer.fail(
         fmt::format("\"byteLength\" is {}; palpa reads at most {} bytes of buffers", length, most_buffer_bytes));
   }
+  claim(buffer, length);
   source = {length, std::move(uri).value_or("")};
   (*clean_)["buffers"][b] = {{"byteLength", length}, {"uri", fmt::format("buffer {}", b)}};
   return length;
 }
 
 void DataChecker::check_rest() {
-  for (std::uint32_t i = 0; i < buffers_.size(); ++i)
-    check_buffer(i);
   for (std::uint32_t i = 0; i < view_checked_.size(); ++i)
     check_view(i);
+  for (std::uint32_t i = 0; i < buffer_count_; ++i) {
+    if (!fallback_[i]) check_buffer(i);
+  }
   for (std::uint32_t i = 0; i < role_.size(); ++i) {
     if (role_[i] == Role::unused) {
       role_[i] = Role::position;  // any role but the one asked for

@@ -8,6 +8,7 @@
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
 #include "geometry/memory_file.hpp"
+#include "geometry/packers.hpp"
 #include "geometry/ply.hpp"
 #include "geometry/shapes.hpp"
 #include "geometry/solid.hpp"
@@ -264,13 +265,54 @@ TEST(GeometryFuzz, GltfWithDamagedValues) {
   EXPECT_GT(tally.refused, 1000);
 }
 
+// Only the compressed bytes: damage elsewhere is the other tests' business.
+TEST(GeometryFuzz, DamagedStreams) {
+  const Quiet quiet;
+  Random random(20240505);
+  const Mesh ball = test::rounded(test::sphere(0.02, 6, 8));
+  std::vector<GltfBuilder> seeds{test::meshopt_file(ball), test::meshopt_file(ball, {.sequence = true}),
+                                 test::meshopt_file(ball, {.exponential = true, .index_size = 2})};
+  for (const bool sequential : {false, true}) {
+    for (const int bits : {0, 11}) {
+      seeds.push_back(test::draco_file(test::draco_stream(ball, bits, sequential, bits == 0), ball.positions.size(),
+                                       ball.triangles.size()));
+      // Limits that hold nothing back.
+      seeds.push_back(test::draco_file(test::draco_stream(ball, bits, sequential, bits == 0), 500'000, 500'000));
+    }
+  }
+  Tally tally;
+  for (const GltfBuilder& seed : seeds) {
+    static test::MemoryFile file;
+    const auto whole = seed.glb();
+    EXPECT_EQ(load_gltf(file.write(whole.data(), whole.size())).meshes.at(0).mesh.triangles.size(),
+              ball.triangles.size());
+    for (int i = 0; i < 400; ++i) {
+      GltfBuilder bad = seed;
+      for (std::size_t hits = 1 + random() % 4; hits > 0; --hits) {
+        unsigned char& byte = bad.bin[random() % bad.bin.size()];
+        byte = random() % 2 == 0 ? static_cast<unsigned char>(byte ^ 1U << random() % 8)
+                                 : static_cast<unsigned char>(random());
+      }
+      try_gltf(bad.glb(), tally);
+    }
+    for (std::size_t length = 1; length < seed.bin.size(); length += 13) {
+      GltfBuilder bad = seed;
+      bad.bin.resize(length);
+      bad.bin.resize(seed.bin.size());
+      try_gltf(bad.glb(), tally);
+    }
+  }
+  EXPECT_GT(tally.refused, 1000);
+}
+
 TEST(GeometryFuzz, DamagedRealFiles) {
   PALPA_SHARED_OR_SKIP(folder, "gltf-valid");
   const Quiet quiet;
   Random random(20240503);
   Tally tally;
   for (const char* name : {"03_Box/Box.glb", "07_cubeStrip/cubeStrip.glb", "39_quad_skin/quad_skin.glb",
-                           "53_BoxVertexColors/BoxVertexColors.gltf"}) {
+                           "53_BoxVertexColors/BoxVertexColors.gltf", "11_Duck-vp-3-vt-3-vn-3/Duck-vp-3-vt-3-vn-3.glb",
+                           "43_BoxMeshopt/BoxMeshopt.glb", "49_Box_Draco/Box_Draco.glb"}) {
     const auto bytes = test::read_bytes(folder / name);
     ASSERT_FALSE(bytes.empty());
     for (int i = 0; i < 500; ++i)

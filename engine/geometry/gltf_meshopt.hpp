@@ -1,0 +1,33 @@
+// Buffer views stored by the extension EXT_meshopt_compression (and, as far as it is the same,
+// KHR_meshopt_compression).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace palpa::geometry::gltf {
+
+enum class MeshoptMode : char { attributes, triangles, indices };
+enum class MeshoptFilter : char { none, octahedral, quaternion, exponential };
+
+/// What the extension says about one buffer view.
+struct MeshoptView {
+  std::uint32_t buffer = 0;              ///< the buffer with the packed bytes
+  std::uint64_t offset = 0, length = 0;  ///< their place in it
+  std::uint64_t stride = 0, count = 0;   ///< unpacked: bytes of an element, elements
+  MeshoptMode mode = MeshoptMode::attributes;
+  MeshoptFilter filter = MeshoptFilter::none;
+};
+
+/// What keeps stride, count, mode and filter from going together; nullopt where nothing does.
+std::optional<std::string> meshopt_fault(const MeshoptView& view);
+
+/// The view's stride * count bytes out of its packed ones; `view` must be without fault. nullopt for packed bytes that
+/// are not what the view says, whoever made them. Unpacked indices may be any numbers.
+std::optional<std::vector<unsigned char>> unpack_meshopt(const MeshoptView& view,
+                                                         std::span<const unsigned char> packed);
+
+}  // namespace palpa::geometry::gltf

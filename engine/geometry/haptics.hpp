@@ -1,0 +1,24 @@
+// How an object is to be felt, as its author wrote it into the model.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace palpa::geometry {
+
+/// Read from the `extras` of a glTF node, where modelling programs keep their custom properties (docs/scenes.md). An
+/// empty optional stands for the command line's value. Ranges are checked when the model is read; that foci and stride
+/// have no common divisor, only where the model gives both.
+struct Haptics {
+  bool touchable = true;                ///< false: scenery, of which no solid is made and which need not be closed
+  std::optional<double> delta_m;        ///< thickness of the shell, metres: above 0, at most 0.1
+  std::optional<double> dwell_s;        ///< how long a focus lasts, seconds: 1e-6 to 10
+  std::optional<double> intensity;      ///< of this object's foci: 0 (silent) to 1
+  std::optional<double> press_depth_m;  ///< a finger this deep presses, metres: above 0, at most 1
+  std::optional<std::uint32_t> foci;    ///< per finger: 1 to 64
+  std::optional<std::uint32_t> stride;  ///< every which focus is next: 1 to 1048576, coprime to foci
+
+  bool operator==(const Haptics&) const = default;
+};
+
+}  // namespace palpa::geometry

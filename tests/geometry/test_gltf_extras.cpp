@@ -1,0 +1,171 @@
+// What a modeller writes into a node's custom properties.
+#include <gtest/gtest.h>
+
+#include "geometry/gltf.hpp"
+#include "geometry/gltf_builder.hpp"
+#include "geometry/memory_file.hpp"
+#include "geometry/shapes.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+using test::box;
+using test::GltfBuilder;
+using Json = GltfBuilder::Json;
+
+Scene load(const GltfBuilder& builder) {
+  static test::MemoryFile file;
+  const auto bytes = builder.glb();
+  return load_gltf(file.write(bytes.data(), bytes.size()));
+}
+GltfBuilder cube_with(const Json& extras) {
+  GltfBuilder builder;
+  builder.add_mesh(box(Vec3(0), Vec3(1)));
+  builder.add_node({{"mesh", 0}, {"name", "cube"}, {"extras", extras}});
+  return builder;
+}
+Haptics haptics_of(const Json& extras) {
+  Haptics haptics;
+  EXPECT_EQ(test::stderr_of([&] { haptics = load(cube_with(extras)).meshes.at(0).haptics; }), "") << extras;
+  return haptics;
+}
+std::string fault_of(const Json& extras) {
+  return test::error_of([&] { load(cube_with(extras)); });
+}
+std::string warnings_of(const Json& extras) {
+  return test::stderr_of([&] { load(cube_with(extras)); });
+}
+
+const Json all{{"touchable", false}, {"delta_m", 0.002},      {"foci", 9}, {"stride", 4}, {"dwell_s", 0.0025},
+               {"intensity", 0.5},   {"press_depth_m", 0.003}};
+const Haptics all_values{false, 0.002, 0.0025, 0.5, 0.003, 9, 4};
+
+TEST(Extras, EverythingInAGroup) {
+  EXPECT_EQ(haptics_of({{"palpa", all}}), all_values);
+}
+
+TEST(Extras, EverythingFlat) {
+  Json flat = {{"someone_else", "'s"}, {"delta_m", "theirs"}};
+  for (const auto& [key, value] : all.items())
+    flat["palpa_" + key] = value;
+  EXPECT_EQ(haptics_of(flat), all_values);
+}
+
+TEST(Extras, BothFormsTogetherButNoKeyTwice) {
+  const Haptics h = haptics_of({{"palpa", {{"foci", 8}}}, {"palpa_delta_m", 0.001}});
+  EXPECT_EQ(h.foci, 8U);
+  EXPECT_EQ(h.delta_m, 0.001);
+  EXPECT_CONTAINS(fault_of({{"palpa", {{"foci", 8}}}, {"palpa_foci", 8}}),
+                  "node 0: extras: \"palpa_foci\" is given in \"palpa\", too");
+}
+
+TEST(Extras, NothingIsTheDefault) {
+  for (const Json& extras : {Json::object(), Json{{"palpa", Json::object()}}, Json("text"), Json::array({1, 2}), Json(),
+                             Json{{"palpable", 1}}, Json{{"delta_m", -1}}})
+    EXPECT_EQ(haptics_of(extras), Haptics{});
+}
+
+TEST(Extras, WhatModellingProgramsMakeOfNumbers) {
+  // Blender: no booleans in old versions, floats where integers are meant, single precision.
+  EXPECT_FALSE(haptics_of({{"palpa_touchable", 0}}).touchable);
+  EXPECT_TRUE(haptics_of({{"palpa_touchable", 1}}).touchable);
+  EXPECT_EQ(haptics_of({{"palpa_foci", 10.0}}).foci, 10U);
+  EXPECT_EQ(haptics_of({{"palpa_intensity", 1}}).intensity, 1.0);
+  EXPECT_EQ(haptics_of({{"palpa_delta_m", 0.001500000013038516}}).delta_m, 0.001500000013038516);
+}
+
+TEST(Extras, WrongTypesAndRangesAreNamed) {
+  struct Case {
+    const char* key;
+    Json value;
+    const char* fault;
+  };
+  const std::vector<Case> cases{
+      {"touchable", "no", "\"touchable\" is \"no\"; it must be true or false"},
+      {"touchable", 2, "true or false"},
+      {"touchable", nullptr, "is null; it must be true or false"},
+      {"delta_m", 0, "is 0; it must be a number above 0 and at most 0.1 metres"},
+      {"delta_m", -0.001, "at most 0.1 metres"},
+      {"delta_m", 1.5, "is 1.5; it must be a number above 0 and at most 0.1 metres"},
+      {"delta_m", "1.5mm", "is \"1.5mm\"; it must be a number"},
+      {"delta_m", true, "is true"},
+      {"delta_m", Json::array({0.001}), "is [0.001]"},
+      {"foci", 0, "a whole number from 1 to 64"},
+      {"foci", 65, "is 65; it must be a whole number from 1 to 64"},
+      {"foci", 2.5, "is 2.5"},
+      {"foci", -3, "is -3"},
+      {"foci", "10", "whole number"},
+      {"stride", 0, "a whole number from 1 to 1048576"},
+      {"stride", 1e300, "a whole number"},
+      {"dwell_s", 0, "a number of at least 1e-06 and at most 10 seconds"},
+      {"dwell_s", 11, "at most 10 seconds"},
+      {"intensity", 1.01, "a number of at least 0 and at most 1"},
+      {"intensity", -0.1, "at least 0"},
+      {"press_depth_m", 0, "a number above 0 and at most 1 metres"},
+      {"press_depth_m", Json::object(), "is {}"},
+  };
+  for (const Case& c : cases) {
+    EXPECT_CONTAINS(fault_of({{"palpa", {{c.key, c.value}}}}), c.fault);
+    const std::string flat = fault_of({{std::string("palpa_") + c.key, c.value}});
+    EXPECT_CONTAINS(flat, std::string("node 0: extras: \"palpa_") + c.key + "\" is ");
+  }
+  EXPECT_CONTAINS(fault_of({{"palpa", 3}}), "\"palpa\" is not a JSON object");
+  EXPECT_CONTAINS(fault_of({{"palpa", Json::array()}}), "\"palpa\" is not a JSON object");
+}
+
+TEST(Extras, FociAndStrideMustVisitAll) {
+  EXPECT_CONTAINS(fault_of({{"palpa", {{"foci", 10}, {"stride", 4}}}}), "stride 4 and foci 10 share the divisor 2");
+  EXPECT_EQ(haptics_of({{"palpa", {{"foci", 1}, {"stride", 4}}}}).stride, 4U);
+  EXPECT_EQ(haptics_of({{"palpa", {{"stride", 4}}}}).stride, 4U);
+}
+
+TEST(Extras, AMisspeltKeyIsAWarningWithAGuess) {
+  EXPECT_CONTAINS(warnings_of({{"palpa", {{"delta", 0.001}}}}),
+                  "\"delta\" means nothing to palpa; did you mean \"delta_m\"?");
+  EXPECT_CONTAINS(warnings_of({{"palpa_touchabel", false}}),
+                  "\"palpa_touchabel\" means nothing to palpa; did you mean");
+  EXPECT_CONTAINS(warnings_of({{"palpa", {{"Foci", 8}}}}), "did you mean \"foci\"?");
+  EXPECT_CONTAINS(warnings_of({{"palpa", {{"colour", "red"}}}}), "known are touchable, delta_m");
+  // A file full of them does not fill the screen.
+  Json many;
+  for (int i = 0; i < 1000; ++i)
+    many["key" + std::to_string(i)] = i;
+  const std::string warnings = warnings_of({{"palpa", many}});
+  EXPECT_LE(std::count(warnings.begin(), warnings.end(), '\n'), 8);
+}
+
+TEST(Extras, OfTheMeshInPlaceOfTheNodeIsAWarning) {
+  GltfBuilder builder = cube_with(Json::object());
+  builder.doc["meshes"][0]["extras"] = {{"palpa_delta_m", 0.001}};
+  EXPECT_CONTAINS(test::stderr_of([&] { EXPECT_EQ(load(builder).meshes.at(0).haptics, Haptics{}); }),
+                  "mesh 0: palpa reads the extras of nodes");
+  builder.doc["meshes"][0]["extras"] = {{"targetNames", {"a"}}};
+  EXPECT_EQ(test::stderr_of([&] { load(builder); }), "");
+}
+
+TEST(Extras, ChildrenInheritValueByValue) {
+  GltfBuilder builder;
+  builder.add_mesh(box(Vec3(0), Vec3(1)));
+  const int leaf = builder.add_node({{"mesh", 0}, {"extras", {{"palpa", {{"foci", 8}}}}}}, false);
+  const int own = builder.add_node({{"mesh", 0}, {"extras", {{"palpa_touchable", true}}}}, false);
+  const int middle = builder.add_node({{"children", {leaf, own}}, {"extras", {{"palpa_delta_m", 0.002}}}}, false);
+  builder.add_node(
+      {{"children", {middle}}, {"extras", {{"palpa", {{"touchable", false}, {"delta_m", 0.01}, {"foci", 4}}}}}});
+  builder.add_node({{"mesh", 0}});
+  const Scene scene = load(builder);
+  Haptics expected;
+  expected.touchable = false;
+  expected.delta_m = 0.002;
+  expected.foci = 8;
+  EXPECT_EQ(scene.meshes.at(0).haptics, expected);
+  expected.touchable = true;
+  expected.foci = 4;
+  EXPECT_EQ(scene.meshes.at(1).haptics, expected);
+  EXPECT_EQ(scene.meshes.at(2).haptics, Haptics{});
+  // What is inherited must fit, too.
+  builder.doc["nodes"][0]["extras"] = {{"palpa_stride", 2}};
+  EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "node 0: extras: stride 2 and foci 4");
+}
+
+}  // namespace
+}  // namespace palpa::geometry

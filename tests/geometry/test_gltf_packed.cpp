@@ -1,0 +1,309 @@
+// Quantized and compressed models: the same triangles as the plain ones, and nothing but an error line from what only
+// claims to be one.
+#include <gtest/gtest.h>
+
+#include "geometry/gltf.hpp"
+#include "geometry/gltf_draco.hpp"
+#include "geometry/memory_file.hpp"
+#include "geometry/packers.hpp"
+#include "geometry/shapes.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+using test::box;
+using test::GltfBuilder;
+using test::same_triangles;
+using Json = GltfBuilder::Json;
+
+Scene load(const GltfBuilder& builder) {
+  static test::MemoryFile file;
+  const auto bytes = builder.glb();
+  return load_gltf(file.write(bytes.data(), bytes.size()));
+}
+std::string fault_of(const GltfBuilder& builder) {
+  return test::error_of([&] { load(builder); });
+}
+Mesh mesh_of(const GltfBuilder& builder) {
+  Mesh mesh;
+  EXPECT_EQ(test::stderr_of([&] { mesh = load(builder).meshes.at(0).mesh; }), "");
+  return mesh;
+}
+// Not symmetric: exchanged axes or signs would show.
+Mesh pebble() {
+  return test::rounded(test::transformed(test::sphere(0.02, 9, 14), [](const Vec3& p) {
+    return Vec3(p.x + 0.05, 1.5 * p.y - 0.01, 0.8 * p.z + 0.1 * p.x);
+  }));
+}
+
+TEST(Quantized, IntegersComeBackWithinAStep) {
+  for (const int component : {5120, 5121, 5122, 5123}) {
+    for (const bool normalized : {false, true}) {
+      const test::Quantized q = test::quantized_file(pebble(), component, normalized);
+      const Mesh mesh = mesh_of(q.file);
+      ASSERT_EQ(mesh.positions.size(), pebble().positions.size());
+      EXPECT_TRUE(mesh.triangles == pebble().triangles);
+      for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+        for (int i = 0; i < 3; ++i)
+          EXPECT_LE(std::abs(mesh.positions[v][i] - pebble().positions[v][i]), 0.501 * q.step) << component << " " << v;
+      }
+    }
+  }
+}
+
+TEST(Quantized, TheLowestIntegerIsMinusOneToo) {
+  // glTF 2.0 section 3.6.2.2: -128 and -127 both stand for -1.
+  GltfBuilder builder;
+  const std::vector<std::int8_t> corners{-128, -127, 127, 0, 0, 127, 0, 0, 0, 127, 0, 0};
+  builder.doc["accessors"].push_back({{"bufferView", builder.add_view(test::bytes_of(corners), 4)},
+                                      {"componentType", 5120},
+                                      {"normalized", true},
+                                      {"count", 3},
+                                      {"type", "VEC3"}});
+  builder.add_mesh(0);
+  builder.add_node({{"mesh", 0}});
+  builder.doc["extensionsUsed"] = {"KHR_mesh_quantization"};
+  const Mesh mesh = mesh_of(builder);
+  EXPECT_EQ(mesh.positions.at(0), Vec3(-1, -1, 1));
+  EXPECT_EQ(mesh.positions.at(1), Vec3(0, 1, 0));
+  EXPECT_EQ(mesh.positions.at(2), Vec3(0, 1, 0));
+}
+
+TEST(Quantized, OnlyWhereTheFileSaysSo) {
+  GltfBuilder builder = test::quantized_file(pebble(), 5123, false).file;
+  builder.doc.erase("extensionsRequired");
+  builder.doc.erase("extensionsUsed");
+  EXPECT_CONTAINS(fault_of(builder), "\"extensionsUsed\" has KHR_mesh_quantization");
+  builder.doc["extensionsUsed"] = {"KHR_mesh_quantization"};
+  EXPECT_EQ(fault_of(builder), "");
+  builder.doc["accessors"][0]["componentType"] = 5125;
+  EXPECT_CONTAINS(fault_of(builder), "accessor 0");
+}
+
+TEST(Quantized, MorphTargetsToo) {
+  GltfBuilder builder = test::quantized_file(box(Vec3(0), Vec3(2)), 5121, false).file;
+  std::vector<std::int16_t> up;
+  for (int v = 0; v < 8; ++v)
+    up.insert(up.end(), {0, -510, 0, 0});
+  builder.doc["accessors"].push_back({{"bufferView", builder.add_view(test::bytes_of(up), 8)},
+                                      {"componentType", 5122},
+                                      {"count", 8},
+                                      {"type", "VEC3"}});
+  builder.doc["meshes"][0]["primitives"][0]["targets"] = Json::array({{{"POSITION", 2}}});
+  builder.doc["meshes"][0]["weights"] = {0.5};
+  // Half of -510 steps of 2 m / 255.
+  EXPECT_NEAR(bounds(mesh_of(builder)).low.y, -2, 1e-9);
+}
+
+TEST(Draco, BothMethodsGiveTheTrianglesBack) {
+  const Mesh plain = pebble();
+  const Box size = bounds(plain);
+  for (const bool sequential : {false, true}) {
+    for (const int bits : {0, 8, 14}) {
+      const auto stream = test::draco_stream(plain, bits, sequential);
+      ASSERT_FALSE(stream.empty());
+      const Mesh mesh = mesh_of(test::draco_file(stream, plain.positions.size(), plain.triangles.size()));
+      const double step =
+          bits == 0 ? 0
+                    : std::max({size.high.x - size.low.x, size.high.y - size.low.y, size.high.z - size.low.z}) /
+                          ((1 << bits) - 1);
+      EXPECT_TRUE(same_triangles(plain, mesh, 0.51 * step + 1e-9)) << sequential << " " << bits;
+      EXPECT_TRUE(find_defects(weld(mesh)).closed_and_oriented());
+    }
+  }
+}
+
+TEST(Draco, OnBones) {
+  const Mesh plain = test::rounded(box(Vec3(0), Vec3(1)));
+  GltfBuilder builder = test::draco_file(test::draco_stream(plain, 0, false, true), 8, 12);
+  const auto add = [&](const Json& accessor) {
+    builder.doc["accessors"].push_back(accessor);
+    return builder.doc["accessors"].size() - 1;
+  };
+  auto& primitive = builder.doc["meshes"][0]["primitives"][0];
+  primitive["attributes"]["JOINTS_0"] = add({{"componentType", 5123}, {"count", 8}, {"type", "VEC4"}});
+  primitive["attributes"]["WEIGHTS_0"] = add({{"componentType", 5126}, {"count", 8}, {"type", "VEC4"}});
+  primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"]["JOINTS_0"] = 8;
+  primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"]["WEIGHTS_0"] = 9;
+  builder.doc["nodes"][0]["skin"] = 0;
+  builder.add_node({{"translation", {100, 0, 0}}});
+  builder.add_node({{"translation", {0, 5, 0}}});
+  builder.doc["skins"] = Json::array({{{"joints", {1, 2}}}});
+  const Box found = bounds(mesh_of(builder));
+  EXPECT_EQ(found.low, Vec3(0, 5, 0));
+  EXPECT_EQ(found.high, Vec3(1, 6, 1));
+}
+
+TEST(Draco, APlainCopyIsPreferred) {
+  const Mesh plain = pebble();
+  GltfBuilder builder =
+      test::draco_file(test::draco_stream(plain, 8, false), plain.positions.size(), plain.triangles.size());
+  const int positions = builder.add_positions(plain.positions);
+  builder.doc["accessors"][0] = builder.doc["accessors"][static_cast<std::size_t>(positions)];
+  std::vector<std::uint32_t> corners;
+  for (const glm::uvec3& t : plain.triangles)
+    corners.insert(corners.end(), {t[0], t[1], t[2]});
+  const int indices = builder.add_indices(corners);
+  builder.doc["accessors"][1] = builder.doc["accessors"][static_cast<std::size_t>(indices)];
+  EXPECT_TRUE(mesh_of(builder).positions == plain.positions);
+}
+
+TEST(Draco, FewerThanPromisedIsAWarningMoreAnError) {
+  const Mesh plain = pebble();
+  const auto stream = test::draco_stream(plain, 10, false);
+  const std::size_t v = plain.positions.size(), t = plain.triangles.size();
+  const std::string warning =
+      test::stderr_of([&] { EXPECT_EQ(load(test::draco_file(stream, v + 1, t + 1)).meshes.size(), 1U); });
+  EXPECT_CONTAINS(warning, "where the file promises");
+  EXPECT_CONTAINS(fault_of(test::draco_file(stream, v - 1, t)), "mesh 0: the draco data in buffer view 0 hold");
+  EXPECT_CONTAINS(fault_of(test::draco_file(stream, v, t - 1)), "triangles where the file promises");
+}
+
+TEST(Draco, FaultsAreNamed) {
+  const Mesh plain = pebble();
+  const auto stream = test::draco_stream(plain, 10, false);
+  const std::size_t v = plain.positions.size(), t = plain.triangles.size();
+  const GltfBuilder good = test::draco_file(stream, v, t);
+  const auto extension = [](GltfBuilder& b) -> Json& {
+    return b.doc["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
+  };
+  GltfBuilder bad = good;
+  extension(bad)["attributes"]["POSITION"] = 3;
+  EXPECT_CONTAINS(fault_of(bad), "have no attribute 3");
+  extension(bad)["attributes"].erase("POSITION");
+  EXPECT_CONTAINS(fault_of(bad), "\"POSITION\" is missing");
+  extension(bad).erase("attributes");
+  EXPECT_CONTAINS(fault_of(bad), "\"attributes\" is missing");
+  extension(bad)["bufferView"] = 9;
+  EXPECT_CONTAINS(fault_of(bad), "names buffer view 9");
+  extension(bad) = "packed";
+  EXPECT_CONTAINS(fault_of(bad), "is not a JSON object");
+  bad = good;
+  bad.bin[0] = 'd';
+  EXPECT_CONTAINS(fault_of(bad), "do not begin with draco's header");
+  bad = good;
+  bad.bin[5] = 1;
+  EXPECT_CONTAINS(fault_of(bad), "bitstream version 1.2");
+  bad = good;
+  bad.bin[7] = 0;
+  EXPECT_CONTAINS(fault_of(bad), "are not a triangle mesh");
+  bad = good;
+  bad.bin[8] = 9;
+  EXPECT_CONTAINS(fault_of(bad), "unknown method 9");
+  for (std::size_t length = 12; length < stream.size(); length += 11) {
+    const std::vector<unsigned char> part(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(length));
+    EXPECT_NE(fault_of(test::draco_file(part, v, t)), "") << length;
+  }
+}
+
+// Where the counts stand: 11 bytes of header; then by method. Numbers are seven bits a byte, the lowest first.
+TEST(Draco, AbsurdCountsCostNothing) {
+  const Mesh plain = pebble();
+  std::string fault;
+  const std::vector<unsigned char> giant{0xff, 0xff, 0xff, 0xff, 0x04};  // 1.3 thousand million
+  const auto with = [&](std::vector<unsigned char> stream, std::size_t at) {
+    std::size_t end = at;
+    while (stream[end] & 0x80)
+      ++end;
+    stream.erase(stream.begin() + static_cast<std::ptrdiff_t>(at),
+                 stream.begin() + static_cast<std::ptrdiff_t>(end) + 1);
+    stream.insert(stream.begin() + static_cast<std::ptrdiff_t>(at), giant.begin(), giant.end());
+    return stream;
+  };
+  const auto edgebreaker = test::draco_stream(plain, 10, false), sequential = test::draco_stream(plain, 10, true);
+  // Traversal (one byte), vertices, faces, groups of attributes (one byte).
+  std::size_t faces = 12;
+  while (edgebreaker[faces++] & 0x80) {
+  }
+  EXPECT_FALSE(gltf::decode_draco(with(edgebreaker, faces), {}, 1000, 1000, fault));
+  EXPECT_CONTAINS(fault, "triangles where the file promises 1000");
+  auto crowded = edgebreaker;
+  std::size_t groups = faces;
+  while (crowded[groups++] & 0x80) {
+  }
+  crowded[groups] = 255;
+  EXPECT_FALSE(gltf::decode_draco(crowded, {}, 1'000'000, 1'000'000, fault));
+  // Faces, points.
+  EXPECT_FALSE(gltf::decode_draco(with(sequential, 11), {}, 1000, 1000, fault));
+  EXPECT_CONTAINS(fault, "triangles where the file promises 1000");
+  std::size_t points = 11;
+  while (sequential[points++] & 0x80) {
+  }
+  EXPECT_FALSE(gltf::decode_draco(with(sequential, points), {}, 1000, 1000, fault));
+  EXPECT_CONTAINS(fault, "vertices where the file promises 1000");
+}
+
+TEST(Meshopt, AllModesGiveTheMeshBack) {
+  const Mesh plain = pebble();
+  for (const bool sequence : {false, true}) {
+    for (const int index_size : {2, 4}) {
+      for (const char* extension : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+        const Mesh mesh = mesh_of(test::meshopt_file(plain, {sequence, false, index_size, extension, !sequence}));
+        EXPECT_TRUE(mesh.positions == plain.positions);
+        EXPECT_TRUE(same_triangles(plain, mesh, 0));
+        EXPECT_EQ(mesh.triangles == plain.triangles, sequence);
+      }
+    }
+  }
+}
+
+TEST(Meshopt, TheExponentialFilter) {
+  const Mesh mesh = mesh_of(test::meshopt_file(pebble(), {.exponential = true}));
+  EXPECT_TRUE(same_triangles(pebble(), mesh, 0.5 / (1 << 20)));
+  EXPECT_FALSE(mesh.positions == pebble().positions);
+}
+
+TEST(Meshopt, SparseDataOnTop) {
+  const Mesh plain = pebble();
+  GltfBuilder builder = test::meshopt_file(plain);
+  builder.doc["accessors"][0]["sparse"] = {
+      {"count", 1},
+      {"indices", {{"bufferView", builder.add_view({0})}, {"componentType", 5121}}},
+      {"values", {{"bufferView", builder.add_view(test::bytes_of(std::vector<float>{9, 9, 9}))}}}};
+  builder.doc["buffers"][0]["byteLength"] = builder.bin.size();
+  EXPECT_EQ(mesh_of(builder).positions.at(0), Vec3(9));
+}
+
+TEST(Meshopt, FaultsAreNamed) {
+  const GltfBuilder good = test::meshopt_file(pebble());
+  const auto fault_with = [&](std::size_t view, const char* key, const Json& value) {
+    GltfBuilder bad = good;
+    bad.doc["bufferViews"][view]["extensions"]["EXT_meshopt_compression"][key] = value;
+    return fault_of(bad);
+  };
+  EXPECT_CONTAINS(fault_with(0, "buffer", 2), "names buffer 2");
+  EXPECT_CONTAINS(fault_with(0, "byteLength", 1'000'000), "does not fit its buffer");
+  EXPECT_CONTAINS(fault_with(0, "byteOffset", 1'000'000), "does not fit its buffer");
+  EXPECT_CONTAINS(fault_with(0, "mode", "POINTS"), "palpa knows ATTRIBUTES, TRIANGLES, INDICES");
+  EXPECT_CONTAINS(fault_with(0, "filter", "COLOR"), "palpa knows NONE");
+  EXPECT_CONTAINS(fault_with(0, "filter", "QUATERNION"), "needs 8");
+  EXPECT_CONTAINS(fault_with(1, "filter", "EXPONENTIAL"), "only attributes");
+  EXPECT_CONTAINS(fault_with(0, "byteStride", 10), "multiple of 4");
+  EXPECT_CONTAINS(fault_with(1, "byteStride", 8), "is 2 or 4");
+  EXPECT_CONTAINS(fault_with(0, "count", 4'000'000'000U), "the buffer view has");
+  EXPECT_CONTAINS(fault_with(1, "count", 7), "three indices each");
+  EXPECT_CONTAINS(fault_with(0, "byteLength", 5), "unpacks to");
+  GltfBuilder bad = good;
+  bad.doc["bufferViews"][0]["extensions"]["EXT_meshopt_compression"].erase("mode");
+  EXPECT_CONTAINS(fault_of(bad), "\"mode\" is \"\"");
+  bad = good;
+  bad.doc["bufferViews"][0]["byteStride"] = 16;
+  EXPECT_CONTAINS(fault_of(bad), "has a byteStride of 12, the buffer view one of 16");
+  // Indices that name no vertex are found after unpacking, as in a plain file.
+  bad = test::meshopt_file(pebble());
+  bad.doc["accessors"][0]["count"] = 100;
+  EXPECT_CONTAINS(fault_of(bad), "but there are only 100");
+}
+
+TEST(Meshopt, WhatUnpacksToTooMuchIsRefused) {
+  GltfBuilder builder = test::meshopt_file(pebble());
+  auto& view = builder.doc["bufferViews"][0];
+  view["byteStride"] = 252;
+  view["extensions"]["EXT_meshopt_compression"]["byteStride"] = 252;
+  view["extensions"]["EXT_meshopt_compression"]["count"] = 2'000'000;
+  view["byteLength"] = std::uint64_t{252} * 2'000'000;
+  EXPECT_CONTAINS(fault_of(builder), "packed and unpacked; palpa reads no more");
+}
+
+}  // namespace
+}  // namespace palpa::geometry

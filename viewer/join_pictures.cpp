@@ -1,0 +1,39 @@
+// join_pictures LEFT.png RIGHT.png OUT.png: the two side by side.
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+
+#include "base/error.hpp"
+#include "viewer/png.hpp"
+
+namespace {
+
+void join(const char* left_file, const char* right_file, const char* out_file) {
+  const palpa::viewer::Pixels left = palpa::viewer::read_png(left_file), right = palpa::viewer::read_png(right_file);
+  if (left.height != right.height)
+    throw palpa::bad_input(right_file, "is not as high as the picture that goes to its left");
+  palpa::viewer::Pixels out;
+  out.width = left.width + right.width;
+  out.height = left.height;
+  for (std::uint32_t y = 0; y < out.height; ++y) {
+    for (const auto* part : {&left, &right})
+      out.rgba.insert(out.rgba.end(), part->at(0, y), part->at(0, y) + std::size_t{4} * part->width);
+  }
+  palpa::viewer::write_png(out_file, out);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    if (argc != 4) throw palpa::bad_usage("usage: join_pictures LEFT.png RIGHT.png OUT.png");
+    join(argv[1], argv[2], argv[3]);
+    return 0;
+  } catch (const palpa::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return static_cast<int>(error.code());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}
