@@ -17,7 +17,7 @@
 #include "gpu/timestamps.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/chain.hpp"
-#include "touch/chain.hpp"
+#include "touch/stage.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -190,16 +190,12 @@ void bench_points(const BenchContext& context, const std::string& name, const st
   touch::Touch found, expected;
   touch::touch_points(points, solids, {}, expected);
 
-  const auto count = static_cast<std::uint32_t>(points.size());
-  const touch::TouchPasses passes(context.device);
-  const touch::SolidTable table(context.device, solids);
-  touch::TouchBuffers buffers(context.device, {.points = count});
-  const gpu::Upload upload(context.device, points.size() * sizeof(glm::vec4), "points");
-  const gpu::Upload total(context.device, sizeof(shader::ScanTotal), "point count");
-  for (std::uint32_t i = 0; i < count; ++i) {
-    upload.as<sensing::SkinPoint>()[i] = {points[i], i};
-  }
-  total.as<shader::ScanTotal>()[0] = {count, gpu::groups_for(count, 64), 1, 1};
+  const touch::Stage stage(context.device, solids, {});
+  touch::StageFrame buffers(context.device, stage, {.points = static_cast<std::uint32_t>(points.size())});
+  std::vector<sensing::SkinPoint> skin;
+  for (const glm::vec3& point : points)
+    skin.push_back({point, static_cast<std::uint32_t>(skin.size())});
+  buffers.set(skin);
   gpu::Timestamps times(context.device, 16);
   std::vector<gpu::PassTime> measured;
   const gpu::Recorder recorder(context.device, "bench");
@@ -207,9 +203,7 @@ void bench_points(const BenchContext& context, const std::string& name, const st
   const auto frame = [&] {
     const VkCommandBuffer commands = recorder.begin();
     times.begin(commands);
-    upload.record(commands);
-    total.record(commands);
-    touch::record(commands, passes, table, buffers, upload.ref(), total.ref(), {}, &times);
+    stage.record(commands, buffers, {}, touch::Detail::contacts, &times);
     timeline.wait(timeline.submit(recorder.end()));
     touch::read(buffers, found);
   };

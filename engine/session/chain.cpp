@@ -2,16 +2,6 @@
 
 namespace palpa::session {
 
-Box touchable_box(const std::vector<geometry::Solid>& solids) {
-  constexpr double hair = 1e-4;
-  Box box;
-  for (const geometry::Solid& solid : solids) {
-    box.add(solid.bounds.low - Vec3(hair));
-    box.add(solid.bounds.high + Vec3(hair));
-  }
-  return box;
-}
-
 void reserve(array::Schedule& schedule) {
   schedule.voices.resize(touch::max_fingers);
   for (array::Voice& voice : schedule.voices) {

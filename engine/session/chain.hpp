@@ -27,6 +27,8 @@ struct ChainSetting {
   array::VoiceOptions voice;
   array::DriveOptions drive;
   double slot_s = 1.5e-3;  ///< one drive lasts that long
+  /// What of a touch the frames' reports hold: contacts cost time and are for those who look at them.
+  touch::Detail detail = touch::Detail::fingers;
 };
 
 /// What the output thread plays: the drives of one frame's schedule.
@@ -74,9 +76,6 @@ class Chain {
 std::unique_ptr<Chain> make_gpu_chain(const gpu::Device& device, const ChainSetting& setting);
 /// The same through the passes' C++ twins.
 std::unique_ptr<Chain> make_cpu_chain(const ChainSetting& setting);
-
-/// The world's box around everything touchable: skin outside of it needs no look. Grown by a hair against rounding.
-Box touchable_box(const std::vector<geometry::Solid>& solids);
 
 /// Gives these values all the room that a live frame needs, so that the loop allocates nothing once it runs: any number
 /// of fingers and foci, most_cycle drives, `contacts_per_finger` contacts (a finger that ever has more grows once).

@@ -1,33 +1,26 @@
 // The chain through the passes' C++ twins: one frame at a time on the calling thread.
-#include "sensing/skin.hpp"
 #include "session/chain.hpp"
 #include "session/follow.hpp"
-#include "touch/chain.hpp"
+#include "touch/stage.hpp"
 
 namespace palpa::session {
 namespace {
 
 class CpuChain : public Chain {
  public:
-  explicit CpuChain(const ChainSetting& setting)
-      : setting_(setting),
-        box_(touchable_box(setting.solids)),
-        tables_(sensing::make_rays(setting.cameras)),
-        planes_(touch::make_plane_table(setting.solids)) {}
+  explicit CpuChain(const ChainSetting& setting) : setting_(setting), stage_(setting.solids, setting.cameras) {}
 
   bool can_start() const override { return !busy_; }
   bool busy() const override { return busy_; }
 
   void start(const sensing::FrameSet& frame, double captured_s, double now_s) override {
-    sensing::plan_views(setting_.cameras, tables_, box_, views_);
-    sensing::find_skin(tables_, frame.frames, box_, views_, points_);
+    stage_.touch(frame.frames, setting_.touch, touch_);
     captured_s_ = captured_s;
     report_ = {frame.sequence, frame.time_s, &touch_, {}, now_s, 0};
     busy_ = true;
   }
 
   bool step(Plan& plan, FrameReport& report) override {
-    touch::touch_points(points_, planes_, setting_.touch, touch_);
     make_schedule(touch_, follower_.follow(touch_), report_.time_s, setting_, plan.schedule);
     plan.captured_s = captured_s_;
     plan.drives.clear();
@@ -43,17 +36,13 @@ class CpuChain : public Chain {
 
  private:
   ChainSetting setting_;
-  Box box_;
-  sensing::RayTables tables_;
-  touch::PlaneTable planes_;
+  touch::HostStage stage_;
   bool busy_ = false;
   double captured_s_ = 0;
   FrameReport report_;
   touch::Touch touch_;
   Follower follower_;
 
-  std::vector<sensing::View> views_;
-  std::vector<sensing::SkinPoint> points_;
   std::vector<array::SlotFocus> foci_;
   array::DriveScratch drive_scratch_;
   array::Schedule unmodulated_;

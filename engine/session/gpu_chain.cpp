@@ -10,12 +10,10 @@
 #include "array/drive_pass.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "gpu/barrier.hpp"
 #include "gpu/commands.hpp"
-#include "sensing/skin.hpp"
 #include "session/chain.hpp"
 #include "session/follow.hpp"
-#include "touch/chain.hpp"
+#include "touch/stage.hpp"
 
 namespace palpa::session {
 namespace {
@@ -24,9 +22,7 @@ constexpr std::size_t flights = 2;
 
 /// Everything that one frame in flight writes to.
 struct Flight {
-  gpu::Upload depth;
-  sensing::SkinMemory skin;
-  touch::TouchBuffers touch_buffers;
+  touch::StageFrame frame;
   array::DriveBuffers drive_buffers;
   gpu::Recorder touch_recorder, drive_recorder;
   gpu::Timestamps touch_times, drive_times;
@@ -37,10 +33,8 @@ struct Flight {
   Plan plan;
   FrameReport report;
 
-  Flight(const gpu::Device& device, const ChainSetting& setting, const sensing::RayTables& tables)
-      : depth(device, sensing::packed_bytes(tables), "depth frames"),
-        skin(device, tables),
-        touch_buffers(device, {.points = static_cast<std::uint32_t>(tables.pixels)}),
+  Flight(const gpu::Device& device, const ChainSetting& setting, const touch::Stage& stage)
+      : frame(device, stage),
         drive_buffers(device, setting.layout, setting.drive.medium, most_cycle, most_cycle * touch::max_fingers),
         touch_recorder(device, "touch"),
         drive_recorder(device, "drives"),
@@ -55,18 +49,12 @@ class GpuChain : public Chain {
  public:
   GpuChain(const gpu::Device& device, const ChainSetting& setting)
       : setting_(setting),
-        box_(touchable_box(setting.solids)),
-        tables_(sensing::make_rays(setting.cameras)),
-        rays_(sensing::upload_rays(device, tables_)),
-        skin_pass_(device),
-        touch_passes_(device),
+        stage_(device, setting.solids, setting.cameras),
         drives_pass_(device),
-        solids_(device, setting.solids),
-        flights_{Flight(device, setting, tables_), Flight(device, setting, tables_)},
+        flights_{Flight(device, setting, stage_), Flight(device, setting, stage_)},
         timeline_(device, "frames") {
     reserve(unmodulated_);
     foci_.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
-    views_.reserve(setting.cameras.size());
     passes_.reserve(16);
     drive_passes_.reserve(4);
   }
@@ -76,17 +64,10 @@ class GpuChain : public Chain {
 
   void start(const sensing::FrameSet& frame, double captured_s, double now_s) override {
     Flight& flight = flights_[started_ % flights];
-    sensing::pack_depth(tables_, frame.frames, flight.depth.as<std::uint16_t>());
-    sensing::plan_views(setting_.cameras, tables_, box_, views_);
-
+    flight.frame.set(frame.frames);
     const VkCommandBuffer commands = flight.touch_recorder.begin();
     flight.touch_times.begin(commands);
-    flight.depth.record(commands);
-    const sensing::SkinBuffers buffers = flight.skin.with(flight.depth.ref(), rays_.ref());
-    skin_pass_.record(commands, buffers, tables_, box_, views_, &flight.touch_times);
-    gpu::compute_to_compute(commands);
-    touch_passes_.record(commands, solids_, flight.touch_buffers, buffers.points, buffers.total, setting_.touch,
-                         &flight.touch_times);
+    stage_.record(commands, flight.frame, setting_.touch, setting_.detail, &flight.touch_times);
     flight.submitted = timeline_.submit(flight.touch_recorder.end());
     flight.state = Flight::State::touching;
     flight.plan.captured_s = captured_s;
@@ -113,7 +94,7 @@ class GpuChain : public Chain {
   /// A frame with more skin in the shell than there is room for touches nothing: the loop goes on, and says so once.
   void read_touch(Flight& flight) {
     try {
-      touch::read(flight.touch_buffers, flight.touch);
+      touch::read(flight.frame, flight.touch);
     } catch (const Error& error) {
       flight.touch.contacts.clear();
       flight.touch.finger_count = 0;
@@ -158,13 +139,8 @@ class GpuChain : public Chain {
   }
 
   ChainSetting setting_;
-  Box box_;
-  sensing::RayTables tables_;
-  gpu::Buffer rays_;
-  sensing::SkinPass skin_pass_;
-  touch::TouchPasses touch_passes_;
+  touch::Stage stage_;
   array::DrivesPass drives_pass_;
-  touch::SolidTable solids_;
   std::array<Flight, flights> flights_;
   gpu::Timeline timeline_;
   std::uint64_t started_ = 0, finished_ = 0;
@@ -173,7 +149,6 @@ class GpuChain : public Chain {
   bool warned_ = false;
 
   // Scratch that keeps its storage.
-  std::vector<sensing::View> views_;
   std::vector<array::SlotFocus> foci_;
   array::Schedule unmodulated_;
   std::vector<gpu::PassTime> passes_, drive_passes_;

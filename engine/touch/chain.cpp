@@ -59,15 +59,22 @@ TouchBuffers::TouchBuffers(const gpu::Device& device, const Capacity& capacity)
       work_(device, sizeof(shader::FingersWork), "finger work"),
       parents_(device, std::uint64_t{capacity_.contacts} * 4, "finger parents"),
       clusters_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::Cluster), "finger clusters"),
+      samples_(device, std::uint64_t{max_fingers} * shader::bridge_samples * sizeof(shader::BridgeSample),
+               "bridge samples"),
+      patches_(device, std::uint64_t{max_fingers} * sizeof(shader::BridgePatch), "bridge patches"),
+      pairs_(device, std::uint64_t{max_fingers} * max_fingers * sizeof(shader::BridgePair), "bridge pairs"),
+      bridge_work_(device, sizeof(shader::BridgeWork), "bridge work"),
       contacts_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::ContactRecord), "contacts"),
       header_(device, sizeof(shader::TouchHeader), "touch header"),
       fingers_(device, std::uint64_t{max_fingers} * sizeof(shader::FingerRecord), "fingers"),
       foci_(device, std::uint64_t{max_fingers} * max_foci * sizeof(shader::FocusRecord), "foci") {}
 
-TouchPasses::TouchPasses(const gpu::Device& device) : contacts_(device), fingers_(device), sections_(device) {}
+TouchPasses::TouchPasses(const gpu::Device& device)
+    : contacts_(device), fingers_(device), bridge_(device), sections_(device) {}
 
 void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, TouchBuffers& b, gpu::BufferRef points,
-                         gpu::BufferRef total, const Parameters& parameters, gpu::Timestamps* times) const {
+                         gpu::BufferRef total, const Parameters& parameters, gpu::Timestamps* times, Detail detail,
+                         const SightBuffers* sight) const {
   check(parameters, table.host());
   const auto mark = [&](const char* name) {
     if (times) times->mark(commands, name);
@@ -108,6 +115,24 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
                    .most_contacts = b.capacity_.contacts},
                   table.host(), parameters, times);
   gpu::compute_to_compute(commands);
+  if (sight && parameters.finger_width_m > 0) {
+    bridge_.record(commands,
+                   {.sight = *sight,
+                    .total = b.total_.ref(),
+                    .contacts = b.contacts_.ref(),
+                    .parents = b.parents_.ref(),
+                    .clusters = b.clusters_.ref(),
+                    .header = b.header_.ref(),
+                    .fingers = b.fingers_.ref(),
+                    .samples = b.samples_.ref(),
+                    .patches = b.patches_.ref(),
+                    .pairs = b.pairs_.ref(),
+                    .work = b.bridge_work_.ref(),
+                    .most_contacts = b.capacity_.contacts},
+                   parameters);
+    gpu::compute_to_compute(commands);
+    mark("bridge");
+  }
   sections_.record(commands,
                    {.total = b.total_.ref(),
                     .parents = b.parents_.ref(),
@@ -120,7 +145,8 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
                    parameters);
   mark("foci");
   b.foci_per_finger_ = parameters.foci;
-  b.contacts_.record(commands);
+  b.detail_ = detail;
+  if (detail == Detail::contacts) b.contacts_.record(commands);
   b.header_.record(commands);
   b.fingers_.record(commands);
   b.foci_.record(commands);
@@ -151,14 +177,18 @@ void read(const TouchBuffers& b, Touch& out) {
     finger.section.centroid = vec(record.centre);
     finger.section.axes = {vec(record.axis1), vec(record.axis2), vec(record.axis3)};
     finger.section.eigenvalues = {record.axis1.w, record.axis2.w, record.axis3.w};
+    finger.contact_count = record.contacts;
     finger.contacts.clear();
-    finger.contacts.reserve(record.contacts);
     finger.foci.resize(finger.point_like ? 1 : b.foci_per_finger_);
     for (std::size_t n = 0; n < finger.foci.size(); ++n) {
       const shader::FocusRecord& focus = foci[std::size_t{f} * max_foci + n];
       finger.foci[n] = {{focus.x, focus.y, focus.z}, focus.points};
     }
   }
+  out.contacts.clear();
+  if (b.detail_ == Detail::fingers) return;
+  for (std::uint32_t f = 0; f < header.fingers; ++f)
+    out.fingers[f].contacts.reserve(out.fingers[f].contact_count);
   const auto contacts = b.contacts_.as<shader::ContactRecord>().first(header.contacts);
   out.contacts.resize(contacts.size());
   for (std::uint32_t i = 0; i < contacts.size(); ++i) {

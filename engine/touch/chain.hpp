@@ -9,6 +9,7 @@
 #include "gpu/buffer.hpp"
 #include "gpu/timestamps.hpp"
 #include "sensing/skin.hpp"
+#include "touch/bridge.hpp"
 #include "touch/contacts.hpp"
 #include "touch/fingers.hpp"
 #include "touch/sections.hpp"
@@ -58,9 +59,10 @@ class TouchBuffers {
   friend void read(const TouchBuffers& buffers, Touch& out);
   Capacity capacity_;
   gpu::Buffer hits_, masks_, counts_, total_, nodes_, keys_, places_, slots_, heads_, list_, groups_, crowded_, work_,
-      parents_, clusters_;
+      parents_, clusters_, samples_, patches_, pairs_, bridge_work_;
   gpu::Readback contacts_, header_, fingers_, foci_;
   std::uint32_t foci_per_finger_ = 0;  ///< of the newest record
+  Detail detail_ = Detail::contacts;   ///< of the newest record
 };
 
 /// All pipelines; one for any number of frames in flight.
@@ -68,26 +70,30 @@ class TouchPasses {
  public:
   explicit TouchPasses(const gpu::Device& device);
 
-  /// Records eleven dispatches and the readback. `points` holds a vec4 per skin point (x, y, z, the bits of its index,
-  /// indices ascending), `total` their shader::ScanTotal with 64 per group. With `times`, marks "contacts", "fingers"
-  /// and "foci". Barriers: expects points and total to be visible to compute and as indirect arguments, and the submit
-  /// that used `buffers` before to have completed. Throws bad_usage on unusable parameters.
+  /// Records eleven dispatches, four more with `sight`, and the readback. `points` holds a vec4 per skin point (x, y,
+  /// z, the bits of its index, indices ascending), `total` their shader::ScanTotal with 64 per group. With `sight`,
+  /// fingers are joined across hidden skin: then indices are pixels of the pictures. With `times`, marks the passes'
+  /// stages and "foci". Barriers: expects points and total to be visible to compute and as indirect arguments, and the
+  /// submit that used `buffers` before to have completed. Throws bad_usage on unusable parameters.
   void record(VkCommandBuffer commands, const SolidTable& table, TouchBuffers& buffers, gpu::BufferRef points,
-              gpu::BufferRef total, const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
+              gpu::BufferRef total, const Parameters& parameters, gpu::Timestamps* times = nullptr,
+              Detail detail = Detail::contacts, const SightBuffers* sight = nullptr) const;
 
  private:
   ContactsPass contacts_;
   FingersPass fingers_;
+  BridgePass bridge_;
   SectionsPass sections_;
 };
 
 inline void record(VkCommandBuffer commands, const TouchPasses& passes, const SolidTable& table, TouchBuffers& buffers,
                    gpu::BufferRef points, gpu::BufferRef total, const Parameters& parameters,
-                   gpu::Timestamps* times = nullptr) {
-  passes.record(commands, table, buffers, points, total, parameters, times);
+                   gpu::Timestamps* times = nullptr, Detail detail = Detail::contacts) {
+  passes.record(commands, table, buffers, points, total, parameters, times, detail);
 }
 
-/// What the newest record found, once its submit has completed. Allocates only where `out` grows beyond what it has
+/// What the newest record found, once its submit has completed. Where it was recorded with Detail::fingers, contacts
+/// (the touch's and the fingers') are empty. Allocates only where `out` grows beyond what it has
 /// held. Throws failure() naming the figure when there were more points or contacts than `buffers` has room for.
 void read(const TouchBuffers& buffers, Touch& out);
 

@@ -29,6 +29,10 @@ void check(const Parameters& parameters, const PlaneTable& table) {
   if (!std::isfinite(parameters.finger_gap_m) || parameters.finger_gap_m <= 0) {
     throw bad_usage(fmt::format("the finger gap is {} m: give a positive length such as 5mm", parameters.finger_gap_m));
   }
+  if (!std::isfinite(parameters.finger_width_m) || parameters.finger_width_m < 0) {
+    throw bad_usage(fmt::format("the finger width is {} m: give a length such as 25mm, or 0 to join nothing",
+                                parameters.finger_width_m));
+  }
   if (parameters.foci < 1 || parameters.foci > max_foci) {
     throw bad_usage(fmt::format("{} foci: give 1 to {}", parameters.foci, max_foci));
   }

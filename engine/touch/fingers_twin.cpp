@@ -153,6 +153,8 @@ void find_fingers(const Parameters& parameters, const PlaneTable& table, Touch& 
   for (std::uint32_t i = 0; i < smallest.size(); ++i) {
     if (finger_of_root[smallest[i]] != none) out.fingers[finger_of_root[smallest[i]]].contacts.push_back(i);
   }
+  for (std::uint32_t f = 0; f < out.finger_count; ++f)
+    out.fingers[f].contact_count = static_cast<std::uint32_t>(out.fingers[f].contacts.size());
 }
 
 }  // namespace palpa::touch

@@ -14,7 +14,14 @@ struct Parameters {
   double finger_gap_m = 5e-3;    ///< Euclidean tolerance: contacts no farther apart are in one finger
   std::uint32_t min_points = 5;  ///< clusters with fewer contacts are no finger
   std::uint32_t foci = 10;       ///< N, 1 to max_foci
+  /// With depth frames: patches of contacts that are together no wider than this may be one finger whose skin between
+  /// them no camera sees (touch/bridge.hpp). 0: every cluster is a finger of its own.
+  double finger_width_m = 0;
 };
+
+/// What the host wants to read of a frame: fingers with their foci, or every contact and whose it is as well. With
+/// staging every contact that there is room for is copied, 8 MB by default: ask only where somebody looks.
+enum class Detail { fingers, contacts };
 
 inline constexpr std::uint32_t max_foci = 64;
 inline constexpr std::uint32_t max_fingers = 64;
@@ -42,7 +49,9 @@ struct Focus {
 
 struct Finger {
   std::uint32_t solid = 0;
-  std::vector<std::uint32_t> contacts;  ///< indices into the touch's contacts, ascending
+  std::uint32_t contact_count = 0;
+  /// Indices into the touch's contacts, ascending; empty where contacts were not asked for (touch::Detail).
+  std::vector<std::uint32_t> contacts;
   CrossSection section;
   std::vector<Focus> foci;  ///< N sectors of Eq. (7); one, at the centroid, when `point_like`
   /// Fewer than 3 contacts, coincident or collinear ones: no cross-section; one focus at the centroid,
@@ -52,7 +61,7 @@ struct Finger {
 
 /// Reused from frame to frame: what its vectors have allocated is kept.
 struct Touch {
-  std::vector<Contact> contacts;  ///< in the order of the skin points: ascending by point
+  std::vector<Contact> contacts;  ///< in the order of the skin points: ascending by point; empty where not asked for
   /// Ordered by their smallest contact; only the first `finger_count` are valid.
   std::vector<Finger> fingers;
   std::uint32_t finger_count = 0;

@@ -98,8 +98,9 @@ std::uint64_t digest_of(std::span<const Scene> some) {
       for (const std::uint16_t depth : image.depth)
         digest.add(depth);
     }
-    const auto chain =
-        make_gpu_chain(test::test_device(), {.cameras = rig.cameras, .solids = solids, .layout = layout});
+    const ChainSetting setting{
+        .cameras = rig.cameras, .solids = solids, .layout = layout, .detail = touch::Detail::contacts};
+    const auto chain = make_gpu_chain(test::test_device(), setting);
     Plan plan;
     FrameReport report;
     chain->start(frame, 0, 0);

@@ -1,0 +1,222 @@
+// The plain C++ of BridgePass.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "shaders/bridge_math.h"
+#include "touch/bridge.hpp"
+
+namespace palpa::touch {
+namespace {
+
+using shader::BridgeCamera;
+using shader::BridgePair;
+using shader::BridgePatch;
+using shader::Float3;
+
+struct Sample {
+  Float3 position, normal;
+};
+
+struct Patch {
+  std::vector<Sample> samples;  ///< in the order of the hash
+  BridgePatch record{};
+};
+
+std::uint32_t raw_at(const Sight& sight, std::size_t camera, std::uint32_t u, std::uint32_t v) {
+  return sight.images[camera].depth[std::size_t{v} * sight.cameras[camera].width + u];
+}
+
+Float3 point_of(const Sight& sight, std::size_t c, std::uint32_t u, std::uint32_t v) {
+  const BridgeCamera& camera = sight.cameras[c];
+  const glm::vec2& ray = sight.tables.rays[camera.first_pixel + std::size_t{v} * camera.pitch + u];
+  return pixel_point(camera, raw_at(sight, c, u, v), {ray.x, ray.y});
+}
+
+Float3 normal_at(const Sight& sight, std::uint32_t point) {
+  std::size_t c = 0;
+  while (c + 1 < sight.cameras.size() && point >= sight.cameras[c + 1].first_index)
+    ++c;
+  const BridgeCamera& camera = sight.cameras[c];
+  const std::uint32_t v = (point - camera.first_index) / camera.width, u = (point - camera.first_index) % camera.width;
+  constexpr std::uint32_t far = shader::bridge_normal_pixels;
+  const Float3 nothing{0, 0, 0};
+  return skin_normal(camera, point_of(sight, c, u, v), u >= far ? point_of(sight, c, u - far, v) : nothing,
+                     u + far < camera.width ? point_of(sight, c, u + far, v) : nothing,
+                     v >= far ? point_of(sight, c, u, v - far) : nothing,
+                     v + far < camera.height ? point_of(sight, c, u, v + far) : nothing);
+}
+
+Patch make_patch(const Sight& sight, const Touch& touch, const Finger& finger) {
+  constexpr std::uint32_t none = 0xffffffffU;
+  std::array<std::uint32_t, shader::bridge_samples> least{};
+  least.fill(none);
+  for (const std::uint32_t i : finger.contacts) {
+    const std::uint32_t hash = i * shader::bridge_hash;
+    std::uint32_t& slot = least[hash >> shader::bridge_sample_shift];
+    slot = std::min(slot, hash);
+  }
+  Patch patch;
+  for (const std::uint32_t hash : least) {
+    if (hash == none) continue;
+    const Contact& contact = touch.contacts[hash * shader::bridge_unhash];
+    const glm::vec3& p = contact.position;
+    patch.samples.push_back({{p.x, p.y, p.z}, normal_at(sight, contact.point)});
+  }
+  const Float3 first = patch.samples.front().position;
+  Float3 low = first, high = first, sum{0, 0, 0};
+  for (const Sample& sample : patch.samples) {
+    const Float3& p = sample.position;
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    sum = plus(sum, minus(p, first));
+  }
+  const auto count = static_cast<std::uint32_t>(patch.samples.size());
+  const Float3 mean = plus(first, scaled(sum, 1.0F / static_cast<float>(count)));
+  patch.record = {{low.x, low.y, low.z, 0}, {high.x, high.y, high.z, 0}, {mean.x, mean.y, mean.z, 0}, count, 0, 0, 0};
+  return patch;
+}
+
+bool is_seen_empty(const Sight& sight, const Float3& place) {
+  for (std::size_t c = 0; c < sight.cameras.size(); ++c) {
+    const shader::Appearance seen = appearance(sight.cameras[c], place);
+    if (seen.depth > 0 && sees_through(sight.cameras[c], raw_at(sight, c, seen.u, seen.v), seen.depth)) return true;
+  }
+  return false;
+}
+
+/// The way from a sample to the nearest one of the other patch.
+struct Way {
+  float apart, own, other;  ///< length, and the cosines at its ends
+};
+
+Way way_across(const Sample& sample, const Patch& other) {
+  float nearest = 3.0e38F;
+  const Sample* there = &other.samples.front();
+  for (const Sample& candidate : other.samples) {
+    const float square = square_apart(sample.position, candidate.position);
+    if (square >= nearest) continue;
+    nearest = square;
+    there = &candidate;
+  }
+  return {std::sqrt(nearest), leaving(sample.position, sample.normal, there->position),
+          leaving(there->position, there->normal, sample.position)};
+}
+
+BridgePair compare(const Sight& sight, const Patch& a, const Patch& b, float finger_width) {
+  if (!near_enough(a.record, b.record, finger_width)) return {shader::bridge_two, 0};
+  const auto mean = [](const Patch& p) { return Float3{p.record.mean.x, p.record.mean.y, p.record.mean.z}; };
+  const Float3 line = minus(mean(b), mean(a));
+  shader::Evidence e = shader::no_evidence();
+  std::vector<Way> from_a, from_b;
+  for (const Sample& sample : a.samples) {
+    from_a.push_back(way_across(sample, b));
+    e = with_sample(e, from_a.back().apart, dot3(sample.position, line));
+  }
+  for (const Sample& sample : b.samples) {
+    from_b.push_back(way_across(sample, a));
+    e = with_sample(e, from_b.back().apart, dot3(sample.position, line));
+  }
+  for (const Way& way : from_a)
+    e = with_way(e, way.apart, way.own, way.other);
+  for (const Way& way : from_b)
+    e = with_way(e, way.apart, way.other, way.own);
+  for (std::uint32_t s = 0; s < a.samples.size(); ++s) {
+    const Float3& from = a.samples[s].position;
+    const Float3& to = b.samples[shader::chord_end(s, b.record.samples)].position;
+    for (std::uint32_t k = 1; k < shader::bridge_steps; ++k) {
+      ++e.looked;
+      e.empty += is_seen_empty(sight, between(from, to, shader::chord_share(k))) ? 1 : 0;
+    }
+  }
+  return verdict(e, std::sqrt(dot3(line, line)), finger_width);
+}
+
+/// Who is one finger with whom.
+class Joining {
+ public:
+  explicit Joining(std::uint32_t count) : count_(count), pairs_(std::size_t{count} * count), head_(count) {
+    for (std::uint32_t p = 0; p < count; ++p)
+      head_[p] = p;
+  }
+  BridgePair& pair(std::uint32_t a, std::uint32_t b) { return pairs_[std::size_t{a} * count_ + b]; }
+  /// The finger's first patch.
+  std::uint32_t head(std::uint32_t p) const { return head_[p]; }
+
+  void join() {
+    while (join_surest()) {
+    }
+  }
+
+ private:
+  bool join_surest() {
+    const BridgePair* surest = nullptr;
+    std::uint32_t keeps = 0, goes = 0;
+    for (std::uint32_t a = 0; a < count_; ++a) {
+      for (std::uint32_t b = a + 1; b < count_; ++b) {
+        const BridgePair& candidate = pair(a, b);
+        if (candidate.kind != shader::bridge_one || head_[a] == head_[b] || strangers(head_[a], head_[b])) continue;
+        if (surest && candidate.facing >= surest->facing) continue;
+        surest = &candidate;
+        keeps = std::min(head_[a], head_[b]);
+        goes = std::max(head_[a], head_[b]);
+      }
+    }
+    std::replace(head_.begin(), head_.end(), goes, keeps);
+    return surest != nullptr;
+  }
+  /// Whether a member of the one and a member of the other are two fingers.
+  bool strangers(std::uint32_t one, std::uint32_t other) {
+    for (std::uint32_t a = 0; a < count_; ++a) {
+      for (std::uint32_t b = 0; b < count_; ++b) {
+        if (head_[a] == one && head_[b] == other && pair(std::min(a, b), std::max(a, b)).kind == shader::bridge_two)
+          return true;
+      }
+    }
+    return false;
+  }
+
+  std::uint32_t count_;
+  std::vector<BridgePair> pairs_;
+  std::vector<std::uint32_t> head_;
+};
+
+}  // namespace
+
+void bridge_fingers(const Sight& sight, const Parameters& parameters, Touch& out) {
+  const std::uint32_t count = out.finger_count;
+  if (count < 2) return;
+  std::vector<Patch> patches;
+  for (std::uint32_t f = 0; f < count; ++f)
+    patches.push_back(make_patch(sight, out, out.fingers[f]));
+  Joining joining(count);
+  const auto width = static_cast<float>(parameters.finger_width_m);
+  for (std::uint32_t a = 0; a < count; ++a) {
+    for (std::uint32_t b = a + 1; b < count; ++b) {
+      joining.pair(a, b) = out.fingers[a].solid == out.fingers[b].solid ? compare(sight, patches[a], patches[b], width)
+                                                                        : BridgePair{shader::bridge_two, 0};
+    }
+  }
+  joining.join();
+
+  std::uint32_t kept = 0;
+  std::vector<std::uint32_t> place(count);
+  for (std::uint32_t f = 0; f < count; ++f) {
+    Finger& finger = out.fingers[f];
+    if (joining.head(f) == f) {
+      place[f] = kept++;
+      if (place[f] != f) std::swap(out.fingers[place[f]], finger);
+      continue;
+    }
+    std::vector<std::uint32_t>& all = out.fingers[place[joining.head(f)]].contacts;
+    all.insert(all.end(), finger.contacts.begin(), finger.contacts.end());
+  }
+  for (std::uint32_t f = 0; f < kept; ++f) {
+    std::sort(out.fingers[f].contacts.begin(), out.fingers[f].contacts.end());
+    out.fingers[f].contact_count = static_cast<std::uint32_t>(out.fingers[f].contacts.size());
+  }
+  out.cluster_count -= count - kept;
+  out.finger_count = kept;
+}
+
+}  // namespace palpa::touch

@@ -1,0 +1,113 @@
+// The stage of a frame from skin to foci, in one piece: depth frames, or skin points from elsewhere, in; contacts,
+// fingers and foci out. What all frames share is apart from what each frame in flight writes to.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/solid.hpp"
+#include "gpu/buffer.hpp"
+#include "gpu/timestamps.hpp"
+#include "sensing/depth_source.hpp"
+#include "sensing/rays.hpp"
+#include "sensing/skin.hpp"
+#include "touch/chain.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// The world's box around everything touchable: skin outside of it needs no look. Grown by a hair against rounding.
+Box touchable_box(const std::vector<geometry::Solid>& solids);
+
+class StageFrame;
+
+/// Solids, rays and pipelines on the device; one for any number of frames in flight. `device` outlives it.
+class Stage {
+ public:
+  /// Without cameras every frame is a set of skin points. Uploads and waits. Throws as SolidTable and make_rays do.
+  Stage(const gpu::Device& device, const std::vector<geometry::Solid>& solids,
+        std::span<const sensing::Camera> cameras);
+
+  const SolidTable& solids() const { return solids_; }
+  const std::vector<sensing::Camera>& cameras() const { return cameras_; }
+
+  /// Records all that turns the frame's input into foci, and the readback that `detail` asks for. With `times`, marks
+  /// the names of SkinPass (depth frames only) and TouchPasses. Barriers: the submit that used `frame` before has
+  /// completed. Allocates nothing; throws bad_usage on unusable parameters.
+  void record(VkCommandBuffer commands, StageFrame& frame, const Parameters& parameters, Detail detail,
+              gpu::Timestamps* times = nullptr) const;
+
+ private:
+  friend class StageFrame;
+  std::vector<sensing::Camera> cameras_;
+  Box box_;
+  sensing::RayTables tables_;
+  gpu::Buffer rays_;
+  gpu::Upload bridge_cameras_;
+  SolidTable solids_;
+  sensing::SkinPass skin_pass_;
+  TouchPasses touch_passes_;
+};
+
+/// What one frame in flight reads and writes. Give it its input, record, submit, wait, read.
+class StageFrame {
+ public:
+  /// Room for all pixels of the stage's cameras, else for `capacity.points` skin points; and for `capacity.contacts`.
+  StageFrame(const gpu::Device& device, const Stage& stage, Capacity capacity = {});
+
+  /// The input of the next record: one image per camera, or points whose indices ascend. The images and points are
+  /// copied. Throws bad_usage for images that do not fit the cameras, or for more points than there is room for.
+  void set(std::span<const sensing::DepthFrame> images);
+  void set(std::span<const sensing::SkinPoint> points);
+
+  /// For passes that go on from here.
+  const TouchBuffers& buffers() const { return touch_; }
+
+ private:
+  friend class Stage;
+  const sensing::RayTables* tables_;
+  std::vector<sensing::View> views_;
+  gpu::Upload depth_;
+  std::optional<sensing::SkinMemory> skin_;
+  gpu::Upload points_, total_;
+  TouchBuffers touch_;
+};
+
+/// What the newest record found, once its submit has completed; as read() of its buffers.
+inline void read(const StageFrame& frame, Touch& out) {
+  read(frame.buffers(), out);
+}
+
+/// The twin of the stage: the passes' C++ twins on the calling thread.
+class HostStage {
+ public:
+  /// Called after each part with its name: "skin", "contacts", "fingers", "bridge", "foci".
+  using Mark = std::function<void(const char*)>;
+
+  /// Throws as make_plane_table and make_rays do.
+  HostStage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras);
+
+  const PlaneTable& solids() const { return table_; }
+
+  /// Throws bad_usage for images that do not fit the cameras, and on unusable parameters.
+  void touch(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
+             const Mark& mark = {});
+  void touch(std::span<const sensing::SkinPoint> points, const Parameters& parameters, Touch& out,
+             const Mark& mark = {});
+
+ private:
+  void touch(std::span<const sensing::SkinPoint> points, const Sight* sight, const Parameters& parameters, Touch& out,
+             const Mark& mark) const;
+
+  std::vector<sensing::Camera> cameras_;
+  Box box_;
+  sensing::RayTables tables_;
+  std::vector<shader::BridgeCamera> bridge_cameras_;
+  PlaneTable table_;
+  std::vector<sensing::View> views_;        // scratch
+  std::vector<sensing::SkinPoint> points_;  // scratch
+};
+
+}  // namespace palpa::touch

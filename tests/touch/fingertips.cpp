@@ -1,0 +1,104 @@
+#include "touch/fingertips.hpp"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "geometry/gltf.hpp"
+#include "geometry/ply.hpp"
+#include "sensing/rig.hpp"
+#include "sensing/synthetic.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::touch::test {
+namespace {
+
+using palpa::test::source_file;
+
+double radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
+}
+
+const geometry::Mesh& finger() {
+  static const geometry::Mesh mesh = [] {
+    geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
+    return geometry::Mesh{std::move(ply.positions), std::move(ply.triangles)};
+  }();
+  return mesh;
+}
+
+Transform pose_of(const Press& press) {
+  const double tilt = radians(press.tilt_deg), turn = radians(press.azimuth_deg);
+  const Vec3 lean(std::cos(turn), 0, std::sin(turn));
+  const Vec3 body = Vec3(0, std::cos(tilt), 0) + std::sin(tilt) * lean;
+  const Vec3 side = glm::normalize(glm::cross(lean, Vec3(0, 1, 0)));
+  Transform T(Vec4(side, 0), Vec4(body, 0), Vec4(glm::cross(side, body), 0), Vec4(0, 0, 0, 1));
+  // The pad, not the finger's other end, is what touches.
+  constexpr double pad = 14e-3;
+  Vec3 lowest(0, 1, 0);
+  for (const Vec3& p : finger().positions) {
+    const Vec3 world = transform_direction(T, p);
+    if (p.y < pad && world.y < lowest.y) lowest = world;
+  }
+  T[3] = Vec4(Vec3(press.x, -press.press_m, press.z) - lowest, 1);
+  return T;
+}
+
+}  // namespace
+
+std::vector<sensing::Camera> paper_cameras(int count) {
+  auto cameras = sensing::load_rig(source_file("assets/rigs/paper.toml")).cameras;
+  cameras.resize(static_cast<std::size_t>(count));
+  return cameras;
+}
+
+std::vector<sensing::Camera> ring_of_cameras(int count, double elevation_deg, double azimuth_deg) {
+  constexpr double distance = 0.35;
+  std::vector<sensing::Camera> cameras;
+  for (int i = 0; i < count; ++i) {
+    const double up = radians(elevation_deg), around = radians(azimuth_deg + 360.0 * i / count);
+    const Vec3 eye = distance * Vec3(std::cos(up) * std::cos(around), std::sin(up), std::cos(up) * std::sin(around));
+    const Vec3 forward = -glm::normalize(eye), right = glm::normalize(glm::cross(forward, Vec3(0, 1, 0)));
+    sensing::Camera camera = paper_cameras(1)[0];
+    camera.T_world_camera =
+        Transform(Vec4(right, 0), Vec4(glm::cross(forward, right), 0), Vec4(forward, 0), Vec4(eye, 1));
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
+std::vector<geometry::Solid> object(const std::string& name) {
+  return geometry::make_solids(geometry::load_gltf(source_file("assets/" + name + ".glb")));
+}
+
+std::vector<sensing::DepthFrame> images_of(const std::vector<sensing::Camera>& cameras,
+                                           const std::vector<Press>& presses, std::uint64_t seed) {
+  sensing::SyntheticRig rig(cameras, {}, sensing::Noise::d415, seed);
+  std::vector<sensing::Posed> skin;
+  for (const Press& press : presses)
+    skin.push_back({&finger(), pose_of(press)});
+  sensing::FrameSet set;
+  rig.render(skin, seed, set);
+  return set.frames;
+}
+
+std::vector<std::uint32_t> owners(const Touch& touch, const std::vector<Press>& presses) {
+  std::vector<std::uint32_t> out;
+  for (const Contact& contact : touch.contacts) {
+    double nearest = 1e300;
+    std::uint32_t owner = 0;
+    for (std::uint32_t f = 0; f < presses.size(); ++f) {
+      const Transform T = pose_of(presses[f]);
+      for (const Vec3& p : finger().positions) {
+        const double apart = glm::distance(transform_point(T, p), Vec3(contact.position));
+        if (apart >= nearest) continue;
+        nearest = apart;
+        owner = f;
+      }
+    }
+    out.push_back(owner);
+  }
+  return out;
+}
+
+}  // namespace palpa::touch::test

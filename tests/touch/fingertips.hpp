@@ -1,0 +1,34 @@
+// Fingertips that press into the paper's objects before rigs of one to three depth cameras.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "geometry/solid.hpp"
+#include "sensing/depth_source.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch::test {
+
+/// `count` D415 in a ring around the origin, 0.35 m away, looking at it from `elevation_deg` above the horizon; the first
+/// at `azimuth_deg` from +x towards +z.
+std::vector<sensing::Camera> ring_of_cameras(int count, double elevation_deg, double azimuth_deg);
+/// The first `count` cameras of the paper's rig, which look up.
+std::vector<sensing::Camera> paper_cameras(int count);
+
+std::vector<geometry::Solid> object(const std::string& name);
+
+/// A finger that leans by `tilt_deg` from the vertical towards `azimuth_deg`, its lowest place `press_m` below (x, 0, z).
+struct Press {
+  double press_m = 3e-3, tilt_deg = 0, azimuth_deg = 0, x = 0, z = 0;
+};
+
+/// What the cameras see of these fingers, with the D415's faults.
+std::vector<sensing::DepthFrame> images_of(const std::vector<sensing::Camera>& cameras,
+                                           const std::vector<Press>& presses, std::uint64_t seed);
+
+/// Whose skin each contact is: the press whose finger's surface is nearest.
+std::vector<std::uint32_t> owners(const Touch& touch, const std::vector<Press>& presses);
+
+}  // namespace palpa::touch::test
