@@ -151,8 +151,9 @@ PALPA_FN bool near_enough(BridgePatch a, BridgePatch b, float finger_width) {
 }
 
 // Chords through the space between two patches: from each sample of the one to some sample of the other, looked at in
-// steps.
-PALPA_CONST bridge_steps = 8u;
+// steps of an eighth; not at their ends, where pictures of rims are least to be trusted.
+PALPA_CONST bridge_first_step = 2u;
+PALPA_CONST bridge_last_step = 6u;
 PALPA_FN uint chord_end(uint sample_a, uint samples_b) {
   return (sample_a * 37u + 11u) % samples_b;
 }
@@ -202,7 +203,7 @@ PALPA_FN Evidence with_way(Evidence e, float apart, float leaving_a, float leavi
 }
 
 // Share of places seen empty, of 64, that makes two fingers of two patches.
-PALPA_CONST bridge_most_empty = 4u;
+PALPA_CONST bridge_most_empty = 6u;
 #define PALPA_BRIDGE_AWAY -0.1f
 #define PALPA_BRIDGE_TOWARDS 0.3f
 

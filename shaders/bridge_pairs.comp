@@ -87,7 +87,7 @@ void main() {
       if (thread < one.samples) {
         const Float3 from = position(first_a + thread);
         const Float3 to = position(first_b + chord_end(thread, other.samples));
-        for (uint k = 1u; k < bridge_steps; ++k) {
+        for (uint k = bridge_first_step; k <= bridge_last_step; ++k) {
           ++looked;
           empty += is_seen_empty(between(from, to, chord_share(k))) ? 1u : 0u;
         }

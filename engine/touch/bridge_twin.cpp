@@ -124,7 +124,7 @@ BridgePair compare(const Sight& sight, const Patch& a, const Patch& b, float fin
   for (std::uint32_t s = 0; s < a.samples.size(); ++s) {
     const Float3& from = a.samples[s].position;
     const Float3& to = b.samples[shader::chord_end(s, b.record.samples)].position;
-    for (std::uint32_t k = 1; k < shader::bridge_steps; ++k) {
+    for (std::uint32_t k = shader::bridge_first_step; k <= shader::bridge_last_step; ++k) {
       ++e.looked;
       e.empty += is_seen_empty(sight, between(from, to, shader::chord_share(k))) ? 1 : 0;
     }

@@ -16,7 +16,7 @@ struct Parameters {
   std::uint32_t foci = 10;       ///< N, 1 to max_foci
   /// With depth frames: patches of contacts that are together no wider than this may be one finger whose skin between
   /// them no camera sees (touch/bridge.hpp). 0: every cluster is a finger of its own.
-  double finger_width_m = 0;
+  double finger_width_m = 25e-3;
 };
 
 /// What the host wants to read of a frame: fingers with their foci, or every contact and whose it is as well. With

@@ -30,17 +30,19 @@ const geometry::Mesh& finger() {
 Transform pose_of(const Press& press) {
   const double tilt = radians(press.tilt_deg), turn = radians(press.azimuth_deg);
   const Vec3 lean(std::cos(turn), 0, std::sin(turn));
-  const Vec3 body = Vec3(0, std::cos(tilt), 0) + std::sin(tilt) * lean;
+  const double up = press.from_below ? -1 : 1;
+  const Vec3 body = Vec3(0, up * std::cos(tilt), 0) + std::sin(tilt) * lean;
   const Vec3 side = glm::normalize(glm::cross(lean, Vec3(0, 1, 0)));
-  Transform T(Vec4(side, 0), Vec4(body, 0), Vec4(glm::cross(side, body), 0), Vec4(0, 0, 0, 1));
+  const double s = press.scale;
+  Transform T(Vec4(side * s, 0), Vec4(body * s, 0), Vec4(glm::cross(side, body) * s, 0), Vec4(0, 0, 0, 1));
   // The pad, not the finger's other end, is what touches.
   constexpr double pad = 14e-3;
-  Vec3 lowest(0, 1, 0);
+  Vec3 foremost(0, up, 0);
   for (const Vec3& p : finger().positions) {
     const Vec3 world = transform_direction(T, p);
-    if (p.y < pad && world.y < lowest.y) lowest = world;
+    if (p.y < pad && up * world.y < up * foremost.y) foremost = world;
   }
-  T[3] = Vec4(Vec3(press.x, -press.press_m, press.z) - lowest, 1);
+  T[3] = Vec4(Vec3(press.x, press.y - up * press.press_m, press.z) - foremost, 1);
   return T;
 }
 

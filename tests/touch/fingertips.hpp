@@ -11,17 +11,20 @@
 
 namespace palpa::touch::test {
 
-/// `count` D415 in a ring around the origin, 0.35 m away, looking at it from `elevation_deg` above the horizon; the first
-/// at `azimuth_deg` from +x towards +z.
+/// `count` D415 in a ring around the origin, 0.35 m away, looking at it from `elevation_deg` above the horizon; the
+/// first at `azimuth_deg` from +x towards +z.
 std::vector<sensing::Camera> ring_of_cameras(int count, double elevation_deg, double azimuth_deg);
 /// The first `count` cameras of the paper's rig, which look up.
 std::vector<sensing::Camera> paper_cameras(int count);
 
 std::vector<geometry::Solid> object(const std::string& name);
 
-/// A finger that leans by `tilt_deg` from the vertical towards `azimuth_deg`, its lowest place `press_m` below (x, 0, z).
+/// A finger that leans by `tilt_deg` from the vertical towards `azimuth_deg`, its lowest place `press_m` below (x, y,
+/// z); or one that comes from below, its highest place as far above.
 struct Press {
-  double press_m = 3e-3, tilt_deg = 0, azimuth_deg = 0, x = 0, z = 0;
+  double press_m = 3e-3, tilt_deg = 0, azimuth_deg = 0, x = 0, y = 0, z = 0;
+  bool from_below = false;
+  double scale = 1;  ///< of the finger, 18 mm thick
 };
 
 /// What the cameras see of these fingers, with the D415's faults.

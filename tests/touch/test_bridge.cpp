@@ -1,0 +1,262 @@
+// Hidden skin: patches on two sides of one fingertip are one finger, neighbouring fingertips are two.
+#include "touch/bridge.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "base/error.hpp"
+#include "gpu/commands.hpp"
+#include "support/device.hpp"
+#include "touch/fingertips.hpp"
+#include "touch/harness.hpp"
+#include "touch/stage.hpp"
+
+namespace palpa::touch::test {
+namespace {
+
+using palpa::test::test_device;
+using Images = std::vector<sensing::DepthFrame>;
+using Cameras = std::vector<sensing::Camera>;
+
+Touch touch_on(Backend backend, const std::vector<geometry::Solid>& solids, const Cameras& cameras,
+               const Images& images, const Parameters& parameters = {}) {
+  Touch out;
+  if (backend == Backend::cpu) {
+    HostStage(solids, cameras).touch(images, parameters, out);
+    return out;
+  }
+  const Stage stage(test_device(), solids, cameras);
+  StageFrame frame(test_device(), stage);
+  frame.set(images);
+  const gpu::Recorder recorder(test_device(), "bridge test");
+  gpu::Timeline timeline(test_device(), "bridge test");
+  stage.record(recorder.begin(), frame, parameters, Detail::contacts);
+  timeline.wait(timeline.submit(recorder.end()));
+  read(frame, out);
+  return out;
+}
+
+Parameters unbridged() {
+  return {.finger_width_m = 0};
+}
+
+/// How many of the presses have contacts in a finger, counting what is more than a tenth of it.
+std::vector<int> presses_in_fingers(const Touch& touch, const std::vector<Press>& presses) {
+  const std::vector<std::uint32_t> owner = owners(touch, presses);
+  std::vector<int> out;
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+    std::vector<std::size_t> share(presses.size());
+    for (const std::uint32_t i : touch.fingers[f].contacts)
+      ++share[owner[i]];
+    out.push_back(static_cast<int>(std::count_if(
+        share.begin(), share.end(), [&](std::size_t s) { return s * 10 > touch.fingers[f].contacts.size(); })));
+  }
+  return out;
+}
+
+class Bridge : public OnBothBackends {};
+INSTANTIATE_TEST_SUITE_P(, Bridge, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
+
+TEST_P(Bridge, JoinsTheTwoSidesOfAFingertip) {
+  const auto solids = object("cube");
+  const Cameras cameras = ring_of_cameras(2, 20, 30);
+  const Images images = images_of(cameras, {{.press_m = 5e-3}}, 1);
+  const Touch apart = touch_on(GetParam(), solids, cameras, images, unbridged());
+  ASSERT_EQ(apart.finger_count, 2u);
+  const Touch joined = touch_on(GetParam(), solids, cameras, images);
+  ASSERT_EQ(joined.finger_count, 1u);
+  EXPECT_EQ(joined.cluster_count, 1u);
+  const Finger& finger = joined.fingers[0];
+  EXPECT_EQ(finger.contact_count, finger.contacts.size());
+  EXPECT_TRUE(std::is_sorted(finger.contacts.begin(), finger.contacts.end()));
+  std::vector<std::uint32_t> all = apart.fingers[0].contacts;
+  all.insert(all.end(), apart.fingers[1].contacts.begin(), apart.fingers[1].contacts.end());
+  std::sort(all.begin(), all.end());
+  EXPECT_EQ(finger.contacts, all);
+  // The centroid of both sides is the fingertip's axis; that of either side is not.
+  EXPECT_LT(std::hypot(finger.section.centroid.x, finger.section.centroid.z), 1e-3);
+  EXPECT_GT(std::hypot(apart.fingers[0].section.centroid.x, apart.fingers[0].section.centroid.z), 4e-3);
+}
+
+TEST_P(Bridge, LeavesPointsAlone) {
+  const auto solids = object("cube");
+  const Cameras cameras = ring_of_cameras(2, 20, 30);
+  const Images images = images_of(cameras, {{.press_m = 5e-3}}, 1);
+  const auto skin = sensing::find_skin(cameras, images, touchable_box(solids));
+  Touch out;
+  HostStage(solids, {}).touch(skin, {}, out);
+  EXPECT_EQ(out.finger_count, 2u);
+}
+
+TEST_P(Bridge, JoinsNothingWiderThanAFinger) {
+  const auto solids = object("cube");
+  const Cameras cameras = ring_of_cameras(2, 20, 30);
+  const Images images = images_of(cameras, {{.press_m = 5e-3}}, 1);
+  for (const auto& [width, fingers] : {std::pair{0.0, 2u}, {5e-3, 2u}, {10e-3, 2u}, {18e-3, 1u}, {1.0, 1u}}) {
+    const Touch touch = touch_on(GetParam(), solids, cameras, images, {.finger_width_m = width});
+    EXPECT_EQ(touch.finger_count, fingers) << width;
+  }
+  for (const double bad : {-1e-3, std::nan(""), double{INFINITY}}) {
+    EXPECT_THROW(touch_on(GetParam(), solids, cameras, images, {.finger_width_m = bad}), Error) << bad;
+  }
+}
+
+TEST_P(Bridge, NeighboursSeenFromBothSidesStayTwo) {
+  // Each of the two is two patches: joined the right way, not across.
+  const auto solids = object("cube");
+  const Cameras cameras = ring_of_cameras(2, 0, 0);
+  for (const double gap : {19e-3, 20e-3, 22e-3}) {
+    const std::vector<Press> presses{{.press_m = 5.2e-3, .z = -gap / 2}, {.press_m = 5.2e-3, .z = gap / 2}};
+    const Images images = images_of(cameras, presses, 2);
+    const Touch touch = touch_on(GetParam(), solids, cameras, images);
+    EXPECT_EQ(touch.finger_count, 2u) << gap;
+    EXPECT_EQ(presses_in_fingers(touch, presses), std::vector<int>(touch.finger_count, 1)) << gap;
+  }
+}
+
+TEST_P(Bridge, NeighboursWhoseFacingSidesAreHiddenStayTwo) {
+  // Only the outer sides are seen; the width tells.
+  const auto solids = object("cube");
+  const Cameras cameras = ring_of_cameras(2, 20, 0);
+  const std::vector<Press> presses{{.press_m = 5e-3, .x = -9.5e-3}, {.press_m = 5e-3, .x = 9.5e-3}};
+  const Touch touch = touch_on(GetParam(), solids, cameras, images_of(cameras, presses, 3));
+  EXPECT_GE(touch.finger_count, 2u);
+  EXPECT_EQ(presses_in_fingers(touch, presses), std::vector<int>(touch.finger_count, 1));
+}
+
+TEST_P(Bridge, NeighboursSeenFromAboveStayTwo) {
+  // Fingertips that reach sideways into a wall, 2 to 6 mm apart, one camera above: the tops of two rings.
+  const std::vector<geometry::Solid> wall{box({-0.1, -0.1, -0.1}, {-0.006, 0.1, 0.1}, "wall")};
+  for (const double gap : {20.5e-3, 22e-3, 24.5e-3}) {
+    const std::vector<Press> presses{{.tilt_deg = 90, .z = -gap / 2}, {.tilt_deg = 90, .z = gap / 2}};
+    for (const double elevation : {89.0, 60.0, 30.0}) {
+      const Cameras camera = ring_of_cameras(1, elevation, 190);
+      const Touch touch = touch_on(GetParam(), wall, camera, images_of(camera, presses, 4));
+      ASSERT_GE(touch.finger_count, 2u) << gap << ' ' << elevation;
+      const Touch before = touch_on(GetParam(), wall, camera, images_of(camera, presses, 4), unbridged());
+      EXPECT_EQ(touch.finger_count, before.finger_count) << gap << ' ' << elevation;
+    }
+  }
+}
+
+TEST_P(Bridge, ThumbAndIndexThatPinchAPlateStayTwo) {
+  const std::vector<geometry::Solid> plate{box({-0.03, -0.009, -0.03}, {0.03, 0, 0.03}, "plate")};
+  for (const double elevation : {-20.0, 0.0, 20.0}) {
+    for (const int count : {1, 2, 3}) {
+      const Cameras cameras = ring_of_cameras(count, elevation, 15);
+      const std::vector<Press> presses{{.press_m = 4e-3}, {.press_m = 4e-3, .y = -9e-3, .from_below = true}};
+      const Touch touch = touch_on(GetParam(), plate, cameras, images_of(cameras, presses, 5));
+      EXPECT_GE(touch.finger_count, 1u);
+      EXPECT_EQ(presses_in_fingers(touch, presses), std::vector<int>(touch.finger_count, 1))
+          << count << " cameras, " << elevation;
+    }
+  }
+}
+
+TEST_P(Bridge, CrossingFingersStayTwo) {
+  const auto solids = object("cube");
+  for (const int count : {1, 2, 3}) {
+    for (const double elevation : {-30.0, 0.0, 20.0}) {
+      const Cameras cameras = ring_of_cameras(count, elevation, 40);
+      // Each leans over the other.
+      const std::vector<Press> presses{{.press_m = 4e-3, .tilt_deg = 50, .azimuth_deg = 30, .x = -8e-3, .z = -9e-3},
+                                       {.press_m = 4e-3, .tilt_deg = 50, .azimuth_deg = 150, .x = 8e-3, .z = 9e-3}};
+      const Touch touch = touch_on(GetParam(), solids, cameras, images_of(cameras, presses, 6));
+      EXPECT_EQ(presses_in_fingers(touch, presses), std::vector<int>(touch.finger_count, 1))
+          << count << " cameras, " << elevation;
+    }
+  }
+}
+
+/// One or two fingertips at random before a rig.
+struct Trial {
+  Cameras cameras;
+  std::vector<Press> presses;
+  std::string name;
+  Images images;
+};
+
+Trial random_trial(std::mt19937& random, std::size_t fingers) {
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  Trial trial;
+  constexpr std::array<double, 4> elevations{-30, 0, 20, 35}, tilts{0, 20, 45, 65};
+  const int count = 1 + static_cast<int>(random() % 3);
+  trial.cameras =
+      random() % 4 == 0 ? paper_cameras(count) : ring_of_cameras(count, elevations[random() % 4], between(0, 360));
+  constexpr std::array names{"cube", "semi-sphere", "prism"};
+  trial.name = names[random() % 3];
+  Press press{.press_m = between(1e-3, 6e-3), .tilt_deg = tilts[random() % 4], .azimuth_deg = between(0, 360)};
+  const double turn = press.azimuth_deg * std::numbers::pi / 180;
+  const double apart = fingers == 2 ? between(19e-3, 22.5e-3) : 0;
+  for (std::size_t f = 0; f < fingers; ++f) {
+    const double side = f == 0 ? -apart / 2 : apart / 2;
+    press.x = -std::sin(turn) * side;
+    press.z = std::cos(turn) * side;
+    trial.presses.push_back(press);
+    press.press_m = std::clamp(press.press_m + between(-1e-3, 1e-3), 1e-3, 6e-3);
+  }
+  trial.images = images_of(trial.cameras, trial.presses, random());
+  return trial;
+}
+
+TEST(BridgeRates, FingertipsStayWholeAndNeighboursApart) {
+  // tests/touch/bridge_rates prints the rates of many more; docs/touch.md has them.
+  std::mt19937 random(11);
+  int split_before = 0, split_after = 0, merged_by_bridging = 0;
+  for (int t = 0; t < 60; ++t) {
+    const Trial trial = random_trial(random, t % 2 == 0 ? 1 : 2);
+    const auto solids = object(trial.name);
+    const Touch before = touch_on(Backend::cpu, solids, trial.cameras, trial.images, unbridged());
+    const Touch after = touch_on(Backend::cpu, solids, trial.cameras, trial.images);
+    if (trial.presses.size() == 1) {
+      split_before += before.finger_count > 1 ? 1 : 0;
+      split_after += after.finger_count > 1 ? 1 : 0;
+      continue;
+    }
+    const auto merged = [&](const Touch& touch) {
+      const auto presses = presses_in_fingers(touch, trial.presses);
+      return std::count(presses.begin(), presses.end(), 2);
+    };
+    merged_by_bridging += merged(after) > merged(before) ? 1 : 0;
+  }
+  EXPECT_GE(split_before, 3);
+  EXPECT_LE(split_after * 4, split_before);
+  EXPECT_EQ(merged_by_bridging, 0);
+}
+
+TEST(BridgeOnDevice, DecidesAsTheTwin) {
+  std::mt19937 random(12);
+  for (int t = 0; t < 12; ++t) {
+    const Trial trial = random_trial(random, 1 + t % 2);
+    const auto solids = object(trial.name);
+    expect_identical(touch_on(Backend::cpu, solids, trial.cameras, trial.images),
+                     touch_on(Backend::gpu, solids, trial.cameras, trial.images));
+  }
+}
+
+TEST(BridgeOnDevice, DecidesAsTheTwinForManyPatchesAndBentLenses) {
+  // Small fingers in rows, seen through a distorting lens: more patches than a group has room for in one go.
+  Cameras cameras = ring_of_cameras(2, 15, 20);
+  for (sensing::Camera& camera : cameras)
+    camera.distortion = {0.08, -0.05, 1e-3, -2e-3, 0.01};
+  const std::vector<geometry::Solid> plate{box({-0.1, -0.05, -0.1}, {0.1, 0, 0.1}, "plate")};
+  std::vector<Press> presses;
+  for (int i = 0; i < 25; ++i)
+    presses.push_back({.press_m = 3e-3, .x = 24e-3 * (i % 5 - 2), .z = 24e-3 * (i / 5 - 2), .scale = 0.6});
+  const Images images = images_of(cameras, presses, 7);
+  const Touch before = touch_on(Backend::cpu, plate, cameras, images, unbridged());
+  const Touch cpu = touch_on(Backend::cpu, plate, cameras, images);
+  EXPECT_GT(before.finger_count, 25u);
+  EXPECT_LT(cpu.finger_count, before.finger_count);
+  expect_identical(cpu, touch_on(Backend::gpu, plate, cameras, images));
+  EXPECT_EQ(presses_in_fingers(cpu, presses), std::vector<int>(cpu.finger_count, 1));
+}
+
+}  // namespace
+}  // namespace palpa::touch::test
