@@ -1,5 +1,6 @@
 #include "touch/fingertips.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -101,6 +102,43 @@ std::vector<std::uint32_t> owners(const Touch& touch, const std::vector<Press>& 
     out.push_back(owner);
   }
   return out;
+}
+
+std::vector<int> presses_in_fingers(const Touch& touch, const std::vector<Press>& presses) {
+  const std::vector<std::uint32_t> owner = owners(touch, presses);
+  std::vector<int> out;
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+    std::vector<std::size_t> share(presses.size());
+    for (const std::uint32_t i : touch.fingers[f].contacts)
+      ++share[owner[i]];
+    const std::size_t all = touch.fingers[f].contacts.size();
+    out.push_back(static_cast<int>(
+        std::count_if(share.begin(), share.end(), [&](std::size_t contacts) { return contacts * 10 > all; })));
+  }
+  return out;
+}
+
+Trial random_trial(std::mt19937& random, int cameras, double elevation_deg, const std::string& object,
+                   std::size_t fingers) {
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  constexpr std::array<double, 4> tilts{0, 20, 45, 65};
+  Trial trial;
+  trial.object = object;
+  trial.cameras =
+      elevation_deg == paper_rig ? paper_cameras(cameras) : ring_of_cameras(cameras, elevation_deg, between(0, 360));
+  Press press{.press_m = between(1e-3, 6e-3), .tilt_deg = tilts[random() % 4], .azimuth_deg = between(0, 360)};
+  const double turn = radians(press.azimuth_deg), apart = fingers == 2 ? between(19e-3, 22.5e-3) : 0;
+  for (std::size_t f = 0; f < fingers; ++f) {
+    const double side = f == 0 ? -apart / 2 : apart / 2;
+    press.x = -std::sin(turn) * side;
+    press.z = std::cos(turn) * side;
+    trial.presses.push_back(press);
+    press.press_m = std::clamp(press.press_m + between(-1e-3, 1e-3), 1e-3, 6e-3);
+  }
+  trial.images = images_of(trial.cameras, trial.presses, random());
+  return trial;
 }
 
 }  // namespace palpa::touch::test

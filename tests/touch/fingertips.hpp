@@ -1,7 +1,9 @@
 // Fingertips that press into the paper's objects before rigs of one to three depth cameras.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -33,5 +35,23 @@ std::vector<sensing::DepthFrame> images_of(const std::vector<sensing::Camera>& c
 
 /// Whose skin each contact is: the press whose finger's surface is nearest.
 std::vector<std::uint32_t> owners(const Touch& touch, const std::vector<Press>& presses);
+
+/// Of each finger, how many presses it holds contacts of, those left out that make up less than a tenth of it.
+std::vector<int> presses_in_fingers(const Touch& touch, const std::vector<Press>& presses);
+
+/// One fingertip, or two side by side, 0.5 to 4 mm apart, pressed 1 to 6 mm deep into one of the paper's objects,
+/// upright or leaning up to 65 degrees at any azimuth, before a rig of cameras.
+struct Trial {
+  std::vector<sensing::Camera> cameras;
+  std::vector<Press> presses;
+  std::string object;
+  std::vector<sensing::DepthFrame> images;
+};
+/// In place of an elevation: the first cameras of the paper's rig, in place of a ring at any azimuth.
+inline constexpr double paper_rig = -99;
+inline constexpr std::array<double, 5> trial_elevations{paper_rig, -30, 0, 20, 35};
+inline constexpr std::array trial_objects{"cube", "semi-sphere", "prism"};
+Trial random_trial(std::mt19937& random, int cameras, double elevation_deg, const std::string& object,
+                   std::size_t fingers);
 
 }  // namespace palpa::touch::test

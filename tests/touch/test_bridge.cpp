@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "base/error.hpp"
@@ -42,20 +41,6 @@ Touch touch_on(Backend backend, const std::vector<geometry::Solid>& solids, cons
 
 Parameters unbridged() {
   return {.finger_width_m = 0};
-}
-
-/// How many of the presses have contacts in a finger, counting what is more than a tenth of it.
-std::vector<int> presses_in_fingers(const Touch& touch, const std::vector<Press>& presses) {
-  const std::vector<std::uint32_t> owner = owners(touch, presses);
-  std::vector<int> out;
-  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-    std::vector<std::size_t> share(presses.size());
-    for (const std::uint32_t i : touch.fingers[f].contacts)
-      ++share[owner[i]];
-    out.push_back(static_cast<int>(std::count_if(
-        share.begin(), share.end(), [&](std::size_t s) { return s * 10 > touch.fingers[f].contacts.size(); })));
-  }
-  return out;
 }
 
 class Bridge : public OnBothBackends {};
@@ -172,46 +157,20 @@ TEST_P(Bridge, CrossingFingersStayTwo) {
   }
 }
 
-/// One or two fingertips at random before a rig.
-struct Trial {
-  Cameras cameras;
-  std::vector<Press> presses;
-  std::string name;
-  Images images;
-};
-
-Trial random_trial(std::mt19937& random, std::size_t fingers) {
-  const auto between = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
-  Trial trial;
-  constexpr std::array<double, 4> elevations{-30, 0, 20, 35}, tilts{0, 20, 45, 65};
-  const int count = 1 + static_cast<int>(random() % 3);
-  trial.cameras =
-      random() % 4 == 0 ? paper_cameras(count) : ring_of_cameras(count, elevations[random() % 4], between(0, 360));
-  constexpr std::array names{"cube", "semi-sphere", "prism"};
-  trial.name = names[random() % 3];
-  Press press{.press_m = between(1e-3, 6e-3), .tilt_deg = tilts[random() % 4], .azimuth_deg = between(0, 360)};
-  const double turn = press.azimuth_deg * std::numbers::pi / 180;
-  const double apart = fingers == 2 ? between(19e-3, 22.5e-3) : 0;
-  for (std::size_t f = 0; f < fingers; ++f) {
-    const double side = f == 0 ? -apart / 2 : apart / 2;
-    press.x = -std::sin(turn) * side;
-    press.z = std::cos(turn) * side;
-    trial.presses.push_back(press);
-    press.press_m = std::clamp(press.press_m + between(-1e-3, 1e-3), 1e-3, 6e-3);
-  }
-  trial.images = images_of(trial.cameras, trial.presses, random());
-  return trial;
+/// One or two fingertips at random, before any rig.
+Trial any_trial(std::mt19937& random, std::size_t fingers) {
+  const int cameras = 1 + static_cast<int>(random() % 3);
+  const double elevation = trial_elevations[random() % trial_elevations.size()];
+  return random_trial(random, cameras, elevation, trial_objects[random() % trial_objects.size()], fingers);
 }
 
 TEST(BridgeRates, FingertipsStayWholeAndNeighboursApart) {
-  // tests/touch/bridge_rates prints the rates of many more; docs/touch.md has them.
+  // Where the underside is hidden. tests/touch/bridge_rates prints the rates of many more; docs/touch.md has them.
   std::mt19937 random(11);
   int split_before = 0, split_after = 0, merged_by_bridging = 0;
-  for (int t = 0; t < 60; ++t) {
-    const Trial trial = random_trial(random, t % 2 == 0 ? 1 : 2);
-    const auto solids = object(trial.name);
+  for (int t = 0; t < 40; ++t) {
+    const Trial trial = random_trial(random, 2, t % 4 < 2 ? 0 : 20, trial_objects[t % 3], t % 2 == 0 ? 1 : 2);
+    const auto solids = object(trial.object);
     const Touch before = touch_on(Backend::cpu, solids, trial.cameras, trial.images, unbridged());
     const Touch after = touch_on(Backend::cpu, solids, trial.cameras, trial.images);
     if (trial.presses.size() == 1) {
@@ -225,16 +184,16 @@ TEST(BridgeRates, FingertipsStayWholeAndNeighboursApart) {
     };
     merged_by_bridging += merged(after) > merged(before) ? 1 : 0;
   }
-  EXPECT_GE(split_before, 3);
-  EXPECT_LE(split_after * 4, split_before);
+  EXPECT_GE(split_before, 5);
+  EXPECT_LE(split_after * 5, split_before);
   EXPECT_EQ(merged_by_bridging, 0);
 }
 
 TEST(BridgeOnDevice, DecidesAsTheTwin) {
   std::mt19937 random(12);
   for (int t = 0; t < 12; ++t) {
-    const Trial trial = random_trial(random, 1 + t % 2);
-    const auto solids = object(trial.name);
+    const Trial trial = any_trial(random, 1 + t % 2);
+    const auto solids = object(trial.object);
     expect_identical(touch_on(Backend::cpu, solids, trial.cameras, trial.images),
                      touch_on(Backend::gpu, solids, trial.cameras, trial.images));
   }
