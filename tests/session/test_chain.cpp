@@ -26,7 +26,8 @@ thread_local std::size_t allocations = 0;
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define PALPA_WATCH_HEAP 1
-void* operator new(std::size_t size) {
+// Not inlined: a compiler that sees only one half of a pair takes malloc and delete for a mismatch.
+[[gnu::noinline]] void* operator new(std::size_t size) {
   if (watching) ++allocations;
   if (void* memory = std::malloc(size ? size : 1)) return memory;
   throw std::bad_alloc();
