@@ -17,9 +17,9 @@ int main(int argc, char** argv) {
     const palpa::geometry::SceneMesh bunny{"bunny", palpa::assets::stand_up(palpa::assets::read_bunny(argv[1]), 0.1)};
     const palpa::geometry::Mesh finger = palpa::assets::make_finger();
     palpa::geometry::Mesh both =
-        palpa::assets::press_finger(finger, bunny.mesh, Vec3(0.022, 0.06, 0.004), Vec3(-0.15, -1, -0.1), 0.003);
-    palpa::geometry::append(both, palpa::assets::press_finger(finger, bunny.mesh, Vec3(-0.01, 0.085, -0.015),
-                                                              Vec3(-0.1, -0.25, -1), 0.003));
+        palpa::assets::press_finger(finger, bunny.mesh, Vec3(0.026, 0.06, 0.006), Vec3(-0.4, -1, -0.25), 0.003);
+    palpa::geometry::append(
+        both, palpa::assets::press_finger(finger, bunny.mesh, Vec3(-0.035, 0.089, -0.028), Vec3(1, -0.2, -0.2), 0.003));
     palpa::geometry::write_glb(folder / "bunny.glb", {&bunny, 1});
     palpa::geometry::write_ply(folder / "two-fingers.ply", both.positions, both.triangles);
   });
