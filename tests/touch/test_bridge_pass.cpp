@@ -1,0 +1,179 @@
+// BridgePass by itself, between guard words; and the structs that its shaders share with C++.
+#include <gtest/gtest.h>
+
+#include "spirv/bridge_join.comp.hpp"
+#include "spirv/bridge_pairs.comp.hpp"
+#include "spirv/bridge_relabel.comp.hpp"
+#include "spirv/bridge_sample.comp.hpp"
+#include "support/device.hpp"
+#include "support/spirv.hpp"
+#include "touch/fingertips.hpp"
+#include "touch/harness.hpp"
+#include "touch/stage.hpp"
+
+namespace palpa::touch::test {
+namespace {
+
+using palpa::test::GuardedBuffer;
+
+/// What FingersPass leaves of an unbridged touch, as buffers exactly as large as the contract says.
+struct Guarded {
+  Guarded(gpu::Device& device, const std::vector<sensing::Camera>& cameras, const sensing::RayTables& tables,
+          const std::vector<sensing::DepthFrame>& images, const Touch& touch)
+      : depth(device, sensing::packed_bytes(tables)),
+        rays(GuardedBuffer::of<glm::vec2>(device, tables.rays)),
+        records(GuardedBuffer::of<shader::BridgeCamera>(device, bridge_cameras(cameras, tables))),
+        total(device, sizeof(shader::ScanTotal)),
+        contacts(device, touch.contacts.size() * sizeof(shader::ContactRecord)),
+        parents(device, touch.contacts.size() * 4),
+        clusters(device, touch.contacts.size() * sizeof(shader::Cluster)),
+        header(device, sizeof(shader::TouchHeader)),
+        fingers(device, max_fingers * sizeof(shader::FingerRecord)),
+        samples(device, std::size_t{max_fingers} * shader::bridge_samples * sizeof(shader::BridgeSample)),
+        patches(device, max_fingers * sizeof(shader::BridgePatch)),
+        pairs(device, std::size_t{max_fingers} * max_fingers * sizeof(shader::BridgePair)),
+        work(device, sizeof(shader::BridgeWork)) {
+    std::vector<std::uint16_t> packed(tables.padded_pixels);
+    sensing::pack_depth(tables, images, packed);
+    depth.write(packed.data(), packed.size() * 2);
+    const auto count = static_cast<std::uint32_t>(touch.contacts.size());
+    const shader::ScanTotal found{count, gpu::groups_for(count, shader::contact_group), 1, 1};
+    total.write(&found, sizeof(found));
+    std::vector<shader::ContactRecord> all(count);
+    std::vector<std::uint32_t> roots(count);
+    std::vector<shader::Cluster> sizes(count, {shader::fingers_nothing, 0});
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Contact& c = touch.contacts[i];
+      all[i] = {c.position.x, c.position.y, c.position.z, c.point, c.solid, c.depth_m};
+      roots[i] = i;
+      sizes[i] = {i, 1};
+    }
+    std::vector<shader::FingerRecord> list(max_fingers);
+    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+      const Finger& finger = touch.fingers[f];
+      // Any member may be the root: here the last.
+      for (const std::uint32_t i : finger.contacts)
+        roots[i] = finger.contacts.back();
+      sizes[finger.contacts.back()] = {finger.contacts.front(), finger.contact_count};
+      list[f].first = finger.contacts.front();
+      list[f].solid = finger.solid;
+      list[f].contacts = finger.contact_count;
+    }
+    const shader::TouchHeader head{touch.finger_count, 1, 1, touch.cluster_count, count};
+    contacts.write(all.data(), all.size() * sizeof(all[0]));
+    parents.write(roots.data(), roots.size() * 4);
+    clusters.write(sizes.data(), sizes.size() * sizeof(sizes[0]));
+    header.write(&head, sizeof(head));
+    fingers.write(list.data(), list.size() * sizeof(list[0]));
+  }
+
+  BridgeBuffers buffers(std::uint32_t room) const {
+    return {{depth.ref(), rays.ref(), records.ref()},
+            total.ref(),
+            contacts.ref(),
+            parents.ref(),
+            clusters.ref(),
+            header.ref(),
+            fingers.ref(),
+            samples.ref(),
+            patches.ref(),
+            pairs.ref(),
+            work.ref(),
+            room};
+  }
+
+  GuardedBuffer depth, rays, records, total, contacts, parents, clusters, header, fingers, samples, patches, pairs,
+      work;
+
+  bool intact() {
+    bool all = true;
+    for (GuardedBuffer* buffer : {&depth, &rays, &records, &total, &contacts, &parents, &clusters, &header, &fingers,
+                                  &samples, &patches, &pairs, &work})
+      all = buffer->intact() && all;
+    return all;
+  }
+};
+
+TEST(BridgePassByItself, StaysInsideItsBuffers) {
+  gpu::Device& device = palpa::test::test_device();
+  const BridgePass pass(device);
+  const std::vector<geometry::Solid> plate{box({-0.1, -0.05, -0.1}, {0.1, 0, 0.1}, "plate")};
+  for (const int fingers : {1, 2, 9}) {
+    const auto cameras = ring_of_cameras(2, 20, 20);
+    std::vector<Press> presses;
+    for (int i = 0; i < fingers; ++i)
+      presses.push_back({.press_m = 4e-3, .x = 30e-3 * (i % 3 - 1), .z = 30e-3 * (i / 3)});
+    const auto images = images_of(cameras, presses, 3);
+    const auto tables = sensing::make_rays(cameras);
+    Touch twin;
+    HostStage(plate, cameras).touch(images, {.finger_width_m = 0}, twin);
+    ASSERT_GE(twin.finger_count, static_cast<std::uint32_t>(fingers));
+    Guarded guarded(device, cameras, tables, images, twin);
+    const auto room = static_cast<std::uint32_t>(twin.contacts.size());
+    palpa::test::run_on_device(
+        [&](VkCommandBuffer commands) { pass.record(commands, guarded.buffers(room), Parameters{}); });
+    EXPECT_TRUE(guarded.intact());
+
+    const auto records = bridge_cameras(cameras, tables);
+    bridge_fingers({records, tables, images}, {}, twin);
+    const auto header = guarded.header.read<shader::TouchHeader>()[0];
+    ASSERT_EQ(header.fingers, twin.finger_count);
+    EXPECT_EQ(header.clusters, twin.cluster_count);
+    const auto list = guarded.fingers.read<shader::FingerRecord>();
+    const auto roots = guarded.parents.read<std::uint32_t>();
+    for (std::uint32_t f = 0; f < twin.finger_count; ++f) {
+      EXPECT_EQ(list[f].first, twin.fingers[f].contacts.front());
+      EXPECT_EQ(list[f].contacts, twin.fingers[f].contacts.size());
+      for (const std::uint32_t i : twin.fingers[f].contacts)
+        EXPECT_EQ(roots[i], roots[list[f].first]);
+    }
+  }
+}
+
+void expect_struct(const palpa::test::SpirvModule& module, const std::string& name, std::uint32_t size,
+                   const std::map<std::string, std::uint32_t>& offsets) {
+  const auto found = module.structs.find(name);
+  ASSERT_NE(found, module.structs.end()) << name;
+  for (const auto& [member, offset] : offsets) {
+    ASSERT_TRUE(found->second.offsets.count(member)) << name << "." << member;
+    EXPECT_EQ(found->second.offsets.at(member), offset) << name << "." << member;
+  }
+  if (size != 0) {
+    EXPECT_EQ(module.array_strides.at(name), size) << name;
+  }
+}
+
+#define MEMBER(type, member) \
+  { #member, static_cast < std::uint32_t>(offsetof(shader::type, member)) }
+
+TEST(BridgeShaders, LayOutTheirStructsAsCppDoes) {
+  const auto sample = palpa::test::read_spirv(spirv::bridge_sample_comp);
+  expect_struct(sample, "BridgeCamera", sizeof(shader::BridgeCamera),
+                {MEMBER(BridgeCamera, pose_x), MEMBER(BridgeCamera, view_x), MEMBER(BridgeCamera, lens),
+                 MEMBER(BridgeCamera, distortion), MEMBER(BridgeCamera, k3), MEMBER(BridgeCamera, reach),
+                 MEMBER(BridgeCamera, depth_unit), MEMBER(BridgeCamera, first_depth), MEMBER(BridgeCamera, width),
+                 MEMBER(BridgeCamera, height), MEMBER(BridgeCamera, pitch), MEMBER(BridgeCamera, first_pixel),
+                 MEMBER(BridgeCamera, first_index)});
+  expect_struct(sample, "BridgeSample", sizeof(shader::BridgeSample),
+                {MEMBER(BridgeSample, x), MEMBER(BridgeSample, normal_x), MEMBER(BridgeSample, normal_z)});
+  expect_struct(
+      sample, "BridgePatch", sizeof(shader::BridgePatch),
+      {MEMBER(BridgePatch, low), MEMBER(BridgePatch, high), MEMBER(BridgePatch, mean), MEMBER(BridgePatch, samples)});
+  expect_struct(sample, "BridgePush", 0,
+                {MEMBER(BridgePush, most_contacts), MEMBER(BridgePush, cameras), MEMBER(BridgePush, finger_width)});
+  const auto join = palpa::test::read_spirv(spirv::bridge_join_comp);
+  expect_struct(join, "BridgePair", sizeof(shader::BridgePair), {MEMBER(BridgePair, kind), MEMBER(BridgePair, facing)});
+  expect_struct(join, "BridgeWork", 0, {MEMBER(BridgeWork, relabel_x), MEMBER(BridgeWork, relabel_z)});
+}
+
+TEST(BridgeShaders, HaveTheWorkgroupsThatTheirHeadersName) {
+  for (const auto words : {std::span<const std::uint32_t>(spirv::bridge_sample_comp),
+                           std::span<const std::uint32_t>(spirv::bridge_pairs_comp),
+                           std::span<const std::uint32_t>(spirv::bridge_join_comp)}) {
+    EXPECT_EQ(palpa::test::read_spirv(words).local_size[0], shader::bridge_group);
+  }
+  EXPECT_EQ(palpa::test::read_spirv(spirv::bridge_relabel_comp).local_size[0], shader::contact_group);
+}
+
+}  // namespace
+}  // namespace palpa::touch::test
