@@ -65,6 +65,13 @@ std::vector<std::uint32_t> fill_order(std::uint32_t count, std::uint32_t stride)
   return order;
 }
 
+std::uint32_t coprime_stride(std::uint32_t count, std::uint32_t stride) {
+  std::uint32_t better = count == 0 ? 1 : stride % count;
+  while (better > 1 && std::gcd(better, count) != 1)
+    --better;
+  return std::max(better, 1U);
+}
+
 Voice& Schedule::add_voice() {
   if (voice_count == voices.size()) voices.emplace_back();
   return voices[voice_count++];
@@ -74,6 +81,7 @@ void make_voice(const touch::Finger& finger, std::uint32_t id, const VoiceOption
   voice.id = id;
   voice.solid = finger.solid;
   voice.dwell_s = options.dwell_s;
+  voice.gain = options.gain;
   voice.modulation_hz = finger.point_like ? options.point_like_modulation_hz : options.modulation_hz;
   voice.foci.clear();
   const auto count = static_cast<std::uint32_t>(finger.foci.size());
@@ -97,7 +105,7 @@ void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<Slot
     if (count == 0) continue;
     const std::uint64_t step = slot * slot_ns / nanoseconds(voice.dwell_s) % count;
     const double midpoint = (static_cast<double>(slot) + 0.5) * schedule.slot_s;
-    const auto gain = static_cast<float>(modulation_gain(voice.modulation_hz, midpoint));
+    const auto gain = static_cast<float>(voice.gain * modulation_gain(voice.modulation_hz, midpoint));
     for (std::uint32_t together = 0; together < voice.foci_per_slot; ++together) {
       const std::uint32_t focus = voice.order[step * voice.foci_per_slot + together];
       if (focus < voice.foci.size()) out.push_back({voice.foci[focus], gain});

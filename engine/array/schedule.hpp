@@ -22,6 +22,8 @@ namespace palpa::array {
 std::vector<std::uint32_t> fill_order(std::uint32_t count, std::uint32_t stride);
 /// The same into a vector whose storage is kept.
 void fill_order(std::uint32_t count, std::uint32_t stride, std::vector<std::uint32_t>& order);
+/// A stride for so many foci that leaves none out: the nearest below `stride` (modulo the count), at least 1.
+std::uint32_t coprime_stride(std::uint32_t count, std::uint32_t stride);
 
 /// One finger's part of a schedule.
 struct Voice {
@@ -32,6 +34,7 @@ struct Voice {
   std::uint32_t foci_per_slot = 1;   ///< that many entries of `order` sound together; `multi-focus`: all of them
   double dwell_s = 1.5e-3;           ///< how long each lasts
   double modulation_hz = 0;          ///< amplitude modulation, see modulation_gain; 0: none
+  double gain = 1;                   ///< intensity, 0..1: an amplitude that the modulation multiplies
 };
 
 struct Schedule {
@@ -48,6 +51,7 @@ struct Schedule {
 struct VoiceOptions {
   std::uint32_t stride = 3;  ///< coprime to the number of foci
   double dwell_s = 1.5e-3;
+  double gain = 1;                        ///< intensity, 0..1
   bool together = false;                  ///< all foci in one slot
   double modulation_hz = 0;               ///< for fingers with a cross-section
   double point_like_modulation_hz = 200;  ///< for fingers with a single focus at their centroid
@@ -58,7 +62,7 @@ struct VoiceOptions {
 void make_voice(const touch::Finger& finger, std::uint32_t id, const VoiceOptions& options, Voice& voice);
 
 /// Replaces `out` by the foci of slot `slot`, voice after voice: the entry floor(slot slot_s / dwell) modulo its number
-/// of steps of each voice's order, with the voice's modulation as gain. Reckons in whole nanoseconds, so that no
+/// of steps of each voice's order, with the voice's gain times its modulation. Reckons in whole nanoseconds, so that no
 /// rounding makes a step late; exact for 10^13 slots of 1.5 ms. Nothing for no voices; how long a schedule
 /// may play is for the caller to say.
 void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<SlotFocus>& out);

@@ -14,7 +14,9 @@
 #include "cli/set_up.hpp"
 #include "cli/values.hpp"
 #include "sensing/recording.hpp"
+#include "session/event_sink.hpp"
 #include "session/loop.hpp"
+#include "session/overrides.hpp"
 #include "session/sources.hpp"
 
 namespace palpa::cli {
@@ -36,6 +38,8 @@ struct RunCommand {
   bool every_frame = false;
   bool noise_free = false;
   std::string record;
+  std::string events;
+  session::EventOptions event;
   StatsFormat stats = StatsFormat::none;
 };
 
@@ -51,6 +55,10 @@ void add_options(CLI::App& app, RunCommand& o) {
   group.flag("--every-frame", o.every_frame, "look at every frame, however long it takes, instead of the newest");
   group.flag("--noise-free", o.noise_free, "synthetic frames without the sensor's noise");
   group.text("--record", o.record, "DIR", "write every frame into a new folder, to be replayed as recording:DIR");
+  group.text("--events", o.events, "-|FILE|udp:HOST:PORT",
+             "a JSON line when a finger touches, moves on, presses past a solid's press depth, releases");
+  group.quantity("--event-move", o.event.move_m, Quantity::length, {0, 1},
+                 "how far a finger moves before that is an event; 0: every frame");
   group.choice("--stats", o.stats, {{"none", StatsFormat::none}, {"json", StatsFormat::json}},
                "what the loop measured, on stdout; --json writes the same");
   add_rig_options(app, o.rig);
@@ -81,19 +89,62 @@ std::string summary(const session::LoopStats& stats) {
       stats.output.skipped_slots);
 }
 
+void refuse_two_on_stdout(const RunCommand& o) {
+  const bool stats = o.common.json == "-" || o.stats == StatsFormat::json;
+  if (o.events == "-" && stats) {
+    throw bad_usage("--events - and what the loop measured would mix on stdout: give --events or --json a file");
+  }
+}
+
 void report(const RunCommand& o, const session::LoopStats& stats) {
   if (!o.common.json.empty()) write_output(o.common.json, session::to_json(stats));
   if (o.stats == StatsFormat::json) {
     if (o.common.json != "-") write_output("-", session::to_json(stats));
-  } else if (shows_summary(o.common)) {
+  } else if (shows_summary(o.common, o.events)) {
     write_output("-", summary(stats));
   }
 }
 
+/// The fingers' events on their way from the loop to whoever listens.
+class Events {
+ public:
+  Events(const RunCommand& o, std::span<const geometry::Solid> solids, std::span<const std::string> names)
+      : tracker_(solids, {.move_m = o.event.move_m, .grace_s = o.hold_s / 2, .hold_s = o.hold_s}),
+        sink_(session::open_event_sink(o.events, names, o.every_frame ? &stop_requested : nullptr)) {}
+
+  void observe(session::LoopObservers& observers) {
+    observers.planned = [this, next = std::move(observers.planned)](const session::FrameReport& report,
+                                                                    const session::Plan& plan) {
+      next(report, plan);
+      sink_->write(tracker_.update(*report.touch, report.time_s));
+    };
+    observers.expired = [this] { sink_->write(tracker_.expire()); };
+  }
+  session::EventStats end() {
+    sink_->write(tracker_.end());
+    sink_->finish();
+    return {sink_->written(), sink_->dropped()};
+  }
+  /// After an error, which is the one to report.
+  void end_quietly() noexcept {
+    try {
+      end();
+    } catch (const std::exception&) {
+    }
+  }
+
+ private:
+  session::EventTracker tracker_;
+  std::unique_ptr<session::EventSink> sink_;
+};
+
 void run(const Extensions& extensions, const RunCommand& o) {
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
   check(o.touch);
+  refuse_two_on_stdout(o);
   const std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene);
+  const array::VoiceOptions voice{.stride = o.touch.stride, .dwell_s = o.touch.dwell_s};
+  session::check_overrides(o.scene, solids, o.touch.parameters, voice);
   std::vector<std::string> names;
   names.reserve(solids.size());
   for (const geometry::Solid& solid : solids)
@@ -115,9 +166,10 @@ void run(const Extensions& extensions, const RunCommand& o) {
                                       .solids = solids,
                                       .layout = set_up.layout,
                                       .touch = o.touch.parameters,
-                                      .voice = {.stride = o.touch.stride, .dwell_s = o.touch.dwell_s},
+                                      .voice = voice,
                                       .drive = drive,
-                                      .slot_s = o.touch.dwell_s};
+                                      .slot_s = session::slot_length(solids, voice),
+                                      .detail = o.events.empty() ? touch::Detail::fingers : touch::Detail::contacts};
   std::optional<gpu::Device> device;
   if (o.common.backend == Backend::gpu) device.emplace(device_options(o.common));
   const std::unique_ptr<session::Chain> chain =
@@ -128,6 +180,8 @@ void run(const Extensions& extensions, const RunCommand& o) {
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, {set_up.layout, names, setting.slot_s});
 
   // Last of all: a typing error elsewhere must not leave an empty recording behind.
+  std::optional<Events> events;
+  if (!o.events.empty()) events.emplace(o, solids, names);
   std::optional<sensing::RecordingWriter> recorder;
   if (!o.record.empty()) recorder.emplace(o.record, source->cameras());
 
@@ -138,10 +192,17 @@ void run(const Extensions& extensions, const RunCommand& o) {
   session::LoopObservers observers;
   if (recorder) observers.record = [&](const sensing::FrameSet& set) { recorder->write(set); };
   observers.planned = [&](const session::FrameReport&, const session::Plan&) { progress.set(stats.planned); };
-  session::run_loop(
-      *source, *chain, *link,
-      {.output = {set_up.layout, drive, setting.slot_s, o.hold_s}, .frames = o.frames, .every_frame = o.every_frame},
-      stop_requested, observers, stats);
+  if (events) events->observe(observers);
+  try {
+    session::run_loop(
+        *source, *chain, *link,
+        {.output = {set_up.layout, drive, setting.slot_s, o.hold_s}, .frames = o.frames, .every_frame = o.every_frame},
+        stop_requested, observers, stats);
+  } catch (...) {
+    if (events) events->end_quietly();
+    throw;
+  }
+  if (events) stats.events = events->end();
   if (stats.unrecorded > 0) {
     log::warning(fmt::format("{}: {} of {} frames came too fast to be written; --every-frame waits for each", o.record,
                              stats.unrecorded, stats.captured));
@@ -158,6 +219,7 @@ void add_run(Program& program) {
       {"run", "the live loop: frames in, drives out, until Ctrl-C",
        "  palpa run --scene assets/cube.glb --source synthetic --link null --frames 300 --stats json\n"
        "  palpa run --scene assets/cube.glb --link foci:udp:127.0.0.1:9000\n"
+       "  palpa run --scene assets/cube.glb --events -\n"
        "  palpa run --scene assets/cube.glb --frames 90 --record take1\n"
        "  palpa run --scene assets/cube.glb --source recording:take1 --link record:drives.bin"},
       add_options, [&extensions](const RunCommand& o) { run(extensions, o); });

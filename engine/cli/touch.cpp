@@ -11,6 +11,7 @@
 #include "cli/touch_input.hpp"
 #include "cli/touch_run.hpp"
 #include "cli/values.hpp"
+#include "session/overrides.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -32,11 +33,20 @@ void add_options(CLI::App& app, TouchCommand& o) {
 struct TouchReport {
   const TouchInput& input;
   const touch::Touch& touch;
+  const touch::Parameters& parameters;
+  const array::VoiceOptions& voice;
   std::vector<std::uint32_t> order;
-  double dwell_s;
   double total_ms;
   const StageTimes& times;
 };
+
+/// What the solid's extras ask for, if not the order and dwell of all.
+void add_schedule(JsonWriter& json, const TouchReport& report, const geometry::Solid& solid) {
+  const array::VoiceOptions voice = session::voice_on(solid, report.voice);
+  json.key("schedule").begin_object();
+  json.member("order", array::fill_order(session::foci_on(solid, report.parameters), voice.stride));
+  json.member("dwell_s", voice.dwell_s).end_object();
+}
 
 void add_finger(JsonWriter& json, const TouchReport& report, const touch::Finger& finger) {
   json.begin_object().member("solid", report.input.solids[finger.solid].name);
@@ -65,7 +75,10 @@ void add_finger(JsonWriter& json, const TouchReport& report, const touch::Finger
   json.key("focus_points").begin_array();
   for (const touch::Focus& focus : finger.foci)
     json.value(focus.points);
-  json.end_array().end_object();
+  json.end_array();
+  const geometry::Solid& solid = report.input.solids[finger.solid];
+  if (session::has_own_schedule(solid)) add_schedule(json, report, solid);
+  json.end_object();
 }
 
 std::string to_json(const TouchReport& report) {
@@ -85,7 +98,11 @@ std::string to_json(const TouchReport& report) {
   for (std::uint32_t f = 0; f < touch.finger_count; ++f)
     add_finger(json, report, touch.fingers[f]);
   json.end_array();
-  json.key("schedule").begin_object().member("order", report.order).member("dwell_s", report.dwell_s).end_object();
+  json.key("schedule")
+      .begin_object()
+      .member("order", report.order)
+      .member("dwell_s", report.voice.dwell_s)
+      .end_object();
   json.key("timing_ms").begin_object().member("total", report.total_ms);
   for (const auto& [stage, ms] : report.times)
     json.member(stage, ms);
@@ -141,7 +158,7 @@ std::string summary(const TouchReport& report) {
                    finger.foci.size(), finger.point_like ? ", at its centroid" : "");
   }
   fmt::format_to(out, "order {}, {} ms each; --json gives everything\n", fmt::join(report.order, " "),
-                 report.dwell_s * 1e3);
+                 report.voice.dwell_s * 1e3);
   return text;
 }
 
@@ -152,6 +169,8 @@ void run(const TouchCommand& o) {
   Stopwatch whole, watch;
   StageTimes times;
   const TouchInput input = load_touch_input(o.input);
+  const array::VoiceOptions voice{.stride = o.touch.stride, .dwell_s = o.touch.dwell_s};
+  session::check_overrides(o.input.scene, input.solids, o.touch.parameters, voice);
   times.emplace_back("load", watch.lap_ms());
   const touch::Touch touch = o.common.backend == Backend::cpu
                                  ? touch_on_cpu(input, o.touch.parameters, times)
@@ -160,8 +179,9 @@ void run(const TouchCommand& o) {
     log::warning(fmt::format("{} clusters of contacts make a finger, only the first {} are kept", touch.cluster_count,
                              touch.finger_count));
   }
-  const TouchReport report{input,           touch,          array::fill_order(o.touch.parameters.foci, o.touch.stride),
-                           o.touch.dwell_s, whole.lap_ms(), times};
+  const TouchReport report{
+      input,          touch, o.touch.parameters, voice, array::fill_order(o.touch.parameters.foci, o.touch.stride),
+      whole.lap_ms(), times};
   if (!o.csv.empty()) write_output(o.csv, to_csv(report));
   if (!o.common.json.empty()) write_output(o.common.json, to_json(report));
   if (shows_summary(o.common, o.csv)) write_output("-", summary(report));

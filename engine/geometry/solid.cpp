@@ -23,6 +23,7 @@ constexpr double largest_size = 1e3, smallest_size = 1e-6;  // metres
 struct Candidate {
   std::string name;
   Mesh mesh;  // welded
+  Haptics haptics{};
 };
 
 std::string edge_text(const Mesh& mesh, std::array<std::uint32_t, 2> edge) {
@@ -109,7 +110,7 @@ Solid make_solid(const Scene& scene, Candidate c) {
         fmt::format("mesh {} is concave: the surface bends inwards by {:.3g} degrees at the edge {}; a solid is convex",
                     name, reflex->angle * 180 / std::numbers::pi, edge_text(c.mesh, reflex->vertices)));
   }
-  return {std::move(c.name), std::move(c.mesh), std::move(facets.planes), box};
+  return {std::move(c.name), std::move(c.mesh), std::move(facets.planes), box, c.haptics};
 }
 
 // Groups of meshes that share an open edge, by position: pieces of one surface.
@@ -147,7 +148,8 @@ std::vector<Candidate> gather(const Scene& scene) {
   std::vector<Candidate> open;
   std::vector<std::size_t> open_place;
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
-    Candidate c{scene.meshes[i].name, weld_closed(scene.meshes[i].mesh)};
+    if (!scene.meshes[i].haptics.touchable) continue;
+    Candidate c{scene.meshes[i].name, weld_closed(scene.meshes[i].mesh), scene.meshes[i].haptics};
     const Defects d = find_defects(c.mesh);
     if (d.open > 0) {
       open.push_back(std::move(c));
@@ -188,7 +190,9 @@ std::vector<Solid> make_solids(const Scene& scene) {
   solids.reserve(candidates.size());
   for (Candidate& c : candidates)
     solids.push_back(make_solid(scene, std::move(c)));
-  if (solids.empty()) throw bad_input(scene.file, "the scene has no triangle mesh; a scene needs at least one solid");
+  if (solids.empty()) {
+    throw bad_input(scene.file, "the scene has no triangle mesh that may be touched; a scene needs at least one solid");
+  }
   return solids;
 }
 

@@ -1,5 +1,7 @@
 #include "session/chain.hpp"
 
+#include "session/overrides.hpp"
+
 namespace palpa::session {
 
 void reserve(array::Schedule& schedule) {
@@ -24,13 +26,14 @@ void reserve(touch::Touch& touch) {
   }
 }
 
-void make_schedule(const touch::Touch& touch, std::span<const std::uint32_t> ids, double time_s,
-                   const ChainSetting& setting, array::Schedule& schedule) {
+void make_schedule(const touch::Touch& touch, double time_s, std::span<const geometry::Solid> solids,
+                   const array::VoiceOptions& voice, double slot_s, array::Schedule& schedule) {
   schedule.clear();
-  schedule.slot_s = setting.slot_s;
+  schedule.slot_s = slot_s;
   schedule.time_s = time_s;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-    array::make_voice(touch.fingers[f], ids[f], setting.voice, schedule.add_voice());
+    const touch::Finger& finger = touch.fingers[f];
+    array::make_voice(finger, finger.id, voice_on(solids[finger.solid], voice), schedule.add_voice());
   }
 }
 

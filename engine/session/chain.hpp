@@ -84,9 +84,9 @@ void reserve(Plan& plan, std::size_t transducers);
 void reserve(array::Schedule& schedule);
 void reserve(touch::Touch& touch);
 
-/// Turns the fingers of a frame into the voices of `schedule`; `ids` has one entry per finger.
-void make_schedule(const touch::Touch& touch, std::span<const std::uint32_t> ids, double time_s,
-                   const ChainSetting& setting, array::Schedule& schedule);
+/// Turns the fingers of a frame into the voices of `schedule`; what their solids ask for takes the place of `voice`.
+void make_schedule(const touch::Touch& touch, double time_s, std::span<const geometry::Solid> solids,
+                   const array::VoiceOptions& voice, double slot_s, array::Schedule& schedule);
 
 /// Which slots a plan for `schedule` must hold: fills cycle and shared modulation of the plan, and the foci of each of
 /// its slots, gains being 1 where the modulation is shared. `add` is called once per slot, in order.

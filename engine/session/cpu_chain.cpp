@@ -1,6 +1,7 @@
 // The chain through the passes' C++ twins: one frame at a time on the calling thread.
 #include "session/chain.hpp"
 #include "session/follow.hpp"
+#include "touch/depths.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::session {
@@ -21,7 +22,9 @@ class CpuChain : public Chain {
   }
 
   bool step(Plan& plan, FrameReport& report) override {
-    make_schedule(touch_, follower_.follow(touch_), report_.time_s, setting_, plan.schedule);
+    touch::find_depths(touch_);
+    follower_.follow(touch_);
+    make_schedule(touch_, report_.time_s, setting_.solids, setting_.voice, setting_.slot_s, plan.schedule);
     plan.captured_s = captured_s_;
     plan.drives.clear();
     const std::size_t transducers = setting_.layout.transducers.size();

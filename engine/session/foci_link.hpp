@@ -3,7 +3,7 @@
 // One UDP datagram per frame, one JSON object and a newline:
 //   {"time_s": 12.5, "fingers": [{"id": 0, "solid": "cube", "foci_m": [[x,y,z], ...], "order": [0,3,6,...], "dwell_s":
 //   0.0015,
-//    "modulation_hz": 0}]}
+//    "modulation_hz": 0, "gain": 1}]}
 // Positions are in the world. No fingers mean silence; that is also sent when foci expire and, last of all, at the end.
 // `time_s` is the frame's capture time on the source's clock.
 #pragma once

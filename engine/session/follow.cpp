@@ -4,7 +4,7 @@
 
 namespace palpa::session {
 
-std::span<const std::uint32_t> Follower::follow(const touch::Touch& touch) {
+std::span<const std::uint32_t> Follower::follow(touch::Touch& touch) {
   const std::uint32_t count = touch.finger_count;
   std::array<bool, touch::max_fingers> known{}, taken{};
   // At most 64 fingers: looking for the closest pair again and again is quicker than sorting all pairs.
@@ -29,6 +29,7 @@ std::span<const std::uint32_t> Follower::follow(const touch::Touch& touch) {
   }
   for (std::uint32_t f = 0; f < count; ++f) {
     if (!known[f]) ids_[f] = next_id_++;
+    touch.fingers[f].id = ids_[f];
     before_[f] = {ids_[f], touch.fingers[f].solid, touch.fingers[f].section.centroid};
   }
   before_count_ = count;

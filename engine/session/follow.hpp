@@ -16,8 +16,8 @@ class Follower {
   /// 1.8 m/s at 90 frames per second: few fingers are faster, and neighbouring fingertips are about that far apart.
   static constexpr float reach_m = 0.02f;
 
-  /// Valid until the next call; one id per finger, in their order. Allocates nothing.
-  std::span<const std::uint32_t> follow(const touch::Touch& touch);
+  /// Sets the fingers' ids, and gives them in their order, valid until the next call. Allocates nothing.
+  std::span<const std::uint32_t> follow(touch::Touch& touch);
 
  private:
   struct Followed {

@@ -13,6 +13,7 @@
 #include "gpu/commands.hpp"
 #include "session/chain.hpp"
 #include "session/follow.hpp"
+#include "touch/depths.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::session {
@@ -97,6 +98,7 @@ class GpuChain : public Chain {
       touch::read(flight.frame, flight.touch);
     } catch (const Error& error) {
       flight.touch.contacts.clear();
+      flight.touch.deep.clear();
       flight.touch.finger_count = 0;
       if (!std::exchange(warned_, true)) log::warning(fmt::format("a frame was left out: {}", error.what()));
     }
@@ -104,7 +106,10 @@ class GpuChain : public Chain {
 
   void begin_drives(Flight& flight) {
     read_touch(flight);
-    make_schedule(flight.touch, follower_.follow(flight.touch), flight.report.time_s, setting_, flight.plan.schedule);
+    touch::find_depths(flight.touch);
+    follower_.follow(flight.touch);
+    make_schedule(flight.touch, flight.report.time_s, setting_.solids, setting_.voice, setting_.slot_s,
+                  flight.plan.schedule);
     flight.drive_buffers.clear();
     plan_slots(flight.plan, unmodulated_, foci_, [&](std::span<const array::SlotFocus> foci) {
       if (!flight.drive_buffers.add_slot(foci)) throw failure("a frame has more foci than its buffers hold");

@@ -114,8 +114,10 @@ void record(Newest<sensing::FrameSet>& frames, const LoopObservers& observers) {
 
 /// Returns the capture time of the last frame planned, on the loop's clock.
 double compute(Chain& chain, Newest<Captured>& frames, Newest<Plan>& plans, const Clock& clock, std::atomic<bool>& stop,
-               const std::atomic<bool>& output_ended, const LoopObservers& observers, LoopStats& stats) {
+               const std::atomic<bool>& output_ended, const LoopSetting& setting, const LoopObservers& observers,
+               LoopStats& stats) {
   double begin_s = -1, last_captured_s = -std::numeric_limits<double>::infinity();
+  bool alive = false;  // frames are coming
   while (!stop && !output_ended) {
     // With frames under way the device is the one to wait for, else the camera.
     const std::chrono::duration<double> patience(chain.busy() ? 0.0 : 0.05);
@@ -126,6 +128,10 @@ double compute(Chain& chain, Newest<Captured>& frames, Newest<Plan>& plans, cons
     }
     if (!chain.busy()) {
       if (frames.closed()) break;
+      if (alive && !setting.every_frame && clock.now() >= last_captured_s + setting.output.hold_s) {
+        alive = false;
+        if (observers.expired) observers.expired();
+      }
       continue;
     }
     FrameReport report;
@@ -138,6 +144,7 @@ double compute(Chain& chain, Newest<Captured>& frames, Newest<Plan>& plans, cons
     stats.seconds = report.planned_s - begin_s;
     if (observers.planned) observers.planned(report, plans.back());
     last_captured_s = plans.back().captured_s;
+    alive = true;
     plans.publish();
   }
   return last_captured_s;
@@ -170,7 +177,7 @@ void run_loop(sensing::DepthSource& source, Chain& chain, Link& link, const Loop
       const CloseFrames close(frames);
       capture(source, frames, observers.record ? &recorded : nullptr, setting, clock, stop_capture, stats);
     });
-    const double last_s = compute(chain, frames, plans, clock, stop, output_ended, observers, stats);
+    const double last_s = compute(chain, frames, plans, clock, stop, output_ended, setting, observers, stats);
     // A source that ended is one whose frames stopped coming: what it last showed sounds on until it expires.
     while (!stop && !output_ended && clock.now() < last_s + setting.output.hold_s) {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));

@@ -27,6 +27,9 @@ struct LoopObservers {
   /// come while it is busy are left out, all but the newest (never with every_frame), and counted as `unrecorded`.
   std::function<void(const sensing::FrameSet&)> record;
   std::function<void(const FrameReport&, const Plan&)> planned;  ///< compute thread (the caller's)
+  /// Compute thread, once when no frame has come for the hold after one was planned. Never with every_frame, whose
+  /// frames wait for the loop.
+  std::function<void()> expired;
 };
 
 /// Runs until the source ends, `setting.frames` are done, `stop` becomes true or something fails; an Error of any

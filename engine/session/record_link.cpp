@@ -3,14 +3,13 @@
 #include <fmt/core.h>
 
 #include <bit>
-#include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <span>
-#include <utility>
+#include <string_view>
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "session/stream_writer.hpp"
 
 namespace palpa::session {
 namespace {
@@ -29,40 +28,41 @@ struct Header {
 };
 static_assert(sizeof(Header) == 24);
 
+template <typename T>
+std::string_view text_of(std::span<const T> values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
+}
+
 class RecordLink : public Link {
  public:
-  RecordLink(const std::string& file, const LinkSetting& setting) : name_(file), file_(std::fopen(file.c_str(), "wb")) {
-    if (!file_) throw failure(fmt::format("{}: cannot be written: {}", name_, std::strerror(errno)));
+  RecordLink(const std::string& file, const LinkSetting& setting)
+      : record_bytes_(sizeof(std::uint64_t) + setting.layout.transducers.size() * sizeof(array::TransducerDrive)),
+        writer_(file, block + 4 * record_bytes_) {
     Header header{{}, version, static_cast<std::uint32_t>(setting.layout.transducers.size()), setting.slot_s};
     std::memcpy(header.magic, magic, sizeof(magic));
-    write(&header, sizeof(header));
+    writer_.add(text_of(std::span<const Header>(&header, 1)));
+    writer_.flush_patiently();
   }
-  ~RecordLink() override {
-    if (file_) std::fclose(file_);
-  }
-  RecordLink(const RecordLink&) = delete;
-  RecordLink& operator=(const RecordLink&) = delete;
 
   void foci(const array::Schedule&) override {}
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
-    write(&slot, sizeof(slot));
-    write(drive.data(), drive.size_bytes());
+    // All of a record or nothing: what follows must stay readable.
+    if (!writer_.fits(record_bytes_)) writer_.fail_stalled();
+    writer_.add(text_of(std::span<const std::uint64_t>(&slot, 1)));
+    writer_.add(text_of(drive));
+    const bool due = !writer_.on_disk() || writer_.waiting().size() >= block;
+    if (due && !writer_.flush_patiently()) writer_.fail_stalled();
   }
   void finish() override {
-    std::FILE* file = std::exchange(file_, nullptr);
-    if (file && std::fclose(file) != 0) fail();
+    if (!writer_.flush_patiently()) writer_.fail_stalled();
+    writer_.close();
   }
 
  private:
-  void write(const void* data, std::size_t bytes) {
-    if (std::fwrite(data, 1, bytes, file_) != bytes) fail();
-  }
-  [[noreturn]] void fail() const {
-    throw failure(fmt::format("{}: cannot be written: {}", name_, std::strerror(errno)));
-  }
+  static constexpr std::size_t block = 1 << 18;
 
-  std::string name_;
-  std::FILE* file_;
+  std::size_t record_bytes_;
+  StreamWriter writer_;
 };
 
 template <typename T>

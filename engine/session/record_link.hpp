@@ -12,7 +12,8 @@
 
 namespace palpa::session {
 
-/// Link "record:FILE". Throws failure() when the file cannot be created or written (a full disk).
+/// Link "record:FILE". Throws failure() when the file cannot be created or written (a full disk). The file may be a
+/// FIFO or a terminal; a reader that keeps the link waiting for a second is a fault, so that it cannot hold the loop.
 std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting);
 
 struct RecordedDrive {

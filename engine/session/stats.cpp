@@ -59,6 +59,10 @@ std::string to_json(const LoopStats& stats) {
   json.key("drives").begin_object();
   json.member("sent", stats.output.drives).member("silent", stats.output.silent_drives);
   json.member("skipped_slots", stats.output.skipped_slots).end_object();
+  if (stats.events) {
+    json.key("events").begin_object();
+    json.member("written", stats.events->written).member("dropped", stats.events->dropped).end_object();
+  }
   json.end_object();
   return json.take();
 }

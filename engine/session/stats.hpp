@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -48,6 +49,11 @@ struct OutputStats {
   void first_drive(double latency_s) { capture_to_drive_s.add(latency_s); }
 };
 
+/// Of a run that tells its events.
+struct EventStats {
+  std::uint64_t written = 0, dropped = 0;
+};
+
 /// The time of one pass over all frames.
 struct PassStats {
   std::string name;
@@ -65,6 +71,7 @@ struct LoopStats {
   Samples frame_to_plan_s;       ///< a frame in memory to its drives in memory
   std::vector<PassStats> passes;
   OutputStats output;
+  std::optional<EventStats> events;
 
   void add_passes(std::span<const gpu::PassTime> times);
 };

@@ -48,6 +48,7 @@ struct Focus {
 };
 
 struct Finger {
+  std::uint32_t id = 0;  ///< the same from frame to frame where fingers are followed, else 0
   std::uint32_t solid = 0;
   std::uint32_t contact_count = 0;
   /// Indices into the touch's contacts, ascending; empty where contacts were not asked for (touch::Detail).
@@ -57,11 +58,13 @@ struct Finger {
   /// Fewer than 3 contacts, coincident or collinear ones: no cross-section; one focus at the centroid,
   /// amplitude-modulated.
   bool point_like = false;
+  float depth_m = 0;  ///< of its deepest skin point, see find_depths
 };
 
 /// Reused from frame to frame: what its vectors have allocated is kept.
 struct Touch {
   std::vector<Contact> contacts;  ///< in the order of the skin points: ascending by point; empty where not asked for
+  std::vector<Contact> deep;      ///< skin points inside a solid at delta or deeper, in the same order, where asked for
   /// Ordered by their smallest contact; only the first `finger_count` are valid.
   std::vector<Finger> fingers;
   std::uint32_t finger_count = 0;

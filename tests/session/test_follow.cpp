@@ -16,7 +16,7 @@ touch::Touch fingers_at(const std::vector<glm::vec3>& places, std::uint32_t soli
   return touch;
 }
 
-std::vector<std::uint32_t> follow(Follower& follower, const touch::Touch& touch) {
+std::vector<std::uint32_t> follow(Follower& follower, touch::Touch touch) {
   const auto ids = follower.follow(touch);
   return {ids.begin(), ids.end()};
 }

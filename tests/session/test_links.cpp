@@ -135,7 +135,7 @@ TEST(FociLink, WritesTheSameBytesIntoTheSamePlace) {
     const std::string_view line = json.finish();
     EXPECT_EQ(line, R"({"time_s":12.5,"fingers":[{"id":4,"solid":"a \"b\"\u000a",)"
                     R"("foci_m":[[0.001,-0.002,0.003],[0,0,1e-09]],"order":[1,0],"dwell_s":0.0015,)"
-                    R"("modulation_hz":0}]})"
+                    R"("modulation_hz":0,"gain":1}]})"
                     "\n");
     EXPECT_TRUE(frame == 0 || storage == line.data());
     storage = line.data();

@@ -1,0 +1,90 @@
+#include "session/event_sink.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "session/stream_writer.hpp"
+#include "session/udp.hpp"
+
+namespace palpa::session {
+namespace {
+
+class StreamSink : public EventSink {
+ public:
+  StreamSink(const std::string& file, std::span<const std::string> solid_names, const std::atomic<bool>* wait_unless)
+      : writer_(file, room), solid_names_(solid_names.begin(), solid_names.end()), wait_unless_(wait_unless) {}
+
+  void write(std::span<const Event> events) override {
+    for (const Event& event : events) {
+      write_event_line(event, solid_names_, json_);
+      const std::string_view line = json_.finish();
+      const bool taken =
+          writer_.add(line) || (wait_unless_ && writer_.flush(forever_s, wait_unless_) && writer_.add(line));
+      written_ += taken ? 1 : 0;
+      drop(taken ? 0 : 1);
+    }
+    writer_.flush(0);
+  }
+
+  void finish() override {
+    if (wait_unless_) writer_.flush(forever_s, wait_unless_);
+    if (!writer_.flush_patiently()) {
+      const std::string_view lost = writer_.waiting();
+      const auto lines = static_cast<std::uint64_t>(std::count(lost.begin(), lost.end(), '\n'));
+      written_ -= std::min(lines, written_);
+      drop(lines);
+    }
+    writer_.close();
+  }
+
+ private:
+  static constexpr std::size_t room = 1 << 20;
+  static constexpr double forever_s = 1e6;
+
+  void drop(std::uint64_t lines) {
+    if (lines > 0 && !std::exchange(warned_, true)) {
+      log::warning(fmt::format("events: {} is read too slowly, lines are left out", writer_.name()));
+    }
+    dropped_ += lines;
+  }
+
+  StreamWriter writer_;
+  std::vector<std::string> solid_names_;
+  const std::atomic<bool>* wait_unless_;
+  bool warned_ = false;
+  JsonWriter json_;
+};
+
+class UdpSink : public EventSink {
+ public:
+  UdpSink(const std::string& address, std::span<const std::string> solid_names)
+      : sender_(address, "events", "--events takes -, a file or udp:HOST:PORT, for example udp:127.0.0.1:9001"),
+        solid_names_(solid_names.begin(), solid_names.end()) {}
+
+  void write(std::span<const Event> events) override {
+    for (const Event& event : events) {
+      write_event_line(event, solid_names_, json_);
+      sender_.send(json_.finish()) ? ++written_ : ++dropped_;
+    }
+  }
+
+ private:
+  UdpSender sender_;
+  std::vector<std::string> solid_names_;
+  JsonWriter json_;
+};
+
+}  // namespace
+
+std::unique_ptr<EventSink> open_event_sink(const std::string& target, std::span<const std::string> solid_names,
+                                           const std::atomic<bool>* wait_unless) {
+  if (target.starts_with("udp:")) return std::make_unique<UdpSink>(target.substr(4), solid_names);
+  if (target.empty()) throw bad_usage("--events needs -, a file or udp:HOST:PORT");
+  return std::make_unique<StreamSink>(target, solid_names, wait_unless);
+}
+
+}  // namespace palpa::session

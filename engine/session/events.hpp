@@ -1,0 +1,100 @@
+// Touch as events: what a button, a knob or a game wants to know of a finger, told once when it happens.
+//
+//   touch    a finger touches a solid that it did not touch in the frame before
+//   move     it has moved on by `move_m` or more, along the surface or in depth, since the last event told of it
+//   press    it passes the solid's press depth; told again only after it has come up to `rearm` of that depth
+//   release  it has left the solid, or the stream has ended
+//
+// Every touch is followed by exactly one release with the same finger and solid; moves and presses lie between them. A
+// pure state machine: the same touches give the same events.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/json_writer.hpp"
+#include "geometry/solid.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::session {
+
+enum class EventKind { touch, move, press, release };
+
+/// "touch", "move", "press" or "release".
+std::string_view name_of(EventKind kind);
+
+struct Event {
+  EventKind kind = EventKind::touch;
+  double time_s = 0;         ///< capture of the frame, on the source's clock; of a release see EventOptions
+  std::uint32_t solid = 0;   ///< index into the scene's solids
+  std::uint32_t finger = 0;  ///< touch::Finger::id when it touched: the same for the whole of a touch
+  float depth_m = 0;         ///< touch::Finger::depth_m; of a release the last seen
+  glm::vec3 centroid{};      ///< of its contacts, metres, world; of a release the last seen
+};
+
+struct EventOptions {
+  double move_m = 0.5e-3;  ///< 0: every frame is a move
+  double rearm = 0.8;      ///< of the press depth
+  /// A finger that is missing from frames for less than this has not left: a camera may miss it for a frame or two. Its
+  /// release has the time at which it had been missing for that long. One that comes back in time near the place where
+  /// it was lost continues its touch, under the old id.
+  double grace_s = 0.05;
+  /// When no frame came for that long, every finger is released: the loop's --hold. Not less than grace_s.
+  double hold_s = 0.1;
+};
+
+class EventTracker {
+ public:
+  /// A lost finger is looked for within that distance of where it was last seen.
+  static constexpr float reach_m = 0.02F;
+
+  /// `solids` are those of the touches; their press depths are kept, nothing else.
+  explicit EventTracker(std::span<const geometry::Solid> solids, const EventOptions& options = {});
+
+  /// The events of the next frame: releases first, then finger by finger in the order of `touch`. Where the time is
+  /// earlier than that of the frame before, the clock is taken to have been reset. Valid until the next call.
+  std::span<const Event> update(const touch::Touch& touch, double time_s);
+  /// Tells that no frame has come for hold_s after the last one; update finds out by itself, but only with the next
+  /// frame.
+  std::span<const Event> expire();
+  /// The end of the stream: releases of all that still touch, at the time of the last frame.
+  std::span<const Event> end();
+
+ private:
+  struct Held {
+    std::uint32_t id = 0;       ///< as told
+    std::uint32_t current = 0;  ///< as its newest frame had it
+    std::uint32_t solid = 0;
+    double seen_s = 0;
+    float depth = 0, told_depth = 0;
+    glm::vec3 centroid{}, told_centroid{};
+    bool armed = true;
+    bool seen = false;  ///< in this frame
+  };
+
+  void adopt(const touch::Touch& touch);
+  void release_missing(double time_s);
+  void release(const Held& held, double time_s);
+  void follow(Held& held, const touch::Finger& finger, double time_s, bool fresh);
+  void tell(EventKind kind, Held& held, double time_s);
+
+  std::vector<std::optional<double>> press_depth_m_;  ///< by solid
+  EventOptions options_;
+  double last_s_ = 0;
+  bool begun_ = false;
+  std::vector<Held> held_;   ///< in the order of their touches
+  std::vector<bool> known_;  ///< per finger of the frame: it has a place in held_
+  std::vector<Event> events_;
+};
+
+/// One event as a document of its own, one line:
+///   {"event":"touch","time_s":1.5,"solid":"knob","finger":0,"depth_m":0.001,"centroid_m":[0.01,0,0.02]}
+/// `json` is cleared first and keeps its storage.
+void write_event_line(const Event& event, std::span<const std::string> solid_names, JsonWriter& json);
+
+}  // namespace palpa::session

@@ -1,0 +1,166 @@
+#include "session/toucher.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+#include <utility>
+
+#include "base/error.hpp"
+#include "gpu/commands.hpp"
+#include "session/chain.hpp"
+#include "session/follow.hpp"
+#include "session/overrides.hpp"
+#include "touch/depths.hpp"
+#include "touch/stage.hpp"
+
+namespace palpa::session {
+namespace {
+
+/// Skin to fingers, wherever it is computed.
+class Backend {
+ public:
+  virtual ~Backend() = default;
+  virtual void touch(std::span<const sensing::SkinPoint> skin, touch::Touch& out) = 0;
+  virtual void touch(std::span<const sensing::DepthFrame> images, touch::Touch& out) = 0;
+};
+
+class CpuBackend : public Backend {
+ public:
+  CpuBackend(const std::vector<geometry::Solid>& solids, const ToucherOptions& options)
+      : stage_(solids, options.cameras), parameters_(options.touch) {}
+  void touch(std::span<const sensing::SkinPoint> skin, touch::Touch& out) override {
+    stage_.touch(skin, parameters_, out);
+  }
+  void touch(std::span<const sensing::DepthFrame> images, touch::Touch& out) override {
+    stage_.touch(images, parameters_, out);
+  }
+
+ private:
+  touch::HostStage stage_;
+  touch::Parameters parameters_;
+};
+
+class GpuBackend : public Backend {
+ public:
+  GpuBackend(const gpu::Device& device, const std::vector<geometry::Solid>& solids, const ToucherOptions& options)
+      : device_(device),
+        stage_(device, solids, options.cameras),
+        recorder_(device, "touch"),
+        timeline_(device, "touch"),
+        parameters_(options.touch) {
+    if (!options.cameras.empty()) frame_.emplace(device_, stage_);
+  }
+  void touch(std::span<const sensing::SkinPoint> skin, touch::Touch& out) override {
+    const auto count = static_cast<std::uint32_t>(skin.size());
+    if (count > room_) {
+      // Powers of two, so that a cloud that grows needs new buffers only now and then.
+      room_ = std::bit_ceil(std::max(count, 4096U));
+      frame_.emplace(device_, stage_, touch::Capacity{room_, room_});
+    }
+    frame_->set(skin);
+    run(out);
+  }
+  void touch(std::span<const sensing::DepthFrame> images, touch::Touch& out) override {
+    frame_->set(images);
+    run(out);
+  }
+
+ private:
+  void run(touch::Touch& out) {
+    stage_.record(recorder_.begin(), *frame_, parameters_, touch::Detail::contacts);
+    timeline_.wait(timeline_.submit(recorder_.end()));
+    touch::read(*frame_, out);
+  }
+
+  const gpu::Device& device_;
+  touch::Stage stage_;
+  gpu::Recorder recorder_;
+  gpu::Timeline timeline_;
+  std::optional<touch::StageFrame> frame_;
+  std::uint32_t room_ = 0;
+  touch::Parameters parameters_;
+};
+
+}  // namespace
+
+struct Toucher::State {
+  std::vector<geometry::Solid> solids;
+  ToucherOptions options;
+  std::unique_ptr<Backend> backend;
+  Follower follower;
+  EventTracker tracker;
+  std::vector<sensing::SkinPoint> skin;
+  touch::Touch touch;
+  std::span<const Event> events;
+  array::Schedule schedule;
+  double slot_s = 0;
+
+  State(const gpu::Device* device, std::vector<geometry::Solid> given, const ToucherOptions& chosen)
+      : solids(std::move(given)), options(chosen), tracker(solids, options.events) {
+    check_overrides("scene", solids, options.touch, options.voice);
+    array::fill_order(options.touch.foci, options.voice.stride);  // throws where the two do not go together
+    if (device) {
+      backend = std::make_unique<GpuBackend>(*device, solids, options);
+    } else {
+      backend = std::make_unique<CpuBackend>(solids, options);
+    }
+    slot_s = slot_length(solids, options.voice);
+  }
+
+  /// All that follows once the fingers are known.
+  const touch::Touch& finish(double time_s) {
+    touch::find_depths(touch);
+    follower.follow(touch);
+    events = tracker.update(touch, time_s);
+    make_schedule(touch, time_s, solids, options.voice, slot_s, schedule);
+    return touch;
+  }
+};
+
+Toucher::Toucher(std::vector<geometry::Solid> solids, const ToucherOptions& options)
+    : state_(std::make_unique<State>(nullptr, std::move(solids), options)) {}
+Toucher::Toucher(const gpu::Device& device, std::vector<geometry::Solid> solids, const ToucherOptions& options)
+    : state_(std::make_unique<State>(&device, std::move(solids), options)) {}
+Toucher::~Toucher() = default;
+Toucher::Toucher(Toucher&&) noexcept = default;
+Toucher& Toucher::operator=(Toucher&&) noexcept = default;
+
+const touch::Touch& Toucher::touch(std::span<const sensing::DepthFrame> images, double time_s) {
+  State& s = *state_;
+  if (s.options.cameras.empty()) throw bad_usage("a Toucher without cameras touches skin points, not depth frames");
+  s.backend->touch(images, s.touch);
+  return s.finish(time_s);
+}
+
+const touch::Touch& Toucher::touch(std::span<const glm::vec3> skin, double time_s) {
+  State& s = *state_;
+  s.skin.resize(skin.size());
+  for (std::size_t i = 0; i < skin.size(); ++i)
+    s.skin[i] = {skin[i], static_cast<std::uint32_t>(i)};
+  return touch(s.skin, time_s);
+}
+
+const touch::Touch& Toucher::touch(std::span<const sensing::SkinPoint> skin, double time_s) {
+  State& s = *state_;
+  if (!s.options.cameras.empty()) throw bad_usage("a Toucher with cameras touches depth frames, not skin points");
+  s.backend->touch(skin, s.touch);
+  return s.finish(time_s);
+}
+
+std::span<const Event> Toucher::events() const {
+  return state_->events;
+}
+
+const array::Schedule& Toucher::schedule() const {
+  return state_->schedule;
+}
+
+std::span<const Event> Toucher::end() {
+  return state_->events = state_->tracker.end();
+}
+
+const std::vector<geometry::Solid>& Toucher::solids() const {
+  return state_->solids;
+}
+
+}  // namespace palpa::session

@@ -1,0 +1,271 @@
+// `palpa run --events`: a recording of a few pixels, whose touches can be worked out with pencil and paper.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "process.hpp"
+#include "sensing/recording.hpp"
+#include "support/shared_data.hpp"
+
+extern char** environ;
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+using namespace std::chrono_literals;
+
+[[maybe_unused]] const int assets_are_known = setenv("PALPA_ASSETS", source_file("assets").c_str(), 1);
+
+constexpr double near_m = 0.3;  // the button's front face, seen from the camera at the origin
+constexpr double focal = 300;   // a pixel is a millimetre there
+constexpr int centre = 16;
+constexpr double unit_m = 1e-4;
+
+/// A box whose front face fills the picture, as glTF with its extras.
+std::filesystem::path button(const std::filesystem::path& folder, const std::string& extras) {
+  const auto file = folder / "button.gltf";
+  const float low[3] = {-0.1F, -0.1F, static_cast<float>(near_m)}, high[3] = {0.1F, 0.1F, 0.4F};
+  float corners[8][3];
+  for (int c = 0; c < 8; ++c) {
+    for (int axis = 0; axis < 3; ++axis)
+      corners[c][axis] = (c >> axis & 1) ? high[axis] : low[axis];
+  }
+  const std::uint16_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  std::ofstream bin(folder / "button.bin", std::ios::binary);
+  bin.write(reinterpret_cast<const char*>(corners), sizeof(corners));
+  bin.write(reinterpret_cast<const char*>(faces), sizeof(faces));
+  std::ofstream(file)
+      << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"name":"button",)"
+      << R"("mesh":0,"extras":{"palpa":)" << extras << R"(}}],"meshes":[{"primitives":[{"attributes":)"
+      << R"({"POSITION":0},"indices":1}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":8,)"
+      << R"("type":"VEC3","min":[-0.1,-0.1,0.3],"max":[0.1,0.1,0.4]},{"bufferView":1,)"
+      << R"("componentType":5123,"count":36,"type":"SCALAR"}],"bufferViews":[{"buffer":0,)"
+      << R"("byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":72}],)"
+      << R"("buffers":[{"uri":"button.bin","byteLength":168}]})";
+  return file;
+}
+
+/// A fingertip of five by five pixels: its rim and its middle, so many tenths of a millimetre below the button's face.
+struct Tip {
+  int u = 0, rim = 0, middle = 0;
+  int depth(int du, int dv) const { return std::max(std::abs(du), std::abs(dv)) == 2 ? rim : middle; }
+};
+
+sensing::FrameSet frame_of(const Tip& tip, int n) {
+  sensing::FrameSet set;
+  set.frames.resize(1);
+  std::vector<std::uint16_t>& depth = set.frames[0].depth;
+  depth.assign(32 * 32, 0);
+  for (int dv = -2; tip.rim != 0 && dv <= 2; ++dv) {
+    for (int du = -2; du <= 2; ++du)
+      depth[static_cast<std::size_t>((centre + dv) * 32 + tip.u + du)] =
+          static_cast<std::uint16_t>(std::lround(near_m / unit_m)) + static_cast<std::uint16_t>(tip.depth(du, dv));
+  }
+  set.sequence = static_cast<std::uint64_t>(n);
+  set.frames[0].time_s = set.time_s = 0.01 * n;
+  return set;
+}
+
+/// The mean of the tip's points in the shell of 1.5 mm.
+Vec3 centroid_of(const Tip& tip) {
+  Vec3 sum(0);
+  int count = 0;
+  for (int dv = -2; dv <= 2; ++dv) {
+    for (int du = -2; du <= 2; ++du) {
+      const double z = near_m + unit_m * tip.depth(du, dv);
+      if (tip.depth(du, dv) >= 15) continue;
+      sum += Vec3((tip.u + du - centre) * z / focal, dv * z / focal, z);
+      ++count;
+    }
+  }
+  return sum / static_cast<double>(count);
+}
+
+const Tip nothing{}, light{16, 5, 5}, aside{17, 5, 5}, deep{17, 10, 14}, other{10, 5, 5};
+
+/// Frames 10 ms apart.
+std::filesystem::path take(const std::filesystem::path& folder) {
+  sensing::Camera camera{
+      .name = "eye", .width = 32, .height = 32, .fx = focal, .fy = focal, .cx = centre, .cy = centre};
+  camera.depth_unit_m = unit_m;
+  sensing::RecordingWriter writer(folder / "take", {camera});
+  int n = 0;
+  for (const Tip& tip : {nothing, light, light, aside, deep, nothing, deep, aside, nothing, nothing, nothing, nothing,
+                         nothing, nothing, other})
+    writer.write(frame_of(tip, n++));
+  return folder / "take";
+}
+
+struct Wanted {
+  const char* event;
+  double time_s;
+  int touch;  ///< which, counted from 0: fingers of different touches have different ids
+  double depth_m;
+  Tip tip;
+};
+const std::vector<Wanted> wanted{{"touch", 0.01, 0, 0.0005, light}, {"move", 0.03, 0, 0.0005, aside},
+                                 {"move", 0.04, 0, 0.0014, deep},   {"press", 0.04, 0, 0.0014, deep},
+                                 {"move", 0.07, 0, 0.0005, aside},  {"release", 0.12, 0, 0.0005, aside},
+                                 {"touch", 0.14, 1, 0.0005, other}, {"release", 0.14, 1, 0.0005, other}};
+
+void expect_wanted(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<json> lines;
+  for (std::string line; std::getline(in, line);)
+    lines.push_back(json::parse(line));
+  ASSERT_EQ(lines.size(), wanted.size()) << text;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const json& line = lines[i];
+    EXPECT_EQ(line["event"], wanted[i].event) << i;
+    EXPECT_NEAR(line["time_s"].get<double>(), wanted[i].time_s, 1e-9) << i;
+    EXPECT_EQ(line["solid"], "button");
+    EXPECT_NEAR(line["depth_m"].get<double>(), wanted[i].depth_m, 1e-6) << i;
+    const Vec3 centroid = centroid_of(wanted[i].tip);
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(line["centroid_m"][static_cast<std::size_t>(axis)].get<double>(), centroid[axis], 2e-6) << i;
+    EXPECT_EQ(line["finger"] == lines[0]["finger"], wanted[i].touch == 0) << i;
+    EXPECT_EQ(line.size(), 6U);
+  }
+}
+
+struct Stage {
+  std::filesystem::path folder;
+  std::string scene, source;
+  explicit Stage(const std::string& name, const std::string& extras = R"({"press_depth_m":0.0012})")
+      : folder(scratch_folder(name)),
+        scene(button(folder, extras).string()),
+        source("recording:" + take(folder).string()) {}
+  std::vector<std::string> run(std::vector<std::string> more) const {
+    std::vector<std::string> words{"run", "--scene", scene, "--source", source, "--every-frame"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+};
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(CliEvents, ARecordingGivesTheEventsThatWereWorkedOut) {
+  const Stage stage("events-golden");
+  std::string first;
+  for (const char* backend : {"gpu", "cpu"}) {
+    const Result result = palpa(stage.run({"--backend", backend, "--events", "-"}));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    expect_wanted(result.out);
+    if (first.empty()) first = result.out;
+    EXPECT_EQ(palpa(stage.run({"--backend", backend, "--events", "-"})).out, result.out) << "the same on every run";
+  }
+}
+
+TEST(CliEvents, GoIntoAFileBesideTheOtherResults) {
+  const Stage stage("events-file");
+  const auto file = stage.folder / "events.jsonl";
+  const Result result = palpa(stage.run({"--backend", "cpu", "--events", file.string(), "--stats", "json"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  expect_wanted(text_of(file));
+  EXPECT_EQ(json::parse(result.out)["events"], (json{{"written", 8}, {"dropped", 0}}));
+  expect_failure(palpa(stage.run({"--events", "-", "--json", "-"})), 2, "would mix on stdout");
+  expect_failure(palpa(stage.run({"--events", "-", "--stats", "json"})), 2, "would mix on stdout");
+  expect_failure(palpa(stage.run({"--events", "udp:localhost"})), 2, "udp:HOST:PORT");
+  expect_failure(palpa(stage.run({"--events", "/no/such/folder/x"})), 1, "/no/such/folder/x");
+}
+
+TEST(CliEvents, MovesAreAsFineAsAsked) {
+  const Stage stage("events-fine");
+  const Result every = palpa(stage.run({"--backend", "cpu", "--events", "-", "--event-move", "0"}));
+  // Touching frames after the first: 2, 3, 4, 6 and 7.
+  std::size_t moves = 0;
+  for (std::size_t at = 0; (at = every.out.find("\"move\"", at)) != std::string::npos; ++at)
+    ++moves;
+  EXPECT_EQ(moves, 5U);
+  const Result coarse = palpa(stage.run({"--backend", "cpu", "--events", "-", "--event-move", "10mm"}));
+  EXPECT_EQ(coarse.out.find("\"move\""), std::string::npos);
+}
+
+TEST(CliEvents, AClosedPipeIsAnError) {
+  const Stage stage("events-closed");
+  RunOptions closed;
+  closed.close_stdout_reader = true;
+  const Result result = palpa(stage.run({"--backend", "cpu", "--events", "-"}), closed);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.err, "palpa: error: stdout: cannot be written: Broken pipe\n");
+}
+
+/// palpa in the background.
+struct Child {
+  pid_t pid = 0;
+  explicit Child(std::vector<std::string> words) {
+    words.insert(words.begin(), palpa_binary());
+    std::vector<char*> argv;
+    for (std::string& word : words)
+      argv.push_back(word.data());
+    argv.push_back(nullptr);
+    EXPECT_EQ(posix_spawn(&pid, argv[0], nullptr, nullptr, argv.data(), environ), 0);
+  }
+  /// The exit code; minus the signal where one ended it, -1000 where it had to be killed.
+  int wait(std::chrono::milliseconds patience) {
+    int status = 0;
+    const auto deadline = std::chrono::steady_clock::now() + patience;
+    while (waitpid(pid, &status, WNOHANG) == 0) {
+      if (std::chrono::steady_clock::now() > deadline) {
+        kill(pid, SIGKILL);
+        waitpid(pid, &status, 0);
+        return -1000;
+      }
+      std::this_thread::sleep_for(5ms);
+    }
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+};
+
+/// Opens a FIFO as its reader and waits until something is in it; what comes later is left there.
+int open_and_wait(const std::filesystem::path& fifo) {
+  const int reader = open(fifo.c_str(), O_RDONLY);
+  char first = 0;
+  EXPECT_EQ(read(reader, &first, 1), 1);
+  return reader;
+}
+
+TEST(CliEvents, AFifoThatNobodyReadsHoldsNothingUp) {
+  const auto folder = scratch_folder("events-fifo");
+  const auto events = folder / "events";
+  ASSERT_EQ(mkfifo(events.c_str(), 0600), 0);
+  // Every frame is a move of a hundred bytes; live, so that nothing may wait.
+  Child child({"run", "--scene", source_file("assets/cube.glb").string(), "--quiet", "--events", events.string(),
+               "--event-move", "0"});
+  const int reader = open_and_wait(events);
+  EXPECT_EQ(fcntl(reader, F_SETPIPE_SZ, 4096), 4096);  // full at once
+  std::this_thread::sleep_for(1s);
+  kill(child.pid, SIGINT);
+  EXPECT_EQ(child.wait(10s), 0);
+  close(reader);
+}
+
+TEST(CliEvents, ALinkIntoAFifoThatNobodyReadsEndsTheRunInItsTime) {
+  const auto folder = scratch_folder("link-fifo");
+  const auto drives = folder / "drives";
+  ASSERT_EQ(mkfifo(drives.c_str(), 0600), 0);
+  Child child({"run", "--scene", source_file("assets/cube.glb").string(), "--quiet", "--link",
+               "record:" + drives.string(), "--log-level", "quiet"});
+  const int reader = open_and_wait(drives);
+  EXPECT_EQ(child.wait(30s), 1) << "64 kB are two drives: the link gives up after a second";
+  close(reader);
+}
+
+}  // namespace
+}  // namespace palpa::test

@@ -1,0 +1,241 @@
+// Events on their way out: files, pipes that are read slowly or not at all, datagrams.
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/error.hpp"
+#include "session/event_sink.hpp"
+#include "session/link.hpp"
+#include "session/stream_writer.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::session {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+// As every program of palpa has it: a closed pipe is an error of a write.
+[[maybe_unused]] const auto no_sigpipe = std::signal(SIGPIPE, SIG_IGN);
+
+const std::vector<std::string> names{"button"};
+
+std::vector<Event> events(std::size_t count, std::uint32_t first = 0) {
+  std::vector<Event> made(count);
+  for (std::size_t i = 0; i < count; ++i)
+    made[i].finger = first + static_cast<std::uint32_t>(i);
+  return made;
+}
+
+template <typename Work>
+Error error_of(Work work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error;
+  }
+  return Error(Exit::ok, "");
+}
+
+/// A FIFO with a reader that reads only when told to.
+struct Fifo {
+  std::filesystem::path file;
+  int reader = -1;
+  explicit Fifo(const std::string& name) : file(test::scratch_folder(name) / "fifo") {
+    EXPECT_EQ(mkfifo(file.c_str(), 0600), 0);
+    reader = open(file.c_str(), O_RDONLY | O_NONBLOCK);
+  }
+  ~Fifo() { hang_up(); }
+  void hang_up() {
+    if (reader >= 0) close(reader);
+    reader = -1;
+  }
+  /// What is in it now.
+  std::string read_all() const {
+    std::string text;
+    char block[4096];
+    for (ssize_t got; (got = read(reader, block, sizeof(block))) > 0;)
+      text.append(block, static_cast<std::size_t>(got));
+    return text;
+  }
+};
+
+std::vector<std::uint32_t> fingers(const std::string& lines) {
+  std::vector<std::uint32_t> ids;
+  std::istringstream in(lines);
+  for (std::string line; std::getline(in, line);)
+    ids.push_back(nlohmann::json::parse(line).at("finger"));
+  return ids;
+}
+
+TEST(EventSink, AFileHoldsEveryLineAtOnce) {
+  const auto file = test::scratch_folder("event-file") / "events";
+  const auto sink = open_event_sink(file.string(), names);
+  sink->write(events(3));
+  std::ifstream in(file);
+  const std::string text(std::istreambuf_iterator<char>(in), {});
+  EXPECT_EQ(fingers(text), (std::vector<std::uint32_t>{0, 1, 2})) << "flushed with the frame";
+  sink->finish();
+  EXPECT_EQ(sink->written(), 3U);
+  EXPECT_EQ(sink->dropped(), 0U);
+}
+
+TEST(EventSink, APipeThatNobodyReadsDelaysNothingAndLosesWholeLines) {
+  Fifo fifo("event-slow");
+  const auto sink = open_event_sink(fifo.file.string(), names);
+  const auto begin = Clock::now();
+  for (std::uint32_t n = 0; n < 20'000; ++n)  // 2 MB; the pipe takes 64 kB, a megabyte waits
+    sink->write(events(1, n));
+  EXPECT_LT(Clock::now() - begin, 5s);
+  EXPECT_EQ(sink->written() + sink->dropped(), 20'000U);
+  EXPECT_GT(sink->dropped(), 1000U);
+  std::string text;
+  std::thread reader([&] {
+    for (int quiet = 0; quiet < 20; ++quiet) {
+      const std::string more = fifo.read_all();
+      if (!more.empty()) quiet = 0;
+      text += more;
+      std::this_thread::sleep_for(5ms);
+    }
+  });
+  sink->finish();
+  reader.join();
+  const std::vector<std::uint32_t> got = fingers(text);
+  EXPECT_EQ(got.size(), sink->written());
+  EXPECT_TRUE(std::is_sorted(got.begin(), got.end()));
+  EXPECT_EQ(got.front(), 0U);
+}
+
+TEST(EventSink, ItsEndWaitsForNobodyLong) {
+  Fifo fifo("event-end");
+  const auto sink = open_event_sink(fifo.file.string(), names);
+  sink->write(events(5'000));
+  const auto begin = Clock::now();
+  sink->finish();
+  EXPECT_LT(Clock::now() - begin, 3s);
+  EXPECT_EQ(sink->written() + sink->dropped(), 5'000U);
+  EXPECT_GT(sink->dropped(), 1000U);
+}
+
+TEST(EventSink, ThatMayWaitLeavesNothingOut) {
+  Fifo fifo("event-wait");
+  std::atomic<bool> stop{false};
+  const auto sink = open_event_sink(fifo.file.string(), names, &stop);
+  std::string text;
+  std::thread reader([&] {
+    while (std::count(text.begin(), text.end(), '\n') < 20'000) {
+      text += fifo.read_all();
+      std::this_thread::sleep_for(1ms);
+    }
+  });
+  for (std::uint32_t n = 0; n < 20'000; ++n)
+    sink->write(events(1, n));
+  sink->finish();
+  reader.join();
+  EXPECT_EQ(fingers(text).size(), 20'000U);
+  EXPECT_EQ(sink->dropped(), 0U);
+}
+
+TEST(EventSink, ThatMayWaitStillStops) {
+  Fifo fifo("event-stop");
+  std::atomic<bool> stop{false};
+  const auto sink = open_event_sink(fifo.file.string(), names, &stop);
+  std::thread stopper([&] {
+    std::this_thread::sleep_for(100ms);
+    stop = true;
+  });
+  const auto begin = Clock::now();
+  for (std::uint32_t n = 0; n < 20'000; ++n)
+    sink->write(events(1, n));
+  sink->finish();
+  stopper.join();
+  EXPECT_LT(Clock::now() - begin, 5s);
+  EXPECT_GT(sink->dropped(), 0U);
+}
+
+TEST(EventSink, AReaderThatLeavesAndAFullDiskAreErrors) {
+  Fifo fifo("event-gone");
+  const auto sink = open_event_sink(fifo.file.string(), names);
+  sink->write(events(1));
+  fifo.hang_up();
+  const Error gone = error_of([&] { sink->write(events(1)); });
+  EXPECT_EQ(gone.code(), Exit::failed);
+  EXPECT_NE(std::string(gone.what()).find("cannot be written: Broken pipe"), std::string::npos) << gone.what();
+  const auto full = open_event_sink("/dev/full", names);
+  EXPECT_EQ(error_of([&] { full->write(events(1)); }).code(), Exit::failed);
+  EXPECT_EQ(error_of([] { open_event_sink("/no/such/folder/x", names); }).code(), Exit::failed);
+}
+
+TEST(EventSink, SendsADatagramPerEvent) {
+  const int receiver = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(bind(receiver, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+  socklen_t size = sizeof(address);
+  getsockname(receiver, reinterpret_cast<sockaddr*>(&address), &size);
+  const timeval patience{5, 0};
+  setsockopt(receiver, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+  const auto sink = open_event_sink("udp:127.0.0.1:" + std::to_string(ntohs(address.sin_port)), names);
+  sink->write(events(2));
+  for (std::uint32_t n = 0; n < 2; ++n) {
+    char text[2048];
+    const ssize_t bytes = recv(receiver, text, sizeof(text), 0);
+    ASSERT_GT(bytes, 0);
+    EXPECT_EQ(fingers({text, static_cast<std::size_t>(bytes)}), std::vector<std::uint32_t>{n});
+  }
+  close(receiver);
+  for (int n = 0; n < 5; ++n)
+    EXPECT_NO_THROW(sink->write(events(1))) << "nobody listens any more";
+  for (const char* form : {"udp:", "udp:host", "udp:host:0", "udp::9", "udp:host:99999", ""})
+    EXPECT_EQ(error_of([&] { open_event_sink(form, names); }).code(), Exit::usage) << form;
+}
+
+TEST(RecordLink, AFifoThatNobodyReadsIsAFaultAndNotAHang) {
+  Fifo fifo("record-slow");
+  array::Layout layout;
+  layout.transducers.assign(1000, {Vec3(0), Vec3(0, 0, 1)});
+  const LinkSetting setting{layout, names, 1.5e-3};
+  const auto link = open_link("record:" + fifo.file.string(), builtin_links(), setting);
+  const array::Drive loud(1000, {1.0F, 0.5F}), silent(1000, {0.0F, 0.0F});
+  const auto begin = Clock::now();
+  const Error stalled = error_of([&] {
+    for (std::uint64_t slot = 0; slot < 100; ++slot)
+      link->send(slot, loud);
+  });
+  EXPECT_EQ(stalled.code(), Exit::failed);
+  EXPECT_NE(std::string(stalled.what()).find("nobody reads it"), std::string::npos) << stalled.what();
+  // What the loop does then; now the reader is back.
+  std::string text;
+  std::thread reader([&] {
+    for (int quiet = 0; quiet < 40; ++quiet) {
+      const std::string more = fifo.read_all();
+      if (!more.empty()) quiet = 0;
+      text += more;
+      std::this_thread::sleep_for(5ms);
+    }
+  });
+  EXPECT_NO_THROW(link->send(100, silent));
+  EXPECT_NO_THROW(link->finish());
+  EXPECT_LT(Clock::now() - begin, 4s);
+  reader.join();
+  constexpr std::size_t header = 24, record = 8 + 8000;
+  ASSERT_EQ((text.size() - header) % record, 0U) << "whole records";
+  const std::string last = text.substr(text.size() - record);
+  EXPECT_EQ(last[0], 100);
+  EXPECT_TRUE(std::all_of(last.begin() + 8, last.end(), [](char c) { return c == 0; })) << "silence is the last thing";
+}
+
+}  // namespace
+}  // namespace palpa::session
