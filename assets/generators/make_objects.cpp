@@ -1,8 +1,10 @@
-// make_objects FOLDER: writes the paper's four objects, cube.glb, semi-sphere.glb, pyramid.glb and prism.glb.
+// make_objects FOLDER: writes the paper's four objects, cube.glb, semi-sphere.glb, pyramid.glb and prism.glb, and the
+// scene of the example, button-and-knob.glb.
 #include <array>
 #include <filesystem>
 #include <string>
 
+#include "assets/generators/controls.hpp"
 #include "assets/generators/objects.hpp"
 #include "assets/generators/program.hpp"
 #include "geometry/gltf_write.hpp"
@@ -16,5 +18,6 @@ int main(int argc, char** argv) {
                                                              {"prism", palpa::assets::make_prism()}}};
     for (const auto& object : objects)
       palpa::geometry::write_glb(folder / (object.name + ".glb"), {&object, 1});
+    palpa::geometry::write_glb(folder / "button-and-knob.glb", palpa::assets::make_button_and_knob());
   });
 }

@@ -123,6 +123,25 @@ void add_indices(Document& document, const Mesh& mesh, const std::string& what) 
                         ",\"count\":" + std::to_string(3 * mesh.triangles.size()) + ",\"type\":\"SCALAR\"}";
 }
 
+/// The node's extras, nothing for haptics that say nothing.
+std::string extras_of(const Haptics& haptics) {
+  std::string members;
+  const auto add = [&](const char* key, const auto& value) {
+    if (!value) return;
+    std::array<char, 32> text{};
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), *value).ptr;
+    members += (members.empty() ? "\"" : ",\"") + std::string(key) + "\":" + std::string(text.data(), end);
+  };
+  if (!haptics.touchable) members = "\"touchable\":false";
+  add("delta_m", haptics.delta_m);
+  add("foci", haptics.foci);
+  add("stride", haptics.stride);
+  add("dwell_s", haptics.dwell_s);
+  add("intensity", haptics.intensity);
+  add("press_depth_m", haptics.press_depth_m);
+  return members.empty() ? "" : ",\"extras\":{\"palpa\":{" + members + "}}";
+}
+
 void add_mesh(Document& document, const SceneMesh& item, const std::string& file) {
   const std::string what = file + ": mesh " + json_string(item.name);
   if (item.mesh.triangles.empty()) throw failure(what + " has no triangles to write");
@@ -130,7 +149,7 @@ void add_mesh(Document& document, const SceneMesh& item, const std::string& file
   add_indices(document, item.mesh, what);
   const std::string index = std::to_string(document.count), comma = document.count == 0 ? "" : ",";
   const std::string name = json_string(item.name);
-  document.nodes += comma + "{\"name\":" + name + ",\"mesh\":" + index + '}';
+  document.nodes += comma + "{\"name\":" + name + ",\"mesh\":" + index + extras_of(item.haptics) + '}';
   document.roots += comma + index;
   document.meshes += comma + "{\"name\":" + name +
                      ",\"primitives\":[{\"attributes\":{\"POSITION\":" + std::to_string(2 * document.count) +

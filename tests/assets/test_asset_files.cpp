@@ -39,6 +39,14 @@ TEST(AssetFiles, Objects) {
     ASSERT_EQ(scene.meshes.size(), 1U);
     EXPECT_EQ(scene.meshes[0].name, name);
   }
+  expect_as_committed(folder, "button-and-knob.glb");
+  const auto controls = geometry::load_gltf(folder / "button-and-knob.glb").meshes;
+  ASSERT_EQ(controls.size(), 2U);
+  EXPECT_EQ(controls[0].name, "button");
+  EXPECT_EQ(controls[0].haptics.press_depth_m, 0.003);
+  EXPECT_EQ(controls[1].name, "knob");
+  EXPECT_EQ(controls[1].haptics.foci, 8U);
+  EXPECT_EQ(controls[1].haptics.intensity, 0.7);
 }
 
 TEST(AssetFiles, Finger) {

@@ -244,7 +244,7 @@ const Model models[] = {{"torus", torus},
                         {"hand", [] { return asset("hand.glb"); }},
                         {"finger", [] { return asset("finger.glb"); }}};
 INSTANTIATE_TEST_SUITE_P(Models, Surface, testing::ValuesIn(models),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& model) { return std::string(model.param.name); });
 
 TEST(Oracle, ItsTreeSaysWhatAllTrianglesSay) {
   for (const Model& model : models) {

@@ -29,4 +29,19 @@ foreach(program feel everything)
   run(${consumer}/${program} ${assets}/cube.glb ${assets}/finger.ply)
 endforeach()
 run(${consumer}/byte_link_test ${BUILD}/package/bytes)
+run(${consumer}/live ${assets}/cube.glb ${assets}/finger.ply ${assets}/rigs/paper.toml ${BUILD}/package/drives)
+
+# The example, as a user would build it.
+set(example ${BUILD}/package/button_and_knob)
+run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/../../examples/button_and_knob -B ${example} -G Ninja
+    -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER}
+    -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
+run(${CMAKE_COMMAND} --build ${example})
+execute_process(COMMAND ${example}/button_and_knob ${assets}/button-and-knob.glb ${assets}/finger.ply
+                OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY)
+# The tip is 6 mm sin(pi t) - 2 mm deep, so 3 mm at t = 0.3135 s: the first frame after it is number 29. From 1 s to 3 s
+# it goes half round.
+if(NOT output STREQUAL "0.32 s: button pressed\nknob turned by 180 degrees\n")
+  message(FATAL_ERROR "button_and_knob prints:\n${output}")
+endif()
 run(${prefix}/bin/palpa --version)

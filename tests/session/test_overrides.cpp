@@ -1,0 +1,161 @@
+// What solids ask for themselves, on its way into voices and slots.
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "session/chain.hpp"
+#include "session/overrides.hpp"
+
+namespace palpa::session {
+namespace {
+
+std::vector<geometry::Solid> solids(const std::vector<geometry::Haptics>& haptics) {
+  std::vector<geometry::Solid> made;
+  for (const geometry::Haptics& own : haptics) {
+    geometry::Solid solid;
+    solid.name = "solid " + std::to_string(made.size());
+    solid.haptics = own;
+    made.push_back(solid);
+  }
+  return made;
+}
+
+TEST(Overrides, TakeThePlaceOfWhatHoldsForAll) {
+  geometry::Haptics own;
+  own.dwell_s = 1e-3;
+  own.intensity = 0.25;
+  const auto made = solids({{}, own});
+  const array::VoiceOptions all{.stride = 3, .dwell_s = 1.5e-3};
+  const array::VoiceOptions a = voice_on(made[0], all), b = voice_on(made[1], all);
+  EXPECT_EQ(a.stride, 3U);
+  EXPECT_EQ(a.dwell_s, 1.5e-3);
+  EXPECT_EQ(a.gain, 1);
+  EXPECT_EQ(b.stride, 3U);
+  EXPECT_EQ(b.dwell_s, 1e-3);
+  EXPECT_EQ(b.gain, 0.25);
+  EXPECT_FALSE(has_own_schedule(made[0]));
+  EXPECT_TRUE(has_own_schedule(made[1]));
+  geometry::Haptics quiet;
+  quiet.intensity = 0.5;
+  EXPECT_FALSE(has_own_schedule(solids({quiet})[0])) << "intensity is no part of the schedule";
+}
+
+TEST(Overrides, ASlotDividesEveryDwell) {
+  const auto with = [](std::vector<double> dwells) {
+    std::vector<geometry::Haptics> haptics;
+    for (const double dwell : dwells) {
+      haptics.emplace_back();
+      if (dwell > 0) haptics.back().dwell_s = dwell;
+    }
+    return slot_length(solids(haptics), {.dwell_s = 1.5e-3});
+  };
+  EXPECT_EQ(with({}), 1.5e-3);
+  EXPECT_EQ(with({0}), 1.5e-3);
+  EXPECT_EQ(with({0, 3e-3}), 1.5e-3);
+  EXPECT_DOUBLE_EQ(with({0, 1e-3}), 0.5e-3);
+  EXPECT_DOUBLE_EQ(with({0, 2e-3, 1.25e-3}), 0.25e-3);
+  EXPECT_DOUBLE_EQ(with({0, 1.1e-3}), 1.1e-3) << "0.1 ms would be too short: the shorter of the two";
+  EXPECT_DOUBLE_EQ(with({1e-4}), 1e-4) << "a dwell that all share is the slot";
+}
+
+TEST(Overrides, AStrideThatLeavesFociOutIsTheFilesFault) {
+  geometry::Haptics nine, five;
+  nine.foci = 9;
+  five.stride = 5;
+  const touch::Parameters parameters;
+  const array::VoiceOptions voice;
+  const auto fault = [&](const std::vector<geometry::Haptics>& haptics) -> std::string {
+    try {
+      check_overrides("scene.glb", solids(haptics), parameters, voice);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Exit::bad_input);
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(fault({{}, {}}), "");
+  EXPECT_EQ(
+      fault({{}, nine}),
+      "scene.glb: node 'solid 1': stride 3 and 9 foci share the divisor 3, so some foci would never sound; give its "
+      "extras a stride such as 2");
+  EXPECT_NE(fault({five}).find("stride 5 and 10 foci share the divisor 5"), std::string::npos);
+  EXPECT_NE(fault({five}).find("such as 3"), std::string::npos);
+  five.foci = 7;
+  EXPECT_EQ(fault({five}), "");
+  geometry::Haptics one;
+  one.foci = 1;
+  one.stride = 6;
+  EXPECT_EQ(fault({one}), "") << "one focus has one order";
+}
+
+/// A finger whose focus n stands at x = n millimetres, y = its solid.
+touch::Finger finger(std::uint32_t id, std::uint32_t solid, std::uint32_t foci) {
+  touch::Finger made;
+  made.id = id;
+  made.solid = solid;
+  for (std::uint32_t n = 0; n < foci; ++n)
+    made.foci.push_back({{1e-3F * static_cast<float>(n), static_cast<float>(solid), 0}, 7});
+  return made;
+}
+
+TEST(Overrides, EveryFingerPlaysAsItsSolidAsks) {
+  geometry::Haptics own;
+  own.foci = 4;
+  own.stride = 1;
+  own.dwell_s = 3e-3;
+  own.intensity = 0.5;
+  const auto made = solids({{}, own});
+  touch::Touch touch;
+  touch.fingers = {finger(8, 1, 4), finger(9, 0, 10)};
+  touch.finger_count = 2;
+  const array::VoiceOptions all;
+  array::Schedule schedule;
+  make_schedule(touch, 1.0, made, all, slot_length(made, all), schedule);
+  ASSERT_EQ(schedule.voice_count, 2U);
+  EXPECT_EQ(schedule.slot_s, 1.5e-3);
+  EXPECT_EQ(schedule.voices[0].id, 8U);
+  std::vector<array::SlotFocus> foci;
+  // By hand: finger 8 goes 0, 0, 1, 1, 2, 2, ... of four foci; finger 9 every third of ten, one per slot.
+  const int slow[] = {0, 0, 1, 1, 2, 2, 3, 3, 0, 0, 1, 1}, fast[] = {0, 3, 6, 9, 2, 5, 8, 1, 4, 7, 0, 3};
+  for (std::uint64_t slot = 0; slot < 12; ++slot) {
+    array::foci_of_slot(schedule, slot, foci);
+    ASSERT_EQ(foci.size(), 2U);
+    EXPECT_NEAR(foci[0].position.x, 1e-3 * slow[slot], 1e-9) << slot;
+    EXPECT_NEAR(foci[1].position.x, 1e-3 * fast[slot], 1e-9) << slot;
+    EXPECT_EQ(foci[0].gain, 0.5F);
+    EXPECT_EQ(foci[1].gain, 1.0F);
+  }
+  // 8 slots and 10 slots repeat together after 40; all of them go into a plan.
+  Plan plan;
+  plan.schedule = schedule;
+  array::Schedule unmodulated;
+  std::size_t slots = 0;
+  plan_slots(plan, unmodulated, foci, [&](std::span<const array::SlotFocus> both) {
+    ++slots;
+    EXPECT_EQ(both[0].gain, 0.5F);
+  });
+  EXPECT_EQ(plan.cycle, 40U);
+  EXPECT_EQ(slots, 40U);
+}
+
+TEST(Overrides, IntensityAndModulationMultiply) {
+  geometry::Haptics own;
+  own.intensity = 0.5;
+  const auto made = solids({own});
+  touch::Touch touch;
+  touch.fingers = {finger(0, 0, 1)};
+  touch.fingers[0].point_like = true;
+  touch.finger_count = 1;
+  array::Schedule schedule;
+  make_schedule(touch, 0, made, {}, 1.5e-3, schedule);
+  array::Schedule plain = schedule;
+  plain.voices[0].gain = 1;
+  std::vector<array::SlotFocus> half, whole;
+  for (std::uint64_t slot = 0; slot < 20; ++slot) {
+    array::foci_of_slot(schedule, slot, half);
+    array::foci_of_slot(plain, slot, whole);
+    EXPECT_FLOAT_EQ(half[0].gain, 0.5F * whole[0].gain);
+  }
+}
+
+}  // namespace
+}  // namespace palpa::session
