@@ -6,6 +6,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "geometry/topology.hpp"
+
 namespace palpa::viewer {
 namespace {
 
@@ -17,6 +19,39 @@ struct Side {
   std::uint32_t low, high;  // the edge's vertices
   std::uint32_t face;
 };
+
+struct Edge {
+  std::uint32_t low, high;
+  const Vec3 *left, *right;  // normals of the faces
+  bool open, sharp;
+};
+
+// A scanned surface is full of small folds, which as lines would be scratches: creases that end somewhere and are, with
+// all that they meet, shorter than a quarter of the object are not drawn as creases.
+void drop_scratches(const geometry::Mesh& mesh, std::vector<Edge>& edges) {
+  geometry::UnionFind lines(mesh.positions.size());
+  std::vector<std::uint32_t> ends(mesh.positions.size(), 0);
+  for (const Edge& e : edges) {
+    if (!e.sharp) continue;
+    lines.join(e.low, e.high);
+    ++ends[e.low];
+    ++ends[e.high];
+  }
+  std::vector<double> length(mesh.positions.size(), 0);
+  std::vector<char> stops(mesh.positions.size(), 0);
+  for (const Edge& e : edges) {
+    if (!e.sharp) continue;
+    const std::uint32_t line = lines.find(e.low);
+    length[line] += glm::length(mesh.positions[e.high] - mesh.positions[e.low]);
+    if (e.open || ends[e.low] == 1 || ends[e.high] == 1) stops[line] = e.open ? 2 : std::max<char>(stops[line], 1);
+  }
+  const Box box = geometry::bounds(mesh);
+  const double least = glm::length(box.high - box.low) / 4;
+  for (Edge& e : edges) {
+    const std::uint32_t line = lines.find(e.low);
+    if (e.sharp && stops[line] == 1 && length[line] < least) e.sharp = false;
+  }
+}
 
 }  // namespace
 
@@ -72,6 +107,7 @@ Shape make_shape(const geometry::Mesh& mesh, double crease) {
   std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
     return std::tie(a.low, a.high, a.face) < std::tie(b.low, b.high, b.face);
   });
+  std::vector<Edge> edges;
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t end = i + 1;
     while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high)
@@ -79,12 +115,15 @@ Shape make_shape(const geometry::Mesh& mesh, double crease) {
     const Vec3& left = normals[sides[i].face];
     const Vec3& right = normals[sides[end - 1].face];
     const bool open = end - i != 2;
-    if (open || glm::dot(left, right) < 1 - 1e-9) {
-      const bool sharp = open || glm::dot(left, right) <= smooth;
-      shape.edges.push_back({pack(mesh.positions[sides[i].low], sharp ? 1 : 0), pack(mesh.positions[sides[i].high]),
-                             pack(left), pack(right)});
-    }
+    if (open || glm::dot(left, right) < 1 - 1e-9)
+      edges.push_back({sides[i].low, sides[i].high, &left, &right, open, open || glm::dot(left, right) <= smooth});
     i = end;
+  }
+  drop_scratches(mesh, edges);
+  shape.edges.reserve(edges.size());
+  for (const Edge& e : edges) {
+    shape.edges.push_back(
+        {pack(mesh.positions[e.low], e.sharp ? 1 : 0), pack(mesh.positions[e.high]), pack(*e.left), pack(*e.right)});
   }
   return shape;
 }

@@ -14,6 +14,8 @@ struct Shape {
 };
 
 /// `mesh` welded; triangles without area are left out. Faces that meet at less than `crease` radians shade smoothly.
+/// Creases are drawn where they close or are, with those they meet, at least a quarter as long as the object: not the
+/// short folds of a scan.
 Shape make_shape(const geometry::Mesh& mesh, double crease = 0.52);
 
 }  // namespace palpa::viewer
