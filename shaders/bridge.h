@@ -69,14 +69,14 @@ struct BridgeCamera {
   vec4 lens;        // fx, fy, cx, cy
   vec4 distortion;  // k1, k2, p1, p2
   float k3;
-  float reach;        // the square of the longest ray of the picture: beyond it the lens model may fold back
-  float depth_unit;   // metres
-  uint first_depth;   // raw depths below are no data
+  float reach;       // the square of the longest ray of the picture: beyond it the lens model may fold back
+  float depth_unit;  // metres
+  uint first_depth;  // raw depths below are no data
   uint width;
   uint height;
-  uint pitch;         // pixels from row to row of the padded arrangement
-  uint first_pixel;   // of the padded arrangement
-  uint first_index;   // of the camera's skin points
+  uint pitch;        // pixels from row to row of the padded arrangement
+  uint first_pixel;  // of the padded arrangement
+  uint first_index;  // of the camera's skin points
   uint unused0;
   uint unused1;
   uint unused2;

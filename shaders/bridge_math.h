@@ -48,10 +48,8 @@ PALPA_FN Appearance appearance(BridgeCamera camera, Float3 world) {
   PALPA_EXACT float r2 = x * x + y * y;
   if (!(r2 <= camera.reach)) return a;
   PALPA_EXACT float radial = 1.0f + r2 * (camera.distortion.x + r2 * (camera.distortion.y + r2 * camera.k3));
-  PALPA_EXACT float xd =
-      x * radial + 2.0f * camera.distortion.z * x * y + camera.distortion.w * (r2 + 2.0f * x * x);
-  PALPA_EXACT float yd =
-      y * radial + camera.distortion.z * (r2 + 2.0f * y * y) + 2.0f * camera.distortion.w * x * y;
+  PALPA_EXACT float xd = x * radial + 2.0f * camera.distortion.z * x * y + camera.distortion.w * (r2 + 2.0f * x * x);
+  PALPA_EXACT float yd = y * radial + camera.distortion.z * (r2 + 2.0f * y * y) + 2.0f * camera.distortion.w * x * y;
   PALPA_EXACT float u = floor(camera.lens.x * xd + camera.lens.z + 0.5f);
   PALPA_EXACT float v = floor(camera.lens.y * yd + camera.lens.w + 0.5f);
   if (!(u >= 0.0f && v >= 0.0f && u < float(camera.width) && v < float(camera.height))) return a;
@@ -106,8 +104,8 @@ PALPA_FN float square_apart(Float3 a, Float3 b) {
   return dot3(d, d);
 }
 
-// The cosine between the skin's outward normal at `from` and the way to `to`: below 0 where that way enters the skin, as it
-// does between any two places of one convex fingertip.
+// The cosine between the skin's outward normal at `from` and the way to `to`: below 0 where that way enters the skin,
+// as it does between any two places of one convex fingertip.
 PALPA_FN float leaving(Float3 from, Float3 normal, Float3 to) {
   const Float3 way = minus(to, from);
   const float square = dot3(way, way);

@@ -1,4 +1,5 @@
-// Shared by engine/touch/contacts.cpp, shaders/contacts_find.comp and shaders/contacts_pack.comp.
+// Shared by engine/touch/contacts.cpp, shaders/contacts_find.comp, shaders/contacts_surface.comp and
+// shaders/contacts_pack.comp.
 #ifndef PALPA_SHADERS_CONTACTS_H
 #define PALPA_SHADERS_CONTACTS_H
 #include "shared.h"
@@ -16,36 +17,49 @@ PALPA_CONST no_finger = 0xffffffffu;
 PALPA_CONST contact_group = 128u;
 PALPA_CONST contacts_most_groups = 128u;
 
-// Bindings of contacts_find.
-PALPA_CONST contacts_points = 0u;  // uvec4[]: bits of x, y, z; the point's index
-PALPA_CONST contacts_length = 1u;  // ScanTotal of the points
-PALPA_CONST contacts_hits = 2u;    // Hit[]: per point, written for contacts only
-PALPA_CONST contacts_masks = 3u;   // uint[]: which of 32 points are contacts
-PALPA_CONST contacts_counts = 4u;  // uint[contacts_chunks]: contacts per chunk
-PALPA_CONST contacts_solids = 5u;  // SolidRecord[]
-PALPA_CONST contacts_cells = 6u;   // PlaneCell[]
-PALPA_CONST contacts_planes = 7u;  // vec4[]: normal, offset
-PALPA_CONST contacts_find_buffers = 8u;
-// Bindings of contacts_pack: the first five of contacts_find, then
+// Bindings of contacts_find and contacts_surface.
+PALPA_CONST contacts_points = 0u;       // uvec4[]: bits of x, y, z; the point's index
+PALPA_CONST contacts_length = 1u;       // ScanTotal of the points
+PALPA_CONST contacts_hits = 2u;         // Hit[]: per point, written for contacts only
+PALPA_CONST contacts_masks = 3u;        // uint[]: which of 32 points are contacts
+PALPA_CONST contacts_counts = 4u;       // uint[contacts_chunks]: contacts per chunk
+PALPA_CONST contacts_solids = 5u;       // SolidRecord[]
+PALPA_CONST contacts_cells = 6u;        // PlaneCell[]
+PALPA_CONST contacts_planes = 7u;       // vec4[]: normal, offset
+PALPA_CONST contacts_deep_masks = 8u;   // uint[]: which of 32 points are deep points, where asked for
+PALPA_CONST contacts_deep_counts = 9u;  // uint[contacts_chunks]
+PALPA_CONST contacts_find_buffers = 10u;
+// contacts_surface only, see surface.h.
+PALPA_CONST contacts_surface_cells = 10u;      // SurfaceCell[]
+PALPA_CONST contacts_surface_runs = 11u;       // uint[]
+PALPA_CONST contacts_surface_triangles = 12u;  // SurfaceTriangle[]
+PALPA_CONST contacts_surface_signs = 13u;      // SurfaceSigns[]
+PALPA_CONST contacts_surface_corners = 14u;    // vec4[]
+PALPA_CONST contacts_surface_buffers = 15u;
+// contacts_surface takes the points of a chunk in tiles.
+PALPA_CONST contacts_tile = 1024u;
+// Bindings of contacts_pack: the first five of contacts_find (the deep points' masks and counts in place of the
+// contacts'), then
 PALPA_CONST contacts_total = 5u;  // ScanTotal of the contacts
 PALPA_CONST contacts_out = 6u;    // ContactRecord[]
 PALPA_CONST contacts_pack_buffers = 7u;
 
-// A convex solid. All its numbers are relative to its centre: the digits of single precision go to the solid's own
-// size.
+// A solid. All its numbers are relative to its centre, in the axes that it has at rest: the digits of single precision
+// go to the solid's own size. The four w together are a unit quaternion that turns the world's axes into those.
 struct SolidRecord {
   vec4 centre;  // world
-  vec4 low;     // box, relative to the centre, a little too large
+  vec4 low;     // box, a little too large
   vec4 high;
   vec4 cells_per_metre;
-  uint first_cell;
-  uint cells_per_axis;
-  uint unused0;
-  uint unused1;
+  uint first_cell;      // in the plane cells, or in the surface cells
+  uint cells_per_axis;  // of the plane cells; of a surface's grid see surface_axis_bits
+  float delta;          // 0: the push constant's
+  uint by_surface;      // 1: asked by its surface; 0: convex, asked by its planes
 };
 PALPA_CHECK_SIZE(SolidRecord, 80);
 PALPA_CHECK_OFFSET(SolidRecord, cells_per_metre, 48);
 PALPA_CHECK_OFFSET(SolidRecord, first_cell, 64);
+PALPA_CHECK_OFFSET(SolidRecord, delta, 72);
 
 struct ContactsPush {
   SolidRecord only;  // the solid of a scene that has one: devices read push constants faster than buffers

@@ -51,6 +51,33 @@ PALPA_FN bool is_finite(float value) {
   return (floatBitsToUint(value) & 0x7f800000u) != 0x7f800000u;
 }
 
+PALPA_FN Float3 scaled(Float3 a, float factor) {
+  PALPA_EXACT Float3 r;
+  r.x = a.x * factor;
+  r.y = a.y * factor;
+  r.z = a.z * factor;
+  return r;
+}
+
+PALPA_FN Float3 cross3(Float3 a, Float3 b) {
+  PALPA_EXACT Float3 r;
+  r.x = a.y * b.z - a.z * b.y;
+  r.y = a.z * b.x - a.x * b.z;
+  r.z = a.x * b.y - a.y * b.x;
+  return r;
+}
+
+// r turned by the unit quaternion (q, w). The identity (0, 0, 0, 1) leaves every bit as it is.
+PALPA_FN Float3 turned(Float3 q, float w, Float3 r) {
+  PALPA_EXACT Float3 t = scaled(cross3(q, r), 2.0f);
+  PALPA_EXACT Float3 u = cross3(q, t);
+  PALPA_EXACT Float3 sum;
+  sum.x = r.x + (w * t.x + u.x);
+  sum.y = r.y + (w * t.y + u.y);
+  sum.z = r.z + (w * t.z + u.z);
+  return sum;
+}
+
 // ---- contacts ----
 
 // Eq. (1)'s (x_m - x) . n_m for the plane dot(n, x) = offset.
@@ -97,22 +124,6 @@ struct Axes {
   Float3 w1, w2, w3;
   float l1, l2, l3;  // eigenvalues, l1 >= l2 >= l3 >= 0
 };
-
-PALPA_FN Float3 scaled(Float3 a, float factor) {
-  PALPA_EXACT Float3 r;
-  r.x = a.x * factor;
-  r.y = a.y * factor;
-  r.z = a.z * factor;
-  return r;
-}
-
-PALPA_FN Float3 cross3(Float3 a, Float3 b) {
-  PALPA_EXACT Float3 r;
-  r.x = a.y * b.z - a.z * b.y;
-  r.y = a.z * b.x - a.x * b.z;
-  r.z = a.x * b.y - a.y * b.x;
-  return r;
-}
 
 PALPA_FN Float3 unit(Float3 a) {
   PALPA_EXACT float factor = 1.0f / sqrt(dot3(a, a));

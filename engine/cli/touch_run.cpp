@@ -43,7 +43,7 @@ double Stopwatch::lap_ms() {
 
 touch::Touch touch_on_cpu(const TouchInput& input, const touch::Parameters& parameters, StageTimes& times) {
   Stopwatch watch;
-  touch::HostStage stage(input.solids, input.cameras);
+  touch::HostStage stage(input.solids, input.cameras, parameters);
   touch::check(parameters, stage.solids());
   times.emplace_back("setup", watch.lap_ms());
   touch::Touch out;
@@ -61,7 +61,7 @@ touch::Touch touch_on_gpu(const gpu::DeviceOptions& select, const TouchInput& in
   Stopwatch watch;
   const touch::Capacity capacity = capacity_for(input);
   const gpu::Device device(select);
-  const touch::Stage stage(device, input.solids, input.cameras);
+  const touch::Stage stage(device, input.solids, input.cameras, parameters);
   touch::check(parameters, stage.solids().host());
   touch::StageFrame frame(device, stage, capacity);
   gpu::Timestamps stamps(device, 16);

@@ -160,6 +160,18 @@ double flatness_tolerance(const Mesh& mesh) {
   return std::max(1e-6 * glm::distance(box.low, box.high), 2.5e-7 * reach);
 }
 
+bool has_reflex_edge(const Mesh& mesh, std::span<const std::uint32_t> twin, double tolerance) {
+  std::vector<Vec3> area_vectors(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < area_vectors.size(); ++t)
+    area_vectors[t] = area_vector(mesh, t);
+  for (std::uint32_t side = 0; side < twin.size(); ++side) {
+    if (twin[side] < side) continue;
+    const Bend bend = bend_at(mesh, side, twin[side], area_vectors, tolerance);
+    if (bend.height > bend.noise) return true;
+  }
+  return false;
+}
+
 std::optional<ReflexEdge> find_concavity(const Mesh& mesh, std::span<const std::uint32_t> twin, const Facets& facets,
                                          double tolerance) {
   std::vector<Vec3> area_vectors(mesh.triangles.size());

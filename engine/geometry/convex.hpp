@@ -39,6 +39,9 @@ struct ReflexEdge {
   double angle;  ///< radians beyond flat, (0, pi]
 };
 
+/// Whether the surface bends inwards at an edge by more than rounding: then it is concave, and quickly found to be.
+bool has_reflex_edge(const Mesh& mesh, std::span<const std::uint32_t> twin, double tolerance);
+
 /// nullopt when the mesh is convex within `tolerance`; else its worst reflex edge. The mesh must be closed, oriented
 /// outwards and in one piece. Linear for strictly convex meshes, vertices x facets for small ones (see convex.cpp).
 std::optional<ReflexEdge> find_concavity(const Mesh& mesh, std::span<const std::uint32_t> twin, const Facets& facets,

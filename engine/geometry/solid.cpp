@@ -7,11 +7,11 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "geometry/surface_depth.hpp"
 #include "geometry/text.hpp"
 #include "geometry/topology.hpp"
 
@@ -23,7 +23,7 @@ constexpr double largest_size = 1e3, smallest_size = 1e-6;  // metres
 struct Candidate {
   std::string name;
   Mesh mesh;  // welded
-  Haptics haptics{};
+  Haptics haptics;
 };
 
 std::string edge_text(const Mesh& mesh, std::array<std::uint32_t, 2> edge) {
@@ -88,11 +88,7 @@ Solid make_solid(const Scene& scene, Candidate c) {
   const std::string name = text::quoted(c.name);
   const double tolerance = flatness_tolerance(c.mesh);
   const std::vector<std::uint32_t> twin_before = twins(c.mesh);
-  if (const std::uint32_t shells = count_shells(twin_before); shells > 1) {
-    throw bad_input(
-        scene.file,
-        fmt::format("mesh {} is made of {} separate shells; a solid is one: give each its own node", name, shells));
-  }
+  const bool one_shell = count_shells(twin_before) == 1;
   const double volume = signed_volume(c.mesh);
   const Box box = bounds(c.mesh);
   if (!(std::abs(volume) > tolerance * area(c.mesh))) {
@@ -103,12 +99,10 @@ Solid make_solid(const Scene& scene, Candidate c) {
     flip(c.mesh);
   }
   const std::vector<std::uint32_t> twin = volume < 0 ? twins(c.mesh) : twin_before;
-  Facets facets = find_facets(c.mesh, twin, tolerance);
-  if (const auto reflex = find_concavity(c.mesh, twin, facets, tolerance)) {
-    throw bad_input(
-        scene.file,
-        fmt::format("mesh {} is concave: the surface bends inwards by {:.3g} degrees at the edge {}; a solid is convex",
-                    name, reflex->angle * 180 / std::numbers::pi, edge_text(c.mesh, reflex->vertices)));
+  Facets facets;
+  if (one_shell && !has_reflex_edge(c.mesh, twin, tolerance)) {
+    facets = find_facets(c.mesh, twin, tolerance);
+    if (find_concavity(c.mesh, twin, facets, tolerance)) facets.planes.clear();
   }
   return {std::move(c.name), std::move(c.mesh), std::move(facets.planes), box, c.haptics};
 }
@@ -178,6 +172,7 @@ std::vector<Candidate> gather(const Scene& scene) {
 }  // namespace
 
 double depth(const Solid& solid, const Vec3& point) {
+  if (solid.planes.empty()) return surface_depth(solid.mesh, point);
   double least = std::numeric_limits<double>::infinity();
   for (const Plane& plane : solid.planes)
     least = std::min(least, plane.offset - glm::dot(plane.normal, point));
@@ -190,9 +185,10 @@ std::vector<Solid> make_solids(const Scene& scene) {
   solids.reserve(candidates.size());
   for (Candidate& c : candidates)
     solids.push_back(make_solid(scene, std::move(c)));
-  if (solids.empty()) {
-    throw bad_input(scene.file, "the scene has no triangle mesh that may be touched; a scene needs at least one solid");
-  }
+  if (solids.empty())
+    throw bad_input(scene.file, scene.meshes.empty()
+                                    ? "the scene has no triangle mesh; a scene needs at least one solid"
+                                    : "none of the scene's meshes is touchable; a scene needs at least one solid");
   return solids;
 }
 

@@ -50,7 +50,7 @@ class GpuChain : public Chain {
  public:
   GpuChain(const gpu::Device& device, const ChainSetting& setting)
       : setting_(setting),
-        stage_(device, setting.solids, setting.cameras),
+        stage_(device, setting.solids, setting.cameras, setting.touch),
         drives_pass_(device),
         flights_{Flight(device, setting, stage_), Flight(device, setting, stage_)},
         timeline_(device, "frames") {

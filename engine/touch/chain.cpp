@@ -21,25 +21,94 @@ gpu::Upload upload(const gpu::Device& device, VkCommandBuffer commands, const st
   return buffer;
 }
 
+/// All solids' surfaces, one after the other, indices shifted.
+struct SurfaceUpload {
+  gpu::Upload cells, runs, triangles, signs, corners;
+
+  SurfaceUpload(const gpu::Device& device, const PlaneTable& table) {
+    SurfaceBase all;
+    for (std::size_t s = 0; s < table.solids.size(); ++s) {
+      const geometry::Surface& surface = table.surfaces[s];
+      if (surface.empty()) continue;
+      const SurfaceBase& base = table.surface_base[s];
+      all = {base.cells + static_cast<std::uint32_t>(surface.cells.size()),
+             base.runs + static_cast<std::uint32_t>(surface.runs.size()),
+             base.triangles + static_cast<std::uint32_t>(surface.triangles.size()),
+             base.corners + static_cast<std::uint32_t>(surface.corners.size())};
+    }
+    cells = gpu::Upload(device, std::uint64_t{all.cells} * sizeof(shader::SurfaceCell), "surface cells");
+    runs = gpu::Upload(device, std::uint64_t{all.runs} * 4, "surface runs");
+    triangles =
+        gpu::Upload(device, std::uint64_t{all.triangles} * sizeof(shader::SurfaceTriangle), "surface triangles");
+    signs = gpu::Upload(device, std::uint64_t{all.triangles} * sizeof(shader::SurfaceSigns), "surface signs");
+    corners = gpu::Upload(device, std::uint64_t{all.corners} * sizeof(shader::vec4), "surface corners");
+    for (std::size_t s = 0; s < table.solids.size(); ++s) {
+      if (!table.surfaces[s].empty()) copy(table.surfaces[s], table.surface_base[s]);
+    }
+  }
+
+  void record(VkCommandBuffer commands) const {
+    for (const gpu::Upload* buffer : {&cells, &runs, &triangles, &signs, &corners})
+      buffer->record(commands);
+  }
+
+ private:
+  template <typename T>
+  static std::span<T> put(const gpu::Upload& buffer, std::uint32_t first, std::span<const T> values) {
+    const std::span<T> place = buffer.as<T>().subspan(first, values.size());
+    if (!values.empty()) std::memcpy(place.data(), values.data(), values.size_bytes());
+    return place;
+  }
+
+  void copy(const geometry::Surface& surface, const SurfaceBase& base) {
+    const auto placed_cells = put(cells, base.cells, surface.cells);
+    const auto placed_runs = put(runs, base.runs, surface.runs);
+    const auto placed_signs = put(signs, base.triangles, surface.signs);
+    put(triangles, base.triangles, surface.triangles);
+    put(corners, base.corners, surface.corners);
+    if (base.cells == 0) return;
+    for (shader::SurfaceCell& cell : placed_cells)
+      cell.first += (cell.kind & shader::surface_kinds) == shader::surface_divided ? base.cells : base.runs;
+    for (std::uint32_t& run : placed_runs)
+      run += base.triangles;
+    for (shader::SurfaceSigns& sign : placed_signs) {
+      for (shader::uint* corner : {&sign.corner0, &sign.corner1, &sign.corner2})
+        *corner += base.corners;
+    }
+  }
+};
+
 Capacity checked(const Capacity& capacity) {
   if (capacity.points > shader::contacts_most_points) {
     throw bad_usage(fmt::format("{} skin points per frame: at most {}", capacity.points, shader::contacts_most_points));
   }
-  return {std::max(capacity.points, 1U), std::clamp(capacity.contacts, 1U, std::max(capacity.points, 1U))};
+  const std::uint32_t points = std::max(capacity.points, 1U);
+  return {points, std::clamp(capacity.contacts, 1U, points), std::min(capacity.deep, points)};
 }
 
 }  // namespace
 
-SolidTable::SolidTable(const gpu::Device& device, const std::vector<geometry::Solid>& solids)
-    : host_(make_plane_table(solids)) {
+SolidTable::SolidTable(const gpu::Device& device, const std::vector<geometry::Solid>& solids,
+                       const Parameters& parameters)
+    : host_(make_plane_table(solids, parameters)) {
   const gpu::Recorder recorder(device, "solids");
   gpu::Timeline timeline(device, "solids");
   const VkCommandBuffer commands = recorder.begin();
-  solids_ = upload(device, commands, host_.solids, "solids");
   cells_ = upload(device, commands, host_.cells, "plane cells");
   planes_ = upload(device, commands, host_.planes, "planes");
   borders_ = upload(device, commands, sector_borders(), "sector borders");
+  SurfaceUpload surface(device, host_);
+  surface.record(commands);
+  surface_cells_ = std::move(surface.cells);
+  runs_ = std::move(surface.runs);
+  triangles_ = std::move(surface.triangles);
+  signs_ = std::move(surface.signs);
+  corners_ = std::move(surface.corners);
   timeline.wait(timeline.submit(recorder.end()));
+}
+
+SurfaceBuffers SolidTable::surface() const {
+  return {surface_cells_.ref(), runs_.ref(), triangles_.ref(), signs_.ref(), corners_.ref()};
 }
 
 TouchBuffers::TouchBuffers(const gpu::Device& device, const Capacity& capacity)
@@ -64,10 +133,16 @@ TouchBuffers::TouchBuffers(const gpu::Device& device, const Capacity& capacity)
       patches_(device, std::uint64_t{max_fingers} * sizeof(shader::BridgePatch), "bridge patches"),
       pairs_(device, std::uint64_t{max_fingers} * max_fingers * sizeof(shader::BridgePair), "bridge pairs"),
       bridge_work_(device, sizeof(shader::BridgeWork), "bridge work"),
+      deep_masks_(device, capacity_.deep == 0 ? 0 : std::uint64_t{mask_words(capacity_.points)} * 4, "deep masks"),
+      deep_counts_(device, std::uint64_t{shader::contacts_chunks} * 4, "deep counts"),
+      solids_(device, sizeof(shader::SolidRecord), "solids"),
       contacts_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::ContactRecord), "contacts"),
       header_(device, sizeof(shader::TouchHeader), "touch header"),
       fingers_(device, std::uint64_t{max_fingers} * sizeof(shader::FingerRecord), "fingers"),
-      foci_(device, std::uint64_t{max_fingers} * max_foci * sizeof(shader::FocusRecord), "foci") {}
+      foci_(device, std::uint64_t{max_fingers} * max_foci * sizeof(shader::FocusRecord), "foci"),
+      deep_(device, std::uint64_t{capacity_.deep} * sizeof(shader::ContactRecord), "deep points"),
+      deep_total_(device, sizeof(shader::ScanTotal), "deep total"),
+      device_(&device) {}
 
 TouchPasses::TouchPasses(const gpu::Device& device)
     : contacts_(device), fingers_(device), bridge_(device), sections_(device) {}
@@ -76,13 +151,23 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
                          gpu::BufferRef total, const Parameters& parameters, gpu::Timestamps* times, Detail detail,
                          const SightBuffers* sight) const {
   check(parameters, table.host());
+  if (parameters.deep && b.capacity_.deep == 0) {
+    throw bad_usage("deep points are asked for: give Capacity::deep room for them");
+  }
+  const std::vector<shader::SolidRecord>& solids = table.host().solids;
+  const std::size_t solid_bytes = solids.size() * sizeof(shader::SolidRecord);
+  if (solid_bytes > b.solids_.ref().size)
+    b.solids_ = gpu::Upload(*b.device_, solid_bytes, "solids");  // the first time only
+  if (!solids.empty()) std::memcpy(b.solids_.data(), solids.data(), solid_bytes);
+  b.solids_.record(commands);
+  b.with_deep_ = parameters.deep;
   const auto mark = [&](const char* name) {
     if (times) times->mark(commands, name);
   };
   contacts_.record(commands,
                    {.points = points,
                     .length = total,
-                    .solids = table.solids(),
+                    .solids = b.solids_.ref(),
                     .cells = table.cells(),
                     .planes = table.planes(),
                     .hits = b.hits_.ref(),
@@ -91,12 +176,18 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
                     .total = b.total_.ref(),
                     .contacts = b.contacts_.ref(),
                     .most_points = b.capacity_.points,
-                    .most_contacts = b.capacity_.contacts},
-                   table.host(), parameters.delta_m, times);
+                    .most_contacts = b.capacity_.contacts,
+                    .surface = table.surface(),
+                    .deep_masks = b.deep_masks_.ref(),
+                    .deep_counts = b.deep_counts_.ref(),
+                    .deep_total = b.deep_total_.ref(),
+                    .deep = b.deep_.ref(),
+                    .most_deep = b.capacity_.deep},
+                   table.host(), parameters, times);
   gpu::compute_to_compute(commands);
   fingers_.record(commands,
                   {.length = total,
-                   .solids = table.solids(),
+                   .solids = b.solids_.ref(),
                    .total = b.total_.ref(),
                    .contacts = b.contacts_.ref(),
                    .nodes = b.nodes_.ref(),
@@ -150,6 +241,10 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
   b.header_.record(commands);
   b.fingers_.record(commands);
   b.foci_.record(commands);
+  if (parameters.deep) {
+    b.deep_.record(commands);
+    b.deep_total_.record(commands);
+  }
 }
 
 void read(const TouchBuffers& b, Touch& out) {
@@ -162,6 +257,16 @@ void read(const TouchBuffers& b, Touch& out) {
   if (header.contacts > b.capacity_.contacts) {
     throw failure(fmt::format("{} contacts in one frame: there is room for {}; give a smaller delta or fewer points",
                               header.contacts, b.capacity_.contacts));
+  }
+  const std::uint32_t deep = b.with_deep_ ? b.deep_total_.as<shader::ScanTotal>()[0].total : 0;
+  if (deep > b.capacity_.deep) {
+    throw failure(fmt::format("{} deep points in one frame: there is room for {}; touch less of the solid", deep,
+                              b.capacity_.deep));
+  }
+  out.deep.resize(deep);
+  for (std::uint32_t i = 0; i < deep; ++i) {
+    const shader::ContactRecord& record = b.deep_.as<shader::ContactRecord>()[i];
+    out.deep[i] = {record.point, record.solid, record.depth, {record.x, record.y, record.z}};
   }
   out.cluster_count = header.clusters;
   out.finger_count = header.fingers;
@@ -201,7 +306,7 @@ void read(const TouchBuffers& b, Touch& out) {
 void touch_points(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
                   Touch& out) {
   check(parameters, table);
-  find_contacts(points, table, parameters.delta_m, out.contacts);
+  find_contacts(points, table, parameters, out);
   find_fingers(parameters, table, out);
   find_sections(parameters, out);
 }
@@ -211,7 +316,7 @@ void touch_points(std::span<const glm::vec3> points, const std::vector<geometry:
   std::vector<sensing::SkinPoint> skin(points.size());
   for (std::uint32_t i = 0; i < skin.size(); ++i)
     skin[i] = {points[i], i};
-  touch_points(skin, make_plane_table(solids), parameters, out);
+  touch_points(skin, make_plane_table(solids, parameters), parameters, out);
 }
 
 }  // namespace palpa::touch

@@ -17,27 +17,34 @@
 
 namespace palpa::touch {
 
-/// The scene's solids on the device; built once, read by every frame.
+/// The scene's solids on the device; built once for these parameters, read by every frame. Where the solids are is
+/// uploaded with each frame (TouchBuffers::solids).
 class SolidTable {
  public:
-  /// Uploads and waits. Throws bad_usage for a solid without planes or with a box that is not finite.
-  SolidTable(const gpu::Device& device, const std::vector<geometry::Solid>& solids);
+  /// Uploads and waits. Throws bad_usage as make_plane_table does, and failure where a buffer would be larger than the
+  /// device takes.
+  SolidTable(const gpu::Device& device, const std::vector<geometry::Solid>& solids, const Parameters& parameters = {});
 
   const PlaneTable& host() const { return host_; }
-  gpu::BufferRef solids() const { return solids_.ref(); }
+  /// From the next record on; see touch::set_pose.
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(host_, solid, T_world_rest); }
+  /// See touch::touchable_box.
+  Box box() const { return touchable_box(host_); }
+  SurfaceBuffers surface() const;
   gpu::BufferRef cells() const { return cells_.ref(); }
   gpu::BufferRef planes() const { return planes_.ref(); }
   gpu::BufferRef borders() const { return borders_.ref(); }
 
  private:
   PlaneTable host_;
-  gpu::Upload solids_, cells_, planes_, borders_;
+  gpu::Upload cells_, planes_, borders_, surface_cells_, runs_, triangles_, signs_, corners_;
 };
 
 /// Room for one frame in flight: 8 bytes of memory per point and 124 per contact, 43 MB for the defaults.
 struct Capacity {
   std::uint32_t points = 1'250'000;  ///< at most shader::contacts_most_points
   std::uint32_t contacts = 262'144;  ///< more than this many contacts in a frame are an error that read() reports
+  std::uint32_t deep = 0;            ///< the same for deep points: 32 bytes each
 };
 
 /// All buffers of one frame in flight, allocated once.
@@ -53,14 +60,22 @@ class TouchBuffers {
   gpu::BufferRef fingers() const { return fingers_.ref(); }
   gpu::BufferRef foci() const { return foci_.ref(); }
   gpu::BufferRef contacts() const { return contacts_.ref(); }
+  /// Where deep points were asked for: ContactRecord[], of which deep_total()'s shader::ScanTotal says how many.
+  gpu::BufferRef deep() const { return deep_.ref(); }
+  gpu::BufferRef deep_total() const { return deep_total_.ref(); }
+  /// shader::SolidRecord[] as of the newest record: where the solids are.
+  gpu::BufferRef solids() const { return solids_.ref(); }
 
  private:
   friend class TouchPasses;
   friend void read(const TouchBuffers& buffers, Touch& out);
   Capacity capacity_;
   gpu::Buffer hits_, masks_, counts_, total_, nodes_, keys_, places_, slots_, heads_, list_, groups_, crowded_, work_,
-      parents_, clusters_, samples_, patches_, pairs_, bridge_work_;
-  gpu::Readback contacts_, header_, fingers_, foci_;
+      parents_, clusters_, samples_, patches_, pairs_, bridge_work_, deep_masks_, deep_counts_;
+  gpu::Upload solids_;
+  gpu::Readback contacts_, header_, fingers_, foci_, deep_, deep_total_;
+  bool with_deep_ = false;  ///< of the newest record
+  const gpu::Device* device_;
   std::uint32_t foci_per_finger_ = 0;  ///< of the newest record
   Detail detail_ = Detail::contacts;   ///< of the newest record
 };

@@ -1,11 +1,14 @@
 #include "touch/contacts.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cassert>
 
 #include "gpu/barrier.hpp"
 #include "shaders/touch_math.h"
 #include "spirv/contacts_find.comp.hpp"
 #include "spirv/contacts_pack.comp.hpp"
+#include "spirv/contacts_surface.comp.hpp"
 
 namespace palpa::touch {
 namespace {
@@ -16,37 +19,60 @@ bool inside(const Float3& p, const shader::vec4& low, const shader::vec4& high) 
   return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
 }
 
-/// Eq. (1)'s depth below the nearest plane if it is in (0, delta), else 0.
-float shell_depth(const PlaneTable& table, std::size_t solid, const Float3& point, float delta) {
-  const shader::SolidRecord& record = table.solids[solid];
-  const Float3 p = shader::minus(point, {record.centre.x, record.centre.y, record.centre.z});
-  if (!inside(p, record.low, record.high)) return 0;
+/// Eq. (1)'s depth below the nearest plane, 0 outside.
+float plane_depth(const PlaneTable& table, std::uint32_t solid, const Float3& p) {
   float depth = 3.0e38F;
   for (std::uint32_t m = table.first_plane[solid]; m < table.first_plane[solid + 1] && depth > 0; ++m) {
     const shader::vec4& plane = table.planes[m];
     const float d = shader::plane_depth({plane.x, plane.y, plane.z}, plane.w, p);
     depth = d < depth ? d : depth;
   }
-  return depth > 0 && depth < delta ? depth : 0;
+  return depth > 0 ? depth : 0;
+}
+
+struct Inside {
+  float depth = 0;  // 0: outside, or of unknown depth
+  bool shell = false;
+};
+
+Inside look(const PlaneTable& table, std::uint32_t solid, const Float3& point, float delta_of_all) {
+  const shader::SolidRecord& record = table.solids[solid];
+  const Float3 p = shader::turned({record.centre.w, record.low.w, record.high.w}, record.cells_per_metre.w,
+                                  shader::minus(point, {record.centre.x, record.centre.y, record.centre.z}));
+  if (!inside(p, record.low, record.high)) return {};
+  const float delta = record.delta > 0 ? record.delta : delta_of_all;
+  if (record.by_surface != 0) {
+    const geometry::Place place = geometry::find_place(table.surfaces[solid], {p.x, p.y, p.z}, delta);
+    if (place.region == geometry::Region::outside) return {};
+    return {place.depth_m, place.region == geometry::Region::shell};
+  }
+  const float depth = plane_depth(table, solid, p);
+  return {depth, depth > 0 && depth < delta};
 }
 
 constexpr std::uint32_t one_solid = 1;
 
 }  // namespace
 
-void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable& table, double delta_m,
-                   std::vector<Contact>& out) {
-  out.clear();
-  const auto delta = static_cast<float>(delta_m);
+void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
+                   Touch& out) {
+  out.contacts.clear();
+  out.deep.clear();
+  const auto delta = static_cast<float>(parameters.delta_m);
   for (const sensing::SkinPoint& skin : points) {
     const Float3 point{skin.position.x, skin.position.y, skin.position.z};
     if (!shader::is_finite(point.x) || !shader::is_finite(point.y) || !shader::is_finite(point.z)) continue;
-    for (std::uint32_t s = 0; s < table.solids.size(); ++s) {
-      const float depth = shell_depth(table, s, point, delta);
-      if (depth == 0) continue;
-      out.push_back({skin.index, s, depth, skin.position});
-      break;
+    Contact found{skin.index, 0, 0, skin.position};
+    bool shell = false;
+    for (std::uint32_t s = 0; s < table.solids.size() && !shell; ++s) {
+      const Inside here = look(table, s, point, delta);
+      shell = here.shell;
+      if (here.depth == 0 || (!shell && (!parameters.deep || found.depth_m > 0))) continue;
+      found.solid = s;
+      found.depth_m = here.depth;
     }
+    if (found.depth_m == 0) continue;
+    (shell ? out.contacts : out.deep).push_back(found);
   }
 }
 
@@ -56,26 +82,60 @@ std::uint32_t mask_words(std::uint32_t points) {
 }
 
 ContactsPass::ContactsPass(const gpu::Device& device)
-    : find_(device, "contacts find", spirv::contacts_find_comp,
-            {shader::contacts_find_buffers, sizeof(shader::ContactsPush)}),
-      find_one_(device, "contacts find one", spirv::contacts_find_comp,
-                {shader::contacts_find_buffers, sizeof(shader::ContactsPush), {&one_solid, 1}}),
-      pack_(device, "contacts pack", spirv::contacts_pack_comp,
-            {shader::contacts_pack_buffers, sizeof(shader::ContactsPush)}) {}
+    : pack_(device, "contacts pack", spirv::contacts_pack_comp,
+            {shader::contacts_pack_buffers, sizeof(shader::ContactsPush)}) {
+  const auto kernels = [&](std::uint32_t deep) {
+    const std::array<std::uint32_t, 2> many{0, deep}, one{one_solid, deep};
+    return Kernels{{device,
+                    "contacts find",
+                    spirv::contacts_find_comp,
+                    {shader::contacts_find_buffers, sizeof(shader::ContactsPush), many}},
+                   {device,
+                    "contacts find one",
+                    spirv::contacts_find_comp,
+                    {shader::contacts_find_buffers, sizeof(shader::ContactsPush), one}},
+                   {device,
+                    "contacts surface",
+                    spirv::contacts_surface_comp,
+                    {shader::contacts_surface_buffers, sizeof(shader::ContactsPush), {&deep, 1}}}};
+  };
+  find_ = kernels(0);
+  find_deep_ = kernels(1);
+}
 
-void ContactsPass::record(VkCommandBuffer commands, const ContactsBuffers& b, const PlaneTable& table, double delta_m,
-                          gpu::Timestamps* times) const {
+void ContactsPass::record(VkCommandBuffer commands, const ContactsBuffers& b, const PlaneTable& table,
+                          const Parameters& parameters, gpu::Timestamps* times) const {
   assert(b.most_points <= shader::contacts_most_points);
   const auto solids = static_cast<std::uint32_t>(table.solids.size());
-  shader::ContactsPush push{{}, solids, static_cast<float>(delta_m), b.most_points, b.most_contacts};
+  shader::ContactsPush push{{}, solids, static_cast<float>(parameters.delta_m), b.most_points, b.most_contacts};
   if (solids == 1) push.only = table.solids[0];
-  const gpu::ComputePipeline& find = solids == 1 ? find_one_ : find_;
-  find.dispatch(commands, {b.points, b.length, b.hits, b.masks, b.counts, b.solids, b.cells, b.planes}, &push,
-                shader::contacts_chunks);
+  const Kernels& find = parameters.deep ? find_deep_ : find_;
+  // Nothing is written there where deep points are not asked for.
+  const gpu::BufferRef deep_masks = parameters.deep ? b.deep_masks : b.masks;
+  const gpu::BufferRef deep_counts = parameters.deep ? b.deep_counts : b.counts;
+  const bool by_surface =
+      std::any_of(table.solids.begin(), table.solids.end(), [](const auto& solid) { return solid.by_surface != 0; });
+  if (by_surface) {
+    find.surface.dispatch(
+        commands,
+        {b.points, b.length, b.hits, b.masks, b.counts, b.solids, b.cells, b.planes, deep_masks, deep_counts,
+         b.surface.cells, b.surface.runs, b.surface.triangles, b.surface.signs, b.surface.corners},
+        &push, shader::contacts_chunks);
+  } else {
+    (solids == 1 ? find.one : find.planes)
+        .dispatch(commands,
+                  {b.points, b.length, b.hits, b.masks, b.counts, b.solids, b.cells, b.planes, deep_masks, deep_counts},
+                  &push, shader::contacts_chunks);
+  }
   gpu::compute_to_compute(commands);
   if (times) times->mark(commands, "contacts find");
   pack_.dispatch(commands, {b.points, b.length, b.hits, b.masks, b.counts, b.total, b.contacts}, &push,
                  shader::contacts_chunks);
+  if (parameters.deep) {
+    push.most_contacts = b.most_deep;
+    pack_.dispatch(commands, {b.points, b.length, b.hits, b.deep_masks, b.deep_counts, b.deep_total, b.deep}, &push,
+                   shader::contacts_chunks);
+  }
   if (times) times->mark(commands, "contacts pack");
 }
 

@@ -14,13 +14,23 @@
 
 namespace palpa::touch {
 
-/// C++ twin of ContactsPass: every plane of every solid whose box holds the point, in the same single-precision
-/// arithmetic, so the same contacts with the same depths. A contact lies strictly inside all planes and less than
-/// `delta_m` below the nearest; it belongs to the first solid for which that is so. Points with a coordinate that is
-/// not finite are no contacts. Agrees with double precision except within 1 micrometre of a boundary (solids up to 3
-/// m).
-void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable& table, double delta_m,
-                   std::vector<Contact>& out);
+/// C++ twin of ContactsPass, in the same single-precision arithmetic, so the same contacts with the same depths: fills
+/// `out.contacts` and, where asked for, `out.deep`. A contact lies strictly inside a solid and nearer than its delta to
+/// its surface; it belongs to the first solid for which that is so. A point that is no contact is a deep point of the
+/// first solid that it lies inside of. Points with a coordinate that is not finite are neither. Of convex solids the
+/// twin asks every plane; the pass asks those of a cell. Agrees with double precision except within 1 micrometre of a
+/// boundary (solids up to 3 m).
+void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
+                   Touch& out);
+
+/// The scene's surfaces on the device, as ContactsPass binds them; empty without any.
+struct SurfaceBuffers {
+  gpu::BufferRef cells;      ///< shader::SurfaceCell[]
+  gpu::BufferRef runs;       ///< uint[]
+  gpu::BufferRef triangles;  ///< shader::SurfaceTriangle[]
+  gpu::BufferRef signs;      ///< shader::SurfaceSigns[]
+  gpu::BufferRef corners;    ///< vec4[]
+};
 
 /// What the pass reads and writes. `most_points` and `most_contacts` are the room in the buffers.
 struct ContactsBuffers {
@@ -38,13 +48,19 @@ struct ContactsBuffers {
   gpu::BufferRef contacts;        ///< out: shader::ContactRecord[], in input order, `finger` unset
   std::uint32_t most_points = 0;  ///< at most shader::contacts_most_points
   std::uint32_t most_contacts = 0;
+  SurfaceBuffers surface;  ///< in: where a solid is asked by its surface
+  // Only where deep points are asked for; sizes as of their counterparts above.
+  gpu::BufferRef deep_masks = {}, deep_counts = {};  ///< scratch
+  gpu::BufferRef deep_total = {};                    ///< out: shader::ScanTotal
+  gpu::BufferRef deep = {};                          ///< out: shader::ContactRecord[]
+  std::uint32_t most_deep = 0;
 };
 
 /// Words of 32 points that the pass's chunks cover.
 std::uint32_t mask_words(std::uint32_t points);
 
-/// Pipelines only; two dispatches: find, pack. Points beyond `most_points` and contacts beyond `most_contacts`
-/// are left out; `length` and `total` tell.
+/// Pipelines only; two dispatches: find, pack; three with deep points. Points beyond `most_points` and contacts beyond
+/// `most_contacts` are left out; `length` and `total` tell.
 class ContactsPass {
  public:
   explicit ContactsPass(const gpu::Device& device);
@@ -52,11 +68,15 @@ class ContactsPass {
   /// Barriers: expects points and length to be visible to compute; adds its own inside; the
   /// caller adds compute_to_compute afterwards.
   /// With `times`, marks "contacts find" and "contacts pack".
-  void record(VkCommandBuffer commands, const ContactsBuffers& buffers, const PlaneTable& table, double delta_m,
-              gpu::Timestamps* times = nullptr) const;
+  void record(VkCommandBuffer commands, const ContactsBuffers& buffers, const PlaneTable& table,
+              const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
 
  private:
-  gpu::ComputePipeline find_, find_one_, pack_;
+  struct Kernels {
+    gpu::ComputePipeline planes, one, surface;
+  };
+  Kernels find_, find_deep_;
+  gpu::ComputePipeline pack_;
 };
 
 }  // namespace palpa::touch

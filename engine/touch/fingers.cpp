@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 #include "base/error.hpp"
@@ -42,6 +43,17 @@ void check(const Parameters& parameters, const PlaneTable& table) {
       reach = std::max(reach, static_cast<double>(side));
     for (const float side : {solid.low.x, solid.low.y, solid.low.z})
       reach = std::max(reach, -static_cast<double>(side));
+  }
+  // A solid may be turned.
+  reach *= std::numbers::sqrt3;
+  for (std::uint32_t s = 0; s < table.solids.size(); ++s) {
+    if (table.solids[s].by_surface == 0) continue;
+    const geometry::SurfaceOptions& made = table.surfaces[s].options;
+    if (table.delta_m(s, parameters) > made.reach_m * (1 + 1e-6) || (parameters.deep && !made.deep)) {
+      throw bad_usage(
+          fmt::format("solid {} was prepared for contacts up to {} m deep{}; prepare it for these parameters", s,
+                      made.reach_m, made.deep ? "" : " and no deep points"));
+    }
   }
   const double least = reach / (2e-3 * shader::fingers_cell_thousandths * shader::fingers_most_blocks);
   if (parameters.finger_gap_m < least) {

@@ -32,24 +32,13 @@ gpu::Upload upload_cameras(const gpu::Device& device, const std::vector<shader::
 
 }  // namespace
 
-Box touchable_box(const std::vector<geometry::Solid>& solids) {
-  constexpr double hair = 1e-4;
-  Box box;
-  for (const geometry::Solid& solid : solids) {
-    box.add(solid.bounds.low - Vec3(hair));
-    box.add(solid.bounds.high + Vec3(hair));
-  }
-  return box;
-}
-
 Stage::Stage(const gpu::Device& device, const std::vector<geometry::Solid>& solids,
-             std::span<const sensing::Camera> cameras)
+             std::span<const sensing::Camera> cameras, const Parameters& parameters)
     : cameras_(cameras.begin(), cameras.end()),
-      box_(touchable_box(solids)),
       tables_(sensing::make_rays(cameras)),
       rays_(sensing::upload_rays(device, tables_)),
       bridge_cameras_(upload_cameras(device, bridge_cameras(cameras, tables_))),
-      solids_(device, solids),
+      solids_(device, solids, parameters),
       skin_pass_(device),
       touch_passes_(device) {}
 
@@ -63,9 +52,10 @@ void Stage::record(VkCommandBuffer commands, StageFrame& frame, const Parameters
     return;
   }
   frame.depth_.record(commands);
-  sensing::plan_views(cameras_, tables_, box_, frame.views_);
+  const Box box = solids_.box();
+  sensing::plan_views(cameras_, tables_, box, frame.views_);
   const sensing::SkinBuffers skin = frame.skin_->with(frame.depth_.ref(), rays_.ref());
-  skin_pass_.record(commands, skin, tables_, box_, frame.views_, times);
+  skin_pass_.record(commands, skin, tables_, box, frame.views_, times);
   gpu::compute_to_compute(commands);
   const SightBuffers sight{frame.depth_.ref(), rays_.ref(), bridge_cameras_.ref()};
   touch_passes_.record(commands, solids_, frame.touch_, skin.points, skin.total, parameters, times, detail, &sight);
@@ -98,17 +88,18 @@ void StageFrame::set(std::span<const sensing::SkinPoint> points) {
   total_.as<shader::ScanTotal>()[0] = {count, gpu::groups_for(count, 64), 1, 1};
 }
 
-HostStage::HostStage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras)
+HostStage::HostStage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras,
+                     const Parameters& parameters)
     : cameras_(cameras.begin(), cameras.end()),
-      box_(touchable_box(solids)),
       tables_(sensing::make_rays(cameras)),
       bridge_cameras_(bridge_cameras(cameras, tables_)),
-      table_(make_plane_table(solids)) {}
+      table_(make_plane_table(solids, parameters)) {}
 
 void HostStage::touch(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
                       const Mark& mark) {
-  sensing::plan_views(cameras_, tables_, box_, views_);
-  sensing::find_skin(tables_, images, box_, views_, points_);
+  const Box box = touchable_box(table_);
+  sensing::plan_views(cameras_, tables_, box, views_);
+  sensing::find_skin(tables_, images, box, views_, points_);
   if (mark) mark("skin");
   const Sight sight{bridge_cameras_, tables_, images};
   touch(points_, &sight, parameters, out, mark);
@@ -122,7 +113,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Paramete
 void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* sight, const Parameters& parameters,
                       Touch& out, const Mark& mark) const {
   check(parameters, table_);
-  find_contacts(points, table_, parameters.delta_m, out.contacts);
+  find_contacts(points, table_, parameters, out);
   if (mark) mark("contacts");
   find_fingers(parameters, table_, out);
   if (mark) mark("fingers");

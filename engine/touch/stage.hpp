@@ -18,19 +18,19 @@
 
 namespace palpa::touch {
 
-/// The world's box around everything touchable: skin outside of it needs no look. Grown by a hair against rounding.
-Box touchable_box(const std::vector<geometry::Solid>& solids);
-
 class StageFrame;
 
 /// Solids, rays and pipelines on the device; one for any number of frames in flight. `device` outlives it.
 class Stage {
  public:
-  /// Without cameras every frame is a set of skin points. Uploads and waits. Throws as SolidTable and make_rays do.
-  Stage(const gpu::Device& device, const std::vector<geometry::Solid>& solids,
-        std::span<const sensing::Camera> cameras);
+  /// Without cameras every frame is a set of skin points. The solids are prepared for delta and deep points of
+  /// `parameters`. Uploads and waits. Throws as SolidTable and make_rays do.
+  Stage(const gpu::Device& device, const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras,
+        const Parameters& parameters = {});
 
   const SolidTable& solids() const { return solids_; }
+  /// From the next record on the solid is where T_world_rest takes it; see touch::set_pose.
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest) { solids_.set_pose(solid, T_world_rest); }
   const std::vector<sensing::Camera>& cameras() const { return cameras_; }
 
   /// Records all that turns the frame's input into foci, and the readback that `detail` asks for. With `times`, marks
@@ -42,7 +42,6 @@ class Stage {
  private:
   friend class StageFrame;
   std::vector<sensing::Camera> cameras_;
-  Box box_;
   sensing::RayTables tables_;
   gpu::Buffer rays_;
   gpu::Upload bridge_cameras_;
@@ -87,9 +86,11 @@ class HostStage {
   using Mark = std::function<void(const char*)>;
 
   /// Throws as make_plane_table and make_rays do.
-  HostStage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras);
+  HostStage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras,
+            const Parameters& parameters = {});
 
   const PlaneTable& solids() const { return table_; }
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(table_, solid, T_world_rest); }
 
   /// Throws bad_usage for images that do not fit the cameras, and on unusable parameters.
   void touch(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
@@ -102,7 +103,6 @@ class HostStage {
              const Mark& mark) const;
 
   std::vector<sensing::Camera> cameras_;
-  Box box_;
   sensing::RayTables tables_;
   std::vector<shader::BridgeCamera> bridge_cameras_;
   PlaneTable table_;

@@ -17,6 +17,7 @@ struct Parameters {
   /// With depth frames: patches of contacts that are together no wider than this may be one finger whose skin between
   /// them no camera sees (touch/bridge.hpp). 0: every cluster is a finger of its own.
   double finger_width_m = 25e-3;
+  bool deep = false;             ///< also find the deep points: inside a solid, delta or deeper
 };
 
 /// What the host wants to read of a frame: fingers with their foci, or every contact and whose it is as well. With
@@ -64,7 +65,9 @@ struct Finger {
 /// Reused from frame to frame: what its vectors have allocated is kept.
 struct Touch {
   std::vector<Contact> contacts;  ///< in the order of the skin points: ascending by point; empty where not asked for
-  std::vector<Contact> deep;      ///< skin points inside a solid at delta or deeper, in the same order, where asked for
+  /// Where asked for: skin points inside a solid at delta or deeper, in no solid's shell; ascending by point. Their depth is
+  /// exact in convex solids, elsewhere at most 2 % too large.
+  std::vector<Contact> deep;
   /// Ordered by their smallest contact; only the first `finger_count` are valid.
   std::vector<Finger> fingers;
   std::uint32_t finger_count = 0;

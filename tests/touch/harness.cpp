@@ -37,7 +37,7 @@ Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vec
                       std::vector<gpu::PassTime>* times) {
   gpu::Device& device = test_device();
   static const TouchPasses passes(device);
-  const SolidTable table(device, solids);
+  const SolidTable table(device, solids, parameters);
   TouchBuffers buffers(device, capacity);
   const gpu::Upload skin(device, std::max<std::size_t>(points.size_bytes(), 16), "test points");
   const gpu::Upload total(device, sizeof(shader::ScanTotal), "test total");

@@ -7,6 +7,7 @@
 #include "gpu/barrier.hpp"
 #include "spirv/contacts_find.comp.hpp"
 #include "spirv/contacts_pack.comp.hpp"
+#include "spirv/contacts_surface.comp.hpp"
 #include "spirv/fingers_blocks.comp.hpp"
 #include "spirv/fingers_crowded.comp.hpp"
 #include "spirv/fingers_insert.comp.hpp"
@@ -81,9 +82,20 @@ void record_all(VkCommandBuffer commands, Guarded& b, const PlaneTable& table, c
   static const FingersPass fingers(palpa::test::test_device());
   static const SectionsPass sections(palpa::test::test_device());
   contacts.record(commands,
-                  {b.points.ref(), b.length.ref(), b.solids.ref(), b.planes_of.ref(), b.planes.ref(), b.hits.ref(),
-                   b.masks.ref(), b.counts.ref(), b.total.ref(), b.contacts.ref(), points, room},
-                  table, parameters.delta_m);
+                  {b.points.ref(),
+                   b.length.ref(),
+                   b.solids.ref(),
+                   b.planes_of.ref(),
+                   b.planes.ref(),
+                   b.hits.ref(),
+                   b.masks.ref(),
+                   b.counts.ref(),
+                   b.total.ref(),
+                   b.contacts.ref(),
+                   points,
+                   room,
+                   {}},
+                  table, parameters);
   gpu::compute_to_compute(commands);
   fingers.record(commands,
                  {b.length.ref(), b.solids.ref(), b.total.ref(), b.contacts.ref(), b.nodes.ref(), b.keys.ref(),
@@ -163,11 +175,11 @@ void expect_struct(const palpa::test::SpirvModule& module, const std::string& na
 
 TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
   const auto find = palpa::test::read_spirv(spirv::contacts_find_comp);
-  expect_struct(
-      find, "SolidRecord", sizeof(shader::SolidRecord),
-      {MEMBER(SolidRecord, centre), MEMBER(SolidRecord, low), MEMBER(SolidRecord, high),
-       MEMBER(SolidRecord, cells_per_metre), MEMBER(SolidRecord, first_cell), MEMBER(SolidRecord, cells_per_axis)},
-      true);
+  expect_struct(find, "SolidRecord", sizeof(shader::SolidRecord),
+                {MEMBER(SolidRecord, centre), MEMBER(SolidRecord, low), MEMBER(SolidRecord, high),
+                 MEMBER(SolidRecord, cells_per_metre), MEMBER(SolidRecord, first_cell),
+                 MEMBER(SolidRecord, cells_per_axis), MEMBER(SolidRecord, delta), MEMBER(SolidRecord, by_surface)},
+                true);
   expect_struct(
       find, "PlaneCell", sizeof(shader::PlaneCell),
       {MEMBER(PlaneCell, first), MEMBER(PlaneCell, count), MEMBER(PlaneCell, shallowest), MEMBER(PlaneCell, deepest)},
@@ -177,6 +189,17 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                 {MEMBER(ContactsPush, only), MEMBER(ContactsPush, solids), MEMBER(ContactsPush, delta),
                  MEMBER(ContactsPush, most_points), MEMBER(ContactsPush, most_contacts)},
                 false);
+  const auto surface = palpa::test::read_spirv(spirv::contacts_surface_comp);
+  expect_struct(surface, "SurfaceTriangle", sizeof(shader::SurfaceTriangle),
+                {MEMBER(SurfaceTriangle, corner), MEMBER(SurfaceTriangle, normal), MEMBER(SurfaceTriangle, along),
+                 MEMBER(SurfaceTriangle, rest)},
+                true);
+  expect_struct(surface, "SurfaceSigns", sizeof(shader::SurfaceSigns),
+                {MEMBER(SurfaceSigns, side0), MEMBER(SurfaceSigns, side2), MEMBER(SurfaceSigns, corner0),
+                 MEMBER(SurfaceSigns, corner2)},
+                true);
+  expect_struct(surface, "SurfaceCell", sizeof(shader::SurfaceCell),
+                {MEMBER(SurfaceCell, first), MEMBER(SurfaceCell, kind)}, true);
   const auto pack = palpa::test::read_spirv(spirv::contacts_pack_comp);
   expect_struct(pack, "ContactRecord", sizeof(shader::ContactRecord),
                 {MEMBER(ContactRecord, x), MEMBER(ContactRecord, point), MEMBER(ContactRecord, solid),
@@ -221,6 +244,7 @@ TEST(TouchShaders, HaveTheWorkgroupsThatTheirHeadersName) {
     return palpa::test::read_spirv(words).local_size[0];
   };
   EXPECT_EQ(size_of(spirv::contacts_find_comp), shader::contacts_group);
+  EXPECT_EQ(size_of(spirv::contacts_surface_comp), shader::contacts_group);
   EXPECT_EQ(size_of(spirv::contacts_pack_comp), shader::contacts_group);
   for (const auto words : {std::span<const std::uint32_t>(spirv::fingers_prepare_comp),
                            std::span<const std::uint32_t>(spirv::fingers_insert_comp),

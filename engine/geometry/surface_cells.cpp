@@ -1,0 +1,449 @@
+#include "geometry/surface_cells.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "base/parallel.hpp"
+#include "geometry/surface_samples.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+/// A list this short is not worth dividing; nor is a cell smaller than that, metres.
+constexpr std::uint32_t short_list = 8, short_deep_list = 24;
+constexpr double smallest_cell = 1e-5;
+/// What a list's length is multiplied by, all children together, when its cell is divided: a guess from measurements.
+constexpr double growth = 1.7;
+/// How much deeper a deep point may be said to lie than it does.
+constexpr double deep_tolerance = 0.02;
+/// Single precision's relative error with a few operations to spare.
+constexpr double rounding = 1e-6;
+
+using Corners = std::array<glm::vec3, 8>;
+
+/// A surface point that every triangle of a cell is measured against.
+struct Rival {
+  Vec3 point;
+  std::uint32_t triangle;
+};
+constexpr std::size_t most_rivals = 9;
+
+/// The rivals of one cell, and their squared distances from its corners.
+struct Contest {
+  std::array<std::array<float, 8>, most_rivals> to_corner;
+  std::array<float, most_rivals> margin;
+  std::array<std::uint32_t, most_rivals> triangle;
+  std::size_t count = 0;
+
+  /// `slack` is what a nearer rival is allowed to be farther away, squared.
+  void add(const Rival& rival, const Corners& corners, double epsilon, double slack) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (triangle[i] == rival.triangle && to_corner[i] == distances(rival.point, corners)) return;
+    }
+    to_corner[count] = distances(rival.point, corners);
+    const double farthest = std::sqrt(*std::max_element(to_corner[count].begin(), to_corner[count].end()));
+    margin[count] = static_cast<float>(24 * farthest * epsilon + 8 * epsilon * epsilon - slack);
+    triangle[count] = rival.triangle;
+    ++count;
+  }
+
+  /// Whether something at these squared distances from the corners is nowhere in the cell the nearest.
+  template <typename Distance2>
+  bool beats(const Distance2& distance2) const {
+    for (std::size_t r = 0; r < count; ++r) {
+      float least = distance2[0] - to_corner[r][0];
+      for (std::size_t c = 1; c < 8; ++c) {
+        const float ahead = distance2[c] - to_corner[r][c];
+        least = ahead < least ? ahead : least;
+      }
+      if (least > margin[r]) return true;
+    }
+    return false;
+  }
+
+ private:
+  static std::array<float, 8> distances(const Vec3& point, const Corners& corners) {
+    std::array<float, 8> d;
+    for (std::size_t c = 0; c < 8; ++c) {
+      const Vec3 apart = Vec3(corners[c]) - point;
+      d[c] = static_cast<float>(glm::dot(apart, apart));
+    }
+    return d;
+  }
+};
+
+struct Item {
+  std::uint32_t cell;  // its place in the result
+  glm::uvec3 at;
+  std::uint32_t first, count;  // in the level's lists
+  bool deep;
+  std::uint8_t stuck;  // how many divisions in a row have not helped
+};
+
+struct Child {
+  std::uint32_t kind = shader::surface_outside;
+  std::uint32_t count = 0;  // of the chunk's lists, child after child
+  std::uint8_t stuck = 0;
+  bool leaf = true;
+};
+
+struct Piece {
+  std::vector<Child> children;
+  std::vector<std::uint32_t> lists;
+};
+
+class Builder {
+ public:
+  Builder(const Bvh& bvh, const SurfaceTriangles& triangles, const Vec3& centre, const Box& box,
+          const SurfaceOptions& options)
+      : bvh_(bvh), t_(triangles), centre_(centre), options_(options) {
+    const Vec3 extent = box.high - box.low;
+    epsilon_ = rounding * glm::length(extent) / 2;
+    const double wanted = std::clamp(static_cast<double>(t_.triangles.size()) * 4, 4096.0, 262'144.0);
+    const double longest = std::max({extent.x, extent.y, extent.z});
+    double side = std::max(std::cbrt(extent.x * extent.y * extent.z / wanted), longest / 1000);
+    // The shader multiplies by this float; the cells are what it makes them.
+    const auto density = static_cast<float>(1 / side);
+    side = 1 / static_cast<double>(density);
+    out_.cell_m = side;
+    for (int i = 0; i < 3; ++i) {
+      out_.low[i] = static_cast<double>(std::nextafter(static_cast<float>(box.low[i]), -1e30F));
+      out_.grid[i] = static_cast<std::uint32_t>(std::ceil((box.high[i] - out_.low[i]) / side + 1e-3));
+    }
+    most_listed_ = std::clamp(t_.triangles.size() * 24, std::size_t{1} << 18, std::size_t{20} << 20);
+  }
+
+  SurfaceCells run() {
+    build_grid();
+    double side = out_.cell_m;
+    for (std::uint32_t level = 0; level < shader::surface_most_levels && !items_.empty(); ++level) {
+      divide_level(side, level + 1 < shader::surface_most_levels && side / 2 > std::max(smallest_cell, 400 * epsilon_));
+      side /= 2;
+    }
+    for (const Item& item : items_)
+      write_leaf(item);
+    return std::move(out_);
+  }
+
+ private:
+  // ---- the grid: lists from the tree ----
+
+  std::uint32_t nearest(const glm::vec3& p, std::uint32_t guess, float& distance2) const {
+    std::uint32_t best = guess;
+    distance2 = shader::surface_distance2(t_.triangles[guess], float3(p));
+    const Vec3 world = Vec3(p) + centre_;
+    const std::span<const Bvh::Node> nodes = bvh_.nodes();
+    std::array<std::pair<std::uint32_t, double>, 64> stack;
+    std::size_t depth = 0;
+    stack[depth++] = {0, geometry::distance2(nodes[0].box, world)};
+    const auto allowed = [&] { return (std::sqrt(static_cast<double>(distance2)) + 4 * epsilon_); };
+    while (depth > 0) {
+      const auto [index, apart2] = stack[--depth];
+      if (apart2 > allowed() * allowed()) continue;
+      const Bvh::Node& node = nodes[index];
+      if (node.second != 0) {
+        const double first = geometry::distance2(nodes[index + 1].box, world);
+        const double second = geometry::distance2(nodes[node.second].box, world);
+        const bool first_nearer = first <= second;
+        stack[depth++] = first_nearer ? std::pair(node.second, second) : std::pair(index + 1, first);
+        stack[depth++] = first_nearer ? std::pair(index + 1, first) : std::pair(node.second, second);
+        continue;
+      }
+      for (std::uint32_t t = node.begin; t < node.end; ++t) {
+        const float d = shader::surface_distance2(t_.triangles[t], float3(p));
+        if (d < distance2 || (d == distance2 && t < best)) {
+          distance2 = d;
+          best = t;
+        }
+      }
+    }
+    return best;
+  }
+
+  void gather(const Contest& contest, const Corners& corners, std::vector<std::uint32_t>& list) const {
+    const std::span<const Bvh::Node> nodes = bvh_.nodes();
+    std::array<std::uint32_t, 64> stack;
+    std::size_t depth = 0;
+    stack[depth++] = 0;
+    std::array<float, 8> d;
+    while (depth > 0) {
+      const std::uint32_t index = stack[--depth];
+      const Bvh::Node& node = nodes[index];
+      for (std::size_t c = 0; c < 8; ++c)
+        d[c] = static_cast<float>(geometry::distance2(node.box, Vec3(corners[c]) + centre_));
+      if (contest.beats(d)) continue;
+      if (node.second != 0) {
+        stack[depth++] = node.second;
+        stack[depth++] = index + 1;
+        continue;
+      }
+      for (std::uint32_t t = node.begin; t < node.end; ++t) {
+        for (std::size_t c = 0; c < 8; ++c)
+          d[c] = shader::surface_distance2(t_.triangles[t], float3(corners[c]));
+        if (!contest.beats(d)) list.push_back(t);
+      }
+    }
+  }
+
+  void build_grid() {
+    const std::size_t count = std::size_t{out_.grid.x} * out_.grid.y * out_.grid.z;
+    out_.cells.resize(count);
+    constexpr std::size_t chunk = 512;
+    std::vector<Piece> pieces(chunk_count(count, chunk));
+    const double side = out_.cell_m;
+    parallel_chunks(count, chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
+      Piece& piece = pieces[number];
+      std::uint32_t guess = 0;
+      for (std::size_t i = begin; i < end; ++i)
+        piece.children.push_back(grid_cell(position(i), side, guess, piece.lists));
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+      Piece& piece = pieces[i / chunk];
+      if (i % chunk == 0) next_lists_.insert(next_lists_.end(), piece.lists.begin(), piece.lists.end());
+      take(piece.children[i % chunk], static_cast<std::uint32_t>(i), position(i));
+    }
+    finish_level();
+  }
+
+  glm::uvec3 position(std::size_t i) const {
+    return {i % out_.grid.x, i / out_.grid.x % out_.grid.y, i / out_.grid.x / out_.grid.y};
+  }
+
+  Child grid_cell(const glm::uvec3& at, double side, std::uint32_t& guess, std::vector<std::uint32_t>& lists) const {
+    const CellSamples samples(out_.low + Vec3(at) * side, side);
+    const glm::vec3 middle = samples.at(13);
+    float middle2 = 0;
+    guess = nearest(middle, guess, middle2);
+    const double radius = std::sqrt(3.0) / 2 * side, apart = std::sqrt(middle2) - radius;
+    const bool inside = is_inside(t_.triangles[guess], t_.signs[guess], t_.corners, middle);
+    if (apart > 4 * epsilon_ && !inside) return {};
+    const bool deep = inside && apart >= options_.reach_m + 4 * epsilon_;
+    if (deep && !options_.deep) return {shader::surface_deep};
+    Corners corners;
+    Contest contest;
+    for (std::size_t c = 0; c < 8; ++c)
+      corners[c] = samples.at((c & 1) * 2 + (c >> 1 & 1) * 6 + (c >> 2) * 18);
+    contest.add({nearest_point(t_.triangles[guess], middle), guess}, corners, epsilon_, 0);
+    std::uint32_t near = guess;
+    for (const glm::vec3& corner : corners) {
+      float corner2 = 0;
+      near = nearest(corner, near, corner2);
+      contest.add({nearest_point(t_.triangles[near], corner), near}, corners, epsilon_, 0);
+    }
+    const std::size_t before = lists.size();
+    gather(contest, corners, lists);
+    return {deep ? shader::surface_deep : shader::surface_near, static_cast<std::uint32_t>(lists.size() - before), 0,
+            false};
+  }
+
+  // ---- levels below: lists from the parents' lists ----
+
+  void divide_level(double side, bool may_divide) {
+    const std::uint32_t limit = may_divide ? longest_list_to_keep() : std::numeric_limits<std::uint32_t>::max();
+    std::vector<const Item*> divided;
+    for (const Item& item : items_) {
+      if (item.count > std::max(limit, item.deep ? short_deep_list : short_list) && item.stuck < 2) {
+        divided.push_back(&item);
+      } else {
+        write_leaf(item);
+      }
+    }
+    constexpr std::size_t chunk = 256;
+    std::vector<Piece> pieces(chunk_count(divided.size(), chunk));
+    parallel_chunks(divided.size(), chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
+      std::vector<float> scratch;
+      for (std::size_t i = begin; i < end; ++i)
+        divide(*divided[i], side, scratch, pieces[number]);
+    });
+    for (std::size_t i = 0; i < divided.size(); ++i) {
+      Piece& piece = pieces[i / chunk];
+      if (i % chunk == 0) {
+        next_lists_.insert(next_lists_.end(), piece.lists.begin(), piece.lists.end());
+        std::vector<std::uint32_t>().swap(piece.lists);
+      }
+      const auto first = static_cast<std::uint32_t>(out_.cells.size());
+      out_.cells.resize(out_.cells.size() + 8);
+      out_.cells[divided[i]->cell] = {first, shader::surface_divided};
+      for (std::uint32_t c = 0; c < 8; ++c)
+        take(piece.children[i % chunk * 8 + c], first + c,
+             divided[i]->at * 2U + glm::uvec3(c & 1U, c >> 1U & 1U, c >> 2U));
+    }
+    finish_level();
+  }
+
+  /// So that all lists together stay within their room.
+  std::uint32_t longest_list_to_keep() const {
+    std::vector<std::uint32_t> lengths;
+    double total = static_cast<double>(out_.runs.size());
+    for (const Item& item : items_) {
+      lengths.push_back(item.count);
+      total += item.count;
+    }
+    std::sort(lengths.begin(), lengths.end(), std::greater<>());
+    for (const std::uint32_t length : lengths) {
+      if (length <= short_list) return short_list;
+      total += (growth - 1) * length;
+      if (total > static_cast<double>(most_listed_)) return length;
+    }
+    return short_list;
+  }
+
+  void divide(const Item& item, double side, std::vector<float>& d2, Piece& piece) const {
+    constexpr std::size_t n = CellSamples::count;
+    const CellSamples samples(out_.low + Vec3(item.at) * side, side);
+    const std::uint32_t* list = lists_.data() + item.first;
+    d2.resize(item.count * n);
+    std::array<float, n> least;
+    std::array<std::uint32_t, n> which{};
+    least.fill(std::numeric_limits<float>::max());
+    for (std::uint32_t k = 0; k < item.count; ++k) {
+      float* d = d2.data() + k * n;
+      distances2(t_.triangles[list[k]], samples, d);
+      for (std::size_t i = 0; i < n; ++i) {
+        which[i] = d[i] < least[i] ? k : which[i];
+        least[i] = d[i] < least[i] ? d[i] : least[i];
+      }
+    }
+    std::array<Rival, n> rivals;
+    std::array<bool, n> known{};
+    const auto rival = [&](std::size_t i) {
+      if (!known[i]) rivals[i] = {nearest_point(t_.triangles[list[which[i]]], Vec3(samples.at(i))), list[which[i]]};
+      known[i] = true;
+      return rivals[i];
+    };
+    for (std::size_t c = 0; c < 8; ++c) {
+      const std::size_t corner = (c & 1) + (c >> 1 & 1) * 3 + (c >> 2) * 9, middle = CellSamples::corners + c;
+      std::array<std::size_t, 8> at;
+      float nearest_corner2 = std::numeric_limits<float>::max();
+      for (std::size_t k = 0; k < 8; ++k) {
+        at[k] = corner + (k & 1) + (k >> 1 & 1) * 3 + (k >> 2) * 9;
+        nearest_corner2 = std::min(nearest_corner2, least[at[k]]);
+      }
+      const double radius = std::sqrt(3.0) / 4 * side;
+      // d^2 - |p - middle|^2 is concave, too.
+      const double apart =
+          std::max(std::sqrt(least[middle]) - radius, std::sqrt(std::max(nearest_corner2 - radius * radius, 0.0)));
+      const std::uint32_t nearest_of_middle = list[which[middle]];
+      const bool inside =
+          is_inside(t_.triangles[nearest_of_middle], t_.signs[nearest_of_middle], t_.corners, samples.at(middle));
+      if (apart > 4 * epsilon_ && !inside) {
+        piece.children.emplace_back();
+        continue;
+      }
+      const bool deep = inside && apart >= options_.reach_m + 4 * epsilon_;
+      if (deep && !options_.deep) {
+        piece.children.push_back({shader::surface_deep});
+        continue;
+      }
+      Corners corners;
+      for (std::size_t k = 0; k < 8; ++k)
+        corners[k] = samples.at(at[k]);
+      const auto filter = [&](double slack) {
+        Contest contest;
+        contest.add(rival(middle), corners, epsilon_, slack);
+        for (const std::size_t k : at)
+          contest.add(rival(k), corners, epsilon_, slack);
+        const std::size_t before = piece.lists.size();
+        std::array<float, 8> d;
+        for (std::uint32_t k = 0; k < item.count; ++k) {
+          for (std::size_t i = 0; i < 8; ++i)
+            d[i] = d2[k * n + at[i]];
+          const auto end = contest.triangle.begin() + static_cast<std::ptrdiff_t>(contest.count);
+          // With slack two could rule each other out: the rivals themselves stay.
+          const bool stays = slack > 0 && std::find(contest.triangle.begin(), end, list[k]) != end;
+          if (stays || !contest.beats(d)) piece.lists.push_back(list[k]);
+        }
+        return static_cast<std::uint32_t>(piece.lists.size() - before);
+      };
+      if (deep) {
+        const double slack = ((1 + deep_tolerance) * (1 + deep_tolerance) - 1) * apart * apart;
+        const std::uint32_t kept = filter(slack);
+        if (kept <= short_deep_list) {
+          piece.children.push_back({shader::surface_deep, kept});
+          continue;
+        }
+        piece.lists.resize(piece.lists.size() - kept);
+      }
+      const std::uint32_t kept = filter(0);
+      const bool helped = kept < item.count - item.count / 5;
+      piece.children.push_back({deep ? shader::surface_deep : shader::surface_near, kept,
+                                static_cast<std::uint8_t>(helped ? 0 : item.stuck + 1), false});
+    }
+  }
+
+  // ---- results ----
+
+  void take(const Child& child, std::uint32_t cell, const glm::uvec3& at) {
+    out_.cells[cell] = {0, child.kind};
+    const Item item{cell, at, taken_, child.count, child.kind == shader::surface_deep, child.stuck};
+    taken_ += child.count;
+    if (child.count == 0) return;
+    if (child.leaf) {
+      finished_.push_back(item);
+    } else {
+      next_items_.push_back(item);
+    }
+  }
+
+  void finish_level() {
+    lists_.swap(next_lists_);
+    items_.swap(next_items_);
+    next_lists_.clear();
+    next_items_.clear();
+    for (const Item& item : finished_)
+      write_leaf(item);
+    finished_.clear();
+    taken_ = 0;
+  }
+
+  void write_leaf(const Item& item) {
+    const auto first = static_cast<std::uint32_t>(out_.runs.size());
+    const std::uint32_t* list = lists_.data() + item.first;
+    for (std::uint32_t k = 0; k < item.count;) {
+      std::uint32_t end = k + 1;
+      while (end < item.count && list[end] == list[end - 1] + 1 && end - k < shader::surface_longest_run)
+        ++end;
+      out_.runs.push_back(list[k] | (end - k - 1) << shader::surface_run_bits);
+      k = end;
+    }
+    const auto runs = static_cast<std::uint32_t>(out_.runs.size()) - first;
+    out_.cells[item.cell] = {first, (item.deep ? shader::surface_deep : shader::surface_near) + runs};
+  }
+
+  const Bvh& bvh_;
+  const SurfaceTriangles& t_;
+  Vec3 centre_;
+  SurfaceOptions options_;
+  double epsilon_ = 0;
+  std::size_t most_listed_ = 0;
+  SurfaceCells out_;
+  std::vector<Item> items_, next_items_, finished_;
+  std::vector<std::uint32_t> lists_, next_lists_;
+  std::uint32_t taken_ = 0;
+};
+
+}  // namespace
+
+bool is_inside(const shader::SurfaceTriangle& triangle, const shader::SurfaceSigns& signs,
+               std::span<const shader::vec4> corners, const glm::vec3& p) {
+  const shader::OnAxes on = shader::on_axes(triangle, float3(p));
+  const shader::SurfaceFeature feature = shader::surface_feature(triangle, on);
+  const std::uint32_t corner = shader::feature_corner(feature);
+  if (corner == 3) {
+    const std::uint32_t word = feature.side == 0 ? signs.side0 : feature.side == 1 ? signs.side1 : signs.side2;
+    return shader::side_sign(feature, on, word) < 0;
+  }
+  const std::uint32_t index = corner == 0 ? signs.corner0 : corner == 1 ? signs.corner1 : signs.corner2;
+  return shader::corner_sign(triangle, on, corner, corners[index]) < 0;
+}
+
+SurfaceCells make_surface_cells(const Bvh& bvh, const SurfaceTriangles& triangles, const Vec3& centre, const Box& box,
+                                const SurfaceOptions& options) {
+  return Builder(bvh, triangles, centre, box, options).run();
+}
+
+}  // namespace palpa::geometry

@@ -1,0 +1,56 @@
+// Reads a surface's cells and triangles. Included after the buffers are declared.
+
+// The cell of a point, relative to the solid's centre.
+SurfaceCell surface_cell(vec3 p, vec3 low, float cells_per_metre, uint grid, uint first_cell) {
+  precise vec3 rest = (p - low) * cells_per_metre;
+  const uint mask = (1u << surface_axis_bits) - 1u;
+  const uvec3 size = uvec3(grid & mask, grid >> surface_axis_bits & mask, grid >> 2u * surface_axis_bits);
+  const uvec3 at = min(uvec3(max(rest, vec3(0.0))), size - 1u);
+  rest -= vec3(at);
+  SurfaceCell here = surface_cells[first_cell + (at.z * size.y + at.y) * size.x + at.x];
+  for (uint level = 0u; level < surface_most_levels && (here.kind & surface_kinds) == surface_divided; ++level) {
+    rest *= 2.0;
+    const bvec3 upper = greaterThanEqual(rest, vec3(1.0));
+    rest -= vec3(upper);
+    here = surface_cells[here.first + (upper.x ? 1u : 0u) + (upper.y ? 2u : 0u) + (upper.z ? 4u : 0u)];
+  }
+  return here;
+}
+
+// The square of the distance from the nearest triangle of the cell's runs, and which one it is.
+float surface_nearest(SurfaceCell cell, Float3 p, out uint nearest) {
+  float least = 3.4e38;
+  nearest = 0u;
+  uint run = cell.first;
+  const uint end = run + (cell.kind & ~surface_kinds);
+  uint triangle = 0u;
+  uint left = 0u;
+  while (run < end || left > 0u) {  // each turn takes a triangle of a run
+    if (left == 0u) {
+      const uint word = runs[run++];
+      triangle = word & (surface_most_triangles - 1u);
+      left = (word >> surface_run_bits) + 1u;
+    }
+    const float distance2 = surface_distance2(triangles[triangle], p);
+    if (distance2 < least) {
+      least = distance2;
+      nearest = triangle;
+    }
+    ++triangle;
+    --left;
+  }
+  return least;
+}
+
+bool surface_inside(uint triangle, Float3 p) {
+  const SurfaceTriangle t = triangles[triangle];
+  const SurfaceSigns s = signs[triangle];
+  const OnAxes on = on_axes(t, p);
+  const SurfaceFeature feature = surface_feature(t, on);
+  const uint corner = feature_corner(feature);
+  const uint word = feature.side == 0u ? s.side0 : (feature.side == 1u ? s.side1 : s.side2);
+  const uint index = corner == 0u ? s.corner0 : (corner == 1u ? s.corner1 : s.corner2);
+  const float beside = side_sign(feature, on, word);
+  const float at_corner = corner_sign(t, on, corner, corners[index]);
+  return (corner == 3u ? beside : at_corner) < 0.0;
+}
