@@ -3,14 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
+#include <optional>
+#include <span>
 #include <utility>
 
+#include "base/cache_file.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "geometry/solid_mesh.hpp"
 #include "geometry/surface_depth.hpp"
 #include "geometry/text.hpp"
 #include "geometry/topology.hpp"
@@ -18,93 +23,73 @@
 namespace palpa::geometry {
 namespace {
 
-constexpr double largest_size = 1e3, smallest_size = 1e-6;  // metres
-
 struct Candidate {
   std::string name;
-  Mesh mesh;  // welded
+  SolidMesh solid;  // welded
   Haptics haptics;
+  std::optional<CacheKey> cache;  // where to keep it once it is fit
+  bool fit = false;
 };
 
-std::string edge_text(const Mesh& mesh, std::array<std::uint32_t, 2> edge) {
-  return fmt::format("from {} to {} m", text::point(mesh.positions[edge[0]]), text::point(mesh.positions[edge[1]]));
+/// Smaller meshes are made fit sooner than a file is found.
+constexpr std::size_t worth_caching = 5000;  // triangles
+/// Changes whenever make_fit() or weld_closed() judges or mends differently.
+constexpr std::uint32_t solid_version = 1;
+
+std::optional<CacheKey> cache_key(const Mesh& mesh, SurfaceKind kind) {
+  if (mesh.triangles.size() < worth_caching) return std::nullopt;
+  CacheHash hash;
+  hash.add(solid_version);
+  hash.add(static_cast<std::uint32_t>(kind));
+  hash.add(mesh.positions.size());
+  hash.add(mesh.positions.data(), mesh.positions.size() * sizeof(Vec3));
+  hash.add(mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3));
+  return hash.key();
 }
 
-// Exact first; with tolerance only where that does not close the mesh, so that clean models stay bit for bit as they
-// are.
-Mesh weld_closed(const Mesh& mesh) {
-  Mesh exact = weld(mesh);
-  if (find_defects(exact).closed_and_oriented()) return exact;
-  Mesh near = weld(mesh, flatness_tolerance(exact));
-  return find_defects(near).closed_and_oriented() ? near : exact;
+template <typename T>
+std::span<const std::byte> bytes_of(const T& values) {
+  return std::as_bytes(std::span(values.data(), values.size()));
 }
 
-void check_size(const Scene& scene, const Candidate& c) {
-  if (c.mesh.triangles.empty()) {
-    throw bad_input(scene.file, fmt::format("mesh {} is flat: each of its triangles has two corners in one place",
-                                            text::quoted(c.name)));
+void store(const CacheKey& key, const SolidMesh& solid) {
+  std::string warnings;
+  for (const std::string& warning : solid.warnings)
+    warnings += warning + '\n';
+  const std::array sections{bytes_of(solid.mesh.positions), bytes_of(solid.mesh.triangles), bytes_of(solid.planes),
+                            bytes_of(warnings)};
+  store_cached("solid", key, sections);
+}
+
+std::optional<SolidMesh> load(const CacheKey& key) {
+  const auto file = load_cached("solid", key);
+  if (!file || file->sections() != 4) return std::nullopt;
+  SolidMesh solid;
+  const auto positions = file->section_as<Vec3>(0);
+  const auto triangles = file->section_as<glm::uvec3>(1);
+  const auto planes = file->section_as<Plane>(2);
+  const auto warnings = file->section_as<char>(3);
+  solid.mesh.positions.assign(positions.begin(), positions.end());
+  solid.mesh.triangles.assign(triangles.begin(), triangles.end());
+  solid.planes.assign(planes.begin(), planes.end());
+  for (auto begin = warnings.begin(); begin != warnings.end();) {
+    const auto end = std::find(begin, warnings.end(), '\n');
+    solid.warnings.emplace_back(begin, end);
+    begin = end == warnings.end() ? end : end + 1;
   }
-  const Box box = bounds(c.mesh);
-  const Vec3 extent = box.high - box.low;
-  const double size = std::max({extent.x, extent.y, extent.z});
-  double reach = 0;
-  for (int i = 0; i < 3; ++i)
-    reach = std::max({reach, std::abs(box.low[i]), std::abs(box.high[i])});
-  if (!(std::max(size, reach) <= largest_size)) {
-    throw bad_input(scene.file,
-                    fmt::format("mesh {} reaches to {:.4g} m; a solid fits within a kilometre around the origin "
-                                "(glTF's unit is the metre)",
-                                text::quoted(c.name), std::max(size, reach)));
-  }
-  if (!(size >= smallest_size)) {
-    throw bad_input(scene.file,
-                    fmt::format("mesh {} is only {:.4g} m across; a solid has at least a micrometre (glTF's unit "
-                                "is the metre)",
-                                text::quoted(c.name), size));
-  }
+  return solid;
 }
 
-void check_closed(const Scene& scene, const Candidate& c) {
-  const Defects d = find_defects(c.mesh);
-  if (d.closed_and_oriented()) return;
-  std::string fault = fmt::format("mesh {} is not a solid:", text::quoted(c.name));
-  const char* separator = " ";
-  const auto add = [&](std::uint64_t count, std::array<std::uint32_t, 2> first, const char* one, const char* many) {
-    if (count == 0) return;
-    fault += fmt::format("{}{} {} ({} {})", separator, count, count == 1 ? one : many,
-                         count == 1 ? "it runs" : "the first runs", edge_text(c.mesh, first));
-    separator = "; ";
-  };
-  add(d.open, d.first_open, "open edge", "open edges");
-  add(d.non_manifold, d.first_non_manifold, "edge has more than two faces", "edges have more than two faces");
-  add(d.flipped, d.first_flipped, "edge lies between faces of opposite orientation",
-      "edges lie between faces of opposite orientation");
-  throw bad_input(scene.file, fault + "; a solid's mesh is closed and consistently oriented");
-}
-
-Solid make_solid(const Scene& scene, Candidate c) {
-  check_size(scene, c);
-  check_closed(scene, c);
+Solid make_solid(const std::string& file, Candidate c, SurfaceKind kind) {
   const std::string name = text::quoted(c.name);
-  const double tolerance = flatness_tolerance(c.mesh);
-  const std::vector<std::uint32_t> twin_before = twins(c.mesh);
-  const bool one_shell = count_shells(twin_before) == 1;
-  const double volume = signed_volume(c.mesh);
-  const Box box = bounds(c.mesh);
-  if (!(std::abs(volume) > tolerance * area(c.mesh))) {
-    throw bad_input(scene.file, fmt::format("mesh {} is flat: it encloses no volume ({:.3g} m3)", name, volume));
+  if (!c.fit) {
+    make_fit(file, name, c.solid, kind == SurfaceKind::parts);
+    if (c.cache) store(*c.cache, c.solid);
   }
-  if (volume < 0) {
-    log::warning(fmt::format("{}: mesh {} is inside out; its faces are turned", scene.file, name));
-    flip(c.mesh);
-  }
-  const std::vector<std::uint32_t> twin = volume < 0 ? twins(c.mesh) : twin_before;
-  Facets facets;
-  if (one_shell && !has_reflex_edge(c.mesh, twin, tolerance)) {
-    facets = find_facets(c.mesh, twin, tolerance);
-    if (find_concavity(c.mesh, twin, facets, tolerance)) facets.planes.clear();
-  }
-  return {std::move(c.name), std::move(c.mesh), std::move(facets.planes), box, c.haptics};
+  for (const std::string& warning : c.solid.warnings)
+    log::warning(fmt::format("{}: mesh {} {}", file, name, warning));
+  const Box box = bounds(c.solid.mesh);
+  return {std::move(c.name), std::move(c.solid.mesh), std::move(c.solid.planes), box, c.haptics};
 }
 
 // Groups of meshes that share an open edge, by position: pieces of one surface.
@@ -112,7 +97,7 @@ std::vector<std::vector<std::uint32_t>> pieces_that_meet(const std::vector<Candi
   Mesh all;
   std::vector<std::uint32_t> owner;
   for (std::uint32_t i = 0; i < open.size(); ++i) {
-    append(all, open[i].mesh);
+    append(all, open[i].solid.mesh);
     owner.resize(all.triangles.size(), i);
   }
   // Not weld(): it drops triangles, and the owners go by them.
@@ -137,15 +122,25 @@ std::vector<std::vector<std::uint32_t>> pieces_that_meet(const std::vector<Candi
 }
 
 // One candidate per solid, in node order.
-std::vector<Candidate> gather(const Scene& scene) {
+std::vector<Candidate> gather(const Scene& scene, SurfaceKind kind) {
   std::vector<std::pair<std::size_t, Candidate>> found;  // by the first node's place
   std::vector<Candidate> open;
   std::vector<std::size_t> open_place;
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
-    if (!scene.meshes[i].haptics.touchable) continue;
-    Candidate c{scene.meshes[i].name, weld_closed(scene.meshes[i].mesh), scene.meshes[i].haptics};
-    const Defects d = find_defects(c.mesh);
-    if (d.open > 0) {
+    const SceneMesh& mesh = scene.meshes[i];
+    if (!mesh.haptics.touchable) continue;
+    Candidate c{mesh.name, {}, mesh.haptics, cache_key(mesh.mesh, kind)};
+    if (c.cache) {
+      if (auto cached = load(*c.cache)) {
+        c.solid = std::move(*cached);
+        c.fit = true;
+        found.emplace_back(i, std::move(c));
+        continue;
+      }
+    }
+    c.solid = weld_closed(mesh.mesh);
+    if (find_defects(c.solid.mesh).open > 0) {
+      c.cache.reset();
       open.push_back(std::move(c));
       open_place.push_back(i);
     } else {
@@ -156,8 +151,8 @@ std::vector<Candidate> gather(const Scene& scene) {
     Candidate whole = std::move(open[group[0]]);
     if (group.size() > 1) {
       for (std::size_t i = 1; i < group.size(); ++i)
-        append(whole.mesh, open[group[i]].mesh);
-      whole.mesh = weld_closed(whole.mesh);
+        append(whole.solid.mesh, open[group[i]].solid.mesh);
+      whole.solid = weld_closed(whole.solid.mesh);
     }
     found.emplace_back(open_place[group[0]], std::move(whole));
   }
@@ -179,16 +174,17 @@ double depth(const Solid& solid, const Vec3& point) {
   return least;
 }
 
-std::vector<Solid> make_solids(const Scene& scene) {
-  std::vector<Candidate> candidates = gather(scene);
+std::vector<Solid> make_solids(const Scene& scene, SurfaceKind kind) {
+  std::vector<Candidate> candidates = gather(scene, kind);
   std::vector<Solid> solids;
   solids.reserve(candidates.size());
   for (Candidate& c : candidates)
-    solids.push_back(make_solid(scene, std::move(c)));
-  if (solids.empty())
+    solids.push_back(make_solid(scene.file, std::move(c), kind));
+  if (solids.empty()) {
     throw bad_input(scene.file, scene.meshes.empty()
                                     ? "the scene has no triangle mesh; a scene needs at least one solid"
                                     : "none of the scene's meshes is touchable; a scene needs at least one solid");
+  }
   return solids;
 }
 

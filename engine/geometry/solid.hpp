@@ -33,9 +33,12 @@ double depth(const Solid& solid, const Vec3& point);
 /// The solids of a scene, in node order. Meshes that are open by themselves but closed together (CAD exports split
 /// faces over nodes) become one solid, named after the first of them. Nodes that are not touchable are scenery.
 /// Vertices are welded where positions are equal; where that leaves a mesh open, those within flatness_tolerance of
-/// each other are, too. Throws bad_input naming file and mesh: no mesh at all; open, non-manifold or inconsistently
-/// oriented (how many edges, and one of them); flat; larger than a kilometre or smaller than a micrometre. A mesh that
-/// is inside out is turned, with a warning.
-std::vector<Solid> make_solids(const Scene& scene);
+/// each other are, too. A mesh may be concave, have holes through it, several shells and cavities. Mended, with a
+/// warning: inside out, duplicated faces; silently: needles (solid_mesh.hpp). Throws bad_input, one line naming file,
+/// mesh and place: no touchable mesh at all; open, non-manifold or inconsistently oriented (how many edges, and one of
+/// them); flat; larger than a kilometre or smaller than a micrometre; passing through itself, touching itself or folded
+/// (two triangles), unless `kind` is parts; a shell inside another that faces the same way. What a large mesh was found
+/// to be is cached (base/cache_file.hpp).
+std::vector<Solid> make_solids(const Scene& scene, SurfaceKind kind = SurfaceKind::mesh);
 
 }  // namespace palpa::geometry

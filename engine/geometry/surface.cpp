@@ -5,8 +5,11 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <optional>
+#include <span>
 #include <utility>
 
+#include "base/cache_file.hpp"
 #include "geometry/bvh.hpp"
 #include "geometry/convex.hpp"
 #include "geometry/surface_cells.hpp"
@@ -22,9 +25,60 @@ struct Memory {
   SurfaceCells cells;
 };
 
-}  // namespace
+/// Meshes with fewer triangles are prepared sooner than a file is found.
+constexpr std::size_t worth_caching = 5000;
+/// Changes whenever the same mesh gives other cells or triangles.
+constexpr std::uint32_t surface_version = 1;
 
-Surface make_surface(const Mesh& mesh, const SurfaceOptions& options) {
+/// Everything of a Surface but the spans, as it lies in the cache.
+struct Frame {
+  Vec3 centre, low, high;
+  double cell_m;
+  std::array<std::uint32_t, 4> grid;
+};
+
+CacheKey cache_key(const Mesh& mesh, const SurfaceOptions& options) {
+  CacheHash hash;
+  hash.add(surface_version);
+  hash.add(options.reach_m);
+  hash.add(static_cast<std::uint32_t>(options.deep));
+  hash.add(mesh.positions.size());
+  hash.add(mesh.positions.data(), mesh.positions.size() * sizeof(Vec3));
+  hash.add(mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3));
+  return hash.key();
+}
+
+std::optional<Surface> load(const CacheKey& key, const SurfaceOptions& options) {
+  const auto file = load_cached("surface", key);
+  if (!file || file->sections() != 6) return std::nullopt;
+  const auto frame = file->section_as<Frame>(0);
+  Surface out;
+  out.cells = file->section_as<shader::SurfaceCell>(1);
+  out.runs = file->section_as<std::uint32_t>(2);
+  out.triangles = file->section_as<shader::SurfaceTriangle>(3);
+  out.signs = file->section_as<shader::SurfaceSigns>(4);
+  out.corners = file->section_as<shader::vec4>(5);
+  if (frame.size() != 1 || out.signs.size() != out.triangles.size()) return std::nullopt;
+  out.centre = frame[0].centre;
+  out.low = frame[0].low;
+  out.high = frame[0].high;
+  out.cell_m = frame[0].cell_m;
+  out.grid = {frame[0].grid[0], frame[0].grid[1], frame[0].grid[2]};
+  out.options = options;
+  out.memory = file;
+  return out;
+}
+
+void store(const CacheKey& key, const Surface& surface) {
+  const std::array frame{Frame{
+      surface.centre, surface.low, surface.high, surface.cell_m, {surface.grid.x, surface.grid.y, surface.grid.z, 0}}};
+  const std::array<std::span<const std::byte>, 6> sections{
+      std::as_bytes(std::span(frame)),  std::as_bytes(surface.cells), std::as_bytes(surface.runs),
+      std::as_bytes(surface.triangles), std::as_bytes(surface.signs), std::as_bytes(surface.corners)};
+  store_cached("surface", key, sections);
+}
+
+Surface build(const Mesh& mesh, const SurfaceOptions& options) {
   const Box world = bounds(mesh);
   Surface out;
   out.centre = Vec3(glm::vec3(world.centre()));
@@ -47,6 +101,17 @@ Surface make_surface(const Mesh& mesh, const SurfaceOptions& options) {
   out.corners = memory->triangles.corners;
   out.memory = std::move(memory);
   return out;
+}
+
+}  // namespace
+
+Surface make_surface(const Mesh& mesh, const SurfaceOptions& options) {
+  if (mesh.triangles.size() < worth_caching) return build(mesh, options);
+  const CacheKey key = cache_key(mesh, options);
+  if (auto cached = load(key, options)) return std::move(*cached);
+  Surface surface = build(mesh, options);
+  store(key, surface);
+  return surface;
 }
 
 Place find_place(const Surface& s, const glm::vec3& p, float delta) {

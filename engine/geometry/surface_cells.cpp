@@ -169,7 +169,12 @@ class Builder {
     std::array<std::uint32_t, 64> stack;
     std::size_t depth = 0;
     stack[depth++] = 0;
-    std::array<float, 8> d;
+    std::array<float, 8> d, x, y, z;
+    for (std::size_t c = 0; c < 8; ++c) {
+      x[c] = corners[c].x;
+      y[c] = corners[c].y;
+      z[c] = corners[c].z;
+    }
     while (depth > 0) {
       const std::uint32_t index = stack[--depth];
       const Bvh::Node& node = nodes[index];
@@ -182,8 +187,7 @@ class Builder {
         continue;
       }
       for (std::uint32_t t = node.begin; t < node.end; ++t) {
-        for (std::size_t c = 0; c < 8; ++c)
-          d[c] = shader::surface_distance2(t_.triangles[t], float3(corners[c]));
+        distances2(t_.triangles[t], x.data(), y.data(), z.data(), 8, d.data());
         if (!contest.beats(d)) list.push_back(t);
       }
     }
@@ -198,8 +202,18 @@ class Builder {
     parallel_chunks(count, chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
       Piece& piece = pieces[number];
       std::uint32_t guess = 0;
-      for (std::size_t i = begin; i < end; ++i)
-        piece.children.push_back(grid_cell(position(i), side, guess, piece.lists));
+      // The distance changes by no more than a step's length: a cell far from the surface speaks for some that follow.
+      std::size_t same = 0;
+      for (std::size_t i = begin; i < end; ++i) {
+        if (same > 0 && position(i).x != 0) {
+          --same;
+          piece.children.push_back(piece.children.back());
+          continue;
+        }
+        double spare = 0;
+        piece.children.push_back(grid_cell(position(i), side, guess, piece.lists, spare));
+        same = static_cast<std::size_t>(std::max(spare / side, 0.0));
+      }
     });
     for (std::size_t i = 0; i < count; ++i) {
       Piece& piece = pieces[i / chunk];
@@ -213,16 +227,24 @@ class Builder {
     return {i % out_.grid.x, i / out_.grid.x % out_.grid.y, i / out_.grid.x / out_.grid.y};
   }
 
-  Child grid_cell(const glm::uvec3& at, double side, std::uint32_t& guess, std::vector<std::uint32_t>& lists) const {
+  /// `spare`: how far from the cell the answer is the same.
+  Child grid_cell(const glm::uvec3& at, double side, std::uint32_t& guess, std::vector<std::uint32_t>& lists,
+                  double& spare) const {
     const CellSamples samples(out_.low + Vec3(at) * side, side);
     const glm::vec3 middle = samples.at(13);
     float middle2 = 0;
     guess = nearest(middle, guess, middle2);
     const double radius = std::sqrt(3.0) / 2 * side, apart = std::sqrt(middle2) - radius;
     const bool inside = is_inside(t_.triangles[guess], t_.signs[guess], t_.corners, middle);
-    if (apart > 4 * epsilon_ && !inside) return {};
+    if (apart > 4 * epsilon_ && !inside) {
+      spare = apart - 8 * epsilon_;
+      return {};
+    }
     const bool deep = inside && apart >= options_.reach_m + 4 * epsilon_;
-    if (deep && !options_.deep) return {shader::surface_deep};
+    if (deep && !options_.deep) {
+      spare = apart - options_.reach_m - 8 * epsilon_;
+      return {shader::surface_deep};
+    }
     Corners corners;
     Contest contest;
     for (std::size_t c = 0; c < 8; ++c)
@@ -302,7 +324,7 @@ class Builder {
     least.fill(std::numeric_limits<float>::max());
     for (std::uint32_t k = 0; k < item.count; ++k) {
       float* d = d2.data() + k * n;
-      distances2(t_.triangles[list[k]], samples, d);
+      distances2(t_.triangles[list[k]], samples.x.data(), samples.y.data(), samples.z.data(), n, d);
       for (std::size_t i = 0; i < n; ++i) {
         which[i] = d[i] < least[i] ? k : which[i];
         least[i] = d[i] < least[i] ? d[i] : least[i];

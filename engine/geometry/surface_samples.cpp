@@ -1,6 +1,7 @@
 #include "geometry/surface_samples.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <glm/geometric.hpp>
 
 namespace palpa::geometry {
@@ -20,32 +21,50 @@ CellSamples::CellSamples(const Vec3& low, double side) {
   add(0.5, 0.5, 0.5);
 }
 
-void distances2(const shader::SurfaceTriangle& t, const CellSamples& s, float* out) {
+namespace {
+
+// Four points at a time. Compilers do not turn comparisons of floats into masks by themselves where these might trap.
+using Four [[gnu::vector_size(16)]] = float;
+
+Four load(const float* from) {
+  Four value;
+  std::memcpy(&value, from, sizeof(value));
+  return value;
+}
+
+Four past_side(Four along, float side) {
+  const Four beyond = along - side, zero{};
+  return along < 0.0F ? along : (along > side ? beyond : zero);
+}
+
+}  // namespace
+
+void distances2(const shader::SurfaceTriangle& t, const float* x, const float* y, const float* z, std::size_t count,
+                float* out) {
   const shader::Float3 normal{t.normal.x, t.normal.y, t.normal.z}, along{t.along.x, t.along.y, t.along.z};
   const shader::Float3 across = shader::cross3(normal, along);
   const float side0 = t.corner.w, side1 = t.rest.x, side2 = t.rest.w;
   const float d1x = t.normal.w, d1y = t.along.w, d2x = t.rest.y, d2y = t.rest.z;
-  for (std::size_t i = 0; i < CellSamples::count; ++i) {
-    const float rx = s.x[i] - t.corner.x, ry = s.y[i] - t.corner.y, rz = s.z[i] - t.corner.z;
-    const float u = along.x * rx + along.y * ry + along.z * rz;
-    const float v = across.x * rx + across.y * ry + across.z * rz;
-    const float w = normal.x * rx + normal.y * ry + normal.z * rz;
-    const float out0 = -v;
-    const float from = u - side0;
-    const float out1 = from * d1y - v * d1x, along1 = from * d1x + v * d1y;
-    const float out2 = u * d2y - v * d2x, along2 = (u * d2x + v * d2y) + side2;
-    const float beyond0 = u - side0, beyond1 = along1 - side1, beyond2 = along2 - side2;
-    const float past0 = u < 0.0F ? u : (u > side0 ? beyond0 : 0.0F);
-    const float past1 = along1 < 0.0F ? along1 : (along1 > side1 ? beyond1 : 0.0F);
-    const float past2 = along2 < 0.0F ? along2 : (along2 > side2 ? beyond2 : 0.0F);
-    const float flat0 = out0 * out0 + past0 * past0;
-    const float flat1 = out1 * out1 + past1 * past1;
-    const float flat2 = out2 * out2 + past2 * past2;
-    float flat = flat1 < flat0 ? flat1 : flat0;
+  for (std::size_t i = 0; i < count; i += 4) {
+    const Four rx = load(x + i) - t.corner.x, ry = load(y + i) - t.corner.y, rz = load(z + i) - t.corner.z;
+    const Four u = along.x * rx + along.y * ry + along.z * rz;
+    const Four v = across.x * rx + across.y * ry + across.z * rz;
+    const Four w = normal.x * rx + normal.y * ry + normal.z * rz;
+    const Four out0 = -v;
+    const Four from = u - side0;
+    const Four out1 = from * d1y - v * d1x, along1 = from * d1x + v * d1y;
+    const Four out2 = u * d2y - v * d2x, along2 = (u * d2x + v * d2y) + side2;
+    const Four past0 = past_side(u, side0), past1 = past_side(along1, side1), past2 = past_side(along2, side2);
+    const Four flat0 = out0 * out0 + past0 * past0;
+    const Four flat1 = out1 * out1 + past1 * past1;
+    const Four flat2 = out2 * out2 + past2 * past2;
+    Four flat = flat1 < flat0 ? flat1 : flat0;
     flat = flat2 < flat ? flat2 : flat;
-    const float most = out0 < out1 ? (out1 < out2 ? out2 : out1) : (out0 < out2 ? out2 : out0);
-    flat = most < 0.0F ? 0.0F : flat;
-    out[i] = w * w + flat;
+    const Four zero{};
+    const auto inside = (out0 < 0.0F) & (out1 < 0.0F) & (out2 < 0.0F);
+    flat = inside ? zero : flat;
+    const Four square = w * w + flat;
+    std::memcpy(out + i, &square, sizeof(square));
   }
 }
 

@@ -20,8 +20,9 @@ struct CellSamples {
   glm::vec3 at(std::size_t i) const { return {x[i], y[i], z[i]}; }
 };
 
-/// The same float arithmetic as shader::surface_distance2, for all samples.
-void distances2(const shader::SurfaceTriangle& triangle, const CellSamples& samples, float* out);
+/// The same float arithmetic as shader::surface_distance2, for `count` points, a multiple of 4.
+void distances2(const shader::SurfaceTriangle& triangle, const float* x, const float* y, const float* z,
+                std::size_t count, float* out);
 
 /// The triangle's point nearest to p. All relative to the solid's centre.
 Vec3 nearest_point(const shader::SurfaceTriangle& triangle, const Vec3& p);

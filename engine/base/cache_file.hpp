@@ -1,0 +1,68 @@
+// Results that took long to compute, kept between runs of the program.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace palpa {
+
+/// 128 bits that tell apart whatever is worth telling apart.
+using CacheKey = std::array<std::uint64_t, 2>;
+
+/// Hashes bytes, one piece after the other (XXH3, 128 bits).
+class CacheHash {
+ public:
+  CacheHash();
+  ~CacheHash();
+  CacheHash(const CacheHash&) = delete;
+  CacheHash& operator=(const CacheHash&) = delete;
+
+  void add(const void* data, std::size_t bytes);
+  /// Of a value without padding.
+  template <typename T>
+  void add(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    add(&value, sizeof(value));
+  }
+  CacheKey key() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The contents of a cache file, mapped into memory: sections of plain values, each aligned to 64 bytes.
+class CacheFile {
+ public:
+  std::size_t sections() const { return sections_.size(); }
+  std::span<const std::byte> section(std::size_t i) const { return sections_[i]; }
+  /// As values of T; empty where the section's size is no multiple of T's.
+  template <typename T>
+  std::span<const T> section_as(std::size_t i) const {
+    const auto bytes = sections_[i];
+    if (bytes.size() % sizeof(T) != 0) return {};
+    return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
+  }
+
+ private:
+  friend std::shared_ptr<const CacheFile> load_cached(std::string_view, const CacheKey&);
+  std::shared_ptr<const void> memory_;
+  std::vector<std::span<const std::byte>> sections_;
+};
+
+/// What store_cached kept under that kind and key: $XDG_CACHE_HOME/palpa/KIND-KEY, else ~/.cache/palpa/KIND-KEY. Null
+/// where there is none, where PALPA_CACHE is "off", and where the file is truncated, damaged (a checksum over
+/// everything), of another version or not ours: then it is as if it were not there. `kind` is lower-case letters.
+std::shared_ptr<const CacheFile> load_cached(std::string_view kind, const CacheKey& key);
+
+/// Keeps sections for later: written beside its place and renamed, so that nobody ever sees half of it, also when two
+/// processes write the same. Where nothing can be written, nothing is: a debug line says why.
+void store_cached(std::string_view kind, const CacheKey& key, std::span<const std::span<const std::byte>> sections);
+
+}  // namespace palpa
