@@ -183,6 +183,13 @@ void make_fit(const std::string& file, const std::string& name, SolidMesh& solid
     if (!may_cross) check_crossings(file, name, mesh, tree());
     return;
   }
+  if (may_cross && find_self_intersection(mesh, tree())) {
+    // Which lies in which means nothing then: bodies, one by one.
+    std::vector<char> inwards;
+    for (const Shell& shell : shells.list)
+      inwards.push_back(shell.volume < 0 ? 1 : 0);
+    return turn(inwards);
+  }
   if (!may_cross) check_crossings(file, name, mesh, tree());
   find_nesting(mesh, tree(), shells);
   turn(shells_to_turn(file, name, mesh, shells));
