@@ -18,7 +18,7 @@ int main(int argc, char** argv) try {
   const Vec3 axis(0.08, 0, 0);  // the knob's
   double before = 0, turned = 0;
 
-  for (int frame = 0; frame < 270; ++frame) {
+  for (int frame = 0; frame <= 270; ++frame) {
     // Your hand tracker says where the skin is. This one presses the button, then goes half way round the knob.
     const double time_s = frame / 90.0, angle = std::numbers::pi / 2 * (time_s - 1);
     const Vec3 press(0, 0.002 - 0.006 * std::sin(std::numbers::pi * time_s), 0);

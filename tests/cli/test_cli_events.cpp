@@ -93,7 +93,7 @@ Vec3 centroid_of(const Tip& tip) {
   return sum / static_cast<double>(count);
 }
 
-const Tip nothing{}, light{16, 5, 5}, aside{17, 5, 5}, deep{17, 10, 14}, other{10, 5, 5};
+const Tip nothing{}, light{16, 5, 5}, aside{17, 5, 5}, deep{17, 10, 35}, other{10, 5, 5};
 
 /// Frames 10 ms apart.
 std::filesystem::path take(const std::filesystem::path& folder) {
@@ -116,7 +116,7 @@ struct Wanted {
   Tip tip;
 };
 const std::vector<Wanted> wanted{{"touch", 0.01, 0, 0.0005, light}, {"move", 0.03, 0, 0.0005, aside},
-                                 {"move", 0.04, 0, 0.0014, deep},   {"press", 0.04, 0, 0.0014, deep},
+                                 {"move", 0.04, 0, 0.0035, deep},   {"press", 0.04, 0, 0.0035, deep},
                                  {"move", 0.07, 0, 0.0005, aside},  {"release", 0.12, 0, 0.0005, aside},
                                  {"touch", 0.14, 1, 0.0005, other}, {"release", 0.14, 1, 0.0005, other}};
 
@@ -143,7 +143,7 @@ void expect_wanted(const std::string& text) {
 struct Stage {
   std::filesystem::path folder;
   std::string scene, source;
-  explicit Stage(const std::string& name, const std::string& extras = R"({"press_depth_m":0.0012})")
+  explicit Stage(const std::string& name, const std::string& extras = R"({"press_depth_m":0.003})")
       : folder(scratch_folder(name)),
         scene(button(folder, extras).string()),
         source("recording:" + take(folder).string()) {}

@@ -201,10 +201,13 @@ TEST_P(Surface, ContactsAreThoseOfTheNearestTriangleAndTheWindingNumber) {
   const MeshOracle oracle(mesh);
   ASSERT_GT(geometry::signed_volume(mesh), 0);
   constexpr double delta = 1.5e-3;
+  // Positive inside; the side matters only where the surface is near.
   std::vector<double> depths;
   depths.reserve(points.size());
-  for (const Vec3& point : points)
-    depths.push_back(oracle.depth(point));
+  for (const Vec3& point : points) {
+    const double distance = oracle.distance(point, 2 * delta);
+    depths.push_back(distance < 2 * delta && oracle.winding(point) < 0.5 ? -distance : distance);
+  }
   for (const char* backend : {"gpu", "cpu"}) {
     const TouchReport report =
         run_touch({"--scene", scene.string(), "--points", cloud.string(), "--backend", backend}, delta, 10);
@@ -212,11 +215,10 @@ TEST_P(Surface, ContactsAreThoseOfTheNearestTriangleAndTheWindingNumber) {
     std::vector<double> found(points.size(), 0);
     for (std::size_t i = 0; i < report.contacts.size(); ++i)
       found[report.contacts[i]] = report.depths[i];
-    std::size_t wrong = 0, deep = 0, undecided = 0, inside = 0;
+    std::size_t wrong = 0, contacts = 0, undecided = 0;
     double worst = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double depth = depths[i];
-      inside += depth > 0 ? 1 : 0;
       if (std::abs(depth) < boundary_m || std::abs(depth - delta) < boundary_m) {
         ++undecided;
         continue;
@@ -226,12 +228,11 @@ TEST_P(Surface, ContactsAreThoseOfTheNearestTriangleAndTheWindingNumber) {
         ADD_FAILURE() << backend << ": point " << i << " is " << depth << " m deep, reported " << found[i];
       }
       if (contact && found[i] != 0) worst = std::max(worst, std::abs(depth - found[i]));
-      deep += contact ? 1 : 0;
+      contacts += contact ? 1 : 0;
     }
     EXPECT_EQ(wrong, 0U) << backend;
     EXPECT_LT(worst, boundary_m) << backend;
-    EXPECT_GT(deep, 5000U) << "too few contacts to show anything";
-    EXPECT_GT(inside, deep / 2);
+    EXPECT_GT(contacts, 5000U) << "too few contacts to show anything";
     EXPECT_LT(undecided, point_count / 500);
   }
 }
@@ -255,13 +256,15 @@ TEST(Oracle, ItsTreeSaysWhatAllTrianglesSay) {
       const Vec3& p = points[i * 400];
       const double exact = oracle.winding(p, 1e300);
       EXPECT_NEAR(exact, std::round(exact), 1e-6) << model.name;
-      EXPECT_NEAR(oracle.winding(p), exact, 0.1) << model.name;
+      EXPECT_NEAR(oracle.winding(p), exact, 0.25) << model.name;
       double least = 1e300;
       for (const glm::uvec3& t : mesh.triangles) {
         const Mesh one{{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}, {{0, 1, 2}}};
         if (i % 20 == 0) least = std::min(least, MeshOracle(one).distance(p));
       }
-      if (i % 20 == 0) EXPECT_NEAR(oracle.distance(p), least, 1e-12) << model.name;
+      if (i % 20 == 0) {
+        EXPECT_NEAR(oracle.distance(p), least, 1e-12) << model.name;
+      }
     }
   }
 }

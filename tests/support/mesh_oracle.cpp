@@ -5,7 +5,6 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -97,8 +96,8 @@ void MeshOracle::build(std::uint32_t index, std::uint32_t first, std::uint32_t c
   build(node.first + 1, first + count / 2, count - count / 2);
 }
 
-double MeshOracle::distance(const Vec3& point) const {
-  double least = std::numeric_limits<double>::infinity();
+double MeshOracle::distance(const Vec3& point, double most) const {
+  double least = most * most;
   Stack stack;
   std::size_t depth = 0;
   stack[depth++] = 0;

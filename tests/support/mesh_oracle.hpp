@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "geometry/mesh.hpp"
@@ -14,13 +15,11 @@ class MeshOracle {
  public:
   explicit MeshOracle(const geometry::Mesh& mesh);
 
-  /// Metres to the nearest triangle.
-  double distance(const Vec3& point) const;
+  /// Metres to the nearest triangle; `most` where none is nearer than that.
+  double distance(const Vec3& point, double most = std::numeric_limits<double>::infinity()) const;
   /// How often the mesh winds around the point: about 1 inside, 0 outside. A node is a dipole where the point is
   /// farther than `far` times its radius; infinity sums every triangle.
   double winding(const Vec3& point, double far = 3) const;
-  /// Metres, positive inside.
-  double depth(const Vec3& point) const { return winding(point) > 0.5 ? distance(point) : -distance(point); }
 
  private:
   struct Triangle {

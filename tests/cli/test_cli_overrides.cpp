@@ -1,0 +1,71 @@
+// What a scene's author asks for one object, as `palpa touch` and `palpa run` heed it.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "geometry/gltf.hpp"
+#include "geometry/gltf_write.hpp"
+#include "geometry/ply.hpp"
+#include "process.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+
+/// The finger model twice, a millimetre into the button and into the knob.
+std::filesystem::path two_fingers(const std::filesystem::path& folder) {
+  std::vector<Vec3> points;
+  for (const double x : {0.0, 0.08}) {
+    for (const Vec3& p : geometry::read_ply(source_file("assets/finger.ply")).positions)
+      points.push_back(p + Vec3(x, -0.001, 0));
+  }
+  geometry::write_ply(folder / "fingers.ply", points);
+  return folder / "fingers.ply";
+}
+
+/// The example's scene with other wishes for its knob.
+std::filesystem::path with_knob(const std::filesystem::path& folder, const geometry::Haptics& haptics) {
+  auto meshes = geometry::load_gltf(source_file("assets/button-and-knob.glb")).meshes;
+  meshes.at(1).haptics = haptics;
+  geometry::write_glb(folder / "scene.glb", meshes);
+  return folder / "scene.glb";
+}
+
+TEST(CliOverrides, AFingerCarriesTheScheduleItsSolidAsksFor) {
+  const auto folder = scratch_folder("overrides");
+  geometry::Haptics own;
+  own.foci = 8;
+  own.dwell_s = 0.002;
+  const std::string scene = with_knob(folder, own).string(), points = two_fingers(folder).string();
+  for (const char* backend : {"gpu", "cpu"}) {
+    const Result result = palpa({"touch", "--scene", scene, "--points", points, "--backend", backend, "--json", "-"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const json touch = json::parse(result.out);
+    ASSERT_EQ(touch["fingers"].size(), 2U);
+    EXPECT_EQ(touch["schedule"]["order"], (json{0, 3, 6, 9, 2, 5, 8, 1, 4, 7}));
+    const json &button = touch["fingers"][0], &knob = touch["fingers"][1];
+    EXPECT_EQ(button["solid"], "button");
+    EXPECT_EQ(button["foci_m"].size(), 10U);
+    EXPECT_FALSE(button.contains("schedule"));
+    EXPECT_EQ(knob["solid"], "knob");
+    EXPECT_EQ(knob["foci_m"].size(), 8U);
+    EXPECT_EQ(knob["schedule"], (json{{"order", {0, 3, 6, 1, 4, 7, 2, 5}}, {"dwell_s", 0.002}}));
+  }
+}
+
+TEST(CliOverrides, AStrideThatLeavesFociOutIsNamedWithOneThatWouldDo) {
+  const auto folder = scratch_folder("overrides-bad");
+  geometry::Haptics nine;
+  nine.foci = 9;
+  const std::string scene = with_knob(folder, nine).string(), points = two_fingers(folder).string();
+  const std::string fault = "node 'knob': stride 3 and 9 foci share the divisor 3";
+  expect_failure(palpa({"touch", "--scene", scene, "--points", points}), 4, fault);
+  expect_failure(palpa({"touch", "--scene", scene, "--points", points}), 4, "such as 2");
+  expect_failure(palpa({"run", "--scene", scene, "--frames", "3"}), 4, fault);
+  EXPECT_EQ(palpa({"touch", "--scene", scene, "--points", points, "--stride", "7", "--backend", "cpu"}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace palpa::test

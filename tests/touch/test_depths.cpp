@@ -1,0 +1,79 @@
+// How deep fingers press: deep points go to the right finger, in any order.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "touch/depths.hpp"
+
+namespace palpa::touch {
+namespace {
+
+/// A finger whose contacts are the corners of a square of 10 mm around `x`, 1 mm deep.
+void add_finger(Touch& touch, float x, std::uint32_t solid = 0) {
+  Finger finger;
+  finger.solid = solid;
+  finger.section.centroid = {x, -0.001F, 0};
+  for (const auto& [dx, dz] : {std::pair{-1.F, -1.F}, {1.F, -1.F}, {1.F, 1.F}, {-1.F, 1.F}}) {
+    finger.contacts.push_back(static_cast<std::uint32_t>(touch.contacts.size()));
+    touch.contacts.push_back({0, solid, 0.001F, {x + 0.005F * dx, -0.001F, 0.005F * dz}});
+  }
+  touch.fingers.push_back(finger);
+  ++touch.finger_count;
+}
+
+Contact deep(float x, float depth, std::uint32_t solid = 0) {
+  return {0, solid, depth, {x, -depth, 0}};
+}
+
+TEST(Depths, AreThoseOfTheContactsWhereNothingIsDeeper) {
+  Touch touch;
+  add_finger(touch, 0);
+  touch.contacts[2].depth_m = 0.0014F;
+  find_depths(touch);
+  EXPECT_EQ(touch.fingers[0].depth_m, 0.0014F);
+}
+
+TEST(Depths, DeepPointsGoToTheNearestFingerOfTheirSolid) {
+  Touch touch;
+  add_finger(touch, 0);
+  add_finger(touch, 0.02F);
+  add_finger(touch, 0.02F, 1);
+  touch.deep = {deep(0.001F, 0.006F), deep(0.009F, 0.004F), deep(0.012F, 0.005F), deep(0.0F, 0.020F, 1)};
+  find_depths(touch);
+  EXPECT_EQ(touch.fingers[0].depth_m, 0.006F);
+  EXPECT_EQ(touch.fingers[1].depth_m, 0.005F) << "12 mm is nearer to the box that begins at 15 mm";
+  EXPECT_EQ(touch.fingers[2].depth_m, 0.020F) << "another solid's fingers are no matter";
+}
+
+TEST(Depths, ADeepPointFarFromAllFingersIsNobodys) {
+  Touch touch;
+  add_finger(touch, 0);
+  touch.deep = {deep(0.040F, 0.002F), deep(0, 0.032F)};
+  find_depths(touch);
+  EXPECT_EQ(touch.fingers[0].depth_m, 0.001F);
+  touch.deep = {deep(0.034F, 0.002F), deep(0, 0.030F)};
+  find_depths(touch);
+  EXPECT_EQ(touch.fingers[0].depth_m, 0.030F);
+}
+
+TEST(Depths, DoNotDependOnTheOrderOfPoints) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> place(-0.03F, 0.06F), depth(0.0015F, 0.02F);
+  Touch touch;
+  for (int f = 0; f < 4; ++f)
+    add_finger(touch, 0.012F * static_cast<float>(f));
+  for (int i = 0; i < 500; ++i)
+    touch.deep.push_back(deep(place(random), depth(random)));
+  find_depths(touch);
+  const std::vector<Finger> first = touch.fingers;
+  for (int n = 0; n < 10; ++n) {
+    std::shuffle(touch.deep.begin(), touch.deep.end(), random);
+    find_depths(touch);
+    for (std::size_t f = 0; f < first.size(); ++f)
+      ASSERT_EQ(touch.fingers[f].depth_m, first[f].depth_m);
+  }
+}
+
+}  // namespace
+}  // namespace palpa::touch
