@@ -162,10 +162,12 @@ void run(const Extensions& extensions, const RunCommand& o) {
                                                                              .noise = !o.noise_free,
                                                                              .seed = o.common.seed,
                                                                              .paced = !o.every_frame});
+  touch::Parameters parameters = o.touch.parameters;
+  parameters.deep = !o.events.empty();
   const session::ChainSetting setting{.cameras = source->cameras(),
                                       .solids = solids,
                                       .layout = set_up.layout,
-                                      .touch = o.touch.parameters,
+                                      .touch = parameters,
                                       .voice = voice,
                                       .drive = drive,
                                       .slot_s = session::slot_length(solids, voice),

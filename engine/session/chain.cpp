@@ -19,6 +19,7 @@ void reserve(Plan& plan, std::size_t transducers) {
 
 void reserve(touch::Touch& touch) {
   touch.contacts.reserve(touch::max_fingers * contacts_per_finger);
+  touch.deep.reserve(most_deep);
   touch.fingers.resize(touch::max_fingers);
   for (touch::Finger& finger : touch.fingers) {
     finger.contacts.reserve(contacts_per_finger);

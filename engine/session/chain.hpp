@@ -77,6 +77,9 @@ std::unique_ptr<Chain> make_gpu_chain(const gpu::Device& device, const ChainSett
 /// The same through the passes' C++ twins.
 std::unique_ptr<Chain> make_cpu_chain(const ChainSetting& setting);
 
+/// Room for deep points in a frame, where they are asked for; more of them leave the frame out.
+inline constexpr std::uint32_t most_deep = 1U << 18;
+
 /// Gives these values all the room that a live frame needs, so that the loop allocates nothing once it runs: any number
 /// of fingers and foci, most_cycle drives, `contacts_per_finger` contacts (a finger that ever has more grows once).
 inline constexpr std::size_t contacts_per_finger = 4096;

@@ -22,18 +22,20 @@ class Backend {
   virtual ~Backend() = default;
   virtual void touch(std::span<const sensing::SkinPoint> skin, touch::Touch& out) = 0;
   virtual void touch(std::span<const sensing::DepthFrame> images, touch::Touch& out) = 0;
+  virtual void set_pose(std::uint32_t solid, const Transform& T_world_rest) = 0;
 };
 
 class CpuBackend : public Backend {
  public:
   CpuBackend(const std::vector<geometry::Solid>& solids, const ToucherOptions& options)
-      : stage_(solids, options.cameras), parameters_(options.touch) {}
+      : stage_(solids, options.cameras, options.touch), parameters_(options.touch) {}
   void touch(std::span<const sensing::SkinPoint> skin, touch::Touch& out) override {
     stage_.touch(skin, parameters_, out);
   }
   void touch(std::span<const sensing::DepthFrame> images, touch::Touch& out) override {
     stage_.touch(images, parameters_, out);
   }
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { stage_.set_pose(solid, T_world_rest); }
 
  private:
   touch::HostStage stage_;
@@ -44,18 +46,18 @@ class GpuBackend : public Backend {
  public:
   GpuBackend(const gpu::Device& device, const std::vector<geometry::Solid>& solids, const ToucherOptions& options)
       : device_(device),
-        stage_(device, solids, options.cameras),
+        stage_(device, solids, options.cameras, options.touch),
         recorder_(device, "touch"),
         timeline_(device, "touch"),
         parameters_(options.touch) {
-    if (!options.cameras.empty()) frame_.emplace(device_, stage_);
+    if (!options.cameras.empty()) frame_.emplace(device_, stage_, touch::Capacity{.deep = most_deep});
   }
   void touch(std::span<const sensing::SkinPoint> skin, touch::Touch& out) override {
     const auto count = static_cast<std::uint32_t>(skin.size());
-    if (count > room_) {
+    if (!frame_ || count > room_) {
       // Powers of two, so that a cloud that grows needs new buffers only now and then.
       room_ = std::bit_ceil(std::max(count, 4096U));
-      frame_.emplace(device_, stage_, touch::Capacity{room_, room_});
+      frame_.emplace(device_, stage_, touch::Capacity{room_, room_, room_});
     }
     frame_->set(skin);
     run(out);
@@ -64,6 +66,7 @@ class GpuBackend : public Backend {
     frame_->set(images);
     run(out);
   }
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { stage_.set_pose(solid, T_world_rest); }
 
  private:
   void run(touch::Touch& out) {
@@ -97,6 +100,7 @@ struct Toucher::State {
 
   State(const gpu::Device* device, std::vector<geometry::Solid> given, const ToucherOptions& chosen)
       : solids(std::move(given)), options(chosen), tracker(solids, options.events) {
+    options.touch.deep = true;
     check_overrides("scene", solids, options.touch, options.voice);
     array::fill_order(options.touch.foci, options.voice.stride);  // throws where the two do not go together
     if (device) {
@@ -145,6 +149,10 @@ const touch::Touch& Toucher::touch(std::span<const sensing::SkinPoint> skin, dou
   if (!s.options.cameras.empty()) throw bad_usage("a Toucher with cameras touches depth frames, not skin points");
   s.backend->touch(skin, s.touch);
   return s.finish(time_s);
+}
+
+void Toucher::set_pose(std::uint32_t solid, const Transform& T_world_rest) {
+  state_->backend->set_pose(solid, T_world_rest);
 }
 
 std::span<const Event> Toucher::events() const {

@@ -52,6 +52,10 @@ class Toucher {
   /// Its foci: array::foci_of_slot says which of them sound in a slot, array::drive_for what a layout does for them.
   const array::Schedule& schedule() const;
 
+  /// Moves a solid for the frames that follow: T_world_rest takes its place in the scene to where it is now. A rigid
+  /// transform; nothing is rebuilt.
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest);
+
   /// No more frames will come: the releases of whoever still touches.
   std::span<const Event> end();
 

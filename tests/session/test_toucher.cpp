@@ -75,6 +75,18 @@ TEST_P(Touching, TellsWhatAFingerDoes) {
   EXPECT_EQ(kinds(toucher.end()), "release");
 }
 
+TEST_P(Touching, FollowsASolidThatMoves) {
+  session::Toucher toucher = make(cube(0.003));
+  EXPECT_EQ(toucher.touch(std::vector<glm::vec3>(), 0.00).finger_count, 0U);
+  EXPECT_EQ(toucher.touch(finger_at({0, 0.05, 0}), 0.01).finger_count, 0U);
+  Transform T(1.0);
+  T[3] = Vec4(0, 0.0535, 0, 1);  // up to 3.5 mm above the fingertip
+  toucher.set_pose(0, T);
+  EXPECT_EQ(toucher.touch(finger_at({0, 0.05, 0}), 0.02).finger_count, 1U);
+  EXPECT_EQ(kinds(toucher.events()), "touch press");
+  EXPECT_NEAR(toucher.events()[0].depth_m, 0.0035, 1e-5);
+}
+
 TEST_P(Touching, TakesDepthFrames) {
   const sensing::Rig rig = sensing::load_rig(test::source_file("assets/rigs/paper.toml"));
   geometry::Ply ply = geometry::read_ply(test::source_file("assets/finger.ply"));
