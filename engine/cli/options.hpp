@@ -10,6 +10,7 @@
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "base/log.hpp"
+#include "geometry/solid.hpp"
 #include "gpu/device.hpp"
 #include "touch/types.hpp"
 
@@ -42,6 +43,14 @@ bool shows_summary(const CommonOptions& options, const std::string& csv = {});
 
 /// How a cross-section becomes foci. More methods will follow.
 enum class Method { cross_section };
+
+/// What counts as a solid's surface.
+struct SolidOptions {
+  geometry::SurfaceKind surface = geometry::SurfaceKind::mesh;
+  geometry::InternalFaces internal_faces = geometry::InternalFaces::drop;
+  std::uint32_t parts = 64;  ///< at most so many convex parts per solid
+};
+void add_solid_options(CLI::App& app, SolidOptions& options);
 
 /// From skin points to a schedule.
 struct TouchOptions {

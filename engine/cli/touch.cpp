@@ -168,7 +168,7 @@ void run(const TouchCommand& o) {
   refuse_two_on_stdout(o.common.json, o.csv);
   Stopwatch whole, watch;
   StageTimes times;
-  const TouchInput input = load_touch_input(o.input);
+  const TouchInput input = load_touch_input(o.input, o.common.quiet);
   const array::VoiceOptions voice{.stride = o.touch.stride, .dwell_s = o.touch.dwell_s};
   session::check_overrides(o.input.scene, input.solids, o.touch.parameters, voice);
   times.emplace_back("load", watch.lap_ms());

@@ -42,4 +42,14 @@ double depth(const Part& part, const Vec3& point) {
   return least;
 }
 
+double depth(const Parts& parts, InternalFaces faces, const Vec3& point) {
+  if (faces == InternalFaces::drop) return depth(parts, union_surface(parts), point);
+  double least = std::numeric_limits<double>::infinity();
+  for (const Part& part : parts.parts) {
+    const double here = depth(part, point);
+    if (here > 0) least = std::min(least, here);
+  }
+  return std::isfinite(least) ? least : 0;
+}
+
 }  // namespace palpa::geometry

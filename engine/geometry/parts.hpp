@@ -60,6 +60,10 @@ UnionSurface union_surface(const Parts& parts);
 double area(const UnionSurface& surface);
 double volume(const UnionSurface& surface);
 
+/// Depth of a point below the surface that `faces` calls for, metres: 0 where it lies in no part. Eq. (1) takes the
+/// part that the point is least deep in. For single points.
+double depth(const Parts& parts, InternalFaces faces, const Vec3& point);
+
 /// Depth of a point below the surface of the union, metres: 0 where it lies in no part. Looks at every triangle: for
 /// reports and tests.
 double depth(const Parts& parts, const UnionSurface& surface, const Vec3& point);

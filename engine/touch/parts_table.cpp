@@ -344,15 +344,13 @@ PartsGrid add_parts(std::vector<shader::uvec4>& words, const geometry::Parts& pa
 
 float parts_depth(const std::vector<shader::uvec4>& words, const PartsGrid& grid, const glm::vec3& point, float limit) {
   const glm::vec3 p = point - grid.centre;
-  std::uint32_t cell[3];
   for (int axis = 0; axis < 3; ++axis) {
     if (!(p[axis] >= grid.low[axis] && p[axis] <= grid.high[axis])) return 0;
-    const float along = (p[axis] - grid.low[axis]) * grid.cells_per_metre[axis];
-    cell[axis] = std::min(static_cast<std::uint32_t>(along), grid.cells_per_axis - 1);
   }
-  return shader::parts_depth(words.data(), grid.base,
-                             (cell[2] * grid.cells_per_axis + cell[1]) * grid.cells_per_axis + cell[0], {p.x, p.y, p.z},
-                             limit);
+  const auto three = [](const glm::vec3& v) { return shader::Float3{v.x, v.y, v.z}; };
+  const std::uint32_t cell =
+      shader::parts_cell(three(p), three(grid.low), three(grid.cells_per_metre), grid.cells_per_axis);
+  return shader::parts_depth(words.data(), grid.base, cell, three(p), limit);
 }
 
 }  // namespace palpa::touch
