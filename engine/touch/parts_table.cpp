@@ -181,7 +181,13 @@ class Grid {
     double nearest = std::numeric_limits<double>::infinity();
     std::uint32_t nearest_triangle = 0;
     for (const std::uint32_t t : surface) {
-      distance_.push_back(glm::distance(closest(t, cell.centre), cell.centre));
+      const LocalTriangle& triangle = triangles_[t];
+      const Vec3 out = glm::max(glm::max(triangle.box.low - cell.centre, cell.centre - triangle.box.high), Vec3(0));
+      const double above = std::abs(triangle.plane.offset - glm::dot(triangle.plane.normal, cell.centre));
+      // A lower bound will do for triangles that are not the nearest.
+      distance_.push_back(std::max(glm::length(out), above));
+      if (distance_.back() >= nearest) continue;
+      distance_.back() = glm::distance(closest(t, cell.centre), cell.centre);
       if (distance_.back() < nearest) {
         nearest = distance_.back();
         nearest_triangle = t;
