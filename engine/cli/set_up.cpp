@@ -11,7 +11,7 @@ namespace palpa::cli {
 std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene,
                                          const SolidOptions& options, bool quiet) {
   const std::optional<int> index = gltf_scene ? std::optional(static_cast<int>(*gltf_scene)) : std::nullopt;
-  std::vector<geometry::Solid> solids = geometry::make_solids(geometry::load_gltf(scene, index));
+  std::vector<geometry::Solid> solids = geometry::make_solids(geometry::load_gltf(scene, index), options.surface);
   constexpr std::uint64_t steps = 1000;
   Progress bar("convex parts", steps * solids.size(), quiet);
   for (std::size_t s = 0; s < solids.size(); ++s) {

@@ -3,12 +3,16 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <numbers>
+#include <span>
 #include <string>
 #include <utility>
 
+#include "base/cache_file.hpp"
 #include "base/error.hpp"
 #include "geometry/text.hpp"
 #include "geometry/topology.hpp"
@@ -84,10 +88,70 @@ std::vector<std::pair<std::size_t, Solid>> solids_of_parts(const Scene& scene) {
   return solids;
 }
 
+namespace {
+
+/// Changes whenever the same mesh and options give other parts.
+constexpr std::uint32_t parts_version = 1;
+
+CacheKey cache_key(const Mesh& mesh, const DecomposeOptions& options) {
+  CacheHash hash;
+  hash.add(parts_version);
+  hash.add(options.parts);
+  hash.add(options.resolution);
+  hash.add(options.error_percent);
+  hash.add(mesh.positions.size());
+  hash.add(mesh.positions.data(), mesh.positions.size() * sizeof(Vec3));
+  hash.add(mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3));
+  return hash.key();
+}
+
+template <typename T>
+std::span<const std::byte> bytes_of(const std::vector<T>& values) {
+  return std::as_bytes(std::span(values.data(), values.size()));
+}
+
+/// Each part's corners, of which the hull is made anew: the same bits.
+void store(const CacheKey& key, const Parts& parts) {
+  std::vector<std::uint64_t> sizes;
+  std::vector<Vec3> corners;
+  for (const Part& part : parts.parts) {
+    sizes.push_back(part.mesh.positions.size());
+    corners.insert(corners.end(), part.mesh.positions.begin(), part.mesh.positions.end());
+  }
+  const std::vector<double> seam{parts.seam_m};
+  const std::array sections{bytes_of(seam), bytes_of(sizes), bytes_of(corners)};
+  store_cached("parts", key, sections);
+}
+
+std::optional<Parts> load(const CacheKey& key) {
+  const auto file = load_cached("parts", key);
+  if (!file || file->sections() != 3) return std::nullopt;
+  const auto seam = file->section_as<double>(0);
+  const auto sizes = file->section_as<std::uint64_t>(1);
+  auto corners = file->section_as<Vec3>(2);
+  if (seam.size() != 1 || sizes.empty() || sizes.size() > most_parts) return std::nullopt;
+  Parts parts{{}, seam[0]};
+  for (const std::uint64_t size : sizes) {
+    if (size > corners.size()) return std::nullopt;
+    std::optional<Part> part = make_part(corners.first(size));
+    if (!part) return std::nullopt;
+    parts.parts.push_back(std::move(*part));
+    corners = corners.subspan(size);
+  }
+  return parts;
+}
+
+}  // namespace
+
 bool use_parts(Solid& solid, const DecomposeOptions& options, const Progress& progress) {
   try {
-    std::optional<Parts> parts = decompose(solid.mesh, options, progress);
-    if (!parts) return false;
+    const CacheKey key = cache_key(solid.mesh, options);
+    std::optional<Parts> parts = load(key);
+    if (!parts) {
+      parts = decompose(solid.mesh, options, progress);
+      if (!parts) return false;
+      store(key, *parts);
+    }
     solid.parts = std::move(*parts);
   } catch (const Error& error) {
     throw Error(error.code(), fmt::format("mesh {}: {}", text::quoted(solid.name), error.what()));

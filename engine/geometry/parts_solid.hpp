@@ -17,7 +17,7 @@ namespace palpa::geometry {
 std::vector<std::pair<std::size_t, Solid>> solids_of_parts(const Scene& scene);
 
 /// Makes a solid's surface that of convex parts of its mesh. False when cancelled: the solid is as it was. Throws as
-/// decompose() does, naming the solid.
+/// decompose() does, naming the solid. What was once made is cached (base/cache_file.hpp).
 bool use_parts(Solid& solid, const DecomposeOptions& options, const Progress& progress = {});
 
 }  // namespace palpa::geometry
