@@ -68,8 +68,7 @@ class GpuBackend : public Backend {
 
  private:
   void run(double time_s, touch::Touch& out) {
-    stage_.record(recorder_.begin(), *frame_, parameters_, touch::Detail::contacts, nullptr,
-                  {&tracks_, time_s});
+    stage_.record(recorder_.begin(), *frame_, parameters_, touch::Detail::contacts, nullptr, {&tracks_, time_s});
     timeline_.wait(timeline_.submit(recorder_.end()));
     touch::read(*frame_, out);
   }

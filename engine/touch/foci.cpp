@@ -1,8 +1,11 @@
 #include "touch/foci.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <numbers>
 
+#include "base/error.hpp"
 #include "shaders/foci_math.h"
 #include "spirv/foci.comp.hpp"
 #include "touch/frames.hpp"
@@ -11,7 +14,8 @@ namespace palpa::touch {
 namespace {
 
 static_assert(max_foci == shader::foci_most);
-static_assert(shader::outline_bins <= shader::foci_most);
+static_assert(shader::outline_bins == shader::foci_group && shader::outline_bins <= shader::foci_most);
+static_assert(shader::foci_pool >= 4 * shader::foci_most);
 
 using shader::Border;
 using shader::Float2;
@@ -150,7 +154,15 @@ std::vector<Border> sector_borders() {
 }
 
 std::vector<std::uint32_t> foci_of_solids(const std::vector<geometry::Solid>& solids) {
-  return std::vector<std::uint32_t>(solids.size(), 0);
+  std::vector<std::uint32_t> foci;
+  foci.reserve(solids.size());
+  for (const geometry::Solid& solid : solids) {
+    foci.push_back(solid.haptics.foci.value_or(0));
+    if (solid.haptics.foci && (foci.back() < 1 || foci.back() > max_foci)) {
+      throw bad_usage(fmt::format("solid '{}' asks for {} foci: give 1 to {}", solid.name, foci.back(), max_foci));
+    }
+  }
+  return foci;
 }
 
 void find_foci(const Parameters& parameters, std::span<const std::uint32_t> of_solid, Touch& out) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/error.hpp"
 #include "geometry/ply.hpp"
 #include "sensing/synthetic.hpp"
 #include "support/shared_data.hpp"
@@ -200,12 +201,20 @@ TEST(ArcOnThePrism, MakesGapsMoreEqual) {
 }
 
 TEST_P(Arc, EverySolidMayHaveItsOwnNumberOfFoci) {
-  Touch touch = touch_on(Backend::cpu, rim(8e-3, 5e-3, 1000, 1), {everything()}, everything_is_contact());
-  const std::vector<std::uint32_t> own{7};
-  find_foci({}, own, touch);
-  EXPECT_EQ(touch.fingers.at(0).foci.size(), 7u);
-  find_foci({}, std::vector<std::uint32_t>{0}, touch);
-  EXPECT_EQ(touch.fingers.at(0).foci.size(), 10u);
+  std::vector<geometry::Solid> solids{box(Vec3(-1, -1, -1), Vec3(0, 1, 1), "left"),
+                                      box(Vec3(0.01, -1, -1), Vec3(1), "right")};
+  solids[1].haptics.foci = 7;
+  auto points = rim(8e-3, 5e-3, 1000, 1);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i].x += i < 500 ? -0.05F : 0.05F;
+  const Touch touch = touch_on(GetParam(), points, solids, everything_is_contact());
+  ASSERT_EQ(touch.finger_count, 2u);
+  EXPECT_EQ(touch.fingers[0].foci.size(), 10u);
+  EXPECT_EQ(touch.fingers[1].foci.size(), 7u);
+  for (const Focus& focus : touch.fingers[1].foci)
+    EXPECT_GT(focus.points, 0u);
+  solids[1].haptics.foci = 65;
+  EXPECT_THROW(touch_on(GetParam(), points, solids, everything_is_contact()), Error);
 }
 
 }  // namespace
