@@ -74,8 +74,7 @@ class TouchBuffers {
   friend void read(const TouchBuffers& buffers, Touch& out);
   Capacity capacity_;
   gpu::Buffer hits_, masks_, counts_, total_, nodes_, keys_, places_, slots_, heads_, list_, groups_, crowded_, work_,
-      parents_, clusters_, samples_, patches_, pairs_, bridge_work_, deep_masks_, deep_counts_,
-      finger_counts_;
+      parents_, clusters_, samples_, patches_, pairs_, bridge_work_, deep_masks_, deep_counts_, finger_counts_;
   gpu::Upload solids_;
   gpu::Readback contacts_, header_, fingers_, foci_, deep_, deep_total_;
   bool with_deep_ = false;  ///< of the newest record
