@@ -131,14 +131,23 @@ struct FingerRecord {
   uint solid;
   uint contacts;
   uint point_like;
+  uint id;     // stays the same while the finger is followed
+  uint start;  // of its contacts among those in order of their fingers
+  uint foci;
+  uint unused0;
   vec4 centre;
   vec4 axis1;  // w: eigenvalue
   vec4 axis2;
   vec4 axis3;
+  vec4 turn;  // cosine and sine of the angle from axis1 to the principal direction, towards axis2
+  vec4 mean;  // the centroid relative to the first contact, to more digits than `centre` has
 };
-PALPA_CHECK_SIZE(FingerRecord, 80);
-PALPA_CHECK_OFFSET(FingerRecord, centre, 16);
-PALPA_CHECK_OFFSET(FingerRecord, axis3, 64);
+PALPA_CHECK_SIZE(FingerRecord, 128);
+PALPA_CHECK_OFFSET(FingerRecord, start, 20);
+PALPA_CHECK_OFFSET(FingerRecord, centre, 32);
+PALPA_CHECK_OFFSET(FingerRecord, axis3, 80);
+PALPA_CHECK_OFFSET(FingerRecord, turn, 96);
+PALPA_CHECK_OFFSET(FingerRecord, mean, 112);
 
 PALPA_SHADER_END
 #endif

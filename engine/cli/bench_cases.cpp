@@ -265,6 +265,14 @@ void bench_touch(const BenchContext& context, std::vector<BenchRow>& rows) {
     bench_points(context, fmt::format("{} contacts", contacts),
                  box_solid(Vec3(-0.05, -0.1, -0.05), Vec3(0.25, 0, 0.25)), plate, rows);
   }
+  // As many fingers as there can be, side by side.
+  std::mt19937 random(64);
+  std::uniform_real_distribution<double> across(-5e-3, 5e-3), deep(1e-5, 1.4e-3);
+  std::vector<glm::vec3> patches;
+  for (int i = 0; i < 20'000; ++i)
+    patches.emplace_back(0.02 * (i % 8) + across(random), -deep(random), 0.02 * (i / 8 % 8) + across(random));
+  bench_points(context, "64 fingers, 20000 contacts", box_solid(Vec3(-0.05, -0.1, -0.05), Vec3(0.25, 0, 0.25)), patches,
+               rows);
 }
 
 }  // namespace palpa::cli

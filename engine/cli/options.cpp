@@ -59,6 +59,8 @@ void add_touch_options(CLI::App& app, TouchOptions& options) {
   group.quantity("--finger-width", p.finger_width_m, Quantity::length, {0, 1},
                  "patches of skin on two sides of a finger are no wider; 0 joins none");
   group.integer("--foci", p.foci, 1, touch::max_foci, "foci per finger");
+  group.choice("--spacing", p.spacing, {{"angle", touch::Spacing::angle}, {"arc", touch::Spacing::arc}},
+               "foci at equal angles, or at equal lengths along the cross-section");
   group.integer("--stride", options.stride, 1, 1u << 20, "every which focus is next; coprime to --foci");
   group.quantity("--dwell", options.dwell_s, Quantity::time, {1e-6, 10}, "how long a focus lasts");
   group.choice("--method", options.method, {{"cross-section", Method::cross_section}},

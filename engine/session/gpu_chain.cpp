@@ -12,7 +12,6 @@
 #include "base/log.hpp"
 #include "gpu/commands.hpp"
 #include "session/chain.hpp"
-#include "session/follow.hpp"
 #include "touch/depths.hpp"
 #include "touch/stage.hpp"
 
@@ -39,7 +38,7 @@ struct Flight {
         drive_buffers(device, setting.layout, setting.drive.medium, most_cycle, most_cycle * touch::max_fingers),
         touch_recorder(device, "touch"),
         drive_recorder(device, "drives"),
-        touch_times(device, 16),
+        touch_times(device, 24),
         drive_times(device, 4) {
     reserve(touch);
     reserve(plan.schedule);
@@ -51,12 +50,13 @@ class GpuChain : public Chain {
   GpuChain(const gpu::Device& device, const ChainSetting& setting)
       : setting_(setting),
         stage_(device, setting.solids, setting.cameras, setting.touch),
+        tracks_(device),
         drives_pass_(device),
         flights_{Flight(device, setting, stage_), Flight(device, setting, stage_)},
         timeline_(device, "frames") {
     reserve(unmodulated_);
     foci_.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
-    passes_.reserve(16);
+    passes_.reserve(24);
     drive_passes_.reserve(4);
   }
 
@@ -68,7 +68,8 @@ class GpuChain : public Chain {
     flight.frame.set(frame.frames);
     const VkCommandBuffer commands = flight.touch_recorder.begin();
     flight.touch_times.begin(commands);
-    stage_.record(commands, flight.frame, setting_.touch, setting_.detail, &flight.touch_times);
+    stage_.record(commands, flight.frame, setting_.touch, setting_.detail, &flight.touch_times,
+                  {&tracks_, frame.time_s});
     flight.submitted = timeline_.submit(flight.touch_recorder.end());
     flight.state = Flight::State::touching;
     flight.plan.captured_s = captured_s;
@@ -107,7 +108,6 @@ class GpuChain : public Chain {
   void begin_drives(Flight& flight) {
     read_touch(flight);
     touch::find_depths(flight.touch);
-    follower_.follow(flight.touch);
     make_schedule(flight.touch, flight.report.time_s, setting_.solids, setting_.voice, setting_.slot_s,
                   flight.plan.schedule);
     flight.drive_buffers.clear();
@@ -145,12 +145,12 @@ class GpuChain : public Chain {
 
   ChainSetting setting_;
   touch::Stage stage_;
+  touch::TrackBuffer tracks_;
   array::DrivesPass drives_pass_;
   std::array<Flight, flights> flights_;
   gpu::Timeline timeline_;
   std::uint64_t started_ = 0, finished_ = 0;
 
-  Follower follower_;
   bool warned_ = false;
 
   // Scratch that keeps its storage.

@@ -104,6 +104,7 @@ SolidTable::SolidTable(const gpu::Device& device, const std::vector<geometry::So
   triangles_ = std::move(surface.triangles);
   signs_ = std::move(surface.signs);
   corners_ = std::move(surface.corners);
+  foci_of_ = upload(device, commands, host_.foci_of, "foci of solids");
   timeline.wait(timeline.submit(recorder.end()));
 }
 
@@ -135,6 +136,7 @@ TouchBuffers::TouchBuffers(const gpu::Device& device, const Capacity& capacity)
       bridge_work_(device, sizeof(shader::BridgeWork), "bridge work"),
       deep_masks_(device, capacity_.deep == 0 ? 0 : std::uint64_t{mask_words(capacity_.points)} * 4, "deep masks"),
       deep_counts_(device, std::uint64_t{shader::contacts_chunks} * 4, "deep counts"),
+      finger_counts_(device, std::uint64_t{shader::frames_most_chunks} * max_fingers * 4, "finger counts"),
       solids_(device, sizeof(shader::SolidRecord), "solids"),
       contacts_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::ContactRecord), "contacts"),
       header_(device, sizeof(shader::TouchHeader), "touch header"),
@@ -145,11 +147,11 @@ TouchBuffers::TouchBuffers(const gpu::Device& device, const Capacity& capacity)
       device_(&device) {}
 
 TouchPasses::TouchPasses(const gpu::Device& device)
-    : contacts_(device), fingers_(device), bridge_(device), sections_(device) {}
+    : contacts_(device), fingers_(device), bridge_(device), frames_(device), follow_(device), foci_(device) {}
 
 void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, TouchBuffers& b, gpu::BufferRef points,
                          gpu::BufferRef total, const Parameters& parameters, gpu::Timestamps* times, Detail detail,
-                         const SightBuffers* sight) const {
+                         const SightBuffers* sight, const Following& following) const {
   check(parameters, table.host());
   if (parameters.deep && b.capacity_.deep == 0) {
     throw bad_usage("deep points are asked for: give Capacity::deep room for them");
@@ -224,18 +226,34 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
     gpu::compute_to_compute(commands);
     mark("bridge");
   }
-  sections_.record(commands,
-                   {.total = b.total_.ref(),
-                    .parents = b.parents_.ref(),
-                    .contacts = b.contacts_.ref(),
-                    .header = b.header_.ref(),
-                    .fingers = b.fingers_.ref(),
-                    .foci = b.foci_.ref(),
-                    .borders = table.borders(),
-                    .most_contacts = b.capacity_.contacts},
-                   parameters);
+  // The grid's nodes have done their work: the contacts in order of their fingers take their place.
+  frames_.record(commands,
+                 {.total = b.total_.ref(),
+                  .parents = b.parents_.ref(),
+                  .contacts = b.contacts_.ref(),
+                  .header = b.header_.ref(),
+                  .counts = b.finger_counts_.ref(),
+                  .grouped = b.nodes_.ref(),
+                  .fingers = b.fingers_.ref(),
+                  .most_contacts = b.capacity_.contacts},
+                 times);
+  gpu::compute_to_compute(commands);
+  if (following.tracks) {
+    follow_.record(commands,
+                   {.header = b.header_.ref(), .fingers = b.fingers_.ref(), .tracks = following.tracks->ref()},
+                   following.tracks->clock.elapsed_us(following.time_s));
+    mark("follow");
+    gpu::compute_to_compute(commands);
+  }
+  foci_.record(commands,
+               {.grouped = b.nodes_.ref(),
+                .header = b.header_.ref(),
+                .fingers = b.fingers_.ref(),
+                .foci = b.foci_.ref(),
+                .borders = table.borders(),
+                .of_solid = table.foci_of()},
+               parameters);
   mark("foci");
-  b.foci_per_finger_ = parameters.foci;
   b.detail_ = detail;
   if (detail == Detail::contacts) b.contacts_.record(commands);
   b.header_.record(commands);
@@ -278,13 +296,15 @@ void read(const TouchBuffers& b, Touch& out) {
     const shader::FingerRecord& record = fingers[f];
     Finger& finger = out.fingers[f];
     finger.solid = record.solid;
+    finger.id = record.id;
     finger.point_like = record.point_like != 0;
     finger.section.centroid = vec(record.centre);
     finger.section.axes = {vec(record.axis1), vec(record.axis2), vec(record.axis3)};
     finger.section.eigenvalues = {record.axis1.w, record.axis2.w, record.axis3.w};
+    finger.section.turn = {record.turn.x, record.turn.y};
     finger.contact_count = record.contacts;
     finger.contacts.clear();
-    finger.foci.resize(finger.point_like ? 1 : b.foci_per_finger_);
+    finger.foci.resize(record.foci);
     for (std::size_t n = 0; n < finger.foci.size(); ++n) {
       const shader::FocusRecord& focus = foci[std::size_t{f} * max_foci + n];
       finger.foci[n] = {{focus.x, focus.y, focus.z}, focus.points};
@@ -304,11 +324,13 @@ void read(const TouchBuffers& b, Touch& out) {
 }
 
 void touch_points(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
-                  Touch& out) {
+                  Touch& out, Tracks* tracks, double time_s) {
   check(parameters, table);
   find_contacts(points, table, parameters, out);
   find_fingers(parameters, table, out);
-  find_sections(parameters, out);
+  find_frames(out);
+  if (tracks) follow_fingers(*tracks, time_s, out);
+  find_foci(parameters, table.foci_of, out);
 }
 
 void touch_points(std::span<const glm::vec3> points, const std::vector<geometry::Solid>& solids,

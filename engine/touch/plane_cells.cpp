@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "base/error.hpp"
+#include "touch/foci.hpp"
 
 namespace palpa::touch {
 namespace {
@@ -206,6 +207,7 @@ void add_surface(PlaneTable& table, SurfaceBase& next, const geometry::Solid& so
 
 PlaneTable make_plane_table(const std::vector<geometry::Solid>& solids, const Parameters& parameters) {
   PlaneTable table;
+  table.foci_of = foci_of_solids(solids);
   std::vector<std::vector<LocalPlane>> local(solids.size());
   for (std::size_t s = 0; s < solids.size(); ++s) {
     const geometry::Solid& solid = solids[s];
