@@ -12,7 +12,9 @@
 namespace palpa::touch {
 namespace {
 
-Capacity with_pixels(Capacity capacity, const sensing::RayTables& tables) {
+Capacity with_pixels(Capacity capacity, const sensing::RayTables& tables, bool deep) {
+  constexpr std::uint32_t some = 65'536;
+  if (deep && capacity.deep == 0) capacity.deep = some;
   if (tables.pixels != 0) {
     capacity.points = static_cast<std::uint32_t>(std::min<std::uint64_t>(tables.pixels, shader::contacts_most_points));
   }
@@ -38,6 +40,7 @@ Stage::Stage(const gpu::Device& device, const std::vector<geometry::Solid>& soli
       tables_(sensing::make_rays(cameras)),
       rays_(sensing::upload_rays(device, tables_)),
       bridge_cameras_(upload_cameras(device, bridge_cameras(cameras, tables_))),
+      deep_(parameters.deep),
       solids_(device, solids, parameters),
       skin_pass_(device),
       touch_passes_(device) {}
@@ -63,7 +66,7 @@ void Stage::record(VkCommandBuffer commands, StageFrame& frame, const Parameters
 }
 
 StageFrame::StageFrame(const gpu::Device& device, const Stage& stage, Capacity capacity)
-    : tables_(&stage.tables_), touch_(device, with_pixels(capacity, stage.tables_)) {
+    : tables_(&stage.tables_), touch_(device, with_pixels(capacity, stage.tables_, stage.deep_)) {
   if (stage.tables_.pixels != 0) {
     views_.reserve(stage.cameras_.size());
     depth_ = gpu::Upload(device, sensing::packed_bytes(stage.tables_), "depth frames");

@@ -46,6 +46,7 @@ class Stage {
   sensing::RayTables tables_;
   gpu::Buffer rays_;
   gpu::Upload bridge_cameras_;
+  bool deep_ = false;
   SolidTable solids_;
   sensing::SkinPass skin_pass_;
   TouchPasses touch_passes_;
@@ -54,7 +55,8 @@ class Stage {
 /// What one frame in flight reads and writes. Give it its input, record, submit, wait, read.
 class StageFrame {
  public:
-  /// Room for all pixels of the stage's cameras, else for `capacity.points` skin points; and for `capacity.contacts`.
+  /// Room for all pixels of the stage's cameras, else for `capacity.points` skin points; and for `capacity.contacts`;
+  /// where the stage was made for deep points, for `capacity.deep` of them, else 65,536.
   StageFrame(const gpu::Device& device, const Stage& stage, Capacity capacity = {});
 
   /// The input of the next record: one image per camera, or points whose indices ascend. The images and points are
