@@ -9,6 +9,7 @@ PALPA_CONST solve_group = 32u;  // threads of a workgroup, in all
 // rows and columns.
 PALPA_CONST solve_tile = 5u;
 PALPA_CONST solve_most_foci = 64u;
+PALPA_CONST solve_few = 3u;        // gs_pat_few
 PALPA_CONST solve_few_foci = 16u;  // up to so many, greedy's slots run in the smaller of its two kernels
 
 // Bindings of all; not every kernel uses every one.

@@ -9,6 +9,7 @@
 // slot.
 layout(local_size_x = 32) in;
 
+layout(std430, set = 0, binding = solve_matrices) readonly buffer Matrices { vec2 matrices[]; };
 layout(std430, set = 0, binding = solve_weights) buffer Weights { vec4 weights[]; };
 // What the transducers do with the factors so far: real and imaginary part wait in the drive's own place.
 layout(std430, set = 0, binding = solve_drives) buffer Drives { DriveOut drives[]; };
@@ -78,13 +79,15 @@ void main() {
   if (slot.count < 2u || slot.solved == drive_unsolved) return;
   const uint base = gl_WorkGroupID.x * push.transducers;
   const uint thread = gl_LocalInvocationIndex;
+  const float loudest = loudest_alone(slot.solved, slot.count);
   for (uint j = thread; j < slot.count; j += solve_group) {
     factor[j] = weights[slot.first + j].zw;
-    wanted[j] = foci[slot.first + j].fine.w;
+    wanted[j] = foci[slot.first + j].fine.w * reach_of(alone(slot.solved, slot.count, j), loudest);
   }
   barrier();
   float sum = 0.0;
-  for (uint j = 0u; j < slot.count; ++j) sum += wanted[j];
+  for (uint j = 0u; j < slot.count; ++j) sum += foci[slot.first + j].fine.w;
+  if (thread == 0u) halfway = slot.count <= solve_few;
   forget_moves(slot.count);
   drive_all(base, slot.first, slot.count);
   for (uint begin = 0u; begin < slot.count; begin += tile) hear_tile(base, slot.first, begin, slot.count);

@@ -3,10 +3,13 @@
 shared vec2 factor[solve_most_foci];
 shared vec2 field[solve_most_foci];    // what they give
 shared float wanted[solve_most_foci];  // t_j
+// What a focus that is hard to reach may have more than the others: gs_pat_most_help.
+const float most_help = 4.0;
 shared float moved[solve_most_foci];
 shared float level;  // L
 shared float scale;  // of the new magnitudes
 shared bool still;
+shared bool halfway;  // weights go half the way
 
 // The phase of `p`, or of `otherwise` where p has none, at magnitude `size`.
 vec2 turned(float size, vec2 p, vec2 otherwise) {
@@ -20,7 +23,8 @@ vec2 turned(float size, vec2 p, vec2 otherwise) {
 float new_size(uint j) {
   const float heard = length(field[j]);
   const float aim = wanted[j] * level;
-  return length(factor[j]) * (aim < 4.0 * heard ? aim / heard : 4.0);
+  const float ratio = aim < 4.0 * heard ? aim / heard : 4.0;
+  return length(factor[j]) * (halfway ? sqrt(ratio) : ratio);
 }
 
 // After a barrier behind whoever wrote `field`. `free`: the level is what they give now; `sum` is what the magnitudes
@@ -52,6 +56,16 @@ void step_factors(uint count, bool free, float sum) {
   }
   barrier();
 }
+
+// What each focus gives at its own place alone: the matrix' diagonal.
+float alone(uint base, uint count, uint j) { return max(matrices[base + j * count + j].x, 0.0); }
+float loudest_alone(uint base, uint count) {
+  float most = 0.0;
+  for (uint j = 0u; j < count; ++j) most = max(most, alone(base, count, j));
+  return most;
+}
+// What part of full loudness a focus is to have at most.
+float reach_of(float alone, float loudest) { return loudest > 0.0 ? min(most_help * alone / loudest, 1.0) : 1.0; }
 
 void forget_moves(uint count) {
   for (uint j = gl_LocalInvocationIndex; j < count; j += solve_group) moved[j] = 1e30;

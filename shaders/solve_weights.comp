@@ -30,22 +30,24 @@ void main() {
   const uint thread = gl_LocalInvocationIndex;
 
   // As if each sounded alone; phases from the way to the first transducer.
-  float alone = 0.0;
+  const float loudest = loudest_alone(base, count);
+  float shares = 0.0;
   for (uint j = 0u; j < count; ++j) {
-    const float own = matrices[base + j * count + j].x;
-    alone += own > 0.0 ? 1.0 / own : 0.0;
+    const float own = alone(base, count, j);
+    shares += own > 0.0 ? reach_of(own, loudest) / own : 0.0;
   }
   bool differ = false;
   for (uint j = 0u; j < count; ++j) differ = differ || foci[slot.first + j].fine.w != 1.0;
   for (uint j = thread; j < count; j += solve_group) {
-    const float own = matrices[base + j * count + j].x;
-    const float share = own > 0.0 ? 1.0 / own : 0.0;
-    const float size = alone > 0.0 ? min(share * float(count) / alone, push.most_weight) : 1.0;
+    const float own = alone(base, count, j);
+    const float share = own > 0.0 ? reach_of(own, loudest) / own : 0.0;
+    const float size = shares > 0.0 ? min(share * float(count) / shares, push.most_weight) : 1.0;
     const Pair first = pair_of(transducers[0].coarse.xyz, transducers[0].fine.xyz, axes[0].xyz,
                                place_of(foci[slot.first + j]));
     factor[j] = size * vec2(first.unit.x, -first.unit.y);
-    wanted[j] = 1.0;
+    wanted[j] = reach_of(own, loudest);
   }
+  if (thread == 0u) halfway = false;
   forget_moves(count);
   barrier();
   for (uint i = 0u; i < push.steps; ++i) {
@@ -60,13 +62,17 @@ void main() {
     multiply(base, count);
     if (thread == 0u) {
       float heard = 0.0;
-      for (uint j = 0u; j < count; ++j) heard += length(field[j]);
-      level = heard / float(count);
+      float asked = 0.0;
+      for (uint j = 0u; j < count; ++j) {
+        heard += length(field[j]);
+        asked += wanted[j];
+      }
+      level = asked > 0.0 ? heard / asked : 0.0;
     }
     barrier();
     for (uint j = thread; j < count; j += solve_group) {
-      wanted[j] = foci[slot.first + j].fine.w;
-      factor[j] *= wanted[j];
+      wanted[j] *= foci[slot.first + j].fine.w;
+      factor[j] *= foci[slot.first + j].fine.w;
     }
     forget_moves(count);
     barrier();

@@ -1,7 +1,6 @@
 #include "array/gs_pat.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -78,10 +77,10 @@ double level_of(const std::vector<Complex>& pressure, std::span<const double> ta
   return wanted > 0 ? heard / wanted : 0;
 }
 
-/// One step of all factors towards t_j `level`; where `sum` is not 0 their magnitudes then have that sum. Returns how
-/// far the farthest moved.
+/// One step of all factors towards t_j `level`, or half of it; where `sum` is not 0 their magnitudes then have that
+/// sum. Returns how far the farthest moved.
 double step(std::span<FocusWeight> weights, Complex FocusWeight::*factor, const std::vector<Complex>& pressure,
-            std::span<const double> targets, double level, double sum) {
+            std::span<const double> targets, double level, double sum, bool halfway = false) {
   double sizes[most_solved_foci];
   double total = 0;
   for (std::size_t j = 0; j < weights.size(); ++j) {
@@ -89,7 +88,8 @@ double step(std::span<FocusWeight> weights, Complex FocusWeight::*factor, const 
     const double wanted = targets[j] * level;
     const double heard = std::abs(pressure[j]);
     // No more than four times per step: a pressure near zero says little.
-    sizes[j] = size * (wanted < 4 * heard ? wanted / heard : 4);
+    const double ratio = wanted < 4 * heard ? wanted / heard : 4;
+    sizes[j] = size * (halfway ? std::sqrt(ratio) : ratio);
     total += sizes[j];
   }
   const double scale = sum > 0 && total > 0 ? sum / total : 1;
@@ -103,6 +103,18 @@ double step(std::span<FocusWeight> weights, Complex FocusWeight::*factor, const 
   return moved;
 }
 
+/// What part of full loudness each focus is to have at most.
+void find_reach(std::size_t foci, GsPatScratch& scratch) {
+  double loudest = 0;
+  for (std::size_t j = 0; j < foci; ++j)
+    loudest = std::max(loudest, scratch.matrix[j * foci + j]);
+  scratch.reach.resize(foci);
+  for (std::size_t j = 0; j < foci; ++j) {
+    const double alone = std::max(0.0, scratch.matrix[j * foci + j]);
+    scratch.reach[j] = loudest > 0 ? std::min(1.0, gs_pat_most_help * alone / loudest) : 1.0;
+  }
+}
+
 /// Phases from the way to the first transducer, weights as if each sounded alone.
 void start(const Pairs& pairs, const GsPatScratch& scratch, std::span<FocusWeight> weights) {
   const std::size_t foci = weights.size();
@@ -110,7 +122,7 @@ void start(const Pairs& pairs, const GsPatScratch& scratch, std::span<FocusWeigh
   double sizes[most_solved_foci];
   for (std::size_t j = 0; j < foci; ++j) {
     const double alone = scratch.matrix[j * foci + j];
-    sizes[j] = alone > 0 ? 1 / alone : 0;
+    sizes[j] = alone > 0 ? scratch.reach[j] / alone : 0;
     total += sizes[j];
   }
   for (std::size_t j = 0; j < foci; ++j) {
@@ -127,32 +139,31 @@ void gs_pat(const Pairs& pairs, std::span<const double> gains, Constraint constr
   assert(weights.size() == foci && gains.size() == foci && foci <= most_solved_foci);
   scratch.pressure.resize(foci);
   fill_matrix(pairs, scratch);
+  find_reach(foci, scratch);
   start(pairs, scratch, weights);
 
-  constexpr std::array<double, most_solved_foci> equal = [] {
-    std::array<double, most_solved_foci> ones{};
-    ones.fill(1);
-    return ones;
-  }();
-  const std::span all_one = std::span(equal).first(foci);
   for (std::uint32_t i = 0; i < gs_pat_steps; ++i) {
     multiply(scratch, weights, &FocusWeight::plain, scratch.pressure);
-    const double level = level_of(scratch.pressure, all_one);
-    if (step(weights, &FocusWeight::plain, scratch.pressure, all_one, level, static_cast<double>(foci)) < gs_pat_still)
+    const double level = level_of(scratch.pressure, scratch.reach);
+    if (step(weights, &FocusWeight::plain, scratch.pressure, scratch.reach, level, static_cast<double>(foci)) <
+        gs_pat_still)
       break;
   }
 
   for (FocusWeight& weight : weights)
     weight.heard = weight.plain;
+  scratch.targets.resize(foci);
+  for (std::size_t j = 0; j < foci; ++j)
+    scratch.targets[j] = gains[j] * scratch.reach[j];
   const bool differ = std::ranges::any_of(gains, [](double gain) { return gain != 1; });
   if (differ) {
     multiply(scratch, weights, &FocusWeight::plain, scratch.pressure);
-    const double level = level_of(scratch.pressure, all_one);
+    const double level = level_of(scratch.pressure, scratch.reach);
     for (std::size_t j = 0; j < foci; ++j)
       weights[j].heard *= gains[j];
     for (std::uint32_t i = 0; i < gs_pat_steps; ++i) {
       multiply(scratch, weights, &FocusWeight::heard, scratch.pressure);
-      if (step(weights, &FocusWeight::heard, scratch.pressure, gains, level, 0) < gs_pat_still) break;
+      if (step(weights, &FocusWeight::heard, scratch.pressure, scratch.targets, level, 0) < gs_pat_still) break;
     }
   }
   if (constraint == Constraint::normalise) return;
@@ -161,7 +172,8 @@ void gs_pat(const Pairs& pairs, std::span<const double> gains, Constraint constr
     sum += gain;
   for (std::uint32_t i = 0; i < gs_pat_refinings; ++i) {
     radiate(pairs, weights, constraint, scratch.pressure);
-    step(weights, &FocusWeight::heard, scratch.pressure, gains, level_of(scratch.pressure, gains), sum);
+    step(weights, &FocusWeight::heard, scratch.pressure, scratch.targets, level_of(scratch.pressure, scratch.targets),
+         sum, foci <= gs_pat_few);
   }
 }
 

@@ -17,6 +17,8 @@ namespace palpa::array {
 static_assert(shader::solve_most_foci == most_solved_foci);
 static_assert(shader::solve_directivity_steps == directivity_steps);
 static_assert(shader::solve_phases == greedy_phases);
+static_assert(shader::solve_few == gs_pat_few);
+static_assert(gs_pat_most_help == 4);  // in solve_step.glsl
 
 namespace {
 

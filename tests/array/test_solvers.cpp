@@ -90,7 +90,7 @@ TEST_P(SolverOn, TenFociAboveAFlatBoardToo) {
 }
 
 TEST_P(SolverOn, TwoFociHelpEachOtherAsMuchAsTheyCan) {
-  // q_1 + e^{i delta} q_2 is loudest at both where e^{i delta} R_12 is real and positive.
+  // By symmetry q_1 + q_2 or q_1 - q_2, whichever is the louder: that in which the cross term has the same sign.
   const Layout layout = load_layout("openmpd");
   const std::vector<SlotFocus> foci{{{-0.0035, 0, 0.1}}, {{0.0035, 0, 0.1}}};
   DriveOptions options = with(Solver::gs_pat);
@@ -102,12 +102,12 @@ TEST_P(SolverOn, TwoFociHelpEachOtherAsMuchAsTheyCan) {
     const double a = glm::distance(t.position, foci[0].position), b = glm::distance(t.position, foci[1].position);
     cross += std::exp(Complex(0, k * (a - b))) / a;
   }
-  ASSERT_GT(std::abs(cross.real()), 50 * std::abs(cross.imag()));  // symmetric: in or against phase
+  ASSERT_LT(cross.real(), 0);  // against phase
   std::vector<Complex> sum;
   double largest = 0;
   for (const Transducer& t : layout.transducers) {
     const double a = glm::distance(t.position, foci[0].position), b = glm::distance(t.position, foci[1].position);
-    sum.push_back(std::exp(Complex(0, -k * a)) + std::polar(1.0, -std::arg(cross)) * std::exp(Complex(0, -k * b)));
+    sum.push_back(std::exp(Complex(0, -k * a)) + (cross.real() < 0 ? -1.0 : 1.0) * std::exp(Complex(0, -k * b)));
     largest = std::max(largest, std::abs(sum.back()));
   }
   const Drive drive = GetParam().drive(layout, foci, options);
@@ -235,10 +235,11 @@ TEST_P(SolverOn, DegenerateSlotsAndLayouts) {
         EXPECT_EQ(faults(drives[s]), 0u) << s;
       const auto heard = [&](std::size_t slot) { return pressure_at_foci(board, drives[slot], slots[slot]); };
       EXPECT_GT(heard(0).mean, 1000);
-      EXPECT_GT(heard(1).evenness, 0.8);
+      const double even = solver == Solver::gs_pat ? 0.9 : 0.6;
+      EXPECT_GT(heard(1).evenness, even);
       // Of several gains at one place the largest counts.
-      EXPECT_NEAR(heard(2).pascals[0] / heard(2).pascals[2], 1, 0.25);
-      EXPECT_GT(heard(6).evenness, 0.8);
+      EXPECT_NEAR(heard(2).pascals[0] / heard(2).pascals[2], 1, 1.05 - even);
+      EXPECT_GT(heard(6).evenness, even);
       for (const TransducerDrive& t : drives[7])
         ASSERT_EQ(t.amplitude, 0);
       // What cannot be reached does not take the others' sound away.
