@@ -66,10 +66,10 @@ std::string to_json(const std::vector<BenchRow>& rows, const gpu::DeviceDescript
 }
 
 std::string table(const std::vector<BenchRow>& rows, const gpu::DeviceDescription& device, std::uint64_t resident) {
-  std::string text = fmt::format("{}, {}\n{:<6} {:<22} {:<14} {:>10} {:>10} {:>10}\n", device.name, device.driver,
+  std::string text = fmt::format("{}, {}\n{:<6} {:<28} {:<14} {:>10} {:>10} {:>10}\n", device.name, device.driver,
                                  "suite", "case", "stage", "median ms", "p99 ms", "min ms");
   for (const BenchRow& row : rows) {
-    text += fmt::format("{:<6} {:<22} {:<14} {:>10.3f} {:>10.3f} {:>10.3f}", row.suite, row.name, row.stage,
+    text += fmt::format("{:<6} {:<28} {:<14} {:>10.3f} {:>10.3f} {:>10.3f}", row.suite, row.name, row.stage,
                         row.median_ms, row.p99_ms, row.least_ms);
     if (row.per_second > 0) text += fmt::format("  {:.0f} {}", row.per_second, row.unit);
     text += '\n';
@@ -95,7 +95,10 @@ void run(const BenchCommand& o) {
                              }};
   if (o.suite == Suite::all || o.suite == Suite::touch) bench_touch(context, rows);
   if (o.suite == Suite::all || o.suite == Suite::surface) bench_surface(context, rows);
-  if (o.suite == Suite::all || o.suite == Suite::array) bench_array(context, rows);
+  if (o.suite == Suite::all || o.suite == Suite::array) {
+    bench_array(context, rows);
+    bench_solvers(context, rows);
+  }
   if (o.suite == Suite::all || o.suite == Suite::loop) bench_loop(context, rows);
   bar.reset();
 

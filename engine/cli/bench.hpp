@@ -30,6 +30,8 @@ struct BenchContext {
 void bench_loop(const BenchContext& context, std::vector<BenchRow>& rows);
 /// Drives in batches and for one frame.
 void bench_array(const BenchContext& context, std::vector<BenchRow>& rows);
+/// Ten foci at once by each solver, on the device and by the twins.
+void bench_solvers(const BenchContext& context, std::vector<BenchRow>& rows);
 /// Skin points to foci.
 void bench_touch(const BenchContext& context, std::vector<BenchRow>& rows);
 

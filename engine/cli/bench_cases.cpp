@@ -138,7 +138,7 @@ std::vector<geometry::Solid> box_solid(const Vec3& low, const Vec3& high) {
 void bench_batch(const BenchContext& context, std::uint32_t slots, std::uint32_t foci_per_slot, const std::string& name,
                  std::vector<BenchRow>& rows) {
   const SetUp set_up = load_set_up({});
-  const array::DrivesPass pass(context.device);
+  const array::DrivePasses passes(context.device);
   array::DriveBuffers buffers(context.device, set_up.layout, {}, slots, slots * foci_per_slot);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(-0.03, 0.03);
@@ -155,7 +155,7 @@ void bench_batch(const BenchContext& context, std::uint32_t slots, std::uint32_t
     for (const auto& slot : foci) {
       if (!buffers.add_slot(slot)) throw failure("bench: the batch does not fit the device's buffers");
     }
-    buffers.record(recorder.begin(), pass, array::Weighting::distance, array::Constraint::normalise);
+    buffers.record(recorder.begin(), passes);
     timeline.wait(timeline.submit(recorder.end()));
   };
   batch();

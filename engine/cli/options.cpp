@@ -105,15 +105,19 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
   group.choice("--amplitude", options.weighting,
                {{"distance", array::Weighting::distance}, {"uniform", array::Weighting::uniform}},
                "what a focus asks of a transducer");
-  group.choice("--solver", options.solver, {{"naive", Solver::naive}}, "how several foci share the array");
+  group.choice("--solver", options.solver,
+               {{"naive", array::Solver::naive}, {"gs-pat", array::Solver::gs_pat}, {"greedy", array::Solver::greedy}},
+               "how several foci share the array");
   group.choice("--constraint", options.constraint,
                {{"normalise", array::Constraint::normalise},
                 {"uniform", array::Constraint::uniform},
                 {"clamp", array::Constraint::clamp}},
                "how amplitudes come into 0..1");
   group.choice("--directivity", options.directivity,
-               {{"omni", Directivity::omni}, {"piston", Directivity::piston}, {"t4010a1", Directivity::t4010a1}},
-               "of a transducer, unused by naive");
+               {{"omni", array::Directivity::omni},
+                {"piston", array::Directivity::piston},
+                {"t4010a1", array::Directivity::t4010a1}},
+               "of a transducer; not asked by naive");
   add_medium_options(app, options.medium);
 }
 
@@ -122,6 +126,8 @@ array::DriveOptions drive_options(const DriveOptionsGroup& options) {
   drive.weighting = options.weighting;
   drive.constraint = options.constraint;
   drive.medium = medium(options.medium);
+  drive.solver = options.solver;
+  drive.directivity = options.directivity;
   return drive;
 }
 

@@ -64,17 +64,12 @@ void add_medium_options(CLI::App& app, MediumOptions& options);
 /// Throws bad_usage where both temperature and sound speed are given. Neither: 20 degrees Celsius.
 array::Medium medium(const MediumOptions& options);
 
-enum class Solver { naive };
-/// How a transducer's sound falls off to the side. The naive solver does not look at it: its phases are those of the
-/// distances alone.
-enum class Directivity { omni, piston, t4010a1 };
-
 /// What drives are made of.
 struct DriveOptionsGroup {
   array::Weighting weighting = array::Weighting::distance;
-  Solver solver = Solver::naive;
+  array::Solver solver = array::Solver::naive;
   array::Constraint constraint = array::Constraint::normalise;
-  Directivity directivity = Directivity::t4010a1;
+  array::Directivity directivity = array::Directivity::t4010a1;
   MediumOptions medium;
 };
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options);

@@ -35,7 +35,7 @@ struct Flight {
 
   Flight(const gpu::Device& device, const ChainSetting& setting, const touch::Stage& stage)
       : frame(device, stage, {.deep = setting.touch.deep ? most_deep : 0}),
-        drive_buffers(device, setting.layout, setting.drive.medium, most_cycle, most_cycle * touch::max_fingers),
+        drive_buffers(device, setting.layout, setting.drive, most_cycle, most_cycle * touch::max_fingers),
         touch_recorder(device, "touch"),
         drive_recorder(device, "drives"),
         touch_times(device, 24),
@@ -51,7 +51,7 @@ class GpuChain : public Chain {
       : setting_(setting),
         stage_(device, setting.solids, setting.cameras, setting.touch),
         tracks_(device),
-        drives_pass_(device),
+        array_passes_(device),
         flights_{Flight(device, setting, stage_), Flight(device, setting, stage_)},
         timeline_(device, "frames") {
     reserve(unmodulated_);
@@ -118,7 +118,7 @@ class GpuChain : public Chain {
     if (flight.plan.cycle != 0) {
       const VkCommandBuffer commands = flight.drive_recorder.begin();
       flight.drive_times.begin(commands);
-      flight.drive_buffers.record(commands, drives_pass_, setting_.drive.weighting, setting_.drive.constraint);
+      flight.drive_buffers.record(commands, array_passes_);
       flight.drive_times.mark(commands, "drives");
       flight.submitted = timeline_.submit(flight.drive_recorder.end());
     }
@@ -146,7 +146,7 @@ class GpuChain : public Chain {
   ChainSetting setting_;
   touch::Stage stage_;
   touch::TrackBuffer tracks_;
-  array::DrivesPass drives_pass_;
+  array::DrivePasses array_passes_;
   std::array<Flight, flights> flights_;
   gpu::Timeline timeline_;
   std::uint64_t started_ = 0, finished_ = 0;
