@@ -87,7 +87,10 @@ void run(const BenchCommand& o) {
                                }
                                bar->set(done);
                              }};
-  if (o.suite == Suite::all || o.suite == Suite::touch) bench_touch(context, rows);
+  if (o.suite == Suite::all || o.suite == Suite::touch) {
+    bench_touch(context, rows);
+    bench_methods(context, rows);
+  }
   if (o.suite == Suite::all || o.suite == Suite::array) bench_array(context, rows);
   if (o.suite == Suite::all || o.suite == Suite::loop) bench_loop(context, rows);
   bar.reset();

@@ -31,6 +31,8 @@ void bench_loop(const BenchContext& context, std::vector<BenchRow>& rows);
 void bench_array(const BenchContext& context, std::vector<BenchRow>& rows);
 /// Skin points to foci.
 void bench_touch(const BenchContext& context, std::vector<BenchRow>& rows);
+/// Methods and tuning, on the host.
+void bench_methods(const BenchContext& context, std::vector<BenchRow>& rows);
 
 /// Median, 99th percentile and least of `samples_ms` as a row.
 BenchRow bench_row(std::string suite, std::string name, std::string stage, std::vector<double> samples_ms);

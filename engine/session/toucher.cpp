@@ -92,6 +92,7 @@ struct Toucher::State {
   std::vector<sensing::SkinPoint> skin;
   touch::Touch touch;
   std::span<const Event> events;
+  ScheduleMemory memory;
   array::Schedule schedule;
   double slot_s = 0;
 
@@ -112,7 +113,7 @@ struct Toucher::State {
     touch::find_depths(touch);
     follower.follow(touch);
     events = tracker.update(touch, time_s);
-    make_schedule(touch, time_s, solids, options.voice, slot_s, schedule);
+    make_schedule(touch, time_s, solids, {options.method, options.voice, options.tune}, slot_s, memory, schedule);
     return touch;
   }
 };
