@@ -103,7 +103,10 @@ void check(const FeltOptions& options, const TouchOptions& touch) {
 }
 
 array::VoiceOptions voice_options(const TouchOptions& options) {
-  return {options.stride, options.dwell_s, options.modulation_hz, options.modulation};
+  return {.stride = options.stride,
+          .dwell_s = options.dwell_s,
+          .modulation_hz = options.modulation_hz,
+          .modulation = options.modulation};
 }
 
 void check(const TouchOptions& options) {
