@@ -93,7 +93,10 @@ void run(const BenchCommand& o) {
                                }
                                bar->set(done);
                              }};
-  if (o.suite == Suite::all || o.suite == Suite::touch) bench_touch(context, rows);
+  if (o.suite == Suite::all || o.suite == Suite::touch) {
+    bench_touch(context, rows);
+    bench_methods(context, rows);
+  }
   if (o.suite == Suite::all || o.suite == Suite::surface) bench_surface(context, rows);
   if (o.suite == Suite::all || o.suite == Suite::array) {
     bench_array(context, rows);

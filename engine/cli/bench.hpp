@@ -34,6 +34,8 @@ void bench_array(const BenchContext& context, std::vector<BenchRow>& rows);
 void bench_solvers(const BenchContext& context, std::vector<BenchRow>& rows);
 /// Skin points to foci.
 void bench_touch(const BenchContext& context, std::vector<BenchRow>& rows);
+/// Methods and tuning, on the host.
+void bench_methods(const BenchContext& context, std::vector<BenchRow>& rows);
 
 /// Solids of many faces: how long and how much memory it takes to prepare one, from scratch and from the cache, and the
 /// contacts of a full three-camera frame against those of the cube.

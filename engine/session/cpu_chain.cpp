@@ -22,7 +22,8 @@ class CpuChain : public Chain {
 
   bool step(Plan& plan, FrameReport& report) override {
     touch::find_depths(touch_);
-    make_schedule(touch_, report_.time_s, setting_.solids, setting_.voice, setting_.slot_s, plan.schedule);
+    make_schedule(touch_, report_.time_s, setting_.solids, {setting_.method, setting_.voice, setting_.tune},
+                  setting_.slot_s, memory_, plan.schedule);
     plan.captured_s = captured_s_;
     plan.drives.clear();
     const std::size_t transducers = setting_.layout.transducers.size();
@@ -47,6 +48,7 @@ class CpuChain : public Chain {
   std::vector<array::SlotFocus> foci_;
   array::DriveScratch drive_scratch_;
   array::Schedule unmodulated_;
+  ScheduleMemory memory_;
 };
 
 }  // namespace

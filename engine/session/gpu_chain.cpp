@@ -49,12 +49,14 @@ class GpuChain : public Chain {
  public:
   GpuChain(const gpu::Device& device, const ChainSetting& setting)
       : setting_(setting),
+        detail_(touch::needs_contacts(setting.method) ? touch::Detail::contacts : setting.detail),
         stage_(device, setting.solids, setting.cameras, setting.touch),
         tracks_(device),
         array_passes_(device),
         flights_{Flight(device, setting, stage_), Flight(device, setting, stage_)},
         timeline_(device, "frames") {
     reserve(unmodulated_);
+    reserve(memory_);
     foci_.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
     passes_.reserve(24);
     drive_passes_.reserve(4);
@@ -68,7 +70,7 @@ class GpuChain : public Chain {
     flight.frame.set(frame.frames);
     const VkCommandBuffer commands = flight.touch_recorder.begin();
     flight.touch_times.begin(commands);
-    stage_.record(commands, flight.frame, setting_.touch, setting_.detail, &flight.touch_times,
+    stage_.record(commands, flight.frame, setting_.touch, detail_, &flight.touch_times,
                   {&tracks_, frame.time_s});
     flight.submitted = timeline_.submit(flight.touch_recorder.end());
     flight.state = Flight::State::touching;
@@ -108,8 +110,8 @@ class GpuChain : public Chain {
   void begin_drives(Flight& flight) {
     read_touch(flight);
     touch::find_depths(flight.touch);
-    make_schedule(flight.touch, flight.report.time_s, setting_.solids, setting_.voice, setting_.slot_s,
-                  flight.plan.schedule);
+    make_schedule(flight.touch, flight.report.time_s, setting_.solids, {setting_.method, setting_.voice, setting_.tune},
+                  setting_.slot_s, memory_, flight.plan.schedule);
     flight.drive_buffers.clear();
     plan_slots(flight.plan, unmodulated_, foci_, [&](std::span<const array::SlotFocus> foci) {
       if (!flight.drive_buffers.add_slot(foci)) throw failure("a frame has more foci than its buffers hold");
@@ -132,6 +134,7 @@ class GpuChain : public Chain {
     plan.captured_s = flight.plan.captured_s;
     plan.cycle = flight.plan.cycle;
     plan.shared_modulation_hz = flight.plan.shared_modulation_hz;
+    plan.shared_modulation = flight.plan.shared_modulation;
     plan.drives.resize(plan.cycle * transducers);
     if (flight.submitted == 0) return;
     timeline_.wait(flight.submitted);
@@ -144,6 +147,7 @@ class GpuChain : public Chain {
   }
 
   ChainSetting setting_;
+  touch::Detail detail_;
   touch::Stage stage_;
   touch::TrackBuffer tracks_;
   array::DrivePasses array_passes_;
@@ -156,6 +160,7 @@ class GpuChain : public Chain {
   // Scratch that keeps its storage.
   std::vector<array::SlotFocus> foci_;
   array::Schedule unmodulated_;
+  ScheduleMemory memory_;
   std::vector<gpu::PassTime> passes_, drive_passes_;
 };
 

@@ -96,6 +96,7 @@ struct Toucher::State {
   std::vector<sensing::SkinPoint> skin;
   touch::Touch touch;
   std::span<const Event> events;
+  ScheduleMemory memory;
   array::Schedule schedule;
   double slot_s = 0;
 
@@ -116,7 +117,7 @@ struct Toucher::State {
   const touch::Touch& finish(double time_s) {
     touch::find_depths(touch);
     events = tracker.update(touch, time_s);
-    make_schedule(touch, time_s, solids, options.voice, slot_s, schedule);
+    make_schedule(touch, time_s, solids, {options.method, options.voice, options.tune}, slot_s, memory, schedule);
     return touch;
   }
 };
