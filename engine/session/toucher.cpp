@@ -27,7 +27,7 @@ class Backend {
 class CpuBackend : public Backend {
  public:
   CpuBackend(const std::vector<geometry::Solid>& solids, const ToucherOptions& options)
-      : stage_(solids, options.cameras), parameters_(options.touch) {}
+      : stage_(solids, options.cameras, options.touch), parameters_(options.touch) {}
   void touch(std::span<const sensing::SkinPoint> skin, touch::Touch& out) override {
     stage_.touch(skin, parameters_, out);
   }
@@ -44,18 +44,18 @@ class GpuBackend : public Backend {
  public:
   GpuBackend(const gpu::Device& device, const std::vector<geometry::Solid>& solids, const ToucherOptions& options)
       : device_(device),
-        stage_(device, solids, options.cameras),
+        stage_(device, solids, options.cameras, options.touch),
         recorder_(device, "touch"),
         timeline_(device, "touch"),
         parameters_(options.touch) {
-    if (!options.cameras.empty()) frame_.emplace(device_, stage_);
+    if (!options.cameras.empty()) frame_.emplace(device_, stage_, touch::capacity_for(parameters_));
   }
   void touch(std::span<const sensing::SkinPoint> skin, touch::Touch& out) override {
     const auto count = static_cast<std::uint32_t>(skin.size());
     if (count > room_) {
       // Powers of two, so that a cloud that grows needs new buffers only now and then.
       room_ = std::bit_ceil(std::max(count, 4096U));
-      frame_.emplace(device_, stage_, touch::Capacity{room_, room_});
+      frame_.emplace(device_, stage_, touch::capacity_for(parameters_, {room_, room_}));
     }
     frame_->set(skin);
     run(out);
