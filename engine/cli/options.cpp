@@ -59,6 +59,8 @@ void add_touch_options(CLI::App& app, TouchOptions& options) {
   group.integer("--min-points", p.min_points, 1, 1u << 30, "contacts that make a finger");
   group.quantity("--finger-width", p.finger_width_m, Quantity::length, {0, 1},
                  "patches of skin on two sides of a finger are no wider; 0 joins none");
+  group.choice("--cluster", p.cluster, {{"contacts", touch::Cluster::contacts}, {"inside", touch::Cluster::inside}},
+               "what is clustered into fingers: contacts, or all skin inside a solid");
   group.integer("--foci", p.foci, 1, touch::max_foci, "foci per finger");
   group.choice("--spacing", p.spacing, {{"angle", touch::Spacing::angle}, {"arc", touch::Spacing::arc}},
                "foci at equal angles, or at equal lengths along the cross-section");

@@ -34,7 +34,7 @@ struct Flight {
   FrameReport report;
 
   Flight(const gpu::Device& device, const ChainSetting& setting, const touch::Stage& stage)
-      : frame(device, stage, {.deep = setting.touch.deep ? most_deep : 0}),
+      : frame(device, stage, touch::capacity_for(setting.touch)),
         drive_buffers(device, setting.layout, setting.drive, most_cycle, most_cycle * touch::max_fingers),
         touch_recorder(device, "touch"),
         drive_recorder(device, "drives"),

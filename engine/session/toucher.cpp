@@ -51,14 +51,14 @@ class GpuBackend : public Backend {
         recorder_(device, "touch"),
         timeline_(device, "touch"),
         parameters_(options.touch) {
-    if (!options.cameras.empty()) frame_.emplace(device_, stage_, touch::Capacity{.deep = most_deep});
+    if (!options.cameras.empty()) frame_.emplace(device_, stage_, touch::capacity_for(parameters_));
   }
   void touch(std::span<const sensing::SkinPoint> skin, double time_s, touch::Touch& out) override {
     const auto count = static_cast<std::uint32_t>(skin.size());
     if (!frame_ || count > room_) {
       // Powers of two, so that a cloud that grows needs new buffers only now and then.
       room_ = std::bit_ceil(std::max(count, 4096U));
-      frame_.emplace(device_, stage_, touch::Capacity{room_, room_, room_});
+      frame_.emplace(device_, stage_, touch::capacity_for(parameters_, {room_, room_}));
     }
     frame_->set(skin);
     run(time_s, out);

@@ -83,10 +83,21 @@ Capacity checked(const Capacity& capacity) {
     throw bad_usage(fmt::format("{} skin points per frame: at most {}", capacity.points, shader::contacts_most_points));
   }
   const std::uint32_t points = std::max(capacity.points, 1U);
-  return {points, std::clamp(capacity.contacts, 1U, points), std::min(capacity.deep, points)};
+  return {points, std::clamp(capacity.contacts, 1U, points), std::min(capacity.deep, points), capacity.inside};
+}
+
+/// Most points that are clustered.
+std::uint32_t clustered(const Capacity& capacity) {
+  return capacity.contacts + (capacity.inside ? capacity.deep : 0);
 }
 
 }  // namespace
+
+Capacity capacity_for(const Parameters& parameters, Capacity capacity) {
+  if (parameters.wants_deep()) capacity.deep = std::max(capacity.deep, capacity.contacts);
+  capacity.inside = parameters.cluster == Cluster::inside;
+  return capacity;
+}
 
 SolidTable::SolidTable(const gpu::Device& device, const std::vector<geometry::Solid>& solids,
                        const Parameters& parameters)
@@ -118,22 +129,25 @@ TouchBuffers::TouchBuffers(const gpu::Device& device, const Capacity& capacity)
       masks_(device, std::uint64_t{mask_words(capacity_.points)} * 4, "contact masks"),
       counts_(device, std::uint64_t{shader::contacts_chunks} * 4, "contact counts"),
       total_(device, sizeof(shader::ScanTotal), "contact total"),
-      nodes_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::uvec4), "finger nodes"),
-      keys_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::BlockKey), "finger keys"),
-      places_(device, std::uint64_t{capacity_.contacts} * 4, "finger places"),
-      slots_(device, std::uint64_t{slots_for(capacity_.contacts)} * 4, "finger slots"),
-      heads_(device, std::uint64_t{capacity_.contacts} * 4 * shader::fingers_block_cells, "finger heads"),
-      list_(device, std::uint64_t{capacity_.contacts} * 4, "finger blocks"),
-      groups_(device, std::uint64_t{capacity_.contacts} * 4, "finger groups"),
-      crowded_(device, std::uint64_t{capacity_.contacts} * 4 + 16, "finger crowded"),
+      nodes_(device, std::uint64_t{clustered(capacity_)} * sizeof(shader::uvec4), "finger nodes"),
+      keys_(device, std::uint64_t{clustered(capacity_)} * sizeof(shader::BlockKey), "finger keys"),
+      places_(device, std::uint64_t{clustered(capacity_)} * 4, "finger places"),
+      slots_(device, std::uint64_t{slots_for(clustered(capacity_))} * 4, "finger slots"),
+      heads_(device, std::uint64_t{clustered(capacity_)} * 4 * shader::fingers_block_cells, "finger heads"),
+      list_(device, std::uint64_t{clustered(capacity_)} * 4, "finger blocks"),
+      groups_(device, std::uint64_t{clustered(capacity_)} * 4, "finger groups"),
+      crowded_(device, std::uint64_t{clustered(capacity_)} * 4 + 16, "finger crowded"),
       work_(device, sizeof(shader::FingersWork), "finger work"),
-      parents_(device, std::uint64_t{capacity_.contacts} * 4, "finger parents"),
-      clusters_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::Cluster), "finger clusters"),
+      parents_(device, std::uint64_t{clustered(capacity_)} * 4, "finger parents"),
+      clusters_(device, std::uint64_t{clustered(capacity_)} * sizeof(shader::Cluster), "finger clusters"),
       samples_(device, std::uint64_t{max_fingers} * shader::bridge_samples * sizeof(shader::BridgeSample),
                "bridge samples"),
       patches_(device, std::uint64_t{max_fingers} * sizeof(shader::BridgePatch), "bridge patches"),
       pairs_(device, std::uint64_t{max_fingers} * max_fingers * sizeof(shader::BridgePair), "bridge pairs"),
       bridge_work_(device, sizeof(shader::BridgeWork), "bridge work"),
+      inside_(device, capacity_.inside ? std::uint64_t{clustered(capacity_)} * sizeof(shader::ContactRecord) : 0,
+              "points inside"),
+      inside_total_(device, sizeof(shader::ScanTotal), "inside total"),
       deep_masks_(device, capacity_.deep == 0 ? 0 : std::uint64_t{mask_words(capacity_.points)} * 4, "deep masks"),
       deep_counts_(device, std::uint64_t{shader::contacts_chunks} * 4, "deep counts"),
       finger_counts_(device, std::uint64_t{shader::frames_most_chunks} * max_fingers * 4, "finger counts"),
@@ -153,8 +167,11 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
                          gpu::BufferRef total, const Parameters& parameters, gpu::Timestamps* times, Detail detail,
                          const SightBuffers* sight, const Following& following) const {
   check(parameters, table.host());
-  if (parameters.deep && b.capacity_.deep == 0) {
+  if (parameters.wants_deep() && b.capacity_.deep == 0) {
     throw bad_usage("deep points are asked for: give Capacity::deep room for them");
+  }
+  if (parameters.cluster == Cluster::inside && !b.capacity_.inside) {
+    throw bad_usage("clusters of all points inside are asked for: set Capacity::inside");
   }
   const std::vector<shader::SolidRecord>& solids = table.host().solids;
   const std::size_t solid_bytes = solids.size() * sizeof(shader::SolidRecord);
@@ -162,7 +179,7 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
     b.solids_ = gpu::Upload(*b.device_, solid_bytes, "solids");  // the first time only
   if (!solids.empty()) std::memcpy(b.solids_.data(), solids.data(), solid_bytes);
   b.solids_.record(commands);
-  b.with_deep_ = parameters.deep;
+  b.with_deep_ = parameters.wants_deep();
   const auto mark = [&](const char* name) {
     if (times) times->mark(commands, name);
   };
@@ -205,7 +222,12 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
                    .parents = b.parents_.ref(),
                    .header = b.header_.ref(),
                    .fingers = b.fingers_.ref(),
-                   .most_contacts = b.capacity_.contacts},
+                   .most_contacts = b.capacity_.contacts,
+                   .deep_total = b.deep_total_.ref(),
+                   .deep = b.deep_.ref(),
+                   .inside_total = b.inside_total_.ref(),
+                   .inside = b.inside_.ref(),
+                   .most_deep = b.capacity_.deep},
                   table.host(), parameters, times);
   gpu::compute_to_compute(commands);
   if (sight && parameters.finger_width_m > 0) {
@@ -259,7 +281,7 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
   b.header_.record(commands);
   b.fingers_.record(commands);
   b.foci_.record(commands);
-  if (parameters.deep) {
+  if (parameters.wants_deep()) {
     b.deep_.record(commands);
     b.deep_total_.record(commands);
   }

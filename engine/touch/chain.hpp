@@ -48,7 +48,11 @@ struct Capacity {
   std::uint32_t points = 1'250'000;  ///< at most shader::contacts_most_points
   std::uint32_t contacts = 262'144;  ///< more than this many contacts in a frame are an error that read() reports
   std::uint32_t deep = 0;            ///< the same for deep points: 32 bytes each
+  bool inside = false;               ///< deep points may be clustered too: 156 bytes each
 };
+
+/// The same room, and as much for deep points as for contacts where the parameters want them.
+Capacity capacity_for(const Parameters& parameters, Capacity capacity = {});
 
 /// All buffers of one frame in flight, allocated once.
 class TouchBuffers {
@@ -74,7 +78,8 @@ class TouchBuffers {
   friend void read(const TouchBuffers& buffers, Touch& out);
   Capacity capacity_;
   gpu::Buffer hits_, masks_, counts_, total_, nodes_, keys_, places_, slots_, heads_, list_, groups_, crowded_, work_,
-      parents_, clusters_, samples_, patches_, pairs_, bridge_work_, deep_masks_, deep_counts_, finger_counts_;
+      parents_, clusters_, samples_, patches_, pairs_, bridge_work_, inside_, inside_total_, deep_masks_, deep_counts_,
+      finger_counts_;
   gpu::Upload solids_;
   gpu::Readback contacts_, header_, fingers_, foci_, deep_, deep_total_;
   bool with_deep_ = false;  ///< of the newest record

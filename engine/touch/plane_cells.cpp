@@ -176,7 +176,7 @@ bool asked_by_surface(const geometry::Solid& solid) {
 
 void add_surface(PlaneTable& table, SurfaceBase& next, const geometry::Solid& solid, const Parameters& parameters) {
   geometry::Surface surface = geometry::make_surface(
-      solid.mesh, {.reach_m = solid.haptics.delta_m.value_or(parameters.delta_m), .deep = parameters.deep});
+      solid.mesh, {.reach_m = solid.haptics.delta_m.value_or(parameters.delta_m), .deep = parameters.wants_deep()});
   shader::SolidRecord record{};
   const auto f = [](double v) { return static_cast<float>(v); };
   record.centre = {f(surface.centre.x), f(surface.centre.y), f(surface.centre.z), 0};

@@ -16,6 +16,10 @@ enum class Spacing {
   arc,    ///< sectors that cut the cross-section's outline into pieces of equal length
 };
 
+/// What Euclidean clusters are of: contacts (a finger's ring where it enters the solid), or all skin inside the solid,
+/// contacts and deep points, the other reading of the paper's III-D; a cluster's contacts are then one finger.
+enum class Cluster { contacts, inside };
+
 struct Parameters {
   double delta_m = 1.5e-3;       ///< thickness of the shell (paper: delta)
   double finger_gap_m = 5e-3;    ///< Euclidean tolerance: contacts no farther apart are in one finger
@@ -25,7 +29,11 @@ struct Parameters {
   /// With depth frames: patches of contacts that are together no wider than this may be one finger whose skin between
   /// them no camera sees (touch/bridge.hpp). 0: every cluster is a finger of its own.
   double finger_width_m = 25e-3;
-  bool deep = false;             ///< also find the deep points: inside a solid, delta or deeper
+  Cluster cluster = Cluster::contacts;
+  bool deep = false;  ///< also find the deep points: inside a solid, delta or deeper
+
+  /// `inside` needs the deep points whether or not anybody else asks for them.
+  bool wants_deep() const { return deep || cluster == Cluster::inside; }
 };
 
 /// What the host wants to read of a frame: fingers with their foci, or every contact and whose it is as well. With
@@ -76,8 +84,8 @@ struct Finger {
 /// Reused from frame to frame: what its vectors have allocated is kept.
 struct Touch {
   std::vector<Contact> contacts;  ///< in the order of the skin points: ascending by point; empty where not asked for
-  /// Where asked for: skin points inside a solid at delta or deeper, in no solid's shell; ascending by point. Their depth is
-  /// exact in convex solids, elsewhere at most 2 % too large.
+  /// Where asked for: skin points inside a solid at delta or deeper, in no solid's shell; ascending by point. Their
+  /// depth is exact in convex solids, elsewhere at most 2 % too large.
   std::vector<Contact> deep;
   /// Ordered by their smallest contact; only the first `finger_count` are valid.
   std::vector<Finger> fingers;
