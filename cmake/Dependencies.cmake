@@ -1,4 +1,4 @@
-# Everything palpa links, all of it Debian packages (see ./dev deps).
+# Everything palpa links, all of it Debian packages (see ./dev deps) but V-HACD.
 find_package(PkgConfig REQUIRED)
 find_package(Vulkan REQUIRED)
 find_package(Threads REQUIRED)
@@ -13,6 +13,8 @@ find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
 find_path(GLM_INCLUDE_DIR glm/glm.hpp REQUIRED)
 pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0)
+pkg_check_modules(QHULL REQUIRED IMPORTED_TARGET qhull_r)
+include(cmake/Vhacd.cmake)
 if(PALPA_BUILD_VIEWER)
   find_package(glfw3 REQUIRED)
 endif()

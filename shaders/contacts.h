@@ -35,7 +35,8 @@ PALPA_CONST contacts_surface_runs = 11u;       // uint[]
 PALPA_CONST contacts_surface_triangles = 12u;  // SurfaceTriangle[]
 PALPA_CONST contacts_surface_signs = 13u;      // SurfaceSigns[]
 PALPA_CONST contacts_surface_corners = 14u;    // vec4[]
-PALPA_CONST contacts_surface_buffers = 15u;
+PALPA_CONST contacts_parts = 15u;              // uvec4[], see parts_depth.h
+PALPA_CONST contacts_surface_buffers = 16u;
 // contacts_surface takes the points of a chunk in tiles.
 PALPA_CONST contacts_tile = 1024u;
 // Bindings of contacts_pack: the first five of contacts_find (the deep points' masks and counts in place of the
@@ -51,11 +52,13 @@ struct SolidRecord {
   vec4 low;     // box, a little too large
   vec4 high;
   vec4 cells_per_metre;
-  uint first_cell;      // in the plane cells, or in the surface cells
+  uint first_cell;      // in the plane cells, or in the surface cells; of parts, the base in their words
   uint cells_per_axis;  // of the plane cells; of a surface's grid see surface_axis_bits
   float delta;          // 0: the push constant's
-  uint by_surface;      // 1: asked by its surface; 0: convex, asked by its planes
+  uint by_surface;      // 0: convex, asked by its planes; else one of the next two
 };
+PALPA_CONST asked_by_surface = 1u;
+PALPA_CONST asked_by_parts = 2u;  // of a solid of convex parts
 PALPA_CHECK_SIZE(SolidRecord, 80);
 PALPA_CHECK_OFFSET(SolidRecord, cells_per_metre, 48);
 PALPA_CHECK_OFFSET(SolidRecord, first_cell, 64);

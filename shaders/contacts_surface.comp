@@ -10,6 +10,7 @@
 // those whose cell lists triangles are gathered, a tile at a time, so that the threads of a group share the dear part evenly.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool with_deep = false;
+layout(constant_id = 1) const bool with_parts = false;
 
 layout(std430, set = 0, binding = contacts_points) readonly buffer Points { uvec4 points[]; };
 layout(std430, set = 0, binding = contacts_length) readonly buffer Length { ScanTotal given; };
@@ -26,7 +27,11 @@ layout(std430, set = 0, binding = contacts_surface_runs) readonly buffer Runs { 
 layout(std430, set = 0, binding = contacts_surface_triangles) readonly buffer Triangles { SurfaceTriangle triangles[]; };
 layout(std430, set = 0, binding = contacts_surface_signs) readonly buffer Signs { SurfaceSigns signs[]; };
 layout(std430, set = 0, binding = contacts_surface_corners) readonly buffer Corners { vec4 corners[]; };
+layout(std430, set = 0, binding = contacts_parts) readonly buffer Parts { uvec4 parts_words[]; };
 layout(push_constant) uniform Push { ContactsPush push; };
+
+#define PALPA_PARTS_WORD(i) parts_words[i]
+#include "parts_depth.h"
 
 #include "contacts_planes.glsl"
 #include "surface_query.glsl"
@@ -92,6 +97,14 @@ void main() {
         const vec3 p = in_solid(uintBitsToFloat(points[tile + k].xyz), solid.centre, solid.low.w, solid.high.w,
                                 solid.cells_per_metre.w);
         if (!in_box(p, solid.low.xyz, solid.high.xyz)) continue;
+        if (with_parts && solid.by_surface == asked_by_parts) {
+          const uint cell = parts_cell(Float3(p.x, p.y, p.z), Float3(solid.low.x, solid.low.y, solid.low.z),
+                                       Float3(solid.cells_per_metre.x, solid.cells_per_metre.y, solid.cells_per_metre.z),
+                                       solid.cells_per_axis);
+          const float depth = parts_depth(solid.first_cell, cell, Float3(p.x, p.y, p.z), with_deep ? 3.0e38 : delta);
+          if (depth > 0.0) note(k, s, depth, depth >= delta);
+          continue;
+        }
         if (solid.by_surface == 0u) {
           const float depth = plane_cell_depth(p, solid.low.xyz, solid.cells_per_metre.xyz, solid.cells_per_axis,
                                                solid.first_cell, delta, with_deep);

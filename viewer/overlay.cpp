@@ -89,10 +89,13 @@ void draw_legend(Ink& ink, const Picture& picture, const Theme& theme) {
   }
   if (!picture.solids.empty()) {
     std::string names;
-    for (std::size_t i = 0; i < picture.solids.size() && i < 4; ++i) {
-      names += (i ? ", " : "") + picture.solids[i].name.substr(0, 40);
+    std::size_t named = 0;
+    for (const Surface& solid : picture.solids) {
+      if (solid.part.value_or(0) != 0) continue;  // named with its first part
+      if (named < 4) names += (named > 0 ? ", " : "") + solid.name.substr(0, 40);
+      ++named;
     }
-    if (picture.solids.size() > 4) names += fmt::format(" and {} more", picture.solids.size() - 4);
+    if (named > 4) names += fmt::format(" and {} more", named - 4);
     const Vec2 m = middle();
     ink.swatch(m, theme.solid_rim, theme.edge);
     entry(names);

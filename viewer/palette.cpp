@@ -87,4 +87,9 @@ Colour drive_colour(float amplitude, float phase) {
   return from_oklch(0.22f + 0.53f * a, 0.122f * a, hue);
 }
 
+Colour part_colour(Colour solid, std::uint32_t index) {
+  // The golden angle: no two of the first dozen come near each other.
+  return with_alpha(mix(solid, drive_colour(1, 2.399963f * static_cast<float>(index)), 0.6f), solid.a);
+}
+
 }  // namespace palpa::viewer

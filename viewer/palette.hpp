@@ -31,6 +31,9 @@ const Theme& dark_theme();
 /// The colour of finger `index`; repeats after seven.
 Colour finger_colour(std::uint32_t index);
 
+/// The colour of convex part `index` in place of the whole solid's: neighbours in the list differ.
+Colour part_colour(Colour solid, std::uint32_t index);
+
 /// Hue from the phase (any radians; 0 is red-orange, then through yellow, green and blue), brightness from the
 /// amplitude (0..1): equal amplitudes look equally bright at every phase (OKLCH with constant lightness and chroma).
 Colour drive_colour(float amplitude, float phase);

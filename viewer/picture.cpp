@@ -9,8 +9,11 @@ namespace palpa::viewer {
 
 void show_solids(Picture& picture, std::span<const geometry::Solid> solids) {
   picture.solids.clear();
-  for (const auto& solid : solids)
-    picture.solids.push_back({solid.name, solid.mesh});
+  for (const auto& solid : solids) {
+    if (solid.parts.parts.size() < 2) picture.solids.push_back({solid.name, solid.mesh});
+    for (std::uint32_t i = 0; solid.parts.parts.size() > 1 && i < solid.parts.parts.size(); ++i)
+      picture.solids.push_back({solid.name, solid.parts.parts[i].mesh, i});
+  }
 }
 
 void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::span<const sensing::SkinPoint> points,

@@ -27,6 +27,7 @@ namespace palpa::viewer {
 struct Surface {
   std::string name;
   geometry::Mesh mesh;
+  std::optional<std::uint32_t> part{};  ///< of a solid of convex parts: which of them; drawn in a colour of its own
 };
 
 /// A skin point in a solid's shell, drawn in its finger's colour.

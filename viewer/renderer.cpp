@@ -25,6 +25,14 @@ namespace {
 /// One part in a thousand of the distance: lines lie on their surface, not half in it.
 constexpr float line_bias = 1.0e-3f;
 
+Colour face_of(const SurfaceRange& solid, const Theme& theme) {
+  return solid.part ? part_colour(theme.solid, *solid.part) : theme.solid;
+}
+
+Colour rim_of(const SurfaceRange& solid, const Theme& theme) {
+  return solid.part ? part_colour(theme.solid_rim, *solid.part) : theme.solid_rim;
+}
+
 VkFormat pick_depth_format(const gpu::Device& device) {
   for (const VkFormat format : {VK_FORMAT_D32_SFLOAT, VK_FORMAT_X8_D24_UNORM_PACK32}) {
     VkFormatProperties properties;
@@ -271,14 +279,16 @@ void Renderer::draw_surfaces(const Frame& frame, const Scene& scene) const {
   });
   for (const std::size_t i : order) {
     const Range& range = scene.solids_[i].vertices;
-    paint(range, frame.theme.solid, frame.theme.solid_rim, 1, {.cull = VK_CULL_MODE_FRONT_BIT});
+    paint(range, face_of(scene.solids_[i], frame.theme), rim_of(scene.solids_[i], frame.theme), 1,
+          {.cull = VK_CULL_MODE_FRONT_BIT});
     // Depth alone, by painting with no alpha.
     paint(range, with_alpha(frame.theme.solid, 0), with_alpha(frame.theme.solid, 0), 0,
           {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = true});
   }
   if (!order.empty()) paint_skin(VK_COMPARE_OP_LESS);
   for (const std::size_t i : order) {
-    paint(scene.solids_[i].vertices, frame.theme.solid, frame.theme.solid_rim, 1, {.cull = VK_CULL_MODE_BACK_BIT});
+    paint(scene.solids_[i].vertices, face_of(scene.solids_[i], frame.theme), rim_of(scene.solids_[i], frame.theme), 1,
+          {.cull = VK_CULL_MODE_BACK_BIT});
     draw_edges(frame, scene, scene.solids_[i]);
   }
   paint_skin(VK_COMPARE_OP_GREATER_OR_EQUAL);

@@ -96,7 +96,8 @@ void Scene::update(const Picture& picture) {
   picture_.skin.reset();
   for (const Surface& solid : picture.solids) {
     solids_.push_back(add_surface(solid.mesh));
-    picture_.solids.push_back({solid.name, {}});
+    solids_.back().part = solid.part;
+    picture_.solids.push_back({solid.name, {}, solid.part});
   }
   skin_ = {};
   if (picture.skin) {

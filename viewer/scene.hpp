@@ -19,6 +19,7 @@ struct Range {
 struct SurfaceRange {
   Vec3 centre{};  ///< of its bounds: surfaces are drawn from far to near
   Range vertices, edges;
+  std::optional<std::uint32_t> part{};  ///< as Surface has it
 };
 
 class Scene {

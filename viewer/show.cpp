@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "base/error.hpp"
+#include "cli/set_up.hpp"
 #include "cli/touch_run.hpp"
 #include "cli/touch_schedule.hpp"
-#include "geometry/gltf.hpp"
 #include "geometry/ply.hpp"
 #include "sensing/rig.hpp"
 
@@ -28,9 +28,7 @@ std::vector<sensing::SkinPoint> points_near(const cli::TouchInput& input) {
 
 cli::TouchInput load_scene_alone(const cli::TouchInputOptions& options) {
   cli::TouchInput input;
-  std::optional<int> scene;
-  if (options.gltf_scene) scene = static_cast<int>(*options.gltf_scene);
-  input.solids = geometry::make_solids(geometry::load_gltf(options.scene, scene));
+  input.solids = cli::load_solids(options.scene, options.gltf_scene, options.solids);
   return input;
 }
 

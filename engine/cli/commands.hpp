@@ -62,6 +62,7 @@ void add_doctor(Program& program);
 void add_touch(Program& program);
 void add_drive(Program& program);
 void add_run(Program& program);
+void add_decompose(Program& program);
 void add_bench(Program& program);
 
 /// The whole program: parses, runs, reports; returns the exit code.

@@ -49,6 +49,17 @@ gpu::DeviceOptions device_options(const CommonOptions& options) {
   return device;
 }
 
+void add_solid_options(CLI::App& app, SolidOptions& options) {
+  const Group group(app, "Solids");
+  group.choice("--surface", options.surface,
+               {{"mesh", geometry::SurfaceKind::mesh}, {"parts", geometry::SurfaceKind::parts}},
+               "the mesh's own, exactly, or that of convex parts of it");
+  group.integer("--parts", options.parts, 1, geometry::most_parts, "with --surface parts: how many per solid, at most");
+  group.choice("--internal-faces", options.internal_faces,
+               {{"drop", geometry::InternalFaces::drop}, {"keep", geometry::InternalFaces::keep}},
+               "of parts: whether cuts count as surface");
+}
+
 void add_touch_options(CLI::App& app, TouchOptions& options) {
   const Group group(app, "Touch");
   touch::Parameters& p = options.parameters;

@@ -11,6 +11,7 @@
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/log.hpp"
+#include "geometry/solid.hpp"
 #include "gpu/device.hpp"
 #include "touch/method.hpp"
 #include "touch/types.hpp"
@@ -41,6 +42,14 @@ void apply_logging(const CommonOptions& options);
 gpu::DeviceOptions device_options(const CommonOptions& options);
 /// Whether a command ends with a summary for people on stdout: unless --quiet, or JSON or CSV go there.
 bool shows_summary(const CommonOptions& options, const std::string& csv = {});
+
+/// What counts as a solid's surface.
+struct SolidOptions {
+  geometry::SurfaceKind surface = geometry::SurfaceKind::mesh;
+  geometry::InternalFaces internal_faces = geometry::InternalFaces::drop;
+  std::uint32_t parts = 64;  ///< at most so many convex parts per solid
+};
+void add_solid_options(CLI::App& app, SolidOptions& options);
 
 /// From skin points to a schedule.
 struct TouchOptions {

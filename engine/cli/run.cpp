@@ -31,6 +31,7 @@ struct RunCommand {
   std::string source = "synthetic";
   std::string link = "null";
   RigOptions rig;
+  SolidOptions solids;
   TouchOptions touch;
   DriveOptionsGroup drive;
   double hold_s = 0.1;
@@ -61,6 +62,7 @@ void add_options(CLI::App& app, RunCommand& o) {
                  "how far a finger moves before that is an event; 0: every frame");
   group.choice("--stats", o.stats, {{"none", StatsFormat::none}, {"json", StatsFormat::json}},
                "what the loop measured, on stdout; --json writes the same");
+  add_solid_options(app, o.solids);
   add_rig_options(app, o.rig);
   add_touch_options(app, o.touch);
   add_drive_options(app, o.drive);
@@ -142,7 +144,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
   check(o.touch);
   refuse_two_on_stdout(o);
-  const std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene);
+  const std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene, o.solids, o.common.quiet);
   const array::VoiceOptions voice = voice_options(o.touch);
   session::check_overrides(o.scene, solids, o.touch.parameters, voice);
   std::vector<std::string> names;

@@ -2,13 +2,28 @@
 
 #include "base/error.hpp"
 #include "cli/assets.hpp"
+#include "cli/progress.hpp"
 #include "geometry/gltf.hpp"
+#include "geometry/parts_solid.hpp"
 
 namespace palpa::cli {
 
-std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene) {
+std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene,
+                                         const SolidOptions& options, bool quiet) {
   const std::optional<int> index = gltf_scene ? std::optional(static_cast<int>(*gltf_scene)) : std::nullopt;
-  return geometry::make_solids(geometry::load_gltf(scene, index));
+  std::vector<geometry::Solid> solids = geometry::make_solids(geometry::load_gltf(scene, index), options.surface);
+  constexpr std::uint64_t steps = 1000;
+  Progress bar("convex parts", steps * solids.size(), quiet);
+  for (std::size_t s = 0; s < solids.size(); ++s) {
+    geometry::Solid& solid = solids[s];
+    solid.internal_faces = options.internal_faces;
+    if (options.surface == geometry::SurfaceKind::mesh || !solid.parts.parts.empty()) continue;
+    geometry::use_parts(solid, {.parts = options.parts}, [&](double fraction) {
+      bar.set(s * steps + static_cast<std::uint64_t>(fraction * steps));
+      return true;
+    });
+  }
+  return solids;
 }
 
 SetUp load_set_up(const RigOptions& options) {

@@ -13,8 +13,10 @@
 
 namespace palpa::cli {
 
-/// Throws bad_input naming file and fault; a scene without a solid is one.
-std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene);
+/// The scene's solids. With `options.surface` parts each is taken apart, unless it came as parts, with a progress bar
+/// on a terminal unless `quiet`. Throws bad_input naming file and fault; a scene without a solid is one.
+std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene,
+                                         const SolidOptions& options = {}, bool quiet = true);
 
 struct SetUp {
   sensing::Rig rig;

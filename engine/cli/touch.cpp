@@ -204,7 +204,7 @@ void run(const TouchCommand& o) {
   refuse_two_on_stdout(o.common.json, o.csv);
   Stopwatch whole, watch;
   StageTimes times;
-  const TouchInput input = load_touch_input(o.input);
+  const TouchInput input = load_touch_input(o.input, o.common.quiet);
   session::check_overrides(o.input.scene, input.solids, o.touch.parameters, voice_options(o.touch));
   times.emplace_back("load", watch.lap_ms());
   const touch::Touch touch = o.common.backend == Backend::cpu

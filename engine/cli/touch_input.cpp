@@ -99,6 +99,7 @@ void add_touch_input(CLI::App& app, TouchInputOptions& options) {
   group.text("--rig", options.rig, "FILE", "rig TOML in place of --camera [the paper's]");
   group.quantity("--penetration", options.penetration_m, Quantity::length, {-10, 10},
                  "shift --points along y: lowest that far below the solids' top");
+  add_solid_options(app, options.solids);
 }
 
 void check(const TouchInputOptions& o) {
@@ -119,9 +120,9 @@ void check(const TouchInputOptions& o) {
   }
 }
 
-TouchInput load_touch_input(const TouchInputOptions& options) {
+TouchInput load_touch_input(const TouchInputOptions& options, bool quiet) {
   TouchInput input;
-  input.solids = load_solids(options.scene, options.gltf_scene);
+  input.solids = load_solids(options.scene, options.gltf_scene, options.solids, quiet);
   if (options.depths.empty()) {
     load_points(options, input);
   } else {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/options.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
 #include "sensing/depth_source.hpp"
@@ -20,6 +21,7 @@ namespace palpa::cli {
 struct TouchInputOptions {
   std::string scene;
   std::optional<std::uint32_t> gltf_scene;
+  SolidOptions solids;
   std::string points;
   std::vector<std::string> depths, cameras;
   std::string rig;
@@ -38,6 +40,6 @@ struct TouchInput {
 };
 
 /// Reads the files. Throws bad_input naming file and fault.
-TouchInput load_touch_input(const TouchInputOptions& options);
+TouchInput load_touch_input(const TouchInputOptions& options, bool quiet = true);
 
 }  // namespace palpa::cli

@@ -64,6 +64,13 @@ T take_integer(const std::string& name, const std::string& text, T low, T high) 
   return value;
 }
 
+/// 400k, 1M, 12345.
+std::string format_count(std::uint32_t value) {
+  if (value != 0 && value % 1'000'000 == 0) return fmt::format("{}M", value / 1'000'000);
+  if (value != 0 && value % 1'000 == 0) return fmt::format("{}k", value / 1'000);
+  return fmt::format("{}", value);
+}
+
 const char* quantity_type(Quantity quantity) {
   switch (quantity) {
     case Quantity::length:
@@ -166,6 +173,24 @@ void Group::integer(const std::string& name, std::optional<std::uint32_t>& targe
                     std::uint32_t high, const std::string& help) const {
   add(name, "N", target ? fmt::format("{}", *target) : "", help,
       [name, &target, low, high](const auto& text) { target = take_integer(name, text, low, high); });
+}
+
+void Group::count(const std::string& name, std::uint32_t& target, std::uint32_t low, std::uint32_t high,
+                  const std::string& help) const {
+  const auto take = [name, &target, low, high](const std::string& text) {
+    double value = 0;
+    const char* end = text.data() + text.size();
+    const auto [rest, fault] = std::from_chars(text.data(), end, value);
+    const std::string_view unit(rest, static_cast<std::size_t>(end - rest));
+    value *= unit == "k" ? 1e3 : unit == "M" ? 1e6 : 1;
+    const bool known = unit.empty() || unit == "k" || unit == "M";
+    if (fault != std::errc{} || !known || !(value >= low && value <= high) || value != std::floor(value)) {
+      throw bad_usage(fmt::format("{}: '{}' is not a whole number from {} to {}, such as {}", name, shown(text), low,
+                                  high, format_count(target)));
+    }
+    target = static_cast<std::uint32_t>(value);
+  };
+  add(name, "N", format_count(target), help, take);
 }
 
 void Group::text(const std::string& name, std::string& target, const std::string& type, const std::string& help) const {

@@ -51,6 +51,9 @@ class Group {
                const std::string& help) const;
   void integer(const std::string& name, std::optional<std::uint32_t>& target, std::uint32_t low, std::uint32_t high,
                const std::string& help) const;
+  /// A large whole number, which may be given in thousands or millions: 400000, 400k, 1M.
+  void count(const std::string& name, std::uint32_t& target, std::uint32_t low, std::uint32_t high,
+             const std::string& help) const;
   /// Any text, such as a file's name; empty is refused.
   void text(const std::string& name, std::string& target, const std::string& type, const std::string& help) const;
   /// An option that may be given again and again, one value each time.

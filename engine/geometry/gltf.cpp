@@ -137,7 +137,8 @@ class SceneReader {
                   : !mesh_name.empty() ? mesh_name
                                        : fmt::format("node {}", n),
                   {},
-                  document_.haptics[n]};
+                  document_.haptics[n],
+                  document_.parts[n]};
     bool mirrored = false;
     if (node.skin >= 0) {
       // The bones say where a skinned mesh is; its node's own transform does not count (glTF 2.0, 3.7.3.3).

@@ -11,11 +11,19 @@
 
 namespace palpa::geometry {
 
+/// What makes a mesh one convex part of a solid: palpa decompose writes it into the node's `extras`.
+struct PartOf {
+  std::string solid;        ///< the solid's name
+  std::uint32_t group = 0;  ///< tells solids of one name apart
+  double seam_m = 0;        ///< see Parts::seam_m
+};
+
 /// One node's mesh, all its triangle primitives together, in the scene's coordinates (= world), not yet welded.
 struct SceneMesh {
   std::string name;  ///< the node's name, else its mesh's, else "node N"
   Mesh mesh;
   Haptics haptics{};  ///< of the node's extras; what it does not say is its nearest ancestor's that does
+  std::optional<PartOf> part{};  ///< of the node's extras: this is no solid but a part of one
 };
 
 struct Scene {

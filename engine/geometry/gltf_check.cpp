@@ -53,10 +53,12 @@ class Checker {
     Document document;
     document.roots = choose_scene(scene_index);
     haptics_.resize(node_count_);
+    parts_.resize(node_count_);
     const std::size_t meshes = walk(document.roots);
     warn_of_unknown_keys();
     document.parents = parent_;
     document.haptics = haptics_;
+    document.parts = parts_;
     document.json = clean_.dump(-1, ' ', false, Json::error_handler_t::replace);
     document.buffers = data_.buffers();
     document.draco = draco_;
@@ -201,8 +203,9 @@ class Checker {
   bool check_node(std::uint32_t n) {
     const Item node = at("nodes", "node", n);
     check_transform(n);
-    haptics_[n] = inherit(node, read_extras(node, unknown_keys_),
-                          parent_[n] == Document::no_parent ? Haptics{} : haptics_[parent_[n]]);
+    const NodeHaptics extras = read_extras(node, unknown_keys_);
+    haptics_[n] = inherit(node, extras, parent_[n] == Document::no_parent ? Haptics{} : haptics_[parent_[n]]);
+    if (extras.part_of) parts_[n] = PartOf{*extras.part_of, parent_[n], extras.seam_m.value_or(0)};
     Json& clean = clean_["nodes"][n];
     if (const auto name = node.string("name")) clean["name"] = *name;
     if (!children_[n].empty()) clean["children"] = children_[n];
@@ -421,6 +424,7 @@ class Checker {
   std::vector<std::uint32_t> parent_;
   std::vector<std::vector<std::uint32_t>> children_;
   std::vector<Haptics> haptics_;
+  std::vector<std::optional<PartOf>> parts_;
   std::vector<DracoSource> draco_;
   UnknownKeys unknown_keys_;
   std::vector<char> is_root_, transform_checked_, mesh_checked_, skin_checked_;

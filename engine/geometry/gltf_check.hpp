@@ -9,7 +9,7 @@
 
 #include "geometry/gltf_container.hpp"
 #include "geometry/gltf_meshopt.hpp"
-#include "geometry/haptics.hpp"
+#include "geometry/gltf.hpp"
 
 namespace palpa::geometry::gltf {
 
@@ -38,6 +38,7 @@ struct Document {
   std::vector<std::uint32_t> roots;    ///< nodes of the chosen scene
   std::vector<std::uint32_t> parents;  ///< of every node
   std::vector<Haptics> haptics;  ///< of every node that the scene shows, with what it takes over from its ancestors
+  std::vector<std::optional<PartOf>> parts;  ///< likewise: which nodes are parts of a solid
   static constexpr std::uint32_t no_parent = 0xffffffffU;
 };
 

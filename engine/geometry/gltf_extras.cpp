@@ -14,8 +14,8 @@
 namespace palpa::geometry::gltf {
 namespace {
 
-constexpr std::array<std::string_view, 7> keys{"touchable", "delta_m",   "foci",         "stride",
-                                               "dwell_s",   "intensity", "press_depth_m"};
+constexpr std::array<std::string_view, 9> keys{"touchable", "delta_m",       "foci",    "stride", "dwell_s",
+                                               "intensity", "press_depth_m", "part_of", "seam_m"};
 
 struct Range {
   double low, high;
@@ -51,6 +51,12 @@ struct Entry {
     return static_cast<std::uint32_t>(x);
   }
 
+  std::string name_of_solid() const {
+    if (!value.is_string() || value.get_ref<const std::string&>().empty())
+      fail(fmt::format("is {}; it must be the name of the solid that this is a part of", shown()));
+    return value.get<std::string>();
+  }
+
   bool truth() const {
     if (value.is_boolean()) return value.get<bool>();
     if (value.is_number() && value.get<double>() == 0) return false;
@@ -76,6 +82,10 @@ bool take(NodeHaptics& into, std::string_view key, const Entry& entry) {
     h.intensity = entry.number({0, 1, false}, "");
   } else if (key == "press_depth_m") {
     h.press_depth_m = entry.number({0, 1, true}, " metres");
+  } else if (key == "part_of") {
+    into.part_of = entry.name_of_solid();
+  } else if (key == "seam_m") {
+    into.seam_m = entry.number({0, 1, false}, " metres");
   } else {
     return false;
   }

@@ -13,6 +13,9 @@ namespace palpa::geometry::gltf {
 struct NodeHaptics {
   std::optional<bool> touchable;
   Haptics values;
+  /// What palpa decompose writes: the node's mesh is a convex part of the solid of this name; neither is inherited.
+  std::optional<std::string> part_of;
+  std::optional<double> seam_m;  ///< 0 to 1 m, see Parts::seam_m
 };
 
 /// Keys beginning with "palpa" that mean nothing, each with the name of the first node that has it.

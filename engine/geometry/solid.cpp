@@ -15,6 +15,7 @@
 #include "base/cache_file.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "geometry/parts_solid.hpp"
 #include "geometry/solid_mesh.hpp"
 #include "geometry/surface_depth.hpp"
 #include "geometry/text.hpp"
@@ -89,7 +90,9 @@ Solid make_solid(const std::string& file, Candidate c, SurfaceKind kind) {
   for (const std::string& warning : c.solid.warnings)
     log::warning(fmt::format("{}: mesh {} {}", file, name, warning));
   const Box box = bounds(c.solid.mesh);
-  return {std::move(c.name), std::move(c.solid.mesh), std::move(c.solid.planes), box, c.haptics};
+  Solid solid{std::move(c.name), std::move(c.solid.mesh), std::move(c.solid.planes), box};
+  solid.haptics = c.haptics;
+  return solid;
 }
 
 // Groups of meshes that share an open edge, by position: pieces of one surface.
@@ -121,14 +124,14 @@ std::vector<std::vector<std::uint32_t>> pieces_that_meet(const std::vector<Candi
   return result;
 }
 
-// One candidate per solid, in node order.
-std::vector<Candidate> gather(const Scene& scene, SurfaceKind kind) {
-  std::vector<std::pair<std::size_t, Candidate>> found;  // by the first node's place
+// One candidate per solid, with its first node's place.
+std::vector<std::pair<std::size_t, Candidate>> gather(const Scene& scene, SurfaceKind kind) {
+  std::vector<std::pair<std::size_t, Candidate>> found;
   std::vector<Candidate> open;
   std::vector<std::size_t> open_place;
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     const SceneMesh& mesh = scene.meshes[i];
-    if (!mesh.haptics.touchable) continue;
+    if (!mesh.haptics.touchable || mesh.part) continue;
     Candidate c{mesh.name, {}, mesh.haptics, cache_key(mesh.mesh, kind)};
     if (c.cache) {
       if (auto cached = load(*c.cache)) {
@@ -156,17 +159,13 @@ std::vector<Candidate> gather(const Scene& scene, SurfaceKind kind) {
     }
     found.emplace_back(open_place[group[0]], std::move(whole));
   }
-  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<Candidate> result;
-  result.reserve(found.size());
-  for (auto& [place, candidate] : found)
-    result.push_back(std::move(candidate));
-  return result;
+  return found;
 }
 
 }  // namespace
 
 double depth(const Solid& solid, const Vec3& point) {
+  if (!solid.parts.parts.empty()) return depth(solid.parts, solid.internal_faces, point);
   if (solid.planes.empty()) return surface_depth(solid.mesh, point);
   double least = std::numeric_limits<double>::infinity();
   for (const Plane& plane : solid.planes)
@@ -175,11 +174,14 @@ double depth(const Solid& solid, const Vec3& point) {
 }
 
 std::vector<Solid> make_solids(const Scene& scene, SurfaceKind kind) {
-  std::vector<Candidate> candidates = gather(scene, kind);
+  std::vector<std::pair<std::size_t, Solid>> found = solids_of_parts(scene);
+  for (auto& [place, candidate] : gather(scene, kind))
+    found.emplace_back(place, make_solid(scene.file, std::move(candidate), kind));
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Solid> solids;
-  solids.reserve(candidates.size());
-  for (Candidate& c : candidates)
-    solids.push_back(make_solid(scene.file, std::move(c), kind));
+  solids.reserve(found.size());
+  for (auto& [place, solid] : found)
+    solids.push_back(std::move(solid));
   if (solids.empty()) {
     throw bad_input(scene.file, scene.meshes.empty()
                                     ? "the scene has no triangle mesh; a scene needs at least one solid"

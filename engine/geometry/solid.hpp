@@ -8,6 +8,7 @@
 #include "geometry/gltf.hpp"
 #include "geometry/haptics.hpp"
 #include "geometry/mesh.hpp"
+#include "geometry/parts.hpp"
 
 namespace palpa::geometry {
 
@@ -23,11 +24,15 @@ struct Solid {
   std::vector<Plane> planes;  ///< of a convex mesh: one per distinct face plane, coplanar triangles merged; else empty
   Box bounds;
   Haptics haptics{};  ///< of the node; of several pieces, the first one's
+  /// Where its surface is that of convex parts: those; else none. Then `mesh` holds the parts' hulls side by side, for
+  /// drawing, and there are no planes.
+  Parts parts{};
+  InternalFaces internal_faces = InternalFaces::drop;  ///< what counts as the parts' surface
 };
 
 /// Metres, positive inside. Of a convex solid Eq. (1), min over faces m of (x_m - x) . n_m: the exact depth for points
 /// inside; outside it is minus the distance to the worst plane, a lower bound of the distance. Of any other the exact
-/// distance from the surface, by looking at every triangle: for tests and single points.
+/// distance from the surface, by looking at every triangle: for tests and single points. 0 outside of parts.
 double depth(const Solid& solid, const Vec3& point);
 
 /// The solids of a scene, in node order. Meshes that are open by themselves but closed together (CAD exports split
@@ -38,7 +43,8 @@ double depth(const Solid& solid, const Vec3& point);
 /// mesh and place: no touchable mesh at all; open, non-manifold or inconsistently oriented (how many edges, and one of
 /// them); flat; larger than a kilometre or smaller than a micrometre; passing through itself, touching itself or folded
 /// (two triangles), unless `kind` is parts; a shell inside another that faces the same way. What a large mesh was found
-/// to be is cached (base/cache_file.hpp).
+/// to be is cached (base/cache_file.hpp). Nodes that are marked as convex parts (palpa decompose writes them) become
+/// solids of parts, whatever `kind` is; for their errors see parts_solid.hpp.
 std::vector<Solid> make_solids(const Scene& scene, SurfaceKind kind = SurfaceKind::mesh);
 
 }  // namespace palpa::geometry

@@ -108,6 +108,7 @@ SolidTable::SolidTable(const gpu::Device& device, const std::vector<geometry::So
   cells_ = upload(device, commands, host_.cells, "plane cells");
   planes_ = upload(device, commands, host_.planes, "planes");
   borders_ = upload(device, commands, sector_borders(), "sector borders");
+  parts_ = upload(device, commands, host_.parts, "convex parts");
   SurfaceUpload surface(device, host_);
   surface.record(commands);
   surface_cells_ = std::move(surface.cells);
@@ -197,6 +198,7 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
                     .most_points = b.capacity_.points,
                     .most_contacts = b.capacity_.contacts,
                     .surface = table.surface(),
+                    .parts = table.parts(),
                     .deep_masks = b.deep_masks_.ref(),
                     .deep_counts = b.deep_counts_.ref(),
                     .deep_total = b.deep_total_.ref(),

@@ -35,12 +35,14 @@ class SolidTable {
   SurfaceBuffers surface() const;
   gpu::BufferRef cells() const { return cells_.ref(); }
   gpu::BufferRef planes() const { return planes_.ref(); }
+  /// Empty without solids of convex parts.
+  gpu::BufferRef parts() const { return host_.parts.empty() ? gpu::BufferRef{} : parts_.ref(); }
   gpu::BufferRef borders() const { return borders_.ref(); }
   gpu::BufferRef foci_of() const { return foci_of_.ref(); }
 
  private:
   PlaneTable host_;
-  gpu::Upload cells_, planes_, borders_, foci_of_, surface_cells_, runs_, triangles_, signs_, corners_;
+  gpu::Upload cells_, planes_, borders_, foci_of_, surface_cells_, runs_, triangles_, signs_, corners_, parts_;
 };
 
 /// Room for one frame in flight: 8 bytes of memory per point and 124 per contact, 43 MB for the defaults.

@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "gpu/barrier.hpp"
+#include "shaders/parts_depth.h"
 #include "shaders/touch_math.h"
 #include "spirv/contacts_find.comp.hpp"
 #include "spirv/contacts_pack.comp.hpp"
@@ -35,12 +36,20 @@ struct Inside {
   bool shell = false;
 };
 
-Inside look(const PlaneTable& table, std::uint32_t solid, const Float3& point, float delta_of_all) {
+Inside look(const PlaneTable& table, std::uint32_t solid, const Float3& point, const Parameters& parameters) {
   const shader::SolidRecord& record = table.solids[solid];
   const Float3 p = shader::turned({record.centre.w, record.low.w, record.high.w}, record.cells_per_metre.w,
                                   shader::minus(point, {record.centre.x, record.centre.y, record.centre.z}));
   if (!inside(p, record.low, record.high)) return {};
-  const float delta = record.delta > 0 ? record.delta : delta_of_all;
+  const float delta = record.delta > 0 ? record.delta : static_cast<float>(parameters.delta_m);
+  if (record.by_surface == shader::asked_by_parts) {
+    const std::uint32_t cell = shader::parts_cell(
+        p, {record.low.x, record.low.y, record.low.z},
+        {record.cells_per_metre.x, record.cells_per_metre.y, record.cells_per_metre.z}, record.cells_per_axis);
+    const float depth =
+        shader::parts_depth(table.parts.data(), record.first_cell, cell, p, parameters.deep ? 3.0e38F : delta);
+    return {depth, depth > 0 && depth < delta};
+  }
   if (record.by_surface != 0) {
     const geometry::Place place = geometry::find_place(table.surfaces[solid], {p.x, p.y, p.z}, delta);
     if (place.region == geometry::Region::outside) return {};
@@ -58,14 +67,13 @@ void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable&
                    Touch& out) {
   out.contacts.clear();
   out.deep.clear();
-  const auto delta = static_cast<float>(parameters.delta_m);
   for (const sensing::SkinPoint& skin : points) {
     const Float3 point{skin.position.x, skin.position.y, skin.position.z};
     if (!shader::is_finite(point.x) || !shader::is_finite(point.y) || !shader::is_finite(point.z)) continue;
     Contact found{skin.index, 0, 0, skin.position};
     bool shell = false;
     for (std::uint32_t s = 0; s < table.solids.size() && !shell; ++s) {
-      const Inside here = look(table, s, point, delta);
+      const Inside here = look(table, s, point, parameters);
       shell = here.shell;
       if (here.depth == 0 || (!shell && (!parameters.wants_deep() || found.depth_m > 0))) continue;
       found.solid = s;
@@ -85,7 +93,7 @@ ContactsPass::ContactsPass(const gpu::Device& device)
     : pack_(device, "contacts pack", spirv::contacts_pack_comp,
             {shader::contacts_pack_buffers, sizeof(shader::ContactsPush)}) {
   const auto kernels = [&](std::uint32_t deep) {
-    const std::array<std::uint32_t, 2> many{0, deep}, one{one_solid, deep};
+    const std::array<std::uint32_t, 2> many{0, deep}, one{one_solid, deep}, surface{deep, 0}, parts{deep, 1};
     return Kernels{{device,
                     "contacts find",
                     spirv::contacts_find_comp,
@@ -97,7 +105,11 @@ ContactsPass::ContactsPass(const gpu::Device& device)
                    {device,
                     "contacts surface",
                     spirv::contacts_surface_comp,
-                    {shader::contacts_surface_buffers, sizeof(shader::ContactsPush), {&deep, 1}}}};
+                    {shader::contacts_surface_buffers, sizeof(shader::ContactsPush), surface}},
+                   {device,
+                    "contacts parts",
+                    spirv::contacts_surface_comp,
+                    {shader::contacts_surface_buffers, sizeof(shader::ContactsPush), parts}}};
   };
   find_ = kernels(0);
   find_deep_ = kernels(1);
@@ -116,11 +128,12 @@ void ContactsPass::record(VkCommandBuffer commands, const ContactsBuffers& b, co
   const bool by_surface =
       std::any_of(table.solids.begin(), table.solids.end(), [](const auto& solid) { return solid.by_surface != 0; });
   if (by_surface) {
-    find.surface.dispatch(
-        commands,
-        {b.points, b.length, b.hits, b.masks, b.counts, b.solids, b.cells, b.planes, deep_masks, deep_counts,
-         b.surface.cells, b.surface.runs, b.surface.triangles, b.surface.signs, b.surface.corners},
-        &push, shader::contacts_chunks);
+    (b.parts.size > 0 ? find.parts : find.surface)
+        .dispatch(commands,
+                  {b.points, b.length, b.hits, b.masks, b.counts, b.solids, b.cells, b.planes, deep_masks, deep_counts,
+                   b.surface.cells, b.surface.runs, b.surface.triangles, b.surface.signs, b.surface.corners,
+                   b.parts.size > 0 ? b.parts : b.planes},
+                  &push, shader::contacts_chunks);
   } else {
     (solids == 1 ? find.one : find.planes)
         .dispatch(commands,

@@ -48,7 +48,8 @@ struct ContactsBuffers {
   gpu::BufferRef contacts;        ///< out: shader::ContactRecord[], in input order, `finger` unset
   std::uint32_t most_points = 0;  ///< at most shader::contacts_most_points
   std::uint32_t most_contacts = 0;
-  SurfaceBuffers surface;  ///< in: where a solid is asked by its surface
+  SurfaceBuffers surface;     ///< in: where a solid is asked by its surface
+  gpu::BufferRef parts = {};  ///< in: PlaneTable::parts, uvec4[]; empty without solids of convex parts
   // Only where deep points are asked for; sizes as of their counterparts above.
   gpu::BufferRef deep_masks = {}, deep_counts = {};  ///< scratch
   gpu::BufferRef deep_total = {};                    ///< out: shader::ScanTotal
@@ -73,7 +74,7 @@ class ContactsPass {
 
  private:
   struct Kernels {
-    gpu::ComputePipeline planes, one, surface;
+    gpu::ComputePipeline planes, one, surface, parts;
   };
   Kernels find_, find_deep_;
   gpu::ComputePipeline pack_;

@@ -48,7 +48,7 @@ void check(const Parameters& parameters, const PlaneTable& table) {
   // A solid may be turned.
   reach *= std::numbers::sqrt3;
   for (std::uint32_t s = 0; s < table.solids.size(); ++s) {
-    if (table.solids[s].by_surface == 0) continue;
+    if (table.solids[s].by_surface != shader::asked_by_surface) continue;
     const geometry::SurfaceOptions& made = table.surfaces[s].options;
     if (table.delta_m(s, parameters) > made.reach_m * (1 + 1e-6) || (parameters.wants_deep() && !made.deep)) {
       throw bad_usage(

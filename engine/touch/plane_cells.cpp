@@ -12,6 +12,7 @@
 
 #include "base/error.hpp"
 #include "touch/foci.hpp"
+#include "touch/parts_table.hpp"
 
 namespace palpa::touch {
 namespace {
@@ -188,7 +189,7 @@ void add_surface(PlaneTable& table, SurfaceBase& next, const geometry::Solid& so
   record.cells_per_axis =
       surface.grid.x | surface.grid.y << shader::surface_axis_bits | surface.grid.z << 2 * shader::surface_axis_bits;
   record.delta = f(solid.haptics.delta_m.value_or(0));
-  record.by_surface = 1;
+  record.by_surface = shader::asked_by_surface;
   table.solids.push_back(record);
   table.centres.push_back(surface.centre);
   table.surface_base.push_back(next);
@@ -203,6 +204,25 @@ void add_surface(PlaneTable& table, SurfaceBase& next, const geometry::Solid& so
   table.surfaces.push_back(std::move(surface));
 }
 
+bool asked_by_parts(const geometry::Solid& solid) {
+  return !solid.parts.parts.empty();
+}
+
+void add_solid_of_parts(PlaneTable& table, const geometry::Solid& solid) {
+  const PartsGrid grid = add_parts(table.parts, solid.parts, solid.internal_faces);
+  shader::SolidRecord record{};
+  record.centre = {grid.centre.x, grid.centre.y, grid.centre.z, 0};
+  record.low = {grid.low.x, grid.low.y, grid.low.z, 0};
+  record.high = {grid.high.x, grid.high.y, grid.high.z, 0};
+  record.cells_per_metre = {grid.cells_per_metre.x, grid.cells_per_metre.y, grid.cells_per_metre.z, 1};
+  record.first_cell = grid.base;
+  record.cells_per_axis = grid.cells_per_axis;
+  record.delta = static_cast<float>(solid.haptics.delta_m.value_or(0));
+  record.by_surface = shader::asked_by_parts;
+  table.solids.push_back(record);
+  table.centres.emplace_back(grid.centre);
+}
+
 }  // namespace
 
 PlaneTable make_plane_table(const std::vector<geometry::Solid>& solids, const Parameters& parameters) {
@@ -211,7 +231,7 @@ PlaneTable make_plane_table(const std::vector<geometry::Solid>& solids, const Pa
   std::vector<std::vector<LocalPlane>> local(solids.size());
   for (std::size_t s = 0; s < solids.size(); ++s) {
     const geometry::Solid& solid = solids[s];
-    const bool by_surface = asked_by_surface(solid);
+    const bool by_surface = asked_by_parts(solid) || asked_by_surface(solid);
     bool usable = (by_surface || !solid.planes.empty()) && !solid.bounds.empty() && finite(solid.bounds.low) &&
                   finite(solid.bounds.high);
     const Vec3 centre(glm::vec3(solid.bounds.centre()));
@@ -228,11 +248,15 @@ PlaneTable make_plane_table(const std::vector<geometry::Solid>& solids, const Pa
   std::size_t listed = 0;
   SurfaceBase next;
   for (std::size_t s = 0; s < solids.size(); ++s) {
-    if (asked_by_surface(solids[s])) {
+    if (!asked_by_parts(solids[s]) && asked_by_surface(solids[s])) {
       add_surface(table, next, solids[s], parameters);
       continue;
     }
-    add_solid(table, listed, solids[s], local[s], table.first_plane[s]);
+    if (asked_by_parts(solids[s])) {
+      add_solid_of_parts(table, solids[s]);
+    } else {
+      add_solid(table, listed, solids[s], local[s], table.first_plane[s]);
+    }
     table.surfaces.emplace_back();
     table.surface_base.push_back(next);
   }

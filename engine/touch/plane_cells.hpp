@@ -28,6 +28,7 @@ struct PlaneTable {
   std::vector<SurfaceBase> surface_base;    ///< per solid
   std::vector<Vec3> centres;                ///< per solid, at rest
   std::vector<std::uint32_t> foci_of;       ///< foci_of_solids()
+  std::vector<shader::uvec4> parts;         ///< see parts_table.hpp; empty without solids of convex parts
 
   /// The solid's delta: its own where it has one.
   double delta_m(std::uint32_t solid, const Parameters& parameters) const {
@@ -40,8 +41,8 @@ struct PlaneTable {
 /// rounding, so that the least float depth over the list is bit for bit the least over all planes. Cells deeper than a
 /// few millimetres are coarser: no less right, only slower. A solid without planes, or with so many that its surface is
 /// quicker, gets its surface, made for the delta of `parameters` (or its own) and for deep points where they are asked
-/// for; check() refuses others. Throws bad_usage naming the solid where planes or box are not finite, and where all
-/// solids together have more triangles than shader::surface_most_triangles.
+/// for; check() refuses others. A solid of convex parts gets a table of those. Throws bad_usage naming the solid where
+/// planes or box are not finite, and where all solids together have more triangles than shader::surface_most_triangles.
 PlaneTable make_plane_table(const std::vector<geometry::Solid>& solids, const Parameters& parameters = {});
 
 /// Moves a solid: from now on it is where T_world_rest takes it from its place in the scene. Nothing is rebuilt. Throws

@@ -38,7 +38,7 @@ Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vec
   gpu::Device& device = test_device();
   static const TouchPasses passes(device);
   const SolidTable table(device, solids, parameters);
-  TouchBuffers buffers(device, capacity);
+  TouchBuffers buffers(device, {capacity.points, capacity.contacts, parameters.deep ? capacity.points : 0});
   const gpu::Upload skin(device, std::max<std::size_t>(points.size_bytes(), 16), "test points");
   const gpu::Upload total(device, sizeof(shader::ScanTotal), "test total");
   if (!points.empty()) std::memcpy(skin.data(), points.data(), points.size_bytes());

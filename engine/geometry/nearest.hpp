@@ -1,0 +1,26 @@
+// How far a point is from a soup of triangles.
+#pragma once
+
+#include "geometry/bvh.hpp"
+#include "geometry/mesh.hpp"
+
+namespace palpa::geometry {
+
+/// The point of triangle a, b, c that is nearest to p; right also for triangles without area.
+Vec3 closest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p);
+
+/// A tree of boxes over a mesh's triangles. The mesh must outlive it.
+class NearestTriangle {
+ public:
+  /// `mesh` has at least one triangle.
+  explicit NearestTriangle(const Mesh& mesh) : mesh_(&mesh), tree_(mesh) {}
+
+  /// Metres to the nearest triangle.
+  double distance(const Vec3& point) const;
+
+ private:
+  const Mesh* mesh_;
+  Bvh tree_;
+};
+
+}  // namespace palpa::geometry

@@ -1,0 +1,281 @@
+// `palpa decompose`, and touching what it wrote.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "geometry/gltf.hpp"
+#include "geometry/gltf_write.hpp"
+#include "geometry/parts_solid.hpp"
+#include "geometry/vhacd.hpp"
+#include "process.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+using geometry::SceneMesh;
+using nlohmann::json;
+
+geometry::Mesh box(const Vec3& low, const Vec3& high) {
+  geometry::Mesh mesh;
+  for (int c = 0; c < 8; ++c)
+    mesh.positions.emplace_back(c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z);
+  for (const glm::uvec3& t : {glm::uvec3(0, 2, 1), glm::uvec3(1, 2, 3), glm::uvec3(4, 5, 6), glm::uvec3(5, 7, 6),
+                              glm::uvec3(0, 1, 4), glm::uvec3(1, 5, 4), glm::uvec3(2, 6, 3), glm::uvec3(3, 6, 7),
+                              glm::uvec3(0, 4, 2), glm::uvec3(2, 4, 6), glm::uvec3(1, 3, 5), glm::uvec3(3, 7, 5)})
+    mesh.triangles.push_back(t);
+  return mesh;
+}
+
+/// An L: a box 60 mm long and 40 mm high without the upper half of its right half; top at y = 0.
+geometry::Mesh ell() {
+  geometry::Mesh mesh;
+  const Vec2 outline[6] = {{-0.03, -0.04}, {0.03, -0.04}, {0.03, -0.02}, {0, -0.02}, {0, 0}, {-0.03, 0}};
+  for (const double z : {-0.02, 0.02}) {
+    for (const Vec2& p : outline)
+      mesh.positions.emplace_back(p.x, p.y, z);
+  }
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    const std::uint32_t next = (i + 1) % 6;
+    mesh.triangles.emplace_back(i, next, next + 6);
+    mesh.triangles.emplace_back(i, next + 6, i + 6);
+  }
+  for (const glm::uvec3& t : {glm::uvec3(0, 1, 3), glm::uvec3(1, 2, 3), glm::uvec3(0, 3, 5), glm::uvec3(3, 4, 5)}) {
+    mesh.triangles.emplace_back(t[0], t[2], t[1]);
+    mesh.triangles.emplace_back(t[0] + 6, t[1] + 6, t[2] + 6);
+  }
+  return mesh;
+}
+
+class Decompose : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!geometry::has_vhacd()) GTEST_SKIP() << "skipped: built without V-HACD";
+  }
+  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  std::string scene(const std::string& name, const std::vector<SceneMesh>& meshes) const {
+    geometry::write_glb(file(name), meshes);
+    return file(name);
+  }
+  std::string points(const std::vector<Vec3>& all) const {
+    std::ofstream out(file("points.ply"));
+    out << "ply\nformat ascii 1.0\nelement vertex " << all.size()
+        << "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    for (const Vec3& p : all)
+      out << p.x << ' ' << p.y << ' ' << p.z << '\n';
+    return file("points.ply");
+  }
+  json touch(const std::vector<std::string>& arguments) const {
+    std::vector<std::string> line{"touch", "--backend", "cpu", "--json", "-"};
+    line.insert(line.end(), arguments.begin(), arguments.end());
+    const Result result = palpa(line);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.exit_code == 0 ? json::parse(result.out) : json();
+  }
+
+  const std::filesystem::path folder_ = scratch_folder("decompose");
+};
+
+TEST_F(Decompose, OfACubeIsTheCube) {
+  const std::string out = file("cube-parts.glb");
+  const Result result =
+      palpa({"decompose", "--scene", source_file("assets/cube.glb"), "--parts", "8", "--out", out, "--json", "-"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const json report = json::parse(result.out);
+  ASSERT_EQ(report["solids"].size(), 1u);
+  EXPECT_EQ(report["solids"][0]["name"], "cube");
+  EXPECT_EQ(report["solids"][0]["parts"], 1);
+  EXPECT_NEAR(report["solids"][0]["volume_ratio"], 1, 1e-9);
+  EXPECT_LT(report["solids"][0]["surface_error_m"]["max"], 1e-9);
+  const std::vector<std::string> press{"--points", source_file("assets/finger.ply"), "--penetration", "3mm"};
+  const auto with = [&](std::vector<std::string> line) {
+    line.insert(line.end(), press.begin(), press.end());
+    return touch(line);
+  };
+  const json whole = with({"--scene", source_file("assets/cube.glb")});
+  const json parts = with({"--scene", out});
+  EXPECT_EQ(parts["contacts"]["indices"], whole["contacts"]["indices"]);
+  EXPECT_EQ(parts["fingers"][0]["solid"], "cube");
+  EXPECT_EQ(parts["fingers"].size(), whole["fingers"].size());
+}
+
+TEST_F(Decompose, MarksItsPartsSoThatTheyAreOneSolidAgain) {
+  geometry::Haptics haptics;
+  haptics.delta_m = 0.002;
+  haptics.foci = 7;
+  const std::string in = scene("two.glb", {{"ell", ell(), haptics},
+                                           {"beside", box({0.1, -0.04, 0}, {0.14, 0, 0.04})},
+                                           {"table", box({-1, -0.06, -1}, {1, -0.05, 1}), {.touchable = false}}});
+  const std::string out = file("parts.glb");
+  const Result result = palpa({"decompose", "--scene", in, "--parts", "6", "--resolution", "30k", "--out", out});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("ell: "), std::string::npos);
+  EXPECT_NE(result.out.find("beside: 1 part"), std::string::npos);
+  const geometry::Scene read = geometry::load_gltf(out);
+  ASSERT_GT(read.meshes.size(), 2u);
+  ASSERT_LE(read.meshes.size(), 7u);
+  for (const SceneMesh& mesh : read.meshes)
+    EXPECT_TRUE(mesh.part);
+  const std::vector<geometry::Solid> solids = geometry::make_solids(read);
+  ASSERT_EQ(solids.size(), 2u);
+  EXPECT_EQ(solids[0].name, "ell");
+  EXPECT_EQ(solids[0].haptics, haptics);
+  EXPECT_EQ(solids[0].parts.parts.size() + 1, read.meshes.size());
+  EXPECT_GT(solids[0].parts.seam_m, 1e-4);
+  EXPECT_EQ(solids[1].name, "beside");
+
+  // The same bytes again.
+  ASSERT_EQ(
+      palpa({"decompose", "--scene", in, "--parts", "6", "--resolution", "30k", "--out", file("again.glb")}).exit_code,
+      0);
+  const auto bytes = [](const std::string& path) {
+    std::ifstream stream(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+  };
+  EXPECT_EQ(bytes(out), bytes(file("again.glb")));
+  expect_failure(palpa({"decompose", "--scene", out, "--out", file("x.glb")}), 4, "already a part of \"ell\"");
+}
+
+TEST_F(Decompose, CutsAreNoSurfaceUnlessKept) {
+  // Three overlapping slabs side by side: points through the middle meet four cuts.
+  std::vector<SceneMesh> slabs;
+  for (int i = 0; i < 3; ++i) {
+    const double x = 0.02 * i;
+    slabs.push_back({"slab " + std::to_string(i),
+                     box({x, -0.04, -0.02}, {x + 0.025, 0, 0.02}),
+                     {},
+                     geometry::PartOf{"slabs", 0, 0}});
+  }
+  const std::string in = scene("slabs.glb", slabs);
+  std::vector<Vec3> line;
+  for (int i = 0; i < 600; ++i)
+    line.emplace_back(0.00005 + 0.0001 * i + 0.0025, -0.02, 0);
+  const std::string ply = points(line);
+  const json drop = touch({"--scene", in, "--points", ply});
+  const json keep = touch({"--scene", in, "--points", ply, "--internal-faces", "keep"});
+  // The row ends 2.5 mm inside the last slab.
+  EXPECT_EQ(drop["contacts"]["count"], 0);
+  // Eq. (1) of each part: 1.5 mm on the inner side of each of the four cuts.
+  EXPECT_EQ(keep["contacts"]["count"], 60);
+}
+
+TEST_F(Decompose, OnTheFlyIsTheSameAsFromTheFile) {
+  const std::string in = scene("ell.glb", {{"ell", ell()}});
+  const std::string out = file("ell-parts.glb");
+  ASSERT_EQ(palpa({"decompose", "--scene", in, "--parts", "4", "--out", out}).exit_code, 0);
+  std::vector<Vec3> cloud;
+  for (int i = 0; i < 4000; ++i) {
+    const auto unit = [&](double factor) { return std::fmod(i * factor, 1.0); };
+    cloud.emplace_back(-0.032 + 0.064 * unit(0.6180339887), -0.042 + 0.044 * unit(0.7548776662),
+                       -0.022 + 0.044 * unit(0.5698402910));
+  }
+  const std::string ply = points(cloud);
+  const json from_file = touch({"--scene", out, "--points", ply});
+  const json made = touch({"--scene", in, "--surface", "parts", "--parts", "4", "--points", ply});
+  EXPECT_EQ(made["contacts"], from_file["contacts"]);
+  EXPECT_GT(made["contacts"]["count"], 100);
+}
+
+TEST_F(Decompose, RefusesWhatIsNoPart) {
+  const geometry::PartOf part{"thing", 0, 0};
+  const std::string ply = points({{0, -0.001, 0}});
+  const auto fault = [&](const geometry::Mesh& mesh, const std::string& words) {
+    expect_failure(palpa({"touch", "--scene", scene("bad.glb", {{"a part", mesh, {}, part}}), "--points", ply}), 4,
+                   words);
+  };
+  fault(ell(), "\"a part\", a part of \"thing\", is concave");
+  geometry::Mesh open = box({0, 0, 0}, {1, 1, 1});
+  open.triangles.pop_back();
+  fault(open, "is not closed");
+  geometry::Mesh flat = box({0, 0, 0}, {1, 1, 0});
+  fault(flat, "is ");
+  geometry::Mesh pair = box({0, 0, 0}, {1, 1, 1});
+  geometry::append(pair, box({2, 0, 0}, {3, 1, 1}));
+  fault(pair, "several pieces");
+  geometry::Mesh turned = box({0, 0, 0}, {1, 1, 1});
+  geometry::flip(turned);
+  fault(turned, "a part is convex");
+}
+
+TEST_F(Decompose, SaysWhatIsWrongWithTheLine) {
+  const std::string cube = source_file("assets/cube.glb");
+  const std::string out = file("out.glb");
+  expect_failure(palpa({"decompose", "--out", out}), 2, "--scene is missing");
+  expect_failure(palpa({"decompose", "--scene", cube}), 2, "--out is missing");
+  expect_failure(palpa({"decompose", "--scene", cube, "--out", out, "--parts", "0"}), 2, "from 1 to 1024");
+  expect_failure(palpa({"decompose", "--scene", cube, "--out", out, "--parts", "1025"}), 2, "from 1 to 1024");
+  expect_failure(palpa({"decompose", "--scene", cube, "--out", out, "--resolution", "10"}), 2, "such as 400k");
+  expect_failure(palpa({"decompose", "--scene", cube, "--out", out, "--resolution", "4.5k x"}), 2, "such as 400k");
+  expect_failure(palpa({"decompose", "--scene", cube, "--out", out, "--error", "0"}), 2, "--error");
+  expect_failure(palpa({"decompose", "--scene", file("none.glb"), "--out", out}), 4, "none.glb");
+  expect_failure(palpa({"decompose", "--scene", cube, "--out", (folder_ / "no" / "where.glb").string()}), 1,
+                 "cannot be written");
+  expect_failure(palpa({"decompose", "--scene", cube, "--out", "/dev/full"}), 1, "cannot be written");
+  const std::string scenery = scene("scenery.glb", {{"table", ell(), {.touchable = false}}});
+  expect_failure(palpa({"decompose", "--scene", scenery, "--out", out}), 4, "touched");
+  geometry::Mesh flat;
+  flat.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  flat.triangles = {{0, 1, 2}};
+  expect_failure(palpa({"decompose", "--scene", scene("flat.glb", {{"leaf", flat}}), "--out", out}), 4,
+                 "mesh \"leaf\" is flat");
+  EXPECT_FALSE(std::filesystem::exists(out));
+  EXPECT_FALSE(std::filesystem::exists(out + ".unfinished"));
+}
+
+TEST_F(Decompose, LeavesNothingBehindWhenInterrupted) {
+  // Long enough to be caught in the act: many bumps, many voxels.
+  geometry::Mesh mesh;
+  for (int i = 0; i < 40; ++i) {
+    const double x = 0.02 * (i % 8), z = 0.02 * (i / 8);
+    geometry::append(mesh, box({x, -0.04, z}, {x + 0.012, 0.003 * i, z + 0.012}));
+  }
+  const std::string in = scene("bumps.glb", {{"bumps", mesh}}), out = file("interrupted.glb");
+  std::vector<std::string> line{palpa_binary(), "decompose", "--scene", in,       "--resolution",
+                                "4M",           "--out",     out,       "--quiet"};
+  std::vector<char*> arguments;
+  for (std::string& word : line)
+    arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, file("stderr").c_str(), O_CREAT | O_WRONLY, 0644);
+  ASSERT_EQ(posix_spawn(&child, line[0].c_str(), &actions, nullptr, arguments.data(), environ), 0);
+  posix_spawn_file_actions_destroy(&actions);
+  // Once its handler is in place a second signal would end it without a word; so wait, then only one.
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  kill(child, SIGINT);
+  int status = 0;
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+  if (WIFEXITED(status)) {
+    EXPECT_EQ(WEXITSTATUS(status), 1);
+    std::ifstream stream(file("stderr"));
+    std::string text(std::istreambuf_iterator<char>(stream), {});
+    EXPECT_NE(text.find("interrupted.glb: not written: interrupted"), std::string::npos) << text;
+  } else {
+    EXPECT_EQ(WTERMSIG(status), SIGINT);  // a slow machine had not yet begun
+  }
+  EXPECT_FALSE(std::filesystem::exists(out));
+  EXPECT_FALSE(std::filesystem::exists(out + ".unfinished"));
+}
+
+TEST(DecomposeWithout, VhacdSaysHowToGetIt) {
+  if (geometry::has_vhacd()) GTEST_SKIP() << "skipped: built with V-HACD";
+  expect_failure(palpa({"decompose", "--scene", source_file("assets/cube.glb"), "--out", "/dev/null"}), 1,
+                 "install npm and build again");
+}
+
+}  // namespace
+}  // namespace palpa::test

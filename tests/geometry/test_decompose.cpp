@@ -1,0 +1,150 @@
+// Decomposition: what needs no V-HACD always, the rest where palpa was built with it.
+#include "geometry/decompose.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <random>
+
+#include "geometry/nearest.hpp"
+#include "geometry/shapes.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+#define NEEDS_VHACD() \
+  if (!has_vhacd()) GTEST_SKIP() << "skipped: built without V-HACD"
+
+/// A box with a notch: 60 mm long, 40 mm high and deep, of which the upper half of the right half is missing.
+Mesh notch() {
+  Mesh mesh;
+  const double x[3] = {0, 0.03, 0.06}, y[3] = {0, 0.02, 0.04}, d = 0.04;
+  const Vec2 outline[6] = {{x[0], y[0]}, {x[2], y[0]}, {x[2], y[1]}, {x[1], y[1]}, {x[1], y[2]}, {x[0], y[2]}};
+  for (const double z : {0.0, d}) {
+    for (const Vec2& p : outline)
+      mesh.positions.emplace_back(p.x, p.y, z);
+  }
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    const std::uint32_t next = (i + 1) % 6;
+    mesh.triangles.emplace_back(i, next, next + 6);
+    mesh.triangles.emplace_back(i, next + 6, i + 6);
+  }
+  for (const glm::uvec3& t : {glm::uvec3(0, 1, 3), glm::uvec3(1, 2, 3), glm::uvec3(0, 3, 5), glm::uvec3(3, 4, 5)}) {
+    mesh.triangles.emplace_back(t[0], t[2], t[1]);
+    mesh.triangles.emplace_back(t[0] + 6, t[1] + 6, t[2] + 6);
+  }
+  return mesh;
+}
+
+TEST(Nearest, IsTheLeastOverAllTriangles) {
+  const Mesh mesh = test::torus(0.05, 0.02, 24);
+  const NearestTriangle nearest(mesh);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-0.1, 0.1);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 p(place(random), place(random), place(random));
+    double least = 1e300;
+    for (const glm::uvec3& t : mesh.triangles) {
+      // Independent of closest_on_triangle: the least over a fine net of the triangle's points bounds it from above.
+      const Vec3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+      for (int u = 0; u <= 8; ++u) {
+        for (int v = 0; u + v <= 8; ++v)
+          least = std::min(least, glm::distance(a + (b - a) * (u / 8.0) + (c - a) * (v / 8.0), p));
+      }
+    }
+    const double found = nearest.distance(p);
+    ASSERT_LE(found, least + 1e-15);
+    ASSERT_GE(found, least - 1e-3);
+  }
+}
+
+TEST(Decompose, LeavesAConvexMeshAsItIs) {
+  for (const Mesh& mesh : {test::box({0, 0, 0}, {0.1, 0.2, 0.3}), test::sphere(0.05, 20, 40)}) {
+    const Mesh stored = test::rounded(mesh);
+    const auto parts = decompose(stored, {});
+    ASSERT_TRUE(parts);
+    ASSERT_EQ(parts->parts.size(), 1u);
+    EXPECT_EQ(parts->parts[0].mesh.positions.size(), stored.positions.size());
+    const PartsReport report = measure(stored, *parts, 0);
+    EXPECT_NEAR(*report.volume_ratio(), 1, 1e-6);
+    EXPECT_LT(report.error_max_m, 1e-6);
+    EXPECT_EQ(report.internal_share, 0);
+  }
+}
+
+TEST(Decompose, SaysWhatCannotBeTakenApart) {
+  EXPECT_CONTAINS(unfit_for_parts({}), "no triangle");
+  EXPECT_CONTAINS(unfit_for_parts({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}), "flat");
+  EXPECT_CONTAINS(unfit_for_parts(test::box({0, 0, 0}, {2e3, 1, 1})), "2000 m across");
+  EXPECT_CONTAINS(unfit_for_parts(test::box(Vec3(0), Vec3(1e-8))), "1e-08 m across");
+  EXPECT_EQ(unfit_for_parts(notch()), "");
+}
+
+TEST(Decompose, OfANotchFindsTheNotch) {
+  NEEDS_VHACD();
+  const Mesh mesh = test::rounded(notch());
+  const double whole = 0.06 * 0.04 * 0.04 * 0.75;
+  ASSERT_NEAR(signed_volume(mesh), whole, 1e-9);
+  double last = 0;
+  int calls = 0;
+  const auto parts = decompose(mesh, {.parts = 8, .resolution = 50'000}, [&](double fraction) {
+    EXPECT_GE(fraction, last);
+    EXPECT_LE(fraction, 1);
+    last = fraction;
+    ++calls;
+    return true;
+  });
+  ASSERT_TRUE(parts);
+  EXPECT_GT(calls, 0);
+  EXPECT_GT(parts->parts.size(), 1u);
+  EXPECT_LE(parts->parts.size(), 8u);
+  const PartsReport report = measure(mesh, *parts, 1);
+  EXPECT_EQ(report.parts, parts->parts.size());
+  EXPECT_NEAR(*report.volume_ratio(), 1, 0.05);
+  EXPECT_LT(report.error_mean_m, 5e-4);
+  EXPECT_LT(report.error_p95_m, 2e-3);
+  EXPECT_GE(report.error_p95_m, report.error_mean_m);
+  EXPECT_GE(report.error_max_m, report.error_p95_m);
+  EXPECT_GT(report.internal_share, 0.05);
+  EXPECT_LT(report.internal_share, 0.7);
+
+  // The same bytes again, and by another seed nearly the same figures.
+  const auto again = decompose(mesh, {.parts = 8, .resolution = 50'000});
+  ASSERT_EQ(again->parts.size(), parts->parts.size());
+  for (std::size_t i = 0; i < parts->parts.size(); ++i)
+    EXPECT_EQ(again->parts[i].mesh.positions, parts->parts[i].mesh.positions);
+  EXPECT_EQ(measure(mesh, *again, 1).error_mean_m, report.error_mean_m);
+  EXPECT_NE(measure(mesh, *again, 2).error_mean_m, report.error_mean_m);
+  EXPECT_NEAR(measure(mesh, *again, 2).error_mean_m, report.error_mean_m, 0.1 * report.error_mean_m + 1e-6);
+}
+
+TEST(Decompose, TakesOpenAndCrossingMeshes) {
+  NEEDS_VHACD();
+  // A torus with a hole in it, and one that passes through another.
+  Mesh open = test::torus(0.05, 0.02, 24);
+  const double whole = signed_volume(open);
+  open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 6);
+  const auto holed = decompose(weld(open), {.parts = 16, .resolution = 30'000});
+  ASSERT_TRUE(holed);
+  EXPECT_NEAR(measure(weld(open), *holed, 0).union_volume_m3 / whole, 1, 0.25);
+  EXPECT_FALSE(measure(weld(open), *holed, 0).mesh_volume_m3);
+
+  Mesh crossing = test::torus(0.05, 0.02, 24);
+  append(crossing, test::transformed(crossing, [](const Vec3& p) { return Vec3(p.x + 0.05, p.z, p.y); }));
+  const auto crossed = decompose(crossing, {.parts = 32, .resolution = 30'000});
+  ASSERT_TRUE(crossed);
+  const double volume = measure(crossing, *crossed, 0).union_volume_m3;
+  EXPECT_GT(volume, 1.5 * whole);
+  EXPECT_LT(volume, 2.2 * whole);
+}
+
+TEST(Decompose, StopsWhenToldTo) {
+  NEEDS_VHACD();
+  int calls = 0;
+  EXPECT_FALSE(decompose(test::torus(0.05, 0.02, 32), {.resolution = 100'000}, [&](double) { return ++calls < 2; }));
+  EXPECT_EQ(calls, 2);
+}
+
+}  // namespace
+}  // namespace palpa::geometry
