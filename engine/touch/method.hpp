@@ -1,7 +1,7 @@
 // Methods: how a finger's cross-section becomes foci, and which of them sound together. docs/methods.md compares them.
 //
 // A method is one function in a file of its own, method_NAME.cpp; place_foci picks by name. All of them run on the host
-// between the foci of SectionsPass and the schedule, on either backend, and allocate nothing once their output has
+// between the foci of FociPass and the schedule, on either backend, and allocate nothing once their output has
 // grown. What order the foci play in, for how long and how loud is the schedule's business (array/schedule.hpp).
 #pragma once
 

@@ -1,4 +1,4 @@
-// The paper's method: the centroids of the cross-section's sectors, Eq. (5)-(7). SectionsPass and its twin have found
+// The paper's method: the centroids of the cross-section's sectors, Eq. (5)-(7). FociPass and its twin have found
 // them already; only for another number of foci are the sectors cut anew here.
 #include <array>
 #include <numbers>

@@ -15,6 +15,7 @@
 #include "sensing/rig.hpp"
 #include "support/device.hpp"
 #include "support/shared_data.hpp"
+#include "touch/method.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::session {
@@ -185,8 +186,11 @@ touch::Touch touch_on_device(const Seen& seen) {
 /// Every finger sounds in every slot with one focus of its own, on its own skin, and in ten slots with all of them.
 void expect_own_foci(const touch::Touch& touch) {
   array::Schedule schedule;
-  for (std::uint32_t f = 0; f < touch.finger_count; ++f)
-    array::make_voice(touch.fingers[f], f, {}, schedule.add_voice());
+  touch::Placement placement;
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+    touch::place_foci(touch, touch.fingers[f], {}, placement);
+    array::make_voice(placement, f, touch.fingers[f].solid, {}, schedule.add_voice());
+  }
   std::vector<std::vector<Vec3>> played(touch.finger_count);
   for (std::uint64_t slot = 0; slot < 10; ++slot) {
     std::vector<array::SlotFocus> foci;

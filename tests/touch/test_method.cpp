@@ -6,6 +6,8 @@
 #include <numbers>
 #include <random>
 
+#include "touch/foci.hpp"
+#include "touch/frames.hpp"
 #include "touch/harness.hpp"
 #include "touch/method.hpp"
 
@@ -46,7 +48,8 @@ struct Ring {
     out.fingers[0].contact_count = static_cast<std::uint32_t>(count);
     Parameters parameters;
     parameters.foci = foci;
-    find_sections(parameters, out);
+    find_frames(out);
+    find_foci(parameters, {}, out);
     return out;
   }
 };
