@@ -179,7 +179,8 @@ TEST(Loop, ABrokenLinkEndsTheLoopAndIsReported) {
 TEST(Loop, AnErrorOfAnObserverIsReportedToo) {
   Loop loop;
   loop.observers.record = [](const sensing::FrameSet& set) {
-    if (set.sequence == 3) throw failure("recording: no space left on device");
+    // Not "== 3": a recorder that is late gets a newer one.
+    if (set.sequence >= 3) throw failure("recording: no space left on device");
   };
   EXPECT_EQ(loop.fault(), "recording: no space left on device");
   EXPECT_TRUE(loop.link.ended_silent());
