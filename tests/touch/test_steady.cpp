@@ -116,7 +116,7 @@ double unevenness(const Finger& finger) {
   for (const Focus& focus : finger.foci) {
     if (focus.points) foci.push_back(focus.position);
   }
-  EXPECT_GE(foci.size(), 8u);
+  EXPECT_GE(foci.size(), 7u);
   double least = 1e300, most = 0;
   for (std::size_t n = 0; n < foci.size(); ++n) {
     const double gap = glm::distance(foci[n], foci[(n + 1) % foci.size()]);
