@@ -235,7 +235,7 @@ const std::vector<Case> cases{
      [](GltfBuilder& b) {
        b.doc["nodes"][0]["translation"] = {1e308, 0, 0};
      },
-     "is flat"},  // so far out its two ends are in one place
+     "kilometre"},  // so far out its two ends are in one place
     {"TranslationFar",
      [](GltfBuilder& b) {
        b.doc["nodes"][0]["translation"] = {1e6, 0, 0};
