@@ -100,7 +100,7 @@ struct ContactRecord {
   uint solid;
   float depth;
   uint finger;  // index, or no_finger
-  uint chain;   // what the sections pass keeps for itself, see sections.comp; no_finger before
+  uint unused0;
 };
 PALPA_CHECK_SIZE(ContactRecord, 32);
 PALPA_CHECK_OFFSET(ContactRecord, point, 12);

@@ -1,4 +1,4 @@
-// Shared by engine/array/drive_pass.cpp, shaders/drive_focus.comp and shaders/drive_sum.comp.
+// Shared by engine/array/drive_pass.cpp and shaders/drive_*.comp; its structs also by the solvers' (solve.h).
 #ifndef PALPA_SHADERS_DRIVE_H
 #define PALPA_SHADERS_DRIVE_H
 #include "shared.h"
@@ -11,12 +11,14 @@ PALPA_CONST drive_each = 8u;
 PALPA_CONST drive_slots_per_group = 64u;
 PALPA_CONST drive_sum_each = 4u;  // the same for drive_sum
 
-// Bindings of both.
+// Bindings of all.
 PALPA_CONST drive_transducers = 0u;  // DrivePoint[]
 PALPA_CONST drive_foci = 1u;         // DriveFocus[]
 PALPA_CONST drive_slots = 2u;        // DriveSlot[]
 PALPA_CONST drive_drives = 3u;       // DriveOut[]: slots x transducers
 PALPA_CONST drive_buffers = 4u;
+PALPA_CONST drive_weights = 4u;  // of drive_weighted only: vec4 per focus, its plain and its heard factor
+PALPA_CONST drive_weighted_buffers = 5u;
 
 // Weightings and constraints, as in engine/array/drive.hpp.
 PALPA_CONST drive_by_distance = 0u;
@@ -24,6 +26,8 @@ PALPA_CONST drive_by_nothing = 1u;
 PALPA_CONST drive_normalise = 0u;
 PALPA_CONST drive_uniform = 1u;
 PALPA_CONST drive_clamp = 2u;
+
+PALPA_CONST drive_unsolved = 0xffffffffu;
 
 // A place in wavelengths, as a multiple of 1/16 plus a rest: the squared difference of two such coarse parts is exact
 // in float up to 256 wavelengths, so that a phase hundreds of turns away is as exact as a near one.
@@ -43,10 +47,11 @@ PALPA_CHECK_SIZE(DriveFocus, 32);
 PALPA_CHECK_OFFSET(DriveFocus, fine, 16);
 
 struct DriveSlot {
-  uint first;  // of its foci
-  uint count;  // 0: silence
-  float gain;  // shared by all of its foci, 0..1
-  uint unused;
+  uint first;   // of its foci
+  uint count;   // 0: silence
+  float gain;   // shared by all of its foci, 0..1
+  uint solved;  // drive_unsolved: the plain sum of its foci; else where its matrix begins, in entries, or with greedy
+                // anything
 };
 PALPA_CHECK_SIZE(DriveSlot, 16);
 PALPA_CHECK_OFFSET(DriveSlot, gain, 8);

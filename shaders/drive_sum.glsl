@@ -1,4 +1,5 @@
 // Slots of several foci: each workgroup sums one slot's foci at every transducer, finds the largest sum and scales by it.
+// With DRIVE_WEIGHTED defined, those slots whose foci have complex factors; without, the others.
 #include "drive.h"
 #include "drive_phase.glsl"
 
@@ -8,13 +9,20 @@ layout(std430, set = 0, binding = drive_transducers) readonly buffer Transducers
 layout(std430, set = 0, binding = drive_foci) readonly buffer Foci { DriveFocus foci[]; };
 layout(std430, set = 0, binding = drive_slots) readonly buffer Slots { DriveSlot slots[]; };
 layout(std430, set = 0, binding = drive_drives) buffer Drives { DriveOut drives[]; };
+#ifdef DRIVE_WEIGHTED
+layout(std430, set = 0, binding = drive_weights) readonly buffer Weights { vec4 weights[]; };
+#endif
 layout(push_constant) uniform Push { DrivePush push; };
 
 shared float largest[drive_group];
 
 void main() {
   const DriveSlot slot = slots[gl_WorkGroupID.x];
-  if (slot.count < 2u) return;
+#ifdef DRIVE_WEIGHTED
+  if (slot.count < 2u || slot.solved == drive_unsolved) return;
+#else
+  if (slot.count < 2u || slot.solved != drive_unsolved) return;
+#endif
   const uint base = gl_WorkGroupID.x * push.transducers;
   const uint thread = gl_LocalInvocationIndex;
   const bool even = push.weighting != drive_by_distance;
@@ -33,13 +41,21 @@ void main() {
     }
     for (uint j = 0u; j < slot.count; ++j) {
       const DriveFocus focus = foci[slot.first + j];
+#ifdef DRIVE_WEIGHTED
+      const vec4 weight = weights[slot.first + j];
+#endif
       for (uint k = 0u; k < drive_sum_each; ++k) {
         const Path p = path(coarse[k], fine[k], focus.coarse, focus.fine);
         const float phase = phase_of(p.turns);
         const float amplitude = even || focus.coarse.w == 0.0 ? 1.0 : min(p.distance * focus.coarse.w, 1.0);
         const vec2 asked = vec2(cos(phase), sin(phase)) * amplitude;
+#ifdef DRIVE_WEIGHTED
+        plain[k] += vec2(weight.x * asked.x - weight.y * asked.y, weight.x * asked.y + weight.y * asked.x);
+        heard[k] += vec2(weight.z * asked.x - weight.w * asked.y, weight.z * asked.y + weight.w * asked.x);
+#else
         plain[k] += asked;
         heard[k] += asked * focus.fine.w;
+#endif
       }
     }
     for (uint k = 0u; k < drive_sum_each; ++k) {

@@ -51,6 +51,24 @@ PALPA_CONST select_contacts = 4u;
 PALPA_CONST select_header = 5u;   // TouchHeader
 PALPA_CONST select_fingers = 6u;  // FingerRecord[fingers_most]
 PALPA_CONST fingers_select_buffers = 7u;
+// And fingers_gather.
+PALPA_CONST gather_total = 0u;
+PALPA_CONST gather_contacts = 1u;
+PALPA_CONST gather_deep_total = 2u;
+PALPA_CONST gather_deep = 3u;
+PALPA_CONST gather_inside_total = 4u;  // ScanTotal of the contacts and deep points
+PALPA_CONST gather_inside = 5u;        // ContactRecord[]: the contacts, then the deep points, `finger` fingers_deep
+PALPA_CONST fingers_gather_buffers = 6u;
+PALPA_CONST fingers_deep = 0xfffffffeu;
+
+struct GatherPush {
+  uint most_contacts;
+  uint most_deep;
+  uint unused0;
+  uint unused1;
+};
+PALPA_CHECK_SIZE(GatherPush, 16);
+PALPA_CHECK_OFFSET(GatherPush, most_deep, 4);
 
 struct FingersPush {
   float cells_per_metre;
@@ -131,14 +149,23 @@ struct FingerRecord {
   uint solid;
   uint contacts;
   uint point_like;
+  uint id;     // stays the same while the finger is followed
+  uint start;  // of its contacts among those in order of their fingers
+  uint foci;
+  uint unused0;
   vec4 centre;
   vec4 axis1;  // w: eigenvalue
   vec4 axis2;
   vec4 axis3;
+  vec4 turn;  // cosine and sine of the angle from axis1 to the principal direction, towards axis2
+  vec4 mean;  // the centroid relative to the first contact, to more digits than `centre` has
 };
-PALPA_CHECK_SIZE(FingerRecord, 80);
-PALPA_CHECK_OFFSET(FingerRecord, centre, 16);
-PALPA_CHECK_OFFSET(FingerRecord, axis3, 64);
+PALPA_CHECK_SIZE(FingerRecord, 128);
+PALPA_CHECK_OFFSET(FingerRecord, start, 20);
+PALPA_CHECK_OFFSET(FingerRecord, centre, 32);
+PALPA_CHECK_OFFSET(FingerRecord, axis3, 80);
+PALPA_CHECK_OFFSET(FingerRecord, turn, 96);
+PALPA_CHECK_OFFSET(FingerRecord, mean, 112);
 
 PALPA_SHADER_END
 #endif

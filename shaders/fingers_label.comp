@@ -6,8 +6,10 @@
 
 // Every contact's parent becomes its cluster's root; at the root: the cluster's smallest contact and its size.
 layout(local_size_x = 128) in;
+layout(constant_id = 0) const bool inside = false;  // deep points are clustered too: they count for no size
 
 layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = fingers_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
 layout(std430, set = 0, binding = fingers_places) readonly buffer Places { uint places[]; };
 layout(std430, set = 0, binding = fingers_heads) readonly buffer Heads { uint heads[]; };
 layout(std430, set = 0, binding = fingers_parents) coherent buffer Parents { uint parents[]; };
@@ -23,6 +25,6 @@ void main() {
     for (uint step = 0u; step < count && parents[root] != root; ++step) root = parents[root];
     parents[i] = root;
     if (clusters[root].smallest > i) atomicMin(clusters[root].smallest, i);
-    atomicAdd(clusters[root].size, 1u);
+    if (!inside || contacts[i].finger != fingers_deep) atomicAdd(clusters[root].size, 1u);
   }
 }

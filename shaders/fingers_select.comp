@@ -49,7 +49,9 @@ void main() {
   for (uint i = first; i < last && finger < min(end, fingers_most); ++i) {
     const uint size = size_from(i);
     if (size < least) continue;
-    fingers[finger] = FingerRecord(i, contacts[i].solid, size, 0u, vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+    fingers[finger].first = i;
+    fingers[finger].solid = contacts[i].solid;
+    fingers[finger].contacts = size;
     ++finger;
   }
   if (thread == fingers_select_group - 1u) {

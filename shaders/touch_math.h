@@ -23,6 +23,10 @@ inline uint floatBitsToUint(float value) {
 PALPA_SHADER_BEGIN
 #endif
 
+struct Float2 {
+  float x, y;
+};
+
 struct Float3 {
   float x, y, z;
 };
@@ -44,6 +48,16 @@ PALPA_FN float dot3(Float3 a, Float3 b) {
 PALPA_FN float product(float a, float b) {
   PALPA_EXACT float p = a * b;
   return p;
+}
+
+PALPA_FN float plus(float a, float b) {
+  PALPA_EXACT float sum = a + b;
+  return sum;
+}
+
+PALPA_FN float less(float a, float b) {
+  PALPA_EXACT float difference = a - b;
+  return difference;
 }
 
 // By the bits: a compiler may assume that comparisons never meet a NaN.
@@ -242,54 +256,6 @@ PALPA_FN Axes principal_axes(Sym3 m) {
 PALPA_CONST point_like_contacts = 3u;
 PALPA_FN bool is_point_like(uint contacts, float l1, float l2) {
   return contacts < point_like_contacts || l1 <= 1e-14f || l2 <= 1e-6f * l1;
-}
-
-// ---- foci ----
-
-// Eq. (5), its second coordinate turned over: angles of (x, y) run clockwise seen from the tip of w3, so y counts
-// against w2.
-struct Float2 {
-  float x, y;
-};
-PALPA_FN Float2 on_plane(Axes axes, Float3 from_centroid, float scale1, float scale2) {
-  PALPA_EXACT Float2 r;
-  r.x = dot3(axes.w1, from_centroid) * scale1;
-  r.y = -(dot3(axes.w2, from_centroid) * scale2);
-  return r;
-}
-
-// Angles in [pi, 2 pi).
-PALPA_FN bool in_second_half(Float2 p) {
-  return p.y < 0.0f || (p.y == 0.0f && p.x < 0.0f);
-}
-
-// Whether p's angle is at least the border's, both in [0, 2 pi): no arctangent, so no disagreement about its last
-// digits.
-PALPA_FN bool reaches(Float2 p, Float2 border) {
-  const bool second = in_second_half(p);
-  const bool border_second = in_second_half(border);
-  PALPA_EXACT float turn = border.x * p.y - border.y * p.x;
-  return second == border_second ? turn >= 0.0f : second;
-}
-
-// Sector sums are integers, whose order does not matter. The steps are as fine as 31 bits allow: the sum of all
-// distances from the centroid is at most contacts * sqrt(l1 + l2 + l3) (Cauchy-Schwarz), and stays below 2^30 steps.
-PALPA_FN float steps_per_metre(uint contacts, Axes axes) {
-  PALPA_EXACT float reach = float(contacts) * sqrt(axes.l1 + axes.l2 + axes.l3);
-  PALPA_EXACT float steps = 1.0e9f / reach;
-  return steps;
-}
-
-PALPA_FN int in_steps(float metres, float steps) {
-  PALPA_EXACT float scaled_up = metres * steps;
-  return int(floor(scaled_up + 0.5f));
-}
-
-// The mean is the centroid relative to the origin, so that a position's digits are lost only once.
-PALPA_FN float focus_coordinate(float origin, float mean, int sum, uint points, float steps) {
-  PALPA_EXACT float offset = float(sum) / (float(points) * steps);
-  PALPA_EXACT float coordinate = origin + (mean + offset);
-  return coordinate;
 }
 
 PALPA_SHADER_END

@@ -25,6 +25,7 @@ Vec3 point(const std::string& option, const std::string& text) {
 void add_options(CLI::App& app, Options& o) {
   cli::add_touch_input(app, o.input);
   cli::add_touch_options(app, o.touch);
+  cli::add_felt_options(app, o.felt);
   const cli::Group array(app, "Array");
   array.text("--layout", o.layout, "NAME|FILE",
              "array to draw: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML");
@@ -76,6 +77,9 @@ void check(const Options& o) {
   if (has_skin(o)) {
     cli::check(o.input);
     cli::check(o.touch);
+    cli::check(o.felt, o.touch);
+  } else if (o.felt.spectrum) {
+    throw bad_usage("--spectrum goes with --points or --depth: it is of a touch");
   } else if (!o.input.cameras.empty() || !o.input.rig.empty()) {
     throw bad_usage("--camera and --rig go with --depth: give the depth images");
   }

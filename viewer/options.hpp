@@ -18,6 +18,7 @@ struct Options {
   cli::CommonOptions common;
   cli::TouchInputOptions input;  ///< all of it may be absent where there is a layout
   cli::TouchOptions touch;
+  cli::FeltOptions felt;
   cli::DriveOptionsGroup drive;
   std::string layout;  ///< built-in name or file; empty: the rig's array where there is a rig, else none
 

@@ -9,66 +9,12 @@
 #include <numbers>
 #include <string_view>
 
-#include "viewer/font.hpp"
+#include "viewer/chart.hpp"
+#include "viewer/ink.hpp"
 #include "viewer/palette.hpp"
 
 namespace palpa::viewer {
 namespace {
-
-enum class Align { left, centre, right };
-
-/// Strokes in pixels; sizes are given in points.
-class Ink {
- public:
-  Ink(double ratio, const Colour& paper, std::vector<shader::ViewStroke>& strokes)
-      : ratio_(ratio), paper_(paper), strokes_(strokes) {}
-
-  double px(double points) const { return points * ratio_; }
-  void line(const Vec2& a, const Vec2& b, double width, const Colour& c) {
-    const auto f = [](double v) { return static_cast<float>(v); };
-    strokes_.push_back({{f(a.x), f(a.y), 0, f(px(width) / 2)}, {f(b.x), f(b.y), 0, 0}, {c.r, c.g, c.b, c.a}});
-  }
-  void disc(const Vec2& centre, double radius, const Colour& c) { line(centre, centre, 2 * radius, c); }
-  void ring(const Vec2& centre, double radius, double width, const Colour& c) {
-    constexpr int pieces = 40;
-    Vec2 last = centre + Vec2(px(radius), 0);
-    for (int i = 1; i <= pieces; ++i) {
-      const double a = 2 * std::numbers::pi * i / pieces;
-      const Vec2 next = centre + px(radius) * Vec2(std::cos(a), std::sin(a));
-      line(last, next, width, c);
-      last = next;
-    }
-  }
-  void swatch(const Vec2& centre, const Colour& fill, const Colour& border) {
-    const Vec2 half(px(4.5), 0);
-    line(centre - half, centre + half, 10, border);
-    line(centre - half, centre + half, 8, paper_);
-    line(centre - half, centre + half, 8, fill);
-  }
-  /// `at` is where the baseline begins, is centred or ends.
-  void text(std::string_view words, Vec2 at, double height, const Colour& c, Align align = Align::left,
-            double weight = 1) {
-    if (align != Align::left) at.x -= text_width(words, px(height)) * (align == Align::centre ? 0.5 : 1.0);
-    pen_.clear();
-    write_text(words, at, px(height), pen_);
-    for (const PenStroke& s : pen_)
-      line(s.from, s.to, weight * (0.55 + 0.088 * height), c);
-  }
-  /// Text with a border of the paper's colour, legible over anything.
-  void label(std::string_view words, Vec2 at, double height, const Colour& c, Align align = Align::left,
-             double weight = 1) {
-    text(words, at, height, paper_, align, 3.2 * weight);
-    text(words, at, height, c, align, weight);
-  }
-
- private:
-  double ratio_;
-  Colour paper_;
-  std::vector<shader::ViewStroke>& strokes_;
-  std::vector<PenStroke> pen_;
-};
-
-constexpr double text_size = 9.0;  // height of capitals, points
 
 struct Placed {
   Vec2 at;
@@ -101,7 +47,7 @@ void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, const
   const double radius = std::clamp(std::max(0.46 * nearest, 0.1 * span) / ink.px(1), 2.2, 10.5);
   const bool numbered = radius >= 6.0;
 
-  for (std::size_t i = 0; i < placed.size() && placed.size() > 1; ++i) {
+  for (std::size_t i = 0; i < placed.size() && placed.size() > 1 && !finger.together; ++i) {
     ink.line(placed[i].at, placed[(i + 1) % placed.size()].at, 1.3, with_alpha(mix(colour, theme.ink, 0.25f), 0.75f));
   }
   std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) { return a.depth > b.depth; });
@@ -109,13 +55,13 @@ void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, const
   std::stable_partition(placed.begin(), placed.end(), [&](const Placed& p) { return finger.running != p.index; });
   for (const Placed& p : placed) {
     const FocusMark& focus = finger.foci[p.index];
-    const bool running = finger.running == p.index;
+    const bool running = finger.together || finger.running == p.index;
     if (!focus.own && !running) continue;
     if (running) ink.disc(p.at, radius + 5.5, with_alpha(colour, 0.30f));
     ink.disc(p.at, radius + (running ? 1.6 : 0.9), theme.background);
     ink.disc(p.at, radius + (running ? 0.8 : 0.1), colour);
     if (!running) ink.disc(p.at, radius - std::min(1.6, 0.4 * radius), rgb(0xffffff));
-    if (numbered && focus.own) {
+    if (numbered && focus.own && !finger.together) {
       const std::string number = fmt::format("{}", focus.number);
       const double size = number.size() > 1 ? radius * 0.80 : radius * 0.95;
       ink.text(number, p.at + Vec2(0, ink.px(size / 2)), size, running ? rgb(0xffffff) : rgb(0x1f2933), Align::centre,
@@ -175,7 +121,7 @@ void draw_legend(Ink& ink, const Picture& picture, const Theme& theme) {
     ink.disc(middle() + Vec2(ink.px(5), 0), 3.5, rgb(0xffffff));
     const auto own = std::count_if(finger.foci.begin(), finger.foci.end(), [](const FocusMark& m) { return m.own; });
     std::string foci = counted(static_cast<std::size_t>(own), "focus");
-    if (own != 1) foci = fmt::format("{} foci in order", own);
+    if (own != 1) foci = fmt::format("{} foci {}", own, finger.together ? "at once" : "in order");
     entry(fmt::format("finger {}: {}, {}", f + 1, counted(finger.contacts, "contact"), foci));
   }
   if (picture.fingers.size() > most_fingers)
@@ -282,6 +228,7 @@ void build_overlay(const Picture& picture, const Camera& camera, const OverlayOp
   if (picture.driven) draw_drive_wheel(ink, picture, options.width, theme);
   draw_axes(ink, camera, options.height);
   draw_scale(ink, camera, options, theme);
+  draw_chart(ink, picture, options.width, options.height, theme);
 }
 
 }  // namespace palpa::viewer

@@ -40,17 +40,27 @@ void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::
   }
 }
 
-void show_schedule(Picture& picture, const array::Schedule& schedule, const touch::Touch& touch) {
-  const std::size_t count = std::min<std::size_t>({schedule.voice_count, picture.fingers.size(), touch.finger_count});
+void show_schedule(Picture& picture, const array::Schedule& schedule, std::span<const touch::Placement> placements) {
+  const std::size_t count = std::min({std::size_t{schedule.voice_count}, picture.fingers.size(), placements.size()});
   for (std::size_t f = 0; f < count; ++f) {
     const array::Voice& voice = schedule.voices[f];
-    const touch::Finger& finger = touch.fingers[f];
     auto& foci = picture.fingers[f].foci;
+    picture.fingers[f].together = placements[f].together;
     foci.clear();
     for (const std::uint32_t sector : voice.order) {
-      const bool own = finger.point_like || (sector < finger.foci.size() && finger.foci[sector].points > 0);
+      // Of foci that sound together, empty sectors are left out already.
+      const bool own = placements[f].together || placements[f].has(sector);
       foci.push_back({glm::vec3(voice.foci[sector]), static_cast<std::uint32_t>(foci.size() + 1), own});
     }
+  }
+}
+
+void show_spectra(Picture& picture, std::span<const array::Spectrum> spectra) {
+  picture.spectra.clear();
+  for (const array::Spectrum& spectrum : spectra) {
+    std::vector<SpectrumMark>& marks = picture.spectra.emplace_back();
+    for (const array::Line& line : spectrum.lines)
+      marks.push_back({line.frequency_hz, line.around, line.around * array::skin_sensitivity(line.frequency_hz)});
   }
 }
 

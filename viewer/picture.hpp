@@ -12,11 +12,13 @@
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
+#include "array/spectrum.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
 #include "sensing/skin.hpp"
+#include "touch/method.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::viewer {
@@ -47,6 +49,14 @@ struct FingerMarks {
   std::vector<FocusMark> foci;  ///< as they play; joined by a line in this order
   /// Index into `foci` of the focus that sounds now, highlighted.
   std::optional<std::uint32_t> running;
+  bool together = false;  ///< all of them sound now
+};
+
+/// One line of what skin feels in time, by the mean pressure.
+struct SpectrumMark {
+  double frequency_hz = 0;
+  double pressure = 0;  ///< its amplitude around the perimeter
+  double felt = 0;      ///< the same by how sensitive skin is to it
 };
 
 struct TransducerMark {
@@ -75,8 +85,9 @@ struct Picture {
   bool driven = false;  ///< transducers have a drive; otherwise they are drawn idle
   std::vector<BoardMark> boards;
   std::vector<CameraMark> cameras;
-  bool dark = false;   ///< dark-neutral instead of white background
-  bool legend = true;  ///< title, legend, axes and scale
+  std::vector<std::vector<SpectrumMark>> spectra;  ///< one per finger, drawn as a chart; or none
+  bool dark = false;                               ///< dark-neutral instead of white background
+  bool legend = true;                              ///< title, legend, axes and scale
   bool grid = true;
 };
 
@@ -86,8 +97,10 @@ void show_solids(Picture& picture, std::span<const geometry::Solid> solids);
 /// `points` in ascending order of index; those that are contacts are drawn as contacts only.
 void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::span<const sensing::SkinPoint> points,
                 const touch::Touch& touch);
-/// Foci in playing order, one voice per finger of `show_touch` and in its order.
-void show_schedule(Picture& picture, const array::Schedule& schedule, const touch::Touch& touch);
+/// Foci in playing order, one voice and one placement per finger of `show_touch` and in its order.
+void show_schedule(Picture& picture, const array::Schedule& schedule, std::span<const touch::Placement> placements);
+/// What skin feels of each finger, in the order of `show_touch`.
+void show_spectra(Picture& picture, std::span<const array::Spectrum> spectra);
 /// Which focus sounds in `slot`; the counter never restarts.
 void show_slot(Picture& picture, const array::Schedule& schedule, std::uint64_t slot);
 /// `layout` posed in the world.

@@ -119,6 +119,7 @@ void Scene::update_marks(const Picture& picture) {
   picture_.transducers = picture.transducers;
   picture_.driven = picture.driven;
   picture_.cameras = picture.cameras;
+  picture_.spectra = picture.spectra;
   picture_.dark = picture.dark;
   picture_.legend = picture.legend;
   picture_.grid = picture.grid;

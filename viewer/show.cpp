@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "cli/set_up.hpp"
 #include "cli/touch_run.hpp"
+#include "cli/touch_schedule.hpp"
 #include "geometry/ply.hpp"
 #include "sensing/rig.hpp"
 
@@ -55,13 +56,14 @@ void Show::load_objects(const Options& options) {
                                  ? cli::touch_on_cpu(input, parameters, times)
                                  : cli::touch_on_gpu(cli::device_options(options.common), input, parameters, times);
   show_touch(picture_, input.solids, points_near(input), touch);
-  array::VoiceOptions voice;
-  voice.stride = options.touch.stride;
-  voice.dwell_s = options.touch.dwell_s;
-  schedule_.slot_s = options.touch.dwell_s;
-  for (std::uint32_t f = 0; f < touch.finger_count; ++f)
-    array::make_voice(touch.fingers[f], f, voice, schedule_.add_voice());
-  show_schedule(picture_, schedule_, touch);
+  const std::vector<cli::FingerSchedule> fingers =
+      cli::schedule_fingers(touch, input.solids, options.touch, options.felt);
+  schedule_ = cli::make_schedule(touch, input.solids, fingers, options.touch);
+  std::vector<touch::Placement> placements;
+  for (const cli::FingerSchedule& finger : fingers)
+    placements.push_back(finger.placement);
+  show_schedule(picture_, schedule_, placements);
+  if (options.felt.spectrum) show_spectra(picture_, cli::spectra_of(schedule_, options.felt));
   if (options.show_cameras) show_cameras(picture_, input.cameras);
 }
 

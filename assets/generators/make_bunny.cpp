@@ -1,4 +1,4 @@
-// make_bunny BUNNY.js FOLDER: writes the bunny 100 mm high as bunny.glb and, as two-fingers.ply, one finger that
+// make_bunny BUNNY.js FOLDER: writes the bunny 100 mm high as bunny.glb and, as fingers.ply, one finger that
 // presses its back from above and one that presses an ear from the side.
 #include <filesystem>
 
@@ -21,6 +21,6 @@ int main(int argc, char** argv) {
     palpa::geometry::append(
         both, palpa::assets::press_finger(finger, bunny.mesh, Vec3(-0.035, 0.089, -0.028), Vec3(1, -0.2, -0.2), 0.003));
     palpa::geometry::write_glb(folder / "bunny.glb", {&bunny, 1});
-    palpa::geometry::write_ply(folder / "two-fingers.ply", both.positions, both.triangles);
+    palpa::geometry::write_ply(folder / "fingers.ply", both.positions, both.triangles);
   });
 }

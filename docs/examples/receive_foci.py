@@ -19,8 +19,10 @@ while True:
         if time.monotonic() - heard > 0.1:
             fingers = []  # palpa is gone: be silent
     for finger in fingers:
-        x, y, z = finger["foci_m"][finger["order"][slot % len(finger["order"])]]
+        step = finger["order"][slot % len(finger["order"])]
         dwell_s = finger["dwell_s"]
-        print(f"slot {slot}: finger {finger['id']} on {finger['solid']}: focus at {x:.4f} {y:.4f} {z:.4f} m")
+        for focus in step if isinstance(step, list) else [step]:  # a list: foci that sound together
+            x, y, z = finger["foci_m"][focus]
+            print(f"slot {slot}: finger {finger['id']} on {finger['solid']}: focus at {x:.4f} {y:.4f} {z:.4f} m")
     slot += 1
     time.sleep(dwell_s)

@@ -7,13 +7,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "array/greedy.hpp"
 #include "base/error.hpp"
 
 namespace palpa::array {
 namespace {
 
 using Complex = std::complex<double>;
-using Source = DriveScratch::Source;
+using Source = FocusSource;
 
 /// The largest float that is not above pi: pi itself rounds up.
 constexpr float float_pi = 3.1415925f;
@@ -58,29 +59,76 @@ void drive_one(const Layout& layout, const Source& source, const DriveOptions& o
   }
 }
 
-void drive_several(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out,
-                   DriveScratch& scratch) {
-  const std::vector<Source>& sources = scratch.sources;
-  std::vector<Complex>& sums = scratch.sums;
-  sums.assign(out.size(), 0);
-  double shared_gain = 0;
+double shared_gain_of(const std::vector<Source>& sources) {
+  double shared = 0;
   for (const Source& source : sources)
-    shared_gain = std::max(shared_gain, source.gain);
+    shared = std::max(shared, source.gain);
+  return shared;
+}
+double relative_gain(const Source& source, double shared) {
+  return shared > 0 ? source.gain / shared : 1.0;
+}
+
+/// The sums of every transducer and the largest of the plain ones.
+double sum_naively(const Layout& layout, const DriveOptions& options, DriveScratch& scratch, double shared) {
   double largest = 0;
-  for (std::size_t t = 0; t < out.size(); ++t) {
+  for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
     Complex plain = 0;
-    for (const Source& source : sources) {
+    for (const Source& source : scratch.sources) {
       const double distance = glm::distance(layout.transducers[t].position, source.position);
       const Complex asked = std::polar(asked_amplitude(distance, source.reach, options.weighting),
                                        2 * std::numbers::pi * delay_turns(distance, options.medium));
       plain += asked;
-      sums[t] += (shared_gain > 0 ? source.gain / shared_gain : 1.0) * asked;
+      scratch.sums[t] += relative_gain(source, shared) * asked;
     }
     largest = std::max(largest, std::abs(plain));
   }
+  return largest;
+}
+
+/// The same with the factors of gs_pat.
+double sum_weighted(const DriveOptions& options, DriveScratch& scratch) {
+  const Pairs& pairs = scratch.pairs;
+  scratch.weights.resize(pairs.foci);
+  gs_pat(pairs, scratch.gains, options.constraint, scratch.weights, scratch.gs_pat);
+  double largest = 0;
+  for (std::size_t t = 0; t < pairs.transducers; ++t) {
+    Complex plain = 0;
+    for (std::size_t j = 0; j < pairs.foci; ++j) {
+      const Complex asked = pairs.ask(t * pairs.foci + j);
+      plain += scratch.weights[j].plain * asked;
+      scratch.sums[t] += scratch.weights[j].heard * asked;
+    }
+    largest = std::max(largest, std::norm(plain));
+  }
+  return std::sqrt(largest);
+}
+
+void drive_greedily(std::span<TransducerDrive> out, DriveScratch& scratch, double shared) {
+  scratch.phases.resize(out.size());
+  greedy(scratch.pairs, scratch.gains, scratch.phases);
   for (std::size_t t = 0; t < out.size(); ++t) {
-    const double amplitude = constrained(std::abs(sums[t]), largest, options.constraint);
-    out[t] = {as_amplitude(amplitude * shared_gain), as_phase(std::arg(sums[t]))};
+    const double turns = static_cast<double>(scratch.phases[t]) / greedy_phases;
+    out[t] = {as_amplitude(shared), as_phase(2 * std::numbers::pi * (turns > 0.5 ? turns - 1 : turns))};
+  }
+}
+
+void drive_several(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out,
+                   DriveScratch& scratch) {
+  const double shared = shared_gain_of(scratch.sources);
+  const bool solved = options.solver != Solver::naive && scratch.sources.size() <= most_solved_foci;
+  if (solved) {
+    fill_pairs(layout, scratch.sources, options.medium, options.directivity, options.weighting, scratch.pairs);
+    scratch.gains.clear();
+    for (const Source& source : scratch.sources)
+      scratch.gains.push_back(relative_gain(source, shared));
+    if (options.solver == Solver::greedy) return drive_greedily(out, scratch, shared);
+  }
+  scratch.sums.assign(out.size(), 0);
+  const double largest = solved ? sum_weighted(options, scratch) : sum_naively(layout, options, scratch, shared);
+  for (std::size_t t = 0; t < out.size(); ++t) {
+    const double amplitude = constrained(std::abs(scratch.sums[t]), largest, options.constraint);
+    out[t] = {as_amplitude(amplitude * shared), as_phase(std::arg(scratch.sums[t]))};
   }
 }
 

@@ -14,7 +14,12 @@
 // The largest |S| knows no gains: normalising |G| by its own largest value would undo the modulation. A gain that all
 // foci share is therefore exactly one scalar over the whole drive, phases untouched; where fingers differ, each focus'
 // share of the sum is modulated, under `uniform` by way of the phases alone. One focus is exactly the paper's q_k times
-// its gain.
+// its gain, whatever the solver.
+//
+// That is the solver `naive`. The others choose how several foci share the array, and know what the foci do to each
+// other (docs/solvers.md): `gs_pat` gives each q_j complex factors, one set for S and one for G (gs_pat.hpp); `greedy`
+// chooses the phases of the transducers themselves, all at amplitude g (greedy.hpp). A slot of more than
+// most_solved_foci foci is `naive`'s under every solver.
 #pragma once
 
 #include <complex>
@@ -22,23 +27,18 @@
 #include <span>
 #include <vector>
 
+#include "array/constraint.hpp"
+#include "array/directivity.hpp"
+#include "array/gs_pat.hpp"
 #include "array/layout.hpp"
+#include "array/medium.hpp"
+#include "array/pairs.hpp"
 #include "base/math.hpp"
 
 namespace palpa::array {
 
-/// How the amplitude of one focus spreads over the transducers.
-enum class Weighting { distance, uniform };
-/// How summed amplitudes are brought into 0..1.
-enum class Constraint { normalise, uniform, clamp };
-
-struct Medium {
-  double sound_speed = 343.21;  ///< m/s; 20 degrees Celsius
-  double frequency = 40e3;      ///< Hz
-  double turns_per_metre() const { return frequency / sound_speed; }
-};
-/// c = 331.3 sqrt(1 + T/273.15), T in degrees Celsius. Throws bad_usage at or below absolute zero.
-double sound_speed_at(double celsius);
+/// How several foci share the array.
+enum class Solver { naive, gs_pat, greedy };
 
 /// One focus that sounds in a slot; several in one slot belong to different fingers.
 struct SlotFocus {
@@ -57,6 +57,8 @@ struct DriveOptions {
   Weighting weighting = Weighting::distance;
   Constraint constraint = Constraint::normalise;
   Medium medium;
+  Solver solver = Solver::naive;
+  Directivity directivity = Directivity::t4010a1;  ///< what the solvers reckon with; `naive` does not ask
 };
 
 /// Whether a focus can be driven: finite, its coordinates within 100 m. Others are left out of their slot.
@@ -67,13 +69,13 @@ float gain_of(const SlotFocus& focus);
 
 /// What drive_for works in. Kept from call to call it makes drive_for allocate nothing once it has grown.
 struct DriveScratch {
-  struct Source {
-    Vec3 position;
-    double reach;  ///< distance of the farthest transducer
-    double gain;   ///< 0..1
-  };
-  std::vector<Source> sources;
+  std::vector<FocusSource> sources;
   std::vector<std::complex<double>> sums;  ///< one per transducer
+  std::vector<FocusWeight> weights;
+  std::vector<double> gains;
+  std::vector<std::uint8_t> phases;
+  Pairs pairs;
+  GsPatScratch gs_pat;
 };
 
 /// The twin of DrivesPass, in double precision: the drive of one slot into `out`, one entry per transducer. No focus

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"
 #include "spirv/drive_focus.comp.hpp"
 #include "spirv/drive_sum.comp.hpp"
+#include "spirv/drive_weighted.comp.hpp"
 
 namespace palpa::array {
 
@@ -27,21 +30,32 @@ constexpr std::uint32_t most_groups = 65535;
 
 DrivesPass::DrivesPass(const gpu::Device& device)
     : focus_(device, "drive_focus", spirv::drive_focus_comp, {shader::drive_buffers, sizeof(shader::DrivePush)}),
-      sum_(device, "drive_sum", spirv::drive_sum_comp, {shader::drive_buffers, sizeof(shader::DrivePush)}) {}
+      sum_(device, "drive_sum", spirv::drive_sum_comp, {shader::drive_buffers, sizeof(shader::DrivePush)}),
+      weighted_(device, "drive_weighted", spirv::drive_weighted_comp,
+                {shader::drive_weighted_buffers, sizeof(shader::DrivePush)}) {}
 
 void DrivesPass::record(VkCommandBuffer commands, const DriveRefs& refs, const DriveBatch& batch) const {
   const shader::DrivePush push{batch.transducers, batch.slots, static_cast<std::uint32_t>(batch.weighting),
                                static_cast<std::uint32_t>(batch.constraint)};
+  // The kernels write different slots, but of one buffer, which nothing else tells apart.
+  bool first = true;
+  const auto apart = [&] {
+    if (!std::exchange(first, false)) gpu::compute_to_compute(commands);
+  };
+  const std::uint32_t groups = batch.transducers == 0 ? 0 : batch.slots;
   if (batch.single) {
+    apart();
     focus_.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives}, &push,
                     gpu::groups_for(batch.transducers, shader::drive_group * shader::drive_each),
                     gpu::groups_for(batch.slots, shader::drive_slots_per_group));
   }
-  // They write different slots, but of one buffer, which nothing else tells apart.
-  if (batch.single && batch.several) gpu::compute_to_compute(commands);
   if (batch.several) {
-    sum_.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives}, &push,
-                  batch.transducers == 0 ? 0 : batch.slots);
+    apart();
+    sum_.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives}, &push, groups);
+  }
+  if (batch.weighted) {
+    apart();
+    weighted_.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives, refs.weights}, &push, groups);
   }
 }
 
@@ -59,9 +73,10 @@ std::uint32_t DriveBuffers::fitting_slots(const gpu::Device& device, std::size_t
       std::min<std::uint64_t>(most_groups, device.limits().maxStorageBufferRange / bytes));
 }
 
-DriveBuffers::DriveBuffers(const gpu::Device& device, const Layout& layout, const Medium& medium,
+DriveBuffers::DriveBuffers(const gpu::Device& device, const Layout& layout, const DriveOptions& options,
                            std::uint32_t most_slots, std::uint32_t most_foci)
-    : turns_per_metre_(medium.turns_per_metre()), reach_(layout) {
+    : options_(options), reach_(layout) {
+  const double turns_per_metre = options.medium.turns_per_metre();
   const std::uint32_t fitting = fitting_slots(device, layout.transducers.size());
   if (most_slots > fitting || layout.transducers.size() > max_transducers) {
     throw bad_usage(fmt::format("{} slots of {} transducers exceed what {} holds in one buffer: at most {} slots",
@@ -75,14 +90,35 @@ DriveBuffers::DriveBuffers(const gpu::Device& device, const Layout& layout, cons
   const std::uint64_t drives = std::uint64_t{most_slots} * batch_.transducers;
   drives_ = gpu::Readback(device, drives * sizeof(TransducerDrive), "drives");
   std::ranges::transform(layout.transducers, transducers_.as<shader::DrivePoint>().begin(),
-                         [&](const Transducer& t) { return drive_point(t.position, turns_per_metre_); });
+                         [&](const Transducer& t) { return drive_point(t.position, turns_per_metre); });
+  if (options.solver != Solver::naive) {
+    solve_.transducers = batch_.transducers;
+    solve_.weighting = options.weighting;
+    solve_.constraint = options.constraint;
+    solve_.nearest = layout.transducer_radius_m * turns_per_metre;
+    axes_ = gpu::Upload(device, std::max(1U, batch_.transducers) * sizeof(shader::vec4), "transducer axes");
+    std::ranges::transform(layout.transducers, axes_.as<shader::vec4>().begin(), [](const Transducer& t) {
+      return shader::vec4{static_cast<float>(t.axis.x), static_cast<float>(t.axis.y), static_cast<float>(t.axis.z), 0};
+    });
+    const std::vector<std::uint32_t> table =
+        solver_directivity(options.directivity, 2 * std::numbers::pi * solve_.nearest);
+    directivity_ = gpu::Upload(device, table.size() * sizeof(table[0]), "directivity");
+    std::ranges::copy(table, directivity_.as<std::uint32_t>().begin());
+    // A slot of n foci has n * n entries, n being at most most_solved_foci.
+    const bool matrices = options.solver == Solver::gs_pat;
+    matrices_ = gpu::Buffer(device, matrices ? most_foci * most_solved_foci * 2 * sizeof(float) : 0, "focus matrices");
+    weights_ = gpu::Buffer(device, most_foci * sizeof(shader::vec4), "focus weights");
+  }
+  batch_.weighting = options.weighting;
+  batch_.constraint = options.constraint;
   clear();
 }
 
 void DriveBuffers::clear() {
   batch_.slots = 0;
-  batch_.single = batch_.several = false;
-  used_foci_ = 0;
+  batch_.single = batch_.several = batch_.weighted = false;
+  solve_.most_foci = 0;
+  used_foci_ = used_entries_ = 0;
 }
 
 bool DriveBuffers::add_slot(std::span<const SlotFocus> foci) {
@@ -95,13 +131,23 @@ bool DriveBuffers::add_slot(std::span<const SlotFocus> foci) {
   for (const SlotFocus& focus : foci) {
     if (drivable(focus)) shared = std::max(shared, gain_of(focus));
   }
-  slots[batch_.slots++] = {used_foci_, static_cast<std::uint32_t>(count), shared, 0};
-  (count > 1 ? batch_.several : batch_.single) = true;
+  const auto foci_here = static_cast<std::uint32_t>(count);
+  const bool solved = options_.solver != Solver::naive && count > 1 && count <= most_solved_foci;
+  slots[batch_.slots++] = {used_foci_, foci_here, shared, solved ? used_entries_ : shader::drive_unsolved};
+  if (count <= 1) {
+    batch_.single = true;
+  } else if (!solved) {
+    batch_.several = true;
+  } else {
+    batch_.weighted = options_.solver == Solver::gs_pat;
+    solve_.most_foci = std::max(solve_.most_foci, foci_here);
+    if (batch_.weighted) used_entries_ += foci_here * foci_here;
+  }
   for (const SlotFocus& focus : foci) {
     if (!drivable(focus)) continue;
-    const shader::DrivePoint point = drive_point(focus.position, turns_per_metre_);
+    const shader::DrivePoint point = drive_point(focus.position, options_.medium.turns_per_metre());
     shader::DriveFocus entry{point.coarse, point.fine};
-    const double reach = reach_.farthest(focus.position) * turns_per_metre_;
+    const double reach = reach_.farthest(focus.position) * options_.medium.turns_per_metre();
     // Nearer than any float tells apart from 0: as if at the focus.
     entry.coarse.w = reach > 1e-6 ? static_cast<float>(1 / reach) : 0;
     entry.fine.w = shared > 0 ? gain_of(focus) / shared : 1;
@@ -110,17 +156,29 @@ bool DriveBuffers::add_slot(std::span<const SlotFocus> foci) {
   return true;
 }
 
-void DriveBuffers::record(VkCommandBuffer commands, const DrivesPass& pass, Weighting weighting,
-                          Constraint constraint) {
+void DriveBuffers::record(VkCommandBuffer commands, const DrivePasses& passes) {
   // The batch before wrote and read the same memory; see gpu/barrier.hpp.
   gpu::compute_to_compute(commands);
-  if (!transducers_sent_) transducers_.record(commands);
-  transducers_sent_ = true;
+  if (!layout_sent_) {
+    transducers_.record(commands);
+    if (options_.solver != Solver::naive) {
+      axes_.record(commands);
+      directivity_.record(commands);
+    }
+  }
+  layout_sent_ = true;
   foci_.record(commands, used_foci_ * sizeof(shader::DriveFocus));
   slots_.record(commands, batch_.slots * sizeof(shader::DriveSlot));
-  batch_.weighting = weighting;
-  batch_.constraint = constraint;
-  pass.record(commands, {transducers_.ref(), foci_.ref(), slots_.ref(), drives_.ref()}, batch_);
+  if (solve_.most_foci > 1) {
+    solve_.slots = batch_.slots;
+    passes.solver.record(commands,
+                         {transducers_.ref(), axes_.ref(), foci_.ref(), slots_.ref(), directivity_.ref(),
+                          matrices_.ref(), weights_.ref(), drives_.ref()},
+                         solve_, options_.solver);
+    gpu::compute_to_compute(commands);
+  }
+  passes.drives.record(commands, {transducers_.ref(), foci_.ref(), slots_.ref(), drives_.ref(), weights_.ref()},
+                       batch_);
   drives_.record(commands, std::uint64_t{batch_.slots} * batch_.transducers * sizeof(TransducerDrive));
 }
 

@@ -7,6 +7,7 @@
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "array/reach.hpp"
+#include "array/solver_pass.hpp"
 #include "gpu/buffer.hpp"
 #include "gpu/pipeline.hpp"
 #include "shaders/drive.h"
@@ -18,14 +19,16 @@ struct DriveRefs {
   gpu::BufferRef transducers;  ///< shader::DrivePoint[transducers]
   gpu::BufferRef foci;         ///< shader::DriveFocus[]
   gpu::BufferRef slots;        ///< shader::DriveSlot[slots]; first + count within `foci`
-  gpu::BufferRef drives;  ///< written: shader::DriveOut[slots * transducers], slot after slot; no more than 2^32 - 1
+  gpu::BufferRef drives;   ///< written: shader::DriveOut[slots * transducers], slot after slot; no more than 2^32 - 1
+  gpu::BufferRef weights;  ///< vec4 per focus, plain and heard factor; bound only where batch.weighted
 };
 
 struct DriveBatch {
   std::uint32_t transducers = 0;  ///< at most max_transducers
   std::uint32_t slots = 0;        ///< at most 65,535
   bool single = true;             ///< some slot has one focus or none
-  bool several = true;            ///< some slot has several foci
+  bool several = true;            ///< some slot has several foci and is not solved (drive_unsolved)
+  bool weighted = false;          ///< some slot has several foci and factors for them
   Weighting weighting = Weighting::distance;
   Constraint constraint = Constraint::normalise;
 };
@@ -44,6 +47,14 @@ class DrivesPass {
  private:
   gpu::ComputePipeline focus_;
   gpu::ComputePipeline sum_;
+  gpu::ComputePipeline weighted_;
+};
+
+/// Drives and what they need to be solved first.
+struct DrivePasses {
+  explicit DrivePasses(const gpu::Device& device) : solver(device), drives(device) {}
+  SolverPass solver;
+  DrivesPass drives;
 };
 
 /// Everything one batch in flight needs; allocates when made and never again. Not to be touched between the submit that
@@ -51,9 +62,10 @@ class DrivesPass {
 class DriveBuffers {
  public:
   DriveBuffers() = default;
-  /// `layout` as posed in the frame of the foci. Throws bad_usage where `most_slots` slots of it exceed the device's
-  /// largest storage buffer (128 MiB on small devices: 4210 slots of 3984 transducers); see fitting_slots.
-  DriveBuffers(const gpu::Device& device, const Layout& layout, const Medium& medium, std::uint32_t most_slots,
+  /// `layout` as posed in the frame of the foci; all batches have the same options. Throws bad_usage where `most_slots`
+  /// slots of it exceed the device's largest storage buffer (128 MiB on small devices: 4210 slots of 3984 transducers);
+  /// see fitting_slots.
+  DriveBuffers(const gpu::Device& device, const Layout& layout, const DriveOptions& options, std::uint32_t most_slots,
                std::uint32_t most_foci);
 
   /// The most slots that one batch of this layout can have.
@@ -66,8 +78,8 @@ class DriveBuffers {
   std::uint32_t slots() const { return batch_.slots; }
   std::uint32_t transducers() const { return batch_.transducers; }
 
-  /// Records upload, pass and readback of the slots added since `clear`; complete with the submit, no barrier needed.
-  void record(VkCommandBuffer commands, const DrivesPass& pass, Weighting weighting, Constraint constraint);
+  /// Records upload, passes and readback of the slots added since `clear`; complete with the submit, no barrier needed.
+  void record(VkCommandBuffer commands, const DrivePasses& passes);
 
   /// Drive of the batch's slot `slot`, once the submit has completed.
   std::span<const TransducerDrive> drive(std::uint32_t slot) const;
@@ -75,13 +87,17 @@ class DriveBuffers {
   gpu::BufferRef drives_ref() const { return drives_.ref(); }
 
  private:
-  double turns_per_metre_ = 0;
+  DriveOptions options_;
   Reach reach_{Layout{}};
   gpu::Upload transducers_, foci_, slots_;
+  // Of the solvers; empty under `naive`.
+  gpu::Upload axes_, directivity_;
+  gpu::Buffer matrices_, weights_;
   gpu::Readback drives_;
   DriveBatch batch_;
-  std::uint32_t used_foci_ = 0;
-  bool transducers_sent_ = false;
+  SolveBatch solve_;
+  std::uint32_t used_foci_ = 0, used_entries_ = 0;
+  bool layout_sent_ = false;
 };
 
 /// A place as the shaders want it. `w` parts are left 0.

@@ -32,6 +32,7 @@ struct Layout {
   std::vector<Transducer> transducers;  ///< in drive order
   std::vector<Board> boards;            ///< ascending by `first`; transducers given one by one belong to no board
   double source_level_pa_m = 4.386;     ///< peak pressure at 1 m on the axis at full amplitude, times 1 m
+  double transducer_radius_m = 4.5e-3;  ///< of the part that sounds; the piston's directivity hangs on it
   /// Where it stands when neither rig nor user says: `paper` at the world's origin, a board 150 mm below it facing +y.
   Transform default_T_world_layout{1.0};
 };

@@ -107,6 +107,14 @@ Layout parse_layout_toml(std::string_view text, const std::string& file) {
                                   layout.source_level_pa_m));
     }
   }
+  if (top.has("transducer_radius_m")) {
+    layout.transducer_radius_m = top.number("transducer_radius_m");
+    if (!(layout.transducer_radius_m > 0 && layout.transducer_radius_m <= 0.1)) {
+      throw top.fault("transducer_radius_m",
+                      fmt::format("transducer_radius_m is {}; above 0 and at most 0.1 m, such as 0.0045",
+                                  layout.transducer_radius_m));
+    }
+  }
   read_each(top, "unit", read_unit, layout);
   read_each(top, "transducer", read_transducer, layout);
   top.done();

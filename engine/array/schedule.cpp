@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "base/error.hpp"
-#include "touch/types.hpp"
+#include "touch/method.hpp"
 
 namespace palpa::array {
 namespace {
@@ -28,11 +28,11 @@ std::uint32_t sectors_apart(std::uint32_t a, std::uint32_t b, std::uint32_t coun
   return std::min(apart, count - apart);
 }
 
-std::uint32_t nearest_filled(const std::vector<touch::Focus>& sectors, std::uint32_t sector) {
-  const auto count = static_cast<std::uint32_t>(sectors.size());
+std::uint32_t nearest_filled(const touch::Placement& placement, std::uint32_t sector) {
+  const auto count = static_cast<std::uint32_t>(placement.foci.size());
   std::uint32_t best = count;
   for (std::uint32_t other = 0; other < count; ++other) {
-    if (sectors[other].points == 0) continue;
+    if (!placement.has(other)) continue;
     if (best == count || sectors_apart(sector, other, count) < sectors_apart(sector, best, count)) best = other;
   }
   return best;
@@ -77,23 +77,24 @@ Voice& Schedule::add_voice() {
   return voices[voice_count++];
 }
 
-void make_voice(const touch::Finger& finger, std::uint32_t id, const VoiceOptions& options, Voice& voice) {
+void make_voice(const touch::Placement& placement, std::uint32_t id, std::uint32_t solid, const VoiceOptions& options,
+                Voice& voice) {
   voice.id = id;
-  voice.solid = finger.solid;
+  voice.solid = solid;
   voice.dwell_s = options.dwell_s;
   voice.gain = options.gain;
-  voice.modulation_hz = finger.point_like ? options.point_like_modulation_hz : options.modulation_hz;
+  voice.modulation_hz = placement.still() ? options.modulation_hz : 0;
+  voice.modulation = options.modulation;
   voice.foci.clear();
-  const auto count = static_cast<std::uint32_t>(finger.foci.size());
+  const auto count = static_cast<std::uint32_t>(placement.foci.size());
   for (std::uint32_t sector = 0; sector < count; ++sector) {
-    const std::uint32_t filled = nearest_filled(finger.foci, sector);
+    const std::uint32_t filled = nearest_filled(placement, sector);
     if (filled == count) break;
-    voice.foci.emplace_back(finger.foci[filled].position);
+    if (filled == sector || !placement.together) voice.foci.emplace_back(placement.foci[filled].position);
   }
-  if (voice.foci.empty()) voice.foci.emplace_back(finger.section.centroid);
   const auto foci = static_cast<std::uint32_t>(voice.foci.size());
-  fill_order(foci, options.together ? 1 : options.stride, voice.order);
-  voice.foci_per_slot = options.together ? foci : 1;
+  fill_order(foci, placement.together ? 1 : options.stride, voice.order);
+  voice.foci_per_slot = placement.together ? foci : 1;
 }
 
 void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<SlotFocus>& out) {
@@ -105,7 +106,8 @@ void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<Slot
     if (count == 0) continue;
     const std::uint64_t step = slot * slot_ns / nanoseconds(voice.dwell_s) % count;
     const double midpoint = (static_cast<double>(slot) + 0.5) * schedule.slot_s;
-    const auto gain = static_cast<float>(voice.gain * modulation_gain(voice.modulation_hz, midpoint));
+    const double modulation = modulation_gain(voice.modulation, voice.modulation_hz, midpoint);
+    const auto gain = static_cast<float>(voice.gain * modulation);
     for (std::uint32_t together = 0; together < voice.foci_per_slot; ++together) {
       const std::uint32_t focus = voice.order[step * voice.foci_per_slot + together];
       if (focus < voice.foci.size()) out.push_back({voice.foci[focus], gain});
@@ -113,15 +115,22 @@ void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<Slot
   }
 }
 
-double modulation_gain(double hz, double time_s) {
+std::string_view name_of(Modulation modulation) {
+  return modulation == Modulation::pressure_sine ? "pressure-sine" : "amplitude-sine";
+}
+
+double modulation_gain(Modulation modulation, double hz, double time_s) {
   if (hz == 0) return 1;
   const double turns = hz * time_s;
-  return 0.5 * (1 + std::sin(2 * std::numbers::pi * (turns - std::floor(turns))));
+  const double raised = 0.5 * (1 + std::sin(2 * std::numbers::pi * (turns - std::floor(turns))));
+  return modulation == Modulation::pressure_sine ? std::sqrt(raised) : raised;
 }
 
 bool shared_modulation(const Schedule& schedule) {
   for (std::uint32_t v = 1; v < schedule.voice_count; ++v) {
-    if (schedule.voices[v].modulation_hz != schedule.voices[0].modulation_hz) return false;
+    const Voice &voice = schedule.voices[v], &first = schedule.voices[0];
+    if (voice.modulation_hz != first.modulation_hz) return false;
+    if (voice.modulation_hz != 0 && voice.modulation != first.modulation) return false;
   }
   return true;
 }

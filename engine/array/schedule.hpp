@@ -6,13 +6,14 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "array/drive.hpp"
 #include "base/math.hpp"
 
 namespace palpa::touch {
-struct Finger;
+struct Placement;
 }
 
 namespace palpa::array {
@@ -25,6 +26,15 @@ void fill_order(std::uint32_t count, std::uint32_t stride, std::vector<std::uint
 /// A stride for so many foci that leaves none out: the nearest below `stride` (modulo the count), at least 1.
 std::uint32_t coprime_stride(std::uint32_t count, std::uint32_t stride);
 
+/// What a modulation makes a sine of. Skin feels the radiation pressure, which is the square of the amplitude.
+enum class Modulation {
+  pressure_sine,   ///< the pressure: its amplitude is the square root of a raised sine
+  amplitude_sine,  ///< the amplitude itself: its pressure also has a line at twice the frequency
+};
+
+/// "pressure-sine" or "amplitude-sine".
+std::string_view name_of(Modulation modulation);
+
 /// One finger's part of a schedule.
 struct Voice {
   std::uint32_t id = 0;              ///< the finger's, stable for as long as it is followed
@@ -33,8 +43,9 @@ struct Voice {
   std::vector<std::uint32_t> order;  ///< indices into `foci`, as they play
   std::uint32_t foci_per_slot = 1;   ///< that many entries of `order` sound together; `multi-focus`: all of them
   double dwell_s = 1.5e-3;           ///< how long each lasts
-  double modulation_hz = 0;          ///< amplitude modulation, see modulation_gain; 0: none
-  double gain = 1;                   ///< intensity, 0..1: an amplitude that the modulation multiplies
+  double modulation_hz = 0;          ///< see modulation_gain; 0: none
+  Modulation modulation = Modulation::pressure_sine;
+  double gain = 1;  ///< intensity, 0..1: an amplitude that the modulation multiplies
 };
 
 struct Schedule {
@@ -51,15 +62,17 @@ struct Schedule {
 struct VoiceOptions {
   std::uint32_t stride = 3;  ///< coprime to the number of foci
   double dwell_s = 1.5e-3;
-  double gain = 1;                        ///< intensity, 0..1
-  bool together = false;                  ///< all foci in one slot
-  double modulation_hz = 0;               ///< for fingers with a cross-section
-  double point_like_modulation_hz = 200;  ///< for fingers with a single focus at their centroid
+  double gain = 1;             ///< intensity, 0..1
+  double modulation_hz = 200;  ///< of fingers whose foci stand still; the others are not modulated
+  Modulation modulation = Modulation::pressure_sine;
 };
 
-/// Turns a finger into a voice. An empty sector takes the position of the nearest non-empty one by angle; of two
-/// equally near, the one with the lower index. A finger without any non-empty sector gets one focus at its centroid.
-void make_voice(const touch::Finger& finger, std::uint32_t id, const VoiceOptions& options, Voice& voice);
+/// Turns the foci that a method has placed (touch/method.hpp) into the voice of the finger `id` on `solid`. An empty
+/// sector takes the position of the nearest non-empty one by angle; of two equally near, the one with the lower index.
+/// Where all foci sound together it is left out: its neighbour would be twice as loud. The placement must have one
+/// focus with a position at least.
+void make_voice(const touch::Placement& placement, std::uint32_t id, std::uint32_t solid, const VoiceOptions& options,
+                Voice& voice);
 
 /// Replaces `out` by the foci of slot `slot`, voice after voice: the entry floor(slot slot_s / dwell) modulo its number
 /// of steps of each voice's order, with the voice's gain times its modulation. Reckons in whole nanoseconds, so that no
@@ -67,10 +80,10 @@ void make_voice(const touch::Finger& finger, std::uint32_t id, const VoiceOption
 /// may play is for the caller to say.
 void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<SlotFocus>& out);
 
-/// Amplitude of a finger modulated at `hz`, `time_s` after the beginning of slot 0: (1 + sin(2 pi hz t)) / 2, and 1
-/// where hz is 0. It holds for a slot's whole length and is sampled at its midpoint: at 1.5 ms, 200 Hz has 3.3 samples
-/// per period.
-double modulation_gain(double hz, double time_s);
+/// Amplitude of a finger modulated at `hz`, `time_s` after the beginning of slot 0: s = (1 + sin(2 pi hz t)) / 2 or its
+/// square root, and 1 where hz is 0. It holds for a slot's whole length and is sampled at its midpoint: at 1.5 ms,
+/// 200 Hz has 3.3 samples per period.
+double modulation_gain(Modulation modulation, double hz, double time_s);
 
 /// Whether all voices have the same modulation: then it is one scalar over the whole drive. True for no voices.
 bool shared_modulation(const Schedule& schedule);

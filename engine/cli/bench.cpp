@@ -18,20 +18,25 @@
 namespace palpa::cli {
 namespace {
 
-enum class Suite { all, touch, array, loop };
+enum class Suite { all, touch, surface, array, loop };
 
 struct BenchCommand {
   CommonOptions common;
   Suite suite = Suite::all;
   std::uint32_t runs = 200;
-  std::string csv;
+  std::string csv, scene;
 };
 
 void add_options(CLI::App& app, BenchCommand& o) {
   const Group group(app, "What to measure");
   group.choice("--suite", o.suite,
-               {{"all", Suite::all}, {"touch", Suite::touch}, {"array", Suite::array}, {"loop", Suite::loop}},
-               "touch: points to foci; array: drives; loop: depth frames to drives");
+               {{"all", Suite::all},
+                {"touch", Suite::touch},
+                {"surface", Suite::surface},
+                {"array", Suite::array},
+                {"loop", Suite::loop}},
+               "touch: points to foci; surface: solids of many faces; array: drives; loop: depth frames to drives");
+  group.text("--scene", o.scene, "FILE", "glTF model that the surface suite measures, too");
   group.integer("--runs", o.runs, 3, 100'000, "timed runs of each case, after a warm-up");
   group.text("--csv", o.csv, "FILE|-", "suite,case,stage,median_ms,p99_ms,min_ms,runs,per_second,unit,device,driver");
 }
@@ -61,10 +66,10 @@ std::string to_json(const std::vector<BenchRow>& rows, const gpu::DeviceDescript
 }
 
 std::string table(const std::vector<BenchRow>& rows, const gpu::DeviceDescription& device, std::uint64_t resident) {
-  std::string text = fmt::format("{}, {}\n{:<6} {:<22} {:<14} {:>10} {:>10} {:>10}\n", device.name, device.driver,
+  std::string text = fmt::format("{}, {}\n{:<6} {:<28} {:<14} {:>10} {:>10} {:>10}\n", device.name, device.driver,
                                  "suite", "case", "stage", "median ms", "p99 ms", "min ms");
   for (const BenchRow& row : rows) {
-    text += fmt::format("{:<6} {:<22} {:<14} {:>10.3f} {:>10.3f} {:>10.3f}", row.suite, row.name, row.stage,
+    text += fmt::format("{:<6} {:<28} {:<14} {:>10.3f} {:>10.3f} {:>10.3f}", row.suite, row.name, row.stage,
                         row.median_ms, row.p99_ms, row.least_ms);
     if (row.per_second > 0) text += fmt::format("  {:.0f} {}", row.per_second, row.unit);
     text += '\n';
@@ -79,7 +84,8 @@ void run(const BenchCommand& o) {
   std::vector<BenchRow> rows;
   std::unique_ptr<Progress> bar;
   std::string shown;
-  const BenchContext context{device, o.runs, [&](const std::string& what, std::uint64_t done, std::uint64_t total) {
+  const BenchContext context{device, o.runs, o.scene,
+                             [&](const std::string& what, std::uint64_t done, std::uint64_t total) {
                                if (what != shown || !bar) {
                                  bar.reset();
                                  bar = std::make_unique<Progress>(what, total, o.common.quiet);
@@ -87,8 +93,15 @@ void run(const BenchCommand& o) {
                                }
                                bar->set(done);
                              }};
-  if (o.suite == Suite::all || o.suite == Suite::touch) bench_touch(context, rows);
-  if (o.suite == Suite::all || o.suite == Suite::array) bench_array(context, rows);
+  if (o.suite == Suite::all || o.suite == Suite::touch) {
+    bench_touch(context, rows);
+    bench_methods(context, rows);
+  }
+  if (o.suite == Suite::all || o.suite == Suite::surface) bench_surface(context, rows);
+  if (o.suite == Suite::all || o.suite == Suite::array) {
+    bench_array(context, rows);
+    bench_solvers(context, rows);
+  }
   if (o.suite == Suite::all || o.suite == Suite::loop) bench_loop(context, rows);
   bar.reset();
 

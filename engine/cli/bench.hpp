@@ -22,6 +22,7 @@ struct BenchRow {
 struct BenchContext {
   const gpu::Device& device;
   std::uint32_t runs = 200;
+  std::string scene;  ///< a further model for bench_surface; may be empty
   std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)> progress;
 };
 
@@ -29,8 +30,16 @@ struct BenchContext {
 void bench_loop(const BenchContext& context, std::vector<BenchRow>& rows);
 /// Drives in batches and for one frame.
 void bench_array(const BenchContext& context, std::vector<BenchRow>& rows);
+/// Ten foci at once by each solver, on the device and by the twins.
+void bench_solvers(const BenchContext& context, std::vector<BenchRow>& rows);
 /// Skin points to foci.
 void bench_touch(const BenchContext& context, std::vector<BenchRow>& rows);
+/// Methods and tuning, on the host.
+void bench_methods(const BenchContext& context, std::vector<BenchRow>& rows);
+
+/// Solids of many faces: how long and how much memory it takes to prepare one, from scratch and from the cache, and the
+/// contacts of a full three-camera frame against those of the cube.
+void bench_surface(const BenchContext& context, std::vector<BenchRow>& rows);
 
 /// Median, 99th percentile and least of `samples_ms` as a row.
 BenchRow bench_row(std::string suite, std::string name, std::string stage, std::vector<double> samples_ms);

@@ -138,7 +138,7 @@ std::vector<geometry::Solid> box_solid(const Vec3& low, const Vec3& high) {
 void bench_batch(const BenchContext& context, std::uint32_t slots, std::uint32_t foci_per_slot, const std::string& name,
                  std::vector<BenchRow>& rows) {
   const SetUp set_up = load_set_up({});
-  const array::DrivesPass pass(context.device);
+  const array::DrivePasses passes(context.device);
   array::DriveBuffers buffers(context.device, set_up.layout, {}, slots, slots * foci_per_slot);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(-0.03, 0.03);
@@ -155,7 +155,7 @@ void bench_batch(const BenchContext& context, std::uint32_t slots, std::uint32_t
     for (const auto& slot : foci) {
       if (!buffers.add_slot(slot)) throw failure("bench: the batch does not fit the device's buffers");
     }
-    buffers.record(recorder.begin(), pass, array::Weighting::distance, array::Constraint::normalise);
+    buffers.record(recorder.begin(), passes);
     timeline.wait(timeline.submit(recorder.end()));
   };
   batch();
@@ -265,6 +265,14 @@ void bench_touch(const BenchContext& context, std::vector<BenchRow>& rows) {
     bench_points(context, fmt::format("{} contacts", contacts),
                  box_solid(Vec3(-0.05, -0.1, -0.05), Vec3(0.25, 0, 0.25)), plate, rows);
   }
+  // As many fingers as there can be, side by side.
+  std::mt19937 random(64);
+  std::uniform_real_distribution<double> across(-5e-3, 5e-3), deep(1e-5, 1.4e-3);
+  std::vector<glm::vec3> patches;
+  for (int i = 0; i < 20'000; ++i)
+    patches.emplace_back(0.02 * (i % 8) + across(random), -deep(random), 0.02 * (i / 8 % 8) + across(random));
+  bench_points(context, "64 fingers, 20000 contacts", box_solid(Vec3(-0.05, -0.1, -0.05), Vec3(0.25, 0, 0.25)), patches,
+               rows);
 }
 
 }  // namespace palpa::cli

@@ -2,12 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <utility>
 
 #include "array/drive_pass.hpp"
 #include "array/layout.hpp"
+#include "array/pressure.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "cli/commands.hpp"
@@ -31,7 +35,8 @@ struct DriveCommand {
 void add_options(CLI::App& app, DriveCommand& o) {
   const Group group(app, "What to drive");
   group.text("--layout", o.layout, "NAME|FILE", "autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
-  group.texts("--focus", o.foci, "X,Y,Z", "in the layout's own frame; again for several foci at once");
+  group.texts("--focus", o.foci, "X,Y,Z[,A]",
+              "in the layout's own frame; A above 0, at most 1: how loud it is to be; again for several foci at once");
   group.text("--csv", o.csv, "FILE|-", "index,x,y,z,nx,ny,nz,amplitude,phase of every transducer");
   add_drive_options(app, o.drive);
 }
@@ -39,11 +44,26 @@ void add_options(CLI::App& app, DriveCommand& o) {
 /// Nearer than this a focus stands on a transducer, and the direction of its sound means nothing.
 constexpr double on_transducer_m = 1e-6;
 
+/// "x,y,z,a" as "x,y,z" and a; without a fourth part a is 1.
+std::pair<std::string, float> split_gain(const std::string& text) {
+  if (std::ranges::count(text, ',') != 3) return {text, 1.0F};
+  const std::size_t comma = text.rfind(',');
+  float gain = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, fault] = std::from_chars(text.data() + comma + 1, end, gain);
+  if (fault != std::errc{} || rest != end || !(gain > 0 && gain <= 1)) {
+    throw bad_usage(fmt::format("--focus: '{}' is not x,y,z,a with a above 0 and at most 1, such as 0,0,150mm,0.5",
+                                text.substr(0, 60)));
+  }
+  return {text.substr(0, comma), gain};
+}
+
 std::vector<array::SlotFocus> read_foci(const DriveCommand& o, const array::Layout& layout) {
   std::vector<array::SlotFocus> foci;
   for (const std::string& text : o.foci) {
-    const auto [x, y, z] = parse_point("--focus", text);
-    const array::SlotFocus focus{{x, y, z}, 1};
+    const auto [place, gain] = split_gain(text);
+    const auto [x, y, z] = parse_point("--focus", place);
+    const array::SlotFocus focus{{x, y, z}, gain};
     if (!array::drivable(focus))
       throw bad_usage(fmt::format("--focus: '{}' is farther than 100 m from the array", text));
     for (std::size_t i = 0; i < layout.transducers.size(); ++i) {
@@ -60,12 +80,12 @@ std::vector<array::SlotFocus> read_foci(const DriveCommand& o, const array::Layo
 array::Drive drive_on_gpu(const gpu::DeviceOptions& select, const array::Layout& layout,
                           const std::vector<array::SlotFocus>& foci, const array::DriveOptions& options) {
   const gpu::Device device(select);
-  const array::DrivesPass pass(device);
-  array::DriveBuffers buffers(device, layout, options.medium, 1, static_cast<std::uint32_t>(foci.size()));
+  const array::DrivePasses passes(device);
+  array::DriveBuffers buffers(device, layout, options, 1, static_cast<std::uint32_t>(foci.size()));
   if (!buffers.add_slot(foci)) throw failure("more foci than the GPU's buffers hold");
   const gpu::Recorder recorder(device, "drive");
   gpu::Timeline timeline(device);
-  buffers.record(recorder.begin(), pass, options.weighting, options.constraint);
+  buffers.record(recorder.begin(), passes);
   timeline.wait(timeline.submit(recorder.end()));
   const auto drive = buffers.drive(0);
   return {drive.begin(), drive.end()};
@@ -82,7 +102,7 @@ std::string to_csv(const array::Layout& layout, const array::Drive& drive) {
 }
 
 std::string to_json(const array::Layout& layout, const std::vector<array::SlotFocus>& foci, const array::Medium& air,
-                    const array::Drive& drive) {
+                    const array::Drive& drive, const array::FociPressure& pressure) {
   JsonWriter json;
   json.begin_object()
       .member("layout", layout.name)
@@ -93,6 +113,14 @@ std::string to_json(const array::Layout& layout, const std::vector<array::SlotFo
   for (const array::SlotFocus& focus : foci)
     json.value(focus.position);
   json.end_array();
+  json.key("gains").begin_array();
+  for (const array::SlotFocus& focus : foci)
+    json.value(focus.gain);
+  json.end_array();
+  json.key("pressures_pa").begin_array();
+  for (const double pascals : pressure.pascals)
+    json.value(pascals);
+  json.end_array().member("weakest_to_strongest", pressure.evenness);
   json.key("amplitudes").begin_array();
   for (const array::TransducerDrive& d : drive)
     json.value(d.amplitude);
@@ -105,7 +133,7 @@ std::string to_json(const array::Layout& layout, const std::vector<array::SlotFo
 }
 
 std::string summary(const array::Layout& layout, const std::vector<array::SlotFocus>& foci, const array::Medium& air,
-                    const array::Drive& drive) {
+                    const array::Drive& drive, const array::FociPressure& pressure) {
   float least = 1, most = 0;
   for (const array::TransducerDrive& d : drive) {
     least = std::min(least, d.amplitude);
@@ -113,10 +141,13 @@ std::string summary(const array::Layout& layout, const std::vector<array::SlotFo
   }
   std::string text = fmt::format("{}: {} transducers, {} kHz, sound at {:.2f} m/s, wavelength {:.3f} mm\n", layout.name,
                                  drive.size(), air.frequency / 1e3, air.sound_speed, 1e3 / air.turns_per_metre());
-  for (const array::SlotFocus& focus : foci) {
-    fmt::format_to(std::back_inserter(text), "focus at ({:.2f}, {:.2f}, {:.2f}) mm\n", focus.position.x * 1e3,
-                   focus.position.y * 1e3, focus.position.z * 1e3);
+  for (std::size_t j = 0; j < foci.size(); ++j) {
+    fmt::format_to(std::back_inserter(text), "focus at ({:.2f}, {:.2f}, {:.2f}) mm: {:.0f} Pa\n",
+                   foci[j].position.x * 1e3, foci[j].position.y * 1e3, foci[j].position.z * 1e3, pressure.pascals[j]);
   }
+  if (foci.size() > 1)
+    fmt::format_to(std::back_inserter(text), "weakest to strongest focus: {:.3f} of what was asked\n",
+                   pressure.evenness);
   fmt::format_to(std::back_inserter(text), "amplitudes {:.3f} to {:.3f}; --csv or --json give every transducer\n",
                  least, most);
   return text;
@@ -135,22 +166,26 @@ void run(const DriveCommand& o) {
                                  ? array::drive_for(layout, foci, options)
                                  : drive_on_gpu(device_options(o.common), layout, foci, options);
 
+  const array::FociPressure pressure =
+      array::pressure_at_foci(layout, drive, foci, options.medium, options.directivity);
+
   if (!o.csv.empty()) write_output(o.csv, to_csv(layout, drive));
-  if (!o.common.json.empty()) write_output(o.common.json, to_json(layout, foci, options.medium, drive));
+  if (!o.common.json.empty()) write_output(o.common.json, to_json(layout, foci, options.medium, drive, pressure));
   if (shows_summary(o.common, o.csv)) {
-    write_output("-", summary(layout, foci, options.medium, drive));
+    write_output("-", summary(layout, foci, options.medium, drive, pressure));
   }
 }
 
 }  // namespace
 
 void add_drive(Program& program) {
-  add_subcommand<DriveCommand>(program,
-                               {"drive", "amplitude and phase of every transducer for one focus or several at once",
-                                "  palpa drive --layout openmpd --focus 0,0,150mm --csv drive.csv\n"
-                                "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0 --json -\n"
-                                "Phases are delays in radians (time factor e^-iwt), amplitudes lie in 0..1."},
-                               add_options, run);
+  add_subcommand<DriveCommand>(
+      program,
+      {"drive", "amplitude and phase of every transducer for one focus or several at once",
+       "  palpa drive --layout openmpd --focus 0,0,150mm --csv drive.csv\n"
+       "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0,0.5 --solver gs-pat --json -\n"
+       "Phases are delays in radians (time factor e^-iwt), amplitudes lie in 0..1."},
+      add_options, run);
 }
 
 }  // namespace palpa::cli

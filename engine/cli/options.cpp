@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <numeric>
 
 #include "base/error.hpp"
@@ -69,11 +70,58 @@ void add_touch_options(CLI::App& app, TouchOptions& options) {
   group.integer("--min-points", p.min_points, 1, 1u << 30, "contacts that make a finger");
   group.quantity("--finger-width", p.finger_width_m, Quantity::length, {0, 1},
                  "patches of skin on two sides of a finger are no wider; 0 joins none");
+  group.choice("--cluster", p.cluster, {{"contacts", touch::Cluster::contacts}, {"inside", touch::Cluster::inside}},
+               "what is clustered into fingers: contacts, or all skin inside a solid");
   group.integer("--foci", p.foci, 1, touch::max_foci, "foci per finger");
+  group.choice("--spacing", p.spacing, {{"angle", touch::Spacing::angle}, {"arc", touch::Spacing::arc}},
+               "foci at equal angles, or at equal lengths along the cross-section");
   group.integer("--stride", options.stride, 1, 1u << 20, "every which focus is next; coprime to --foci");
   group.quantity("--dwell", options.dwell_s, Quantity::time, {1e-6, 10}, "how long a focus lasts");
-  group.choice("--method", options.method, {{"cross-section", Method::cross_section}},
+  group.choice("--method", options.method.method,
+               {{"cross-section", touch::Method::cross_section},
+                {"single-focus", touch::Method::single_focus},
+                {"ellipse", touch::Method::ellipse},
+                {"multi-focus", touch::Method::multi_focus}},
                "how a cross-section becomes foci");
+  group.choice(
+      "--modulation", options.modulation,
+      {{"pressure-sine", array::Modulation::pressure_sine}, {"amplitude-sine", array::Modulation::amplitude_sine}},
+      "what is a sine where foci stand still, as under single-focus and multi-focus");
+  group.quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, {0, 1000},
+                 "of foci that stand still; 0: none");
+  group.flag("--tune", options.tune,
+             "choose foci and stride by each finger's perimeter, so that skin feels most of the vibration; "
+             "while running, the stride alone");
+}
+
+void add_felt_options(CLI::App& app, FeltOptions& options) {
+  const Group group(app, "What skin feels in time");
+  group.flag("--spectrum", options.spectrum, "the spectrum of the pressure on each finger's skin");
+  group.quantity("--spot", options.spot_m, Quantity::length, positive(1),
+                 "width of one focus' pressure at half its height");
+  group.quantity("--tune-shortest", options.shortest_dwell_s, Quantity::time, {1e-4, 20e-3},
+                 "with --tune-longest: dwells that --tune may choose, normally --dwell alone");
+  group.quantity("--tune-longest", options.longest_dwell_s, Quantity::time, {1e-4, 20e-3}, "see --tune-shortest");
+}
+
+void check(const FeltOptions& options, const TouchOptions& touch) {
+  if (options.shortest_dwell_s.has_value() != options.longest_dwell_s.has_value()) {
+    throw bad_usage("--tune-shortest and --tune-longest go together: give both ends of the range");
+  }
+  if (!options.shortest_dwell_s) return;
+  if (!touch.tune) throw bad_usage("--tune-shortest and --tune-longest go with --tune");
+  constexpr double tenth_ms = 1e-4;
+  const double first = std::ceil(*options.shortest_dwell_s / tenth_ms * (1 - 1e-12));
+  if (first * tenth_ms > *options.longest_dwell_s * (1 + 1e-12)) {
+    throw bad_usage("--tune-shortest, --tune-longest: no whole tenth of a millisecond lies between them");
+  }
+}
+
+array::VoiceOptions voice_options(const TouchOptions& options) {
+  return {.stride = options.stride,
+          .dwell_s = options.dwell_s,
+          .modulation_hz = options.modulation_hz,
+          .modulation = options.modulation};
 }
 
 void check(const TouchOptions& options) {
@@ -114,15 +162,19 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
   group.choice("--amplitude", options.weighting,
                {{"distance", array::Weighting::distance}, {"uniform", array::Weighting::uniform}},
                "what a focus asks of a transducer");
-  group.choice("--solver", options.solver, {{"naive", Solver::naive}}, "how several foci share the array");
+  group.choice("--solver", options.solver,
+               {{"naive", array::Solver::naive}, {"gs-pat", array::Solver::gs_pat}, {"greedy", array::Solver::greedy}},
+               "how several foci share the array");
   group.choice("--constraint", options.constraint,
                {{"normalise", array::Constraint::normalise},
                 {"uniform", array::Constraint::uniform},
                 {"clamp", array::Constraint::clamp}},
                "how amplitudes come into 0..1");
   group.choice("--directivity", options.directivity,
-               {{"omni", Directivity::omni}, {"piston", Directivity::piston}, {"t4010a1", Directivity::t4010a1}},
-               "of a transducer, unused by naive");
+               {{"omni", array::Directivity::omni},
+                {"piston", array::Directivity::piston},
+                {"t4010a1", array::Directivity::t4010a1}},
+               "of a transducer; not asked by naive");
   add_medium_options(app, options.medium);
 }
 
@@ -131,6 +183,8 @@ array::DriveOptions drive_options(const DriveOptionsGroup& options) {
   drive.weighting = options.weighting;
   drive.constraint = options.constraint;
   drive.medium = medium(options.medium);
+  drive.solver = options.solver;
+  drive.directivity = options.directivity;
   return drive;
 }
 

@@ -9,9 +9,11 @@
 
 #include "array/drive.hpp"
 #include "array/layout.hpp"
+#include "array/schedule.hpp"
 #include "base/log.hpp"
 #include "geometry/solid.hpp"
 #include "gpu/device.hpp"
+#include "touch/method.hpp"
 #include "touch/types.hpp"
 
 namespace CLI {
@@ -41,9 +43,6 @@ gpu::DeviceOptions device_options(const CommonOptions& options);
 /// Whether a command ends with a summary for people on stdout: unless --quiet, or JSON or CSV go there.
 bool shows_summary(const CommonOptions& options, const std::string& csv = {});
 
-/// How a cross-section becomes foci. More methods will follow.
-enum class Method { cross_section };
-
 /// What counts as a solid's surface.
 struct SolidOptions {
   geometry::SurfaceKind surface = geometry::SurfaceKind::mesh;
@@ -57,11 +56,26 @@ struct TouchOptions {
   touch::Parameters parameters;  ///< --delta, --finger-gap, --min-points, --foci
   std::uint32_t stride = 3;
   double dwell_s = 1.5e-3;
-  Method method = Method::cross_section;
+  touch::MethodOptions method;  ///< --method
+  array::Modulation modulation = array::Modulation::pressure_sine;
+  double modulation_hz = 200;
+  bool tune = false;  ///< --tune: stride, and for a single touch foci, by the perimeter
 };
 void add_touch_options(CLI::App& app, TouchOptions& options);
 /// Throws bad_usage, with a stride that would do, where stride and foci share a divisor: such an order leaves foci out.
 void check(const TouchOptions& options);
+
+/// What skin feels of a single touch.
+struct FeltOptions {
+  bool spectrum = false;
+  double spot_m = 3.8e-3;
+  std::optional<double> shortest_dwell_s, longest_dwell_s;  ///< both or none: what --tune may choose
+};
+void add_felt_options(CLI::App& app, FeltOptions& options);
+/// Throws bad_usage where a range is half given, empty, or goes without --tune.
+void check(const FeltOptions& options, const TouchOptions& touch);
+
+array::VoiceOptions voice_options(const TouchOptions& options);
 
 /// The air and the tone: --temperature or --sound-speed, --frequency.
 struct MediumOptions {
@@ -73,17 +87,12 @@ void add_medium_options(CLI::App& app, MediumOptions& options);
 /// Throws bad_usage where both temperature and sound speed are given. Neither: 20 degrees Celsius.
 array::Medium medium(const MediumOptions& options);
 
-enum class Solver { naive };
-/// How a transducer's sound falls off to the side. The naive solver does not look at it: its phases are those of the
-/// distances alone.
-enum class Directivity { omni, piston, t4010a1 };
-
 /// What drives are made of.
 struct DriveOptionsGroup {
   array::Weighting weighting = array::Weighting::distance;
-  Solver solver = Solver::naive;
+  array::Solver solver = array::Solver::naive;
   array::Constraint constraint = array::Constraint::normalise;
-  Directivity directivity = Directivity::t4010a1;
+  array::Directivity directivity = array::Directivity::t4010a1;
   MediumOptions medium;
 };
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options);

@@ -145,7 +145,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
   check(o.touch);
   refuse_two_on_stdout(o);
   const std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene, o.solids, o.common.quiet);
-  const array::VoiceOptions voice{.stride = o.touch.stride, .dwell_s = o.touch.dwell_s};
+  const array::VoiceOptions voice = voice_options(o.touch);
   session::check_overrides(o.scene, solids, o.touch.parameters, voice);
   std::vector<std::string> names;
   names.reserve(solids.size());
@@ -170,7 +170,9 @@ void run(const Extensions& extensions, const RunCommand& o) {
                                       .solids = solids,
                                       .layout = set_up.layout,
                                       .touch = parameters,
+                                      .method = o.touch.method,
                                       .voice = voice,
+                                      .tune = o.touch.tune,
                                       .drive = drive,
                                       .slot_s = session::slot_length(solids, voice),
                                       .detail = o.events.empty() ? touch::Detail::fingers : touch::Detail::contacts};

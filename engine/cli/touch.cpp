@@ -7,10 +7,13 @@
 #include "base/json_writer.hpp"
 #include "base/log.hpp"
 #include "cli/commands.hpp"
+#include "cli/felt.hpp"
 #include "cli/output.hpp"
 #include "cli/touch_input.hpp"
 #include "cli/touch_run.hpp"
+#include "cli/touch_schedule.hpp"
 #include "cli/values.hpp"
+#include "session/foci_link.hpp"
 #include "session/overrides.hpp"
 
 namespace palpa::cli {
@@ -20,6 +23,7 @@ struct TouchCommand {
   CommonOptions common;
   TouchInputOptions input;
   TouchOptions touch;
+  FeltOptions felt;
   std::string csv;
 };
 
@@ -27,28 +31,40 @@ void add_options(CLI::App& app, TouchCommand& o) {
   add_touch_input(app, o.input);
   Group(app, "What touches what").text("--csv", o.csv, "FILE|-", "the contacts: index,x,y,z,depth,finger,solid");
   add_touch_options(app, o.touch);
+  add_felt_options(app, o.felt);
 }
 
 /// One touch and all that is printed about it.
 struct TouchReport {
   const TouchInput& input;
   const touch::Touch& touch;
-  const touch::Parameters& parameters;
-  const array::VoiceOptions& voice;
-  std::vector<std::uint32_t> order;
+  const TouchOptions& options;
+  const std::vector<FingerSchedule>& schedules;  ///< one per finger
+  const std::vector<array::Spectrum>& spectra;   ///< one per finger with --spectrum, else none
   double total_ms;
   const StageTimes& times;
 };
 
-/// What the solid's extras ask for, if not the order and dwell of all.
-void add_schedule(JsonWriter& json, const TouchReport& report, const geometry::Solid& solid) {
-  const array::VoiceOptions voice = session::voice_on(solid, report.voice);
-  json.key("schedule").begin_object();
-  json.member("order", array::fill_order(session::foci_on(solid, report.parameters), voice.stride));
-  json.member("dwell_s", voice.dwell_s).end_object();
+/// Whether the method's foci stand still on every finger.
+bool plays_still(const TouchOptions& options) {
+  return options.method.method == touch::Method::single_focus || options.method.method == touch::Method::multi_focus;
 }
 
-void add_finger(JsonWriter& json, const TouchReport& report, const touch::Finger& finger) {
+/// What a finger of so many sectors plays.
+void add_schedule(JsonWriter& json, const TouchOptions& options, std::uint32_t foci, const array::VoiceOptions& own) {
+  const bool together = options.method.method == touch::Method::multi_focus;
+  array::Voice voice;
+  voice.foci_per_slot = together ? foci : 1;
+  array::fill_order(options.method.method == touch::Method::single_focus ? 1 : foci, together ? 1 : own.stride,
+                    voice.order);
+  json.key("schedule").begin_object().key("order");
+  session::write_order(voice, json);
+  json.member("dwell_s", own.dwell_s).end_object();
+}
+
+void add_finger(JsonWriter& json, const TouchReport& report, std::uint32_t index) {
+  const touch::Finger& finger = report.touch.fingers[index];
+  const touch::Placement& placement = report.schedules[index].placement;
   json.begin_object().member("solid", report.input.solids[finger.solid].name);
   json.key("indices").begin_array();
   for (const std::uint32_t contact : finger.contacts)
@@ -64,20 +80,27 @@ void add_finger(JsonWriter& json, const TouchReport& report, const touch::Finger
     json.value(eigenvalue);
   json.end_array();
   json.key("foci_m").begin_array();
-  for (const touch::Focus& focus : finger.foci) {
-    if (focus.points != 0) {
-      json.value(focus.position);
+  for (std::size_t i = 0; i < placement.foci.size(); ++i) {
+    if (placement.has(i)) {
+      json.value(placement.foci[i].position);
     } else {
       json.null();
     }
   }
   json.end_array();
   json.key("focus_points").begin_array();
-  for (const touch::Focus& focus : finger.foci)
+  for (const touch::Focus& focus : placement.foci)
     json.value(focus.points);
   json.end_array();
   const geometry::Solid& solid = report.input.solids[finger.solid];
-  if (session::has_own_schedule(solid)) add_schedule(json, report, solid);
+  const FingerSchedule& schedule = report.schedules[index];
+  const bool tuned = schedule.tuned && schedule.tuned->changed;
+  if (tuned || session::has_own_schedule(solid)) {
+    const std::uint32_t foci = tuned ? schedule.tuned->ring.foci : session::foci_on(solid, report.options.parameters);
+    add_schedule(json, report.options, foci, schedule.voice);
+  }
+  if (schedule.tuned) add_tune(json, *schedule.tuned);
+  if (!report.spectra.empty()) add_spectrum(json, schedule.perimeter_m, report.spectra[index]);
   json.end_object();
 }
 
@@ -96,13 +119,9 @@ std::string to_json(const TouchReport& report) {
   json.end_array().end_object();
   json.key("fingers").begin_array(JsonWriter::Style::block);
   for (std::uint32_t f = 0; f < touch.finger_count; ++f)
-    add_finger(json, report, touch.fingers[f]);
+    add_finger(json, report, f);
   json.end_array();
-  json.key("schedule")
-      .begin_object()
-      .member("order", report.order)
-      .member("dwell_s", report.voice.dwell_s)
-      .end_object();
+  add_schedule(json, report.options, report.options.parameters.foci, voice_options(report.options));
   json.key("timing_ms").begin_object().member("total", report.total_ms);
   for (const auto& [stage, ms] : report.times)
     json.member(stage, ms);
@@ -140,6 +159,10 @@ const char* plural(std::size_t count) {
   return count == 1 ? "" : "s";
 }
 
+const char* manner(const touch::Placement& placement) {
+  return placement.together ? " at once" : placement.still() ? ", at its centroid" : "";
+}
+
 std::string summary(const TouchReport& report) {
   const touch::Touch& touch = report.touch;
   std::string text;
@@ -150,27 +173,39 @@ std::string summary(const TouchReport& report) {
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     const touch::Finger& finger = touch.fingers[f];
     const glm::vec3 c = finger.section.centroid * 1e3f;
+    const touch::Placement& placement = report.schedules[f].placement;
     std::size_t sounding = 0;
-    for (const touch::Focus& focus : finger.foci)
-      sounding += focus.points != 0;
+    for (std::size_t i = 0; i < placement.foci.size(); ++i)
+      sounding += placement.has(i);
     fmt::format_to(out, "finger {} on {}: {} contacts around ({:.2f}, {:.2f}, {:.2f}) mm, {} of {} foci{}\n", f,
                    report.input.solids[finger.solid].name, finger.contacts.size(), c.x, c.y, c.z, sounding,
-                   finger.foci.size(), finger.point_like ? ", at its centroid" : "");
+                   placement.foci.size(), manner(placement));
   }
-  fmt::format_to(out, "order {}, {} ms each; --json gives everything\n", fmt::join(report.order, " "),
-                 report.voice.dwell_s * 1e3);
+  const TouchOptions& options = report.options;
+  if (plays_still(options)) {
+    fmt::format_to(out, "modulated at {} Hz, {}; --json gives everything\n", options.modulation_hz,
+                   array::name_of(options.modulation));
+  } else {
+    fmt::format_to(out, "order {}, {} ms each; --json gives everything\n",
+                   fmt::join(array::fill_order(options.parameters.foci, options.stride), " "), options.dwell_s * 1e3);
+  }
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+    if (report.schedules[f].tuned) text += tune_line(f, *report.schedules[f].tuned);
+  }
+  for (std::uint32_t f = 0; f < report.spectra.size(); ++f)
+    text += spectrum_table(f, report.schedules[f].perimeter_m, report.spectra[f]);
   return text;
 }
 
 void run(const TouchCommand& o) {
   check(o.input);
   check(o.touch);
+  check(o.felt, o.touch);
   refuse_two_on_stdout(o.common.json, o.csv);
   Stopwatch whole, watch;
   StageTimes times;
   const TouchInput input = load_touch_input(o.input, o.common.quiet);
-  const array::VoiceOptions voice{.stride = o.touch.stride, .dwell_s = o.touch.dwell_s};
-  session::check_overrides(o.input.scene, input.solids, o.touch.parameters, voice);
+  session::check_overrides(o.input.scene, input.solids, o.touch.parameters, voice_options(o.touch));
   times.emplace_back("load", watch.lap_ms());
   const touch::Touch touch = o.common.backend == Backend::cpu
                                  ? touch_on_cpu(input, o.touch.parameters, times)
@@ -179,9 +214,11 @@ void run(const TouchCommand& o) {
     log::warning(fmt::format("{} clusters of contacts make a finger, only the first {} are kept", touch.cluster_count,
                              touch.finger_count));
   }
-  const TouchReport report{
-      input,          touch, o.touch.parameters, voice, array::fill_order(o.touch.parameters.foci, o.touch.stride),
-      whole.lap_ms(), times};
+  const std::vector<FingerSchedule> schedules = schedule_fingers(touch, input.solids, o.touch, o.felt);
+  const std::vector<array::Spectrum> spectra =
+      o.felt.spectrum ? spectra_of(make_schedule(touch, input.solids, schedules, o.touch), o.felt)
+                      : std::vector<array::Spectrum>();
+  const TouchReport report{input, touch, o.touch, schedules, spectra, whole.lap_ms(), times};
   if (!o.csv.empty()) write_output(o.csv, to_csv(report));
   if (!o.common.json.empty()) write_output(o.common.json, to_json(report));
   if (shows_summary(o.common, o.csv)) write_output("-", summary(report));

@@ -19,15 +19,18 @@ std::int64_t now_ns() {
 
 constexpr std::uint32_t most_points_on_gpu = shader::contacts_most_points;
 constexpr std::uint32_t most_contacts_on_gpu = 1u << 20;
+constexpr std::uint32_t most_deep_on_gpu = 1u << 21;
 
 /// Room for one touch of that input.
-touch::Capacity capacity_for(const TouchInput& input) {
+touch::Capacity room_for(const TouchInput& input, const touch::Parameters& parameters) {
   if (input.points.size() > most_points_on_gpu) {
     throw bad_usage(
         fmt::format("--points: {} points are more than the {} of one frame on the GPU; --backend cpu takes them",
                     input.points.size(), most_points_on_gpu));
   }
-  return {static_cast<std::uint32_t>(input.points.size()), most_contacts_on_gpu};
+  return {.points = static_cast<std::uint32_t>(input.points.size()),
+          .contacts = most_contacts_on_gpu,
+          .deep = parameters.wants_deep() ? most_deep_on_gpu : 0};
 }
 
 }  // namespace
@@ -59,7 +62,7 @@ touch::Touch touch_on_cpu(const TouchInput& input, const touch::Parameters& para
 touch::Touch touch_on_gpu(const gpu::DeviceOptions& select, const TouchInput& input,
                           const touch::Parameters& parameters, StageTimes& times) {
   Stopwatch watch;
-  const touch::Capacity capacity = capacity_for(input);
+  const touch::Capacity capacity = touch::capacity_for(parameters, room_for(input, parameters));
   const gpu::Device device(select);
   const touch::Stage stage(device, input.solids, input.cameras, parameters);
   touch::check(parameters, stage.solids().host());

@@ -24,6 +24,14 @@ std::string edge_text(const Mesh& mesh, std::array<std::uint32_t, 2> edge) {
   return fmt::format("from {} to {} m", text::point(mesh.positions[edge[0]]), text::point(mesh.positions[edge[1]]));
 }
 
+/// Of the farthest vertex from the origin, along an axis.
+double reach_of(const Box& box) {
+  double reach = 0;
+  for (int i = 0; i < 3; ++i)
+    reach = std::max({reach, std::abs(box.low[i]), std::abs(box.high[i])});
+  return reach;
+}
+
 void check_size(const std::string& file, const std::string& name, const Mesh& mesh) {
   if (mesh.triangles.empty()) {
     throw bad_input(file, fmt::format("mesh {} is flat: each of its triangles has two corners in one place, or its "
@@ -33,9 +41,7 @@ void check_size(const std::string& file, const std::string& name, const Mesh& me
   const Box box = bounds(mesh);
   const Vec3 extent = box.high - box.low;
   const double size = std::max({extent.x, extent.y, extent.z});
-  double reach = 0;
-  for (int i = 0; i < 3; ++i)
-    reach = std::max({reach, std::abs(box.low[i]), std::abs(box.high[i])});
+  const double reach = reach_of(box);
   if (!(std::max(size, reach) <= largest_size)) {
     throw bad_input(file, fmt::format("mesh {} reaches to {:.4g} m; a solid fits within a kilometre around the origin "
                                       "(glTF's unit is the metre)",
@@ -121,6 +127,8 @@ SolidMesh weld_closed(const Mesh& mesh) {
   SolidMesh first{weld(mesh), {}, {}};
   Defects defects = find_defects(first.mesh);
   if (defects.closed_and_oriented()) return first;
+  // So far out that vertices fall together: refused for its place, not for what that makes of its faces.
+  if (!(reach_of(bounds(first.mesh)) <= largest_size)) return first;
   const auto without_duplicates = [](const Mesh& welded) {
     SolidMesh less{welded, {}, {}};
     const Dropped dropped = drop_duplicates(less.mesh);

@@ -27,14 +27,26 @@ void reserve(touch::Touch& touch) {
   }
 }
 
+void reserve(ScheduleMemory& memory) {
+  memory.placement.foci.reserve(touch::max_foci);
+}
+
 void make_schedule(const touch::Touch& touch, double time_s, std::span<const geometry::Solid> solids,
-                   const array::VoiceOptions& voice, double slot_s, array::Schedule& schedule) {
+                   const ScheduleOptions& options, double slot_s, ScheduleMemory& memory, array::Schedule& schedule) {
   schedule.clear();
   schedule.slot_s = slot_s;
   schedule.time_s = time_s;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     const touch::Finger& finger = touch.fingers[f];
-    array::make_voice(finger, finger.id, voice_on(solids[finger.solid], voice), schedule.add_voice());
+    const touch::Placement& placement = memory.placement;
+    touch::place_foci(touch, finger, options.method, memory.placement);
+    array::VoiceOptions voice = voice_on(solids[finger.solid], options.voice);
+    if (options.tune && !placement.still()) {
+      const auto foci = static_cast<std::uint32_t>(placement.foci.size());
+      const array::Ring ring{touch::perimeter_of(placement), foci, voice.stride, voice.dwell_s};
+      voice.stride = memory.strides.stride_for(finger.id, ring, time_s);
+    }
+    array::make_voice(placement, finger.id, finger.solid, voice, schedule.add_voice());
   }
 }
 

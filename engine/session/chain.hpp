@@ -9,11 +9,13 @@
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
+#include "array/tune.hpp"
 #include "geometry/solid.hpp"
 #include "gpu/device.hpp"
 #include "gpu/timestamps.hpp"
 #include "sensing/camera.hpp"
 #include "sensing/depth_source.hpp"
+#include "touch/method.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
@@ -24,7 +26,9 @@ struct ChainSetting {
   const std::vector<geometry::Solid>& solids;
   const array::Layout& layout;  ///< as posed in the world
   touch::Parameters touch;
+  touch::MethodOptions method;
   array::VoiceOptions voice;
+  bool tune = false;  ///< each finger's stride is chosen by its perimeter, see array::StrideTuner
   array::DriveOptions drive;
   double slot_s = 1.5e-3;  ///< one drive lasts that long
   /// What of a touch the frames' reports hold: contacts cost time and are for those who look at them.
@@ -40,7 +44,8 @@ struct Plan {
   array::Schedule schedule;
   double captured_s = 0;  ///< on the loop's clock
   std::uint32_t cycle = 0;
-  double shared_modulation_hz = 0;
+  double shared_modulation_hz = 0;  ///< 0: none, or not shared
+  array::Modulation shared_modulation = array::Modulation::pressure_sine;
   std::vector<array::TransducerDrive> drives;  ///< cycle * transducers
 
   std::span<const array::TransducerDrive> drive(std::uint64_t slot, std::size_t transducers) const {
@@ -87,9 +92,23 @@ void reserve(Plan& plan, std::size_t transducers);
 void reserve(array::Schedule& schedule);
 void reserve(touch::Touch& touch);
 
-/// Turns the fingers of a frame into the voices of `schedule`; what their solids ask for takes the place of `voice`.
+/// How fingers become voices.
+struct ScheduleOptions {
+  touch::MethodOptions method;  ///< places the foci
+  array::VoiceOptions voice;    ///< what a finger's solid asks for takes its place
+  bool tune = false;            ///< each finger's stride follows its perimeter, see array::StrideTuner
+};
+
+/// What make_schedule keeps from frame to frame.
+struct ScheduleMemory {
+  touch::Placement placement;
+  array::StrideTuner strides;
+};
+void reserve(ScheduleMemory& memory);
+
+/// Turns the fingers of a frame into the voices of `schedule`.
 void make_schedule(const touch::Touch& touch, double time_s, std::span<const geometry::Solid> solids,
-                   const array::VoiceOptions& voice, double slot_s, array::Schedule& schedule);
+                   const ScheduleOptions& options, double slot_s, ScheduleMemory& memory, array::Schedule& schedule);
 
 /// Which slots a plan for `schedule` must hold: fills cycle and shared modulation of the plan, and the foci of each of
 /// its slots, gains being 1 where the modulation is shared. `add` is called once per slot, in order.
@@ -98,6 +117,7 @@ void plan_slots(Plan& plan, array::Schedule& unmodulated, std::vector<array::Slo
   const array::Schedule& schedule = plan.schedule;
   const bool shared = array::shared_modulation(schedule);
   plan.shared_modulation_hz = shared && schedule.voice_count > 0 ? schedule.voices[0].modulation_hz : 0.0;
+  if (plan.shared_modulation_hz != 0) plan.shared_modulation = schedule.voices[0].modulation;
   const array::Schedule* planned = &schedule;
   if (plan.shared_modulation_hz != 0) {
     unmodulated = schedule;

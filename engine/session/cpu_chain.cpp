@@ -1,6 +1,5 @@
 // The chain through the passes' C++ twins: one frame at a time on the calling thread.
 #include "session/chain.hpp"
-#include "session/follow.hpp"
 #include "touch/depths.hpp"
 #include "touch/stage.hpp"
 
@@ -15,7 +14,7 @@ class CpuChain : public Chain {
   bool busy() const override { return busy_; }
 
   void start(const sensing::FrameSet& frame, double captured_s, double now_s) override {
-    stage_.touch(frame.frames, setting_.touch, touch_);
+    stage_.touch(frame.frames, setting_.touch, touch_, {}, &tracks_, frame.time_s);
     captured_s_ = captured_s;
     report_ = {frame.sequence, frame.time_s, &touch_, {}, now_s, 0};
     busy_ = true;
@@ -23,8 +22,8 @@ class CpuChain : public Chain {
 
   bool step(Plan& plan, FrameReport& report) override {
     touch::find_depths(touch_);
-    follower_.follow(touch_);
-    make_schedule(touch_, report_.time_s, setting_.solids, setting_.voice, setting_.slot_s, plan.schedule);
+    make_schedule(touch_, report_.time_s, setting_.solids, {setting_.method, setting_.voice, setting_.tune},
+                  setting_.slot_s, memory_, plan.schedule);
     plan.captured_s = captured_s_;
     plan.drives.clear();
     const std::size_t transducers = setting_.layout.transducers.size();
@@ -44,11 +43,12 @@ class CpuChain : public Chain {
   double captured_s_ = 0;
   FrameReport report_;
   touch::Touch touch_;
-  Follower follower_;
+  touch::Tracks tracks_;
 
   std::vector<array::SlotFocus> foci_;
   array::DriveScratch drive_scratch_;
   array::Schedule unmodulated_;
+  ScheduleMemory memory_;
 };
 
 }  // namespace

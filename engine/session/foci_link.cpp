@@ -30,6 +30,18 @@ class FociLink : public Link {
 
 }  // namespace
 
+void write_order(const array::Voice& voice, JsonWriter& json) {
+  if (voice.foci_per_slot <= 1) {
+    json.value(voice.order);
+    return;
+  }
+  json.begin_array();
+  const std::span<const std::uint32_t> order = voice.order;
+  for (std::size_t at = 0; at + voice.foci_per_slot <= order.size(); at += voice.foci_per_slot)
+    json.value(order.subspan(at, voice.foci_per_slot));
+  json.end_array();
+}
+
 void write_foci_line(const array::Schedule& schedule, std::span<const std::string> solid_names, JsonWriter& json) {
   json.clear();
   json.begin_object(JsonWriter::Style::compact).member("time_s", schedule.time_s);
@@ -42,7 +54,10 @@ void write_foci_line(const array::Schedule& schedule, std::span<const std::strin
     for (const Vec3& focus : voice.foci)
       json.value(glm::vec3(focus));
     json.end_array();
-    json.member("order", voice.order).member("dwell_s", voice.dwell_s).member("modulation_hz", voice.modulation_hz);
+    json.key("order");
+    write_order(voice, json);
+    json.member("dwell_s", voice.dwell_s).member("modulation_hz", voice.modulation_hz);
+    if (voice.modulation_hz != 0) json.member("modulation", array::name_of(voice.modulation));
     json.member("gain", voice.gain);
     json.end_object();
   }

@@ -4,8 +4,9 @@
 //   {"time_s": 12.5, "fingers": [{"id": 0, "solid": "cube", "foci_m": [[x,y,z], ...], "order": [0,3,6,...], "dwell_s":
 //   0.0015,
 //    "modulation_hz": 0, "gain": 1}]}
-// Positions are in the world. No fingers mean silence; that is also sent when foci expire and, last of all, at the end.
-// `time_s` is the frame's capture time on the source's clock.
+// Foci that sound together are a list within `order`: [[0,1,2]]. Where `modulation_hz` is not 0, `modulation` says what
+// it makes a sine of: "pressure-sine" or "amplitude-sine". Positions are in the world. No fingers mean silence; that is
+// also sent when foci expire and, last of all, at the end. `time_s` is the frame's capture time on the source's clock.
 #pragma once
 
 #include <memory>
@@ -18,6 +19,9 @@ namespace palpa::session {
 
 /// Link "foci:udp:HOST:PORT". Throws bad_usage for another form, failure() for a host that does not resolve.
 std::unique_ptr<Link> open_foci_link(const std::string& argument, const LinkSetting& setting);
+
+/// The order in which a voice's foci play: [0,3,...], or [[0,1,...]] where several sound together.
+void write_order(const array::Voice& voice, JsonWriter& json);
 
 /// The line as a document of its own; `json` is cleared first and keeps its storage.
 void write_foci_line(const array::Schedule& schedule, std::span<const std::string> solid_names, JsonWriter& json);

@@ -12,7 +12,6 @@
 #include "base/log.hpp"
 #include "gpu/commands.hpp"
 #include "session/chain.hpp"
-#include "session/follow.hpp"
 #include "touch/depths.hpp"
 #include "touch/stage.hpp"
 
@@ -35,11 +34,11 @@ struct Flight {
   FrameReport report;
 
   Flight(const gpu::Device& device, const ChainSetting& setting, const touch::Stage& stage)
-      : frame(device, stage, {.deep = setting.touch.deep ? most_deep : 0}),
-        drive_buffers(device, setting.layout, setting.drive.medium, most_cycle, most_cycle * touch::max_fingers),
+      : frame(device, stage, touch::capacity_for(setting.touch)),
+        drive_buffers(device, setting.layout, setting.drive, most_cycle, most_cycle * touch::max_fingers),
         touch_recorder(device, "touch"),
         drive_recorder(device, "drives"),
-        touch_times(device, 16),
+        touch_times(device, 24),
         drive_times(device, 4) {
     reserve(touch);
     reserve(plan.schedule);
@@ -50,13 +49,16 @@ class GpuChain : public Chain {
  public:
   GpuChain(const gpu::Device& device, const ChainSetting& setting)
       : setting_(setting),
+        detail_(touch::needs_contacts(setting.method) ? touch::Detail::contacts : setting.detail),
         stage_(device, setting.solids, setting.cameras, setting.touch),
-        drives_pass_(device),
+        tracks_(device),
+        array_passes_(device),
         flights_{Flight(device, setting, stage_), Flight(device, setting, stage_)},
         timeline_(device, "frames") {
     reserve(unmodulated_);
+    reserve(memory_);
     foci_.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
-    passes_.reserve(16);
+    passes_.reserve(24);
     drive_passes_.reserve(4);
   }
 
@@ -68,7 +70,8 @@ class GpuChain : public Chain {
     flight.frame.set(frame.frames);
     const VkCommandBuffer commands = flight.touch_recorder.begin();
     flight.touch_times.begin(commands);
-    stage_.record(commands, flight.frame, setting_.touch, setting_.detail, &flight.touch_times);
+    stage_.record(commands, flight.frame, setting_.touch, detail_, &flight.touch_times,
+                  {&tracks_, frame.time_s});
     flight.submitted = timeline_.submit(flight.touch_recorder.end());
     flight.state = Flight::State::touching;
     flight.plan.captured_s = captured_s;
@@ -107,9 +110,8 @@ class GpuChain : public Chain {
   void begin_drives(Flight& flight) {
     read_touch(flight);
     touch::find_depths(flight.touch);
-    follower_.follow(flight.touch);
-    make_schedule(flight.touch, flight.report.time_s, setting_.solids, setting_.voice, setting_.slot_s,
-                  flight.plan.schedule);
+    make_schedule(flight.touch, flight.report.time_s, setting_.solids, {setting_.method, setting_.voice, setting_.tune},
+                  setting_.slot_s, memory_, flight.plan.schedule);
     flight.drive_buffers.clear();
     plan_slots(flight.plan, unmodulated_, foci_, [&](std::span<const array::SlotFocus> foci) {
       if (!flight.drive_buffers.add_slot(foci)) throw failure("a frame has more foci than its buffers hold");
@@ -118,7 +120,7 @@ class GpuChain : public Chain {
     if (flight.plan.cycle != 0) {
       const VkCommandBuffer commands = flight.drive_recorder.begin();
       flight.drive_times.begin(commands);
-      flight.drive_buffers.record(commands, drives_pass_, setting_.drive.weighting, setting_.drive.constraint);
+      flight.drive_buffers.record(commands, array_passes_);
       flight.drive_times.mark(commands, "drives");
       flight.submitted = timeline_.submit(flight.drive_recorder.end());
     }
@@ -132,6 +134,7 @@ class GpuChain : public Chain {
     plan.captured_s = flight.plan.captured_s;
     plan.cycle = flight.plan.cycle;
     plan.shared_modulation_hz = flight.plan.shared_modulation_hz;
+    plan.shared_modulation = flight.plan.shared_modulation;
     plan.drives.resize(plan.cycle * transducers);
     if (flight.submitted == 0) return;
     timeline_.wait(flight.submitted);
@@ -144,18 +147,20 @@ class GpuChain : public Chain {
   }
 
   ChainSetting setting_;
+  touch::Detail detail_;
   touch::Stage stage_;
-  array::DrivesPass drives_pass_;
+  touch::TrackBuffer tracks_;
+  array::DrivePasses array_passes_;
   std::array<Flight, flights> flights_;
   gpu::Timeline timeline_;
   std::uint64_t started_ = 0, finished_ = 0;
 
-  Follower follower_;
   bool warned_ = false;
 
   // Scratch that keeps its storage.
   std::vector<array::SlotFocus> foci_;
   array::Schedule unmodulated_;
+  ScheduleMemory memory_;
   std::vector<gpu::PassTime> passes_, drive_passes_;
 };
 

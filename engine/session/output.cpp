@@ -52,7 +52,8 @@ std::span<const array::TransducerDrive> drive_of_slot(const Plan& plan, std::uin
   if (plan.shared_modulation_hz == 0) return drive;
   scratch.drive.assign(drive.begin(), drive.end());
   const double midpoint_s = (static_cast<double>(slot) + 0.5) * setting.slot_s;
-  const auto gain = static_cast<float>(array::modulation_gain(plan.shared_modulation_hz, midpoint_s));
+  const auto gain =
+      static_cast<float>(array::modulation_gain(plan.shared_modulation, plan.shared_modulation_hz, midpoint_s));
   for (array::TransducerDrive& transducer : scratch.drive)
     transducer.amplitude *= gain;
   return scratch.drive;

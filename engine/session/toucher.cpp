@@ -8,7 +8,6 @@
 #include "base/error.hpp"
 #include "gpu/commands.hpp"
 #include "session/chain.hpp"
-#include "session/follow.hpp"
 #include "session/overrides.hpp"
 #include "touch/depths.hpp"
 #include "touch/stage.hpp"
@@ -20,8 +19,8 @@ namespace {
 class Backend {
  public:
   virtual ~Backend() = default;
-  virtual void touch(std::span<const sensing::SkinPoint> skin, touch::Touch& out) = 0;
-  virtual void touch(std::span<const sensing::DepthFrame> images, touch::Touch& out) = 0;
+  virtual void touch(std::span<const sensing::SkinPoint> skin, double time_s, touch::Touch& out) = 0;
+  virtual void touch(std::span<const sensing::DepthFrame> images, double time_s, touch::Touch& out) = 0;
   virtual void set_pose(std::uint32_t solid, const Transform& T_world_rest) = 0;
 };
 
@@ -29,16 +28,17 @@ class CpuBackend : public Backend {
  public:
   CpuBackend(const std::vector<geometry::Solid>& solids, const ToucherOptions& options)
       : stage_(solids, options.cameras, options.touch), parameters_(options.touch) {}
-  void touch(std::span<const sensing::SkinPoint> skin, touch::Touch& out) override {
-    stage_.touch(skin, parameters_, out);
+  void touch(std::span<const sensing::SkinPoint> skin, double time_s, touch::Touch& out) override {
+    stage_.touch(skin, parameters_, out, {}, &tracks_, time_s);
   }
-  void touch(std::span<const sensing::DepthFrame> images, touch::Touch& out) override {
-    stage_.touch(images, parameters_, out);
+  void touch(std::span<const sensing::DepthFrame> images, double time_s, touch::Touch& out) override {
+    stage_.touch(images, parameters_, out, {}, &tracks_, time_s);
   }
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { stage_.set_pose(solid, T_world_rest); }
 
  private:
   touch::HostStage stage_;
+  touch::Tracks tracks_;
   touch::Parameters parameters_;
 };
 
@@ -47,36 +47,38 @@ class GpuBackend : public Backend {
   GpuBackend(const gpu::Device& device, const std::vector<geometry::Solid>& solids, const ToucherOptions& options)
       : device_(device),
         stage_(device, solids, options.cameras, options.touch),
+        tracks_(device),
         recorder_(device, "touch"),
         timeline_(device, "touch"),
         parameters_(options.touch) {
-    if (!options.cameras.empty()) frame_.emplace(device_, stage_, touch::Capacity{.deep = most_deep});
+    if (!options.cameras.empty()) frame_.emplace(device_, stage_, touch::capacity_for(parameters_));
   }
-  void touch(std::span<const sensing::SkinPoint> skin, touch::Touch& out) override {
+  void touch(std::span<const sensing::SkinPoint> skin, double time_s, touch::Touch& out) override {
     const auto count = static_cast<std::uint32_t>(skin.size());
     if (!frame_ || count > room_) {
       // Powers of two, so that a cloud that grows needs new buffers only now and then.
       room_ = std::bit_ceil(std::max(count, 4096U));
-      frame_.emplace(device_, stage_, touch::Capacity{room_, room_, room_});
+      frame_.emplace(device_, stage_, touch::capacity_for(parameters_, {room_, room_}));
     }
     frame_->set(skin);
-    run(out);
+    run(time_s, out);
   }
-  void touch(std::span<const sensing::DepthFrame> images, touch::Touch& out) override {
+  void touch(std::span<const sensing::DepthFrame> images, double time_s, touch::Touch& out) override {
     frame_->set(images);
-    run(out);
+    run(time_s, out);
   }
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { stage_.set_pose(solid, T_world_rest); }
 
  private:
-  void run(touch::Touch& out) {
-    stage_.record(recorder_.begin(), *frame_, parameters_, touch::Detail::contacts);
+  void run(double time_s, touch::Touch& out) {
+    stage_.record(recorder_.begin(), *frame_, parameters_, touch::Detail::contacts, nullptr, {&tracks_, time_s});
     timeline_.wait(timeline_.submit(recorder_.end()));
     touch::read(*frame_, out);
   }
 
   const gpu::Device& device_;
   touch::Stage stage_;
+  touch::TrackBuffer tracks_;
   gpu::Recorder recorder_;
   gpu::Timeline timeline_;
   std::optional<touch::StageFrame> frame_;
@@ -90,11 +92,11 @@ struct Toucher::State {
   std::vector<geometry::Solid> solids;
   ToucherOptions options;
   std::unique_ptr<Backend> backend;
-  Follower follower;
   EventTracker tracker;
   std::vector<sensing::SkinPoint> skin;
   touch::Touch touch;
   std::span<const Event> events;
+  ScheduleMemory memory;
   array::Schedule schedule;
   double slot_s = 0;
 
@@ -114,9 +116,8 @@ struct Toucher::State {
   /// All that follows once the fingers are known.
   const touch::Touch& finish(double time_s) {
     touch::find_depths(touch);
-    follower.follow(touch);
     events = tracker.update(touch, time_s);
-    make_schedule(touch, time_s, solids, options.voice, slot_s, schedule);
+    make_schedule(touch, time_s, solids, {options.method, options.voice, options.tune}, slot_s, memory, schedule);
     return touch;
   }
 };
@@ -132,7 +133,7 @@ Toucher& Toucher::operator=(Toucher&&) noexcept = default;
 const touch::Touch& Toucher::touch(std::span<const sensing::DepthFrame> images, double time_s) {
   State& s = *state_;
   if (s.options.cameras.empty()) throw bad_usage("a Toucher without cameras touches skin points, not depth frames");
-  s.backend->touch(images, s.touch);
+  s.backend->touch(images, time_s, s.touch);
   return s.finish(time_s);
 }
 
@@ -147,7 +148,7 @@ const touch::Touch& Toucher::touch(std::span<const glm::vec3> skin, double time_
 const touch::Touch& Toucher::touch(std::span<const sensing::SkinPoint> skin, double time_s) {
   State& s = *state_;
   if (!s.options.cameras.empty()) throw bad_usage("a Toucher with cameras touches depth frames, not skin points");
-  s.backend->touch(skin, s.touch);
+  s.backend->touch(skin, time_s, s.touch);
   return s.finish(time_s);
 }
 

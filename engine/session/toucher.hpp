@@ -15,6 +15,7 @@
 #include "sensing/depth_source.hpp"
 #include "sensing/skin.hpp"
 #include "session/events.hpp"
+#include "touch/method.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
@@ -23,6 +24,8 @@ namespace palpa::session {
 struct ToucherOptions {
   touch::Parameters touch;
   array::VoiceOptions voice;
+  touch::MethodOptions method;
+  bool tune = false;  ///< each finger's stride follows its perimeter
   EventOptions events;
   /// None: skin comes as points. Otherwise it comes as these cameras' depth frames.
   std::vector<sensing::Camera> cameras;

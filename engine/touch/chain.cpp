@@ -83,10 +83,21 @@ Capacity checked(const Capacity& capacity) {
     throw bad_usage(fmt::format("{} skin points per frame: at most {}", capacity.points, shader::contacts_most_points));
   }
   const std::uint32_t points = std::max(capacity.points, 1U);
-  return {points, std::clamp(capacity.contacts, 1U, points), std::min(capacity.deep, points)};
+  return {points, std::clamp(capacity.contacts, 1U, points), std::min(capacity.deep, points), capacity.inside};
+}
+
+/// Most points that are clustered.
+std::uint32_t clustered(const Capacity& capacity) {
+  return capacity.contacts + (capacity.inside ? capacity.deep : 0);
 }
 
 }  // namespace
+
+Capacity capacity_for(const Parameters& parameters, Capacity capacity) {
+  if (parameters.wants_deep()) capacity.deep = std::max(capacity.deep, capacity.contacts);
+  capacity.inside = parameters.cluster == Cluster::inside;
+  return capacity;
+}
 
 SolidTable::SolidTable(const gpu::Device& device, const std::vector<geometry::Solid>& solids,
                        const Parameters& parameters)
@@ -105,6 +116,7 @@ SolidTable::SolidTable(const gpu::Device& device, const std::vector<geometry::So
   triangles_ = std::move(surface.triangles);
   signs_ = std::move(surface.signs);
   corners_ = std::move(surface.corners);
+  foci_of_ = upload(device, commands, host_.foci_of, "foci of solids");
   timeline.wait(timeline.submit(recorder.end()));
 }
 
@@ -118,24 +130,28 @@ TouchBuffers::TouchBuffers(const gpu::Device& device, const Capacity& capacity)
       masks_(device, std::uint64_t{mask_words(capacity_.points)} * 4, "contact masks"),
       counts_(device, std::uint64_t{shader::contacts_chunks} * 4, "contact counts"),
       total_(device, sizeof(shader::ScanTotal), "contact total"),
-      nodes_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::uvec4), "finger nodes"),
-      keys_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::BlockKey), "finger keys"),
-      places_(device, std::uint64_t{capacity_.contacts} * 4, "finger places"),
-      slots_(device, std::uint64_t{slots_for(capacity_.contacts)} * 4, "finger slots"),
-      heads_(device, std::uint64_t{capacity_.contacts} * 4 * shader::fingers_block_cells, "finger heads"),
-      list_(device, std::uint64_t{capacity_.contacts} * 4, "finger blocks"),
-      groups_(device, std::uint64_t{capacity_.contacts} * 4, "finger groups"),
-      crowded_(device, std::uint64_t{capacity_.contacts} * 4 + 16, "finger crowded"),
+      nodes_(device, std::uint64_t{clustered(capacity_)} * sizeof(shader::uvec4), "finger nodes"),
+      keys_(device, std::uint64_t{clustered(capacity_)} * sizeof(shader::BlockKey), "finger keys"),
+      places_(device, std::uint64_t{clustered(capacity_)} * 4, "finger places"),
+      slots_(device, std::uint64_t{slots_for(clustered(capacity_))} * 4, "finger slots"),
+      heads_(device, std::uint64_t{clustered(capacity_)} * 4 * shader::fingers_block_cells, "finger heads"),
+      list_(device, std::uint64_t{clustered(capacity_)} * 4, "finger blocks"),
+      groups_(device, std::uint64_t{clustered(capacity_)} * 4, "finger groups"),
+      crowded_(device, std::uint64_t{clustered(capacity_)} * 4 + 16, "finger crowded"),
       work_(device, sizeof(shader::FingersWork), "finger work"),
-      parents_(device, std::uint64_t{capacity_.contacts} * 4, "finger parents"),
-      clusters_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::Cluster), "finger clusters"),
+      parents_(device, std::uint64_t{clustered(capacity_)} * 4, "finger parents"),
+      clusters_(device, std::uint64_t{clustered(capacity_)} * sizeof(shader::Cluster), "finger clusters"),
       samples_(device, std::uint64_t{max_fingers} * shader::bridge_samples * sizeof(shader::BridgeSample),
                "bridge samples"),
       patches_(device, std::uint64_t{max_fingers} * sizeof(shader::BridgePatch), "bridge patches"),
       pairs_(device, std::uint64_t{max_fingers} * max_fingers * sizeof(shader::BridgePair), "bridge pairs"),
       bridge_work_(device, sizeof(shader::BridgeWork), "bridge work"),
+      inside_(device, capacity_.inside ? std::uint64_t{clustered(capacity_)} * sizeof(shader::ContactRecord) : 0,
+              "points inside"),
+      inside_total_(device, sizeof(shader::ScanTotal), "inside total"),
       deep_masks_(device, capacity_.deep == 0 ? 0 : std::uint64_t{mask_words(capacity_.points)} * 4, "deep masks"),
       deep_counts_(device, std::uint64_t{shader::contacts_chunks} * 4, "deep counts"),
+      finger_counts_(device, std::uint64_t{shader::frames_most_chunks} * max_fingers * 4, "finger counts"),
       solids_(device, sizeof(shader::SolidRecord), "solids"),
       contacts_(device, std::uint64_t{capacity_.contacts} * sizeof(shader::ContactRecord), "contacts"),
       header_(device, sizeof(shader::TouchHeader), "touch header"),
@@ -146,14 +162,17 @@ TouchBuffers::TouchBuffers(const gpu::Device& device, const Capacity& capacity)
       device_(&device) {}
 
 TouchPasses::TouchPasses(const gpu::Device& device)
-    : contacts_(device), fingers_(device), bridge_(device), sections_(device) {}
+    : contacts_(device), fingers_(device), bridge_(device), frames_(device), follow_(device), foci_(device) {}
 
 void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, TouchBuffers& b, gpu::BufferRef points,
                          gpu::BufferRef total, const Parameters& parameters, gpu::Timestamps* times, Detail detail,
-                         const SightBuffers* sight) const {
+                         const SightBuffers* sight, const Following& following) const {
   check(parameters, table.host());
-  if (parameters.deep && b.capacity_.deep == 0) {
+  if (parameters.wants_deep() && b.capacity_.deep == 0) {
     throw bad_usage("deep points are asked for: give Capacity::deep room for them");
+  }
+  if (parameters.cluster == Cluster::inside && !b.capacity_.inside) {
+    throw bad_usage("clusters of all points inside are asked for: set Capacity::inside");
   }
   const std::vector<shader::SolidRecord>& solids = table.host().solids;
   const std::size_t solid_bytes = solids.size() * sizeof(shader::SolidRecord);
@@ -161,7 +180,7 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
     b.solids_ = gpu::Upload(*b.device_, solid_bytes, "solids");  // the first time only
   if (!solids.empty()) std::memcpy(b.solids_.data(), solids.data(), solid_bytes);
   b.solids_.record(commands);
-  b.with_deep_ = parameters.deep;
+  b.with_deep_ = parameters.wants_deep();
   const auto mark = [&](const char* name) {
     if (times) times->mark(commands, name);
   };
@@ -205,7 +224,12 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
                    .parents = b.parents_.ref(),
                    .header = b.header_.ref(),
                    .fingers = b.fingers_.ref(),
-                   .most_contacts = b.capacity_.contacts},
+                   .most_contacts = b.capacity_.contacts,
+                   .deep_total = b.deep_total_.ref(),
+                   .deep = b.deep_.ref(),
+                   .inside_total = b.inside_total_.ref(),
+                   .inside = b.inside_.ref(),
+                   .most_deep = b.capacity_.deep},
                   table.host(), parameters, times);
   gpu::compute_to_compute(commands);
   if (sight && parameters.finger_width_m > 0) {
@@ -226,24 +250,40 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
     gpu::compute_to_compute(commands);
     mark("bridge");
   }
-  sections_.record(commands,
-                   {.total = b.total_.ref(),
-                    .parents = b.parents_.ref(),
-                    .contacts = b.contacts_.ref(),
-                    .header = b.header_.ref(),
-                    .fingers = b.fingers_.ref(),
-                    .foci = b.foci_.ref(),
-                    .borders = table.borders(),
-                    .most_contacts = b.capacity_.contacts},
-                   parameters);
+  // The grid's nodes have done their work: the contacts in order of their fingers take their place.
+  frames_.record(commands,
+                 {.total = b.total_.ref(),
+                  .parents = b.parents_.ref(),
+                  .contacts = b.contacts_.ref(),
+                  .header = b.header_.ref(),
+                  .counts = b.finger_counts_.ref(),
+                  .grouped = b.nodes_.ref(),
+                  .fingers = b.fingers_.ref(),
+                  .most_contacts = b.capacity_.contacts},
+                 times);
+  gpu::compute_to_compute(commands);
+  if (following.tracks) {
+    follow_.record(commands,
+                   {.header = b.header_.ref(), .fingers = b.fingers_.ref(), .tracks = following.tracks->ref()},
+                   following.tracks->clock.elapsed_us(following.time_s));
+    mark("follow");
+    gpu::compute_to_compute(commands);
+  }
+  foci_.record(commands,
+               {.grouped = b.nodes_.ref(),
+                .header = b.header_.ref(),
+                .fingers = b.fingers_.ref(),
+                .foci = b.foci_.ref(),
+                .borders = table.borders(),
+                .of_solid = table.foci_of()},
+               parameters);
   mark("foci");
-  b.foci_per_finger_ = parameters.foci;
   b.detail_ = detail;
   if (detail == Detail::contacts) b.contacts_.record(commands);
   b.header_.record(commands);
   b.fingers_.record(commands);
   b.foci_.record(commands);
-  if (parameters.deep) {
+  if (parameters.wants_deep()) {
     b.deep_.record(commands);
     b.deep_total_.record(commands);
   }
@@ -280,13 +320,15 @@ void read(const TouchBuffers& b, Touch& out) {
     const shader::FingerRecord& record = fingers[f];
     Finger& finger = out.fingers[f];
     finger.solid = record.solid;
+    finger.id = record.id;
     finger.point_like = record.point_like != 0;
     finger.section.centroid = vec(record.centre);
     finger.section.axes = {vec(record.axis1), vec(record.axis2), vec(record.axis3)};
     finger.section.eigenvalues = {record.axis1.w, record.axis2.w, record.axis3.w};
+    finger.section.turn = {record.turn.x, record.turn.y};
     finger.contact_count = record.contacts;
     finger.contacts.clear();
-    finger.foci.resize(finger.point_like ? 1 : b.foci_per_finger_);
+    finger.foci.resize(record.foci);
     for (std::size_t n = 0; n < finger.foci.size(); ++n) {
       const shader::FocusRecord& focus = foci[std::size_t{f} * max_foci + n];
       finger.foci[n] = {{focus.x, focus.y, focus.z}, focus.points};
@@ -306,11 +348,13 @@ void read(const TouchBuffers& b, Touch& out) {
 }
 
 void touch_points(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
-                  Touch& out) {
+                  Touch& out, Tracks* tracks, double time_s) {
   check(parameters, table);
   find_contacts(points, table, parameters, out);
   find_fingers(parameters, table, out);
-  find_sections(parameters, out);
+  find_frames(out);
+  if (tracks) follow_fingers(*tracks, time_s, out);
+  find_foci(parameters, table.foci_of, out);
 }
 
 void touch_points(std::span<const glm::vec3> points, const std::vector<geometry::Solid>& solids,

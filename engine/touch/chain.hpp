@@ -12,7 +12,9 @@
 #include "touch/bridge.hpp"
 #include "touch/contacts.hpp"
 #include "touch/fingers.hpp"
-#include "touch/sections.hpp"
+#include "touch/foci.hpp"
+#include "touch/follow.hpp"
+#include "touch/frames.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -36,10 +38,11 @@ class SolidTable {
   /// Empty without solids of convex parts.
   gpu::BufferRef parts() const { return host_.parts.empty() ? gpu::BufferRef{} : parts_.ref(); }
   gpu::BufferRef borders() const { return borders_.ref(); }
+  gpu::BufferRef foci_of() const { return foci_of_.ref(); }
 
  private:
   PlaneTable host_;
-  gpu::Upload cells_, planes_, borders_, surface_cells_, runs_, triangles_, signs_, corners_, parts_;
+  gpu::Upload cells_, planes_, borders_, foci_of_, surface_cells_, runs_, triangles_, signs_, corners_, parts_;
 };
 
 /// Room for one frame in flight: 8 bytes of memory per point and 124 per contact, 43 MB for the defaults.
@@ -47,7 +50,11 @@ struct Capacity {
   std::uint32_t points = 1'250'000;  ///< at most shader::contacts_most_points
   std::uint32_t contacts = 262'144;  ///< more than this many contacts in a frame are an error that read() reports
   std::uint32_t deep = 0;            ///< the same for deep points: 32 bytes each
+  bool inside = false;               ///< deep points may be clustered too: 156 bytes each
 };
+
+/// The same room, and as much for deep points as for contacts where the parameters want them.
+Capacity capacity_for(const Parameters& parameters, Capacity capacity = {});
 
 /// All buffers of one frame in flight, allocated once.
 class TouchBuffers {
@@ -73,13 +80,20 @@ class TouchBuffers {
   friend void read(const TouchBuffers& buffers, Touch& out);
   Capacity capacity_;
   gpu::Buffer hits_, masks_, counts_, total_, nodes_, keys_, places_, slots_, heads_, list_, groups_, crowded_, work_,
-      parents_, clusters_, samples_, patches_, pairs_, bridge_work_, deep_masks_, deep_counts_;
+      parents_, clusters_, samples_, patches_, pairs_, bridge_work_, inside_, inside_total_, deep_masks_, deep_counts_,
+      finger_counts_;
   gpu::Upload solids_;
   gpu::Readback contacts_, header_, fingers_, foci_, deep_, deep_total_;
   bool with_deep_ = false;  ///< of the newest record
   const gpu::Device* device_;
-  std::uint32_t foci_per_finger_ = 0;  ///< of the newest record
-  Detail detail_ = Detail::contacts;   ///< of the newest record
+  Detail detail_ = Detail::contacts;  ///< of the newest record
+};
+
+/// Fingers of a frame captured at `time_s` are followed from the frames recorded before with the same tracks; without
+/// tracks each frame stands alone.
+struct Following {
+  TrackBuffer* tracks = nullptr;
+  double time_s = 0;
 };
 
 /// All pipelines; one for any number of frames in flight.
@@ -87,20 +101,24 @@ class TouchPasses {
  public:
   explicit TouchPasses(const gpu::Device& device);
 
-  /// Records eleven dispatches, four more with `sight`, and the readback. `points` holds a vec4 per skin point (x, y,
-  /// z, the bits of its index, indices ascending), `total` their shader::ScanTotal with 64 per group. With `sight`,
-  /// fingers are joined across hidden skin: then indices are pixels of the pictures. With `times`, marks the passes'
-  /// stages and "foci". Barriers: expects points and total to be visible to compute and as indirect arguments, and the
-  /// submit that used `buffers` before to have completed. Throws bad_usage on unusable parameters.
+  /// Records fourteen dispatches, four more with `sight`, one more with tracks to follow, and the readback. `points`
+  /// holds a vec4 per skin point (x, y, z, the bits of its index, indices ascending), `total` their shader::ScanTotal
+  /// with 64 per group. With `sight`, fingers are joined across hidden skin: then indices are pixels of the pictures.
+  /// With `times`, marks the passes' stages and "foci". Barriers: expects points and total to be visible to compute and
+  /// as indirect arguments, and the submit that used `buffers` before to have completed. Throws bad_usage on unusable
+  /// parameters.
   void record(VkCommandBuffer commands, const SolidTable& table, TouchBuffers& buffers, gpu::BufferRef points,
               gpu::BufferRef total, const Parameters& parameters, gpu::Timestamps* times = nullptr,
-              Detail detail = Detail::contacts, const SightBuffers* sight = nullptr) const;
+              Detail detail = Detail::contacts, const SightBuffers* sight = nullptr,
+              const Following& following = {}) const;
 
  private:
   ContactsPass contacts_;
   FingersPass fingers_;
   BridgePass bridge_;
-  SectionsPass sections_;
+  FramesPass frames_;
+  FollowPass follow_;
+  FociPass foci_;
 };
 
 inline void record(VkCommandBuffer commands, const TouchPasses& passes, const SolidTable& table, TouchBuffers& buffers,
@@ -114,9 +132,10 @@ inline void record(VkCommandBuffer commands, const TouchPasses& passes, const So
 /// held. Throws failure() naming the figure when there were more points or contacts than `buffers` has room for.
 void read(const TouchBuffers& buffers, Touch& out);
 
-/// The twin of the whole: find_contacts, find_fingers, find_sections. Throws bad_usage as they do.
+/// The twin of the whole: find_contacts, find_fingers, find_frames, with `tracks` follow_fingers, find_foci. Throws
+/// bad_usage as they do.
 void touch_points(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
-                  Touch& out);
+                  Touch& out, Tracks* tracks = nullptr, double time_s = 0);
 /// The same for points whose index is their place.
 void touch_points(std::span<const glm::vec3> points, const std::vector<geometry::Solid>& solids,
                   const Parameters& parameters, Touch& out);

@@ -75,7 +75,7 @@ void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable&
     for (std::uint32_t s = 0; s < table.solids.size() && !shell; ++s) {
       const Inside here = look(table, s, point, parameters);
       shell = here.shell;
-      if (here.depth == 0 || (!shell && (!parameters.deep || found.depth_m > 0))) continue;
+      if (here.depth == 0 || (!shell && (!parameters.wants_deep() || found.depth_m > 0))) continue;
       found.solid = s;
       found.depth_m = here.depth;
     }
@@ -121,10 +121,10 @@ void ContactsPass::record(VkCommandBuffer commands, const ContactsBuffers& b, co
   const auto solids = static_cast<std::uint32_t>(table.solids.size());
   shader::ContactsPush push{{}, solids, static_cast<float>(parameters.delta_m), b.most_points, b.most_contacts};
   if (solids == 1) push.only = table.solids[0];
-  const Kernels& find = parameters.deep ? find_deep_ : find_;
+  const Kernels& find = parameters.wants_deep() ? find_deep_ : find_;
   // Nothing is written there where deep points are not asked for.
-  const gpu::BufferRef deep_masks = parameters.deep ? b.deep_masks : b.masks;
-  const gpu::BufferRef deep_counts = parameters.deep ? b.deep_counts : b.counts;
+  const gpu::BufferRef deep_masks = parameters.wants_deep() ? b.deep_masks : b.masks;
+  const gpu::BufferRef deep_counts = parameters.wants_deep() ? b.deep_counts : b.counts;
   const bool by_surface =
       std::any_of(table.solids.begin(), table.solids.end(), [](const auto& solid) { return solid.by_surface != 0; });
   if (by_surface) {
@@ -144,7 +144,7 @@ void ContactsPass::record(VkCommandBuffer commands, const ContactsBuffers& b, co
   if (times) times->mark(commands, "contacts find");
   pack_.dispatch(commands, {b.points, b.length, b.hits, b.masks, b.counts, b.total, b.contacts}, &push,
                  shader::contacts_chunks);
-  if (parameters.deep) {
+  if (parameters.wants_deep()) {
     push.most_contacts = b.most_deep;
     pack_.dispatch(commands, {b.points, b.length, b.hits, b.deep_masks, b.deep_counts, b.deep_total, b.deep}, &push,
                    shader::contacts_chunks);

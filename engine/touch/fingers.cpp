@@ -13,6 +13,7 @@
 #include "gpu/scan.hpp"
 #include "spirv/fingers_blocks.comp.hpp"
 #include "spirv/fingers_crowded.comp.hpp"
+#include "spirv/fingers_gather.comp.hpp"
 #include "spirv/fingers_insert.comp.hpp"
 #include "spirv/fingers_label.comp.hpp"
 #include "spirv/fingers_link.comp.hpp"
@@ -49,7 +50,7 @@ void check(const Parameters& parameters, const PlaneTable& table) {
   for (std::uint32_t s = 0; s < table.solids.size(); ++s) {
     if (table.solids[s].by_surface != shader::asked_by_surface) continue;
     const geometry::SurfaceOptions& made = table.surfaces[s].options;
-    if (table.delta_m(s, parameters) > made.reach_m * (1 + 1e-6) || (parameters.deep && !made.deep)) {
+    if (table.delta_m(s, parameters) > made.reach_m * (1 + 1e-6) || (parameters.wants_deep() && !made.deep)) {
       throw bad_usage(
           fmt::format("solid {} was prepared for contacts up to {} m deep{}; prepare it for these parameters", s,
                       made.reach_m, made.deep ? "" : " and no deep points"));
@@ -74,11 +75,15 @@ gpu::ComputePipeline pipeline(const gpu::Device& device, const char* name, std::
 }
 
 constexpr std::uint32_t test_all = 1;
+constexpr std::uint32_t with_deep = 1;
 
 }  // namespace
 
 FingersPass::FingersPass(const gpu::Device& device)
-    : prepare_(pipeline(device, "fingers prepare", spirv::fingers_prepare_comp)),
+    : gather_(device, "fingers gather", spirv::fingers_gather_comp,
+              {shader::fingers_gather_buffers, sizeof(shader::GatherPush)}),
+      label_inside_(pipeline(device, "fingers label inside", spirv::fingers_label_comp, {&with_deep, 1})),
+      prepare_(pipeline(device, "fingers prepare", spirv::fingers_prepare_comp)),
       insert_(pipeline(device, "fingers insert", spirv::fingers_insert_comp)),
       blocks_(pipeline(device, "fingers blocks", spirv::fingers_blocks_comp)),
       link_(pipeline(device, "fingers link", spirv::fingers_link_comp)),
@@ -92,24 +97,34 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBuffers& b, cons
                          const Parameters& parameters, gpu::Timestamps* times) const {
   check(parameters, table);
   const float gap = float_gap(parameters);
-  const shader::FingersPush push{cells_per_metre(gap), gap * gap, b.most_contacts, parameters.min_points};
+  const bool inside = parameters.cluster == Cluster::inside;
+  const gpu::BufferRef total = inside ? b.inside_total : b.total, contacts = inside ? b.inside : b.contacts;
+  shader::FingersPush push{cells_per_metre(gap), gap * gap, b.most_contacts, parameters.min_points};
+  if (inside) {
+    push.most_contacts += b.most_deep;
+    const shader::GatherPush gather{b.most_contacts, b.most_deep, 0, 0};
+    gather_.dispatch(commands, {b.total, b.contacts, b.deep_total, b.deep, b.inside_total, b.inside}, &gather,
+                     shader::contacts_most_groups / 2);
+    gpu::compute_to_compute(commands);
+  }
   const auto run = [&](const gpu::ComputePipeline& stage, gpu::BufferRef where, VkDeviceSize groups) {
     stage.dispatch_indirect(commands,
-                            {b.total, b.contacts, b.solids, b.nodes, b.keys, b.places, b.slots, b.heads, b.list,
-                             b.crowded, b.work, b.parents, b.clusters, b.groups},
+                            {total, contacts, b.solids, b.nodes, b.keys, b.places, b.slots, b.heads, b.list, b.crowded,
+                             b.work, b.parents, b.clusters, b.groups},
                             &push, {where.buffer, where.offset + groups, sizeof(VkDispatchIndirectCommand)});
     gpu::compute_to_compute(commands);
   };
   constexpr VkDeviceSize per_contact = offsetof(shader::ScanTotal, groups_x);
-  run(prepare_, b.total, per_contact);
-  run(insert_, b.total, per_contact);
+  run(prepare_, total, per_contact);
+  run(insert_, total, per_contact);
   if (times) times->mark(commands, "cells");
   run(blocks_, b.work, offsetof(shader::FingersWork, blocks_x));
   run(link_, b.work, offsetof(shader::FingersWork, links_x));
   run(crowded_, b.work, offsetof(shader::FingersWork, crowded_x));
   run(rest_, b.work, offsetof(shader::FingersWork, rest_x));
   if (times) times->mark(commands, "links");
-  run(label_, b.total, per_contact);
+  run(inside ? label_inside_ : label_, total, per_contact);
+  push.most_contacts = b.most_contacts;
   select_.dispatch(commands, {b.total, b.length, b.parents, b.clusters, b.contacts, b.header, b.fingers}, &push, 1);
   if (times) times->mark(commands, "fingers");
 }

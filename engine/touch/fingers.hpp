@@ -25,7 +25,8 @@ namespace palpa::touch {
 void check(const Parameters& parameters, const PlaneTable& table);
 
 /// C++ twin of FingersPass: fills `out.fingers` (solid and contacts), `finger_count` and `cluster_count` from
-/// `out.contacts`. The distance test is the same single-precision arithmetic, so the partition is the same.
+/// `out.contacts`, with Cluster::inside from `out.deep` as well. The distance test is the same single-precision
+/// arithmetic, so the partition is the same.
 void find_fingers(const Parameters& parameters, const PlaneTable& table, Touch& out);
 
 /// What the pass reads and writes, with room for `most_contacts`.
@@ -48,6 +49,12 @@ struct FingersBuffers {
   gpu::BufferRef header;    ///< out: shader::TouchHeader
   gpu::BufferRef fingers;   ///< out: shader::FingerRecord[max_fingers], first, solid and contacts
   std::uint32_t most_contacts = 0;
+  // Only for Cluster::inside; the scratch and `parents` then have room for most_contacts + most_deep.
+  gpu::BufferRef deep_total = {};    ///< in: shader::ScanTotal of the deep points
+  gpu::BufferRef deep = {};          ///< in: shader::ContactRecord[]
+  gpu::BufferRef inside_total = {};  ///< scratch: shader::ScanTotal
+  gpu::BufferRef inside = {};        ///< scratch: shader::ContactRecord[]
+  std::uint32_t most_deep = 0;
 };
 
 /// Side of the cells for a gap; contacts of one cell are within the gap, whatever rounding does.
@@ -63,8 +70,8 @@ inline float float_gap(const Parameters& parameters) {
 /// Slots of the hash table for that many contacts.
 std::uint32_t slots_for(std::uint32_t contacts);
 
-/// Pipelines only; eight dispatches: prepare, insert, blocks, link, crowded, rest, label, select. Every loop is
-/// bounded; the fingers do not depend on the order in which anything ran.
+/// Pipelines only; eight dispatches, and gather before them for Cluster::inside: prepare, insert, blocks, link,
+/// crowded, rest, label, select. Every loop is bounded; the fingers do not depend on the order in which anything ran.
 class FingersPass {
  public:
   explicit FingersPass(const gpu::Device& device);
@@ -76,7 +83,7 @@ class FingersPass {
               const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
 
  private:
-  gpu::ComputePipeline prepare_, insert_, blocks_, link_, crowded_, rest_, label_, select_;
+  gpu::ComputePipeline gather_, label_inside_, prepare_, insert_, blocks_, link_, crowded_, rest_, label_, select_;
 };
 
 }  // namespace palpa::touch

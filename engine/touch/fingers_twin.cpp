@@ -131,8 +131,14 @@ class Clustering {
 
 void find_fingers(const Parameters& parameters, const PlaneTable& table, Touch& out) {
   check(parameters, table);
-  const Clustering clustering(out.contacts, table, float_gap(parameters));
-  const std::vector<std::uint32_t>& smallest = clustering.smallest();
+  std::vector<Contact> inside;  // contacts before deep points: a cluster's smallest point is a contact if it has any
+  if (parameters.cluster == Cluster::inside) {
+    inside = out.contacts;
+    inside.insert(inside.end(), out.deep.begin(), out.deep.end());
+  }
+  const std::vector<Contact>& clustered = parameters.cluster == Cluster::inside ? inside : out.contacts;
+  std::vector<std::uint32_t> smallest = Clustering(clustered, table, float_gap(parameters)).smallest();
+  smallest.resize(out.contacts.size());  // from here on contacts alone count
 
   std::vector<std::uint32_t> sizes(smallest.size());
   for (const std::uint32_t root : smallest)

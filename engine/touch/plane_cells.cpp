@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "base/error.hpp"
+#include "touch/foci.hpp"
 #include "touch/parts_table.hpp"
 
 namespace palpa::touch {
@@ -176,7 +177,7 @@ bool asked_by_surface(const geometry::Solid& solid) {
 
 void add_surface(PlaneTable& table, SurfaceBase& next, const geometry::Solid& solid, const Parameters& parameters) {
   geometry::Surface surface = geometry::make_surface(
-      solid.mesh, {.reach_m = solid.haptics.delta_m.value_or(parameters.delta_m), .deep = parameters.deep});
+      solid.mesh, {.reach_m = solid.haptics.delta_m.value_or(parameters.delta_m), .deep = parameters.wants_deep()});
   shader::SolidRecord record{};
   const auto f = [](double v) { return static_cast<float>(v); };
   record.centre = {f(surface.centre.x), f(surface.centre.y), f(surface.centre.z), 0};
@@ -226,6 +227,7 @@ void add_solid_of_parts(PlaneTable& table, const geometry::Solid& solid) {
 
 PlaneTable make_plane_table(const std::vector<geometry::Solid>& solids, const Parameters& parameters) {
   PlaneTable table;
+  table.foci_of = foci_of_solids(solids);
   std::vector<std::vector<LocalPlane>> local(solids.size());
   for (std::size_t s = 0; s < solids.size(); ++s) {
     const geometry::Solid& solid = solids[s];

@@ -27,6 +27,7 @@ struct PlaneTable {
   std::vector<geometry::Surface> surfaces;  ///< per solid; empty where it is asked by its planes
   std::vector<SurfaceBase> surface_base;    ///< per solid
   std::vector<Vec3> centres;                ///< per solid, at rest
+  std::vector<std::uint32_t> foci_of;       ///< foci_of_solids()
   std::vector<shader::uvec4> parts;         ///< see parts_table.hpp; empty without solids of convex parts
 
   /// The solid's delta: its own where it has one.

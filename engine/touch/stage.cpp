@@ -12,7 +12,9 @@
 namespace palpa::touch {
 namespace {
 
-Capacity with_pixels(Capacity capacity, const sensing::RayTables& tables) {
+Capacity with_pixels(Capacity capacity, const sensing::RayTables& tables, bool deep) {
+  constexpr std::uint32_t some = 65'536;
+  if (deep && capacity.deep == 0) capacity.deep = some;
   if (tables.pixels != 0) {
     capacity.points = static_cast<std::uint32_t>(std::min<std::uint64_t>(tables.pixels, shader::contacts_most_points));
   }
@@ -38,17 +40,18 @@ Stage::Stage(const gpu::Device& device, const std::vector<geometry::Solid>& soli
       tables_(sensing::make_rays(cameras)),
       rays_(sensing::upload_rays(device, tables_)),
       bridge_cameras_(upload_cameras(device, bridge_cameras(cameras, tables_))),
+      deep_(parameters.deep),
       solids_(device, solids, parameters),
       skin_pass_(device),
       touch_passes_(device) {}
 
 void Stage::record(VkCommandBuffer commands, StageFrame& frame, const Parameters& parameters, Detail detail,
-                   gpu::Timestamps* times) const {
+                   gpu::Timestamps* times, const Following& following) const {
   if (!frame.skin_) {
     frame.points_.record(commands);
     frame.total_.record(commands);
     touch_passes_.record(commands, solids_, frame.touch_, frame.points_.ref(), frame.total_.ref(), parameters, times,
-                         detail);
+                         detail, nullptr, following);
     return;
   }
   frame.depth_.record(commands);
@@ -58,11 +61,12 @@ void Stage::record(VkCommandBuffer commands, StageFrame& frame, const Parameters
   skin_pass_.record(commands, skin, tables_, box, frame.views_, times);
   gpu::compute_to_compute(commands);
   const SightBuffers sight{frame.depth_.ref(), rays_.ref(), bridge_cameras_.ref()};
-  touch_passes_.record(commands, solids_, frame.touch_, skin.points, skin.total, parameters, times, detail, &sight);
+  touch_passes_.record(commands, solids_, frame.touch_, skin.points, skin.total, parameters, times, detail, &sight,
+                       following);
 }
 
 StageFrame::StageFrame(const gpu::Device& device, const Stage& stage, Capacity capacity)
-    : tables_(&stage.tables_), touch_(device, with_pixels(capacity, stage.tables_)) {
+    : tables_(&stage.tables_), touch_(device, with_pixels(capacity, stage.tables_, stage.deep_)) {
   if (stage.tables_.pixels != 0) {
     views_.reserve(stage.cameras_.size());
     depth_ = gpu::Upload(device, sensing::packed_bytes(stage.tables_), "depth frames");
@@ -96,22 +100,22 @@ HostStage::HostStage(const std::vector<geometry::Solid>& solids, std::span<const
       table_(make_plane_table(solids, parameters)) {}
 
 void HostStage::touch(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
-                      const Mark& mark) {
+                      const Mark& mark, Tracks* tracks, double time_s) {
   const Box box = touchable_box(table_);
   sensing::plan_views(cameras_, tables_, box, views_);
   sensing::find_skin(tables_, images, box, views_, points_);
   if (mark) mark("skin");
   const Sight sight{bridge_cameras_, tables_, images};
-  touch(points_, &sight, parameters, out, mark);
+  touch(points_, &sight, parameters, out, mark, tracks, time_s);
 }
 
 void HostStage::touch(std::span<const sensing::SkinPoint> points, const Parameters& parameters, Touch& out,
-                      const Mark& mark) {
-  touch(points, nullptr, parameters, out, mark);
+                      const Mark& mark, Tracks* tracks, double time_s) {
+  touch(points, nullptr, parameters, out, mark, tracks, time_s);
 }
 
 void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* sight, const Parameters& parameters,
-                      Touch& out, const Mark& mark) const {
+                      Touch& out, const Mark& mark, Tracks* tracks, double time_s) const {
   check(parameters, table_);
   find_contacts(points, table_, parameters, out);
   if (mark) mark("contacts");
@@ -121,7 +125,13 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
     bridge_fingers(*sight, parameters, out);
     if (mark) mark("bridge");
   }
-  find_sections(parameters, out);
+  find_frames(out);
+  if (mark) mark("frames");
+  if (tracks) {
+    follow_fingers(*tracks, time_s, out);
+    if (mark) mark("follow");
+  }
+  find_foci(parameters, table_.foci_of, out);
   if (mark) mark("foci");
 }
 

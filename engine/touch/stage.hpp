@@ -34,10 +34,11 @@ class Stage {
   const std::vector<sensing::Camera>& cameras() const { return cameras_; }
 
   /// Records all that turns the frame's input into foci, and the readback that `detail` asks for. With `times`, marks
-  /// the names of SkinPass (depth frames only) and TouchPasses. Barriers: the submit that used `frame` before has
-  /// completed. Allocates nothing; throws bad_usage on unusable parameters.
+  /// the names of SkinPass (depth frames only) and TouchPasses. With `following`, fingers keep their ids and axes:
+  /// record frames in the order of their capture, and submit them in the order of their recording. Barriers: the
+  /// submit that used `frame` before has completed. Allocates nothing; throws bad_usage on unusable parameters.
   void record(VkCommandBuffer commands, StageFrame& frame, const Parameters& parameters, Detail detail,
-              gpu::Timestamps* times = nullptr) const;
+              gpu::Timestamps* times = nullptr, const Following& following = {}) const;
 
  private:
   friend class StageFrame;
@@ -45,6 +46,7 @@ class Stage {
   sensing::RayTables tables_;
   gpu::Buffer rays_;
   gpu::Upload bridge_cameras_;
+  bool deep_ = false;
   SolidTable solids_;
   sensing::SkinPass skin_pass_;
   TouchPasses touch_passes_;
@@ -53,7 +55,8 @@ class Stage {
 /// What one frame in flight reads and writes. Give it its input, record, submit, wait, read.
 class StageFrame {
  public:
-  /// Room for all pixels of the stage's cameras, else for `capacity.points` skin points; and for `capacity.contacts`.
+  /// Room for all pixels of the stage's cameras, else for `capacity.points` skin points; and for `capacity.contacts`;
+  /// where the stage was made for deep points, for `capacity.deep` of them, else 65,536.
   StageFrame(const gpu::Device& device, const Stage& stage, Capacity capacity = {});
 
   /// The input of the next record: one image per camera, or points whose indices ascend. The images and points are
@@ -82,7 +85,8 @@ inline void read(const StageFrame& frame, Touch& out) {
 /// The twin of the stage: the passes' C++ twins on the calling thread.
 class HostStage {
  public:
-  /// Called after each part with its name: "skin", "contacts", "fingers", "bridge", "foci".
+  /// Called after each part with its name: "skin", "contacts", "fingers", "bridge", "frames",
+  /// "follow", "foci".
   using Mark = std::function<void(const char*)>;
 
   /// Throws as make_plane_table and make_rays do.
@@ -92,15 +96,16 @@ class HostStage {
   const PlaneTable& solids() const { return table_; }
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(table_, solid, T_world_rest); }
 
-  /// Throws bad_usage for images that do not fit the cameras, and on unusable parameters.
+  /// With `tracks`, follows the fingers of the calls before to this frame, captured at `time_s`. Throws bad_usage for
+  /// images that do not fit the cameras, and on unusable parameters.
   void touch(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
-             const Mark& mark = {});
+             const Mark& mark = {}, Tracks* tracks = nullptr, double time_s = 0);
   void touch(std::span<const sensing::SkinPoint> points, const Parameters& parameters, Touch& out,
-             const Mark& mark = {});
+             const Mark& mark = {}, Tracks* tracks = nullptr, double time_s = 0);
 
  private:
   void touch(std::span<const sensing::SkinPoint> points, const Sight* sight, const Parameters& parameters, Touch& out,
-             const Mark& mark) const;
+             const Mark& mark, Tracks* tracks, double time_s) const;
 
   std::vector<sensing::Camera> cameras_;
   sensing::RayTables tables_;

@@ -4,20 +4,36 @@
 
 #include <array>
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
 
 namespace palpa::touch {
 
+/// How a cross-section is divided among its foci.
+enum class Spacing {
+  angle,  ///< Eq. (7): sectors of equal angle, once both axes are scaled to equal variance
+  arc,    ///< sectors that cut the cross-section's outline into pieces of equal length
+};
+
+/// What Euclidean clusters are of: contacts (a finger's ring where it enters the solid), or all skin inside the solid,
+/// contacts and deep points, the other reading of the paper's III-D; a cluster's contacts are then one finger.
+enum class Cluster { contacts, inside };
+
 struct Parameters {
   double delta_m = 1.5e-3;       ///< thickness of the shell (paper: delta)
   double finger_gap_m = 5e-3;    ///< Euclidean tolerance: contacts no farther apart are in one finger
   std::uint32_t min_points = 5;  ///< clusters with fewer contacts are no finger
-  std::uint32_t foci = 10;       ///< N, 1 to max_foci
+  std::uint32_t foci = 10;       ///< N, 1 to max_foci; a solid may have its own
+  Spacing spacing = Spacing::angle;
   /// With depth frames: patches of contacts that are together no wider than this may be one finger whose skin between
   /// them no camera sees (touch/bridge.hpp). 0: every cluster is a finger of its own.
   double finger_width_m = 25e-3;
-  bool deep = false;             ///< also find the deep points: inside a solid, delta or deeper
+  Cluster cluster = Cluster::contacts;
+  bool deep = false;  ///< also find the deep points: inside a solid, delta or deeper
+
+  /// `inside` needs the deep points whether or not anybody else asks for them.
+  bool wants_deep() const { return deep || cluster == Cluster::inside; }
 };
 
 /// What the host wants to read of a frame: fingers with their foci, or every contact and whose it is as well. With
@@ -35,12 +51,15 @@ struct Contact {
   glm::vec3 position{};     ///< metres, world
 };
 
-/// Eq. (2)-(4): centroid and principal axes. Axes are orthonormal and right-handed: w3 has y >= 0 (lying within 1e-6 of
-/// the horizontal: z, then x, positive), w1's largest component is positive, w2 = w3 x w1.
+/// Eq. (2)-(4): centroid and axes. Axes are orthonormal and right-handed. A single frame's are the principal ones: w3
+/// has y >= 0 (lying within 1e-6 of the horizontal: z, then x, positive), w1's largest component is positive, w2 = w3 x
+/// w1. Of a finger that is followed, w3 is the principal one with the sign that is nearer to the frame before, and w1
+/// and w2 have turned the least they could: where the cross-section is not elongated they are not the principal ones.
 struct CrossSection {
   glm::vec3 centroid{};
   std::array<glm::vec3, 3> axes{};     ///< w1, w2, w3
-  std::array<float, 3> eigenvalues{};  ///< m^2, descending, never negative
+  std::array<float, 3> eigenvalues{};  ///< m^2, descending, never negative; of the principal directions
+  glm::vec2 turn{1, 0};                ///< the first principal direction is turn.x w1 + turn.y w2
 };
 
 struct Focus {
@@ -49,7 +68,7 @@ struct Focus {
 };
 
 struct Finger {
-  std::uint32_t id = 0;  ///< the same from frame to frame where fingers are followed, else 0
+  std::uint32_t id = 0;  ///< the same from frame to frame where fingers are followed; in a single frame its index
   std::uint32_t solid = 0;
   std::uint32_t contact_count = 0;
   /// Indices into the touch's contacts, ascending; empty where contacts were not asked for (touch::Detail).
@@ -65,8 +84,8 @@ struct Finger {
 /// Reused from frame to frame: what its vectors have allocated is kept.
 struct Touch {
   std::vector<Contact> contacts;  ///< in the order of the skin points: ascending by point; empty where not asked for
-  /// Where asked for: skin points inside a solid at delta or deeper, in no solid's shell; ascending by point. Their depth is
-  /// exact in convex solids, elsewhere at most 2 % too large.
+  /// Where asked for: skin points inside a solid at delta or deeper, in no solid's shell; ascending by point. Their
+  /// depth is exact in convex solids, elsewhere at most 2 % too large.
   std::vector<Contact> deep;
   /// Ordered by their smallest contact; only the first `finger_count` are valid.
   std::vector<Finger> fingers;

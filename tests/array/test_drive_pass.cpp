@@ -36,7 +36,8 @@ struct Inputs {
       float gain = 0;
       for (const SlotFocus& focus : slot)
         gain = std::max(gain, focus.gain);
-      slots.push_back({static_cast<std::uint32_t>(foci.size()), static_cast<std::uint32_t>(slot.size()), gain, 0});
+      slots.push_back({static_cast<std::uint32_t>(foci.size()), static_cast<std::uint32_t>(slot.size()), gain,
+                       shader::drive_unsolved});
       several = several || slot.size() > 1;
       for (const SlotFocus& focus : slot) {
         const shader::DrivePoint point = drive_point(focus.position, turns);
@@ -68,7 +69,7 @@ std::vector<shader::DriveOut> run_guarded(const Inputs& inputs, const Record& re
   auto slots = GuardedBuffer::of<shader::DriveSlot>(device, inputs.slots);
   GuardedBuffer drives(device, inputs.slots.size() * inputs.transducers.size() * sizeof(shader::DriveOut));
   test::run_on_device([&](VkCommandBuffer commands) {
-    record(commands, DriveRefs{transducers.ref(), foci.ref(), slots.ref(), drives.ref()});
+    record(commands, DriveRefs{transducers.ref(), foci.ref(), slots.ref(), drives.ref(), {}});
     gpu::compute_to_compute(commands);
   });
   EXPECT_TRUE(transducers.intact() && foci.intact() && slots.intact() && drives.intact());
@@ -183,7 +184,7 @@ TEST(DrivesPass, LayoutIsWhatTheShadersHave) {
 TEST(DriveBuffers, AreReusedBatchAfterBatchWithoutAllocating) {
   gpu::Device& device = test::test_device();
   const Layout layout = load_layout("autd3");
-  const DrivesPass pass(device);
+  const DrivePasses passes(device);
   DriveBuffers buffers(device, layout, {}, 10, 20);
   std::uint64_t allocations = 0;
   for (unsigned frame = 0; frame < 4; ++frame) {
@@ -191,8 +192,7 @@ TEST(DriveBuffers, AreReusedBatchAfterBatchWithoutAllocating) {
     buffers.clear();
     for (const auto& slot : batch)
       ASSERT_TRUE(buffers.add_slot(slot));
-    test::run_on_device(
-        [&](VkCommandBuffer commands) { buffers.record(commands, pass, Weighting::distance, Constraint::normalise); });
+    test::run_on_device([&](VkCommandBuffer commands) { buffers.record(commands, passes); });
     ASSERT_EQ(buffers.slots(), batch.size());
     for (std::uint32_t s = 0; s < buffers.slots(); ++s) {
       const Drive twin = drive_for(layout, batch[s]);
@@ -230,16 +230,15 @@ TEST(DriveBuffers, RefuseWhatTheDeviceCannotBind) {
 
 TEST(DriveBuffers, AnEmptyBatchIsFine) {
   gpu::Device& device = test::test_device();
-  const DrivesPass pass(device);
+  const DrivePasses passes(device);
   DriveBuffers buffers(device, load_layout("openmpd"), {}, 0, 0);
-  test::run_on_device(
-      [&](VkCommandBuffer commands) { buffers.record(commands, pass, Weighting::distance, Constraint::normalise); });
+  test::run_on_device([&](VkCommandBuffer commands) { buffers.record(commands, passes); });
   EXPECT_EQ(buffers.slots(), 0u);
 }
 
 TEST(DriveBuffers, SpeedIsPrintedNotJudged) {
   gpu::Device& device = test::test_device();
-  const DrivesPass pass(device);
+  const DrivePasses passes(device);
   const Layout layout = load_layout("paper");
   const gpu::Recorder recorder(device, "drive speed");
   gpu::Timeline timeline(device);
@@ -253,7 +252,7 @@ TEST(DriveBuffers, SpeedIsPrintedNotJudged) {
       batch[0].resize(foci, {{0.01, 0.02, 0.03}});
       for (std::uint32_t s = 0; s < slots; ++s)
         ASSERT_TRUE(buffers.add_slot(batch[0]));
-      buffers.record(recorder.begin(), pass, Weighting::distance, Constraint::normalise);
+      buffers.record(recorder.begin(), passes);
       timeline.wait(timeline.submit(recorder.end()));
       times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     }

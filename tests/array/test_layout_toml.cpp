@@ -18,6 +18,7 @@ namespace {
 constexpr const char* one_unit = R"(
 name = "mine"
 source_level_pa_m = 5
+transducer_radius_m = 0.005
 [[unit]]
 type = "autd3"
 position_m = [0.1, 0, -0.2]
@@ -44,6 +45,7 @@ TEST(LayoutToml, PlacesUnits) {
   const Layout unit = load_layout("autd3");
   EXPECT_EQ(layout.name, "mine");
   EXPECT_EQ(layout.source_level_pa_m, 5);
+  EXPECT_EQ(layout.transducer_radius_m, 0.005);
   ASSERT_EQ(layout.transducers.size(), 249u);
   for (std::size_t t = 0; t < 249; ++t) {
     const Vec3 p = unit.transducers[t].position;
@@ -71,6 +73,7 @@ axis = [0, 0, -1]
                                           "dome.toml");
   EXPECT_EQ(layout.name, "dome");
   EXPECT_EQ(layout.source_level_pa_m, 4.386);
+  EXPECT_EQ(layout.transducer_radius_m, 0.0045);
   ASSERT_EQ(layout.transducers.size(), 258u);
   EXPECT_EQ(layout.transducers[256].position, Vec3(0, 0, 0.3));
   EXPECT_LE(glm::distance(layout.transducers[256].axis, Vec3(0, 0.6, -0.8)), 1e-12);
@@ -90,7 +93,8 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
   EXPECT_EQ(fault_of("\nunit = [3]"), "line 2: unit must be a list of tables: [[unit]]");
   EXPECT_EQ(fault_of("[unit]\n"), "line 1: unit must be a list of tables: [[unit]]");
   EXPECT_EQ(fault_of("# head\ncolour = 1\n"),
-            "line 2: unknown key colour in a layout; known: name, source_level_pa_m, unit, transducer");
+            "line 2: unknown key colour in a layout; known: name, source_level_pa_m, transducer_radius_m, unit, "
+            "transducer");
   EXPECT_EQ(fault_of("[[unit]]\ntype = \"autd4\"\n" + pose),
             "line 2: type is no known board; known: autd3, openmpd, sonicsurface");
   EXPECT_EQ(fault_of("[[unit]]\ntype = \"paper\"\n" + pose),
@@ -116,6 +120,8 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
             "line 4: unknown key x in [[transducer]]; known: position_m, axis");
   EXPECT_EQ(fault_of("source_level_pa_m = 0\n"),
             "line 1: source_level_pa_m is 0; above 0 and at most 10000 Pa m, such as 4.386");
+  EXPECT_EQ(fault_of("transducer_radius_m = -1\n"),
+            "line 1: transducer_radius_m is -1; above 0 and at most 0.1 m, such as 0.0045");
   EXPECT_EQ(fault_of("source_level_pa_m = true\n"), "line 1: source_level_pa_m must be a finite number");
   EXPECT_EQ(fault_of("name = 3\n"), "line 1: name must be a text in quotes, not empty");
   EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, 1]\naxis = [0, 0, 1]\n[[transducer]]\nposition_m = [0, 0, "

@@ -10,7 +10,7 @@
 
 #include "array/schedule.hpp"
 #include "base/error.hpp"
-#include "touch/types.hpp"
+#include "touch/method.hpp"
 
 namespace palpa::array {
 namespace {
@@ -26,9 +26,16 @@ touch::Finger finger_with(const std::vector<std::uint32_t>& points) {
   return finger;
 }
 
-Voice voice_of(const touch::Finger& finger, const VoiceOptions& options = {}) {
+touch::Placement placed(const touch::Finger& finger, touch::Method method = touch::Method::cross_section) {
+  touch::Placement placement;
+  touch::place_foci({}, finger, {.method = method}, placement);
+  return placement;
+}
+
+Voice voice_of(const touch::Finger& finger, const VoiceOptions& options = {},
+               touch::Method method = touch::Method::cross_section) {
   Voice voice;
-  make_voice(finger, 7, options, voice);
+  make_voice(placed(finger, method), 7, 5, options, voice);
   return voice;
 }
 
@@ -84,6 +91,7 @@ TEST(Voice, KeepsAFingersFoci) {
   EXPECT_EQ(places(voice), (std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
   EXPECT_EQ(voice.order, fill_order(10, 3));
   EXPECT_EQ(voice.id, 7u);
+  EXPECT_EQ(voice.solid, 5u);
   EXPECT_EQ(voice.modulation_hz, 0);
   EXPECT_EQ(voice.foci_per_slot, 1u);
   EXPECT_EQ(voice.dwell_s, 1.5e-3);
@@ -127,7 +135,7 @@ TEST(Voice, PointLikeFingersAreModulated) {
   touch::Finger finger = finger_with({2});
   finger.point_like = true;
   const Voice voice = voice_of(finger);
-  EXPECT_EQ(places(voice), std::vector<double>{0});
+  EXPECT_EQ(places(voice), std::vector<double>{-1}) << "the centroid";
   EXPECT_EQ(voice.order, std::vector<std::uint32_t>{0});
   EXPECT_EQ(voice.modulation_hz, 200);
 }
@@ -150,9 +158,10 @@ TEST(Schedule, SlotsFollowTheOrder) {
 
 TEST(Schedule, TogetherPlaysAllInEverySlot) {
   VoiceOptions options;
-  options.together = true;
   options.stride = 5;  // not coprime, but there is no order to fill
-  const Schedule schedule = schedule_of(voice_of(finger_with(std::vector<std::uint32_t>(10, 1)), options));
+  options.modulation_hz = 0;
+  const Schedule schedule =
+      schedule_of(voice_of(finger_with(std::vector<std::uint32_t>(10, 1)), options, touch::Method::multi_focus));
   std::vector<SlotFocus> foci;
   for (const std::uint64_t slot : {0u, 1u, 17u}) {
     foci_of_slot(schedule, slot, foci);
@@ -161,6 +170,14 @@ TEST(Schedule, TogetherPlaysAllInEverySlot) {
       EXPECT_EQ(foci[n].position.x, n);
   }
   EXPECT_EQ(cycle_length(schedule, 100), 1u);
+}
+
+TEST(Schedule, TogetherLeavesEmptySectorsOut) {
+  const Voice voice = voice_of(finger_with({0, 1, 1, 0, 1}), {}, touch::Method::multi_focus);
+  EXPECT_EQ(places(voice), (std::vector<double>{1, 2, 4}));
+  EXPECT_EQ(voice.order, (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_EQ(voice.foci_per_slot, 3u);
+  EXPECT_EQ(voice.modulation_hz, 200) << "nothing moves";
 }
 
 TEST(Schedule, AVoicesOwnDwell) {
@@ -208,7 +225,7 @@ std::vector<int> dwell_of_sectors(bool restart) {
       frame = now;
       frame_begin = slot;
       schedule.clear();
-      make_voice(finger_with(std::vector<std::uint32_t>(10, 1)), 0, {}, schedule.add_voice());
+      make_voice(placed(finger_with(std::vector<std::uint32_t>(10, 1))), 0, 0, {}, schedule.add_voice());
     }
     foci_of_slot(schedule, restart ? slot - frame_begin : slot, foci);
     ++dwell[static_cast<std::size_t>(foci.at(0).position.x)];
@@ -234,13 +251,17 @@ TEST(Schedule, IsReusedWithoutAllocating) {
   Schedule schedule;
   std::vector<SlotFocus> foci;
   const touch::Finger finger = finger_with(std::vector<std::uint32_t>(10, 1));
-  const void* storage[3] = {};
+  touch::Placement placement;
+  const void* storage[4] = {};
   for (int frame = 0; frame < 3; ++frame) {
     schedule.clear();
-    for (std::uint32_t id = 0; id < 5; ++id)
-      make_voice(finger, id, {}, schedule.add_voice());
+    for (std::uint32_t id = 0; id < 5; ++id) {
+      touch::place_foci({}, finger, {}, placement);
+      make_voice(placement, id, 0, {}, schedule.add_voice());
+    }
     foci_of_slot(schedule, 0, foci);
-    const void* now[3] = {schedule.voices[4].foci.data(), schedule.voices[4].order.data(), foci.data()};
+    const void* now[4] = {schedule.voices[4].foci.data(), schedule.voices[4].order.data(), foci.data(),
+                          placement.foci.data()};
     EXPECT_TRUE(frame == 0 || std::ranges::equal(now, storage));
     std::ranges::copy(now, storage);
   }
@@ -261,16 +282,27 @@ TEST(Schedule, HasNoFociWithoutVoices) {
 }
 
 TEST(Modulation, IsASineFromNoneToFull) {
-  EXPECT_EQ(modulation_gain(0, 12.3), 1);
-  EXPECT_DOUBLE_EQ(modulation_gain(200, 0), 0.5);
-  EXPECT_DOUBLE_EQ(modulation_gain(200, 1.25e-3), 1);
-  EXPECT_NEAR(modulation_gain(200, 3.75e-3), 0, 1e-15);
-  EXPECT_NEAR(modulation_gain(200, 1000.00125), 1, 1e-9);
+  constexpr auto amplitude = Modulation::amplitude_sine;
+  EXPECT_EQ(modulation_gain(amplitude, 0, 12.3), 1);
+  EXPECT_DOUBLE_EQ(modulation_gain(amplitude, 200, 0), 0.5);
+  EXPECT_DOUBLE_EQ(modulation_gain(amplitude, 200, 1.25e-3), 1);
+  EXPECT_NEAR(modulation_gain(amplitude, 200, 3.75e-3), 0, 1e-15);
+  EXPECT_NEAR(modulation_gain(amplitude, 200, 1000.00125), 1, 1e-9);
+}
+
+TEST(Modulation, OfThePressureIsTheSquareRoot) {
+  constexpr auto pressure = Modulation::pressure_sine;
+  EXPECT_EQ(modulation_gain(pressure, 0, 12.3), 1);
+  for (double t = 0; t < 0.02; t += 1.7e-4) {
+    const double gain = modulation_gain(pressure, 200, t);
+    EXPECT_NEAR(gain * gain, 0.5 + 0.5 * std::sin(400 * std::numbers::pi * t), 1e-12) << t;
+  }
 }
 
 TEST(Modulation, GainsAreSampledAtSlotMidpoints) {
   Voice voice = voice_of(finger_with({1}));
   voice.modulation_hz = 200;
+  voice.modulation = Modulation::amplitude_sine;
   const Schedule schedule = schedule_of(voice);
   std::vector<SlotFocus> foci;
   double mean = 0;
@@ -294,16 +326,18 @@ TEST(Modulation, SharedWhereAllVoicesHaveTheSame) {
   EXPECT_FALSE(shared_modulation(schedule));
   schedule.voice_count = 2;
   EXPECT_TRUE(shared_modulation(schedule));
+  schedule.voices[1].modulation = Modulation::amplitude_sine;
+  EXPECT_FALSE(shared_modulation(schedule));
 }
 
 TEST(Cycle, LengthsByHand) {
   EXPECT_EQ(cycle_length(Schedule{}, 10), 1u);
   EXPECT_EQ(cycle_length(Schedule{}, 0), 0u);
   Schedule schedule;
-  make_voice(finger_with(std::vector<std::uint32_t>(10, 1)), 0, {}, schedule.add_voice());
+  make_voice(placed(finger_with(std::vector<std::uint32_t>(10, 1))), 0, 0, {}, schedule.add_voice());
   EXPECT_EQ(cycle_length(schedule, 10), 10u);
   EXPECT_EQ(cycle_length(schedule, 9), 0u);
-  make_voice(finger_with(std::vector<std::uint32_t>(7, 1)), 1, {}, schedule.add_voice());
+  make_voice(placed(finger_with(std::vector<std::uint32_t>(7, 1))), 1, 0, {}, schedule.add_voice());
   EXPECT_EQ(cycle_length(schedule, 70), 70u);
   EXPECT_EQ(cycle_length(schedule, 69), 0u);
   // 200 Hz is 0.3 turns a slot: 10 slots.

@@ -150,6 +150,39 @@ TEST_P(Drive, JsonSaysTheSameAsCsv) {
   }
 }
 
+// The pressures that the report states, from the table that the same command prints.
+TEST_P(Drive, SolversServeSeveralFociAndSayHowWell) {
+  const std::vector<std::vector<double>> foci{{0, 0, 0}, {0.02, 0, 0.005}, {-0.01, 0.015, 0}, {0, -0.02, -0.01}};
+  const std::vector<double> gains{1, 1, 0.5, 1};
+  for (const std::string solver : {"naive", "gs-pat", "greedy"}) {
+    const std::vector<std::string> line{"--layout",      "paper",         "--focus",      "0,0,0",
+                                        "--focus",       "20mm,0,5mm",    "--focus",      "-10mm,15mm,0,0.5",
+                                        "--focus",       "0,-20mm,-10mm", "--solver",     solver,
+                                        "--directivity", "omni",          "--constraint", "uniform"};
+    const Rows rows = csv(line);
+    ASSERT_EQ(rows.size(), 3984u);
+    std::vector<std::string> again{"drive", "--backend", GetParam(), "--json", "-"};
+    again.insert(again.end(), line.begin(), line.end());
+    const json report = json::parse(palpa(again).out);
+    EXPECT_EQ(report["gains"], json(gains));
+    ASSERT_EQ(report["pressures_pa"].size(), foci.size());
+    const double k = 2 * std::numbers::pi * 40e3 / report["sound_speed_m_s"].get<double>();
+    double weakest = 1e9, strongest = 0;
+    for (std::size_t j = 0; j < foci.size(); ++j) {
+      std::complex<double> sum = 0;
+      for (const auto& row : rows) {
+        const double r = std::hypot(foci[j][0] - row[1], foci[j][1] - row[2], foci[j][2] - row[3]);
+        sum += std::polar(4.386 * row[7] / r, row[8] + k * r);
+      }
+      EXPECT_NEAR(report["pressures_pa"][j].get<double>() / std::abs(sum), 1, 1e-6) << solver << " " << j;
+      weakest = std::min(weakest, std::abs(sum) / gains[j]);
+      strongest = std::max(strongest, std::abs(sum) / gains[j]);
+    }
+    EXPECT_NEAR(report["weakest_to_strongest"].get<double>(), weakest / strongest, 1e-6);
+    EXPECT_GE(weakest / strongest, solver == "gs-pat" ? 0.95 : solver == "greedy" ? 0.85 : 0.0);
+  }
+}
+
 TEST_P(Drive, TheSameBytesForAnyThreadCount) {
   const std::vector<std::string> line{"drive",    "--layout", "paper", "--focus",   "0,0,0.03", "--focus",
                                       "0.01,0,0", "--csv",    "-",     "--backend", GetParam()};
@@ -179,6 +212,8 @@ TEST(DriveErrors, FociThatCannotBe) {
        {"0,0", "0,0,0,0", "a,b,c", "0,0,nan", "0,0,inf", "0,0,1e999", "0;0;0", ",,", "0,0,0.1kHz", "0, 0, 0.1"}) {
     refused(text, "x,y,z");
   }
+  for (const char* text : {"0,0,0.1,1.5", "0,0,0.1,-1", "0,0,0.1,nan", "0,0,0.1,", "0,0,0.1,1mm"})
+    refused(text, "at most 1");
   refused("0,0,1e6", "100 m");
   refused("-78.75mm,78.75mm,0", "transducer 0");
 }

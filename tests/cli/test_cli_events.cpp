@@ -63,7 +63,7 @@ struct Tip {
   int depth(int du, int dv) const { return std::max(std::abs(du), std::abs(dv)) == 2 ? rim : middle; }
 };
 
-sensing::FrameSet frame_of(const Tip& tip, int n) {
+sensing::FrameSet frame_of(const Tip& tip, int n, double time_s) {
   sensing::FrameSet set;
   set.frames.resize(1);
   std::vector<std::uint16_t>& depth = set.frames[0].depth;
@@ -74,7 +74,7 @@ sensing::FrameSet frame_of(const Tip& tip, int n) {
           static_cast<std::uint16_t>(std::lround(near_m / unit_m)) + static_cast<std::uint16_t>(tip.depth(du, dv));
   }
   set.sequence = static_cast<std::uint64_t>(n);
-  set.frames[0].time_s = set.time_s = 0.01 * n;
+  set.frames[0].time_s = set.time_s = time_s;
   return set;
 }
 
@@ -95,7 +95,7 @@ Vec3 centroid_of(const Tip& tip) {
 
 const Tip nothing{}, light{16, 5, 5}, aside{17, 5, 5}, deep{17, 10, 35}, other{10, 5, 5};
 
-/// Frames 10 ms apart.
+/// Frames 10 ms apart, and one much later: by then it is another finger.
 std::filesystem::path take(const std::filesystem::path& folder) {
   sensing::Camera camera{
       .name = "eye", .width = 32, .height = 32, .fx = focal, .fy = focal, .cx = centre, .cy = centre};
@@ -103,8 +103,11 @@ std::filesystem::path take(const std::filesystem::path& folder) {
   sensing::RecordingWriter writer(folder / "take", {camera});
   int n = 0;
   for (const Tip& tip : {nothing, light, light, aside, deep, nothing, deep, aside, nothing, nothing, nothing, nothing,
-                         nothing, nothing, other})
-    writer.write(frame_of(tip, n++));
+                         nothing, nothing}) {
+    writer.write(frame_of(tip, n, 0.01 * n));
+    ++n;
+  }
+  writer.write(frame_of(other, n, 1.0));
   return folder / "take";
 }
 
@@ -118,7 +121,7 @@ struct Wanted {
 const std::vector<Wanted> wanted{{"touch", 0.01, 0, 0.0005, light}, {"move", 0.03, 0, 0.0005, aside},
                                  {"move", 0.04, 0, 0.0035, deep},   {"press", 0.04, 0, 0.0035, deep},
                                  {"move", 0.07, 0, 0.0005, aside},  {"release", 0.12, 0, 0.0005, aside},
-                                 {"touch", 0.14, 1, 0.0005, other}, {"release", 0.14, 1, 0.0005, other}};
+                                 {"touch", 1.0, 1, 0.0005, other},  {"release", 1.0, 1, 0.0005, other}};
 
 void expect_wanted(const std::string& text) {
   std::istringstream in(text);

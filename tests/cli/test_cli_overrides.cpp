@@ -50,6 +50,7 @@ TEST(CliOverrides, AFingerCarriesTheScheduleItsSolidAsksFor) {
     EXPECT_EQ(button["foci_m"].size(), 10U);
     EXPECT_FALSE(button.contains("schedule"));
     EXPECT_EQ(knob["solid"], "knob");
+    EXPECT_EQ(knob["foci_m"].size(), 8U);
     EXPECT_EQ(knob["schedule"], (json{{"order", {0, 3, 6, 1, 4, 7, 2, 5}}, {"dwell_s", 0.002}}));
   }
 }

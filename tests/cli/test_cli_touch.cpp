@@ -272,7 +272,7 @@ TEST(TouchErrors, RangesAreChecked) {
     refused("--stride", value);
   for (const char* value : {"0", "-1ms", "1.5mm"})
     refused("--dwell", value);
-  refused("--method", "ellipse");
+  refused("--method", "circle");
   refused("--penetration", "deep");
 }
 

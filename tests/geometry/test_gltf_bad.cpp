@@ -235,6 +235,11 @@ const std::vector<Case> cases{
      [](GltfBuilder& b) {
        b.doc["nodes"][0]["translation"] = {1e308, 0, 0};
      },
+     "kilometre"},  // so far out its two ends are in one place
+    {"TranslationFar",
+     [](GltfBuilder& b) {
+       b.doc["nodes"][0]["translation"] = {1e6, 0, 0};
+     },
      "kilometre"},
     {"RotationZero",
      [](GltfBuilder& b) {

@@ -77,7 +77,8 @@ TEST(GltfCorpora, ValidFilesHaveTheTrianglesThatTheValidatorCounts) {
   // one of two scenes.
   const std::map<std::string, std::size_t> shown{{"29", 0}, {"31", 0}, {"33", 0}, {"47", 3542}, {"57", 2}};
   const std::map<std::string, std::size_t> solids{{"01", 1}, {"03", 1}, {"05", 1}, {"07", 1}, {"09", 1},
-                                                  {"17", 4}, {"21", 2}, {"43", 1}, {"49", 1}, {"53", 1}};
+                                                  {"15", 2}, {"17", 4}, {"21", 2}, {"23", 1}, {"43", 1},
+                                                  {"47", 7}, {"49", 1}, {"53", 1}, {"55", 1}};
   std::ifstream manifest(folder / "manifest.csv");
   std::string line;
   std::getline(manifest, line);

@@ -136,9 +136,9 @@ TEST(Chain, FramesInFlightDoNotMix) {
   const Stage stage("cube");
   const auto frames = {stage.frame(0.003, 0), stage.frame(0.0, 1), stage.frame(0.002, 2), stage.frame(0.004, 3)};
   std::vector<Plan> alone;
-  for (const auto& frame : frames) {
-    run_frame(*make_gpu_chain(test::test_device(), stage.setting()), frame, alone.emplace_back());
-  }
+  const auto one_by_one = make_gpu_chain(test::test_device(), stage.setting());
+  for (const auto& frame : frames)
+    run_frame(*one_by_one, frame, alone.emplace_back());
   const auto chain = make_gpu_chain(test::test_device(), stage.setting());
   std::vector<Plan> together;
   auto next = frames.begin();

@@ -83,7 +83,8 @@ TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
   float least = 1, most = 0;
   for (std::uint64_t slot = 0; slot < 20; ++slot) {
     const auto a = out.slot(plain, slot, 0), b = out.slot(modulated, slot, 0);
-    const double expected = (1 + std::sin(2 * M_PI * 200 * (static_cast<double>(slot) + 0.5) * 1.5e-3)) / 2;
+    const double pressure = (1 + std::sin(2 * M_PI * 200 * (static_cast<double>(slot) + 0.5) * 1.5e-3)) / 2;
+    const double expected = std::sqrt(pressure);
     for (std::size_t i = 0; i < a.size(); ++i) {
       EXPECT_NEAR(b[i].amplitude, a[i].amplitude * expected, 1e-6);
       EXPECT_EQ(b[i].phase, a[i].phase);
@@ -91,7 +92,7 @@ TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
     least = std::min(least, loudest(b));
     most = std::max(most, loudest(b));
   }
-  EXPECT_LT(least, 0.1f);
+  EXPECT_LT(least, 0.2f);
   EXPECT_GT(most, 0.9f);
 }
 

@@ -109,7 +109,8 @@ TEST(Overrides, EveryFingerPlaysAsItsSolidAsks) {
   touch.finger_count = 2;
   const array::VoiceOptions all;
   array::Schedule schedule;
-  make_schedule(touch, 1.0, made, all, slot_length(made, all), schedule);
+  ScheduleMemory memory;
+  make_schedule(touch, 1.0, made, {.voice = all}, slot_length(made, all), memory, schedule);
   ASSERT_EQ(schedule.voice_count, 2U);
   EXPECT_EQ(schedule.slot_s, 1.5e-3);
   EXPECT_EQ(schedule.voices[0].id, 8U);
@@ -146,7 +147,8 @@ TEST(Overrides, IntensityAndModulationMultiply) {
   touch.fingers[0].point_like = true;
   touch.finger_count = 1;
   array::Schedule schedule;
-  make_schedule(touch, 0, made, {}, 1.5e-3, schedule);
+  ScheduleMemory memory;
+  make_schedule(touch, 0, made, {}, 1.5e-3, memory, schedule);
   array::Schedule plain = schedule;
   plain.voices[0].gain = 1;
   std::vector<array::SlotFocus> half, whole;

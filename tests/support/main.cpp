@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <cstdlib>
 
 #include "gpu/device.hpp"
 
@@ -16,6 +17,8 @@ namespace {
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
+  // No test leans on what an earlier one has computed.
+  setenv("PALPA_CACHE", "off", 1);
   const int failed = RUN_ALL_TESTS();
   if (palpa::gpu::validation_errors() != 0) {
     std::fprintf(stderr, "FAILED: %llu Vulkan validation errors\n",

@@ -44,7 +44,7 @@ Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vec
   if (!points.empty()) std::memcpy(skin.data(), points.data(), points.size_bytes());
   const auto count = static_cast<std::uint32_t>(points.size());
   total.as<shader::ScanTotal>()[0] = {count, (count + 63) / 64, 1, 1};
-  gpu::Timestamps stamps(device, 8);
+  gpu::Timestamps stamps(device, 16);
   const gpu::Recorder recorder(device, "touch test");
   gpu::Timeline timeline(device, "touch test");
   Touch out;

@@ -354,7 +354,7 @@ TEST_P(Fingers, RefuseUnusableParameters) {
   EXPECT_TRUE(refused({.finger_gap_m = 1e-8}));
   EXPECT_TRUE(refused({.foci = 0}));
   EXPECT_TRUE(refused({.foci = max_foci + 1}));
-  EXPECT_FALSE(refused({.finger_gap_m = 1e-6}));
+  EXPECT_FALSE(refused({.finger_gap_m = 2e-6}));
   EXPECT_FALSE(refused({.finger_gap_m = 1e30}));
 }
 

@@ -15,7 +15,11 @@
 #include "spirv/fingers_link.comp.hpp"
 #include "spirv/fingers_prepare.comp.hpp"
 #include "spirv/fingers_select.comp.hpp"
-#include "spirv/sections.comp.hpp"
+#include "spirv/foci.comp.hpp"
+#include "spirv/follow.comp.hpp"
+#include "spirv/frames_axes.comp.hpp"
+#include "spirv/frames_count.comp.hpp"
+#include "spirv/frames_group.comp.hpp"
 #include "support/device.hpp"
 #include "support/spirv.hpp"
 #include "touch/harness.hpp"
@@ -52,21 +56,26 @@ struct Guarded {
         parents(device, room * 4),
         header(device, sizeof(shader::TouchHeader)),
         fingers(device, std::size_t{max_fingers} * sizeof(shader::FingerRecord)),
-        foci(device, std::size_t{max_fingers} * max_foci * sizeof(shader::FocusRecord)) {
+        foci(device, std::size_t{max_fingers} * max_foci * sizeof(shader::FocusRecord)),
+        finger_counts(device, std::size_t{4} * shader::frames_most_chunks * max_fingers),
+        tracks(device, sizeof(shader::TrackTable)),
+        of_solid(GuardedBuffer::of<std::uint32_t>(device, table.foci_of)) {
     const auto count = static_cast<std::uint32_t>(skin.size());
     const shader::ScanTotal given{count, (count + 63) / 64, 1, 1};
     length.write(&given, sizeof(given));
   }
 
   GuardedBuffer points, length, solids, planes_of, planes, borders, hits, masks, counts, total, contacts, nodes, keys,
-      places, slots, heads, list, groups, crowded, clusters, work, parents, header, fingers, foci;
+      places, slots, heads, list, groups, crowded, clusters, work, parents, header, fingers, foci, finger_counts,
+      tracks, of_solid;
 
   bool intact() {
     bool all = true;
     int place = 0;
-    for (GuardedBuffer* buffer : {&points,  &length,   &solids, &planes_of, &planes, &borders, &hits,  &masks, &counts,
-                                  &total,   &contacts, &nodes,  &keys,      &places, &slots,   &heads, &list,  &groups,
-                                  &crowded, &clusters, &work,   &parents,   &header, &fingers, &foci}) {
+    for (GuardedBuffer* buffer :
+         {&points,   &length,  &solids, &planes_of, &planes, &borders,       &hits,   &masks,   &counts,  &total,
+          &contacts, &nodes,   &keys,   &places,    &slots,  &heads,         &list,   &groups,  &crowded, &clusters,
+          &work,     &parents, &header, &fingers,   &foci,   &finger_counts, &tracks, &of_solid}) {
       const bool one = buffer->intact();
       EXPECT_TRUE(one) << "guard words of buffer " << place;
       all = all && one;
@@ -80,7 +89,9 @@ void record_all(VkCommandBuffer commands, Guarded& b, const PlaneTable& table, c
                 std::uint32_t points, std::uint32_t room) {
   static const ContactsPass contacts(palpa::test::test_device());
   static const FingersPass fingers(palpa::test::test_device());
-  static const SectionsPass sections(palpa::test::test_device());
+  static const FramesPass frames(palpa::test::test_device());
+  static const FollowPass follow(palpa::test::test_device());
+  static const FociPass foci(palpa::test::test_device());
   contacts.record(commands,
                   {b.points.ref(),
                    b.length.ref(),
@@ -103,10 +114,14 @@ void record_all(VkCommandBuffer commands, Guarded& b, const PlaneTable& table, c
                   b.clusters.ref(), b.work.ref(), b.parents.ref(), b.header.ref(), b.fingers.ref(), room},
                  table, parameters);
   gpu::compute_to_compute(commands);
-  sections.record(commands,
-                  {b.total.ref(), b.parents.ref(), b.contacts.ref(), b.header.ref(), b.fingers.ref(), b.foci.ref(),
-                   b.borders.ref(), room},
-                  parameters);
+  frames.record(commands, {b.total.ref(), b.parents.ref(), b.contacts.ref(), b.header.ref(), b.finger_counts.ref(),
+                           b.nodes.ref(), b.fingers.ref(), room});
+  gpu::compute_to_compute(commands);
+  follow.record(commands, {b.header.ref(), b.fingers.ref(), b.tracks.ref()}, shader::follow_anew);
+  gpu::compute_to_compute(commands);
+  foci.record(commands,
+              {b.nodes.ref(), b.header.ref(), b.fingers.ref(), b.foci.ref(), b.borders.ref(), b.of_solid.ref()},
+              parameters);
 }
 
 TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
@@ -203,7 +218,7 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
   const auto pack = palpa::test::read_spirv(spirv::contacts_pack_comp);
   expect_struct(pack, "ContactRecord", sizeof(shader::ContactRecord),
                 {MEMBER(ContactRecord, x), MEMBER(ContactRecord, point), MEMBER(ContactRecord, solid),
-                 MEMBER(ContactRecord, depth), MEMBER(ContactRecord, finger), MEMBER(ContactRecord, chain)},
+                 MEMBER(ContactRecord, depth), MEMBER(ContactRecord, finger)},
                 true);
   const auto link = palpa::test::read_spirv(spirv::fingers_link_comp);
   expect_struct(link, "BlockKey", sizeof(shader::BlockKey), {MEMBER(BlockKey, xy), MEMBER(BlockKey, z_solid)}, true);
@@ -225,18 +240,31 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                 {MEMBER(TouchHeader, fingers), MEMBER(TouchHeader, clusters), MEMBER(TouchHeader, contacts),
                  MEMBER(TouchHeader, points)},
                 false);
-  const auto sections = palpa::test::read_spirv(spirv::sections_comp);
-  expect_struct(sections, "FingerRecord", sizeof(shader::FingerRecord),
+  const auto frames = palpa::test::read_spirv(spirv::frames_axes_comp);
+  expect_struct(frames, "FingerRecord", sizeof(shader::FingerRecord),
                 {MEMBER(FingerRecord, first), MEMBER(FingerRecord, solid), MEMBER(FingerRecord, contacts),
-                 MEMBER(FingerRecord, point_like), MEMBER(FingerRecord, centre), MEMBER(FingerRecord, axis1),
-                 MEMBER(FingerRecord, axis2), MEMBER(FingerRecord, axis3)},
+                 MEMBER(FingerRecord, point_like), MEMBER(FingerRecord, id), MEMBER(FingerRecord, start),
+                 MEMBER(FingerRecord, foci), MEMBER(FingerRecord, centre), MEMBER(FingerRecord, axis1),
+                 MEMBER(FingerRecord, axis2), MEMBER(FingerRecord, axis3), MEMBER(FingerRecord, turn),
+                 MEMBER(FingerRecord, mean)},
                 true);
-  expect_struct(sections, "FocusRecord", sizeof(shader::FocusRecord),
+  const auto count = palpa::test::read_spirv(spirv::frames_count_comp);
+  expect_struct(count, "FramesPush", sizeof(shader::FramesPush), {MEMBER(FramesPush, most_contacts)}, false);
+  const auto follow = palpa::test::read_spirv(spirv::follow_comp);
+  expect_struct(follow, "FollowPush", sizeof(shader::FollowPush), {MEMBER(FollowPush, elapsed_us)}, false);
+  expect_struct(follow, "Track", sizeof(shader::Track),
+                {MEMBER(Track, id), MEMBER(Track, solid), MEMBER(Track, carrier), MEMBER(Track, unseen_us),
+                 MEMBER(Track, contacts), MEMBER(Track, has_axes), MEMBER(Track, place), MEMBER(Track, velocity),
+                 MEMBER(Track, axis1), MEMBER(Track, axis3), MEMBER(Track, spread_a), MEMBER(Track, spread_b)},
+                true);
+  expect_struct(follow, "TrackTable", sizeof(shader::TrackTable),
+                {MEMBER(TrackTable, count), MEMBER(TrackTable, next_id), MEMBER(TrackTable, tracks)}, false);
+  const auto foci = palpa::test::read_spirv(spirv::foci_comp);
+  expect_struct(foci, "FocusRecord", sizeof(shader::FocusRecord),
                 {MEMBER(FocusRecord, x), MEMBER(FocusRecord, y), MEMBER(FocusRecord, z), MEMBER(FocusRecord, points)},
                 true);
-  expect_struct(sections, "Border", sizeof(shader::Border), {MEMBER(Border, x), MEMBER(Border, y)}, true);
-  expect_struct(sections, "SectionsPush", sizeof(shader::SectionsPush),
-                {MEMBER(SectionsPush, most_contacts), MEMBER(SectionsPush, foci)}, false);
+  expect_struct(foci, "Border", sizeof(shader::Border), {MEMBER(Border, x), MEMBER(Border, y)}, true);
+  expect_struct(foci, "FociPush", sizeof(shader::FociPush), {MEMBER(FociPush, foci), MEMBER(FociPush, spacing)}, false);
 }
 
 TEST(TouchShaders, HaveTheWorkgroupsThatTheirHeadersName) {
@@ -257,7 +285,11 @@ TEST(TouchShaders, HaveTheWorkgroupsThatTheirHeadersName) {
     EXPECT_EQ(size_of(words), shader::blocks_group);
   }
   EXPECT_EQ(size_of(spirv::fingers_select_comp), shader::fingers_select_group);
-  EXPECT_EQ(size_of(spirv::sections_comp), shader::sections_group);
+  EXPECT_EQ(size_of(spirv::frames_count_comp), shader::frames_chunk_group);
+  EXPECT_EQ(size_of(spirv::frames_group_comp), shader::frames_chunk_group);
+  EXPECT_EQ(size_of(spirv::frames_axes_comp), shader::frames_group);
+  EXPECT_EQ(size_of(spirv::follow_comp), shader::follow_group);
+  EXPECT_EQ(size_of(spirv::foci_comp), shader::foci_group);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ struct Example {
   std::vector<sensing::SkinPoint> points;
   touch::Touch touch;
   array::Schedule schedule;
+  std::vector<touch::Placement> placements{2};
 
   Example() {
     solids.resize(1);
@@ -37,8 +38,10 @@ struct Example {
     touch.fingers[1].section.centroid = {0.0075f, 0, 0};
     touch.fingers[1].foci.push_back({{0.0075f, 0, 0}, 2});
     schedule.slot_s = 1.5e-3;
-    for (std::uint32_t f = 0; f < 2; ++f)
-      array::make_voice(touch.fingers[f], f, {.stride = 3}, schedule.add_voice());
+    for (std::uint32_t f = 0; f < 2; ++f) {
+      touch::place_foci(touch, touch.fingers[f], {}, placements[f]);
+      array::make_voice(placements[f], f, 0, {.stride = 3}, schedule.add_voice());
+    }
   }
 };
 
@@ -62,7 +65,7 @@ TEST(Picture, FociFollowTheOrderAndTheSlotCounterRunsOn) {
   const Example example;
   Picture picture;
   show_touch(picture, example.solids, example.points, example.touch);
-  show_schedule(picture, example.schedule, example.touch);
+  show_schedule(picture, example.schedule, example.placements);
   const auto& foci = picture.fingers[0].foci;
   ASSERT_EQ(foci.size(), 4u);  // order 0 3 2 1
   EXPECT_FLOAT_EQ(foci[0].position.x, 0.0f);

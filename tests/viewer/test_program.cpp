@@ -57,6 +57,25 @@ TEST_F(Viewer, TheSameCommandGivesTheSameBytesOnEitherBackend) {
   EXPECT_LT(viewer::mean_difference(viewer::read_png(a), viewer::read_png(c)), 1e-4);
 }
 
+TEST_F(Viewer, TheSpectrumIsAChartInItsCorner) {
+  const auto folder = test::scratch_folder("viewer-spectrum");
+  const std::string a = (folder / "a.png").string(), b = (folder / "b.png").string();
+  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", a, "--quiet"}, "640x400")).exit_code, 0);
+  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", b, "--quiet", "--spectrum"}, "640x400")).exit_code, 0);
+  const viewer::Pixels without = viewer::read_png(a), with = viewer::read_png(b);
+  std::size_t inside = 0, outside = 0;
+  for (std::uint32_t y = 0; y < 400; ++y) {
+    for (std::uint32_t x = 0; x < 640; ++x) {
+      const bool same = std::equal(with.at(x, y), with.at(x, y) + 3, without.at(x, y));
+      (x > 95 && x < 520 && y > 175 ? inside : outside) += !same;
+    }
+  }
+  EXPECT_GT(inside, 3000u);
+  EXPECT_EQ(outside, 0u);
+  const auto nothing = viewer({"--scene", source_file("assets/cube.glb").string(), "--headless", "--spectrum"});
+  test::expect_failure(nothing, 2, "--spectrum");
+}
+
 TEST_F(Viewer, FramesAdvanceTheRunningFocus) {
   const auto folder = test::scratch_folder("viewer-slots");
   const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {

@@ -1,0 +1,94 @@
+#include "array/pairs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace palpa::array {
+namespace {
+
+/// Rounds to the nearest whole number, within 2^51; written so that loops over it become vector instructions.
+double nearest(double x) {
+  constexpr double shift = 6755399441055744.0;  // 1.5 * 2^52
+  return (x + shift) - shift;
+}
+
+/// sin(2 pi x) for x in -1/4..1/4: Taylor's series, whose rest is below 1e-15 there.
+double sine_of_turns(double x) {
+  constexpr double turn = 2 * std::numbers::pi;
+  constexpr std::array<double, 10> inverse_factorials{1.0,
+                                                      -1.0 / 6,
+                                                      1.0 / 120,
+                                                      -1.0 / 5040,
+                                                      1.0 / 362880,
+                                                      -1.0 / 39916800,
+                                                      1.0 / 6227020800,
+                                                      -1.0 / 1307674368000,
+                                                      1.0 / 355687428096000,
+                                                      -1.0 / 121645100408832000};
+  const double y = x * turn;
+  const double square = y * y;
+  double series = inverse_factorials[9];
+  for (int i = 8; i >= 0; --i)
+    series = series * square + inverse_factorials[i];
+  return y * series;
+}
+
+}  // namespace
+
+void fill_pairs(const Layout& layout, std::span<const FocusSource> foci, const Medium& medium, Directivity kind,
+                Weighting weighting, Pairs& pairs) {
+  const double turns_per_metre = medium.turns_per_metre();
+  const double radius = layout.transducer_radius_m;
+  const double ka = 2 * std::numbers::pi * turns_per_metre * radius;
+  if (pairs.table.empty() || pairs.kind != kind || pairs.ka != ka) {
+    pairs.table = directivity_table(kind, ka);
+    pairs.kind = kind;
+    pairs.ka = ka;
+  }
+  pairs.foci = foci.size();
+  pairs.transducers = layout.transducers.size();
+  const std::size_t entries = pairs.foci * pairs.transducers;
+  for (std::vector<double>* values : {&pairs.cosine, &pairs.sine, &pairs.loud, &pairs.asked})
+    values->resize(entries);
+
+  double* const turns = pairs.cosine.data();
+  double* const slant = pairs.sine.data();
+  double* const distance = pairs.asked.data();
+  for (std::size_t n = 0; n < pairs.transducers; ++n) {
+    const auto& [position, axis] = layout.transducers[n];
+    for (std::size_t j = 0; j < foci.size(); ++j) {
+      const std::size_t entry = n * foci.size() + j;
+      const Vec3 way = foci[j].position - position;
+      const double d = std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z);
+      distance[entry] = d;
+      // At the transducer itself there is no angle: as on its axis.
+      slant[entry] = d > 0 ? (way.x * axis.x + way.y * axis.y + way.z * axis.z) / d : 1.0;
+      turns[entry] = d * turns_per_metre;
+    }
+  }
+  constexpr auto last = static_cast<double>(directivity_steps);
+  for (std::size_t entry = 0; entry < entries; ++entry) {
+    const double at = std::clamp((slant[entry] + 1) * (0.5 * last), 0.0, last);
+    const std::size_t i = std::min(static_cast<std::size_t>(at), directivity_steps - 1);
+    const double between = at - static_cast<double>(i);
+    const double falls_to = pairs.table[i] + (pairs.table[i + 1] - pairs.table[i]) * between;
+    pairs.loud[entry] = falls_to / std::max(distance[entry], radius);
+  }
+  for (std::size_t entry = 0; entry < entries; ++entry) {
+    const double part = turns[entry] - nearest(turns[entry]);
+    const double size = std::abs(part);
+    // A quarter of a turn on either side of the steep part of each curve.
+    pairs.cosine[entry] = sine_of_turns(0.25 - size);
+    pairs.sine[entry] = std::copysign(sine_of_turns(0.25 - std::abs(0.25 - size)), part);
+  }
+  for (std::size_t n = 0; n < pairs.transducers; ++n) {
+    for (std::size_t j = 0; j < foci.size(); ++j) {
+      double& asked = pairs.asked[n * foci.size() + j];
+      asked = weighting == Weighting::uniform || foci[j].reach == 0 ? 1.0 : asked / foci[j].reach;
+    }
+  }
+}
+
+}  // namespace palpa::array

@@ -1,0 +1,50 @@
+#include "array/pressure.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+namespace palpa::array {
+
+std::complex<double> pressure_at(const Layout& layout, std::span<const TransducerDrive> drive, const Vec3& point,
+                                 const Medium& medium, Directivity kind) {
+  assert(drive.size() == layout.transducers.size());
+  const double turns_per_metre = medium.turns_per_metre();
+  const double ka = 2 * std::numbers::pi * turns_per_metre * layout.transducer_radius_m;
+  std::complex<double> sum = 0;
+  for (std::size_t t = 0; t < drive.size(); ++t) {
+    const auto& [position, axis] = layout.transducers[t];
+    const Vec3 way = point - position;
+    const double distance = glm::length(way);
+    const double cosine = distance > 0 ? glm::dot(way, axis) / distance : 1.0;
+    const double turns = distance * turns_per_metre;
+    const double phase = drive[t].phase + 2 * std::numbers::pi * (turns - std::floor(turns));
+    sum += std::polar(
+        drive[t].amplitude * directivity(kind, cosine, ka) / std::max(distance, layout.transducer_radius_m), phase);
+  }
+  return layout.source_level_pa_m * sum;
+}
+
+FociPressure pressure_at_foci(const Layout& layout, std::span<const TransducerDrive> drive,
+                              std::span<const SlotFocus> foci, const Medium& medium, Directivity kind) {
+  FociPressure result;
+  double weakest = 0, strongest = 0, sum = 0;
+  std::size_t counted = 0;
+  for (const SlotFocus& focus : foci) {
+    const bool sounds = drivable(focus);
+    result.pascals.push_back(sounds ? std::abs(pressure_at(layout, drive, focus.position, medium, kind)) : 0.0);
+    const double gain = gain_of(focus);
+    if (!sounds || gain <= 0) continue;
+    const double even = result.pascals.back() / gain;
+    weakest = counted == 0 ? even : std::min(weakest, even);
+    strongest = std::max(strongest, even);
+    sum += result.pascals.back();
+    ++counted;
+  }
+  if (counted > 0) result.mean = sum / static_cast<double>(counted);
+  if (counted > 1) result.evenness = strongest > 0 ? weakest / strongest : 0.0;
+  return result;
+}
+
+}  // namespace palpa::array

@@ -1,0 +1,35 @@
+// The forward model: what a drive sounds like at a point. Free field, linear, no absorption.
+//
+//   p = level * sum over transducers of amplitude e^{i phase} D(angle) e^{ikr} / r
+//
+// level being the layout's source level, D the directivity about the transducer's axis. Nearer than its own radius a
+// transducer is no point, and 1/r stays at 1/radius there.
+#pragma once
+
+#include <complex>
+#include <span>
+
+#include "array/directivity.hpp"
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+
+namespace palpa::array {
+
+/// Complex pressure in Pa, peak, time factor e^{-iwt}, in double precision. `drive` has one entry per transducer;
+/// `point` in metres, in the layout's frame as posed.
+std::complex<double> pressure_at(const Layout& layout, std::span<const TransducerDrive> drive, const Vec3& point,
+                                 const Medium& medium = {}, Directivity directivity = Directivity::t4010a1);
+
+/// What a drive gives at the foci that it was made for.
+struct FociPressure {
+  std::vector<double> pascals;  ///< |p| at each focus, peak; 0 where a focus is not drivable
+  double mean = 0;              ///< of the above over the foci with a gain above 0; 0 without any
+  /// Weakest over strongest of |p| / gain, over the foci with a gain above 0: 1 where all are as strong as asked. 1 for
+  /// fewer than two.
+  double evenness = 1;
+};
+FociPressure pressure_at_foci(const Layout& layout, std::span<const TransducerDrive> drive,
+                              std::span<const SlotFocus> foci, const Medium& medium = {},
+                              Directivity directivity = Directivity::t4010a1);
+
+}  // namespace palpa::array

@@ -1,0 +1,76 @@
+// What the methods and the tuning cost on the host, for one finger of a frame.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <glm/geometric.hpp>
+
+#include "array/tune.hpp"
+#include "base/error.hpp"
+#include "cli/assets.hpp"
+#include "cli/bench.hpp"
+#include "cli/set_up.hpp"
+#include "geometry/ply.hpp"
+#include "touch/chain.hpp"
+#include "touch/method.hpp"
+
+namespace palpa::cli {
+namespace {
+
+/// Median of many batches, per call.
+template <typename Work>
+BenchRow timed(const BenchContext& context, const std::string& name, const std::string& stage, Work work) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::uint32_t batch = 20;
+  std::vector<double> samples;
+  for (std::uint32_t run = 0; run < context.runs; ++run) {
+    const auto begin = Clock::now();
+    for (std::uint32_t i = 0; i < batch; ++i)
+      work();
+    samples.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count() / batch);
+    context.progress(name, run + 1, context.runs);
+  }
+  return bench_row("touch", name, stage, samples);
+}
+
+/// Foci lie among the contacts: within their farthest distance from the centroid, an ellipse's a little beyond.
+bool plausible(const touch::Touch& touch, const touch::Finger& finger, const touch::Placement& placement) {
+  float farthest = 0;
+  for (const touch::Contact& contact : touch.contacts)
+    farthest = std::max(farthest, glm::distance(contact.position, finger.section.centroid));
+  for (std::size_t i = 0; i < placement.foci.size(); ++i) {
+    if (!placement.has(i)) continue;
+    if (!(glm::distance(placement.foci[i].position, finger.section.centroid) <= 1.2F * farthest)) return false;
+  }
+  return !placement.foci.empty();
+}
+
+}  // namespace
+
+void bench_methods(const BenchContext& context, std::vector<BenchRow>& rows) {
+  std::vector<glm::vec3> points;
+  for (const Vec3& p : geometry::read_ply(find_asset("finger.ply")).positions)
+    points.emplace_back(p.x, p.y - 0.003, p.z);
+  touch::Touch touch;
+  touch::touch_points(points, load_solids(find_asset("cube.glb"), {}), {}, touch);
+  if (touch.finger_count != 1) throw failure("bench: the finger does not touch the cube; nothing was timed");
+  const touch::Finger& finger = touch.fingers[0];
+  const std::string name = fmt::format("{} contacts", finger.contact_count);
+  touch::Placement placement;
+  for (const touch::Method method : {touch::Method::cross_section, touch::Method::single_focus, touch::Method::ellipse,
+                                     touch::Method::multi_focus}) {
+    const touch::MethodOptions options{.method = method};
+    const std::string stage(touch::name_of(method));
+    touch::place_foci(touch, finger, options, placement);
+    if (!plausible(touch, finger, placement)) throw failure("bench: " + stage + " puts foci far from the contacts");
+    rows.push_back(timed(context, name, stage, [&] { touch::place_foci(touch, finger, options, placement); }));
+  }
+  touch::place_foci(touch, finger, {}, placement);
+  const array::Ring ring{touch::perimeter_of(placement), 10, 3, 1.5e-3};
+  rows.push_back(timed(context, name, "tune", [&] { array::tune(ring); }));
+  // In the loop a finger that has rested is looked at in every frame.
+  array::StrideTuner strides;
+  double time_s = 0;
+  rows.push_back(timed(context, name, "stride", [&] { strides.stride_for(0, ring, time_s += 1); }));
+}
+
+}  // namespace palpa::cli

@@ -1,0 +1,185 @@
+// The solvers' part of the benchmark: ten foci at once, how many solves per second and how good they are.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <random>
+#include <thread>
+
+#include "array/drive_pass.hpp"
+#include "array/pressure.hpp"
+#include "base/error.hpp"
+#include "cli/bench.hpp"
+#include "gpu/commands.hpp"
+
+namespace palpa::cli {
+namespace {
+
+using array::Constraint;
+using array::Solver;
+
+constexpr std::uint32_t sets = 100;   // slots of a batch
+constexpr std::uint32_t judged = 10;  // of which so many are compared and heard
+constexpr std::size_t foci_per_set = 10;
+constexpr double cube_m = 0.06, apart_m = 8e-3;
+
+double now_ms() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::vector<array::SlotFocus> random_set(std::mt19937& random, const Vec3& centre) {
+  std::uniform_real_distribution<double> place(-cube_m / 2, cube_m / 2);
+  std::vector<array::SlotFocus> foci;
+  while (foci.size() < foci_per_set) {
+    const double x = place(random), y = place(random), z = place(random);
+    const Vec3 position = centre + Vec3(x, y, z);
+    if (std::ranges::all_of(foci,
+                            [&](const auto& other) { return glm::distance(other.position, position) >= apart_m; }))
+      foci.push_back({position, 1});
+  }
+  return foci;
+}
+
+/// How loud the judged slots are and how even the least even of them is.
+struct Heard {
+  double mean_pa = 0, evenness = 1;
+};
+template <typename DriveOf>
+Heard listen(const array::Layout& layout, const std::vector<std::vector<array::SlotFocus>>& slots, DriveOf drive_of) {
+  Heard heard;
+  for (std::uint32_t s = 0; s < judged; ++s) {
+    const array::FociPressure pressure = array::pressure_at_foci(layout, drive_of(s), slots[s]);
+    heard.mean_pa += pressure.mean / judged;
+    heard.evenness = std::min(heard.evenness, pressure.evenness);
+  }
+  return heard;
+}
+
+struct Case {
+  const char* name;
+  Solver solver;
+  Constraint constraint;
+};
+constexpr Case cases[]{{"naive normalise", Solver::naive, Constraint::normalise},
+                       {"naive uniform", Solver::naive, Constraint::uniform},
+                       {"naive clamp", Solver::naive, Constraint::clamp},
+                       {"greedy", Solver::greedy, Constraint::uniform},
+                       {"gs-pat normalise", Solver::gs_pat, Constraint::normalise},
+                       {"gs-pat uniform", Solver::gs_pat, Constraint::uniform},
+                       {"gs-pat clamp", Solver::gs_pat, Constraint::clamp}};
+
+/// What the figures are relative to: naive's under the same constraint, and greedy's.
+struct Yardsticks {
+  double naive_pa[3] = {}, greedy_pa = 0;
+};
+
+std::string quality(const Case& which, const Heard& heard, const Yardsticks& yardsticks) {
+  std::string text = fmt::format("solves; weakest/strongest {:.3f}; mean {:.2f} of naive", heard.evenness,
+                                 heard.mean_pa / yardsticks.naive_pa[static_cast<int>(which.constraint)]);
+  if (yardsticks.greedy_pa > 0) text += fmt::format(" and {:.2f} of greedy", heard.mean_pa / yardsticks.greedy_pa);
+  return text;
+}
+
+void keep(const Case& which, const Heard& heard, Yardsticks& yardsticks) {
+  if (which.solver == Solver::naive) yardsticks.naive_pa[static_cast<int>(which.constraint)] = heard.mean_pa;
+  if (which.solver == Solver::greedy) yardsticks.greedy_pa = heard.mean_pa;
+}
+
+void on_device(const BenchContext& context, const array::Layout& layout, const Case& which, const std::string& name,
+               const std::vector<std::vector<array::SlotFocus>>& slots, const array::DrivePasses& passes,
+               Yardsticks& yardsticks, std::vector<BenchRow>& rows) {
+  array::DriveOptions options;
+  options.solver = which.solver;
+  options.constraint = which.constraint;
+  array::DriveBuffers buffers(context.device, layout, options, sets, sets * foci_per_set);
+  const gpu::Recorder recorder(context.device, "bench");
+  gpu::Timeline timeline(context.device);
+  const auto batch = [&] {
+    buffers.clear();
+    for (const auto& slot : slots) {
+      if (!buffers.add_slot(slot)) throw failure("bench: the batch does not fit the device's buffers");
+    }
+    buffers.record(recorder.begin(), passes);
+    timeline.wait(timeline.submit(recorder.end()));
+  };
+  batch();
+  const Heard heard = listen(layout, slots, [&](std::uint32_t s) { return buffers.drive(s); });
+  keep(which, heard, yardsticks);
+  // Factors and phases may differ where several are as good; what is heard may not.
+  const Heard expected =
+      listen(layout, slots, [&](std::uint32_t s) { return array::drive_for(layout, slots[s], options); });
+  if (std::abs(heard.mean_pa / expected.mean_pa - 1) > 0.01 || std::abs(heard.evenness - expected.evenness) > 0.02)
+    throw failure(fmt::format("bench: {}: device and C++ twin disagree; nothing was timed", name));
+
+  std::vector<double> total;
+  const std::uint32_t runs = std::clamp(context.runs / 10, 3u, 50u);
+  for (std::uint32_t run = 0; run < runs + 1; ++run) {
+    const double begin = now_ms();
+    batch();
+    if (run > 0) total.push_back(now_ms() - begin);
+    context.progress(name, run, runs);
+  }
+  BenchRow row = bench_row("array", name, "total", total);
+  row.per_second = sets * 1e3 / row.median_ms;
+  row.unit = quality(which, heard, yardsticks);
+  rows.push_back(row);
+}
+
+/// The twins, a thread per core, each with every so-manieth slot.
+void on_host(const BenchContext& context, const array::Layout& layout, const Case& which, const std::string& name,
+             const std::vector<std::vector<array::SlotFocus>>& slots, const Yardsticks& yardsticks,
+             std::vector<BenchRow>& rows) {
+  array::DriveOptions options;
+  options.solver = which.solver;
+  options.constraint = which.constraint;
+  const std::uint32_t cores = std::clamp(std::thread::hardware_concurrency(), 1u, sets);
+  std::vector<array::Drive> drives(sets, array::Drive(layout.transducers.size()));
+  std::vector<array::DriveScratch> scratch(cores);
+  const auto batch = [&] {
+    std::vector<std::jthread> threads;
+    for (std::uint32_t core = 0; core < cores; ++core) {
+      threads.emplace_back([&, core] {
+        for (std::uint32_t s = core; s < sets; s += cores)
+          array::drive_for(layout, slots[s], options, drives[s], scratch[core]);
+      });
+    }
+  };
+  batch();
+  std::vector<double> total;
+  for (std::uint32_t run = 0; run < 5; ++run) {
+    const double begin = now_ms();
+    batch();
+    total.push_back(now_ms() - begin);
+    context.progress(name, run, 4);
+  }
+  BenchRow row = bench_row("array", name, "total", total);
+  row.per_second = sets * 1e3 / row.median_ms;
+  row.unit = quality(which, listen(layout, slots, [&](std::uint32_t s) { return std::span(drives[s]); }), yardsticks) +
+             fmt::format(" ({} threads)", cores);
+  rows.push_back(row);
+}
+
+}  // namespace
+
+void bench_solvers(const BenchContext& context, std::vector<BenchRow>& rows) {
+  const array::DrivePasses passes(context.device);
+  const struct {
+    const char* name;
+    Vec3 centre;
+  } layouts[]{{"paper", Vec3(0)}, {"openmpd", Vec3(0, 0, 0.15)}};
+  for (const auto& [layout_name, centre] : layouts) {
+    const array::Layout layout = array::load_layout(layout_name);
+    std::mt19937 random(1);
+    std::vector<std::vector<array::SlotFocus>> slots(sets);
+    for (auto& slot : slots)
+      slot = random_set(random, centre);
+    Yardsticks yardsticks;
+    for (const Case& which : cases)
+      on_device(context, layout, which, fmt::format("{} {}", layout_name, which.name), slots, passes, yardsticks, rows);
+    for (const Case& which : cases)
+      on_host(context, layout, which, fmt::format("{} {} C++", layout_name, which.name), slots, yardsticks, rows);
+  }
+}
+
+}  // namespace palpa::cli

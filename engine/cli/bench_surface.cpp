@@ -1,0 +1,231 @@
+// The surface suite: solids of many faces.
+#include <fmt/format.h>
+#include <stdlib.h>  // setenv
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <optional>
+
+#include "array/board_mesh.hpp"
+#include "base/error.hpp"
+#include "cli/assets.hpp"
+#include "cli/bench.hpp"
+#include "cli/set_up.hpp"
+#include "geometry/gltf.hpp"
+#include "geometry/ply.hpp"
+#include "geometry/surface.hpp"
+#include "gpu/commands.hpp"
+#include "gpu/timestamps.hpp"
+#include "sensing/synthetic.hpp"
+#include "touch/stage.hpp"
+
+namespace palpa::cli {
+namespace {
+
+double now_ms() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// A ball with dents, 100 mm across, its top at y = 0: closed, concave nearly everywhere, of about `faces` faces.
+geometry::Mesh dented_ball(std::uint32_t faces) {
+  const auto rings = static_cast<std::uint32_t>(std::sqrt(faces / 4.0)), segments = 2 * rings;
+  const auto radius = [](const Vec3& n) {
+    const double dents = std::sin(19 * n.x) * std::sin(17 * n.z) * std::cos(23 * n.y);
+    return 0.05 + 0.0015 * (dents - 1) * (1 - n.y * n.y);  // none at the top, where the finger is
+  };
+  geometry::Mesh mesh;
+  const auto add = [&](const Vec3& n) {
+    mesh.positions.emplace_back(glm::vec3(radius(n) * n - Vec3(0, 0.05, 0)));  // as a file has it
+  };
+  add({0, 1, 0});
+  for (std::uint32_t i = 1; i < rings; ++i) {
+    for (std::uint32_t k = 0; k < segments; ++k) {
+      const double theta = std::numbers::pi * i / rings, phi = 2 * std::numbers::pi * k / segments;
+      add({std::sin(theta) * std::cos(phi), std::cos(theta), -std::sin(theta) * std::sin(phi)});
+    }
+  }
+  add({0, -1, 0});
+  const auto last = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+  const auto at = [&](std::uint32_t ring, std::uint32_t k) { return 1 + (ring - 1) * segments + k % segments; };
+  for (std::uint32_t k = 0; k < segments; ++k) {
+    mesh.triangles.emplace_back(0U, at(1, k), at(1, k + 1));
+    mesh.triangles.emplace_back(last, at(rings - 1, k + 1), at(rings - 1, k));
+    for (std::uint32_t i = 1; i + 1 < rings; ++i) {
+      mesh.triangles.emplace_back(at(i, k), at(i + 1, k), at(i, k + 1));
+      mesh.triangles.emplace_back(at(i, k + 1), at(i + 1, k), at(i + 1, k + 1));
+    }
+  }
+  return mesh;
+}
+
+/// Lets peak_resident_bytes() begin anew, where the system allows it.
+void reset_peak() {
+  std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+std::uint64_t resident_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmRSS:")) return std::stoull(line.substr(6)) * 1024;
+  }
+  return 0;
+}
+
+/// Sets a variable of the environment for a while.
+class Environment {
+ public:
+  Environment(const char* name, const char* value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    set(value);
+  }
+  ~Environment() { set(before_ ? before_->c_str() : nullptr); }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  void set(const char* value) const {
+    if (value != nullptr) {
+      setenv(name_, value, 1);
+    } else {
+      unsetenv(name_);
+    }
+  }
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+struct Prepared {
+  std::vector<geometry::Solid> solids;
+  touch::PlaneTable table;
+};
+
+Prepared prepare(const geometry::Scene& scene) {
+  Prepared prepared{geometry::make_solids(scene), {}};
+  prepared.table = touch::make_plane_table(prepared.solids);
+  return prepared;
+}
+
+void bench_preparation(const BenchContext& context, const std::string& name, const geometry::Scene& scene,
+                       std::vector<BenchRow>& rows) {
+  std::vector<double> fresh, cached;
+  double megabytes = 0;
+  for (int run = 0; run < 3; ++run) {
+    const Environment off("PALPA_CACHE", "off");
+    const std::uint64_t before = resident_bytes();
+    reset_peak();
+    const double begin = now_ms();
+    const Prepared prepared = prepare(scene);
+    fresh.push_back(now_ms() - begin);
+    megabytes = std::max(megabytes, static_cast<double>(peak_resident_bytes()) - static_cast<double>(before));
+    context.progress(name + ", prepared", static_cast<std::uint64_t>(run), 3);
+  }
+  BenchRow row = bench_row("surface", name, "prepared", fresh);
+  row.per_second = megabytes / 1e6;
+  row.unit = "MB";
+  rows.push_back(row);
+  // A cache of its own, so that what is measured is what was just written.
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("palpa-bench-{}", getpid());
+  {
+    const Environment on("PALPA_CACHE", "on"), here("XDG_CACHE_HOME", folder.c_str());
+    prepare(scene);
+    for (int run = 0; run < 7; ++run) {
+      const double begin = now_ms();
+      const Prepared prepared = prepare(scene);
+      cached.push_back(now_ms() - begin);
+    }
+  }
+  std::error_code error;
+  std::filesystem::remove_all(folder, error);
+  rows.push_back(bench_row("surface", name, "from cache", cached));
+}
+
+/// Contacts of the frame in which three cameras see the finger; gives the median.
+double bench_contacts(const BenchContext& context, const std::string& name, const std::vector<geometry::Solid>& solids,
+                      const SetUp& set_up, const sensing::FrameSet& frame, double cube_ms,
+                      std::vector<BenchRow>& rows) {
+  const touch::Parameters parameters;
+  const touch::Stage stage(context.device, solids, set_up.rig.cameras, parameters);
+  touch::StageFrame buffers(context.device, stage);
+  gpu::Timestamps stamps(context.device, 32);
+  const gpu::Recorder recorder(context.device, "bench");
+  gpu::Timeline timeline(context.device);
+  touch::Touch found, expected;
+  std::vector<gpu::PassTime> times;
+  std::vector<double> samples;
+  touch::HostStage twin(solids, set_up.rig.cameras, parameters);
+  twin.touch(frame.frames, parameters, expected);
+  constexpr std::uint32_t warm_up = 10;
+  for (std::uint32_t run = 0; run < context.runs + warm_up; ++run) {
+    buffers.set(frame.frames);
+    const VkCommandBuffer commands = recorder.begin();
+    stamps.begin(commands);
+    stage.record(commands, buffers, parameters, touch::Detail::contacts, &stamps);
+    timeline.wait(timeline.submit(recorder.end()));
+    if (run == 0) {
+      touch::read(buffers, found);
+      bool same = found.contacts.size() == expected.contacts.size();
+      for (std::size_t i = 0; same && i < found.contacts.size(); ++i) {
+        same = found.contacts[i].point == expected.contacts[i].point &&
+               std::abs(found.contacts[i].depth_m - expected.contacts[i].depth_m) < 1e-6F;
+      }
+      if (!same) throw failure(fmt::format("bench: {}: device and C++ twin disagree; nothing was timed", name));
+    }
+    if (run < warm_up) continue;
+    stamps.read(times);
+    double ms = 0;
+    for (const gpu::PassTime& time : times) {
+      if (std::string_view(time.name).starts_with("contacts")) ms += time.ms;
+    }
+    samples.push_back(ms);
+    context.progress(name + ", contacts", run - warm_up + 1, context.runs);
+  }
+  BenchRow row = bench_row("surface", name, "contacts", samples);
+  if (cube_ms > 0) {
+    row.per_second = 100 * row.median_ms / cube_ms;
+    row.unit = "% of the cube's";
+  }
+  rows.push_back(row);
+  return row.median_ms;
+}
+
+}  // namespace
+
+void bench_surface(const BenchContext& context, std::vector<BenchRow>& rows) {
+  const SetUp set_up = load_set_up({});
+  const geometry::Ply finger = geometry::read_ply(find_asset("finger.ply"));
+  const geometry::Mesh skin{finger.positions, finger.triangles};
+  sensing::SyntheticRig rig(set_up.rig.cameras, array::board_mesh(set_up.layout), sensing::Noise::d415, 1);
+  const auto touched_at = [&](const Vec3& tip) {
+    Transform lowered(1.0);
+    lowered[3] = Vec4(tip, 1);
+    sensing::FrameSet frame;
+    const sensing::Posed posed{&skin, lowered};
+    rig.render(std::span(&posed, 1), 0, frame);
+    return frame;
+  };
+  const sensing::FrameSet frame = touched_at({0, -0.003, 0});
+  const double cube_ms =
+      bench_contacts(context, "cube", load_solids(find_asset("cube.glb"), {}), set_up, frame, 0, rows);
+  const auto model = [&](const std::string& name, const geometry::Scene& scene, const sensing::FrameSet& touched) {
+    bench_preparation(context, name, scene, rows);
+    bench_contacts(context, name, geometry::make_solids(scene), set_up, touched, cube_ms, rows);
+  };
+  model("75,000 faces", {"bench", {{"ball", dented_ball(75'000)}}}, frame);
+  model("1,000,000 faces", {"bench", {{"ball", dented_ball(1'000'000)}}}, frame);
+  if (context.scene.empty()) return;
+  const geometry::Scene scene = geometry::load_gltf(context.scene);
+  // 3 mm into its highest vertex.
+  Vec3 top(0, -1e300, 0);
+  for (const geometry::SceneMesh& part : scene.meshes) {
+    for (const Vec3& p : part.mesh.positions)
+      top = p.y > top.y ? p : top;
+  }
+  model(std::filesystem::path(context.scene).filename().string(), scene, touched_at(top - Vec3(0, 0.003, 0)));
+}
+
+}  // namespace palpa::cli

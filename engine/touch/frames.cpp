@@ -1,0 +1,107 @@
+#include "touch/frames.hpp"
+
+#include <span>
+
+#include "gpu/barrier.hpp"
+#include "gpu/scan.hpp"
+#include "shaders/contacts.h"
+#include "shaders/fingers.h"
+#include "spirv/frames_axes.comp.hpp"
+#include "spirv/frames_count.comp.hpp"
+#include "spirv/frames_group.comp.hpp"
+
+namespace palpa::touch {
+namespace {
+
+static_assert(shader::frames_most_chunks >= shader::contacts_most_groups);
+static_assert(shader::frames_table >= 2 * shader::fingers_most);
+
+using shader::Float3;
+using shader::Sum;
+
+constexpr std::uint32_t lanes = shader::frames_group;
+
+glm::vec3 to_vec(const Float3& v) {
+  return {v.x, v.y, v.z};
+}
+
+/// The threads' sums added in thread order.
+float total(const std::array<Sum, lanes>& partial) {
+  Sum sum{0, 0};
+  for (const Sum& lane : partial)
+    sum = add(sum, lane.sum);
+  return sum.sum;
+}
+
+float share_of(const Finger& finger) {
+  return 1.0F / static_cast<float>(finger.contacts.size());
+}
+
+shader::Sym3 covariance(const Finger& finger, const std::vector<Contact>& contacts, const LocalFrame& local) {
+  std::array<std::array<Sum, lanes>, 6> sums{};
+  for (std::size_t member = 0; member < finger.contacts.size(); ++member) {
+    const Float3 d = local.from_centroid(contacts[finger.contacts[member]].position);
+    const std::array<float, 6> products{shader::product(d.x, d.x), shader::product(d.x, d.y),
+                                        shader::product(d.x, d.z), shader::product(d.y, d.y),
+                                        shader::product(d.y, d.z), shader::product(d.z, d.z)};
+    for (std::size_t k = 0; k < 6; ++k)
+      sums[k][member % lanes] = add(sums[k][member % lanes], products[k]);
+  }
+  const float share = share_of(finger);
+  return {total(sums[0]) * share, total(sums[1]) * share, total(sums[2]) * share,
+          total(sums[3]) * share, total(sums[4]) * share, total(sums[5]) * share};
+}
+
+}  // namespace
+
+LocalFrame local_frame(const Finger& finger, const std::vector<Contact>& contacts) {
+  const glm::vec3& first = contacts[finger.contacts.front()].position;
+  LocalFrame local{{first.x, first.y, first.z}, {0, 0, 0}};
+  std::array<Sum, lanes> x{}, y{}, z{};
+  for (std::size_t member = 0; member < finger.contacts.size(); ++member) {
+    const Float3 d = local.from_centroid(contacts[finger.contacts[member]].position);
+    const std::size_t lane = member % lanes;
+    x[lane] = add(x[lane], d.x);
+    y[lane] = add(y[lane], d.y);
+    z[lane] = add(z[lane], d.z);
+  }
+  local.mean = shader::scaled({total(x), total(y), total(z)}, share_of(finger));
+  return local;
+}
+
+void find_frames(Touch& out) {
+  std::uint32_t id = 0;
+  for (Finger& finger : std::span(out.fingers).first(out.finger_count)) {
+    const LocalFrame local = local_frame(finger, out.contacts);
+    const shader::Axes axes = principal_axes(covariance(finger, out.contacts, local));
+    finger.id = id++;
+    finger.section.centroid = to_vec(local.origin) + to_vec(local.mean);
+    finger.section.axes = {to_vec(axes.w1), to_vec(axes.w2), to_vec(axes.w3)};
+    finger.section.eigenvalues = {axes.l1, axes.l2, axes.l3};
+    finger.section.turn = {1, 0};
+    finger.point_like = shader::is_point_like(static_cast<std::uint32_t>(finger.contacts.size()), axes.l1, axes.l2);
+  }
+}
+
+FramesPass::FramesPass(const gpu::Device& device)
+    : count_(device, "frames count", spirv::frames_count_comp, {shader::frames_buffers, sizeof(shader::FramesPush)}),
+      group_(device, "frames group", spirv::frames_group_comp, {shader::frames_buffers, sizeof(shader::FramesPush)}),
+      axes_(device, "frames axes", spirv::frames_axes_comp, {shader::frames_buffers, sizeof(shader::FramesPush)}) {}
+
+void FramesPass::record(VkCommandBuffer commands, const FramesBuffers& b, gpu::Timestamps* times) const {
+  const shader::FramesPush push{b.most_contacts, 0, 0, 0};
+  const auto buffers = {b.total, b.parents, b.contacts, b.header, b.counts, b.grouped, b.fingers};
+  const gpu::BufferRef chunks{b.total.buffer, b.total.offset + offsetof(shader::ScanTotal, groups_x),
+                              sizeof(VkDispatchIndirectCommand)};
+  count_.dispatch_indirect(commands, buffers, &push, chunks);
+  if (times) times->mark(commands, "count");
+  gpu::compute_to_compute(commands);
+  group_.dispatch_indirect(commands, buffers, &push, chunks);
+  if (times) times->mark(commands, "group");
+  gpu::compute_to_compute(commands);
+  axes_.dispatch_indirect(commands, buffers, &push,
+                          {b.header.buffer, b.header.offset, sizeof(VkDispatchIndirectCommand)});
+  if (times) times->mark(commands, "frames");
+}
+
+}  // namespace palpa::touch

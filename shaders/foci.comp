@@ -1,0 +1,191 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "fingers.h"
+#include "foci.h"
+#include "foci_math.h"
+
+// Eq. (5)-(7) for one finger per group: sectors and foci. What is summed over contacts is an integer, so that the order
+// does not matter. Every thread has sums of its own where they fit, since atomic additions cost a software device more
+// than all else here.
+layout(local_size_x = 64) in;
+
+layout(std430, set = 0, binding = foci_grouped) readonly buffer Grouped { uvec4 grouped[]; };
+layout(std430, set = 0, binding = foci_fingers) buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = foci_out) writeonly buffer Foci { FocusRecord foci[]; };
+layout(std430, set = 0, binding = foci_borders) readonly buffer Borders { Border borders[]; };
+layout(std430, set = 0, binding = foci_of_solid) readonly buffer OfSolid { uint foci_of[]; };
+layout(push_constant) uniform Push { FociPush push; };
+
+shared Border border[foci_most];
+shared int pool[foci_pool];  // value after value, a copy for each thread or for several
+shared int sums[4u * foci_most];
+shared float radius[outline_bins];
+shared Border corner[outline_bins];
+shared float way[outline_bins + 1u];  // along the outline, to each corner and all the way round
+
+Float3 position(uint place) {
+  const uvec4 bits = grouped[place];
+  return Float3(uintBitsToFloat(bits.x), uintBitsToFloat(bits.y), uintBitsToFloat(bits.z));
+}
+
+Border equal_angle(uint n, uint count) {
+  return borders[count * (count - 1u) / 2u + n];
+}
+
+uint copies_of(uint values) {
+  return min(foci_pool / values, foci_group);
+}
+
+void clear(uint values) {
+  const uint used = values * copies_of(values);
+  for (uint k = gl_LocalInvocationIndex; k < used; k += foci_group) pool[k] = 0;
+  barrier();
+}
+
+void tally(uint value, int amount, uint copies) {
+  const uint at = value * copies + gl_LocalInvocationIndex % copies;
+  if (copies == foci_group) {
+    pool[at] += amount;
+  } else {
+    atomicAdd(pool[at], amount);
+  }
+}
+
+// sums[value] for all values
+void collect(uint values) {
+  const uint copies = copies_of(values);
+  barrier();
+  for (uint v = gl_LocalInvocationIndex; v < values; v += foci_group) {
+    int sum = 0;
+    for (uint c = 0u; c < copies; ++c) sum += pool[v * copies + c];
+    sums[v] = sum;
+  }
+  barrier();
+}
+
+// The last of `count` ascending borders that p has reached.
+uint sector_of(Float2 p, uint count) {
+  uint sector = 0u;
+  uint beyond = p.x == 0.0 && p.y == 0.0 ? 1u : count;
+  for (uint step = 0u; step < 7u && beyond - sector > 1u; ++step) {
+    const uint middle = (sector + beyond) / 2u;
+    if (reaches(p, Float2(border[middle].x, border[middle].y))) {
+      sector = middle;
+    } else {
+      beyond = middle;
+    }
+  }
+  return sector;
+}
+
+Float2 corner_at(uint m) {
+  const Border at = corner[m % outline_bins];
+  return Float2(at.x, at.y);
+}
+
+// Borders that cut the outline into `count` pieces of equal length. `sums` holds the bins' radii, then their contacts.
+void cut_outline(uint count, Scaling scaling, float steps) {
+  const uint m = gl_LocalInvocationIndex;
+  if (m < outline_bins) {
+    uint back = 0u, on = 0u;
+    while (back < outline_bins && sums[outline_bins + (m + outline_bins - back) % outline_bins] == 0) ++back;
+    while (on < outline_bins && sums[outline_bins + (m + on) % outline_bins] == 0) ++on;
+    const uint before = (m + outline_bins - back) % outline_bins;
+    const uint after = (m + on) % outline_bins;
+    const float mean_before = mean_radius(sums[before], uint(sums[outline_bins + before]), steps);
+    const float mean_after = mean_radius(sums[after], uint(sums[outline_bins + after]), steps);
+    radius[m] = back == 0u ? mean_before : radius_between(mean_before, mean_after, back, on);
+  }
+  barrier();
+  if (m < outline_bins) {
+    const Border direction = equal_angle(m, outline_bins);
+    const Float2 at = corner_of(radius[(m + outline_bins - 2u) % outline_bins], radius[(m + outline_bins - 1u) % outline_bins], radius[m],
+                                radius[(m + 1u) % outline_bins], Float2(direction.x, direction.y));
+    corner[m] = Border(at.x, at.y);
+  }
+  barrier();
+  if (m < outline_bins) way[m + 1u] = metres_between(corner_at(m), corner_at(m + 1u), scaling);
+  barrier();
+  if (m == 0u) {
+    float sum = 0.0;
+    way[0] = 0.0;
+    for (uint k = 1u; k <= outline_bins; ++k) {
+      sum = plus(sum, way[k]);
+      way[k] = sum;
+    }
+  }
+  barrier();
+  if (m < count) {
+    const float share = cut_at(way[outline_bins], m, count);
+    uint side = 0u;
+    while (side + 1u < outline_bins && way[side + 1u] <= share) ++side;
+    const Float2 at = along_side(corner_at(side), corner_at(side + 1u), less(share, way[side]), less(way[side + 1u], way[side]));
+    border[m] = Border(at.x, at.y);
+  }
+}
+
+void main() {
+  const uint thread = gl_LocalInvocationIndex;
+  const uint finger = gl_WorkGroupID.x;
+  const uint begin = fingers[finger].start;
+  const uint members = fingers[finger].contacts;
+  const uint end = begin + members;
+  const Float3 origin = position(begin);
+  const Float3 mean = Float3(fingers[finger].mean.x, fingers[finger].mean.y, fingers[finger].mean.z);
+  const uint own = foci_of[fingers[finger].solid];
+  const uint count = min(own == 0u ? push.foci : own, foci_most);
+
+  if (fingers[finger].point_like != 0u) {  // the whole group
+    if (thread == 0u) {
+      fingers[finger].foci = 1u;
+      foci[finger * foci_most] = FocusRecord(origin.x + mean.x, origin.y + mean.y, origin.z + mean.z, members);
+    }
+    return;
+  }
+  const vec4 w1 = fingers[finger].axis1, w2 = fingers[finger].axis2, w3 = fingers[finger].axis3;
+  const Axes axes = Axes(Float3(w1.x, w1.y, w1.z), Float3(w2.x, w2.y, w2.z), Float3(w3.x, w3.y, w3.z), w1.w, w2.w, w3.w);
+  const Scaling scaling = scaling_of(axes.l1, axes.l2, fingers[finger].turn.x, fingers[finger].turn.y);
+  const float steps = steps_per_metre(members, axes.l1, axes.l2, axes.l3);
+
+  if (push.spacing == spacing_arc) {
+    const uint bins = 2u * outline_bins;
+    const uint bin_copies = copies_of(bins);
+    const float fine = radius_steps(members);
+    border[thread] = equal_angle(thread, outline_bins);
+    clear(bins);
+    for (uint k = begin + thread; k < end; k += foci_group) {
+      const Float2 p = on_plane(axes, minus(minus(position(k), origin), mean), scaling);
+      const uint bin = sector_of(p, outline_bins);
+      tally(bin, in_steps(radius_of(p), fine), bin_copies);
+      tally(outline_bins + bin, 1, bin_copies);
+    }
+    collect(bins);
+    cut_outline(count, scaling, fine);
+  } else if (thread < count) {
+    border[thread] = equal_angle(thread, count);
+  }
+
+  const uint copies = copies_of(4u * count);
+  clear(4u * count);
+  for (uint k = begin + thread; k < end; k += foci_group) {
+    const Float3 d = minus(minus(position(k), origin), mean);
+    const uint sector = sector_of(on_plane(axes, d, scaling), count);
+    tally(sector, in_steps(d.x, steps), copies);
+    tally(count + sector, in_steps(d.y, steps), copies);
+    tally(2u * count + sector, in_steps(d.z, steps), copies);
+    tally(3u * count + sector, 1, copies);
+  }
+  collect(4u * count);
+
+  if (thread == 0u) fingers[finger].foci = count;
+  if (thread < count) {
+    const uint points = uint(sums[3u * count + thread]);
+    FocusRecord focus = FocusRecord(0.0, 0.0, 0.0, points);
+    if (points != 0u) {
+      focus.x = focus_coordinate(origin.x, mean.x, sums[thread], points, steps);
+      focus.y = focus_coordinate(origin.y, mean.y, sums[count + thread], points, steps);
+      focus.z = focus_coordinate(origin.z, mean.z, sums[2u * count + thread], points, steps);
+    }
+    foci[finger * foci_most + thread] = focus;
+  }
+}

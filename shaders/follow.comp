@@ -1,0 +1,346 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "fingers.h"
+#include "follow.h"
+#include "follow_math.h"
+
+// Which finger of this frame is which of the frames before, by one group: a thread per track, and the first 64 also have
+// a finger each. The rules are in docs/touch.md.
+layout(local_size_x = 128) in;
+
+layout(std430, set = 0, binding = follow_header) readonly buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = follow_fingers) buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = follow_tracks) coherent buffer Tracks { TrackTable table; };
+layout(push_constant) uniform Push { FollowPush push; };
+
+const uint most = follow_most_tracks;
+const uint columns = follow_most_tracks + fingers_most;  // tracks, then one birth per finger
+
+// Of the tracks as they were, moved on to this frame:
+shared Float3 place[most];
+shared Float3 velocity[most];
+shared float reach[most];
+shared float penalty[most];
+shared uint solid[most];
+shared uint owner[most];  // the finger that it becomes, or whose cluster it is in
+shared bool merged[most];
+shared bool remembered[most];
+shared bool seen[most];  // in a cluster that looks like two
+shared float stray[most];
+// Of the fingers:
+shared Float3 found[fingers_most];
+shared float birth_cost[fingers_most];
+shared uint track_of[fingers_most];
+shared uint solid_of[fingers_most];
+// Of the assignment (Hungarian method by shortest augmenting paths; rows are fingers):
+shared float row_price[fingers_most];
+shared uint row_of[columns];
+shared uint way[columns];
+shared float shortest[most];
+shared uint shortest_column[most];
+shared uint current;
+shared float step_price;
+
+Float3 xyz(vec4 v) {
+  return Float3(v.x, v.y, v.z);
+}
+
+Axes axes_of(uint finger) {
+  const FingerRecord f = fingers[finger];
+  return Axes(xyz(f.axis1), xyz(f.axis2), xyz(f.axis3), f.axis1.w, f.axis2.w, f.axis3.w);
+}
+
+Sym3 spread_of(uint track) {
+  const vec4 a = table.tracks[track].spread_a;
+  const vec4 b = table.tracks[track].spread_b;
+  return Sym3(a.x, a.y, a.z, a.w, b.x, b.y);
+}
+
+float cost_of(uint finger, uint column, float scale) {
+  if (column >= most) return column - most == finger ? birth_cost[finger] : out_of_reach;
+  if (solid[column] != solid_of[finger]) return out_of_reach;
+  return follow_cost(found[finger], place[column], reach[column], scale, penalty[column]);
+}
+
+// Least sum of costs; equal ones go to the column that comes first: track 0, birth 0, track 1, ...
+void assign(uint count, uint known, float scale) {
+  const uint thread = gl_LocalInvocationIndex;
+  const uint wide = max(count, known);
+  const uint mine[2] = uint[2](thread, most + thread);
+  const bool exists[2] = bool[2](thread < known, thread < count);
+  float price[2] = float[2](0.0, 0.0);
+  if (exists[0]) row_of[mine[0]] = follow_none;
+  if (exists[1]) row_of[mine[1]] = follow_none;
+  if (thread < count) row_price[thread] = 0.0;
+  for (uint finger = 0u; finger < count; ++finger) {
+    float least[2] = float[2](no_cost_yet, no_cost_yet);
+    bool visited[2] = bool[2](false, false);
+    barrier();
+    if (thread == 0u) {
+      current = follow_none;
+      step_price = 0.0;
+    }
+    barrier();
+    uint row = finger;
+    for (uint turn = 0u; turn <= count; ++turn) {
+      const uint from = current;
+      float best = no_cost_yet;
+      uint best_column = follow_none;
+      for (uint k = 0u; k < 2u; ++k) {
+        if (!exists[k] || visited[k]) continue;
+        const float reduced = less(less(cost_of(row, mine[k], scale), row_price[row]), price[k]);
+        if (reduced < least[k]) {
+          least[k] = reduced;
+          way[mine[k]] = from;
+        }
+        if (least[k] < best) {
+          best = least[k];
+          best_column = mine[k];
+        }
+      }
+      shortest[thread] = best;
+      shortest_column[thread] = best_column;
+      barrier();
+      if (thread == 0u) {
+        for (uint t = 1u; t < wide; ++t) {
+          if (shortest[t] < best) {
+            best = shortest[t];
+            best_column = shortest_column[t];
+          }
+        }
+        step_price = best;
+        current = best_column;
+      }
+      barrier();
+      const float delta = step_price;
+      for (uint k = 0u; k < 2u; ++k) {
+        if (!exists[k]) continue;
+        if (visited[k]) {
+          row_price[row_of[mine[k]]] = plus(row_price[row_of[mine[k]]], delta);
+          price[k] = less(price[k], delta);
+        } else {
+          least[k] = less(least[k], delta);
+        }
+        if (mine[k] == current) visited[k] = true;
+      }
+      if (thread == 0u) row_price[finger] = plus(row_price[finger], delta);
+      barrier();
+      row = row_of[current];
+      if (row == follow_none) break;
+    }
+    barrier();  // all have seen that the path ends
+    if (thread == 0u) {
+      uint column = current;
+      for (uint step = 0u; step <= count && column != follow_none; ++step) {
+        const uint before = way[column];
+        row_of[column] = before == follow_none ? finger : row_of[before];
+        column = before;
+      }
+    }
+  }
+  barrier();
+}
+
+// The finger into whose cluster an unmatched track has merged, or follow_none: of those whose ellipsoid it is in the one
+// that it is deepest in, else the one that it was in before.
+uint cluster_around(uint track, uint before, uint count) {
+  uint best_finger = before;
+  float best = 1.0;
+  for (uint f = 0u; f < count; ++f) {
+    if (solid_of[f] != solid[track]) continue;
+    const float square = inside_square(axes_of(f), minus(place[track], found[f]));
+    if (square < best) {
+      best = square;
+      best_finger = f;
+    }
+  }
+  return best_finger;
+}
+
+// The places and velocities of the fingers that make up a merged cluster.
+void move_cluster(uint finger, uint track, uint passengers, uint known, float frame_s) {
+  const Axes axes = axes_of(finger);
+  const Sym3 cluster = covariance_of(axes);
+  const float gain = velocity_gain(frame_s);
+  float total = float(table.tracks[track].contacts);
+  uint other = track;
+  for (uint u = 0u; u < known; ++u) {
+    if (!merged[u] || owner[u] != finger) continue;
+    total = plus(total, float(table.tracks[u].contacts));
+    other = u;
+  }
+  Float3 mean = Float3(0.0, 0.0, 0.0);
+  for (uint u = 0u; u < known; ++u) {
+    if (u == track || (merged[u] && owner[u] == finger)) mean = moved(mean, place[u], float(table.tracks[u].contacts) / total);
+  }
+  const Float3 shift = minus(found[finger], mean);
+  for (uint u = 0u; u < known; ++u) {
+    if (u != track && !(merged[u] && owner[u] == finger)) continue;
+    place[u] = moved(place[u], shift, 1.0);
+    velocity[u] = moved(velocity[u], shift, gain);
+  }
+  if (passengers == 1u) {
+    const float share = float(table.tracks[track].contacts) / total;
+    const float other_share = float(table.tracks[other].contacts) / total;
+    const Parting parting =
+        parting_of(cluster, spread_of(track), spread_of(other), share, other_share, minus(place[other], place[track]));
+    const float part = product(0.5, parting.trust);
+    place[track] = moved(place[track], parting.correction, -product(other_share, part));
+    place[other] = moved(place[other], parting.correction, product(share, part));
+    velocity[track] = moved(velocity[track], parting.correction, -product(product(other_share, part), gain));
+    velocity[other] = moved(velocity[other], parting.correction, product(product(share, part), gain));
+  }
+  const bool looks = looks_merged(cluster, spread_of(track));
+  for (uint u = 0u; u < known; ++u) {
+    if (u != track && !(merged[u] && owner[u] == finger)) continue;
+    const Float3 offset = kept_inside(axes, minus(place[u], found[finger]));
+    place[u] = moved(found[finger], offset, 1.0);
+    stray[u] = sqrt(dot3(offset, offset));
+    seen[u] = looks;
+  }
+}
+
+// What is known of a finger after this frame; its record gets id and steady axes.
+Track followed(uint finger, uint id, uint known, uint elapsed_us) {
+  const FingerRecord record = fingers[finger];
+  const Axes axes = axes_of(finger);
+  const uint track = track_of[finger];
+  const Sym3 spread = covariance_of(axes);
+  Track t;
+  t.id = id;
+  t.solid = record.solid;
+  t.contacts = record.contacts;
+  t.has_axes = record.point_like == 0u ? 1u : 0u;
+  t.place = vec4(found[finger].x, found[finger].y, found[finger].z, 0.0);
+  t.velocity = vec4(0.0);
+  t.axis1 = record.axis1;
+  t.axis3 = record.axis3;
+  t.spread_a = vec4(spread.xx, spread.xy, spread.xz, spread.yy);
+  t.spread_b = vec4(spread.yz, spread.zz, 0.0, 0.0);
+  if (track != follow_none) {
+    const Track old = table.tracks[track];
+    const float since_s = in_seconds(later(old.unseen_us, elapsed_us));
+    uint passengers = 0u;
+    for (uint u = 0u; u < known; ++u) passengers += merged[u] && owner[u] == finger ? 1u : 0u;
+    t.id = old.id;
+    if (passengers == 0u) {
+      velocity[track] = moved(velocity[track], minus(found[finger], place[track]), velocity_gain(since_s));
+    } else {
+      move_cluster(finger, track, passengers, known, in_seconds(elapsed_us));
+      t.contacts = old.contacts;
+      t.spread_a = old.spread_a;
+      t.spread_b = old.spread_b;
+      t.place = vec4(place[track].x, place[track].y, place[track].z, stray[track]);
+    }
+    t.velocity = vec4(velocity[track].x, velocity[track].y, velocity[track].z, 0.0);
+    if (old.has_axes != 0u && record.point_like != 0u) {
+      t.has_axes = 1u;
+      t.axis1 = old.axis1;
+      t.axis3 = old.axis3;
+    } else if (old.has_axes != 0u) {
+      const Steady steady = steady_axes(axes, xyz(old.axis1), xyz(old.axis3), since_s);
+      t.axis1 = vec4(steady.axes.w1.x, steady.axes.w1.y, steady.axes.w1.z, axes.l1);
+      t.axis3 = vec4(steady.axes.w3.x, steady.axes.w3.y, steady.axes.w3.z, axes.l3);
+      fingers[finger].axis1 = t.axis1;
+      fingers[finger].axis2 = vec4(steady.axes.w2.x, steady.axes.w2.y, steady.axes.w2.z, axes.l2);
+      fingers[finger].axis3 = t.axis3;
+      fingers[finger].turn = vec4(steady.cosine, steady.sine, 0.0, 0.0);
+    }
+  }
+  fingers[finger].id = t.id;
+  t.carrier = follow_none;
+  t.unseen_us = 0u;
+  t.unused0 = 0u;
+  t.unused1 = 0u;
+  return t;
+}
+
+void main() {
+  const uint thread = gl_LocalInvocationIndex;
+  const uint count = min(header.fingers, fingers_most);
+  const bool anew = push.elapsed_us == follow_anew;
+  const uint elapsed_us = anew ? 0u : push.elapsed_us;
+  const uint known = anew ? 0u : min(table.count, most);
+  const uint first_id = anew ? 0u : table.next_id;
+  const float frame_s = in_seconds(elapsed_us);
+  const float scale = reach_of(frame_s, 0.0, 0.0);
+
+  Track old;
+  bool alive = false;
+  uint unseen_us = 0u;
+  if (thread < known) {
+    old = table.tracks[thread];
+    unseen_us = later(old.unseen_us, elapsed_us);
+    const bool carried = old.carrier != follow_none;
+    alive = unseen_us <= (carried ? merged_memory_us : memory_us);
+    const uint coasts_us = min(unseen_us, coasting_us) - min(old.unseen_us, coasting_us);
+    place[thread] = moved(xyz(old.place), xyz(old.velocity), carried ? frame_s : in_seconds(coasts_us));
+    velocity[thread] = xyz(old.velocity);
+    reach[thread] = reach_of(frame_s, in_seconds(old.unseen_us), old.place.w);
+    penalty[thread] = old.unseen_us == 0u && !carried ? 0.0 : second_class;
+    solid[thread] = alive ? old.solid : follow_none;
+  }
+  if (thread < count) {
+    found[thread] = xyz(fingers[thread].centre);
+    solid_of[thread] = fingers[thread].solid;
+    track_of[thread] = follow_none;
+  }
+  barrier();
+
+  if (thread < count) {
+    float birth = new_finger;
+    for (uint t = 0u; t < known; ++t) {
+      if (penalty[t] == 0.0 && reach[t] <= scale) continue;
+      const float cost = cost_of(thread, t, scale);
+      if (cost < out_of_reach) birth = max(birth, plus(cost, 1.0));
+    }
+    birth_cost[thread] = birth;
+  }
+  barrier();
+  assign(count, known, scale);
+
+  if (thread < known) {
+    const uint taken = row_of[thread];
+    owner[thread] = taken;
+    merged[thread] = false;
+    if (taken != follow_none) {
+      track_of[taken] = thread;
+    } else if (alive && (old.carrier != follow_none || old.unseen_us <= coasting_us)) {
+      const uint before = old.carrier < known ? row_of[old.carrier] : follow_none;
+      owner[thread] = cluster_around(thread, before, count);
+      merged[thread] = owner[thread] != follow_none;
+    }
+    seen[thread] = false;
+    stray[thread] = 0.0;
+    remembered[thread] = taken == follow_none && alive && (merged[thread] || unseen_us <= memory_us);
+  }
+  barrier();
+
+  Track fresh;
+  if (thread < count) {
+    uint born = 0u;
+    for (uint f = 0u; f < thread; ++f) born += track_of[f] == follow_none ? 1u : 0u;
+    fresh = followed(thread, first_id + born, known, elapsed_us);
+  }
+  memoryBarrierBuffer();
+  barrier();
+
+  if (thread < count) table.tracks[thread] = fresh;
+  uint slot = count;
+  for (uint t = 0u; t < min(thread, known); ++t) slot += remembered[t] ? 1u : 0u;
+  if (thread < known && remembered[thread] && slot < most) {
+    old.carrier = merged[thread] ? owner[thread] : follow_none;
+    old.unseen_us = seen[thread] ? 0u : unseen_us;
+    old.place = vec4(place[thread].x, place[thread].y, place[thread].z, stray[thread]);
+    old.velocity = vec4(velocity[thread].x, velocity[thread].y, velocity[thread].z, 0.0);
+    table.tracks[slot] = old;
+  }
+  if (thread == 0u) {
+    uint born = 0u;
+    for (uint f = 0u; f < count; ++f) born += track_of[f] == follow_none ? 1u : 0u;
+    uint total = count;
+    for (uint t = 0u; t < known; ++t) total += remembered[t] ? 1u : 0u;
+    table.count = min(total, most);
+    table.next_id = first_id + born;
+  }
+}

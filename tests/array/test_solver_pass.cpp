@@ -1,0 +1,187 @@
+// The solvers' pass: stays inside its buffers at every size, gives the same bytes every time, has its header's layout.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstring>
+#include <numbers>
+
+#include "array/drive_pass.hpp"
+#include "array/reach.hpp"
+#include "backends.hpp"
+#include "focus_sets.hpp"
+#include "gpu/barrier.hpp"
+#include "spirv/drive_weighted.comp.hpp"
+#include "spirv/solve_diagonal.comp.hpp"
+#include "spirv/solve_greedy.comp.hpp"
+#include "spirv/solve_mirrored.comp.hpp"
+#include "spirv/solve_refine.comp.hpp"
+#include "spirv/solve_weights.comp.hpp"
+#include "support/device.hpp"
+#include "support/spirv.hpp"
+
+namespace palpa::array {
+namespace {
+
+using test::GuardedBuffer;
+
+Layout line(std::size_t count) {
+  Layout layout;
+  for (std::size_t i = 0; i < count; ++i)
+    layout.transducers.push_back(
+        {{0.004 * static_cast<double>(i % 40), 0.004 * static_cast<double>(i / 40), 0}, {0, 0, 1}});
+  return layout;
+}
+
+void run_guarded(const Layout& layout, const std::vector<std::vector<SlotFocus>>& batch, Solver solver,
+                 Constraint constraint) {
+  gpu::Device& device = test::test_device();
+  static const SolverPass pass(device);
+  const Medium air;
+  const double turns = air.turns_per_metre();
+  const Reach reach(layout);
+  std::vector<shader::DrivePoint> points;
+  std::vector<shader::vec4> axes;
+  for (const Transducer& t : layout.transducers) {
+    points.push_back(drive_point(t.position, turns));
+    axes.push_back({0, 0, 1, 0});
+  }
+  std::vector<shader::DriveFocus> foci;
+  std::vector<shader::DriveSlot> slots;
+  SolveBatch shape;
+  std::uint32_t entries = 0;
+  for (const auto& slot : batch) {
+    const auto count = static_cast<std::uint32_t>(slot.size());
+    slots.push_back({static_cast<std::uint32_t>(foci.size()), count, 1, count > 1 ? entries : shader::drive_unsolved});
+    if (count > 1) entries += count * count;
+    shape.most_foci = std::max(shape.most_foci, count);
+    for (const SlotFocus& focus : slot) {
+      const shader::DrivePoint point = drive_point(focus.position, turns);
+      foci.push_back({point.coarse, point.fine});
+      foci.back().coarse.w = static_cast<float>(1 / (reach.farthest(focus.position) * turns));
+      foci.back().fine.w = focus.gain;
+    }
+  }
+  shape.transducers = static_cast<std::uint32_t>(points.size());
+  shape.slots = static_cast<std::uint32_t>(slots.size());
+  shape.constraint = constraint;
+  shape.nearest = layout.transducer_radius_m * turns;
+  auto point_buffer = GuardedBuffer::of<shader::DrivePoint>(device, points);
+  auto axis_buffer = GuardedBuffer::of<shader::vec4>(device, axes);
+  auto focus_buffer = GuardedBuffer::of<shader::DriveFocus>(device, foci);
+  auto slot_buffer = GuardedBuffer::of<shader::DriveSlot>(device, slots);
+  auto table = GuardedBuffer::of<std::uint32_t>(device, solver_directivity(Directivity::t4010a1, 3.3));
+  GuardedBuffer matrices(device, entries * 8), weights(device, foci.size() * 16),
+      drives(device, points.size() * slots.size() * 8);
+  test::run_on_device([&](VkCommandBuffer commands) {
+    pass.record(commands,
+                {point_buffer.ref(), axis_buffer.ref(), focus_buffer.ref(), slot_buffer.ref(), table.ref(),
+                 matrices.ref(), weights.ref(), drives.ref()},
+                shape, solver);
+    gpu::compute_to_compute(commands);
+  });
+  EXPECT_TRUE(point_buffer.intact() && axis_buffer.intact() && focus_buffer.intact() && slot_buffer.intact() &&
+              table.intact() && matrices.intact() && weights.intact() && drives.intact());
+  if (solver == Solver::greedy) return;
+  for (const float factor : weights.read<float>())
+    ASSERT_TRUE(std::isfinite(factor));
+  // The matrix against sums written down anew.
+  const auto matrix = matrices.read<std::complex<float>>();
+  const double k = 2 * std::numbers::pi * turns;
+  for (std::size_t s = 0; s < batch.size(); ++s) {
+    if (batch[s].size() < 2) continue;
+    const std::size_t count = batch[s].size();
+    for (const auto& [row, column] : {std::pair{count - 1, 0ul}, {0ul, count - 1}, {count / 2, count / 2}}) {
+      std::complex<double> sum = 0;
+      double size = 0;
+      const Vec3 at = batch[s][row].position, asks = batch[s][column].position;
+      for (const Transducer& t : layout.transducers) {
+        const double d = glm::distance(t.position, at), other = glm::distance(t.position, asks);
+        const double loud = directivity(Directivity::t4010a1, (at.z - t.position.z) / d, 3.3) / (d * turns);
+        const double asked = other / reach.farthest(asks);
+        sum += loud * asked * std::exp(std::complex<double>(0, k * (d - other)));
+        size += loud * asked;
+      }
+      const std::complex<double> found(matrix[slots[s].solved + column * count + row]);
+      ASSERT_LE(std::abs(found - sum), 3e-4 * size) << layout.transducers.size() << " " << count << " " << row;
+    }
+  }
+}
+
+TEST(SolverPass, StaysInsideItsBuffersAtEverySize) {
+  const std::vector<std::vector<SlotFocus>> batch{focus_set(1, 2, {0.05, 0.02, 0.1}), focus_set(2, 1, {0.05, 0, 0.1}),
+                                                  focus_set(3, 5, {0.05, 0, 0.1}),    focus_set(4, 6, {0.05, 0, 0.1}),
+                                                  focus_set(5, 11, {0.05, 0, 0.1}),   focus_set(6, 17, {0.05, 0, 0.1}),
+                                                  focus_set(7, 33, {0.05, 0, 0.1})};
+  for (const std::size_t transducers : {1u, 31u, 33u, 129u, 300u}) {
+    run_guarded(line(transducers), batch, Solver::gs_pat, Constraint::normalise);
+    run_guarded(line(transducers), batch, Solver::gs_pat, Constraint::uniform);
+    run_guarded(line(transducers), batch, Solver::greedy, Constraint::uniform);
+  }
+}
+
+TEST(SolverPass, TheSameBytesOnEveryRun) {
+  const Layout layout = load_layout("openmpd");
+  std::vector<std::vector<SlotFocus>> slots;
+  for (unsigned seed = 0; seed < 40; ++seed)
+    slots.push_back(focus_set(seed, 1 + seed % 20, {0, 0, 0.15}));
+  std::uint64_t hash = 14695981039346656037ull;
+  for (const Solver solver : {Solver::gs_pat, Solver::greedy}) {
+    for (const Constraint constraint : {Constraint::normalise, Constraint::uniform}) {
+      DriveOptions options;
+      options.solver = solver;
+      options.constraint = constraint;
+      const auto first = backends[1].drives(layout, slots, options);
+      const auto again = backends[1].drives(layout, slots, options);
+      for (std::size_t s = 0; s < slots.size(); ++s) {
+        ASSERT_EQ(std::memcmp(first[s].data(), again[s].data(), first[s].size() * sizeof(TransducerDrive)), 0);
+        for (const TransducerDrive& drive : first[s]) {
+          std::uint32_t words[2];
+          std::memcpy(words, &drive, sizeof(words));
+          for (const std::uint32_t word : words)
+            hash = (hash ^ word) * 1099511628211ull;
+        }
+      }
+    }
+  }
+  // Printed for the test matrix, which compares it between thread counts and vector widths.
+  std::printf("  bytes of 160 solved drives: %016llx\n", static_cast<unsigned long long>(hash));
+}
+
+TEST(SolverPass, GreedyGoesOnFromStretchToStretch) {
+  // More transducers than choose in one dispatch.
+  const Layout layout = line(shader::solve_turns + 700);
+  DriveOptions options;
+  options.solver = Solver::greedy;
+  const std::vector<std::vector<SlotFocus>> slots{focus_set(1, 3, {0.08, 0.4, 0.2})};
+  const auto twin = backends[0].drives(layout, slots, options), device = backends[1].drives(layout, slots, options);
+  std::size_t others = 0;
+  for (std::size_t t = 0; t < twin[0].size(); ++t)
+    others += angle_between(twin[0][t].phase, device[0][t].phase) > 1e-4;
+  EXPECT_LE(others, twin[0].size() / 10);
+}
+
+TEST(SolverPass, LayoutIsWhatTheShadersHave) {
+  const std::pair<const char*, std::span<const std::uint32_t>> modules[]{{"diagonal", spirv::solve_diagonal_comp},
+                                                                         {"mirrored", spirv::solve_mirrored_comp},
+                                                                         {"weights", spirv::solve_weights_comp},
+                                                                         {"refine", spirv::solve_refine_comp},
+                                                                         {"greedy", spirv::solve_greedy_comp}};
+  for (const auto& [name, words] : modules) {
+    const test::SpirvModule module = test::read_spirv(words);
+    EXPECT_EQ(module.local_size[0], shader::solve_group) << name;
+    for (const std::uint32_t binding : module.bindings)
+      EXPECT_LT(binding, shader::solve_buffers) << name;
+    EXPECT_EQ(module.structs.at("SolvePush").offsets.at("nearest"), offsetof(shader::SolvePush, nearest)) << name;
+    EXPECT_EQ(module.structs.at("SolvePush").offsets.at("most_weight"), offsetof(shader::SolvePush, most_weight));
+    EXPECT_EQ(module.structs.at("SolvePush").offsets.at("next"), offsetof(shader::SolvePush, next));
+    EXPECT_EQ(module.structs.at("DriveSlot").offsets.at("solved"), offsetof(shader::DriveSlot, solved)) << name;
+    EXPECT_EQ(module.array_strides.at("DrivePoint"), sizeof(shader::DrivePoint)) << name;
+  }
+  const test::SpirvModule weighted = test::read_spirv(spirv::drive_weighted_comp);
+  EXPECT_EQ(weighted.bindings, (std::vector<std::uint32_t>{0, 1, 2, 3, 4}));
+}
+
+}  // namespace
+}  // namespace palpa::array

@@ -1,0 +1,305 @@
+// How well the solvers serve several foci, and what never happens. Each on both backends.
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+#include <numbers>
+
+#include "array/greedy.hpp"
+#include "array/pressure.hpp"
+#include "backends.hpp"
+#include "focus_sets.hpp"
+
+namespace palpa::array {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+
+class SolverOn : public testing::TestWithParam<Backend> {};
+INSTANTIATE_TEST_SUITE_P(Backends, SolverOn, testing::ValuesIn(backends), backend_name);
+
+DriveOptions with(Solver solver, Constraint constraint = Constraint::normalise) {
+  DriveOptions options;
+  options.solver = solver;
+  options.constraint = constraint;
+  return options;
+}
+
+Complex value(const TransducerDrive& drive) {
+  return std::polar<double>(drive.amplitude, drive.phase);
+}
+double farthest(const Drive& a, const Drive& b) {
+  double most = 0;
+  for (std::size_t t = 0; t < a.size(); ++t)
+    most = std::max(most, std::abs(value(a[t]) - value(b[t])));
+  return most;
+}
+
+struct Quality {
+  double mean = 0, evenness = 1;  ///< mean of the means; the least
+};
+Quality quality(const Backend& backend, const Layout& layout, const Vec3& centre, unsigned sets,
+                const DriveOptions& options) {
+  std::vector<std::vector<SlotFocus>> slots;
+  for (unsigned seed = 0; seed < sets; ++seed)
+    slots.push_back(focus_set(seed, 10, centre));
+  const auto drives = backend.drives(layout, slots, options);
+  Quality result;
+  for (unsigned seed = 0; seed < sets; ++seed) {
+    EXPECT_EQ(faults(drives[seed]), 0u);
+    const FociPressure heard = pressure_at_foci(layout, drives[seed], slots[seed]);
+    result.mean += heard.mean / sets;
+    result.evenness = std::min(result.evenness, heard.evenness);
+  }
+  return result;
+}
+
+TEST_P(SolverOn, TenFociInTheTunnelAreEvenAndLoud) {
+  const Layout layout = load_layout("paper");
+  constexpr unsigned sets = 8;
+  const Quality naive = quality(GetParam(), layout, {}, sets, with(Solver::naive));
+  const Quality greedy = quality(GetParam(), layout, {}, sets, with(Solver::greedy));
+  const Quality normalised = quality(GetParam(), layout, {}, sets, with(Solver::gs_pat));
+  const Quality uniform = quality(GetParam(), layout, {}, sets, with(Solver::gs_pat, Constraint::uniform));
+  const Quality clamped = quality(GetParam(), layout, {}, sets, with(Solver::gs_pat, Constraint::clamp));
+  std::printf("  %s: normalise %.3f even, %.2f of naive; uniform %.3f even, %.2f of greedy (%.3f even)\n",
+              GetParam().name, normalised.evenness, normalised.mean / naive.mean, uniform.evenness,
+              uniform.mean / greedy.mean, greedy.evenness);
+  EXPECT_LT(naive.evenness, 0.8);  // what there is to mend
+  EXPECT_GE(normalised.evenness, 0.97);
+  EXPECT_GE(normalised.mean, 0.95 * naive.mean);
+  EXPECT_GE(uniform.evenness, 0.95);
+  EXPECT_GE(uniform.mean, 0.98 * greedy.mean);
+  EXPECT_GE(clamped.evenness, 0.95);
+  EXPECT_GE(greedy.evenness, 0.9);
+}
+
+TEST_P(SolverOn, TenFociAboveAFlatBoardToo) {
+  const Layout layout = load_layout("openmpd");
+  const Vec3 centre(0, 0, 0.15);
+  const Quality naive = quality(GetParam(), layout, centre, 8, with(Solver::naive));
+  const Quality normalised = quality(GetParam(), layout, centre, 8, with(Solver::gs_pat));
+  const Quality uniform = quality(GetParam(), layout, centre, 8, with(Solver::gs_pat, Constraint::uniform));
+  // 256 transducers cannot tell foci apart that stand behind each other.
+  EXPECT_GE(normalised.evenness, 0.93);
+  EXPECT_GE(normalised.mean, 0.9 * naive.mean);
+  EXPECT_GE(uniform.evenness, 0.8);
+}
+
+TEST_P(SolverOn, TwoFociHelpEachOtherAsMuchAsTheyCan) {
+  // By symmetry q_1 + q_2 or q_1 - q_2, whichever is the louder: that in which the cross term has the same sign.
+  const Layout layout = load_layout("openmpd");
+  const std::vector<SlotFocus> foci{{{-0.0035, 0, 0.1}}, {{0.0035, 0, 0.1}}};
+  DriveOptions options = with(Solver::gs_pat);
+  options.weighting = Weighting::uniform;
+  options.directivity = Directivity::omni;
+  const double k = 2 * pi * options.medium.turns_per_metre();
+  Complex cross = 0;
+  for (const Transducer& t : layout.transducers) {
+    const double a = glm::distance(t.position, foci[0].position), b = glm::distance(t.position, foci[1].position);
+    cross += std::exp(Complex(0, k * (a - b))) / a;
+  }
+  ASSERT_LT(cross.real(), 0);  // against phase
+  std::vector<Complex> sum;
+  double largest = 0;
+  for (const Transducer& t : layout.transducers) {
+    const double a = glm::distance(t.position, foci[0].position), b = glm::distance(t.position, foci[1].position);
+    sum.push_back(std::exp(Complex(0, -k * a)) + (cross.real() < 0 ? -1.0 : 1.0) * std::exp(Complex(0, -k * b)));
+    largest = std::max(largest, std::abs(sum.back()));
+  }
+  const Drive drive = GetParam().drive(layout, foci, options);
+  const Complex turn = std::polar(1.0, std::arg(value(drive[0]) / sum[0]));
+  for (std::size_t t = 0; t < drive.size(); ++t)
+    EXPECT_LE(std::abs(value(drive[t]) - turn * sum[t] / largest), 5e-3) << t;
+}
+
+TEST_P(SolverOn, GainsAreRelativeAmplitudes) {
+  const Layout layout = load_layout("paper");
+  auto foci = focus_set(3, 5);
+  const auto equal = foci;
+  const float gains[]{1, 0.5F, 0.25F, 0.8F, 0.6F};
+  for (std::size_t j = 0; j < foci.size(); ++j)
+    foci[j].gain = gains[j];
+  auto mute = equal;
+  mute[2].gain = 0;
+  for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+    const auto drives = GetParam().drives(layout, {equal, foci, mute}, with(Solver::gs_pat, constraint));
+    const FociPressure full = pressure_at_foci(layout, drives[0], equal);
+    const FociPressure soft = pressure_at_foci(layout, drives[1], foci);
+    EXPECT_GE(soft.evenness, 0.95) << static_cast<int>(constraint);
+    const FociPressure without = pressure_at_foci(layout, drives[2], equal);
+    EXPECT_LT(without.pascals[2], 0.3 * without.pascals[0]);
+    if (constraint != Constraint::normalise) continue;
+    // Turning others down leaves the loud one as it was.
+    EXPECT_NEAR(soft.pascals[0], full.pascals[0], 0.02 * full.pascals[0]);
+    EXPECT_NEAR(without.pascals[0], full.pascals[0], 0.02 * full.pascals[0]);
+  }
+}
+
+TEST_P(SolverOn, AGainThatAllShareIsOneScalar) {
+  const Layout layout = load_layout("autd3");
+  auto foci = focus_set(4, 3, {0, 0, 0.15});
+  auto soft = foci;
+  for (SlotFocus& focus : soft)
+    focus.gain = 0.25F;
+  for (const Solver solver : {Solver::gs_pat, Solver::greedy}) {
+    for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+      const auto drives = GetParam().drives(layout, {foci, soft}, with(solver, constraint));
+      for (std::size_t t = 0; t < drives[0].size(); ++t) {
+        ASSERT_EQ(drives[1][t].amplitude, 0.25F * drives[0][t].amplitude);
+        ASSERT_EQ(drives[1][t].phase, drives[0][t].phase);
+      }
+    }
+  }
+}
+
+TEST_P(SolverOn, ConstraintsHold) {
+  const Layout layout = load_layout("autd3");
+  const auto foci = focus_set(5, 6, {0, 0, 0.15});
+  const auto loudest = [](const Drive& drive) {
+    return std::ranges::max_element(drive, {}, &TransducerDrive::amplitude)->amplitude;
+  };
+  EXPECT_NEAR(loudest(GetParam().drive(layout, foci, with(Solver::gs_pat))), 1, 2e-7);
+  for (const TransducerDrive& t : GetParam().drive(layout, foci, with(Solver::gs_pat, Constraint::uniform)))
+    ASSERT_EQ(t.amplitude, 1);
+  const Drive clamped = GetParam().drive(layout, foci, with(Solver::gs_pat, Constraint::clamp));
+  EXPECT_EQ(faults(clamped), 0u);
+  EXPECT_GT(std::ranges::count(clamped, 1.0F, &TransducerDrive::amplitude), 100);
+  EXPECT_LT(std::ranges::count(clamped, 1.0F, &TransducerDrive::amplitude), 249);
+  for (const TransducerDrive& t : GetParam().drive(layout, foci, with(Solver::greedy))) {
+    ASSERT_EQ(t.amplitude, 1);
+    const double steps = t.phase / (2 * pi / greedy_phases);
+    ASSERT_NEAR(steps, std::round(steps), 1e-5);
+  }
+}
+
+TEST_P(SolverOn, OneFocusIsThePapersWhateverTheSolver) {
+  const Layout layout = load_layout("paper");
+  const SlotFocus focus{{0.01, 0.02, -0.01}, 0.7F};
+  const Drive naive = GetParam().drive(layout, {focus});
+  for (const Solver solver : {Solver::gs_pat, Solver::greedy}) {
+    for (const Directivity kind : {Directivity::omni, Directivity::t4010a1}) {
+      DriveOptions options = with(solver);
+      options.directivity = kind;
+      const Drive drive = GetParam().drive(layout, {focus}, options);
+      EXPECT_EQ(std::memcmp(drive.data(), naive.data(), naive.size() * sizeof(naive[0])), 0);
+    }
+  }
+}
+
+TEST_P(SolverOn, MoreFociThanItTakesAreNaive) {
+  const Layout layout = load_layout("openmpd");
+  auto foci = random_slots(1, 1000, 2)[0];
+  ASSERT_GT(foci.size(), 66u);
+  foci.resize(65);
+  const Drive naive = GetParam().drive(layout, foci);
+  for (const Solver solver : {Solver::gs_pat, Solver::greedy})
+    EXPECT_EQ(farthest(GetParam().drive(layout, foci, with(solver)), naive), 0);
+}
+
+TEST_P(SolverOn, SixtyFourFociAtOnce) {
+  // A finger's worth for each of many fingers, wherever they are: nothing breaks, and the foci are heard.
+  Layout layout = load_layout("paper");
+  std::vector<SlotFocus> foci;
+  for (int j = 0; j < 64; ++j)
+    foci.push_back({{0.02 * (j % 4 - 1.5), 0.02 * (j / 4 % 4 - 1.5), 0.02 * (j / 16 - 1.5)}});
+  for (const Solver solver : {Solver::gs_pat, Solver::greedy}) {
+    const Drive drive = GetParam().drive(layout, foci, with(solver, Constraint::uniform));
+    EXPECT_EQ(faults(drive), 0u);
+    EXPECT_GT(pressure_at_foci(layout, drive, foci).evenness, 0.6) << static_cast<int>(solver);
+  }
+}
+
+TEST_P(SolverOn, DegenerateSlotsAndLayouts) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const Layout board = load_layout("openmpd");
+  const SlotFocus a{{0, 0, 0.1}}, b{{0.02, 0, 0.12}};
+  const Vec3 place = board.transducers[17].position;
+  const std::vector<std::vector<SlotFocus>> slots{{a, a},                                   // one place
+                                                  {a, {a.position + Vec3(1e-9, 0, 0)}, b},  // nearly
+                                                  {a, {a.position, 0.5F}, b},  // different gains at one place
+                                                  {{place}, a},                // a transducer
+                                                  {{{0, 0, -0.1}}, a},         // behind the board
+                                                  {{{0, 0, 99}}, a, b},        // out of reach
+                                                  {{{nan, 0, 0}}, a, b},       // none
+                                                  {{{0, 0, 0.1}, 0}, {{0.02, 0, 0.1}, 0}},  // silent
+                                                  {{{nan, 0, 0}}, a},                       // one left
+                                                  std::vector<SlotFocus>(64, a)};
+  for (const Solver solver : {Solver::gs_pat, Solver::greedy}) {
+    for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+      const auto drives = GetParam().drives(board, slots, with(solver, constraint));
+      for (std::size_t s = 0; s < slots.size(); ++s)
+        EXPECT_EQ(faults(drives[s]), 0u) << s;
+      const auto heard = [&](std::size_t slot) { return pressure_at_foci(board, drives[slot], slots[slot]); };
+      EXPECT_GT(heard(0).mean, 1000);
+      const double even = solver == Solver::gs_pat ? 0.9 : 0.6;
+      EXPECT_GT(heard(1).evenness, even);
+      // Of several gains at one place the largest counts.
+      EXPECT_NEAR(heard(2).pascals[0] / heard(2).pascals[2], 1, 1.05 - even);
+      EXPECT_GT(heard(6).evenness, even);
+      for (const TransducerDrive& t : drives[7])
+        ASSERT_EQ(t.amplitude, 0);
+      // What cannot be reached does not take the others' sound away.
+      EXPECT_GT(heard(5).pascals[1], 0.2 * heard(6).pascals[1]) << static_cast<int>(solver);
+    }
+    Layout layout;
+    EXPECT_TRUE(GetParam().drive(layout, {a, b}, with(solver)).empty());
+    layout.transducers.push_back({{0, 0, 0}, {0, 0, 1}});
+    for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp})
+      EXPECT_EQ(faults(GetParam().drive(layout, {a, b, {{0, 0, 0}}}, with(solver, constraint))), 0u);
+  }
+}
+
+TEST_P(SolverOn, AMotionOfEverythingChangesNothing) {
+  const Layout layout = load_layout("openmpd");
+  const auto foci = focus_set(7, 6, {0, 0, 0.15});
+  Transform motion = glm::rotate(glm::translate(Transform(1.0), Vec3(0.2, -0.1, 0.05)), 0.8, Vec3(1, 2, -0.5));
+  auto moved = foci;
+  for (SlotFocus& focus : moved)
+    focus.position = transform_point(motion, focus.position);
+  const double tolerance = std::string(GetParam().name) == "twin" ? 1e-5 : 5e-3;
+  const Drive here = GetParam().drive(layout, foci, with(Solver::gs_pat));
+  const Drive there = GetParam().drive(transformed(layout, motion), moved, with(Solver::gs_pat));
+  EXPECT_LE(farthest(here, there), tolerance);
+}
+
+TEST_P(SolverOn, TheOrderOfTheFociDoesNotMatter) {
+  const Layout layout = load_layout("openmpd");
+  auto foci = focus_set(8, 9, {0, 0, 0.15});
+  foci[2].gain = 0.5F;
+  const double tolerance = std::string(GetParam().name) == "twin" ? 1e-5 : 5e-3;
+  const Drive forward = GetParam().drive(layout, foci, with(Solver::gs_pat));
+  std::ranges::reverse(foci);
+  EXPECT_LE(farthest(forward, GetParam().drive(layout, foci, with(Solver::gs_pat))), tolerance);
+}
+
+TEST(Solvers, DeviceAndTwinAgree) {
+  for (const char* name : {"paper", "openmpd"}) {
+    const Layout layout = load_layout(name);
+    std::vector<std::vector<SlotFocus>> slots;
+    for (const std::size_t count : {2u, 5u, 6u, 10u, 10u, 17u})
+      slots.push_back(
+          focus_set(static_cast<unsigned>(slots.size()), count, {0, 0, layout.boards.size() > 1 ? 0 : 0.15}));
+    slots[4][3].gain = 0.3F;
+    for (const Solver solver : {Solver::gs_pat, Solver::greedy}) {
+      const auto twin = backends[0].drives(layout, slots, with(solver));
+      const auto device = backends[1].drives(layout, slots, with(solver));
+      for (std::size_t s = 0; s < slots.size(); ++s) {
+        if (solver == Solver::gs_pat) {
+          EXPECT_LE(farthest(twin[s], device[s]), 3e-3) << name << " " << s;
+          continue;
+        }
+        std::size_t others = 0;
+        for (std::size_t t = 0; t < twin[s].size(); ++t)
+          others += angle_between(twin[s][t].phase, device[s][t].phase) > 1e-4;
+        EXPECT_LE(others, twin[s].size() / 10) << name << " " << s;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpa::array

@@ -1,0 +1,173 @@
+// What --tune chooses, against trying everything, and that a live finger's stride does not flip.
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "array/tune.hpp"
+
+namespace palpa::array {
+namespace {
+
+Ring ring(double perimeter, std::uint32_t foci = 10, std::uint32_t stride = 3, double dwell = 1.5e-3) {
+  return {perimeter, foci, stride, dwell};
+}
+
+double share(const Ring& ring) {
+  return felt_share(spectrum_of(ring));
+}
+
+TEST(Tune, ReportsTheShareOfTheSpectrum) {
+  for (const double perimeter : {3e-3, 15e-3, 30e-3, 50e-3, 90e-3}) {
+    const Tuned tuned = tune(ring(perimeter));
+    EXPECT_NEAR(tuned.share_before, share(ring(perimeter)), 1e-9);
+    EXPECT_NEAR(tuned.share, share(tuned.ring), 1e-9);
+  }
+}
+
+TEST(Tune, KeepsThePapersChoiceOnASmallPerimeter) {
+  const Tuned tuned = tune(ring(15e-3));
+  EXPECT_FALSE(tuned.changed);
+  EXPECT_EQ(tuned.ring.foci, 10u);
+  EXPECT_EQ(tuned.ring.stride, 3u);
+  EXPECT_NEAR(tuned.share, 0.685, 0.001);
+}
+
+TEST(Tune, FindsThePapersChoiceFromAnother) {
+  TuneOptions options;
+  options.most_foci = 10;
+  const Tuned tuned = tune(ring(15e-3, 10, 1), options);
+  EXPECT_TRUE(tuned.changed);
+  EXPECT_EQ(tuned.ring.stride, 3u);
+  EXPECT_GT(tuned.share, 2 * tuned.share_before);
+}
+
+TEST(Tune, MovesTheEnergyToWhereSkinFeelsItOnALargePerimeter) {
+  const Tuned tuned = tune(ring(50e-3));
+  EXPECT_TRUE(tuned.changed);
+  EXPECT_GT(tuned.share, 1.05 * tuned.share_before);
+  EXPECT_EQ(tuned.ring.dwell_s, 1.5e-3);
+  const double before = band_share(spectrum_of(ring(50e-3)), 150, 250);
+  EXPECT_GT(band_share(spectrum_of(tuned.ring), 150, 250), 1.5 * before);
+}
+
+TEST(Tune, NothingElseIsBetter) {
+  for (const double perimeter : {12e-3, 24e-3, 37e-3, 50e-3, 70e-3}) {
+    const Tuned tuned = tune(ring(perimeter));
+    for (std::uint32_t foci = 10; foci <= 24; ++foci) {
+      for (std::uint32_t stride = 1; stride < foci; ++stride) {
+        if (std::gcd(foci, stride) != 1) continue;
+        const double other = share(ring(perimeter, foci, stride));
+        EXPECT_LE(other, tuned.share * (tuned.changed ? 1 + 1e-6 : 1.05)) << perimeter << " " << foci << " " << stride;
+      }
+    }
+  }
+}
+
+TEST(Tune, MayChooseTheDwellWithinARange) {
+  TuneOptions options;
+  options.shortest_dwell_s = 0.5e-3;
+  options.longest_dwell_s = 2e-3;
+  for (const double perimeter : {15e-3, 50e-3}) {
+    const Tuned fixed = tune(ring(perimeter)), free = tune(ring(perimeter), options);
+    EXPECT_GT(free.share, fixed.share);
+    EXPECT_GE(free.ring.dwell_s, 0.5e-3);
+    EXPECT_LE(free.ring.dwell_s, 2e-3);
+    EXPECT_NEAR(free.ring.dwell_s * 1e4, std::round(free.ring.dwell_s * 1e4), 1e-9) << "whole tenths";
+  }
+  // A dwell outside of the range has to change, whatever it costs.
+  options.shortest_dwell_s = options.longest_dwell_s = 1e-2;
+  const Tuned slow = tune(ring(15e-3), options);
+  EXPECT_TRUE(slow.changed);
+  EXPECT_DOUBLE_EQ(slow.ring.dwell_s, 1e-2);
+}
+
+TEST(Tune, AlwaysGivesEveryFocusItsTurnAndNeverLessThanBefore) {
+  EXPECT_TRUE(rc::check([] {
+    const auto foci = *rc::gen::inRange<std::uint32_t>(1, 65);
+    const auto stride = *rc::gen::suchThat(rc::gen::inRange<std::uint32_t>(1, 65),
+                                           [&](std::uint32_t s) { return std::gcd(foci, s) == 1; });
+    const double perimeter = *rc::gen::inRange(0, 200) * 1e-3;
+    const double dwell = *rc::gen::element(0.25e-3, 1.5e-3, 10e-3);
+    const Tuned tuned = tune(ring(perimeter, foci, stride, dwell));
+    RC_ASSERT(std::gcd(tuned.ring.foci, tuned.ring.stride) == 1);
+    RC_ASSERT(tuned.ring.foci >= foci && tuned.ring.foci <= std::max(24u, foci));
+    RC_ASSERT(tuned.ring.dwell_s == dwell && tuned.ring.perimeter_m == perimeter);
+    RC_ASSERT(tuned.share >= tuned.share_before);
+    RC_ASSERT(tuned.changed || (tuned.ring.foci == foci && tuned.ring.stride == stride));
+    const Tuned again = tune(ring(perimeter, foci, stride, dwell));
+    RC_ASSERT(again.ring.foci == tuned.ring.foci && again.ring.stride == tuned.ring.stride);
+    // Nothing to gain any more.
+    RC_ASSERT(!tune(tuned.ring).changed);
+  }));
+}
+
+TEST(Tune, WithoutAPerimeterThereIsNothingToChoose) {
+  for (const Ring& r : {ring(0), ring(-1), ring(std::nan("")), ring(20e-3, 2, 1), ring(20e-3, 1, 1)}) {
+    const Tuned tuned = tune(r);
+    EXPECT_FALSE(tuned.changed);
+    EXPECT_EQ(tuned.ring.foci, r.foci);
+    EXPECT_EQ(tuned.ring.stride, r.stride);
+  }
+}
+
+TEST(StrideTuner, ChoosesAtAFingersFirstFrame) {
+  StrideTuner tuner;
+  EXPECT_EQ(tuner.stride_for(7, ring(15e-3, 10, 1), 0), 3u);
+  EXPECT_EQ(tuner.stride_for(8, ring(15e-3, 10, 3), 0), 3u);
+  EXPECT_EQ(tuner.stride_for(9, ring(0, 10, 1), 0), 1u) << "no perimeter: what was asked for";
+}
+
+/// Of 16 foci the best stride depends on the perimeter; where two are about equally good.
+double border_of(std::uint32_t foci, std::uint32_t& small, std::uint32_t& large) {
+  const auto best = [&](double perimeter) { return StrideTuner().stride_for(0, ring(perimeter, foci, 1), 0); };
+  small = best(10e-3);
+  for (double perimeter = 10e-3; perimeter < 90e-3; perimeter += 0.1e-3) {
+    large = best(perimeter);
+    if (large != small) return perimeter;
+  }
+  return 0;
+}
+
+TEST(StrideTuner, DoesNotFlipWhereTwoAreAsGood) {
+  for (const std::uint32_t foci : {13u, 16u, 21u}) {
+    std::uint32_t small = 0, large = 0;
+    const double border = border_of(foci, small, large);
+    if (border == 0) continue;
+    StrideTuner tuner;
+    std::uint32_t last = 0, changes = 0;
+    for (int frame = 0; frame < 900; ++frame) {
+      const double perimeter = border + (frame % 2 ? 0.3e-3 : -0.3e-3);
+      const std::uint32_t stride = tuner.stride_for(3, ring(perimeter, foci, 1), frame / 90.0);
+      changes += frame > 0 && stride != last;
+      last = stride;
+    }
+    EXPECT_EQ(changes, 0u) << foci;
+  }
+}
+
+TEST(StrideTuner, FollowsALastingChangeOnceItHasRested) {
+  StrideTuner tuner;
+  // Seven foci with a dwell of 3 ms: the first harmonic alone, or all.
+  EXPECT_EQ(tuner.stride_for(1, ring(15e-3, 10, 1, 1.5e-3), 0), 3u);
+  // At a slower pace stride 3 of ten is too low; what is best then is taken, but not at once.
+  const std::uint32_t slow = StrideTuner().stride_for(1, ring(15e-3, 10, 3, 0.5e-3), 0);
+  ASSERT_EQ(slow, 1u) << "200 Hz is the first line";
+  EXPECT_EQ(tuner.stride_for(1, ring(15e-3, 10, 1, 0.5e-3), 0.2), 3u);
+  EXPECT_EQ(tuner.stride_for(1, ring(15e-3, 10, 1, 0.5e-3), 0.6), 1u);
+  EXPECT_EQ(tuner.stride_for(1, ring(15e-3, 10, 1, 1.5e-3), 0.7), 1u);
+  EXPECT_EQ(tuner.stride_for(1, ring(15e-3, 10, 1, 1.5e-3), 1.2), 3u);
+}
+
+TEST(StrideTuner, ForgetsOldFingersAndKeepsThoseOfNow) {
+  StrideTuner tuner;
+  for (std::uint32_t frame = 0; frame < 300; ++frame) {
+    // One finger stays, one comes and goes.
+    EXPECT_EQ(tuner.stride_for(0, ring(15e-3, 10, 1), frame * 0.011), 3u);
+    EXPECT_EQ(tuner.stride_for(1 + frame, ring(15e-3, 10, 1), frame * 0.011), 3u);
+  }
+}
+
+}  // namespace
+}  // namespace palpa::array

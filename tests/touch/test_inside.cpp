@@ -1,0 +1,146 @@
+// Clusters of all skin inside a solid, the paper's other reading: --cluster inside.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "base/error.hpp"
+#include "gpu/commands.hpp"
+#include "support/device.hpp"
+#include "touch/harness.hpp"
+#include "touch/stage.hpp"
+
+namespace palpa::touch::test {
+namespace {
+
+using palpa::test::test_device;
+
+Parameters inside(double gap_m = 5e-3, std::uint32_t least = 5) {
+  return {.finger_gap_m = gap_m, .min_points = least, .cluster = Cluster::inside};
+}
+
+Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const geometry::Solid& solid,
+               const Parameters& parameters) {
+  Touch out;
+  if (backend == Backend::cpu) {
+    HostStage(std::vector{solid}, {}, parameters).touch(indexed(points), parameters, out);
+    return out;
+  }
+  const auto count = static_cast<std::uint32_t>(points.size());
+  const Stage stage(test_device(), {solid}, {}, parameters);
+  StageFrame frame(test_device(), stage, {.points = count, .contacts = count, .deep = count, .inside = true});
+  frame.set(indexed(points));
+  const gpu::Recorder recorder(test_device(), "inside test");
+  gpu::Timeline timeline(test_device(), "inside test");
+  stage.record(recorder.begin(), frame, parameters, Detail::contacts);
+  timeline.wait(timeline.submit(recorder.end()));
+  read(frame, out);
+  return out;
+}
+
+/// The contacts of each region of contacts and deep points together, regions grown over all pairs.
+std::vector<std::vector<std::uint32_t>> regions(const Touch& touch, double gap_m, std::uint32_t least) {
+  std::vector<Contact> all = touch.contacts;
+  all.insert(all.end(), touch.deep.begin(), touch.deep.end());
+  const float gap = static_cast<float>(gap_m), limit = gap * gap;
+  std::vector<bool> taken(all.size(), false);
+  std::vector<std::vector<std::uint32_t>> found;
+  for (std::uint32_t seed = 0; seed < touch.contacts.size(); ++seed) {
+    if (taken[seed]) continue;
+    taken[seed] = true;
+    std::vector<std::uint32_t> region{seed};
+    for (std::size_t next = 0; next < region.size(); ++next) {
+      for (std::uint32_t i = 0; i < all.size(); ++i) {
+        const glm::vec3 d = all[i].position - all[region[next]].position;
+        if (taken[i] || d.x * d.x + d.y * d.y + d.z * d.z > limit) continue;
+        taken[i] = true;
+        region.push_back(i);
+      }
+    }
+    std::erase_if(region, [&](std::uint32_t i) { return i >= touch.contacts.size(); });
+    std::sort(region.begin(), region.end());
+    if (region.size() >= least) found.push_back(region);
+  }
+  return found;
+}
+
+void expect_regions(const Touch& touch, const Parameters& parameters) {
+  const auto expected = regions(touch, parameters.finger_gap_m, parameters.min_points);
+  ASSERT_EQ(touch.cluster_count, expected.size());
+  ASSERT_EQ(touch.finger_count, std::min<std::size_t>(expected.size(), max_fingers));
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+    EXPECT_EQ(touch.fingers[f].contacts, expected[f]) << f;
+    EXPECT_EQ(touch.fingers[f].contact_count, expected[f].size());
+  }
+}
+
+class Inside : public OnBothBackends {};
+INSTANTIATE_TEST_SUITE_P(, Inside, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
+
+/// Two fingertips that bend towards each other below the surface, as in a fist.
+std::vector<glm::vec3> two_that_meet_below() {
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 400; ++i) {
+    const float down = -0.02f * static_cast<float>(i) / 400, bend = 0.012f + 0.5f * down;
+    for (const float side : {-1.0f, 1.0f}) {
+      for (int k = 0; k < 8; ++k)
+        points.emplace_back(side * bend + 2e-3f * static_cast<float>(k % 3), down, 1e-3f * static_cast<float>(k));
+    }
+  }
+  return points;
+}
+
+TEST_P(Inside, FingersThatMeetBelowTheSurfaceAreOne) {
+  const auto points = two_that_meet_below();
+  Parameters contacts_alone = inside();
+  contacts_alone.cluster = Cluster::contacts;
+  EXPECT_EQ(touch_on(GetParam(), points, cube(), contacts_alone).finger_count, 2u);
+  const Touch touch = touch_on(GetParam(), points, cube(), inside());
+  EXPECT_GT(touch.deep.size(), touch.contacts.size());
+  ASSERT_EQ(touch.finger_count, 1u);
+  EXPECT_EQ(touch.fingers[0].contacts.size(), touch.contacts.size());
+  EXPECT_EQ(touch.fingers[0].foci.size(), 10u);
+  std::uint32_t sounding = 0;
+  for (const Focus& focus : touch.fingers[0].foci)
+    sounding += focus.points;
+  EXPECT_EQ(sounding, touch.contacts.size());
+}
+
+TEST_P(Inside, IsWhatGrowingRegionsFinds) {
+  unsigned seed = 30;
+  for (const double gap : {1e-3, 2e-3, 3e-3}) {
+    for (const std::uint32_t count : {1U, 2U, 500U, 3000U}) {
+      const Parameters parameters = inside(gap, 2);
+      const auto points = random_points(count, {-0.025, -0.03, -0.025}, {0.025, 0.005, 0.025}, ++seed);
+      expect_regions(touch_on(GetParam(), points, cube(), parameters), parameters);
+    }
+  }
+}
+
+TEST_P(Inside, DeepPointsAloneAreNoFinger) {
+  const auto points = random_points(500, {-0.01, -0.03, -0.01}, {0.01, -0.01, 0.01});
+  const Touch touch = touch_on(GetParam(), points, cube(), inside());
+  EXPECT_EQ(touch.deep.size(), points.size());
+  EXPECT_EQ(touch.finger_count, 0u);
+  EXPECT_EQ(touch.cluster_count, 0u);
+}
+
+TEST(InsideOnDevice, IsTheTwinBitForBit) {
+  const auto points = random_points(20'000, {-0.025, -0.045, -0.025}, {0.025, 0.005, 0.025}, 9);
+  for (const double gap : {0.8e-3, 1.1e-3, 5e-3}) {
+    expect_identical(touch_on(Backend::cpu, points, cube(), inside(gap)),
+                     touch_on(Backend::gpu, points, cube(), inside(gap)));
+  }
+}
+
+TEST(InsideOnDevice, NeedsRoomThatWasAskedFor) {
+  const Parameters parameters = inside();
+  const Stage stage(test_device(), {cube()}, {}, parameters);
+  StageFrame frame(test_device(), stage, {.points = 100, .contacts = 100, .deep = 100});
+  const gpu::Recorder recorder(test_device(), "inside test");
+  EXPECT_THROW(stage.record(recorder.begin(), frame, parameters, Detail::contacts), Error);
+}
+
+}  // namespace
+}  // namespace palpa::touch::test

@@ -1,0 +1,282 @@
+// Contacts with solids of any shape, on both backends, against an independent double-precision computation.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vector_relational.hpp>
+#include <mutex>
+#include <random>
+
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+#include "geometry/gltf.hpp"
+#include "geometry/ply.hpp"
+#include "geometry/surface.hpp"
+#include "shaders/surface_math.h"
+#include "support/shared_data.hpp"
+#include "touch/harness.hpp"
+#include "touch/surface_models.hpp"
+
+namespace palpa::touch::test {
+namespace {
+
+/// Metres within which single precision may decide either way.
+constexpr double band = 1e-6;
+
+std::vector<geometry::Solid> solid_of(const geometry::Mesh& mesh) {
+  return geometry::make_solids({"test", {{"object", mesh}}});
+}
+
+geometry::Mesh mesh_of(const std::string& asset) {
+  geometry::Mesh mesh;
+  for (const geometry::SceneMesh& part : geometry::load_gltf(palpa::test::source_file("assets/" + asset)).meshes)
+    geometry::append(mesh, part.mesh);
+  return mesh;
+}
+
+struct Model {
+  std::string name;
+  geometry::Mesh mesh;
+};
+
+Model model(int which) {
+  switch (which) {
+    case 0:
+      return {"knot", tilted(knot(120, 10), {0.1, -0.2, 0.05})};
+    case 1:
+      return {"notched cube", notched_cube()};
+    case 2:
+      return {"hollow ball", tilted(hollow_ball(), {0, 0, 0.3})};
+    case 3:
+      return {"thin plate", tilted(thin_plate(), {0.02, 0.03, -0.4})};
+    case 4:
+      return {"needle cylinder", tilted(needle_cylinder(400), {0, 0.01, 0})};
+    case 5:
+      return {"hand", mesh_of("hand-relaxed.glb")};
+    case 6: {
+      const geometry::Ply finger = geometry::read_ply(palpa::test::source_file("assets/finger.ply"));
+      return {"finger", {finger.positions, finger.triangles}};
+    }
+    default:
+      return {"subdivided", tilted(subdivided(subdivided(notched_cube())), {-0.3, 0.2, 0.1})};
+  }
+}
+constexpr int models = 8;
+
+struct Checked {
+  std::size_t contacts = 0, deep = 0, undecided = 0;
+  double worst_deep = 0;
+};
+
+/// Every point that double precision decides by more than the band is decided the same way, with the same depth.
+Checked expect_truth(const Touch& touch, const std::vector<glm::vec3>& points, const Truth& truth, double delta,
+                     bool with_deep) {
+  std::vector<const Contact*> contact(points.size(), nullptr), deep(points.size(), nullptr);
+  for (const Contact& c : touch.contacts)
+    contact.at(c.point) = &c;
+  for (const Contact& c : touch.deep)
+    deep.at(c.point) = &c;
+  std::mutex mutex;
+  Checked all;
+  std::atomic<int> wrong{0};
+  parallel_chunks(points.size(), 1000, [&](std::size_t, std::size_t begin, std::size_t end) {
+    Checked mine;
+    for (std::size_t i = begin; i < end && wrong < 5; ++i) {
+      const double depth = truth.depth(Vec3(points[i]), i % 100 == 0);
+      if (std::abs(depth) < band || std::abs(depth - delta) < band) {
+        ++mine.undecided;
+        continue;
+      }
+      const bool in_shell = depth > 0 && depth < delta, is_deep = with_deep && depth > delta;
+      const bool right = (contact[i] != nullptr) == in_shell && (deep[i] != nullptr) == is_deep;
+      if (!right || (in_shell && std::abs(contact[i]->depth_m - depth) > band)) {
+        ++wrong;
+        const std::lock_guard lock(mutex);
+        ADD_FAILURE() << "point " << i << " at " << points[i].x << " " << points[i].y << " " << points[i].z << " depth "
+                      << depth << " contact " << (contact[i] ? contact[i]->depth_m : 0) << " deep "
+                      << (deep[i] ? deep[i]->depth_m : 0);
+        continue;
+      }
+      mine.contacts += in_shell ? 1 : 0;
+      if (!is_deep) continue;
+      ++mine.deep;
+      if (depth < 7e-3) mine.worst_deep = std::max(mine.worst_deep, deep[i]->depth_m / depth - 1);
+      if (deep[i]->depth_m < std::min(depth, 7e-3) * (1 - 1e-5)) ++wrong;
+    }
+    const std::lock_guard lock(mutex);
+    all.contacts += mine.contacts;
+    all.deep += mine.deep;
+    all.undecided += mine.undecided;
+    all.worst_deep = std::max(all.worst_deep, mine.worst_deep);
+  });
+  EXPECT_EQ(wrong, 0);
+  EXPECT_LT(all.undecided, points.size() / 20);
+  return all;
+}
+
+class Surfaces : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(, Surfaces, ::testing::Range(0, models), [](const auto& which) {
+  std::string name = model(which.param).name;
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+});
+
+TEST_P(Surfaces, AgreeWithBruteForceOnHundredThousandPoints) {
+  const auto solids = solid_of(model(GetParam()).mesh);
+  const auto points = points_near(solids[0].mesh, 100'000, 3);
+  const Touch gpu = touch_on(Backend::gpu, points, solids), cpu = touch_on(Backend::cpu, points, solids);
+  expect_identical(gpu, cpu);
+  EXPECT_TRUE(gpu.deep.empty());
+  const Checked checked = expect_truth(gpu, points, Truth(solids[0].mesh), 1.5e-3, false);
+  EXPECT_GT(checked.contacts, 5'000u);
+}
+
+TEST_P(Surfaces, FindDeepPointsWhereAsked) {
+  const auto solids = solid_of(model(GetParam()).mesh);
+  const auto points = points_near(solids[0].mesh, 20'000, 4);
+  const Parameters parameters{.delta_m = 0.8e-3, .deep = true};
+  const auto count = static_cast<std::uint32_t>(points.size());
+  const Touch gpu = touch_on_device(indexed(points), solids, parameters, {count, count, count}, 2);
+  const Touch cpu = touch_on(Backend::cpu, points, solids, parameters);
+  expect_identical(gpu, cpu);
+  ASSERT_EQ(gpu.deep.size(), cpu.deep.size());
+  for (std::size_t i = 0; i < cpu.deep.size(); ++i) {
+    EXPECT_EQ(gpu.deep[i].point, cpu.deep[i].point);
+    EXPECT_EQ(gpu.deep[i].depth_m, cpu.deep[i].depth_m);
+    EXPECT_EQ(gpu.deep[i].position, points[cpu.deep[i].point]);
+  }
+  const Checked checked = expect_truth(cpu, points, Truth(solids[0].mesh), parameters.delta_m, true);
+  EXPECT_LT(checked.worst_deep, 0.0201);
+}
+
+TEST_P(Surfaces, HaveEveryTriangleThatMattersInTheirCells) {
+  const auto solids = solid_of(model(GetParam()).mesh);
+  const geometry::Surface surface = geometry::make_surface(solids[0].mesh, {.reach_m = 2e-3});
+  const auto points = points_near(solids[0].mesh, 2'000, 5);
+  std::size_t inside = 0;
+  for (const glm::vec3& world : points) {
+    const glm::vec3 p = world - glm::vec3(surface.centre);
+    const Vec3 at(p);
+    if (glm::any(glm::lessThan(at, surface.low)) || glm::any(glm::greaterThan(at, surface.high))) continue;
+    float least = 3e38F;
+    for (const shader::SurfaceTriangle& t : surface.triangles)
+      least = std::min(least, shader::surface_distance2(t, {p.x, p.y, p.z}));
+    const geometry::Place place = geometry::find_place(surface, p, 2e-3F);
+    if (place.region != geometry::Region::shell) continue;
+    ++inside;
+    EXPECT_EQ(place.depth_m, std::sqrt(least));
+  }
+  EXPECT_GT(inside, 100u);
+}
+
+TEST(Surface, IsTheSameForAnyNumberOfThreads) {
+  // Chunks are the same whoever works on them: what could differ is seen when the machine is busy.
+  const geometry::Mesh mesh = solid_of(model(0).mesh)[0].mesh;
+  const geometry::Surface a = geometry::make_surface(mesh, {}), b = geometry::make_surface(mesh, {});
+  ASSERT_EQ(a.cells.size(), b.cells.size());
+  ASSERT_EQ(a.runs.size(), b.runs.size());
+  EXPECT_EQ(std::memcmp(a.cells.data(), b.cells.data(), a.cells.size_bytes()), 0);
+  EXPECT_EQ(std::memcmp(a.runs.data(), b.runs.data(), a.runs.size_bytes()), 0);
+}
+
+/// Moves the points back instead of the solid.
+std::vector<glm::vec3> carried(const Transform& T, const std::vector<glm::vec3>& points) {
+  std::vector<glm::vec3> out;
+  for (const glm::vec3& p : points)
+    out.emplace_back(transform_point(T, Vec3(p)));
+  return out;
+}
+
+TEST(Poses, OfAMovingSolidGiveWhatMovingThePointsBackGives) {
+  std::vector<geometry::Solid> solids = solid_of(model(0).mesh);
+  solids.push_back(cube());
+  PlaneTable table = make_plane_table(solids);
+  const auto skin = points_near(solids[0].mesh, 20'000, 6);
+  for (const double turn : {0.0, 0.3, 2.0}) {
+    Transform T(std::cos(turn), std::sin(turn), 0, 0, -std::sin(turn), std::cos(turn), 0, 0, 0, 0, 1, 0, 0.05, -0.02,
+                turn, 1);
+    set_pose(table, 0, T);
+    const auto moved = carried(T, skin);
+    Touch here, there;
+    find_contacts(indexed(moved), table, {}, here);
+    touch_points(skin, solids, {}, there);
+    const Truth truth(solids[0].mesh);
+    const Transform back = glm::inverse(T);
+    std::size_t i = 0;
+    for (std::uint32_t p = 0; p < moved.size(); ++p) {
+      while (i < here.contacts.size() && here.contacts[i].point < p)
+        ++i;
+      const bool contact = i < here.contacts.size() && here.contacts[i].point == p && here.contacts[i].solid == 0;
+      const double depth = truth.depth(transform_point(back, Vec3(moved[p])), false);
+      if (std::abs(depth) < band || std::abs(depth - 1.5e-3) < band) continue;
+      ASSERT_EQ(contact, depth > 0 && depth < 1.5e-3) << "point " << p << " depth " << depth;
+    }
+    EXPECT_GT(here.contacts.size(), 4'000u);
+    const Box box = touchable_box(table);
+    for (const Contact& contact : here.contacts)
+      EXPECT_TRUE(glm::all(glm::greaterThan(Vec3(contact.position), box.low)) &&
+                  glm::all(glm::lessThan(Vec3(contact.position), box.high)));
+    if (turn == 0) {
+      EXPECT_NEAR(touchable_box(table).high.x, std::max(solids[0].bounds.high.x + 0.05, 0.02), 2e-4);
+    }
+  }
+}
+
+TEST(Poses, AreRigid) {
+  PlaneTable table = make_plane_table({cube()});
+  EXPECT_THROW(set_pose(table, 1, Transform(1.0)), Error);
+  EXPECT_THROW(set_pose(table, 0, Transform(2.0)), Error);
+  Transform mirror(1.0);
+  mirror[0][0] = -1;
+  EXPECT_THROW(set_pose(table, 0, mirror), Error);
+  Transform scaled(1.0);
+  scaled[1][1] = 1.01;
+  EXPECT_THROW(set_pose(table, 0, scaled), Error);
+  EXPECT_NO_THROW(set_pose(table, 0, Transform(1.0)));
+}
+
+TEST(Deltas, MayBeASolidsOwn) {
+  std::vector<geometry::Solid> solids = solid_of(model(1).mesh);
+  solids[0].haptics.delta_m = 3e-3;
+  const auto points = points_near(solids[0].mesh, 20'000, 7);
+  const Touch gpu = touch_on(Backend::gpu, points, solids), cpu = touch_on(Backend::cpu, points, solids);
+  expect_identical(gpu, cpu);
+  expect_truth(gpu, points, Truth(solids[0].mesh), 3e-3, false);
+  // A table that was made for less is refused, not wrong.
+  const PlaneTable table = make_plane_table(solids);
+  EXPECT_NO_THROW(check({.delta_m = 5e-3}, table));
+  solids[0].haptics.delta_m.reset();
+  EXPECT_THROW(check({.delta_m = 5e-3}, make_plane_table(solids)), Error);
+  EXPECT_THROW(check({.deep = true}, make_plane_table(solids)), Error);
+}
+
+TEST(SeveralSurfaces, ShareTheirBuffers) {
+  std::vector<geometry::Solid> solids;
+  std::vector<glm::vec3> points;
+  for (const int which : {1, 2, 0}) {
+    const auto one = solid_of(tilted(model(which).mesh, Vec3(0.1 * which, 0, 0)));
+    solids.push_back(one[0]);
+    const auto near = points_near(one[0].mesh, 6'000, static_cast<unsigned>(which));
+    points.insert(points.end(), near.begin(), near.end());
+  }
+  solids.insert(solids.begin() + 1, cube());
+  const Parameters parameters{.deep = true};
+  const auto count = static_cast<std::uint32_t>(points.size());
+  const Touch gpu = touch_on_device(indexed(points), solids, parameters, {count, count, count}, 2);
+  const Touch cpu = touch_on(Backend::cpu, points, solids, parameters);
+  expect_identical(gpu, cpu);
+  ASSERT_EQ(gpu.deep.size(), cpu.deep.size());
+  std::array<int, 4> of_solid{};
+  for (const Contact& contact : gpu.contacts)
+    ++of_solid[contact.solid];
+  EXPECT_GT(of_solid[0], 500);
+  EXPECT_GT(of_solid[2], 500);
+  EXPECT_GT(of_solid[3], 500);
+}
+
+}  // namespace
+}  // namespace palpa::touch::test

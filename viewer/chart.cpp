@@ -1,0 +1,116 @@
+#include "viewer/chart.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpa::viewer {
+namespace {
+
+constexpr double highest_hz = 600;
+constexpr double panel_width = 400, panel_height = 190;  // points
+constexpr std::size_t most_fingers = 4;
+
+/// From frequency and height to pixels.
+struct Frame {
+  double left, right, top, bottom;
+  double most;  ///< what the top stands for
+  Vec2 at(double hz, double value) const {
+    return {left + (right - left) * hz / highest_hz, bottom - (bottom - top) * value / most};
+  }
+};
+
+void draw_panel(Ink& ink, const Vec2& low, const Vec2& high, const Theme& theme) {
+  // Strokes have round ends: many thin ones make a panel with hardly rounded corners.
+  for (double y = low.y; y <= high.y; y += ink.px(4))
+    ink.line({low.x, y}, {high.x, y}, 5, theme.background);
+}
+
+void draw_grid(Ink& ink, const Frame& frame, const Theme& theme) {
+  for (int i = 0; i <= 4; ++i) {
+    const double value = frame.most * i / 4;
+    ink.line(frame.at(0, value), frame.at(highest_hz, value), i == 0 ? 1.2 : 0.8,
+             i == 0 ? theme.ink : with_alpha(theme.faint_ink, 0.35F));
+    ink.text(fmt::format("{:g}", value), frame.at(0, value) + Vec2(-ink.px(7), ink.px(3)), 7, theme.ink, Align::right);
+  }
+  for (int hz = 0; hz <= static_cast<int>(highest_hz); hz += 100) {
+    const Vec2 foot = frame.at(hz, 0);
+    ink.line(foot, foot + Vec2(0, ink.px(4)), 1.2, theme.ink);
+    ink.text(fmt::format("{}", hz), foot + Vec2(0, ink.px(14)), 7, theme.ink, Align::centre);
+  }
+  ink.text("Hz", frame.at(highest_hz, 0) + Vec2(ink.px(14), ink.px(14)), 7, theme.ink);
+}
+
+/// How sensitive skin is, its best at the chart's top.
+void draw_sensitivity(Ink& ink, const Frame& frame, const Theme& theme) {
+  for (int hz = 6; hz + 6 <= static_cast<int>(highest_hz); hz += 12) {
+    ink.line(frame.at(hz, frame.most * array::skin_sensitivity(hz)),
+             frame.at(hz + 6, frame.most * array::skin_sensitivity(hz + 6)), 1.1, theme.faint_ink);
+  }
+}
+
+void draw_bar(Ink& ink, const Vec2& foot, const Vec2& head, double width, const Colour& colour) {
+  const Vec2 end(0, ink.px(width / 2));
+  if (foot.y - head.y < 2 * end.y) return;  // shorter than its round ends
+  ink.line(foot - end, head + end, width, colour);
+}
+
+void draw_bars(Ink& ink, const Frame& frame, const std::vector<std::vector<SpectrumMark>>& spectra) {
+  const std::size_t fingers = std::min(spectra.size(), most_fingers);
+  const double width = fingers > 1 ? 3.2 : 6;
+  for (std::size_t f = 0; f < fingers; ++f) {
+    const Colour colour = finger_colour(static_cast<std::uint32_t>(f));
+    const double beside = (static_cast<double>(f) - (static_cast<double>(fingers) - 1) / 2) * (width + 0.8);
+    const Vec2 shift(ink.px(beside), 0);
+    for (const SpectrumMark& line : spectra[f]) {
+      if (line.frequency_hz > highest_hz) break;
+      const Vec2 foot = frame.at(line.frequency_hz, 0) + shift;
+      draw_bar(ink, foot, frame.at(line.frequency_hz, line.pressure) + shift, width, with_alpha(colour, 0.32F));
+      draw_bar(ink, foot, frame.at(line.frequency_hz, line.felt) + shift, width, colour);
+    }
+  }
+}
+
+void draw_key(Ink& ink, const Vec2& at, const Theme& theme) {
+  const Colour colour = finger_colour(0);
+  ink.line(at, at, 7, with_alpha(colour, 0.32F));
+  ink.text("pressure", at + Vec2(ink.px(9), ink.px(3)), 7, theme.ink);
+  const Vec2 felt = at + Vec2(ink.px(72), 0);
+  ink.line(felt, felt, 7, colour);
+  ink.text("felt", felt + Vec2(ink.px(9), ink.px(3)), 7, theme.ink);
+  const Vec2 curve = at + Vec2(ink.px(122), 0);
+  ink.line(curve - Vec2(ink.px(6), 0), curve - Vec2(ink.px(2), 0), 1.1, theme.faint_ink);
+  ink.line(curve + Vec2(ink.px(2), 0), curve + Vec2(ink.px(6), 0), 1.1, theme.faint_ink);
+  ink.text("sensitivity of skin", curve + Vec2(ink.px(12), ink.px(3)), 7, theme.ink);
+}
+
+}  // namespace
+
+double chart_top(double most) {
+  if (!(most > 1e-9) || most > 1e9) return 1;
+  const double power = std::pow(10.0, std::floor(std::log10(most) + 1e-9)), mantissa = most / power;
+  return power * (mantissa <= 1 + 1e-9 ? 1 : mantissa <= 2 ? 2 : mantissa <= 5 ? 5 : 10);
+}
+
+void draw_chart(Ink& ink, const Picture& picture, double width, double height, const Theme& theme) {
+  if (picture.spectra.empty()) return;
+  const Vec2 size(ink.px(panel_width), ink.px(panel_height)), low(ink.px(104), height - ink.px(26) - size.y);
+  if (low.x + size.x > width - ink.px(20) || low.y < ink.px(140)) return;
+  double most = 0;
+  for (const auto& spectrum : picture.spectra) {
+    for (const SpectrumMark& line : spectrum) {
+      if (line.frequency_hz <= highest_hz) most = std::max(most, line.pressure);
+    }
+  }
+  draw_panel(ink, low, low + size, theme);
+  const Frame frame{low.x + ink.px(40), low.x + size.x - ink.px(30), low.y + ink.px(44), low.y + size.y - ink.px(26),
+                    chart_top(most)};
+  ink.text("vibration of the skin by frequency, of its mean pressure", low + Vec2(ink.px(8), ink.px(12)), 8, theme.ink);
+  draw_key(ink, low + Vec2(ink.px(46), ink.px(26)), theme);
+  draw_grid(ink, frame, theme);
+  draw_bars(ink, frame, picture.spectra);
+  draw_sensitivity(ink, frame, theme);
+}
+
+}  // namespace palpa::viewer

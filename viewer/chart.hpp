@@ -1,0 +1,16 @@
+// The chart of what skin feels in time: a bar per line of the spectrum, its felt part in the finger's colour.
+#pragma once
+
+#include "viewer/ink.hpp"
+#include "viewer/picture.hpp"
+
+namespace palpa::viewer {
+
+/// Draws the chart of `picture.spectra` at the bottom left of a picture of so many pixels. Nothing where there are no
+/// spectra or no room.
+void draw_chart(Ink& ink, const Picture& picture, double width, double height, const Theme& theme);
+
+/// The least of 1, 2 and 5 times a power of ten that is at least `most`; 1 for nothing.
+double chart_top(double most);
+
+}  // namespace palpa::viewer
