@@ -117,6 +117,12 @@ void check(const FeltOptions& options, const TouchOptions& touch) {
   }
 }
 
+touch::MethodOptions method_options(const TouchOptions& options) {
+  touch::MethodOptions method = options.method;
+  method.equal_arc = options.parameters.spacing == touch::Spacing::arc;
+  return method;
+}
+
 array::VoiceOptions voice_options(const TouchOptions& options) {
   return {.stride = options.stride,
           .dwell_s = options.dwell_s,

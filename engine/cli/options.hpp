@@ -75,6 +75,8 @@ void add_felt_options(CLI::App& app, FeltOptions& options);
 /// Throws bad_usage where a range is half given, empty, or goes without --tune.
 void check(const FeltOptions& options, const TouchOptions& touch);
 
+/// --method with the --spacing that an ellipse shares with the sectors.
+touch::MethodOptions method_options(const TouchOptions& options);
 array::VoiceOptions voice_options(const TouchOptions& options);
 
 /// The air and the tone: --temperature or --sound-speed, --frequency.

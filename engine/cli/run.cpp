@@ -170,7 +170,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
                                       .solids = solids,
                                       .layout = set_up.layout,
                                       .touch = parameters,
-                                      .method = o.touch.method,
+                                      .method = method_options(o.touch),
                                       .voice = voice,
                                       .tune = o.touch.tune,
                                       .drive = drive,

@@ -19,7 +19,7 @@ void tune_finger(const touch::Touch& touch, const touch::Finger& finger, const T
   out.voice.stride = out.tuned->ring.stride;
   out.voice.dwell_s = out.tuned->ring.dwell_s;
   if (out.tuned->ring.foci == foci) return;
-  touch::MethodOptions method = options.method;
+  touch::MethodOptions method = method_options(options);
   method.foci = out.tuned->ring.foci;
   touch::place_foci(touch, finger, method, out.placement);
 }
@@ -31,7 +31,7 @@ std::vector<FingerSchedule> schedule_fingers(const touch::Touch& touch, std::spa
   std::vector<FingerSchedule> fingers(touch.finger_count);
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     FingerSchedule& finger = fingers[f];
-    touch::place_foci(touch, touch.fingers[f], options.method, finger.placement);
+    touch::place_foci(touch, touch.fingers[f], method_options(options), finger.placement);
     finger.voice = session::voice_on(solids[touch.fingers[f].solid], voice_options(options));
     if (finger.placement.still()) continue;
     finger.perimeter_m = touch::perimeter_of(finger.placement);

@@ -64,6 +64,12 @@ TEST(CliMethods, EachPrintsItsFociAndOrder) {
   EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), 0u), cross["contacts"]["count"]);
 }
 
+TEST(CliMethods, AnEllipseTakesEqualAnglesOrArcs) {
+  const json angle = document({"--method", "ellipse"}), arc = document({"--method", "ellipse", "--spacing", "arc"});
+  EXPECT_NE(angle["fingers"][0]["foci_m"], arc["fingers"][0]["foci_m"]);
+  EXPECT_EQ(arc["fingers"][0]["foci_m"].size(), 10u);
+}
+
 TEST(CliMethods, UnknownOnesAreRefused) {
   expect_failure(palpa(touch({"--method", "loud"})), 2, "multi-focus");
   expect_failure(palpa(touch({"--modulation", "square"})), 2, "pressure-sine");
