@@ -90,8 +90,8 @@ PALPA_FN Float3 tangent(Float3 at, Float3 before, Float3 after) {
   return minus(to, from);
 }
 
-// The skin's outward normal in the world, from a pixel's point and its neighbours' (camera coordinates). Zero where they
-// do not tell: such pixels lie on rims or float beside them, and are no samples.
+// The skin's outward normal in the world, from a pixel's point and its neighbours' (camera coordinates). Zero where
+// they do not tell: such pixels lie on rims or float beside them, and are no samples.
 PALPA_FN Float3 skin_normal(BridgeCamera camera, Float3 at, Float3 left, Float3 right, Float3 above, Float3 below) {
   Float3 normal = cross3(tangent(at, left, right), tangent(at, above, below));
   if (!(dot3(normal, normal) > 1e-16f)) return minus(at, at);

@@ -22,7 +22,7 @@ struct PartOf {
 struct SceneMesh {
   std::string name;  ///< the node's name, else its mesh's, else "node N"
   Mesh mesh;
-  Haptics haptics{};  ///< of the node's extras; what it does not say is its nearest ancestor's that does
+  Haptics haptics{};             ///< of the node's extras; what it does not say is its nearest ancestor's that does
   std::optional<PartOf> part{};  ///< of the node's extras: this is no solid but a part of one
 };
 
@@ -37,15 +37,15 @@ struct Scene {
 /// preferred) and packed buffer views (EXT_meshopt_compression; a fallback is never looked at); node hierarchies, TRS
 /// and matrices, negative scale (triangles are turned so that they keep facing outwards), instances; skins in the pose
 /// of the file's bones, which is the bind pose where the file's nodes are at rest; morph targets at the file's weights.
-/// Points and lines are skipped. Haptics come from the nodes' extras (docs/scenes.md). Throws bad_input, one line naming
-/// file and fault: unreadable, malformed, out-of-range indices, non-finite positions, a node loop, zero scale, haptics
-/// out of range, a required extension that is not supported (by name; those of materials, textures and lights are
-/// harmless), an absent scene, compressed data that cannot be unpacked or hold more than the file promises, more than 2
-/// million triangles or 6 million vertices (instances counted), 256 MiB of buffers (packed and unpacked together), 64
-/// MiB of JSON or 50 000 nodes, meshes, primitives or accessors. Faults without bearing on the scene's geometry
-/// (textures, wrong min/max, meshes that no node shows) are warnings; in a file whose scene has no mesh at all they are
-/// the error. Unknown palpa extras, and compressed data that hold less than promised, are warnings. Never blocks on
-/// devices or pipes.
+/// Points and lines are skipped. Haptics come from the nodes' extras (docs/scenes.md). Throws bad_input, one line
+/// naming file and fault: unreadable, malformed, out-of-range indices, non-finite positions, a node loop, zero scale,
+/// haptics out of range, a required extension that is not supported (by name; those of materials, textures and lights
+/// are harmless), an absent scene, compressed data that cannot be unpacked or hold more than the file promises, more
+/// than 2 million triangles or 6 million vertices (instances counted), 256 MiB of buffers (packed and unpacked
+/// together), 64 MiB of JSON or 50 000 nodes, meshes, primitives or accessors. Faults without bearing on the scene's
+/// geometry (textures, wrong min/max, meshes that no node shows) are warnings; in a file whose scene has no mesh at all
+/// they are the error. Unknown palpa extras, and compressed data that hold less than promised, are warnings. Never
+/// blocks on devices or pipes.
 Scene load_gltf(const std::filesystem::path& file, std::optional<int> scene_index = std::nullopt);
 
 }  // namespace palpa::geometry

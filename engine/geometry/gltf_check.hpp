@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "geometry/gltf.hpp"
 #include "geometry/gltf_container.hpp"
 #include "geometry/gltf_meshopt.hpp"
-#include "geometry/gltf.hpp"
 
 namespace palpa::geometry::gltf {
 

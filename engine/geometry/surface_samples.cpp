@@ -14,8 +14,10 @@ CellSamples::CellSamples(const Vec3& low, double side) {
     z[i] = static_cast<float>(low.z + pz * side);
     ++i;
   };
-  for (int c = 0; c < 27; ++c)
-    add(0.5 * (c % 3), 0.5 * (c / 3 % 3), 0.5 * (c / 9));
+  for (int c = 0; c < 27; ++c) {
+    const int column = c % 3, row = c / 3 % 3, layer = c / 9;
+    add(0.5 * column, 0.5 * row, 0.5 * layer);
+  }
   for (int c = 0; c < 8; ++c)
     add(0.25 + 0.5 * (c & 1), 0.25 + 0.5 * (c >> 1 & 1), 0.25 + 0.5 * (c >> 2));
   add(0.5, 0.5, 0.5);

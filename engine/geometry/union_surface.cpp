@@ -96,7 +96,8 @@ class Builder {
         box.add(face.back());
       }
       const std::uint32_t plane = part.plane_of_triangle[t];
-      pieces_.assign(1, std::move(face));
+      pieces_.clear();
+      pieces_.push_back(std::move(face));
       for (const std::uint32_t j : near) {
         if (pieces_.empty()) break;
         if (!touch(box, parts_.parts[j].bounds)) continue;

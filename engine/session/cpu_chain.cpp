@@ -8,7 +8,8 @@ namespace {
 
 class CpuChain : public Chain {
  public:
-  explicit CpuChain(const ChainSetting& setting) : setting_(setting), stage_(setting.solids, setting.cameras, setting.touch) {}
+  explicit CpuChain(const ChainSetting& setting)
+      : setting_(setting), stage_(setting.solids, setting.cameras, setting.touch) {}
 
   bool can_start() const override { return !busy_; }
   bool busy() const override { return busy_; }

@@ -70,8 +70,7 @@ class GpuChain : public Chain {
     flight.frame.set(frame.frames);
     const VkCommandBuffer commands = flight.touch_recorder.begin();
     flight.touch_times.begin(commands);
-    stage_.record(commands, flight.frame, setting_.touch, detail_, &flight.touch_times,
-                  {&tracks_, frame.time_s});
+    stage_.record(commands, flight.frame, setting_.touch, detail_, &flight.touch_times, {&tracks_, frame.time_s});
     flight.submitted = timeline_.submit(flight.touch_recorder.end());
     flight.state = Flight::State::touching;
     flight.plan.captured_s = captured_s;
