@@ -200,7 +200,7 @@ PALPA_FN bool too_wide(float low, float high, float line_square, float finger_wi
   return width > product(finger_width, sqrt(line_square));
 }
 
-#define PALPA_BRIDGE_AWAY -0.1f
+#define PALPA_BRIDGE_AWAY (-0.1f)
 #define PALPA_BRIDGE_TOWARDS 0.3f
 
 PALPA_FN BridgePair facing_verdict(Evidence e) {

@@ -59,7 +59,8 @@ Patch make_patch(const Sight& sight, const Touch& touch, const Finger& finger) {
   Patch patch;
   for (const std::uint32_t hash : least) {
     if (hash == none) continue;
-    const Contact& contact = touch.contacts[hash * shader::bridge_unhash];
+    const std::uint32_t place = hash * shader::bridge_unhash;
+    const Contact& contact = touch.contacts[place];
     const glm::vec3& p = contact.position;
     const Float3 normal = normal_at(sight, contact.point);
     if (dot3(normal, normal) > 0) patch.samples.push_back({{p.x, p.y, p.z}, normal});
