@@ -115,7 +115,7 @@ Spectrum still_spectrum(const Voice& voice, double slot_s, const SpectrumOptions
   const double per_slot = voice.modulation_hz * slot_s;
   const auto images = static_cast<int>(std::min(1e5, std::ceil(options.highest_hz * slot_s) + 2 * per_slot + 1));
   for (int h = -2; h <= 2; ++h) {
-    const Complex coefficient = a[static_cast<std::size_t>(h + 2)];
+    const Complex coefficient = a[static_cast<std::uint32_t>(h + 2)];
     if (coefficient == Complex(0)) continue;
     for (int n = -images; n <= images; ++n) {
       const double turns = h * per_slot + n;
@@ -157,7 +157,7 @@ Spectrum still_spectrum(const Voice& voice, double slot_s, const SpectrumOptions
       folded[count] = 0;
       folded_turns[count++] = turns;
     }
-    folded[same] += a[static_cast<std::size_t>(h + 2)] * at_turn(h * per_slot / 2);
+    folded[same] += a[static_cast<std::uint32_t>(h + 2)] * at_turn(h * per_slot / 2);
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (std::abs(std::remainder(folded_turns[i], 1.0)) > 1e-9) out.variance += std::norm(folded[i]) / (mean * mean);

@@ -193,6 +193,7 @@ void bench_points(const BenchContext& context, const std::string& name, const st
   const touch::Stage stage(context.device, solids, {});
   touch::StageFrame buffers(context.device, stage, {.points = static_cast<std::uint32_t>(points.size())});
   std::vector<sensing::SkinPoint> skin;
+  skin.reserve(points.size());
   for (const glm::vec3& point : points)
     skin.push_back({point, static_cast<std::uint32_t>(skin.size())});
   buffers.set(skin);
@@ -269,6 +270,7 @@ void bench_touch(const BenchContext& context, std::vector<BenchRow>& rows) {
   std::mt19937 random(64);
   std::uniform_real_distribution<double> across(-5e-3, 5e-3), deep(1e-5, 1.4e-3);
   std::vector<glm::vec3> patches;
+  patches.reserve(20'000);
   for (int i = 0; i < 20'000; ++i)
     patches.emplace_back(0.02 * (i % 8) + across(random), -deep(random), 0.02 * (i / 8 % 8) + across(random));
   bench_points(context, "64 fingers, 20000 contacts", box_solid(Vec3(-0.05, -0.1, -0.05), Vec3(0.25, 0, 0.25)), patches,
