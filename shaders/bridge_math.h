@@ -11,7 +11,7 @@ PALPA_CONST bridge_normal_pixels = 2u;
 // How much farther than a place a camera must have seen something to say that the place is empty.
 #define PALPA_BRIDGE_CLEAR 4e-3f
 // Contacts this much farther apart than the nearest are no longer those that face each other.
-#define PALPA_BRIDGE_FACING 2e-3f
+#define PALPA_BRIDGE_FACING 4e-3f
 
 PALPA_FN Float3 rotated(vec4 x, vec4 y, vec4 z, Float3 v) {
   PALPA_EXACT Float3 r;
@@ -159,12 +159,9 @@ PALPA_FN float chord_share(uint step) {
   return float(step) * 0.125f;
 }
 
-// What the samples of both patches say. `leaving_a` and `leaving_b`: the cosines at the ends of the ways between those
-// that face each other.
+// What the ways between the contacts that face each other say: the cosines at their ends, summed.
 struct Evidence {
   float nearest;
-  float low, high;  // along the line from mean to mean, times its length
-  uint looked, empty;
   float leaving_a, leaving_b;
   uint facing;
 };
@@ -172,20 +169,14 @@ struct Evidence {
 PALPA_FN Evidence no_evidence() {
   Evidence e;
   e.nearest = 3.0e38f;
-  e.low = 3.0e38f;
-  e.high = -3.0e38f;
-  e.looked = 0u;
-  e.empty = 0u;
   e.leaving_a = 0.0f;
   e.leaving_b = 0.0f;
   e.facing = 0u;
   return e;
 }
 
-PALPA_FN Evidence with_sample(Evidence e, float apart, float along) {
+PALPA_FN Evidence with_length(Evidence e, float apart) {
   if (apart < e.nearest) e.nearest = apart;
-  if (along < e.low) e.low = along;
-  if (along > e.high) e.high = along;
   return e;
 }
 
@@ -200,18 +191,21 @@ PALPA_FN Evidence with_way(Evidence e, float apart, float leaving_a, float leavi
   return e;
 }
 
-// Share of places seen empty, of 64, that makes two fingers of two patches.
-PALPA_CONST bridge_most_empty = 6u;
+// The three questions, the cheapest first; a pair that fails one is two fingers, and needs no further look.
+
+// `low` and `high`: the samples' least and largest product with the line from mean to mean, whose square is given.
+PALPA_FN bool too_wide(float low, float high, float line_square, float finger_width) {
+  PALPA_EXACT float width = high - low;
+  return width > product(finger_width, sqrt(line_square));
+}
+
 #define PALPA_BRIDGE_AWAY -0.1f
 #define PALPA_BRIDGE_TOWARDS 0.3f
 
-PALPA_FN BridgePair verdict(Evidence e, float length, float finger_width) {
+PALPA_FN BridgePair facing_verdict(Evidence e) {
   BridgePair pair;
   pair.kind = bridge_two;
   pair.facing = 0.0f;
-  PALPA_EXACT float width = e.high - e.low;
-  if (width > product(finger_width, length)) return pair;
-  if (e.empty * 64u > e.looked * bridge_most_empty) return pair;
   PALPA_EXACT float a = e.leaving_a / float(e.facing);
   PALPA_EXACT float b = e.leaving_b / float(e.facing);
   const float worse = a > b ? a : b;
@@ -220,6 +214,12 @@ PALPA_FN BridgePair verdict(Evidence e, float length, float finger_width) {
   pair.kind = worse < PALPA_BRIDGE_AWAY ? bridge_one : bridge_unknown;
   pair.facing = sum;
   return pair;
+}
+
+// Share of places seen empty, of 64, that makes two fingers of two patches.
+PALPA_CONST bridge_most_empty = 6u;
+PALPA_FN bool too_empty(uint empty, uint looked) {
+  return empty * 64u > looked * bridge_most_empty;
 }
 
 PALPA_SHADER_END

@@ -103,33 +103,58 @@ Way way_across(const Sample& sample, const Patch& other) {
           leaving(there->position, there->normal, sample.position)};
 }
 
-BridgePair compare(const Sight& sight, const Patch& a, const Patch& b, float finger_width) {
-  if (!near_enough(a.record, b.record, finger_width)) return {shader::bridge_two, 0};
-  const auto mean = [](const Patch& p) { return Float3{p.record.mean.x, p.record.mean.y, p.record.mean.z}; };
-  const Float3 line = minus(mean(b), mean(a));
+/// Along the line from mean to mean, both patches together are wider than a finger.
+bool is_too_wide(const Patch& a, const Patch& b, const Float3& line, float finger_width) {
+  float low = 3.0e38F, high = -3.0e38F;
+  for (const Patch* patch : {&a, &b}) {
+    for (const Sample& sample : patch->samples) {
+      const float along = dot3(sample.position, line);
+      low = std::min(low, along);
+      high = std::max(high, along);
+    }
+  }
+  return shader::too_wide(low, high, dot3(line, line), finger_width);
+}
+
+/// Whether the ways between contacts that face each other go through a finger.
+BridgePair face(const Patch& a, const Patch& b) {
   shader::Evidence e = shader::no_evidence();
   std::vector<Way> from_a, from_b;
   for (const Sample& sample : a.samples) {
     from_a.push_back(way_across(sample, b));
-    e = with_sample(e, from_a.back().apart, dot3(sample.position, line));
+    e = with_length(e, from_a.back().apart);
   }
   for (const Sample& sample : b.samples) {
     from_b.push_back(way_across(sample, a));
-    e = with_sample(e, from_b.back().apart, dot3(sample.position, line));
+    e = with_length(e, from_b.back().apart);
   }
   for (const Way& way : from_a)
     e = with_way(e, way.apart, way.own, way.other);
   for (const Way& way : from_b)
     e = with_way(e, way.apart, way.other, way.own);
+  return facing_verdict(e);
+}
+
+bool is_empty_between(const Sight& sight, const Patch& a, const Patch& b) {
+  std::uint32_t looked = 0, empty = 0;
   for (std::uint32_t s = 0; s < a.samples.size(); ++s) {
     const Float3& from = a.samples[s].position;
     const Float3& to = b.samples[shader::chord_end(s, b.record.samples)].position;
     for (std::uint32_t k = shader::bridge_first_step; k <= shader::bridge_last_step; ++k) {
-      ++e.looked;
-      e.empty += is_seen_empty(sight, between(from, to, shader::chord_share(k))) ? 1 : 0;
+      ++looked;
+      empty += is_seen_empty(sight, between(from, to, shader::chord_share(k))) ? 1 : 0;
     }
   }
-  return verdict(e, std::sqrt(dot3(line, line)), finger_width);
+  return shader::too_empty(empty, looked);
+}
+
+BridgePair compare(const Sight& sight, const Patch& a, const Patch& b, float finger_width) {
+  constexpr BridgePair two{shader::bridge_two, 0};
+  if (!near_enough(a.record, b.record, finger_width)) return two;
+  const auto mean = [](const Patch& p) { return Float3{p.record.mean.x, p.record.mean.y, p.record.mean.z}; };
+  if (is_too_wide(a, b, minus(mean(b), mean(a)), finger_width)) return two;
+  const BridgePair pair = face(a, b);
+  return pair.kind != shader::bridge_two && is_empty_between(sight, a, b) ? two : pair;
 }
 
 /// Who is one finger with whom.
