@@ -11,7 +11,7 @@ PALPA_CONST bridge_normal_pixels = 2u;
 // How much farther than a place a camera must have seen something to say that the place is empty.
 #define PALPA_BRIDGE_CLEAR 4e-3f
 // Contacts this much farther apart than the nearest are no longer those that face each other.
-#define PALPA_BRIDGE_FACING 4e-3f
+#define PALPA_BRIDGE_FACING 2e-3f
 
 PALPA_FN Float3 rotated(vec4 x, vec4 y, vec4 z, Float3 v) {
   PALPA_EXACT Float3 r;
@@ -90,11 +90,11 @@ PALPA_FN Float3 tangent(Float3 at, Float3 before, Float3 after) {
   return minus(to, from);
 }
 
-// The skin's outward normal in the world, from a pixel's point and its neighbours' (camera coordinates). Where they do
-// not tell, the direction to the camera.
+// The skin's outward normal in the world, from a pixel's point and its neighbours' (camera coordinates). Zero where they
+// do not tell: such pixels lie on rims or float beside them, and are no samples.
 PALPA_FN Float3 skin_normal(BridgeCamera camera, Float3 at, Float3 left, Float3 right, Float3 above, Float3 below) {
   Float3 normal = cross3(tangent(at, left, right), tangent(at, above, below));
-  if (!(dot3(normal, normal) > 1e-16f)) normal = at;
+  if (!(dot3(normal, normal) > 1e-16f)) return minus(at, at);
   if (dot3(normal, at) > 0.0f) normal = scaled(normal, -1.0f);
   return unit(rotated(camera.pose_x, camera.pose_y, camera.pose_z, normal));
 }
@@ -141,6 +141,7 @@ PALPA_FN float gap_between(float low_a, float high_a, float low_b, float high_b)
 
 // Whether the patches' boxes are so near that they can be one finger at all.
 PALPA_FN bool near_enough(BridgePatch a, BridgePatch b, float finger_width) {
+  if (a.samples == 0u || b.samples == 0u) return false;
   Float3 gap;
   gap.x = gap_between(a.low.x, a.high.x, b.low.x, b.high.x);
   gap.y = gap_between(a.low.y, a.high.y, b.low.y, b.high.y);

@@ -23,6 +23,7 @@ layout(push_constant) uniform Push { BridgePush push; };
 
 shared uint least[bridge_samples];
 shared uint places[bridge_samples];
+shared uint count_taken;
 shared Float3 positions[bridge_samples];
 
 Float3 point_of(BridgeCamera camera, uint u, uint v) {
@@ -63,36 +64,45 @@ void main() {
     atomicMin(least[hash >> bridge_sample_shift], hash);
   }
   barrier();
+  bool taken = least[thread] != 0xffffffffu;
+  Float3 position = Float3(0.0, 0.0, 0.0);
+  Float3 normal = position;
+  if (taken) {
+    const uint i = least[thread] * bridge_unhash;
+    position = Float3(contacts[i].x, contacts[i].y, contacts[i].z);
+    normal = normal_at(contacts[i].point);
+    taken = dot3(normal, normal) > 0.0;
+  }
+  places[thread] = taken ? 1u : 0u;
+  barrier();
   // Close up, in the order of the hash.
   if (thread == 0u) {
     uint place = 0u;
     for (uint s = 0u; s < bridge_samples; ++s) {
+      const uint one = places[s];
       places[s] = place;
-      place += least[s] != 0xffffffffu ? 1u : 0u;
+      place += one;
     }
+    count_taken = place;
   }
   barrier();
-  if (least[thread] != 0xffffffffu) {
-    const uint i = least[thread] * bridge_unhash;
-    const Float3 position = Float3(contacts[i].x, contacts[i].y, contacts[i].z);
-    const Float3 normal = normal_at(contacts[i].point);
+  if (taken) {
     positions[places[thread]] = position;
     samples[finger * bridge_samples + places[thread]] =
         BridgeSample(position.x, position.y, position.z, normal.x, normal.y, normal.z, 0u, 0u);
   }
   barrier();
-  if (thread == 0u) {
-    const uint last = bridge_samples - 1u;
-    const uint taken = places[last] + (least[last] != 0xffffffffu ? 1u : 0u);
+  if (thread == 0u && count_taken == 0u) patches[finger] = BridgePatch(vec4(0.0), vec4(0.0), vec4(0.0), 0u, 0u, 0u, 0u);
+  if (thread == 0u && count_taken != 0u) {
     Float3 low = positions[0], high = low, sum = Float3(0.0, 0.0, 0.0);
-    for (uint s = 0u; s < taken; ++s) {
+    for (uint s = 0u; s < count_taken; ++s) {
       const Float3 p = positions[s];
       low = Float3(min(low.x, p.x), min(low.y, p.y), min(low.z, p.z));
       high = Float3(max(high.x, p.x), max(high.y, p.y), max(high.z, p.z));
       sum = plus(sum, minus(p, positions[0]));
     }
-    const Float3 mean = plus(positions[0], scaled(sum, 1.0 / float(taken)));
+    const Float3 mean = plus(positions[0], scaled(sum, 1.0 / float(count_taken)));
     patches[finger] = BridgePatch(vec4(low.x, low.y, low.z, 0.0), vec4(high.x, high.y, high.z, 0.0),
-                                  vec4(mean.x, mean.y, mean.z, 0.0), taken, 0u, 0u, 0u);
+                                  vec4(mean.x, mean.y, mean.z, 0.0), count_taken, 0u, 0u, 0u);
   }
 }

@@ -61,8 +61,10 @@ Patch make_patch(const Sight& sight, const Touch& touch, const Finger& finger) {
     if (hash == none) continue;
     const Contact& contact = touch.contacts[hash * shader::bridge_unhash];
     const glm::vec3& p = contact.position;
-    patch.samples.push_back({{p.x, p.y, p.z}, normal_at(sight, contact.point)});
+    const Float3 normal = normal_at(sight, contact.point);
+    if (dot3(normal, normal) > 0) patch.samples.push_back({{p.x, p.y, p.z}, normal});
   }
+  if (patch.samples.empty()) return patch;
   const Float3 first = patch.samples.front().position;
   Float3 low = first, high = first, sum{0, 0, 0};
   for (const Sample& sample : patch.samples) {
