@@ -5,9 +5,8 @@
 #include "foci_math.h"
 
 // Eq. (5)-(7) for one finger per group: sectors and foci. What is summed over contacts is an integer, so that the order
-// does not matter. Every thread has sums of its own where they fit, since atomic additions cost a software device more
-// than all else here.
-layout(local_size_x = 64) in;
+// does not matter.
+layout(local_size_x = 128) in;
 
 layout(std430, set = 0, binding = foci_grouped) readonly buffer Grouped { uvec4 grouped[]; };
 layout(std430, set = 0, binding = foci_fingers) buffer Fingers { FingerRecord fingers[]; };
@@ -17,8 +16,7 @@ layout(std430, set = 0, binding = foci_of_solid) readonly buffer OfSolid { uint 
 layout(push_constant) uniform Push { FociPush push; };
 
 shared Border border[foci_most];
-shared int pool[foci_pool];  // value after value, a copy for each thread or for several
-shared int sums[4u * foci_most];
+shared int sums[4][foci_most];
 shared float radius[outline_bins];
 shared Border corner[outline_bins];
 shared float way[outline_bins + 1u];  // along the outline, to each corner and all the way round
@@ -32,35 +30,11 @@ Border equal_angle(uint n, uint count) {
   return borders[count * (count - 1u) / 2u + n];
 }
 
-uint copies_of(uint values) {
-  return min(foci_pool / values, foci_group);
-}
-
-void clear(uint values) {
-  const uint used = values * copies_of(values);
-  for (uint k = gl_LocalInvocationIndex; k < used; k += foci_group) pool[k] = 0;
-  barrier();
-}
-
-void tally(uint value, int amount, uint copies) {
-  const uint at = value * copies + gl_LocalInvocationIndex % copies;
-  if (copies == foci_group) {
-    pool[at] += amount;
-  } else {
-    atomicAdd(pool[at], amount);
+void clear_sums() {
+  const uint thread = gl_LocalInvocationIndex;
+  if (thread < foci_most) {
+    for (uint k = 0u; k < 4u; ++k) sums[k][thread] = 0;
   }
-}
-
-// sums[value] for all values
-void collect(uint values) {
-  const uint copies = copies_of(values);
-  barrier();
-  for (uint v = gl_LocalInvocationIndex; v < values; v += foci_group) {
-    int sum = 0;
-    for (uint c = 0u; c < copies; ++c) sum += pool[v * copies + c];
-    sums[v] = sum;
-  }
-  barrier();
 }
 
 // The last of `count` ascending borders that p has reached.
@@ -83,17 +57,17 @@ Float2 corner_at(uint m) {
   return Float2(at.x, at.y);
 }
 
-// Borders that cut the outline into `count` pieces of equal length. `sums` holds the bins' radii, then their contacts.
+// Borders that cut the outline into `count` pieces of equal length. `sums` holds the bins' radii and contacts.
 void cut_outline(uint count, Scaling scaling, float steps) {
   const uint m = gl_LocalInvocationIndex;
   if (m < outline_bins) {
     uint back = 0u, on = 0u;
-    while (back < outline_bins && sums[outline_bins + (m + outline_bins - back) % outline_bins] == 0) ++back;
-    while (on < outline_bins && sums[outline_bins + (m + on) % outline_bins] == 0) ++on;
+    while (back < outline_bins && sums[1][(m + outline_bins - back) % outline_bins] == 0) ++back;
+    while (on < outline_bins && sums[1][(m + on) % outline_bins] == 0) ++on;
     const uint before = (m + outline_bins - back) % outline_bins;
     const uint after = (m + on) % outline_bins;
-    const float mean_before = mean_radius(sums[before], uint(sums[outline_bins + before]), steps);
-    const float mean_after = mean_radius(sums[after], uint(sums[outline_bins + after]), steps);
+    const float mean_before = mean_radius(sums[0][before], uint(sums[1][before]), steps);
+    const float mean_after = mean_radius(sums[0][after], uint(sums[1][after]), steps);
     radius[m] = back == 0u ? mean_before : radius_between(mean_before, mean_after, back, on);
   }
   barrier();
@@ -147,44 +121,44 @@ void main() {
   const Scaling scaling = scaling_of(axes.l1, axes.l2, fingers[finger].turn.x, fingers[finger].turn.y);
   const float steps = steps_per_metre(members, axes.l1, axes.l2, axes.l3);
 
+  clear_sums();
   if (push.spacing == spacing_arc) {
-    const uint bins = 2u * outline_bins;
-    const uint bin_copies = copies_of(bins);
+    if (thread < outline_bins) border[thread] = equal_angle(thread, outline_bins);
+    barrier();
     const float fine = radius_steps(members);
-    border[thread] = equal_angle(thread, outline_bins);
-    clear(bins);
     for (uint k = begin + thread; k < end; k += foci_group) {
       const Float2 p = on_plane(axes, minus(minus(position(k), origin), mean), scaling);
       const uint bin = sector_of(p, outline_bins);
-      tally(bin, in_steps(radius_of(p), fine), bin_copies);
-      tally(outline_bins + bin, 1, bin_copies);
+      atomicAdd(sums[0][bin], in_steps(radius_of(p), fine));
+      atomicAdd(sums[1][bin], 1);
     }
-    collect(bins);
+    barrier();
     cut_outline(count, scaling, fine);
+    barrier();
+    clear_sums();
   } else if (thread < count) {
     border[thread] = equal_angle(thread, count);
   }
+  barrier();
 
-  const uint copies = copies_of(4u * count);
-  clear(4u * count);
   for (uint k = begin + thread; k < end; k += foci_group) {
     const Float3 d = minus(minus(position(k), origin), mean);
     const uint sector = sector_of(on_plane(axes, d, scaling), count);
-    tally(sector, in_steps(d.x, steps), copies);
-    tally(count + sector, in_steps(d.y, steps), copies);
-    tally(2u * count + sector, in_steps(d.z, steps), copies);
-    tally(3u * count + sector, 1, copies);
+    atomicAdd(sums[0][sector], in_steps(d.x, steps));
+    atomicAdd(sums[1][sector], in_steps(d.y, steps));
+    atomicAdd(sums[2][sector], in_steps(d.z, steps));
+    atomicAdd(sums[3][sector], 1);
   }
-  collect(4u * count);
+  barrier();
 
   if (thread == 0u) fingers[finger].foci = count;
   if (thread < count) {
-    const uint points = uint(sums[3u * count + thread]);
+    const uint points = uint(sums[3][thread]);
     FocusRecord focus = FocusRecord(0.0, 0.0, 0.0, points);
     if (points != 0u) {
-      focus.x = focus_coordinate(origin.x, mean.x, sums[thread], points, steps);
-      focus.y = focus_coordinate(origin.y, mean.y, sums[count + thread], points, steps);
-      focus.z = focus_coordinate(origin.z, mean.z, sums[2u * count + thread], points, steps);
+      focus.x = focus_coordinate(origin.x, mean.x, sums[0][thread], points, steps);
+      focus.y = focus_coordinate(origin.y, mean.y, sums[1][thread], points, steps);
+      focus.z = focus_coordinate(origin.z, mean.z, sums[2][thread], points, steps);
     }
     foci[finger * foci_most + thread] = focus;
   }

@@ -5,9 +5,8 @@
 PALPA_SHADER_BEGIN
 
 // One group per finger.
-PALPA_CONST foci_group = 64u;
+PALPA_CONST foci_group = 128u;
 PALPA_CONST foci_most = 64u;
-PALPA_CONST foci_pool = 3072u;  // words for the threads' sums
 
 PALPA_CONST spacing_angle = 0u;
 PALPA_CONST spacing_arc = 1u;

@@ -4,10 +4,11 @@
 #include "shared.h"
 PALPA_SHADER_BEGIN
 
-// Contacts are put in order of their fingers by counting: they are cut into chunks, one for each group of a pass over
-// contacts (at most frames_most_chunks), and a chunk into as many runs as the group has threads; runs count, then each
-// knows where its own contacts go.
-PALPA_CONST frames_most_chunks = 128u;
+// Contacts are put in order of their fingers by counting: they are cut into chunks, a group each, and a chunk into as
+// many runs as the group has threads; runs count, then each knows where its own contacts go. A pass over contacts has
+// more groups than that (at most contacts_most_groups): only one in frames_groups_per_chunk is needed.
+PALPA_CONST frames_groups_per_chunk = 4u;
+PALPA_CONST frames_most_chunks = 32u;
 PALPA_CONST frames_chunk_group = 32u;
 // One group per finger in frames_axes; its contact k is thread k mod frames_group's.
 PALPA_CONST frames_group = 128u;
@@ -23,6 +24,10 @@ PALPA_CONST frames_counts = 4u;    // uint[frames_most_chunks * fingers_most]: c
 PALPA_CONST frames_grouped = 5u;   // uvec4[]: bits of x, y, z and the contact's number, finger after finger
 PALPA_CONST frames_fingers = 6u;   // FingerRecord[]
 PALPA_CONST frames_buffers = 7u;
+
+#ifndef __cplusplus
+uint chunks_of(uint groups) { return (groups + frames_groups_per_chunk - 1u) / frames_groups_per_chunk; }
+#endif
 
 struct FramesPush {
   uint most_contacts;

@@ -30,7 +30,9 @@ void main() {
   const uint chunk = gl_WorkGroupID.x;
   const uint count = min(found.total, push.most_contacts);
   const uint known = min(header.fingers, fingers_most);
-  const uint runs = gl_NumWorkGroups.x * frames_chunk_group;
+  const uint chunks = chunks_of(gl_NumWorkGroups.x);
+  if (chunk >= chunks) return;  // the whole group
+  const uint runs = chunks * frames_chunk_group;
   const uint run = (count + runs - 1u) / runs;
   const uint first = min((chunk * frames_chunk_group + thread) * run, count);
   const uint last = min(first + run, count);

@@ -24,7 +24,9 @@ void main() {
   const uint chunk = gl_WorkGroupID.x;
   const uint count = min(found.total, push.most_contacts);
   const uint known = min(header.fingers, fingers_most);
-  const uint runs = gl_NumWorkGroups.x * frames_chunk_group;
+  const uint chunks = chunks_of(gl_NumWorkGroups.x);
+  if (chunk >= chunks) return;  // the whole group
+  const uint runs = chunks * frames_chunk_group;
   const uint run = (count + runs - 1u) / runs;
   const uint first = min((chunk * frames_chunk_group + thread) * run, count);
   const uint last = min(first + run, count);
@@ -36,7 +38,7 @@ void main() {
   }
   for (uint f = thread; f < known; f += frames_chunk_group) {
     uint sum = 0u;
-    for (uint c = 0u; c < gl_NumWorkGroups.x; ++c) sum += counts[c * fingers_most + f];
+    for (uint c = 0u; c < chunks; ++c) sum += counts[c * fingers_most + f];
     sums[f] = sum;
   }
   barrier();

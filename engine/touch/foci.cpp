@@ -14,8 +14,7 @@ namespace palpa::touch {
 namespace {
 
 static_assert(max_foci == shader::foci_most);
-static_assert(shader::outline_bins == shader::foci_group && shader::outline_bins <= shader::foci_most);
-static_assert(shader::foci_pool >= 4 * shader::foci_most);
+static_assert(shader::outline_bins <= shader::foci_most && shader::foci_most <= shader::foci_group);
 
 using shader::Border;
 using shader::Float2;

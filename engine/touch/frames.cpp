@@ -13,7 +13,7 @@
 namespace palpa::touch {
 namespace {
 
-static_assert(shader::frames_most_chunks >= shader::contacts_most_groups);
+static_assert(shader::frames_most_chunks * shader::frames_groups_per_chunk >= shader::contacts_most_groups);
 static_assert(shader::frames_table >= 2 * shader::fingers_most);
 
 using shader::Float3;
