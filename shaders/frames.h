@@ -26,7 +26,9 @@ PALPA_CONST frames_fingers = 6u;   // FingerRecord[]
 PALPA_CONST frames_buffers = 7u;
 
 #ifndef __cplusplus
-uint chunks_of(uint groups) { return (groups + frames_groups_per_chunk - 1u) / frames_groups_per_chunk; }
+uint chunks_of(uint groups) {
+  return (groups + frames_groups_per_chunk - 1u) / frames_groups_per_chunk;
+}
 #endif
 
 struct FramesPush {

@@ -60,6 +60,7 @@ void Show::load_objects(const Options& options) {
       cli::schedule_fingers(touch, input.solids, options.touch, options.felt);
   schedule_ = cli::make_schedule(touch, input.solids, fingers, options.touch);
   std::vector<touch::Placement> placements;
+  placements.reserve(fingers.size());
   for (const cli::FingerSchedule& finger : fingers)
     placements.push_back(finger.placement);
   show_schedule(picture_, schedule_, placements);
