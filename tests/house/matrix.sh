@@ -15,9 +15,9 @@ width-256    release gpu     LP_NATIVE_VECTOR_WIDTH=256
 width-512    release gpu     LP_NATIVE_VECTOR_WIDTH=512
 poison       release gpu     LVP_POISON_MEMORY=1
 staging      release gpu     PALPA_FORCE_STAGING=1
-core         release gpu     PALPA_VALIDATION=core
-sync         release gpu     PALPA_VALIDATION=sync
-gpu-assisted release gpu     PALPA_VALIDATION=gpu-assisted
+core         release gpu     PALPA_VALIDATION=core PALPA_BRIEF=1
+sync         release gpu     PALPA_VALIDATION=sync PALPA_BRIEF=1
+gpu-assisted release gpu     PALPA_VALIDATION=gpu-assisted PALPA_BRIEF=1
 asan         asan    -
 tsan         tsan    threads
 END
