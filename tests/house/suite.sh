@@ -3,7 +3,8 @@
 #
 # As many tests side by side as there are cores, each with one rasterizer thread where lavapipe is the driver: two tests of
 # one thread keep two cores busier than one test of two threads. What depends on the number of threads is the matrix's
-# business, which sets LP_NUM_THREADS itself. With PALPA_BRIEF=1 without the tests of long-tests.txt. Drivers and layers keep their caches in the build directory, PALPA_LEG apart.
+# business, which sets LP_NUM_THREADS itself. Drivers and layers keep their caches in the build directory, PALPA_LEG apart.
+# With PALPA_BRIEF set, the tests of long-tests.txt are left out.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
