@@ -40,6 +40,9 @@ rm -rf "$digests"
 mkdir -p "$digests" build/logs
 summary=()
 
+# What takes instrumented shaders many minutes; the other legs run it.
+too_long_for_gpu_assisted='^(test_touch_bridge|test_touch_inside|test_touch_stage|test_touch_parts_contacts|test_touch_steady|test_hands|test_solver_pass|test_toucher)$'
+
 # The executables behind the tests of a label, so that a sanitizer builds no more than it runs.
 targets_of() { # PRESET LABEL
   ctest --test-dir "build/$1" -N -L "^$2\$" | sed -n 's/^ *Test *#[0-9]*: //p'
@@ -65,6 +68,7 @@ run_leg() { # NAME PRESET LABEL [VARIABLE=VALUE...]
   fi
   built=$((SECONDS - begin))
   [[ $label == - ]] || filter=(-L "^$label\$")
+  [[ $name != gpu-assisted ]] || filter+=(-E "$too_long_for_gpu_assisted")
   if ! env "$@" PALPA_LEG="$name" PALPA_DIGEST="$PWD/$digests/$name" tests/house/suite.sh "$preset" "${filter[@]}" \
     >"$log" 2>&1; then
     cat "$log"
