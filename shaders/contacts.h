@@ -29,16 +29,15 @@ PALPA_CONST contacts_planes = 7u;       // vec4[]: normal, offset
 PALPA_CONST contacts_deep_masks = 8u;   // uint[]: which of 32 points are deep points, where asked for
 PALPA_CONST contacts_deep_counts = 9u;  // uint[contacts_chunks]
 PALPA_CONST contacts_find_buffers = 10u;
-// contacts_surface only, see surface.h.
-PALPA_CONST contacts_surface_cells = 10u;      // SurfaceCell[]
+// contacts_surface only: texel buffers, see surface.h.
+PALPA_CONST contacts_surface_cells = 10u;      // SurfaceCell[], two words a texel
 PALPA_CONST contacts_surface_runs = 11u;       // uint[]
-PALPA_CONST contacts_surface_triangles = 12u;  // SurfaceTriangle[]
+PALPA_CONST contacts_surface_triangles = 12u;  // SurfaceTriangle[], four words a texel, as in all that follow
 PALPA_CONST contacts_surface_signs = 13u;      // SurfaceSigns[]
 PALPA_CONST contacts_surface_corners = 14u;    // vec4[]
 PALPA_CONST contacts_parts = 15u;              // uvec4[], see parts_depth.h
 PALPA_CONST contacts_surface_buffers = 16u;
-// contacts_surface takes the points of a chunk in tiles.
-PALPA_CONST contacts_tile = 1024u;
+PALPA_CONST contacts_surface_texels = 0xfc00u;  // a bit per binding
 // Bindings of contacts_pack: the first five of contacts_find (the deep points' masks and counts in place of the
 // contacts'), then
 PALPA_CONST contacts_total = 5u;  // ScanTotal of the contacts

@@ -17,6 +17,7 @@ PALPA_CHECK_SIZE(SurfaceTriangle, 64);
 PALPA_CHECK_OFFSET(SurfaceTriangle, normal, 16);
 PALPA_CHECK_OFFSET(SurfaceTriangle, along, 32);
 PALPA_CHECK_OFFSET(SurfaceTriangle, rest, 48);
+PALPA_CONST surface_triangle_texels = 4u;  // of 16 bytes
 
 // On which side of the surface a point lies that is nearest to one of the triangle's sides or corners (Baerentzen and
 // Aanaes 2005). A side's word holds two 16-bit integers: its pseudonormal across the side, outwards, and along the
@@ -28,6 +29,7 @@ struct SurfaceSigns {
 };
 PALPA_CHECK_SIZE(SurfaceSigns, 32);
 PALPA_CHECK_OFFSET(SurfaceSigns, corner0, 12);
+PALPA_CONST surface_signs_texels = 2u;  // of 16 bytes
 
 // A cell of a solid's box. The first cells of a solid are a grid, x fastest; a divided cell has eight others, x
 // fastest.

@@ -28,7 +28,7 @@ struct Memory {
 /// Meshes with fewer triangles are prepared sooner than a file is found.
 constexpr std::size_t worth_caching = 5000;
 /// Changes whenever the same mesh gives other cells or triangles.
-constexpr std::uint32_t surface_version = 1;
+constexpr std::uint32_t surface_version = 2;
 
 /// Everything of a Surface but the spans, as it lies in the cache.
 struct Frame {

@@ -16,8 +16,9 @@ namespace {
 /// A list this short is not worth dividing; nor is a cell smaller than that, metres.
 constexpr std::uint32_t short_list = 8, short_deep_list = 24;
 constexpr double smallest_cell = 1e-5;
-/// What a list's length is multiplied by, all children together, when its cell is divided: a guess from measurements.
-constexpr double growth = 1.7;
+/// What a list's length is multiplied by, all children together, when its cell is divided: a guess from measurements,
+/// rather too large, since what is spent too early is missing where lists are longest.
+constexpr double growth = 3;
 /// How much deeper a deep point may be said to lie than it does.
 constexpr double deep_tolerance = 0.02;
 /// Single precision's relative error with a few operations to spare.
@@ -114,7 +115,7 @@ class Builder {
       out_.low[i] = static_cast<double>(std::nextafter(static_cast<float>(box.low[i]), -1e30F));
       out_.grid[i] = static_cast<std::uint32_t>(std::ceil((box.high[i] - out_.low[i]) / side + 1e-3));
     }
-    most_listed_ = std::clamp(t_.triangles.size() * 24, std::size_t{1} << 18, std::size_t{20} << 20);
+    most_listed_ = std::clamp(t_.triangles.size() * 64, std::size_t{1} << 18, std::size_t{64} << 20);
   }
 
   SurfaceCells run() {

@@ -16,10 +16,12 @@ struct BufferRef {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize offset = 0;
   VkDeviceSize size = 0;
+  VkBufferView texels = VK_NULL_HANDLE;  ///< where a binding reads texels, see texel_view.hpp
 };
 
 /// Device memory that only passes touch. Contents are undefined until a pass or `vkCmdFillBuffer` writes them.
-/// Usable as storage, indirect, vertex, index, uniform, and as either end of a copy. A size of 0 allocates 4 bytes.
+/// Usable as storage, texels, indirect, vertex, index, uniform, and as either end of a copy. A size of 0 allocates 4
+/// bytes.
 class Buffer {
  public:
   Buffer() = default;

@@ -10,13 +10,14 @@ namespace {
 constexpr std::uint32_t most_buffers = 16;
 }  // namespace
 
-BufferSet::BufferSet(const Device& device, std::uint32_t count, VkShaderStageFlags stages, std::uint32_t most_uses)
-    : count_(count), device_(device.get()) {
+BufferSet::BufferSet(const Device& device, std::uint32_t count, VkShaderStageFlags stages, std::uint32_t most_uses,
+                     std::uint32_t texels)
+    : count_(count), texels_(texels), device_(device.get()) {
   assert(count <= most_buffers);
   const bool pushed = device.validation() != Validation::gpu_assisted;
   std::array<VkDescriptorSetLayoutBinding, most_buffers> bindings{};
   for (std::uint32_t i = 0; i < count; ++i) {
-    bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, stages, nullptr};
+    bindings[i] = {i, type(i), 1, stages, nullptr};
   }
   VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
   info.flags = pushed ? VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR : 0;
@@ -27,11 +28,13 @@ BufferSet::BufferSet(const Device& device, std::uint32_t count, VkShaderStageFla
   layout_ = Handle<VkDescriptorSetLayout>(device.get(), layout, vkDestroyDescriptorSetLayout);
   if (pushed || count == 0) return;
 
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, most_uses * count};
+  // Of each type as many as there are bindings: some too many.
+  const std::array<VkDescriptorPoolSize, 2> sizes{{{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, most_uses * count},
+                                                   {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, most_uses * count}}};
   VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool_info.maxSets = most_uses;
-  pool_info.poolSizeCount = 1;
-  pool_info.pPoolSizes = &size;
+  pool_info.poolSizeCount = texels == 0 ? 1 : 2;
+  pool_info.pPoolSizes = sizes.data();
   VkDescriptorPool pool = VK_NULL_HANDLE;
   PALPA_VK(vkCreateDescriptorPool(device.get(), &pool_info, nullptr, &pool));
   ring_pool_ = Handle<VkDescriptorPool>(device.get(), pool, vkDestroyDescriptorPool);
@@ -42,6 +45,10 @@ BufferSet::BufferSet(const Device& device, std::uint32_t count, VkShaderStageFla
   allocate.pSetLayouts = layouts.data();
   ring_.resize(most_uses);
   PALPA_VK(vkAllocateDescriptorSets(device.get(), &allocate, ring_.data()));
+}
+
+VkDescriptorType BufferSet::type(std::uint32_t binding) const {
+  return (texels_ >> binding & 1U) != 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
 void BufferSet::bind(VkCommandBuffer commands, VkPipelineBindPoint point, VkPipelineLayout layout,
@@ -58,8 +65,10 @@ void BufferSet::bind(VkCommandBuffer commands, VkPipelineBindPoint point, VkPipe
     writes[i].dstSet = set;
     writes[i].dstBinding = i;
     writes[i].descriptorCount = 1;
-    writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    writes[i].descriptorType = type(i);
     writes[i].pBufferInfo = &infos[i];
+    writes[i].pTexelBufferView = &ref.texels;
+    assert(ref.texels != VK_NULL_HANDLE || type(i) == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
     ++i;
   }
   if (set == VK_NULL_HANDLE) {

@@ -1,4 +1,4 @@
-// Storage buffers as a pipeline binds them: pushed with each dispatch or draw, so that nothing needs to be allocated or
+// Buffers as a pipeline binds them: pushed with each dispatch or draw, so that nothing needs to be allocated or
 // kept alive.
 #pragma once
 
@@ -14,21 +14,25 @@
 
 namespace palpa::gpu {
 
-/// Set 0 of a pipeline layout: `count` storage buffers at bindings 0..count-1.
+/// Set 0 of a pipeline layout: `count` buffers at bindings 0..count-1. Binding i is a uniform texel buffer where bit i
+/// of `texels` is set, else a storage buffer.
 class BufferSet {
  public:
   BufferSet() = default;
   /// At most 16 buffers, bound at most `most_uses` times by the submits that are in flight together.
-  BufferSet(const Device& device, std::uint32_t count, VkShaderStageFlags stages, std::uint32_t most_uses);
+  BufferSet(const Device& device, std::uint32_t count, VkShaderStageFlags stages, std::uint32_t most_uses,
+            std::uint32_t texels = 0);
 
   VkDescriptorSetLayout layout() const { return layout_.get(); }
-  /// `buffers` in binding order, exactly `count` of them.
+  /// `buffers` in binding order, exactly `count` of them; those that are read as texels have a view of them.
   void bind(VkCommandBuffer commands, VkPipelineBindPoint point, VkPipelineLayout layout,
             std::initializer_list<BufferRef> buffers) const;
 
  private:
+  VkDescriptorType type(std::uint32_t binding) const;
+
   Handle<VkDescriptorSetLayout> layout_;
-  std::uint32_t count_ = 0;
+  std::uint32_t count_ = 0, texels_ = 0;
 
   // GPU-assisted validation cannot see pushed descriptors. Under that preset alone, binds take turns in a ring of
   // `most_uses` ordinary sets.

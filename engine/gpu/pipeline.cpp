@@ -13,7 +13,8 @@ constexpr std::uint32_t most_in_flight = 512;
 
 ComputePipeline::ComputePipeline(const Device& device, const char* name, std::span<const std::uint32_t> spirv,
                                  const PipelineLayout& layout)
-    : set_(device, layout.buffers, VK_SHADER_STAGE_COMPUTE_BIT, most_in_flight), push_bytes_(layout.push_bytes) {
+    : set_(device, layout.buffers, VK_SHADER_STAGE_COMPUTE_BIT, most_in_flight, layout.texels),
+      push_bytes_(layout.push_bytes) {
   assert(layout.push_bytes <= 128);
   const VkDescriptorSetLayout set_layout = set_.layout();
   const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes_};

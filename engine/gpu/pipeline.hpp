@@ -1,4 +1,4 @@
-// A compute pipeline whose storage buffers are pushed at each dispatch: no descriptor sets to allocate or keep alive.
+// A compute pipeline whose buffers are pushed at each dispatch: no descriptor sets to allocate or keep alive.
 #pragma once
 
 #include <volk.h>
@@ -20,10 +20,11 @@ constexpr std::uint32_t groups_for(std::uint64_t threads, std::uint32_t group_si
 }
 
 struct PipelineLayout {
-  std::uint32_t buffers = 0;     ///< storage buffers at set 0, bindings 0..buffers-1
+  std::uint32_t buffers = 0;     ///< at set 0, bindings 0..buffers-1
   std::uint32_t push_bytes = 0;  ///< size of the push constant block, a multiple of 4, at most 128
   /// Values of the specialization constants with ids 0, 1, ...
   std::span<const std::uint32_t> constants = {};
+  std::uint32_t texels = 0;  ///< bit i: binding i is a uniform texel buffer; the others are storage buffers
 };
 
 class ComputePipeline {

@@ -21,63 +21,6 @@ gpu::Upload upload(const gpu::Device& device, VkCommandBuffer commands, const st
   return buffer;
 }
 
-/// All solids' surfaces, one after the other, indices shifted.
-struct SurfaceUpload {
-  gpu::Upload cells, runs, triangles, signs, corners;
-
-  SurfaceUpload(const gpu::Device& device, const PlaneTable& table) {
-    SurfaceBase all;
-    for (std::size_t s = 0; s < table.solids.size(); ++s) {
-      const geometry::Surface& surface = table.surfaces[s];
-      if (surface.empty()) continue;
-      const SurfaceBase& base = table.surface_base[s];
-      all = {base.cells + static_cast<std::uint32_t>(surface.cells.size()),
-             base.runs + static_cast<std::uint32_t>(surface.runs.size()),
-             base.triangles + static_cast<std::uint32_t>(surface.triangles.size()),
-             base.corners + static_cast<std::uint32_t>(surface.corners.size())};
-    }
-    cells = gpu::Upload(device, std::uint64_t{all.cells} * sizeof(shader::SurfaceCell), "surface cells");
-    runs = gpu::Upload(device, std::uint64_t{all.runs} * 4, "surface runs");
-    triangles =
-        gpu::Upload(device, std::uint64_t{all.triangles} * sizeof(shader::SurfaceTriangle), "surface triangles");
-    signs = gpu::Upload(device, std::uint64_t{all.triangles} * sizeof(shader::SurfaceSigns), "surface signs");
-    corners = gpu::Upload(device, std::uint64_t{all.corners} * sizeof(shader::vec4), "surface corners");
-    for (std::size_t s = 0; s < table.solids.size(); ++s) {
-      if (!table.surfaces[s].empty()) copy(table.surfaces[s], table.surface_base[s]);
-    }
-  }
-
-  void record(VkCommandBuffer commands) const {
-    for (const gpu::Upload* buffer : {&cells, &runs, &triangles, &signs, &corners})
-      buffer->record(commands);
-  }
-
- private:
-  template <typename T>
-  static std::span<T> put(const gpu::Upload& buffer, std::uint32_t first, std::span<const T> values) {
-    const std::span<T> place = buffer.as<T>().subspan(first, values.size());
-    if (!values.empty()) std::memcpy(place.data(), values.data(), values.size_bytes());
-    return place;
-  }
-
-  void copy(const geometry::Surface& surface, const SurfaceBase& base) {
-    const auto placed_cells = put(cells, base.cells, surface.cells);
-    const auto placed_runs = put(runs, base.runs, surface.runs);
-    const auto placed_signs = put(signs, base.triangles, surface.signs);
-    put(triangles, base.triangles, surface.triangles);
-    put(corners, base.corners, surface.corners);
-    if (base.cells == 0) return;
-    for (shader::SurfaceCell& cell : placed_cells)
-      cell.first += (cell.kind & shader::surface_kinds) == shader::surface_divided ? base.cells : base.runs;
-    for (std::uint32_t& run : placed_runs)
-      run += base.triangles;
-    for (shader::SurfaceSigns& sign : placed_signs) {
-      for (shader::uint* corner : {&sign.corner0, &sign.corner1, &sign.corner2})
-        *corner += base.corners;
-    }
-  }
-};
-
 Capacity checked(const Capacity& capacity) {
   if (capacity.points > shader::contacts_most_points) {
     throw bad_usage(fmt::format("{} skin points per frame: at most {}", capacity.points, shader::contacts_most_points));
@@ -108,20 +51,10 @@ SolidTable::SolidTable(const gpu::Device& device, const std::vector<geometry::So
   cells_ = upload(device, commands, host_.cells, "plane cells");
   planes_ = upload(device, commands, host_.planes, "planes");
   borders_ = upload(device, commands, sector_borders(), "sector borders");
-  parts_ = upload(device, commands, host_.parts, "convex parts");
-  SurfaceUpload surface(device, host_);
-  surface.record(commands);
-  surface_cells_ = std::move(surface.cells);
-  runs_ = std::move(surface.runs);
-  triangles_ = std::move(surface.triangles);
-  signs_ = std::move(surface.signs);
-  corners_ = std::move(surface.corners);
+  surfaces_ = SurfaceTables(device, host_);
+  surfaces_.record(commands);
   foci_of_ = upload(device, commands, host_.foci_of, "foci of solids");
   timeline.wait(timeline.submit(recorder.end()));
-}
-
-SurfaceBuffers SolidTable::surface() const {
-  return {surface_cells_.ref(), runs_.ref(), triangles_.ref(), signs_.ref(), corners_.ref()};
 }
 
 TouchBuffers::TouchBuffers(const gpu::Device& device, const Capacity& capacity)
@@ -197,8 +130,8 @@ void TouchPasses::record(VkCommandBuffer commands, const SolidTable& table, Touc
                     .contacts = b.contacts_.ref(),
                     .most_points = b.capacity_.points,
                     .most_contacts = b.capacity_.contacts,
-                    .surface = table.surface(),
-                    .parts = table.parts(),
+                    .surface = table.surfaces().surface(),
+                    .parts = table.surfaces().parts(),
                     .deep_masks = b.deep_masks_.ref(),
                     .deep_counts = b.deep_counts_.ref(),
                     .deep_total = b.deep_total_.ref(),

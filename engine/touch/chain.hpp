@@ -15,6 +15,7 @@
 #include "touch/foci.hpp"
 #include "touch/follow.hpp"
 #include "touch/frames.hpp"
+#include "touch/surface_tables.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -32,17 +33,16 @@ class SolidTable {
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(host_, solid, T_world_rest); }
   /// See touch::touchable_box.
   Box box() const { return touchable_box(host_); }
-  SurfaceBuffers surface() const;
+  const SurfaceTables& surfaces() const { return surfaces_; }
   gpu::BufferRef cells() const { return cells_.ref(); }
   gpu::BufferRef planes() const { return planes_.ref(); }
-  /// Empty without solids of convex parts.
-  gpu::BufferRef parts() const { return host_.parts.empty() ? gpu::BufferRef{} : parts_.ref(); }
   gpu::BufferRef borders() const { return borders_.ref(); }
   gpu::BufferRef foci_of() const { return foci_of_.ref(); }
 
  private:
   PlaneTable host_;
-  gpu::Upload cells_, planes_, borders_, foci_of_, surface_cells_, runs_, triangles_, signs_, corners_, parts_;
+  gpu::Upload cells_, planes_, borders_, foci_of_;
+  SurfaceTables surfaces_;
 };
 
 /// Room for one frame in flight: 8 bytes of memory per point and 124 per contact, 43 MB for the defaults.

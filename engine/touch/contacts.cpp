@@ -59,8 +59,6 @@ Inside look(const PlaneTable& table, std::uint32_t solid, const Float3& point, c
   return {depth, depth > 0 && depth < delta};
 }
 
-constexpr std::uint32_t one_solid = 1;
-
 }  // namespace
 
 void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
@@ -92,27 +90,23 @@ std::uint32_t mask_words(std::uint32_t points) {
 ContactsPass::ContactsPass(const gpu::Device& device)
     : pack_(device, "contacts pack", spirv::contacts_pack_comp,
             {shader::contacts_pack_buffers, sizeof(shader::ContactsPush)}) {
-  const auto kernels = [&](std::uint32_t deep) {
-    const std::array<std::uint32_t, 2> many{0, deep}, one{one_solid, deep}, surface{deep, 0}, parts{deep, 1};
-    return Kernels{{device,
-                    "contacts find",
-                    spirv::contacts_find_comp,
-                    {shader::contacts_find_buffers, sizeof(shader::ContactsPush), many}},
-                   {device,
-                    "contacts find one",
-                    spirv::contacts_find_comp,
-                    {shader::contacts_find_buffers, sizeof(shader::ContactsPush), one}},
-                   {device,
-                    "contacts surface",
-                    spirv::contacts_surface_comp,
-                    {shader::contacts_surface_buffers, sizeof(shader::ContactsPush), surface}},
-                   {device,
-                    "contacts parts",
-                    spirv::contacts_surface_comp,
-                    {shader::contacts_surface_buffers, sizeof(shader::ContactsPush), parts}}};
-  };
-  find_ = kernels(0);
-  find_deep_ = kernels(1);
+  for (std::uint32_t one = 0; one < 2; ++one) {
+    for (std::uint32_t deep = 0; deep < 2; ++deep) {
+      const auto surface = [&](const char* name, std::uint32_t parts) {
+        const std::array<std::uint32_t, 3> constants{one, deep, parts};
+        return gpu::ComputePipeline(device, name, spirv::contacts_surface_comp,
+                                    {shader::contacts_surface_buffers, sizeof(shader::ContactsPush), constants,
+                                     shader::contacts_surface_texels});
+      };
+      const std::array<std::uint32_t, 2> constants{one, deep};
+      find_[one][deep] = {{device,
+                           "contacts find",
+                           spirv::contacts_find_comp,
+                           {shader::contacts_find_buffers, sizeof(shader::ContactsPush), constants}},
+                          surface("contacts surface", 0),
+                          surface("contacts parts", 1)};
+    }
+  }
 }
 
 void ContactsPass::record(VkCommandBuffer commands, const ContactsBuffers& b, const PlaneTable& table,
@@ -121,30 +115,32 @@ void ContactsPass::record(VkCommandBuffer commands, const ContactsBuffers& b, co
   const auto solids = static_cast<std::uint32_t>(table.solids.size());
   shader::ContactsPush push{{}, solids, static_cast<float>(parameters.delta_m), b.most_points, b.most_contacts};
   if (solids == 1) push.only = table.solids[0];
-  const Kernels& find = parameters.wants_deep() ? find_deep_ : find_;
+  const bool deep = parameters.wants_deep();
+  const Kernels& find = find_[solids == 1 ? 1 : 0][deep ? 1 : 0];
   // Nothing is written there where deep points are not asked for.
-  const gpu::BufferRef deep_masks = parameters.wants_deep() ? b.deep_masks : b.masks;
-  const gpu::BufferRef deep_counts = parameters.wants_deep() ? b.deep_counts : b.counts;
-  const bool by_surface =
-      std::any_of(table.solids.begin(), table.solids.end(), [](const auto& solid) { return solid.by_surface != 0; });
-  if (by_surface) {
-    (b.parts.size > 0 ? find.parts : find.surface)
+  const gpu::BufferRef deep_masks = deep ? b.deep_masks : b.masks;
+  const gpu::BufferRef deep_counts = deep ? b.deep_counts : b.counts;
+  const auto asked_by = [&](std::uint32_t kind) {
+    return std::any_of(table.solids.begin(), table.solids.end(),
+                       [&](const shader::SolidRecord& solid) { return solid.by_surface == kind; });
+  };
+  const bool by_parts = asked_by(shader::asked_by_parts);
+  if (by_parts || asked_by(shader::asked_by_surface)) {
+    (by_parts ? find.parts : find.surface)
         .dispatch(commands,
                   {b.points, b.length, b.hits, b.masks, b.counts, b.solids, b.cells, b.planes, deep_masks, deep_counts,
-                   b.surface.cells, b.surface.runs, b.surface.triangles, b.surface.signs, b.surface.corners,
-                   b.parts.size > 0 ? b.parts : b.planes},
+                   b.surface.cells, b.surface.runs, b.surface.triangles, b.surface.signs, b.surface.corners, b.parts},
                   &push, shader::contacts_chunks);
   } else {
-    (solids == 1 ? find.one : find.planes)
-        .dispatch(commands,
-                  {b.points, b.length, b.hits, b.masks, b.counts, b.solids, b.cells, b.planes, deep_masks, deep_counts},
-                  &push, shader::contacts_chunks);
+    find.planes.dispatch(
+        commands, {b.points, b.length, b.hits, b.masks, b.counts, b.solids, b.cells, b.planes, deep_masks, deep_counts},
+        &push, shader::contacts_chunks);
   }
   gpu::compute_to_compute(commands);
   if (times) times->mark(commands, "contacts find");
   pack_.dispatch(commands, {b.points, b.length, b.hits, b.masks, b.counts, b.total, b.contacts}, &push,
                  shader::contacts_chunks);
-  if (parameters.wants_deep()) {
+  if (deep) {
     push.most_contacts = b.most_deep;
     pack_.dispatch(commands, {b.points, b.length, b.hits, b.deep_masks, b.deep_counts, b.deep_total, b.deep}, &push,
                    shader::contacts_chunks);

@@ -1,6 +1,7 @@
 // Contacts: the skin points in the shell of a solid, Eq. (1) of the paper.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -23,13 +24,13 @@ namespace palpa::touch {
 void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
                    Touch& out);
 
-/// The scene's surfaces on the device, as ContactsPass binds them; empty without any.
+/// The scene's surfaces on the device, as ContactsPass binds them: with views of texels, see surface_tables.hpp.
 struct SurfaceBuffers {
-  gpu::BufferRef cells;      ///< shader::SurfaceCell[]
-  gpu::BufferRef runs;       ///< uint[]
-  gpu::BufferRef triangles;  ///< shader::SurfaceTriangle[]
-  gpu::BufferRef signs;      ///< shader::SurfaceSigns[]
-  gpu::BufferRef corners;    ///< vec4[]
+  gpu::BufferRef cells;      ///< shader::SurfaceCell[], R32G32_UINT
+  gpu::BufferRef runs;       ///< uint[], R32_UINT
+  gpu::BufferRef triangles;  ///< shader::SurfaceTriangle[], R32G32B32A32_SFLOAT
+  gpu::BufferRef signs;      ///< shader::SurfaceSigns[], R32G32B32A32_UINT
+  gpu::BufferRef corners;    ///< vec4[], R32G32B32A32_SFLOAT
 };
 
 /// What the pass reads and writes. `most_points` and `most_contacts` are the room in the buffers.
@@ -48,8 +49,9 @@ struct ContactsBuffers {
   gpu::BufferRef contacts;        ///< out: shader::ContactRecord[], in input order, `finger` unset
   std::uint32_t most_points = 0;  ///< at most shader::contacts_most_points
   std::uint32_t most_contacts = 0;
-  SurfaceBuffers surface;     ///< in: where a solid is asked by its surface
-  gpu::BufferRef parts = {};  ///< in: PlaneTable::parts, uvec4[]; empty without solids of convex parts
+  // Only where a solid is asked by its surface or by its parts; all of them then, be they empty.
+  SurfaceBuffers surface = {};  ///< in
+  gpu::BufferRef parts = {};    ///< in: PlaneTable::parts, uvec4[], with a view of R32G32B32A32_UINT texels
   // Only where deep points are asked for; sizes as of their counterparts above.
   gpu::BufferRef deep_masks = {}, deep_counts = {};  ///< scratch
   gpu::BufferRef deep_total = {};                    ///< out: shader::ScanTotal
@@ -74,9 +76,9 @@ class ContactsPass {
 
  private:
   struct Kernels {
-    gpu::ComputePipeline planes, one, surface, parts;
+    gpu::ComputePipeline planes, surface, parts;
   };
-  Kernels find_, find_deep_;
+  std::array<std::array<Kernels, 2>, 2> find_;  ///< [one solid][deep points]
   gpu::ComputePipeline pack_;
 };
 

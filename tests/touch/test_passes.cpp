@@ -204,17 +204,6 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                 {MEMBER(ContactsPush, only), MEMBER(ContactsPush, solids), MEMBER(ContactsPush, delta),
                  MEMBER(ContactsPush, most_points), MEMBER(ContactsPush, most_contacts)},
                 false);
-  const auto surface = palpa::test::read_spirv(spirv::contacts_surface_comp);
-  expect_struct(surface, "SurfaceTriangle", sizeof(shader::SurfaceTriangle),
-                {MEMBER(SurfaceTriangle, corner), MEMBER(SurfaceTriangle, normal), MEMBER(SurfaceTriangle, along),
-                 MEMBER(SurfaceTriangle, rest)},
-                true);
-  expect_struct(surface, "SurfaceSigns", sizeof(shader::SurfaceSigns),
-                {MEMBER(SurfaceSigns, side0), MEMBER(SurfaceSigns, side2), MEMBER(SurfaceSigns, corner0),
-                 MEMBER(SurfaceSigns, corner2)},
-                true);
-  expect_struct(surface, "SurfaceCell", sizeof(shader::SurfaceCell),
-                {MEMBER(SurfaceCell, first), MEMBER(SurfaceCell, kind)}, true);
   const auto pack = palpa::test::read_spirv(spirv::contacts_pack_comp);
   expect_struct(pack, "ContactRecord", sizeof(shader::ContactRecord),
                 {MEMBER(ContactRecord, x), MEMBER(ContactRecord, point), MEMBER(ContactRecord, solid),

@@ -1,0 +1,87 @@
+// What the kernels that look for contacts have in common: a group walks over its stretch of the points and leaves a bit and a Hit for
+// each contact, and how many there are. Included after this is defined:
+//   float look(SolidRecord solid, vec3 p, float delta, out bool shell)
+// how deep a point of the solid's box, in the solid's coordinates, lies inside the solid, and whether that is less than delta; 0:
+// outside, or deeper where that is not asked for.
+shared uint found[contacts_most_words];
+shared uint deep_found[contacts_most_words];
+shared uint sum, deep_sum;
+
+// The first solid that the point is a contact of, with its depth; where there is none and deep points are asked for, the first
+// that it is deep inside of. Depth 0: neither.
+Hit find(vec3 point, out bool deep) {
+  deep = false;
+  Hit hit = Hit(0u, 0.0);
+  const uint count = one_solid ? 1u : push.solids;
+  for (uint s = 0u; s < count && (hit.depth == 0.0 || deep); ++s) {
+    SolidRecord solid = push.only;
+    if (!one_solid) solid = solids[s];
+    const vec3 p = in_solid(point, solid.centre, solid.low.w, solid.high.w, solid.cells_per_metre.w);
+    if (!in_box(p, solid.low.xyz, solid.high.xyz)) continue;
+    const float delta = solid.delta > 0.0 ? solid.delta : push.delta;
+    bool shell;
+    const float depth = look(solid, p, delta, shell);
+    if (depth == 0.0 || (!shell && (!with_deep || deep))) continue;
+    deep = !shell;
+    hit = Hit(s, depth);
+  }
+  return hit;
+}
+
+void main() {
+  const uint thread = gl_LocalInvocationIndex;
+  const uint count = min(given.total, push.most_points);
+  const uint chunk = points_per_chunk(count);
+  const uint first = gl_WorkGroupID.x * chunk;
+  const uint last = min(first + chunk, count);
+  if (first >= count) {  // the whole group
+    if (thread == 0u) {
+      counts[gl_WorkGroupID.x] = 0u;
+      if (with_deep) deep_counts[gl_WorkGroupID.x] = 0u;
+    }
+    return;
+  }
+  const uint words = chunk / 32u;
+  for (uint w = thread; w < words; w += contacts_group) {
+    found[w] = 0u;
+    if (with_deep) deep_found[w] = 0u;
+  }
+  if (thread == 0u) {
+    sum = 0u;
+    deep_sum = 0u;
+  }
+  barrier();
+
+  for (uint i = first + thread; i < last; i += contacts_group) {
+    const vec3 point = uintBitsToFloat(points[i].xyz);
+    if (!is_finite(point.x) || !is_finite(point.y) || !is_finite(point.z)) continue;
+    bool deep;
+    const Hit hit = find(point, deep);
+    if (hit.depth == 0.0) continue;
+    hits[i] = hit;
+    if (with_deep && deep) {
+      atomicOr(deep_found[(i - first) >> 5u], 1u << (i & 31u));
+    } else {
+      atomicOr(found[(i - first) >> 5u], 1u << (i & 31u));
+    }
+  }
+  barrier();
+
+  uint mine = 0u;
+  uint mine_deep = 0u;
+  for (uint w = thread; w < words; w += contacts_group) {
+    masks[first / 32u + w] = found[w];
+    mine += uint(bitCount(found[w]));
+    if (with_deep) {
+      deep_masks[first / 32u + w] = deep_found[w];
+      mine_deep += uint(bitCount(deep_found[w]));
+    }
+  }
+  if (mine != 0u) atomicAdd(sum, mine);
+  if (mine_deep != 0u) atomicAdd(deep_sum, mine_deep);
+  barrier();
+  if (thread == 0u) {
+    counts[gl_WorkGroupID.x] = sum;
+    if (with_deep) deep_counts[gl_WorkGroupID.x] = deep_sum;
+  }
+}

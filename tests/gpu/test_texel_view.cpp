@@ -1,0 +1,38 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/error.hpp"
+#include "gpu/texel_view.hpp"
+#include "support/device.hpp"
+
+namespace palpa {
+namespace {
+
+TEST(TexelView, KeepsTheBufferThatItIsOf) {
+  gpu::Device& device = test::test_device();
+  const gpu::Buffer buffer(device, 64, "texels");
+  const gpu::TexelView view(device, buffer.ref(), VK_FORMAT_R32G32B32A32_UINT, "texels");
+  EXPECT_EQ(view.ref().buffer, buffer.ref().buffer);
+  EXPECT_EQ(view.ref().size, 64U);
+  EXPECT_NE(view.ref().texels, VkBufferView{});
+  EXPECT_EQ(buffer.ref().texels, VkBufferView{});
+}
+
+TEST(TexelView, OfMoreTexelsThanTheDeviceAddressesIsRefused) {
+  gpu::Device& device = test::test_device();
+  const gpu::Buffer buffer(device, 64, "texels");
+  gpu::BufferRef vast = buffer.ref();
+  vast.size = (VkDeviceSize{device.limits().maxTexelBufferElements} + 1) * 8;
+  try {
+    const gpu::TexelView view(device, vast, VK_FORMAT_R32G32_UINT, "surface cells");
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).rfind("surface cells: ", 0), 0U) << error.what();
+    EXPECT_NE(std::string(error.what()).find(std::to_string(device.limits().maxTexelBufferElements)),
+              std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace palpa
