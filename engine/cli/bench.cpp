@@ -38,14 +38,14 @@ void add_options(CLI::App& app, BenchCommand& o) {
                "touch: points to foci; surface: solids of many faces; array: drives; loop: depth frames to drives");
   group.text("--scene", o.scene, "FILE", "glTF model that the surface suite measures, too");
   group.integer("--runs", o.runs, 3, 100'000, "timed runs of each case, after a warm-up");
-  group.text("--csv", o.csv, "FILE|-", "suite,case,stage,median_ms,p99_ms,min_ms,runs,per_second,unit,device,driver");
+  group.text("--csv", o.csv, "FILE|-", "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver");
 }
 
 std::string to_csv(const std::vector<BenchRow>& rows, const gpu::DeviceDescription& device) {
-  std::string csv = "suite,case,stage,median_ms,p99_ms,min_ms,runs,per_second,unit,device,driver\n";
+  std::string csv = "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver\n";
   for (const BenchRow& row : rows) {
     csv += fmt::format("{},{},{},{:.5g},{:.5g},{:.5g},{},{:.6g},{},\"{}\",\"{}\"\n", row.suite, row.name, row.stage,
-                       row.median_ms, row.p99_ms, row.least_ms, row.runs, row.per_second, row.unit, device.name,
+                       row.median_ms, row.p99_ms, row.least_ms, row.runs, row.value, row.unit, row.note, device.name,
                        device.driver);
   }
   return csv;
@@ -58,7 +58,10 @@ std::string to_json(const std::vector<BenchRow>& rows, const gpu::DeviceDescript
   for (const BenchRow& row : rows) {
     json.begin_object().member("suite", row.suite).member("case", row.name).member("stage", row.stage);
     json.member("median_ms", row.median_ms).member("p99_ms", row.p99_ms).member("min_ms", row.least_ms);
-    json.member("runs", std::uint64_t{row.runs}).member("per_second", row.per_second).member("unit", row.unit);
+    json.member("runs", std::uint64_t{row.runs})
+        .member("value", row.value)
+        .member("unit", row.unit)
+        .member("note", row.note);
     json.end_object();
   }
   json.end_array().end_object();
@@ -71,7 +74,8 @@ std::string table(const std::vector<BenchRow>& rows, const gpu::DeviceDescriptio
   for (const BenchRow& row : rows) {
     text += fmt::format("{:<6} {:<28} {:<14} {:>10.3f} {:>10.3f} {:>10.3f}", row.suite, row.name, row.stage,
                         row.median_ms, row.p99_ms, row.least_ms);
-    if (row.per_second > 0) text += fmt::format("  {:.0f} {}", row.per_second, row.unit);
+    if (row.value > 0) text += fmt::format("  {:.0f} {}", row.value, row.unit);
+    if (!row.note.empty()) text += "; " + row.note;
     text += '\n';
   }
   return text + fmt::format("resident memory at most {} MB\n", resident / 1'000'000);

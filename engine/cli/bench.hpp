@@ -15,8 +15,9 @@ struct BenchRow {
   std::string suite, name, stage;
   double median_ms = 0, p99_ms = 0, least_ms = 0;
   std::uint32_t runs = 0;
-  double per_second = 0;  ///< what `unit` counts, at the median; 0 where a rate says nothing
+  double value = 0;  ///< a rate at the median, a size or a ratio, in `unit`; 0 where the times say it all
   std::string unit;
+  std::string note;  ///< how good the result was, where that is part of the measure
 };
 
 struct BenchContext {

@@ -111,8 +111,8 @@ void bench_frame(const BenchContext& context, const std::string& name, const std
     context.progress(name, run - warm_up + 1, context.runs);
   }
   BenchRow row = bench_row("loop", name, "total", total);
-  row.per_second = 1e3 / row.median_ms;
-  row.unit = "frames";
+  row.value = 1e3 / row.median_ms;
+  row.unit = "frames/s";
   rows.push_back(row);
   stages.report("loop", name, rows);
 }
@@ -180,8 +180,8 @@ void bench_batch(const BenchContext& context, std::uint32_t slots, std::uint32_t
     context.progress(name, run, runs + 2);
   }
   BenchRow row = bench_row("array", name, "total", total);
-  row.per_second = slots * foci_per_slot * 1e3 / row.median_ms;
-  row.unit = "foci x 3984";
+  row.value = slots * foci_per_slot * 1e3 / row.median_ms;
+  row.unit = "foci x 3984 /s";
   rows.push_back(row);
 }
 

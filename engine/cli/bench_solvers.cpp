@@ -75,7 +75,7 @@ struct Yardsticks {
 };
 
 std::string quality(const Case& which, const Heard& heard, const Yardsticks& yardsticks) {
-  std::string text = fmt::format("solves; weakest/strongest {:.3f}; mean {:.2f} of naive", heard.evenness,
+  std::string text = fmt::format("weakest/strongest {:.3f}; mean {:.2f} of naive", heard.evenness,
                                  heard.mean_pa / yardsticks.naive_pa[static_cast<int>(which.constraint)]);
   if (yardsticks.greedy_pa > 0) text += fmt::format(" and {:.2f} of greedy", heard.mean_pa / yardsticks.greedy_pa);
   return text;
@@ -121,8 +121,9 @@ void on_device(const BenchContext& context, const array::Layout& layout, const C
     context.progress(name, run, runs);
   }
   BenchRow row = bench_row("array", name, "total", total);
-  row.per_second = sets * 1e3 / row.median_ms;
-  row.unit = quality(which, heard, yardsticks);
+  row.value = sets * 1e3 / row.median_ms;
+  row.unit = "solves/s";
+  row.note = quality(which, heard, yardsticks);
   rows.push_back(row);
 }
 
@@ -154,8 +155,9 @@ void on_host(const BenchContext& context, const array::Layout& layout, const Cas
     context.progress(name, run, 4);
   }
   BenchRow row = bench_row("array", name, "total", total);
-  row.per_second = sets * 1e3 / row.median_ms;
-  row.unit = quality(which, listen(layout, slots, [&](std::uint32_t s) { return std::span(drives[s]); }), yardsticks) +
+  row.value = sets * 1e3 / row.median_ms;
+  row.unit = "solves/s";
+  row.note = quality(which, listen(layout, slots, [&](std::uint32_t s) { return std::span(drives[s]); }), yardsticks) +
              fmt::format(" ({} threads)", cores);
   rows.push_back(row);
 }

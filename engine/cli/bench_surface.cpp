@@ -125,7 +125,7 @@ void bench_preparation(const BenchContext& context, const std::string& name, con
     context.progress(name + ", prepared", static_cast<std::uint64_t>(run), 3);
   }
   BenchRow row = bench_row("surface", name, "prepared", fresh);
-  row.per_second = megabytes / 1e6;
+  row.value = megabytes / 1e6;
   row.unit = "MB";
   rows.push_back(row);
   // A cache of its own, so that what is measured is what was just written.
@@ -186,7 +186,7 @@ double bench_contacts(const BenchContext& context, const std::string& name, cons
   }
   BenchRow row = bench_row("surface", name, "contacts", samples);
   if (cube_ms > 0) {
-    row.per_second = 100 * row.median_ms / cube_ms;
+    row.value = 100 * row.median_ms / cube_ms;
     row.unit = "% of the cube's";
   }
   rows.push_back(row);

@@ -180,7 +180,7 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
                {{"omni", array::Directivity::omni},
                 {"piston", array::Directivity::piston},
                 {"t4010a1", array::Directivity::t4010a1}},
-               "of a transducer; not asked by naive");
+               "of a transducer, for pressures and for all solvers but naive");
   add_medium_options(app, options.medium);
 }
 

@@ -62,6 +62,14 @@ void add_schedule(JsonWriter& json, const TouchOptions& options, std::uint32_t f
   json.member("dwell_s", own.dwell_s).end_object();
 }
 
+/// How many foci a finger's order is of, where --tune or its solid gave it one of its own; else 0.
+std::uint32_t foci_of_own_order(const TouchReport& report, std::uint32_t index) {
+  const geometry::Solid& solid = report.input.solids[report.touch.fingers[index].solid];
+  const std::optional<array::Tuned>& tuned = report.schedules[index].tuned;
+  if (tuned && tuned->changed) return tuned->ring.foci;
+  return session::has_own_schedule(solid) ? session::foci_on(solid, report.options.parameters) : 0;
+}
+
 void add_finger(JsonWriter& json, const TouchReport& report, std::uint32_t index) {
   const touch::Finger& finger = report.touch.fingers[index];
   const touch::Placement& placement = report.schedules[index].placement;
@@ -92,11 +100,8 @@ void add_finger(JsonWriter& json, const TouchReport& report, std::uint32_t index
   for (const touch::Focus& focus : placement.foci)
     json.value(focus.points);
   json.end_array();
-  const geometry::Solid& solid = report.input.solids[finger.solid];
   const FingerSchedule& schedule = report.schedules[index];
-  const bool tuned = schedule.tuned && schedule.tuned->changed;
-  if (tuned || session::has_own_schedule(solid)) {
-    const std::uint32_t foci = tuned ? schedule.tuned->ring.foci : session::foci_on(solid, report.options.parameters);
+  if (const std::uint32_t foci = foci_of_own_order(report, index)) {
     add_schedule(json, report.options, foci, schedule.voice);
   }
   if (schedule.tuned) add_tune(json, *schedule.tuned);
@@ -170,6 +175,11 @@ std::string summary(const TouchReport& report) {
   fmt::format_to(out, "{} skin point{}, {} contact{}, {} finger{} ({:.1f} ms)\n", report.input.point_count,
                  plural(report.input.point_count), touch.contacts.size(), plural(touch.contacts.size()),
                  touch.finger_count, plural(touch.finger_count), report.total_ms);
+  const auto order_of = [](std::uint32_t foci, std::uint32_t stride, double dwell_s) {
+    return fmt::format("order {}, {} ms each", fmt::join(array::fill_order(foci, stride), " "), dwell_s * 1e3);
+  };
+  const bool still = plays_still(report.options);
+  bool common = touch.finger_count == 0;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     const touch::Finger& finger = touch.fingers[f];
     const glm::vec3 c = finger.section.centroid * 1e3f;
@@ -180,14 +190,18 @@ std::string summary(const TouchReport& report) {
     fmt::format_to(out, "finger {} on {}: {} contacts around ({:.2f}, {:.2f}, {:.2f}) mm, {} of {} foci{}\n", f,
                    report.input.solids[finger.solid].name, finger.contacts.size(), c.x, c.y, c.z, sounding,
                    placement.foci.size(), manner(placement));
+    const std::uint32_t own = still ? 0 : foci_of_own_order(report, f);
+    const array::VoiceOptions& voice = report.schedules[f].voice;
+    if (own != 0) fmt::format_to(out, "  {}\n", order_of(own, voice.stride, voice.dwell_s));
+    common = common || own == 0;
   }
   const TouchOptions& options = report.options;
-  if (plays_still(options)) {
+  if (still) {
     fmt::format_to(out, "modulated at {} Hz, {}; --json gives everything\n", options.modulation_hz,
                    array::name_of(options.modulation));
   } else {
-    fmt::format_to(out, "order {}, {} ms each; --json gives everything\n",
-                   fmt::join(array::fill_order(options.parameters.foci, options.stride), " "), options.dwell_s * 1e3);
+    if (common) text += order_of(options.parameters.foci, options.stride, options.dwell_s) + "; ";
+    text += "--json gives everything\n";
   }
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     if (report.schedules[f].tuned) text += tune_line(f, *report.schedules[f].tuned);

@@ -77,12 +77,13 @@ class Chain {
   virtual bool step(Plan& plan, FrameReport& report) = 0;
 };
 
-/// Passes on the device; two frames in flight. Throws Error where the device is lost or a frame exceeds its capacity.
+/// Passes on the device; two frames in flight. Throws Error where the device is lost; a frame that exceeds its
+/// capacity is left out with a warning.
 std::unique_ptr<Chain> make_gpu_chain(const gpu::Device& device, const ChainSetting& setting);
 /// The same through the passes' C++ twins.
 std::unique_ptr<Chain> make_cpu_chain(const ChainSetting& setting);
 
-/// Room for deep points in a frame, where they are asked for; more of them leave the frame out.
+/// What reserve() gives a frame's deep points: as many as a frame in flight has room for (touch::capacity_for).
 inline constexpr std::uint32_t most_deep = 1U << 18;
 
 /// Gives these values all the room that a live frame needs, so that the loop allocates nothing once it runs: any number

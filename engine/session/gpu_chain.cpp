@@ -1,6 +1,5 @@
 // The chain on the device. A frame takes two submits: depth to foci, then, once the host has made the schedule, foci to
-// drives. The hop over the host costs a fraction of a millisecond and keeps schedules, methods and solvers in plain
-// C++.
+// drives. The hop over the host costs a fraction of a millisecond and keeps schedules and methods in plain C++.
 #include <fmt/core.h>
 
 #include <array>

@@ -45,8 +45,8 @@ void check(const Parameters& parameters, const PlaneTable& table) {
     for (const float side : {solid.low.x, solid.low.y, solid.low.z})
       reach = std::max(reach, -static_cast<double>(side));
   }
-  // A solid may be turned.
-  reach *= std::numbers::sqrt3;
+  const double half_size = reach;
+  reach *= std::numbers::sqrt3;  // it may be turned
   for (std::uint32_t s = 0; s < table.solids.size(); ++s) {
     if (table.solids[s].by_surface != shader::asked_by_surface) continue;
     const geometry::SurfaceOptions& made = table.surfaces[s].options;
@@ -59,7 +59,7 @@ void check(const Parameters& parameters, const PlaneTable& table) {
   const double least = reach / (2e-3 * shader::fingers_cell_thousandths * shader::fingers_most_blocks);
   if (parameters.finger_gap_m < least) {
     throw bad_usage(fmt::format("the finger gap is {} m: at least {:.2g} m for a solid of {:.3g} m",
-                                parameters.finger_gap_m, least * 1.01, 2 * reach));
+                                parameters.finger_gap_m, least * 1.01, 2 * half_size));
   }
 }
 

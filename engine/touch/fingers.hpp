@@ -20,7 +20,7 @@
 namespace palpa::touch {
 
 /// Throws bad_usage unless delta and finger gap are finite and positive, the finger width finite and not negative, 1 <=
-/// foci <= max_foci, and the gap is not so small against the largest solid (1/30,000 of it) that single precision could
+/// foci <= max_foci, and the gap is not so small against the largest solid (1/18,000 of half its size) that single precision could
 /// not place a contact in a cell.
 void check(const Parameters& parameters, const PlaneTable& table);
 

@@ -15,8 +15,8 @@ namespace palpa::touch {
 /// Microseconds from frame to frame, as following wants them.
 class FrameClock {
  public:
-  /// From the frame of the call before to this one's capture time; follow_anew for the first. A time that does not
-  /// come after the one before is a new beginning: longer than any finger is remembered.
+  /// From the frame of the call before to this one's capture time; follow_anew for the first. A time before the
+  /// one before is a new beginning: longer than any finger is remembered.
   std::uint32_t elapsed_us(double time_s);
 
  private:

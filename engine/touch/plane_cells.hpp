@@ -36,7 +36,7 @@ struct PlaneTable {
   }
 };
 
-/// `solids` are convex and bounded. A cell of solid s lists every plane that is the nearest at some point of the cell
+/// A cell of a convex solid s lists every plane that is the nearest at some point of the cell
 /// (and as few others as a bound on the cell allows). A plane is left out only where another is nearer by more than
 /// rounding, so that the least float depth over the list is bit for bit the least over all planes. Cells deeper than a
 /// few millimetres are coarser: no less right, only slower. A solid without planes, or with so many that its surface is

@@ -200,7 +200,7 @@ TEST(CliBench, ChecksThenMeasures) {
   std::ifstream csv(folder / "b.csv");
   std::string header, line;
   std::getline(csv, header);
-  EXPECT_EQ(header, "suite,case,stage,median_ms,p99_ms,min_ms,runs,per_second,unit,device,driver");
+  EXPECT_EQ(header, "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver");
   int totals = 0;
   while (std::getline(csv, line))
     totals += line.find(",total,") != std::string::npos ? 1 : 0;
