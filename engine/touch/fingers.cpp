@@ -58,7 +58,7 @@ void check(const Parameters& parameters, const PlaneTable& table) {
   }
   const double least = reach / (2e-3 * shader::fingers_cell_thousandths * shader::fingers_most_blocks);
   if (parameters.finger_gap_m < least) {
-    throw bad_usage(fmt::format("the finger gap is {} m: at least {:.2g} m for a solid of {:.3g} m",
+    throw bad_usage(fmt::format("the finger gap is {} m: at least {:.3g} m for a solid of {:.3g} m",
                                 parameters.finger_gap_m, least * 1.01, 2 * half_size));
   }
 }

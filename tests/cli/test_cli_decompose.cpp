@@ -15,6 +15,7 @@
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
 #include "geometry/parts_solid.hpp"
+#include "geometry/shapes.hpp"
 #include "geometry/vhacd.hpp"
 #include "process.hpp"
 #include "support/shared_data.hpp"
@@ -24,37 +25,6 @@ namespace {
 
 using geometry::SceneMesh;
 using nlohmann::json;
-
-geometry::Mesh box(const Vec3& low, const Vec3& high) {
-  geometry::Mesh mesh;
-  for (int c = 0; c < 8; ++c)
-    mesh.positions.emplace_back(c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z);
-  for (const glm::uvec3& t : {glm::uvec3(0, 2, 1), glm::uvec3(1, 2, 3), glm::uvec3(4, 5, 6), glm::uvec3(5, 7, 6),
-                              glm::uvec3(0, 1, 4), glm::uvec3(1, 5, 4), glm::uvec3(2, 6, 3), glm::uvec3(3, 6, 7),
-                              glm::uvec3(0, 4, 2), glm::uvec3(2, 4, 6), glm::uvec3(1, 3, 5), glm::uvec3(3, 7, 5)})
-    mesh.triangles.push_back(t);
-  return mesh;
-}
-
-/// An L: a box 60 mm long and 40 mm high without the upper half of its right half; top at y = 0.
-geometry::Mesh ell() {
-  geometry::Mesh mesh;
-  const Vec2 outline[6] = {{-0.03, -0.04}, {0.03, -0.04}, {0.03, -0.02}, {0, -0.02}, {0, 0}, {-0.03, 0}};
-  for (const double z : {-0.02, 0.02}) {
-    for (const Vec2& p : outline)
-      mesh.positions.emplace_back(p.x, p.y, z);
-  }
-  for (std::uint32_t i = 0; i < 6; ++i) {
-    const std::uint32_t next = (i + 1) % 6;
-    mesh.triangles.emplace_back(i, next, next + 6);
-    mesh.triangles.emplace_back(i, next + 6, i + 6);
-  }
-  for (const glm::uvec3& t : {glm::uvec3(0, 1, 3), glm::uvec3(1, 2, 3), glm::uvec3(0, 3, 5), glm::uvec3(3, 4, 5)}) {
-    mesh.triangles.emplace_back(t[0], t[2], t[1]);
-    mesh.triangles.emplace_back(t[0] + 6, t[1] + 6, t[2] + 6);
-  }
-  return mesh;
-}
 
 class Decompose : public testing::Test {
  protected:

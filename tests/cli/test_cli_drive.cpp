@@ -179,7 +179,9 @@ TEST_P(Drive, SolversServeSeveralFociAndSayHowWell) {
       strongest = std::max(strongest, std::abs(sum) / gains[j]);
     }
     EXPECT_NEAR(report["weakest_to_strongest"].get<double>(), weakest / strongest, 1e-6);
-    EXPECT_GE(weakest / strongest, solver == "gs-pat" ? 0.95 : solver == "greedy" ? 0.85 : 0.0);
+    // Measured: naive 0.656, gs-pat 0.997, greedy 0.974; of 60 random sets like this one, greedy's worst was 0.966.
+    EXPECT_GE(weakest / strongest, solver == "gs-pat" ? 0.99 : solver == "greedy" ? 0.965 : 0.65);
+    EXPECT_LE(weakest / strongest, solver == "naive" ? 0.66 : 1.0);
   }
 }
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <fstream>
 #include <glm/geometric.hpp>
-#include <sstream>
 
 #include "boxes.hpp"
+#include "support/hand_tips.hpp"
 #include "support/shared_data.hpp"
 #include "touch_json.hpp"
 
@@ -24,10 +24,6 @@ struct Lens {
 constexpr Lens sr305{640, 480, 476.007, 313.683, 242.755, 0.000125};
 // Nominal values of the first Kinect; the recording does not say its own.
 constexpr Lens kinect{640, 480, 585, 320, 240, 0.001};
-
-struct Pixel {
-  double u, v;
-};
 
 Vec3 point_at(const Lens& lens, const Pixel& p, double z) {
   return {(p.u - lens.cx) / lens.f * z, (p.v - lens.cy) / lens.f * z, z};
@@ -101,31 +97,9 @@ TEST_P(Hands, Sr305AllFiveFingersReachIntoThreeBoxes) {
   EXPECT_EQ(touched, (std::vector<std::string>{"left", "left", "left", "thumb", "top"}));
 }
 
-struct Label {
-  int hand;
-  Pixel pixel;
-  double z;
-};
-
-std::vector<Label> read_tips(const fs::path& file) {
-  std::vector<Label> tips;
-  std::ifstream stream(file);
-  std::string line;
-  std::getline(stream, line);
-  while (std::getline(stream, line)) {
-    std::vector<std::string> cells;
-    std::istringstream text(line);
-    for (std::string cell; std::getline(text, cell, ',');)
-      cells.push_back(cell);
-    if (cells.at(1) == "tip")
-      tips.push_back({std::stoi(cells[0]), {std::stod(cells[2]), std::stod(cells[3])}, std::stod(cells[4]) / 1000});
-  }
-  return tips;
-}
-
 /// One box per hand. Both hands lean towards the camera, fingertips first: a plane in front of the palm cuts all five
 /// fingers.
-std::vector<TiltedBox> kinect_boxes(const std::vector<Label>& tips) {
+std::vector<TiltedBox> kinect_boxes(const std::vector<HandTip>& tips) {
   // Pointing into the box, and how deep the shallowest tip of that hand lies in it. From 5 to 7 mm on the left and 1 to
   // 7 mm on the right every finger enters by one connected ring; deeper, planes almost along a finger graze it in
   // pieces.
@@ -136,7 +110,7 @@ std::vector<TiltedBox> kinect_boxes(const std::vector<Label>& tips) {
     const Vec3 n = glm::normalize(inwards);
     Vec3 middle(0);
     double shallowest = 1e9;
-    for (const Label& tip : tips) {
+    for (const HandTip& tip : tips) {
       if (tip.hand != hand) continue;
       const Vec3 p = point_at(kinect, tip.pixel, tip.z);
       middle += p / 5.0;
@@ -153,7 +127,7 @@ std::vector<TiltedBox> kinect_boxes(const std::vector<Label>& tips) {
 // labelled tip, and exactly one of the rings.
 TEST_P(Hands, KinectTwoHandsAreTenFingersWithOneLabelledTipEach) {
   PALPA_SHARED_OR_SKIP(folder, "depth-hand-kinect1-candescent");
-  const std::vector<Label> tips = read_tips(folder / "two_hands_labels.csv");
+  const std::vector<HandTip> tips = read_tips(folder / "two_hands_labels.csv");
   ASSERT_EQ(tips.size(), 10u);
   const fs::path scene = scratch_folder("two-hands") / "boxes.glb";
   write_boxes(scene, kinect_boxes(tips));
@@ -165,7 +139,7 @@ TEST_P(Hands, KinectTwoHandsAreTenFingersWithOneLabelledTipEach) {
     const auto holds = [&](std::uint32_t index) {
       return std::binary_search(finger.indices.begin(), finger.indices.end(), index);
     };
-    const auto labels = std::count_if(tips.begin(), tips.end(), [&](const Label& tip) {
+    const auto labels = std::count_if(tips.begin(), tips.end(), [&](const HandTip& tip) {
       return holds(static_cast<std::uint32_t>(tip.pixel.v * kinect.width + tip.pixel.u));
     });
     EXPECT_EQ(labels, 1);

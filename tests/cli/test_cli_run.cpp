@@ -1,9 +1,7 @@
 // The live loop as the real program: what it says, what it sends, and that it always ends in silence.
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>
-#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,6 +15,7 @@
 #include "process.hpp"
 #include "session/record_link.hpp"
 #include "support/shared_data.hpp"
+#include "support/udp_receiver.hpp"
 
 extern char** environ;
 
@@ -128,23 +127,13 @@ TEST(CliRun, SignalsEndItInSilence) {
 }
 
 TEST(CliRun, StreamsFociToWhoeverListens) {
-  const int receiver = socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  ASSERT_EQ(bind(receiver, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
-  socklen_t size = sizeof(address);
-  getsockname(receiver, reinterpret_cast<sockaddr*>(&address), &size);
-  const timeval patience{1, 0};
-  setsockopt(receiver, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
-  const Result result = palpa({"run", "--scene", cube(), "--frames", "40", "--quiet", "--link",
-                               "foci:udp:127.0.0.1:" + std::to_string(ntohs(address.sin_port))});
+  const UdpReceiver receiver(1);
+  const Result result =
+      palpa({"run", "--scene", cube(), "--frames", "40", "--quiet", "--link", "foci:" + receiver.address()});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   std::vector<json> lines;
-  char text[65536];
-  for (ssize_t bytes; (bytes = recv(receiver, text, sizeof(text), 0)) > 0;)
-    lines.push_back(json::parse(text, text + bytes));
-  close(receiver);
+  for (std::string text; !(text = receiver.next()).empty();)
+    lines.push_back(json::parse(text));
   ASSERT_GT(lines.size(), 5u);
   EXPECT_TRUE(lines.back()["fingers"].empty());
   const auto touched =

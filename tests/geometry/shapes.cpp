@@ -18,6 +18,25 @@ Mesh box(const Vec3& low, const Vec3& high) {
   return mesh;
 }
 
+Mesh ell() {
+  Mesh mesh;
+  const Vec2 outline[6] = {{-0.03, -0.04}, {0.03, -0.04}, {0.03, -0.02}, {0, -0.02}, {0, 0}, {-0.03, 0}};
+  for (const double z : {-0.02, 0.02}) {
+    for (const Vec2& p : outline)
+      mesh.positions.emplace_back(p.x, p.y, z);
+  }
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    const std::uint32_t next = (i + 1) % 6;
+    mesh.triangles.emplace_back(i, next, next + 6);
+    mesh.triangles.emplace_back(i, next + 6, i + 6);
+  }
+  for (const glm::uvec3& t : {glm::uvec3(0, 1, 3), glm::uvec3(1, 2, 3), glm::uvec3(0, 3, 5), glm::uvec3(3, 4, 5)}) {
+    mesh.triangles.emplace_back(t[0], t[2], t[1]);
+    mesh.triangles.emplace_back(t[0] + 6, t[1] + 6, t[2] + 6);
+  }
+  return mesh;
+}
+
 Mesh sphere(double radius, int rings, int segments) {
   constexpr double pi = std::numbers::pi;
   Mesh mesh;

@@ -14,6 +14,9 @@ namespace palpa::test {
 /// 12 triangles facing outwards, 8 shared vertices.
 geometry::Mesh box(const Vec3& low, const Vec3& high);
 
+/// An L along x, 60 mm long, 40 mm high and deep, without the upper half of its right half; its top at y = 0.
+geometry::Mesh ell();
+
 /// rings x segments around the z axis, closed, facing outwards.
 geometry::Mesh sphere(double radius, int rings, int segments);
 

@@ -16,27 +16,6 @@ namespace {
 #define NEEDS_VHACD() \
   if (!has_vhacd()) GTEST_SKIP() << "skipped: built without V-HACD"
 
-/// A box with a notch: 60 mm long, 40 mm high and deep, of which the upper half of the right half is missing.
-Mesh notch() {
-  Mesh mesh;
-  const double x[3] = {0, 0.03, 0.06}, y[3] = {0, 0.02, 0.04}, d = 0.04;
-  const Vec2 outline[6] = {{x[0], y[0]}, {x[2], y[0]}, {x[2], y[1]}, {x[1], y[1]}, {x[1], y[2]}, {x[0], y[2]}};
-  for (const double z : {0.0, d}) {
-    for (const Vec2& p : outline)
-      mesh.positions.emplace_back(p.x, p.y, z);
-  }
-  for (std::uint32_t i = 0; i < 6; ++i) {
-    const std::uint32_t next = (i + 1) % 6;
-    mesh.triangles.emplace_back(i, next, next + 6);
-    mesh.triangles.emplace_back(i, next + 6, i + 6);
-  }
-  for (const glm::uvec3& t : {glm::uvec3(0, 1, 3), glm::uvec3(1, 2, 3), glm::uvec3(0, 3, 5), glm::uvec3(3, 4, 5)}) {
-    mesh.triangles.emplace_back(t[0], t[2], t[1]);
-    mesh.triangles.emplace_back(t[0] + 6, t[1] + 6, t[2] + 6);
-  }
-  return mesh;
-}
-
 TEST(Nearest, IsTheLeastOverAllTriangles) {
   const Mesh mesh = test::torus(0.05, 0.02, 24);
   const NearestTriangle nearest(mesh);
@@ -78,12 +57,12 @@ TEST(Decompose, SaysWhatCannotBeTakenApart) {
   EXPECT_CONTAINS(unfit_for_parts({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}), "flat");
   EXPECT_CONTAINS(unfit_for_parts(test::box({0, 0, 0}, {2e3, 1, 1})), "2000 m across");
   EXPECT_CONTAINS(unfit_for_parts(test::box(Vec3(0), Vec3(1e-8))), "1e-08 m across");
-  EXPECT_EQ(unfit_for_parts(notch()), "");
+  EXPECT_EQ(unfit_for_parts(test::ell()), "");
 }
 
-TEST(Decompose, OfANotchFindsTheNotch) {
+TEST(Decompose, OfAnEllFindsItsNotch) {
   NEEDS_VHACD();
-  const Mesh mesh = test::rounded(notch());
+  const Mesh mesh = test::rounded(test::ell());
   const double whole = 0.06 * 0.04 * 0.04 * 0.75;
   ASSERT_NEAR(signed_volume(mesh), whole, 1e-9);
   double last = 0;

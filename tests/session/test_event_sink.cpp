@@ -1,9 +1,6 @@
 // Events on their way out: files, pipes that are read slowly or not at all, datagrams.
-#include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,6 +8,7 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -19,6 +17,8 @@
 #include "session/link.hpp"
 #include "session/stream_writer.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+#include "support/udp_receiver.hpp"
 
 namespace palpa::session {
 namespace {
@@ -36,16 +36,6 @@ std::vector<Event> events(std::size_t count, std::uint32_t first = 0) {
   for (std::size_t i = 0; i < count; ++i)
     made[i].finger = first + static_cast<std::uint32_t>(i);
   return made;
-}
-
-template <typename Work>
-Error error_of(Work work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error;
-  }
-  return Error(Exit::ok, "");
 }
 
 /// A FIFO with a reader that reads only when told to.
@@ -169,37 +159,28 @@ TEST(EventSink, AReaderThatLeavesAndAFullDiskAreErrors) {
   const auto sink = open_event_sink(fifo.file.string(), names);
   sink->write(events(1));
   fifo.hang_up();
-  const Error gone = error_of([&] { sink->write(events(1)); });
+  const Error gone = test::thrown_by([&] { sink->write(events(1)); });
   EXPECT_EQ(gone.code(), Exit::failed);
   EXPECT_NE(std::string(gone.what()).find("cannot be written: Broken pipe"), std::string::npos) << gone.what();
   const auto full = open_event_sink("/dev/full", names);
-  EXPECT_EQ(error_of([&] { full->write(events(1)); }).code(), Exit::failed);
-  EXPECT_EQ(error_of([] { open_event_sink("/no/such/folder/x", names); }).code(), Exit::failed);
+  EXPECT_EQ(test::thrown_by([&] { full->write(events(1)); }).code(), Exit::failed);
+  EXPECT_EQ(test::thrown_by([] { open_event_sink("/no/such/folder/x", names); }).code(), Exit::failed);
 }
 
 TEST(EventSink, SendsADatagramPerEvent) {
-  const int receiver = socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  ASSERT_EQ(bind(receiver, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
-  socklen_t size = sizeof(address);
-  getsockname(receiver, reinterpret_cast<sockaddr*>(&address), &size);
-  const timeval patience{5, 0};
-  setsockopt(receiver, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
-  const auto sink = open_event_sink("udp:127.0.0.1:" + std::to_string(ntohs(address.sin_port)), names);
+  auto receiver = std::make_unique<test::UdpReceiver>();
+  const auto sink = open_event_sink(receiver->address(), names);
   sink->write(events(2));
   for (std::uint32_t n = 0; n < 2; ++n) {
-    char text[2048];
-    const ssize_t bytes = recv(receiver, text, sizeof(text), 0);
-    ASSERT_GT(bytes, 0);
-    EXPECT_EQ(fingers({text, static_cast<std::size_t>(bytes)}), std::vector<std::uint32_t>{n});
+    const std::string text = receiver->next();
+    ASSERT_FALSE(text.empty());
+    EXPECT_EQ(fingers(text), std::vector<std::uint32_t>{n});
   }
-  close(receiver);
+  receiver.reset();
   for (int n = 0; n < 5; ++n)
     EXPECT_NO_THROW(sink->write(events(1))) << "nobody listens any more";
   for (const char* form : {"udp:", "udp:host", "udp:host:0", "udp::9", "udp:host:99999", ""})
-    EXPECT_EQ(error_of([&] { open_event_sink(form, names); }).code(), Exit::usage) << form;
+    EXPECT_EQ(test::thrown_by([&] { open_event_sink(form, names); }).code(), Exit::usage) << form;
 }
 
 TEST(RecordLink, AFifoThatNobodyReadsIsAFaultAndNotAHang) {
@@ -210,7 +191,7 @@ TEST(RecordLink, AFifoThatNobodyReadsIsAFaultAndNotAHang) {
   const auto link = open_link("record:" + fifo.file.string(), builtin_links(), setting);
   const array::Drive loud(1000, {1.0F, 0.5F}), silent(1000, {0.0F, 0.0F});
   const auto begin = Clock::now();
-  const Error stalled = error_of([&] {
+  const Error stalled = test::thrown_by([&] {
     for (std::uint64_t slot = 0; slot < 100; ++slot)
       link->send(slot, loud);
   });

@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <glm/geometric.hpp>
-#include <sstream>
 
 #include "array/schedule.hpp"
 #include "geometry/gltf_write.hpp"
@@ -14,6 +13,7 @@
 #include "sensing/png16.hpp"
 #include "sensing/rig.hpp"
 #include "support/device.hpp"
+#include "support/hand_tips.hpp"
 #include "support/shared_data.hpp"
 #include "touch/method.hpp"
 #include "touch/stage.hpp"
@@ -21,9 +21,8 @@
 namespace palpa::session {
 namespace {
 
-struct Pixel {
-  double u, v;
-};
+using test::HandTip;
+using test::Pixel;
 
 Vec3 point_at(const sensing::Camera& camera, const Pixel& p, double z) {
   return {(p.u - camera.cx) / camera.fx * z, (p.v - camera.cy) / camera.fy * z, z};
@@ -96,36 +95,14 @@ geometry::Mesh band(const sensing::Camera& camera, const std::vector<Pixel>& inn
   return outwards(std::move(mesh));
 }
 
-struct Tip {
-  int hand;
-  Pixel pixel;
-  double z;
-};
-
-std::vector<Tip> read_tips(const std::filesystem::path& file) {
-  std::vector<Tip> tips;
-  std::ifstream stream(file);
-  std::string line;
-  std::getline(stream, line);
-  while (std::getline(stream, line)) {
-    std::vector<std::string> cells;
-    std::istringstream text(line);
-    for (std::string cell; std::getline(text, cell, ',');)
-      cells.push_back(cell);
-    if (cells.at(1) == "tip")
-      tips.push_back({std::stoi(cells[0]), {std::stod(cells[2]), std::stod(cells[3])}, std::stod(cells[4]) / 1000});
-  }
-  return tips;
-}
-
 /// A body before both hands, whose back has a slope for each: all ten fingertips reach into it, and nothing else.
-geometry::Mesh mask(const sensing::Camera& camera, const std::vector<Tip>& tips) {
+geometry::Mesh mask(const sensing::Camera& camera, const std::vector<HandTip>& tips) {
   // Per hand: pointing into the body, and how deep its shallowest tip lies in it.
   const std::pair<Vec3, double> slopes[]{{{0.4931, 0.1606, -0.855}, 6e-3}, {{-0.1907, -0.1741, -0.9661}, 4e-3}};
   const auto back = [&](int hand, double x, double y) {
     const Vec3 n = glm::normalize(slopes[hand].first);
     double shallowest = 1e9;
-    for (const Tip& tip : tips) {
+    for (const HandTip& tip : tips) {
       if (tip.hand == hand + 1) shallowest = std::min(shallowest, glm::dot(n, point_at(camera, tip.pixel, tip.z)));
     }
     return Vec3(x, y, (shallowest - slopes[hand].second - n.x * x - n.y * y) / n.z);
@@ -243,7 +220,7 @@ TEST(Hands, FiveFingertipsOnOneArch) {
 
 TEST(Hands, TenFingertipsOnOneBody) {
   PALPA_SHARED_OR_SKIP(folder, "depth-hand-kinect1-candescent");
-  const std::vector<Tip> tips = read_tips(folder / "two_hands_labels.csv");
+  const std::vector<HandTip> tips = test::read_tips(folder / "two_hands_labels.csv");
   ASSERT_EQ(tips.size(), 10u);
   const Seen seen = look("mask", kinect(), mask(kinect(), tips), folder / "two_hands.png");
   const touch::Touch touch = touch_on_device(seen);
@@ -263,9 +240,10 @@ TEST(Hands, TenFingertipsOnOneBody) {
   for (std::uint32_t f = 0; f < 10; ++f) {
     const std::vector<std::uint32_t> points = points_of(whole, f);
     const auto holds = [&](std::uint32_t point) { return std::binary_search(points.begin(), points.end(), point); };
-    EXPECT_EQ(std::count_if(
-                  tips.begin(), tips.end(),
-                  [&](const Tip& tip) { return holds(static_cast<std::uint32_t>(tip.pixel.v * 640 + tip.pixel.u)); }),
+    EXPECT_EQ(std::count_if(tips.begin(), tips.end(),
+                            [&](const HandTip& tip) {
+                              return holds(static_cast<std::uint32_t>(tip.pixel.v * 640 + tip.pixel.u));
+                            }),
               1);
     int rings = 0;
     for (std::uint32_t g = 0; g < 10; ++g) {

@@ -1,8 +1,4 @@
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -12,6 +8,8 @@
 #include "session/link.hpp"
 #include "session/record_link.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+#include "support/udp_receiver.hpp"
 
 namespace palpa::session {
 namespace {
@@ -22,16 +20,6 @@ struct Setting {
   LinkSetting setting{layout, names, 1.5e-3};
   Setting() { layout.transducers.assign(3, {Vec3(0), Vec3(0, 0, 1)}); }
 };
-
-template <typename Work>
-Error error_of(Work work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error;
-  }
-  return Error(Exit::ok, "");
-}
 
 array::Schedule one_finger() {
   array::Schedule schedule;
@@ -46,10 +34,10 @@ array::Schedule one_finger() {
 
 TEST(Links, UnknownOnesAreRefusedWithTheKnownNames) {
   Setting s;
-  const Error error = error_of([&] { open_link("piano:88", builtin_links(), s.setting); });
+  const Error error = test::thrown_by([&] { open_link("piano:88", builtin_links(), s.setting); });
   EXPECT_EQ(error.code(), Exit::usage);
   EXPECT_NE(std::string(error.what()).find("record:FILE"), std::string::npos) << error.what();
-  EXPECT_EQ(error_of([&] { open_link("null:x", builtin_links(), s.setting); }).code(), Exit::usage);
+  EXPECT_EQ(test::thrown_by([&] { open_link("null:x", builtin_links(), s.setting); }).code(), Exit::usage);
   EXPECT_NO_THROW(open_link("null", builtin_links(), s.setting));
 }
 
@@ -74,7 +62,7 @@ TEST(RecordLink, WritesWhatItIsSentAndReadsItBack) {
 
 TEST(RecordLink, AFullDiskIsAnError) {
   Setting s;
-  const Error error = error_of([&] {
+  const Error error = test::thrown_by([&] {
     const auto link = open_link("record:/dev/full", builtin_links(), s.setting);
     const array::Drive drive(3, {1.0f, 0.0f});
     for (int i = 0; i < 100'000; ++i)
@@ -83,46 +71,24 @@ TEST(RecordLink, AFullDiskIsAnError) {
   });
   EXPECT_EQ(error.code(), Exit::failed);
   EXPECT_NE(std::string(error.what()).find("/dev/full: cannot be written"), std::string::npos) << error.what();
-  EXPECT_EQ(error_of([&] { open_link("record:/no/such/folder/x", builtin_links(), s.setting); }).code(), Exit::failed);
+  EXPECT_EQ(test::thrown_by([&] { open_link("record:/no/such/folder/x", builtin_links(), s.setting); }).code(),
+            Exit::failed);
 }
 
 TEST(RecordLink, BrokenFilesAreNamed) {
   const auto folder = test::scratch_folder("broken");
   std::ofstream(folder / "not") << "something else entirely, long enough";
-  EXPECT_EQ(error_of([&] { read_drive_recording(folder / "not"); }).code(), Exit::bad_input);
-  EXPECT_EQ(error_of([&] { read_drive_recording(folder / "missing"); }).code(), Exit::bad_input);
-  EXPECT_EQ(error_of([&] { read_drive_recording(folder); }).code(), Exit::bad_input);
+  EXPECT_EQ(test::thrown_by([&] { read_drive_recording(folder / "not"); }).code(), Exit::bad_input);
+  EXPECT_EQ(test::thrown_by([&] { read_drive_recording(folder / "missing"); }).code(), Exit::bad_input);
+  EXPECT_EQ(test::thrown_by([&] { read_drive_recording(folder); }).code(), Exit::bad_input);
   Setting s;
   const auto link = open_link("record:" + (folder / "cut").string(), builtin_links(), s.setting);
   link->send(0, array::Drive(3, {1.0f, 0.0f}));
   link->finish();
   std::filesystem::resize_file(folder / "cut", std::filesystem::file_size(folder / "cut") - 5);
-  const Error error = error_of([&] { read_drive_recording(folder / "cut"); });
+  const Error error = test::thrown_by([&] { read_drive_recording(folder / "cut"); });
   EXPECT_NE(std::string(error.what()).find("cut off"), std::string::npos) << error.what();
 }
-
-/// A UDP socket on the loopback, on a port of the system's choice.
-struct Receiver {
-  int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
-  int port = 0;
-  Receiver() {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(bind(socket, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
-    socklen_t size = sizeof(address);
-    getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
-    port = ntohs(address.sin_port);
-    const timeval timeout{5, 0};
-    setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout));
-  }
-  ~Receiver() { ::close(socket); }
-  std::string line() {
-    char text[65536];
-    const ssize_t size = recv(socket, text, sizeof(text), 0);
-    return size > 0 ? std::string(text, static_cast<std::size_t>(size)) : std::string();
-  }
-};
 
 TEST(FociLink, WritesTheSameBytesIntoTheSamePlace) {
   const std::vector<std::string> names{"cube", "a \"b\"\n"};
@@ -144,10 +110,10 @@ TEST(FociLink, WritesTheSameBytesIntoTheSamePlace) {
 
 TEST(FociLink, SendsOneJsonLinePerFrame) {
   Setting s;
-  Receiver receiver;
-  const auto link = open_link("foci:udp:127.0.0.1:" + std::to_string(receiver.port), builtin_links(), s.setting);
+  const test::UdpReceiver receiver;
+  const auto link = open_link("foci:" + receiver.address(), builtin_links(), s.setting);
   link->foci(one_finger());
-  const std::string line = receiver.line();
+  const std::string line = receiver.next();
   ASSERT_FALSE(line.empty());
   EXPECT_EQ(line.back(), '\n');
   const auto json = nlohmann::json::parse(line);
@@ -161,17 +127,13 @@ TEST(FociLink, SendsOneJsonLinePerFrame) {
   EXPECT_EQ(finger["dwell_s"], 0.0015);
 
   link->foci(array::Schedule());
-  EXPECT_TRUE(nlohmann::json::parse(receiver.line())["fingers"].empty());
+  EXPECT_TRUE(nlohmann::json::parse(receiver.next())["fingers"].empty());
 }
 
 TEST(FociLink, SurvivesThatNobodyListens) {
   Setting s;
-  int port = 0;
-  {
-    const Receiver gone;
-    port = gone.port;
-  }
-  const auto link = open_link("foci:udp:127.0.0.1:" + std::to_string(port), builtin_links(), s.setting);
+  const std::string nobody = test::UdpReceiver().address();
+  const auto link = open_link("foci:" + nobody, builtin_links(), s.setting);
   for (int i = 0; i < 10; ++i)
     EXPECT_NO_THROW(link->foci(one_finger()));
 }
@@ -180,7 +142,7 @@ TEST(FociLink, RefusesOtherForms) {
   Setting s;
   for (const char* spec : {"foci", "foci:", "foci:tcp:a:1", "foci:udp:", "foci:udp:host", "foci:udp:host:",
                            "foci:udp::9000", "foci:udp:host:0", "foci:udp:host:65536", "foci:udp:host:12x"}) {
-    EXPECT_EQ(error_of([&] { open_link(spec, builtin_links(), s.setting); }).code(), Exit::usage) << spec;
+    EXPECT_EQ(test::thrown_by([&] { open_link(spec, builtin_links(), s.setting); }).code(), Exit::usage) << spec;
   }
 }
 

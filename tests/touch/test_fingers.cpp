@@ -354,8 +354,26 @@ TEST_P(Fingers, RefuseUnusableParameters) {
   EXPECT_TRUE(refused({.finger_gap_m = 1e-8}));
   EXPECT_TRUE(refused({.foci = 0}));
   EXPECT_TRUE(refused({.foci = max_foci + 1}));
-  EXPECT_FALSE(refused({.finger_gap_m = 2e-6}));
+  // 30,000 blocks of 1.04 gaps reach from the cube's centre as far as its corners, since it may be turned.
+  const double least = 0.02 * std::numbers::sqrt3 / (30'000 * 1.04);
+  EXPECT_TRUE(refused({.finger_gap_m = 0.999 * least}));
+  EXPECT_FALSE(refused({.finger_gap_m = 1.001 * least}));
   EXPECT_FALSE(refused({.finger_gap_m = 1e30}));
+}
+
+TEST_P(Fingers, TheGapThatARefusalNamesWillDo) {
+  const std::vector<glm::vec3> points{{0, -1e-3, 0}};
+  for (const double size : {0.013, 0.04, 0.3, 7.0}) {
+    const std::vector solids{box(Vec3(-size, -size, -size), Vec3(size, 0, size))};
+    try {
+      touch_on(GetParam(), points, solids, {.finger_gap_m = 1e-9});
+      ADD_FAILURE() << size;
+    } catch (const Error& error) {
+      const std::string said = error.what(), before = "at least ";
+      const double named = std::stod(said.substr(said.find(before) + before.size()));
+      EXPECT_NO_THROW(touch_on(GetParam(), points, solids, {.finger_gap_m = named})) << said;
+    }
+  }
 }
 
 }  // namespace

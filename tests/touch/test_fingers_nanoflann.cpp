@@ -1,13 +1,16 @@
 // Euclidean clusters against region growing over nanoflann's k-d tree: another structure, another traversal, other
 // people's code. Random and adversarial clouds, in any order of their points.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
 #include <algorithm>
 #include <cmath>
+#include <glm/vector_relational.hpp>
 #include <map>
 #include <nanoflann.hpp>
 #include <numeric>
+#include <stdexcept>
 
 #include "touch/harness.hpp"
 
@@ -78,7 +81,19 @@ void expect_regions(Backend backend, const Points& points, double gap, std::uint
   RC_ASSERT(clusters_of(touch) == expected);
 }
 
-/// Clouds that are hard on cells, trees or union-find; `kind` names one.
+/// `count` points along a helix of at most 1.2 m radius and 1.5 m rise, 0.98 of a gap apart each. Its turns lie further
+/// apart than a gap where there are more than 230 points: a single cluster, however long.
+Points thread(std::uint32_t count, double gap) {
+  const double step = 0.98 * gap, radius = std::min(step * count / 25, 1.2);
+  const double rise = std::min(2e-3 * count * radius, 1.5) / count;
+  const double turn = std::sqrt(step * step - rise * rise) / radius;
+  Points points;
+  for (std::uint32_t i = 0; i < count; ++i)
+    points.emplace_back(Vec3(radius * std::cos(turn * i), rise * i, radius * std::sin(turn * i)));
+  return points;
+}
+
+/// Clouds that are hard on cells, trees or union-find; `kind` names one. All lie within everything().
 Points adversarial(int kind, std::uint32_t count, double gap, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -86,19 +101,14 @@ Points adversarial(int kind, std::uint32_t count, double gap, unsigned seed) {
     const double x = unit(random), y = unit(random), z = unit(random);
     return Vec3(x, y, z);
   };
-  Points points;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const double share = static_cast<double>(i) / count;
+  Points points = kind == 2 ? thread(count, gap) : Points{};
+  for (auto i = static_cast<std::uint32_t>(points.size()); i < count; ++i) {
     switch (kind) {
       case 0:  // about as many neighbours as make long, branching clusters
         points.emplace_back(anywhere() * gap * std::cbrt(count * 0.19));
         break;
       case 1:  // a lattice exactly, or hardly not, a gap apart
         points.emplace_back(gap * (1 + (seed % 3) * 1e-7) * Vec3(i % 9, i / 9 % 9, i / 81));
-        break;
-      case 2:  // a thread that winds through all cells, one gap at a time
-        points.emplace_back(gap * 0.98 * count / 25 *
-                            Vec3(std::cos(25 * share), std::sin(25 * share), 0.05 * share * count / 25));
         break;
       case 3:  // many contacts in few places, some in the very same
         points.emplace_back(gap * 1.02 * glm::floor(anywhere() * 3.0) + 0.01 * gap * glm::floor(anywhere() * 4.0));
@@ -114,6 +124,12 @@ Points adversarial(int kind, std::uint32_t count, double gap, unsigned seed) {
         points.emplace_back(Vec3(1.6, -1.6, 1.6) + 0.52 * gap * glm::floor(anywhere() * 6.0) + 1e-7 * anywhere());
         break;
     }
+  }
+  const geometry::Solid solid = everything();
+  for (const Vec3 p : points) {  // no point beyond it is a contact: neither clusters nor their order would compare
+    if (glm::any(glm::lessThanEqual(p, solid.bounds.low)) || glm::any(glm::greaterThanEqual(p, solid.bounds.high)))
+      throw std::logic_error(
+          fmt::format("cloud {} of {} points, gap {}: ({}, {}, {}) is outside", kind, count, gap, p.x, p.y, p.z));
   }
   std::shuffle(points.begin(), points.end(), random);
   return points;
@@ -139,6 +155,18 @@ TEST_P(FingersAgainstNanoflann, FindTheSamePartition) {
     const auto least = *rc::gen::inRange(1U, 7U);
     expect_regions(GetParam(), drawn_cloud(gap, most()), gap, least);
   }));
+}
+
+TEST(AdversarialClouds, AllLieWithinEverythingAndAThreadIsOneCluster) {
+  for (const double gap : {1e-3, 5e-3, 0.0794}) {
+    for (const std::uint32_t count : {1U, 2U, 127U, 1000U, gap > 0.01 ? 1000U : 4000U}) {
+      for (int kind = 0; kind < kinds; ++kind)
+        EXPECT_EQ(adversarial(kind, count, gap, count + 1).size(), count) << kind;
+      const Clusters whole = grow_regions(adversarial(2, count, gap, 1), gap, 1);
+      ASSERT_EQ(whole.size(), 1U) << gap << ' ' << count;
+      EXPECT_EQ(whole[0].size(), count);
+    }
+  }
 }
 
 TEST_P(FingersAgainstNanoflann, FindTheSamePartitionOfEveryAdversary) {

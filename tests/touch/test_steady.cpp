@@ -110,13 +110,91 @@ std::vector<glm::vec3> rim(double a, double b, std::uint32_t count, unsigned see
   return points;
 }
 
-/// Largest gap between neighbouring foci over the smallest; sectors without contacts have none.
-double unevenness(const Finger& finger) {
+struct Polar {
+  double angle = 0, radius = 0;  ///< in the scaled plane, the angle in [0, 2 pi)
+};
+
+double angle_of(const Vec2& p) {
+  const double angle = std::atan2(p.y, p.x);
+  return angle < 0 ? angle + 2 * std::numbers::pi : angle;
+}
+
+/// Where the sectors begin, as docs/touch.md says it: equal angles, or equal lengths of the outline.
+std::vector<double> borders_of(const std::vector<Polar>& contacts, const CrossSection& section, std::uint32_t foci,
+                               Spacing spacing) {
+  constexpr std::uint32_t bins = 64;
+  std::vector<double> borders;
+  if (spacing == Spacing::angle) {
+    for (std::uint32_t n = 0; n < foci; ++n)
+      borders.push_back(2 * std::numbers::pi * n / foci);
+    return borders;
+  }
+  std::array<double, bins> sums{}, counts{}, radii{};
+  for (const Polar& p : contacts) {
+    const auto bin = static_cast<std::uint32_t>(p.angle / (2 * std::numbers::pi) * bins) % bins;
+    sums[bin] += p.radius;
+    ++counts[bin];
+  }
+  for (std::uint32_t m = 0; m < bins; ++m) {
+    std::uint32_t back = 0, on = 0;
+    for (; counts[(m + bins - back) % bins] == 0; ++back) {
+    }
+    for (; counts[(m + on) % bins] == 0; ++on) {
+    }
+    const std::uint32_t before = (m + bins - back) % bins, after = (m + on) % bins;
+    const double share = back + on == 0 ? 0 : static_cast<double>(back) / (back + on);
+    radii[m] = (1 - share) * sums[before] / counts[before] + share * sums[after] / counts[after];
+  }
+  const auto corner = [&](std::uint32_t m) {
+    const double radius = (radii[(m + bins - 2) % bins] + 3 * radii[(m + bins - 1) % bins] + 3 * radii[m % bins] +
+                           radii[(m + 1) % bins]) /
+                          8;
+    const double angle = 2 * std::numbers::pi * m / bins;
+    return radius * Vec2(std::cos(angle), std::sin(angle));
+  };
+  const Vec2 metres(std::sqrt(section.eigenvalues[0]), std::sqrt(section.eigenvalues[1]));
+  std::array<double, bins + 1> way{};
+  for (std::uint32_t m = 0; m < bins; ++m)
+    way[m + 1] = way[m] + glm::length((corner(m + 1) - corner(m)) * metres);
+  for (std::uint32_t n = 0; n < foci; ++n) {
+    const double cut = way[bins] * n / foci;
+    const auto side = static_cast<std::uint32_t>(std::upper_bound(way.begin(), way.end(), cut) - way.begin()) - 1;
+    const double share = (cut - way[side]) / (way[side + 1] - way[side]);
+    borders.push_back(angle_of(glm::mix(corner(side), corner(side + 1), share)));
+  }
+  return borders;
+}
+
+/// How many of a finger's sectors hold contacts: in double precision and by arctangents, from its axes and eigenvalues.
+std::size_t sectors_with_contacts(const Touch& touch, const Finger& finger, std::uint32_t foci, Spacing spacing) {
+  const CrossSection& s = finger.section;
+  Vec3 centroid(0);
+  for (const std::uint32_t i : finger.contacts)
+    centroid += Vec3(touch.contacts[i].position) / static_cast<double>(finger.contacts.size());
+  std::vector<Polar> contacts;
+  for (const std::uint32_t i : finger.contacts) {
+    const Vec3 d = Vec3(touch.contacts[i].position) - centroid;
+    // Clockwise seen from the tip of w3.
+    const Vec2 p(glm::dot(d, Vec3(s.axes[0])) / std::sqrt(s.eigenvalues[0]),
+                 -glm::dot(d, Vec3(s.axes[1])) / std::sqrt(s.eigenvalues[1]));
+    contacts.push_back({angle_of(p), glm::length(p)});
+  }
+  const std::vector<double> borders = borders_of(contacts, s, foci, spacing);
+  std::vector<bool> held(foci, false);
+  for (const Polar& p : contacts)
+    held[static_cast<std::size_t>(std::upper_bound(borders.begin(), borders.end(), p.angle) - borders.begin()) - 1] =
+        true;
+  return static_cast<std::size_t>(std::count(held.begin(), held.end(), true));
+}
+
+/// Largest gap between neighbouring foci over the smallest, of as many as there must be; a sector without contacts has
+/// none.
+double unevenness(const Finger& finger, std::size_t count) {
   std::vector<glm::vec3> foci;
   for (const Focus& focus : finger.foci) {
     if (focus.points) foci.push_back(focus.position);
   }
-  EXPECT_GE(foci.size(), 7u);
+  EXPECT_EQ(foci.size(), count);
   double least = 1e300, most = 0;
   for (std::size_t n = 0; n < foci.size(); ++n) {
     const double gap = glm::distance(foci[n], foci[(n + 1) % foci.size()]);
@@ -133,9 +211,9 @@ TEST_P(Arc, SpacesTheFociOfAnEllipseEvenly) {
   for (const double length : {5e-3, 8e-3, 12e-3, 16e-3}) {
     Parameters parameters = everything_is_contact();
     const auto points = rim(length, 4e-3, 3000, 2);
-    const double angle = unevenness(touch_on(GetParam(), points, {everything()}, parameters).fingers.at(0));
+    const double angle = unevenness(touch_on(GetParam(), points, {everything()}, parameters).fingers.at(0), 10);
     parameters.spacing = Spacing::arc;
-    const double arc = unevenness(touch_on(GetParam(), points, {everything()}, parameters).fingers.at(0));
+    const double arc = unevenness(touch_on(GetParam(), points, {everything()}, parameters).fingers.at(0), 10);
     if (GetParam() == Backend::cpu)
       std::printf("ellipse %g x 4 mm: largest over smallest gap %.2f by angle, %.2f by arc\n", length * 1e3, angle,
                   arc);
@@ -180,7 +258,9 @@ TEST(ArcOnBoth, GivesTheSameBits) {
 }
 
 TEST(ArcOnThePrism, MakesGapsMoreEqual) {
-  // A finger across the ridge: two faces make a long cross-section.
+  // A finger across the ridge: two faces make a long cross-section. It is about as high as it is wide there, so that
+  // noise turns its plane about the ridge (w3 leans by 11 to 72 degrees); upright, the plane shows a roof that is
+  // open below, and sectors there have no contacts.
   const auto cameras = paper_cameras(3);
   HostStage stage(object("prism"), cameras);
   Parameters parameters;
@@ -193,7 +273,9 @@ TEST(ArcOnThePrism, MakesGapsMoreEqual) {
       parameters.spacing = spacing;
       stage.touch(images, parameters, touch);
       ASSERT_EQ(touch.finger_count, 1u);
-      sums[spacing == Spacing::arc ? 1 : 0] += unevenness(touch.fingers[0]) / 5;
+      const Finger& finger = touch.fingers[0];
+      const std::size_t held = sectors_with_contacts(touch, finger, parameters.foci, spacing);
+      sums[spacing == Spacing::arc ? 1 : 0] += unevenness(finger, held) / 5;
     }
   }
   std::printf("prism: largest over smallest gap %.2f by angle, %.2f by arc\n", sums[0], sums[1]);

@@ -1,0 +1,49 @@
+// Somebody who listens on a UDP port.
+#pragma once
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <string>
+#include <vector>
+
+namespace palpa::test {
+
+/// A socket on the loopback, on a port of the system's choice.
+class UdpReceiver {
+ public:
+  explicit UdpReceiver(int patience_s = 5) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+    socklen_t size = sizeof(address);
+    EXPECT_EQ(getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    port_ = ntohs(address.sin_port);
+    const timeval patience{patience_s, 0};
+    EXPECT_EQ(setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience)), 0);
+  }
+  ~UdpReceiver() { ::close(socket_); }
+  UdpReceiver(const UdpReceiver&) = delete;
+  UdpReceiver& operator=(const UdpReceiver&) = delete;
+
+  /// "udp:HOST:PORT", as palpa's options take it.
+  std::string address() const { return "udp:127.0.0.1:" + std::to_string(port_); }
+
+  /// The next datagram; empty when none comes within its patience.
+  std::string next() const {
+    std::vector<char> text(65536);
+    const ssize_t size = recv(socket_, text.data(), text.size(), 0);
+    return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : std::string();
+  }
+
+ private:
+  int socket_ = -1;
+  int port_ = 0;
+};
+
+}  // namespace palpa::test
