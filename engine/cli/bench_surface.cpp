@@ -101,12 +101,12 @@ class Environment {
 
 struct Prepared {
   std::vector<geometry::Solid> solids;
-  touch::PlaneTable table;
+  touch::SceneTable table;
 };
 
 Prepared prepare(const geometry::Scene& scene) {
   Prepared prepared{geometry::make_solids(scene), {}};
-  prepared.table = touch::make_plane_table(prepared.solids);
+  prepared.table = touch::make_scene_table(prepared.solids);
   return prepared;
 }
 

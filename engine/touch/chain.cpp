@@ -44,7 +44,7 @@ Capacity capacity_for(const Parameters& parameters, Capacity capacity) {
 
 SolidTable::SolidTable(const gpu::Device& device, const std::vector<geometry::Solid>& solids,
                        const Parameters& parameters)
-    : host_(make_plane_table(solids, parameters)) {
+    : host_(make_scene_table(solids, parameters)) {
   const gpu::Recorder recorder(device, "solids");
   gpu::Timeline timeline(device, "solids");
   const VkCommandBuffer commands = recorder.begin();
@@ -280,7 +280,7 @@ void read(const TouchBuffers& b, Touch& out) {
   }
 }
 
-void touch_points(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
+void touch_points(std::span<const sensing::SkinPoint> points, const SceneTable& table, const Parameters& parameters,
                   Touch& out, Tracks* tracks, double time_s) {
   check(parameters, table);
   find_contacts(points, table, parameters, out);
@@ -295,7 +295,7 @@ void touch_points(std::span<const glm::vec3> points, const std::vector<geometry:
   std::vector<sensing::SkinPoint> skin(points.size());
   for (std::uint32_t i = 0; i < skin.size(); ++i)
     skin[i] = {points[i], i};
-  touch_points(skin, make_plane_table(solids, parameters), parameters, out);
+  touch_points(skin, make_scene_table(solids, parameters), parameters, out);
 }
 
 }  // namespace palpa::touch

@@ -24,11 +24,11 @@ namespace palpa::touch {
 /// uploaded with each frame (TouchBuffers::solids).
 class SolidTable {
  public:
-  /// Uploads and waits. Throws bad_usage as make_plane_table does, and failure where a buffer would be larger than the
+  /// Uploads and waits. Throws bad_usage as make_scene_table does, and failure where a buffer would be larger than the
   /// device takes.
   SolidTable(const gpu::Device& device, const std::vector<geometry::Solid>& solids, const Parameters& parameters = {});
 
-  const PlaneTable& host() const { return host_; }
+  const SceneTable& host() const { return host_; }
   /// From the next record on; see touch::set_pose.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(host_, solid, T_world_rest); }
   /// See touch::touchable_box.
@@ -40,7 +40,7 @@ class SolidTable {
   gpu::BufferRef foci_of() const { return foci_of_.ref(); }
 
  private:
-  PlaneTable host_;
+  SceneTable host_;
   gpu::Upload cells_, planes_, borders_, foci_of_;
   SurfaceTables surfaces_;
 };
@@ -134,7 +134,7 @@ void read(const TouchBuffers& buffers, Touch& out);
 
 /// The twin of the whole: find_contacts, find_fingers, find_frames, with `tracks` follow_fingers, find_foci. Throws
 /// bad_usage as they do.
-void touch_points(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
+void touch_points(std::span<const sensing::SkinPoint> points, const SceneTable& table, const Parameters& parameters,
                   Touch& out, Tracks* tracks = nullptr, double time_s = 0);
 /// The same for points whose index is their place.
 void touch_points(std::span<const glm::vec3> points, const std::vector<geometry::Solid>& solids,

@@ -21,7 +21,7 @@ bool inside(const Float3& p, const shader::vec4& low, const shader::vec4& high) 
 }
 
 /// Eq. (1)'s depth below the nearest plane, 0 outside.
-float plane_depth(const PlaneTable& table, std::uint32_t solid, const Float3& p) {
+float plane_depth(const SceneTable& table, std::uint32_t solid, const Float3& p) {
   float depth = 3.0e38F;
   for (std::uint32_t m = table.first_plane[solid]; m < table.first_plane[solid + 1] && depth > 0; ++m) {
     const shader::vec4& plane = table.planes[m];
@@ -36,7 +36,7 @@ struct Inside {
   bool shell = false;
 };
 
-Inside look(const PlaneTable& table, std::uint32_t solid, const Float3& point, const Parameters& parameters) {
+Inside look(const SceneTable& table, std::uint32_t solid, const Float3& point, const Parameters& parameters) {
   const shader::SolidRecord& record = table.solids[solid];
   const Float3 p = shader::turned({record.centre.w, record.low.w, record.high.w}, record.cells_per_metre.w,
                                   shader::minus(point, {record.centre.x, record.centre.y, record.centre.z}));
@@ -61,7 +61,7 @@ Inside look(const PlaneTable& table, std::uint32_t solid, const Float3& point, c
 
 }  // namespace
 
-void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
+void find_contacts(std::span<const sensing::SkinPoint> points, const SceneTable& table, const Parameters& parameters,
                    Touch& out) {
   out.contacts.clear();
   out.deep.clear();
@@ -109,7 +109,7 @@ ContactsPass::ContactsPass(const gpu::Device& device)
   }
 }
 
-void ContactsPass::record(VkCommandBuffer commands, const ContactsBuffers& b, const PlaneTable& table,
+void ContactsPass::record(VkCommandBuffer commands, const ContactsBuffers& b, const SceneTable& table,
                           const Parameters& parameters, gpu::Timestamps* times) const {
   assert(b.most_points <= shader::contacts_most_points);
   const auto solids = static_cast<std::uint32_t>(table.solids.size());

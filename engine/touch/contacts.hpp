@@ -10,7 +10,7 @@
 #include "gpu/scan.hpp"
 #include "gpu/timestamps.hpp"
 #include "sensing/skin.hpp"
-#include "touch/plane_cells.hpp"
+#include "touch/scene_table.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -21,7 +21,7 @@ namespace palpa::touch {
 /// first solid that it lies inside of. Points with a coordinate that is not finite are neither. Of convex solids the
 /// twin asks every plane; the pass asks those of a cell. Agrees with double precision except within 1 micrometre of a
 /// boundary (solids up to 3 m).
-void find_contacts(std::span<const sensing::SkinPoint> points, const PlaneTable& table, const Parameters& parameters,
+void find_contacts(std::span<const sensing::SkinPoint> points, const SceneTable& table, const Parameters& parameters,
                    Touch& out);
 
 /// The scene's surfaces on the device, as ContactsPass binds them: with views of texels, see surface_tables.hpp.
@@ -51,7 +51,7 @@ struct ContactsBuffers {
   std::uint32_t most_contacts = 0;
   // Only where a solid is asked by its surface or by its parts; all of them then, be they empty.
   SurfaceBuffers surface = {};  ///< in
-  gpu::BufferRef parts = {};    ///< in: PlaneTable::parts, uvec4[], with a view of R32G32B32A32_UINT texels
+  gpu::BufferRef parts = {};    ///< in: SceneTable::parts, uvec4[], with a view of R32G32B32A32_UINT texels
   // Only where deep points are asked for; sizes as of their counterparts above.
   gpu::BufferRef deep_masks = {}, deep_counts = {};  ///< scratch
   gpu::BufferRef deep_total = {};                    ///< out: shader::ScanTotal
@@ -71,7 +71,7 @@ class ContactsPass {
   /// Barriers: expects points and length to be visible to compute; adds its own inside; the
   /// caller adds compute_to_compute afterwards.
   /// With `times`, marks "contacts find" and "contacts pack".
-  void record(VkCommandBuffer commands, const ContactsBuffers& buffers, const PlaneTable& table,
+  void record(VkCommandBuffer commands, const ContactsBuffers& buffers, const SceneTable& table,
               const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
 
  private:

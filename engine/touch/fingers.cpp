@@ -24,7 +24,7 @@ namespace palpa::touch {
 
 static_assert(max_fingers == shader::fingers_most);
 
-void check(const Parameters& parameters, const PlaneTable& table) {
+void check(const Parameters& parameters, const SceneTable& table) {
   if (!std::isfinite(parameters.delta_m) || parameters.delta_m <= 0) {
     throw bad_usage(fmt::format("delta is {} m: give a positive length such as 1.5mm", parameters.delta_m));
   }
@@ -93,7 +93,7 @@ FingersPass::FingersPass(const gpu::Device& device)
       select_(device, "fingers select", spirv::fingers_select_comp,
               {shader::fingers_select_buffers, sizeof(shader::FingersPush)}) {}
 
-void FingersPass::record(VkCommandBuffer commands, const FingersBuffers& b, const PlaneTable& table,
+void FingersPass::record(VkCommandBuffer commands, const FingersBuffers& b, const SceneTable& table,
                          const Parameters& parameters, gpu::Timestamps* times) const {
   check(parameters, table);
   const float gap = float_gap(parameters);

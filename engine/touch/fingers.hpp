@@ -14,20 +14,20 @@
 #include "gpu/pipeline.hpp"
 #include "gpu/timestamps.hpp"
 #include "shaders/fingers.h"
-#include "touch/plane_cells.hpp"
+#include "touch/scene_table.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
 
 /// Throws bad_usage unless delta and finger gap are finite and positive, the finger width finite and not negative, 1 <=
-/// foci <= max_foci, and the gap is not so small against the largest solid (1/18,000 of half its size) that single precision could
-/// not place a contact in a cell.
-void check(const Parameters& parameters, const PlaneTable& table);
+/// foci <= max_foci, and the gap is not so small against the largest solid (1/18,000 of half its size) that single
+/// precision could not place a contact in a cell.
+void check(const Parameters& parameters, const SceneTable& table);
 
 /// C++ twin of FingersPass: fills `out.fingers` (solid and contacts), `finger_count` and `cluster_count` from
 /// `out.contacts`, with Cluster::inside from `out.deep` as well. The distance test is the same single-precision
 /// arithmetic, so the partition is the same.
-void find_fingers(const Parameters& parameters, const PlaneTable& table, Touch& out);
+void find_fingers(const Parameters& parameters, const SceneTable& table, Touch& out);
 
 /// What the pass reads and writes, with room for `most_contacts`.
 struct FingersBuffers {
@@ -79,7 +79,7 @@ class FingersPass {
   /// Barriers: expects total and contacts to be visible to compute and as indirect arguments; adds its own inside; the
   /// caller adds compute_to_compute afterwards. Throws what check() throws.
   /// With `times`, marks "cells", "links" and "fingers".
-  void record(VkCommandBuffer commands, const FingersBuffers& buffers, const PlaneTable& table,
+  void record(VkCommandBuffer commands, const FingersBuffers& buffers, const SceneTable& table,
               const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
 
  private:

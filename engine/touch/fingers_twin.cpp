@@ -45,7 +45,7 @@ Float3 position(const Contact& contact) {
   return {contact.position.x, contact.position.y, contact.position.z};
 }
 
-Key cell_of(const Contact& contact, const PlaneTable& table, float density) {
+Key cell_of(const Contact& contact, const SceneTable& table, float density) {
   const shader::vec4& centre = table.solids[contact.solid].centre;
   const auto along = [&](float p, float c) { return static_cast<std::int32_t>(std::floor((p - c) * density)); };
   return {along(contact.position.x, centre.x), along(contact.position.y, centre.y), along(contact.position.z, centre.z),
@@ -55,7 +55,7 @@ Key cell_of(const Contact& contact, const PlaneTable& table, float density) {
 /// Finds each contact's cluster: its smallest contact.
 class Clustering {
  public:
-  Clustering(const std::vector<Contact>& contacts, const PlaneTable& table, float gap)
+  Clustering(const std::vector<Contact>& contacts, const SceneTable& table, float gap)
       : contacts_(contacts), limit_(gap * gap), smallest_(contacts.size()) {
     sort_into_cells(table, cells_per_metre(gap));
     std::iota(smallest_.begin(), smallest_.end(), 0U);
@@ -74,7 +74,7 @@ class Clustering {
   const std::vector<std::uint32_t>& smallest() const { return smallest_; }
 
  private:
-  void sort_into_cells(const PlaneTable& table, float density) {
+  void sort_into_cells(const SceneTable& table, float density) {
     std::vector<std::uint32_t> cell_of_contact;
     cell_of_contact.reserve(contacts_.size());
     for (const Contact& contact : contacts_) {
@@ -129,7 +129,7 @@ class Clustering {
 
 }  // namespace
 
-void find_fingers(const Parameters& parameters, const PlaneTable& table, Touch& out) {
+void find_fingers(const Parameters& parameters, const SceneTable& table, Touch& out) {
   check(parameters, table);
   std::vector<Contact> inside;  // contacts before deep points: a cluster's smallest point is a contact if it has any
   if (parameters.cluster == Cluster::inside) {

@@ -1,56 +1,37 @@
-// The solids of a scene in the form in which contacts are asked for. A convex solid: which of its planes can be the
-// nearest one, cell by cell of its box; makes Eq. (1) cost a handful of planes per skin point, however many faces the
-// solid has, without changing its result. Any other: its surface (geometry/surface.hpp).
+// Which of a convex solid's planes can be the nearest one, cell by cell of its box: makes Eq. (1) cost a handful of
+// planes per skin point, however many faces the solid has, without changing its result.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "geometry/solid.hpp"
-#include "geometry/surface.hpp"
+#include "base/math.hpp"
 #include "shaders/contacts.h"
-#include "touch/types.hpp"
 
 namespace palpa::touch {
 
-/// Where a solid's surface begins in the scene's buffers.
-struct SurfaceBase {
-  std::uint32_t cells = 0, runs = 0, triangles = 0, corners = 0;
+/// A plane relative to its solid's centre; inside is where dot(normal, p) < offset.
+struct LocalPlane {
+  Vec3 normal;
+  double offset;
 };
 
-/// The solids of one scene, relative to each solid's centre and in single precision.
-struct PlaneTable {
-  std::vector<shader::SolidRecord> solids;  ///< posed
-  std::vector<shader::PlaneCell> cells;     ///< solid after solid, x fastest
-  std::vector<shader::vec4> planes;         ///< first every plane of every solid, then the cells' lists
-  std::vector<std::uint32_t> first_plane;   ///< per solid, plus one past the last: the range of all its planes
-  std::vector<geometry::Surface> surfaces;  ///< per solid; empty where it is asked by its planes
-  std::vector<SurfaceBase> surface_base;    ///< per solid
-  std::vector<Vec3> centres;                ///< per solid, at rest
-  std::vector<std::uint32_t> foci_of;       ///< foci_of_solids()
-  std::vector<shader::uvec4> parts;         ///< see parts_table.hpp; empty without solids of convex parts
-
-  /// The solid's delta: its own where it has one.
-  double delta_m(std::uint32_t solid, const Parameters& parameters) const {
-    return solids[solid].delta > 0 ? static_cast<double>(solids[solid].delta) : parameters.delta_m;
-  }
+struct PlaneCells {
+  std::uint32_t per_axis = 1;
+  std::vector<shader::PlaneCell> cells;  ///< x fastest; `first` counts in `list`
+  std::vector<std::uint32_t> list;       ///< planes
 };
 
-/// A cell of a convex solid s lists every plane that is the nearest at some point of the cell
-/// (and as few others as a bound on the cell allows). A plane is left out only where another is nearer by more than
-/// rounding, so that the least float depth over the list is bit for bit the least over all planes. Cells deeper than a
-/// few millimetres are coarser: no less right, only slower. A solid without planes, or with so many that its surface is
-/// quicker, gets its surface, made for the delta of `parameters` (or its own) and for deep points where they are asked
-/// for; check() refuses others. A solid of convex parts gets a table of those. Throws bad_usage naming the solid where
-/// planes or box are not finite, and where all solids together have more triangles than shader::surface_most_triangles.
-PlaneTable make_plane_table(const std::vector<geometry::Solid>& solids, const Parameters& parameters = {});
+/// The box reaches from `low` to `high`. A cell lists every plane that is the nearest at some point of the cell (and as
+/// few others as a bound on the cell allows). A plane is left out only where another is nearer by more than rounding,
+/// so that the least float depth over the list is bit for bit the least over all planes. Cells deeper than a few
+/// millimetres are coarser: no less right, only slower. Where lists would take more than `most_listed` entries, one
+/// cell lists all planes.
+PlaneCells make_plane_cells(const std::vector<LocalPlane>& planes, const Vec3& low, const Vec3& high,
+                            std::size_t most_listed);
 
-/// Moves a solid: from now on it is where T_world_rest takes it from its place in the scene. Nothing is rebuilt. Throws
-/// bad_usage for a solid that there is not, and for what is no rigid motion.
-void set_pose(PlaneTable& table, std::uint32_t solid, const Transform& T_world_rest);
-
-/// The world's box around all solids where they are now, grown by a hair against rounding: skin outside of it needs no
-/// look.
-Box touchable_box(const PlaneTable& table);
+/// The nearest float that is not greater, not less.
+float rounded_down(double value);
+float rounded_up(double value);
 
 }  // namespace palpa::touch

@@ -97,7 +97,7 @@ HostStage::HostStage(const std::vector<geometry::Solid>& solids, std::span<const
     : cameras_(cameras.begin(), cameras.end()),
       tables_(sensing::make_rays(cameras)),
       bridge_cameras_(bridge_cameras(cameras, tables_)),
-      table_(make_plane_table(solids, parameters)) {}
+      table_(make_scene_table(solids, parameters)) {}
 
 void HostStage::touch(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
                       const Mark& mark, Tracks* tracks, double time_s) {

@@ -89,11 +89,11 @@ class HostStage {
   /// "follow", "foci".
   using Mark = std::function<void(const char*)>;
 
-  /// Throws as make_plane_table and make_rays do.
+  /// Throws as make_scene_table and make_rays do.
   HostStage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras,
             const Parameters& parameters = {});
 
-  const PlaneTable& solids() const { return table_; }
+  const SceneTable& solids() const { return table_; }
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(table_, solid, T_world_rest); }
 
   /// With `tracks`, follows the fingers of the calls before to this frame, captured at `time_s`. Throws bad_usage for
@@ -110,7 +110,7 @@ class HostStage {
   std::vector<sensing::Camera> cameras_;
   sensing::RayTables tables_;
   std::vector<shader::BridgeCamera> bridge_cameras_;
-  PlaneTable table_;
+  SceneTable table_;
   std::vector<sensing::View> views_;        // scratch
   std::vector<sensing::SkinPoint> points_;  // scratch
 };

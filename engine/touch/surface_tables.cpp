@@ -7,7 +7,7 @@ namespace palpa::touch {
 namespace {
 
 /// What all surfaces together take.
-SurfaceBase total(const PlaneTable& table) {
+SurfaceBase total(const SceneTable& table) {
   SurfaceBase all;
   for (std::size_t s = 0; s < table.solids.size(); ++s) {
     const geometry::Surface& surface = table.surfaces[s];
@@ -33,7 +33,7 @@ std::span<T> put(const gpu::Upload& buffer, std::uint32_t first, std::span<const
 SurfaceTables::Table::Table(const gpu::Device& device, std::uint64_t bytes, VkFormat format, const char* name)
     : memory(device, std::max<std::uint64_t>(bytes, 16), name), view(device, memory.ref(), format, name) {}
 
-SurfaceTables::SurfaceTables(const gpu::Device& device, const PlaneTable& table) {
+SurfaceTables::SurfaceTables(const gpu::Device& device, const SceneTable& table) {
   const SurfaceBase all = total(table);
   cells_ = {device, std::uint64_t{all.cells} * sizeof(shader::SurfaceCell), VK_FORMAT_R32G32_UINT, "surface cells"};
   runs_ = {device, std::uint64_t{all.runs} * sizeof(std::uint32_t), VK_FORMAT_R32_UINT, "surface runs"};

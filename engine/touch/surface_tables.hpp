@@ -4,7 +4,7 @@
 #include "gpu/buffer.hpp"
 #include "gpu/texel_view.hpp"
 #include "touch/contacts.hpp"
-#include "touch/plane_cells.hpp"
+#include "touch/scene_table.hpp"
 
 namespace palpa::touch {
 
@@ -14,7 +14,7 @@ class SurfaceTables {
   SurfaceTables() = default;
   /// Fills host memory; record() brings it to the device. Throws failure where a table is larger than the device can
   /// address.
-  SurfaceTables(const gpu::Device& device, const PlaneTable& table);
+  SurfaceTables(const gpu::Device& device, const SceneTable& table);
 
   void record(VkCommandBuffer commands) const;
   SurfaceBuffers surface() const;

@@ -71,7 +71,7 @@ TEST_P(Bridge, LeavesPointsAlone) {
   const auto solids = object("cube");
   const Cameras cameras = ring_of_cameras(2, 20, 30);
   const Images images = images_of(cameras, {{.press_m = 5e-3}}, 1);
-  const auto skin = sensing::find_skin(cameras, images, touchable_box(make_plane_table(solids)));
+  const auto skin = sensing::find_skin(cameras, images, touchable_box(make_scene_table(solids)));
   Touch out;
   HostStage(solids, {}).touch(skin, {}, out);
   EXPECT_EQ(out.finger_count, 2u);

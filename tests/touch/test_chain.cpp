@@ -146,7 +146,7 @@ TEST(TouchOnDevice, KeepsThePointsIndices) {
     skin.push_back({points[i], 1'200'000 + 7 * i});
   const Touch gpu = touch_on_device(skin, {cube()}, {}, {5000, 5000});
   Touch cpu;
-  touch_points(skin, make_plane_table({cube()}), {}, cpu);
+  touch_points(skin, make_scene_table({cube()}), {}, cpu);
   ASSERT_GT(gpu.contacts.size(), 20u);
   EXPECT_EQ(gpu.contacts.front().point % 7, 1'200'000u % 7);
   expect_identical(cpu, gpu);

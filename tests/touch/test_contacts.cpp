@@ -150,9 +150,9 @@ TEST_P(Contacts, ComeOutInInputOrderWhateverTheCount) {
   }
 }
 
-TEST(PlaneTable, KeepsTheNearestPlaneOfEveryPoint) {
+TEST(SceneTable, KeepsTheNearestPlaneOfEveryPoint) {
   for (const geometry::Solid& solid : {cube(), half_ball({0.3, -0.02, 0}, 0.02, 700), ball({0, 1, 0}, 0.4, 5000)}) {
-    const PlaneTable table = make_plane_table({solid});
+    const SceneTable table = make_scene_table({solid});
     // The point of it all: few planes where the shell is, and little memory.
     double listed = 0, cells = 0;
     for (const shader::PlaneCell& cell : table.cells) {
@@ -189,13 +189,13 @@ TEST(PlaneTable, KeepsTheNearestPlaneOfEveryPoint) {
   }
 }
 
-TEST(PlaneTable, RefusesSolidsThatAreNone) {
+TEST(SceneTable, RefusesSolidsThatAreNone) {
   geometry::Solid bare = cube();
   bare.planes.clear();
-  EXPECT_THROW(make_plane_table({bare}), Error);
+  EXPECT_THROW(make_scene_table({bare}), Error);
   geometry::Solid broken = cube();
   broken.planes[2].offset = std::nan("");
-  EXPECT_THROW(make_plane_table({broken}), Error);
+  EXPECT_THROW(make_scene_table({broken}), Error);
 }
 
 }  // namespace

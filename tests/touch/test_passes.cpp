@@ -31,7 +31,7 @@ using palpa::test::GuardedBuffer;
 
 /// Every buffer of the chain, exactly as large as its contract says, between guard words and filled with rubbish.
 struct Guarded {
-  Guarded(gpu::Device& device, const PlaneTable& table, const std::vector<sensing::SkinPoint>& skin, std::size_t room)
+  Guarded(gpu::Device& device, const SceneTable& table, const std::vector<sensing::SkinPoint>& skin, std::size_t room)
       : points(GuardedBuffer::of<sensing::SkinPoint>(device, skin)),
         length(device, 16),
         solids(GuardedBuffer::of<shader::SolidRecord>(device, table.solids)),
@@ -85,7 +85,7 @@ struct Guarded {
   }
 };
 
-void record_all(VkCommandBuffer commands, Guarded& b, const PlaneTable& table, const Parameters& parameters,
+void record_all(VkCommandBuffer commands, Guarded& b, const SceneTable& table, const Parameters& parameters,
                 std::uint32_t points, std::uint32_t room) {
   static const ContactsPass contacts(palpa::test::test_device());
   static const FingersPass fingers(palpa::test::test_device());
@@ -134,7 +134,7 @@ TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
                         Case{5000, 4999, 0.5}, Case{6000, 6000, 4.8e-3}}) {
     SCOPED_TRACE(c.points);
     const auto cloud = indexed(random_points(c.points, Vec3(-0.05), Vec3(0.05)));
-    const PlaneTable table = make_plane_table({everything(), cube()});
+    const SceneTable table = make_scene_table({everything(), cube()});
     const Parameters parameters = everything_is_contact(c.gap, 2);
     Guarded guarded(device, table, cloud, c.room);
     palpa::test::run_on_device(
@@ -161,7 +161,7 @@ TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
 TEST(TouchPassesByThemselves, LeavePointsBeyondTheirRoomAlone) {
   gpu::Device& device = palpa::test::test_device();
   const auto cloud = indexed(random_points(1000, Vec3(-0.05), Vec3(0.05)));
-  const PlaneTable table = make_plane_table({everything()});
+  const SceneTable table = make_scene_table({everything()});
   Guarded guarded(device, table, cloud, 1000);
   const shader::ScanTotal boastful{1'000'000, 15'625, 1, 1};
   guarded.length.write(&boastful, sizeof(boastful));

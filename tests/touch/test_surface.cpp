@@ -194,7 +194,7 @@ std::vector<glm::vec3> carried(const Transform& T, const std::vector<glm::vec3>&
 TEST(Poses, OfAMovingSolidGiveWhatMovingThePointsBackGives) {
   std::vector<geometry::Solid> solids = solid_of(model(0).mesh);
   solids.push_back(cube());
-  PlaneTable table = make_plane_table(solids);
+  SceneTable table = make_scene_table(solids);
   const auto skin = points_near(solids[0].mesh, 20'000, 6);
   for (const double turn : {0.0, 0.3, 2.0}) {
     Transform T(std::cos(turn), std::sin(turn), 0, 0, -std::sin(turn), std::cos(turn), 0, 0, 0, 0, 1, 0, 0.05, -0.02,
@@ -227,7 +227,7 @@ TEST(Poses, OfAMovingSolidGiveWhatMovingThePointsBackGives) {
 }
 
 TEST(Poses, AreRigid) {
-  PlaneTable table = make_plane_table({cube()});
+  SceneTable table = make_scene_table({cube()});
   EXPECT_THROW(set_pose(table, 1, Transform(1.0)), Error);
   EXPECT_THROW(set_pose(table, 0, Transform(2.0)), Error);
   Transform mirror(1.0);
@@ -247,11 +247,11 @@ TEST(Deltas, MayBeASolidsOwn) {
   expect_identical(gpu, cpu);
   expect_truth(gpu, points, Truth(solids[0].mesh), 3e-3, false);
   // A table that was made for less is refused, not wrong.
-  const PlaneTable table = make_plane_table(solids);
+  const SceneTable table = make_scene_table(solids);
   EXPECT_NO_THROW(check({.delta_m = 5e-3}, table));
   solids[0].haptics.delta_m.reset();
-  EXPECT_THROW(check({.delta_m = 5e-3}, make_plane_table(solids)), Error);
-  EXPECT_THROW(check({.deep = true}, make_plane_table(solids)), Error);
+  EXPECT_THROW(check({.delta_m = 5e-3}, make_scene_table(solids)), Error);
+  EXPECT_THROW(check({.deep = true}, make_scene_table(solids)), Error);
 }
 
 TEST(SeveralSurfaces, ShareTheirBuffers) {
