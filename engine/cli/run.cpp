@@ -69,7 +69,7 @@ void add_options(CLI::App& app, RunCommand& o) {
 }
 
 /// Set by the first signal; the loop then ends in silence. Later signals change nothing: the array must not be left
-/// sounding by an impatient second Ctrl-C.
+/// sounding by an impatient second Ctrl-C. Ctrl-Z ends it as well: a program that is stopped cannot silence anything.
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
@@ -78,7 +78,7 @@ void watch_signals() {
   action.sa_handler = [](int) { stop_requested = true; };
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT})
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP})
     sigaction(signal, &action, nullptr);
 }
 
