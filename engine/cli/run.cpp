@@ -196,7 +196,8 @@ void run(const Extensions& extensions, const RunCommand& o) {
   session::LoopStats stats;
   Progress progress("frames", o.frames, o.common.quiet);
   session::LoopObservers observers;
-  if (recorder) observers.record = [&](const sensing::FrameSet& set) { recorder->write(set); };
+  std::uint64_t out_of_order = 0;  // frames whose time a recording cannot hold; of the recorder's thread
+  if (recorder) observers.record = [&](const sensing::FrameSet& set) { out_of_order += recorder->write(set) ? 0 : 1; };
   observers.planned = [&](const session::FrameReport&, const session::Plan&) { progress.set(stats.planned); };
   if (events) events->observe(observers);
   try {
@@ -212,6 +213,11 @@ void run(const Extensions& extensions, const RunCommand& o) {
   if (stats.unrecorded > 0) {
     log::warning(fmt::format("{}: {} of {} frames came too fast to be written; --every-frame waits for each", o.record,
                              stats.unrecorded, stats.captured));
+  }
+  if (out_of_order > 0) {
+    log::warning(fmt::format("{}: {} of {} frames are not in it, since the source's clock stepped back", o.record,
+                             out_of_order, stats.captured));
+    stats.unrecorded += out_of_order;
   }
   report(o, stats);
 }
