@@ -3,6 +3,7 @@
 #include <atomic>
 #include <csignal>
 #include <memory>
+#include <utility>
 
 #include "array/board_mesh.hpp"
 #include "base/error.hpp"
@@ -74,6 +75,7 @@ std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 void watch_signals() {
+  stop_requested = false;  // a run before this one, in the same process, may have ended by it
   struct sigaction action {};
   action.sa_handler = [](int) { stop_requested = true; };
   sigemptyset(&action.sa_mask);
@@ -105,6 +107,13 @@ void report(const RunCommand& o, const session::LoopStats& stats) {
   } else if (shows_summary(o.common, o.events)) {
     write_output("-", summary(stats));
   }
+}
+
+/// Says once that a frame had more fingers than are played.
+void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned) {
+  if (touch.cluster_count <= touch.finger_count || std::exchange(warned, true)) return;
+  log::warning(fmt::format("{} clusters of contacts make a finger, only the first {} are kept", touch.cluster_count,
+                           touch.finger_count));
 }
 
 /// The fingers' events on their way from the loop to whoever listens.
@@ -198,7 +207,10 @@ void run(const Extensions& extensions, const RunCommand& o) {
   session::LoopObservers observers;
   std::uint64_t out_of_order = 0;  // frames whose time a recording cannot hold; of the recorder's thread
   if (recorder) observers.record = [&](const sensing::FrameSet& set) { out_of_order += recorder->write(set) ? 0 : 1; };
-  observers.planned = [&](const session::FrameReport&, const session::Plan&) { progress.set(stats.planned); };
+  observers.planned = [&, warned = false](const session::FrameReport& frame, const session::Plan&) mutable {
+    warn_of_left_out_fingers(*frame.touch, warned);
+    progress.set(stats.planned);
+  };
   if (events) events->observe(observers);
   try {
     session::run_loop(

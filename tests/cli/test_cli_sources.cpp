@@ -44,7 +44,7 @@ struct Outcome {
   std::string out, err;
 };
 
-Outcome run(std::vector<double> times_s, std::uint16_t depth, const std::vector<std::string>& more) {
+Outcome run(const std::vector<double>& times_s, std::uint16_t depth, const std::vector<std::string>& more) {
   const cli::Extensions extensions{
       {}, {}, {{"given", "given  frames of the test's", [&](const std::string&, const session::SourceSetting&) {
                   auto source = std::make_unique<Given>();
@@ -53,8 +53,8 @@ Outcome run(std::vector<double> times_s, std::uint16_t depth, const std::vector<
                   return source;
                 }}}};
   const std::string cube = source_file("assets/cube.glb").string();
-  std::vector<const char*> argv{"palpa",     "run", "--scene", cube.c_str(), "--source",     "given",
-                                "--backend", "cpu", "--stats", "json",       "--every-frame"};
+  std::vector<const char*> argv{"palpa", "run",     "--scene", cube.c_str(),   "--source",
+                                "given", "--stats", "json",    "--every-frame"};
   for (const std::string& word : more)
     argv.push_back(word.c_str());
   testing::internal::CaptureStdout();
@@ -68,7 +68,7 @@ Outcome run(std::vector<double> times_s, std::uint16_t depth, const std::vector<
 
 TEST(CliSources, AClockThatStepsBackEndsNoRecording) {
   const auto folder = scratch_folder("steps-back") / "take";
-  const Outcome outcome = run({10, 10.01, 0, 0.01, 10.02}, 0, {"--record", folder.string()});
+  const Outcome outcome = run({10, 10.01, 0, 0.01, 10.02}, 0, {"--backend", "cpu", "--record", folder.string()});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "palpa: warning: " + folder.string() +
                              ": 2 of 5 frames are not in it, since the source's clock stepped back\n");
@@ -76,6 +76,21 @@ TEST(CliSources, AClockThatStepsBackEndsNoRecording) {
   EXPECT_EQ(stats["frames"]["planned"], 5);
   EXPECT_EQ(stats["frames"]["unrecorded"], 2);
   EXPECT_EQ(sensing::load_recording(folder).entries.size(), 3u);
+}
+
+TEST(CliSources, FingersThatAreTooManyAreToldOnce) {
+  // Half a millimetre below the face, each of the 81 pixels a finger.
+  for (const char* backend : {"cpu", "gpu"}) {
+    const Outcome outcome =
+        run({0, 0.01, 0.02}, 3005,
+            {"--min-points", "1", "--finger-gap", "1mm", "--finger-width", "0", "--backend", backend});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "palpa: warning: 81 clusters of contacts make a finger, only the first 64 are kept\n");
+    EXPECT_EQ(nlohmann::json::parse(outcome.out)["frames"]["touching"], 3) << backend;
+  }
+  const Outcome one = run({0, 0.01}, 3005, {"--min-points", "1", "--backend", "cpu"});
+  EXPECT_EQ(one.err, "");
+  EXPECT_EQ(nlohmann::json::parse(one.out)["frames"]["touching"], 2);
 }
 
 }  // namespace
