@@ -3,6 +3,7 @@
 #include <atomic>
 #include <csignal>
 #include <memory>
+#include <utility>
 
 #include "array/board_mesh.hpp"
 #include "base/error.hpp"
@@ -69,16 +70,17 @@ void add_options(CLI::App& app, RunCommand& o) {
 }
 
 /// Set by the first signal; the loop then ends in silence. Later signals change nothing: the array must not be left
-/// sounding by an impatient second Ctrl-C.
+/// sounding by an impatient second Ctrl-C. Ctrl-Z ends it as well: a program that is stopped cannot silence anything.
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 void watch_signals() {
+  stop_requested = false;  // a run before this one, in the same process, may have ended by it
   struct sigaction action {};
   action.sa_handler = [](int) { stop_requested = true; };
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT})
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP})
     sigaction(signal, &action, nullptr);
 }
 
@@ -105,6 +107,13 @@ void report(const RunCommand& o, const session::LoopStats& stats) {
   } else if (shows_summary(o.common, o.events)) {
     write_output("-", summary(stats));
   }
+}
+
+/// Says once that a frame had more fingers than are played.
+void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned) {
+  if (touch.cluster_count <= touch.finger_count || std::exchange(warned, true)) return;
+  log::warning(fmt::format("{} clusters of contacts make a finger, only the first {} are kept", touch.cluster_count,
+                           touch.finger_count));
 }
 
 /// The fingers' events on their way from the loop to whoever listens.
@@ -196,8 +205,12 @@ void run(const Extensions& extensions, const RunCommand& o) {
   session::LoopStats stats;
   Progress progress("frames", o.frames, o.common.quiet);
   session::LoopObservers observers;
-  if (recorder) observers.record = [&](const sensing::FrameSet& set) { recorder->write(set); };
-  observers.planned = [&](const session::FrameReport&, const session::Plan&) { progress.set(stats.planned); };
+  std::uint64_t out_of_order = 0;  // frames whose time a recording cannot hold; of the recorder's thread
+  if (recorder) observers.record = [&](const sensing::FrameSet& set) { out_of_order += recorder->write(set) ? 0 : 1; };
+  observers.planned = [&, warned = false](const session::FrameReport& frame, const session::Plan&) mutable {
+    warn_of_left_out_fingers(*frame.touch, warned);
+    progress.set(stats.planned);
+  };
   if (events) events->observe(observers);
   try {
     session::run_loop(
@@ -212,6 +225,11 @@ void run(const Extensions& extensions, const RunCommand& o) {
   if (stats.unrecorded > 0) {
     log::warning(fmt::format("{}: {} of {} frames came too fast to be written; --every-frame waits for each", o.record,
                              stats.unrecorded, stats.captured));
+  }
+  if (out_of_order > 0) {
+    log::warning(fmt::format("{}: {} of {} frames are not in it, since the source's clock stepped back", o.record,
+                             out_of_order, stats.captured));
+    stats.unrecorded += out_of_order;
   }
   report(o, stats);
 }

@@ -22,9 +22,10 @@ class RecordingWriter {
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
-  /// The images, then their line in `times.csv`. Throws failure() on a full disk, bad_usage when the set does not fit
-  /// the cameras or its times do not increase.
-  void write(const FrameSet& set);
+  /// The images, then their line in `times.csv`. False, and nothing is written, where the set's time or number does not
+  /// come after that of the one before, as when a camera was reset: a recording's times increase. Throws failure() on a
+  /// full disk, bad_usage when the set does not fit the cameras.
+  bool write(const FrameSet& set);
   std::uint64_t frames() const { return frames_; }
 
  private:
@@ -33,6 +34,7 @@ class RecordingWriter {
   std::FILE* times_ = nullptr;
   std::uint64_t frames_ = 0;
   double last_time_ = 0;
+  std::uint64_t last_sequence_ = 0;
 };
 
 /// A recording's contents without its images.

@@ -63,7 +63,7 @@ RecordingWriter::~RecordingWriter() {
   if (times_) std::fclose(times_);
 }
 
-void RecordingWriter::write(const FrameSet& set) {
+bool RecordingWriter::write(const FrameSet& set) {
   if (set.frames.size() != cameras_.size()) {
     throw bad_usage(fmt::format("{} depth frames for {} cameras", set.frames.size(), cameras_.size()));
   }
@@ -73,9 +73,7 @@ void RecordingWriter::write(const FrameSet& set) {
     line += fmt::format(",{}", frame.time_s);
     oldest = std::min(oldest, frame.time_s);
   }
-  if (frames_ > 0 && !(oldest > last_time_)) {
-    throw bad_usage(fmt::format("frame {} at {} s does not come after the one at {} s", frames_, oldest, last_time_));
-  }
+  if (frames_ > 0 && !(oldest > last_time_ && set.sequence > last_sequence_)) return false;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     write_png16(folder_ / fmt::format("{:06}-{}.png", frames_, i), cameras_[i].width, cameras_[i].height,
                 set.frames[i].depth);
@@ -83,7 +81,9 @@ void RecordingWriter::write(const FrameSet& set) {
   // The line makes the frame part of the recording: it comes last, in one piece.
   put(times_, line + "\n", folder_ / "times.csv");
   last_time_ = oldest;
+  last_sequence_ = set.sequence;
   ++frames_;
+  return true;
 }
 
 }  // namespace palpa::sensing

@@ -1,9 +1,14 @@
 #include "session/foci_link.hpp"
 
+#include <fmt/core.h>
+
+#include <chrono>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "session/udp.hpp"
 
 namespace palpa::session {
@@ -18,14 +23,37 @@ class FociLink : public Link {
 
   void foci(const array::Schedule& schedule) override {
     write_foci_line(schedule, solid_names_, json_);
-    sender_.send(json_.finish());
+    last_s_ = schedule.time_s;
+    ++lines_;
+    if (sender_.send(json_.finish())) return;
+    ++unsent_;
+    send_silence();  // or the foci of the line before would sound on
   }
   void send(std::uint64_t, std::span<const array::TransducerDrive>) override {}
+  void finish() override {
+    for (int repeat = 0; repeat < 3; ++repeat) {  // the last line may get lost like any other
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      send_silence();
+    }
+    if (unsent_ > 0) {
+      log::warning(
+          fmt::format("link foci: {} of {} lines could not be sent, silence was in their place", unsent_, lines_));
+    }
+  }
 
  private:
+  void send_silence() {
+    array::Schedule nothing;
+    nothing.time_s = last_s_;
+    write_foci_line(nothing, {}, json_);
+    sender_.send(json_.finish());
+  }
+
   UdpSender sender_;
   std::vector<std::string> solid_names_;
   JsonWriter json_;
+  double last_s_ = 0;  ///< of the last line
+  std::uint64_t lines_ = 0, unsent_ = 0;
 };
 
 }  // namespace

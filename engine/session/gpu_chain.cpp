@@ -100,7 +100,7 @@ class GpuChain : public Chain {
     } catch (const Error& error) {
       flight.touch.contacts.clear();
       flight.touch.deep.clear();
-      flight.touch.finger_count = 0;
+      flight.touch.finger_count = flight.touch.cluster_count = 0;
       if (!std::exchange(warned_, true)) log::warning(fmt::format("a frame was left out: {}", error.what()));
     }
   }

@@ -1,6 +1,5 @@
 #include "session/loop.hpp"
 
-#include <algorithm>
 #include <exception>
 #include <limits>
 #include <optional>
@@ -16,20 +15,6 @@ struct Captured {
   sensing::FrameSet set;
   double captured_s = 0;
   double arrived_s = 0;
-};
-
-/// Maps a source's clock to the loop's: the smallest delay seen so far is taken for none. A frame that dawdled on its
-/// way is then as old as it really is, and so is a source that replays faster than time, since no frame is younger than
-/// its arrival.
-class SourceClock {
- public:
-  double capture_time(double source_s, double arrived_s) {
-    offset_ = std::min(offset_, arrived_s - source_s);
-    return source_s + offset_;
-  }
-
- private:
-  double offset_ = std::numeric_limits<double>::infinity();
 };
 
 /// A thread whose error is kept for whoever joins it.

@@ -64,7 +64,7 @@ struct LoopStats {
   std::uint64_t captured = 0;    ///< frames that came from the source
   std::uint64_t replaced = 0;    ///< of these, not looked at because a newer one had come
   std::uint64_t missing = 0;     ///< times that the source had nothing within the hold
-  std::uint64_t unrecorded = 0;  ///< frames that came too fast for the recorder
+  std::uint64_t unrecorded = 0;  ///< frames that the recorder left out, most often since they came too fast
   std::uint64_t planned = 0;     ///< frames whose drives were made
   std::uint64_t touching = 0;    ///< of these, frames with at least one finger
   double seconds = 0;            ///< from the first frame to the end

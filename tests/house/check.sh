@@ -99,7 +99,15 @@ shaders() {
   return "$found"
 }
 
-# Pages point to files that exist, and the example that a page shows is the one that is compiled.
+# PAGE N FILE: the page's N-th piece of C++ is that file of the package's test.
+shows() {
+  awk -v wanted="$2" '/^```/ { inside = /cpp/ && ++seen == wanted; next } inside' "$1" |
+    diff - "tests/package/consumer/$3" && return
+  echo "   $1 shows another $3 than the one that is tested"
+  return 1
+}
+
+# Pages point to files that exist, and the examples that they show are those that are compiled.
 docs() {
   local page target found=0
   while read -r page; do
@@ -110,11 +118,9 @@ docs() {
       fi
     done < <(grep -o '](\([^)#:]*\)[^):]*)' "$page" | sed 's/^](//; s/[#)].*//' | grep .)
   done < <(files '*.md')
-  if ! awk '/^```/ { inside = /cpp/ && !seen++; next } inside' docs/add-a-link.md |
-    diff - tests/package/consumer/byte_link.hpp; then
-    echo "   docs/add-a-link.md shows another byte_link.hpp than the one that is tested"
-    found=1
-  fi
+  shows docs/add-a-link.md 1 byte_link.hpp || found=1
+  shows docs/cpp-api.md 3 live.hpp || found=1
+  shows docs/cpp-api.md 4 run_with_events.hpp || found=1
   return "$found"
 }
 

@@ -37,7 +37,7 @@ bool FakeSource::next(sensing::FrameSet& out, double) {
   out.sequence = given;
   const double now_s = std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
   if (given == 0) begin_s = now_s;
-  out.time_s = 100.0 + (now_s - begin_s) / clock_rate;
+  out.time_s = (given < reset_at ? 100.0 : 1.0) + (now_s - begin_s) * clock_rate;
   ++given;
   return true;
 }

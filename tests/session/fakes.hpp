@@ -21,6 +21,7 @@ struct FakeSource : sensing::DepthSource {
   std::uint64_t count = 10;  ///< frames until the end
   double period_s = 0.002;
   double clock_rate = 1;                      ///< seconds on the source's clock per second of time
+  std::uint64_t reset_at = ~0ull;             ///< with that frame the source's clock starts anew, far back
   std::function<void(std::uint64_t)> before;  ///< called before frame n; may sleep or throw
   std::uint64_t given = 0;
   double begin_s = 0;

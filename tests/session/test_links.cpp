@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -128,6 +129,52 @@ TEST(FociLink, SendsOneJsonLinePerFrame) {
 
   link->foci(array::Schedule());
   EXPECT_TRUE(nlohmann::json::parse(receiver.next())["fingers"].empty());
+}
+
+/// As many fingers and foci as there may be: about 160 kB of JSON.
+array::Schedule too_long_for_a_datagram() {
+  array::Schedule schedule;
+  schedule.time_s = 13.5;
+  for (std::uint32_t v = 0; v < 64; ++v) {
+    array::Voice& voice = schedule.add_voice();
+    voice.id = v;
+    for (std::uint32_t i = 0; i < 64; ++i) {
+      voice.foci.emplace_back(0.012345678 * v, -0.0123456789, 0.0123456789 * i);
+      voice.order.push_back(i);
+    }
+  }
+  return schedule;
+}
+
+TEST(FociLink, SilencesWhatItCannotSend) {
+  Setting s;
+  Receiver receiver;
+  const auto link = open_link("foci:udp:127.0.0.1:" + std::to_string(receiver.port), builtin_links(), s.setting);
+  link->foci(one_finger());
+  EXPECT_FALSE(nlohmann::json::parse(receiver.line())["fingers"].empty());
+  testing::internal::CaptureStderr();
+  for (int frame = 0; frame < 3; ++frame) {
+    link->foci(too_long_for_a_datagram());
+    EXPECT_EQ(receiver.line(), "{\"time_s\":13.5,\"fingers\":[]}\n");
+  }
+  link->foci(one_finger());
+  EXPECT_FALSE(nlohmann::json::parse(receiver.line())["fingers"].empty());
+  link->finish();
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 2) << said;
+  EXPECT_NE(said.find("a datagram could not be sent"), std::string::npos) << said;
+  EXPECT_NE(said.find("3 of 5 lines could not be sent"), std::string::npos) << said;
+}
+
+TEST(FociLink, EndsInSilenceEvenWhereADatagramIsLost) {
+  Setting s;
+  Receiver receiver;
+  const auto link = open_link("foci:udp:127.0.0.1:" + std::to_string(receiver.port), builtin_links(), s.setting);
+  link->foci(one_finger());
+  receiver.line();
+  link->finish();
+  for (int line = 0; line < 3; ++line)
+    EXPECT_EQ(receiver.line(), "{\"time_s\":12.5,\"fingers\":[]}\n");
 }
 
 TEST(FociLink, SurvivesThatNobodyListens) {

@@ -1,48 +1,128 @@
-// A user's loop: depth frames from a source, events to the program, drives to a link of its own.
+// A user's loops: depth frames from a source, events to the program, drives to a link of its own. First that of one
+// thread as it should be, then with a camera that is late for a while, then with one that breaks down in the middle of
+// a touch; last the loop of three threads.
 //   live MODEL.glb FINGER.ply RIG.toml DRIVES
+#include "live.hpp"
+
+#include <algorithm>
+#include <atomic>
 #include <cstdio>
 
 #include "array/layout.hpp"
 #include "byte_link.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/ply.hpp"
+#include "run_with_events.hpp"
 #include "sensing/synthetic.hpp"
-#include "session/toucher.hpp"
+
+namespace {
+
+using namespace palpa;
+
+constexpr std::uint64_t never = ~0ull;
+
+/// A camera with the troubles of a real one.
+struct Camera final : sensing::DepthSource {
+  std::unique_ptr<sensing::DepthSource> good;
+  std::uint64_t late_from = never, late_to = never, broken_at = never, sets = 0;
+
+  const std::vector<sensing::Camera>& cameras() const override { return good->cameras(); }
+  bool next(sensing::FrameSet& out, double timeout_s) override {
+    const std::uint64_t set = sets++;
+    if (set == broken_at) throw failure("camera: unplugged");
+    if (set < late_from || set >= late_to) return good->next(out, timeout_s);
+    out.frames.clear();
+    return true;
+  }
+};
+
+/// What a board would do, one letter per drive: + sounds, - is silent, and . at the end where nothing more comes.
+struct Board final : session::Link {
+  ByteLink& bytes;
+  std::string heard;
+
+  explicit Board(ByteLink& link) : bytes(link) {}
+  void foci(const array::Schedule& schedule) override { bytes.foci(schedule); }
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+    bytes.send(slot, drive);
+    heard += std::any_of(drive.begin(), drive.end(), [](const auto& t) { return t.amplitude > 0; }) ? '+' : '-';
+  }
+  void finish() override {
+    bytes.finish();
+    heard += '.';
+  }
+};
+
+/// How often an event was told.
+struct Told {
+  int touches = 0, presses = 0, releases = 0;
+
+  void add(const session::Event& event) {
+    touches += event.kind == session::EventKind::touch;
+    presses += event.kind == session::EventKind::press;
+    releases += event.kind == session::EventKind::release;
+  }
+  bool operator==(const Told&) const = default;
+};
+
+}  // namespace
 
 int main(int argc, char** argv) try {
-  using namespace palpa;
   if (argc != 5) throw bad_usage("usage: live MODEL.glb FINGER.ply RIG.toml DRIVES");
-  // Any DepthSource will do: a camera, a recording, or this finger that dips in and out.
   const geometry::Ply finger = geometry::read_ply(argv[2]);
-  const auto source = sensing::make_synthetic_source(
-      sensing::load_rig(argv[3]).cameras, {finger.positions, finger.triangles}, {}, {.paced = false, .frames = 12});
-  session::ToucherOptions options;
-  options.cameras = source->cameras();
-  session::Toucher toucher(geometry::make_solids(geometry::load_gltf(argv[1])), options);
+  const std::vector<sensing::Camera> cameras = sensing::load_rig(argv[3]).cameras;
+  std::vector<geometry::Solid> solids = geometry::make_solids(geometry::load_gltf(argv[1]));
+  solids.at(0).haptics.press_depth_m = 3e-3;
+  const array::Layout board_layout = array::load_layout("openmpd");
+  const array::Layout layout = array::transformed(board_layout, board_layout.default_T_world_layout);
 
-  const array::Layout board = array::load_layout("openmpd");
-  const array::Layout layout = array::transformed(board, board.default_T_world_layout);
-  ByteLink link(argv[4], {layout, {}, toucher.schedule().slot_s});
-  array::Drive drive(layout.transducers.size());
-  std::vector<array::SlotFocus> foci;
-  sensing::FrameSet set;
-  std::uint64_t slot = 0;
-  int touches = 0, sounding = 0;
-  while (source->next(set, 0.1)) {
-    toucher.touch(set.frames, set.time_s);
-    for (const session::Event& event : toucher.events())
-      touches += event.kind == session::EventKind::touch;
-    for (int n = 0; n < 7; ++n) {  // a frame of 90 Hz lasts seven slots
-      array::foci_of_slot(toucher.schedule(), slot, foci);
-      array::drive_for(layout, foci, {}, drive);
-      link.send(slot++, drive);
-      sounding += !foci.empty();
+  const auto camera = [&](std::uint64_t frames) {
+    // Any DepthSource will do: a camera, a recording, or this finger that dips 4 mm deep within 45 frames.
+    Camera made;
+    made.good = sensing::make_synthetic_source(cameras, {finger.positions, finger.triangles}, {},
+                                               {.paced = false, .frames = frames});
+    return made;
+  };
+  int faults = 0;
+  const auto check = [&](const char* what, const Told& told, const Told& wanted, const std::string& heard, bool well) {
+    std::printf("%s: %d touch, %d press, %d release; %s\n", what, told.touches, told.presses, told.releases,
+                heard.c_str());
+    faults += told != wanted || heard.find('+') == std::string::npos || !heard.ends_with("-.") || !well;
+  };
+
+  const auto run_alone = [&](const char* what, Camera source, const Told& wanted) {
+    session::ToucherOptions options;
+    options.cameras = cameras;
+    session::Toucher toucher(solids, options);
+    ByteLink bytes(argv[4], {layout, {}});
+    Board board(bytes);
+    Told told;
+    std::string error;
+    try {
+      run_live(source, toucher, layout, board, [&](const session::Event& event) { told.add(event); });
+    } catch (const Error& fault) {
+      error = fault.what();
     }
-  }
-  link.send(slot, array::Drive(drive.size(), {0, 0}));  // silence is the last thing it gets
-  link.finish();
-  std::printf("%d touch, %d of %d slots sound\n", touches, sounding, static_cast<int>(slot));
-  return touches == 1 && sounding > 0 ? 0 : 1;
+    const bool paused = board.heard.find("+---+") != std::string::npos;
+    check(what, told, wanted, board.heard,
+          paused == (source.late_from < source.late_to) && error.empty() == (source.broken_at == never));
+  };
+  run_alone("a touch", camera(45), {1, 1, 1});
+  Camera late = camera(12), broken = camera(12);
+  late.late_from = 8, late.late_to = 11;
+  run_alone("a late camera", std::move(late), {1, 0, 1});
+  broken.broken_at = 8;
+  run_alone("a broken camera", std::move(broken), {1, 0, 0});
+
+  Camera source = camera(45);
+  ByteLink bytes(argv[4], {layout, {}});
+  Board board(bytes);
+  Told told;
+  std::atomic<bool> stop{false};
+  const session::LoopStats stats =
+      run_with_events(source, board, solids, layout, true, stop, [&](const session::Event& event) { told.add(event); });
+  check("three threads", told, {1, 1, 1}, board.heard, stats.planned == 45);
+  return faults;
 } catch (const palpa::Error& error) {
   std::fprintf(stderr, "live: %s\n", error.what());
   return static_cast<int>(error.code());

@@ -1,0 +1,97 @@
+// palpa run with a source that a room above the engine brings along, as a camera's does.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.hpp"
+#include "sensing/recording.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+[[maybe_unused]] const int assets_are_known = setenv("PALPA_ASSETS", source_file("assets").c_str(), 1);
+
+/// Looks down on the cube's face at y = 0 from 0.3 m above; a pixel sees 3 mm of it.
+sensing::Camera above() {
+  sensing::Camera camera{.name = "above", .width = 9, .height = 9, .fx = 100, .fy = 100, .cx = 4, .cy = 4};
+  camera.depth_unit_m = 1e-4;
+  camera.T_world_camera = Transform(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0.3, 0, 1);
+  return camera;
+}
+
+/// Frames at given times, all of the same depths.
+struct Given final : sensing::DepthSource {
+  std::vector<sensing::Camera> rig{above()};
+  std::vector<double> times_s;
+  std::uint16_t depth = 0;
+  std::size_t given = 0;
+
+  const std::vector<sensing::Camera>& cameras() const override { return rig; }
+  bool next(sensing::FrameSet& out, double) override {
+    if (given == times_s.size()) return false;
+    out.frames.resize(1);
+    out.frames[0].depth.assign(std::size_t{rig[0].width} * rig[0].height, depth);
+    out.frames[0].time_s = out.time_s = times_s[given];
+    out.sequence = given++;
+    return true;
+  }
+};
+
+struct Outcome {
+  int code = 0;
+  std::string out, err;
+};
+
+Outcome run(const std::vector<double>& times_s, std::uint16_t depth, const std::vector<std::string>& more) {
+  const cli::Extensions extensions{
+      {}, {}, {{"given", "given  frames of the test's", [&](const std::string&, const session::SourceSetting&) {
+                  auto source = std::make_unique<Given>();
+                  source->times_s = times_s;
+                  source->depth = depth;
+                  return source;
+                }}}};
+  const std::string cube = source_file("assets/cube.glb").string();
+  std::vector<const char*> argv{"palpa", "run",     "--scene", cube.c_str(),   "--source",
+                                "given", "--stats", "json",    "--every-frame"};
+  for (const std::string& word : more)
+    argv.push_back(word.c_str());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Outcome outcome;
+  outcome.code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions);
+  outcome.out = testing::internal::GetCapturedStdout();
+  outcome.err = testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+TEST(CliSources, AClockThatStepsBackEndsNoRecording) {
+  const auto folder = scratch_folder("steps-back") / "take";
+  const Outcome outcome = run({10, 10.01, 0, 0.01, 10.02}, 0, {"--backend", "cpu", "--record", folder.string()});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "palpa: warning: " + folder.string() +
+                             ": 2 of 5 frames are not in it, since the source's clock stepped back\n");
+  const auto stats = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(stats["frames"]["planned"], 5);
+  EXPECT_EQ(stats["frames"]["unrecorded"], 2);
+  EXPECT_EQ(sensing::load_recording(folder).entries.size(), 3u);
+}
+
+TEST(CliSources, FingersThatAreTooManyAreToldOnce) {
+  // Half a millimetre below the face, each of the 81 pixels a finger.
+  for (const char* backend : {"cpu", "gpu"}) {
+    const Outcome outcome =
+        run({0, 0.01, 0.02}, 3005,
+            {"--min-points", "1", "--finger-gap", "1mm", "--finger-width", "0", "--backend", backend});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "palpa: warning: 81 clusters of contacts make a finger, only the first 64 are kept\n");
+    EXPECT_EQ(nlohmann::json::parse(outcome.out)["frames"]["touching"], 3) << backend;
+  }
+  const Outcome one = run({0, 0.01}, 3005, {"--min-points", "1", "--backend", "cpu"});
+  EXPECT_EQ(one.err, "");
+  EXPECT_EQ(nlohmann::json::parse(one.out)["frames"]["touching"], 2);
+}
+
+}  // namespace
+}  // namespace palpa::test
