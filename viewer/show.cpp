@@ -9,6 +9,7 @@
 #include "cli/touch_schedule.hpp"
 #include "geometry/ply.hpp"
 #include "sensing/rig.hpp"
+#include "session/overrides.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -52,6 +53,7 @@ void Show::load_objects(const Options& options) {
   if (!touched) return;
   cli::StageTimes times;
   const touch::Parameters& parameters = options.touch.parameters;
+  session::check_overrides(options.input.scene, input.solids, parameters, cli::voice_options(options.touch));
   const touch::Touch touch = options.common.backend == cli::Backend::cpu
                                  ? cli::touch_on_cpu(input, parameters, times)
                                  : cli::touch_on_gpu(cli::device_options(options.common), input, parameters, times);

@@ -21,6 +21,7 @@
 #include "cli/values.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
+#include "geometry/solid.hpp"
 #include "geometry/text.hpp"
 
 namespace palpa::cli {
@@ -50,7 +51,7 @@ void add_options(CLI::App& app, DecomposeCommand& o) {
 }
 
 struct Taken {
-  const geometry::SceneMesh* mesh;
+  const geometry::Solid* solid;
   geometry::Parts parts;
   geometry::PartsReport report;
   double seconds;
@@ -65,29 +66,30 @@ std::string in_quotes(const std::string& name) {
   return geometry::text::quoted(name);
 }
 
-/// The meshes to take apart, welded. Throws bad_input for what cannot be.
-geometry::Scene load_meshes(const DecomposeCommand& o) {
+/// The solids to take apart, as --surface parts takes them, and open ones too. Throws bad_input for what cannot be.
+std::vector<geometry::Solid> load_solids_to_decompose(const DecomposeCommand& o) {
   const std::optional<int> index = o.gltf_scene ? std::optional(static_cast<int>(*o.gltf_scene)) : std::nullopt;
   geometry::Scene scene = geometry::load_gltf(o.scene, index);
   std::erase_if(scene.meshes, [](const geometry::SceneMesh& mesh) { return !mesh.haptics.touchable; });
   if (scene.meshes.empty()) throw bad_input(scene.file, "the scene has no mesh that can be touched; give one that has");
-  for (geometry::SceneMesh& mesh : scene.meshes) {
-    if (mesh.part) {
-      throw bad_input(scene.file, fmt::format("mesh {} is already a part of {}; give the model that it was made of",
-                                              in_quotes(mesh.name), in_quotes(mesh.part->solid)));
-    }
-    mesh.mesh = geometry::weld(mesh.mesh);
-    if (const std::string fault = geometry::unfit_for_parts(mesh.mesh); !fault.empty())
-      throw bad_input(scene.file, fmt::format("mesh {} {}", in_quotes(mesh.name), fault));
-    if (const std::uint64_t open = geometry::find_defects(mesh.mesh).open; open > 0) {
+  for (const geometry::SceneMesh& mesh : scene.meshes) {
+    if (!mesh.part) continue;
+    throw bad_input(scene.file, fmt::format("mesh {} is already a part of {}; give the model that it was made of",
+                                            in_quotes(mesh.name), in_quotes(mesh.part->solid)));
+  }
+  std::vector<geometry::Solid> solids = geometry::solids_to_decompose(scene);
+  for (const geometry::Solid& solid : solids) {
+    if (const std::string fault = geometry::unfit_for_parts(solid.mesh); !fault.empty())
+      throw bad_input(scene.file, fmt::format("mesh {} {}", in_quotes(solid.name), fault));
+    if (const std::uint64_t open = geometry::find_defects(solid.mesh).open; open > 0) {
       log::warning(fmt::format("{}: mesh {} has {} open edge{}; its holes are closed before it is cut", scene.file,
-                               in_quotes(mesh.name), open, open == 1 ? "" : "s"));
+                               in_quotes(solid.name), open, open == 1 ? "" : "s"));
     }
   }
-  return scene;
+  return solids;
 }
 
-std::vector<Taken> take_apart(const DecomposeCommand& o, const geometry::Scene& scene) {
+std::vector<Taken> take_apart(const DecomposeCommand& o, const std::vector<geometry::Solid>& solids) {
   constexpr std::uint64_t steps = 1000;
   const Interrupt interrupt;
   Progress bar("decompose", steps, o.common.quiet);
@@ -95,24 +97,24 @@ std::vector<Taken> take_apart(const DecomposeCommand& o, const geometry::Scene& 
   const auto refuse_if_interrupted = [&] {
     if (interrupt.requested()) throw failure(fmt::format("{}: not written: interrupted", o.out));
   };
-  for (const geometry::SceneMesh& mesh : scene.meshes) {
+  for (const geometry::Solid& solid : solids) {
     const auto begin = std::chrono::steady_clock::now();
     const auto show = [&](double fraction) {
-      const double share = (static_cast<double>(all.size()) + fraction) / static_cast<double>(scene.meshes.size());
+      const double share = (static_cast<double>(all.size()) + fraction) / static_cast<double>(solids.size());
       bar.set(static_cast<std::uint64_t>(share * steps));
       return !interrupt.requested();
     };
     std::optional<geometry::Parts> parts;
     try {
-      parts = geometry::decompose(mesh.mesh, o.decompose, show);
+      parts = geometry::decompose(solid.mesh, o.decompose, show);
     } catch (const Error& error) {
-      throw Error(error.code(), fmt::format("{}: mesh {}: {}", scene.file, in_quotes(mesh.name), error.what()));
+      throw Error(error.code(), fmt::format("{}: mesh {}: {}", o.scene, in_quotes(solid.name), error.what()));
     }
     refuse_if_interrupted();
     const double seconds = seconds_since(begin);
-    geometry::PartsReport report = geometry::measure(mesh.mesh, *parts, o.common.seed);
+    geometry::PartsReport report = geometry::measure(solid.mesh, *parts, o.common.seed);
     refuse_if_interrupted();
-    all.push_back({&mesh, std::move(*parts), report, seconds});
+    all.push_back({&solid, std::move(*parts), report, seconds});
   }
   return all;
 }
@@ -122,8 +124,8 @@ void write_parts(const DecomposeCommand& o, const std::vector<Taken>& all) {
   for (std::uint32_t s = 0; s < all.size(); ++s) {
     const Taken& taken = all[s];
     for (std::size_t i = 0; i < taken.parts.parts.size(); ++i) {
-      geometry::SceneMesh mesh{fmt::format("{} part {}", taken.mesh->name, i), taken.parts.parts[i].mesh,
-                               taken.mesh->haptics, geometry::PartOf{taken.mesh->name, s, taken.parts.seam_m}};
+      geometry::SceneMesh mesh{fmt::format("{} part {}", taken.solid->name, i), taken.parts.parts[i].mesh,
+                               taken.solid->haptics, geometry::PartOf{taken.solid->name, s, taken.parts.seam_m}};
       meshes.push_back(std::move(mesh));
     }
   }
@@ -135,7 +137,7 @@ std::string to_json(const DecomposeCommand& o, const std::vector<Taken>& all) {
   json.begin_object().member("file", o.out).key("solids").begin_array(JsonWriter::Style::block);
   for (const Taken& taken : all) {
     const geometry::PartsReport& r = taken.report;
-    json.begin_object(JsonWriter::Style::line).member("name", taken.mesh->name).member("parts", r.parts);
+    json.begin_object(JsonWriter::Style::line).member("name", taken.solid->name).member("parts", r.parts);
     json.member("volume_m3", r.union_volume_m3).key("mesh_volume_m3");
     r.mesh_volume_m3 ? json.value(*r.mesh_volume_m3) : json.null();
     json.key("volume_ratio");
@@ -153,7 +155,8 @@ std::string summary(const DecomposeCommand& o, const std::vector<Taken>& all) {
   for (const Taken& taken : all) {
     const geometry::PartsReport& r = taken.report;
     const auto out = std::back_inserter(text);
-    fmt::format_to(out, "{}: {} part{} in {:.1f} s", taken.mesh->name, r.parts, r.parts == 1 ? "" : "s", taken.seconds);
+    fmt::format_to(out, "{}: {} part{} in {:.1f} s", taken.solid->name, r.parts, r.parts == 1 ? "" : "s",
+                   taken.seconds);
     if (const auto ratio = r.volume_ratio()) fmt::format_to(out, ", {:.3f} of its volume", *ratio);
     fmt::format_to(out,
                    "\n  surface error mean {:.3g}, p95 {:.3g}, max {:.3g} mm; {:.0f} % of the parts' faces are cuts\n",
@@ -166,11 +169,10 @@ void run(const DecomposeCommand& given) {
   DecomposeCommand o = given;
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model");
   if (o.out.empty()) throw bad_usage("--out is missing: give a file such as parts.glb");
-  if (!geometry::has_vhacd()) throw failure(geometry::how_to_get_vhacd());
   o.decompose.error_percent = o.error_percent.value_or(o.decompose.error_percent);
-  const geometry::Scene scene = load_meshes(o);
+  const std::vector<geometry::Solid> solids = load_solids_to_decompose(o);
   log::release_warnings();
-  const std::vector<Taken> all = take_apart(o, scene);
+  const std::vector<Taken> all = take_apart(o, solids);
   write_parts(o, all);
   if (!o.common.json.empty()) write_output(o.common.json, to_json(o, all));
   if (shows_summary(o.common)) write_output("-", summary(o, all));

@@ -81,9 +81,13 @@ std::optional<SolidMesh> load(const CacheKey& key) {
   return solid;
 }
 
-Solid make_solid(const std::string& file, Candidate c, SurfaceKind kind) {
+/// What becomes of meshes that no repair closes.
+enum class Open { refused, kept };
+
+Solid make_solid(const std::string& file, Candidate c, SurfaceKind kind, Open open) {
   const std::string name = text::quoted(c.name);
-  if (!c.fit) {
+  const bool keep = open == Open::kept && !c.fit && !find_defects(c.solid.mesh).closed_and_oriented();
+  if (!c.fit && !keep) {
     make_fit(file, name, c.solid, kind == SurfaceKind::parts);
     if (c.cache) store(*c.cache, c.solid);
   }
@@ -162,6 +166,23 @@ std::vector<std::pair<std::size_t, Candidate>> gather(const Scene& scene, Surfac
   return found;
 }
 
+std::vector<Solid> solids_of(const Scene& scene, SurfaceKind kind, Open open) {
+  std::vector<std::pair<std::size_t, Solid>> found = solids_of_parts(scene);
+  for (auto& [place, candidate] : gather(scene, kind))
+    found.emplace_back(place, make_solid(scene.file, std::move(candidate), kind, open));
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Solid> solids;
+  solids.reserve(found.size());
+  for (auto& [place, solid] : found)
+    solids.push_back(std::move(solid));
+  if (solids.empty()) {
+    throw bad_input(scene.file, scene.meshes.empty()
+                                    ? "the scene has no triangle mesh; a scene needs at least one solid"
+                                    : "none of the scene's meshes is touchable; a scene needs at least one solid");
+  }
+  return solids;
+}
+
 }  // namespace
 
 double depth(const Solid& solid, const Vec3& point) {
@@ -174,20 +195,11 @@ double depth(const Solid& solid, const Vec3& point) {
 }
 
 std::vector<Solid> make_solids(const Scene& scene, SurfaceKind kind) {
-  std::vector<std::pair<std::size_t, Solid>> found = solids_of_parts(scene);
-  for (auto& [place, candidate] : gather(scene, kind))
-    found.emplace_back(place, make_solid(scene.file, std::move(candidate), kind));
-  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<Solid> solids;
-  solids.reserve(found.size());
-  for (auto& [place, solid] : found)
-    solids.push_back(std::move(solid));
-  if (solids.empty()) {
-    throw bad_input(scene.file, scene.meshes.empty()
-                                    ? "the scene has no triangle mesh; a scene needs at least one solid"
-                                    : "none of the scene's meshes is touchable; a scene needs at least one solid");
-  }
-  return solids;
+  return solids_of(scene, kind, Open::refused);
+}
+
+std::vector<Solid> solids_to_decompose(const Scene& scene) {
+  return solids_of(scene, SurfaceKind::parts, Open::kept);
 }
 
 }  // namespace palpa::geometry

@@ -47,4 +47,8 @@ double depth(const Solid& solid, const Vec3& point);
 /// solids of parts, whatever `kind` is; for their errors see parts_solid.hpp.
 std::vector<Solid> make_solids(const Scene& scene, SurfaceKind kind = SurfaceKind::mesh);
 
+/// What decompose() is for: as make_solids(scene, SurfaceKind::parts), but a mesh that is open even together with what
+/// it meets, non-manifold or inconsistently oriented is there as it is, welded.
+std::vector<Solid> solids_to_decompose(const Scene& scene);
+
 }  // namespace palpa::geometry

@@ -47,7 +47,7 @@ Inside look(const SceneTable& table, std::uint32_t solid, const Float3& point, c
         p, {record.low.x, record.low.y, record.low.z},
         {record.cells_per_metre.x, record.cells_per_metre.y, record.cells_per_metre.z}, record.cells_per_axis);
     const float depth =
-        shader::parts_depth(table.parts.data(), record.first_cell, cell, p, parameters.deep ? 3.0e38F : delta);
+        shader::parts_depth(table.parts.data(), record.first_cell, cell, p, parameters.wants_deep() ? 3.0e38F : delta);
     return {depth, depth > 0 && depth < delta};
   }
   if (record.by_surface != 0) {

@@ -40,7 +40,7 @@ Stage::Stage(const gpu::Device& device, const std::vector<geometry::Solid>& soli
       tables_(sensing::make_rays(cameras)),
       rays_(sensing::upload_rays(device, tables_)),
       bridge_cameras_(upload_cameras(device, bridge_cameras(cameras, tables_))),
-      deep_(parameters.deep),
+      deep_(parameters.wants_deep()),
       solids_(device, solids, parameters),
       skin_pass_(device),
       touch_passes_(device) {}

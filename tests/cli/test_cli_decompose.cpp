@@ -26,11 +26,9 @@ namespace {
 using geometry::SceneMesh;
 using nlohmann::json;
 
-class Decompose : public testing::Test {
+/// Needs no V-HACD.
+class DecomposeConvex : public testing::Test {
  protected:
-  void SetUp() override {
-    if (!geometry::has_vhacd()) GTEST_SKIP() << "skipped: built without V-HACD";
-  }
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
   std::string scene(const std::string& name, const std::vector<SceneMesh>& meshes) const {
     geometry::write_glb(file(name), meshes);
@@ -55,7 +53,74 @@ class Decompose : public testing::Test {
   const std::filesystem::path folder_ = scratch_folder("decompose");
 };
 
-TEST_F(Decompose, OfACubeIsTheCube) {
+class Decompose : public DecomposeConvex {
+ protected:
+  void SetUp() override {
+    if (!geometry::has_vhacd()) GTEST_SKIP() << "skipped: built without V-HACD";
+  }
+};
+
+/// All through a box of 40 mm, top at y = 0, and just outside of it.
+std::vector<Vec3> cloud_around_a_box() {
+  std::vector<Vec3> cloud;
+  for (int i = 0; i < 3000; ++i) {
+    const auto unit = [&](double factor) { return std::fmod(i * factor, 1.0); };
+    cloud.emplace_back(-0.022 + 0.044 * unit(0.6180339887), -0.042 + 0.044 * unit(0.7548776662),
+                       -0.022 + 0.044 * unit(0.5698402910));
+  }
+  return cloud;
+}
+
+TEST_F(DecomposeConvex, ASurfaceSplitOverNodesIsOneSolid) {
+  const geometry::Mesh whole = box({-0.02, -0.04, -0.02}, {0.02, 0, 0.02});
+  std::vector<SceneMesh> sides(6);
+  for (std::size_t side = 0; side < 6; ++side) {
+    sides[side].name = "side " + std::to_string(side);
+    sides[side].mesh = {whole.positions, {whole.triangles[2 * side], whole.triangles[2 * side + 1]}};
+  }
+  const std::string in = scene("sides.glb", sides), out = file("sides-parts.glb");
+  const Result result = palpa({"decompose", "--scene", in, "--out", out, "--json", "-"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const json report = json::parse(result.out);
+  ASSERT_EQ(report["solids"].size(), 1u);
+  EXPECT_EQ(report["solids"][0]["name"], "side 0");
+  EXPECT_EQ(report["solids"][0]["parts"], 1);
+  EXPECT_NEAR(report["solids"][0]["volume_ratio"], 1, 1e-9);
+  const std::string ply = points(cloud_around_a_box());
+  const json from_file = touch({"--scene", out, "--points", ply});
+  EXPECT_GT(from_file["contacts"]["count"], 100);
+  EXPECT_EQ(from_file["contacts"], touch({"--scene", in, "--surface", "parts", "--points", ply})["contacts"]);
+}
+
+TEST_F(DecomposeConvex, AMeshThatIsInsideOutIsTurned) {
+  geometry::Mesh mesh = box({-0.02, -0.04, -0.02}, {0.02, 0, 0.02});
+  geometry::flip(mesh);
+  const std::string in = scene("turned.glb", {{"turned", mesh}}), out = file("turned-parts.glb");
+  const Result result = palpa({"decompose", "--scene", in, "--out", out, "--json", "-"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("mesh \"turned\" is inside out; its faces are turned"), std::string::npos) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(report["solids"][0]["parts"], 1);
+  EXPECT_NEAR(report["solids"][0]["volume_ratio"], 1, 1e-9);
+  const std::string ply = points(cloud_around_a_box());
+  const json from_file = touch({"--scene", out, "--points", ply});
+  EXPECT_GT(from_file["contacts"]["count"], 100);
+  EXPECT_EQ(from_file["contacts"], touch({"--scene", in, "--surface", "parts", "--points", ply})["contacts"]);
+}
+
+TEST_F(Decompose, ClosesTheHolesOfAnOpenMesh) {
+  geometry::Mesh mesh = box({-0.02, -0.04, -0.02}, {0.02, 0, 0.02});
+  mesh.triangles.pop_back();
+  const Result result = palpa({"decompose", "--scene", scene("open.glb", {{"open", mesh}}), "--out", file("closed.glb"),
+                               "--resolution", "30k", "--json", "-"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("mesh \"open\" has 3 open edges; its holes are closed"), std::string::npos) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_NEAR(report["solids"][0]["volume_m3"], 6.4e-5, 0.1 * 6.4e-5);
+}
+
+TEST_F(DecomposeConvex, OfACubeIsTheCube) {
   const std::string out = file("cube-parts.glb");
   const Result result =
       palpa({"decompose", "--scene", source_file("assets/cube.glb"), "--parts", "8", "--out", out, "--json", "-"});
@@ -241,10 +306,12 @@ TEST_F(Decompose, LeavesNothingBehindWhenInterrupted) {
   EXPECT_FALSE(std::filesystem::exists(out + ".unfinished"));
 }
 
-TEST(DecomposeWithout, VhacdSaysHowToGetIt) {
+TEST_F(DecomposeConvex, WithoutVhacdAConcaveMeshIsRefusedWithHowToGetIt) {
   if (geometry::has_vhacd()) GTEST_SKIP() << "skipped: built with V-HACD";
-  expect_failure(palpa({"decompose", "--scene", source_file("assets/cube.glb"), "--out", "/dev/null"}), 1,
-                 "install npm and build again");
+  expect_failure(
+      palpa({"decompose", "--scene", scene("ell.glb", {{"ell", ell()}}), "--out", file("out.glb")}), 1,
+      "mesh \"ell\": this palpa was built without V-HACD, which makes the parts: install npm and build again");
+  EXPECT_FALSE(std::filesystem::exists(file("out.glb")));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# matrix.sh [LEG...]: the tests under sanitizers, Vulkan validation, thread counts, vector widths and memory modes; all legs
-# without arguments, `matrix.sh list` names them. Stops at the first leg that fails; says at the end how long each took.
+# matrix.sh [LEG...]: the tests under sanitizers, Vulkan validation, thread counts, vector widths and memory modes, and meshes
+# of every size; all legs without arguments, `matrix.sh list` names them. Stops at the first leg that fails; says at the end how
+# long each took.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -18,6 +19,7 @@ staging      release gpu     PALPA_FORCE_STAGING=1
 core         release gpu     PALPA_VALIDATION=core PALPA_BRIEF=1
 sync         release gpu     PALPA_VALIDATION=sync PALPA_BRIEF=1
 gpu-assisted release gpu     PALPA_VALIDATION=gpu-assisted PALPA_BRIEF=1
+corpus       release corpus  PALPA_EXHAUSTIVE=1
 asan         asan    -
 tsan         tsan    threads
 END

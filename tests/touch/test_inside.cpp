@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "base/error.hpp"
+#include "geometry/parts.hpp"
 #include "gpu/commands.hpp"
 #include "support/device.hpp"
 #include "touch/harness.hpp"
@@ -126,11 +129,34 @@ TEST_P(Inside, DeepPointsAloneAreNoFinger) {
   EXPECT_EQ(touch.cluster_count, 0u);
 }
 
+/// The cube as two convex parts that overlap; 40 mm wide, so that cells in the middle know no surface within delta.
+geometry::Solid cube_of_parts() {
+  geometry::Solid solid;
+  solid.name = "parts";
+  for (const auto& [left, right] : {std::pair(-0.02, 0.005), std::pair(-0.005, 0.02)}) {
+    std::vector<Vec3> corners;
+    for (int c = 0; c < 8; ++c)
+      corners.emplace_back(c & 1 ? right : left, c & 2 ? 0 : -0.04, c & 4 ? 0.02 : -0.02);
+    solid.parts.parts.push_back(geometry::make_part(corners).value());
+    solid.bounds.add(solid.parts.parts.back().bounds.low);
+    solid.bounds.add(solid.parts.parts.back().bounds.high);
+  }
+  solid.parts.seam_m = geometry::smallest_seam(solid.parts.parts);
+  return solid;
+}
+
 TEST(InsideOnDevice, IsTheTwinBitForBit) {
   const auto points = random_points(20'000, {-0.025, -0.045, -0.025}, {0.025, 0.005, 0.025}, 9);
-  for (const double gap : {0.8e-3, 1.1e-3, 5e-3}) {
-    expect_identical(touch_on(Backend::cpu, points, cube(), inside(gap)),
-                     touch_on(Backend::gpu, points, cube(), inside(gap)));
+  for (const geometry::Solid& solid : {cube(), cube_of_parts()}) {
+    for (const double gap : {0.8e-3, 1.1e-3, 5e-3}) {
+      SCOPED_TRACE(solid.name);
+      const Touch twin = touch_on(Backend::cpu, points, solid, inside(gap));
+      EXPECT_GT(twin.deep.size(), twin.contacts.size());
+      const Touch touch = touch_on(Backend::gpu, points, solid, inside(gap));
+      expect_identical(twin, touch);
+      ASSERT_EQ(twin.deep.size(), touch.deep.size());
+      EXPECT_EQ(std::memcmp(twin.deep.data(), touch.deep.data(), twin.deep.size() * sizeof(Contact)), 0);
+    }
   }
 }
 
@@ -140,6 +166,14 @@ TEST(InsideOnDevice, NeedsRoomThatWasAskedFor) {
   StageFrame frame(test_device(), stage, {.points = 100, .contacts = 100, .deep = 100});
   const gpu::Recorder recorder(test_device(), "inside test");
   EXPECT_THROW(stage.record(recorder.begin(), frame, parameters, Detail::contacts), Error);
+}
+
+TEST(InsideOnDevice, AStageForItHasRoomForDeepPoints) {
+  const Parameters parameters = inside();
+  const Stage stage(test_device(), {cube()}, {}, parameters);
+  StageFrame frame(test_device(), stage, {.points = 100, .contacts = 100, .inside = true});
+  const gpu::Recorder recorder(test_device(), "inside test");
+  EXPECT_NO_THROW(stage.record(recorder.begin(), frame, parameters, Detail::contacts));
 }
 
 }  // namespace

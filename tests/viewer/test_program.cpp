@@ -6,6 +6,8 @@
 
 #include "cli/process.hpp"
 #include "drawing_test.hpp"
+#include "geometry/gltf.hpp"
+#include "geometry/gltf_write.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/png.hpp"
 
@@ -156,6 +158,20 @@ TEST_F(Viewer, BadInput) {
   test::expect_failure(viewer(cube_touch({"--headless", "--skin", cloud})), 4, "cloud.ply");
   test::expect_failure(viewer(cube_touch({"--headless", "--layout", "nonsense"})), 4, "nonsense");
   test::expect_failure(viewer(cube_touch({"--headless", "--reference", text})), 4, "text.glb");
+}
+
+TEST_F(Viewer, AStrideThatLeavesFociOutIsTheScenesFault) {
+  const auto folder = test::scratch_folder("viewer-stride");
+  auto meshes = geometry::load_gltf(source_file("assets/cube.glb")).meshes;
+  meshes.at(0).haptics.foci = 9;
+  geometry::write_glb(folder / "nine.glb", meshes);
+  const std::vector<std::string> line{"--scene",    (folder / "nine.glb").string(),
+                                      "--points",   source_file("assets/finger.ply").string(),
+                                      "--headless", "--backend",
+                                      "cpu"};
+  const auto refused = viewer(line);
+  test::expect_failure(refused, 4, "nine.glb");
+  test::expect_failure(refused, 4, "node 'cube': stride 3 and 9 foci share the divisor 3");
 }
 
 TEST_F(Viewer, AnUnwritableScreenshotIsAFailure) {
