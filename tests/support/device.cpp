@@ -1,8 +1,10 @@
 #include "support/device.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include "gpu/barrier.hpp"
+#include "support/shader_modules.hpp"
 
 namespace palpa::test {
 namespace {
@@ -11,6 +13,8 @@ constexpr std::uint8_t guard_byte = 0xa5;
 
 gpu::Device& test_device() {
   static gpu::Device device;
+  static const auto modules =
+      device.validation() == gpu::Validation::gpu_assisted ? std::make_unique<ShaderModules>(device) : nullptr;
   return device;
 }
 
