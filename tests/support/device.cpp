@@ -18,12 +18,17 @@ gpu::Device& test_device() {
   return device;
 }
 
-void run_on_device(const std::function<void(VkCommandBuffer)>& record) {
+void submit_and_wait(VkCommandBuffer commands) {
   gpu::Device& device = test_device();
-  const gpu::Recorder recorder(device, "test");
-  gpu::Timeline timeline(device);
+  static gpu::Timeline timeline(device, "test");  // the layer keeps every timeline's last submit as well
+  timeline.wait(timeline.submit(commands));
+  if (device.validation() != gpu::Validation::off) vkQueueWaitIdle(device.queue());
+}
+
+void run_on_device(const std::function<void(VkCommandBuffer)>& record) {
+  static const gpu::Recorder recorder(test_device(), "test");
   record(recorder.begin());
-  timeline.wait(timeline.submit(recorder.end()));
+  submit_and_wait(recorder.end());
 }
 
 GuardedBuffer::GuardedBuffer(gpu::Device& device, std::size_t bytes, std::uint8_t fill)
