@@ -96,10 +96,12 @@ Points adversarial(int kind, std::uint32_t count, double gap, unsigned seed) {
       case 1:  // a lattice exactly, or hardly not, a gap apart
         points.emplace_back(gap * (1 + (seed % 3) * 1e-7) * Vec3(i % 9, i / 9 % 9, i / 81));
         break;
-      case 2:  // a thread that winds through all cells, one gap at a time
-        points.emplace_back(gap * 0.98 * count / 25 *
-                            Vec3(std::cos(25 * share), std::sin(25 * share), 0.05 * share * count / 25));
+      case 2: {  // a thread that winds through all cells, one gap at a time or, so that it stays in the box, less
+        const double radius = std::min(gap * 0.98 * count / 25, 1.9);
+        points.emplace_back(radius *
+                            Vec3(std::cos(25 * share), std::sin(25 * share), std::min(0.002 * count, 1.0) * share));
         break;
+      }
       case 3:  // many contacts in few places, some in the very same
         points.emplace_back(gap * 1.02 * glm::floor(anywhere() * 3.0) + 0.01 * gap * glm::floor(anywhere() * 4.0));
         break;
