@@ -16,10 +16,16 @@ width-256    release gpu     LP_NATIVE_VECTOR_WIDTH=256
 width-512    release gpu     LP_NATIVE_VECTOR_WIDTH=512
 poison       release gpu     LVP_POISON_MEMORY=1
 staging      release gpu     PALPA_FORCE_STAGING=1
+<<<<<<< HEAD
 core         release gpu     PALPA_VALIDATION=core PALPA_BRIEF=1
 sync         release gpu     PALPA_VALIDATION=sync PALPA_BRIEF=1
 gpu-assisted release gpu     PALPA_VALIDATION=gpu-assisted PALPA_BRIEF=1
 corpus       release corpus  PALPA_EXHAUSTIVE=1
+=======
+core         release gpu     PALPA_VALIDATION=core
+sync         release gpu     PALPA_VALIDATION=sync
+gpu-assisted release gpu     PALPA_VALIDATION=gpu-assisted
+>>>>>>> 5f45a4b6f480a67a88f1d61ded0792d1eab5506d
 asan         asan    -
 tsan         tsan    threads
 END
@@ -41,9 +47,6 @@ digests=build/digests
 rm -rf "$digests"
 mkdir -p "$digests" build/logs
 summary=()
-
-# What takes instrumented shaders many minutes; the other legs run it.
-too_long_for_gpu_assisted='^(test_touch_bridge|test_touch_inside|test_touch_stage|test_touch_parts_contacts|test_touch_steady|test_hands|test_solver_pass|test_toucher)$'
 
 # The executables behind the tests of a label, so that a sanitizer builds no more than it runs.
 targets_of() { # PRESET LABEL
@@ -70,7 +73,6 @@ run_leg() { # NAME PRESET LABEL [VARIABLE=VALUE...]
   fi
   built=$((SECONDS - begin))
   [[ $label == - ]] || filter=(-L "^$label\$")
-  [[ $name != gpu-assisted ]] || filter+=(-E "$too_long_for_gpu_assisted")
   if ! env "$@" PALPA_LEG="$name" PALPA_DIGEST="$PWD/$digests/$name" tests/house/suite.sh "$preset" "${filter[@]}" \
     >"$log" 2>&1; then
     cat "$log"

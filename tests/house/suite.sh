@@ -4,7 +4,6 @@
 # As many tests side by side as there are cores, each with one rasterizer thread where lavapipe is the driver: two tests of
 # one thread keep two cores busier than one test of two threads. What depends on the number of threads is the matrix's
 # business, which sets LP_NUM_THREADS itself. Drivers and layers keep their caches in the build directory, PALPA_LEG apart.
-# With PALPA_BRIEF set, the tests of long-tests.txt are left out.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -13,11 +12,6 @@ shift
 cache=$PWD/build/cache/${PALPA_LEG:-$preset}
 mkdir -p "$cache"
 export MESA_SHADER_CACHE_DIR=$cache/mesa XDG_CACHE_HOME=$cache LP_NUM_THREADS=${LP_NUM_THREADS:-1}
-
-if [[ ${PALPA_BRIEF:-} ]]; then
-  GTEST_FILTER=-$(grep -v '^#' tests/house/long-tests.txt | paste -sd:)
-  export GTEST_FILTER
-fi
 
 # For the presets asan and tsan; the others ignore them.
 export UBSAN_OPTIONS=print_stacktrace=1

@@ -1,8 +1,10 @@
 #include "support/device.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include "gpu/barrier.hpp"
+#include "support/shader_modules.hpp"
 
 namespace palpa::test {
 namespace {
@@ -11,15 +13,22 @@ constexpr std::uint8_t guard_byte = 0xa5;
 
 gpu::Device& test_device() {
   static gpu::Device device;
+  static const auto modules =
+      device.validation() == gpu::Validation::gpu_assisted ? std::make_unique<ShaderModules>(device) : nullptr;
   return device;
 }
 
-void run_on_device(const std::function<void(VkCommandBuffer)>& record) {
+void submit_and_wait(VkCommandBuffer commands) {
   gpu::Device& device = test_device();
-  const gpu::Recorder recorder(device, "test");
-  gpu::Timeline timeline(device);
+  static gpu::Timeline timeline(device, "test");  // the layer keeps every timeline's last submit as well
+  timeline.wait(timeline.submit(commands));
+  if (device.validation() != gpu::Validation::off) vkQueueWaitIdle(device.queue());
+}
+
+void run_on_device(const std::function<void(VkCommandBuffer)>& record) {
+  static const gpu::Recorder recorder(test_device(), "test");
   record(recorder.begin());
-  timeline.wait(timeline.submit(recorder.end()));
+  submit_and_wait(recorder.end());
 }
 
 GuardedBuffer::GuardedBuffer(gpu::Device& device, std::size_t bytes, std::uint8_t fill)

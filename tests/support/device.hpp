@@ -16,6 +16,10 @@ namespace palpa::test {
 /// The device that the environment selects (PALPA_VALIDATION, PALPA_FORCE_STAGING, VK_DRIVER_FILES, ...).
 gpu::Device& test_device();
 
+/// Submits to test_device() and waits. Says so to the validation layer as well, which otherwise keeps what it knows of
+/// every submit, and compares each with all before it: the layer takes no notice of timelines on which the host waits.
+void submit_and_wait(VkCommandBuffer commands);
+
 /// Records `record`, submits and waits.
 void run_on_device(const std::function<void(VkCommandBuffer)>& record);
 

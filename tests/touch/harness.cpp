@@ -46,7 +46,6 @@ Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vec
   total.as<shader::ScanTotal>()[0] = {count, (count + 63) / 64, 1, 1};
   gpu::Timestamps stamps(device, 16);
   const gpu::Recorder recorder(device, "touch test");
-  gpu::Timeline timeline(device, "touch test");
   Touch out;
   std::vector<gpu::PassTime> once;
   for (int run = 0; run < runs; ++run) {
@@ -56,7 +55,7 @@ Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vec
     stamps.begin(commands);
     record(commands, passes, table, buffers, skin.ref(), total.ref(), parameters, &stamps);
     const double began = cpu_ms();
-    timeline.wait(timeline.submit(recorder.end()));
+    palpa::test::submit_and_wait(recorder.end());
     const double took = cpu_ms() - began;
     const Touch before = out;
     read(buffers, out);

@@ -32,9 +32,8 @@ Touch touch_on(Backend backend, const std::vector<geometry::Solid>& solids, cons
   StageFrame frame(test_device(), stage);
   frame.set(images);
   const gpu::Recorder recorder(test_device(), "bridge test");
-  gpu::Timeline timeline(test_device(), "bridge test");
   stage.record(recorder.begin(), frame, parameters, Detail::contacts);
-  timeline.wait(timeline.submit(recorder.end()));
+  palpa::test::submit_and_wait(recorder.end());
   read(frame, out);
   return out;
 }

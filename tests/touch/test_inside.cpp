@@ -35,9 +35,8 @@ Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const geom
   StageFrame frame(test_device(), stage, {.points = count, .contacts = count, .deep = count, .inside = true});
   frame.set(indexed(points));
   const gpu::Recorder recorder(test_device(), "inside test");
-  gpu::Timeline timeline(test_device(), "inside test");
   stage.record(recorder.begin(), frame, parameters, Detail::contacts);
-  timeline.wait(timeline.submit(recorder.end()));
+  palpa::test::submit_and_wait(recorder.end());
   read(frame, out);
   return out;
 }
