@@ -16,16 +16,10 @@ width-256    release gpu     LP_NATIVE_VECTOR_WIDTH=256
 width-512    release gpu     LP_NATIVE_VECTOR_WIDTH=512
 poison       release gpu     LVP_POISON_MEMORY=1
 staging      release gpu     PALPA_FORCE_STAGING=1
-<<<<<<< HEAD
-core         release gpu     PALPA_VALIDATION=core PALPA_BRIEF=1
-sync         release gpu     PALPA_VALIDATION=sync PALPA_BRIEF=1
-gpu-assisted release gpu     PALPA_VALIDATION=gpu-assisted PALPA_BRIEF=1
-corpus       release corpus  PALPA_EXHAUSTIVE=1
-=======
 core         release gpu     PALPA_VALIDATION=core
 sync         release gpu     PALPA_VALIDATION=sync
 gpu-assisted release gpu     PALPA_VALIDATION=gpu-assisted
->>>>>>> 5f45a4b6f480a67a88f1d61ded0792d1eab5506d
+corpus       release corpus  PALPA_EXHAUSTIVE=1
 asan         asan    -
 tsan         tsan    threads
 END

@@ -148,17 +148,17 @@ array::Schedule too_long_for_a_datagram() {
 
 TEST(FociLink, SilencesWhatItCannotSend) {
   Setting s;
-  Receiver receiver;
-  const auto link = open_link("foci:udp:127.0.0.1:" + std::to_string(receiver.port), builtin_links(), s.setting);
+  const test::UdpReceiver receiver;
+  const auto link = open_link("foci:" + receiver.address(), builtin_links(), s.setting);
   link->foci(one_finger());
-  EXPECT_FALSE(nlohmann::json::parse(receiver.line())["fingers"].empty());
+  EXPECT_FALSE(nlohmann::json::parse(receiver.next())["fingers"].empty());
   testing::internal::CaptureStderr();
   for (int frame = 0; frame < 3; ++frame) {
     link->foci(too_long_for_a_datagram());
-    EXPECT_EQ(receiver.line(), "{\"time_s\":13.5,\"fingers\":[]}\n");
+    EXPECT_EQ(receiver.next(), "{\"time_s\":13.5,\"fingers\":[]}\n");
   }
   link->foci(one_finger());
-  EXPECT_FALSE(nlohmann::json::parse(receiver.line())["fingers"].empty());
+  EXPECT_FALSE(nlohmann::json::parse(receiver.next())["fingers"].empty());
   link->finish();
   const std::string said = testing::internal::GetCapturedStderr();
   EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 2) << said;
@@ -168,13 +168,13 @@ TEST(FociLink, SilencesWhatItCannotSend) {
 
 TEST(FociLink, EndsInSilenceEvenWhereADatagramIsLost) {
   Setting s;
-  Receiver receiver;
-  const auto link = open_link("foci:udp:127.0.0.1:" + std::to_string(receiver.port), builtin_links(), s.setting);
+  const test::UdpReceiver receiver;
+  const auto link = open_link("foci:" + receiver.address(), builtin_links(), s.setting);
   link->foci(one_finger());
-  receiver.line();
+  receiver.next();
   link->finish();
   for (int line = 0; line < 3; ++line)
-    EXPECT_EQ(receiver.line(), "{\"time_s\":12.5,\"fingers\":[]}\n");
+    EXPECT_EQ(receiver.next(), "{\"time_s\":12.5,\"fingers\":[]}\n");
 }
 
 TEST(FociLink, SurvivesThatNobodyListens) {
