@@ -80,6 +80,8 @@ void check(const Options& o) {
     cli::check(o.felt, o.touch);
   } else if (o.felt.spectrum) {
     throw bad_usage("--spectrum goes with --points or --depth: it is of a touch");
+  } else if (o.felt.spot_m) {
+    throw bad_usage("--spot goes with --spectrum or --tune");
   } else if (!o.input.cameras.empty() || !o.input.rig.empty()) {
     throw bad_usage("--camera and --rig go with --depth: give the depth images");
   }

@@ -54,10 +54,12 @@ void add_solid_options(CLI::App& app, SolidOptions& options) {
   group.choice("--surface", options.surface,
                {{"mesh", geometry::SurfaceKind::mesh}, {"parts", geometry::SurfaceKind::parts}},
                "the mesh's own, exactly, or that of convex parts of it");
-  group.integer("--parts", options.parts, 1, geometry::most_parts, "with --surface parts: how many per solid, at most");
-  group.choice("--internal-faces", options.internal_faces,
-               {{"drop", geometry::InternalFaces::drop}, {"keep", geometry::InternalFaces::keep}},
-               "of parts: whether cuts count as surface");
+  group.integer("--parts", options.parts, 1, geometry::most_parts,
+                "with --surface parts: how many per solid, at most [64]");
+  group.choice(
+      "--internal-faces", options.internal_faces,
+      {{"drop", std::optional(geometry::InternalFaces::drop)}, {"keep", std::optional(geometry::InternalFaces::keep)}},
+      "of parts: whether cuts count as surface, normally dropped");
 }
 
 void add_touch_options(CLI::App& app, TouchOptions& options) {
@@ -98,13 +100,14 @@ void add_felt_options(CLI::App& app, FeltOptions& options) {
   const Group group(app, "What skin feels in time");
   group.flag("--spectrum", options.spectrum, "the spectrum of the pressure on each finger's skin");
   group.quantity("--spot", options.spot_m, Quantity::length, positive(1),
-                 "width of one focus' pressure at half its height");
+                 "with --spectrum or --tune: width of one focus' pressure at half its height [3.8mm]");
   group.quantity("--tune-shortest", options.shortest_dwell_s, Quantity::time, {1e-4, 20e-3},
                  "with --tune-longest: dwells that --tune may choose, normally --dwell alone");
   group.quantity("--tune-longest", options.longest_dwell_s, Quantity::time, {1e-4, 20e-3}, "see --tune-shortest");
 }
 
 void check(const FeltOptions& options, const TouchOptions& touch) {
+  if (options.spot_m && !options.spectrum && !touch.tune) throw bad_usage("--spot goes with --spectrum or --tune");
   if (options.shortest_dwell_s.has_value() != options.longest_dwell_s.has_value()) {
     throw bad_usage("--tune-shortest and --tune-longest go together: give both ends of the range");
   }

@@ -46,8 +46,8 @@ bool shows_summary(const CommonOptions& options, const std::string& csv = {});
 /// What counts as a solid's surface.
 struct SolidOptions {
   geometry::SurfaceKind surface = geometry::SurfaceKind::mesh;
-  geometry::InternalFaces internal_faces = geometry::InternalFaces::drop;
-  std::uint32_t parts = 64;  ///< at most so many convex parts per solid
+  std::optional<geometry::InternalFaces> internal_faces;  ///< normally dropped
+  std::optional<std::uint32_t> parts;                     ///< at most so many convex parts per solid, normally 64
 };
 void add_solid_options(CLI::App& app, SolidOptions& options);
 
@@ -68,11 +68,11 @@ void check(const TouchOptions& options);
 /// What skin feels of a single touch.
 struct FeltOptions {
   bool spectrum = false;
-  double spot_m = 3.8e-3;
+  std::optional<double> spot_m;                             ///< normally that of array::SpectrumOptions
   std::optional<double> shortest_dwell_s, longest_dwell_s;  ///< both or none: what --tune may choose
 };
 void add_felt_options(CLI::App& app, FeltOptions& options);
-/// Throws bad_usage where a range is half given, empty, or goes without --tune.
+/// Throws bad_usage where a range is half given, empty, or goes without --tune, and where nothing uses the spot.
 void check(const FeltOptions& options, const TouchOptions& touch);
 
 /// --method with the --spacing that an ellipse shares with the sectors.

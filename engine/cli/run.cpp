@@ -100,6 +100,12 @@ void refuse_two_on_stdout(const RunCommand& o) {
   }
 }
 
+void refuse_what_goes_unused(const RunCommand& o) {
+  if (o.noise_free && o.source.starts_with("recording:")) {
+    throw bad_usage("--noise-free goes with --source synthetic: a recording has the noise that it has");
+  }
+}
+
 void report(const RunCommand& o, const session::LoopStats& stats) {
   if (!o.common.json.empty()) write_output(o.common.json, session::to_json(stats));
   if (o.stats == StatsFormat::json) {
@@ -153,6 +159,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
   check(o.touch);
   refuse_two_on_stdout(o);
+  refuse_what_goes_unused(o);
   const std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene, o.solids, o.common.quiet);
   const array::VoiceOptions voice = voice_options(o.touch);
   session::check_overrides(o.scene, solids, o.touch.parameters, voice);

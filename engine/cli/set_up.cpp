@@ -1,5 +1,7 @@
 #include "cli/set_up.hpp"
 
+#include <algorithm>
+
 #include "base/error.hpp"
 #include "cli/assets.hpp"
 #include "cli/progress.hpp"
@@ -10,18 +12,25 @@ namespace palpa::cli {
 
 std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene,
                                          const SolidOptions& options, bool quiet) {
+  const bool into_parts = options.surface == geometry::SurfaceKind::parts;
+  if (options.parts && !into_parts) throw bad_usage("--parts goes with --surface parts");
   const std::optional<int> index = gltf_scene ? std::optional(static_cast<int>(*gltf_scene)) : std::nullopt;
   std::vector<geometry::Solid> solids = geometry::make_solids(geometry::load_gltf(scene, index), options.surface);
+  const auto has_parts = [](const geometry::Solid& solid) { return !solid.parts.parts.empty(); };
+  if (options.internal_faces && !into_parts && std::none_of(solids.begin(), solids.end(), has_parts)) {
+    throw bad_usage("--internal-faces goes with --surface parts, or with a scene of parts");
+  }
   constexpr std::uint64_t steps = 1000;
   Progress bar("convex parts", steps * solids.size(), quiet);
   for (std::size_t s = 0; s < solids.size(); ++s) {
     geometry::Solid& solid = solids[s];
-    solid.internal_faces = options.internal_faces;
-    if (options.surface == geometry::SurfaceKind::mesh || !solid.parts.parts.empty()) continue;
-    geometry::use_parts(solid, {.parts = options.parts}, [&](double fraction) {
-      bar.set(s * steps + static_cast<std::uint64_t>(fraction * steps));
-      return true;
-    });
+    solid.internal_faces = options.internal_faces.value_or(geometry::InternalFaces::drop);
+    if (!into_parts || has_parts(solid)) continue;
+    geometry::use_parts(solid, {.parts = options.parts.value_or(geometry::DecomposeOptions().parts)},
+                        [&](double fraction) {
+                          bar.set(s * steps + static_cast<std::uint64_t>(fraction * steps));
+                          return true;
+                        });
   }
   return solids;
 }

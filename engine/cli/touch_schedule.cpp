@@ -11,7 +11,7 @@ namespace {
 void tune_finger(const touch::Touch& touch, const touch::Finger& finger, const TouchOptions& options,
                  const FeltOptions& felt, FingerSchedule& out) {
   array::TuneOptions tune;
-  tune.spectrum.fwhm_m = felt.spot_m;
+  tune.spectrum.fwhm_m = felt.spot_m.value_or(tune.spectrum.fwhm_m);
   tune.shortest_dwell_s = felt.shortest_dwell_s.value_or(0);
   tune.longest_dwell_s = felt.longest_dwell_s.value_or(0);
   const auto foci = static_cast<std::uint32_t>(out.placement.foci.size());
@@ -53,7 +53,7 @@ array::Schedule make_schedule(const touch::Touch& touch, std::span<const geometr
 
 std::vector<array::Spectrum> spectra_of(const array::Schedule& schedule, const FeltOptions& felt) {
   array::SpectrumOptions options;
-  options.fwhm_m = felt.spot_m;
+  options.fwhm_m = felt.spot_m.value_or(options.fwhm_m);
   std::vector<array::Spectrum> spectra;
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const array::Voice& voice = schedule.voices[v];

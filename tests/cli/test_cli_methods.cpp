@@ -107,6 +107,11 @@ TEST(CliMethods, TheSpectrumComesWhereItIsAskedFor) {
   EXPECT_NEAR(still["lines"][0]["amplitude"].get<double>(), std::sin(0.1 * M_PI) / (0.1 * M_PI), 1e-12);
 }
 
+TEST(CliMethods, ASpotThatNothingUsesIsRefused) {
+  expect_failure(palpa(touch({"--spot", "2mm"})), 2, "--spot goes with --spectrum or --tune");
+  EXPECT_EQ(palpa(touch({"--spot", "2mm", "--tune"})).exit_code, 0);
+}
+
 TEST(CliMethods, TuningSaysWhatItChoseAndGivesTheFingerItsOwnSchedule) {
   const json before = document({"--spectrum", "--stride", "1"});
   const json tuned = document({"--spectrum", "--stride", "1", "--tune"});

@@ -280,6 +280,10 @@ TEST(CliRun, RefusesWhatItCannotRun) {
   expect_failure(palpa({"run", "--scene", cube(), "--stride", "5"}), 2, "stride");
   expect_failure(palpa({"run", "--scene", "none.glb"}), 4, "none.glb");
   expect_failure(palpa({"run", "--scene", cube(), "--source", "recording:" + folder.string()}), 4, "recording.toml");
+  expect_failure(palpa({"run", "--scene", cube(), "--source", "recording:" + folder.string(), "--noise-free"}), 2,
+                 "--noise-free goes with --source synthetic");
+  expect_failure(palpa({"run", "--scene", cube(), "--parts", "8"}), 2, "--parts goes with --surface parts");
+  expect_failure(palpa({"run", "--scene", cube(), "--internal-faces", "drop"}), 2, "--internal-faces goes with");
   expect_failure(palpa({"run", "--scene", cube(), "--rig", "none.toml"}), 4, "none.toml");
   expect_failure(palpa({"run", "--scene", cube(), "--layout", "none"}), 4, "none");
   expect_failure(palpa({"run", "--scene", cube(), "--gpu", "no such GPU"}), 3, "no such GPU");
