@@ -60,10 +60,11 @@ TiltedBox beside_line(const Lens& lens, const std::string& name, const Pixel& fr
 
 class Hands : public testing::TestWithParam<std::string> {
  protected:
-  TouchReport touch(const fs::path& scene, const fs::path& image, const Lens& lens, double delta = 1.5e-3) {
+  TouchReport touch(const fs::path& scene, const fs::path& image, const Lens& lens, double delta = 1.5e-3,
+                    const std::string& cluster = "contacts") {
     const fs::path camera = write_camera(scene.parent_path(), lens);
     return run_touch({"--scene", scene.string(), "--depth", image.string(), "--camera", camera.string(), "--backend",
-                      GetParam(), "--delta", std::to_string(delta)},
+                      GetParam(), "--delta", std::to_string(delta), "--cluster", cluster},
                      delta);
   }
 };
@@ -99,6 +100,25 @@ TEST_P(Hands, Sr305AllFiveFingersReachIntoThreeBoxes) {
     touched.push_back(finger.solid);
   std::sort(touched.begin(), touched.end());
   EXPECT_EQ(touched, (std::vector<std::string>{"left", "left", "left", "thumb", "top"}));
+}
+
+TEST_P(Hands, Sr305SkinInsideIsThreeFingersOrTheWholeHand) {
+  PALPA_SHARED_OR_SKIP(image, sr305_hand);
+  // On the left of the line three fingers end; on its right they hang together by the palm.
+  const fs::path ends = scratch_folder("hand-inside-ends") / "box.glb",
+                 palm = scratch_folder("hand-inside") / "box.glb";
+  write_boxes(ends, {beside_line(sr305, "box", {240, 290}, {240, 150}, 0.57)});
+  write_boxes(palm, {beside_line(sr305, "box", {240, 150}, {240, 290}, 0.57)});
+  const TouchReport contacts = touch(ends, image, sr305), inside = touch(ends, image, sr305, 1.5e-3, "inside");
+  EXPECT_EQ(inside.contacts, contacts.contacts);
+  ASSERT_EQ(inside.fingers.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(inside.fingers[i].indices, contacts.fingers[i].indices);
+  const TouchReport rings = touch(palm, image, sr305), hand = touch(palm, image, sr305, 1.5e-3, "inside");
+  EXPECT_GE(rings.fingers.size(), 3u);
+  ASSERT_EQ(hand.fingers.size(), 1u);
+  EXPECT_EQ(hand.contacts, rings.contacts);
+  EXPECT_EQ(hand.fingers[0].indices, hand.contacts);
 }
 
 struct Label {

@@ -164,6 +164,18 @@ TEST(CliRun, BothBackendsRun) {
   EXPECT_EQ(json::parse(cpu.out)["frames"]["planned"], 5);
 }
 
+TEST(CliRun, WithAllSkinInsideInTheClustersBothBackendsFeelTheSame) {
+  std::vector<std::string> events;
+  for (const std::string backend : {"cpu", "gpu"}) {
+    const Result result = palpa({"run", "--scene", cube(), "--backend", backend, "--cluster", "inside", "--frames",
+                                 "12", "--every-frame", "--events", "-"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    events.push_back(result.out);
+  }
+  EXPECT_NE(events[0].find("\"touch\""), std::string::npos);
+  EXPECT_EQ(events[0], events[1]);
+}
+
 TEST(CliRun, AFullDiskIsAnErrorAndStillSilence) {
   const auto folder = scratch_folder("full");
   // No file may grow beyond 400 kB: the same to the program as a disk without room.
