@@ -1,5 +1,5 @@
-// Recorded hands: `palpa touch` finds exactly the fingers that a person sees in the depth picture. Camera frame =
-// world.
+// Hands, most of them recorded: `palpa touch` finds exactly the fingers that a person sees in the depth picture. Camera
+// frame = world.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +9,10 @@
 #include <sstream>
 
 #include "boxes.hpp"
+#include "sensing/png16.hpp"
+#include "sensing/rig.hpp"
 #include "support/shared_data.hpp"
+#include "touch/fingertips.hpp"
 #include "touch_json.hpp"
 
 namespace palpa::test {
@@ -227,6 +230,26 @@ TEST_P(Hands, SeveralCamerasConcatenateTheirPixels) {
   };
   EXPECT_EQ(ab.contacts, joined(a, b));
   EXPECT_EQ(ba.contacts, joined(b, a));
+}
+
+/// One fingertip that two cameras see from two sides.
+TEST_P(Hands, TwoPatchesOfAFingertipAreOneFingerUnlessNoWidthIsAllowed) {
+  const fs::path folder = scratch_folder("finger-width");
+  const auto cameras = touch::test::ring_of_cameras(2, 20, 30);
+  const auto images = touch::test::images_of(cameras, {{.press_m = 5e-3}}, 1);
+  std::vector<std::string> line{"--scene", source_file("assets/cube.glb").string(), "--backend", GetParam(),
+                                "--rig",   (folder / "rig.toml").string()};
+  std::ofstream(folder / "rig.toml") << sensing::to_toml({.file = {}, .cameras = cameras});
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const fs::path image = folder / (std::to_string(i) + ".png");
+    sensing::write_png16(image, cameras[i].width, cameras[i].height, images[i].depth);
+    line.insert(line.end(), {"--depth", image.string()});
+  }
+  EXPECT_EQ(run_touch(line).fingers.size(), 1u);
+  line.insert(line.end(), {"--finger-width", "10mm"});
+  EXPECT_EQ(run_touch(line).fingers.size(), 2u);
+  line.back() = "0";
+  EXPECT_EQ(run_touch(line).fingers.size(), 2u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, Hands, testing::Values("cpu", "gpu"), [](const auto& test) { return test.param; });

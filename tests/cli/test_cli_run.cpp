@@ -127,34 +127,59 @@ TEST(CliRun, SignalsEndItInSilence) {
   }
 }
 
-TEST(CliRun, StreamsFociToWhoeverListens) {
+/// What `palpa run` streams to a link of foci, line by line.
+std::vector<json> foci_lines(std::vector<std::string> arguments) {
   const int receiver = socket(AF_INET, SOCK_DGRAM, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  ASSERT_EQ(bind(receiver, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+  EXPECT_EQ(bind(receiver, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
   socklen_t size = sizeof(address);
   getsockname(receiver, reinterpret_cast<sockaddr*>(&address), &size);
   const timeval patience{1, 0};
   setsockopt(receiver, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
-  const Result result = palpa({"run", "--scene", cube(), "--frames", "40", "--quiet", "--link",
-                               "foci:udp:127.0.0.1:" + std::to_string(ntohs(address.sin_port))});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  arguments.insert(arguments.begin(), {"run", "--scene", cube(), "--quiet", "--link",
+                                       "foci:udp:127.0.0.1:" + std::to_string(ntohs(address.sin_port))});
+  const Result result = palpa(arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
   std::vector<json> lines;
   char text[65536];
   for (ssize_t bytes; (bytes = recv(receiver, text, sizeof(text), 0)) > 0;)
     lines.push_back(json::parse(text, text + bytes));
   close(receiver);
+  return lines;
+}
+
+/// The first finger of the first line that has one; null where none has.
+json first_finger(const std::vector<json>& lines) {
+  for (const json& line : lines) {
+    if (!line["fingers"].empty()) return line["fingers"][0];
+  }
+  return nullptr;
+}
+
+TEST(CliRun, StreamsFociToWhoeverListens) {
+  const std::vector<json> lines = foci_lines({"--frames", "40"});
   ASSERT_GT(lines.size(), 5u);
   EXPECT_TRUE(lines.back()["fingers"].empty());
-  const auto touched =
-      std::find_if(lines.begin(), lines.end(), [](const json& line) { return !line["fingers"].empty(); });
-  ASSERT_NE(touched, lines.end());
-  const json& finger = (*touched)["fingers"][0];
+  const json finger = first_finger(lines);
+  ASSERT_FALSE(finger.is_null());
   EXPECT_EQ(finger["solid"], "cube");
   EXPECT_EQ(finger["foci_m"].size(), 10u);
   EXPECT_EQ(finger["order"], (std::vector<int>{0, 3, 6, 9, 2, 5, 8, 1, 4, 7}));
   EXPECT_LT(std::abs(finger["foci_m"][0][1].get<double>()), 0.006) << "foci lie near the cube's top";
+}
+
+TEST(CliRun, FociThatStandStillAreModulatedAsAsked) {
+  const std::vector<std::string> line{"--frames", "60", "--backend", "cpu", "--method", "single-focus"};
+  for (const auto& [given, hz] : {std::pair("", 200), std::pair("150Hz", 150), std::pair("0", 0)}) {
+    std::vector<std::string> arguments = line;
+    if (*given) arguments.insert(arguments.end(), {"--modulation-frequency", given});
+    const json finger = first_finger(foci_lines(arguments));
+    ASSERT_FALSE(finger.is_null());
+    EXPECT_EQ(finger["modulation_hz"], hz);
+    EXPECT_EQ(finger.contains("modulation"), hz != 0);
+  }
 }
 
 TEST(CliRun, BothBackendsRun) {
@@ -174,6 +199,25 @@ TEST(CliRun, WithAllSkinInsideInTheClustersBothBackendsFeelTheSame) {
   }
   EXPECT_NE(events[0].find("\"touch\""), std::string::npos);
   EXPECT_EQ(events[0], events[1]);
+}
+
+TEST(CliRun, FramesWithoutNoiseAreTheSameFromAnySeed) {
+  const auto folder = scratch_folder("noise");
+  const auto frames = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> line{
+        "run",           "--scene", cube(), "--backend", "cpu", "--frames", "2", "--record", (folder / name).string(),
+        "--every-frame", "--quiet"};
+    line.insert(line.end(), more.begin(), more.end());
+    const Result result = palpa(line);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return contents(folder / name);
+  };
+  const auto clean = frames("clean", {"--noise-free", "--seed", "1"});
+  EXPECT_GE(clean.size(), 2u * 3);
+  EXPECT_EQ(clean, frames("clean-2", {"--noise-free", "--seed", "2"}));
+  const auto noisy = frames("noisy", {"--seed", "1"});
+  EXPECT_NE(noisy, clean);
+  EXPECT_NE(noisy, frames("noisy-2", {"--seed", "2"}));
 }
 
 TEST(CliRun, AFullDiskIsAnErrorAndStillSilence) {
