@@ -1,4 +1,4 @@
-// `palpa run --events`: a recording of a few pixels, whose touches can be worked out with pencil and paper.
+// `palpa run --events` and --hold: a recording of a few pixels, whose touches can be worked out with pencil and paper.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
@@ -15,6 +16,7 @@
 
 #include "process.hpp"
 #include "sensing/recording.hpp"
+#include "session/record_link.hpp"
 #include "support/shared_data.hpp"
 
 extern char** environ;
@@ -95,12 +97,16 @@ Vec3 centroid_of(const Tip& tip) {
 
 const Tip nothing{}, light{16, 5, 5}, aside{17, 5, 5}, deep{17, 10, 35}, other{10, 5, 5};
 
-/// Frames 10 ms apart, and one much later: by then it is another finger.
-std::filesystem::path take(const std::filesystem::path& folder) {
+sensing::Camera eye() {
   sensing::Camera camera{
       .name = "eye", .width = 32, .height = 32, .fx = focal, .fy = focal, .cx = centre, .cy = centre};
   camera.depth_unit_m = unit_m;
-  sensing::RecordingWriter writer(folder / "take", {camera});
+  return camera;
+}
+
+/// Frames 10 ms apart, and one much later: by then it is another finger.
+std::filesystem::path take(const std::filesystem::path& folder) {
+  sensing::RecordingWriter writer(folder / "take", {eye()});
   int n = 0;
   for (const Tip& tip : {nothing, light, light, aside, deep, nothing, deep, aside, nothing, nothing, nothing, nothing,
                          nothing, nothing}) {
@@ -198,6 +204,31 @@ TEST(CliEvents, MovesAreAsFineAsAsked) {
   EXPECT_EQ(moves, 5U);
   const Result coarse = palpa(stage.run({"--backend", "cpu", "--events", "-", "--event-move", "10mm"}));
   EXPECT_EQ(coarse.out.find("\"move\""), std::string::npos);
+}
+
+TEST(CliHold, IsHowLongATouchSoundsOnceFramesStop) {
+  const auto folder = scratch_folder("hold");
+  const std::string scene = button(folder, "{}").string();
+  sensing::RecordingWriter(folder / "one", {eye()}).write(frame_of(light, 0, 0));
+  // Slots from the first drive that sounds to the last one.
+  const auto sounding = [&](const std::string& hold) {
+    const std::string drives = (folder / ("drives" + hold)).string();
+    const Result result =
+        palpa({"run", "--scene", scene, "--source", "recording:" + (folder / "one").string(), "--backend", "cpu",
+               "--layout", "sonicsurface", "--every-frame", "--hold", hold, "--link", "record:" + drives, "--quiet"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    std::vector<std::uint64_t> slots;
+    for (const session::RecordedDrive& recorded : session::read_drive_recording(drives).drives) {
+      if (std::any_of(recorded.drive.begin(), recorded.drive.end(), [](const auto& t) { return t.amplitude > 0; }))
+        slots.push_back(recorded.slot);
+    }
+    return slots.empty() ? 0.0 : 1.5e-3 * static_cast<double>(slots.back() - slots.front());
+  };
+  // A slow machine may be late with the first drive, never with the last one.
+  EXPECT_LE(sounding("30ms"), 0.030 + 2 * 1.5e-3);
+  const double second = sounding("1s");
+  EXPECT_LE(second, 1 + 2 * 1.5e-3);
+  EXPECT_GT(second, 0.3);
 }
 
 TEST(CliEvents, AClosedPipeIsAnError) {

@@ -1,5 +1,5 @@
-// Recorded hands: `palpa touch` finds exactly the fingers that a person sees in the depth picture. Camera frame =
-// world.
+// Hands, most of them recorded: `palpa touch` finds exactly the fingers that a person sees in the depth picture. Camera
+// frame = world.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,8 +8,11 @@
 #include <glm/geometric.hpp>
 
 #include "boxes.hpp"
+#include "sensing/png16.hpp"
+#include "sensing/rig.hpp"
 #include "support/hand_tips.hpp"
 #include "support/shared_data.hpp"
+#include "touch/fingertips.hpp"
 #include "touch_json.hpp"
 
 namespace palpa::test {
@@ -56,10 +59,11 @@ TiltedBox beside_line(const Lens& lens, const std::string& name, const Pixel& fr
 
 class Hands : public testing::TestWithParam<std::string> {
  protected:
-  TouchReport touch(const fs::path& scene, const fs::path& image, const Lens& lens, double delta = 1.5e-3) {
+  TouchReport touch(const fs::path& scene, const fs::path& image, const Lens& lens, double delta = 1.5e-3,
+                    const std::string& cluster = "contacts") {
     const fs::path camera = write_camera(scene.parent_path(), lens);
     return run_touch({"--scene", scene.string(), "--depth", image.string(), "--camera", camera.string(), "--backend",
-                      GetParam(), "--delta", std::to_string(delta)},
+                      GetParam(), "--delta", std::to_string(delta), "--cluster", cluster},
                      delta);
   }
 };
@@ -95,6 +99,25 @@ TEST_P(Hands, Sr305AllFiveFingersReachIntoThreeBoxes) {
     touched.push_back(finger.solid);
   std::sort(touched.begin(), touched.end());
   EXPECT_EQ(touched, (std::vector<std::string>{"left", "left", "left", "thumb", "top"}));
+}
+
+TEST_P(Hands, Sr305SkinInsideIsThreeFingersOrTheWholeHand) {
+  PALPA_SHARED_OR_SKIP(image, sr305_hand);
+  // On the left of the line three fingers end; on its right they hang together by the palm.
+  const fs::path ends = scratch_folder("hand-inside-ends") / "box.glb",
+                 palm = scratch_folder("hand-inside") / "box.glb";
+  write_boxes(ends, {beside_line(sr305, "box", {240, 290}, {240, 150}, 0.57)});
+  write_boxes(palm, {beside_line(sr305, "box", {240, 150}, {240, 290}, 0.57)});
+  const TouchReport contacts = touch(ends, image, sr305), inside = touch(ends, image, sr305, 1.5e-3, "inside");
+  EXPECT_EQ(inside.contacts, contacts.contacts);
+  ASSERT_EQ(inside.fingers.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(inside.fingers[i].indices, contacts.fingers[i].indices);
+  const TouchReport rings = touch(palm, image, sr305), hand = touch(palm, image, sr305, 1.5e-3, "inside");
+  EXPECT_GE(rings.fingers.size(), 3u);
+  ASSERT_EQ(hand.fingers.size(), 1u);
+  EXPECT_EQ(hand.contacts, rings.contacts);
+  EXPECT_EQ(hand.fingers[0].indices, hand.contacts);
 }
 
 /// One box per hand. Both hands lean towards the camera, fingertips first: a plane in front of the palm cuts all five
@@ -181,6 +204,26 @@ TEST_P(Hands, SeveralCamerasConcatenateTheirPixels) {
   };
   EXPECT_EQ(ab.contacts, joined(a, b));
   EXPECT_EQ(ba.contacts, joined(b, a));
+}
+
+/// One fingertip that two cameras see from two sides.
+TEST_P(Hands, TwoPatchesOfAFingertipAreOneFingerUnlessNoWidthIsAllowed) {
+  const fs::path folder = scratch_folder("finger-width");
+  const auto cameras = touch::test::ring_of_cameras(2, 20, 30);
+  const auto images = touch::test::images_of(cameras, {{.press_m = 5e-3}}, 1);
+  std::vector<std::string> line{"--scene", source_file("assets/cube.glb").string(), "--backend", GetParam(),
+                                "--rig",   (folder / "rig.toml").string()};
+  std::ofstream(folder / "rig.toml") << sensing::to_toml({.file = {}, .cameras = cameras});
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const fs::path image = folder / (std::to_string(i) + ".png");
+    sensing::write_png16(image, cameras[i].width, cameras[i].height, images[i].depth);
+    line.insert(line.end(), {"--depth", image.string()});
+  }
+  EXPECT_EQ(run_touch(line).fingers.size(), 1u);
+  line.insert(line.end(), {"--finger-width", "10mm"});
+  EXPECT_EQ(run_touch(line).fingers.size(), 2u);
+  line.back() = "0";
+  EXPECT_EQ(run_touch(line).fingers.size(), 2u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, Hands, testing::Values("cpu", "gpu"), [](const auto& test) { return test.param; });

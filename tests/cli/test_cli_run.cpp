@@ -134,20 +134,32 @@ TEST(CliRun, SignalsEndItInSilence) {
   }
 }
 
-TEST(CliRun, StreamsFociToWhoeverListens) {
+/// What `palpa run` streams to a link of foci, line by line.
+std::vector<json> foci_lines(std::vector<std::string> arguments) {
   const UdpReceiver receiver(1);
-  const Result result =
-      palpa({"run", "--scene", cube(), "--frames", "40", "--quiet", "--link", "foci:" + receiver.address()});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  arguments.insert(arguments.begin(), {"run", "--scene", cube(), "--quiet", "--link", "foci:" + receiver.address()});
+  const Result result = palpa(arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
   std::vector<json> lines;
   for (std::string text; !(text = receiver.next()).empty();)
     lines.push_back(json::parse(text));
+  return lines;
+}
+
+/// The first finger of the first line that has one; null where none has.
+json first_finger(const std::vector<json>& lines) {
+  for (const json& line : lines) {
+    if (!line["fingers"].empty()) return line["fingers"][0];
+  }
+  return nullptr;
+}
+
+TEST(CliRun, StreamsFociToWhoeverListens) {
+  const std::vector<json> lines = foci_lines({"--frames", "40"});
   ASSERT_GT(lines.size(), 5u);
   EXPECT_TRUE(lines.back()["fingers"].empty());
-  const auto touched =
-      std::find_if(lines.begin(), lines.end(), [](const json& line) { return !line["fingers"].empty(); });
-  ASSERT_NE(touched, lines.end());
-  const json& finger = (*touched)["fingers"][0];
+  const json finger = first_finger(lines);
+  ASSERT_FALSE(finger.is_null());
   EXPECT_EQ(finger["solid"], "cube");
   EXPECT_EQ(finger["foci_m"].size(), 10u);
   EXPECT_EQ(finger["order"], (std::vector<int>{0, 3, 6, 9, 2, 5, 8, 1, 4, 7}));
@@ -253,11 +265,54 @@ TEST(CliRun, TheReceiverInPythonPlaysWhatItIsTold) {
   EXPECT_LE(last_ns - first_ns, 100'000'000);
 }
 
+TEST(CliRun, FociThatStandStillAreModulatedAsAsked) {
+  const std::vector<std::string> line{"--frames", "60", "--backend", "cpu", "--method", "single-focus"};
+  for (const auto& [given, hz] : {std::pair("", 200), std::pair("150Hz", 150), std::pair("0", 0)}) {
+    std::vector<std::string> arguments = line;
+    if (*given) arguments.insert(arguments.end(), {"--modulation-frequency", given});
+    const json finger = first_finger(foci_lines(arguments));
+    ASSERT_FALSE(finger.is_null());
+    EXPECT_EQ(finger["modulation_hz"], hz);
+    EXPECT_EQ(finger.contains("modulation"), hz != 0);
+  }
+}
+
 TEST(CliRun, BothBackendsRun) {
   const Result cpu =
       palpa({"run", "--scene", cube(), "--backend", "cpu", "--frames", "5", "--every-frame", "--stats", "json"});
   ASSERT_EQ(cpu.exit_code, 0) << cpu.err;
   EXPECT_EQ(json::parse(cpu.out)["frames"]["planned"], 5);
+}
+
+TEST(CliRun, WithAllSkinInsideInTheClustersBothBackendsFeelTheSame) {
+  std::vector<std::string> events;
+  for (const std::string backend : {"cpu", "gpu"}) {
+    const Result result = palpa({"run", "--scene", cube(), "--backend", backend, "--cluster", "inside", "--frames",
+                                 "12", "--every-frame", "--events", "-"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    events.push_back(result.out);
+  }
+  EXPECT_NE(events[0].find("\"touch\""), std::string::npos);
+  EXPECT_EQ(events[0], events[1]);
+}
+
+TEST(CliRun, FramesWithoutNoiseAreTheSameFromAnySeed) {
+  const auto folder = scratch_folder("noise");
+  const auto frames = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> line{
+        "run",           "--scene", cube(), "--backend", "cpu", "--frames", "2", "--record", (folder / name).string(),
+        "--every-frame", "--quiet"};
+    line.insert(line.end(), more.begin(), more.end());
+    const Result result = palpa(line);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return contents(folder / name);
+  };
+  const auto clean = frames("clean", {"--noise-free", "--seed", "1"});
+  EXPECT_GE(clean.size(), 2u * 3);
+  EXPECT_EQ(clean, frames("clean-2", {"--noise-free", "--seed", "2"}));
+  const auto noisy = frames("noisy", {"--seed", "1"});
+  EXPECT_NE(noisy, clean);
+  EXPECT_NE(noisy, frames("noisy-2", {"--seed", "2"}));
 }
 
 TEST(CliRun, AFullDiskIsAnErrorAndStillSilence) {

@@ -147,13 +147,13 @@ Seen look(const std::string& name, const sensing::Camera& camera, geometry::Mesh
   return seen;
 }
 
-touch::Touch touch_on_device(const Seen& seen) {
-  const touch::Stage stage(test::test_device(), seen.solids, seen.cameras);
-  touch::StageFrame frame(test::test_device(), stage);
+touch::Touch touch_on_device(const Seen& seen, const touch::Parameters& parameters = {}) {
+  const touch::Stage stage(test::test_device(), seen.solids, seen.cameras, parameters);
+  touch::StageFrame frame(test::test_device(), stage, touch::capacity_for(parameters));
   frame.set(seen.images);
   const gpu::Recorder recorder(test::test_device(), "hands");
   gpu::Timeline timeline(test::test_device(), "hands");
-  stage.record(recorder.begin(), frame, {}, touch::Detail::contacts);
+  stage.record(recorder.begin(), frame, parameters, touch::Detail::contacts);
   timeline.wait(timeline.submit(recorder.end()));
   touch::Touch out;
   touch::read(frame, out);
@@ -197,6 +197,20 @@ void expect_own_foci(const touch::Touch& touch) {
   }
 }
 
+/// With all skin inside in the clusters, both backends find the same fingers.
+touch::Touch touch_inside(const Seen& seen) {
+  const touch::Parameters parameters{.cluster = touch::Cluster::inside};
+  touch::Touch twin;
+  touch::HostStage(seen.solids, seen.cameras, parameters).touch(seen.images, parameters, twin);
+  touch::Touch out = touch_on_device(seen, parameters);
+  EXPECT_GT(out.deep.size(), out.contacts.size());
+  EXPECT_EQ(out.deep.size(), twin.deep.size());
+  EXPECT_EQ(out.finger_count, twin.finger_count);
+  for (std::uint32_t f = 0; f < std::min(out.finger_count, twin.finger_count); ++f)
+    EXPECT_EQ(out.fingers[f].contacts, twin.fingers[f].contacts) << f;
+  return out;
+}
+
 TEST(Hands, FiveFingertipsOnOneArch) {
   PALPA_SHARED_OR_SKIP(image, "depth-hand-sr305-ondris/20210326-230536_70.png");
   // A right hand, spread, palm to the camera; a band around it that every fingertip reaches into and the arm does not.
@@ -216,6 +230,12 @@ TEST(Hands, FiveFingertipsOnOneArch) {
   }
   EXPECT_EQ(met, std::vector<bool>(5, true));
   expect_own_foci(touch);
+  // What of them is inside hangs together no more than where they enter.
+  const touch::Touch inside = touch_inside(seen);
+  ASSERT_EQ(inside.finger_count, 5u);
+  for (std::uint32_t f = 0; f < 5; ++f)
+    EXPECT_EQ(inside.fingers[f].contacts, touch.fingers[f].contacts) << f;
+  expect_own_foci(inside);
 }
 
 TEST(Hands, TenFingertipsOnOneBody) {
