@@ -6,13 +6,13 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 # Name, preset, the tests (a ctest label, - for all), environment. The variables that speak to lavapipe are ignored by other
-# drivers. Only threads-2 runs one test at a time: its threads shall have the cores, since it looks for their races.
+# drivers. Only threads-2 runs one test at a time: its threads shall have the cores, since it looks for their races. threads-1 is
+# the leg of 256-bit vectors, too.
 legs() {
   cat <<'END'
-threads-1    release gpu     LP_NUM_THREADS=1
+threads-1    release gpu     LP_NUM_THREADS=1 LP_NATIVE_VECTOR_WIDTH=256
 threads-2    release gpu     LP_NUM_THREADS=2 PALPA_JOBS=1
 width-128    release gpu     LP_NATIVE_VECTOR_WIDTH=128
-width-256    release gpu     LP_NATIVE_VECTOR_WIDTH=256
 width-512    release gpu     LP_NATIVE_VECTOR_WIDTH=512
 poison       release gpu     LVP_POISON_MEMORY=1
 staging      release gpu     PALPA_FORCE_STAGING=1
