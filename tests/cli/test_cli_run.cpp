@@ -205,7 +205,7 @@ class PythonReceiver {
 };
 
 TEST(CliRun, TheReceiverInPythonPlaysWhatItIsTold) {
-  if (std::system("python3 -c pass >/dev/null 2>&1") != 0) GTEST_SKIP() << "no python3";
+  if (std::system("python3 -c pass >/dev/null 2>&1") != 0) GTEST_SKIP() << "skipped: no python3";
   const int sender = socket(AF_INET, SOCK_DGRAM, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
