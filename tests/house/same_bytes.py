@@ -1,0 +1,232 @@
+#!/usr/bin/env python3
+"""same_bytes.py BEFORE AFTER [WORD...]: what two builds of palpa compute from the same input, compared byte by byte.
+
+BEFORE and AFTER are folders with the programs (build/release/bin). For changes that are to leave every result as it is: each line says
+what was asked and whether both answered the same bytes; timing_ms is left out. Drives may differ by what a line allows (--tolerance,
+as complex amplitudes), and the line says by how much they do. With WORDs, only the cases whose name holds one of them. Exit code 1
+where anything differs by more."""
+
+import argparse
+import cmath
+import json
+import os
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+OBJECTS = ["cube", "semi-sphere", "pyramid", "prism"]
+PRESS = ["--points", "assets/finger.ply", "--penetration", "3mm"]
+
+
+def scene(name):
+    return ["--scene", f"assets/{name}.glb"]
+
+
+def cases():
+    """Name, what is compared, arguments; OUT is the file that both write."""
+    for backend in ["gpu", "cpu"]:
+        on = ["--backend", backend]
+        for name in OBJECTS:
+            yield f"touch {name} {backend}", "json", ["touch", *scene(name), *PRESS, *on, "--json", "OUT"]
+            yield f"run {name} {backend}", "record", [
+                "run", *scene(name), *on, "--every-frame", "--frames", "30", "--link", "record:OUT"]
+        for method in ["single-focus", "ellipse", "multi-focus"]:
+            yield f"touch {method} {backend}", "json", [
+                "touch", *scene("prism"), *PRESS, *on, "--method", method, "--json", "OUT"]
+            yield f"run {method} {backend}", "record", [
+                "run", *scene("prism"), *on, "--method", method, "--every-frame", "--frames", "12", "--link", "record:OUT"]
+        for what, options in {
+            "parts": ["--surface", "parts"],
+            "inside": ["--cluster", "inside"],
+            "arc": ["--spacing", "arc"],
+            "stride": ["--foci", "12", "--stride", "5"],
+            "deltas": ["--delta", "3mm", "--finger-gap", "2mm", "--min-points", "3"],
+            "tune": ["--tune", "--spectrum"],
+        }.items():
+            yield f"touch {what} {backend}", "json", ["touch", *scene("cube"), *PRESS, *on, *options, "--json", "OUT"]
+        yield f"touch hand {backend}", "json", [
+            "touch", *scene("button-and-knob"), "--points", "assets/finger.ply", *on, "--json", "OUT"]
+        yield f"contacts {backend}", "bytes", ["touch", *scene("semi-sphere"), *PRESS, *on, "--csv", "OUT"]
+        yield f"events {backend}", "bytes", [
+            "run", *scene("button-and-knob"), *on, "--every-frame", "--frames", "60", "--events", "OUT"]
+        yield f"foci {backend}", "foci", [
+            "run", *scene("button-and-knob"), *on, "--every-frame", "--frames", "60", "--link", "UDP"]
+        yield f"foci tune {backend}", "foci", [
+            "run", *scene("pyramid"), *on, "--tune", "--every-frame", "--frames", "20", "--link", "UDP"]
+        foci = ["--focus", "0,0,0", "--focus", "1cm,0,0", "--focus", "0,8mm,1cm"]
+        for solver in ["naive", "gs-pat", "greedy"]:
+            for constraint in ["normalise", "uniform", "clamp"]:
+                if solver == "greedy" and constraint != "uniform":
+                    continue
+                yield f"drive {solver} {constraint} {backend}", "drive", [
+                    "drive", "--layout", "paper", *foci, *on, "--solver", solver, "--constraint", constraint, "--csv", "OUT"]
+    for layout in ["autd3", "openmpd", "openmpd-pair", "sonicsurface", "paper"]:
+        for amplitude in ["distance", "uniform"]:
+            yield f"drive {layout} {amplitude}", "bytes", [
+                "drive", "--layout", layout, "--focus", "5mm,-3mm,12cm", "--amplitude", amplitude, "--csv", "OUT"]
+    yield "recording", "folder", ["run", *scene("cube"), "--every-frame", "--frames", "5", "--record", "OUT"]
+    yield "picture", "viewer", [
+        *scene("cube"), *PRESS, "--skin", "assets/finger.ply", "--layout", "paper", "--inset", "--spectrum", "--headless",
+        "--screenshot", "OUT"]
+    yield "decompose", "gltf", ["decompose", *scene("cube"), "--parts", "4", "--out", "OUT"]
+
+
+def run(binaries, kind, arguments, out):
+    program = os.path.join(binaries, "palpa-viewer" if kind == "viewer" else "palpa")
+    receiver = None
+    if kind == "foci":
+        receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 8 << 20)
+        receiver.bind(("127.0.0.1", 0))
+    link = f"foci:udp:127.0.0.1:{receiver.getsockname()[1]}" if receiver else ""
+    words = [a.replace("OUT", out).replace("UDP", link) for a in arguments] + ["--quiet"]
+    done = subprocess.run([program, *words], cwd=ROOT, capture_output=True, check=False)
+    if receiver:
+        receiver.settimeout(0.2)
+        with open(out, "wb") as file:
+            try:
+                while True:
+                    file.write(receiver.recv(1 << 17))
+            except socket.timeout:
+                pass
+        receiver.close()
+    return done.returncode, done.stderr.decode(errors="replace").strip()
+
+
+def read_json(path):
+    with open(path, encoding="utf-8") as file:
+        document = json.load(file)
+    document.pop("timing_ms", None)
+    return document
+
+
+def read_gltf(path):
+    """A .glb's JSON, whose white space is free, and its binary chunk."""
+    with open(path, "rb") as file:
+        data = file.read()
+    length = struct.unpack_from("<I", data, 12)[0]
+    return json.loads(data[20:20 + length]), data[20 + length:]
+
+
+def read_record(path):
+    """(slot, complex amplitudes) by slot; the slots of silence at the end depend on the clock."""
+    with open(path, "rb") as file:
+        data = file.read()
+    transducers = struct.unpack_from("<I", data, 12)[0]
+    size = 8 + 8 * transducers
+    return data[:24], [data[at:at + size] for at in range(24, len(data), size)]
+
+
+def apart(a, b):
+    """Largest difference of drives given as amplitude, phase, amplitude, phase ..."""
+    worst = 0.0
+    for i in range(0, len(a), 2):
+        if a[i] == b[i] and a[i + 1] == b[i + 1]:
+            continue
+        worst = max(worst, abs(cmath.rect(a[i], a[i + 1]) - cmath.rect(b[i], b[i + 1])))
+    return worst
+
+
+def loudest_is_1(drive):
+    """A modulation takes its value from the slot's number, and which plan that slot plays is a matter of time."""
+    most = max(drive[::2])
+    return [v / most if i % 2 == 0 else v for i, v in enumerate(drive)] if most > 0 else drive
+
+
+def compare_records(before, after):
+    """What is compared: the drives of each slot number that both played while they sounded. Which frame's plan a slot plays depends on
+    when the frame was done, so a drive of one is looked for among all those of the other that share its slot modulo the cycle."""
+    head_before, drives_before = read_record(before)
+    head_after, drives_after = read_record(after)
+    if head_before != head_after:
+        return None
+    unique_before, unique_after = {d[8:] for d in drives_before}, {d[8:] for d in drives_after}
+    common = unique_before & unique_after
+    smaller = min(len(unique_before), len(unique_after))
+    if len(common) >= 0.9 * smaller:
+        return 0.0
+    floats, others = [[loudest_is_1(struct.unpack(f"<{len(d) // 4}f", d)) for d in drives]
+                      for drives in (unique_after - common, unique_before)]
+    worst = 0.0
+    for drive in floats[:8]:
+        worst = max(worst, min(apart(drive, other) for other in others))
+    return worst
+
+
+def compare_csv(before, after):
+    with open(before, encoding="utf-8") as one, open(after, encoding="utf-8") as two:
+        rows, others = one.read().splitlines(), two.read().splitlines()
+    if len(rows) != len(others) or rows[0] != others[0]:
+        return None
+    drives = []
+    for lines in (rows[1:], others[1:]):
+        drives.append([float(x) for line in lines for x in line.split(",")[-2:]])
+    return apart(drives[0], drives[1])
+
+
+def compare(kind, before, after, tolerance):
+    if kind == "json":
+        return "same" if read_json(before) == read_json(after) else "DIFFERENT"
+    if kind == "gltf":
+        return "same" if read_gltf(before) == read_gltf(after) else "DIFFERENT"
+    if kind == "folder":
+        names = sorted(os.listdir(before))
+        if names != sorted(os.listdir(after)):
+            return "DIFFERENT files"
+        wrong = [n for n in names if compare("bytes", os.path.join(before, n), os.path.join(after, n), 0) != "same"]
+        return "same" if not wrong else "DIFFERENT: " + ", ".join(wrong)
+    if kind == "foci":  # the number of closing silences is not what is compared
+        with open(before, "rb") as one, open(after, "rb") as two:
+            lines = [[line for line in f.read().splitlines() if b'"fingers":[]' not in line] for f in (one, two)]
+        # A plan that the next one overtook was never sent.
+        known = set(lines[0])
+        strange = [line for line in lines[1] if line not in known]
+        common = len(lines[1]) - len(strange)
+        if common and len(strange) <= len(lines[1]) // 10 and common >= 0.5 * len(known):
+            return f"same ({common} of {len(known)} lines in both)"
+        return f"DIFFERENT: {len(strange)} of {len(lines[1])} lines were not there before"
+    if kind in ("record", "drive"):
+        with open(before, "rb") as one, open(after, "rb") as two:
+            if one.read() == two.read():
+                return "same"
+        worst = compare_records(before, after) if kind == "record" else compare_csv(before, after)
+        if worst is None:
+            return "DIFFERENT"
+        return "same drives" if worst == 0 else f"{'apart by' if worst <= tolerance else 'DIFFERENT by'} {worst:.2g}"
+    with open(before, "rb") as one, open(after, "rb") as two:
+        return "same" if one.read() == two.read() else "DIFFERENT"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("before")
+    parser.add_argument("after")
+    parser.add_argument("words", nargs="*")
+    parser.add_argument("--tolerance", type=float, default=1e-5, help="how far drives may be apart, full amplitude being 1 [1e-5]")
+    options = parser.parse_args()
+    wrong = count = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for number, (name, kind, arguments) in enumerate(cases()):
+            if options.words and not any(word in name for word in options.words):
+                continue
+            outs = [os.path.join(folder, f"{side}{number}" + (".glb" if kind == "gltf" else "")) for side in "ba"]
+            codes = [run(os.path.abspath(side), kind, arguments, out)
+                     for side, out in zip((options.before, options.after), outs)]
+            if codes[0][0] != codes[1][0]:
+                verdict = f"DIFFERENT exit codes {codes[0][0]}, {codes[1][0]}: {codes[0][1]} | {codes[1][1]}"
+            elif codes[0][0] != 0:
+                verdict = f"DIFFERENT: neither works: {codes[0][1]}"
+            else:
+                verdict = compare(kind, outs[0], outs[1], options.tolerance)
+            count += 1
+            wrong += verdict.startswith("DIFFERENT")
+            print(f"{name:34s} {verdict}", flush=True)
+    print(f"{count - wrong} of {count} the same")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
