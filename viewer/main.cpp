@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "cli/output.hpp"
-#include "cli/program.hpp"
+#include "setup/program.hpp"
 #include "viewer/options.hpp"
 #include "viewer/run.hpp"
 
@@ -39,7 +39,7 @@ void parse_and_run(int argc, char** argv) {
       "Exit codes: 0 ok, 1 failed, 2 bad usage, 3 no usable Vulkan device or display, 4 bad or missing input.");
   Options options;
   add_options(app, options);
-  cli::add_common(app, options.common);
+  setup::add_common(app, options.common);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
@@ -49,9 +49,9 @@ void parse_and_run(int argc, char** argv) {
     cli::write_output("-", "palpa-viewer " PALPA_VERSION "\n");
     return;
   } catch (const CLI::ParseError& error) {
-    throw bad_usage(cli::usage_line(error.what(), "palpa-viewer"));
+    throw bad_usage(setup::usage_line(error.what(), "palpa-viewer"));
   }
-  cli::apply_logging(options.common);
+  setup::apply_logging(options.common);
   check(options);
   if (options.headless) {
     Show show(options);
@@ -65,5 +65,5 @@ void parse_and_run(int argc, char** argv) {
 }  // namespace palpa::viewer
 
 int main(int argc, char** argv) {
-  return palpa::cli::run_program([&] { palpa::viewer::parse_and_run(argc, argv); });
+  return palpa::setup::run_program([&] { palpa::viewer::parse_and_run(argc, argv); });
 }

@@ -6,7 +6,7 @@
 #include <charconv>
 
 #include "base/error.hpp"
-#include "cli/values.hpp"
+#include "setup/values.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -16,24 +16,24 @@ bool has_skin(const Options& o) {
 }
 
 Vec3 point(const std::string& option, const std::string& text) {
-  const auto p = cli::parse_point(option, text);
+  const auto p = setup::parse_point(option, text);
   return {p[0], p[1], p[2]};
 }
 
 }  // namespace
 
 void add_options(CLI::App& app, Options& o) {
-  cli::add_touch_input(app, o.input);
-  cli::add_touch_options(app, o.touch);
-  cli::add_felt_options(app, o.felt);
-  const cli::Group array(app, "Array");
+  setup::add_touch_input(app, o.input);
+  setup::add_touch_options(app, o.touch);
+  setup::add_felt_options(app, o.felt);
+  const setup::Group array(app, "Array");
   array.text("--layout", o.layout, "NAME|FILE",
              "array to draw: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML");
   array.integer("--slot", o.slot, 0, std::uint64_t{1} << 40,
                 "first slot to show: its focus is highlighted, its drive coloured");
-  cli::add_drive_options(app, o.drive);
+  setup::add_drive_options(app, o.drive);
 
-  const cli::Group what(app, "Picture");
+  const setup::Group what(app, "Picture");
   what.text("--skin", o.skin, "FILE",
             "surface of the finger or hand as PLY, drawn faintly; --penetration moves it too");
   what.text("--title", o.title, "TEXT", "above the legend");
@@ -42,7 +42,7 @@ void add_options(CLI::App& app, Options& o) {
   what.flag("--no-legend", o.no_legend, "neither legend nor axes nor scale");
   what.flag("--no-grid", o.no_grid, "no grid");
 
-  const cli::Group where(app, "View");
+  const setup::Group where(app, "View");
   where.choice("--view", o.view,
                {{"front", StandardView::front},
                 {"right", StandardView::right},
@@ -59,7 +59,7 @@ void add_options(CLI::App& app, Options& o) {
   where.flag("--ortho", o.orthographic, "parallel projection");
   where.flag("--inset", o.inset, "a close-up of the touch in the corner");
 
-  const cli::Group how(app, "Without a window");
+  const setup::Group how(app, "Without a window");
   how.flag("--headless", o.headless, "open no window");
   how.integer("--frames", o.frames, 1, 1'000'000, "frames to draw, a slot each, then exit [headless: 1]");
   how.text("--screenshot", o.screenshot, "FILE", "write the last frame as PNG");
@@ -75,9 +75,9 @@ void check(const Options& o) {
     throw bad_usage("nothing to show: give --scene FILE, such as assets/cube.glb, or --layout NAME");
   }
   if (has_skin(o)) {
-    cli::check(o.input);
-    cli::check(o.touch);
-    cli::check(o.felt, o.touch);
+    setup::check(o.input);
+    setup::check(o.touch);
+    setup::check(o.felt, o.touch);
   } else if (o.felt.spectrum) {
     throw bad_usage("--spectrum goes with --points or --depth: it is of a touch");
   } else if (o.felt.spot_m) {
@@ -100,7 +100,7 @@ void check(const Options& o) {
     if (!o.reference.empty()) throw bad_usage("--reference goes with --headless");
   }
   if (o.threshold && o.reference.empty()) throw bad_usage("--threshold goes with --reference");
-  cli::drive_options(o.drive);
+  setup::drive_options(o.drive);
 }
 
 Size picture_size(const Options& o) {

@@ -1,4 +1,5 @@
-// The command line of palpa-viewer. Groups that `palpa` has too come from engine/cli, with the same names and defaults.
+// The command line of palpa-viewer. Groups that `palpa` has too come from engine/setup, with the same names and
+// defaults.
 #pragma once
 
 #include <cstdint>
@@ -6,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "cli/options.hpp"
-#include "cli/touch_input.hpp"
+#include "setup/options.hpp"
+#include "setup/touch_input.hpp"
 #include "viewer/camera.hpp"
 #include "viewer/picture.hpp"
 #include "viewer/renderer.hpp"
@@ -15,11 +16,11 @@
 namespace palpa::viewer {
 
 struct Options {
-  cli::CommonOptions common;
-  cli::TouchInputOptions input;  ///< all of it may be absent where there is a layout
-  cli::TouchOptions touch;
-  cli::FeltOptions felt;
-  cli::DriveOptionsGroup drive;
+  setup::CommonOptions common;
+  setup::TouchInputOptions input;  ///< all of it may be absent where there is a layout
+  setup::TouchOptions touch;
+  setup::FeltOptions felt;
+  setup::DriveOptionsGroup drive;
   std::string layout;  ///< built-in name or file; empty: the rig's array where there is a rig, else none
 
   std::string skin;  ///< mesh of the finger or hand, as PLY

@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "cli/output.hpp"
-#include "cli/touch_run.hpp"
+#include "setup/touch_run.hpp"
 #include "viewer/offscreen.hpp"
 #include "viewer/run.hpp"
 
@@ -35,7 +35,7 @@ double compare(const Options& options, const Pixels& pixels) {
 }  // namespace
 
 void run_headless(const Options& options, Show& show) {
-  const gpu::Device device(cli::device_options(options.common));
+  const gpu::Device device(setup::device_options(options.common));
   const Size size = picture_size(options);
   const double ratio = options.pixel_ratio.value_or(1);
   Offscreen offscreen(device, size.width, size.height, ratio);
@@ -46,7 +46,7 @@ void run_headless(const Options& options, Show& show) {
 
   const std::uint32_t frames = options.frames.value_or(1);
   std::vector<double> times;
-  cli::Stopwatch watch;
+  setup::Stopwatch watch;
   for (std::uint32_t i = 0; i < frames; ++i) {
     if (i > 0 && show.changes()) {
       show.go_to(options.slot + i);

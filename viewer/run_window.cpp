@@ -37,7 +37,7 @@ void run_window(const Options& options) {
   const Size size = picture_size(options);
   Window window(size.width, size.height, "palpa");  // first: without a display nothing else is worth doing
   Show show(options);
-  gpu::DeviceOptions device_options = cli::device_options(options.common);
+  gpu::DeviceOptions device_options = setup::device_options(options.common);
   device_options.window_extensions = window.extensions();
   const gpu::Device device(device_options);
   const WindowSurface surface(device, window);

@@ -4,12 +4,12 @@
 #include <optional>
 
 #include "base/error.hpp"
-#include "cli/set_up.hpp"
-#include "cli/touch_run.hpp"
-#include "cli/touch_schedule.hpp"
 #include "geometry/ply.hpp"
 #include "sensing/rig.hpp"
 #include "session/overrides.hpp"
+#include "setup/load.hpp"
+#include "setup/touch_run.hpp"
+#include "setup/touch_schedule.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 /// Depth images show far more than the hand: only what lies this near the solids is drawn.
 constexpr double skin_reach = 0.12;
 
-std::vector<sensing::SkinPoint> points_near(const cli::TouchInput& input) {
+std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input) {
   if (input.cameras.empty()) return input.points;
   Box box;
   for (const geometry::Solid& solid : input.solids) {
@@ -27,15 +27,15 @@ std::vector<sensing::SkinPoint> points_near(const cli::TouchInput& input) {
   return sensing::find_skin(input.cameras, input.frames, box);
 }
 
-cli::TouchInput load_scene_alone(const cli::TouchInputOptions& options) {
-  cli::TouchInput input;
-  input.solids = cli::load_solids(options.scene, options.gltf_scene, options.solids);
+setup::TouchInput load_scene_alone(const setup::TouchInputOptions& options) {
+  setup::TouchInput input;
+  input.solids = setup::load_solids(options.scene, options.gltf_scene, options.solids);
   return input;
 }
 
 }  // namespace
 
-Show::Show(const Options& options) : drive_options_(cli::drive_options(options.drive)) {
+Show::Show(const Options& options) : drive_options_(setup::drive_options(options.drive)) {
   picture_.title = options.title;
   picture_.dark = options.dark;
   picture_.legend = !options.no_legend;
@@ -48,25 +48,25 @@ Show::Show(const Options& options) : drive_options_(cli::drive_options(options.d
 
 void Show::load_objects(const Options& options) {
   const bool touched = !options.input.points.empty() || !options.input.depths.empty();
-  const cli::TouchInput input = touched ? cli::load_touch_input(options.input) : load_scene_alone(options.input);
+  const setup::TouchInput input = touched ? setup::load_touch_input(options.input) : load_scene_alone(options.input);
   show_solids(picture_, input.solids);
   if (!touched) return;
-  cli::StageTimes times;
+  setup::StageTimes times;
   const touch::Parameters& parameters = options.touch.parameters;
-  session::check_overrides(options.input.scene, input.solids, parameters, cli::voice_options(options.touch));
-  const touch::Touch touch = options.common.backend == cli::Backend::cpu
-                                 ? cli::touch_on_cpu(input, parameters, times)
-                                 : cli::touch_on_gpu(cli::device_options(options.common), input, parameters, times);
+  session::check_overrides(options.input.scene, input.solids, parameters, setup::voice_options(options.touch));
+  const touch::Touch touch = options.common.backend == setup::Backend::cpu
+                                 ? setup::touch_on_cpu(input, parameters, times)
+                                 : setup::touch_on_gpu(setup::device_options(options.common), input, parameters, times);
   show_touch(picture_, input.solids, points_near(input), touch);
-  const std::vector<cli::FingerSchedule> fingers =
-      cli::schedule_fingers(touch, input.solids, options.touch, options.felt);
-  schedule_ = cli::make_schedule(touch, input.solids, fingers, options.touch);
+  const std::vector<setup::FingerSchedule> fingers =
+      setup::schedule_fingers(touch, input.solids, options.touch, options.felt);
+  schedule_ = setup::make_schedule(touch, input.solids, fingers, options.touch);
   std::vector<touch::Placement> placements;
   placements.reserve(fingers.size());
-  for (const cli::FingerSchedule& finger : fingers)
+  for (const setup::FingerSchedule& finger : fingers)
     placements.push_back(finger.placement);
   show_schedule(picture_, schedule_, placements);
-  if (options.felt.spectrum) show_spectra(picture_, cli::spectra_of(schedule_, options.felt));
+  if (options.felt.spectrum) show_spectra(picture_, setup::spectra_of(schedule_, options.felt));
   if (options.show_cameras) show_cameras(picture_, input.cameras);
 }
 

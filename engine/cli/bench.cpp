@@ -1,19 +1,16 @@
-#include "cli/bench.hpp"
+#include "bench/bench.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <fstream>
 #include <memory>
 
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "cli/commands.hpp"
-#include "cli/options.hpp"
 #include "cli/output.hpp"
-#include "cli/progress.hpp"
-#include "cli/values.hpp"
+#include "setup/options.hpp"
+#include "setup/progress.hpp"
+#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -21,14 +18,14 @@ namespace {
 enum class Suite { all, touch, surface, array, loop };
 
 struct BenchCommand {
-  CommonOptions common;
+  setup::CommonOptions common;
   Suite suite = Suite::all;
   std::uint32_t runs = 200;
   std::string csv, scene;
 };
 
 void add_options(CLI::App& app, BenchCommand& o) {
-  const Group group(app, "What to measure");
+  const setup::Group group(app, "What to measure");
   group.choice("--suite", o.suite,
                {{"all", Suite::all},
                 {"touch", Suite::touch},
@@ -41,9 +38,9 @@ void add_options(CLI::App& app, BenchCommand& o) {
   group.text("--csv", o.csv, "FILE|-", "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver");
 }
 
-std::string to_csv(const std::vector<BenchRow>& rows, const gpu::DeviceDescription& device) {
+std::string to_csv(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device) {
   std::string csv = "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver\n";
-  for (const BenchRow& row : rows) {
+  for (const bench::Row& row : rows) {
     csv += fmt::format("{},{},{},{:.5g},{:.5g},{:.5g},{},{:.6g},{},\"{}\",\"{}\"\n", row.suite, row.name, row.stage,
                        row.median_ms, row.p99_ms, row.least_ms, row.runs, row.value, row.unit, row.note, device.name,
                        device.driver);
@@ -51,11 +48,11 @@ std::string to_csv(const std::vector<BenchRow>& rows, const gpu::DeviceDescripti
   return csv;
 }
 
-std::string to_json(const std::vector<BenchRow>& rows, const gpu::DeviceDescription& device, std::uint64_t resident) {
+std::string to_json(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device, std::uint64_t resident) {
   JsonWriter json;
   json.begin_object().member("device", device.name).member("driver", device.driver);
-  json.member("peak_resident_bytes", resident).key("rows").begin_array();
-  for (const BenchRow& row : rows) {
+  json.member("bench::peak_resident_bytes", resident).key("rows").begin_array();
+  for (const bench::Row& row : rows) {
     json.begin_object().member("suite", row.suite).member("case", row.name).member("stage", row.stage);
     json.member("median_ms", row.median_ms).member("p99_ms", row.p99_ms).member("min_ms", row.least_ms);
     json.member("runs", std::uint64_t{row.runs})
@@ -68,10 +65,10 @@ std::string to_json(const std::vector<BenchRow>& rows, const gpu::DeviceDescript
   return json.take();
 }
 
-std::string table(const std::vector<BenchRow>& rows, const gpu::DeviceDescription& device, std::uint64_t resident) {
+std::string table(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device, std::uint64_t resident) {
   std::string text = fmt::format("{}, {}\n{:<6} {:<28} {:<14} {:>10} {:>10} {:>10}\n", device.name, device.driver,
                                  "suite", "case", "stage", "median ms", "p99 ms", "min ms");
-  for (const BenchRow& row : rows) {
+  for (const bench::Row& row : rows) {
     text += fmt::format("{:<6} {:<28} {:<14} {:>10.3f} {:>10.3f} {:>10.3f}", row.suite, row.name, row.stage,
                         row.median_ms, row.p99_ms, row.least_ms);
     if (row.value > 0) text += fmt::format("  {:.0f} {}", row.value, row.unit);
@@ -83,62 +80,42 @@ std::string table(const std::vector<BenchRow>& rows, const gpu::DeviceDescriptio
 
 void run(const BenchCommand& o) {
   refuse_two_on_stdout(o.common.json, o.csv);
-  if (o.common.backend == Backend::cpu) throw bad_usage("bench measures the GPU's passes; --backend cpu has none");
-  const gpu::Device device(device_options(o.common));
-  std::vector<BenchRow> rows;
-  std::unique_ptr<Progress> bar;
+  if (o.common.backend == setup::Backend::cpu)
+    throw bad_usage("bench measures the GPU's passes; --backend cpu has none");
+  const gpu::Device device(setup::device_options(o.common));
+  std::vector<bench::Row> rows;
+  std::unique_ptr<setup::Progress> bar;
   std::string shown;
-  const BenchContext context{device, o.runs, o.scene,
-                             [&](const std::string& what, std::uint64_t done, std::uint64_t total) {
-                               if (what != shown || !bar) {
-                                 bar.reset();
-                                 bar = std::make_unique<Progress>(what, total, o.common.quiet);
-                                 shown = what;
-                               }
-                               bar->set(done);
-                             }};
+  const bench::Context context{device, o.runs, o.scene,
+                               [&](const std::string& what, std::uint64_t done, std::uint64_t total) {
+                                 if (what != shown || !bar) {
+                                   bar.reset();
+                                   bar = std::make_unique<setup::Progress>(what, total, o.common.quiet);
+                                   shown = what;
+                                 }
+                                 bar->set(done);
+                               }};
   if (o.suite == Suite::all || o.suite == Suite::touch) {
-    bench_touch(context, rows);
-    bench_methods(context, rows);
+    bench::measure_touch(context, rows);
+    bench::measure_methods(context, rows);
   }
-  if (o.suite == Suite::all || o.suite == Suite::surface) bench_surface(context, rows);
+  if (o.suite == Suite::all || o.suite == Suite::surface) bench::measure_surface(context, rows);
   if (o.suite == Suite::all || o.suite == Suite::array) {
-    bench_array(context, rows);
-    bench_solvers(context, rows);
+    bench::measure_array(context, rows);
+    bench::measure_solvers(context, rows);
   }
-  if (o.suite == Suite::all || o.suite == Suite::loop) bench_loop(context, rows);
+  if (o.suite == Suite::all || o.suite == Suite::loop) bench::measure_loop(context, rows);
   bar.reset();
 
-  const std::uint64_t resident = peak_resident_bytes();
+  const std::uint64_t resident = bench::peak_resident_bytes();
   if (!o.csv.empty()) write_output(o.csv, to_csv(rows, device.description()));
   if (!o.common.json.empty()) write_output(o.common.json, to_json(rows, device.description(), resident));
-  if (shows_summary(o.common, o.csv)) {
+  if (setup::shows_summary(o.common, o.csv)) {
     write_output("-", table(rows, device.description(), resident));
   }
 }
 
 }  // namespace
-
-BenchRow bench_row(std::string suite, std::string name, std::string stage, std::vector<double> samples_ms) {
-  std::sort(samples_ms.begin(), samples_ms.end());
-  const auto at = [&](double p) {
-    return samples_ms[static_cast<std::size_t>(std::lround(p * static_cast<double>(samples_ms.size() - 1)))];
-  };
-  BenchRow row{std::move(suite), std::move(name), std::move(stage)};
-  row.median_ms = at(0.5);
-  row.p99_ms = at(0.99);
-  row.least_ms = samples_ms.front();
-  row.runs = static_cast<std::uint32_t>(samples_ms.size());
-  return row;
-}
-
-std::uint64_t peak_resident_bytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);) {
-    if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) * 1024;
-  }
-  return 0;
-}
 
 void add_bench(Program& program) {
   add_subcommand<BenchCommand>(program,

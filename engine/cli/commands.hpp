@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "cli/doctor.hpp"
-#include "cli/options.hpp"
 #include "session/link.hpp"
 #include "session/sources.hpp"
+#include "setup/options.hpp"
 
 namespace CLI {
 class App;
@@ -31,8 +31,8 @@ using Action = std::function<void()>;
 struct Program {
   CLI::App& app;
   const Extensions& extensions;
-  Action action;                          ///< of the subcommand on the line
-  const CommonOptions* common = nullptr;  ///< its common options
+  Action action;                                 ///< of the subcommand on the line
+  const setup::CommonOptions* common = nullptr;  ///< its common options
 };
 
 /// How a subcommand introduces itself in --help.
@@ -46,7 +46,7 @@ struct CommandText {
 /// member `CommonOptions common`; it lives as long as the program. Call `finish_command` after the command's own
 /// options, so that the common ones come last in the help.
 CLI::App& add_command(Program& program, const CommandText& text);
-void finish_command(Program& program, CLI::App& command, CommonOptions& common, Action action);
+void finish_command(Program& program, CLI::App& command, setup::CommonOptions& common, Action action);
 
 /// One subcommand: `add` puts the options of a new Options on the line, `run` does the work with them.
 template <typename Options>

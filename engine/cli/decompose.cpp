@@ -15,20 +15,20 @@
 #include "base/log.hpp"
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
-#include "cli/options.hpp"
 #include "cli/output.hpp"
-#include "cli/progress.hpp"
-#include "cli/values.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
 #include "geometry/solid.hpp"
 #include "geometry/text.hpp"
+#include "setup/options.hpp"
+#include "setup/progress.hpp"
+#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
 
 struct DecomposeCommand {
-  CommonOptions common;
+  setup::CommonOptions common;
   std::string scene;
   std::optional<std::uint32_t> gltf_scene;
   std::string out;
@@ -37,11 +37,11 @@ struct DecomposeCommand {
 };
 
 void add_options(CLI::App& app, DecomposeCommand& o) {
-  const Group group(app, "What to take apart");
+  const setup::Group group(app, "What to take apart");
   group.text("--scene", o.scene, "FILE", "glTF model; each of its meshes that can be touched becomes parts");
   group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000, "scene of the file (default: the file's own)");
   group.text("--out", o.out, "FILE.glb", "the parts as glTF, which touch, run and palpa-viewer read as --scene");
-  const Group how(app, "How");
+  const setup::Group how(app, "How");
   how.integer("--parts", o.decompose.parts, 1, geometry::most_parts, "convex parts per solid, at most");
   how.count("--resolution", o.decompose.resolution, geometry::least_voxels, geometry::most_voxels,
             "voxels that V-HACD looks at");
@@ -92,7 +92,7 @@ std::vector<geometry::Solid> load_solids_to_decompose(const DecomposeCommand& o)
 std::vector<Taken> take_apart(const DecomposeCommand& o, const std::vector<geometry::Solid>& solids) {
   constexpr std::uint64_t steps = 1000;
   const Interrupt interrupt;
-  Progress bar("decompose", steps, o.common.quiet);
+  setup::Progress bar("decompose", steps, o.common.quiet);
   std::vector<Taken> all;
   const auto refuse_if_interrupted = [&] {
     if (interrupt.requested()) throw failure(fmt::format("{}: not written: interrupted", o.out));
@@ -175,7 +175,7 @@ void run(const DecomposeCommand& given) {
   const std::vector<Taken> all = take_apart(o, solids);
   write_parts(o, all);
   if (!o.common.json.empty()) write_output(o.common.json, to_json(o, all));
-  if (shows_summary(o.common)) write_output("-", summary(o, all));
+  if (setup::shows_summary(o.common)) write_output("-", summary(o, all));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace palpa::cli {
 namespace {
 
 struct DoctorOptions {
-  CommonOptions common;
+  setup::CommonOptions common;
 };
 
 constexpr const char* driver_advice =

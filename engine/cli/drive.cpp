@@ -15,30 +15,30 @@
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "cli/commands.hpp"
-#include "cli/options.hpp"
 #include "cli/output.hpp"
-#include "cli/values.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/device.hpp"
+#include "setup/options.hpp"
+#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
 
 struct DriveCommand {
-  CommonOptions common;
+  setup::CommonOptions common;
   std::string layout;
   std::vector<std::string> foci;
-  DriveOptionsGroup drive;
+  setup::DriveOptionsGroup drive;
   std::string csv;
 };
 
 void add_options(CLI::App& app, DriveCommand& o) {
-  const Group group(app, "What to drive");
+  const setup::Group group(app, "What to drive");
   group.text("--layout", o.layout, "NAME|FILE", "autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
   group.texts("--focus", o.foci, "X,Y,Z[,A]",
               "in the layout's own frame; A above 0, at most 1: how loud it is to be; again for several foci at once");
   group.text("--csv", o.csv, "FILE|-", "index,x,y,z,nx,ny,nz,amplitude,phase of every transducer");
-  add_drive_options(app, o.drive);
+  setup::add_drive_options(app, o.drive);
 }
 
 /// Nearer than this a focus stands on a transducer, and the direction of its sound means nothing.
@@ -62,7 +62,7 @@ std::vector<array::SlotFocus> read_foci(const DriveCommand& o, const array::Layo
   std::vector<array::SlotFocus> foci;
   for (const std::string& text : o.foci) {
     const auto [place, gain] = split_gain(text);
-    const auto [x, y, z] = parse_point("--focus", place);
+    const auto [x, y, z] = setup::parse_point("--focus", place);
     const array::SlotFocus focus{{x, y, z}, gain};
     if (!array::drivable(focus))
       throw bad_usage(fmt::format("--focus: '{}' is farther than 100 m from the array", text));
@@ -159,19 +159,19 @@ void run(const DriveCommand& o) {
   if (o.foci.empty())
     throw bad_usage("--focus is missing: give a point x,y,z in the layout's frame, such as 0,0,150mm");
   refuse_two_on_stdout(o.common.json, o.csv);
-  const array::DriveOptions options = drive_options(o.drive);
+  const array::DriveOptions options = setup::drive_options(o.drive);
   const array::Layout layout = array::load_layout(o.layout);
   const std::vector<array::SlotFocus> foci = read_foci(o, layout);
-  const array::Drive drive = o.common.backend == Backend::cpu
+  const array::Drive drive = o.common.backend == setup::Backend::cpu
                                  ? array::drive_for(layout, foci, options)
-                                 : drive_on_gpu(device_options(o.common), layout, foci, options);
+                                 : drive_on_gpu(setup::device_options(o.common), layout, foci, options);
 
   const array::FociPressure pressure =
       array::pressure_at_foci(layout, drive, foci, options.medium, options.directivity);
 
   if (!o.csv.empty()) write_output(o.csv, to_csv(layout, drive));
   if (!o.common.json.empty()) write_output(o.common.json, to_json(layout, foci, options.medium, drive, pressure));
-  if (shows_summary(o.common, o.csv)) {
+  if (setup::shows_summary(o.common, o.csv)) {
     write_output("-", summary(layout, foci, options.medium, drive, pressure));
   }
 }

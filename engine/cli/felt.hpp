@@ -7,8 +7,8 @@
 
 #include "array/schedule.hpp"
 #include "array/spectrum.hpp"
+#include "array/tune.hpp"
 #include "base/json_writer.hpp"
-#include "cli/touch_schedule.hpp"
 
 namespace palpa::cli {
 

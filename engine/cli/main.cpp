@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
-#include "cli/program.hpp"
+#include "setup/program.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -56,9 +56,9 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
     if (app.get_subcommands().empty() && !app.remaining().empty()) {
       throw bad_usage(fmt::format("there is no subcommand '{}'; see palpa --help", app.remaining().front()));
     }
-    throw bad_usage(usage_line(error.what(), place(app)));
+    throw bad_usage(setup::usage_line(error.what(), place(app)));
   }
-  apply_logging(*program.common);
+  setup::apply_logging(*program.common);
   program.action();
 }
 
@@ -71,8 +71,8 @@ CLI::App& add_command(Program& program, const CommandText& text) {
   return *command;
 }
 
-void finish_command(Program& program, CLI::App& command, CommonOptions& common, Action action) {
-  add_common(command, common);
+void finish_command(Program& program, CLI::App& command, setup::CommonOptions& common, Action action) {
+  setup::add_common(command, common);
   // Set again, after the command's own options: groups are shown in the order of their first option.
   command.set_help_flag("-h,--help", "show this help and exit")->group("Common options");
   command.callback([&program, &common, action = std::move(action)] {
@@ -82,7 +82,7 @@ void finish_command(Program& program, CLI::App& command, CommonOptions& common, 
 }
 
 int main(int argc, const char* const* argv, const Extensions& extensions) {
-  return run_program([&] { parse_and_run(argc, argv, extensions); });
+  return setup::run_program([&] { parse_and_run(argc, argv, extensions); });
 }
 
 }  // namespace palpa::cli

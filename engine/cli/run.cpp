@@ -7,18 +7,18 @@
 
 #include "array/board_mesh.hpp"
 #include "base/error.hpp"
-#include "cli/assets.hpp"
 #include "cli/commands.hpp"
-#include "cli/options.hpp"
 #include "cli/output.hpp"
-#include "cli/progress.hpp"
-#include "cli/set_up.hpp"
-#include "cli/values.hpp"
 #include "sensing/recording.hpp"
 #include "session/event_sink.hpp"
 #include "session/loop.hpp"
 #include "session/overrides.hpp"
 #include "session/sources.hpp"
+#include "setup/assets.hpp"
+#include "setup/load.hpp"
+#include "setup/options.hpp"
+#include "setup/progress.hpp"
+#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -26,15 +26,15 @@ namespace {
 enum class StatsFormat { none, json };
 
 struct RunCommand {
-  CommonOptions common;
+  setup::CommonOptions common;
   std::string scene;
   std::optional<std::uint32_t> gltf_scene;
   std::string source = "synthetic";
   std::string link = "null";
-  RigOptions rig;
-  SolidOptions solids;
-  TouchOptions touch;
-  DriveOptionsGroup drive;
+  setup::RigOptions rig;
+  setup::SolidOptions solids;
+  setup::TouchOptions touch;
+  setup::DriveOptionsGroup drive;
   double hold_s = 0.1;
   std::uint64_t frames = 0;
   bool every_frame = false;
@@ -46,14 +46,14 @@ struct RunCommand {
 };
 
 void add_options(CLI::App& app, RunCommand& o) {
-  const Group group(app, "What to run");
+  const setup::Group group(app, "What to run");
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
   group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000, "scene of the file (default: the file's own)");
   group.text("--source", o.source, "SOURCE", "synthetic[:MESH] or recording:DIR");
   group.text("--link", o.link, "LINK", "null, record:FILE or foci:udp:HOST:PORT");
   group.integer("--frames", o.frames, 0, std::uint64_t{1} << 62,
                 "stop after that many frames; 0: at the source's end or Ctrl-C");
-  group.quantity("--hold", o.hold_s, Quantity::time, positive(10), "silence when no frame came for that long");
+  group.quantity("--hold", o.hold_s, Quantity::time, setup::positive(10), "silence when no frame came for that long");
   group.flag("--every-frame", o.every_frame, "look at every frame, however long it takes, instead of the newest");
   group.flag("--noise-free", o.noise_free, "synthetic frames without the sensor's noise");
   group.text("--record", o.record, "DIR", "write every frame into a new folder, to be replayed as recording:DIR");
@@ -63,10 +63,10 @@ void add_options(CLI::App& app, RunCommand& o) {
                  "how far a finger moves before that is an event; 0: every frame");
   group.choice("--stats", o.stats, {{"none", StatsFormat::none}, {"json", StatsFormat::json}},
                "what the loop measured, on stdout; --json writes the same");
-  add_solid_options(app, o.solids);
-  add_rig_options(app, o.rig);
-  add_touch_options(app, o.touch);
-  add_drive_options(app, o.drive);
+  setup::add_solid_options(app, o.solids);
+  setup::add_rig_options(app, o.rig);
+  setup::add_touch_options(app, o.touch);
+  setup::add_drive_options(app, o.drive);
 }
 
 /// Set by the first signal; the loop then ends in silence. Later signals change nothing: the array must not be left
@@ -110,7 +110,7 @@ void report(const RunCommand& o, const session::LoopStats& stats) {
   if (!o.common.json.empty()) write_output(o.common.json, session::to_json(stats));
   if (o.stats == StatsFormat::json) {
     if (o.common.json != "-") write_output("-", session::to_json(stats));
-  } else if (shows_summary(o.common, o.events)) {
+  } else if (setup::shows_summary(o.common, o.events)) {
     write_output("-", summary(stats));
   }
 }
@@ -160,40 +160,41 @@ void run(const Extensions& extensions, const RunCommand& o) {
   check(o.touch);
   refuse_two_on_stdout(o);
   refuse_what_goes_unused(o);
-  const std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene, o.solids, o.common.quiet);
-  const array::VoiceOptions voice = voice_options(o.touch);
+  const std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids, o.common.quiet);
+  const array::VoiceOptions voice = setup::voice_options(o.touch);
   session::check_overrides(o.scene, solids, o.touch.parameters, voice);
   std::vector<std::string> names;
   names.reserve(solids.size());
   for (const geometry::Solid& solid : solids)
     names.push_back(solid.name);
-  const SetUp set_up = load_set_up(o.rig);
-  const array::DriveOptions drive = drive_options(o.drive);
+  const setup::PosedRig set_up = setup::load_posed_rig(o.rig);
+  const array::DriveOptions drive = setup::drive_options(o.drive);
 
   std::vector<session::SourceKind> sources = session::builtin_sources();
   sources.insert(sources.end(), extensions.sources.begin(), extensions.sources.end());
   const geometry::Mesh boards = array::board_mesh(set_up.layout);
-  const std::unique_ptr<sensing::DepthSource> source = session::open_source(o.source, sources,
-                                                                            {.cameras = set_up.rig.cameras,
-                                                                             .occluders = boards,
-                                                                             .default_skin = find_asset("finger.ply"),
-                                                                             .noise = !o.noise_free,
-                                                                             .seed = o.common.seed,
-                                                                             .paced = !o.every_frame});
+  const std::unique_ptr<sensing::DepthSource> source =
+      session::open_source(o.source, sources,
+                           {.cameras = set_up.rig.cameras,
+                            .occluders = boards,
+                            .default_skin = setup::find_asset("finger.ply"),
+                            .noise = !o.noise_free,
+                            .seed = o.common.seed,
+                            .paced = !o.every_frame});
   touch::Parameters parameters = o.touch.parameters;
   parameters.deep = !o.events.empty();
   const session::ChainSetting setting{.cameras = source->cameras(),
                                       .solids = solids,
                                       .layout = set_up.layout,
                                       .touch = parameters,
-                                      .method = method_options(o.touch),
+                                      .method = setup::method_options(o.touch),
                                       .voice = voice,
                                       .tune = o.touch.tune,
                                       .drive = drive,
                                       .slot_s = session::slot_length(solids, voice),
                                       .detail = o.events.empty() ? touch::Detail::fingers : touch::Detail::contacts};
   std::optional<gpu::Device> device;
-  if (o.common.backend == Backend::gpu) device.emplace(device_options(o.common));
+  if (o.common.backend == setup::Backend::gpu) device.emplace(setup::device_options(o.common));
   const std::unique_ptr<session::Chain> chain =
       device ? session::make_gpu_chain(*device, setting) : session::make_cpu_chain(setting);
 
@@ -210,7 +211,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
   watch_signals();
   log::release_warnings();
   session::LoopStats stats;
-  Progress progress("frames", o.frames, o.common.quiet);
+  setup::Progress progress("frames", o.frames, o.common.quiet);
   session::LoopObservers observers;
   std::uint64_t out_of_order = 0;  // frames whose time a recording cannot hold; of the recorder's thread
   if (recorder) observers.record = [&](const sensing::FrameSet& set) { out_of_order += recorder->write(set) ? 0 : 1; };

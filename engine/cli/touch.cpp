@@ -9,49 +9,50 @@
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
 #include "cli/output.hpp"
-#include "cli/touch_input.hpp"
-#include "cli/touch_run.hpp"
-#include "cli/touch_schedule.hpp"
-#include "cli/values.hpp"
 #include "session/foci_link.hpp"
 #include "session/overrides.hpp"
+#include "setup/touch_input.hpp"
+#include "setup/touch_run.hpp"
+#include "setup/touch_schedule.hpp"
+#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
 
 struct TouchCommand {
-  CommonOptions common;
-  TouchInputOptions input;
-  TouchOptions touch;
-  FeltOptions felt;
+  setup::CommonOptions common;
+  setup::TouchInputOptions input;
+  setup::TouchOptions touch;
+  setup::FeltOptions felt;
   std::string csv;
 };
 
 void add_options(CLI::App& app, TouchCommand& o) {
-  add_touch_input(app, o.input);
-  Group(app, "What touches what").text("--csv", o.csv, "FILE|-", "the contacts: index,x,y,z,depth,finger,solid");
-  add_touch_options(app, o.touch);
-  add_felt_options(app, o.felt);
+  setup::add_touch_input(app, o.input);
+  setup::Group(app, "What touches what").text("--csv", o.csv, "FILE|-", "the contacts: index,x,y,z,depth,finger,solid");
+  setup::add_touch_options(app, o.touch);
+  setup::add_felt_options(app, o.felt);
 }
 
 /// One touch and all that is printed about it.
 struct TouchReport {
-  const TouchInput& input;
+  const setup::TouchInput& input;
   const touch::Touch& touch;
-  const TouchOptions& options;
-  const std::vector<FingerSchedule>& schedules;  ///< one per finger
-  const std::vector<array::Spectrum>& spectra;   ///< one per finger with --spectrum, else none
+  const setup::TouchOptions& options;
+  const std::vector<setup::FingerSchedule>& schedules;  ///< one per finger
+  const std::vector<array::Spectrum>& spectra;          ///< one per finger with --spectrum, else none
   double total_ms;
-  const StageTimes& times;
+  const setup::StageTimes& times;
 };
 
 /// Whether the method's foci stand still on every finger.
-bool plays_still(const TouchOptions& options) {
+bool plays_still(const setup::TouchOptions& options) {
   return options.method.method == touch::Method::single_focus || options.method.method == touch::Method::multi_focus;
 }
 
 /// What a finger of so many sectors plays.
-void add_schedule(JsonWriter& json, const TouchOptions& options, std::uint32_t foci, const array::VoiceOptions& own) {
+void add_schedule(JsonWriter& json, const setup::TouchOptions& options, std::uint32_t foci,
+                  const array::VoiceOptions& own) {
   const bool together = options.method.method == touch::Method::multi_focus;
   array::Voice voice;
   voice.foci_per_slot = together ? foci : 1;
@@ -100,7 +101,7 @@ void add_finger(JsonWriter& json, const TouchReport& report, std::uint32_t index
   for (const touch::Focus& focus : placement.foci)
     json.value(focus.points);
   json.end_array();
-  const FingerSchedule& schedule = report.schedules[index];
+  const setup::FingerSchedule& schedule = report.schedules[index];
   if (const std::uint32_t foci = foci_of_own_order(report, index)) {
     add_schedule(json, report.options, foci, schedule.voice);
   }
@@ -126,7 +127,7 @@ std::string to_json(const TouchReport& report) {
   for (std::uint32_t f = 0; f < touch.finger_count; ++f)
     add_finger(json, report, f);
   json.end_array();
-  add_schedule(json, report.options, report.options.parameters.foci, voice_options(report.options));
+  add_schedule(json, report.options, report.options.parameters.foci, setup::voice_options(report.options));
   json.key("timing_ms").begin_object().member("total", report.total_ms);
   for (const auto& [stage, ms] : report.times)
     json.member(stage, ms);
@@ -195,7 +196,7 @@ std::string summary(const TouchReport& report) {
     if (own != 0) fmt::format_to(out, "  {}\n", order_of(own, voice.stride, voice.dwell_s));
     common = common || own == 0;
   }
-  const TouchOptions& options = report.options;
+  const setup::TouchOptions& options = report.options;
   if (still) {
     fmt::format_to(out, "modulated at {} Hz, {}; --json gives everything\n", options.modulation_hz,
                    array::name_of(options.modulation));
@@ -216,26 +217,27 @@ void run(const TouchCommand& o) {
   check(o.touch);
   check(o.felt, o.touch);
   refuse_two_on_stdout(o.common.json, o.csv);
-  Stopwatch whole, watch;
-  StageTimes times;
-  const TouchInput input = load_touch_input(o.input, o.common.quiet);
-  session::check_overrides(o.input.scene, input.solids, o.touch.parameters, voice_options(o.touch));
+  setup::Stopwatch whole, watch;
+  setup::StageTimes times;
+  const setup::TouchInput input = setup::load_touch_input(o.input, o.common.quiet);
+  session::check_overrides(o.input.scene, input.solids, o.touch.parameters, setup::voice_options(o.touch));
   times.emplace_back("load", watch.lap_ms());
-  const touch::Touch touch = o.common.backend == Backend::cpu
-                                 ? touch_on_cpu(input, o.touch.parameters, times)
-                                 : touch_on_gpu(device_options(o.common), input, o.touch.parameters, times);
+  const touch::Touch touch =
+      o.common.backend == setup::Backend::cpu
+          ? setup::touch_on_cpu(input, o.touch.parameters, times)
+          : setup::touch_on_gpu(setup::device_options(o.common), input, o.touch.parameters, times);
   if (touch.cluster_count > touch.finger_count) {
     log::warning(fmt::format("{} clusters of contacts make a finger, only the first {} are kept", touch.cluster_count,
                              touch.finger_count));
   }
-  const std::vector<FingerSchedule> schedules = schedule_fingers(touch, input.solids, o.touch, o.felt);
+  const std::vector<setup::FingerSchedule> schedules = setup::schedule_fingers(touch, input.solids, o.touch, o.felt);
   const std::vector<array::Spectrum> spectra =
-      o.felt.spectrum ? spectra_of(make_schedule(touch, input.solids, schedules, o.touch), o.felt)
+      o.felt.spectrum ? setup::spectra_of(make_schedule(touch, input.solids, schedules, o.touch), o.felt)
                       : std::vector<array::Spectrum>();
   const TouchReport report{input, touch, o.touch, schedules, spectra, whole.lap_ms(), times};
   if (!o.csv.empty()) write_output(o.csv, to_csv(report));
   if (!o.common.json.empty()) write_output(o.common.json, to_json(report));
-  if (shows_summary(o.common, o.csv)) write_output("-", summary(report));
+  if (setup::shows_summary(o.common, o.csv)) write_output("-", summary(report));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "cli/progress.hpp"
+#include "setup/progress.hpp"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <utility>
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 Progress::Progress(std::string what, std::uint64_t total, bool quiet)
     : what_(std::move(what)), total_(total), on_(!quiet && isatty(STDERR_FILENO) != 0) {}
@@ -37,4 +37,4 @@ void Progress::draw(std::uint64_t done) {
   std::fflush(stderr);
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

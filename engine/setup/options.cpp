@@ -1,4 +1,4 @@
-#include "cli/options.hpp"
+#include "setup/options.hpp"
 
 #include <fmt/core.h>
 
@@ -6,9 +6,9 @@
 #include <numeric>
 
 #include "base/error.hpp"
-#include "cli/values.hpp"
+#include "setup/values.hpp"
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 void add_common(CLI::App& app, CommonOptions& options) {
   const Group group(app, "Common options");
@@ -204,4 +204,4 @@ void add_rig_options(CLI::App& app, RigOptions& options) {
              "array: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML");
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

@@ -1,4 +1,4 @@
-#include "cli/program.hpp"
+#include "setup/program.hpp"
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -13,7 +13,7 @@
 #include "base/text.hpp"
 #include "gpu/device.hpp"
 
-namespace palpa::cli {
+namespace palpa::setup {
 namespace {
 
 /// A file opened later must not land on a descriptor that the shell left closed: what is printed would go into it. A
@@ -62,4 +62,4 @@ std::string usage_line(const std::string& parser_message, const std::string& com
   return fmt::format("{}; see {} --help", line, command);
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 /// Runs `body` and returns the process's exit code. Standard streams that the shell left closed cannot be hit by files
 /// opened later; a closed pipe or a file that may not grow is an error and no signal. An Error is one line on stderr;
@@ -14,4 +14,4 @@ int run_program(const std::function<void()>& body);
 /// The command line parser's own message as one of palpa's: "...; see palpa touch --help".
 std::string usage_line(const std::string& parser_message, const std::string& command);
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

@@ -1,10 +1,10 @@
-#include "cli/touch_schedule.hpp"
+#include "setup/touch_schedule.hpp"
 
 #include <algorithm>
 
 #include "session/overrides.hpp"
 
-namespace palpa::cli {
+namespace palpa::setup {
 namespace {
 
 /// Chooses foci, stride and dwell by the perimeter; more foci are placed anew.
@@ -64,4 +64,4 @@ std::vector<array::Spectrum> spectra_of(const array::Schedule& schedule, const F
   return spectra;
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

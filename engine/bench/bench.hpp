@@ -8,10 +8,10 @@
 
 #include "gpu/device.hpp"
 
-namespace palpa::cli {
+namespace palpa::bench {
 
 /// One row of the report: a stage of a case, or the whole of it ("total").
-struct BenchRow {
+struct Row {
   std::string suite, name, stage;
   double median_ms = 0, p99_ms = 0, least_ms = 0;
   std::uint32_t runs = 0;
@@ -20,32 +20,32 @@ struct BenchRow {
   std::string note;  ///< how good the result was, where that is part of the measure
 };
 
-struct BenchContext {
+struct Context {
   const gpu::Device& device;
   std::uint32_t runs = 200;
-  std::string scene;  ///< a further model for bench_surface; may be empty
+  std::string scene;  ///< a further model for measure_surface; may be empty
   std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)> progress;
 };
 
 /// Depth frames in host memory to drives in host memory, one frame at a time.
-void bench_loop(const BenchContext& context, std::vector<BenchRow>& rows);
+void measure_loop(const Context& context, std::vector<Row>& rows);
 /// Drives in batches and for one frame.
-void bench_array(const BenchContext& context, std::vector<BenchRow>& rows);
+void measure_array(const Context& context, std::vector<Row>& rows);
 /// Ten foci at once by each solver, on the device and by the twins.
-void bench_solvers(const BenchContext& context, std::vector<BenchRow>& rows);
+void measure_solvers(const Context& context, std::vector<Row>& rows);
 /// Skin points to foci.
-void bench_touch(const BenchContext& context, std::vector<BenchRow>& rows);
+void measure_touch(const Context& context, std::vector<Row>& rows);
 /// Methods and tuning, on the host.
-void bench_methods(const BenchContext& context, std::vector<BenchRow>& rows);
+void measure_methods(const Context& context, std::vector<Row>& rows);
 
 /// Solids of many faces: how long and how much memory it takes to prepare one, from scratch and from the cache, and the
 /// contacts of a full three-camera frame against those of the cube.
-void bench_surface(const BenchContext& context, std::vector<BenchRow>& rows);
+void measure_surface(const Context& context, std::vector<Row>& rows);
 
 /// Median, 99th percentile and least of `samples_ms` as a row.
-BenchRow bench_row(std::string suite, std::string name, std::string stage, std::vector<double> samples_ms);
+Row make_row(std::string suite, std::string name, std::string stage, std::vector<double> samples_ms);
 
 /// Highest resident memory of this process so far, in bytes.
 std::uint64_t peak_resident_bytes();
 
-}  // namespace palpa::cli
+}  // namespace palpa::bench

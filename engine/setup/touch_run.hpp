@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "cli/options.hpp"
-#include "cli/touch_input.hpp"
+#include "setup/options.hpp"
+#include "setup/touch_input.hpp"
 #include "touch/types.hpp"
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 /// Stages in the order they ran, and how long each took.
 using StageTimes = std::vector<std::pair<std::string, double>>;
@@ -30,4 +30,4 @@ class Stopwatch {
   std::int64_t last_ns_;
 };
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

@@ -7,11 +7,11 @@
 
 #include "array/schedule.hpp"
 #include "array/tune.hpp"
-#include "cli/options.hpp"
 #include "geometry/solid.hpp"
+#include "setup/options.hpp"
 #include "touch/method.hpp"
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 struct FingerSchedule {
   touch::Placement placement;
@@ -32,4 +32,4 @@ array::Schedule make_schedule(const touch::Touch& touch, std::span<const geometr
 /// What skin feels of each finger.
 std::vector<array::Spectrum> spectra_of(const array::Schedule& schedule, const FeltOptions& felt);
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

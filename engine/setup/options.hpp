@@ -20,7 +20,7 @@ namespace CLI {
 class App;
 }
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 enum class Backend { gpu, cpu };
 
@@ -107,4 +107,4 @@ struct RigOptions {
 };
 void add_rig_options(CLI::App& app, RigOptions& options);
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

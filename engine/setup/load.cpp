@@ -1,14 +1,14 @@
-#include "cli/set_up.hpp"
+#include "setup/load.hpp"
 
 #include <algorithm>
 
 #include "base/error.hpp"
-#include "cli/assets.hpp"
-#include "cli/progress.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/parts_solid.hpp"
+#include "setup/assets.hpp"
+#include "setup/progress.hpp"
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene,
                                          const SolidOptions& options, bool quiet) {
@@ -35,8 +35,8 @@ std::vector<geometry::Solid> load_solids(const std::string& scene, const std::op
   return solids;
 }
 
-SetUp load_set_up(const RigOptions& options) {
-  SetUp set_up;
+PosedRig load_posed_rig(const RigOptions& options) {
+  PosedRig set_up;
   set_up.rig = sensing::load_rig(options.rig.empty() ? find_asset("rigs/paper.toml") : options.rig);
   const bool from_rig = options.layout.empty();
   if (from_rig && !set_up.rig.array) throw bad_input(set_up.rig.file, "has no [array]; add one or give --layout");
@@ -46,4 +46,4 @@ SetUp load_set_up(const RigOptions& options) {
   return set_up;
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

@@ -1,11 +1,11 @@
-#include "cli/assets.hpp"
+#include "setup/assets.hpp"
 
 #include <cstdlib>
 #include <filesystem>
 
 #include "base/error.hpp"
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 namespace fs = std::filesystem;
 
@@ -26,4 +26,4 @@ std::string find_asset(const std::string& name) {
   throw bad_input(name, "not found beside the program; set PALPA_ASSETS to palpa's assets folder");
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

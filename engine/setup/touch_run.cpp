@@ -1,4 +1,4 @@
-#include "cli/touch_run.hpp"
+#include "setup/touch_run.hpp"
 
 #include <fmt/core.h>
 
@@ -9,7 +9,7 @@
 #include "gpu/timestamps.hpp"
 #include "touch/stage.hpp"
 
-namespace palpa::cli {
+namespace palpa::setup {
 namespace {
 
 std::int64_t now_ns() {
@@ -91,4 +91,4 @@ touch::Touch touch_on_gpu(const gpu::DeviceOptions& select, const TouchInput& in
   return out;
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

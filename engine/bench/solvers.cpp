@@ -10,10 +10,10 @@
 #include "array/drive_pass.hpp"
 #include "array/pressure.hpp"
 #include "base/error.hpp"
-#include "cli/bench.hpp"
+#include "bench/bench.hpp"
 #include "gpu/commands.hpp"
 
-namespace palpa::cli {
+namespace palpa::bench {
 namespace {
 
 using array::Constraint;
@@ -86,9 +86,9 @@ void keep(const Case& which, const Heard& heard, Yardsticks& yardsticks) {
   if (which.solver == Solver::greedy) yardsticks.greedy_pa = heard.mean_pa;
 }
 
-void on_device(const BenchContext& context, const array::Layout& layout, const Case& which, const std::string& name,
+void on_device(const Context& context, const array::Layout& layout, const Case& which, const std::string& name,
                const std::vector<std::vector<array::SlotFocus>>& slots, const array::DrivePasses& passes,
-               Yardsticks& yardsticks, std::vector<BenchRow>& rows) {
+               Yardsticks& yardsticks, std::vector<Row>& rows) {
   array::DriveOptions options;
   options.solver = which.solver;
   options.constraint = which.constraint;
@@ -120,7 +120,7 @@ void on_device(const BenchContext& context, const array::Layout& layout, const C
     if (run > 0) total.push_back(now_ms() - begin);
     context.progress(name, run, runs);
   }
-  BenchRow row = bench_row("array", name, "total", total);
+  Row row = make_row("array", name, "total", total);
   row.value = sets * 1e3 / row.median_ms;
   row.unit = "solves/s";
   row.note = quality(which, heard, yardsticks);
@@ -128,9 +128,9 @@ void on_device(const BenchContext& context, const array::Layout& layout, const C
 }
 
 /// The twins, a thread per core, each with every so-manieth slot.
-void on_host(const BenchContext& context, const array::Layout& layout, const Case& which, const std::string& name,
+void on_host(const Context& context, const array::Layout& layout, const Case& which, const std::string& name,
              const std::vector<std::vector<array::SlotFocus>>& slots, const Yardsticks& yardsticks,
-             std::vector<BenchRow>& rows) {
+             std::vector<Row>& rows) {
   array::DriveOptions options;
   options.solver = which.solver;
   options.constraint = which.constraint;
@@ -154,7 +154,7 @@ void on_host(const BenchContext& context, const array::Layout& layout, const Cas
     total.push_back(now_ms() - begin);
     context.progress(name, run, 4);
   }
-  BenchRow row = bench_row("array", name, "total", total);
+  Row row = make_row("array", name, "total", total);
   row.value = sets * 1e3 / row.median_ms;
   row.unit = "solves/s";
   row.note = quality(which, listen(layout, slots, [&](std::uint32_t s) { return std::span(drives[s]); }), yardsticks) +
@@ -164,7 +164,7 @@ void on_host(const BenchContext& context, const array::Layout& layout, const Cas
 
 }  // namespace
 
-void bench_solvers(const BenchContext& context, std::vector<BenchRow>& rows) {
+void measure_solvers(const Context& context, std::vector<Row>& rows) {
   const array::DrivePasses passes(context.device);
   const struct {
     const char* name;
@@ -184,4 +184,4 @@ void bench_solvers(const BenchContext& context, std::vector<BenchRow>& rows) {
   }
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::bench

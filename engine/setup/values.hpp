@@ -18,7 +18,7 @@ namespace CLI {
 class App;
 }
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 /// Bounds of a number, both included unless `open` leaves the low end out.
 struct Range {
@@ -91,4 +91,4 @@ std::string format_quantity(double value, Quantity quantity);
 /// Three numbers "x,y,z" with optional length units; throws bad_usage naming the option.
 std::array<double, 3> parse_point(const std::string& option, const std::string& text);
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

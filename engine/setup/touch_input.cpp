@@ -1,4 +1,4 @@
-#include "cli/touch_input.hpp"
+#include "setup/touch_input.hpp"
 
 #include <fmt/core.h>
 
@@ -6,15 +6,15 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "cli/assets.hpp"
-#include "cli/set_up.hpp"
-#include "cli/values.hpp"
 #include "geometry/ply.hpp"
 #include "sensing/png16.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/rig.hpp"
+#include "setup/assets.hpp"
+#include "setup/load.hpp"
+#include "setup/values.hpp"
 
-namespace palpa::cli {
+namespace palpa::setup {
 namespace {
 
 /// The y by which points move so that the lowest of them lies `penetration` below the highest point of the solids.
@@ -131,4 +131,4 @@ TouchInput load_touch_input(const TouchInputOptions& options, bool quiet) {
   return input;
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

@@ -6,19 +6,19 @@
 
 #include "array/tune.hpp"
 #include "base/error.hpp"
-#include "cli/assets.hpp"
-#include "cli/bench.hpp"
-#include "cli/set_up.hpp"
+#include "bench/bench.hpp"
 #include "geometry/ply.hpp"
+#include "setup/assets.hpp"
+#include "setup/load.hpp"
 #include "touch/chain.hpp"
 #include "touch/method.hpp"
 
-namespace palpa::cli {
+namespace palpa::bench {
 namespace {
 
 /// Median of many batches, per call.
 template <typename Work>
-BenchRow timed(const BenchContext& context, const std::string& name, const std::string& stage, Work work) {
+Row timed(const Context& context, const std::string& name, const std::string& stage, Work work) {
   using Clock = std::chrono::steady_clock;
   constexpr std::uint32_t batch = 20;
   std::vector<double> samples;
@@ -29,7 +29,7 @@ BenchRow timed(const BenchContext& context, const std::string& name, const std::
     samples.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count() / batch);
     context.progress(name, run + 1, context.runs);
   }
-  return bench_row("touch", name, stage, samples);
+  return make_row("touch", name, stage, samples);
 }
 
 /// Foci lie among the contacts: within their farthest distance from the centroid, an ellipse's a little beyond.
@@ -46,12 +46,12 @@ bool plausible(const touch::Touch& touch, const touch::Finger& finger, const tou
 
 }  // namespace
 
-void bench_methods(const BenchContext& context, std::vector<BenchRow>& rows) {
+void measure_methods(const Context& context, std::vector<Row>& rows) {
   std::vector<glm::vec3> points;
-  for (const Vec3& p : geometry::read_ply(find_asset("finger.ply")).positions)
+  for (const Vec3& p : geometry::read_ply(setup::find_asset("finger.ply")).positions)
     points.emplace_back(p.x, p.y - 0.003, p.z);
   touch::Touch touch;
-  touch::touch_points(points, load_solids(find_asset("cube.glb"), {}), {}, touch);
+  touch::touch_points(points, setup::load_solids(setup::find_asset("cube.glb"), {}), {}, touch);
   if (touch.finger_count != 1) throw failure("bench: the finger does not touch the cube; nothing was timed");
   const touch::Finger& finger = touch.fingers[0];
   const std::string name = fmt::format("{} contacts", finger.contact_count);
@@ -73,4 +73,4 @@ void bench_methods(const BenchContext& context, std::vector<BenchRow>& rows) {
   rows.push_back(timed(context, name, "stride", [&] { strides.stride_for(0, ring, time_s += 1); }));
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::bench

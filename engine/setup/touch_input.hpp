@@ -6,17 +6,17 @@
 #include <string>
 #include <vector>
 
-#include "cli/options.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/skin.hpp"
+#include "setup/options.hpp"
 
 namespace CLI {
 class App;
 }
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 struct TouchInputOptions {
   std::string scene;
@@ -42,4 +42,4 @@ struct TouchInput {
 /// Reads the files. Throws bad_input naming file and fault.
 TouchInput load_touch_input(const TouchInputOptions& options, bool quiet = true);
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

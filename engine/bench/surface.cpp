@@ -13,18 +13,18 @@
 
 #include "array/board_mesh.hpp"
 #include "base/error.hpp"
-#include "cli/assets.hpp"
-#include "cli/bench.hpp"
-#include "cli/set_up.hpp"
+#include "bench/bench.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/ply.hpp"
 #include "geometry/surface.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/timestamps.hpp"
 #include "sensing/synthetic.hpp"
+#include "setup/assets.hpp"
+#include "setup/load.hpp"
 #include "touch/stage.hpp"
 
-namespace palpa::cli {
+namespace palpa::bench {
 namespace {
 
 double now_ms() {
@@ -110,8 +110,8 @@ Prepared prepare(const geometry::Scene& scene) {
   return prepared;
 }
 
-void bench_preparation(const BenchContext& context, const std::string& name, const geometry::Scene& scene,
-                       std::vector<BenchRow>& rows) {
+void measure_preparation(const Context& context, const std::string& name, const geometry::Scene& scene,
+                         std::vector<Row>& rows) {
   std::vector<double> fresh, cached;
   double megabytes = 0;
   for (int run = 0; run < 3; ++run) {
@@ -124,7 +124,7 @@ void bench_preparation(const BenchContext& context, const std::string& name, con
     megabytes = std::max(megabytes, static_cast<double>(peak_resident_bytes()) - static_cast<double>(before));
     context.progress(name + ", prepared", static_cast<std::uint64_t>(run), 3);
   }
-  BenchRow row = bench_row("surface", name, "prepared", fresh);
+  Row row = make_row("surface", name, "prepared", fresh);
   row.value = megabytes / 1e6;
   row.unit = "MB";
   rows.push_back(row);
@@ -141,13 +141,13 @@ void bench_preparation(const BenchContext& context, const std::string& name, con
   }
   std::error_code error;
   std::filesystem::remove_all(folder, error);
-  rows.push_back(bench_row("surface", name, "from cache", cached));
+  rows.push_back(make_row("surface", name, "from cache", cached));
 }
 
 /// Contacts of the frame in which three cameras see the finger; gives the median.
-double bench_contacts(const BenchContext& context, const std::string& name, const std::vector<geometry::Solid>& solids,
-                      const SetUp& set_up, const sensing::FrameSet& frame, double cube_ms,
-                      std::vector<BenchRow>& rows) {
+double measure_contacts(const Context& context, const std::string& name, const std::vector<geometry::Solid>& solids,
+                        const setup::PosedRig& set_up, const sensing::FrameSet& frame, double cube_ms,
+                        std::vector<Row>& rows) {
   const touch::Parameters parameters;
   const touch::Stage stage(context.device, solids, set_up.rig.cameras, parameters);
   touch::StageFrame buffers(context.device, stage);
@@ -184,7 +184,7 @@ double bench_contacts(const BenchContext& context, const std::string& name, cons
     samples.push_back(ms);
     context.progress(name + ", contacts", run - warm_up + 1, context.runs);
   }
-  BenchRow row = bench_row("surface", name, "contacts", samples);
+  Row row = make_row("surface", name, "contacts", samples);
   if (cube_ms > 0) {
     row.value = 100 * row.median_ms / cube_ms;
     row.unit = "% of the cube's";
@@ -195,9 +195,9 @@ double bench_contacts(const BenchContext& context, const std::string& name, cons
 
 }  // namespace
 
-void bench_surface(const BenchContext& context, std::vector<BenchRow>& rows) {
-  const SetUp set_up = load_set_up({});
-  const geometry::Ply finger = geometry::read_ply(find_asset("finger.ply"));
+void measure_surface(const Context& context, std::vector<Row>& rows) {
+  const setup::PosedRig set_up = setup::load_posed_rig({});
+  const geometry::Ply finger = geometry::read_ply(setup::find_asset("finger.ply"));
   const geometry::Mesh skin{finger.positions, finger.triangles};
   sensing::SyntheticRig rig(set_up.rig.cameras, array::board_mesh(set_up.layout), sensing::Noise::d415, 1);
   const auto touched_at = [&](const Vec3& tip) {
@@ -210,10 +210,10 @@ void bench_surface(const BenchContext& context, std::vector<BenchRow>& rows) {
   };
   const sensing::FrameSet frame = touched_at({0, -0.003, 0});
   const double cube_ms =
-      bench_contacts(context, "cube", load_solids(find_asset("cube.glb"), {}), set_up, frame, 0, rows);
+      measure_contacts(context, "cube", setup::load_solids(setup::find_asset("cube.glb"), {}), set_up, frame, 0, rows);
   const auto model = [&](const std::string& name, const geometry::Scene& scene, const sensing::FrameSet& touched) {
-    bench_preparation(context, name, scene, rows);
-    bench_contacts(context, name, geometry::make_solids(scene), set_up, touched, cube_ms, rows);
+    measure_preparation(context, name, scene, rows);
+    measure_contacts(context, name, geometry::make_solids(scene), set_up, touched, cube_ms, rows);
   };
   model("75,000 faces", {"bench", {{"ball", dented_ball(75'000)}}}, frame);
   model("1,000,000 faces", {"bench", {{"ball", dented_ball(1'000'000)}}}, frame);
@@ -228,4 +228,4 @@ void bench_surface(const BenchContext& context, std::vector<BenchRow>& rows) {
   model(std::filesystem::path(context.scene).filename().string(), scene, touched_at(top - Vec3(0, 0.003, 0)));
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::bench

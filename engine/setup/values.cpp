@@ -1,4 +1,4 @@
-#include "cli/values.hpp"
+#include "setup/values.hpp"
 
 #include <fmt/core.h>
 
@@ -9,7 +9,7 @@
 
 #include "base/error.hpp"
 
-namespace palpa::cli {
+namespace palpa::setup {
 namespace {
 
 /// The text of a value in a message: control characters and endless values would spoil its one line.
@@ -238,4 +238,4 @@ void Group::pick(const std::string& name, std::vector<std::string> words, std::s
       });
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

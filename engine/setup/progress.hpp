@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 class Progress {
  public:
@@ -29,4 +29,4 @@ class Progress {
   std::chrono::steady_clock::time_point next_{};
 };
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

@@ -1,4 +1,4 @@
-// What the live commands stand on: the scene's solids and the physical set-up.
+// What a session stands on, from its files: the scene's solids and the physical set-up.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "array/layout.hpp"
-#include "cli/options.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/rig.hpp"
+#include "setup/options.hpp"
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 /// The scene's solids. With `options.surface` parts each is taken apart, unless it came as parts, with a progress bar
 /// on a terminal unless `quiet`. Throws bad_input naming file and fault; a scene without a solid is one. Throws
@@ -19,13 +19,14 @@ namespace palpa::cli {
 std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene,
                                          const SolidOptions& options = {}, bool quiet = true);
 
-struct SetUp {
+/// The physical set-up.
+struct PosedRig {
   sensing::Rig rig;
   array::Layout layout;  ///< as posed in the world
 };
 
 /// The rig (default: the paper's) and its array; --layout replaces the array, which then stands where that layout
 /// stands by default. Throws bad_input.
-SetUp load_set_up(const RigOptions& options);
+PosedRig load_posed_rig(const RigOptions& options);
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

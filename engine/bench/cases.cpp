@@ -8,18 +8,18 @@
 #include "array/board_mesh.hpp"
 #include "array/drive_pass.hpp"
 #include "base/error.hpp"
-#include "cli/assets.hpp"
-#include "cli/bench.hpp"
-#include "cli/set_up.hpp"
+#include "bench/bench.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/ply.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/timestamps.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/chain.hpp"
+#include "setup/assets.hpp"
+#include "setup/load.hpp"
 #include "touch/stage.hpp"
 
-namespace palpa::cli {
+namespace palpa::bench {
 namespace {
 
 double now_ms() {
@@ -43,9 +43,9 @@ class StageSamples {
     }
     stages_.push_back({stage, {ms}});
   }
-  void report(const std::string& suite, const std::string& name, std::vector<BenchRow>& rows) const {
+  void report(const std::string& suite, const std::string& name, std::vector<Row>& rows) const {
     for (const auto& [stage, samples] : stages_)
-      rows.push_back(bench_row(suite, name, stage, samples));
+      rows.push_back(make_row(suite, name, stage, samples));
   }
 
  private:
@@ -84,9 +84,9 @@ session::FrameReport run_frame(session::Chain& chain, const sensing::FrameSet& f
   return report;
 }
 
-void bench_frame(const BenchContext& context, const std::string& name, const std::vector<geometry::Solid>& solids,
-                 const geometry::Mesh& skin, const Transform& T_world_skin, std::vector<BenchRow>& rows) {
-  const SetUp set_up = load_set_up({});
+void measure_frame(const Context& context, const std::string& name, const std::vector<geometry::Solid>& solids,
+                   const geometry::Mesh& skin, const Transform& T_world_skin, std::vector<Row>& rows) {
+  const setup::PosedRig set_up = setup::load_posed_rig({});
   sensing::SyntheticRig rig(set_up.rig.cameras, array::board_mesh(set_up.layout), sensing::Noise::d415, 1);
   sensing::FrameSet frame;
   const sensing::Posed posed{&skin, T_world_skin};
@@ -110,7 +110,7 @@ void bench_frame(const BenchContext& context, const std::string& name, const std
     stages.add(report.passes);
     context.progress(name, run - warm_up + 1, context.runs);
   }
-  BenchRow row = bench_row("loop", name, "total", total);
+  Row row = make_row("loop", name, "total", total);
   row.value = 1e3 / row.median_ms;
   row.unit = "frames/s";
   rows.push_back(row);
@@ -119,7 +119,7 @@ void bench_frame(const BenchContext& context, const std::string& name, const std
 
 geometry::Mesh load_mesh(const std::string& asset) {
   geometry::Mesh mesh;
-  for (const geometry::SceneMesh& part : geometry::load_gltf(find_asset(asset)).meshes)
+  for (const geometry::SceneMesh& part : geometry::load_gltf(setup::find_asset(asset)).meshes)
     geometry::append(mesh, part.mesh);
   return mesh;
 }
@@ -135,9 +135,9 @@ std::vector<geometry::Solid> box_solid(const Vec3& low, const Vec3& high) {
   return geometry::make_solids({"box", {{"box", std::move(mesh)}}});
 }
 
-void bench_batch(const BenchContext& context, std::uint32_t slots, std::uint32_t foci_per_slot, const std::string& name,
-                 std::vector<BenchRow>& rows) {
-  const SetUp set_up = load_set_up({});
+void measure_batch(const Context& context, std::uint32_t slots, std::uint32_t foci_per_slot, const std::string& name,
+                   std::vector<Row>& rows) {
+  const setup::PosedRig set_up = setup::load_posed_rig({});
   const array::DrivePasses passes(context.device);
   array::DriveBuffers buffers(context.device, set_up.layout, {}, slots, slots * foci_per_slot);
   std::mt19937 random(1);
@@ -179,14 +179,14 @@ void bench_batch(const BenchContext& context, std::uint32_t slots, std::uint32_t
     if (run >= 3) total.push_back(now_ms() - begin);
     context.progress(name, run, runs + 2);
   }
-  BenchRow row = bench_row("array", name, "total", total);
+  Row row = make_row("array", name, "total", total);
   row.value = slots * foci_per_slot * 1e3 / row.median_ms;
   row.unit = "foci x 3984 /s";
   rows.push_back(row);
 }
 
-void bench_points(const BenchContext& context, const std::string& name, const std::vector<geometry::Solid>& solids,
-                  const std::vector<glm::vec3>& points, std::vector<BenchRow>& rows) {
+void measure_points(const Context& context, const std::string& name, const std::vector<geometry::Solid>& solids,
+                    const std::vector<glm::vec3>& points, std::vector<Row>& rows) {
   touch::Touch found, expected;
   touch::touch_points(points, solids, {}, expected);
 
@@ -222,38 +222,39 @@ void bench_points(const BenchContext& context, const std::string& name, const st
     stages.add(measured);
     context.progress(name, run - warm_up + 1, context.runs);
   }
-  rows.push_back(bench_row("touch", name, "total", whole));
+  rows.push_back(make_row("touch", name, "total", whole));
   stages.report("touch", name, rows);
 }
 
 }  // namespace
 
-void bench_loop(const BenchContext& context, std::vector<BenchRow>& rows) {
-  const geometry::Ply finger = geometry::read_ply(find_asset("finger.ply"));
+void measure_loop(const Context& context, std::vector<Row>& rows) {
+  const geometry::Ply finger = geometry::read_ply(setup::find_asset("finger.ply"));
   const geometry::Mesh skin{finger.positions, finger.triangles};
   Transform lowered(1.0);
   lowered[3] = Vec4(0, -0.003, 0, 1);
-  bench_frame(context, "finger in cube", load_solids(find_asset("cube.glb"), {}), skin, lowered, rows);
-  bench_frame(context, "finger in semi-sphere", load_solids(find_asset("semi-sphere.glb"), {}), skin, lowered, rows);
+  measure_frame(context, "finger in cube", setup::load_solids(setup::find_asset("cube.glb"), {}), skin, lowered, rows);
+  measure_frame(context, "finger in semi-sphere", setup::load_solids(setup::find_asset("semi-sphere.glb"), {}), skin,
+                lowered, rows);
   // Everything that the cameras see but the boards lies in this box: the touch takes a tenth of it.
-  bench_frame(context, "hand in large box", box_solid(Vec3(-0.18, -0.18, -0.15), Vec3(0.18, 0.18, 0.15)),
-              load_mesh("hand-point.glb"), Transform(1.0), rows);
+  measure_frame(context, "hand in large box", box_solid(Vec3(-0.18, -0.18, -0.15), Vec3(0.18, 0.18, 0.15)),
+                load_mesh("hand-point.glb"), Transform(1.0), rows);
 }
 
-void bench_array(const BenchContext& context, std::vector<BenchRow>& rows) {
-  bench_batch(context, 10, 1, "ten foci of one frame", rows);
-  bench_batch(context, 1000, 1, "batch of 1000 foci", rows);
-  bench_batch(context, 200, 5, "200 slots of 5 foci", rows);
+void measure_array(const Context& context, std::vector<Row>& rows) {
+  measure_batch(context, 10, 1, "ten foci of one frame", rows);
+  measure_batch(context, 1000, 1, "batch of 1000 foci", rows);
+  measure_batch(context, 200, 5, "200 slots of 5 foci", rows);
 }
 
-void bench_touch(const BenchContext& context, std::vector<BenchRow>& rows) {
-  const geometry::Ply finger = geometry::read_ply(find_asset("finger.ply"));
+void measure_touch(const Context& context, std::vector<Row>& rows) {
+  const geometry::Ply finger = geometry::read_ply(setup::find_asset("finger.ply"));
   std::vector<glm::vec3> points;
   for (const Vec3& p : finger.positions)
     points.emplace_back(p.x, p.y - 0.003, p.z);
   for (const char* object : {"cube", "semi-sphere", "pyramid", "prism"}) {
-    bench_points(context, fmt::format("finger in {}", object),
-                 load_solids(find_asset(fmt::format("{}.glb", object)), {}), points, rows);
+    measure_points(context, fmt::format("finger in {}", object),
+                   setup::load_solids(setup::find_asset(fmt::format("{}.glb", object)), {}), points, rows);
   }
   // A large plate of skin: many contacts, one finger. And as loose as leaves most contacts with four or five others
   // within the gap: clusters of any size that wind through each other.
@@ -265,8 +266,8 @@ void bench_touch(const BenchContext& context, std::vector<BenchRow>& rows) {
       std::vector<glm::vec3> plate;
       for (std::uint32_t i = 0; i < contacts; ++i)
         plate.emplace_back(along(random), -deep(random), along(random));
-      bench_points(context, fmt::format("{} contacts{}", contacts, kind),
-                   box_solid(Vec3(-0.05, -0.1, -0.05), Vec3(side + 0.1, 0, side + 0.1)), plate, rows);
+      measure_points(context, fmt::format("{} contacts{}", contacts, kind),
+                     box_solid(Vec3(-0.05, -0.1, -0.05), Vec3(side + 0.1, 0, side + 0.1)), plate, rows);
     }
   }
   // As many fingers as there can be, side by side.
@@ -276,8 +277,8 @@ void bench_touch(const BenchContext& context, std::vector<BenchRow>& rows) {
   patches.reserve(20'000);
   for (int i = 0; i < 20'000; ++i)
     patches.emplace_back(0.02 * (i % 8) + across(random), -deep(random), 0.02 * (i / 8 % 8) + across(random));
-  bench_points(context, "64 fingers, 20000 contacts", box_solid(Vec3(-0.05, -0.1, -0.05), Vec3(0.25, 0, 0.25)), patches,
-               rows);
+  measure_points(context, "64 fingers, 20000 contacts", box_solid(Vec3(-0.05, -0.1, -0.05), Vec3(0.25, 0, 0.25)),
+                 patches, rows);
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::bench
