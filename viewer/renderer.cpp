@@ -236,7 +236,7 @@ void Renderer::draw_points(const Frame& frame, const Scene& scene) const {
   const auto draw = [&](const Range& range, float outline) {
     shader::ViewPush push = frame.push;
     push.style = {outline * frame.ratio, frame.ratio, 0, 0};
-    disc_.draw(frame.commands, {scene.discs_.ref()}, &push, {.depth_write = true}, corners_of(range.count),
+    disc_.draw(frame.commands, {scene.discs_.ref()}, push, {.depth_write = true}, corners_of(range.count),
                corners_of(range.first));
   };
   draw(scene.transducers_, 0.0f);
@@ -248,11 +248,11 @@ void Renderer::draw_boards_and_lines(const Frame& frame, const Scene& scene) con
   shader::ViewPush push = frame.push;
   push.window.w = line_bias;
   push.style = {0, frame.ratio, frame.push.style.z, frame.push.style.w};
-  stroke_.draw(frame.commands, {scene.strokes_.ref()}, &push, {}, corners_of(scene.lines_.count));
+  stroke_.draw(frame.commands, {scene.strokes_.ref()}, push, {}, corners_of(scene.lines_.count));
   push = frame.push;
   push.colour = pack(frame.theme.board);
   push.style = {frame.theme.board.a, 0, 0, 0};
-  mesh_.draw(frame.commands, {scene.board_vertices_.ref()}, &push, {}, scene.boards_.count);
+  mesh_.draw(frame.commands, {scene.board_vertices_.ref()}, push, {}, scene.boards_.count);
 }
 
 // Solids are convex, so that back faces, then front faces, blend in the right order; several solids from far to near.
@@ -263,7 +263,7 @@ void Renderer::draw_surfaces(const Frame& frame, const Scene& scene) const {
     shader::ViewPush push = frame.push;
     push.colour = pack(face);
     push.style = {rim.a, shading, 0, 0};
-    mesh_.draw(frame.commands, {scene.vertices_.ref()}, &push, state, range.count, range.first);
+    mesh_.draw(frame.commands, {scene.vertices_.ref()}, push, state, range.count, range.first);
   };
   const auto paint_skin = [&](VkCompareOp compare) {
     for (const VkCullModeFlagBits hidden : {VK_CULL_MODE_FRONT_BIT, VK_CULL_MODE_BACK_BIT}) {
@@ -301,7 +301,7 @@ void Renderer::draw_edges(const Frame& frame, const Scene& scene, const SurfaceR
   const auto draw = [&](float width, float alpha, VkCompareOp compare) {
     push.colour = pack(with_alpha(frame.theme.edge, alpha));
     push.style = {0.5f * width * frame.ratio, 0, frame.push.style.z, frame.push.style.w};
-    edge_.draw(frame.commands, {scene.edges_.ref()}, &push, {.compare = compare}, corners_of(surface.edges.count),
+    edge_.draw(frame.commands, {scene.edges_.ref()}, push, {.compare = compare}, corners_of(surface.edges.count),
                corners_of(surface.edges.first));
   };
   draw(1.0f, 0.30f, VK_COMPARE_OP_LESS);
@@ -312,7 +312,7 @@ void Renderer::draw_overlay(const Frame& frame, const Canvas& canvas, const Rang
   shader::ViewPush push = frame.push;
   push.style.x = 1;
   push.style.y = 1;
-  stroke_.draw(frame.commands, {canvas.overlay_.ref()}, &push, {.depth_test = false}, corners_of(strokes.count),
+  stroke_.draw(frame.commands, {canvas.overlay_.ref()}, push, {.depth_test = false}, corners_of(strokes.count),
                corners_of(strokes.first));
 }
 

@@ -45,17 +45,17 @@ void DrivesPass::record(VkCommandBuffer commands, const DriveRefs& refs, const D
   const std::uint32_t groups = batch.transducers == 0 ? 0 : batch.slots;
   if (batch.single) {
     apart();
-    focus_.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives}, &push,
+    focus_.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives}, push,
                     gpu::groups_for(batch.transducers, shader::drive_group * shader::drive_each),
                     gpu::groups_for(batch.slots, shader::drive_slots_per_group));
   }
   if (batch.several) {
     apart();
-    sum_.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives}, &push, groups);
+    sum_.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives}, push, groups);
   }
   if (batch.weighted) {
     apart();
-    weighted_.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives, refs.weights}, &push, groups);
+    weighted_.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives, refs.weights}, push, groups);
   }
 }
 

@@ -56,7 +56,7 @@ void SolverPass::record(VkCommandBuffer commands, const SolveRefs& refs, const S
     pipeline.dispatch(commands,
                       {refs.transducers, refs.axes, refs.foci, refs.slots, refs.directivity, refs.matrices,
                        refs.weights, refs.drives},
-                      &push, x, y);
+                      push, x, y);
   };
   if (solver == Solver::greedy) {
     std::uint32_t next = 0;

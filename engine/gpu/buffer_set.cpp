@@ -1,8 +1,10 @@
 #include "gpu/buffer_set.hpp"
 
-#include <array>
-#include <cassert>
+#include <fmt/core.h>
 
+#include <array>
+
+#include "base/error.hpp"
 #include "gpu/check.hpp"
 
 namespace palpa::gpu {
@@ -10,10 +12,12 @@ namespace {
 constexpr std::uint32_t most_buffers = 16;
 }  // namespace
 
-BufferSet::BufferSet(const Device& device, std::uint32_t count, VkShaderStageFlags stages, std::uint32_t most_uses,
-                     std::uint32_t texels)
-    : count_(count), texels_(texels), device_(device.get()) {
-  assert(count <= most_buffers);
+BufferSet::BufferSet(const Device& device, const char* name, std::uint32_t count, VkShaderStageFlags stages,
+                     std::uint32_t most_uses, std::uint32_t texels)
+    : name_(name), count_(count), texels_(texels), device_(device.get()) {
+  if (count > most_buffers) {
+    throw failure(fmt::format("pipeline '{}' binds {} buffers: at most {}", name, count, most_buffers));
+  }
   const bool pushed = device.validation() != Validation::gpu_assisted;
   std::array<VkDescriptorSetLayoutBinding, most_buffers> bindings{};
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -53,7 +57,10 @@ VkDescriptorType BufferSet::type(std::uint32_t binding) const {
 
 void BufferSet::bind(VkCommandBuffer commands, VkPipelineBindPoint point, VkPipelineLayout layout,
                      std::initializer_list<BufferRef> buffers) const {
-  assert(buffers.size() == count_);
+  if (buffers.size() != count_) {
+    throw failure(
+        fmt::format("pipeline '{}' was given {} buffers: its shader binds {}", name_, buffers.size(), count_));
+  }
   if (count_ == 0) return;
   const VkDescriptorSet set = ring_.empty() ? VK_NULL_HANDLE : ring_[ring_next_++ % ring_.size()];
   std::array<VkDescriptorBufferInfo, most_buffers> infos{};
@@ -68,7 +75,10 @@ void BufferSet::bind(VkCommandBuffer commands, VkPipelineBindPoint point, VkPipe
     writes[i].descriptorType = type(i);
     writes[i].pBufferInfo = &infos[i];
     writes[i].pTexelBufferView = &ref.texels;
-    assert(ref.texels != VK_NULL_HANDLE || type(i) == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
+    const bool texels = type(i) == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    if (texels ? ref.texels == VK_NULL_HANDLE : ref.buffer == VK_NULL_HANDLE) {
+      throw failure(fmt::format("pipeline '{}' was given no {} at binding {}", name_, texels ? "texels" : "buffer", i));
+    }
     ++i;
   }
   if (set == VK_NULL_HANDLE) {

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <string>
 #include <vector>
 
 #include "gpu/buffer.hpp"
@@ -19,12 +20,14 @@ namespace palpa::gpu {
 class BufferSet {
  public:
   BufferSet() = default;
-  /// At most 16 buffers, bound at most `most_uses` times by the submits that are in flight together.
-  BufferSet(const Device& device, std::uint32_t count, VkShaderStageFlags stages, std::uint32_t most_uses,
-            std::uint32_t texels = 0);
+  /// At most 16 buffers, bound at most `most_uses` times by the submits that are in flight together. `name` is the
+  /// pipeline's. Throws failure for more buffers.
+  BufferSet(const Device& device, const char* name, std::uint32_t count, VkShaderStageFlags stages,
+            std::uint32_t most_uses, std::uint32_t texels = 0);
 
   VkDescriptorSetLayout layout() const { return layout_.get(); }
-  /// `buffers` in binding order, exactly `count` of them; those that are read as texels have a view of them.
+  /// `buffers` in binding order, exactly `count` of them, all of them there; those that are read as texels have a view
+  /// of them. Throws failure otherwise.
   void bind(VkCommandBuffer commands, VkPipelineBindPoint point, VkPipelineLayout layout,
             std::initializer_list<BufferRef> buffers) const;
 
@@ -32,6 +35,7 @@ class BufferSet {
   VkDescriptorType type(std::uint32_t binding) const;
 
   Handle<VkDescriptorSetLayout> layout_;
+  std::string name_;
   std::uint32_t count_ = 0, texels_ = 0;
 
   // GPU-assisted validation cannot see pushed descriptors. Under that preset alone, binds take turns in a ring of

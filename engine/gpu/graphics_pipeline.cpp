@@ -1,8 +1,6 @@
 #include "gpu/graphics_pipeline.hpp"
 
 #include <array>
-#include <cassert>
-
 #include "gpu/check.hpp"
 
 namespace palpa::gpu {
@@ -34,8 +32,9 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits kind, VkShaderModule
 
 GraphicsPipeline::GraphicsPipeline(const Device& device, const char* name, std::span<const std::uint32_t> vertex,
                                    std::span<const std::uint32_t> fragment, const GraphicsLayout& layout)
-    : set_(device, layout.buffers, VK_SHADER_STAGE_VERTEX_BIT, most_in_flight), push_bytes_(layout.push_bytes) {
-  assert(layout.push_bytes <= 128);
+    : name_(name),
+      set_(device, name, layout.buffers, VK_SHADER_STAGE_VERTEX_BIT, most_in_flight),
+      push_bytes_(layout.push_bytes) {
   const VkDescriptorSetLayout set_layout = set_.layout();
   const VkPushConstantRange range{stages, 0, push_bytes_};
   VkPipelineLayoutCreateInfo layout_info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
@@ -108,12 +107,13 @@ GraphicsPipeline::GraphicsPipeline(const Device& device, const char* name, std::
   device.name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), name);
 }
 
-void GraphicsPipeline::draw(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push,
+void GraphicsPipeline::draw(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
                             const DrawState& state, std::uint32_t vertices, std::uint32_t first) const {
   if (vertices == 0) return;
+  check_push_bytes(name_, push_bytes_, push);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
   set_.bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), buffers);
-  if (push_bytes_) vkCmdPushConstants(commands, layout_.get(), stages, 0, push_bytes_, push);
+  if (push_bytes_ != 0) vkCmdPushConstants(commands, layout_.get(), stages, 0, push_bytes_, push.data());
   vkCmdSetCullMode(commands, state.cull);
   vkCmdSetDepthTestEnable(commands, state.depth_test);
   vkCmdSetDepthWriteEnable(commands, state.depth_write);

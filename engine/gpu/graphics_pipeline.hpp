@@ -8,11 +8,13 @@
 #include <cstdint>
 #include <initializer_list>
 #include <span>
+#include <string>
 
 #include "gpu/buffer.hpp"
 #include "gpu/buffer_set.hpp"
 #include "gpu/device.hpp"
 #include "gpu/handle.hpp"
+#include "gpu/push.hpp"
 
 namespace palpa::gpu {
 
@@ -42,11 +44,13 @@ class GraphicsPipeline {
                    std::span<const std::uint32_t> fragment, const GraphicsLayout& layout);
 
   /// Inside a rendering of the layout's formats and samples, with viewport and scissor set. `buffers` in binding order;
-  /// `push` points to exactly push_bytes. gl_VertexIndex counts from `first`. Records nothing where `vertices` is 0.
-  void draw(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push,
+  /// gl_VertexIndex counts from `first`. Records nothing where `vertices` is 0. Throws failure for another number of
+  /// buffers or size of push constants than the layout's.
+  void draw(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
             const DrawState& state, std::uint32_t vertices, std::uint32_t first = 0) const;
 
  private:
+  std::string name_;
   BufferSet set_;
   Handle<VkPipelineLayout> layout_;
   Handle<VkPipeline> pipeline_;

@@ -1,8 +1,10 @@
 #include "gpu/pipeline.hpp"
 
-#include <cassert>
+#include <fmt/core.h>
+
 #include <vector>
 
+#include "base/error.hpp"
 #include "gpu/check.hpp"
 
 namespace palpa::gpu {
@@ -13,9 +15,9 @@ constexpr std::uint32_t most_in_flight = 512;
 
 ComputePipeline::ComputePipeline(const Device& device, const char* name, std::span<const std::uint32_t> spirv,
                                  const PipelineLayout& layout)
-    : set_(device, layout.buffers, VK_SHADER_STAGE_COMPUTE_BIT, most_in_flight, layout.texels),
+    : name_(name),
+      set_(device, name, layout.buffers, VK_SHADER_STAGE_COMPUTE_BIT, most_in_flight, layout.texels),
       push_bytes_(layout.push_bytes) {
-  assert(layout.push_bytes <= 128);
   const VkDescriptorSetLayout set_layout = set_.layout();
   const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes_};
   VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
@@ -54,15 +56,17 @@ ComputePipeline::ComputePipeline(const Device& device, const char* name, std::sp
   device.name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), name);
 }
 
-void ComputePipeline::bind(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push) const {
+void ComputePipeline::bind(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push) const {
+  if (!pipeline_) throw failure("a pipeline that was not made cannot be dispatched: prepare its pass for it");
+  check_push_bytes(name_, push_bytes_, push);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.get());
   set_.bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), buffers);
-  if (push_bytes_) {
-    vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes_, push);
+  if (push_bytes_ != 0) {
+    vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes_, push.data());
   }
 }
 
-void ComputePipeline::dispatch(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push,
+void ComputePipeline::dispatch(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
                                std::uint32_t groups_x, std::uint32_t groups_y, std::uint32_t groups_z) const {
   if (groups_x == 0 || groups_y == 0 || groups_z == 0) return;
   bind(commands, buffers, push);
@@ -70,7 +74,7 @@ void ComputePipeline::dispatch(VkCommandBuffer commands, std::initializer_list<B
 }
 
 void ComputePipeline::dispatch_indirect(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers,
-                                        const void* push, BufferRef arguments) const {
+                                        const Push& push, BufferRef arguments) const {
   bind(commands, buffers, push);
   vkCmdDispatchIndirect(commands, arguments.buffer, arguments.offset);
 }

@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <initializer_list>
 #include <span>
+#include <string>
 
 #include "gpu/buffer.hpp"
 #include "gpu/buffer_set.hpp"
 #include "gpu/device.hpp"
 #include "gpu/handle.hpp"
+#include "gpu/push.hpp"
 
 namespace palpa::gpu {
 
@@ -29,21 +31,25 @@ struct PipelineLayout {
 
 class ComputePipeline {
  public:
+  /// None yet: false, and not to be dispatched.
   ComputePipeline() = default;
   /// `spirv` is one of the arrays of namespace palpa::spirv; the entry point is main.
   ComputePipeline(const Device& device, const char* name, std::span<const std::uint32_t> spirv,
                   const PipelineLayout& layout);
+  explicit operator bool() const { return static_cast<bool>(pipeline_); }
 
-  /// `buffers` in binding order; `push` points to exactly push_bytes. At most 65,535 groups per axis.
-  void dispatch(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push,
+  /// `buffers` in binding order. At most 65,535 groups per axis. Throws failure for another number of buffers or size
+  /// of push constants than the layout's, and where there is no pipeline yet.
+  void dispatch(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
                 std::uint32_t groups_x, std::uint32_t groups_y = 1, std::uint32_t groups_z = 1) const;
   /// Group counts are three words at `arguments` (a VkDispatchIndirectCommand).
-  void dispatch_indirect(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push,
+  void dispatch_indirect(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
                          BufferRef arguments) const;
 
  private:
-  void bind(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const void* push) const;
+  void bind(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push) const;
 
+  std::string name_;
   BufferSet set_;
   Handle<VkPipelineLayout> layout_;
   Handle<VkPipeline> pipeline_;

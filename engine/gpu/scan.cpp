@@ -23,7 +23,7 @@ void ScanPass::record(VkCommandBuffer commands, BufferRef counts, BufferRef leng
   const shader::ScanPush push{sizes.most_counts, dynamic ? sizes.items_per_count : 0u, sizes.most_total,
                               sizes.group_size};
   // A fixed length still needs something bound at its place.
-  pipeline_.dispatch(commands, {counts, dynamic ? length : total, total}, &push, 1);
+  pipeline_.dispatch(commands, {counts, dynamic ? length : total, total}, push, 1);
 }
 
 }  // namespace palpa::gpu

@@ -142,7 +142,7 @@ void SkinPass::record(VkCommandBuffer commands, const SkinBuffers& buffers, cons
   for (const View& view : views) {
     shader::SkinPush push = push_of(view, tables.cameras[view.camera], box);
     push.first_group = groups;
-    kernels(view).count.dispatch(commands, {buffers.depth, buffers.rays, buffers.runs, buffers.counts}, &push,
+    kernels(view).count.dispatch(commands, {buffers.depth, buffers.rays, buffers.runs, buffers.counts}, push,
                                  view_groups(view));
     groups += view_groups(view);
   }
@@ -158,9 +158,8 @@ void SkinPass::record(VkCommandBuffer commands, const SkinBuffers& buffers, cons
   for (const View& view : views) {
     shader::SkinPush push = push_of(view, tables.cameras[view.camera], box);
     push.first_group = groups;
-    kernels(view).scatter.dispatch(commands,
-                                   {buffers.depth, buffers.rays, buffers.runs, buffers.counts, buffers.points}, &push,
-                                   view_groups(view));
+    kernels(view).scatter.dispatch(
+        commands, {buffers.depth, buffers.rays, buffers.runs, buffers.counts, buffers.points}, push, view_groups(view));
     groups += view_groups(view);
   }
   if (times) times->mark(commands, "skin scatter");

@@ -88,15 +88,14 @@ void BridgePass::record(VkCommandBuffer commands, const BridgeBuffers& b, const 
   sample_.dispatch_indirect(commands,
                             {b.total, b.parents, b.contacts, b.header, b.fingers, b.sight.depth, b.sight.rays,
                              b.sight.cameras, b.samples, b.patches},
-                            &push, per_finger);
+                            push, per_finger);
   gpu::compute_to_compute(commands);
-  pairs_.dispatch_indirect(commands,
-                           {b.header, b.fingers, b.sight.depth, b.sight.cameras, b.samples, b.patches, b.pairs}, &push,
-                           per_finger);
+  pairs_.dispatch_indirect(
+      commands, {b.header, b.fingers, b.sight.depth, b.sight.cameras, b.samples, b.patches, b.pairs}, push, per_finger);
   gpu::compute_to_compute(commands);
-  join_.dispatch(commands, {b.total, b.parents, b.pairs, b.header, b.fingers, b.clusters, b.work}, &push, 1);
+  join_.dispatch(commands, {b.total, b.parents, b.pairs, b.header, b.fingers, b.clusters, b.work}, push, 1);
   gpu::compute_to_compute(commands);
-  relabel_.dispatch_indirect(commands, {b.total, b.parents, b.clusters}, &push,
+  relabel_.dispatch_indirect(commands, {b.total, b.parents, b.clusters}, push,
                              {b.work.buffer, b.work.offset, sizeof(VkDispatchIndirectCommand)});
 }
 

@@ -130,19 +130,19 @@ void ContactsPass::record(VkCommandBuffer commands, const ContactsBuffers& b, co
         .dispatch(commands,
                   {b.points, b.length, b.hits, b.masks, b.counts, b.solids, b.cells, b.planes, deep_masks, deep_counts,
                    b.surface.cells, b.surface.runs, b.surface.triangles, b.surface.signs, b.surface.corners, b.parts},
-                  &push, shader::contacts_chunks);
+                  push, shader::contacts_chunks);
   } else {
     find.planes.dispatch(
         commands, {b.points, b.length, b.hits, b.masks, b.counts, b.solids, b.cells, b.planes, deep_masks, deep_counts},
-        &push, shader::contacts_chunks);
+        push, shader::contacts_chunks);
   }
   gpu::compute_to_compute(commands);
   if (times) times->mark(commands, "contacts find");
-  pack_.dispatch(commands, {b.points, b.length, b.hits, b.masks, b.counts, b.total, b.contacts}, &push,
+  pack_.dispatch(commands, {b.points, b.length, b.hits, b.masks, b.counts, b.total, b.contacts}, push,
                  shader::contacts_chunks);
   if (deep) {
     push.most_contacts = b.most_deep;
-    pack_.dispatch(commands, {b.points, b.length, b.hits, b.deep_masks, b.deep_counts, b.deep_total, b.deep}, &push,
+    pack_.dispatch(commands, {b.points, b.length, b.hits, b.deep_masks, b.deep_counts, b.deep_total, b.deep}, push,
                    shader::contacts_chunks);
   }
   if (times) times->mark(commands, "contacts pack");

@@ -103,7 +103,7 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBuffers& b, cons
   if (inside) {
     push.most_contacts += b.most_deep;
     const shader::GatherPush gather{b.most_contacts, b.most_deep, 0, 0};
-    gather_.dispatch(commands, {b.total, b.contacts, b.deep_total, b.deep, b.inside_total, b.inside}, &gather,
+    gather_.dispatch(commands, {b.total, b.contacts, b.deep_total, b.deep, b.inside_total, b.inside}, gather,
                      shader::contacts_most_groups / 2);
     gpu::compute_to_compute(commands);
   }
@@ -111,7 +111,7 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBuffers& b, cons
     stage.dispatch_indirect(commands,
                             {total, contacts, b.solids, b.nodes, b.keys, b.places, b.slots, b.heads, b.list, b.crowded,
                              b.work, b.parents, b.clusters, b.groups},
-                            &push, {where.buffer, where.offset + groups, sizeof(VkDispatchIndirectCommand)});
+                            push, {where.buffer, where.offset + groups, sizeof(VkDispatchIndirectCommand)});
     gpu::compute_to_compute(commands);
   };
   constexpr VkDeviceSize per_contact = offsetof(shader::ScanTotal, groups_x);
@@ -125,7 +125,7 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBuffers& b, cons
   if (times) times->mark(commands, "links");
   run(inside ? label_inside_ : label_, total, per_contact);
   push.most_contacts = b.most_contacts;
-  select_.dispatch(commands, {b.total, b.length, b.parents, b.clusters, b.contacts, b.header, b.fingers}, &push, 1);
+  select_.dispatch(commands, {b.total, b.length, b.parents, b.clusters, b.contacts, b.header, b.fingers}, push, 1);
   if (times) times->mark(commands, "fingers");
 }
 

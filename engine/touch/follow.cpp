@@ -25,7 +25,7 @@ FollowPass::FollowPass(const gpu::Device& device)
 
 void FollowPass::record(VkCommandBuffer commands, const FollowBuffers& b, std::uint32_t elapsed_us) const {
   const shader::FollowPush push{elapsed_us, 0, 0, 0};
-  pipeline_.dispatch(commands, {b.header, b.fingers, b.tracks}, &push, 1);
+  pipeline_.dispatch(commands, {b.header, b.fingers, b.tracks}, push, 1);
 }
 
 }  // namespace palpa::touch

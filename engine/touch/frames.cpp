@@ -93,13 +93,13 @@ void FramesPass::record(VkCommandBuffer commands, const FramesBuffers& b, gpu::T
   const auto buffers = {b.total, b.parents, b.contacts, b.header, b.counts, b.grouped, b.fingers};
   const gpu::BufferRef chunks{b.total.buffer, b.total.offset + offsetof(shader::ScanTotal, groups_x),
                               sizeof(VkDispatchIndirectCommand)};
-  count_.dispatch_indirect(commands, buffers, &push, chunks);
+  count_.dispatch_indirect(commands, buffers, push, chunks);
   if (times) times->mark(commands, "count");
   gpu::compute_to_compute(commands);
-  group_.dispatch_indirect(commands, buffers, &push, chunks);
+  group_.dispatch_indirect(commands, buffers, push, chunks);
   if (times) times->mark(commands, "group");
   gpu::compute_to_compute(commands);
-  axes_.dispatch_indirect(commands, buffers, &push,
+  axes_.dispatch_indirect(commands, buffers, push,
                           {b.header.buffer, b.header.offset, sizeof(VkDispatchIndirectCommand)});
   if (times) times->mark(commands, "frames");
 }

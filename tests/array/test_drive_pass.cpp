@@ -127,7 +127,7 @@ TEST(DrivesPass, NoSineOutsideOfMinusPiToPi) {
                                      {shader::drive_buffers, sizeof(shader::DrivePush)});
   const shader::DrivePush push{sums.transducers, sums.slots, shader::drive_by_distance, shader::drive_normalise};
   const auto watched = run_guarded(inputs, [&](VkCommandBuffer commands, const DriveRefs& refs) {
-    checked.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives}, &push, sums.slots);
+    checked.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives}, push, sums.slots);
   });
   std::size_t summed = 0;
   for (std::size_t s = 0; s < batch.size(); ++s) {

@@ -10,6 +10,7 @@
 #include "gpu/buffer.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/device.hpp"
+#include "gpu/scratch.hpp"
 
 namespace palpa::test {
 
@@ -49,11 +50,25 @@ class GuardedBuffer {
 
  private:
   void read_bytes(void* out, std::size_t bytes);
-  std::vector<std::uint8_t> fetch();
 
   gpu::Device* device_;
   std::size_t bytes_, guard_, total_;
   gpu::Buffer buffer_;
+};
+
+/// A pass's scratch as the pass declares it, each piece between guard words and filled with `fill` bytes.
+class GuardedScratch {
+ public:
+  GuardedScratch(gpu::Device& device, std::vector<gpu::ScratchPiece> pieces, std::uint8_t fill = 0xcd);
+
+  operator const gpu::Scratch&() const { return scratch_; }
+  /// Whether every byte that is no piece's still has its pattern.
+  bool intact() const;
+
+ private:
+  gpu::Device* device_;
+  gpu::Scratch scratch_;
+  std::vector<std::uint8_t> made_;
 };
 
 }  // namespace palpa::test
