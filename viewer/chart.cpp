@@ -45,8 +45,8 @@ void draw_grid(Ink& ink, const Frame& frame, const Theme& theme) {
 /// How sensitive skin is, its best at the chart's top.
 void draw_sensitivity(Ink& ink, const Frame& frame, const Theme& theme) {
   for (int hz = 6; hz + 6 <= static_cast<int>(highest_hz); hz += 12) {
-    ink.line(frame.at(hz, frame.most * array::skin_sensitivity(hz)),
-             frame.at(hz + 6, frame.most * array::skin_sensitivity(hz + 6)), 1.1, theme.faint_ink);
+    ink.line(frame.at(hz, frame.most * acoustics::skin_sensitivity(hz)),
+             frame.at(hz + 6, frame.most * acoustics::skin_sensitivity(hz + 6)), 1.1, theme.faint_ink);
   }
 }
 

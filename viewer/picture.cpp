@@ -55,12 +55,12 @@ void show_schedule(Picture& picture, const array::Schedule& schedule, std::span<
   }
 }
 
-void show_spectra(Picture& picture, std::span<const array::Spectrum> spectra) {
+void show_spectra(Picture& picture, std::span<const acoustics::Spectrum> spectra) {
   picture.spectra.clear();
-  for (const array::Spectrum& spectrum : spectra) {
+  for (const acoustics::Spectrum& spectrum : spectra) {
     std::vector<SpectrumMark>& marks = picture.spectra.emplace_back();
-    for (const array::Line& line : spectrum.lines)
-      marks.push_back({line.frequency_hz, line.around, line.around * array::skin_sensitivity(line.frequency_hz)});
+    for (const acoustics::Line& line : spectrum.lines)
+      marks.push_back({line.frequency_hz, line.around, line.around * acoustics::skin_sensitivity(line.frequency_hz)});
   }
 }
 

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "acoustics/spectrum.hpp"
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
-#include "array/spectrum.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh.hpp"
 #include "geometry/solid.hpp"
@@ -100,7 +100,7 @@ void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::
 /// Foci in playing order, one voice and one placement per finger of `show_touch` and in its order.
 void show_schedule(Picture& picture, const array::Schedule& schedule, std::span<const touch::Placement> placements);
 /// What skin feels of each finger, in the order of `show_touch`.
-void show_spectra(Picture& picture, std::span<const array::Spectrum> spectra);
+void show_spectra(Picture& picture, std::span<const acoustics::Spectrum> spectra);
 /// Which focus sounds in `slot`; the counter never restarts.
 void show_slot(Picture& picture, const array::Schedule& schedule, std::uint64_t slot);
 /// `layout` posed in the world.

@@ -8,7 +8,6 @@
 #include <numeric>
 
 #include "base/error.hpp"
-#include "touch/method.hpp"
 
 namespace palpa::array {
 namespace {
@@ -20,22 +19,6 @@ std::uint64_t nanoseconds(double seconds) {
 
 std::uint64_t steps(const Voice& voice) {
   return voice.foci_per_slot == 0 ? 0 : voice.order.size() / voice.foci_per_slot;
-}
-
-/// Sectors divide the circle evenly, so the angle between two of them is the way round the shorter side.
-std::uint32_t sectors_apart(std::uint32_t a, std::uint32_t b, std::uint32_t count) {
-  const std::uint32_t apart = a > b ? a - b : b - a;
-  return std::min(apart, count - apart);
-}
-
-std::uint32_t nearest_filled(const touch::Placement& placement, std::uint32_t sector) {
-  const auto count = static_cast<std::uint32_t>(placement.foci.size());
-  std::uint32_t best = count;
-  for (std::uint32_t other = 0; other < count; ++other) {
-    if (!placement.has(other)) continue;
-    if (best == count || sectors_apart(sector, other, count) < sectors_apart(sector, best, count)) best = other;
-  }
-  return best;
 }
 
 }  // namespace
@@ -75,26 +58,6 @@ std::uint32_t coprime_stride(std::uint32_t count, std::uint32_t stride) {
 Voice& Schedule::add_voice() {
   if (voice_count == voices.size()) voices.emplace_back();
   return voices[voice_count++];
-}
-
-void make_voice(const touch::Placement& placement, std::uint32_t id, std::uint32_t solid, const VoiceOptions& options,
-                Voice& voice) {
-  voice.id = id;
-  voice.solid = solid;
-  voice.dwell_s = options.dwell_s;
-  voice.gain = options.gain;
-  voice.modulation_hz = placement.still() ? options.modulation_hz : 0;
-  voice.modulation = options.modulation;
-  voice.foci.clear();
-  const auto count = static_cast<std::uint32_t>(placement.foci.size());
-  for (std::uint32_t sector = 0; sector < count; ++sector) {
-    const std::uint32_t filled = nearest_filled(placement, sector);
-    if (filled == count) break;
-    if (filled == sector || !placement.together) voice.foci.emplace_back(placement.foci[filled].position);
-  }
-  const auto foci = static_cast<std::uint32_t>(voice.foci.size());
-  fill_order(foci, placement.together ? 1 : options.stride, voice.order);
-  voice.foci_per_slot = placement.together ? foci : 1;
 }
 
 void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<SlotFocus>& out) {

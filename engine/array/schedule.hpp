@@ -12,10 +12,6 @@
 #include "array/drive.hpp"
 #include "base/math.hpp"
 
-namespace palpa::touch {
-struct Placement;
-}
-
 namespace palpa::array {
 
 /// The paper's order of the foci: 0, stride, 2 stride, ... modulo `count`. Throws bad_usage where count is 0 or shares
@@ -59,6 +55,7 @@ struct Schedule {
   void clear() { voice_count = 0; }
 };
 
+/// How the foci of a finger are to play, whatever finger it is.
 struct VoiceOptions {
   std::uint32_t stride = 3;  ///< coprime to the number of foci
   double dwell_s = 1.5e-3;
@@ -66,13 +63,6 @@ struct VoiceOptions {
   double modulation_hz = 200;  ///< of fingers whose foci stand still; the others are not modulated
   Modulation modulation = Modulation::pressure_sine;
 };
-
-/// Turns the foci that a method has placed (touch/method.hpp) into the voice of the finger `id` on `solid`. An empty
-/// sector takes the position of the nearest non-empty one by angle; of two equally near, the one with the lower index.
-/// Where all foci sound together it is left out: its neighbour would be twice as loud. The placement must have one
-/// focus with a position at least.
-void make_voice(const touch::Placement& placement, std::uint32_t id, std::uint32_t solid, const VoiceOptions& options,
-                Voice& voice);
 
 /// Replaces `out` by the foci of slot `slot`, voice after voice: the entry floor(slot slot_s / dwell) modulo its number
 /// of steps of each voice's order, with the voice's gain times its modulation. Reckons in whole nanoseconds, so that no

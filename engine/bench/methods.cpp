@@ -4,7 +4,7 @@
 #include <chrono>
 #include <glm/geometric.hpp>
 
-#include "array/tune.hpp"
+#include "acoustics/tune.hpp"
 #include "base/error.hpp"
 #include "bench/bench.hpp"
 #include "geometry/ply.hpp"
@@ -65,10 +65,10 @@ void measure_methods(const Context& context, std::vector<Row>& rows) {
     rows.push_back(timed(context, name, stage, [&] { touch::place_foci(touch, finger, options, placement); }));
   }
   touch::place_foci(touch, finger, {}, placement);
-  const array::Ring ring{touch::perimeter_of(placement), 10, 3, 1.5e-3};
-  rows.push_back(timed(context, name, "tune", [&] { array::tune(ring); }));
+  const acoustics::Ring ring{touch::perimeter_of(placement), 10, 3, 1.5e-3};
+  rows.push_back(timed(context, name, "tune", [&] { acoustics::tune(ring); }));
   // In the loop a finger that has rested is looked at in every frame.
-  array::StrideTuner strides;
+  acoustics::StrideTuner strides;
   double time_s = 0;
   rows.push_back(timed(context, name, "stride", [&] { strides.stride_for(0, ring, time_s += 1); }));
 }

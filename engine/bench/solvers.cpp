@@ -7,8 +7,8 @@
 #include <random>
 #include <thread>
 
+#include "acoustics/pressure.hpp"
 #include "array/drive_pass.hpp"
-#include "array/pressure.hpp"
 #include "base/error.hpp"
 #include "bench/bench.hpp"
 #include "gpu/commands.hpp"
@@ -49,7 +49,7 @@ template <typename DriveOf>
 Heard listen(const array::Layout& layout, const std::vector<std::vector<array::SlotFocus>>& slots, DriveOf drive_of) {
   Heard heard;
   for (std::uint32_t s = 0; s < judged; ++s) {
-    const array::FociPressure pressure = array::pressure_at_foci(layout, drive_of(s), slots[s]);
+    const acoustics::FociPressure pressure = acoustics::pressure_at_foci(layout, drive_of(s), slots[s]);
     heard.mean_pa += pressure.mean / judged;
     heard.evenness = std::min(heard.evenness, pressure.evenness);
   }

@@ -9,9 +9,9 @@
 #include <numbers>
 #include <utility>
 
+#include "acoustics/pressure.hpp"
 #include "array/drive_pass.hpp"
 #include "array/layout.hpp"
-#include "array/pressure.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "cli/commands.hpp"
@@ -102,7 +102,7 @@ std::string to_csv(const array::Layout& layout, const array::Drive& drive) {
 }
 
 std::string to_json(const array::Layout& layout, const std::vector<array::SlotFocus>& foci, const array::Medium& air,
-                    const array::Drive& drive, const array::FociPressure& pressure) {
+                    const array::Drive& drive, const acoustics::FociPressure& pressure) {
   JsonWriter json;
   json.begin_object()
       .member("layout", layout.name)
@@ -133,7 +133,7 @@ std::string to_json(const array::Layout& layout, const std::vector<array::SlotFo
 }
 
 std::string summary(const array::Layout& layout, const std::vector<array::SlotFocus>& foci, const array::Medium& air,
-                    const array::Drive& drive, const array::FociPressure& pressure) {
+                    const array::Drive& drive, const acoustics::FociPressure& pressure) {
   float least = 1, most = 0;
   for (const array::TransducerDrive& d : drive) {
     least = std::min(least, d.amplitude);
@@ -166,8 +166,8 @@ void run(const DriveCommand& o) {
                                  ? array::drive_for(layout, foci, options)
                                  : drive_on_gpu(setup::device_options(o.common), layout, foci, options);
 
-  const array::FociPressure pressure =
-      array::pressure_at_foci(layout, drive, foci, options.medium, options.directivity);
+  const acoustics::FociPressure pressure =
+      acoustics::pressure_at_foci(layout, drive, foci, options.medium, options.directivity);
 
   if (!o.csv.empty()) write_output(o.csv, to_csv(layout, drive));
   if (!o.common.json.empty()) write_output(o.common.json, to_json(layout, foci, options.medium, drive, pressure));

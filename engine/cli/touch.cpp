@@ -40,7 +40,7 @@ struct TouchReport {
   const touch::Touch& touch;
   const setup::TouchOptions& options;
   const std::vector<setup::FingerSchedule>& schedules;  ///< one per finger
-  const std::vector<array::Spectrum>& spectra;          ///< one per finger with --spectrum, else none
+  const std::vector<acoustics::Spectrum>& spectra;      ///< one per finger with --spectrum, else none
   double total_ms;
   const setup::StageTimes& times;
 };
@@ -66,7 +66,7 @@ void add_schedule(JsonWriter& json, const setup::TouchOptions& options, std::uin
 /// How many foci a finger's order is of, where --tune or its solid gave it one of its own; else 0.
 std::uint32_t foci_of_own_order(const TouchReport& report, std::uint32_t index) {
   const geometry::Solid& solid = report.input.solids[report.touch.fingers[index].solid];
-  const std::optional<array::Tuned>& tuned = report.schedules[index].tuned;
+  const std::optional<acoustics::Tuned>& tuned = report.schedules[index].tuned;
   if (tuned && tuned->changed) return tuned->ring.foci;
   return session::has_own_schedule(solid) ? session::foci_on(solid, report.options.parameters) : 0;
 }
@@ -231,9 +231,9 @@ void run(const TouchCommand& o) {
                              touch.finger_count));
   }
   const std::vector<setup::FingerSchedule> schedules = setup::schedule_fingers(touch, input.solids, o.touch, o.felt);
-  const std::vector<array::Spectrum> spectra =
+  const std::vector<acoustics::Spectrum> spectra =
       o.felt.spectrum ? setup::spectra_of(make_schedule(touch, input.solids, schedules, o.touch), o.felt)
-                      : std::vector<array::Spectrum>();
+                      : std::vector<acoustics::Spectrum>();
   const TouchReport report{input, touch, o.touch, schedules, spectra, whole.lap_ms(), times};
   if (!o.csv.empty()) write_output(o.csv, to_csv(report));
   if (!o.common.json.empty()) write_output(o.common.json, to_json(report));

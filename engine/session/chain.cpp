@@ -1,8 +1,12 @@
 #include "session/chain.hpp"
 
 #include "session/overrides.hpp"
+#include "session/voice.hpp"
 
 namespace palpa::session {
+
+static_assert(acoustics::StrideTuner::most_fingers >= touch::max_fingers);
+static_assert(acoustics::most_ring_foci >= touch::max_foci);
 
 void reserve(array::Schedule& schedule) {
   schedule.voices.resize(touch::max_fingers);
@@ -43,10 +47,10 @@ void make_schedule(const touch::Touch& touch, double time_s, std::span<const geo
     array::VoiceOptions voice = voice_on(solids[finger.solid], options.voice);
     if (options.tune && !placement.still()) {
       const auto foci = static_cast<std::uint32_t>(placement.foci.size());
-      const array::Ring ring{touch::perimeter_of(placement), foci, voice.stride, voice.dwell_s};
+      const acoustics::Ring ring{touch::perimeter_of(placement), foci, voice.stride, voice.dwell_s};
       voice.stride = memory.strides.stride_for(finger.id, ring, time_s);
     }
-    array::make_voice(placement, finger.id, finger.solid, voice, schedule.add_voice());
+    make_voice(placement, finger.id, finger.solid, voice, schedule.add_voice());
   }
 }
 

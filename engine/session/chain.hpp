@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "acoustics/tune.hpp"
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
-#include "array/tune.hpp"
 #include "geometry/solid.hpp"
 #include "gpu/device.hpp"
 #include "gpu/timestamps.hpp"
@@ -28,7 +28,7 @@ struct ChainSetting {
   touch::Parameters touch;
   touch::MethodOptions method;
   array::VoiceOptions voice;
-  bool tune = false;  ///< each finger's stride is chosen by its perimeter, see array::StrideTuner
+  bool tune = false;  ///< each finger's stride is chosen by its perimeter, see acoustics::StrideTuner
   array::DriveOptions drive;
   double slot_s = 1.5e-3;  ///< one drive lasts that long
   /// What of a touch the frames' reports hold: contacts cost time and are for those who look at them.
@@ -97,13 +97,13 @@ void reserve(touch::Touch& touch);
 struct ScheduleOptions {
   touch::MethodOptions method;  ///< places the foci
   array::VoiceOptions voice;    ///< what a finger's solid asks for takes its place
-  bool tune = false;            ///< each finger's stride follows its perimeter, see array::StrideTuner
+  bool tune = false;            ///< each finger's stride follows its perimeter, see acoustics::StrideTuner
 };
 
 /// What make_schedule keeps from frame to frame.
 struct ScheduleMemory {
   touch::Placement placement;
-  array::StrideTuner strides;
+  acoustics::StrideTuner strides;
 };
 void reserve(ScheduleMemory& memory);
 

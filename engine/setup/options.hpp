@@ -68,7 +68,7 @@ void check(const TouchOptions& options);
 /// What skin feels of a single touch.
 struct FeltOptions {
   bool spectrum = false;
-  std::optional<double> spot_m;                             ///< normally that of array::SpectrumOptions
+  std::optional<double> spot_m;                             ///< normally that of acoustics::SpectrumOptions
   std::optional<double> shortest_dwell_s, longest_dwell_s;  ///< both or none: what --tune may choose
 };
 void add_felt_options(CLI::App& app, FeltOptions& options);

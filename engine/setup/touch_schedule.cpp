@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "session/overrides.hpp"
+#include "session/voice.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -10,12 +11,12 @@ namespace {
 /// Chooses foci, stride and dwell by the perimeter; more foci are placed anew.
 void tune_finger(const touch::Touch& touch, const touch::Finger& finger, const TouchOptions& options,
                  const FeltOptions& felt, FingerSchedule& out) {
-  array::TuneOptions tune;
+  acoustics::TuneOptions tune;
   tune.spectrum.fwhm_m = felt.spot_m.value_or(tune.spectrum.fwhm_m);
   tune.shortest_dwell_s = felt.shortest_dwell_s.value_or(0);
   tune.longest_dwell_s = felt.longest_dwell_s.value_or(0);
   const auto foci = static_cast<std::uint32_t>(out.placement.foci.size());
-  out.tuned = array::tune({out.perimeter_m, foci, out.voice.stride, out.voice.dwell_s}, tune);
+  out.tuned = acoustics::tune({out.perimeter_m, foci, out.voice.stride, out.voice.dwell_s}, tune);
   out.voice.stride = out.tuned->ring.stride;
   out.voice.dwell_s = out.tuned->ring.dwell_s;
   if (out.tuned->ring.foci == foci) return;
@@ -45,21 +46,21 @@ array::Schedule make_schedule(const touch::Touch& touch, std::span<const geometr
   array::Schedule schedule;
   schedule.slot_s = session::slot_length(solids, voice_options(options));
   for (std::uint32_t f = 0; f < fingers.size(); ++f) {
-    array::make_voice(fingers[f].placement, f, touch.fingers[f].solid, fingers[f].voice, schedule.add_voice());
+    session::make_voice(fingers[f].placement, f, touch.fingers[f].solid, fingers[f].voice, schedule.add_voice());
     schedule.slot_s = std::min(schedule.slot_s, fingers[f].voice.dwell_s);
   }
   return schedule;
 }
 
-std::vector<array::Spectrum> spectra_of(const array::Schedule& schedule, const FeltOptions& felt) {
-  array::SpectrumOptions options;
+std::vector<acoustics::Spectrum> spectra_of(const array::Schedule& schedule, const FeltOptions& felt) {
+  acoustics::SpectrumOptions options;
   options.fwhm_m = felt.spot_m.value_or(options.fwhm_m);
-  std::vector<array::Spectrum> spectra;
+  std::vector<acoustics::Spectrum> spectra;
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const array::Voice& voice = schedule.voices[v];
     // A dwell that is no whole number of slots is one on average: what is shown is the dwell as it was asked for.
     const bool moves = voice.order.size() > voice.foci_per_slot;
-    spectra.push_back(array::spectrum_of(voice, moves ? voice.dwell_s : schedule.slot_s, options));
+    spectra.push_back(acoustics::spectrum_of(voice, moves ? voice.dwell_s : schedule.slot_s, options));
   }
   return spectra;
 }

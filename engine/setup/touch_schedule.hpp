@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "acoustics/tune.hpp"
 #include "array/schedule.hpp"
-#include "array/tune.hpp"
 #include "geometry/solid.hpp"
 #include "setup/options.hpp"
 #include "touch/method.hpp"
@@ -15,9 +15,9 @@ namespace palpa::setup {
 
 struct FingerSchedule {
   touch::Placement placement;
-  double perimeter_m = 0;             ///< of the path of its foci; 0: they stand still
-  array::VoiceOptions voice;          ///< its stride, dwell and modulation
-  std::optional<array::Tuned> tuned;  ///< with --tune, of foci that move
+  double perimeter_m = 0;                 ///< of the path of its foci; 0: they stand still
+  array::VoiceOptions voice;              ///< its stride, dwell and modulation
+  std::optional<acoustics::Tuned> tuned;  ///< with --tune, of foci that move
 };
 
 /// One entry per finger of `touch`, in their order. What a finger's solid asks for takes the place of the options, and
@@ -30,6 +30,6 @@ array::Schedule make_schedule(const touch::Touch& touch, std::span<const geometr
                               const std::vector<FingerSchedule>& fingers, const TouchOptions& options);
 
 /// What skin feels of each finger.
-std::vector<array::Spectrum> spectra_of(const array::Schedule& schedule, const FeltOptions& felt);
+std::vector<acoustics::Spectrum> spectra_of(const array::Schedule& schedule, const FeltOptions& felt);
 
 }  // namespace palpa::setup

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "backends.hpp"
-#include "csv.hpp"
+#include "support/csv.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::array {

@@ -10,7 +10,7 @@
 #include "array/layout.hpp"
 #include "array/reach.hpp"
 #include "base/error.hpp"
-#include "csv.hpp"
+#include "support/csv.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::array {

@@ -1,4 +1,4 @@
-// The schedule: orders, dwell across frames, voices from fingers, modulation, cycles.
+// The schedule: orders, dwell across frames, modulation, cycles.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
@@ -10,40 +10,17 @@
 
 #include "array/schedule.hpp"
 #include "base/error.hpp"
-#include "touch/method.hpp"
 
 namespace palpa::array {
 namespace {
 
-/// A finger whose sector n lies at x = n; sectors with 0 points are at NaN, as nobody may look there.
-touch::Finger finger_with(const std::vector<std::uint32_t>& points) {
-  touch::Finger finger;
-  for (std::size_t n = 0; n < points.size(); ++n) {
-    const float x = points[n] ? static_cast<float>(n) : std::nanf("");
-    finger.foci.push_back({{x, 0, 0}, points[n]});
-  }
-  finger.section.centroid = {-1, 0, 0};
-  return finger;
-}
-
-touch::Placement placed(const touch::Finger& finger, touch::Method method = touch::Method::cross_section) {
-  touch::Placement placement;
-  touch::place_foci({}, finger, {.method = method}, placement);
-  return placement;
-}
-
-Voice voice_of(const touch::Finger& finger, const VoiceOptions& options = {},
-               touch::Method method = touch::Method::cross_section) {
+/// A voice of `count` foci, the n-th at x = n, in the paper's order.
+Voice voice_of(std::uint32_t count) {
   Voice voice;
-  make_voice(placed(finger, method), 7, 5, options, voice);
+  for (std::uint32_t n = 0; n < count; ++n)
+    voice.foci.emplace_back(n, 0, 0);
+  fill_order(count, 3, voice.order);
   return voice;
-}
-
-std::vector<double> places(const Voice& voice) {
-  std::vector<double> xs;
-  for (const Vec3& focus : voice.foci)
-    xs.push_back(focus.x);
-  return xs;
 }
 
 Schedule schedule_of(const Voice& voice) {
@@ -86,67 +63,8 @@ TEST(FillOrder, SaysWhichStrideWouldDo) {
   EXPECT_THROW(fill_order(0, 1), Error);
 }
 
-TEST(Voice, KeepsAFingersFoci) {
-  const Voice voice = voice_of(finger_with({5, 5, 5, 5, 5, 5, 5, 5, 5, 5}));
-  EXPECT_EQ(places(voice), (std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
-  EXPECT_EQ(voice.order, fill_order(10, 3));
-  EXPECT_EQ(voice.id, 7u);
-  EXPECT_EQ(voice.solid, 5u);
-  EXPECT_EQ(voice.modulation_hz, 0);
-  EXPECT_EQ(voice.foci_per_slot, 1u);
-  EXPECT_EQ(voice.dwell_s, 1.5e-3);
-}
-
-TEST(Voice, AnEmptySectorPlaysTheNearestOtherByAngle) {
-  // 3 is as near to 2 as to 4: the lower index. 0 is nearest to 9, the long way round in index.
-  EXPECT_EQ(places(voice_of(finger_with({0, 0, 1, 0, 1, 1, 1, 1, 1, 1}))),
-            (std::vector<double>{9, 2, 2, 2, 4, 5, 6, 7, 8, 9}));
-  // 0 lies between 1 and 9.
-  EXPECT_EQ(places(voice_of(finger_with({0, 1, 1, 1, 1, 1, 1, 1, 1, 1})))[0], 1);
-  // 9 lies between 8 and 0: the lower index is 0.
-  EXPECT_EQ(places(voice_of(finger_with({1, 1, 1, 1, 1, 1, 1, 1, 1, 0})))[9], 0);
-  EXPECT_EQ(places(voice_of(finger_with({0, 0, 0, 0, 0, 0, 2, 0, 0, 0}))), std::vector<double>(10, 6.0));
-}
-
-TEST(Voice, NearestOtherAgreesWithAngles) {
-  EXPECT_TRUE(rc::check([] {
-    const auto points =
-        *rc::gen::suchThat(rc::gen::container<std::vector<std::uint32_t>>(rc::gen::inRange<std::uint32_t>(0, 2)),
-                           [](const auto& p) { return p.size() <= 64 && std::ranges::count(p, 1u) > 0; });
-    VoiceOptions options;
-    options.stride = 1;
-    const auto played = places(voice_of(finger_with(points), options));
-    const double turn = 2 * std::numbers::pi / static_cast<double>(points.size());
-    for (std::size_t n = 0; n < points.size(); ++n) {
-      double best = 10;
-      double chosen = -1;
-      for (std::size_t other = 0; other < points.size(); ++other) {
-        if (points[other] == 0) continue;
-        const double a = turn * static_cast<double>(n), b = turn * static_cast<double>(other);
-        const double apart = std::acos(std::clamp(std::cos(a) * std::cos(b) + std::sin(a) * std::sin(b), -1.0, 1.0));
-        if (apart < best - 1e-6) best = apart, chosen = static_cast<double>(other);
-      }
-      RC_ASSERT(played[n] == chosen);
-    }
-  }));
-}
-
-TEST(Voice, PointLikeFingersAreModulated) {
-  touch::Finger finger = finger_with({2});
-  finger.point_like = true;
-  const Voice voice = voice_of(finger);
-  EXPECT_EQ(places(voice), std::vector<double>{-1}) << "the centroid";
-  EXPECT_EQ(voice.order, std::vector<std::uint32_t>{0});
-  EXPECT_EQ(voice.modulation_hz, 200);
-}
-
-TEST(Voice, WithoutAnyFocusThereIsTheCentroid) {
-  EXPECT_EQ(places(voice_of(finger_with({0, 0, 0}))), std::vector<double>{-1});
-  EXPECT_EQ(places(voice_of(finger_with({}))), std::vector<double>{-1});
-}
-
 TEST(Schedule, SlotsFollowTheOrder) {
-  const Schedule schedule = schedule_of(voice_of(finger_with(std::vector<std::uint32_t>(10, 1))));
+  const Schedule schedule = schedule_of(voice_of(10));
   std::vector<SlotFocus> foci;
   for (std::uint64_t slot = 0; slot < 35; ++slot) {
     foci_of_slot(schedule, slot, foci);
@@ -157,11 +75,10 @@ TEST(Schedule, SlotsFollowTheOrder) {
 }
 
 TEST(Schedule, TogetherPlaysAllInEverySlot) {
-  VoiceOptions options;
-  options.stride = 5;  // not coprime, but there is no order to fill
-  options.modulation_hz = 0;
-  const Schedule schedule =
-      schedule_of(voice_of(finger_with(std::vector<std::uint32_t>(10, 1)), options, touch::Method::multi_focus));
+  Voice voice = voice_of(10);
+  fill_order(10, 1, voice.order);
+  voice.foci_per_slot = 10;
+  const Schedule schedule = schedule_of(voice);
   std::vector<SlotFocus> foci;
   for (const std::uint64_t slot : {0u, 1u, 17u}) {
     foci_of_slot(schedule, slot, foci);
@@ -172,16 +89,8 @@ TEST(Schedule, TogetherPlaysAllInEverySlot) {
   EXPECT_EQ(cycle_length(schedule, 100), 1u);
 }
 
-TEST(Schedule, TogetherLeavesEmptySectorsOut) {
-  const Voice voice = voice_of(finger_with({0, 1, 1, 0, 1}), {}, touch::Method::multi_focus);
-  EXPECT_EQ(places(voice), (std::vector<double>{1, 2, 4}));
-  EXPECT_EQ(voice.order, (std::vector<std::uint32_t>{0, 1, 2}));
-  EXPECT_EQ(voice.foci_per_slot, 3u);
-  EXPECT_EQ(voice.modulation_hz, 200) << "nothing moves";
-}
-
 TEST(Schedule, AVoicesOwnDwell) {
-  Voice voice = voice_of(finger_with(std::vector<std::uint32_t>(10, 1)));
+  Voice voice = voice_of(10);
   voice.dwell_s = 4e-3;
   const Schedule schedule = schedule_of(voice);  // ticks of 1.5 ms
   std::vector<SlotFocus> foci;
@@ -194,7 +103,7 @@ TEST(Schedule, AVoicesOwnDwell) {
 
 TEST(Schedule, NoRoundingMakesAStepLate) {
   // 3 dwells of 0.1 ms are 0.3 ms, which floating point denies.
-  Voice voice = voice_of(finger_with(std::vector<std::uint32_t>(7, 1)));
+  Voice voice = voice_of(7);
   std::vector<SlotFocus> foci;
   for (const double dwell : {1e-4, 1.1e-4, 7e-4, 1.5e-3, 0.3}) {
     for (const int ratio : {1, 3, 6, 7}) {
@@ -225,7 +134,7 @@ std::vector<int> dwell_of_sectors(bool restart) {
       frame = now;
       frame_begin = slot;
       schedule.clear();
-      make_voice(placed(finger_with(std::vector<std::uint32_t>(10, 1))), 0, 0, {}, schedule.add_voice());
+      schedule.add_voice() = voice_of(10);
     }
     foci_of_slot(schedule, restart ? slot - frame_begin : slot, foci);
     ++dwell[static_cast<std::size_t>(foci.at(0).position.x)];
@@ -247,33 +156,12 @@ TEST(Schedule, RestartingEveryFrameWouldStarveSectors) {
   EXPECT_GT(most, 800);
 }
 
-TEST(Schedule, IsReusedWithoutAllocating) {
-  Schedule schedule;
-  std::vector<SlotFocus> foci;
-  const touch::Finger finger = finger_with(std::vector<std::uint32_t>(10, 1));
-  touch::Placement placement;
-  const void* storage[4] = {};
-  for (int frame = 0; frame < 3; ++frame) {
-    schedule.clear();
-    for (std::uint32_t id = 0; id < 5; ++id) {
-      touch::place_foci({}, finger, {}, placement);
-      make_voice(placement, id, 0, {}, schedule.add_voice());
-    }
-    foci_of_slot(schedule, 0, foci);
-    const void* now[4] = {schedule.voices[4].foci.data(), schedule.voices[4].order.data(), foci.data(),
-                          placement.foci.data()};
-    EXPECT_TRUE(frame == 0 || std::ranges::equal(now, storage));
-    std::ranges::copy(now, storage);
-  }
-  EXPECT_EQ(schedule.voice_count, 5u);
-}
-
 TEST(Schedule, HasNoFociWithoutVoices) {
   Schedule schedule;
   std::vector<SlotFocus> foci{{}};
   foci_of_slot(schedule, 3, foci);
   EXPECT_TRUE(foci.empty());
-  schedule.add_voice() = voice_of(finger_with({1}));
+  schedule.add_voice() = voice_of(1);
   foci_of_slot(schedule, 3, foci);
   EXPECT_EQ(foci.size(), 1u);
   schedule.clear();
@@ -300,7 +188,7 @@ TEST(Modulation, OfThePressureIsTheSquareRoot) {
 }
 
 TEST(Modulation, GainsAreSampledAtSlotMidpoints) {
-  Voice voice = voice_of(finger_with({1}));
+  Voice voice = voice_of(1);
   voice.modulation_hz = 200;
   voice.modulation = Modulation::amplitude_sine;
   const Schedule schedule = schedule_of(voice);
@@ -334,10 +222,10 @@ TEST(Cycle, LengthsByHand) {
   EXPECT_EQ(cycle_length(Schedule{}, 10), 1u);
   EXPECT_EQ(cycle_length(Schedule{}, 0), 0u);
   Schedule schedule;
-  make_voice(placed(finger_with(std::vector<std::uint32_t>(10, 1))), 0, 0, {}, schedule.add_voice());
+  schedule.add_voice() = voice_of(10);
   EXPECT_EQ(cycle_length(schedule, 10), 10u);
   EXPECT_EQ(cycle_length(schedule, 9), 0u);
-  make_voice(placed(finger_with(std::vector<std::uint32_t>(7, 1))), 1, 0, {}, schedule.add_voice());
+  schedule.add_voice() = voice_of(7);
   EXPECT_EQ(cycle_length(schedule, 70), 70u);
   EXPECT_EQ(cycle_length(schedule, 69), 0u);
   // 200 Hz is 0.3 turns a slot: 10 slots.
@@ -356,7 +244,7 @@ TEST(Cycle, FociAndGainsRepeatAfterItAndNotBefore) {
     const auto voices = *rc::gen::inRange(1, 4);
     for (int v = 0; v < voices; ++v) {
       Voice& voice = schedule.add_voice();
-      voice = voice_of(finger_with(std::vector<std::uint32_t>(*rc::gen::element<std::size_t>(1, 5, 7, 10), 1)));
+      voice = voice_of(*rc::gen::element<std::uint32_t>(1, 5, 7, 10));
       voice.dwell_s = schedule.slot_s * *rc::gen::element(1.0, 1.5, 2.0, 3.0);
       voice.modulation_hz = *rc::gen::element(0.0, 100.0, 200.0, 250.0);
     }

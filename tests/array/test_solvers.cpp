@@ -7,14 +7,16 @@
 #include <limits>
 #include <numbers>
 
+#include "acoustics/pressure.hpp"
 #include "array/greedy.hpp"
-#include "array/pressure.hpp"
 #include "backends.hpp"
 #include "focus_sets.hpp"
 
 namespace palpa::array {
 namespace {
 
+using acoustics::FociPressure;
+using acoustics::pressure_at_foci;
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 

@@ -2,7 +2,7 @@
 #   awk -f tests/house/arrows.awk FILE...      (paths from the project's root)
 
 BEGIN {
-  split("base gpu geometry sensing touch array session setup bench cli", floor_names)
+  split("base gpu geometry sensing touch array acoustics session setup bench cli", floor_names)
   for (i in floor_names) floor_of[floor_names[i]] = i + 0
 
   # driver/ sees the engine through its small interfaces only.
@@ -36,6 +36,7 @@ function fault(text) {
   if (house == "engine") {
     if (target ~ /^(driver|viewer|assets|tests)$/) fault("engine/ may not include " name ", which is above it")
     if ((target in floor_of) && floor_of[target] > floor_of[room]) fault(room "/ may not include " name ", which is above it")
+    if (room ~ /^(array|acoustics)$/ && target ~ /^(sensing|touch)$/) fault(room "/ may not include " name ": sound knows no fingers")
   } else if (house == "driver") {
     if (target ~ /^(viewer|assets|tests)$/) fault("driver/ may not include " name)
     # The program's main() is where engine and driver meet.

@@ -12,6 +12,7 @@
 #include "gpu/commands.hpp"
 #include "sensing/png16.hpp"
 #include "sensing/rig.hpp"
+#include "session/voice.hpp"
 #include "support/device.hpp"
 #include "support/hand_tips.hpp"
 #include "support/shared_data.hpp"
@@ -166,7 +167,7 @@ void expect_own_foci(const touch::Touch& touch) {
   touch::Placement placement;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     touch::place_foci(touch, touch.fingers[f], {}, placement);
-    array::make_voice(placement, f, touch.fingers[f].solid, {}, schedule.add_voice());
+    make_voice(placement, f, touch.fingers[f].solid, {}, schedule.add_voice());
   }
   std::vector<std::vector<Vec3>> played(touch.finger_count);
   for (std::uint64_t slot = 0; slot < 10; ++slot) {

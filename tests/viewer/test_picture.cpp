@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "scenes.hpp"
+#include "session/voice.hpp"
 #include "viewer/overlay.hpp"
 #include "viewer/palette.hpp"
 #include "viewer/picture.hpp"
@@ -40,7 +41,7 @@ struct Example {
     schedule.slot_s = 1.5e-3;
     for (std::uint32_t f = 0; f < 2; ++f) {
       touch::place_foci(touch, touch.fingers[f], {}, placements[f]);
-      array::make_voice(placements[f], f, 0, {.stride = 3}, schedule.add_voice());
+      session::make_voice(placements[f], f, 0, {.stride = 3}, schedule.add_voice());
     }
   }
 };

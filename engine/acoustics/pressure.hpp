@@ -8,17 +8,19 @@
 
 #include <complex>
 #include <span>
+#include <vector>
 
 #include "array/directivity.hpp"
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 
-namespace palpa::array {
+namespace palpa::acoustics {
 
 /// Complex pressure in Pa, peak, time factor e^{-iwt}, in double precision. `drive` has one entry per transducer;
 /// `point` in metres, in the layout's frame as posed.
-std::complex<double> pressure_at(const Layout& layout, std::span<const TransducerDrive> drive, const Vec3& point,
-                                 const Medium& medium = {}, Directivity directivity = Directivity::t4010a1);
+std::complex<double> pressure_at(const array::Layout& layout, std::span<const array::TransducerDrive> drive,
+                                 const Vec3& point, const array::Medium& medium = {},
+                                 array::Directivity directivity = array::Directivity::t4010a1);
 
 /// What a drive gives at the foci that it was made for.
 struct FociPressure {
@@ -28,8 +30,8 @@ struct FociPressure {
   /// fewer than two.
   double evenness = 1;
 };
-FociPressure pressure_at_foci(const Layout& layout, std::span<const TransducerDrive> drive,
-                              std::span<const SlotFocus> foci, const Medium& medium = {},
-                              Directivity directivity = Directivity::t4010a1);
+FociPressure pressure_at_foci(const array::Layout& layout, std::span<const array::TransducerDrive> drive,
+                              std::span<const array::SlotFocus> foci, const array::Medium& medium = {},
+                              array::Directivity directivity = array::Directivity::t4010a1);
 
-}  // namespace palpa::array
+}  // namespace palpa::acoustics

@@ -20,7 +20,7 @@
 #include "array/schedule.hpp"
 #include "base/math.hpp"
 
-namespace palpa::array {
+namespace palpa::acoustics {
 
 struct SpectrumOptions {
   double fwhm_m = 3.8e-3;  ///< of the pressure of one focus: what an array all around reaches at 40 kHz (0.443 lambda)
@@ -47,7 +47,7 @@ struct Spectrum {
 /// The spectrum of what `voice` makes the skin feel; slots of `slot_s`. The skin point is the voice's first focus; the
 /// perimeter is the closed polygon through its foci, eight points to a side. Throws bad_usage for a schedule that does
 /// not repeat within 1024 slots, such as a dwell of 1.2345 ms in slots of 1 ms.
-Spectrum spectrum_of(const Voice& voice, double slot_s, const SpectrumOptions& options = {});
+Spectrum spectrum_of(const array::Voice& voice, double slot_s, const SpectrumOptions& options = {});
 
 /// How sensitive the skin of a fingertip is to a vibration of `hz`, by how sensitive it is at its best, 200 Hz; 0 at 0.
 ///
@@ -78,4 +78,4 @@ struct Ring {
 };
 Spectrum spectrum_of(const Ring& ring, const SpectrumOptions& options = {});
 
-}  // namespace palpa::array
+}  // namespace palpa::acoustics

@@ -1,4 +1,4 @@
-#include "array/spectrum.hpp"
+#include "acoustics/spectrum.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,12 @@
 
 #include "base/error.hpp"
 
-namespace palpa::array {
+namespace palpa::acoustics {
 namespace {
 
+using array::Modulation;
+using array::SlotFocus;
+using array::Voice;
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 constexpr std::uint64_t most_slots = 1024;
@@ -182,10 +185,10 @@ void slot_pressures(const std::vector<std::vector<SlotFocus>>& slots, const Vec3
 Spectrum spectrum_of(const Voice& voice, double slot_s, const SpectrumOptions& options) {
   if (voice.foci.empty() || voice.order.empty() || voice.foci_per_slot == 0) return {};
   if (voice.order.size() <= voice.foci_per_slot) return still_spectrum(voice, slot_s, options);
-  Schedule alone;
+  array::Schedule alone;
   alone.slot_s = slot_s;
   alone.add_voice() = voice;
-  const std::uint64_t cycle = cycle_length(alone, most_slots);
+  const std::uint64_t cycle = array::cycle_length(alone, most_slots);
   if (cycle == 0) {
     throw bad_usage(
         fmt::format("a dwell of {} ms in slots of {} ms does not repeat within {} slots, so its spectrum "
@@ -213,7 +216,7 @@ Spectrum spectrum_of(const Voice& voice, double slot_s, const SpectrumOptions& o
 
 Spectrum spectrum_of(const Ring& ring, const SpectrumOptions& options) {
   if (!(ring.perimeter_m > 0)) return {};
-  const std::vector<std::uint32_t> order = fill_order(ring.foci, ring.stride);
+  const std::vector<std::uint32_t> order = array::fill_order(ring.foci, ring.stride);
   const auto count = static_cast<double>(ring.foci);
   // The curve closes: a focus is met again after every turn.
   const int turns = std::min(1000, static_cast<int>(std::ceil(3 * options.fwhm_m / ring.perimeter_m)) + 1);
@@ -268,4 +271,4 @@ std::size_t strongest_felt(const Spectrum& spectrum) {
   return best;
 }
 
-}  // namespace palpa::array
+}  // namespace palpa::acoustics

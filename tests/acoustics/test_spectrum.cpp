@@ -7,12 +7,13 @@
 #include <numbers>
 #include <numeric>
 
-#include "array/spectrum.hpp"
+#include "acoustics/spectrum.hpp"
 #include "base/error.hpp"
 
-namespace palpa::array {
+namespace palpa::acoustics {
 namespace {
 
+using namespace array;
 constexpr double pi = std::numbers::pi;
 
 double gaussian(double distance, double fwhm = 3.8e-3) {
@@ -261,4 +262,4 @@ TEST(FeltShare, OfASineOf200HertzIsAll) {
 }
 
 }  // namespace
-}  // namespace palpa::array
+}  // namespace palpa::acoustics

@@ -1,4 +1,4 @@
-#include "array/tune.hpp"
+#include "acoustics/tune.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <numeric>
 
-namespace palpa::array {
+namespace palpa::acoustics {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -18,11 +18,11 @@ class Harmonics {
   Harmonics(double perimeter_m, std::uint32_t foci, double fwhm_m) : foci_(foci) {
     constexpr int points = 8;
     const auto count = static_cast<double>(foci);
-    std::array<std::complex<double>, touch::max_foci> turns;
+    std::array<std::complex<double>, most_ring_foci> turns;
     for (std::uint32_t k = 0; k < foci; ++k)
       turns[k] = std::polar(1.0, -2 * pi * k / count);
     const int more = std::min(1000, static_cast<int>(std::ceil(3 * fwhm_m / perimeter_m)) + 1);
-    std::array<double, touch::max_foci> pressures{};
+    std::array<double, most_ring_foci> pressures{};
     double mean = 0;
     for (int point = 0; point < points; ++point) {
       for (std::uint32_t k = 0; k < foci; ++k) {
@@ -66,12 +66,12 @@ class Harmonics {
 
  private:
   std::uint32_t foci_;
-  std::array<double, touch::max_foci> power_{};
+  std::array<double, most_ring_foci> power_{};
   double variance_ = 0;
 };
 
 bool tunable(const Ring& ring) {
-  return ring.foci >= 3 && ring.foci <= touch::max_foci && ring.perimeter_m > 0 && std::isfinite(ring.perimeter_m);
+  return ring.foci >= 3 && ring.foci <= most_ring_foci && ring.perimeter_m > 0 && std::isfinite(ring.perimeter_m);
 }
 
 struct Best {
@@ -104,7 +104,7 @@ Tuned tune(const Ring& ring, const TuneOptions& options) {
   const auto first = static_cast<std::int64_t>(std::ceil(options.shortest_dwell_s / tenth_ms * (1 - 1e-12)));
   Best best;
   Ring candidate = ring;
-  const std::uint32_t most = std::min(touch::max_foci, std::max(options.most_foci, ring.foci));
+  const std::uint32_t most = std::min(most_ring_foci, std::max(options.most_foci, ring.foci));
   for (candidate.foci = ring.foci; candidate.foci <= most; ++candidate.foci) {
     const Harmonics harmonics(ring.perimeter_m, candidate.foci, fwhm_m);
     candidate.dwell_s = ring.dwell_s;
@@ -150,4 +150,4 @@ std::uint32_t StrideTuner::stride_for(std::uint32_t id, const Ring& ring, double
   return finger.stride;
 }
 
-}  // namespace palpa::array
+}  // namespace palpa::acoustics

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "array/tune.hpp"
+#include "acoustics/tune.hpp"
 
-namespace palpa::array {
+namespace palpa::acoustics {
 namespace {
 
 Ring ring(double perimeter, std::uint32_t foci = 10, std::uint32_t stride = 3, double dwell = 1.5e-3) {
@@ -170,4 +170,4 @@ TEST(StrideTuner, ForgetsOldFingersAndKeepsThoseOfNow) {
 }
 
 }  // namespace
-}  // namespace palpa::array
+}  // namespace palpa::acoustics

@@ -1,11 +1,17 @@
-#include "array/pressure.hpp"
+#include "acoustics/pressure.hpp"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numbers>
 
-namespace palpa::array {
+namespace palpa::acoustics {
+
+using array::Directivity;
+using array::Layout;
+using array::Medium;
+using array::SlotFocus;
+using array::TransducerDrive;
 
 std::complex<double> pressure_at(const Layout& layout, std::span<const TransducerDrive> drive, const Vec3& point,
                                  const Medium& medium, Directivity kind) {
@@ -47,4 +53,4 @@ FociPressure pressure_at_foci(const Layout& layout, std::span<const TransducerDr
   return result;
 }
 
-}  // namespace palpa::array
+}  // namespace palpa::acoustics

@@ -14,12 +14,12 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
-#include "array/spectrum.hpp"
-#include "touch/types.hpp"
+#include "acoustics/spectrum.hpp"
 
-namespace palpa::array {
+namespace palpa::acoustics {
 
 struct TuneOptions {
   /// Foci tried: from the ring's own number (fewer would make the shape coarser than was asked for) to this many, or to
@@ -37,7 +37,9 @@ struct Tuned {
   bool changed = false;
 };
 
-/// A ring with fewer than 3 foci or without a perimeter stays as it is.
+inline constexpr std::uint32_t most_ring_foci = 64;
+
+/// A ring with fewer than 3 foci, more than most_ring_foci or without a perimeter stays as it is.
 Tuned tune(const Ring& ring, const TuneOptions& options = {});
 
 /// Chooses the stride of fingers that are followed from frame to frame, the number of their foci and the dwell being
@@ -47,6 +49,7 @@ Tuned tune(const Ring& ring, const TuneOptions& options = {});
 class StrideTuner {
  public:
   static constexpr double gain = 0.10, rest_s = 0.5;
+  static constexpr std::size_t most_fingers = 64;  ///< at a time; of more it forgets the one seen longest ago
 
   /// The stride for finger `id`, whose foci lie on `ring`, in the frame captured at `time_s`.
   std::uint32_t stride_for(std::uint32_t id, const Ring& ring, double time_s);
@@ -58,7 +61,7 @@ class StrideTuner {
     double chosen_s = 0, seen_s = 0;
   };
   Known& known(std::uint32_t id);
-  std::array<Known, touch::max_fingers> known_{};
+  std::array<Known, most_fingers> known_{};
 };
 
-}  // namespace palpa::array
+}  // namespace palpa::acoustics

@@ -1,0 +1,149 @@
+// Voices from fingers: which foci play, in what order, how modulated.
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "session/voice.hpp"
+#include "touch/method.hpp"
+
+namespace palpa::session {
+namespace {
+
+using array::fill_order;
+using array::Schedule;
+using array::SlotFocus;
+using array::Voice;
+using array::VoiceOptions;
+
+/// A finger whose sector n lies at x = n; sectors with 0 points are at NaN, as nobody may look there.
+touch::Finger finger_with(const std::vector<std::uint32_t>& points) {
+  touch::Finger finger;
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    const float x = points[n] ? static_cast<float>(n) : std::nanf("");
+    finger.foci.push_back({{x, 0, 0}, points[n]});
+  }
+  finger.section.centroid = {-1, 0, 0};
+  return finger;
+}
+
+touch::Placement placed(const touch::Finger& finger, touch::Method method = touch::Method::cross_section) {
+  touch::Placement placement;
+  touch::place_foci({}, finger, {.method = method}, placement);
+  return placement;
+}
+
+Voice voice_of(const touch::Finger& finger, const VoiceOptions& options = {},
+               touch::Method method = touch::Method::cross_section) {
+  Voice voice;
+  make_voice(placed(finger, method), 7, 5, options, voice);
+  return voice;
+}
+
+std::vector<double> places(const Voice& voice) {
+  std::vector<double> xs;
+  for (const Vec3& focus : voice.foci)
+    xs.push_back(focus.x);
+  return xs;
+}
+
+TEST(Voice, KeepsAFingersFoci) {
+  const Voice voice = voice_of(finger_with({5, 5, 5, 5, 5, 5, 5, 5, 5, 5}));
+  EXPECT_EQ(places(voice), (std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
+  EXPECT_EQ(voice.order, fill_order(10, 3));
+  EXPECT_EQ(voice.id, 7u);
+  EXPECT_EQ(voice.solid, 5u);
+  EXPECT_EQ(voice.modulation_hz, 0);
+  EXPECT_EQ(voice.foci_per_slot, 1u);
+  EXPECT_EQ(voice.dwell_s, 1.5e-3);
+}
+
+TEST(Voice, AnEmptySectorPlaysTheNearestOtherByAngle) {
+  // 3 is as near to 2 as to 4: the lower index. 0 is nearest to 9, the long way round in index.
+  EXPECT_EQ(places(voice_of(finger_with({0, 0, 1, 0, 1, 1, 1, 1, 1, 1}))),
+            (std::vector<double>{9, 2, 2, 2, 4, 5, 6, 7, 8, 9}));
+  // 0 lies between 1 and 9.
+  EXPECT_EQ(places(voice_of(finger_with({0, 1, 1, 1, 1, 1, 1, 1, 1, 1})))[0], 1);
+  // 9 lies between 8 and 0: the lower index is 0.
+  EXPECT_EQ(places(voice_of(finger_with({1, 1, 1, 1, 1, 1, 1, 1, 1, 0})))[9], 0);
+  EXPECT_EQ(places(voice_of(finger_with({0, 0, 0, 0, 0, 0, 2, 0, 0, 0}))), std::vector<double>(10, 6.0));
+}
+
+TEST(Voice, NearestOtherAgreesWithAngles) {
+  EXPECT_TRUE(rc::check([] {
+    const auto points =
+        *rc::gen::suchThat(rc::gen::container<std::vector<std::uint32_t>>(rc::gen::inRange<std::uint32_t>(0, 2)),
+                           [](const auto& p) { return p.size() <= 64 && std::ranges::count(p, 1u) > 0; });
+    VoiceOptions options;
+    options.stride = 1;
+    const auto played = places(voice_of(finger_with(points), options));
+    const double turn = 2 * std::numbers::pi / static_cast<double>(points.size());
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      double best = 10;
+      double chosen = -1;
+      for (std::size_t other = 0; other < points.size(); ++other) {
+        if (points[other] == 0) continue;
+        const double a = turn * static_cast<double>(n), b = turn * static_cast<double>(other);
+        const double apart = std::acos(std::clamp(std::cos(a) * std::cos(b) + std::sin(a) * std::sin(b), -1.0, 1.0));
+        if (apart < best - 1e-6) best = apart, chosen = static_cast<double>(other);
+      }
+      RC_ASSERT(played[n] == chosen);
+    }
+  }));
+}
+
+TEST(Voice, PointLikeFingersAreModulated) {
+  touch::Finger finger = finger_with({2});
+  finger.point_like = true;
+  const Voice voice = voice_of(finger);
+  EXPECT_EQ(places(voice), std::vector<double>{-1}) << "the centroid";
+  EXPECT_EQ(voice.order, std::vector<std::uint32_t>{0});
+  EXPECT_EQ(voice.modulation_hz, 200);
+}
+
+TEST(Voice, WithoutAnyFocusThereIsTheCentroid) {
+  EXPECT_EQ(places(voice_of(finger_with({0, 0, 0}))), std::vector<double>{-1});
+  EXPECT_EQ(places(voice_of(finger_with({}))), std::vector<double>{-1});
+}
+
+TEST(Voice, TogetherThereIsNoOrderToFill) {
+  VoiceOptions options;
+  options.stride = 5;  // not coprime
+  const Voice voice = voice_of(finger_with(std::vector<std::uint32_t>(10, 1)), options, touch::Method::multi_focus);
+  EXPECT_EQ(voice.order, (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
+  EXPECT_EQ(voice.foci_per_slot, 10u);
+}
+
+TEST(Voice, TogetherLeavesEmptySectorsOut) {
+  const Voice voice = voice_of(finger_with({0, 1, 1, 0, 1}), {}, touch::Method::multi_focus);
+  EXPECT_EQ(places(voice), (std::vector<double>{1, 2, 4}));
+  EXPECT_EQ(voice.order, (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_EQ(voice.foci_per_slot, 3u);
+  EXPECT_EQ(voice.modulation_hz, 200) << "nothing moves";
+}
+
+TEST(Voice, AreMadeAnewWithoutAllocating) {
+  Schedule schedule;
+  std::vector<SlotFocus> foci;
+  const touch::Finger finger = finger_with(std::vector<std::uint32_t>(10, 1));
+  touch::Placement placement;
+  const void* storage[4] = {};
+  for (int frame = 0; frame < 3; ++frame) {
+    schedule.clear();
+    for (std::uint32_t id = 0; id < 5; ++id) {
+      touch::place_foci({}, finger, {}, placement);
+      make_voice(placement, id, 0, {}, schedule.add_voice());
+    }
+    foci_of_slot(schedule, 0, foci);
+    const void* now[4] = {schedule.voices[4].foci.data(), schedule.voices[4].order.data(), foci.data(),
+                          placement.foci.data()};
+    EXPECT_TRUE(frame == 0 || std::ranges::equal(now, storage));
+    std::ranges::copy(now, storage);
+  }
+  EXPECT_EQ(schedule.voice_count, 5u);
+}
+
+}  // namespace
+}  // namespace palpa::session
