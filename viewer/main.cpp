@@ -6,7 +6,7 @@
 #include <CLI/Formatter.hpp>
 
 #include "base/error.hpp"
-#include "cli/output.hpp"
+#include "base/output_file.hpp"
 #include "setup/program.hpp"
 #include "viewer/options.hpp"
 #include "viewer/run.hpp"
@@ -43,10 +43,10 @@ void parse_and_run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    cli::write_output("-", app.help());
+    write_file("-", app.help());
     return;
   } catch (const CLI::CallForVersion&) {
-    cli::write_output("-", "palpa-viewer " PALPA_VERSION "\n");
+    write_file("-", "palpa-viewer " PALPA_VERSION "\n");
     return;
   } catch (const CLI::ParseError& error) {
     throw bad_usage(setup::usage_line(error.what(), "palpa-viewer"));

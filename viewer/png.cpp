@@ -3,25 +3,15 @@
 #include <fmt/core.h>
 #include <png.h>
 
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <memory>
 #include <string>
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/output_file.hpp"
 
 namespace palpa::viewer {
-namespace {
-
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, CloseFile>;
-
-}  // namespace
-
 void write_png(const std::filesystem::path& file, const Pixels& pixels) {
   std::vector<std::uint8_t> rgb;
   rgb.reserve(pixels.rgba.size() / 4 * 3);
@@ -43,17 +33,7 @@ void write_png(const std::filesystem::path& file, const Pixels& pixels) {
   if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, rgb.data(), 0, nullptr)) {
     throw failure(fmt::format("{}: cannot encode: {}", file.string(), image.message));
   }
-  File out(std::fopen(file.c_str(), "wb"));
-  if (!out) throw failure(fmt::format("{}: cannot be opened for writing: {}", file.string(), std::strerror(errno)));
-  errno = 0;
-  const bool whole = std::fwrite(bytes.data(), 1, size, out.get()) == size && std::fflush(out.get()) == 0;
-  const int fault = errno;
-  out.reset();
-  if (!whole) {
-    std::error_code ignored;
-    if (std::filesystem::is_regular_file(file, ignored)) std::filesystem::remove(file, ignored);
-    throw failure(fmt::format("{}: cannot be written whole: {}", file.string(), std::strerror(fault)));
-  }
+  write_file(file, {reinterpret_cast<const char*>(bytes.data()), size});
 }
 
 Pixels read_png(const std::filesystem::path& file) {

@@ -18,7 +18,7 @@ struct Pixels {
 };
 
 /// Writes an RGB PNG without times or other text: the same pixels give the same bytes. Throws failure() naming the file
-/// when it cannot be written whole; no half-written file stays behind.
+/// when it cannot be written whole.
 void write_png(const std::filesystem::path& file, const Pixels& pixels);
 
 /// Throws bad_input naming the file: missing, no regular file, no PNG, broken, or larger than 16384 pixels on a side.

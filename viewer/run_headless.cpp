@@ -6,7 +6,7 @@
 
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
-#include "cli/output.hpp"
+#include "base/output_file.hpp"
 #include "setup/touch_run.hpp"
 #include "viewer/offscreen.hpp"
 #include "viewer/run.hpp"
@@ -62,15 +62,14 @@ void run_headless(const Options& options, Show& show) {
   if (!options.screenshot.empty()) write_png(options.screenshot, pixels);
   std::optional<double> difference;
   if (!options.reference.empty()) difference = compare(options, pixels);
-  if (!options.common.json.empty())
-    cli::write_output(options.common.json, to_json(pixels, frames, difference, frame_ms));
+  if (!options.common.json.empty()) write_file(options.common.json, to_json(pixels, frames, difference, frame_ms));
   const double threshold = options.threshold.value_or(0.02);
   if (difference && *difference > threshold) {
     throw failure(fmt::format("the picture differs from {} by {:.4f} on average, more than {}", options.reference,
                               *difference, threshold));
   }
   if (options.common.json != "-" && !options.common.quiet) {
-    cli::write_output(
+    write_file(
         "-", fmt::format("{} frame{} of {}x{} pixels, {:.1f} ms each{}{}\n", frames, frames == 1 ? "" : "s",
                          pixels.width, pixels.height, frame_ms,
                          options.screenshot.empty() ? "" : "; the last one is " + options.screenshot,

@@ -6,7 +6,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -17,6 +16,7 @@
 #include <xxhash.h>
 
 #include "base/log.hpp"
+#include "base/output_file.hpp"
 
 namespace palpa {
 namespace {
@@ -87,18 +87,6 @@ class Descriptor {
   int fd_;
 };
 
-bool write_all(int fd, const void* data, std::size_t bytes) {
-  const auto* at = static_cast<const char*>(data);
-  while (bytes > 0) {
-    const ssize_t written = write(fd, at, bytes);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return false;
-    at += written;
-    bytes -= static_cast<std::size_t>(written);
-  }
-  return true;
-}
-
 }  // namespace
 
 struct CacheHash::State {
@@ -160,14 +148,6 @@ std::shared_ptr<const CacheFile> load_cached(std::string_view kind, const CacheK
 void store_cached(std::string_view kind, const CacheKey& key, std::span<const std::span<const std::byte>> sections) {
   const fs::path where = folder();
   if (where.empty()) return log::debug("no cache: PALPA_CACHE is off, or there is no home directory");
-  std::error_code error;
-  fs::create_directories(where, error);
-  const fs::path path = file_for(where, kind, key);
-  std::string temporary = path.string() + ".XXXXXX";
-  const Descriptor file(error ? -1 : mkostemp(temporary.data(), O_CLOEXEC));
-  if (file.get() < 0) {
-    return log::debug(fmt::format("no cache: {}: {}", where.string(), error ? error.message() : std::strerror(errno)));
-  }
   std::vector<Place> places;
   std::size_t end = aligned(sizeof(Header) + sections.size() * sizeof(Place));
   const std::size_t head = end;
@@ -176,28 +156,33 @@ void store_cached(std::string_view kind, const CacheKey& key, std::span<const st
     end = aligned(end + section.size());
   }
   static constexpr std::array<char, alignment> zeros{};
+  const auto each_piece = [&](const auto& give) {
+    give(places.data(), places.size() * sizeof(Place));
+    give(zeros.data(), head - sizeof(Header) - places.size() * sizeof(Place));
+    for (const auto& section : sections) {
+      give(section.data(), section.size());
+      give(zeros.data(), aligned(section.size()) - section.size());
+    }
+  };
   XXH3_state_t* sum = XXH3_createState();
   XXH3_64bits_reset(sum);
-  bool good = true;
-  const auto put = [&](const void* data, std::size_t bytes) {
-    if (bytes == 0) return;
-    XXH3_64bits_update(sum, data, bytes);
-    good = good && write_all(file.get(), data, bytes);
-  };
-  Header header{magic, endian, key, end, sections.size(), 0, 0};
-  good = write_all(file.get(), &header, sizeof(header));
-  put(places.data(), places.size() * sizeof(Place));
-  put(zeros.data(), head - sizeof(Header) - places.size() * sizeof(Place));
-  for (const auto& section : sections) {
-    put(section.data(), section.size());
-    put(zeros.data(), aligned(section.size()) - section.size());
-  }
-  header.checksum = XXH3_64bits_digest(sum);
+  each_piece([&](const void* data, std::size_t bytes) {
+    if (bytes > 0) XXH3_64bits_update(sum, data, bytes);
+  });
+  const Header header{magic, endian, key, end, sections.size(), XXH3_64bits_digest(sum), 0};
   XXH3_freeState(sum);
-  good = good && pwrite(file.get(), &header, sizeof(header), 0) == static_cast<ssize_t>(sizeof(header));
-  if (!good || rename(temporary.c_str(), path.c_str()) != 0) {
-    log::debug(fmt::format("no cache: {}: {}", path.string(), std::strerror(errno)));
-    unlink(temporary.c_str());
+  std::error_code ignored;
+  fs::create_directories(where, ignored);
+  try {
+    OutputFile file(file_for(where, kind, key));
+    const auto write = [&](const void* data, std::size_t bytes) {
+      file.write({static_cast<const char*>(data), bytes});
+    };
+    write(&header, sizeof(header));
+    each_piece(write);
+    file.finish();
+  } catch (const Error& error) {
+    log::debug(fmt::format("no cache: {}", error.what()));
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
+#include "base/output_file.hpp"
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "setup/options.hpp"
@@ -108,10 +109,10 @@ void run(const BenchCommand& o) {
   bar.reset();
 
   const std::uint64_t resident = bench::peak_resident_bytes();
-  if (!o.csv.empty()) write_output(o.csv, to_csv(rows, device.description()));
-  if (!o.common.json.empty()) write_output(o.common.json, to_json(rows, device.description(), resident));
+  if (!o.csv.empty()) write_file(o.csv, to_csv(rows, device.description()));
+  if (!o.common.json.empty()) write_file(o.common.json, to_json(rows, device.description(), resident));
   if (setup::shows_summary(o.common, o.csv)) {
-    write_output("-", table(rows, device.description(), resident));
+    write_file("-", table(rows, device.description(), resident));
   }
 }
 

@@ -1,4 +1,5 @@
 #include "geometry/decompose.hpp"
+#include "base/output_file.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +16,6 @@
 #include "base/log.hpp"
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
-#include "cli/output.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
 #include "geometry/solid.hpp"
@@ -174,8 +174,8 @@ void run(const DecomposeCommand& given) {
   log::release_warnings();
   const std::vector<Taken> all = take_apart(o, solids);
   write_parts(o, all);
-  if (!o.common.json.empty()) write_output(o.common.json, to_json(o, all));
-  if (setup::shows_summary(o.common)) write_output("-", summary(o, all));
+  if (!o.common.json.empty()) write_file(o.common.json, to_json(o, all));
+  if (setup::shows_summary(o.common)) write_file("-", summary(o, all));
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
+#include "base/output_file.hpp"
 #include "cli/commands.hpp"
-#include "cli/output.hpp"
 #include "gpu/device.hpp"
 
 namespace palpa::cli {
@@ -105,13 +105,13 @@ void run_doctor(const DoctorOptions& options, const std::vector<DoctorProbe>& pr
     sections.push_back(probe());
   const bool ok = usable_gpu(sections.front());
 
-  if (!options.common.json.empty()) write_output(options.common.json, to_json(sections, ok));
+  if (!options.common.json.empty()) write_file(options.common.json, to_json(sections, ok));
   if (options.common.json != "-" && !options.common.quiet) {
     std::string text;
     for (const DoctorSection& section : sections)
       append_text(text, section);
     text += ok ? "palpa can run here.\n" : "palpa can only compute on the CPU here (--backend cpu).\n";
-    write_output("-", text);
+    write_file("-", text);
   }
   if (!ok) throw Error(Exit::no_device, fmt::format("no usable Vulkan device: {}", driver_advice));
 }

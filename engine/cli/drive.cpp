@@ -14,6 +14,7 @@
 #include "array/layout.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
+#include "base/output_file.hpp"
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "gpu/commands.hpp"
@@ -169,10 +170,10 @@ void run(const DriveCommand& o) {
   const acoustics::FociPressure pressure =
       acoustics::pressure_at_foci(layout, drive, foci, options.medium, options.directivity);
 
-  if (!o.csv.empty()) write_output(o.csv, to_csv(layout, drive));
-  if (!o.common.json.empty()) write_output(o.common.json, to_json(layout, foci, options.medium, drive, pressure));
+  if (!o.csv.empty()) write_file(o.csv, to_csv(layout, drive));
+  if (!o.common.json.empty()) write_file(o.common.json, to_json(layout, foci, options.medium, drive, pressure));
   if (setup::shows_summary(o.common, o.csv)) {
-    write_output("-", summary(layout, foci, options.medium, drive, pressure));
+    write_file("-", summary(layout, foci, options.medium, drive, pressure));
   }
 }
 

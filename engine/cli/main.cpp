@@ -5,8 +5,8 @@
 #include <CLI/Formatter.hpp>
 
 #include "base/error.hpp"
+#include "base/output_file.hpp"
 #include "cli/commands.hpp"
-#include "cli/output.hpp"
 #include "setup/program.hpp"
 
 namespace palpa::cli {
@@ -47,10 +47,10 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    write_output("-", tidy_help(app.help()));
+    write_file("-", tidy_help(app.help()));
     return;
   } catch (const CLI::CallForVersion&) {
-    write_output("-", "palpa " PALPA_VERSION "\n");
+    write_file("-", "palpa " PALPA_VERSION "\n");
     return;
   } catch (const CLI::ParseError& error) {
     if (app.get_subcommands().empty() && !app.remaining().empty()) {

@@ -7,8 +7,8 @@
 
 #include "array/board_mesh.hpp"
 #include "base/error.hpp"
+#include "base/output_file.hpp"
 #include "cli/commands.hpp"
-#include "cli/output.hpp"
 #include "sensing/recording.hpp"
 #include "session/event_sink.hpp"
 #include "session/loop.hpp"
@@ -107,11 +107,11 @@ void refuse_what_goes_unused(const RunCommand& o) {
 }
 
 void report(const RunCommand& o, const session::LoopStats& stats) {
-  if (!o.common.json.empty()) write_output(o.common.json, session::to_json(stats));
+  if (!o.common.json.empty()) write_file(o.common.json, session::to_json(stats));
   if (o.stats == StatsFormat::json) {
-    if (o.common.json != "-") write_output("-", session::to_json(stats));
+    if (o.common.json != "-") write_file("-", session::to_json(stats));
   } else if (setup::shows_summary(o.common, o.events)) {
-    write_output("-", summary(stats));
+    write_file("-", summary(stats));
   }
 }
 

@@ -6,6 +6,7 @@
 #include "array/schedule.hpp"
 #include "base/json_writer.hpp"
 #include "base/log.hpp"
+#include "base/output_file.hpp"
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
 #include "cli/output.hpp"
@@ -235,9 +236,9 @@ void run(const TouchCommand& o) {
       o.felt.spectrum ? setup::spectra_of(make_schedule(touch, input.solids, schedules, o.touch), o.felt)
                       : std::vector<acoustics::Spectrum>();
   const TouchReport report{input, touch, o.touch, schedules, spectra, whole.lap_ms(), times};
-  if (!o.csv.empty()) write_output(o.csv, to_csv(report));
-  if (!o.common.json.empty()) write_output(o.common.json, to_json(report));
-  if (setup::shows_summary(o.common, o.csv)) write_output("-", summary(report));
+  if (!o.csv.empty()) write_file(o.csv, to_csv(report));
+  if (!o.common.json.empty()) write_file(o.common.json, to_json(report));
+  if (setup::shows_summary(o.common, o.csv)) write_file("-", summary(report));
 }
 
 }  // namespace

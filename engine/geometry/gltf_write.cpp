@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 #include <limits>
-#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/output_file.hpp"
+#include "geometry/text.hpp"
 
 namespace palpa::geometry {
 namespace {
@@ -27,30 +27,6 @@ static_assert(std::endian::native == std::endian::little, "glTF buffers are litt
 constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJsonChunk = 0x4E4F534A, kBinChunk = 0x004E4942;
-
-template <class T>
-std::string number(T value) {
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  return {text.data(), end};
-}
-
-std::string json_string(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      out += '\\';
-      out += c;
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      std::array<char, 8> escape{};
-      std::snprintf(escape.data(), escape.size(), "\\u%04x", static_cast<unsigned>(c));
-      out += escape.data();
-    } else {
-      out += c;
-    }
-  }
-  return out + '"';
-}
 
 template <class T>
 void append_value(std::string& bytes, T value) {
@@ -64,37 +40,58 @@ void pad(std::string& bytes, char with) {
     bytes += with;
 }
 
-/// The JSON arrays of a file under construction, without their brackets, and its binary chunk.
-struct Document {
-  std::string nodes, roots, meshes, materials, accessors, views, binary;
-  std::size_t count = 0;  ///< meshes so far; each has two views and two accessors
-  std::size_t node_count = 0, material_count = 0;
+struct View {
+  std::size_t begin, bytes;
+  int target;
 };
 
-void add_item(std::string& array, const std::string& item) {
-  if (!array.empty()) array += ',';
-  array += item;
+struct Accessor {
+  int component_type;
+  std::size_t count;
+  bool triples;                        ///< else single values
+  std::array<float, 3> least, most{};  ///< of triples
+};
+
+/// One mesh, its two views and accessors: first positions, then indices.
+struct Item {
+  const SceneMesh* mesh;
+  std::array<View, 2> views;
+  std::array<Accessor, 2> accessors;
+};
+
+struct Node {
+  std::string_view name;
+  std::optional<std::size_t> mesh;
+  std::vector<std::size_t> children;
+  const Haptics* haptics = nullptr;
+  const PartOf* part = nullptr;
+};
+
+/// A file under construction: what its JSON will say, and its binary chunk.
+struct Document {
+  std::vector<Item> items;
+  std::vector<Node> nodes;
+  std::vector<std::size_t> roots;
+  std::string binary;
+};
+
+std::string told(const std::filesystem::path& file, const SceneMesh& item) {
+  return file.string() + ": mesh " + text::quoted(item.name);
 }
 
-/// Returns its index.
-std::size_t add_node(Document& document, const std::string& members) {
-  add_item(document.nodes, '{' + members + '}');
-  return document.node_count++;
-}
-
-void add_view(Document& document, std::size_t begin, int target) {
-  if (!document.views.empty()) document.views += ',';
-  document.views += "{\"buffer\":0,\"byteOffset\":" + std::to_string(begin) +
-                    ",\"byteLength\":" + std::to_string(document.binary.size() - begin) +
-                    ",\"target\":" + std::to_string(target) + '}';
+/// From `begin` to the end of the binary chunk.
+View end_view(Document& document, std::size_t begin, int target) {
+  const View view{begin, document.binary.size() - begin, target};
   pad(document.binary, '\0');
+  return view;
 }
 
-void add_positions(Document& document, const Mesh& mesh, const std::string& what) {
+void add_positions(Document& document, Item& item, const std::string& what) {
   const std::size_t begin = document.binary.size();
   std::array<float, 3> low{}, high{};
   low.fill(std::numeric_limits<float>::infinity());
   high.fill(-std::numeric_limits<float>::infinity());
+  const Mesh& mesh = item.mesh->mesh;
   for (const Vec3& p : mesh.positions) {
     for (int axis = 0; axis < 3; ++axis) {
       const double value = p[axis];
@@ -106,18 +103,12 @@ void add_positions(Document& document, const Mesh& mesh, const std::string& what
       append_value(document.binary, stored);
     }
   }
-  add_view(document, begin, kArrayBuffer);
-  const auto triple = [](const std::array<float, 3>& v) {
-    return '[' + number(v[0]) + ',' + number(v[1]) + ',' + number(v[2]) + ']';
-  };
-  if (!document.accessors.empty()) document.accessors += ',';
-  document.accessors += "{\"bufferView\":" + std::to_string(2 * document.count) +
-                        ",\"componentType\":" + std::to_string(kFloat) +
-                        ",\"count\":" + std::to_string(mesh.positions.size()) +
-                        ",\"type\":\"VEC3\",\"min\":" + triple(low) + ",\"max\":" + triple(high) + '}';
+  item.views[0] = end_view(document, begin, kArrayBuffer);
+  item.accessors[0] = {kFloat, mesh.positions.size(), true, low, high};
 }
 
-void add_indices(Document& document, const Mesh& mesh, const std::string& what) {
+void add_indices(Document& document, Item& item, const std::string& what) {
+  const Mesh& mesh = item.mesh->mesh;
   // 65535 is the restart value of 16-bit indices, so the last usable index is 65534.
   const bool is_short = mesh.positions.size() <= 65535;
   const std::size_t begin = document.binary.size();
@@ -131,107 +122,138 @@ void add_indices(Document& document, const Mesh& mesh, const std::string& what) 
         append_value(document.binary, index);
     }
   }
-  add_view(document, begin, kElementArrayBuffer);
-  document.accessors += ",{\"bufferView\":" + std::to_string(2 * document.count + 1) +
-                        ",\"componentType\":" + std::to_string(is_short ? kUnsignedShort : kUnsignedInt) +
-                        ",\"count\":" + std::to_string(3 * mesh.triangles.size()) + ",\"type\":\"SCALAR\"}";
+  item.views[1] = end_view(document, begin, kElementArrayBuffer);
+  item.accessors[1] = {is_short ? kUnsignedShort : kUnsignedInt, 3 * mesh.triangles.size(), false, {}, {}};
 }
 
-/// Neighbours in the list get colours far apart: hues step by the golden ratio.
-std::string material(std::size_t index) {
-  const double hue = std::fmod(static_cast<double>(index) * 0.618033988749895, 1.0) * 6;
-  const auto channel = [hue](double at) {
-    const double k = std::fmod(at + hue, 6.0);
-    return 0.85 - 0.6 * std::clamp(std::min(k, 4 - k), 0.0, 1.0);
-  };
-  return "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[" + number(static_cast<float>(channel(5))) + ',' +
-         number(static_cast<float>(channel(3))) + ',' + number(static_cast<float>(channel(1))) +
-         ",1],\"metallicFactor\":0,\"roughnessFactor\":0.7}}";
-}
-
-/// What a node's `extras` say, as load_gltf() reads it; empty where that is nothing.
-std::string extras_of(const Haptics& haptics) {
-  std::string values;
-  const auto add = [&](const char* key, const auto& value) {
-    if (value) add_item(values, '"' + std::string(key) + "\":" + number(*value));
-  };
-  if (!haptics.touchable) add_item(values, "\"touchable\":false");
-  add("delta_m", haptics.delta_m);
-  add("foci", haptics.foci);
-  add("stride", haptics.stride);
-  add("dwell_s", haptics.dwell_s);
-  add("intensity", haptics.intensity);
-  add("press_depth_m", haptics.press_depth_m);
-  return values.empty() ? "" : ",\"extras\":{\"palpa\":{" + values + "}}";
-}
-
-std::string extras_of(const PartOf& part) {
-  return ",\"extras\":{\"palpa\":{\"part_of\":" + json_string(part.solid) + ",\"seam_m\":" + number(part.seam_m) + "}}";
+/// Returns its index.
+std::size_t add_node(Document& document, Node node) {
+  document.nodes.push_back(std::move(node));
+  return document.nodes.size() - 1;
 }
 
 /// Returns the index of its node.
-std::size_t add_mesh(Document& document, const SceneMesh& item, const std::string& file) {
-  const std::string what = file + ": mesh " + json_string(item.name);
-  if (item.mesh.triangles.empty()) throw failure(what + " has no triangles to write");
-  add_positions(document, item.mesh, what);
-  add_indices(document, item.mesh, what);
-  const std::string name = "\"name\":" + json_string(item.name);
-  std::string paint;
-  if (item.part) {
-    paint = ",\"material\":" + std::to_string(document.material_count);
-    add_item(document.materials, material(document.material_count++));
-  }
-  add_item(document.meshes, '{' + name +
-                                ",\"primitives\":[{\"attributes\":{\"POSITION\":" + std::to_string(2 * document.count) +
-                                "},\"indices\":" + std::to_string(2 * document.count + 1) + paint + "}]}");
-  const std::string extras = item.part ? extras_of(*item.part) : extras_of(item.haptics);
-  return add_node(document, name + ",\"mesh\":" + std::to_string(document.count++) + extras);
+std::size_t add_mesh(Document& document, const SceneMesh& mesh, const std::filesystem::path& file) {
+  const std::string what = told(file, mesh);
+  if (mesh.mesh.triangles.empty()) throw failure(what + " has no triangles to write");
+  Item item{&mesh, {}, {}};
+  add_positions(document, item, what);
+  add_indices(document, item, what);
+  document.items.push_back(item);
+  const PartOf* part = mesh.part ? &*mesh.part : nullptr;
+  return add_node(document, {mesh.name, document.items.size() - 1, {}, part ? nullptr : &mesh.haptics, part});
 }
 
 /// The parts of one solid, under a node of the solid's name that says how the solid is to be felt.
-void add_parts(Document& document, std::span<const SceneMesh> parts, const std::string& file) {
-  std::string children;
+void add_parts(Document& document, std::span<const SceneMesh> parts, const std::filesystem::path& file) {
+  std::vector<std::size_t> children;
   for (const SceneMesh& part : parts)
-    add_item(children, std::to_string(add_mesh(document, part, file)));
+    children.push_back(add_mesh(document, part, file));
   const SceneMesh& first = parts.front();
-  const std::size_t parent = add_node(document, "\"name\":" + json_string(first.part->solid) + ",\"children\":[" +
-                                                    children + ']' + extras_of(first.haptics));
-  add_item(document.roots, std::to_string(parent));
+  document.roots.push_back(add_node(document, {first.part->solid, {}, std::move(children), &first.haptics, nullptr}));
 }
 
-std::string json(const Document& document) {
-  std::string text = R"({"asset":{"version":"2.0","generator":"palpa"},"scene":0,"scenes":[{)";
-  if (document.count == 0) return text + "}]}";
-  text += "\"nodes\":[" + document.roots + "]}],\"nodes\":[" + document.nodes + "],\"meshes\":[" + document.meshes;
-  if (!document.materials.empty()) text += "],\"materials\":[" + document.materials;
-  return text + "],\"accessors\":[" + document.accessors + "],\"bufferViews\":[" + document.views +
-         "],\"buffers\":[{\"byteLength\":" + std::to_string(document.binary.size()) + "}]}";
+/// What a node's `extras` say, as load_gltf() reads it; nothing where that is nothing.
+void write_extras(JsonWriter& json, const Node& node) {
+  if (node.haptics && *node.haptics == Haptics{}) return;
+  json.key("extras").begin_object().key("palpa").begin_object();
+  if (node.part) json.member("part_of", node.part->solid).member("seam_m", node.part->seam_m);
+  if (node.haptics) {
+    const Haptics& haptics = *node.haptics;
+    const auto add = [&](const char* key, const auto& value) {
+      if (value) json.member(key, *value);
+    };
+    if (!haptics.touchable) json.member("touchable", false);
+    add("delta_m", haptics.delta_m);
+    add("foci", haptics.foci);
+    add("stride", haptics.stride);
+    add("dwell_s", haptics.dwell_s);
+    add("intensity", haptics.intensity);
+    add("press_depth_m", haptics.press_depth_m);
+  }
+  json.end_object().end_object();
 }
 
-/// What is no file of its own, such as a pipe or a device, is written as it stands.
-bool replaceable(const std::filesystem::path& file) {
-  std::error_code fault;
-  const auto kind = std::filesystem::symlink_status(file, fault).type();
-  return kind == std::filesystem::file_type::regular || kind == std::filesystem::file_type::not_found;
+void write_node(JsonWriter& json, const Node& node) {
+  json.begin_object().member("name", node.name);
+  if (node.mesh) json.member("mesh", *node.mesh);
+  if (!node.children.empty()) json.member("children", node.children);
+  write_extras(json, node);
+  json.end_object();
 }
 
-/// Written beside its place first: whatever happens, there is the old file or the new one.
-void write_whole(const std::filesystem::path& file, const std::string& bytes) {
-  const bool aside = replaceable(file);
-  std::filesystem::path place = file;
-  if (aside) place += ".unfinished";
-  const auto fail = [&] {
-    const int fault = errno;
-    if (aside) std::remove(place.c_str());
-    return failure(file.string() + ": cannot be written: " + std::strerror(fault));
-  };
-  std::FILE* out = std::fopen(place.c_str(), "wb");
-  if (out == nullptr) throw fail();
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size() && std::fflush(out) == 0;
-  const int fault = errno;
-  const bool closed = std::fclose(out) == 0;
-  if (!written) errno = fault;
-  if (!written || !closed || (aside && std::rename(place.c_str(), file.c_str()) != 0)) throw fail();
+/// Neighbours in the list get colours far apart: hues step by the golden ratio.
+void write_material(JsonWriter& json, std::size_t index) {
+  const double hue = std::fmod(static_cast<double>(index) * 0.618033988749895, 1.0) * 6;
+  json.begin_object().key("pbrMetallicRoughness").begin_object().key("baseColorFactor").begin_array();
+  for (const double at : {5.0, 3.0, 1.0}) {
+    const double k = std::fmod(at + hue, 6.0);
+    json.value(static_cast<float>(0.85 - 0.6 * std::clamp(std::min(k, 4 - k), 0.0, 1.0)));
+  }
+  json.value(1).end_array().member("metallicFactor", 0).member("roughnessFactor", 0.7).end_object().end_object();
+}
+
+void write_accessor(JsonWriter& json, std::size_t view, const Accessor& accessor) {
+  json.begin_object().member("bufferView", view).member("componentType", accessor.component_type);
+  json.member("count", accessor.count).member("type", accessor.triples ? "VEC3" : "SCALAR");
+  if (accessor.triples) {
+    json.member("min", std::span<const float>(accessor.least)).member("max", std::span<const float>(accessor.most));
+  }
+  json.end_object();
+}
+
+void write_view(JsonWriter& json, const View& view) {
+  json.begin_object().member("buffer", 0).member("byteOffset", view.begin).member("byteLength", view.bytes);
+  json.member("target", view.target).end_object();
+}
+
+/// Returns how many materials are used.
+std::size_t write_meshes(JsonWriter& json, const std::vector<Item>& items) {
+  std::size_t materials = 0;
+  json.key("meshes").begin_array();
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    json.begin_object().member("name", items[i].mesh->name).key("primitives").begin_array().begin_object();
+    json.key("attributes").begin_object().member("POSITION", 2 * i).end_object().member("indices", 2 * i + 1);
+    if (items[i].mesh->part) json.member("material", materials++);
+    json.end_object().end_array().end_object();
+  }
+  json.end_array();
+  return materials;
+}
+
+std::string json_of(const Document& document) {
+  JsonWriter json;
+  json.begin_object(JsonWriter::Style::compact);
+  json.key("asset").begin_object().member("version", "2.0").member("generator", "palpa").end_object();
+  json.member("scene", 0).key("scenes").begin_array().begin_object();
+  if (document.items.empty()) {
+    json.end_object().end_array().end_object();
+    return json.take();
+  }
+  json.member("nodes", document.roots).end_object().end_array();
+  json.key("nodes").begin_array();
+  for (const Node& node : document.nodes)
+    write_node(json, node);
+  json.end_array();
+  if (const std::size_t materials = write_meshes(json, document.items); materials > 0) {
+    json.key("materials").begin_array();
+    for (std::size_t i = 0; i < materials; ++i)
+      write_material(json, i);
+    json.end_array();
+  }
+  json.key("accessors").begin_array();
+  for (std::size_t i = 0; i < document.items.size(); ++i) {
+    write_accessor(json, 2 * i, document.items[i].accessors[0]);
+    write_accessor(json, 2 * i + 1, document.items[i].accessors[1]);
+  }
+  json.end_array().key("bufferViews").begin_array();
+  for (const Item& item : document.items) {
+    write_view(json, item.views[0]);
+    write_view(json, item.views[1]);
+  }
+  json.end_array().key("buffers").begin_array().begin_object();
+  json.member("byteLength", document.binary.size()).end_object().end_array().end_object();
+  return json.take();
 }
 
 }  // namespace
@@ -240,7 +262,7 @@ void write_glb(const std::filesystem::path& file, std::span<const SceneMesh> mes
   Document document;
   for (std::size_t i = 0; i < meshes.size();) {
     if (!meshes[i].part) {
-      add_item(document.roots, std::to_string(add_mesh(document, meshes[i], file.string())));
+      document.roots.push_back(add_mesh(document, meshes[i], file));
       ++i;
       continue;
     }
@@ -248,10 +270,11 @@ void write_glb(const std::filesystem::path& file, std::span<const SceneMesh> mes
     while (end < meshes.size() && meshes[end].part && meshes[end].part->solid == meshes[i].part->solid &&
            meshes[end].part->group == meshes[i].part->group)
       ++end;
-    add_parts(document, meshes.subspan(i, end - i), file.string());
+    add_parts(document, meshes.subspan(i, end - i), file);
     i = end;
   }
-  std::string text = json(document);
+  std::string text = json_of(document);
+  text.pop_back();  // the line break
   pad(text, ' ');
 
   const bool has_binary = !document.binary.empty();
@@ -271,7 +294,7 @@ void write_glb(const std::filesystem::path& file, std::span<const SceneMesh> mes
     append_value(bytes, kBinChunk);
     bytes += document.binary;
   }
-  write_whole(file, bytes);
+  write_file(file, bytes);
 }
 
 }  // namespace palpa::geometry

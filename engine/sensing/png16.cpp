@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
@@ -14,6 +13,7 @@
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/output_file.hpp"
 
 // libpng reports errors by longjmp. The functions that it may jump out of hold nothing with a destructor; what owns
 // memory lives in their callers.
@@ -104,15 +104,18 @@ struct Writer {
   ~Writer() { png_destroy_write_struct(&png, &info); }
 };
 
-void write_stdio(png_structp png, png_bytep data, std::size_t bytes) {
-  if (std::fwrite(data, 1, bytes, static_cast<std::FILE*>(png_get_io_ptr(png))) != bytes) png_error(png, "short write");
+void append(png_structp png, png_bytep data, std::size_t bytes) {
+  auto& out = *static_cast<std::string*>(png_get_io_ptr(png));
+  // Reserved before: nothing may be thrown through libpng.
+  if (bytes > out.capacity() - out.size()) png_error(png, "more bytes than pixels can take");
+  out.append(reinterpret_cast<const char*>(data), bytes);
 }
 
 void flush_nothing(png_structp) {}
 
-bool write_rows(Writer& writer, std::FILE* out, std::uint32_t width, std::uint32_t height, png_bytepp rows) {
+bool write_rows(Writer& writer, std::string& out, std::uint32_t width, std::uint32_t height, png_bytepp rows) {
   if (setjmp(png_jmpbuf(writer.png))) return false;
-  png_set_write_fn(writer.png, out, write_stdio, flush_nothing);
+  png_set_write_fn(writer.png, &out, append, flush_nothing);
   png_set_IHDR(writer.png, writer.info, width, height, 16, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   // A recording must keep up with the cameras.
@@ -133,13 +136,16 @@ std::vector<png_bytep> rows_of(const std::uint16_t* pixels, std::uint32_t width,
   return rows;
 }
 
+/// Deflate never grows data by much; the rest is room for ancillary chunks.
+std::uint64_t most_bytes(std::uint32_t width, std::uint32_t height) {
+  return std::uint64_t{width} * height * 2 + std::uint64_t{width} * height / 4 + (4u << 20);
+}
+
 }  // namespace
 
 void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
                 std::vector<std::uint16_t>& out) {
-  // Deflate never grows data by much; the rest is room for ancillary chunks.
-  const std::uint64_t most_bytes = std::uint64_t{width} * height * 2 + std::uint64_t{width} * height / 4 + (4u << 20);
-  const std::string contents = read_file(file, most_bytes);
+  const std::string contents = read_file(file, most_bytes(width, height));
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(contents.data()), contents.size());
   if (bytes.size() < 8 || png_sig_cmp(bytes.data(), 0, 8) != 0) throw bad_input(file.string(), "is not a PNG file");
 
@@ -169,18 +175,15 @@ void write_png16(const std::filesystem::path& file, std::uint32_t width, std::ui
   if (width == 0 || height == 0 || pixels.size() != std::size_t{width} * height) {
     throw bad_usage(fmt::format("{} pixels do not make an image of {}x{}", pixels.size(), width, height));
   }
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.c_str(), "wb"), std::fclose);
-  if (!out) throw failure(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
   Writer writer;
   if (!writer.info) throw failure("out of memory");
   std::vector<png_bytep> rows = rows_of(pixels.data(), width, height);
-  errno = 0;
-  const bool written = write_rows(writer, out.get(), width, height, rows.data());
-  // A full disk may show only when the last buffer is flushed.
-  if (!written || std::fflush(out.get()) != 0 || std::fclose(out.release()) != 0) {
-    const std::string reason = errno ? std::strerror(errno) : writer.fault.text;
-    throw failure(fmt::format("{}: cannot be written whole: {}", file.string(), reason));
+  std::string bytes;
+  bytes.reserve(most_bytes(width, height));
+  if (!write_rows(writer, bytes, width, height, rows.data())) {
+    throw failure(fmt::format("{}: cannot be encoded: {}", file.string(), writer.fault.text));
   }
+  write_file(file, bytes);
 }
 
 }  // namespace palpa::sensing

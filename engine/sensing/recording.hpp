@@ -2,12 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "base/stream_writer.hpp"
 #include "sensing/depth_source.hpp"
 
 namespace palpa::sensing {
@@ -15,12 +16,9 @@ namespace palpa::sensing {
 /// Writes a recording frame by frame. Whatever happens later, the frames written so far can be read back.
 class RecordingWriter {
  public:
-  /// Creates `folder` (its parent must exist) and writes `recording.toml` into it. Throws failure() when that does not
-  /// work, bad_usage when the folder holds a recording already or there is no camera.
+  /// Creates `folder` (its parent must exist; it may exist itself, empty) and writes `recording.toml` into it. Throws
+  /// failure() when that does not work, bad_usage when the folder holds anything already or there is no camera.
   RecordingWriter(const std::filesystem::path& folder, const std::vector<Camera>& cameras);
-  ~RecordingWriter();
-  RecordingWriter(const RecordingWriter&) = delete;
-  RecordingWriter& operator=(const RecordingWriter&) = delete;
 
   /// The images, then their line in `times.csv`. False, and nothing is written, where the set's time or number does not
   /// come after that of the one before, as when a camera was reset: a recording's times increase. Throws failure() on a
@@ -31,7 +29,7 @@ class RecordingWriter {
  private:
   std::filesystem::path folder_;
   std::vector<Camera> cameras_;
-  std::FILE* times_ = nullptr;
+  std::optional<StreamWriter> times_;
   std::uint64_t frames_ = 0;
   double last_time_ = 0;
   std::uint64_t last_sequence_ = 0;

@@ -1,10 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 #include "base/error.hpp"
+#include "base/output_file.hpp"
 #include "sensing/png16.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/rig_toml.hpp"
@@ -12,18 +11,12 @@
 namespace palpa::sensing {
 namespace {
 
-/// All of the text is on its way to the disk, or the recording fails.
-void put(std::FILE* out, const std::string& text, const std::filesystem::path& file) {
-  errno = 0;
-  if (std::fwrite(text.data(), 1, text.size(), out) != text.size() || std::fflush(out) != 0) {
-    throw failure(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
-  }
-}
+/// Of one line of times.csv.
+constexpr std::size_t most_waiting = 1 << 16;
 
-std::FILE* create(const std::filesystem::path& file) {
-  std::FILE* out = std::fopen(file.c_str(), "wb");
-  if (!out) throw failure(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
-  return out;
+/// All of the line is on its way to the disk, or the recording fails.
+void put(StreamWriter& out, const std::string& line) {
+  if (!out.add(line) || !out.flush_patiently()) out.fail_stalled();
 }
 
 }  // namespace
@@ -34,9 +27,8 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& folder, const std:
   std::error_code error;
   std::filesystem::create_directory(folder, error);
   if (error) throw failure(fmt::format("{}: cannot be created: {}", folder.string(), error.message()));
-  const std::filesystem::path toml = folder / "recording.toml", times = folder / "times.csv";
-  if (std::filesystem::exists(toml, error) || std::filesystem::exists(times, error)) {
-    throw bad_usage(fmt::format("{} holds a recording already, name a new folder", folder.string()));
+  if (!std::filesystem::is_empty(folder, error)) {
+    throw bad_usage(fmt::format("{} is not empty, name a new folder", folder.string()));
   }
 
   std::string text = "[recording]\nfiles = [";
@@ -48,19 +40,9 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& folder, const std:
   text += "]\ntimes = \"times.csv\"\n\n";
   for (const Camera& camera : cameras)
     text += to_toml(camera) + "\n";
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(create(toml), std::fclose);
-  put(out.get(), text, toml);
-  times_ = create(times);
-  try {
-    put(times_, columns + "\n", times);
-  } catch (...) {
-    std::fclose(times_);
-    throw;
-  }
-}
-
-RecordingWriter::~RecordingWriter() {
-  if (times_) std::fclose(times_);
+  write_file(folder / "recording.toml", text);
+  times_.emplace((folder / "times.csv").string(), most_waiting);
+  put(*times_, columns + "\n");
 }
 
 bool RecordingWriter::write(const FrameSet& set) {
@@ -79,7 +61,7 @@ bool RecordingWriter::write(const FrameSet& set) {
                 set.frames[i].depth);
   }
   // The line makes the frame part of the recording: it comes last, in one piece.
-  put(times_, line + "\n", folder_ / "times.csv");
+  put(*times_, line + "\n");
   last_time_ = oldest;
   last_sequence_ = set.sequence;
   ++frames_;

@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "session/stream_writer.hpp"
+#include "base/stream_writer.hpp"
 #include "session/udp.hpp"
 
 namespace palpa::session {

@@ -5,11 +5,12 @@
 #include <bit>
 #include <cstring>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
-#include "session/stream_writer.hpp"
+#include "base/stream_writer.hpp"
 
 namespace palpa::session {
 namespace {
@@ -36,9 +37,10 @@ std::string_view text_of(std::span<const T> values) {
 class RecordLink : public Link {
  public:
   RecordLink(const std::string& file, const LinkSetting& setting)
-      : record_bytes_(sizeof(std::uint64_t) + setting.layout.transducers.size() * sizeof(array::TransducerDrive)),
+      : transducers_(setting.layout.transducers.size()),
+        record_bytes_(sizeof(std::uint64_t) + transducers_ * sizeof(array::TransducerDrive)),
         writer_(file, block + 4 * record_bytes_) {
-    Header header{{}, version, static_cast<std::uint32_t>(setting.layout.transducers.size()), setting.slot_s};
+    Header header{{}, version, static_cast<std::uint32_t>(transducers_), setting.slot_s};
     std::memcpy(header.magic, magic, sizeof(magic));
     writer_.add(text_of(std::span<const Header>(&header, 1)));
     writer_.flush_patiently();
@@ -46,23 +48,48 @@ class RecordLink : public Link {
 
   void foci(const array::Schedule&) override {}
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+    if (ended_) return;
     // All of a record or nothing: what follows must stay readable.
     if (!writer_.fits(record_bytes_)) writer_.fail_stalled();
-    writer_.add(text_of(std::span<const std::uint64_t>(&slot, 1)));
-    writer_.add(text_of(drive));
+    fill_record(slot, drive);
+    writer_.add(record_);
     const bool due = !writer_.on_disk() || writer_.waiting().size() >= block;
-    if (due && !writer_.flush_patiently()) writer_.fail_stalled();
+    if (due) flush();
   }
   void finish() override {
-    if (!writer_.flush_patiently()) writer_.fail_stalled();
+    if (!ended_) flush();
     writer_.close();
   }
 
  private:
   static constexpr std::size_t block = 1 << 18;
 
-  std::size_t record_bytes_;
+  void fill_record(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
+    record_ = text_of(std::span<const std::uint64_t>(&slot, 1));
+    record_ += text_of(drive);
+    last_slot_ = slot;
+  }
+  void flush() {
+    try {
+      if (!writer_.flush_patiently()) writer_.fail_stalled();
+    } catch (const Error&) {
+      if (writer_.on_disk()) end_silently();
+      throw;
+    }
+  }
+  /// The disk takes no more, and what it took must not end with a drive that sounds: silence takes the last one's
+  /// place.
+  void end_silently() {
+    ended_ = true;
+    fill_record(last_slot_, array::Drive(transducers_, {0.0f, 0.0f}));
+    writer_.replace_end(record_, sizeof(Header));
+  }
+
+  std::size_t transducers_, record_bytes_;
   StreamWriter writer_;
+  std::string record_;  ///< the one that is being written
+  std::uint64_t last_slot_ = 0;
+  bool ended_ = false;  ///< nothing more can be written, and the file ends with silence
 };
 
 template <typename T>

@@ -132,6 +132,13 @@ TEST_F(WriteGlb, RefusesWhatAFileCannotHold) {
   }
 }
 
+TEST_F(WriteGlb, NamesAreValidJsonWhateverTheyHold) {
+  write_glb(file_, std::vector<SceneMesh>{{"a\xff\x7f\"b\n", triangle(0)}});
+  const Scene scene = load_gltf(file_);
+  ASSERT_EQ(scene.meshes.size(), 1U);
+  EXPECT_EQ(scene.meshes[0].name, "a\xef\xbf\xbd\x7f\"b\n");
+}
+
 TEST_F(WriteGlb, SaysWhenTheFileCannotBeWritten) {
   for (const char* place : {"/dev/full", "/nowhere/at/all.glb"}) {
     file_ = place;

@@ -8,6 +8,7 @@
 #include "bits.hpp"
 #include "random_rig.hpp"
 #include "sensing/png16.hpp"
+#include "support/file_size_limit.hpp"
 #include "support/shared_data.hpp"
 #include "throws.hpp"
 
@@ -107,9 +108,9 @@ TEST(Recording, WriterRefusesWhatItCannotKeep) {
   const fs::path folder = fresh("refuse");
   const Take take = random_take(3, 2);
   write(folder, take);
-  EXPECT_NE(
-      test::refusal([&] { RecordingWriter(folder, take.cameras); }, Exit::usage).find("holds a recording already"),
-      std::string::npos);
+  EXPECT_NE(test::refusal([&] { RecordingWriter(folder, take.cameras); }, Exit::usage)
+                .find("is not empty, name a new folder"),
+            std::string::npos);
   RecordingWriter writer(fresh("refuse2"), take.cameras);
   writer.write(take.sets[1]);
   FrameSet half = take.sets[1];
@@ -118,6 +119,46 @@ TEST(Recording, WriterRefusesWhatItCannotKeep) {
   EXPECT_NE(test::refusal([&] { RecordingWriter(fresh("refuse3") / "no" / "parent", take.cameras); }, Exit::failed),
             "");
   EXPECT_NE(test::refusal([&] { RecordingWriter(fresh("refuse4"), {}); }, Exit::usage), "");
+}
+
+TEST(Recording, WriterTakesANewOrAnEmptyFolder) {
+  const Take take = random_take(3, 2);
+  const fs::path folder = fresh("holds");
+  fs::create_directory(folder);
+  EXPECT_NO_THROW(RecordingWriter(folder, take.cameras));
+  fs::remove(folder / "recording.toml");
+  fs::remove(folder / "times.csv");
+  test::write_text(folder / "000000-0.png", "somebody's");
+  EXPECT_NE(test::refusal([&] { RecordingWriter(folder, take.cameras); }, Exit::usage), "");
+  EXPECT_EQ(test::read_text(folder / "000000-0.png"), "somebody's");
+  EXPECT_FALSE(fs::exists(folder / "recording.toml"));
+}
+
+TEST(Recording, WriterLeavesWholeFramesOnAFullDisk) {
+  const fs::path folder = fresh("full");
+  Take take = random_take(3, 11);
+  // Images smaller than times.csv, so that it is the one that does not fit.
+  for (std::size_t c = 0; c < 2; ++c) {
+    take.cameras[c].width = take.cameras[c].height = 2;
+    for (FrameSet& set : take.sets)
+      set.frames[c].depth.resize(4);
+  }
+  std::string whole;
+  {
+    RecordingWriter writer(folder, take.cameras);
+    for (std::size_t i = 0; i < 10; ++i)
+      writer.write(take.sets[i]);
+    whole = test::read_text(folder / "times.csv");
+    const test::FileSizeLimit limit(whole.size() + 5);
+    const std::string line = test::refusal([&] { writer.write(take.sets[10]); }, Exit::failed);
+    EXPECT_EQ(line, (folder / "times.csv").string() + ": cannot be written: File too large");
+  }
+  EXPECT_EQ(test::read_text(folder / "times.csv"), whole);
+  const Recording recording = load_recording(folder);
+  ASSERT_EQ(recording.entries.size(), 10u);
+  FrameSet set;
+  read_entry(recording, 9, set);
+  expect_same(set, take.sets[9]);
 }
 
 TEST(Recording, WriterLeavesOutWhatDoesNotComeAfterTheLast) {
@@ -148,7 +189,7 @@ TEST(Recording, AFullDiskIsAFailure) {
   RecordingWriter writer(folder, take.cameras);
   fs::create_symlink("/dev/full", folder / "000000-1.png");
   const std::string line = test::refusal([&] { writer.write(take.sets[0]); }, Exit::failed);
-  EXPECT_NE(line.find("000000-1.png: cannot be written whole"), std::string::npos) << line;
+  EXPECT_NE(line.find("000000-1.png: cannot be written"), std::string::npos) << line;
   EXPECT_EQ(writer.frames(), 0u);
 }
 

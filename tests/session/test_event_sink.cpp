@@ -13,9 +13,9 @@
 #include <thread>
 
 #include "base/error.hpp"
+#include "base/stream_writer.hpp"
 #include "session/event_sink.hpp"
 #include "session/link.hpp"
-#include "session/stream_writer.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "support/udp_receiver.hpp"

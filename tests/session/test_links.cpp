@@ -8,6 +8,7 @@
 #include "session/foci_link.hpp"
 #include "session/link.hpp"
 #include "session/record_link.hpp"
+#include "support/file_size_limit.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "support/udp_receiver.hpp"
@@ -74,6 +75,40 @@ TEST(RecordLink, AFullDiskIsAnError) {
   EXPECT_NE(std::string(error.what()).find("/dev/full: cannot be written"), std::string::npos) << error.what();
   EXPECT_EQ(test::thrown_by([&] { open_link("record:/no/such/folder/x", builtin_links(), s.setting); }).code(),
             Exit::failed);
+}
+
+TEST(RecordLink, EndsSilentlyWhereverTheDiskIsFull) {
+  Setting s;
+  const auto file = test::scratch_folder("limited") / "drives.bin";
+  const array::Drive loud(3, {1.0f, 0.5f});
+  constexpr std::size_t header = 24, record = 8 + 3 * 8, many = 20'000;
+  // At the first drives, where a block ends, and anywhere else; within a record at every byte.
+  for (const std::size_t records : {0u, 1u, 2u, 8190u, 8191u, 8192u, 8193u, 12'345u}) {
+    for (std::size_t rest = 0; rest < record; rest += records < 3 ? 1 : 7) {
+      const test::FileSizeLimit limit(header + records * record + rest);
+      const auto link = open_link("record:" + file.string(), builtin_links(), s.setting);
+      Error first(Exit::ok, "");
+      const auto keep_first = [&](const auto& work) {
+        const Error error = test::thrown_by(work);
+        if (first.code() == Exit::ok) first = error;
+      };
+      std::uint64_t slot = 0;
+      for (; slot < many && first.code() == Exit::ok; ++slot)
+        keep_first([&] { link->send(slot, loud); });
+      // As the loop does, whatever happened.
+      keep_first([&] { link->send(slot, array::Drive(3, {0.0f, 0.0f})); });
+      keep_first([&] { link->finish(); });
+      EXPECT_EQ(first.code(), Exit::failed);
+      EXPECT_EQ(first.what(), file.string() + ": cannot be written: File too large");
+      const DriveRecording recording = read_drive_recording(file);
+      ASSERT_EQ(recording.drives.size(), records) << rest << " bytes of another fitted";
+      for (std::size_t i = 0; i < records; ++i) {
+        const float amplitude = i + 1 < records ? 1.0f : 0.0f;
+        ASSERT_EQ(recording.drives[i].drive[2].amplitude, amplitude) << i << " of " << records;
+        ASSERT_TRUE(i == 0 || recording.drives[i].slot > recording.drives[i - 1].slot) << i;
+      }
+    }
+  }
 }
 
 TEST(RecordLink, BrokenFilesAreNamed) {

@@ -1,5 +1,5 @@
-// Writes to whatever a file name may stand for - a file, a pipe, a terminal, stdout - without waiting long for a
-// reader.
+// Writes to whatever a file name may stand for - a file, a pipe, a terminal, stdout - what is read while it grows,
+// without waiting long for a reader. Files that are to be there whole or not at all are base/output_file.hpp's.
 //
 // A pipe that nobody reads is full after 64 KiB, and an ordinary write then waits for as long as it takes, Ctrl-C or
 // not. Here bytes wait in memory instead, and flush() says how long it may take.
@@ -7,11 +7,12 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace palpa::session {
+namespace palpa {
 
 class StreamWriter {
  public:
@@ -34,21 +35,27 @@ class StreamWriter {
   std::string_view waiting() const { return {buffer_.data() + begin_, end_ - begin_}; }
   bool fits(std::size_t bytes) const { return bytes <= buffer_.size() - (end_ - begin_); }
 
-  /// Adds to what waits; false, and nothing is added, where there is no room for it.
-  bool add(std::string_view bytes);
+  /// Adds a record to what waits; false, and nothing is added, where there is no room for it.
+  bool add(std::string_view record);
   /// Writes what waits, but gives up after `seconds` (0: what can be written at once), or when `stop` becomes true.
-  /// True when all is written. Throws failure(): a closed pipe, a full disk.
+  /// True when all is written. Throws failure(): a closed pipe, a full disk. Nothing can be written after that; a file
+  /// on a disk then ends with its last whole record.
   bool flush(double seconds, const std::atomic<bool>* stop = nullptr);
   /// flush(patience_s), or with last_patience_s where the last such had to give up.
   bool flush_patiently();
+  /// After a failure on a disk: `bytes` take the place of the last so many of the file, which needs no room that the
+  /// file does not have already. The first `keep` bytes stay; false where the file is too short for that, or that does
+  /// not work either.
+  bool replace_end(std::string_view bytes, std::uint64_t keep);
   /// Closes the file, not stdout; some file systems tell of a full disk only here. What still waits is lost.
   void close();
 
-  /// The failure() of a reader that is too slow.
-  [[noreturn]] void fail_stalled() const;
+  /// The failure() of a reader that is too slow; a file on a disk ends with its last whole record.
+  [[noreturn]] void fail_stalled();
 
  private:
-  [[noreturn]] void fail(int code) const;
+  void cut_to_whole_records() noexcept;
+  std::uint64_t whole_records() const;
 
   std::string name_;
   int descriptor_ = -1;
@@ -57,6 +64,8 @@ class StreamWriter {
   bool stalled_ = false;
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;
+  std::uint64_t added_ = 0, written_ = 0;  ///< bytes, since the beginning
+  std::vector<std::uint64_t> ends_;        ///< on a disk: where the records that were waiting after the last flush end
 };
 
-}  // namespace palpa::session
+}  // namespace palpa

@@ -1,0 +1,47 @@
+// The one way in which palpa writes whole files. What is read while it grows is base/stream_writer.hpp's.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "base/output_place.hpp"
+
+namespace palpa {
+
+/// A file that is there whole or not at all: written beside its place and renamed over it by finish(), so that whoever
+/// looks finds the old one or the new one, also when two write the same. Symbolic links are followed; a file that is
+/// replaced keeps its mode (and owner), a new one has the umask's. Nothing is synchronised: after a power failure, the
+/// file system decides.
+///
+/// Written where they stand are devices, pipes and what is open already; a file of somebody else; and one in a folder
+/// that takes no new files.
+class OutputFile {
+ public:
+  /// "-" is stdout. As everywhere, opening a FIFO waits for its reader. Throws failure() naming the file.
+  explicit OutputFile(const std::filesystem::path& file);
+  /// Without finish(): a file that would have been replaced is as it was, a new one is not there.
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// Throws failure() naming the file: a full disk, a limit, a closed pipe.
+  void write(std::string_view bytes);
+  /// The file is in its place. Throws as write().
+  void finish();
+
+ private:
+  bool open_beside();
+  void flush();
+  void put(std::string_view bytes) const;
+
+  OutputPlace place_;
+  std::filesystem::path beside_;  ///< empty: written where it stands
+  int descriptor_ = -1;
+  std::string buffer_;
+};
+
+/// All of `bytes` as a file, see OutputFile.
+void write_file(const std::filesystem::path& file, std::string_view bytes);
+
+}  // namespace palpa

@@ -1,0 +1,159 @@
+// Whole files: the old one or the new one, whatever happens between.
+#include "base/output_file.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include "base/error.hpp"
+#include "base/input_file.hpp"
+#include "support/file_size_limit.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa {
+namespace {
+
+namespace fs = std::filesystem;
+
+class OutputFileTest : public testing::Test {
+ protected:
+  fs::path folder_ = test::scratch_folder("output");
+  fs::path file_ = folder_ / "out";
+
+  std::string contents(const fs::path& file) const { return read_file(file, 1 << 20); }
+  std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+  mode_t mode(const fs::path& file) const {
+    struct stat status {};
+    EXPECT_EQ(stat(file.c_str(), &status), 0);
+    return status.st_mode & 07777;
+  }
+};
+
+TEST_F(OutputFileTest, IsThereWholeOrNotAtAll) {
+  {
+    OutputFile out(file_);
+    out.write("some");
+    out.write(std::string(1 << 18, 'x'));
+    EXPECT_FALSE(fs::exists(file_));
+  }
+  EXPECT_EQ(files(), 0u);
+  write_file(file_, "old");
+  {
+    OutputFile out(file_);
+    out.write("new");
+    EXPECT_EQ(contents(file_), "old");
+    out.finish();
+    EXPECT_EQ(contents(file_), "new");
+  }
+  write_file(file_, "a" + std::string(1 << 18, 'x') + "b");
+  EXPECT_EQ(contents(file_), "a" + std::string(1 << 18, 'x') + "b");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(OutputFileTest, AFullDiskLeavesWhatWas) {
+  write_file(file_, "old");
+  const test::FileSizeLimit limit(100'000);
+  for (const fs::path& file : {file_, folder_ / "new"}) {
+    const Error error = test::thrown_by([&] { write_file(file, std::string(200'000, 'x')); });
+    EXPECT_EQ(error.code(), Exit::failed);
+    EXPECT_EQ(error.what(), file.string() + ": cannot be written: File too large");
+  }
+  EXPECT_EQ(contents(file_), "old");
+  EXPECT_EQ(files(), 1u);
+  EXPECT_STREQ(test::thrown_by([] { write_file("/dev/full", "x"); }).what(),
+               "/dev/full: cannot be written: No space left on device");
+}
+
+TEST_F(OutputFileTest, KeepsTheModeOfWhatItReplaces) {
+  const mode_t mask = umask(027);
+  write_file(file_, "x");
+  EXPECT_EQ(mode(file_), 0640u);
+  chmod(file_.c_str(), 0604);
+  write_file(file_, "y");
+  EXPECT_EQ(mode(file_), 0604u);
+  umask(mask);
+}
+
+TEST_F(OutputFileTest, FollowsLinks) {
+  fs::create_directory(folder_ / "deep");
+  fs::create_symlink("deep/file", folder_ / "first");
+  fs::create_symlink(folder_ / "first", file_);
+  write_file(file_, "nothing was there");
+  EXPECT_EQ(contents(folder_ / "deep/file"), "nothing was there");
+  write_file(file_, "something was");
+  EXPECT_EQ(contents(folder_ / "deep/file"), "something was");
+  EXPECT_TRUE(fs::is_symlink(file_));
+  EXPECT_TRUE(fs::is_symlink(folder_ / "first"));
+  fs::create_symlink("round", folder_ / "round");
+  EXPECT_NE(std::string(test::thrown_by([&] { write_file(folder_ / "round", "x"); }).what()).find("symbolic links"),
+            std::string::npos);
+}
+
+TEST_F(OutputFileTest, WritesPipesAndDevicesWhereTheyStand) {
+  write_file("/dev/null", "x");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
+  std::string read;
+  std::thread reader([&] {
+    std::ifstream in(file_, std::ios::binary);
+    read.assign(std::istreambuf_iterator<char>(in), {});
+  });
+  write_file(file_, std::string(300'000, 'x'));
+  reader.join();
+  EXPECT_EQ(read, std::string(300'000, 'x'));
+  EXPECT_TRUE(fs::is_fifo(file_));
+}
+
+TEST_F(OutputFileTest, AppendsToWhatIsOpenAlready) {
+  const int open_file = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  ASSERT_GE(open_file, 0);
+  const std::string behind = "/proc/self/fd/" + std::to_string(open_file);
+  write_file(behind, "x");
+  char read = 0;
+  EXPECT_EQ(pread(open_file, &read, 1, 0), 1) << "another file took its place";
+  EXPECT_EQ(read, 'x');
+  close(open_file);
+}
+
+TEST_F(OutputFileTest, RefusesWhatCannotBeWrittenBeforeAnythingIs) {
+  const auto fault = [](const fs::path& file) {
+    const Error error = test::thrown_by([&] { refuse_unwritable(output_place(file)); });
+    EXPECT_EQ(error.code(), Exit::failed) << file;
+    return std::string(error.what());
+  };
+  EXPECT_EQ(fault(folder_), folder_.string() + ": cannot be written: Is a directory");
+  EXPECT_EQ(fault(folder_ / "absent" / "x"),
+            (folder_ / "absent/x").string() + ": cannot be written: No such file or directory");
+  write_file(file_, "x");
+  EXPECT_NE(fault(file_ / "x").find("Not a directory"), std::string::npos);
+  EXPECT_NE(fault(folder_ / "x/"), "");
+  EXPECT_EQ(test::thrown_by([&] { refuse_unwritable(output_place(file_)); }).code(), Exit::ok);
+  EXPECT_EQ(test::thrown_by([&] { refuse_unwritable(output_place(folder_ / "new")); }).code(), Exit::ok);
+  EXPECT_EQ(test::thrown_by([] { refuse_unwritable(output_place("-")); }).code(), Exit::ok);
+  EXPECT_EQ(files(), 1u);
+  if (geteuid() == 0) GTEST_SKIP() << "root may write anything";
+  chmod(file_.c_str(), 0400);
+  EXPECT_NE(fault(file_).find("Permission denied"), std::string::npos);
+}
+
+TEST_F(OutputFileTest, KnowsAFileByEveryName) {
+  write_file(file_, "x");
+  fs::create_symlink("out", folder_ / "soft");
+  fs::create_hard_link(file_, folder_ / "hard");
+  const OutputPlace place = output_place(file_);
+  EXPECT_EQ(place.kind, OutputPlace::Kind::file);
+  EXPECT_EQ(output_place(folder_ / "soft").identity, place.identity);
+  EXPECT_EQ(output_place(folder_ / "hard").identity, place.identity);
+  EXPECT_NE(output_place(folder_ / "other").identity, place.identity);
+}
+
+}  // namespace
+}  // namespace palpa
