@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Receives palpa's foci and plays them as another array's software would; here what would sound is printed.
 
-    receive_foci.py [PORT] &
+    receive_foci.py [PORT [SECONDS]] &      ends when no line has come for so long after the first one [60]
     palpa run --scene assets/cube.glb --link foci:udp:127.0.0.1:9000
 """
 import json
@@ -13,6 +13,37 @@ import time
 HOLD_NS = 100_000_000  # no line for so long: palpa is gone or out of reach, be silent
 
 
+def number(value, low, high):
+    """Whether it is a number from low to high: NaN is in no range, True and False are no numbers."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and low <= value <= high
+
+
+def fingers_of(datagram):
+    """The line's fingers, checked as far as they are used: anybody can send a datagram. ValueError where it is no such line."""
+
+    def need(fine):
+        if not fine:
+            raise ValueError(datagram)
+    try:
+        fingers = json.loads(datagram)["fingers"]
+        need(isinstance(fingers, list))
+        for finger in fingers:
+            need(number(finger["id"], 0, 2**32) and number(finger["gain"], 0, 1) and isinstance(finger["solid"], str))
+            need(finger["solid"].isprintable())
+            need(number(finger["dwell_s"], 1e-6, 10) and number(finger["modulation_hz"], 0, 1e6))
+            need(finger["modulation_hz"] == 0 or finger["modulation"] in ("pressure-sine", "amplitude-sine"))
+            need(isinstance(finger["foci_m"], list) and isinstance(finger["order"], list) and finger["order"])
+            for focus in finger["foci_m"]:
+                need(isinstance(focus, list) and len(focus) == 3 and all(number(axis, -1e3, 1e3) for axis in focus))
+            for step in finger["order"]:
+                need(step != [])
+                for focus in step if isinstance(step, list) else [step]:
+                    need(isinstance(focus, int) and number(focus, 0, len(finger["foci_m"]) - 1))
+    except (KeyError, TypeError, RecursionError) as fault:
+        raise ValueError(datagram) from fault
+    return fingers
+
+
 def amplitude(finger, time_s):
     """Of a finger's foci, 0 to 1: its gain, times its modulation where its foci stand still."""
     if finger["modulation_hz"] == 0:
@@ -21,30 +52,49 @@ def amplitude(finger, time_s):
     return finger["gain"] * (math.sqrt(raised) if finger["modulation"] == "pressure-sine" else raised)
 
 
-receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-receiver.bind(("127.0.0.1", int(sys.argv[1]) if len(sys.argv) > 1 else 9000))
-receiver.setblocking(False)
-print("listening", flush=True)
-fingers, sounding = [], False
-begin = heard = time.monotonic_ns()
-while True:
-    now = time.monotonic_ns()
+def show(text):
+    """On a terminal one line that changes, else a line each."""
+    print(f"\r{text:.118}\x1b[K" if sys.stdout.isatty() else text, end="" if sys.stdout.isatty() else "\n", flush=True)
+
+
+def main():
+    receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    receiver.bind(("127.0.0.1", int(sys.argv[1]) if len(sys.argv) > 1 else 9000))
+    receiver.setblocking(False)
+    linger_ns = round(float(sys.argv[2] if len(sys.argv) > 2 else 60) * 1e9)
+    show("listening")
+    fingers, sounding, bad = [], False, 0
+    begin, heard = time.monotonic_ns(), None
+    while heard is None or time.monotonic_ns() - heard < linger_ns:
+        now = time.monotonic_ns()
+        try:
+            while True:  # one line per frame, the newest counts; no fingers: be silent
+                try:
+                    fingers, heard = fingers_of(receiver.recv(65536)), now
+                except ValueError:
+                    bad += 1  # as if it had not come: what sounds is not prolonged by it
+        except BlockingIOError:
+            if heard is None or now - heard > HOLD_NS:
+                fingers = []
+        t_ns = now - begin  # never starts again: the place in the order runs on from line to line
+        for finger in fingers:
+            step = finger["order"][t_ns // round(finger["dwell_s"] * 1e9) % len(finger["order"])]
+            for focus in step if isinstance(step, list) else [step]:  # a list: foci that sound together
+                x, y, z = finger["foci_m"][focus]
+                show(f"{t_ns} ns: finger {finger['id']} on {finger['solid']}: "
+                     f"amplitude {amplitude(finger, t_ns * 1e-9):.3f} of focus {focus} at {x:.4f} {y:.4f} {z:.4f} m")
+        if sounding and not fingers:
+            show(f"{t_ns} ns: silent")
+        sounding = bool(fingers)
+        tick_ns = min((round(finger["dwell_s"] * 1e9) for finger in fingers), default=1_500_000)  # the shortest dwell
+        time.sleep(min(tick_ns - t_ns % tick_ns, HOLD_NS // 2) * 1e-9)
+    show(f"no line for {linger_ns * 1e-9:g} s: the end; {bad} datagrams were no lines of foci")
+    if sys.stdout.isatty():
+        print()
+
+
+if __name__ == "__main__":
     try:
-        while True:  # one line per frame, the newest counts; no fingers: be silent
-            fingers, heard = json.loads(receiver.recv(65536))["fingers"], now
-    except BlockingIOError:
-        if now - heard > HOLD_NS:
-            fingers = []
-    t_ns = now - begin  # never starts again: the place in the order runs on from line to line
-    for finger in fingers:
-        step = finger["order"][t_ns // round(finger["dwell_s"] * 1e9) % len(finger["order"])]
-        for focus in step if isinstance(step, list) else [step]:  # a list: foci that sound together
-            x, y, z = finger["foci_m"][focus]
-            print(f"{t_ns} ns: finger {finger['id']} on {finger['solid']}:",
-                  f"amplitude {amplitude(finger, t_ns * 1e-9):.3f} of focus {focus}",
-                  f"at {x:.4f} {y:.4f} {z:.4f} m", flush=True)
-    if sounding and not fingers:
-        print(f"{t_ns} ns: silent", flush=True)
-    sounding = bool(fingers)
-    tick_ns = min((round(finger["dwell_s"] * 1e9) for finger in fingers), default=1_500_000)  # the shortest dwell
-    time.sleep((tick_ns - t_ns % tick_ns) * 1e-9)
+        main()
+    except KeyboardInterrupt:
+        print()

@@ -6,14 +6,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <thread>
 
 #include "process.hpp"
@@ -164,105 +161,6 @@ TEST(CliRun, StreamsFociToWhoeverListens) {
   EXPECT_EQ(finger["foci_m"].size(), 10u);
   EXPECT_EQ(finger["order"], (std::vector<int>{0, 3, 6, 9, 2, 5, 8, 1, 4, 7}));
   EXPECT_LT(std::abs(finger["foci_m"][0][1].get<double>()), 0.006) << "foci lie near the cube's top";
-}
-
-/// The example of docs/files.md, as it stands there. What it prints goes into a file.
-class PythonReceiver {
- public:
-  PythonReceiver(int port, const std::filesystem::path& out) : out_(out) {
-    const std::string script = source_file("docs/examples/receive_foci.py").string();
-    const std::string command =
-        "exec python3 '" + script + "' " + std::to_string(port) + " >'" + out.string() + "' 2>&1";
-    std::vector<std::string> words{"/bin/sh", "-c", command};
-    std::vector<char*> argv{words[0].data(), words[1].data(), words[2].data(), nullptr};
-    EXPECT_EQ(posix_spawn(&pid_, "/bin/sh", nullptr, nullptr, argv.data(), environ), 0);
-  }
-  ~PythonReceiver() {
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-  }
-  PythonReceiver(const PythonReceiver&) = delete;
-
-  std::vector<std::string> lines() const {
-    std::ifstream in(out_);
-    std::vector<std::string> all;
-    for (std::string line; std::getline(in, line);)
-      all.push_back(line);
-    return all;
-  }
-  /// Waits until the last line of at least `least` ends like that.
-  bool says(const std::string& last, std::size_t least = 1) const {
-    for (int i = 0; i < 1000; ++i, std::this_thread::sleep_for(10ms)) {
-      const std::vector<std::string> all = lines();
-      if (all.size() >= least && all.back().ends_with(last)) return true;
-    }
-    return false;
-  }
-
- private:
-  std::filesystem::path out_;
-  pid_t pid_ = 0;
-};
-
-TEST(CliRun, TheReceiverInPythonPlaysWhatItIsTold) {
-  if (std::system("python3 -c pass >/dev/null 2>&1") != 0) GTEST_SKIP() << "skipped: no python3";
-  const int sender = socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  // A port that is free: the receiver gets it from another socket that had it.
-  const int other = socket(AF_INET, SOCK_DGRAM, 0);
-  ASSERT_EQ(bind(other, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
-  socklen_t size = sizeof(address);
-  getsockname(other, reinterpret_cast<sockaddr*>(&address), &size);
-  close(other);
-  const int port = ntohs(address.sin_port);
-  const PythonReceiver receiver(port, scratch_folder("receiver") / "out");
-  ASSERT_TRUE(receiver.says("listening"));
-
-  const Result result = palpa(
-      {"run", "--scene", cube(), "--frames", "40", "--quiet", "--link", "foci:udp:127.0.0.1:" + std::to_string(port)});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  ASSERT_TRUE(receiver.says(": silent", 10));
-  const std::size_t before = receiver.lines().size();
-  EXPECT_NE(receiver.lines()[1].find("on cube: amplitude 1.000 of focus"), std::string::npos) << receiver.lines()[1];
-
-  // One line, and then nothing more, as of a palpa that was killed.
-  const std::string line =
-      R"({"time_s": 1, "fingers": [{"id": 1, "solid": "slow", "foci_m": [[0, 0, 0], [0, 0, 0]], "order": [1, 0],)"
-      R"("dwell_s": 0.004, "modulation_hz": 0, "gain": 0.5}, {"id": 2, "solid": "fast", "foci_m": [[0, 0, 0], [0, 0, 0],)"
-      R"([0, 0, 0]], "order": [0, 2, 1], "dwell_s": 0.001, "modulation_hz": 0, "gain": 0.25}, {"id": 3, "solid":)"
-      R"("still", "foci_m": [[0, 0, 0]], "order": [0], "dwell_s": 0.0015, "modulation_hz": 70,)"
-      R"("modulation": "pressure-sine", "gain": 0.75}]})";
-  ASSERT_EQ(sendto(sender, line.data(), line.size(), 0, reinterpret_cast<sockaddr*>(&address), size),
-            static_cast<ssize_t>(line.size()));
-  close(sender);
-  ASSERT_TRUE(receiver.says(": silent", before + 4)) << "it plays on though nobody tells it to";
-  const std::vector<std::string> all = receiver.lines();
-  long long first_ns = 0, last_ns = 0;
-  for (std::size_t i = before; i + 1 < all.size(); ++i) {
-    long long t_ns = 0;
-    int finger = 0, focus = 0;
-    char solid[16];
-    double amplitude = 0;
-    ASSERT_EQ(std::sscanf(all[i].c_str(), "%lld ns: finger %d on %15[a-z]: amplitude %lf of focus %d", &t_ns, &finger,
-                          solid, &amplitude, &focus),
-              5)
-        << all[i];
-    first_ns = i == before ? t_ns : first_ns;
-    last_ns = t_ns;
-    if (finger == 1) {
-      EXPECT_EQ(amplitude, 0.5);
-      EXPECT_EQ(focus, 1 - t_ns / 4'000'000 % 2) << all[i];
-    } else if (finger == 2) {
-      EXPECT_EQ(amplitude, 0.25);
-      EXPECT_EQ(focus, (std::array{0, 2, 1})[t_ns / 1'000'000 % 3]) << all[i];
-    } else {
-      const double raised = 0.5 * (1 + std::sin(2 * std::numbers::pi * 70 * static_cast<double>(t_ns) * 1e-9));
-      EXPECT_NEAR(amplitude, 0.75 * std::sqrt(raised), 1e-3);
-    }
-  }
-  EXPECT_LE(last_ns - first_ns, 100'000'000);
 }
 
 TEST(CliRun, FociThatStandStillAreModulatedAsAsked) {

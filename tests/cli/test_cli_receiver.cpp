@@ -1,0 +1,246 @@
+// The receiver that docs/examples offers for copying: it plays what it is told, and nothing that it was not.
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "process.hpp"
+#include "support/shared_data.hpp"
+
+extern char** environ;
+
+namespace palpa::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Every child finds the assets, wherever this was built.
+[[maybe_unused]] const int assets_are_known = setenv("PALPA_ASSETS", source_file("assets").c_str(), 1);
+
+std::string cube() {
+  return source_file("assets/cube.glb").string();
+}
+
+bool without_python() {
+  return std::system("python3 -c pass >/dev/null 2>&1") != 0;
+}
+
+/// Sends datagrams to a port that was free when it was made.
+class Sender {
+ public:
+  Sender() : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    address_.sin_family = AF_INET;
+    address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const int other = socket(AF_INET, SOCK_DGRAM, 0);
+    EXPECT_EQ(bind(other, reinterpret_cast<sockaddr*>(&address_), sizeof(address_)), 0);
+    socklen_t size = sizeof(address_);
+    getsockname(other, reinterpret_cast<sockaddr*>(&address_), &size);
+    close(other);
+  }
+  ~Sender() { close(socket_); }
+  Sender(const Sender&) = delete;
+  Sender& operator=(const Sender&) = delete;
+
+  int port() const { return ntohs(address_.sin_port); }
+  void send(const std::string& datagram) const {
+    EXPECT_EQ(sendto(socket_, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&address_),
+                     sizeof(address_)),
+              static_cast<ssize_t>(datagram.size()));
+  }
+
+ private:
+  int socket_;
+  sockaddr_in address_{};
+};
+
+/// A program in the background; killed, should it still run.
+class Child {
+ public:
+  Child(const std::string& program, std::vector<std::string> words) {
+    std::vector<char*> argv;
+    words.insert(words.begin(), program);
+    for (std::string& word : words)
+      argv.push_back(word.data());
+    argv.push_back(nullptr);
+    EXPECT_EQ(posix_spawn(&pid_, program.c_str(), nullptr, nullptr, argv.data(), environ), 0);
+  }
+  ~Child() {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  void signal(int number) const { kill(pid_, number); }
+
+ private:
+  pid_t pid_ = 0;
+};
+
+/// The example of docs/files.md, as it stands there. What it prints goes into a file.
+class PythonReceiver {
+ public:
+  PythonReceiver(int port, std::filesystem::path out, const std::string& seconds = "60")
+      : out_(std::move(out)),
+        child_("/bin/sh", {"-c", "exec python3 '" + source_file("docs/examples/receive_foci.py").string() + "' " +
+                                     std::to_string(port) + " " + seconds + " >'" + out_.string() + "' 2>&1"}) {}
+
+  std::vector<std::string> lines() const {
+    std::ifstream in(out_);
+    std::vector<std::string> all;
+    for (std::string line; std::getline(in, line);)
+      all.push_back(line);
+    return all;
+  }
+  /// Waits until the last line of at least `least` ends like that.
+  bool says(const std::string& last, std::size_t least = 1) const {
+    for (int i = 0; i < 1000; ++i, std::this_thread::sleep_for(10ms)) {
+      const std::vector<std::string> all = lines();
+      if (all.size() >= least && all.back().ends_with(last)) return true;
+    }
+    return false;
+  }
+  /// Waits for a line that holds this.
+  bool has_said(const std::string& part) const {
+    for (int i = 0; i < 1000; ++i, std::this_thread::sleep_for(10ms)) {
+      for (const std::string& line : lines()) {
+        if (line.find(part) != std::string::npos) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  std::filesystem::path out_;
+  Child child_;
+};
+
+TEST(Receiver, PlaysWhatItIsTold) {
+  if (without_python()) GTEST_SKIP() << "skipped: no python3";
+  const Sender sender;
+  const PythonReceiver receiver(sender.port(), scratch_folder("receiver") / "out");
+  ASSERT_TRUE(receiver.says("listening"));
+
+  const Result result = palpa({"run", "--scene", cube(), "--frames", "40", "--quiet", "--link",
+                               "foci:udp:127.0.0.1:" + std::to_string(sender.port())});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  ASSERT_TRUE(receiver.says(": silent", 10));
+  const std::size_t before = receiver.lines().size();
+  EXPECT_NE(receiver.lines()[1].find("on cube: amplitude 1.000 of focus"), std::string::npos) << receiver.lines()[1];
+
+  // One line, and then nothing more, as of a palpa that was killed.
+  const std::string line =
+      R"({"time_s": 1, "fingers": [{"id": 1, "solid": "slow", "foci_m": [[0, 0, 0], [0, 0, 0]], "order": [1, 0],)"
+      R"("dwell_s": 0.004, "modulation_hz": 0, "gain": 0.5}, {"id": 2, "solid": "fast", "foci_m": [[0, 0, 0], [0, 0, 0],)"
+      R"([0, 0, 0]], "order": [0, 2, 1], "dwell_s": 0.001, "modulation_hz": 0, "gain": 0.25}, {"id": 3, "solid":)"
+      R"("still", "foci_m": [[0, 0, 0]], "order": [0], "dwell_s": 0.0015, "modulation_hz": 70,)"
+      R"("modulation": "pressure-sine", "gain": 0.75}]})";
+  sender.send(line);
+  ASSERT_TRUE(receiver.says(": silent", before + 4)) << "it plays on though nobody tells it to";
+  const std::vector<std::string> all = receiver.lines();
+  long long first_ns = 0, last_ns = 0;
+  for (std::size_t i = before; i + 1 < all.size(); ++i) {
+    long long t_ns = 0;
+    int finger = 0, focus = 0;
+    char solid[16];
+    double amplitude = 0;
+    ASSERT_EQ(std::sscanf(all[i].c_str(), "%lld ns: finger %d on %15[a-z]: amplitude %lf of focus %d", &t_ns, &finger,
+                          solid, &amplitude, &focus),
+              5)
+        << all[i];
+    first_ns = i == before ? t_ns : first_ns;
+    last_ns = t_ns;
+    if (finger == 1) {
+      EXPECT_EQ(amplitude, 0.5);
+      EXPECT_EQ(focus, 1 - t_ns / 4'000'000 % 2) << all[i];
+    } else if (finger == 2) {
+      EXPECT_EQ(amplitude, 0.25);
+      EXPECT_EQ(focus, (std::array{0, 2, 1})[t_ns / 1'000'000 % 3]) << all[i];
+    } else {
+      const double raised = 0.5 * (1 + std::sin(2 * std::numbers::pi * 70 * static_cast<double>(t_ns) * 1e-9));
+      EXPECT_NEAR(amplitude, 0.75 * std::sqrt(raised), 1e-3);
+    }
+  }
+  EXPECT_LE(last_ns - first_ns, 100'000'000);
+}
+
+TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
+  if (without_python()) GTEST_SKIP() << "skipped: no python3";
+  const Sender sender;
+  const PythonReceiver receiver(sender.port(), scratch_folder("receiver") / "out", "1");
+  ASSERT_TRUE(receiver.says("listening"));
+  const std::string line =
+      R"({"time_s": 1, "fingers": [{"id": 1, "solid": "cube", "foci_m": [[0, 0, 0]], "order": [0],)"
+      R"("dwell_s": 0.0015, "modulation_hz": 0, "gain": 1}]})";
+  const auto with = [&](const std::string& what, const std::string& other) {
+    std::string changed = line;
+    return changed.replace(changed.find(what), what.size(), other);
+  };
+  sender.send("before the first line nothing ends it");
+  std::this_thread::sleep_for(1200ms);
+  sender.send(line);
+  ASSERT_TRUE(receiver.has_said("on cube: amplitude 1.000"));
+  const std::vector<std::string> strays{"hello",
+                                        "",
+                                        "{}",
+                                        "[]",
+                                        "3",
+                                        "\"fingers\"",
+                                        "\xff\xfe",
+                                        R"({"fingers": null})",
+                                        R"({"fingers": {"a": 1}})",
+                                        R"({"fingers": [7]})",
+                                        std::string(60000, '['),
+                                        with("[0]", "[]"),
+                                        with("[0]", "[1]"),
+                                        with("[0]", "[-1]"),
+                                        with("[0]", "[true]"),
+                                        with("[0]", "[[]]"),
+                                        with("0.0015", "0"),
+                                        with("0.0015", "1e400"),
+                                        with("0.0015", "NaN"),
+                                        with("[[0, 0, 0]]", "[[0, 0]]"),
+                                        with(R"("gain": 1)", R"("gain": 2)"),
+                                        with("cube", R"(\u001b[2J)"),
+                                        with(R"("modulation_hz": 0)", R"("modulation_hz": 200)"),
+                                        with(R"("id": 1,)", "")};
+  // For longer than the hold: none of them may prolong what sounds.
+  for (const std::string& stray : strays) {
+    sender.send(stray);
+    std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_TRUE(receiver.says(": silent", 3)) << receiver.lines().back();
+  EXPECT_TRUE(receiver.says("the end; " + std::to_string(strays.size() + 1) + " datagrams were no lines of foci"))
+      << receiver.lines().back();
+}
+
+TEST(Receiver, GoesSilentWhenPalpaCrashes) {
+  if (without_python()) GTEST_SKIP() << "skipped: no python3";
+  for (const int crash : {SIGSEGV, SIGABRT, SIGKILL, SIGSTOP}) {
+    const Sender sender;
+    const PythonReceiver receiver(sender.port(), scratch_folder("receiver") / "out");
+    ASSERT_TRUE(receiver.says("listening"));
+    const Child run(palpa_binary(), {"run", "--scene", cube(), "--backend", "cpu", "--quiet", "--link",
+                                     "foci:udp:127.0.0.1:" + std::to_string(sender.port())});
+    ASSERT_TRUE(receiver.has_said("on cube: amplitude 1.000"));
+    run.signal(crash);
+    EXPECT_TRUE(receiver.says(": silent", 3)) << "signal " << crash;
+  }
+}
+
+}  // namespace
+}  // namespace palpa::test
