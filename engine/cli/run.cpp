@@ -35,6 +35,7 @@ struct RunCommand {
   setup::SolidOptions solids;
   setup::TouchOptions touch;
   setup::DriveOptionsGroup drive;
+  session::Safety safety;
   double hold_s = 0.1;
   std::uint64_t frames = 0;
   bool every_frame = false;
@@ -54,6 +55,10 @@ void add_options(CLI::App& app, RunCommand& o) {
   group.integer("--frames", o.frames, 0, std::uint64_t{1} << 62,
                 "stop after that many frames; 0: at the source's end or Ctrl-C");
   group.quantity("--hold", o.hold_s, Quantity::time, setup::positive(10), "silence when no frame came for that long");
+  group.number("--ceiling", o.safety.ceiling, {0, 1}, "NUMBER",
+               "multiplies every transducer's amplitude, 0 to 1; the pressure that skin feels follows its square");
+  group.quantity("--ramp", o.safety.ramp_s, Quantity::time, {0, session::most_ramp_s},
+                 "how long amplitudes take up when a touch begins, and down when it ends");
   group.flag("--every-frame", o.every_frame, "look at every frame, however long it takes, instead of the newest");
   group.flag("--noise-free", o.noise_free, "synthetic frames without the sensor's noise");
   group.text("--record", o.record, "DIR", "write every frame into a new folder, to be replayed as recording:DIR");
@@ -221,10 +226,11 @@ void run(const Extensions& extensions, const RunCommand& o) {
   };
   if (events) events->observe(observers);
   try {
-    session::run_loop(
-        *source, *chain, *link,
-        {.output = {set_up.layout, drive, setting.slot_s, o.hold_s}, .frames = o.frames, .every_frame = o.every_frame},
-        stop_requested, observers, stats);
+    session::run_loop(*source, *chain, *link,
+                      {.output = {set_up.layout, drive, setting.slot_s, o.hold_s, o.safety},
+                       .frames = o.frames,
+                       .every_frame = o.every_frame},
+                      stop_requested, observers, stats);
   } catch (...) {
     if (events) events->end_quietly();
     throw;
@@ -250,8 +256,7 @@ void add_run(Program& program) {
       program,
       {"run", "the live loop: frames in, drives out, until Ctrl-C",
        "  palpa run --scene assets/cube.glb --source synthetic --link null --frames 300 --stats json\n"
-       "  palpa run --scene assets/cube.glb --link foci:udp:127.0.0.1:9000\n"
-       "  palpa run --scene assets/cube.glb --events -\n"
+       "  palpa run --scene assets/cube.glb --link foci:udp:127.0.0.1:9000 --events -\n"
        "  palpa run --scene assets/cube.glb --frames 90 --record take1\n"
        "  palpa run --scene assets/cube.glb --source recording:take1 --link record:drives.bin"},
       add_options, [&extensions](const RunCommand& o) { run(extensions, o); });

@@ -8,19 +8,6 @@ namespace palpa::session {
 static_assert(acoustics::StrideTuner::most_fingers >= touch::max_fingers);
 static_assert(acoustics::most_ring_foci >= touch::max_foci);
 
-void reserve(array::Schedule& schedule) {
-  schedule.voices.resize(touch::max_fingers);
-  for (array::Voice& voice : schedule.voices) {
-    voice.foci.reserve(touch::max_foci);
-    voice.order.reserve(touch::max_foci);
-  }
-}
-
-void reserve(Plan& plan, std::size_t transducers) {
-  reserve(plan.schedule);
-  plan.drives.reserve(most_cycle * transducers);
-}
-
 void reserve(touch::Touch& touch) {
   touch.contacts.reserve(touch::max_fingers * contacts_per_finger);
   touch.deep.reserve(most_deep);

@@ -15,6 +15,7 @@
 #include "gpu/timestamps.hpp"
 #include "sensing/camera.hpp"
 #include "sensing/depth_source.hpp"
+#include "session/plan.hpp"
 #include "touch/method.hpp"
 #include "touch/types.hpp"
 
@@ -34,25 +35,6 @@ struct ChainSetting {
   /// What of a touch the frames' reports hold: contacts cost time and are for those who look at them.
   touch::Detail detail = touch::Detail::fingers;
 };
-
-/// What the output thread plays: the drives of one frame's schedule.
-///
-/// A schedule repeats after `cycle` slots, so the drives of slots 0..cycle-1 are all there is to know; a modulation
-/// that all fingers share is left to the output as one gain per slot. A schedule that does not repeat within most_cycle
-/// slots (odd dwells with several modulations) has cycle 0: the output then computes each slot's drive itself.
-struct Plan {
-  array::Schedule schedule;
-  double captured_s = 0;  ///< on the loop's clock
-  std::uint32_t cycle = 0;
-  double shared_modulation_hz = 0;  ///< 0: none, or not shared
-  array::Modulation shared_modulation = array::Modulation::pressure_sine;
-  std::vector<array::TransducerDrive> drives;  ///< cycle * transducers
-
-  std::span<const array::TransducerDrive> drive(std::uint64_t slot, std::size_t transducers) const {
-    return std::span(drives).subspan((slot % cycle) * transducers, transducers);
-  }
-};
-inline constexpr std::uint32_t most_cycle = 128;
 
 /// What became of a frame besides its plan. Valid until the next call of Chain::step.
 struct FrameReport {
@@ -86,11 +68,9 @@ std::unique_ptr<Chain> make_cpu_chain(const ChainSetting& setting);
 /// What reserve() gives a frame's deep points: as many as a frame in flight has room for (touch::capacity_for).
 inline constexpr std::uint32_t most_deep = 1U << 18;
 
-/// Gives these values all the room that a live frame needs, so that the loop allocates nothing once it runs: any number
-/// of fingers and foci, most_cycle drives, `contacts_per_finger` contacts (a finger that ever has more grows once).
+/// Gives a touch all the room that a live frame needs, so that the loop allocates nothing once it runs: any number of
+/// fingers and foci, `contacts_per_finger` contacts (a finger that ever has more grows once).
 inline constexpr std::size_t contacts_per_finger = 4096;
-void reserve(Plan& plan, std::size_t transducers);
-void reserve(array::Schedule& schedule);
 void reserve(touch::Touch& touch);
 
 /// How fingers become voices.
@@ -110,27 +90,5 @@ void reserve(ScheduleMemory& memory);
 /// Turns the fingers of a frame into the voices of `schedule`.
 void make_schedule(const touch::Touch& touch, double time_s, std::span<const geometry::Solid> solids,
                    const ScheduleOptions& options, double slot_s, ScheduleMemory& memory, array::Schedule& schedule);
-
-/// Which slots a plan for `schedule` must hold: fills cycle and shared modulation of the plan, and the foci of each of
-/// its slots, gains being 1 where the modulation is shared. `add` is called once per slot, in order.
-template <typename Add>
-void plan_slots(Plan& plan, array::Schedule& unmodulated, std::vector<array::SlotFocus>& foci, Add add) {
-  const array::Schedule& schedule = plan.schedule;
-  const bool shared = array::shared_modulation(schedule);
-  plan.shared_modulation_hz = shared && schedule.voice_count > 0 ? schedule.voices[0].modulation_hz : 0.0;
-  if (plan.shared_modulation_hz != 0) plan.shared_modulation = schedule.voices[0].modulation;
-  const array::Schedule* planned = &schedule;
-  if (plan.shared_modulation_hz != 0) {
-    unmodulated = schedule;
-    for (std::uint32_t v = 0; v < unmodulated.voice_count; ++v)
-      unmodulated.voices[v].modulation_hz = 0;
-    planned = &unmodulated;
-  }
-  plan.cycle = schedule.voice_count == 0 ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
-  for (std::uint32_t slot = 0; slot < plan.cycle; ++slot) {
-    array::foci_of_slot(*planned, slot, foci);
-    add(foci);
-  }
-}
 
 }  // namespace palpa::session

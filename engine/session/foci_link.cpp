@@ -21,9 +21,9 @@ class FociLink : public Link {
   FociLink(const std::string& address, const LinkSetting& setting)
       : sender_(address, "link foci", form), solid_names_(setting.solid_names.begin(), setting.solid_names.end()) {}
 
-  void foci(const array::Schedule& schedule) override {
-    write_foci_line(schedule, solid_names_, json_);
-    last_s_ = schedule.time_s;
+  void plan(const ToldPlan& told) override {
+    write_foci_line(told.schedule, solid_names_, json_);
+    last_s_ = told.schedule.time_s;
     ++lines_;
     if (sender_.send(json_.finish())) return;
     ++unsent_;

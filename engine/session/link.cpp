@@ -11,7 +11,7 @@ namespace {
 /// Takes everything and does nothing: the loop without an array.
 class NullLink : public Link {
  public:
-  void foci(const array::Schedule&) override {}
+  void plan(const ToldPlan&) override {}
   void send(std::uint64_t, std::span<const array::TransducerDrive>) override {}
 };
 

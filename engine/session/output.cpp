@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
+
+#include "touch/types.hpp"
 
 namespace palpa::session {
 namespace {
@@ -18,14 +19,11 @@ bool expired(const Plan& plan, double now_s, const OutputSetting& setting) {
   return plan.schedule.voice_count == 0 || now_s >= plan.captured_s + setting.hold_s;
 }
 
-/// Runs `work`; the first error of all is kept, later ones are consequences.
-template <typename Work>
-void keep_error(std::exception_ptr& first, Work work) {
-  try {
-    work();
-  } catch (...) {
-    if (!first) first = std::current_exception();
-  }
+/// The first slot that begins when the plan has expired, slot 0 having begun at `begin_s`.
+std::uint64_t expiry_slot(const Plan& plan, double begin_s, const OutputSetting& setting) {
+  constexpr double most = 1e18;  // a hold without an end
+  const double slot = std::ceil((plan.captured_s + setting.hold_s - begin_s) / setting.slot_s);
+  return static_cast<std::uint64_t>(std::clamp(slot, 0.0, most));
 }
 
 }  // namespace
@@ -63,42 +61,39 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
           const std::atomic<bool>& stop, OutputStats& stats) {
   // The kernel may delay a sleeping thread by 50 microseconds to save power; a slot is 1500.
   prctl(PR_SET_TIMERSLACK, 1000);
+  const std::size_t transducers = setting.layout.transducers.size();
+  SafeLink safe(link, transducers, setting.safety, setting.slot_s);
   SlotScratch scratch;
-  scratch.reserve(setting.layout.transducers.size());
+  scratch.reserve(transducers);
   array::Schedule nothing;
+  nothing.slot_s = setting.slot_s;
   std::uint64_t slot = 0;
-  std::exception_ptr fault;
-  keep_error(fault, [&] {
-    const double begin_s = clock.now();
-    bool sounding = false;
-    while (!stop) {
-      const double due_s = begin_s + static_cast<double>(slot) * setting.slot_s;
-      clock.sleep_until(due_s);
-      const double now_s = clock.now();
-      const bool fresh = plans.take();
-      const Plan& plan = plans.front();
-      const bool silent = expired(plan, now_s, setting);
+  const double begin_s = clock.now();
+  bool sounding = false;
+  for (bool stopped = stop; !stopped || safe.must_fade(); stopped = stop) {
+    const double due_s = begin_s + static_cast<double>(slot) * setting.slot_s;
+    clock.sleep_until(due_s);
+    const double now_s = clock.now();
+    const bool fresh = plans.take();
+    const Plan& plan = plans.front();
+    const bool silent = stopped || expired(plan, now_s, setting);
+    if (fresh) stats.first_drive(now_s - plan.captured_s);
+    if (fresh && !silent) {
+      safe.plan(told(plan, transducers, slot, expiry_slot(plan, begin_s, setting)));
+    } else if (fresh || (silent && sounding)) {
+      // Nothing is touched, or frames stopped coming: whoever plays or shows a plan must hear of its end, too.
       nothing.time_s = plan.schedule.time_s;
-      if (fresh) {
-        link.foci(silent ? nothing : plan.schedule);
-        stats.first_drive(now_s - plan.captured_s);
-      } else if (silent && sounding) {
-        link.foci(nothing);  // frames stopped coming: whoever listens to foci must hear of the end, too
-      }
-      sounding = !silent;
-      link.send(slot, drive_of_slot(plan, slot, now_s, setting, scratch));
-      stats.sent(now_s - due_s, silent);
-      // Overslept by a whole slot or more: the slots between are over.
-      const auto running = static_cast<std::uint64_t>(std::floor((clock.now() - begin_s) / setting.slot_s));
-      if (running > slot + 1) stats.skipped(running - slot - 1);
-      slot = std::max(slot + 1, running);
+      safe.plan({.schedule = nothing, .from_slot = slot, .until_slot = slot});
     }
-  });
-  // Whatever happened: no sound remains.
-  keep_error(fault, [&] { link.foci(nothing); });
-  keep_error(fault, [&] { link.send(slot, silence(setting, scratch.drive)); });
-  keep_error(fault, [&] { link.finish(); });
-  if (fault) std::rethrow_exception(fault);
+    sounding = !silent;
+    safe.send(slot, silent ? silence(setting, scratch.drive) : drive_of_slot(plan, slot, now_s, setting, scratch));
+    stats.sent(now_s - due_s, silent);
+    // Overslept by a whole slot or more: the slots between are over.
+    const auto running = static_cast<std::uint64_t>(std::floor((clock.now() - begin_s) / setting.slot_s));
+    if (running > slot + 1) stats.skipped(running - slot - 1);
+    slot = std::max(slot + 1, running);
+  }
+  safe.finish();
 }
 
 }  // namespace palpa::session

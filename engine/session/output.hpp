@@ -5,10 +5,10 @@
 #include <cstdint>
 
 #include "array/drive.hpp"
-#include "session/chain.hpp"
 #include "session/clock.hpp"
-#include "session/link.hpp"
 #include "session/newest.hpp"
+#include "session/plan.hpp"
+#include "session/safe_link.hpp"
 #include "session/stats.hpp"
 
 namespace palpa::session {
@@ -18,11 +18,12 @@ struct OutputSetting {
   array::DriveOptions drive;
   double slot_s = 1.5e-3;
   double hold_s = 0.1;  ///< a plan sounds at most that long after its frame's capture
+  Safety safety;
 };
 
-/// Plays the newest plan until `stop`, then silence: an all-zero drive is the last thing that `link` gets, also when
-/// the link or anything else throws (the error is passed on afterwards). The slot counter starts at 0 and never
-/// restarts; slots that the thread overslept by a whole slot are left out.
+/// Plays the newest plan until `stop`, through a SafeLink: then silence, down the ramp if there is one, also when the
+/// link or anything else throws (then at once; the error is passed on afterwards). The slot counter starts at 0 and
+/// never restarts; slots that the thread overslept by a whole slot are left out.
 void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock,
           const std::atomic<bool>& stop, OutputStats& stats);
 

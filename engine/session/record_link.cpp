@@ -46,7 +46,7 @@ class RecordLink : public Link {
     writer_.flush_patiently();
   }
 
-  void foci(const array::Schedule&) override {}
+  void plan(const ToldPlan&) override {}
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
     if (ended_) return;
     // All of a record or nothing: what follows must stay readable.

@@ -151,6 +151,12 @@ void Group::quantity(const std::string& name, std::optional<double>& target, Qua
       [name, &target, quantity, range](const auto& text) { target = take_quantity(name, text, quantity, range); });
 }
 
+void Group::number(const std::string& name, double& target, const Range& range, const std::string& type,
+                   const std::string& help) const {
+  add(name, type, fmt::format("{}", target), help,
+      [name, &target, range](const auto& text) { target = take_number(name, text, range); });
+}
+
 void Group::number(const std::string& name, std::optional<double>& target, const Range& range, const std::string& type,
                    const std::string& help) const {
   add(name, type, target ? fmt::format("{}", *target) : "", help,

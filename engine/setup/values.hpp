@@ -43,6 +43,8 @@ class Group {
   void quantity(const std::string& name, std::optional<double>& target, Quantity quantity, const Range& range,
                 const std::string& help) const;
   /// A number without a unit; `type` is its placeholder in the help.
+  void number(const std::string& name, double& target, const Range& range, const std::string& type,
+              const std::string& help) const;
   void number(const std::string& name, std::optional<double>& target, const Range& range, const std::string& type,
               const std::string& help) const;
   void integer(const std::string& name, std::uint32_t& target, std::uint32_t low, std::uint32_t high,

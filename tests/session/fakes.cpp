@@ -66,10 +66,24 @@ bool FakeChain::step(Plan& plan, FrameReport& report) {
   return true;
 }
 
-void SpyLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
+float loudest_of(std::span<const array::TransducerDrive> drive) {
   float loud = 0;
   for (const array::TransducerDrive& transducer : drive)
     loud = std::max(loud, transducer.amplitude);
+  return loud;
+}
+
+void SpyLink::plan(const ToldPlan& plan) {
+  const bool touched = plan.schedule.voice_count > 0;
+  told.push_back({plan.schedule.voice_count, plan.from_slot, plan.until_slot, plan.cycle,
+                  touched ? plan.schedule.voices[0].gain : 0, loudest_of(plan.drives), &plan.schedule,
+                  plan.drives.data()});
+}
+
+void SpyLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
+  const float loud = loudest_of(drive);
+  most = std::max(most.load(), loud);
+  sent.push_back(drive.data());
   if (slots.size() >= fail_at && (broken || slots.size() == fail_at)) {
     slots.push_back(slot);
     loudest.push_back(broken ? loud : -1.0f);

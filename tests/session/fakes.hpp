@@ -1,8 +1,10 @@
 // A source, a chain and a link that do as the test says.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "base/error.hpp"
@@ -47,16 +49,31 @@ struct FakeChain : Chain {
   bool step(Plan& plan, FrameReport& report) override;
 };
 
-/// Remembers what it was sent.
+/// The largest amplitude of a drive, or of several.
+float loudest_of(std::span<const array::TransducerDrive> drive);
+
+/// Remembers what it was told and sent.
 struct SpyLink : Link {
   std::vector<std::uint64_t> slots;
   std::vector<float> loudest;  ///< largest amplitude of each drive
-  std::vector<std::uint32_t> voices;
+  /// What it was told: the first voice's gain, and the loudest of the listed drives.
+  struct Told {
+    std::uint32_t voices;
+    std::uint64_t from_slot, until_slot;
+    std::uint32_t cycle;
+    double gain;
+    float loudest;
+    const void* schedule;
+    const void* drives;
+  };
+  std::vector<Told> told;
+  std::vector<const void*> sent;  ///< where each drive lay
+  std::atomic<float> most{0};     ///< the loudest so far, for other threads to look at
   bool finished = false;
   std::uint64_t fail_at = ~0ull;  ///< throws in the n-th send, and in every later one while `broken`
   bool broken = false;
 
-  void foci(const array::Schedule& schedule) override { voices.push_back(schedule.voice_count); }
+  void plan(const ToldPlan& plan) override;
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override;
   void finish() override { finished = true; }
   bool ended_silent() const { return !loudest.empty() && loudest.back() == 0.0f; }

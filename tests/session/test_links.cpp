@@ -148,7 +148,7 @@ TEST(FociLink, SendsOneJsonLinePerFrame) {
   Setting s;
   const test::UdpReceiver receiver;
   const auto link = open_link("foci:" + receiver.address(), builtin_links(), s.setting);
-  link->foci(one_finger());
+  link->plan({.schedule = one_finger()});
   const std::string line = receiver.next();
   ASSERT_FALSE(line.empty());
   EXPECT_EQ(line.back(), '\n');
@@ -162,7 +162,7 @@ TEST(FociLink, SendsOneJsonLinePerFrame) {
   EXPECT_EQ(finger["order"], (std::vector<int>{1, 0}));
   EXPECT_EQ(finger["dwell_s"], 0.0015);
 
-  link->foci(array::Schedule());
+  link->plan({.schedule = array::Schedule()});
   EXPECT_TRUE(nlohmann::json::parse(receiver.next())["fingers"].empty());
 }
 
@@ -185,14 +185,14 @@ TEST(FociLink, SilencesWhatItCannotSend) {
   Setting s;
   const test::UdpReceiver receiver;
   const auto link = open_link("foci:" + receiver.address(), builtin_links(), s.setting);
-  link->foci(one_finger());
+  link->plan({.schedule = one_finger()});
   EXPECT_FALSE(nlohmann::json::parse(receiver.next())["fingers"].empty());
   testing::internal::CaptureStderr();
   for (int frame = 0; frame < 3; ++frame) {
-    link->foci(too_long_for_a_datagram());
+    link->plan({.schedule = too_long_for_a_datagram()});
     EXPECT_EQ(receiver.next(), "{\"time_s\":13.5,\"fingers\":[]}\n");
   }
-  link->foci(one_finger());
+  link->plan({.schedule = one_finger()});
   EXPECT_FALSE(nlohmann::json::parse(receiver.next())["fingers"].empty());
   link->finish();
   const std::string said = testing::internal::GetCapturedStderr();
@@ -205,7 +205,7 @@ TEST(FociLink, EndsInSilenceEvenWhereADatagramIsLost) {
   Setting s;
   const test::UdpReceiver receiver;
   const auto link = open_link("foci:" + receiver.address(), builtin_links(), s.setting);
-  link->foci(one_finger());
+  link->plan({.schedule = one_finger()});
   receiver.next();
   link->finish();
   for (int line = 0; line < 3; ++line)
@@ -217,7 +217,7 @@ TEST(FociLink, SurvivesThatNobodyListens) {
   const std::string nobody = test::UdpReceiver().address();
   const auto link = open_link("foci:" + nobody, builtin_links(), s.setting);
   for (int i = 0; i < 10; ++i)
-    EXPECT_NO_THROW(link->foci(one_finger()));
+    EXPECT_NO_THROW(link->plan({.schedule = one_finger()}));
 }
 
 TEST(FociLink, RefusesOtherForms) {

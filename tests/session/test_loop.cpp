@@ -106,7 +106,8 @@ TEST(Loop, FallsSilentWhenFramesStopComing) {
     changes += (loop.link.loudest[i] > 0) != (loop.link.loudest[i - 1] > 0) ? 1 : 0;
   }
   EXPECT_GE(changes, 3);
-  EXPECT_NE(std::count(loop.link.voices.begin(), loop.link.voices.end(), 0u), 0);
+  EXPECT_NE(std::count_if(loop.link.told.begin(), loop.link.told.end(), [](const auto& t) { return t.voices == 0; }),
+            0);
 }
 
 TEST(Loop, TellsThatFramesStoppedComingUnlessTheyWaitForIt) {
@@ -184,6 +185,33 @@ TEST(Loop, AnErrorOfAnObserverIsReportedToo) {
   };
   EXPECT_EQ(loop.fault(), "recording: no space left on device");
   EXPECT_TRUE(loop.link.ended_silent());
+}
+
+TEST(Loop, GoesDownTheRampBeforeItEnds) {
+  for (const bool breaks : {false, true}) {
+    Loop loop;
+    loop.source.count = 1'000'000;
+    loop.setting.output.safety = {.ceiling = 0.5, .ramp_s = 30e-3};
+    // Once the ramp is up, however long that takes.
+    const auto up = [&] { return loop.link.most > 0.499f; };
+    if (breaks) {
+      loop.chain.before = [&](std::uint64_t) {
+        if (up()) throw failure("the chain broke");
+      };
+    } else {
+      loop.observers.planned = [&](const FrameReport&, const Plan&) { loop.stop = up(); };
+    }
+    EXPECT_EQ(loop.fault(), breaks ? "the chain broke" : "");
+    const std::vector<float>& heard = loop.link.loudest;
+    EXPECT_NEAR(*std::max_element(heard.begin(), heard.end()), 0.5, 1e-6);
+    float last = 0;
+    for (const float loud : heard) {
+      EXPECT_LT(std::abs(loud - last), 0.03) << "a step of 1/20 of the ceiling";
+      last = loud;
+    }
+    EXPECT_TRUE(loop.link.ended_silent());
+    EXPECT_TRUE(loop.link.finished);
+  }
 }
 
 TEST(Loop, StopsWhenTold) {

@@ -35,10 +35,7 @@ struct Output {
 };
 
 float loudest(const array::Drive& drive) {
-  float loud = 0;
-  for (const auto& transducer : drive)
-    loud = std::max(loud, transducer.amplitude);
-  return loud;
+  return test::loudest_of(drive);
 }
 
 bool same(const array::Drive& a, const array::Drive& b) {
@@ -164,10 +161,41 @@ TEST(Output, SendsSilenceLastWhenStopped) {
   ASSERT_GT(link.slots.size(), 3u);
   EXPECT_GT(*std::max_element(link.loudest.begin(), link.loudest.end()), 0.9f);
   EXPECT_TRUE(link.ended_silent());
-  EXPECT_EQ(link.voices.back(), 0u);
+  EXPECT_EQ(link.told.back().voices, 0u);
   EXPECT_TRUE(link.finished);
   EXPECT_TRUE(std::is_sorted(link.slots.begin(), link.slots.end()));
   EXPECT_EQ(std::adjacent_find(link.slots.begin(), link.slots.end()), link.slots.end()) << "a slot was sent twice";
+}
+
+TEST(Output, TellsAPlanOnceAndFromWhenUntilWhen) {
+  Output out;
+  out.setting.hold_s = 0.03;
+  test::SpyLink link;
+  Newest<Plan> plans;
+  const Clock clock;
+  plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), clock.now());
+  const Plan& plan = plans.back();
+  const std::vector<const void*> there{&plan.schedule, plan.drives.data()};
+  plans.publish();
+  std::atomic<bool> stop{false};
+  OutputStats stats;
+  std::thread stopper([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(80));
+    stop = true;
+  });
+  play(link, plans, out.setting, clock, stop, stats);
+  stopper.join();
+  ASSERT_EQ(link.told.size(), 3u) << "the plan, that it expired, the end";
+  const test::SpyLink::Told& told = link.told[0];
+  EXPECT_EQ(told.voices, 1u);
+  EXPECT_EQ((std::vector<const void*>{told.schedule, told.drives}), there) << "it was copied";
+  EXPECT_EQ(told.cycle, 10u);
+  EXPECT_EQ(told.from_slot, 0u);
+  EXPECT_GE(told.until_slot, 19u);
+  EXPECT_LE(told.until_slot, 20u);
+  EXPECT_EQ(link.told[1].voices, 0u);
+  EXPECT_GE(link.told[1].from_slot, told.until_slot);
+  EXPECT_EQ(link.told[2].voices, 0u);
 }
 
 TEST(Output, SendsSilenceLastWhenTheLinkBreaks) {

@@ -25,8 +25,8 @@ class ByteLink final : public palpa::session::Link {
     frame_.resize(2 * setting.layout.transducers.size());  // send() must not allocate
   }
 
-  // For links that forward foci instead of drives; this board has no use for them.
-  void foci(const palpa::array::Schedule&) override {}
+  // For boards that play a pattern by their own clock; this one plays what it is sent.
+  void plan(const palpa::session::ToldPlan&) override {}
 
   void send(std::uint64_t, std::span<const palpa::array::TransducerDrive> drive) override {
     std::size_t at = 0;

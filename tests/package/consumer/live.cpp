@@ -42,7 +42,7 @@ struct Board final : session::Link {
   std::string heard;
 
   explicit Board(ByteLink& link) : bytes(link) {}
-  void foci(const array::Schedule& schedule) override { bytes.foci(schedule); }
+  void plan(const session::ToldPlan& told) override { bytes.plan(told); }
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
     bytes.send(slot, drive);
     heard += std::any_of(drive.begin(), drive.end(), [](const auto& t) { return t.amplitude > 0; }) ? '+' : '-';

@@ -1,0 +1,63 @@
+// What the output thread plays: the drives of one frame's schedule.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "array/drive.hpp"
+#include "array/schedule.hpp"
+#include "session/link.hpp"
+
+namespace palpa::session {
+
+/// The schedule of one frame, solved for a layout.
+///
+/// A schedule repeats after `cycle` slots, so the drives of slots 0..cycle-1 are all there is to know; a modulation
+/// that all fingers share is left to the output as one gain per slot. A schedule that does not repeat within most_cycle
+/// slots (odd dwells with several modulations) has cycle 0: the output then computes each slot's drive itself.
+struct Plan {
+  array::Schedule schedule;
+  double captured_s = 0;  ///< on the loop's clock
+  std::uint32_t cycle = 0;
+  double shared_modulation_hz = 0;  ///< 0: none, or not shared
+  array::Modulation shared_modulation = array::Modulation::pressure_sine;
+  std::vector<array::TransducerDrive> drives;  ///< cycle * transducers
+
+  std::span<const array::TransducerDrive> drive(std::uint64_t slot, std::size_t transducers) const {
+    return std::span(drives).subspan((slot % cycle) * transducers, transducers);
+  }
+};
+inline constexpr std::uint32_t most_cycle = 128;
+
+/// The plan as a link is told it.
+ToldPlan told(const Plan& plan, std::size_t transducers, std::uint64_t from_slot, std::uint64_t until_slot);
+
+/// Gives these values all the room that a live frame needs, so that the loop allocates nothing once it runs: any number
+/// of fingers and foci, most_cycle drives.
+void reserve(Plan& plan, std::size_t transducers);
+void reserve(array::Schedule& schedule);
+
+/// Which slots a plan for `schedule` must hold: fills cycle and shared modulation of the plan, and the foci of each of
+/// its slots, gains being 1 where the modulation is shared. `add` is called once per slot, in order.
+template <typename Add>
+void plan_slots(Plan& plan, array::Schedule& unmodulated, std::vector<array::SlotFocus>& foci, Add add) {
+  const array::Schedule& schedule = plan.schedule;
+  const bool shared = array::shared_modulation(schedule);
+  plan.shared_modulation_hz = shared && schedule.voice_count > 0 ? schedule.voices[0].modulation_hz : 0.0;
+  if (plan.shared_modulation_hz != 0) plan.shared_modulation = schedule.voices[0].modulation;
+  const array::Schedule* planned = &schedule;
+  if (plan.shared_modulation_hz != 0) {
+    unmodulated = schedule;
+    for (std::uint32_t v = 0; v < unmodulated.voice_count; ++v)
+      unmodulated.voices[v].modulation_hz = 0;
+    planned = &unmodulated;
+  }
+  plan.cycle = schedule.voice_count == 0 ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
+  for (std::uint32_t slot = 0; slot < plan.cycle; ++slot) {
+    array::foci_of_slot(*planned, slot, foci);
+    add(foci);
+  }
+}
+
+}  // namespace palpa::session

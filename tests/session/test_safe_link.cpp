@@ -1,0 +1,237 @@
+// What reaches a link through what keeps people safe.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "fakes.hpp"
+#include "session/plan.hpp"
+#include "session/safe_link.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::session {
+namespace {
+
+constexpr double slot_s = 1.5e-3;
+
+struct Player {
+  test::SpyLink spy;
+  array::Drive loud{{1.0f, 0.5f}, {0.5f, -3.0f}, {0.0f, 3.0f}}, silent{3, {0.0f, 0.0f}};
+  Plan touch;
+  Plan nothing;
+
+  Player() {
+    touch.schedule = test::touching(Vec3(0, 0.15, 0));
+    touch.schedule.time_s = 7;
+    touch.cycle = 2;
+    touch.drives = loud;
+    touch.drives.insert(touch.drives.end(), loud.begin(), loud.end());
+  }
+  static ToldPlan at(const Plan& plan, std::uint64_t slot) { return told(plan, 3, slot, slot + 60); }
+};
+
+TEST(SafeLink, PassesEverythingOnAsItIsAndCopiesNothing) {
+  Player p;
+  SafeLink safe(p.spy, 3);
+  safe.plan(p.at(p.touch, 4));
+  safe.send(4, p.loud);
+  safe.send(9, p.silent);
+  ASSERT_EQ(p.spy.told.size(), 1u);
+  EXPECT_EQ(p.spy.told[0].schedule, &p.touch.schedule);
+  EXPECT_EQ(p.spy.told[0].drives, p.touch.drives.data());
+  EXPECT_EQ(p.spy.told[0].from_slot, 4u);
+  EXPECT_EQ(p.spy.told[0].until_slot, 64u);
+  EXPECT_EQ(p.spy.told[0].cycle, 2u);
+  EXPECT_EQ(p.spy.sent, (std::vector<const void*>{p.loud.data(), p.silent.data()}));
+  EXPECT_EQ(p.spy.slots, (std::vector<std::uint64_t>{4, 9}));
+  EXPECT_FALSE(safe.must_fade());
+}
+
+TEST(SafeLink, SilenceIsTheLastThingThatALinkGets) {
+  Player p;
+  SafeLink safe(p.spy, 3);
+  safe.plan(p.at(p.touch, 0));
+  safe.send(6, p.loud);
+  safe.finish();
+  EXPECT_TRUE(p.spy.ended_silent());
+  EXPECT_EQ(p.spy.slots.back(), 7u);
+  EXPECT_EQ(p.spy.told.back().voices, 0u);
+  EXPECT_TRUE(p.spy.finished);
+  const std::size_t sent = p.spy.slots.size(), told = p.spy.told.size();
+  safe.send(8, p.loud);
+  safe.plan(p.at(p.touch, 8));
+  safe.silence();
+  safe.finish();
+  EXPECT_EQ(p.spy.slots.size(), sent) << "something came after the silence";
+  EXPECT_EQ(p.spy.told.size(), told);
+}
+
+TEST(SafeLink, SilenceComesWhenItsCallerThrows) {
+  Player p;
+  const auto player = [&] {
+    SafeLink safe(p.spy, 3, {.ceiling = 0.5, .ramp_s = 15e-3});
+    safe.plan(p.at(p.touch, 0));
+    for (std::uint64_t slot = 0; slot < 20; ++slot)
+      safe.send(slot, p.loud);
+    throw failure("the caller broke");
+  };
+  EXPECT_STREQ(palpa::test::thrown_by(player).what(), "the caller broke");
+  EXPECT_TRUE(p.spy.ended_silent());
+  EXPECT_EQ(p.spy.told.back().voices, 0u);
+  EXPECT_TRUE(p.spy.finished);
+}
+
+TEST(SafeLink, SilenceComesWhenTheLinkThrows) {
+  for (const bool broken : {false, true}) {
+    Player p;
+    p.spy.fail_at = 2;
+    p.spy.broken = broken;
+    const auto player = [&] {
+      SafeLink safe(p.spy, 3);
+      for (std::uint64_t slot = 0; slot < 20; ++slot)
+        safe.send(slot, p.loud);
+    };
+    EXPECT_STREQ(palpa::test::thrown_by(player).what(), "spy: the link broke");
+    EXPECT_TRUE(p.spy.ended_silent()) << "broken " << broken;
+    EXPECT_EQ(p.spy.slots.back(), 2u) << "silence takes the place of the drive that failed";
+    EXPECT_TRUE(p.spy.finished);
+  }
+}
+
+TEST(SafeLink, AllThreePartsOfTheEndAreTriedAndTheFirstErrorIsThrown) {
+  struct Broken : test::SpyLink {
+    void plan(const ToldPlan&) override { throw failure("plan"); }
+    void finish() override {
+      finished = true;
+      throw failure("finish");
+    }
+  } link;
+  SafeLink safe(link, 3);
+  EXPECT_STREQ(palpa::test::thrown_by([&] { safe.finish(); }).what(), "plan");
+  EXPECT_TRUE(link.ended_silent());
+  EXPECT_TRUE(link.finished);
+}
+
+TEST(SafeLink, TheCeilingMultipliesAmplitudesAndGains) {
+  Player p;
+  SafeLink safe(p.spy, 3, {.ceiling = 0.25});
+  safe.plan(p.at(p.touch, 0));
+  safe.send(0, p.loud);
+  safe.send(1, p.silent);
+  EXPECT_EQ(p.spy.told[0].gain, 0.25);
+  EXPECT_EQ(p.spy.told[0].loudest, 0.25f);
+  EXPECT_EQ(p.spy.told[0].until_slot, 60u);
+  EXPECT_EQ(p.spy.loudest, (std::vector<float>{0.25f, 0.0f}));
+  EXPECT_EQ(p.touch.schedule.voices[0].gain, 1.0) << "what is played is not changed";
+  EXPECT_EQ(p.touch.drives[0].amplitude, 1.0f);
+  safe.plan(p.at(p.nothing, 1));
+  EXPECT_EQ(p.spy.told.back().voices, 0u);
+  EXPECT_FALSE(safe.must_fade()) << "there is no ramp";
+}
+
+TEST(SafeLink, ACeilingOfZeroIsSilence) {
+  Player p;
+  SafeLink safe(p.spy, 3, {.ceiling = 0});
+  safe.plan(p.at(p.touch, 0));
+  safe.send(0, p.loud);
+  EXPECT_EQ(p.spy.told[0].gain, 0.0);
+  EXPECT_EQ(p.spy.loudest, (std::vector<float>{0.0f}));
+}
+
+TEST(SafeLink, GoesUpTheRampAndDownAgainAndThenIsSilent) {
+  Player p;
+  SafeLink safe(p.spy, 3, {.ceiling = 0.5, .ramp_s = 10 * slot_s});
+  safe.plan(p.at(p.touch, 0));
+  for (std::uint64_t slot = 0; slot < 15; ++slot) {
+    safe.send(slot, p.loud);
+    EXPECT_NEAR(p.spy.loudest.back(), 0.5 * std::min(0.1 * (static_cast<double>(slot) + 1), 1.0), 1e-6) << slot;
+  }
+  EXPECT_EQ(p.spy.told.back().gain, 0.5);
+  EXPECT_EQ(p.spy.told.back().until_slot, 60u);
+  EXPECT_TRUE(safe.must_fade());
+
+  safe.plan(p.at(p.nothing, 15));
+  EXPECT_EQ(p.spy.told.back().voices, 1u) << "it is not silent yet";
+  for (std::uint64_t slot = 15; slot < 30; ++slot) {
+    safe.send(slot, p.silent);
+    const double level = std::max(1 - 0.1 * (static_cast<double>(slot) - 14), 0.0);
+    EXPECT_NEAR(p.spy.loudest.back(), 0.5 * level, 1e-6) << slot;
+    EXPECT_EQ(safe.must_fade(), slot < 24) << slot;
+    EXPECT_EQ(p.spy.told.back().voices, slot < 24 ? 1u : 0u) << slot;
+  }
+  EXPECT_TRUE(p.spy.ended_silent());
+  EXPECT_EQ(p.spy.told.back().from_slot, 24u);
+  safe.finish();
+  EXPECT_TRUE(p.spy.ended_silent());
+}
+
+TEST(SafeLink, TellsAPlanAnewWhileTheRampMoves) {
+  Player p;
+  SafeLink safe(p.spy, 3, {.ramp_s = 30 * slot_s});
+  safe.plan(p.at(p.touch, 0));
+  for (std::uint64_t slot = 0; slot < 50; ++slot)
+    safe.send(slot, p.loud);
+  // Every seventh slot is the first that is 10 ms later; the last when the ramp is up.
+  ASSERT_EQ(p.spy.told.size(), 6u);
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(p.spy.told[i].from_slot, 7 * i);
+    EXPECT_NEAR(p.spy.told[i].gain, (static_cast<double>(7 * i) + 1) / 30, 1e-9);
+    EXPECT_NEAR(p.spy.told[i].loudest, p.spy.told[i].gain, 1e-6);
+  }
+  EXPECT_EQ(p.spy.told[5].from_slot, 29u);
+  EXPECT_EQ(p.spy.told[5].gain, 1.0);
+  // On the way down it says when it is silent.
+  safe.plan(p.at(p.nothing, 50));
+  safe.send(50, p.silent);
+  EXPECT_EQ(p.spy.told.back().from_slot, 50u);
+  EXPECT_EQ(p.spy.told.back().until_slot, 79u);
+}
+
+TEST(SafeLink, SoundThatComesBackGoesUpFromWhereItIs) {
+  Player p;
+  SafeLink safe(p.spy, 3, {.ramp_s = 4 * slot_s});
+  safe.plan(p.at(p.touch, 0));
+  for (std::uint64_t slot = 0; slot < 4; ++slot)
+    safe.send(slot, p.loud);
+  safe.plan(p.at(p.nothing, 4));
+  safe.send(4, p.silent);
+  safe.plan(p.at(p.touch, 5));
+  safe.send(5, p.loud);
+  EXPECT_EQ(p.spy.loudest, (std::vector<float>{0.25f, 0.5f, 0.75f, 1.0f, 0.75f, 1.0f}));
+}
+
+TEST(SafeLink, AModulationsOwnSilenceIsNoEnd) {
+  Player p;
+  SafeLink safe(p.spy, 3, {.ramp_s = 2 * slot_s});
+  safe.plan(p.at(p.touch, 0));
+  safe.send(0, p.loud);
+  safe.send(1, p.silent);
+  safe.send(2, p.loud);
+  EXPECT_EQ(p.spy.loudest, (std::vector<float>{0.5f, 0.0f, 1.0f}));
+}
+
+TEST(SafeLink, SilencesOnDemand) {
+  Player p;
+  SafeLink safe(p.spy, 3);
+  safe.plan(p.at(p.touch, 0));
+  safe.send(0, p.loud);
+  safe.silence();
+  EXPECT_TRUE(p.spy.ended_silent());
+  EXPECT_EQ(p.spy.told.back().voices, 0u);
+  EXPECT_EQ(p.spy.slots.back(), 1u);
+  EXPECT_EQ(safe.next_slot(), 2u);
+}
+
+TEST(SafeLink, RefusesSettingsOutOfRange) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const Safety& safety : {Safety{.ceiling = 1.01}, Safety{.ceiling = -0.1}, Safety{.ceiling = nan},
+                               Safety{.ramp_s = -1}, Safety{.ramp_s = 1.5}, Safety{.ramp_s = nan}}) {
+    Player p;
+    EXPECT_EQ(palpa::test::thrown_by([&] { SafeLink safe(p.spy, 3, safety); }).code(), Exit::usage);
+  }
+}
+
+}  // namespace
+}  // namespace palpa::session
