@@ -1,4 +1,4 @@
-// Shared by engine/touch/bridge.cpp and shaders/bridge_*.comp.
+// Shared by engine/touch/bridge_pass.cpp and shaders/bridge_*.comp.
 #ifndef PALPA_SHADERS_BRIDGE_H
 #define PALPA_SHADERS_BRIDGE_H
 #include "shared.h"

@@ -1,4 +1,4 @@
-// Shared by engine/touch/contacts.cpp, shaders/contacts_find.comp, shaders/contacts_surface.comp and
+// Shared by engine/touch/contacts_pass.cpp, shaders/contacts_find.comp, shaders/contacts_surface.comp and
 // shaders/contacts_pack.comp.
 #ifndef PALPA_SHADERS_CONTACTS_H
 #define PALPA_SHADERS_CONTACTS_H
@@ -45,8 +45,9 @@ PALPA_CONST contacts_out = 6u;    // ContactRecord[]
 PALPA_CONST contacts_pack_buffers = 7u;
 
 // A solid. All its numbers are relative to its centre, in the axes that it has at rest: the digits of single precision
-// go to the solid's own size. The four w together are a unit quaternion that turns the world's axes into those.
+// go to the solid's own size.
 struct SolidRecord {
+  vec4 turn;    // unit quaternion x, y, z, w that turns the world's axes into the solid's
   vec4 centre;  // world
   vec4 low;     // box, a little too large
   vec4 high;
@@ -54,14 +55,16 @@ struct SolidRecord {
   uint first_cell;      // in the plane cells, or in the surface cells; of parts, the base in their words
   uint cells_per_axis;  // of the plane cells; of a surface's grid see surface_axis_bits
   float delta;          // 0: the push constant's
-  uint by_surface;      // 0: convex, asked by its planes; else one of the next two
+  uint asked_by;        // one of the next three
 };
+PALPA_CONST asked_by_planes = 0u;  // convex
 PALPA_CONST asked_by_surface = 1u;
 PALPA_CONST asked_by_parts = 2u;  // of a solid of convex parts
-PALPA_CHECK_SIZE(SolidRecord, 80);
-PALPA_CHECK_OFFSET(SolidRecord, cells_per_metre, 48);
-PALPA_CHECK_OFFSET(SolidRecord, first_cell, 64);
-PALPA_CHECK_OFFSET(SolidRecord, delta, 72);
+PALPA_CHECK_SIZE(SolidRecord, 96);
+PALPA_CHECK_OFFSET(SolidRecord, centre, 16);
+PALPA_CHECK_OFFSET(SolidRecord, cells_per_metre, 64);
+PALPA_CHECK_OFFSET(SolidRecord, first_cell, 80);
+PALPA_CHECK_OFFSET(SolidRecord, delta, 88);
 
 struct ContactsPush {
   SolidRecord only;  // the solid of a scene that has one: devices read push constants faster than buffers
@@ -70,9 +73,9 @@ struct ContactsPush {
   uint most_points;
   uint most_contacts;
 };
-PALPA_CHECK_SIZE(ContactsPush, 96);
-PALPA_CHECK_OFFSET(ContactsPush, solids, 80);
-PALPA_CHECK_OFFSET(ContactsPush, most_contacts, 92);
+PALPA_CHECK_SIZE(ContactsPush, 112);
+PALPA_CHECK_OFFSET(ContactsPush, solids, 96);
+PALPA_CHECK_OFFSET(ContactsPush, most_contacts, 108);
 
 // A cell of a solid's box: the planes that can be the nearest one somewhere in it, and bounds of Eq. (1)'s depth.
 struct PlaneCell {

@@ -33,3 +33,7 @@ float look(SolidRecord solid, vec3 p, float delta, out bool shell) {
 }
 
 #include "contacts_walk.glsl"
+
+void main() {
+  walk();
+}

@@ -17,8 +17,8 @@ bool in_box(vec3 p, vec3 low, vec3 high) {
 }
 
 // A point of the world in a solid's own coordinates.
-vec3 in_solid(vec3 point, vec4 centre, float y, float z, float w) {
-  precise vec3 r = point - centre.xyz;
-  const Float3 p = turned(Float3(centre.w, y, z), w, Float3(r.x, r.y, r.z));
+vec3 in_solid(vec3 point, vec3 centre, vec4 turn) {
+  precise vec3 r = point - centre;
+  const Float3 p = turned(Float3(turn.x, turn.y, turn.z), turn.w, Float3(r.x, r.y, r.z));
   return vec3(p.x, p.y, p.z);
 }

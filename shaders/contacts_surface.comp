@@ -40,12 +40,12 @@ layout(push_constant) uniform Push { ContactsPush push; };
 float look(SolidRecord solid, vec3 p, float delta, out bool shell) {
   const Float3 at = Float3(p.x, p.y, p.z);
   float depth;
-  if (with_parts && solid.by_surface == asked_by_parts) {
+  if (with_parts && solid.asked_by == asked_by_parts) {
     const uint cell = parts_cell(at, Float3(solid.low.x, solid.low.y, solid.low.z),
                                  Float3(solid.cells_per_metre.x, solid.cells_per_metre.y, solid.cells_per_metre.z),
                                  solid.cells_per_axis);
     depth = parts_depth(solid.first_cell, cell, at, with_deep ? 3.0e38 : delta);
-  } else if (one_solid || solid.by_surface == asked_by_surface) {  // a convex solid that is alone has contacts_find
+  } else if (one_solid || solid.asked_by == asked_by_surface) {  // a convex solid that is alone has contacts_find
     const SurfaceCell cell =
         surface_cell(p, solid.low.xyz, solid.cells_per_metre.x, solid.cells_per_axis, solid.first_cell);
     return surface_depth(cell, at, delta, shell);
@@ -58,3 +58,7 @@ float look(SolidRecord solid, vec3 p, float delta, out bool shell) {
 }
 
 #include "contacts_walk.glsl"
+
+void main() {
+  walk();
+}

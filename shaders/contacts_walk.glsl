@@ -1,5 +1,5 @@
 // What the kernels that look for contacts have in common: a group walks over its stretch of the points and leaves a bit and a Hit for
-// each contact, and how many there are. Included after this is defined:
+// each contact, and how many there are: walk(). Included after this is defined:
 //   float look(SolidRecord solid, vec3 p, float delta, out bool shell)
 // how deep a point of the solid's box, in the solid's coordinates, lies inside the solid, and whether that is less than delta; 0:
 // outside, or deeper where that is not asked for.
@@ -16,7 +16,7 @@ Hit find(vec3 point, out bool deep) {
   for (uint s = 0u; s < count && (hit.depth == 0.0 || deep); ++s) {
     SolidRecord solid = push.only;
     if (!one_solid) solid = solids[s];
-    const vec3 p = in_solid(point, solid.centre, solid.low.w, solid.high.w, solid.cells_per_metre.w);
+    const vec3 p = in_solid(point, solid.centre.xyz, solid.turn);
     if (!in_box(p, solid.low.xyz, solid.high.xyz)) continue;
     const float delta = solid.delta > 0.0 ? solid.delta : push.delta;
     bool shell;
@@ -28,7 +28,7 @@ Hit find(vec3 point, out bool deep) {
   return hit;
 }
 
-void main() {
+void walk() {
   const uint thread = gl_LocalInvocationIndex;
   const uint count = min(given.total, push.most_points);
   const uint chunk = points_per_chunk(count);

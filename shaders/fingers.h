@@ -1,4 +1,4 @@
-// Shared by engine/touch/fingers.cpp and shaders/fingers_*.comp.
+// Shared by engine/touch/fingers_pass.cpp and shaders/fingers_*.comp.
 #ifndef PALPA_SHADERS_FINGERS_H
 #define PALPA_SHADERS_FINGERS_H
 #include "shared.h"

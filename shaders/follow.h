@@ -1,4 +1,4 @@
-// Shared by engine/touch/follow.cpp and shaders/follow.comp.
+// Shared by engine/touch/follow_pass.cpp and shaders/follow.comp.
 #ifndef PALPA_SHADERS_FOLLOW_H
 #define PALPA_SHADERS_FOLLOW_H
 #include "shared.h"
@@ -13,7 +13,7 @@ PALPA_CONST follow_anew = 0xffffffffu;
 
 // Bindings.
 PALPA_CONST follow_header = 0u;   // TouchHeader
-PALPA_CONST follow_fingers = 1u;  // FingerRecord[]: principal frames in; id, steady frame and turn out
+PALPA_CONST follow_fingers = 1u;  // FingerRecord[]: principal axes in; id, steady axes and turn out
 PALPA_CONST follow_tracks = 2u;   // TrackTable
 PALPA_CONST follow_buffers = 3u;
 

@@ -1,4 +1,4 @@
-// Shared by engine/sensing/skin.cpp, shaders/skin_count.comp and shaders/skin_scatter.comp.
+// Shared by engine/sensing/skin_pass.cpp, shaders/skin_count.comp and shaders/skin_scatter.comp.
 #ifndef PALPA_SHADERS_SKIN_H
 #define PALPA_SHADERS_SKIN_H
 #include "shared.h"

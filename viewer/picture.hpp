@@ -17,7 +17,7 @@
 #include "geometry/mesh.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
-#include "sensing/skin.hpp"
+#include "sensing/skin_point.hpp"
 #include "touch/method.hpp"
 #include "touch/types.hpp"
 

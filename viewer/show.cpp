@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "geometry/ply.hpp"
 #include "sensing/rig.hpp"
+#include "sensing/skin_twin.hpp"
 #include "session/overrides.hpp"
 #include "setup/load.hpp"
 #include "setup/touch_run.hpp"

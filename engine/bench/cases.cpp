@@ -17,6 +17,7 @@
 #include "session/chain.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
+#include "touch/host_stage.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::bench {
@@ -188,15 +189,13 @@ void measure_batch(const Context& context, std::uint32_t slots, std::uint32_t fo
 void measure_points(const Context& context, const std::string& name, const std::vector<geometry::Solid>& solids,
                     const std::vector<glm::vec3>& points, std::vector<Row>& rows) {
   touch::Touch found, expected;
-  touch::touch_points(points, solids, {}, expected);
+  const std::vector<sensing::SkinPoint> skin = sensing::numbered(points);
+  touch::HostStage(solids).touch(skin, expected);
 
-  const touch::Stage stage(context.device, solids, {});
-  touch::StageFrame buffers(context.device, stage, {.points = static_cast<std::uint32_t>(points.size())});
-  std::vector<sensing::SkinPoint> skin;
-  skin.reserve(points.size());
-  for (const glm::vec3& point : points)
-    skin.push_back({point, static_cast<std::uint32_t>(skin.size())});
-  buffers.set(skin);
+  touch::Passes passes(context.device);
+  touch::Stage stage(passes, solids);
+  touch::StageMemory memory(stage);
+  memory.set(skin);
   gpu::Timestamps times(context.device, 16);
   std::vector<gpu::PassTime> measured;
   const gpu::Recorder recorder(context.device, "bench");
@@ -204,9 +203,9 @@ void measure_points(const Context& context, const std::string& name, const std::
   const auto frame = [&] {
     const VkCommandBuffer commands = recorder.begin();
     times.begin(commands);
-    stage.record(commands, buffers, {}, touch::Detail::contacts, &times);
+    stage.record(commands, memory, 0, &times);
     timeline.wait(timeline.submit(recorder.end()));
-    touch::read(buffers, found);
+    touch::read(memory, found);
   };
   frame();
   if (!same_foci(found, expected)) wrong(name);

@@ -22,6 +22,7 @@
 #include "sensing/synthetic.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
+#include "touch/host_stage.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::bench {
@@ -101,12 +102,12 @@ class Environment {
 
 struct Prepared {
   std::vector<geometry::Solid> solids;
-  touch::SceneTable table;
+  touch::PreparedSolids table;
 };
 
 Prepared prepare(const geometry::Scene& scene) {
   Prepared prepared{geometry::make_solids(scene), {}};
-  prepared.table = touch::make_scene_table(prepared.solids);
+  prepared.table = touch::prepare_solids(prepared.solids);
   return prepared;
 }
 
@@ -148,26 +149,26 @@ void measure_preparation(const Context& context, const std::string& name, const 
 double measure_contacts(const Context& context, const std::string& name, const std::vector<geometry::Solid>& solids,
                         const setup::PosedRig& set_up, const sensing::FrameSet& frame, double cube_ms,
                         std::vector<Row>& rows) {
-  const touch::Parameters parameters;
-  const touch::Stage stage(context.device, solids, set_up.rig.cameras, parameters);
-  touch::StageFrame buffers(context.device, stage);
+  touch::Passes passes(context.device);
+  touch::Stage stage(passes, solids, set_up.rig.cameras);
+  touch::StageMemory memory(stage);
   gpu::Timestamps stamps(context.device, 32);
   const gpu::Recorder recorder(context.device, "bench");
   gpu::Timeline timeline(context.device);
   touch::Touch found, expected;
   std::vector<gpu::PassTime> times;
   std::vector<double> samples;
-  touch::HostStage twin(solids, set_up.rig.cameras, parameters);
-  twin.touch(frame.frames, parameters, expected);
+  touch::HostStage twin(solids, set_up.rig.cameras);
+  twin.touch(frame.frames, expected);
   constexpr std::uint32_t warm_up = 10;
   for (std::uint32_t run = 0; run < context.runs + warm_up; ++run) {
-    buffers.set(frame.frames);
+    memory.set(frame.frames);
     const VkCommandBuffer commands = recorder.begin();
     stamps.begin(commands);
-    stage.record(commands, buffers, parameters, touch::Detail::contacts, &stamps);
+    stage.record(commands, memory, 0, &stamps);
     timeline.wait(timeline.submit(recorder.end()));
     if (run == 0) {
-      touch::read(buffers, found);
+      touch::read(memory, found);
       bool same = found.contacts.size() == expected.contacts.size();
       for (std::size_t i = 0; same && i < found.contacts.size(); ++i) {
         same = found.contacts[i].point == expected.contacts[i].point &&

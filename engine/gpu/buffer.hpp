@@ -4,6 +4,7 @@
 #include <volk.h>
 
 #include <cstddef>
+#include <cstring>
 #include <span>
 
 #include "gpu/device.hpp"
@@ -70,6 +71,15 @@ class Upload {
   Staged device_;
   std::byte* mapped_ = nullptr;
 };
+
+/// A buffer of these values, at least 4 bytes: they are there for whatever `commands` records next.
+template <typename T>
+Upload uploaded(const Device& device, VkCommandBuffer commands, std::span<const T> values, const char* name) {
+  Upload buffer(device, values.size_bytes(), name);
+  if (!values.empty()) std::memcpy(buffer.data(), values.data(), values.size_bytes());
+  buffer.record(commands);
+  return buffer;
+}
 
 /// Passes write `ref()`; the host reads `data()` once the submit that recorded `record` has completed.
 class Readback {

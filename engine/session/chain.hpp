@@ -65,7 +65,7 @@ std::unique_ptr<Chain> make_gpu_chain(const gpu::Device& device, const ChainSett
 /// The same through the passes' C++ twins.
 std::unique_ptr<Chain> make_cpu_chain(const ChainSetting& setting);
 
-/// What reserve() gives a frame's deep points: as many as a frame in flight has room for (touch::capacity_for).
+/// What reserve() gives a frame's deep points: as many as a frame in flight has room for.
 inline constexpr std::uint32_t most_deep = 1U << 18;
 
 /// Gives a touch all the room that a live frame needs, so that the loop allocates nothing once it runs: any number of

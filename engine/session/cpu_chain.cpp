@@ -1,7 +1,6 @@
 // The chain through the passes' C++ twins: one frame at a time on the calling thread.
 #include "session/chain.hpp"
-#include "touch/depths.hpp"
-#include "touch/stage.hpp"
+#include "touch/host_stage.hpp"
 
 namespace palpa::session {
 namespace {
@@ -9,20 +8,19 @@ namespace {
 class CpuChain : public Chain {
  public:
   explicit CpuChain(const ChainSetting& setting)
-      : setting_(setting), stage_(setting.solids, setting.cameras, setting.touch) {}
+      : setting_(setting), stage_(setting.solids, setting.cameras, {.parameters = setting.touch, .follow = true}) {}
 
   bool can_start() const override { return !busy_; }
   bool busy() const override { return busy_; }
 
   void start(const sensing::FrameSet& frame, double captured_s, double now_s) override {
-    stage_.touch(frame.frames, setting_.touch, touch_, {}, &tracks_, frame.time_s);
+    stage_.touch(frame.frames, touch_, frame.time_s);
     captured_s_ = captured_s;
     report_ = {frame.sequence, frame.time_s, &touch_, {}, now_s, 0};
     busy_ = true;
   }
 
   bool step(Plan& plan, FrameReport& report) override {
-    touch::find_depths(touch_);
     make_schedule(touch_, report_.time_s, setting_.solids, {setting_.method, setting_.voice, setting_.tune},
                   setting_.slot_s, memory_, plan.schedule);
     plan.captured_s = captured_s_;
@@ -44,7 +42,6 @@ class CpuChain : public Chain {
   double captured_s_ = 0;
   FrameReport report_;
   touch::Touch touch_;
-  touch::Tracks tracks_;
 
   std::vector<array::SlotFocus> foci_;
   array::DriveScratch drive_scratch_;

@@ -11,7 +11,6 @@
 #include "base/log.hpp"
 #include "gpu/commands.hpp"
 #include "session/chain.hpp"
-#include "touch/depths.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::session {
@@ -21,7 +20,7 @@ constexpr std::size_t flights = 2;
 
 /// Everything that one frame in flight writes to.
 struct Flight {
-  touch::StageFrame frame;
+  touch::StageMemory memory;
   array::DriveBuffers drive_buffers;
   gpu::Recorder touch_recorder, drive_recorder;
   gpu::Timestamps touch_times, drive_times;
@@ -33,7 +32,7 @@ struct Flight {
   FrameReport report;
 
   Flight(const gpu::Device& device, const ChainSetting& setting, const touch::Stage& stage)
-      : frame(device, stage, touch::capacity_for(setting.touch)),
+      : memory(stage),
         drive_buffers(device, setting.layout, setting.drive, most_cycle, most_cycle * touch::max_fingers),
         touch_recorder(device, "touch"),
         drive_recorder(device, "drives"),
@@ -48,17 +47,19 @@ class GpuChain : public Chain {
  public:
   GpuChain(const gpu::Device& device, const ChainSetting& setting)
       : setting_(setting),
-        detail_(touch::needs_contacts(setting.method) ? touch::Detail::contacts : setting.detail),
-        stage_(device, setting.solids, setting.cameras, setting.touch),
-        tracks_(device),
+        passes_(device),
+        stage_(passes_, setting.solids, setting.cameras,
+               {.parameters = setting.touch,
+                .detail = touch::needs_contacts(setting.method) ? touch::Detail::contacts : setting.detail,
+                .follow = true}),
         array_passes_(device),
         flights_{Flight(device, setting, stage_), Flight(device, setting, stage_)},
         timeline_(device, "frames") {
     reserve(unmodulated_);
     reserve(memory_);
     foci_.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
-    passes_.reserve(24);
-    drive_passes_.reserve(4);
+    touch_ms_.reserve(24);
+    drive_ms_.reserve(4);
   }
 
   bool can_start() const override { return started_ - finished_ < flights; }
@@ -66,10 +67,10 @@ class GpuChain : public Chain {
 
   void start(const sensing::FrameSet& frame, double captured_s, double now_s) override {
     Flight& flight = flights_[started_ % flights];
-    flight.frame.set(frame.frames);
+    flight.memory.set(frame.frames);
     const VkCommandBuffer commands = flight.touch_recorder.begin();
     flight.touch_times.begin(commands);
-    stage_.record(commands, flight.frame, setting_.touch, detail_, &flight.touch_times, {&tracks_, frame.time_s});
+    stage_.record(commands, flight.memory, frame.time_s, &flight.touch_times);
     flight.submitted = timeline_.submit(flight.touch_recorder.end());
     flight.state = Flight::State::touching;
     flight.plan.captured_s = captured_s;
@@ -86,7 +87,7 @@ class GpuChain : public Chain {
     }
     finish(flight, plan);
     report = flight.report;
-    report.passes = passes_;
+    report.passes = touch_ms_;
     flight.state = Flight::State::idle;
     ++finished_;
     return true;
@@ -96,7 +97,7 @@ class GpuChain : public Chain {
   /// A frame with more skin in the shell than there is room for touches nothing: the loop goes on, and says so once.
   void read_touch(Flight& flight) {
     try {
-      touch::read(flight.frame, flight.touch);
+      touch::read(flight.memory, flight.touch);
     } catch (const Error& error) {
       flight.touch.contacts.clear();
       flight.touch.deep.clear();
@@ -107,7 +108,6 @@ class GpuChain : public Chain {
 
   void begin_drives(Flight& flight) {
     read_touch(flight);
-    touch::find_depths(flight.touch);
     make_schedule(flight.touch, flight.report.time_s, setting_.solids, {setting_.method, setting_.voice, setting_.tune},
                   setting_.slot_s, memory_, flight.plan.schedule);
     flight.drive_buffers.clear();
@@ -126,7 +126,7 @@ class GpuChain : public Chain {
   }
 
   void finish(Flight& flight, Plan& plan) {
-    flight.touch_times.read(passes_);
+    flight.touch_times.read(touch_ms_);
     const std::size_t transducers = setting_.layout.transducers.size();
     plan.schedule = flight.plan.schedule;
     plan.captured_s = flight.plan.captured_s;
@@ -140,14 +140,13 @@ class GpuChain : public Chain {
       const auto drive = flight.drive_buffers.drive(slot);
       std::memcpy(plan.drives.data() + slot * transducers, drive.data(), drive.size_bytes());
     }
-    flight.drive_times.read(drive_passes_);
-    passes_.insert(passes_.end(), drive_passes_.begin(), drive_passes_.end());
+    flight.drive_times.read(drive_ms_);
+    touch_ms_.insert(touch_ms_.end(), drive_ms_.begin(), drive_ms_.end());
   }
 
   ChainSetting setting_;
-  touch::Detail detail_;
+  touch::Passes passes_;
   touch::Stage stage_;
-  touch::TrackBuffer tracks_;
   array::DrivePasses array_passes_;
   std::array<Flight, flights> flights_;
   gpu::Timeline timeline_;
@@ -159,7 +158,7 @@ class GpuChain : public Chain {
   std::vector<array::SlotFocus> foci_;
   array::Schedule unmodulated_;
   ScheduleMemory memory_;
-  std::vector<gpu::PassTime> passes_, drive_passes_;
+  std::vector<gpu::PassTime> touch_ms_, drive_ms_;
 };
 
 }  // namespace

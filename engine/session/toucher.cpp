@@ -1,15 +1,12 @@
 #include "session/toucher.hpp"
 
-#include <algorithm>
-#include <bit>
-#include <optional>
 #include <utility>
 
 #include "base/error.hpp"
 #include "gpu/commands.hpp"
 #include "session/chain.hpp"
 #include "session/overrides.hpp"
-#include "touch/depths.hpp"
+#include "touch/host_stage.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::session {
@@ -27,63 +24,49 @@ class Backend {
 class CpuBackend : public Backend {
  public:
   CpuBackend(const std::vector<geometry::Solid>& solids, const ToucherOptions& options)
-      : stage_(solids, options.cameras, options.touch), parameters_(options.touch) {}
+      : stage_(solids, options.cameras, {.parameters = options.touch, .follow = true}) {}
   void touch(std::span<const sensing::SkinPoint> skin, double time_s, touch::Touch& out) override {
-    stage_.touch(skin, parameters_, out, {}, &tracks_, time_s);
+    stage_.touch(skin, out, time_s);
   }
   void touch(std::span<const sensing::DepthFrame> images, double time_s, touch::Touch& out) override {
-    stage_.touch(images, parameters_, out, {}, &tracks_, time_s);
+    stage_.touch(images, out, time_s);
   }
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { stage_.set_pose(solid, T_world_rest); }
 
  private:
   touch::HostStage stage_;
-  touch::Tracks tracks_;
-  touch::Parameters parameters_;
 };
 
 class GpuBackend : public Backend {
  public:
   GpuBackend(const gpu::Device& device, const std::vector<geometry::Solid>& solids, const ToucherOptions& options)
-      : device_(device),
-        stage_(device, solids, options.cameras, options.touch),
-        tracks_(device),
+      : passes_(device),
+        stage_(passes_, solids, options.cameras, {.parameters = options.touch, .follow = true}),
+        memory_(stage_),
         recorder_(device, "touch"),
-        timeline_(device, "touch"),
-        parameters_(options.touch) {
-    if (!options.cameras.empty()) frame_.emplace(device_, stage_, touch::capacity_for(parameters_));
-  }
+        timeline_(device, "touch") {}
   void touch(std::span<const sensing::SkinPoint> skin, double time_s, touch::Touch& out) override {
-    const auto count = static_cast<std::uint32_t>(skin.size());
-    if (!frame_ || count > room_) {
-      // Powers of two, so that a cloud that grows needs new buffers only now and then.
-      room_ = std::bit_ceil(std::max(count, 4096U));
-      frame_.emplace(device_, stage_, touch::capacity_for(parameters_, {room_, room_}));
-    }
-    frame_->set(skin);
+    memory_.set(skin);
     run(time_s, out);
   }
   void touch(std::span<const sensing::DepthFrame> images, double time_s, touch::Touch& out) override {
-    frame_->set(images);
+    memory_.set(images);
     run(time_s, out);
   }
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { stage_.set_pose(solid, T_world_rest); }
 
  private:
   void run(double time_s, touch::Touch& out) {
-    stage_.record(recorder_.begin(), *frame_, parameters_, touch::Detail::contacts, nullptr, {&tracks_, time_s});
+    stage_.record(recorder_.begin(), memory_, time_s);
     timeline_.wait(timeline_.submit(recorder_.end()));
-    touch::read(*frame_, out);
+    touch::read(memory_, out);
   }
 
-  const gpu::Device& device_;
+  touch::Passes passes_;
   touch::Stage stage_;
-  touch::TrackBuffer tracks_;
+  touch::StageMemory memory_;
   gpu::Recorder recorder_;
   gpu::Timeline timeline_;
-  std::optional<touch::StageFrame> frame_;
-  std::uint32_t room_ = 0;
-  touch::Parameters parameters_;
 };
 
 }  // namespace
@@ -115,7 +98,6 @@ struct Toucher::State {
 
   /// All that follows once the fingers are known.
   const touch::Touch& finish(double time_s) {
-    touch::find_depths(touch);
     events = tracker.update(touch, time_s);
     make_schedule(touch, time_s, solids, {options.method, options.voice, options.tune}, slot_s, memory, schedule);
     return touch;

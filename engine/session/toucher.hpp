@@ -13,7 +13,7 @@
 #include "gpu/device.hpp"
 #include "sensing/camera.hpp"
 #include "sensing/depth_source.hpp"
-#include "sensing/skin.hpp"
+#include "sensing/skin_point.hpp"
 #include "session/events.hpp"
 #include "touch/method.hpp"
 #include "touch/types.hpp"

@@ -9,7 +9,7 @@
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
 #include "sensing/depth_source.hpp"
-#include "sensing/skin.hpp"
+#include "sensing/skin_point.hpp"
 #include "setup/options.hpp"
 
 namespace CLI {

@@ -7,6 +7,8 @@
 #include "base/error.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/timestamps.hpp"
+#include "shaders/contacts.h"
+#include "touch/host_stage.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::setup {
@@ -17,20 +19,15 @@ std::int64_t now_ns() {
       .count();
 }
 
-constexpr std::uint32_t most_points_on_gpu = shader::contacts_most_points;
-constexpr std::uint32_t most_contacts_on_gpu = 1u << 20;
-constexpr std::uint32_t most_deep_on_gpu = 1u << 21;
+/// One touch alone may be of a whole plate: room for more contacts than a frame of a loop has.
+constexpr std::uint32_t most_contacts_on_gpu = 1U << 20;
 
-/// Room for one touch of that input.
-touch::Capacity room_for(const TouchInput& input, const touch::Parameters& parameters) {
-  if (input.points.size() > most_points_on_gpu) {
+void check_points(const TouchInput& input) {
+  if (input.points.size() > shader::contacts_most_points) {
     throw bad_usage(
         fmt::format("--points: {} points are more than the {} of one frame on the GPU; --backend cpu takes them",
-                    input.points.size(), most_points_on_gpu));
+                    input.points.size(), shader::contacts_most_points));
   }
-  return {.points = static_cast<std::uint32_t>(input.points.size()),
-          .contacts = most_contacts_on_gpu,
-          .deep = parameters.wants_deep() ? most_deep_on_gpu : 0};
 }
 
 }  // namespace
@@ -46,15 +43,14 @@ double Stopwatch::lap_ms() {
 
 touch::Touch touch_on_cpu(const TouchInput& input, const touch::Parameters& parameters, StageTimes& times) {
   Stopwatch watch;
-  touch::HostStage stage(input.solids, input.cameras, parameters);
-  touch::check(parameters, stage.solids());
+  touch::HostStage stage(input.solids, input.cameras, {.parameters = parameters});
   times.emplace_back("setup", watch.lap_ms());
   touch::Touch out;
   const auto mark = [&](const char* part) { times.emplace_back(part, watch.lap_ms()); };
   if (input.cameras.empty()) {
-    stage.touch(input.points, parameters, out, mark);
+    stage.touch(input.points, out, 0, mark);
   } else {
-    stage.touch(input.frames, parameters, out, mark);
+    stage.touch(input.frames, out, 0, mark);
   }
   return out;
 }
@@ -62,27 +58,28 @@ touch::Touch touch_on_cpu(const TouchInput& input, const touch::Parameters& para
 touch::Touch touch_on_gpu(const gpu::DeviceOptions& select, const TouchInput& input,
                           const touch::Parameters& parameters, StageTimes& times) {
   Stopwatch watch;
-  const touch::Capacity capacity = touch::capacity_for(parameters, room_for(input, parameters));
+  check_points(input);
   const gpu::Device device(select);
-  const touch::Stage stage(device, input.solids, input.cameras, parameters);
-  touch::check(parameters, stage.solids().host());
-  touch::StageFrame frame(device, stage, capacity);
+  touch::Passes passes(device);
+  touch::Stage stage(passes, input.solids, input.cameras,
+                     {.parameters = parameters, .most_contacts = input.cameras.empty() ? 0 : most_contacts_on_gpu});
+  touch::StageMemory memory(stage);
   gpu::Timestamps stamps(device, 16);
   const gpu::Recorder recorder(device, "touch");
   gpu::Timeline timeline(device);
   if (input.cameras.empty()) {
-    frame.set(input.points);
+    memory.set(input.points);
   } else {
-    frame.set(input.frames);
+    memory.set(input.frames);
   }
   times.emplace_back("setup", watch.lap_ms());
 
   const VkCommandBuffer commands = recorder.begin();
   stamps.begin(commands);
-  stage.record(commands, frame, parameters, touch::Detail::contacts, &stamps);
+  stage.record(commands, memory, 0, &stamps);
   timeline.wait(timeline.submit(recorder.end()));
   touch::Touch out;
-  touch::read(frame, out);
+  touch::read(memory, out);
   times.emplace_back("submit to result", watch.lap_ms());
   std::vector<gpu::PassTime> stages;
   stamps.read(stages);

@@ -1,10 +1,10 @@
-// The plain C++ of BridgePass.
+#include "touch/bridge_twin.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "shaders/bridge_math.h"
-#include "touch/bridge.hpp"
 
 namespace palpa::touch {
 namespace {

@@ -1,11 +1,13 @@
-// The plain C++ of FingersPass: contacts sorted by cell, cells joined pair by pair.
+// Contacts sorted by cell, cells joined pair by pair.
+#include "touch/fingers_twin.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <unordered_map>
 
 #include "shaders/touch_math.h"
-#include "touch/fingers.hpp"
+#include "touch/finger_cells.hpp"
 
 namespace palpa::touch {
 namespace {
@@ -45,8 +47,8 @@ Float3 position(const Contact& contact) {
   return {contact.position.x, contact.position.y, contact.position.z};
 }
 
-Key cell_of(const Contact& contact, const SceneTable& table, float density) {
-  const shader::vec4& centre = table.solids[contact.solid].centre;
+Key cell_of(const Contact& contact, const PreparedSolids& solids, float density) {
+  const shader::vec4& centre = solids.records[contact.solid].centre;
   const auto along = [&](float p, float c) { return static_cast<std::int32_t>(std::floor((p - c) * density)); };
   return {along(contact.position.x, centre.x), along(contact.position.y, centre.y), along(contact.position.z, centre.z),
           contact.solid};
@@ -55,9 +57,9 @@ Key cell_of(const Contact& contact, const SceneTable& table, float density) {
 /// Finds each contact's cluster: its smallest contact.
 class Clustering {
  public:
-  Clustering(const std::vector<Contact>& contacts, const SceneTable& table, float gap)
+  Clustering(const std::vector<Contact>& contacts, const PreparedSolids& solids, float gap)
       : contacts_(contacts), limit_(gap * gap), smallest_(contacts.size()) {
-    sort_into_cells(table, cells_per_metre(gap));
+    sort_into_cells(solids, cells_per_metre(gap));
     std::iota(smallest_.begin(), smallest_.end(), 0U);
     // Cells that touch first: most of the others are then in one cluster already.
     for (const int reach : {1, 2}) {
@@ -74,11 +76,11 @@ class Clustering {
   const std::vector<std::uint32_t>& smallest() const { return smallest_; }
 
  private:
-  void sort_into_cells(const SceneTable& table, float density) {
+  void sort_into_cells(const PreparedSolids& solids, float density) {
     std::vector<std::uint32_t> cell_of_contact;
     cell_of_contact.reserve(contacts_.size());
     for (const Contact& contact : contacts_) {
-      const Key key = cell_of(contact, table, density);
+      const Key key = cell_of(contact, solids, density);
       const auto [at, fresh] = by_key_.try_emplace(key, static_cast<std::uint32_t>(cells_.size()));
       if (fresh) cells_.push_back({key, 0, 0});
       cell_of_contact.push_back(at->second);
@@ -129,15 +131,14 @@ class Clustering {
 
 }  // namespace
 
-void find_fingers(const Parameters& parameters, const SceneTable& table, Touch& out) {
-  check(parameters, table);
+void find_fingers(const Parameters& parameters, const PreparedSolids& solids, Touch& out) {
   std::vector<Contact> inside;  // contacts before deep points: a cluster's smallest point is a contact if it has any
   if (parameters.cluster == Cluster::inside) {
     inside = out.contacts;
     inside.insert(inside.end(), out.deep.begin(), out.deep.end());
   }
   const std::vector<Contact>& clustered = parameters.cluster == Cluster::inside ? inside : out.contacts;
-  std::vector<std::uint32_t> smallest = Clustering(clustered, table, float_gap(parameters)).smallest();
+  std::vector<std::uint32_t> smallest = Clustering(clustered, solids, float_gap(parameters)).smallest();
   smallest.resize(out.contacts.size());  // from here on contacts alone count
 
   std::vector<std::uint32_t> sizes(smallest.size());

@@ -1,9 +1,10 @@
+#include "touch/follow_twin.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <span>
 
 #include "shaders/follow_math.h"
-#include "touch/follow.hpp"
 
 namespace palpa::touch {
 namespace {

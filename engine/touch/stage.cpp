@@ -1,138 +1,151 @@
 #include "touch/stage.hpp"
 
-#include <fmt/core.h>
-
-#include <algorithm>
 #include <cstring>
 
-#include "base/error.hpp"
 #include "gpu/barrier.hpp"
 #include "gpu/commands.hpp"
+#include "touch/bridge_cameras.hpp"
+#include "touch/check_parameters.hpp"
+#include "touch/sector_borders.hpp"
 
 namespace palpa::touch {
 namespace {
 
-Capacity with_pixels(Capacity capacity, const sensing::RayTables& tables, bool deep) {
-  constexpr std::uint32_t some = 65'536;
-  if (deep && capacity.deep == 0) capacity.deep = some;
-  if (tables.pixels != 0) {
-    capacity.points = static_cast<std::uint32_t>(std::min<std::uint64_t>(tables.pixels, shader::contacts_most_points));
-  }
-  return capacity;
-}
-
-gpu::Upload upload_cameras(const gpu::Device& device, const std::vector<shader::BridgeCamera>& cameras) {
-  gpu::Upload upload(device, cameras.size() * sizeof(shader::BridgeCamera), "bridge cameras");
-  if (cameras.empty()) return upload;
-  std::memcpy(upload.data(), cameras.data(), cameras.size() * sizeof(shader::BridgeCamera));
-  const gpu::Recorder recorder(device, "bridge cameras");
-  gpu::Timeline timeline(device, "bridge cameras");
-  upload.record(recorder.begin());
-  timeline.wait(timeline.submit(recorder.end()));
-  return upload;
+PreparedSolids checked(PreparedSolids solids, const Parameters& parameters) {
+  check_parameters(parameters, solids);
+  return solids;
 }
 
 }  // namespace
 
-Stage::Stage(const gpu::Device& device, const std::vector<geometry::Solid>& solids,
-             std::span<const sensing::Camera> cameras, const Parameters& parameters)
-    : cameras_(cameras.begin(), cameras.end()),
+Stage::Stage(Passes& passes, const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras,
+             const StageSetting& setting)
+    : passes_(passes),
+      setting_(setting),
+      cameras_(cameras.begin(), cameras.end()),
       tables_(sensing::make_rays(cameras)),
-      rays_(sensing::upload_rays(device, tables_)),
-      bridge_cameras_(upload_cameras(device, bridge_cameras(cameras, tables_))),
-      deep_(parameters.wants_deep()),
-      solids_(device, solids, parameters),
-      skin_pass_(device),
-      touch_passes_(device) {}
+      rays_(sensing::upload_rays(passes.device(), tables_)),
+      solids_(checked(prepare_solids(solids, setting.parameters), setting.parameters)),
+      solids_memory_(passes.device(), solids_) {
+  const gpu::Device& device = passes.device();
+  passes.prepare(solids_, tables_, setting);
+  if (setting.follow) tracks_.emplace(device);
+  const std::vector<shader::BridgeCamera> seeing = bridge_cameras(cameras, tables_);
+  const std::vector<shader::Border> borders = sector_borders();
+  const gpu::Recorder recorder(device, "stage");
+  gpu::Timeline timeline(device, "stage");
+  const VkCommandBuffer commands = recorder.begin();
+  bridge_cameras_ = gpu::uploaded(device, commands, std::span(seeing), "bridge cameras");
+  borders_ = gpu::uploaded(device, commands, std::span(borders), "sector borders");
+  timeline.wait(timeline.submit(recorder.end()));
+}
 
-void Stage::record(VkCommandBuffer commands, StageFrame& frame, const Parameters& parameters, Detail detail,
-                   gpu::Timestamps* times, const Following& following) const {
-  if (!frame.skin_) {
-    frame.points_.record(commands);
-    frame.total_.record(commands);
-    touch_passes_.record(commands, solids_, frame.touch_, frame.points_.ref(), frame.total_.ref(), parameters, times,
-                         detail, nullptr, following);
-    return;
-  }
-  frame.depth_.record(commands);
-  const Box box = solids_.box();
-  sensing::plan_views(cameras_, tables_, box, frame.views_);
-  const sensing::SkinBuffers skin = frame.skin_->with(frame.depth_.ref(), rays_.ref());
-  skin_pass_.record(commands, skin, tables_, box, frame.views_, times);
+void Stage::record_skin(VkCommandBuffer commands, StageMemory& memory, gpu::Timestamps* times) const {
+  memory.depth_.record(commands);
+  const Box box = touchable_box(solids_);
+  sensing::plan_views(cameras_, tables_, box, memory.views_);
+  passes_.skin_.record(commands,
+                       {.depth = memory.depth_.ref(),
+                        .rays = rays_.ref(),
+                        .points = memory.seen_.ref(),
+                        .total = memory.seen_total_.ref()},
+                       memory.skin_scratch_, tables_, box, memory.views_, times);
   gpu::compute_to_compute(commands);
-  const SightBuffers sight{frame.depth_.ref(), rays_.ref(), bridge_cameras_.ref()};
-  touch_passes_.record(commands, solids_, frame.touch_, skin.points, skin.total, parameters, times, detail, &sight,
-                       following);
 }
 
-StageFrame::StageFrame(const gpu::Device& device, const Stage& stage, Capacity capacity)
-    : tables_(&stage.tables_), touch_(device, with_pixels(capacity, stage.tables_, stage.deep_)) {
-  if (stage.tables_.pixels != 0) {
-    views_.reserve(stage.cameras_.size());
-    depth_ = gpu::Upload(device, sensing::packed_bytes(stage.tables_), "depth frames");
-    skin_.emplace(device, stage.tables_);
-    return;
+void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu::Timestamps* times) {
+  const bool cameras = tables_.pixels != 0;
+  const Parameters& parameters = setting_.parameters;
+  const gpu::BufferRef points = cameras ? m.seen_.ref() : m.points_.ref();
+  const gpu::BufferRef length = cameras ? m.seen_total_.ref() : m.given_.ref();
+  if (cameras) {
+    record_skin(commands, m, times);
+  } else {
+    m.points_.record(commands);
+    m.given_.record(commands);
   }
-  static_assert(sizeof(sensing::SkinPoint) == 16, "a skin point is one vec4 on the device");
-  points_ = gpu::Upload(device, std::uint64_t{touch_.capacity().points} * sizeof(sensing::SkinPoint), "skin points");
-  total_ = gpu::Upload(device, sizeof(shader::ScanTotal), "skin total");
-}
-
-void StageFrame::set(std::span<const sensing::DepthFrame> images) {
-  sensing::pack_depth(*tables_, images, depth_.as<std::uint16_t>());
-}
-
-void StageFrame::set(std::span<const sensing::SkinPoint> points) {
-  if (skin_ || points.size() > touch_.capacity().points) {
-    throw bad_usage(fmt::format("{} skin points for a frame with room for {}", points.size(),
-                                skin_ ? 0 : touch_.capacity().points));
+  if (!solids_.records.empty()) {
+    std::memcpy(m.solids_.data(), solids_.records.data(), solids_.records.size() * sizeof(shader::SolidRecord));
   }
-  if (!points.empty()) std::memcpy(points_.data(), points.data(), points.size_bytes());
-  const auto count = static_cast<std::uint32_t>(points.size());
-  total_.as<shader::ScanTotal>()[0] = {count, gpu::groups_for(count, 64), 1, 1};
-}
-
-HostStage::HostStage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras,
-                     const Parameters& parameters)
-    : cameras_(cameras.begin(), cameras.end()),
-      tables_(sensing::make_rays(cameras)),
-      bridge_cameras_(bridge_cameras(cameras, tables_)),
-      table_(make_scene_table(solids, parameters)) {}
-
-void HostStage::touch(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
-                      const Mark& mark, Tracks* tracks, double time_s) {
-  const Box box = touchable_box(table_);
-  sensing::plan_views(cameras_, tables_, box, views_);
-  sensing::find_skin(tables_, images, box, views_, points_);
-  if (mark) mark("skin");
-  const Sight sight{bridge_cameras_, tables_, images};
-  touch(points_, &sight, parameters, out, mark, tracks, time_s);
-}
-
-void HostStage::touch(std::span<const sensing::SkinPoint> points, const Parameters& parameters, Touch& out,
-                      const Mark& mark, Tracks* tracks, double time_s) {
-  touch(points, nullptr, parameters, out, mark, tracks, time_s);
-}
-
-void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* sight, const Parameters& parameters,
-                      Touch& out, const Mark& mark, Tracks* tracks, double time_s) const {
-  check(parameters, table_);
-  find_contacts(points, table_, parameters, out);
-  if (mark) mark("contacts");
-  find_fingers(parameters, table_, out);
-  if (mark) mark("fingers");
-  if (sight && parameters.finger_width_m > 0) {
-    bridge_fingers(*sight, parameters, out);
-    if (mark) mark("bridge");
+  m.solids_.record(commands);
+  const auto mark = [&](const char* name) {
+    if (times) times->mark(commands, name);
+  };
+  passes_.contacts_.record(commands,
+                           {.points = points,
+                            .length = length,
+                            .solids = m.solids_.ref(),
+                            .cells = solids_memory_.cells(),
+                            .planes = solids_memory_.planes(),
+                            .total = m.total_.ref(),
+                            .contacts = m.contacts_.ref(),
+                            .surface = solids_memory_.surfaces().surface(),
+                            .parts = solids_memory_.surfaces().parts(),
+                            .deep_total = m.deep_total_.ref(),
+                            .deep = m.deep_.ref()},
+                           m.contacts_scratch_, m.room_, solids_, parameters, times);
+  gpu::compute_to_compute(commands);
+  passes_.fingers_.record(commands,
+                          {.length = length,
+                           .solids = m.solids_.ref(),
+                           .total = m.total_.ref(),
+                           .contacts = m.contacts_.ref(),
+                           .parents = m.parents_.ref(),
+                           .clusters = m.clusters_.ref(),
+                           .header = m.header_.ref(),
+                           .fingers = m.fingers_.ref(),
+                           .deep_total = m.deep_total_.ref(),
+                           .deep = m.deep_.ref()},
+                          m.fingers_scratch_, m.room_, parameters, times);
+  gpu::compute_to_compute(commands);
+  if (bridges(tables_, parameters)) {
+    passes_.bridge_->record(commands,
+                            {.depth = m.depth_.ref(),
+                             .rays = rays_.ref(),
+                             .cameras = bridge_cameras_.ref(),
+                             .total = m.total_.ref(),
+                             .contacts = m.contacts_.ref(),
+                             .parents = m.parents_.ref(),
+                             .clusters = m.clusters_.ref(),
+                             .header = m.header_.ref(),
+                             .fingers = m.fingers_.ref()},
+                            m.bridge_scratch_, m.room_, parameters);
+    gpu::compute_to_compute(commands);
+    mark("bridge");
   }
-  find_frames(out);
-  if (mark) mark("frames");
-  if (tracks) {
-    follow_fingers(*tracks, time_s, out);
-    if (mark) mark("follow");
+  passes_.sections_.record(commands,
+                           {.total = m.total_.ref(),
+                            .parents = m.parents_.ref(),
+                            .contacts = m.contacts_.ref(),
+                            .header = m.header_.ref(),
+                            .grouped = m.grouped_.ref(),
+                            .fingers = m.fingers_.ref()},
+                           m.sections_scratch_, m.room_, times);
+  gpu::compute_to_compute(commands);
+  if (tracks_) {
+    passes_.follow_->record(commands,
+                            {.header = m.header_.ref(), .fingers = m.fingers_.ref(), .tracks = tracks_->ref()},
+                            tracks_->clock.elapsed_us(time_s));
+    mark("follow");
+    gpu::compute_to_compute(commands);
   }
-  find_foci(parameters, table_.foci_of, out);
-  if (mark) mark("foci");
+  passes_.foci_.record(commands,
+                       {.grouped = m.grouped_.ref(),
+                        .header = m.header_.ref(),
+                        .fingers = m.fingers_.ref(),
+                        .foci = m.foci_.ref(),
+                        .borders = borders_.ref(),
+                        .of_solid = solids_memory_.foci_of()},
+                       parameters);
+  mark("foci");
+  if (setting_.detail == Detail::contacts) m.contacts_.record(commands);
+  m.header_.record(commands);
+  m.fingers_.record(commands);
+  m.foci_.record(commands);
+  if (parameters.wants_deep()) {
+    m.deep_.record(commands);
+    m.deep_total_.record(commands);
+  }
 }
 
 }  // namespace palpa::touch

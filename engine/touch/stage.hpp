@@ -1,118 +1,117 @@
 // The stage of a frame from skin to foci, in one piece: depth frames, or skin points from elsewhere, in; contacts,
-// fingers and foci out. What all frames share is apart from what each frame in flight writes to.
+// fingers and foci out. What all frames share is apart from what each frame in flight writes to. HostStage
+// (host_stage.hpp) is its twin.
+//
+//   touch::Passes passes(device);                       // one for all stages of the device
+//   touch::Stage stage(passes, solids, cameras, setting);
+//   touch::StageMemory memory(stage);                   // one for each frame in flight
+//   ... for each frame:
+//   memory.set(images);
+//   stage.record(recorder.begin(), memory, time_s);
+//   timeline.wait(timeline.submit(recorder.end()));
+//   touch::read(memory, touch);
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "geometry/solid.hpp"
 #include "gpu/buffer.hpp"
+#include "gpu/scratch.hpp"
 #include "gpu/timestamps.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
-#include "sensing/skin.hpp"
-#include "touch/chain.hpp"
+#include "sensing/skin_point.hpp"
+#include "touch/passes.hpp"
+#include "touch/prepared_solids.hpp"
+#include "touch/room.hpp"
+#include "touch/solids_memory.hpp"
+#include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
 
-class StageFrame;
+class StageMemory;
 
-/// Solids, rays and pipelines on the device; one for any number of frames in flight. `device` outlives it.
+/// Solids, rays and tracks on the device; one for any number of frames in flight. Stays where it is as long as there is
+/// a StageMemory of it.
 class Stage {
  public:
-  /// Without cameras every frame is a set of skin points. The solids are prepared for delta and deep points of
-  /// `parameters`. Uploads and waits. Throws as SolidTable and make_rays do.
-  Stage(const gpu::Device& device, const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras,
-        const Parameters& parameters = {});
+  /// Without cameras every frame is a set of skin points. `passes` outlives the stage and gets the pipelines that these
+  /// solids, cameras and setting need. Uploads and waits. Throws bad_usage on solids, cameras and parameters that
+  /// cannot be used (prepare_solids, make_rays, check_parameters), failure where a table is larger than the device
+  /// takes.
+  Stage(Passes& passes, const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras = {},
+        const StageSetting& setting = {});
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
 
-  const SolidTable& solids() const { return solids_; }
-  /// From the next record on the solid is where T_world_rest takes it; see touch::set_pose.
-  void set_pose(std::uint32_t solid, const Transform& T_world_rest) { solids_.set_pose(solid, T_world_rest); }
+  const StageSetting& setting() const { return setting_; }
   const std::vector<sensing::Camera>& cameras() const { return cameras_; }
+  const PreparedSolids& solids() const { return solids_; }
+  /// From the next record on the solid is where T_world_rest takes it; see touch::set_pose.
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(solids_, solid, T_world_rest); }
 
-  /// Records all that turns the frame's input into foci, and the readback that `detail` asks for. With `times`, marks
-  /// the names of SkinPass (depth frames only) and TouchPasses. With `following`, fingers keep their ids and axes:
-  /// record frames in the order of their capture, and submit them in the order of their recording. Barriers: the
-  /// submit that used `frame` before has completed. Allocates nothing; throws bad_usage on unusable parameters.
-  void record(VkCommandBuffer commands, StageFrame& frame, const Parameters& parameters, Detail detail,
-              gpu::Timestamps* times = nullptr, const Following& following = {}) const;
+  /// Records all that turns the frame's input, captured at `time_s`, into foci, and the readback that the setting asks
+  /// for. Where fingers are followed: record frames in the order of their capture, and submit them in the order of
+  /// their recording. With `times`, marks the names of SkinPass (depth frames only), ContactsPass, FingersPass,
+  /// "bridge", SectionsPass, "follow" and "foci", those that run. Barriers: the submit that used `memory` before has
+  /// completed. Allocates nothing.
+  void record(VkCommandBuffer commands, StageMemory& memory, double time_s = 0, gpu::Timestamps* times = nullptr);
 
  private:
-  friend class StageFrame;
+  friend class StageMemory;
+  void record_skin(VkCommandBuffer commands, StageMemory& memory, gpu::Timestamps* times) const;
+
+  const Passes& passes_;
+  StageSetting setting_;
   std::vector<sensing::Camera> cameras_;
   sensing::RayTables tables_;
   gpu::Buffer rays_;
-  gpu::Upload bridge_cameras_;
-  bool deep_ = false;
-  SolidTable solids_;
-  sensing::SkinPass skin_pass_;
-  TouchPasses touch_passes_;
+  gpu::Upload bridge_cameras_, borders_;
+  PreparedSolids solids_;
+  SolidsMemory solids_memory_;
+  std::optional<TracksMemory> tracks_;
 };
 
 /// What one frame in flight reads and writes. Give it its input, record, submit, wait, read.
-class StageFrame {
+class StageMemory {
  public:
-  /// Room for all pixels of the stage's cameras, else for `capacity.points` skin points; and for `capacity.contacts`;
-  /// where the stage was made for deep points, for `capacity.deep` of them, else 65,536.
-  StageFrame(const gpu::Device& device, const Stage& stage, Capacity capacity = {});
+  /// Takes the memory for every frame with cameras, or where the setting says how many points there are; else set()
+  /// does. Throws bad_usage for more points than any frame can have. 8 bytes per point and 140 per contact, 47 MB for
+  /// three cameras of 848x480; per deep point 32, and 172 where they are clustered.
+  explicit StageMemory(const Stage& stage);
 
-  /// The input of the next record: one image per camera, or points whose indices ascend. The images and points are
-  /// copied. Throws bad_usage for images that do not fit the cameras, or for more points than there is room for.
+  /// The input of the next record: one image per camera, or points whose indices ascend. The submit that used this
+  /// memory before has completed. The images and points are copied. Throws bad_usage for images that do not fit the
+  /// cameras, or for more points than there is room for. Allocates where points are more than there were before, in
+  /// powers of two.
   void set(std::span<const sensing::DepthFrame> images);
   void set(std::span<const sensing::SkinPoint> points);
 
-  /// For passes that go on from here.
-  const TouchBuffers& buffers() const { return touch_; }
+  const Room& room() const { return room_; }
 
  private:
   friend class Stage;
-  const sensing::RayTables* tables_;
+  friend void read(const StageMemory& memory, Touch& out);
+  void make(const Room& room);
+
+  const Stage* stage_;
+  Room room_;
+  gpu::Upload depth_;           // depth frames
+  gpu::Upload points_, given_;  // or points, and their total
   std::vector<sensing::View> views_;
-  gpu::Upload depth_;
-  std::optional<sensing::SkinMemory> skin_;
-  gpu::Upload points_, total_;
-  TouchBuffers touch_;
+  gpu::Upload solids_;             // where they are
+  gpu::Buffer seen_, seen_total_;  // skin points of depth frames
+  gpu::Buffer total_, parents_, clusters_, grouped_;
+  gpu::Scratch skin_scratch_, contacts_scratch_, fingers_scratch_, bridge_scratch_, sections_scratch_;
+  gpu::Readback contacts_, deep_, deep_total_, header_, fingers_, foci_;
 };
 
-/// What the newest record found, once its submit has completed; as read() of its buffers.
-inline void read(const StageFrame& frame, Touch& out) {
-  read(frame.buffers(), out);
-}
-
-/// The twin of the stage: the passes' C++ twins on the calling thread.
-class HostStage {
- public:
-  /// Called after each part with its name: "skin", "contacts", "fingers", "bridge", "frames",
-  /// "follow", "foci".
-  using Mark = std::function<void(const char*)>;
-
-  /// Throws as make_scene_table and make_rays do.
-  HostStage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras,
-            const Parameters& parameters = {});
-
-  const SceneTable& solids() const { return table_; }
-  void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(table_, solid, T_world_rest); }
-
-  /// With `tracks`, follows the fingers of the calls before to this frame, captured at `time_s`. Throws bad_usage for
-  /// images that do not fit the cameras, and on unusable parameters.
-  void touch(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
-             const Mark& mark = {}, Tracks* tracks = nullptr, double time_s = 0);
-  void touch(std::span<const sensing::SkinPoint> points, const Parameters& parameters, Touch& out,
-             const Mark& mark = {}, Tracks* tracks = nullptr, double time_s = 0);
-
- private:
-  void touch(std::span<const sensing::SkinPoint> points, const Sight* sight, const Parameters& parameters, Touch& out,
-             const Mark& mark, Tracks* tracks, double time_s) const;
-
-  std::vector<sensing::Camera> cameras_;
-  sensing::RayTables tables_;
-  std::vector<shader::BridgeCamera> bridge_cameras_;
-  SceneTable table_;
-  std::vector<sensing::View> views_;        // scratch
-  std::vector<sensing::SkinPoint> points_;  // scratch
-};
+/// What the newest record found, once its submit has completed, with each finger's depth (find_depths). With
+/// Detail::fingers, contacts (the touch's and the fingers') are empty. Allocates only where `out` grows beyond what it
+/// has held. Throws failure naming the figure when there were more points or contacts than there is room for.
+void read(const StageMemory& memory, Touch& out);
 
 }  // namespace palpa::touch

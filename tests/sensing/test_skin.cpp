@@ -1,4 +1,4 @@
-#include "sensing/skin.hpp"
+#include "sensing/skin_pass.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"
 #include "random_rig.hpp"
+#include "sensing/skin_twin.hpp"
 #include "shaders/skin.h"
 #include "spirv/skin_count.comp.hpp"
 #include "spirv/skin_scatter.comp.hpp"
@@ -49,19 +50,19 @@ DeviceResult run_pass(const Scene& scene, const Box& box, std::uint64_t room = ~
   pack_depth(tables, scene.frames, packed);
   auto depth = GuardedBuffer::of<std::uint16_t>(device, packed);
   auto rays = GuardedBuffer::of<glm::vec2>(device, tables.rays);
-  GuardedBuffer runs(device, std::size_t{skin_groups(tables)} * skin_group_runs * sizeof(shader::SkinRun));
-  GuardedBuffer counts(device, std::size_t{skin_groups(tables)} * 4);
   GuardedBuffer points(device, std::min(room, tables.pixels) * sizeof(SkinPoint));
   GuardedBuffer total(device, sizeof(shader::ScanTotal));
 
-  const SkinPass pass(device);
+  const test::GuardedScratch scratch(device, SkinPass::scratch(tables));
+  static SkinPass pass(device);
+  pass.prepare(tables);
   test::run_on_device([&](VkCommandBuffer commands) {
-    const SkinBuffers buffers{depth.ref(), rays.ref(), runs.ref(), counts.ref(), points.ref(), total.ref()};
-    pass.record(commands, buffers, tables, box, views);
+    pass.record(commands, {depth.ref(), rays.ref(), points.ref(), total.ref()}, scratch, tables, box, views);
     gpu::writes_to_transfer(commands);
   });
-  for (GuardedBuffer* buffer : {&depth, &rays, &runs, &counts, &points, &total})
+  for (GuardedBuffer* buffer : {&depth, &rays, &points, &total})
     EXPECT_TRUE(buffer->intact());
+  EXPECT_TRUE(scratch.intact());
 
   DeviceResult result;
   result.total = total.read<shader::ScanTotal>()[0];

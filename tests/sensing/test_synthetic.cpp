@@ -10,7 +10,7 @@
 #include "geometry/ply.hpp"
 #include "random_rig.hpp"
 #include "sensing/rig.hpp"
-#include "sensing/skin.hpp"
+#include "sensing/skin_twin.hpp"
 #include "support/shared_data.hpp"
 #include "throws.hpp"
 

@@ -16,6 +16,7 @@
 #include "support/device.hpp"
 #include "support/hand_tips.hpp"
 #include "support/shared_data.hpp"
+#include "touch/host_stage.hpp"
 #include "touch/method.hpp"
 #include "touch/stage.hpp"
 
@@ -149,15 +150,16 @@ Seen look(const std::string& name, const sensing::Camera& camera, geometry::Mesh
 }
 
 touch::Touch touch_on_device(const Seen& seen, const touch::Parameters& parameters = {}) {
-  const touch::Stage stage(test::test_device(), seen.solids, seen.cameras, parameters);
-  touch::StageFrame frame(test::test_device(), stage, touch::capacity_for(parameters));
-  frame.set(seen.images);
+  static touch::Passes passes(test::test_device());
+  touch::Stage stage(passes, seen.solids, seen.cameras, {.parameters = parameters});
+  touch::StageMemory memory(stage);
+  memory.set(seen.images);
   const gpu::Recorder recorder(test::test_device(), "hands");
   gpu::Timeline timeline(test::test_device(), "hands");
-  stage.record(recorder.begin(), frame, parameters, touch::Detail::contacts);
+  stage.record(recorder.begin(), memory);
   timeline.wait(timeline.submit(recorder.end()));
   touch::Touch out;
-  touch::read(frame, out);
+  touch::read(memory, out);
   return out;
 }
 
@@ -202,7 +204,7 @@ void expect_own_foci(const touch::Touch& touch) {
 touch::Touch touch_inside(const Seen& seen) {
   const touch::Parameters parameters{.cluster = touch::Cluster::inside};
   touch::Touch twin;
-  touch::HostStage(seen.solids, seen.cameras, parameters).touch(seen.images, parameters, twin);
+  touch::HostStage(seen.solids, seen.cameras, {.parameters = parameters}).touch(seen.images, twin);
   touch::Touch out = touch_on_device(seen, parameters);
   EXPECT_GT(out.deep.size(), out.contacts.size());
   EXPECT_EQ(out.deep.size(), twin.deep.size());
@@ -250,7 +252,7 @@ TEST(Hands, TenFingertipsOnOneBody) {
   // cluster is all of a finger that is inside: each holds exactly one labelled tip and one of the rings.
   const touch::Parameters thick{.delta_m = 0.5};
   touch::Touch whole;
-  touch::HostStage(seen.solids, seen.cameras, thick).touch(seen.images, thick, whole);
+  touch::HostStage(seen.solids, seen.cameras, {.parameters = thick}).touch(seen.images, whole);
   ASSERT_EQ(whole.finger_count, 10u);
   const auto points_of = [](const touch::Touch& from, std::uint32_t f) {
     std::vector<std::uint32_t> points;

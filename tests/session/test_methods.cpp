@@ -8,7 +8,7 @@
 #include "geometry/ply.hpp"
 #include "session/chain.hpp"
 #include "support/shared_data.hpp"
-#include "touch/chain.hpp"
+#include "touch/host_stage.hpp"
 
 namespace palpa::session {
 namespace {
@@ -24,7 +24,7 @@ struct Frame {
     std::vector<glm::vec3> points;
     for (const Vec3& p : geometry::read_ply(palpa::test::source_file("assets/finger.ply")).positions)
       points.emplace_back(p.x, p.y - depth_m, p.z);
-    touch::touch_points(points, solids, {}, touch);
+    touch::HostStage(solids).touch(sensing::numbered(points), touch);
     for (touch::Finger& finger : touch.fingers)
       finger.id = 4;
   }

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "touch/fingertips.hpp"
-#include "touch/stage.hpp"
+#include "touch/host_stage.hpp"
 
 namespace palpa::touch::test {
 namespace {
@@ -38,10 +38,10 @@ void run(int trials) {
       for (int t = 0; t < trials * 3; ++t) {
         for (const std::size_t fingers : {1, 2}) {
           const Trial trial = random_trial(random, cameras, elevation, trial_objects[t % 3], fingers);
-          HostStage stage(object(trial.object), trial.cameras);
+          const auto solids = object(trial.object);
           Touch before, after;
-          stage.touch(trial.images, {.finger_width_m = 0}, before);
-          stage.touch(trial.images, {}, after);
+          HostStage(solids, trial.cameras, {.parameters = {.finger_width_m = 0}}).touch(trial.images, before);
+          HostStage(solids, trial.cameras).touch(trial.images, after);
           if (before.finger_count > 0) tally[fingers - 1].add(is_wrong(before, trial), is_wrong(after, trial));
         }
       }

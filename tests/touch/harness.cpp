@@ -18,10 +18,30 @@ std::string backend_name(const ::testing::TestParamInfo<Backend>& info) {
 }
 
 std::vector<sensing::SkinPoint> indexed(const std::vector<glm::vec3>& points) {
-  std::vector<sensing::SkinPoint> skin(points.size());
-  for (std::uint32_t i = 0; i < skin.size(); ++i)
-    skin[i] = {points[i], i};
-  return skin;
+  return sensing::numbered(points);
+}
+
+Passes& test_passes() {
+  static Passes passes(test_device());
+  return passes;
+}
+
+void DeviceStage::touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s) {
+  memory.set(images);
+  again(out, time_s);
+}
+
+void DeviceStage::touch(std::span<const sensing::SkinPoint> points, Touch& out, double time_s) {
+  memory.set(points);
+  again(out, time_s);
+}
+
+void DeviceStage::again(Touch& out, double time_s, gpu::Timestamps* times) {
+  const VkCommandBuffer commands = recorder_.begin();
+  if (times) times->begin(commands);
+  stage.record(commands, memory, time_s, times);
+  palpa::test::submit_and_wait(recorder_.end());
+  read(memory, out);
 }
 
 namespace {
@@ -33,32 +53,17 @@ double cpu_ms() {
 }  // namespace
 
 Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vector<geometry::Solid>& solids,
-                      const Parameters& parameters, const Capacity& capacity, int runs,
-                      std::vector<gpu::PassTime>* times) {
-  gpu::Device& device = test_device();
-  static const TouchPasses passes(device);
-  const SolidTable table(device, solids, parameters);
-  TouchBuffers buffers(device, {capacity.points, capacity.contacts, parameters.deep ? capacity.points : 0});
-  const gpu::Upload skin(device, std::max<std::size_t>(points.size_bytes(), 16), "test points");
-  const gpu::Upload total(device, sizeof(shader::ScanTotal), "test total");
-  if (!points.empty()) std::memcpy(skin.data(), points.data(), points.size_bytes());
-  const auto count = static_cast<std::uint32_t>(points.size());
-  total.as<shader::ScanTotal>()[0] = {count, (count + 63) / 64, 1, 1};
-  gpu::Timestamps stamps(device, 16);
-  const gpu::Recorder recorder(device, "touch test");
+                      const StageSetting& setting, int runs, std::vector<gpu::PassTime>* times) {
+  gpu::Timestamps stamps(test_device(), 16);
+  DeviceStage stage(solids, {}, setting);
+  stage.memory.set(points);
   Touch out;
   std::vector<gpu::PassTime> once;
   for (int run = 0; run < runs; ++run) {
-    const VkCommandBuffer commands = recorder.begin();
-    skin.record(commands);
-    total.record(commands);
-    stamps.begin(commands);
-    record(commands, passes, table, buffers, skin.ref(), total.ref(), parameters, &stamps);
-    const double began = cpu_ms();
-    palpa::test::submit_and_wait(recorder.end());
-    const double took = cpu_ms() - began;
     const Touch before = out;
-    read(buffers, out);
+    const double began = cpu_ms();
+    stage.again(out, 0, &stamps);
+    const double took = cpu_ms() - began;
     if (run > 0) expect_identical(before, out);
     if (times) {
       stamps.read(once);
@@ -75,11 +80,12 @@ Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std:
                const Parameters& parameters) {
   if (backend == Backend::cpu) {
     Touch out;
-    touch_points(points, solids, parameters, out);
+    HostStage(solids, {}, {.parameters = parameters}).touch(indexed(points), out);
     return out;
   }
   const auto count = static_cast<std::uint32_t>(points.size());
-  return touch_on_device(indexed(points), solids, parameters, {count, count}, 2);
+  return touch_on_device(indexed(points), solids,
+                         {.parameters = parameters, .most_points = count, .most_contacts = count}, 2);
 }
 
 geometry::Solid box(const Vec3& low, const Vec3& high, const std::string& name) {

@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "geometry/solid.hpp"
+#include "gpu/commands.hpp"
 #include "gpu/timestamps.hpp"
-#include "touch/chain.hpp"
+#include "touch/host_stage.hpp"
+#include "touch/stage.hpp"
 
 namespace palpa::touch::test {
 
@@ -21,13 +23,34 @@ std::string backend_name(const ::testing::TestParamInfo<Backend>& info);
 /// Same test body on both.
 class OnBothBackends : public ::testing::TestWithParam<Backend> {};
 
-/// One touch of points whose index is their place. On the GPU twice, into reused buffers: both runs must agree.
+/// On the test device, all pipelines that any test of this program needs, each made once.
+Passes& test_passes();
+
+/// A stage on the test device, one frame at a time.
+class DeviceStage {
+ public:
+  explicit DeviceStage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras = {},
+                       const StageSetting& setting = {})
+      : stage(test_passes(), solids, cameras, setting), memory(stage) {}
+
+  void touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s = 0);
+  void touch(std::span<const sensing::SkinPoint> points, Touch& out, double time_s = 0);
+  /// What is set once more.
+  void again(Touch& out, double time_s = 0, gpu::Timestamps* times = nullptr);
+
+  Stage stage;
+  StageMemory memory;
+
+ private:
+  gpu::Recorder recorder_{test_passes().device(), "touch test"};
+};
+
+/// One touch of points whose index is their place. On the GPU twice, into reused memory: both runs must agree.
 Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
                const Parameters& parameters = {});
-/// The same on the device for any indices and capacity; `times` gets the passes' times of the last of `runs`.
+/// The same on the device for any indices and setting; `times` gets the passes' times of the last of `runs`.
 Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vector<geometry::Solid>& solids,
-                      const Parameters& parameters, const Capacity& capacity, int runs = 1,
-                      std::vector<gpu::PassTime>* times = nullptr);
+                      const StageSetting& setting, int runs = 1, std::vector<gpu::PassTime>* times = nullptr);
 std::vector<sensing::SkinPoint> indexed(const std::vector<glm::vec3>& points);
 
 /// An axis-aligned box as six planes; the mesh stays empty: touching asks only planes and bounds.

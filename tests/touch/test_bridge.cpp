@@ -1,5 +1,4 @@
 // Hidden skin: patches on two sides of one fingertip are one finger, neighbouring fingertips are two.
-#include "touch/bridge.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,32 +8,26 @@
 
 #include "base/error.hpp"
 #include "gpu/commands.hpp"
+#include "sensing/skin_twin.hpp"
 #include "support/device.hpp"
 #include "touch/fingertips.hpp"
 #include "touch/harness.hpp"
-#include "touch/stage.hpp"
 
 namespace palpa::touch::test {
 namespace {
 
-using palpa::test::test_device;
 using Images = std::vector<sensing::DepthFrame>;
 using Cameras = std::vector<sensing::Camera>;
 
 Touch touch_on(Backend backend, const std::vector<geometry::Solid>& solids, const Cameras& cameras,
                const Images& images, const Parameters& parameters = {}) {
   Touch out;
+  const StageSetting setting{.parameters = parameters};
   if (backend == Backend::cpu) {
-    HostStage(solids, cameras).touch(images, parameters, out);
-    return out;
+    HostStage(solids, cameras, setting).touch(images, out);
+  } else {
+    DeviceStage(solids, cameras, setting).touch(images, out);
   }
-  const Stage stage(test_device(), solids, cameras);
-  StageFrame frame(test_device(), stage);
-  frame.set(images);
-  const gpu::Recorder recorder(test_device(), "bridge test");
-  stage.record(recorder.begin(), frame, parameters, Detail::contacts);
-  palpa::test::submit_and_wait(recorder.end());
-  read(frame, out);
   return out;
 }
 
@@ -70,9 +63,9 @@ TEST_P(Bridge, LeavesPointsAlone) {
   const auto solids = object("cube");
   const Cameras cameras = ring_of_cameras(2, 20, 30);
   const Images images = images_of(cameras, {{.press_m = 5e-3}}, 1);
-  const auto skin = sensing::find_skin(cameras, images, touchable_box(make_scene_table(solids)));
+  const auto skin = sensing::find_skin(cameras, images, touchable_box(prepare_solids(solids)));
   Touch out;
-  HostStage(solids, {}).touch(skin, {}, out);
+  HostStage(solids).touch(skin, out);
   EXPECT_EQ(out.finger_count, 2u);
 }
 

@@ -1,15 +1,17 @@
 // BridgePass by itself, between guard words; and the structs that its shaders share with C++.
 #include <gtest/gtest.h>
 
+#include "shaders/contacts.h"
+#include "shaders/fingers.h"
 #include "spirv/bridge_join.comp.hpp"
 #include "spirv/bridge_pairs.comp.hpp"
 #include "spirv/bridge_relabel.comp.hpp"
 #include "spirv/bridge_sample.comp.hpp"
 #include "support/device.hpp"
 #include "support/spirv.hpp"
+#include "touch/bridge_cameras.hpp"
 #include "touch/fingertips.hpp"
 #include "touch/harness.hpp"
-#include "touch/stage.hpp"
 
 namespace palpa::touch::test {
 namespace {
@@ -29,10 +31,7 @@ struct Guarded {
         clusters(device, touch.contacts.size() * sizeof(shader::Cluster)),
         header(device, sizeof(shader::TouchHeader)),
         fingers(device, max_fingers * sizeof(shader::FingerRecord)),
-        samples(device, std::size_t{max_fingers} * shader::bridge_samples * sizeof(shader::BridgeSample)),
-        patches(device, max_fingers * sizeof(shader::BridgePatch)),
-        pairs(device, std::size_t{max_fingers} * max_fingers * sizeof(shader::BridgePair)),
-        work(device, sizeof(shader::BridgeWork)) {
+        scratch(device, BridgePass::scratch()) {
     std::vector<std::uint16_t> packed(tables.padded_pixels);
     sensing::pack_depth(tables, images, packed);
     depth.write(packed.data(), packed.size() * 2);
@@ -67,28 +66,17 @@ struct Guarded {
     fingers.write(list.data(), list.size() * sizeof(list[0]));
   }
 
-  BridgeBuffers buffers(std::uint32_t room) const {
-    return {{depth.ref(), rays.ref(), records.ref()},
-            total.ref(),
-            contacts.ref(),
-            parents.ref(),
-            clusters.ref(),
-            header.ref(),
-            fingers.ref(),
-            samples.ref(),
-            patches.ref(),
-            pairs.ref(),
-            work.ref(),
-            room};
+  BridgeBindings bindings() const {
+    return {depth.ref(),   rays.ref(),     records.ref(), total.ref(),  contacts.ref(),
+            parents.ref(), clusters.ref(), header.ref(),  fingers.ref()};
   }
 
-  GuardedBuffer depth, rays, records, total, contacts, parents, clusters, header, fingers, samples, patches, pairs,
-      work;
+  GuardedBuffer depth, rays, records, total, contacts, parents, clusters, header, fingers;
+  palpa::test::GuardedScratch scratch;
 
   bool intact() {
-    bool all = true;
-    for (GuardedBuffer* buffer : {&depth, &rays, &records, &total, &contacts, &parents, &clusters, &header, &fingers,
-                                  &samples, &patches, &pairs, &work})
+    bool all = scratch.intact();
+    for (GuardedBuffer* buffer : {&depth, &rays, &records, &total, &contacts, &parents, &clusters, &header, &fingers})
       all = buffer->intact() && all;
     return all;
   }
@@ -106,12 +94,14 @@ TEST(BridgePassByItself, StaysInsideItsBuffers) {
     const auto images = images_of(cameras, presses, 3);
     const auto tables = sensing::make_rays(cameras);
     Touch twin;
-    HostStage(plate, cameras).touch(images, {.finger_width_m = 0}, twin);
+    HostStage(plate, cameras, {.parameters = {.finger_width_m = 0}}).touch(images, twin);
     ASSERT_GE(twin.finger_count, static_cast<std::uint32_t>(fingers));
     Guarded guarded(device, cameras, tables, images, twin);
-    const auto room = static_cast<std::uint32_t>(twin.contacts.size());
-    palpa::test::run_on_device(
-        [&](VkCommandBuffer commands) { pass.record(commands, guarded.buffers(room), Parameters{}); });
+    const auto count = static_cast<std::uint32_t>(twin.contacts.size());
+    const Room room{.points = count, .contacts = count};
+    palpa::test::run_on_device([&](VkCommandBuffer commands) {
+      pass.record(commands, guarded.bindings(), guarded.scratch, room, Parameters{});
+    });
     EXPECT_TRUE(guarded.intact());
 
     const auto records = bridge_cameras(cameras, tables);

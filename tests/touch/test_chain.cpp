@@ -144,9 +144,9 @@ TEST(TouchOnDevice, KeepsThePointsIndices) {
   const auto points = fingertip(3000, 3e-3);
   for (std::uint32_t i = 0; i < points.size(); ++i)
     skin.push_back({points[i], 1'200'000 + 7 * i});
-  const Touch gpu = touch_on_device(skin, {cube()}, {}, {5000, 5000});
+  const Touch gpu = touch_on_device(skin, {cube()}, {});
   Touch cpu;
-  touch_points(skin, make_scene_table({cube()}), {}, cpu);
+  HostStage({cube()}).touch(skin, cpu);
   ASSERT_GT(gpu.contacts.size(), 20u);
   EXPECT_EQ(gpu.contacts.front().point % 7, 1'200'000u % 7);
   expect_identical(cpu, gpu);
@@ -165,51 +165,59 @@ TEST(TouchOnDevice, GivesTheSameBytesOnEveryRun) {
   // Clouds whose clusters are long and tangled, so that threads meet in the union-find; touch_on_device compares the
   // runs.
   const auto flat = indexed(random_points(3000, {-0.05, 0.01, -0.05}, {0.05, 0.01, 0.05}));
-  touch_on_device(flat, {everything()}, everything_is_contact(2e-3), {3000, 3000}, 150);
+  touch_on_device(flat, {everything()}, {.parameters = everything_is_contact(2e-3)}, 150);
   const auto cloud = indexed(random_points(6000, Vec3(0), Vec3(0.1)));
-  touch_on_device(cloud, {everything()}, everything_is_contact(4.8e-3), {6000, 6000}, 60);
+  touch_on_device(cloud, {everything()}, {.parameters = everything_is_contact(4.8e-3)}, 60);
 }
 
 TEST(TouchOnDevice, SaysWhenThereIsNoRoom) {
   const auto points = indexed(random_points(1000, Vec3(-0.1), Vec3(0.1)));
-  const Parameters parameters = everything_is_contact();
-  EXPECT_EQ(message_of([&] { touch_on_device(points, {everything()}, parameters, {1000, 1000}); }), "");
-  EXPECT_NE(message_of([&] {
-              touch_on_device(points, {everything()}, parameters, {1000, 999});
-            }).find("1000 contacts in one frame: there is room for 999"),
-            std::string::npos);
-  EXPECT_NE(message_of([&] {
-              touch_on_device(points, {everything()}, parameters, {999, 999});
-            }).find("1000 skin points in one frame: there is room for 999"),
-            std::string::npos);
-  EXPECT_NE(message_of([&] {
-              touch_on_device(points, {everything()}, parameters, {5'000'000, 10});
-            }).find("at most"),
-            std::string::npos);
+  const auto said = [&](std::uint32_t most_points, std::uint32_t most_contacts) {
+    return message_of([&] {
+      touch_on_device(
+          points, {everything()},
+          {.parameters = everything_is_contact(), .most_points = most_points, .most_contacts = most_contacts});
+    });
+  };
+  EXPECT_EQ(said(1000, 1000), "");
+  EXPECT_EQ(said(0, 0), "");
+  EXPECT_NE(said(1000, 999).find("1000 contacts in one frame: there is room for 999"), std::string::npos);
+  EXPECT_NE(said(999, 999).find("1000 skin points in one frame: there is room for 999"), std::string::npos);
+  EXPECT_NE(said(5'000'000, 10).find("at most"), std::string::npos);
+}
+
+TEST(TouchOnDevice, TakesTheRoomThatPointsNeed) {
+  DeviceStage stage({everything()}, {}, {.parameters = everything_is_contact()});
+  HostStage twin({everything()}, {}, {.parameters = everything_is_contact()});
+  EXPECT_EQ(stage.memory.room().points, 0U);
+  for (const std::uint32_t count : {10U, 5000U, 4999U, 0U, 20'000U}) {
+    const auto points = indexed(random_points(count, Vec3(-0.1), Vec3(0.1), count));
+    Touch found, expected;
+    stage.touch(points, found);
+    twin.touch(points, expected);
+    ASSERT_EQ(found.contacts.size(), count);
+    expect_identical(expected, found);
+  }
+  EXPECT_EQ(stage.memory.room().points, 32'768U);
+  EXPECT_EQ(stage.memory.room().contacts, 32'768U);
 }
 
 TEST(TouchOnDevice, AllocatesNothingAfterTheFirstFrame) {
   gpu::Device& device = palpa::test::test_device();
-  const TouchPasses passes(device);
-  const SolidTable table(device, {cube()});
-  TouchBuffers buffers(device, {10'000, 10'000});
+  Passes passes(device);
+  Stage stage(passes, {cube()});
+  StageMemory memory(stage);
   const auto points = indexed(fingertip(10'000, 3e-3));
-  const gpu::Upload skin(device, points.size() * 16, "points"), total(device, 16, "total");
-  std::memcpy(skin.data(), points.data(), points.size() * 16);
   const gpu::Recorder recorder(device, "frame");
   gpu::Timeline timeline(device);
   Touch out;
   std::uint64_t allocations = 0, pipelines = 0;
   const void *contacts = nullptr, *foci = nullptr;
   for (int frame = 0; frame < 5; ++frame) {
-    const auto count = static_cast<std::uint32_t>(points.size()) - 1000 * frame;
-    total.as<shader::ScanTotal>()[0] = {count, (count + 63) / 64, 1, 1};
-    const VkCommandBuffer commands = recorder.begin();
-    skin.record(commands);
-    total.record(commands);
-    record(commands, passes, table, buffers, skin.ref(), total.ref(), {});
+    memory.set(std::span(points).first(points.size() - 1000 * static_cast<std::size_t>(frame)));
+    stage.record(recorder.begin(), memory);
     timeline.wait(timeline.submit(recorder.end()));
-    read(buffers, out);
+    read(memory, out);
     ASSERT_EQ(out.finger_count, 1u);
     if (frame == 0) {
       allocations = device.memory_allocations;
@@ -222,6 +230,25 @@ TEST(TouchOnDevice, AllocatesNothingAfterTheFirstFrame) {
   EXPECT_EQ(device.pipelines_created, pipelines);
   EXPECT_EQ(out.contacts.data(), contacts);
   EXPECT_EQ(out.fingers[0].foci.data(), foci);
+}
+
+TEST(Passes, MakeThePipelinesThatStagesNeedAndEachOnce) {
+  gpu::Device& device = palpa::test::test_device();
+  Passes passes(device);
+  std::uint64_t before = device.pipelines_created;
+  const auto made = [&](const std::vector<geometry::Solid>& solids, const StageSetting& setting) {
+    const Stage stage(passes, solids, {}, setting);
+    const std::uint64_t now = device.pipelines_created, count = now - before;
+    before = now;
+    return count;
+  };
+  EXPECT_EQ(made({cube()}, {}), 10u);                             // to find and pack contacts; for fingers
+  EXPECT_EQ(made({cube()}, {.detail = Detail::fingers}), 0u);     // the same
+  EXPECT_EQ(made({cube()}, {.follow = true}), 1u);                // to follow
+  EXPECT_EQ(made({cube(), cube()}, {}), 1u);                      // to find contacts of several solids
+  EXPECT_EQ(made({cube()}, {.parameters = {.deep = true}}), 1u);  // to find deep points of one
+  EXPECT_EQ(made({cube()}, {.parameters = {.cluster = Cluster::inside}}), 2u);  // to cluster them
+  EXPECT_EQ(made({cube()}, {.follow = true}), 0u);
 }
 
 }  // namespace

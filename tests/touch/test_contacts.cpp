@@ -150,19 +150,19 @@ TEST_P(Contacts, ComeOutInInputOrderWhateverTheCount) {
   }
 }
 
-TEST(SceneTable, KeepsTheNearestPlaneOfEveryPoint) {
+TEST(PreparedSolids, KeepsTheNearestPlaneOfEveryPoint) {
   for (const geometry::Solid& solid : {cube(), half_ball({0.3, -0.02, 0}, 0.02, 700), ball({0, 1, 0}, 0.4, 5000)}) {
-    const SceneTable table = make_scene_table({solid});
+    const PreparedSolids solids = prepare_solids({solid});
     // The point of it all: few planes where the shell is, and little memory.
     double listed = 0, cells = 0;
-    for (const shader::PlaneCell& cell : table.cells) {
+    for (const shader::PlaneCell& cell : solids.cells) {
       if (cell.deepest <= 0 || cell.shallowest > 1.5e-3F) continue;
       listed += cell.count;
       ++cells;
     }
     EXPECT_LT(listed / cells, 30) << solid.name;
-    EXPECT_LT(table.planes.size(), 400'000U) << solid.name;
-    const shader::SolidRecord& record = table.solids[0];
+    EXPECT_LT(solids.planes.size(), 400'000U) << solid.name;
+    const shader::SolidRecord& record = solids.records[0];
     const Vec3 low(record.low.x, record.low.y, record.low.z), high(record.high.x, record.high.y, record.high.z);
     for (const glm::vec3& p : random_points(20'000, low, high, 3)) {
       const auto along = [&](float x, float from, float density) {
@@ -171,16 +171,16 @@ TEST(SceneTable, KeepsTheNearestPlaneOfEveryPoint) {
       const std::uint32_t x = along(p.x, record.low.x, record.cells_per_metre.x);
       const std::uint32_t y = along(p.y, record.low.y, record.cells_per_metre.y);
       const std::uint32_t z = along(p.z, record.low.z, record.cells_per_metre.z);
-      const shader::PlaneCell& cell = table.cells[(z * record.cells_per_axis + y) * record.cells_per_axis + x];
+      const shader::PlaneCell& cell = solids.cells[(z * record.cells_per_axis + y) * record.cells_per_axis + x];
       const auto least = [&](std::uint32_t first, std::uint32_t end) {
         float depth = 1e30F;
         for (std::uint32_t m = first; m < end; ++m) {
-          const shader::vec4& plane = table.planes[m];
+          const shader::vec4& plane = solids.planes[m];
           depth = std::min(depth, plane.w - (plane.x * p.x + plane.y * p.y + plane.z * p.z));
         }
         return depth;
       };
-      const float all = least(table.first_plane[0], table.first_plane[1]);
+      const float all = least(solids.first_plane[0], solids.first_plane[1]);
       if (all <= 0) continue;  // a cell outside needs no list
       ASSERT_EQ(least(cell.first, cell.first + cell.count), all) << solid.name;
       ASSERT_GE(all, cell.shallowest);
@@ -189,13 +189,13 @@ TEST(SceneTable, KeepsTheNearestPlaneOfEveryPoint) {
   }
 }
 
-TEST(SceneTable, RefusesSolidsThatAreNone) {
+TEST(PreparedSolids, RefusesSolidsThatAreNone) {
   geometry::Solid bare = cube();
   bare.planes.clear();
-  EXPECT_THROW(make_scene_table({bare}), Error);
+  EXPECT_THROW(prepare_solids({bare}), Error);
   geometry::Solid broken = cube();
   broken.planes[2].offset = std::nan("");
-  EXPECT_THROW(make_scene_table({broken}), Error);
+  EXPECT_THROW(prepare_solids({broken}), Error);
 }
 
 }  // namespace

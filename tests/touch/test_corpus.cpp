@@ -112,7 +112,7 @@ void expect(const Outcome& found, const Outcome& expected) {
 void expect_true_contacts(const std::vector<geometry::Solid>& solids, std::uint32_t count) {
   const auto points = points_near(solids[0].mesh, count, 11);
   Touch touch;
-  touch_points(points, solids, {}, touch);
+  HostStage(solids).touch(indexed(points), touch);
   std::vector<char> contact(points.size(), 0);
   for (const Contact& c : touch.contacts)
     contact[c.point] = 1;

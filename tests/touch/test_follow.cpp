@@ -10,6 +10,7 @@
 #include <random>
 #include <set>
 
+#include "shaders/fingers.h"
 #include "shaders/follow_math.h"
 #include "support/device.hpp"
 #include "touch/harness.hpp"
@@ -20,7 +21,7 @@ namespace {
 using palpa::test::GuardedBuffer;
 using Ids = std::vector<std::uint32_t>;
 
-/// A finger of about a fingertip's size; `section` as find_frames leaves it.
+/// A finger of about a fingertip's size; `section` as find_sections leaves it.
 Finger finger_at(const glm::vec3& place, std::uint32_t solid = 0) {
   Finger finger;
   finger.solid = solid;

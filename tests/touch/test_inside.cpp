@@ -5,19 +5,15 @@
 #include <cstring>
 #include <map>
 #include <numeric>
+#include <string>
 #include <utility>
 
 #include "base/error.hpp"
 #include "geometry/parts.hpp"
-#include "gpu/commands.hpp"
-#include "support/device.hpp"
 #include "touch/harness.hpp"
-#include "touch/stage.hpp"
 
 namespace palpa::touch::test {
 namespace {
-
-using palpa::test::test_device;
 
 Parameters inside(double gap_m = 5e-3, std::uint32_t least = 5) {
   return {.finger_gap_m = gap_m, .min_points = least, .cluster = Cluster::inside};
@@ -27,17 +23,10 @@ Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const geom
                const Parameters& parameters) {
   Touch out;
   if (backend == Backend::cpu) {
-    HostStage(std::vector{solid}, {}, parameters).touch(indexed(points), parameters, out);
-    return out;
+    HostStage({solid}, {}, {.parameters = parameters}).touch(indexed(points), out);
+  } else {
+    DeviceStage({solid}, {}, {.parameters = parameters}).touch(indexed(points), out);
   }
-  const auto count = static_cast<std::uint32_t>(points.size());
-  const Stage stage(test_device(), {solid}, {}, parameters);
-  StageFrame frame(test_device(), stage, {.points = count, .contacts = count, .deep = count, .inside = true});
-  frame.set(indexed(points));
-  const gpu::Recorder recorder(test_device(), "inside test");
-  stage.record(recorder.begin(), frame, parameters, Detail::contacts);
-  palpa::test::submit_and_wait(recorder.end());
-  read(frame, out);
   return out;
 }
 
@@ -159,20 +148,25 @@ TEST(InsideOnDevice, IsTheTwinBitForBit) {
   }
 }
 
-TEST(InsideOnDevice, NeedsRoomThatWasAskedFor) {
-  const Parameters parameters = inside();
-  const Stage stage(test_device(), {cube()}, {}, parameters);
-  StageFrame frame(test_device(), stage, {.points = 100, .contacts = 100, .deep = 100});
-  const gpu::Recorder recorder(test_device(), "inside test");
-  EXPECT_THROW(stage.record(recorder.begin(), frame, parameters, Detail::contacts), Error);
+TEST(InsideOnDevice, SaysWhenThereIsNoRoom) {
+  const auto points = indexed(random_points(1000, {-0.01, -0.03, -0.01}, {0.01, -0.01, 0.01}));
+  DeviceStage stage({cube()}, {}, {.parameters = inside(), .most_contacts = 999});
+  Touch touch;
+  try {
+    stage.touch(points, touch);
+    FAIL() << "read all the same";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("1000 deep points in one frame: there is room for 999"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(InsideOnDevice, AStageForItHasRoomForDeepPoints) {
-  const Parameters parameters = inside();
-  const Stage stage(test_device(), {cube()}, {}, parameters);
-  StageFrame frame(test_device(), stage, {.points = 100, .contacts = 100, .inside = true});
-  const gpu::Recorder recorder(test_device(), "inside test");
-  EXPECT_NO_THROW(stage.record(recorder.begin(), frame, parameters, Detail::contacts));
+  const Stage stage(test_passes(), {cube()}, {}, {.parameters = inside(), .most_points = 100, .most_contacts = 60});
+  const Room room = StageMemory(stage).room();
+  EXPECT_EQ(room.contacts, 60u);
+  EXPECT_EQ(room.deep, 60u);
+  EXPECT_EQ(room.clustered(), 100u);
 }
 
 }  // namespace

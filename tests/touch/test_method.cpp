@@ -6,10 +6,10 @@
 #include <numbers>
 #include <random>
 
-#include "touch/foci.hpp"
-#include "touch/frames.hpp"
+#include "touch/foci_twin.hpp"
 #include "touch/harness.hpp"
 #include "touch/method.hpp"
+#include "touch/sections_twin.hpp"
 
 namespace palpa::touch::test {
 namespace {
@@ -48,7 +48,7 @@ struct Ring {
     out.fingers[0].contact_count = static_cast<std::uint32_t>(count);
     Parameters parameters;
     parameters.foci = foci;
-    find_frames(out);
+    find_sections(out);
     find_foci(parameters, {}, out);
     return out;
   }

@@ -5,6 +5,10 @@
 #include <cstring>
 
 #include "gpu/barrier.hpp"
+#include "shaders/contacts.h"
+#include "shaders/fingers.h"
+#include "shaders/foci.h"
+#include "shaders/sections.h"
 #include "spirv/contacts_find.comp.hpp"
 #include "spirv/contacts_pack.comp.hpp"
 #include "spirv/contacts_surface.comp.hpp"
@@ -17,67 +21,69 @@
 #include "spirv/fingers_select.comp.hpp"
 #include "spirv/foci.comp.hpp"
 #include "spirv/follow.comp.hpp"
-#include "spirv/frames_axes.comp.hpp"
-#include "spirv/frames_count.comp.hpp"
-#include "spirv/frames_group.comp.hpp"
+#include "spirv/sections_axes.comp.hpp"
+#include "spirv/sections_count.comp.hpp"
+#include "spirv/sections_group.comp.hpp"
 #include "support/device.hpp"
 #include "support/spirv.hpp"
 #include "touch/harness.hpp"
+#include "touch/sector_borders.hpp"
 
 namespace palpa::touch::test {
 namespace {
 
 using palpa::test::GuardedBuffer;
 
-/// Every buffer of the chain, exactly as large as its contract says, between guard words and filled with rubbish.
+/// Everything that the passes bind, exactly as large as the contract says, between guard words and filled with rubbish.
 struct Guarded {
-  Guarded(gpu::Device& device, const SceneTable& table, const std::vector<sensing::SkinPoint>& skin, std::size_t room)
-      : points(GuardedBuffer::of<sensing::SkinPoint>(device, skin)),
+  Guarded(gpu::Device& device, const PreparedSolids& prepared, const std::vector<sensing::SkinPoint>& skin,
+          const Room& room_for)
+      : room(room_for),
+        points(GuardedBuffer::of<sensing::SkinPoint>(device, skin)),
         length(device, 16),
-        solids(GuardedBuffer::of<shader::SolidRecord>(device, table.solids)),
-        planes_of(GuardedBuffer::of<shader::PlaneCell>(device, table.cells)),
-        planes(GuardedBuffer::of<shader::vec4>(device, table.planes)),
+        solids(GuardedBuffer::of<shader::SolidRecord>(device, prepared.records)),
+        cells(GuardedBuffer::of<shader::PlaneCell>(device, prepared.cells)),
+        planes(GuardedBuffer::of<shader::vec4>(device, prepared.planes)),
         borders(GuardedBuffer::of<shader::Border>(device, sector_borders())),
-        hits(device, skin.size() * 8),
-        masks(device, std::size_t{4} * mask_words(static_cast<std::uint32_t>(skin.size()))),
-        counts(device, std::size_t{4} * shader::contacts_chunks),
+        of_solid(GuardedBuffer::of<std::uint32_t>(device, prepared.foci_of)),
         total(device, 16),
-        contacts(device, room * 32),
-        nodes(device, room * 16),
-        keys(device, room * 8),
-        places(device, room * 4),
-        slots(device, std::size_t{4} * slots_for(static_cast<std::uint32_t>(room))),
-        heads(device, room * 32),
-        list(device, room * 4),
-        groups(device, room * 4),
-        crowded(device, room * 4 + 16),
-        clusters(device, room * 8),
-        work(device, sizeof(shader::FingersWork)),
-        parents(device, room * 4),
+        contacts(device, std::size_t{room.contacts} * 32),
+        deep_total(device, 16),
+        deep(device, std::size_t{room.deep} * 32),
+        parents(device, std::size_t{room.clustered()} * 4),
+        clusters(device, std::size_t{room.clustered()} * 8),
         header(device, sizeof(shader::TouchHeader)),
         fingers(device, std::size_t{max_fingers} * sizeof(shader::FingerRecord)),
-        foci(device, std::size_t{max_fingers} * max_foci * sizeof(shader::FocusRecord)),
-        finger_counts(device, std::size_t{4} * shader::frames_most_chunks * max_fingers),
+        grouped(device, std::size_t{room.contacts} * 16),
         tracks(device, sizeof(shader::TrackTable)),
-        of_solid(GuardedBuffer::of<std::uint32_t>(device, table.foci_of)) {
+        foci(device, std::size_t{max_fingers} * max_foci * sizeof(shader::FocusRecord)),
+        contacts_scratch(device, ContactsPass::scratch(room)),
+        fingers_scratch(device, FingersPass::scratch(room)),
+        sections_scratch(device, SectionsPass::scratch()) {
     const auto count = static_cast<std::uint32_t>(skin.size());
     const shader::ScanTotal given{count, (count + 63) / 64, 1, 1};
     length.write(&given, sizeof(given));
   }
 
-  GuardedBuffer points, length, solids, planes_of, planes, borders, hits, masks, counts, total, contacts, nodes, keys,
-      places, slots, heads, list, groups, crowded, clusters, work, parents, header, fingers, foci, finger_counts,
-      tracks, of_solid;
+  Room room;
+  GuardedBuffer points, length, solids, cells, planes, borders, of_solid, total, contacts, deep_total, deep, parents,
+      clusters, header, fingers, grouped, tracks, foci;
+  palpa::test::GuardedScratch contacts_scratch, fingers_scratch, sections_scratch;
 
   bool intact() {
     bool all = true;
     int place = 0;
     for (GuardedBuffer* buffer :
-         {&points,   &length,  &solids, &planes_of, &planes, &borders,       &hits,   &masks,   &counts,  &total,
-          &contacts, &nodes,   &keys,   &places,    &slots,  &heads,         &list,   &groups,  &crowded, &clusters,
-          &work,     &parents, &header, &fingers,   &foci,   &finger_counts, &tracks, &of_solid}) {
+         {&points, &length, &solids, &cells, &planes, &borders, &of_solid, &total, &contacts, &deep_total, &deep,
+          &parents, &clusters, &header, &fingers, &grouped, &tracks, &foci}) {
       const bool one = buffer->intact();
       EXPECT_TRUE(one) << "guard words of buffer " << place;
+      all = all && one;
+      ++place;
+    }
+    for (const palpa::test::GuardedScratch* scratch : {&contacts_scratch, &fingers_scratch, &sections_scratch}) {
+      const bool one = scratch->intact();
+      EXPECT_TRUE(one) << "guard words of scratch " << place;
       all = all && one;
       ++place;
     }
@@ -85,42 +91,47 @@ struct Guarded {
   }
 };
 
-void record_all(VkCommandBuffer commands, Guarded& b, const SceneTable& table, const Parameters& parameters,
-                std::uint32_t points, std::uint32_t room) {
-  static const ContactsPass contacts(palpa::test::test_device());
-  static const FingersPass fingers(palpa::test::test_device());
-  static const FramesPass frames(palpa::test::test_device());
+void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& solids, const Parameters& parameters) {
+  static ContactsPass contacts(palpa::test::test_device());
+  static FingersPass fingers(palpa::test::test_device());
+  static const SectionsPass sections(palpa::test::test_device());
   static const FollowPass follow(palpa::test::test_device());
   static const FociPass foci(palpa::test::test_device());
+  contacts.prepare(solids, parameters);
+  fingers.prepare(parameters);
   contacts.record(commands,
-                  {b.points.ref(),
-                   b.length.ref(),
-                   b.solids.ref(),
-                   b.planes_of.ref(),
-                   b.planes.ref(),
-                   b.hits.ref(),
-                   b.masks.ref(),
-                   b.counts.ref(),
-                   b.total.ref(),
-                   b.contacts.ref(),
-                   points,
-                   room,
-                   {}},
-                  table, parameters);
+                  {.points = b.points.ref(),
+                   .length = b.length.ref(),
+                   .solids = b.solids.ref(),
+                   .cells = b.cells.ref(),
+                   .planes = b.planes.ref(),
+                   .total = b.total.ref(),
+                   .contacts = b.contacts.ref(),
+                   .deep_total = b.deep_total.ref(),
+                   .deep = b.deep.ref()},
+                  b.contacts_scratch, b.room, solids, parameters);
   gpu::compute_to_compute(commands);
   fingers.record(commands,
-                 {b.length.ref(), b.solids.ref(), b.total.ref(), b.contacts.ref(), b.nodes.ref(), b.keys.ref(),
-                  b.places.ref(), b.slots.ref(), b.heads.ref(), b.list.ref(), b.groups.ref(), b.crowded.ref(),
-                  b.clusters.ref(), b.work.ref(), b.parents.ref(), b.header.ref(), b.fingers.ref(), room},
-                 table, parameters);
+                 {.length = b.length.ref(),
+                  .solids = b.solids.ref(),
+                  .total = b.total.ref(),
+                  .contacts = b.contacts.ref(),
+                  .parents = b.parents.ref(),
+                  .clusters = b.clusters.ref(),
+                  .header = b.header.ref(),
+                  .fingers = b.fingers.ref(),
+                  .deep_total = b.deep_total.ref(),
+                  .deep = b.deep.ref()},
+                 b.fingers_scratch, b.room, parameters);
   gpu::compute_to_compute(commands);
-  frames.record(commands, {b.total.ref(), b.parents.ref(), b.contacts.ref(), b.header.ref(), b.finger_counts.ref(),
-                           b.nodes.ref(), b.fingers.ref(), room});
+  sections.record(commands,
+                  {b.total.ref(), b.parents.ref(), b.contacts.ref(), b.header.ref(), b.grouped.ref(), b.fingers.ref()},
+                  b.sections_scratch, b.room);
   gpu::compute_to_compute(commands);
   follow.record(commands, {b.header.ref(), b.fingers.ref(), b.tracks.ref()}, shader::follow_anew);
   gpu::compute_to_compute(commands);
   foci.record(commands,
-              {b.nodes.ref(), b.header.ref(), b.fingers.ref(), b.foci.ref(), b.borders.ref(), b.of_solid.ref()},
+              {b.grouped.ref(), b.header.ref(), b.fingers.ref(), b.foci.ref(), b.borders.ref(), b.of_solid.ref()},
               parameters);
 }
 
@@ -134,17 +145,17 @@ TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
                         Case{5000, 4999, 0.5}, Case{6000, 6000, 4.8e-3}}) {
     SCOPED_TRACE(c.points);
     const auto cloud = indexed(random_points(c.points, Vec3(-0.05), Vec3(0.05)));
-    const SceneTable table = make_scene_table({everything(), cube()});
+    const std::vector<geometry::Solid> scene{everything(), cube()};
+    const PreparedSolids solids = prepare_solids(scene);
     const Parameters parameters = everything_is_contact(c.gap, 2);
-    Guarded guarded(device, table, cloud, c.room);
-    palpa::test::run_on_device(
-        [&](VkCommandBuffer commands) { record_all(commands, guarded, table, parameters, c.points, c.room); });
+    Guarded guarded(device, solids, cloud, {.points = c.points, .contacts = c.room});
+    palpa::test::run_on_device([&](VkCommandBuffer commands) { record_all(commands, guarded, solids, parameters); });
     EXPECT_TRUE(guarded.intact());
     EXPECT_EQ(guarded.total.read<shader::ScanTotal>()[0].total, c.points);
 
     // What had room is what the twin finds among the first points.
     Touch twin;
-    touch_points(std::span(cloud).first(c.room), table, parameters, twin);
+    HostStage(scene, {}, {.parameters = parameters}).touch(std::span(cloud).first(c.room), twin);
     const auto header = guarded.header.read<shader::TouchHeader>()[0];
     EXPECT_EQ(header.contacts, c.points);
     EXPECT_EQ(header.points, c.points);
@@ -161,14 +172,35 @@ TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
 TEST(TouchPassesByThemselves, LeavePointsBeyondTheirRoomAlone) {
   gpu::Device& device = palpa::test::test_device();
   const auto cloud = indexed(random_points(1000, Vec3(-0.05), Vec3(0.05)));
-  const SceneTable table = make_scene_table({everything()});
-  Guarded guarded(device, table, cloud, 1000);
+  const PreparedSolids solids = prepare_solids({everything()});
+  Guarded guarded(device, solids, cloud, {.points = 1000, .contacts = 1000});
   const shader::ScanTotal boastful{1'000'000, 15'625, 1, 1};
   guarded.length.write(&boastful, sizeof(boastful));
   palpa::test::run_on_device(
-      [&](VkCommandBuffer commands) { record_all(commands, guarded, table, everything_is_contact(), 1000, 1000); });
+      [&](VkCommandBuffer commands) { record_all(commands, guarded, solids, everything_is_contact()); });
   EXPECT_TRUE(guarded.intact());
   EXPECT_EQ(guarded.total.read<shader::ScanTotal>()[0].total, 1000u);
+}
+
+TEST(TouchPassesByThemselves, StayInsideTheirBuffersWithDeepPoints) {
+  gpu::Device& device = palpa::test::test_device();
+  // Half of the cube's points are contacts or deep; little room for either.
+  const auto cloud = indexed(random_points(5000, {-0.02, -0.08, -0.02}, {0.02, 0, 0.02}));
+  const std::vector<geometry::Solid> scene{cube()};
+  const PreparedSolids solids = prepare_solids(scene);
+  const Parameters parameters{.delta_m = 4e-3, .finger_gap_m = 2e-3, .cluster = Cluster::inside};
+  Touch twin;
+  HostStage(scene, {}, {.parameters = parameters}).touch(cloud, twin);
+  for (const Room& room : {Room{.points = 5000, .contacts = 5000, .deep = 5000, .inside = true},
+                           Room{.points = 5000, .contacts = 301, .deep = 203, .inside = true},
+                           Room{.points = 5000, .contacts = 1, .deep = 1, .inside = true}}) {
+    SCOPED_TRACE(room.contacts);
+    Guarded guarded(device, solids, cloud, room);
+    palpa::test::run_on_device([&](VkCommandBuffer commands) { record_all(commands, guarded, solids, parameters); });
+    EXPECT_TRUE(guarded.intact());
+    EXPECT_EQ(guarded.total.read<shader::ScanTotal>()[0].total, twin.contacts.size());
+    EXPECT_EQ(guarded.deep_total.read<shader::ScanTotal>()[0].total, twin.deep.size());
+  }
 }
 
 void expect_struct(const palpa::test::SpirvModule& module, const std::string& name, std::uint32_t size,
@@ -190,11 +222,12 @@ void expect_struct(const palpa::test::SpirvModule& module, const std::string& na
 
 TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
   const auto find = palpa::test::read_spirv(spirv::contacts_find_comp);
-  expect_struct(find, "SolidRecord", sizeof(shader::SolidRecord),
-                {MEMBER(SolidRecord, centre), MEMBER(SolidRecord, low), MEMBER(SolidRecord, high),
-                 MEMBER(SolidRecord, cells_per_metre), MEMBER(SolidRecord, first_cell),
-                 MEMBER(SolidRecord, cells_per_axis), MEMBER(SolidRecord, delta), MEMBER(SolidRecord, by_surface)},
-                true);
+  expect_struct(
+      find, "SolidRecord", sizeof(shader::SolidRecord),
+      {MEMBER(SolidRecord, centre), MEMBER(SolidRecord, low), MEMBER(SolidRecord, high),
+       MEMBER(SolidRecord, cells_per_metre), MEMBER(SolidRecord, first_cell), MEMBER(SolidRecord, cells_per_axis),
+       MEMBER(SolidRecord, delta), MEMBER(SolidRecord, asked_by), MEMBER(SolidRecord, turn)},
+      true);
   expect_struct(
       find, "PlaneCell", sizeof(shader::PlaneCell),
       {MEMBER(PlaneCell, first), MEMBER(PlaneCell, count), MEMBER(PlaneCell, shallowest), MEMBER(PlaneCell, deepest)},
@@ -229,16 +262,16 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                 {MEMBER(TouchHeader, fingers), MEMBER(TouchHeader, clusters), MEMBER(TouchHeader, contacts),
                  MEMBER(TouchHeader, points)},
                 false);
-  const auto frames = palpa::test::read_spirv(spirv::frames_axes_comp);
-  expect_struct(frames, "FingerRecord", sizeof(shader::FingerRecord),
+  const auto sections = palpa::test::read_spirv(spirv::sections_axes_comp);
+  expect_struct(sections, "FingerRecord", sizeof(shader::FingerRecord),
                 {MEMBER(FingerRecord, first), MEMBER(FingerRecord, solid), MEMBER(FingerRecord, contacts),
                  MEMBER(FingerRecord, point_like), MEMBER(FingerRecord, id), MEMBER(FingerRecord, start),
                  MEMBER(FingerRecord, foci), MEMBER(FingerRecord, centre), MEMBER(FingerRecord, axis1),
                  MEMBER(FingerRecord, axis2), MEMBER(FingerRecord, axis3), MEMBER(FingerRecord, turn),
                  MEMBER(FingerRecord, mean)},
                 true);
-  const auto count = palpa::test::read_spirv(spirv::frames_count_comp);
-  expect_struct(count, "FramesPush", sizeof(shader::FramesPush), {MEMBER(FramesPush, most_contacts)}, false);
+  const auto count = palpa::test::read_spirv(spirv::sections_count_comp);
+  expect_struct(count, "SectionsPush", sizeof(shader::SectionsPush), {MEMBER(SectionsPush, most_contacts)}, false);
   const auto follow = palpa::test::read_spirv(spirv::follow_comp);
   expect_struct(follow, "FollowPush", sizeof(shader::FollowPush), {MEMBER(FollowPush, elapsed_us)}, false);
   expect_struct(follow, "Track", sizeof(shader::Track),
@@ -274,9 +307,9 @@ TEST(TouchShaders, HaveTheWorkgroupsThatTheirHeadersName) {
     EXPECT_EQ(size_of(words), shader::blocks_group);
   }
   EXPECT_EQ(size_of(spirv::fingers_select_comp), shader::fingers_select_group);
-  EXPECT_EQ(size_of(spirv::frames_count_comp), shader::frames_chunk_group);
-  EXPECT_EQ(size_of(spirv::frames_group_comp), shader::frames_chunk_group);
-  EXPECT_EQ(size_of(spirv::frames_axes_comp), shader::frames_group);
+  EXPECT_EQ(size_of(spirv::sections_count_comp), shader::sections_chunk_group);
+  EXPECT_EQ(size_of(spirv::sections_group_comp), shader::sections_chunk_group);
+  EXPECT_EQ(size_of(spirv::sections_axes_comp), shader::sections_group);
   EXPECT_EQ(size_of(spirv::follow_comp), shader::follow_group);
   EXPECT_EQ(size_of(spirv::foci_comp), shader::foci_group);
 }

@@ -7,6 +7,7 @@
 
 #include "support/device.hpp"
 #include "touch/harness.hpp"
+#include "touch/sector_borders.hpp"
 
 namespace palpa::touch::test {
 namespace {

@@ -3,13 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <string>
+
 #include "base/error.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/ply.hpp"
-#include "gpu/commands.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
-#include "support/device.hpp"
 #include "support/shared_data.hpp"
 #include "touch/harness.hpp"
 
@@ -17,7 +18,6 @@ namespace palpa::touch::test {
 namespace {
 
 using palpa::test::source_file;
-using palpa::test::test_device;
 
 /// The paper's rig looks at the finger in the cube.
 struct Scene {
@@ -40,63 +40,40 @@ struct Scene {
   }
 };
 
-/// Records, submits, waits and reads.
-class Runner {
- public:
-  explicit Runner(const Stage& stage) : stage_(stage) {}
-  Touch run(StageFrame& frame, Detail detail, const Parameters& parameters = {}) {
-    stage_.record(recorder_.begin(), frame, parameters, detail);
-    timeline_.wait(timeline_.submit(recorder_.end()));
-    Touch out;
-    read(frame, out);
-    return out;
-  }
-
- private:
-  const Stage& stage_;
-  gpu::Recorder recorder_{test_device(), "stage test"};
-  gpu::Timeline timeline_{test_device(), "stage test"};
-};
-
 TEST(Stage, DepthFramesOnTheDeviceAreThoseOfTheTwin) {
   const Scene scene;
-  const Stage stage(test_device(), scene.solids, scene.cameras);
-  StageFrame frame(test_device(), stage);
+  DeviceStage stage(scene.solids, scene.cameras);
   HostStage host(scene.solids, scene.cameras);
-  Runner runner(stage);
   for (const double depth : {3e-3, 1e-3, 5e-3}) {
     const auto images = scene.frames(depth);
-    frame.set(images);
-    Touch expected;
-    host.touch(images, {}, expected);
+    Touch expected, found;
+    host.touch(images, expected);
     EXPECT_GT(expected.contacts.size(), 50u);
-    expect_identical(expected, runner.run(frame, Detail::contacts));
+    stage.touch(images, found);
+    expect_identical(expected, found);
   }
 }
 
 TEST(Stage, PointsOnTheDeviceAreThoseOfTheTwin) {
   const std::vector<geometry::Solid> solids{cube()};
-  const Stage stage(test_device(), solids, {});
-  StageFrame frame(test_device(), stage, {10'000, 10'000});
-  HostStage host(solids, {});
-  Runner runner(stage);
+  DeviceStage stage(solids, {}, {.most_points = 10'000});
+  HostStage host(solids);
   for (const std::uint32_t count : {10'000u, 0u, 3000u}) {
     const auto points = indexed(fingertip(count, 3e-3));
-    frame.set(points);
-    Touch expected;
-    host.touch(points, {}, expected);
-    expect_identical(expected, runner.run(frame, Detail::contacts));
+    Touch expected, found;
+    host.touch(points, expected);
+    stage.touch(points, found);
+    expect_identical(expected, found);
   }
 }
 
 TEST(Stage, ContactsStayOnTheDeviceWhereNobodyAsks) {
   const Scene scene;
-  const Stage stage(test_device(), scene.solids, scene.cameras);
-  StageFrame frame(test_device(), stage);
-  frame.set(scene.frames(3e-3));
-  Runner runner(stage);
-  const Touch all = runner.run(frame, Detail::contacts);
-  const Touch some = runner.run(frame, Detail::fingers);
+  const auto images = scene.frames(3e-3);
+  Touch all, some;
+  DeviceStage(scene.solids, scene.cameras).touch(images, all);
+  DeviceStage frugal(scene.solids, scene.cameras, {.detail = Detail::fingers});
+  frugal.touch(images, some);
   EXPECT_TRUE(some.contacts.empty());
   ASSERT_EQ(some.finger_count, all.finger_count);
   ASSERT_GT(all.finger_count, 0u);
@@ -109,19 +86,91 @@ TEST(Stage, ContactsStayOnTheDeviceWhereNobodyAsks) {
     for (std::size_t n = 0; n < all.fingers[f].foci.size(); ++n)
       EXPECT_EQ(some.fingers[f].foci[n].position, all.fingers[f].foci[n].position);
   }
-  expect_identical(all, runner.run(frame, Detail::contacts));
+  // A touch that held contacts before holds none afterwards.
+  frugal.touch(images, all);
+  EXPECT_TRUE(all.contacts.empty());
+}
+
+class StageOn : public OnBothBackends {};
+INSTANTIATE_TEST_SUITE_P(, StageOn, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
+
+TEST_P(StageOn, KnowsHowDeepFingersPress) {
+  const Scene scene;
+  const auto images = scene.frames(3e-3);
+  for (const bool deep : {false, true}) {
+    Touch touch;
+    const StageSetting setting{.parameters = {.deep = deep}};
+    if (GetParam() == Backend::cpu) {
+      HostStage(scene.solids, scene.cameras, setting).touch(images, touch);
+    } else {
+      DeviceStage(scene.solids, scene.cameras, setting).touch(images, touch);
+    }
+    ASSERT_EQ(touch.finger_count, 1u);
+    if (deep) {
+      EXPECT_NEAR(touch.fingers[0].depth_m, 3e-3F, 0.7e-3F);
+      EXPECT_GT(touch.fingers[0].depth_m, 1.5e-3F);
+    } else {
+      EXPECT_GT(touch.fingers[0].depth_m, 1e-3F);
+      EXPECT_LT(touch.fingers[0].depth_m, 1.5e-3F);
+    }
+  }
+}
+
+TEST_P(StageOn, FollowsFingersWhereItIsTold) {
+  const Scene scene;
+  const auto cpu = std::make_unique<HostStage>(scene.solids, scene.cameras, StageSetting{.follow = true});
+  DeviceStage gpu(scene.solids, scene.cameras, {.follow = true});
+  Touch touch;
+  const auto frame = [&](double depth, double time_s) {
+    const auto images = scene.frames(depth);
+    GetParam() == Backend::cpu ? cpu->touch(images, touch, time_s) : gpu.touch(images, touch, time_s);
+  };
+  frame(3e-3, 0);
+  ASSERT_EQ(touch.finger_count, 1u);
+  EXPECT_EQ(touch.fingers[0].id, 0u);
+  frame(3e-3, 1.0 / 90);
+  EXPECT_EQ(touch.fingers[0].id, 0u);
+  frame(-0.1, 2.0 / 90);
+  EXPECT_EQ(touch.finger_count, 0u);
+  frame(3e-3, 10);  // forgotten by then
+  ASSERT_EQ(touch.finger_count, 1u);
+  EXPECT_EQ(touch.fingers[0].id, 1u);
 }
 
 TEST(Stage, RefusesInputThatDoesNotFit) {
   const Scene scene;
-  const Stage seen(test_device(), scene.solids, scene.cameras), given(test_device(), scene.solids, {});
-  StageFrame images(test_device(), seen), points(test_device(), given, {10, 10});
+  Stage seen(test_passes(), scene.solids, scene.cameras), given(test_passes(), scene.solids, {}, {.most_points = 10});
+  StageMemory images(seen), points(given);
   const std::vector<sensing::SkinPoint> eleven(11);
   EXPECT_THROW(points.set(eleven), Error);
   EXPECT_NO_THROW(points.set(std::span(eleven).first(10)));
   EXPECT_THROW(images.set(std::span(eleven).first(1)), Error);
   EXPECT_THROW(images.set(std::vector<sensing::DepthFrame>(2)), Error);
   EXPECT_THROW(images.set(std::vector<sensing::DepthFrame>(3)), Error);
+}
+
+TEST(Stage, SaysWhenCamerasSeeMoreThanThereIsRoomFor) {
+  const Scene scene;
+  DeviceStage stage(scene.solids, scene.cameras, {.most_points = 100});
+  Touch touch;
+  try {
+    stage.touch(scene.frames(3e-3), touch);
+    FAIL() << "read all the same";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("skin points in one frame: there is room for 100"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_P(StageOn, RefusesParametersWhenItIsMade) {
+  for (const Parameters& bad : {Parameters{.delta_m = 0}, Parameters{.finger_gap_m = -1}, Parameters{.foci = 0},
+                                Parameters{.finger_gap_m = 1e-9}}) {
+    if (GetParam() == Backend::cpu) {
+      EXPECT_THROW(HostStage({cube()}, {}, {.parameters = bad}), Error);
+    } else {
+      EXPECT_THROW(Stage(test_passes(), {cube()}, {}, {.parameters = bad}), Error);
+    }
+  }
 }
 
 }  // namespace

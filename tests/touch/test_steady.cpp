@@ -11,7 +11,6 @@
 #include "support/shared_data.hpp"
 #include "touch/fingertips.hpp"
 #include "touch/harness.hpp"
-#include "touch/stage.hpp"
 
 namespace palpa::touch::test {
 namespace {
@@ -45,11 +44,9 @@ Slide slide_on(const std::string& name, Spacing spacing) {
   const geometry::Mesh finger{ply.positions, ply.triangles};
   const auto cameras = paper_cameras(3);
   sensing::SyntheticRig rig(cameras, {}, sensing::Noise::d415, 4);
-  HostStage stage(object(name), cameras);
-  Parameters parameters;
-  parameters.finger_width_m = 0.016;
-  parameters.spacing = spacing;
-  Tracks tracks;
+  const Parameters parameters{.spacing = spacing, .finger_width_m = 0.016};
+  HostStage alone(object(name), cameras, {.parameters = parameters});
+  HostStage followed(object(name), cameras, {.parameters = parameters, .follow = true});
   std::array<Touch, 2> before, now;
   Slide slide;
   for (int k = 0; k < 60; ++k) {
@@ -57,8 +54,8 @@ Slide slide_on(const std::string& name, Spacing spacing) {
     const sensing::Posed posed{&finger, sliding(t, 3e-3)};
     sensing::FrameSet set;
     rig.render(std::span(&posed, 1), static_cast<std::uint64_t>(k), set);
-    stage.touch(set.frames, parameters, now[0]);
-    stage.touch(set.frames, parameters, now[1], {}, &tracks, t);
+    alone.touch(set.frames, now[0]);
+    followed.touch(set.frames, now[1], t);
     for (int way = 0; way < 2; ++way) {
       Steps& steps = way == 0 ? slide.alone : slide.followed;
       if (k > 0 && before[way].finger_count == 1 && now[way].finger_count == 1) {
@@ -262,16 +259,13 @@ TEST(ArcOnThePrism, MakesGapsMoreEqual) {
   // noise turns its plane about the ridge (w3 leans by 11 to 72 degrees); upright, the plane shows a roof that is
   // open below, and sectors there have no contacts.
   const auto cameras = paper_cameras(3);
-  HostStage stage(object("prism"), cameras);
-  Parameters parameters;
-  parameters.finger_width_m = 0.016;
   Touch touch;
   std::array<double, 2> sums{};
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const auto images = images_of(cameras, {{.press_m = 4e-3}}, seed);
     for (const Spacing spacing : {Spacing::angle, Spacing::arc}) {
-      parameters.spacing = spacing;
-      stage.touch(images, parameters, touch);
+      const Parameters parameters{.spacing = spacing, .finger_width_m = 0.016};
+      HostStage(object("prism"), cameras, {.parameters = parameters}).touch(images, touch);
       ASSERT_EQ(touch.finger_count, 1u);
       const Finger& finger = touch.fingers[0];
       const std::size_t held = sectors_with_contacts(touch, finger, parameters.foci, spacing);

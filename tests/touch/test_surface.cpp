@@ -18,6 +18,8 @@
 #include "geometry/surface.hpp"
 #include "shaders/surface_math.h"
 #include "support/shared_data.hpp"
+#include "touch/check_parameters.hpp"
+#include "touch/contacts_twin.hpp"
 #include "touch/harness.hpp"
 #include "touch/surface_models.hpp"
 
@@ -139,8 +141,7 @@ TEST_P(Surfaces, FindDeepPointsWhereAsked) {
   const auto solids = solid_of(model(GetParam()).mesh);
   const auto points = points_near(solids[0].mesh, 20'000, 4);
   const Parameters parameters{.delta_m = 0.8e-3, .deep = true};
-  const auto count = static_cast<std::uint32_t>(points.size());
-  const Touch gpu = touch_on_device(indexed(points), solids, parameters, {count, count, count}, 2);
+  const Touch gpu = touch_on_device(indexed(points), solids, {.parameters = parameters}, 2);
   const Touch cpu = touch_on(Backend::cpu, points, solids, parameters);
   expect_identical(gpu, cpu);
   ASSERT_EQ(gpu.deep.size(), cpu.deep.size());
@@ -194,16 +195,16 @@ std::vector<glm::vec3> carried(const Transform& T, const std::vector<glm::vec3>&
 TEST(Poses, OfAMovingSolidGiveWhatMovingThePointsBackGives) {
   std::vector<geometry::Solid> solids = solid_of(model(0).mesh);
   solids.push_back(cube());
-  SceneTable table = make_scene_table(solids);
+  PreparedSolids prepared = prepare_solids(solids);
   const auto skin = points_near(solids[0].mesh, 20'000, 6);
   for (const double turn : {0.0, 0.3, 2.0}) {
     Transform T(std::cos(turn), std::sin(turn), 0, 0, -std::sin(turn), std::cos(turn), 0, 0, 0, 0, 1, 0, 0.05, -0.02,
                 turn, 1);
-    set_pose(table, 0, T);
+    set_pose(prepared, 0, T);
     const auto moved = carried(T, skin);
     Touch here, there;
-    find_contacts(indexed(moved), table, {}, here);
-    touch_points(skin, solids, {}, there);
+    find_contacts(indexed(moved), prepared, {}, here);
+    HostStage(solids).touch(indexed(skin), there);
     const Truth truth(solids[0].mesh);
     const Transform back = glm::inverse(T);
     std::size_t i = 0;
@@ -216,27 +217,27 @@ TEST(Poses, OfAMovingSolidGiveWhatMovingThePointsBackGives) {
       ASSERT_EQ(contact, depth > 0 && depth < 1.5e-3) << "point " << p << " depth " << depth;
     }
     EXPECT_GT(here.contacts.size(), 4'000u);
-    const Box box = touchable_box(table);
+    const Box box = touchable_box(prepared);
     for (const Contact& contact : here.contacts)
       EXPECT_TRUE(glm::all(glm::greaterThan(Vec3(contact.position), box.low)) &&
                   glm::all(glm::lessThan(Vec3(contact.position), box.high)));
     if (turn == 0) {
-      EXPECT_NEAR(touchable_box(table).high.x, std::max(solids[0].bounds.high.x + 0.05, 0.02), 2e-4);
+      EXPECT_NEAR(touchable_box(prepared).high.x, std::max(solids[0].bounds.high.x + 0.05, 0.02), 2e-4);
     }
   }
 }
 
 TEST(Poses, AreRigid) {
-  SceneTable table = make_scene_table({cube()});
-  EXPECT_THROW(set_pose(table, 1, Transform(1.0)), Error);
-  EXPECT_THROW(set_pose(table, 0, Transform(2.0)), Error);
+  PreparedSolids prepared = prepare_solids({cube()});
+  EXPECT_THROW(set_pose(prepared, 1, Transform(1.0)), Error);
+  EXPECT_THROW(set_pose(prepared, 0, Transform(2.0)), Error);
   Transform mirror(1.0);
   mirror[0][0] = -1;
-  EXPECT_THROW(set_pose(table, 0, mirror), Error);
+  EXPECT_THROW(set_pose(prepared, 0, mirror), Error);
   Transform scaled(1.0);
   scaled[1][1] = 1.01;
-  EXPECT_THROW(set_pose(table, 0, scaled), Error);
-  EXPECT_NO_THROW(set_pose(table, 0, Transform(1.0)));
+  EXPECT_THROW(set_pose(prepared, 0, scaled), Error);
+  EXPECT_NO_THROW(set_pose(prepared, 0, Transform(1.0)));
 }
 
 TEST(Deltas, MayBeASolidsOwn) {
@@ -247,11 +248,11 @@ TEST(Deltas, MayBeASolidsOwn) {
   expect_identical(gpu, cpu);
   expect_truth(gpu, points, Truth(solids[0].mesh), 3e-3, false);
   // A table that was made for less is refused, not wrong.
-  const SceneTable table = make_scene_table(solids);
-  EXPECT_NO_THROW(check({.delta_m = 5e-3}, table));
+  const PreparedSolids prepared = prepare_solids(solids);
+  EXPECT_NO_THROW(check_parameters({.delta_m = 5e-3}, prepared));
   solids[0].haptics.delta_m.reset();
-  EXPECT_THROW(check({.delta_m = 5e-3}, make_scene_table(solids)), Error);
-  EXPECT_THROW(check({.deep = true}, make_scene_table(solids)), Error);
+  EXPECT_THROW(check_parameters({.delta_m = 5e-3}, prepare_solids(solids)), Error);
+  EXPECT_THROW(check_parameters({.deep = true}, prepare_solids(solids)), Error);
 }
 
 TEST(SeveralSurfaces, ShareTheirBuffers) {
@@ -265,8 +266,7 @@ TEST(SeveralSurfaces, ShareTheirBuffers) {
   }
   solids.insert(solids.begin() + 1, cube());
   const Parameters parameters{.deep = true};
-  const auto count = static_cast<std::uint32_t>(points.size());
-  const Touch gpu = touch_on_device(indexed(points), solids, parameters, {count, count, count}, 2);
+  const Touch gpu = touch_on_device(indexed(points), solids, {.parameters = parameters}, 2);
   const Touch cpu = touch_on(Backend::cpu, points, solids, parameters);
   expect_identical(gpu, cpu);
   ASSERT_EQ(gpu.deep.size(), cpu.deep.size());

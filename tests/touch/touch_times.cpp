@@ -13,7 +13,7 @@ void print(const char* what, const std::vector<glm::vec3>& points, const geometr
            const Parameters& parameters) {
   const auto count = static_cast<std::uint32_t>(points.size());
   std::vector<gpu::PassTime> times;
-  const Touch touch = touch_on_device(indexed(points), {solid}, parameters, {count, count}, 15, &times);
+  const Touch touch = touch_on_device(indexed(points), {solid}, {.parameters = parameters}, 15, &times);
   double sum = 0;
   std::printf("%-34s %7u points %7zu contacts %3u fingers |", what, count, touch.contacts.size(), touch.finger_count);
   for (const gpu::PassTime& time : times) {

@@ -11,6 +11,7 @@
 #include "support/device.hpp"
 #include "support/shared_data.hpp"
 #include "touch/fingertips.hpp"
+#include "touch/host_stage.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::touch::test {
@@ -94,8 +95,7 @@ std::vector<Sighting> follow(const Walk& walk, const std::vector<sensing::FrameS
                              Backend backend) {
   const auto rig = paper_cameras(cameras);
   const auto solids = plate();
-  Parameters parameters;
-  parameters.finger_width_m = 0.016;
+  const StageSetting setting{.parameters = {.finger_width_m = 0.016}, .follow = true};
   std::vector<Sighting> sightings;
   const auto note = [&](const Touch& touch, double time_s) {
     const auto tips = walk.tips(time_s);
@@ -116,29 +116,25 @@ std::vector<Sighting> follow(const Walk& walk, const std::vector<sensing::FrameS
   };
   Touch touch;
   if (backend == Backend::cpu) {
-    HostStage stage(solids, rig);
-    Tracks tracks;
+    HostStage stage(solids, rig, setting);
     for (const sensing::FrameSet& set : frames) {
-      stage.touch(set.frames, parameters, touch, {}, &tracks, set.time_s);
+      stage.touch(set.frames, touch, set.time_s);
       note(touch, set.time_s);
     }
     return sightings;
   }
   gpu::Device& device = palpa::test::test_device();
-  const Stage stage(device, solids, rig);
-  TrackBuffer tracks(device);
+  static Passes passes(device);
+  Stage stage(passes, solids, rig, setting);
   // Two frames in flight, as in the loop.
-  std::vector<StageFrame> flights;
-  flights.emplace_back(device, stage);
-  flights.emplace_back(device, stage);
+  std::array<StageMemory, 2> flights{StageMemory(stage), StageMemory(stage)};
   const std::array<gpu::Recorder, 2> recorders{gpu::Recorder(device, "walk"), gpu::Recorder(device, "walk")};
   gpu::Timeline timeline(device, "walk");
   std::array<std::uint64_t, 2> submitted{};
   for (std::size_t k = 0; k < frames.size() + 1; ++k) {
     if (k < frames.size()) {
       flights[k % 2].set(frames[k].frames);
-      stage.record(recorders[k % 2].begin(), flights[k % 2], parameters, Detail::contacts, nullptr,
-                   {&tracks, frames[k].time_s});
+      stage.record(recorders[k % 2].begin(), flights[k % 2], frames[k].time_s);
       submitted[k % 2] = timeline.submit(recorders[k % 2].end());
     }
     if (k == 0) continue;

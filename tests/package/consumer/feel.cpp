@@ -9,7 +9,7 @@
 #include "geometry/gltf.hpp"
 #include "geometry/ply.hpp"
 #include "geometry/solid.hpp"
-#include "touch/chain.hpp"
+#include "touch/host_stage.hpp"
 
 int main(int argc, char** argv) try {
   using namespace palpa;
@@ -22,7 +22,7 @@ int main(int argc, char** argv) try {
   }
 
   touch::Touch touch;
-  touch::touch_points(skin, solids, touch::Parameters{}, touch);
+  touch::HostStage(solids).touch(sensing::numbered(skin), touch);
 
   const array::Layout paper = array::load_layout("paper");
   const array::Layout layout = array::transformed(paper, paper.default_T_world_layout);

@@ -1,0 +1,65 @@
+// Skin points on the device: the pixels of all depth frames that lie inside a box of the world, as points of the world.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "gpu/buffer.hpp"
+#include "gpu/pipeline.hpp"
+#include "gpu/scan.hpp"
+#include "gpu/scratch.hpp"
+#include "gpu/timestamps.hpp"
+#include "sensing/rays.hpp"
+#include "sensing/skin_point.hpp"
+
+namespace palpa::sensing {
+
+struct SkinBindings {
+  gpu::BufferRef depth;   ///< in: packed by pack_depth, 2 bytes per padded pixel
+  gpu::BufferRef rays;    ///< in: upload_rays, 8 bytes per padded pixel
+  gpu::BufferRef points;  ///< out: SkinPoint[], room for size / 16 of them, at most tables.pixels are written
+  gpu::BufferRef total;   ///< out: shader::ScanTotal, points found and an indirect dispatch with 64 of them per group
+};
+
+/// Bytes of the packed depth frames, e.g. for a gpu::Upload.
+inline std::uint64_t packed_bytes(const RayTables& tables) {
+  return tables.padded_pixels * sizeof(std::uint16_t);
+}
+
+/// The rays in device memory, written once; blocks until they are there.
+gpu::Buffer upload_rays(const gpu::Device& device, const RayTables& tables);
+
+/// Pipelines only; the caller owns memory and command buffer.
+class SkinPass {
+ public:
+  explicit SkinPass(const gpu::Device& device) : device_(&device) {}
+
+  /// Makes the pipelines that these cameras need; those that are there stay.
+  void prepare(const RayTables& tables);
+
+  /// Enough for any box.
+  static std::vector<gpu::ScratchPiece> scratch(const RayTables& tables);
+
+  /// Finds the skin points inside `box` (world, compared in float) from the views that plan_views gave for it.
+  /// Barriers: expects depth and rays to be visible to compute, and earlier readers of points and total to be ordered
+  /// before; inside it adds its own; the caller adds compute_to_compute (or writes_to_transfer) afterwards. With
+  /// `times`, marks "skin count", "skin scan" and "skin scatter".
+  void record(VkCommandBuffer commands, const SkinBindings& bindings, const gpu::Scratch& scratch,
+              const RayTables& tables, const Box& box, std::span<const View> views,
+              gpu::Timestamps* times = nullptr) const;
+
+ private:
+  enum Piece : std::size_t { runs, counts, pieces };
+  struct Kernels {
+    gpu::ComputePipeline count, scatter;
+  };
+  Kernels make(const char* count, const char* scatter, std::uint32_t rays_from_table) const;
+
+  const gpu::Device* device_;
+  Kernels pinhole_, table_;  ///< cameras without and with distortion
+  std::optional<gpu::ScanPass> scan_;
+};
+
+}  // namespace palpa::sensing

@@ -1,0 +1,20 @@
+// Skin points of all depth frames inside a box of the world, in plain C++.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sensing/rays.hpp"
+#include "sensing/skin_point.hpp"
+
+namespace palpa::sensing {
+
+/// C++ twin of SkinPass: the same points in the same order (camera, row, column), computed in float by the same
+/// operations. `views` from plan_views(cameras, tables, box). Throws bad_usage unless there is one frame of the right
+/// size per camera.
+void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, const Box& box, std::span<const View> views,
+               std::vector<SkinPoint>& out);
+/// The same, for one call: builds tables and views itself.
+std::vector<SkinPoint> find_skin(std::span<const Camera> cameras, std::span<const DepthFrame> frames, const Box& box);
+
+}  // namespace palpa::sensing

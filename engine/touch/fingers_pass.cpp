@@ -1,0 +1,115 @@
+#include "touch/fingers_pass.hpp"
+
+#include <bit>
+#include <span>
+
+#include "gpu/barrier.hpp"
+#include "gpu/scan.hpp"
+#include "shaders/contacts.h"
+#include "spirv/fingers_blocks.comp.hpp"
+#include "spirv/fingers_crowded.comp.hpp"
+#include "spirv/fingers_gather.comp.hpp"
+#include "spirv/fingers_insert.comp.hpp"
+#include "spirv/fingers_label.comp.hpp"
+#include "spirv/fingers_link.comp.hpp"
+#include "spirv/fingers_prepare.comp.hpp"
+#include "spirv/fingers_select.comp.hpp"
+#include "touch/finger_cells.hpp"
+
+namespace palpa::touch {
+
+static_assert(max_fingers == shader::fingers_most);
+
+namespace {
+
+gpu::ComputePipeline kernel(const gpu::Device& device, const char* name, std::span<const std::uint32_t> spirv,
+                            std::span<const std::uint32_t> constants = {}) {
+  return {device, name, spirv, {shader::fingers_buffers, sizeof(shader::FingersPush), constants}};
+}
+
+constexpr std::uint32_t test_all = 1;
+constexpr std::uint32_t with_deep = 1;
+
+/// Slots of the hash table for that many contacts.
+std::uint64_t slots_for(std::uint32_t contacts) {
+  return contacts <= 32 ? 64 : std::uint64_t{2} * std::bit_ceil(contacts);
+}
+
+}  // namespace
+
+void FingersPass::prepare(const Parameters& parameters) {
+  if (!select_) {
+    prepare_ = kernel(*device_, "fingers prepare", spirv::fingers_prepare_comp);
+    insert_ = kernel(*device_, "fingers insert", spirv::fingers_insert_comp);
+    blocks_ = kernel(*device_, "fingers blocks", spirv::fingers_blocks_comp);
+    link_ = kernel(*device_, "fingers link", spirv::fingers_link_comp);
+    crowded_ = kernel(*device_, "fingers crowded", spirv::fingers_crowded_comp);
+    rest_ = kernel(*device_, "fingers rest", spirv::fingers_link_comp, {&test_all, 1});
+    select_ = {*device_,
+               "fingers select",
+               spirv::fingers_select_comp,
+               {shader::fingers_select_buffers, sizeof(shader::FingersPush)}};
+  }
+  if (parameters.cluster != Cluster::inside) {
+    if (!label_) label_ = kernel(*device_, "fingers label", spirv::fingers_label_comp);
+  } else if (!gather_) {
+    label_inside_ = kernel(*device_, "fingers label inside", spirv::fingers_label_comp, {&with_deep, 1});
+    gather_ = {*device_,
+               "fingers gather",
+               spirv::fingers_gather_comp,
+               {shader::fingers_gather_buffers, sizeof(shader::GatherPush)}};
+  }
+}
+
+std::vector<gpu::ScratchPiece> FingersPass::scratch(const Room& room) {
+  const std::uint64_t points = room.clustered();
+  std::vector<gpu::ScratchPiece> of(pieces);
+  of[nodes] = {"finger nodes", points * sizeof(shader::uvec4)};
+  of[keys] = {"finger keys", points * sizeof(shader::BlockKey)};
+  of[places] = {"finger places", points * 4};
+  of[slots] = {"finger slots", slots_for(room.clustered()) * 4};
+  of[heads] = {"finger heads", points * 4 * shader::fingers_block_cells};
+  of[list] = {"finger blocks", points * 4};
+  of[groups] = {"finger groups", points * 4};
+  of[crowded] = {"finger crowded", points * 4 + sizeof(shader::CrowdedPair)};
+  of[work] = {"finger work", sizeof(shader::FingersWork)};
+  of[inside_total] = {"inside total", sizeof(shader::ScanTotal)};
+  of[inside_points] = {"points inside", room.inside ? points * sizeof(shader::ContactRecord) : 0};
+  return of;
+}
+
+void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, const gpu::Scratch& s, const Room& room,
+                         const Parameters& parameters, gpu::Timestamps* times) const {
+  const float gap = float_gap(parameters);
+  const bool inside = parameters.cluster == Cluster::inside;
+  const gpu::BufferRef total = inside ? s[inside_total] : b.total, contacts = inside ? s[inside_points] : b.contacts;
+  shader::FingersPush push{cells_per_metre(gap), gap * gap, room.clustered(), parameters.min_points};
+  if (inside) {
+    const shader::GatherPush gather{room.contacts, room.deep, 0, 0};
+    gather_.dispatch(commands, {b.total, b.contacts, b.deep_total, b.deep, s[inside_total], s[inside_points]}, gather,
+                     shader::contacts_most_groups / 2);
+    gpu::compute_to_compute(commands);
+  }
+  const auto run = [&](const gpu::ComputePipeline& kernel, gpu::BufferRef where, VkDeviceSize at) {
+    kernel.dispatch_indirect(commands,
+                             {total, contacts, b.solids, s[nodes], s[keys], s[places], s[slots], s[heads], s[list],
+                              s[crowded], s[work], b.parents, b.clusters, s[groups]},
+                             push, {where.buffer, where.offset + at, sizeof(VkDispatchIndirectCommand)});
+    gpu::compute_to_compute(commands);
+  };
+  constexpr VkDeviceSize per_contact = offsetof(shader::ScanTotal, groups_x);
+  run(prepare_, total, per_contact);
+  run(insert_, total, per_contact);
+  if (times) times->mark(commands, "cells");
+  run(blocks_, s[work], offsetof(shader::FingersWork, blocks_x));
+  run(link_, s[work], offsetof(shader::FingersWork, links_x));
+  run(crowded_, s[work], offsetof(shader::FingersWork, crowded_x));
+  run(rest_, s[work], offsetof(shader::FingersWork, rest_x));
+  if (times) times->mark(commands, "links");
+  run(inside ? label_inside_ : label_, total, per_contact);
+  push.most_contacts = room.contacts;
+  select_.dispatch(commands, {b.total, b.length, b.parents, b.clusters, b.contacts, b.header, b.fingers}, push, 1);
+  if (times) times->mark(commands, "fingers");
+}
+
+}  // namespace palpa::touch

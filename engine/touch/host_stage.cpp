@@ -1,0 +1,63 @@
+#include "touch/host_stage.hpp"
+
+#include "sensing/skin_twin.hpp"
+#include "touch/bridge_cameras.hpp"
+#include "touch/check_parameters.hpp"
+#include "touch/contacts_twin.hpp"
+#include "touch/depths.hpp"
+#include "touch/fingers_twin.hpp"
+#include "touch/foci_twin.hpp"
+#include "touch/sections_twin.hpp"
+
+namespace palpa::touch {
+
+HostStage::HostStage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras,
+                     const StageSetting& setting)
+    : setting_(setting),
+      cameras_(cameras.begin(), cameras.end()),
+      tables_(sensing::make_rays(cameras)),
+      bridge_cameras_(bridge_cameras(cameras, tables_)),
+      solids_(prepare_solids(solids, setting.parameters)) {
+  check_parameters(setting.parameters, solids_);
+  if (setting.follow) tracks_.emplace();
+}
+
+void HostStage::touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s, const Mark& mark) {
+  const Box box = touchable_box(solids_);
+  sensing::plan_views(cameras_, tables_, box, views_);
+  sensing::find_skin(tables_, images, box, views_, points_);
+  if (mark) mark("skin");
+  const Sight sight{bridge_cameras_, tables_, images};
+  touch(points_, &sight, out, time_s, mark);
+}
+
+void HostStage::touch(std::span<const sensing::SkinPoint> points, Touch& out, double time_s, const Mark& mark) {
+  touch(points, nullptr, out, time_s, mark);
+}
+
+void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* sight, Touch& out, double time_s,
+                      const Mark& mark) {
+  const auto done = [&](const char* part) {
+    if (mark) mark(part);
+  };
+  const Parameters& parameters = setting_.parameters;
+  find_contacts(points, solids_, parameters, out);
+  done("contacts");
+  find_fingers(parameters, solids_, out);
+  done("fingers");
+  if (sight && parameters.finger_width_m > 0) {
+    bridge_fingers(*sight, parameters, out);
+    done("bridge");
+  }
+  find_sections(out);
+  done("frames");
+  if (tracks_) {
+    follow_fingers(*tracks_, time_s, out);
+    done("follow");
+  }
+  find_foci(parameters, solids_.foci_of, out);
+  done("foci");
+  find_depths(out);
+}
+
+}  // namespace palpa::touch

@@ -1,0 +1,56 @@
+// The twin of the stage (stage.hpp): from skin to foci through the passes' C++ twins on the calling thread.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/solid.hpp"
+#include "sensing/depth_source.hpp"
+#include "sensing/rays.hpp"
+#include "sensing/skin_point.hpp"
+#include "shaders/bridge.h"
+#include "touch/bridge_twin.hpp"
+#include "touch/follow_twin.hpp"
+#include "touch/prepared_solids.hpp"
+#include "touch/stage_setting.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+class HostStage {
+ public:
+  /// Called after each part with its name: "skin", "contacts", "fingers", "bridge", "frames", "follow", "foci".
+  using Mark = std::function<void(const char*)>;
+
+  /// Without cameras every frame is a set of skin points. There is room for any frame, and contacts are there whatever
+  /// the setting's detail. Throws bad_usage on solids, cameras and parameters that cannot be used.
+  explicit HostStage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras = {},
+                     const StageSetting& setting = {});
+
+  const StageSetting& setting() const { return setting_; }
+  const PreparedSolids& solids() const { return solids_; }
+  /// From the next touch on the solid is where T_world_rest takes it; see touch::set_pose.
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(solids_, solid, T_world_rest); }
+
+  /// What the frame captured at `time_s` shows: one image per camera, or points whose indices ascend. Where fingers are
+  /// followed, frames come in the order of their capture. Throws bad_usage for images that do not fit the cameras.
+  void touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s = 0, const Mark& mark = {});
+  void touch(std::span<const sensing::SkinPoint> points, Touch& out, double time_s = 0, const Mark& mark = {});
+
+ private:
+  void touch(std::span<const sensing::SkinPoint> points, const Sight* sight, Touch& out, double time_s,
+             const Mark& mark);
+
+  StageSetting setting_;
+  std::vector<sensing::Camera> cameras_;
+  sensing::RayTables tables_;
+  std::vector<shader::BridgeCamera> bridge_cameras_;
+  PreparedSolids solids_;
+  std::optional<Tracks> tracks_;
+  std::vector<sensing::View> views_;        // scratch
+  std::vector<sensing::SkinPoint> points_;  // scratch
+};
+
+}  // namespace palpa::touch

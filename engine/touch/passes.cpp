@@ -1,0 +1,21 @@
+#include "touch/passes.hpp"
+
+namespace palpa::touch {
+
+Passes::Passes(const gpu::Device& device)
+    : device_(device), skin_(device), contacts_(device), fingers_(device), sections_(device), foci_(device) {}
+
+void Passes::prepare(const PreparedSolids& solids, const sensing::RayTables& tables, const StageSetting& setting) {
+  const std::scoped_lock lock(making_);
+  if (!tables.cameras.empty()) skin_.prepare(tables);
+  contacts_.prepare(solids, setting.parameters);
+  fingers_.prepare(setting.parameters);
+  if (bridges(tables, setting.parameters) && !bridge_) bridge_.emplace(device_);
+  if (setting.follow && !follow_) follow_.emplace(device_);
+}
+
+bool bridges(const sensing::RayTables& tables, const Parameters& parameters) {
+  return !tables.cameras.empty() && parameters.finger_width_m > 0;
+}
+
+}  // namespace palpa::touch

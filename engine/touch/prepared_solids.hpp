@@ -1,0 +1,57 @@
+// The solids of a scene in the form in which contacts are asked for: planes of convex ones, surfaces
+// (geometry/surface.hpp) or tables of convex parts of any others, and where they are.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/solid.hpp"
+#include "geometry/surface.hpp"
+#include "shaders/contacts.h"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// Where a solid's surface begins in the scene's buffers.
+struct SurfaceBase {
+  std::uint32_t cells = 0, runs = 0, triangles = 0, corners = 0;
+};
+
+/// The solids of one scene, relative to each solid's centre and in single precision.
+struct PreparedSolids {
+  std::vector<shader::SolidRecord> records;  ///< posed
+  std::vector<shader::PlaneCell> cells;      ///< solid after solid, x fastest
+  std::vector<shader::vec4> planes;          ///< first every plane of every solid, then the cells' lists
+  std::vector<std::uint32_t> first_plane;    ///< per solid, plus one past the last: the range of all its planes
+  std::vector<geometry::Surface> surfaces;   ///< per solid; empty where it is asked by its planes
+  std::vector<SurfaceBase> surface_base;     ///< per solid
+  std::vector<Vec3> centres;                 ///< per solid, at rest
+  std::vector<std::uint32_t> foci_of;        ///< foci_of_solids()
+  std::vector<shader::uvec4> parts;          ///< see parts_table.hpp; empty without solids of convex parts
+
+  /// The solid's delta: its own where it has one.
+  double delta_m(std::uint32_t solid, const Parameters& parameters) const {
+    return records[solid].delta > 0 ? static_cast<double>(records[solid].delta) : parameters.delta_m;
+  }
+};
+
+/// N of each solid's fingers where its model says one (1 to max_foci), else 0: the parameters' N. Throws bad_usage
+/// naming the solid for another number.
+std::vector<std::uint32_t> foci_of_solids(const std::vector<geometry::Solid>& solids);
+
+/// A convex solid gets its planes and their cells (plane_cells.hpp). A solid without planes, or with so many that its
+/// surface is quicker, gets its surface, made for the delta of `parameters` (or its own) and for deep points where they
+/// are asked for; check_parameters() refuses others. A solid of convex parts gets a table of those. Throws bad_usage
+/// naming the solid where planes or box are not finite, and where all solids together have more triangles than
+/// shader::surface_most_triangles.
+PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const Parameters& parameters = {});
+
+/// Moves a solid: from now on it is where T_world_rest takes it from its place in the scene. Nothing is rebuilt. Throws
+/// bad_usage for a solid that there is not, and for what is no rigid motion.
+void set_pose(PreparedSolids& solids, std::uint32_t solid, const Transform& T_world_rest);
+
+/// The world's box around all solids where they are now, grown by a hair against rounding: skin outside of it needs no
+/// look.
+Box touchable_box(const PreparedSolids& solids);
+
+}  // namespace palpa::touch

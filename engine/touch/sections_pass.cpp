@@ -1,0 +1,49 @@
+#include "touch/sections_pass.hpp"
+
+#include "gpu/barrier.hpp"
+#include "gpu/scan.hpp"
+#include "shaders/contacts.h"
+#include "shaders/fingers.h"
+#include "shaders/sections.h"
+#include "spirv/sections_axes.comp.hpp"
+#include "spirv/sections_count.comp.hpp"
+#include "spirv/sections_group.comp.hpp"
+
+namespace palpa::touch {
+
+static_assert(shader::sections_most_chunks * shader::sections_groups_per_chunk >= shader::contacts_most_groups);
+static_assert(shader::sections_table >= 2 * shader::fingers_most);
+
+namespace {
+constexpr gpu::PipelineLayout layout{shader::sections_buffers, sizeof(shader::SectionsPush)};
+}
+
+SectionsPass::SectionsPass(const gpu::Device& device)
+    : count_(device, "sections count", spirv::sections_count_comp, layout),
+      group_(device, "sections group", spirv::sections_group_comp, layout),
+      axes_(device, "sections axes", spirv::sections_axes_comp, layout) {}
+
+std::vector<gpu::ScratchPiece> SectionsPass::scratch() {
+  std::vector<gpu::ScratchPiece> list(pieces);
+  list[counts] = {"finger counts", std::uint64_t{shader::sections_most_chunks} * shader::fingers_most * 4};
+  return list;
+}
+
+void SectionsPass::record(VkCommandBuffer commands, const SectionsBindings& b, const gpu::Scratch& s, const Room& room,
+                          gpu::Timestamps* times) const {
+  const shader::SectionsPush push{room.contacts, 0, 0, 0};
+  const auto buffers = {b.total, b.parents, b.contacts, b.header, s[counts], b.grouped, b.fingers};
+  const gpu::BufferRef chunks{b.total.buffer, b.total.offset + offsetof(shader::ScanTotal, groups_x),
+                              sizeof(VkDispatchIndirectCommand)};
+  count_.dispatch_indirect(commands, buffers, push, chunks);
+  if (times) times->mark(commands, "count");
+  gpu::compute_to_compute(commands);
+  group_.dispatch_indirect(commands, buffers, push, chunks);
+  if (times) times->mark(commands, "group");
+  gpu::compute_to_compute(commands);
+  axes_.dispatch_indirect(commands, buffers, push,
+                          {b.header.buffer, b.header.offset, sizeof(VkDispatchIndirectCommand)});
+  if (times) times->mark(commands, "frames");
+}
+
+}  // namespace palpa::touch

@@ -1,0 +1,42 @@
+// Cross-sections of every finger, Eq. (2)-(4), on the device.
+#pragma once
+
+#include <vector>
+
+#include "gpu/buffer.hpp"
+#include "gpu/pipeline.hpp"
+#include "gpu/scratch.hpp"
+#include "gpu/timestamps.hpp"
+#include "touch/room.hpp"
+
+namespace palpa::touch {
+
+struct SectionsBindings {
+  gpu::BufferRef total;     ///< in: shader::ScanTotal of the contacts
+  gpu::BufferRef parents;   ///< in: per contact a number that its finger alone has
+  gpu::BufferRef contacts;  ///< in: shader::ContactRecord[]; out: their `finger`
+  gpu::BufferRef header;    ///< in: shader::TouchHeader, one group per finger
+  gpu::BufferRef grouped;   ///< out: uvec4 per contact: bits of x, y, z, its number; finger after finger, in order
+  gpu::BufferRef fingers;   ///< in: shader::FingerRecord[max_fingers] as FingersPass leaves it; out: cross-sections
+};
+
+/// Pipelines only; three dispatches: count and group put the contacts in order of their fingers, whatever the number of
+/// these at the same cost; axes looks at each finger's own.
+class SectionsPass {
+ public:
+  explicit SectionsPass(const gpu::Device& device);
+
+  static std::vector<gpu::ScratchPiece> scratch();
+
+  /// Barriers: expects all inputs to be visible to compute and as indirect arguments; adds its own inside; the caller
+  /// adds compute_to_compute afterwards. With `times`, marks "count", "group" and "frames".
+  void record(VkCommandBuffer commands, const SectionsBindings& bindings, const gpu::Scratch& scratch, const Room& room,
+              gpu::Timestamps* times = nullptr) const;
+
+ private:
+  enum Piece : std::size_t { counts, pieces };
+
+  gpu::ComputePipeline count_, group_, axes_;
+};
+
+}  // namespace palpa::touch

@@ -1,0 +1,166 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "base/error.hpp"
+#include "gpu/scan.hpp"
+#include "shaders/bridge.h"
+#include "shaders/contacts.h"
+#include "shaders/fingers.h"
+#include "shaders/foci.h"
+#include "touch/depths.hpp"
+#include "touch/stage.hpp"
+
+namespace palpa::touch {
+namespace {
+
+/// Contacts of one frame of cameras, where nobody says.
+constexpr std::uint32_t usual_contacts = 262'144;
+constexpr std::uint32_t least_points = 4096;
+
+/// Room for a frame of so many skin points: the one place where that is decided.
+Room room_for(const StageSetting& setting, std::uint32_t points, std::uint32_t contacts) {
+  Room room{.points = std::max(points, 1U), .inside = setting.parameters.cluster == Cluster::inside};
+  room.contacts = std::clamp(setting.most_contacts != 0 ? setting.most_contacts : contacts, 1U, room.points);
+  room.deep = setting.parameters.wants_deep() ? room.contacts : 0;
+  return room;
+}
+
+}  // namespace
+
+StageMemory::StageMemory(const Stage& stage) : stage_(&stage) {
+  const StageSetting& setting = stage.setting_;
+  if (setting.most_points > shader::contacts_most_points) {
+    throw bad_usage(
+        fmt::format("{} skin points per frame: at most {}", setting.most_points, shader::contacts_most_points));
+  }
+  if (stage.tables_.pixels != 0) {
+    const std::uint32_t most = setting.most_points != 0 ? setting.most_points : shader::contacts_most_points;
+    make(room_for(setting, static_cast<std::uint32_t>(std::min<std::uint64_t>(stage.tables_.pixels, most)),
+                  usual_contacts));
+  } else if (setting.most_points != 0) {
+    make(room_for(setting, setting.most_points, setting.most_points));
+  }
+}
+
+void StageMemory::make(const Room& room) {
+  const gpu::Device& device = stage_->passes_.device();
+  const sensing::RayTables& tables = stage_->tables_;
+  const bool cameras = tables.pixels != 0;
+  const std::uint64_t contacts = room.contacts, clustered = room.clustered(), deep = room.deep;
+  room_ = room;
+  if (cameras) {
+    views_.reserve(tables.cameras.size());
+    depth_ = gpu::Upload(device, sensing::packed_bytes(tables), "depth frames");
+    // For every pixel, so that the total is that of all: read() says when it is beyond the room.
+    seen_ = gpu::Buffer(device, tables.pixels * sizeof(sensing::SkinPoint), "skin points");
+    seen_total_ = gpu::Buffer(device, sizeof(shader::ScanTotal), "skin total");
+    skin_scratch_ = gpu::Scratch(device, sensing::SkinPass::scratch(tables), "skin");
+    if (bridges(tables, stage_->setting_.parameters)) {
+      bridge_scratch_ = gpu::Scratch(device, BridgePass::scratch(), "bridge");
+    }
+  } else {
+    points_ = gpu::Upload(device, std::uint64_t{room.points} * sizeof(sensing::SkinPoint), "skin points");
+    given_ = gpu::Upload(device, sizeof(shader::ScanTotal), "skin total");
+  }
+  solids_ = gpu::Upload(device, stage_->solids_.records.size() * sizeof(shader::SolidRecord), "solids");
+  total_ = gpu::Buffer(device, sizeof(shader::ScanTotal), "contact total");
+  contacts_ = gpu::Readback(device, contacts * sizeof(shader::ContactRecord), "contacts");
+  deep_ = gpu::Readback(device, deep * sizeof(shader::ContactRecord), "deep points");
+  deep_total_ = gpu::Readback(device, sizeof(shader::ScanTotal), "deep total");
+  contacts_scratch_ = gpu::Scratch(device, ContactsPass::scratch(room), "contacts");
+  parents_ = gpu::Buffer(device, clustered * 4, "finger parents");
+  clusters_ = gpu::Buffer(device, clustered * sizeof(shader::Cluster), "finger clusters");
+  header_ = gpu::Readback(device, sizeof(shader::TouchHeader), "touch header");
+  fingers_ = gpu::Readback(device, std::uint64_t{max_fingers} * sizeof(shader::FingerRecord), "fingers");
+  fingers_scratch_ = gpu::Scratch(device, FingersPass::scratch(room), "fingers");
+  grouped_ = gpu::Buffer(device, contacts * sizeof(shader::uvec4), "grouped contacts");
+  sections_scratch_ = gpu::Scratch(device, SectionsPass::scratch(), "sections");
+  foci_ = gpu::Readback(device, std::uint64_t{max_fingers} * max_foci * sizeof(shader::FocusRecord), "foci");
+}
+
+void StageMemory::set(std::span<const sensing::DepthFrame> images) {
+  sensing::pack_depth(stage_->tables_, images, depth_.as<std::uint16_t>());
+}
+
+void StageMemory::set(std::span<const sensing::SkinPoint> points) {
+  const StageSetting& setting = stage_->setting_;
+  if (stage_->tables_.pixels != 0) throw bad_usage("a stage with cameras touches depth frames, not skin points");
+  const std::uint32_t most = setting.most_points != 0 ? setting.most_points : shader::contacts_most_points;
+  if (points.size() > most) {
+    throw bad_usage(fmt::format("{} skin points in one frame: there is room for {}", points.size(), most));
+  }
+  const auto count = static_cast<std::uint32_t>(points.size());
+  // Powers of two, so that a cloud that grows needs new memory only now and then.
+  if (count > room_.points || room_.points == 0) {
+    const std::uint32_t some = std::bit_ceil(std::max(count, least_points));
+    make(room_for(setting, some, some));
+  }
+  if (!points.empty()) std::memcpy(points_.data(), points.data(), points.size_bytes());
+  given_.as<shader::ScanTotal>()[0] = {count, gpu::groups_for(count, 64), 1, 1};
+}
+
+void read(const StageMemory& memory, Touch& out) {
+  const StageSetting& setting = memory.stage_->setting();
+  const bool with_deep = setting.parameters.wants_deep();
+  const shader::TouchHeader& header = memory.header_.as<shader::TouchHeader>()[0];
+  if (header.points > memory.room_.points) {
+    throw failure(
+        fmt::format("{} skin points in one frame: there is room for {}; narrow the region that the cameras watch",
+                    header.points, memory.room_.points));
+  }
+  if (header.contacts > memory.room_.contacts) {
+    throw failure(fmt::format("{} contacts in one frame: there is room for {}; give a smaller delta or fewer points",
+                              header.contacts, memory.room_.contacts));
+  }
+  const std::uint32_t deep = with_deep ? memory.deep_total_.as<shader::ScanTotal>()[0].total : 0;
+  if (deep > memory.room_.deep) {
+    throw failure(fmt::format("{} deep points in one frame: there is room for {}; touch less of the solid", deep,
+                              memory.room_.deep));
+  }
+  out.deep.resize(deep);
+  for (std::uint32_t i = 0; i < deep; ++i) {
+    const shader::ContactRecord& record = memory.deep_.as<shader::ContactRecord>()[i];
+    out.deep[i] = {record.point, record.solid, record.depth, {record.x, record.y, record.z}};
+  }
+  out.cluster_count = header.clusters;
+  out.finger_count = header.fingers;
+  if (out.fingers.size() < header.fingers) out.fingers.resize(header.fingers);
+  const auto fingers = memory.fingers_.as<shader::FingerRecord>();
+  const auto foci = memory.foci_.as<shader::FocusRecord>();
+  const auto vec = [](const shader::vec4& v) { return glm::vec3(v.x, v.y, v.z); };
+  for (std::uint32_t f = 0; f < header.fingers; ++f) {
+    const shader::FingerRecord& record = fingers[f];
+    Finger& finger = out.fingers[f];
+    finger.solid = record.solid;
+    finger.id = record.id;
+    finger.point_like = record.point_like != 0;
+    finger.section.centroid = vec(record.centre);
+    finger.section.axes = {vec(record.axis1), vec(record.axis2), vec(record.axis3)};
+    finger.section.eigenvalues = {record.axis1.w, record.axis2.w, record.axis3.w};
+    finger.section.turn = {record.turn.x, record.turn.y};
+    finger.contact_count = record.contacts;
+    finger.contacts.clear();
+    finger.foci.resize(record.foci);
+    for (std::size_t n = 0; n < finger.foci.size(); ++n) {
+      const shader::FocusRecord& focus = foci[std::size_t{f} * max_foci + n];
+      finger.foci[n] = {{focus.x, focus.y, focus.z}, focus.points};
+    }
+  }
+  out.contacts.clear();
+  if (setting.detail == Detail::fingers) return find_depths(out);
+  for (std::uint32_t f = 0; f < header.fingers; ++f)
+    out.fingers[f].contacts.reserve(out.fingers[f].contact_count);
+  const auto contacts = memory.contacts_.as<shader::ContactRecord>().first(header.contacts);
+  out.contacts.resize(contacts.size());
+  for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+    const shader::ContactRecord& record = contacts[i];
+    out.contacts[i] = {record.point, record.solid, record.depth, {record.x, record.y, record.z}};
+    if (record.finger < header.fingers) out.fingers[record.finger].contacts.push_back(i);
+  }
+  find_depths(out);
+}
+
+}  // namespace palpa::touch

@@ -1,0 +1,24 @@
+// What a stage of touching is told, once: when it is made.
+#pragma once
+
+#include <cstdint>
+
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+struct StageSetting {
+  Parameters parameters;
+  Detail detail = Detail::contacts;
+  /// Fingers keep their ids and axes from frame to frame: frames come in the order of their capture. Otherwise each
+  /// frame stands alone.
+  bool follow = false;
+
+  // On the device only, most of what one frame has; more is an error that read() reports. 0: the stage decides. With
+  // cameras it has room for every pixel, and for 262,144 contacts; points from elsewhere get as much room as they need,
+  // be they all contacts.
+  std::uint32_t most_points = 0;  ///< at most shader::contacts_most_points
+  std::uint32_t most_contacts = 0;
+};
+
+}  // namespace palpa::touch
