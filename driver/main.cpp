@@ -15,5 +15,5 @@ namespace {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return palpa::cli::main(argc, argv, {palpa::driver::doctor_probes(), {}, {}});
+  return palpa::cli::main(argc, argv, {.doctor = palpa::driver::doctor_probes()});
 }

@@ -8,7 +8,6 @@
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
-#include "cli/output.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
 #include "setup/values.hpp"
@@ -80,7 +79,7 @@ std::string table(const std::vector<bench::Row>& rows, const gpu::DeviceDescript
 }
 
 void run(const BenchCommand& o) {
-  refuse_two_on_stdout(o.common.json, o.csv);
+  setup::refuse_two_on_stdout(o.common.json, o.csv);
   if (o.common.backend == setup::Backend::cpu)
     throw bad_usage("bench measures the GPU's passes; --backend cpu has none");
   const gpu::Device device(setup::device_options(o.common));

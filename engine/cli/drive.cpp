@@ -16,7 +16,6 @@
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
-#include "cli/output.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/device.hpp"
 #include "setup/options.hpp"
@@ -159,7 +158,7 @@ void run(const DriveCommand& o) {
     throw bad_usage("--layout is missing: give autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
   if (o.foci.empty())
     throw bad_usage("--focus is missing: give a point x,y,z in the layout's frame, such as 0,0,150mm");
-  refuse_two_on_stdout(o.common.json, o.csv);
+  setup::refuse_two_on_stdout(o.common.json, o.csv);
   const array::DriveOptions options = setup::drive_options(o.drive);
   const array::Layout layout = array::load_layout(o.layout);
   const std::vector<array::SlotFocus> foci = read_foci(o, layout);

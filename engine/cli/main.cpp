@@ -43,6 +43,8 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   add_drive(program);
   add_decompose(program);
   add_bench(program);
+  for (const auto& add : extensions.commands)
+    add(program);
 
   try {
     app.parse(argc, argv);

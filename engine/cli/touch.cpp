@@ -9,7 +9,6 @@
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
-#include "cli/output.hpp"
 #include "session/foci_link.hpp"
 #include "session/overrides.hpp"
 #include "setup/touch_input.hpp"
@@ -217,7 +216,7 @@ void run(const TouchCommand& o) {
   check(o.input);
   check(o.touch);
   check(o.felt, o.touch);
-  refuse_two_on_stdout(o.common.json, o.csv);
+  setup::refuse_two_on_stdout(o.common.json, o.csv);
   setup::Stopwatch whole, watch;
   setup::StageTimes times;
   const setup::TouchInput input = setup::load_touch_input(o.input, o.common.quiet);

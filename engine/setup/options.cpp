@@ -42,6 +42,10 @@ bool shows_summary(const CommonOptions& options, const std::string& csv) {
   return !options.quiet && options.json != "-" && csv != "-";
 }
 
+void refuse_two_on_stdout(const std::string& json, const std::string& csv) {
+  if (json == "-" && csv == "-") throw bad_usage("--json - and --csv - would mix on stdout: give one of them a file");
+}
+
 gpu::DeviceOptions device_options(const CommonOptions& options) {
   gpu::DeviceOptions device;
   device.select = options.gpu;

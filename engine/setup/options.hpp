@@ -43,6 +43,9 @@ gpu::DeviceOptions device_options(const CommonOptions& options);
 /// Whether a command ends with a summary for people on stdout: unless --quiet, or JSON or CSV go there.
 bool shows_summary(const CommonOptions& options, const std::string& csv = {});
 
+/// Throws bad_usage where both of these files are "-": their texts would run into each other.
+void refuse_two_on_stdout(const std::string& json, const std::string& csv);
+
 /// What counts as a solid's surface.
 struct SolidOptions {
   geometry::SurfaceKind surface = geometry::SurfaceKind::mesh;

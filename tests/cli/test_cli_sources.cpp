@@ -45,13 +45,14 @@ struct Outcome {
 };
 
 Outcome run(const std::vector<double>& times_s, std::uint16_t depth, const std::vector<std::string>& more) {
-  const cli::Extensions extensions{
-      {}, {}, {{"given", "given  frames of the test's", [&](const std::string&, const session::SourceSetting&) {
-                  auto source = std::make_unique<Given>();
-                  source->times_s = times_s;
-                  source->depth = depth;
-                  return source;
-                }}}};
+  cli::Extensions extensions;
+  extensions.sources.push_back(
+      {"given", "given  frames of the test's", [&](const std::string&, const session::SourceSetting&) {
+         auto source = std::make_unique<Given>();
+         source->times_s = times_s;
+         source->depth = depth;
+         return source;
+       }});
   const std::string cube = source_file("assets/cube.glb").string();
   std::vector<const char*> argv{"palpa", "run",     "--scene", cube.c_str(),   "--source",
                                 "given", "--stats", "json",    "--every-frame"};

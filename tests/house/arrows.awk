@@ -9,6 +9,7 @@ BEGIN {
   interface["session/link.hpp"] = 1
   interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor
+  interface["cli/command.hpp"] = interface["setup/options.hpp"] = interface["setup/values.hpp"] = 1  # its commands
   interface["array/drive.hpp"] = interface["array/layout.hpp"] = interface["array/schedule.hpp"] = 1
   bad = 0
 }
@@ -42,7 +43,7 @@ function fault(text) {
     # The program's main() is where engine and driver meet.
     if (FILENAME != "driver/main.cpp" && (target in floor_of) && target != "base" && !(name in interface))
       fault("driver/ may not include " name ": it uses the engine's small interfaces only")
-  } else if (house == "viewer" && target ~ /^(assets|tests)$/) {
+  } else if (house == "viewer" && target ~ /^(cli|assets|tests)$/) {
     fault("viewer/ may not include " name)
   } else if (house == "assets" && (target in floor_of) && target !~ /^(base|geometry|sensing|array)$/) {
     fault("the generators in assets/ may not include " name)

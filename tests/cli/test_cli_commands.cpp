@@ -1,0 +1,83 @@
+// A subcommand that a room above the engine brings along, as palpa's own are made.
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "cli/commands.hpp"
+#include "setup/values.hpp"
+
+namespace palpa::test {
+namespace {
+
+struct PingCommand {
+  setup::CommonOptions common;
+  std::string board;
+  double pause_s = 0.5;
+};
+
+void add_options(CLI::App& app, PingCommand& o) {
+  const setup::Group group(app, "What to ping");
+  group.text("--board", o.board, "NAME", "which board");
+  group.quantity("--pause", o.pause_s, Quantity::time, setup::positive(10), "between two of them");
+}
+
+struct Outcome {
+  int code = 0;
+  std::string out, err;
+  std::vector<PingCommand> pinged;
+};
+
+Outcome palpa_with_ping(const std::vector<const char*>& words) {
+  Outcome outcome;
+  cli::Extensions extensions;
+  extensions.commands.push_back([&](cli::Program& program) {
+    cli::add_subcommand<PingCommand>(program, {"ping", "whether a board answers", "  palpa ping --board one"},
+                                     add_options, [&](const PingCommand& o) {
+                                       if (o.board.empty()) throw bad_usage("--board is missing: give a name");
+                                       if (o.board == "dead") throw failure("board dead: does not answer");
+                                       outcome.pinged.push_back(o);
+                                     });
+  });
+  std::vector<const char*> argv{"palpa"};
+  argv.insert(argv.end(), words.begin(), words.end());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  outcome.code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions);
+  outcome.out = testing::internal::GetCapturedStdout();
+  outcome.err = testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+TEST(CliCommands, OneFromAboveRunsWithItsOptionsAndTheCommonOnes) {
+  const Outcome outcome = palpa_with_ping({"ping", "--board", "one", "--pause", "20ms", "--seed", "7"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  ASSERT_EQ(outcome.pinged.size(), 1u);
+  EXPECT_EQ(outcome.pinged[0].board, "one");
+  EXPECT_EQ(outcome.pinged[0].pause_s, 0.02);
+  EXPECT_EQ(outcome.pinged[0].common.seed, 7u);
+}
+
+TEST(CliCommands, OneFromAboveFailsAsPalpasOwnDo) {
+  const Outcome usage = palpa_with_ping({"ping"});
+  EXPECT_EQ(usage.code, static_cast<int>(Exit::usage));
+  EXPECT_EQ(usage.err, "palpa: error: --board is missing: give a name\n");
+  const Outcome range = palpa_with_ping({"ping", "--pause", "1h"});
+  EXPECT_EQ(range.code, static_cast<int>(Exit::usage));
+  const Outcome failed = palpa_with_ping({"ping", "--board", "dead"});
+  EXPECT_EQ(failed.code, static_cast<int>(Exit::failed));
+  EXPECT_EQ(failed.err, "palpa: error: board dead: does not answer\n");
+  EXPECT_TRUE(usage.pinged.empty() && range.pinged.empty() && failed.pinged.empty());
+}
+
+TEST(CliCommands, OneFromAboveStandsInTheHelpBelowTheEngines) {
+  const Outcome all = palpa_with_ping({"--help"});
+  const std::size_t ping = all.out.find("whether a board answers"), bench = all.out.find("  bench ");
+  EXPECT_NE(ping, std::string::npos) << all.out;
+  EXPECT_LT(bench, ping);
+  const Outcome one = palpa_with_ping({"ping", "--help"});
+  EXPECT_NE(one.out.find("--pause"), std::string::npos);
+  EXPECT_NE(one.out.find("--validation"), std::string::npos);
+  EXPECT_NE(one.out.find("palpa ping --board one"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpa::test
