@@ -163,6 +163,55 @@ TEST(CliRun, StreamsFociToWhoeverListens) {
   EXPECT_LT(std::abs(finger["foci_m"][0][1].get<double>()), 0.006) << "foci lie near the cube's top";
 }
 
+float loudest(const array::Drive& drive) {
+  float loud = 0;
+  for (const auto& transducer : drive)
+    loud = std::max(loud, transducer.amplitude);
+  return loud;
+}
+
+TEST(CliRun, ACeilingMultipliesAmplitudesAndGains) {
+  const auto file = scratch_folder("ceiling") / "d.bin";
+  const Result result = palpa({"run", "--scene", cube(), "--frames", "30", "--every-frame", "--ceiling", "0.25",
+                               "--link", "record:" + file.string()});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  float most = 0;
+  for (const auto& sent : session::read_drive_recording(file).drives)
+    most = std::max(most, loudest(sent.drive));
+  EXPECT_EQ(most, 0.25F) << "a drive's largest amplitude is 1 without a ceiling";
+
+  const UdpReceiver receiver;
+  const Result streamed = palpa({"run", "--scene", cube(), "--frames", "30", "--every-frame", "--ceiling", "0.25",
+                                 "--link", "foci:" + receiver.address()});
+  ASSERT_EQ(streamed.exit_code, 0) << streamed.err;
+  int touched = 0;
+  for (std::string text; touched < 5 && !(text = receiver.next()).empty();) {
+    const json line = json::parse(text);
+    for (const json& finger : line["fingers"]) {
+      EXPECT_EQ(finger["gain"], 0.25);
+      ++touched;
+    }
+  }
+  EXPECT_GT(touched, 0);
+}
+
+TEST(CliRun, ARampTakesAmplitudesUpAndDown) {
+  const auto file = scratch_folder("ramp") / "d.bin";
+  const Result result = palpa({"run", "--scene", cube(), "--frames", "60", "--every-frame", "--ramp", "15ms", "--link",
+                               "record:" + file.string()});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const session::DriveRecording recording = session::read_drive_recording(file);
+  float last = 0, most = 0;
+  for (const auto& sent : recording.drives) {
+    const float loud = loudest(sent.drive);
+    EXPECT_LT(std::abs(loud - last), 0.11F) << "slot " << sent.slot << ": a ramp of ten slots";
+    most = std::max(most, loud);
+    last = loud;
+  }
+  EXPECT_EQ(most, 1.0F);
+  EXPECT_TRUE(silent(recording.drives.back().drive));
+}
+
 TEST(CliRun, FociThatStandStillAreModulatedAsAsked) {
   const std::vector<std::string> line{"--frames", "60", "--backend", "cpu", "--method", "single-focus"};
   for (const auto& [given, hz] : {std::pair("", 200), std::pair("150Hz", 150), std::pair("0", 0)}) {
@@ -231,6 +280,8 @@ TEST(CliRun, RefusesWhatItCannotRun) {
   expect_failure(palpa({"run", "--scene", cube(), "--source", "telepathy"}), 2, "there is no source 'telepathy'");
   expect_failure(palpa({"run", "--scene", cube(), "--link", "piano"}), 2, "there is no link 'piano'");
   expect_failure(palpa({"run", "--scene", cube(), "--stride", "5"}), 2, "stride");
+  expect_failure(palpa({"run", "--scene", cube(), "--ceiling", "1.5"}), 2, "--ceiling: '1.5' is out of range");
+  expect_failure(palpa({"run", "--scene", cube(), "--ramp", "2s"}), 2, "--ramp: '2s' is out of range");
   expect_failure(palpa({"run", "--scene", "none.glb"}), 4, "none.glb");
   expect_failure(palpa({"run", "--scene", cube(), "--source", "recording:" + folder.string()}), 4, "recording.toml");
   expect_failure(palpa({"run", "--scene", cube(), "--source", "recording:" + folder.string(), "--noise-free"}), 2,
