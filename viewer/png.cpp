@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <png.h>
+#include <cmath>
 
 #include <cstdlib>
 #include <memory>

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <set>

@@ -1,6 +1,7 @@
 // What `palpa touch --json` printed, checked against the contract while it is read.
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>

@@ -1,6 +1,8 @@
 // What a modeller writes into a node's custom properties.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
 #include "geometry/memory_file.hpp"

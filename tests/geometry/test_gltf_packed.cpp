@@ -2,6 +2,8 @@
 // claims to be one.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_draco.hpp"
 #include "geometry/memory_file.hpp"

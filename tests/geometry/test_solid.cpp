@@ -9,6 +9,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 #include <random>
+#include <tuple>
 
 #include "geometry/shapes.hpp"
 #include "geometry/topology.hpp"

@@ -63,6 +63,9 @@ spirv() {
 # Who may include whom: tests/house/arrows.awk.
 arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' | xargs -r awk -f tests/house/arrows.awk; }
 
+# Each source includes what it uses: tests/house/includes.py.
+includes() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' 'tests/*.?pp' | xargs -r python3 tests/house/includes.py; }
+
 # Small files with one job. A longer one is listed with its reason in tests/house/long-files.txt.
 sizes() {
   local file lines found=0
@@ -127,6 +130,7 @@ docs() {
 step "clang-format" format
 step "docs" docs
 step "arrows between rooms" arrows
+step "includes" includes
 step "file sizes" sizes
 step "machine paths" paths
 step "shaders in use" shaders

@@ -4,16 +4,24 @@ cores. Without --tests only over what ships: the tests would double the time, an
 
 A source whose text, headers, flags and rules have been found clean before is not looked at again: BUILD/tidy keeps an empty
 file per clean state, named by its hash.
+
+Most of the time goes into the headers, so several sources of a target are looked at as one text, a unit. A unit at fault, or one
+whose sources cannot stand beside each other, is looked at in halves, down to the single source; only its findings are shown.
 """
 import concurrent.futures
 import hashlib
 import json
 import os
 import pathlib
+import re
+import shlex
 import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+UNIT = 8  # sources
+# What a later source of a unit could use, so that nobody noticed when its own does not.
+ALONE = re.compile(r"^(using [\w:]+::\w+;|namespace \w+ =)", re.M)
 
 
 def included_files(build):
@@ -47,16 +55,50 @@ class Hashes:
         return self.known[name]
 
 
+def flags_of(entry):
+    """What clang needs of a compile command: defines, folders, the language."""
+    words = shlex.split(entry["command"])
+    kept = [word for word in words if word.startswith(("-D", "-I", "-std=", "-W", "-f")) and word != "-Winvalid-pch"]
+    systems = [words[i + 1] for i, word in enumerate(words) if word == "-isystem"]
+    return kept + [word for folder in systems for word in ("-isystem", folder)]
+
+
+class Tidy:
+    def __init__(self, build, clean):
+        self.build, self.clean = build, clean
+
+    def run(self, file, flags):
+        return subprocess.run(["clang-tidy", "--quiet", file, "--", *flags], cwd=self.build, capture_output=True, text=True)
+
+    def look(self, sources, flags):
+        """The sources among these that are at fault; the others' stamps are made. sources: [(path, stamp)]"""
+        if len(sources) == 1:
+            done = self.run(sources[0][0], flags)
+            if done.returncode:
+                print(done.stdout + "\n".join(line for line in done.stderr.splitlines() if " generated" not in line), flush=True)
+        else:
+            unit = self.clean / f"{sources[0][1].name}.cpp"
+            unit.write_text("\n".join(path.read_text() for path, _ in sources))
+            done = self.run(unit, flags)
+            unit.unlink()
+        if done.returncode == 0:
+            for _, stamp in sources:
+                stamp.touch()
+            return []
+        half = len(sources) // 2
+        return self.look(sources[:half], flags) + self.look(sources[half:], flags) if half else sources
+
+
 def main():
     build = pathlib.Path(sys.argv[1]).resolve()
     database = json.loads((build / "compile_commands.json").read_text())
-    rules = (ROOT / ".clang-tidy").read_text()
+    rules = (ROOT / ".clang-tidy").read_text() + pathlib.Path(__file__).read_text()
     version = subprocess.run(["clang-tidy", "--version"], capture_output=True, text=True, check=True).stdout
     deps, hashes = included_files(build), Hashes(build)
     clean = build / "tidy"
     clean.mkdir(exist_ok=True)
 
-    jobs = {}
+    stamps, groups = {}, {}
     for entry in database:
         source = pathlib.Path(entry["directory"], entry["file"]).resolve()
         if not source.is_relative_to(ROOT) or source.is_relative_to(build) or source.suffix != ".cpp":
@@ -67,25 +109,23 @@ def main():
         words = entry["command"].split()
         made = words[words.index("-o") + 1]
         state += [f"{name} {hashes.of(name)}" for name in deps.get(made, [str(source)])]
-        key = hashlib.sha256("\n".join(state).encode()).hexdigest()
-        jobs[source] = clean / key
+        stamps[source] = clean / hashlib.sha256("\n".join(state).encode()).hexdigest()
+        target = made.split(".dir/")[0] if not ALONE.search(source.read_text()) else source
+        if not stamps[source].exists():
+            groups.setdefault((target, *flags_of(entry)), []).append((source, stamps[source]))
 
-    def check(source, stamp):
-        if stamp.exists():
-            return None
-        run = subprocess.run(["clang-tidy", "-p", build, "--quiet", source], capture_output=True, text=True)
-        if run.returncode == 0:
-            stamp.touch()
-            return True
-        print(run.stdout + "\n".join(line for line in run.stderr.splitlines() if " generated" not in line), flush=True)
-        return False
-
+    units = []
+    for (_, *flags), sources in groups.items():
+        count = -(-len(sources) // UNIT)  # of about the same size
+        units += [(sources[i::count], flags) for i in range(count)]
+    units.sort(key=lambda unit: -len(unit[0]))
+    tidy, looked = Tidy(build, clean), sum(len(sources) for sources, _ in units)
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        results = list(pool.map(check, jobs.keys(), jobs.values()))
-    for stale in set(clean.iterdir()) - set(jobs.values()):
+        faults = sum(pool.map(tidy.look, *zip(*units)), []) if units else []
+    for stale in set(clean.iterdir()) - set(stamps.values()):
         stale.unlink()
-    print(f"   {len(jobs)} sources, {results.count(None)} known to be clean, {results.count(False)} at fault")
-    return 1 if False in results else 0
+    print(f"   {len(stamps)} sources, {len(stamps) - looked} known to be clean, {len(faults)} at fault")
+    return 1 if faults else 0
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <sstream>
 
 #include <algorithm>
 #include <chrono>

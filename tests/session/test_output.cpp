@@ -1,6 +1,7 @@
 // What the output thread sends when.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <thread>

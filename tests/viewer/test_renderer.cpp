@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "base/error.hpp"
 #include "drawing_test.hpp"

@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""includes.py FILE...: each source includes, itself or through palpa's own headers, what the names it uses come from. The
+build parses the common headers of other people's once for all (cmake/Room.cmake), so the compiler misses none of them.
+"""
+import functools
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+# Header: the names by which a use of it is known. Several headers for one name: any of them will do.
+NAMES = {
+    "algorithm": "sort stable_sort find find_if find_if_not any_of all_of none_of count count_if copy copy_n copy_if fill fill_n "
+                 "transform max_element min_element minmax_element clamp lower_bound upper_bound equal_range binary_search reverse "
+                 "rotate unique nth_element partial_sort next_permutation shuffle generate remove_if replace equal mismatch search "
+                 "is_sorted adjacent_find partition stable_partition for_each set_union set_difference includes merge",
+    "array": "array to_array", "atomic": "atomic atomic_flag atomic_ref memory_order_relaxed memory_order_acquire",
+    "chrono": "chrono", "complex": "complex", "filesystem": "filesystem", "fstream": "ifstream ofstream fstream",
+    "functional": "function bind invoke greater", "future": "async future promise", "iomanip": "setprecision setw setfill",
+    "limits": "numeric_limits", "map": "map multimap", "memory": "unique_ptr shared_ptr make_unique make_shared",
+    "mutex": "mutex lock_guard unique_lock scoped_lock once_flag call_once", "condition_variable": "condition_variable",
+    "numbers": "numbers", "numeric": "accumulate iota reduce inner_product partial_sum gcd lcm exclusive_scan midpoint",
+    "optional": "optional nullopt", "queue": "queue priority_queue", "deque": "deque", "list": "list", "set": "set multiset",
+    "random": "mt19937 mt19937_64 uniform_real_distribution uniform_int_distribution normal_distribution bernoulli_distribution",
+    "span": "span as_bytes", "sstream": "stringstream ostringstream istringstream", "string_view": "string_view",
+    "string": "string to_string stoi stod getline", "thread": "thread jthread this_thread", "tuple": "tuple tie make_tuple",
+    "unordered_map": "unordered_map", "unordered_set": "unordered_set", "variant": "variant visit monostate holds_alternative",
+    "vector": "vector", "bit": "bit_cast popcount countl_zero countr_zero bit_ceil bit_width has_single_bit", "regex": "regex",
+    "iterator": "istreambuf_iterator back_inserter istream_iterator ostream_iterator",
+    "cmath": "sqrt abs sin cos tan atan2 asin acos atan floor ceil round lround hypot pow exp log fmod isfinite isnan isinf fabs "
+             "copysign nextafter ldexp frexp remainder cbrt lerp log2 log10 trunc nearbyint",
+    "cstring": "memcpy memset memcmp memmove strlen strerror strcmp strncmp",
+    "cstdint": "uint8_t uint16_t uint32_t uint64_t int8_t int16_t int32_t int64_t uintptr_t",
+}
+OTHERS = [  # pattern, the headers of which one must be there
+    (r"\bfmt::(?!runtime|format_to_n|memory_buffer|join)\w", r"fmt/"),
+    (r"\bfmt::(memory_buffer|join)\b", r"fmt/(format|ranges)\.h"),
+    (r"\bglm::\w", r"glm/"),
+    (r"\bnlohmann::\w", r"nlohmann/"),
+    (r"\b(TEST|TEST_F|TEST_P|EXPECT_\w+|ASSERT_\w+)\s*\(", r"gtest/"),
+]
+# Headers that bring another's names along by what they are.
+ENOUGH = {"cmath": {"complex"}, "cstdint": {"volk.h"}, "iterator": {"fstream", "sstream", "iostream"},
+          "string": {"fstream", "sstream", "filesystem"}, "string_view": {"string"}}
+
+
+def plain(text):
+    """The text without comments, strings and characters."""
+    return re.sub(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'',
+                  lambda found: '""' if found[0][-1] == '"' else " ", text, flags=re.S)
+
+
+@functools.cache
+def read(path):
+    return path.read_text()
+
+
+def resolve(name, beside):
+    for folder in (beside.parent, ROOT, ROOT / "engine", ROOT / "tests"):
+        if (folder / name).is_file():
+            return folder / name
+    return None
+
+
+def reached(path):
+    """The headers of other people's that this file includes, itself or through palpa's own."""
+    seen, found, todo = {path}, set(), [path]
+    while todo:
+        here = todo.pop()
+        for kind, name in re.findall(r'^\s*#\s*include\s*([<"])([^>"]+)', read(here), flags=re.M):
+            other = resolve(name, here) if kind == '"' else None
+            if other is None:
+                found.add(name)
+            elif other not in seen:
+                seen.add(other)
+                todo.append(other)
+    return found
+
+
+def missing(path):
+    text, headers = plain(read(path)), reached(path)
+    used = set(re.findall(r"\bstd::(?:ranges::)?(\w+)", text))
+    for header, names in NAMES.items():
+        hits = sorted(used.intersection(names.split()))
+        if hits and header not in headers and not ENOUGH.get(header, set()) & headers:
+            yield f"std::{hits[0]} comes from <{header}>"
+    for pattern, header in OTHERS:
+        use = re.search(pattern, text)
+        if use and not any(re.match(header, name) for name in headers):
+            yield f"{use[0]} comes from a header that is not included"
+
+
+def main():
+    found = 0
+    for name in sys.argv[1:]:
+        for what in missing(ROOT / name):
+            print(f"   {name}: {what}")
+            found += 1
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
