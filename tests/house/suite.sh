@@ -12,6 +12,7 @@ shift
 cache=$PWD/build/cache/${PALPA_LEG:-$preset}
 mkdir -p "$cache"
 export MESA_SHADER_CACHE_DIR=$cache/mesa XDG_CACHE_HOME=$cache LP_NUM_THREADS=${LP_NUM_THREADS:-1}
+export LP_NATIVE_VECTOR_WIDTH=${LP_NATIVE_VECTOR_WIDTH:-256}
 
 # For the presets asan and tsan; the others ignore them.
 export UBSAN_OPTIONS=print_stacktrace=1

@@ -61,18 +61,18 @@ TEST(FitEllipse, FindsTheEllipseThatPointsLieOn) {
   }
 }
 
-/// Fitzgibbon's own formulation on all six coefficients.
-Eigen::Matrix<double, 6, 1> fitzgibbon(const std::vector<Vec2>& points) {
+/// Fitzgibbon's own formulation on all six coefficients. (Matrices of a size known to the compiler would take it a minute.)
+Eigen::VectorXd fitzgibbon(const std::vector<Vec2>& points) {
   Eigen::MatrixXd design(points.size(), 6);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double x = points[i].x, y = points[i].y;
     design.row(static_cast<Eigen::Index>(i)) << x * x, x * y, y * y, x, y, 1;
   }
-  const Eigen::Matrix<double, 6, 6> scatter = design.transpose() * design;
-  Eigen::Matrix<double, 6, 6> constraint = Eigen::Matrix<double, 6, 6>::Zero();
+  const Eigen::MatrixXd scatter = design.transpose() * design;
+  Eigen::MatrixXd constraint = Eigen::MatrixXd::Zero(6, 6);
   constraint(0, 2) = constraint(2, 0) = 2;
   constraint(1, 1) = -1;
-  const Eigen::EigenSolver<Eigen::Matrix<double, 6, 6>> solver(scatter.inverse() * constraint);
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(scatter.inverse() * constraint);
   Eigen::Index best = 0;
   solver.eigenvalues().real().maxCoeff(&best);
   return solver.eigenvectors().col(best).real();
