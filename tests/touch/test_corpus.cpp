@@ -1,6 +1,7 @@
 // The meshes that come with CGAL's demos: good, bad and broken ones. Each is touched right or refused with a reason.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>

@@ -1,6 +1,7 @@
 // draw_two_fingers OUT.png: how two fingertips are followed that cross (left) and that meet and turn back (right):
 // their place along x downwards in time, one colour for each id, large dots where both are one cluster. For
 // docs/touch.md.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
