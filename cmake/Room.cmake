@@ -36,6 +36,14 @@ function(palpa_room NAME)
   set_property(GLOBAL APPEND PROPERTY PALPA_ROOMS ${target})
 endfunction()
 
+# palpa_test_library(NAME SOURCES ... [LINKS ...]): what several tests use, compiled once for them.
+function(palpa_test_library NAME)
+  cmake_parse_arguments(TEST "" "" "SOURCES;LINKS" ${ARGN})
+  add_library(${NAME} STATIC ${TEST_SOURCES})
+  target_link_libraries(${NAME} PUBLIC ${TEST_LINKS} palpa_test_support GTest::gtest PRIVATE palpa_options)
+  target_precompile_headers(${NAME} REUSE_FROM palpa_test_headers)
+endfunction()
+
 # palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...]): one GoogleTest executable per topic, one ctest entry. A test may
 # include the embedded SPIR-V ("spirv/name.comp.hpp") of any room it links.
 function(palpa_test NAME)
