@@ -44,14 +44,18 @@ function(palpa_test_library NAME)
   target_precompile_headers(${NAME} REUSE_FROM palpa_test_headers)
 endfunction()
 
-# palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...]): one GoogleTest executable per topic, one ctest entry. A test may
-# include the embedded SPIR-V ("spirv/name.comp.hpp") of any room it links.
+# palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...] [COST SECONDS]): one GoogleTest executable per topic, one ctest entry. A
+# test may include the embedded SPIR-V ("spirv/name.comp.hpp") of any room it links. COST is for the long ones, by about how many
+# seconds: ctest, which learns it from a first run, starts them first.
 function(palpa_test NAME)
-  cmake_parse_arguments(TEST "" "" "SOURCES;LINKS;LABELS" ${ARGN})
+  cmake_parse_arguments(TEST "" "COST" "SOURCES;LINKS;LABELS" ${ARGN})
   add_executable(${NAME} ${TEST_SOURCES})
   target_link_libraries(${NAME} PRIVATE ${TEST_LINKS} palpa_test_support GTest::gtest palpa_options)
   target_include_directories(${NAME} PRIVATE ${PROJECT_BINARY_DIR})
   target_precompile_headers(${NAME} REUSE_FROM palpa_test_headers)
   add_test(NAME ${NAME} COMMAND ${NAME})
   set_tests_properties(${NAME} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT 600)
+  if(TEST_COST)
+    set_tests_properties(${NAME} PROPERTIES COST ${TEST_COST})
+  endif()
 endfunction()

@@ -24,5 +24,12 @@ if [[ $preset == tsan ]] && setarch --addr-no-randomize true 2>/dev/null; then
   run=(setarch --addr-no-randomize)
 fi
 
+# What the release build's tests took is a good guess of which are long here, so that no long one starts last.
+costs=Testing/Temporary/CTestCostData.txt
+if [[ -f build/release/$costs && ! -f build/$preset/$costs ]]; then
+  mkdir -p "build/$preset/${costs%/*}"
+  cp "build/release/$costs" "build/$preset/$costs"
+fi
+
 exec "${run[@]}" ctest --test-dir "build/$preset" --output-on-failure --no-tests=error \
   --parallel "${PALPA_JOBS:-$(nproc)}" "$@"
