@@ -54,8 +54,7 @@ void parse_and_run(int argc, char** argv) {
   setup::apply_logging(options.common);
   check(options);
   if (options.headless) {
-    Show show(options);
-    run_headless(options, show);
+    run_headless(options);
   } else {
     run_window(options);
   }

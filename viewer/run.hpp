@@ -8,7 +8,7 @@ namespace palpa::viewer {
 
 /// Draws --frames pictures, a slot each; writes and compares the last. Throws failure() where it differs from the
 /// reference by more than the threshold.
-void run_headless(const Options& options, Show& show);
+void run_headless(const Options& options);
 
 /// Opens a window and shows until it is closed or --frames have been drawn. The running focus moves on in slow motion,
 /// a slot every quarter of a second; with --frames, with every frame.

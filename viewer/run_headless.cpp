@@ -34,7 +34,10 @@ double compare(const Options& options, const Pixels& pixels) {
 
 }  // namespace
 
-void run_headless(const Options& options, Show& show) {
+void run_headless(const Options& options) {
+  const Outputs outputs({{"--json", options.common.json}, {"--screenshot", options.screenshot}});
+  refuse_output_as_input(std::filesystem::path(options.reference));
+  Show show(options);
   const gpu::Device device(setup::device_options(options.common));
   const Size size = picture_size(options);
   const double ratio = options.pixel_ratio.value_or(1);
@@ -68,7 +71,7 @@ void run_headless(const Options& options, Show& show) {
     throw failure(fmt::format("the picture differs from {} by {:.4f} on average, more than {}", options.reference,
                               *difference, threshold));
   }
-  if (options.common.json != "-" && !options.common.quiet) {
+  if (setup::shows_summary(options.common, outputs)) {
     write_file(
         "-", fmt::format("{} frame{} of {}x{} pixels, {:.1f} ms each{}{}\n", frames, frames == 1 ? "" : "s",
                          pixels.width, pixels.height, frame_ms,

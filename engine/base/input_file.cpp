@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/outputs.hpp"
 
 namespace palpa {
 namespace {
@@ -31,6 +32,14 @@ InputFile::InputFile(const std::filesystem::path& path, std::uint64_t most_bytes
   struct stat status {};
   const bool known = ::fstat(descriptor_, &status) == 0;
   size_ = known ? static_cast<std::uint64_t>(status.st_size) : 0;
+  if (known && S_ISREG(status.st_mode)) {
+    try {
+      refuse_output_as_input({status.st_dev, status.st_ino}, name_);
+    } catch (const Error&) {
+      ::close(descriptor_);
+      throw;
+    }
+  }
   std::string fault;
   if (!known) {
     fault = "cannot be examined: " + reason(errno);

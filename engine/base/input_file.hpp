@@ -16,8 +16,8 @@ class InputFile {
  public:
   static constexpr std::uint64_t any_size = std::numeric_limits<std::uint64_t>::max();
 
-  /// Throws bad_input: missing, unreadable, not a regular file, empty, of more than `most_bytes`. Never blocks (a FIFO
-  /// is refused without waiting).
+  /// Throws bad_input: missing, unreadable, not a regular file, empty, of more than `most_bytes`; bad_usage for one
+  /// that is to be written (see Outputs). Never blocks (a FIFO is refused without waiting).
   explicit InputFile(const std::filesystem::path& path, std::uint64_t most_bytes = any_size);
   ~InputFile();
   InputFile(InputFile&& other) noexcept;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "base/text.hpp"
+
 namespace palpa {
 
 void JsonWriter::separate() {
@@ -133,34 +135,6 @@ void JsonWriter::clear() {
   levels_.clear();
   after_key_ = false;
 }
-
-namespace {
-
-/// Length of the well-formed UTF-8 sequence at the front of `text`, 0 if there is none.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  const std::size_t length = first < 0x80                    ? 1
-                             : first >= 0xc2 && first < 0xe0 ? 2
-                             : (first & 0xf0) == 0xe0        ? 3
-                             : first >= 0xf0 && first < 0xf5 ? 4
-                                                             : 0;
-  if (length == 0 || length > text.size()) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xc0) != 0x80) return 0;
-  }
-  if (length == 3) {
-    const unsigned code = (first & 0x0fu) << 12 | (byte(1) & 0x3fu) << 6 | (byte(2) & 0x3fu);
-    if (code < 0x800 || (code >= 0xd800 && code < 0xe000)) return 0;
-  }
-  if (length == 4) {
-    const unsigned code = (first & 0x07u) << 18 | (byte(1) & 0x3fu) << 12;
-    if (code < 0x10000 || code > 0x10ffff) return 0;
-  }
-  return length;
-}
-
-}  // namespace
 
 void JsonWriter::quote(std::string_view text) {
   text_ += '"';

@@ -4,10 +4,11 @@
 
 #include <array>
 #include <atomic>
+#include <cstdint>
 #include <cstdio>
 #include <mutex>
 #include <string>
-#include <utility>
+#include <unordered_map>
 #include <vector>
 
 #include "base/text.hpp"
@@ -18,41 +19,73 @@ namespace {
 std::atomic<Level> threshold{Level::warning};
 constexpr std::array<std::string_view, 5> names{"quiet", "error", "warning", "info", "debug"};
 
-/// A hostile file may cause any number of warnings.
-constexpr std::size_t most_held = 1000;
-
-struct Held {
-  std::mutex mutex;
-  bool holding = false;
-  std::vector<std::string> lines;
-};
-Held& held() {
-  static Held instance;
-  return instance;
-}
-
-/// Whether `line` was kept.
-bool keep(std::string_view line) {
-  Held& h = held();
-  const std::lock_guard lock(h.mutex);
-  if (h.holding && h.lines.size() < most_held) h.lines.emplace_back(line);
-  return h.holding;
-}
-
-std::vector<std::string> end_holding() {
-  Held& h = held();
-  const std::lock_guard lock(h.mutex);
-  h.holding = false;
-  return std::exchange(h.lines, {});
-}
+/// Of a whole line.
+constexpr std::size_t longest_line = 500;
 
 void write(Level at, std::string_view line) {
   if (at > threshold.load(std::memory_order_relaxed)) return;
-  // One fwrite per line keeps lines of several threads apart.
-  // Names from files may hold anything; an event stays one line.
-  const std::string text =
-      fmt::format("palpa: {}: {}\n", names[static_cast<std::size_t>(at)], printable(line, std::string_view::npos, ' '));
-  std::fwrite(text.data(), 1, text.size(), stderr);
+  // Names from files may hold anything; an event stays one line. One fwrite per line keeps lines of several threads
+  // apart.
+  const std::string text = fmt::format("palpa: {}: {}", names[static_cast<std::size_t>(at)], one_line(line));
+  const std::string whole = shortened(text, longest_line) + '\n';
+  std::fwrite(whole.data(), 1, whole.size(), stderr);
+}
+
+/// A hostile file may cause any number of different warnings.
+constexpr std::size_t most_kept = 1000;
+
+/// The warnings of one run of a program.
+struct Warnings {
+  struct Line {
+    std::string text;
+    std::uint64_t times = 0, told = 0;
+  };
+  std::mutex mutex;
+  bool holding = false, counting = false;
+  std::vector<Line> lines;
+  std::unordered_map<std::string, std::size_t> index;  ///< of lines, by their text
+};
+Warnings& warnings() {
+  static Warnings instance;
+  return instance;
+}
+
+/// Counts `line`; whether it is to be written at once.
+bool count(std::string_view line) {
+  Warnings& w = warnings();
+  const std::lock_guard lock(w.mutex);
+  if (!w.counting) return true;
+  const auto found = w.index.find(std::string(line));
+  if (found != w.index.end()) {
+    ++w.lines[found->second].times;
+    return false;
+  }
+  if (w.lines.size() == most_kept) return false;
+  w.index.emplace(line, w.lines.size());
+  w.lines.push_back({std::string(line), 1, w.holding ? 0u : 1u});
+  return !w.holding;
+}
+
+/// What has not been told yet, and is told from now on.
+std::vector<std::string> untold() {
+  Warnings& w = warnings();
+  const std::lock_guard lock(w.mutex);
+  w.holding = false;
+  std::vector<std::string> texts;
+  for (Warnings::Line& line : w.lines) {
+    if (line.told == line.times) continue;
+    line.told = line.times;
+    texts.push_back(line.times == 1 ? line.text : fmt::format("{} ({} times)", line.text, line.times));
+  }
+  return texts;
+}
+
+void start_counting(bool holding) {
+  Warnings& w = warnings();
+  const std::lock_guard lock(w.mutex);
+  w.holding = w.counting = holding;
+  w.lines.clear();
+  w.index.clear();
 }
 
 }  // namespace
@@ -75,7 +108,7 @@ void error(std::string_view line) {
   write(Level::error, line);
 }
 void warning(std::string_view line) {
-  if (!keep(line)) write(Level::warning, line);
+  if (count(line)) write(Level::warning, line);
 }
 void info(std::string_view line) {
   write(Level::info, line);
@@ -85,18 +118,16 @@ void debug(std::string_view line) {
 }
 
 void hold_warnings() {
-  Held& h = held();
-  const std::lock_guard lock(h.mutex);
-  h.holding = true;
+  start_counting(true);
 }
 
 void release_warnings() {
-  for (const std::string& line : end_holding())
+  for (const std::string& line : untold())
     write(Level::warning, line);
 }
 
 void drop_warnings() {
-  end_holding();
+  start_counting(false);
 }
 
 }  // namespace palpa::log

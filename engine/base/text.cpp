@@ -1,22 +1,100 @@
 #include "base/text.hpp"
 
-namespace palpa {
+#include <fmt/format.h>
 
-std::string printable(std::string_view text, std::size_t most, char instead) {
-  std::size_t length = text.size() < most ? text.size() : most;
-  while (length < text.size() && length > 0 && (static_cast<unsigned char>(text[length]) & 0xc0) == 0x80)
-    --length;
-  std::string shown(text.substr(0, length));
-  for (char& c : shown) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = instead;
+namespace palpa {
+namespace {
+
+/// Of a well-formed UTF-8 character.
+unsigned code_point(std::string_view character) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
+  if (character.size() == 1) return byte(0);
+  unsigned code = byte(0) & (0x7fu >> character.size());
+  for (std::size_t i = 1; i < character.size(); ++i)
+    code = code << 6 | (byte(i) & 0x3fu);
+  return code;
+}
+
+/// Controls, line and paragraph separators, what turns the direction of writing, the mark of byte order.
+bool is_unseen(unsigned code) {
+  return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x200e || code == 0x200f ||
+         (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069) || code == 0xfeff;
+}
+
+std::string escape(unsigned code) {
+  if (code == '\n') return "\\n";
+  if (code == '\r') return "\\r";
+  if (code == '\t') return "\\t";
+  return code < 0x80 ? fmt::format("\\x{:02x}", code) : fmt::format("\\u{:04x}", code);
+}
+
+/// Where a character begins, at or before that byte.
+std::size_t character_before(std::string_view text, std::size_t at) {
+  while (at > 0 && at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80)
+    --at;
+  return at;
+}
+
+}  // namespace
+
+std::size_t utf8_length(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(0);
+  const std::size_t length = first < 0x80                    ? 1
+                             : first >= 0xc2 && first < 0xe0 ? 2
+                             : (first & 0xf0) == 0xe0        ? 3
+                             : first >= 0xf0 && first < 0xf5 ? 4
+                                                             : 0;
+  if (length == 0 || length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xc0) != 0x80) return 0;
   }
-  if (length < text.size()) shown += "...";
+  if (length == 3) {
+    const unsigned code = (first & 0x0fu) << 12 | (byte(1) & 0x3fu) << 6 | (byte(2) & 0x3fu);
+    if (code < 0x800 || (code >= 0xd800 && code < 0xe000)) return 0;
+  }
+  if (length == 4) {
+    const unsigned code = (first & 0x07u) << 18 | (byte(1) & 0x3fu) << 12;
+    if (code < 0x10000 || code > 0x10ffff) return 0;
+  }
+  return length;
+}
+
+std::string printable(std::string_view text, std::size_t most) {
+  std::string shown;
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    std::string piece(text.substr(0, length));
+    if (length == 0) {
+      piece = fmt::format("\\x{:02x}", static_cast<unsigned char>(text.front()));
+    } else if (const unsigned code = code_point(piece); is_unseen(code)) {
+      piece = escape(code);
+    }
+    if (shown.size() + piece.size() > most) return shown + "...";
+    shown += piece;
+    text.remove_prefix(length == 0 ? 1 : length);
+  }
   return shown;
 }
 
 std::string one_line(std::string_view message, std::size_t most) {
   const std::size_t last = message.find_last_not_of(" .\t\r\n");
-  return printable(message.substr(0, last == std::string_view::npos ? 0 : last + 1), most, ' ');
+  std::string line(message.substr(0, last == std::string_view::npos ? 0 : last + 1));
+  for (char& c : line) {
+    if (c == '\n' || c == '\r' || c == '\t') c = ' ';
+  }
+  return printable(line, most);
+}
+
+std::string shortened(const std::string& text, std::size_t most) {
+  constexpr std::string_view gap = "...";
+  if (text.size() <= most) return text;
+  const std::size_t tail = (most - gap.size()) / 3;
+  std::size_t from = text.size() - tail;
+  while (from < text.size() && (static_cast<unsigned char>(text[from]) & 0xc0) == 0x80)
+    ++from;
+  const std::size_t head = character_before(text, most - gap.size() - tail);
+  return text.substr(0, head).append(gap).append(text, from);
 }
 
 }  // namespace palpa

@@ -79,7 +79,7 @@ std::string table(const std::vector<bench::Row>& rows, const gpu::DeviceDescript
 }
 
 void run(const BenchCommand& o) {
-  setup::refuse_two_on_stdout(o.common.json, o.csv);
+  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   if (o.common.backend == setup::Backend::cpu)
     throw bad_usage("bench measures the GPU's passes; --backend cpu has none");
   const gpu::Device device(setup::device_options(o.common));
@@ -110,7 +110,7 @@ void run(const BenchCommand& o) {
   const std::uint64_t resident = bench::peak_resident_bytes();
   if (!o.csv.empty()) write_file(o.csv, to_csv(rows, device.description()));
   if (!o.common.json.empty()) write_file(o.common.json, to_json(rows, device.description(), resident));
-  if (setup::shows_summary(o.common, o.csv)) {
+  if (setup::shows_summary(o.common, outputs)) {
     write_file("-", table(rows, device.description(), resident));
   }
 }

@@ -1,5 +1,4 @@
 #include "geometry/decompose.hpp"
-#include "base/output_file.hpp"
 
 #include <fmt/format.h>
 
@@ -14,6 +13,7 @@
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/log.hpp"
+#include "base/output_file.hpp"
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
 #include "geometry/gltf.hpp"
@@ -40,7 +40,7 @@ void add_options(CLI::App& app, DecomposeCommand& o) {
   const setup::Group group(app, "What to take apart");
   group.text("--scene", o.scene, "FILE", "glTF model; each of its meshes that can be touched becomes parts");
   group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000, "scene of the file (default: the file's own)");
-  group.text("--out", o.out, "FILE.glb", "the parts as glTF, which touch, run and palpa-viewer read as --scene");
+  group.text("--out", o.out, "FILE.glb|-", "the parts as glTF, which touch, run and palpa-viewer read as --scene");
   const setup::Group how(app, "How");
   how.integer("--parts", o.decompose.parts, 1, geometry::most_parts, "convex parts per solid, at most");
   how.count("--resolution", o.decompose.resolution, geometry::least_voxels, geometry::most_voxels,
@@ -170,12 +170,13 @@ void run(const DecomposeCommand& given) {
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model");
   if (o.out.empty()) throw bad_usage("--out is missing: give a file such as parts.glb");
   o.decompose.error_percent = o.error_percent.value_or(o.decompose.error_percent);
+  const Outputs outputs({{"--json", o.common.json}, {"--out", o.out}});
   const std::vector<geometry::Solid> solids = load_solids_to_decompose(o);
   log::release_warnings();
   const std::vector<Taken> all = take_apart(o, solids);
   write_parts(o, all);
   if (!o.common.json.empty()) write_file(o.common.json, to_json(o, all));
-  if (setup::shows_summary(o.common)) write_file("-", summary(o, all));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(o, all));
 }
 
 }  // namespace

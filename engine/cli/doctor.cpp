@@ -100,13 +100,14 @@ std::string to_json(const std::vector<DoctorSection>& sections, bool ok) {
 }
 
 void run_doctor(const DoctorOptions& options, const std::vector<DoctorProbe>& probes) {
+  const Outputs outputs({{"--json", options.common.json}});
   std::vector<DoctorSection> sections{look_at_gpus(), look_at_validation()};
   for (const DoctorProbe& probe : probes)
     sections.push_back(probe());
   const bool ok = usable_gpu(sections.front());
 
   if (!options.common.json.empty()) write_file(options.common.json, to_json(sections, ok));
-  if (options.common.json != "-" && !options.common.quiet) {
+  if (setup::shows_summary(options.common, outputs)) {
     std::string text;
     for (const DoctorSection& section : sections)
       append_text(text, section);

@@ -158,7 +158,7 @@ void run(const DriveCommand& o) {
     throw bad_usage("--layout is missing: give autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
   if (o.foci.empty())
     throw bad_usage("--focus is missing: give a point x,y,z in the layout's frame, such as 0,0,150mm");
-  setup::refuse_two_on_stdout(o.common.json, o.csv);
+  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   const array::DriveOptions options = setup::drive_options(o.drive);
   const array::Layout layout = array::load_layout(o.layout);
   const std::vector<array::SlotFocus> foci = read_foci(o, layout);
@@ -171,7 +171,7 @@ void run(const DriveCommand& o) {
 
   if (!o.csv.empty()) write_file(o.csv, to_csv(layout, drive));
   if (!o.common.json.empty()) write_file(o.common.json, to_json(layout, foci, options.medium, drive, pressure));
-  if (setup::shows_summary(o.common, o.csv)) {
+  if (setup::shows_summary(o.common, outputs)) {
     write_file("-", summary(layout, foci, options.medium, drive, pressure));
   }
 }

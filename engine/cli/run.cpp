@@ -98,11 +98,14 @@ std::string summary(const session::LoopStats& stats) {
       stats.output.skipped_slots);
 }
 
-void refuse_two_on_stdout(const RunCommand& o) {
-  const bool stats = o.common.json == "-" || o.stats == StatsFormat::json;
-  if (o.events == "-" && stats) {
-    throw bad_usage("--events - and what the loop measured would mix on stdout: give --events or --json a file");
-  }
+/// All that is written; --stats and --json are the same where both go to stdout.
+std::vector<Output> outputs_of(const RunCommand& o, std::span<const session::LinkKind> links) {
+  const bool stats = o.stats == StatsFormat::json && o.common.json != "-";
+  return {{"--json", o.common.json},
+          {"--stats", stats ? "-" : ""},
+          {"--events", o.events.starts_with("udp:") ? "" : o.events},
+          {"--link", session::file_of_link(o.link, links)},
+          {"--record", o.record, Output::Kind::folder}};
 }
 
 void refuse_what_goes_unused(const RunCommand& o) {
@@ -111,11 +114,11 @@ void refuse_what_goes_unused(const RunCommand& o) {
   }
 }
 
-void report(const RunCommand& o, const session::LoopStats& stats) {
+void report(const RunCommand& o, const Outputs& outputs, const session::LoopStats& stats) {
   if (!o.common.json.empty()) write_file(o.common.json, session::to_json(stats));
   if (o.stats == StatsFormat::json) {
     if (o.common.json != "-") write_file("-", session::to_json(stats));
-  } else if (setup::shows_summary(o.common, o.events)) {
+  } else if (setup::shows_summary(o.common, outputs)) {
     write_file("-", summary(stats));
   }
 }
@@ -163,8 +166,10 @@ class Events {
 void run(const Extensions& extensions, const RunCommand& o) {
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
   check(o.touch);
-  refuse_two_on_stdout(o);
   refuse_what_goes_unused(o);
+  std::vector<session::LinkKind> links = session::builtin_links();
+  links.insert(links.end(), extensions.links.begin(), extensions.links.end());
+  const Outputs outputs(outputs_of(o, links));
   const std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids, o.common.quiet);
   const array::VoiceOptions voice = setup::voice_options(o.touch);
   session::check_overrides(o.scene, solids, o.touch.parameters, voice);
@@ -203,8 +208,6 @@ void run(const Extensions& extensions, const RunCommand& o) {
   const std::unique_ptr<session::Chain> chain =
       device ? session::make_gpu_chain(*device, setting) : session::make_cpu_chain(setting);
 
-  std::vector<session::LinkKind> links = session::builtin_links();
-  links.insert(links.end(), extensions.links.begin(), extensions.links.end());
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, {set_up.layout, names, setting.slot_s});
 
   // Last of all: a typing error elsewhere must not leave an empty recording behind.
@@ -245,7 +248,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
                              out_of_order, stats.captured));
     stats.unrecorded += out_of_order;
   }
-  report(o, stats);
+  report(o, outputs, stats);
 }
 
 }  // namespace

@@ -216,7 +216,7 @@ void run(const TouchCommand& o) {
   check(o.input);
   check(o.touch);
   check(o.felt, o.touch);
-  setup::refuse_two_on_stdout(o.common.json, o.csv);
+  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   setup::Stopwatch whole, watch;
   setup::StageTimes times;
   const setup::TouchInput input = setup::load_touch_input(o.input, o.common.quiet);
@@ -237,7 +237,7 @@ void run(const TouchCommand& o) {
   const TouchReport report{input, touch, o.touch, schedules, spectra, whole.lap_ms(), times};
   if (!o.csv.empty()) write_file(o.csv, to_csv(report));
   if (!o.common.json.empty()) write_file(o.common.json, to_json(report));
-  if (setup::shows_summary(o.common, o.csv)) write_file("-", summary(report));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(report));
 }
 
 }  // namespace

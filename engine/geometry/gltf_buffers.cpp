@@ -67,6 +67,7 @@ std::vector<unsigned char> load_buffer(const InputFile& file, const std::optiona
     bytes.resize(source.length);
     beside.read_at(0, bytes);
   } catch (const Error& e) {
+    if (e.code() != Exit::bad_input) throw;
     // The model is what the user named; the part's fault follows.
     const std::string_view line = e.what();
     if (line.starts_with(file.name() + ": buffer")) throw;

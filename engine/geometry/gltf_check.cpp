@@ -8,6 +8,8 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/outputs.hpp"
+#include "geometry/gltf_buffers.hpp"
 #include "geometry/gltf_data.hpp"
 #include "geometry/gltf_extras.hpp"
 #include "geometry/gltf_json.hpp"
@@ -44,7 +46,7 @@ bool may_be_required(std::string_view extension) {
 class Checker {
  public:
   Checker(const std::string& file, const Parsed& parsed, const Container& container)
-      : file_(file), root_(file, parsed.json(), "the document"), data_(root_, parsed, container) {}
+      : file_(file), parsed_(parsed), root_(file, parsed.json(), "the document"), data_(root_, parsed, container) {}
 
   Document run(std::optional<int> scene_index) {
     check_root();
@@ -207,7 +209,7 @@ class Checker {
     haptics_[n] = inherit(node, extras, parent_[n] == Document::no_parent ? Haptics{} : haptics_[parent_[n]]);
     if (extras.part_of) parts_[n] = PartOf{*extras.part_of, parent_[n], extras.seam_m.value_or(0)};
     Json& clean = clean_["nodes"][n];
-    if (const auto name = node.string("name")) clean["name"] = *name;
+    if (const auto name = node.string("name")) clean["name"] = parsed_.whole_name(*name);
     if (!children_[n].empty()) clean["children"] = children_[n];
     const auto mesh = node.index("mesh", "mesh", mesh_checked_.size());
     if (!mesh) return false;
@@ -285,7 +287,7 @@ class Checker {
     const std::size_t targets = first_targets == nullptr ? 0 : first_targets->size();
     if (mesh_checked_[m]) return targets;
     mesh_checked_[m] = 1;
-    if (const auto name = mesh.string("name")) clean["name"] = *name;
+    if (const auto name = mesh.string("name")) clean["name"] = parsed_.whole_name(*name);
     if (has_palpa_extras(mesh)) {
       log::warning(fmt::format(
           "{}: {}: palpa reads the extras of nodes (Blender: the object's custom properties), not those of meshes",
@@ -417,6 +419,7 @@ class Checker {
   }
 
   const std::string& file_;
+  const Parsed& parsed_;
   Item root_;
   Json clean_;
   DataChecker data_;
@@ -430,10 +433,23 @@ class Checker {
   std::vector<char> is_root_, transform_checked_, mesh_checked_, skin_checked_;
 };
 
+/// What a model refers to belongs to it, whether palpa reads it or not.
+void refuse_outputs_in(const std::filesystem::path& file, const Json& document) {
+  for (const char* key : {"buffers", "images"}) {
+    if (!document.is_object() || !document.contains(key) || !document[key].is_array()) continue;
+    for (const Json& item : document[key]) {
+      if (!item.is_object() || !item.contains("uri") || !item["uri"].is_string()) continue;
+      const auto uri = decode_percent(item["uri"].get<std::string>());
+      if (uri && !uri->starts_with("data:")) refuse_output_as_input(file.parent_path() / *uri);
+    }
+  }
+}
+
 }  // namespace
 
 Document check_document(const std::string& file, const Container& container, std::optional<int> scene_index) {
   const Parsed parsed(file, container.json);
+  refuse_outputs_in(file, parsed.json());
   return Checker(file, parsed, container).run(scene_index);
 }
 

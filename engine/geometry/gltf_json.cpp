@@ -85,15 +85,28 @@ Parsed::Parsed(const std::string& file, const std::string& text) {
   }
 }
 
-std::string Parsed::whole(const std::string& value) const {
-  if (!value.starts_with(long_string_mark)) return value;
+std::optional<std::string_view> Parsed::long_string(const std::string& value) const {
+  if (!value.starts_with(long_string_mark)) return std::nullopt;
   std::size_t index = 0;
   const char* first = value.data() + long_string_mark.size();
   const char* last = value.data() + value.size();
   const auto [rest, fault] = std::from_chars(first, last, index);
-  if (fault != std::errc{} || rest != last || index >= long_strings_.size()) return value;
+  if (fault != std::errc{} || rest != last || index >= long_strings_.size()) return std::nullopt;
+  return long_strings_[index];
+}
+
+std::string Parsed::whole_name(const std::string& value) const {
+  const auto raw = long_string(value);
+  if (!raw) return value;
+  const Json text = Json::parse(fmt::format("\"{}\"", *raw), nullptr, false);
+  return text.is_string() ? text.get<std::string>() : value;
+}
+
+std::string Parsed::whole(const std::string& value) const {
+  const auto long_one = long_string(value);
+  if (!long_one) return value;
   // "\/" is the one escape that some writers put into base64.
-  const std::string_view raw = long_strings_[index];
+  const std::string_view raw = *long_one;
   std::string text;
   text.reserve(raw.size());
   std::size_t copied = 0;

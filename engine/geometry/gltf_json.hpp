@@ -25,8 +25,12 @@ class Parsed {
   const Json& json() const { return json_; }
   /// The string itself, if `value` stands for a long one.
   std::string whole(const std::string& value) const;
+  /// The same for a name, whose escapes are resolved.
+  std::string whole_name(const std::string& value) const;
 
  private:
+  std::optional<std::string_view> long_string(const std::string& value) const;
+
   Json json_;
   std::vector<std::string_view> long_strings_;  // into the text
 };

@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/outputs.hpp"
 #include "sensing/png16.hpp"
 #include "sensing/rig_toml.hpp"
 
@@ -109,6 +110,7 @@ bool is_file(const std::filesystem::path& file) {
 void add_files(Recording::Entry& entry, const std::filesystem::path& folder, const std::string& name) {
   entry.files.push_back(folder / name);
   if (!is_file(entry.files.back())) throw bad_input(entry.files.back().string(), "no such image");
+  refuse_output_as_input(entry.files.back());
 }
 
 /// Entries from `files`: one pattern per camera.

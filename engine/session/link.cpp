@@ -23,13 +23,18 @@ std::vector<LinkKind> builtin_links() {
              if (!argument.empty()) throw bad_usage("link null takes no argument, not '" + argument + "'");
              return std::make_unique<NullLink>();
            }},
-          {"record", "record:FILE: every drive into a file", open_record_link},
+          {"record", "record:FILE: every drive into a file", open_record_link, true},
           {"foci", "foci:udp:HOST:PORT: one JSON line per frame with the foci", open_foci_link}};
 }
 
 std::unique_ptr<Link> open_link(const std::string& spec, std::span<const LinkKind> kinds, const LinkSetting& setting) {
   const auto [name, argument] = parse_spec(spec);
   return find_kind(kinds, name, "link").open(argument, setting);
+}
+
+std::string file_of_link(const std::string& spec, std::span<const LinkKind> kinds) {
+  const auto [name, argument] = parse_spec(spec);
+  return find_kind(kinds, name, "link").writes_file ? argument : std::string();
 }
 
 }  // namespace palpa::session

@@ -64,6 +64,7 @@ struct LinkKind {
   std::string name;
   std::string help;  ///< "record:FILE  every drive into a file"
   std::function<std::unique_ptr<Link>(const std::string& argument, const LinkSetting&)> open;
+  bool writes_file = false;  ///< the argument is the name of a file that it writes
 };
 
 /// `null`, `record`, `foci`.
@@ -71,5 +72,8 @@ std::vector<LinkKind> builtin_links();
 
 /// Opens "name" or "name:argument". Throws bad_usage with the known names for an unknown one.
 std::unique_ptr<Link> open_link(const std::string& spec, std::span<const LinkKind> kinds, const LinkSetting& setting);
+
+/// The file that such a link would write; "" where it writes none.
+std::string file_of_link(const std::string& spec, std::span<const LinkKind> kinds);
 
 }  // namespace palpa::session

@@ -38,12 +38,8 @@ void apply_logging(const CommonOptions& options) {
   if (log::level() <= log::Level::warning) log::hold_warnings();
 }
 
-bool shows_summary(const CommonOptions& options, const std::string& csv) {
-  return !options.quiet && options.json != "-" && csv != "-";
-}
-
-void refuse_two_on_stdout(const std::string& json, const std::string& csv) {
-  if (json == "-" && csv == "-") throw bad_usage("--json - and --csv - would mix on stdout: give one of them a file");
+bool shows_summary(const CommonOptions& options, const Outputs& outputs) {
+  return !options.quiet && !outputs.on_stdout();
 }
 
 gpu::DeviceOptions device_options(const CommonOptions& options) {

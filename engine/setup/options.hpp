@@ -11,6 +11,7 @@
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/log.hpp"
+#include "base/outputs.hpp"
 #include "geometry/solid.hpp"
 #include "gpu/device.hpp"
 #include "touch/method.hpp"
@@ -40,11 +41,8 @@ void add_common(CLI::App& app, CommonOptions& options);
 /// its input is read.
 void apply_logging(const CommonOptions& options);
 gpu::DeviceOptions device_options(const CommonOptions& options);
-/// Whether a command ends with a summary for people on stdout: unless --quiet, or JSON or CSV go there.
-bool shows_summary(const CommonOptions& options, const std::string& csv = {});
-
-/// Throws bad_usage where both of these files are "-": their texts would run into each other.
-void refuse_two_on_stdout(const std::string& json, const std::string& csv);
+/// Whether a command ends with a summary for people on stdout: unless --quiet, or an output goes there.
+bool shows_summary(const CommonOptions& options, const Outputs& outputs);
 
 /// What counts as a solid's surface.
 struct SolidOptions {

@@ -42,7 +42,7 @@ TEST(Log, EachLevelIncludesThoseBefore) {
 TEST(Log, AnEventIsOneLineWhateverItHolds) {
   testing::internal::CaptureStderr();
   log::error("a\nb\x1b[2Jc\td");
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "palpa: error: a b [2Jc d\n");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "palpa: error: a b\\x1b[2Jc d\n");
 }
 
 TEST(Log, WarningsAreTheDefault) {
@@ -93,6 +93,34 @@ TEST(Log, HeldWarningsAreWrittenOnReleaseAndForgottenOnDrop) {
   log::drop_warnings();
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
             "palpa: error: not held\npalpa: warning: first\npalpa: warning: second\npalpa: warning: third\n");
+}
+
+TEST(Log, TheSameWarningIsToldOnceWithACount) {
+  log::set_level(log::Level::warning);
+  testing::internal::CaptureStderr();
+  log::hold_warnings();
+  for (int i = 0; i < 41; ++i)
+    log::warning("often");
+  log::warning("once");
+  log::release_warnings();
+  for (int i = 0; i < 3; ++i)
+    log::warning("later");
+  log::warning("once");
+  log::release_warnings();
+  log::release_warnings();
+  log::drop_warnings();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "palpa: warning: often (41 times)\npalpa: warning: once\npalpa: warning: later\n"
+            "palpa: warning: once (2 times)\npalpa: warning: later (3 times)\n");
+}
+
+TEST(Log, LinesHaveAtMost500Bytes) {
+  testing::internal::CaptureStderr();
+  log::error("file " + std::string(5000, '\xff') + " is wrong: give another");
+  const std::string line = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(line.size(), 501u);
+  EXPECT_TRUE(line.starts_with("palpa: error: file \\xff\\xff")) << line;
+  EXPECT_TRUE(line.ends_with("\\xff is wrong: give another\n")) << line;
 }
 
 }  // namespace

@@ -9,11 +9,29 @@ namespace {
 
 using namespace std::string_literals;
 
-TEST(Text, ControlCharactersAreReplaced) {
+TEST(Text, WhatCannotBeSeenIsEscaped) {
   EXPECT_EQ(printable("plain, \xc3\xa9"), "plain, \xc3\xa9");
-  EXPECT_EQ(printable("\0\t\n\r\x1b[31m\x7f"s), "?????[31m?");
-  EXPECT_EQ(printable("a\nb", 10, ' '), "a b");
+  EXPECT_EQ(printable("\0\t\n\r\x1b[31m\x7f"s), "\\x00\\t\\n\\r\\x1b[31m\\x7f");
+  EXPECT_EQ(printable("a\xff\xc3"), "a\\xff\\xc3");
+  EXPECT_EQ(printable("\xc2\x9b|\xe2\x80\xae|\xe2\x81\xa6|\xef\xbb\xbf"), "\\u009b|\\u202e|\\u2066|\\ufeff");
+  EXPECT_EQ(printable("\xf0\x9f\x91\x86"), "\xf0\x9f\x91\x86");
   EXPECT_EQ(printable(""), "");
+}
+
+TEST(Text, LongLinesLoseTheirMiddle) {
+  EXPECT_EQ(shortened("123456789", 9), "123456789");
+  EXPECT_EQ(shortened("1234567890ab", 9), "1234...ab");
+  const std::string long_one = shortened("begin " + std::string(1000, 'x') + " end", 500);
+  EXPECT_EQ(long_one.size(), 500u);
+  EXPECT_TRUE(long_one.starts_with("begin xxx") && long_one.ends_with("xxx end")) << long_one;
+  std::string accents;
+  for (int i = 0; i < 300; ++i)
+    accents += "\xc3\xa9";
+  for (std::size_t most = 100; most < 110; ++most) {
+    const std::string cut = shortened(accents, most);
+    EXPECT_LE(cut.size(), most);
+    EXPECT_EQ(printable(cut), cut) << "a character was cut in two";
+  }
 }
 
 TEST(Text, LongTextsAreCutBetweenCharacters) {
@@ -21,7 +39,7 @@ TEST(Text, LongTextsAreCutBetweenCharacters) {
   EXPECT_EQ(printable("123456", 5), "12345...");
   EXPECT_EQ(printable("1234\xc3\xa9", 5), "1234...");  // the character has two bytes, the second is the sixth
   EXPECT_EQ(printable("123\xc3\xa9z", 5), "123\xc3\xa9...");
-  EXPECT_EQ(printable(std::string(100, '\x80'), 5), "...");  // no character begins anywhere
+  EXPECT_EQ(printable(std::string(100, '\x80'), 5), "\\x80...");  // no escape is cut in two
 }
 
 TEST(Text, MessagesLoseWhatEndsThem) {

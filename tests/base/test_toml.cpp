@@ -84,7 +84,7 @@ TEST(Toml, FaultsNameFileLineAndKey) {
   EXPECT_EQ(fault_of([&] { table.pose("e"); }), "x: line 5: e must be four rows of four finite numbers");
   EXPECT_EQ(fault_of([&] { table.table("a"); }), "x: line 1: a must be a table: [a]");
   EXPECT_EQ(fault_of([&] { table.tables("d"); }), "x: line 4: d must be a list of tables: [[d]]");
-  EXPECT_EQ(fault_of([&] { table.done(); }), "x: line 6: unknown key ??f in a test; known: z, a, b, c, d, e");
+  EXPECT_EQ(fault_of([&] { table.done(); }), "x: line 6: unknown key \\x01\\nf in a test; known: z, a, b, c, d, e");
 }
 
 TEST(Toml, LookingForAKeyIsNotReadingIt) {

@@ -29,8 +29,9 @@ using Clock = std::chrono::steady_clock;
   dup2(in, STDIN_FILENO);
   dup2(out, STDOUT_FILENO);
   dup2(err, STDERR_FILENO);
-  // A shell starts programs with SIGPIPE at its default.
+  // A shell starts programs with these at their default.
   std::signal(SIGPIPE, SIG_DFL);
+  std::signal(SIGXFSZ, SIG_DFL);
   for (const auto& [name, value] : options.environment)
     setenv(name.c_str(), value.c_str(), 1);
   std::vector<char*> argv{const_cast<char*>(program.c_str())};

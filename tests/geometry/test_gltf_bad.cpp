@@ -108,7 +108,7 @@ TEST(BadGltf, VersionsAndExtensions) {
   }
   EXPECT_CONTAINS(fault_of_text(R"({"asset": {"version": "2.0", "minVersion": "2.1"}})"), "2.1");
   // A name from the file cannot break the line.
-  EXPECT_CONTAINS(fault_of_text(R"({"asset": {"version": "2.0"}, "extensionsRequired": ["A\nB"]})"), "\"A?B\"");
+  EXPECT_CONTAINS(fault_of_text(R"({"asset": {"version": "2.0"}, "extensionsRequired": ["A\nB"]})"), "\"A\\nB\"");
 }
 
 TEST(BadGltf, BinaryContainers) {

@@ -1,0 +1,133 @@
+#include "base/outputs.hpp"
+
+#include <fmt/core.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <mutex>
+
+#include "base/error.hpp"
+
+namespace palpa {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Claim {
+  FileIdentity identity;
+  std::string option;
+};
+
+/// What must not be read. Inputs are opened on several threads.
+struct Claims {
+  std::mutex mutex;
+  std::vector<Claim> files;
+};
+Claims& claims() {
+  static Claims instance;
+  return instance;
+}
+
+/// An output and where it goes.
+struct Placed {
+  const Output* output;
+  OutputPlace place;
+};
+
+Placed placed(const Output& output) {
+  if (output.kind == Output::Kind::file) return {&output, output_place(output.target)};
+  // "take/" is "take", and "-" is a folder like any other.
+  const fs::path folder = fs::path(output.target) / "";
+  OutputPlace place = output_place(fs::path(".") / folder.parent_path());
+  place.name = output.target;
+  return {&output, std::move(place)};
+}
+
+void refuse_unusable(const Placed& one) {
+  const OutputPlace& place = one.place;
+  if (one.output->kind == Output::Kind::file || place.kind != OutputPlace::Kind::folder) {
+    if (one.output->kind == Output::Kind::folder && place.kind != OutputPlace::Kind::absent) {
+      throw failure(fmt::format("{}: cannot be created: it is a file, name a new folder", place.name));
+    }
+    return refuse_unwritable(place);
+  }
+  std::error_code fault;
+  if (!fs::is_empty(place.path, fault) && !fault) {
+    throw bad_usage(fmt::format("{}: {} is not empty, name a new folder", one.output->option, place.name));
+  }
+}
+
+bool lies_within(const Placed& one, const Placed& folder) {
+  if (folder.output->kind != Output::Kind::folder || folder.place.kind != OutputPlace::Kind::folder) return false;
+  std::error_code fault;
+  for (fs::path at = fs::canonical(one.place.folder(), fault); !fault; at = at.parent_path()) {
+    if (output_place(at).identity == folder.place.identity) return true;
+    if (at == at.root_path()) break;
+  }
+  return false;
+}
+
+/// Devices and pipes are nobody's.
+bool is_same(const OutputPlace& a, const OutputPlace& b) {
+  if (a.kind != b.kind || a.kind == OutputPlace::Kind::other || a.identity != b.identity) return false;
+  return a.kind != OutputPlace::Kind::absent || a.path.filename() == b.path.filename();
+}
+
+void refuse_pair(const Placed& a, const Placed& b) {
+  const std::string both = fmt::format("{} and {}", a.output->option, b.output->option);
+  const auto on_stdout = [](const Placed& one) {
+    return one.output->kind == Output::Kind::file && one.output->target == "-";
+  };
+  if (on_stdout(a) && on_stdout(b)) throw bad_usage(both + " would mix on stdout: give one of them a file");
+  if (is_same(a.place, b.place)) {
+    throw bad_usage(fmt::format("{} name the same file, {}: give each its own", both, b.place.name));
+  }
+  if (lies_within(a, b) || lies_within(b, a)) {
+    throw bad_usage(fmt::format("{}: one lies in the folder of the other: give it another place", both));
+  }
+}
+
+}  // namespace
+
+Outputs::Outputs(const std::vector<Output>& outputs) {
+  std::vector<Placed> all;
+  for (const Output& output : outputs) {
+    if (output.target.empty()) continue;
+    all.push_back(placed(output));
+    on_stdout_ = on_stdout_ || (output.kind == Output::Kind::file && output.target == "-");
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j)
+      refuse_pair(all[j], all[i]);
+  }
+  for (const Placed& one : all)
+    refuse_unusable(one);
+  const std::lock_guard lock(claims().mutex);
+  for (const Placed& one : all) {
+    if (one.place.kind == OutputPlace::Kind::file) claims().files.push_back({one.place.identity, one.output->option});
+  }
+}
+
+Outputs::~Outputs() {
+  const std::lock_guard lock(claims().mutex);
+  claims().files.clear();
+}
+
+void refuse_output_as_input(const FileIdentity& identity, const std::string& name) {
+  const std::lock_guard lock(claims().mutex);
+  for (const Claim& claim : claims().files) {
+    if (claim.identity != identity) continue;
+    throw bad_usage(fmt::format("{}: {} is read by this command, name another file", claim.option, name));
+  }
+}
+
+void refuse_output_as_input(const fs::path& file) {
+  {
+    const std::lock_guard lock(claims().mutex);
+    if (claims().files.empty()) return;
+  }
+  struct stat status {};
+  if (::stat(file.c_str(), &status) == 0) refuse_output_as_input({status.st_dev, status.st_ino}, file.string());
+}
+
+}  // namespace palpa

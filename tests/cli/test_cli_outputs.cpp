@@ -1,0 +1,236 @@
+// Outputs never destroy an input or one another, are refused before long work, and end as promised on a full disk; what
+// is said about any of it is short and printable.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "base/text.hpp"
+#include "geometry/gltf.hpp"
+#include "geometry/gltf_write.hpp"
+#include "process.hpp"
+#include "session/record_link.hpp"
+#include "support/file_size_limit.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class CliOutputs : public testing::Test {
+ protected:
+  fs::path folder_ = scratch_folder("outputs");
+  std::string scene_ = copy("cube.glb"), points_ = copy("finger.ply");
+
+  /// An asset in the test's folder.
+  std::string copy(const std::string& name) const {
+    fs::create_directories((folder_ / name).parent_path());
+    fs::copy_file(source_file("assets/" + name), folder_ / name);
+    return (folder_ / name).string();
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  static std::string bytes_of(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  /// Every file and folder with its bytes.
+  std::vector<std::pair<std::string, std::string>> contents() const {
+    std::vector<std::pair<std::string, std::string>> all;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_))
+      all.emplace_back(entry.path().string(), entry.is_regular_file() ? bytes_of(entry.path()) : "");
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+  std::vector<std::string> touch(const std::vector<std::string>& more) const {
+    std::vector<std::string> line{"touch",     "--scene", scene_,          "--points", points_,
+                                  "--backend", "cpu",     "--penetration", "3mm"};
+    line.insert(line.end(), more.begin(), more.end());
+    return line;
+  }
+  std::vector<std::string> run(const std::vector<std::string>& more) const {
+    std::vector<std::string> line{"run", "--scene", scene_, "--frames", "3", "--every-frame", "--backend", "cpu"};
+    line.insert(line.end(), more.begin(), more.end());
+    return line;
+  }
+  /// The line is refused, and every file is as it was.
+  void expect_untouched(const std::vector<std::string>& line, int code, const std::string& part) const {
+    SCOPED_TRACE(line[0] + " " + line[line.size() - 2] + " " + line.back());
+    const auto before = contents();
+    expect_failure(palpa(line), code, part);
+    EXPECT_EQ(contents(), before);
+  }
+};
+
+TEST_F(CliOutputs, NeverTakeThePlaceOfAnInput) {
+  fs::create_symlink(scene_, path("soft.glb"));
+  fs::create_hard_link(scene_, path("hard.glb"));
+  const std::string remedy = "is read by this command, name another file";
+  for (const std::string option : {"--json", "--csv"}) {
+    for (const std::string& file : {scene_, points_, path("soft.glb"), path("hard.glb")})
+      expect_untouched(touch({option, file}), 2, option + ": ");
+    expect_untouched(touch({option, scene_}), 2, remedy);
+  }
+  expect_untouched({"decompose", "--scene", scene_, "--out", path("soft.glb")}, 2, remedy);
+  for (const std::string& file : {scene_, path("soft.glb"), path("hard.glb")}) {
+    expect_untouched(run({"--json", file}), 2, remedy);
+    expect_untouched(run({"--events", file}), 2, remedy);
+    expect_untouched(run({"--link", "record:" + file}), 2, remedy);
+    expect_untouched(run({"--events", path("new"), "--link", "record:" + file}), 2, remedy);
+  }
+  expect_untouched(run({"--source", "synthetic:" + points_, "--events", points_}), 2, remedy);
+}
+
+TEST_F(CliOutputs, NorOfWhatAnInputRefersTo) {
+  std::ofstream(path("picture.png")) << "a texture that palpa does not look at";
+  // A triangle mesh in a file of its own, by way of a tetrahedron.
+  const float corners[] = {0, 0, 0, .1f, 0, 0, 0, .1f, 0, 0, 0, .1f};
+  const std::uint16_t faces[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+  std::ofstream bin(path("part s.bin"), std::ios::binary);
+  bin.write(reinterpret_cast<const char*>(corners), sizeof(corners));
+  bin.write(reinterpret_cast<const char*>(faces), sizeof(faces));
+  bin.close();
+  std::ofstream(path("model.gltf")) << R"({"asset":{"version":"2.0"},"images":[{"uri":"picture.png"}],
+    "buffers":[{"uri":"part%20s.bin","byteLength":72}],
+    "bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":24}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[0.1,0.1,0.1]},
+                 {"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"nodes":[{"mesh":0}]})";
+  const std::vector<std::string> line{"touch", "--scene", path("model.gltf"), "--points", points_, "--backend", "cpu"};
+  const auto with = [](std::vector<std::string> all, const std::vector<std::string>& more) {
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  EXPECT_EQ(palpa(line).exit_code, 0);
+  expect_untouched(with(line, {"--csv", path("part s.bin")}), 2, "is read by this command");
+  expect_untouched(with(line, {"--json", path("picture.png")}), 2, "is read by this command");
+
+  const std::string rig = copy("rigs/paper.toml");
+  std::ofstream(path("mine.toml")) << "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n";
+  std::string text = bytes_of(rig);
+  const std::size_t at = text.find("layout = \"paper\"");
+  ASSERT_NE(at, std::string::npos);
+  std::ofstream(rig) << text.replace(at, 16, "layout = \"../mine.toml\"");
+  for (const std::string& file : {rig, path("mine.toml")})
+    expect_untouched(run({"--rig", rig, "--layout", "autd3", "--json", file}), 2, "is read by this command");
+
+  ASSERT_EQ(palpa(run({"--record", path("take")})).exit_code, 0);
+  for (const char* file : {"take/recording.toml", "take/times.csv", "take/000001-1.png"})
+    expect_untouched(run({"--source", "recording:" + path("take"), "--link", "record:" + path(file)}), 2,
+                     "is read by this command");
+}
+
+TEST_F(CliOutputs, NeverTakeThePlaceOfOneAnother) {
+  std::ofstream(path("out")) << "what was";
+  fs::create_symlink(path("out"), path("link"));
+  fs::create_symlink(path("new"), path("link-to-new"));
+  expect_untouched(touch({"--json", path("out"), "--csv", path("link")}), 2, "--json and --csv name the same file");
+  expect_untouched(touch({"--json", path("new"), "--csv", path("new")}), 2, "give each its own");
+  expect_untouched(touch({"--json", path("new"), "--csv", path("link-to-new")}), 2, "give each its own");
+  expect_untouched(run({"--events", path("out"), "--link", "record:" + path("out")}), 2, "name the same file");
+  fs::create_directory(path("empty"));
+  expect_untouched(run({"--record", path("empty"), "--json", path("empty/times.csv")}), 2, "lies in the folder");
+  const Result both = palpa(touch({"--json", "/dev/null", "--csv", "/dev/null"}));
+  EXPECT_EQ(both.exit_code, 0) << both.err;
+}
+
+TEST_F(CliOutputs, ThatCannotBeWrittenAreRefusedAtTheStart) {
+  // The scene is never looked at: it is missing, which would be exit code 4.
+  for (const std::string& place : {path("no/such/folder/x.json"), folder_.string()}) {
+    for (const char* option : {"--json", "--events", "--link"}) {
+      const std::string target = option == std::string("--link") ? "record:" + place : place;
+      expect_untouched({"run", "--scene", path("absent.glb"), option, target}, 1, place + ": cannot be written: ");
+    }
+    expect_untouched({"decompose", "--scene", path("absent.glb"), "--out", place}, 1, place + ": cannot be written: ");
+  }
+  fs::create_directory(path("used"));
+  std::ofstream(path("used/notes.txt")) << "mine";
+  expect_untouched(run({"--record", path("used")}), 2, "is not empty, name a new folder");
+  expect_untouched(run({"--record", path("used/")}), 2, "is not empty, name a new folder");
+  expect_untouched(run({"--record", path("used/notes.txt")}), 1, "name a new folder");
+  expect_untouched(run({"--record", path("no/such")}), 1, path("no/such") + ": cannot be written: ");
+  fs::create_directory(path("empty"));
+  EXPECT_EQ(palpa(run({"--record", path("empty/")})).exit_code, 0);
+  EXPECT_TRUE(fs::exists(path("empty/recording.toml")));
+}
+
+TEST_F(CliOutputs, DecomposeWritesToStdout) {
+  const Result result = palpa({"decompose", "--scene", scene_, "--parts", "4", "--out", "-"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::ofstream(path("parts.glb"), std::ios::binary) << result.out;
+  EXPECT_FALSE(geometry::load_gltf(path("parts.glb")).meshes.empty());
+  EXPECT_FALSE(fs::exists("-"));
+  expect_failure(palpa({"decompose", "--scene", scene_, "--out", "-", "--json", "-"}), 2, "would mix on stdout");
+}
+
+TEST_F(CliOutputs, DrivesOnStdoutAreAlone) {
+  const Result result = palpa(run({"--link", "record:-"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::ofstream(path("drives.bin"), std::ios::binary) << result.out;
+  const session::DriveRecording recording = session::read_drive_recording(path("drives.bin"));
+  ASSERT_FALSE(recording.drives.empty());
+  for (const array::TransducerDrive& last : recording.drives.back().drive)
+    ASSERT_EQ(last.amplitude, 0);
+  for (const std::vector<std::string>& other :
+       {std::vector<std::string>{"--stats", "json"}, {"--json", "-"}, {"--events", "-"}}) {
+    std::vector<std::string> line = run({"--link", "record:-"});
+    line.insert(line.end(), other.begin(), other.end());
+    expect_untouched(line, 2, "would mix on stdout");
+  }
+}
+
+TEST_F(CliOutputs, DrivesEndSilentlyWhereTheDiskIsFull) {
+  constexpr std::size_t header = 24, record = 8 + 3984 * 8;
+  for (const std::size_t limit : {header + record / 2, header + record, header + 20 * record + 77}) {
+    Result result;
+    {
+      const FileSizeLimit full(limit);
+      result = palpa(
+          {"run", "--scene", scene_, "--frames", "60", "--backend", "cpu", "--link", "record:" + path("drives.bin")});
+    }
+    expect_failure(result, 1, path("drives.bin") + ": cannot be written: File too large");
+    const session::DriveRecording recording = session::read_drive_recording(path("drives.bin"));
+    ASSERT_EQ(recording.drives.size(), (limit - header) / record);
+    if (recording.drives.empty()) continue;
+    for (const array::TransducerDrive& last : recording.drives.back().drive)
+      ASSERT_EQ(last.amplitude, 0);
+  }
+}
+
+TEST_F(CliOutputs, MessagesAreShortAndPrintable) {
+  const std::string wild = "\x1b[31m\xff\xe2\x80\xae\n";
+  std::string long_name;
+  while (long_name.size() < 5000)
+    long_name += wild;
+  geometry::Scene scene = geometry::load_gltf(scene_);
+  scene.meshes[0].mesh.triangles.pop_back();  // no solid
+  scene.meshes[0].name = long_name;
+  geometry::write_glb(path("wild.glb"), scene.meshes);
+  std::ofstream(path("wild.toml")) << "[[camera]]\n" + std::string(3000, 'k') + " = 1\n";
+  for (const std::vector<std::string>& line :
+       {std::vector<std::string>{"touch", "--scene", path("wild.glb"), "--points", points_},
+        {"touch", "--scene", path(std::string(200, 'x') + wild) + std::string(3000, '\x1b'), "--points", points_},
+        {"touch", "--scene", scene_, "--points", points_, "--camera", std::string(100'000, '\xfe')},
+        {"run", "--scene", scene_, "--rig", path("wild.toml")},
+        {"run", "--scene", scene_, "--link", std::string(100'000, '\n')},
+        {"drive", "--layout", "autd3", "--focus", std::string(100'000, '\x9b')},
+        {"drive", "--" + std::string(100'000, 'a') + wild}}) {
+    const Result result = palpa(line);
+    EXPECT_NE(result.exit_code, 0);
+    ASSERT_EQ(result.err_lines().size(), 1u) << result.err;
+    const std::string told = result.err_lines()[0];
+    EXPECT_LE(told.size(), 500u);
+    EXPECT_EQ(printable(told), told);
+  }
+  const std::string told = palpa({"touch", "--scene", path("wild.glb"), "--points", points_}).err;
+  EXPECT_NE(told.find("mesh \"\\x1b[31m"), std::string::npos) << "the name's beginning is told: " << told;
+  EXPECT_NE(told.find("closed and consistently oriented"), std::string::npos) << "and what would be right: " << told;
+}
+
+}  // namespace
+}  // namespace palpa::test
