@@ -3,12 +3,11 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "geometry/gltf.hpp"
 #include "geometry/ply.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa {
@@ -19,15 +18,11 @@ int run(const std::string& command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 void expect_as_committed(const std::filesystem::path& folder, const std::string& name) {
-  const std::string committed = bytes_of(test::source_file("assets/" + name));
+  const std::string committed = test::read_text(test::source_file("assets/" + name));
   ASSERT_FALSE(committed.empty()) << name;
-  EXPECT_TRUE(bytes_of(folder / name) == committed) << name << " differs: build assets_regenerate and commit, or mend";
+  EXPECT_TRUE(test::read_text(folder / name) == committed)
+      << name << " differs: build assets_regenerate and commit, or mend";
 }
 
 TEST(AssetFiles, Objects) {

@@ -2,15 +2,15 @@
 
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <string>
 
 #include "base/error.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::geometry {
 namespace {
@@ -33,11 +33,6 @@ Mesh strip(std::uint32_t vertices) {
   return mesh;
 }
 
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 std::uint32_t word(const std::string& bytes, std::size_t at) {
   std::uint32_t value = 0;
   std::memcpy(&value, bytes.data() + at, 4);
@@ -49,13 +44,7 @@ class WriteGlb : public ::testing::Test {
   std::filesystem::path file_ = test::scratch_folder("gltf_write") / "out.glb";
 
   std::string fault_of(const std::vector<SceneMesh>& meshes) {
-    try {
-      write_glb(file_, meshes);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), Exit::failed);
-      return error.what();
-    }
-    return "";
+    return test::error_of([&] { write_glb(file_, meshes); }, Exit::failed);
   }
 };
 
@@ -77,8 +66,8 @@ TEST_F(WriteGlb, UsesShortIndicesAsLongAsTheyReach) {
     const SceneMesh item{"strip", strip(vertices)};
     write_glb(file_, {&item, 1});
     const bool is_short = vertices == 65535;
-    EXPECT_EQ(bytes_of(file_).find("\"componentType\":5123") != std::string::npos, is_short);
-    EXPECT_EQ(bytes_of(file_).find("\"componentType\":5125") != std::string::npos, !is_short);
+    EXPECT_EQ(test::read_text(file_).find("\"componentType\":5123") != std::string::npos, is_short);
+    EXPECT_EQ(test::read_text(file_).find("\"componentType\":5125") != std::string::npos, !is_short);
     const Scene scene = load_gltf(file_);
     EXPECT_EQ(scene.meshes.at(0).mesh.positions.size(), vertices);
     EXPECT_EQ(scene.meshes.at(0).mesh.triangles, item.mesh.triangles);
@@ -89,7 +78,7 @@ TEST_F(WriteGlb, LaysChunksOutAsTheFormatSays) {
   // One triangle: 36 bytes of positions, 6 of indices padded to 8.
   const SceneMesh item{"t", triangle(-0.25)};
   write_glb(file_, {&item, 1});
-  const std::string bytes = bytes_of(file_);
+  const std::string bytes = test::read_text(file_);
   ASSERT_GT(bytes.size(), 28U);
   EXPECT_EQ(bytes.substr(0, 4), "glTF");
   EXPECT_EQ(word(bytes, 4), 2U);
@@ -107,15 +96,15 @@ TEST_F(WriteGlb, LaysChunksOutAsTheFormatSays) {
 TEST_F(WriteGlb, WritesTheSameBytesEachTime) {
   const SceneMesh item{"strip", strip(100)};
   write_glb(file_, {&item, 1});
-  const std::string first = bytes_of(file_);
+  const std::string first = test::read_text(file_);
   write_glb(file_, {&item, 1});
-  EXPECT_EQ(bytes_of(file_), first);
+  EXPECT_EQ(test::read_text(file_), first);
 }
 
 TEST_F(WriteGlb, WritesNoNegativeZero) {
   const SceneMesh item{"t", {{{-0.0, -0.0, -0.0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}};
   write_glb(file_, {&item, 1});
-  const std::string bytes = bytes_of(file_);
+  const std::string bytes = test::read_text(file_);
   const std::size_t binary = 28 + word(bytes, 12);
   EXPECT_EQ(bytes.substr(binary, 12), std::string(12, '\0'));
 }

@@ -10,6 +10,7 @@
 #include "geometry/gltf_write.hpp"
 #include "geometry/ply.hpp"
 #include "process.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -52,10 +53,6 @@ min_range_m = 0.1
 rate_hz = 30.0
 T_world_camera = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 )";
-
-void write_text(const fs::path& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
-}
 
 class BadFiles : public testing::Test {
  protected:

@@ -18,6 +18,7 @@
 #include "process.hpp"
 #include "sensing/recording.hpp"
 #include "session/record_link.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
 
 extern char** environ;
@@ -164,11 +165,6 @@ struct Stage {
   }
 };
 
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 TEST(CliEvents, ARecordingGivesTheEventsThatWereWorkedOut) {
   const Stage stage("events-golden");
   std::string first;
@@ -187,7 +183,7 @@ TEST(CliEvents, GoIntoAFileBesideTheOtherResults) {
   const auto file = stage.folder / "events.jsonl";
   const Result result = palpa(stage.run({"--backend", "cpu", "--events", file.string(), "--stats", "json"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  expect_wanted(text_of(file));
+  expect_wanted(read_text(file));
   EXPECT_EQ(json::parse(result.out)["events"], (json{{"written", 8}, {"dropped", 0}}));
   expect_failure(palpa(stage.run({"--events", "-", "--json", "-"})), 2, "would mix on stdout");
   expect_failure(palpa(stage.run({"--events", "-", "--stats", "json"})), 2, "would mix on stdout");

@@ -14,6 +14,7 @@
 #include "process.hpp"
 #include "session/record_link.hpp"
 #include "support/file_size_limit.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -35,15 +36,11 @@ class CliOutputs : public testing::Test {
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  static std::string bytes_of(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
   /// Every file and folder with its bytes.
   std::vector<std::pair<std::string, std::string>> contents() const {
     std::vector<std::pair<std::string, std::string>> all;
     for (const auto& entry : fs::recursive_directory_iterator(folder_))
-      all.emplace_back(entry.path().string(), entry.is_regular_file() ? bytes_of(entry.path()) : "");
+      all.emplace_back(entry.path().string(), entry.is_regular_file() ? read_text(entry.path()) : "");
     std::sort(all.begin(), all.end());
     return all;
   }
@@ -112,7 +109,7 @@ TEST_F(CliOutputs, NorOfWhatAnInputRefersTo) {
 
   const std::string rig = copy("rigs/paper.toml");
   std::ofstream(path("mine.toml")) << "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n";
-  std::string text = bytes_of(rig);
+  std::string text = read_text(rig);
   const std::size_t at = text.find("layout = \"paper\"");
   ASSERT_NE(at, std::string::npos);
   std::ofstream(rig) << text.replace(at, 16, "layout = \"../mine.toml\"");

@@ -1,4 +1,5 @@
 #include "geometry/gltf_builder.hpp"
+#include "support/files.hpp"
 
 #include <cstring>
 #include <fstream>
@@ -133,10 +134,6 @@ std::filesystem::path GltfBuilder::write_glb(const std::filesystem::path& file) 
 
 void write_bytes(const std::filesystem::path& file, const void* data, std::size_t size) {
   std::ofstream(file, std::ios::binary).write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
-}
-
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  write_bytes(file, text.data(), text.size());
 }
 
 std::vector<unsigned char> read_bytes(const std::filesystem::path& file) {

@@ -46,7 +46,6 @@ std::vector<unsigned char> bytes_of(const std::vector<T>& values) {
 }
 
 void write_bytes(const std::filesystem::path& file, const void* data, std::size_t size);
-void write_text(const std::filesystem::path& file, const std::string& text);
 std::vector<unsigned char> read_bytes(const std::filesystem::path& file);
 
 }  // namespace palpa::test

@@ -1,5 +1,7 @@
 #include "geometry/shapes.hpp"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -109,19 +111,6 @@ Mesh rounded(const Mesh& mesh) {
     }
   }
   return out;
-}
-
-std::string error_of(const std::function<void()>& action, Exit code) {
-  try {
-    action();
-  } catch (const Error& e) {
-    std::string line = e.what();
-    EXPECT_EQ(e.code(), code) << line;
-    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
-    EXPECT_LT(line.size(), 1000U) << line;
-    return line;
-  }
-  return {};
 }
 
 std::string stderr_of(const std::function<void()>& action) {

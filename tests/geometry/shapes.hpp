@@ -1,12 +1,9 @@
-// Meshes of known volume for tests, and help to say what an error must be.
+// Meshes of known volume for tests.
 #pragma once
-
-#include <gtest/gtest.h>
 
 #include <functional>
 #include <string>
 
-#include "base/error.hpp"
 #include "geometry/mesh.hpp"
 
 namespace palpa::test {
@@ -31,14 +28,7 @@ geometry::Mesh transformed(geometry::Mesh mesh, const std::function<Vec3(const V
 /// Coordinates rounded to single precision, as a file stores them.
 geometry::Mesh rounded(const geometry::Mesh& mesh);
 
-/// The error's line; an empty string when `action` throws none. Fails the test on errors with another exit code or more
-/// than one line.
-std::string error_of(const std::function<void()>& action, Exit code = Exit::bad_input);
-
 /// What is written to stderr meanwhile.
 std::string stderr_of(const std::function<void()>& action);
 
 }  // namespace palpa::test
-
-#define EXPECT_CONTAINS(text, part) \
-  EXPECT_NE(std::string(text).find(part), std::string::npos) << "\"" << (text) << "\" lacks \"" << (part) << "\""

@@ -9,6 +9,7 @@
 
 #include "geometry/nearest.hpp"
 #include "geometry/shapes.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::geometry {
 namespace {

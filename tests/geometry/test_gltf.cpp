@@ -11,7 +11,9 @@
 #include "geometry/gltf_builder.hpp"
 #include "geometry/shapes.hpp"
 #include "geometry/solid.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::geometry {
 namespace {

@@ -14,6 +14,7 @@
 #include "geometry/shapes.hpp"
 #include "geometry/solid.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::geometry {
 namespace {

@@ -7,6 +7,7 @@
 #include "geometry/gltf_builder.hpp"
 #include "geometry/memory_file.hpp"
 #include "geometry/shapes.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::geometry {
 namespace {

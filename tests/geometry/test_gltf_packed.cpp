@@ -9,6 +9,7 @@
 #include "geometry/memory_file.hpp"
 #include "geometry/packers.hpp"
 #include "geometry/shapes.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::geometry {
 namespace {

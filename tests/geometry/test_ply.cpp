@@ -16,6 +16,7 @@
 #include "geometry/memory_file.hpp"
 #include "geometry/shapes.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::geometry {
 namespace {

@@ -13,6 +13,7 @@
 #include "geometry/shells.hpp"
 #include "geometry/solid.hpp"
 #include "geometry/topology.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::geometry {
 namespace {

@@ -9,8 +9,9 @@
 #include <random>
 
 #include "random_rig.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
-#include "throws.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::sensing {
 namespace {
@@ -111,7 +112,7 @@ TEST(Png16, TruncatedAndFlippedFilesAreRefusedOrTheSame) {
     lengths.push_back(good.size() - missing);
   for (const std::size_t length : lengths) {
     test::write_text(scratch("e.png"), good.substr(0, length));
-    EXPECT_NE(test::refusal([&] { read_png16(scratch("e.png"), 40, 30, out); }), "")
+    EXPECT_NE(test::error_of([&] { read_png16(scratch("e.png"), 40, 30, out); }), "")
         << length << " bytes of " << good.size();
   }
   // Every byte of a PNG is under a checksum (or is one): a flip is refused, unless it only touches what nobody needs.
@@ -124,7 +125,7 @@ TEST(Png16, TruncatedAndFlippedFilesAreRefusedOrTheSame) {
       bad[at] = static_cast<char>(bad[at] ^ (1 + random() % 255));
     }
     test::write_text(scratch("e.png"), bad);
-    if (test::refusal([&] { read_png16(scratch("e.png"), 40, 30, out); }).empty()) {
+    if (test::error_of([&] { read_png16(scratch("e.png"), 40, 30, out); }).empty()) {
       EXPECT_EQ(out, image);
     } else {
       ++refused;
@@ -136,9 +137,9 @@ TEST(Png16, TruncatedAndFlippedFilesAreRefusedOrTheSame) {
 TEST(Png16, AFullDiskIsAFailure) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "skipped: no /dev/full";
   const std::vector<std::uint16_t> image(4096, 3);
-  const std::string line = test::refusal([&] { write_png16("/dev/full", 64, 64, image); }, Exit::failed);
+  const std::string line = test::error_of([&] { write_png16("/dev/full", 64, 64, image); }, Exit::failed);
   EXPECT_NE(line.find("/dev/full: cannot be written: No space left"), std::string::npos) << line;
-  EXPECT_NE(test::refusal([&] { write_png16("/no/such/folder/a.png", 64, 64, image); }, Exit::failed), "");
+  EXPECT_NE(test::error_of([&] { write_png16("/no/such/folder/a.png", 64, 64, image); }, Exit::failed), "");
 }
 
 }  // namespace

@@ -5,12 +5,13 @@
 #include <chrono>
 #include <thread>
 
-#include "bits.hpp"
 #include "random_rig.hpp"
 #include "sensing/png16.hpp"
+#include "support/bits.hpp"
 #include "support/file_size_limit.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
-#include "throws.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::sensing {
 namespace {
@@ -108,17 +109,17 @@ TEST(Recording, WriterRefusesWhatItCannotKeep) {
   const fs::path folder = fresh("refuse");
   const Take take = random_take(3, 2);
   write(folder, take);
-  EXPECT_NE(test::refusal([&] { RecordingWriter(folder, take.cameras); }, Exit::usage)
+  EXPECT_NE(test::error_of([&] { RecordingWriter(folder, take.cameras); }, Exit::usage)
                 .find("is not empty, name a new folder"),
             std::string::npos);
   RecordingWriter writer(fresh("refuse2"), take.cameras);
   writer.write(take.sets[1]);
   FrameSet half = take.sets[1];
   half.frames.pop_back();
-  EXPECT_NE(test::refusal([&] { writer.write(half); }, Exit::usage), "");
-  EXPECT_NE(test::refusal([&] { RecordingWriter(fresh("refuse3") / "no" / "parent", take.cameras); }, Exit::failed),
+  EXPECT_NE(test::error_of([&] { writer.write(half); }, Exit::usage), "");
+  EXPECT_NE(test::error_of([&] { RecordingWriter(fresh("refuse3") / "no" / "parent", take.cameras); }, Exit::failed),
             "");
-  EXPECT_NE(test::refusal([&] { RecordingWriter(fresh("refuse4"), {}); }, Exit::usage), "");
+  EXPECT_NE(test::error_of([&] { RecordingWriter(fresh("refuse4"), {}); }, Exit::usage), "");
 }
 
 TEST(Recording, WriterTakesANewOrAnEmptyFolder) {
@@ -129,7 +130,7 @@ TEST(Recording, WriterTakesANewOrAnEmptyFolder) {
   fs::remove(folder / "recording.toml");
   fs::remove(folder / "times.csv");
   test::write_text(folder / "000000-0.png", "somebody's");
-  EXPECT_NE(test::refusal([&] { RecordingWriter(folder, take.cameras); }, Exit::usage), "");
+  EXPECT_NE(test::error_of([&] { RecordingWriter(folder, take.cameras); }, Exit::usage), "");
   EXPECT_EQ(test::read_text(folder / "000000-0.png"), "somebody's");
   EXPECT_FALSE(fs::exists(folder / "recording.toml"));
 }
@@ -150,7 +151,7 @@ TEST(Recording, WriterLeavesWholeFramesOnAFullDisk) {
       writer.write(take.sets[i]);
     whole = test::read_text(folder / "times.csv");
     const test::FileSizeLimit limit(whole.size() + 5);
-    const std::string line = test::refusal([&] { writer.write(take.sets[10]); }, Exit::failed);
+    const std::string line = test::error_of([&] { writer.write(take.sets[10]); }, Exit::failed);
     EXPECT_EQ(line, (folder / "times.csv").string() + ": cannot be written: File too large");
   }
   EXPECT_EQ(test::read_text(folder / "times.csv"), whole);
@@ -188,7 +189,7 @@ TEST(Recording, AFullDiskIsAFailure) {
   const Take take = random_take(4, 1);
   RecordingWriter writer(folder, take.cameras);
   fs::create_symlink("/dev/full", folder / "000000-1.png");
-  const std::string line = test::refusal([&] { writer.write(take.sets[0]); }, Exit::failed);
+  const std::string line = test::error_of([&] { writer.write(take.sets[0]); }, Exit::failed);
   EXPECT_NE(line.find("000000-1.png: cannot be written"), std::string::npos) << line;
   EXPECT_EQ(writer.frames(), 0u);
 }

@@ -6,10 +6,11 @@
 #include <chrono>
 #include <random>
 
-#include "bits.hpp"
 #include "random_rig.hpp"
+#include "support/bits.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
-#include "throws.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::sensing {
 namespace {
@@ -223,7 +224,7 @@ TEST(Rig, MutatedFilesLoadOrAreRefused) {
           break;
       }
     }
-    const std::string line = test::refusal([&] { load_text(text); });
+    const std::string line = test::error_of([&] { load_text(text); });
     ++(line.empty() ? loaded : refused);
   }
   // However few a slow machine got through in the time.

@@ -12,7 +12,7 @@
 #include "sensing/rig.hpp"
 #include "sensing/skin_twin.hpp"
 #include "support/shared_data.hpp"
-#include "throws.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::sensing {
 namespace {

@@ -1,5 +1,9 @@
-// The palpa::Error that something throws.
+// The palpa::Error that something throws, and what its line must look like.
 #pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
 
 #include "base/error.hpp"
 
@@ -16,4 +20,22 @@ Error thrown_by(const Work& work) {
   return Error(Exit::ok, "");
 }
 
+/// The line of the Error that `work` throws, after checking that it is one line with that exit code; "" where it throws
+/// none.
+template <typename Work>
+std::string error_of(const Work& work, Exit code = Exit::bad_input) {
+  const Error error = thrown_by(work);
+  if (error.code() == Exit::ok) return "";
+  const std::string line = error.what();
+  EXPECT_EQ(error.code(), code) << line;
+  EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+  EXPECT_LT(line.size(), 600u) << line;
+  return line;
+}
+
 }  // namespace palpa::test
+
+#define EXPECT_CONTAINS(text, part) \
+  EXPECT_NE(std::string(text).find(part), std::string::npos) << "\"" << (text) << "\" lacks \"" << (part) << "\""
+
+#define EXPECT_REFUSED(act, part) EXPECT_CONTAINS(::palpa::test::error_of([&] { (void)(act); }), part)

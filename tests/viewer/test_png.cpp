@@ -4,6 +4,7 @@
 #include <random>
 
 #include "base/error.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/png.hpp"
 
@@ -16,11 +17,6 @@ Pixels noise(std::uint32_t width, std::uint32_t height, unsigned seed) {
   for (std::size_t i = 0; i < pixels.rgba.size(); ++i)
     pixels.rgba[i] = i % 4 == 3 ? 255 : random() & 255;
   return pixels;
-}
-
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 template <typename Call>
@@ -39,7 +35,7 @@ TEST(Png, ReadsBackWhatItWroteAndWritesTheSameBytes) {
   const Pixels pixels = noise(37, 21, 1);
   write_png(folder / "a.png", pixels);
   write_png(folder / "b.png", pixels);
-  EXPECT_EQ(bytes_of(folder / "a.png"), bytes_of(folder / "b.png"));
+  EXPECT_EQ(test::read_text(folder / "a.png"), test::read_text(folder / "b.png"));
   const Pixels back = read_png(folder / "a.png");
   EXPECT_EQ(back.width, 37u);
   EXPECT_EQ(back.height, 21u);
@@ -49,7 +45,7 @@ TEST(Png, ReadsBackWhatItWroteAndWritesTheSameBytes) {
 TEST(Png, BrokenFilesAreBadInput) {
   const auto folder = test::scratch_folder("png-broken");
   write_png(folder / "good.png", noise(64, 64, 2));
-  const std::string good = bytes_of(folder / "good.png");
+  const std::string good = test::read_text(folder / "good.png");
   std::ofstream(folder / "short.png", std::ios::binary) << good.substr(0, good.size() / 2);
   std::ofstream(folder / "text.png") << "this is no picture";
   std::ofstream(folder / "empty.png") << "";

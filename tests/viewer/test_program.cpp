@@ -8,6 +8,7 @@
 #include "drawing_test.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/png.hpp"
 
@@ -32,11 +33,6 @@ std::vector<std::string> cube_touch(const std::vector<std::string>& more, const 
   return arguments;
 }
 
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 TEST_F(Viewer, WritesAScreenshotWithoutADisplay) {
   const auto folder = test::scratch_folder("viewer-shot");
   const std::string shot = (folder / "p.png").string();
@@ -55,7 +51,7 @@ TEST_F(Viewer, TheSameCommandGivesTheSameBytesOnEitherBackend) {
   ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", a, "--quiet"})).exit_code, 0);
   ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", b, "--quiet"})).exit_code, 0);
   ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", c, "--quiet", "--backend", "cpu"})).exit_code, 0);
-  EXPECT_EQ(bytes_of(a), bytes_of(b));
+  EXPECT_EQ(test::read_text(a), test::read_text(b));
   EXPECT_LT(viewer::mean_difference(viewer::read_png(a), viewer::read_png(c)), 1e-4);
 }
 
@@ -85,12 +81,12 @@ TEST_F(Viewer, FramesAdvanceTheRunningFocus) {
     auto arguments = cube_touch({"--headless", "--screenshot", file, "--quiet", "--frame", "touch"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     EXPECT_EQ(viewer(arguments).exit_code, 0);
-    return bytes_of(file);
+    return test::read_text(file);
   };
   const std::string first = shot("1.png", {});
   EXPECT_NE(shot("2.png", {"--frames", "2"}), first);
   EXPECT_EQ(shot("11.png", {"--frames", "11"}), first);  // ten foci: around once
-  EXPECT_EQ(shot("s.png", {"--slot", "1"}), bytes_of(folder / "2.png"));
+  EXPECT_EQ(shot("s.png", {"--slot", "1"}), test::read_text(folder / "2.png"));
 }
 
 TEST_F(Viewer, ComparesWithAReference) {
