@@ -1,8 +1,8 @@
-// The arithmetic of bridging, the same in shaders and twin: see touch_math.h.
+// The arithmetic of bridging, the same in shaders and twin: see exact_math.h.
 #ifndef PALPA_SHADERS_BRIDGE_MATH_H
 #define PALPA_SHADERS_BRIDGE_MATH_H
 #include "bridge.h"
-#include "touch_math.h"
+#include "exact_math.h"
 PALPA_SHADER_BEGIN
 
 // Pixels to either side that say how the skin lies; a step in depth of more than this is another thing's edge.

@@ -3,7 +3,7 @@
 #include "contacts.h"
 #include "contacts_chunk.glsl"
 #include "scan.h"
-#include "touch_math.h"
+#include "contacts_math.h"
 
 // Eq. (1) for every skin point: inside all planes of a solid, and less than delta below the nearest. Leaves a bit per point,
 // solid and depth of the contacts, and each chunk's count. For scenes of convex solids; contacts_surface.comp is for any.

@@ -4,7 +4,7 @@
 #include "contacts_chunk.glsl"
 #include "scan.h"
 #include "surface_math.h"
-#include "touch_math.h"
+#include "contacts_math.h"
 
 // As contacts_find, for scenes in which a solid is asked by its surface or by its parts. Each thread looks a point up by itself: points
 // that follow each other lie side by side on the skin, so that their cells and lists are much alike.

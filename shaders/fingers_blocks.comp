@@ -3,7 +3,7 @@
 #include "contacts.h"
 #include "fingers.h"
 #include "scan.h"
-#include "touch_math.h"
+#include "fingers_math.h"
 
 // Groups the cells of each block among themselves as far as a few tests show: one thread per block. Most blocks become one
 // group; groups that only look apart are fingers_link's.

@@ -3,7 +3,7 @@
 #include "contacts.h"
 #include "fingers.h"
 #include "scan.h"
-#include "touch_math.h"
+#include "fingers_math.h"
 
 // Groups of cells with so many contacts that testing pair by pair showed nothing soon. Bounds first, which look at every
 // contact only once: each side is narrowed down to its contacts near the other side's box, again and again; then a gap is

@@ -4,7 +4,7 @@
 #include "fingers.h"
 #include "fingers_table.glsl"
 #include "scan.h"
-#include "touch_math.h"
+#include "fingers_math.h"
 
 // Unites groups of cells of blocks that touch where they hold two contacts within the gap: one thread per block and
 // neighbour (or itself), all blocks' nearest neighbours first. Two groups that show no such pair soon go to fingers_crowded;

@@ -1,7 +1,7 @@
-// The arithmetic of foci, for foci.comp and its twin; see touch_math.h.
+// The arithmetic of foci, for foci.comp and its twin; see exact_math.h.
 #ifndef PALPA_SHADERS_FOCI_MATH_H
 #define PALPA_SHADERS_FOCI_MATH_H
-#include "touch_math.h"
+#include "sections_math.h"
 PALPA_SHADER_BEGIN
 
 // Eq. (5)'s scaling to equal variance and back, for in-plane axes w1 and w2 between which the first principal direction

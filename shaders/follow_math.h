@@ -1,7 +1,7 @@
-// The arithmetic of following fingers, for follow.comp and its twin; see touch_math.h. The rules are in docs/touch.md.
+// The arithmetic of following fingers, for follow.comp and its twin; see exact_math.h. The rules are in docs/touch.md.
 #ifndef PALPA_SHADERS_FOLLOW_MATH_H
 #define PALPA_SHADERS_FOLLOW_MATH_H
-#include "touch_math.h"
+#include "sections_math.h"
 
 #ifdef __cplusplus
 #define PALPA_FLOAT inline constexpr float

@@ -13,7 +13,7 @@
 //             side without length), then its plane
 #ifndef PALPA_SHADERS_PARTS_DEPTH_H
 #define PALPA_SHADERS_PARTS_DEPTH_H
-#include "touch_math.h"
+#include "contacts_math.h"
 
 #ifdef __cplusplus
 #define PALPA_PARTS_TABLE const uvec4 *table,

@@ -1,4 +1,4 @@
-// Shared by engine/gpu/scan.cpp and shaders/scan.comp.
+// Shared by engine/gpu/scan_pass.cpp and shaders/scan.comp.
 #ifndef PALPA_SHADERS_SCAN_H
 #define PALPA_SHADERS_SCAN_H
 #include "shared.h"

@@ -3,7 +3,7 @@
 #include "contacts.h"
 #include "fingers.h"
 #include "sections.h"
-#include "touch_math.h"
+#include "sections_math.h"
 
 // Eq. (2)-(4) for one finger per group: centroid, covariance, principal axes. Sums run in a fixed order: each thread adds
 // its own contacts in theirs, then the threads' sums are added in thread order.

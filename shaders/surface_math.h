@@ -1,10 +1,10 @@
 // The arithmetic that decides how far a point is from a triangle and on which side of the surface it lies: included by
-// the shader, by its twin and by whoever makes the cells, so that all give the same answer. See touch_math.h for the
+// the shader, by its twin and by whoever makes the cells, so that all give the same answer. See exact_math.h for the
 // rules.
 #ifndef PALPA_SHADERS_SURFACE_MATH_H
 #define PALPA_SHADERS_SURFACE_MATH_H
+#include "exact_math.h"
 #include "surface.h"
-#include "touch_math.h"
 PALPA_SHADER_BEGIN
 
 // A point in a triangle's own axes, from the start of its first side.

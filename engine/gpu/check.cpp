@@ -36,7 +36,7 @@ const char* result_name(VkResult result) {
   }
 }
 
-void check(VkResult result, const char* call, const char* file, int line) {
+void check_result(VkResult result, const char* call, const char* file, int line) {
   if (result >= VK_SUCCESS) return;
   const char* slash = std::strrchr(file, '/');
   const char* paren = std::strchr(call, '(');

@@ -10,8 +10,8 @@ namespace palpa::gpu {
 const char* result_name(VkResult result);
 
 /// Throws Error (Exit::failed) unless `result` is a success code.
-void check(VkResult result, const char* call, const char* file, int line);
+void check_result(VkResult result, const char* call, const char* file, int line);
 
 }  // namespace palpa::gpu
 
-#define PALPA_VK(call) ::palpa::gpu::check((call), #call, __FILE__, __LINE__)
+#define PALPA_VK(call) ::palpa::gpu::check_result((call), #call, __FILE__, __LINE__)

@@ -83,7 +83,7 @@ void Timeline::wait(std::uint64_t value, double timeout_s) const {
     throw failure(fmt::format("{}: no answer within {} s; another program may be using the GPU",
                               device_->description().name, timeout_s));
   }
-  check(result, "vkWaitSemaphores(...)", __FILE__, __LINE__);
+  check_result(result, "vkWaitSemaphores(...)", __FILE__, __LINE__);
 }
 
 bool Timeline::done(std::uint64_t value) const {

@@ -8,7 +8,7 @@
 
 #include "gpu/buffer.hpp"
 #include "gpu/pipeline.hpp"
-#include "gpu/scan.hpp"
+#include "gpu/scan_pass.hpp"
 #include "gpu/scratch.hpp"
 #include "gpu/timestamps.hpp"
 #include "sensing/rays.hpp"

@@ -1,9 +1,9 @@
 #include "touch/bridge_pass.hpp"
 
 #include "gpu/barrier.hpp"
-#include "gpu/scan.hpp"
 #include "shaders/bridge.h"
 #include "shaders/fingers.h"
+#include "shaders/scan.h"
 #include "spirv/bridge_join.comp.hpp"
 #include "spirv/bridge_pairs.comp.hpp"
 #include "spirv/bridge_relabel.comp.hpp"

@@ -4,8 +4,8 @@
 #include <array>
 
 #include "gpu/barrier.hpp"
-#include "gpu/scan.hpp"
 #include "shaders/contacts.h"
+#include "shaders/scan.h"
 #include "spirv/contacts_find.comp.hpp"
 #include "spirv/contacts_pack.comp.hpp"
 #include "spirv/contacts_surface.comp.hpp"

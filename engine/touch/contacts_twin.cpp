@@ -1,7 +1,7 @@
 #include "touch/contacts_twin.hpp"
 
+#include "shaders/contacts_math.h"
 #include "shaders/parts_depth.h"
-#include "shaders/touch_math.h"
 
 namespace palpa::touch {
 namespace {

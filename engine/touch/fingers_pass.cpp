@@ -4,8 +4,8 @@
 #include <span>
 
 #include "gpu/barrier.hpp"
-#include "gpu/scan.hpp"
 #include "shaders/contacts.h"
+#include "shaders/scan.h"
 #include "spirv/fingers_blocks.comp.hpp"
 #include "spirv/fingers_crowded.comp.hpp"
 #include "spirv/fingers_gather.comp.hpp"

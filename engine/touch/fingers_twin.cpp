@@ -6,7 +6,7 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "shaders/touch_math.h"
+#include "shaders/fingers_math.h"
 #include "touch/finger_cells.hpp"
 
 namespace palpa::touch {

@@ -50,7 +50,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
     done("bridge");
   }
   find_sections(out);
-  done("frames");
+  done("sections");
   if (tracks_) {
     follow_fingers(*tracks_, time_s, out);
     done("follow");

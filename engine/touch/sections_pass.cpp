@@ -1,9 +1,9 @@
 #include "touch/sections_pass.hpp"
 
 #include "gpu/barrier.hpp"
-#include "gpu/scan.hpp"
 #include "shaders/contacts.h"
 #include "shaders/fingers.h"
+#include "shaders/scan.h"
 #include "shaders/sections.h"
 #include "spirv/sections_axes.comp.hpp"
 #include "spirv/sections_count.comp.hpp"
@@ -43,7 +43,7 @@ void SectionsPass::record(VkCommandBuffer commands, const SectionsBindings& b, c
   gpu::compute_to_compute(commands);
   axes_.dispatch_indirect(commands, buffers, push,
                           {b.header.buffer, b.header.offset, sizeof(VkDispatchIndirectCommand)});
-  if (times) times->mark(commands, "frames");
+  if (times) times->mark(commands, "sections");
 }
 
 }  // namespace palpa::touch

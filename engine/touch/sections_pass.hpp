@@ -29,7 +29,7 @@ class SectionsPass {
   static std::vector<gpu::ScratchPiece> scratch();
 
   /// Barriers: expects all inputs to be visible to compute and as indirect arguments; adds its own inside; the caller
-  /// adds compute_to_compute afterwards. With `times`, marks "count", "group" and "frames".
+  /// adds compute_to_compute afterwards. With `times`, marks "count", "group" and "sections".
   void record(VkCommandBuffer commands, const SectionsBindings& bindings, const gpu::Scratch& scratch, const Room& room,
               gpu::Timestamps* times = nullptr) const;
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "shaders/touch_math.h"
+#include "shaders/sections_math.h"
 #include "touch/types.hpp"
 
 namespace palpa::touch {

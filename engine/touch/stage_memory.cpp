@@ -5,11 +5,11 @@
 #include <cstring>
 
 #include "base/error.hpp"
-#include "gpu/scan.hpp"
 #include "shaders/bridge.h"
 #include "shaders/contacts.h"
 #include "shaders/fingers.h"
 #include "shaders/foci.h"
+#include "shaders/scan.h"
 #include "touch/depths.hpp"
 #include "touch/stage.hpp"
 

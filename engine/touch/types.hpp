@@ -1,4 +1,4 @@
-// What touching yields: contacts, fingers, cross-section frames and foci. The rules for what the paper leaves open are
+// What touching yields: contacts, fingers, cross-sections and foci. The rules for what the paper leaves open are
 // in docs/touch.md.
 #pragma once
 

@@ -4,7 +4,8 @@
 #include <random>
 
 #include "gpu/barrier.hpp"
-#include "gpu/scan.hpp"
+#include "gpu/scan_pass.hpp"
+#include "gpu/scan_twin.hpp"
 #include "spirv/scan.comp.hpp"
 #include "support/device.hpp"
 #include "support/spirv.hpp"

@@ -3,16 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 
 #include "gpu/buffer.hpp"
 #include "gpu/pipeline.hpp"
 #include "shaders/scan.h"
 
 namespace palpa::gpu {
-
-/// C++ twin: replaces each count by the sum of those before it and returns the total.
-std::uint32_t exclusive_scan(std::span<std::uint32_t> counts);
 
 /// Pipelines only; the caller owns buffers and command buffer.
 class ScanPass {

@@ -1,18 +1,8 @@
-#include "gpu/scan.hpp"
+#include "gpu/scan_pass.hpp"
 
 #include "spirv/scan.comp.hpp"
 
 namespace palpa::gpu {
-
-std::uint32_t exclusive_scan(std::span<std::uint32_t> counts) {
-  std::uint32_t sum = 0;
-  for (std::uint32_t& count : counts) {
-    const std::uint32_t here = count;
-    count = sum;
-    sum += here;
-  }
-  return sum;
-}
 
 ScanPass::ScanPass(const Device& device)
     : pipeline_(device, "scan", spirv::scan_comp, {shader::scan_buffers, sizeof(shader::ScanPush)}) {}
