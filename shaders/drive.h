@@ -11,14 +11,16 @@ PALPA_CONST drive_each = 8u;
 PALPA_CONST drive_slots_per_group = 64u;
 PALPA_CONST drive_sum_each = 4u;  // the same for drive_sum
 
-// Bindings of all.
-PALPA_CONST drive_transducers = 0u;  // DrivePoint[]
-PALPA_CONST drive_foci = 1u;         // DriveFocus[]
-PALPA_CONST drive_slots = 2u;        // DriveSlot[]
+// Bindings of all; the solvers' kernels have the same.
+PALPA_CONST drive_transducers = 0u;  // DrivePoint[], as texels of 16 bytes
+PALPA_CONST drive_foci = 1u;         // DriveFocus[], as texels of 16 bytes
+PALPA_CONST drive_slots = 2u;        // DriveSlot[], as texels of 16 bytes
 PALPA_CONST drive_drives = 3u;       // DriveOut[]: slots x transducers
 PALPA_CONST drive_buffers = 4u;
-PALPA_CONST drive_weights = 4u;  // of drive_weighted only: vec4 per focus, its plain and its heard factor
+PALPA_CONST drive_weights = 4u;  // of drive_weighted only: vec4 per focus, its plain and its heard factor, as texels
 PALPA_CONST drive_weighted_buffers = 5u;
+PALPA_CONST drive_texels = 1u << drive_transducers | 1u << drive_foci | 1u << drive_slots;
+PALPA_CONST drive_weighted_texels = drive_texels | 1u << drive_weights;
 
 // Weightings and constraints, as in engine/array/drive.hpp.
 PALPA_CONST drive_by_distance = 0u;

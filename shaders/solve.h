@@ -1,27 +1,26 @@
 // Shared by engine/array/solver_pass.cpp and shaders/solve_*.comp.
 #ifndef PALPA_SHADERS_SOLVE_H
 #define PALPA_SHADERS_SOLVE_H
+#include "drive.h"
 #include "shared.h"
 PALPA_SHADER_BEGIN
 
 PALPA_CONST solve_group = 32u;  // threads of a workgroup, in all
-// Foci whose sums a thread keeps in registers while it walks over the transducers: a matrix is made in tiles of so many
-// rows and columns.
-PALPA_CONST solve_tile = 5u;
 PALPA_CONST solve_most_foci = 64u;
-PALPA_CONST solve_few = 3u;        // gs_pat_few
-PALPA_CONST solve_few_foci = 16u;  // up to so many, greedy's slots run in the smaller of its two kernels
+// Up to so many foci a slot is solved with all of them in registers, in kernels for so many; more go tile by tile.
+PALPA_CONST solve_hand_foci = 5u;
+PALPA_CONST solve_finger_foci = 10u;
+PALPA_CONST solve_tile = 5u;         // rows and columns of a matrix' tile
+PALPA_CONST solve_few = 3u;          // gs_pat_few
+PALPA_CONST solve_greedy_few = 16u;  // up to so many, greedy's slots run in the smaller of its two kernels
 
-// Bindings of all; not every kernel uses every one.
-PALPA_CONST solve_transducers = 0u;  // DrivePoint[]
-PALPA_CONST solve_axes = 1u;         // vec4[]: unit vector, w unused
-PALPA_CONST solve_foci = 2u;         // DriveFocus[]
-PALPA_CONST solve_slots = 3u;        // DriveSlot[]
-PALPA_CONST solve_directivity = 4u;  // uint[solve_directivity_steps]: two neighbouring samples, 16 bits each
-PALPA_CONST solve_matrices = 5u;     // vec2[]: of slot s, count * count from its `solved`: [column * count + row]
-PALPA_CONST solve_weights = 6u;      // vec4[] per focus: plain and heard factor
-PALPA_CONST solve_drives = 7u;       // DriveOut[]: slots x transducers
+// Bindings of all, beside the drives' (drive.h); not every kernel uses every one. The solvers write drive_weights:
+// vec4[] per focus, plain and heard factor.
+PALPA_CONST solve_axes = 5u;         // vec4[], as texels: unit vector, w unused
+PALPA_CONST solve_directivity = 6u;  // uint[solve_directivity_steps], as texels: two neighbouring samples, 16 bits each
+PALPA_CONST solve_matrices = 7u;     // vec2[]: of slot s, count * count from its `solved`: [column * count + row]
 PALPA_CONST solve_buffers = 8u;
+PALPA_CONST solve_texels = drive_texels | 1u << solve_axes | 1u << solve_directivity;
 
 PALPA_CONST solve_directivity_steps = 2048u;
 PALPA_CONST solve_phases = 16u;   // greedy's
@@ -35,16 +34,17 @@ struct SolvePush {
   float nearest;    // in wavelengths: no transducer counts as nearer
   uint stride;      // greedy's
   uint steps;       // gs_pat_steps
+  uint refinings;  // gs_pat_refinings
   float most_weight;
   float still;
   uint begin;  // greedy: the turns of this dispatch,
   uint end;    // up to but not including this one,
   uint next;   // and the transducer whose turn comes first
 };
-PALPA_CHECK_SIZE(SolvePush, 48);
+PALPA_CHECK_SIZE(SolvePush, 52);
 PALPA_CHECK_OFFSET(SolvePush, nearest, 16);
-PALPA_CHECK_OFFSET(SolvePush, most_weight, 28);
-PALPA_CHECK_OFFSET(SolvePush, next, 44);
+PALPA_CHECK_OFFSET(SolvePush, most_weight, 32);
+PALPA_CHECK_OFFSET(SolvePush, next, 48);
 
 PALPA_SHADER_END
 #endif

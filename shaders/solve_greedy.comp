@@ -1,21 +1,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "solve.h"
-#include "drive.h"
-#include "solve_pair.glsl"
+#include "solve_inputs.glsl"
 
 // greedy.hpp: each transducer's choice hangs on all choices before it, so a slot is one thread's work and slots run side
 // by side. Everything of a focus stays in registers: two kernels, for few foci and for many. A dispatch lets a stretch of
 // the transducers choose; between them a slot's state waits in its foci's weights. (A software driver ends a shader's
 // loops after 65,535 turns in all.)
 layout(local_size_x = 32) in;
-// Slots with that many foci are this kernel's.
-layout(constant_id = 0) const uint fewest = 2u;
-layout(constant_id = 1) const uint most = 16u;
 
-layout(std430, set = 0, binding = solve_weights) buffer Weights { vec4 weights[]; };
-layout(std430, set = 0, binding = solve_drives) writeonly buffer Drives { DriveOut drives[]; };
+layout(std430, set = 0, binding = drive_weights) buffer Weights { vec4 weights[]; };
+layout(std430, set = 0, binding = drive_drives) writeonly buffer Drives { DriveOut drives[]; };
 
 const uint together = 4u;  // phases tried per turn of the loop
 const float float_pi = 3.1415925;
@@ -23,8 +18,8 @@ const float float_pi = 3.1415925;
 void main() {
   const uint s = gl_GlobalInvocationID.x;
   if (s >= push.slots) return;
-  const DriveSlot slot = slots[s];
-  if (slot.count < fewest || slot.count > most || slot.solved == drive_unsolved) return;
+  const DriveSlot slot = slot_at(s);
+  if (!solves(slot)) return;
   const uint count = slot.count;
 
   Place places[most];
@@ -34,12 +29,12 @@ void main() {
   float level = 0.0;
   float squares = 0.0;
   [[unroll]] for (uint j = 0u; j < most; ++j) {
-    const DriveFocus focus = foci[slot.first + min(j, count - 1u)];
+    const uint focus = slot.first + min(j, count - 1u);
     places[j] = place_of(focus);
     // A focus that is none asks for nothing and hears nothing.
-    gains[j] = j < count ? focus.fine.w : 0.0;
+    gains[j] = j < count ? gain_of(focus) : 0.0;
     squares += gains[j] * gains[j];
-    const vec4 before = push.begin == 0u ? vec4(0.0) : weights[slot.first + min(j, count - 1u)];
+    const vec4 before = push.begin == 0u ? vec4(0.0) : weights[focus];
     field[j] = before.xy;
     size[j] = before.z;
     if (j == 0u) level = before.w;
@@ -48,15 +43,13 @@ void main() {
 
   uint n = push.next;
   for (uint turn = push.begin; turn < push.end; ++turn) {
-    const vec3 coarse = transducers[n].coarse.xyz;
-    const vec3 fine = transducers[n].fine.xyz;
-    const vec3 axis = axes[n].xyz;
+    const Source source = source_of(n);
     vec2 gives[most];
     float energy[most];
     float lacks[most];
     float total = 0.0;
     [[unroll]] for (uint j = 0u; j < most; ++j) {
-      const Pair pair = pair_of(coarse, fine, axis, places[j]);
+      const Pair pair = pair_of(source, places[j]);
       const float loud = j < count ? pair.loud : 0.0;
       gives[j] = pair.unit * loud;
       energy[j] = loud * loud;

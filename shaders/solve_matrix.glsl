@@ -1,18 +1,14 @@
-// R = G B of each slot, tile by tile: one workgroup walks over all transducers for solve_tile rows and as many columns,
-// and, where they are different foci, for their mirror image, too. What a transducer and a focus do to each other is
+// R = G B of a slot, tile by tile: one workgroup walks over all transducers for `tile` rows and as many columns, and,
+// where they are different foci, for their mirror image, too. What a transducer and a focus do to each other is
 // reckoned anew in each tile: reading it back would take longer on every device tried.
 //
 // With SOLVE_MIRRORED defined: the tiles off the diagonal; without, those on it.
-#extension GL_EXT_control_flow_attributes : require
-#include "solve.h"
-#include "drive.h"
-#include "solve_pair.glsl"
+#include "solve_inputs.glsl"
 
-layout(local_size_x = 32) in;
+layout(constant_id = 2) const uint tile = 5u;
 
 layout(std430, set = 0, binding = solve_matrices) writeonly buffer Matrices { vec2 matrices[]; };
 
-const uint tile = solve_tile;
 #ifdef SOLVE_MIRRORED
 const uint kinds = 2u;
 #else
@@ -22,31 +18,14 @@ const uint entries = kinds * tile * tile;
 
 shared vec2 partial[solve_group * entries];
 
-void main() {
-  const DriveSlot slot = slots[gl_WorkGroupID.x];
-  if (slot.count < 2u || slot.solved == drive_unsolved) return;
-  const uint tiles = (slot.count + tile - 1u) / tile;
-#ifdef SOLVE_MIRRORED
-  // Pair number of (row, column) with row < column: column (column - 1) / 2 + row.
-  uint column_tile = 1u;
-  uint row_tile = gl_WorkGroupID.y;
-  for (uint c = 1u; c < solve_most_foci && row_tile >= column_tile; ++c) {
-    row_tile -= column_tile;
-    ++column_tile;
-  }
-#else
-  const uint column_tile = gl_WorkGroupID.y;
-  const uint row_tile = column_tile;
-#endif
-  if (column_tile >= tiles) return;
-
+void fill_tile(DriveSlot slot, uint row_tile, uint column_tile) {
   Place rows[tile];
   [[unroll]] for (uint i = 0u; i < tile; ++i)
-    rows[i] = place_of(foci[slot.first + min(row_tile * tile + i, slot.count - 1u)]);
+    rows[i] = place_of(slot.first + min(row_tile * tile + i, slot.count - 1u));
 #ifdef SOLVE_MIRRORED
   Place columns[tile];
   [[unroll]] for (uint i = 0u; i < tile; ++i)
-    columns[i] = place_of(foci[slot.first + min(column_tile * tile + i, slot.count - 1u)]);
+    columns[i] = place_of(slot.first + min(column_tile * tile + i, slot.count - 1u));
 #endif
 
   vec2 sum[entries];
@@ -54,14 +33,12 @@ void main() {
 
   const uint thread = gl_LocalInvocationIndex;
   for (uint n = thread; n < push.transducers; n += solve_group) {
-    const vec3 coarse = transducers[n].coarse.xyz;
-    const vec3 fine = transducers[n].fine.xyz;
-    const vec3 axis = axes[n].xyz;
+    const Source source = source_of(n);
     Pair of_rows[tile];
-    [[unroll]] for (uint i = 0u; i < tile; ++i) of_rows[i] = pair_of(coarse, fine, axis, rows[i]);
+    [[unroll]] for (uint i = 0u; i < tile; ++i) of_rows[i] = pair_of(source, rows[i]);
 #ifdef SOLVE_MIRRORED
     Pair of_columns[tile];
-    [[unroll]] for (uint i = 0u; i < tile; ++i) of_columns[i] = pair_of(coarse, fine, axis, columns[i]);
+    [[unroll]] for (uint i = 0u; i < tile; ++i) of_columns[i] = pair_of(source, columns[i]);
 #endif
     [[unroll]] for (uint c = 0u; c < tile; ++c) {
       [[unroll]] for (uint r = 0u; r < tile; ++r) {

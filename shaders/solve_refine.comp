@@ -1,47 +1,41 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "solve.h"
-#include "drive.h"
-#include "solve_pair.glsl"
+#include "solve_inputs.glsl"
 
-// The heard factors, refined once over the whole array for amplitudes as the constraint makes them: one workgroup per
-// slot.
+// The heard factors, refined once over the whole array for amplitudes as the constraint makes them, where foci are many:
+// one workgroup per slot.
 layout(local_size_x = 32) in;
 
 layout(std430, set = 0, binding = solve_matrices) readonly buffer Matrices { vec2 matrices[]; };
-layout(std430, set = 0, binding = solve_weights) buffer Weights { vec4 weights[]; };
+layout(std430, set = 0, binding = drive_weights) buffer Weights { vec4 weights[]; };
 // What the transducers do with the factors so far: real and imaginary part wait in the drive's own place.
-layout(std430, set = 0, binding = solve_drives) buffer Drives { DriveOut drives[]; };
+layout(std430, set = 0, binding = drive_drives) buffer Drives { DriveOut drives[]; };
 
 #include "solve_step.glsl"
 
-const uint tile = solve_tile;
+const uint tile = 5u;  // foci that a thread keeps in registers
 const uint each = 4u;  // transducers that a thread keeps in registers
 shared vec2 partial[tile * solve_group];
 
 void drive_all(uint base, uint first, uint count) {
   for (uint begin = gl_LocalInvocationIndex; begin < push.transducers; begin += solve_group * each) {
-    vec3 coarse[each];
-    vec3 fine[each];
+    Source sources[each];
     vec2 sum[each];
     [[unroll]] for (uint k = 0u; k < each; ++k) {
-      const uint n = min(begin + k * solve_group, push.transducers - 1u);
-      coarse[k] = transducers[n].coarse.xyz;
-      fine[k] = transducers[n].fine.xyz;
+      sources[k] = source_of(min(begin + k * solve_group, push.transducers - 1u));
       sum[k] = vec2(0.0);
     }
     for (uint j = 0u; j < count; ++j) {
-      const Place focus = place_of(foci[first + j]);
+      const Place focus = place_of(first + j);
       const vec2 by = factor[j];
-      [[unroll]] for (uint k = 0u; k < each; ++k) sum[k] += times(by, ask_of(coarse[k], fine[k], focus));
+      [[unroll]] for (uint k = 0u; k < each; ++k) sum[k] += times(by, ask_of(sources[k], focus));
     }
     [[unroll]] for (uint k = 0u; k < each; ++k) {
       const uint n = begin + k * solve_group;
       if (n >= push.transducers) continue;
-      const float size = length(sum[k]);
-      if (size > 0.0 && (push.constraint == drive_uniform || size > 1.0)) sum[k] /= size;
-      drives[base + n] = DriveOut(sum[k].x, sum[k].y);
+      const vec2 does = bounded(sum[k]);
+      drives[base + n] = DriveOut(does.x, does.y);
     }
   }
 }
@@ -51,16 +45,14 @@ void hear_tile(uint base, uint first, uint begin, uint count) {
   Place places[tile];
   vec2 sum[tile];
   [[unroll]] for (uint i = 0u; i < tile; ++i) {
-    places[i] = place_of(foci[first + min(begin + i, count - 1u)]);
+    places[i] = place_of(first + min(begin + i, count - 1u));
     sum[i] = vec2(0.0);
   }
   for (uint n = thread; n < push.transducers; n += solve_group) {
-    const vec3 coarse = transducers[n].coarse.xyz;
-    const vec3 fine = transducers[n].fine.xyz;
-    const vec3 axis = axes[n].xyz;
+    const Source source = source_of(n);
     const vec2 does = vec2(drives[base + n].amplitude, drives[base + n].phase);
     [[unroll]] for (uint i = 0u; i < tile; ++i) {
-      const Pair pair = pair_of(coarse, fine, axis, places[i]);
+      const Pair pair = pair_of(source, places[i]);
       sum[i] += times(does, pair.unit * pair.loud);
     }
   }
@@ -75,18 +67,18 @@ void hear_tile(uint base, uint first, uint begin, uint count) {
 }
 
 void main() {
-  const DriveSlot slot = slots[gl_WorkGroupID.x];
-  if (slot.count < 2u || slot.solved == drive_unsolved) return;
+  const DriveSlot slot = slot_at(gl_WorkGroupID.x);
+  if (!solves(slot)) return;
   const uint base = gl_WorkGroupID.x * push.transducers;
   const uint thread = gl_LocalInvocationIndex;
   const float loudest = loudest_alone(slot.solved, slot.count);
   for (uint j = thread; j < slot.count; j += solve_group) {
     factor[j] = weights[slot.first + j].zw;
-    wanted[j] = foci[slot.first + j].fine.w * reach_of(alone(slot.solved, slot.count, j), loudest);
+    wanted[j] = gain_of(slot.first + j) * reach_of(alone(slot.solved, slot.count, j), loudest);
   }
   barrier();
   float sum = 0.0;
-  for (uint j = 0u; j < slot.count; ++j) sum += foci[slot.first + j].fine.w;
+  for (uint j = 0u; j < slot.count; ++j) sum += gain_of(slot.first + j);
   if (thread == 0u) halfway = slot.count <= solve_few;
   forget_moves(slot.count);
   drive_all(base, slot.first, slot.count);

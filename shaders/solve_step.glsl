@@ -1,29 +1,17 @@
 // One step of gs_pat.hpp by a workgroup: factors towards t_j L. All threads call these together.
+#include "solve_rules.glsl"
 
 shared vec2 factor[solve_most_foci];
 shared vec2 field[solve_most_foci];    // what they give
 shared float wanted[solve_most_foci];  // t_j
-// What a focus that is hard to reach may have more than the others: gs_pat_most_help.
-const float most_help = 4.0;
 shared float moved[solve_most_foci];
 shared float level;  // L
 shared float scale;  // of the new magnitudes
 shared bool still;
 shared bool halfway;  // weights go half the way
 
-// The phase of `p`, or of `otherwise` where p has none, at magnitude `size`.
-vec2 turned(float size, vec2 p, vec2 otherwise) {
-  const float most = length(p);
-  if (most > 0.0) return p * (size / most);
-  const float other = length(otherwise);
-  return other > 0.0 ? otherwise * (size / other) : vec2(size, 0.0);
-}
-
-// No more than four times per step: a pressure near zero says little.
 float new_size(uint j) {
-  const float heard = length(field[j]);
-  const float aim = wanted[j] * level;
-  const float ratio = aim < 4.0 * heard ? aim / heard : 4.0;
+  const float ratio = growth(wanted[j] * level, length(field[j]));
   return length(factor[j]) * (halfway ? sqrt(ratio) : ratio);
 }
 
@@ -64,8 +52,6 @@ float loudest_alone(uint base, uint count) {
   for (uint j = 0u; j < count; ++j) most = max(most, alone(base, count, j));
   return most;
 }
-// What part of full loudness a focus is to have at most.
-float reach_of(float alone, float loudest) { return loudest > 0.0 ? min(most_help * alone / loudest, 1.0) : 1.0; }
 
 void forget_moves(uint count) {
   for (uint j = gl_LocalInvocationIndex; j < count; j += solve_group) moved[j] = 1e30;

@@ -1,14 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "solve.h"
-#include "drive.h"
-#include "solve_pair.glsl"
+#include "solve_inputs.glsl"
 
-// The factors of each slot's foci from its matrix: one workgroup per slot, a thread per row (or two).
+// The factors of each slot's foci from its matrix, where they are many: one workgroup per slot, a thread per row (or two).
 layout(local_size_x = 32) in;
 
 layout(std430, set = 0, binding = solve_matrices) readonly buffer Matrices { vec2 matrices[]; };
-layout(std430, set = 0, binding = solve_weights) writeonly buffer Weights { vec4 weights[]; };
+layout(std430, set = 0, binding = drive_weights) writeonly buffer Weights { vec4 weights[]; };
 
 #include "solve_step.glsl"
 
@@ -23,9 +21,9 @@ void multiply(uint base, uint count) {
 }
 
 void main() {
-  const DriveSlot slot = slots[gl_WorkGroupID.x];
+  const DriveSlot slot = slot_at(gl_WorkGroupID.x);
+  if (!solves(slot)) return;
   const uint count = slot.count;
-  if (count < 2u || slot.solved == drive_unsolved) return;
   const uint base = slot.solved;
   const uint thread = gl_LocalInvocationIndex;
 
@@ -37,13 +35,12 @@ void main() {
     shares += own > 0.0 ? reach_of(own, loudest) / own : 0.0;
   }
   bool differ = false;
-  for (uint j = 0u; j < count; ++j) differ = differ || foci[slot.first + j].fine.w != 1.0;
+  for (uint j = 0u; j < count; ++j) differ = differ || gain_of(slot.first + j) != 1.0;
   for (uint j = thread; j < count; j += solve_group) {
     const float own = alone(base, count, j);
     const float share = own > 0.0 ? reach_of(own, loudest) / own : 0.0;
     const float size = shares > 0.0 ? min(share * float(count) / shares, push.most_weight) : 1.0;
-    const Pair first = pair_of(transducers[0].coarse.xyz, transducers[0].fine.xyz, axes[0].xyz,
-                               place_of(foci[slot.first + j]));
+    const Pair first = pair_of(source_of(0u), place_of(slot.first + j));
     factor[j] = size * vec2(first.unit.x, -first.unit.y);
     wanted[j] = reach_of(own, loudest);
   }
@@ -71,8 +68,8 @@ void main() {
     }
     barrier();
     for (uint j = thread; j < count; j += solve_group) {
-      wanted[j] *= foci[slot.first + j].fine.w;
-      factor[j] *= foci[slot.first + j].fine.w;
+      wanted[j] *= gain_of(slot.first + j);
+      factor[j] *= gain_of(slot.first + j);
     }
     forget_moves(count);
     barrier();

@@ -26,15 +26,24 @@ static_assert(static_cast<std::uint32_t>(Constraint::clamp) == shader::drive_cla
 
 namespace {
 constexpr std::uint32_t most_groups = 65535;
+
+gpu::PipelineLayout kernel() {
+  return {shader::drive_buffers, sizeof(shader::DrivePush), {}, shader::drive_texels};
 }
 
-DrivesPass::DrivesPass(const gpu::Device& device)
-    : focus_(device, "drive_focus", spirv::drive_focus_comp, {shader::drive_buffers, sizeof(shader::DrivePush)}),
-      sum_(device, "drive_sum", spirv::drive_sum_comp, {shader::drive_buffers, sizeof(shader::DrivePush)}),
-      weighted_(device, "drive_weighted", spirv::drive_weighted_comp,
-                {shader::drive_weighted_buffers, sizeof(shader::DrivePush)}) {}
+gpu::TexelView floats(const gpu::Device& device, const gpu::BufferRef& buffer, const char* name) {
+  return {device, buffer, VK_FORMAT_R32G32B32A32_SFLOAT, name};
+}
 
-void DrivesPass::record(VkCommandBuffer commands, const DriveRefs& refs, const DriveBatch& batch) const {
+}  // namespace
+
+DrivesPass::DrivesPass(const gpu::Device& device)
+    : focus_(device, "drive_focus", spirv::drive_focus_comp, kernel()),
+      sum_(device, "drive_sum", spirv::drive_sum_comp, kernel()),
+      weighted_(device, "drive_weighted", spirv::drive_weighted_comp,
+                {shader::drive_weighted_buffers, sizeof(shader::DrivePush), {}, shader::drive_weighted_texels}) {}
+
+void DrivesPass::record(VkCommandBuffer commands, const DriveBindings& bindings, const DriveBatch& batch) const {
   const shader::DrivePush push{batch.transducers, batch.slots, static_cast<std::uint32_t>(batch.weighting),
                                static_cast<std::uint32_t>(batch.constraint)};
   // The kernels write different slots, but of one buffer, which nothing else tells apart.
@@ -45,17 +54,19 @@ void DrivesPass::record(VkCommandBuffer commands, const DriveRefs& refs, const D
   const std::uint32_t groups = batch.transducers == 0 ? 0 : batch.slots;
   if (batch.single) {
     apart();
-    focus_.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives}, push,
+    focus_.dispatch(commands, {bindings.transducers, bindings.foci, bindings.slots, bindings.drives}, push,
                     gpu::groups_for(batch.transducers, shader::drive_group * shader::drive_each),
                     gpu::groups_for(batch.slots, shader::drive_slots_per_group));
   }
   if (batch.several) {
     apart();
-    sum_.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives}, push, groups);
+    sum_.dispatch(commands, {bindings.transducers, bindings.foci, bindings.slots, bindings.drives}, push, groups);
   }
   if (batch.weighted) {
     apart();
-    weighted_.dispatch(commands, {refs.transducers, refs.foci, refs.slots, refs.drives, refs.weights}, push, groups);
+    weighted_.dispatch(commands,
+                       {bindings.transducers, bindings.foci, bindings.slots, bindings.drives, bindings.weights}, push,
+                       groups);
   }
 }
 
@@ -67,15 +78,15 @@ shader::DrivePoint drive_point(const Vec3& metres, double turns_per_metre) {
           {static_cast<float>(fine.x), static_cast<float>(fine.y), static_cast<float>(fine.z), 0}};
 }
 
-std::uint32_t DriveBuffers::fitting_slots(const gpu::Device& device, std::size_t transducers) {
+std::uint32_t DriveMemory::fitting_slots(const gpu::Device& device, std::size_t transducers) {
   const std::uint64_t bytes = std::max<std::uint64_t>(1, transducers) * sizeof(TransducerDrive);
   return static_cast<std::uint32_t>(
       std::min<std::uint64_t>(most_groups, device.limits().maxStorageBufferRange / bytes));
 }
 
-DriveBuffers::DriveBuffers(const gpu::Device& device, const Layout& layout, const DriveOptions& options,
-                           std::uint32_t most_slots, std::uint32_t most_foci)
-    : options_(options), reach_(layout) {
+DriveMemory::DriveMemory(const gpu::Device& device, const Layout& layout, const DriveOptions& options,
+                         std::uint32_t most_slots, std::uint32_t most_foci)
+    : options_(options), reach_(layout), most_slots_(most_slots), most_foci_(most_foci) {
   const double turns_per_metre = options.medium.turns_per_metre();
   const std::uint32_t fitting = fitting_slots(device, layout.transducers.size());
   if (most_slots > fitting || layout.transducers.size() > max_transducers) {
@@ -83,10 +94,14 @@ DriveBuffers::DriveBuffers(const gpu::Device& device, const Layout& layout, cons
                                 most_slots, layout.transducers.size(), device.description().name, fitting));
   }
   batch_.transducers = static_cast<std::uint32_t>(layout.transducers.size());
-  transducers_ = gpu::Upload(device, batch_.transducers * sizeof(shader::DrivePoint), "drive transducers");
+  transducers_ =
+      gpu::Upload(device, std::max(1U, batch_.transducers) * sizeof(shader::DrivePoint), "drive transducers");
   // At least one: silent slots read an entry that they do not use.
   foci_ = gpu::Upload(device, std::max(1U, most_foci) * sizeof(shader::DriveFocus), "drive foci");
-  slots_ = gpu::Upload(device, most_slots * sizeof(shader::DriveSlot), "drive slots");
+  slots_ = gpu::Upload(device, std::max(1U, most_slots) * sizeof(shader::DriveSlot), "drive slots");
+  transducer_texels_ = floats(device, transducers_.ref(), "drive transducers");
+  focus_texels_ = floats(device, foci_.ref(), "drive foci");
+  slot_texels_ = gpu::TexelView(device, slots_.ref(), VK_FORMAT_R32G32B32A32_UINT, "drive slots");
   const std::uint64_t drives = std::uint64_t{most_slots} * batch_.transducers;
   drives_ = gpu::Readback(device, drives * sizeof(TransducerDrive), "drives");
   std::ranges::transform(layout.transducers, transducers_.as<shader::DrivePoint>().begin(),
@@ -104,28 +119,29 @@ DriveBuffers::DriveBuffers(const gpu::Device& device, const Layout& layout, cons
         solver_directivity(options.directivity, 2 * std::numbers::pi * solve_.nearest);
     directivity_ = gpu::Upload(device, table.size() * sizeof(table[0]), "directivity");
     std::ranges::copy(table, directivity_.as<std::uint32_t>().begin());
-    // A slot of n foci has n * n entries, n being at most most_solved_foci.
-    const bool matrices = options.solver == Solver::gs_pat;
-    matrices_ = gpu::Buffer(device, matrices ? most_foci * most_solved_foci * 2 * sizeof(float) : 0, "focus matrices");
-    weights_ = gpu::Buffer(device, most_foci * sizeof(shader::vec4), "focus weights");
+    solver_scratch_ = gpu::Scratch(device, SolverPass::scratch(options.solver, most_foci), "solver scratch");
+    weights_ = gpu::Buffer(device, std::max(1U, most_foci) * sizeof(shader::vec4), "focus weights");
+    axis_texels_ = floats(device, axes_.ref(), "transducer axes");
+    directivity_texels_ = gpu::TexelView(device, directivity_.ref(), VK_FORMAT_R32_UINT, "directivity");
+    weight_texels_ = floats(device, weights_.ref(), "focus weights");
   }
   batch_.weighting = options.weighting;
   batch_.constraint = options.constraint;
   clear();
 }
 
-void DriveBuffers::clear() {
+void DriveMemory::clear() {
   batch_.slots = 0;
   batch_.single = batch_.several = batch_.weighted = false;
-  solve_.most_foci = 0;
+  solve_.sizes = 0;
   used_foci_ = used_entries_ = 0;
 }
 
-bool DriveBuffers::add_slot(std::span<const SlotFocus> foci) {
+bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
   const auto slots = slots_.as<shader::DriveSlot>();
   const auto store = foci_.as<shader::DriveFocus>();
   const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
-  if (batch_.slots == slots.size() || count > store.size() - used_foci_) return false;
+  if (batch_.slots == most_slots_ || count > most_foci_ - used_foci_) return false;
 
   float shared = 0;
   for (const SlotFocus& focus : foci) {
@@ -140,7 +156,7 @@ bool DriveBuffers::add_slot(std::span<const SlotFocus> foci) {
     batch_.several = true;
   } else {
     batch_.weighted = options_.solver == Solver::gs_pat;
-    solve_.most_foci = std::max(solve_.most_foci, foci_here);
+    solve_.sizes |= std::uint64_t{1} << (foci_here - 1);
     if (batch_.weighted) used_entries_ += foci_here * foci_here;
   }
   for (const SlotFocus& focus : foci) {
@@ -156,7 +172,7 @@ bool DriveBuffers::add_slot(std::span<const SlotFocus> foci) {
   return true;
 }
 
-void DriveBuffers::record(VkCommandBuffer commands, const DrivePasses& passes) {
+void DriveMemory::record(VkCommandBuffer commands, const DrivePasses& passes) {
   // The batch before wrote and read the same memory; see gpu/barrier.hpp.
   gpu::compute_to_compute(commands);
   if (!layout_sent_) {
@@ -169,20 +185,21 @@ void DriveBuffers::record(VkCommandBuffer commands, const DrivePasses& passes) {
   layout_sent_ = true;
   foci_.record(commands, used_foci_ * sizeof(shader::DriveFocus));
   slots_.record(commands, batch_.slots * sizeof(shader::DriveSlot));
-  if (solve_.most_foci > 1) {
+  if (solve_.sizes != 0) {
     solve_.slots = batch_.slots;
     passes.solver.record(commands,
-                         {transducers_.ref(), axes_.ref(), foci_.ref(), slots_.ref(), directivity_.ref(),
-                          matrices_.ref(), weights_.ref(), drives_.ref()},
-                         solve_, options_.solver);
+                         {transducer_texels_.ref(), focus_texels_.ref(), slot_texels_.ref(), drives_.ref(),
+                          weights_.ref(), axis_texels_.ref(), directivity_texels_.ref()},
+                         solver_scratch_, solve_);
     gpu::compute_to_compute(commands);
   }
-  passes.drives.record(commands, {transducers_.ref(), foci_.ref(), slots_.ref(), drives_.ref(), weights_.ref()},
-                       batch_);
+  passes.drives.record(
+      commands,
+      {transducer_texels_.ref(), focus_texels_.ref(), slot_texels_.ref(), drives_.ref(), weight_texels_.ref()}, batch_);
   drives_.record(commands, std::uint64_t{batch_.slots} * batch_.transducers * sizeof(TransducerDrive));
 }
 
-std::span<const TransducerDrive> DriveBuffers::drive(std::uint32_t slot) const {
+std::span<const TransducerDrive> DriveMemory::drive(std::uint32_t slot) const {
   return drives_.as<TransducerDrive>().subspan(std::size_t{slot} * batch_.transducers, batch_.transducers);
 }
 

@@ -10,17 +10,18 @@
 #include "array/solver_pass.hpp"
 #include "gpu/buffer.hpp"
 #include "gpu/pipeline.hpp"
+#include "gpu/texel_view.hpp"
 #include "shaders/drive.h"
 
 namespace palpa::array {
 
-/// What one record of the pass binds.
-struct DriveRefs {
-  gpu::BufferRef transducers;  ///< shader::DrivePoint[transducers]
-  gpu::BufferRef foci;         ///< shader::DriveFocus[]
-  gpu::BufferRef slots;        ///< shader::DriveSlot[slots]; first + count within `foci`
+/// What one record of the pass binds. Texels are views of 16 bytes each (gpu/texel_view.hpp).
+struct DriveBindings {
+  gpu::BufferRef transducers;  ///< texels of shader::DrivePoint[transducers]
+  gpu::BufferRef foci;         ///< texels of shader::DriveFocus[]
+  gpu::BufferRef slots;        ///< texels of shader::DriveSlot[slots]; first + count within `foci`
   gpu::BufferRef drives;   ///< written: shader::DriveOut[slots * transducers], slot after slot; no more than 2^32 - 1
-  gpu::BufferRef weights;  ///< vec4 per focus, plain and heard factor; bound only where batch.weighted
+  gpu::BufferRef weights;  ///< texels: vec4 per focus, plain and heard factor; bound only where batch.weighted
 };
 
 struct DriveBatch {
@@ -42,7 +43,7 @@ class DrivesPass {
   explicit DrivesPass(const gpu::Device& device);
 
   /// Barriers: expects the three inputs to be visible to compute; the caller makes `drives` visible afterwards.
-  void record(VkCommandBuffer commands, const DriveRefs& refs, const DriveBatch& batch) const;
+  void record(VkCommandBuffer commands, const DriveBindings& bindings, const DriveBatch& batch) const;
 
  private:
   gpu::ComputePipeline focus_;
@@ -52,21 +53,21 @@ class DrivesPass {
 
 /// Drives and what they need to be solved first.
 struct DrivePasses {
-  explicit DrivePasses(const gpu::Device& device) : solver(device), drives(device) {}
+  DrivePasses(const gpu::Device& device, Solver which) : solver(device, which), drives(device) {}
   SolverPass solver;
   DrivesPass drives;
 };
 
 /// Everything one batch in flight needs; allocates when made and never again. Not to be touched between the submit that
 /// recorded it and its completion, but for `drive` thereafter.
-class DriveBuffers {
+class DriveMemory {
  public:
-  DriveBuffers() = default;
+  DriveMemory() = default;
   /// `layout` as posed in the frame of the foci; all batches have the same options. Throws bad_usage where `most_slots`
   /// slots of it exceed the device's largest storage buffer (128 MiB on small devices: 4210 slots of 3984 transducers);
   /// see fitting_slots.
-  DriveBuffers(const gpu::Device& device, const Layout& layout, const DriveOptions& options, std::uint32_t most_slots,
-               std::uint32_t most_foci);
+  DriveMemory(const gpu::Device& device, const Layout& layout, const DriveOptions& options, std::uint32_t most_slots,
+              std::uint32_t most_foci);
 
   /// The most slots that one batch of this layout can have.
   static std::uint32_t fitting_slots(const gpu::Device& device, std::size_t transducers);
@@ -89,10 +90,14 @@ class DriveBuffers {
  private:
   DriveOptions options_;
   Reach reach_{Layout{}};
+  std::uint32_t most_slots_ = 0, most_foci_ = 0;
   gpu::Upload transducers_, foci_, slots_;
+  gpu::TexelView transducer_texels_, focus_texels_, slot_texels_;
   // Of the solvers; empty under `naive`.
   gpu::Upload axes_, directivity_;
-  gpu::Buffer matrices_, weights_;
+  gpu::Buffer weights_;
+  gpu::Scratch solver_scratch_;
+  gpu::TexelView axis_texels_, directivity_texels_, weight_texels_;
   gpu::Readback drives_;
   DriveBatch batch_;
   SolveBatch solve_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
+#include <utility>
 
 #include "array/greedy.hpp"
 #include "gpu/barrier.hpp"
@@ -10,7 +12,9 @@
 #include "spirv/solve_greedy.comp.hpp"
 #include "spirv/solve_mirrored.comp.hpp"
 #include "spirv/solve_refine.comp.hpp"
+#include "spirv/solve_refine_few.comp.hpp"
 #include "spirv/solve_weights.comp.hpp"
+#include "spirv/solve_weights_few.comp.hpp"
 
 namespace palpa::array {
 
@@ -22,26 +26,16 @@ static_assert(gs_pat_most_help == 4);  // in solve_step.glsl
 
 namespace {
 
-// Fewest and most foci of a slot.
-constexpr std::array<std::uint32_t, 2> few{2, shader::solve_few_foci};
-constexpr std::array<std::uint32_t, 2> many{shader::solve_few_foci + 1, shader::solve_most_foci};
-
-gpu::PipelineLayout layout(std::span<const std::uint32_t> constants = {}) {
-  return {shader::solve_buffers, sizeof(shader::SolvePush), constants};
+gpu::ComputePipeline pipeline(const gpu::Device& device, const char* name, std::span<const std::uint32_t> spirv,
+                              std::initializer_list<std::uint32_t> constants) {
+  return {
+      device,
+      name,
+      spirv,
+      {shader::solve_buffers, sizeof(shader::SolvePush), {constants.begin(), constants.size()}, shader::solve_texels}};
 }
 
-}  // namespace
-
-SolverPass::SolverPass(const gpu::Device& device)
-    : diagonal_(device, "solve_diagonal", spirv::solve_diagonal_comp, layout()),
-      mirrored_(device, "solve_mirrored", spirv::solve_mirrored_comp, layout()),
-      weights_(device, "solve_weights", spirv::solve_weights_comp, layout()),
-      refine_(device, "solve_refine", spirv::solve_refine_comp, layout()),
-      greedy_few_(device, "solve_greedy", spirv::solve_greedy_comp, layout(few)),
-      greedy_many_(device, "solve_greedy_many", spirv::solve_greedy_comp, layout(many)) {}
-
-void SolverPass::record(VkCommandBuffer commands, const SolveRefs& refs, const SolveBatch& batch, Solver solver) const {
-  if (solver == Solver::naive || batch.transducers == 0 || batch.slots == 0 || batch.most_foci < 2) return;
+shader::SolvePush push_of(const SolveBatch& batch) {
   shader::SolvePush push{};
   push.transducers = batch.transducers;
   push.slots = batch.slots;
@@ -50,42 +44,102 @@ void SolverPass::record(VkCommandBuffer commands, const SolveRefs& refs, const S
   push.nearest = static_cast<float>(batch.nearest);
   push.stride = greedy_stride(batch.transducers);
   push.steps = gs_pat_steps;
+  push.refinings = gs_pat_refinings;
   push.most_weight = static_cast<float>(gs_pat_most_weight);
   push.still = static_cast<float>(gs_pat_still);
-  const auto run = [&](const gpu::ComputePipeline& pipeline, std::uint32_t x, std::uint32_t y = 1) {
-    pipeline.dispatch(commands,
-                      {refs.transducers, refs.axes, refs.foci, refs.slots, refs.directivity, refs.matrices,
-                       refs.weights, refs.drives},
-                      push, x, y);
-  };
-  if (solver == Solver::greedy) {
-    std::uint32_t next = 0;
-    for (push.begin = 0; push.begin < batch.transducers; push.begin = push.end) {
-      if (push.begin > 0) gpu::compute_to_compute(commands);
-      push.end = std::min(push.begin + shader::solve_turns, batch.transducers);
-      push.next = next;
-      run(greedy_few_, gpu::groups_for(batch.slots, shader::solve_group));
-      if (batch.most_foci > shader::solve_few_foci) {
-        // Other slots, but the same buffers, which nothing else tells apart.
-        gpu::compute_to_compute(commands);
-        run(greedy_many_, gpu::groups_for(batch.slots, shader::solve_group));
-      }
-      next = static_cast<std::uint32_t>(std::uint64_t{push.end} * push.stride % batch.transducers);
+  return push;
+}
+
+/// The most foci that a slot of the batch has within fewest .. most; 0: no slot is of such a size.
+std::uint32_t most_foci(const SolveBatch& batch, std::uint32_t fewest, std::uint32_t most) {
+  while (most >= fewest && !(batch.sizes >> (most - 1) & 1))
+    --most;
+  return most >= fewest ? most : 0;
+}
+
+}  // namespace
+
+SolverPass::SolverPass(const gpu::Device& device, Solver solver) {
+  if (solver == Solver::gs_pat) {
+    std::uint32_t fewest = 2;
+    for (const std::uint32_t most : {shader::solve_hand_foci, shader::solve_finger_foci}) {
+      gs_pat_.push_back({fewest,
+                         most,
+                         most,
+                         pipeline(device, "solve_diagonal", spirv::solve_diagonal_comp, {fewest, most, most}),
+                         {},
+                         pipeline(device, "solve_weights_few", spirv::solve_weights_few_comp, {fewest, most}),
+                         pipeline(device, "solve_refine_few", spirv::solve_refine_few_comp, {fewest, most})});
+      fewest = most + 1;
     }
-    return;
+    constexpr std::uint32_t most = shader::solve_most_foci, tile = shader::solve_tile;
+    gs_pat_.push_back({fewest, most, tile,
+                       pipeline(device, "solve_diagonal", spirv::solve_diagonal_comp, {fewest, most, tile}),
+                       pipeline(device, "solve_mirrored", spirv::solve_mirrored_comp, {fewest, most, tile}),
+                       pipeline(device, "solve_weights", spirv::solve_weights_comp, {fewest, most}),
+                       pipeline(device, "solve_refine", spirv::solve_refine_comp, {fewest, most})});
   }
-  const std::uint32_t tiles = gpu::groups_for(batch.most_foci, shader::solve_tile);
-  run(diagonal_, batch.slots, tiles);
-  if (tiles > 1) {
-    gpu::compute_to_compute(commands);
-    run(mirrored_, batch.slots, tiles * (tiles - 1) / 2);
+  if (solver == Solver::greedy) {
+    std::uint32_t fewest = 2;
+    for (const std::uint32_t most : {shader::solve_greedy_few, shader::solve_most_foci}) {
+      greedy_.push_back({fewest, most, pipeline(device, "solve_greedy", spirv::solve_greedy_comp, {fewest, most})});
+      fewest = most + 1;
+    }
   }
-  gpu::compute_to_compute(commands);
-  run(weights_, batch.slots);
-  if (batch.constraint == Constraint::normalise) return;
-  for (std::uint32_t i = 0; i < gs_pat_refinings; ++i) {
-    gpu::compute_to_compute(commands);
-    run(refine_, batch.slots);
+}
+
+std::vector<gpu::ScratchPiece> SolverPass::scratch(Solver solver, std::uint32_t most_foci) {
+  // A slot of n foci has n * n entries of two floats, n being at most most_solved_foci.
+  const VkDeviceSize entries = solver == Solver::gs_pat ? VkDeviceSize{most_foci} * most_solved_foci : 0;
+  return {{"focus matrices", entries * 2 * sizeof(float)}};
+}
+
+void SolverPass::record(VkCommandBuffer commands, const SolveBindings& bindings, const gpu::Scratch& scratch,
+                        const SolveBatch& batch) const {
+  if (batch.transducers == 0 || batch.slots == 0 || batch.sizes == 0) return;
+  const std::initializer_list<gpu::BufferRef> buffers{bindings.transducers, bindings.foci,    bindings.slots,
+                                                      bindings.drives,      bindings.weights, bindings.axes,
+                                                      bindings.directivity, scratch[matrices]};
+  if (!gs_pat_.empty()) record_gs_pat(commands, buffers, batch);
+  if (!greedy_.empty()) record_greedy(commands, buffers, batch);
+}
+
+void SolverPass::record_gs_pat(VkCommandBuffer commands, std::initializer_list<gpu::BufferRef> buffers,
+                               const SolveBatch& batch) const {
+  const shader::SolvePush push = push_of(batch);
+  bool first = true;
+  const auto run = [&](const gpu::ComputePipeline& kernel, std::uint32_t x, std::uint32_t y = 1) {
+    // Where it is not the step before, it is other slots in the same buffers, which nothing else tells apart.
+    if (!std::exchange(first, false)) gpu::compute_to_compute(commands);
+    kernel.dispatch(commands, buffers, push, x, y);
+  };
+  for (const GsPat& kernels : gs_pat_) {
+    const std::uint32_t foci = most_foci(batch, kernels.fewest, kernels.most);
+    if (foci == 0) continue;
+    const bool few = kernels.most <= shader::solve_finger_foci;
+    const std::uint32_t tiles = gpu::groups_for(foci, kernels.tile);
+    run(kernels.diagonal, batch.slots, tiles);
+    if (tiles > 1) run(kernels.mirrored, batch.slots, tiles * (tiles - 1) / 2);
+    run(kernels.weights, few ? gpu::groups_for(batch.slots, shader::solve_group) : batch.slots);
+    if (batch.constraint == Constraint::normalise) continue;
+    for (std::uint32_t i = 0; i < (few ? 1 : gs_pat_refinings); ++i)
+      run(kernels.refine, batch.slots);
+  }
+}
+
+void SolverPass::record_greedy(VkCommandBuffer commands, std::initializer_list<gpu::BufferRef> buffers,
+                               const SolveBatch& batch) const {
+  shader::SolvePush push = push_of(batch);
+  bool first = true;
+  while (push.begin < batch.transducers) {
+    push.end = std::min(push.begin + shader::solve_turns, batch.transducers);
+    for (const Greedy& kernels : greedy_) {
+      if (most_foci(batch, kernels.fewest, kernels.most) == 0) continue;
+      if (!std::exchange(first, false)) gpu::compute_to_compute(commands);
+      kernels.choose.dispatch(commands, buffers, push, gpu::groups_for(batch.slots, shader::solve_group));
+    }
+    push.next = static_cast<std::uint32_t>(std::uint64_t{push.end} * push.stride % batch.transducers);
+    push.begin = push.end;
   }
 }
 

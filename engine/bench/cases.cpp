@@ -139,8 +139,8 @@ std::vector<geometry::Solid> box_solid(const Vec3& low, const Vec3& high) {
 void measure_batch(const Context& context, std::uint32_t slots, std::uint32_t foci_per_slot, const std::string& name,
                    std::vector<Row>& rows) {
   const setup::PosedRig set_up = setup::load_posed_rig({});
-  const array::DrivePasses passes(context.device);
-  array::DriveBuffers buffers(context.device, set_up.layout, {}, slots, slots * foci_per_slot);
+  const array::DrivePasses passes(context.device, array::Solver::naive);
+  array::DriveMemory buffers(context.device, set_up.layout, {}, slots, slots * foci_per_slot);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(-0.03, 0.03);
   std::vector<std::vector<array::SlotFocus>> foci(slots, std::vector<array::SlotFocus>(foci_per_slot));

@@ -87,12 +87,13 @@ void keep(const Case& which, const Heard& heard, Yardsticks& yardsticks) {
 }
 
 void on_device(const Context& context, const array::Layout& layout, const Case& which, const std::string& name,
-               const std::vector<std::vector<array::SlotFocus>>& slots, const array::DrivePasses& passes,
-               Yardsticks& yardsticks, std::vector<Row>& rows) {
+               const std::vector<std::vector<array::SlotFocus>>& slots, Yardsticks& yardsticks,
+               std::vector<Row>& rows) {
   array::DriveOptions options;
   options.solver = which.solver;
   options.constraint = which.constraint;
-  array::DriveBuffers buffers(context.device, layout, options, sets, sets * foci_per_set);
+  const array::DrivePasses passes(context.device, which.solver);
+  array::DriveMemory buffers(context.device, layout, options, sets, sets * foci_per_set);
   const gpu::Recorder recorder(context.device, "bench");
   gpu::Timeline timeline(context.device);
   const auto batch = [&] {
@@ -165,7 +166,6 @@ void on_host(const Context& context, const array::Layout& layout, const Case& wh
 }  // namespace
 
 void measure_solvers(const Context& context, std::vector<Row>& rows) {
-  const array::DrivePasses passes(context.device);
   const struct {
     const char* name;
     Vec3 centre;
@@ -178,7 +178,7 @@ void measure_solvers(const Context& context, std::vector<Row>& rows) {
       slot = random_set(random, centre);
     Yardsticks yardsticks;
     for (const Case& which : cases)
-      on_device(context, layout, which, fmt::format("{} {}", layout_name, which.name), slots, passes, yardsticks, rows);
+      on_device(context, layout, which, fmt::format("{} {}", layout_name, which.name), slots, yardsticks, rows);
     for (const Case& which : cases)
       on_host(context, layout, which, fmt::format("{} {} C++", layout_name, which.name), slots, yardsticks, rows);
   }

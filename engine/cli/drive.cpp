@@ -80,8 +80,8 @@ std::vector<array::SlotFocus> read_foci(const DriveCommand& o, const array::Layo
 array::Drive drive_on_gpu(const gpu::DeviceOptions& select, const array::Layout& layout,
                           const std::vector<array::SlotFocus>& foci, const array::DriveOptions& options) {
   const gpu::Device device(select);
-  const array::DrivePasses passes(device);
-  array::DriveBuffers buffers(device, layout, options, 1, static_cast<std::uint32_t>(foci.size()));
+  const array::DrivePasses passes(device, options.solver);
+  array::DriveMemory buffers(device, layout, options, 1, static_cast<std::uint32_t>(foci.size()));
   if (!buffers.add_slot(foci)) throw failure("more foci than the GPU's buffers hold");
   const gpu::Recorder recorder(device, "drive");
   gpu::Timeline timeline(device);

@@ -21,7 +21,7 @@ constexpr std::size_t flights = 2;
 /// Everything that one frame in flight writes to.
 struct Flight {
   touch::StageMemory memory;
-  array::DriveBuffers drive_buffers;
+  array::DriveMemory drive_memory;
   gpu::Recorder touch_recorder, drive_recorder;
   gpu::Timestamps touch_times, drive_times;
   touch::Touch touch;
@@ -33,7 +33,7 @@ struct Flight {
 
   Flight(const gpu::Device& device, const ChainSetting& setting, const touch::Stage& stage)
       : memory(stage),
-        drive_buffers(device, setting.layout, setting.drive, most_cycle, most_cycle * touch::max_fingers),
+        drive_memory(device, setting.layout, setting.drive, most_cycle, most_cycle * touch::max_fingers),
         touch_recorder(device, "touch"),
         drive_recorder(device, "drives"),
         touch_times(device, 24),
@@ -52,7 +52,7 @@ class GpuChain : public Chain {
                {.parameters = setting.touch,
                 .detail = touch::needs_contacts(setting.method) ? touch::Detail::contacts : setting.detail,
                 .follow = true}),
-        array_passes_(device),
+        array_passes_(device, setting.drive.solver),
         flights_{Flight(device, setting, stage_), Flight(device, setting, stage_)},
         timeline_(device, "frames") {
     reserve(unmodulated_);
@@ -110,15 +110,15 @@ class GpuChain : public Chain {
     read_touch(flight);
     make_schedule(flight.touch, flight.report.time_s, setting_.solids, {setting_.method, setting_.voice, setting_.tune},
                   setting_.slot_s, memory_, flight.plan.schedule);
-    flight.drive_buffers.clear();
+    flight.drive_memory.clear();
     plan_slots(flight.plan, unmodulated_, foci_, [&](std::span<const array::SlotFocus> foci) {
-      if (!flight.drive_buffers.add_slot(foci)) throw failure("a frame has more foci than its buffers hold");
+      if (!flight.drive_memory.add_slot(foci)) throw failure("a frame has more foci than its buffers hold");
     });
     flight.submitted = 0;
     if (flight.plan.cycle != 0) {
       const VkCommandBuffer commands = flight.drive_recorder.begin();
       flight.drive_times.begin(commands);
-      flight.drive_buffers.record(commands, array_passes_);
+      flight.drive_memory.record(commands, array_passes_);
       flight.drive_times.mark(commands, "drives");
       flight.submitted = timeline_.submit(flight.drive_recorder.end());
     }
@@ -137,7 +137,7 @@ class GpuChain : public Chain {
     if (flight.submitted == 0) return;
     timeline_.wait(flight.submitted);
     for (std::uint32_t slot = 0; slot < plan.cycle; ++slot) {
-      const auto drive = flight.drive_buffers.drive(slot);
+      const auto drive = flight.drive_memory.drive(slot);
       std::memcpy(plan.drives.data() + slot * transducers, drive.data(), drive.size_bytes());
     }
     flight.drive_times.read(drive_ms_);

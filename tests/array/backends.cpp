@@ -22,15 +22,16 @@ std::vector<Drive> on_host(const Layout& layout, const std::vector<std::vector<S
 std::vector<Drive> on_device(const Layout& layout, const std::vector<std::vector<SlotFocus>>& slots,
                              const DriveOptions& options) {
   gpu::Device& device = test::test_device();
-  static const DrivePasses passes(device);
+  static const DrivePasses passes[]{{device, Solver::naive}, {device, Solver::gs_pat}, {device, Solver::greedy}};
   std::size_t foci = 0;
   for (const auto& slot : slots)
     foci += slot.size();
-  DriveBuffers buffers(device, layout, options, static_cast<std::uint32_t>(slots.size()),
-                       static_cast<std::uint32_t>(foci));
+  DriveMemory buffers(device, layout, options, static_cast<std::uint32_t>(slots.size()),
+                      static_cast<std::uint32_t>(foci));
   for (const auto& slot : slots)
     EXPECT_TRUE(buffers.add_slot(slot));
-  test::run_on_device([&](VkCommandBuffer commands) { buffers.record(commands, passes); });
+  test::run_on_device(
+      [&](VkCommandBuffer commands) { buffers.record(commands, passes[static_cast<std::size_t>(options.solver)]); });
   std::vector<Drive> drives;
   for (std::uint32_t s = 0; s < buffers.slots(); ++s) {
     const auto drive = buffers.drive(s);

@@ -1,0 +1,16 @@
+// What drives are reckoned from, read as texels: a software device fetches 16 bytes in one piece.
+
+layout(set = 0, binding = drive_transducers) uniform samplerBuffer transducers;
+layout(set = 0, binding = drive_foci) uniform samplerBuffer foci;
+layout(set = 0, binding = drive_slots) uniform usamplerBuffer slots;
+
+DrivePoint transducer_at(uint n) {
+  return DrivePoint(texelFetch(transducers, int(2u * n)), texelFetch(transducers, int(2u * n + 1u)));
+}
+DriveFocus focus_at(uint j) { return DriveFocus(texelFetch(foci, int(2u * j)), texelFetch(foci, int(2u * j + 1u))); }
+DriveSlot slot_at(uint s) {
+  const uvec4 words = texelFetch(slots, int(s));
+  return DriveSlot(words.x, words.y, uintBitsToFloat(words.z), words.w);
+}
+// Relative to its slot's.
+float gain_of(uint j) { return texelFetch(foci, int(2u * j + 1u)).w; }
