@@ -74,7 +74,7 @@ void main() {
   const float loudest = loudest_alone(slot.solved, slot.count);
   for (uint j = thread; j < slot.count; j += solve_group) {
     factor[j] = weights[slot.first + j].zw;
-    wanted[j] = gain_of(slot.first + j) * reach_of(alone(slot.solved, slot.count, j), loudest);
+    wanted[j] = gain_of(slot.first + j) * claim_of(alone(slot.solved, slot.count, j), loudest);
   }
   barrier();
   float sum = 0.0;

@@ -54,7 +54,7 @@ void main() {
   const float loudest = loudest_alone(slot.solved, slot.count);
   if (thread < slot.count) {
     factor[thread] = weights[slot.first + thread].zw;
-    wanted[thread] = gain_of(slot.first + thread) * reach_of(alone(slot.solved, slot.count, thread), loudest);
+    wanted[thread] = gain_of(slot.first + thread) * claim_of(alone(slot.solved, slot.count, thread), loudest);
   }
   if (thread == 0u) halfway = slot.count <= solve_few;
   float sum = 0.0;

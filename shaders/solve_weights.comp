@@ -32,17 +32,17 @@ void main() {
   float shares = 0.0;
   for (uint j = 0u; j < count; ++j) {
     const float own = alone(base, count, j);
-    shares += own > 0.0 ? reach_of(own, loudest) / own : 0.0;
+    shares += own > 0.0 ? claim_of(own, loudest) / own : 0.0;
   }
   bool differ = false;
   for (uint j = 0u; j < count; ++j) differ = differ || gain_of(slot.first + j) != 1.0;
   for (uint j = thread; j < count; j += solve_group) {
     const float own = alone(base, count, j);
-    const float share = own > 0.0 ? reach_of(own, loudest) / own : 0.0;
+    const float share = own > 0.0 ? claim_of(own, loudest) / own : 0.0;
     const float size = shares > 0.0 ? min(share * float(count) / shares, push.most_weight) : 1.0;
     const Pair first = pair_of(source_of(0u), place_of(slot.first + j));
     factor[j] = size * vec2(first.unit.x, -first.unit.y);
-    wanted[j] = reach_of(own, loudest);
+    wanted[j] = claim_of(own, loudest);
   }
   if (thread == 0u) halfway = false;
   forget_moves(count);

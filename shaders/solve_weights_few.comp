@@ -39,7 +39,7 @@ void main() {
   bool differ = false;
   [[unroll]] for (uint j = 0u; j < most; ++j) {
     const float own = max(matrix[j * most + j].x, 0.0);
-    wanted[j] = j < count ? reach_of(own, loudest) : 0.0;
+    wanted[j] = j < count ? claim_of(own, loudest) : 0.0;
     gains[j] = gain_of(slot.first + min(j, count - 1u));
     differ = differ || gains[j] != 1.0;
     share[j] = own > 0.0 ? wanted[j] / own : 0.0;

@@ -88,14 +88,15 @@ double sum_naively(const Layout& layout, const DriveOptions& options, DriveScrat
 
 /// The same with the factors of gs_pat.
 double sum_weighted(const DriveOptions& options, DriveScratch& scratch) {
-  const Pairs& pairs = scratch.pairs;
-  scratch.weights.resize(pairs.foci);
-  gs_pat(pairs, scratch.gains, options.constraint, scratch.weights, scratch.gs_pat);
+  const Columns& columns = scratch.columns;
+  scratch.weights.resize(columns.foci);
+  multiply(columns, scratch.matrix);
+  gs_pat(scratch.matrix, columns, scratch.gains, options.constraint, scratch.weights, scratch.gs_pat);
   double largest = 0;
-  for (std::size_t t = 0; t < pairs.transducers; ++t) {
+  for (std::size_t t = 0; t < columns.transducers; ++t) {
     Complex plain = 0;
-    for (std::size_t j = 0; j < pairs.foci; ++j) {
-      const Complex asked = pairs.ask(t * pairs.foci + j);
+    for (std::size_t j = 0; j < columns.foci; ++j) {
+      const Complex asked = columns.ask(t * columns.foci + j);
       plain += scratch.weights[j].plain * asked;
       scratch.sums[t] += scratch.weights[j].heard * asked;
     }
@@ -106,7 +107,7 @@ double sum_weighted(const DriveOptions& options, DriveScratch& scratch) {
 
 void drive_greedily(std::span<TransducerDrive> out, DriveScratch& scratch, double shared) {
   scratch.phases.resize(out.size());
-  greedy(scratch.pairs, scratch.gains, scratch.phases);
+  greedy(scratch.columns, scratch.gains, scratch.phases);
   for (std::size_t t = 0; t < out.size(); ++t) {
     const double turns = static_cast<double>(scratch.phases[t]) / greedy_phases;
     out[t] = {as_amplitude(shared), as_phase(2 * std::numbers::pi * (turns > 0.5 ? turns - 1 : turns))};
@@ -118,7 +119,8 @@ void drive_several(const Layout& layout, const DriveOptions& options, std::span<
   const double shared = shared_gain_of(scratch.sources);
   const bool solved = options.solver != Solver::naive && scratch.sources.size() <= most_solved_foci;
   if (solved) {
-    fill_pairs(layout, scratch.sources, options.medium, options.directivity, options.weighting, scratch.pairs);
+    scratch.free_field.set(layout, options.medium, options.directivity);
+    scratch.free_field.fill(scratch.sources, options.weighting, scratch.columns);
     scratch.gains.clear();
     for (const Source& source : scratch.sources)
       scratch.gains.push_back(relative_gain(source, shared));

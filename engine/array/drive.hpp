@@ -29,10 +29,11 @@
 
 #include "array/constraint.hpp"
 #include "array/directivity.hpp"
+#include "array/free_field.hpp"
 #include "array/gs_pat.hpp"
 #include "array/layout.hpp"
 #include "array/medium.hpp"
-#include "array/pairs.hpp"
+#include "array/transfer.hpp"
 #include "base/math.hpp"
 
 namespace palpa::array {
@@ -74,7 +75,9 @@ struct DriveScratch {
   std::vector<FocusWeight> weights;
   std::vector<double> gains;
   std::vector<std::uint8_t> phases;
-  Pairs pairs;
+  FreeField free_field;
+  Columns columns;
+  FocusMatrix matrix;
   GsPatScratch gs_pat;
 };
 

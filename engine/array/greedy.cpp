@@ -17,9 +17,9 @@ std::uint32_t greedy_stride(std::uint32_t transducers) {
   return stride;
 }
 
-void greedy(const Pairs& pairs, std::span<const double> gains, std::span<std::uint8_t> phases) {
-  const std::size_t foci = pairs.foci;
-  assert(gains.size() == foci && phases.size() == pairs.transducers && foci <= most_solved_foci);
+void greedy(const Columns& columns, std::span<const double> gains, std::span<std::uint8_t> phases) {
+  const std::size_t foci = columns.foci;
+  assert(gains.size() == foci && phases.size() == columns.transducers && foci <= most_solved_foci);
   std::array<double, greedy_phases> cosine{}, sine{};
   for (std::uint32_t c = 0; c < greedy_phases; ++c) {
     cosine[c] = std::cos(2 * std::numbers::pi * c / greedy_phases);
@@ -31,7 +31,7 @@ void greedy(const Pairs& pairs, std::span<const double> gains, std::span<std::ui
   const double share = squares > 0 ? 1 / std::sqrt(squares) : 0;
 
   std::array<double, most_solved_foci> re{}, im{}, size{}, give_re{}, give_im{}, energy{}, lacks{};
-  const auto transducers = static_cast<std::uint32_t>(pairs.transducers);
+  const auto transducers = static_cast<std::uint32_t>(columns.transducers);
   const std::uint32_t stride = greedy_stride(transducers);
   double level = 0;
   std::uint32_t n = 0;
@@ -39,9 +39,9 @@ void greedy(const Pairs& pairs, std::span<const double> gains, std::span<std::ui
     double total = 0;
     for (std::size_t j = 0; j < foci; ++j) {
       const std::size_t entry = n * foci + j;
-      give_re[j] = pairs.loud[entry] * pairs.cosine[entry];
-      give_im[j] = pairs.loud[entry] * pairs.sine[entry];
-      energy[j] = pairs.loud[entry] * pairs.loud[entry];
+      give_re[j] = columns.loud[entry] * columns.cosine[entry];
+      give_im[j] = columns.loud[entry] * columns.sine[entry];
+      energy[j] = columns.loud[entry] * columns.loud[entry];
       total += energy[j];
     }
     level += std::sqrt(total / static_cast<double>(foci));

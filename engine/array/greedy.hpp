@@ -16,7 +16,7 @@
 #include <cstdint>
 #include <span>
 
-#include "array/pairs.hpp"
+#include "array/transfer.hpp"
 
 namespace palpa::array {
 
@@ -25,8 +25,8 @@ inline constexpr std::uint32_t greedy_phases = 16;  ///< 2 pi c / 16, c = 0 .. 1
 /// The number coprime to `transducers` that is next to 0.618 of it, upwards; 1 for fewer than three.
 std::uint32_t greedy_stride(std::uint32_t transducers);
 
-/// Fills `phases`, one per transducer of `pairs`: the number c of the phase that it takes. `gains` are relative, 0..1,
-/// one per focus; at most most_solved_foci foci.
-void greedy(const Pairs& pairs, std::span<const double> gains, std::span<std::uint8_t> phases);
+/// Fills `phases`, one per transducer of `columns`: the number c of the phase that it takes. `gains` are relative,
+/// 0..1, one per focus; at most most_solved_foci foci.
+void greedy(const Columns& columns, std::span<const double> gains, std::span<std::uint8_t> phases);
 
 }  // namespace palpa::array

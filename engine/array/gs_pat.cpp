@@ -9,53 +9,31 @@ namespace {
 
 using Complex = std::complex<double>;
 
-void fill_matrix(const Pairs& pairs, GsPatScratch& scratch) {
-  const std::size_t foci = pairs.foci;
-  scratch.matrix.assign(2 * foci * foci, 0);
-  for (std::size_t n = 0; n < pairs.transducers; ++n) {
-    const double* const cosine = &pairs.cosine[n * foci];
-    const double* const sine = &pairs.sine[n * foci];
-    const double* const loud = &pairs.loud[n * foci];
-    for (std::size_t column = 0; column < foci; ++column) {
-      const double re = pairs.asked[n * foci + column] * cosine[column];
-      const double im = -pairs.asked[n * foci + column] * sine[column];
-      double* const real = &scratch.matrix[column * foci];
-      double* const imaginary = real + foci * foci;
-      for (std::size_t row = 0; row < foci; ++row) {
-        real[row] += loud[row] * (cosine[row] * re - sine[row] * im);
-        imaginary[row] += loud[row] * (cosine[row] * im + sine[row] * re);
-      }
-    }
-  }
-}
-
 /// p = R c, through the member of `weights` that is meant.
-void multiply(const GsPatScratch& scratch, std::span<const FocusWeight> weights, Complex FocusWeight::*factor,
-              std::vector<Complex>& pressure) {
+void hear(const FocusMatrix& matrix, std::span<const FocusWeight> weights, Complex FocusWeight::*factor,
+          std::vector<Complex>& pressure) {
   const std::size_t foci = weights.size();
   for (std::size_t row = 0; row < foci; ++row) {
     Complex sum = 0;
-    for (std::size_t column = 0; column < foci; ++column) {
-      const std::size_t entry = column * foci + row;
-      sum += Complex(scratch.matrix[entry], scratch.matrix[foci * foci + entry]) * weights[column].*factor;
-    }
+    for (std::size_t column = 0; column < foci; ++column)
+      sum += matrix.at(row, column) * weights[column].*factor;
     pressure[row] = sum;
   }
 }
 
 /// p = G P(B c).
-void radiate(const Pairs& pairs, std::span<const FocusWeight> weights, Constraint constraint,
+void radiate(const Columns& columns, std::span<const FocusWeight> weights, Constraint constraint,
              std::vector<Complex>& pressure) {
   std::ranges::fill(pressure, 0);
-  for (std::size_t n = 0; n < pairs.transducers; ++n) {
-    const std::size_t first = n * pairs.foci;
+  for (std::size_t n = 0; n < columns.transducers; ++n) {
+    const std::size_t first = n * columns.foci;
     Complex sum = 0;
-    for (std::size_t j = 0; j < pairs.foci; ++j)
-      sum += weights[j].heard * pairs.ask(first + j);
+    for (std::size_t j = 0; j < columns.foci; ++j)
+      sum += weights[j].heard * columns.ask(first + j);
     const double size = std::abs(sum);
     if (size > 0 && (constraint == Constraint::uniform || size > 1)) sum /= size;
-    for (std::size_t j = 0; j < pairs.foci; ++j)
-      pressure[j] += sum * pairs.transfer(first + j);
+    for (std::size_t j = 0; j < columns.foci; ++j)
+      pressure[j] += sum * columns.transfer(first + j);
   }
 }
 
@@ -103,49 +81,49 @@ double step(std::span<FocusWeight> weights, Complex FocusWeight::*factor, const 
   return moved;
 }
 
-/// What part of full loudness each focus is to have at most.
-void find_reach(std::size_t foci, GsPatScratch& scratch) {
+/// What part of full loudness each focus may claim.
+void find_claims(const FocusMatrix& matrix, std::vector<double>& claims) {
   double loudest = 0;
-  for (std::size_t j = 0; j < foci; ++j)
-    loudest = std::max(loudest, scratch.matrix[j * foci + j]);
-  scratch.reach.resize(foci);
-  for (std::size_t j = 0; j < foci; ++j) {
-    const double alone = std::max(0.0, scratch.matrix[j * foci + j]);
-    scratch.reach[j] = loudest > 0 ? std::min(1.0, gs_pat_most_help * alone / loudest) : 1.0;
+  for (std::size_t j = 0; j < matrix.foci; ++j)
+    loudest = std::max(loudest, matrix.alone(j));
+  claims.resize(matrix.foci);
+  for (std::size_t j = 0; j < matrix.foci; ++j) {
+    const double alone = std::max(0.0, matrix.alone(j));
+    claims[j] = loudest > 0 ? std::min(1.0, gs_pat_most_help * alone / loudest) : 1.0;
   }
 }
 
 /// Phases from the way to the first transducer, weights as if each sounded alone.
-void start(const Pairs& pairs, const GsPatScratch& scratch, std::span<FocusWeight> weights) {
+void start(const FocusMatrix& matrix, const Columns& columns, std::span<const double> claims,
+           std::span<FocusWeight> weights) {
   const std::size_t foci = weights.size();
   double total = 0;
   double sizes[most_solved_foci];
   for (std::size_t j = 0; j < foci; ++j) {
-    const double alone = scratch.matrix[j * foci + j];
-    sizes[j] = alone > 0 ? scratch.reach[j] / alone : 0;
+    const double alone = matrix.alone(j);
+    sizes[j] = alone > 0 ? claims[j] / alone : 0;
     total += sizes[j];
   }
   for (std::size_t j = 0; j < foci; ++j) {
     const double size = total > 0 ? std::min(sizes[j] * static_cast<double>(foci) / total, gs_pat_most_weight) : 1;
-    weights[j].plain = pairs.transducers > 0 ? size * Complex(pairs.cosine[j], -pairs.sine[j]) : Complex(size, 0);
+    weights[j].plain = columns.transducers > 0 ? size * Complex(columns.cosine[j], -columns.sine[j]) : Complex(size, 0);
   }
 }
 
 }  // namespace
 
-void gs_pat(const Pairs& pairs, std::span<const double> gains, Constraint constraint, std::span<FocusWeight> weights,
-            GsPatScratch& scratch) {
-  const std::size_t foci = pairs.foci;
+void gs_pat(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
+            std::span<FocusWeight> weights, GsPatScratch& scratch) {
+  const std::size_t foci = columns.foci;
   assert(weights.size() == foci && gains.size() == foci && foci <= most_solved_foci);
   scratch.pressure.resize(foci);
-  fill_matrix(pairs, scratch);
-  find_reach(foci, scratch);
-  start(pairs, scratch, weights);
+  find_claims(matrix, scratch.claims);
+  start(matrix, columns, scratch.claims, weights);
 
   for (std::uint32_t i = 0; i < gs_pat_steps; ++i) {
-    multiply(scratch, weights, &FocusWeight::plain, scratch.pressure);
-    const double level = level_of(scratch.pressure, scratch.reach);
-    if (step(weights, &FocusWeight::plain, scratch.pressure, scratch.reach, level, static_cast<double>(foci)) <
+    hear(matrix, weights, &FocusWeight::plain, scratch.pressure);
+    const double level = level_of(scratch.pressure, scratch.claims);
+    if (step(weights, &FocusWeight::plain, scratch.pressure, scratch.claims, level, static_cast<double>(foci)) <
         gs_pat_still)
       break;
   }
@@ -154,15 +132,15 @@ void gs_pat(const Pairs& pairs, std::span<const double> gains, Constraint constr
     weight.heard = weight.plain;
   scratch.targets.resize(foci);
   for (std::size_t j = 0; j < foci; ++j)
-    scratch.targets[j] = gains[j] * scratch.reach[j];
+    scratch.targets[j] = gains[j] * scratch.claims[j];
   const bool differ = std::ranges::any_of(gains, [](double gain) { return gain != 1; });
   if (differ) {
-    multiply(scratch, weights, &FocusWeight::plain, scratch.pressure);
-    const double level = level_of(scratch.pressure, scratch.reach);
+    hear(matrix, weights, &FocusWeight::plain, scratch.pressure);
+    const double level = level_of(scratch.pressure, scratch.claims);
     for (std::size_t j = 0; j < foci; ++j)
       weights[j].heard *= gains[j];
     for (std::uint32_t i = 0; i < gs_pat_steps; ++i) {
-      multiply(scratch, weights, &FocusWeight::heard, scratch.pressure);
+      hear(matrix, weights, &FocusWeight::heard, scratch.pressure);
       if (step(weights, &FocusWeight::heard, scratch.pressure, scratch.targets, level, 0) < gs_pat_still) break;
     }
   }
@@ -171,7 +149,7 @@ void gs_pat(const Pairs& pairs, std::span<const double> gains, Constraint constr
   for (const double gain : gains)
     sum += gain;
   for (std::uint32_t i = 0; i < gs_pat_refinings; ++i) {
-    radiate(pairs, weights, constraint, scratch.pressure);
+    radiate(columns, weights, constraint, scratch.pressure);
     step(weights, &FocusWeight::heard, scratch.pressure, scratch.targets, level_of(scratch.pressure, scratch.targets),
          sum, foci <= gs_pat_few);
   }

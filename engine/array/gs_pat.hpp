@@ -30,7 +30,7 @@
 #include <vector>
 
 #include "array/constraint.hpp"
-#include "array/pairs.hpp"
+#include "array/transfer.hpp"
 
 namespace palpa::array {
 
@@ -43,15 +43,15 @@ inline constexpr std::size_t gs_pat_few = 3;
 
 /// Keeps its storage from call to call.
 struct GsPatScratch {
-  std::vector<double> matrix;  ///< R: [column * foci + row], real parts, then imaginary ones
   std::vector<std::complex<double>> pressure;
-  std::vector<double> reach, targets;
+  std::vector<double> claims, targets;
 };
 
-/// Fills `weights`, one per focus of `pairs`. `gains` are relative to the largest, 0..1, one per focus. At most
-/// most_solved_foci foci. Starts from phases that hang on distances alone, so that a motion of array and foci together
-/// or another order of the foci changes nothing but rounding.
-void gs_pat(const Pairs& pairs, std::span<const double> gains, Constraint constraint, std::span<FocusWeight> weights,
-            GsPatScratch& scratch);
+/// Fills `weights`, one per focus, from R and, where the constraint bounds amplitudes, all columns. `gains` are
+/// relative to the largest, 0..1, one per focus. At most most_solved_foci foci. Starts from phases that hang on
+/// distances alone, so that a motion of array and foci together or another order of the foci changes nothing but
+/// rounding.
+void gs_pat(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
+            std::span<FocusWeight> weights, GsPatScratch& scratch);
 
 }  // namespace palpa::array

@@ -1,4 +1,4 @@
-#include "array/pairs.hpp"
+#include "array/free_field.hpp"
 
 #include <algorithm>
 #include <array>
@@ -37,26 +37,29 @@ double sine_of_turns(double x) {
 
 }  // namespace
 
-void fill_pairs(const Layout& layout, std::span<const FocusSource> foci, const Medium& medium, Directivity kind,
-                Weighting weighting, Pairs& pairs) {
-  const double turns_per_metre = medium.turns_per_metre();
-  const double radius = layout.transducer_radius_m;
-  const double ka = 2 * std::numbers::pi * turns_per_metre * radius;
-  if (pairs.table.empty() || pairs.kind != kind || pairs.ka != ka) {
-    pairs.table = directivity_table(kind, ka);
-    pairs.kind = kind;
-    pairs.ka = ka;
-  }
-  pairs.foci = foci.size();
-  pairs.transducers = layout.transducers.size();
-  const std::size_t entries = pairs.foci * pairs.transducers;
-  for (std::vector<double>* values : {&pairs.cosine, &pairs.sine, &pairs.loud, &pairs.asked})
+void FreeField::set(const Layout& layout, const Medium& medium, Directivity kind) {
+  layout_ = &layout;
+  turns_per_metre_ = medium.turns_per_metre();
+  const double ka = 2 * std::numbers::pi * turns_per_metre_ * layout.transducer_radius_m;
+  if (!table_.empty() && kind_ == kind && ka_ == ka) return;
+  table_ = directivity_table(kind, ka);
+  kind_ = kind;
+  ka_ = ka;
+}
+
+void FreeField::fill(std::span<const FocusSource> foci, Weighting weighting, Columns& columns) const {
+  const Layout& layout = *layout_;
+  const double turns_per_metre = turns_per_metre_, radius = layout.transducer_radius_m;
+  columns.foci = foci.size();
+  columns.transducers = layout.transducers.size();
+  const std::size_t entries = columns.foci * columns.transducers;
+  for (std::vector<double>* values : {&columns.cosine, &columns.sine, &columns.loud, &columns.asked})
     values->resize(entries);
 
-  double* const turns = pairs.cosine.data();
-  double* const slant = pairs.sine.data();
-  double* const distance = pairs.asked.data();
-  for (std::size_t n = 0; n < pairs.transducers; ++n) {
+  double* const turns = columns.cosine.data();
+  double* const slant = columns.sine.data();
+  double* const distance = columns.asked.data();
+  for (std::size_t n = 0; n < columns.transducers; ++n) {
     const auto& [position, axis] = layout.transducers[n];
     for (std::size_t j = 0; j < foci.size(); ++j) {
       const std::size_t entry = n * foci.size() + j;
@@ -73,19 +76,19 @@ void fill_pairs(const Layout& layout, std::span<const FocusSource> foci, const M
     const double at = std::clamp((slant[entry] + 1) * (0.5 * last), 0.0, last);
     const std::size_t i = std::min(static_cast<std::size_t>(at), directivity_steps - 1);
     const double between = at - static_cast<double>(i);
-    const double falls_to = pairs.table[i] + (pairs.table[i + 1] - pairs.table[i]) * between;
-    pairs.loud[entry] = falls_to / std::max(distance[entry], radius);
+    const double falls_to = table_[i] + (table_[i + 1] - table_[i]) * between;
+    columns.loud[entry] = falls_to / std::max(distance[entry], radius);
   }
   for (std::size_t entry = 0; entry < entries; ++entry) {
     const double part = turns[entry] - nearest(turns[entry]);
     const double size = std::abs(part);
     // A quarter of a turn on either side of the steep part of each curve.
-    pairs.cosine[entry] = sine_of_turns(0.25 - size);
-    pairs.sine[entry] = std::copysign(sine_of_turns(0.25 - std::abs(0.25 - size)), part);
+    columns.cosine[entry] = sine_of_turns(0.25 - size);
+    columns.sine[entry] = std::copysign(sine_of_turns(0.25 - std::abs(0.25 - size)), part);
   }
-  for (std::size_t n = 0; n < pairs.transducers; ++n) {
+  for (std::size_t n = 0; n < columns.transducers; ++n) {
     for (std::size_t j = 0; j < foci.size(); ++j) {
-      double& asked = pairs.asked[n * foci.size() + j];
+      double& asked = columns.asked[n * foci.size() + j];
       asked = weighting == Weighting::uniform || foci[j].reach == 0 ? 1.0 : asked / foci[j].reach;
     }
   }
