@@ -35,9 +35,9 @@ struct DriveBatch {
 };
 
 /// Pipelines only. Twin: drive_for, which it follows within 2e-6 rad and 1e-6 of amplitude for single foci up to 2 m
-/// away (float grows coarser beyond: 2e-4 rad at 10 m). Sums of several foci depend on the device's sine, cosine and
-/// atan(y, x), of which Vulkan promises no more than 2^-11 absolute and 4096 ULP (2.4e-4 of the phase): that much their
-/// drives may differ from one device to another.
+/// away (float grows coarser beyond: 2e-4 rad at 10 m). Sums of several foci depend on the device's atan(y, x), of
+/// which Vulkan promises no more than 4096 ULP (2.4e-4 of the phase): that much their drives may differ from one device
+/// to another.
 class DrivesPass {
  public:
   explicit DrivesPass(const gpu::Device& device);
