@@ -190,7 +190,8 @@ void run(const Extensions& extensions, const RunCommand& o) {
                             .default_skin = setup::find_asset("finger.ply"),
                             .noise = !o.noise_free,
                             .seed = o.common.seed,
-                            .paced = !o.every_frame});
+                            .paced = !o.every_frame,
+                            .rig = set_up.rig.file});
   touch::Parameters parameters = o.touch.parameters;
   parameters.deep = !o.events.empty();
   const session::ChainSetting setting{.cameras = source->cameras(),

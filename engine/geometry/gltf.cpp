@@ -1,37 +1,28 @@
-// tinygltf reads documents that gltf_check has already reduced and proved: it meets no faults, no images, and no files
-// but through the callbacks below. Its header is included here only.
 #include "geometry/gltf.hpp"
 
 #include <fmt/format.h>
 
-// Under a name of our own, not from its library: draco's library exports another build of tinygltf, with other layouts
-// under the same names, and which of the two a program gets would depend on the order in which it links.
-#define tinygltf palpa_tinygltf
-#define TINYGLTF_IMPLEMENTATION
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#define TINYGLTF_NO_INCLUDE_STB_IMAGE
-#define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
-#include <tiny_gltf.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/matrix.hpp>
 #include <map>
+#include <memory>
 #include <numeric>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "geometry/gltf_accessor.hpp"
-#include "geometry/gltf_buffers.hpp"
 #include "geometry/gltf_check.hpp"
 #include "geometry/gltf_container.hpp"
 #include "geometry/gltf_draco.hpp"
+#include "geometry/gltf_instances.hpp"
+#include "geometry/gltf_model.hpp"
 #include "geometry/gltf_skin.hpp"
+#include "geometry/gltf_values.hpp"
 #include "geometry/text.hpp"
 
 namespace palpa::geometry {
@@ -40,49 +31,18 @@ namespace {
 // All instances together. A small file can ask for any number of them.
 constexpr std::size_t most_triangles = 2'000'000, most_vertices = 6'000'000, most_displaced = 20'000'000;
 
-struct Source {
-  gltf::BufferLoader loader;
-  std::optional<Error> fault;  // exceptions must not pass through tinygltf
+// What is decoded once: a stream with the same attributes wanted and the same numbers promised.
+struct StreamKey {
+  std::uint32_t view = 0;
+  std::size_t vertices = 0, triangles = 0;
+  std::vector<std::pair<std::uint32_t, std::size_t>> wanted{};  // attribute and width
+  auto operator<=>(const StreamKey&) const = default;
 };
-
-// `path` is "buffer N" as gltf_check wrote it, or its stand-in "unused".
-bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const std::string& path, void* user) {
-  Source& source = *static_cast<Source*>(user);
-  out->assign(1, 0);
-  const std::size_t digits = path.rfind(' ');
-  if (digits == std::string::npos) return true;
-  const std::size_t index = std::strtoull(path.c_str() + digits, nullptr, 10);
-  try {
-    *out = source.loader.load(index);
-    return true;
-  } catch (const Error& e) {
-    source.fault = e;
-    *error = e.what();
-    return false;
-  }
-}
-
-tinygltf::Model parse(const InputFile& file, const gltf::Container& container, const gltf::Document& document) {
-  Source source{gltf::BufferLoader(file, container.bin, document.buffers), std::nullopt};
-  tinygltf::TinyGLTF reader;
-  reader.SetFsCallbacks({[](const std::string&, void*) { return true; },
-                         [](const std::string& path, void*) { return path; }, read_whole_file, nullptr, &source});
-  reader.SetImageLoader([](tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int,
-                           void*) { return true; },
-                        nullptr);
-  tinygltf::Model model;
-  std::string error, warning;
-  const bool done = reader.LoadASCIIFromString(&model, &error, &warning, document.json.c_str(),
-                                               static_cast<unsigned>(document.json.size()), "");
-  if (source.fault) throw *source.fault;
-  if (!done) throw bad_input(file.name(), "cannot be read as glTF: " + text::quoted(error));
-  return model;
-}
 
 class SceneReader {
  public:
   SceneReader(const std::string& file, const tinygltf::Model& model, const gltf::Document& document)
-      : model_(model), document_(document), T_world_(model.nodes.size()) {
+      : model_(model), document_(document), values_(file, model), T_world_(model.nodes.size()) {
     scene_.file = file;
   }
 
@@ -101,6 +61,16 @@ class SceneReader {
   }
 
  private:
+  struct Bones {
+    std::vector<Transform> T_world_bind;
+    bool mirrored = false;  // all of them
+  };
+  // A mesh in its own coordinates, or on its bones; read once, however many nodes show it.
+  struct Shared {
+    Mesh mesh;
+    std::uint32_t number;
+  };
+
   [[noreturn]] void fail(const std::string& fault) const { throw bad_input(scene_.file, fault); }
 
   static Transform local_transform(const tinygltf::Node& node) {
@@ -131,87 +101,126 @@ class SceneReader {
 
   void add(std::uint32_t n, const tinygltf::Node& node) {
     const auto m = static_cast<std::uint32_t>(node.mesh);
-    if (!count(m)) return;
+    const auto instancing = document_.instancing.find(n);
+    const bool many = instancing != document_.instancing.end();
+    if (!count(m, many ? instancing->second.count : 1)) return;
     const std::string& mesh_name = model_.meshes[m].name;
-    SceneMesh out{!node.name.empty()   ? node.name
-                  : !mesh_name.empty() ? mesh_name
-                                       : fmt::format("node {}", n),
-                  {},
-                  document_.haptics[n],
-                  document_.parts[n]};
-    bool mirrored = false;
+    const std::string name = !node.name.empty()   ? node.name
+                             : !mesh_name.empty() ? mesh_name
+                                                  : fmt::format("node {}", n);
     if (node.skin >= 0) {
       // The bones say where a skinned mesh is; its node's own transform does not count (glTF 2.0, 3.7.3.3).
-      const std::vector<Transform> T_world_bind = bones(model_.skins[static_cast<std::size_t>(node.skin)]);
-      out.mesh = build(m, node.weights, &T_world_bind);
-      mirrored = std::all_of(T_world_bind.begin(), T_world_bind.end(),
-                             [](const Transform& T) { return glm::determinant(glm::dmat3(T)) < 0; });
-    } else {
-      const Transform& T_world_node = world_transform(n);
-      mirrored = handedness(n, T_world_node) < 0;
-      out.mesh = node.weights.empty() ? shared_mesh(m) : build(m, node.weights, nullptr);
-      for (Vec3& p : out.mesh.positions)
-        p = transform_point(T_world_node, p);
+      const Bones& bones = bones_of(node.skin);
+      SceneMesh out = begin(name, n, m, node, &bones);
+      if (bones.mirrored) flip(out.mesh);
+      finish(fmt::format("node {}", n), std::move(out));
+      return;
     }
-    for (std::size_t v = 0; v < out.mesh.positions.size(); ++v) {
-      if (!finite(out.mesh.positions[v])) fail(fmt::format("node {}: vertex {} is not finite in the world", n, v));
+    const Transform& T_world_node = world_transform(n);
+    if (!many) {
+      place(fmt::format("node {}", n), T_world_node, begin(name, n, m, node, nullptr));
+      return;
     }
+    const std::vector<Transform> T_node_instance = gltf::read_instances(scene_.file, n, instancing->second, values_);
+    for (std::size_t i = 0; i < T_node_instance.size(); ++i) {
+      place(fmt::format("node {}, instance {}", n, i), T_world_node * T_node_instance[i],
+            begin(fmt::format("{}[{}]", name, i), n, m, node, nullptr));
+    }
+  }
+
+  // What the node says, with its mesh in the mesh's own coordinates, or on its bones in the world's.
+  SceneMesh begin(std::string name, std::uint32_t n, std::uint32_t m, const tinygltf::Node& node, const Bones* bones) {
+    SceneMesh out{std::move(name), {}, document_.haptics[n], document_.parts[n], std::nullopt};
+    if (!node.weights.empty()) {
+      out.mesh = build(m, node.weights, bones == nullptr ? nullptr : &bones->T_world_bind);
+      return out;
+    }
+    const std::pair key(m, node.skin);
+    auto known = meshes_.find(key);
+    if (known == meshes_.end()) {
+      Shared shared{build(m, {}, bones == nullptr ? nullptr : &bones->T_world_bind),
+                    static_cast<std::uint32_t>(meshes_.size())};
+      known = meshes_.emplace(key, std::move(shared)).first;
+    }
+    out.mesh = known->second.mesh;
+    out.copy = CopyOf{known->second.number, Transform(1)};
+    return out;
+  }
+
+  void place(const std::string& where, const Transform& T_world_mesh, SceneMesh out) {
+    const bool mirrored = handedness(where, T_world_mesh) < 0;
+    for (Vec3& p : out.mesh.positions)
+      p = transform_point(T_world_mesh, p);
     if (mirrored) flip(out.mesh);
+    if (out.copy) out.copy->T_world_mesh = T_world_mesh;
+    finish(where, std::move(out));
+  }
+
+  void finish(const std::string& where, SceneMesh out) {
+    for (std::size_t v = 0; v < out.mesh.positions.size(); ++v) {
+      if (!finite(out.mesh.positions[v])) fail(fmt::format("{}: vertex {} is not finite in the world", where, v));
+    }
     scene_.meshes.push_back(std::move(out));
   }
 
-  // Adds one more instance of the mesh to the scene's size, before anything is allocated; false if it has no triangles.
-  bool count(std::uint32_t m) {
-    std::size_t triangles = 0;
+  // Adds so many instances of the mesh to the scene's size, before anything is allocated; false if it has no triangles.
+  bool count(std::uint32_t m, std::size_t instances) {
+    std::size_t triangles = 0, vertices = 0;
     const std::vector<tinygltf::Primitive>& primitives = model_.meshes[m].primitives;
     for (std::uint32_t p = 0; p < primitives.size(); ++p) {
-      const auto [vertices, corners] = promised(primitives[p], stream_of(m, p));
+      const auto [points, corners] = promised(primitives[p], stream_of(m, p));
       triangles += gltf::triangle_count(primitives[p].mode, corners);
-      vertices_ += vertices;
+      vertices += points;
     }
-    triangles_ += triangles;
+    triangles_ += triangles * instances;
+    count_vertices(vertices * instances);
+    return triangles > 0;
+  }
+
+  void count_vertices(std::size_t vertices) {
+    vertices_ += vertices;
     if (triangles_ > most_triangles || vertices_ > most_vertices) {
       fail(fmt::format("the scene has more than {} triangles or {} vertices, instances counted; palpa reads no more",
                        most_triangles, most_vertices));
     }
-    return triangles > 0;
   }
 
   static bool finite(const Vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
   // Negative for a mirroring transform. Throws for one that flattens.
-  double handedness(std::uint32_t n, const Transform& T) const {
+  double handedness(const std::string& where, const Transform& T) const {
     const Vec3 x(T[0]), y(T[1]), z(T[2]);
     if (!finite(x) || !finite(y) || !finite(z) || !finite(Vec3(T[3]))) {
-      fail(fmt::format("node {}: its transform in the world is not finite", n));
+      fail(where + ": its transform in the world is not finite");
     }
     // Of unit columns, so that small scales are not taken for none.
     const double lengths = glm::length(x) * glm::length(y) * glm::length(z);
     const double sine =
         lengths > 0 ? glm::dot(x / glm::length(x), glm::cross(y / glm::length(y), z / glm::length(z))) : 0;
     if (!(std::abs(sine) > 1e-9)) {
-      fail(fmt::format("node {}: its scale is zero along some direction, which makes its mesh flat", n));
+      fail(where + ": its scale is zero along some direction, which makes its mesh flat");
     }
     return sine;
   }
 
-  std::vector<Transform> bones(const tinygltf::Skin& skin) {
+  // Worked out once, however many nodes use the skin.
+  const Bones& bones_of(int s) {
+    const auto known = bones_.find(s);
+    if (known != bones_.end()) return known->second;
+    const tinygltf::Skin& skin = model_.skins[static_cast<std::size_t>(s)];
+    log::debug(fmt::format("{}: skin {} of {} joints", scene_.file, s, skin.joints.size()));
     std::vector<double> inverse;
-    if (skin.inverseBindMatrices >= 0) inverse = numbers(static_cast<std::size_t>(skin.inverseBindMatrices), 16);
-    std::vector<Transform> T_world_bind;
-    T_world_bind.reserve(skin.joints.size());
+    if (skin.inverseBindMatrices >= 0)
+      inverse = values_.numbers(static_cast<std::size_t>(skin.inverseBindMatrices), 16);
+    Bones bones;
+    bones.T_world_bind.reserve(skin.joints.size());
     for (std::size_t j = 0; j < skin.joints.size(); ++j) {
-      T_world_bind.push_back(world_transform(static_cast<std::uint32_t>(skin.joints[j])));
-      if (!inverse.empty()) T_world_bind.back() *= glm::make_mat4(inverse.data() + 16 * j);
+      bones.T_world_bind.push_back(world_transform(static_cast<std::uint32_t>(skin.joints[j])));
+      if (!inverse.empty()) bones.T_world_bind.back() *= glm::make_mat4(inverse.data() + 16 * j);
     }
-    return T_world_bind;
-  }
-
-  // The mesh in its own coordinates; read once, however many nodes show it.
-  const Mesh& shared_mesh(std::uint32_t m) {
-    const auto known = meshes_.find(m);
-    if (known != meshes_.end()) return known->second;
-    return meshes_.emplace(m, build(m, {}, nullptr)).first->second;
+    bones.mirrored = std::all_of(bones.T_world_bind.begin(), bones.T_world_bind.end(),
+                                 [](const Transform& T) { return glm::determinant(glm::dmat3(T)) < 0; });
+    return bones_.emplace(s, std::move(bones)).first->second;
   }
 
   // All primitives together, morphed by the node's weights (else the mesh's), and on its bones, if any.
@@ -229,7 +238,7 @@ class SceneReader {
         if (weights[t] != 0) displace(piece.positions, primitive.targets[t], weights[t]);
       }
       if (T_world_bind != nullptr) put_on_bones(where, piece.positions, primitive, unpacked, *T_world_bind);
-      piece.triangles = unpacked ? unpacked->mesh.triangles : triangles(where, primitive, piece.positions.size());
+      piece.triangles = unpacked ? unpacked->mesh->triangles : triangles(where, primitive, piece.positions.size());
       append(result, piece);
     }
     return result;
@@ -237,40 +246,56 @@ class SceneReader {
 
   // A primitive out of a stream of draco.
   struct Unpacked {
-    gltf::DracoMesh mesh;
-    std::map<std::string, std::size_t> values;  // the attribute's place in mesh.values
+    std::shared_ptr<const gltf::DracoMesh> mesh;
+    std::map<std::string, std::size_t> values;  // the attribute's place in mesh->values
   };
 
   // nullopt where the primitive is stored in the plain way.
   std::optional<Unpacked> unpack(std::uint32_t m, std::uint32_t p, const tinygltf::Primitive& primitive,
-                                 bool with_bones) const {
+                                 bool with_bones) {
     const gltf::DracoSource* source = stream_of(m, p);
     if (source == nullptr) return std::nullopt;
     Unpacked result;
-    std::vector<gltf::DracoAttribute> wanted;
+    StreamKey key;
     for (const auto& [name, id] : source->attributes) {
       const bool position = name == "POSITION";
       if (!primitive.attributes.contains(name) || !(position || with_bones)) continue;
-      result.values.emplace(name, wanted.size());
-      wanted.push_back({id, position ? std::size_t{3} : std::size_t{4}});
+      result.values.emplace(name, key.wanted.size());
+      key.wanted.emplace_back(id, position ? std::size_t{3} : std::size_t{4});
     }
     const auto where = fmt::format("mesh {}: the draco data in buffer view {}", m, source->view);
-    const tinygltf::BufferView& view = model_.bufferViews[source->view];
-    const std::span<const unsigned char> bytes(model_.buffers[static_cast<std::size_t>(view.buffer)].data);
     const auto [vertices, corners] = promised(primitive, source);
     const std::size_t triangles = gltf::triangle_count(primitive.mode, corners);
-    std::string fault;
-    auto mesh = gltf::decode_draco(bytes.subspan(view.byteOffset, view.byteLength), wanted, vertices, triangles, fault);
-    if (!mesh) fail(fmt::format("{} {}", where, fault));
-    if (mesh->points < vertices || (mesh->triangles.size() < triangles && primitive.mode == TINYGLTF_MODE_TRIANGLES)) {
-      const std::string less = fmt::format("{} hold {} vertices and {} triangles where the file promises {} and {}",
-                                           where, mesh->points, mesh->triangles.size(), vertices, triangles);
+    key.view = source->view;
+    key.vertices = vertices;
+    key.triangles = triangles;
+    auto& known = streams_[key];
+    const bool fresh = known == nullptr;
+    if (fresh) known = decode(where, key);
+    result.mesh = known;
+    const bool fewer_triangles = known->triangles.size() < triangles && primitive.mode == TINYGLTF_MODE_TRIANGLES;
+    if (known->points != vertices || fewer_triangles) {
+      const std::string other = fmt::format("{} hold {} vertices and {} triangles where the file promises {} and {}",
+                                            where, known->points, known->triangles.size(), vertices, triangles);
       // What is stored beside the stream goes by the promised number.
-      if (!primitive.targets.empty() || (with_bones && result.values.size() < primitive.attributes.size())) fail(less);
-      log::warning(fmt::format("{}: {}", scene_.file, less));
+      if (!primitive.targets.empty() || (with_bones && result.values.size() < primitive.attributes.size())) fail(other);
+      if (fresh) log::warning(fmt::format("{}: {}", scene_.file, other));
     }
-    result.mesh = *std::move(mesh);
     return result;
+  }
+
+  std::shared_ptr<const gltf::DracoMesh> decode(const std::string& where, const StreamKey& key) {
+    std::vector<gltf::DracoAttribute> wanted;
+    for (const auto& [id, width] : key.wanted)
+      wanted.push_back({id, width});
+    const tinygltf::BufferView& view = model_.bufferViews[key.view];
+    const std::span<const unsigned char> bytes(model_.buffers[static_cast<std::size_t>(view.buffer)].data);
+    std::string fault;
+    auto mesh = gltf::decode_draco(bytes.subspan(view.byteOffset, view.byteLength), wanted, key.vertices, key.triangles,
+                                   spare_draco_bytes_, fault);
+    if (!mesh) fail(fmt::format("{} {}", where, fault));
+    if (mesh->points > key.vertices) count_vertices(mesh->points - key.vertices);
+    return std::make_shared<const gltf::DracoMesh>(*std::move(mesh));
   }
 
   // nullptr where the primitive is stored in the plain way.
@@ -292,7 +317,7 @@ class SceneReader {
                                     std::size_t vertices) const {
     std::vector<std::uint32_t> order(vertices);
     if (primitive.indices >= 0) {
-      order = indices(static_cast<std::size_t>(primitive.indices), vertices);
+      order = values_.indices(static_cast<std::size_t>(primitive.indices), vertices);
     } else {
       std::iota(order.begin(), order.end(), 0U);
     }
@@ -310,7 +335,7 @@ class SceneReader {
     displaced_ += positions.size();
     if (displaced_ > most_displaced)
       fail(fmt::format("morph targets move more than {} vertices; palpa reads no more", most_displaced));
-    const std::vector<double> by = numbers(static_cast<std::size_t>(found->second), 3);
+    const std::vector<double> by = values_.numbers(static_cast<std::size_t>(found->second), 3);
     for (std::size_t v = 0; v < positions.size(); ++v)
       positions[v] += weight * Vec3(by[3 * v], by[3 * v + 1], by[3 * v + 2]);
   }
@@ -337,27 +362,13 @@ class SceneReader {
     }
   }
 
-  std::vector<double> numbers(std::size_t accessor, std::size_t width) const {
-    std::uint64_t fault = 0;
-    auto values = gltf::read_numbers(column(accessor, width), width, sparse(accessor, width), fault);
-    if (!values) fail_sparse(accessor, fault);
-    return *std::move(values);
-  }
-
-  std::vector<std::uint32_t> unsigned_values(std::size_t accessor, std::size_t width) const {
-    std::uint64_t fault = 0;
-    auto values = gltf::read_unsigned(column(accessor, width), width, sparse(accessor, width), fault);
-    if (!values) fail_sparse(accessor, fault);
-    return *std::move(values);
-  }
-
   // Of every vertex `width` numbers, wherever they are stored.
   std::vector<double> attribute(const tinygltf::Primitive& primitive, const std::string& name, std::size_t width,
                                 const std::optional<Unpacked>& unpacked) const {
     const auto accessor = static_cast<std::size_t>(primitive.attributes.at(name));
     const tinygltf::Accessor& a = model_.accessors[accessor];
-    if (!unpacked || !unpacked->values.contains(name)) return numbers(accessor, width);
-    std::vector<double> values = unpacked->mesh.values[unpacked->values.at(name)];
+    if (!unpacked || !unpacked->values.contains(name)) return values_.numbers(accessor, width);
+    std::vector<double> values = unpacked->mesh->values[unpacked->values.at(name)];
     if (a.normalized) {
       for (double& value : values)
         value = gltf::normalized_value(value, a.componentType);
@@ -399,62 +410,15 @@ class SceneReader {
     }
   }
 
-  std::vector<std::uint32_t> indices(std::size_t accessor, std::size_t vertices) const {
-    const int component = model_.accessors[accessor].componentType;
-    const std::size_t size = component_size(component);
-    std::vector<std::uint32_t> values = unsigned_values(accessor, 1);
-    const std::uint32_t restart = size == 4 ? 0xffffffffU : (1U << (8 * size)) - 1;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (values[i] < vertices) continue;
-      if (values[i] == restart) {
-        fail(fmt::format("accessor {}: index {} is {}, a primitive restart, which glTF does not have", accessor, i,
-                         restart));
-      }
-      fail(fmt::format("accessor {}: index {} names vertex {}, but there are only {}", accessor, i, values[i],
-                       vertices));
-    }
-    return values;
-  }
-
-  [[noreturn]] void fail_sparse(std::size_t accessor, std::uint64_t index) const {
-    fail(fmt::format("accessor {}: the sparse index {} is out of range or not larger than the one before", accessor,
-                     index));
-  }
-
-  static std::size_t component_size(int component) {
-    return static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component)));
-  }
-
-  gltf::Column column(int view_index, std::size_t offset, std::size_t count, std::size_t element, int component) const {
-    if (view_index < 0) return {{}, count, element, component};
-    const tinygltf::BufferView& view = model_.bufferViews[static_cast<std::size_t>(view_index)];
-    const std::span<const unsigned char> bytes(model_.buffers[static_cast<std::size_t>(view.buffer)].data);
-    return {bytes.subspan(view.byteOffset, view.byteLength).subspan(offset), count,
-            view.byteStride == 0 ? element : view.byteStride, component};
-  }
-  gltf::Column column(std::size_t accessor, std::size_t width) const {
-    const tinygltf::Accessor& a = model_.accessors[accessor];
-    auto result = column(a.bufferView, a.byteOffset, a.count, width * component_size(a.componentType), a.componentType);
-    result.normalized = a.normalized;
-    return result;
-  }
-  std::optional<gltf::Sparse> sparse(std::size_t accessor, std::size_t width) const {
-    const tinygltf::Accessor& a = model_.accessors[accessor];
-    if (!a.sparse.isSparse) return std::nullopt;
-    const auto count = static_cast<std::size_t>(a.sparse.count);
-    const auto& indices = a.sparse.indices;
-    const auto& values = a.sparse.values;
-    return gltf::Sparse{column(indices.bufferView, static_cast<std::size_t>(indices.byteOffset), count,
-                               component_size(indices.componentType), indices.componentType),
-                        column(values.bufferView, static_cast<std::size_t>(values.byteOffset), count,
-                               width * component_size(a.componentType), a.componentType)};
-  }
-
   const tinygltf::Model& model_;
   const gltf::Document& document_;
+  const gltf::Values values_;
   std::vector<std::optional<Transform>> T_world_;
   Scene scene_;
-  std::map<std::uint32_t, Mesh> meshes_;
+  std::map<std::pair<std::uint32_t, int>, Shared> meshes_;  // by mesh and skin
+  std::map<int, Bones> bones_;                              // by skin
+  std::map<StreamKey, std::shared_ptr<const gltf::DracoMesh>> streams_;
+  std::uint64_t spare_draco_bytes_ = gltf::most_draco_bytes;
   std::size_t triangles_ = 0, vertices_ = 0, displaced_ = 0;
 };
 
@@ -465,7 +429,7 @@ Scene load_gltf(const std::filesystem::path& path, std::optional<int> scene_inde
   gltf::Container container = gltf::read_container(file);
   gltf::Document document = gltf::check_document(file.name(), container, scene_index);
   container.json = {};
-  const tinygltf::Model model = parse(file, container, document);
+  const tinygltf::Model model = gltf::parse_model(file, container, document);
   return SceneReader(file.name(), model, document).read();
 }
 

@@ -3,14 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <map>
 #include <string_view>
+#include <tuple>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/outputs.hpp"
 #include "geometry/gltf_buffers.hpp"
 #include "geometry/gltf_data.hpp"
+#include "geometry/gltf_extensions.hpp"
 #include "geometry/gltf_extras.hpp"
 #include "geometry/gltf_json.hpp"
 #include "geometry/text.hpp"
@@ -20,28 +22,6 @@ namespace {
 
 // Of nodes, meshes, primitives, accessors and the like: tinygltf spends up to a kilobyte on each.
 constexpr std::size_t most_items = 50'000;
-
-// Extensions that palpa reads, or that cannot change where a triangle is: a file may require them.
-bool may_be_required(std::string_view extension) {
-  constexpr std::array<std::string_view, 16> prefixes{// These do move triangles, but palpa reads them.
-                                                      "KHR_mesh_quantization",
-                                                      "KHR_draco_mesh_compression",
-                                                      "EXT_meshopt_compression",
-                                                      "KHR_meshopt_compression",
-                                                      "KHR_materials_",
-                                                      "EXT_materials_",
-                                                      "KHR_texture_",
-                                                      "EXT_texture_",
-                                                      "MSFT_texture_",
-                                                      "KHR_lights_",
-                                                      "EXT_lights_",
-                                                      "KHR_xmp",
-                                                      "KHR_animation",
-                                                      "KHR_audio",
-                                                      "MSFT_packing",
-                                                      "FB_ngon_encoding"};
-  return std::any_of(prefixes.begin(), prefixes.end(), [&](std::string_view p) { return extension.starts_with(p); });
-}
 
 class Checker {
  public:
@@ -56,11 +36,14 @@ class Checker {
     document.roots = choose_scene(scene_index);
     haptics_.resize(node_count_);
     parts_.resize(node_count_);
+    hidden_.resize(node_count_);
     const std::size_t meshes = walk(document.roots);
     warn_of_unknown_keys();
+    warn_of_hidden();
     document.parents = parent_;
     document.haptics = haptics_;
     document.parts = parts_;
+    document.instancing = instancing_;
     document.json = clean_.dump(-1, ' ', false, Json::error_handler_t::replace);
     document.buffers = data_.buffers();
     document.draco = draco_;
@@ -208,12 +191,14 @@ class Checker {
     const NodeHaptics extras = read_extras(node, unknown_keys_);
     haptics_[n] = inherit(node, extras, parent_[n] == Document::no_parent ? Haptics{} : haptics_[parent_[n]]);
     if (extras.part_of) parts_[n] = PartOf{*extras.part_of, parent_[n], extras.seam_m.value_or(0)};
+    hidden_[n] = is_hidden(node) || (parent_[n] != Document::no_parent && hidden_[parent_[n]] != 0) ? 1 : 0;
     Json& clean = clean_["nodes"][n];
     if (const auto name = node.string("name")) clean["name"] = parsed_.whole_name(*name);
     if (!children_[n].empty()) clean["children"] = children_[n];
     const auto mesh = node.index("mesh", "mesh", mesh_checked_.size());
     if (!mesh) return false;
     clean["mesh"] = *mesh;
+    if (hidden_[n] != 0 && hidden_count_++ == 0) first_hidden_ = node.where();
     const std::size_t targets = check_mesh(*mesh);
     if (const Json* weights = node.array("weights"); weights != nullptr && !weights->empty()) {
       clean["weights"] = node.numbers("weights", targets).value();
@@ -222,7 +207,51 @@ class Checker {
       check_skin(*skin);
       clean["skin"] = *skin;
     }
+    if (node.has_extension(instancing_extension)) check_instancing(n, node, clean.contains("skin"));
     return true;
+  }
+
+  void check_instancing(std::uint32_t n, const Item& node, bool skinned) {
+    if (skinned) {
+      log::warning(fmt::format("{}: {}: {} means nothing on a skinned node, whose bones say where its mesh is", file_,
+                               node.where(), instancing_extension));
+      return;
+    }
+    const Item item = node.needed_item("extensions").needed_item(instancing_extension);
+    const Item attributes = item.needed_item("attributes");
+    Instancing found;
+    for (const auto& [name, role, into] :
+         {std::tuple("TRANSLATION", Role::place, &found.translation),
+          std::tuple("ROTATION", Role::rotation, &found.rotation), std::tuple("SCALE", Role::place, &found.scale)}) {
+      *into = attributes.index(name, "accessor", data_.accessor_count());
+      if (!*into) continue;
+      const std::uint64_t count = data_.check(**into, role);
+      if (found.count != 0 && count != found.count)
+        attributes.fail(fmt::format("has {} instances, but {} of {}", found.count, count, name));
+      found.count = count;
+    }
+    if (found.count == 0) attributes.fail("has neither TRANSLATION nor ROTATION nor SCALE");
+    instancing_.emplace(n, found);
+  }
+
+  // KHR_node_visibility: of the node itself.
+  bool is_hidden(const Item& node) const {
+    if (!node.has_extension(visibility_extension)) return false;
+    const Item item = node.needed_item("extensions").needed_item(visibility_extension);
+    const auto visible = item.json().find("visible");
+    if (visible == item.json().end()) return false;
+    if (!visible->is_boolean()) item.fail("\"visible\" is neither true nor false");
+    return !visible->get<bool>();
+  }
+
+  void warn_of_hidden() const {
+    if (hidden_count_ == 0) return;
+    log::warning(
+        fmt::format("{}: {}{} hidden ({}), but touchable all the same; extras {{\"palpa\": {{\"touchable\": "
+                    "false}}}} make it scenery",
+                    file_, first_hidden_,
+                    hidden_count_ == 1 ? std::string(" is") : fmt::format(" and {} others are", hidden_count_ - 1),
+                    visibility_extension));
   }
 
   void warn_of_unknown_keys() const {
@@ -429,7 +458,11 @@ class Checker {
   std::vector<Haptics> haptics_;
   std::vector<std::optional<PartOf>> parts_;
   std::vector<DracoSource> draco_;
+  std::map<std::uint32_t, Instancing> instancing_;
   UnknownKeys unknown_keys_;
+  std::vector<char> hidden_;  // by itself or by an ancestor
+  std::size_t hidden_count_ = 0;
+  std::string first_hidden_;
   std::vector<char> is_root_, transform_checked_, mesh_checked_, skin_checked_;
 };
 

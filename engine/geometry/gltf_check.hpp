@@ -28,6 +28,12 @@ struct DracoSource {
   std::map<std::string, std::uint32_t> attributes{};  ///< number within the stream, by glTF's name of the attribute
 };
 
+/// A node that shows its mesh many times: accessors of what EXT_mesh_gpu_instancing says about each instance.
+struct Instancing {
+  std::size_t count = 0;
+  std::optional<std::uint32_t> translation{}, rotation{}, scale{};  ///< VEC3, VEC4 (x y z w), VEC3
+};
+
 /// The document reduced to what the chosen scene's triangles need, each reference in it checked. Indices are the file's
 /// own; what is not needed is replaced by inert stand-ins, so neither textures nor animations nor other
 /// people's extras can do harm.
@@ -38,7 +44,8 @@ struct Document {
   std::vector<std::uint32_t> roots;    ///< nodes of the chosen scene
   std::vector<std::uint32_t> parents;  ///< of every node
   std::vector<Haptics> haptics;  ///< of every node that the scene shows, with what it takes over from its ancestors
-  std::vector<std::optional<PartOf>> parts;  ///< likewise: which nodes are parts of a solid
+  std::vector<std::optional<PartOf>> parts;        ///< likewise: which nodes are parts of a solid
+  std::map<std::uint32_t, Instancing> instancing;  ///< by node; none of a skinned one
   static constexpr std::uint32_t no_parent = 0xffffffffU;
 };
 

@@ -86,6 +86,15 @@ void DataChecker::check_role(const Item& accessor, Role role, const std::string&
       if (type != "MAT4" || component != f32)
         accessor.fail("holds inverse bind matrices that are not MAT4 of floats (5126)");
       return;
+    case Role::place:
+      if (type != "VEC3" || component != f32)
+        accessor.fail("holds translations or scales of instances that are not VEC3 of floats (5126)");
+      return;
+    case Role::rotation:
+      if (type != "VEC4" || !(component == f32 || component == i8 || component == i16))
+        accessor.fail(
+            "holds rotations of instances that are not VEC4 of floats, or of 8 or 16 bits (5126, 5120, 5122)");
+      return;
   }
 }
 

@@ -12,7 +12,7 @@
 namespace palpa::geometry::gltf {
 
 /// What an accessor is used for; each use allows certain types.
-enum class Role : char { unused, position, displacement, indices, joints, weights, bind_matrices };
+enum class Role : char { unused, position, displacement, indices, joints, weights, bind_matrices, place, rotation };
 
 /// Checks accessors on demand and copies what they need into the reduced document. All throw bad_input.
 class DataChecker {

@@ -2,6 +2,9 @@
 // bytes can ask for gigabytes. Hence the classes below, which look at the counts between the steps of decoding.
 #include "geometry/gltf_draco.hpp"
 
+#include <draco/compression/attributes/sequential_attribute_decoders_controller.h>
+#include <draco/compression/attributes/sequential_integer_attribute_decoder.h>
+#include <draco/compression/attributes/sequential_quantization_attribute_decoder.h>
 #include <draco/compression/config/decoder_options.h>
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
 #include <draco/compression/mesh/mesh_sequential_decoder.h>
@@ -9,20 +12,36 @@
 #include <draco/mesh/mesh.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <exception>
+#include <memory>
+#include <utility>
 
 #include "base/text.hpp"
 
 namespace palpa::geometry::gltf {
 namespace {
 
+using Controller = draco::SequentialAttributeDecodersController;
+
+// draco offers no way to what a controller goes along; an explicit instantiation may name private members.
+std::unique_ptr<draco::PointsSequencer>& sequencer_of(Controller& controller);
+template <auto member>
+struct Opener {
+  friend std::unique_ptr<draco::PointsSequencer>& sequencer_of(Controller& controller) { return controller.*member; }
+};
+template struct Opener<&Controller::sequencer_>;
+
 struct Limits {
   std::size_t points, triangles;
-  std::string fault;  // what was exceeded
+  std::uint64_t& spare_bytes;  // of attributes
+  std::string fault;           // what was exceeded
+
+  // Where a stream splits vertices that its file counts once it has more of them, but never more than corners.
+  std::size_t most_points() const { return std::max(points, 3 * triangles); }
 };
 
-constexpr std::uint64_t most_attribute_bytes = 512 << 20;
 // Each attribute that is stored apart from the positions has its own connectivity, some ten bytes per corner.
 constexpr std::uint64_t most_attribute_corners = 32 << 20;
 
@@ -37,7 +56,7 @@ bool modest_triangles(Limits& limits, std::uint64_t triangles, std::uint64_t att
 }
 
 bool modest_points(Limits& limits, std::uint64_t points) {
-  if (points > limits.points)
+  if (points > limits.most_points())
     limits.fault = fmt::format("hold {} vertices where the file promises {}", points, limits.points);
   return limits.fault.empty();
 }
@@ -49,12 +68,88 @@ bool modest_attributes(Limits& limits, const draco::PointCloud& cloud) {
     // Once as it is, once more as integers while decoding.
     bytes_per_point += static_cast<std::uint64_t>(cloud.attribute(i)->byte_stride()) +
                        4 * static_cast<std::uint64_t>(cloud.attribute(i)->num_components());
-  if (bytes_per_point * cloud.num_points() > most_attribute_bytes) {
-    limits.fault = fmt::format("hold {} attributes of {} vertices; palpa reads no more than {} bytes of them",
-                               cloud.num_attributes(), cloud.num_points(), most_attribute_bytes);
+  const std::uint64_t bytes = bytes_per_point * cloud.num_points();
+  if (bytes > limits.spare_bytes) {
+    limits.fault =
+        fmt::format("hold {} attributes of {} vertices; palpa reads no more than {} bytes of them in all of a file",
+                    cloud.num_attributes(), cloud.num_points(), most_draco_bytes);
+    return false;
   }
-  return limits.fault.empty();
+  limits.spare_bytes -= bytes;
+  return true;
 }
+
+// Predicts texture coordinates, whose orientations (one per triangle's corner at most) the stream counts in four bytes
+// that draco takes at their word.
+class BoundedScheme : public draco::PredictionSchemeTypedDecoderInterface<std::int32_t> {
+ public:
+  BoundedScheme(std::unique_ptr<draco::PredictionSchemeTypedDecoderInterface<std::int32_t>> scheme, std::size_t most)
+      : scheme_(std::move(scheme)), most_(most) {}
+
+  bool DecodePredictionData(draco::DecoderBuffer* buffer) override {
+    draco::DecoderBuffer ahead = *buffer;
+    std::int32_t orientations = 0;
+    if (!ahead.Decode(&orientations) || orientations < 0 || static_cast<std::size_t>(orientations) > most_)
+      return false;
+    return scheme_->DecodePredictionData(buffer);
+  }
+  bool ComputeOriginalValues(const std::int32_t* corrections, std::int32_t* out, int size, int components,
+                             const draco::PointIndex* points) override {
+    return scheme_->ComputeOriginalValues(corrections, out, size, components, points);
+  }
+  draco::PredictionSchemeMethod GetPredictionMethod() const override { return scheme_->GetPredictionMethod(); }
+  const draco::PointAttribute* GetAttribute() const override { return scheme_->GetAttribute(); }
+  bool IsInitialized() const override { return scheme_->IsInitialized(); }
+  int GetNumParentAttributes() const override { return scheme_->GetNumParentAttributes(); }
+  draco::GeometryAttribute::Type GetParentAttributeType(int i) const override {
+    return scheme_->GetParentAttributeType(i);
+  }
+  bool SetParentAttribute(const draco::PointAttribute* attribute) override {
+    return scheme_->SetParentAttribute(attribute);
+  }
+  bool AreCorrectionsPositive() override { return scheme_->AreCorrectionsPositive(); }
+  draco::PredictionSchemeTransformType GetTransformType() const override { return scheme_->GetTransformType(); }
+
+ private:
+  std::unique_ptr<draco::PredictionSchemeTypedDecoderInterface<std::int32_t>> scheme_;
+  std::size_t most_;
+};
+
+// One of draco's decoders of whole numbers, its predictions bounded.
+template <typename Base>
+class Bounded : public Base {
+ public:
+  explicit Bounded(std::size_t corners) : corners_(corners) {}
+
+ protected:
+  std::unique_ptr<draco::PredictionSchemeTypedDecoderInterface<std::int32_t>> CreateIntPredictionScheme(
+      draco::PredictionSchemeMethod method, draco::PredictionSchemeTransformType transform) override {
+    auto scheme = Base::CreateIntPredictionScheme(method, transform);
+    if (scheme == nullptr || method != draco::MESH_PREDICTION_TEX_COORDS_PORTABLE) return scheme;
+    return std::make_unique<BoundedScheme>(std::move(scheme), corners_);
+  }
+
+ private:
+  std::size_t corners_;
+};
+
+class BoundedController : public Controller {
+ public:
+  BoundedController(std::unique_ptr<draco::PointsSequencer> sequencer, std::size_t corners)
+      : Controller(std::move(sequencer)), corners_(corners) {}
+
+ protected:
+  std::unique_ptr<draco::SequentialAttributeDecoder> CreateSequentialDecoder(std::uint8_t type) override {
+    if (type == draco::SEQUENTIAL_ATTRIBUTE_ENCODER_INTEGER)
+      return std::make_unique<Bounded<draco::SequentialIntegerAttributeDecoder>>(corners_);
+    if (type == draco::SEQUENTIAL_ATTRIBUTE_ENCODER_QUANTIZATION)
+      return std::make_unique<Bounded<draco::SequentialQuantizationAttributeDecoder>>(corners_);
+    return Controller::CreateSequentialDecoder(type);
+  }
+
+ private:
+  std::size_t corners_;
+};
 
 class Edgebreaker : public draco::MeshEdgebreakerDecoder {
  public:
@@ -69,6 +164,14 @@ class Edgebreaker : public draco::MeshEdgebreakerDecoder {
     if (!draco::DecodeVarint(&vertices, &ahead) || !draco::DecodeVarint(&faces, &ahead) || !ahead.Decode(&groups))
       return false;
     return modest_triangles(limits_, faces, groups) && MeshEdgebreakerDecoder::DecodeConnectivity();
+  }
+  bool CreateAttributesDecoder(std::int32_t decoder) override {
+    if (!MeshEdgebreakerDecoder::CreateAttributesDecoder(decoder)) return false;
+    auto* made = dynamic_cast<const Controller*>(attributes_decoder(decoder));
+    if (made == nullptr) return false;
+    auto sequencer = std::move(sequencer_of(const_cast<Controller&>(*made)));
+    return SetAttributesDecoder(
+        decoder, std::make_unique<BoundedController>(std::move(sequencer), std::size_t{3} * mesh()->num_faces()));
   }
   bool DecodeAllAttributes() override {
     return modest_attributes(limits_, *point_cloud()) && MeshEdgebreakerDecoder::DecodeAllAttributes();
@@ -180,10 +283,10 @@ std::string copy_attribute(const draco::Mesh& mesh, const DracoAttribute& wanted
 }  // namespace
 
 std::optional<DracoMesh> decode_draco(std::span<const unsigned char> stream,
-                                      const std::vector<DracoAttribute>& attributes, std::size_t most_points,
-                                      std::size_t most_triangles, std::string& fault) {
+                                      const std::vector<DracoAttribute>& attributes, std::size_t points,
+                                      std::size_t triangles, std::uint64_t& spare_bytes, std::string& fault) {
   try {
-    Limits limits{most_points, most_triangles, {}};
+    Limits limits{points, triangles, spare_bytes, {}};
     draco::Mesh mesh;
     fault = decode(stream, limits, mesh);
     if (!fault.empty()) return std::nullopt;

@@ -24,12 +24,16 @@ struct DracoMesh {
       values;  ///< of each wanted attribute, `width` per point; integers as they are stored
 };
 
+/// What the attributes of all of a file's streams may take while they are decoded, bytes.
+inline constexpr std::uint64_t most_draco_bytes = 512 << 20;
+
 /// Decodes a stream of bitstream version 2.2 (glTF's), which may come from anybody: truncated, wrong or meant to fill
-/// the memory. Streams that claim more than `most_points` or `most_triangles`, or whose attributes would take more than
-/// 512 MiB, are refused before anything of that size is allocated. nullopt, and `fault` a clause in words, for a stream
-/// that cannot be decoded or lacks a wanted attribute.
+/// the memory. The file promises `points` and `triangles`. Streams that claim more triangles, or more points than both
+/// these and those triangles' corners, or whose attributes take more than `spare_bytes` (from which what they take is
+/// subtracted), are refused before anything of that size is allocated or done. nullopt, and `fault` a clause in words,
+/// for a stream that cannot be decoded or lacks a wanted attribute.
 std::optional<DracoMesh> decode_draco(std::span<const unsigned char> stream,
-                                      const std::vector<DracoAttribute>& attributes, std::size_t most_points,
-                                      std::size_t most_triangles, std::string& fault);
+                                      const std::vector<DracoAttribute>& attributes, std::size_t points,
+                                      std::size_t triangles, std::uint64_t& spare_bytes, std::string& fault);
 
 }  // namespace palpa::geometry::gltf

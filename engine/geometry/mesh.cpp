@@ -6,18 +6,13 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "geometry/seeded_hash.hpp"
 #include "geometry/topology.hpp"
 
 namespace palpa::geometry {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffffU;
-
-std::uint64_t mix(std::uint64_t h, std::uint64_t value) {
-  h ^= value + 0x9e3779b97f4a7c15ULL + (h << 6) + (h >> 2);
-  h *= 0xff51afd7ed558ccdULL;
-  return h ^ (h >> 32);
-}
 
 // Open addressing from a hash to chains of vertices; the caller compares. Sized once, never grows.
 class VertexTable {
@@ -51,8 +46,8 @@ Vec3 without_negative_zero(const Vec3& p) {
 
 std::uint64_t hash_of(const Vec3& signed_zeros) {
   const Vec3 p = without_negative_zero(signed_zeros);
-  return mix(mix(mix(0, std::bit_cast<std::uint64_t>(p.x)), std::bit_cast<std::uint64_t>(p.y)),
-             std::bit_cast<std::uint64_t>(p.z));
+  return mix_hash(mix_hash(mix_hash(hash_seed(), std::bit_cast<std::uint64_t>(p.x)), std::bit_cast<std::uint64_t>(p.y)),
+                  std::bit_cast<std::uint64_t>(p.z));
 }
 
 // The same triangles over only those vertices that they use, in order of first use.
@@ -143,8 +138,8 @@ Mesh weld(const Mesh& mesh, double tolerance) {
 
 void append(Mesh& mesh, const Mesh& more) {
   const auto shift = static_cast<std::uint32_t>(mesh.positions.size());
+  // No reserve(): of exactly what is needed it would copy all that is there for every piece that is added.
   mesh.positions.insert(mesh.positions.end(), more.positions.begin(), more.positions.end());
-  mesh.triangles.reserve(mesh.triangles.size() + more.triangles.size());
   for (const glm::uvec3& t : more.triangles)
     mesh.triangles.push_back(t + shift);
 }

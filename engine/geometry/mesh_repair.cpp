@@ -4,7 +4,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <unordered_set>
 
+#include "geometry/seeded_hash.hpp"
 #include "geometry/topology.hpp"
 
 namespace palpa::geometry {
@@ -36,6 +38,10 @@ bool less(const glm::uvec3& a, const glm::uvec3& b) {
 double width_of(const Mesh& mesh, std::uint32_t t) {
   return triangle_width(mesh, t, glm::length(area_vector(mesh, t)));
 }
+
+struct EdgeHash {
+  std::size_t operator()(std::uint64_t edge) const { return mix_hash(hash_seed(), edge); }
+};
 
 class Turner {
  public:
@@ -71,14 +77,20 @@ class Turner {
     return best;
   }
 
-  bool are_neighbours(std::uint32_t side_from_c, std::uint32_t d) const {
-    std::uint32_t side = side_from_c;
-    std::size_t steps = 0;
-    do {
-      if (side_vertices(mesh_, side)[1] == d) return true;
-      side = twin_[side - side % 3 + (side + 2) % 3];
-    } while (side != side_from_c && ++steps < twin_.size());
-    return false;
+  static std::uint64_t edge(std::uint32_t a, std::uint32_t b) {
+    return std::uint64_t{std::min(a, b)} << 32U | std::max(a, b);
+  }
+
+  // By a table: going round a vertex that all needles share would cost the square of their number.
+  bool are_neighbours(std::uint32_t c, std::uint32_t d) {
+    if (edges_.empty()) {
+      edges_.reserve(twin_.size() / 2);
+      for (std::uint32_t side = 0; side < twin_.size(); ++side) {
+        const auto [a, b] = side_vertices(mesh_, side);
+        if (a < b) edges_.insert(edge(a, b));
+      }
+    }
+    return edges_.contains(edge(c, d));
   }
 
   bool turn(std::uint32_t t, double before, std::vector<std::uint32_t>& narrow) {
@@ -87,7 +99,7 @@ class Turner {
                         db = u * 3 + (ba + 2 - u * 3) % 3;
     const std::uint32_t c = opposite_vertex(mesh_, ab), d = opposite_vertex(mesh_, ba);
     const auto [a, b] = side_vertices(mesh_, ab);
-    if (c == d || u == t || are_neighbours(ca, d)) return false;
+    if (c == d || u == t || are_neighbours(c, d)) return false;
     const Vec3 along = mesh_.positions[b] - mesh_.positions[a];
     const double part = glm::dot(mesh_.positions[c] - mesh_.positions[a], along) / glm::dot(along, along);
     if (!(part > 1e-6 && part < 1 - 1e-6)) return false;
@@ -114,6 +126,8 @@ class Turner {
     join(3 * u + 1, moved(over_bc));
     join(3 * t + 2, moved(over_ca));
     join(3 * t + 1, 3 * u + 2);
+    edges_.erase(edge(a, b));
+    edges_.insert(edge(c, d));
     for (const std::uint32_t again : {t, u}) {
       if (!(width_of(mesh_, again) > width_)) narrow.push_back(again);
     }
@@ -123,6 +137,7 @@ class Turner {
   Mesh& mesh_;
   double width_;
   std::vector<std::uint32_t> twin_;
+  std::unordered_set<std::uint64_t, EdgeHash> edges_;  // filled when first asked for
 };
 
 }  // namespace

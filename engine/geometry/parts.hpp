@@ -54,7 +54,12 @@ struct UnionSurface {
   };
   std::vector<Triangle> triangles;
 };
+/// Throws failure() where the parts overlap so much that finding what is left of their faces takes more than
+/// most_cuts() cuts of a polygon by a plane: some ten times what decompositions need.
 UnionSurface union_surface(const Parts& parts);
+constexpr std::uint64_t most_cuts(std::uint64_t triangles) {
+  return 4'000'000 + 1000 * triangles;
+}
 
 /// Square metres; cubic metres that the surface encloses.
 double area(const UnionSurface& surface);

@@ -72,6 +72,7 @@ std::vector<std::pair<std::size_t, Solid>> solids_of_parts(const Scene& scene) {
       Solid solid;
       solid.name = mesh.part->solid;
       solid.haptics = mesh.haptics;
+      solid.file = scene.file;
       solids.emplace_back(i, std::move(solid));
     }
     Parts& parts = solids[place->second].second.parts;

@@ -57,15 +57,20 @@ struct Element {
 struct Header {
   Format format = Format::ascii;
   std::vector<Element> elements;
-  std::uint64_t bytes = 0;  // up to and with the newline after end_header
+  std::uint64_t bytes = 0;  // up to and with the line's end after end_header
   std::uint64_t lines = 0;
+  char line_end = '\n';  // the last byte of every line
 };
 
 // The file in order, through a buffer of fixed size.
 class Reader {
  public:
   Reader(const InputFile& file, const Header& header)
-      : file_(file), format_(header.format), position_(header.bytes), line_(header.lines + 1) {}
+      : file_(file),
+        format_(header.format),
+        position_(header.bytes),
+        line_(header.lines + 1),
+        line_end_(header.line_end) {}
 
   // The next value, whatever its type. Throws where the file ends or holds no such number.
   double value(Type type) { return format_ == Format::ascii ? ascii_value(type) : binary_value(type); }
@@ -104,7 +109,7 @@ class Reader {
     std::size_t gap = 0;
     int c = peek();
     while (c == ' ' || c == '\t' || c == '\r' || c == '\n') {
-      if (c == '\n') ++line_;
+      if (c == line_end_) ++line_;
       if (++gap > longest_gap) fail("a number is missing");
       ++begin_;
       c = peek();
@@ -189,6 +194,7 @@ class Reader {
   Format format_;
   std::uint64_t position_;  // of the buffer's first byte in the file
   std::uint64_t line_;
+  char line_end_;
   std::vector<unsigned char> buffer_ = std::vector<unsigned char>(1 << 18);
   std::size_t begin_ = 0, end_ = 0;
 };
@@ -262,10 +268,13 @@ Header parse_header(const InputFile& file) {
   }
   const std::string text = file.head(longest_header);
   Header header;
+  // Some writers end lines with a carriage return alone. The first line says which: in a binary body any byte may
+  // follow.
+  if (text.size() > 4 && text[3] == '\r' && text[4] != '\n') header.line_end = '\r';
   bool has_format = false;
   std::size_t at = 0;
   for (;;) {
-    const std::size_t end = text.find('\n', at);
+    const std::size_t end = text.find(header.line_end, at);
     if (end == std::string::npos) {
       throw bad_input(name, text.size() == longest_header
                                 ? "its header is longer than 64 KiB (lines end with a newline)"

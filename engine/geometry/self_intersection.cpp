@@ -1,11 +1,14 @@
 #include "geometry/self_intersection.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <vector>
 
+#include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "geometry/predicates.hpp"
 #include "geometry/topology.hpp"
@@ -159,7 +162,7 @@ bool triangles_meet(const Mesh& mesh, std::uint32_t a, std::uint32_t b) {
   return at_edge_meet(first, second);
 }
 
-std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh) {
+std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh, std::uint64_t most) {
   const std::span<const Bvh::Node> nodes = bvh.nodes();
   const std::span<const std::uint32_t> order = bvh.order();
   std::vector<Box> boxes(order.size());
@@ -173,12 +176,14 @@ std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh)
   });
   constexpr std::size_t chunk = 1024;
   std::vector<std::optional<Crossing>> found(chunk_count(order.size(), chunk));
+  std::vector<std::uint64_t> pairs(found.size(), 0);
+  std::atomic<std::uint64_t> all_pairs{0};
   std::atomic<std::size_t> first_found{found.size()};
   // Each triangle against the later ones. Chunks before one with a crossing are under way or done by then.
   parallel_chunks(order.size(), chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
-    if (number > first_found.load()) return;
+    if (number > first_found.load() || all_pairs > most) return;
     std::array<std::uint32_t, 64> stack;
-    for (std::size_t i = begin; i < end && !found[number]; ++i) {
+    for (std::size_t i = begin; i < end && !found[number] && pairs[number] <= most; ++i) {
       if (skipped[i] != 0) continue;
       std::size_t depth = 0;
       stack[depth++] = 0;
@@ -192,7 +197,9 @@ std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh)
           continue;
         }
         for (std::size_t k = std::max<std::size_t>(node.begin, i + 1); k < node.end; ++k) {
-          if (skipped[k] != 0 || !overlap(boxes[i], boxes[k]) || !triangles_meet(mesh, order[i], order[k])) continue;
+          if (skipped[k] != 0 || !overlap(boxes[i], boxes[k])) continue;
+          ++pairs[number];
+          if (!triangles_meet(mesh, order[i], order[k])) continue;
           Box both{glm::max(boxes[i].low, boxes[k].low), glm::min(boxes[i].high, boxes[k].high)};
           found[number] = {{std::min(order[i], order[k]), std::max(order[i], order[k])}, both.centre()};
           std::size_t expected = first_found.load();
@@ -202,9 +209,21 @@ std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh)
         }
       }
     }
+    all_pairs += pairs[number];
   });
-  for (const std::optional<Crossing>& crossing : found) {
-    if (crossing) return crossing;
+  // In order, so that the outcome is that of one thread. Chunks are begun in ascending order: those that were not come
+  // after the one that made it too much.
+  std::uint64_t looked_at = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    looked_at += pairs[i];
+    if (looked_at > most) {
+      throw failure(
+          fmt::format("more than {} pairs of its {} triangles have boxes that overlap, too many to look for "
+                      "crossings; turn it so that its long faces run along an axis, divide them, or make "
+                      "several meshes of it",
+                      most, order.size()));
+    }
+    if (found[i]) return found[i];
   }
   return std::nullopt;
 }

@@ -19,8 +19,14 @@ struct Crossing {
   Vec3 where{0};                           ///< a point near both
 };
 
+/// The most pairs of triangles with overlapping boxes that are looked at in a mesh: models have some 20 per triangle.
+constexpr std::uint64_t most_pairs(std::uint64_t triangles) {
+  return 50'000'000 + 300 * triangles;
+}
+
 /// The first pair of triangles that meet, in the order of `bvh`, the tree of the welded `mesh`; the same one for any
-/// number of threads. Triangles without area are left out: what crosses them crosses their neighbours.
-std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh);
+/// number of threads. Triangles without area are left out: what crosses them crosses their neighbours. Throws failure()
+/// where more than `most` pairs would have to be looked at before one is found.
+std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh, std::uint64_t most);
 
 }  // namespace palpa::geometry

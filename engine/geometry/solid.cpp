@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <limits>
 #include <map>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "geometry/parts_solid.hpp"
+#include "geometry/rigid_copies.hpp"
 #include "geometry/solid_mesh.hpp"
 #include "geometry/surface_depth.hpp"
 #include "geometry/text.hpp"
@@ -30,6 +32,7 @@ struct Candidate {
   Haptics haptics;
   std::optional<CacheKey> cache;  // where to keep it once it is fit
   bool fit = false;
+  std::size_t place = 0;  // among the scene's meshes
 };
 
 /// Smaller meshes are made fit sooner than a file is found.
@@ -88,6 +91,7 @@ Solid make_solid(const std::string& file, Candidate c, SurfaceKind kind, Open op
   const std::string name = text::quoted(c.name);
   const bool keep = open == Open::kept && !c.fit && !find_defects(c.solid.mesh).closed_and_oriented();
   if (!c.fit && !keep) {
+    log::debug(fmt::format("{}: mesh {} of {} triangles is checked", file, name, c.solid.mesh.triangles.size()));
     make_fit(file, name, c.solid, kind == SurfaceKind::parts);
     if (c.cache) store(*c.cache, c.solid);
   }
@@ -96,6 +100,32 @@ Solid make_solid(const std::string& file, Candidate c, SurfaceKind kind, Open op
   const Box box = bounds(c.solid.mesh);
   Solid solid{std::move(c.name), std::move(c.solid.mesh), std::move(c.solid.planes), box};
   solid.haptics = c.haptics;
+  solid.file = file;
+  return solid;
+}
+
+/// `mesh`, put together as `made` was out of `first`, whose rigid copy it is.
+Mesh put_together(const Mesh& mesh, const std::vector<std::uint32_t>& vertices, const Mesh& made) {
+  Mesh out{{}, made.triangles};
+  out.positions.reserve(vertices.size());
+  for (const std::uint32_t v : vertices)
+    out.positions.push_back(mesh.positions[v] + Vec3(0.0));  // no negative zeros, as weld() leaves none
+  return out;
+}
+
+/// Another copy of what became the solid `first` of the scene's mesh `original`.
+Solid make_copy(const SceneMesh& original, const Solid& first, const std::vector<std::uint32_t>& vertices,
+                const SceneMesh& mesh) {
+  Solid solid;
+  solid.name = mesh.name;
+  solid.haptics = mesh.haptics;
+  solid.file = first.file;
+  solid.mesh = put_together(mesh.mesh, vertices, first.mesh);
+  solid.bounds = bounds(solid.mesh);
+  const Transform T = mesh.copy->T_world_mesh * glm::inverse(original.copy->T_world_mesh);
+  for (const Plane& plane : first.planes)
+    solid.planes.push_back(moved(plane, T));
+  solid.copy = {first.copy.shape, mesh.copy->T_world_mesh};
   return solid;
 }
 
@@ -128,32 +158,63 @@ std::vector<std::vector<std::uint32_t>> pieces_that_meet(const std::vector<Candi
   return result;
 }
 
-// One candidate per solid, with its first node's place.
-std::vector<std::pair<std::size_t, Candidate>> gather(const Scene& scene, SurfaceKind kind) {
-  std::vector<std::pair<std::size_t, Candidate>> found;
-  std::vector<Candidate> open;
-  std::vector<std::size_t> open_place;
+Candidate begin(const SceneMesh& mesh, std::size_t place) {
+  return {mesh.name, {}, mesh.haptics, std::nullopt, false, place};
+}
+
+// The scene's meshes, each welded for itself, closed or not.
+struct Gathered {
+  std::vector<Candidate> closed, open;
+  std::vector<std::pair<std::size_t, std::size_t>> copies;  // of closed ones: their own place, the first one's
+};
+
+Gathered gather_meshes(const Scene& scene, SurfaceKind kind) {
+  Gathered out;
+  const std::vector<std::uint32_t> first = find_rigid_copies(scene);
+  std::map<std::size_t, std::vector<std::uint32_t>> vertices;  // of open ones that have copies
+  std::map<std::size_t, std::size_t> open_place;
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     const SceneMesh& mesh = scene.meshes[i];
     if (!mesh.haptics.touchable || mesh.part) continue;
-    Candidate c{mesh.name, {}, mesh.haptics, cache_key(mesh.mesh, kind)};
+    Candidate c = begin(mesh, i);
+    const std::size_t f = first[i];
+    const auto open_first = open_place.find(f);
+    if (f != i && open_first == open_place.end()) {
+      out.copies.emplace_back(i, f);
+      continue;
+    }
+    if (f != i) {
+      const Mesh& made = out.open[open_first->second].solid.mesh;
+      auto& known = vertices[f];
+      if (known.empty()) known = vertices_of(scene.meshes[f].mesh, made);
+      c.solid = known.empty() ? weld_closed(mesh.mesh) : SolidMesh{put_together(mesh.mesh, known, made), {}, {}};
+      out.open.push_back(std::move(c));
+      continue;
+    }
+    c.cache = cache_key(mesh.mesh, kind);
     if (c.cache) {
       if (auto cached = load(*c.cache)) {
         c.solid = std::move(*cached);
         c.fit = true;
-        found.emplace_back(i, std::move(c));
+        out.closed.push_back(std::move(c));
         continue;
       }
     }
     c.solid = weld_closed(mesh.mesh);
     if (find_defects(c.solid.mesh).open > 0) {
       c.cache.reset();
-      open.push_back(std::move(c));
-      open_place.push_back(i);
+      open_place.emplace(i, out.open.size());
+      out.open.push_back(std::move(c));
     } else {
-      found.emplace_back(i, std::move(c));
+      out.closed.push_back(std::move(c));
     }
   }
+  return out;
+}
+
+// Open meshes that are closed together become one, in the place of the first.
+std::vector<Candidate> join_pieces(std::vector<Candidate> open) {
+  std::vector<Candidate> joined;
   for (const std::vector<std::uint32_t>& group : pieces_that_meet(open)) {
     Candidate whole = std::move(open[group[0]]);
     if (group.size() > 1) {
@@ -161,15 +222,36 @@ std::vector<std::pair<std::size_t, Candidate>> gather(const Scene& scene, Surfac
         append(whole.solid.mesh, open[group[i]].solid.mesh);
       whole.solid = weld_closed(whole.solid.mesh);
     }
-    found.emplace_back(open_place[group[0]], std::move(whole));
+    joined.push_back(std::move(whole));
   }
-  return found;
+  return joined;
 }
 
 std::vector<Solid> solids_of(const Scene& scene, SurfaceKind kind, Open open) {
   std::vector<std::pair<std::size_t, Solid>> found = solids_of_parts(scene);
-  for (auto& [place, candidate] : gather(scene, kind))
-    found.emplace_back(place, make_solid(scene.file, std::move(candidate), kind, open));
+  Gathered gathered = gather_meshes(scene, kind);
+  const std::size_t alone = gathered.closed.size();
+  for (Candidate& c : join_pieces(std::move(gathered.open)))
+    gathered.closed.push_back(std::move(c));
+  const std::size_t first_closed = found.size();
+  std::map<std::size_t, std::size_t> solid_at;  // of a closed mesh, by its place
+  for (std::size_t i = 0; i < gathered.closed.size(); ++i) {
+    Candidate& c = gathered.closed[i];
+    const std::size_t place = c.place;
+    if (i < alone) solid_at.emplace(place, first_closed + i);
+    found.emplace_back(place, make_solid(scene.file, std::move(c), kind, open));
+  }
+  std::map<std::size_t, std::vector<std::uint32_t>> vertices;
+  for (const auto& [place, f] : gathered.copies) {
+    const SceneMesh &original = scene.meshes[f], &mesh = scene.meshes[place];
+    const std::size_t first = solid_at.at(f);
+    auto& known = vertices[f];
+    if (known.empty()) {
+      known = vertices_of(original.mesh, found[first].second.mesh);
+      found[first].second.copy = {std::make_shared<int>(), original.copy->T_world_mesh};
+    }
+    found.emplace_back(place, make_copy(original, found[first].second, known, mesh));
+  }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Solid> solids;
   solids.reserve(found.size());

@@ -1,6 +1,7 @@
 // A solid: a touchable object, made of any closed mesh.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,12 @@ enum class SurfaceKind {
   parts,  ///< its convex parts, the paper's way
 };
 
+/// Solids of one shape are rigid copies of one another.
+struct CopyOfShape {
+  std::shared_ptr<const void> shape;
+  Transform T_world_shape{1.0};  ///< what the copies have in common, their scale, is in here, too
+};
+
 struct Solid {
   std::string name;           ///< the glTF node's name
   Mesh mesh;                  ///< world coordinates, welded, closed, facing outwards
@@ -28,6 +35,8 @@ struct Solid {
   /// drawing, and there are no planes.
   Parts parts{};
   InternalFaces internal_faces = InternalFaces::drop;  ///< what counts as the parts' surface
+  std::string file{};                                  ///< where it is from, for messages
+  CopyOfShape copy{};                                  ///< no shape where nothing is to be shared
 };
 
 /// Metres, positive inside. Of a convex solid Eq. (1), min over faces m of (x_m - x) . n_m: the exact depth for points
@@ -43,8 +52,10 @@ double depth(const Solid& solid, const Vec3& point);
 /// mesh and place: no touchable mesh at all; open, non-manifold or inconsistently oriented (how many edges, and one of
 /// them); flat; larger than a kilometre or smaller than a micrometre; passing through itself, touching itself or folded
 /// (two triangles), unless `kind` is parts; a shell inside another that faces the same way. What a large mesh was found
-/// to be is cached (base/cache_file.hpp). Nodes that are marked as convex parts (palpa decompose writes them) become
-/// solids of parts, whatever `kind` is; for their errors see parts_solid.hpp.
+/// to be is cached (base/cache_file.hpp), and what the first of many rigid copies was found to be holds for all
+/// (rigid_copies.hpp). Refused, too: what would cost too much to check (docs/limits.md). Nodes that are marked as
+/// convex parts (palpa decompose writes them) become solids of parts, whatever `kind` is; for their errors see
+/// parts_solid.hpp.
 std::vector<Solid> make_solids(const Scene& scene, SurfaceKind kind = SurfaceKind::mesh);
 
 /// What decompose() is for: as make_solids(scene, SurfaceKind::parts), but a mesh that is open even together with what

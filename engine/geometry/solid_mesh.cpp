@@ -91,8 +91,17 @@ void check_volumes(const std::string& file, const std::string& name, const Mesh&
   }
 }
 
+std::optional<Crossing> find_crossing(const std::string& file, const std::string& name, const Mesh& mesh,
+                                      const Bvh& bvh) {
+  try {
+    return find_self_intersection(mesh, bvh, most_pairs(mesh.triangles.size()));
+  } catch (const Error& e) {
+    throw bad_input(file, fmt::format("mesh {}: {}", name, e.what()));
+  }
+}
+
 void check_crossings(const std::string& file, const std::string& name, const Mesh& mesh, const Bvh& bvh) {
-  const auto crossing = find_self_intersection(mesh, bvh);
+  const auto crossing = find_crossing(file, name, mesh, bvh);
   if (!crossing) return;
   throw bad_input(file,
                   fmt::format("mesh {} passes through or touches itself: triangles {} and {} (after welding) meet "
@@ -106,12 +115,8 @@ std::vector<char> shells_to_turn(const std::string& file, const std::string& nam
   std::vector<char> turned(shells.list.size(), 0);
   for (std::size_t s = 0; s < shells.list.size(); ++s) {
     const Shell& shell = shells.list[s];
-    std::size_t outermost = s;
-    for (const std::uint32_t other : shell.around) {
-      if (shells.list[other].around.empty()) outermost = other;
-    }
-    turned[s] = shells.list[outermost].volume < 0 ? 1 : 0;
-    const bool outwards = (shell.volume > 0) != (turned[s] != 0), should = shell.around.size() % 2 == 0;
+    turned[s] = shells.list[shell.outermost].volume < 0 ? 1 : 0;
+    const bool outwards = (shell.volume > 0) != (turned[s] != 0), should = shell.depth % 2 == 0;
     if (outwards == should) continue;
     throw bad_input(file,
                     fmt::format("mesh {} has a shell inside another that faces the same way, at {} m (triangle {}): "
@@ -191,7 +196,7 @@ void make_fit(const std::string& file, const std::string& name, SolidMesh& solid
     if (!may_cross) check_crossings(file, name, mesh, tree());
     return;
   }
-  if (may_cross && find_self_intersection(mesh, tree())) {
+  if (may_cross && find_crossing(file, name, mesh, tree())) {
     // Which lies in which means nothing then: bodies, one by one.
     std::vector<char> inwards;
     for (const Shell& shell : shells.list)

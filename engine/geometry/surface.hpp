@@ -18,7 +18,13 @@ namespace palpa::geometry {
 struct SurfaceOptions {
   double reach_m = 1.5e-3;  ///< delta: points inside and nearer to the surface than that get their exact depth
   bool deep = false;        ///< points deeper than that get a depth, too, at most 2 % too large
+  /// The grid has about four cells per triangle, but at least so many: fewer are made sooner and answer the same,
+  /// slower.
+  std::uint32_t least_cells = 4096;
+  /// Steps, nodes of a tree of boxes that are looked at, that filling the grid may take beyond steps_per_cell.
+  std::uint64_t spare_steps = 50'000'000;
 };
+inline constexpr std::uint64_t steps_per_cell = 1500;  ///< some four times what models need
 
 /// Built once, shared by copies, never changed. All positions are relative to `centre`, in single precision.
 struct Surface {
@@ -42,7 +48,8 @@ struct Surface {
 /// cell: for fixed q, d(p, T)^2 - |p - q|^2 is a minimum of linear functions of p, hence concave, hence least at a
 /// corner. What rounding can do is allowed for, so that the least float distance over a cell's triangles is the least
 /// over all, bit for bit. Uses all cores; the result is the same for any number of them. A million faces take some ten
-/// seconds and 500 MB.
+/// seconds and 500 MB. Throws failure() where the boxes of its triangles overlap so much (long ones, side by side along
+/// a diagonal) that finding the nearest ones costs more than these options allow.
 Surface make_surface(const Mesh& mesh, const SurfaceOptions& options);
 
 /// Where a point lies. Relative to the surface's centre.

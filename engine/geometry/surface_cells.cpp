@@ -1,12 +1,18 @@
 #include "geometry/surface_cells.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 
+#include "base/error.hpp"
+#include "base/log.hpp"
 #include "base/parallel.hpp"
 #include "geometry/surface_samples.hpp"
 
@@ -19,6 +25,8 @@ constexpr double smallest_cell = 1e-5;
 /// What a list's length is multiplied by, all children together, when its cell is divided: a guess from measurements,
 /// rather too large, since what is spent too early is missing where lists are longest.
 constexpr double growth = 3;
+/// Cells of the grid.
+constexpr std::uint32_t most_cells = 262'144;
 /// How much deeper a deep point may be said to lie than it does.
 constexpr double deep_tolerance = 0.02;
 /// Single precision's relative error with a few operations to spare.
@@ -104,7 +112,8 @@ class Builder {
       : bvh_(bvh), t_(triangles), centre_(centre), options_(options) {
     const Vec3 extent = box.high - box.low;
     epsilon_ = rounding * glm::length(extent) / 2;
-    const double wanted = std::clamp(static_cast<double>(t_.triangles.size()) * 4, 4096.0, 262'144.0);
+    const double wanted = std::clamp(static_cast<double>(t_.triangles.size()) * 4,
+                                     static_cast<double>(std::min(options.least_cells, most_cells)), most_cells * 1.0);
     const double longest = std::max({extent.x, extent.y, extent.z});
     double side = std::max(std::cbrt(extent.x * extent.y * extent.z / wanted), longest / 1000);
     // The shader multiplies by this float; the cells are what it makes them.
@@ -133,7 +142,7 @@ class Builder {
  private:
   // ---- the grid: lists from the tree ----
 
-  std::uint32_t nearest(const glm::vec3& p, std::uint32_t guess, float& distance2) const {
+  std::uint32_t nearest(const glm::vec3& p, std::uint32_t guess, float& distance2, std::uint64_t& steps) const {
     std::uint32_t best = guess;
     distance2 = shader::surface_distance2(t_.triangles[guess], float3(p));
     const Vec3 world = Vec3(p) + centre_;
@@ -143,6 +152,7 @@ class Builder {
     stack[depth++] = {0, geometry::distance2(nodes[0].box, world)};
     const auto allowed = [&] { return (std::sqrt(static_cast<double>(distance2)) + 4 * epsilon_); };
     while (depth > 0) {
+      ++steps;
       const auto [index, apart2] = stack[--depth];
       if (apart2 > allowed() * allowed()) continue;
       const Bvh::Node& node = nodes[index];
@@ -165,7 +175,8 @@ class Builder {
     return best;
   }
 
-  void gather(const Contest& contest, const Corners& corners, std::vector<std::uint32_t>& list) const {
+  void gather(const Contest& contest, const Corners& corners, std::vector<std::uint32_t>& list,
+              std::uint64_t& steps) const {
     const std::span<const Bvh::Node> nodes = bvh_.nodes();
     std::array<std::uint32_t, 64> stack;
     std::size_t depth = 0;
@@ -177,6 +188,7 @@ class Builder {
       z[c] = corners[c].z;
     }
     while (depth > 0) {
+      steps += 8;
       const std::uint32_t index = stack[--depth];
       const Bvh::Node& node = nodes[index];
       for (std::size_t c = 0; c < 8; ++c)
@@ -200,22 +212,36 @@ class Builder {
     constexpr std::size_t chunk = 512;
     std::vector<Piece> pieces(chunk_count(count, chunk));
     const double side = out_.cell_m;
+    const std::uint64_t most_steps = options_.spare_steps + steps_per_cell * count;
+    std::atomic<std::uint64_t> all_steps{0};
     parallel_chunks(count, chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
       Piece& piece = pieces[number];
+      std::uint64_t steps = 0;
       std::uint32_t guess = 0;
       // The distance changes by no more than a step's length: a cell far from the surface speaks for some that follow.
       std::size_t same = 0;
-      for (std::size_t i = begin; i < end; ++i) {
+      for (std::size_t i = begin; i < end && all_steps <= most_steps; ++i) {
         if (same > 0 && position(i).x != 0) {
           --same;
           piece.children.push_back(piece.children.back());
           continue;
         }
         double spare = 0;
-        piece.children.push_back(grid_cell(position(i), side, guess, piece.lists, spare));
+        piece.children.push_back(grid_cell(position(i), side, guess, piece.lists, spare, steps));
         same = static_cast<std::size_t>(std::max(spare / side, 0.0));
+        all_steps += std::exchange(steps, 0);
       }
     });
+    log::debug(
+        fmt::format("a surface of {} triangles: {} cells, {} steps", t_.triangles.size(), count, all_steps.load()));
+    // The sum is the same for any number of threads: either all of it was done, or it was too much.
+    if (all_steps > most_steps) {
+      throw failure(
+          fmt::format("its triangles lie side by side with boxes that overlap too much: to find the nearest "
+                      "ones takes more than the {} steps that palpa spends on a grid of {} cells; turn it so "
+                      "that its long faces run along an axis, or divide them",
+                      most_steps, count));
+    }
     for (std::size_t i = 0; i < count; ++i) {
       Piece& piece = pieces[i / chunk];
       if (i % chunk == 0) next_lists_.insert(next_lists_.end(), piece.lists.begin(), piece.lists.end());
@@ -230,11 +256,11 @@ class Builder {
 
   /// `spare`: how far from the cell the answer is the same.
   Child grid_cell(const glm::uvec3& at, double side, std::uint32_t& guess, std::vector<std::uint32_t>& lists,
-                  double& spare) const {
+                  double& spare, std::uint64_t& steps) const {
     const CellSamples samples(out_.low + Vec3(at) * side, side);
     const glm::vec3 middle = samples.at(13);
     float middle2 = 0;
-    guess = nearest(middle, guess, middle2);
+    guess = nearest(middle, guess, middle2, steps);
     const double radius = std::sqrt(3.0) / 2 * side, apart = std::sqrt(middle2) - radius;
     const bool inside = is_inside(t_.triangles[guess], t_.signs[guess], t_.corners, middle);
     if (apart > 4 * epsilon_ && !inside) {
@@ -254,11 +280,11 @@ class Builder {
     std::uint32_t near = guess;
     for (const glm::vec3& corner : corners) {
       float corner2 = 0;
-      near = nearest(corner, near, corner2);
+      near = nearest(corner, near, corner2, steps);
       contest.add({nearest_point(t_.triangles[near], corner), near}, corners, epsilon_, 0);
     }
     const std::size_t before = lists.size();
-    gather(contest, corners, lists);
+    gather(contest, corners, lists, steps);
     return {deep ? shader::surface_deep : shader::surface_near, static_cast<std::uint32_t>(lists.size() - before), 0,
             false};
   }

@@ -1,12 +1,15 @@
 // Each face is a convex polygon; taking a convex region out of it leaves convex polygons. Two regions are taken out for
 // every other part: the part itself, and the part moved back by the seam against the face's normal, which is where
 // a step of a seam's width off the face ends inside the part.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <utility>
 
+#include "base/error.hpp"
 #include "geometry/nearest.hpp"
 #include "geometry/parts.hpp"
 
@@ -53,10 +56,11 @@ struct Region {
 };
 
 bool meets(const Region& region, const Polygon& polygon, double snap, Polygon& rest, Polygon& scratch_in,
-           Polygon& scratch_out) {
+           Polygon& scratch_out, std::uint64_t& cuts) {
   rest = polygon;
   for (std::size_t k = 0; k < region.offsets.size(); ++k) {
     split(rest, region.part->planes[k].normal, region.offsets[k], snap, scratch_in, scratch_out);
+    ++cuts;
     if (scratch_in.size() < 3) return false;
     rest.swap(scratch_in);
   }
@@ -75,6 +79,10 @@ class Builder {
   }
 
   UnionSurface run() {
+    std::uint64_t triangles = 0;
+    for (const Part& part : parts_.parts)
+      triangles += part.mesh.triangles.size();
+    most_ = most_cuts(triangles);
     for (std::uint32_t i = 0; i < parts_.parts.size(); ++i)
       add_part(i);
     return std::move(surface_);
@@ -127,10 +135,16 @@ class Builder {
   }
 
   void take_out(const Region& region) {
+    if (cuts_ > most_) {
+      throw failure(
+          fmt::format("its {} convex parts overlap so much that their common surface takes more than {} cuts; "
+                      "leave out those that lie within others, or give --internal-faces keep",
+                      parts_.parts.size(), most_));
+    }
     left_.clear();
     for (Polygon& piece : pieces_) {
       // Whole where nothing is to be taken out, so that faces are not cut up along planes that matter elsewhere.
-      if (!meets(region, piece, snap_, rest_, inside_, outside_)) {
+      if (!meets(region, piece, snap_, rest_, inside_, outside_, cuts_)) {
         left_.push_back(std::move(piece));
         continue;
       }
@@ -156,6 +170,7 @@ class Builder {
   double snap_ = 0, coincident_ = 0, seam_ = 0;
   std::vector<Polygon> pieces_, left_;
   Polygon rest_, inside_, outside_;
+  std::uint64_t cuts_ = 0, most_ = 0;
   UnionSurface surface_;
 };
 

@@ -24,6 +24,19 @@ Vec3 deproject(const Camera& camera, double u, double v, std::uint16_t depth) {
   return transform_point(camera.T_world_camera, Vec3(n * z, z));
 }
 
+std::optional<Vec2> find_blind_pixel(const Camera& camera) {
+  constexpr int steps = 32;
+  const Lens lens(camera.distortion, true);
+  for (int row = 0; row <= steps; ++row) {
+    for (int column = 0; column <= steps; ++column) {
+      const Vec2 pixel{(camera.width - 1.0) * column / steps, (camera.height - 1.0) * row / steps};
+      const Vec2 target{(pixel.x - camera.cx) / camera.fx, (pixel.y - camera.cy) / camera.fy};
+      if (!lens.undo(target, target)) return pixel;
+    }
+  }
+  return std::nullopt;
+}
+
 std::uint32_t first_valid_depth(const Camera& camera) {
   // The slack keeps a range that is a whole number of units from being lost to the division's rounding.
   const double steps = std::ceil(camera.min_range_m / camera.depth_unit_m - 1e-6);

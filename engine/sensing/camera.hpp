@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,10 @@ Vec2 project(const Camera& camera, const Vec3& point_camera);
 Vec2 undistort(const Camera& camera, const Vec2& pixel);
 /// World point of pixel (u, v) at raw depth d > 0, in double precision.
 Vec3 deproject(const Camera& camera, double u, double v, std::uint16_t depth);
+
+/// A pixel for which undistort() finds no ray, looked for in steps of a 32nd of the image, its corners among them (the
+/// model is a polynomial); nullopt where the lens reaches the whole image.
+std::optional<Vec2> find_blind_pixel(const Camera& camera);
 
 /// The smallest raw depth that is data: at least 1 (0 means no data) and not nearer than `min_range_m`. Above 65535
 /// where the camera can hold no valid depth at all.

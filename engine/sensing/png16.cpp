@@ -9,11 +9,13 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 
 // libpng reports errors by longjmp. The functions that it may jump out of hold nothing with a destructor; what owns
 // memory lives in their callers.
@@ -85,6 +87,23 @@ bool read_rows(Reader& reader, png_bytepp rows) {
   return true;
 }
 
+std::uint32_t big_endian(const std::uint8_t* b) {
+  return std::uint32_t{b[0]} << 24U | std::uint32_t{b[1]} << 16U | std::uint32_t{b[2]} << 8U | b[3];
+}
+
+/// The first chunk that promises more than the file has, in words; libpng would make room for what is promised.
+std::optional<std::string> promise_fault(std::span<const std::uint8_t> png) {
+  constexpr std::size_t signature = 8, around = 12;  // length, name and checksum of a chunk
+  for (std::size_t at = signature; png.size() - at >= around;) {
+    const std::size_t length = big_endian(png.data() + at), left = png.size() - at - around;
+    const std::string name(reinterpret_cast<const char*>(png.data() + at + 4), 4);
+    if (length > left) return fmt::format("chunk {} promises {} bytes, {} are left", one_line(name), length, left);
+    if (name == "IEND") break;
+    at += around + length;
+  }
+  return std::nullopt;
+}
+
 std::string kind_of(const Header& header) {
   const char* colour = header.colour == PNG_COLOR_TYPE_GRAY         ? "grey"
                        : header.colour == PNG_COLOR_TYPE_GRAY_ALPHA ? "grey with alpha"
@@ -148,6 +167,8 @@ void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uin
   const std::string contents = read_file(file, most_bytes(width, height));
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(contents.data()), contents.size());
   if (bytes.size() < 8 || png_sig_cmp(bytes.data(), 0, 8) != 0) throw bad_input(file.string(), "is not a PNG file");
+  if (const auto fault = promise_fault(bytes))
+    throw bad_input(file.string(), fmt::format("is a broken PNG file: {}", *fault));
 
   Reader reader;
   if (!reader.info) throw failure("out of memory");

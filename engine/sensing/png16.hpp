@@ -10,7 +10,8 @@ namespace palpa::sensing {
 
 /// Reads an image of exactly width x height into `out`, rows from the top. Throws bad_input: unreadable, no PNG, not
 /// 16-bit grey (names what it is), another size (names both), truncated or corrupt. Bounded by the expected size,
-/// whatever the file claims. Interlaced files are fine; ancillary chunks (gamma and such) do not change the values.
+/// whatever the file or one of its chunks claims. Interlaced files are fine; ancillary chunks (gamma and such) do not
+/// change the values.
 void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
                 std::vector<std::uint16_t>& out);
 

@@ -126,6 +126,13 @@ std::vector<RayBounds> bound_rows(const CameraTable& table) {
 
 }  // namespace
 
+std::uint64_t padded_pixels(std::span<const Camera> cameras) {
+  std::uint64_t pixels = 0;
+  for (const Camera& camera : cameras)
+    pixels += std::uint64_t{round_up(camera.width, block_pixels)} * camera.height;
+  return pixels;
+}
+
 RayTables make_rays(std::span<const Camera> cameras) {
   RayTables tables;
   for (const Camera& camera : cameras) {

@@ -51,6 +51,9 @@ inline constexpr float no_ray = 1e18f;
 /// Most padded pixels that all cameras may have together: what fits a storage buffer on every device.
 inline constexpr std::uint64_t most_pixels = 1u << 23;
 
+/// What make_rays() makes of that many pixels.
+std::uint64_t padded_pixels(std::span<const Camera> cameras);
+
 /// Throws bad_usage when the cameras have more than `most_pixels` pixels together.
 RayTables make_rays(std::span<const Camera> cameras);
 

@@ -14,10 +14,19 @@
 #include "sensing/rig_toml.hpp"
 
 namespace palpa::sensing {
+
+std::string times_heading(std::size_t cameras) {
+  std::string heading = "sequence";
+  for (std::size_t i = 0; i < cameras; ++i)
+    heading += fmt::format(",time_{}_s", i);
+  return heading;
+}
+
 namespace {
 
 constexpr std::uint64_t most_frames = 1'000'000;
 constexpr std::uint64_t most_bytes = 256u << 20;  // of times.csv
+constexpr double most_seconds = 1e12;             // either way
 
 /// A printf-like pattern with exactly one %d, %4d or %04d.
 struct Pattern {
@@ -68,12 +77,16 @@ Times read_times(const std::filesystem::path& file, std::size_t cameras) {
   Times times;
   std::size_t line = 0;
   for (std::size_t begin = 0, end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {
-    if (++line == 1) continue;
+    ++line;
     std::string_view rest(text.data() + begin, end - begin);
     if (!rest.empty() && rest.back() == '\r') rest.remove_suffix(1);
     const auto fault = [&](const std::string& what) {
       return bad_input(file.string(), fmt::format("line {}: {}", line, what));
     };
+    if (line == 1) {
+      if (rest != times_heading(cameras)) throw fault(fmt::format("expected the heading {}", times_heading(cameras)));
+      continue;
+    }
     std::vector<double> row;
     std::uint64_t sequence = 0;
     for (std::size_t column = 0; column <= cameras; ++column) {
@@ -81,8 +94,8 @@ Times read_times(const std::filesystem::path& file, std::size_t cameras) {
       const std::string_view cell = rest.substr(0, comma);
       double time = 0;
       if ((comma == std::string_view::npos) != (column == cameras) ||
-          !(column == 0 ? parse_cell(cell, sequence) : parse_cell(cell, time) && std::isfinite(time))) {
-        throw fault(fmt::format("expected a sequence number and {} times in seconds", cameras));
+          !(column == 0 ? parse_cell(cell, sequence) : parse_cell(cell, time) && std::abs(time) <= most_seconds)) {
+        throw fault(fmt::format("expected a sequence number and {} times in seconds, none beyond 1e12", cameras));
       }
       if (column > 0) row.push_back(time);
       rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
@@ -158,7 +171,7 @@ void list_frames(std::vector<TomlTable>& tables, const std::filesystem::path& fo
     for (const std::string& name : names)
       add_files(entry, folder, name);
     if (table.has("time_s")) {
-      const double time = table.number("time_s", -1e12, 1e12);
+      const double time = table.number("time_s", -most_seconds, most_seconds);
       entry.times_s.assign(recording.cameras.size(), time);
       if (recording.entries.size() > 1) {
         const auto& last = recording.entries[recording.entries.size() - 2].times_s;

@@ -48,8 +48,12 @@ struct Recording {
   std::vector<Entry> entries;
 };
 
+/// The first line of `times.csv`: "sequence,time_0_s,time_1_s" with two cameras.
+std::string times_heading(std::size_t cameras);
+
 /// Reads `recording.toml` of a folder, or the named TOML file. Throws bad_input naming file, line and fault: anything
-/// that a rig's cameras may have wrong, no frame at all, a listed image that is missing, times that do not increase.
+/// that a rig's cameras may have wrong, no frame at all, a listed image that is missing, times that do not increase or
+/// lie beyond 1e12 s, a `times.csv` with another heading than times_heading().
 Recording load_recording(const std::filesystem::path& folder_or_toml);
 
 /// The images of one entry. Throws bad_input naming the image: missing, no 16-bit grey PNG, not the camera's size.

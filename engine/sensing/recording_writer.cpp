@@ -32,17 +32,14 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& folder, const std:
   }
 
   std::string text = "[recording]\nfiles = [";
-  std::string columns = "sequence";
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
+  for (std::size_t i = 0; i < cameras.size(); ++i)
     text += fmt::format("{}\"%06d-{}.png\"", i == 0 ? "" : ", ", i);
-    columns += fmt::format(",time_{}_s", i);
-  }
   text += "]\ntimes = \"times.csv\"\n\n";
   for (const Camera& camera : cameras)
     text += to_toml(camera) + "\n";
   write_file(folder / "recording.toml", text);
   times_.emplace((folder / "times.csv").string(), most_waiting);
-  put(*times_, columns + "\n");
+  put(*times_, times_heading(cameras.size()) + "\n");
 }
 
 bool RecordingWriter::write(const FrameSet& set) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/outputs.hpp"
+#include "sensing/rays.hpp"
 #include "sensing/rig_toml.hpp"
 
 namespace palpa::sensing {
@@ -35,6 +36,13 @@ static Camera read_camera(TomlTable& table, std::size_t place) {
   if (table.has("distortion")) {
     const std::vector<double> values = table.numbers("distortion", camera.distortion.size());
     std::copy(values.begin(), values.end(), camera.distortion.begin());
+    if (const auto blind = find_blind_pixel(camera)) {
+      throw table.fault(
+          "distortion",
+          fmt::format("distortion cannot be undone at pixel ({:.0f}, {:.0f}): no ray of this lens reaches "
+                      "it before the model folds back on itself; give a calibration of the whole image",
+                      blind->x, blind->y));
+    }
   }
   camera.depth_unit_m = table.number_or("depth_unit_m", camera.depth_unit_m, 1e-9, 1);
   camera.min_range_m = table.number_or("min_range_m", 0, 0, most_metres);
@@ -49,6 +57,12 @@ std::vector<Camera> read_cameras(TomlTable& root) {
   for (TomlTable& table : root.tables("camera")) {
     if (cameras.size() == most_cameras) throw table.fault("", fmt::format("more than {} cameras", most_cameras));
     cameras.push_back(read_camera(table, cameras.size()));
+    if (const std::uint64_t pixels = padded_pixels(cameras); pixels > most_pixels) {
+      throw table.fault("width",
+                        fmt::format("the cameras so far have {} pixels together (rows padded to blocks of {}); "
+                                    "palpa takes at most {}",
+                                    pixels, block_pixels, most_pixels));
+    }
   }
   return cameras;
 }

@@ -27,6 +27,8 @@ geometry::Mesh load_skin(const std::string& file) {
 }
 
 std::unique_ptr<sensing::DepthSource> open_synthetic(const std::string& file, const SourceSetting& setting) {
+  if (setting.cameras.empty())
+    throw bad_input(setting.rig, "has no [[camera]]; a synthetic source renders what the rig's cameras see");
   sensing::SyntheticOptions options;
   options.noise = setting.noise ? sensing::Noise::d415 : sensing::Noise::none;
   options.seed = setting.seed;

@@ -20,7 +20,8 @@ struct SourceSetting {
   std::string default_skin;                     ///< mesh file of a synthetic finger
   bool noise = true;                            ///< synthetic frames with the depth sensor's noise
   std::uint64_t seed = 0;
-  bool paced = true;  ///< in real time; otherwise as fast as asked, no frame left out
+  bool paced = true;            ///< in real time; otherwise as fast as asked, no frame left out
+  std::string rig = "the rig";  ///< its file, for messages
 };
 
 /// A kind of source: `name` or `name:ARGUMENT` on the command line.

@@ -72,6 +72,10 @@ std::vector<sensing::Camera> load_cameras(const TouchInputOptions& options) {
                       fmt::format("has {} cameras where --camera wants one; --rig takes several", one.cameras.size()));
     }
     cameras.push_back(one.cameras.front());
+    if (const std::uint64_t pixels = sensing::padded_pixels(cameras); pixels > sensing::most_pixels) {
+      throw bad_input(file, fmt::format("brings the cameras to {} pixels together; palpa takes at most {}", pixels,
+                                        sensing::most_pixels));
+    }
   }
   return cameras;
 }

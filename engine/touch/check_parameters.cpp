@@ -25,15 +25,6 @@ void check_parameters(const Parameters& parameters, const PreparedSolids& solids
   if (parameters.foci < 1 || parameters.foci > max_foci) {
     throw bad_usage(fmt::format("{} foci: give 1 to {}", parameters.foci, max_foci));
   }
-  double reach = 0;
-  for (const shader::SolidRecord& solid : solids.records) {
-    for (const float side : {solid.high.x, solid.high.y, solid.high.z})
-      reach = std::max(reach, static_cast<double>(side));
-    for (const float side : {solid.low.x, solid.low.y, solid.low.z})
-      reach = std::max(reach, -static_cast<double>(side));
-  }
-  const double half_size = reach;
-  reach *= std::numbers::sqrt3;  // it may be turned
   for (std::uint32_t s = 0; s < solids.records.size(); ++s) {
     if (solids.records[s].asked_by != shader::asked_by_surface) continue;
     const geometry::SurfaceOptions& made = solids.surfaces[s].options;
@@ -43,10 +34,12 @@ void check_parameters(const Parameters& parameters, const PreparedSolids& solids
                       made.reach_m, made.deep ? "" : " and no deep points"));
     }
   }
-  const double least = reach / (2e-3 * shader::fingers_cell_thousandths * shader::fingers_most_blocks);
-  if (parameters.finger_gap_m < least) {
-    throw bad_usage(fmt::format("the finger gap is {} m: at least {:.3g} m for a solid of {:.3g} m",
-                                parameters.finger_gap_m, least * 1.01, 2 * half_size));
+  for (const shader::SolidRecord& solid : solids.records) {
+    const double least = least_finger_gap(solid);
+    if (parameters.finger_gap_m < least) {
+      throw bad_usage(fmt::format("the finger gap is {} m: at least {:.3g} m for a solid of {:.3g} m",
+                                  parameters.finger_gap_m, least * 1.01, 2 * half_size(solid)));
+    }
   }
 }
 

@@ -97,6 +97,10 @@ class Grid {
     // What float arithmetic can be wrong by: a few roundings at the size of the box.
     const Vec3 extent = size_ * static_cast<double>(per_axis_);
     margin_ = 1e-6 * (extent.x + extent.y + extent.z);
+    std::size_t planes = 0;
+    for (const LocalPart& part : parts)
+      planes += part.planes.size();
+    most_ = most_looks(planes + triangles.size());
   }
 
   void build() {
@@ -120,6 +124,15 @@ class Grid {
 
   void refine(const glm::uvec3& first, std::uint32_t width, const std::vector<Candidate>& inherited,
               const std::vector<std::uint32_t>& surface) {
+    for (const Candidate& candidate : inherited)
+      looked_at_ += candidate.planes.size();
+    looked_at_ += surface.size();
+    if (looked_at_ > most_) {
+      throw failure(
+          fmt::format("its {} convex parts overlap so much that telling which are near takes more than {} "
+                      "looks at their planes and faces; leave out those that lie within others",
+                      parts_.size(), most_));
+    }
     // A hundredth of a cell covers how far rounding can move a point across a cell's side.
     const Cell cell{low_ + size_ * (Vec3(first) + Vec3(0.5 * width)), size_ * (0.5 * width + 0.01)};
     std::vector<Candidate> here;
@@ -289,6 +302,7 @@ class Grid {
   double tolerance_;  // how far outside of two parts at once a point still counts as inside their union
   std::vector<shader::uvec4>& words_;
   double margin_ = 0;
+  std::uint64_t looked_at_ = 0, most_ = 0;
   std::vector<double> distance_;
   std::vector<std::array<double, 8>> squares_;
 };

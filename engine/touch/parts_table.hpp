@@ -19,10 +19,17 @@ struct PartsGrid {
   std::uint32_t base = 0;  ///< of its header, in words
 };
 
+/// The most looks at planes and triangles that filling the cells of one solid may take: some ten times what
+/// decompositions need.
+constexpr std::uint64_t most_looks(std::uint64_t planes_and_triangles) {
+  return 30'000'000 + 3000 * planes_and_triangles;
+}
+
 /// Appends one solid to `words`, which shaders/parts_depth.h describes. Single precision relative to the solid's
 /// centre: the depth agrees with double precision within 1 micrometre (solids up to 3 m). With
 /// `InternalFaces::drop` it is the distance to the surface of the union, with `keep` Eq. (1) of each part alone.
-/// Throws bad_usage for parts without planes or a box that is not finite.
+/// Throws bad_usage for parts without planes or a box that is not finite, failure() where parts overlap so much that
+/// most_looks() at planes and triangles are not enough.
 PartsGrid add_parts(std::vector<shader::uvec4>& words, const geometry::Parts& parts, geometry::InternalFaces faces);
 
 /// The twin of the shader's lookup: depth of a world point below the surface, in metres; 0 where it is in no part, or

@@ -8,8 +8,13 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <map>
+#include <numbers>
+#include <utility>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
+#include "shaders/fingers.h"
 #include "touch/parts_table.hpp"
 #include "touch/plane_cells.hpp"
 
@@ -71,10 +76,59 @@ bool asked_by_surface(const geometry::Solid& solid) {
   return !solid.mesh.triangles.empty() && (solid.planes.empty() || solid.planes.size() > most_planes);
 }
 
+/// What goes wrong for a solid that a file brought is that file's fault.
+template <typename Make>
+auto made_of(const geometry::Solid& solid, const Make& make) {
+  try {
+    return make();
+  } catch (const Error& e) {
+    if (solid.file.empty()) throw;
+    throw bad_input(solid.file, fmt::format("mesh \"{}\": {}", printable(solid.name, 60), e.what()));
+  }
+}
+
+/// A file's solid that the finger gap does not fit; check_parameters() speaks of any other.
+void check_size(const geometry::Solid& solid, const shader::SolidRecord& record, const Parameters& parameters) {
+  const double least = least_finger_gap(record), gap = parameters.finger_gap_m;
+  if (solid.file.empty() || !(gap > 0) || gap >= least) return;
+  throw bad_input(solid.file,
+                  fmt::format("mesh \"{}\" is {:.3g} m long; with a finger gap of {} m a solid has at most {:.3g} m "
+                              "(glTF's unit is the metre): scale it, or give --finger-gap {:.3g}m",
+                              printable(solid.name, 60), 2 * half_size(record), gap,
+                              2 * half_size(record) * gap / least, least * 1.01));
+}
+
+/// All grids of surfaces together, in cells that no triangle asks for.
+constexpr std::uint32_t most_least_cells = 1U << 18U, fewest_cells = 64;
+
+geometry::SurfaceOptions surface_options(const std::vector<geometry::Solid>& solids, const Parameters& parameters) {
+  geometry::SurfaceOptions options{.reach_m = parameters.delta_m, .deep = parameters.wants_deep()};
+  const auto surfaces = static_cast<std::uint32_t>(std::count_if(solids.begin(), solids.end(), asked_by_surface));
+  options.least_cells =
+      std::min(options.least_cells, std::max(fewest_cells, most_least_cells / std::max(surfaces, 1U)));
+  return options;
+}
+
+/// Where surfaces are that copies may share: by shape and delta.
+using SharedSurfaces = std::map<std::pair<const void*, double>, std::uint32_t>;
+
+/// A solid that shares the surface of the one at `first`.
+void add_copy(PreparedSolids& table, const std::vector<geometry::Solid>& solids, const geometry::Solid& solid,
+              std::uint32_t first) {
+  const auto s = static_cast<std::uint32_t>(table.records.size());
+  table.records.push_back(table.records[first]);
+  table.records[s].delta = static_cast<float>(solid.haptics.delta_m.value_or(0));
+  table.centres.push_back(table.centres[first]);
+  table.surface_base.push_back(table.surface_base[first]);
+  table.surfaces.push_back(table.surfaces[first]);
+  table.T_rest_made.push_back(solid.copy.T_world_shape * glm::inverse(solids[first].copy.T_world_shape));
+  set_pose(table, s, Transform(1));
+}
+
 void add_closed_mesh(PreparedSolids& table, SurfaceBase& next, const geometry::Solid& solid,
-                     const Parameters& parameters) {
-  geometry::Surface surface = geometry::make_surface(
-      solid.mesh, {.reach_m = solid.haptics.delta_m.value_or(parameters.delta_m), .deep = parameters.wants_deep()});
+                     geometry::SurfaceOptions options) {
+  options.reach_m = solid.haptics.delta_m.value_or(options.reach_m);
+  geometry::Surface surface = made_of(solid, [&] { return geometry::make_surface(solid.mesh, options); });
   shader::SolidRecord record = at_rest();
   const auto f = [](double v) { return static_cast<float>(v); };
   record.centre = {f(surface.centre.x), f(surface.centre.y), f(surface.centre.z), 0};
@@ -89,6 +143,7 @@ void add_closed_mesh(PreparedSolids& table, SurfaceBase& next, const geometry::S
   record.asked_by = shader::asked_by_surface;
   table.records.push_back(record);
   table.centres.push_back(surface.centre);
+  table.T_rest_made.emplace_back(1);
   table.surface_base.push_back(next);
   if (surface.triangles.size() > shader::surface_most_triangles - next.triangles) {
     throw bad_usage(fmt::format("the scene's solids have more than {} triangles together: give fewer or coarser ones",
@@ -106,7 +161,7 @@ bool asked_by_parts(const geometry::Solid& solid) {
 }
 
 void add_convex_parts(PreparedSolids& table, const geometry::Solid& solid) {
-  const PartsGrid grid = add_parts(table.parts, solid.parts, solid.internal_faces);
+  const PartsGrid grid = made_of(solid, [&] { return add_parts(table.parts, solid.parts, solid.internal_faces); });
   shader::SolidRecord record = at_rest();
   record.centre = {grid.centre.x, grid.centre.y, grid.centre.z, 0};
   record.low = {grid.low.x, grid.low.y, grid.low.z, 0};
@@ -134,6 +189,16 @@ std::vector<std::uint32_t> foci_of_solids(const std::vector<geometry::Solid>& so
   return foci;
 }
 
+double half_size(const shader::SolidRecord& solid) {
+  return static_cast<double>(
+      std::max({solid.high.x, solid.high.y, solid.high.z, -solid.low.x, -solid.low.y, -solid.low.z}));
+}
+
+double least_finger_gap(const shader::SolidRecord& solid) {
+  return half_size(solid) * std::numbers::sqrt3 /
+         (2e-3 * shader::fingers_cell_thousandths * shader::fingers_most_blocks);
+}
+
 PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const Parameters& parameters) {
   PreparedSolids table;
   table.foci_of = foci_of_solids(solids);
@@ -156,9 +221,18 @@ PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const 
   table.first_plane.push_back(static_cast<std::uint32_t>(table.planes.size()));
   std::size_t listed = 0;
   SurfaceBase next;
+  SharedSurfaces shared;
+  const geometry::SurfaceOptions options = surface_options(solids, parameters);
   for (std::size_t s = 0; s < solids.size(); ++s) {
     if (!asked_by_parts(solids[s]) && asked_by_surface(solids[s])) {
-      add_closed_mesh(table, next, solids[s], parameters);
+      const std::pair key(solids[s].copy.shape.get(), solids[s].haptics.delta_m.value_or(parameters.delta_m));
+      const auto known = key.first != nullptr ? shared.find(key) : shared.end();
+      if (known != shared.end()) {
+        add_copy(table, solids, solids[s], known->second);
+      } else {
+        add_closed_mesh(table, next, solids[s], options);
+        if (key.first != nullptr) shared.emplace(key, static_cast<std::uint32_t>(s));
+      }
       continue;
     }
     if (asked_by_parts(solids[s])) {
@@ -166,9 +240,12 @@ PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const 
     } else {
       add_convex(table, listed, solids[s], local[s], table.first_plane[s]);
     }
+    table.T_rest_made.emplace_back(1);
     table.surfaces.emplace_back();
     table.surface_base.push_back(next);
   }
+  for (std::size_t s = 0; s < solids.size(); ++s)
+    check_size(solids[s], table.records[s], parameters);
   return table;
 }
 
@@ -176,13 +253,14 @@ void set_pose(PreparedSolids& solids, std::uint32_t solid, const Transform& T_wo
   if (solid >= solids.records.size()) {
     throw bad_usage(fmt::format("pose of solid {}: the scene has {} solids", solid, solids.records.size()));
   }
-  const glm::dmat3 R(T_world_rest);
+  const Transform T_world_made = T_world_rest * solids.T_rest_made[solid];
+  const glm::dmat3 R(T_world_made);
   const glm::dmat3 square = glm::transpose(R) * R - glm::dmat3(1.0);
-  double off = std::abs(T_world_rest[0][3]) + std::abs(T_world_rest[1][3]) + std::abs(T_world_rest[2][3]) +
-               std::abs(T_world_rest[3][3] - 1);
+  double off = std::abs(T_world_made[0][3]) + std::abs(T_world_made[1][3]) + std::abs(T_world_made[2][3]) +
+               std::abs(T_world_made[3][3] - 1);
   for (int i = 0; i < 3; ++i)
     off += std::abs(square[i].x) + std::abs(square[i].y) + std::abs(square[i].z);
-  const Vec3 centre = transform_point(T_world_rest, solids.centres[solid]);
+  const Vec3 centre = transform_point(T_world_made, solids.centres[solid]);
   if (!(off < 1e-6) || !(glm::determinant(R) > 0) || !finite(centre)) {
     throw bad_usage(fmt::format("pose of solid {}: not a rigid motion (a rotation and a shift)", solid));
   }

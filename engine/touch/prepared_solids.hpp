@@ -25,9 +25,12 @@ struct PreparedSolids {
   std::vector<std::uint32_t> first_plane;    ///< per solid, plus one past the last: the range of all its planes
   std::vector<geometry::Surface> surfaces;   ///< per solid; empty where it is asked by its planes
   std::vector<SurfaceBase> surface_base;     ///< per solid
-  std::vector<Vec3> centres;                 ///< per solid, at rest
-  std::vector<std::uint32_t> foci_of;        ///< foci_of_solids()
-  std::vector<shader::uvec4> parts;          ///< see parts_table.hpp; empty without solids of convex parts
+  std::vector<Vec3> centres;                 ///< per solid, where it was made
+  /// Per solid, what takes it from where it was made to its place in the scene: nothing but for rigid copies, which
+  /// share the surface of the first.
+  std::vector<Transform> T_rest_made;
+  std::vector<std::uint32_t> foci_of;  ///< foci_of_solids()
+  std::vector<shader::uvec4> parts;    ///< see parts_table.hpp; empty without solids of convex parts
 
   /// The solid's delta: its own where it has one.
   double delta_m(std::uint32_t solid, const Parameters& parameters) const {
@@ -39,11 +42,19 @@ struct PreparedSolids {
 /// naming the solid for another number.
 std::vector<std::uint32_t> foci_of_solids(const std::vector<geometry::Solid>& solids);
 
+/// Half the longest side of the solid's box, metres.
+double half_size(const shader::SolidRecord& solid);
+
+/// The least finger gap with which a cluster's cells can be numbered wherever in the solid it is, however that is
+/// turned, metres.
+double least_finger_gap(const shader::SolidRecord& solid);
+
 /// A convex solid gets its planes and their cells (plane_cells.hpp). A solid without planes, or with so many that its
 /// surface is quicker, gets its surface, made for the delta of `parameters` (or its own) and for deep points where they
-/// are asked for; check_parameters() refuses others. A solid of convex parts gets a table of those. Throws bad_usage
-/// naming the solid where planes or box are not finite, and where all solids together have more triangles than
-/// shader::surface_most_triangles.
+/// are asked for; check_parameters() refuses others. Rigid copies share one; where there are many surfaces each has
+/// fewer cells. A solid of convex parts gets a table of those. Throws bad_input naming a solid's file where it would
+/// cost too much (docs/limits.md) or is too large for the finger gap; bad_usage naming the solid where planes or box
+/// are not finite, and where all solids together have more triangles than shader::surface_most_triangles.
 PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const Parameters& parameters = {});
 
 /// Moves a solid: from now on it is where T_world_rest takes it from its place in the scene. Nothing is rebuilt. Throws

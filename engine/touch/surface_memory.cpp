@@ -13,6 +13,7 @@ SurfaceBase total(const PreparedSolids& solids) {
     const geometry::Surface& surface = solids.surfaces[s];
     if (surface.empty()) continue;
     const SurfaceBase& base = solids.surface_base[s];
+    if (base.cells < all.cells) continue;  // a copy, which shares an earlier one
     all = {base.cells + static_cast<std::uint32_t>(surface.cells.size()),
            base.runs + static_cast<std::uint32_t>(surface.runs.size()),
            base.triangles + static_cast<std::uint32_t>(surface.triangles.size()),
@@ -44,8 +45,11 @@ SurfaceMemory::SurfaceMemory(const gpu::Device& device, const PreparedSolids& so
   corners_ = {device, std::uint64_t{all.corners} * sizeof(shader::vec4), VK_FORMAT_R32G32B32A32_SFLOAT,
               "surface corners"};
   parts_ = {device, solids.parts.size() * sizeof(shader::uvec4), VK_FORMAT_R32G32B32A32_UINT, "convex parts"};
+  std::uint32_t next = 0;
   for (std::size_t s = 0; s < solids.records.size(); ++s) {
-    if (!solids.surfaces[s].empty()) copy(solids.surfaces[s], solids.surface_base[s]);
+    if (solids.surfaces[s].empty() || solids.surface_base[s].cells < next) continue;
+    copy(solids.surfaces[s], solids.surface_base[s]);
+    next = solids.surface_base[s].cells + static_cast<std::uint32_t>(solids.surfaces[s].cells.size());
   }
   put<shader::uvec4>(parts_.memory, 0, solids.parts);
 }

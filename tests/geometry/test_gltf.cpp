@@ -227,6 +227,91 @@ TEST_F(Gltf, ExtensionsThatDoNotMoveTrianglesMayBeRequired) {
   EXPECT_EQ(load(builder).meshes.size(), 1U);
   builder.doc["extensionsRequired"] = {"ACME_new"};
   EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "requires the extension \"ACME_new\"");
+  // By the whole name: what a longer one does nobody knows.
+  for (const char* name : {"KHR_mesh_quantization_2", "KHR_materials_", "KHR_materials_displacement", "KHR_xmp_x"}) {
+    builder.doc["extensionsRequired"] = {name};
+    EXPECT_CONTAINS(test::error_of([&] { load(builder); }), name);
+  }
+}
+
+// 3 boxes: in place; moved; turned about z by a right angle, twice as large and moved.
+GltfBuilder instanced_file() {
+  GltfBuilder builder = cube_file();
+  const auto accessor = [&](const std::vector<float>& values, const char* type) {
+    builder.doc["accessors"].push_back({{"bufferView", builder.add_view(test::bytes_of(values))},
+                                        {"componentType", 5126},
+                                        {"count", 3},
+                                        {"type", type}});
+    return builder.doc["accessors"].size() - 1;
+  };
+  const auto t = accessor({0, 0, 0, 5, 0, 0, 0, 5, 0}, "VEC3");
+  const float half = std::sqrt(0.5F);
+  const auto r = accessor({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, half, half}, "VEC4");
+  const auto s = accessor({1, 1, 1, 1, 1, 1, 2, 2, 2}, "VEC3");
+  builder.add_node(
+      {{"mesh", 0},
+       {"name", "crate"},
+       {"translation", {0, 0, 7}},
+       {"extras", {{"palpa_delta_m", 0.002}}},
+       {"extensions",
+        {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", t}, {"ROTATION", r}, {"SCALE", s}}}}}}}});
+  builder.doc["extensionsUsed"] = builder.doc["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+  return builder;
+}
+
+TEST_F(Gltf, GpuInstancesAreMeshesOfTheirOwn) {
+  const Scene scene = load(instanced_file());
+  ASSERT_EQ(scene.meshes.size(), 3U);
+  EXPECT_EQ(scene.meshes[0].name, "crate[0]");
+  EXPECT_EQ(scene.meshes[2].name, "crate[2]");
+  expect_box(scene.meshes[0].mesh, {0, 0, 7}, {1, 1, 8});
+  expect_box(scene.meshes[1].mesh, {5, 0, 7}, {6, 1, 8});
+  expect_box(scene.meshes[2].mesh, {-2, 5, 7}, {0, 7, 9});
+  for (const Solid& solid : make_solids(scene))
+    EXPECT_EQ(solid.haptics.delta_m, 0.002);
+}
+
+TEST_F(Gltf, FaultsOfInstancesAreNamed) {
+  const auto fault_with = [&](const char* name, std::size_t accessor, const char* key, const Json& value) {
+    GltfBuilder bad = instanced_file();
+    Json& attributes = bad.doc["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+    if (name != nullptr) attributes[name] = accessor;
+    if (key != nullptr) bad.doc["accessors"][accessor][key] = value;
+    return test::error_of([&] { load(bad); });
+  };
+  EXPECT_CONTAINS(fault_with("SCALE", 99, nullptr, {}), "names accessor 99");
+  EXPECT_CONTAINS(fault_with(nullptr, 3, "count", 2), "has 3 instances, but 2 of ROTATION");
+  EXPECT_CONTAINS(fault_with("ROTATION", 2, nullptr, {}), "rotations of instances that are not VEC4");
+  EXPECT_CONTAINS(fault_with("TRANSLATION", 3, nullptr, {}), "not VEC3");
+  EXPECT_CONTAINS(fault_with(nullptr, 2, "count", 1'000'000'000), "does not fit its buffer view");
+  GltfBuilder bad = instanced_file();
+  bad.doc["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = Json::object();
+  EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "has neither TRANSLATION nor ROTATION nor SCALE");
+  bad = instanced_file();
+  bad.doc["accessors"][3]["bufferView"] = bad.add_view(test::bytes_of(std::vector<float>(12, 0.1F)));
+  EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "instance 0: its rotation is not a unit quaternion");
+  bad = instanced_file();
+  bad.doc["accessors"][4]["bufferView"] = bad.add_view(test::bytes_of(std::vector<float>(9, 0)));
+  EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "node 0, instance 0: its scale is zero");
+}
+
+TEST_F(Gltf, HiddenNodesStayTouchableWithAWarning) {
+  GltfBuilder builder = cube_file();
+  const Json hidden{{"KHR_node_visibility", {{"visible", false}}}}, shown{{"KHR_node_visibility", {{"visible", true}}}};
+  const int child = builder.add_node({{"mesh", 0}, {"extensions", shown}}, false);
+  builder.add_node({{"mesh", 0}, {"children", {child}}, {"extensions", hidden}});
+  builder.doc["extensionsRequired"] = {"KHR_node_visibility"};
+  EXPECT_CONTAINS(test::stderr_of([&] { EXPECT_EQ(load(builder).meshes.size(), 2U); }),
+                  "node 1 and 1 others are hidden (KHR_node_visibility), but touchable all the same");
+  builder.doc["nodes"][1]["extensions"] = shown;
+  EXPECT_EQ(test::stderr_of([&] { EXPECT_EQ(load(builder).meshes.size(), 2U); }), "");
+  builder.doc["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = 0;
+  EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "\"visible\" is neither true nor false");
+}
+
+TEST_F(Gltf, ModelsOfOthersWithInstances) {
+  PALPA_SHARED_OR_SKIP(folder, "hostile");
+  EXPECT_EQ(make_solids(load_gltf(folder / "simple-instancing.glb")).size(), 125U);
 }
 
 TEST_F(Gltf, PicturesAndMaterialsDoNotMatter) {

@@ -9,6 +9,7 @@
 #include "geometry/memory_file.hpp"
 #include "geometry/packers.hpp"
 #include "geometry/shapes.hpp"
+#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::geometry {
@@ -151,15 +152,52 @@ TEST(Draco, APlainCopyIsPreferred) {
   EXPECT_TRUE(mesh_of(builder).positions == plain.positions);
 }
 
-TEST(Draco, FewerThanPromisedIsAWarningMoreAnError) {
+TEST(Draco, OtherNumbersOfVerticesThanPromisedAreAWarningMoreTrianglesAnError) {
   const Mesh plain = pebble();
   const auto stream = test::draco_stream(plain, 10, false);
   const std::size_t v = plain.positions.size(), t = plain.triangles.size();
   const std::string warning =
       test::stderr_of([&] { EXPECT_EQ(load(test::draco_file(stream, v + 1, t + 1)).meshes.size(), 1U); });
   EXPECT_CONTAINS(warning, "where the file promises");
-  EXPECT_CONTAINS(fault_of(test::draco_file(stream, v - 1, t)), "mesh 0: the draco data in buffer view 0 hold");
+  const std::string more = test::stderr_of([&] {
+    const Scene scene = load(test::draco_file(stream, v - 1, t));
+    EXPECT_EQ(scene.meshes.at(0).mesh.positions.size(), v);
+  });
+  EXPECT_CONTAINS(more, "mesh 0: the draco data in buffer view 0 hold");
+  EXPECT_CONTAINS(more, "where the file promises");
   EXPECT_CONTAINS(fault_of(test::draco_file(stream, v, t - 1)), "triangles where the file promises");
+}
+
+// One stream for two primitives: told of once, so decoded once.
+TEST(Draco, AStreamIsDecodedOnce) {
+  const Mesh plain = pebble();
+  const std::size_t v = plain.positions.size(), t = plain.triangles.size();
+  GltfBuilder builder = test::draco_file(test::draco_stream(plain, 10, false), v + 1, t);
+  Json& primitives = builder.doc["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  const std::string warning =
+      test::stderr_of([&] { EXPECT_EQ(load(builder).meshes.at(0).mesh.triangles.size(), 2 * t); });
+  EXPECT_EQ(warning.find("where the file promises"), warning.rfind("where the file promises"));
+  EXPECT_CONTAINS(warning, "where the file promises");
+}
+
+// A stream of 224 bytes whose texture coordinates claim two thousand million orientations.
+TEST(Draco, ClaimsOfPredictionsAreBounded) {
+  PALPA_SHARED_OR_SKIP(folder, "hostile");
+  EXPECT_CONTAINS(test::error_of([&] { load_gltf(folder / "draco_bomb_100prims.glb"); }), "cannot be decoded");
+}
+
+TEST(Draco, AttributesOfAllStreamsTogetherAreBounded) {
+  const Mesh plain = pebble();
+  const auto stream = test::draco_stream(plain, 10, false);
+  std::string fault;
+  std::uint64_t spare = gltf::most_draco_bytes;
+  ASSERT_TRUE(gltf::decode_draco(stream, {}, plain.positions.size(), plain.triangles.size(), spare, fault));
+  const std::uint64_t taken = gltf::most_draco_bytes - spare;
+  EXPECT_GE(taken, plain.positions.size() * 12);
+  spare = taken - 1;
+  EXPECT_FALSE(gltf::decode_draco(stream, {}, plain.positions.size(), plain.triangles.size(), spare, fault));
+  EXPECT_CONTAINS(fault, "in all of a file");
 }
 
 TEST(Draco, FaultsAreNamed) {
@@ -203,6 +241,7 @@ TEST(Draco, FaultsAreNamed) {
 TEST(Draco, AbsurdCountsCostNothing) {
   const Mesh plain = pebble();
   std::string fault;
+  std::uint64_t spare = gltf::most_draco_bytes;
   const std::vector<unsigned char> giant{0xff, 0xff, 0xff, 0xff, 0x04};  // 1.3 thousand million
   const auto with = [&](std::vector<unsigned char> stream, std::size_t at) {
     std::size_t end = at;
@@ -218,21 +257,21 @@ TEST(Draco, AbsurdCountsCostNothing) {
   std::size_t faces = 12;
   while (edgebreaker[faces++] & 0x80) {
   }
-  EXPECT_FALSE(gltf::decode_draco(with(edgebreaker, faces), {}, 1000, 1000, fault));
+  EXPECT_FALSE(gltf::decode_draco(with(edgebreaker, faces), {}, 1000, 1000, spare, fault));
   EXPECT_CONTAINS(fault, "triangles where the file promises 1000");
   auto crowded = edgebreaker;
   std::size_t groups = faces;
   while (crowded[groups++] & 0x80) {
   }
   crowded[groups] = 255;
-  EXPECT_FALSE(gltf::decode_draco(crowded, {}, 1'000'000, 1'000'000, fault));
+  EXPECT_FALSE(gltf::decode_draco(crowded, {}, 1'000'000, 1'000'000, spare, fault));
   // Faces, points.
-  EXPECT_FALSE(gltf::decode_draco(with(sequential, 11), {}, 1000, 1000, fault));
+  EXPECT_FALSE(gltf::decode_draco(with(sequential, 11), {}, 1000, 1000, spare, fault));
   EXPECT_CONTAINS(fault, "triangles where the file promises 1000");
   std::size_t points = 11;
   while (sequential[points++] & 0x80) {
   }
-  EXPECT_FALSE(gltf::decode_draco(with(sequential, points), {}, 1000, 1000, fault));
+  EXPECT_FALSE(gltf::decode_draco(with(sequential, points), {}, 1000, 1000, spare, fault));
   EXPECT_CONTAINS(fault, "vertices where the file promises 1000");
 }
 

@@ -2,13 +2,19 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cmath>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <random>
 
+#include "geometry/gltf.hpp"
+#include "geometry/seeded_hash.hpp"
 #include "geometry/shapes.hpp"
+#include "support/shared_data.hpp"
 
 namespace palpa::geometry {
 namespace {
@@ -161,6 +167,40 @@ TEST(Defects, AgreeWithACountOfPairsOnRandomTriangles) {
     EXPECT_EQ(d.non_manifold, many);
     EXPECT_EQ(d.flipped, flipped);
   }
+}
+
+// What grows by a piece at a time must not be copied for each of them.
+TEST(Append, MakesRoomAheadOfTime) {
+  Mesh all;
+  const Mesh piece = test::box(Vec3(0), Vec3(1));
+  int moves = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const std::size_t before = all.triangles.capacity();
+    append(all, piece);
+    if (all.triangles.capacity() != before) ++moves;
+  }
+  EXPECT_EQ(all.triangles.size(), 60'000U);
+  EXPECT_LT(moves, 40);
+}
+
+// Positions that a weaker hash puts into a few buckets.
+TEST(Weld, PositionsThatAreMadeToCollideDoNot) {
+  PALPA_SHARED_OR_SKIP(folder, "hostile");
+  const Scene scene = load_gltf(folder / "hashflood_100k.glb");
+  const std::vector<Vec3>& positions = scene.meshes.at(0).mesh.positions;
+  std::vector<bool> taken(1U << 18U);
+  std::size_t buckets = 0;
+  for (const Vec3& p : positions) {
+    std::uint64_t h = hash_seed();
+    for (int i = 0; i < 3; ++i)
+      h = mix_hash(h, std::bit_cast<std::uint64_t>(p[i]));
+    const std::size_t bucket = h % taken.size();
+    if (!taken[bucket]) ++buckets;
+    taken[bucket] = true;
+  }
+  // As many as of random numbers: 1 - exp(-n / 2^18) of 2^18.
+  const double n = static_cast<double>(positions.size()), m = static_cast<double>(taken.size());
+  EXPECT_GT(static_cast<double>(buckets), 0.95 * m * (1 - std::exp(-n / m)));
 }
 
 }  // namespace

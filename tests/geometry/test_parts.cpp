@@ -242,5 +242,14 @@ TEST(Parts, OfTheSamePointsAreTheSameAfterSinglePrecision) {
   }
 }
 
+TEST(UnionSurface, OfPartsThatAllOverlapIsRefused) {
+  Parts parts;
+  for (int i = 0; i < 250; ++i) {
+    const Vec3 shift = Vec3(1e-4, 1.3e-4, 0.7e-4) * static_cast<double>(i);
+    parts.parts.push_back(*make_part(test::box(shift, Vec3(0.05) + shift).positions));
+  }
+  EXPECT_CONTAINS(test::error_of([&] { union_surface(parts); }, Exit::failed), "its 250 convex parts overlap so much");
+}
+
 }  // namespace
 }  // namespace palpa::geometry

@@ -145,6 +145,22 @@ void check_type(const std::string& name) {
   }
 }
 
+TEST(Ply, LinesMayEndWithACarriageReturn) {
+  const std::string ascii =
+      "ply\rformat ascii 1.0\relement vertex 2\rproperty float x\rproperty float y\rproperty float z\rend_header\r";
+  EXPECT_EQ(read(ascii + "1 2 3\r4 5 6\r").positions, (std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_CONTAINS(test::error_of([&] { read(ascii + "1 2 3\r4 x 6\r"); }), "line 9: \"x\"");
+  // A binary body may begin with what would be the other half of a line's end.
+  std::string binary = ascii;
+  binary.replace(binary.find("ascii"), 5, "binary_little_endian");
+  binary.replace(binary.find("vertex 2"), 8, "vertex 1");
+  const std::string body{'\n', 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  EXPECT_EQ(read(binary + body).positions.at(0).x, std::bit_cast<float>(10));
+  PALPA_SHARED_OR_SKIP(folder, "hostile");
+  const Ply rhino = read_ply(folder / "rhino_cr_only.ply");
+  EXPECT_EQ(rhino.positions.size(), 24U);
+}
+
 TEST(Ply, ReadsEveryTypeInEitherByteOrder) {
   check_type<std::int8_t>("char");
   check_type<std::int8_t>("int8");

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 #include <random>
 
 #include "geometry/bvh.hpp"
@@ -12,6 +14,7 @@
 #include "geometry/shapes.hpp"
 #include "geometry/shells.hpp"
 #include "geometry/solid.hpp"
+#include "geometry/surface.hpp"
 #include "geometry/topology.hpp"
 #include "support/thrown.hpp"
 
@@ -127,7 +130,7 @@ TEST(SelfIntersection, AgreesWithTestingAllPairs) {
       for (std::uint32_t b = a + 1; b < soup.triangles.size(); ++b)
         any = any || triangles_meet(soup, a, b);
     }
-    const auto found = find_self_intersection(soup, Bvh(soup));
+    const auto found = find_self_intersection(soup, Bvh(soup), 1'000'000);
     EXPECT_EQ(found.has_value(), any);
     if (found) {
       EXPECT_TRUE(triangles_meet(soup, found->triangles[0], found->triangles[1]));
@@ -239,11 +242,81 @@ TEST(Shells, KnowWhatIsAroundThem) {
   Shells shells = find_shells(mesh, twins(mesh));
   ASSERT_EQ(shells.list.size(), 4U);
   find_nesting(mesh, Bvh(mesh), shells);
-  EXPECT_TRUE(shells.list[0].around.empty());
-  EXPECT_EQ(shells.list[1].around, (std::vector<std::uint32_t>{0}));
-  EXPECT_TRUE(shells.list[2].around.empty());
-  EXPECT_EQ(shells.list[3].around, (std::vector<std::uint32_t>{0, 1}));
+  const auto around = [&](std::uint32_t s) {
+    return std::array{shells.list[s].depth, shells.list[s].parent, shells.list[s].outermost};
+  };
+  EXPECT_EQ(around(0), (std::array{0U, 0U, 0U}));
+  EXPECT_EQ(around(1), (std::array{1U, 0U, 0U}));
+  EXPECT_EQ(around(2), (std::array{0U, 2U, 2U}));
+  EXPECT_EQ(around(3), (std::array{2U, 1U, 0U}));
   EXPECT_NEAR(shells.list[1].volume, 343, 1e-9);
+}
+
+TEST(Shells, AnyNumberInEachOther) {
+  constexpr std::uint32_t count = 300;
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    Mesh layer = box(Vec3(-1.0 - i), Vec3(1.0 + i));
+    if (i % 2 == 0) flip(layer);
+    append(mesh, layer);
+  }
+  Shells shells = find_shells(mesh, twins(mesh));
+  find_nesting(mesh, Bvh(mesh), shells);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    EXPECT_EQ(shells.list[i].depth, count - 1 - i);
+    EXPECT_EQ(shells.list[i].parent, std::min(i + 1, count - 1));
+    EXPECT_EQ(shells.list[i].outermost, count - 1);
+  }
+}
+
+// Long rods side by side along a diagonal: the boxes of all overlap, though nothing meets.
+Mesh rods(int per_side) {
+  const Vec3 a = glm::normalize(Vec3(1, -1, 0)), b = glm::normalize(Vec3(1, 1, -2)), along = glm::normalize(Vec3(1));
+  Mesh mesh;
+  for (int i = 0; i < per_side * per_side; ++i) {
+    const double x = i % per_side, y = i / per_side;
+    append(mesh, test::transformed(box(Vec3(0), Vec3(0.3, 0.3, 1)), [&](const Vec3& p) {
+             return (a * (p.x + x) + b * (p.y + y)) * (0.5 / per_side) + along * (2 * p.z - 1);
+           }));
+  }
+  return mesh;
+}
+
+TEST(Limits, PairsThatAreLookedAtAreCounted) {
+  const Mesh mesh = rods(5);
+  const Bvh bvh(mesh);
+  EXPECT_FALSE(find_self_intersection(mesh, bvh, 300 * 300));
+  EXPECT_CONTAINS(test::error_of([&] { find_self_intersection(mesh, bvh, 1000); }, Exit::failed),
+                  "more than 1000 pairs of its 300 triangles");
+  // What crosses before is told.
+  Mesh crossing = mesh;
+  append(crossing, test::transformed(mesh, [](const Vec3& p) { return p + Vec3(1e-3); }));
+  EXPECT_TRUE(find_self_intersection(crossing, Bvh(crossing), 1'000'000));
+}
+
+TEST(Limits, StepsToASurfacesGridAreCounted) {
+  const Mesh mesh = rods(12);
+  EXPECT_FALSE(make_surface(mesh, {}).empty());
+  EXPECT_CONTAINS(test::error_of([&] { make_surface(mesh, {.spare_steps = 0}); }, Exit::failed),
+                  "turn it so that its long faces run along an axis");
+  // A mesh as they are.
+  EXPECT_FALSE(make_surface(test::torus(0.05, 0.02, 40), {.spare_steps = 0}).empty());
+}
+
+TEST(Surface, WithFewerCellsAnswersTheSame) {
+  const Mesh mesh = test::ell();
+  const Surface fine = make_surface(mesh, {}), coarse = make_surface(mesh, {.least_cells = 64});
+  EXPECT_LT(coarse.cells.size() * 4, fine.cells.size());
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> anywhere(-0.04F, 0.04F);
+  for (int i = 0; i < 20'000; ++i) {
+    const glm::vec3 p(anywhere(random), anywhere(random), anywhere(random));
+    if (glm::any(glm::lessThan(Vec3(p), fine.low)) || glm::any(glm::greaterThan(Vec3(p), fine.high))) continue;
+    const Place a = find_place(fine, p, 1.5e-3F), b = find_place(coarse, p, 1.5e-3F);
+    ASSERT_EQ(a.region, b.region);
+    if (a.region != Region::shell) continue;
+    ASSERT_EQ(a.depth_m, b.depth_m);
+  }
 }
 
 TEST(Scenery, IsNoSolid) {

@@ -70,6 +70,16 @@ inline sensing::Camera random_camera(std::mt19937_64& random) {
   return camera;
 }
 
+/// As a file may have it: its lens reaches the whole image.
+inline sensing::Camera random_file_camera(std::mt19937_64& random) {
+  sensing::Camera camera = random_camera(random);
+  while (sensing::find_blind_pixel(camera)) {
+    for (double& k : camera.distortion)
+      k /= 2;
+  }
+  return camera;
+}
+
 /// Smooth surfaces between 0.3 and 1.1 m with holes.
 inline sensing::DepthFrame random_frame(std::mt19937_64& random, const sensing::Camera& camera) {
   sensing::DepthFrame frame;

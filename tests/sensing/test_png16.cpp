@@ -134,6 +134,17 @@ TEST(Png16, TruncatedAndFlippedFilesAreRefusedOrTheSame) {
   EXPECT_GT(refused, 0);
 }
 
+TEST(Png16, ChunksThatPromiseWhatTheFileDoesNotHaveAreRefused) {
+  write_png16(scratch("p.png"), 2, 1, std::vector<std::uint16_t>{1, 2});
+  std::string bad = test::read_text(scratch("p.png"));
+  const std::size_t data = bad.find("IDAT");
+  bad.insert(data - 4, std::string("\x7f\xff\xff\xfftEXt", 8));
+  test::write_text(scratch("q.png"), bad);
+  std::vector<std::uint16_t> out;
+  const std::string line = test::refusal([&] { read_png16(scratch("q.png"), 2, 1, out); });
+  EXPECT_NE(line.find("chunk tEXt promises 2147483647 bytes"), std::string::npos) << line;
+}
+
 TEST(Png16, AFullDiskIsAFailure) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "skipped: no /dev/full";
   const std::vector<std::uint16_t> image(4096, 3);

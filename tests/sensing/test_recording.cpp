@@ -34,7 +34,7 @@ Take random_take(std::uint64_t seed, int frames) {
   std::uniform_real_distribution<double> unit(0, 1);
   Take take;
   for (int i = 0; i < 2; ++i)
-    take.cameras.push_back(test::random_camera(random));
+    take.cameras.push_back(test::random_file_camera(random));
   for (int i = 0; i < frames; ++i) {
     FrameSet set;
     set.sequence = 5 + 3 * static_cast<std::uint64_t>(i);
@@ -267,6 +267,11 @@ TEST(Recording, FaultsAreNamed) {
   };
   EXPECT_EQ(with_times("sequence,time_0_s\n3,0.5\r\n4,0.75\n").entries[1].sequence, 4u);
   EXPECT_REFUSED(with_times("sequence,time_0_s\n3,0.5\n4,0.5\n"), "t.csv: line 3: the time does not increase");
+  EXPECT_EQ(with_times("sequence,time_0_s\r\n3,-1e12\n4,1e12\n").entries[1].time_s, 1e12);
+  EXPECT_REFUSED(with_times("3,0.5\n4,0.75\n5,1\n"), "t.csv: line 1: expected the heading sequence,time_0_s");
+  EXPECT_REFUSED(with_times("sequence,time\n3,0.5\n4,0.75\n"), "line 1: expected the heading");
+  EXPECT_REFUSED(with_times("sequence,time_0_s,time_1_s\n3,0.5\n4,0.75\n"), "line 1: expected the heading");
+  EXPECT_REFUSED(with_times("sequence,time_0_s\n3,0.5\n4,1.1e12\n"), "t.csv: line 3: expected");
   EXPECT_REFUSED(with_times("sequence,time_0_s\n3,0.5\n3,0.6\n"),
                  "t.csv: line 3: the sequence number does not increase");
   EXPECT_REFUSED(with_times("sequence,time_0_s\n3,nan\n"), "t.csv: line 2: expected a sequence number and 1 times");

@@ -98,7 +98,7 @@ TEST(Rig, TextRoundTripsBitForBit) {
   for (int i = 0; i < 100; ++i) {
     Rig rig;
     for (std::uint32_t c = test::uniform(random, 0, 3); c > 0; --c) {
-      rig.cameras.push_back(test::random_camera(random));
+      rig.cameras.push_back(test::random_file_camera(random));
       rig.cameras.back().name = "quoted \"back\\slash\" \xc3\xa9 " + std::to_string(c);
       rig.cameras.back().rate_hz = std::abs(normal(random)) * 1e-3;
       rig.cameras.back().distortion[2] = -0.0;
@@ -145,6 +145,14 @@ TEST(Rig, FaultsNameFileLineAndKey) {
   EXPECT_REFUSED(load_text(with("height", "height = -1")), "line 4: height");
   EXPECT_REFUSED(load_text(with("distortion", "distortion = [1, 2, 3, 4]")), "line 9: distortion must be 5 finite");
   EXPECT_REFUSED(load_text(with("distortion", "distortion = [1, 2, 3, 4, inf]")), "line 9: distortion");
+  EXPECT_REFUSED(load_text(with("distortion", "distortion = [1e300, 0, 0, 0, 0]")),
+                 "rig.toml: line 9: distortion cannot be undone at pixel (0, 0)");
+  // Folds back on itself before the image's corners.
+  EXPECT_REFUSED(load_text(with("distortion", "distortion = [-1, 0, 0, 0, 0]")), "line 9: distortion cannot be undone");
+  EXPECT_EQ(test::refusal([&] { load_text(with("distortion", "distortion = [0.1, -0.2, 0.001, 0.002, 0.05]")); }), "");
+  std::string wide = with("width", "width = 4096");
+  wide.replace(wide.find("height = "), 12, "height = 4096");
+  EXPECT_REFUSED(load_text(wide), "rig.toml: line 3: the cameras so far have 16777216 pixels together");
   EXPECT_REFUSED(load_text(with("depth_unit_m", "depth_unit_m = 0")), "line 10: depth_unit_m");
   EXPECT_REFUSED(load_text(with("min_range_m", "min_range_m = -1")), "line 11: min_range_m");
   const std::string pose = "T_world_camera";
@@ -190,7 +198,7 @@ TEST(Rig, HostileFilesAreRefusedAtOnce) {
   }
   std::string many;
   for (int i = 0; i < 65; ++i)
-    many += camera_text;
+    many += with("width", "width = 64");
   EXPECT_REFUSED(load_text(many), "more than 64 cameras");
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(60));
 }

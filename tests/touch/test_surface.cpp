@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vector_relational.hpp>
+#include <map>
 #include <mutex>
 #include <random>
 
@@ -276,6 +278,79 @@ TEST(SeveralSurfaces, ShareTheirBuffers) {
   EXPECT_GT(of_solid[0], 500);
   EXPECT_GT(of_solid[2], 500);
   EXPECT_GT(of_solid[3], 500);
+}
+
+/// Many copies of one solid, each turned and moved, as a file has them that shows one mesh by many nodes.
+std::vector<geometry::Solid> copies_of(const geometry::Mesh& mesh, std::uint32_t count, bool shared) {
+  geometry::Scene scene{"test.glb", {}};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    Transform T = glm::translate(Transform(1), Vec3(0.09 * (i % 8), 0.09 * (i / 8), 0));
+    T = glm::rotate(T, 0.37 * i, glm::normalize(Vec3(1, -2, 0.5)));
+    geometry::SceneMesh out{"copy", mesh};
+    for (Vec3& p : out.mesh.positions)
+      p = transform_point(T, p);
+    if (shared) out.copy = geometry::CopyOf{0, T};
+    scene.meshes.push_back(std::move(out));
+  }
+  return geometry::make_solids(scene);
+}
+
+TEST(RigidCopies, ShareOneSurfaceAndAnswerAsIfEachHadItsOwn) {
+  constexpr std::uint32_t count = 64;
+  const geometry::Mesh mesh = notched_cube();
+  const std::vector<geometry::Solid> solids = copies_of(mesh, count, true), alone = copies_of(mesh, count, false);
+  const PreparedSolids table = prepare_solids(solids);
+  for (std::uint32_t s = 1; s < count; ++s) {
+    EXPECT_EQ(table.surfaces[s].cells.data(), table.surfaces[0].cells.data());
+    EXPECT_EQ(table.records[s].first_cell, table.records[0].first_cell);
+  }
+  std::vector<glm::vec3> points;
+  for (std::uint32_t s = 0; s < count; s += 5) {
+    const auto near = points_near(solids[s].mesh, 3'000, s);
+    points.insert(points.end(), near.begin(), near.end());
+  }
+  const Touch gpu = touch_on(Backend::gpu, points, solids), cpu = touch_on(Backend::cpu, points, solids);
+  expect_identical(gpu, cpu);
+  const Touch each = touch_on(Backend::cpu, points, alone);
+  std::map<std::uint32_t, const Contact*> known;
+  for (const Contact& contact : each.contacts)
+    known.emplace(contact.point, &contact);
+  std::size_t other = 0;
+  for (const Contact& contact : cpu.contacts) {
+    const auto found = known.find(contact.point);
+    if (found == known.end()) {
+      ++other;  // within rounding of the shell's ends
+      EXPECT_TRUE(contact.depth_m < band || std::abs(contact.depth_m - 1.5e-3) < band) << contact.depth_m;
+      continue;
+    }
+    EXPECT_EQ(contact.solid, found->second->solid);
+    EXPECT_NEAR(contact.depth_m, found->second->depth_m, band);
+  }
+  EXPECT_GT(cpu.contacts.size(), 5'000u);
+  EXPECT_LT(other, cpu.contacts.size() / 100);
+  // They move as any solid does.
+  PreparedSolids moving = prepare_solids(solids), still = prepare_solids(alone);
+  Transform T = glm::rotate(glm::translate(Transform(1), Vec3(0.01, 0.02, 0.03)), 0.5, Vec3(0, 0, 1));
+  set_pose(moving, 17, T);
+  set_pose(still, 17, T);
+  const shader::SolidRecord &a = moving.records[17], &b = still.records[17];
+  const Box around = touchable_box(moving), expected = touchable_box(still);
+  EXPECT_LT(glm::distance(around.low, expected.low) + glm::distance(around.high, expected.high), 0.2);
+  EXPECT_NE(a.first_cell, b.first_cell);
+}
+
+TEST(ManySurfaces, HaveFewerCellsEach) {
+  std::vector<geometry::Solid> solids;
+  const geometry::Mesh mesh = notched_cube();
+  for (int i = 0; i < 300; ++i)
+    solids.push_back(solid_of(tilted(mesh, Vec3(0.1 * i, 0, 0)))[0]);
+  const PreparedSolids many = prepare_solids(solids);
+  std::size_t cells = 0;
+  for (const geometry::Surface& surface : many.surfaces)
+    cells += surface.grid.x * surface.grid.y * surface.grid.z;
+  EXPECT_LT(cells, 500'000u);
+  solids.resize(1);
+  EXPECT_GT(prepare_solids(solids).surfaces[0].cells.size(), 4096u);
 }
 
 }  // namespace

@@ -1,0 +1,27 @@
+// Hashes that no file can be made against.
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+namespace palpa::geometry {
+
+/// Drawn anew by every run: a file cannot be made of values that all hash alike. Nothing that is found by a hash may
+/// depend on it.
+inline std::uint64_t hash_seed() {
+  static const std::uint64_t seed = [] {
+    std::random_device device;
+    return std::uint64_t{device()} << 32U | device();
+  }();
+  return seed;
+}
+
+/// `h` with one more value. The finalizer of SplitMix64: every bit of the value changes half of the result's.
+inline std::uint64_t mix_hash(std::uint64_t h, std::uint64_t value) {
+  h = (h ^ value) + 0x9e3779b97f4a7c15ULL;
+  h = (h ^ h >> 30U) * 0xbf58476d1ce4e5b9ULL;
+  h = (h ^ h >> 27U) * 0x94d049bb133111ebULL;
+  return h ^ h >> 31U;
+}
+
+}  // namespace palpa::geometry

@@ -1,0 +1,125 @@
+// Many nodes that show one mesh: what is found about the first holds for all, and they answer as if each were alone.
+#include "geometry/rigid_copies.hpp"
+
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/log.hpp"
+#include "geometry/shapes.hpp"
+#include "geometry/solid.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+// So many copies, each turned and moved; every third is twice as large, every fifth mirrored.
+Scene copies_of(const Mesh& mesh, std::uint32_t count) {
+  Scene scene{"test.glb", {}};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    Transform T = glm::translate(Transform(1), Vec3(0.3 * i, 0.1, -0.2));
+    T = glm::rotate(T, 0.1 * i, glm::normalize(Vec3(1, 2, 3)));
+    T = glm::scale(T, Vec3(i % 3 == 2 ? 2 : 1) * Vec3(1, 1, i % 5 == 4 ? -1 : 1));
+    SceneMesh out{"copy " + std::to_string(i), mesh};
+    for (Vec3& p : out.mesh.positions)
+      p = transform_point(T, p);
+    if (i % 5 == 4) flip(out.mesh);
+    out.copy = CopyOf{0, T};
+    scene.meshes.push_back(std::move(out));
+  }
+  return scene;
+}
+
+Scene without_copies(Scene scene) {
+  for (SceneMesh& mesh : scene.meshes)
+    mesh.copy.reset();
+  return scene;
+}
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++count;
+  return count;
+}
+
+std::string debug_lines_of(const std::function<void()>& action) {
+  const log::Level before = log::level();
+  log::set_level(log::Level::debug);
+  std::string lines = test::stderr_of(action);
+  log::set_level(before);
+  return lines;
+}
+
+TEST(RigidCopies, AreCheckedOncePerScaleAndMirroring) {
+  const Scene scene = copies_of(test::ell(), 120);
+  std::vector<Solid> solids;
+  const std::string lines = debug_lines_of([&] { solids = make_solids(scene); });
+  EXPECT_EQ(count_of(lines, "is checked"), 4U);
+  const std::vector<Solid> alone = make_solids(without_copies(scene));
+  ASSERT_EQ(solids.size(), alone.size());
+  for (std::size_t i = 0; i < solids.size(); ++i) {
+    EXPECT_EQ(solids[i].name, alone[i].name);
+    EXPECT_EQ(solids[i].mesh.positions, alone[i].mesh.positions);
+    EXPECT_EQ(solids[i].mesh.triangles, alone[i].mesh.triangles);
+    EXPECT_EQ(solids[i].bounds.low, alone[i].bounds.low);
+    EXPECT_TRUE(solids[i].copy.shape != nullptr);
+    EXPECT_TRUE(alone[i].copy.shape == nullptr);
+  }
+  EXPECT_TRUE(solids[0].copy.shape == solids[1].copy.shape);
+  EXPECT_FALSE(solids[0].copy.shape == solids[2].copy.shape);
+  EXPECT_FALSE(solids[0].copy.shape == solids[4].copy.shape);
+}
+
+TEST(RigidCopies, OfAConvexMeshHaveItsPlanes) {
+  const Scene scene = copies_of(test::sphere(0.05, 6, 8), 90);
+  const std::vector<Solid> solids = make_solids(scene), alone = make_solids(without_copies(scene));
+  for (std::size_t i = 0; i < solids.size(); ++i) {
+    ASSERT_EQ(solids[i].planes.size(), alone[i].planes.size());
+    for (std::size_t m = 0; m < solids[i].planes.size(); ++m) {
+      EXPECT_LT(glm::distance(solids[i].planes[m].normal, alone[i].planes[m].normal), 1e-9);
+      EXPECT_NEAR(solids[i].planes[m].offset, alone[i].planes[m].offset, 1e-9);
+    }
+  }
+}
+
+TEST(RigidCopies, FewOfThemAreEachPreparedForThemselves) {
+  const Scene scene = copies_of(test::ell(), 12);
+  EXPECT_EQ(count_of(debug_lines_of([&] { make_solids(scene); }), "is checked"), 12U);
+}
+
+TEST(RigidCopies, ThatAreOpenCloseTogetherAllTheSame) {
+  // Halves of boxes, two nodes each.
+  Mesh half = test::box(Vec3(0), Vec3(0.01)), other = half;
+  half.triangles.resize(6);
+  other.triangles.erase(other.triangles.begin(), other.triangles.begin() + 6);
+  Scene scene{"test.glb", {}};
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    for (const auto& [number, mesh] : {std::pair(0U, half), std::pair(1U, other)}) {
+      const Transform T = glm::translate(Transform(1), Vec3(0.02 * i, 0, 0));
+      SceneMesh out{"piece", mesh};
+      for (Vec3& p : out.mesh.positions)
+        p = transform_point(T, p);
+      out.copy = CopyOf{number, T};
+      scene.meshes.push_back(std::move(out));
+    }
+  }
+  const std::vector<Solid> solids = make_solids(scene);
+  EXPECT_EQ(solids.size(), 60U);
+  for (const Solid& solid : solids)
+    EXPECT_EQ(solid.planes.size(), 6U);
+}
+
+TEST(RigidCopies, SceneryAndPartsAreNone) {
+  Scene scene = copies_of(test::ell(), 120);
+  scene.meshes[0].haptics.touchable = false;
+  scene.meshes[1].part = PartOf{"solid"};
+  const std::vector<std::uint32_t> first = find_rigid_copies(scene);
+  EXPECT_EQ(first[0], 0U);
+  EXPECT_EQ(first[1], 1U);
+  EXPECT_EQ(first[3], 3U);
+  EXPECT_EQ(first[6], 3U);
+}
+
+}  // namespace
+}  // namespace palpa::geometry
