@@ -13,6 +13,7 @@
 
 #include "geometry/convex_hull.hpp"
 #include "geometry/shapes.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::geometry {
 namespace {

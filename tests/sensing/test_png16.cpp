@@ -141,7 +141,7 @@ TEST(Png16, ChunksThatPromiseWhatTheFileDoesNotHaveAreRefused) {
   bad.insert(data - 4, std::string("\x7f\xff\xff\xfftEXt", 8));
   test::write_text(scratch("q.png"), bad);
   std::vector<std::uint16_t> out;
-  const std::string line = test::refusal([&] { read_png16(scratch("q.png"), 2, 1, out); });
+  const std::string line = test::error_of([&] { read_png16(scratch("q.png"), 2, 1, out); });
   EXPECT_NE(line.find("chunk tEXt promises 2147483647 bytes"), std::string::npos) << line;
 }
 

@@ -149,7 +149,7 @@ TEST(Rig, FaultsNameFileLineAndKey) {
                  "rig.toml: line 9: distortion cannot be undone at pixel (0, 0)");
   // Folds back on itself before the image's corners.
   EXPECT_REFUSED(load_text(with("distortion", "distortion = [-1, 0, 0, 0, 0]")), "line 9: distortion cannot be undone");
-  EXPECT_EQ(test::refusal([&] { load_text(with("distortion", "distortion = [0.1, -0.2, 0.001, 0.002, 0.05]")); }), "");
+  EXPECT_EQ(test::error_of([&] { load_text(with("distortion", "distortion = [0.1, -0.2, 0.001, 0.002, 0.05]")); }), "");
   std::string wide = with("width", "width = 4096");
   wide.replace(wide.find("height = "), 12, "height = 4096");
   EXPECT_REFUSED(load_text(wide), "rig.toml: line 3: the cameras so far have 16777216 pixels together");
