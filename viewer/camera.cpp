@@ -18,14 +18,6 @@ shader::vec4 row(const Vec3& v, double w) {
 
 }  // namespace
 
-std::optional<StandardView> parse_view(std::string_view name) {
-  if (name == "front") return StandardView::front;
-  if (name == "right") return StandardView::right;
-  if (name == "top") return StandardView::top;
-  if (name == "iso") return StandardView::iso;
-  return std::nullopt;
-}
-
 void look(Camera& camera, StandardView view) {
   switch (view) {
     case StandardView::front:

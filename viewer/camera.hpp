@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "base/math.hpp"
+#include "base/words.hpp"
 #include "shaders/view_scene.h"
 
 namespace palpa::viewer {
@@ -20,8 +21,10 @@ struct Camera {
 };
 
 enum class StandardView { front, right, top, iso };
-/// "front", "right", "top" or "iso".
-std::optional<StandardView> parse_view(std::string_view name);
+inline constexpr Word<StandardView> view_words[] = {{"front", StandardView::front},
+                                                    {"right", StandardView::right},
+                                                    {"top", StandardView::top},
+                                                    {"iso", StandardView::iso}};
 
 /// Turns the camera to a standard view; target, distance and projection stay.
 void look(Camera& camera, StandardView view);

@@ -43,18 +43,10 @@ void add_options(CLI::App& app, Options& o) {
   what.flag("--no-grid", o.no_grid, "no grid");
 
   const setup::Group where(app, "View");
-  where.choice("--view", o.view,
-               {{"front", StandardView::front},
-                {"right", StandardView::right},
-                {"top", StandardView::top},
-                {"iso", StandardView::iso}},
-               "from where");
+  where.choice("--view", o.view, view_words, "from where");
   where.text("--eye", o.eye, "X,Y,Z", "in place of --view: the eye, looking at --target");
   where.text("--target", o.target, "X,Y,Z", "what --eye looks at [0,0,0]");
-  where.choice("--frame", o.frame,
-               {{"touch", std::optional(Extent::touch)},
-                {"objects", std::optional(Extent::objects)},
-                {"all", std::optional(Extent::all)}},
+  where.choice("--frame", o.frame, {{"touch", Extent::touch}, {"objects", Extent::objects}, {"all", Extent::all}},
                "what fills the picture, normally all where an array is drawn, else objects");
   where.flag("--ortho", o.orthographic, "parallel projection");
   where.flag("--inset", o.inset, "a close-up of the touch in the corner");

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "base/error.hpp"
 #include "geometry/ply.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/skin_twin.hpp"
-#include "session/overrides.hpp"
 #include "setup/load.hpp"
 #include "setup/touch_run.hpp"
 #include "setup/touch_schedule.hpp"
@@ -18,20 +18,14 @@ namespace {
 /// Depth images show far more than the hand: only what lies this near the solids is drawn.
 constexpr double skin_reach = 0.12;
 
-std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input) {
+std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input, std::span<const geometry::Solid> solids) {
   if (input.cameras.empty()) return input.points;
   Box box;
-  for (const geometry::Solid& solid : input.solids) {
+  for (const geometry::Solid& solid : solids) {
     box.add(solid.bounds.low - Vec3(skin_reach));
     box.add(solid.bounds.high + Vec3(skin_reach));
   }
   return sensing::find_skin(input.cameras, input.frames, box);
-}
-
-setup::TouchInput load_scene_alone(const setup::TouchInputOptions& options) {
-  setup::TouchInput input;
-  input.solids = setup::load_solids(options.scene, options.gltf_scene, options.solids);
-  return input;
 }
 
 }  // namespace
@@ -48,23 +42,18 @@ Show::Show(const Options& options) : drive_options_(setup::drive_options(options
 }
 
 void Show::load_objects(const Options& options) {
-  const bool touched = !options.input.points.empty() || !options.input.depths.empty();
-  const setup::TouchInput input = touched ? setup::load_touch_input(options.input) : load_scene_alone(options.input);
-  show_solids(picture_, input.solids);
-  if (!touched) return;
+  std::vector<geometry::Solid> solids =
+      setup::load_solids(options.input.scene, options.input.gltf_scene, options.input.solids);
+  show_solids(picture_, solids);
+  if (options.input.points.empty() && options.input.depths.empty()) return;
+  const setup::TouchInput input = setup::load_touch_input(options.input, solids);
   setup::StageTimes times;
-  const touch::Parameters& parameters = options.touch.parameters;
-  session::check_overrides(options.input.scene, input.solids, parameters, setup::voice_options(options.touch));
-  const touch::Touch touch = options.common.backend == setup::Backend::cpu
-                                 ? setup::touch_on_cpu(input, parameters, times)
-                                 : setup::touch_on_gpu(setup::device_options(options.common), input, parameters, times);
-  show_touch(picture_, input.solids, points_near(input), touch);
-  const std::vector<setup::FingerSchedule> fingers =
-      setup::schedule_fingers(touch, input.solids, options.touch, options.felt);
-  schedule_ = setup::make_schedule(touch, input.solids, fingers, options.touch);
+  const setup::OneTouch one = setup::touch_once(options.common, options.touch, options.felt, options.input.scene,
+                                                std::move(solids), input, times);
+  show_touch(picture_, one.session.solids(), points_near(input, one.session.solids()), one.touch);
+  schedule_ = one.session.schedule();
   std::vector<touch::Placement> placements;
-  placements.reserve(fingers.size());
-  for (const setup::FingerSchedule& finger : fingers)
+  for (const session::ScheduledFinger& finger : one.session.scheduler().fingers())
     placements.push_back(finger.placement);
   show_schedule(picture_, schedule_, placements);
   if (options.felt.spectrum) show_spectra(picture_, setup::spectra_of(schedule_, options.felt));

@@ -35,11 +35,14 @@
 #include "array/medium.hpp"
 #include "array/transfer.hpp"
 #include "base/math.hpp"
+#include "base/words.hpp"
 
 namespace palpa::array {
 
 /// How several foci share the array.
 enum class Solver { naive, gs_pat, greedy };
+inline constexpr Word<Solver> solver_words[] = {
+    {"naive", Solver::naive}, {"gs-pat", Solver::gs_pat}, {"greedy", Solver::greedy}};
 
 /// One focus that sounds in a slot; several in one slot belong to different fingers.
 struct SlotFocus {

@@ -1,13 +1,12 @@
 #include "array/schedule.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
 #include "base/error.hpp"
+#include "geometry/haptics.hpp"
 
 namespace palpa::array {
 namespace {
@@ -25,15 +24,7 @@ std::uint64_t steps(const Voice& voice) {
 
 void fill_order(std::uint32_t count, std::uint32_t stride, std::vector<std::uint32_t>& order) {
   if (count == 0) throw bad_usage("0 foci: there must be at least one");
-  const std::uint32_t shared = std::gcd(count, stride);
-  if (shared != 1) {
-    std::uint32_t coprime = 1;
-    for (std::uint32_t other = 2; other < count && coprime == 1; ++other) {
-      if (std::gcd(count, other) == 1) coprime = other;
-    }
-    throw bad_usage(fmt::format("stride {} and {} foci share the divisor {}: choose a stride without one, such as {}",
-                                stride, count, shared, coprime));
-  }
+  if (const std::string fault = geometry::stride_fault(count, stride); !fault.empty()) throw bad_usage(fault);
   order.resize(count);
   std::uint64_t at = 0;
   for (std::uint32_t& entry : order) {
@@ -46,13 +37,6 @@ std::vector<std::uint32_t> fill_order(std::uint32_t count, std::uint32_t stride)
   std::vector<std::uint32_t> order;
   fill_order(count, stride, order);
   return order;
-}
-
-std::uint32_t coprime_stride(std::uint32_t count, std::uint32_t stride) {
-  std::uint32_t better = count == 0 ? 1 : stride % count;
-  while (better > 1 && std::gcd(better, count) != 1)
-    --better;
-  return std::max(better, 1U);
 }
 
 Voice& Schedule::add_voice() {
@@ -76,10 +60,6 @@ void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<Slot
       if (focus < voice.foci.size()) out.push_back({voice.foci[focus], gain});
     }
   }
-}
-
-std::string_view name_of(Modulation modulation) {
-  return modulation == Modulation::pressure_sine ? "pressure-sine" : "amplitude-sine";
 }
 
 double modulation_gain(Modulation modulation, double hz, double time_s) {

@@ -6,11 +6,11 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 #include "array/drive.hpp"
 #include "base/math.hpp"
+#include "base/words.hpp"
 
 namespace palpa::array {
 
@@ -19,8 +19,6 @@ namespace palpa::array {
 std::vector<std::uint32_t> fill_order(std::uint32_t count, std::uint32_t stride);
 /// The same into a vector whose storage is kept.
 void fill_order(std::uint32_t count, std::uint32_t stride, std::vector<std::uint32_t>& order);
-/// A stride for so many foci that leaves none out: the nearest below `stride` (modulo the count), at least 1.
-std::uint32_t coprime_stride(std::uint32_t count, std::uint32_t stride);
 
 /// What a modulation makes a sine of. Skin feels the radiation pressure, which is the square of the amplitude.
 enum class Modulation {
@@ -28,8 +26,8 @@ enum class Modulation {
   amplitude_sine,  ///< the amplitude itself: its pressure also has a line at twice the frequency
 };
 
-/// "pressure-sine" or "amplitude-sine".
-std::string_view name_of(Modulation modulation);
+inline constexpr Word<Modulation> modulation_words[] = {{"pressure-sine", Modulation::pressure_sine},
+                                                        {"amplitude-sine", Modulation::amplitude_sine}};
 
 /// One finger's part of a schedule.
 struct Voice {

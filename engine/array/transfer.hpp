@@ -8,11 +8,14 @@
 #include <vector>
 
 #include "base/math.hpp"
+#include "base/words.hpp"
 
 namespace palpa::array {
 
 /// How the amplitude of one focus spreads over the transducers: as the distance over the farthest one's, or evenly.
 enum class Weighting { distance, uniform };
+inline constexpr Word<Weighting> weighting_words[] = {{"distance", Weighting::distance},
+                                                      {"uniform", Weighting::uniform}};
 
 /// More foci in a slot than this no solver but `naive` takes.
 inline constexpr std::size_t most_solved_foci = 64;

@@ -17,7 +17,6 @@ namespace palpa::log {
 namespace {
 
 std::atomic<Level> threshold{Level::warning};
-constexpr std::array<std::string_view, 5> names{"quiet", "error", "warning", "info", "debug"};
 
 /// Of a whole line.
 constexpr std::size_t longest_line = 500;
@@ -26,7 +25,7 @@ void write(Level at, std::string_view line) {
   if (at > threshold.load(std::memory_order_relaxed)) return;
   // Names from files may hold anything; an event stays one line. One fwrite per line keeps lines of several threads
   // apart.
-  const std::string text = fmt::format("palpa: {}: {}", names[static_cast<std::size_t>(at)], one_line(line));
+  const std::string text = fmt::format("palpa: {}: {}", word_of(level_words, at), one_line(line));
   const std::string whole = shortened(text, longest_line) + '\n';
   std::fwrite(whole.data(), 1, whole.size(), stderr);
 }
@@ -95,13 +94,6 @@ void set_level(Level level) {
 }
 Level level() {
   return threshold;
-}
-
-std::optional<Level> parse_level(std::string_view name) {
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (names[i] == name) return static_cast<Level>(i);
-  }
-  return std::nullopt;
 }
 
 void error(std::string_view line) {

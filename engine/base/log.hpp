@@ -1,17 +1,21 @@
 // One line per event on stderr. A succeeding command writes only warnings at the default level.
 #pragma once
 
-#include <optional>
 #include <string_view>
+
+#include "base/words.hpp"
 
 namespace palpa::log {
 
 enum class Level { quiet, error, warning, info, debug };
+inline constexpr Word<Level> level_words[] = {{"quiet", Level::quiet},
+                                              {"error", Level::error},
+                                              {"warning", Level::warning},
+                                              {"info", Level::info},
+                                              {"debug", Level::debug}};
 
 void set_level(Level level);
 Level level();
-/// "quiet", "error", "warning", "info" or "debug".
-std::optional<Level> parse_level(std::string_view name);
 
 /// Thread-safe. What cannot be printed is escaped, line breaks are spaces, and a line of more than 500 bytes loses its
 /// middle.

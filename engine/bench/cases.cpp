@@ -14,7 +14,7 @@
 #include "gpu/commands.hpp"
 #include "gpu/timestamps.hpp"
 #include "sensing/synthetic.hpp"
-#include "session/chain.hpp"
+#include "session/session.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
 #include "touch/host_stage.hpp"
@@ -76,15 +76,6 @@ bool same_drives(const session::Plan& a, const session::Plan& b) {
   return true;
 }
 
-/// Runs one frame through a chain that has nothing under way.
-session::FrameReport run_frame(session::Chain& chain, const sensing::FrameSet& frame, session::Plan& plan) {
-  session::FrameReport report;
-  chain.start(frame, 0, 0);
-  while (!chain.step(plan, report)) {
-  }
-  return report;
-}
-
 void measure_frame(const Context& context, const std::string& name, const std::vector<geometry::Solid>& solids,
                    const geometry::Mesh& skin, const Transform& T_world_skin, std::vector<Row>& rows) {
   const setup::PosedRig set_up = setup::load_posed_rig({});
@@ -93,22 +84,22 @@ void measure_frame(const Context& context, const std::string& name, const std::v
   const sensing::Posed posed{&skin, T_world_skin};
   rig.render(std::span(&posed, 1), 0, frame);
 
-  const session::ChainSetting setting{.cameras = set_up.rig.cameras, .solids = solids, .layout = set_up.layout};
-  const auto chain = session::make_gpu_chain(context.device, setting);
-  session::Plan plan, expected;
-  run_frame(*chain, frame, plan);
-  run_frame(*session::make_cpu_chain(setting), frame, expected);
-  if (!same_drives(plan, expected)) wrong(name);
+  const session::SessionSetting setting{
+      .scene = name, .solids = solids, .cameras = set_up.rig.cameras, .layout = set_up.layout, .events = std::nullopt};
+  session::Session session(context.device, setting), expected(setting);
+  session.touch(frame.frames, 0);
+  expected.touch(frame.frames, 0);
+  if (!same_drives(session.plan(), expected.plan())) wrong(name);
 
   std::vector<double> total;
   StageSamples stages;
   for (std::uint32_t run = 0; run < context.runs + warm_up; ++run) {
     const double begin = now_ms();
-    const session::FrameReport report = run_frame(*chain, frame, plan);
+    session.touch(frame.frames, 0);
     const double ms = now_ms() - begin;
     if (run < warm_up) continue;
     total.push_back(ms);
-    stages.add(report.passes);
+    stages.add(session.report().passes);
     context.progress(name, run - warm_up + 1, context.runs);
   }
   Row row = make_row("loop", name, "total", total);

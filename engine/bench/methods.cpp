@@ -56,10 +56,9 @@ void measure_methods(const Context& context, std::vector<Row>& rows) {
   const touch::Finger& finger = touch.fingers[0];
   const std::string name = fmt::format("{} contacts", finger.contact_count);
   touch::Placement placement;
-  for (const touch::Method method : {touch::Method::cross_section, touch::Method::single_focus, touch::Method::ellipse,
-                                     touch::Method::multi_focus}) {
+  for (const auto& [word, method] : touch::method_words) {
     const touch::MethodOptions options{.method = method};
-    const std::string stage(touch::name_of(method));
+    const std::string stage(word);
     touch::place_foci(touch, finger, options, placement);
     if (!plausible(touch, finger, placement)) throw failure("bench: " + stage + " puts foci far from the contacts");
     rows.push_back(timed(context, name, stage, [&] { touch::place_foci(touch, finger, options, placement); }));

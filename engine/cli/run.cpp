@@ -11,13 +11,13 @@
 #include "cli/commands.hpp"
 #include "sensing/recording.hpp"
 #include "session/event_sink.hpp"
-#include "session/loop.hpp"
-#include "session/overrides.hpp"
+#include "session/session.hpp"
 #include "session/sources.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
+#include "setup/touch_schedule.hpp"
 #include "setup/values.hpp"
 
 namespace palpa::cli {
@@ -130,38 +130,44 @@ void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned) {
                            touch.finger_count));
 }
 
-/// The fingers' events on their way from the loop to whoever listens.
-class Events {
- public:
-  Events(const RunCommand& o, std::span<const geometry::Solid> solids, std::span<const std::string> names)
-      : tracker_(solids, {.move_m = o.event.move_m, .grace_s = o.hold_s / 2, .hold_s = o.hold_s}),
-        sink_(session::open_event_sink(o.events, names, o.every_frame ? &stop_requested : nullptr)) {}
+/// What the options make a session of, for the frames of `source`.
+session::SessionSetting session_setting(const RunCommand& o, std::vector<geometry::Solid> solids,
+                                        const sensing::DepthSource& source, array::Layout layout) {
+  return {.scene = o.scene,
+          .solids = std::move(solids),
+          .cameras = source.cameras(),
+          .layout = std::move(layout),
+          .touch = o.touch.parameters,
+          .schedule = setup::schedule_options(o.touch),
+          .drive = setup::drive_options(o.drive),
+          .events = o.events.empty() ? std::nullopt : std::optional(o.event),
+          .hold_s = o.hold_s,
+          .safety = o.safety};
+}
 
-  void observe(session::LoopObservers& observers) {
-    observers.planned = [this, next = std::move(observers.planned)](const session::FrameReport& report,
-                                                                    const session::Plan& plan) {
-      next(report, plan);
-      sink_->write(tracker_.update(*report.touch, report.time_s));
-    };
-    observers.expired = [this] { sink_->write(tracker_.expire()); };
-  }
-  session::EventStats end() {
-    sink_->write(tracker_.end());
-    sink_->finish();
-    return {sink_->written(), sink_->dropped()};
-  }
-  /// After an error, which is the one to report.
-  void end_quietly() noexcept {
-    try {
-      end();
-    } catch (const std::exception&) {
-    }
-  }
+std::unique_ptr<sensing::DepthSource> open_source(const RunCommand& o, const Extensions& extensions,
+                                                  const setup::PosedRig& rig) {
+  std::vector<session::SourceKind> sources = session::builtin_sources();
+  sources.insert(sources.end(), extensions.sources.begin(), extensions.sources.end());
+  const geometry::Mesh boards = array::board_mesh(rig.layout);
+  return session::open_source(o.source, sources,
+                              {.cameras = rig.rig.cameras,
+                               .occluders = boards,
+                               .default_skin = setup::find_asset("finger.ply"),
+                               .noise = !o.noise_free,
+                               .seed = o.common.seed,
+                               .paced = !o.every_frame,
+                               .rig = rig.rig.file});
+}
 
- private:
-  session::EventTracker tracker_;
-  std::unique_ptr<session::EventSink> sink_;
-};
+/// Hands over what waits. After an error that error is the one to report, not another of the sink's.
+void finish(session::EventSink* sink, bool after_error) {
+  try {
+    if (sink) sink->finish();
+  } catch (const std::exception&) {
+    if (!after_error) throw;
+  }
+}
 
 void run(const Extensions& extensions, const RunCommand& o) {
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
@@ -170,76 +176,45 @@ void run(const Extensions& extensions, const RunCommand& o) {
   std::vector<session::LinkKind> links = session::builtin_links();
   links.insert(links.end(), extensions.links.begin(), extensions.links.end());
   const Outputs outputs(outputs_of(o, links));
-  const std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids, o.common.quiet);
-  const array::VoiceOptions voice = setup::voice_options(o.touch);
-  session::check_overrides(o.scene, solids, o.touch.parameters, voice);
-  std::vector<std::string> names;
-  names.reserve(solids.size());
-  for (const geometry::Solid& solid : solids)
-    names.push_back(solid.name);
-  const setup::PosedRig set_up = setup::load_posed_rig(o.rig);
-  const array::DriveOptions drive = setup::drive_options(o.drive);
-
-  std::vector<session::SourceKind> sources = session::builtin_sources();
-  sources.insert(sources.end(), extensions.sources.begin(), extensions.sources.end());
-  const geometry::Mesh boards = array::board_mesh(set_up.layout);
-  const std::unique_ptr<sensing::DepthSource> source =
-      session::open_source(o.source, sources,
-                           {.cameras = set_up.rig.cameras,
-                            .occluders = boards,
-                            .default_skin = setup::find_asset("finger.ply"),
-                            .noise = !o.noise_free,
-                            .seed = o.common.seed,
-                            .paced = !o.every_frame,
-                            .rig = set_up.rig.file});
-  touch::Parameters parameters = o.touch.parameters;
-  parameters.deep = !o.events.empty();
-  const session::ChainSetting setting{.cameras = source->cameras(),
-                                      .solids = solids,
-                                      .layout = set_up.layout,
-                                      .touch = parameters,
-                                      .method = setup::method_options(o.touch),
-                                      .voice = voice,
-                                      .tune = o.touch.tune,
-                                      .drive = drive,
-                                      .slot_s = session::slot_length(solids, voice),
-                                      .detail = o.events.empty() ? touch::Detail::fingers : touch::Detail::contacts};
+  std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids, o.common.quiet);
+  const setup::PosedRig rig = setup::load_posed_rig(o.rig);
+  const std::unique_ptr<sensing::DepthSource> source = open_source(o, extensions, rig);
+  session::SessionSetting setting = session_setting(o, std::move(solids), *source, rig.layout);
   std::optional<gpu::Device> device;
   if (o.common.backend == setup::Backend::gpu) device.emplace(setup::device_options(o.common));
-  const std::unique_ptr<session::Chain> chain =
-      device ? session::make_gpu_chain(*device, setting) : session::make_cpu_chain(setting);
-
-  const std::unique_ptr<session::Link> link = session::open_link(o.link, links, {set_up.layout, names, setting.slot_s});
+  session::Session session =
+      device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
+  const std::unique_ptr<session::Link> link = session::open_link(o.link, links, session.link_setting());
 
   // Last of all: a typing error elsewhere must not leave an empty recording behind.
-  std::optional<Events> events;
-  if (!o.events.empty()) events.emplace(o, solids, names);
+  session::RunOptions options{.frames = o.frames, .every_frame = o.every_frame};
+  std::unique_ptr<session::EventSink> sink;
+  if (!o.events.empty()) {
+    sink = session::open_event_sink(o.events, session.solid_names(), o.every_frame ? &stop_requested : nullptr);
+    options.events = [&](std::span<const session::Event> events) { sink->write(events); };
+  }
   std::optional<sensing::RecordingWriter> recorder;
   if (!o.record.empty()) recorder.emplace(o.record, source->cameras());
+  std::uint64_t out_of_order = 0;  // frames whose time a recording cannot hold; of the recorder's thread
+  if (recorder) options.record = [&](const sensing::FrameSet& set) { out_of_order += recorder->write(set) ? 0 : 1; };
 
   watch_signals();
   log::release_warnings();
-  session::LoopStats stats;
   setup::Progress progress("frames", o.frames, o.common.quiet);
-  session::LoopObservers observers;
-  std::uint64_t out_of_order = 0;  // frames whose time a recording cannot hold; of the recorder's thread
-  if (recorder) observers.record = [&](const sensing::FrameSet& set) { out_of_order += recorder->write(set) ? 0 : 1; };
-  observers.planned = [&, warned = false](const session::FrameReport& frame, const session::Plan&) mutable {
+  options.planned = [&, warned = false, frames = std::uint64_t{0}](const session::FrameReport& frame,
+                                                                   const session::Plan&) mutable {
     warn_of_left_out_fingers(*frame.touch, warned);
-    progress.set(stats.planned);
+    progress.set(++frames);
   };
-  if (events) events->observe(observers);
+  session::LoopStats stats;
   try {
-    session::run_loop(*source, *chain, *link,
-                      {.output = {set_up.layout, drive, setting.slot_s, o.hold_s, o.safety},
-                       .frames = o.frames,
-                       .every_frame = o.every_frame},
-                      stop_requested, observers, stats);
+    stats = session.run(*source, *link, stop_requested, options);
   } catch (...) {
-    if (events) events->end_quietly();
+    finish(sink.get(), true);
     throw;
   }
-  if (events) stats.events = events->end();
+  finish(sink.get(), false);
+  if (sink) stats.events = {sink->written(), sink->dropped()};
   if (stats.unrecorded > 0) {
     log::warning(fmt::format("{}: {} of {} frames came too fast to be written; --every-frame waits for each", o.record,
                              stats.unrecorded, stats.captured));

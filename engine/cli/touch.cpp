@@ -10,7 +10,7 @@
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
 #include "session/foci_link.hpp"
-#include "session/overrides.hpp"
+#include "setup/load.hpp"
 #include "setup/touch_input.hpp"
 #include "setup/touch_run.hpp"
 #include "setup/touch_schedule.hpp"
@@ -36,45 +36,45 @@ void add_options(CLI::App& app, TouchCommand& o) {
 
 /// One touch and all that is printed about it.
 struct TouchReport {
-  const setup::TouchInput& input;
+  std::uint64_t points;
+  const session::Session& session;  ///< its schedule has a voice per finger
   const touch::Touch& touch;
   const setup::TouchOptions& options;
-  const std::vector<setup::FingerSchedule>& schedules;  ///< one per finger
-  const std::vector<acoustics::Spectrum>& spectra;      ///< one per finger with --spectrum, else none
+  const std::vector<acoustics::Spectrum>& spectra;  ///< one per finger with --spectrum, else none
   double total_ms;
   const setup::StageTimes& times;
 };
 
-/// Whether the method's foci stand still on every finger.
-bool plays_still(const setup::TouchOptions& options) {
-  return options.method.method == touch::Method::single_focus || options.method.method == touch::Method::multi_focus;
-}
-
-/// What a finger of so many sectors plays.
-void add_schedule(JsonWriter& json, const setup::TouchOptions& options, std::uint32_t foci,
-                  const array::VoiceOptions& own) {
-  const bool together = options.method.method == touch::Method::multi_focus;
-  array::Voice voice;
-  voice.foci_per_slot = together ? foci : 1;
-  array::fill_order(options.method.method == touch::Method::single_focus ? 1 : foci, together ? 1 : own.stride,
-                    voice.order);
+void add_schedule(JsonWriter& json, const array::Voice& voice) {
   json.key("schedule").begin_object().key("order");
   session::write_order(voice, json);
-  json.member("dwell_s", own.dwell_s).end_object();
+  json.member("dwell_s", voice.dwell_s).end_object();
 }
 
-/// How many foci a finger's order is of, where --tune or its solid gave it one of its own; else 0.
-std::uint32_t foci_of_own_order(const TouchReport& report, std::uint32_t index) {
-  const geometry::Solid& solid = report.input.solids[report.touch.fingers[index].solid];
-  const std::optional<acoustics::Tuned>& tuned = report.schedules[index].tuned;
-  if (tuned && tuned->changed) return tuned->ring.foci;
-  return session::has_own_schedule(solid) ? session::foci_on(solid, report.options.parameters) : 0;
+/// The voice of a finger with its order counted in sectors: foci that sound together are those of its filled ones.
+array::Voice by_sector(array::Voice voice, const touch::Placement& placement) {
+  if (!placement.together) return voice;
+  std::vector<std::uint32_t> filled;
+  for (std::uint32_t i = 0; i < placement.foci.size(); ++i) {
+    if (placement.has(i)) filled.push_back(i);
+  }
+  for (std::uint32_t& entry : voice.order)
+    entry = filled[entry];
+  return voice;
+}
+
+/// Whether --tune or its solid gave a finger a schedule of its own.
+bool has_own_schedule(const TouchReport& report, std::uint32_t index) {
+  const std::optional<acoustics::Tuned>& tuned = report.session.scheduler().fingers()[index].tuned;
+  return (tuned && tuned->changed) ||
+         report.session.scheduler().solids()[report.touch.fingers[index].solid].own_schedule;
 }
 
 void add_finger(JsonWriter& json, const TouchReport& report, std::uint32_t index) {
   const touch::Finger& finger = report.touch.fingers[index];
-  const touch::Placement& placement = report.schedules[index].placement;
-  json.begin_object().member("solid", report.input.solids[finger.solid].name);
+  const session::ScheduledFinger& scheduled = report.session.scheduler().fingers()[index];
+  const touch::Placement& placement = scheduled.placement;
+  json.begin_object().member("solid", report.session.solids()[finger.solid].name);
   json.key("indices").begin_array();
   for (const std::uint32_t contact : finger.contacts)
     json.value(report.touch.contacts[contact].point);
@@ -101,19 +101,17 @@ void add_finger(JsonWriter& json, const TouchReport& report, std::uint32_t index
   for (const touch::Focus& focus : placement.foci)
     json.value(focus.points);
   json.end_array();
-  const setup::FingerSchedule& schedule = report.schedules[index];
-  if (const std::uint32_t foci = foci_of_own_order(report, index)) {
-    add_schedule(json, report.options, foci, schedule.voice);
-  }
-  if (schedule.tuned) add_tune(json, *schedule.tuned);
-  if (!report.spectra.empty()) add_spectrum(json, schedule.perimeter_m, report.spectra[index]);
+  if (has_own_schedule(report, index))
+    add_schedule(json, by_sector(report.session.schedule().voices[index], placement));
+  if (scheduled.tuned) add_tune(json, *scheduled.tuned);
+  if (!report.spectra.empty()) add_spectrum(json, scheduled.perimeter_m, report.spectra[index]);
   json.end_object();
 }
 
 std::string to_json(const TouchReport& report) {
   const touch::Touch& touch = report.touch;
   JsonWriter json;
-  json.begin_object().member("points", report.input.point_count);
+  json.begin_object().member("points", report.points);
   json.key("contacts").begin_object().member("count", std::uint64_t{touch.contacts.size()});
   json.key("indices").begin_array();
   for (const touch::Contact& contact : touch.contacts)
@@ -127,7 +125,7 @@ std::string to_json(const TouchReport& report) {
   for (std::uint32_t f = 0; f < touch.finger_count; ++f)
     add_finger(json, report, f);
   json.end_array();
-  add_schedule(json, report.options, report.options.parameters.foci, setup::voice_options(report.options));
+  add_schedule(json, report.session.scheduler().common_voice());
   json.key("timing_ms").begin_object().member("total", report.total_ms);
   for (const auto& [stage, ms] : report.times)
     json.member(stage, ms);
@@ -156,13 +154,17 @@ std::string to_csv(const TouchReport& report) {
   for (std::size_t i = 0; i < touch.contacts.size(); ++i) {
     const touch::Contact& c = touch.contacts[i];
     fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{}\n", c.point, c.position.x, c.position.y, c.position.z,
-                   c.depth_m, finger_of[i], cell(report.input.solids[c.solid].name));
+                   c.depth_m, finger_of[i], cell(report.session.solids()[c.solid].name));
   }
   return csv;
 }
 
 const char* plural(std::size_t count) {
   return count == 1 ? "" : "s";
+}
+
+std::string order_line(const array::Voice& voice) {
+  return fmt::format("order {}, {} ms each", fmt::join(voice.order, " "), voice.dwell_s * 1e3);
 }
 
 const char* manner(const touch::Placement& placement) {
@@ -173,42 +175,40 @@ std::string summary(const TouchReport& report) {
   const touch::Touch& touch = report.touch;
   std::string text;
   const auto out = std::back_inserter(text);
-  fmt::format_to(out, "{} skin point{}, {} contact{}, {} finger{} ({:.1f} ms)\n", report.input.point_count,
-                 plural(report.input.point_count), touch.contacts.size(), plural(touch.contacts.size()),
-                 touch.finger_count, plural(touch.finger_count), report.total_ms);
-  const auto order_of = [](std::uint32_t foci, std::uint32_t stride, double dwell_s) {
-    return fmt::format("order {}, {} ms each", fmt::join(array::fill_order(foci, stride), " "), dwell_s * 1e3);
-  };
-  const bool still = plays_still(report.options);
+  fmt::format_to(out, "{} skin point{}, {} contact{}, {} finger{} ({:.1f} ms)\n", report.points, plural(report.points),
+                 touch.contacts.size(), plural(touch.contacts.size()), touch.finger_count, plural(touch.finger_count),
+                 report.total_ms);
+  const array::Voice all = report.session.scheduler().common_voice();
+  const bool still = all.order.size() == all.foci_per_slot;
   bool common = touch.finger_count == 0;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     const touch::Finger& finger = touch.fingers[f];
     const glm::vec3 c = finger.section.centroid * 1e3f;
-    const touch::Placement& placement = report.schedules[f].placement;
+    const touch::Placement& placement = report.session.scheduler().fingers()[f].placement;
     std::size_t sounding = 0;
     for (std::size_t i = 0; i < placement.foci.size(); ++i)
       sounding += placement.has(i);
     fmt::format_to(out, "finger {} on {}: {} contacts around ({:.2f}, {:.2f}, {:.2f}) mm, {} of {} foci{}\n", f,
-                   report.input.solids[finger.solid].name, finger.contacts.size(), c.x, c.y, c.z, sounding,
+                   report.session.solids()[finger.solid].name, finger.contacts.size(), c.x, c.y, c.z, sounding,
                    placement.foci.size(), manner(placement));
-    const std::uint32_t own = still ? 0 : foci_of_own_order(report, f);
-    const array::VoiceOptions& voice = report.schedules[f].voice;
-    if (own != 0) fmt::format_to(out, "  {}\n", order_of(own, voice.stride, voice.dwell_s));
-    common = common || own == 0;
+    const bool own = !still && has_own_schedule(report, f);
+    if (own) fmt::format_to(out, "  {}\n", order_line(report.session.schedule().voices[f]));
+    common = common || !own;
   }
   const setup::TouchOptions& options = report.options;
   if (still) {
     fmt::format_to(out, "modulated at {} Hz, {}; --json gives everything\n", options.modulation_hz,
-                   array::name_of(options.modulation));
+                   word_of(array::modulation_words, options.modulation));
   } else {
-    if (common) text += order_of(options.parameters.foci, options.stride, options.dwell_s) + "; ";
+    if (common) text += order_line(all) + "; ";
     text += "--json gives everything\n";
   }
+  const std::span<const session::ScheduledFinger> fingers = report.session.scheduler().fingers();
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-    if (report.schedules[f].tuned) text += tune_line(f, *report.schedules[f].tuned);
+    if (fingers[f].tuned) text += tune_line(f, *fingers[f].tuned);
   }
   for (std::uint32_t f = 0; f < report.spectra.size(); ++f)
-    text += spectrum_table(f, report.schedules[f].perimeter_m, report.spectra[f]);
+    text += spectrum_table(f, fingers[f].perimeter_m, report.spectra[f]);
   return text;
 }
 
@@ -219,22 +219,20 @@ void run(const TouchCommand& o) {
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   setup::Stopwatch whole, watch;
   setup::StageTimes times;
-  const setup::TouchInput input = setup::load_touch_input(o.input, o.common.quiet);
-  session::check_overrides(o.input.scene, input.solids, o.touch.parameters, setup::voice_options(o.touch));
+  std::vector<geometry::Solid> solids =
+      setup::load_solids(o.input.scene, o.input.gltf_scene, o.input.solids, o.common.quiet);
+  const setup::TouchInput input = setup::load_touch_input(o.input, solids);
   times.emplace_back("load", watch.lap_ms());
-  const touch::Touch touch =
-      o.common.backend == setup::Backend::cpu
-          ? setup::touch_on_cpu(input, o.touch.parameters, times)
-          : setup::touch_on_gpu(setup::device_options(o.common), input, o.touch.parameters, times);
+  const setup::OneTouch one =
+      setup::touch_once(o.common, o.touch, o.felt, o.input.scene, std::move(solids), input, times);
+  const touch::Touch& touch = one.touch;
   if (touch.cluster_count > touch.finger_count) {
     log::warning(fmt::format("{} clusters of contacts make a finger, only the first {} are kept", touch.cluster_count,
                              touch.finger_count));
   }
-  const std::vector<setup::FingerSchedule> schedules = setup::schedule_fingers(touch, input.solids, o.touch, o.felt);
   const std::vector<acoustics::Spectrum> spectra =
-      o.felt.spectrum ? setup::spectra_of(make_schedule(touch, input.solids, schedules, o.touch), o.felt)
-                      : std::vector<acoustics::Spectrum>();
-  const TouchReport report{input, touch, o.touch, schedules, spectra, whole.lap_ms(), times};
+      o.felt.spectrum ? setup::spectra_of(one.session.schedule(), o.felt) : std::vector<acoustics::Spectrum>();
+  const TouchReport report{input.point_count, one.session, touch, o.touch, spectra, whole.lap_ms(), times};
   if (!o.csv.empty()) write_file(o.csv, to_csv(report));
   if (!o.common.json.empty()) write_file(o.common.json, to_json(report));
   if (setup::shows_summary(o.common, outputs)) write_file("-", summary(report));

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <string_view>
 #include <vector>
 
@@ -151,10 +150,8 @@ Haptics inherit(const Item& node, const NodeHaptics& own, const Haptics& parent)
                   either(v.press_depth_m, parent.press_depth_m),
                   either(v.foci, parent.foci),
                   either(v.stride, parent.stride)};
-  if (h.foci && h.stride && *h.foci > 1 && std::gcd(*h.foci, *h.stride) != 1) {
-    node.fail(fmt::format(
-        "extras: stride {} and foci {} share the divisor {}, so some foci would never sound; a stride of 1 always does",
-        *h.stride, *h.foci, std::gcd(*h.foci, *h.stride)));
+  if (h.foci && h.stride) {
+    if (const std::string fault = stride_fault(*h.foci, *h.stride); !fault.empty()) node.fail("extras: " + fault);
   }
   return h;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace palpa::geometry {
 
@@ -20,5 +21,12 @@ struct Haptics {
 
   bool operator==(const Haptics&) const = default;
 };
+
+/// A stride for so many foci that leaves none out: the nearest below `stride` (modulo their number), at least 1.
+std::uint32_t coprime_stride(std::uint32_t foci, std::uint32_t stride);
+
+/// What is wrong with a stride that shares a divisor with the number of foci, so that its order leaves foci out, and
+/// which stride would do; empty where nothing is. One focus goes with every stride.
+std::string stride_fault(std::uint32_t foci, std::uint32_t stride);
 
 }  // namespace palpa::geometry

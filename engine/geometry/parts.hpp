@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/words.hpp"
 #include "geometry/convex.hpp"
 #include "geometry/mesh.hpp"
 
@@ -29,6 +30,8 @@ struct Parts {
 /// The paper's Eq. (1) asks each part for itself (`keep`), so that a cut between two parts counts as surface. `drop`
 /// measures the depth below the surface of the union.
 enum class InternalFaces { drop, keep };
+inline constexpr Word<InternalFaces> internal_faces_words[] = {{"drop", InternalFaces::drop},
+                                                               {"keep", InternalFaces::keep}};
 
 inline constexpr std::size_t most_parts = 1024;
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/words.hpp"
 #include "geometry/convex.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/haptics.hpp"
@@ -18,6 +19,7 @@ enum class SurfaceKind {
   mesh,   ///< the mesh itself: exact
   parts,  ///< its convex parts, the paper's way
 };
+inline constexpr Word<SurfaceKind> surface_words[] = {{"mesh", SurfaceKind::mesh}, {"parts", SurfaceKind::parts}};
 
 /// Solids of one shape are rigid copies of one another.
 struct CopyOfShape {

@@ -153,19 +153,11 @@ bool env_flag(const char* name) {
 Validation validation_from_environment() {
   const char* value = std::getenv("PALPA_VALIDATION");
   if (!value || !*value) return Validation::off;
-  if (const auto preset = parse_validation(value)) return *preset;
-  throw bad_usage(fmt::format("PALPA_VALIDATION is '{}': give off, core, sync or gpu-assisted", value));
+  if (const auto preset = value_of(validation_words, value)) return *preset;
+  throw bad_usage(fmt::format("PALPA_VALIDATION is '{}': give {}", value, one_of(validation_words)));
 }
 
 }  // namespace
-
-std::optional<Validation> parse_validation(const std::string& name) {
-  if (name == "off") return Validation::off;
-  if (name == "core") return Validation::core;
-  if (name == "sync") return Validation::sync;
-  if (name == "gpu-assisted") return Validation::gpu_assisted;
-  return std::nullopt;
-}
 
 std::uint64_t validation_errors() {
   return validation_error_count;

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "base/words.hpp"
+
 namespace palpa::gpu {
 
 /// Validation presets. Each includes the one before, except gpu_assisted, which the layer cannot combine with sync.
@@ -21,8 +23,10 @@ enum class Validation {
   gpu_assisted,  ///< core + shader instrumentation: out-of-bounds accesses
 };
 
-/// "off", "core", "sync" or "gpu-assisted".
-std::optional<Validation> parse_validation(const std::string& name);
+inline constexpr Word<Validation> validation_words[] = {{"off", Validation::off},
+                                                        {"core", Validation::core},
+                                                        {"sync", Validation::sync},
+                                                        {"gpu-assisted", Validation::gpu_assisted}};
 
 struct DeviceOptions {
   /// Part of a device's name (any case) or its index as `palpa doctor` lists them; empty: the fastest kind present.

@@ -13,22 +13,8 @@ constexpr std::size_t most_held = 4 * std::size_t{touch::max_fingers};
 
 }  // namespace
 
-std::string_view name_of(EventKind kind) {
-  switch (kind) {
-    case EventKind::touch:
-      return "touch";
-    case EventKind::move:
-      return "move";
-    case EventKind::press:
-      return "press";
-    case EventKind::release:
-      return "release";
-  }
-  return "";
-}
-
-EventTracker::EventTracker(std::span<const geometry::Solid> solids, const EventOptions& options) : options_(options) {
-  options_.hold_s = std::max(options_.hold_s, options_.grace_s);
+EventTracker::EventTracker(std::span<const geometry::Solid> solids, const EventOptions& options, double hold_s)
+    : options_(options), hold_s_(hold_s), grace_s_(hold_s / 2) {
   press_depth_m_.reserve(solids.size());
   for (const geometry::Solid& solid : solids)
     press_depth_m_.push_back(solid.haptics.press_depth_m);
@@ -42,10 +28,10 @@ std::span<const Event> EventTracker::update(const touch::Touch& touch, double ti
   if (begun_ && time_s < last_s_) {
     for (Held& held : held_)
       held.seen_s += time_s - last_s_;
-  } else if (begun_ && time_s > last_s_ + options_.hold_s) {
+  } else if (begun_ && time_s > last_s_ + hold_s_) {
     for (Held& held : held_)
       held.seen = false;
-    release_missing(last_s_ + options_.hold_s);
+    release_missing(last_s_ + hold_s_);
   }
   begun_ = true;
   last_s_ = time_s;
@@ -78,7 +64,7 @@ std::span<const Event> EventTracker::expire() {
   events_.clear();
   for (Held& held : held_)
     held.seen = false;
-  release_missing(last_s_ + options_.hold_s);
+  release_missing(last_s_ + hold_s_);
   return events_;
 }
 
@@ -133,7 +119,7 @@ void EventTracker::release_missing(double time_s) {
   std::size_t too_many = missing > most_held ? missing - most_held : 0;
   std::erase_if(held_, [&](const Held& held) {
     if (held.seen) return false;
-    const double until_s = held.seen_s + options_.grace_s;
+    const double until_s = held.seen_s + grace_s_;
     if (until_s > time_s && too_many == 0) return false;
     if (too_many > 0) --too_many;
     release(held, std::min(until_s, time_s));
@@ -175,7 +161,9 @@ void EventTracker::tell(EventKind kind, Held& held, double time_s) {
 
 void write_event_line(const Event& event, std::span<const std::string> solid_names, JsonWriter& json) {
   json.clear();
-  json.begin_object(JsonWriter::Style::compact).member("event", name_of(event.kind)).member("time_s", event.time_s);
+  json.begin_object(JsonWriter::Style::compact)
+      .member("event", word_of(event_words, event.kind))
+      .member("time_s", event.time_s);
   json.key("solid").value(event.solid < solid_names.size() ? std::string_view(solid_names[event.solid]) : "");
   json.member("finger", event.finger).member("depth_m", event.depth_m).member("centroid_m", event.centroid);
   json.end_object();

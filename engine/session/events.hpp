@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "base/json_writer.hpp"
+#include "base/words.hpp"
 #include "geometry/solid.hpp"
 #include "touch/types.hpp"
 
@@ -25,12 +26,14 @@ namespace palpa::session {
 
 enum class EventKind { touch, move, press, release };
 
-/// "touch", "move", "press" or "release".
-std::string_view name_of(EventKind kind);
+inline constexpr Word<EventKind> event_words[] = {{"touch", EventKind::touch},
+                                                  {"move", EventKind::move},
+                                                  {"press", EventKind::press},
+                                                  {"release", EventKind::release}};
 
 struct Event {
   EventKind kind = EventKind::touch;
-  double time_s = 0;         ///< capture of the frame, on the source's clock; of a release see EventOptions
+  double time_s = 0;         ///< capture of the frame, on the source's clock; of a release see EventTracker
   std::uint32_t solid = 0;   ///< index into the scene's solids
   std::uint32_t finger = 0;  ///< touch::Finger::id when it touched: the same for the whole of a touch
   float depth_m = 0;         ///< touch::Finger::depth_m; of a release the last seen
@@ -40,12 +43,6 @@ struct Event {
 struct EventOptions {
   double move_m = 0.5e-3;  ///< 0: every frame is a move
   double rearm = 0.8;      ///< of the press depth
-  /// A finger that is missing from frames for less than this has not left: a camera may miss it for a frame or two. Its
-  /// release has the time at which it had been missing for that long. One that comes back in time near the place where
-  /// it was lost continues its touch, under the old id.
-  double grace_s = 0.05;
-  /// When no frame came for that long, every finger is released: the loop's --hold. Not less than grace_s.
-  double hold_s = 0.1;
 };
 
 class EventTracker {
@@ -53,8 +50,11 @@ class EventTracker {
   /// A lost finger is looked for within that distance of where it was last seen.
   static constexpr float reach_m = 0.02F;
 
-  /// `solids` are those of the touches; their press depths are kept, nothing else.
-  explicit EventTracker(std::span<const geometry::Solid> solids, const EventOptions& options = {});
+  /// `solids` are those of the touches; their press depths are kept, nothing else. When no frame came for `hold_s`,
+  /// every finger is released. A finger that is missing from frames for less than half of it has not left: a camera may
+  /// miss it for a frame or two. Its release has the time at which it had been missing for that long. One that comes
+  /// back in time near the place where it was lost continues its touch, under the old id.
+  explicit EventTracker(std::span<const geometry::Solid> solids, const EventOptions& options = {}, double hold_s = 0.1);
 
   /// The events of the next frame: releases first, then finger by finger in the order of `touch`. Where the time is
   /// earlier than that of the frame before, the clock is taken to have been reset. Valid until the next call.
@@ -85,6 +85,7 @@ class EventTracker {
 
   std::vector<std::optional<double>> press_depth_m_;  ///< by solid
   EventOptions options_;
+  double hold_s_, grace_s_;
   double last_s_ = 0;
   bool begun_ = false;
   std::vector<Held> held_;   ///< in the order of their touches

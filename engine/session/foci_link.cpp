@@ -85,7 +85,7 @@ void write_foci_line(const array::Schedule& schedule, std::span<const std::strin
     json.key("order");
     write_order(voice, json);
     json.member("dwell_s", voice.dwell_s).member("modulation_hz", voice.modulation_hz);
-    if (voice.modulation_hz != 0) json.member("modulation", array::name_of(voice.modulation));
+    if (voice.modulation_hz != 0) json.member("modulation", word_of(array::modulation_words, voice.modulation));
     json.member("gain", voice.gain);
     json.end_object();
   }

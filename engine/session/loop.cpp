@@ -98,20 +98,24 @@ void record(Newest<sensing::FrameSet>& frames, const LoopObservers& observers) {
 }
 
 /// Returns the capture time of the last frame planned, on the loop's clock.
-double compute(Chain& chain, Newest<Captured>& frames, Newest<Plan>& plans, const Clock& clock, std::atomic<bool>& stop,
-               const std::atomic<bool>& output_ended, const LoopSetting& setting, const LoopObservers& observers,
-               LoopStats& stats) {
+double compute(Planner& planner, Newest<Captured>& frames, Newest<Plan>& plans, const Clock& clock,
+               std::atomic<bool>& stop, const std::atomic<bool>& output_ended, const LoopSetting& setting,
+               const LoopObservers& observers, LoopStats& stats) {
   double begin_s = -1, last_captured_s = -std::numeric_limits<double>::infinity();
   bool alive = false;  // frames are coming
   while (!stop && !output_ended) {
     // With frames under way the device is the one to wait for, else the camera.
-    const std::chrono::duration<double> patience(chain.busy() ? 0.0 : 0.05);
-    if (chain.can_start() && frames.take(patience)) {
+    const std::chrono::duration<double> patience(planner.busy() ? 0.0 : 0.05);
+    if (planner.can_start() && frames.take(patience)) {
       const Captured& frame = frames.front();
       if (begin_s < 0) begin_s = frame.arrived_s;
-      chain.start(frame.set, frame.captured_s, frame.arrived_s);
+      planner.start({.images = frame.set.frames,
+                     .sequence = frame.set.sequence,
+                     .time_s = frame.set.time_s,
+                     .captured_s = frame.captured_s,
+                     .arrived_s = frame.arrived_s});
     }
-    if (!chain.busy()) {
+    if (!planner.busy()) {
       if (frames.closed()) break;
       if (alive && !setting.every_frame && clock.now() >= last_captured_s + setting.output.hold_s) {
         alive = false;
@@ -120,7 +124,7 @@ double compute(Chain& chain, Newest<Captured>& frames, Newest<Plan>& plans, cons
       continue;
     }
     FrameReport report;
-    if (!chain.step(plans.back(), report)) continue;
+    if (!planner.step(plans.back(), report)) continue;
     report.planned_s = clock.now();
     ++stats.planned;
     stats.touching += report.touch->finger_count > 0 ? 1 : 0;
@@ -137,7 +141,7 @@ double compute(Chain& chain, Newest<Captured>& frames, Newest<Plan>& plans, cons
 
 }  // namespace
 
-void run_loop(sensing::DepthSource& source, Chain& chain, Link& link, const LoopSetting& setting,
+void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const LoopSetting& setting,
               std::atomic<bool>& stop, const LoopObservers& observers, LoopStats& stats) {
   const Clock clock;
   Newest<Captured> frames;
@@ -162,7 +166,7 @@ void run_loop(sensing::DepthSource& source, Chain& chain, Link& link, const Loop
       const CloseFrames close(frames);
       capture(source, frames, observers.record ? &recorded : nullptr, setting, clock, stop_capture, stats);
     });
-    const double last_s = compute(chain, frames, plans, clock, stop, output_ended, setting, observers, stats);
+    const double last_s = compute(planner, frames, plans, clock, stop, output_ended, setting, observers, stats);
     // A source that ended is one whose frames stopped coming: what it last showed sounds on until it expires.
     while (!stop && !output_ended && clock.now() < last_s + setting.output.hold_s) {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));

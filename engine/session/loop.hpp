@@ -1,5 +1,5 @@
-// The live loop: capture, compute and output, each on its own thread. The newest frame wins; drives leave on time even
-// when a frame is late; every way out ends in silence.
+// The live loop, for any planner: capture, compute and output, each on its own thread. The newest frame wins; drives
+// leave on time even when a frame is late; every way out ends in silence. Session::run is it for a session.
 #pragma once
 
 #include <atomic>
@@ -7,9 +7,9 @@
 #include <functional>
 
 #include "sensing/depth_source.hpp"
-#include "session/chain.hpp"
 #include "session/link.hpp"
 #include "session/output.hpp"
+#include "session/planner.hpp"
 #include "session/stats.hpp"
 
 namespace palpa::session {
@@ -35,7 +35,7 @@ struct LoopObservers {
 /// Runs until the source ends, `setting.frames` are done, `stop` becomes true or something fails; an Error of any
 /// thread ends all three and is thrown here, after the link has got silence. `stats` is filled as the loop goes and
 /// complete on every path.
-void run_loop(sensing::DepthSource& source, Chain& chain, Link& link, const LoopSetting& setting,
+void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const LoopSetting& setting,
               std::atomic<bool>& stop, const LoopObservers& observers, LoopStats& stats);
 
 }  // namespace palpa::session

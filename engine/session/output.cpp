@@ -7,6 +7,8 @@
 
 #include "touch/types.hpp"
 
+#include "touch/types.hpp"
+
 namespace palpa::session {
 namespace {
 

@@ -1,9 +1,6 @@
 #include "setup/options.hpp"
 
-#include <fmt/core.h>
-
 #include <cmath>
-#include <numeric>
 
 #include "base/error.hpp"
 #include "setup/values.hpp"
@@ -16,19 +13,9 @@ void add_common(CLI::App& app, CommonOptions& options) {
   group.choice("--backend", options.backend, {{"gpu", Backend::gpu}, {"cpu", Backend::cpu}}, "where to compute");
   group.text("--json", options.json, "FILE|-", "write the results as JSON, - for stdout");
   group.flag("--quiet", options.quiet, "no summary, no progress, no warnings");
-  group.choice("--log-level", options.log_level,
-               {{"quiet", std::optional(log::Level::quiet)},
-                {"error", std::optional(log::Level::error)},
-                {"warning", std::optional(log::Level::warning)},
-                {"info", std::optional(log::Level::info)},
-                {"debug", std::optional(log::Level::debug)}},
-               "what goes to stderr, normally warnings");
+  group.choice("--log-level", options.log_level, log::level_words, "what goes to stderr, normally warnings");
   group.integer("--seed", options.seed, 0, ~std::uint64_t{0}, "for whatever is random");
-  group.choice("--validation", options.validation,
-               {{"off", std::optional(gpu::Validation::off)},
-                {"core", std::optional(gpu::Validation::core)},
-                {"sync", std::optional(gpu::Validation::sync)},
-                {"gpu-assisted", std::optional(gpu::Validation::gpu_assisted)}},
+  group.choice("--validation", options.validation, gpu::validation_words,
                "of Vulkan calls, normally $PALPA_VALIDATION");
 }
 
@@ -51,15 +38,12 @@ gpu::DeviceOptions device_options(const CommonOptions& options) {
 
 void add_solid_options(CLI::App& app, SolidOptions& options) {
   const Group group(app, "Solids");
-  group.choice("--surface", options.surface,
-               {{"mesh", geometry::SurfaceKind::mesh}, {"parts", geometry::SurfaceKind::parts}},
+  group.choice("--surface", options.surface, geometry::surface_words,
                "the mesh's own, exactly, or that of convex parts of it");
   group.integer("--parts", options.parts, 1, geometry::most_parts,
                 "with --surface parts: how many per solid, at most [64]");
-  group.choice(
-      "--internal-faces", options.internal_faces,
-      {{"drop", std::optional(geometry::InternalFaces::drop)}, {"keep", std::optional(geometry::InternalFaces::keep)}},
-      "of parts: whether cuts count as surface, normally dropped");
+  group.choice("--internal-faces", options.internal_faces, geometry::internal_faces_words,
+               "of parts: whether cuts count as surface, normally dropped");
 }
 
 void add_touch_options(CLI::App& app, TouchOptions& options) {
@@ -72,23 +56,16 @@ void add_touch_options(CLI::App& app, TouchOptions& options) {
   group.integer("--min-points", p.min_points, 1, 1u << 30, "contacts that make a finger");
   group.quantity("--finger-width", p.finger_width_m, Quantity::length, {0, 1},
                  "patches of skin on two sides of a finger are no wider; 0 joins none");
-  group.choice("--cluster", p.cluster, {{"contacts", touch::Cluster::contacts}, {"inside", touch::Cluster::inside}},
+  group.choice("--cluster", p.cluster, touch::cluster_words,
                "what is clustered into fingers: contacts, or all skin inside a solid");
   group.integer("--foci", p.foci, 1, touch::max_foci, "foci per finger");
-  group.choice("--spacing", p.spacing, {{"angle", touch::Spacing::angle}, {"arc", touch::Spacing::arc}},
+  group.choice("--spacing", p.spacing, touch::spacing_words,
                "foci at equal angles, or at equal lengths along the cross-section");
   group.integer("--stride", options.stride, 1, 1u << 20, "every which focus is next; coprime to --foci");
   group.quantity("--dwell", options.dwell_s, Quantity::time, {1e-6, 10}, "how long a focus lasts");
-  group.choice("--method", options.method.method,
-               {{"cross-section", touch::Method::cross_section},
-                {"single-focus", touch::Method::single_focus},
-                {"ellipse", touch::Method::ellipse},
-                {"multi-focus", touch::Method::multi_focus}},
-               "how a cross-section becomes foci");
-  group.choice(
-      "--modulation", options.modulation,
-      {{"pressure-sine", array::Modulation::pressure_sine}, {"amplitude-sine", array::Modulation::amplitude_sine}},
-      "what is a sine where foci stand still, as under single-focus and multi-focus");
+  group.choice("--method", options.method.method, touch::method_words, "how a cross-section becomes foci");
+  group.choice("--modulation", options.modulation, array::modulation_words,
+               "what is a sine where foci stand still, as under single-focus and multi-focus");
   group.quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, {0, 1000},
                  "of foci that stand still; 0: none");
   group.flag("--tune", options.tune,
@@ -120,31 +97,9 @@ void check(const FeltOptions& options, const TouchOptions& touch) {
   }
 }
 
-touch::MethodOptions method_options(const TouchOptions& options) {
-  touch::MethodOptions method = options.method;
-  method.equal_arc = options.parameters.spacing == touch::Spacing::arc;
-  return method;
-}
-
-array::VoiceOptions voice_options(const TouchOptions& options) {
-  return {.stride = options.stride,
-          .dwell_s = options.dwell_s,
-          .modulation_hz = options.modulation_hz,
-          .modulation = options.modulation};
-}
-
 void check(const TouchOptions& options) {
-  const std::uint32_t foci = options.parameters.foci;
-  const std::uint32_t common = std::gcd(options.stride, foci);
-  if (foci == 1 || common == 1) return;
-  // The nearest stride that visits every focus; 1 always does.
-  std::uint32_t better = options.stride % foci;
-  while (better > 1 && std::gcd(better, foci) != 1)
-    --better;
-  throw bad_usage(
-      fmt::format("--stride: {} and --foci {} share the divisor {}, so some foci would never sound; give a "
-                  "stride such as {}",
-                  options.stride, foci, common, std::max(better, 1u)));
+  const std::string fault = geometry::stride_fault(options.parameters.foci, options.stride);
+  if (!fault.empty()) throw bad_usage("--stride and --foci: " + fault);
 }
 
 void add_medium_options(CLI::App& app, MediumOptions& options) {
@@ -168,21 +123,10 @@ array::Medium medium(const MediumOptions& options) {
 
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
   const Group group(app, "Drives");
-  group.choice("--amplitude", options.weighting,
-               {{"distance", array::Weighting::distance}, {"uniform", array::Weighting::uniform}},
-               "what a focus asks of a transducer");
-  group.choice("--solver", options.solver,
-               {{"naive", array::Solver::naive}, {"gs-pat", array::Solver::gs_pat}, {"greedy", array::Solver::greedy}},
-               "how several foci share the array");
-  group.choice("--constraint", options.constraint,
-               {{"normalise", array::Constraint::normalise},
-                {"uniform", array::Constraint::uniform},
-                {"clamp", array::Constraint::clamp}},
-               "how amplitudes come into 0..1");
-  group.choice("--directivity", options.directivity,
-               {{"omni", array::Directivity::omni},
-                {"piston", array::Directivity::piston},
-                {"t4010a1", array::Directivity::t4010a1}},
+  group.choice("--amplitude", options.weighting, array::weighting_words, "what a focus asks of a transducer");
+  group.choice("--solver", options.solver, array::solver_words, "how several foci share the array");
+  group.choice("--constraint", options.constraint, array::constraint_words, "how amplitudes come into 0..1");
+  group.choice("--directivity", options.directivity, array::directivity_words,
                "of a transducer, for pressures and for all solvers but naive");
   add_medium_options(app, options.medium);
 }

@@ -63,7 +63,7 @@ struct TouchOptions {
   bool tune = false;  ///< --tune: stride, and for a single touch foci, by the perimeter
 };
 void add_touch_options(CLI::App& app, TouchOptions& options);
-/// Throws bad_usage, with a stride that would do, where stride and foci share a divisor: such an order leaves foci out.
+/// Throws bad_usage, with a stride that would do, where stride and foci share a divisor (geometry::stride_fault).
 void check(const TouchOptions& options);
 
 /// What skin feels of a single touch.
@@ -75,10 +75,6 @@ struct FeltOptions {
 void add_felt_options(CLI::App& app, FeltOptions& options);
 /// Throws bad_usage where a range is half given, empty, or goes without --tune, and where nothing uses the spot.
 void check(const FeltOptions& options, const TouchOptions& touch);
-
-/// --method with the --spacing that an ellipse shares with the sectors.
-touch::MethodOptions method_options(const TouchOptions& options);
-array::VoiceOptions voice_options(const TouchOptions& options);
 
 /// The air and the tone: --temperature or --sound-speed, --frequency.
 struct MediumOptions {

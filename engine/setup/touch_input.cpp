@@ -18,7 +18,7 @@ namespace palpa::setup {
 namespace {
 
 /// The y by which points move so that the lowest of them lies `penetration` below the highest point of the solids.
-double lowering(const std::vector<geometry::Solid>& solids, const std::vector<Vec3>& points, double penetration) {
+double lowering(std::span<const geometry::Solid> solids, const std::vector<Vec3>& points, double penetration) {
   Box all;
   for (const geometry::Solid& solid : solids) {
     all.add(solid.bounds.low);
@@ -30,10 +30,10 @@ double lowering(const std::vector<geometry::Solid>& solids, const std::vector<Ve
   return all.high.y - penetration - lowest;
 }
 
-void load_points(const TouchInputOptions& options, TouchInput& input) {
+void load_points(const TouchInputOptions& options, std::span<const geometry::Solid> solids, TouchInput& input) {
   std::vector<Vec3> positions = geometry::read_ply(options.points).positions;
   if (options.penetration_m && !positions.empty()) {
-    const double dy = lowering(input.solids, positions, *options.penetration_m);
+    const double dy = lowering(solids, positions, *options.penetration_m);
     for (Vec3& position : positions)
       position.y += dy;
   }
@@ -124,11 +124,10 @@ void check(const TouchInputOptions& o) {
   }
 }
 
-TouchInput load_touch_input(const TouchInputOptions& options, bool quiet) {
+TouchInput load_touch_input(const TouchInputOptions& options, std::span<const geometry::Solid> solids) {
   TouchInput input;
-  input.solids = load_solids(options.scene, options.gltf_scene, options.solids, quiet);
   if (options.depths.empty()) {
-    load_points(options, input);
+    load_points(options, solids, input);
   } else {
     load_depths(options, input);
   }

@@ -1,8 +1,9 @@
-// What `palpa touch` touches with what: a scene's solids, and skin points from a file or from depth images.
+// What touches: skin points from a file or from depth images. And the options that say so, with the scene's.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,14 +33,14 @@ void add_touch_input(CLI::App& app, TouchInputOptions& options);
 void check(const TouchInputOptions& options);
 
 struct TouchInput {
-  std::vector<geometry::Solid> solids;     ///< at least one
   std::vector<sensing::SkinPoint> points;  ///< from --points
   std::vector<sensing::Camera> cameras;    ///< from --depth: then `frames` has one for each
   std::vector<sensing::DepthFrame> frames;
   std::uint64_t point_count = 0;  ///< skin points in all, of depth images the valid pixels
 };
 
-/// Reads the files. Throws bad_input naming file and fault.
-TouchInput load_touch_input(const TouchInputOptions& options, bool quiet = true);
+/// Reads the files of the skin, which --penetration shifts by how high `solids` are. Throws bad_input naming file and
+/// fault.
+TouchInput load_touch_input(const TouchInputOptions& options, std::span<const geometry::Solid> solids);
 
 }  // namespace palpa::setup

@@ -5,11 +5,8 @@
 #include <chrono>
 
 #include "base/error.hpp"
-#include "gpu/commands.hpp"
-#include "gpu/timestamps.hpp"
+#include "setup/touch_schedule.hpp"
 #include "shaders/contacts.h"
-#include "touch/host_stage.hpp"
-#include "touch/stage.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -19,15 +16,12 @@ std::int64_t now_ns() {
       .count();
 }
 
-/// One touch alone may be of a whole plate: room for more contacts than a frame of a loop has.
-constexpr std::uint32_t most_contacts_on_gpu = 1U << 20;
-
 void check_points(const TouchInput& input) {
-  if (input.points.size() > shader::contacts_most_points) {
-    throw bad_usage(
-        fmt::format("--points: {} points are more than the {} of one frame on the GPU; --backend cpu takes them",
-                    input.points.size(), shader::contacts_most_points));
-  }
+  constexpr std::uint32_t most = shader::contacts_most_points;
+  if (input.points.size() <= most) return;
+  throw bad_usage(
+      fmt::format("--points: {} points are more than the {} of one frame on the GPU; --backend cpu takes them",
+                  input.points.size(), most));
 }
 
 }  // namespace
@@ -41,51 +35,28 @@ double Stopwatch::lap_ms() {
   return static_cast<double>(elapsed) / 1e6;
 }
 
-touch::Touch touch_on_cpu(const TouchInput& input, const touch::Parameters& parameters, StageTimes& times) {
+OneTouch touch_once(const CommonOptions& common, const TouchOptions& touch, const FeltOptions& felt,
+                    const std::string& scene, std::vector<geometry::Solid> solids, const TouchInput& input,
+                    StageTimes& times) {
   Stopwatch watch;
-  touch::HostStage stage(input.solids, input.cameras, {.parameters = parameters});
+  session::SessionSetting setting{.scene = scene,
+                                  .solids = std::move(solids),
+                                  .cameras = input.cameras,
+                                  .touch = touch.parameters,
+                                  .schedule = schedule_options(touch, felt),
+                                  .events = std::nullopt,
+                                  .follow = false};
+  const bool on_gpu = common.backend == Backend::gpu;
+  if (on_gpu) check_points(input);
+  std::unique_ptr<gpu::Device> device = on_gpu ? std::make_unique<gpu::Device>(device_options(common)) : nullptr;
+  session::Session session =
+      device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
   times.emplace_back("setup", watch.lap_ms());
-  touch::Touch out;
-  const auto mark = [&](const char* part) { times.emplace_back(part, watch.lap_ms()); };
-  if (input.cameras.empty()) {
-    stage.touch(input.points, out, 0, mark);
-  } else {
-    stage.touch(input.frames, out, 0, mark);
-  }
-  return out;
-}
-
-touch::Touch touch_on_gpu(const gpu::DeviceOptions& select, const TouchInput& input,
-                          const touch::Parameters& parameters, StageTimes& times) {
-  Stopwatch watch;
-  check_points(input);
-  const gpu::Device device(select);
-  touch::Passes passes(device);
-  touch::Stage stage(passes, input.solids, input.cameras,
-                     {.parameters = parameters, .most_contacts = input.cameras.empty() ? 0 : most_contacts_on_gpu});
-  touch::StageMemory memory(stage);
-  gpu::Timestamps stamps(device, 16);
-  const gpu::Recorder recorder(device, "touch");
-  gpu::Timeline timeline(device);
-  if (input.cameras.empty()) {
-    memory.set(input.points);
-  } else {
-    memory.set(input.frames);
-  }
-  times.emplace_back("setup", watch.lap_ms());
-
-  const VkCommandBuffer commands = recorder.begin();
-  stamps.begin(commands);
-  stage.record(commands, memory, 0, &stamps);
-  timeline.wait(timeline.submit(recorder.end()));
-  touch::Touch out;
-  touch::read(memory, out);
-  times.emplace_back("submit to result", watch.lap_ms());
-  std::vector<gpu::PassTime> stages;
-  stamps.read(stages);
-  for (const gpu::PassTime& stage_time : stages)
-    times.emplace_back(stage_time.name, stage_time.ms);
-  return out;
+  const touch::Touch& found = input.cameras.empty() ? session.touch(input.points, 0) : session.touch(input.frames, 0);
+  if (on_gpu) times.emplace_back("submit to result", watch.lap_ms());
+  for (const gpu::PassTime& pass : session.report().passes)
+    times.emplace_back(pass.name, pass.ms);
+  return {std::move(device), std::move(session), found};
 }
 
 }  // namespace palpa::setup

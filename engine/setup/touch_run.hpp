@@ -1,24 +1,35 @@
-// One touch, on either backend.
+// One touch: a session of one frame, on either backend.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "gpu/device.hpp"
+#include "session/session.hpp"
 #include "setup/options.hpp"
 #include "setup/touch_input.hpp"
-#include "touch/types.hpp"
 
 namespace palpa::setup {
 
 /// Stages in the order they ran, and how long each took.
 using StageTimes = std::vector<std::pair<std::string, double>>;
 
-/// Finds contacts, fingers and foci; adds the stages' times. Throws bad_input where there are more points than the
-/// backend can hold, bad_usage on parameters that do not fit the scene.
-touch::Touch touch_on_cpu(const TouchInput& input, const touch::Parameters& parameters, StageTimes& times);
-touch::Touch touch_on_gpu(const gpu::DeviceOptions& select, const TouchInput& input,
-                          const touch::Parameters& parameters, StageTimes& times);
+/// A session and what its frame touches.
+struct OneTouch {
+  std::unique_ptr<gpu::Device> device;  ///< none on the CPU
+  session::Session session;
+  const touch::Touch& touch;  ///< the session's
+};
+
+/// Contacts, fingers, foci and schedule of `input`'s skin on `solids`, of which `scene` is the file; adds the stages'
+/// times. Throws bad_usage where there are more points than the backend can hold and on parameters that do not fit the
+/// scene, else as Session does.
+OneTouch touch_once(const CommonOptions& common, const TouchOptions& touch, const FeltOptions& felt,
+                    const std::string& scene, std::vector<geometry::Solid> solids, const TouchInput& input,
+                    StageTimes& times);
 
 /// Milliseconds since its construction or the last lap.
 class Stopwatch {

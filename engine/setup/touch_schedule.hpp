@@ -1,33 +1,20 @@
-// What the fingers of one touch play: foci by the method, and order and dwell, tuned where --tune asks for it.
+// What the options say about the schedules of fingers, and what skin feels of them.
 #pragma once
 
-#include <optional>
-#include <span>
 #include <vector>
 
+#include "acoustics/spectrum.hpp"
 #include "acoustics/tune.hpp"
 #include "array/schedule.hpp"
-#include "geometry/solid.hpp"
+#include "session/scheduler.hpp"
 #include "setup/options.hpp"
-#include "touch/method.hpp"
 
 namespace palpa::setup {
 
-struct FingerSchedule {
-  touch::Placement placement;
-  double perimeter_m = 0;                 ///< of the path of its foci; 0: they stand still
-  array::VoiceOptions voice;              ///< its stride, dwell and modulation
-  std::optional<acoustics::Tuned> tuned;  ///< with --tune, of foci that move
-};
-
-/// One entry per finger of `touch`, in their order. What a finger's solid asks for takes the place of the options, and
-/// what is tuned the place of both.
-std::vector<FingerSchedule> schedule_fingers(const touch::Touch& touch, std::span<const geometry::Solid> solids,
-                                             const TouchOptions& options, const FeltOptions& felt);
-
-/// Of all fingers, ids being their numbers.
-array::Schedule make_schedule(const touch::Touch& touch, std::span<const geometry::Solid> solids,
-                              const std::vector<FingerSchedule>& fingers, const TouchOptions& options);
+/// Of a loop, where --tune chooses strides.
+session::ScheduleOptions schedule_options(const TouchOptions& options);
+/// Of a single touch, where --tune chooses foci and, in the range that `felt` gives, dwells as well.
+session::ScheduleOptions schedule_options(const TouchOptions& options, const FeltOptions& felt);
 
 /// What skin feels of each finger.
 std::vector<acoustics::Spectrum> spectra_of(const array::Schedule& schedule, const FeltOptions& felt);

@@ -6,13 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <initializer_list>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "base/units.hpp"
+#include "base/words.hpp"
 
 namespace CLI {
 class App;
@@ -62,19 +63,30 @@ class Group {
   void texts(const std::string& name, std::vector<std::string>& target, const std::string& type,
              const std::string& help) const;
   void flag(const std::string& name, bool& target, const std::string& help) const;
-  /// One of several words.
-  template <typename T>
-  void choice(const std::string& name, T& target, std::initializer_list<std::pair<const char*, T>> words,
+  /// One of several words, most often those of an enum's table.
+  template <typename T, std::size_t count>
+  void choice(const std::string& name, T& target, const Word<std::type_identity_t<T>> (&words)[count],
               const std::string& help) const {
     std::vector<std::string> names;
     std::vector<T> values;
-    std::size_t initial = words.size();
-    for (const auto& [word, value] : words) {
-      if (value == target) initial = names.size();
-      names.emplace_back(word);
-      values.push_back(value);
+    std::size_t initial = count;
+    for (const Word<T>& entry : words) {
+      if (entry.value == target) initial = names.size();
+      names.emplace_back(entry.word);
+      values.push_back(entry.value);
     }
     pick(name, std::move(names), initial, help, [&target, values](std::size_t i) { target = values[i]; });
+  }
+  template <typename T, std::size_t count>
+  void choice(const std::string& name, std::optional<T>& target, const Word<std::type_identity_t<T>> (&words)[count],
+              const std::string& help) const {
+    std::vector<std::string> names;
+    std::vector<T> values;
+    for (const Word<T>& entry : words) {
+      names.emplace_back(entry.word);
+      values.push_back(entry.value);
+    }
+    pick(name, std::move(names), count, help, [&target, values](std::size_t i) { target = values[i]; });
   }
 
  private:

@@ -8,20 +8,6 @@
 
 namespace palpa::touch {
 
-std::string_view name_of(Method method) {
-  switch (method) {
-    case Method::cross_section:
-      return "cross-section";
-    case Method::single_focus:
-      return "single-focus";
-    case Method::ellipse:
-      return "ellipse";
-    case Method::multi_focus:
-      return "multi-focus";
-  }
-  return "";
-}
-
 bool needs_contacts(const MethodOptions& options) {
   return options.method == Method::ellipse || options.foci != 0;
 }

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 #include "touch/types.hpp"
@@ -20,8 +19,10 @@ enum class Method {
   multi_focus,    ///< the paper's reference [12]: the cross-section's foci all at once, modulated
 };
 
-/// "cross-section" and so on, as --method takes it.
-std::string_view name_of(Method method);
+inline constexpr Word<Method> method_words[] = {{"cross-section", Method::cross_section},
+                                                {"single-focus", Method::single_focus},
+                                                {"ellipse", Method::ellipse},
+                                                {"multi-focus", Method::multi_focus}};
 
 struct MethodOptions {
   Method method = Method::cross_section;

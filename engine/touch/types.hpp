@@ -8,6 +8,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "base/words.hpp"
+
 namespace palpa::touch {
 
 /// How a cross-section is divided among its foci.
@@ -15,10 +17,12 @@ enum class Spacing {
   angle,  ///< Eq. (7): sectors of equal angle, once both axes are scaled to equal variance
   arc,    ///< sectors that cut the cross-section's outline into pieces of equal length
 };
+inline constexpr Word<Spacing> spacing_words[] = {{"angle", Spacing::angle}, {"arc", Spacing::arc}};
 
 /// What Euclidean clusters are of: contacts (a finger's ring where it enters the solid), or all skin inside the solid,
 /// contacts and deep points, the other reading of the paper's III-D; a cluster's contacts are then one finger.
 enum class Cluster { contacts, inside };
+inline constexpr Word<Cluster> cluster_words[] = {{"contacts", Cluster::contacts}, {"inside", Cluster::inside}};
 
 struct Parameters {
   double delta_m = 1.5e-3;       ///< thickness of the shell (paper: delta)

@@ -7,12 +7,12 @@
 #include "base/error.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/ply.hpp"
-#include "session/toucher.hpp"
+#include "session/session.hpp"
 
 int main(int argc, char** argv) try {
   using namespace palpa;
   if (argc != 3) throw bad_usage("usage: button_and_knob SCENE.glb FINGER.ply");
-  session::Toucher toucher(geometry::make_solids(geometry::load_gltf(argv[1])));
+  session::Session session({.solids = geometry::make_solids(geometry::load_gltf(argv[1]))});
   const std::vector<Vec3> finger = geometry::read_ply(argv[2]).positions;
   std::vector<glm::vec3> skin(finger.size());
   const Vec3 axis(0.08, 0, 0);  // the knob's
@@ -26,11 +26,11 @@ int main(int argc, char** argv) try {
     for (std::size_t i = 0; i < skin.size(); ++i)
       skin[i] = finger[i] + tip;
 
-    toucher.touch(skin, time_s);
-    for (const session::Event& event : toucher.events()) {
+    session.touch(skin, time_s);
+    for (const session::Event& event : session.events()) {
       const double now = std::atan2(axis.z - event.centroid.z, event.centroid.x - axis.x);
       if (event.kind == session::EventKind::press) std::printf("%.2f s: button pressed\n", event.time_s);
-      if (toucher.solid_name(event) != "knob") continue;
+      if (session.solid_name(event) != "knob") continue;
       if (event.kind == session::EventKind::move) turned += std::remainder(now - before, 2 * std::numbers::pi);
       before = now;
     }

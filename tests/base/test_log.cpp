@@ -50,13 +50,13 @@ TEST(Log, WarningsAreTheDefault) {
 }
 
 TEST(Log, LevelsAreReadByName) {
-  EXPECT_EQ(log::parse_level("quiet"), log::Level::quiet);
-  EXPECT_EQ(log::parse_level("error"), log::Level::error);
-  EXPECT_EQ(log::parse_level("warning"), log::Level::warning);
-  EXPECT_EQ(log::parse_level("info"), log::Level::info);
-  EXPECT_EQ(log::parse_level("debug"), log::Level::debug);
+  EXPECT_EQ(value_of(log::level_words, "quiet"), log::Level::quiet);
+  EXPECT_EQ(value_of(log::level_words, "error"), log::Level::error);
+  EXPECT_EQ(value_of(log::level_words, "warning"), log::Level::warning);
+  EXPECT_EQ(value_of(log::level_words, "info"), log::Level::info);
+  EXPECT_EQ(value_of(log::level_words, "debug"), log::Level::debug);
   for (const char* other : {"", "Debug", "warn", "debug ", "trace"})
-    EXPECT_FALSE(log::parse_level(other)) << other;
+    EXPECT_FALSE(value_of(log::level_words, other)) << other;
 }
 
 TEST(Log, LinesOfSeveralThreadsStayWhole) {

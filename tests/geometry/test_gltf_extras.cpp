@@ -117,7 +117,7 @@ TEST(Extras, WrongTypesAndRangesAreNamed) {
 }
 
 TEST(Extras, FociAndStrideMustVisitAll) {
-  EXPECT_CONTAINS(fault_of({{"palpa", {{"foci", 10}, {"stride", 4}}}}), "stride 4 and foci 10 share the divisor 2");
+  EXPECT_CONTAINS(fault_of({{"palpa", {{"foci", 10}, {"stride", 4}}}}), "stride 4 and 10 foci share the divisor 2");
   EXPECT_EQ(haptics_of({{"palpa", {{"foci", 1}, {"stride", 4}}}}).stride, 4U);
   EXPECT_EQ(haptics_of({{"palpa", {{"stride", 4}}}}).stride, 4U);
 }

@@ -103,9 +103,9 @@ TEST(Device, ChecksNameCallFileAndResult) {
 }
 
 TEST(Device, KnowsItsValidationPresets) {
-  EXPECT_EQ(parse_validation("sync"), Validation::sync);
-  EXPECT_EQ(parse_validation("gpu-assisted"), Validation::gpu_assisted);
-  EXPECT_EQ(parse_validation("best"), std::nullopt);
+  EXPECT_EQ(value_of(validation_words, "sync"), Validation::sync);
+  EXPECT_EQ(value_of(validation_words, "gpu-assisted"), Validation::gpu_assisted);
+  EXPECT_EQ(value_of(validation_words, "best"), std::nullopt);
 }
 
 TEST(Timestamps, AddUpByNameAndNeverRunBackwards) {

@@ -123,7 +123,6 @@ docs() {
   done < <(files '*.md')
   shows docs/add-a-link.md 1 byte_link.hpp || found=1
   shows docs/cpp-api.md 3 live.hpp || found=1
-  shows docs/cpp-api.md 4 run_with_events.hpp || found=1
   return "$found"
 }
 

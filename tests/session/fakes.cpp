@@ -42,13 +42,13 @@ bool FakeSource::next(sensing::FrameSet& out, double) {
   return true;
 }
 
-void FakeChain::start(const sensing::FrameSet& frame, double captured, double now_s) {
-  captured_s = captured;
-  current = {frame.sequence, frame.time_s, &touch, {}, now_s, 0};
+void FakePlanner::start(const SkinFrame& frame) {
+  captured_s = frame.captured_s;
+  current = {frame.sequence, frame.time_s, &touch, {}, frame.arrived_s, 0};
   under_way = true;
 }
 
-bool FakeChain::step(Plan& plan, FrameReport& report) {
+bool FakePlanner::step(Plan& plan, FrameReport& report) {
   if (before) before(current.sequence);
   seen.push_back(current.sequence);
   touch.finger_count = fingers(current.sequence);

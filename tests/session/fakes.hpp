@@ -1,4 +1,4 @@
-// A source, a chain and a link that do as the test says.
+// A source, a planner and a link that do as the test says.
 #pragma once
 
 #include <atomic>
@@ -9,8 +9,8 @@
 
 #include "base/error.hpp"
 #include "sensing/depth_source.hpp"
-#include "session/chain.hpp"
 #include "session/link.hpp"
+#include "session/planner.hpp"
 
 namespace palpa::session::test {
 
@@ -33,7 +33,7 @@ struct FakeSource : sensing::DepthSource {
 };
 
 /// Every frame touches (or not, as `fingers` says); plans are made at once.
-struct FakeChain : Chain {
+struct FakePlanner : Planner {
   array::Layout layout = small_layout();
   std::function<std::uint32_t(std::uint64_t)> fingers = [](std::uint64_t) { return 1u; };
   std::function<void(std::uint64_t)> before;  ///< called in step; may sleep or throw
@@ -45,8 +45,9 @@ struct FakeChain : Chain {
 
   bool can_start() const override { return !under_way; }
   bool busy() const override { return under_way; }
-  void start(const sensing::FrameSet& frame, double captured, double now_s) override;
+  void start(const SkinFrame& frame) override;
   bool step(Plan& plan, FrameReport& report) override;
+  void set_pose(std::uint32_t, const Transform&) override {}
 };
 
 /// The largest amplitude of a drive, or of several.

@@ -43,7 +43,7 @@ std::vector<geometry::Solid> two_solids() {
 std::string told(std::span<const Event> events) {
   std::string text;
   for (const Event& event : events) {
-    text += std::string(text.empty() ? "" : ", ") + std::string(name_of(event.kind)) + ' ' +
+    text += std::string(text.empty() ? "" : ", ") + std::string(word_of(event_words, event.kind)) + ' ' +
             std::to_string(event.finger) + '@' + (event.solid == 0 ? "button" : "knob");
   }
   return text;
@@ -188,7 +188,7 @@ TEST(EventTracker, EveryTouchHasOneReleaseAndTimesAscend) {
         ASSERT_EQ(count++, 0);
         ++touches;
       } else {
-        ASSERT_EQ(count, 1) << name_of(event.kind);
+        ASSERT_EQ(count, 1) << word_of(event_words, event.kind);
         if (event.kind == EventKind::release) --count;
       }
       presses += event.kind == EventKind::press ? 1 : 0;

@@ -15,14 +15,14 @@ using namespace std::chrono_literals;
 
 struct Loop {
   test::FakeSource source;
-  test::FakeChain chain;
+  test::FakePlanner planner;
   test::SpyLink link;
-  LoopSetting setting{{chain.layout, {}, 1.5e-3, 0.1}, 0, false};
+  LoopSetting setting{{planner.layout, {}, 1.5e-3, 0.1}, 0, false};
   std::atomic<bool> stop{false};
   LoopStats stats;
   LoopObservers observers;
 
-  void run() { run_loop(source, chain, link, setting, stop, observers, stats); }
+  void run() { run_loop(source, planner, link, setting, stop, observers, stats); }
   std::string fault() {
     try {
       run();
@@ -58,22 +58,22 @@ TEST(Loop, LooksAtEveryFrameWhenAsked) {
   loop.source.count = 25;
   loop.source.period_s = 0;
   loop.setting.every_frame = true;
-  loop.chain.before = [](std::uint64_t) { std::this_thread::sleep_for(1ms); };
+  loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(1ms); };
   loop.run();
   std::vector<std::uint64_t> all(25);
   std::iota(all.begin(), all.end(), 0);
-  EXPECT_EQ(loop.chain.seen, all);
+  EXPECT_EQ(loop.planner.seen, all);
 }
 
 TEST(Loop, TheNewestFrameWinsWhenComputeIsSlow) {
   Loop loop;
   loop.source.count = 60;
   loop.source.period_s = 0.001;
-  loop.chain.before = [](std::uint64_t) { std::this_thread::sleep_for(20ms); };
+  loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(20ms); };
   loop.run();
   EXPECT_GT(loop.stats.replaced, 10u);
-  EXPECT_TRUE(std::is_sorted(loop.chain.seen.begin(), loop.chain.seen.end()));
-  EXPECT_EQ(loop.chain.seen.back(), 59u) << "the last frame is the newest";
+  EXPECT_TRUE(std::is_sorted(loop.planner.seen.begin(), loop.planner.seen.end()));
+  EXPECT_EQ(loop.planner.seen.back(), 59u) << "the last frame is the newest";
 }
 
 TEST(Loop, DrivesLeaveWhileAFrameIsLate) {
@@ -81,7 +81,7 @@ TEST(Loop, DrivesLeaveWhileAFrameIsLate) {
   loop.source.count = 3;
   loop.setting.output.hold_s = 1.0;
   std::atomic<bool> late{false};
-  loop.chain.before = [&](std::uint64_t frame) {
+  loop.planner.before = [&](std::uint64_t frame) {
     if (frame != 2) return;
     late = true;
     std::this_thread::sleep_for(200ms);
@@ -136,7 +136,7 @@ TEST(Loop, FallsSilentWhenTheHandLeaves) {
   Loop loop;
   loop.source.count = 60;
   loop.setting.output.hold_s = 10;
-  loop.chain.fingers = [](std::uint64_t frame) { return frame < 20 ? 1u : 0u; };
+  loop.planner.fingers = [](std::uint64_t frame) { return frame < 20 ? 1u : 0u; };
   loop.setting.every_frame = true;
   loop.stop = false;
   std::size_t silent_from = 0;
@@ -159,10 +159,10 @@ TEST(Loop, AnErrorOfTheSourceEndsInSilenceAndIsReported) {
   EXPECT_TRUE(loop.link.ended_silent());
 }
 
-TEST(Loop, AnErrorOfTheChainEndsInSilenceAndIsReported) {
+TEST(Loop, AnErrorOfThePlannerEndsInSilenceAndIsReported) {
   Loop loop;
   loop.source.count = 1'000'000;
-  loop.chain.before = [](std::uint64_t frame) {
+  loop.planner.before = [](std::uint64_t frame) {
     if (frame >= 5) throw failure("the GPU was lost");
   };
   EXPECT_EQ(loop.fault(), "the GPU was lost");
@@ -195,13 +195,13 @@ TEST(Loop, GoesDownTheRampBeforeItEnds) {
     // Once the ramp is up, however long that takes.
     const auto up = [&] { return loop.link.most > 0.499f; };
     if (breaks) {
-      loop.chain.before = [&](std::uint64_t) {
-        if (up()) throw failure("the chain broke");
+      loop.planner.before = [&](std::uint64_t) {
+        if (up()) throw failure("the planner broke");
       };
     } else {
       loop.observers.planned = [&](const FrameReport&, const Plan&) { loop.stop = up(); };
     }
-    EXPECT_EQ(loop.fault(), breaks ? "the chain broke" : "");
+    EXPECT_EQ(loop.fault(), breaks ? "the planner broke" : "");
     const std::vector<float>& heard = loop.link.loudest;
     EXPECT_NEAR(*std::max_element(heard.begin(), heard.end()), 0.5, 1e-6);
     float last = 0;

@@ -6,7 +6,8 @@
 
 #include "geometry/gltf.hpp"
 #include "geometry/ply.hpp"
-#include "session/chain.hpp"
+#include "session/plan.hpp"
+#include "session/scheduler.hpp"
 #include "support/shared_data.hpp"
 #include "touch/host_stage.hpp"
 
@@ -30,16 +31,15 @@ struct Frame {
   }
 };
 
-array::Schedule schedule_of(const Frame& frame, const ScheduleOptions& options, ScheduleMemory& memory,
-                            double time_s = 0) {
+array::Schedule schedule_of(const Frame& frame, const ScheduleOptions& options) {
+  Scheduler scheduler("cube.glb", frame.solids, {}, options);
   array::Schedule schedule;
-  make_schedule(frame.touch, time_s, frame.solids, options, 1.5e-3, memory, schedule);
+  scheduler.make(frame.touch, 0, schedule);
   return schedule;
 }
 
 array::Schedule schedule_of(const Frame& frame, Method method) {
-  ScheduleMemory memory;
-  return schedule_of(frame, {.method = {.method = method}}, memory);
+  return schedule_of(frame, {.method = {.method = method}});
 }
 
 TEST(Methods, EachMakesItsVoice) {
@@ -105,19 +105,18 @@ TEST(Methods, TuningChangesTheStrideAlone) {
   const Frame frame;
   ScheduleOptions setting;
   setting.voice.stride = 1;
-  setting.tune = true;
-  ScheduleMemory memory;
-  const array::Schedule tuned = schedule_of(frame, setting, memory);
+  setting.tune = Tune::stride;
+  const array::Schedule tuned = schedule_of(frame, setting);
   // The cube's cross-section is some 30 mm around: 200 Hz is felt best.
   EXPECT_EQ(tuned.voices[0].order, array::fill_order(10, 3));
   EXPECT_EQ(tuned.voices[0].foci.size(), 10u);
   EXPECT_EQ(tuned.voices[0].dwell_s, 1.5e-3);
   // Nothing moves: nothing to tune.
   setting.method.method = Method::multi_focus;
-  EXPECT_EQ(schedule_of(frame, setting, memory).voices[0].foci_per_slot, 10u);
-  setting.tune = false;
+  EXPECT_EQ(schedule_of(frame, setting).voices[0].foci_per_slot, 10u);
+  setting.tune = Tune::nothing;
   setting.method.method = Method::cross_section;
-  EXPECT_EQ(schedule_of(frame, setting, memory).voices[0].order, array::fill_order(10, 1));
+  EXPECT_EQ(schedule_of(frame, setting).voices[0].order, array::fill_order(10, 1));
 }
 
 }  // namespace

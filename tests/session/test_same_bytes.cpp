@@ -12,7 +12,7 @@
 #include "geometry/ply.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
-#include "session/chain.hpp"
+#include "session/session.hpp"
 #include "support/device.hpp"
 #include "support/shared_data.hpp"
 
@@ -98,17 +98,13 @@ std::uint64_t digest_of(std::span<const Scene> some) {
       for (const std::uint16_t depth : image.depth)
         digest.add(depth);
     }
-    const ChainSetting setting{
-        .cameras = rig.cameras, .solids = solids, .layout = layout, .detail = touch::Detail::contacts};
-    const auto chain = make_gpu_chain(test::test_device(), setting);
-    Plan plan;
-    FrameReport report;
-    chain->start(frame, 0, 0);
-    while (!chain->step(plan, report)) {
-    }
-    EXPECT_FALSE(report.touch->contacts.empty()) << scene.model;
-    add(digest, *report.touch);
-    for (const auto& drive : plan.drives) {
+    // Events ask for what a touch's contacts are, and for the skin below them.
+    Session session(test::test_device(),
+                    {.scene = scene.model, .solids = solids, .cameras = rig.cameras, .layout = layout});
+    const touch::Touch& touch = session.touch(frame.frames, 0);
+    EXPECT_FALSE(touch.contacts.empty()) << scene.model;
+    add(digest, touch);
+    for (const auto& drive : session.plan().drives) {
       digest.add(drive.amplitude);
       digest.add(drive.phase);
     }

@@ -68,10 +68,10 @@ std::uint32_t contacts_in(const Placement& placement) {
 }
 
 TEST(Method, HasAName) {
-  EXPECT_EQ(name_of(Method::cross_section), "cross-section");
-  EXPECT_EQ(name_of(Method::single_focus), "single-focus");
-  EXPECT_EQ(name_of(Method::ellipse), "ellipse");
-  EXPECT_EQ(name_of(Method::multi_focus), "multi-focus");
+  EXPECT_EQ(word_of(method_words, Method::cross_section), "cross-section");
+  EXPECT_EQ(word_of(method_words, Method::single_focus), "single-focus");
+  EXPECT_EQ(word_of(method_words, Method::ellipse), "ellipse");
+  EXPECT_EQ(word_of(method_words, Method::multi_focus), "multi-focus");
 }
 
 TEST(Method, CrossSectionIsThePapersSectors) {
@@ -209,7 +209,7 @@ TEST(Method, PointLikeFingersHaveOneFocusUnderEveryMethod) {
     ASSERT_TRUE(touch.fingers[0].point_like) << count;
     for (const Method method : every) {
       const Placement placement = placed(touch, {.method = method, .foci = 7});
-      ASSERT_EQ(placement.foci.size(), 1u) << name_of(method);
+      ASSERT_EQ(placement.foci.size(), 1u) << word_of(method_words, method);
       EXPECT_EQ(placement.foci[0].position, touch.fingers[0].section.centroid);
       EXPECT_TRUE(placement.still() && !placement.together && placement.has(0));
     }
@@ -223,7 +223,7 @@ TEST(Method, AllocatesNothingOnceItHasGrown) {
   const void* storage = placement.foci.data();
   for (const Method method : every) {
     place_foci(touch, touch.fingers[0], {.method = method}, placement);
-    EXPECT_EQ(placement.foci.data(), storage) << name_of(method);
+    EXPECT_EQ(placement.foci.data(), storage) << word_of(method_words, method);
   }
 }
 
@@ -235,7 +235,7 @@ TEST(Method, TheSameOnBothBackends) {
     const Placement a = placed(cpu, {.method = method}), b = placed(gpu, {.method = method});
     ASSERT_EQ(a.foci.size(), b.foci.size());
     for (std::size_t n = 0; n < a.foci.size(); ++n)
-      EXPECT_LT(glm::distance(a.foci[n].position, b.foci[n].position), 1e-6F) << name_of(method);
+      EXPECT_LT(glm::distance(a.foci[n].position, b.foci[n].position), 1e-6F) << word_of(method_words, method);
   }
 }
 

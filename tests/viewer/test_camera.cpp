@@ -25,8 +25,8 @@ TEST(Camera, StandardViewsLookAlongTheAxes) {
   look(camera, StandardView::top);
   EXPECT_LT(glm::distance(basis(camera).eye, Vec3(0.1, 2.2, 0.3)), 1e-12);
   EXPECT_LT(glm::distance(basis(camera).up, Vec3(0, 0, -1)), 1e-12);
-  EXPECT_EQ(parse_view("top"), StandardView::top);
-  EXPECT_FALSE(parse_view("bottom"));
+  EXPECT_EQ(value_of(view_words, "top"), StandardView::top);
+  EXPECT_FALSE(value_of(view_words, "bottom"));
 }
 
 TEST(Camera, BasisIsOrthonormalAndRightHanded) {

@@ -33,8 +33,8 @@ std::filesystem::path with_knob(const std::filesystem::path& folder, const geome
   return folder / "scene.glb";
 }
 
-TEST(CliOverrides, AFingerCarriesTheScheduleItsSolidAsksFor) {
-  const auto folder = scratch_folder("overrides");
+TEST(CliHaptics, AFingerCarriesTheScheduleItsSolidAsksFor) {
+  const auto folder = scratch_folder("haptics");
   geometry::Haptics own;
   own.foci = 8;
   own.dwell_s = 0.002;
@@ -55,8 +55,8 @@ TEST(CliOverrides, AFingerCarriesTheScheduleItsSolidAsksFor) {
   }
 }
 
-TEST(CliOverrides, AStrideThatLeavesFociOutIsNamedWithOneThatWouldDo) {
-  const auto folder = scratch_folder("overrides-bad");
+TEST(CliHaptics, AStrideThatLeavesFociOutIsNamedWithOneThatWouldDo) {
+  const auto folder = scratch_folder("haptics-bad");
   geometry::Haptics nine;
   nine.foci = 9;
   const std::string scene = with_knob(folder, nine).string(), points = two_fingers(folder).string();

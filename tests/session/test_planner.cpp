@@ -1,9 +1,10 @@
-// Depth frames to drives through the whole chain, on the device and through the twins.
+// Depth frames to drives through a planner, on the device and through the twins.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <new>
 
 #include "array/board_mesh.hpp"
@@ -12,7 +13,7 @@
 #include "geometry/ply.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
-#include "session/chain.hpp"
+#include "session/planner.hpp"
 #include "support/device.hpp"
 #include "support/shared_data.hpp"
 
@@ -43,22 +44,25 @@ thread_local std::size_t allocations = 0;
 namespace palpa::session {
 namespace {
 
-struct Stage {
-  sensing::Rig rig = sensing::load_rig(test::source_file("assets/rigs/paper.toml"));
-  array::Layout layout = array::load_layout("paper");
-  geometry::Mesh boards = array::board_mesh(layout);
+/// A live setting, and frames for it.
+struct Scene {
+  SessionSetting setting;
+  geometry::Mesh boards;
   geometry::Mesh finger;
-  std::vector<geometry::Solid> solids;
 
-  explicit Stage(const std::string& object) {
+  explicit Scene(const std::string& object) {
     geometry::Ply ply = geometry::read_ply(test::source_file("assets/finger.ply"));
     finger = {std::move(ply.positions), std::move(ply.triangles)};
-    solids = geometry::make_solids(geometry::load_gltf(test::source_file("assets/" + object + ".glb")));
+    setting.scene = object;
+    setting.solids = geometry::make_solids(geometry::load_gltf(test::source_file("assets/" + object + ".glb")));
+    setting.cameras = sensing::load_rig(test::source_file("assets/rigs/paper.toml")).cameras;
+    setting.layout = array::load_layout("paper");
+    setting.events.reset();
+    boards = array::board_mesh(setting.layout);
   }
-  ChainSetting setting() const { return {.cameras = rig.cameras, .solids = solids, .layout = layout}; }
   sensing::FrameSet frame(double depth_m, std::uint64_t sequence, sensing::Noise noise = sensing::Noise::d415,
                           std::uint64_t seed = 1) const {
-    sensing::SyntheticRig synthetic(rig.cameras, boards, noise, seed);
+    sensing::SyntheticRig synthetic(setting.cameras, boards, noise, seed);
     Transform T(1.0);
     T[3] = Vec4(0, -depth_m, 0, 1);
     const sensing::Posed skin{&finger, T};
@@ -70,11 +74,27 @@ struct Stage {
   }
 };
 
-FrameReport run_frame(Chain& chain, const sensing::FrameSet& frame, Plan& plan) {
+/// A planner and what it schedules with.
+struct Planning {
+  Scheduler scheduler;
+  std::unique_ptr<Planner> planner;
+
+  Planning(const Scene& scene, const gpu::Device* device = &test::test_device())
+      : scheduler(scene.setting.scene, scene.setting.solids, scene.setting.touch, scene.setting.schedule),
+        planner(device ? make_gpu_planner(*device, scene.setting, scheduler)
+                       : make_host_planner(scene.setting, scheduler)) {}
+  Planner* operator->() const { return planner.get(); }
+};
+
+SkinFrame seen(const sensing::FrameSet& frame) {
+  return {.images = frame.frames, .sequence = frame.sequence, .time_s = frame.time_s};
+}
+
+FrameReport run_frame(const Planning& planning, const sensing::FrameSet& frame, Plan& plan) {
   FrameReport report;
-  EXPECT_TRUE(chain.can_start());
-  chain.start(frame, 0, 0);
-  while (!chain.step(plan, report)) {
+  EXPECT_TRUE(planning->can_start());
+  planning->start(seen(frame));
+  while (!planning->step(plan, report)) {
   }
   return report;
 }
@@ -90,15 +110,15 @@ double mean_radius(const Plan& plan) {
   return sum;
 }
 
-TEST(Chain, DeviceAndTwinMakeTheSameDrives) {
+TEST(Planner, DeviceAndTwinMakeTheSameDrives) {
   for (const char* object : {"cube", "semi-sphere", "pyramid", "prism"}) {
-    const Stage stage(object);
-    const auto frame = stage.frame(0.003, 0, sensing::Noise::none);
-    const auto on_gpu = make_gpu_chain(test::test_device(), stage.setting());
-    const auto on_cpu = make_cpu_chain(stage.setting());
+    const Scene scene(object);
+    const auto frame = scene.frame(0.003, 0, sensing::Noise::none);
+    const Planning on_gpu(scene);
+    const Planning on_cpu(scene, nullptr);
     Plan a, b;
-    run_frame(*on_gpu, frame, a);
-    run_frame(*on_cpu, frame, b);
+    run_frame(on_gpu, frame, a);
+    run_frame(on_cpu, frame, b);
     ASSERT_EQ(b.schedule.voice_count, 1u) << object;
     ASSERT_EQ(a.schedule.voice_count, 1u) << object;
     ASSERT_EQ(a.cycle, b.cycle);
@@ -115,16 +135,16 @@ TEST(Chain, DeviceAndTwinMakeTheSameDrives) {
   }
 }
 
-TEST(Chain, TheSensorsNoiseMovesTheFociLittle) {
-  const Stage stage("cube");
-  const auto chain = make_gpu_chain(test::test_device(), stage.setting());
+TEST(Planner, TheSensorsNoiseMovesTheFociLittle) {
+  const Scene scene("cube");
+  const Planning planning(scene);
   Plan plan;
-  run_frame(*chain, stage.frame(0.003, 0, sensing::Noise::none), plan);
+  run_frame(planning, scene.frame(0.003, 0, sensing::Noise::none), plan);
   ASSERT_EQ(plan.schedule.voice_count, 1u);
   const double clean = mean_radius(plan);
   double worst = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    run_frame(*chain, stage.frame(0.003, seed, sensing::Noise::d415, seed), plan);
+    run_frame(planning, scene.frame(0.003, seed, sensing::Noise::d415, seed), plan);
     ASSERT_GE(plan.schedule.voice_count, 1u) << "seed " << seed;
     worst = std::max(worst, std::abs(mean_radius(plan) - clean));
   }
@@ -132,22 +152,22 @@ TEST(Chain, TheSensorsNoiseMovesTheFociLittle) {
   EXPECT_LT(worst, 0.3e-3);
 }
 
-TEST(Chain, FramesInFlightDoNotMix) {
-  const Stage stage("cube");
-  const auto frames = {stage.frame(0.003, 0), stage.frame(0.0, 1), stage.frame(0.002, 2), stage.frame(0.004, 3)};
+TEST(Planner, FramesInFlightDoNotMix) {
+  const Scene scene("cube");
+  const auto frames = {scene.frame(0.003, 0), scene.frame(0.0, 1), scene.frame(0.002, 2), scene.frame(0.004, 3)};
   std::vector<Plan> alone;
-  const auto one_by_one = make_gpu_chain(test::test_device(), stage.setting());
+  const Planning one_by_one(scene);
   for (const auto& frame : frames)
-    run_frame(*one_by_one, frame, alone.emplace_back());
-  const auto chain = make_gpu_chain(test::test_device(), stage.setting());
+    run_frame(one_by_one, frame, alone.emplace_back());
+  const Planning planning(scene);
   std::vector<Plan> together;
   auto next = frames.begin();
   while (together.size() < frames.size()) {
-    while (next != frames.end() && chain->can_start())
-      chain->start(*next++, 0, 0);
+    while (next != frames.end() && planning->can_start())
+      planning->start(seen(*next++));
     FrameReport report;
     Plan plan;
-    if (!chain->step(plan, report)) continue;
+    if (!planning->step(plan, report)) continue;
     EXPECT_EQ(report.sequence, together.size());
     together.push_back(plan);
   }
@@ -160,35 +180,37 @@ TEST(Chain, FramesInFlightDoNotMix) {
   }
 }
 
-TEST(Chain, AnEmptyFrameIsSilence) {
-  const Stage stage("cube");
+TEST(Planner, AnEmptyFrameIsSilence) {
+  const Scene scene("cube");
   sensing::FrameSet empty;
-  for (const auto& camera : stage.rig.cameras) {
+  for (const auto& camera : scene.setting.cameras) {
     empty.frames.push_back({std::vector<std::uint16_t>(camera.width * camera.height), 0});
   }
-  for (const auto& chain : {make_gpu_chain(test::test_device(), stage.setting()), make_cpu_chain(stage.setting())}) {
+  for (const gpu::Device* device :
+       {static_cast<const gpu::Device*>(&test::test_device()), static_cast<const gpu::Device*>(nullptr)}) {
+    const Planning planning(scene, device);
     Plan plan;
-    run_frame(*chain, empty, plan);
+    run_frame(planning, empty, plan);
     EXPECT_EQ(plan.schedule.voice_count, 0u);
     EXPECT_TRUE(plan.drives.empty());
   }
 }
 
-TEST(Chain, NothingIsAllocatedAndNoPipelineMadeAfterTheFirstFrames) {
-  const Stage stage("cube");
+TEST(Planner, NothingIsAllocatedAndNoPipelineMadeAfterTheFirstFrames) {
+  const Scene scene("cube");
   gpu::Device& device = test::test_device();
-  const auto chain = make_gpu_chain(device, stage.setting());
+  const Planning planning(scene, &device);
   std::vector<sensing::FrameSet> frames;
   for (std::uint64_t i = 0; i < 8; ++i)
-    frames.push_back(stage.frame(0.003 - 1e-4 * static_cast<double>(i), i));
+    frames.push_back(scene.frame(0.003 - 1e-4 * static_cast<double>(i), i));
   Plan plan;
-  reserve(plan, stage.layout.transducers.size());
-  run_frame(*chain, frames[0], plan);
+  reserve(plan, scene.setting.layout.transducers.size());
+  run_frame(planning, frames[0], plan);
   const std::uint64_t memory = device.memory_allocations, pipelines = device.pipelines_created;
   allocations = 0;
   watching = true;
   for (const auto& frame : frames)
-    run_frame(*chain, frame, plan);
+    run_frame(planning, frame, plan);
   watching = false;
   EXPECT_EQ(device.memory_allocations, memory);
   EXPECT_EQ(device.pipelines_created, pipelines);
@@ -200,27 +222,27 @@ TEST(Chain, NothingIsAllocatedAndNoPipelineMadeAfterTheFirstFrames) {
 #endif
 }
 
-TEST(Chain, MayBeDestroyedWithFramesUnderWay) {
-  const Stage stage("cube");
-  const auto frame = stage.frame(0.003, 0);
+TEST(Planner, MayBeDestroyedWithFramesUnderWay) {
+  const Scene scene("cube");
+  const auto frame = scene.frame(0.003, 0);
   for (const int steps : {0, 1}) {
-    const auto chain = make_gpu_chain(test::test_device(), stage.setting());
-    chain->start(frame, 0, 0);
+    const Planning planning(scene);
+    planning->start(seen(frame));
     Plan plan;
     FrameReport report;
     for (int i = 0; i < steps; ++i)
-      chain->step(plan, report);
+      planning->step(plan, report);
   }
 }
 
-TEST(Chain, ALostDeviceIsAnError) {
-  const Stage stage("cube");
+TEST(Planner, ALostDeviceIsAnError) {
+  const Scene scene("cube");
   const gpu::Device device;
-  const auto chain = make_gpu_chain(device, stage.setting());
+  const Planning planning(scene, &device);
   Plan plan;
-  run_frame(*chain, stage.frame(0.003, 0), plan);
+  run_frame(planning, scene.frame(0.003, 0), plan);
   device.lose();
-  EXPECT_THROW(chain->start(stage.frame(0.003, 1), 0, 0), Error);
+  EXPECT_THROW(planning->start(seen(scene.frame(0.003, 1))), Error);
 }
 
 }  // namespace

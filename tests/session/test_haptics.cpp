@@ -1,9 +1,10 @@
-// What solids ask for themselves, on its way into voices and slots.
+// What the haptics of solids ask for, on its way into voices and slots.
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "session/chain.hpp"
-#include "session/overrides.hpp"
+#include "session/haptics.hpp"
+#include "session/plan.hpp"
+#include "session/scheduler.hpp"
 
 namespace palpa::session {
 namespace {
@@ -19,34 +20,38 @@ std::vector<geometry::Solid> solids(const std::vector<geometry::Haptics>& haptic
   return made;
 }
 
-TEST(Overrides, TakeThePlaceOfWhatHoldsForAll) {
+TEST(Haptics, TakeThePlaceOfWhatHoldsForAll) {
   geometry::Haptics own;
   own.dwell_s = 1e-3;
   own.intensity = 0.25;
   const auto made = solids({{}, own});
   const array::VoiceOptions all{.stride = 3, .dwell_s = 1.5e-3};
-  const array::VoiceOptions a = voice_on(made[0], all), b = voice_on(made[1], all);
+  const auto resolved = resolve_haptics("scene.glb", made, {}, all);
+  const array::VoiceOptions &a = resolved[0].voice, &b = resolved[1].voice;
   EXPECT_EQ(a.stride, 3U);
   EXPECT_EQ(a.dwell_s, 1.5e-3);
   EXPECT_EQ(a.gain, 1);
   EXPECT_EQ(b.stride, 3U);
   EXPECT_EQ(b.dwell_s, 1e-3);
   EXPECT_EQ(b.gain, 0.25);
-  EXPECT_FALSE(has_own_schedule(made[0]));
-  EXPECT_TRUE(has_own_schedule(made[1]));
+  EXPECT_EQ(resolved[1].foci, 10U);
+  EXPECT_FALSE(resolved[0].own_schedule);
+  EXPECT_TRUE(resolved[1].own_schedule);
   geometry::Haptics quiet;
   quiet.intensity = 0.5;
-  EXPECT_FALSE(has_own_schedule(solids({quiet})[0])) << "intensity is no part of the schedule";
+  EXPECT_FALSE(resolve_haptics("scene.glb", solids({quiet}), {}, all)[0].own_schedule)
+      << "intensity is no part of the schedule";
 }
 
-TEST(Overrides, ASlotDividesEveryDwell) {
+TEST(Haptics, ASlotDividesEveryDwell) {
   const auto with = [](std::vector<double> dwells) {
     std::vector<geometry::Haptics> haptics;
     for (const double dwell : dwells) {
       haptics.emplace_back();
       if (dwell > 0) haptics.back().dwell_s = dwell;
     }
-    return slot_length(solids(haptics), {.dwell_s = 1.5e-3});
+    const array::VoiceOptions all{.dwell_s = 1.5e-3};
+    return slot_length(resolve_haptics("scene.glb", solids(haptics), {}, all), all);
   };
   EXPECT_EQ(with({}), 1.5e-3);
   EXPECT_EQ(with({0}), 1.5e-3);
@@ -57,7 +62,7 @@ TEST(Overrides, ASlotDividesEveryDwell) {
   EXPECT_DOUBLE_EQ(with({1e-4}), 1e-4) << "a dwell that all share is the slot";
 }
 
-TEST(Overrides, AStrideThatLeavesFociOutIsTheFilesFault) {
+TEST(Haptics, AStrideThatLeavesFociOutIsTheFilesFault) {
   geometry::Haptics nine, five;
   nine.foci = 9;
   five.stride = 5;
@@ -65,7 +70,7 @@ TEST(Overrides, AStrideThatLeavesFociOutIsTheFilesFault) {
   const array::VoiceOptions voice;
   const auto fault = [&](const std::vector<geometry::Haptics>& haptics) -> std::string {
     try {
-      check_overrides("scene.glb", solids(haptics), parameters, voice);
+      resolve_haptics("scene.glb", solids(haptics), parameters, voice);
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), Exit::bad_input);
       return error.what();
@@ -75,8 +80,8 @@ TEST(Overrides, AStrideThatLeavesFociOutIsTheFilesFault) {
   EXPECT_EQ(fault({{}, {}}), "");
   EXPECT_EQ(
       fault({{}, nine}),
-      "scene.glb: node 'solid 1': stride 3 and 9 foci share the divisor 3, so some foci would never sound; give its "
-      "extras a stride such as 2");
+      "scene.glb: node 'solid 1': stride 3 and 9 foci share the divisor 3, so some foci would never sound; give a "
+      "stride such as 2");
   EXPECT_NE(fault({five}).find("stride 5 and 10 foci share the divisor 5"), std::string::npos);
   EXPECT_NE(fault({five}).find("such as 3"), std::string::npos);
   five.foci = 7;
@@ -85,6 +90,7 @@ TEST(Overrides, AStrideThatLeavesFociOutIsTheFilesFault) {
   one.foci = 1;
   one.stride = 6;
   EXPECT_EQ(fault({one}), "") << "one focus has one order";
+  EXPECT_THROW(resolve_haptics("scene.glb", {}, parameters, {.stride = 5}), Error) << "of what holds for all";
 }
 
 /// A finger whose focus n stands at x = n millimetres, y = its solid.
@@ -97,7 +103,7 @@ touch::Finger finger(std::uint32_t id, std::uint32_t solid, std::uint32_t foci) 
   return made;
 }
 
-TEST(Overrides, EveryFingerPlaysAsItsSolidAsks) {
+TEST(Haptics, EveryFingerPlaysAsItsSolidAsks) {
   geometry::Haptics own;
   own.foci = 4;
   own.stride = 1;
@@ -107,10 +113,8 @@ TEST(Overrides, EveryFingerPlaysAsItsSolidAsks) {
   touch::Touch touch;
   touch.fingers = {finger(8, 1, 4), finger(9, 0, 10)};
   touch.finger_count = 2;
-  const array::VoiceOptions all;
   array::Schedule schedule;
-  ScheduleMemory memory;
-  make_schedule(touch, 1.0, made, {.voice = all}, slot_length(made, all), memory, schedule);
+  Scheduler("scene.glb", made, {}, {}).make(touch, 1.0, schedule);
   ASSERT_EQ(schedule.voice_count, 2U);
   EXPECT_EQ(schedule.slot_s, 1.5e-3);
   EXPECT_EQ(schedule.voices[0].id, 8U);
@@ -138,7 +142,7 @@ TEST(Overrides, EveryFingerPlaysAsItsSolidAsks) {
   EXPECT_EQ(slots, 40U);
 }
 
-TEST(Overrides, IntensityAndModulationMultiply) {
+TEST(Haptics, IntensityAndModulationMultiply) {
   geometry::Haptics own;
   own.intensity = 0.5;
   const auto made = solids({own});
@@ -147,8 +151,7 @@ TEST(Overrides, IntensityAndModulationMultiply) {
   touch.fingers[0].point_like = true;
   touch.finger_count = 1;
   array::Schedule schedule;
-  ScheduleMemory memory;
-  make_schedule(touch, 0, made, {}, 1.5e-3, memory, schedule);
+  Scheduler("scene.glb", made, {}, {}).make(touch, 0, schedule);
   array::Schedule plain = schedule;
   plain.voices[0].gain = 1;
   std::vector<array::SlotFocus> half, whole;

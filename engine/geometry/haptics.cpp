@@ -1,0 +1,25 @@
+#include "geometry/haptics.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace palpa::geometry {
+
+std::uint32_t coprime_stride(std::uint32_t foci, std::uint32_t stride) {
+  std::uint32_t better = foci == 0 ? 1 : stride % foci;
+  while (better > 1 && std::gcd(better, foci) != 1)
+    --better;
+  return std::max(better, 1U);
+}
+
+std::string stride_fault(std::uint32_t foci, std::uint32_t stride) {
+  const std::uint32_t shared = std::gcd(foci, stride);
+  if (foci == 1 || shared == 1) return {};
+  return fmt::format(
+      "stride {} and {} foci share the divisor {}, so some foci would never sound; give a stride such as {}", stride,
+      foci, shared, coprime_stride(foci, stride));
+}
+
+}  // namespace palpa::geometry

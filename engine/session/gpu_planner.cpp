@@ -1,0 +1,199 @@
+// The planner on the device. A frame takes two submits: skin to foci, then,
+// once the host has made the schedule, foci to drives. The hop over the host
+// costs a fraction of a millisecond and keeps schedules and methods in plain
+// C++.
+#include <fmt/core.h>
+
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "array/drive_pass.hpp"
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "gpu/commands.hpp"
+#include "session/planner.hpp"
+#include "touch/stage.hpp"
+
+namespace palpa::session {
+namespace {
+
+constexpr std::uint32_t most_passes = 24;
+
+/// Depth frames that come one by one may be of a whole hand in a solid: more
+/// contacts than a frame of a loop has.
+constexpr std::uint32_t most_contacts_of_one = 1U << 20;
+
+touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler& scheduler) {
+  const bool listed = !setting.live() || setting.events || scheduler.needs_contacts();
+  return {.parameters = setting.touch,
+          .detail = listed ? touch::Detail::contacts : touch::Detail::fingers,
+          .follow = setting.follow,
+          .most_contacts = setting.live() || setting.cameras.empty() ? 0 : most_contacts_of_one};
+}
+
+/// Everything that one frame in flight writes to.
+struct Flight {
+  touch::StageMemory memory;
+  std::optional<array::DriveMemory> drive_memory;
+  gpu::Recorder touch_recorder, drive_recorder;
+  gpu::Timestamps touch_times, drive_times;
+  touch::Touch touch;
+
+  enum class State { idle, touching, driving } state = State::idle;
+  std::uint64_t submitted = 0;
+  Plan plan;
+  FrameReport report;
+
+  Flight(const gpu::Device& device, const SessionSetting& setting, const touch::Stage& stage)
+      : memory(stage),
+        touch_recorder(device, "touch"),
+        drive_recorder(device, "drives"),
+        touch_times(device, most_passes),
+        drive_times(device, 4) {
+    if (!setting.layout.transducers.empty()) {
+      drive_memory.emplace(device, setting.layout, setting.drive, most_cycle, most_cycle * touch::max_fingers);
+    }
+    if (setting.live()) reserve(touch);
+    reserve(plan.schedule);
+  }
+};
+
+class GpuPlanner : public Planner {
+ public:
+  GpuPlanner(const gpu::Device& device, const SessionSetting& setting, Scheduler& scheduler)
+      : setting_(setting),
+        scheduler_(scheduler),
+        passes_(device),
+        stage_(passes_, setting.solids, setting.cameras, stage_setting(setting, scheduler)),
+        timeline_(device, "frames") {
+    if (!setting.layout.transducers.empty()) drive_passes_.emplace(device, setting.drive.solver);
+    for (std::size_t f = 0; f < (setting.live() ? 2U : 1U); ++f)
+      flights_.push_back(std::make_unique<Flight>(device, setting, stage_));
+    reserve(unmodulated_);
+    foci_.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
+    touch_ms_.reserve(most_passes + 4);
+    drive_ms_.reserve(4);
+  }
+
+  bool can_start() const override { return started_ - finished_ < flights_.size(); }
+  bool busy() const override { return started_ != finished_; }
+
+  void start(const SkinFrame& frame) override {
+    Flight& flight = flight_of(started_);
+    setting_.cameras.empty() ? flight.memory.set(frame.points) : flight.memory.set(frame.images);
+    const VkCommandBuffer commands = flight.touch_recorder.begin();
+    flight.touch_times.begin(commands);
+    stage_.record(commands, flight.memory, frame.time_s, &flight.touch_times);
+    flight.submitted = timeline_.submit(flight.touch_recorder.end());
+    flight.state = Flight::State::touching;
+    flight.plan.captured_s = frame.captured_s;
+    flight.report = {frame.sequence, frame.time_s, &flight.touch, {}, frame.arrived_s, 0};
+    ++started_;
+  }
+
+  bool step(Plan& plan, FrameReport& report) override {
+    Flight& flight = flight_of(finished_);
+    try {
+      if (flight.state == Flight::State::touching) {
+        timeline_.wait(flight.submitted);
+        begin_drives(flight);
+        return false;
+      }
+      finish(flight, plan);
+    } catch (...) {
+      done(flight);
+      throw;
+    }
+    report = flight.report;
+    report.passes = touch_ms_;
+    done(flight);
+    return true;
+  }
+
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { stage_.set_pose(solid, T_world_rest); }
+
+ private:
+  Flight& flight_of(std::uint64_t frame) { return *flights_[frame % flights_.size()]; }
+
+  void done(Flight& flight) {
+    flight.state = Flight::State::idle;
+    ++finished_;
+  }
+
+  /// In a live session a frame with more skin in the shell than there is room
+  /// for touches nothing: the loop goes on, and says so once.
+  void read_touch(Flight& flight) {
+    try {
+      touch::read(flight.memory, flight.touch);
+    } catch (const Error& error) {
+      if (!setting_.live()) throw;
+      flight.touch.contacts.clear();
+      flight.touch.deep.clear();
+      flight.touch.finger_count = flight.touch.cluster_count = 0;
+      if (!std::exchange(warned_, true)) log::warning(fmt::format("a frame was left out: {}", error.what()));
+    }
+  }
+
+  void begin_drives(Flight& flight) {
+    read_touch(flight);
+    scheduler_.make(flight.touch, flight.report.time_s, flight.plan.schedule);
+    flight.submitted = 0;
+    flight.plan.cycle = 0;
+    flight.state = Flight::State::driving;
+    if (!flight.drive_memory) return;
+    flight.drive_memory->clear();
+    plan_slots(flight.plan, unmodulated_, foci_, [&](std::span<const array::SlotFocus> foci) {
+      if (!flight.drive_memory->add_slot(foci)) throw failure("a frame has more foci than its buffers hold");
+    });
+    if (flight.plan.cycle == 0) return;
+    const VkCommandBuffer commands = flight.drive_recorder.begin();
+    flight.drive_times.begin(commands);
+    flight.drive_memory->record(commands, *drive_passes_);
+    flight.drive_times.mark(commands, "drives");
+    flight.submitted = timeline_.submit(flight.drive_recorder.end());
+  }
+
+  void finish(Flight& flight, Plan& plan) {
+    flight.touch_times.read(touch_ms_);
+    const std::size_t transducers = setting_.layout.transducers.size();
+    plan.schedule = flight.plan.schedule;
+    plan.captured_s = flight.plan.captured_s;
+    plan.cycle = flight.plan.cycle;
+    plan.shared_modulation_hz = flight.plan.shared_modulation_hz;
+    plan.shared_modulation = flight.plan.shared_modulation;
+    plan.drives.resize(plan.cycle * transducers);
+    if (flight.submitted == 0) return;
+    timeline_.wait(flight.submitted);
+    for (std::uint32_t slot = 0; slot < plan.cycle; ++slot) {
+      const auto drive = flight.drive_memory->drive(slot);
+      std::memcpy(plan.drives.data() + slot * transducers, drive.data(), drive.size_bytes());
+    }
+    flight.drive_times.read(drive_ms_);
+    touch_ms_.insert(touch_ms_.end(), drive_ms_.begin(), drive_ms_.end());
+  }
+
+  const SessionSetting& setting_;
+  Scheduler& scheduler_;
+  touch::Passes passes_;
+  touch::Stage stage_;
+  std::optional<array::DrivePasses> drive_passes_;
+  std::vector<std::unique_ptr<Flight>> flights_;
+  gpu::Timeline timeline_;
+  std::uint64_t started_ = 0, finished_ = 0;
+  bool warned_ = false;
+
+  // Scratch that keeps its storage.
+  std::vector<array::SlotFocus> foci_;
+  array::Schedule unmodulated_;
+  std::vector<gpu::PassTime> touch_ms_, drive_ms_;
+};
+
+}  // namespace
+
+std::unique_ptr<Planner> make_gpu_planner(const gpu::Device& device, const SessionSetting& setting,
+                                          Scheduler& scheduler) {
+  return std::make_unique<GpuPlanner>(device, setting, scheduler);
+}
+
+}  // namespace palpa::session

@@ -1,0 +1,72 @@
+#include "session/scheduler.hpp"
+
+#include <algorithm>
+
+#include "session/voice.hpp"
+
+namespace palpa::session {
+
+static_assert(acoustics::StrideTuner::most_fingers >= touch::max_fingers);
+static_assert(acoustics::most_ring_foci >= touch::max_foci);
+
+Scheduler::Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
+                     const ScheduleOptions& options)
+    : solids_(resolve_haptics(scene, solids, touch, options.voice)),
+      foci_(touch.foci),
+      options_(options),
+      slot_s_(slot_length(solids_, options.voice)) {
+  fingers_.resize(touch::max_fingers);
+  for (ScheduledFinger& finger : fingers_)
+    finger.placement.foci.reserve(touch::max_foci);
+}
+
+void Scheduler::make(const touch::Touch& touch, double time_s, array::Schedule& schedule) {
+  schedule.clear();
+  schedule.slot_s = slot_s_;
+  schedule.time_s = time_s;
+  count_ = touch.finger_count;
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+    const touch::Finger& finger = touch.fingers[f];
+    ScheduledFinger& out = fingers_[f];
+    out.perimeter_m = 0;
+    out.tuned.reset();
+    touch::place_foci(touch, finger, options_.method, out.placement);
+    array::VoiceOptions voice = solids_[finger.solid].voice;
+    if (!out.placement.still()) {
+      out.perimeter_m = touch::perimeter_of(out.placement);
+      tune(touch, finger, time_s, voice, out);
+    }
+    make_voice(out.placement, finger.id, finger.solid, voice, schedule.add_voice());
+    schedule.slot_s = std::min(schedule.slot_s, voice.dwell_s);
+  }
+}
+
+void Scheduler::tune(const touch::Touch& touch, const touch::Finger& finger, double time_s, array::VoiceOptions& voice,
+                     ScheduledFinger& out) {
+  if (options_.tune == Tune::nothing) return;
+  const auto foci = static_cast<std::uint32_t>(out.placement.foci.size());
+  const acoustics::Ring ring{out.perimeter_m, foci, voice.stride, voice.dwell_s};
+  if (options_.tune == Tune::stride) {
+    voice.stride = strides_.stride_for(finger.id, ring, time_s);
+    return;
+  }
+  const acoustics::Tuned& tuned = out.tuned.emplace(acoustics::tune(ring, options_.tuning));
+  voice.stride = tuned.ring.stride;
+  voice.dwell_s = tuned.ring.dwell_s;
+  if (tuned.ring.foci == foci) return;
+  touch::MethodOptions method = options_.method;
+  method.foci = tuned.ring.foci;
+  touch::place_foci(touch, finger, method, out.placement);
+}
+
+array::Voice Scheduler::common_voice() const {
+  touch::Placement placement;
+  placement.complete = true;
+  placement.together = options_.method.method == touch::Method::multi_focus;
+  placement.foci.resize(options_.method.method == touch::Method::single_focus ? 1 : foci_);
+  array::Voice voice;
+  make_voice(placement, 0, 0, options_.voice, voice);
+  return voice;
+}
+
+}  // namespace palpa::session

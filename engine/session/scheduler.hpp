@@ -1,0 +1,76 @@
+// From the fingers of a frame to what they play: where the method puts their foci, their solid's haptics, tuning,
+// order.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "acoustics/tune.hpp"
+#include "array/schedule.hpp"
+#include "session/haptics.hpp"
+#include "touch/method.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::session {
+
+/// What is chosen by the perimeter that a finger's foci run around (acoustics/tune.hpp).
+enum class Tune {
+  nothing,
+  stride,  ///< the stride, of fingers that are followed from frame to frame
+  all,     ///< foci, stride and dwell, for a single frame: another number of foci would move every focus
+};
+
+/// How fingers become voices. What the haptics of a finger's solid ask for takes the place of `voice`.
+struct ScheduleOptions {
+  touch::MethodOptions method;  ///< places the foci
+  array::VoiceOptions voice;
+  Tune tune = Tune::nothing;
+  acoustics::TuneOptions tuning;  ///< of Tune::all
+};
+
+/// How a finger came to its voice.
+struct ScheduledFinger {
+  touch::Placement placement;
+  double perimeter_m = 0;                 ///< of the path of its foci; 0: they stand still
+  std::optional<acoustics::Tuned> tuned;  ///< with Tune::all, of foci that move
+};
+
+/// Remembers the strides that it chose from frame to frame.
+class Scheduler {
+ public:
+  /// For touches of these solids, found with these parameters. Throws as resolve_haptics does.
+  Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
+            const ScheduleOptions& options);
+
+  /// How long one drive lasts: see slot_length.
+  double slot_s() const { return slot_s_; }
+  const std::vector<SolidHaptics>& solids() const { return solids_; }
+  /// Whether the method looks at the contacts themselves, see touch::needs_contacts.
+  bool needs_contacts() const { return touch::needs_contacts(options_.method); }
+
+  /// Turns the fingers of a frame captured at `time_s` into the voices of `schedule`, one each, in their order.
+  /// Allocates nothing once `schedule` has the room (reserve).
+  void make(const touch::Touch& touch, double time_s, array::Schedule& schedule);
+  /// How the newest frame's fingers came to their voices, valid until the next make.
+  std::span<const ScheduledFinger> fingers() const { return std::span(fingers_).first(count_); }
+
+  /// What a finger plays, its skin all around, on a solid whose haptics ask for no schedule of their own: order, dwell
+  /// and modulation. Its foci have no place.
+  array::Voice common_voice() const;
+
+ private:
+  void tune(const touch::Touch& touch, const touch::Finger& finger, double time_s, array::VoiceOptions& voice,
+            ScheduledFinger& out);
+
+  std::vector<SolidHaptics> solids_;
+  std::uint32_t foci_;
+  ScheduleOptions options_;
+  double slot_s_;
+  acoustics::StrideTuner strides_;
+  std::vector<ScheduledFinger> fingers_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace palpa::session

@@ -1,0 +1,135 @@
+#include "session/session.hpp"
+
+#include <exception>
+#include <utility>
+
+#include "base/error.hpp"
+#include "session/loop.hpp"
+
+namespace palpa::session {
+
+struct Session::State {
+  SessionSetting setting;
+  std::vector<std::string> names;
+  Scheduler scheduler;
+  EventTracker tracker;
+  std::unique_ptr<Planner> planner;
+
+  // Frame by frame.
+  std::vector<sensing::SkinPoint> skin;
+  Plan plan;
+  FrameReport report;
+  std::span<const Event> events;
+
+  State(const gpu::Device* device, SessionSetting given)
+      : setting(std::move(given)),
+        scheduler(setting.scene, setting.solids, setting.touch, setting.schedule),
+        tracker(setting.solids, setting.events.value_or(EventOptions()), setting.hold_s) {
+    names.reserve(setting.solids.size());
+    for (const geometry::Solid& solid : setting.solids)
+      names.push_back(solid.name);
+    if (setting.events) setting.touch.deep = true;
+    planner = device ? make_gpu_planner(*device, setting, scheduler) : make_host_planner(setting, scheduler);
+  }
+
+  const touch::Touch& touch(const SkinFrame& frame) {
+    planner->start(frame);
+    while (!planner->step(plan, report)) {
+    }
+    if (setting.events) events = tracker.update(*report.touch, frame.time_s);
+    return *report.touch;
+  }
+};
+
+Session::Session(SessionSetting setting) : state_(std::make_unique<State>(nullptr, std::move(setting))) {}
+Session::Session(const gpu::Device& device, SessionSetting setting)
+    : state_(std::make_unique<State>(&device, std::move(setting))) {}
+Session::~Session() = default;
+Session::Session(Session&&) noexcept = default;
+Session& Session::operator=(Session&&) noexcept = default;
+
+const SessionSetting& Session::setting() const {
+  return state_->setting;
+}
+const std::vector<std::string>& Session::solid_names() const {
+  return state_->names;
+}
+LinkSetting Session::link_setting() const {
+  return {state_->setting.layout, state_->names, state_->scheduler.slot_s()};
+}
+
+LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options) {
+  State& s = *state_;
+  if (!s.setting.live()) throw bad_usage("a session without cameras or without an array cannot run");
+  const bool tells = options.events != nullptr;
+  if (tells && !s.setting.events) throw bad_usage("a session whose setting has no events cannot tell any");
+  LoopObservers observers;
+  observers.record = options.record;
+  observers.planned = [&](const FrameReport& report, const Plan& plan) {
+    if (options.planned) options.planned(report, plan);
+    if (tells) options.events(s.tracker.update(*report.touch, report.time_s));
+  };
+  if (tells) observers.expired = [&] { options.events(s.tracker.expire()); };
+  LoopStats stats;
+  try {
+    run_loop(source, *s.planner, link,
+             {.output = {s.setting.layout, s.setting.drive, s.scheduler.slot_s(), s.setting.hold_s, s.setting.safety},
+              .frames = options.frames,
+              .every_frame = options.every_frame},
+             stop, observers, stats);
+  } catch (...) {
+    const std::exception_ptr fault = std::current_exception();
+    try {
+      if (tells) options.events(s.tracker.end());
+    } catch (const std::exception&) {  // the first error is the one to report
+    }
+    std::rethrow_exception(fault);
+  }
+  if (tells) options.events(s.tracker.end());
+  return stats;
+}
+
+const touch::Touch& Session::touch(std::span<const glm::vec3> skin, double time_s) {
+  std::vector<sensing::SkinPoint>& points = state_->skin;
+  points.resize(skin.size());
+  for (std::size_t i = 0; i < skin.size(); ++i)
+    points[i] = {skin[i], static_cast<std::uint32_t>(i)};
+  return touch(points, time_s);
+}
+
+const touch::Touch& Session::touch(std::span<const sensing::SkinPoint> skin, double time_s) {
+  if (!state_->setting.cameras.empty()) {
+    throw bad_usage("a session with cameras touches depth frames, not skin points");
+  }
+  return state_->touch({.points = skin, .time_s = time_s});
+}
+
+const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, double time_s) {
+  if (state_->setting.cameras.empty()) {
+    throw bad_usage("a session without cameras touches skin points, not depth frames");
+  }
+  return state_->touch({.images = images, .time_s = time_s});
+}
+
+std::span<const Event> Session::events() const {
+  return state_->events;
+}
+const Plan& Session::plan() const {
+  return state_->plan;
+}
+const Scheduler& Session::scheduler() const {
+  return state_->scheduler;
+}
+const FrameReport& Session::report() const {
+  return state_->report;
+}
+
+void Session::set_pose(std::uint32_t solid, const Transform& T_world_rest) {
+  state_->planner->set_pose(solid, T_world_rest);
+}
+
+std::span<const Event> Session::end() {
+  return state_->events = state_->tracker.end();
+}
+
+}  // namespace palpa::session

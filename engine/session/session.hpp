@@ -1,0 +1,105 @@
+// A session: a scene's solids, the array, and the cameras or whoever else sees the skin, from touch to sound. The one
+// object that palpa's own programs and yours stand on, for a live loop or frame by frame.
+//
+//   session::Session session({.solids = solids, .cameras = source.cameras(), .layout = layout});
+//   session.run(source, link, stop);      until the source ends or `stop` becomes true; silence is the last that sounds
+//
+//   session::Session session({.solids = solids});
+//   session.touch(skin, time_s);          one frame on the calling thread: fingers, then events() and schedule()
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/device.hpp"
+#include "sensing/depth_source.hpp"
+#include "session/events.hpp"
+#include "session/link.hpp"
+#include "session/planner.hpp"
+#include "session/setting.hpp"
+#include "session/stats.hpp"
+
+namespace palpa::session {
+
+/// How a session runs, and who looks on. Whoever looks on must throw nothing but Error, which ends the run.
+struct RunOptions {
+  std::uint64_t frames = 0;  ///< stop after that many captured frames; 0: at the source's end
+  /// Off: a frame that comes while another waits replaces it. On: capture waits, every frame is looked at.
+  bool every_frame = false;
+  /// On the calling thread, after every frame, also without events, and when fingers let go because no frame comes or
+  /// the run ends. It must not linger.
+  std::function<void(std::span<const Event>)> events{};
+  /// On the calling thread, before a frame's events. It must not linger.
+  std::function<void(const FrameReport&, const Plan&)> planned{};
+  /// On a thread of its own, so that a slow disk delays no touch: every frame, e.g. to be written down. Frames that
+  /// come while it is busy are left out, all but the newest (never with every_frame), and counted as `unrecorded`.
+  std::function<void(const sensing::FrameSet&)> record{};
+};
+
+class Session {
+ public:
+  /// On the CPU. Throws bad_usage on unusable values, bad_input naming a solid whose stride and foci do not go
+  /// together.
+  explicit Session(SessionSetting setting);
+  /// On `device`, which outlives it. The same fingers.
+  Session(const gpu::Device& device, SessionSetting setting);
+  ~Session();
+  Session(Session&&) noexcept;
+  Session& operator=(Session&&) noexcept;
+
+  const SessionSetting& setting() const;
+  const std::vector<geometry::Solid>& solids() const { return setting().solids; }
+  const std::vector<std::string>& solid_names() const;
+  /// Of the event's solid.
+  const std::string& solid_name(const Event& event) const { return solid_names()[event.solid]; }
+  /// What a link is told when it is opened.
+  LinkSetting link_setting() const;
+
+  // ---- live -------------------------------------------------------------------------------------------------------
+
+  /// Capture, compute and output, each on its own thread: the newest frame wins, drives leave on time even when a frame
+  /// is late, and an all-zero drive is the last that `link` gets, whatever happens. Until the source ends,
+  /// `options.frames` are done, `stop` becomes true or something fails: an Error of any thread is thrown here, after
+  /// silence. Who still touches then lets go. The setting must be live(), its cameras the source's.
+  LoopStats run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options = {});
+
+  // ---- frame by frame ---------------------------------------------------------------------------------------------
+
+  /// The next frame: skin points in metres, world, and when they were seen. Fingers keep their ids from frame to frame.
+  /// The result is valid until the next call, as is all below. Throws bad_usage for the wrong kind of skin.
+  const touch::Touch& touch(std::span<const glm::vec3> skin, double time_s);
+  /// The same for points with indices, which ascend.
+  const touch::Touch& touch(std::span<const sensing::SkinPoint> skin, double time_s);
+  /// The same for depth frames, one of each camera: DepthSource::next gives them.
+  const touch::Touch& touch(std::span<const sensing::DepthFrame> images, double time_s);
+
+  /// Told by the frame.
+  std::span<const Event> events() const;
+  /// Its foci: array::foci_of_slot says which of them sound in a slot, array::drive_for what a layout does for them.
+  const array::Schedule& schedule() const { return plan().schedule; }
+  /// The schedule with the drives of its slots, where the setting has an array.
+  const Plan& plan() const;
+  /// How its fingers came to their voices.
+  const Scheduler& scheduler() const;
+  /// What each of its passes took, and whatever else is known of it.
+  const FrameReport& report() const;
+
+  /// Moves a solid for the frames that follow: T_world_rest takes its place in the scene to where it is now. A rigid
+  /// transform; nothing is rebuilt.
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest);
+
+  /// No more frames will come: the releases of whoever still touches.
+  std::span<const Event> end();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace palpa::session

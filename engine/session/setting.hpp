@@ -1,0 +1,39 @@
+// What a session is made of: each value stands here once.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+#include "geometry/solid.hpp"
+#include "sensing/camera.hpp"
+#include "session/events.hpp"
+#include "session/safe_link.hpp"
+#include "session/scheduler.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::session {
+
+struct SessionSetting {
+  std::string scene = "scene";  ///< where the solids are from, for messages
+  std::vector<geometry::Solid> solids;
+  std::vector<sensing::Camera> cameras;  ///< none: skin comes as points; else as their depth frames
+  array::Layout layout;                  ///< as posed in the world; without transducers nothing is driven
+  touch::Parameters touch;
+  ScheduleOptions schedule;
+  array::DriveOptions drive;
+  /// Nothing: nobody asks for events. Then fingers are no deeper than delta, which saves looking at the skin below.
+  std::optional<EventOptions> events = EventOptions{};
+  /// Fingers keep their ids and axes from frame to frame. Off: each frame stands alone.
+  bool follow = true;
+  /// What a frame shows lasts that long after its capture if no other comes: then comes silence, and fingers let go.
+  double hold_s = 0.1;
+  Safety safety;  ///< around whatever link it runs to
+
+  /// Whether it has all that run() needs.
+  bool live() const { return !cameras.empty() && !layout.transducers.empty(); }
+};
+
+}  // namespace palpa::session

@@ -1,0 +1,192 @@
+// A session frame by frame: skin in, fingers, events and a schedule out, on both backends.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "array/board_mesh.hpp"
+#include "base/error.hpp"
+#include "fakes.hpp"
+#include "geometry/gltf.hpp"
+#include "geometry/ply.hpp"
+#include "sensing/rig.hpp"
+#include "sensing/synthetic.hpp"
+#include "session/session.hpp"
+#include "support/device.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::session {
+namespace {
+
+std::vector<geometry::Solid> cube(double press_depth_m) {
+  auto solids = geometry::make_solids(geometry::load_gltf(palpa::test::source_file("assets/cube.glb")));
+  solids[0].haptics.press_depth_m = press_depth_m;
+  return solids;
+}
+
+/// The finger model, its tip at `tip`.
+std::vector<glm::vec3> finger_at(const Vec3& tip) {
+  static const std::vector<Vec3> skin = geometry::read_ply(palpa::test::source_file("assets/finger.ply")).positions;
+  std::vector<glm::vec3> points;
+  for (const Vec3& p : skin)
+    points.emplace_back(p + tip);
+  return points;
+}
+
+class Touching : public testing::TestWithParam<bool> {
+ protected:
+  Session make(SessionSetting setting) {
+    return GetParam() ? Session(palpa::test::test_device(), std::move(setting)) : Session(std::move(setting));
+  }
+};
+
+std::string kinds(std::span<const Event> events) {
+  std::string text;
+  for (const Event& event : events)
+    text += std::string(text.empty() ? "" : " ") + std::string(word_of(event_words, event.kind));
+  return text;
+}
+
+TEST_P(Touching, TellsWhatAFingerDoes) {
+  Session session = make({.solids = cube(0.003)});
+  EXPECT_EQ(session.touch(finger_at({0, 0.002, 0}), 0.00).finger_count, 0U);
+  EXPECT_EQ(kinds(session.events()), "");
+  const touch::Touch& light = session.touch(finger_at({0, -0.0007, 0}), 0.01);
+  ASSERT_EQ(light.finger_count, 1U);
+  EXPECT_NEAR(light.fingers[0].depth_m, 0.0007, 1e-5);
+  EXPECT_EQ(kinds(session.events()), "touch");
+  EXPECT_EQ(session.solid_name(session.events()[0]), "cube");
+  session.touch(finger_at({0, -0.0032, 0}), 0.02);
+  EXPECT_EQ(kinds(session.events()), "move press");
+  EXPECT_NEAR(session.events()[1].depth_m, 0.0032, 1e-5) << "the tip's, not that of the contacts";
+  session.touch(finger_at({0.004, -0.0032, 0}), 0.03);
+  EXPECT_EQ(kinds(session.events()), "move");
+  EXPECT_NEAR(session.events()[0].centroid.x, 0.004, 3e-4);
+  const auto schedule = session.schedule();
+  ASSERT_EQ(schedule.voice_count, 1U);
+  EXPECT_EQ(schedule.voices[0].foci.size(), 10U);
+  EXPECT_EQ(schedule.time_s, 0.03);
+  session.touch(std::vector<glm::vec3>(), 0.04);
+  EXPECT_EQ(session.schedule().voice_count, 0U) << "silence at once";
+  EXPECT_EQ(kinds(session.events()), "");
+  session.touch(finger_at({0, 0.01, 0}), 0.085);
+  EXPECT_EQ(kinds(session.events()), "release");
+  session.touch(finger_at({0, -0.001, 0}), 0.09);
+  EXPECT_EQ(kinds(session.end()), "release");
+}
+
+TEST_P(Touching, FollowsASolidThatMoves) {
+  Session session = make({.solids = cube(0.003)});
+  EXPECT_EQ(session.touch(std::vector<glm::vec3>(), 0.00).finger_count, 0U);
+  EXPECT_EQ(session.touch(finger_at({0, 0.05, 0}), 0.01).finger_count, 0U);
+  Transform T(1.0);
+  T[3] = Vec4(0, 0.0535, 0, 1);  // up to 3.5 mm above the fingertip
+  session.set_pose(0, T);
+  EXPECT_EQ(session.touch(finger_at({0, 0.05, 0}), 0.02).finger_count, 1U);
+  EXPECT_EQ(kinds(session.events()), "touch press");
+  EXPECT_NEAR(session.events()[0].depth_m, 0.0035, 1e-5);
+}
+
+TEST_P(Touching, TakesDepthFrames) {
+  const sensing::Rig rig = sensing::load_rig(palpa::test::source_file("assets/rigs/paper.toml"));
+  geometry::Ply ply = geometry::read_ply(palpa::test::source_file("assets/finger.ply"));
+  const geometry::Mesh finger{std::move(ply.positions), std::move(ply.triangles)};
+  sensing::SyntheticRig synthetic(rig.cameras, {}, sensing::Noise::none, 1);
+  Transform T(1.0);
+  T[3] = Vec4(0, -0.003, 0, 1);
+  const sensing::Posed skin{&finger, T};
+  sensing::FrameSet set;
+  synthetic.render(std::span(&skin, 1), 0, set);
+  Session session = make({.solids = cube(0.001), .cameras = rig.cameras});
+  EXPECT_EQ(session.touch(set.frames, 0).finger_count, 1U);
+  EXPECT_EQ(kinds(session.events()), "touch press");
+  EXPECT_THROW(session.touch(finger_at({}), 0.1), Error);
+  EXPECT_THROW(make({.solids = cube(0.001)}).touch(set.frames, 0), Error);
+}
+
+TEST_P(Touching, RefusesWhatCannotSound) {
+  auto solids = cube(0.001);
+  solids[0].haptics.foci = 9;
+  EXPECT_THROW(make({.solids = solids}), Error);
+  SessionSetting setting{.solids = cube(0.001)};
+  setting.schedule.voice.stride = 5;
+  EXPECT_THROW(make(setting), Error);
+  setting = {.solids = cube(0.001)};
+  setting.touch.foci = 0;
+  EXPECT_THROW(make(setting), Error);
+}
+
+TEST(SessionGrows, WithTheCloudItIsGiven) {
+  Session session(palpa::test::test_device(), {.solids = cube(0.001)});
+  std::vector<glm::vec3> many = finger_at({0, -0.001, 0});
+  const std::size_t contacts = session.touch(many, 0).contacts.size();
+  many.resize(20'000, glm::vec3(1, 1, 1));
+  EXPECT_EQ(session.touch(many, 0.01).contacts.size(), contacts);
+  EXPECT_EQ(session.touch(finger_at({0, -0.001, 0}), 0.02).contacts.size(), contacts);
+}
+
+/// A cube under the paper's cameras and array, and a finger that dips into it.
+struct Live {
+  SessionSetting setting{.solids = cube(0.003),
+                         .cameras = sensing::load_rig(palpa::test::source_file("assets/rigs/paper.toml")).cameras,
+                         .layout = array::load_layout("autd3")};
+  test::SpyLink link;
+  std::atomic<bool> stop{false};
+  std::vector<Event> told;
+  std::uint64_t planned = 0;
+  RunOptions options{.every_frame = true,
+                     .events = [this](auto events) { told.insert(told.end(), events.begin(), events.end()); },
+                     .planned = [this](const FrameReport& report, const Plan&) { planned = report.sequence + 1; }};
+
+  LoopStats run() {
+    const geometry::Ply ply = geometry::read_ply(palpa::test::source_file("assets/finger.ply"));
+    const auto source = sensing::make_synthetic_source(setting.cameras, {ply.positions, ply.triangles}, {},
+                                                       {.paced = false, .frames = 12});
+    return Session(setting).run(*source, link, stop, options);
+  }
+};
+
+TEST(SessionRuns, ToTheEndOfItsSourceAndLetsGo) {
+  Live live;
+  const LoopStats stats = live.run();
+  EXPECT_EQ(stats.captured, 12U);
+  EXPECT_EQ(stats.planned, 12U);
+  EXPECT_EQ(live.planned, 12U);
+  EXPECT_EQ(kinds(live.told).substr(0, 5), "touch");
+  EXPECT_EQ(live.told.back().kind, EventKind::release) << "the source ended in the middle of a touch";
+  EXPECT_GT(*std::max_element(live.link.loudest.begin(), live.link.loudest.end()), 0.0F);
+  EXPECT_TRUE(live.link.ended_silent());
+}
+
+TEST(SessionRuns, ToAnErrorInSilenceAndLetsGo) {
+  Live live;
+  live.options.planned = [](const FrameReport& report, const Plan&) {
+    if (report.sequence == 8) throw failure("the disk is full");
+  };
+  try {
+    live.run();
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "the disk is full");
+  }
+  ASSERT_FALSE(live.told.empty());
+  EXPECT_EQ(live.told.back().kind, EventKind::release);
+  EXPECT_TRUE(live.link.ended_silent());
+}
+
+TEST(SessionRuns, OnlyWithAllThatItNeeds) {
+  Live blind, deaf;
+  blind.setting.layout = {};
+  EXPECT_THROW(blind.run(), Error) << "nothing to sound with";
+  deaf.setting.events.reset();
+  EXPECT_THROW(deaf.run(), Error) << "events are asked for that the setting leaves out";
+  deaf.options.events = nullptr;
+  EXPECT_EQ(deaf.run().planned, 12U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, Touching, testing::Bool(),
+                         [](const auto& backend) { return backend.param ? std::string("gpu") : std::string("cpu"); });
+
+}  // namespace
+}  // namespace palpa::session
