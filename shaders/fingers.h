@@ -21,27 +21,40 @@ PALPA_CONST fingers_neighbours = 14u;
 // Groups of the passes over blocks.
 PALPA_CONST blocks_group = 64u;
 PALPA_CONST blocks_most_groups = 256u;
-// Tests of two groups of cells before they are put on the list of crowded ones.
+// Tests of two blocks before their groups of cells that are still apart are put on the list of crowded ones.
 PALPA_CONST fingers_patience = 32u;
-// Room on that list. When it runs out, a last pass tests everything again, pair by pair: slow, but no less exact.
+// Room on that list, and on that of blocks that touch. When either runs out, a last pass tests everything again, pair
+// by pair: slow, but no less exact.
 PALPA_CONST fingers_contacts_per_crowded = 4u;
+PALPA_CONST fingers_links_per_contact = 6u;
 
-// Bindings of all shaders but fingers_select.
+// Bindings of all shaders but fingers_select. What a pass only reads it reads as texels, see engine/gpu/texel_view.hpp.
 PALPA_CONST fingers_total = 0u;      // ScanTotal of the contacts
-PALPA_CONST fingers_contacts = 1u;   // ContactRecord[]
-PALPA_CONST fingers_solids = 2u;     // SolidRecord[]
+PALPA_CONST fingers_contacts = 1u;   // ContactRecord[]: two texels each
+PALPA_CONST fingers_solids = 2u;     // SolidRecord[]: fingers_solid_texels each
 PALPA_CONST fingers_nodes = 3u;      // uvec4[]: per contact bits of x, y, z and the next one in its cell's list
 PALPA_CONST fingers_keys = 4u;       // BlockKey[]: per contact
 PALPA_CONST fingers_places = 5u;     // uint[]: per contact: its cell's place in `heads`
-PALPA_CONST fingers_slots = 6u;      // uint[]: hash table of blocks: a block's owner, or fingers_nothing
-PALPA_CONST fingers_heads = 7u;      // uint[]: cell c of block o has its list at 8 o + c
-PALPA_CONST fingers_list = 8u;       // uint[]: the blocks' owners, in any order
+PALPA_CONST fingers_slots = 6u;      // uint[]: hash table of blocks, see fingers_table.glsl, or fingers_nothing
+PALPA_CONST fingers_heads = 7u;      // uint[]: cell c of block o has its list at 8 o + c; four to a texel
+PALPA_CONST fingers_list = 8u;       // uint[]: the blocks' owners, mostly neighbour by neighbour
 PALPA_CONST fingers_crowded = 9u;    // CrowdedPair[]
 PALPA_CONST fingers_work = 10u;      // FingersWork
 PALPA_CONST fingers_parents = 11u;   // uint[]: union-find over the cells' heads; at the end each contact's root
 PALPA_CONST fingers_clusters = 12u;  // Cluster[]: per root
 PALPA_CONST fingers_groups = 13u;    // uint[]: per block owner: eight times four bits, see fingers_cells.glsl
-PALPA_CONST fingers_buffers = 14u;
+PALPA_CONST fingers_links = 14u;     // uint[]: a block's place in `list` times 16, plus a neighbour that there may be
+PALPA_CONST fingers_buffers = 15u;
+PALPA_CONST fingers_solid_texels = 6u;
+PALPA_CONST fingers_centre_texel = 1u;
+// What each pass binds as texels: a bit per binding.
+PALPA_CONST fingers_insert_texels = 1u << fingers_contacts | 1u << fingers_solids;
+PALPA_CONST fingers_collect_texels = 1u << fingers_slots;
+PALPA_CONST fingers_blocks_texels =
+    1u << fingers_nodes | 1u << fingers_keys | 1u << fingers_slots | 1u << fingers_heads | 1u << fingers_list;
+PALPA_CONST fingers_link_texels = fingers_blocks_texels | 1u << fingers_groups | 1u << fingers_links;
+PALPA_CONST fingers_crowded_texels = 1u << fingers_nodes | 1u << fingers_heads;
+PALPA_CONST fingers_label_texels = 1u << fingers_contacts | 1u << fingers_places | 1u << fingers_heads;
 // fingers_select has its own:
 PALPA_CONST select_total = 0u;
 PALPA_CONST select_length = 1u;  // ScanTotal of the skin points
@@ -106,7 +119,7 @@ struct FingersWork {
   uint links_x;
   uint links_y;
   uint links_z;
-  uint unused0;
+  uint links;
   uint crowded_x;
   uint crowded_y;
   uint crowded_z;
@@ -119,6 +132,7 @@ struct FingersWork {
 PALPA_CHECK_SIZE(FingersWork, 64);
 PALPA_CHECK_OFFSET(FingersWork, blocks, 12);
 PALPA_CHECK_OFFSET(FingersWork, links_x, 16);
+PALPA_CHECK_OFFSET(FingersWork, links, 28);
 PALPA_CHECK_OFFSET(FingersWork, crowded_x, 32);
 PALPA_CHECK_OFFSET(FingersWork, crowded, 44);
 PALPA_CHECK_OFFSET(FingersWork, rest_x, 48);

@@ -2,6 +2,8 @@
 // the group that the cell is in, or 8 for a cell without contacts.
 
 const uint no_group = 8u;
+const uint each_in_its_own = 0x76543210u;
+const uint ones = 0x11111111u;
 
 uint group_of(uint groups, uint cell) { return groups >> (4u * cell) & 15u; }
 
@@ -9,28 +11,39 @@ uint with_group(uint groups, uint cell, uint group) {
   return (groups & ~(15u << (4u * cell))) | group << (4u * cell);
 }
 
-// Cells of one group, as bits.
-uint cells_of_group(uint groups, uint group) {
-  uint cells = 0u;
-  for (uint cell = 0u; cell < fingers_block_cells; ++cell) cells |= (group_of(groups, cell) == group ? 1u : 0u) << cell;
-  return cells;
+// Ones where two words have the same four bits.
+uint equal_fours(uint a, uint b) {
+  uint differ = a ^ b;
+  differ |= differ >> 2u;
+  return ~(differ | differ >> 1u) & ones;
 }
 
+// The lowest of each four bits, eight times, side by side.
+uint gathered(uint fours) {
+  fours = (fours | fours >> 3u) & 0x03030303u;
+  fours = (fours | fours >> 6u) & 0x000f000fu;
+  return (fours | fours >> 12u) & 0xffu;
+}
+
+// Cells of one group, as bits.
+uint cells_of_group(uint groups, uint group) { return gathered(equal_fours(groups, group * ones)); }
+
 // The lowest cells of all groups, as bits.
-uint first_cells(uint groups) {
-  uint cells = 0u;
-  for (uint cell = 0u; cell < fingers_block_cells; ++cell) cells |= (group_of(groups, cell) == cell ? 1u : 0u) << cell;
-  return cells;
+uint first_cells(uint groups) { return gathered(equal_fours(groups, each_in_its_own)); }
+
+// Cells that hold contacts, as bits.
+uint occupied_cells(uint groups) { return gathered(~groups >> 3u & ones); }
+
+uint merged(uint groups, uint one, uint other) {
+  const uint low = min(one, other);
+  const uint high = max(one, other);
+  return groups ^ equal_fours(groups, high * ones) * (high ^ low);
 }
 
 // Pairs (a, b) of two sets of cells, as 64 bits: bit 8 (a mod 4) + b of word a / 4.
 uvec2 pairs_of(uint cells_a, uint cells_b) {
-  uvec2 pairs = uvec2(0u);
-  for (uint a = 0u; a < 4u; ++a) {
-    pairs.x |= ((cells_a >> a & 1u) * cells_b) << (8u * a);
-    pairs.y |= ((cells_a >> (a + 4u) & 1u) * cells_b) << (8u * a);
-  }
-  return pairs;
+  const uvec2 four = uvec2(cells_a & 15u, cells_a >> 4u);
+  return ((four | four << 7u | four << 14u | four << 21u) & 0x01010101u) * cells_b;
 }
 
 // Pairs (a, b) with a < b.

@@ -11,8 +11,8 @@
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = fingers_nodes) readonly buffer Nodes { uvec4 nodes[]; };
-layout(std430, set = 0, binding = fingers_heads) readonly buffer Heads { uint heads[]; };
+layout(set = 0, binding = fingers_nodes) uniform usamplerBuffer nodes;
+layout(set = 0, binding = fingers_heads) uniform usamplerBuffer heads;
 layout(std430, set = 0, binding = fingers_crowded) readonly buffer Crowded { CrowdedPair crowded[]; };
 layout(std430, set = 0, binding = fingers_work) readonly buffer Work { FingersWork work; };
 layout(std430, set = 0, binding = fingers_parents) coherent buffer Parents { uint parents[]; };
@@ -27,26 +27,27 @@ const float tight = 0.9999;
 
 // A walk through the contacts of some cells of a block.
 struct Walk {
-  uint first_head;
+  uint block;
   uint cells;
   uint contact;  // fingers_nothing at the end
 };
 
 void skip_to_contact(inout Walk w) {
   if (w.contact == fingers_nothing && w.cells != 0u) {
-    w.contact = heads[w.first_head + uint(findLSB(w.cells))];
+    const uint cell = uint(findLSB(w.cells));
+    w.contact = texelFetch(heads, int(w.block * 2u + cell / 4u))[cell % 4u];
     w.cells &= w.cells - 1u;
   }
 }
 
 Walk walk(uint block, uint cells) {
-  Walk w = Walk(block * fingers_block_cells, cells, fingers_nothing);
+  Walk w = Walk(block, cells, fingers_nothing);
   skip_to_contact(w);
   return w;
 }
 
 vec3 take(inout Walk w) {
-  const uvec4 node = nodes[w.contact];
+  const uvec4 node = texelFetch(nodes, int(w.contact));
   w.contact = node.w;
   skip_to_contact(w);
   return uintBitsToFloat(node.xyz);

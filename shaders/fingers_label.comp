@@ -9,22 +9,40 @@ layout(local_size_x = 128) in;
 layout(constant_id = 0) const bool inside = false;  // deep points are clustered too: they count for no size
 
 layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = fingers_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
-layout(std430, set = 0, binding = fingers_places) readonly buffer Places { uint places[]; };
-layout(std430, set = 0, binding = fingers_heads) readonly buffer Heads { uint heads[]; };
+layout(set = 0, binding = fingers_contacts) uniform usamplerBuffer contacts;
+layout(set = 0, binding = fingers_places) uniform usamplerBuffer places;
+layout(set = 0, binding = fingers_heads) uniform usamplerBuffer heads;
 layout(std430, set = 0, binding = fingers_parents) coherent buffer Parents { uint parents[]; };
 layout(std430, set = 0, binding = fingers_clusters) coherent buffer Clusters { Cluster clusters[]; };
 layout(push_constant) uniform Push { FingersPush push; };
 
+void add(uint root, Cluster run) {
+  if (root == fingers_nothing) return;
+  atomicMin(clusters[root].smallest, run.smallest);
+  if (run.size != 0u) atomicAdd(clusters[root].size, run.size);
+}
+
 void main() {
   const uint count = min(found.total, push.most_contacts);
   const uint threads = gl_NumWorkGroups.x * contact_group;
+  Cluster run = Cluster(fingers_nothing, 0u);  // contacts of one cluster that this thread met one after the other
+  uint root_of_run = fingers_nothing;
   for (uint i = gl_GlobalInvocationID.x; i < count; i += threads) {
+    const uint place = texelFetch(places, int(i)).x;
     // No halving of paths here: it could put a mere ancestor in place of a root that another thread has just written.
-    uint root = heads[places[i]];
-    for (uint step = 0u; step < count && parents[root] != root; ++step) root = parents[root];
+    uint root = texelFetch(heads, int(place / 4u))[place % 4u];
+    for (uint step = 0u; step < count; ++step) {
+      const uint parent = parents[root];
+      if (parent == root) break;
+      root = parent;
+    }
     parents[i] = root;
-    if (clusters[root].smallest > i) atomicMin(clusters[root].smallest, i);
-    if (!inside || contacts[i].finger != fingers_deep) atomicAdd(clusters[root].size, 1u);
+    if (root != root_of_run) {
+      add(root_of_run, run);
+      root_of_run = root;
+      run = Cluster(i, 0u);
+    }
+    if (!inside || texelFetch(contacts, int(2u * i + 1u)).z != fingers_deep) ++run.size;
   }
+  add(root_of_run, run);
 }

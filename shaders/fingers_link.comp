@@ -6,34 +6,32 @@
 #include "scan.h"
 #include "fingers_math.h"
 
-// Unites groups of cells of blocks that touch where they hold two contacts within the gap: one thread per block and
-// neighbour (or itself), all blocks' nearest neighbours first. Two groups that show no such pair soon go to fingers_crowded;
-// with `all` they do not: that is for when its list was too short.
+// Unites groups of cells of blocks that touch where they hold two contacts within the gap: one thread per pair of blocks on
+// the list. Groups of two blocks that a few tests leave apart go to fingers_crowded. With `all` they do not, and every block's
+// every neighbour is looked at: that is for when one of the lists was too short.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool all = false;
 
 layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = fingers_nodes) readonly buffer Nodes { uvec4 nodes[]; };
-layout(std430, set = 0, binding = fingers_keys) readonly buffer Keys { BlockKey keys[]; };
-layout(std430, set = 0, binding = fingers_slots) readonly buffer Slots { uint slots[]; };
-layout(std430, set = 0, binding = fingers_heads) readonly buffer Heads { uint heads[]; };
-layout(std430, set = 0, binding = fingers_list) readonly buffer List { uint list[]; };
+layout(set = 0, binding = fingers_nodes) uniform usamplerBuffer nodes;
+layout(set = 0, binding = fingers_keys) uniform usamplerBuffer keys;
+layout(set = 0, binding = fingers_slots) uniform usamplerBuffer slots;
+layout(set = 0, binding = fingers_heads) uniform usamplerBuffer heads;
+layout(set = 0, binding = fingers_list) uniform usamplerBuffer list;
 layout(std430, set = 0, binding = fingers_crowded) writeonly buffer Crowded { CrowdedPair crowded[]; };
 layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
 layout(std430, set = 0, binding = fingers_parents) coherent buffer Parents { uint parents[]; };
-layout(std430, set = 0, binding = fingers_groups) readonly buffer Groups { uint groups_of_block[]; };
+layout(set = 0, binding = fingers_groups) uniform usamplerBuffer groups_of_block;
+layout(set = 0, binding = fingers_links) uniform usamplerBuffer links;
 layout(push_constant) uniform Push { FingersPush push; };
 
 uint most_steps = 0u;
 #include "fingers_cells.glsl"
+#include "fingers_neighbours.glsl"
 #include "fingers_pairs.glsl"
 #include "fingers_union.glsl"
 
-// The neighbours (x, y, z) + 1, base 3: the block itself, sides, edges, corners.
-const uint neighbours[fingers_neighbours] =
-    uint[fingers_neighbours](13u, 14u, 16u, 22u, 15u, 17u, 19u, 21u, 23u, 25u, 18u, 20u, 24u, 26u);
-
-// For each of them the pairs of cells at most two apart, as pairs_of has them, cells counted from the sides that face each
+// For each neighbour the pairs of cells at most two apart, as pairs_of has them, cells counted from the sides that face each
 // other.
 const uvec2 reachable[fingers_neighbours] = uvec2[fingers_neighbours](
     uvec2(0xffffffffu, 0xffffffffu), uvec2(0x55ff55ffu, 0x55ff55ffu), uvec2(0x3333ffffu, 0x3333ffffu),
@@ -52,48 +50,70 @@ void defer(CrowdedPair pair) {
   }
 }
 
+// How many pairs of blocks there are to look at. A list that ran out has holes, and the last pass looks at everything.
+uint units_of(uint blocks) {
+  if (all) return blocks * fingers_neighbours;
+  return work.links <= push.most_contacts * fingers_links_per_contact ? work.links : 0u;
+}
+
 void main() {
-  const uint units = work.blocks * fingers_neighbours;
+  const uint blocks = work.blocks;
+  const uint units = units_of(blocks);
   const uint threads = gl_NumWorkGroups.x * blocks_group;
   const uint contacts = min(found.total, push.most_contacts);
   const uint mask = table_slots(contacts) - 1u;
   most_steps = contacts;
   for (uint unit = gl_GlobalInvocationID.x; unit < units; unit += threads) {
-    const uint neighbour = unit / work.blocks;
-    const uint here = list[unit % work.blocks];
-    const BlockKey key = keys[here];
+    const uint link = all ? unit / fingers_neighbours << 4u | unit % fingers_neighbours : texelFetch(links, int(unit)).x;
+    const uint neighbour = link & 15u;
     const uint code = neighbours[neighbour];
-    const uvec3 block = uvec3(key.xy & 0xffffu, key.xy >> 16u, key.z_solid & 0xffffu) +
-                        uvec3(code % 3u, code / 3u % 3u, code / 9u) - 1u;
-    const BlockKey wanted = BlockKey(block.x | block.y << 16u, block.z | (key.z_solid & 0xffff0000u));
-    uint slot = block_hash(wanted) & mask;
-    uint there = slots[slot];
-    for (uint probe = 0u; probe <= mask && there != fingers_nothing; ++probe) {
-      if (keys[there] == wanted) break;
-      slot = (slot + 1u) & mask;
-      there = slots[slot];
-    }
+    const uint here = texelFetch(list, int(link >> 4u)).x;
+    const uint there = owner_of(neighbour_of(key_of(here), code), mask);
     if (there == fingers_nothing) continue;
 
-    const uint groups_here = groups_of_block[here];
-    const uint groups_there = groups_of_block[there];
-    uvec2 todo = pairs_of(first_cells(groups_here), first_cells(groups_there));  // mostly one pair of groups
-    if (there == here) todo &= each_pair_once;
+    const uint groups_here = texelFetch(groups_of_block, int(here)).x;
+    const uint groups_there = texelFetch(groups_of_block, int(there)).x;
+    const Heads heads_here = heads_of(here);
+    const Heads heads_there = heads_of(there);
     // Cells that face each other first: they are the likeliest to be within the gap.
     const uint face_here = (code % 3u == 2u ? 1u : 0u) | (code / 3u % 3u == 2u ? 2u : 0u) | (code / 9u == 2u ? 4u : 0u);
     const uint face_there = (code % 3u == 0u ? 1u : 0u) | (code / 3u % 3u == 0u ? 2u : 0u);
-    for (uint k = 0u; k < 64u && (todo.x | todo.y) != 0u; ++k) {
-      const uint pair = take_pair(todo);
-      const uint a = heads[here * fingers_block_cells + (pair >> 3u)];
-      const uint b = heads[there * fingers_block_cells + (pair & 7u)];
-      if (find_root(a) == find_root(b)) continue;
-      const uint cells_a = cells_of_group(groups_here, pair >> 3u);
-      const uint cells_b = cells_of_group(groups_there, pair & 7u);
-      Search search = Search(pairs_of(flipped(cells_a, face_here), flipped(cells_b, face_there)) & reachable[neighbour],
-                             here * fingers_block_cells | face_here, there * fingers_block_cells | face_there, false, true);
-      go_on(search, all ? 0xffffffffu : fingers_patience);
-      if (search.open) defer(CrowdedPair(here, there, cells_a, cells_b));
-      if (search.found) unite(a, b);
+    uvec2 pairs = pairs_of(flipped(occupied_cells(groups_here), face_here), flipped(occupied_cells(groups_there), face_there)) &
+                  reachable[neighbour];
+    uvec2 apart = pairs_of(first_cells(groups_here), first_cells(groups_there));  // groups; mostly one pair
+    if (there == here) {
+      pairs &= each_pair_once;
+      apart &= each_pair_once;
+    }
+    Search search = search_in(pairs);
+    if (all) {  // patience has no end: spare it what is together already
+      uvec2 todo = apart;
+      for (uint k = 0u; k < 64u && (todo.x | todo.y) != 0u; ++k) {
+        const uint pair = take_pair(todo);
+        if (find_root(head_of(heads_here, pair >> 3u)) != find_root(head_of(heads_there, pair & 7u))) continue;
+        leave(search, pairs_of(flipped(cells_of_group(groups_here, pair >> 3u), face_here),
+                               flipped(cells_of_group(groups_there, pair & 7u), face_there)));
+      }
+    }
+    uvec2 together = uvec2(0u);
+    for (uint k = 0u; (all || k < fingers_patience) && more(search); ++k) {
+      if (!test(search, heads_here, heads_there, face_here, face_there)) continue;
+      const uint a = group_of(groups_here, face_here ^ (search.pair >> 3u));
+      const uint b = group_of(groups_there, face_there ^ (search.pair & 7u));
+      const uint cells_a = cells_of_group(groups_here, a);
+      const uint cells_b = cells_of_group(groups_there, b);
+      together |= pairs_of(1u << a, 1u << b);
+      leave(search, pairs_of(flipped(cells_a, face_here), flipped(cells_b, face_there)));
+      if (there == here) leave(search, pairs_of(cells_a | cells_b, cells_a | cells_b));
+    }
+    apart &= more(search) ? ~together : uvec2(0u);
+    for (uint k = 0u; k < 64u && (together.x | together.y) != 0u; ++k) {
+      const uint pair = take_pair(together);
+      unite(head_of(heads_here, pair >> 3u), head_of(heads_there, pair & 7u));
+    }
+    for (uint k = 0u; k < 64u && (apart.x | apart.y) != 0u; ++k) {
+      const uint pair = take_pair(apart);
+      defer(CrowdedPair(here, there, cells_of_group(groups_here, pair >> 3u), cells_of_group(groups_there, pair & 7u)));
     }
   }
 }

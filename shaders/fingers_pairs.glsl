@@ -1,38 +1,62 @@
-// Looks for two contacts within the gap, one from a cell of block a, one from a cell of block b. One loop whose every turn
-// tests one pair of contacts: devices that run a loop for many threads at once then waste little on the short ones. Needs
-// `nodes`, `heads` and `push.limit`.
+// Looks for contacts within the gap, one from a cell of block a, one from a cell of block b. One loop whose every turn tests
+// one pair of contacts: devices that run a loop for many threads at once then waste little on the short ones. Needs `nodes`,
+// `heads` and `push.limit`.
+
+// The first contacts of a block's cells, or fingers_nothing.
+struct Heads {
+  uvec4 low;
+  uvec4 high;
+};
+
+Heads heads_of(uint block) {
+  return Heads(texelFetch(heads, int(2u * block)), texelFetch(heads, int(2u * block + 1u)));
+}
+
+uint head_of(Heads of, uint cell) {
+  const uvec4 four = (cell & 4u) != 0u ? of.high : of.low;
+  const uvec2 two = (cell & 2u) != 0u ? four.zw : four.xy;
+  return (cell & 1u) != 0u ? two.y : two.x;
+}
 
 struct Search {
   uvec2 pairs;  // of cells, yet to do
-  uint first_a;  // of block a's heads; exclusive or with a pair's cell
-  uint first_b;
-  bool found;
-  bool open;  // there is more to test
+  uint pair;    // of cells, being tested
+  uvec4 a;      // the contact that is being tested against those of b's cell
+  uint next_a;
+  uint next_b;
+  uint head_b;
 };
+
+Search search_in(uvec2 pairs) {
+  return Search(pairs, 0u, uvec4(0u), fingers_nothing, fingers_nothing, fingers_nothing);
+}
+
+bool more(Search s) {
+  return s.next_b != fingers_nothing || s.next_a != fingers_nothing || (s.pairs.x | s.pairs.y) != 0u;
+}
+
+// Leaves these pairs of cells untested.
+void leave(inout Search s, uvec2 pairs) {
+  s.pairs &= ~pairs;
+  s.next_a = fingers_nothing;
+  s.next_b = fingers_nothing;
+}
 
 Float3 at(uvec4 node) { return Float3(uintBitsToFloat(node.x), uintBitsToFloat(node.y), uintBitsToFloat(node.z)); }
 
-// Tests up to `patience` pairs of contacts.
-void go_on(inout Search s, uint patience) {
-  uint next_a = fingers_nothing;  // contacts to test next
-  uint next_b = fingers_nothing;
-  uint head_b = fingers_nothing;
-  uvec4 a = uvec4(0u);
-  s.open = (s.pairs.x | s.pairs.y) != 0u;
-  for (uint test = 0u; test < patience && s.open; ++test) {
-    if (next_b == fingers_nothing) {
-      if (next_a == fingers_nothing) {
-        const uint pair = take_pair(s.pairs);
-        next_a = heads[s.first_a ^ (pair >> 3u)];
-        head_b = heads[s.first_b ^ (pair & 7u)];
-      }
-      a = nodes[next_a];
-      next_a = a.w;
-      next_b = head_b;
+// Tests one pair of contacts more; there are more(). `face_a` and `face_b`: exclusive or with a pair's cells, the blocks'.
+bool test(inout Search s, Heads a, Heads b, uint face_a, uint face_b) {
+  if (s.next_b == fingers_nothing) {
+    if (s.next_a == fingers_nothing) {
+      s.pair = take_pair(s.pairs);
+      s.next_a = head_of(a, face_a ^ (s.pair >> 3u));
+      s.head_b = head_of(b, face_b ^ (s.pair & 7u));
     }
-    const uvec4 b = nodes[next_b];
-    next_b = b.w;
-    s.found = in_reach(at(a), at(b), push.limit);
-    s.open = !s.found && (next_b != fingers_nothing || next_a != fingers_nothing || (s.pairs.x | s.pairs.y) != 0u);
+    s.a = texelFetch(nodes, int(s.next_a));
+    s.next_a = s.a.w;
+    s.next_b = s.head_b;
   }
+  const uvec4 other = texelFetch(nodes, int(s.next_b));
+  s.next_b = other.w;
+  return in_reach(at(s.a), at(other), push.limit);
 }

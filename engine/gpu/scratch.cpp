@@ -32,8 +32,12 @@ Scratch::Scratch(const Device& device, std::vector<ScratchPiece> pieces, const c
     end = begin + piece.bytes;
   }
   memory_ = Buffer(device, end + margin, name);
-  for (BufferRef& ref : refs_)
-    ref.buffer = memory_.ref().buffer;
+  for (std::size_t piece = 0; piece < pieces_.size(); ++piece) {
+    refs_[piece].buffer = memory_.ref().buffer;
+    if (pieces_[piece].texels == VK_FORMAT_UNDEFINED) continue;
+    texels_.emplace_back(device, refs_[piece], pieces_[piece].texels, pieces_[piece].name);
+    refs_[piece] = texels_.back().ref();
+  }
 }
 
 }  // namespace palpa::gpu

@@ -7,12 +7,14 @@
 
 #include "gpu/buffer.hpp"
 #include "gpu/device.hpp"
+#include "gpu/texel_view.hpp"
 
 namespace palpa::gpu {
 
 struct ScratchPiece {
   const char* name = "";  ///< a string literal
   VkDeviceSize bytes = 0;
+  VkFormat texels = VK_FORMAT_UNDEFINED;  ///< of its view, where a pass reads it as texels
 };
 
 /// The pieces of one pass, for one record of it at a time: one buffer, each piece at the alignment that any binding
@@ -34,6 +36,7 @@ class Scratch {
   std::vector<ScratchPiece> pieces_;
   std::vector<BufferRef> refs_;
   Buffer memory_;
+  std::vector<TexelView> texels_;
 };
 
 }  // namespace palpa::gpu

@@ -1,12 +1,14 @@
 #include "touch/fingers_pass.hpp"
 
 #include <bit>
+#include <cstddef>
 #include <span>
 
 #include "gpu/barrier.hpp"
 #include "shaders/contacts.h"
 #include "shaders/scan.h"
 #include "spirv/fingers_blocks.comp.hpp"
+#include "spirv/fingers_collect.comp.hpp"
 #include "spirv/fingers_crowded.comp.hpp"
 #include "spirv/fingers_gather.comp.hpp"
 #include "spirv/fingers_insert.comp.hpp"
@@ -19,12 +21,14 @@
 namespace palpa::touch {
 
 static_assert(max_fingers == shader::fingers_most);
+static_assert(sizeof(shader::SolidRecord) == std::size_t{16} * shader::fingers_solid_texels);
+static_assert(offsetof(shader::SolidRecord, centre) == std::size_t{16} * shader::fingers_centre_texel);
 
 namespace {
 
 gpu::ComputePipeline kernel(const gpu::Device& device, const char* name, std::span<const std::uint32_t> spirv,
-                            std::span<const std::uint32_t> constants = {}) {
-  return {device, name, spirv, {shader::fingers_buffers, sizeof(shader::FingersPush), constants}};
+                            std::uint32_t texels, std::span<const std::uint32_t> constants = {}) {
+  return {device, name, spirv, {shader::fingers_buffers, sizeof(shader::FingersPush), constants, texels}};
 }
 
 constexpr std::uint32_t test_all = 1;
@@ -39,21 +43,23 @@ std::uint64_t slots_for(std::uint32_t contacts) {
 
 void FingersPass::prepare(const Parameters& parameters) {
   if (!select_) {
-    prepare_ = kernel(*device_, "fingers prepare", spirv::fingers_prepare_comp);
-    insert_ = kernel(*device_, "fingers insert", spirv::fingers_insert_comp);
-    blocks_ = kernel(*device_, "fingers blocks", spirv::fingers_blocks_comp);
-    link_ = kernel(*device_, "fingers link", spirv::fingers_link_comp);
-    crowded_ = kernel(*device_, "fingers crowded", spirv::fingers_crowded_comp);
-    rest_ = kernel(*device_, "fingers rest", spirv::fingers_link_comp, {&test_all, 1});
+    prepare_ = kernel(*device_, "fingers prepare", spirv::fingers_prepare_comp, 0);
+    insert_ = kernel(*device_, "fingers insert", spirv::fingers_insert_comp, shader::fingers_insert_texels);
+    collect_ = kernel(*device_, "fingers collect", spirv::fingers_collect_comp, shader::fingers_collect_texels);
+    blocks_ = kernel(*device_, "fingers blocks", spirv::fingers_blocks_comp, shader::fingers_blocks_texels);
+    link_ = kernel(*device_, "fingers link", spirv::fingers_link_comp, shader::fingers_link_texels);
+    crowded_ = kernel(*device_, "fingers crowded", spirv::fingers_crowded_comp, shader::fingers_crowded_texels);
+    rest_ = kernel(*device_, "fingers rest", spirv::fingers_link_comp, shader::fingers_link_texels, {&test_all, 1});
     select_ = {*device_,
                "fingers select",
                spirv::fingers_select_comp,
                {shader::fingers_select_buffers, sizeof(shader::FingersPush)}};
   }
   if (parameters.cluster != Cluster::inside) {
-    if (!label_) label_ = kernel(*device_, "fingers label", spirv::fingers_label_comp);
+    if (!label_) label_ = kernel(*device_, "fingers label", spirv::fingers_label_comp, shader::fingers_label_texels);
   } else if (!gather_) {
-    label_inside_ = kernel(*device_, "fingers label inside", spirv::fingers_label_comp, {&with_deep, 1});
+    label_inside_ = kernel(*device_, "fingers label inside", spirv::fingers_label_comp, shader::fingers_label_texels,
+                           {&with_deep, 1});
     gather_ = {*device_,
                "fingers gather",
                spirv::fingers_gather_comp,
@@ -64,17 +70,22 @@ void FingersPass::prepare(const Parameters& parameters) {
 std::vector<gpu::ScratchPiece> FingersPass::scratch(const Room& room) {
   const std::uint64_t points = room.clustered();
   std::vector<gpu::ScratchPiece> of(pieces);
-  of[nodes] = {"finger nodes", points * sizeof(shader::uvec4)};
-  of[keys] = {"finger keys", points * sizeof(shader::BlockKey)};
-  of[places] = {"finger places", points * 4};
-  of[slots] = {"finger slots", slots_for(room.clustered()) * 4};
-  of[heads] = {"finger heads", points * 4 * shader::fingers_block_cells};
-  of[list] = {"finger blocks", points * 4};
-  of[groups] = {"finger groups", points * 4};
+  of[nodes] = {"finger nodes", points * sizeof(shader::uvec4), VK_FORMAT_R32G32B32A32_UINT};
+  of[keys] = {"finger keys", points * sizeof(shader::BlockKey), VK_FORMAT_R32G32_UINT};
+  of[places] = {"finger places", points * 4, VK_FORMAT_R32_UINT};
+  of[slots] = {"finger slots", slots_for(room.clustered()) * 4, VK_FORMAT_R32_UINT};
+  of[heads] = {"finger heads", points * 4 * shader::fingers_block_cells, VK_FORMAT_R32G32B32A32_UINT};
+  of[list] = {"finger blocks", points * 4, VK_FORMAT_R32_UINT};
+  of[links] = {"finger links", points * 4 * shader::fingers_links_per_contact, VK_FORMAT_R32_UINT};
+  of[groups] = {"finger groups", points * 4, VK_FORMAT_R32_UINT};
   of[crowded] = {"finger crowded", points * 4 + sizeof(shader::CrowdedPair)};
   of[work] = {"finger work", sizeof(shader::FingersWork)};
   of[inside_total] = {"inside total", sizeof(shader::ScanTotal)};
-  of[inside_points] = {"points inside", room.inside ? points * sizeof(shader::ContactRecord) : 0};
+  if (room.inside) {
+    of[inside_points] = {"points inside", points * sizeof(shader::ContactRecord), VK_FORMAT_R32G32B32A32_UINT};
+  } else {
+    of[inside_points] = {"points inside", 0};
+  }
   return of;
 }
 
@@ -93,7 +104,7 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, con
   const auto run = [&](const gpu::ComputePipeline& kernel, gpu::BufferRef where, VkDeviceSize at) {
     kernel.dispatch_indirect(commands,
                              {total, contacts, b.solids, s[nodes], s[keys], s[places], s[slots], s[heads], s[list],
-                              s[crowded], s[work], b.parents, b.clusters, s[groups]},
+                              s[crowded], s[work], b.parents, b.clusters, s[groups], s[links]},
                              push, {where.buffer, where.offset + at, sizeof(VkDispatchIndirectCommand)});
     gpu::compute_to_compute(commands);
   };
@@ -101,6 +112,7 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, con
   run(prepare_, total, per_contact);
   run(insert_, total, per_contact);
   if (times) times->mark(commands, "cells");
+  run(collect_, total, per_contact);
   run(blocks_, s[work], offsetof(shader::FingersWork, blocks_x));
   run(link_, s[work], offsetof(shader::FingersWork, links_x));
   run(crowded_, s[work], offsetof(shader::FingersWork, crowded_x));

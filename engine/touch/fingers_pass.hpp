@@ -20,9 +20,9 @@ namespace palpa::touch {
 
 struct FingersBindings {
   gpu::BufferRef length;    ///< in: shader::ScanTotal of the skin points, for the header only
-  gpu::BufferRef solids;    ///< in: shader::SolidRecord[]
+  gpu::BufferRef solids;    ///< in: shader::SolidRecord[], with a view of R32G32B32A32_SFLOAT texels
   gpu::BufferRef total;     ///< in: shader::ScanTotal of the contacts
-  gpu::BufferRef contacts;  ///< in: shader::ContactRecord[]
+  gpu::BufferRef contacts;  ///< in: shader::ContactRecord[], with a view of R32G32B32A32_UINT texels
   /// out: per clustered point (room.clustered()) a number that its cluster alone has (not the same on every run)
   gpu::BufferRef parents;
   gpu::BufferRef clusters;  ///< out: shader::Cluster per clustered point, valid where that is its cluster's number
@@ -33,7 +33,7 @@ struct FingersBindings {
   gpu::BufferRef deep = {};        ///< in: shader::ContactRecord[]
 };
 
-/// Pipelines only; eight dispatches, and gather before them for Cluster::inside: prepare, insert, blocks, link,
+/// Pipelines only; nine dispatches, and gather before them for Cluster::inside: prepare, insert, collect, blocks, link,
 /// crowded, rest, label, select. Every loop is bounded; the fingers do not depend on the order in which anything ran.
 class FingersPass {
  public:
@@ -58,6 +58,7 @@ class FingersPass {
     slots,
     heads,
     list,
+    links,
     groups,
     crowded,
     work,
@@ -67,7 +68,8 @@ class FingersPass {
   };
 
   const gpu::Device* device_;
-  gpu::ComputePipeline gather_, label_inside_, prepare_, insert_, blocks_, link_, crowded_, rest_, label_, select_;
+  gpu::ComputePipeline gather_, label_inside_, prepare_, insert_, collect_, blocks_, link_, crowded_, rest_, label_,
+      select_;
 };
 
 }  // namespace palpa::touch

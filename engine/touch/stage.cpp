@@ -87,9 +87,9 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
   gpu::compute_to_compute(commands);
   passes_.fingers_.record(commands,
                           {.length = length,
-                           .solids = m.solids_.ref(),
+                           .solids = m.solid_texels_.ref(),
                            .total = m.total_.ref(),
-                           .contacts = m.contacts_.ref(),
+                           .contacts = m.contact_texels_.ref(),
                            .parents = m.parents_.ref(),
                            .clusters = m.clusters_.ref(),
                            .header = m.header_.ref(),

@@ -79,8 +79,8 @@ class Stage {
 class StageMemory {
  public:
   /// Takes the memory for every frame with cameras, or where the setting says how many points there are; else set()
-  /// does. Throws bad_usage for more points than any frame can have. 8 bytes per point and 140 per contact, 47 MB for
-  /// three cameras of 848x480; per deep point 32, and 172 where they are clustered.
+  /// does. Throws bad_usage for more points than any frame can have. 8 bytes per point and 164 per contact, 53 MB for
+  /// three cameras of 848x480; per deep point 32, and 196 where they are clustered.
   explicit StageMemory(const Stage& stage);
 
   /// The input of the next record: one image per camera, or points whose indices ascend. The submit that used this
@@ -107,6 +107,7 @@ class StageMemory {
   gpu::Buffer total_, parents_, clusters_, grouped_;
   gpu::Scratch skin_scratch_, contacts_scratch_, fingers_scratch_, bridge_scratch_, sections_scratch_;
   gpu::Readback contacts_, deep_, deep_total_, header_, fingers_, foci_;
+  gpu::TexelView contact_texels_, solid_texels_;
 };
 
 /// What the newest record found, once its submit has completed, with each finger's depth (find_depths). With

@@ -65,9 +65,13 @@ void StageMemory::make(const Room& room) {
     points_ = gpu::Upload(device, std::uint64_t{room.points} * sizeof(sensing::SkinPoint), "skin points");
     given_ = gpu::Upload(device, sizeof(shader::ScanTotal), "skin total");
   }
-  solids_ = gpu::Upload(device, stage_->solids_.records.size() * sizeof(shader::SolidRecord), "solids");
+  // At least one, so that there is a texel to bind.
+  const std::size_t solids = std::max<std::size_t>(stage_->solids_.records.size(), 1);
+  solids_ = gpu::Upload(device, solids * sizeof(shader::SolidRecord), "solids");
+  solid_texels_ = gpu::TexelView(device, solids_.ref(), VK_FORMAT_R32G32B32A32_SFLOAT, "solids");
   total_ = gpu::Buffer(device, sizeof(shader::ScanTotal), "contact total");
   contacts_ = gpu::Readback(device, contacts * sizeof(shader::ContactRecord), "contacts");
+  contact_texels_ = gpu::TexelView(device, contacts_.ref(), VK_FORMAT_R32G32B32A32_UINT, "contacts");
   deep_ = gpu::Readback(device, deep * sizeof(shader::ContactRecord), "deep points");
   deep_total_ = gpu::Readback(device, sizeof(shader::ScanTotal), "deep total");
   contacts_scratch_ = gpu::Scratch(device, ContactsPass::scratch(room), "contacts");

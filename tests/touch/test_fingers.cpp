@@ -302,6 +302,18 @@ TEST_P(Fingers, MoreCrowdsThanTheListHoldsAreStillExact) {
   EXPECT_EQ(touch.cluster_count, 215u);
 }
 
+TEST_P(Fingers, MoreNeighboursThanTheListHoldsAreStillExact) {
+  // One contact in every block: nearly thirteen neighbours each, of which six have room on the list.
+  const double gap = 0.01, block = gap * 1.04;
+  const int wide = 12;
+  const auto leaning = random_points(wide * wide * wide, Vec3(-0.15 * gap), Vec3(0.15 * gap));
+  std::vector<glm::vec3> points;
+  points.reserve(leaning.size());
+  for (int i = 0; i < wide * wide * wide; ++i)
+    points.push_back(glm::vec3(block * (lattice(i, wide) + 0.5)) + leaning[static_cast<std::size_t>(i)]);
+  expect_exact(points, gap);
+}
+
 TEST_P(Fingers, AHundredThousandContactsAreOneBlobAtAnyLargeTolerance) {
   const auto points = random_points(100'000, Vec3(-0.05), Vec3(0.05));
   for (const double gap : {5e-3, 50e-3}) {

@@ -16,6 +16,7 @@
 #include "spirv/fingers_crowded.comp.hpp"
 #include "spirv/fingers_insert.comp.hpp"
 #include "spirv/fingers_label.comp.hpp"
+#include "spirv/fingers_insert.comp.hpp"
 #include "spirv/fingers_link.comp.hpp"
 #include "spirv/fingers_prepare.comp.hpp"
 #include "spirv/fingers_select.comp.hpp"
@@ -59,7 +60,9 @@ struct Guarded {
         foci(device, std::size_t{max_fingers} * max_foci * sizeof(shader::FocusRecord)),
         contacts_scratch(device, ContactsPass::scratch(room)),
         fingers_scratch(device, FingersPass::scratch(room)),
-        sections_scratch(device, SectionsPass::scratch()) {
+        sections_scratch(device, SectionsPass::scratch()),
+        solid_texels(device, solids.ref(), VK_FORMAT_R32G32B32A32_SFLOAT, "solids"),
+        contact_texels(device, contacts.ref(), VK_FORMAT_R32G32B32A32_UINT, "contacts") {
     const auto count = static_cast<std::uint32_t>(skin.size());
     const shader::ScanTotal given{count, (count + 63) / 64, 1, 1};
     length.write(&given, sizeof(given));
@@ -69,6 +72,7 @@ struct Guarded {
   GuardedBuffer points, length, solids, cells, planes, borders, of_solid, total, contacts, deep_total, deep, parents,
       clusters, header, fingers, grouped, tracks, foci;
   palpa::test::GuardedScratch contacts_scratch, fingers_scratch, sections_scratch;
+  gpu::TexelView solid_texels, contact_texels;
 
   bool intact() {
     bool all = true;
@@ -113,9 +117,9 @@ void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& soli
   gpu::compute_to_compute(commands);
   fingers.record(commands,
                  {.length = b.length.ref(),
-                  .solids = b.solids.ref(),
+                  .solids = b.solid_texels.ref(),
                   .total = b.total.ref(),
-                  .contacts = b.contacts.ref(),
+                  .contacts = b.contact_texels.ref(),
                   .parents = b.parents.ref(),
                   .clusters = b.clusters.ref(),
                   .header = b.header.ref(),
@@ -242,8 +246,9 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                 {MEMBER(ContactRecord, x), MEMBER(ContactRecord, point), MEMBER(ContactRecord, solid),
                  MEMBER(ContactRecord, depth), MEMBER(ContactRecord, finger)},
                 true);
+  const auto insert = palpa::test::read_spirv(spirv::fingers_insert_comp);
+  expect_struct(insert, "BlockKey", sizeof(shader::BlockKey), {MEMBER(BlockKey, xy), MEMBER(BlockKey, z_solid)}, true);
   const auto link = palpa::test::read_spirv(spirv::fingers_link_comp);
-  expect_struct(link, "BlockKey", sizeof(shader::BlockKey), {MEMBER(BlockKey, xy), MEMBER(BlockKey, z_solid)}, true);
   expect_struct(link, "CrowdedPair", sizeof(shader::CrowdedPair),
                 {MEMBER(CrowdedPair, block_a), MEMBER(CrowdedPair, block_b), MEMBER(CrowdedPair, cells_a),
                  MEMBER(CrowdedPair, cells_b)},
