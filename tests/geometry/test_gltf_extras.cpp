@@ -167,7 +167,7 @@ TEST(Extras, ChildrenInheritValueByValue) {
   EXPECT_EQ(scene.meshes.at(2).haptics, Haptics{});
   // What is inherited must fit, too.
   builder.doc["nodes"][0]["extras"] = {{"palpa_stride", 2}};
-  EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "node 0: extras: stride 2 and foci 4");
+  EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "node 0: extras: stride 2 and 4 foci");
 }
 
 }  // namespace
