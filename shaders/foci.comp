@@ -8,7 +8,7 @@
 // does not matter.
 layout(local_size_x = 128) in;
 
-layout(std430, set = 0, binding = foci_grouped) readonly buffer Grouped { uvec4 grouped[]; };
+layout(set = 0, binding = foci_grouped) uniform usamplerBuffer grouped;
 layout(std430, set = 0, binding = foci_fingers) buffer Fingers { FingerRecord fingers[]; };
 layout(std430, set = 0, binding = foci_out) writeonly buffer Foci { FocusRecord foci[]; };
 layout(std430, set = 0, binding = foci_borders) readonly buffer Borders { Border borders[]; };
@@ -22,7 +22,7 @@ shared Border corner[outline_bins];
 shared float way[outline_bins + 1u];  // along the outline, to each corner and all the way round
 
 Float3 position(uint place) {
-  const uvec4 bits = grouped[place];
+  const uvec4 bits = texelFetch(grouped, int(place));
   return Float3(uintBitsToFloat(bits.x), uintBitsToFloat(bits.y), uintBitsToFloat(bits.z));
 }
 

@@ -14,7 +14,7 @@ PALPA_CONST spacing_arc = 1u;
 PALPA_CONST outline_bins = 64u;
 
 // Bindings.
-PALPA_CONST foci_grouped = 0u;   // uvec4[]: as the sections pass leaves it
+PALPA_CONST foci_grouped = 0u;   // uvec4[]: as the sections pass leaves it; read as texels
 PALPA_CONST foci_fingers = 1u;   // FingerRecord[]: `foci` is written
 PALPA_CONST foci_out = 2u;       // FocusRecord[finger * foci_most + n]
 PALPA_CONST foci_borders = 3u;   // Border[]: for N foci the directions 2 pi n / N from N (N - 1) / 2 on

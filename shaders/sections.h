@@ -24,6 +24,9 @@ PALPA_CONST sections_counts = 4u;    // uint[sections_most_chunks * fingers_most
 PALPA_CONST sections_grouped = 5u;   // uvec4[]: bits of x, y, z and the contact's number, finger after finger
 PALPA_CONST sections_fingers = 6u;   // FingerRecord[]
 PALPA_CONST sections_buffers = 7u;
+// What two of them only read they read as texels of four words: a bit per binding.
+PALPA_CONST sections_group_texels = 1u << sections_contacts;
+PALPA_CONST sections_axes_texels = 1u << sections_grouped;
 
 #ifndef __cplusplus
 uint chunks_of(uint groups) {

@@ -9,14 +9,14 @@
 // its own contacts in theirs, then the threads' sums are added in thread order.
 layout(local_size_x = 128) in;
 
-layout(std430, set = 0, binding = sections_grouped) readonly buffer Grouped { uvec4 grouped[]; };
+layout(set = 0, binding = sections_grouped) uniform usamplerBuffer grouped;
 layout(std430, set = 0, binding = sections_fingers) buffer Fingers { FingerRecord fingers[]; };
 
 shared float partial[6][sections_group];
 shared float totals[6];
 
 Float3 position(uint place) {
-  const uvec4 bits = grouped[place];
+  const uvec4 bits = texelFetch(grouped, int(place));
   return Float3(uintBitsToFloat(bits.x), uintBitsToFloat(bits.y), uintBitsToFloat(bits.z));
 }
 

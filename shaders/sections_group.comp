@@ -9,7 +9,7 @@
 layout(local_size_x = 32) in;
 
 layout(std430, set = 0, binding = sections_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = sections_contacts) readonly buffer Contacts { uvec4 contacts[]; };  // ContactRecord, in halves
+layout(set = 0, binding = sections_contacts) uniform usamplerBuffer contacts;  // ContactRecord, in halves
 layout(std430, set = 0, binding = sections_header) readonly buffer Header { TouchHeader header; };
 layout(std430, set = 0, binding = sections_counts) readonly buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = sections_grouped) writeonly buffer Grouped { uvec4 grouped[]; };
@@ -33,7 +33,7 @@ void main() {
 
   for (uint f = 0u; f < known; ++f) places[f * sections_chunk_group + thread] = 0u;
   for (uint i = first; i < last; ++i) {
-    const uint finger = contacts[2u * i + 1u].z;
+    const uint finger = texelFetch(contacts, int(2u * i + 1u)).z;
     if (finger != no_finger) ++places[finger * sections_chunk_group + thread];
   }
   for (uint f = thread; f < known; f += sections_chunk_group) {
@@ -55,9 +55,9 @@ void main() {
   }
   barrier();
   for (uint i = first; i < last; ++i) {
-    const uint finger = contacts[2u * i + 1u].z;
+    const uint finger = texelFetch(contacts, int(2u * i + 1u)).z;
     if (finger == no_finger) continue;
-    const uvec4 half_record = contacts[2u * i];
+    const uvec4 half_record = texelFetch(contacts, int(2u * i));
     const uint place = places[finger * sections_chunk_group + thread]++;
     grouped[place] = uvec4(half_record.xyz, i);
   }

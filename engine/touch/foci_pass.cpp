@@ -8,7 +8,8 @@ namespace palpa::touch {
 static_assert(max_foci == shader::foci_most);
 
 FociPass::FociPass(const gpu::Device& device)
-    : pipeline_(device, "foci", spirv::foci_comp, {shader::foci_buffers, sizeof(shader::FociPush)}) {}
+    : pipeline_(device, "foci", spirv::foci_comp,
+                {shader::foci_buffers, sizeof(shader::FociPush), {}, 1U << shader::foci_grouped}) {}
 
 void FociPass::record(VkCommandBuffer commands, const FociBindings& b, const Parameters& parameters) const {
   const std::uint32_t spacing = parameters.spacing == Spacing::arc ? shader::spacing_arc : shader::spacing_angle;

@@ -8,7 +8,7 @@
 namespace palpa::touch {
 
 struct FociBindings {
-  gpu::BufferRef grouped;   ///< in: contacts in order of their fingers, from SectionsPass
+  gpu::BufferRef grouped;   ///< in: contacts in order of their fingers, from SectionsPass, with its view
   gpu::BufferRef header;    ///< in: shader::TouchHeader, one group per finger
   gpu::BufferRef fingers;   ///< in: shader::FingerRecord[max_fingers] with cross-sections; out: number of foci
   gpu::BufferRef foci;      ///< out: shader::FocusRecord[max_fingers * max_foci]; a point-like finger has one

@@ -15,13 +15,15 @@ static_assert(shader::sections_most_chunks * shader::sections_groups_per_chunk >
 static_assert(shader::sections_table >= 2 * shader::fingers_most);
 
 namespace {
-constexpr gpu::PipelineLayout layout{shader::sections_buffers, sizeof(shader::SectionsPush)};
+constexpr gpu::PipelineLayout layout(std::uint32_t texels) {
+  return {shader::sections_buffers, sizeof(shader::SectionsPush), {}, texels};
 }
+}  // namespace
 
 SectionsPass::SectionsPass(const gpu::Device& device)
-    : count_(device, "sections count", spirv::sections_count_comp, layout),
-      group_(device, "sections group", spirv::sections_group_comp, layout),
-      axes_(device, "sections axes", spirv::sections_axes_comp, layout) {}
+    : count_(device, "sections count", spirv::sections_count_comp, layout(0)),
+      group_(device, "sections group", spirv::sections_group_comp, layout(shader::sections_group_texels)),
+      axes_(device, "sections axes", spirv::sections_axes_comp, layout(shader::sections_axes_texels)) {}
 
 std::vector<gpu::ScratchPiece> SectionsPass::scratch() {
   std::vector<gpu::ScratchPiece> list(pieces);

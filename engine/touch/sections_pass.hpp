@@ -12,6 +12,7 @@
 namespace palpa::touch {
 
 struct SectionsBindings {
+  // `contacts` and `grouped` have a view of R32G32B32A32_UINT texels.
   gpu::BufferRef total;     ///< in: shader::ScanTotal of the contacts
   gpu::BufferRef parents;   ///< in: per contact a number that its finger alone has
   gpu::BufferRef contacts;  ///< in: shader::ContactRecord[]; out: their `finger`

@@ -116,9 +116,9 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
   passes_.sections_.record(commands,
                            {.total = m.total_.ref(),
                             .parents = m.parents_.ref(),
-                            .contacts = m.contacts_.ref(),
+                            .contacts = m.contact_texels_.ref(),
                             .header = m.header_.ref(),
-                            .grouped = m.grouped_.ref(),
+                            .grouped = m.grouped_texels_.ref(),
                             .fingers = m.fingers_.ref()},
                            m.sections_scratch_, m.room_, times);
   gpu::compute_to_compute(commands);
@@ -130,7 +130,7 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
     gpu::compute_to_compute(commands);
   }
   passes_.foci_.record(commands,
-                       {.grouped = m.grouped_.ref(),
+                       {.grouped = m.grouped_texels_.ref(),
                         .header = m.header_.ref(),
                         .fingers = m.fingers_.ref(),
                         .foci = m.foci_.ref(),

@@ -107,7 +107,7 @@ class StageMemory {
   gpu::Buffer total_, parents_, clusters_, grouped_;
   gpu::Scratch skin_scratch_, contacts_scratch_, fingers_scratch_, bridge_scratch_, sections_scratch_;
   gpu::Readback contacts_, deep_, deep_total_, header_, fingers_, foci_;
-  gpu::TexelView contact_texels_, solid_texels_;
+  gpu::TexelView contact_texels_, solid_texels_, grouped_texels_;
 };
 
 /// What the newest record found, once its submit has completed, with each finger's depth (find_depths). With

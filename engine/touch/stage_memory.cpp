@@ -81,6 +81,7 @@ void StageMemory::make(const Room& room) {
   fingers_ = gpu::Readback(device, std::uint64_t{max_fingers} * sizeof(shader::FingerRecord), "fingers");
   fingers_scratch_ = gpu::Scratch(device, FingersPass::scratch(room), "fingers");
   grouped_ = gpu::Buffer(device, contacts * sizeof(shader::uvec4), "grouped contacts");
+  grouped_texels_ = gpu::TexelView(device, grouped_.ref(), VK_FORMAT_R32G32B32A32_UINT, "grouped contacts");
   sections_scratch_ = gpu::Scratch(device, SectionsPass::scratch(), "sections");
   foci_ = gpu::Readback(device, std::uint64_t{max_fingers} * max_foci * sizeof(shader::FocusRecord), "foci");
 }

@@ -16,7 +16,6 @@
 #include "spirv/fingers_crowded.comp.hpp"
 #include "spirv/fingers_insert.comp.hpp"
 #include "spirv/fingers_label.comp.hpp"
-#include "spirv/fingers_insert.comp.hpp"
 #include "spirv/fingers_link.comp.hpp"
 #include "spirv/fingers_prepare.comp.hpp"
 #include "spirv/fingers_select.comp.hpp"
@@ -62,7 +61,8 @@ struct Guarded {
         fingers_scratch(device, FingersPass::scratch(room)),
         sections_scratch(device, SectionsPass::scratch()),
         solid_texels(device, solids.ref(), VK_FORMAT_R32G32B32A32_SFLOAT, "solids"),
-        contact_texels(device, contacts.ref(), VK_FORMAT_R32G32B32A32_UINT, "contacts") {
+        contact_texels(device, contacts.ref(), VK_FORMAT_R32G32B32A32_UINT, "contacts"),
+        grouped_texels(device, grouped.ref(), VK_FORMAT_R32G32B32A32_UINT, "grouped contacts") {
     const auto count = static_cast<std::uint32_t>(skin.size());
     const shader::ScanTotal given{count, (count + 63) / 64, 1, 1};
     length.write(&given, sizeof(given));
@@ -72,7 +72,7 @@ struct Guarded {
   GuardedBuffer points, length, solids, cells, planes, borders, of_solid, total, contacts, deep_total, deep, parents,
       clusters, header, fingers, grouped, tracks, foci;
   palpa::test::GuardedScratch contacts_scratch, fingers_scratch, sections_scratch;
-  gpu::TexelView solid_texels, contact_texels;
+  gpu::TexelView solid_texels, contact_texels, grouped_texels;
 
   bool intact() {
     bool all = true;
@@ -128,15 +128,17 @@ void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& soli
                   .deep = b.deep.ref()},
                  b.fingers_scratch, b.room, parameters);
   gpu::compute_to_compute(commands);
-  sections.record(commands,
-                  {b.total.ref(), b.parents.ref(), b.contacts.ref(), b.header.ref(), b.grouped.ref(), b.fingers.ref()},
-                  b.sections_scratch, b.room);
+  sections.record(
+      commands,
+      {b.total.ref(), b.parents.ref(), b.contact_texels.ref(), b.header.ref(), b.grouped_texels.ref(), b.fingers.ref()},
+      b.sections_scratch, b.room);
   gpu::compute_to_compute(commands);
   follow.record(commands, {b.header.ref(), b.fingers.ref(), b.tracks.ref()}, shader::follow_anew);
   gpu::compute_to_compute(commands);
-  foci.record(commands,
-              {b.grouped.ref(), b.header.ref(), b.fingers.ref(), b.foci.ref(), b.borders.ref(), b.of_solid.ref()},
-              parameters);
+  foci.record(
+      commands,
+      {b.grouped_texels.ref(), b.header.ref(), b.fingers.ref(), b.foci.ref(), b.borders.ref(), b.of_solid.ref()},
+      parameters);
 }
 
 TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
