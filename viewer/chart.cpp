@@ -13,7 +13,7 @@ constexpr double panel_width = 400, panel_height = 190;  // points
 constexpr std::size_t most_fingers = 4;
 
 /// From frequency and height to pixels.
-struct Frame {
+struct Plot {
   double left, right, top, bottom;
   double most;  ///< what the top stands for
   Vec2 at(double hz, double value) const {
@@ -27,26 +27,26 @@ void draw_panel(Ink& ink, const Vec2& low, const Vec2& high, const Theme& theme)
     ink.line({low.x, y}, {high.x, y}, 5, theme.background);
 }
 
-void draw_grid(Ink& ink, const Frame& frame, const Theme& theme) {
+void draw_grid(Ink& ink, const Plot& plot, const Theme& theme) {
   for (int i = 0; i <= 4; ++i) {
-    const double value = frame.most * i / 4;
-    ink.line(frame.at(0, value), frame.at(highest_hz, value), i == 0 ? 1.2 : 0.8,
+    const double value = plot.most * i / 4;
+    ink.line(plot.at(0, value), plot.at(highest_hz, value), i == 0 ? 1.2 : 0.8,
              i == 0 ? theme.ink : with_alpha(theme.faint_ink, 0.35F));
-    ink.text(fmt::format("{:g}", value), frame.at(0, value) + Vec2(-ink.px(7), ink.px(3)), 7, theme.ink, Align::right);
+    ink.text(fmt::format("{:g}", value), plot.at(0, value) + Vec2(-ink.px(7), ink.px(3)), 7, theme.ink, Align::right);
   }
   for (int hz = 0; hz <= static_cast<int>(highest_hz); hz += 100) {
-    const Vec2 foot = frame.at(hz, 0);
+    const Vec2 foot = plot.at(hz, 0);
     ink.line(foot, foot + Vec2(0, ink.px(4)), 1.2, theme.ink);
     ink.text(fmt::format("{}", hz), foot + Vec2(0, ink.px(14)), 7, theme.ink, Align::centre);
   }
-  ink.text("Hz", frame.at(highest_hz, 0) + Vec2(ink.px(14), ink.px(14)), 7, theme.ink);
+  ink.text("Hz", plot.at(highest_hz, 0) + Vec2(ink.px(14), ink.px(14)), 7, theme.ink);
 }
 
 /// How sensitive skin is, its best at the chart's top.
-void draw_sensitivity(Ink& ink, const Frame& frame, const Theme& theme) {
+void draw_sensitivity(Ink& ink, const Plot& plot, const Theme& theme) {
   for (int hz = 6; hz + 6 <= static_cast<int>(highest_hz); hz += 12) {
-    ink.line(frame.at(hz, frame.most * acoustics::skin_sensitivity(hz)),
-             frame.at(hz + 6, frame.most * acoustics::skin_sensitivity(hz + 6)), 1.1, theme.faint_ink);
+    ink.line(plot.at(hz, plot.most * acoustics::skin_sensitivity(hz)),
+             plot.at(hz + 6, plot.most * acoustics::skin_sensitivity(hz + 6)), 1.1, theme.faint_ink);
   }
 }
 
@@ -56,7 +56,7 @@ void draw_bar(Ink& ink, const Vec2& foot, const Vec2& head, double width, const 
   ink.line(foot - end, head + end, width, colour);
 }
 
-void draw_bars(Ink& ink, const Frame& frame, const std::vector<std::vector<SpectrumMark>>& spectra) {
+void draw_bars(Ink& ink, const Plot& plot, const std::vector<std::vector<SpectrumMark>>& spectra) {
   const std::size_t fingers = std::min(spectra.size(), most_fingers);
   const double width = fingers > 1 ? 3.2 : 6;
   for (std::size_t f = 0; f < fingers; ++f) {
@@ -65,9 +65,9 @@ void draw_bars(Ink& ink, const Frame& frame, const std::vector<std::vector<Spect
     const Vec2 shift(ink.px(beside), 0);
     for (const SpectrumMark& line : spectra[f]) {
       if (line.frequency_hz > highest_hz) break;
-      const Vec2 foot = frame.at(line.frequency_hz, 0) + shift;
-      draw_bar(ink, foot, frame.at(line.frequency_hz, line.pressure) + shift, width, with_alpha(colour, 0.32F));
-      draw_bar(ink, foot, frame.at(line.frequency_hz, line.felt) + shift, width, colour);
+      const Vec2 foot = plot.at(line.frequency_hz, 0) + shift;
+      draw_bar(ink, foot, plot.at(line.frequency_hz, line.pressure) + shift, width, with_alpha(colour, 0.32F));
+      draw_bar(ink, foot, plot.at(line.frequency_hz, line.felt) + shift, width, colour);
     }
   }
 }
@@ -104,13 +104,13 @@ void draw_chart(Ink& ink, const Picture& picture, double width, double height, c
     }
   }
   draw_panel(ink, low, low + size, theme);
-  const Frame frame{low.x + ink.px(40), low.x + size.x - ink.px(30), low.y + ink.px(44), low.y + size.y - ink.px(26),
-                    chart_top(most)};
+  const Plot plot{low.x + ink.px(40), low.x + size.x - ink.px(30), low.y + ink.px(44), low.y + size.y - ink.px(26),
+                  chart_top(most)};
   ink.text("vibration of the skin by frequency, of its mean pressure", low + Vec2(ink.px(8), ink.px(12)), 8, theme.ink);
   draw_key(ink, low + Vec2(ink.px(46), ink.px(26)), theme);
-  draw_grid(ink, frame, theme);
-  draw_bars(ink, frame, picture.spectra);
-  draw_sensitivity(ink, frame, theme);
+  draw_grid(ink, plot, theme);
+  draw_bars(ink, plot, picture.spectra);
+  draw_sensitivity(ink, plot, theme);
 }
 
 }  // namespace palpa::viewer

@@ -1,7 +1,7 @@
 // What mouse and keyboard do, without knowing where they come from: a window, a recording, a test.
 #pragma once
 
-#include "viewer/camera.hpp"
+#include "viewer/viewpoint.hpp"
 
 namespace palpa::viewer {
 
@@ -9,7 +9,7 @@ enum class Button { left, middle, right };
 enum class Key { other, one, three, five, seven, frame, space, quit };
 
 /// One thing that happened to a window. Positions are pixels from its top left.
-struct Event {
+struct WindowEvent {
   enum class Kind { press, release, move, scroll, key, damage };
   Kind kind = Kind::damage;  ///< damage: the window must be drawn anew
   double x = 0, y = 0;       ///< pointer; for scroll, y is the number of steps, positive away from the user
@@ -26,7 +26,7 @@ enum class Reply { nothing, redraw, quit, toggle_pause };
 class Controls {
  public:
   /// `home` is what F frames. `width` and `height` are the window's.
-  Reply handle(const Event& event, Camera& camera, const Box& home, double width, double height);
+  Reply handle(const WindowEvent& event, Viewpoint& viewpoint, const Box& home, double width, double height);
 
  private:
   enum class Drag { none, orbit, pan };

@@ -8,8 +8,8 @@
 #include "base/error.hpp"
 #include "base/output_file.hpp"
 #include "setup/program.hpp"
-#include "viewer/options.hpp"
 #include "viewer/run.hpp"
+#include "viewer/viewer_options.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -37,7 +37,7 @@ void parse_and_run(int argc, char** argv) {
       "the\n"
       "running focus, Escape or q quits.\n"
       "Exit codes: 0 ok, 1 failed, 2 bad usage, 3 no usable Vulkan device or display, 4 bad or missing input.");
-  Options options;
+  ViewerOptions options;
   add_options(app, options);
   setup::add_common(app, options.common);
   try {

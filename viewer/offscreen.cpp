@@ -39,15 +39,15 @@ Offscreen::Offscreen(const gpu::Device& device, std::uint32_t width, std::uint32
       timeline_(device, "picture"),
       ratio_(ratio) {}
 
-void Offscreen::draw(Scene& scene, const Camera& camera) {
-  const View view = whole(camera, width(), height());
-  draw(scene, std::span(&view, 1));
+void Offscreen::draw(DrawnPicture& drawn, const Viewpoint& viewpoint) {
+  const View view = whole(viewpoint, width(), height());
+  draw(drawn, std::span(&view, 1));
 }
 
-void Offscreen::draw(Scene& scene, std::span<const View> views) {
+void Offscreen::draw(DrawnPicture& drawn, std::span<const View> views) {
   const VkCommandBuffer commands = recorder_.begin();
   after_last_copy(commands);
-  renderer_.record(commands, scene, views, canvas_, {image_.get(), image_.view()}, ratio_);
+  renderer_.record(commands, drawn, views, canvas_, {image_.get(), image_.view()}, ratio_);
   gpu::transition(commands, image_.get(), format, gpu::image_use::colour_target, gpu::image_use::copied_from);
   VkBufferImageCopy region{};
   region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};

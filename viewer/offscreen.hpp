@@ -12,9 +12,9 @@ class Offscreen {
   /// `ratio`: pixels per point, for text and line widths. Throws failure() for sizes the device cannot do.
   Offscreen(const gpu::Device& device, std::uint32_t width, std::uint32_t height, double ratio = 1);
 
-  /// Draws one frame and waits for it. The same scene and views give the same bytes on one machine.
-  void draw(Scene& scene, std::span<const View> views);
-  void draw(Scene& scene, const Camera& camera);
+  /// Draws one frame and waits for it. The same picture and views give the same bytes on one machine.
+  void draw(DrawnPicture& drawn, std::span<const View> views);
+  void draw(DrawnPicture& drawn, const Viewpoint& viewpoint);
   /// What the last draw drew; all zero before the first.
   Pixels pixels() const;
 

@@ -90,7 +90,7 @@ void draw_legend(Ink& ink, const Picture& picture, const Theme& theme) {
   if (!picture.solids.empty()) {
     std::string names;
     std::size_t named = 0;
-    for (const Surface& solid : picture.solids) {
+    for (const SurfaceMark& solid : picture.solids) {
       if (solid.part.value_or(0) != 0) continue;  // named with its first part
       if (named < 4) names += (named > 0 ? ", " : "") + solid.name.substr(0, 40);
       ++named;
@@ -158,7 +158,7 @@ void draw_drive_wheel(Ink& ink, const Picture& picture, double width, const Them
             Align::centre);
 }
 
-void draw_axes(Ink& ink, const Camera& camera, double height) {
+void draw_axes(Ink& ink, const Viewpoint& viewpoint, double height) {
   struct Axis {
     Vec3 direction;
     const char* name;
@@ -166,7 +166,7 @@ void draw_axes(Ink& ink, const Camera& camera, double height) {
   };
   const std::array<Axis, 3> axes{Axis{{1, 0, 0}, "x", rgb(0xd55e00)}, Axis{{0, 1, 0}, "y", rgb(0x009e73)},
                                  Axis{{0, 0, 1}, "z", rgb(0x0072b2)}};
-  const Basis b = basis(camera);
+  const Basis b = basis(viewpoint);
   const Vec2 origin(ink.px(52), height - ink.px(52));
   std::array<std::size_t, 3> order{0, 1, 2};
   std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
@@ -181,8 +181,8 @@ void draw_axes(Ink& ink, const Camera& camera, double height) {
   }
 }
 
-void draw_scale(Ink& ink, const Camera& camera, const OverlayOptions& options, const Theme& theme) {
-  const double per_pixel = metres_per_pixel(camera, options.height);
+void draw_scale(Ink& ink, const Viewpoint& viewpoint, const OverlayOptions& options, const Theme& theme) {
+  const double per_pixel = metres_per_pixel(viewpoint, options.height);
   const double length = scale_bar_length(std::min(ink.px(150), options.width * 0.3) * per_pixel);
   const double pixels = length / per_pixel;
   const Vec2 right(options.width - ink.px(24), options.height - ink.px(28)), left = right - Vec2(pixels, 0);
@@ -203,11 +203,11 @@ double scale_bar_length(double longest_m) {
   return power * (mantissa >= 5 ? 5 : mantissa >= 2 ? 2 : 1);
 }
 
-void build_overlay(const Picture& picture, const Camera& camera, const OverlayOptions& options,
+void build_overlay(const Picture& picture, const Viewpoint& viewpoint, const OverlayOptions& options,
                    std::vector<shader::ViewStroke>& strokes) {
   const Theme& theme = picture.dark ? dark_theme() : light_theme();
   Ink ink(options.ratio, theme.background, strokes);
-  const shader::ViewPush view = projection(camera, options.width, options.height);
+  const shader::ViewPush view = projection(viewpoint, options.width, options.height);
   for (const CameraMark& mark : picture.cameras) {
     const Projected p = project(view, Vec3(mark.apex));
     if (p.visible) ink.label(mark.name, Vec2(p.x, p.y - ink.px(8)), 8, theme.faint_ink, Align::centre);
@@ -220,14 +220,14 @@ void build_overlay(const Picture& picture, const Camera& camera, const OverlayOp
     const std::array<Vec2, 4> corners{Vec2(0, 0), Vec2(far.x, 0), far, Vec2(0, far.y)};
     for (std::size_t i = 0; i < 4; ++i)
       ink.line(corners[i], corners[(i + 1) % 4], 2, theme.faint_ink);
-    if (picture.legend) draw_scale(ink, camera, options, theme);
+    if (picture.legend) draw_scale(ink, viewpoint, options, theme);
     return;
   }
   if (!picture.legend) return;
   draw_legend(ink, picture, theme);
   if (picture.driven) draw_drive_wheel(ink, picture, options.width, theme);
-  draw_axes(ink, camera, options.height);
-  draw_scale(ink, camera, options, theme);
+  draw_axes(ink, viewpoint, options.height);
+  draw_scale(ink, viewpoint, options, theme);
   draw_chart(ink, picture, options.width, options.height, theme);
 }
 

@@ -1,13 +1,13 @@
 // What lies flat on the picture: foci with their numbers, legend, axes, scale. Built anew for every frame as strokes in
-// pixels, since it depends on the camera.
+// pixels, since it depends on the viewpoint.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "shaders/view_scene.h"
-#include "viewer/camera.hpp"
 #include "viewer/picture.hpp"
+#include "viewer/viewpoint.hpp"
 
 namespace palpa::viewer {
 
@@ -19,7 +19,7 @@ struct OverlayOptions {
 
 /// Appends the overlay of `picture`, in pixels from the view's top left; later strokes lie over earlier ones. Surfaces,
 /// points and transducers are only named and counted.
-void build_overlay(const Picture& picture, const Camera& camera, const OverlayOptions& options,
+void build_overlay(const Picture& picture, const Viewpoint& viewpoint, const OverlayOptions& options,
                    std::vector<shader::ViewStroke>& strokes);
 
 /// Length in metres of the scale bar: the longest of 1, 2 and 5 times a power of ten that is at most `longest_m`.

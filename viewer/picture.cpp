@@ -133,7 +133,7 @@ Box extent(const Picture& picture, Extent extent) {
     box.high += margin;
     return box;
   }
-  for (const Surface& solid : picture.solids) {
+  for (const SurfaceMark& solid : picture.solids) {
     for (const Vec3& p : solid.mesh.positions)
       box.add(p);
   }

@@ -1,4 +1,4 @@
-// What a picture shows, as plain values: the renderer's whole input besides the camera. Nothing of Vulkan in it.
+// What a picture shows, as plain values: the renderer's whole input besides the viewpoint. Nothing of Vulkan in it.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@
 namespace palpa::viewer {
 
 /// A translucent surface in world coordinates, welded.
-struct Surface {
+struct SurfaceMark {
   std::string name;
   geometry::Mesh mesh;
   std::optional<std::uint32_t> part{};  ///< of a solid of convex parts: which of them; drawn in a colour of its own
@@ -75,8 +75,8 @@ struct CameraMark {
 
 struct Picture {
   std::string title;  ///< above the legend, may be empty
-  std::vector<Surface> solids;
-  std::optional<Surface> skin;  ///< the finger's or hand's surface, drawn faintly
+  std::vector<SurfaceMark> solids;
+  std::optional<SurfaceMark> skin;  ///< the finger's or hand's surface, drawn faintly
   std::vector<glm::vec3> skin_points;
   std::vector<ContactMark> contacts;
   std::vector<FingerMarks> fingers;
@@ -110,7 +110,7 @@ void show_drive(Picture& picture, std::span<const array::TransducerDrive> drive)
 /// Frusta as long as `depth_m`.
 void show_cameras(Picture& picture, std::span<const sensing::Camera> cameras, double depth_m = 0.08);
 
-/// What the camera should frame.
+/// What the view should show.
 enum class Extent {
   touch,    ///< close up: fingers' contacts and foci; objects where nothing touches
   objects,  ///< solids, contacts, and the skin up to 3 cm around them

@@ -25,11 +25,11 @@ namespace {
 /// One part in a thousand of the distance: lines lie on their surface, not half in it.
 constexpr float line_bias = 1.0e-3f;
 
-Colour face_of(const SurfaceRange& solid, const Theme& theme) {
+Colour face_of(const SurfaceItems& solid, const Theme& theme) {
   return solid.part ? part_colour(theme.solid, *solid.part) : theme.solid;
 }
 
-Colour rim_of(const SurfaceRange& solid, const Theme& theme) {
+Colour rim_of(const SurfaceItems& solid, const Theme& theme) {
   return solid.part ? part_colour(theme.solid_rim, *solid.part) : theme.solid_rim;
 }
 
@@ -80,7 +80,7 @@ constexpr std::uint32_t corners_of(std::uint32_t quads) {
 
 }  // namespace
 
-struct Renderer::Frame {
+struct Renderer::Shot {
   VkCommandBuffer commands;
   shader::ViewPush push;  // projection, window and eye; colour and style are each draw's own
   const Theme& theme;
@@ -118,30 +118,30 @@ Canvas Renderer::make_canvas(VkExtent2D extent) const {
   return canvas;
 }
 
-View whole(const Camera& camera, std::uint32_t width, std::uint32_t height) {
-  return {camera, {{0, 0}, {width, height}}, false};
+View whole(const Viewpoint& viewpoint, std::uint32_t width, std::uint32_t height) {
+  return {viewpoint, {{0, 0}, {width, height}}, false};
 }
 
-View close_up(const Camera& camera, const Box& box, std::uint32_t width, std::uint32_t height, double ratio) {
+View close_up(const Viewpoint& viewpoint, const Box& box, std::uint32_t width, std::uint32_t height, double ratio) {
   const double w = inset_share * width, h = std::min(0.5 * height, w);
   const double margin = std::min(24 * ratio, 0.04 * height), below = std::min(64 * ratio, 0.1 * height);
-  View view{camera, {}, true};
+  View view{viewpoint, {}, true};
   view.area.extent = {static_cast<std::uint32_t>(w), static_cast<std::uint32_t>(h)};
   view.area.offset = {static_cast<std::int32_t>(width - w - margin), static_cast<std::int32_t>(height - h - below)};
-  view.camera.shift = 0;
-  frame(view.camera, box, w / h);
+  view.viewpoint.shift = 0;
+  fit(view.viewpoint, box, w / h);
   return view;
 }
 
 // Which strokes belong to which view.
-std::vector<Range> Renderer::upload_overlay(VkCommandBuffer commands, const Scene& scene, std::span<const View> views,
-                                            Canvas& canvas, double ratio) const {
+std::vector<Items> Renderer::upload_overlay(VkCommandBuffer commands, const DrawnPicture& drawn,
+                                            std::span<const View> views, Canvas& canvas, double ratio) const {
   canvas.strokes_.clear();
-  std::vector<Range> ranges;
+  std::vector<Items> ranges;
   for (const View& view : views) {
     const auto first = static_cast<std::uint32_t>(canvas.strokes_.size());
     build_overlay(
-        scene.picture_, view.camera,
+        drawn.picture_, view.viewpoint,
         {static_cast<double>(view.area.extent.width), static_cast<double>(view.area.extent.height), ratio, view.inset},
         canvas.strokes_);
     ranges.push_back({first, static_cast<std::uint32_t>(canvas.strokes_.size()) - first});
@@ -155,13 +155,13 @@ std::vector<Range> Renderer::upload_overlay(VkCommandBuffer commands, const Scen
   return ranges;
 }
 
-void Renderer::record(VkCommandBuffer commands, Scene& scene, std::span<const View> views, Canvas& canvas,
+void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<const View> views, Canvas& canvas,
                       const Target& target, double ratio) const {
   const VkExtent2D extent = canvas.extent();
-  const Theme& theme = scene.picture_.dark ? dark_theme() : light_theme();
+  const Theme& theme = drawn.picture_.dark ? dark_theme() : light_theme();
   after_last_draws(commands);
-  scene.record_upload(commands);
-  const std::vector<Range> overlays = upload_overlay(commands, scene, views, canvas, ratio);
+  drawn.record_upload(commands);
+  const std::vector<Items> overlays = upload_overlay(commands, drawn, views, canvas, ratio);
 
   const bool resolve = canvas.colour_.get() != VK_NULL_HANDLE;
   gpu::transition(commands, target.image, colour_, gpu::image_use::discard_colour, gpu::image_use::colour_target);
@@ -197,17 +197,17 @@ void Renderer::record(VkCommandBuffer commands, Scene& scene, std::span<const Vi
   vkCmdBeginRendering(commands, &rendering);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const VkExtent2D size = views[i].area.extent;
-    Frame frame{commands, projection(views[i].camera, size.width, size.height), theme, basis(views[i].camera).eye,
-                static_cast<float>(ratio)};
-    frame.push.style.z = static_cast<float>(views[i].area.offset.x);
-    frame.push.style.w = static_cast<float>(views[i].area.offset.y);
-    draw_view(frame, scene, canvas, views[i], overlays[i]);
+    Shot shot{commands, projection(views[i].viewpoint, size.width, size.height), theme, basis(views[i].viewpoint).eye,
+              static_cast<float>(ratio)};
+    shot.push.style.z = static_cast<float>(views[i].area.offset.x);
+    shot.push.style.w = static_cast<float>(views[i].area.offset.y);
+    draw_view(shot, drawn, canvas, views[i], overlays[i]);
   }
   vkCmdEndRendering(commands);
 }
 
-void Renderer::draw_view(const Frame& frame, const Scene& scene, const Canvas& canvas, const View& view,
-                         const Range& overlay) const {
+void Renderer::draw_view(const Shot& shot, const DrawnPicture& drawn, const Canvas& canvas, const View& view,
+                         const Items& overlay) const {
   const VkRect2D& area = view.area;
   const VkViewport viewport{static_cast<float>(area.offset.x),
                             static_cast<float>(area.offset.y),
@@ -215,104 +215,104 @@ void Renderer::draw_view(const Frame& frame, const Scene& scene, const Canvas& c
                             static_cast<float>(area.extent.height),
                             0,
                             1};
-  vkCmdSetViewport(frame.commands, 0, 1, &viewport);
-  vkCmdSetScissor(frame.commands, 0, 1, &area);
+  vkCmdSetViewport(shot.commands, 0, 1, &viewport);
+  vkCmdSetScissor(shot.commands, 0, 1, &area);
   if (view.inset) {
     std::array<VkClearAttachment, 2> clears{};
     clears[0].aspectMask = VK_IMAGE_ASPECT_COLOR_BIT;
-    clears[0].clearValue.color = {{frame.theme.background.r, frame.theme.background.g, frame.theme.background.b, 1.0f}};
+    clears[0].clearValue.color = {{shot.theme.background.r, shot.theme.background.g, shot.theme.background.b, 1.0f}};
     clears[1].aspectMask = VK_IMAGE_ASPECT_DEPTH_BIT;
     const VkClearRect rect{area, 0, 1};
-    vkCmdClearAttachments(frame.commands, 2, clears.data(), 1, &rect);
+    vkCmdClearAttachments(shot.commands, 2, clears.data(), 1, &rect);
   }
-  draw_points(frame, scene);
-  draw_boards_and_lines(frame, scene);
-  draw_surfaces(frame, scene);
-  draw_overlay(frame, canvas, overlay);
+  draw_points(shot, drawn);
+  draw_boards_and_lines(shot, drawn);
+  draw_surfaces(shot, drawn);
+  draw_overlay(shot, canvas, overlay);
 }
 
 // Opaque and first: they write depth, and what is translucent then blends over those behind it.
-void Renderer::draw_points(const Frame& frame, const Scene& scene) const {
-  const auto draw = [&](const Range& range, float outline) {
-    shader::ViewPush push = frame.push;
-    push.style = {outline * frame.ratio, frame.ratio, 0, 0};
-    disc_.draw(frame.commands, {scene.discs_.ref()}, push, {.depth_write = true}, corners_of(range.count),
+void Renderer::draw_points(const Shot& shot, const DrawnPicture& drawn) const {
+  const auto draw = [&](const Items& range, float outline) {
+    shader::ViewPush push = shot.push;
+    push.style = {outline * shot.ratio, shot.ratio, 0, 0};
+    disc_.draw(shot.commands, {drawn.discs_.ref()}, push, {.depth_write = true}, corners_of(range.count),
                corners_of(range.first));
   };
-  draw(scene.transducers_, 0.0f);
-  draw(scene.points_, 0.0f);
-  draw(scene.contacts_, 0.6f);
+  draw(drawn.transducers_, 0.0f);
+  draw(drawn.points_, 0.0f);
+  draw(drawn.contacts_, 0.6f);
 }
 
-void Renderer::draw_boards_and_lines(const Frame& frame, const Scene& scene) const {
-  shader::ViewPush push = frame.push;
+void Renderer::draw_boards_and_lines(const Shot& shot, const DrawnPicture& drawn) const {
+  shader::ViewPush push = shot.push;
   push.window.w = line_bias;
-  push.style = {0, frame.ratio, frame.push.style.z, frame.push.style.w};
-  stroke_.draw(frame.commands, {scene.strokes_.ref()}, push, {}, corners_of(scene.lines_.count));
-  push = frame.push;
-  push.colour = pack(frame.theme.board);
-  push.style = {frame.theme.board.a, 0, 0, 0};
-  mesh_.draw(frame.commands, {scene.board_vertices_.ref()}, push, {}, scene.boards_.count);
+  push.style = {0, shot.ratio, shot.push.style.z, shot.push.style.w};
+  stroke_.draw(shot.commands, {drawn.strokes_.ref()}, push, {}, corners_of(drawn.lines_.count));
+  push = shot.push;
+  push.colour = pack(shot.theme.board);
+  push.style = {shot.theme.board.a, 0, 0, 0};
+  mesh_.draw(shot.commands, {drawn.board_vertices_.ref()}, push, {}, drawn.boards_.count);
 }
 
 // Solids are convex, so that back faces, then front faces, blend in the right order; several solids from far to near.
 // The skin's surface may pass through a solid: the part behind the solid's front is drawn before that front, the rest
 // after.
-void Renderer::draw_surfaces(const Frame& frame, const Scene& scene) const {
-  const auto paint = [&](const Range& range, Colour face, Colour rim, float shading, const gpu::DrawState& state) {
-    shader::ViewPush push = frame.push;
+void Renderer::draw_surfaces(const Shot& shot, const DrawnPicture& drawn) const {
+  const auto paint = [&](const Items& range, Colour face, Colour rim, float shading, const gpu::DrawState& state) {
+    shader::ViewPush push = shot.push;
     push.colour = pack(face);
     push.style = {rim.a, shading, 0, 0};
-    mesh_.draw(frame.commands, {scene.vertices_.ref()}, push, state, range.count, range.first);
+    mesh_.draw(shot.commands, {drawn.vertices_.ref()}, push, state, range.count, range.first);
   };
   const auto paint_skin = [&](VkCompareOp compare) {
     for (const VkCullModeFlagBits hidden : {VK_CULL_MODE_FRONT_BIT, VK_CULL_MODE_BACK_BIT}) {
-      paint(scene.skin_.vertices, frame.theme.skin, frame.theme.skin_rim, 1, {.cull = hidden, .compare = compare});
+      paint(drawn.skin_.vertices, shot.theme.skin, shot.theme.skin_rim, 1, {.cull = hidden, .compare = compare});
     }
   };
 
-  std::vector<std::size_t> order(scene.solids_.size());
+  std::vector<std::size_t> order(drawn.solids_.size());
   for (std::size_t i = 0; i < order.size(); ++i)
     order[i] = i;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return glm::distance(scene.solids_[a].centre, frame.eye) > glm::distance(scene.solids_[b].centre, frame.eye);
+    return glm::distance(drawn.solids_[a].centre, shot.eye) > glm::distance(drawn.solids_[b].centre, shot.eye);
   });
   for (const std::size_t i : order) {
-    const Range& range = scene.solids_[i].vertices;
-    paint(range, face_of(scene.solids_[i], frame.theme), rim_of(scene.solids_[i], frame.theme), 1,
+    const Items& range = drawn.solids_[i].vertices;
+    paint(range, face_of(drawn.solids_[i], shot.theme), rim_of(drawn.solids_[i], shot.theme), 1,
           {.cull = VK_CULL_MODE_FRONT_BIT});
     // Depth alone, by painting with no alpha.
-    paint(range, with_alpha(frame.theme.solid, 0), with_alpha(frame.theme.solid, 0), 0,
+    paint(range, with_alpha(shot.theme.solid, 0), with_alpha(shot.theme.solid, 0), 0,
           {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = true});
   }
   if (!order.empty()) paint_skin(VK_COMPARE_OP_LESS);
   for (const std::size_t i : order) {
-    paint(scene.solids_[i].vertices, face_of(scene.solids_[i], frame.theme), rim_of(scene.solids_[i], frame.theme), 1,
+    paint(drawn.solids_[i].vertices, face_of(drawn.solids_[i], shot.theme), rim_of(drawn.solids_[i], shot.theme), 1,
           {.cull = VK_CULL_MODE_BACK_BIT});
-    draw_edges(frame, scene, scene.solids_[i]);
+    draw_edges(shot, drawn, drawn.solids_[i]);
   }
   paint_skin(VK_COMPARE_OP_GREATER_OR_EQUAL);
 }
 
 // What lies behind a surface faintly, what is before it firmly.
-void Renderer::draw_edges(const Frame& frame, const Scene& scene, const SurfaceRange& surface) const {
-  shader::ViewPush push = frame.push;
+void Renderer::draw_edges(const Shot& shot, const DrawnPicture& drawn, const SurfaceItems& surface) const {
+  shader::ViewPush push = shot.push;
   push.window.w = line_bias;
   const auto draw = [&](float width, float alpha, VkCompareOp compare) {
-    push.colour = pack(with_alpha(frame.theme.edge, alpha));
-    push.style = {0.5f * width * frame.ratio, 0, frame.push.style.z, frame.push.style.w};
-    edge_.draw(frame.commands, {scene.edges_.ref()}, push, {.compare = compare}, corners_of(surface.edges.count),
+    push.colour = pack(with_alpha(shot.theme.edge, alpha));
+    push.style = {0.5f * width * shot.ratio, 0, shot.push.style.z, shot.push.style.w};
+    edge_.draw(shot.commands, {drawn.edges_.ref()}, push, {.compare = compare}, corners_of(surface.edges.count),
                corners_of(surface.edges.first));
   };
   draw(1.0f, 0.30f, VK_COMPARE_OP_LESS);
   draw(1.5f, 0.90f, VK_COMPARE_OP_GREATER_OR_EQUAL);
 }
 
-void Renderer::draw_overlay(const Frame& frame, const Canvas& canvas, const Range& strokes) const {
-  shader::ViewPush push = frame.push;
+void Renderer::draw_overlay(const Shot& shot, const Canvas& canvas, const Items& strokes) const {
+  shader::ViewPush push = shot.push;
   push.style.x = 1;
   push.style.y = 1;
-  stroke_.draw(frame.commands, {canvas.overlay_.ref()}, push, {.depth_test = false}, corners_of(strokes.count),
+  stroke_.draw(shot.commands, {canvas.overlay_.ref()}, push, {.depth_test = false}, corners_of(strokes.count),
                corners_of(strokes.first));
 }
 

@@ -1,4 +1,4 @@
-// Draws a scene into an image. Knows no window: it records into the caller's command buffer, and the caller owns the
+// Draws a picture into an image. Knows no window: it records into the caller's command buffer, and the caller owns the
 // image that is drawn to, be it a swapchain's or one that is read back.
 #pragma once
 
@@ -7,8 +7,8 @@
 
 #include "gpu/graphics_pipeline.hpp"
 #include "gpu/image.hpp"
-#include "viewer/camera.hpp"
-#include "viewer/scene.hpp"
+#include "viewer/drawn_picture.hpp"
+#include "viewer/viewpoint.hpp"
 
 namespace palpa::viewer {
 
@@ -25,16 +25,16 @@ class Canvas {
   std::vector<shader::ViewStroke> strokes_;
 };
 
-/// One view of the scene in a rectangle of the picture.
+/// One view in a rectangle of the picture.
 struct View {
-  Camera camera;
+  Viewpoint viewpoint;
   VkRect2D area{};     ///< pixels, inside the canvas
   bool inset = false;  ///< over what earlier views drew, with a border
 };
 /// The whole picture from one side.
-View whole(const Camera& camera, std::uint32_t width, std::uint32_t height);
+View whole(const Viewpoint& viewpoint, std::uint32_t width, std::uint32_t height);
 /// A close-up of `box` from the same side, on the right below the middle. Its width is inset_share of the picture's.
-View close_up(const Camera& camera, const Box& box, std::uint32_t width, std::uint32_t height, double ratio);
+View close_up(const Viewpoint& viewpoint, const Box& box, std::uint32_t width, std::uint32_t height, double ratio);
 inline constexpr double inset_share = 0.33;
 
 struct Target {
@@ -52,24 +52,24 @@ class Renderer {
   /// Throws failure() for an extent of zero or beyond the device's limit.
   Canvas make_canvas(VkExtent2D extent) const;
 
-  /// Draws `scene` into `target`, which must have the canvas' extent; whatever it held is lost. Views are drawn in
+  /// Draws `drawn` into `target`, which must have the canvas' extent; whatever it held is lost. Views are drawn in
   /// order. `ratio` is pixels per point (2 on a high-resolution screen). Barriers: earlier users of the target's image
   /// are ordered before colour-attachment output by the caller (a semaphore's wait, or a submit before that was waited
   /// for). Afterwards the target is a colour target (gpu::image_use::colour_target): the caller moves it on.
-  void record(VkCommandBuffer commands, Scene& scene, std::span<const View> views, Canvas& canvas, const Target& target,
-              double ratio = 1) const;
+  void record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<const View> views, Canvas& canvas,
+              const Target& target, double ratio = 1) const;
 
  private:
-  struct Frame;
-  void draw_points(const Frame& frame, const Scene& scene) const;
-  void draw_boards_and_lines(const Frame& frame, const Scene& scene) const;
-  void draw_surfaces(const Frame& frame, const Scene& scene) const;
-  void draw_edges(const Frame& frame, const Scene& scene, const SurfaceRange& surface) const;
-  void draw_overlay(const Frame& frame, const Canvas& canvas, const Range& strokes) const;
-  std::vector<Range> upload_overlay(VkCommandBuffer commands, const Scene& scene, std::span<const View> views,
+  struct Shot;
+  void draw_points(const Shot& shot, const DrawnPicture& drawn) const;
+  void draw_boards_and_lines(const Shot& shot, const DrawnPicture& drawn) const;
+  void draw_surfaces(const Shot& shot, const DrawnPicture& drawn) const;
+  void draw_edges(const Shot& shot, const DrawnPicture& drawn, const SurfaceItems& surface) const;
+  void draw_overlay(const Shot& shot, const Canvas& canvas, const Items& strokes) const;
+  std::vector<Items> upload_overlay(VkCommandBuffer commands, const DrawnPicture& drawn, std::span<const View> views,
                                     Canvas& canvas, double ratio) const;
-  void draw_view(const Frame& frame, const Scene& scene, const Canvas& canvas, const View& view,
-                 const Range& overlay) const;
+  void draw_view(const Shot& shot, const DrawnPicture& drawn, const Canvas& canvas, const View& view,
+                 const Items& overlay) const;
 
   const gpu::Device* device_;
   VkFormat colour_, depth_;

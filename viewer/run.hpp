@@ -1,17 +1,17 @@
 // The two ways to look at a show: pictures without a window, and a window.
 #pragma once
 
-#include "viewer/options.hpp"
 #include "viewer/show.hpp"
+#include "viewer/viewer_options.hpp"
 
 namespace palpa::viewer {
 
 /// Draws --frames pictures, a slot each; writes and compares the last. Throws failure() where it differs from the
 /// reference by more than the threshold.
-void run_headless(const Options& options);
+void run_headless(const ViewerOptions& options);
 
 /// Opens a window and shows until it is closed or --frames have been drawn. The running focus moves on in slow motion,
 /// a slot every quarter of a second; with --frames, with every frame.
-void run_window(const Options& options);
+void run_window(const ViewerOptions& options);
 
 }  // namespace palpa::viewer

@@ -22,7 +22,7 @@ std::string to_json(const Pixels& pixels, std::uint32_t frames, std::optional<do
   return json.take();
 }
 
-double compare(const Options& options, const Pixels& pixels) {
+double compare(const ViewerOptions& options, const Pixels& pixels) {
   const Pixels reference = read_png(options.reference);
   if (reference.width != pixels.width || reference.height != pixels.height) {
     throw bad_input(options.reference,
@@ -34,7 +34,7 @@ double compare(const Options& options, const Pixels& pixels) {
 
 }  // namespace
 
-void run_headless(const Options& options) {
+void run_headless(const ViewerOptions& options) {
   const Outputs outputs({{"--json", options.common.json}, {"--screenshot", options.screenshot}});
   refuse_output_as_input(std::filesystem::path(options.reference));
   Show show(options);
@@ -42,10 +42,10 @@ void run_headless(const Options& options) {
   const Size size = picture_size(options);
   const double ratio = options.pixel_ratio.value_or(1);
   Offscreen offscreen(device, size.width, size.height, ratio);
-  Scene scene(device);
-  scene.update(show.picture());
-  const Camera camera = first_camera(options, show.picture(), size);
-  const auto views = views_from(camera, options, show.picture(), size, ratio);
+  DrawnPicture drawn(device);
+  drawn.update(show.picture());
+  const Viewpoint viewpoint = first_viewpoint(options, show.picture(), size);
+  const auto views = views_from(viewpoint, options, show.picture(), size, ratio);
 
   const std::uint32_t frames = options.frames.value_or(1);
   std::vector<double> times;
@@ -53,9 +53,9 @@ void run_headless(const Options& options) {
   for (std::uint32_t i = 0; i < frames; ++i) {
     if (i > 0 && show.changes()) {
       show.go_to(options.slot + i);
-      scene.update_marks(show.picture());
+      drawn.update_marks(show.picture());
     }
-    offscreen.draw(scene, views);
+    offscreen.draw(drawn, views);
     times.push_back(watch.lap_ms());
   }
   std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());

@@ -33,7 +33,7 @@ Size pixels_of(const Window& window) {
 
 }  // namespace
 
-void run_window(const Options& options) {
+void run_window(const ViewerOptions& options) {
   const Size size = picture_size(options);
   Window window(size.width, size.height, "palpa");  // first: without a display nothing else is worth doing
   Show show(options);
@@ -42,21 +42,21 @@ void run_window(const Options& options) {
   const gpu::Device device(device_options);
   const WindowSurface surface(device, window);
   Presenter presenter(device, surface.get());
-  Scene scene(device);
-  scene.update(show.picture());
+  DrawnPicture drawn(device);
+  drawn.update(show.picture());
 
   Size extent = pixels_of(window);
-  Camera camera = first_camera(options, show.picture(), extent);
+  Viewpoint viewpoint = first_viewpoint(options, show.picture(), extent);
   const Box home = home_of(options, show.picture());
   Controls controls;
-  std::vector<Event> events;
+  std::vector<WindowEvent> events;
   std::uint64_t slot = options.slot;
-  std::uint32_t drawn = 0;
+  std::uint32_t frames_drawn = 0;
   bool dirty = true, playing = show.changes();
   Clock::time_point next_slot = Clock::now() + slow_slot;
 
   // Draws only when something has changed: a window that nobody touches costs nothing.
-  while (!window.closing() && !(options.frames && drawn >= *options.frames)) {
+  while (!window.closing() && !(options.frames && frames_drawn >= *options.frames)) {
     double timeout = -1;
     extent = pixels_of(window);
     const bool visible = extent.width > 0 && extent.height > 0;
@@ -67,8 +67,8 @@ void run_window(const Options& options) {
     }
     events.clear();
     window.wait(timeout, events);
-    for (const Event& event : events) {
-      switch (controls.handle(event, camera, home, extent.width, extent.height)) {
+    for (const WindowEvent& event : events) {
+      switch (controls.handle(event, viewpoint, home, extent.width, extent.height)) {
         case Reply::quit:
           return;
         case Reply::toggle_pause:
@@ -81,18 +81,18 @@ void run_window(const Options& options) {
           break;
       }
     }
-    if (playing && (options.frames ? drawn > 0 : Clock::now() >= next_slot)) {
+    if (playing && (options.frames ? frames_drawn > 0 : Clock::now() >= next_slot)) {
       next_slot = Clock::now() + slow_slot;
       show.go_to(++slot);
       presenter.finish();
-      scene.update_marks(show.picture());
+      drawn.update_marks(show.picture());
       dirty = true;
     }
     extent = pixels_of(window);
     if (!dirty && !options.frames) continue;
     const double ratio = options.pixel_ratio.value_or(window.pixel_ratio());
-    if (presenter.draw(scene, views_from(camera, options, show.picture(), extent, ratio), ratio)) {
-      ++drawn;
+    if (presenter.draw(drawn, views_from(viewpoint, options, show.picture(), extent, ratio), ratio)) {
+      ++frames_drawn;
       dirty = false;
     } else if (extent.width == 0 || extent.height == 0) {
       window.wait(0.1, events);

@@ -30,7 +30,7 @@ std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input, std:
 
 }  // namespace
 
-Show::Show(const Options& options) : drive_options_(setup::drive_options(options.drive)) {
+Show::Show(const ViewerOptions& options) : drive_options_(setup::drive_options(options.drive)) {
   picture_.title = options.title;
   picture_.dark = options.dark;
   picture_.legend = !options.no_legend;
@@ -41,7 +41,7 @@ Show::Show(const Options& options) : drive_options_(setup::drive_options(options
   go_to(options.slot);
 }
 
-void Show::load_objects(const Options& options) {
+void Show::load_objects(const ViewerOptions& options) {
   std::vector<geometry::Solid> solids =
       setup::load_solids(options.input.scene, options.input.gltf_scene, options.input.solids);
   show_solids(picture_, solids);
@@ -60,24 +60,24 @@ void Show::load_objects(const Options& options) {
   if (options.show_cameras) show_cameras(picture_, input.cameras);
 }
 
-void Show::load_skin_surface(const Options& options) {
+void Show::load_skin_surface(const ViewerOptions& options) {
   const geometry::Ply ply = geometry::read_ply(options.skin);
   if (ply.triangles.empty())
     throw bad_input(options.skin, "has no faces; --skin wants a mesh, --points takes points alone");
   geometry::Mesh mesh = geometry::weld({ply.positions, ply.triangles});
   if (options.input.penetration_m && !mesh.positions.empty()) {
     double top = -1e300, lowest = 1e300;
-    for (const Surface& solid : picture_.solids)
+    for (const SurfaceMark& solid : picture_.solids)
       top = std::max(top, geometry::bounds(solid.mesh).high.y);
     for (const Vec3& p : mesh.positions)
       lowest = std::min(lowest, p.y);
     for (Vec3& p : mesh.positions)
       p.y += top - *options.input.penetration_m - lowest;
   }
-  picture_.skin = Surface{std::filesystem::path(options.skin).stem().string(), std::move(mesh)};
+  picture_.skin = SurfaceMark{std::filesystem::path(options.skin).stem().string(), std::move(mesh)};
 }
 
-void Show::load_array(const Options& options) {
+void Show::load_array(const ViewerOptions& options) {
   std::string name = options.layout;
   std::optional<Transform> pose;
   if (name.empty() && !options.input.rig.empty()) {

@@ -5,15 +5,15 @@
 
 #include "array/drive.hpp"
 #include "array/schedule.hpp"
-#include "viewer/options.hpp"
 #include "viewer/picture.hpp"
+#include "viewer/viewer_options.hpp"
 
 namespace palpa::viewer {
 
 class Show {
  public:
   /// Reads the files and finds contacts, fingers and foci. Throws as the engine does.
-  explicit Show(const Options& options);
+  explicit Show(const ViewerOptions& options);
 
   const Picture& picture() const { return picture_; }
   /// Whether slots look different from each other.
@@ -22,9 +22,9 @@ class Show {
   void go_to(std::uint64_t slot);
 
  private:
-  void load_objects(const Options& options);
-  void load_skin_surface(const Options& options);
-  void load_array(const Options& options);
+  void load_objects(const ViewerOptions& options);
+  void load_skin_surface(const ViewerOptions& options);
+  void load_array(const ViewerOptions& options);
 
   Picture picture_;
   array::Schedule schedule_;

@@ -37,14 +37,14 @@ gpu::Handle<VkSemaphore> make_semaphore(const gpu::Device& device) {
 
 Presenter::Presenter(const gpu::Device& device, VkSurfaceKHR surface)
     : device_(&device), surface_(surface), format_(pick_format(device, surface)), renderer_(device, format_.format) {
-  for (Frame& frame : frames_) {
-    frame.recorder = gpu::Recorder(device, "window frame");
-    frame.acquired = make_semaphore(device);
+  for (Flight& flight : flights_) {
+    flight.recorder = gpu::Recorder(device, "window frame");
+    flight.acquired = make_semaphore(device);
     VkFenceCreateInfo info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
     info.flags = VK_FENCE_CREATE_SIGNALED_BIT;
     VkFence fence = VK_NULL_HANDLE;
     PALPA_VK(vkCreateFence(device.get(), &info, nullptr, &fence));
-    frame.done = gpu::Handle<VkFence>(device.get(), fence, vkDestroyFence);
+    flight.done = gpu::Handle<VkFence>(device.get(), fence, vkDestroyFence);
   }
 }
 
@@ -55,7 +55,7 @@ Presenter::~Presenter() {
 }
 
 void Presenter::finish() {
-  const std::array fences{frames_[0].done.get(), frames_[1].done.get()};
+  const std::array fences{flights_[0].done.get(), flights_[1].done.get()};
   constexpr std::uint64_t ten_seconds = 10'000'000'000;
   PALPA_VK(vkWaitForFences(device_->get(), 2, fences.data(), VK_TRUE, ten_seconds) == VK_SUCCESS
                ? VK_SUCCESS
@@ -114,9 +114,9 @@ bool Presenter::rebuild(std::uint32_t width, std::uint32_t height) {
     PALPA_VK(vkCreateImageView(device_->get(), &view_info, nullptr, &view));
     images_.push_back({image, {device_->get(), view, vkDestroyImageView}, make_semaphore(*device_)});
   }
-  if (extent.width != extent_.width || extent.height != extent_.height || !frames_[0].canvas) {
-    for (Frame& frame : frames_)
-      frame.canvas = renderer_.make_canvas(extent);
+  if (extent.width != extent_.width || extent.height != extent_.height || !flights_[0].canvas) {
+    for (Flight& flight : flights_)
+      flight.canvas = renderer_.make_canvas(extent);
   }
   extent_ = extent;
   asked_width_ = width;
@@ -125,10 +125,10 @@ bool Presenter::rebuild(std::uint32_t width, std::uint32_t height) {
   return true;
 }
 
-void Presenter::submit(Frame& frame, const Image& image) {
-  const VkSemaphore wait = frame.acquired.get(), signal = image.drawn.get();
+void Presenter::submit(Flight& flight, const Image& image) {
+  const VkSemaphore wait = flight.acquired.get(), signal = image.drawn.get();
   const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
-  const VkCommandBuffer commands = frame.recorder.end();
+  const VkCommandBuffer commands = flight.recorder.end();
   VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   info.waitSemaphoreCount = 1;
   info.pWaitSemaphores = &wait;
@@ -137,25 +137,25 @@ void Presenter::submit(Frame& frame, const Image& image) {
   info.pCommandBuffers = &commands;
   info.signalSemaphoreCount = 1;
   info.pSignalSemaphores = &signal;
-  const VkFence fence = frame.done.get();
+  const VkFence fence = flight.done.get();
   PALPA_VK(vkResetFences(device_->get(), 1, &fence));
   const std::lock_guard lock(device_->queue_mutex());
   PALPA_VK(device_->lost() ? VK_ERROR_DEVICE_LOST : vkQueueSubmit(device_->queue(), 1, &info, fence));
 }
 
-bool Presenter::draw(Scene& scene, std::span<const View> views, double ratio) {
+bool Presenter::draw(DrawnPicture& drawn, std::span<const View> views, double ratio) {
   const auto [width, height] = views.front().area.extent;
   if (width == 0 || height == 0) return false;
   if ((stale_ || width != asked_width_ || height != asked_height_) && !rebuild(width, height)) return false;
 
-  Frame& frame = frames_[next_frame_];
-  const VkFence fence = frame.done.get();
+  Flight& flight = flights_[next_flight_];
+  const VkFence fence = flight.done.get();
   constexpr std::uint64_t ten_seconds = 10'000'000'000;
   if (vkWaitForFences(device_->get(), 1, &fence, VK_TRUE, ten_seconds) != VK_SUCCESS) {
     throw failure(fmt::format("{}: no answer within 10 s", device_->description().name));
   }
   std::uint32_t index = 0;
-  const VkResult acquired = vkAcquireNextImageKHR(device_->get(), swapchain_.get(), ten_seconds, frame.acquired.get(),
+  const VkResult acquired = vkAcquireNextImageKHR(device_->get(), swapchain_.get(), ten_seconds, flight.acquired.get(),
                                                   VK_NULL_HANDLE, &index);
   if (acquired == VK_ERROR_OUT_OF_DATE_KHR || acquired == VK_TIMEOUT || acquired == VK_NOT_READY) {
     stale_ = true;
@@ -166,11 +166,11 @@ bool Presenter::draw(Scene& scene, std::span<const View> views, double ratio) {
   if (!stale_) PALPA_VK(acquired);
 
   const Image& image = images_[index];
-  const VkCommandBuffer commands = frame.recorder.begin();
-  renderer_.record(commands, scene, views, *frame.canvas, {image.image, image.view.get()}, ratio);
+  const VkCommandBuffer commands = flight.recorder.begin();
+  renderer_.record(commands, drawn, views, *flight.canvas, {image.image, image.view.get()}, ratio);
   gpu::transition(commands, image.image, format_.format, gpu::image_use::colour_target, gpu::image_use::presented);
-  submit(frame, image);
-  next_frame_ = (next_frame_ + 1) % frames_.size();
+  submit(flight, image);
+  next_flight_ = (next_flight_ + 1) % flights_.size();
 
   const VkSemaphore wait = image.drawn.get();
   const VkSwapchainKHR swapchain = swapchain_.get();

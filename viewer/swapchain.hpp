@@ -1,4 +1,4 @@
-// Presents a scene on a window's surface, whatever window that is.
+// Presents a picture on a window's surface, whatever window that is.
 #pragma once
 
 #include <array>
@@ -22,13 +22,13 @@ class Presenter {
   /// Draws and presents one frame; the first view says how large the window is, making the swapchain anew where the
   /// window has changed. False where nothing could be shown: the window has no area, or it changed again meanwhile;
   /// draw once more later.
-  bool draw(Scene& scene, std::span<const View> views, double ratio);
+  bool draw(DrawnPicture& drawn, std::span<const View> views, double ratio);
 
-  /// Waits until no frame is in flight: the scene may then be updated.
+  /// Waits until no frame is in flight: the picture may then be updated.
   void finish();
 
  private:
-  struct Frame {
+  struct Flight {
     gpu::Recorder recorder;
     gpu::Handle<VkSemaphore> acquired;
     gpu::Handle<VkFence> done;
@@ -40,7 +40,7 @@ class Presenter {
     gpu::Handle<VkSemaphore> drawn;
   };
   bool rebuild(std::uint32_t width, std::uint32_t height);
-  void submit(Frame& frame, const Image& image);
+  void submit(Flight& flight, const Image& image);
 
   const gpu::Device* device_;
   VkSurfaceKHR surface_;
@@ -51,8 +51,8 @@ class Presenter {
   std::uint32_t asked_width_ = 0, asked_height_ = 0;
   bool stale_ = true;
   std::vector<Image> images_;
-  std::array<Frame, 2> frames_;
-  std::size_t next_frame_ = 0;
+  std::array<Flight, 2> flights_;
+  std::size_t next_flight_ = 0;
 };
 
 }  // namespace palpa::viewer

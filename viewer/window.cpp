@@ -52,16 +52,16 @@ Key key_of(int key) {
 
 struct Window::State {
   GLFWwindow* window = nullptr;
-  std::vector<Event> events;
+  std::vector<WindowEvent> events;
 
   static State& of(GLFWwindow* window) { return *static_cast<State*>(glfwGetWindowUserPointer(window)); }
 
   /// GLFW counts in screen coordinates, of which one may be several pixels.
-  Event pointer(Event::Kind kind) const {
+  WindowEvent pointer(WindowEvent::Kind kind) const {
     int width = 0, height = 0, pixels_x = 0, pixels_y = 0;
     glfwGetWindowSize(window, &width, &height);
     glfwGetFramebufferSize(window, &pixels_x, &pixels_y);
-    Event event;
+    WindowEvent event;
     event.kind = kind;
     glfwGetCursorPos(window, &event.x, &event.y);
     if (width > 0 && height > 0) {
@@ -87,7 +87,7 @@ Window::Window(std::uint32_t width, std::uint32_t height, const char* title) : s
   glfwSetWindowUserPointer(window, state_.get());
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
     State& state = State::of(w);
-    Event event = state.pointer(action == GLFW_PRESS ? Event::Kind::press : Event::Kind::release);
+    WindowEvent event = state.pointer(action == GLFW_PRESS ? WindowEvent::Kind::press : WindowEvent::Kind::release);
     event.button = button == GLFW_MOUSE_BUTTON_LEFT     ? Button::left
                    : button == GLFW_MOUSE_BUTTON_MIDDLE ? Button::middle
                                                         : Button::right;
@@ -96,18 +96,18 @@ Window::Window(std::uint32_t width, std::uint32_t height, const char* title) : s
   });
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double, double) {
     State& state = State::of(w);
-    state.events.push_back(state.pointer(Event::Kind::move));
+    state.events.push_back(state.pointer(WindowEvent::Kind::move));
   });
   glfwSetScrollCallback(window, [](GLFWwindow* w, double, double steps) {
-    Event event;
-    event.kind = Event::Kind::scroll;
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::scroll;
     event.y = steps;
     State::of(w).events.push_back(event);
   });
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int) {
     if (action == GLFW_RELEASE) return;
-    Event event;
-    event.kind = Event::Kind::key;
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::key;
     event.key = key_of(key);
     State::of(w).events.push_back(event);
   });
@@ -145,7 +145,7 @@ double Window::pixel_ratio() const {
   return std::clamp(static_cast<double>(x), 0.5, 4.0);
 }
 
-void Window::wait(double timeout_s, std::vector<Event>& events) {
+void Window::wait(double timeout_s, std::vector<WindowEvent>& events) {
   if (timeout_s < 0) {
     glfwWaitEvents();
   } else if (timeout_s == 0) {

@@ -31,7 +31,7 @@ class Window {
   double pixel_ratio() const;
   /// Waits for something to happen, at most `timeout_s` (0: only looks; negative: for ever), and appends what did, with
   /// positions in pixels.
-  void wait(double timeout_s, std::vector<Event>& events);
+  void wait(double timeout_s, std::vector<WindowEvent>& events);
   /// The user asked to close it.
   bool closing() const;
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "geometry/mesh.hpp"
-#include "viewer/camera.hpp"
 #include "viewer/picture.hpp"
+#include "viewer/viewpoint.hpp"
 
 namespace palpa::test {
 
@@ -41,12 +41,12 @@ inline viewer::Picture cube_picture() {
 }
 
 /// From the front, 0.2 m before the origin.
-inline viewer::Camera front_camera() {
-  viewer::Camera camera;
-  camera.azimuth = 0;
-  camera.elevation = 0;
-  camera.distance = 0.2;
-  return camera;
+inline viewer::Viewpoint front_viewpoint() {
+  viewer::Viewpoint viewpoint;
+  viewpoint.azimuth = 0;
+  viewpoint.elevation = 0;
+  viewpoint.distance = 0.2;
+  return viewpoint;
 }
 
 }  // namespace palpa::test

@@ -156,10 +156,10 @@ TEST(Overlay, MarksEveryFocusWhereItIsAndLeavesEmptySectorsOut) {
     const double a = 2 * std::numbers::pi * i / 5;
     picture.fingers[0].foci.push_back({{0.01 * std::cos(a), 0.01 * std::sin(a), 0}, i + 1, i != 3});
   }
-  const Camera camera = test::front_camera();
+  const Viewpoint viewpoint = test::front_viewpoint();
   std::vector<shader::ViewStroke> strokes;
-  build_overlay(picture, camera, {640, 480, 1, false}, strokes);
-  const auto view = projection(camera, 640, 480);
+  build_overlay(picture, viewpoint, {640, 480, 1, false}, strokes);
+  const auto view = projection(viewpoint, 640, 480);
   for (const FocusMark& focus : picture.fingers[0].foci) {
     const std::size_t marks = count_near(strokes, project(view, Vec3(focus.position)), 1.0, finger_colour(0));
     EXPECT_EQ(marks, focus.own ? 1u : 0u) << focus.number;
@@ -172,7 +172,7 @@ TEST(Overlay, MarksEveryFocusWhereItIsAndLeavesEmptySectorsOut) {
 
   const std::size_t before = strokes.size();
   picture.fingers[0].running = 2;
-  build_overlay(picture, camera, {640, 480, 1, false}, strokes);
+  build_overlay(picture, viewpoint, {640, 480, 1, false}, strokes);
   EXPECT_GT(strokes.size(), 2 * before - 10);  // appended, and the running one has its halo
 }
 

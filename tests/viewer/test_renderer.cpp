@@ -18,11 +18,11 @@ using Renderer = test::DrawingTest;
 
 constexpr std::uint32_t width = 320, height = 240;
 
-Pixels draw(const Picture& picture, const Camera& camera, std::uint32_t w = width, std::uint32_t h = height) {
-  Scene scene(test::test_device());
-  scene.update(picture);
+Pixels draw(const Picture& picture, const Viewpoint& viewpoint, std::uint32_t w = width, std::uint32_t h = height) {
+  DrawnPicture drawn(test::test_device());
+  drawn.update(picture);
   Offscreen offscreen(test::test_device(), w, h);
-  offscreen.draw(scene, camera);
+  offscreen.draw(drawn, viewpoint);
   return offscreen.pixels();
 }
 
@@ -35,8 +35,8 @@ int distance(const std::uint8_t* pixel, const Colour& colour) {
   return worst;
 }
 
-const std::uint8_t* at(const Pixels& pixels, const Camera& camera, const Vec3& world) {
-  const Projected p = project(projection(camera, pixels.width, pixels.height), world);
+const std::uint8_t* at(const Pixels& pixels, const Viewpoint& viewpoint, const Vec3& world) {
+  const Projected p = project(projection(viewpoint, pixels.width, pixels.height), world);
   EXPECT_TRUE(p.visible && p.x >= 0 && p.y >= 0 && p.x < pixels.width && p.y < pixels.height);
   return pixels.at(static_cast<std::uint32_t>(p.x), static_cast<std::uint32_t>(p.y));
 }
@@ -52,34 +52,34 @@ std::size_t count_not(const Pixels& pixels, const Colour& colour) {
 
 TEST_F(Renderer, AnEmptySceneIsBackground) {
   Picture picture = test::bare();
-  EXPECT_EQ(count_not(draw(picture, test::front_camera()), light_theme().background), 0u);
+  EXPECT_EQ(count_not(draw(picture, test::front_viewpoint()), light_theme().background), 0u);
   picture.dark = true;
-  EXPECT_EQ(count_not(draw(picture, test::front_camera()), dark_theme().background), 0u);
+  EXPECT_EQ(count_not(draw(picture, test::front_viewpoint()), dark_theme().background), 0u);
 }
 
 TEST_F(Renderer, ACubeIsWhereItShouldBeAndTranslucent) {
-  const Camera camera = test::front_camera();
-  const Pixels pixels = draw(test::cube_picture(), camera);
+  const Viewpoint viewpoint = test::front_viewpoint();
+  const Pixels pixels = draw(test::cube_picture(), viewpoint);
   // The back face, then the front face, each the solid's colour under the light of mesh.frag, over the background.
   const Theme& theme = light_theme();
   const float light = 0.62f + 0.26f + 0.16f * 0.5f;
   const Colour lit{theme.solid.r * light, theme.solid.g * light, theme.solid.b * light, 1};
   const Colour expected = mix(mix(theme.background, lit, theme.solid.a), lit, theme.solid.a);
-  EXPECT_LE(distance(at(pixels, camera, {0.003, 0.004, 0.02}), expected), 3);
+  EXPECT_LE(distance(at(pixels, viewpoint, {0.003, 0.004, 0.02}), expected), 3);
   // Its front face ends at 0.02 m, 0.18 m before the eye; just outside there is nothing, on the rim a dark edge.
-  EXPECT_LE(distance(at(pixels, camera, {0.0225, 0.004, 0.02}), theme.background), 1);
-  EXPECT_LE(distance(at(pixels, camera, {0.018, 0.004, 0.02}), expected), 40);
-  EXPECT_LT(at(pixels, camera, {0.02, 0.005, 0.02})[0], 140);
-  EXPECT_LT(at(pixels, camera, {-0.02, -0.005, 0.02})[0], 140);
+  EXPECT_LE(distance(at(pixels, viewpoint, {0.0225, 0.004, 0.02}), theme.background), 1);
+  EXPECT_LE(distance(at(pixels, viewpoint, {0.018, 0.004, 0.02}), expected), 40);
+  EXPECT_LT(at(pixels, viewpoint, {0.02, 0.005, 0.02})[0], 140);
+  EXPECT_LT(at(pixels, viewpoint, {-0.02, -0.005, 0.02})[0], 140);
 }
 
 TEST_F(Renderer, HiddenEdgesAreFaint) {
-  const Camera camera = test::front_camera();
-  const Pixels pixels = draw(test::cube_picture(), camera);
+  const Viewpoint viewpoint = test::front_viewpoint();
+  const Pixels pixels = draw(test::cube_picture(), viewpoint);
   // The back face's edges show through the front face, lighter than the front's own and darker than the face.
-  const int face = at(pixels, camera, {0.003, 0.004, 0.02})[0];
-  const int hidden = at(pixels, camera, {0.0, 0.02, -0.02})[0];
-  const int shown = at(pixels, camera, {0.0, 0.02, 0.02})[0];
+  const int face = at(pixels, viewpoint, {0.003, 0.004, 0.02})[0];
+  const int hidden = at(pixels, viewpoint, {0.0, 0.02, -0.02})[0];
+  const int shown = at(pixels, viewpoint, {0.0, 0.02, 0.02})[0];
   EXPECT_LT(hidden, face - 15);
   EXPECT_LT(shown, hidden - 30);
 }
@@ -103,11 +103,11 @@ TEST_F(Renderer, ASmoothSolidHasAnOutlineAndNoInnerEdges) {
     }
   }
   picture.solids.push_back({"ball", ball});
-  const Camera camera = test::front_camera();
-  const Pixels pixels = draw(picture, camera, 640, 480);
+  const Viewpoint viewpoint = test::front_viewpoint();
+  const Pixels pixels = draw(picture, viewpoint, 640, 480);
   int darkest_inside = 255, darkest_rim = 255;
   for (double r = 0; r < 0.0225; r += 5e-5) {
-    const int red = at(pixels, camera, {r * 0.8, r * 0.6, 0})[0];
+    const int red = at(pixels, viewpoint, {r * 0.8, r * 0.6, 0})[0];
     int& darkest = r < 0.018 ? darkest_inside : darkest_rim;
     darkest = std::min(darkest, red);
   }
@@ -122,25 +122,25 @@ TEST_F(Renderer, ContactsHaveTheirFingersColour) {
   }
   picture.contacts.push_back({{0, -0.01f, 0}, std::nullopt});
   picture.skin_points.emplace_back(0.01f, -0.01f, 0.0f);
-  const Camera camera = test::front_camera();
-  const Pixels pixels = draw(picture, camera, 640, 480);
+  const Viewpoint viewpoint = test::front_viewpoint();
+  const Pixels pixels = draw(picture, viewpoint, 640, 480);
   for (std::uint32_t f = 0; f < 4; ++f) {
-    EXPECT_LE(distance(at(pixels, camera, Vec3(picture.contacts[f].position)), finger_colour(f)), 12) << f;
+    EXPECT_LE(distance(at(pixels, viewpoint, Vec3(picture.contacts[f].position)), finger_colour(f)), 12) << f;
   }
-  EXPECT_LE(distance(at(pixels, camera, {0, -0.01, 0}), light_theme().loose_contact), 12);
-  EXPECT_LE(distance(at(pixels, camera, {0.01, -0.01, 0}), light_theme().skin_point), 30);
+  EXPECT_LE(distance(at(pixels, viewpoint, {0, -0.01, 0}), light_theme().loose_contact), 12);
+  EXPECT_LE(distance(at(pixels, viewpoint, {0.01, -0.01, 0}), light_theme().skin_point), 30);
 }
 
 TEST_F(Renderer, AContactInsideASolidShowsThroughItAndOneBehindItToo) {
   Picture picture = test::cube_picture();
   picture.contacts.push_back({{0.005f, 0.005f, 0.01f}, 0u});
   picture.contacts.push_back({{-0.008f, 0.005f, 0.03f}, 0u});  // before the front face
-  const Camera camera = test::front_camera();
-  const Pixels pixels = draw(picture, camera, 640, 480);
-  const std::uint8_t* inside = at(pixels, camera, {0.005, 0.005, 0.01});
-  EXPECT_GT(inside[0], inside[2] + 60);                                                  // still orange
-  EXPECT_GT(distance(inside, finger_colour(0)), 15);                                     // but veiled
-  EXPECT_LE(distance(at(pixels, camera, {-0.008, 0.005, 0.03}), finger_colour(0)), 12);  // not this one
+  const Viewpoint viewpoint = test::front_viewpoint();
+  const Pixels pixels = draw(picture, viewpoint, 640, 480);
+  const std::uint8_t* inside = at(pixels, viewpoint, {0.005, 0.005, 0.01});
+  EXPECT_GT(inside[0], inside[2] + 60);                                                     // still orange
+  EXPECT_GT(distance(inside, finger_colour(0)), 15);                                        // but veiled
+  EXPECT_LE(distance(at(pixels, viewpoint, {-0.008, 0.005, 0.03}), finger_colour(0)), 12);  // not this one
 }
 
 TEST_F(Renderer, FociLieOnTopWithTheRunningOneFilled) {
@@ -148,9 +148,9 @@ TEST_F(Renderer, FociLieOnTopWithTheRunningOneFilled) {
   picture.fingers.resize(1);
   picture.fingers[0].foci = {{{-0.012f, 0, 0}, 1, true}, {{0.012f, 0, 0}, 2, true}, {{0, 0.012f, 0}, 3, true}};
   picture.fingers[0].running = 1;
-  const Camera camera = test::front_camera();
-  const Pixels pixels = draw(picture, camera, 640, 480);
-  const auto view = projection(camera, 640, 480);
+  const Viewpoint viewpoint = test::front_viewpoint();
+  const Pixels pixels = draw(picture, viewpoint, 640, 480);
+  const auto view = projection(viewpoint, 640, 480);
   const auto beside = [&](const Vec3& p, double dx) {
     const Projected q = project(view, p);
     return pixels.at(static_cast<std::uint32_t>(q.x + dx), static_cast<std::uint32_t>(q.y));
@@ -180,25 +180,25 @@ TEST_F(Renderer, TransducersShowTheirDriveFromTheFrontOnly) {
   picture.transducers = {{{-0.02f, 0, 0}, {0, 0, 1}, 1.0f, 0.5f},
                          {{0, 0, 0}, {0, 0, 1}, 0.3f, -2.0f},
                          {{0.02f, 0, 0}, {0, 0, -1}, 1.0f, 0.5f}};
-  const Camera camera = test::front_camera();
-  const Pixels pixels = draw(picture, camera);
-  EXPECT_LE(distance(at(pixels, camera, {-0.02, 0, 0}), drive_colour(1.0f, 0.5f)), 2);
-  EXPECT_LE(distance(at(pixels, camera, {0, 0, 0}), drive_colour(0.3f, -2.0f)), 2);
-  EXPECT_LE(distance(at(pixels, camera, {0.02, 0, 0}), light_theme().background), 1);
+  const Viewpoint viewpoint = test::front_viewpoint();
+  const Pixels pixels = draw(picture, viewpoint);
+  EXPECT_LE(distance(at(pixels, viewpoint, {-0.02, 0, 0}), drive_colour(1.0f, 0.5f)), 2);
+  EXPECT_LE(distance(at(pixels, viewpoint, {0, 0, 0}), drive_colour(0.3f, -2.0f)), 2);
+  EXPECT_LE(distance(at(pixels, viewpoint, {0.02, 0, 0}), light_theme().background), 1);
   // As large as the transducer: 4.2 mm.
-  EXPECT_LE(distance(at(pixels, camera, {-0.02, 0.0036, 0}), drive_colour(1.0f, 0.5f)), 2);
-  EXPECT_LE(distance(at(pixels, camera, {-0.02, 0.0052, 0}), light_theme().background), 1);
+  EXPECT_LE(distance(at(pixels, viewpoint, {-0.02, 0.0036, 0}), drive_colour(1.0f, 0.5f)), 2);
+  EXPECT_LE(distance(at(pixels, viewpoint, {-0.02, 0.0052, 0}), light_theme().background), 1);
 }
 
 TEST_F(Renderer, TheSkinIsFaintAndPassesThroughTheSolid) {
   Picture picture = test::cube_picture();
-  picture.skin = Surface{"skin", test::box_mesh({-0.008, -0.008, 0.0}, {0.008, 0.03, 0.03})};
-  const Camera camera = test::front_camera();
-  const Pixels with = draw(picture, camera), without = draw(test::cube_picture(), camera);
-  const int change = std::abs(at(with, camera, {0, 0.001, 0.03})[2] - at(without, camera, {0, 0.001, 0.03})[2]);
+  picture.skin = SurfaceMark{"skin", test::box_mesh({-0.008, -0.008, 0.0}, {0.008, 0.03, 0.03})};
+  const Viewpoint viewpoint = test::front_viewpoint();
+  const Pixels with = draw(picture, viewpoint), without = draw(test::cube_picture(), viewpoint);
+  const int change = std::abs(at(with, viewpoint, {0, 0.001, 0.03})[2] - at(without, viewpoint, {0, 0.001, 0.03})[2]);
   EXPECT_GT(change, 3);
   EXPECT_LT(change, 60);
-  EXPECT_GT(distance(at(with, camera, {0, 0.027, 0.03}), light_theme().background), 5);  // above the cube
+  EXPECT_GT(distance(at(with, viewpoint, {0, 0.027, 0.03}), light_theme().background), 5);  // above the cube
 }
 
 TEST_F(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {
@@ -206,20 +206,20 @@ TEST_F(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {
   picture.legend = true;
   picture.grid = true;
   show_array(picture, array::load_layout("autd3"));
-  const Camera camera = test::front_camera();
-  const Pixels first = draw(picture, camera), second = draw(picture, camera);
+  const Viewpoint viewpoint = test::front_viewpoint();
+  const Pixels first = draw(picture, viewpoint), second = draw(picture, viewpoint);
   EXPECT_EQ(first.rgba, second.rgba);
   EXPECT_GT(count_not(first, light_theme().background), 3000u);
 
-  Scene scene(test::test_device());
+  DrawnPicture drawn(test::test_device());
   Offscreen offscreen(test::test_device(), width, height);
   Picture other = picture;
   other.transducers.clear();
-  scene.update(other);
-  offscreen.draw(scene, camera);
+  drawn.update(other);
+  offscreen.draw(drawn, viewpoint);
   EXPECT_NE(offscreen.pixels().rgba, first.rgba);
-  scene.update_marks(picture);
-  offscreen.draw(scene, camera);
+  drawn.update_marks(picture);
+  offscreen.draw(drawn, viewpoint);
   // But for the floor, which follows the solids: they are the same.
   EXPECT_EQ(offscreen.pixels().rgba, first.rgba);
 }
@@ -229,15 +229,15 @@ TEST_F(Renderer, ASettledSceneAllocatesNothing) {
   Picture picture = test::cube_picture();
   picture.fingers.resize(1);
   picture.fingers[0].foci = {{{0, 0, 0}, 1, true}, {{0.01f, 0, 0}, 2, true}};
-  Scene scene(device);
-  scene.update(picture);
+  DrawnPicture drawn(device);
+  drawn.update(picture);
   Offscreen offscreen(device, width, height);
-  offscreen.draw(scene, test::front_camera());
+  offscreen.draw(drawn, test::front_viewpoint());
   const std::uint64_t allocations = device.memory_allocations, pipelines = device.pipelines_created;
   for (std::uint32_t slot = 0; slot < 5; ++slot) {
     picture.fingers[0].running = slot % 2;
-    scene.update_marks(picture);
-    offscreen.draw(scene, test::front_camera());
+    drawn.update_marks(picture);
+    offscreen.draw(drawn, test::front_viewpoint());
   }
   EXPECT_EQ(device.memory_allocations, allocations);
   EXPECT_EQ(device.pipelines_created, pipelines);
@@ -248,17 +248,17 @@ TEST_F(Renderer, AnInsetIsAPictureInThePicture) {
   picture.fingers.resize(1);
   picture.fingers[0].foci = {{{0, 0, 0}, 1, false}};  // the running one has no number to hide its colour
   picture.fingers[0].running = 0;
-  Scene scene(test::test_device());
-  scene.update(picture);
+  DrawnPicture drawn(test::test_device());
+  drawn.update(picture);
   Offscreen offscreen(test::test_device(), 640, 480);
-  const Camera camera = test::front_camera();
+  const Viewpoint viewpoint = test::front_viewpoint();
   Box box;
   box.add({-0.002, -0.002, -0.002});
   box.add({0.002, 0.002, 0.002});
-  const std::vector<View> views{whole(camera, 640, 480), close_up(camera, box, 640, 480, 1)};
-  offscreen.draw(scene, views);
+  const std::vector<View> views{whole(viewpoint, 640, 480), close_up(viewpoint, box, 640, 480, 1)};
+  offscreen.draw(drawn, views);
   const Pixels both = offscreen.pixels();
-  offscreen.draw(scene, camera);
+  offscreen.draw(drawn, viewpoint);
   const Pixels alone = offscreen.pixels();
   const VkRect2D& area = views[1].area;
   const auto x = static_cast<std::uint32_t>(area.offset.x), y = static_cast<std::uint32_t>(area.offset.y);
@@ -291,10 +291,10 @@ TEST_F(Renderer, LinesAreCutWhereTheyPassBehindTheEye) {
   mark.apex = {0.01f, 0, 0.1f};
   mark.corners.fill({0.01f, 0, -0.1f});
   picture.cameras.push_back(mark);
-  Camera camera;
-  look(camera, Vec3(0), Vec3(0, 0, -1));
-  const Pixels pixels = draw(picture, camera);
-  const Projected end = project(projection(camera, width, height), {0.01, 0, -0.1});
+  Viewpoint viewpoint;
+  look(viewpoint, Vec3(0), Vec3(0, 0, -1));
+  const Pixels pixels = draw(picture, viewpoint);
+  const Projected end = project(projection(viewpoint, width, height), {0.01, 0, -0.1});
   const auto darkest = [&](double from, double to) {
     int dark = 255;
     for (auto x = static_cast<std::uint32_t>(from); x < static_cast<std::uint32_t>(to); ++x) {
@@ -331,10 +331,10 @@ TEST_F(Renderer, HugeAndBrokenCoordinatesDoNotHang) {
   picture.fingers[0].foci = {{{inf, 0, 0}, 1, true}, {{nan, 0, 0}, 2, true}, {{0, 0, 0}, 3, true}};
   picture.legend = true;
   picture.grid = true;
-  const Pixels pixels = draw(picture, test::front_camera());
-  EXPECT_LT(distance(at(pixels, test::front_camera(), {0.0185, 0.0185, 0.02}), light_theme().solid), 120);
+  const Pixels pixels = draw(picture, test::front_viewpoint());
+  EXPECT_LT(distance(at(pixels, test::front_viewpoint(), {0.0185, 0.0185, 0.02}), light_theme().solid), 120);
   picture.solids.clear();  // now the floor lies under the points
-  EXPECT_EQ(draw(picture, test::front_camera()).width, width);
+  EXPECT_EQ(draw(picture, test::front_viewpoint()).width, width);
 }
 
 }  // namespace

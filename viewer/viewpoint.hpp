@@ -10,7 +10,7 @@
 
 namespace palpa::viewer {
 
-struct Camera {
+struct Viewpoint {
   Vec3 target{0, 0, 0};       ///< metres, world
   double azimuth = 0.6;       ///< radians around +y; 0 looks along -z from the front, pi/2 along -x from the right
   double elevation = 0.45;    ///< radians above the horizon, -pi/2..pi/2
@@ -26,31 +26,31 @@ inline constexpr Word<StandardView> view_words[] = {{"front", StandardView::fron
                                                     {"top", StandardView::top},
                                                     {"iso", StandardView::iso}};
 
-/// Turns the camera to a standard view; target, distance and projection stay.
-void look(Camera& camera, StandardView view);
+/// Turns the viewpoint to a standard view; target, distance and projection stay.
+void look(Viewpoint& viewpoint, StandardView view);
 /// Puts the eye at `eye`, looking at `target`. The two must differ.
-void look(Camera& camera, const Vec3& eye, const Vec3& target);
+void look(Viewpoint& viewpoint, const Vec3& eye, const Vec3& target);
 /// Moves target and distance so that `box` just fits an image of that width / height, with a margin. An empty box or a
 /// point gives a view 10 cm wide.
-void frame(Camera& camera, const Box& box, double aspect);
+void fit(Viewpoint& viewpoint, const Box& box, double aspect);
 
 /// Mouse: turns by a drag in pixels (a drag over `height` pixels is half a turn).
-void orbit(Camera& camera, double dx, double dy, double height);
+void orbit(Viewpoint& viewpoint, double dx, double dy, double height);
 /// Moves the target so that what is at its depth follows the mouse.
-void pan(Camera& camera, double dx, double dy, double height);
+void pan(Viewpoint& viewpoint, double dx, double dy, double height);
 /// Positive steps come nearer.
-void zoom(Camera& camera, double steps);
+void zoom(Viewpoint& viewpoint, double steps);
 
 struct Basis {
   Vec3 eye, right, up, forward;  ///< world; the last three are orthonormal
 };
-Basis basis(const Camera& camera);
+Basis basis(const Viewpoint& viewpoint);
 /// Metres of the world per pixel at the target's depth, for an image of that height.
-double metres_per_pixel(const Camera& camera, double height);
+double metres_per_pixel(const Viewpoint& viewpoint, double height);
 
 /// The projection part of the pipelines' push constants for an image of width x height pixels; `depth_bias`, colour and
 /// style are left 0. Depth is reversed: 1 near, 0 far.
-shader::ViewPush projection(const Camera& camera, double width, double height);
+shader::ViewPush projection(const Viewpoint& viewpoint, double width, double height);
 
 struct Projected {
   double x = 0, y = 0;   ///< pixels from the top left

@@ -1,4 +1,4 @@
-#include "viewer/camera.hpp"
+#include "viewer/viewpoint.hpp"
 
 #include <algorithm>
 #include <array>
@@ -18,105 +18,105 @@ shader::vec4 row(const Vec3& v, double w) {
 
 }  // namespace
 
-void look(Camera& camera, StandardView view) {
+void look(Viewpoint& viewpoint, StandardView view) {
   switch (view) {
     case StandardView::front:
-      camera.azimuth = 0, camera.elevation = 0;
+      viewpoint.azimuth = 0, viewpoint.elevation = 0;
       break;
     case StandardView::right:
-      camera.azimuth = pi / 2, camera.elevation = 0;
+      viewpoint.azimuth = pi / 2, viewpoint.elevation = 0;
       break;
     case StandardView::top:
-      camera.azimuth = 0, camera.elevation = pi / 2;
+      viewpoint.azimuth = 0, viewpoint.elevation = pi / 2;
       break;
     case StandardView::iso:
-      camera.azimuth = 0.6, camera.elevation = 0.45;
+      viewpoint.azimuth = 0.6, viewpoint.elevation = 0.45;
       break;
   }
 }
 
-void look(Camera& camera, const Vec3& eye, const Vec3& target) {
+void look(Viewpoint& viewpoint, const Vec3& eye, const Vec3& target) {
   const Vec3 d = eye - target;
-  camera.target = target;
-  camera.distance = std::clamp(glm::length(d), least_distance, most_distance);
-  camera.elevation = std::atan2(d.y, std::hypot(d.x, d.z));
-  camera.azimuth = d.x == 0 && d.z == 0 ? 0 : std::atan2(d.x, d.z);
+  viewpoint.target = target;
+  viewpoint.distance = std::clamp(glm::length(d), least_distance, most_distance);
+  viewpoint.elevation = std::atan2(d.y, std::hypot(d.x, d.z));
+  viewpoint.azimuth = d.x == 0 && d.z == 0 ? 0 : std::atan2(d.x, d.z);
 }
 
-Basis basis(const Camera& camera) {
-  const double ca = std::cos(camera.azimuth), sa = std::sin(camera.azimuth);
-  const double ce = std::cos(camera.elevation), se = std::sin(camera.elevation);
+Basis basis(const Viewpoint& viewpoint) {
+  const double ca = std::cos(viewpoint.azimuth), sa = std::sin(viewpoint.azimuth);
+  const double ce = std::cos(viewpoint.elevation), se = std::sin(viewpoint.elevation);
   Basis b;
   b.forward = Vec3(-ce * sa, -se, -ce * ca);
   b.right = Vec3(ca, 0, -sa);
   b.up = Vec3(-se * sa, ce, -se * ca);
-  b.eye = camera.target - camera.distance * b.forward;
+  b.eye = viewpoint.target - viewpoint.distance * b.forward;
   return b;
 }
 
-void frame(Camera& camera, const Box& box, double aspect) {
+void fit(Viewpoint& viewpoint, const Box& box, double aspect) {
   constexpr double margin = 1.18;
-  camera.target = box.empty() ? Vec3(0) : box.centre();
-  const Basis b = basis(camera);
-  const double tan_y = std::tan(camera.fov / 2), tan_x = tan_y * aspect * (1 - std::abs(camera.shift));
+  viewpoint.target = box.empty() ? Vec3(0) : box.centre();
+  const Basis b = basis(viewpoint);
+  const double tan_y = std::tan(viewpoint.fov / 2), tan_x = tan_y * aspect * (1 - std::abs(viewpoint.shift));
   double distance = box.empty() ? 0.05 / tan_x : 0;
   for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
     const Vec3 p = Vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
                         corner & 4 ? box.high.z : box.low.z) -
-                   camera.target;
-    const double nearer = camera.orthographic ? 0 : -glm::dot(p, b.forward);
+                   viewpoint.target;
+    const double nearer = viewpoint.orthographic ? 0 : -glm::dot(p, b.forward);
     distance = std::max({distance, margin * std::abs(glm::dot(p, b.right)) / tan_x + nearer,
                          margin * std::abs(glm::dot(p, b.up)) / tan_y + nearer});
   }
   if (distance < 1e-6) distance = 0.05 / tan_x;
-  camera.distance = std::clamp(distance, least_distance, most_distance);
+  viewpoint.distance = std::clamp(distance, least_distance, most_distance);
 }
 
-void orbit(Camera& camera, double dx, double dy, double height) {
+void orbit(Viewpoint& viewpoint, double dx, double dy, double height) {
   const double per_pixel = pi / std::max(height, 1.0);
-  camera.azimuth = std::remainder(camera.azimuth - dx * per_pixel, 2 * pi);
-  camera.elevation = std::clamp(camera.elevation + dy * per_pixel, -pi / 2, pi / 2);
+  viewpoint.azimuth = std::remainder(viewpoint.azimuth - dx * per_pixel, 2 * pi);
+  viewpoint.elevation = std::clamp(viewpoint.elevation + dy * per_pixel, -pi / 2, pi / 2);
 }
 
-void pan(Camera& camera, double dx, double dy, double height) {
-  const Basis b = basis(camera);
-  camera.target += (b.up * dy - b.right * dx) * metres_per_pixel(camera, height);
+void pan(Viewpoint& viewpoint, double dx, double dy, double height) {
+  const Basis b = basis(viewpoint);
+  viewpoint.target += (b.up * dy - b.right * dx) * metres_per_pixel(viewpoint, height);
 }
 
-void zoom(Camera& camera, double steps) {
-  camera.distance = std::clamp(camera.distance * std::pow(0.9, steps), least_distance, most_distance);
+void zoom(Viewpoint& viewpoint, double steps) {
+  viewpoint.distance = std::clamp(viewpoint.distance * std::pow(0.9, steps), least_distance, most_distance);
 }
 
-double metres_per_pixel(const Camera& camera, double height) {
-  return 2 * camera.distance * std::tan(camera.fov / 2) / std::max(height, 1.0);
+double metres_per_pixel(const Viewpoint& viewpoint, double height) {
+  return 2 * viewpoint.distance * std::tan(viewpoint.fov / 2) / std::max(height, 1.0);
 }
 
-shader::ViewPush projection(const Camera& camera, double width, double height) {
-  const Basis b = basis(camera);
+shader::ViewPush projection(const Viewpoint& viewpoint, double width, double height) {
+  const Basis b = basis(viewpoint);
   const double aspect = width / height;
-  const double tan_y = std::tan(camera.fov / 2);
+  const double tan_y = std::tan(viewpoint.fov / 2);
   shader::ViewPush push{};
   const auto axis = [&](const Vec3& direction, double scale) {
     return row(direction * scale, -glm::dot(direction, b.eye) * scale);
   };
-  if (camera.orthographic) {
-    const double half = camera.distance * tan_y;
-    const double range = 16 * camera.distance;  // from behind the eye to well behind the target
+  if (viewpoint.orthographic) {
+    const double half = viewpoint.distance * tan_y;
+    const double range = 16 * viewpoint.distance;  // from behind the eye to well behind the target
     push.clip_x = axis(b.right, 1 / (half * aspect));
     push.clip_y = axis(b.up, -1 / half);
-    push.clip_z = row(-b.forward / range, (glm::dot(b.forward, camera.target)) / range + 0.5);
+    push.clip_z = row(-b.forward / range, (glm::dot(b.forward, viewpoint.target)) / range + 0.5);
     push.clip_w = {0, 0, 0, 1};
     push.eye = row(-b.forward, 0);
     push.window.z = static_cast<float>(height / (2 * half));
   } else {
     push.clip_x = axis(b.right, 1 / (tan_y * aspect));
     push.clip_y = axis(b.up, -1 / tan_y);
-    push.clip_z = {0, 0, 0, static_cast<float>(camera.distance / 100)};
+    push.clip_z = {0, 0, 0, static_cast<float>(viewpoint.distance / 100)};
     push.clip_w = axis(b.forward, 1);
     push.eye = row(b.eye, 1);
     push.window.z = static_cast<float>(height / (2 * tan_y));
   }
-  const auto shift = static_cast<float>(camera.shift);
+  const auto shift = static_cast<float>(viewpoint.shift);
   push.clip_x.x += shift * push.clip_w.x;
   push.clip_x.y += shift * push.clip_w.y;
   push.clip_x.z += shift * push.clip_w.z;

@@ -1,4 +1,4 @@
-#include "viewer/scene.hpp"
+#include "viewer/drawn_picture.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -65,7 +65,7 @@ Box floor_of(const Picture& picture) {
 }  // namespace
 
 template <typename T>
-void Scene::fill(gpu::Upload& upload, const std::vector<T>& items, const char* name) {
+void DrawnPicture::fill(gpu::Upload& upload, const std::vector<T>& items, const char* name) {
   const VkDeviceSize bytes = items.size() * sizeof(T);
   if (upload.data() == nullptr || upload.ref().size < bytes) {
     upload = gpu::Upload(*device_, std::max<VkDeviceSize>(bytes + bytes / 2, sizeof(T)), name);
@@ -73,9 +73,9 @@ void Scene::fill(gpu::Upload& upload, const std::vector<T>& items, const char* n
   if (bytes != 0) std::memcpy(upload.data(), items.data(), bytes);
 }
 
-SurfaceRange Scene::add_surface(const geometry::Mesh& mesh) {
+SurfaceItems DrawnPicture::add_surface(const geometry::Mesh& mesh) {
   const Shape shape = make_shape(mesh);
-  SurfaceRange range;
+  SurfaceItems range;
   range.vertices = {static_cast<std::uint32_t>(new_vertices_.size()),
                     static_cast<std::uint32_t>(shape.vertices.size())};
   range.edges = {static_cast<std::uint32_t>(new_edges_.size()), static_cast<std::uint32_t>(shape.edges.size())};
@@ -88,13 +88,13 @@ SurfaceRange Scene::add_surface(const geometry::Mesh& mesh) {
   return range;
 }
 
-void Scene::update(const Picture& picture) {
+void DrawnPicture::update(const Picture& picture) {
   new_vertices_.clear();
   new_edges_.clear();
   solids_.clear();
   picture_.solids.clear();
   picture_.skin.reset();
-  for (const Surface& solid : picture.solids) {
+  for (const SurfaceMark& solid : picture.solids) {
     solids_.push_back(add_surface(solid.mesh));
     solids_.back().part = solid.part;
     picture_.solids.push_back({solid.name, {}, solid.part});
@@ -102,7 +102,7 @@ void Scene::update(const Picture& picture) {
   skin_ = {};
   if (picture.skin) {
     skin_ = add_surface(picture.skin->mesh);
-    picture_.skin = Surface{picture.skin->name, {}};
+    picture_.skin = SurfaceMark{picture.skin->name, {}};
   }
   floor_ = floor_of(picture);
   fill(vertices_, new_vertices_, "surfaces");
@@ -111,7 +111,7 @@ void Scene::update(const Picture& picture) {
   update_marks(picture);
 }
 
-void Scene::update_marks(const Picture& picture) {
+void DrawnPicture::update_marks(const Picture& picture) {
   picture_.title = picture.title;
   picture_.skin_points = picture.skin_points;
   picture_.contacts = picture.contacts;
@@ -126,8 +126,8 @@ void Scene::update_marks(const Picture& picture) {
   const Theme& theme = picture.dark ? dark_theme() : light_theme();
 
   new_discs_.clear();
-  const auto begin = [&] { return Range{static_cast<std::uint32_t>(new_discs_.size()), 0}; };
-  const auto end = [&](Range& range) { range.count = static_cast<std::uint32_t>(new_discs_.size()) - range.first; };
+  const auto begin = [&] { return Items{static_cast<std::uint32_t>(new_discs_.size()), 0}; };
+  const auto end = [&](Items& range) { range.count = static_cast<std::uint32_t>(new_discs_.size()) - range.first; };
   points_ = begin();
   for (const glm::vec3& p : picture.skin_points) {
     new_discs_.push_back({pack(p, 0.2e-3f), {0, 0, 0, 0.8f}, pack(theme.skin_point, 2.2f)});
@@ -167,7 +167,7 @@ void Scene::update_marks(const Picture& picture) {
   marks_changed_ = true;
 }
 
-void Scene::record_upload(VkCommandBuffer commands) {
+void DrawnPicture::record_upload(VkCommandBuffer commands) {
   if (surfaces_changed_) {
     vertices_.record(commands);
     edges_.record(commands);

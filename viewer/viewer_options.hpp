@@ -9,13 +9,13 @@
 
 #include "setup/options.hpp"
 #include "setup/touch_input.hpp"
-#include "viewer/camera.hpp"
 #include "viewer/picture.hpp"
 #include "viewer/renderer.hpp"
+#include "viewer/viewpoint.hpp"
 
 namespace palpa::viewer {
 
-struct Options {
+struct ViewerOptions {
   setup::CommonOptions common;
   setup::TouchInputOptions input;  ///< all of it may be absent where there is a layout
   setup::TouchOptions touch;
@@ -46,21 +46,21 @@ struct Options {
 };
 
 /// Puts every option on `app`.
-void add_options(CLI::App& app, Options& options);
+void add_options(CLI::App& app, ViewerOptions& options);
 /// Throws bad_usage for what is missing, excludes each other or does not parse.
-void check(const Options& options);
+void check(const ViewerOptions& options);
 
 struct Size {
   std::uint32_t width = 0, height = 0;  ///< pixels
 };
 /// Of --size.
-Size picture_size(const Options& options);
-/// Where the camera stands at first, for a picture of that size.
-Camera first_camera(const Options& options, const Picture& picture, const Size& size);
+Size picture_size(const ViewerOptions& options);
+/// Where the viewpoint stands at first, for a picture of that size.
+Viewpoint first_viewpoint(const ViewerOptions& options, const Picture& picture, const Size& size);
 /// What is drawn from there: the whole, and with --inset a close-up of the touch, if there is one.
-std::vector<View> views_from(const Camera& camera, const Options& options, const Picture& picture, const Size& size,
-                             double ratio);
-/// What F frames, and what the first camera does unless an eye is given.
-Box home_of(const Options& options, const Picture& picture);
+std::vector<View> views_from(const Viewpoint& viewpoint, const ViewerOptions& options, const Picture& picture,
+                             const Size& size, double ratio);
+/// What F frames, and what the first viewpoint does unless an eye is given.
+Box home_of(const ViewerOptions& options, const Picture& picture);
 
 }  // namespace palpa::viewer

@@ -1,4 +1,4 @@
-#include "viewer/options.hpp"
+#include "viewer/viewer_options.hpp"
 
 #include <fmt/core.h>
 
@@ -11,7 +11,7 @@
 namespace palpa::viewer {
 namespace {
 
-bool has_skin(const Options& o) {
+bool has_skin(const ViewerOptions& o) {
   return !o.input.points.empty() || !o.input.depths.empty();
 }
 
@@ -22,7 +22,7 @@ Vec3 point(const std::string& option, const std::string& text) {
 
 }  // namespace
 
-void add_options(CLI::App& app, Options& o) {
+void add_options(CLI::App& app, ViewerOptions& o) {
   setup::add_touch_input(app, o.input);
   setup::add_touch_options(app, o.touch);
   setup::add_felt_options(app, o.felt);
@@ -62,7 +62,7 @@ void add_options(CLI::App& app, Options& o) {
              "mean difference from --reference above which the exit code is 1 [0.02]");
 }
 
-void check(const Options& o) {
+void check(const ViewerOptions& o) {
   if (o.input.scene.empty() && o.layout.empty()) {
     throw bad_usage("nothing to show: give --scene FILE, such as assets/cube.glb, or --layout NAME");
   }
@@ -95,7 +95,7 @@ void check(const Options& o) {
   setup::drive_options(o.drive);
 }
 
-Size picture_size(const Options& o) {
+Size picture_size(const ViewerOptions& o) {
   Size size;
   const char* end = o.size.data() + o.size.size();
   const auto width = std::from_chars(o.size.data(), end, size.width);
@@ -108,29 +108,29 @@ Size picture_size(const Options& o) {
       fmt::format("--size: '{}' is no size; give width x height, 16 to 8192 pixels each, such as 1280x800", o.size));
 }
 
-Box home_of(const Options& o, const Picture& picture) {
+Box home_of(const ViewerOptions& o, const Picture& picture) {
   return extent(picture, o.frame.value_or(picture.transducers.empty() ? Extent::objects : Extent::all));
 }
 
-Camera first_camera(const Options& o, const Picture& picture, const Size& size) {
-  Camera camera;
-  camera.orthographic = o.orthographic;
+Viewpoint first_viewpoint(const ViewerOptions& o, const Picture& picture, const Size& size) {
+  Viewpoint viewpoint;
+  viewpoint.orthographic = o.orthographic;
   // A close-up covers the right of the picture: what is looked at moves to the left.
-  camera.shift = o.inset && !picture.fingers.empty() ? -inset_share : 0;
+  viewpoint.shift = o.inset && !picture.fingers.empty() ? -inset_share : 0;
   if (!o.eye.empty()) {
-    look(camera, point("--eye", o.eye), o.target.empty() ? Vec3(0) : point("--target", o.target));
-    return camera;
+    look(viewpoint, point("--eye", o.eye), o.target.empty() ? Vec3(0) : point("--target", o.target));
+    return viewpoint;
   }
-  look(camera, o.view);
-  frame(camera, home_of(o, picture), static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u));
-  return camera;
+  look(viewpoint, o.view);
+  fit(viewpoint, home_of(o, picture), static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u));
+  return viewpoint;
 }
 
-std::vector<View> views_from(const Camera& camera, const Options& o, const Picture& picture, const Size& size,
-                             double ratio) {
-  std::vector<View> views{whole(camera, size.width, size.height)};
+std::vector<View> views_from(const Viewpoint& viewpoint, const ViewerOptions& o, const Picture& picture,
+                             const Size& size, double ratio) {
+  std::vector<View> views{whole(viewpoint, size.width, size.height)};
   if (o.inset && !picture.fingers.empty()) {
-    views.push_back(close_up(camera, extent(picture, Extent::touch), size.width, size.height, ratio));
+    views.push_back(close_up(viewpoint, extent(picture, Extent::touch), size.width, size.height, ratio));
   }
   return views;
 }

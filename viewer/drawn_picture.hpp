@@ -11,20 +11,20 @@
 namespace palpa::viewer {
 
 /// A run of items in one of the scene's buffers.
-struct Range {
+struct Items {
   std::uint32_t first = 0, count = 0;
 };
 
 /// One surface's triangles and edges.
-struct SurfaceRange {
+struct SurfaceItems {
   Vec3 centre{};  ///< of its bounds: surfaces are drawn from far to near
-  Range vertices, edges;
-  std::optional<std::uint32_t> part{};  ///< as Surface has it
+  Items vertices, edges;
+  std::optional<std::uint32_t> part{};  ///< as SurfaceMark has it
 };
 
-class Scene {
+class DrawnPicture {
  public:
-  explicit Scene(const gpu::Device& device) : device_(&device) {}
+  explicit DrawnPicture(const gpu::Device& device) : device_(&device) {}
 
   /// Replaces what the scene shows. No frame that draws it may be in flight. Buffers grow and never shrink, so that a
   /// live scene settles.
@@ -39,14 +39,14 @@ class Scene {
   friend class Renderer;
   template <typename T>
   void fill(gpu::Upload& upload, const std::vector<T>& items, const char* name);
-  SurfaceRange add_surface(const geometry::Mesh& mesh);
+  SurfaceItems add_surface(const geometry::Mesh& mesh);
 
   const gpu::Device* device_;
   Picture picture_;  ///< without the meshes
   Box floor_;        ///< the grid lies on its underside
-  std::vector<SurfaceRange> solids_;
-  SurfaceRange skin_;
-  Range boards_, points_, contacts_, transducers_, lines_;
+  std::vector<SurfaceItems> solids_;
+  SurfaceItems skin_;
+  Items boards_, points_, contacts_, transducers_, lines_;
   gpu::Upload vertices_, edges_, board_vertices_, discs_, strokes_;
   bool surfaces_changed_ = false, marks_changed_ = false;
   std::vector<shader::ViewVertex> new_vertices_;
