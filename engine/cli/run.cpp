@@ -4,6 +4,7 @@
 #include <csignal>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "array/board_mesh.hpp"
 #include "base/error.hpp"
@@ -79,14 +80,30 @@ void add_options(CLI::App& app, RunCommand& o) {
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
+/// All that end or stop a program that does not catch them, but for those that nobody can catch (SIGKILL, SIGSTOP) and
+/// for crashes, after which there is no loop left: then whoever plays the drives goes silent by itself.
+std::vector<int> ending_signals() {
+  std::vector<int> signals{SIGINT,  SIGTERM, SIGHUP,    SIGQUIT, SIGTSTP, SIGUSR1, SIGUSR2,
+                           SIGALRM, SIGXCPU, SIGVTALRM, SIGPROF, SIGIO,   SIGPWR,  SIGSTKFLT};
+  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal)
+    signals.push_back(signal);
+  return signals;
+}
+
 void watch_signals() {
   stop_requested = false;  // a run before this one, in the same process, may have ended by it
   struct sigaction action {};
   action.sa_handler = [](int) { stop_requested = true; };
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP})
-    sigaction(signal, &action, nullptr);
+  for (const int signal : ending_signals()) {
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);  // ignored by whoever started it: nohup
+  }
+  // A terminal that stops programs in the background when they write would leave the last drive sounding.
+  for (const int signal : {SIGTTOU, SIGTTIN})
+    std::signal(signal, SIG_IGN);
 }
 
 std::string summary(const session::LoopStats& stats) {

@@ -1,7 +1,5 @@
-// The planner on the device. A frame takes two submits: skin to foci, then,
-// once the host has made the schedule, foci to drives. The hop over the host
-// costs a fraction of a millisecond and keeps schedules and methods in plain
-// C++.
+// The planner on the device. A frame takes two submits: skin to foci, then, once the host has made the schedule, foci
+// to drives. The hop over the host costs a fraction of a millisecond and keeps schedules and methods in plain C++.
 #include <fmt/core.h>
 
 #include <cstring>
@@ -20,8 +18,7 @@ namespace {
 
 constexpr std::uint32_t most_passes = 24;
 
-/// Depth frames that come one by one may be of a whole hand in a solid: more
-/// contacts than a frame of a loop has.
+/// Depth frames that come one by one may be of a whole hand in a solid: more contacts than a frame of a loop has.
 constexpr std::uint32_t most_contacts_of_one = 1U << 20;
 
 touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler& scheduler) {
@@ -111,6 +108,20 @@ class GpuPlanner : public Planner {
     return true;
   }
 
+  void warm_up() override {
+    // Two frames without skin, one for each in flight, dispatch all that finds foci; none of it has any work.
+    std::vector<sensing::DepthFrame> dark(setting_.cameras.size());
+    for (std::size_t c = 0; c < dark.size(); ++c)
+      dark[c].depth.assign(std::size_t{setting_.cameras[c].width} * setting_.cameras[c].height, 0);
+    FrameReport report;
+    for (std::size_t f = 0; f < flights_.size(); ++f) {
+      start({.images = dark});
+      while (!step(flight_of(f).plan, report)) {
+      }
+    }
+    warm_up_drives(*flights_.front());
+  }
+
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { stage_.set_pose(solid, T_world_rest); }
 
  private:
@@ -121,8 +132,8 @@ class GpuPlanner : public Planner {
     ++finished_;
   }
 
-  /// In a live session a frame with more skin in the shell than there is room
-  /// for touches nothing: the loop goes on, and says so once.
+  /// In a live session a frame with more skin in the shell than there is room for touches nothing: the loop goes on,
+  /// and says so once.
   void read_touch(Flight& flight) {
     try {
       touch::read(flight.memory, flight.touch);
@@ -152,6 +163,20 @@ class GpuPlanner : public Planner {
     flight.drive_memory->record(commands, *drive_passes_);
     flight.drive_times.mark(commands, "drives");
     flight.submitted = timeline_.submit(flight.drive_recorder.end());
+  }
+
+  /// Slots of one focus, of two, and on to the most that sound together: kernels differ by their number.
+  void warm_up_drives(Flight& flight) {
+    if (!flight.drive_memory) return;
+    flight.drive_memory->clear();
+    foci_.clear();
+    for (std::uint32_t count = 1; count <= touch::max_foci; count *= 2) {
+      while (foci_.size() < count)
+        foci_.push_back({.position = {2e-3 * static_cast<double>(foci_.size()), 0, 0}});
+      if (!flight.drive_memory->add_slot(foci_)) break;
+    }
+    flight.drive_memory->record(flight.drive_recorder.begin(), *drive_passes_);
+    timeline_.wait(timeline_.submit(flight.drive_recorder.end()));
   }
 
   void finish(Flight& flight, Plan& plan) {

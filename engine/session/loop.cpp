@@ -156,6 +156,8 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
       const EndFlag ended(output_ended);
       play(link, plans, setting.output, clock, stop_output, stats.output);
     });
+    // The link gets silence meanwhile, and the source is not asked before frames can be looked at in time.
+    planner.warm_up();
     if (observers.record) {
       recorder_thread.emplace([&] {
         const EndFlag ended(stop);  // a recording that cannot go on ends the loop

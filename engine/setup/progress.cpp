@@ -18,7 +18,7 @@ Progress::~Progress() {
 }
 
 void Progress::set(std::uint64_t done) {
-  if (!on_) return;
+  if (!on_ || tcgetpgrp(STDERR_FILENO) != getpgrp()) return;
   const auto now = std::chrono::steady_clock::now();
   if (now < next_) return;
   next_ = now + std::chrono::milliseconds(100);

@@ -1,4 +1,5 @@
-// A progress bar on a terminal. Where stderr is no terminal nothing is written, so that logs stay clean.
+// A progress bar on a terminal. Where stderr is no terminal nothing is written, so that logs stay clean, and
+// nothing by a program in the background, whose terminal belongs to another.
 #pragma once
 
 #include <chrono>

@@ -75,6 +75,19 @@ TEST(CliRun, MeasuresItselfAndRecordsDrivesThatEndInSilence) {
   }
 }
 
+TEST(CliRun, SoundsFromTheFirstFramesAlsoWhereNoShaderHasBeenCompiledBefore) {
+  const auto folder = scratch_folder("cold");
+  const Result result = palpa({"run", "--scene", cube(), "--frames", "60", "--link",
+                               "record:" + (folder / "d.bin").string(), "--stats", "json"},
+                              {.environment = {{"MESA_SHADER_CACHE_DISABLE", "true"}}});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  // The source is real time: frames that wait for a compiler are replaced, and what is planned for them comes too late.
+  EXPECT_GT(json::parse(result.out)["frames"]["planned"], 10);
+  const session::DriveRecording recording = session::read_drive_recording(folder / "d.bin");
+  EXPECT_TRUE(
+      std::any_of(recording.drives.begin(), recording.drives.end(), [](const auto& d) { return !silent(d.drive); }));
+}
+
 TEST(CliRun, WhatWasRecordedComesBackBitForBit) {
   const auto folder = scratch_folder("record");
   const auto first = folder / "first", second = folder / "second";
@@ -93,7 +106,8 @@ TEST(CliRun, WhatWasRecordedComesBackBitForBit) {
 
 /// Starts palpa, waits until `started`, sends `signal`, and returns the exit code (minus the signal where one killed
 /// it).
-int interrupt(const std::vector<std::string>& arguments, int signal, const std::filesystem::path& started) {
+int interrupt(const std::vector<std::string>& arguments, const std::vector<int>& signals,
+              const std::filesystem::path& started) {
   std::vector<std::string> words{PALPA_BINARY};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -109,8 +123,11 @@ int interrupt(const std::vector<std::string>& arguments, int signal, const std::
     if (!ignored && size != static_cast<std::uintmax_t>(-1) && size > 4'000'000) break;
     std::this_thread::sleep_for(10ms);
   }
-  kill(child, signal);
-  kill(child, signal);  // impatience changes nothing
+  for (const int signal : signals) {
+    kill(child, signal);
+    kill(child, signal);  // impatience changes nothing
+    if (signals.size() > 1) std::this_thread::sleep_for(100ms);
+  }
   int status = 0;
   // A program that the signal stopped, or left alone, would run for ever.
   for (int i = 0; waitpid(child, &status, WNOHANG) == 0; ++i) {
@@ -122,13 +139,30 @@ int interrupt(const std::vector<std::string>& arguments, int signal, const std::
 
 TEST(CliRun, SignalsEndItInSilence) {
   const auto folder = scratch_folder("signals");
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP}) {
-    const auto file = folder / ("drives" + std::to_string(signal));
-    EXPECT_EQ(interrupt({"run", "--scene", cube(), "--quiet", "--link", "record:" + file.string()}, signal, file), 0);
+  const auto ends_in_silence = [&](const std::string& backend, const std::vector<int>& signals) {
+    const auto file = folder / ("drives" + std::to_string(signals.front()));
+    std::filesystem::remove(file);  // its size says that the loop sounds
+    EXPECT_EQ(
+        interrupt({"run", "--scene", cube(), "--backend", backend, "--quiet", "--link", "record:" + file.string()},
+                  signals, file),
+        0);
     const session::DriveRecording recording = session::read_drive_recording(file);
-    ASSERT_FALSE(recording.drives.empty());
-    EXPECT_TRUE(silent(recording.drives.back().drive)) << "signal " << signal;
-  }
+    EXPECT_FALSE(recording.drives.empty());
+    EXPECT_TRUE(silent(recording.drives.back().drive)) << "signal " << signals.front();
+    return recording.drives.size();
+  };
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP})
+    ends_in_silence("gpu", {signal});
+  for (const int signal : {SIGUSR1, SIGUSR2, SIGALRM, SIGXCPU, SIGVTALRM, SIGPROF, SIGIO, SIGPWR, SIGSTKFLT,
+                           static_cast<int>(SIGRTMIN), static_cast<int>(SIGRTMAX)})
+    ends_in_silence("cpu", {signal});
+  // A terminal that would stop a program in the background: it goes on.
+  const std::size_t before = ends_in_silence("cpu", {SIGTERM});
+  EXPECT_GT(ends_in_silence("cpu", {SIGTTOU, SIGTTIN, SIGTERM}), before + 50);
+  // What whoever started it ignores, as nohup does, is ignored.
+  const auto handler = signal(SIGHUP, SIG_IGN);
+  EXPECT_GT(ends_in_silence("cpu", {SIGHUP, SIGTERM}), before + 30);
+  signal(SIGHUP, handler);
 }
 
 /// What `palpa run` streams to a link of foci, line by line.
