@@ -34,7 +34,7 @@ struct SolvePush {
   float nearest;    // in wavelengths: no transducer counts as nearer
   uint stride;      // greedy's
   uint steps;       // gs_pat_steps
-  uint refinings;  // gs_pat_refinings
+  uint refinings;   // gs_pat_refinings
   float most_weight;
   float still;
   uint begin;  // greedy: the turns of this dispatch,

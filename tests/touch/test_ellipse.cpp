@@ -61,7 +61,8 @@ TEST(FitEllipse, FindsTheEllipseThatPointsLieOn) {
   }
 }
 
-/// Fitzgibbon's own formulation on all six coefficients. (Matrices of a size known to the compiler would take it a minute.)
+/// Fitzgibbon's own formulation on all six coefficients. (Matrices of a size known to the compiler would take it a
+/// minute.)
 Eigen::VectorXd fitzgibbon(const std::vector<Vec2>& points) {
   Eigen::MatrixXd design(points.size(), 6);
   for (std::size_t i = 0; i < points.size(); ++i) {
