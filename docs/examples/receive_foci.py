@@ -6,6 +6,7 @@
 """
 import json
 import math
+import signal
 import socket
 import sys
 import time
@@ -67,15 +68,15 @@ def main():
     begin, heard = time.monotonic_ns(), None
     while heard is None or time.monotonic_ns() - heard < linger_ns:
         now = time.monotonic_ns()
-        try:
-            while True:  # one line per frame, the newest counts; no fingers: be silent
-                try:
-                    fingers, heard = fingers_of(receiver.recv(65536)), now
-                except ValueError:
-                    bad += 1  # as if it had not come: what sounds is not prolonged by it
-        except BlockingIOError:
-            if heard is None or now - heard > HOLD_NS:
-                fingers = []
+        for _ in range(1000):  # one line per frame, the newest counts; no more than that at a time, whoever sends
+            try:
+                fingers, heard = fingers_of(receiver.recv(65536)), now  # no fingers: be silent
+            except BlockingIOError:
+                break
+            except ValueError:
+                bad += 1  # as if it had not come: what sounds is not prolonged by it
+        if heard is None or now - heard > HOLD_NS:
+            fingers = []
         t_ns = now - begin  # never starts again: the place in the order runs on from line to line
         for finger in fingers:
             step = finger["order"][t_ns // round(finger["dwell_s"] * 1e9) % len(finger["order"])]
@@ -88,13 +89,15 @@ def main():
         sounding = bool(fingers)
         tick_ns = min((round(finger["dwell_s"] * 1e9) for finger in fingers), default=1_500_000)  # the shortest dwell
         time.sleep(min(tick_ns - t_ns % tick_ns, HOLD_NS // 2) * 1e-9)
-    show(f"no line for {linger_ns * 1e-9:g} s: the end; {bad} datagrams were no lines of foci")
-    if sys.stdout.isatty():
-        print()
+    show(f"no line for {linger_ns * 1e-9:g} s; {bad} datagrams were no lines of foci")
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit())
     try:
         main()
     except KeyboardInterrupt:
-        print()
+        pass
+    finally:  # on every way out what sounds has to be silenced
+        show("the end: silent")
+        print(end="\n" if sys.stdout.isatty() else "")

@@ -39,7 +39,7 @@ bool OutputFile::open_beside() {
   } while (descriptor_ < 0 && errno == EEXIST);
   if (descriptor_ < 0) {
     beside_.clear();
-    if (replaces && (errno == EACCES || errno == EPERM)) return false;
+    if (replaces && (errno == EACCES || errno == EPERM || errno == EROFS)) return false;
     throw write_failure(place_.name, errno);
   }
   if (!replaces) return true;

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <csignal>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -90,21 +91,40 @@ std::vector<int> ending_signals() {
   return signals;
 }
 
-void watch_signals() {
-  stop_requested = false;  // a run before this one, in the same process, may have ended by it
-  struct sigaction action {};
-  action.sa_handler = [](int) { stop_requested = true; };
-  sigemptyset(&action.sa_mask);
-  action.sa_flags = SA_RESTART;
-  for (const int signal : ending_signals()) {
-    struct sigaction before {};
-    sigaction(signal, nullptr, &before);
-    if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);  // ignored by whoever started it: nohup
+/// Catches them as long as there is something to silence; afterwards they do again what they did before.
+class SignalWatch {
+ public:
+  SignalWatch() {
+    stop_requested = false;  // a run before this one, in the same process, may have ended by it
+    struct sigaction action {};
+    action.sa_handler = [](int) { stop_requested = true; };
+    sigemptyset(&action.sa_mask);
+    action.sa_flags = SA_RESTART;
+    for (const int signal : ending_signals()) {
+      struct sigaction before {};
+      sigaction(signal, nullptr, &before);
+      if (before.sa_handler != SIG_IGN) replace(signal, action);  // ignored by whoever started it: nohup
+    }
+    // A terminal that stops programs in the background when they write would leave the last drive sounding.
+    action.sa_handler = SIG_IGN;
+    for (const int signal : {SIGTTOU, SIGTTIN})
+      replace(signal, action);
   }
-  // A terminal that stops programs in the background when they write would leave the last drive sounding.
-  for (const int signal : {SIGTTOU, SIGTTIN})
-    std::signal(signal, SIG_IGN);
-}
+  ~SignalWatch() {
+    for (const auto& [signal, before] : before_)
+      sigaction(signal, &before, nullptr);
+  }
+  SignalWatch(const SignalWatch&) = delete;
+  SignalWatch& operator=(const SignalWatch&) = delete;
+
+ private:
+  void replace(int signal, const struct sigaction& action) {
+    struct sigaction before {};
+    if (sigaction(signal, &action, &before) == 0) before_.emplace_back(signal, before);
+  }
+
+  std::vector<std::pair<int, struct sigaction>> before_;
+};
 
 std::string summary(const session::LoopStats& stats) {
   return fmt::format(
@@ -215,7 +235,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
   std::uint64_t out_of_order = 0;  // frames whose time a recording cannot hold; of the recorder's thread
   if (recorder) options.record = [&](const sensing::FrameSet& set) { out_of_order += recorder->write(set) ? 0 : 1; };
 
-  watch_signals();
+  std::optional<SignalWatch> watch(std::in_place);
   log::release_warnings();
   setup::Progress progress("frames", o.frames, o.common.quiet);
   options.planned = [&, warned = false, frames = std::uint64_t{0}](const session::FrameReport& frame,
@@ -231,6 +251,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
     throw;
   }
   finish(sink.get(), false);
+  watch.reset();
   if (sink) stats.events = {sink->written(), sink->dropped()};
   if (stats.unrecorded > 0) {
     log::warning(fmt::format("{}: {} of {} frames came too fast to be written; --every-frame waits for each", o.record,

@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "base/error.hpp"
@@ -36,7 +37,10 @@ struct StreamKey {
   std::uint32_t view = 0;
   std::size_t vertices = 0, triangles = 0;
   std::vector<std::pair<std::uint32_t, std::size_t>> wanted{};  // attribute and width
-  auto operator<=>(const StreamKey&) const = default;
+  bool operator<(const StreamKey& other) const {
+    return std::tie(view, vertices, triangles, wanted) <
+           std::tie(other.view, other.vertices, other.triangles, other.wanted);
+  }
 };
 
 class SceneReader {

@@ -8,7 +8,7 @@
 namespace palpa::geometry {
 
 /// Read from the `extras` of a glTF node, where modelling programs keep their custom properties (docs/scenes.md). An
-/// empty optional stands for the command line's value. Ranges are checked when the model is read; that foci and stride
+/// empty optional stands for the session's value. Ranges are checked when the model is read; that foci and stride
 /// have no common divisor, only where the model gives both.
 struct Haptics {
   bool touchable = true;                ///< false: scenery, of which no solid is made and which need not be closed

@@ -68,7 +68,12 @@ class UdpSink : public EventSink {
   void write(std::span<const Event> events) override {
     for (const Event& event : events) {
       write_event_line(event, solid_names_, json_);
-      sender_.send(json_.finish()) ? ++written_ : ++dropped_;
+      if (sender_.send(json_.finish())) {
+        ++written_;
+      } else {
+        ++dropped_;
+        sender_.warn();
+      }
     }
   }
 

@@ -28,6 +28,7 @@ class FociLink : public Link {
     if (sender_.send(json_.finish())) return;
     ++unsent_;
     send_silence();  // or the foci of the line before would sound on
+    sender_.warn();
   }
   void send(std::uint64_t, std::span<const array::TransducerDrive>) override {}
   void finish() override {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <thread>
 
+#include "base/error.hpp"
 #include "session/source_clock.hpp"
 
 namespace palpa::session {
@@ -139,6 +140,18 @@ double compute(Planner& planner, Newest<Captured>& frames, Newest<Plan>& plans, 
   return last_captured_s;
 }
 
+/// Frames that are still under way are not looked at any more; the planner is idle for whoever uses it next.
+void drain(Planner& planner, Plan& plan) {
+  constexpr int most_steps = 16;  // far more than all frames under way take
+  FrameReport report;
+  for (int i = 0; i < most_steps && planner.busy(); ++i) {
+    try {
+      planner.step(plan, report);
+    } catch (const Error&) {  // of a frame that nobody waits for
+    }
+  }
+}
+
 }  // namespace
 
 void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const LoopSetting& setting,
@@ -148,33 +161,43 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
   Newest<Plan> plans;
   plans.each([&](Plan& plan) { reserve(plan, setting.output.layout.transducers.size()); });
   Newest<sensing::FrameSet> recorded;
-  std::atomic<bool> stop_capture{false}, stop_output{false}, output_ended{false};
+  std::atomic<bool> stop_capture{false}, stop_output{false}, output_ended{false}, failed{false};
   std::exception_ptr compute_fault;
   std::optional<Worker> output_thread, recorder_thread, capture_thread;
   try {
     output_thread.emplace([&] {
       const EndFlag ended(output_ended);
-      play(link, plans, setting.output, clock, stop_output, stats.output);
+      play(link, plans, setting.output, clock, stop_output, failed, stats.output);
     });
     // The link gets silence meanwhile, and the source is not asked before frames can be looked at in time.
     planner.warm_up();
     if (observers.record) {
       recorder_thread.emplace([&] {
-        const EndFlag ended(stop);  // a recording that cannot go on ends the loop
-        record(recorded, observers);
+        try {
+          record(recorded, observers);
+        } catch (...) {
+          failed = stop = true;  // a recording that cannot go on ends the loop
+          throw;
+        }
       });
     }
     capture_thread.emplace([&] {
       const CloseFrames close(frames);
-      capture(source, frames, observers.record ? &recorded : nullptr, setting, clock, stop_capture, stats);
+      try {
+        capture(source, frames, observers.record ? &recorded : nullptr, setting, clock, stop_capture, stats);
+      } catch (...) {
+        failed = true;
+        throw;
+      }
     });
     const double last_s = compute(planner, frames, plans, clock, stop, output_ended, setting, observers, stats);
     // A source that ended is one whose frames stopped coming: what it last showed sounds on until it expires.
-    while (!stop && !output_ended && clock.now() < last_s + setting.output.hold_s) {
+    while (!stop && !output_ended && !failed && clock.now() < last_s + setting.output.hold_s) {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   } catch (...) {
     compute_fault = std::current_exception();
+    failed = true;
   }
   // Silence first: the capture thread may be waiting for a camera, the recorder for a disk.
   stop_output = true;
@@ -182,6 +205,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
   stop_capture = true;
   frames.close();
   const std::exception_ptr capture_fault = capture_thread ? capture_thread->join() : nullptr;
+  drain(planner, plans.back());
   recorded.close();
   const std::exception_ptr record_fault = recorder_thread ? recorder_thread->join() : nullptr;
   for (const std::exception_ptr& fault : {compute_fault, output_fault, record_fault, capture_fault}) {

@@ -33,8 +33,9 @@ struct LoopObservers {
 };
 
 /// Runs until the source ends, `setting.frames` are done, `stop` becomes true or something fails; an Error of any
-/// thread ends all three and is thrown here, after the link has got silence. `stats` is filled as the loop goes and
-/// complete on every path.
+/// thread ends all of them and is thrown here, after the link has got silence. Where the recording fails `stop` becomes
+/// true, so that nobody waits on for a reader. `stats` is filled as the loop goes and complete on every path; `planner`
+/// is not busy afterwards.
 void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const LoopSetting& setting,
               std::atomic<bool>& stop, const LoopObservers& observers, LoopStats& stats);
 

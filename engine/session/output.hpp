@@ -21,11 +21,11 @@ struct OutputSetting {
   Safety safety;
 };
 
-/// Plays the newest plan until `stop`, through a SafeLink: then silence, down the ramp if there is one, also when the
-/// link or anything else throws (then at once; the error is passed on afterwards). The slot counter starts at 0 and
-/// never restarts; slots that the thread overslept by a whole slot are left out.
+/// Plays the newest plan until `stop`, through a SafeLink: then silence, down the ramp if there is one; at once where
+/// `failed` is true, too, and where the link or anything else throws (the error is passed on afterwards). The slot
+/// counter starts at 0 and never restarts; slots that the thread overslept by a whole slot are left out.
 void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock,
-          const std::atomic<bool>& stop, OutputStats& stats);
+          const std::atomic<bool>& stop, const std::atomic<bool>& failed, OutputStats& stats);
 
 /// Where the drive of a slot is computed that a plan does not hold; kept from slot to slot.
 struct SlotScratch {

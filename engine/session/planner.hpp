@@ -48,7 +48,7 @@ class Planner {
   /// complete.
   virtual bool step(Plan& plan, FrameReport& report) = 0;
   /// Lets the device get ready for every frame to come: drivers compile a kernel when it is first dispatched, which
-  /// takes seconds where no cache has it. Before the first start; changes nothing that frames compute.
+  /// takes seconds where no cache has it. Changes nothing that frames compute; does nothing after the first of them.
   virtual void warm_up() {}
   /// From the next start on; see touch::Stage::set_pose.
   virtual void set_pose(std::uint32_t solid, const Transform& T_world_rest) = 0;

@@ -35,12 +35,16 @@ void scale(std::span<array::TransducerDrive> drives, double factor) {
 
 }  // namespace
 
-SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, double slot_s)
-    : link_(link), safety_(safety), transducers_(transducers), slot_s_(slot_s), silence_(transducers, {0.0f, 0.0f}) {
+void check_safety(const Safety& safety) {
   if (!(safety.ceiling >= 0 && safety.ceiling <= 1))
     throw bad_usage(fmt::format("a link's ceiling is from 0 to 1, not {}", safety.ceiling));
   if (!(safety.ramp_s >= 0 && safety.ramp_s <= most_ramp_s))
     throw bad_usage(fmt::format("a link's ramp is from 0 to {} s, not {}", most_ramp_s, safety.ramp_s));
+}
+
+SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, double slot_s)
+    : link_(link), safety_(safety), transducers_(transducers), slot_s_(slot_s), silence_(transducers, {0.0f, 0.0f}) {
+  check_safety(safety);
   nothing_.slot_s = slot_s;
   if (plain()) return;
   constexpr double rounding = 1e-9;  // 15 ms are ten slots of 1.5 ms, whatever doubles say
@@ -61,6 +65,7 @@ SafeLink::~SafeLink() {
 
 void SafeLink::plan(const ToldPlan& told) {
   if (ended_) return;
+  next_slot_ = std::max(next_slot_, told.from_slot);  // should the link fail, silence comes after what it was told
   nothing_.time_s = told.schedule.time_s;
   if (plain()) return link_.plan(told);
   if (told.schedule.voice_count == 0) {
@@ -111,6 +116,7 @@ void SafeLink::tell_scaled(std::uint64_t from_slot, double factor) {
   scale(scaled_.drives, factor);
   told_factor_ = factor;
   told_slot_ = from_slot;
+  next_slot_ = std::max(next_slot_, from_slot);
   link_.plan(told(scaled_, transducers_, from_slot, until_slot_));
 }
 

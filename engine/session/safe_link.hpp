@@ -22,6 +22,8 @@ struct Safety {
   double ramp_s = 0;
 };
 inline constexpr double most_ramp_s = 1;
+/// Throws bad_usage on a ceiling or a ramp out of range.
+void check_safety(const Safety& safety);
 
 /// Plays to another link. An all-zero drive is the last that link gets: from finish(), else from the destructor, so
 /// also where the link or its caller throws. What is told or sent after finish() is dropped.

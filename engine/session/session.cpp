@@ -1,5 +1,7 @@
 #include "session/session.hpp"
 
+#include <fmt/core.h>
+
 #include <exception>
 #include <utility>
 
@@ -7,6 +9,18 @@
 #include "session/loop.hpp"
 
 namespace palpa::session {
+
+namespace {
+
+/// What would never be silent, or never end, is refused when the session is made.
+void check_times(const SessionSetting& setting) {
+  if (!(setting.hold_s > 0)) throw bad_usage(fmt::format("a hold of {} s: give a positive time", setting.hold_s));
+  const double dwell_s = setting.schedule.voice.dwell_s;
+  if (!(dwell_s > 0 && dwell_s <= 10)) throw bad_usage(fmt::format("a dwell of {} s: give 0 to 10 s", dwell_s));
+  check_safety(setting.safety);
+}
+
+}  // namespace
 
 struct Session::State {
   SessionSetting setting;
@@ -22,7 +36,7 @@ struct Session::State {
   std::span<const Event> events;
 
   State(const gpu::Device* device, SessionSetting given)
-      : setting(std::move(given)),
+      : setting((check_times(given), std::move(given))),
         scheduler(setting.scene, setting.solids, setting.touch, setting.schedule),
         tracker(setting.solids, setting.events.value_or(EventOptions()), setting.hold_s) {
     names.reserve(setting.solids.size());
@@ -61,6 +75,9 @@ LinkSetting Session::link_setting() const {
 LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options) {
   State& s = *state_;
   if (!s.setting.live()) throw bad_usage("a session without cameras or without an array cannot run");
+  if (s.setting.schedule.tune == Tune::all) {
+    throw bad_usage("a session that runs can tune strides only: how long a slot lasts stays as it is");
+  }
   const bool tells = options.events != nullptr;
   if (tells && !s.setting.events) throw bad_usage("a session whose setting has no events cannot tell any");
   LoopObservers observers;

@@ -63,10 +63,13 @@ bool UdpSender::send(std::string_view datagram) {
   };
   // The kernel tells of a receiver that is gone at the send after, which is then not made; so it is made again.
   if (try_send() || (errno == ECONNREFUSED && try_send()) || errno == ECONNREFUSED) return true;
-  if (!std::exchange(warned_, true)) {
-    log::warning(fmt::format("{}: a datagram could not be sent: {}", what_, std::strerror(errno)));
-  }
+  fault_ = errno;
   return false;
+}
+
+void UdpSender::warn() {
+  if (std::exchange(warned_, true)) return;
+  log::warning(fmt::format("{}: a datagram could not be sent: {}", what_, std::strerror(fault_)));
 }
 
 }  // namespace palpa::session

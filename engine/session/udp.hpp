@@ -16,12 +16,16 @@ class UdpSender {
   UdpSender& operator=(const UdpSender&) = delete;
 
   /// Sends one datagram. Nobody listening is no fault of the sender's: a receiver may come and go. Otherwise false: it
-  /// could not be sent, which the first time is a warning.
+  /// could not be sent, and warn() says why.
   bool send(std::string_view datagram);
+  /// A warning of the datagram that could not be sent, the first time only. Apart from send(), since whoever reads
+  /// warnings may keep the caller waiting: silence goes first.
+  void warn();
 
  private:
   std::string what_;
   int socket_;
+  int fault_ = 0;  ///< errno of the last datagram that could not be sent
   bool warned_ = false;
 };
 

@@ -5,7 +5,7 @@
 
 namespace palpa::touch {
 
-/// What there is beyond that is left out; the passes' totals tell. See room_for in stage.hpp for who decides it.
+/// What there is beyond that is left out; the passes' totals tell. A StageMemory decides it (stage.hpp).
 struct Room {
   std::uint32_t points = 0;    ///< skin points, at most shader::contacts_most_points
   std::uint32_t contacts = 0;  ///< at most `points`

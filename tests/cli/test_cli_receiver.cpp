@@ -224,7 +224,7 @@ TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
     std::this_thread::sleep_for(10ms);
   }
   EXPECT_TRUE(receiver.says(": silent", 3)) << receiver.lines().back();
-  EXPECT_TRUE(receiver.says("the end; " + std::to_string(strays.size() + 1) + " datagrams were no lines of foci"))
+  EXPECT_TRUE(receiver.has_said("for 1 s; " + std::to_string(strays.size() + 1) + " datagrams were no lines of foci"))
       << receiver.lines().back();
 }
 

@@ -100,6 +100,19 @@ TEST(SafeLink, SilenceComesWhenTheLinkThrows) {
   }
 }
 
+TEST(SafeLink, SilenceComesAfterAPlanThatWasToldForLater) {
+  Player p;
+  const auto player = [&] {
+    SafeLink safe(p.spy, 3);
+    safe.send(0, p.loud);
+    safe.plan(p.at(p.touch, 100));
+    throw failure("the caller broke");
+  };
+  EXPECT_STREQ(palpa::test::thrown_by(player).what(), "the caller broke");
+  EXPECT_TRUE(p.spy.ended_silent());
+  EXPECT_GE(p.spy.slots.back(), 100u) << "a board that goes by slots would sound on from 100";
+}
+
 TEST(SafeLink, AllThreePartsOfTheEndAreTriedAndTheFirstErrorIsThrown) {
   struct Broken : test::SpyLink {
     void plan(const ToldPlan&) override { throw failure("plan"); }

@@ -115,6 +115,17 @@ TEST_P(Touching, RefusesWhatCannotSound) {
   setting = {.solids = cube(0.001)};
   setting.touch.foci = 0;
   EXPECT_THROW(make(setting), Error);
+  for (const double seconds : {0.0, -1.0, std::nan("")}) {
+    setting = {.solids = cube(0.001)};
+    setting.hold_s = seconds;
+    EXPECT_THROW(make(setting), Error) << "what never expires is never silent";
+    setting = {.solids = cube(0.001)};
+    setting.schedule.voice.dwell_s = seconds;
+    EXPECT_THROW(make(setting), Error);
+  }
+  setting = {.solids = cube(0.001)};
+  setting.safety.ceiling = std::nan("");
+  EXPECT_THROW(make(setting), Error);
 }
 
 TEST(SessionGrows, WithTheCloudItIsGiven) {
@@ -140,10 +151,14 @@ struct Live {
                      .planned = [this](const FrameReport& report, const Plan&) { planned = report.sequence + 1; }};
 
   LoopStats run() {
+    Session session(setting);
+    return run(session);
+  }
+  LoopStats run(Session& session) {
     const geometry::Ply ply = geometry::read_ply(palpa::test::source_file("assets/finger.ply"));
     const auto source = sensing::make_synthetic_source(setting.cameras, {ply.positions, ply.triangles}, {},
                                                        {.paced = false, .frames = 12});
-    return Session(setting).run(*source, link, stop, options);
+    return session.run(*source, link, stop, options);
   }
 };
 
@@ -157,6 +172,27 @@ TEST(SessionRuns, ToTheEndOfItsSourceAndLetsGo) {
   EXPECT_EQ(live.told.back().kind, EventKind::release) << "the source ended in the middle of a touch";
   EXPECT_GT(*std::max_element(live.link.loudest.begin(), live.link.loudest.end()), 0.0F);
   EXPECT_TRUE(live.link.ended_silent());
+}
+
+TEST(SessionRuns, AgainAfterItWasStoppedWithFramesUnderWay) {
+  Live live;
+  Session session(palpa::test::test_device(), live.setting);
+  const RunOptions all = live.options;
+  live.options.planned = [&](const FrameReport& report, const Plan&) { live.stop = report.sequence == 3; };
+  EXPECT_LT(live.run(session).planned, 12U);
+  live.stop = false;
+  live.options = all;
+  std::uint64_t written = 0;
+  live.options.record = [&](const sensing::FrameSet&) { ++written; };
+  EXPECT_EQ(live.run(session).planned, 12U);
+  EXPECT_EQ(written, 12U);
+  EXPECT_FALSE(live.stop) << "a recording that went well stops nothing";
+  EXPECT_TRUE(live.link.ended_silent());
+
+  sensing::FrameSet dark;
+  for (const sensing::Camera& camera : live.setting.cameras)
+    dark.frames.push_back({std::vector<std::uint16_t>(std::size_t{camera.width} * camera.height), 0});
+  EXPECT_EQ(session.touch(dark.frames, 1e3).finger_count, 0U) << "this frame, not one that was still under way";
 }
 
 TEST(SessionRuns, ToAnErrorInSilenceAndLetsGo) {
@@ -183,6 +219,9 @@ TEST(SessionRuns, OnlyWithAllThatItNeeds) {
   EXPECT_THROW(deaf.run(), Error) << "events are asked for that the setting leaves out";
   deaf.options.events = nullptr;
   EXPECT_EQ(deaf.run().planned, 12U);
+  Live tuned;
+  tuned.setting.schedule.tune = Tune::all;
+  EXPECT_THROW(tuned.run(), Error) << "slots of another length";
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, Touching, testing::Bool(),
