@@ -51,7 +51,7 @@ std::string to_csv(const std::vector<bench::Row>& rows, const gpu::DeviceDescrip
 std::string to_json(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device, std::uint64_t resident) {
   JsonWriter json;
   json.begin_object().member("device", device.name).member("driver", device.driver);
-  json.member("bench::peak_resident_bytes", resident).key("rows").begin_array();
+  json.member("peak_resident_bytes", resident).key("rows").begin_array();
   for (const bench::Row& row : rows) {
     json.begin_object().member("suite", row.suite).member("case", row.name).member("stage", row.stage);
     json.member("median_ms", row.median_ms).member("p99_ms", row.p99_ms).member("min_ms", row.least_ms);

@@ -139,7 +139,7 @@ TEST_F(OutputFileTest, RefusesWhatCannotBeWrittenBeforeAnythingIs) {
   EXPECT_EQ(test::thrown_by([&] { refuse_unwritable(output_place(folder_ / "new")); }).code(), Exit::ok);
   EXPECT_EQ(test::thrown_by([] { refuse_unwritable(output_place("-")); }).code(), Exit::ok);
   EXPECT_EQ(files(), 1u);
-  if (geteuid() == 0) GTEST_SKIP() << "root may write anything";
+  if (geteuid() == 0) GTEST_SKIP() << "skipped: root may write anything";
   chmod(file_.c_str(), 0400);
   EXPECT_NE(fault(file_).find("Permission denied"), std::string::npos);
 }

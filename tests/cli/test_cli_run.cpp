@@ -333,8 +333,11 @@ TEST(CliRun, RefusesWhatItCannotRun) {
 
 TEST(CliBench, ChecksThenMeasures) {
   const auto folder = scratch_folder("bench");
-  const Result result = palpa({"bench", "--runs", "3", "--suite", "loop", "--csv", (folder / "b.csv").string()});
+  const Result result = palpa({"bench", "--runs", "3", "--suite", "loop", "--csv", (folder / "b.csv").string(),
+                               "--json", (folder / "b.json").string()});
   ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::ifstream document(folder / "b.json");
+  EXPECT_GT(json::parse(document)["peak_resident_bytes"], 0);
   std::ifstream csv(folder / "b.csv");
   std::string header, line;
   std::getline(csv, header);
