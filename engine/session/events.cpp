@@ -19,7 +19,6 @@ EventTracker::EventTracker(std::span<const geometry::Solid> solids, const EventO
   for (const geometry::Solid& solid : solids)
     press_depth_m_.push_back(solid.haptics.press_depth_m);
   held_.reserve(most_held + touch::max_fingers);
-  known_.reserve(touch::max_fingers);
   events_.reserve(2 * (most_held + touch::max_fingers));
 }
 
@@ -36,26 +35,22 @@ std::span<const Event> EventTracker::update(const touch::Touch& touch, double ti
   begun_ = true;
   last_s_ = time_s;
 
-  adopt(touch);
+  for (Held& held : held_)
+    held.seen = false;
+  const std::span<const touch::Finger> fingers = std::span(touch.fingers).first(touch.finger_count);
+  for (const touch::Finger& finger : fingers) {
+    if (Held* held = held_of(finger.id)) held->seen = true;
+  }
   release_missing(time_s);
-  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-    const touch::Finger& finger = touch.fingers[f];
-    const auto known = std::find_if(held_.begin(), held_.end(), [&](const Held& held) {
-      return held.seen && held.current == finger.id && held.solid == finger.solid;
-    });
-    if (known != held_.end()) {
-      follow(*known, finger, time_s, false);
-      continue;
+  for (const touch::Finger& finger : fingers) {
+    Held* held = held_of(finger.id);
+    const bool fresh = !held || held->solid != finger.solid;
+    if (held && fresh) {  // it has left the solid before
+      release(*held, time_s);
+      held_.erase(held_.begin() + (held - held_.data()));
     }
-    // The same finger on another solid has left the one before.
-    const auto elsewhere = std::find_if(held_.begin(), held_.end(),
-                                        [&](const Held& held) { return held.seen && held.current == finger.id; });
-    if (elsewhere != held_.end()) {
-      release(*elsewhere, time_s);
-      held_.erase(elsewhere);
-    }
-    held_.push_back({.id = finger.id, .current = finger.id, .solid = finger.solid, .seen = true});
-    follow(held_.back(), finger, time_s, true);
+    if (fresh) held = &held_.emplace_back(Held{.id = finger.id, .solid = finger.solid, .seen = true});
+    follow(*held, finger, time_s, fresh);
   }
   return events_;
 }
@@ -76,39 +71,9 @@ std::span<const Event> EventTracker::end() {
   return events_;
 }
 
-/// Marks who is seen in this frame: by the id that was told, else by the newest id, and then, for ids that are new,
-/// lost fingers of the same solid, each the nearest that is left.
-void EventTracker::adopt(const touch::Touch& touch) {
-  known_.assign(touch.finger_count, false);
-  for (Held& held : held_)
-    held.seen = false;
-  const auto recognise = [&](auto same) {
-    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-      for (Held& held : held_) {
-        if (known_[f] || held.seen || !same(held, touch.fingers[f].id)) continue;
-        held.seen = known_[f] = true;
-        held.current = touch.fingers[f].id;
-      }
-    }
-  };
-  recognise([](const Held& held, std::uint32_t id) { return held.id == id; });
-  recognise([](const Held& held, std::uint32_t id) { return held.current == id; });
-  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-    if (known_[f]) continue;
-    const touch::Finger& finger = touch.fingers[f];
-    float closest = reach_m;
-    Held* nearest = nullptr;
-    for (Held& held : held_) {
-      if (held.seen || held.solid != finger.solid) continue;
-      const float apart = glm::distance(held.centroid, finger.section.centroid);
-      if (apart > closest) continue;
-      closest = apart;
-      nearest = &held;
-    }
-    if (!nearest) continue;
-    nearest->seen = true;
-    nearest->current = finger.id;
-  }
+EventTracker::Held* EventTracker::held_of(std::uint32_t id) {
+  const auto held = std::find_if(held_.begin(), held_.end(), [&](const Held& other) { return other.id == id; });
+  return held == held_.end() ? nullptr : &*held;
 }
 
 /// Releases who has been missing for the grace, those first who were lost first.

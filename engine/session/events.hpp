@@ -6,7 +6,8 @@
 //   release  it has left the solid, or the stream has ended
 //
 // Every touch is followed by exactly one release with the same finger and solid; moves and presses lie between them. A
-// pure state machine: the same touches give the same events.
+// pure state machine: the same touches give the same events. Who is who is decided before (touch/follow_pass.hpp): a
+// finger is its id.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +36,7 @@ struct Event {
   EventKind kind = EventKind::touch;
   double time_s = 0;         ///< capture of the frame, on the source's clock; of a release see EventTracker
   std::uint32_t solid = 0;   ///< index into the scene's solids
-  std::uint32_t finger = 0;  ///< touch::Finger::id when it touched: the same for the whole of a touch
+  std::uint32_t finger = 0;  ///< touch::Finger::id
   float depth_m = 0;         ///< touch::Finger::depth_m; of a release the last seen
   glm::vec3 centroid{};      ///< of its contacts, metres, world; of a release the last seen
 };
@@ -47,13 +48,10 @@ struct EventOptions {
 
 class EventTracker {
  public:
-  /// A lost finger is looked for within that distance of where it was last seen.
-  static constexpr float reach_m = 0.02F;
-
   /// `solids` are those of the touches; their press depths are kept, nothing else. When no frame came for `hold_s`,
   /// every finger is released. A finger that is missing from frames for less than half of it has not left: a camera may
-  /// miss it for a frame or two. Its release has the time at which it had been missing for that long. One that comes
-  /// back in time near the place where it was lost continues its touch, under the old id.
+  /// miss it for a frame or two. Its release has the time at which it had been missing for that long. One whose id is
+  /// there again in time continues its touch.
   explicit EventTracker(std::span<const geometry::Solid> solids, const EventOptions& options = {}, double hold_s = 0.1);
 
   /// The events of the next frame: releases first, then finger by finger in the order of `touch`. Where the time is
@@ -67,8 +65,7 @@ class EventTracker {
 
  private:
   struct Held {
-    std::uint32_t id = 0;       ///< as told
-    std::uint32_t current = 0;  ///< as its newest frame had it
+    std::uint32_t id = 0;
     std::uint32_t solid = 0;
     double seen_s = 0;
     float depth = 0, told_depth = 0;
@@ -77,7 +74,7 @@ class EventTracker {
     bool seen = false;  ///< in this frame
   };
 
-  void adopt(const touch::Touch& touch);
+  Held* held_of(std::uint32_t id);
   void release_missing(double time_s);
   void release(const Held& held, double time_s);
   void follow(Held& held, const touch::Finger& finger, double time_s, bool fresh);
@@ -88,8 +85,7 @@ class EventTracker {
   double hold_s_, grace_s_;
   double last_s_ = 0;
   bool begun_ = false;
-  std::vector<Held> held_;   ///< in the order of their touches
-  std::vector<bool> known_;  ///< per finger of the frame: it has a place in held_
+  std::vector<Held> held_;  ///< in the order of their touches; no id twice
   std::vector<Event> events_;
 };
 
