@@ -118,6 +118,11 @@ Result palpa(const std::vector<std::string>& arguments, const RunOptions& option
   return run_program(palpa_binary(), arguments, with_assets);
 }
 
+std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
 void expect_failure(const Result& result, int code, const std::string& part) {
   EXPECT_EQ(result.exit_code, code) << result.err;
   EXPECT_EQ(result.signal, 0);

@@ -43,6 +43,9 @@ constexpr bool instrumented() {
 #endif
 }
 
+/// A command line with more behind it.
+std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more);
+
 /// gtest: the program failed with `code`, said so in one line that contains `part`, and printed no result.
 void expect_failure(const Result& result, int code, const std::string& part);
 

@@ -11,6 +11,7 @@
 #include "geometry/ply.hpp"
 #include "process.hpp"
 #include "support/files.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -173,16 +174,6 @@ TEST_F(BadFiles, EveryMalformedGltf) {
       expect_failure(result, 4, file.filename().string());
     }
   }
-}
-
-/// Corners of a box, and its twelve triangles facing outwards.
-geometry::Mesh box(const Vec3& low, const Vec3& high) {
-  geometry::Mesh mesh;
-  for (int i = 0; i < 8; ++i)
-    mesh.positions.push_back({i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z});
-  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
-  return mesh;
 }
 
 TEST_F(BadFiles, ModelsThatAreNoSolid) {

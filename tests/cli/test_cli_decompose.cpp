@@ -15,9 +15,9 @@
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
 #include "geometry/parts_solid.hpp"
-#include "geometry/shapes.hpp"
 #include "geometry/vhacd.hpp"
 #include "process.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {

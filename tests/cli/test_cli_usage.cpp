@@ -11,11 +11,6 @@ namespace {
 
 const std::vector<std::string> drive{"drive", "--layout", "openmpd", "--focus", "0,0,0.15", "--backend", "cpu"};
 
-std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more) {
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  return arguments;
-}
-
 TEST(Usage, HelpTeachesAndSucceeds) {
   const Result all = palpa({"--help"});
   EXPECT_EQ(all.exit_code, 0);

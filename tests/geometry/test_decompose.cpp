@@ -8,7 +8,7 @@
 #include <random>
 
 #include "geometry/nearest.hpp"
-#include "geometry/shapes.hpp"
+#include "support/shapes.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::geometry {

@@ -10,8 +10,8 @@
 #include "geometry/memory_file.hpp"
 #include "geometry/packers.hpp"
 #include "geometry/ply.hpp"
-#include "geometry/shapes.hpp"
 #include "geometry/solid.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 

@@ -9,9 +9,10 @@
 #include <random>
 
 #include "geometry/gltf_builder.hpp"
-#include "geometry/shapes.hpp"
 #include "geometry/solid.hpp"
+#include "support/captured.hpp"
 #include "support/files.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 

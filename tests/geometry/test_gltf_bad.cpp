@@ -10,9 +10,9 @@
 
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
-#include "geometry/shapes.hpp"
 #include "geometry/solid.hpp"
 #include "support/files.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 

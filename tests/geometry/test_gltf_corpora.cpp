@@ -11,8 +11,9 @@
 
 #include "geometry/gltf.hpp"
 #include "geometry/packers.hpp"
-#include "geometry/shapes.hpp"
 #include "geometry/solid.hpp"
+#include "support/captured.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 

@@ -6,7 +6,8 @@
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
 #include "geometry/memory_file.hpp"
-#include "geometry/shapes.hpp"
+#include "support/captured.hpp"
+#include "support/shapes.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::geometry {

@@ -8,7 +8,8 @@
 #include "geometry/gltf_draco.hpp"
 #include "geometry/memory_file.hpp"
 #include "geometry/packers.hpp"
-#include "geometry/shapes.hpp"
+#include "support/captured.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 

@@ -10,8 +10,9 @@
 
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
-#include "geometry/shapes.hpp"
 #include "geometry/solid.hpp"
+#include "support/captured.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 

@@ -13,7 +13,7 @@
 
 #include "geometry/gltf.hpp"
 #include "geometry/seeded_hash.hpp"
-#include "geometry/shapes.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::geometry {

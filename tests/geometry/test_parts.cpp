@@ -12,7 +12,7 @@
 #include <random>
 
 #include "geometry/convex_hull.hpp"
-#include "geometry/shapes.hpp"
+#include "support/shapes.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::geometry {

@@ -14,7 +14,7 @@
 #include <random>
 
 #include "geometry/memory_file.hpp"
-#include "geometry/shapes.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 

@@ -7,8 +7,9 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/log.hpp"
-#include "geometry/shapes.hpp"
 #include "geometry/solid.hpp"
+#include "support/captured.hpp"
+#include "support/shapes.hpp"
 
 namespace palpa::geometry {
 namespace {

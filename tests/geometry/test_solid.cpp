@@ -11,8 +11,9 @@
 #include <random>
 #include <tuple>
 
-#include "geometry/shapes.hpp"
 #include "geometry/topology.hpp"
+#include "support/captured.hpp"
+#include "support/shapes.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::geometry {

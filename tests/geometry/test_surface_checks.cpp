@@ -11,11 +11,12 @@
 #include "geometry/mesh_repair.hpp"
 #include "geometry/predicates.hpp"
 #include "geometry/self_intersection.hpp"
-#include "geometry/shapes.hpp"
 #include "geometry/shells.hpp"
 #include "geometry/solid.hpp"
 #include "geometry/surface.hpp"
 #include "geometry/topology.hpp"
+#include "support/captured.hpp"
+#include "support/shapes.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::geometry {

@@ -11,6 +11,7 @@
 #include "random_rig.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/skin_twin.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
@@ -18,6 +19,7 @@ namespace palpa::sensing {
 namespace {
 
 using geometry::Mesh;
+using test::sphere;
 
 void add_quad(Mesh& mesh, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
@@ -30,24 +32,6 @@ void add_quad(Mesh& mesh, const Vec3& a, const Vec3& b, const Vec3& c, const Vec
 Mesh square(const Vec3& centre, const Vec3& x, const Vec3& y) {
   Mesh mesh;
   add_quad(mesh, centre - x - y, centre + x - y, centre + x + y, centre - x + y);
-  return mesh;
-}
-
-Mesh sphere(double radius, int rings) {
-  Mesh mesh;
-  for (int i = 0; i <= rings; ++i) {
-    for (int j = 0; j < 2 * rings; ++j) {
-      const double a = M_PI * i / rings, b = M_PI * j / rings;
-      mesh.positions.push_back(radius * Vec3(std::sin(a) * std::cos(b), std::cos(a), std::sin(a) * std::sin(b)));
-    }
-  }
-  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(i * 2 * rings + j % (2 * rings)); };
-  for (int i = 0; i < rings; ++i) {
-    for (int j = 0; j < 2 * rings; ++j) {
-      mesh.triangles.emplace_back(at(i, j), at(i, j + 1), at(i + 1, j));
-      mesh.triangles.emplace_back(at(i, j + 1), at(i + 1, j + 1), at(i + 1, j));
-    }
-  }
   return mesh;
 }
 
@@ -124,7 +108,7 @@ TEST(Synthetic, DepthsAreThoseOfRaysCastInDouble) {
 }
 
 TEST(Synthetic, AClosedSurfaceHasNoCracks) {
-  const Mesh ball = sphere(0.1, 64);
+  const Mesh ball = sphere(0.1, 64, 128);
   const Camera camera = test::d415(test::look_at(Vec3(0.3, 0.2, 0.35), Vec3(0)));
   const auto depth = render_one(camera, ball, Noise::none);
   const Vec3 eye(camera.T_world_camera[3]);
@@ -279,7 +263,7 @@ TEST(Synthetic, GrazingSurfacesLoseData) {
 
 TEST(Synthetic, TheSameSeedGivesTheSameBytesOnAnyThread) {
   const Camera camera = test::d415(test::look_at(Vec3(0.1, -0.2, 0.4), Vec3(0)));
-  const Mesh ball = sphere(0.06, 24);
+  const Mesh ball = sphere(0.06, 24, 48);
   std::vector<std::vector<std::uint16_t>> results(4);
   std::vector<std::thread> threads;
   threads.reserve(results.size());
@@ -307,7 +291,7 @@ TEST(Synthetic, SourceDeliversEveryFrameUnlessPaced) {
   SyntheticOptions options;
   options.paced = false;
   options.frames = 5;
-  const auto source = make_synthetic_source({camera}, sphere(0.01, 8), {}, options);
+  const auto source = make_synthetic_source({camera}, sphere(0.01, 8, 16), {}, options);
   FrameSet set;
   for (std::uint64_t i = 0; i < 5; ++i) {
     ASSERT_TRUE(source->next(set, 1));
@@ -320,12 +304,12 @@ TEST(Synthetic, SourceDeliversEveryFrameUnlessPaced) {
   options.paced = true;
   options.rate_hz = 1;
   options.frames = 2;
-  const auto slow = make_synthetic_source({camera}, sphere(0.01, 8), {}, options);
+  const auto slow = make_synthetic_source({camera}, sphere(0.01, 8, 16), {}, options);
   ASSERT_TRUE(slow->next(set, 1));
   EXPECT_EQ(set.sequence, 0u);
   ASSERT_TRUE(slow->next(set, 0.001));  // the next one is a second away
   EXPECT_TRUE(set.frames.empty());
-  EXPECT_THROW(make_synthetic_source({}, sphere(0.01, 8), {}, {}), Error);
+  EXPECT_THROW(make_synthetic_source({}, sphere(0.01, 8, 16), {}, {}), Error);
 }
 
 TEST(Synthetic, FingertipDips) {

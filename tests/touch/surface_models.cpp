@@ -8,10 +8,15 @@
 #include <random>
 #include <utility>
 
+#include "support/shapes.hpp"
+
 namespace palpa::touch::test {
 namespace {
 
 using geometry::Mesh;
+using palpa::test::box;
+using palpa::test::sphere;
+using palpa::test::transformed;
 constexpr double pi = std::numbers::pi;
 
 using Index = std::uint32_t;
@@ -68,48 +73,16 @@ Mesh notched_cube() {
   return mesh;
 }
 
-namespace {
-
-Mesh ball(double radius, int rings, int segments) {
-  Mesh mesh;
-  mesh.positions.emplace_back(0, radius, 0);
-  for (int i = 1; i < rings; ++i) {
-    for (int k = 0; k < segments; ++k) {
-      const double theta = pi * i / rings, phi = 2 * pi * k / segments;
-      mesh.positions.push_back(
-          radius * Vec3(std::sin(theta) * std::cos(phi), std::cos(theta), -std::sin(theta) * std::sin(phi)));
-    }
-  }
-  mesh.positions.emplace_back(0, -radius, 0);
-  const auto last = static_cast<Index>(mesh.positions.size() - 1);
-  const auto at = [&](int ring, int k) { return static_cast<Index>(1 + (ring - 1) * segments + k % segments); };
-  for (int k = 0; k < segments; ++k) {
-    mesh.triangles.emplace_back(0, at(1, k), at(1, k + 1));
-    mesh.triangles.emplace_back(last, at(rings - 1, k + 1), at(rings - 1, k));
-    for (int i = 1; i + 1 < rings; ++i) {
-      mesh.triangles.emplace_back(at(i, k), at(i + 1, k), at(i, k + 1));
-      mesh.triangles.emplace_back(at(i, k + 1), at(i + 1, k), at(i + 1, k + 1));
-    }
-  }
-  return mesh;
-}
-
-}  // namespace
-
 Mesh hollow_ball() {
-  Mesh mesh = ball(0.02, 24, 40), inner = ball(0.015, 16, 31);
+  Mesh mesh = sphere(0.02, 24, 40), inner = sphere(0.015, 16, 31);
   geometry::flip(inner);
   geometry::append(mesh, inner);
-  return mesh;
+  // Its poles on y: cameras look down at one.
+  return transformed(mesh, [](const Vec3& p) { return Vec3(p.x, p.z, -p.y); });
 }
 
 Mesh thin_plate() {
-  Mesh mesh;
-  for (int i = 0; i < 8; ++i)
-    mesh.positions.emplace_back(i & 1 ? 0.04 : -0.04, i & 2 ? 0 : -0.0004, i & 4 ? 0.03 : -0.03);
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return mesh;
+  return box({-0.04, -0.0004, -0.03}, {0.04, 0, 0.03});
 }
 
 Mesh needle_cylinder(int segments) {

@@ -22,7 +22,7 @@ struct Example {
   Example() {
     solids.resize(1);
     solids[0].name = "block";
-    solids[0].mesh = test::box_mesh({-0.02, -0.04, -0.02}, {0.02, 0, 0.02});
+    solids[0].mesh = test::box({-0.02, -0.04, -0.02}, {0.02, 0, 0.02});
     for (std::uint32_t i = 0; i < 12; ++i)
       points.push_back({{0.001f * static_cast<float>(i), 0, 0}, 10 * i});
     for (const std::uint32_t i : {1, 2, 3, 5, 7, 8})

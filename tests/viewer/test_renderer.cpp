@@ -192,7 +192,7 @@ TEST_F(Renderer, TransducersShowTheirDriveFromTheFrontOnly) {
 
 TEST_F(Renderer, TheSkinIsFaintAndPassesThroughTheSolid) {
   Picture picture = test::cube_picture();
-  picture.skin = SurfaceMark{"skin", test::box_mesh({-0.008, -0.008, 0.0}, {0.008, 0.03, 0.03})};
+  picture.skin = SurfaceMark{"skin", test::box({-0.008, -0.008, 0.0}, {0.008, 0.03, 0.03})};
   const Viewpoint viewpoint = test::front_viewpoint();
   const Pixels with = draw(picture, viewpoint), without = draw(test::cube_picture(), viewpoint);
   const int change = std::abs(at(with, viewpoint, {0, 0.001, 0.03})[2] - at(without, viewpoint, {0, 0.001, 0.03})[2]);

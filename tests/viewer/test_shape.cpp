@@ -20,7 +20,7 @@ std::ptrdiff_t creases(const Shape& shape) {
 }
 
 TEST(Shape, ACubeHasTwelveCreasesAndFlatFaces) {
-  const Shape shape = make_shape(test::box_mesh({-1, -1, -1}, {1, 1, 1}));
+  const Shape shape = make_shape(test::box({-1, -1, -1}, {1, 1, 1}));
   EXPECT_EQ(shape.vertices.size(), 36u);
   EXPECT_EQ(shape.edges.size(), 12u);  // the faces' diagonals are no edges
   EXPECT_EQ(creases(shape), 12);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <string>
 
 #include "geometry/mesh.hpp"
 
@@ -27,8 +26,5 @@ geometry::Mesh transformed(geometry::Mesh mesh, const std::function<Vec3(const V
 
 /// Coordinates rounded to single precision, as a file stores them.
 geometry::Mesh rounded(const geometry::Mesh& mesh);
-
-/// What is written to stderr meanwhile.
-std::string stderr_of(const std::function<void()>& action);
 
 }  // namespace palpa::test

@@ -1,6 +1,4 @@
-#include "geometry/shapes.hpp"
-
-#include <gtest/gtest.h>
+#include "support/shapes.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -111,17 +109,6 @@ Mesh rounded(const Mesh& mesh) {
     }
   }
   return out;
-}
-
-std::string stderr_of(const std::function<void()>& action) {
-  ::testing::internal::CaptureStderr();
-  try {
-    action();
-  } catch (...) {
-    ::testing::internal::GetCapturedStderr();  // else the next capture ends the program
-    throw;
-  }
-  return ::testing::internal::GetCapturedStderr();
 }
 
 }  // namespace palpa::test

@@ -16,7 +16,7 @@ namespace {
 
 const Transform tilt(0.36, 0.48, -0.8, 0, -0.8, 0.6, 0, 0, 0.48, 0.64, 0.6, 0, 0.1, -0.2, 0.15, 1);
 
-TEST(TouchChain, TheGpuAgreesWithTheTwinBitForBit) {
+TEST(WholeTouch, TheGpuAgreesWithTheTwinBitForBit) {
   auto points = fingertip(10'000, 3e-3, -0.012);
   const auto other = fingertip(10'000, 2e-3, 0.012, 0.003, 2);
   points.insert(points.end(), other.begin(), other.end());
@@ -37,10 +37,10 @@ TEST(TouchChain, TheGpuAgreesWithTheTwinBitForBit) {
   }
 }
 
-class TouchChainOn : public OnBothBackends {};
-INSTANTIATE_TEST_SUITE_P(, TouchChainOn, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
+class WholeTouchOn : public OnBothBackends {};
+INSTANTIATE_TEST_SUITE_P(, WholeTouchOn, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
 
-TEST_P(TouchChainOn, TwoFingersOnACubeAreTwoRings) {
+TEST_P(WholeTouchOn, TwoFingersOnACubeAreTwoRings) {
   auto points = fingertip(10'000, 3e-3, -0.011);
   const auto other = fingertip(10'000, 3e-3, 0.011, 0, 2);
   points.insert(points.end(), other.begin(), other.end());
@@ -60,7 +60,7 @@ TEST_P(TouchChainOn, TwoFingersOnACubeAreTwoRings) {
   }
 }
 
-TEST_P(TouchChainOn, APermutationOfPointsPermutesIndices) {
+TEST_P(WholeTouchOn, APermutationOfPointsPermutesIndices) {
   const auto points = fingertip(8000, 3e-3);
   std::vector<std::uint32_t> order(points.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -105,7 +105,7 @@ void expect_foci_moved(const Touch& from, const Touch& to, const Transform& moti
   }
 }
 
-TEST_P(TouchChainOn, MotionAndScaleCarryEverythingAlong) {
+TEST_P(WholeTouchOn, MotionAndScaleCarryEverythingAlong) {
   // An oval touch, so that the axes are distinct.
   std::vector<glm::vec3> points;
   for (glm::vec3 p : fingertip(12'000, 3e-3))
