@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "array/drive.hpp"
@@ -55,7 +56,8 @@ struct Schedule {
 
 /// How the foci of a finger are to play, whatever finger it is.
 struct VoiceOptions {
-  std::uint32_t stride = 3;  ///< coprime to the number of foci
+  /// Coprime to the number of foci; nothing: the usual one of that number (geometry::usual_stride).
+  std::optional<std::uint32_t> stride;
   double dwell_s = 1.5e-3;
   double gain = 1;             ///< intensity, 0..1
   double modulation_hz = 200;  ///< of fingers whose foci stand still; the others are not modulated

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <numeric>
 
 namespace palpa::geometry {
@@ -12,6 +13,17 @@ std::uint32_t coprime_stride(std::uint32_t foci, std::uint32_t stride) {
   while (better > 1 && std::gcd(better, foci) != 1)
     --better;
   return std::max(better, 1U);
+}
+
+std::uint32_t usual_stride(std::uint32_t foci) {
+  std::uint32_t best = 1;
+  const auto off = [foci](std::uint32_t stride) {  // tenths of a focus from what is wanted
+    return std::abs(10 * std::int64_t{stride} - 3 * std::int64_t{foci});
+  };
+  for (std::uint32_t stride = 2; stride < foci; ++stride) {
+    if (std::gcd(stride, foci) == 1 && off(stride) <= off(best)) best = stride;
+  }
+  return best;
 }
 
 std::string stride_fault(std::uint32_t foci, std::uint32_t stride) {

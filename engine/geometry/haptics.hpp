@@ -22,6 +22,10 @@ struct Haptics {
   bool operator==(const Haptics&) const = default;
 };
 
+/// The stride where nobody says one: of those that leave no focus out the nearest to 0.3 of their number, and of two
+/// equally near the larger: 3 of 10.
+std::uint32_t usual_stride(std::uint32_t foci);
+
 /// A stride for so many foci that leaves none out: the nearest below `stride` (modulo their number), at least 1.
 std::uint32_t coprime_stride(std::uint32_t foci, std::uint32_t stride);
 

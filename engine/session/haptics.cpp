@@ -17,7 +17,7 @@ std::int64_t nanoseconds(double seconds) {
 
 SolidHaptics resolve(const geometry::Haptics& asked, const touch::Parameters& touch, const array::VoiceOptions& voice) {
   SolidHaptics haptics{asked.foci.value_or(touch.foci), voice, asked.foci || asked.stride || asked.dwell_s};
-  haptics.voice.stride = asked.stride.value_or(voice.stride);
+  haptics.voice.stride = asked.stride.value_or(voice.stride.value_or(geometry::usual_stride(haptics.foci)));
   haptics.voice.dwell_s = asked.dwell_s.value_or(voice.dwell_s);
   haptics.voice.gain = asked.intensity.value_or(voice.gain);
   return haptics;
@@ -27,13 +27,15 @@ SolidHaptics resolve(const geometry::Haptics& asked, const touch::Parameters& to
 
 std::vector<SolidHaptics> resolve_haptics(const std::string& scene, std::span<const geometry::Solid> solids,
                                           const touch::Parameters& touch, const array::VoiceOptions& voice) {
-  const std::string fault_of_all = geometry::stride_fault(touch.foci, voice.stride);
-  if (!fault_of_all.empty()) throw bad_usage(fault_of_all);
+  if (voice.stride) {
+    const std::string fault = geometry::stride_fault(touch.foci, *voice.stride);
+    if (!fault.empty()) throw bad_usage(fault);
+  }
   std::vector<SolidHaptics> resolved;
   resolved.reserve(solids.size());
   for (const geometry::Solid& solid : solids) {
     const SolidHaptics& haptics = resolved.emplace_back(resolve(solid.haptics, touch, voice));
-    const std::string fault = geometry::stride_fault(haptics.foci, haptics.voice.stride);
+    const std::string fault = geometry::stride_fault(haptics.foci, *haptics.voice.stride);
     if (!fault.empty()) throw bad_input(scene, fmt::format("node '{}': {}", solid.name, fault));
   }
   return resolved;

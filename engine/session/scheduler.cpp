@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "geometry/haptics.hpp"
 #include "session/voice.hpp"
 
 namespace palpa::session {
@@ -45,7 +46,7 @@ void Scheduler::tune(const touch::Touch& touch, const touch::Finger& finger, dou
                      ScheduledFinger& out) {
   if (options_.tune == Tune::nothing) return;
   const auto foci = static_cast<std::uint32_t>(out.placement.foci.size());
-  const acoustics::Ring ring{out.perimeter_m, foci, voice.stride, voice.dwell_s};
+  const acoustics::Ring ring{out.perimeter_m, foci, voice.stride.value_or(geometry::usual_stride(foci)), voice.dwell_s};
   if (options_.tune == Tune::stride) {
     voice.stride = strides_.stride_for(finger.id, ring, time_s);
     return;

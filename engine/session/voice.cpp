@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "geometry/haptics.hpp"
+
 namespace palpa::session {
 namespace {
 
@@ -39,7 +41,7 @@ void make_voice(const touch::Placement& placement, std::uint32_t id, std::uint32
     if (filled == sector || !placement.together) voice.foci.emplace_back(placement.foci[filled].position);
   }
   const auto foci = static_cast<std::uint32_t>(voice.foci.size());
-  array::fill_order(foci, placement.together ? 1 : options.stride, voice.order);
+  array::fill_order(foci, placement.together ? 1 : options.stride.value_or(geometry::usual_stride(foci)), voice.order);
   voice.foci_per_slot = placement.together ? foci : 1;
 }
 

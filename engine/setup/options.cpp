@@ -61,7 +61,8 @@ void add_touch_options(CLI::App& app, TouchOptions& options) {
   group.integer("--foci", p.foci, 1, touch::max_foci, "foci per finger");
   group.choice("--spacing", p.spacing, touch::spacing_words,
                "foci at equal angles, or at equal lengths along the cross-section");
-  group.integer("--stride", options.stride, 1, 1u << 20, "every which focus is next; coprime to --foci");
+  group.integer("--stride", options.stride, 1, 1u << 20,
+                "every which focus is next; coprime to --foci, normally what is nearest to 0.3 of it");
   group.quantity("--dwell", options.dwell_s, Quantity::time, {1e-6, 10}, "how long a focus lasts");
   group.choice("--method", options.method.method, touch::method_words, "how a cross-section becomes foci");
   group.choice("--modulation", options.modulation, array::modulation_words,
@@ -98,7 +99,8 @@ void check(const FeltOptions& options, const TouchOptions& touch) {
 }
 
 void check(const TouchOptions& options) {
-  const std::string fault = geometry::stride_fault(options.parameters.foci, options.stride);
+  if (!options.stride) return;
+  const std::string fault = geometry::stride_fault(options.parameters.foci, *options.stride);
   if (!fault.empty()) throw bad_usage("--stride and --foci: " + fault);
 }
 

@@ -54,8 +54,8 @@ void add_solid_options(CLI::App& app, SolidOptions& options);
 
 /// From skin points to a schedule.
 struct TouchOptions {
-  touch::Parameters parameters;  ///< --delta, --finger-gap, --min-points, --foci
-  std::uint32_t stride = 3;
+  touch::Parameters parameters;         ///< --delta, --finger-gap, --min-points, --foci
+  std::optional<std::uint32_t> stride;  ///< nothing: the usual one of the number of foci
   double dwell_s = 1.5e-3;
   touch::MethodOptions method;  ///< --method
   array::Modulation modulation = array::Modulation::pressure_sine;

@@ -10,6 +10,7 @@
 
 #include "array/schedule.hpp"
 #include "base/error.hpp"
+#include "geometry/haptics.hpp"
 
 namespace palpa::array {
 namespace {
@@ -50,6 +51,20 @@ TEST(FillOrder, EveryFocusOnceOrRefused) {
     for (std::size_t i = 1; i < order.size(); ++i)
       RC_ASSERT((order[i - 1] + stride) % count == order[i]);
   }));
+}
+
+TEST(FillOrder, TheUsualStrideIsTheNearestToThreeTenthsThatLeavesNoneOut) {
+  EXPECT_EQ(geometry::usual_stride(10), 3U) << "the paper's";
+  EXPECT_EQ(geometry::usual_stride(5), 2U) << "1 is as near: the larger";
+  EXPECT_EQ(geometry::usual_stride(1), 1U);
+  for (std::uint32_t foci = 2; foci <= 64; ++foci) {
+    std::uint32_t nearest = 0;
+    for (std::uint32_t stride = 1; stride < foci; ++stride) {
+      if (std::gcd(stride, foci) != 1) continue;
+      if (nearest == 0 || std::abs(stride - 0.3 * foci) <= std::abs(nearest - 0.3 * foci) + 1e-9) nearest = stride;
+    }
+    EXPECT_EQ(geometry::usual_stride(foci), nearest) << foci;
+  }
 }
 
 TEST(FillOrder, SaysWhichStrideWouldDo) {

@@ -61,10 +61,14 @@ TEST(CliHaptics, AStrideThatLeavesFociOutIsNamedWithOneThatWouldDo) {
   nine.foci = 9;
   const std::string scene = with_knob(folder, nine).string(), points = two_fingers(folder).string();
   const std::string fault = "node 'knob': stride 3 and 9 foci share the divisor 3";
-  expect_failure(palpa({"touch", "--scene", scene, "--points", points}), 4, fault);
-  expect_failure(palpa({"touch", "--scene", scene, "--points", points}), 4, "such as 2");
-  expect_failure(palpa({"run", "--scene", scene, "--frames", "3"}), 4, fault);
-  EXPECT_EQ(palpa({"touch", "--scene", scene, "--points", points, "--stride", "7", "--backend", "cpu"}).exit_code, 0);
+  const std::vector<std::string> touch{"touch", "--scene", scene, "--points", points, "--backend", "cpu"};
+  expect_failure(palpa(with(touch, {"--stride", "3"})), 4, fault);
+  expect_failure(palpa(with(touch, {"--stride", "3"})), 4, "such as 2");
+  expect_failure(palpa({"run", "--scene", scene, "--frames", "3", "--stride", "3"}), 4, fault);
+  EXPECT_EQ(palpa(with(touch, {"--stride", "7"})).exit_code, 0);
+  const Result usual = palpa(with(touch, {"--json", "-"}));
+  ASSERT_EQ(usual.exit_code, 0) << usual.err;
+  EXPECT_EQ(json::parse(usual.out)["fingers"][1]["schedule"]["order"], (json{0, 2, 4, 6, 8, 1, 3, 5, 7}));
 }
 
 }  // namespace

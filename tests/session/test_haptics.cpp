@@ -67,7 +67,7 @@ TEST(Haptics, AStrideThatLeavesFociOutIsTheFilesFault) {
   nine.foci = 9;
   five.stride = 5;
   const touch::Parameters parameters;
-  const array::VoiceOptions voice;
+  array::VoiceOptions voice{.stride = 3};
   const auto fault = [&](const std::vector<geometry::Haptics>& haptics) -> std::string {
     try {
       resolve_haptics("scene.glb", solids(haptics), parameters, voice);
@@ -90,6 +90,10 @@ TEST(Haptics, AStrideThatLeavesFociOutIsTheFilesFault) {
   one.foci = 1;
   one.stride = 6;
   EXPECT_EQ(fault({one}), "") << "one focus has one order";
+  voice.stride.reset();
+  EXPECT_EQ(fault({{}, nine}), "") << "nobody asks for a stride";
+  EXPECT_EQ(resolve_haptics("scene.glb", solids({{}, nine}), parameters, voice)[0].voice.stride, 3U);
+  EXPECT_EQ(resolve_haptics("scene.glb", solids({{}, nine}), parameters, voice)[1].voice.stride, 2U);
   EXPECT_THROW(resolve_haptics("scene.glb", {}, parameters, {.stride = 5}), Error) << "of what holds for all";
 }
 
