@@ -6,22 +6,20 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 # Name, preset, the tests (a ctest label, - for all), environment. What each leg shows that no other does:
-#   threads-2     races between a dispatch's workgroups. Runs one test at a time, so that its threads have the cores.
-#   width-128     subgroups of 4 lanes; host and device memory apart, with copies between them, as on a discrete GPU
-#   width-512     subgroups of 16 lanes; memory that is shared, and read before it is written. Nothing is drawn: Mesa 22 cannot.
-#   sync          Vulkan's rules, which core validation alone would show, too, and missing barriers
-#   gpu-assisted  accesses outside of a buffer
+#   threads-2     races between a dispatch's workgroups; subgroups of 16 lanes; memory that is shared, and read before it is
+#                 written. Runs one test at a time, so that its threads have the cores. Nothing is drawn: Mesa 22 cannot.
+#   sync          Vulkan's rules, which core validation alone would show, too, and missing barriers; subgroups of 4 lanes; host and
+#                 device memory apart, with copies between them, as on a discrete GPU, and read before they are written
+#   gpu-assisted  accesses outside of a buffer; Vulkan's rules where memory is shared
 #   corpus        meshes of every size
 #   asan          the host's memory and undefined behaviour, in all tests
 #   tsan          races between the host's threads
 # One driver thread and subgroups of 8 lanes are what tests/house/suite.sh gives every leg that says nothing else, and ./dev test.
-# Memory is poisoned with both widths, copied or not. The variables that speak to lavapipe are ignored by other drivers.
+# The variables that speak to lavapipe are ignored by other drivers.
 legs() {
   cat <<'END'
-threads-2    release gpu     LP_NUM_THREADS=2 PALPA_JOBS=1
-width-128    release gpu     LP_NATIVE_VECTOR_WIDTH=128 PALPA_FORCE_STAGING=1 LVP_POISON_MEMORY=1
-width-512    release gpu     LP_NATIVE_VECTOR_WIDTH=512 LVP_POISON_MEMORY=1
-sync         release gpu     PALPA_VALIDATION=sync
+threads-2    release gpu     LP_NUM_THREADS=2 PALPA_JOBS=1 LP_NATIVE_VECTOR_WIDTH=512 LVP_POISON_MEMORY=1
+sync         release gpu     PALPA_VALIDATION=sync LP_NATIVE_VECTOR_WIDTH=128 PALPA_FORCE_STAGING=1 LVP_POISON_MEMORY=1
 gpu-assisted release gpu     PALPA_VALIDATION=gpu-assisted
 corpus       release corpus  PALPA_EXHAUSTIVE=1
 asan         asan    -
