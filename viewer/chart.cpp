@@ -66,7 +66,7 @@ void draw_bars(Ink& ink, const Plot& plot, const std::vector<std::vector<Spectru
     for (const SpectrumMark& line : spectra[f]) {
       if (line.frequency_hz > highest_hz) break;
       const Vec2 foot = plot.at(line.frequency_hz, 0) + shift;
-      draw_bar(ink, foot, plot.at(line.frequency_hz, line.pressure) + shift, width, with_alpha(colour, 0.32F));
+      draw_bar(ink, foot, plot.at(line.frequency_hz, line.around) + shift, width, with_alpha(colour, 0.32F));
       draw_bar(ink, foot, plot.at(line.frequency_hz, line.felt) + shift, width, colour);
     }
   }
@@ -75,7 +75,7 @@ void draw_bars(Ink& ink, const Plot& plot, const std::vector<std::vector<Spectru
 void draw_key(Ink& ink, const Vec2& at, const Theme& theme) {
   const Colour colour = finger_colour(0);
   ink.line(at, at, 7, with_alpha(colour, 0.32F));
-  ink.text("pressure", at + Vec2(ink.px(9), ink.px(3)), 7, theme.ink);
+  ink.text("around", at + Vec2(ink.px(9), ink.px(3)), 7, theme.ink);
   const Vec2 felt = at + Vec2(ink.px(72), 0);
   ink.line(felt, felt, 7, colour);
   ink.text("felt", felt + Vec2(ink.px(9), ink.px(3)), 7, theme.ink);
@@ -100,7 +100,7 @@ void draw_chart(Ink& ink, const Picture& picture, double width, double height, c
   double most = 0;
   for (const auto& spectrum : picture.spectra) {
     for (const SpectrumMark& line : spectrum) {
-      if (line.frequency_hz <= highest_hz) most = std::max(most, line.pressure);
+      if (line.frequency_hz <= highest_hz) most = std::max(most, line.around);
     }
   }
   draw_panel(ink, low, low + size, theme);

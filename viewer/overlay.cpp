@@ -105,9 +105,9 @@ void draw_legend(Ink& ink, const Picture& picture, const Theme& theme) {
     ink.swatch(m, theme.skin_rim, theme.skin_point);
     entry(picture.skin->name);
   }
-  if (!picture.skin_points.empty()) {
+  if (picture.skin_count > 0) {
     ink.disc(middle(), 3, theme.skin_point);
-    entry(counted(picture.skin_points.size() + picture.contacts.size(), "skin point"));
+    entry(counted(picture.skin_count, "skin point"));
   }
   std::size_t loose = 0;
   for (const ContactMark& c : picture.contacts)
@@ -122,7 +122,7 @@ void draw_legend(Ink& ink, const Picture& picture, const Theme& theme) {
     const auto own = std::count_if(finger.foci.begin(), finger.foci.end(), [](const FocusMark& m) { return m.own; });
     std::string foci = counted(static_cast<std::size_t>(own), "focus");
     if (own != 1) foci = fmt::format("{} foci {}", own, finger.together ? "at once" : "in order");
-    entry(fmt::format("finger {}: {}, {}", f + 1, counted(finger.contacts, "contact"), foci));
+    entry(fmt::format("finger {}: {}, {}", f, counted(finger.contacts, "contact"), foci));
   }
   if (picture.fingers.size() > most_fingers)
     entry(fmt::format("and {} more", counted(picture.fingers.size() - most_fingers, "finger")));

@@ -55,8 +55,8 @@ struct FingerMarks {
 /// One line of what skin feels in time, by the mean pressure.
 struct SpectrumMark {
   double frequency_hz = 0;
-  double pressure = 0;  ///< its amplitude around the perimeter
-  double felt = 0;      ///< the same by how sensitive skin is to it
+  double around = 0;  ///< its amplitude around the perimeter (acoustics::Line)
+  double felt = 0;    ///< the same by how sensitive skin is to it
 };
 
 struct TransducerMark {
@@ -76,8 +76,9 @@ struct CameraMark {
 struct Picture {
   std::string title;  ///< above the legend, may be empty
   std::vector<SurfaceMark> solids;
-  std::optional<SurfaceMark> skin;  ///< the finger's or hand's surface, drawn faintly
-  std::vector<glm::vec3> skin_points;
+  std::optional<SurfaceMark> skin;     ///< the finger's or hand's surface, drawn faintly
+  std::vector<glm::vec3> skin_points;  ///< those near the solids that are no contacts
+  std::uint64_t skin_count = 0;        ///< skin points in all, contacts and those far away too
   std::vector<ContactMark> contacts;
   std::vector<FingerMarks> fingers;
   std::vector<TransducerMark> transducers;
@@ -86,6 +87,7 @@ struct Picture {
   std::vector<BoardMark> boards;
   std::vector<CameraMark> cameras;
   std::vector<std::vector<SpectrumMark>> spectra;  ///< one per finger, drawn as a chart; or none
+  std::optional<Transform> T_world_camera;         ///< of the first camera that sees the skin
   bool dark = false;                               ///< dark-neutral instead of white background
   bool legend = true;                              ///< title, legend, axes and scale
   bool grid = true;

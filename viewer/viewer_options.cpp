@@ -43,7 +43,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   what.flag("--no-grid", o.no_grid, "no grid");
 
   const setup::Group where(app, "View");
-  where.choice("--view", o.view, view_words, "from where");
+  where.choice("--view", o.view, view_words, "from where; camera: as the first camera of --depth sees it");
   where.text("--eye", o.eye, "X,Y,Z", "in place of --view: the eye, looking at --target");
   where.text("--target", o.target, "X,Y,Z", "what --eye looks at [0,0,0]");
   where.choice("--frame", o.frame, {{"touch", Extent::touch}, {"objects", Extent::objects}, {"all", Extent::all}},
@@ -81,6 +81,7 @@ void check(const ViewerOptions& o) {
     throw bad_usage("--penetration moves --points and --skin: give one of them");
   }
   if (o.input.penetration_m && o.input.scene.empty()) throw bad_usage("--penetration goes with --scene");
+  if (o.view == StandardView::camera && o.input.depths.empty()) throw bad_usage("--view camera goes with --depth");
   if (!o.target.empty() && o.eye.empty()) throw bad_usage("--target goes with --eye");
   if (!o.eye.empty()) {
     const Vec3 target = o.target.empty() ? Vec3(0) : point("--target", o.target);
@@ -121,7 +122,11 @@ Viewpoint first_viewpoint(const ViewerOptions& o, const Picture& picture, const 
     look(viewpoint, point("--eye", o.eye), o.target.empty() ? Vec3(0) : point("--target", o.target));
     return viewpoint;
   }
-  look(viewpoint, o.view);
+  if (o.view == StandardView::camera && picture.T_world_camera) {
+    look(viewpoint, *picture.T_world_camera);
+  } else {
+    look(viewpoint, o.view);
+  }
   fit(viewpoint, home_of(o, picture), static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u));
   return viewpoint;
 }

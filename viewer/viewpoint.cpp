@@ -19,6 +19,7 @@ shader::vec4 row(const Vec3& v, double w) {
 }  // namespace
 
 void look(Viewpoint& viewpoint, StandardView view) {
+  viewpoint.R_world_orbit = glm::dmat3(1.0);
   switch (view) {
     case StandardView::front:
       viewpoint.azimuth = 0, viewpoint.elevation = 0;
@@ -30,12 +31,20 @@ void look(Viewpoint& viewpoint, StandardView view) {
       viewpoint.azimuth = 0, viewpoint.elevation = pi / 2;
       break;
     case StandardView::iso:
+    case StandardView::camera:
       viewpoint.azimuth = 0.6, viewpoint.elevation = 0.45;
       break;
   }
 }
 
+void look(Viewpoint& viewpoint, const Transform& T_world_camera) {
+  const glm::dmat3 R(T_world_camera);
+  viewpoint.R_world_orbit = glm::dmat3(R[0], -R[1], -R[2]);
+  viewpoint.azimuth = viewpoint.elevation = 0;
+}
+
 void look(Viewpoint& viewpoint, const Vec3& eye, const Vec3& target) {
+  viewpoint.R_world_orbit = glm::dmat3(1.0);
   const Vec3 d = eye - target;
   viewpoint.target = target;
   viewpoint.distance = std::clamp(glm::length(d), least_distance, most_distance);
@@ -47,9 +56,9 @@ Basis basis(const Viewpoint& viewpoint) {
   const double ca = std::cos(viewpoint.azimuth), sa = std::sin(viewpoint.azimuth);
   const double ce = std::cos(viewpoint.elevation), se = std::sin(viewpoint.elevation);
   Basis b;
-  b.forward = Vec3(-ce * sa, -se, -ce * ca);
-  b.right = Vec3(ca, 0, -sa);
-  b.up = Vec3(-se * sa, ce, -se * ca);
+  b.forward = viewpoint.R_world_orbit * Vec3(-ce * sa, -se, -ce * ca);
+  b.right = viewpoint.R_world_orbit * Vec3(ca, 0, -sa);
+  b.up = viewpoint.R_world_orbit * Vec3(-se * sa, ce, -se * ca);
   b.eye = viewpoint.target - viewpoint.distance * b.forward;
   return b;
 }

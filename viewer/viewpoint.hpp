@@ -11,23 +11,28 @@
 namespace palpa::viewer {
 
 struct Viewpoint {
-  Vec3 target{0, 0, 0};       ///< metres, world
-  double azimuth = 0.6;       ///< radians around +y; 0 looks along -z from the front, pi/2 along -x from the right
-  double elevation = 0.45;    ///< radians above the horizon, -pi/2..pi/2
-  double distance = 0.3;      ///< metres from eye to target
-  double fov = 0.44;          ///< vertical field of view, radians
-  bool orthographic = false;  ///< parallel projection that shows the target as large as the perspective does
-  double shift = 0;           ///< shifted lens: the picture moves right by this share of half its width, undistorted
+  Vec3 target{0, 0, 0};           ///< metres, world
+  double azimuth = 0.6;           ///< radians around +y; 0 looks along -z from the front, pi/2 along -x from the right
+  double elevation = 0.45;        ///< radians above the horizon, -pi/2..pi/2
+  glm::dmat3 R_world_orbit{1.0};  ///< of the axes that azimuth and elevation turn around: the world's, or a camera's
+  double distance = 0.3;          ///< metres from eye to target
+  double fov = 0.44;              ///< vertical field of view, radians
+  bool orthographic = false;      ///< parallel projection that shows the target as large as the perspective does
+  double shift = 0;  ///< shifted lens: the picture moves right by this share of half its width, undistorted
 };
 
-enum class StandardView { front, right, top, iso };
+/// `camera` is what the first camera sees, and needs its pose.
+enum class StandardView { front, right, top, iso, camera };
 inline constexpr Word<StandardView> view_words[] = {{"front", StandardView::front},
                                                     {"right", StandardView::right},
                                                     {"top", StandardView::top},
-                                                    {"iso", StandardView::iso}};
+                                                    {"iso", StandardView::iso},
+                                                    {"camera", StandardView::camera}};
 
-/// Turns the viewpoint to a standard view; target, distance and projection stay.
+/// Turns the viewpoint to a standard view other than `camera`; target, distance and projection stay.
 void look(Viewpoint& viewpoint, StandardView view);
+/// Turns it as a camera is turned (x right, y down, z forward), from where orbits then start; the rest stays.
+void look(Viewpoint& viewpoint, const Transform& T_world_camera);
 /// Puts the eye at `eye`, looking at `target`. The two must differ.
 void look(Viewpoint& viewpoint, const Vec3& eye, const Vec3& target);
 /// Moves target and distance so that `box` just fits an image of that width / height, with a margin. An empty box or a

@@ -180,7 +180,7 @@ std::string summary(const TouchReport& report) {
                  report.total_ms);
   const array::Voice all = report.session.scheduler().common_voice();
   const bool still = all.order.size() == all.foci_per_slot;
-  bool common = touch.finger_count == 0;
+  bool common = false;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     const touch::Finger& finger = touch.fingers[f];
     const glm::vec3 c = finger.section.centroid * 1e3f;

@@ -58,6 +58,7 @@ void Scheduler::tune(const touch::Touch& touch, const touch::Finger& finger, dou
   touch::MethodOptions method = options_.method;
   method.foci = tuned.ring.foci;
   touch::place_foci(touch, finger, method, out.placement);
+  out.perimeter_m = out.tuned->ring.perimeter_m = touch::perimeter_of(out.placement);
 }
 
 array::Voice Scheduler::common_voice() const {

@@ -243,6 +243,13 @@ TEST(TouchSummary, SpeaksToPeople) {
   EXPECT_EQ(palpa(with(with({"touch"}, cube_touch()), {"--quiet"})).out, "");
 }
 
+TEST(TouchSummary, NamesNoOrderWhereThereIsNoFinger) {
+  const Result result = palpa({"touch", "--scene", asset("cube.glb"), "--points", asset("finger.ply")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("0 fingers"), std::string::npos) << result.out;
+  EXPECT_EQ(result.out.find("order"), std::string::npos) << result.out;
+}
+
 TEST(TouchErrors, AStrideThatLeavesFociOutIsRefusedWithABetterOne) {
   const std::vector<std::string> line = with({"touch"}, cube_touch());
   expect_failure(palpa(with(line, {"--stride", "5"})), 2, "give a stride such as");

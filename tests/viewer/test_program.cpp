@@ -164,10 +164,15 @@ TEST_F(Viewer, AStrideThatLeavesFociOutIsTheScenesFault) {
   const std::vector<std::string> line{"--scene",    (folder / "nine.glb").string(),
                                       "--points",   source_file("assets/finger.ply").string(),
                                       "--headless", "--backend",
-                                      "cpu"};
+                                      "cpu",        "--stride",
+                                      "3"};
   const auto refused = viewer(line);
   test::expect_failure(refused, 4, "nine.glb");
   test::expect_failure(refused, 4, "node 'cube': stride 3 and 9 foci share the divisor 3");
+}
+
+TEST_F(Viewer, ACamerasViewGoesWithACamera) {
+  test::expect_failure(viewer(cube_touch({"--headless", "--view", "camera"})), 2, "--view camera goes with --depth");
 }
 
 TEST_F(Viewer, AnUnwritableScreenshotIsAFailure) {

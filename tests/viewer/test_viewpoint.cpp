@@ -50,6 +50,31 @@ TEST(Viewpoint, LookFromAnEyeGivesThatEye) {
   }
 }
 
+TEST(Viewpoint, ACamerasViewHasWhatItSeesTheWayUpThatItSeesIt) {
+  // Held upside down, looking along +x.
+  Transform T_world_camera(1.0);
+  T_world_camera[0] = Vec4(0, 0, -1, 0);
+  T_world_camera[1] = Vec4(0, 1, 0, 0);
+  T_world_camera[2] = Vec4(1, 0, 0, 0);
+  T_world_camera[3] = Vec4(-0.4, 0.1, 0.2, 1);
+  Viewpoint viewpoint;
+  look(viewpoint, T_world_camera);
+  viewpoint.target = Vec3(T_world_camera * Vec4(0, 0, 0.5, 1));
+  viewpoint.distance = 0.5;
+  const Basis b = basis(viewpoint);
+  EXPECT_LT(glm::distance(b.eye, Vec3(T_world_camera[3])), 1e-12);
+  EXPECT_LT(glm::distance(b.up, Vec3(0, -1, 0)), 1e-12);
+  // Right of and below the middle of the camera's image, and so of the picture.
+  const Projected p = project(projection(viewpoint, 800, 600), Vec3(T_world_camera * Vec4(0.03, 0.02, 0.4, 1)));
+  EXPECT_GT(p.x, 410);
+  EXPECT_GT(p.y, 310);
+  // A drag upside down turns as it does upright; a standard view is the world's again.
+  orbit(viewpoint, 0, 600.0 / 4, 600);
+  EXPECT_LT(glm::distance(basis(viewpoint).up, b.up), 0.8);
+  look(viewpoint, StandardView::front);
+  EXPECT_LT(glm::distance(basis(viewpoint).up, Vec3(0, 1, 0)), 1e-12);
+}
+
 TEST(Viewpoint, ProjectsAsAPinholeDoes) {
   Viewpoint viewpoint;
   look(viewpoint, StandardView::front);
