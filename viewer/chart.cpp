@@ -9,8 +9,12 @@ namespace palpa::viewer {
 namespace {
 
 constexpr double highest_hz = 600;
-constexpr double panel_width = 400, panel_height = 190;  // points
+constexpr double panel_left = 104, panel_below = 26, panel_width = 400, panel_height = 190;  // points
 constexpr std::size_t most_fingers = 4;
+
+bool has_room(double width, double height, double ratio) {
+  return panel_left + panel_width + 20 <= width / ratio && panel_height + panel_below + 140 <= height / ratio;
+}
 
 /// From frequency and height to pixels.
 struct Plot {
@@ -93,10 +97,16 @@ double chart_top(double most) {
   return power * (mantissa <= 1 + 1e-9 ? 1 : mantissa <= 2 ? 2 : mantissa <= 5 ? 5 : 10);
 }
 
+double chart_share(const Picture& picture, double width, double height, double ratio) {
+  if (picture.spectra.empty() || !has_room(width, height, ratio)) return 0;
+  return ratio * (panel_left + panel_width) / width;
+}
+
 void draw_chart(Ink& ink, const Picture& picture, double width, double height, const Theme& theme) {
   if (picture.spectra.empty()) return;
-  const Vec2 size(ink.px(panel_width), ink.px(panel_height)), low(ink.px(104), height - ink.px(26) - size.y);
-  if (low.x + size.x > width - ink.px(20) || low.y < ink.px(140)) return;
+  if (!has_room(width, height, ink.px(1))) return;
+  const Vec2 size(ink.px(panel_width), ink.px(panel_height)),
+      low(ink.px(panel_left), height - ink.px(panel_below) - size.y);
   double most = 0;
   for (const auto& spectrum : picture.spectra) {
     for (const SpectrumMark& line : spectrum) {

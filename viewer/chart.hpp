@@ -10,6 +10,9 @@ namespace palpa::viewer {
 /// spectra or no room.
 void draw_chart(Ink& ink, const Picture& picture, double width, double height, const Theme& theme);
 
+/// The share of the picture's width up to the chart's right edge; 0 where none is drawn. `ratio`: pixels per point.
+double chart_share(const Picture& picture, double width, double height, double ratio);
+
 /// The least of 1, 2 and 5 times a power of ten that is at least `most`; 1 for nothing.
 double chart_top(double most);
 

@@ -114,6 +114,7 @@ void DrawnPicture::update(const Picture& picture) {
 void DrawnPicture::update_marks(const Picture& picture) {
   picture_.title = picture.title;
   picture_.skin_points = picture.skin_points;
+  picture_.skin_count = picture.skin_count;
   picture_.contacts = picture.contacts;
   picture_.fingers = picture.fingers;
   picture_.transducers = picture.transducers;

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "setup/values.hpp"
+#include "viewer/chart.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -116,8 +117,8 @@ Box home_of(const ViewerOptions& o, const Picture& picture) {
 Viewpoint first_viewpoint(const ViewerOptions& o, const Picture& picture, const Size& size) {
   Viewpoint viewpoint;
   viewpoint.orthographic = o.orthographic;
-  // A close-up covers the right of the picture: what is looked at moves to the left.
-  viewpoint.shift = o.inset && !picture.fingers.empty() ? -inset_share : 0;
+  if (o.inset && !picture.fingers.empty()) viewpoint.covered_right = inset_share;
+  if (!o.no_legend) viewpoint.covered_left = chart_share(picture, size.width, size.height, o.pixel_ratio.value_or(1));
   if (!o.eye.empty()) {
     look(viewpoint, point("--eye", o.eye), o.target.empty() ? Vec3(0) : point("--target", o.target));
     return viewpoint;

@@ -67,7 +67,8 @@ void fit(Viewpoint& viewpoint, const Box& box, double aspect) {
   constexpr double margin = 1.18;
   viewpoint.target = box.empty() ? Vec3(0) : box.centre();
   const Basis b = basis(viewpoint);
-  const double tan_y = std::tan(viewpoint.fov / 2), tan_x = tan_y * aspect * (1 - std::abs(viewpoint.shift));
+  const double tan_y = std::tan(viewpoint.fov / 2), free = 1 - viewpoint.covered_left - viewpoint.covered_right;
+  const double tan_x = tan_y * aspect * free;
   double distance = box.empty() ? 0.05 / tan_x : 0;
   for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
     const Vec3 p = Vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
@@ -125,7 +126,7 @@ shader::ViewPush projection(const Viewpoint& viewpoint, double width, double hei
     push.eye = row(b.eye, 1);
     push.window.z = static_cast<float>(height / (2 * tan_y));
   }
-  const auto shift = static_cast<float>(viewpoint.shift);
+  const auto shift = static_cast<float>(viewpoint.covered_left - viewpoint.covered_right);
   push.clip_x.x += shift * push.clip_w.x;
   push.clip_x.y += shift * push.clip_w.y;
   push.clip_x.z += shift * push.clip_w.z;

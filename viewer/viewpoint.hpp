@@ -18,7 +18,9 @@ struct Viewpoint {
   double distance = 0.3;          ///< metres from eye to target
   double fov = 0.44;              ///< vertical field of view, radians
   bool orthographic = false;      ///< parallel projection that shows the target as large as the perspective does
-  double shift = 0;  ///< shifted lens: the picture moves right by this share of half its width, undistorted
+  /// Shares of the picture's width that something else covers: what is looked at lies in the middle of the rest,
+  /// undistorted (a shifted lens).
+  double covered_left = 0, covered_right = 0;
 };
 
 /// `camera` is what the first camera sees, and needs its pose.

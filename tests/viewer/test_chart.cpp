@@ -59,6 +59,17 @@ TEST(Chart, BarsAreAsHighAsTheirLines) {
   EXPECT_NEAR(felt[1], pressure[1], 0.01);
 }
 
+TEST(Chart, WhatIsLookedAtMakesRoomForIt) {
+  const Picture picture = with({{{200, 1, 1}}});
+  EXPECT_EQ(chart_share(with({}), 1280, 800, 1), 0);
+  EXPECT_EQ(chart_share(picture, 400, 800, 1), 0) << "not drawn";
+  double right = 0;
+  for (const auto& s : chart(picture))
+    right = std::max({right, double{s.from.x}, double{s.to.x}});
+  EXPECT_NEAR(chart_share(picture, 1280, 800, 1), right / 1280, 0.01);
+  EXPECT_DOUBLE_EQ(chart_share(picture, 2560, 1600, 2), chart_share(picture, 1280, 800, 1));
+}
+
 TEST(Chart, StaysInItsCorner) {
   std::vector<std::vector<SpectrumMark>> many(9);
   for (auto& spectrum : many)

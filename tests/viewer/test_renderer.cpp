@@ -224,6 +224,16 @@ TEST_F(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {
   EXPECT_EQ(offscreen.pixels().rgba, first.rgba);
 }
 
+TEST_F(Renderer, TheLegendCountsSkinThatIsTooFarAwayToBeDrawn) {
+  Picture picture = test::cube_picture();
+  picture.legend = true;
+  const Viewpoint viewpoint = test::front_viewpoint();
+  const Pixels without = draw(picture, viewpoint);
+  picture.skin_count = 61'396;
+  const Pixels with = draw(picture, viewpoint);
+  EXPECT_GT(count_not(with, light_theme().background), count_not(without, light_theme().background) + 100);
+}
+
 TEST_F(Renderer, ASettledSceneAllocatesNothing) {
   gpu::Device& device = test::test_device();
   Picture picture = test::cube_picture();

@@ -113,7 +113,7 @@ TEST(Viewpoint, ParallelProjectionShowsTheTargetAsLarge) {
 TEST(Viewpoint, AShiftedLensMovesThePictureWithoutTurningIt) {
   Viewpoint viewpoint;
   const auto straight = projection(viewpoint, 800, 600);
-  viewpoint.shift = -0.25;
+  viewpoint.covered_right = 0.25;
   const auto shifted = projection(viewpoint, 800, 600);
   for (const Vec3& p : {Vec3(0), Vec3(0.03, 0.01, -0.02)}) {
     EXPECT_NEAR(project(shifted, p).x, project(straight, p).x - 100, 1e-2);
