@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <optional>
 #include <string>
 
 #include "array/schedule.hpp"
@@ -11,6 +12,7 @@
 #include "cli/felt.hpp"
 #include "session/foci_link.hpp"
 #include "setup/load.hpp"
+#include "setup/nearest_skin.hpp"
 #include "setup/touch_input.hpp"
 #include "setup/touch_run.hpp"
 #include "setup/touch_schedule.hpp"
@@ -43,6 +45,7 @@ struct TouchReport {
   const std::vector<acoustics::Spectrum>& spectra;  ///< one per finger with --spectrum, else none
   double total_ms;
   const setup::StageTimes& times;
+  std::optional<setup::NearestSkin> nearest;  ///< where nothing is touched
 };
 
 void add_schedule(JsonWriter& json, const array::Voice& voice) {
@@ -178,6 +181,11 @@ std::string summary(const TouchReport& report) {
   fmt::format_to(out, "{} skin point{}, {} contact{}, {} finger{} ({:.1f} ms)\n", report.points, plural(report.points),
                  touch.contacts.size(), plural(touch.contacts.size()), touch.finger_count, plural(touch.finger_count),
                  report.total_ms);
+  if (report.nearest) {
+    fmt::format_to(out, "the nearest skin is {:.1f} mm {} the surface of {}{}\n", report.nearest->distance_m * 1e3,
+                   report.nearest->inside ? "below" : "away from", report.session.solids()[report.nearest->solid].name,
+                   report.nearest->inside ? ", deeper than its shell" : "");
+  }
   const array::Voice all = report.session.scheduler().common_voice();
   const bool still = all.order.size() == all.foci_per_slot;
   bool common = false;
@@ -232,10 +240,20 @@ void run(const TouchCommand& o) {
   }
   const std::vector<acoustics::Spectrum> spectra =
       o.felt.spectrum ? setup::spectra_of(one.session.schedule(), o.felt) : std::vector<acoustics::Spectrum>();
-  const TouchReport report{input.point_count, one.session, touch, o.touch, spectra, whole.lap_ms(), times};
+  const double total_ms = whole.lap_ms();
+  const bool summed_up = setup::shows_summary(o.common, outputs);
+  const TouchReport report{
+      input.point_count,
+      one.session,
+      touch,
+      o.touch,
+      spectra,
+      total_ms,
+      times,
+      summed_up && touch.contacts.empty() ? setup::nearest_skin(one.session.solids(), input) : std::nullopt};
   if (!o.csv.empty()) write_file(o.csv, to_csv(report));
   if (!o.common.json.empty()) write_file(o.common.json, to_json(report));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(report));
+  if (summed_up) write_file("-", summary(report));
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -37,9 +36,9 @@ Vec3 closest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3
   return best;
 }
 
-double NearestTriangle::distance(const Vec3& point) const {
+double NearestTriangle::distance(const Vec3& point, double most) const {
   const auto nodes = tree_.nodes();
-  double best = std::numeric_limits<double>::infinity();
+  double best = most * most;
   std::vector<std::pair<double, std::uint32_t>> stack{{distance2(nodes[0].box, point), 0U}};
   while (!stack.empty()) {
     const auto [far, n] = stack.back();

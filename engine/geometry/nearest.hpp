@@ -1,6 +1,8 @@
 // How far a point is from a soup of triangles.
 #pragma once
 
+#include <limits>
+
 #include "geometry/bvh.hpp"
 #include "geometry/mesh.hpp"
 
@@ -15,8 +17,8 @@ class NearestTriangle {
   /// `mesh` has at least one triangle.
   explicit NearestTriangle(const Mesh& mesh) : mesh_(&mesh), tree_(mesh) {}
 
-  /// Metres to the nearest triangle.
-  double distance(const Vec3& point) const;
+  /// Metres to the nearest triangle, or `most` where that is less.
+  double distance(const Vec3& point, double most = std::numeric_limits<double>::infinity()) const;
 
  private:
   const Mesh* mesh_;

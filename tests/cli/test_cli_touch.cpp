@@ -11,6 +11,7 @@
 
 #include "geometry/ply.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 #include "touch_json.hpp"
 
 namespace palpa::test {
@@ -243,11 +244,20 @@ TEST(TouchSummary, SpeaksToPeople) {
   EXPECT_EQ(palpa(with(with({"touch"}, cube_touch()), {"--quiet"})).out, "");
 }
 
-TEST(TouchSummary, NamesNoOrderWhereThereIsNoFinger) {
-  const Result result = palpa({"touch", "--scene", asset("cube.glb"), "--points", asset("finger.ply")});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("0 fingers"), std::string::npos) << result.out;
-  EXPECT_EQ(result.out.find("order"), std::string::npos) << result.out;
+TEST(TouchSummary, SaysHowFarSkinIsFromTouchingAndNoOrder) {
+  const auto folder = scratch_folder("no-touch");
+  const auto summary = [&](const std::vector<Vec3>& points) {
+    geometry::write_ply(folder / "points.ply", points);
+    const Result result = palpa({"touch", "--scene", asset("cube.glb"), "--points", (folder / "points.ply").string()});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(result.out.find("0 fingers"), std::string::npos) << result.out;
+    EXPECT_EQ(result.out.find("order"), std::string::npos) << result.out;
+    return result.out;
+  };
+  EXPECT_CONTAINS(summary(lowered_finger(-12e-3)), "the nearest skin is 12.0 mm away from the surface of cube\n");
+  // Off an edge of its top, 3 mm beside it and 4 mm above.
+  EXPECT_CONTAINS(summary({{0.023, 0.004, 0}, {0.1, 0, 0}}), "is 5.0 mm away from the surface of cube\n");
+  EXPECT_CONTAINS(summary({{0.002, -0.02, 0}}), "is 18.0 mm below the surface of cube, deeper than its shell\n");
 }
 
 TEST(TouchErrors, AStrideThatLeavesFociOutIsRefusedWithABetterOne) {

@@ -1,0 +1,24 @@
+// Where nothing is touched: how much is missing.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "geometry/solid.hpp"
+#include "setup/touch_input.hpp"
+
+namespace palpa::setup {
+
+/// The skin point that is nearest to the surface of a solid.
+struct NearestSkin {
+  double distance_m;  ///< to that surface
+  std::size_t solid;  ///< index into the solids
+  bool inside;        ///< below the surface: then it lies deeper than the shell is thick
+};
+
+/// Nothing without skin. Looks at every skin point, of depth images at every valid pixel, and only at those triangles
+/// that may be the nearest.
+std::optional<NearestSkin> nearest_skin(std::span<const geometry::Solid> solids, const TouchInput& input);
+
+}  // namespace palpa::setup
