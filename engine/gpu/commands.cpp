@@ -78,8 +78,12 @@ void Timeline::wait(std::uint64_t value, double timeout_s) const {
   info.semaphoreCount = 1;
   info.pSemaphores = &semaphore;
   info.pValues = &value;
+  // Who has waited in vain once need not do so for all that is still under way.
+  if (device_abandoned && !done(value)) throw failure(device_->description().name + ": does not answer");
   const VkResult result = vkWaitSemaphores(device_->get(), &info, static_cast<std::uint64_t>(timeout_s * 1e9));
   if (result == VK_TIMEOUT) {
+    device_->lose();
+    device_abandoned = true;
     throw failure(fmt::format("{}: no answer within {} s; another program may be using the GPU",
                               device_->description().name, timeout_s));
   }

@@ -39,7 +39,8 @@ class Timeline {
 
   /// Submits to the device's queue and returns the value that its completion signals.
   std::uint64_t submit(VkCommandBuffer commands);
-  /// Blocks until `value` is signalled. Throws Error (Exit::failed) when the device is lost or `timeout_s` passes.
+  /// Blocks until `value` is signalled. Throws Error (Exit::failed) when the device is lost or `timeout_s` passes; then
+  /// the device counts as lost, and as abandoned (gpu/handle.hpp).
   void wait(std::uint64_t value, double timeout_s = 60.0) const;
   bool done(std::uint64_t value) const;
   /// The value of the newest submit.

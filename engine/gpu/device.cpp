@@ -12,6 +12,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "gpu/check.hpp"
+#include "gpu/handle.hpp"
 
 namespace palpa::gpu {
 namespace {
@@ -212,6 +213,7 @@ Device::~Device() {
 }
 
 void Device::destroy() {
+  if (device_abandoned) return;
   if (device_) vkDestroyDevice(device_, nullptr);
   if (messenger_) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
   if (instance_) vkDestroyInstance(instance_, nullptr);

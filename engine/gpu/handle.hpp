@@ -3,9 +3,15 @@
 
 #include <volk.h>
 
+#include <atomic>
 #include <utility>
 
 namespace palpa::gpu {
+
+/// True once a device did not answer in time (Timeline::wait). It may be at work for ever on anything that it was
+/// given: from then on nothing of any device is destroyed, and the program must end by std::_Exit, since the driver's
+/// threads do not stop for destructors of its own.
+inline std::atomic<bool> device_abandoned{false};
 
 template <typename T>
 class Handle {
@@ -20,7 +26,7 @@ class Handle {
     return *this;
   }
   ~Handle() {
-    if (object_ != VK_NULL_HANDLE) destroy_(device_, object_, nullptr);
+    if (object_ != VK_NULL_HANDLE && !device_abandoned) destroy_(device_, object_, nullptr);
   }
 
   T get() const { return object_; }

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <exception>
 #include <new>
 
@@ -12,6 +13,7 @@
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "gpu/device.hpp"
+#include "gpu/handle.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -52,6 +54,7 @@ int run_program(const std::function<void()>& body) {
   } catch (...) {
     code = report(Exit::failed, "an unknown exception");
   }
+  if (gpu::device_abandoned) std::_Exit(static_cast<int>(code));
   return static_cast<int>(code);
 }
 

@@ -5,11 +5,13 @@
 
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"
+#include "gpu/buffer.hpp"
 #include "gpu/check.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/device.hpp"
 #include "gpu/timestamps.hpp"
 #include "support/device.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::gpu {
 namespace {
@@ -88,6 +90,37 @@ TEST(Device, ALostDeviceIsAnErrorNotACrash) {
     EXPECT_EQ(error.code(), Exit::failed);
     EXPECT_NE(std::string(error.what()).find("VK_ERROR_DEVICE_LOST"), std::string::npos) << error.what();
   }
+}
+
+/// Waits for a device whose work never ends, and leaves it behind.
+[[noreturn]] void use_a_device_that_does_not_answer() {
+  bool told = false, told_again_at_once = false;
+  {
+    const Device device;
+    const Buffer buffer(device, 1 << 16, "in use");
+    const Recorder recorder(device, "for ever");
+    Timeline timeline(device);
+    VkEvent never = VK_NULL_HANDLE;
+    const VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
+    vkCreateEvent(device.get(), &info, nullptr, &never);
+    const VkCommandBuffer commands = recorder.begin();
+    vkCmdWaitEvents(commands, 1, &never, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, nullptr, 0,
+                    nullptr, 0, nullptr);
+    vkCmdFillBuffer(commands, buffer.ref().buffer, 0, VK_WHOLE_SIZE, 7);
+    const std::uint64_t value = timeline.submit(recorder.end());
+    const auto is_told = [&](double patience_s, const std::string& part) {
+      const Error error = palpa::test::thrown_by([&] { timeline.wait(value, patience_s); });
+      return std::string(error.what()).find(part) != std::string::npos;
+    };
+    told = is_told(0.2, "no answer within 0.2 s");
+    told_again_at_once = is_told(60, "does not answer");
+  }
+  std::_Exit(told && told_again_at_once ? 0 : 1);
+}
+
+TEST(Timeline, ADeviceThatDoesNotAnswerIsLeftAlone) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(use_a_device_that_does_not_answer(), testing::ExitedWithCode(0), "");
 }
 
 TEST(Device, ChecksNameCallFileAndResult) {
