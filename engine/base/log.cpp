@@ -1,16 +1,20 @@
 #include "base/log.hpp"
 
 #include <fmt/core.h>
+#include <poll.h>
+#include <unistd.h>
 
-#include <array>
 #include <atomic>
+#include <cerrno>
 #include <cstdint>
-#include <cstdio>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "base/error.hpp"
+#include "base/stream_writer.hpp"
 #include "base/text.hpp"
 
 namespace palpa::log {
@@ -21,13 +25,73 @@ std::atomic<Level> threshold{Level::warning};
 /// Of a whole line.
 constexpr std::size_t longest_line = 500;
 
+std::string line_of(Level at, std::string_view line) {
+  // Names from files may hold anything; an event stays one line.
+  const std::string text = fmt::format("palpa: {}: {}", word_of(level_words, at), one_line(line));
+  return shortened(text, longest_line) + '\n';
+}
+
+/// What the relays share.
+struct Relayed {
+  std::mutex mutex;
+  int relays = 0;
+  std::optional<StreamWriter> writer;  ///< while there are any
+  std::uint64_t left_out = 0;
+
+  bool add(std::string_view text) {
+    try {
+      return writer->add(text);
+    } catch (const Error&) {  // a closed pipe: nobody will read it
+      return false;
+    }
+  }
+  /// That there were such lines; nothing where there were none.
+  std::string left_out_line() const {
+    if (left_out == 0) return {};
+    const bool one = left_out == 1;
+    return line_of(Level::warning,
+                   fmt::format("{} line{} left out here: nobody read them", left_out, one ? " was" : "s were"));
+  }
+  void tell_left_out() {
+    if (left_out > 0 && add(left_out_line())) left_out = 0;
+  }
+};
+Relayed& relayed() {
+  static Relayed instance;
+  return instance;
+}
+
+/// Waits for whoever reads it.
+void put(std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
+    if (written >= 0) {
+      text.remove_prefix(static_cast<std::size_t>(written));
+    } else if (errno == EAGAIN) {  // whoever shares this pipe or terminal does not want to wait
+      pollfd room{STDERR_FILENO, POLLOUT, 0};
+      ::poll(&room, 1, -1);
+    } else if (errno != EINTR) {
+      return;  // and there is nowhere to say so
+    }
+  }
+}
+
 void write(Level at, std::string_view line) {
   if (at > threshold.load(std::memory_order_relaxed)) return;
-  // Names from files may hold anything; an event stays one line. One fwrite per line keeps lines of several threads
-  // apart.
-  const std::string text = fmt::format("palpa: {}: {}", word_of(level_words, at), one_line(line));
-  const std::string whole = shortened(text, longest_line) + '\n';
-  std::fwrite(whole.data(), 1, whole.size(), stderr);
+  // One write per line keeps lines of several threads apart.
+  std::string text = line_of(at, line);
+  Relayed& r = relayed();
+  {
+    const std::lock_guard lock(r.mutex);
+    if (r.writer) {
+      r.tell_left_out();
+      r.left_out += r.left_out > 0 || !r.add(text) ? 1 : 0;
+      return;
+    }
+    text.insert(0, r.left_out_line());
+    r.left_out = 0;
+  }
+  put(text);
 }
 
 /// A hostile file may cause any number of different warnings.
@@ -120,6 +184,44 @@ void release_warnings() {
 
 void drop_warnings() {
   start_counting(false);
+}
+
+void draw(std::string_view text) {
+  Relayed& r = relayed();
+  {
+    const std::lock_guard lock(r.mutex);
+    if (r.writer) {
+      if (r.writer->waiting() == 0) r.add(text);
+      return;
+    }
+  }
+  put(text);
+}
+
+Relay::Relay() {
+  constexpr std::size_t room = 1 << 16;
+  Relayed& r = relayed();
+  const std::lock_guard lock(r.mutex);
+  if (r.relays == 0) r.writer.emplace(STDERR_FILENO, "stderr", room);
+  ++r.relays;
+}
+
+Relay::~Relay() {
+  Relayed& r = relayed();
+  const std::lock_guard lock(r.mutex);
+  if (--r.relays > 0) return;
+  try {
+    if (r.writer->flush(patience_s)) r.tell_left_out();
+    r.writer->flush(patience_s / 4);
+  } catch (const Error&) {  // a closed pipe
+  }
+  r.writer.reset();
+}
+
+std::uint64_t Relay::left_out() {
+  Relayed& r = relayed();
+  const std::lock_guard lock(r.mutex);
+  return r.left_out;
 }
 
 }  // namespace palpa::log

@@ -1,6 +1,10 @@
 // One line per event on stderr. A succeeding command writes only warnings at the default level.
+//
+// Whoever writes to a pipe that nobody reads, or to a terminal that Ctrl-S has stopped, waits. Who must not, since it
+// has an array to silence, logs while a Relay lives.
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 
 #include "base/words.hpp"
@@ -31,5 +35,25 @@ void hold_warnings();
 void release_warnings();
 /// Forgets what was kept and ends keeping and counting.
 void drop_warnings();
+
+/// What a terminal shows until something else takes its place, such as a progress bar: no line, and not kept. While a
+/// Relay lives it is left out where anything else still waits.
+void draw(std::string_view text);
+
+/// While one lives, a thread of its own writes what is logged, and nobody who logs waits for whoever reads it, or for a
+/// disk. Of a reader that is too slow 64 KiB wait; lines beyond are left out, and one line says how many as soon as
+/// there is room for it. Several are as one.
+class Relay {
+ public:
+  /// How long the last one's end waits for what has not been written yet.
+  static constexpr double patience_s = 0.2;
+  Relay();
+  ~Relay();
+  Relay(const Relay&) = delete;
+  Relay& operator=(const Relay&) = delete;
+
+  /// Lines that were left out and not told of yet.
+  static std::uint64_t left_out();
+};
 
 }  // namespace palpa::log

@@ -5,116 +5,271 @@
 #include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <cstdint>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <climits>
-#include <cstring>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <thread>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/output_place.hpp"
 
 namespace palpa {
+namespace {
 
-StreamWriter::StreamWriter(const std::string& file, std::size_t room)
-    : name_(file == "-" ? "stdout" : file), shared_(file == "-"), buffer_(room) {
-  descriptor_ = shared_ ? STDOUT_FILENO : ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) throw write_failure(name_, errno);
+/// How often something that waits looks whether it still should.
+constexpr auto slice = std::chrono::milliseconds(50);
+
+/// The most that one write takes on: whoever gives up is heard between two of them.
+constexpr std::size_t piece = 1 << 18;
+
+std::chrono::steady_clock::time_point after(double seconds) {
+  using Clock = std::chrono::steady_clock;
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+}  // namespace
+
+/// What the writer and its thread share.
+struct StreamWriter::Work {
+  // Of both, and never changed once the thread runs.
+  std::string name;
+  int descriptor = -1;
+  bool shared = false;   ///< opened by others: whether its writes block is not for us to change, nor is closing it
+  bool on_disk = false;  ///< a regular file
+  bool may_cut = false;  ///< of which palpa alone decides where it ends
+
+  std::mutex mutex;
+  std::condition_variable to_do, done;
+  std::size_t room = 0;
+  std::string waiting;                              ///< what the thread has not taken yet
+  std::deque<std::uint64_t> ends;                   ///< where the records end that are not written whole
+  std::uint64_t added = 0, written = 0, whole = 0;  ///< bytes since the beginning; whole: up to the last record's end
+  std::size_t zeros = 0;                            ///< of the last record, should it not get further
+  std::uint64_t keep = 0;
+  bool closing = false;      ///< nothing more will be added
+  bool given_up = false;     ///< nor is anything more to be written
+  bool ended = false;        ///< the thread has closed the file
+  std::optional<int> fault;  ///< errno; the thread has ended then
+
+  std::string taken;  ///< the thread's own: what it is writing
+
+  bool is_given_up();
+  void written_more(std::size_t bytes);
+  std::optional<int> write_taken();
+  void end_at_whole_record() const;
+  void end(std::optional<int> fault);
+};
+
+bool StreamWriter::Work::is_given_up() {
+  const std::lock_guard lock(mutex);
+  return given_up;
+}
+
+void StreamWriter::Work::written_more(std::size_t bytes) {
+  const std::lock_guard lock(mutex);
+  written += bytes;
+  while (!ends.empty() && ends.front() <= written) {
+    whole = ends.front();
+    ends.pop_front();
+  }
+  done.notify_all();
+}
+
+/// What went wrong, if anything did.
+std::optional<int> StreamWriter::Work::write_taken() {
+  std::string_view rest = taken;
+  while (!rest.empty() && !is_given_up()) {
+    pollfd wanted{descriptor, POLLOUT, 0};
+    const int ready = ::poll(&wanted, 1, static_cast<int>(slice.count()));
+    if (ready < 0 && errno != EINTR) return errno;
+    if (ready <= 0) continue;
+    // A pipe that is ready has room for PIPE_BUF bytes; a longer write to one that may block could.
+    const std::size_t most = shared && !on_disk ? std::size_t{PIPE_BUF} : piece;
+    const ssize_t got = ::write(descriptor, rest.data(), std::min(rest.size(), most));
+    if (got < 0 && errno != EINTR && errno != EAGAIN) return errno;
+    if (got <= 0) continue;
+    rest.remove_prefix(static_cast<std::size_t>(got));
+    written_more(static_cast<std::size_t>(got));
+  }
+  taken.clear();
+  return std::nullopt;
+}
+
+/// What was cut off goes, and the last whole record ends in zeros, which needs no room that the file does not have
+/// already. Where even that fails the file is what its reader has to make do with.
+void StreamWriter::Work::end_at_whole_record() const {
+  if (!may_cut) return;
+  const off_t here = ::lseek(descriptor, 0, SEEK_CUR);
+  const off_t cut = here - static_cast<off_t>(written - whole);
+  if (here < 0 || cut < 0) return;
+  if (cut != here && (::ftruncate(descriptor, cut) != 0 || ::lseek(descriptor, cut, SEEK_SET) < 0)) return;
+  if (zeros == 0 || whole < keep + zeros) return;
+  constexpr std::array<char, 4096> nothing{};
+  for (std::size_t left = zeros; left > 0;) {
+    const std::size_t size = std::min(left, nothing.size());
+    if (::pwrite(descriptor, nothing.data(), size, cut - static_cast<off_t>(left)) != static_cast<ssize_t>(size))
+      return;
+    left -= size;
+  }
+}
+
+void StreamWriter::Work::end(std::optional<int> first_fault) {
+  if (!shared && ::close(descriptor) != 0 && !first_fault) first_fault = errno;
+  const std::lock_guard lock(mutex);
+  fault = first_fault;
+  ended = true;
+  done.notify_all();
+}
+
+void StreamWriter::write_what_comes(const std::shared_ptr<Work>& work) {
+  Work& w = *work;
+  std::optional<int> fault;
+  for (bool whole = true; whole;) {
+    {
+      std::unique_lock lock(w.mutex);
+      w.to_do.wait(lock, [&] { return !w.waiting.empty() || w.closing; });
+      if (w.given_up || w.waiting.empty()) break;
+      std::swap(w.waiting, w.taken);
+    }
+    fault = w.write_taken();
+    whole = !fault && !w.is_given_up();
+  }
+  // Before anybody hears of it.
+  if (fault || w.is_given_up()) w.end_at_whole_record();
+  w.end(fault);
+}
+
+StreamWriter::StreamWriter(const std::string& file, std::size_t room) : work_(std::make_shared<Work>()) {
+  work_->name = file == "-" ? "stdout" : file;
+  work_->shared = file == "-";
+  const int descriptor =
+      work_->shared ? STDOUT_FILENO : ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  begin(descriptor, room);
+  work_->may_cut = work_->on_disk;
+  std::thread(write_what_comes, work_).detach();
+}
+
+StreamWriter::StreamWriter(int descriptor, const std::string& name, std::size_t room)
+    : work_(std::make_shared<Work>()) {
+  work_->name = name;
+  work_->shared = true;
+  begin(descriptor, room);
+  std::thread(write_what_comes, work_).detach();
+}
+
+void StreamWriter::begin(int descriptor, std::size_t room) {
+  if (descriptor < 0) throw write_failure(work_->name, errno);
+  work_->descriptor = descriptor;
   struct stat status {};
-  if (::fstat(descriptor_, &status) != 0) throw write_failure(name_, errno);
-  on_disk_ = S_ISREG(status.st_mode);
-  if (!on_disk_ && !shared_) ::fcntl(descriptor_, F_SETFL, O_WRONLY | O_NONBLOCK);
+  if (::fstat(descriptor, &status) != 0) {
+    const int fault = errno;
+    if (!work_->shared) ::close(descriptor);
+    throw write_failure(work_->name, fault);
+  }
+  work_->on_disk = S_ISREG(status.st_mode);
+  if (!work_->on_disk && !work_->shared) ::fcntl(descriptor, F_SETFL, O_WRONLY | O_NONBLOCK);
+  grow(room);
 }
 
 StreamWriter::~StreamWriter() {
-  if (descriptor_ >= 0 && !shared_) ::close(descriptor_);
+  try {
+    if (!closed_) close();
+  } catch (const Error&) {  // nobody to tell
+  }
+}
+
+const std::string& StreamWriter::name() const {
+  return work_->name;
+}
+
+bool StreamWriter::on_disk() const {
+  return work_->on_disk;
+}
+
+void StreamWriter::grow(std::size_t room) {
+  const std::lock_guard lock(work_->mutex);
+  work_->room = room;
+  work_->waiting.reserve(room);
+  work_->taken.reserve(room);
+}
+
+void StreamWriter::end_in_zeros(std::size_t bytes, std::uint64_t keep) {
+  const std::lock_guard lock(work_->mutex);
+  work_->zeros = bytes;
+  work_->keep = keep;
 }
 
 bool StreamWriter::add(std::string_view record) {
-  if (!fits(record.size())) return false;
-  if (record.size() > buffer_.size() - end_) {
-    std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
-    end_ -= begin_;
-    begin_ = 0;
-  }
-  std::memcpy(buffer_.data() + end_, record.data(), record.size());
-  end_ += record.size();
-  added_ += record.size();
-  if (on_disk_) ends_.push_back(added_);
+  Work& w = *work_;
+  const std::lock_guard lock(w.mutex);
+  if (w.fault) throw write_failure(w.name, *w.fault);
+  if (record.size() > w.room - (w.added - w.written)) return false;
+  w.waiting += record;
+  w.added += record.size();
+  w.ends.push_back(w.added);
+  w.to_do.notify_one();
   return true;
 }
 
-bool StreamWriter::flush(double seconds, const std::atomic<bool>* stop) {
-  using Clock = std::chrono::steady_clock;
-  constexpr std::int64_t slice_ms = 50;  // between looks at `stop`
-  const auto deadline =
-      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-  for (bool in_time = true; begin_ != end_; in_time = Clock::now() < deadline && !(stop && *stop)) {
-    if (!in_time) return false;
-    const bool stopped = stop && *stop;
-    const auto left = stopped ? 0 : std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
-    pollfd wanted{descriptor_, POLLOUT, 0};
-    const int ready = ::poll(&wanted, 1, static_cast<int>(std::clamp<std::int64_t>(left, 0, slice_ms)));
-    if (ready < 0 && errno != EINTR) throw write_failure(name_, errno);
-    if (ready <= 0) continue;
-    // A pipe that is ready has room for PIPE_BUF bytes; a longer write to one that may block could.
-    const std::size_t most = shared_ && !on_disk_ ? std::size_t{PIPE_BUF} : end_ - begin_;
-    const ssize_t written = ::write(descriptor_, buffer_.data() + begin_, std::min(most, end_ - begin_));
-    if (written < 0 && errno != EINTR && errno != EAGAIN) {
-      const int fault = errno;
-      cut_to_whole_records();
-      throw write_failure(name_, fault);
-    }
-    if (written > 0) {
-      begin_ += static_cast<std::size_t>(written);
-      written_ += static_cast<std::uint64_t>(written);
-    }
+bool StreamWriter::add_patiently(std::string_view record) {
+  if (add(record)) return true;
+  {
+    Work& w = *work_;
+    std::unique_lock lock(w.mutex);
+    w.done.wait_until(lock, after(stalled_ ? last_patience_s : patience_s),
+                      [&] { return w.fault || record.size() <= w.room - (w.added - w.written); });
   }
-  begin_ = end_ = 0;
-  ends_.assign(on_disk_ ? 1 : 0, written_);
-  return true;
-}
-
-std::uint64_t StreamWriter::whole_records() const {
-  const auto after = std::upper_bound(ends_.begin(), ends_.end(), written_);
-  return after == ends_.begin() ? 0 : *(after - 1);
-}
-
-void StreamWriter::cut_to_whole_records() noexcept {
-  if (!on_disk_) return;
-  begin_ = end_ = 0;
-  const std::uint64_t whole = whole_records();
-  const off_t here = ::lseek(descriptor_, 0, SEEK_CUR);
-  const off_t cut = here - static_cast<off_t>(written_ - whole);
-  if (here < 0 || cut < 0 || cut == here) return;
-  // Where even that fails, the record that was cut off is what the reader has to make do with.
-  if (::ftruncate(descriptor_, cut) != 0 || ::lseek(descriptor_, cut, SEEK_SET) < 0) return;
-  added_ = written_ = whole;
-}
-
-bool StreamWriter::replace_end(std::string_view bytes, std::uint64_t keep) {
-  const off_t here = on_disk_ ? ::lseek(descriptor_, 0, SEEK_CUR) : -1;
-  const off_t from = here - static_cast<off_t>(bytes.size());
-  if (here < 0 || from < 0 || written_ < keep + bytes.size()) return false;
-  return ::pwrite(descriptor_, bytes.data(), bytes.size(), from) == static_cast<ssize_t>(bytes.size());
-}
-
-bool StreamWriter::flush_patiently() {
-  stalled_ = !flush(stalled_ ? last_patience_s : patience_s);
+  stalled_ = !add(record);
   return !stalled_;
 }
 
-void StreamWriter::close() {
-  const int closing = std::exchange(descriptor_, -1);
-  if (closing >= 0 && !shared_ && ::close(closing) != 0) throw write_failure(name_, errno);
+std::uint64_t StreamWriter::waiting() const {
+  const std::lock_guard lock(work_->mutex);
+  return work_->ends.size();
 }
 
-void StreamWriter::fail_stalled() {
-  cut_to_whole_records();
-  throw failure(fmt::format("{}: cannot be written: its reader is too slow, or nobody reads it", name_));
+bool StreamWriter::flush(double seconds, const std::atomic<bool>* stop) {
+  Work& w = *work_;
+  const auto deadline = after(seconds);
+  std::unique_lock lock(w.mutex);
+  const auto over = [&] { return w.fault || w.written == w.added; };
+  while (!over() && std::chrono::steady_clock::now() < deadline && !(stop && *stop)) {
+    w.done.wait_until(lock, std::min(deadline, std::chrono::steady_clock::now() + slice), over);
+  }
+  if (w.fault) throw write_failure(w.name, *w.fault);
+  stalled_ = w.written != w.added;
+  return !stalled_;
+}
+
+bool StreamWriter::flush_patiently() {
+  return flush(stalled_ ? last_patience_s : patience_s);
+}
+
+void StreamWriter::close() {
+  if (std::exchange(closed_, true)) return;
+  Work& w = *work_;
+  std::unique_lock lock(w.mutex);
+  w.closing = true;
+  w.given_up = w.written != w.added;
+  w.to_do.notify_one();
+  const bool answers = w.done.wait_until(lock, after(stalled_ ? last_patience_s : patience_s), [&] { return w.ended; });
+  if (w.fault) throw write_failure(w.name, *w.fault);
+  lock.unlock();
+  if (!answers) fail_stalled();
+}
+
+void StreamWriter::fail_stalled() const {
+  throw failure(fmt::format(
+      "{}: cannot be written: {}", work_->name,
+      work_->on_disk ? "the disk is too slow, or does not answer" : "its reader is too slow, or nobody reads it"));
 }
 
 }  // namespace palpa

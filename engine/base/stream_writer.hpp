@@ -1,71 +1,74 @@
 // Writes to whatever a file name may stand for - a file, a pipe, a terminal, stdout - what is read while it grows,
-// without waiting long for a reader. Files that are to be there whole or not at all are base/output_file.hpp's.
+// and never lets its caller wait for it. Files that are to be there whole or not at all are base/output_file.hpp's.
 //
-// A pipe that nobody reads is full after 64 KiB, and an ordinary write then waits for as long as it takes, Ctrl-C or
-// not. Here bytes wait in memory instead, and flush() says how long it may take.
+// A pipe that nobody reads is full after 64 KiB, a terminal is stopped by Ctrl-S, a disk is behind a network that is
+// gone: a write to any of them takes as long as it takes, Ctrl-C or not. So a thread of its own writes; what it has not
+// written yet waits in memory, as much as there is room for, and flush() says how long it may take.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace palpa {
 
 class StreamWriter {
  public:
-  /// How long flush_patiently() waits for a reader that is too slow.
-  static constexpr double patience_s = 1;
-  /// And how long once that was not enough, until the reader has caught up.
+  /// How long flush_patiently() and add_patiently() wait for a reader, or a disk, that is too slow.
+  static constexpr double patience_s = 0.5;
+  /// And how long once that was not enough, until it has caught up.
   static constexpr double last_patience_s = 0.1;
 
   /// Creates or empties the file; "-" is stdout. As everywhere, opening a FIFO waits for its reader. At most `room`
   /// bytes will ever wait. Throws failure() naming the file.
   StreamWriter(const std::string& file, std::size_t room);
+  /// To what is open already, and stays open. `name` is for messages.
+  StreamWriter(int descriptor, const std::string& name, std::size_t room);
+  /// What still waits is lost. A thread that a write keeps in the kernel is left behind.
   ~StreamWriter();
   StreamWriter(const StreamWriter&) = delete;
   StreamWriter& operator=(const StreamWriter&) = delete;
 
-  const std::string& name() const { return name_; }
-  /// Whether it is a file on a disk: then what waits need not be written at once.
-  bool on_disk() const { return on_disk_; }
-  /// What has been added and is not written yet.
-  std::string_view waiting() const { return {buffer_.data() + begin_, end_ - begin_}; }
-  bool fits(std::size_t bytes) const { return bytes <= buffer_.size() - (end_ - begin_); }
+  const std::string& name() const;
+  /// Whether it is a file on a disk.
+  bool on_disk() const;
+  /// Before anything is added: makes room for more.
+  void grow(std::size_t room);
+  /// Should a file on a disk get no further, its last whole record is the last thing in it, and of that the last
+  /// `bytes` are zeros; the first `keep` bytes of the file stay as they are. Where it is stdout, too.
+  void end_in_zeros(std::size_t bytes, std::uint64_t keep);
 
-  /// Adds a record to what waits; false, and nothing is added, where there is no room for it.
+  /// Adds a record to what waits; false, and nothing is added, where there is no room for it. Throws failure() where
+  /// anything before it could not be written, a closed pipe, a full disk: then nothing can be written any more, and a
+  /// file on a disk ends with its last whole record.
   bool add(std::string_view record);
-  /// Writes what waits, but gives up after `seconds` (0: what can be written at once), or when `stop` becomes true.
-  /// True when all is written. Throws failure(): a closed pipe, a full disk. Nothing can be written after that; a file
-  /// on a disk then ends with its last whole record.
+  /// Waits for the room, up to patience_s.
+  bool add_patiently(std::string_view record);
+  /// How many records have been added and are not written yet.
+  std::uint64_t waiting() const;
+  /// Waits until all is written, but gives up after `seconds` or when `stop` becomes true. True when all is written.
+  /// Throws as add().
   bool flush(double seconds, const std::atomic<bool>* stop = nullptr);
   /// flush(patience_s), or with last_patience_s where the last such had to give up.
   bool flush_patiently();
-  /// After a failure on a disk: `bytes` take the place of the last so many of the file, which needs no room that the
-  /// file does not have already. The first `keep` bytes stay; false where the file is too short for that, or that does
-  /// not work either.
-  bool replace_end(std::string_view bytes, std::uint64_t keep);
-  /// Closes the file, not stdout; some file systems tell of a full disk only here. What still waits is lost.
+  /// Closes the file, not stdout; some file systems tell of a full disk only here. What still waits is lost. Throws
+  /// failure() where the disk does not answer, too.
   void close();
 
-  /// The failure() of a reader that is too slow; a file on a disk ends with its last whole record.
-  [[noreturn]] void fail_stalled();
+  /// The failure() of a reader or a disk that is too slow.
+  [[noreturn]] void fail_stalled() const;
 
  private:
-  void cut_to_whole_records() noexcept;
-  std::uint64_t whole_records() const;
+  struct Work;
+  static void write_what_comes(const std::shared_ptr<Work>& work);
+  void begin(int descriptor, std::size_t room);
 
-  std::string name_;
-  int descriptor_ = -1;
-  bool shared_ = false;  ///< stdout: whether its writes block is not for us to change
-  bool on_disk_ = false;
+  std::shared_ptr<Work> work_;  ///< the thread's, too: it may outlive its writer
   bool stalled_ = false;
-  std::vector<char> buffer_;
-  std::size_t begin_ = 0, end_ = 0;
-  std::uint64_t added_ = 0, written_ = 0;  ///< bytes, since the beginning
-  std::vector<std::uint64_t> ends_;        ///< on a disk: where the records that were waiting after the last flush end
+  bool closed_ = false;
 };
 
 }  // namespace palpa

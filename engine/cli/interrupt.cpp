@@ -1,36 +1,113 @@
 #include "cli/interrupt.hpp"
 
-#include <array>
-#include <atomic>
-#include <csignal>
+#include <semaphore.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <thread>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
 
 namespace palpa::cli {
 namespace {
 
-std::atomic<bool> interrupted{false};
+using namespace std::chrono_literals;
+
+/// Of the second that palpa may take: what is left is for the line, and for the system to take the process down.
+constexpr auto patience = 850ms, for_the_line = 50ms;
+
+std::atomic<bool> requested_flag{false};
+std::atomic<bool> signalled{false};  ///< by a signal, not by others
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-constexpr std::array<int, 3> watched{SIGINT, SIGTERM, SIGHUP};
+/// Posted by the signal; of a type that a handler may touch.
+sem_t first_signal;
+
+void note(int) {
+  requested_flag = true;
+  if (!signalled.exchange(true)) sem_post(&first_signal);
+}
+
+/// All that end or stop a program that does not catch them, but for those that nobody can catch (SIGKILL, SIGSTOP) and
+/// for crashes, after which there is nothing left that could end well.
+std::vector<int> ending_signals() {
+  std::vector<int> signals{SIGINT,  SIGTERM, SIGHUP,    SIGQUIT, SIGTSTP, SIGUSR1, SIGUSR2,
+                           SIGALRM, SIGXCPU, SIGVTALRM, SIGPROF, SIGIO,   SIGPWR,  SIGSTKFLT};
+  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal)
+    signals.push_back(signal);
+  return signals;
+}
 
 }  // namespace
 
+/// Ends the program a while after the first signal.
+struct Interrupt::Deadline {
+  std::string late;
+  std::atomic<bool> called_off{false};
+
+  static void watch(const std::shared_ptr<Deadline>& deadline) {
+    while (sem_wait(&first_signal) != 0 && errno == EINTR) {
+    }
+    if (deadline->called_off) return;
+    std::this_thread::sleep_for(patience);
+    // Said by another thread, which may have to wait for whoever reads it.
+    std::thread([line = deadline->late] { log::error(line); }).detach();
+    std::this_thread::sleep_for(for_the_line);
+    ::_exit(static_cast<int>(Exit::failed));
+  }
+};
+
 Interrupt::Interrupt() {
-  interrupted = false;
+  requested_flag = signalled = false;  // a run before this one, in the same process, may have ended by it
+  sem_init(&first_signal, 0, 0);
   struct sigaction action {};
-  action.sa_handler = [](int) { interrupted = true; };
+  action.sa_handler = note;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
-  for (const int signal : watched)
-    sigaction(signal, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    replace(signal, action);
+}
+
+Interrupt::Interrupt(std::string late) : deadline_(std::make_shared<Deadline>()) {
+  requested_flag = signalled = false;
+  sem_init(&first_signal, 0, 0);
+  deadline_->late = std::move(late);
+  watch_ = std::thread(Deadline::watch, deadline_);
+  struct sigaction action {};
+  action.sa_handler = note;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  for (const int signal : ending_signals())
+    replace(signal, action);
+  // A terminal that stops programs in the background when they write would leave the last drive sounding.
+  action.sa_handler = SIG_IGN;
+  for (const int signal : {SIGTTOU, SIGTTIN})
+    replace(signal, action);
 }
 
 Interrupt::~Interrupt() {
-  for (const int signal : watched)
-    std::signal(signal, SIG_DFL);
+  for (const auto& [signal, before] : before_)
+    sigaction(signal, &before, nullptr);
+  if (!deadline_) return;
+  if (signalled) {
+    watch_.detach();
+    return;
+  }
+  deadline_->called_off = true;
+  sem_post(&first_signal);
+  watch_.join();
 }
 
-bool Interrupt::requested() const {
-  return interrupted;
+std::atomic<bool>& Interrupt::flag() {
+  return requested_flag;
+}
+
+void Interrupt::replace(int signal, const struct sigaction& action) {
+  struct sigaction before {};
+  if (sigaction(signal, nullptr, &before) != 0 || before.sa_handler == SIG_IGN) return;
+  if (sigaction(signal, &action, nullptr) == 0) before_.emplace_back(signal, before);
 }
 
 }  // namespace palpa::cli

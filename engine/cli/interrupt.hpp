@@ -1,18 +1,46 @@
-// Ctrl-C during long work that leaves nothing behind.
+// Signals that ask palpa to end: they set a flag, and whoever works looks at it.
 #pragma once
+
+#include <atomic>
+#include <csignal>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
 namespace palpa::cli {
 
-/// From its construction on, the first SIGINT, SIGTERM or SIGHUP only makes `requested()` true; a second one ends the
-/// program as it always does. One at a time.
+/// From its construction until its end signals only make requested() true; those that whoever started palpa ignores
+/// (nohup) stay ignored. One at a time.
 class Interrupt {
  public:
+  /// For long work that leaves nothing behind: Ctrl-C, SIGTERM and SIGHUP. A second one ends the program as it always
+  /// does.
   Interrupt();
+
+  /// For as long as there is something to silence: all signals that end or stop a program and can be caught, Ctrl-Z
+  /// too, since a program that is stopped cannot silence anything. Later ones change nothing: the array must not be
+  /// left sounding by an impatient second Ctrl-C. But a second after the first one palpa ends whatever it is doing,
+  /// with the error line `late`: nothing that it writes to, and no device, keeps it longer. That goes for what is done
+  /// after this object's end, too.
+  explicit Interrupt(std::string late);
+
   ~Interrupt();
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
-  bool requested() const;
+  bool requested() const { return flag(); }
+  /// The flag itself, which others may set as well.
+  static std::atomic<bool>& flag();
+
+ private:
+  struct Deadline;
+  void replace(int signal, const struct sigaction& action);
+
+  std::vector<std::pair<int, struct sigaction>> before_;
+  std::shared_ptr<Deadline> deadline_;  ///< its thread's, too, which lives on after a signal
+  std::thread watch_;
 };
 
 }  // namespace palpa::cli

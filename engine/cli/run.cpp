@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <atomic>
-#include <csignal>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -9,8 +7,10 @@
 
 #include "array/board_mesh.hpp"
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
+#include "cli/interrupt.hpp"
 #include "sensing/recording.hpp"
 #include "session/event_sink.hpp"
 #include "session/session.hpp"
@@ -75,56 +75,6 @@ void add_options(CLI::App& app, RunCommand& o) {
   setup::add_touch_options(app, o.touch);
   setup::add_drive_options(app, o.drive);
 }
-
-/// Set by the first signal; the loop then ends in silence. Later signals change nothing: the array must not be left
-/// sounding by an impatient second Ctrl-C. Ctrl-Z ends it as well: a program that is stopped cannot silence anything.
-std::atomic<bool> stop_requested{false};
-static_assert(std::atomic<bool>::is_always_lock_free);
-
-/// All that end or stop a program that does not catch them, but for those that nobody can catch (SIGKILL, SIGSTOP) and
-/// for crashes, after which there is no loop left: then whoever plays the drives goes silent by itself.
-std::vector<int> ending_signals() {
-  std::vector<int> signals{SIGINT,  SIGTERM, SIGHUP,    SIGQUIT, SIGTSTP, SIGUSR1, SIGUSR2,
-                           SIGALRM, SIGXCPU, SIGVTALRM, SIGPROF, SIGIO,   SIGPWR,  SIGSTKFLT};
-  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal)
-    signals.push_back(signal);
-  return signals;
-}
-
-/// Catches them as long as there is something to silence; afterwards they do again what they did before.
-class SignalWatch {
- public:
-  SignalWatch() {
-    stop_requested = false;  // a run before this one, in the same process, may have ended by it
-    struct sigaction action {};
-    action.sa_handler = [](int) { stop_requested = true; };
-    sigemptyset(&action.sa_mask);
-    action.sa_flags = SA_RESTART;
-    for (const int signal : ending_signals()) {
-      struct sigaction before {};
-      sigaction(signal, nullptr, &before);
-      if (before.sa_handler != SIG_IGN) replace(signal, action);  // ignored by whoever started it: nohup
-    }
-    // A terminal that stops programs in the background when they write would leave the last drive sounding.
-    action.sa_handler = SIG_IGN;
-    for (const int signal : {SIGTTOU, SIGTTIN})
-      replace(signal, action);
-  }
-  ~SignalWatch() {
-    for (const auto& [signal, before] : before_)
-      sigaction(signal, &before, nullptr);
-  }
-  SignalWatch(const SignalWatch&) = delete;
-  SignalWatch& operator=(const SignalWatch&) = delete;
-
- private:
-  void replace(int signal, const struct sigaction& action) {
-    struct sigaction before {};
-    if (sigaction(signal, &action, &before) == 0) before_.emplace_back(signal, before);
-  }
-
-  std::vector<std::pair<int, struct sigaction>> before_;
-};
 
 std::string summary(const session::LoopStats& stats) {
   return fmt::format(
@@ -197,6 +147,29 @@ std::unique_ptr<sensing::DepthSource> open_source(const RunCommand& o, const Ext
                                .rig = rig.rig.file});
 }
 
+/// The link of the line. Where it cannot be opened there will be no frames, and no recording without any is left.
+std::unique_ptr<session::Link> open_link(const RunCommand& o, std::span<const session::LinkKind> links,
+                                         const session::Session& session,
+                                         std::optional<sensing::RecordingWriter>& recorder) {
+  try {
+    return session::open_link(o.link, links, session.link_setting());
+  } catch (...) {
+    if (recorder) recorder->discard();
+    throw;
+  }
+}
+
+/// What is said where something keeps palpa from ending.
+std::string late_line(const RunCommand& o) {
+  std::string waits = "the GPU";
+  for (const auto& [option, target] : {std::pair("--link", o.link), std::pair("--events", o.events),
+                                       std::pair("--record", o.record), std::pair("--json", o.common.json)}) {
+    if (!target.empty() && target != "null") waits += fmt::format(", {} {}", option, target);
+  }
+  return fmt::format("ended without finishing, a second after the signal: what it waited for did not answer ({})",
+                     waits);
+}
+
 /// Hands over what waits. After an error that error is the one to report, not another of the sink's.
 void finish(session::EventSink* sink, bool after_error) {
   try {
@@ -221,21 +194,22 @@ void run(const Extensions& extensions, const RunCommand& o) {
   if (o.common.backend == setup::Backend::gpu) device.emplace(setup::device_options(o.common));
   session::Session session =
       device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
-  const std::unique_ptr<session::Link> link = session::open_link(o.link, links, session.link_setting());
 
-  // Last of all: a typing error elsewhere must not leave an empty recording behind.
+  // Last of all: a typing error elsewhere must not leave an empty recording behind, nor an array that is switched on.
   session::RunOptions options{.frames = o.frames, .every_frame = o.every_frame};
   std::unique_ptr<session::EventSink> sink;
   if (!o.events.empty()) {
-    sink = session::open_event_sink(o.events, session.solid_names(), o.every_frame ? &stop_requested : nullptr);
+    sink = session::open_event_sink(o.events, session.solid_names(), o.every_frame ? &Interrupt::flag() : nullptr);
     options.events = [&](std::span<const session::Event> events) { sink->write(events); };
   }
   std::optional<sensing::RecordingWriter> recorder;
   if (!o.record.empty()) recorder.emplace(o.record, source->cameras());
   std::uint64_t out_of_order = 0;  // frames whose time a recording cannot hold; of the recorder's thread
   if (recorder) options.record = [&](const sensing::FrameSet& set) { out_of_order += recorder->write(set) ? 0 : 1; };
+  const std::unique_ptr<session::Link> link = open_link(o, links, session, recorder);
 
-  std::optional<SignalWatch> watch(std::in_place);
+  const log::Relay relay;
+  std::optional<Interrupt> interrupt(std::in_place, late_line(o));
   log::release_warnings();
   setup::Progress progress("frames", o.frames, o.common.quiet);
   options.planned = [&, warned = false, frames = std::uint64_t{0}](const session::FrameReport& frame,
@@ -245,13 +219,13 @@ void run(const Extensions& extensions, const RunCommand& o) {
   };
   session::LoopStats stats;
   try {
-    stats = session.run(*source, *link, stop_requested, options);
+    stats = session.run(*source, *link, Interrupt::flag(), options);
   } catch (...) {
     finish(sink.get(), true);
     throw;
   }
   finish(sink.get(), false);
-  watch.reset();
+  interrupt.reset();
   if (sink) stats.events = {sink->written(), sink->dropped()};
   if (stats.unrecorded > 0) {
     log::warning(fmt::format("{}: {} of {} frames came too fast to be written; --every-frame waits for each", o.record,

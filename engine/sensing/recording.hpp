@@ -25,9 +25,12 @@ class RecordingWriter {
   /// full disk, bad_usage when the set does not fit the cameras.
   bool write(const FrameSet& set);
   std::uint64_t frames() const { return frames_; }
+  /// Where there will be no frames: takes away what the constructor made. Does nothing once there is a frame.
+  void discard();
 
  private:
   std::filesystem::path folder_;
+  bool made_folder_ = false;
   std::vector<Camera> cameras_;
   std::optional<StreamWriter> times_;
   std::uint64_t frames_ = 0;

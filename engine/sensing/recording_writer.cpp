@@ -14,9 +14,10 @@ namespace {
 /// Of one line of times.csv.
 constexpr std::size_t most_waiting = 1 << 16;
 
-/// All of the line is on its way to the disk, or the recording fails.
+/// All of the line is on the disk, however long that takes, as it is with the images.
 void put(StreamWriter& out, const std::string& line) {
-  if (!out.add(line) || !out.flush_patiently()) out.fail_stalled();
+  constexpr double forever_s = 1e6;
+  if (!out.add(line) || !out.flush(forever_s)) out.fail_stalled();
 }
 
 }  // namespace
@@ -25,7 +26,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& folder, const std:
     : folder_(folder), cameras_(cameras) {
   if (cameras.empty()) throw bad_usage("a recording needs a camera");
   std::error_code error;
-  std::filesystem::create_directory(folder, error);
+  made_folder_ = std::filesystem::create_directory(folder, error);
   if (error) throw failure(fmt::format("{}: cannot be created: {}", folder.string(), error.message()));
   if (!std::filesystem::is_empty(folder, error)) {
     throw bad_usage(fmt::format("{} is not empty, name a new folder", folder.string()));
@@ -63,6 +64,15 @@ bool RecordingWriter::write(const FrameSet& set) {
   last_sequence_ = set.sequence;
   ++frames_;
   return true;
+}
+
+void RecordingWriter::discard() {
+  if (frames_ > 0) return;
+  times_.reset();
+  std::error_code ignored;
+  for (const char* file : {"recording.toml", "times.csv"})
+    std::filesystem::remove(folder_ / file, ignored);
+  if (made_folder_) std::filesystem::remove(folder_, ignored);
 }
 
 }  // namespace palpa::sensing

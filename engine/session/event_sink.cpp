@@ -27,16 +27,14 @@ class StreamSink : public EventSink {
       written_ += taken ? 1 : 0;
       drop(taken ? 0 : 1);
     }
-    writer_.flush(0);
   }
 
   void finish() override {
     if (wait_unless_) writer_.flush(forever_s, wait_unless_);
     if (!writer_.flush_patiently()) {
-      const std::string_view lost = writer_.waiting();
-      const auto lines = static_cast<std::uint64_t>(std::count(lost.begin(), lost.end(), '\n'));
-      written_ -= std::min(lines, written_);
-      drop(lines);
+      const std::uint64_t lost = writer_.waiting();
+      written_ -= std::min(lost, written_);
+      drop(lost);
     }
     writer_.close();
   }

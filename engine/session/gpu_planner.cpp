@@ -73,7 +73,11 @@ class GpuPlanner : public Planner {
     drive_ms_.reserve(4);
   }
 
-  bool can_start() const override { return started_ - finished_ < flights_.size(); }
+  /// Not before the drives of the frame under way are on their way: they would come after all of the next one's work.
+  bool can_start() const override {
+    return !busy() || (started_ - finished_ < flights_.size() &&
+                       flights_[finished_ % flights_.size()]->state == Flight::State::driving);
+  }
   bool busy() const override { return started_ != finished_; }
 
   void start(const SkinFrame& frame) override {

@@ -1,11 +1,19 @@
 #include "session/loop.hpp"
 
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
 #include <exception>
 #include <limits>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "base/error.hpp"
+#include "base/log.hpp"
+#include "session/early_start.hpp"
 #include "session/source_clock.hpp"
 
 namespace palpa::session {
@@ -61,30 +69,43 @@ struct CloseFrames {
   ~CloseFrames() { frames.close(); }
 };
 
-/// For --every-frame: the value before must be in the reader's hands.
-template <typename T>
-void wait_until_taken(Newest<T>& values, const std::atomic<bool>& stop) {
-  while (!stop && !values.wait_taken(std::chrono::milliseconds(50))) {
+/// How often a thread that waits for another looks whether it still should.
+constexpr std::chrono::milliseconds slice{50};
+
+/// For every_frame: the value before must be in the reader's hands. False where `stopped()` came first.
+template <typename T, typename Stopped>
+bool wait_until_taken(Newest<T>& values, Stopped stopped) {
+  while (!values.wait_taken(slice)) {
+    if (stopped()) return false;
   }
+  return true;
 }
+
+/// How long a source is asked for a frame before the end is looked for again.
+constexpr double most_wait_s = 0.1;
 
 void capture(sensing::DepthSource& source, Newest<Captured>& frames, Newest<sensing::FrameSet>* recorded,
              const LoopSetting& setting, const Clock& clock, const std::atomic<bool>& stop, LoopStats& stats) {
   SourceClock source_clock;
+  const auto stopped = [&] { return stop.load(); };
+  double looked_s = clock.now();  // when there was a frame, or it was noted that there was none
   while (!stop && (setting.frames == 0 || stats.captured < setting.frames)) {
     Captured& next = frames.back();
-    if (!source.next(next.set, setting.output.hold_s)) break;
+    if (!source.next(next.set, std::min(setting.output.hold_s, most_wait_s))) break;
+    const double now_s = clock.now();
     if (next.set.frames.empty()) {
+      if (now_s - looked_s < setting.output.hold_s) continue;
       ++stats.missing;
+      looked_s = now_s;
       continue;
     }
+    looked_s = now_s;
     ++stats.captured;
-    if (setting.every_frame) wait_until_taken(frames, stop);
+    if (setting.every_frame) wait_until_taken(frames, stopped);
     next.arrived_s = clock.now();
-    // Frames that wait for the loop have no age of their own.
-    next.captured_s = setting.every_frame ? next.arrived_s : source_clock.capture_time(next.set.time_s, next.arrived_s);
+    next.captured_s = source_clock.capture_time(next.set.time_s, next.arrived_s);
     if (recorded) {
-      if (setting.every_frame) wait_until_taken(*recorded, stop);
+      if (setting.every_frame) wait_until_taken(*recorded, stopped);
       recorded->back() = next.set;
       if (recorded->publish()) ++stats.unrecorded;
     }
@@ -98,44 +119,116 @@ void record(Newest<sensing::FrameSet>& frames, const LoopObservers& observers) {
   }
 }
 
-/// Returns the capture time of the last frame planned, on the loop's clock.
-double compute(Planner& planner, Newest<Captured>& frames, Newest<Plan>& plans, const Clock& clock,
-               std::atomic<bool>& stop, const std::atomic<bool>& output_ended, const LoopSetting& setting,
-               const LoopObservers& observers, LoopStats& stats) {
-  double begin_s = -1, last_captured_s = -std::numeric_limits<double>::infinity();
+/// Says once that frames take longer than they sound.
+class Overload {
+ public:
+  explicit Overload(double hold_s) : hold_s_(hold_s) {}
+
+  void planned(double frame_to_drives_s) {
+    late_ = frame_to_drives_s < hold_s_ ? 0 : late_ + 1;
+    if (late_ < in_a_row || std::exchange(warned_, true)) return;
+    log::warning(
+        fmt::format("overloaded: from frame to drives takes {:.0f} ms, longer than the hold of {:.0f} ms, so "
+                    "that what a frame shows is over before it sounds; give --hold {:.0f}ms, or frames and "
+                    "solids that take less",
+                    frame_to_drives_s * 1e3, hold_s_ * 1e3, std::ceil(frame_to_drives_s * 30) * 100));
+  }
+
+ private:
+  static constexpr int in_a_row = 3;  ///< anything may come late once
+  double hold_s_;
+  int late_ = 0;
+  bool warned_ = false;
+};
+
+/// What the compute thread needs.
+struct Compute {
+  Planner& planner;
+  Newest<Captured>& frames;
+  Newest<Plan>& plans;
+  const Clock& clock;
+  const std::atomic<bool>& stop;
+  const std::atomic<bool>& output_ended;
+  const LoopSetting& setting;
+  const LoopObservers& observers;
+  LoopStats& stats;
+
+  /// Of a frame under way.
+  struct Start {
+    double arrived_s = 0;
+    bool waited = false;  ///< it came while another was under way,
+    bool early = false;   ///< and was started then
+  };
+  std::deque<Start> under_way{};
+  EarlyStart early_start{setting.output.hold_s};
+  Overload overload{setting.output.hold_s};
+  double begin_s = -1;
+  double idle_s = -std::numeric_limits<double>::infinity();  ///< since then nothing was under way
+  double last_captured_s = -std::numeric_limits<double>::infinity();
+
+  /// Returns the capture time of the last frame planned, on the loop's clock.
+  double run();
+
+ private:
+  bool stopped() const { return stop || output_ended; }
+  bool start();
+  bool step();
+};
+
+/// Takes the newest frame in, if there is one and it is its turn.
+bool Compute::start() {
+  const bool early = planner.busy();
+  if (!planner.can_start() || (early && !early_start.now())) return false;
+  // With frames under way the device is the one to wait for, else the camera.
+  if (!frames.take(std::chrono::duration<double>(early ? 0.0 : 0.05))) return false;
+  Captured& frame = frames.front();
+  under_way.push_back({frame.arrived_s, early || frame.arrived_s < idle_s, early});
+  // Frames that wait for the loop have no age of their own.
+  if (setting.every_frame) frame.arrived_s = frame.captured_s = clock.now();
+  if (begin_s < 0) begin_s = frame.arrived_s;
+  planner.start({.images = frame.set.frames,
+                 .sequence = frame.set.sequence,
+                 .time_s = frame.set.time_s,
+                 .captured_s = frame.captured_s,
+                 .arrived_s = frame.arrived_s});
+  return true;
+}
+
+/// Whether another plan is complete.
+bool Compute::step() {
+  if (setting.every_frame && !wait_until_taken(plans, [&] { return stopped(); })) return false;
+  FrameReport report;
+  if (!planner.step(plans.back(), report)) return false;
+  report.planned_s = clock.now();
+  const Start started = under_way.front();
+  under_way.pop_front();
+  if (!planner.busy()) idle_s = report.planned_s;
+  if (started.waited) early_start.took(report.planned_s - started.arrived_s, started.early);
+  ++stats.planned;
+  stats.touching += report.touch->finger_count > 0 ? 1 : 0;
+  stats.frame_to_plan_s.add(report.planned_s - report.started_s);
+  stats.add_passes(report.passes);
+  stats.seconds = report.planned_s - begin_s;
+  if (observers.planned) observers.planned(report, plans.back());
+  last_captured_s = plans.back().captured_s;
+  overload.planned(report.planned_s - last_captured_s);
+  if (plans.publish()) ++stats.unplayed;
+  return true;
+}
+
+double Compute::run() {
   bool alive = false;  // frames are coming
-  while (!stop && !output_ended) {
-    // With frames under way the device is the one to wait for, else the camera.
-    const std::chrono::duration<double> patience(planner.busy() ? 0.0 : 0.05);
-    if (planner.can_start() && frames.take(patience)) {
-      const Captured& frame = frames.front();
-      if (begin_s < 0) begin_s = frame.arrived_s;
-      planner.start({.images = frame.set.frames,
-                     .sequence = frame.set.sequence,
-                     .time_s = frame.set.time_s,
-                     .captured_s = frame.captured_s,
-                     .arrived_s = frame.arrived_s});
-    }
-    if (!planner.busy()) {
-      if (frames.closed()) break;
-      if (alive && !setting.every_frame && clock.now() >= last_captured_s + setting.output.hold_s) {
-        alive = false;
-        if (observers.expired) observers.expired();
-      }
+  while (!stopped()) {
+    start();
+    if (planner.busy()) {
+      alive = step() || alive;
       continue;
     }
-    FrameReport report;
-    if (!planner.step(plans.back(), report)) continue;
-    report.planned_s = clock.now();
-    ++stats.planned;
-    stats.touching += report.touch->finger_count > 0 ? 1 : 0;
-    stats.frame_to_plan_s.add(report.planned_s - report.started_s);
-    stats.add_passes(report.passes);
-    stats.seconds = report.planned_s - begin_s;
-    if (observers.planned) observers.planned(report, plans.back());
-    last_captured_s = plans.back().captured_s;
-    alive = true;
-    plans.publish();
+    if (frames.closed()) break;
+    if (alive && !setting.every_frame && clock.now() >= last_captured_s + setting.output.hold_s) {
+      alive = false;
+      if (observers.expired) observers.expired();
+    }
   }
   return last_captured_s;
 }
@@ -156,18 +249,20 @@ void drain(Planner& planner, Plan& plan) {
 
 void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const LoopSetting& setting,
               std::atomic<bool>& stop, const LoopObservers& observers, LoopStats& stats) {
+  const log::Relay relay;  // what any thread has to say keeps none of them waiting
   const Clock clock;
   Newest<Captured> frames;
   Newest<Plan> plans;
   plans.each([&](Plan& plan) { reserve(plan, setting.output.layout.transducers.size()); });
   Newest<sensing::FrameSet> recorded;
-  std::atomic<bool> stop_capture{false}, stop_output{false}, output_ended{false}, failed{false};
+  Ending ending{stop};
+  std::atomic<bool> stop_capture{false}, output_ended{false};
   std::exception_ptr compute_fault;
   std::optional<Worker> output_thread, recorder_thread, capture_thread;
   try {
     output_thread.emplace([&] {
       const EndFlag ended(output_ended);
-      play(link, plans, setting.output, clock, stop_output, failed, stats.output);
+      play(link, plans, setting.output, clock, ending, stats.output);
     });
     // The link gets silence meanwhile, and the source is not asked before frames can be looked at in time.
     planner.warm_up();
@@ -176,7 +271,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
         try {
           record(recorded, observers);
         } catch (...) {
-          failed = stop = true;  // a recording that cannot go on ends the loop
+          ending.failed = stop = true;  // a recording that cannot go on ends the loop
           throw;
         }
       });
@@ -186,21 +281,23 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
       try {
         capture(source, frames, observers.record ? &recorded : nullptr, setting, clock, stop_capture, stats);
       } catch (...) {
-        failed = true;
+        ending.failed = true;
         throw;
       }
     });
-    const double last_s = compute(planner, frames, plans, clock, stop, output_ended, setting, observers, stats);
-    // A source that ended is one whose frames stopped coming: what it last showed sounds on until it expires.
-    while (!stop && !output_ended && !failed && clock.now() < last_s + setting.output.hold_s) {
+    Compute compute{planner, frames, plans, clock, stop, output_ended, setting, observers, stats};
+    const double last_s = compute.run();
+    // A source that ended is one whose frames stopped coming: what it last showed is played until it expires.
+    const auto sounds_on = [&] { return clock.now() < last_s + setting.output.hold_s || !plans.wait_taken({}); };
+    while (!stop && !output_ended && !ending.failed && sounds_on()) {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   } catch (...) {
     compute_fault = std::current_exception();
-    failed = true;
+    ending.failed = true;
   }
   // Silence first: the capture thread may be waiting for a camera, the recorder for a disk.
-  stop_output = true;
+  ending.over = true;
   const std::exception_ptr output_fault = output_thread ? output_thread->join() : nullptr;
   stop_capture = true;
   frames.close();

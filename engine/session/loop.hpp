@@ -17,7 +17,8 @@ namespace palpa::session {
 struct LoopSetting {
   OutputSetting output;
   std::uint64_t frames = 0;  ///< stop after that many captured frames; 0: at the source's end
-  /// Off: a frame that comes while another waits replaces it. On: capture waits, every frame is looked at.
+  /// Off: a frame that comes while another waits replaces it, and so does a plan. On: each waits for the next thread,
+  /// so every frame is looked at and every plan is played.
   bool every_frame = false;
 };
 
@@ -33,7 +34,10 @@ struct LoopObservers {
 };
 
 /// Runs until the source ends, `setting.frames` are done, `stop` becomes true or something fails; an Error of any
-/// thread ends all of them and is thrown here, after the link has got silence. Where the recording fails `stop` becomes
+/// thread ends all of them and is thrown here, after the link has got silence. Silence waits for nobody but the link:
+/// the output thread sees itself that `stop` is true, whatever the others are doing, and what they log is written by a
+/// thread of its own (log::Relay). A source, a device, a recorder or an observer that never comes back keeps this
+/// function from returning, nothing more. Where the recording fails `stop` becomes
 /// true, so that nobody waits on for a reader. `stats` is filled as the loop goes and complete on every path; `planner`
 /// is not busy afterwards.
 void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const LoopSetting& setting,

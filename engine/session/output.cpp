@@ -57,8 +57,8 @@ std::span<const array::TransducerDrive> drive_of_slot(const Plan& plan, std::uin
   return scratch.drive;
 }
 
-void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock,
-          const std::atomic<bool>& stop, const std::atomic<bool>& failed, OutputStats& stats) {
+void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock, const Ending& ending,
+          OutputStats& stats) {
   // The kernel may delay a sleeping thread by 50 microseconds to save power; a slot is 1500.
   prctl(PR_SET_TIMERSLACK, 1000);
   const std::size_t transducers = setting.layout.transducers.size();
@@ -70,7 +70,7 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
   std::uint64_t slot = 0;
   const double begin_s = clock.now();
   bool sounding = false;
-  for (bool stopped = stop; !stopped || (safe.must_fade() && !failed); stopped = stop) {
+  for (bool stopped = ending.asked(); !stopped || (safe.must_fade() && !ending.failed); stopped = ending.asked()) {
     const double due_s = begin_s + static_cast<double>(slot) * setting.slot_s;
     clock.sleep_until(due_s);
     const double now_s = clock.now();

@@ -21,11 +21,21 @@ struct OutputSetting {
   Safety safety;
 };
 
-/// Plays the newest plan until `stop`, through a SafeLink: then silence, down the ramp if there is one; at once where
-/// `failed` is true, too, and where the link or anything else throws (the error is passed on afterwards). The slot
-/// counter starts at 0 and never restarts; slots that the thread overslept by a whole slot are left out.
-void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock,
-          const std::atomic<bool>& stop, const std::atomic<bool>& failed, OutputStats& stats);
+/// What ends the output. It looks at all of it for every slot: nobody has to pass on what is asked from outside.
+struct Ending {
+  const std::atomic<bool>& stop;    ///< of whoever runs the loop
+  std::atomic<bool> over{false};    ///< the loop's own
+  std::atomic<bool> failed{false};  ///< something broke: silence at once, without a ramp
+
+  bool asked() const { return stop || over; }
+};
+
+/// Plays the newest plan until the end is asked for, through a SafeLink: then silence, down the ramp if there is one;
+/// at once where something failed, and where the link or anything else throws (the error is passed on afterwards). The
+/// slot counter starts at 0 and never restarts; slots that the thread overslept by a whole slot are left out. It waits
+/// for the clock and the link, and for nothing else.
+void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock, const Ending& ending,
+          OutputStats& stats);
 
 /// Where the drive of a slot is computed that a plan does not hold; kept from slot to slot.
 struct SlotScratch {

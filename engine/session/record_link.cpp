@@ -39,57 +39,35 @@ class RecordLink : public Link {
   RecordLink(const std::string& file, const LinkSetting& setting)
       : transducers_(setting.layout.transducers.size()),
         record_bytes_(sizeof(std::uint64_t) + transducers_ * sizeof(array::TransducerDrive)),
-        writer_(file, block + 4 * record_bytes_) {
+        writer_(file, room_of_pipe + 4 * record_bytes_) {
+    if (writer_.on_disk()) writer_.grow(room_of_disk + 4 * record_bytes_);
     Header header{{}, version, static_cast<std::uint32_t>(transducers_), setting.slot_s};
     std::memcpy(header.magic, magic, sizeof(magic));
     writer_.add(text_of(std::span<const Header>(&header, 1)));
-    writer_.flush_patiently();
+    if (!writer_.flush_patiently()) writer_.fail_stalled();
+    // Should the disk take no more, what it took must not end with a drive that sounds.
+    writer_.end_in_zeros(transducers_ * sizeof(array::TransducerDrive), sizeof(Header));
   }
 
   void plan(const ToldPlan&) override {}
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
-    if (ended_) return;
+    record_ = text_of(std::span<const std::uint64_t>(&slot, 1));
+    record_ += text_of(drive);
     // All of a record or nothing: what follows must stay readable.
-    if (!writer_.fits(record_bytes_)) writer_.fail_stalled();
-    fill_record(slot, drive);
-    writer_.add(record_);
-    const bool due = !writer_.on_disk() || writer_.waiting().size() >= block;
-    if (due) flush();
+    if (!writer_.add_patiently(record_)) writer_.fail_stalled();
   }
   void finish() override {
-    if (!ended_) flush();
+    if (!writer_.flush_patiently()) writer_.fail_stalled();
     writer_.close();
   }
 
  private:
-  static constexpr std::size_t block = 1 << 18;
-
-  void fill_record(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
-    record_ = text_of(std::span<const std::uint64_t>(&slot, 1));
-    record_ += text_of(drive);
-    last_slot_ = slot;
-  }
-  void flush() {
-    try {
-      if (!writer_.flush_patiently()) writer_.fail_stalled();
-    } catch (const Error&) {
-      if (writer_.on_disk()) end_silently();
-      throw;
-    }
-  }
-  /// The disk takes no more, and what it took must not end with a drive that sounds: silence takes the last one's
-  /// place.
-  void end_silently() {
-    ended_ = true;
-    fill_record(last_slot_, array::Drive(transducers_, {0.0f, 0.0f}));
-    writer_.replace_end(record_, sizeof(Header));
-  }
+  /// A reader that stalls must not hear of drives long after they are over; a disk that stalls must not be heard.
+  static constexpr std::size_t room_of_pipe = 1 << 18, room_of_disk = 1 << 23;
 
   std::size_t transducers_, record_bytes_;
   StreamWriter writer_;
   std::string record_;  ///< the one that is being written
-  std::uint64_t last_slot_ = 0;
-  bool ended_ = false;  ///< nothing more can be written, and the file ends with silence
 };
 
 template <typename T>

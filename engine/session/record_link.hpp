@@ -14,8 +14,8 @@ namespace palpa::session {
 
 /// Link "record:FILE"; "-" is stdout. Throws failure() when the file cannot be created or written (a full disk, a
 /// limit): a file on a disk then holds whole drives, as many as it has room for, the last of them silent. The file may
-/// be a FIFO or a terminal; a reader that keeps the link waiting for a second is a fault, so that it cannot hold the
-/// loop.
+/// be a FIFO or a terminal; a reader, or a disk, that keeps the link waiting for half a second is a fault, so that it
+/// cannot hold the loop.
 std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting);
 
 struct RecordedDrive {

@@ -44,7 +44,8 @@ std::string to_json(const LoopStats& stats) {
   json.begin_object(JsonWriter::Style::rows);
   json.key("frames").begin_object();
   json.member("captured", stats.captured).member("replaced", stats.replaced).member("missing", stats.missing);
-  json.member("unrecorded", stats.unrecorded).member("planned", stats.planned).member("touching", stats.touching);
+  json.member("unrecorded", stats.unrecorded).member("planned", stats.planned).member("unplayed", stats.unplayed);
+  json.member("touching", stats.touching);
   json.end_object();
   json.key("seconds").rounded(stats.seconds, digits);
   json.key("timing_ms").begin_object();

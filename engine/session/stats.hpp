@@ -66,7 +66,8 @@ struct LoopStats {
   std::uint64_t missing = 0;     ///< times that the source had nothing within the hold
   std::uint64_t unrecorded = 0;  ///< frames that the recorder left out, most often since they came too fast
   std::uint64_t planned = 0;     ///< frames whose drives were made
-  std::uint64_t touching = 0;    ///< of these, frames with at least one finger
+  std::uint64_t unplayed = 0;    ///< of these, not played because the drives of a newer one had come
+  std::uint64_t touching = 0;    ///< of those planned, frames with at least one finger
   double seconds = 0;            ///< from the first frame to the end
   Samples frame_to_plan_s;       ///< a frame in memory to its drives in memory
   std::vector<PassStats> passes;

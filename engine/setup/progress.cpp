@@ -4,8 +4,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
+
+#include "base/log.hpp"
 
 namespace palpa::setup {
 
@@ -14,7 +15,7 @@ Progress::Progress(std::string what, std::uint64_t total, bool quiet)
 
 Progress::~Progress() {
   // Carriage return, then erase to the end of the line.
-  if (drawn_) std::fputs("\r\x1b[K", stderr);
+  if (drawn_) log::draw("\r\x1b[K");
 }
 
 void Progress::set(std::uint64_t done) {
@@ -29,12 +30,11 @@ void Progress::draw(std::uint64_t done) {
   constexpr std::uint64_t width = 30;
   drawn_ = true;
   if (total_ == 0) {
-    fmt::print(stderr, "\r{} {}\x1b[K", what_, done);
+    log::draw(fmt::format("\r{} {}\x1b[K", what_, done));
   } else {
     const std::uint64_t filled = std::min(width, done * width / total_);
-    fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {}/{}\x1b[K", what_, "", filled, "", width - filled, done, total_);
+    log::draw(fmt::format("\r{} [{:#<{}}{:.<{}}] {}/{}\x1b[K", what_, "", filled, "", width - filled, done, total_));
   }
-  std::fflush(stderr);
 }
 
 }  // namespace palpa::setup

@@ -1,5 +1,10 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <string>
 #include <thread>
 #include <vector>
@@ -121,6 +126,100 @@ TEST(Log, LinesHaveAtMost500Bytes) {
   EXPECT_EQ(line.size(), 501u);
   EXPECT_TRUE(line.starts_with("palpa: error: file \\xff\\xff")) << line;
   EXPECT_TRUE(line.ends_with("\\xff is wrong: give another\n")) << line;
+}
+
+/// stderr is a pipe that takes no more until it is read.
+class FullStderr {
+ public:
+  FullStderr() : before_(dup(STDERR_FILENO)) {
+    EXPECT_EQ(pipe(ends_.data()), 0);
+    fcntl(ends_[1], F_SETFL, O_NONBLOCK);
+    while (write(ends_[1], "................", 16) > 0) {
+    }
+    fcntl(ends_[1], F_SETFL, 0);
+    fcntl(ends_[0], F_SETFL, O_NONBLOCK);
+    dup2(ends_[1], STDERR_FILENO);
+  }
+  ~FullStderr() {
+    dup2(before_, STDERR_FILENO);
+    for (const int end : {ends_[0], ends_[1], before_})
+      close(end);
+  }
+  FullStderr(const FullStderr&) = delete;
+  FullStderr& operator=(const FullStderr&) = delete;
+
+  /// All that comes until nothing more does.
+  std::string read_all() const {
+    std::string text;
+    std::array<char, 4096> block;
+    for (int quiet = 0; quiet < 40; ++quiet) {
+      for (ssize_t got; (got = read(ends_[0], block.data(), block.size())) > 0; quiet = 0)
+        text.append(block.data(), static_cast<std::size_t>(got));
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return text;
+  }
+
+ private:
+  std::array<int, 2> ends_{};
+  int before_;
+};
+
+TEST(LogRelay, NobodyWaitsForWhoeverDoesNotRead) {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  {
+    const FullStderr full;
+    const log::Relay relay;
+    for (int i = 0; i < 5000; ++i)  // a third of a megabyte; 64 KiB wait
+      log::warning("line " + std::to_string(i) + " of a great many that nobody reads");
+    log::draw("\rbar");
+    EXPECT_LT(Clock::now() - begin, std::chrono::seconds(2));
+    const std::uint64_t left_out = log::Relay::left_out();
+    EXPECT_GT(left_out, 3000u);
+    // Whoever comes back hears what was first, and how much is missing where it is missing.
+    std::string text = full.read_all();
+    const auto lines = static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n'));
+    EXPECT_EQ(lines + left_out, 5000u);
+    EXPECT_NE(text.find("palpa: warning: line 0 of"), std::string::npos);
+    EXPECT_EQ(text.find("bar"), std::string::npos) << "what a terminal shows for a moment is not kept";
+    log::error("and now?");
+    text = full.read_all();
+    EXPECT_EQ(text, "palpa: warning: " + std::to_string(left_out) +
+                        " lines were left out here: nobody read them\npalpa: error: and now?\n");
+    EXPECT_EQ(log::Relay::left_out(), 0u);
+  }
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(8));
+}
+
+TEST(LogRelay, ItsEndWaitsForNobodyLong) {
+  const auto begin = std::chrono::steady_clock::now();
+  {
+    const FullStderr full;
+    const log::Relay relay, another;
+    for (int i = 0; i < 5000; ++i)
+      log::warning("line " + std::to_string(i) + " of a great many that nobody reads");
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
+  // Whoever reads afterwards hears of it.
+  const std::uint64_t left_out = log::Relay::left_out();
+  EXPECT_GT(left_out, 3000u);
+  testing::internal::CaptureStderr();
+  log::error("the end");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "palpa: warning: " + std::to_string(left_out) +
+                " lines were left out here: nobody read them\npalpa: error: the end\n");
+}
+
+TEST(LogRelay, WritesWhatItIsGivenInOrder) {
+  testing::internal::CaptureStderr();
+  {
+    const log::Relay relay;
+    log::warning("a");
+    log::error("b");
+  }
+  log::error("c");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "palpa: warning: a\npalpa: error: b\npalpa: error: c\n");
 }
 
 }  // namespace

@@ -230,7 +230,7 @@ TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
 
 TEST(Receiver, GoesSilentWhenPalpaCrashes) {
   if (without_python()) GTEST_SKIP() << "skipped: no python3";
-  for (const int crash : {SIGSEGV, SIGABRT, SIGKILL, SIGSTOP}) {
+  for (const int crash : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGKILL, SIGSTOP}) {
     const Sender sender;
     const PythonReceiver receiver(sender.port(), scratch_folder("receiver") / "out");
     ASSERT_TRUE(receiver.says("listening"));

@@ -363,7 +363,7 @@ TEST(Stats, QuantilesAndJson) {
   stats.output.sent(0.00123456789, true);
   const std::string none = R"({"count":0,"median":0,"p99":0,"p999":0,"max":0})";
   EXPECT_EQ(to_json(stats),
-            R"({"frames":{"captured":7,"replaced":0,"missing":0,"unrecorded":0,"planned":0,"touching":0},)"
+            R"({"frames":{"captured":7,"replaced":0,"missing":0,"unrecorded":0,"planned":0,"unplayed":0,"touching":0},)"
             "\n \"seconds\":0.333333,\n"
             R"( "timing_ms":{"frame_to_plan":)" +
                 none + R"(,"capture_to_drive":)" + none +

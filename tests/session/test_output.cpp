@@ -15,7 +15,6 @@ namespace {
 struct Output {
   array::Layout layout = test::small_layout();
   OutputSetting setting{layout, {}, 1.5e-3, 0.1};
-  std::atomic<bool> failed{false};
 
   Plan plan_of(array::Schedule schedule, double captured_s = 0) {
     Plan plan;
@@ -158,7 +157,7 @@ TEST(Output, SendsSilenceLastWhenStopped) {
     std::this_thread::sleep_for(std::chrono::milliseconds(60));
     stop = true;
   });
-  play(link, plans, out.setting, clock, stop, out.failed, stats);
+  play(link, plans, out.setting, clock, Ending{stop}, stats);
   stopper.join();
   ASSERT_GT(link.slots.size(), 3u);
   EXPECT_GT(*std::max_element(link.loudest.begin(), link.loudest.end()), 0.9f);
@@ -185,7 +184,7 @@ TEST(Output, TellsAPlanOnceAndFromWhenUntilWhen) {
     std::this_thread::sleep_for(std::chrono::milliseconds(80));
     stop = true;
   });
-  play(link, plans, out.setting, clock, stop, out.failed, stats);
+  play(link, plans, out.setting, clock, Ending{stop}, stats);
   stopper.join();
   ASSERT_EQ(link.told.size(), 3u) << "the plan, that it expired, the end";
   const test::SpyLink::Told& told = link.told[0];
@@ -211,7 +210,7 @@ TEST(Output, SendsSilenceLastWhenTheLinkBreaks) {
     plans.publish();
     std::atomic<bool> stop{false};
     OutputStats stats;
-    EXPECT_THROW(play(link, plans, out.setting, Clock(), stop, out.failed, stats), Error);
+    EXPECT_THROW(play(link, plans, out.setting, Clock(), Ending{stop}, stats), Error);
     EXPECT_TRUE(link.ended_silent()) << "broken " << broken;
     EXPECT_TRUE(link.finished);
   }

@@ -1,0 +1,123 @@
+#include "live_run.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <pty.h>
+#include <sys/ioctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <thread>
+
+#include "process.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+[[noreturn]] void become_palpa(const std::vector<std::string>& arguments, const LiveOptions& options) {
+  const int nothing = open("/dev/null", O_RDWR);
+  if (options.foreground) {
+    setsid();
+    ioctl(options.err->end(), TIOCSCTTY, 0);
+  }
+  dup2(nothing, STDIN_FILENO);
+  dup2(options.out ? options.out->end() : nothing, STDOUT_FILENO);
+  dup2(options.err ? options.err->end() : nothing, STDERR_FILENO);
+  for (const auto& [name, value] : options.environment)
+    setenv(name.c_str(), value.c_str(), 1);
+  setenv("PALPA_ASSETS", source_file("assets").c_str(), 1);
+  const std::string program = palpa_binary();
+  std::vector<char*> argv{const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments)
+    argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  execv(program.c_str(), argv.data());
+  _exit(127);
+}
+
+}  // namespace
+
+Unread Unread::pipe() {
+  std::array<int, 2> ends{};
+  EXPECT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
+  // Filled to the brim without waiting; whoever writes to it afterwards waits as usual.
+  fcntl(ends[1], F_SETFL, O_NONBLOCK);
+  const std::string dots(4096, '.');
+  while (write(ends[1], dots.data(), dots.size()) > 0) {
+  }
+  fcntl(ends[1], F_SETFL, 0);
+  return {ends[1], ends[0]};
+}
+
+Unread Unread::terminal() {
+  int master = -1, slave = -1;
+  EXPECT_EQ(openpty(&master, &slave, nullptr, nullptr, nullptr), 0);
+  fcntl(master, F_SETFD, FD_CLOEXEC);
+  fcntl(slave, F_SETFD, FD_CLOEXEC);
+  return {slave, master};
+}
+
+Unread::Unread(Unread&& other) noexcept
+    : end_(std::exchange(other.end_, -1)), other_(std::exchange(other.other_, -1)) {}
+
+Unread::~Unread() {
+  if (end_ >= 0) close(end_);
+  if (other_ >= 0) close(other_);
+}
+
+void Unread::stop() {
+  const char ctrl_s = 0x13;
+  EXPECT_EQ(write(other_, &ctrl_s, 1), 1);
+}
+
+std::string Unread::read_all() {
+  fcntl(other_, F_SETFL, O_NONBLOCK);
+  std::string text;
+  std::array<char, 4096> block;
+  for (ssize_t got; (got = read(other_, block.data(), block.size())) > 0;)
+    text.append(block.data(), static_cast<std::size_t>(got));
+  return text;
+}
+
+LiveRun::LiveRun(const std::vector<std::string>& arguments, const LiveOptions& options) {
+  std::vector<std::string> line{"run"};
+  line.insert(line.end(), arguments.begin(), arguments.end());
+  child_ = fork();
+  EXPECT_GE(child_, 0);
+  if (child_ == 0) become_palpa(line, options);
+}
+
+LiveRun::~LiveRun() {
+  if (child_ <= 0) return;
+  kill(child_, SIGKILL);
+  waitpid(child_, nullptr, 0);
+}
+
+void LiveRun::signal(int signal) const {
+  if (child_ > 0) kill(child_, signal);
+}
+
+LiveRun::End LiveRun::wait(double at_most_s) {
+  const auto begin = Clock::now();
+  End end;
+  int status = 0;
+  do {
+    end.ended = waitpid(child_, &status, WNOHANG) == child_;
+    end.after_s = std::chrono::duration<double>(Clock::now() - begin).count();
+    if (!end.ended) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  } while (!end.ended && end.after_s < at_most_s);
+  if (!end.ended) return end;
+  child_ = -1;
+  if (WIFEXITED(status)) end.exit_code = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) end.by_signal = WTERMSIG(status);
+  return end;
+}
+
+}  // namespace palpa::test

@@ -1,0 +1,65 @@
+// `palpa run` while it lives: somebody hears its foci, and nobody reads what it writes.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace palpa::test {
+
+/// A pipe or a terminal that takes no more.
+class Unread {
+ public:
+  /// A pipe, full and never read.
+  static Unread pipe();
+  /// A terminal that Ctrl-S will stop.
+  static Unread terminal();
+  Unread(Unread&& other) noexcept;
+  Unread& operator=(Unread&&) = delete;
+  ~Unread();
+
+  int end() const { return end_; }
+  /// Ctrl-S.
+  void stop();
+  /// All that has been written so far; the pipe takes more then.
+  std::string read_all();
+
+ private:
+  Unread(int end, int other) : end_(end), other_(other) {}
+  int end_ = -1;    ///< the program's
+  int other_ = -1;  ///< ours
+};
+
+struct LiveOptions {
+  const Unread* out = nullptr;  ///< stdout; else /dev/null
+  const Unread* err = nullptr;  ///< stderr; else /dev/null
+  bool foreground = false;      ///< `err` is the terminal that it runs on
+  std::vector<std::pair<std::string, std::string>> environment{};
+};
+
+class LiveRun {
+ public:
+  /// palpa with these arguments.
+  explicit LiveRun(const std::vector<std::string>& arguments, const LiveOptions& options = {});
+  ~LiveRun();  ///< kills what is left
+  LiveRun(const LiveRun&) = delete;
+  LiveRun& operator=(const LiveRun&) = delete;
+
+  pid_t id() const { return child_; }
+  void signal(int signal) const;
+
+  struct End {
+    bool ended = false;  ///< in time
+    int exit_code = -1;  ///< -1 where a signal ended it
+    int by_signal = 0;
+    double after_s = 0;  ///< since this was asked
+  };
+  End wait(double at_most_s);
+
+ private:
+  pid_t child_ = -1;
+};
+
+}  // namespace palpa::test

@@ -1,0 +1,229 @@
+// Whatever a live loop writes to, and nobody reads: it sounds on, and a signal ends it in silence within a second.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "live_run.hpp"
+#include "process.hpp"
+#include "session/record_link.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "support/udp_receiver.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+/// What palpa promises, and what the system may take for it on a machine that has other things to do.
+constexpr double a_second = 1.2;
+
+std::string cube() {
+  return source_file("assets/cube.glb").string();
+}
+
+/// The cube under another name.
+fs::path named_cube(const fs::path& folder, const std::string& name) {
+  std::string glb = read_text(cube());
+  const auto word = [&](std::size_t at) { return *reinterpret_cast<const std::uint32_t*>(glb.data() + at); };
+  json scene = json::parse(glb.substr(20, word(12)));
+  for (json& node : scene["nodes"])
+    node["name"] = name;
+  scene["buffers"][0]["uri"] = "cube.bin";
+  write_text(folder / "cube.bin", glb.substr(20 + word(12) + 8));
+  write_text(folder / "cube.gltf", scene.dump());
+  return folder / "cube.gltf";
+}
+
+/// A session that somebody listens to.
+struct Stage {
+  fs::path folder;
+  UdpReceiver receiver{1};
+  std::string last;
+
+  explicit Stage(const std::string& name) : folder(scratch_folder(name)) {}
+
+  std::vector<std::string> line(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"--scene", cube(), "--link", "foci:" + receiver.address()});
+    return more;
+  }
+  /// Takes in so many lines that sound, and so many of any kind.
+  void hear(int sounding, int any = 0) {
+    for (int heard = 0, all = 0; heard < sounding || all < any; ++all) {
+      const int patience = last.empty() ? 20 : 3;  // a program may take long to start
+      std::string next;
+      for (int tries = 0; tries < patience && next.empty(); ++tries)
+        next = receiver.next();
+      last = next;
+      ASSERT_FALSE(last.empty()) << "it sounds no more, after " << heard << " of " << sounding << " lines";
+      heard += json::parse(last)["fingers"].empty() ? 0 : 1;
+    }
+  }
+  /// And all that are left.
+  void hear_the_end() {
+    for (std::string next = last; !next.empty(); next = receiver.next())
+      last = next;
+  }
+  void expect_silent_end(LiveRun& run, int signal = SIGTERM) {
+    run.signal(signal);
+    const LiveRun::End end = run.wait(10);
+    EXPECT_TRUE(end.ended);
+    EXPECT_EQ(end.by_signal, 0);
+    EXPECT_LT(end.after_s, a_second * (instrumented() ? 3 : 1));
+    hear_the_end();
+    EXPECT_TRUE(json::parse(last)["fingers"].empty()) << last;
+    last.clear();
+  }
+};
+
+TEST(CliSilence, NobodyReadsWhatItWarnsOf) {
+  Stage stage("silence-stderr");
+  const Unread full = Unread::pipe();
+  // A line that no datagram holds: silence goes in its place, and there is a warning.
+  const fs::path scene = named_cube(stage.folder, std::string(66'000, 'n'));
+  LiveRun run({"--scene", scene.string(), "--link", "foci:" + stage.receiver.address()}, {.err = &full});
+  stage.hear(0, 60);
+  stage.expect_silent_end(run);
+}
+
+TEST(CliSilence, NobodyReadsItsResults) {
+  Stage stage("silence-stdout");
+  const Unread full = Unread::pipe();
+  LiveRun run(stage.line({"--stats", "json"}), {.out = &full});
+  stage.hear(20);
+  stage.expect_silent_end(run);
+}
+
+TEST(CliSilence, NobodyReadsAnything) {
+  Stage stage("silence-both");
+  const Unread full = Unread::pipe();
+  LiveRun run(stage.line({"--events", "-", "--event-move", "0"}), {.out = &full, .err = &full});
+  stage.hear(60);
+  stage.expect_silent_end(run, SIGINT);
+}
+
+TEST(CliSilence, ItsTerminalIsStopped) {
+  Stage stage("silence-terminal");
+  Unread terminal = Unread::terminal();
+  LiveRun run(stage.line({}), {.err = &terminal, .foreground = true});
+  stage.hear(20);
+  EXPECT_NE(terminal.read_all().find("frames "), std::string::npos) << "progress is shown";
+  terminal.stop();
+  stage.hear(60);  // ten times a second it would draw
+  stage.expect_silent_end(run);
+}
+
+TEST(CliSilence, NobodyReadsItsEvents) {
+  Stage stage("silence-events");
+  const fs::path fifo = stage.folder / "events";
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  const int reader = open(fifo.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  for (const bool every_frame : {false, true}) {
+    std::vector<std::string> line = stage.line({"--events", fifo.string(), "--event-move", "0"});
+    if (every_frame) line.emplace_back("--every-frame");
+    LiveRun run(line);
+    stage.hear(40);
+    stage.expect_silent_end(run);
+  }
+  close(reader);
+}
+
+TEST(CliSilence, NobodyReadsItsDrives) {
+  Stage stage("silence-drives");
+  const fs::path fifo = stage.folder / "drives";
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  const int reader = open(fifo.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  // Twice: the loop may not sound yet, or may just be waiting for the link.
+  for (const int ms : {0, 1500}) {
+    LiveRun run({"--scene", cube(), "--link", "record:" + fifo.string()});
+    run.wait(0.3 + ms * 1e-3);
+    run.signal(SIGTERM);
+    EXPECT_LT(run.wait(10).after_s, a_second * (instrumented() ? 3 : 1));
+  }
+  close(reader);
+}
+
+/// With a disk in `folder` that answers until hang() is called.
+struct HungDisk {
+  fs::path folder;
+  std::vector<std::pair<std::string, std::string>> environment() const {
+    return {{"LD_PRELOAD", PALPA_HUNG_DISK}, {"HUNG_DISK", folder.string()}};
+  }
+  void hang() const { write_text(folder / "hangs", ""); }
+};
+
+TEST(CliSilence, TheDiskOfItsRecordingDoesNotAnswer) {
+  if (instrumented()) GTEST_SKIP() << "skipped: a sanitizer's own preloads come first";
+  Stage stage("silence-recording");
+  const HungDisk disk{fs::canonical(stage.folder)};
+  Unread told = Unread::terminal();
+  LiveRun run(stage.line({"--record", (disk.folder / "take").string()}),
+              {.err = &told, .environment = disk.environment()});
+  stage.hear(10);
+  disk.hang();
+  stage.hear(60);
+  ASSERT_FALSE(HasFailure()) << told.read_all();
+  stage.expect_silent_end(run);
+}
+
+TEST(CliSilence, TheDiskOfItsEventsOrOfItsMessagesDoesNotAnswer) {
+  if (instrumented()) GTEST_SKIP() << "skipped: a sanitizer's own preloads come first";
+  Stage stage("silence-events-disk");
+  const HungDisk disk{fs::canonical(stage.folder)};
+  LiveRun run(stage.line({"--events", (disk.folder / "events").string(), "--event-move", "0"}),
+              {.environment = disk.environment()});
+  stage.hear(10);
+  disk.hang();
+  stage.hear(60);
+  stage.expect_silent_end(run);
+}
+
+TEST(CliSilence, TheDiskOfItsDrivesDoesNotAnswer) {
+  if (instrumented()) GTEST_SKIP() << "skipped: a sanitizer's own preloads come first";
+  Stage stage("silence-drives-disk");
+  const HungDisk disk{fs::canonical(stage.folder)};
+  for (const double after_s : {0.05, 1.5}) {
+    fs::remove(disk.folder / "hangs");
+    LiveRun run({"--scene", cube(), "--link", "record:" + (disk.folder / "drives").string()},
+                {.environment = disk.environment()});
+    run.wait(1);
+    disk.hang();
+    run.wait(after_s);
+    run.signal(SIGTERM);
+    EXPECT_LT(run.wait(10).after_s, a_second);
+  }
+}
+
+TEST(CliSilence, AProgramThatWasStoppedGoesOnInSilence) {
+  Stage stage("silence-stopped");
+  LiveRun run(stage.line({"--quiet"}));
+  stage.hear(10);
+  run.signal(SIGSTOP);
+  stage.hear_the_end();
+  run.signal(SIGCONT);
+  const std::string first = stage.receiver.next();
+  ASSERT_FALSE(first.empty());
+  EXPECT_TRUE(json::parse(first)["fingers"].empty()) << "what was seen a second ago: " << first;
+  stage.hear(10);
+  stage.expect_silent_end(run);
+}
+
+TEST(CliSilence, LeavesNoRecordingWhereItsLinkCannotBeOpened) {
+  const fs::path folder = scratch_folder("silence-discarded");
+  const fs::path take = folder / "take";
+  const Result result = palpa({"run", "--scene", cube(), "--record", take.string(), "--link", "foci:udp:nowhere"});
+  expect_failure(result, 2, "link foci takes udp:HOST:PORT");
+  EXPECT_FALSE(fs::exists(take));
+  fs::create_directory(take);
+  palpa({"run", "--scene", cube(), "--record", take.string(), "--link", "foci:udp:nowhere"});
+  EXPECT_TRUE(fs::is_empty(take));
+}
+
+}  // namespace
+}  // namespace palpa::test

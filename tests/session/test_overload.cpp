@@ -1,0 +1,150 @@
+// A loop whose frames take longer than they come apart, and longer than they sound.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+#include <string>
+#include <thread>
+
+#include "fakes.hpp"
+#include "session/early_start.hpp"
+#include "session/loop.hpp"
+
+namespace palpa::session {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// How many of `frames` that all came while another was under way were started early, where that takes `early_s` to
+/// their drives and waiting takes `waiting_s`.
+int started_early(EarlyStart& early_start, int frames, double waiting_s, double early_s) {
+  int early = 0;
+  for (int i = 0; i < frames; ++i) {
+    const bool now = early_start.now();
+    early += now ? 1 : 0;
+    early_start.took(now ? early_s : waiting_s, now);
+  }
+  return early;
+}
+
+TEST(EarlyStart, WaitsWhereTheDeviceOnlySharesWhatItHas) {
+  EarlyStart early_start(1.0);
+  EXPECT_LT(started_early(early_start, 10'000, 0.055, 0.110), 50) << "only now and then it tries";
+  EXPECT_FALSE(early_start.now());
+  EarlyStart same(1.0);
+  EXPECT_LT(started_early(same, 10'000, 0.055, 0.055), 50) << "where nothing is gained, either";
+}
+
+TEST(EarlyStart, DoesNotWaitWhereTheDeviceOverlaps) {
+  EarlyStart early_start(1.0);
+  EXPECT_GT(started_early(early_start, 10'000, 0.020, 0.014), 9'000);
+  // Another program takes the device's room: it goes back.
+  EXPECT_LT(started_early(early_start, 10'000, 0.020, 0.040), 1'000);
+}
+
+TEST(EarlyStart, TriesNothingThatCouldBeOverBeforeItSounds) {
+  EarlyStart early_start(0.1);
+  EXPECT_EQ(started_early(early_start, 10'000, 0.055, 0.110), 0);
+}
+
+/// Two frames under way on a device that works on one after the other.
+struct SharedPlanner : test::FakePlanner {
+  using Clock = std::chrono::steady_clock;
+  Clock::duration takes = 20ms;
+  struct Flight {
+    SkinFrame frame;
+    Clock::time_point done;
+  };
+  std::deque<Flight> flights;
+  Clock::time_point free_from{};
+
+  bool can_start() const override { return flights.size() < 2; }
+  bool busy() const override { return !flights.empty(); }
+  void start(const SkinFrame& frame) override {
+    free_from = std::max(free_from, Clock::now()) + takes;
+    flights.push_back({frame, free_from});
+  }
+  bool step(Plan& plan, FrameReport& report) override {
+    std::this_thread::sleep_until(flights.front().done);
+    FakePlanner::start(flights.front().frame);
+    flights.pop_front();
+    return FakePlanner::step(plan, report);
+  }
+};
+
+template <typename SomePlanner>
+struct Loop {
+  test::FakeSource source;
+  SomePlanner planner;
+  test::SpyLink link;
+  LoopSetting setting{{planner.layout, {}, 1.5e-3, 0.1}, 0, false};
+  std::atomic<bool> stop{false};
+  LoopStats stats;
+
+  void run() { run_loop(source, planner, link, setting, stop, {}, stats); }
+  std::uint64_t plans_told() const {
+    return static_cast<std::uint64_t>(
+        std::count_if(link.told.begin(), link.told.end(), [](const auto& told) { return told.voices > 0; }));
+  }
+};
+
+TEST(Overload, AFrameIsNotStartedWhereItsDrivesComeNoSooner) {
+  for (const bool every_frame : {false, true}) {
+    Loop<SharedPlanner> loop;
+    loop.source.count = every_frame ? 60 : 400;
+    loop.setting.every_frame = every_frame;
+    loop.run();
+    // Two on the device at a time would take 40 ms each.
+    EXPECT_LT(loop.stats.frame_to_plan_s.quantile(0.5), 0.030) << every_frame;
+    EXPECT_LT(loop.stats.output.silent_drives * 3, loop.stats.output.drives) << every_frame;
+  }
+}
+
+TEST(Overload, PlansThatWereReplacedAreCounted) {
+  Loop<test::FakePlanner> loop;
+  loop.source.count = 200;
+  loop.setting.output.slot_s = 0.02;  // ten frames to a slot
+  loop.run();
+  EXPECT_GT(loop.stats.unplayed, 0u);
+  EXPECT_EQ(loop.plans_told() + loop.stats.unplayed, loop.stats.planned);
+}
+
+TEST(Overload, NoPlanIsReplacedWhereEveryFrameIsLookedAt) {
+  Loop<test::FakePlanner> loop;
+  loop.source.count = 400;
+  loop.source.period_s = 0;
+  loop.setting.every_frame = true;
+  loop.run();
+  EXPECT_EQ(loop.stats.planned, 400u);
+  EXPECT_EQ(loop.stats.unplayed, 0u);
+  EXPECT_EQ(loop.plans_told(), 400u);
+}
+
+TEST(Overload, IsToldOnceWithBothFigures) {
+  Loop<test::FakePlanner> loop;
+  loop.source.count = 60;
+  loop.setting.output.hold_s = 0.020;
+  loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(25ms); };
+  testing::internal::CaptureStderr();
+  loop.run();
+  const std::string told = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1) << told;
+  EXPECT_TRUE(told.starts_with("palpa: warning: overloaded: from frame to drives takes ")) << told;
+  EXPECT_NE(told.find(" ms, longer than the hold of 20 ms"), std::string::npos) << told;
+  EXPECT_NE(told.find("give --hold 1"), std::string::npos) << told;
+}
+
+TEST(Overload, AFrameThatDawdlesIsNone) {
+  Loop<test::FakePlanner> loop;
+  loop.source.count = 60;
+  loop.setting.output.hold_s = 0.1;
+  loop.planner.before = [](std::uint64_t frame) {
+    if (frame == 20) std::this_thread::sleep_for(130ms);
+  };
+  testing::internal::CaptureStderr();
+  loop.run();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+}  // namespace
+}  // namespace palpa::session
