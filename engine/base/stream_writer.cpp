@@ -219,16 +219,14 @@ bool StreamWriter::add(std::string_view record) {
   return true;
 }
 
-bool StreamWriter::add_patiently(std::string_view record) {
-  if (add(record)) return true;
+bool StreamWriter::add_patiently(std::string_view record, std::size_t spare) {
+  Work& w = *work_;
   {
-    Work& w = *work_;
     std::unique_lock lock(w.mutex);
-    w.done.wait_until(lock, after(stalled_ ? last_patience_s : patience_s),
-                      [&] { return w.fault || record.size() <= w.room - (w.added - w.written); });
+    const auto fits = [&] { return w.fault || record.size() + spare <= w.room - (w.added - w.written); };
+    stalled_ = !w.done.wait_until(lock, after(stalled_ ? last_patience_s : patience_s), fits);
   }
-  stalled_ = !add(record);
-  return !stalled_;
+  return !stalled_ && add(record);
 }
 
 std::uint64_t StreamWriter::waiting() const {

@@ -20,7 +20,7 @@ class StreamWriter {
   /// How long flush_patiently() and add_patiently() wait for a reader, or a disk, that is too slow.
   static constexpr double patience_s = 0.5;
   /// And how long once that was not enough, until it has caught up.
-  static constexpr double last_patience_s = 0.1;
+  static constexpr double last_patience_s = 0.2;
 
   /// Creates or empties the file; "-" is stdout. As everywhere, opening a FIFO waits for its reader. At most `room`
   /// bytes will ever wait. Throws failure() naming the file.
@@ -45,8 +45,8 @@ class StreamWriter {
   /// anything before it could not be written, a closed pipe, a full disk: then nothing can be written any more, and a
   /// file on a disk ends with its last whole record.
   bool add(std::string_view record);
-  /// Waits for the room, up to patience_s.
-  bool add_patiently(std::string_view record);
+  /// Waits for the room, up to patience_s, and for as much again as `spare`, which stays free.
+  bool add_patiently(std::string_view record, std::size_t spare = 0);
   /// How many records have been added and are not written yet.
   std::uint64_t waiting() const;
   /// Waits until all is written, but gives up after `seconds` or when `stop` becomes true. True when all is written.

@@ -53,8 +53,10 @@ class RecordLink : public Link {
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
     record_ = text_of(std::span<const std::uint64_t>(&slot, 1));
     record_ += text_of(drive);
-    // All of a record or nothing: what follows must stay readable.
-    if (!writer_.add_patiently(record_)) writer_.fail_stalled();
+    // All of a record or nothing: what follows must stay readable. Room for the silence after a fault is kept free.
+    const bool taken = stalled_ ? writer_.add(record_) : writer_.add_patiently(record_, record_bytes_);
+    stalled_ = !taken;
+    if (stalled_) writer_.fail_stalled();
   }
   void finish() override {
     if (!writer_.flush_patiently()) writer_.fail_stalled();
@@ -68,6 +70,7 @@ class RecordLink : public Link {
   std::size_t transducers_, record_bytes_;
   StreamWriter writer_;
   std::string record_;  ///< the one that is being written
+  bool stalled_ = false;
 };
 
 template <typename T>
