@@ -11,12 +11,9 @@ PALPA_CONST fingers_nothing = 0xffffffffu;
 // Cells have this side, in thousandths of the finger gap. Anything up to 1/sqrt(3) = 0.577 keeps two contacts of one
 // cell within the gap, anything above 0.5 keeps contacts three cells apart beyond it; 0.52 leaves room for rounding on
 // both sides, up to fingers_most_blocks blocks from a solid's centre. A block is 2x2x2 cells: contacts of blocks that
-// do not touch are beyond the gap. A block goes by its owner: the contact that came first.
+// do not touch are beyond the gap. A tile is 2x2x2 blocks. Both are numbered along x, then y, then z.
 PALPA_CONST fingers_cell_thousandths = 520u;
 PALPA_CONST fingers_most_blocks = 30000u;
-PALPA_CONST fingers_block_cells = 8u;
-// Neighbours of a block, each pair from one side only, and the block itself.
-PALPA_CONST fingers_neighbours = 14u;
 
 // Groups of the passes over blocks.
 PALPA_CONST blocks_group = 64u;
@@ -29,32 +26,39 @@ PALPA_CONST fingers_contacts_per_crowded = 4u;
 PALPA_CONST fingers_links_per_contact = 6u;
 
 // Bindings of all shaders but fingers_select. What a pass only reads it reads as texels, see engine/gpu/texel_view.hpp.
-PALPA_CONST fingers_total = 0u;      // ScanTotal of the contacts
-PALPA_CONST fingers_contacts = 1u;   // ContactRecord[]: two texels each
-PALPA_CONST fingers_solids = 2u;     // SolidRecord[]: fingers_solid_texels each
-PALPA_CONST fingers_nodes = 3u;      // uvec4[]: per contact bits of x, y, z and the next one in its cell's list
-PALPA_CONST fingers_keys = 4u;       // BlockKey[]: per contact
-PALPA_CONST fingers_places = 5u;     // uint[]: per contact: its cell's place in `heads`
-PALPA_CONST fingers_slots = 6u;      // uint[]: hash table of blocks, see fingers_table.glsl, or fingers_nothing
-PALPA_CONST fingers_heads = 7u;      // uint[]: cell c of block o has its list at 8 o + c; four to a texel
-PALPA_CONST fingers_list = 8u;       // uint[]: the blocks' owners, mostly neighbour by neighbour
-PALPA_CONST fingers_crowded = 9u;    // CrowdedPair[]
-PALPA_CONST fingers_work = 10u;      // FingersWork
-PALPA_CONST fingers_parents = 11u;   // uint[]: union-find over the cells' heads; at the end each contact's root
-PALPA_CONST fingers_clusters = 12u;  // Cluster[]: per root
-PALPA_CONST fingers_groups = 13u;    // uint[]: per block owner: eight times four bits, see fingers_cells.glsl
-PALPA_CONST fingers_links = 14u;     // uint[]: a block's place in `list` times 16, plus a neighbour that there may be
-PALPA_CONST fingers_buffers = 15u;
+PALPA_CONST fingers_total = 0u;     // ScanTotal of the contacts
+PALPA_CONST fingers_contacts = 1u;  // ContactRecord[]: two texels each
+PALPA_CONST fingers_solids = 2u;    // SolidRecord[]: fingers_solid_texels each
+PALPA_CONST fingers_nodes = 3u;     // uvec4[]: bits of x, y, z and the next one in the cell's list: the first of a cell
+                                    // has the cell's number, the others their contact's plus most_contacts
+PALPA_CONST fingers_tiles = 4u;     // uvec4[]: hash table: a TileKey, see fingers_table.glsl, and 64 cells as bits
+PALPA_CONST fingers_bases = 5u;     // uint[]: per slot its first cell's number
+PALPA_CONST fingers_places = 6u;    // uint[]: per contact its slot times 64, plus its cell there, or fingers_first
+PALPA_CONST fingers_list = 7u;      // uint[]: the blocks that hold contacts: slot times 8, plus the block there
+PALPA_CONST fingers_links = 8u;     // uint[]: a block's place in `list` times 64, plus a neighbour: see
+                                    // fingers_neighbours.glsl
+PALPA_CONST fingers_groups = 9u;    // uint[]: per block, at its first cell's number: see fingers_cells.glsl
+PALPA_CONST fingers_crowded = 10u;  // CrowdedPair[]
+PALPA_CONST fingers_work = 11u;     // FingersWork
+PALPA_CONST fingers_forest = 12u;   // uint[]: union-find over cells
+PALPA_CONST fingers_parents = 13u;  // uint[]: per contact its cell's number; at the end that of its root
+PALPA_CONST fingers_clusters = 14u;  // Cluster[]: per root
+PALPA_CONST fingers_seen = 15u;      // the forest as texels: while others write it perhaps not the newest
+PALPA_CONST fingers_buffers = 16u;
+PALPA_CONST fingers_first = 0x80000000u;  // of its cell
 PALPA_CONST fingers_solid_texels = 6u;
 PALPA_CONST fingers_centre_texel = 1u;
 // What each pass binds as texels: a bit per binding.
 PALPA_CONST fingers_insert_texels = 1u << fingers_contacts | 1u << fingers_solids;
-PALPA_CONST fingers_collect_texels = 1u << fingers_slots;
+PALPA_CONST fingers_collect_texels = 1u << fingers_tiles;
+PALPA_CONST fingers_place_texels =
+    1u << fingers_contacts | 1u << fingers_tiles | 1u << fingers_bases | 1u << fingers_places;
 PALPA_CONST fingers_blocks_texels =
-    1u << fingers_nodes | 1u << fingers_keys | 1u << fingers_slots | 1u << fingers_heads | 1u << fingers_list;
-PALPA_CONST fingers_link_texels = fingers_blocks_texels | 1u << fingers_groups | 1u << fingers_links;
-PALPA_CONST fingers_crowded_texels = 1u << fingers_nodes | 1u << fingers_heads;
-PALPA_CONST fingers_label_texels = 1u << fingers_contacts | 1u << fingers_places | 1u << fingers_heads;
+    1u << fingers_nodes | 1u << fingers_tiles | 1u << fingers_bases | 1u << fingers_list;
+PALPA_CONST fingers_link_texels =
+    fingers_blocks_texels | 1u << fingers_groups | 1u << fingers_links | 1u << fingers_seen;
+PALPA_CONST fingers_crowded_texels = 1u << fingers_nodes | 1u << fingers_seen;
+PALPA_CONST fingers_label_texels = 1u << fingers_contacts | 1u << fingers_seen;
 // fingers_select has its own:
 PALPA_CONST select_total = 0u;
 PALPA_CONST select_length = 1u;  // ScanTotal of the skin points
@@ -93,17 +97,11 @@ PALPA_CHECK_SIZE(FingersPush, 16);
 PALPA_CHECK_OFFSET(FingersPush, most_contacts, 8);
 PALPA_CHECK_OFFSET(FingersPush, min_points, 12);
 
-// Block coordinates from the solid's centre, biased by 2^15, and the solid: 16 bits each.
-struct BlockKey {
-  uint xy;
-  uint z_solid;
-};
-PALPA_CHECK_SIZE(BlockKey, 8);
-
-// Two cells or groups of cells with many contacts each: a block's owner and its cells as bits.
+// Two groups of cells with many contacts each. Of both: their block's first cell; its cells that hold contacts as bits,
+// plus 256 times those of the group.
 struct CrowdedPair {
-  uint block_a;
-  uint block_b;
+  uint first_a;
+  uint first_b;
   uint cells_a;
   uint cells_b;
 };
@@ -127,7 +125,7 @@ struct FingersWork {
   uint rest_x;  // none unless the list of crowded pairs ran out
   uint rest_y;
   uint rest_z;
-  uint unused1;
+  uint cells;
 };
 PALPA_CHECK_SIZE(FingersWork, 64);
 PALPA_CHECK_OFFSET(FingersWork, blocks, 12);
@@ -136,6 +134,7 @@ PALPA_CHECK_OFFSET(FingersWork, links, 28);
 PALPA_CHECK_OFFSET(FingersWork, crowded_x, 32);
 PALPA_CHECK_OFFSET(FingersWork, crowded, 44);
 PALPA_CHECK_OFFSET(FingersWork, rest_x, 48);
+PALPA_CHECK_OFFSET(FingersWork, cells, 60);
 
 struct Cluster {
   uint smallest;  // contact

@@ -1,15 +1,41 @@
-// The cells of a block and their groups: cells that are known to be in one cluster. Eight times four bits: the lowest cell of
-// the group that the cell is in, or 8 for a cell without contacts.
+// A tile's cells that hold contacts are 64 bits, a byte per block; a block's cells are numbered one after the other from `first`.
+struct Block {
+  uint first;
+  uint occupied;  // cells, as bits
+};
 
-const uint no_group = 8u;
+uint bits_below(uint bit) { return (1u << bit) - 1u; }
+
+// How many of a tile's cells before this one hold contacts.
+uint count_below(uvec2 mask, uint bit) {
+  const uvec2 below = bit < 32u ? uvec2(bits_below(bit), 0u) : uvec2(0xffffffffu, bits_below(bit & 31u));
+  return uint(bitCount(mask.x & below.x) + bitCount(mask.y & below.y));
+}
+
+Block block_of(uint tile_first, uvec2 mask, uint block) {
+  const uint occupied = (block < 4u ? mask.x : mask.y) >> 8u * (block & 3u) & 0xffu;
+  return Block(tile_first + count_below(mask, 8u * block), occupied);
+}
+
+uint cell_number(Block of, uint cell) { return of.first + uint(bitCount(of.occupied & bits_below(cell))); }
+
+// Bits 0, 8, 16 and 24, side by side.
+uint each_eighth(uint bits) { return (bits & 0x01010101u) * 0x10204080u >> 28u; }
+
+// The blocks of a tile that hold contacts, as bits.
+uint occupied_blocks(uvec2 mask) {
+  mask |= mask >> 4u;
+  mask |= mask >> 2u;
+  mask |= mask >> 1u;
+  return each_eighth(mask.x) | each_eighth(mask.y) << 4u;
+}
+
+// Groups of a block's cells that are known to be in one cluster. Eight times four bits: the lowest cell of the group that the
+// cell is in, or more than 7 for a cell without contacts.
 const uint each_in_its_own = 0x76543210u;
 const uint ones = 0x11111111u;
 
 uint group_of(uint groups, uint cell) { return groups >> (4u * cell) & 15u; }
-
-uint with_group(uint groups, uint cell, uint group) {
-  return (groups & ~(15u << (4u * cell))) | group << (4u * cell);
-}
 
 // Ones where two words have the same four bits.
 uint equal_fours(uint a, uint b) {
@@ -18,21 +44,26 @@ uint equal_fours(uint a, uint b) {
   return ~(differ | differ >> 1u) & ones;
 }
 
-// The lowest of each four bits, eight times, side by side.
+// The lowest of each four bits, eight times, side by side; and back.
 uint gathered(uint fours) {
   fours = (fours | fours >> 3u) & 0x03030303u;
   fours = (fours | fours >> 6u) & 0x000f000fu;
   return (fours | fours >> 12u) & 0xffu;
 }
 
+uint spread(uint bits) {
+  bits = (bits | bits << 12u) & 0x000f000fu;
+  bits = (bits | bits << 6u) & 0x03030303u;
+  return (bits | bits << 3u) & ones;
+}
+
+uint each_by_itself(uint occupied) { return each_in_its_own | spread(~occupied & 0xffu) << 3u; }
+
 // Cells of one group, as bits.
 uint cells_of_group(uint groups, uint group) { return gathered(equal_fours(groups, group * ones)); }
 
 // The lowest cells of all groups, as bits.
 uint first_cells(uint groups) { return gathered(equal_fours(groups, each_in_its_own)); }
-
-// Cells that hold contacts, as bits.
-uint occupied_cells(uint groups) { return gathered(~groups >> 3u & ones); }
 
 uint merged(uint groups, uint one, uint other) {
   const uint low = min(one, other);

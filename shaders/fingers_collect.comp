@@ -2,34 +2,60 @@
 #extension GL_GOOGLE_include_directive : require
 #include "contacts.h"
 #include "fingers.h"
+#include "fingers_math.h"
 #include "fingers_table.glsl"
 #include "scan.h"
 
-// Lists the blocks that there are, those of a tile one after the other: what the passes over blocks look at then lies close
-// together, in whatever order the contacts came.
+// Numbers the cells that hold contacts, tile by tile, and lists the blocks that do: what the passes over blocks look at then lies
+// close together, in whatever order the contacts came.
 layout(local_size_x = 128) in;
 
 layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
-layout(set = 0, binding = fingers_slots) uniform usamplerBuffer slots;
+layout(std430, set = 0, binding = fingers_nodes) writeonly buffer Nodes { uint nodes[]; };
+layout(set = 0, binding = fingers_tiles) uniform usamplerBuffer tiles;
+layout(std430, set = 0, binding = fingers_bases) writeonly buffer Bases { uint bases[]; };
 layout(std430, set = 0, binding = fingers_list) writeonly buffer List { uint list[]; };
 layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = fingers_clusters) writeonly buffer Clusters { Cluster clusters[]; };
 layout(push_constant) uniform Push { FingersPush push; };
 
-const uint least_run = 32u;  // slots that a thread looks at
+#include "fingers_cells.glsl"
+
+const uint run = 32u;  // slots that a thread looks at
 
 void main() {
-  const uint table = table_slots(min(found.total, push.most_contacts));
-  const uint threads = gl_NumWorkGroups.x * contact_group;
-  const uint run = max((table + threads - 1u) / threads, least_run);
-  const uint first = min(gl_GlobalInvocationID.x * run, table);
-  const uint last = min(first + run, table);
-  uint count = 0u;
-  for (uint s = first; s < last; ++s) count += texelFetch(slots, int(s)).x != fingers_nothing ? 1u : 0u;
-  if (count == 0u) return;
-  uint place = atomicAdd(work.blocks, count);
-  atomicMax(work.blocks_x, min((place + count + blocks_group - 1u) / blocks_group, blocks_most_groups));
-  for (uint s = first; s < last; ++s) {
-    const uint word = texelFetch(slots, int(s)).x;
-    if (word != fingers_nothing) list[place++] = word & owner_bits;
+  const uint slots = table_slots(min(found.total, push.most_contacts));
+  const uint stride = gl_NumWorkGroups.x * contact_group * run;
+  for (uint first = gl_GlobalInvocationID.x * run; first < slots; first += stride) {
+    const uint last = min(first + run, slots);
+    uint taken = 0u;  // slots, as bits
+    uint cells = 0u;
+    uint blocks = 0u;
+    for (uint s = first; s < last; ++s) {
+      const uvec2 mask = texelFetch(tiles, int(s)).zw;
+      taken |= (mask.x | mask.y) != 0u ? 1u << (s - first) : 0u;
+      cells += uint(bitCount(mask.x) + bitCount(mask.y));
+      blocks += uint(bitCount(occupied_blocks(mask)));
+    }
+    if (taken == 0u) continue;
+    uint cell = atomicAdd(work.cells, cells);
+    uint place = atomicAdd(work.blocks, blocks);
+    atomicMax(work.blocks_x, min((place + blocks + blocks_group - 1u) / blocks_group, blocks_most_groups));
+    for (uint c = cell; c < cell + cells; ++c) {
+      nodes[4u * c + 3u] = fingers_nothing;
+      clusters[c] = Cluster(fingers_nothing, 0u);
+    }
+    for (uint k = 0u; k < run && taken != 0u; ++k) {
+      const uint s = first + uint(findLSB(taken));
+      taken &= taken - 1u;
+      const uvec2 mask = texelFetch(tiles, int(s)).zw;
+      bases[s] = cell;
+      cell += uint(bitCount(mask.x) + bitCount(mask.y));
+      uint there = occupied_blocks(mask);
+      for (uint b = 0u; b < 8u && there != 0u; ++b) {
+        list[place++] = s << 3u | uint(findLSB(there));
+        there &= there - 1u;
+      }
+    }
   }
 }

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "contacts.h"
 #include "fingers.h"
-#include "scan.h"
 #include "fingers_math.h"
+#include "scan.h"
 
 // Groups of cells with so many contacts that testing pair by pair showed nothing soon. Bounds first, which look at every
 // contact only once: each side is narrowed down to its contacts near the other side's box, again and again; then a gap is
@@ -12,13 +12,14 @@ layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
 layout(set = 0, binding = fingers_nodes) uniform usamplerBuffer nodes;
-layout(set = 0, binding = fingers_heads) uniform usamplerBuffer heads;
 layout(std430, set = 0, binding = fingers_crowded) readonly buffer Crowded { CrowdedPair crowded[]; };
 layout(std430, set = 0, binding = fingers_work) readonly buffer Work { FingersWork work; };
-layout(std430, set = 0, binding = fingers_parents) coherent buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = fingers_forest) buffer Forest { uint forest[]; };
+layout(set = 0, binding = fingers_seen) uniform usamplerBuffer seen;
 layout(push_constant) uniform Push { FingersPush push; };
 
 uint most_steps = 0u;
+#include "fingers_cells.glsl"
 #include "fingers_union.glsl"
 
 // Bounds are loosened and tightened by far more than rounding.
@@ -27,20 +28,19 @@ const float tight = 0.9999;
 
 // A walk through the contacts of some cells of a block.
 struct Walk {
-  uint block;
+  Block block;
   uint cells;
   uint contact;  // fingers_nothing at the end
 };
 
 void skip_to_contact(inout Walk w) {
   if (w.contact == fingers_nothing && w.cells != 0u) {
-    const uint cell = uint(findLSB(w.cells));
-    w.contact = texelFetch(heads, int(w.block * 2u + cell / 4u))[cell % 4u];
+    w.contact = cell_number(w.block, uint(findLSB(w.cells)));
     w.cells &= w.cells - 1u;
   }
 }
 
-Walk walk(uint block, uint cells) {
+Walk walk(Block block, uint cells) {
   Walk w = Walk(block, cells, fingers_nothing);
   skip_to_contact(w);
   return w;
@@ -135,9 +135,13 @@ void main() {
   most_steps = contacts;
   for (uint i = gl_GlobalInvocationID.x; i < pairs; i += threads) {
     const CrowdedPair pair = crowded[i];
-    const Walk one = walk(pair.block_a, pair.cells_a);
-    const Walk other = walk(pair.block_b, pair.cells_b);
-    if (find_root(one.contact) == find_root(other.contact)) continue;
-    if (within_gap(one, other)) unite(one.contact, other.contact);
+    const Block a = Block(pair.first_a, pair.cells_a & 0xffu);
+    const Block b = Block(pair.first_b, pair.cells_b & 0xffu);
+    const uint group_a = pair.cells_a >> 8u;
+    const uint group_b = pair.cells_b >> 8u;
+    const uint cell_a = cell_number(a, uint(findLSB(group_a)));
+    const uint cell_b = cell_number(b, uint(findLSB(group_b)));
+    if (seen_root(cell_a) == seen_root(cell_b)) continue;
+    if (within_gap(walk(a, group_a), walk(b, group_b))) unite(cell_a, cell_b);
   }
 }

@@ -4,17 +4,18 @@
 #include "fingers.h"
 #include "scan.h"
 
-// Every contact's parent becomes its cluster's root; at the root: the cluster's smallest contact and its size.
+// Every contact's parent is its cluster's root; at the root: the cluster's smallest contact and its size.
 layout(local_size_x = 128) in;
 layout(constant_id = 0) const bool inside = false;  // deep points are clustered too: they count for no size
 
 layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
 layout(set = 0, binding = fingers_contacts) uniform usamplerBuffer contacts;
-layout(set = 0, binding = fingers_places) uniform usamplerBuffer places;
-layout(set = 0, binding = fingers_heads) uniform usamplerBuffer heads;
-layout(std430, set = 0, binding = fingers_parents) coherent buffer Parents { uint parents[]; };
+layout(set = 0, binding = fingers_seen) uniform usamplerBuffer seen;
+layout(std430, set = 0, binding = fingers_parents) buffer Parents { uint parents[]; };
 layout(std430, set = 0, binding = fingers_clusters) coherent buffer Clusters { Cluster clusters[]; };
 layout(push_constant) uniform Push { FingersPush push; };
+
+#include "fingers_walk.glsl"
 
 void add(uint root, Cluster run) {
   if (root == fingers_nothing) return;
@@ -28,14 +29,7 @@ void main() {
   Cluster run = Cluster(fingers_nothing, 0u);  // contacts of one cluster that this thread met one after the other
   uint root_of_run = fingers_nothing;
   for (uint i = gl_GlobalInvocationID.x; i < count; i += threads) {
-    const uint place = texelFetch(places, int(i)).x;
-    // No halving of paths here: it could put a mere ancestor in place of a root that another thread has just written.
-    uint root = texelFetch(heads, int(place / 4u))[place % 4u];
-    for (uint step = 0u; step < count; ++step) {
-      const uint parent = parents[root];
-      if (parent == root) break;
-      root = parent;
-    }
+    const uint root = seen_root(parents[i]);
     parents[i] = root;
     if (root != root_of_run) {
       add(root_of_run, run);

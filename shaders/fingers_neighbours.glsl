@@ -1,39 +1,44 @@
-// Finds the blocks that touch a block, each pair of blocks from one side only. Needs `slots` and `keys`.
+// Finds the blocks that touch a block. A block has a corner of its tile to itself: it touches the tile's seven others, and along
+// any of the three axes its blocks touch those of one tile beyond. A neighbour is the axes along which it lies beyond, as bits
+// x, y, z, times 8, plus its corner there. Needs `tiles`, fingers_cells.glsl and fingers_table.glsl.
 
-// The neighbours (x, y, z) + 1, base 3: the block itself, sides, edges, corners.
-const uint neighbours[fingers_neighbours] =
-    uint[fingers_neighbours](13u, 14u, 16u, 22u, 15u, 17u, 19u, 21u, 23u, 25u, 18u, 20u, 24u, 26u);
-
-BlockKey key_of(uint owner) {
-  const uvec2 words = texelFetch(keys, int(owner)).xy;
-  return BlockKey(words.x, words.y);
+// The corners that are neighbours beyond these axes, as bits: those at the other end along these axes.
+uint corners_beyond(uint corner, uint beyond) {
+  const uint x = (corner & 1u) != 0u ? 0x55u : 0xaau;
+  const uint y = (corner & 2u) != 0u ? 0x33u : 0xccu;
+  const uint z = (corner & 4u) != 0u ? 0x0fu : 0xf0u;
+  return ((beyond & 1u) != 0u ? x : 0xffu) & ((beyond & 2u) != 0u ? y : 0xffu) & ((beyond & 4u) != 0u ? z : 0xffu);
 }
 
-// Where a neighbour lies; solids do not mix.
-BlockKey neighbour_of(BlockKey key, uint code) {
-  const uvec3 block = uvec3(key.xy & 0xffffu, key.xy >> 16u, key.z_solid & 0xffffu) +
-                      uvec3(code % 3u, code / 3u % 3u, code / 9u) - 1u;
-  return BlockKey(block.x | block.y << 16u, block.z | (key.z_solid & 0xffff0000u));
+// Each pair of blocks is looked at from one side only: in its own tile a block sees those after it, and beyond it the tiles along
+// these sets of axes, as bits: for every set one of any two opposite corners, and no corner more than four sets.
+uint tiles_to_see(uint corner) {
+  return (corner < 4u ? 0x78d23c96u : 0x68c22c86u) >> 8u * (corner & 3u) & 0xffu;
 }
 
-// Whether there may be such a block: true where there is, and where a slot only looks like it. `mask`: slots - 1.
-bool may_be_there(BlockKey key, uint mask) {
-  const uint hash = block_hash(key);
-  uint word = texelFetch(slots, int(table_slot(hash, 0u) & mask)).x;
-  for (uint probe = 1u; probe <= mask && word != fingers_nothing && !may_be(word, hash); ++probe) {
-    word = texelFetch(slots, int(table_slot(hash, probe) & mask)).x;
+// The corners that a block sees, as bits.
+uint corners_to_see(uint corner, uint beyond) {
+  if (beyond == 0u) return 0xffu & ~bits_below(corner);
+  return (tiles_to_see(corner) >> beyond & 1u) != 0u ? corners_beyond(corner, beyond) : 0u;
+}
+
+// A tile as its slot has it.
+struct Tile {
+  uint slot;
+  uvec2 cells;  // none: there is no such tile
+};
+
+// The tile that a block sees beyond these axes. Solids do not mix.
+Tile tile_beyond(TileKey key, uint corner, uint beyond, uint slots) {
+  const uint plus = beyond & corner;
+  const uint minus = beyond & ~corner;
+  key.xy += (plus & 1u) - (minus & 1u) + ((plus & 2u) << 14u) - ((minus & 2u) << 14u);
+  key.z_solid += (plus >> 2u) - (minus >> 2u);
+  uint slot = first_slot(key, slots);
+  uvec4 there = texelFetch(tiles, int(slot));
+  for (uint probe = 1u; probe < slots && there.x != fingers_nothing && there.xy != uvec2(key.xy, key.z_solid); ++probe) {
+    slot = next_slot(slot, slots);
+    there = texelFetch(tiles, int(slot));
   }
-  return word != fingers_nothing;
-}
-
-// The owner of the block, or fingers_nothing.
-uint owner_of(BlockKey key, uint mask) {
-  const uint hash = block_hash(key);
-  for (uint probe = 0u; probe <= mask; ++probe) {
-    const uint word = texelFetch(slots, int(table_slot(hash, probe) & mask)).x;
-    if (word == fingers_nothing) break;
-    const uint owner = word & owner_bits;
-    if (may_be(word, hash) && key_of(owner) == key) return owner;
-  }
-  return fingers_nothing;
+  return Tile(slot, there.zw);
 }

@@ -1,22 +1,6 @@
 // Looks for contacts within the gap, one from a cell of block a, one from a cell of block b. One loop whose every turn tests
 // one pair of contacts: devices that run a loop for many threads at once then waste little on the short ones. Needs `nodes`,
-// `heads` and `push.limit`.
-
-// The first contacts of a block's cells, or fingers_nothing.
-struct Heads {
-  uvec4 low;
-  uvec4 high;
-};
-
-Heads heads_of(uint block) {
-  return Heads(texelFetch(heads, int(2u * block)), texelFetch(heads, int(2u * block + 1u)));
-}
-
-uint head_of(Heads of, uint cell) {
-  const uvec4 four = (cell & 4u) != 0u ? of.high : of.low;
-  const uvec2 two = (cell & 2u) != 0u ? four.zw : four.xy;
-  return (cell & 1u) != 0u ? two.y : two.x;
-}
+// `push.limit` and fingers_cells.glsl.
 
 struct Search {
   uvec2 pairs;  // of cells, yet to do
@@ -45,12 +29,12 @@ void leave(inout Search s, uvec2 pairs) {
 Float3 at(uvec4 node) { return Float3(uintBitsToFloat(node.x), uintBitsToFloat(node.y), uintBitsToFloat(node.z)); }
 
 // Tests one pair of contacts more; there are more(). `face_a` and `face_b`: exclusive or with a pair's cells, the blocks'.
-bool test(inout Search s, Heads a, Heads b, uint face_a, uint face_b) {
+bool test(inout Search s, Block a, Block b, uint face_a, uint face_b) {
   if (s.next_b == fingers_nothing) {
     if (s.next_a == fingers_nothing) {
       s.pair = take_pair(s.pairs);
-      s.next_a = head_of(a, face_a ^ (s.pair >> 3u));
-      s.head_b = head_of(b, face_b ^ (s.pair & 7u));
+      s.next_a = cell_number(a, face_a ^ (s.pair >> 3u));
+      s.head_b = cell_number(b, face_b ^ (s.pair & 7u));
     }
     s.a = texelFetch(nodes, int(s.next_a));
     s.next_a = s.a.w;

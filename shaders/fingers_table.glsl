@@ -1,23 +1,25 @@
-// The hash table of blocks: open addressing, a slot per block that holds contacts. A word tells the block's owner and nine bits
-// of its hash, which tell most other blocks apart without a look at their keys. The blocks of a tile, 4x4x2, have their slots
-// side by side: neighbours are then looked up in memory that is already near.
+// The hash table of tiles: open addressing, a slot per tile that holds contacts. The eight tiles of a cube have their slots side
+// by side: neighbours are then looked up in memory that is already near. Needs fingers_math.h.
 
-const uint owner_bits = 0x7fffffu;  // room for more than contacts_most_points
+// A tile's coordinates from the solid's centre, biased by 2^14, 15 bits each, and the solid. Never fingers_nothing.
+struct TileKey {
+  uint xy;
+  uint z_solid;
+};
 
-// At least twice as many slots as contacts, a power of two.
-uint table_slots(uint contacts) {
-  return contacts <= 32u ? 64u : 4u << findMSB(contacts - 1u);
-}
-
-uint block_hash(BlockKey key) {
-  uint h = (key.xy & 0xfffcfffcu) * 0x9e3779b1u ^ (key.z_solid & 0xfffffffeu) * 0x85ebca77u;
+// Where to look for a tile first.
+uint first_slot(TileKey key, uint slots) {
+  uint h = (key.xy & ~0x8001u) * 0x9e3779b1u ^ (key.z_solid & ~1u) * 0x85ebca77u;
   h = (h ^ h >> 15u) * 0x2c1b3c6du;
   h ^= h >> 13u;
-  const uint in_tile = (key.xy & 3u) | (key.xy >> 14u & 12u) | (key.z_solid & 1u) << 4u;
-  return h ^ in_tile ^ in_tile << 27u;
+  uint group, rest;
+  umulExtended(h, slots / 8u, group, rest);
+  const uint in_cube = (key.xy & 1u) | (key.xy >> 14u & 2u) | (key.z_solid & 1u) << 2u;
+  return group * 8u + (in_cube ^ (h & 7u));
 }
 
-// Where to look for a block: from one probe to the next a tile and a place on, so that every slot has its turn.
-uint table_slot(uint hash, uint probe) { return hash + 33u * probe; }
-
-bool may_be(uint word, uint hash) { return ((word ^ hash) & ~owner_bits) == 0u; }
+// And then: nine on, which has no divisor in common with the number of slots, so that every one has its turn.
+uint next_slot(uint slot, uint slots) {
+  slot += 9u;
+  return slot < slots ? slot : slot - slots;
+}

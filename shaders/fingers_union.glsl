@@ -1,25 +1,16 @@
-// Lock-free union-find over `parents` (coherent). Roots are hooked under smaller roots, so that no two hooks can make a
-// ring. Needs `most_steps`, a bound that no walk reaches.
+// Lock-free union-find over `forest`. Roots are hooked under smaller roots, so that no two hooks can make a ring. Walks go
+// through `seen`, the same memory as texels: what they see may be old, and then they end at what was a root once.
 
-uint find_root(uint a) {
-  for (uint step = 0u; step < most_steps; ++step) {
-    const uint parent = parents[a];
-    if (parent == a) break;
-    const uint above = parents[parent];
-    if (above == parent) return parent;
-    parents[a] = above;  // halves the path; `a` is no root, so no hook can be lost
-    a = above;
-  }
-  return a;
-}
+#include "fingers_walk.glsl"
 
 void unite(uint a, uint b) {
-  for (uint step = 0u; step < most_steps; ++step) {  // a failed hook means that someone else's succeeded
-    a = find_root(a);
-    b = find_root(b);
-    if (a == b) return;
+  a = seen_root(a);
+  b = seen_root(b);
+  while (a != b) {
     const uint low = min(a, b);
     const uint high = max(a, b);
-    if (atomicCompSwap(parents[high], high, low) == high) return;
+    const uint parent = atomicCompSwap(forest[high], high, low);
+    a = parent == high ? low : parent;  // if `high` was no root any more: on from its parent, which is smaller
+    b = low;
   }
 }

@@ -1,11 +1,11 @@
 #include "touch/fingers_pass.hpp"
 
-#include <bit>
 #include <cstddef>
 #include <span>
 
 #include "gpu/barrier.hpp"
 #include "shaders/contacts.h"
+#include "shaders/fingers_math.h"
 #include "shaders/scan.h"
 #include "spirv/fingers_blocks.comp.hpp"
 #include "spirv/fingers_collect.comp.hpp"
@@ -14,6 +14,7 @@
 #include "spirv/fingers_insert.comp.hpp"
 #include "spirv/fingers_label.comp.hpp"
 #include "spirv/fingers_link.comp.hpp"
+#include "spirv/fingers_place.comp.hpp"
 #include "spirv/fingers_prepare.comp.hpp"
 #include "spirv/fingers_select.comp.hpp"
 #include "touch/finger_cells.hpp"
@@ -34,11 +35,6 @@ gpu::ComputePipeline kernel(const gpu::Device& device, const char* name, std::sp
 constexpr std::uint32_t test_all = 1;
 constexpr std::uint32_t with_deep = 1;
 
-/// Slots of the hash table for that many contacts.
-std::uint64_t slots_for(std::uint32_t contacts) {
-  return contacts <= 32 ? 64 : std::uint64_t{2} * std::bit_ceil(contacts);
-}
-
 }  // namespace
 
 void FingersPass::prepare(const Parameters& parameters) {
@@ -46,6 +42,7 @@ void FingersPass::prepare(const Parameters& parameters) {
     prepare_ = kernel(*device_, "fingers prepare", spirv::fingers_prepare_comp, 0);
     insert_ = kernel(*device_, "fingers insert", spirv::fingers_insert_comp, shader::fingers_insert_texels);
     collect_ = kernel(*device_, "fingers collect", spirv::fingers_collect_comp, shader::fingers_collect_texels);
+    place_ = kernel(*device_, "fingers place", spirv::fingers_place_comp, shader::fingers_place_texels);
     blocks_ = kernel(*device_, "fingers blocks", spirv::fingers_blocks_comp, shader::fingers_blocks_texels);
     link_ = kernel(*device_, "fingers link", spirv::fingers_link_comp, shader::fingers_link_texels);
     crowded_ = kernel(*device_, "fingers crowded", spirv::fingers_crowded_comp, shader::fingers_crowded_texels);
@@ -69,16 +66,17 @@ void FingersPass::prepare(const Parameters& parameters) {
 
 std::vector<gpu::ScratchPiece> FingersPass::scratch(const Room& room) {
   const std::uint64_t points = room.clustered();
+  const std::uint64_t slots = shader::table_slots(room.clustered());
   std::vector<gpu::ScratchPiece> of(pieces);
-  of[nodes] = {"finger nodes", points * sizeof(shader::uvec4), VK_FORMAT_R32G32B32A32_UINT};
-  of[keys] = {"finger keys", points * sizeof(shader::BlockKey), VK_FORMAT_R32G32_UINT};
+  of[nodes] = {"finger nodes", 2 * points * sizeof(shader::uvec4), VK_FORMAT_R32G32B32A32_UINT};
+  of[tiles] = {"finger tiles", slots * sizeof(shader::uvec4), VK_FORMAT_R32G32B32A32_UINT};
+  of[bases] = {"finger bases", slots * 4, VK_FORMAT_R32_UINT};
   of[places] = {"finger places", points * 4, VK_FORMAT_R32_UINT};
-  of[slots] = {"finger slots", slots_for(room.clustered()) * 4, VK_FORMAT_R32_UINT};
-  of[heads] = {"finger heads", points * 4 * shader::fingers_block_cells, VK_FORMAT_R32G32B32A32_UINT};
   of[list] = {"finger blocks", points * 4, VK_FORMAT_R32_UINT};
   of[links] = {"finger links", points * 4 * shader::fingers_links_per_contact, VK_FORMAT_R32_UINT};
   of[groups] = {"finger groups", points * 4, VK_FORMAT_R32_UINT};
   of[crowded] = {"finger crowded", points * 4 + sizeof(shader::CrowdedPair)};
+  of[forest] = {"finger forest", points * 4, VK_FORMAT_R32_UINT};
   of[work] = {"finger work", sizeof(shader::FingersWork)};
   of[inside_total] = {"inside total", sizeof(shader::ScanTotal)};
   if (room.inside) {
@@ -103,16 +101,17 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, con
   }
   const auto run = [&](const gpu::ComputePipeline& kernel, gpu::BufferRef where, VkDeviceSize at) {
     kernel.dispatch_indirect(commands,
-                             {total, contacts, b.solids, s[nodes], s[keys], s[places], s[slots], s[heads], s[list],
-                              s[crowded], s[work], b.parents, b.clusters, s[groups], s[links]},
+                             {total, contacts, b.solids, s[nodes], s[tiles], s[bases], s[places], s[list], s[links],
+                              s[groups], s[crowded], s[work], s[forest], b.parents, b.clusters, s[forest]},
                              push, {where.buffer, where.offset + at, sizeof(VkDispatchIndirectCommand)});
     gpu::compute_to_compute(commands);
   };
   constexpr VkDeviceSize per_contact = offsetof(shader::ScanTotal, groups_x);
   run(prepare_, total, per_contact);
   run(insert_, total, per_contact);
-  if (times) times->mark(commands, "cells");
   run(collect_, total, per_contact);
+  run(place_, total, per_contact);
+  if (times) times->mark(commands, "cells");
   run(blocks_, s[work], offsetof(shader::FingersWork, blocks_x));
   run(link_, s[work], offsetof(shader::FingersWork, links_x));
   run(crowded_, s[work], offsetof(shader::FingersWork, crowded_x));

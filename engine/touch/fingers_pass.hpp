@@ -3,8 +3,9 @@
 // min_points is a finger.
 //
 // Method: cells so small that all contacts of one cell are in one cluster (Wang, Gu, Shun 2020), eight to a block,
-// blocks in a hash table; pairs of contacts are tested only between cells of blocks that touch, up to the first hit; a
-// lock-free union-find with path halving joins them (Jaiganesh and Burtscher's ECL-CC, HPDC 2018).
+// eight blocks to a tile, tiles in a hash table; cells that hold contacts are numbered tile by tile. Pairs of contacts
+// are tested only between cells of blocks that touch, up to the first hit; a lock-free union-find over cells joins them
+// (after Jaiganesh and Burtscher's ECL-CC, HPDC 2018).
 #pragma once
 
 #include <vector>
@@ -33,8 +34,9 @@ struct FingersBindings {
   gpu::BufferRef deep = {};        ///< in: shader::ContactRecord[]
 };
 
-/// Pipelines only; nine dispatches, and gather before them for Cluster::inside: prepare, insert, collect, blocks, link,
-/// crowded, rest, label, select. Every loop is bounded; the fingers do not depend on the order in which anything ran.
+/// Pipelines only; ten dispatches, and gather before them for Cluster::inside: prepare, insert, collect, place, blocks,
+/// link, crowded, rest, label, select. Every loop is bounded; the fingers do not depend on the order in which anything
+/// ran.
 class FingersPass {
  public:
   explicit FingersPass(const gpu::Device& device) : device_(&device) {}
@@ -53,23 +55,23 @@ class FingersPass {
  private:
   enum Piece : std::size_t {
     nodes,
-    keys,
+    tiles,
+    bases,
     places,
-    slots,
-    heads,
     list,
     links,
     groups,
     crowded,
     work,
+    forest,
     inside_total,
     inside_points,
     pieces
   };
 
   const gpu::Device* device_;
-  gpu::ComputePipeline gather_, label_inside_, prepare_, insert_, collect_, blocks_, link_, crowded_, rest_, label_,
-      select_;
+  gpu::ComputePipeline gather_, label_inside_, prepare_, insert_, collect_, place_, blocks_, link_, crowded_, rest_,
+      label_, select_;
 };
 
 }  // namespace palpa::touch

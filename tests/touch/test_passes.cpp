@@ -13,10 +13,12 @@
 #include "spirv/contacts_pack.comp.hpp"
 #include "spirv/contacts_surface.comp.hpp"
 #include "spirv/fingers_blocks.comp.hpp"
+#include "spirv/fingers_collect.comp.hpp"
 #include "spirv/fingers_crowded.comp.hpp"
 #include "spirv/fingers_insert.comp.hpp"
 #include "spirv/fingers_label.comp.hpp"
 #include "spirv/fingers_link.comp.hpp"
+#include "spirv/fingers_place.comp.hpp"
 #include "spirv/fingers_prepare.comp.hpp"
 #include "spirv/fingers_select.comp.hpp"
 #include "spirv/foci.comp.hpp"
@@ -248,16 +250,15 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                 {MEMBER(ContactRecord, x), MEMBER(ContactRecord, point), MEMBER(ContactRecord, solid),
                  MEMBER(ContactRecord, depth), MEMBER(ContactRecord, finger)},
                 true);
-  const auto insert = palpa::test::read_spirv(spirv::fingers_insert_comp);
-  expect_struct(insert, "BlockKey", sizeof(shader::BlockKey), {MEMBER(BlockKey, xy), MEMBER(BlockKey, z_solid)}, true);
   const auto link = palpa::test::read_spirv(spirv::fingers_link_comp);
   expect_struct(link, "CrowdedPair", sizeof(shader::CrowdedPair),
-                {MEMBER(CrowdedPair, block_a), MEMBER(CrowdedPair, block_b), MEMBER(CrowdedPair, cells_a),
+                {MEMBER(CrowdedPair, first_a), MEMBER(CrowdedPair, first_b), MEMBER(CrowdedPair, cells_a),
                  MEMBER(CrowdedPair, cells_b)},
                 true);
   expect_struct(link, "FingersWork", sizeof(shader::FingersWork),
                 {MEMBER(FingersWork, blocks_x), MEMBER(FingersWork, blocks), MEMBER(FingersWork, links_x),
-                 MEMBER(FingersWork, crowded_x), MEMBER(FingersWork, crowded), MEMBER(FingersWork, rest_x)},
+                 MEMBER(FingersWork, crowded_x), MEMBER(FingersWork, crowded), MEMBER(FingersWork, rest_x),
+                 MEMBER(FingersWork, cells)},
                 false);
   expect_struct(link, "FingersPush", sizeof(shader::FingersPush),
                 {MEMBER(FingersPush, cells_per_metre), MEMBER(FingersPush, limit), MEMBER(FingersPush, most_contacts),
@@ -305,6 +306,8 @@ TEST(TouchShaders, HaveTheWorkgroupsThatTheirHeadersName) {
   EXPECT_EQ(size_of(spirv::contacts_pack_comp), shader::contacts_group);
   for (const auto words : {std::span<const std::uint32_t>(spirv::fingers_prepare_comp),
                            std::span<const std::uint32_t>(spirv::fingers_insert_comp),
+                           std::span<const std::uint32_t>(spirv::fingers_collect_comp),
+                           std::span<const std::uint32_t>(spirv::fingers_place_comp),
                            std::span<const std::uint32_t>(spirv::fingers_label_comp)}) {
     EXPECT_EQ(size_of(words), shader::contact_group);
   }
