@@ -1,8 +1,10 @@
 #include "sensing/depth_noise.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 
 namespace palpa::sensing {
 namespace {
@@ -30,40 +32,37 @@ inline float white_noise(std::uint32_t bits) {
   return static_cast<float>(sum - 510) * (1.0f / 147.79829f);  // sqrt(4 (256^2 - 1) / 12)
 }
 
-/// Row v of white noise smoothed by [1 2 1] along u. Rows and columns count from -1, for the smoothing at the border.
-void smooth_row(int v, std::uint32_t width, std::uint64_t key, std::vector<float>& white, float* out) {
-  const auto key_a = static_cast<std::uint32_t>(key), key_b = static_cast<std::uint32_t>(key >> 32);
-  const std::uint32_t first = static_cast<std::uint32_t>(v + 1) * (width + 2);
-  white.resize(width + 2);
-  for (std::uint32_t i = 0; i < width + 2; ++i)
-    white[i] = white_noise(hash(first + i, key_a, key_b));
-  for (std::uint32_t u = 0; u < width; ++u)
-    out[u] = white[u] + 2 * white[u + 1] + white[u + 2];
+void smooth(const float* white, std::uint32_t count, float* __restrict out) {
+  for (std::uint32_t i = 0; i < count; ++i)
+    out[i] = white[i] + 2 * white[i + 1] + white[i + 2];
 }
 
-/// For each pixel of row v the largest step in depth to a neighbour within rim_px along row or column.
-void find_steps(std::span<const float> depth, std::uint32_t width, std::uint32_t height, std::uint32_t v,
-                std::vector<float>& steps) {
-  const auto widen = [](float& step, float a, float b) {
-    const float apart = std::abs(a - b);
-    step = step < apart ? apart : step;
-  };
-  steps.assign(width, 0);
-  float* out = steps.data();
-  const float* row = depth.data() + std::size_t{v} * width;
-  for (int away = -D415::rim_px; away <= D415::rim_px; ++away) {
-    const int other = static_cast<int>(v) + away;
-    if (away == 0 || other < 0 || other >= static_cast<int>(height)) continue;
-    const float* line = depth.data() + static_cast<std::size_t>(other) * width;
-    for (std::uint32_t u = 0; u < width; ++u)
-      widen(out[u], line[u], row[u]);
+/// Row v of white noise smoothed by [1 2 1] along u, between two columns. Rows and columns count from -1, for the
+/// smoothing at the border.
+void smooth_row(int v, const RowSpan& span, std::uint32_t width, std::uint64_t key, std::vector<float>& white,
+                float* out) {
+  if (span.begin >= span.end) return;
+  const auto key_a = static_cast<std::uint32_t>(key), key_b = static_cast<std::uint32_t>(key >> 32);
+  const std::uint32_t first = static_cast<std::uint32_t>(v + 1) * (width + 2) + span.begin;
+  const std::uint32_t count = span.end - span.begin;
+  white.resize(width + 2);
+  float* w = white.data();
+  for (std::uint32_t i = 0; i < count + 2; ++i)
+    w[i] = white_noise(hash(first + i, key_a, key_b));
+  smooth(w, count, out + span.begin);
+}
+
+/// Whether a step in depth larger than jump_m lies within rim_px along row or column.
+bool near_silhouette(const DepthImage& image, std::uint32_t u, std::uint32_t v) {
+  const std::uint32_t width = image.camera.width, height = image.camera.height;
+  const float* at = image.depth.data() + std::size_t{v} * width + u;
+  const auto jumps = [&](std::ptrdiff_t to) { return std::abs(at[to] - *at) > static_cast<float>(D415::jump_m); };
+  for (std::uint32_t away = 1; away <= D415::rim_px; ++away) {
+    const auto columns = static_cast<std::ptrdiff_t>(away), rows = columns * width;
+    if ((u >= away && jumps(-columns)) || (u + away < width && jumps(columns))) return true;
+    if ((v >= away && jumps(-rows)) || (v + away < height && jumps(rows))) return true;
   }
-  for (std::uint32_t away = 1; away <= std::min<std::uint32_t>(D415::rim_px, width - 1); ++away) {
-    for (std::uint32_t u = 0; u < width - away; ++u)
-      widen(out[u], row[u], row[u + away]);
-    for (std::uint32_t u = 0; u < width - away; ++u)
-      widen(out[u + away], row[u], row[u + away]);
-  }
+  return false;
 }
 
 /// The other side of the silhouette at (u, v): the neighbour that differs most; where it shows nothing, somewhat
@@ -110,58 +109,128 @@ void quantize(const DepthImage& image, std::vector<std::uint16_t>& out) {
   }
 }
 
-void DepthNoise::apply(const DepthImage& image, std::uint64_t key, std::vector<std::uint16_t>& out) {
-  const std::uint32_t width = image.camera.width, height = image.camera.height;
-  const auto first = static_cast<float>(first_valid_depth(image.camera));
-  const auto disparity = static_cast<float>(image.camera.fx * D415::baseline_m);
-  constexpr auto step = static_cast<float>(D415::disparity_step_px);
-  const auto units = static_cast<float>(disparity / step / image.camera.depth_unit_m);  // of depth at one step
+void find_risks(const DepthImage& image, const PixelBox& box, std::span<Risk> risks) {
   constexpr auto grazing = static_cast<float>(D415::grazing_none);
-  // Both smoothings together leave 6/16 of the standard deviation of a sum of 16 sixteenths.
-  constexpr auto noise_scale = static_cast<float>(D415::sigma_px / 6);
+  for (std::uint32_t v = box.y0; v < box.y1; ++v) {
+    for (std::uint32_t u = box.x0; u < box.x1; ++u) {
+      const std::size_t i = std::size_t{v} * image.camera.width + u;
+      const glm::vec2 ray = image.rays[std::size_t{v} * image.pitch + u];
+      const float slant = image.slant[i], length2 = 1 + ray.x * ray.x + ray.y * ray.y;
+      if (image.depth[i] == beyond) {
+        risks[i] = Risk::nothing;
+      } else if (near_silhouette(image, u, v)) {
+        risks[i] = Risk::rim;
+      } else {
+        risks[i] = slant * slant < grazing * grazing * length2 ? Risk::grazing : Risk::none;
+      }
+    }
+  }
+}
+
+namespace {
+
+/// The lesser of a number and a positive one: floats are ordered as their bits are, and of integers compilers take the
+/// lesser without a branch.
+inline float at_most(float value, float most) {
+  return std::bit_cast<float>(std::min(std::bit_cast<std::int32_t>(value), std::bit_cast<std::int32_t>(most)));
+}
+
+/// What makes depths of disparities.
+struct Disparities {
+  static constexpr auto step = static_cast<float>(D415::disparity_step_px);
+  /// Both smoothings together leave 6/16 of the standard deviation of a sum of 16 sixteenths.
+  static constexpr auto noise_scale = static_cast<float>(D415::sigma_px / 6);
+  float disparity, units;
+  std::int32_t first;
+
+  explicit Disparities(const Camera& camera)
+      : disparity(static_cast<float>(camera.fx * D415::baseline_m)),
+        units(static_cast<float>(disparity / step / camera.depth_unit_m)),  // of depth at one step
+        first(static_cast<std::int32_t>(first_valid_depth(camera))) {}
+
+  /// The raw depth of one at z metres, with smooth noise; 0: none. Without a branch, so that compilers run several
+  /// pixels at once.
+  std::int32_t raw(float z, float noise) const {
+    const float noisy = disparity / z + noise_scale * noise;
+    // Truncation after adding a half rounds, since nothing negative counts; std::lround would be a call per pixel.
+    const auto steps = static_cast<std::int32_t>(at_most(noisy * (1 / step), 1e9f) + 0.5f);
+    const auto depth = static_cast<std::int32_t>(at_most(units / static_cast<float>(steps) + 0.5f, 65536.0f));
+    const int fits = (steps > 0) & (depth >= first) & (depth < 65536) & (z < beyond);
+    return depth & -fits;
+  }
+};
+
+/// A row's pixels as if none were at risk.
+void quantize_row(Disparities to, std::uint32_t count, const float* depth, const float* above, const float* middle,
+                  const float* below, std::int32_t* __restrict out) {
+  for (std::uint32_t i = 0; i < count; ++i)
+    out[i] = to.raw(depth[i], above[i] + 2 * middle[i] + below[i]);
+}
+
+/// The next pixel from `u` on that is at risk, or `end`.
+std::uint32_t next_at_risk(const Risk* risks, std::uint32_t u, std::uint32_t end) {
+  constexpr std::uint64_t at_risk = 0x0202020202020202ull;
+  for (std::uint64_t eight = 0; u + 8 <= end; u += 8) {
+    std::memcpy(&eight, risks + u, 8);
+    if (eight & at_risk) break;
+  }
+  while (u < end && risks[u] < Risk::grazing)
+    ++u;
+  return u;
+}
+
+}  // namespace
+
+void DepthNoise::apply(const DepthImage& image, std::span<const Risk> risks, std::span<const RowSpan> spans,
+                       std::uint64_t key, std::vector<std::uint16_t>& out) {
+  const std::uint32_t width = image.camera.width, height = image.camera.height;
+  const Disparities disparities(image.camera);
   const std::uint64_t faults_key = mix64(key);
   const auto faults_a = static_cast<std::uint32_t>(faults_key), faults_b = static_cast<std::uint32_t>(faults_key >> 32);
 
   out.assign(image.depth.size(), 0);
   smooth_.resize(std::size_t{width} * 3);
-  const auto smooth = [&](int v) { return smooth_.data() + std::size_t(v + 3) % 3 * width; };
+  const auto smoothed = [&](int v) { return smooth_.data() + std::size_t(v + 3) % 3 * width; };
+  // A smoothed row is as long as the rows that need it: itself, the one above, the one below.
+  const auto needed = [&](int line) {
+    RowSpan all{width, 0};
+    for (int v = std::max(line - 1, 0); v <= std::min(line + 1, static_cast<int>(height) - 1); ++v) {
+      if (spans[v].begin >= spans[v].end) continue;
+      all = {std::min(all.begin, spans[v].begin), std::max(all.end, spans[v].end)};
+    }
+    return all;
+  };
   int ready = -2;  // the last smoothed row
   for (std::uint32_t v = 0; v < height; ++v) {
-    const std::size_t row = std::size_t{v} * width;
-    const float* depth = image.depth.data() + row;
-    if (std::all_of(depth, depth + width, [](float z) { return z == beyond; })) continue;
+    const RowSpan span = spans[v];
+    if (span.begin >= span.end) continue;
     for (int line = std::max(ready + 1, static_cast<int>(v) - 1); line <= static_cast<int>(v) + 1; ++line) {
-      smooth_row(line, width, key, white_, smooth(line));
+      smooth_row(line, needed(line), width, key, white_, smoothed(line));
       ready = line;
     }
-    const float *above = smooth(static_cast<int>(v) - 1), *middle = smooth(static_cast<int>(v)),
-                *below = smooth(static_cast<int>(v) + 1);
-    find_steps(image.depth, width, height, v, steps_);
-    for (std::uint32_t u = 0; u < width; ++u) {
-      if (depth[u] == beyond) continue;
+    const float *above = smoothed(static_cast<int>(v) - 1), *middle = smoothed(static_cast<int>(v)),
+                *below = smoothed(static_cast<int>(v) + 1);
+    const std::size_t row = std::size_t{v} * width;
+    const float* depth = image.depth.data() + row;
+    std::uint16_t* raw = out.data() + row;
+    const auto noise = [&](std::uint32_t u) { return above[u] + 2 * middle[u] + below[u]; };
+    const std::uint32_t from = span.begin, count = span.end - from;
+    raw_.resize(width);
+    quantize_row(disparities, count, depth + from, above + from, middle + from, below + from, raw_.data());
+    std::copy_n(raw_.data(), count, raw + from);
+    for (std::uint32_t u = next_at_risk(risks.data() + row, span.begin, span.end); u < span.end;
+         u = next_at_risk(risks.data() + row, u + 1, span.end)) {
       const glm::vec2 ray = image.rays[std::size_t{v} * image.pitch + u];
-      const float slant = image.slant[row + u], length2 = 1 + ray.x * ray.x + ray.y * ray.y;
-      const bool rim = steps_[u] > static_cast<float>(D415::jump_m);
-      float z = depth[u];
-      if (rim || slant * slant < grazing * grazing * length2) {
-        const std::uint32_t draw = hash(static_cast<std::uint32_t>(row) + u, faults_a, faults_b);
-        if (lost_to_grazing(slant / std::sqrt(length2), draw)) continue;
-        if (rim) {
-          const std::uint32_t fate = draw >> 16;
-          if (fate < share(D415::rim_holes)) continue;
-          if (fate < share(D415::rim_holes + D415::rim_flying)) {
-            const float t = static_cast<float>(draw & 0xffff) * (1.0f / 65536);
-            z += t * (other_side(image, u, v) - z);
-          }
-        }
+      const float length2 = 1 + ray.x * ray.x + ray.y * ray.y;
+      const std::uint32_t draw = hash(static_cast<std::uint32_t>(row) + u, faults_a, faults_b), fate = draw >> 16;
+      const bool rim = risks[row + u] == Risk::rim;
+      if (lost_to_grazing(image.slant[row + u] / std::sqrt(length2), draw) || (rim && fate < share(D415::rim_holes))) {
+        raw[u] = 0;
+      } else if (rim && fate < share(D415::rim_holes + D415::rim_flying)) {
+        const float t = static_cast<float>(draw & 0xffff) * (1.0f / 65536);
+        raw[u] =
+            static_cast<std::uint16_t>(disparities.raw(depth[u] + t * (other_side(image, u, v) - depth[u]), noise(u)));
       }
-      const float noisy = disparity / z + noise_scale * (above[u] + 2 * middle[u] + below[u]);
-      // Truncation after adding a half rounds, since nothing negative counts; std::lround would be a call per pixel.
-      const float half_up = std::min(noisy * (1 / step), 1e9f) + 0.5f;
-      const auto steps = static_cast<std::int32_t>(half_up);
-      if (steps <= 0) continue;
-      const float raw = units / static_cast<float>(steps) + 0.5f;
-      if (raw >= first && raw < 65536) out[row + u] = static_cast<std::uint16_t>(raw);
     }
   }
 }

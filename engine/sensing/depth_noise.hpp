@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sensing/camera.hpp"
+#include "sensing/pixel_box.hpp"
 
 namespace palpa::sensing {
 
@@ -46,14 +47,32 @@ void quantize(const DepthImage& image, std::vector<std::uint16_t>& out);
 /// A different stream for every frame of every camera.
 std::uint64_t noise_key(std::uint64_t seed, std::uint64_t sequence, std::uint64_t camera);
 
+/// What a pixel's place in the image does to it.
+enum class Risk : std::uint8_t {
+  nothing,      ///< there is nothing to see
+  none,         ///< noise, and no more
+  grazing = 2,  ///< seen so flatly that it may be a hole
+  rim = 3,      ///< near a silhouette: it may be a hole, or float between the two sides
+};
+
+/// Of the pixels in `box`, by what lies up to rim_px around them. `risks` is of the whole image.
+void find_risks(const DepthImage& image, const PixelBox& box, std::span<Risk> risks);
+
+/// The pixels of a row, end excluded, beside which there is nothing to see.
+struct RowSpan {
+  std::uint32_t begin = 0, end = 0;
+};
+
 /// Adds the D415's faults, then quantizes. Keeps its working rows between calls.
 class DepthNoise {
  public:
-  void apply(const DepthImage& image, std::uint64_t key, std::vector<std::uint16_t>& out);
+  /// `risks` of every pixel, `spans` of every row: a live rig knows both but for where the skin is.
+  void apply(const DepthImage& image, std::span<const Risk> risks, std::span<const RowSpan> spans, std::uint64_t key,
+             std::vector<std::uint16_t>& out);
 
  private:
   std::vector<float> white_, smooth_;  ///< one row of white noise; three rows smoothed along u
-  std::vector<float> steps_;           ///< one row of silhouette steps
+  std::vector<std::int32_t> raw_;      ///< one row of depths
 };
 
 }  // namespace palpa::sensing

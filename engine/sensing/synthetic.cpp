@@ -5,6 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <iterator>
+#include <utility>
 
 #include "sensing/depth_noise.hpp"
 
@@ -40,43 +42,78 @@ double along(const Vec3& edge, double x, double y) {
   return edge.x * x + edge.y * y + edge.z;
 }
 
-/// Columns and rows, ends excluded.
-struct PixelRange {
-  std::uint32_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-};
-
-std::uint32_t clamp_pixel(double value, std::uint32_t size) {
-  return static_cast<std::uint32_t>(std::clamp(value, 0.0, static_cast<double>(size)));
+/// The pixels between two places on an image's axis, and those that the rounding of rays could bring there.
+RowSpan between(double low, double high, std::uint32_t size) {
+  constexpr double rounding = 1.0 / 64;
+  const double last = static_cast<double>(size);
+  return {static_cast<std::uint32_t>(std::clamp(std::ceil(low - rounding), 0.0, last)),
+          static_cast<std::uint32_t>(std::clamp(std::floor(high + rounding) + 1, 0.0, last))};
 }
 
 }  // namespace
 
-SyntheticRig::SyntheticRig(std::vector<Camera> cameras, const geometry::Mesh& occluders, Noise noise,
-                           std::uint64_t seed)
-    : cameras_(std::move(cameras)), tables_(make_rays(cameras_)), still_(cameras_.size()), noise_(noise), seed_(seed) {
-  for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    still_[i].depth.assign(pixel_count(cameras_[i]), beyond);
-    still_[i].slant.assign(pixel_count(cameras_[i]), 0);
-    draw(i, occluders, Transform(1.0), still_[i]);
+void SyntheticRig::Layer::copy(const Layer& from, const PixelBox& box, std::uint32_t width) {
+  for (std::uint32_t v = box.y0; v < box.y1; ++v) {
+    const std::size_t first = std::size_t{v} * width + box.x0, count = box.x1 - box.x0;
+    std::copy_n(from.depth.data() + first, count, depth.data() + first);
+    std::copy_n(from.slant.data() + first, count, slant.data() + first);
+    if (!risks.empty()) std::copy_n(from.risks.data() + first, count, risks.data() + first);
   }
 }
 
-void SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const Transform& T_world_mesh, Layer& layer) {
+SyntheticRig::SyntheticRig(std::vector<Camera> cameras, const geometry::Mesh& occluders, Noise noise,
+                           std::uint64_t seed)
+    : cameras_(std::move(cameras)), tables_(make_rays(cameras_)), views_(cameras_.size()), noise_(noise), seed_(seed) {
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    Layer& still = views_[i].still;
+    still.depth.assign(pixel_count(cameras_[i]), beyond);
+    still.slant.assign(pixel_count(cameras_[i]), 0);
+    draw(i, occluders, Transform(1.0), still);
+    if (noise_ == Noise::d415) finish_still(i);
+    views_[i].shown = still;
+  }
+}
+
+DepthImage SyntheticRig::image(std::size_t index, const Layer& layer) const {
+  const CameraTable& table = tables_.cameras[index];
+  return {cameras_[index], layer.depth, layer.slant, std::span(tables_.rays).subspan(table.first_pixel), table.pitch};
+}
+
+void SyntheticRig::finish_still(std::size_t index) {
+  View& view = views_[index];
+  const std::uint32_t width = cameras_[index].width, height = cameras_[index].height;
+  view.still.risks.resize(view.still.depth.size());
+  find_risks(image(index, view.still), {0, 0, width, height}, view.still.risks);
+  for (std::uint32_t v = 0; v < height; ++v) {
+    const auto row = view.still.depth.begin() + static_cast<std::ptrdiff_t>(std::size_t{v} * width);
+    const auto seen = [](float z) { return z != beyond; };
+    const auto first = std::find_if(row, row + width, seen);
+    const auto last = std::find_if(std::reverse_iterator(row + width), std::reverse_iterator(first), seen).base();
+    view.still_spans.push_back({static_cast<std::uint32_t>(first - row), static_cast<std::uint32_t>(last - row)});
+  }
+  view.spans = view.still_spans;
+}
+
+PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const Transform& T_world_mesh,
+                            Layer& layer) {
   const Camera& camera = cameras_[index];
   const CameraTable& table = tables_.cameras[index];
   const glm::vec2* rays = tables_.rays.data() + table.first_pixel;
   const Transform T_camera_mesh = glm::inverse(camera.T_world_camera) * T_world_mesh;
   corners_.resize(mesh.positions.size());
-  std::transform(mesh.positions.begin(), mesh.positions.end(), corners_.begin(),
-                 [&](const Vec3& p) { return transform_point(T_camera_mesh, p); });
+  std::transform(mesh.positions.begin(), mesh.positions.end(), corners_.begin(), [&](const Vec3& p) {
+    const Vec3 at = transform_point(T_camera_mesh, p);
+    return Corner{at, at.x / at.z, at.y / at.z};
+  });
 
-  const auto draw_range = [&](const Edges& edges, const PixelRange& range) {
+  PixelBox drawn;
+  const auto draw_box = [&](const Edges& edges, const PixelBox& box) {
     const auto& [e0, e1, e2] = edges.edge;
-    for (std::uint32_t v = range.y0; v < range.y1; ++v) {
+    for (std::uint32_t v = box.y0; v < box.y1; ++v) {
       const glm::vec2* ray_row = rays + std::size_t{v} * table.pitch;
       float* depth_row = layer.depth.data() + std::size_t{v} * table.width;
       float* slant_row = layer.slant.data() + std::size_t{v} * table.width;
-      for (std::uint32_t u = range.x0; u < range.x1; ++u) {
+      for (std::uint32_t u = box.x0; u < box.x1; ++u) {
         const double x = ray_row[u].x, y = ray_row[u].y;
         const double a = along(e0, x, y), b = along(e1, x, y), c = along(e2, x, y);
         if (a < 0 || b < 0 || c < 0) continue;
@@ -88,38 +125,63 @@ void SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const Tra
         slant_row[u] = static_cast<float>(sum * edges.per_normal);
       }
     }
+    drawn = around(drawn, box);
   };
 
   for (const glm::uvec3& corner : mesh.triangles) {
-    const Triangle t{corners_[corner.x], corners_[corner.y], corners_[corner.z]};
-    const auto [near, far] = std::minmax({t.a.z, t.b.z, t.c.z});
+    const Corner &a = corners_[corner.x], &b = corners_[corner.y], &c = corners_[corner.z];
+    const auto [near, far] = std::minmax({a.position.z, b.position.z, c.position.z});
     if (far <= 0) continue;
-    const Edges edges(t);
-    if (!edges.visible()) continue;
     if (near < 1e-6) {  // reaches behind the camera: no bounds
-      draw_range(edges, {0, 0, table.width, table.height});
+      const Edges edges({a.position, b.position, c.position});
+      if (edges.visible()) draw_box(edges, {0, 0, table.width, table.height});
       continue;
     }
-    const auto [low_x, high_x] = std::minmax({t.a.x / t.a.z, t.b.x / t.b.z, t.c.x / t.c.z});
-    const auto [low_y, high_y] = std::minmax({t.a.y / t.a.z, t.b.y / t.b.z, t.c.y / t.c.z});
+    const auto [low_x, high_x] = std::minmax({a.x, b.x, c.x});
+    const auto [low_y, high_y] = std::minmax({a.y, b.y, c.y});
     if (table.pinhole) {
-      // One pixel of slack for the rounding of rays.
-      draw_range(edges, {clamp_pixel(std::floor(low_x * camera.fx + camera.cx) - 1, table.width),
-                         clamp_pixel(std::floor(low_y * camera.fy + camera.cy) - 1, table.height),
-                         clamp_pixel(std::ceil(high_x * camera.fx + camera.cx) + 2, table.width),
-                         clamp_pixel(std::ceil(high_y * camera.fy + camera.cy) + 2, table.height)});
+      const RowSpan columns = between(low_x * camera.fx + camera.cx, high_x * camera.fx + camera.cx, table.width);
+      const RowSpan rows = between(low_y * camera.fy + camera.cy, high_y * camera.fy + camera.cy, table.height);
+      // A fine mesh has many triangles between the pixels' centres.
+      const PixelBox box{columns.begin, rows.begin, columns.end, rows.end};
+      if (box.empty()) continue;
+      const Edges edges({a.position, b.position, c.position});
+      if (edges.visible()) draw_box(edges, box);
       continue;
     }
+    const Edges edges({a.position, b.position, c.position});
+    if (!edges.visible()) continue;
     for (std::uint32_t ty = 0; ty < table.tiles_y; ++ty) {
       const RayBounds& row = table.tile_rows[ty];
       if (row.low.x > high_x || row.high.x < low_x || row.low.y > high_y || row.high.y < low_y) continue;
       for (std::uint32_t tx = 0; tx < table.tiles_x; ++tx) {
         const RayBounds& tile = table.tiles[std::size_t{ty} * table.tiles_x + tx];
         if (tile.low.x > high_x || tile.high.x < low_x || tile.low.y > high_y || tile.high.y < low_y) continue;
-        draw_range(edges, {tx * tile_pixels, ty * tile_pixels, std::min((tx + 1) * tile_pixels, table.width),
-                           std::min((ty + 1) * tile_pixels, table.height)});
+        draw_box(edges, {tx * tile_pixels, ty * tile_pixels, std::min((tx + 1) * tile_pixels, table.width),
+                         std::min((ty + 1) * tile_pixels, table.height)});
       }
     }
+  }
+  return drawn;
+}
+
+void SyntheticRig::show(std::size_t index, std::span<const Posed> skin) {
+  View& view = views_[index];
+  const std::uint32_t width = cameras_[index].width, height = cameras_[index].height;
+  const auto risky = [&](const PixelBox& box) { return grown(box, D415::rim_px, width, height); };
+  const PixelBox before = risky(view.skin);
+  view.shown.copy(view.still, before, width);
+  view.skin = {};
+  for (const Posed& posed : skin)
+    view.skin = around(view.skin, draw(index, *posed.mesh, posed.T_world_mesh, view.shown));
+  if (noise_ == Noise::none) return;
+  find_risks(image(index, view.shown), risky(view.skin), view.shown.risks);
+  std::copy(view.still_spans.begin() + before.y0, view.still_spans.begin() + before.y1, view.spans.begin() + before.y0);
+  for (std::uint32_t v = view.skin.y0; v < view.skin.y1; ++v) {
+    RowSpan& span = view.spans[v];
+    const bool alone = span.begin >= span.end;
+    span = {alone ? view.skin.x0 : std::min(span.begin, view.skin.x0),
+            alone ? view.skin.x1 : std::max(span.end, view.skin.x1)};
   }
 }
 
@@ -127,16 +189,13 @@ void SyntheticRig::render(std::span<const Posed> skin, std::uint64_t sequence, F
   out.frames.resize(cameras_.size());
   out.sequence = sequence;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    work_.depth = still_[i].depth;  // keeps work_'s storage
-    work_.slant = still_[i].slant;
-    for (const Posed& posed : skin)
-      draw(i, *posed.mesh, posed.T_world_mesh, work_);
-    const DepthImage image{cameras_[i], work_.depth, work_.slant,
-                           std::span(tables_.rays).subspan(tables_.cameras[i].first_pixel), tables_.cameras[i].pitch};
+    show(i, skin);
+    const View& view = views_[i];
     if (noise_ == Noise::none) {
-      quantize(image, out.frames[i].depth);
+      quantize(image(i, view.shown), out.frames[i].depth);
     } else {
-      noise_maker_.apply(image, noise_key(seed_, sequence, i), out.frames[i].depth);
+      noise_maker_.apply(image(i, view.shown), view.shown.risks, view.spans, noise_key(seed_, sequence, i),
+                         out.frames[i].depth);
     }
   }
 }

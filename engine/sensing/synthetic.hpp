@@ -27,6 +27,8 @@ struct Posed {
 };
 
 /// Renders by casting each pixel centre's ray (through the lens' distortion) at the triangles; the nearest hit wins.
+/// What does not move is rendered once, and all that is worked out of it: a frame costs what the skin covers, and the
+/// noise of all that is seen.
 class SyntheticRig {
  public:
   /// `occluders` (world coordinates, e.g. the array's boards) never move; they are seen and hide what is behind them.
@@ -40,17 +42,33 @@ class SyntheticRig {
  private:
   struct Layer {
     std::vector<float> depth, slant;  ///< as in DepthImage
+    std::vector<Risk> risks;          ///< with noise
+    void copy(const Layer& from, const PixelBox& box, std::uint32_t width);
   };
-  void draw(std::size_t camera, const geometry::Mesh& mesh, const Transform& T_world_mesh, Layer& layer);
+  /// Of one camera.
+  struct View {
+    Layer still, shown;                       ///< the occluders; these and the skin of the last frame,
+    PixelBox skin;                            ///< which is nowhere else
+    std::vector<RowSpan> still_spans, spans;  ///< likewise
+  };
+  DepthImage image(std::size_t camera, const Layer& layer) const;
+  PixelBox draw(std::size_t camera, const geometry::Mesh& mesh, const Transform& T_world_mesh, Layer& layer);
+  void finish_still(std::size_t camera);
+  void show(std::size_t camera, std::span<const Posed> skin);
 
   std::vector<Camera> cameras_;
   RayTables tables_;
-  std::vector<Layer> still_;  ///< per camera, the occluders
-  Layer work_;
-  std::vector<Vec3> corners_;
+  std::vector<View> views_;
   DepthNoise noise_maker_;
   Noise noise_;
   std::uint64_t seed_;
+
+  /// Of a mesh in the camera's coordinates.
+  struct Corner {
+    Vec3 position;
+    double x = 0, y = 0;  ///< of its ray
+  };
+  std::vector<Corner> corners_;
 };
 
 /// Where the skin stands at a time.

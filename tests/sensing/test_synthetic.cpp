@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/ext/matrix_transform.hpp>
 #include <set>
 #include <thread>
 
@@ -406,6 +407,32 @@ TEST(PaperRig, NoiseLeavesTheShellItsPoints) {
     std::printf("skin points in the shell: %zu, mean radius %.3f mm\n", skin.size(), radius * 1e3);
     EXPECT_GT(skin.size(), 200u);
     EXPECT_NEAR(radius, 5.6e-3, 0.6e-3);
+  }
+}
+
+TEST(Synthetic, AFrameIsTheSameWhateverWasRenderedBefore) {
+  const Rig rig = load_rig(test::source_file("assets/rigs/paper.toml"));
+  const Mesh occluders = square(Vec3(0, -0.15, 0), Vec3(0.1, 0, 0), Vec3(0, 0, 0.08)), ball = sphere(0.02, 12, 24);
+  const auto at = [](double x, double y, double z) { return glm::translate(Transform(1.0), Vec3(x, y, z)); };
+  // In the middle, moved a little, nobody, at the images' borders, half out of them, two, a large one, nobody.
+  const std::vector<std::vector<Posed>> scenes{{{&ball, at(0, 0, 0)}},
+                                               {{&ball, at(0.001, 0, 0)}},
+                                               {},
+                                               {{&ball, at(0.14, 0, 0)}},
+                                               {{&ball, at(-0.2, 0.1, 0.1)}},
+                                               {{&ball, at(0, 0, 0.03)}, {&ball, at(-0.05, 0.02, 0)}},
+                                               {{&ball, at(0, 0.15, 0)}},
+                                               {}};
+  for (const Noise noise : {Noise::none, Noise::d415}) {
+    SyntheticRig live(rig.cameras, occluders, noise, 7);
+    for (std::size_t s = 0; s < scenes.size(); ++s) {
+      SyntheticRig fresh(rig.cameras, occluders, noise, 7);
+      FrameSet got, expected;
+      live.render(scenes[s], s, got);
+      fresh.render(scenes[s], s, expected);
+      for (std::size_t c = 0; c < rig.cameras.size(); ++c)
+        EXPECT_EQ(got.frames[c].depth, expected.frames[c].depth) << "scene " << s << ", camera " << c;
+    }
   }
 }
 
