@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "boxes.hpp"
 #include "process.hpp"
 #include "session/record_link.hpp"
 #include "support/shared_data.hpp"
@@ -329,6 +330,37 @@ TEST(CliRun, RefusesWhatItCannotRun) {
   closed.close_stdout_reader = true;
   const Result pipe = palpa({"run", "--scene", cube(), "--frames", "3", "--stats", "json"}, closed);
   EXPECT_EQ(pipe.exit_code, 1) << pipe.err;
+}
+
+TEST(CliRun, AnOverloadedLoopKeepsNoFrameWaitingForAnotherAndSaysSo) {
+  const auto folder = scratch_folder("overload");
+  const std::string scene = (folder / "box.glb").string(), take = (folder / "take").string();
+  // A whole hand inside: far more skin than a fingertip has.
+  write_boxes(scene, {{"box", Vec3(0, 0.1, 0), Vec3(0, 1, 0), Vec3(1, 0, 0), 0.2, 0.2, 0.4}});
+  const Result made =
+      palpa({"run", "--scene", scene, "--source", "synthetic:" + source_file("assets/hand.glb").string(), "--frames",
+             "16", "--every-frame", "--noise-free", "--record", take, "--quiet"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const std::vector<std::string> line{"run",           "--scene",   scene,    "--source", "recording:" + take,
+                                      "--every-frame", "--cluster", "inside", "--stats",  "json"};
+  const Result result = palpa(line);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json stats = json::parse(result.out);
+  EXPECT_EQ(stats["frames"]["touching"], 16);
+  EXPECT_EQ(stats["frames"]["unplayed"], 0);
+  double passes_ms = 0;
+  for (const json& pass : stats["passes_ms"])
+    passes_ms += pass["median"].get<double>();
+  // Two at a time take twice as long each, and more.
+  EXPECT_LT(stats["timing_ms"]["frame_to_plan"]["median"].get<double>(), 1.6 * passes_ms);
+
+  std::vector<std::string> brief = line;
+  brief.insert(brief.end(), {"--hold", "5ms"});
+  const Result late = palpa(brief);
+  ASSERT_EQ(late.exit_code, 0) << late.err;
+  ASSERT_EQ(late.err_lines().size(), 1u) << late.err;
+  EXPECT_NE(late.err.find("palpa: warning: overloaded: from frame to drives takes"), std::string::npos) << late.err;
+  EXPECT_NE(late.err.find("longer than the hold of 5 ms"), std::string::npos) << late.err;
 }
 
 TEST(CliBench, ChecksThenMeasures) {

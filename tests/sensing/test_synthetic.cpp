@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <glm/ext/matrix_transform.hpp>
 #include <set>
 #include <thread>
@@ -434,6 +436,31 @@ TEST(Synthetic, AFrameIsTheSameWhateverWasRenderedBefore) {
         EXPECT_EQ(got.frames[c].depth, expected.frames[c].depth) << "scene " << s << ", camera " << c;
     }
   }
+}
+
+TEST(Synthetic, LeavesMostOfTheTimeBetweenTwoFramesToOthers) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(NDEBUG)
+  GTEST_SKIP() << "skipped: this build slows programs down";
+#endif
+  const Rig rig = load_rig(test::source_file("assets/rigs/paper.toml"));
+  const geometry::Ply finger = geometry::read_ply(test::source_file("assets/finger.ply"));
+  const Mesh skin{finger.positions, finger.triangles};
+  SyntheticRig synthetic(rig.cameras, square(Vec3(0, -0.15, 0), Vec3(0.1, 0, 0), Vec3(0, 0, 0.08)), Noise::d415, 1);
+  const auto processor_s = [] {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
+  };
+  std::vector<double> taken_s;
+  FrameSet set;
+  for (std::uint64_t s = 0; s < 40; ++s) {
+    const Posed posed{&skin, dipping_motion(static_cast<double>(s) / 90)};
+    const double begin_s = processor_s();
+    synthetic.render(std::span(&posed, 1), s, set);
+    taken_s.push_back(processor_s() - begin_s);
+  }
+  std::nth_element(taken_s.begin(), taken_s.begin() + 20, taken_s.end());
+  EXPECT_LT(taken_s[20], 0.75 / 90);
 }
 
 }  // namespace
