@@ -11,7 +11,6 @@ PALPA_CONST solve_most_foci = 64u;
 PALPA_CONST solve_hand_foci = 5u;
 PALPA_CONST solve_finger_foci = 10u;
 PALPA_CONST solve_tile = 5u;         // rows and columns of a matrix' tile
-PALPA_CONST solve_few = 3u;          // gs_pat_few
 PALPA_CONST solve_greedy_few = 16u;  // up to so many, greedy's slots run in the smaller of its two kernels
 
 // Bindings of all, beside the drives' (drive.h); not every kernel uses every one. The solvers write drive_weights:
@@ -25,6 +24,28 @@ PALPA_CONST solve_texels = drive_texels | 1u << solve_axes | 1u << solve_directi
 PALPA_CONST solve_directivity_steps = 2048u;
 PALPA_CONST solve_phases = 16u;   // greedy's
 PALPA_CONST solve_turns = 8192u;  // greedy's in one dispatch
+
+// Of gs_pat.hpp and even_out.hpp, under the same names.
+PALPA_CONST solve_starts = 13u;
+PALPA_CONST solve_climb = 20u;
+PALPA_CONST solve_look = 3u;
+PALPA_CONST solve_tries = 24u;
+PALPA_CONST solve_direct_tries = 4u;
+PALPA_CONST solve_bound_tries = 8u;
+PALPA_CONST solve_bounds = 3u;
+PALPA_CONST_FLOAT solve_first_bound = 1.0f;
+PALPA_CONST_FLOAT solve_next_bound = 0.25f;  // of the one before
+PALPA_CONST_FLOAT solve_most_help = 4.0f;
+PALPA_CONST_FLOAT solve_crowded = 0.5f;
+PALPA_CONST_FLOAT solve_same = 0.9f;
+PALPA_CONST_FLOAT solve_better = 1.02f;
+PALPA_CONST_FLOAT solve_miss = 0.005f;
+PALPA_CONST_FLOAT solve_bounded_miss = 0.008f;
+PALPA_CONST_FLOAT solve_damping = 0.03f;
+PALPA_CONST_FLOAT solve_least_damping = 1e-4f;
+PALPA_CONST_FLOAT solve_most_damping = 1e4f;
+PALPA_CONST_FLOAT solve_less = 0.3f;
+PALPA_CONST_FLOAT solve_more = 4.0f;
 
 struct SolvePush {
   uint transducers;
@@ -40,11 +61,12 @@ struct SolvePush {
   uint begin;  // greedy: the turns of this dispatch,
   uint end;    // up to but not including this one,
   uint next;   // and the transducer whose turn comes first
+  uint tries;  // gs_pat_most_tries
 };
-PALPA_CHECK_SIZE(SolvePush, 52);
+PALPA_CHECK_SIZE(SolvePush, 56);
 PALPA_CHECK_OFFSET(SolvePush, nearest, 16);
 PALPA_CHECK_OFFSET(SolvePush, most_weight, 32);
-PALPA_CHECK_OFFSET(SolvePush, next, 48);
+PALPA_CHECK_OFFSET(SolvePush, tries, 52);
 
 PALPA_SHADER_END
 #endif

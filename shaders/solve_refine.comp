@@ -69,17 +69,19 @@ void hear_tile(uint base, uint first, uint begin, uint count) {
 void main() {
   const DriveSlot slot = slot_at(gl_WorkGroupID.x);
   if (!solves(slot)) return;
+  focus_base = slot.solved;
+  focus_first = slot.first;
+  focus_count = slot.count;
   const uint base = gl_WorkGroupID.x * push.transducers;
   const uint thread = gl_LocalInvocationIndex;
-  const float loudest = loudest_alone(slot.solved, slot.count);
+  const float loudest = loudest_alone();
   for (uint j = thread; j < slot.count; j += solve_group) {
     factor[j] = weights[slot.first + j].zw;
-    wanted[j] = gain_of(slot.first + j) * claim_of(alone(slot.solved, slot.count, j), loudest);
+    wanted[j] = gain_of(slot.first + j) * claim_of(alone(j), loudest);
   }
   barrier();
   float sum = 0.0;
   for (uint j = 0u; j < slot.count; ++j) sum += gain_of(slot.first + j);
-  if (thread == 0u) halfway = slot.count <= solve_few;
   forget_moves(slot.count);
   drive_all(base, slot.first, slot.count);
   for (uint begin = 0u; begin < slot.count; begin += tile) hear_tile(base, slot.first, begin, slot.count);

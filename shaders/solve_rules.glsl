@@ -1,10 +1,7 @@
 // The rules of gs_pat.hpp.
 
-// What a focus that is hard to reach may have more than the others: gs_pat_most_help.
-const float most_help = 4.0;
-
 // What part of full loudness a focus may claim, by what it gives at its own place alone.
-float claim_of(float alone, float loudest) { return loudest > 0.0 ? min(most_help * alone / loudest, 1.0) : 1.0; }
+float claim_of(float alone, float loudest) { return loudest > 0.0 ? min(solve_most_help * alone / loudest, 1.0) : 1.0; }
 
 // The phase of `p`, or of `otherwise` where p has none, at magnitude `size`.
 vec2 turned(float size, vec2 p, vec2 otherwise) {

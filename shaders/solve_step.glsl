@@ -1,5 +1,6 @@
 // One step of gs_pat.hpp by a workgroup: factors towards t_j L. All threads call these together.
 #include "solve_rules.glsl"
+#include "solve_near.glsl"
 
 shared vec2 factor[solve_most_foci];
 shared vec2 field[solve_most_foci];    // what they give
@@ -8,11 +9,9 @@ shared float moved[solve_most_foci];
 shared float level;  // L
 shared float scale;  // of the new magnitudes
 shared bool still;
-shared bool halfway;  // weights go half the way
 
 float new_size(uint j) {
-  const float ratio = growth(wanted[j] * level, length(field[j]));
-  return length(factor[j]) * (halfway ? sqrt(ratio) : ratio);
+  return length(factor[j]) * growth(wanted[j] * level, length(field[j]));
 }
 
 // After a barrier behind whoever wrote `field`. `free`: the level is what they give now; `sum` is what the magnitudes
@@ -43,14 +42,6 @@ void step_factors(uint count, bool free, float sum) {
     }
   }
   barrier();
-}
-
-// What each focus gives at its own place alone: the matrix' diagonal.
-float alone(uint base, uint count, uint j) { return max(matrices[base + j * count + j].x, 0.0); }
-float loudest_alone(uint base, uint count) {
-  float most = 0.0;
-  for (uint j = 0u; j < count; ++j) most = max(most, alone(base, count, j));
-  return most;
 }
 
 void forget_moves(uint count) {

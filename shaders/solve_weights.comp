@@ -23,28 +23,30 @@ void multiply(uint base, uint count) {
 void main() {
   const DriveSlot slot = slot_at(gl_WorkGroupID.x);
   if (!solves(slot)) return;
+  focus_base = slot.solved;
+  focus_first = slot.first;
+  focus_count = slot.count;
   const uint count = slot.count;
   const uint base = slot.solved;
   const uint thread = gl_LocalInvocationIndex;
 
   // As if each sounded alone; phases from the way to the first transducer.
-  const float loudest = loudest_alone(base, count);
+  const float loudest = loudest_alone();
   float shares = 0.0;
   for (uint j = 0u; j < count; ++j) {
-    const float own = alone(base, count, j);
+    const float own = alone(j);
     shares += own > 0.0 ? claim_of(own, loudest) / own : 0.0;
   }
   bool differ = false;
   for (uint j = 0u; j < count; ++j) differ = differ || gain_of(slot.first + j) != 1.0;
   for (uint j = thread; j < count; j += solve_group) {
-    const float own = alone(base, count, j);
+    const float own = alone(j);
     const float share = own > 0.0 ? claim_of(own, loudest) / own : 0.0;
     const float size = shares > 0.0 ? min(share * float(count) / shares, push.most_weight) : 1.0;
     const Pair first = pair_of(source_of(0u), place_of(slot.first + j));
     factor[j] = size * vec2(first.unit.x, -first.unit.y);
     wanted[j] = claim_of(own, loudest);
   }
-  if (thread == 0u) halfway = false;
   forget_moves(count);
   barrier();
   for (uint i = 0u; i < push.steps; ++i) {

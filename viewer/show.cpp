@@ -30,7 +30,8 @@ std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input, std:
 
 }  // namespace
 
-Show::Show(const ViewerOptions& options) : drive_options_(setup::drive_options(options.drive)) {
+Show::Show(const ViewerOptions& options)
+    : drive_options_(setup::drive_options(options.drive, options.touch.method.method)) {
   picture_.title = options.title;
   picture_.dark = options.dark;
   picture_.legend = !options.no_legend;

@@ -4,38 +4,14 @@
 #include <cassert>
 #include <cmath>
 
+#include "array/gs_pat_few.hpp"
+#include "array/gs_pat_step.hpp"
+#include "array/hearing.hpp"
+
 namespace palpa::array {
 namespace {
 
 using Complex = std::complex<double>;
-
-/// p = R c, through the member of `weights` that is meant.
-void hear(const FocusMatrix& matrix, std::span<const FocusWeight> weights, Complex FocusWeight::*factor,
-          std::vector<Complex>& pressure) {
-  const std::size_t foci = weights.size();
-  for (std::size_t row = 0; row < foci; ++row) {
-    Complex sum = 0;
-    for (std::size_t column = 0; column < foci; ++column)
-      sum += matrix.at(row, column) * weights[column].*factor;
-    pressure[row] = sum;
-  }
-}
-
-/// p = G P(B c).
-void radiate(const Columns& columns, std::span<const FocusWeight> weights, Constraint constraint,
-             std::vector<Complex>& pressure) {
-  std::ranges::fill(pressure, 0);
-  for (std::size_t n = 0; n < columns.transducers; ++n) {
-    const std::size_t first = n * columns.foci;
-    Complex sum = 0;
-    for (std::size_t j = 0; j < columns.foci; ++j)
-      sum += weights[j].heard * columns.ask(first + j);
-    const double size = std::abs(sum);
-    if (size > 0 && (constraint == Constraint::uniform || size > 1)) sum /= size;
-    for (std::size_t j = 0; j < columns.foci; ++j)
-      pressure[j] += sum * columns.transfer(first + j);
-  }
-}
 
 /// The phase of `p`, or of `otherwise` where p has none, at magnitude `size`.
 Complex turned(double size, const Complex& p, const Complex& otherwise) {
@@ -45,43 +21,59 @@ Complex turned(double size, const Complex& p, const Complex& otherwise) {
   return other > 0 ? size * otherwise / other : Complex(size, 0);
 }
 
-/// How loud all are over how loud all are to be.
-double level_of(const std::vector<Complex>& pressure, std::span<const double> targets) {
-  double heard = 0, wanted = 0;
-  for (std::size_t j = 0; j < pressure.size(); ++j) {
-    heard += std::abs(pressure[j]);
-    wanted += targets[j];
+/// For more foci than gs_pat_few.
+void solve_many(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
+                std::span<FocusWeight> weights, GsPatScratch& scratch) {
+  const std::size_t foci = columns.foci;
+  const MatrixHearing hearing(matrix);
+  gs_pat_start(matrix, columns, 0, scratch.claims, scratch.factors);
+  for (std::uint32_t i = 0; i < gs_pat_steps; ++i) {
+    hearing.hear(scratch.factors, scratch.pressure);
+    if (gs_pat_step(scratch.pressure, scratch.claims, {0, static_cast<double>(foci)}, scratch.factors) < gs_pat_still)
+      break;
   }
-  return wanted > 0 ? heard / wanted : 0;
+  for (std::size_t j = 0; j < foci; ++j)
+    weights[j].plain = scratch.factors[j];
+
+  for (std::size_t j = 0; j < foci; ++j)
+    scratch.targets[j] = gains[j] * scratch.claims[j];
+  if (std::ranges::any_of(gains, [](double gain) { return gain != 1; })) {
+    hearing.hear(scratch.factors, scratch.pressure);
+    const double level = level_of(scratch.pressure, scratch.claims);
+    for (std::size_t j = 0; j < foci; ++j)
+      scratch.factors[j] *= gains[j];
+    for (std::uint32_t i = 0; i < gs_pat_steps; ++i) {
+      hearing.hear(scratch.factors, scratch.pressure);
+      if (gs_pat_step(scratch.pressure, scratch.targets, {level, 0}, scratch.factors) < gs_pat_still) break;
+    }
+  }
+  if (constraint != Constraint::normalise) {
+    double sum = 0;
+    for (const double gain : gains)
+      sum += gain;
+    const BoundedHearing bounded(columns, constraint == Constraint::clamp ? 1 : 0);
+    for (std::uint32_t i = 0; i < gs_pat_refinings; ++i) {
+      bounded.hear(scratch.factors, scratch.pressure);
+      gs_pat_step(scratch.pressure, scratch.targets, {0, sum}, scratch.factors);
+    }
+  }
+  for (std::size_t j = 0; j < foci; ++j)
+    weights[j].heard = scratch.factors[j];
 }
 
-/// One step of all factors towards t_j `level`, or half of it; where `sum` is not 0 their magnitudes then have that
-/// sum. Returns how far the farthest moved.
-double step(std::span<FocusWeight> weights, Complex FocusWeight::*factor, const std::vector<Complex>& pressure,
-            std::span<const double> targets, double level, double sum, bool halfway = false) {
-  double sizes[most_solved_foci];
-  double total = 0;
-  for (std::size_t j = 0; j < weights.size(); ++j) {
-    const double size = std::abs(weights[j].*factor);
-    const double wanted = targets[j] * level;
-    const double heard = std::abs(pressure[j]);
-    // No more than four times per step: a pressure near zero says little.
-    const double ratio = wanted < 4 * heard ? wanted / heard : 4;
-    sizes[j] = size * (halfway ? std::sqrt(ratio) : ratio);
-    total += sizes[j];
-  }
-  const double scale = sum > 0 && total > 0 ? sum / total : 1;
-  double moved = 0;
-  for (std::size_t j = 0; j < weights.size(); ++j) {
-    const double size = std::min(sizes[j] * scale, gs_pat_most_weight);
-    const Complex next = turned(size, pressure[j], weights[j].*factor);
-    moved = std::max(moved, std::abs(next - weights[j].*factor));
-    weights[j].*factor = next;
-  }
-  return moved;
+}  // namespace
+
+std::uint32_t gs_pat_most_tries(std::size_t transducers) {
+  // A try is at most two walks of 32 threads over the transducers, and some 300 turns among the foci.
+  const std::size_t turns = 2 * (transducers / 32 + 1) + 300;
+  return static_cast<std::uint32_t>(std::max<std::size_t>(1, 50'000 / turns));
 }
 
-/// What part of full loudness each focus may claim.
+double heard_part(const FocusMatrix& matrix, std::size_t j, std::size_t k) {
+  const double alone = matrix.alone(j) * matrix.alone(k);
+  return matrix.alone(j) > 0 && alone > 0 ? std::min(1.0, std::abs(matrix.at(j, k)) / std::sqrt(alone)) : 0;
+}
+
 void find_claims(const FocusMatrix& matrix, std::vector<double>& claims) {
   double loudest = 0;
   for (std::size_t j = 0; j < matrix.foci; ++j)
@@ -93,66 +85,57 @@ void find_claims(const FocusMatrix& matrix, std::vector<double>& claims) {
   }
 }
 
-/// Phases from the way to the first transducer, weights as if each sounded alone.
-void start(const FocusMatrix& matrix, const Columns& columns, std::span<const double> claims,
-           std::span<FocusWeight> weights) {
-  const std::size_t foci = weights.size();
-  double total = 0;
+void gs_pat_start(const FocusMatrix& matrix, const Columns& columns, std::size_t transducer,
+                  std::span<const double> claims, std::span<Complex> factors) {
   double sizes[most_solved_foci];
-  for (std::size_t j = 0; j < foci; ++j) {
+  double total = 0;
+  for (std::size_t j = 0; j < factors.size(); ++j) {
     const double alone = matrix.alone(j);
     sizes[j] = alone > 0 ? claims[j] / alone : 0;
     total += sizes[j];
   }
-  for (std::size_t j = 0; j < foci; ++j) {
-    const double size = total > 0 ? std::min(sizes[j] * static_cast<double>(foci) / total, gs_pat_most_weight) : 1;
-    weights[j].plain = columns.transducers > 0 ? size * Complex(columns.cosine[j], -columns.sine[j]) : Complex(size, 0);
+  const auto foci = static_cast<double>(factors.size());
+  for (std::size_t j = 0; j < factors.size(); ++j) {
+    const double size = total > 0 ? std::min(sizes[j] * foci / total, gs_pat_most_weight) : 1;
+    const std::size_t entry = transducer * columns.foci + j;
+    factors[j] =
+        columns.transducers > 0 ? size * Complex(columns.cosine[entry], -columns.sine[entry]) : Complex(size, 0);
   }
 }
 
-}  // namespace
+double gs_pat_step(std::span<const Complex> pressure, std::span<const double> targets, const GsPatGoal& goal,
+                   std::span<Complex> factors) {
+  const double level = goal.level > 0 ? goal.level : level_of(pressure, targets);
+  double sizes[most_solved_foci];
+  double total = 0;
+  for (std::size_t j = 0; j < factors.size(); ++j) {
+    const double wanted = targets[j] * level;
+    const double heard = std::abs(pressure[j]);
+    // No more than four times per step: a pressure near zero says little.
+    sizes[j] = std::abs(factors[j]) * (wanted < 4 * heard ? wanted / heard : 4);
+    total += sizes[j];
+  }
+  const double scale = goal.sum > 0 && total > 0 ? goal.sum / total : 1;
+  double moved = 0;
+  for (std::size_t j = 0; j < factors.size(); ++j) {
+    const double size = std::min(sizes[j] * scale, gs_pat_most_weight);
+    const Complex next = turned(size, pressure[j], factors[j]);
+    moved = std::max(moved, std::abs(next - factors[j]));
+    factors[j] = next;
+  }
+  return moved;
+}
 
 void gs_pat(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
             std::span<FocusWeight> weights, GsPatScratch& scratch) {
   const std::size_t foci = columns.foci;
   assert(weights.size() == foci && gains.size() == foci && foci <= most_solved_foci);
-  scratch.pressure.resize(foci);
-  find_claims(matrix, scratch.claims);
-  start(matrix, columns, scratch.claims, weights);
-
-  for (std::uint32_t i = 0; i < gs_pat_steps; ++i) {
-    hear(matrix, weights, &FocusWeight::plain, scratch.pressure);
-    const double level = level_of(scratch.pressure, scratch.claims);
-    if (step(weights, &FocusWeight::plain, scratch.pressure, scratch.claims, level, static_cast<double>(foci)) <
-        gs_pat_still)
-      break;
-  }
-
-  for (FocusWeight& weight : weights)
-    weight.heard = weight.plain;
+  for (std::vector<Complex>* values : {&scratch.pressure, &scratch.factors, &scratch.start})
+    values->resize(foci);
   scratch.targets.resize(foci);
-  for (std::size_t j = 0; j < foci; ++j)
-    scratch.targets[j] = gains[j] * scratch.claims[j];
-  const bool differ = std::ranges::any_of(gains, [](double gain) { return gain != 1; });
-  if (differ) {
-    hear(matrix, weights, &FocusWeight::plain, scratch.pressure);
-    const double level = level_of(scratch.pressure, scratch.claims);
-    for (std::size_t j = 0; j < foci; ++j)
-      weights[j].heard *= gains[j];
-    for (std::uint32_t i = 0; i < gs_pat_steps; ++i) {
-      hear(matrix, weights, &FocusWeight::heard, scratch.pressure);
-      if (step(weights, &FocusWeight::heard, scratch.pressure, scratch.targets, level, 0) < gs_pat_still) break;
-    }
-  }
-  if (constraint == Constraint::normalise) return;
-  double sum = 0;
-  for (const double gain : gains)
-    sum += gain;
-  for (std::uint32_t i = 0; i < gs_pat_refinings; ++i) {
-    radiate(columns, weights, constraint, scratch.pressure);
-    step(weights, &FocusWeight::heard, scratch.pressure, scratch.targets, level_of(scratch.pressure, scratch.targets),
-         sum, foci <= gs_pat_few);
-  }
+  find_claims(matrix, scratch.claims);
+  const auto solve = foci <= gs_pat_few ? solve_few : solve_many;
+  solve(matrix, columns, gains, constraint, weights, scratch);
 }
 
 }  // namespace palpa::array

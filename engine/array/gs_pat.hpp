@@ -16,12 +16,24 @@
 // gains and L kept as it was: a finger that grows quiet leaves the others as loud as they are.
 //
 // A focus that alone, four times as loud, is not as loud as the loudest one alone can hardly be reached: it is asked
-// for that much only, so that it does not take the array from the others. Foci at one place share what they ask; of
-// several gains there the largest wins. No v_j exceeds gs_pat_most_weight.
+// for that much only, so that it does not take the array from the others.
 //
-// Under `uniform` and `clamp` the amplitudes of a drive are not those of B c. There the same step is repeated over the
-// whole array, p = G P(B c) with P the constraint, so that what is even is what sounds. The weights then go half the
-// way (the root of the ratio): of two foci that share phases alone, the one a little ahead takes nearly all.
+// Foci near each other. r_jk = |R_jk| / sqrt(R_jj R_kk) is what part of focus k's sound is heard at focus j. From
+// gs_pat_crowded on the array does not resolve the two, and from gs_pat_same on they become one: a focus is asked to be
+// at least as loud as its nearest neighbours' gains make it, so that at one place the largest gain wins. Where no pair
+// is crowded, one start will do. Where some are, the phases have many places to climb to, and gs_pat_starts starts are
+// tried, each with phases as if the sound came from another transducer; taken is that with the weakest focus the
+// loudest for the power that it takes.
+//
+// The steps end near what is even; even_out.hpp goes the rest of the way, first on R, then, under `uniform` and
+// `clamp`, over the whole array, where the amplitudes of a drive are not those of B c. Sums are bounded there, and the
+// factors are scaled so that the sums are as large as those of foci that do not hear each other. Under `uniform` a
+// transducer whose sum is almost 0 turns round at the least change; where the direct way does not get there, the bound
+// comes down from that of `clamp` in gs_pat_bounds.
+//
+// That is for up to gs_pat_few foci. More of them are not evened out so: v_j never exceeds gs_pat_most_weight, and
+// under `uniform` and `clamp` the same step is repeated gs_pat_refinings times over the whole array, p = G P(B c) with
+// P the constraint.
 #pragma once
 
 #include <complex>
@@ -30,6 +42,7 @@
 #include <vector>
 
 #include "array/constraint.hpp"
+#include "array/even_out.hpp"
 #include "array/transfer.hpp"
 
 namespace palpa::array {
@@ -39,13 +52,34 @@ inline constexpr double gs_pat_most_help = 4;         ///< for a focus that is h
 inline constexpr std::uint32_t gs_pat_steps = 100;    ///< at most, for the plain factors; as many again for the gains
 inline constexpr double gs_pat_still = 1e-5;          ///< stops where no factor moves more
 inline constexpr std::uint32_t gs_pat_refinings = 6;  ///< over the whole array, under `uniform` and `clamp`
-inline constexpr std::size_t gs_pat_few = 3;
+inline constexpr std::size_t gs_pat_few = 10;
+
+inline constexpr double gs_pat_crowded = 0.5;
+inline constexpr double gs_pat_same = 0.9;
+inline constexpr std::uint32_t gs_pat_starts = 13;       ///< where foci are crowded
+inline constexpr std::uint32_t gs_pat_climb = 20;        ///< steps of each of them
+inline constexpr std::uint32_t gs_pat_look = 3;          ///< tries to even it out before it is judged
+inline constexpr double gs_pat_better = 1.02;            ///< by so much a later start has to be
+inline constexpr double gs_pat_miss = 0.005;             ///< no focus misses by more on R,
+inline constexpr double gs_pat_bounded_miss = 0.008;     ///< or where amplitudes are bounded
+inline constexpr std::uint32_t gs_pat_tries = 24;        ///< of even_out
+inline constexpr std::uint32_t gs_pat_direct_tries = 4;  ///< under `uniform`, before the bound comes down
+inline constexpr std::uint32_t gs_pat_bound_tries = 8;   ///< at each bound
+inline constexpr std::uint32_t gs_pat_bounds = 3;        ///< from the bound 1 down,
+inline constexpr double gs_pat_next_bound = 0.25;        ///< each so much of the one before
+
+/// Of even_out over the whole array, in all. A software device ends the loops of a shader after 65,535 turns.
+std::uint32_t gs_pat_most_tries(std::size_t transducers);
 
 /// Keeps its storage from call to call.
 struct GsPatScratch {
-  std::vector<std::complex<double>> pressure;
+  std::vector<std::complex<double>> pressure, factors, start;
   std::vector<double> claims, targets;
+  EvenScratch even;
 };
+
+/// What part of the sound of focus `k` is heard at focus `j`, 0 .. 1; 0 where one of them cannot be reached.
+double heard_part(const FocusMatrix& matrix, std::size_t j, std::size_t k);
 
 /// Fills `weights`, one per focus, from R and, where the constraint bounds amplitudes, all columns. `gains` are
 /// relative to the largest, 0..1, one per focus. At most most_solved_foci foci. Starts from phases that hang on

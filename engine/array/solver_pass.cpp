@@ -21,8 +21,23 @@ namespace palpa::array {
 static_assert(shader::solve_most_foci == most_solved_foci);
 static_assert(shader::solve_directivity_steps == directivity_steps);
 static_assert(shader::solve_phases == greedy_phases);
-static_assert(shader::solve_few == gs_pat_few);
-static_assert(gs_pat_most_help == 4);  // in solve_step.glsl
+static_assert(shader::solve_finger_foci == gs_pat_few);
+static_assert(shader::solve_starts == gs_pat_starts && shader::solve_climb == gs_pat_climb &&
+              shader::solve_look == gs_pat_look && shader::solve_tries == gs_pat_tries &&
+              shader::solve_direct_tries == gs_pat_direct_tries && shader::solve_bound_tries == gs_pat_bound_tries &&
+              shader::solve_bounds == gs_pat_bounds);
+static_assert(shader::solve_first_bound == 1 && shader::solve_next_bound == static_cast<float>(gs_pat_next_bound) &&
+              shader::solve_most_help == static_cast<float>(gs_pat_most_help) &&
+              shader::solve_crowded == static_cast<float>(gs_pat_crowded) &&
+              shader::solve_same == static_cast<float>(gs_pat_same) &&
+              shader::solve_better == static_cast<float>(gs_pat_better) &&
+              shader::solve_miss == static_cast<float>(gs_pat_miss) &&
+              shader::solve_bounded_miss == static_cast<float>(gs_pat_bounded_miss));
+static_assert(shader::solve_damping == static_cast<float>(even_damping) &&
+              shader::solve_least_damping == static_cast<float>(even_least_damping) &&
+              shader::solve_most_damping == static_cast<float>(even_most_damping) &&
+              shader::solve_less == static_cast<float>(even_less) &&
+              shader::solve_more == static_cast<float>(even_more));
 
 namespace {
 
@@ -47,6 +62,7 @@ shader::SolvePush push_of(const SolveBatch& batch) {
   push.refinings = gs_pat_refinings;
   push.most_weight = static_cast<float>(gs_pat_most_weight);
   push.still = static_cast<float>(gs_pat_still);
+  push.tries = gs_pat_most_tries(batch.transducers);
   return push;
 }
 

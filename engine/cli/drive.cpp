@@ -12,6 +12,7 @@
 #include "acoustics/pressure.hpp"
 #include "array/drive_pass.hpp"
 #include "array/layout.hpp"
+#include "array/resolution.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
@@ -102,7 +103,8 @@ std::string to_csv(const array::Layout& layout, const array::Drive& drive) {
 }
 
 std::string to_json(const array::Layout& layout, const std::vector<array::SlotFocus>& foci, const array::Medium& air,
-                    const array::Drive& drive, const acoustics::FociPressure& pressure) {
+                    const array::Drive& drive, const acoustics::FociPressure& pressure,
+                    const std::vector<array::FocusPair>& unresolved) {
   JsonWriter json;
   json.begin_object()
       .member("layout", layout.name)
@@ -121,6 +123,10 @@ std::string to_json(const array::Layout& layout, const std::vector<array::SlotFo
   for (const double pascals : pressure.pascals)
     json.value(pascals);
   json.end_array().member("weakest_to_strongest", pressure.evenness);
+  json.key("unresolved_pairs").begin_array();
+  for (const array::FocusPair& pair : unresolved)
+    json.begin_array().value(std::uint64_t{pair.first}).value(std::uint64_t{pair.second}).end_array();
+  json.end_array();
   json.key("amplitudes").begin_array();
   for (const array::TransducerDrive& d : drive)
     json.value(d.amplitude);
@@ -132,8 +138,20 @@ std::string to_json(const array::Layout& layout, const std::vector<array::SlotFo
   return json.take();
 }
 
+/// Closer than the array resolves: said of the two that are heard at each other the most.
+std::string unresolved_line(const std::vector<array::SlotFocus>& foci, const std::vector<array::FocusPair>& pairs) {
+  const array::FocusPair& worst = *std::ranges::max_element(pairs, {}, &array::FocusPair::part);
+  return fmt::format(
+      "{} of foci closer than this array resolves there: of what focus {} gives, {:.2f} is heard {:.2f} mm away at "
+      "focus "
+      "{}\n",
+      pairs.size() == 1 ? "1 pair" : fmt::format("{} pairs", pairs.size()), worst.first + 1, worst.part,
+      glm::distance(foci[worst.first].position, foci[worst.second].position) * 1e3, worst.second + 1);
+}
+
 std::string summary(const array::Layout& layout, const std::vector<array::SlotFocus>& foci, const array::Medium& air,
-                    const array::Drive& drive, const acoustics::FociPressure& pressure) {
+                    const array::Drive& drive, const acoustics::FociPressure& pressure,
+                    const std::vector<array::FocusPair>& unresolved) {
   float least = 1, most = 0;
   for (const array::TransducerDrive& d : drive) {
     least = std::min(least, d.amplitude);
@@ -148,6 +166,7 @@ std::string summary(const array::Layout& layout, const std::vector<array::SlotFo
   if (foci.size() > 1)
     fmt::format_to(std::back_inserter(text), "weakest to strongest focus: {:.3f} of what was asked\n",
                    pressure.evenness);
+  if (!unresolved.empty()) text += unresolved_line(foci, unresolved);
   fmt::format_to(std::back_inserter(text), "amplitudes {:.3f} to {:.3f}; --csv or --json give every transducer\n",
                  least, most);
   return text;
@@ -168,11 +187,13 @@ void run(const DriveCommand& o) {
 
   const acoustics::FociPressure pressure =
       acoustics::pressure_at_foci(layout, drive, foci, options.medium, options.directivity);
+  const std::vector<array::FocusPair> unresolved = array::unresolved_pairs(layout, foci, options);
 
   if (!o.csv.empty()) write_file(o.csv, to_csv(layout, drive));
-  if (!o.common.json.empty()) write_file(o.common.json, to_json(layout, foci, options.medium, drive, pressure));
+  if (!o.common.json.empty())
+    write_file(o.common.json, to_json(layout, foci, options.medium, drive, pressure, unresolved));
   if (setup::shows_summary(o.common, outputs)) {
-    write_file("-", summary(layout, foci, options.medium, drive, pressure));
+    write_file("-", summary(layout, foci, options.medium, drive, pressure, unresolved));
   }
 }
 

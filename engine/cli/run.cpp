@@ -126,7 +126,7 @@ session::SessionSetting session_setting(const RunCommand& o, std::vector<geometr
           .layout = std::move(layout),
           .touch = o.touch.parameters,
           .schedule = setup::schedule_options(o.touch),
-          .drive = setup::drive_options(o.drive),
+          .drive = setup::drive_options(o.drive, o.touch.method.method),
           .events = o.events.empty() ? std::nullopt : std::optional(o.event),
           .hold_s = o.hold_s,
           .safety = o.safety};

@@ -126,19 +126,21 @@ array::Medium medium(const MediumOptions& options) {
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
   const Group group(app, "Drives");
   group.choice("--amplitude", options.weighting, array::weighting_words, "what a focus asks of a transducer");
-  group.choice("--solver", options.solver, array::solver_words, "how several foci share the array");
+  group.choice("--solver", options.solver, array::solver_words,
+               "how several foci share the array [naive; gs-pat for the method multi-focus]");
   group.choice("--constraint", options.constraint, array::constraint_words, "how amplitudes come into 0..1");
   group.choice("--directivity", options.directivity, array::directivity_words,
                "of a transducer, for pressures and for all solvers but naive");
   add_medium_options(app, options.medium);
 }
 
-array::DriveOptions drive_options(const DriveOptionsGroup& options) {
+array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Method method) {
   array::DriveOptions drive;
   drive.weighting = options.weighting;
   drive.constraint = options.constraint;
   drive.medium = medium(options.medium);
-  drive.solver = options.solver;
+  const bool together = method == touch::Method::multi_focus;
+  drive.solver = options.solver.value_or(together ? array::Solver::gs_pat : array::Solver::naive);
   drive.directivity = options.directivity;
   return drive;
 }

@@ -89,13 +89,15 @@ array::Medium medium(const MediumOptions& options);
 /// What drives are made of.
 struct DriveOptionsGroup {
   array::Weighting weighting = array::Weighting::distance;
-  array::Solver solver = array::Solver::naive;
+  std::optional<array::Solver> solver;
   array::Constraint constraint = array::Constraint::normalise;
   array::Directivity directivity = array::Directivity::t4010a1;
   MediumOptions medium;
 };
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options);
-array::DriveOptions drive_options(const DriveOptionsGroup& options);
+/// Without --solver it is gs_pat for the method multi_focus, whose foci sound together, and naive for all others.
+array::DriveOptions drive_options(const DriveOptionsGroup& options,
+                                  touch::Method method = touch::Method::cross_section);
 
 /// The physical set-up; --layout replaces the rig's array.
 struct RigOptions {

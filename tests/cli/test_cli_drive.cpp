@@ -1,6 +1,7 @@
 // `palpa drive` against phases that another program computed, and against itself on both backends.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <fstream>
@@ -183,6 +184,64 @@ TEST_P(Drive, SolversServeSeveralFociAndSayHowWell) {
     EXPECT_GE(weakest / strongest, solver == "gs-pat" ? 0.99 : solver == "greedy" ? 0.965 : 0.65);
     EXPECT_LE(weakest / strongest, solver == "naive" ? 0.66 : 1.0);
   }
+}
+
+/// What a drive of omnidirectional transducers gives at a point, from the table alone.
+double pressure_of(const Rows& rows, const std::vector<double>& at) {
+  const double k = 2 * std::numbers::pi * 40e3 / (331.3 * std::sqrt(1 + 20 / 273.15));
+  std::complex<double> sum = 0;
+  for (const auto& row : rows) {
+    const double r = std::hypot(at[0] - row[1], at[1] - row[2], at[2] - row[3]);
+    sum += std::polar(4.386 * row[7] / r, row[8] + k * r);
+  }
+  return std::abs(sum);
+}
+
+// Ten foci as near to each other as those around a fingertip: no weaker one among them, and no louder way with every
+// amplitude at 1.
+TEST_P(Drive, RingsOfAFingertipAreEvenUnderEveryConstraint) {
+  for (const double radius : {2.5e-3, 4e-3, 5e-3}) {
+    std::vector<std::vector<double>> foci;
+    std::vector<std::string> line{"--layout", "paper", "--directivity", "omni"};
+    for (int i = 0; i < 10; ++i) {
+      const double angle = 2 * std::numbers::pi * i / 10;
+      foci.push_back({radius * std::cos(angle), 0, radius * std::sin(angle)});
+      line.insert(line.end(), {"--focus", std::to_string(foci.back()[0]) + ",0," + std::to_string(foci.back()[2])});
+      for (double& part : foci.back())
+        part = std::stod(std::to_string(part));
+    }
+    const auto heard = [&](const std::string& solver, const std::string& constraint) {
+      std::vector<std::string> arguments = line;
+      arguments.insert(arguments.end(), {"--solver", solver, "--constraint", constraint});
+      const Rows rows = csv(arguments);
+      std::vector<double> pressures;
+      for (const auto& focus : foci)
+        pressures.push_back(pressure_of(rows, focus));
+      return std::pair(*std::ranges::min_element(pressures), *std::ranges::max_element(pressures));
+    };
+    const double greedy = heard("greedy", "uniform").first;
+    for (const std::string constraint : {"normalise", "uniform", "clamp"}) {
+      const auto [weakest, strongest] = heard("gs-pat", constraint);
+      EXPECT_GE(weakest, 0.95 * strongest) << radius << " " << constraint;
+      if (constraint == "uniform") {
+        EXPECT_GE(weakest, 0.95 * greedy) << radius;
+      }
+    }
+  }
+}
+
+TEST_P(Drive, SaysWhichFociTheArrayDoesNotResolve) {
+  const auto report = [&](const std::string& layout, const std::string& second) {
+    return palpa({"drive", "--layout", layout, "--focus", "0,0,150mm", "--focus", second, "--backend", GetParam(),
+                  "--json", "-"});
+  };
+  EXPECT_EQ(json::parse(report("openmpd", "3mm,0,150mm").out)["unresolved_pairs"], json::parse("[[0,1]]"));
+  EXPECT_EQ(json::parse(report("openmpd", "15mm,0,150mm").out)["unresolved_pairs"], json::array());
+  // One behind the other is harder to tell apart than one beside the other.
+  EXPECT_EQ(json::parse(report("openmpd", "0,0,158mm").out)["unresolved_pairs"], json::parse("[[0,1]]"));
+  const Result told = palpa(
+      {"drive", "--layout", "openmpd", "--focus", "0,0,150mm", "--focus", "3mm,0,150mm", "--backend", GetParam()});
+  EXPECT_NE(told.out.find("1 pair of foci closer than this array resolves"), std::string::npos) << told.out;
 }
 
 TEST_P(Drive, TheSameBytesForAnyThreadCount) {

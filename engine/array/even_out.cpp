@@ -1,0 +1,132 @@
+#include "array/even_out.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpa::array {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// Fills the misses; returns the sum of their squares.
+double find_misses(std::span<const Complex> pressure, std::span<const double> targets, double level,
+                   std::span<double> miss) {
+  double sum = 0;
+  for (std::size_t j = 0; j < pressure.size(); ++j) {
+    const double wanted = targets[j] * level;
+    miss[j] = wanted > 0 ? 1 - std::abs(pressure[j]) / wanted : 0;
+    sum += miss[j] * miss[j];
+  }
+  return sum;
+}
+
+double largest(std::span<const double> miss) {
+  double most = 0;
+  for (const double m : miss)
+    most = std::max(most, std::abs(m));
+  return most;
+}
+
+/// Solves the symmetric positive system of `rest.size()` rows in place; `rest` becomes the solution.
+void solve(std::span<double> matrix, std::span<double> rest) {
+  const std::size_t rows = rest.size();
+  for (std::size_t k = 0; k < rows; ++k) {
+    const double inverse = 1 / matrix[k * rows + k];
+    for (std::size_t i = k + 1; i < rows; ++i) {
+      const double part = matrix[i * rows + k] * inverse;
+      for (std::size_t j = k + 1; j < rows; ++j)
+        matrix[i * rows + j] -= part * matrix[k * rows + j];
+      rest[i] -= part * rest[k];
+    }
+  }
+  for (std::size_t k = rows; k-- > 0;) {
+    for (std::size_t j = k + 1; j < rows; ++j)
+      rest[k] -= matrix[k * rows + j] * rest[j];
+    rest[k] /= matrix[k * rows + k];
+  }
+}
+
+/// The factors one damped step on. Entries of `scratch.slopes` are J already.
+void step(std::span<const Complex> factors, double damping, EvenScratch& scratch) {
+  const std::size_t foci = factors.size();
+  double trace = 0;
+  for (std::size_t a = 0; a < foci; ++a) {
+    for (std::size_t b = 0; b <= a; ++b) {
+      double sum = 0;
+      for (std::size_t q = 0; q < foci; ++q) {
+        const Complex& x = scratch.slopes[a * foci + q];
+        const Complex& y = scratch.slopes[b * foci + q];
+        sum += x.real() * y.real() + x.imag() * y.imag();
+      }
+      scratch.normal[a * foci + b] = scratch.normal[b * foci + a] = sum;
+    }
+    trace += scratch.normal[a * foci + a];
+  }
+  for (std::size_t a = 0; a < foci; ++a)
+    scratch.normal[a * foci + a] += std::max(damping * trace / static_cast<double>(foci), 1e-30);
+  std::ranges::copy(scratch.miss, scratch.rest.begin());
+  solve(scratch.normal, scratch.rest);
+  for (std::size_t q = 0; q < foci; ++q) {
+    Complex sum = factors[q];
+    for (std::size_t a = 0; a < foci; ++a)
+      sum += std::conj(scratch.slopes[a * foci + q]) * scratch.rest[a];
+    scratch.tried[q] = sum;
+  }
+}
+
+}  // namespace
+
+double level_of(std::span<const Complex> pressure, std::span<const double> targets) {
+  double heard = 0, wanted = 0;
+  for (std::size_t j = 0; j < pressure.size(); ++j) {
+    heard += std::abs(pressure[j]);
+    wanted += targets[j];
+  }
+  return wanted > 0 ? heard / wanted : 0;
+}
+
+Evened even_out(const Hearing& hearing, std::span<const double> targets, const EvenGoal& goal,
+                std::span<Complex> factors, EvenScratch& scratch) {
+  const std::size_t foci = factors.size();
+  for (std::vector<Complex>* values : {&scratch.pressure, &scratch.tried_pressure, &scratch.tried})
+    values->resize(foci);
+  scratch.slopes.resize(foci * foci);
+  scratch.normal.resize(foci * foci);
+  for (std::vector<double>* values : {&scratch.rest, &scratch.miss})
+    values->resize(foci);
+  const auto level = [&](std::span<const Complex> pressure) {
+    return goal.level > 0 ? goal.level : level_of(pressure, targets);
+  };
+
+  hearing.hear(factors, scratch.pressure);
+  double missed = find_misses(scratch.pressure, targets, level(scratch.pressure), scratch.miss);
+  double damping = even_damping;
+  std::uint32_t tries = 0;
+  while (largest(scratch.miss) > goal.most_miss && tries < goal.tries && damping <= even_most_damping) {
+    hearing.slope(factors, scratch.pressure, scratch.slopes);
+    const double now = level(scratch.pressure);
+    for (std::size_t j = 0; j < foci; ++j) {
+      const double wanted = targets[j] * now;
+      for (std::size_t q = 0; q < foci; ++q)
+        scratch.slopes[j * foci + q] *= wanted > 0 ? 1 / wanted : 0;
+    }
+    while (tries < goal.tries && damping <= even_most_damping) {
+      step(factors, damping, scratch);
+      ++tries;
+      hearing.hear(scratch.tried, scratch.tried_pressure);
+      const double then = find_misses(scratch.tried_pressure, targets, level(scratch.tried_pressure), scratch.rest);
+      if (then < missed) {
+        missed = then;
+        std::ranges::copy(scratch.tried, factors.begin());
+        std::swap(scratch.pressure, scratch.tried_pressure);
+        std::swap(scratch.miss, scratch.rest);
+        damping = std::max(damping * even_less, even_least_damping);
+        break;
+      }
+      damping *= even_more;
+    }
+  }
+  return {largest(scratch.miss), tries};
+}
+
+}  // namespace palpa::array

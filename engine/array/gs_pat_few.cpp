@@ -1,0 +1,140 @@
+#include "array/gs_pat_few.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "array/gs_pat_step.hpp"
+#include "array/hearing.hpp"
+
+namespace palpa::array {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// What the factors take of the array: the sum of |s|^2 over the transducers, each weighed by what of it arrives.
+double power_of(std::span<const Complex> factors, std::span<const Complex> pressure) {
+  double sum = 0;
+  for (std::size_t j = 0; j < factors.size(); ++j)
+    sum += factors[j].real() * pressure[j].real() + factors[j].imag() * pressure[j].imag();
+  return sum;
+}
+
+/// How loud the weakest focus is for the power that the factors take.
+double merit_of(std::span<const Complex> factors, std::span<const Complex> pressure, std::span<const double> targets) {
+  const double power = power_of(factors, pressure);
+  double least = -1;
+  for (std::size_t j = 0; j < factors.size(); ++j) {
+    if (targets[j] <= 0) continue;
+    const double heard = std::abs(pressure[j]) / targets[j];
+    least = least < 0 ? heard : std::min(least, heard);
+  }
+  return power > 0 && least > 0 ? least / std::sqrt(power) : 0;
+}
+
+bool crowded(const FocusMatrix& matrix) {
+  for (std::size_t j = 0; j < matrix.foci; ++j) {
+    for (std::size_t k = 0; k < j; ++k) {
+      if (heard_part(matrix, j, k) >= gs_pat_crowded) return true;
+    }
+  }
+  return false;
+}
+
+/// The plain factors.
+void solve_plain(const FocusMatrix& matrix, const Columns& columns, GsPatScratch& scratch) {
+  const MatrixHearing hearing(matrix);
+  const std::uint32_t starts = crowded(matrix) ? gs_pat_starts : 1;
+  double best = -1;
+  for (std::uint32_t i = 0; i < starts; ++i) {
+    gs_pat_start(matrix, columns, columns.transducers * i / gs_pat_starts, scratch.claims, scratch.start);
+    for (std::uint32_t step = 0; step < (starts > 1 ? gs_pat_climb : gs_pat_steps); ++step) {
+      hearing.hear(scratch.start, scratch.pressure);
+      const GsPatGoal goal{0, static_cast<double>(matrix.foci)};
+      if (gs_pat_step(scratch.pressure, scratch.claims, goal, scratch.start) < gs_pat_still) break;
+    }
+    if (starts > 1) even_out(hearing, scratch.claims, {0, gs_pat_miss, gs_pat_look}, scratch.start, scratch.even);
+    hearing.hear(scratch.start, scratch.pressure);
+    const double merit = merit_of(scratch.start, scratch.pressure, scratch.claims);
+    if (i > 0 && !(merit > best * gs_pat_better)) continue;
+    best = merit;
+    scratch.factors = scratch.start;
+  }
+  even_out(hearing, scratch.claims, {0, gs_pat_miss, gs_pat_tries}, scratch.factors, scratch.even);
+}
+
+/// Gains times claims, but at least as loud as what a focus that is the same makes it.
+void find_targets(const FocusMatrix& matrix, std::span<const double> gains, GsPatScratch& scratch) {
+  for (std::size_t j = 0; j < matrix.foci; ++j) {
+    double gain = gains[j];
+    for (std::size_t k = 0; k < matrix.foci; ++k) {
+      if (k == j) continue;
+      const double same = (heard_part(matrix, j, k) - gs_pat_same) / (1 - gs_pat_same);
+      gain = std::max(gain, gains[k] * std::clamp(same, 0.0, 1.0));
+    }
+    scratch.targets[j] = gain * scratch.claims[j];
+  }
+}
+
+/// The factors with sums as large as those of foci that do not hear each other.
+void scale(const FocusMatrix& matrix, std::span<const double> gains, GsPatScratch& scratch) {
+  MatrixHearing(matrix).hear(scratch.factors, scratch.pressure);
+  const double power = power_of(scratch.factors, scratch.pressure);
+  double alone = 0, wanted = 0;
+  for (std::size_t j = 0; j < gains.size(); ++j) {
+    alone += matrix.alone(j) / static_cast<double>(gains.size());
+    wanted += gains[j] * gains[j];
+  }
+  if (!(power > 0) || !(alone > 0)) return;
+  const double by = std::sqrt(wanted * alone / power);
+  for (Complex& factor : scratch.factors)
+    factor *= by;
+}
+
+/// The heard factors for bounded amplitudes.
+void solve_bounded(const Columns& columns, Constraint constraint, GsPatScratch& scratch) {
+  std::uint32_t left = gs_pat_most_tries(columns.transducers);
+  const auto even = [&](double bound, std::uint32_t tries) {
+    const EvenGoal goal{0, gs_pat_bounded_miss, std::min(tries, left)};
+    const Evened evened =
+        even_out(BoundedHearing(columns, bound), scratch.targets, goal, scratch.factors, scratch.even);
+    left -= evened.tries;
+    return evened.miss;
+  };
+  if (constraint == Constraint::clamp) {
+    even(1, gs_pat_tries);
+    return;
+  }
+  if (even(0, gs_pat_direct_tries) <= gs_pat_bounded_miss) return;
+  double bound = 1;
+  for (std::uint32_t i = 0; i < gs_pat_bounds; ++i, bound *= gs_pat_next_bound)
+    even(bound, gs_pat_bound_tries);
+  even(0, gs_pat_tries);
+}
+
+}  // namespace
+
+void solve_few(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
+               std::span<FocusWeight> weights, GsPatScratch& scratch) {
+  const std::size_t foci = columns.foci;
+  solve_plain(matrix, columns, scratch);
+  for (std::size_t j = 0; j < foci; ++j)
+    weights[j].plain = scratch.factors[j];
+
+  find_targets(matrix, gains, scratch);
+  if (std::ranges::any_of(gains, [](double gain) { return gain != 1; })) {
+    const MatrixHearing hearing(matrix);
+    hearing.hear(scratch.factors, scratch.pressure);
+    const double level = level_of(scratch.pressure, scratch.claims);
+    for (std::size_t j = 0; j < foci; ++j)
+      scratch.factors[j] *= gains[j];
+    even_out(hearing, scratch.targets, {level, gs_pat_miss, gs_pat_tries}, scratch.factors, scratch.even);
+  }
+  if (constraint != Constraint::normalise) {
+    scale(matrix, gains, scratch);
+    solve_bounded(columns, constraint, scratch);
+  }
+  for (std::size_t j = 0; j < foci; ++j)
+    weights[j].heard = scratch.factors[j];
+}
+
+}  // namespace palpa::array

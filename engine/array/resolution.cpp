@@ -1,0 +1,36 @@
+#include "array/resolution.hpp"
+
+#include <algorithm>
+
+namespace palpa::array {
+
+std::vector<FocusPair> unresolved_pairs(const Layout& layout, std::span<const SlotFocus> foci,
+                                        const DriveOptions& options) {
+  std::vector<FocusSource> sources;
+  std::vector<std::size_t> numbers;
+  for (std::size_t j = 0; j < foci.size(); ++j) {
+    if (!drivable(foci[j])) continue;
+    FocusSource source{foci[j].position, 0, 1};
+    for (const Transducer& transducer : layout.transducers)
+      source.reach = std::max(source.reach, glm::distance(transducer.position, source.position));
+    sources.push_back(source);
+    numbers.push_back(j);
+  }
+  std::vector<FocusPair> pairs;
+  if (sources.size() < 2 || sources.size() > most_solved_foci) return pairs;
+  FreeField field;
+  field.set(layout, options.medium, options.directivity);
+  Columns columns;
+  field.fill(sources, options.weighting, columns);
+  FocusMatrix matrix;
+  multiply(columns, matrix);
+  for (std::size_t j = 0; j < sources.size(); ++j) {
+    for (std::size_t k = j + 1; k < sources.size(); ++k) {
+      if (const double part = heard_part(matrix, j, k); part >= gs_pat_crowded)
+        pairs.push_back({numbers[j], numbers[k], part});
+    }
+  }
+  return pairs;
+}
+
+}  // namespace palpa::array
