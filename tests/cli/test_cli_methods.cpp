@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -159,6 +161,23 @@ TEST(CliMethods, RunPlaysEveryMethodAndEndsInSilence) {
     for (const array::TransducerDrive& t : recording.drives.back().drive)
       ASSERT_EQ(t.amplitude, 0);
   }
+}
+
+TEST(CliMethods, FociThatSoundTogetherAreSolvedUnlessToldOtherwise) {
+  const auto folder = scratch_folder("together");
+  const auto drives = [&](const std::string& name, std::vector<std::string> options) {
+    const std::string file = (folder / name).string();
+    std::vector<std::string> line{"run",      "--scene", asset("cube.glb"), "--backend",      "cpu",    "--every-frame",
+                                  "--frames", "3",       "--link",          "record:" + file, "--quiet"};
+    line.insert(line.end(), options.begin(), options.end());
+    const Result result = palpa(line);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    std::ifstream bytes(file, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(bytes), {});
+  };
+  const auto left_out = drives("left out", {"--method", "multi-focus"});
+  EXPECT_EQ(left_out, drives("gs-pat", {"--method", "multi-focus", "--solver", "gs-pat"}));
+  EXPECT_NE(left_out, drives("naive", {"--method", "multi-focus", "--solver", "naive"}));
 }
 
 }  // namespace
