@@ -123,6 +123,13 @@ docs() {
   done < <(files '*.md')
   shows docs/add-a-link.md 1 byte_link.hpp || found=1
   shows docs/cpp-api.md 3 live.hpp || found=1
+  while IFS=: read -r page pieces; do
+    for ((piece = 1; piece <= pieces; piece++)); do
+      grep -qE "(shows |piece\()$page $piece " tests/house/check.sh tests/package/consumer/CMakeLists.txt && continue
+      echo "   nothing compiles piece $piece of $page"
+      found=1
+    done
+  done < <(files '*.md' | xargs grep -c '^```cpp')
   return "$found"
 }
 

@@ -22,7 +22,7 @@ endforeach()
 
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/consumer -B ${consumer} -G Ninja -DCMAKE_BUILD_TYPE=Release
     -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
-    -DWANTED_VERSION=${VERSION})
+    -DWANTED_VERSION=${VERSION} -DPAGES=${CMAKE_CURRENT_LIST_DIR}/../..)
 run(${CMAKE_COMMAND} --build ${consumer})
 set(assets ${prefix}/share/palpa/assets)
 foreach(program feel everything)
