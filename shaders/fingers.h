@@ -165,20 +165,27 @@ struct FingerRecord {
   uint id;     // stays the same while the finger is followed
   uint start;  // of its contacts among those in order of their fingers
   uint foci;
-  uint unused0;
+  uint placed;  // every focus has a place, that of an empty sector too
   vec4 centre;
   vec4 axis1;  // w: eigenvalue
   vec4 axis2;
   vec4 axis3;
-  vec4 turn;  // cosine and sine of the angle from axis1 to the principal direction, towards axis2
-  vec4 mean;  // the centroid relative to the first contact, to more digits than `centre` has
+  vec4 turn;      // cosine and sine of the angle from axis1 to the principal direction, towards axis2
+  vec4 mean;      // the centroid relative to the first contact, to more digits than `centre` has
+  vec4 lean;      // the contacts' covariance of depth with place, m^2: where they lie deeper
+  uint held_low;  // a bit per focus: its sector is empty, but has not been so for long
+  uint held_high;
+  uint unused0;
+  uint unused1;
 };
-PALPA_CHECK_SIZE(FingerRecord, 128);
+PALPA_CHECK_SIZE(FingerRecord, 160);
 PALPA_CHECK_OFFSET(FingerRecord, start, 20);
 PALPA_CHECK_OFFSET(FingerRecord, centre, 32);
 PALPA_CHECK_OFFSET(FingerRecord, axis3, 80);
 PALPA_CHECK_OFFSET(FingerRecord, turn, 96);
 PALPA_CHECK_OFFSET(FingerRecord, mean, 112);
+PALPA_CHECK_OFFSET(FingerRecord, lean, 128);
+PALPA_CHECK_OFFSET(FingerRecord, held_low, 144);
 
 PALPA_SHADER_END
 #endif

@@ -27,6 +27,7 @@ shared bool merged[most];
 shared bool remembered[most];
 shared bool seen[most];  // in a cluster that looks like two
 shared float stray[most];
+shared uint homes[most / 32u];  // a bit per home that is taken
 // Of the fingers:
 shared Float3 found[fingers_most];
 shared float birth_cost[fingers_most];
@@ -200,14 +201,26 @@ void move_cluster(uint finger, uint track, uint passengers, uint known, float fr
   }
 }
 
-// What is known of a finger after this frame; its record gets id and steady axes.
-Track followed(uint finger, uint id, uint known, uint elapsed_us) {
+// The `nth` home that nobody has.
+uint free_home(uint nth) {
+  uint left = nth;
+  for (uint h = 0u; h < most; ++h) {
+    if ((homes[h / 32u] >> (h % 32u) & 1u) != 0u) continue;
+    if (left == 0u) return h;
+    --left;
+  }
+  return 0u;  // never: there are no more tracks than homes
+}
+
+// What is known of a finger after this frame, the `born`th new one if it is new; its record gets id and steady axes.
+Track followed(uint finger, uint first_id, uint born, uint known, uint elapsed_us) {
   const FingerRecord record = fingers[finger];
   const Axes axes = axes_of(finger);
   const uint track = track_of[finger];
   const Sym3 spread = covariance_of(axes);
   Track t;
-  t.id = id;
+  t.id = first_id + born;
+  t.since_us = follow_anew;
   t.solid = record.solid;
   t.contacts = record.contacts;
   t.has_axes = record.point_like == 0u ? 1u : 0u;
@@ -217,9 +230,20 @@ Track followed(uint finger, uint id, uint known, uint elapsed_us) {
   t.axis3 = record.axis3;
   t.spread_a = vec4(spread.xx, spread.xy, spread.xz, spread.yy);
   t.spread_b = vec4(spread.yz, spread.zz, 0.0, 0.0);
-  if (track != follow_none) {
+  const Float3 lean = xyz(record.lean);
+  Steady steady;
+  steady.axes = axes;
+  steady.cosine = 1.0;
+  steady.sine = 0.0;
+  bool has_frame = false;
+  if (track == follow_none) {
+    t.home = free_home(born);
+  } else {
     const Track old = table.tracks[track];
-    const float since_s = in_seconds(later(old.unseen_us, elapsed_us));
+    t.home = old.home;
+    const uint since_us = later(old.unseen_us, elapsed_us);
+    if (old.carrier == follow_none) t.since_us = since_us;
+    const float since_s = in_seconds(since_us);
     uint passengers = 0u;
     for (uint u = 0u; u < known; ++u) passengers += merged[u] && owner[u] == finger ? 1u : 0u;
     t.id = old.id;
@@ -238,20 +262,23 @@ Track followed(uint finger, uint id, uint known, uint elapsed_us) {
       t.axis1 = old.axis1;
       t.axis3 = old.axis3;
     } else if (old.has_axes != 0u) {
-      const Steady steady = steady_axes(axes, xyz(old.axis1), xyz(old.axis3), since_s);
-      t.axis1 = vec4(steady.axes.w1.x, steady.axes.w1.y, steady.axes.w1.z, axes.l1);
-      t.axis3 = vec4(steady.axes.w3.x, steady.axes.w3.y, steady.axes.w3.z, axes.l3);
-      fingers[finger].axis1 = t.axis1;
-      fingers[finger].axis2 = vec4(steady.axes.w2.x, steady.axes.w2.y, steady.axes.w2.z, axes.l2);
-      fingers[finger].axis3 = t.axis3;
-      fingers[finger].turn = vec4(steady.cosine, steady.sine, 0.0, 0.0);
+      has_frame = true;
+      if (push.steady != 0u) steady = steady_axes(axes, lean, xyz(old.axis1), xyz(old.axis3), since_s);
     }
+  }
+  if (push.steady != 0u && record.point_like == 0u) {
+    if (!has_frame) steady = first_axes(axes, lean);
+    const Axes a = steady.axes;
+    t.axis1 = vec4(a.w1.x, a.w1.y, a.w1.z, a.l1);
+    t.axis3 = vec4(a.w3.x, a.w3.y, a.w3.z, a.l3);
+    fingers[finger].axis1 = t.axis1;
+    fingers[finger].axis2 = vec4(a.w2.x, a.w2.y, a.w2.z, a.l2);
+    fingers[finger].axis3 = t.axis3;
+    fingers[finger].turn = vec4(steady.cosine, steady.sine, 0.0, 0.0);
   }
   fingers[finger].id = t.id;
   t.carrier = follow_none;
   t.unseen_us = 0u;
-  t.unused0 = 0u;
-  t.unused1 = 0u;
   return t;
 }
 
@@ -314,21 +341,25 @@ void main() {
     stray[thread] = 0.0;
     remembered[thread] = taken == follow_none && alive && (merged[thread] || unseen_us <= memory_us);
   }
+  if (thread < most / 32u) homes[thread] = 0u;
+  barrier();
+  uint slot = count;
+  for (uint t = 0u; t < min(thread, known); ++t) slot += remembered[t] ? 1u : 0u;
+  const bool stays = thread < known && remembered[thread] && slot < most;
+  if (stays || (thread < known && row_of[thread] != follow_none)) atomicOr(homes[old.home / 32u], 1u << old.home % 32u);
   barrier();
 
   Track fresh;
   if (thread < count) {
     uint born = 0u;
     for (uint f = 0u; f < thread; ++f) born += track_of[f] == follow_none ? 1u : 0u;
-    fresh = followed(thread, first_id + born, known, elapsed_us);
+    fresh = followed(thread, first_id, born, known, elapsed_us);
   }
   memoryBarrierBuffer();
   barrier();
 
   if (thread < count) table.tracks[thread] = fresh;
-  uint slot = count;
-  for (uint t = 0u; t < min(thread, known); ++t) slot += remembered[t] ? 1u : 0u;
-  if (thread < known && remembered[thread] && slot < most) {
+  if (stays) {
     old.carrier = merged[thread] ? owner[thread] : follow_none;
     old.unseen_us = seen[thread] ? 0u : unseen_us;
     old.place = vec4(place[thread].x, place[thread].y, place[thread].z, stray[thread]);

@@ -8,7 +8,8 @@ PALPA_CONST follow_group = 128u;  // a single group: a thread per track and per 
 PALPA_CONST follow_most_tracks = 128u;
 PALPA_CONST follow_none = 0xffffffffu;
 
-// For FollowPush::elapsed_us: there is no frame before this one, and no id has been given.
+// For FollowPush::elapsed_us: there is no frame before this one, and no id has been given. For Track::since_us: the
+// finger is new, or was in another's cluster.
 PALPA_CONST follow_anew = 0xffffffffu;
 
 // Bindings.
@@ -19,11 +20,12 @@ PALPA_CONST follow_buffers = 3u;
 
 struct FollowPush {
   uint elapsed_us;  // from the frame before to this one
-  uint unused0;
+  uint steady;      // axes are steadied; 0: they stay the principal ones
   uint unused1;
   uint unused2;
 };
 PALPA_CHECK_SIZE(FollowPush, 16);
+PALPA_CHECK_OFFSET(FollowPush, steady, 4);
 
 // What is known of a finger, past or present. The first tracks are those of the frame's fingers, in their order.
 struct Track {
@@ -33,8 +35,8 @@ struct Track {
   uint unseen_us;  // since it was last seen, by itself or in a cluster that looks like two
   uint contacts;   // when it was last seen by itself
   uint has_axes;
-  uint unused0;
-  uint unused1;
+  uint home;      // 0 to follow_most_tracks - 1, its own for as long as it is known: what passes keep of it lies there
+  uint since_us;  // of this frame's fingers: since it was last seen by itself, or follow_anew
   vec4 place;     // where its centroid is, or is believed to be; w: its distance from its cluster's
   vec4 velocity;  // m/s
   vec4 axis1;     // steady w1
@@ -44,6 +46,7 @@ struct Track {
 };
 PALPA_CHECK_SIZE(Track, 128);
 PALPA_CHECK_OFFSET(Track, contacts, 16);
+PALPA_CHECK_OFFSET(Track, home, 24);
 PALPA_CHECK_OFFSET(Track, place, 32);
 PALPA_CHECK_OFFSET(Track, axis1, 64);
 PALPA_CHECK_OFFSET(Track, spread_b, 112);

@@ -151,41 +151,180 @@ PALPA_FN Parting parting_of(Sym3 cluster, Sym3 a, Sym3 b, float share_a, float s
 
 // ---- steady axes ----
 
+PALPA_FLOAT clear_below = 0.15f;     // l3 / l2 of a cross-section whose contacts alone say where it faces,
+PALPA_FLOAT unclear_above = 0.5f;    // and of one where depth says it
+PALPA_FLOAT facing_s = 0.15f;        // how slowly w3 settles there
+PALPA_FLOAT steep = 0.1f;            // a gradient of depth that is believed
 PALPA_FLOAT round_below = 0.1f;      // (l1 - l2) / (l1 + l2) of a cross-section without a preferred direction
 PALPA_FLOAT long_above = 0.5f;       // of one whose axes are the principal ones
 PALPA_FLOAT settling_s = 0.1f;       // how slowly axes settle half way between
-PALPA_FLOAT most_turn_per_s = 5.0f;  // radians; in the plane
+PALPA_FLOAT most_turn_per_s = 5.0f;  // radians; of w3, and of w1 in the plane
 
 struct Steady {
-  Axes axes;           // w1 and w2 turned, eigenvalues still those of the principal directions
-  float cosine, sine;  // the first principal direction in coordinates of w1 and w2
+  Axes axes;           // eigenvalues: variances along the principal directions of the plane, and along w3
+  float cosine, sine;  // the first of these directions in coordinates of w1 and w2
 };
 
-// The old frame carried over by the smallest rotation that takes old w3 to the new one (its sign the one nearer to the
-// old), then turned in the plane towards the principal direction as far as the cross-section is elongated.
-PALPA_FN Steady steady_axes(Axes principal, Float3 old1, Float3 old3, float frame_s) {
-  Float3 w3 = principal.w3;
-  if (dot3(w3, old3) < 0.0f) w3 = scaled(w3, -1.0f);
+PALPA_FN Float3 nearer(Float3 axis, Float3 before) {
+  return dot3(axis, before) < 0.0f ? scaled(axis, -1.0f) : axis;
+}
+
+PALPA_FN float slope_along(Float3 w, float variance, Float3 lean) {
+  PALPA_EXACT float slope = dot3(w, lean) / (variance + 1.0e-8f);  // a spread of 0.1 mm says nothing
+  return slope;
+}
+
+// Depth's gradient over the contacts: the linear function that fits their depths best. On a plane, whatever part of it
+// is touched, it is the plane's normal, of length 1; on several faces it lies between theirs.
+PALPA_FN Float3 depth_gradient(Axes a, Float3 lean) {
+  Float3 gradient = scaled(a.w1, slope_along(a.w1, a.l1, lean));
+  gradient = moved(gradient, a.w2, slope_along(a.w2, a.l2, lean));
+  return moved(gradient, a.w3, slope_along(a.w3, a.l3, lean));
+}
+
+// How far the contacts alone say where a cross-section faces: 1 where they have a thinnest direction, 0 where two
+// eigenvalues are close.
+PALPA_FN float clearness_of(Axes a) {
+  PALPA_EXACT float thickness = a.l2 > 0.0f ? a.l3 / a.l2 : 0.0f;
+  PALPA_EXACT float clearness = (unclear_above - thickness) / (unclear_above - clear_below);
+  return clearness < 0.0f ? 0.0f : (clearness > 1.0f ? 1.0f : clearness);
+}
+
+// Where a cross-section faces that faced `before`: the principal w3 where that is clear, else along depth's gradient;
+// and where depth hardly changes with place, as before.
+PALPA_FN Float3 facing_of(Axes principal, Float3 lean, Float3 before) {
+  const float clear = clearness_of(principal);
+  const Float3 w3 = nearer(principal.w3, before);
+  if (clear >= 1.0f) return w3;
+  const Float3 gradient = nearer(depth_gradient(principal, lean), before);
+  PALPA_EXACT float length = sqrt(dot3(gradient, gradient));
+  PALPA_EXACT float most = length / steep;
+  const float trust = most < 1.0f ? most : 1.0f;
+  PALPA_EXACT float rest = 1.0f - trust;
+  PALPA_EXACT float along = length > 0.0f ? trust / length : 0.0f;
+  const Float3 by_depth = moved(scaled(before, rest), gradient, along);
+  PALPA_EXACT float unclear = 1.0f - clear;
+  const Float3 facing = moved(scaled(w3, clear), by_depth, unclear);
+  return dot3(facing, facing) > 1.0e-6f ? unit(facing) : before;
+}
+
+// Of a cross-section's plane: the variances along its principal directions, and the first direction in coordinates of
+// two axes, that sign of it with cosine >= 0.
+struct Principal2 {
+  float l1, l2;
+  float cosine, sine;
+};
+
+PALPA_FN Principal2 principal_in_plane(Sym3 m, Float3 w1, Float3 w2) {
+  const Float3 m1 = times(m, w1);
+  const Float3 m2 = times(m, w2);
+  const float xx = dot3(w1, m1);
+  const float xy = dot3(w1, m2);
+  const float yy = dot3(w2, m2);
+  PALPA_EXACT float middle = 0.5f * (xx + yy);
+  PALPA_EXACT float apart = 0.5f * (xx - yy);
+  PALPA_EXACT float radius = sqrt(apart * apart + xy * xy);
+  PALPA_EXACT float l1 = middle + radius;
+  PALPA_EXACT float l2 = middle - radius;
+  PALPA_EXACT float least = 1.0e-6f * l1;  // as is_point_like has it
+  Principal2 r;
+  r.l1 = l1;
+  r.l2 = l2 > least ? l2 : least;
+  r.cosine = 1.0f;
+  r.sine = 0.0f;
+  if (!(radius > 0.0f)) return r;
+  // Of the angle's double.
+  PALPA_EXACT float cosine2 = apart / radius;
+  PALPA_EXACT float sine2 = xy / radius;
+  if (cosine2 >= 0.0f) {
+    PALPA_EXACT float cosine = sqrt(0.5f * (1.0f + cosine2));
+    PALPA_EXACT float sine = 0.5f * sine2 / cosine;
+    r.cosine = cosine;
+    r.sine = sine;
+  } else {
+    PALPA_EXACT float sine = sqrt(0.5f * (1.0f - cosine2));
+    PALPA_EXACT float cosine = 0.5f * abs(sine2) / sine;
+    r.cosine = cosine;
+    r.sine = sine2 < 0.0f ? -sine : sine;
+  }
+  return r;
+}
+
+// The axes of the plane across w3, w1 being `carried` turned by (cosine, sine).
+PALPA_FN Steady axes_across(Sym3 covariance, Principal2 plane, Float3 w3, Float3 carried, Float3 across, float cosine,
+                            float sine) {
+  Steady r;
+  r.axes.w3 = w3;
+  const Float3 w1 = moved(scaled(carried, cosine), across, sine);
+  r.axes.w1 = unit(moved(w1, w3, -dot3(w1, w3)));
+  r.axes.w2 = cross3(w3, r.axes.w1);
+  r.axes.l1 = plane.l1;
+  r.axes.l2 = plane.l2;
+  const float l3 = dot3(w3, times(covariance, w3));
+  r.axes.l3 = l3 > 0.0f ? l3 : 0.0f;
+  const Float3 first = moved(scaled(carried, plane.cosine), across, plane.sine);
+  const float c1 = dot3(first, r.axes.w1);
+  const float s1 = dot3(first, r.axes.w2);
+  PALPA_EXACT float norm = 1.0f / sqrt(c1 * c1 + s1 * s1);
+  r.cosine = product(c1, norm);
+  r.sine = product(s1, norm);
+  return r;
+}
+
+// Of a finger without a frame before: the principal axes, unless depth says better where they face. Signs as theirs.
+PALPA_FN Steady first_axes(Axes principal, Float3 lean) {
+  Steady r;
+  r.axes = principal;
+  r.cosine = 1.0f;
+  r.sine = 0.0f;
+  if (clearness_of(principal) >= 1.0f) return r;
+  const Float3 w3 = upwards(facing_of(principal, lean, principal.w3));
+  Float3 carried = moved(principal.w1, w3, -dot3(principal.w1, w3));
+  if (dot3(carried, carried) < 1.0e-4f) carried = moved(principal.w2, w3, -dot3(principal.w2, w3));
+  carried = unit(carried);
+  const Float3 across = cross3(w3, carried);
+  const Sym3 covariance = covariance_of(principal);
+  const Principal2 plane = principal_in_plane(covariance, carried, across);
+  const Float3 w1 = moved(scaled(carried, plane.cosine), across, plane.sine);
+  const float sign = largest_component(w1) < 0.0f ? -1.0f : 1.0f;
+  return axes_across(covariance, plane, w3, carried, across, product(sign, plane.cosine), product(sign, plane.sine));
+}
+
+// `old` turned towards a direction by a share of the way, and by no more than most_turn_per_s.
+PALPA_FN Float3 turned_towards(Float3 old, Float3 direction, float share, float frame_s) {
+  const Float3 way = minus(direction, old);
+  PALPA_EXACT float chord = sqrt(dot3(way, way));
+  PALPA_EXACT float wanted = share * chord;
+  PALPA_EXACT float most = most_turn_per_s * frame_s;
+  if (!(wanted > most)) return unit(moved(old, way, share));
+  PALPA_EXACT float factor = most / chord;
+  return unit(moved(old, way, factor));
+}
+
+// w3 turns towards where the cross-section faces, at once where that is clear. The old w1 is carried over by the
+// smallest rotation that takes old w3 to the new one, then turned in the plane towards the nearer of its principal
+// directions as far as the cross-section is elongated.
+PALPA_FN Steady steady_axes(Axes principal, Float3 lean, Float3 old1, Float3 old3, float frame_s) {
+  PALPA_EXACT float slowness = facing_s * (1.0f - clearness_of(principal));
+  PALPA_EXACT float settled = frame_s / (frame_s + slowness);
+  const float settling = slowness > 0.0f ? settled : 1.0f;
+  const Float3 w3 = turned_towards(old3, facing_of(principal, lean, old3), settling, frame_s);
   const Float3 both = moved(w3, old3, 1.0f);
   PALPA_EXACT float factor = -(dot3(w3, old1) / (1.0f + dot3(w3, old3)));
   Float3 carried = moved(old1, both, factor);
   carried = unit(moved(carried, w3, -dot3(carried, w3)));
   const Float3 across = cross3(w3, carried);
 
-  float c = dot3(principal.w1, carried);
-  float s = dot3(principal.w1, across);
-  if (c < 0.0f) {  // the nearer of the two directions
-    c = -c;
-    s = -s;
-  }
-  const float sum = principal.l1 + principal.l2;
-  PALPA_EXACT float elongation = sum > 0.0f ? (principal.l1 - principal.l2) / sum : 0.0f;
+  const Sym3 covariance = covariance_of(principal);
+  const Principal2 plane = principal_in_plane(covariance, carried, across);
+  PALPA_EXACT float sum = plane.l1 + plane.l2;
+  PALPA_EXACT float elongation = sum > 0.0f ? (plane.l1 - plane.l2) / sum : 0.0f;
   PALPA_EXACT float beyond = frame_s * (elongation - round_below);
   PALPA_EXACT float missing = settling_s * (long_above - elongation);
   PALPA_EXACT float quick = beyond / (beyond + missing);
   const float share = elongation <= round_below || !(beyond > 0.0f) ? 0.0f : (elongation >= long_above ? 1.0f : quick);
-  PALPA_EXACT float ahead = 1.0f - share + share * c;
-  PALPA_EXACT float aside = share * s;
+  PALPA_EXACT float ahead = 1.0f - share + share * plane.cosine;
+  PALPA_EXACT float aside = share * plane.sine;
   PALPA_EXACT float chord = sqrt(ahead * ahead + aside * aside);
   PALPA_EXACT float sine = aside / chord;
   PALPA_EXACT float cosine = ahead / chord;
@@ -196,19 +335,7 @@ PALPA_FN Steady steady_axes(Axes principal, Float3 old1, Float3 old3, float fram
     sine = sine < 0.0f ? -most : most;
     cosine = rest;
   }
-
-  Steady r;
-  r.axes = principal;
-  r.axes.w3 = w3;
-  Float3 w1 = moved(scaled(carried, cosine), across, sine);
-  r.axes.w1 = unit(moved(w1, w3, -dot3(w1, w3)));
-  r.axes.w2 = cross3(w3, r.axes.w1);
-  const float c1 = dot3(principal.w1, r.axes.w1);
-  const float s1 = dot3(principal.w1, r.axes.w2);
-  PALPA_EXACT float norm = 1.0f / sqrt(c1 * c1 + s1 * s1);
-  r.cosine = product(c1, norm);
-  r.sine = product(s1, norm);
-  return r;
+  return axes_across(covariance, plane, w3, carried, across, cosine, sine);
 }
 
 PALPA_SHADER_END

@@ -21,7 +21,7 @@ PALPA_CONST sections_parents = 1u;   // uint[]: per contact a number that its fi
 PALPA_CONST sections_contacts = 2u;  // ContactRecord[]: `finger` is written
 PALPA_CONST sections_header = 3u;    // TouchHeader
 PALPA_CONST sections_counts = 4u;    // uint[sections_most_chunks * fingers_most]: contacts of a finger in a chunk
-PALPA_CONST sections_grouped = 5u;   // uvec4[]: bits of x, y, z and the contact's number, finger after finger
+PALPA_CONST sections_grouped = 5u;   // uvec4[]: bits of x, y, z and depth, finger after finger
 PALPA_CONST sections_fingers = 6u;   // FingerRecord[]
 PALPA_CONST sections_buffers = 7u;
 // What two of them only read they read as texels of four words: a bit per binding.

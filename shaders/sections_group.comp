@@ -55,10 +55,11 @@ void main() {
   }
   barrier();
   for (uint i = first; i < last; ++i) {
-    const uint finger = texelFetch(contacts, int(2u * i + 1u)).z;
+    const uvec4 rest = texelFetch(contacts, int(2u * i + 1u));  // solid, depth, finger
+    const uint finger = rest.z;
     if (finger == no_finger) continue;
     const uvec4 half_record = texelFetch(contacts, int(2u * i));
     const uint place = places[finger * sections_chunk_group + thread]++;
-    grouped[place] = uvec4(half_record.xyz, i);
+    grouped[place] = uvec4(half_record.xyz, rest.y);
   }
 }

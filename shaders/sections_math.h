@@ -37,10 +37,18 @@ PALPA_FN float largest_component(Float3 a) {
   return largest;
 }
 
+// An axis with the sign that it has by itself: it points upwards (y >= 0; lying within 1e-6 of the horizontal, z, then
+// x, is positive).
+PALPA_FN Float3 upwards(Float3 a) {
+  float decides = a.y;
+  if (abs(decides) < 1e-6f) decides = a.z;
+  if (abs(a.y) < 1e-6f && abs(decides) < 1e-6f) decides = a.x;
+  return decides < 0.0f ? scaled(a, -1.0f) : a;
+}
+
 // Cyclic Jacobi rotations on a matrix scaled to trace 1; ten sweeps are three more than any 3x3 float matrix needs.
 // Always finite and orthonormal: the zero matrix gives w1 = x, w3 = y, w2 = w3 x w1 = -z.
-// Signs: w3 points upwards (y >= 0; lying within 1e-6 of the horizontal, z, then x, is positive), w1's largest
-// component is positive, w2 = w3 x w1.
+// Signs: w3 points upwards, w1's largest component is positive, w2 = w3 x w1.
 PALPA_FN Axes principal_axes(Sym3 m) {
   const float trace = m.xx + m.yy + m.zz;
   const bool empty = !(trace > 0.0f);
@@ -120,11 +128,7 @@ PALPA_FN Axes principal_axes(Sym3 m) {
   r.w3.y = v[1][last];
   r.w3.z = v[2][last];
   r.w1 = unit(r.w1);
-  r.w3 = unit(minus(r.w3, scaled(r.w1, dot3(r.w1, r.w3))));
-  float decides = r.w3.y;
-  if (abs(decides) < 1e-6f) decides = r.w3.z;
-  if (abs(r.w3.y) < 1e-6f && abs(decides) < 1e-6f) decides = r.w3.x;
-  if (decides < 0.0f) r.w3 = scaled(r.w3, -1.0f);
+  r.w3 = upwards(unit(minus(r.w3, scaled(r.w1, dot3(r.w1, r.w3)))));
   if (largest_component(r.w1) < 0.0f) r.w1 = scaled(r.w1, -1.0f);
   r.w2 = cross3(r.w3, r.w1);
   PALPA_EXACT float l1 = a[first][first] * trace;

@@ -45,6 +45,8 @@ struct RunCommand {
   std::string record;
   std::string events;
   session::EventOptions event;
+  touch::Axes axes = touch::Axes::steady;
+  touch::Smoothing smoothing = touch::Smoothing::one_euro;
   StatsFormat stats = StatsFormat::none;
 };
 
@@ -74,6 +76,10 @@ void add_options(CLI::App& app, RunCommand& o) {
   setup::add_rig_options(app, o.rig);
   setup::add_touch_options(app, o.touch);
   setup::add_drive_options(app, o.drive);
+  const setup::Group steadily(app, "From frame to frame");
+  steadily.choice("--axes", o.axes, touch::axes_words,
+                  "which way cross-sections face: turned the least that they must, or each frame's principal axes");
+  steadily.choice("--smoothing", o.smoothing, touch::smoothing_words, "what keeps foci from jumping");
 }
 
 std::string summary(const session::LoopStats& stats) {
@@ -128,6 +134,8 @@ session::SessionSetting session_setting(const RunCommand& o, std::vector<geometr
           .schedule = setup::schedule_options(o.touch),
           .drive = setup::drive_options(o.drive, o.touch.method.method),
           .events = o.events.empty() ? std::nullopt : std::optional(o.event),
+          .axes = o.axes,
+          .smoothing = o.smoothing,
           .hold_s = o.hold_s,
           .safety = o.safety};
 }

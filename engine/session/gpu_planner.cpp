@@ -26,6 +26,8 @@ touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler
   return {.parameters = setting.touch,
           .detail = listed ? touch::Detail::contacts : touch::Detail::fingers,
           .follow = setting.follow,
+          .axes = setting.axes,
+          .smoothing = setting.smoothing,
           .most_contacts = setting.live() || setting.cameras.empty() ? 0 : most_contacts_of_one};
 }
 

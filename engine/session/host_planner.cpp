@@ -13,7 +13,11 @@ class HostPlanner : public Planner {
   HostPlanner(const SessionSetting& setting, Scheduler& scheduler)
       : setting_(setting),
         scheduler_(scheduler),
-        stage_(setting.solids, setting.cameras, {.parameters = setting.touch, .follow = setting.follow}) {}
+        stage_(setting.solids, setting.cameras,
+               {.parameters = setting.touch,
+                .follow = setting.follow,
+                .axes = setting.axes,
+                .smoothing = setting.smoothing}) {}
 
   bool can_start() const override { return !busy_; }
   bool busy() const override { return busy_; }

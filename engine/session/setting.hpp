@@ -26,8 +26,11 @@ struct SessionSetting {
   array::DriveOptions drive;
   /// Nothing: nobody asks for events. Then fingers are no deeper than delta, which saves looking at the skin below.
   std::optional<EventOptions> events = EventOptions{};
-  /// Fingers keep their ids and axes from frame to frame. Off: each frame stands alone.
+  /// Fingers keep their ids from frame to frame, and as the next two say their axes and foci. Off: each frame stands
+  /// alone.
   bool follow = true;
+  touch::Axes axes = touch::Axes::steady;
+  touch::Smoothing smoothing = touch::Smoothing::one_euro;
   /// What a frame shows lasts that long after its capture if no other comes: then comes silence, and fingers let go.
   double hold_s = 0.1;
   Safety safety;  ///< around whatever link it runs to

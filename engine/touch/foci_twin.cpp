@@ -125,6 +125,7 @@ void sum_sectors(Finger& finger, const Plane& plane, std::span<const Border> bor
 void find_foci(const Parameters& parameters, std::span<const std::uint32_t> of_solid, Touch& out) {
   const std::vector<Border> every = sector_borders();
   for (Finger& finger : std::span(out.fingers).first(out.finger_count)) {
+    finger.placed = false;
     if (finger.point_like) {
       finger.foci.assign(1, {finger.section.centroid, static_cast<std::uint32_t>(finger.contacts.size())});
       continue;

@@ -7,6 +7,7 @@
 #include "gpu/pipeline.hpp"
 #include "shaders/follow.h"
 #include "touch/frame_clock.hpp"
+#include "touch/types.hpp"
 
 namespace palpa::touch {
 
@@ -36,7 +37,7 @@ class FollowPass {
   /// queue in the order of these calls. Barriers: expects header and fingers to be visible to compute; since pipeline
   /// barriers reach back over earlier submits to the queue, the same compute_to_compute orders the frames' use of
   /// `tracks`. The caller adds its own afterwards.
-  void record(VkCommandBuffer commands, const FollowBindings& bindings, std::uint32_t elapsed_us) const;
+  void record(VkCommandBuffer commands, const FollowBindings& bindings, std::uint32_t elapsed_us, Axes axes) const;
 
  private:
   gpu::ComputePipeline pipeline_;

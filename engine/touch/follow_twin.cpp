@@ -9,7 +9,6 @@
 namespace palpa::touch {
 namespace {
 
-using shader::Axes;
 using shader::Float3;
 using shader::Sym3;
 using shader::Track;
@@ -30,7 +29,7 @@ shader::vec4 vec4(const Float3& v, float w = 0) {
   return {v.x, v.y, v.z, w};
 }
 
-Axes axes_of(const Finger& finger) {
+shader::Axes axes_of(const Finger& finger) {
   const CrossSection& s = finger.section;
   return {float3(s.axes[0]), float3(s.axes[1]), float3(s.axes[2]),
           s.eigenvalues[0],  s.eigenvalues[1],  s.eigenvalues[2]};
@@ -49,18 +48,21 @@ struct Candidate {
   std::uint32_t row = none;    ///< the finger that it becomes
   std::uint32_t owner = none;  ///< that, or the one whose cluster it is in
   bool merged = false, seen = false;
+  bool stays = false;  ///< remembered, without a finger of its own
 };
 
 /// One frame's work.
 struct Follow {
   std::span<Finger> fingers;
   std::uint32_t elapsed_us;
+  bool steady;
   float frame_s = shader::in_seconds(elapsed_us);
   float scale = shader::reach_of(frame_s, 0, 0);
   std::uint32_t known = 0;
   std::array<Candidate, most> candidates{};
   std::array<float, max_fingers> birth_cost{};
   std::array<std::uint32_t, max_fingers> track_of{};
+  std::array<bool, most> home_taken{};
 
   std::span<Candidate> tracks() { return std::span(candidates).first(known); }
 
@@ -70,7 +72,8 @@ struct Follow {
   void assign();
   void merge();
   void move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t passengers);
-  Track followed(std::uint32_t finger, std::uint32_t id);
+  void choose_who_stays();
+  Track followed(std::uint32_t finger, std::uint32_t new_id, std::uint32_t new_home);
 };
 
 void Follow::move_on(const Tracks& before) {
@@ -188,8 +191,17 @@ void Follow::merge() {
   }
 }
 
+void Follow::choose_who_stays() {
+  std::size_t room = most - fingers.size();
+  for (Candidate& c : tracks()) {
+    c.stays = c.row == none && c.alive && (c.merged || c.unseen_us <= shader::memory_us) && room > 0;
+    if (c.stays) --room;
+    if (c.stays || c.row != none) home_taken[c.old.home] = true;
+  }
+}
+
 void Follow::move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t passengers) {
-  const Axes axes = axes_of(fingers[finger]);
+  const shader::Axes axes = axes_of(fingers[finger]);
   const Float3 found = float3(fingers[finger].section.centroid);
   const Sym3 cluster = covariance_of(axes);
   const float gain = shader::velocity_gain(frame_s);
@@ -233,13 +245,16 @@ void Follow::move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t 
   }
 }
 
-Track Follow::followed(std::uint32_t f, std::uint32_t id) {
+Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_home) {
   Finger& finger = fingers[f];
   CrossSection& section = finger.section;
-  const Axes axes = axes_of(finger);
+  const shader::Axes axes = axes_of(finger);
   const Sym3 spread = covariance_of(axes);
+  const Float3 lean = float3(section.lean);
   Track t{};
-  t.id = id;
+  t.id = new_id;
+  t.home = new_home;
+  t.since_us = shader::follow_anew;
   t.solid = finger.solid;
   t.carrier = none;
   t.contacts = static_cast<std::uint32_t>(finger.contacts.size());
@@ -249,8 +264,12 @@ Track Follow::followed(std::uint32_t f, std::uint32_t id) {
   t.axis3 = vec4(axes.w3, axes.l3);
   t.spread_a = {spread.xx, spread.xy, spread.xz, spread.yy};
   t.spread_b = {spread.yz, spread.zz, 0, 0};
+  shader::Steady turned{axes, 1, 0};
+  bool has_frame = false;
   if (track_of[f] != none) {
     Candidate& track = candidates[track_of[f]];
+    t.home = track.old.home;
+    t.since_us = track.old.carrier == none ? track.unseen_us : shader::follow_anew;
     const float since_s = shader::in_seconds(track.unseen_us);
     const auto passengers = static_cast<std::uint32_t>(
         std::count_if(tracks().begin(), tracks().end(), [&](const Candidate& c) { return c.merged && c.owner == f; }));
@@ -271,12 +290,18 @@ Track Follow::followed(std::uint32_t f, std::uint32_t id) {
       t.axis1 = track.old.axis1;
       t.axis3 = track.old.axis3;
     } else if (track.old.has_axes != 0) {
-      const shader::Steady steady = steady_axes(axes, float3(track.old.axis1), float3(track.old.axis3), since_s);
-      t.axis1 = vec4(steady.axes.w1, axes.l1);
-      t.axis3 = vec4(steady.axes.w3, axes.l3);
-      section.axes = {to_vec(steady.axes.w1), to_vec(steady.axes.w2), to_vec(steady.axes.w3)};
-      section.turn = {steady.cosine, steady.sine};
+      has_frame = true;
+      if (steady) turned = steady_axes(axes, lean, float3(track.old.axis1), float3(track.old.axis3), since_s);
     }
+  }
+  if (steady && !finger.point_like) {
+    if (!has_frame) turned = first_axes(axes, lean);
+    const shader::Axes& a = turned.axes;
+    t.axis1 = vec4(a.w1, a.l1);
+    t.axis3 = vec4(a.w3, a.l3);
+    section.axes = {to_vec(a.w1), to_vec(a.w2), to_vec(a.w3)};
+    section.eigenvalues = {a.l1, a.l2, a.l3};
+    section.turn = {turned.cosine, turned.sine};
   }
   finger.id = t.id;
   return t;
@@ -284,9 +309,10 @@ Track Follow::followed(std::uint32_t f, std::uint32_t id) {
 
 }  // namespace
 
-void follow_fingers(Tracks& tracks, double time_s, Touch& touch) {
+void follow_fingers(Tracks& tracks, double time_s, Axes axes, Touch& touch) {
   const std::uint32_t elapsed_us = tracks.clock.elapsed_us(time_s);
-  Follow follow{std::span(touch.fingers).first(touch.finger_count), elapsed_us == shader::follow_anew ? 0 : elapsed_us};
+  Follow follow{std::span(touch.fingers).first(touch.finger_count), elapsed_us == shader::follow_anew ? 0 : elapsed_us,
+                axes == Axes::steady};
   if (elapsed_us == shader::follow_anew) {
     tracks.count = 0;
     tracks.next_id = 0;
@@ -295,15 +321,20 @@ void follow_fingers(Tracks& tracks, double time_s, Touch& touch) {
   follow.find_birth_costs();
   follow.assign();
   follow.merge();
+  follow.choose_who_stays();
   tracks.count = 0;
+  std::uint32_t home = 0;  // the first that may be free
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     const bool born = follow.track_of[f] == none;
-    tracks.tracks[tracks.count++] = follow.followed(f, tracks.next_id);
-    if (born) ++tracks.next_id;
+    while (born && follow.home_taken[home])
+      ++home;
+    tracks.tracks[tracks.count++] = follow.followed(f, tracks.next_id, home);
+    if (!born) continue;
+    ++tracks.next_id;
+    ++home;
   }
   for (const Candidate& c : follow.tracks()) {
-    if (c.row != none || !c.alive || (!c.merged && c.unseen_us > shader::memory_us)) continue;
-    if (tracks.count == most) break;
+    if (!c.stays) continue;
     Track& t = tracks.tracks[tracks.count++] = c.old;
     t.carrier = c.merged ? c.owner : none;
     t.unseen_us = c.seen ? 0 : c.unseen_us;

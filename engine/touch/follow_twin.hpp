@@ -19,9 +19,10 @@ struct Tracks {
 };
 
 /// C++ twin of FollowPass. Gives the first `finger_count` fingers of a frame, whose sections are those of
-/// find_sections, their ids, and turns their axes the least they can from those of the frame before. Ids count up from
-/// 0 in the order of the fingers and are never used twice. In the first frame ids are the fingers' order and axes stay
-/// as they are. Same single-precision arithmetic as in the pass. Allocates nothing.
-void follow_fingers(Tracks& tracks, double time_s, Touch& touch);
+/// find_sections, their ids, and where axes are to be steady turns them the least they can from those of the frame
+/// before. Ids count up from 0 in the order of the fingers and are never used twice. In the first frame ids are the
+/// fingers' order. The first tracks are then those of the fingers. Same single-precision arithmetic as in the pass.
+/// Allocates nothing.
+void follow_fingers(Tracks& tracks, double time_s, Axes axes, Touch& touch);
 
 }  // namespace palpa::touch

@@ -20,6 +20,7 @@ HostStage::HostStage(const std::vector<geometry::Solid>& solids, std::span<const
       solids_(prepare_solids(solids, setting.parameters)) {
   check_parameters(setting.parameters, solids_);
   if (setting.follow) tracks_.emplace();
+  if (setting.glides()) homes_.emplace();
 }
 
 void HostStage::touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s, const Mark& mark) {
@@ -52,11 +53,15 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
   find_sections(out);
   done("sections");
   if (tracks_) {
-    follow_fingers(*tracks_, time_s, out);
+    follow_fingers(*tracks_, time_s, setting_.axes, out);
     done("follow");
   }
   find_foci(parameters, solids_.foci_of, out);
   done("foci");
+  if (homes_) {
+    glide_foci(*tracks_, *homes_, out);
+    done("glide");
+  }
   find_depths(out);
 }
 

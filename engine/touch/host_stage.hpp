@@ -13,6 +13,7 @@
 #include "shaders/bridge.h"
 #include "touch/bridge_twin.hpp"
 #include "touch/follow_twin.hpp"
+#include "touch/glide_twin.hpp"
 #include "touch/prepared_solids.hpp"
 #include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
@@ -49,6 +50,7 @@ class HostStage {
   std::vector<shader::BridgeCamera> bridge_cameras_;
   PreparedSolids solids_;
   std::optional<Tracks> tracks_;
+  std::optional<Homes> homes_;
   std::vector<sensing::View> views_;        // scratch
   std::vector<sensing::SkinPoint> points_;  // scratch
 };

@@ -35,14 +35,15 @@ struct MethodOptions {
 /// What a method makes of a finger. Reused from frame to frame.
 struct Placement {
   /// In the order of their angle. `points`: `cross-section`, `multi-focus`: contacts of the sector, 0 meaning that it
-  /// is empty; `ellipse`: contacts nearer to this focus than to others, by their angle; `single-focus`: all contacts.
+  /// is empty (`held`: only now); `ellipse`: contacts nearer to this focus than to others, by their angle;
+  /// `single-focus`: all contacts.
   std::vector<Focus> foci;
   /// Every focus has a position, whether or not contacts lie near it.
   bool complete = false;
   bool together = false;  ///< all foci sound in one slot
 
   /// Whether focus `i` has a position.
-  bool has(std::size_t i) const { return complete || foci[i].points != 0; }
+  bool has(std::size_t i) const { return complete || foci[i].points != 0 || foci[i].held; }
   /// Nothing moves on the skin: without a modulation it would feel nothing.
   bool still() const { return together || foci.size() == 1; }
 };

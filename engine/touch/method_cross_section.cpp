@@ -39,6 +39,7 @@ void cut_sectors(const Touch& touch, const Finger& finger, std::uint32_t foci, s
 void place_cross_section(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out) {
   if (options.foci == 0 || options.foci == finger.foci.size()) {
     out.foci = finger.foci;
+    out.complete = finger.placed;
   } else {
     cut_sectors(touch, finger, options.foci, out.foci);
   }

@@ -12,6 +12,7 @@ void Passes::prepare(const PreparedSolids& solids, const sensing::RayTables& tab
   fingers_.prepare(setting.parameters);
   if (bridges(tables, setting.parameters) && !bridge_) bridge_.emplace(device_);
   if (setting.follow && !follow_) follow_.emplace(device_);
+  if (setting.glides() && !glide_) glide_.emplace(device_);
 }
 
 bool bridges(const sensing::RayTables& tables, const Parameters& parameters) {

@@ -10,6 +10,7 @@
 #include "touch/fingers_pass.hpp"
 #include "touch/foci_pass.hpp"
 #include "touch/follow_pass.hpp"
+#include "touch/glide_pass.hpp"
 #include "touch/prepared_solids.hpp"
 #include "touch/sections_pass.hpp"
 #include "touch/stage_setting.hpp"
@@ -40,6 +41,7 @@ class Passes {
   SectionsPass sections_;
   std::optional<FollowPass> follow_;
   FociPass foci_;
+  std::optional<GlidePass> glide_;
 };
 
 /// Whether patches of fingers are joined across hidden skin: that needs cameras.

@@ -17,7 +17,7 @@ struct SectionsBindings {
   gpu::BufferRef parents;   ///< in: per contact a number that its finger alone has
   gpu::BufferRef contacts;  ///< in: shader::ContactRecord[]; out: their `finger`
   gpu::BufferRef header;    ///< in: shader::TouchHeader, one group per finger
-  gpu::BufferRef grouped;   ///< out: uvec4 per contact: bits of x, y, z, its number; finger after finger, in order
+  gpu::BufferRef grouped;   ///< out: uvec4 per contact: bits of x, y, z and depth; finger after finger, in order
   gpu::BufferRef fingers;   ///< in: shader::FingerRecord[max_fingers] as FingersPass leaves it; out: cross-sections
 };
 

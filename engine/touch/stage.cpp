@@ -30,6 +30,7 @@ Stage::Stage(Passes& passes, const std::vector<geometry::Solid>& solids, std::sp
   const gpu::Device& device = passes.device();
   passes.prepare(solids_, tables_, setting);
   if (setting.follow) tracks_.emplace(device);
+  if (setting.glides()) homes_.emplace(device);
   const std::vector<shader::BridgeCamera> seeing = bridge_cameras(cameras, tables_);
   const std::vector<shader::Border> borders = sector_borders();
   const gpu::Recorder recorder(device, "stage");
@@ -125,7 +126,7 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
   if (tracks_) {
     passes_.follow_->record(commands,
                             {.header = m.header_.ref(), .fingers = m.fingers_.ref(), .tracks = tracks_->ref()},
-                            tracks_->clock.elapsed_us(time_s));
+                            tracks_->clock.elapsed_us(time_s), setting_.axes);
     mark("follow");
     gpu::compute_to_compute(commands);
   }
@@ -138,6 +139,15 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                         .of_solid = solids_memory_.foci_of()},
                        parameters);
   mark("foci");
+  if (homes_) {
+    gpu::compute_to_compute(commands);
+    passes_.glide_->record(commands, {.header = m.header_.ref(),
+                                      .fingers = m.fingers_.ref(),
+                                      .tracks = tracks_->ref(),
+                                      .foci = m.foci_.ref(),
+                                      .homes = homes_->ref()});
+    mark("glide");
+  }
   if (setting_.detail == Detail::contacts) m.contacts_.record(commands);
   m.header_.record(commands);
   m.fingers_.record(commands);

@@ -56,8 +56,8 @@ class Stage {
   /// Records all that turns the frame's input, captured at `time_s`, into foci, and the readback that the setting asks
   /// for. Where fingers are followed: record frames in the order of their capture, and submit them in the order of
   /// their recording. With `times`, marks the names of SkinPass (depth frames only), ContactsPass, FingersPass,
-  /// "bridge", SectionsPass, "follow" and "foci", those that run. Barriers: the submit that used `memory` before has
-  /// completed. Allocates nothing.
+  /// "bridge", SectionsPass, "follow", "foci" and "glide", those that run. Barriers: the submit that used `memory`
+  /// before has completed. Allocates nothing.
   void record(VkCommandBuffer commands, StageMemory& memory, double time_s = 0, gpu::Timestamps* times = nullptr);
 
  private:
@@ -73,6 +73,7 @@ class Stage {
   PreparedSolids solids_;
   SolidsMemory solids_memory_;
   std::optional<TracksMemory> tracks_;
+  std::optional<HomesMemory> homes_;
 };
 
 /// What one frame in flight reads and writes. Give it its input, record, submit, wait, read.

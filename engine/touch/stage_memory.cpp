@@ -146,12 +146,15 @@ void read(const StageMemory& memory, Touch& out) {
     finger.section.axes = {vec(record.axis1), vec(record.axis2), vec(record.axis3)};
     finger.section.eigenvalues = {record.axis1.w, record.axis2.w, record.axis3.w};
     finger.section.turn = {record.turn.x, record.turn.y};
+    finger.section.lean = vec(record.lean);
+    finger.placed = record.placed != 0;
     finger.contact_count = record.contacts;
     finger.contacts.clear();
     finger.foci.resize(record.foci);
     for (std::size_t n = 0; n < finger.foci.size(); ++n) {
       const shader::FocusRecord& focus = foci[std::size_t{f} * max_foci + n];
-      finger.foci[n] = {{focus.x, focus.y, focus.z}, focus.points};
+      const std::uint32_t held = n < 32 ? record.held_low : record.held_high;
+      finger.foci[n] = {{focus.x, focus.y, focus.z}, focus.points, (held >> n % 32 & 1U) != 0};
     }
   }
   out.contacts.clear();

@@ -10,9 +10,13 @@ namespace palpa::touch {
 struct StageSetting {
   Parameters parameters;
   Detail detail = Detail::contacts;
-  /// Fingers keep their ids and axes from frame to frame: frames come in the order of their capture. Otherwise each
-  /// frame stands alone.
+  /// Fingers keep their ids from frame to frame: frames come in the order of their capture. Otherwise each frame stands
+  /// alone, and the next two say nothing.
   bool follow = false;
+  Axes axes = Axes::steady;
+  Smoothing smoothing = Smoothing::one_euro;
+
+  bool glides() const { return follow && smoothing == Smoothing::one_euro; }
 
   // On the device only, most of what one frame has; more is an error that read() reports. 0: the stage decides. With
   // cameras it has room for every pixel, and for 262,144 contacts; points from elsewhere get as much room as they need,

@@ -24,6 +24,20 @@ inline constexpr Word<Spacing> spacing_words[] = {{"angle", Spacing::angle}, {"a
 enum class Cluster { contacts, inside };
 inline constexpr Word<Cluster> cluster_words[] = {{"contacts", Cluster::contacts}, {"inside", Cluster::inside}};
 
+/// Of fingers that are followed from frame to frame: which way their cross-sections face.
+enum class Axes {
+  steady,      ///< turned the least that they must from the frame before
+  covariance,  ///< the principal axes of each frame by itself, as in the paper
+};
+inline constexpr Word<Axes> axes_words[] = {{"steady", Axes::steady}, {"covariance", Axes::covariance}};
+
+/// Of fingers that are followed: what keeps their foci from jumping.
+enum class Smoothing {
+  one_euro,  ///< foci are filtered in the finger's own frame, and those of sectors that empty glide (glide_pass.hpp)
+  none,
+};
+inline constexpr Word<Smoothing> smoothing_words[] = {{"one-euro", Smoothing::one_euro}, {"none", Smoothing::none}};
+
 struct Parameters {
   double delta_m = 1.5e-3;       ///< thickness of the shell (paper: delta)
   double finger_gap_m = 5e-3;    ///< Euclidean tolerance: contacts no farther apart are in one finger
@@ -57,18 +71,22 @@ struct Contact {
 
 /// Eq. (2)-(4): centroid and axes. Axes are orthonormal and right-handed. A single frame's are the principal ones: w3
 /// has y >= 0 (lying within 1e-6 of the horizontal: z, then x, positive), w1's largest component is positive, w2 = w3 x
-/// w1. Of a finger that is followed, w3 is the principal one with the sign that is nearer to the frame before, and w1
-/// and w2 have turned the least they could: where the cross-section is not elongated they are not the principal ones.
+/// w1. Of a finger that is followed with steady axes, w3 is the principal one with the sign that is nearer to the frame
+/// before, or where that is not clear points along depth's gradient, and w1 and w2 have turned the least they could:
+/// they are then not the principal ones.
 struct CrossSection {
   glm::vec3 centroid{};
   std::array<glm::vec3, 3> axes{};     ///< w1, w2, w3
-  std::array<float, 3> eigenvalues{};  ///< m^2, descending, never negative; of the principal directions
+  std::array<float, 3> eigenvalues{};  ///< m^2, never negative: of the plane's principal directions, along w3
   glm::vec2 turn{1, 0};                ///< the first principal direction is turn.x w1 + turn.y w2
+  glm::vec3 lean{};  ///< covariance of the contacts' depth with their place, m^2: where they lie deeper
 };
 
 struct Focus {
-  glm::vec3 position{};      ///< Eq. (6), metres, world; meaningless when points == 0
+  /// Eq. (6), metres, world; where points == 0 meaningless, unless the finger's foci are all placed.
+  glm::vec3 position{};
   std::uint32_t points = 0;  ///< |C_n|: contacts in the sector
+  bool held = false;         ///< of a sector that is empty, but was not shortly before
 };
 
 struct Finger {
@@ -79,6 +97,7 @@ struct Finger {
   std::vector<std::uint32_t> contacts;
   CrossSection section;
   std::vector<Focus> foci;  ///< N sectors of Eq. (7); one, at the centroid, when `point_like`
+  bool placed = false;      ///< every focus has a position, smoothed over time: that of an empty sector, too
   /// Fewer than 3 contacts, coincident or collinear ones: no cross-section; one focus at the centroid,
   /// amplitude-modulated.
   bool point_like = false;

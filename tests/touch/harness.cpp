@@ -211,10 +211,12 @@ void expect_identical(const Touch& a, const Touch& b) {
     EXPECT_EQ(p.contacts, q.contacts) << "finger " << f;
     EXPECT_EQ(p.point_like, q.point_like) << "finger " << f;
     EXPECT_TRUE(same_bits(p.section, q.section)) << "finger " << f;
+    EXPECT_EQ(p.placed, q.placed) << "finger " << f;
     ASSERT_EQ(p.foci.size(), q.foci.size()) << "finger " << f;
     for (std::size_t n = 0; n < p.foci.size(); ++n) {
       EXPECT_EQ(p.foci[n].points, q.foci[n].points) << "finger " << f << " focus " << n;
-      if (p.foci[n].points) {
+      EXPECT_EQ(p.foci[n].held, q.foci[n].held) << "finger " << f << " focus " << n;
+      if (p.foci[n].points || p.placed) {
         EXPECT_TRUE(same_bits(p.foci[n].position, q.foci[n].position)) << "finger " << f << " focus " << n;
       }
     }

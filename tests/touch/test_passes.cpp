@@ -23,6 +23,7 @@
 #include "spirv/fingers_select.comp.hpp"
 #include "spirv/foci.comp.hpp"
 #include "spirv/follow.comp.hpp"
+#include "spirv/glide.comp.hpp"
 #include "spirv/sections_axes.comp.hpp"
 #include "spirv/sections_count.comp.hpp"
 #include "spirv/sections_group.comp.hpp"
@@ -59,6 +60,7 @@ struct Guarded {
         grouped(device, std::size_t{room.contacts} * 16),
         tracks(device, sizeof(shader::TrackTable)),
         foci(device, std::size_t{max_fingers} * max_foci * sizeof(shader::FocusRecord)),
+        homes(device, sizeof(shader::Home) * shader::follow_most_tracks),
         contacts_scratch(device, ContactsPass::scratch(room)),
         fingers_scratch(device, FingersPass::scratch(room)),
         sections_scratch(device, SectionsPass::scratch()),
@@ -72,7 +74,7 @@ struct Guarded {
 
   Room room;
   GuardedBuffer points, length, solids, cells, planes, borders, of_solid, total, contacts, deep_total, deep, parents,
-      clusters, header, fingers, grouped, tracks, foci;
+      clusters, header, fingers, grouped, tracks, foci, homes;
   palpa::test::GuardedScratch contacts_scratch, fingers_scratch, sections_scratch;
   gpu::TexelView solid_texels, contact_texels, grouped_texels;
 
@@ -81,7 +83,7 @@ struct Guarded {
     int place = 0;
     for (GuardedBuffer* buffer :
          {&points, &length, &solids, &cells, &planes, &borders, &of_solid, &total, &contacts, &deep_total, &deep,
-          &parents, &clusters, &header, &fingers, &grouped, &tracks, &foci}) {
+          &parents, &clusters, &header, &fingers, &grouped, &tracks, &foci, &homes}) {
       const bool one = buffer->intact();
       EXPECT_TRUE(one) << "guard words of buffer " << place;
       all = all && one;
@@ -103,6 +105,7 @@ void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& soli
   static const SectionsPass sections(palpa::test::test_device());
   static const FollowPass follow(palpa::test::test_device());
   static const FociPass foci(palpa::test::test_device());
+  static const GlidePass glide(palpa::test::test_device());
   contacts.prepare(solids, parameters);
   fingers.prepare(parameters);
   contacts.record(commands,
@@ -135,12 +138,14 @@ void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& soli
       {b.total.ref(), b.parents.ref(), b.contact_texels.ref(), b.header.ref(), b.grouped_texels.ref(), b.fingers.ref()},
       b.sections_scratch, b.room);
   gpu::compute_to_compute(commands);
-  follow.record(commands, {b.header.ref(), b.fingers.ref(), b.tracks.ref()}, shader::follow_anew);
+  follow.record(commands, {b.header.ref(), b.fingers.ref(), b.tracks.ref()}, shader::follow_anew, Axes::steady);
   gpu::compute_to_compute(commands);
   foci.record(
       commands,
       {b.grouped_texels.ref(), b.header.ref(), b.fingers.ref(), b.foci.ref(), b.borders.ref(), b.of_solid.ref()},
       parameters);
+  gpu::compute_to_compute(commands);
+  glide.record(commands, {b.header.ref(), b.fingers.ref(), b.tracks.ref(), b.foci.ref(), b.homes.ref()});
 }
 
 TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
@@ -276,22 +281,31 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                  MEMBER(FingerRecord, point_like), MEMBER(FingerRecord, id), MEMBER(FingerRecord, start),
                  MEMBER(FingerRecord, foci), MEMBER(FingerRecord, centre), MEMBER(FingerRecord, axis1),
                  MEMBER(FingerRecord, axis2), MEMBER(FingerRecord, axis3), MEMBER(FingerRecord, turn),
-                 MEMBER(FingerRecord, mean)},
+                 MEMBER(FingerRecord, mean), MEMBER(FingerRecord, lean), MEMBER(FingerRecord, held_low)},
                 true);
   const auto count = palpa::test::read_spirv(spirv::sections_count_comp);
   expect_struct(count, "SectionsPush", sizeof(shader::SectionsPush), {MEMBER(SectionsPush, most_contacts)}, false);
   const auto follow = palpa::test::read_spirv(spirv::follow_comp);
-  expect_struct(follow, "FollowPush", sizeof(shader::FollowPush), {MEMBER(FollowPush, elapsed_us)}, false);
+  expect_struct(follow, "FollowPush", sizeof(shader::FollowPush),
+                {MEMBER(FollowPush, elapsed_us), MEMBER(FollowPush, steady)}, false);
   expect_struct(follow, "Track", sizeof(shader::Track),
                 {MEMBER(Track, id), MEMBER(Track, solid), MEMBER(Track, carrier), MEMBER(Track, unseen_us),
-                 MEMBER(Track, contacts), MEMBER(Track, has_axes), MEMBER(Track, place), MEMBER(Track, velocity),
-                 MEMBER(Track, axis1), MEMBER(Track, axis3), MEMBER(Track, spread_a), MEMBER(Track, spread_b)},
+                 MEMBER(Track, contacts), MEMBER(Track, has_axes), MEMBER(Track, home), MEMBER(Track, since_us),
+                 MEMBER(Track, place), MEMBER(Track, velocity), MEMBER(Track, axis1), MEMBER(Track, axis3),
+                 MEMBER(Track, spread_a), MEMBER(Track, spread_b)},
                 true);
   expect_struct(follow, "TrackTable", sizeof(shader::TrackTable),
                 {MEMBER(TrackTable, count), MEMBER(TrackTable, next_id), MEMBER(TrackTable, tracks)}, false);
   const auto foci = palpa::test::read_spirv(spirv::foci_comp);
   expect_struct(foci, "FocusRecord", sizeof(shader::FocusRecord),
                 {MEMBER(FocusRecord, x), MEMBER(FocusRecord, y), MEMBER(FocusRecord, z), MEMBER(FocusRecord, points)},
+                true);
+  const auto glide = palpa::test::read_spirv(spirv::glide_comp);
+  expect_struct(glide, "GlidingFocus", sizeof(shader::GlidingFocus),
+                {MEMBER(GlidingFocus, x), MEMBER(GlidingFocus, empty_us), MEMBER(GlidingFocus, speed_x)}, true);
+  expect_struct(glide, "Home", sizeof(shader::Home),
+                {MEMBER(Home, centre), MEMBER(Home, velocity), MEMBER(Home, axis1), MEMBER(Home, axis3),
+                 MEMBER(Home, foci), MEMBER(Home, focus)},
                 true);
   expect_struct(foci, "Border", sizeof(shader::Border), {MEMBER(Border, x), MEMBER(Border, y)}, true);
   expect_struct(foci, "FociPush", sizeof(shader::FociPush), {MEMBER(FociPush, foci), MEMBER(FociPush, spacing)}, false);
@@ -322,6 +336,7 @@ TEST(TouchShaders, HaveTheWorkgroupsThatTheirHeadersName) {
   EXPECT_EQ(size_of(spirv::sections_axes_comp), shader::sections_group);
   EXPECT_EQ(size_of(spirv::follow_comp), shader::follow_group);
   EXPECT_EQ(size_of(spirv::foci_comp), shader::foci_group);
+  EXPECT_EQ(size_of(spirv::glide_comp), shader::glide_group);
 }
 
 }  // namespace

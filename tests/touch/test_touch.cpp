@@ -245,7 +245,7 @@ TEST(Passes, MakeThePipelinesThatStagesNeedAndEachOnce) {
   };
   EXPECT_EQ(made({cube()}, {}), 11u);                             // to find and pack contacts; for fingers
   EXPECT_EQ(made({cube()}, {.detail = Detail::fingers}), 0u);     // the same
-  EXPECT_EQ(made({cube()}, {.follow = true}), 1u);                // to follow
+  EXPECT_EQ(made({cube()}, {.follow = true}), 2u);                // to follow, and for foci that glide
   EXPECT_EQ(made({cube(), cube()}, {}), 1u);                      // to find contacts of several solids
   EXPECT_EQ(made({cube()}, {.parameters = {.deep = true}}), 1u);  // to find deep points of one
   EXPECT_EQ(made({cube()}, {.parameters = {.cluster = Cluster::inside}}), 2u);  // to cluster them
