@@ -75,8 +75,9 @@ Film resting(const std::string& object, int frames) {
   constexpr int away = 12;
   const auto motion = [frames](double t) {
     const int frame = static_cast<int>(std::lround(t * film_hz)), turn = frames + away;
+    const int deeper = frame / turn;
     if (frame % turn >= frames) return at(0, 0.05, 0);
-    return at(0.7e-3, -2e-3 - 1e-3 * (frame / turn), 0.4e-3);
+    return at(0.7e-3, -2e-3 - 1e-3 * deeper, 0.4e-3);
   };
   return {object, "at rest", motion, 3 * frames + 2 * away};
 }
