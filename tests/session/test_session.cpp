@@ -108,6 +108,8 @@ TEST_P(Touching, TakesDepthFrames) {
 TEST_P(Touching, RefusesWhatCannotSound) {
   auto solids = cube(0.001);
   solids[0].haptics.foci = 9;
+  EXPECT_NO_THROW(make({.solids = solids}));
+  solids[0].haptics.stride = 3;
   EXPECT_THROW(make({.solids = solids}), Error);
   SessionSetting setting{.solids = cube(0.001)};
   setting.schedule.voice.stride = 5;
