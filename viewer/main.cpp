@@ -5,8 +5,8 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
-#include "base/error.hpp"
 #include "base/output_file.hpp"
+#include "setup/parse.hpp"
 #include "setup/program.hpp"
 #include "viewer/run.hpp"
 #include "viewer/viewer_options.hpp"
@@ -41,15 +41,13 @@ void parse_and_run(int argc, char** argv) {
   add_options(app, options);
   setup::add_common(app, options.common);
   try {
-    app.parse(argc, argv);
+    setup::parse(app, argc, argv);
   } catch (const CLI::CallForHelp&) {
     write_file("-", app.help());
     return;
   } catch (const CLI::CallForVersion&) {
     write_file("-", "palpa-viewer " PALPA_VERSION "\n");
     return;
-  } catch (const CLI::ParseError& error) {
-    throw bad_usage(setup::usage_line(error.what(), "palpa-viewer"));
   }
   setup::apply_logging(options.common);
   check(options);

@@ -11,6 +11,7 @@
 #include "setup/load.hpp"
 #include "setup/touch_run.hpp"
 #include "setup/touch_schedule.hpp"
+#include "setup/warnings.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -93,6 +94,7 @@ void Show::load_array(const ViewerOptions& options) {
   if (name.empty()) return;
   const array::Layout layout = array::load_layout(name);
   layout_ = array::transformed(layout, pose.value_or(layout.default_T_world_layout));
+  setup::warn_of_frequency(layout_, drive_options_.medium);
   show_array(picture_, layout_);
 }
 

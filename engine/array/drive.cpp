@@ -137,9 +137,9 @@ void drive_several(const Layout& layout, const DriveOptions& options, std::span<
 }  // namespace
 
 double sound_speed_at(double celsius) {
-  if (!(celsius > -273.15) || !std::isfinite(celsius)) {
-    throw bad_usage(
-        fmt::format("temperature {} is below absolute zero or not a number: degrees Celsius, such as 20", celsius));
+  if (!(celsius >= least_celsius && celsius <= most_celsius)) {
+    throw bad_usage(fmt::format("temperature {}: give degrees Celsius from {} to {}, such as 20", celsius,
+                                least_celsius, most_celsius));
   }
   return 331.3 * std::sqrt(1 + celsius / 273.15);
 }

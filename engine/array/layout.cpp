@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "array/board_mesh.hpp"
@@ -25,6 +26,11 @@ Layout load_layout(const std::string& name_or_file) {
                     fmt::format("neither a file nor a known layout; known: {}", fmt::join(layout_names(), ", ")));
   }
   return load_layout_toml(name_or_file);
+}
+
+bool is_layout(const std::string& name_or_file) {
+  std::error_code ignored;
+  return std::ranges::count(layout_names(), name_or_file) > 0 || std::filesystem::exists(name_or_file, ignored);
 }
 
 Layout transformed(const Layout& layout, const Transform& T_world_layout) {

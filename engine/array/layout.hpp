@@ -32,6 +32,7 @@ struct Layout {
   std::vector<Transducer> transducers;  ///< in drive order
   std::vector<Board> boards;            ///< ascending by `first`; transducers given one by one belong to no board
   double source_level_pa_m = 4.386;     ///< peak pressure at 1 m on the axis at full amplitude, times 1 m
+  double frequency_hz = 40e3;           ///< what its transducers are made for
   double transducer_radius_m = 4.5e-3;  ///< of the part that sounds; the piston's directivity hangs on it
   /// Where it stands when neither rig nor user says: `paper` at the world's origin, a board 150 mm below it facing +y.
   Transform default_T_world_layout{1.0};
@@ -41,6 +42,8 @@ struct Layout {
 /// docs/layouts.md). Throws bad_input naming file, line and key; a name that is neither lists the known ones.
 Layout load_layout(const std::string& name_or_file);
 std::vector<std::string> layout_names();
+/// Whether that is the name of a built-in layout or of something that exists.
+bool is_layout(const std::string& name_or_file);
 
 /// The same transducers and boards in world coordinates. `T_world_layout` is rigid.
 Layout transformed(const Layout& layout, const Transform& T_world_layout);

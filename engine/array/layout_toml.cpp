@@ -8,8 +8,12 @@
 #include <cmath>
 #include <filesystem>
 #include <glm/gtc/quaternion.hpp>
+#include <iterator>
+#include <utility>
+#include <vector>
 
 #include "array/builtin_layouts.hpp"
+#include "array/medium.hpp"
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/toml.hpp"
@@ -66,17 +70,24 @@ void read_transducer(TomlTable& table, Layout& layout) {
   layout.transducers.push_back({position, axis / length});
 }
 
+/// A table of the file and the first of its transducers.
+struct Origin {
+  std::size_t first;
+  TomlTable table;
+};
+
 template <typename Read>
-void read_each(TomlTable& top, std::string_view key, const Read& read, Layout& layout) {
+void read_each(TomlTable& top, std::string_view key, const Read& read, Layout& layout, std::vector<Origin>& origins) {
   for (TomlTable& table : top.tables(key)) {
-    read(table, layout);
+    origins.push_back({layout.transducers.size(), std::move(table)});
+    read(origins.back().table, layout);
     if (layout.transducers.size() > max_transducers) {
-      throw table.fault("", fmt::format("more than {} transducers", max_transducers));
+      throw origins.back().table.fault("", fmt::format("more than {} transducers", max_transducers));
     }
   }
 }
 
-void refuse_coinciding(const std::string& file, const Layout& layout) {
+void refuse_coinciding(const Layout& layout, const std::vector<Origin>& origins) {
   std::vector<std::uint32_t> order(layout.transducers.size());
   for (std::uint32_t i = 0; i < order.size(); ++i)
     order[i] = i;
@@ -88,7 +99,9 @@ void refuse_coinciding(const std::string& file, const Layout& layout) {
                     [&](std::uint32_t a, std::uint32_t b) { return std::pair(key(a), a) < std::pair(key(b), b); });
   for (std::size_t i = 1; i < order.size(); ++i) {
     if (key(order[i - 1]) != key(order[i])) continue;
-    throw bad_input(file, fmt::format("transducers {} and {} are at the same place", order[i - 1], order[i]));
+    const auto past = std::ranges::upper_bound(origins, std::size_t{order[i]}, {}, &Origin::first);
+    throw std::prev(past)->table.fault(
+        "", fmt::format("transducers {} and {} are at the same place", order[i - 1], order[i]));
   }
 }
 
@@ -115,11 +128,13 @@ Layout parse_layout_toml(std::string_view text, const std::string& file) {
                                   layout.transducer_radius_m));
     }
   }
-  read_each(top, "unit", read_unit, layout);
-  read_each(top, "transducer", read_transducer, layout);
+  layout.frequency_hz = top.number_or("frequency_hz", layout.frequency_hz, least_frequency, most_frequency);
+  std::vector<Origin> origins;
+  read_each(top, "unit", read_unit, layout, origins);
+  read_each(top, "transducer", read_transducer, layout, origins);
   top.done();
   if (layout.transducers.empty()) throw bad_input(file, "no transducers: write [[unit]] or [[transducer]] tables");
-  refuse_coinciding(file, layout);
+  refuse_coinciding(layout, origins);
   return layout;
 }
 

@@ -16,9 +16,14 @@ namespace {
 constexpr std::size_t block = 1 << 16;
 
 /// Not taken by any other writer in this process; two processes meet at most by O_EXCL.
-std::filesystem::path name_beside(const OutputPlace& place) {
+std::filesystem::path new_name(const OutputPlace& place) {
   static std::atomic<std::uint64_t> count{0};
   return place.folder() / fmt::format(".palpa-{}-{}", ::getpid(), count++);
+}
+
+/// What a descriptor without a name is linked by.
+std::string link_of(int descriptor) {
+  return fmt::format("/proc/self/fd/{}", descriptor);
 }
 
 }  // namespace
@@ -31,22 +36,31 @@ OutputFile::OutputFile(const std::filesystem::path& file) : place_(output_place(
   if (descriptor_ < 0) throw write_failure(place_.name, errno);
 }
 
+/// Without a name where the file system can do that.
+bool OutputFile::create_beside() {
+  descriptor_ = ::open(place_.folder().c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+  if (descriptor_ >= 0 && ::access(link_of(descriptor_).c_str(), F_OK) == 0) return true;
+  if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
+  do {
+    beside_ = new_name(place_);
+    descriptor_ = ::open(beside_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (descriptor_ < 0 && errno == EEXIST);
+  if (descriptor_ < 0) beside_.clear();
+  return descriptor_ >= 0;
+}
+
 bool OutputFile::open_beside() {
   const bool replaces = place_.kind == OutputPlace::Kind::file;
-  do {
-    beside_ = name_beside(place_);
-    descriptor_ = ::open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  } while (descriptor_ < 0 && errno == EEXIST);
-  if (descriptor_ < 0) {
-    beside_.clear();
+  if (!create_beside()) {
     if (replaces && (errno == EACCES || errno == EPERM || errno == EROFS)) return false;
     throw write_failure(place_.name, errno);
   }
+  in_place_ = false;
   if (!replaces) return true;
-  const bool ours = ::fchown(descriptor_, place_.owner, place_.group) == 0 || place_.owner == ::geteuid();
-  if (ours && ::fchmod(descriptor_, place_.mode) == 0) return true;
+  if (::fchown(descriptor_, place_.owner, place_.group) == 0 && ::fchmod(descriptor_, place_.mode) == 0) return true;
   ::close(std::exchange(descriptor_, -1));
-  ::unlink(std::exchange(beside_, {}).c_str());
+  if (!beside_.empty()) ::unlink(std::exchange(beside_, {}).c_str());
+  in_place_ = true;
   return false;
 }
 
@@ -69,14 +83,14 @@ void OutputFile::flush() {
   buffer_.clear();
 }
 
-void OutputFile::put(std::string_view bytes) const {
+void OutputFile::put(int descriptor, std::string_view bytes) const {
   while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
     if (written > 0) {
       bytes.remove_prefix(static_cast<std::size_t>(written));
     } else if (written < 0 && errno == EAGAIN) {
       // Whoever shares this pipe or terminal does not want to wait; here nothing else is to be done.
-      pollfd room{descriptor_, POLLOUT, 0};
+      pollfd room{descriptor, POLLOUT, 0};
       ::poll(&room, 1, -1);
     } else if (written == 0 || errno != EINTR) {
       throw write_failure(place_.name, written == 0 ? 0 : errno);
@@ -84,14 +98,59 @@ void OutputFile::put(std::string_view bytes) const {
   }
 }
 
+void OutputFile::name_beside() {
+  const std::string link = link_of(descriptor_);
+  std::filesystem::path name;
+  int fault = 0;
+  do {
+    name = new_name(place_);
+    fault = ::linkat(AT_FDCWD, link.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+  } while (fault == EEXIST);
+  if (fault != 0) throw write_failure(place_.name, fault);
+  beside_ = name;
+}
+
+void OutputFile::copy_into_place() {
+  const int into = ::open(place_.path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
+  if (into < 0) throw write_failure(place_.name, errno);
+  buffer_.resize(block);
+  try {
+    for (off_t at = 0;;) {
+      const ssize_t got = ::pread(descriptor_, buffer_.data(), buffer_.size(), at);
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) throw write_failure(place_.name, errno);
+      if (got == 0) break;
+      put(into, std::string_view(buffer_.data(), static_cast<std::size_t>(got)));
+      at += got;
+    }
+  } catch (...) {
+    ::close(into);
+    throw;
+  }
+  if (::close(into) != 0) throw write_failure(place_.name, errno);
+}
+
+void OutputFile::put_in_place() {
+  if (place_.links > 1) return copy_into_place();
+  if (place_.kind == OutputPlace::Kind::absent && beside_.empty() &&
+      ::linkat(AT_FDCWD, link_of(descriptor_).c_str(), AT_FDCWD, place_.path.c_str(), AT_SYMLINK_FOLLOW) == 0)
+    return;
+  if (beside_.empty()) name_beside();
+  if (::rename(beside_.c_str(), place_.path.c_str()) == 0) {
+    beside_.clear();
+  } else if (errno == EBUSY) {
+    copy_into_place();
+  } else {
+    throw write_failure(place_.name, errno);
+  }
+}
+
 void OutputFile::finish() {
   flush();
+  if (!in_place_) put_in_place();
   const int closing = std::exchange(descriptor_, -1);
   // Some file systems tell of a full disk only here.
   if (closing != STDOUT_FILENO && ::close(closing) != 0) throw write_failure(place_.name, errno);
-  if (beside_.empty()) return;
-  if (::rename(beside_.c_str(), place_.path.c_str()) != 0) throw write_failure(place_.name, errno);
-  beside_.clear();
 }
 
 void write_file(const std::filesystem::path& file, std::string_view bytes) {

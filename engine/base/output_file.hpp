@@ -9,13 +9,17 @@
 
 namespace palpa {
 
-/// A file that is there whole or not at all: written beside its place and renamed over it by finish(), so that whoever
-/// looks finds the old one or the new one, also when two write the same. Symbolic links are followed; a file that is
-/// replaced keeps its mode (and owner), a new one has the umask's. Nothing is synchronised: after a power failure, the
-/// file system decides.
+/// A file that is there whole or not at all: written without a name and put into its place by finish(), so that whoever
+/// looks finds the old one or the new one, also when two write the same. A program that is killed leaves nothing
+/// behind, but on file systems without nameless files, where it leaves a `.palpa-...` beside the place. Symbolic links
+/// are followed; a file that is replaced keeps its mode, owner and group, a new one has the umask's. Nothing is
+/// synchronised: after a power failure, the file system decides.
 ///
-/// Written where they stand are devices, pipes and what is open already; a file of somebody else; and one in a folder
-/// that takes no new files.
+/// A file with several names, and one that is a mount point, would lose them or cannot be replaced: finish() copies the
+/// whole of what was written into it.
+///
+/// Written where they stand are devices, pipes and what is open already; a file of somebody else, or of a group that
+/// the program is not in; and one in a folder that takes no new files.
 class OutputFile {
  public:
   /// "-" is stdout. As everywhere, opening a FIFO waits for its reader. Throws failure() naming the file.
@@ -32,11 +36,17 @@ class OutputFile {
 
  private:
   bool open_beside();
+  bool create_beside();
+  void name_beside();
+  void put_in_place();
+  void copy_into_place();
   void flush();
-  void put(std::string_view bytes) const;
+  void put(std::string_view bytes) const { put(descriptor_, bytes); }
+  void put(int descriptor, std::string_view bytes) const;
 
   OutputPlace place_;
-  std::filesystem::path beside_;  ///< empty: written where it stands
+  bool in_place_ = true;          ///< written where it stands
+  std::filesystem::path beside_;  ///< the name that it has until it is finished; empty where it has none
   int descriptor_ = -1;
   std::string buffer_;
 };

@@ -77,6 +77,7 @@ OutputPlace output_place(const fs::path& file) {
     place.mode = status.st_mode & 07777;
     place.owner = status.st_uid;
     place.group = status.st_gid;
+    place.links = status.st_nlink;
   } else if (place.open_already || ::stat(place.folder().c_str(), &status) != 0) {
     status = {};
   }

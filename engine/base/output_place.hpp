@@ -35,6 +35,7 @@ struct OutputPlace {
   mode_t mode = 0;        ///< of what is there; so are:
   uid_t owner = 0;
   gid_t group = 0;
+  nlink_t links = 0;  ///< names that it has
 
   std::filesystem::path folder() const;
 };

@@ -128,13 +128,17 @@ const void* TomlTable::need(std::string_view key) {
   return node;
 }
 
-Error TomlTable::fault(std::string_view key, const std::string& fault) const {
+std::string TomlTable::place(std::string_view key) const {
   const toml::table& table = as_table(table_);
   const auto found = table.find(key);
   const std::uint32_t line = found == table.end() ? table.source().begin.line : line_of(found->first, found->second);
   // The top level begins nowhere.
   const bool placed = line != 0 && (found != table.end() || table_ != &document_->root);
-  return bad_input(document_->file, placed ? fmt::format("line {}: {}", line, fault) : fault);
+  return placed ? fmt::format("{}: line {}", document_->file, line) : document_->file;
+}
+
+Error TomlTable::fault(std::string_view key, const std::string& fault) const {
+  return bad_input(place(key), fault);
 }
 
 double TomlTable::number(std::string_view key) {

@@ -61,6 +61,8 @@ class TomlTable {
   /// Refuses a key that was not read and tells which were asked for.
   void done() const;
 
+  /// "FILE: line N" of a key, or of this table where the key is absent.
+  std::string place(std::string_view key) const;
   /// "FILE: line N: fault" for the line of a key, or of this table where the key is absent.
   Error fault(std::string_view key, const std::string& fault) const;
 

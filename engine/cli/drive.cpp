@@ -13,14 +13,17 @@
 #include "array/drive_pass.hpp"
 #include "array/layout.hpp"
 #include "array/resolution.hpp"
+#include "array/usual.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
+#include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/device.hpp"
 #include "setup/options.hpp"
 #include "setup/values.hpp"
+#include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -73,6 +76,8 @@ std::vector<array::SlotFocus> read_foci(const DriveCommand& o, const array::Layo
             fmt::format("--focus: '{}' is where transducer {} stands; give a point in front of the array", text, i));
       }
     }
+    if (const std::string odd = array::unusual_place(layout, {focus.position, focus.position}); !odd.empty())
+      log::warning(fmt::format("--focus: '{}' {}", text, odd));
     foci.push_back(focus);
   }
   return foci;
@@ -180,6 +185,7 @@ void run(const DriveCommand& o) {
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   const array::DriveOptions options = setup::drive_options(o.drive);
   const array::Layout layout = array::load_layout(o.layout);
+  setup::warn_of_frequency(layout, options.medium);
   const std::vector<array::SlotFocus> foci = read_foci(o, layout);
   const array::Drive drive = o.common.backend == setup::Backend::cpu
                                  ? array::drive_for(layout, foci, options)

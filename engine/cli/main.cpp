@@ -4,9 +4,9 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
-#include "base/error.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
+#include "setup/parse.hpp"
 #include "setup/program.hpp"
 
 namespace palpa::cli {
@@ -17,13 +17,6 @@ std::string tidy_help(std::string text) {
   for (std::size_t at = 0; (at = text.find("\n\n\n", at)) != std::string::npos;)
     text.erase(at, 1);
   return text;
-}
-
-/// The subcommand that was being parsed, for advice: "palpa touch".
-std::string place(const CLI::App& app) {
-  for (const CLI::App* command : app.get_subcommands())
-    return fmt::format("palpa {}", command->get_name());
-  return "palpa";
 }
 
 void parse_and_run(int argc, const char* const* argv, const Extensions& extensions) {
@@ -47,18 +40,13 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
     add(program);
 
   try {
-    app.parse(argc, argv);
+    setup::parse(app, argc, argv);
   } catch (const CLI::CallForHelp&) {
     write_file("-", tidy_help(app.help()));
     return;
   } catch (const CLI::CallForVersion&) {
     write_file("-", "palpa " PALPA_VERSION "\n");
     return;
-  } catch (const CLI::ParseError& error) {
-    if (app.get_subcommands().empty() && !app.remaining().empty()) {
-      throw bad_usage(fmt::format("there is no subcommand '{}'; see palpa --help", app.remaining().front()));
-    }
-    throw bad_usage(setup::usage_line(error.what(), place(app)));
   }
   setup::apply_logging(*program.common);
   program.action();

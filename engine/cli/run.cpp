@@ -21,6 +21,7 @@
 #include "setup/progress.hpp"
 #include "setup/touch_schedule.hpp"
 #include "setup/values.hpp"
+#include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -197,7 +198,9 @@ void run(const Extensions& extensions, const RunCommand& o) {
   std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids, o.common.quiet);
   const setup::PosedRig rig = setup::load_posed_rig(o.rig);
   const std::unique_ptr<sensing::DepthSource> source = open_source(o, extensions, rig);
+  setup::warn_of_reach(rig.layout, solids);
   session::SessionSetting setting = session_setting(o, std::move(solids), *source, rig.layout);
+  setup::warn_of_frequency(setting.layout, setting.drive.medium);
   std::optional<gpu::Device> device;
   if (o.common.backend == setup::Backend::gpu) device.emplace(setup::device_options(o.common));
   session::Session session =

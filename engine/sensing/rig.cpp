@@ -75,6 +75,7 @@ Rig load_rig(const std::filesystem::path& file) {
   if (auto table = root.table("array")) {
     ArrayPlacement& array = rig.array.emplace();
     array.layout = resolve_layout(table->text("layout"), file);
+    array.where = table->place("layout");
     if (array.layout.find('/') != std::string::npos) refuse_output_as_input(std::filesystem::path(array.layout));
     if (table->has("T_world_layout")) array.T_world_layout = table->pose("T_world_layout");
     table->done();

@@ -13,6 +13,7 @@ namespace palpa::sensing {
 struct ArrayPlacement {
   std::string layout;                       ///< a built-in layout's name or a layout TOML's path
   std::optional<Transform> T_world_layout;  ///< absent: where that layout stands by default
+  std::string where;                        ///< "FILE: line N" of the layout's name, for messages
 };
 
 struct Screen {

@@ -1,12 +1,17 @@
 #include "setup/load.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/parts_solid.hpp"
 #include "setup/assets.hpp"
 #include "setup/progress.hpp"
+#include "setup/warnings.hpp"
 
 namespace palpa::setup {
 
@@ -16,6 +21,7 @@ std::vector<geometry::Solid> load_solids(const std::string& scene, const std::op
   if (options.parts && !into_parts) throw bad_usage("--parts goes with --surface parts");
   const std::optional<int> index = gltf_scene ? std::optional(static_cast<int>(*gltf_scene)) : std::nullopt;
   std::vector<geometry::Solid> solids = geometry::make_solids(geometry::load_gltf(scene, index), options.surface);
+  warn_of_dwell(solids);
   const auto has_parts = [](const geometry::Solid& solid) { return !solid.parts.parts.empty(); };
   if (options.internal_faces && !into_parts && std::none_of(solids.begin(), solids.end(), has_parts)) {
     throw bad_usage("--internal-faces goes with --surface parts, or with a scene of parts");
@@ -35,12 +41,25 @@ std::vector<geometry::Solid> load_solids(const std::string& scene, const std::op
   return solids;
 }
 
+namespace {
+
+/// A name that leads to no layout is the rig's fault, not the layout's.
+array::Layout load_layout_of(const sensing::ArrayPlacement& array) {
+  if (!array::is_layout(array.layout)) {
+    throw bad_input(array.where, fmt::format("layout is {}, neither a file nor a known layout; known: {}",
+                                             printable(array.layout, 200), fmt::join(array::layout_names(), ", ")));
+  }
+  return array::load_layout(array.layout);
+}
+
+}  // namespace
+
 PosedRig load_posed_rig(const RigOptions& options) {
   PosedRig set_up;
   set_up.rig = sensing::load_rig(options.rig.empty() ? find_asset("rigs/paper.toml") : options.rig);
   const bool from_rig = options.layout.empty();
   if (from_rig && !set_up.rig.array) throw bad_input(set_up.rig.file, "has no [array]; add one or give --layout");
-  const array::Layout layout = array::load_layout(from_rig ? set_up.rig.array->layout : options.layout);
+  const array::Layout layout = from_rig ? load_layout_of(*set_up.rig.array) : array::load_layout(options.layout);
   const bool posed = from_rig && set_up.rig.array->T_world_layout.has_value();
   set_up.layout = transformed(layout, posed ? *set_up.rig.array->T_world_layout : layout.default_T_world_layout);
   return set_up;

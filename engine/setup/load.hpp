@@ -26,7 +26,7 @@ struct PosedRig {
 };
 
 /// The rig (default: the paper's) and its array; --layout replaces the array, which then stands where that layout
-/// stands by default. Throws bad_input.
+/// stands by default. Throws bad_input; of a layout that the rig names and that is none, with the rig's line.
 PosedRig load_posed_rig(const RigOptions& options);
 
 }  // namespace palpa::setup

@@ -4,6 +4,7 @@
 
 #include "base/error.hpp"
 #include "setup/values.hpp"
+#include "setup/warnings.hpp"
 
 namespace palpa::setup {
 
@@ -102,15 +103,17 @@ void check(const TouchOptions& options) {
   if (!options.stride) return;
   const std::string fault = geometry::stride_fault(options.parameters.foci, *options.stride);
   if (!fault.empty()) throw bad_usage("--stride and --foci: " + fault);
+  warn_of_dwell(options);
 }
 
 void add_medium_options(CLI::App& app, MediumOptions& options) {
   const Group group(app, "Air and tone");
-  group.number("--temperature", options.celsius, {-273.15, 1000, true}, "CELSIUS",
+  group.number("--temperature", options.celsius, {array::least_celsius, array::most_celsius}, "CELSIUS",
                "of the air, which says how fast sound is [20]");
-  group.quantity("--sound-speed", options.sound_speed, Quantity::speed, positive(1e5),
-                 "to be used in place of the temperature's");
-  group.quantity("--frequency", options.frequency, Quantity::frequency, positive(1e9), "of the transducers");
+  group.quantity("--sound-speed", options.sound_speed, Quantity::speed,
+                 {array::least_sound_speed, array::most_sound_speed}, "to be used in place of the temperature's");
+  group.quantity("--frequency", options.frequency, Quantity::frequency, {array::least_frequency, array::most_frequency},
+                 "of the transducers");
 }
 
 array::Medium medium(const MediumOptions& options) {

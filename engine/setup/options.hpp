@@ -63,7 +63,8 @@ struct TouchOptions {
   bool tune = false;  ///< --tune: stride, and for a single touch foci, by the perimeter
 };
 void add_touch_options(CLI::App& app, TouchOptions& options);
-/// Throws bad_usage, with a stride that would do, where stride and foci share a divisor (geometry::stride_fault).
+/// Throws bad_usage, with a stride that would do, where stride and foci share a divisor (geometry::stride_fault). Warns
+/// of a long dwell.
 void check(const TouchOptions& options);
 
 /// What skin feels of a single touch.

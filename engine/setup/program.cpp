@@ -58,11 +58,4 @@ int run_program(const std::function<void()>& body) {
   return static_cast<int>(code);
 }
 
-std::string usage_line(const std::string& parser_message, const std::string& command) {
-  std::string line = one_line(parser_message);
-  // The parser's sentences begin like sentences, an error line does not; an option's name keeps its case.
-  if (line.starts_with("A ") || line.starts_with("The ")) line[0] = static_cast<char>(line[0] - 'A' + 'a');
-  return fmt::format("{}; see {} --help", line, command);
-}
-
 }  // namespace palpa::setup

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <string>
 
 namespace palpa::setup {
 
@@ -10,8 +9,5 @@ namespace palpa::setup {
 /// opened later; a closed pipe or a file that may not grow is an error and no signal. An Error is one line on stderr;
 /// held warnings are shown when `body` succeeded. Vulkan validation errors make a success a failure.
 int run_program(const std::function<void()>& body);
-
-/// The command line parser's own message as one of palpa's: "...; see palpa touch --help".
-std::string usage_line(const std::string& parser_message, const std::string& command);
 
 }  // namespace palpa::setup

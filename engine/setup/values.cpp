@@ -219,6 +219,7 @@ void Group::texts(const std::string& name, std::vector<std::string>& target, con
           help)
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false)  // else "[a,b]" would be taken apart
       ->type_name(type)
       ->group(heading_);
 }
@@ -226,6 +227,7 @@ void Group::texts(const std::string& name, std::vector<std::string>& target, con
 void Group::flag(const std::string& name, bool& target, const std::string& help) const {
   app_->add_flag_callback(
           name, [&target] { target = true; }, help)
+      ->disable_flag_override()
       ->group(heading_);
 }
 

@@ -93,8 +93,8 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
   EXPECT_EQ(fault_of("\nunit = [3]"), "line 2: unit must be a list of tables: [[unit]]");
   EXPECT_EQ(fault_of("[unit]\n"), "line 1: unit must be a list of tables: [[unit]]");
   EXPECT_EQ(fault_of("# head\ncolour = 1\n"),
-            "line 2: unknown key colour in a layout; known: name, source_level_pa_m, transducer_radius_m, unit, "
-            "transducer");
+            "line 2: unknown key colour in a layout; known: name, source_level_pa_m, transducer_radius_m, "
+            "frequency_hz, unit, transducer");
   EXPECT_EQ(fault_of("[[unit]]\ntype = \"autd4\"\n" + pose),
             "line 2: type is no known board; known: autd3, openmpd, sonicsurface");
   EXPECT_EQ(fault_of("[[unit]]\ntype = \"paper\"\n" + pose),
@@ -122,11 +122,12 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
             "line 1: source_level_pa_m is 0; above 0 and at most 10000 Pa m, such as 4.386");
   EXPECT_EQ(fault_of("transducer_radius_m = -1\n"),
             "line 1: transducer_radius_m is -1; above 0 and at most 0.1 m, such as 0.0045");
+  EXPECT_EQ(fault_of("frequency_hz = 40\n"), "line 1: frequency_hz is 40, expected 1000 to 10000000");
   EXPECT_EQ(fault_of("source_level_pa_m = true\n"), "line 1: source_level_pa_m must be a finite number");
   EXPECT_EQ(fault_of("name = 3\n"), "line 1: name must be a text in quotes, not empty");
   EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, 1]\naxis = [0, 0, 1]\n[[transducer]]\nposition_m = [0, 0, "
                      "1]\naxis = [0, 1, 0]\n"),
-            "transducers 0 and 1 are at the same place");
+            "line 4: transducers 0 and 1 are at the same place");
   EXPECT_TRUE(fault_of("name = \"x\"\nunit = [[\n").starts_with("line ")) << "whatever the parser calls it";
   EXPECT_TRUE(fault_of("\x01").starts_with("line 1: "));
   EXPECT_TRUE(fault_of("\"\\u0001\\nb\" = 1").starts_with("line 1: unknown key \\x01\\nb in a layout"));

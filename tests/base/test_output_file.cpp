@@ -3,8 +3,12 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/mount.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
 
 #include <fstream>
 #include <string>
@@ -80,6 +84,69 @@ TEST_F(OutputFileTest, KeepsTheModeOfWhatItReplaces) {
   write_file(file_, "y");
   EXPECT_EQ(mode(file_), 0604u);
   umask(mask);
+}
+
+TEST_F(OutputFileTest, AFileWithSeveralNamesKeepsThem) {
+  write_file(file_, std::string(100'000, 'o'));
+  fs::create_hard_link(file_, folder_ / "second");
+  {
+    OutputFile out(file_);
+    out.write(std::string(200'000, 'x'));
+    EXPECT_EQ(contents(folder_ / "second"), std::string(100'000, 'o'));
+  }
+  EXPECT_EQ(contents(file_), std::string(100'000, 'o'));
+  write_file(file_, std::string(70'000, 'n'));
+  EXPECT_EQ(contents(folder_ / "second"), std::string(70'000, 'n'));
+  EXPECT_EQ(fs::hard_link_count(file_), 2u);
+  EXPECT_EQ(files(), 2u);
+}
+
+TEST_F(OutputFileTest, AMountPointIsWrittenAsAnyFile) {
+  write_file(file_, "old and long");
+  write_file(folder_ / "below", "below");
+  if (::mount(file_.c_str(), (folder_ / "below").c_str(), nullptr, MS_BIND, nullptr) != 0) {
+    GTEST_SKIP() << "skipped: this needs the right to mount";
+  }
+  std::string told;
+  try {
+    write_file(folder_ / "below", "new");
+  } catch (const Error& error) {
+    told = error.what();
+  }
+  const std::string seen = contents(file_);
+  ::umount((folder_ / "below").c_str());
+  EXPECT_EQ(told, "");
+  EXPECT_EQ(seen, "new");
+  EXPECT_EQ(contents(folder_ / "below"), "below");
+  EXPECT_EQ(files(), 2u);
+}
+
+TEST_F(OutputFileTest, AKilledProgramLeavesNothingBehind) {
+  write_file(file_, "old");
+  for (const fs::path& file : {file_, folder_ / "new"}) {
+    const pid_t child = fork();
+    if (child == 0) {
+      OutputFile out(file);
+      out.write(std::string(1 << 18, 'x'));
+      ::kill(::getpid(), SIGKILL);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFSIGNALED(status));
+  }
+  EXPECT_EQ(contents(file_), "old");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(OutputFileTest, KeepsTheGroupOfWhatItReplaces) {
+  write_file(file_, "x");
+  constexpr gid_t another = 12345;
+  if (::chown(file_.c_str(), static_cast<uid_t>(-1), another) != 0) GTEST_SKIP() << "skipped: this needs root";
+  write_file(file_, "y");
+  struct stat status {};
+  ASSERT_EQ(stat(file_.c_str(), &status), 0);
+  EXPECT_EQ(status.st_gid, another);
+  EXPECT_EQ(contents(file_), "y");
 }
 
 TEST_F(OutputFileTest, FollowsLinks) {

@@ -106,6 +106,19 @@ TEST_F(BadFiles, Unreadable) {
   expect_refused_everywhere(folder / "secret");
 }
 
+TEST_F(BadFiles, ARigsLayoutIsRefusedWithItsLine) {
+  const auto refused = [&](const std::string& layout, const std::string& told) {
+    write_text(folder / "rig.toml", std::string(good_camera) + "[array]\nlayout = \"" + layout + "\"\n");
+    expect_failure(palpa({"run", "--scene", asset("cube.glb"), "--rig", (folder / "rig.toml").string()}), 4, told);
+  };
+  const std::string line = (folder / "rig.toml").string() + ": line 14: layout is ";
+  refused("nope", line + "nope, neither a file nor a known layout; known: autd3");
+  refused("nope.toml", line + (folder / "nope.toml").string() + ", neither a file nor a known layout");
+  const std::string one = "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n";
+  write_text(folder / "twice.toml", one + one);
+  refused("twice.toml", (folder / "twice.toml").string() + ": line 4: transducers 0 and 1 are at the same place");
+}
+
 TEST_F(BadFiles, TenGigabytesOfZeros) {
   for (const char* name : {"zeros", "zeros.glb", "zeros.gltf"}) {
     write_text(folder / name, "");

@@ -283,10 +283,21 @@ TEST(TouchErrors, RangesAreChecked) {
     refused("--foci", value);
   for (const char* value : {"0", "-3"})
     refused("--stride", value);
-  for (const char* value : {"0", "-1ms", "1.5mm"})
+  for (const char* value : {"0", "-1ms", "1.5mm", "0.9us", "10.1"})
     refused("--dwell", value);
   refused("--method", "circle");
   refused("--penetration", "deep");
+}
+
+TEST(TouchWarnings, OfADwellThatSkinFeelsAsJumps) {
+  const auto told = [](const char* dwell) {
+    const Result result = palpa(with(with({"touch"}, cube_touch()), {"--backend", "cpu", "--dwell", dwell}));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err;
+  };
+  EXPECT_EQ(told("50ms"), "");
+  EXPECT_EQ(told("51ms"),
+            "palpa: warning: --dwell of 51ms is long: what stays in a place for more than 50ms is felt as jumps\n");
 }
 
 TEST(TouchErrors, WhatIsMissingOrTooMuch) {

@@ -41,9 +41,62 @@ TEST(Usage, ABadLineIsOneLineAndExitCode2) {
   expect_failure(palpa({"feel"}), 2, "feel");
   expect_failure(palpa({"drive", "--colour", "red"}), 2, "--colour");
   expect_failure(palpa({"drive", "--gpu"}), 2, "--gpu");
-  expect_failure(palpa({"drive", "extra\nlines\nhere"}), 2, "extra lines here");
+  expect_failure(palpa({"drive", "extra\nlines\nhere"}), 2, "'extra\\nlines\\nhere'");
   expect_failure(palpa({"doctor", "drive"}), 2, "drive");
   expect_failure(palpa({"drive", "--json", ""}), 2, "--json");
+}
+
+TEST(Usage, EveryKindOfBadLineIsToldInOneWording) {
+  const auto refused = [](const std::vector<std::string>& line, const std::string& told) {
+    const Result result = palpa(line);
+    expect_failure(result, 2, told);
+    for (const char* foreign : {"required but", "At Most", "expected", "override", "extras"})
+      EXPECT_EQ(result.err.find(foreign), std::string::npos) << result.err;
+  };
+  const std::string drive_help = "; see palpa drive --help", help = "; see palpa --help";
+  refused({}, "a subcommand is required" + help);
+  refused({"feel"}, "there is no subcommand 'feel'" + help);
+  refused({"--feel"}, "palpa has no option '--feel'" + help);
+  refused({"-"}, "there is no subcommand '-'" + help);
+  refused({""}, "there is no subcommand ''" + help);
+  refused({"--quiet", "drive"}, "'--quiet' comes before the subcommand: give it after" + drive_help);
+  refused({"--json", "-", "drive"}, "'--json' comes before the subcommand: give it after" + drive_help);
+  refused({"drive", "--layout"}, "--layout: the value is missing, give NAME|FILE" + drive_help);
+  refused({"drive", "--layout="}, "--layout: the value is missing, give NAME|FILE" + drive_help);
+  refused({"drive", "--solver"}, "--solver: the value is missing, give WORD" + drive_help);
+  refused({"drive", "--layout", "a", "--layout", "a"}, "--layout is given 2 times: give it once" + drive_help);
+  refused({"drive", "--seed=1", "--seed=2", "--seed=3"}, "--seed is given 3 times: give it once" + drive_help);
+  refused({"drive", "--quiet=yes"}, "--quiet takes no value: it is on when it is given" + drive_help);
+  refused({"drive", "--quiet", "yes"}, "'yes' belongs to no option: each value follows its own" + drive_help);
+  refused({"drive", "--focus", "0,0,1", "0,0,2"},
+          "'0,0,2' belongs to no option: each value follows its own" + drive_help);
+  refused({"drive", "touch"}, "'touch' belongs to no option");
+  refused({"drive", ""}, "'' belongs to no option");
+  refused({"drive", "--colour", "red"}, "palpa drive has no option '--colour'" + drive_help);
+  refused({"drive", "--lay", "autd3"}, "palpa drive has no option '--lay'");
+  refused({"drive", "-x"}, "palpa drive has no option '-x'");
+  refused({"drive", "--", "--layout", "autd3"}, "'--layout' is not read here: what comes before it ends the options");
+}
+
+TEST(Usage, AValueInBracketsIsOneValue) {
+  expect_failure(palpa(with(drive, {"--focus", "[0,0,0.1]"})), 2, "'[0,0,0.1]' is not a point");
+}
+
+TEST(Usage, WhatCanHardlyBeMeantIsWarnedOfInOneLine) {
+  const auto warned = [](const std::vector<std::string>& line, const std::string& told) {
+    const Result result = palpa(line);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    ASSERT_EQ(result.err_lines().size(), told.empty() ? 0u : 1u) << result.err;
+    if (told.empty()) return;
+    EXPECT_NE(result.err.find("palpa: warning: " + told), std::string::npos) << result.err;
+  };
+  const std::vector<std::string> alone{"drive", "--layout", "openmpd", "--backend", "cpu"};
+  warned(with(alone, {"--focus", "0,0,1.99m"}), "");
+  warned(with(alone, {"--focus", "0,0,2.1m"}), "--focus: '0,0,2.1m' lies 2.1 m from the nearest transducer");
+  warned(with(alone, {"--focus", "0,0,-1mm"}), "--focus: '0,0,-1mm' lies behind the array");
+  warned(with(drive, {"--frequency", "60kHz"}), "");
+  warned(with(drive, {"--frequency", "60.1kHz"}), "--frequency: 60.1 kHz is far from the 40 kHz");
+  warned(with(drive, {"--frequency", "19.9kHz"}), "--frequency: 19.9 kHz is far from the 40 kHz");
 }
 
 TEST(Usage, ABadValueNamesOptionValueAndRemedy) {
@@ -58,12 +111,15 @@ TEST(Usage, ABadValueNamesOptionValueAndRemedy) {
   refused("--validation", "all", "off|core|sync|gpu-assisted");
   refused("--seed", "-1", "whole number");
   refused("--seed", "18446744073709551616", "whole number");
-  refused("--temperature", "-273.15", "above -273.15");
+  for (const char* value : {"-60.1", "100.1", "293.15", "-273.15", "1e300"})
+    refused("--temperature", value, "from -60 to 100");
   refused("--temperature", "warm", "number");
-  refused("--sound-speed", "0", "above 0");
+  for (const char* value : {"0", "99", "2001", "343000"})
+    refused("--sound-speed", value, "from 100m/s to 2000m/s");
   refused("--sound-speed", "343km", "343m/s");
   refused("--sound-speed", "inf", "a speed");
-  refused("--frequency", "-40kHz", "above 0");
+  for (const char* value : {"-40kHz", "40", "999Hz", "10.1MHz"})
+    refused("--frequency", value, "from 1kHz to 10000kHz");
   refused("--amplitude", "loud", "distance|uniform");
   refused("--solver", "best", "naive");
   refused("--constraint", "none", "normalise|uniform|clamp");

@@ -1,0 +1,33 @@
+#include "array/usual.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace palpa::array {
+
+std::string unusual_place(const Layout& layout, const Box& box) {
+  bool before = false;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& [position, axis] : layout.transducers) {
+    const Vec3 ahead = glm::max(axis * (box.low - position), axis * (box.high - position));
+    before = before || ahead.x + ahead.y + ahead.z > 0;
+    nearest = std::min(nearest, glm::distance(position, glm::clamp(position, box.low, box.high)));
+  }
+  if (!before) return "lies behind the array, where no transducer sounds to";
+  if (nearest <= most_usual_distance_m) return {};
+  return fmt::format("lies {:.3g} m from the nearest transducer; beyond {} m hardly anything of a focus is left",
+                     nearest, most_usual_distance_m);
+}
+
+std::string unusual_frequency(const Layout& layout, double hz) {
+  if (std::abs(hz - layout.frequency_hz) <= layout.frequency_hz / 2) return {};
+  return fmt::format("{:.4g} kHz is far from the {:.4g} kHz that the transducers of {} are made for", hz / 1e3,
+                     layout.frequency_hz / 1e3, layout.name);
+}
+
+}  // namespace palpa::array

@@ -1,0 +1,100 @@
+#include "setup/parse.hpp"
+
+#include <fmt/core.h>
+
+#include <CLI/App.hpp>
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+
+namespace palpa::setup {
+namespace {
+
+/// What is being read when the line goes wrong: the subcommand, or else the program.
+CLI::App& reading(CLI::App& app) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  return chosen.empty() ? app : *chosen.front();
+}
+
+std::string name_of(const CLI::App& app, const CLI::App& command) {
+  return &app == &command ? app.get_name() : fmt::format("{} {}", app.get_name(), command.get_name());
+}
+
+std::string shown(const std::string& word) {
+  return printable(word, 60);
+}
+
+/// The first word of the line that nothing took; the parser keeps them in an order of its own.
+std::string first_left(const CLI::App& app, int argc, const char* const* argv) {
+  const std::vector<std::string> left = app.remaining(true);
+  for (int i = 1; i < argc; ++i) {
+    if (std::ranges::find(left, argv[i]) != left.end()) return argv[i];
+  }
+  return left.empty() ? std::string() : left.front();
+}
+
+bool is_option_of(const CLI::App& command, const std::string& word) {
+  return command.get_option_no_throw(word.substr(0, word.find('='))) != nullptr;
+}
+
+bool comes_before_subcommand(const CLI::App& command, const std::string& word, int argc, const char* const* argv) {
+  for (int i = 1; i < argc && command.get_name() != argv[i]; ++i) {
+    if (word == argv[i]) return true;
+  }
+  return false;
+}
+
+std::string unexpected(CLI::App& app, int argc, const char* const* argv) {
+  const std::string word = first_left(app, argc, argv);
+  const bool option = word.size() > 1 && word.front() == '-';
+  const bool has_commands = !app.get_subcommands([](const CLI::App*) { return true; }).empty();
+  const CLI::App& command = reading(app);
+  if (!option && has_commands && &command == &app) return fmt::format("there is no subcommand '{}'", shown(word));
+  if (!option) return fmt::format("'{}' belongs to no option: each value follows its own", shown(word));
+  if (&command == &app || !is_option_of(command, word))
+    return fmt::format("{} has no option '{}'", name_of(app, command), shown(word));
+  if (comes_before_subcommand(command, word, argc, argv))
+    return fmt::format("'{}' comes before the subcommand: give it after", shown(word));
+  return fmt::format("'{}' is not read here: what comes before it ends the options", shown(word));
+}
+
+/// The parser's sentence begins with the option's name; a flag's lacks its dashes.
+std::string mismatch(const CLI::App& command, const std::string& sentence) {
+  std::string name = sentence.substr(0, sentence.find_first_of(": "));
+  if (!name.starts_with('-')) name.insert(0, "--");
+  const CLI::Option* option = command.get_option_no_throw(name);
+  if (option == nullptr) return one_line(sentence);
+  if (option->get_expected_max() == 0) return fmt::format("{} takes no value: it is on when it is given", name);
+  const std::size_t given = option->results().size();
+  if (given > 1) return fmt::format("{} is given {} times: give it once", name, given);
+  return fmt::format("{}: the value is missing, give {}", name, option->get_type_name());
+}
+
+}  // namespace
+
+void parse(CLI::App& app, int argc, const char* const* argv) {
+  const auto fail = [&](const std::string& fault) {
+    throw bad_usage(fmt::format("{}; see {} --help", fault, name_of(app, reading(app))));
+  };
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    throw;
+  } catch (const CLI::CallForVersion&) {
+    throw;
+  } catch (const CLI::ExtrasError&) {
+    fail(unexpected(app, argc, argv));
+  } catch (const CLI::ArgumentMismatch& error) {
+    fail(mismatch(reading(app), error.what()));
+  } catch (const CLI::RequiredError&) {
+    // With a word that is no subcommand the parser misses the subcommand first.
+    fail(app.remaining(true).empty() ? "a subcommand is required" : unexpected(app, argc, argv));
+  } catch (const CLI::ParseError& error) {
+    fail(one_line(error.what()));
+  }
+}
+
+}  // namespace palpa::setup
