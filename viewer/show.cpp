@@ -9,6 +9,7 @@
 #include "sensing/rig.hpp"
 #include "sensing/skin_twin.hpp"
 #include "setup/load.hpp"
+#include "setup/progress.hpp"
 #include "setup/touch_run.hpp"
 #include "setup/touch_schedule.hpp"
 #include "setup/warnings.hpp"
@@ -37,7 +38,10 @@ Show::Show(const ViewerOptions& options)
   picture_.dark = options.dark;
   picture_.legend = !options.no_legend;
   picture_.grid = !options.no_grid;
-  if (!options.input.scene.empty()) load_objects(options);
+  {
+    const setup::Preparing preparing(options.common.quiet);
+    if (!options.input.scene.empty()) load_objects(options);
+  }
   if (!options.skin.empty()) load_skin_surface(options);
   load_array(options);
   go_to(options.slot);

@@ -6,16 +6,17 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
-#include "cli/interrupt.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
 #include "geometry/solid.hpp"
@@ -69,7 +70,10 @@ std::string in_quotes(const std::string& name) {
 /// The solids to take apart, as --surface parts takes them, and open ones too. Throws bad_input for what cannot be.
 std::vector<geometry::Solid> load_solids_to_decompose(const DecomposeCommand& o) {
   const std::optional<int> index = o.gltf_scene ? std::optional(static_cast<int>(*o.gltf_scene)) : std::nullopt;
-  geometry::Scene scene = geometry::load_gltf(o.scene, index);
+  geometry::Scene scene = [&] {
+    const Activity work("reads " + o.scene);
+    return geometry::load_gltf(o.scene, index);
+  }();
   std::erase_if(scene.meshes, [](const geometry::SceneMesh& mesh) { return !mesh.haptics.touchable; });
   if (scene.meshes.empty()) throw bad_input(scene.file, "the scene has no mesh that can be touched; give one that has");
   for (const geometry::SceneMesh& mesh : scene.meshes) {
@@ -90,30 +94,18 @@ std::vector<geometry::Solid> load_solids_to_decompose(const DecomposeCommand& o)
 }
 
 std::vector<Taken> take_apart(const DecomposeCommand& o, const std::vector<geometry::Solid>& solids) {
-  constexpr std::uint64_t steps = 1000;
-  const Interrupt interrupt;
-  setup::Progress bar("decompose", steps, o.common.quiet);
   std::vector<Taken> all;
-  const auto refuse_if_interrupted = [&] {
-    if (interrupt.requested()) throw failure(fmt::format("{}: not written: interrupted", o.out));
-  };
   for (const geometry::Solid& solid : solids) {
+    const Activity work("mesh " + in_quotes(solid.name));
     const auto begin = std::chrono::steady_clock::now();
-    const auto show = [&](double fraction) {
-      const double share = (static_cast<double>(all.size()) + fraction) / static_cast<double>(solids.size());
-      bar.set(static_cast<std::uint64_t>(share * steps));
-      return !interrupt.requested();
-    };
     std::optional<geometry::Parts> parts;
     try {
-      parts = geometry::decompose(solid.mesh, o.decompose, show);
+      parts = geometry::decompose(solid.mesh, o.decompose);
     } catch (const Error& error) {
       throw Error(error.code(), fmt::format("{}: mesh {}: {}", o.scene, in_quotes(solid.name), error.what()));
     }
-    refuse_if_interrupted();
     const double seconds = seconds_since(begin);
     geometry::PartsReport report = geometry::measure(solid.mesh, *parts, o.common.seed);
-    refuse_if_interrupted();
     all.push_back({&solid, std::move(*parts), report, seconds});
   }
   return all;
@@ -171,9 +163,11 @@ void run(const DecomposeCommand& given) {
   if (o.out.empty()) throw bad_usage("--out is missing: give a file such as parts.glb");
   o.decompose.error_percent = o.error_percent.value_or(o.decompose.error_percent);
   const Outputs outputs({{"--json", o.common.json}, {"--out", o.out}});
+  std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);
   const std::vector<geometry::Solid> solids = load_solids_to_decompose(o);
   log::release_warnings();
   const std::vector<Taken> all = take_apart(o, solids);
+  preparing.reset();
   write_parts(o, all);
   if (!o.common.json.empty()) write_file(o.common.json, to_json(o, all));
   if (setup::shows_summary(o.common, outputs)) write_file("-", summary(o, all));

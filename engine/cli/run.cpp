@@ -195,7 +195,8 @@ void run(const Extensions& extensions, const RunCommand& o) {
   std::vector<session::LinkKind> links = session::builtin_links();
   links.insert(links.end(), extensions.links.begin(), extensions.links.end());
   const Outputs outputs(outputs_of(o, links));
-  std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids, o.common.quiet);
+  std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);
+  std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids);
   const setup::PosedRig rig = setup::load_posed_rig(o.rig);
   const std::unique_ptr<sensing::DepthSource> source = open_source(o, extensions, rig);
   setup::warn_of_reach(rig.layout, solids);
@@ -205,6 +206,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
   if (o.common.backend == setup::Backend::gpu) device.emplace(setup::device_options(o.common));
   session::Session session =
       device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
+  preparing.reset();
 
   // Last of all: a typing error elsewhere must not leave an empty recording behind, nor an array that is switched on.
   session::RunOptions options{.frames = o.frames, .every_frame = o.every_frame};

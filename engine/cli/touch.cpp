@@ -3,6 +3,7 @@
 #include <iterator>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "array/schedule.hpp"
 #include "base/json_writer.hpp"
@@ -13,6 +14,7 @@
 #include "session/foci_link.hpp"
 #include "setup/load.hpp"
 #include "setup/nearest_skin.hpp"
+#include "setup/progress.hpp"
 #include "setup/touch_input.hpp"
 #include "setup/touch_run.hpp"
 #include "setup/touch_schedule.hpp"
@@ -227,12 +229,13 @@ void run(const TouchCommand& o) {
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   setup::Stopwatch whole, watch;
   setup::StageTimes times;
-  std::vector<geometry::Solid> solids =
-      setup::load_solids(o.input.scene, o.input.gltf_scene, o.input.solids, o.common.quiet);
+  std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);
+  std::vector<geometry::Solid> solids = setup::load_solids(o.input.scene, o.input.gltf_scene, o.input.solids);
   const setup::TouchInput input = setup::load_touch_input(o.input, solids);
   times.emplace_back("load", watch.lap_ms());
   const setup::OneTouch one =
       setup::touch_once(o.common, o.touch, o.felt, o.input.scene, std::move(solids), input, times);
+  preparing.reset();
   const touch::Touch& touch = one.touch;
   if (touch.cluster_count > touch.finger_count) {
     log::warning(fmt::format("{} clusters of contacts make a finger, only the first {} are kept", touch.cluster_count,

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/activity.hpp"
 #include "base/error.hpp"
 #include "geometry/nearest.hpp"
 #include "geometry/topology.hpp"
@@ -135,7 +136,10 @@ std::optional<Parts> decompose(const Mesh& mesh, const DecomposeOptions& options
   }
   const VhacdOptions vhacd{options.parts, options.resolution, options.error_percent, vertices_per_part};
   bool cancelled = false;
+  constexpr std::uint64_t thousandths = 1000;
+  Activity work("cuts it into convex parts", thousandths);
   const auto hulls = vhacd_hulls(without_holes(mesh), vhacd, [&](double fraction) {
+    work.reach(static_cast<std::uint64_t>(fraction * thousandths));
     cancelled = progress && !progress(fraction);
     return !cancelled;
   });
@@ -149,6 +153,7 @@ std::optional<Parts> decompose(const Mesh& mesh, const DecomposeOptions& options
 }
 
 PartsReport measure(const Mesh& mesh, const Parts& parts, std::uint64_t seed) {
+  const Activity work("measures its parts");
   PartsReport report;
   report.parts = static_cast<std::uint32_t>(parts.parts.size());
   if (find_defects(mesh).closed_and_oriented()) report.mesh_volume_m3 = std::abs(signed_volume(mesh));
@@ -160,9 +165,11 @@ PartsReport measure(const Mesh& mesh, const Parts& parts, std::uint64_t seed) {
   report.internal_share = std::max(0.0, 1 - area(surface) / all);
   const NearestTriangle nearest(mesh);
   std::vector<double> errors;
+  Activity sampling("compares their surface with the mesh", error_samples);
   for (const Vec3& p : spread_over(surface, error_samples, seed)) {
     errors.push_back(nearest.distance(p));
     report.error_mean_m += errors.back() / error_samples;
+    sampling.advance();
   }
   std::sort(errors.begin(), errors.end());
   if (!errors.empty()) {

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
+#include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "geometry/predicates.hpp"
@@ -179,6 +180,7 @@ std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh,
   std::vector<std::uint64_t> pairs(found.size(), 0);
   std::atomic<std::uint64_t> all_pairs{0};
   std::atomic<std::size_t> first_found{found.size()};
+  Activity work("looks for crossings", found.size());
   // Each triangle against the later ones. Chunks before one with a crossing are under way or done by then.
   parallel_chunks(order.size(), chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
     if (number > first_found.load() || all_pairs > most) return;
@@ -210,6 +212,7 @@ std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh,
       }
     }
     all_pairs += pairs[number];
+    work.advance();
   });
   // In order, so that the outcome is that of one thread. Chunks are begun in ascending order: those that were not come
   // after the one that made it too much.

@@ -22,9 +22,9 @@ struct SurfaceOptions {
   /// slower.
   std::uint32_t least_cells = 4096;
   /// Steps, nodes of a tree of boxes that are looked at, that filling the grid may take beyond steps_per_cell.
-  std::uint64_t spare_steps = 25'000'000;
+  std::uint64_t spare_steps = 50'000'000;
 };
-inline constexpr std::uint64_t steps_per_cell = 1000;  ///< more than twice what models need
+inline constexpr std::uint64_t steps_per_cell = 1400;  ///< twice what models need
 
 /// Built once, shared by copies, never changed. All positions are relative to `centre`, in single precision.
 struct Surface {

@@ -11,9 +11,11 @@
 #include <limits>
 #include <utility>
 
+#include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/parallel.hpp"
+#include "geometry/surface_contest.hpp"
 #include "geometry/surface_samples.hpp"
 
 namespace palpa::geometry {
@@ -31,59 +33,6 @@ constexpr std::uint32_t most_cells = 262'144;
 constexpr double deep_tolerance = 0.02;
 /// Single precision's relative error with a few operations to spare.
 constexpr double rounding = 1e-6;
-
-using Corners = std::array<glm::vec3, 8>;
-
-/// A surface point that every triangle of a cell is measured against.
-struct Rival {
-  Vec3 point;
-  std::uint32_t triangle;
-};
-constexpr std::size_t most_rivals = 9;
-
-/// The rivals of one cell, and their squared distances from its corners.
-struct Contest {
-  std::array<std::array<float, 8>, most_rivals> to_corner;
-  std::array<float, most_rivals> margin;
-  std::array<std::uint32_t, most_rivals> triangle;
-  std::size_t count = 0;
-
-  /// `slack` is what a nearer rival is allowed to be farther away, squared.
-  void add(const Rival& rival, const Corners& corners, double epsilon, double slack) {
-    for (std::size_t i = 0; i < count; ++i) {
-      if (triangle[i] == rival.triangle && to_corner[i] == distances(rival.point, corners)) return;
-    }
-    to_corner[count] = distances(rival.point, corners);
-    const double farthest = std::sqrt(*std::max_element(to_corner[count].begin(), to_corner[count].end()));
-    margin[count] = static_cast<float>(24 * farthest * epsilon + 8 * epsilon * epsilon - slack);
-    triangle[count] = rival.triangle;
-    ++count;
-  }
-
-  /// Whether something at these squared distances from the corners is nowhere in the cell the nearest.
-  template <typename Distance2>
-  bool beats(const Distance2& distance2) const {
-    for (std::size_t r = 0; r < count; ++r) {
-      float least = distance2[0] - to_corner[r][0];
-      for (std::size_t c = 1; c < 8; ++c) {
-        const float ahead = distance2[c] - to_corner[r][c];
-        least = ahead < least ? ahead : least;
-      }
-      if (least > margin[r]) return true;
-    }
-    return false;
-  }
-
- private:
-  static std::array<float, 8> distances(const Vec3& point, const Corners& corners) {
-    std::array<float, 8> d;
-    for (std::size_t c = 0; c < 8; ++c) {
-      const Vec3 apart = Vec3(corners[c]) - point;
-      d[c] = static_cast<float>(glm::dot(apart, apart));
-    }
-    return d;
-  }
-};
 
 struct Item {
   std::uint32_t cell;  // its place in the result
@@ -206,6 +155,18 @@ class Builder {
     }
   }
 
+  /// All lists, of which there is never a second copy of more than a piece.
+  void collect_lists(std::vector<Piece>& pieces) {
+    std::size_t listed = 0;
+    for (const Piece& piece : pieces)
+      listed += piece.lists.size();
+    next_lists_.reserve(listed);
+    for (Piece& piece : pieces) {
+      next_lists_.insert(next_lists_.end(), piece.lists.begin(), piece.lists.end());
+      std::vector<std::uint32_t>().swap(piece.lists);
+    }
+  }
+
   void build_grid() {
     const std::size_t count = std::size_t{out_.grid.x} * out_.grid.y * out_.grid.z;
     out_.cells.resize(count);
@@ -214,6 +175,7 @@ class Builder {
     const double side = out_.cell_m;
     const std::uint64_t most_steps = options_.spare_steps + steps_per_cell * count;
     std::atomic<std::uint64_t> all_steps{0};
+    Activity work("fills its grid", pieces.size());
     parallel_chunks(count, chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
       Piece& piece = pieces[number];
       std::uint64_t steps = 0;
@@ -231,6 +193,7 @@ class Builder {
         same = static_cast<std::size_t>(std::max(spare / side, 0.0));
         all_steps += std::exchange(steps, 0);
       }
+      work.advance();
     });
     log::debug(
         fmt::format("a surface of {} triangles: {} cells, {} steps", t_.triangles.size(), count, all_steps.load()));
@@ -242,11 +205,9 @@ class Builder {
                       "that its long faces run along an axis, or divide them",
                       most_steps, count));
     }
-    for (std::size_t i = 0; i < count; ++i) {
-      Piece& piece = pieces[i / chunk];
-      if (i % chunk == 0) next_lists_.insert(next_lists_.end(), piece.lists.begin(), piece.lists.end());
-      take(piece.children[i % chunk], static_cast<std::uint32_t>(i), position(i));
-    }
+    collect_lists(pieces);
+    for (std::size_t i = 0; i < count; ++i)
+      take(pieces[i / chunk].children[i % chunk], static_cast<std::uint32_t>(i), position(i));
     finish_level();
   }
 
@@ -303,22 +264,20 @@ class Builder {
     }
     constexpr std::size_t chunk = 256;
     std::vector<Piece> pieces(chunk_count(divided.size(), chunk));
+    Activity work("divides its grid's cells", pieces.size());
     parallel_chunks(divided.size(), chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
       std::vector<float> scratch;
       for (std::size_t i = begin; i < end; ++i)
         divide(*divided[i], side, scratch, pieces[number]);
+      work.advance();
     });
+    collect_lists(pieces);
     for (std::size_t i = 0; i < divided.size(); ++i) {
-      Piece& piece = pieces[i / chunk];
-      if (i % chunk == 0) {
-        next_lists_.insert(next_lists_.end(), piece.lists.begin(), piece.lists.end());
-        std::vector<std::uint32_t>().swap(piece.lists);
-      }
       const auto first = static_cast<std::uint32_t>(out_.cells.size());
       out_.cells.resize(out_.cells.size() + 8);
       out_.cells[divided[i]->cell] = {first, shader::surface_divided};
       for (std::uint32_t c = 0; c < 8; ++c)
-        take(piece.children[i % chunk * 8 + c], first + c,
+        take(pieces[i / chunk].children[i % chunk * 8 + c], first + c,
              divided[i]->at * 2U + glm::uvec3(c & 1U, c >> 1U & 1U, c >> 2U));
     }
     finish_level();

@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/activity.hpp"
 #include "base/error.hpp"
 #include "geometry/nearest.hpp"
 #include "geometry/parts.hpp"
@@ -83,8 +84,11 @@ class Builder {
     for (const Part& part : parts_.parts)
       triangles += part.mesh.triangles.size();
     most_ = most_cuts(triangles);
-    for (std::uint32_t i = 0; i < parts_.parts.size(); ++i)
+    Activity work("finds their common surface", parts_.parts.size());
+    for (std::uint32_t i = 0; i < parts_.parts.size(); ++i) {
       add_part(i);
+      work.advance();
+    }
     return std::move(surface_);
   }
 

@@ -5,43 +5,21 @@
 
 #include <algorithm>
 
+#include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/parts_solid.hpp"
 #include "setup/assets.hpp"
-#include "setup/progress.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::setup {
-
-std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene,
-                                         const SolidOptions& options, bool quiet) {
-  const bool into_parts = options.surface == geometry::SurfaceKind::parts;
-  if (options.parts && !into_parts) throw bad_usage("--parts goes with --surface parts");
-  const std::optional<int> index = gltf_scene ? std::optional(static_cast<int>(*gltf_scene)) : std::nullopt;
-  std::vector<geometry::Solid> solids = geometry::make_solids(geometry::load_gltf(scene, index), options.surface);
-  warn_of_dwell(solids);
-  const auto has_parts = [](const geometry::Solid& solid) { return !solid.parts.parts.empty(); };
-  if (options.internal_faces && !into_parts && std::none_of(solids.begin(), solids.end(), has_parts)) {
-    throw bad_usage("--internal-faces goes with --surface parts, or with a scene of parts");
-  }
-  constexpr std::uint64_t steps = 1000;
-  Progress bar("convex parts", steps * solids.size(), quiet);
-  for (std::size_t s = 0; s < solids.size(); ++s) {
-    geometry::Solid& solid = solids[s];
-    solid.internal_faces = options.internal_faces.value_or(geometry::InternalFaces::drop);
-    if (!into_parts || has_parts(solid)) continue;
-    geometry::use_parts(solid, {.parts = options.parts.value_or(geometry::DecomposeOptions().parts)},
-                        [&](double fraction) {
-                          bar.set(s * steps + static_cast<std::uint64_t>(fraction * steps));
-                          return true;
-                        });
-  }
-  return solids;
-}
-
 namespace {
+
+geometry::Scene read_scene(const std::string& file, const std::optional<int>& index) {
+  const Activity work("reads " + file);
+  return geometry::load_gltf(file, index);
+}
 
 /// A name that leads to no layout is the rig's fault, not the layout's.
 array::Layout load_layout_of(const sensing::ArrayPlacement& array) {
@@ -53,6 +31,25 @@ array::Layout load_layout_of(const sensing::ArrayPlacement& array) {
 }
 
 }  // namespace
+
+std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene,
+                                         const SolidOptions& options) {
+  const bool into_parts = options.surface == geometry::SurfaceKind::parts;
+  if (options.parts && !into_parts) throw bad_usage("--parts goes with --surface parts");
+  const std::optional<int> index = gltf_scene ? std::optional(static_cast<int>(*gltf_scene)) : std::nullopt;
+  std::vector<geometry::Solid> solids = geometry::make_solids(read_scene(scene, index), options.surface);
+  warn_of_dwell(solids);
+  const auto has_parts = [](const geometry::Solid& solid) { return !solid.parts.parts.empty(); };
+  if (options.internal_faces && !into_parts && std::none_of(solids.begin(), solids.end(), has_parts)) {
+    throw bad_usage("--internal-faces goes with --surface parts, or with a scene of parts");
+  }
+  for (geometry::Solid& solid : solids) {
+    solid.internal_faces = options.internal_faces.value_or(geometry::InternalFaces::drop);
+    if (into_parts && !has_parts(solid))
+      geometry::use_parts(solid, {.parts = options.parts.value_or(geometry::DecomposeOptions().parts)}, {});
+  }
+  return solids;
+}
 
 PosedRig load_posed_rig(const RigOptions& options) {
   PosedRig set_up;

@@ -13,11 +13,10 @@
 
 namespace palpa::setup {
 
-/// The scene's solids. With `options.surface` parts each is taken apart, unless it came as parts, with a progress bar
-/// on a terminal unless `quiet`. Throws bad_input naming file and fault; a scene without a solid is one. Throws
-/// bad_usage for options of parts where there are none.
+/// The scene's solids. With `options.surface` parts each is taken apart, unless it came as parts. Throws bad_input
+/// naming file and fault; a scene without a solid is one. Throws bad_usage for options of parts where there are none.
 std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene,
-                                         const SolidOptions& options = {}, bool quiet = true);
+                                         const SolidOptions& options = {});
 
 /// The physical set-up.
 struct PosedRig {

@@ -6,9 +6,26 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/activity.hpp"
 #include "base/log.hpp"
+#include "base/text.hpp"
 
 namespace palpa::setup {
+namespace {
+
+/// A terminal of a program in the background belongs to another.
+bool in_foreground() {
+  return tcgetpgrp(STDERR_FILENO) == getpgrp();
+}
+
+/// On a line of a terminal.
+std::string shown(const Doing& doing) {
+  constexpr std::size_t width = 70;
+  const std::string what = shortened(printable(doing.what), width);
+  return doing.total == 0 ? what : fmt::format("{} {} %", what, doing.done * 100 / doing.total);
+}
+
+}  // namespace
 
 Progress::Progress(std::string what, std::uint64_t total, bool quiet)
     : what_(std::move(what)), total_(total), on_(!quiet && isatty(STDERR_FILENO) != 0) {}
@@ -19,7 +36,7 @@ Progress::~Progress() {
 }
 
 void Progress::set(std::uint64_t done) {
-  if (!on_ || tcgetpgrp(STDERR_FILENO) != getpgrp()) return;
+  if (!on_ || !in_foreground()) return;
   const auto now = std::chrono::steady_clock::now();
   if (now < next_) return;
   next_ = now + std::chrono::milliseconds(100);
@@ -35,6 +52,41 @@ void Progress::draw(std::uint64_t done) {
     const std::uint64_t filled = std::min(width, done * width / total_);
     log::draw(fmt::format("\r{} [{:#<{}}{:.<{}}] {}/{}\x1b[K", what_, "", filled, "", width - filled, done, total_));
   }
+}
+
+Preparing::Preparing(bool quiet) : terminal_(isatty(STDERR_FILENO) != 0) {
+  if (quiet || (!terminal_ && log::level() < log::Level::info)) return;
+  thread_ = std::thread([this] { watch(); });
+}
+
+Preparing::~Preparing() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  end_.notify_one();
+  thread_.join();
+}
+
+void Preparing::watch() {
+  constexpr std::chrono::milliseconds moment(100);
+  std::string last;
+  bool drawn = false;
+  std::unique_lock lock(mutex_);
+  while (!end_.wait_for(lock, moment, [this] { return ending_; })) {
+    const std::optional<Doing> now = doing();
+    if (!now) continue;
+    if (!terminal_) {
+      if (now->what != last) log::info(now->what);
+      last = now->what;
+    } else if (in_foreground()) {
+      drawn = true;
+      log::draw(fmt::format("\r{}\x1b[K", shown(*now)));
+    }
+  }
+  // Carriage return, then erase to the end of the line.
+  if (drawn && in_foreground()) log::draw("\r\x1b[K");
 }
 
 }  // namespace palpa::setup

@@ -1,10 +1,13 @@
-// A progress bar on a terminal. Where stderr is no terminal nothing is written, so that logs stay clean, and
-// nothing by a program in the background, whose terminal belongs to another.
+// Progress on a terminal, as a bar or as a line that says what is being done. Where stderr is no terminal nothing is
+// written, so that logs stay clean, and nothing by a program in the background, whose terminal belongs to another.
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
+#include <mutex>
 #include <string>
+#include <thread>
 
 namespace palpa::setup {
 
@@ -28,6 +31,27 @@ class Progress {
   bool on_;
   bool drawn_ = false;
   std::chrono::steady_clock::time_point next_{};
+};
+
+/// Shows what long preparation is doing (base/activity.hpp) as long as it lives: on a terminal, in the foreground, as
+/// a line that changes; else with --log-level info as a line for each thing that takes more than a moment. Without
+/// either it costs nothing.
+class Preparing {
+ public:
+  explicit Preparing(bool quiet);
+  /// Wipes the line.
+  ~Preparing();
+  Preparing(const Preparing&) = delete;
+  Preparing& operator=(const Preparing&) = delete;
+
+ private:
+  void watch();
+
+  bool terminal_;
+  std::mutex mutex_;
+  std::condition_variable end_;
+  bool ending_ = false;
+  std::thread thread_;
 };
 
 }  // namespace palpa::setup

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "base/activity.hpp"
 #include "base/error.hpp"
 #include "geometry/nearest.hpp"
 #include "shaders/parts_depth.h"
@@ -358,6 +359,7 @@ PartsGrid add_parts(std::vector<shader::uvec4>& words, const geometry::Parts& pa
   const std::size_t cells = std::size_t{grid.cells_per_axis} * grid.cells_per_axis * grid.cells_per_axis;
   words.resize(words.size() + shader::parts_header_words + shader::parts_cell_words * cells);
   words[grid.base] = {bits(tolerance), faces == InternalFaces::keep ? 1U : 0U, 0, 0};
+  const Activity work("fills the grid of its parts");
   Grid(local, triangles, grid, faces, tolerance, words).build();
   return grid;
 }

@@ -111,7 +111,7 @@ TEST_F(BadFiles, ARigsLayoutIsRefusedWithItsLine) {
     write_text(folder / "rig.toml", std::string(good_camera) + "[array]\nlayout = \"" + layout + "\"\n");
     expect_failure(palpa({"run", "--scene", asset("cube.glb"), "--rig", (folder / "rig.toml").string()}), 4, told);
   };
-  const std::string line = (folder / "rig.toml").string() + ": line 14: layout is ";
+  const std::string line = (folder / "rig.toml").string() + ": line 15: layout is ";
   refused("nope", line + "nope, neither a file nor a known layout; known: autd3");
   refused("nope.toml", line + (folder / "nope.toml").string() + ", neither a file nor a known layout");
   const std::string one = "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n";

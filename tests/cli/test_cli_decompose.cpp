@@ -1,16 +1,11 @@
 // `palpa decompose`, and touching what it wrote.
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
@@ -19,6 +14,7 @@
 #include "process.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
+#include "terminal.hpp"
 
 namespace palpa::test {
 namespace {
@@ -275,35 +271,13 @@ TEST_F(Decompose, LeavesNothingBehindWhenInterrupted) {
     geometry::append(mesh, box({x, -0.04, z}, {x + 0.012, 0.003 * i, z + 0.012}));
   }
   const std::string in = scene("bumps.glb", {{"bumps", mesh}}), out = file("interrupted.glb");
-  std::vector<std::string> line{palpa_binary(), "decompose", "--scene", in,       "--resolution",
-                                "4M",           "--out",     out,       "--quiet"};
-  std::vector<char*> arguments;
-  for (std::string& word : line)
-    arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  pid_t child = 0;
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, file("stderr").c_str(), O_CREAT | O_WRONLY, 0644);
-  ASSERT_EQ(posix_spawn(&child, line[0].c_str(), &actions, nullptr, arguments.data(), environ), 0);
-  posix_spawn_file_actions_destroy(&actions);
-  // Once its handler is in place a second signal would end it without a word; so wait, then only one.
-  std::this_thread::sleep_for(std::chrono::seconds(1));
-  kill(child, SIGINT);
-  int status = 0;
+  Terminal terminal({"decompose", "--scene", in, "--resolution", "4M", "--out", out});
+  EXPECT_TRUE(terminal.shows("mesh \"bumps\": cuts it into convex parts")) << terminal.text();
+  terminal.type("\x03");
   const auto begin = std::chrono::steady_clock::now();
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
-  if (WIFEXITED(status)) {
-    EXPECT_EQ(WEXITSTATUS(status), 1);
-    std::ifstream stream(file("stderr"));
-    std::string text(std::istreambuf_iterator<char>(stream), {});
-    EXPECT_NE(text.find("interrupted.glb: not written: interrupted"), std::string::npos) << text;
-  } else {
-    EXPECT_EQ(WTERMSIG(status), SIGINT);  // a slow machine had not yet begun
-  }
-  EXPECT_FALSE(std::filesystem::exists(out));
-  EXPECT_FALSE(std::filesystem::exists(out + ".unfinished"));
+  EXPECT_EQ(terminal.ended_by_signal(), SIGINT) << terminal.text();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1) << "only the scene is there";
 }
 
 TEST_F(DecomposeConvex, WithoutVhacdAConcaveMeshIsRefusedWithHowToGetIt) {

@@ -4,9 +4,14 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/text.hpp"
 #include "geometry/gltf.hpp"
@@ -15,7 +20,9 @@
 #include "session/record_link.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/files.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
+#include "terminal.hpp"
 
 namespace palpa::test {
 namespace {
@@ -197,6 +204,52 @@ TEST_F(CliOutputs, DrivesEndSilentlyWhereTheDiskIsFull) {
     for (const array::TransducerDrive& last : recording.drives.back().drive)
       ASSERT_EQ(last.amplitude, 0);
   }
+}
+
+/// Prepared within seconds, not within a moment.
+geometry::SceneMesh bumpy_ball() {
+  geometry::Mesh ball = sphere(0.05, 450, 450);
+  for (Vec3& p : ball.positions)
+    p *= 1 + 0.1 * std::sin(120 * p.x) * std::sin(130 * p.y);
+  return {"ball", std::move(ball)};
+}
+
+TEST_F(CliOutputs, LongPreparationSaysWhatItDoesAndStopsOnCtrlC) {
+  const geometry::SceneMesh ball = bumpy_ball();
+  geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
+  const auto before = contents();
+  setenv("PALPA_CACHE", "off", 1);
+  for (const std::vector<std::string>& line :
+       {std::vector<std::string>{"touch", "--scene", path("ball.glb"), "--points", points_, "--backend", "cpu",
+                                 "--json", path("out.json")},
+        {"run", "--scene", path("ball.glb"), "--backend", "cpu", "--link", "record:" + path("drives.bin")}}) {
+    Terminal terminal(line);
+    EXPECT_TRUE(terminal.shows("checks mesh \"ball\" of 404100 triangles")) << terminal.text();
+    EXPECT_TRUE(terminal.shows("prepares mesh \"ball\": ")) << terminal.text();
+    EXPECT_TRUE(terminal.shows(" %")) << terminal.text();
+    const auto begin = std::chrono::steady_clock::now();
+    terminal.type("\x03");
+    EXPECT_EQ(terminal.ended_by_signal(), SIGINT) << terminal.text();
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
+    EXPECT_TRUE(contents() == before) << "nothing was written";
+  }
+  unsetenv("PALPA_CACHE");
+}
+
+TEST_F(CliOutputs, LongPreparationTellsALogEachStep) {
+  const geometry::SceneMesh ball = bumpy_ball();
+  geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
+  RunOptions fresh;
+  fresh.environment = {{"PALPA_CACHE", "off"}};
+  const std::vector<std::string> with_ball{"touch", "--scene",     path("ball.glb"), "--points", points_, "--backend",
+                                           "cpu",   "--log-level", "info",           "--json",   "-"};
+  const Result told = palpa(with_ball, fresh);
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NE(told.err.find("palpa: info: "), std::string::npos) << told.err;
+  EXPECT_NE(told.err.find("prepares mesh \"ball\""), std::string::npos) << told.err;
+  std::vector<std::string> silent = with_ball;
+  silent[8] = "warning";
+  EXPECT_EQ(palpa(silent, fresh).err, "");
 }
 
 TEST_F(CliOutputs, MessagesAreShortAndPrintable) {

@@ -266,6 +266,84 @@ TEST(GeometryFuzz, GltfWithDamagedValues) {
   EXPECT_GT(tally.refused, 1000);
 }
 
+Mesh moved(Mesh mesh, const Vec3& by, double scale = 1) {
+  for (Vec3& p : mesh.positions)
+    p = p * scale + by;
+  return mesh;
+}
+
+/// Small members of the families whose cost could grow faster than their size: bodies within bodies, bodies side by
+/// side along a diagonal, nodes and instances that share a mesh, a fan of needles, parts that overlap.
+std::vector<GltfBuilder> families() {
+  std::vector<GltfBuilder> all(6);
+  const Mesh cube = box(Vec3(-1), Vec3(1));
+  Mesh nested, side_by_side, fan;
+  for (int i = 1; i <= 5; ++i) {
+    Mesh shell = moved(cube, {}, 0.1 * i);
+    if (i % 2 == 0) flip(shell);
+    append(nested, shell);
+    append(side_by_side, moved(box({0, 0, 0}, {0.01, 0.01, 1}), {0.02 * i, 0.02 * i, 0.02 * i}));
+  }
+  for (Vec3& p : side_by_side.positions)
+    p += p.z * Vec3(1, 1, 0);
+  constexpr std::uint32_t needles = 12;
+  for (std::uint32_t k = 0; k < needles; ++k) {
+    fan.positions.emplace_back(k % 2 == 0 ? -1.0 : 1.0, (k + 1) * 1e-13, (k + 1) * 1e-13 * (k % 3 + 1));
+    fan.triangles.emplace_back(k, (k + 1) % needles, needles);
+    fan.triangles.emplace_back((k + 1) % needles, k, needles + 1);
+  }
+  fan.positions.insert(fan.positions.end(), {{0, 0, 0}, {0, 0, 1}});
+  const Mesh* const single[]{&nested, &side_by_side, &fan};
+  for (std::size_t i = 0; i < 3; ++i)
+    all[i].add_node({{"mesh", all[i].add_mesh(*single[i])}});
+  all[3].add_mesh(test::ell());
+  for (int i = 0; i < 20; ++i)
+    all[3].add_node({{"mesh", 0}, {"translation", {0.1 * i, 0, 0}}});
+  all[4].add_mesh(test::ell());
+  const int places = all[4].add_positions(cube.positions);
+  all[4].add_node(
+      {{"mesh", 0}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", places}}}}}}}});
+  all[4].doc["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+  all[5].add_mesh(cube);
+  for (int i = 0; i < 6; ++i)
+    all[5].add_node({{"mesh", 0}, {"translation", {0.3 * i, 0, 0}}, {"extras", {{"palpa_part_of", "body"}}}});
+  return all;
+}
+
+TEST(GeometryFuzz, DamagedFamilies) {
+  const Quiet quiet;
+  Random random(20240506);
+  Tally tally;
+  for (const GltfBuilder& seed : families()) {
+    const auto whole = seed.glb();
+    for (int i = 0; i < 300; ++i) {
+      try_gltf(damaged(whole, random), tally);
+      GltfBuilder bad = seed;
+      bad.doc["buffers"] = Json::array({{{"byteLength", bad.bin.size()}}});
+      damage(bad.doc, random);
+      std::vector<unsigned char> bytes;
+      try {
+        if (!bad.doc.is_object()) continue;
+        bytes = bad.glb();
+      } catch (const Json::exception&) {
+        continue;
+      }
+      try_gltf(bytes, tally);
+    }
+  }
+  EXPECT_GT(tally.good, 100);
+  EXPECT_GT(tally.refused, 500);
+}
+
+TEST(GeometryFuzz, TheFamiliesThemselves) {
+  const Quiet quiet;
+  Tally tally;
+  for (const GltfBuilder& seed : families())
+    try_gltf(seed.glb(), tally);
+  EXPECT_EQ(tally.good, 5);
+  EXPECT_EQ(tally.refused, 1) << "the needles";
+}
+
 // Only the compressed bytes: damage elsewhere is the other tests' business.
 TEST(GeometryFuzz, DamagedStreams) {
   const Quiet quiet;

@@ -1,0 +1,44 @@
+#include "base/activity.hpp"
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace palpa {
+namespace {
+
+struct Activities {
+  std::mutex mutex;
+  std::vector<const Activity*> all;  ///< outermost first
+};
+Activities& activities() {
+  static Activities instance;
+  return instance;
+}
+
+}  // namespace
+
+Activity::Activity(std::string what, std::uint64_t total) : what_(std::move(what)), total_(total) {
+  const std::lock_guard lock(activities().mutex);
+  activities().all.push_back(this);
+}
+
+Activity::~Activity() {
+  const std::lock_guard lock(activities().mutex);
+  std::erase(activities().all, this);
+}
+
+std::optional<Doing> doing() {
+  const std::lock_guard lock(activities().mutex);
+  const std::vector<const Activity*>& all = activities().all;
+  if (all.empty()) return std::nullopt;
+  Doing now;
+  for (const Activity* activity : all)
+    now.what += (now.what.empty() ? "" : ": ") + activity->what_;
+  now.total = all.back()->total_;
+  now.done = std::min(now.total, all.back()->done_.load(std::memory_order_relaxed));
+  return now;
+}
+
+}  // namespace palpa

@@ -1,0 +1,71 @@
+#include "terminal.hpp"
+
+#include <poll.h>
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <stdexcept>
+#include <utility>
+
+#include "process.hpp"
+
+namespace palpa::test {
+
+Terminal::Terminal(const std::vector<std::string>& arguments) {
+  std::vector<std::string> line{palpa_binary()};
+  line.insert(line.end(), arguments.begin(), arguments.end());
+  std::vector<char*> words;
+  for (std::string& word : line)
+    words.push_back(word.data());
+  words.push_back(nullptr);
+  child_ = forkpty(&master_, nullptr, nullptr, nullptr);
+  if (child_ < 0) throw std::runtime_error("no terminal to be had");
+  if (child_ == 0) {
+    execv(words[0], words.data());
+    _exit(127);
+  }
+}
+
+Terminal::~Terminal() {
+  if (child_ > 0) {
+    kill(child_, SIGKILL);
+    waitpid(child_, nullptr, 0);
+  }
+  close(master_);
+}
+
+bool Terminal::read_some(int timeout_ms) {
+  pollfd ready{master_, POLLIN, 0};
+  if (poll(&ready, 1, timeout_ms) <= 0) return true;
+  std::array<char, 4096> bytes;
+  const ssize_t got = read(master_, bytes.data(), bytes.size());
+  if (got <= 0) return false;  // nobody holds the other end any more
+  text_.append(bytes.data(), static_cast<std::size_t>(got));
+  return true;
+}
+
+bool Terminal::shows(const std::string& part) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (text_.find(part) == std::string::npos) {
+    if (std::chrono::steady_clock::now() > end || !read_some(100)) return text_.find(part) != std::string::npos;
+  }
+  return true;
+}
+
+void Terminal::type(const std::string& keys) const {
+  if (write(master_, keys.data(), keys.size()) < 0) throw std::runtime_error("the terminal takes no keys");
+}
+
+int Terminal::ended_by_signal() {
+  while (read_some(1000)) {
+  }
+  int status = 0;
+  waitpid(std::exchange(child_, 0), &status, 0);
+  return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+}
+
+}  // namespace palpa::test

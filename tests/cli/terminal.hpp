@@ -1,0 +1,36 @@
+// The real program on a terminal of its own, in the foreground, as a person has it.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+namespace palpa::test {
+
+class Terminal {
+ public:
+  /// `palpa` with these arguments.
+  explicit Terminal(const std::vector<std::string>& arguments);
+  /// Ends the program where it has not ended.
+  ~Terminal();
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+
+  /// Waits, at most half a minute, until `part` is among what the program has written.
+  bool shows(const std::string& part);
+  /// Keys; "\x03" is Ctrl-C.
+  void type(const std::string& keys) const;
+  /// The signal that ended the program; 0 where it ended by itself. Waits for it.
+  int ended_by_signal();
+  const std::string& text() const { return text_; }
+
+ private:
+  bool read_some(int timeout_ms);
+
+  int master_ = -1;
+  pid_t child_ = 0;
+  std::string text_;
+};
+
+}  // namespace palpa::test
