@@ -16,7 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// Of the second that palpa may take: what is left is for the line, and for the system to take the process down.
-constexpr auto patience = 850ms, for_the_line = 50ms;
+constexpr auto patience = 750ms, for_the_line = 50ms;
 
 std::atomic<bool> requested_flag{false};
 std::atomic<bool> signalled{false};  ///< by a signal, not by others

@@ -64,6 +64,12 @@ Unread Unread::terminal() {
   return {slave, master};
 }
 
+Unread Unread::file(const std::string& name) {
+  const int end = open(name.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  EXPECT_GE(end, 0) << name;
+  return {end, -1};
+}
+
 Unread::Unread(Unread&& other) noexcept
     : end_(std::exchange(other.end_, -1)), other_(std::exchange(other.other_, -1)) {}
 

@@ -9,13 +9,15 @@
 
 namespace palpa::test {
 
-/// A pipe or a terminal that takes no more.
+/// What takes no more, or may not: a pipe, a terminal, a file.
 class Unread {
  public:
   /// A pipe, full and never read.
   static Unread pipe();
   /// A terminal that Ctrl-S will stop.
   static Unread terminal();
+  /// A file, on a disk that may stop answering.
+  static Unread file(const std::string& name);
   Unread(Unread&& other) noexcept;
   Unread& operator=(Unread&&) = delete;
   ~Unread();

@@ -110,9 +110,16 @@ shows() {
   return 1
 }
 
-# Pages point to files that exist, and the examples that they show are those that are compiled.
+# Pages point to files and tests that exist, and the examples that they show are those that are compiled.
 docs() {
   local page target found=0
+  # shellcheck disable=SC2016  # the pages' backquotes
+  while read -r target; do
+    if ! grep -rqE --include='*.cpp' "^TEST(_F|_P)?\\(${target/./, }\\)" tests; then
+      echo "   docs/safety.md names a test $target, which does not exist"
+      found=1
+    fi
+  done < <(grep -oE '`[A-Z][A-Za-z]+\.[A-Z][A-Za-z0-9]+`' docs/safety.md | tr -d '`' | sort -u)
   while read -r page; do
     while read -r target; do
       if [[ ! -e ${page%"${page##*/}"}$target ]]; then

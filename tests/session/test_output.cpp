@@ -199,6 +199,33 @@ TEST(Output, TellsAPlanOnceAndFromWhenUntilWhen) {
   EXPECT_EQ(link.told[2].voices, 0u);
 }
 
+TEST(Output, LeavesOutSlotsThatItOversleptInsteadOfSendingThemLate) {
+  struct DawdlingLink : test::SpyLink {
+    void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+      if (slots.size() == 10) std::this_thread::sleep_for(std::chrono::milliseconds(60));
+      SpyLink::send(slot, drive);
+    }
+  };
+  Output out;
+  out.setting.hold_s = 10;
+  DawdlingLink link;
+  Newest<Plan> plans;
+  const Clock clock;
+  plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 0.0);
+  plans.publish();
+  std::atomic<bool> stop{false};
+  OutputStats stats;
+  std::thread stopper([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    stop = true;
+  });
+  play(link, plans, out.setting, clock, Ending{stop}, stats);
+  stopper.join();
+  ASSERT_GT(link.slots.size(), 12u);
+  EXPECT_GE(link.slots[11] - link.slots[10], 38u) << "60 ms are 40 slots";
+  EXPECT_GE(stats.skipped_slots, 38u);
+}
+
 TEST(Output, SendsSilenceLastWhenTheLinkBreaks) {
   for (const bool broken : {false, true}) {
     Output out;
