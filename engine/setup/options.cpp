@@ -100,9 +100,10 @@ void check(const FeltOptions& options, const TouchOptions& touch) {
 }
 
 void check(const TouchOptions& options) {
-  if (!options.stride) return;
-  const std::string fault = geometry::stride_fault(options.parameters.foci, *options.stride);
-  if (!fault.empty()) throw bad_usage("--stride and --foci: " + fault);
+  if (options.stride) {
+    const std::string fault = geometry::stride_fault(options.parameters.foci, *options.stride);
+    if (!fault.empty()) throw bad_usage("--stride and --foci: " + fault);
+  }
   warn_of_dwell(options);
 }
 

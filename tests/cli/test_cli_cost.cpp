@@ -94,7 +94,7 @@ TEST_F(Cost, OfRodsSideBySide) {
 }
 
 TEST_F(Cost, OfShellsWithinShells) {
-  EXPECT_EQ(touch(nested(500, true)).exit_code, 0);
+  EXPECT_EQ(touch(nested(301, true)).exit_code, 0);
   const Result deep = touch(nested(4001, true));
   EXPECT_TRUE(deep.exit_code == 0 || deep.exit_code == 4) << deep.err;
   expect_failure(touch(nested(4001, false)), 4, "has a shell inside another that faces the same way");
