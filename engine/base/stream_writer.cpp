@@ -12,6 +12,7 @@
 #include <chrono>
 #include <climits>
 #include <condition_variable>
+#include <csignal>
 #include <deque>
 #include <mutex>
 #include <optional>
@@ -130,6 +131,10 @@ void StreamWriter::Work::end(std::optional<int> first_fault) {
 }
 
 void StreamWriter::write_what_comes(const std::shared_ptr<Work>& work) {
+  // A reader that goes away or a file that may not grow is told as an error, and must not end the program by a signal.
+  sigset_t all;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, nullptr);
   Work& w = *work;
   std::optional<int> fault;
   for (bool whole = true; whole;) {

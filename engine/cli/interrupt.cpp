@@ -52,23 +52,13 @@ struct Interrupt::Deadline {
     }
     if (deadline->called_off) return;
     std::this_thread::sleep_for(patience);
+    if (deadline->called_off) return;  // the signal came while all was over
     // Said by another thread, which may have to wait for whoever reads it.
     std::thread([line = deadline->late] { log::error(line); }).detach();
     std::this_thread::sleep_for(for_the_line);
     ::_exit(static_cast<int>(Exit::failed));
   }
 };
-
-Interrupt::Interrupt() {
-  requested_flag = signalled = false;  // a run before this one, in the same process, may have ended by it
-  sem_init(&first_signal, 0, 0);
-  struct sigaction action {};
-  action.sa_handler = note;
-  sigemptyset(&action.sa_mask);
-  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
-    replace(signal, action);
-}
 
 Interrupt::Interrupt(std::string late) : deadline_(std::make_shared<Deadline>()) {
   requested_flag = signalled = false;
@@ -90,7 +80,6 @@ Interrupt::Interrupt(std::string late) : deadline_(std::make_shared<Deadline>())
 Interrupt::~Interrupt() {
   for (const auto& [signal, before] : before_)
     sigaction(signal, &before, nullptr);
-  if (!deadline_) return;
   if (signalled) {
     watch_.detach();
     return;

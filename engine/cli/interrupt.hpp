@@ -15,10 +15,6 @@ namespace palpa::cli {
 /// (nohup) stay ignored. One at a time.
 class Interrupt {
  public:
-  /// For long work that leaves nothing behind: Ctrl-C, SIGTERM and SIGHUP. A second one ends the program as it always
-  /// does.
-  Interrupt();
-
   /// For as long as there is something to silence: all signals that end or stop a program and can be caught, Ctrl-Z
   /// too, since a program that is stopped cannot silence anything. Later ones change nothing: the array must not be
   /// left sounding by an impatient second Ctrl-C. But a second after the first one palpa ends whatever it is doing,

@@ -240,7 +240,7 @@ void drain(Planner& planner, Plan& plan) {
   for (int i = 0; i < most_steps && planner.busy(); ++i) {
     try {
       planner.step(plan, report);
-    } catch (const Error&) {  // of a frame that nobody waits for
+    } catch (...) {  // of a frame that nobody waits for
     }
   }
 }
@@ -260,28 +260,38 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
   std::exception_ptr compute_fault;
   std::optional<Worker> output_thread, recorder_thread, capture_thread;
   try {
-    output_thread.emplace([&] {
+    // Whatever breaks ends the loop, and whoever waits within it.
+    const auto fail = [&] {
+      ending.failed = true;
+      stop = true;
+    };
+    output_thread.emplace([&, fail] {
       const EndFlag ended(output_ended);
-      play(link, plans, setting.output, clock, ending, stats.output);
+      try {
+        play(link, plans, setting.output, clock, ending, stats.output);
+      } catch (...) {
+        fail();
+        throw;
+      }
     });
     // The link gets silence meanwhile, and the source is not asked before frames can be looked at in time.
     planner.warm_up();
     if (observers.record) {
-      recorder_thread.emplace([&] {
+      recorder_thread.emplace([&, fail] {
         try {
           record(recorded, observers);
         } catch (...) {
-          ending.failed = stop = true;  // a recording that cannot go on ends the loop
+          fail();  // a recording that cannot go on ends the loop
           throw;
         }
       });
     }
-    capture_thread.emplace([&] {
+    capture_thread.emplace([&, fail] {
       const CloseFrames close(frames);
       try {
         capture(source, frames, observers.record ? &recorded : nullptr, setting, clock, stop_capture, stats);
       } catch (...) {
-        ending.failed = true;
+        fail();
         throw;
       }
     });
@@ -295,6 +305,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
   } catch (...) {
     compute_fault = std::current_exception();
     ending.failed = true;
+    stop = true;
   }
   // Silence first: the capture thread may be waiting for a camera, the recorder for a disk.
   ending.over = true;
@@ -302,8 +313,8 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
   stop_capture = true;
   frames.close();
   const std::exception_ptr capture_fault = capture_thread ? capture_thread->join() : nullptr;
-  drain(planner, plans.back());
   recorded.close();
+  drain(planner, plans.back());
   const std::exception_ptr record_fault = recorder_thread ? recorder_thread->join() : nullptr;
   for (const std::exception_ptr& fault : {compute_fault, output_fault, record_fault, capture_fault}) {
     if (fault) std::rethrow_exception(fault);

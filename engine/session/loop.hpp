@@ -37,7 +37,7 @@ struct LoopObservers {
 /// thread ends all of them and is thrown here, after the link has got silence. Silence waits for nobody but the link:
 /// the output thread sees itself that `stop` is true, whatever the others are doing, and what they log is written by a
 /// thread of its own (log::Relay). A source, a device, a recorder or an observer that never comes back keeps this
-/// function from returning, nothing more. Where the recording fails `stop` becomes
+/// function from returning, nothing more. Where anything fails `stop` becomes
 /// true, so that nobody waits on for a reader. `stats` is filled as the loop goes and complete on every path; `planner`
 /// is not busy afterwards.
 void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const LoopSetting& setting,

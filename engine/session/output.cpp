@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "touch/types.hpp"
 
@@ -18,6 +19,9 @@ std::span<const array::TransducerDrive> silence(const OutputSetting& setting, ar
 bool expired(const Plan& plan, double now_s, const OutputSetting& setting) {
   return plan.schedule.voice_count == 0 || now_s >= plan.captured_s + setting.hold_s;
 }
+
+/// How often somebody who waits for a slot looks whether its sound must end sooner.
+constexpr double most_sleep_s = 10e-3;
 
 /// The first slot that begins when the plan has expired, slot 0 having begun at `begin_s`.
 std::uint64_t expiry_slot(const Plan& plan, double begin_s, const OutputSetting& setting) {
@@ -70,9 +74,22 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
   std::uint64_t slot = 0;
   const double begin_s = clock.now();
   bool sounding = false;
-  for (bool stopped = ending.asked(); !stopped || (safe.must_fade() && !ending.failed); stopped = ending.asked()) {
+  double fade_end_s = std::numeric_limits<double>::infinity();  // known when the end is asked for
+  const auto too_long = [&](double now_s) {
+    if (ending.asked()) return ending.failed || now_s >= fade_end_s || std::isinf(fade_end_s);
+    return sounding && expired(plans.front(), now_s, setting);
+  };
+  const auto must_go_on = [&] {
+    if (!ending.asked()) return true;
+    return safe.must_fade() && !ending.failed && clock.now() < fade_end_s;
+  };
+  while (must_go_on()) {
     const double due_s = begin_s + static_cast<double>(slot) * setting.slot_s;
-    clock.sleep_until(due_s);
+    for (double now_s = clock.now(); now_s < due_s && !too_long(now_s); now_s = clock.now())
+      clock.sleep_until(std::min(due_s, now_s + most_sleep_s));
+    if (!must_go_on()) break;
+    const bool stopped = ending.asked();
+    if (stopped && std::isinf(fade_end_s)) fade_end_s = clock.now() + setting.safety.ramp_s;
     const double now_s = clock.now();
     const bool fresh = plans.take();
     const Plan& plan = plans.front();
@@ -87,7 +104,7 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
     }
     sounding = !silent;
     safe.send(slot, silent ? silence(setting, scratch.drive) : drive_of_slot(plan, slot, now_s, setting, scratch));
-    stats.sent(now_s - due_s, silent);
+    stats.sent(std::max(now_s - due_s, 0.0), silent);
     // Overslept by a whole slot or more: the slots between are over.
     const auto running = static_cast<std::uint64_t>(std::floor((clock.now() - begin_s) / setting.slot_s));
     if (running > slot + 1) stats.skipped(running - slot - 1);

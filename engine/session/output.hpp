@@ -27,13 +27,14 @@ struct Ending {
   std::atomic<bool> over{false};    ///< the loop's own
   std::atomic<bool> failed{false};  ///< something broke: silence at once, without a ramp
 
-  bool asked() const { return stop || over; }
+  bool asked() const { return stop || over || failed; }
 };
 
 /// Plays the newest plan until the end is asked for, through a SafeLink: then silence, down the ramp if there is one;
 /// at once where something failed, and where the link or anything else throws (the error is passed on afterwards). The
-/// slot counter starts at 0 and never restarts; slots that the thread overslept by a whole slot are left out. It waits
-/// for the clock and the link, and for nothing else.
+/// slot counter starts at 0 and never restarts; slots that the thread overslept by a whole slot are left out. However
+/// long a slot is, its sound ends when its plan expires or the end is asked for, and a ramp lasts no longer than it
+/// should. It waits for the clock and the link, and for nothing else.
 void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock, const Ending& ending,
           OutputStats& stats);
 

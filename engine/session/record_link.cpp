@@ -59,11 +59,22 @@ class RecordLink : public Link {
     if (stalled_) writer_.fail_stalled();
   }
   void finish() override {
-    if (!writer_.flush_patiently()) writer_.fail_stalled();
+    if (!writer_.flush_patiently()) {
+      close_stalled();
+      writer_.fail_stalled();
+    }
     writer_.close();
   }
 
  private:
+  /// The file ends in silence now, and not when whoever else is slow has let go of the program.
+  void close_stalled() {
+    try {
+      writer_.close();
+    } catch (const Error&) {  // that it stalled is the error to report
+    }
+  }
+
   /// A reader that stalls must not hear of drives long after they are over; a disk that stalls must not be heard.
   static constexpr std::size_t room_of_pipe = 1 << 18, room_of_disk = 1 << 23;
 

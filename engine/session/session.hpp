@@ -66,7 +66,7 @@ class Session {
   /// Capture, compute and output, each on its own thread: the newest frame wins, drives leave on time even when a frame
   /// is late, and an all-zero drive is the last that `link` gets, whatever happens. Until the source ends,
   /// `options.frames` are done, `stop` becomes true or something fails: an Error of any thread is thrown here, after
-  /// silence; where the recording fails `stop` is true then, too. Who still touches then lets go. The setting must be
+  /// silence; `stop` is true then, too. Who still touches then lets go. The setting must be
   /// live(), its cameras the source's. Frames under way at the end are not looked at.
   LoopStats run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options = {});
 

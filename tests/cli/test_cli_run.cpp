@@ -108,7 +108,7 @@ TEST(CliRun, WhatWasRecordedComesBackBitForBit) {
 /// Starts palpa, waits until `started`, sends `signal`, and returns the exit code (minus the signal where one killed
 /// it).
 int interrupt(const std::vector<std::string>& arguments, const std::vector<int>& signals,
-              const std::filesystem::path& started) {
+              const std::filesystem::path& started, std::uintmax_t least_bytes = 4'000'000) {
   std::vector<std::string> words{PALPA_BINARY};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -121,7 +121,7 @@ int interrupt(const std::vector<std::string>& arguments, const std::vector<int>&
   for (int i = 0; i < 3000; ++i) {
     std::error_code ignored;
     const auto size = std::filesystem::file_size(started, ignored);
-    if (!ignored && size != static_cast<std::uintmax_t>(-1) && size > 4'000'000) break;
+    if (!ignored && size != static_cast<std::uintmax_t>(-1) && size > least_bytes) break;
     std::this_thread::sleep_for(10ms);
   }
   for (const int signal : signals) {
@@ -164,6 +164,21 @@ TEST(CliRun, SignalsEndItInSilence) {
   const auto handler = signal(SIGHUP, SIG_IGN);
   EXPECT_GT(ends_in_silence("cpu", {SIGHUP, SIGTERM}), before + 30);
   signal(SIGHUP, handler);
+}
+
+TEST(CliRun, SignalsEndItInTimeHoweverLongItsSlotsAndItsRamp) {
+  const auto folder = scratch_folder("signals-slow");
+  const auto ends_in_silence = [&](const std::vector<std::string>& options, std::uintmax_t least_bytes) {
+    const auto file = folder / options.front();
+    const std::vector<std::string> line{"run", "--scene", cube(),   "--backend",
+                                        "cpu", "--quiet", "--link", "record:" + file.string()};
+    EXPECT_EQ(interrupt(with(line, options), {SIGTERM}, file, least_bytes), 0) << options.front();
+    const session::DriveRecording recording = session::read_drive_recording(file);
+    ASSERT_FALSE(recording.drives.empty());
+    EXPECT_TRUE(silent(recording.drives.back().drive)) << options.front();
+  };
+  ends_in_silence({"--ramp", "500ms"}, 4'000'000);
+  ends_in_silence({"--dwell", "2s"}, 50'000);
 }
 
 /// What `palpa run` streams to a link of foci, line by line.

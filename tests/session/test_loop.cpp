@@ -116,7 +116,7 @@ TEST(Loop, AfterAnErrorThereIsNoRampAndNoHold) {
     Loop loop;
     loop.source.count = 1'000'000;
     loop.setting.output.hold_s = 5;
-    loop.setting.output.safety.ramp_s = 1;
+    loop.setting.output.safety.ramp_s = most_ramp_s;
     const auto fail = [](std::uint64_t frame) {
       if (frame == 20) throw failure("it broke");
     };
@@ -126,9 +126,9 @@ TEST(Loop, AfterAnErrorThereIsNoRampAndNoHold) {
     const auto begin = std::chrono::steady_clock::now();
     EXPECT_EQ(loop.fault(), "it broke");
     EXPECT_TRUE(loop.link.ended_silent());
-    // Twenty frames are 40 ms; the ramp's way down would be 667 drives and the hold 3333.
+    // Twenty frames are 40 ms; the ramp's way down would be 334 drives and the hold 3333.
     EXPECT_LT(std::chrono::steady_clock::now() - begin, 4s);
-    EXPECT_LT(loop.link.slots.size(), 600u) << static_cast<int>(fault);
+    EXPECT_LT(loop.link.slots.size(), 300u) << static_cast<int>(fault);
   }
 }
 
