@@ -153,7 +153,7 @@ struct Disparities {
   std::int32_t raw(float z, float noise) const {
     const float noisy = disparity / z + noise_scale * noise;
     // Truncation after adding a half rounds, since nothing negative counts; std::lround would be a call per pixel.
-    const auto steps = static_cast<std::int32_t>(at_most(noisy * (1 / step), 1e9f) + 0.5f);
+    const auto steps = static_cast<std::int32_t>(at_most(noisy * (1 / step) + 0.5f, 1e9f));
     const auto depth = static_cast<std::int32_t>(at_most(units / static_cast<float>(steps) + 0.5f, 65536.0f));
     const int fits = (steps > 0) & (depth >= first) & (depth < 65536) & (z < beyond);
     return depth & -fits;
