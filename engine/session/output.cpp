@@ -20,6 +20,9 @@ bool expired(const Plan& plan, double now_s, const OutputSetting& setting) {
   return plan.schedule.voice_count == 0 || now_s >= plan.captured_s + setting.hold_s;
 }
 
+/// How much longer than it should a ramp may take on its way down at the end: its slots may come late.
+constexpr double most_late_s = 0.1;
+
 /// How often somebody who waits for a slot looks whether its sound must end sooner.
 constexpr double most_sleep_s = 10e-3;
 
@@ -89,7 +92,7 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
       clock.sleep_until(std::min(due_s, now_s + most_sleep_s));
     if (!must_go_on()) break;
     const bool stopped = ending.asked();
-    if (stopped && std::isinf(fade_end_s)) fade_end_s = clock.now() + setting.safety.ramp_s;
+    if (stopped && std::isinf(fade_end_s)) fade_end_s = clock.now() + setting.safety.ramp_s + most_late_s;
     const double now_s = clock.now();
     const bool fresh = plans.take();
     const Plan& plan = plans.front();

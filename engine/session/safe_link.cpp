@@ -124,12 +124,8 @@ void SafeLink::send_ramped(std::uint64_t slot, std::span<const array::Transducer
   const bool audible = sounds(drive);
   on_ = on_ || audible;  // who tells no plans is heard, too
   const bool fading = !on_ && must_fade();
-  // Slots that were left out count: the ramp is one of time.
-  const std::uint64_t left_out = slot > after_slot_ ? slot - after_slot_ : 0;
-  const auto steps = static_cast<std::uint32_t>(std::min<std::uint64_t>(1 + left_out, ramp_drives_));
-  after_slot_ = slot + 1;
-  if (on_) up_ = std::min(up_ + steps, ramp_drives_);
-  if (fading) up_ -= std::min(up_, steps);
+  if (on_ && up_ < ramp_drives_) ++up_;
+  if (fading) --up_;
   // A modulation has all-zero drives of its own: what is to fade out is one that sounds.
   if (on_ && audible) last_.assign(drive.begin(), drive.end());
   if (fading && up_ == 0) {

@@ -76,7 +76,6 @@ class SafeLink final : public Link {
   bool on_ = false;                ///< sound is to be there
   std::uint32_t ramp_drives_ = 1;  ///< how many drives the ramp takes
   std::uint32_t up_ = 0;           ///< of them
-  std::uint64_t after_slot_ = 0;   ///< the slot after the last that was sent, whatever was told since
   array::Drive last_;              ///< the last drive while sound was to be there, before it was scaled
   double told_factor_ = 0;         ///< of what was passed on last
   std::uint64_t told_slot_ = 0;    ///< from which slot on
