@@ -145,6 +145,13 @@ TEST(SolverPass, StaysInsideItsBuffersAtEverySize) {
   }
 }
 
+// Of each kernel the least that there is to run: instrumented ones take most of a minute to compile.
+TEST(SolverPass, StaysInsideItsBuffers) {
+  const std::vector<std::vector<SlotFocus>> batch{focus_set(3, 3, {0.05, 0, 0.1}), focus_set(5, 11, {0.05, 0, 0.1})};
+  run_guarded(line(33), batch, Solver::gs_pat, Constraint::uniform);
+  run_guarded(line(33), batch, Solver::greedy, Constraint::uniform);
+}
+
 TEST(SolverPass, TheSameBytesOnEveryRun) {
   const Layout layout = load_layout("openmpd");
   std::vector<std::vector<SlotFocus>> slots;
