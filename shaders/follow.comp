@@ -223,7 +223,7 @@ Track followed(uint finger, uint first_id, uint born, uint known, uint elapsed_u
   t.since_us = follow_anew;
   t.solid = record.solid;
   t.contacts = record.contacts;
-  t.has_axes = record.point_like == 0u ? 1u : 0u;
+  t.flags = record.point_like == 0u ? track_has_axes : 0u;
   t.place = vec4(found[finger].x, found[finger].y, found[finger].z, 0.0);
   t.velocity = vec4(0.0);
   t.axis1 = record.axis1;
@@ -242,7 +242,7 @@ Track followed(uint finger, uint first_id, uint born, uint known, uint elapsed_u
     const Track old = table.tracks[track];
     t.home = old.home;
     const uint since_us = later(old.unseen_us, elapsed_us);
-    if (old.carrier == follow_none) t.since_us = since_us;
+    if (glides_on(old.flags, old.unseen_us, since_us)) t.since_us = since_us;
     const float since_s = in_seconds(since_us);
     uint passengers = 0u;
     for (uint u = 0u; u < known; ++u) passengers += merged[u] && owner[u] == finger ? 1u : 0u;
@@ -257,11 +257,12 @@ Track followed(uint finger, uint first_id, uint born, uint known, uint elapsed_u
       t.place = vec4(place[track].x, place[track].y, place[track].z, stray[track]);
     }
     t.velocity = vec4(velocity[track].x, velocity[track].y, velocity[track].z, 0.0);
-    if (old.has_axes != 0u && record.point_like != 0u) {
-      t.has_axes = 1u;
+    const bool had_axes = (old.flags & track_has_axes) != 0u;
+    if (had_axes && record.point_like != 0u) {
+      t.flags = track_has_axes;
       t.axis1 = old.axis1;
       t.axis3 = old.axis3;
-    } else if (old.has_axes != 0u) {
+    } else if (had_axes) {
       has_frame = true;
       if (push.steady != 0u) steady = steady_axes(axes, lean, xyz(old.axis1), xyz(old.axis3), since_s);
     }
@@ -299,7 +300,7 @@ void main() {
     old = table.tracks[thread];
     unseen_us = later(old.unseen_us, elapsed_us);
     const bool carried = old.carrier != follow_none;
-    alive = unseen_us <= (carried ? merged_memory_us : memory_us);
+    alive = unseen_us <= memory_of(carried, push.memory_us);
     const uint coasts_us = min(unseen_us, coasting_us) - min(old.unseen_us, coasting_us);
     place[thread] = moved(xyz(old.place), xyz(old.velocity), carried ? frame_s : in_seconds(coasts_us));
     velocity[thread] = xyz(old.velocity);
@@ -339,7 +340,7 @@ void main() {
     }
     seen[thread] = false;
     stray[thread] = 0.0;
-    remembered[thread] = taken == follow_none && alive && (merged[thread] || unseen_us <= memory_us);
+    remembered[thread] = taken == follow_none && alive && (merged[thread] || unseen_us <= push.memory_us);
   }
   if (thread < most / 32u) homes[thread] = 0u;
   barrier();
@@ -361,6 +362,7 @@ void main() {
   if (thread < count) table.tracks[thread] = fresh;
   if (stays) {
     old.carrier = merged[thread] ? owner[thread] : follow_none;
+    if (merged[thread]) old.flags |= track_left_home;
     old.unseen_us = seen[thread] ? 0u : unseen_us;
     old.place = vec4(place[thread].x, place[thread].y, place[thread].z, stray[thread]);
     old.velocity = vec4(velocity[thread].x, velocity[thread].y, velocity[thread].z, 0.0);

@@ -9,7 +9,7 @@ PALPA_CONST follow_most_tracks = 128u;
 PALPA_CONST follow_none = 0xffffffffu;
 
 // For FollowPush::elapsed_us: there is no frame before this one, and no id has been given. For Track::since_us: the
-// finger is new, or was in another's cluster.
+// finger is new, was in another's cluster since it was last seen by itself, or was missing for longer than it coasts.
 PALPA_CONST follow_anew = 0xffffffffu;
 
 // Bindings.
@@ -21,11 +21,15 @@ PALPA_CONST follow_buffers = 3u;
 struct FollowPush {
   uint elapsed_us;  // from the frame before to this one
   uint steady;      // axes are steadied; 0: they stay the principal ones
-  uint unused1;
+  uint memory_us;   // a finger that nobody sees is remembered that long
   uint unused2;
 };
 PALPA_CHECK_SIZE(FollowPush, 16);
-PALPA_CHECK_OFFSET(FollowPush, steady, 4);
+PALPA_CHECK_OFFSET(FollowPush, memory_us, 8);
+
+// Bits of Track::flags.
+PALPA_CONST track_has_axes = 1u;
+PALPA_CONST track_left_home = 2u;  // it has been in another's cluster since it was last seen by itself
 
 // What is known of a finger, past or present. The first tracks are those of the frame's fingers, in their order.
 struct Track {
@@ -34,7 +38,7 @@ struct Track {
   uint carrier;    // the track into whose cluster this one has merged, or follow_none
   uint unseen_us;  // since it was last seen, by itself or in a cluster that looks like two
   uint contacts;   // when it was last seen by itself
-  uint has_axes;
+  uint flags;
   uint home;      // 0 to follow_most_tracks - 1, its own for as long as it is known: what passes keep of it lies there
   uint since_us;  // of this frame's fingers: since it was last seen by itself, or follow_anew
   vec4 place;     // where its centroid is, or is believed to be; w: its distance from its cluster's

@@ -1,6 +1,7 @@
 // The arithmetic of following fingers, for follow.comp and its twin; see exact_math.h. The rules are in docs/touch.md.
 #ifndef PALPA_SHADERS_FOLLOW_MATH_H
 #define PALPA_SHADERS_FOLLOW_MATH_H
+#include "follow.h"
 #include "sections_math.h"
 
 #ifdef __cplusplus
@@ -10,8 +11,7 @@
 #endif
 PALPA_SHADER_BEGIN
 
-// A finger that nobody sees is remembered that long, one that has merged into another's cluster longer.
-PALPA_CONST memory_us = 300000u;
+// A finger that has merged into another's cluster is remembered that long.
 PALPA_CONST merged_memory_us = 1000000u;
 // An unseen finger is believed to move on that long.
 PALPA_CONST coasting_us = 100000u;
@@ -59,10 +59,21 @@ PALPA_FN float follow_cost(Float3 found, Float3 place, float reach, float scale,
   return square > most ? out_of_reach : cost;
 }
 
-// Turns a found difference into a change of velocity: divided by the time it took, and by velocity_s more.
+// Turns a found difference into a change of velocity: divided by the time it took, and by velocity_s more. Two frames
+// of the same time say nothing of it.
 PALPA_FN float velocity_gain(float over_s) {
   PALPA_EXACT float gain = 1.0f / (over_s + velocity_s);
-  return gain;
+  return over_s > 0.0f ? gain : 0.0f;
+}
+
+PALPA_FN uint memory_of(bool carried, uint memory_us) {
+  return carried && merged_memory_us > memory_us ? merged_memory_us : memory_us;
+}
+
+// Whether a finger's foci may go on from where they were: it was there in the frame before, however long ago that is,
+// or was missing for no longer than it coasts, and what is kept of its foci is of itself.
+PALPA_FN bool glides_on(uint flags, uint unseen_us, uint since_us) {
+  return (flags & track_left_home) == 0u && (unseen_us == 0u || since_us <= coasting_us);
 }
 
 // ---- merged clusters ----

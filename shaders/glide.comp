@@ -43,7 +43,7 @@ void main() {
   const uint count = min(fingers[finger].foci, foci_most);
   const uint home = table.tracks[finger].home;
   const uint since_us = table.tracks[finger].since_us;
-  const bool anew = since_us > coasting_us || homes[home].foci != count;
+  const bool anew = since_us == follow_anew || homes[home].foci != count;
   const vec4 axis1 = fingers[finger].axis1, axis3 = fingers[finger].axis3, centre = fingers[finger].centre;
   const Float3 old_centre = xyz(homes[home].centre);
   const Float3 velocity = xyz(homes[home].velocity);

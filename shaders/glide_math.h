@@ -13,6 +13,7 @@ PALPA_FLOAT cutoff_hz = 4.0f;        // of the filter at rest,
 PALPA_FLOAT cutoff_per_m = 500.0f;   // and so much more per m/s that a focus moves, seen from the finger
 PALPA_FLOAT speed_hz = 2.0f;         // cutoff of that speed
 PALPA_FLOAT most_glide_mps = 0.05f;  // a focus moves no faster, seen from the finger
+PALPA_FLOAT astray_m = 0.01f;        // while time stands still: farther than that from where it is to go it begins anew
 
 // The share of a step that a low-pass filter of that cutoff takes in a frame.
 PALPA_FN float low_pass(float hz, float frame_s) {
@@ -22,12 +23,13 @@ PALPA_FN float low_pass(float hz, float frame_s) {
 }
 
 // How far a finger has moved whose centroid went from one place to another: as its velocity has it, and most of what
-// the centroid says beyond that.
+// the centroid says beyond that. While time stands still, as the centroid has it.
 PALPA_FN Float3 motion_of(Float3 from, Float3 to, Float3 velocity, float frame_s) {
   const float coasting_s = in_seconds(coasting_us);
   const float coasts_s = frame_s < coasting_s ? frame_s : coasting_s;
   const Float3 expected = scaled(velocity, coasts_s);
-  PALPA_EXACT float share = frame_s / (frame_s + motion_s);
+  PALPA_EXACT float most = frame_s / (frame_s + motion_s);
+  const float share = frame_s > 0.0f ? most : 1.0f;
   return moved(expected, minus(minus(to, from), expected), share);
 }
 
@@ -48,8 +50,11 @@ PALPA_FN Gliding glide(Float3 carried, Float3 speed, Float3 target, float frame_
   Gliding r;
   r.place = carried;
   r.speed = speed;
-  if (!(frame_s > 0.0f)) return r;
   const Float3 way = minus(target, carried);
+  if (!(frame_s > 0.0f)) {
+    if (dot3(way, way) > product(astray_m, astray_m)) r.place = target;
+    return r;
+  }
   PALPA_EXACT float rate = 1.0f / frame_s;
   r.speed = moved(speed, minus(scaled(way, rate), speed), low_pass(speed_hz, frame_s));
   PALPA_EXACT float cutoff = cutoff_hz + cutoff_per_m * sqrt(dot3(r.speed, r.speed));

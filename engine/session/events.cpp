@@ -25,8 +25,7 @@ EventTracker::EventTracker(std::span<const geometry::Solid> solids, const EventO
 std::span<const Event> EventTracker::update(const touch::Touch& touch, double time_s) {
   events_.clear();
   if (begun_ && time_s < last_s_) {
-    for (Held& held : held_)
-      held.seen_s += time_s - last_s_;
+    release_all();
   } else if (begun_ && time_s > last_s_ + hold_s_) {
     for (Held& held : held_)
       held.seen = false;
@@ -65,10 +64,14 @@ std::span<const Event> EventTracker::expire() {
 
 std::span<const Event> EventTracker::end() {
   events_.clear();
+  release_all();
+  return events_;
+}
+
+void EventTracker::release_all() {
   for (const Held& held : held_)
     release(held, last_s_);
   held_.clear();
-  return events_;
 }
 
 EventTracker::Held* EventTracker::held_of(std::uint32_t id) {

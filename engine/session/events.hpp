@@ -54,8 +54,9 @@ class EventTracker {
   /// there again in time continues its touch.
   explicit EventTracker(std::span<const geometry::Solid> solids, const EventOptions& options = {}, double hold_s = 0.1);
 
-  /// The events of the next frame: releases first, then finger by finger in the order of `touch`. Where the time is
-  /// earlier than that of the frame before, the clock is taken to have been reset. Valid until the next call.
+  /// The events of the next frame: releases first, then finger by finger in the order of `touch`. A time earlier than
+  /// that of the frame before is a new beginning, of ids too: whoever touched is released first, as by end(). Valid
+  /// until the next call.
   std::span<const Event> update(const touch::Touch& touch, double time_s);
   /// Tells that no frame has come for hold_s after the last one; update finds out by itself, but only with the next
   /// frame.
@@ -76,6 +77,7 @@ class EventTracker {
 
   Held* held_of(std::uint32_t id);
   void release_missing(double time_s);
+  void release_all();
   void release(const Held& held, double time_s);
   void follow(Held& held, const touch::Finger& finger, double time_s, bool fresh);
   void tell(EventKind kind, Held& held, double time_s);

@@ -28,6 +28,7 @@ touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler
           .follow = setting.follow,
           .axes = setting.axes,
           .smoothing = setting.smoothing,
+          .memory_s = setting.hold_s,
           .most_contacts = setting.live() || setting.cameras.empty() ? 0 : most_contacts_of_one};
 }
 

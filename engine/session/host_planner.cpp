@@ -17,7 +17,8 @@ class HostPlanner : public Planner {
                {.parameters = setting.touch,
                 .follow = setting.follow,
                 .axes = setting.axes,
-                .smoothing = setting.smoothing}) {}
+                .smoothing = setting.smoothing,
+                .memory_s = setting.hold_s}) {}
 
   bool can_start() const override { return !busy_; }
   bool busy() const override { return busy_; }

@@ -7,6 +7,7 @@
 #include "gpu/pipeline.hpp"
 #include "shaders/follow.h"
 #include "touch/frame_clock.hpp"
+#include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -37,7 +38,8 @@ class FollowPass {
   /// queue in the order of these calls. Barriers: expects header and fingers to be visible to compute; since pipeline
   /// barriers reach back over earlier submits to the queue, the same compute_to_compute orders the frames' use of
   /// `tracks`. The caller adds its own afterwards.
-  void record(VkCommandBuffer commands, const FollowBindings& bindings, std::uint32_t elapsed_us, Axes axes) const;
+  void record(VkCommandBuffer commands, const FollowBindings& bindings, std::uint32_t elapsed_us,
+              const StageSetting& setting) const;
 
  private:
   gpu::ComputePipeline pipeline_;

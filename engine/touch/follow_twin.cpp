@@ -55,6 +55,7 @@ struct Candidate {
 struct Follow {
   std::span<Finger> fingers;
   std::uint32_t elapsed_us;
+  std::uint32_t memory_us;
   bool steady;
   float frame_s = shader::in_seconds(elapsed_us);
   float scale = shader::reach_of(frame_s, 0, 0);
@@ -83,7 +84,7 @@ void Follow::move_on(const Tracks& before) {
     c.old = before.tracks[t];
     c.unseen_us = shader::later(c.old.unseen_us, elapsed_us);
     const bool carried = c.old.carrier != none;
-    c.alive = c.unseen_us <= (carried ? shader::merged_memory_us : shader::memory_us);
+    c.alive = c.unseen_us <= shader::memory_of(carried, memory_us);
     const std::uint32_t coasts_us =
         std::min(c.unseen_us, shader::coasting_us) - std::min(c.old.unseen_us, shader::coasting_us);
     c.velocity = float3(c.old.velocity);
@@ -194,7 +195,7 @@ void Follow::merge() {
 void Follow::choose_who_stays() {
   std::size_t room = most - fingers.size();
   for (Candidate& c : tracks()) {
-    c.stays = c.row == none && c.alive && (c.merged || c.unseen_us <= shader::memory_us) && room > 0;
+    c.stays = c.row == none && c.alive && (c.merged || c.unseen_us <= memory_us) && room > 0;
     if (c.stays) --room;
     if (c.stays || c.row != none) home_taken[c.old.home] = true;
   }
@@ -258,7 +259,7 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
   t.solid = finger.solid;
   t.carrier = none;
   t.contacts = static_cast<std::uint32_t>(finger.contacts.size());
-  t.has_axes = finger.point_like ? 0 : 1;
+  t.flags = finger.point_like ? 0 : shader::track_has_axes;
   t.place = vec4(float3(section.centroid));
   t.axis1 = vec4(axes.w1, axes.l1);
   t.axis3 = vec4(axes.w3, axes.l3);
@@ -269,7 +270,7 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
   if (track_of[f] != none) {
     Candidate& track = candidates[track_of[f]];
     t.home = track.old.home;
-    t.since_us = track.old.carrier == none ? track.unseen_us : shader::follow_anew;
+    if (shader::glides_on(track.old.flags, track.old.unseen_us, track.unseen_us)) t.since_us = track.unseen_us;
     const float since_s = shader::in_seconds(track.unseen_us);
     const auto passengers = static_cast<std::uint32_t>(
         std::count_if(tracks().begin(), tracks().end(), [&](const Candidate& c) { return c.merged && c.owner == f; }));
@@ -285,11 +286,12 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
       t.place = vec4(track.place, track.stray);
     }
     t.velocity = vec4(track.velocity);
-    if (track.old.has_axes != 0 && finger.point_like) {
-      t.has_axes = 1;
+    const bool had_axes = (track.old.flags & shader::track_has_axes) != 0;
+    if (had_axes && finger.point_like) {
+      t.flags = shader::track_has_axes;
       t.axis1 = track.old.axis1;
       t.axis3 = track.old.axis3;
-    } else if (track.old.has_axes != 0) {
+    } else if (had_axes) {
       has_frame = true;
       if (steady) turned = steady_axes(axes, lean, float3(track.old.axis1), float3(track.old.axis3), since_s);
     }
@@ -309,10 +311,10 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
 
 }  // namespace
 
-void follow_fingers(Tracks& tracks, double time_s, Axes axes, Touch& touch) {
+void follow_fingers(Tracks& tracks, double time_s, const StageSetting& setting, Touch& touch) {
   const std::uint32_t elapsed_us = tracks.clock.elapsed_us(time_s);
   Follow follow{std::span(touch.fingers).first(touch.finger_count), elapsed_us == shader::follow_anew ? 0 : elapsed_us,
-                axes == Axes::steady};
+                setting.memory_us(), setting.axes == Axes::steady};
   if (elapsed_us == shader::follow_anew) {
     tracks.count = 0;
     tracks.next_id = 0;
@@ -337,6 +339,7 @@ void follow_fingers(Tracks& tracks, double time_s, Axes axes, Touch& touch) {
     if (!c.stays) continue;
     Track& t = tracks.tracks[tracks.count++] = c.old;
     t.carrier = c.merged ? c.owner : none;
+    if (c.merged) t.flags |= shader::track_left_home;
     t.unseen_us = c.seen ? 0 : c.unseen_us;
     t.place = vec4(c.place, c.stray);
     t.velocity = vec4(c.velocity);

@@ -6,6 +6,7 @@
 
 #include "shaders/follow.h"
 #include "touch/frame_clock.hpp"
+#include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -19,10 +20,10 @@ struct Tracks {
 };
 
 /// C++ twin of FollowPass. Gives the first `finger_count` fingers of a frame, whose sections are those of
-/// find_sections, their ids, and where axes are to be steady turns them the least they can from those of the frame
-/// before. Ids count up from 0 in the order of the fingers and are never used twice. In the first frame ids are the
-/// fingers' order. The first tracks are then those of the fingers. Same single-precision arithmetic as in the pass.
+/// find_sections, their ids, and where the setting has steady axes turns them the least they can from those of the
+/// frame before. Ids count up from 0 in the order of the fingers and are never used twice. In the first frame ids are
+/// the fingers' order. The first tracks are then those of the fingers. Same single-precision arithmetic as in the pass.
 /// Allocates nothing.
-void follow_fingers(Tracks& tracks, double time_s, Axes axes, Touch& touch);
+void follow_fingers(Tracks& tracks, double time_s, const StageSetting& setting, Touch& touch);
 
 }  // namespace palpa::touch

@@ -40,7 +40,7 @@ std::size_t nearest_filled(std::span<const Focus> sectors, std::size_t n) {
 
 void glide_finger(const shader::Track& track, shader::Home& home, Finger& finger) {
   const auto count = static_cast<std::uint32_t>(finger.foci.size());
-  const bool anew = track.since_us > shader::coasting_us || home.foci != count;
+  const bool anew = track.since_us == shader::follow_anew || home.foci != count;
   const float frame_s = shader::in_seconds(track.since_us);
   const Float3 centre = float3(finger.section.centroid), old_centre = float3(home.centre);
   const shader::Axes axes = frame_of(float3(finger.section.axes[0]), float3(finger.section.axes[2]));

@@ -53,7 +53,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
   find_sections(out);
   done("sections");
   if (tracks_) {
-    follow_fingers(*tracks_, time_s, setting_.axes, out);
+    follow_fingers(*tracks_, time_s, setting_, out);
     done("follow");
   }
   find_foci(parameters, solids_.foci_of, out);

@@ -126,7 +126,7 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
   if (tracks_) {
     passes_.follow_->record(commands,
                             {.header = m.header_.ref(), .fingers = m.fingers_.ref(), .tracks = tracks_->ref()},
-                            tracks_->clock.elapsed_us(time_s), setting_.axes);
+                            tracks_->clock.elapsed_us(time_s), setting_);
     mark("follow");
     gpu::compute_to_compute(commands);
   }

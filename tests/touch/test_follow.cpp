@@ -35,13 +35,14 @@ Finger finger_at(const glm::vec3& place, std::uint32_t solid = 0) {
 /// Frames through the pass or through its twin.
 class Sequence {
  public:
-  explicit Sequence(Backend backend) : backend_(backend) {}
+  explicit Sequence(Backend backend, double memory_s = 0)
+      : backend_(backend), setting_{.follow = true, .memory_s = memory_s} {}
 
   const Touch& frame(std::vector<Finger> fingers, double time_s) {
     touch_.finger_count = static_cast<std::uint32_t>(fingers.size());
     touch_.fingers = std::move(fingers);
     if (backend_ == Backend::cpu) {
-      follow_fingers(tracks_, time_s, Axes::steady, touch_);
+      follow_fingers(tracks_, time_s, setting_, touch_);
     } else {
       on_device(time_s);
     }
@@ -86,7 +87,7 @@ class Sequence {
     header.write(&words, sizeof(words));
     const std::uint32_t elapsed_us = clock_.elapsed_us(time_s);
     palpa::test::run_on_device([&](VkCommandBuffer commands) {
-      pass.record(commands, {header.ref(), fingers.ref(), table_->ref()}, elapsed_us, Axes::steady);
+      pass.record(commands, {header.ref(), fingers.ref(), table_->ref()}, elapsed_us, setting_);
     });
     ASSERT_TRUE(fingers.intact() && header.intact() && table_->intact());
     records = fingers.read<shader::FingerRecord>();
@@ -101,6 +102,7 @@ class Sequence {
   }
 
   Backend backend_;
+  StageSetting setting_;
   Touch touch_;
   Tracks tracks_;
   FrameClock clock_;
@@ -128,6 +130,17 @@ TEST_P(Follow, GivesNewIdsAtBirthAndRemembersForAWhile) {
   EXPECT_EQ(sequence_.ids({}, 0.30), Ids{});
   EXPECT_EQ(sequence_.ids({}, 0.45), Ids{});
   EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 0.62), (Ids{2}));  // away for 0.33 s
+}
+
+TEST_P(Follow, RemembersForAsLongAsFramesMayBeApart) {
+  Sequence patient(GetParam(), 1.0);
+  EXPECT_EQ(patient.ids({{0, 0, 0}}, 0), (Ids{0}));
+  EXPECT_EQ(patient.ids({{0.003F, 0, 0}}, 0.4), (Ids{0}));
+  EXPECT_EQ(patient.ids({{0, 0, 0}}, 1.3), (Ids{0}));
+  EXPECT_EQ(patient.ids({{0, 0, 0}}, 2.4), (Ids{1}));
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 0), (Ids{0}));
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 0.4), (Ids{1}));
+  EXPECT_EQ(patient.ids({{0, 0, 0}}, 2), (Ids{2})) << "a clock that is set back is older than any memory";
 }
 
 TEST_P(Follow, ForgetsEverythingButTheIdsWhenTimeGoesBackOrStops) {

@@ -10,39 +10,10 @@
 #include <random>
 
 #include "touch/fingertips.hpp"
-#include "touch/harness.hpp"
+#include "touch/glide_stream.hpp"
 
 namespace palpa::touch::test {
 namespace {
-
-constexpr double frame_90 = 1.0 / 90;
-
-/// Frames of points through a stage that follows fingers.
-class Stream {
- public:
-  Stream(Backend backend, const std::vector<geometry::Solid>& solids, const StageSetting& setting) {
-    backend == Backend::cpu ? void(host_.emplace(solids, std::span<const sensing::Camera>(), setting))
-                            : void(device_.emplace(solids, std::span<const sensing::Camera>(), setting));
-  }
-  const Touch& frame(const std::vector<glm::vec3>& points, double time_s) {
-    const auto skin = indexed(points);
-    host_ ? host_->touch(skin, touch_, time_s) : device_->touch(skin, touch_, time_s);
-    return touch_;
-  }
-  void set_pose(const Transform& T_world_rest) {
-    host_ ? host_->set_pose(0, T_world_rest) : device_->stage.set_pose(0, T_world_rest);
-  }
-
- private:
-  std::optional<HostStage> host_;
-  std::optional<DeviceStage> device_;
-  Touch touch_;
-};
-
-StageSetting setting_of(std::uint32_t foci, Smoothing smoothing, Axes axes = Axes::steady) {
-  // Few contacts, far apart.
-  return {.parameters = {.finger_gap_m = 0.02, .foci = foci}, .follow = true, .axes = axes, .smoothing = smoothing};
-}
 
 // ---- docs/touch.md in doubles ----
 
@@ -124,7 +95,7 @@ class Reference {
       velocity_ = Vec3(0);
     } else {
       const Vec3 surprise = centroid - centroid_ - velocity_ * dt;
-      const Vec3 motion = velocity_ * dt + surprise * dt / (dt + 0.005);
+      const Vec3 motion = dt == 0 ? surprise : velocity_ * dt + surprise * dt / (dt + 0.005);
       for (std::size_t n = 0; n < count; ++n) {
         const Vec3 carried = centroid_ + motion + axes * (glm::transpose(axes_) * (places_[n] - centroid_));
         places_[n] = carried;
@@ -136,7 +107,7 @@ class Reference {
         const Vec3 step = way * pass(4 + 500 * glm::length(speeds_[n]));
         places_[n] += step * std::min(1.0, 0.05 * dt / std::max(glm::length(step), 1e-15));
       }
-      velocity_ += surprise / (dt + 0.03);
+      if (dt > 0) velocity_ += surprise / (dt + 0.03);
     }
     centroid_ = centroid;
     axes_ = axes;
@@ -351,17 +322,6 @@ TEST_P(Glide, AFingerThatComesBackSoonGoesOnAndLaterBeginsAnew) {
       nearest = std::min(nearest, glm::distance(focus.position, other.position));
     EXPECT_LT(nearest, 2.2e-3F);
   }
-}
-
-/// Of the focus that moves most, relative to the foci's mean.
-double step_between(const Finger& a, const Finger& b) {
-  Vec3 mean(0);
-  for (std::size_t n = 0; n < a.foci.size(); ++n)
-    mean += Vec3(b.foci[n].position - a.foci[n].position) / static_cast<double>(a.foci.size());
-  double most = 0;
-  for (std::size_t n = 0; n < a.foci.size(); ++n)
-    most = std::max(most, glm::length(Vec3(b.foci[n].position - a.foci[n].position) - mean));
-  return most;
 }
 
 TEST_P(Glide, OnARodThatMovesAndTurnsInTheFinger) {

@@ -138,7 +138,7 @@ void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& soli
       {b.total.ref(), b.parents.ref(), b.contact_texels.ref(), b.header.ref(), b.grouped_texels.ref(), b.fingers.ref()},
       b.sections_scratch, b.room);
   gpu::compute_to_compute(commands);
-  follow.record(commands, {b.header.ref(), b.fingers.ref(), b.tracks.ref()}, shader::follow_anew, Axes::steady);
+  follow.record(commands, {b.header.ref(), b.fingers.ref(), b.tracks.ref()}, shader::follow_anew, {});
   gpu::compute_to_compute(commands);
   foci.record(
       commands,
@@ -287,10 +287,10 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
   expect_struct(count, "SectionsPush", sizeof(shader::SectionsPush), {MEMBER(SectionsPush, most_contacts)}, false);
   const auto follow = palpa::test::read_spirv(spirv::follow_comp);
   expect_struct(follow, "FollowPush", sizeof(shader::FollowPush),
-                {MEMBER(FollowPush, elapsed_us), MEMBER(FollowPush, steady)}, false);
+                {MEMBER(FollowPush, elapsed_us), MEMBER(FollowPush, steady), MEMBER(FollowPush, memory_us)}, false);
   expect_struct(follow, "Track", sizeof(shader::Track),
                 {MEMBER(Track, id), MEMBER(Track, solid), MEMBER(Track, carrier), MEMBER(Track, unseen_us),
-                 MEMBER(Track, contacts), MEMBER(Track, has_axes), MEMBER(Track, home), MEMBER(Track, since_us),
+                 MEMBER(Track, contacts), MEMBER(Track, flags), MEMBER(Track, home), MEMBER(Track, since_us),
                  MEMBER(Track, place), MEMBER(Track, velocity), MEMBER(Track, axis1), MEMBER(Track, axis3),
                  MEMBER(Track, spread_a), MEMBER(Track, spread_b)},
                 true);
