@@ -55,7 +55,7 @@ void Show::load_objects(const ViewerOptions& options) {
   const setup::TouchInput input = setup::load_touch_input(options.input, solids);
   setup::StageTimes times;
   const setup::OneTouch one = setup::touch_once(options.common, options.touch, options.felt, options.input.scene,
-                                                std::move(solids), input, times);
+                                                std::move(solids), input, {}, times);
   show_touch(picture_, one.session.solids(), points_near(input, one.session.solids()), one.touch);
   picture_.skin_count = input.point_count;
   if (!input.cameras.empty()) picture_.T_world_camera = input.cameras.front().T_world_camera;

@@ -46,8 +46,9 @@ inline constexpr Word<Solver> solver_words[] = {
 
 /// One focus that sounds in a slot; several in one slot belong to different fingers.
 struct SlotFocus {
-  Vec3 position;   ///< metres, in the layout's frame as posed
-  float gain = 1;  ///< 0..1, the finger's amplitude modulation and intensity
+  Vec3 position;                        ///< metres, in the layout's frame as posed
+  float gain = 1;                       ///< 0..1, the finger's amplitude modulation and intensity
+  std::uint32_t voice = 0, number = 0;  ///< of a schedule: whose it is, and which of its foci
 };
 
 /// Amplitude 0..1 and phase in (-pi, pi] of one transducer, e^{-iwt}: the phase is the delay, -k d for a single focus.

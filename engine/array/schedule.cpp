@@ -57,7 +57,7 @@ void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<Slot
     const auto gain = static_cast<float>(voice.gain * modulation);
     for (std::uint32_t together = 0; together < voice.foci_per_slot; ++together) {
       const std::uint32_t focus = voice.order[step * voice.foci_per_slot + together];
-      if (focus < voice.foci.size()) out.push_back({voice.foci[focus], gain});
+      if (focus < voice.foci.size()) out.push_back({voice.foci[focus], gain, v, focus});
     }
   }
 }

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
 #include "session/foci_link.hpp"
+#include "session/foci_pressures.hpp"
 #include "setup/load.hpp"
 #include "setup/nearest_skin.hpp"
 #include "setup/progress.hpp"
@@ -19,6 +21,7 @@
 #include "setup/touch_run.hpp"
 #include "setup/touch_schedule.hpp"
 #include "setup/values.hpp"
+#include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -28,6 +31,7 @@ struct TouchCommand {
   setup::TouchInputOptions input;
   setup::TouchOptions touch;
   setup::FeltOptions felt;
+  setup::ArrayOptions array;
   std::string csv;
 };
 
@@ -36,6 +40,7 @@ void add_options(CLI::App& app, TouchCommand& o) {
   setup::Group(app, "What touches what").text("--csv", o.csv, "FILE|-", "the contacts: index,x,y,z,depth,finger,solid");
   setup::add_touch_options(app, o.touch);
   setup::add_felt_options(app, o.felt);
+  setup::add_array_options(app, o.array);
 }
 
 /// One touch and all that is printed about it.
@@ -44,7 +49,8 @@ struct TouchReport {
   const session::Session& session;  ///< its schedule has a voice per finger
   const touch::Touch& touch;
   const setup::TouchOptions& options;
-  const std::vector<acoustics::Spectrum>& spectra;  ///< one per finger with --spectrum, else none
+  const std::vector<acoustics::Spectrum>& spectra;    ///< one per finger with --spectrum, else none
+  const std::vector<std::vector<double>>& pressures;  ///< with --layout one per finger, for each focus of its voice
   double total_ms;
   const setup::StageTimes& times;
   std::optional<setup::NearestSkin> nearest;  ///< where nothing is touched
@@ -66,6 +72,21 @@ array::Voice by_sector(array::Voice voice, const touch::Placement& placement) {
   for (std::uint32_t& entry : voice.order)
     entry = filled[entry];
   return voice;
+}
+
+/// What sounds at the foci of a finger, null where a sector has none of its own.
+void add_pressures(JsonWriter& json, const std::vector<double>& pressures, const touch::Placement& placement) {
+  json.member("pressure_pa", *std::ranges::min_element(pressures));
+  json.key("pressures_pa").begin_array();
+  std::size_t filled = 0;  // foci that sound together are those of filled sectors
+  for (std::uint32_t i = 0; i < placement.foci.size(); ++i) {
+    if (placement.has(i)) {
+      json.value(pressures[placement.together ? filled++ : i]);
+    } else {
+      json.null();
+    }
+  }
+  json.end_array();
 }
 
 /// Whether --tune or its solid gave a finger a schedule of its own.
@@ -106,6 +127,7 @@ void add_finger(JsonWriter& json, const TouchReport& report, std::uint32_t index
   for (const touch::Focus& focus : placement.foci)
     json.value(focus.points);
   json.end_array();
+  if (!report.pressures.empty()) add_pressures(json, report.pressures[index], placement);
   if (has_own_schedule(report, index))
     add_schedule(json, by_sector(report.session.schedule().voices[index], placement));
   if (scheduled.tuned) add_tune(json, *scheduled.tuned);
@@ -201,6 +223,10 @@ std::string summary(const TouchReport& report) {
     fmt::format_to(out, "finger {} on {}: {} contacts around ({:.2f}, {:.2f}, {:.2f}) mm, {} of {} foci{}\n", f,
                    report.session.solids()[finger.solid].name, finger.contacts.size(), c.x, c.y, c.z, sounding,
                    placement.foci.size(), manner(placement));
+    if (!report.pressures.empty()) {
+      const auto [least, most] = std::ranges::minmax(report.pressures[f]);
+      fmt::format_to(out, "  pressure at its foci: {:.0f} to {:.0f} Pa\n", least, most);
+    }
     const bool own = !still && has_own_schedule(report, f);
     if (own) fmt::format_to(out, "  {}\n", order_line(report.session.schedule().voices[f]));
     common = common || !own;
@@ -222,19 +248,30 @@ std::string summary(const TouchReport& report) {
   return text;
 }
 
+setup::TouchArray load_array(const TouchCommand& o, std::span<const geometry::Solid> solids) {
+  setup::TouchArray array{.layout = {}, .drive = setup::drive_options(o.array.drive, o.touch.method.method)};
+  if (o.array.layout.empty()) return array;
+  array.layout = setup::load_posed_layout(o.array.layout);
+  setup::warn_of_reach(array.layout, solids);
+  setup::warn_of_frequency(array.layout, array.drive.medium);
+  return array;
+}
+
 void run(const TouchCommand& o) {
   check(o.input);
   check(o.touch);
   check(o.felt, o.touch);
+  check(o.array);
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   setup::Stopwatch whole, watch;
   setup::StageTimes times;
   std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);
   std::vector<geometry::Solid> solids = setup::load_solids(o.input.scene, o.input.gltf_scene, o.input.solids);
   const setup::TouchInput input = setup::load_touch_input(o.input, solids);
+  setup::TouchArray array = load_array(o, solids);
   times.emplace_back("load", watch.lap_ms());
   const setup::OneTouch one =
-      setup::touch_once(o.common, o.touch, o.felt, o.input.scene, std::move(solids), input, times);
+      setup::touch_once(o.common, o.touch, o.felt, o.input.scene, std::move(solids), input, std::move(array), times);
   preparing.reset();
   const touch::Touch& touch = one.touch;
   if (touch.cluster_count > touch.finger_count) {
@@ -243,6 +280,9 @@ void run(const TouchCommand& o) {
   }
   const std::vector<acoustics::Spectrum> spectra =
       o.felt.spectrum ? setup::spectra_of(one.session.schedule(), o.felt) : std::vector<acoustics::Spectrum>();
+  const bool sounds = !o.array.layout.empty();
+  const std::vector<std::vector<double>> pressures =
+      sounds ? session::foci_pressures(one.session.plan(), one.session.setting()) : std::vector<std::vector<double>>();
   const double total_ms = whole.lap_ms();
   const bool summed_up = setup::shows_summary(o.common, outputs);
   const TouchReport report{
@@ -251,6 +291,7 @@ void run(const TouchCommand& o) {
       touch,
       o.touch,
       spectra,
+      pressures,
       total_ms,
       times,
       summed_up && touch.contacts.empty() ? setup::nearest_skin(one.session.solids(), input) : std::nullopt};
@@ -267,6 +308,7 @@ void add_touch(Program& program) {
       {"touch", "one touch: where skin meets a model, which fingers, where the foci go",
        "  palpa touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm\n"
        "  palpa touch --scene model.glb --depth hand.png --camera camera.toml --json touch.json\n"
+       "  palpa touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm --layout paper\n"
        "Depths and coordinates are metres in the world (glTF's axes, +y up)."},
       add_options, run);
 }

@@ -74,7 +74,8 @@ LinkSetting Session::link_setting() const {
 
 LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options) {
   State& s = *state_;
-  if (!s.setting.live()) throw bad_usage("a session without cameras or without an array cannot run");
+  if (!s.setting.live())
+    throw bad_usage("a session without cameras or without an array, or one of single frames, cannot run");
   if (s.setting.schedule.tune == Tune::all) {
     throw bad_usage("a session that runs can tune strides only: how long a slot lasts stays as it is");
   }

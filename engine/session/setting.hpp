@@ -34,9 +34,11 @@ struct SessionSetting {
   /// What a frame shows lasts that long after its capture if no other comes: then comes silence, and fingers let go.
   double hold_s = 0.1;
   Safety safety;  ///< around whatever link it runs to
+  /// It never runs by itself: a frame may then have far more skin in the shell than a loop has room for.
+  bool frame_by_frame = false;
 
   /// Whether it has all that run() needs.
-  bool live() const { return !cameras.empty() && !layout.transducers.empty(); }
+  bool live() const { return !frame_by_frame && !cameras.empty() && !layout.transducers.empty(); }
 };
 
 }  // namespace palpa::session

@@ -51,14 +51,21 @@ std::vector<geometry::Solid> load_solids(const std::string& scene, const std::op
   return solids;
 }
 
+array::Layout load_posed_layout(const std::string& name) {
+  const array::Layout layout = array::load_layout(name);
+  return transformed(layout, layout.default_T_world_layout);
+}
+
 PosedRig load_posed_rig(const RigOptions& options) {
   PosedRig set_up;
   set_up.rig = sensing::load_rig(options.rig.empty() ? find_asset("rigs/paper.toml") : options.rig);
-  const bool from_rig = options.layout.empty();
-  if (from_rig && !set_up.rig.array) throw bad_input(set_up.rig.file, "has no [array]; add one or give --layout");
-  const array::Layout layout = from_rig ? load_layout_of(*set_up.rig.array) : array::load_layout(options.layout);
-  const bool posed = from_rig && set_up.rig.array->T_world_layout.has_value();
-  set_up.layout = transformed(layout, posed ? *set_up.rig.array->T_world_layout : layout.default_T_world_layout);
+  if (!options.layout.empty()) {
+    set_up.layout = load_posed_layout(options.layout);
+    return set_up;
+  }
+  if (!set_up.rig.array) throw bad_input(set_up.rig.file, "has no [array]; add one or give --layout");
+  const array::Layout layout = load_layout_of(*set_up.rig.array);
+  set_up.layout = transformed(layout, set_up.rig.array->T_world_layout.value_or(layout.default_T_world_layout));
   return set_up;
 }
 

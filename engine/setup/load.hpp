@@ -24,6 +24,9 @@ struct PosedRig {
   array::Layout layout;  ///< as posed in the world
 };
 
+/// The layout of that name or file, as it stands in the world by default.
+array::Layout load_posed_layout(const std::string& layout);
+
 /// The rig (default: the paper's) and its array; --layout replaces the array, which then stands where that layout
 /// stands by default. Throws bad_input; of a layout that the rig names and that is none, with the rig's line.
 PosedRig load_posed_rig(const RigOptions& options);

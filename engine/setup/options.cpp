@@ -149,6 +149,19 @@ array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Metho
   return drive;
 }
 
+void add_array_options(CLI::App& app, ArrayOptions& options) {
+  Group(app, "Array")
+      .text("--layout", options.layout, "NAME|FILE",
+            "array that sounds: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML; says what "
+            "pressure it gives at the foci");
+  add_drive_options(app, options.drive);
+}
+
+void check(const ArrayOptions& options) {
+  if (options.layout.empty() && options.drive != DriveOptionsGroup())
+    throw bad_usage("how an array is driven goes with --layout: give the array, such as paper");
+}
+
 void add_rig_options(CLI::App& app, RigOptions& options) {
   const Group group(app, "Rig");
   group.text("--rig", options.rig, "FILE", "cameras, array and screen as TOML [the paper's]");

@@ -82,6 +82,7 @@ struct MediumOptions {
   std::optional<double> celsius;
   std::optional<double> sound_speed;
   double frequency = 40e3;
+  bool operator==(const MediumOptions&) const = default;
 };
 void add_medium_options(CLI::App& app, MediumOptions& options);
 /// Throws bad_usage where both temperature and sound speed are given. Neither: 20 degrees Celsius.
@@ -94,11 +95,21 @@ struct DriveOptionsGroup {
   array::Constraint constraint = array::Constraint::normalise;
   array::Directivity directivity = array::Directivity::t4010a1;
   MediumOptions medium;
+  bool operator==(const DriveOptionsGroup&) const = default;
 };
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options);
 /// Without --solver it is gs_pat for the method multi_focus, whose foci sound together, and naive for all others.
 array::DriveOptions drive_options(const DriveOptionsGroup& options,
                                   touch::Method method = touch::Method::cross_section);
+
+/// An array that need not be there.
+struct ArrayOptions {
+  std::string layout;  ///< built-in name or file; empty: none
+  DriveOptionsGroup drive;
+};
+void add_array_options(CLI::App& app, ArrayOptions& options);
+/// Throws bad_usage where drives are asked for but no array.
+void check(const ArrayOptions& options);
 
 /// The physical set-up; --layout replaces the rig's array.
 struct RigOptions {

@@ -37,15 +37,18 @@ double Stopwatch::lap_ms() {
 
 OneTouch touch_once(const CommonOptions& common, const TouchOptions& touch, const FeltOptions& felt,
                     const std::string& scene, std::vector<geometry::Solid> solids, const TouchInput& input,
-                    StageTimes& times) {
+                    TouchArray array, StageTimes& times) {
   Stopwatch watch;
   session::SessionSetting setting{.scene = scene,
                                   .solids = std::move(solids),
                                   .cameras = input.cameras,
+                                  .layout = std::move(array.layout),
                                   .touch = touch.parameters,
                                   .schedule = schedule_options(touch, felt),
+                                  .drive = array.drive,
                                   .events = std::nullopt,
-                                  .follow = false};
+                                  .follow = false,
+                                  .frame_by_frame = true};
   const bool on_gpu = common.backend == Backend::gpu;
   if (on_gpu) check_points(input);
   std::unique_ptr<gpu::Device> device = on_gpu ? std::make_unique<gpu::Device>(device_options(common)) : nullptr;

@@ -24,12 +24,18 @@ struct OneTouch {
   const touch::Touch& touch;  ///< the session's
 };
 
-/// Contacts, fingers, foci and schedule of `input`'s skin on `solids`, of which `scene` is the file; adds the stages'
-/// times. Throws bad_usage where there are more points than the backend can hold and on parameters that do not fit the
-/// scene, else as Session does.
+/// What sounds for it. Without transducers nothing does.
+struct TouchArray {
+  array::Layout layout;  ///< in the world
+  array::DriveOptions drive;
+};
+
+/// Contacts, fingers, foci and schedule of `input`'s skin on `solids`, of which `scene` is the file, and the drives of
+/// `array`; adds the stages' times. Throws bad_usage where there are more points than the backend can hold and on
+/// parameters that do not fit the scene, else as Session does.
 OneTouch touch_once(const CommonOptions& common, const TouchOptions& touch, const FeltOptions& felt,
                     const std::string& scene, std::vector<geometry::Solid> solids, const TouchInput& input,
-                    StageTimes& times);
+                    TouchArray array, StageTimes& times);
 
 /// Milliseconds since its construction or the last lap.
 class Stopwatch {
