@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acoustics/skin.hpp"
+
 namespace palpa::viewer {
 namespace {
 
@@ -49,8 +51,8 @@ void draw_grid(Ink& ink, const Plot& plot, const Theme& theme) {
 /// How sensitive skin is, its best at the chart's top.
 void draw_sensitivity(Ink& ink, const Plot& plot, const Theme& theme) {
   for (int hz = 6; hz + 6 <= static_cast<int>(highest_hz); hz += 12) {
-    ink.line(plot.at(hz, plot.most * acoustics::skin_sensitivity(hz)),
-             plot.at(hz + 6, plot.most * acoustics::skin_sensitivity(hz + 6)), 1.1, theme.faint_ink);
+    ink.line(plot.at(hz, plot.most * acoustics::vibration_sensitivity(hz)),
+             plot.at(hz + 6, plot.most * acoustics::vibration_sensitivity(hz + 6)), 1.1, theme.faint_ink);
   }
 }
 

@@ -5,6 +5,8 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "acoustics/skin.hpp"
+
 namespace palpa::viewer {
 
 void show_solids(Picture& picture, std::span<const geometry::Solid> solids) {
@@ -60,7 +62,8 @@ void show_spectra(Picture& picture, std::span<const acoustics::Spectrum> spectra
   for (const acoustics::Spectrum& spectrum : spectra) {
     std::vector<SpectrumMark>& marks = picture.spectra.emplace_back();
     for (const acoustics::Line& line : spectrum.lines)
-      marks.push_back({line.frequency_hz, line.around, line.around * acoustics::skin_sensitivity(line.frequency_hz)});
+      marks.push_back(
+          {line.frequency_hz, line.around, line.around * acoustics::vibration_sensitivity(line.frequency_hz)});
   }
 }
 

@@ -40,10 +40,10 @@ Show::Show(const ViewerOptions& options)
   picture_.grid = !options.no_grid;
   {
     const setup::Preparing preparing(options.common.quiet);
+    load_array(options);
     if (!options.input.scene.empty()) load_objects(options);
   }
   if (!options.skin.empty()) load_skin_surface(options);
-  load_array(options);
   go_to(options.slot);
 }
 
@@ -54,8 +54,11 @@ void Show::load_objects(const ViewerOptions& options) {
   if (options.input.points.empty() && options.input.depths.empty()) return;
   const setup::TouchInput input = setup::load_touch_input(options.input, solids);
   setup::StageTimes times;
+  // Only what skin feels in time depends on the array.
+  const bool felt = options.felt.spectrum || options.touch.tune;
+  const setup::TouchArray array = felt ? setup::TouchArray{layout_, drive_options_} : setup::TouchArray();
   const setup::OneTouch one = setup::touch_once(options.common, options.touch, options.felt, options.input.scene,
-                                                std::move(solids), input, {}, times);
+                                                std::move(solids), input, array, times);
   show_touch(picture_, one.session.solids(), points_near(input, one.session.solids()), one.touch);
   picture_.skin_count = input.point_count;
   if (!input.cameras.empty()) picture_.T_world_camera = input.cameras.front().T_world_camera;
@@ -64,7 +67,7 @@ void Show::load_objects(const ViewerOptions& options) {
   for (const session::ScheduledFinger& finger : one.session.scheduler().fingers())
     placements.push_back(finger.placement);
   show_schedule(picture_, schedule_, placements);
-  if (options.felt.spectrum) show_spectra(picture_, setup::spectra_of(schedule_, options.felt));
+  if (options.felt.spectrum) show_spectra(picture_, setup::spectra_of(one.session));
   if (options.show_cameras) show_cameras(picture_, input.cameras);
 }
 

@@ -73,7 +73,7 @@ void check(const ViewerOptions& o) {
     setup::check(o.felt, o.touch);
   } else if (o.felt.spectrum) {
     throw bad_usage("--spectrum goes with --points or --depth: it is of a touch");
-  } else if (o.felt.spot_m) {
+  } else if (o.touch.spot_m) {
     throw bad_usage("--spot goes with --spectrum or --tune");
   } else if (!o.input.cameras.empty() || !o.input.rig.empty()) {
     throw bad_usage("--camera and --rig go with --depth: give the depth images");

@@ -104,6 +104,7 @@ class Lines {
 Spectrum still_spectrum(const Voice& voice, double slot_s, const SpectrumOptions& options) {
   Spectrum out;
   out.skin = voice.foci.front();
+  out.of_array = options.array != nullptr;
   if (voice.modulation_hz == 0) return out;
   // (1 + sin)/2, and its square 3/8 + sin/2 - cos(2 ..)/8; index h + 2.
   const bool pressure = voice.modulation == Modulation::pressure_sine;
@@ -142,7 +143,7 @@ Spectrum still_spectrum(const Voice& voice, double slot_s, const SpectrumOptions
     if (amplitude > 1e-12 && hz <= options.highest_hz * (1 + 1e-12))
       out.lines.push_back({hz, amplitude, std::arg(c), amplitude, std::abs(sinc(turns))});
   }
-  if (!(mean > 0)) return Spectrum{out.skin, 0, {}, 0};
+  if (!(mean > 0)) return Spectrum{out.skin, 0, {}, 0, out.of_array};
   for (Line& line : out.lines) {
     line.amplitude /= mean;
     line.around /= mean;
@@ -168,16 +169,36 @@ Spectrum still_spectrum(const Voice& voice, double slot_s, const SpectrumOptions
   return out;
 }
 
-/// Pressures at `skin` slot by slot.
-void slot_pressures(const std::vector<std::vector<SlotFocus>>& slots, const Vec3& skin, double fwhm_m,
-                    std::vector<double>& out) {
+/// The pressure of every focus alone at every place of the path through them, entry [focus * places + place].
+void spot_pressures(std::span<const Vec3> foci, std::span<const Vec3> path, double fwhm_m, std::vector<double>& out) {
   out.clear();
-  for (const std::vector<SlotFocus>& foci : slots) {
-    double p = 0;
-    for (const SlotFocus& focus : foci)
-      p += double{focus.gain} * double{focus.gain} * spot(glm::distance(focus.position, skin), fwhm_m);
-    out.push_back(p);
+  for (const Vec3& focus : foci) {
+    for (const Vec3& place : path)
+      out.push_back(spot(glm::distance(focus, place), fwhm_m));
   }
+}
+
+/// What sounds in a slot: a focus of the voice, and its gain's square.
+struct Sounding {
+  std::size_t focus;
+  double weight;
+};
+
+/// The voice's slots up to the `cycle`-th, as foci_of_slot has them, with the foci's numbers in place of their
+/// positions.
+std::vector<std::vector<Sounding>> slots_of(const array::Schedule& alone, std::uint64_t cycle) {
+  array::Schedule numbered = alone;
+  std::vector<Vec3>& foci = numbered.voices[0].foci;
+  for (std::size_t i = 0; i < foci.size(); ++i)
+    foci[i] = Vec3(static_cast<double>(i), 0, 0);
+  std::vector<std::vector<Sounding>> slots(cycle);
+  std::vector<SlotFocus> sounding;
+  for (std::uint64_t slot = 0; slot < cycle; ++slot) {
+    foci_of_slot(numbered, slot, sounding);
+    for (const SlotFocus& focus : sounding)
+      slots[slot].push_back({static_cast<std::size_t>(focus.position.x), double{focus.gain} * double{focus.gain}});
+  }
+  return slots;
 }
 
 }  // namespace
@@ -195,23 +216,29 @@ Spectrum spectrum_of(const Voice& voice, double slot_s, const SpectrumOptions& o
                     "cannot be shown; choose round numbers",
                     voice.dwell_s * 1e3, slot_s * 1e3, most_slots));
   }
-  std::vector<std::vector<SlotFocus>> slots(cycle);
-  for (std::uint64_t slot = 0; slot < cycle; ++slot)
-    foci_of_slot(alone, slot, slots[slot]);
-  Lines lines(cycle, slot_s, options);
-  constexpr std::size_t per_side = 8;
-  std::vector<double> pressures;
-  for (std::size_t i = 0; i < voice.foci.size(); ++i) {
-    const Vec3 &from = voice.foci[i], &to = voice.foci[(i + 1) % voice.foci.size()];
-    // Where an empty sector plays its neighbour's focus the side has no length; the hair is for foci all in one place.
-    const double length = glm::distance(from, to) + 1e-12;
-    for (std::size_t step = 0; step < per_side; ++step) {
-      const Vec3 skin = from + (to - from) * (static_cast<double>(step) / per_side);
-      slot_pressures(slots, skin, options.fwhm_m, pressures);
-      lines.add(pressures, length);
-    }
+  const std::vector<std::vector<Sounding>> slots = slots_of(alone, cycle);
+  const std::size_t per_side = options.array ? steps_per_side(voice.foci, options.array->step_m()) : 8;
+  const std::vector<Vec3> path = path_through(voice.foci, per_side);
+  std::vector<double> table, pressures(cycle);
+  if (options.array) {
+    options.array->felt(path, per_side, table);
+  } else {
+    spot_pressures(voice.foci, path, options.fwhm_m, table);
   }
-  return lines.spectrum(voice.foci.front());
+  Lines lines(cycle, slot_s, options);
+  for (std::size_t place = 0; place < path.size(); ++place) {
+    for (std::uint64_t slot = 0; slot < cycle; ++slot) {
+      pressures[slot] = 0;
+      for (const Sounding& sounding : slots[slot])
+        pressures[slot] += sounding.weight * table[sounding.focus * path.size() + place];
+    }
+    // Where an empty sector plays its neighbour's focus the side has no length; the hair is for foci all in one place.
+    const std::size_t side = place / per_side;
+    lines.add(pressures, glm::distance(voice.foci[side], voice.foci[(side + 1) % voice.foci.size()]) + 1e-12);
+  }
+  Spectrum spectrum = lines.spectrum(voice.foci.front());
+  spectrum.of_array = options.array != nullptr;
+  return spectrum;
 }
 
 Spectrum spectrum_of(const Ring& ring, const SpectrumOptions& options) {
@@ -233,42 +260,6 @@ Spectrum spectrum_of(const Ring& ring, const SpectrumOptions& options) {
     lines.add(pressures, 1);
   }
   return lines.spectrum({});
-}
-
-double skin_sensitivity(double hz) {
-  if (!(hz > 0)) return 0;
-  const double x = hz / best_felt_hz;
-  return 2 / (x * x + 1 / (x * x));
-}
-
-double felt_share(const Spectrum& spectrum) {
-  double felt = 0;
-  for (const Line& line : spectrum.lines) {
-    const double a = skin_sensitivity(line.frequency_hz) * line.around;
-    felt += a * a / 2;
-  }
-  return spectrum.variance > 1e-12 ? felt / spectrum.variance : 0;
-}
-
-double band_share(const Spectrum& spectrum, double low_hz, double high_hz) {
-  double inside = 0;
-  for (const Line& line : spectrum.lines) {
-    if (line.frequency_hz >= low_hz && line.frequency_hz <= high_hz) inside += line.around * line.around / 2;
-  }
-  return spectrum.variance > 1e-12 ? inside / spectrum.variance : 0;
-}
-
-std::size_t strongest_felt(const Spectrum& spectrum) {
-  std::size_t best = spectrum.lines.size();
-  double most = 0;
-  for (std::size_t i = 0; i < spectrum.lines.size(); ++i) {
-    const double felt = skin_sensitivity(spectrum.lines[i].frequency_hz) * spectrum.lines[i].around;
-    if (felt > most * (1 + 1e-9)) {
-      most = felt;
-      best = i;
-    }
-  }
-  return best;
 }
 
 }  // namespace palpa::acoustics

@@ -1,9 +1,9 @@
 // What skin feels in time: the spectrum of the radiation pressure at a point of the skin.
 //
-// The pressure of one focus is taken as a Gaussian around it, its amplitude's square going with the voice's gain; foci
-// that sound together add their pressures (their sound's interference is the array's business). While a schedule plays,
-// the pressure at a skin point is then piecewise constant and repeats after T = N dwell for N foci, so its spectrum is
-// the lines m / T:
+// The pressure of one focus is what the array gives around it (array_field.hpp) or, where there is no array, taken as a
+// Gaussian; it goes with the square of the voice's gain. Foci that sound together add their pressures. While a schedule
+// plays, the pressure at a skin point is then piecewise constant and repeats after T = N dwell for N foci, so its
+// spectrum is the lines m / T:
 //
 //   p(t) = mean + sum over m of A_m cos(2 pi m t / T + phase_m),  A_m e^{i phase_m} = 2 c_m sinc(m / N)
 //   c_m  = 1/N sum over k of p_k e^{-2 pi i m (k + 1/2) / N},     sinc(x) = sin(pi x) / (pi x)
@@ -17,13 +17,16 @@
 #include <span>
 #include <vector>
 
+#include "acoustics/array_field.hpp"
 #include "array/schedule.hpp"
 #include "base/math.hpp"
 
 namespace palpa::acoustics {
 
 struct SpectrumOptions {
-  double fwhm_m = 3.8e-3;  ///< of the pressure of one focus: what an array all around reaches at 40 kHz (0.443 lambda)
+  const ArrayField* array = nullptr;  ///< nothing: a Gaussian spot
+  /// Of the spot: at half its height it is so wide. What an array all around reaches at 40 kHz (0.443 lambda).
+  double fwhm_m = 3.8e-3;
   double highest_hz = 1000;  ///< lines up to there are listed; skin feels little beyond
 };
 
@@ -42,34 +45,17 @@ struct Spectrum {
   /// Variance over time around the perimeter, by the square of the mean: the sum of around^2 / 2 over all lines, those
   /// beyond highest_hz too.
   double variance = 0;
+  bool of_array = false;  ///< whether a focus was what an array gives, not a spot
 };
 
 /// The spectrum of what `voice` makes the skin feel; slots of `slot_s`. The skin point is the voice's first focus; the
-/// perimeter is the closed polygon through its foci, eight points to a side. Throws bad_usage for a schedule that does
-/// not repeat within 1024 slots, such as a dwell of 1.2345 ms in slots of 1 ms.
+/// perimeter is the closed polygon through its foci, eight points to a side or, of an array, as many as its field
+/// needs. Throws bad_usage for a schedule that does not repeat within 1024 slots, such as a dwell of 1.2345 ms in slots
+/// of 1 ms.
 Spectrum spectrum_of(const array::Voice& voice, double slot_s, const SpectrumOptions& options = {});
 
-/// How sensitive the skin of a fingertip is to a vibration of `hz`, by how sensitive it is at its best, 200 Hz; 0 at 0.
-///
-/// A stand-in for the curve of the Pacinian channel: 2 / ((200/hz)^2 + (hz/200)^2). Its threshold falls by 12 dB per
-/// octave towards the best frequency, as measured from 40 Hz upwards (Gescheider and Verrillo 1979), is within 1.5 dB
-/// of its least from 151 to 265 Hz, where measured thresholds are lowest (150 to 200 Hz, Brisben et al. 1999; about 250
-/// Hz, Gescheider and Verrillo), and rises as steeply above. Thresholds are of displacement and differ with person,
-/// place and contact; how skin turns pressure into displacement is not modelled. Good for comparing schedules, not for
-/// predicting whether somebody feels one.
-double skin_sensitivity(double hz);
-inline constexpr double best_felt_hz = 200;
-
-/// The share of the vibration's energy that skin is sensitive to: the sum of (skin_sensitivity around)^2 / 2 over the
-/// lines, by the variance. 0 where nothing changes; 1 for a sine of 200 Hz.
-double felt_share(const Spectrum& spectrum);
-/// The share of the energy in lines from `low_hz` to `high_hz`.
-double band_share(const Spectrum& spectrum, double low_hz, double high_hz);
-/// Index of the line that is felt most, or lines.size() if there is none.
-std::size_t strongest_felt(const Spectrum& spectrum);
-
-/// The same spectrum for N foci spread evenly on a closed curve of which only the length is known; distances are
-/// taken along the curve. `phase_rad` is that at the first focus, `skin` the origin.
+/// The same spectrum for N foci spread evenly on a closed curve of which only the length is known, so of Gaussian
+/// spots; distances are taken along the curve. `phase_rad` is that at the first focus, `skin` the origin.
 struct Ring {
   double perimeter_m = 0;
   std::uint32_t foci = 10;

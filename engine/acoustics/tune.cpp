@@ -2,73 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
-#include <numbers>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 namespace palpa::acoustics {
 namespace {
-
-constexpr double pi = std::numbers::pi;
-
-/// What the strides and dwells of a ring have in common: the power of its angular harmonics, a mean over skin points.
-class Harmonics {
- public:
-  /// As spectrum_of(Ring) has it, without its allocations.
-  Harmonics(double perimeter_m, std::uint32_t foci, double fwhm_m) : foci_(foci) {
-    constexpr int points = 8;
-    const auto count = static_cast<double>(foci);
-    std::array<std::complex<double>, most_ring_foci> turns;
-    for (std::uint32_t k = 0; k < foci; ++k)
-      turns[k] = std::polar(1.0, -2 * pi * k / count);
-    const int more = std::min(1000, static_cast<int>(std::ceil(3 * fwhm_m / perimeter_m)) + 1);
-    std::array<double, most_ring_foci> pressures{};
-    double mean = 0;
-    for (int point = 0; point < points; ++point) {
-      for (std::uint32_t k = 0; k < foci; ++k) {
-        pressures[k] = 0;
-        for (int turn = -more; turn <= more; ++turn) {
-          const double x = ((point / double{points} - k) / count + turn) * perimeter_m / fwhm_m;
-          pressures[k] += std::exp(-4 * std::numbers::ln2 * x * x);
-        }
-      }
-      for (std::uint32_t n = 0; n < foci; ++n) {
-        std::complex<double> c = 0;
-        for (std::uint32_t k = 0; k < foci; ++k)
-          c += pressures[k] * turns[n * k % foci];
-        if (n == 0) mean += c.real() / count / points;
-        power_[n] += std::norm(c / count) / points;
-      }
-    }
-    for (std::uint32_t n = 1; n < foci; ++n)
-      variance_ += power_[n];
-    if (!(variance_ > 1e-12 * mean * mean)) variance_ = 0;
-  }
-
-  double share(std::uint32_t stride, double dwell_s, double highest_hz) const {
-    if (variance_ == 0) return 0;
-    const auto count = static_cast<double>(foci_);
-    const auto lines = static_cast<std::uint64_t>(std::max(0.0, highest_hz * count * dwell_s * (1 + 1e-12)));
-    // m = stride n: counting n up by the stride's inverse goes through the lines in order.
-    std::uint32_t inverse = 1;
-    while (std::uint64_t{inverse} * stride % foci_ != 1 % foci_)
-      ++inverse;
-    std::uint32_t n = 0;
-    double felt = 0;
-    for (std::uint64_t m = 1; m <= lines; ++m) {
-      n = (n + inverse) % foci_;
-      const double x = static_cast<double>(m) / count;
-      const double hold = std::sin(pi * x) / (pi * x), weight = skin_sensitivity(x / dwell_s);
-      felt += 2 * power_[n] * hold * hold * weight * weight;
-    }
-    return felt / variance_;
-  }
-
- private:
-  std::uint32_t foci_;
-  std::array<double, most_ring_foci> power_{};
-  double variance_ = 0;
-};
 
 bool tunable(const Ring& ring) {
   return ring.foci >= 3 && ring.foci <= most_ring_foci && ring.perimeter_m > 0 && std::isfinite(ring.perimeter_m);
@@ -76,28 +15,39 @@ bool tunable(const Ring& ring) {
 
 struct Best {
   Ring ring;
-  double share = -1;
-  void offer(const Ring& other, double other_share) {
+  Felt felt;
+  bool any = false;
+  void offer(const Ring& other, const Felt& other_felt) {
     // Not by a rounding error: of equals the first stays.
-    if (other_share > share * (1 + 1e-9)) {
-      ring = other;
-      share = other_share;
-    }
+    if (any && balance(other_felt) <= balance(felt) + 1e-9) return;
+    ring = other;
+    felt = other_felt;
+    any = true;
   }
 };
 
 void offer_strides(const Harmonics& harmonics, Ring ring, double highest_hz, Best& best) {
   for (ring.stride = 1; 2 * ring.stride < ring.foci; ++ring.stride) {
-    if (std::gcd(ring.stride, ring.foci) == 1) best.offer(ring, harmonics.share(ring.stride, ring.dwell_s, highest_hz));
+    if (std::gcd(ring.stride, ring.foci) == 1) best.offer(ring, harmonics.felt(ring.stride, ring.dwell_s, highest_hz));
   }
+}
+
+bool worth_it(const Felt& before, const Felt& after, double gain) {
+  return balance(after) > balance(before) + gain * before.vibration;
 }
 
 }  // namespace
 
-Tuned tune(const Ring& ring, const TuneOptions& options) {
-  if (!tunable(ring)) return {ring, 0, 0, false};
+Tuned tune(const Ring& ring, const TuneOptions& options, std::span<const Vec3> foci) {
+  const bool of_array = options.spectrum.array != nullptr && foci.size() == ring.foci;
+  if (!tunable(ring)) return {ring, {}, {}, false, of_array};
   const double highest_hz = options.spectrum.highest_hz, fwhm_m = options.spectrum.fwhm_m;
-  const double before = Harmonics(ring.perimeter_m, ring.foci, fwhm_m).share(ring.stride, ring.dwell_s, highest_hz);
+  const std::optional<PathField> path =
+      of_array ? std::optional<PathField>(std::in_place, *options.spectrum.array, foci) : std::nullopt;
+  const auto harmonics_of = [&](std::uint32_t count) {
+    return path ? path->harmonics(count) : Harmonics(ring.perimeter_m, count, fwhm_m);
+  };
+  const Felt before = harmonics_of(ring.foci).felt(ring.stride, ring.dwell_s, highest_hz);
   constexpr double tenth_ms = 1e-4;
   const bool ranged = options.longest_dwell_s > 0;
   const auto last = static_cast<std::int64_t>(std::floor(options.longest_dwell_s / tenth_ms * (1 + 1e-12)));
@@ -106,7 +56,7 @@ Tuned tune(const Ring& ring, const TuneOptions& options) {
   Ring candidate = ring;
   const std::uint32_t most = std::min(most_ring_foci, std::max(options.most_foci, ring.foci));
   for (candidate.foci = ring.foci; candidate.foci <= most; ++candidate.foci) {
-    const Harmonics harmonics(ring.perimeter_m, candidate.foci, fwhm_m);
+    const Harmonics harmonics = harmonics_of(candidate.foci);
     candidate.dwell_s = ring.dwell_s;
     if (!ranged) offer_strides(harmonics, candidate, highest_hz, best);
     for (std::int64_t tenths = last; ranged && tenths >= std::max<std::int64_t>(first, 1); --tenths) {
@@ -115,14 +65,25 @@ Tuned tune(const Ring& ring, const TuneOptions& options) {
     }
   }
   const bool within = !ranged || (ring.dwell_s >= options.shortest_dwell_s && ring.dwell_s <= options.longest_dwell_s);
-  if (best.share < 0 || (within && best.share <= before * (1 + options.gain))) return {ring, before, before, false};
-  return {best.ring, before, best.share, true};
+  if (!best.any || (within && !worth_it(before, best.felt, options.gain)))
+    return {ring, before, before, false, of_array};
+  return {best.ring, before, best.felt, true, of_array};
+}
+
+const StrideTuner::Known* StrideTuner::find(std::uint32_t id) const {
+  for (const Known& finger : known_) {
+    if (finger.used && finger.id == id) return &finger;
+  }
+  return nullptr;
+}
+StrideTuner::Known* StrideTuner::find(std::uint32_t id) {
+  return const_cast<Known*>(std::as_const(*this).find(id));
 }
 
 StrideTuner::Known& StrideTuner::known(std::uint32_t id) {
+  if (Known* finger = find(id)) return *finger;
   Known* oldest = known_.data();
   for (Known& finger : known_) {
-    if (finger.used && finger.id == id) return finger;
     const bool freer = !finger.used || finger.seen_s < oldest->seen_s;
     if (oldest->used && freer) oldest = &finger;
   }
@@ -134,20 +95,33 @@ std::uint32_t StrideTuner::stride_for(std::uint32_t id, const Ring& ring, double
   if (!tunable(ring)) return ring.stride;
   Known& finger = known(id);
   const bool fresh = !finger.used || finger.foci != ring.foci;
-  const SpectrumOptions options;
-  const double highest_hz = options.highest_hz;
-  const bool resting = !fresh && std::abs(time_s - finger.chosen_s) < rest_s;
+  if (fresh) finger = {.used = true, .id = id, .foci = ring.foci, .stride = ring.stride, .decides = true};
   finger.seen_s = time_s;
-  if (resting) return finger.stride;
-  const Harmonics harmonics(ring.perimeter_m, ring.foci, options.fwhm_m);
-  const std::uint32_t now = fresh ? ring.stride : finger.stride;
+  if (!finger.decides && std::abs(time_s - finger.chosen_s) < rest_s) return finger.stride;
+  if (finger.decides) finger.stride = ring.stride;
+  const bool learned = finger.learned.foci() == ring.foci;
+  const Harmonics harmonics = learned ? finger.learned : Harmonics(ring.perimeter_m, ring.foci, options_.fwhm_m);
   Best best;
-  offer_strides(harmonics, ring, highest_hz, best);
-  const double needed = harmonics.share(now, ring.dwell_s, highest_hz) * (1 + (fresh ? TuneOptions().gain : gain));
-  const bool change = best.share > needed;
-  if (fresh || change) finger.chosen_s = time_s;
-  finger = {true, id, ring.foci, change ? best.ring.stride : now, finger.chosen_s, time_s};
+  offer_strides(harmonics, ring, options_.highest_hz, best);
+  const Felt now = harmonics.felt(finger.stride, ring.dwell_s, options_.highest_hz);
+  const bool change = worth_it(now, best.felt, finger.decides ? TuneOptions().gain : gain);
+  if (finger.decides || change) finger.chosen_s = time_s;
+  if (change) finger.stride = best.ring.stride;
+  finger.decides = false;
   return finger.stride;
+}
+
+void StrideTuner::learn(std::uint32_t id, const Harmonics& harmonics, double time_s) {
+  Known* const finger = find(id);
+  if (!finger || harmonics.foci() != finger->foci) return;
+  finger->decides = finger->decides || finger->learned.foci() != harmonics.foci();
+  finger->learned = harmonics;
+  finger->learned_s = time_s;
+}
+
+bool StrideTuner::wants(std::uint32_t id, double time_s) const {
+  const Known* const finger = find(id);
+  return finger && (finger->learned.foci() != finger->foci || std::abs(time_s - finger->learned_s) >= rest_s);
 }
 
 }  // namespace palpa::acoustics

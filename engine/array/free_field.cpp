@@ -48,10 +48,15 @@ void FreeField::set(const Layout& layout, const Medium& medium, Directivity kind
 }
 
 void FreeField::fill(std::span<const FocusSource> foci, Weighting weighting, Columns& columns) const {
+  fill(foci, weighting, 0, layout_->transducers.size(), columns);
+}
+
+void FreeField::fill(std::span<const FocusSource> foci, Weighting weighting, std::size_t first, std::size_t count,
+                     Columns& columns) const {
   const Layout& layout = *layout_;
   const double turns_per_metre = turns_per_metre_, radius = layout.transducer_radius_m;
   columns.foci = foci.size();
-  columns.transducers = layout.transducers.size();
+  columns.transducers = count;
   const std::size_t entries = columns.foci * columns.transducers;
   for (std::vector<double>* values : {&columns.cosine, &columns.sine, &columns.loud, &columns.asked})
     values->resize(entries);
@@ -60,7 +65,7 @@ void FreeField::fill(std::span<const FocusSource> foci, Weighting weighting, Col
   double* const slant = columns.sine.data();
   double* const distance = columns.asked.data();
   for (std::size_t n = 0; n < columns.transducers; ++n) {
-    const auto& [position, axis] = layout.transducers[n];
+    const auto& [position, axis] = layout.transducers[first + n];
     for (std::size_t j = 0; j < foci.size(); ++j) {
       const std::size_t entry = n * foci.size() + j;
       const Vec3 way = foci[j].position - position;

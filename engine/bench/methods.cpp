@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "bench/bench.hpp"
 #include "geometry/ply.hpp"
+#include "session/voice.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
 #include "touch/host_stage.hpp"
@@ -18,9 +19,9 @@ namespace {
 
 /// Median of many batches, per call.
 template <typename Work>
-Row timed(const Context& context, const std::string& name, const std::string& stage, Work work) {
+Row timed(const Context& context, const std::string& name, const std::string& stage, Work work,
+          std::uint32_t batch = 20) {
   using Clock = std::chrono::steady_clock;
-  constexpr std::uint32_t batch = 20;
   std::vector<double> samples;
   for (std::uint32_t run = 0; run < context.runs; ++run) {
     const auto begin = Clock::now();
@@ -70,6 +71,21 @@ void measure_methods(const Context& context, std::vector<Row>& rows) {
   acoustics::StrideTuner strides;
   double time_s = 0;
   rows.push_back(timed(context, name, "stride", [&] { strides.stride_for(0, ring, time_s += 1); }));
+
+  const array::Layout layout = setup::load_posed_layout("paper");
+  const acoustics::ArrayField field(layout, {});
+  array::Voice voice;
+  session::make_voice(placement, 0, 0, {}, voice);
+  const std::string of_array = name + " in paper";
+  const acoustics::SpectrumOptions spectrum{.array = &field};
+  rows.push_back(timed(
+      context, of_array, "spectrum", [&] { acoustics::spectrum_of(voice, voice.dwell_s, spectrum); }, 1));
+  const acoustics::TuneOptions tuning{.spectrum = spectrum};
+  rows.push_back(timed(
+      context, of_array, "tune", [&] { acoustics::tune(ring, tuning, voice.foci); }, 1));
+  // In the loop a thread does it beside the frames, for a finger twice a second.
+  rows.push_back(timed(
+      context, of_array, "stride", [&] { acoustics::PathField(field, voice.foci).harmonics(10); }, 1));
 }
 
 }  // namespace palpa::bench

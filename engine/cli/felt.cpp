@@ -9,7 +9,19 @@ namespace palpa::cli {
 namespace {
 
 double felt(const acoustics::Line& line) {
-  return acoustics::skin_sensitivity(line.frequency_hz) * line.around;
+  return acoustics::vibration_sensitivity(line.frequency_hz) * line.around;
+}
+
+/// What a focus' pressure was taken for, as JSON has it.
+const char* field(bool of_array) {
+  return of_array ? "array" : "spot";
+}
+const char* field_text(bool of_array) {
+  return of_array ? "of the array's field" : "of spots";
+}
+
+std::string shares(const acoustics::Felt& felt) {
+  return fmt::format("{:.0f} % felt as vibration, {:.0f} % as flutter", 100 * felt.vibration, 100 * felt.flutter);
 }
 
 }  // namespace
@@ -17,7 +29,9 @@ double felt(const acoustics::Line& line) {
 void add_spectrum(JsonWriter& json, double perimeter_m, const acoustics::Spectrum& spectrum) {
   json.key("spectrum").begin_object().member("perimeter_m", perimeter_m).member("skin_m", glm::vec3(spectrum.skin));
   json.member("period_s", spectrum.period_s).member("variance", spectrum.variance);
-  json.member("felt_share", acoustics::felt_share(spectrum));
+  const acoustics::Felt all = acoustics::felt(spectrum);
+  json.member("field", field(spectrum.of_array));
+  json.member("felt_share", all.vibration).member("flutter_share", all.flutter);
   json.key("lines").begin_array(JsonWriter::Style::rows);
   for (const acoustics::Line& line : spectrum.lines) {
     json.begin_object().member("frequency_hz", line.frequency_hz).member("amplitude", line.amplitude);
@@ -30,16 +44,19 @@ void add_spectrum(JsonWriter& json, double perimeter_m, const acoustics::Spectru
 void add_tune(JsonWriter& json, const acoustics::Tuned& tuned) {
   json.key("tune").begin_object().member("perimeter_m", tuned.ring.perimeter_m).member("foci", tuned.ring.foci);
   json.member("stride", tuned.ring.stride).member("dwell_s", tuned.ring.dwell_s);
-  json.member("felt_share_before", tuned.share_before).member("felt_share", tuned.share).end_object();
+  json.member("field", field(tuned.of_array));
+  json.member("felt_share_before", tuned.before.vibration).member("felt_share", tuned.after.vibration);
+  json.member("flutter_share_before", tuned.before.flutter).member("flutter_share", tuned.after.flutter).end_object();
 }
 
 std::string spectrum_table(std::uint32_t finger, double perimeter_m, const acoustics::Spectrum& spectrum) {
   std::string text;
   const auto out = std::back_inserter(text);
   if (spectrum.lines.empty()) return fmt::format("finger {}: its pressure does not change in time\n", finger);
-  fmt::format_to(out, "finger {}: {}; skin is sensitive to {:.0f} % of its vibration\n", finger,
-                 perimeter_m > 0 ? fmt::format("perimeter {:.1f} mm", perimeter_m * 1e3) : "its foci stand still",
-                 100 * acoustics::felt_share(spectrum));
+  const std::string what =
+      perimeter_m > 0 ? fmt::format("perimeter {:.1f} mm, {}", perimeter_m * 1e3, field_text(spectrum.of_array))
+                      : "its foci stand still";
+  fmt::format_to(out, "finger {}: {}: {}\n", finger, what, shares(acoustics::felt(spectrum)));
   fmt::format_to(out, "      Hz  pressure   phase  around    felt\n");
   double most = 0;
   for (const acoustics::Line& line : spectrum.lines)
@@ -56,15 +73,13 @@ std::string spectrum_table(std::uint32_t finger, double perimeter_m, const acous
 std::string tune_line(std::uint32_t finger, const acoustics::Tuned& tuned) {
   const acoustics::Ring& ring = tuned.ring;
   if (!tuned.changed) {
-    return fmt::format("finger {}: {} foci, stride {} and {} ms stay: skin is sensitive to {:.0f} % of the vibration\n",
-                       finger, ring.foci, ring.stride, ring.dwell_s * 1e3, 100 * tuned.share);
+    return fmt::format("finger {}: {} foci, stride {} and {} ms stay, {}: {}\n", finger, ring.foci, ring.stride,
+                       ring.dwell_s * 1e3, field_text(tuned.of_array), shares(tuned.after));
   }
   return fmt::format(
-      "finger {}: tuned to {} foci, stride {}, {} ms for a perimeter of {:.1f} mm: skin is sensitive to {:.0f} % of "
-      "the "
-      "vibration instead of {:.0f} %\n",
-      finger, ring.foci, ring.stride, ring.dwell_s * 1e3, ring.perimeter_m * 1e3, 100 * tuned.share,
-      100 * tuned.share_before);
+      "finger {}: tuned to {} foci, stride {}, {} ms for a perimeter of {:.1f} mm, {}: {}, instead of {}\n", finger,
+      ring.foci, ring.stride, ring.dwell_s * 1e3, ring.perimeter_m * 1e3, field_text(tuned.of_array),
+      shares(tuned.after), shares(tuned.before));
 }
 
 }  // namespace palpa::cli

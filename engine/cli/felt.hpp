@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "acoustics/skin.hpp"
 #include "acoustics/spectrum.hpp"
 #include "acoustics/tune.hpp"
 #include "array/schedule.hpp"

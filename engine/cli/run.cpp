@@ -103,6 +103,7 @@ std::vector<Output> outputs_of(const RunCommand& o, std::span<const session::Lin
 }
 
 void refuse_what_goes_unused(const RunCommand& o) {
+  if (o.touch.spot_m && !o.touch.tune) throw bad_usage("--spot goes with --tune");
   if (o.noise_free && o.source.starts_with("recording:")) {
     throw bad_usage("--noise-free goes with --source synthetic: a recording has the noise that it has");
   }

@@ -279,7 +279,7 @@ void run(const TouchCommand& o) {
                              touch.finger_count));
   }
   const std::vector<acoustics::Spectrum> spectra =
-      o.felt.spectrum ? setup::spectra_of(one.session.schedule(), o.felt) : std::vector<acoustics::Spectrum>();
+      o.felt.spectrum ? setup::spectra_of(one.session) : std::vector<acoustics::Spectrum>();
   const bool sounds = !o.array.layout.empty();
   const std::vector<std::vector<double>> pressures =
       sounds ? session::foci_pressures(one.session.plan(), one.session.setting()) : std::vector<std::vector<double>>();

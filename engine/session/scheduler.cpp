@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "geometry/haptics.hpp"
+#include "session/tuning_thread.hpp"
 #include "session/voice.hpp"
 
 namespace palpa::session {
@@ -11,14 +12,26 @@ static_assert(acoustics::StrideTuner::most_fingers >= touch::max_fingers);
 static_assert(acoustics::most_ring_foci >= touch::max_foci);
 
 Scheduler::Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
-                     const ScheduleOptions& options)
+                     const ScheduleOptions& options, const acoustics::ArrayField* field)
     : solids_(resolve_haptics(scene, solids, touch, options.voice)),
       foci_(touch.foci),
       options_(options),
       slot_s_(slot_length(solids_, options.voice)) {
+  acoustics::SpectrumOptions& spectrum = options_.tuning.spectrum;
+  spectrum.array = field;
+  spectrum.fwhm_m = options.spot_m.value_or(spectrum.fwhm_m);
+  strides_ = acoustics::StrideTuner(spectrum);
   fingers_.resize(touch::max_fingers);
   for (ScheduledFinger& finger : fingers_)
     finger.placement.foci.reserve(touch::max_foci);
+}
+
+Scheduler::~Scheduler() = default;
+Scheduler::Scheduler(Scheduler&&) noexcept = default;
+Scheduler& Scheduler::operator=(Scheduler&&) noexcept = default;
+
+void Scheduler::tune_beside(const acoustics::ArrayField* field) {
+  beside_ = field && options_.tune == Tune::stride ? std::make_unique<TuningThread>(*field) : nullptr;
 }
 
 void Scheduler::make(const touch::Touch& touch, double time_s, array::Schedule& schedule) {
@@ -26,35 +39,42 @@ void Scheduler::make(const touch::Touch& touch, double time_s, array::Schedule& 
   schedule.slot_s = slot_s_;
   schedule.time_s = time_s;
   count_ = touch.finger_count;
+  if (beside_) beside_->begin(strides_);
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     const touch::Finger& finger = touch.fingers[f];
     ScheduledFinger& out = fingers_[f];
     out.perimeter_m = 0;
     out.tuned.reset();
     touch::place_foci(touch, finger, options_.method, out.placement);
-    array::VoiceOptions voice = solids_[finger.solid].voice;
+    array::VoiceOptions options = solids_[finger.solid].voice;
+    array::Voice& voice = schedule.add_voice();
+    make_voice(out.placement, finger.id, finger.solid, options, voice);
     if (!out.placement.still()) {
       out.perimeter_m = touch::perimeter_of(out.placement);
-      tune(touch, finger, time_s, voice, out);
+      if (options_.tune != Tune::nothing) {
+        tune(touch, finger, time_s, voice.foci, options, out);
+        make_voice(out.placement, finger.id, finger.solid, options, voice);
+      }
     }
-    make_voice(out.placement, finger.id, finger.solid, voice, schedule.add_voice());
-    schedule.slot_s = std::min(schedule.slot_s, voice.dwell_s);
+    schedule.slot_s = std::min(schedule.slot_s, options.dwell_s);
   }
+  if (beside_) beside_->end();
 }
 
-void Scheduler::tune(const touch::Touch& touch, const touch::Finger& finger, double time_s, array::VoiceOptions& voice,
-                     ScheduledFinger& out) {
-  if (options_.tune == Tune::nothing) return;
-  const auto foci = static_cast<std::uint32_t>(out.placement.foci.size());
-  const acoustics::Ring ring{out.perimeter_m, foci, voice.stride.value_or(geometry::usual_stride(foci)), voice.dwell_s};
+void Scheduler::tune(const touch::Touch& touch, const touch::Finger& finger, double time_s, std::span<const Vec3> foci,
+                     array::VoiceOptions& voice, ScheduledFinger& out) {
+  const auto count = static_cast<std::uint32_t>(foci.size());
+  const acoustics::Ring ring{out.perimeter_m, count, voice.stride.value_or(geometry::usual_stride(count)),
+                             voice.dwell_s};
   if (options_.tune == Tune::stride) {
     voice.stride = strides_.stride_for(finger.id, ring, time_s);
+    if (beside_) beside_->look_at(finger.id, foci, time_s, strides_);
     return;
   }
-  const acoustics::Tuned& tuned = out.tuned.emplace(acoustics::tune(ring, options_.tuning));
+  const acoustics::Tuned& tuned = out.tuned.emplace(acoustics::tune(ring, options_.tuning, foci));
   voice.stride = tuned.ring.stride;
   voice.dwell_s = tuned.ring.dwell_s;
-  if (tuned.ring.foci == foci) return;
+  if (tuned.ring.foci == count) return;
   touch::MethodOptions method = options_.method;
   method.foci = tuned.ring.foci;
   touch::place_foci(touch, finger, method, out.placement);

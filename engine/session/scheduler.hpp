@@ -2,6 +2,7 @@
 // order.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,6 +16,8 @@
 
 namespace palpa::session {
 
+class TuningThread;
+
 /// What is chosen by the perimeter that a finger's foci run around (acoustics/tune.hpp).
 enum class Tune {
   nothing,
@@ -27,7 +30,9 @@ struct ScheduleOptions {
   touch::MethodOptions method;  ///< places the foci
   array::VoiceOptions voice;
   Tune tune = Tune::nothing;
-  acoustics::TuneOptions tuning;  ///< of Tune::all
+  acoustics::TuneOptions tuning;  ///< of Tune::all; its spectrum's array is not for the user to give
+  /// How wide a Gaussian spot stands for a focus; nothing: the array's field where there is an array.
+  std::optional<double> spot_m;
 };
 
 /// How a finger came to its voice.
@@ -40,9 +45,13 @@ struct ScheduledFinger {
 /// Remembers the strides that it chose from frame to frame.
 class Scheduler {
  public:
-  /// For touches of these solids, found with these parameters. Throws as resolve_haptics does.
+  /// For touches of these solids, found with these parameters. Throws as resolve_haptics does. Tune::all takes what
+  /// `field`, which outlives it, makes of the foci; without it they are spots, as they are of Tune::stride.
   Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
-            const ScheduleOptions& options);
+            const ScheduleOptions& options, const acoustics::ArrayField* field = nullptr);
+  ~Scheduler();
+  Scheduler(Scheduler&&) noexcept;
+  Scheduler& operator=(Scheduler&&) noexcept;
 
   /// How long one drive lasts: see slot_length.
   double slot_s() const { return slot_s_; }
@@ -53,6 +62,9 @@ class Scheduler {
   /// Turns the fingers of a frame captured at `time_s` into the voices of `schedule`, one each, in their order.
   /// Allocates nothing once `schedule` has the room (reserve).
   void make(const touch::Touch& touch, double time_s, array::Schedule& schedule);
+  /// From now on a thread computes what `field`, which outlives that, makes of the foci, and strides follow it when it
+  /// is ready; nullptr ends the thread. Nothing without Tune::stride.
+  void tune_beside(const acoustics::ArrayField* field);
   /// How the newest frame's fingers came to their voices, valid until the next make.
   std::span<const ScheduledFinger> fingers() const { return std::span(fingers_).first(count_); }
 
@@ -61,14 +73,15 @@ class Scheduler {
   array::Voice common_voice() const;
 
  private:
-  void tune(const touch::Touch& touch, const touch::Finger& finger, double time_s, array::VoiceOptions& voice,
-            ScheduledFinger& out);
+  void tune(const touch::Touch& touch, const touch::Finger& finger, double time_s, std::span<const Vec3> foci,
+            array::VoiceOptions& voice, ScheduledFinger& out);
 
   std::vector<SolidHaptics> solids_;
   std::uint32_t foci_;
   ScheduleOptions options_;
   double slot_s_;
   acoustics::StrideTuner strides_;
+  std::unique_ptr<TuningThread> beside_;
   std::vector<ScheduledFinger> fingers_;
   std::size_t count_ = 0;
 };

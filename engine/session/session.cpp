@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <exception>
+#include <optional>
 #include <utility>
 
 #include "base/error.hpp"
@@ -20,11 +21,27 @@ void check_times(const SessionSetting& setting) {
   check_safety(setting.safety);
 }
 
+/// Nothing without an array, and where a spot takes its place.
+std::optional<acoustics::ArrayField> field_of(const SessionSetting& setting) {
+  if (setting.layout.transducers.empty() || setting.schedule.spot_m) return std::nullopt;
+  return std::optional<acoustics::ArrayField>(std::in_place, setting.layout, setting.drive);
+}
+
+/// Has strides tuned beside the loop for as long as it lasts.
+struct TunedBeside {
+  Scheduler& scheduler;
+  TunedBeside(Scheduler& tuned, const acoustics::ArrayField* field) : scheduler(tuned) { scheduler.tune_beside(field); }
+  ~TunedBeside() { scheduler.tune_beside(nullptr); }
+  TunedBeside(const TunedBeside&) = delete;
+  TunedBeside& operator=(const TunedBeside&) = delete;
+};
+
 }  // namespace
 
 struct Session::State {
   SessionSetting setting;
   std::vector<std::string> names;
+  std::optional<acoustics::ArrayField> field;
   Scheduler scheduler;
   EventTracker tracker;
   std::unique_ptr<Planner> planner;
@@ -37,7 +54,8 @@ struct Session::State {
 
   State(const gpu::Device* device, SessionSetting given)
       : setting((check_times(given), std::move(given))),
-        scheduler(setting.scene, setting.solids, setting.touch, setting.schedule),
+        field(field_of(setting)),
+        scheduler(setting.scene, setting.solids, setting.touch, setting.schedule, field ? &*field : nullptr),
         tracker(setting.solids, setting.events.value_or(EventOptions()), setting.hold_s) {
     names.reserve(setting.solids.size());
     for (const geometry::Solid& solid : setting.solids)
@@ -89,6 +107,8 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   };
   if (tells) observers.expired = [&] { options.events(s.tracker.expire()); };
   LoopStats stats;
+  // When the field is known depends on the machine: where every frame must come out the same on all it is not asked.
+  const TunedBeside beside(s.scheduler, options.every_frame ? nullptr : field());
   try {
     run_loop(source, *s.planner, link,
              {.output = {s.setting.layout, s.setting.drive, s.scheduler.slot_s(), s.setting.hold_s, s.setting.safety},
@@ -137,6 +157,9 @@ const Plan& Session::plan() const {
 }
 const Scheduler& Session::scheduler() const {
   return state_->scheduler;
+}
+const acoustics::ArrayField* Session::field() const {
+  return state_->field ? &*state_->field : nullptr;
 }
 const FrameReport& Session::report() const {
   return state_->report;

@@ -73,20 +73,21 @@ void add_touch_options(CLI::App& app, TouchOptions& options) {
   group.flag("--tune", options.tune,
              "choose foci and stride by each finger's perimeter, so that skin feels most of the vibration; "
              "while running, the stride alone");
+  group.quantity("--spot", options.spot_m, Quantity::length, positive(1),
+                 "a focus' pressure is a Gaussian so wide at half its height, in place of the array's field "
+                 "[3.8mm where there is no array]");
 }
 
 void add_felt_options(CLI::App& app, FeltOptions& options) {
   const Group group(app, "What skin feels in time");
   group.flag("--spectrum", options.spectrum, "the spectrum of the pressure on each finger's skin");
-  group.quantity("--spot", options.spot_m, Quantity::length, positive(1),
-                 "with --spectrum or --tune: width of one focus' pressure at half its height [3.8mm]");
   group.quantity("--tune-shortest", options.shortest_dwell_s, Quantity::time, {1e-4, 20e-3},
                  "with --tune-longest: dwells that --tune may choose, normally --dwell alone");
   group.quantity("--tune-longest", options.longest_dwell_s, Quantity::time, {1e-4, 20e-3}, "see --tune-shortest");
 }
 
 void check(const FeltOptions& options, const TouchOptions& touch) {
-  if (options.spot_m && !options.spectrum && !touch.tune) throw bad_usage("--spot goes with --spectrum or --tune");
+  if (touch.spot_m && !options.spectrum && !touch.tune) throw bad_usage("--spot goes with --spectrum or --tune");
   if (options.shortest_dwell_s.has_value() != options.longest_dwell_s.has_value()) {
     throw bad_usage("--tune-shortest and --tune-longest go together: give both ends of the range");
   }

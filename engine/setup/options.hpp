@@ -60,7 +60,8 @@ struct TouchOptions {
   touch::MethodOptions method;  ///< --method
   array::Modulation modulation = array::Modulation::pressure_sine;
   double modulation_hz = 200;
-  bool tune = false;  ///< --tune: stride, and for a single touch foci, by the perimeter
+  bool tune = false;             ///< --tune: stride, and for a single touch foci, by the perimeter
+  std::optional<double> spot_m;  ///< --spot: of a Gaussian in place of an array's field
 };
 void add_touch_options(CLI::App& app, TouchOptions& options);
 /// Throws bad_usage, with a stride that would do, where stride and foci share a divisor (geometry::stride_fault). Warns
@@ -70,7 +71,6 @@ void check(const TouchOptions& options);
 /// What skin feels of a single touch.
 struct FeltOptions {
   bool spectrum = false;
-  std::optional<double> spot_m;                             ///< normally that of acoustics::SpectrumOptions
   std::optional<double> shortest_dwell_s, longest_dwell_s;  ///< both or none: what --tune may choose
 };
 void add_felt_options(CLI::App& app, FeltOptions& options);

@@ -8,7 +8,8 @@ session::ScheduleOptions schedule_options(const TouchOptions& options) {
                                               .dwell_s = options.dwell_s,
                                               .modulation_hz = options.modulation_hz,
                                               .modulation = options.modulation},
-                                    .tune = options.tune ? session::Tune::stride : session::Tune::nothing};
+                                    .tune = options.tune ? session::Tune::stride : session::Tune::nothing,
+                                    .spot_m = options.spot_m};
   schedule.method.equal_arc = options.parameters.spacing == touch::Spacing::arc;
   return schedule;
 }
@@ -16,15 +17,16 @@ session::ScheduleOptions schedule_options(const TouchOptions& options) {
 session::ScheduleOptions schedule_options(const TouchOptions& options, const FeltOptions& felt) {
   session::ScheduleOptions schedule = schedule_options(options);
   if (options.tune) schedule.tune = session::Tune::all;
-  schedule.tuning.spectrum.fwhm_m = felt.spot_m.value_or(schedule.tuning.spectrum.fwhm_m);
   schedule.tuning.shortest_dwell_s = felt.shortest_dwell_s.value_or(0);
   schedule.tuning.longest_dwell_s = felt.longest_dwell_s.value_or(0);
   return schedule;
 }
 
-std::vector<acoustics::Spectrum> spectra_of(const array::Schedule& schedule, const FeltOptions& felt) {
+std::vector<acoustics::Spectrum> spectra_of(const session::Session& session) {
+  const array::Schedule& schedule = session.schedule();
   acoustics::SpectrumOptions options;
-  options.fwhm_m = felt.spot_m.value_or(options.fwhm_m);
+  options.array = session.field();
+  options.fwhm_m = session.setting().schedule.spot_m.value_or(options.fwhm_m);
   std::vector<acoustics::Spectrum> spectra;
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const array::Voice& voice = schedule.voices[v];

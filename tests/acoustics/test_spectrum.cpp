@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "acoustics/skin.hpp"
 #include "acoustics/spectrum.hpp"
 #include "base/error.hpp"
 
@@ -190,7 +191,7 @@ TEST(Spectrum, APressureSineHasOneLineAndItsImages) {
 
 TEST(Spectrum, NothingChangesNothingIsFelt) {
   EXPECT_TRUE(spectrum_of(still(0, Modulation::pressure_sine), 1.5e-3).lines.empty());
-  EXPECT_EQ(felt_share(spectrum_of(still(0, Modulation::pressure_sine), 1.5e-3)), 0);
+  EXPECT_EQ(felt(spectrum_of(still(0, Modulation::pressure_sine), 1.5e-3)).vibration, 0);
   // Sampled once per period, a sine is a constant.
   const Spectrum aliased = spectrum_of(still(500, Modulation::pressure_sine), 2e-3);
   EXPECT_NEAR(aliased.variance, 0, 1e-12);
@@ -199,7 +200,7 @@ TEST(Spectrum, NothingChangesNothingIsFelt) {
   // All foci in one place: they take turns, but nothing moves.
   const Spectrum same = spectrum_of(circle(0), 1.5e-3);
   EXPECT_NEAR(same.variance, 0, 1e-12);
-  EXPECT_EQ(felt_share(same), 0);
+  EXPECT_EQ(felt(same).vibration, 0);
 }
 
 TEST(Spectrum, LinesAddUpToTheVariance) {
@@ -229,30 +230,54 @@ TEST(Spectrum, RefusesWhatDoesNotRepeat) {
   EXPECT_THROW(spectrum_of(voice, 1e-3), Error);
 }
 
-TEST(SkinSensitivity, IsBestAt200AndFallsBy12DecibelsPerOctave) {
-  EXPECT_EQ(skin_sensitivity(200), 1);
-  EXPECT_EQ(skin_sensitivity(0), 0);
-  EXPECT_EQ(skin_sensitivity(-5), 0);
+TEST(Vibration, IsBestAt200AndFallsBy12DecibelsPerOctave) {
+  EXPECT_EQ(vibration_sensitivity(200), 1);
+  EXPECT_EQ(vibration_sensitivity(0), 0);
+  EXPECT_EQ(vibration_sensitivity(-5), 0);
   for (double hz = 1; hz < 1000; hz *= 1.1) {
-    EXPECT_LE(skin_sensitivity(hz), 1);
-    EXPECT_NEAR(skin_sensitivity(hz), skin_sensitivity(40000 / hz), 1e-12);
+    EXPECT_LE(vibration_sensitivity(hz), 1);
+    EXPECT_NEAR(vibration_sensitivity(hz), vibration_sensitivity(40000 / hz), 1e-12);
   }
-  const auto decibel = [](double hz) { return 20 * std::log10(skin_sensitivity(hz)); };
+  const auto decibel = [](double hz) { return 20 * std::log10(vibration_sensitivity(hz)); };
   EXPECT_GT(decibel(151), -1.5);
   EXPECT_GT(decibel(265), -1.5);
   EXPECT_LT(decibel(149), -1.4);
   EXPECT_NEAR(decibel(40) - decibel(20), 12, 0.05);
 }
 
-TEST(FeltShare, OfASineOf200HertzIsAll) {
+TEST(Flutter, IsFeltFrom5To50Hertz) {
+  EXPECT_EQ(flutter_sensitivity(0), 0);
+  EXPECT_EQ(flutter_sensitivity(-5), 0);
+  const auto decibel = [](double hz) { return 20 * std::log10(flutter_sensitivity(hz)); };
+  EXPECT_NEAR(decibel(5), -3, 0.02);
+  EXPECT_NEAR(decibel(50), -3, 0.02);
+  for (const double hz : {10.0, 16.0, 29.0})
+    EXPECT_GT(decibel(hz), -0.5) << hz;
+  EXPECT_NEAR(decibel(400) - decibel(800), 12, 0.1);
+  EXPECT_NEAR(decibel(1) - decibel(0.5), 12, 0.1);
+  EXPECT_LT(flutter_sensitivity(200), 0.07);
+}
+
+TEST(Felt, IsOneBandOrTheOther) {
+  const Felt buzz = felt(spectrum_of(still(200, Modulation::pressure_sine), 1e-5));
+  EXPECT_NEAR(buzz.vibration, 1, 1e-4);
+  EXPECT_LT(buzz.flutter, 0.01);
+  const Felt throb = felt(spectrum_of(still(20, Modulation::pressure_sine), 1e-5));
+  EXPECT_LT(throb.vibration, 0.01);
+  EXPECT_GT(throb.flutter, 0.95);
+  EXPECT_GT(balance(buzz), 0.99);
+  EXPECT_NEAR(balance(throb), throb.vibration - flutter_weight * throb.flutter, 1e-15);
+}
+
+TEST(Felt, OfASineOf200HertzIsAll) {
   SpectrumOptions options;
   const Spectrum sine = spectrum_of(still(200, Modulation::pressure_sine), 1e-5, options);
-  EXPECT_NEAR(felt_share(sine), 1, 1e-4);
+  EXPECT_NEAR(felt(sine).vibration, 1, 1e-4);
   EXPECT_NEAR(band_share(sine, 150, 250), 1, 1e-4);
   EXPECT_EQ(band_share(sine, 300, 400), 0);
   EXPECT_EQ(strongest_felt(sine), 0u);
   const Spectrum low = spectrum_of(still(100, Modulation::pressure_sine), 1e-5, options);
-  EXPECT_NEAR(felt_share(low), std::pow(skin_sensitivity(100), 2), 1e-4);
+  EXPECT_NEAR(felt(low).vibration, std::pow(vibration_sensitivity(100), 2), 1e-4);
   EXPECT_EQ(strongest_felt(Spectrum{}), 0u);
   EXPECT_NEAR(line_at(spectrum_of(Ring{15e-3, 10, 3, 1.5e-3}), 200).frequency_hz,
               spectrum_of(Ring{15e-3, 10, 3, 1.5e-3})

@@ -108,9 +108,42 @@ TEST(CliMethods, TheSpectrumComesWhereItIsAskedFor) {
   EXPECT_NEAR(still["lines"][0]["amplitude"].get<double>(), std::sin(0.1 * M_PI) / (0.1 * M_PI), 1e-12);
 }
 
+TEST(CliMethods, TheSameTouchIsFeltOtherwiseOnEveryArray) {
+  const auto spectrum = [](const std::vector<std::string>& more) {
+    return document(with({"--spectrum"}, more))["fingers"][0]["spectrum"];
+  };
+  const json spots = spectrum({}), paper = spectrum({"--layout", "paper"}), board = spectrum({"--layout", "openmpd"});
+  EXPECT_EQ(spots["field"], "spot");
+  EXPECT_NEAR(spots["felt_share"].get<double>(), 0.49, 0.006);
+  EXPECT_EQ(paper["field"], "array");
+  EXPECT_NEAR(paper["felt_share"].get<double>(), 0.53, 0.006);
+  EXPECT_EQ(board["field"], "array");
+  EXPECT_NEAR(board["felt_share"].get<double>(), 0.66, 0.006);
+  EXPECT_LT(board["flutter_share"], spots["flutter_share"]);
+  // Its own sound counts.
+  EXPECT_NE(spectrum({"--layout", "paper", "--temperature", "0"})["felt_share"], paper["felt_share"]);
+  EXPECT_NE(spectrum({"--layout", "paper", "--directivity", "piston"})["felt_share"], paper["felt_share"]);
+  // A spot takes the field's place.
+  const json as_spots = spectrum({"--layout", "openmpd", "--spot", "3.8mm"});
+  EXPECT_EQ(as_spots, spots);
+  // Where it would be tuned as spots it is not.
+  const std::vector<std::string> sixteen{"--tune", "--foci", "16"};
+  const json tuned = document(sixteen)["fingers"][0]["tune"];
+  const json kept = document(with(sixteen, {"--layout", "openmpd"}))["fingers"][0]["tune"];
+  EXPECT_EQ(tuned["field"], "spot");
+  EXPECT_NE(tuned["foci"], 16);
+  EXPECT_EQ(kept["field"], "array");
+  EXPECT_EQ(kept["foci"], 16);
+  EXPECT_EQ(kept["stride"], 5);
+}
+
 TEST(CliMethods, ASpotThatNothingUsesIsRefused) {
   expect_failure(palpa(touch({"--spot", "2mm"})), 2, "--spot goes with --spectrum or --tune");
   EXPECT_EQ(palpa(touch({"--spot", "2mm", "--tune"})).exit_code, 0);
+  const std::vector<std::string> run{"run",      "--scene", asset("cube.glb"), "--backend", "cpu",
+                                     "--frames", "2",       "--spot",          "2mm",       "--quiet"};
+  expect_failure(palpa(run), 2, "--spot goes with --tune");
+  EXPECT_EQ(palpa(with(run, {"--tune"})).exit_code, 0);
 }
 
 TEST(CliMethods, TuningSaysWhatItChoseAndGivesTheFingerItsOwnSchedule) {
@@ -126,6 +159,7 @@ TEST(CliMethods, TuningSaysWhatItChoseAndGivesTheFingerItsOwnSchedule) {
   EXPECT_EQ(finger["schedule"]["dwell_s"], 0.0015);
   EXPECT_EQ(tuned["schedule"], before["schedule"]) << "what the others play";
   EXPECT_GT(choice["felt_share"], 1.05 * choice["felt_share_before"].get<double>());
+  EXPECT_LT(choice["flutter_share"], choice["flutter_share_before"]);
   // On the finger itself, too, not only on a ring of its perimeter.
   EXPECT_GT(finger["spectrum"]["felt_share"], before["fingers"][0]["spectrum"]["felt_share"]);
   const auto counts = finger["focus_points"].get<std::vector<std::uint32_t>>();

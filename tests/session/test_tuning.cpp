@@ -1,0 +1,253 @@
+// Strides that follow the array's field, which a thread computes beside the loop.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <thread>
+
+#include "fakes.hpp"
+#include "geometry/gltf.hpp"
+#include "geometry/ply.hpp"
+#include "sensing/rig.hpp"
+#include "sensing/synthetic.hpp"
+#include "session/session.hpp"
+#include "session/tuning_thread.hpp"
+#include "support/shared_data.hpp"
+#include "touch/host_stage.hpp"
+
+namespace palpa::session {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr double pi = std::numbers::pi;
+
+double since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+array::Layout openmpd() {
+  const array::Layout layout = array::load_layout("openmpd");
+  return array::transformed(layout, layout.default_T_world_layout);
+}
+
+std::vector<geometry::Solid> cube() {
+  return geometry::make_solids(geometry::load_gltf(palpa::test::source_file("assets/cube.glb")));
+}
+
+/// Thirteen foci of 2 ms on the cube: from 1 to 5 mm deep spots have another stride than this array's foci.
+ScheduleOptions tuned() {
+  ScheduleOptions options;
+  options.voice.dwell_s = 2e-3;
+  options.tune = Tune::stride;
+  return options;
+}
+const touch::Parameters thirteen{.foci = 13};
+/// 3 mm deep; the usual one is 4.
+constexpr std::uint32_t of_spots = 5, of_array = 4;
+
+std::uint32_t stride_of(const array::Schedule& schedule) {
+  return schedule.voices.at(0).order.at(1);
+}
+
+/// A finger in the cube, as a frame shows it.
+touch::Touch finger() {
+  std::vector<glm::vec3> points;
+  for (const Vec3& p : geometry::read_ply(palpa::test::source_file("assets/finger.ply")).positions)
+    points.emplace_back(p.x, p.y - 3e-3, p.z);
+  touch::Touch touch;
+  const std::vector<geometry::Solid> solids = cube();
+  touch::HostStage(solids, {}, {.parameters = thirteen}).touch(sensing::numbered(points), touch);
+  return touch;
+}
+
+TEST(Tuning, ChangesTheStrideWhenTheFieldIsReady) {
+  const array::Layout layout = openmpd();
+  const acoustics::ArrayField field(layout, {});
+  const touch::Touch touch = finger();
+  Scheduler scheduler("cube.glb", cube(), thirteen, tuned());
+  array::Schedule schedule;
+  scheduler.tune_beside(&field);
+  scheduler.make(touch, 0, schedule);
+  EXPECT_EQ(stride_of(schedule), of_spots) << "no frame waits for the field";
+  const Clock::time_point begin = Clock::now();
+  double time_s = 0;
+  while (stride_of(schedule) == of_spots && since(begin) < 20) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    scheduler.make(touch, time_s += 0.011, schedule);
+  }
+  EXPECT_EQ(stride_of(schedule), of_array);
+  scheduler.tune_beside(nullptr);
+  for (int frame = 0; frame < 100; ++frame) {
+    scheduler.make(touch, time_s += 0.011, schedule);
+    EXPECT_EQ(stride_of(schedule), of_array) << "and stays, for what is known is known";
+  }
+}
+
+TEST(Tuning, KeepsSpotsWithoutTheThread) {
+  const touch::Touch touch = finger();
+  const array::Layout layout = openmpd();
+  const acoustics::ArrayField field(layout, {});
+  Scheduler scheduler("cube.glb", cube(), thirteen, tuned(), &field);
+  array::Schedule schedule;
+  for (int frame = 0; frame < 100; ++frame) {
+    scheduler.make(touch, frame * 0.011, schedule);
+    EXPECT_EQ(stride_of(schedule), of_spots);
+  }
+  // A spot as wide as this array's focus says as much.
+  ScheduleOptions wide = tuned();
+  wide.spot_m = 9e-3;
+  Scheduler told("cube.glb", cube(), thirteen, wide);
+  told.make(touch, 0, schedule);
+  EXPECT_EQ(stride_of(schedule), of_array);
+}
+
+/// Of transducers and foci so many that their field takes seconds.
+struct Long {
+  array::Layout layout;
+  std::vector<Vec3> foci;
+  Long() {
+    for (std::uint32_t n = 0; n < array::max_transducers; ++n)
+      layout.transducers.push_back({{0.01 * (n % 256), -0.5, 0.01 * (n / 256)}, {0, 1, 0}});
+    for (std::uint32_t n = 0; n < touch::max_foci; ++n) {
+      const double angle = 2 * pi * n / touch::max_foci;
+      foci.emplace_back(0.1 * std::cos(angle), 0, 0.1 * std::sin(angle));
+    }
+  }
+};
+
+TEST(TuningThread, NeitherKeepsAFrameNorTheEnd) {
+  const Long heavy;
+  const acoustics::ArrayField field(heavy.layout, {});
+  const acoustics::Ring ring{0.2 * pi, touch::max_foci, 3, 1.5e-3};
+  acoustics::StrideTuner strides;
+  double most = 0;
+  Clock::time_point end;
+  {
+    TuningThread beside(field);
+    for (std::uint32_t frame = 0; frame < 20; ++frame) {
+      const Clock::time_point begin = Clock::now();
+      beside.begin(strides);
+      for (std::uint32_t id = 0; id < 8; ++id) {
+        strides.stride_for(id, ring, 0.01 * frame);
+        beside.look_at(id, heavy.foci, 0.01 * frame, strides);
+      }
+      beside.end();
+      // The first frame's strides are chosen, others' rest.
+      if (frame > 0) most = std::max(most, since(begin));
+      std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    }
+    EXPECT_TRUE(strides.wants(0, 1)) << "it cannot be ready yet";
+    end = Clock::now();
+  }
+  EXPECT_LT(most, 0.1) << "what was asked is not waited for";
+  EXPECT_LT(since(end), 0.5) << "in the middle of a question";
+}
+
+TEST(TuningThread, AnswersEveryFingerOnceAndAgainWhenItHasRested) {
+  const array::Layout layout = openmpd();
+  const acoustics::ArrayField field(layout, {});
+  std::vector<Vec3> foci;
+  for (int n = 0; n < 10; ++n)
+    foci.emplace_back(5.5e-3 * std::cos(2 * pi * n / 10), 0, 5.5e-3 * std::sin(2 * pi * n / 10));
+  const acoustics::Ring ring{2 * pi * 5.5e-3, 10, 3, 1e-3};
+  acoustics::StrideTuner strides;
+  TuningThread beside(field);
+  const auto frame = [&](double time_s) {
+    beside.begin(strides);
+    std::vector<std::uint32_t> chosen;
+    for (const std::uint32_t id : {3u, 4u, 9u}) {
+      chosen.push_back(strides.stride_for(id, ring, time_s));
+      beside.look_at(id, foci, time_s, strides);
+    }
+    beside.end();
+    return chosen;
+  };
+  const auto wanted = [&](double time_s) {
+    return strides.wants(3, time_s) + strides.wants(4, time_s) + strides.wants(9, time_s);
+  };
+  EXPECT_EQ(frame(0), std::vector<std::uint32_t>(3, 1));
+  const Clock::time_point begin = Clock::now();
+  while (wanted(0.01) > 0 && since(begin) < 20) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    frame(0.01);
+  }
+  EXPECT_EQ(wanted(0.4), 0);
+  EXPECT_EQ(frame(0.02), std::vector<std::uint32_t>(3, 3));
+  EXPECT_EQ(wanted(0.6), 3) << "fingers move";
+}
+
+/// A finger that stays as it is: what spots make of it never changes.
+struct StillSource : sensing::DepthSource {
+  std::vector<sensing::Camera> rig = sensing::load_rig(palpa::test::source_file("assets/rigs/paper.toml")).cameras;
+  sensing::FrameSet picture;
+  std::uint64_t count, given = 0;
+
+  explicit StillSource(std::uint64_t frames) : count(frames) {
+    geometry::Ply ply = geometry::read_ply(palpa::test::source_file("assets/finger.ply"));
+    const geometry::Mesh mesh{std::move(ply.positions), std::move(ply.triangles)};
+    Transform T(1.0);
+    T[3] = Vec4(0, -0.003, 0, 1);
+    const sensing::Posed skin{&mesh, T};
+    sensing::SyntheticRig(rig, {}, sensing::Noise::none, 1).render(std::span(&skin, 1), 0, picture);
+  }
+  const std::vector<sensing::Camera>& cameras() const override { return rig; }
+  bool next(sensing::FrameSet& out, double) override {
+    if (given == count) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    out = picture;
+    out.sequence = given;
+    out.time_s = 0.005 * static_cast<double>(given++);
+    return true;
+  }
+};
+
+/// A cube over this array, and that finger in it.
+struct Live {
+  StillSource source;
+  SessionSetting setting{
+      .solids = cube(), .cameras = source.rig, .layout = openmpd(), .touch = thirteen, .schedule = tuned()};
+  test::SpyLink link;
+  std::atomic<bool> stop{false};
+  std::vector<std::uint32_t> strides;  ///< frame by frame
+  RunOptions options{
+      .planned = [this](const FrameReport&, const Plan& plan) { strides.push_back(stride_of(plan.schedule)); }};
+
+  explicit Live(std::uint64_t frames) : source(frames) {}
+  bool changed() const { return std::ranges::adjacent_find(strides, std::not_equal_to()) != strides.end(); }
+  void run() { Session(setting).run(source, link, stop, options); }
+};
+
+TEST(Tuning, OfALoopChangesWhileItSoundsAndEndsInTime) {
+  Live live(2000);
+  Clock::time_point stopped;
+  live.options.planned = [&, look = live.options.planned](const FrameReport& report, const Plan& plan) {
+    look(report, plan);
+    if (!live.changed() || live.stop) return;
+    live.stop = true;
+    stopped = Clock::now();
+  };
+  live.run();
+  EXPECT_TRUE(live.stop) << "the field was never ready";
+  EXPECT_LT(since(stopped), 1.0);
+  EXPECT_GT(live.link.most, 0.0F);
+  EXPECT_TRUE(live.link.ended_silent());
+}
+
+TEST(Tuning, OfEveryFrameIsThatOfSpots) {
+  Live live(40);
+  live.options.every_frame = true;
+  live.run();
+  ASSERT_EQ(live.strides.size(), 40u);
+  EXPECT_FALSE(live.changed());
+  Live spot(40);
+  spot.setting.schedule.spot_m = acoustics::SpectrumOptions().fwhm_m;
+  spot.run();
+  EXPECT_FALSE(spot.changed()) << "nor is the array asked where a spot takes its place";
+  EXPECT_EQ(spot.strides.front(), live.strides.front());
+}
+
+}  // namespace
+}  // namespace palpa::session
