@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
 
 namespace palpa::array {
 namespace {
@@ -74,7 +73,9 @@ void BoundedHearing::slope(std::span<const Complex> factors, std::span<const Com
   std::array<Complex, most_solved_foci> turn;
   for (std::size_t j = 0; j < foci; ++j)
     turn[j] = back(pressure[j]);
-  std::vector<double> re(foci * foci), im(foci * foci);
+  std::array<double, most_solved_foci * most_solved_foci> re, im;
+  std::fill_n(re.begin(), foci * foci, 0.0);
+  std::fill_n(im.begin(), foci * foci, 0.0);
   std::array<double, most_solved_foci> ask_re, ask_im;
   for (std::size_t n = 0; n < columns_.transducers; ++n) {
     const std::size_t first = n * foci;
