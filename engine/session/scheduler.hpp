@@ -65,6 +65,8 @@ class Scheduler {
   /// From now on a thread computes what `field`, which outlives that, makes of the foci, and strides follow it when it
   /// is ready; nullptr ends the thread. Nothing without Tune::stride.
   void tune_beside(const acoustics::ArrayField* field);
+  /// That thread; nullptr without one.
+  const TuningThread* tuning() const { return beside_.get(); }
   /// How the newest frame's fingers came to their voices, valid until the next make.
   std::span<const ScheduledFinger> fingers() const { return std::span(fingers_).first(count_); }
 

@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "session/loop.hpp"
+#include "session/tuning_thread.hpp"
 
 namespace palpa::session {
 
@@ -124,6 +125,10 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     std::rethrow_exception(fault);
   }
   if (tells) options.events(s.tracker.end());
+  if (s.setting.schedule.tune == Tune::stride) {
+    const TuningThread* const tuning = s.scheduler.tuning();
+    stats.tune = {tuning != nullptr, tuning ? tuning->known() : 0};
+  }
   return stats;
 }
 

@@ -64,6 +64,10 @@ std::string to_json(const LoopStats& stats) {
     json.key("events").begin_object();
     json.member("written", stats.events->written).member("dropped", stats.events->dropped).end_object();
   }
+  if (stats.tune) {
+    json.key("tune").begin_object().member("field", stats.tune->of_array ? "array" : "spot");
+    json.member("fields", stats.tune->fields).end_object();
+  }
   json.end_object();
   return json.take();
 }

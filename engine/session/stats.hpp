@@ -54,6 +54,12 @@ struct EventStats {
   std::uint64_t written = 0, dropped = 0;
 };
 
+/// Of a run that tunes strides.
+struct TuneStats {
+  bool of_array = false;     ///< by the array's field, once it is known; else by spots
+  std::uint64_t fields = 0;  ///< times that a finger's came to be known
+};
+
 /// The time of one pass over all frames.
 struct PassStats {
   std::string name;
@@ -73,6 +79,7 @@ struct LoopStats {
   std::vector<PassStats> passes;
   OutputStats output;
   std::optional<EventStats> events;
+  std::optional<TuneStats> tune;
 
   void add_passes(std::span<const gpu::PassTime> times);
 };

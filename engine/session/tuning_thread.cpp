@@ -29,6 +29,7 @@ void TuningThread::begin(acoustics::StrideTuner& strides) {
   if (asked_ && answers_.take()) {
     for (const Answer& answer : answers_.front())
       strides.learn(answer.id, answer.harmonics, answer.time_s);
+    known_ += answers_.front().size();
     asked_ = false;
   }
   if (!asked_) questions_.back().count = 0;

@@ -29,6 +29,8 @@ class TuningThread {
 
   /// A new frame: hands what has become known to `strides`.
   void begin(acoustics::StrideTuner& strides);
+  /// How many fingers' fields have become known so far.
+  std::uint64_t known() const { return known_; }
   /// A finger of that frame, its foci in the order of their sectors: asks for it where `strides` wants it and no other
   /// question is under way.
   void look_at(std::uint32_t id, std::span<const Vec3> foci, double time_s, const acoustics::StrideTuner& strides);
@@ -59,6 +61,7 @@ class TuningThread {
   Newest<Question> questions_;
   Newest<Answers> answers_;
   bool asked_ = false;  ///< a question is under way
+  std::uint64_t known_ = 0;
   std::atomic<bool> ends_{false};
   std::thread thread_;
 };

@@ -137,6 +137,20 @@ TEST(CliMethods, TheSameTouchIsFeltOtherwiseOnEveryArray) {
   EXPECT_EQ(kept["stride"], 5);
 }
 
+TEST(CliMethods, ARunSaysWhatItsStridesFollow) {
+  const auto tune = [](const std::vector<std::string>& more) {
+    const Result result = palpa(with({"run", "--scene", asset("cube.glb"), "--backend", "cpu", "--frames", "2",
+                                      "--layout", "openmpd", "--stats", "json"},
+                                     more));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return json::parse(result.out).value("tune", json());
+  };
+  EXPECT_TRUE(tune({}).is_null());
+  EXPECT_EQ(tune({"--tune"})["field"], "array");
+  EXPECT_EQ(tune({"--tune", "--every-frame"}), (json{{"field", "spot"}, {"fields", 0}}));
+  EXPECT_EQ(tune({"--tune", "--spot", "5mm"}), (json{{"field", "spot"}, {"fields", 0}}));
+}
+
 TEST(CliMethods, ASpotThatNothingUsesIsRefused) {
   expect_failure(palpa(touch({"--spot", "2mm"})), 2, "--spot goes with --spectrum or --tune");
   EXPECT_EQ(palpa(touch({"--spot", "2mm", "--tune"})).exit_code, 0);

@@ -217,7 +217,7 @@ struct Live {
 
   explicit Live(std::uint64_t frames) : source(frames) {}
   bool changed() const { return std::ranges::adjacent_find(strides, std::not_equal_to()) != strides.end(); }
-  void run() { Session(setting).run(source, link, stop, options); }
+  LoopStats run() { return Session(setting).run(source, link, stop, options); }
 };
 
 TEST(Tuning, OfALoopChangesWhileItSoundsAndEndsInTime) {
@@ -229,22 +229,25 @@ TEST(Tuning, OfALoopChangesWhileItSoundsAndEndsInTime) {
     live.stop = true;
     stopped = Clock::now();
   };
-  live.run();
+  const LoopStats stats = live.run();
   EXPECT_TRUE(live.stop) << "the field was never ready";
+  EXPECT_TRUE(stats.tune.value().of_array);
+  EXPECT_GE(stats.tune->fields, 1u);
   EXPECT_LT(since(stopped), 1.0);
   EXPECT_GT(live.link.most, 0.0F);
   EXPECT_TRUE(live.link.ended_silent());
 }
 
 TEST(Tuning, OfEveryFrameIsThatOfSpots) {
-  Live live(40);
+  Live live(16);
   live.options.every_frame = true;
-  live.run();
-  ASSERT_EQ(live.strides.size(), 40u);
+  const LoopStats stats = live.run();
+  EXPECT_FALSE(stats.tune.value().of_array);
+  ASSERT_EQ(live.strides.size(), 16u);
   EXPECT_FALSE(live.changed());
-  Live spot(40);
+  Live spot(16);
   spot.setting.schedule.spot_m = acoustics::SpectrumOptions().fwhm_m;
-  spot.run();
+  EXPECT_FALSE(spot.run().tune.value().of_array);
   EXPECT_FALSE(spot.changed()) << "nor is the array asked where a spot takes its place";
   EXPECT_EQ(spot.strides.front(), live.strides.front());
 }
