@@ -54,11 +54,14 @@ void Show::load_objects(const ViewerOptions& options) {
   if (options.input.points.empty() && options.input.depths.empty()) return;
   const setup::TouchInput input = setup::load_touch_input(options.input, solids);
   setup::StageTimes times;
-  // Only what skin feels in time depends on the array.
+  check(options.drive, solids);
+  setup::TouchArray array{.layout = {}, .drive = drive_options_, .pressure_pa = options.drive.pressure_pa};
+  const auto asks = [](const geometry::Solid& solid) { return solid.haptics.pressure_pa.has_value(); };
   const bool felt = options.felt.spectrum || options.touch.tune;
-  const setup::TouchArray array = felt ? setup::TouchArray{layout_, drive_options_} : setup::TouchArray();
+  // Only what skin feels in time and what pressures are reached depend on the array; drives come slot by slot.
+  if (felt || array.pressure_pa || std::ranges::any_of(solids, asks)) array.layout = layout_;
   const setup::OneTouch one = setup::touch_once(options.common, options.touch, options.felt, options.input.scene,
-                                                std::move(solids), input, array, times);
+                                                std::move(solids), input, std::move(array), times);
   show_touch(picture_, one.session.solids(), points_near(input, one.session.solids()), one.touch);
   picture_.skin_count = input.point_count;
   if (!input.cameras.empty()) picture_.T_world_camera = input.cameras.front().T_world_camera;

@@ -33,6 +33,7 @@ def fingers_of(datagram):
             need(finger["solid"].isprintable())
             need(number(finger["dwell_s"], 1e-6, 10) and number(finger["modulation_hz"], 0, 1e6))
             need(finger["modulation_hz"] == 0 or finger["modulation"] in ("pressure-sine", "amplitude-sine"))
+            need("pressure_pa" not in finger or number(finger["pressure_pa"], 0, 1e6))  # where one is asked for
             need(isinstance(finger["foci_m"], list) and isinstance(finger["order"], list) and finger["order"])
             for focus in finger["foci_m"]:
                 need(isinstance(focus, list) and len(focus) == 3 and all(number(axis, -1e3, 1e3) for axis in focus))

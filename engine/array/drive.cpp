@@ -134,6 +134,59 @@ void drive_several(const Layout& layout, const DriveOptions& options, std::span<
   }
 }
 
+/// The drivable foci in `scratch.sources`.
+void find_sources(const Layout& layout, std::span<const SlotFocus> foci, DriveScratch& scratch) {
+  scratch.sources.clear();
+  for (const SlotFocus& focus : foci) {
+    if (!drivable(focus)) continue;
+    Source source{focus.position, 0, gain_of(focus)};
+    for (const Transducer& transducer : layout.transducers) {
+      source.reach = std::max(source.reach, glm::distance(transducer.position, focus.position));
+    }
+    scratch.sources.push_back(source);
+  }
+}
+
+/// The sum of the sources' q_j times `scratch.factors`.
+void drive_sources(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out,
+                   const DriveScratch& scratch) {
+  if (scratch.sources.size() == 1) {  // the paper's q_k, turned down
+    Source source = scratch.sources[0];
+    source.gain = std::clamp(scratch.factors[0].real(), 0.0, 1.0);
+    DriveOptions clamped = options;
+    clamped.constraint = Constraint::clamp;
+    return drive_one(layout, source, clamped, out);
+  }
+  for (std::size_t t = 0; t < out.size(); ++t) {
+    Complex sum = 0;
+    for (std::size_t j = 0; j < scratch.sources.size(); ++j) {
+      const Source& source = scratch.sources[j];
+      const double distance = glm::distance(layout.transducers[t].position, source.position);
+      sum += scratch.factors[j] * std::polar(asked_amplitude(distance, source.reach, options.weighting),
+                                             2 * std::numbers::pi * delay_turns(distance, options.medium));
+    }
+    out[t] = {as_amplitude(std::abs(sum)), as_phase(std::arg(sum))};
+  }
+}
+
+/// The factors that give the drivable foci what they ask.
+void find_factors(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
+                  DriveScratch& scratch) {
+  scratch.free_field.set(layout, options.medium, options.directivity);
+  scratch.free_field.fill(scratch.sources, options.weighting, scratch.columns);
+  const bool solved = scratch.sources.size() <= most_solved_foci;
+  solved ? multiply(scratch.columns, scratch.matrix) : multiply_alone(scratch.columns, scratch.matrix);
+  scratch.targets.clear();
+  for (const SlotFocus& focus : foci) {
+    if (!drivable(focus)) continue;
+    const bool heard = scratch.matrix.alone(scratch.targets.size()) > 0;
+    scratch.targets.push_back(heard ? focus.pressure_pa.value_or(0) / layout.source_level_pa_m : 0);
+  }
+  scratch.factors.resize(scratch.sources.size());
+  solve_pressures(scratch.matrix, scratch.columns, phases_of(options.solver), scratch.targets, scratch.factors,
+                  scratch.pressures);
+}
+
 }  // namespace
 
 double sound_speed_at(double celsius) {
@@ -157,23 +210,29 @@ float gain_of(const SlotFocus& focus) {
 void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
                std::span<TransducerDrive> out, DriveScratch& scratch) {
   assert(out.size() == layout.transducers.size());
-  std::vector<Source>& sources = scratch.sources;
-  sources.clear();
-  for (const SlotFocus& focus : foci) {
-    if (!drivable(focus)) continue;
-    Source source{focus.position, 0, gain_of(focus)};
-    for (const Transducer& transducer : layout.transducers) {
-      source.reach = std::max(source.reach, glm::distance(transducer.position, focus.position));
-    }
-    sources.push_back(source);
-  }
+  find_sources(layout, foci, scratch);
+  const std::vector<Source>& sources = scratch.sources;
   if (sources.empty()) {
     std::ranges::fill(out, TransducerDrive{0, 0});
+  } else if (std::ranges::any_of(foci, [](const SlotFocus& focus) { return focus.pressure_pa.has_value(); })) {
+    find_factors(layout, foci, options, scratch);
+    drive_sources(layout, options, out, scratch);
   } else if (sources.size() == 1) {
     drive_one(layout, sources[0], options, out);
   } else {
     drive_several(layout, options, out, scratch);
   }
+}
+
+void drive_by_factors(const Layout& layout, std::span<const SlotFocus> foci, std::span<const Complex> factors,
+                      const DriveOptions& options, std::span<TransducerDrive> out, DriveScratch& scratch) {
+  assert(factors.size() == foci.size());
+  find_sources(layout, foci, scratch);
+  scratch.factors.clear();
+  for (std::size_t j = 0; j < foci.size(); ++j) {
+    if (drivable(foci[j])) scratch.factors.push_back(factors[j]);
+  }
+  drive_sources(layout, options, out, scratch);
 }
 
 void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,

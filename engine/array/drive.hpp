@@ -16,6 +16,9 @@
 // share of the sum is modulated, under `uniform` by way of the phases alone. One focus is exactly the paper's q_k times
 // its gain, whatever the solver.
 //
+// Where foci ask for a pressure, the constraint does not count: G is then the sum of c_j q_j with the factors that give
+// each focus what it asks (slot_pressures.hpp), and the amplitude |G|, nowhere above 1.
+//
 // That is the solver `naive`. The others choose how several foci share the array, and know what the foci do to each
 // other (docs/solvers.md): `gs_pat` gives each q_j complex factors, one set for S and one for G (gs_pat.hpp); `greedy`
 // chooses the phases of the transducers themselves, all at amplitude g (greedy.hpp). A slot of more than
@@ -24,6 +27,7 @@
 
 #include <complex>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -33,6 +37,7 @@
 #include "array/gs_pat.hpp"
 #include "array/layout.hpp"
 #include "array/medium.hpp"
+#include "array/slot_pressures.hpp"
 #include "array/transfer.hpp"
 #include "base/math.hpp"
 #include "base/words.hpp"
@@ -44,10 +49,18 @@ enum class Solver { naive, gs_pat, greedy };
 inline constexpr Word<Solver> solver_words[] = {
     {"naive", Solver::naive}, {"gs-pat", Solver::gs_pat}, {"greedy", Solver::greedy}};
 
+/// The phases in which that solver has foci that ask for pressures.
+constexpr FocusPhases phases_of(Solver solver) {
+  return solver == Solver::gs_pat ? FocusPhases::helping : FocusPhases::own;
+}
+
 /// One focus that sounds in a slot; several in one slot belong to different fingers.
 struct SlotFocus {
-  Vec3 position;                        ///< metres, in the layout's frame as posed
-  float gain = 1;                       ///< 0..1, the finger's amplitude modulation and intensity
+  Vec3 position;   ///< metres, in the layout's frame as posed
+  float gain = 1;  ///< 0..1, the finger's amplitude modulation and intensity
+  /// Peak, that it is to have whatever else sounds, gain included; nothing: nobody says, and the constraint decides.
+  /// Where one focus of a slot has one, those without ask for nothing.
+  std::optional<double> pressure_pa;
   std::uint32_t voice = 0, number = 0;  ///< of a schedule: whose it is, and which of its foci
 };
 
@@ -83,6 +96,9 @@ struct DriveScratch {
   Columns columns;
   FocusMatrix matrix;
   GsPatScratch gs_pat;
+  PressureScratch pressures;
+  std::vector<double> targets;
+  std::vector<std::complex<double>> factors;
 };
 
 /// The twin of DrivesPass, in double precision: the drive of one slot into `out`, one entry per transducer. No focus
@@ -90,6 +106,10 @@ struct DriveScratch {
 /// phase 0.
 void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
                std::span<TransducerDrive> out, DriveScratch& scratch);
+/// The drive of foci whose factors are known, one each: the sum of factor times q_j, nowhere above 1.
+void drive_by_factors(const Layout& layout, std::span<const SlotFocus> foci,
+                      std::span<const std::complex<double>> factors, const DriveOptions& options,
+                      std::span<TransducerDrive> out, DriveScratch& scratch);
 /// The same for callers that need few drives: they allocate on every call.
 void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
                std::span<TransducerDrive> out);

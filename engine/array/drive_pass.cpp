@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -99,6 +100,8 @@ DriveMemory::DriveMemory(const gpu::Device& device, const Layout& layout, const 
   // At least one: silent slots read an entry that they do not use.
   foci_ = gpu::Upload(device, std::max(1U, most_foci) * sizeof(shader::DriveFocus), "drive foci");
   slots_ = gpu::Upload(device, std::max(1U, most_slots) * sizeof(shader::DriveSlot), "drive slots");
+  factors_ = gpu::Upload(device, std::max(1U, most_foci) * sizeof(shader::vec4), "focus factors");
+  factor_texels_ = floats(device, factors_.ref(), "focus factors");
   transducer_texels_ = floats(device, transducers_.ref(), "drive transducers");
   focus_texels_ = floats(device, foci_.ref(), "drive foci");
   slot_texels_ = gpu::TexelView(device, slots_.ref(), VK_FORMAT_R32G32B32A32_UINT, "drive slots");
@@ -126,22 +129,22 @@ DriveMemory::DriveMemory(const gpu::Device& device, const Layout& layout, const 
     weight_texels_ = floats(device, weights_.ref(), "focus weights");
   }
   batch_.weighting = options.weighting;
-  batch_.constraint = options.constraint;
   clear();
 }
 
 void DriveMemory::clear() {
   batch_.slots = 0;
-  batch_.single = batch_.several = batch_.weighted = false;
+  batch_.single = batch_.several = batch_.weighted = by_factors_ = false;
+  batch_.constraint = options_.constraint;
   solve_.sizes = 0;
   used_foci_ = used_entries_ = 0;
 }
 
 bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
   const auto slots = slots_.as<shader::DriveSlot>();
-  const auto store = foci_.as<shader::DriveFocus>();
   const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
-  if (batch_.slots == most_slots_ || count > most_foci_ - used_foci_) return false;
+  if (!fits(count)) return false;
+  assert(!by_factors_);
 
   float shared = 0;
   for (const SlotFocus& focus : foci) {
@@ -160,16 +163,39 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
     if (batch_.weighted) used_entries_ += foci_here * foci_here;
   }
   for (const SlotFocus& focus : foci) {
-    if (!drivable(focus)) continue;
-    const shader::DrivePoint point = drive_point(focus.position, options_.medium.turns_per_metre());
-    shader::DriveFocus entry{point.coarse, point.fine};
-    const double reach = reach_.farthest(focus.position) * options_.medium.turns_per_metre();
-    // Nearer than any float tells apart from 0: as if at the focus.
-    entry.coarse.w = reach > 1e-6 ? static_cast<float>(1 / reach) : 0;
-    entry.fine.w = shared > 0 ? gain_of(focus) / shared : 1;
-    store[used_foci_++] = entry;
+    if (drivable(focus)) add_focus(focus, shared > 0 ? gain_of(focus) / shared : 1);
   }
   return true;
+}
+
+bool DriveMemory::add_slot(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors) {
+  assert(factors.size() == foci.size() && (by_factors_ || batch_.slots == 0));
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
+  if (!fits(count)) return false;
+  by_factors_ = true;
+  batch_.constraint = Constraint::clamp;
+  shader::DriveSlot& slot = slots_.as<shader::DriveSlot>()[batch_.slots++];
+  slot = {used_foci_, static_cast<std::uint32_t>(count), 1, 0};
+  (count <= 1 ? batch_.single : batch_.weighted) = true;
+  const auto store = factors_.as<shader::vec4>();
+  for (std::size_t j = 0; j < foci.size(); ++j) {
+    if (!drivable(foci[j])) continue;
+    // One focus alone has a real factor: a gain.
+    if (count == 1) slot.gain = static_cast<float>(std::clamp(factors[j].real(), 0.0, 1.0));
+    store[used_foci_] = {0, 0, static_cast<float>(factors[j].real()), static_cast<float>(factors[j].imag())};
+    add_focus(foci[j], 1);
+  }
+  return true;
+}
+
+void DriveMemory::add_focus(const SlotFocus& focus, float gain) {
+  const shader::DrivePoint point = drive_point(focus.position, options_.medium.turns_per_metre());
+  shader::DriveFocus entry{point.coarse, point.fine};
+  const double reach = reach_.farthest(focus.position) * options_.medium.turns_per_metre();
+  // Nearer than any float tells apart from 0: as if at the focus.
+  entry.coarse.w = reach > 1e-6 ? static_cast<float>(1 / reach) : 0;
+  entry.fine.w = gain;
+  foci_.as<shader::DriveFocus>()[used_foci_++] = entry;
 }
 
 void DriveMemory::record(VkCommandBuffer commands, const DrivePasses& passes) {
@@ -185,6 +211,7 @@ void DriveMemory::record(VkCommandBuffer commands, const DrivePasses& passes) {
   layout_sent_ = true;
   foci_.record(commands, used_foci_ * sizeof(shader::DriveFocus));
   slots_.record(commands, batch_.slots * sizeof(shader::DriveSlot));
+  if (by_factors_) factors_.record(commands, used_foci_ * sizeof(shader::vec4));
   if (solve_.sizes != 0) {
     solve_.slots = batch_.slots;
     passes.solver.record(commands,
@@ -193,9 +220,10 @@ void DriveMemory::record(VkCommandBuffer commands, const DrivePasses& passes) {
                          solver_scratch_, solve_);
     gpu::compute_to_compute(commands);
   }
-  passes.drives.record(
-      commands,
-      {transducer_texels_.ref(), focus_texels_.ref(), slot_texels_.ref(), drives_.ref(), weight_texels_.ref()}, batch_);
+  passes.drives.record(commands,
+                       {transducer_texels_.ref(), focus_texels_.ref(), slot_texels_.ref(), drives_.ref(),
+                        by_factors_ ? factor_texels_.ref() : weight_texels_.ref()},
+                       batch_);
   drives_.record(commands, std::uint64_t{batch_.slots} * batch_.transducers * sizeof(TransducerDrive));
 }
 

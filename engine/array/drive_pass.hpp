@@ -1,6 +1,7 @@
 // Drives on the GPU: many slots in one go.
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <span>
 
@@ -76,6 +77,9 @@ class DriveMemory {
   void clear();
   /// Adds the next slot; its foci may be none. False, and nothing added, where slots or foci would not fit.
   [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci);
+  /// The same with the factors of the foci, as drive_by_factors has it. A batch has all its slots by the one or by the
+  /// other.
+  [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors);
   std::uint32_t slots() const { return batch_.slots; }
   std::uint32_t transducers() const { return batch_.transducers; }
 
@@ -91,8 +95,8 @@ class DriveMemory {
   DriveOptions options_;
   Reach reach_{Layout{}};
   std::uint32_t most_slots_ = 0, most_foci_ = 0;
-  gpu::Upload transducers_, foci_, slots_;
-  gpu::TexelView transducer_texels_, focus_texels_, slot_texels_;
+  gpu::Upload transducers_, foci_, slots_, factors_;
+  gpu::TexelView transducer_texels_, focus_texels_, slot_texels_, factor_texels_;
   // Of the solvers; empty under `naive`.
   gpu::Upload axes_, directivity_;
   gpu::Buffer weights_;
@@ -102,7 +106,11 @@ class DriveMemory {
   DriveBatch batch_;
   SolveBatch solve_;
   std::uint32_t used_foci_ = 0, used_entries_ = 0;
+  bool by_factors_ = false;
   bool layout_sent_ = false;
+
+  bool fits(std::size_t foci) const { return batch_.slots < most_slots_ && foci <= most_foci_ - used_foci_; }
+  void add_focus(const SlotFocus& focus, float gain);
 };
 
 /// A place as the shaders want it. `w` parts are left 0.

@@ -55,9 +55,11 @@ void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<Slot
     const double midpoint = (static_cast<double>(slot) + 0.5) * schedule.slot_s;
     const double modulation = modulation_gain(voice.modulation, voice.modulation_hz, midpoint);
     const auto gain = static_cast<float>(voice.gain * modulation);
+    const auto pressure =
+        voice.reached_pa ? std::optional(voice.target_pa * std::max(modulation, least_modulation)) : std::nullopt;
     for (std::uint32_t together = 0; together < voice.foci_per_slot; ++together) {
       const std::uint32_t focus = voice.order[step * voice.foci_per_slot + together];
-      if (focus < voice.foci.size()) out.push_back({voice.foci[focus], gain, v, focus});
+      if (focus < voice.foci.size()) out.push_back({voice.foci[focus], gain, pressure, v, focus});
     }
   }
 }

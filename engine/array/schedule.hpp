@@ -41,6 +41,12 @@ struct Voice {
   double modulation_hz = 0;          ///< see modulation_gain; 0: none
   Modulation modulation = Modulation::pressure_sine;
   double gain = 1;  ///< intensity, 0..1: an amplitude that the modulation multiplies
+  /// Asked for at each focus, peak, at the modulation's crest and a gain of 1; 0: nobody asks.
+  double pressure_pa = 0;
+  /// What of it, times the gain, is to sound; loudness.hpp fills both. `reached_pa` is what sounds at the focus that
+  /// has the least, and nothing where no voice of the schedule asks.
+  double target_pa = 0;
+  std::optional<double> reached_pa;
 };
 
 struct Schedule {
@@ -54,12 +60,18 @@ struct Schedule {
   void clear() { voice_count = 0; }
 };
 
+/// No array comes near it. Linear acoustics ends far below, at linear_pressure_pa: harmonics take what is more.
+inline constexpr double most_pressure_pa = 1e5;
+inline constexpr double linear_pressure_pa = 1e4;
+
 /// How the foci of a finger are to play, whatever finger it is.
 struct VoiceOptions {
   /// Coprime to the number of foci; nothing: the usual one of that number (geometry::usual_stride).
   std::optional<std::uint32_t> stride;
   double dwell_s = 1.5e-3;
-  double gain = 1;             ///< intensity, 0..1
+  double gain = 1;  ///< intensity, 0..1
+  /// Peak at each focus at a gain of 1, above 0 to most_pressure_pa; nothing: as loud as the array's drives come out.
+  std::optional<double> pressure_pa;
   double modulation_hz = 200;  ///< of fingers whose foci stand still; the others are not modulated
   Modulation modulation = Modulation::pressure_sine;
 };
@@ -74,6 +86,10 @@ void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<Slot
 /// square root, and 1 where hz is 0. It holds for a slot's whole length and is sampled at its midpoint: at 1.5 ms,
 /// 200 Hz has 3.3 samples per period.
 double modulation_gain(Modulation modulation, double hz, double time_s);
+
+/// A pressure that is asked for never falls below that part of its crest: then it is a pressure still, and not whatever
+/// is heard of others.
+inline constexpr double least_modulation = 0.01;
 
 /// Whether all voices have the same modulation: then it is one scalar over the whole drive. True for no voices.
 bool shared_modulation(const Schedule& schedule);

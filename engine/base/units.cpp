@@ -17,6 +17,7 @@ constexpr Unit length_units[]{{"m", 0}, {"cm", -2}, {"mm", -3}, {"um", -6}};
 constexpr Unit time_units[]{{"s", 0}, {"ms", -3}, {"us", -6}};
 constexpr Unit frequency_units[]{{"Hz", 0}, {"kHz", 3}, {"MHz", 6}};
 constexpr Unit speed_units[]{{"m/s", 0}};
+constexpr Unit pressure_units[]{{"Pa", 0}, {"kPa", 3}};
 
 std::span<const Unit> units_of(Quantity quantity) {
   switch (quantity) {
@@ -28,6 +29,8 @@ std::span<const Unit> units_of(Quantity quantity) {
       return frequency_units;
     case Quantity::speed:
       return speed_units;
+    case Quantity::pressure:
+      return pressure_units;
   }
   return {};
 }
@@ -81,6 +84,8 @@ std::string_view quantity_hint(Quantity quantity) {
       return "a frequency such as 40kHz or 40000";
     case Quantity::speed:
       return "a speed such as 343 or 343m/s";
+    case Quantity::pressure:
+      return "a pressure such as 8kPa or 8000";
   }
   return "a number";
 }

@@ -6,9 +6,10 @@
 
 namespace palpa {
 
-enum class Quantity { length, time, frequency, speed };
+enum class Quantity { length, time, frequency, speed, pressure };
 
-/// The value in metres, seconds, hertz or metres per second. Units: m cm mm um; s ms us; Hz kHz MHz; m/s.
+/// The value in metres, seconds, hertz, metres per second or pascals. Units: m cm mm um; s ms us; Hz kHz MHz; m/s; Pa
+/// kPa.
 /// nullopt if the text is not a finite number followed by nothing or by a unit of that quantity.
 std::optional<double> parse_quantity(std::string_view text, Quantity quantity);
 

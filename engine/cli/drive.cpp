@@ -5,13 +5,16 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <complex>
 #include <iterator>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "acoustics/pressure.hpp"
 #include "array/drive_pass.hpp"
 #include "array/layout.hpp"
+#include "array/loudness.hpp"
 #include "array/resolution.hpp"
 #include "array/usual.hpp"
 #include "base/error.hpp"
@@ -21,6 +24,7 @@
 #include "cli/commands.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/device.hpp"
+#include "session/pressure_log.hpp"
 #include "setup/options.hpp"
 #include "setup/values.hpp"
 #include "setup/warnings.hpp"
@@ -83,12 +87,49 @@ std::vector<array::SlotFocus> read_foci(const DriveCommand& o, const array::Layo
   return foci;
 }
 
+/// Factors of the foci, each of which is to have that pressure times its gain.
+std::vector<std::complex<double>> factors_for(const array::Layout& layout, const std::vector<array::SlotFocus>& foci,
+                                              const array::DriveOptions& options, double pressure_pa) {
+  array::Schedule schedule;
+  for (const array::SlotFocus& focus : foci) {
+    array::Voice& voice = schedule.add_voice();
+    voice.foci = {focus.position};
+    voice.order = {0};
+    voice.gain = focus.gain;
+    voice.pressure_pa = pressure_pa;
+  }
+  array::Loudness loudness(layout, options);
+  loudness.solve(schedule, 1);
+  for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
+    const double asked = pressure_pa * schedule.voices[v].gain, reached = *schedule.voices[v].reached_pa;
+    if (reached >= session::reached_part * asked) continue;
+    log::warning(
+        fmt::format("--pressure: focus {} has {:.0f} Pa of the {:.0f} Pa that are asked for: more the array does "
+                    "not give",
+                    v + 1, reached, asked));
+  }
+  const auto factors = loudness.factors(0);
+  return {factors.begin(), factors.end()};
+}
+
+/// `factors` are empty where no pressure is asked for.
+array::Drive drive_on_cpu(const array::Layout& layout, const std::vector<array::SlotFocus>& foci,
+                          std::span<const std::complex<double>> factors, const array::DriveOptions& options) {
+  if (factors.empty()) return array::drive_for(layout, foci, options);
+  array::Drive drive(layout.transducers.size());
+  array::DriveScratch scratch;
+  array::drive_by_factors(layout, foci, factors, options, drive, scratch);
+  return drive;
+}
+
 array::Drive drive_on_gpu(const gpu::DeviceOptions& select, const array::Layout& layout,
-                          const std::vector<array::SlotFocus>& foci, const array::DriveOptions& options) {
+                          const std::vector<array::SlotFocus>& foci, std::span<const std::complex<double>> factors,
+                          const array::DriveOptions& options) {
   const gpu::Device device(select);
-  const array::DrivePasses passes(device, options.solver);
+  const array::DrivePasses passes(device, factors.empty() ? options.solver : array::Solver::naive);
   array::DriveMemory buffers(device, layout, options, 1, static_cast<std::uint32_t>(foci.size()));
-  if (!buffers.add_slot(foci)) throw failure("more foci than the GPU's buffers hold");
+  const bool fits = factors.empty() ? buffers.add_slot(foci) : buffers.add_slot(foci, factors);
+  if (!fits) throw failure("more foci than the GPU's buffers hold");
   const gpu::Recorder recorder(device, "drive");
   gpu::Timeline timeline(device);
   buffers.record(recorder.begin(), passes);
@@ -187,9 +228,11 @@ void run(const DriveCommand& o) {
   const array::Layout layout = array::load_layout(o.layout);
   setup::warn_of_frequency(layout, options.medium);
   const std::vector<array::SlotFocus> foci = read_foci(o, layout);
+  std::vector<std::complex<double>> factors;
+  if (o.drive.pressure_pa) factors = factors_for(layout, foci, options, *o.drive.pressure_pa);
   const array::Drive drive = o.common.backend == setup::Backend::cpu
-                                 ? array::drive_for(layout, foci, options)
-                                 : drive_on_gpu(setup::device_options(o.common), layout, foci, options);
+                                 ? drive_on_cpu(layout, foci, factors, options)
+                                 : drive_on_gpu(setup::device_options(o.common), layout, foci, factors, options);
 
   const acoustics::FociPressure pressure =
       acoustics::pressure_at_foci(layout, drive, foci, options.medium, options.directivity);
@@ -199,7 +242,9 @@ void run(const DriveCommand& o) {
   if (!o.common.json.empty())
     write_file(o.common.json, to_json(layout, foci, options.medium, drive, pressure, unresolved));
   if (setup::shows_summary(o.common, outputs)) {
-    write_file("-", summary(layout, foci, options.medium, drive, pressure, unresolved));
+    const bool loud = *std::ranges::max_element(pressure.pascals) > array::linear_pressure_pa;
+    write_file("-", summary(layout, foci, options.medium, drive, pressure, unresolved) +
+                        (o.drive.pressure_pa && loud ? setup::linear_line() : ""));
   }
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -84,12 +85,21 @@ void add_options(CLI::App& app, RunCommand& o) {
 }
 
 std::string summary(const session::LoopStats& stats) {
-  return fmt::format(
+  std::string text = fmt::format(
       "{} frames, {} with a touch, {} left out for newer ones\n"
       "frame to drives: median {:.2f} ms, p99 {:.2f} ms; {} drives, {} of them silent, {} slots overslept\n",
       stats.captured, stats.touching, stats.replaced, stats.frame_to_plan_s.quantile(0.5) * 1e3,
       stats.frame_to_plan_s.quantile(0.99) * 1e3, stats.output.drives, stats.output.silent_drives,
       stats.output.skipped_slots);
+  double most_pa = 0;
+  for (const session::FingerPressure& finger : stats.fingers) {
+    most_pa = std::max(most_pa, finger.most_pa);
+    const double mean_pa = finger.sum_pa / static_cast<double>(finger.frames);
+    text +=
+        fmt::format("finger {} on {}: {:.0f} Pa on average, {:.0f} to {:.0f} Pa, of the {:.0f} Pa asked for\n",
+                    finger.id, stats.solids[finger.solid], mean_pa, finger.least_pa, finger.most_pa, finger.asked_pa);
+  }
+  return most_pa > array::linear_pressure_pa ? text + setup::linear_line() : text;
 }
 
 /// All that is written; --stats and --json are the same where both go to stdout.
@@ -128,12 +138,14 @@ void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned) {
 /// What the options make a session of, for the frames of `source`.
 session::SessionSetting session_setting(const RunCommand& o, std::vector<geometry::Solid> solids,
                                         const sensing::DepthSource& source, array::Layout layout) {
+  session::ScheduleOptions schedule = setup::schedule_options(o.touch);
+  schedule.voice.pressure_pa = o.drive.pressure_pa;
   return {.scene = o.scene,
           .solids = std::move(solids),
           .cameras = source.cameras(),
           .layout = std::move(layout),
           .touch = o.touch.parameters,
-          .schedule = setup::schedule_options(o.touch),
+          .schedule = std::move(schedule),
           .drive = setup::drive_options(o.drive, o.touch.method.method),
           .events = o.events.empty() ? std::nullopt : std::optional(o.event),
           .axes = o.axes,
@@ -198,6 +210,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
   const Outputs outputs(outputs_of(o, links));
   std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);
   std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids);
+  check(o.drive, solids);
   const setup::PosedRig rig = setup::load_posed_rig(o.rig);
   const std::unique_ptr<sensing::DepthSource> source = open_source(o, extensions, rig);
   setup::warn_of_reach(rig.layout, solids);
@@ -261,7 +274,7 @@ void add_run(Program& program) {
       program,
       {"run", "the live loop: frames in, drives out, until Ctrl-C",
        "  palpa run --scene assets/cube.glb --source synthetic --link null --frames 300 --stats json\n"
-       "  palpa run --scene assets/cube.glb --link foci:udp:127.0.0.1:9000 --events -\n"
+       "  palpa run --scene assets/cube.glb --link foci:udp:127.0.0.1:9000 --events - --pressure 8kPa\n"
        "  palpa run --scene assets/cube.glb --frames 90 --record take1\n"
        "  palpa run --scene assets/cube.glb --source recording:take1 --link record:drives.bin"},
       add_options, [&extensions](const RunCommand& o) { run(extensions, o); });

@@ -14,6 +14,7 @@
 #include "cli/felt.hpp"
 #include "session/foci_link.hpp"
 #include "session/foci_pressures.hpp"
+#include "session/pressure_log.hpp"
 #include "setup/load.hpp"
 #include "setup/nearest_skin.hpp"
 #include "setup/progress.hpp"
@@ -239,6 +240,8 @@ std::string summary(const TouchReport& report) {
     if (common) text += order_line(all) + "; ";
     text += "--json gives everything\n";
   }
+  const auto loud = [](const auto& foci) { return *std::ranges::max_element(foci) > array::linear_pressure_pa; };
+  if (std::ranges::any_of(report.pressures, loud)) text += setup::linear_line();
   const std::span<const session::ScheduledFinger> fingers = report.session.scheduler().fingers();
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     if (fingers[f].tuned) text += tune_line(f, *fingers[f].tuned);
@@ -249,8 +252,11 @@ std::string summary(const TouchReport& report) {
 }
 
 setup::TouchArray load_array(const TouchCommand& o, std::span<const geometry::Solid> solids) {
-  setup::TouchArray array{.layout = {}, .drive = setup::drive_options(o.array.drive, o.touch.method.method)};
+  setup::TouchArray array{.layout = {},
+                          .drive = setup::drive_options(o.array.drive, o.touch.method.method),
+                          .pressure_pa = o.array.drive.pressure_pa};
   if (o.array.layout.empty()) return array;
+  check(o.array.drive, solids);
   array.layout = setup::load_posed_layout(o.array.layout);
   setup::warn_of_reach(array.layout, solids);
   setup::warn_of_frequency(array.layout, array.drive.medium);
@@ -283,6 +289,8 @@ void run(const TouchCommand& o) {
   const bool sounds = !o.array.layout.empty();
   const std::vector<std::vector<double>> pressures =
       sounds ? session::foci_pressures(one.session.plan(), one.session.setting()) : std::vector<std::vector<double>>();
+  if (const auto fault = session::unreached(one.session.schedule(), one.session.solid_names()))
+    log::warning(*fault);
   const double total_ms = whole.lap_ms();
   const bool summed_up = setup::shows_summary(o.common, outputs);
   const TouchReport report{

@@ -14,8 +14,8 @@
 namespace palpa::geometry::gltf {
 namespace {
 
-constexpr std::array<std::string_view, 9> keys{"touchable", "delta_m",       "foci",    "stride", "dwell_s",
-                                               "intensity", "press_depth_m", "part_of", "seam_m"};
+constexpr std::array<std::string_view, 10> keys{"touchable", "delta_m",     "foci",          "stride",  "dwell_s",
+                                                "intensity", "pressure_pa", "press_depth_m", "part_of", "seam_m"};
 
 struct Range {
   double low, high;
@@ -80,6 +80,8 @@ bool take(NodeHaptics& into, std::string_view key, const Entry& entry) {
     h.dwell_s = entry.number({1e-6, 10, false}, " seconds");
   } else if (key == "intensity") {
     h.intensity = entry.number({0, 1, false}, "");
+  } else if (key == "pressure_pa") {
+    h.pressure_pa = entry.number({0, 1e5, true}, " pascals");
   } else if (key == "press_depth_m") {
     h.press_depth_m = entry.number({0, 1, true}, " metres");
   } else if (key == "part_of") {
@@ -148,6 +150,7 @@ Haptics inherit(const Item& node, const NodeHaptics& own, const Haptics& parent)
                   either(v.delta_m, parent.delta_m),
                   either(v.dwell_s, parent.dwell_s),
                   either(v.intensity, parent.intensity),
+                  either(v.pressure_pa, parent.pressure_pa),
                   either(v.press_depth_m, parent.press_depth_m),
                   either(v.foci, parent.foci),
                   either(v.stride, parent.stride)};

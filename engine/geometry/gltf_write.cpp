@@ -169,6 +169,7 @@ void write_extras(JsonWriter& json, const Node& node) {
     add("stride", haptics.stride);
     add("dwell_s", haptics.dwell_s);
     add("intensity", haptics.intensity);
+    add("pressure_pa", haptics.pressure_pa);
     add("press_depth_m", haptics.press_depth_m);
   }
   json.end_object().end_object();

@@ -15,6 +15,7 @@ struct Haptics {
   std::optional<double> delta_m;        ///< thickness of the shell, metres: above 0, at most 0.1
   std::optional<double> dwell_s;        ///< how long a focus lasts, seconds: 1e-6 to 10
   std::optional<double> intensity;      ///< of this object's foci: 0 (silent) to 1
+  std::optional<double> pressure_pa;    ///< peak pressure at each focus, pascals: above 0, at most 1e5
   std::optional<double> press_depth_m;  ///< a finger this deep presses, metres: above 0, at most 1
   std::optional<std::uint32_t> foci;    ///< per finger: 1 to 64
   std::optional<std::uint32_t> stride;  ///< every which focus is next: 1 to 1048576, coprime to foci

@@ -88,6 +88,7 @@ void write_foci_line(const array::Schedule& schedule, std::span<const std::strin
     json.member("dwell_s", voice.dwell_s).member("modulation_hz", voice.modulation_hz);
     if (voice.modulation_hz != 0) json.member("modulation", word_of(array::modulation_words, voice.modulation));
     json.member("gain", voice.gain);
+    if (voice.reached_pa) json.member("pressure_pa", *voice.reached_pa);
     json.end_object();
   }
   json.end_array().end_object();

@@ -5,7 +5,8 @@
 //   0.0015,
 //    "modulation_hz": 0, "gain": 1}]}
 // Foci that sound together are a list within `order`: [[0,1,2]]. Where `modulation_hz` is not 0, `modulation` says what
-// it makes a sine of: "pressure-sine" or "amplitude-sine". Positions are in the world. No fingers mean silence; that is
+// it makes a sine of: "pressure-sine" or "amplitude-sine". Positions are in the world. Where a
+// pressure is asked for, "pressure_pa" says what of it sounds. No fingers mean silence; that is
 // also sent when foci expire, in place of a line that cannot be sent (a datagram holds 65,507 bytes) and, last of all,
 // at the end, a few times, since a datagram may get lost. A receiver that hears nothing for the hold time goes silent.
 // `time_s` is the frame's capture time on the source's clock.

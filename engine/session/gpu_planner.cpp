@@ -2,6 +2,7 @@
 // to drives. The hop over the host costs a fraction of a millisecond and keeps schedules and methods in plain C++.
 #include <fmt/core.h>
 
+#include <complex>
 #include <cstring>
 #include <optional>
 #include <utility>
@@ -67,11 +68,14 @@ class GpuPlanner : public Planner {
         passes_(device),
         stage_(passes_, setting.solids, setting.cameras, stage_setting(setting, scheduler)),
         timeline_(device, "frames") {
-    if (!setting.layout.transducers.empty()) drive_passes_.emplace(device, setting.drive.solver);
+    if (!setting.layout.transducers.empty()) {
+      drive_passes_.emplace(device, setting.drive.solver);
+      if (scheduler.needs_pressures()) loudness_.emplace(setting.layout, setting.drive);
+    }
     for (std::size_t f = 0; f < (setting.live() ? 2U : 1U); ++f)
       flights_.push_back(std::make_unique<Flight>(device, setting, stage_));
-    reserve(unmodulated_);
-    foci_.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
+    reserve(slot_work_.unmodulated);
+    slot_work_.foci.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
     touch_ms_.reserve(most_passes + 4);
     drive_ms_.reserve(4);
   }
@@ -162,8 +166,10 @@ class GpuPlanner : public Planner {
     flight.state = Flight::State::driving;
     if (!flight.drive_memory) return;
     flight.drive_memory->clear();
-    plan_slots(flight.plan, unmodulated_, foci_, [&](std::span<const array::SlotFocus> foci) {
-      if (!flight.drive_memory->add_slot(foci)) throw failure("a frame has more foci than its buffers hold");
+    array::DriveMemory& memory = *flight.drive_memory;
+    plan_slots(flight.plan, slot_work_, loudness_ ? &*loudness_ : nullptr, [&](const auto& foci, const auto& factors) {
+      const bool fits = factors.empty() ? memory.add_slot(foci) : memory.add_slot(foci, factors);
+      if (!fits) throw failure("a frame has more foci than its buffers hold");
     });
     if (flight.plan.cycle == 0) return;
     const VkCommandBuffer commands = flight.drive_recorder.begin();
@@ -176,15 +182,25 @@ class GpuPlanner : public Planner {
   /// Slots of one focus, of two, and on to the most that sound together: kernels differ by their number.
   void warm_up_drives(Flight& flight) {
     if (!flight.drive_memory) return;
-    flight.drive_memory->clear();
-    foci_.clear();
+    array::DriveMemory& memory = *flight.drive_memory;
+    const auto dispatch = [&] {
+      memory.record(flight.drive_recorder.begin(), *drive_passes_);
+      timeline_.wait(timeline_.submit(flight.drive_recorder.end()));
+    };
+    std::vector<array::SlotFocus>& foci = slot_work_.foci;
+    memory.clear();
+    foci.clear();
     for (std::uint32_t count = 1; count <= touch::max_foci; count *= 2) {
-      while (foci_.size() < count)
-        foci_.push_back({.position = {2e-3 * static_cast<double>(foci_.size()), 0, 0}});
-      if (!flight.drive_memory->add_slot(foci_)) break;
+      while (foci.size() < count)
+        foci.push_back({.position = {2e-3 * static_cast<double>(foci.size()), 0, 0}});
+      if (!memory.add_slot(foci)) break;
     }
-    flight.drive_memory->record(flight.drive_recorder.begin(), *drive_passes_);
-    timeline_.wait(timeline_.submit(flight.drive_recorder.end()));
+    dispatch();
+    if (!loudness_) return;
+    memory.clear();
+    foci.resize(2);
+    const std::complex<double> factors[2] = {};
+    if (memory.add_slot(foci, factors)) dispatch();
   }
 
   void finish(Flight& flight, Plan& plan) {
@@ -211,14 +227,14 @@ class GpuPlanner : public Planner {
   touch::Passes passes_;
   touch::Stage stage_;
   std::optional<array::DrivePasses> drive_passes_;
+  std::optional<array::Loudness> loudness_;
   std::vector<std::unique_ptr<Flight>> flights_;
   gpu::Timeline timeline_;
   std::uint64_t started_ = 0, finished_ = 0;
   bool warned_ = false;
 
   // Scratch that keeps its storage.
-  std::vector<array::SlotFocus> foci_;
-  array::Schedule unmodulated_;
+  SlotWork slot_work_;
   std::vector<gpu::PassTime> touch_ms_, drive_ms_;
 };
 

@@ -20,6 +20,7 @@ SolidHaptics resolve(const geometry::Haptics& asked, const touch::Parameters& to
   haptics.voice.stride = asked.stride.value_or(voice.stride.value_or(geometry::usual_stride(haptics.foci)));
   haptics.voice.dwell_s = asked.dwell_s.value_or(voice.dwell_s);
   haptics.voice.gain = asked.intensity.value_or(voice.gain);
+  if (asked.pressure_pa) haptics.voice.pressure_pa = asked.pressure_pa;
   return haptics;
 }
 
@@ -30,6 +31,10 @@ std::vector<SolidHaptics> resolve_haptics(const std::string& scene, std::span<co
   if (voice.stride) {
     const std::string fault = geometry::stride_fault(touch.foci, *voice.stride);
     if (!fault.empty()) throw bad_usage(fault);
+  }
+  if (voice.pressure_pa && !(*voice.pressure_pa > 0 && *voice.pressure_pa <= array::most_pressure_pa)) {
+    throw bad_usage(
+        fmt::format("a pressure of {} Pa: give above 0, at most {} Pa", *voice.pressure_pa, array::most_pressure_pa));
   }
   std::vector<SolidHaptics> resolved;
   resolved.reserve(solids.size());

@@ -14,12 +14,13 @@ namespace palpa::session {
 /// One solid's haptics with nothing left open but what may stay so.
 struct SolidHaptics {
   std::uint32_t foci = 0;     ///< per finger
-  array::VoiceOptions voice;  ///< stride, dwell and intensity
+  array::VoiceOptions voice;  ///< stride, dwell, intensity and pressure
   bool own_schedule = false;  ///< it asks for foci, stride or dwell itself, whatever they are
 };
 
 /// One entry per solid, once for a session; `touch` and `voice` hold for all of them. Throws bad_usage where stride and
-/// foci that hold for all share a divisor, so that some foci would never sound; bad_input naming `scene` and node where
+/// foci that hold for all share a divisor, so that some foci would never sound, and on a pressure out of
+/// range; bad_input naming `scene` and node where
 /// a solid's do.
 std::vector<SolidHaptics> resolve_haptics(const std::string& scene, std::span<const geometry::Solid> solids,
                                           const touch::Parameters& touch, const array::VoiceOptions& voice);

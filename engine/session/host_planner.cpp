@@ -1,6 +1,7 @@
 // The planner through the passes' C++ twins: one frame at a time on the calling
 // thread.
 #include <chrono>
+#include <optional>
 
 #include "session/planner.hpp"
 #include "touch/host_stage.hpp"
@@ -18,7 +19,10 @@ class HostPlanner : public Planner {
                 .follow = setting.follow,
                 .axes = setting.axes,
                 .smoothing = setting.smoothing,
-                .memory_s = setting.hold_s}) {}
+                .memory_s = setting.hold_s}) {
+    if (scheduler.needs_pressures() && !setting.layout.transducers.empty())
+      loudness_.emplace(setting.layout, setting.drive);
+  }
 
   bool can_start() const override { return !busy_; }
   bool busy() const override { return busy_; }
@@ -63,9 +67,14 @@ class HostPlanner : public Planner {
     plan.cycle = 0;
     const std::size_t transducers = setting_.layout.transducers.size();
     if (transducers == 0) return;
-    plan_slots(plan, unmodulated_, foci_, [&](std::span<const array::SlotFocus> foci) {
+    plan_slots(plan, slot_work_, loudness_ ? &*loudness_ : nullptr, [&](const auto& foci, const auto& factors) {
       plan.drives.resize(plan.drives.size() + transducers);
-      array::drive_for(setting_.layout, foci, setting_.drive, std::span(plan.drives).last(transducers), drive_scratch_);
+      const std::span<array::TransducerDrive> out = std::span(plan.drives).last(transducers);
+      if (factors.empty()) {
+        array::drive_for(setting_.layout, foci, setting_.drive, out, drive_scratch_);
+      } else {
+        array::drive_by_factors(setting_.layout, foci, factors, setting_.drive, out, drive_scratch_);
+      }
     });
   }
 
@@ -79,9 +88,9 @@ class HostPlanner : public Planner {
   std::vector<gpu::PassTime> passes_;
   Clock::time_point begin_;
 
-  std::vector<array::SlotFocus> foci_;
+  SlotWork slot_work_;
   array::DriveScratch drive_scratch_;
-  array::Schedule unmodulated_;
+  std::optional<array::Loudness> loudness_;
 };
 
 }  // namespace

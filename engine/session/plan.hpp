@@ -1,11 +1,13 @@
 // What the output thread plays: the drives of one frame's schedule.
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "array/drive.hpp"
+#include "array/loudness.hpp"
 #include "array/schedule.hpp"
 #include "session/link.hpp"
 
@@ -38,25 +40,26 @@ ToldPlan told(const Plan& plan, std::size_t transducers, std::uint64_t from_slot
 void reserve(Plan& plan, std::size_t transducers);
 void reserve(array::Schedule& schedule);
 
-/// Which slots a plan for `schedule` must hold: fills cycle and shared modulation of the plan, and the foci of each of
-/// its slots, gains being 1 where the modulation is shared. `add` is called once per slot, in order.
+/// Where the slots of plans are worked out; keeps its storage.
+struct SlotWork {
+  array::Schedule unmodulated;
+  std::vector<array::SlotFocus> foci;
+};
+
+/// Fills cycle, shared modulation and pressures; returns the schedule whose slots are to be planned.
+const array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness);
+
+/// Which slots a plan for its schedule must hold: fills its cycle and shared modulation, and gives the foci of each of
+/// its slots, gains being 1 where the modulation is shared. `add` is called once per slot, in order, with the foci and,
+/// where fingers ask for a pressure and `loudness` is there, their factors, else none. Fills what pressures the voices
+/// reach then.
 template <typename Add>
-void plan_slots(Plan& plan, array::Schedule& unmodulated, std::vector<array::SlotFocus>& foci, Add add) {
-  const array::Schedule& schedule = plan.schedule;
-  const bool shared = array::shared_modulation(schedule);
-  plan.shared_modulation_hz = shared && schedule.voice_count > 0 ? schedule.voices[0].modulation_hz : 0.0;
-  if (plan.shared_modulation_hz != 0) plan.shared_modulation = schedule.voices[0].modulation;
-  const array::Schedule* planned = &schedule;
-  if (plan.shared_modulation_hz != 0) {
-    unmodulated = schedule;
-    for (std::uint32_t v = 0; v < unmodulated.voice_count; ++v)
-      unmodulated.voices[v].modulation_hz = 0;
-    planned = &unmodulated;
-  }
-  plan.cycle = schedule.voice_count == 0 ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
+void plan_slots(Plan& plan, SlotWork& work, array::Loudness* loudness, Add add) {
+  const bool asked = loudness != nullptr && array::Loudness::asked(plan.schedule);
+  const array::Schedule& planned = begin_slots(plan, work, asked ? loudness : nullptr);
   for (std::uint32_t slot = 0; slot < plan.cycle; ++slot) {
-    array::foci_of_slot(*planned, slot, foci);
-    add(foci);
+    array::foci_of_slot(planned, slot, work.foci);
+    add(work.foci, asked ? loudness->factors(slot) : std::span<const std::complex<double>>());
   }
 }
 

@@ -111,8 +111,12 @@ void SafeLink::finish() {
 
 void SafeLink::tell_scaled(std::uint64_t from_slot, double factor) {
   scaled_ = kept_;
-  for (std::uint32_t v = 0; v < scaled_.schedule.voice_count; ++v)
-    scaled_.schedule.voices[v].gain *= factor;
+  for (std::uint32_t v = 0; v < scaled_.schedule.voice_count; ++v) {
+    array::Voice& voice = scaled_.schedule.voices[v];
+    voice.gain *= factor;
+    voice.target_pa *= factor;
+    if (voice.reached_pa) *voice.reached_pa *= factor;
+  }
   scale(scaled_.drives, factor);
   told_factor_ = factor;
   told_slot_ = from_slot;

@@ -13,8 +13,8 @@
 namespace palpa::session {
 
 struct Safety {
-  /// 0..1: multiplies the amplitude of every transducer, and the gain of every finger for links that forward foci. The
-  /// sound pressure follows it; the radiation pressure, which is what skin feels, follows its square.
+  /// 0..1: multiplies the amplitude of every transducer, and the gain and pressure of every finger for links that
+  /// forward foci. The sound pressure follows it; the radiation pressure, which is what skin feels, follows its square.
   double ceiling = 1;
   /// How long amplitudes take from nothing to full when sound begins, and back to nothing when a plan without voices is
   /// told: the drive that sounded last fades out, so sound outlasts the hold by as much. At most most_ramp_s; 0: at

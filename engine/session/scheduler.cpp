@@ -26,6 +26,10 @@ Scheduler::Scheduler(const std::string& scene, std::span<const geometry::Solid> 
     finger.placement.foci.reserve(touch::max_foci);
 }
 
+bool Scheduler::needs_pressures() const {
+  return std::ranges::any_of(solids_, [](const SolidHaptics& solid) { return solid.voice.pressure_pa.has_value(); });
+}
+
 Scheduler::~Scheduler() = default;
 Scheduler::Scheduler(Scheduler&&) noexcept = default;
 Scheduler& Scheduler::operator=(Scheduler&&) noexcept = default;

@@ -59,6 +59,9 @@ class Scheduler {
   /// Whether the method looks at the contacts themselves, see touch::needs_contacts.
   bool needs_contacts() const { return touch::needs_contacts(options_.method); }
 
+  /// Whether some solid asks for a pressure.
+  bool needs_pressures() const;
+
   /// Turns the fingers of a frame captured at `time_s` into the voices of `schedule`, one each, in their order.
   /// Allocates nothing once `schedule` has the room (reserve).
   void make(const touch::Touch& touch, double time_s, array::Schedule& schedule);

@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "session/loop.hpp"
+#include "session/pressure_log.hpp"
 #include "session/tuning_thread.hpp"
 
 namespace palpa::session {
@@ -62,6 +63,9 @@ struct Session::State {
     for (const geometry::Solid& solid : setting.solids)
       names.push_back(solid.name);
     if (setting.events) setting.touch.deep = true;
+    if (scheduler.needs_pressures() && setting.drive.solver == array::Solver::greedy)
+      throw bad_usage(
+          "the solver greedy drives all transducers in full: it cannot give a pressure; take gs-pat or naive");
     planner = device ? make_gpu_planner(*device, setting, scheduler) : make_host_planner(setting, scheduler);
   }
 
@@ -100,9 +104,11 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   }
   const bool tells = options.events != nullptr;
   if (tells && !s.setting.events) throw bad_usage("a session whose setting has no events cannot tell any");
+  PressureLog pressures(s.names);
   LoopObservers observers;
   observers.record = options.record;
   observers.planned = [&](const FrameReport& report, const Plan& plan) {
+    pressures.planned(plan.schedule);
     if (options.planned) options.planned(report, plan);
     if (tells) options.events(s.tracker.update(*report.touch, report.time_s));
   };
@@ -129,6 +135,8 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     const TuningThread* const tuning = s.scheduler.tuning();
     stats.tune = {tuning != nullptr, tuning ? tuning->known() : 0};
   }
+  stats.fingers = pressures.fingers();
+  stats.solids = s.names;
   return stats;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gpu/timestamps.hpp"
+#include "session/pressure_log.hpp"
 
 namespace palpa::session {
 
@@ -80,6 +81,8 @@ struct LoopStats {
   OutputStats output;
   std::optional<EventStats> events;
   std::optional<TuneStats> tune;
+  std::vector<FingerPressure> fingers;  ///< where pressures were asked for
+  std::vector<std::string> solids;      ///< the names of theirs
 
   void add_passes(std::span<const gpu::PassTime> times);
 };

@@ -1,12 +1,25 @@
 #include "setup/options.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::setup {
+namespace {
+
+/// `who` asks for a pressure.
+void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string& who) {
+  if (options.constraint) throw bad_usage("--constraint: " + who + ", which takes its place; leave one of them out");
+  if (options.solver == array::Solver::greedy)
+    throw bad_usage("--solver greedy: " + who + ", but it drives all transducers in full; take gs-pat or naive");
+}
+
+}  // namespace
 
 void add_common(CLI::App& app, CommonOptions& options) {
   const Group group(app, "Common options");
@@ -133,16 +146,27 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
   group.choice("--amplitude", options.weighting, array::weighting_words, "what a focus asks of a transducer");
   group.choice("--solver", options.solver, array::solver_words,
                "how several foci share the array [naive; gs-pat for the method multi-focus]");
-  group.choice("--constraint", options.constraint, array::constraint_words, "how amplitudes come into 0..1");
+  group.choice("--constraint", options.constraint, array::constraint_words,
+               "how amplitudes come into 0..1 [normalise]");
+  group.quantity("--pressure", options.pressure_pa, Quantity::pressure, positive(array::most_pressure_pa),
+                 "peak at each focus whatever else sounds, in place of --constraint");
   group.choice("--directivity", options.directivity, array::directivity_words,
                "of a transducer, for pressures and for all solvers but naive");
   add_medium_options(app, options.medium);
 }
 
+void check(const DriveOptionsGroup& options, std::span<const geometry::Solid> solids) {
+  for (const geometry::Solid& solid : solids) {
+    if (solid.haptics.pressure_pa)
+      refuse_beside_pressure(options, fmt::format("mesh \"{}\" asks for a pressure", printable(solid.name, 60)));
+  }
+}
+
 array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Method method) {
+  if (options.pressure_pa) refuse_beside_pressure(options, "--pressure says how loud foci are");
   array::DriveOptions drive;
   drive.weighting = options.weighting;
-  drive.constraint = options.constraint;
+  drive.constraint = options.constraint.value_or(array::Constraint::normalise);
   drive.medium = medium(options.medium);
   const bool together = method == touch::Method::multi_focus;
   drive.solver = options.solver.value_or(together ? array::Solver::gs_pat : array::Solver::naive);

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "array/drive.hpp"
@@ -92,15 +93,20 @@ array::Medium medium(const MediumOptions& options);
 struct DriveOptionsGroup {
   array::Weighting weighting = array::Weighting::distance;
   std::optional<array::Solver> solver;
-  array::Constraint constraint = array::Constraint::normalise;
+  std::optional<array::Constraint> constraint;  ///< normally normalise
+  std::optional<double> pressure_pa;            ///< at each focus, in the place of a constraint
   array::Directivity directivity = array::Directivity::t4010a1;
   MediumOptions medium;
   bool operator==(const DriveOptionsGroup&) const = default;
 };
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options);
 /// Without --solver it is gs_pat for the method multi_focus, whose foci sound together, and naive for all others.
+/// Throws bad_usage where a pressure is asked for with a constraint or with greedy.
 array::DriveOptions drive_options(const DriveOptionsGroup& options,
                                   touch::Method method = touch::Method::cross_section);
+
+/// Throws bad_usage where one of the solids asks for a pressure and the options for a constraint or for greedy.
+void check(const DriveOptionsGroup& options, std::span<const geometry::Solid> solids);
 
 /// An array that need not be there.
 struct ArrayOptions {

@@ -49,6 +49,7 @@ OneTouch touch_once(const CommonOptions& common, const TouchOptions& touch, cons
                                   .events = std::nullopt,
                                   .follow = false,
                                   .frame_by_frame = true};
+  setting.schedule.voice.pressure_pa = array.pressure_pa;
   const bool on_gpu = common.backend == Backend::gpu;
   if (on_gpu) check_points(input);
   std::unique_ptr<gpu::Device> device = on_gpu ? std::make_unique<gpu::Device>(device_options(common)) : nullptr;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +29,7 @@ struct OneTouch {
 struct TouchArray {
   array::Layout layout;  ///< in the world
   array::DriveOptions drive;
+  std::optional<double> pressure_pa{};  ///< asked for at each focus
 };
 
 /// Contacts, fingers, foci and schedule of `input`'s skin on `solids`, of which `scene` is the file, and the drives of

@@ -81,6 +81,8 @@ const char* quantity_type(Quantity quantity) {
       return "FREQUENCY";
     case Quantity::speed:
       return "SPEED";
+    case Quantity::pressure:
+      return "PRESSURE";
   }
   return "NUMBER";
 }
@@ -106,6 +108,9 @@ std::string format_quantity(double value, Quantity quantity) {
       break;
     case Quantity::speed:
       unit = {"m/s", 1};
+      break;
+    case Quantity::pressure:
+      unit = size >= 1e3 ? Unit{"kPa", 1e-3} : Unit{"Pa", 1};
       break;
   }
   std::string scaled = fmt::format("{}{}", value * unit.per_si, unit.name);

@@ -45,4 +45,10 @@ void warn_of_reach(const array::Layout& layout, std::span<const geometry::Solid>
   }
 }
 
+std::string linear_line() {
+  return fmt::format(
+      "above {} kPa linear acoustics ends: what sounds is less, and partly at multiples of the frequency\n",
+      array::linear_pressure_pa / 1e3);
+}
+
 }  // namespace palpa::setup

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "array/drive.hpp"
 #include "array/layout.hpp"
@@ -22,5 +23,8 @@ void warn_of_frequency(const array::Layout& layout, const array::Medium& medium)
 
 /// Solids on which every focus would be out of the array's reach. All in the world.
 void warn_of_reach(const array::Layout& layout, std::span<const geometry::Solid> solids);
+
+/// What a summary says where a focus has more than array::linear_pressure_pa.
+std::string linear_line();
 
 }  // namespace palpa::setup

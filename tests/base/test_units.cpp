@@ -28,6 +28,8 @@ TEST(Units, AreExact) {
   EXPECT_EQ(parse_quantity("200Hz", frequency), 200.0);
   EXPECT_EQ(parse_quantity("1.5MHz", frequency), 1500000.0);
   EXPECT_EQ(parse_quantity("343.2m/s", speed), 343.2);
+  EXPECT_EQ(parse_quantity("8kPa", pressure), 8000.0);
+  EXPECT_EQ(parse_quantity("250Pa", pressure), 250.0);
 }
 
 TEST(Units, EveryTenthOfAMillimetreIsExact) {
@@ -73,7 +75,7 @@ TEST(Units, AUnitCannotMakeAnInfinity) {
 }
 
 TEST(Units, HintsShowAUsableExample) {
-  for (const Quantity quantity : {length, time, frequency, speed}) {
+  for (const Quantity quantity : {length, time, frequency, speed, pressure}) {
     const std::string hint(quantity_hint(quantity));
     const std::size_t begin = hint.find("as ") + 3;
     const std::string example = hint.substr(begin, hint.find(' ', begin) - begin);

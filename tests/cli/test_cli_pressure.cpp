@@ -3,14 +3,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
+#include "array/board_mesh.hpp"
 #include "array/directivity.hpp"
 #include "array/layout.hpp"
 #include "array/medium.hpp"
+#include "boxes.hpp"
+#include "geometry/gltf_write.hpp"
+#include "geometry/ply.hpp"
 #include "process.hpp"
+#include "sensing/recording.hpp"
+#include "sensing/rig.hpp"
+#include "sensing/synthetic.hpp"
+#include "session/record_link.hpp"
 #include "support/shared_data.hpp"
+#include "support/udp_receiver.hpp"
 
 namespace palpa::test {
 namespace {
@@ -82,6 +93,216 @@ TEST(CliPressure, OfAnEmptySectorThereIsNone) {
     for (std::size_t j = 0; j < finger["foci_m"].size(); ++j)
       EXPECT_EQ(finger["pressures_pa"][j].is_null(), finger["foci_m"][j].is_null());
   }
+}
+
+/// Fingers at rest, tips at these places, before the paper's rig: a recording of twelve frames without noise.
+std::string film(const std::string& name, const std::vector<Vec3>& tips) {
+  const std::filesystem::path folder = scratch_folder("pressure-" + name) / "take";
+  const geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
+  const geometry::Mesh finger{ply.positions, ply.triangles};
+  sensing::SyntheticRig cameras(sensing::load_rig(asset("rigs/paper.toml")).cameras, array::board_mesh(posed("paper")),
+                                sensing::Noise::none, 1);
+  sensing::RecordingWriter writer(folder, cameras.cameras());
+  std::vector<sensing::Posed> hand;
+  for (const Vec3& tip : tips) {
+    Transform T(1.0);
+    T[3] = Vec4(tip, 1);
+    hand.push_back({&finger, T});
+  }
+  sensing::FrameSet set;
+  cameras.render(hand, 0, set);
+  for (int frame = 0; frame < 12; ++frame) {
+    set.sequence = static_cast<std::uint64_t>(frame);
+    set.time_s = frame / 90.0;
+    for (sensing::DepthFrame& image : set.frames)
+      image.time_s = set.time_s;
+    writer.write(set);
+  }
+  return folder.string();
+}
+
+/// Two boxes side by side, tops at y = 0, 30 mm from middle to middle, each as its haptics say.
+std::string two_boxes(const std::string& name, const geometry::Haptics& left, const geometry::Haptics& right) {
+  std::vector<geometry::SceneMesh> meshes;
+  for (const double side : {-1.0, 1.0}) {
+    meshes.push_back(make_box({.name = side < 0 ? "left" : "right",
+                               .on_face = {0.015 * side, 0, 0},
+                               .normal = {0, 1, 0},
+                               .along = {1, 0, 0},
+                               .half_along = 0.0145,
+                               .half_across = 0.0145,
+                               .depth = 0.03}));
+    meshes.back().haptics = side < 0 ? left : right;
+  }
+  const std::string file = (scratch_folder("pressure-scene-" + name) / "boxes.glb").string();
+  geometry::write_glb(file, meshes);
+  return file;
+}
+
+/// What `palpa run` plays to a still hand: the fingers of its newest line of foci, its drives, its stats.
+struct Played {
+  json fingers, stats;
+  session::DriveRecording drives;
+  std::vector<std::string> warnings;
+};
+
+Played play(const std::string& scene, const std::string& take, const std::vector<std::string>& more) {
+  const std::filesystem::path file = scratch_folder("pressure-drives") / "drives.bin";
+  const auto run = [&](const std::string& link) {
+    const Result result = palpa(
+        with({"run", "--scene", scene, "--source", "recording:" + take, "--every-frame", "--json", "-", "--link", link},
+             more));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result;
+  };
+  Played played;
+  const Result result = run("record:" + file.string());
+  played.warnings = result.err_lines();
+  played.stats = json::parse(result.out);
+  played.drives = session::read_drive_recording(file);
+  const UdpReceiver receiver(1);
+  run("foci:" + receiver.address());
+  for (std::string text; !(text = receiver.next()).empty();) {
+    const json line = json::parse(text);
+    if (line["fingers"].empty() && !played.fingers.is_null()) break;  // the end
+    if (!line["fingers"].empty()) played.fingers = line["fingers"];
+  }
+  return played;
+}
+
+/// |p| of a drive, from its bytes and nothing else of palpa's but where transducers are and how they sound to the side.
+double pressure_of(const array::Layout& layout, const array::Drive& drive, const Vec3& point) {
+  const double k = 2 * std::numbers::pi * 40e3 / (331.3 * std::sqrt(1 + 20 / 273.15));
+  std::complex<double> sum = 0;
+  for (std::size_t n = 0; n < drive.size(); ++n) {
+    const auto& [place, axis] = layout.transducers[n];
+    const Vec3 way = point - place;
+    const double d = glm::length(way);
+    sum +=
+        std::polar(drive[n].amplitude * array::directivity(array::Directivity::t4010a1, glm::dot(way, axis) / d, 0) / d,
+                   drive[n].phase + k * d);
+  }
+  return layout.source_level_pa_m * std::abs(sum);
+}
+
+/// The least and the most that one finger's focus has in the slots in which it sounds.
+std::pair<double, double> heard(const array::Layout& layout, const Played& played, std::size_t finger) {
+  const json& f = played.fingers.at(finger);
+  double least = 1e9, most = 0;
+  for (const auto& [slot, drive] : played.drives.drives) {
+    if (std::ranges::all_of(drive, [](const auto& transducer) { return transducer.amplitude == 0; })) continue;
+    const auto& step = f["order"][slot % f["order"].size()];
+    for (const auto& focus : step.is_array() ? step : json::array({step})) {
+      const double pressure = pressure_of(layout, drive, point(f["foci_m"][focus.get<std::size_t>()]));
+      least = std::min(least, pressure);
+      most = std::max(most, pressure);
+    }
+  }
+  return {least, most};
+}
+
+void expect_heard(const array::Layout& layout, const Played& played, std::size_t finger, double pascals) {
+  const auto [least, most] = heard(layout, played, finger);
+  EXPECT_NEAR(least, pascals, 0.01 * pascals);
+  EXPECT_NEAR(most, pascals, 0.01 * pascals);
+  EXPECT_NEAR(played.fingers[finger]["pressure_pa"], pascals, 0.01 * pascals);
+}
+
+const Vec3 left_tip(-0.015, -3e-3, 0), right_tip(0.015, -3e-3, 0);
+
+TEST(CliPressure, AFingerHasItInEverySlotWhateverElseSounds) {
+  const array::Layout layout = posed("paper");
+  const std::string scene = two_boxes("plain", {}, {});
+  const std::string one = film("one", {left_tip}), two = film("two", {left_tip, right_tip});
+  const Played alone = play(scene, one, {"--backend", "cpu", "--pressure", "8kPa"});
+  ASSERT_EQ(alone.fingers.size(), 1u);
+  expect_heard(layout, alone, 0, 8e3);
+  for (const std::string backend : {"cpu", "gpu"}) {
+    const Played both = play(scene, two, {"--backend", backend, "--pressure", "8kPa"});
+    ASSERT_EQ(both.fingers.size(), 2u);
+    for (const std::size_t finger : {0u, 1u})
+      expect_heard(layout, both, finger, 8e3);
+    EXPECT_EQ(both.warnings, std::vector<std::string>{});
+    ASSERT_EQ(both.stats["fingers"].size(), 2u);
+    EXPECT_EQ(both.stats["fingers"][0]["solid"], "left");
+    EXPECT_NEAR(both.stats["fingers"][0]["pressure_pa"]["least"], 8e3, 80);
+  }
+}
+
+TEST(CliPressure, LeftOutTheSecondFingerTakesFromTheFirstAndNothingIsToldOfPressures) {
+  const array::Layout layout = posed("paper");
+  const Played loud = play(two_boxes("plain", {}, {}), film("loud", {left_tip, right_tip}), {"--backend", "cpu"});
+  ASSERT_EQ(loud.fingers.size(), 2u);
+  EXPECT_FALSE(loud.fingers[0].contains("pressure_pa"));
+  EXPECT_FALSE(loud.stats.contains("fingers"));
+  const auto [least, most] = heard(layout, loud, 0);
+  EXPECT_GT(most / least, 1.03);
+}
+
+TEST(CliPressure, AnUnreachableOneLowersNobodyElse) {
+  const array::Layout layout = posed("paper");
+  geometry::Haptics modest, greedy;
+  modest.pressure_pa = 10e3;
+  modest.intensity = 0.5;
+  greedy.pressure_pa = 1e5;
+  const Played both =
+      play(two_boxes("greedy", modest, greedy), film("greedy", {left_tip, right_tip}), {"--backend", "cpu"});
+  ASSERT_EQ(both.fingers.size(), 2u);
+  expect_heard(layout, both, 0, 5e3);
+  const double reached = both.fingers[1]["pressure_pa"];
+  EXPECT_LT(reached, 5e4);
+  EXPECT_GT(reached, 2e4) << "it has what is left";
+  expect_heard(layout, both, 1, reached);
+  ASSERT_EQ(both.warnings.size(), 1u) << "said once";
+  EXPECT_NE(both.warnings[0].find("on right has"), std::string::npos) << both.warnings[0];
+}
+
+TEST(CliPressure, TogetherEachFocusHasItOfTheWholeSoundAndACeilingComesAfter) {
+  const array::Layout layout = posed("openmpd");
+  const std::string scene = two_boxes("plain", {}, {}), take = film("together", {left_tip});
+  const std::vector<std::string> options{"--backend", "cpu",      "--pressure",
+                                         "500Pa",     "--method", "multi-focus",
+                                         "--layout",  "openmpd",  "--modulation-frequency",
+                                         "0"};
+  const Played full = play(scene, take, options);
+  expect_heard(layout, full, 0, 500);
+  const Played half = play(scene, take, with(options, {"--ceiling", "0.5"}));
+  expect_heard(layout, half, 0, 250);
+}
+
+TEST(CliPressure, TouchAndDriveHaveItToo) {
+  const json finger = document({"--layout", "openmpd", "--pressure", "1.5kPa"})["fingers"][0];
+  for (const json& pressure : finger["pressures_pa"])
+    EXPECT_NEAR(pressure, 1500, 15);
+  const Result result = palpa({"drive", "--layout", "openmpd", "--focus", "0,0,150mm", "--focus", "2cm,0,150mm,0.5",
+                               "--pressure", "2kPa", "--backend", "cpu", "--json", "-"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json drive = json::parse(result.out);
+  EXPECT_NEAR(drive["pressures_pa"][0], 2000, 10);
+  EXPECT_NEAR(drive["pressures_pa"][1], 1000, 5);
+  for (const json& amplitude : drive["amplitudes"])
+    EXPECT_LE(amplitude, 1.0);
+}
+
+TEST(CliPressure, AboveTenKilopascalsLinearAcousticsEnds) {
+  EXPECT_NE(palpa(touch({"--layout", "paper", "--pressure", "12kPa"})).out.find("linear acoustics ends"),
+            std::string::npos);
+  EXPECT_EQ(palpa(touch({"--layout", "paper", "--pressure", "9kPa"})).out.find("linear acoustics"), std::string::npos);
+}
+
+TEST(CliPressure, ItTakesThePlaceOfAConstraint) {
+  const std::string scene = asset("cube.glb");
+  expect_failure(palpa({"run", "--scene", scene, "--pressure", "8kPa", "--constraint", "normalise"}), 2,
+                 "--constraint");
+  expect_failure(palpa({"run", "--scene", scene, "--pressure", "8kPa", "--solver", "greedy"}), 2, "greedy");
+  expect_failure(palpa({"run", "--scene", scene, "--pressure", "0"}), 2, "above 0");
+  expect_failure(palpa({"run", "--scene", scene, "--pressure", "101kPa"}), 2, "100kPa");
+  expect_failure(palpa(touch({"--pressure", "8kPa"})), 2, "--layout");
+  geometry::Haptics asks;
+  asks.pressure_pa = 5e3;
+  const std::string asking = two_boxes("asking", {}, asks);
+  expect_failure(palpa({"run", "--scene", asking, "--constraint", "clamp"}), 2, "\"right\" asks for a pressure");
+  expect_failure(palpa({"run", "--scene", asking, "--solver", "greedy"}), 2, "\"right\" asks for a pressure");
 }
 
 TEST(CliPressure, HowAnArrayIsDrivenGoesWithOne) {

@@ -40,9 +40,9 @@ std::string warnings_of(const Json& extras) {
   return test::stderr_of([&] { load(cube_with(extras)); });
 }
 
-const Json all{{"touchable", false}, {"delta_m", 0.002},      {"foci", 9}, {"stride", 4}, {"dwell_s", 0.0025},
-               {"intensity", 0.5},   {"press_depth_m", 0.003}};
-const Haptics all_values{false, 0.002, 0.0025, 0.5, 0.003, 9, 4};
+const Json all{{"touchable", false}, {"delta_m", 0.002}, {"foci", 9},           {"stride", 4},
+               {"dwell_s", 0.0025},  {"intensity", 0.5}, {"pressure_pa", 8000}, {"press_depth_m", 0.003}};
+const Haptics all_values{false, 0.002, 0.0025, 0.5, 8000, 0.003, 9, 4};
 
 TEST(Extras, EverythingInAGroup) {
   EXPECT_EQ(haptics_of({{"palpa", all}}), all_values);
@@ -105,6 +105,9 @@ TEST(Extras, WrongTypesAndRangesAreNamed) {
       {"dwell_s", 11, "at most 10 seconds"},
       {"intensity", 1.01, "a number of at least 0 and at most 1"},
       {"intensity", -0.1, "at least 0"},
+      {"pressure_pa", 0, "a number above 0 and at most 100000 pascals"},
+      {"pressure_pa", 100001, "at most 100000 pascals"},
+      {"pressure_pa", "8kPa", "is \"8kPa\"; it must be a number"},
       {"press_depth_m", 0, "a number above 0 and at most 1 metres"},
       {"press_depth_m", Json::object(), "is {}"},
   };

@@ -55,9 +55,8 @@ bool FakePlanner::step(Plan& plan, FrameReport& report) {
   plan.schedule = touch.finger_count ? touching(Vec3(0, 0.15, 0)) : array::Schedule();
   plan.captured_s = captured_s;
   plan.drives.clear();
-  array::Schedule unmodulated;
-  std::vector<array::SlotFocus> foci;
-  plan_slots(plan, unmodulated, foci, [&](std::span<const array::SlotFocus> slot_foci) {
+  SlotWork work;
+  plan_slots(plan, work, nullptr, [&](std::span<const array::SlotFocus> slot_foci, const auto&) {
     plan.drives.resize(plan.drives.size() + layout.transducers.size());
     array::drive_for(layout, slot_foci, {}, std::span(plan.drives).last(layout.transducers.size()));
   });

@@ -136,9 +136,9 @@ TEST(Haptics, EveryFingerPlaysAsItsSolidAsks) {
   // 8 slots and 10 slots repeat together after 40; all of them go into a plan.
   Plan plan;
   plan.schedule = schedule;
-  array::Schedule unmodulated;
+  SlotWork work;
   std::size_t slots = 0;
-  plan_slots(plan, unmodulated, foci, [&](std::span<const array::SlotFocus> both) {
+  plan_slots(plan, work, nullptr, [&](std::span<const array::SlotFocus> both, const auto&) {
     ++slots;
     EXPECT_EQ(both[0].gain, 0.5F);
   });

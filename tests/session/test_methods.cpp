@@ -75,10 +75,9 @@ TEST(Methods, AModulationIsOneGainOverTheWholePlan) {
   for (const Method method : {Method::single_focus, Method::multi_focus}) {
     Plan plan;
     plan.schedule = schedule_of(frame, method);
-    array::Schedule scratch;
-    std::vector<array::SlotFocus> foci;
+    SlotWork work;
     std::size_t slots = 0;
-    plan_slots(plan, scratch, foci, [&](const std::vector<array::SlotFocus>& slot) {
+    plan_slots(plan, work, nullptr, [&](const std::vector<array::SlotFocus>& slot, const auto&) {
       ++slots;
       EXPECT_EQ(slot[0].gain, 1.0F);
     });

@@ -20,9 +20,8 @@ struct Output {
     Plan plan;
     plan.schedule = std::move(schedule);
     plan.captured_s = captured_s;
-    array::Schedule unmodulated;
-    std::vector<array::SlotFocus> foci;
-    plan_slots(plan, unmodulated, foci, [&](std::span<const array::SlotFocus> slot_foci) {
+    SlotWork work;
+    plan_slots(plan, work, nullptr, [&](std::span<const array::SlotFocus> slot_foci, const auto&) {
       plan.drives.resize(plan.drives.size() + layout.transducers.size());
       array::drive_for(layout, slot_foci, {}, std::span(plan.drives).last(layout.transducers.size()));
     });

@@ -1,0 +1,50 @@
+// What was reached of the pressures that fingers asked for.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "array/schedule.hpp"
+
+namespace palpa::session {
+
+/// One finger, over all frames that planned it.
+struct FingerPressure {
+  std::uint32_t id = 0, solid = 0;
+  std::uint64_t frames = 0;
+  double asked_pa = 0;  ///< times its gain, in its newest frame; 0: nothing
+  double least_pa = 0, most_pa = 0, sum_pa = 0;
+};
+
+/// Less than that part of what was asked is not reached.
+inline constexpr double reached_part = 0.99;
+
+/// Says of the first finger of the schedule that does not reach what it asks what it has instead, as a sentence;
+/// nothing where all do. `solid_names` by solid index.
+std::optional<std::string> unreached(const array::Schedule& schedule, std::span<const std::string> solid_names);
+
+/// Whether some voice has more than linear acoustics knows of.
+bool beyond_linear(const array::Schedule& schedule);
+
+class PressureLog {
+ public:
+  /// Fingers beyond the first `most` are not kept.
+  static constexpr std::size_t most = 256;
+  explicit PressureLog(std::span<const std::string> solid_names) : solid_names_(solid_names) { fingers_.reserve(most); }
+
+  /// A frame's schedule. Warns once where a pressure is not reached.
+  void planned(const array::Schedule& schedule);
+  /// In the order in which they first came.
+  const std::vector<FingerPressure>& fingers() const { return fingers_; }
+
+ private:
+  std::span<const std::string> solid_names_;
+  std::vector<FingerPressure> fingers_;
+  bool warned_ = false;
+};
+
+}  // namespace palpa::session

@@ -1,0 +1,95 @@
+// How fingers share an array that cannot give all of them everything.
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "array/levels.hpp"
+
+namespace palpa::array {
+namespace {
+
+std::vector<double> levels_of(const std::vector<Demand>& demands, double budget = 1) {
+  std::vector<double> levels(demands.size());
+  share_out(demands, budget, levels);
+  return levels;
+}
+
+double taken(const std::vector<Demand>& demands, const std::vector<double>& levels) {
+  double sum = 0;
+  for (std::size_t f = 0; f < demands.size(); ++f)
+    sum += levels[f] > 0 ? demands[f].takes * levels[f] : 0;
+  return sum;
+}
+
+TEST(Levels, WhatFitsIsNotLowered) {
+  EXPECT_EQ(levels_of({}), std::vector<double>{});
+  EXPECT_EQ(levels_of({{0.2}, {0.3}, {0.5}}), (std::vector<double>{1, 1, 1}));
+  EXPECT_EQ(levels_of({{0}, {1}}), (std::vector<double>{1, 1}));
+}
+
+TEST(Levels, FingersThatCouldEachHaveItAloneAreLoweredByOneFactor) {
+  for (const double level : levels_of({{0.8}, {0.4}, {0.8}}))
+    EXPECT_DOUBLE_EQ(level, 0.5);
+}
+
+TEST(Levels, OneAloneIsLoweredToWhatThereIs) {
+  EXPECT_DOUBLE_EQ(levels_of({{4}})[0], 0.25);
+}
+
+TEST(Levels, OneThatCannotBeReachedLowersNobodyElse) {
+  for (const double takes : {1.4, 2.0, 50.0, 1e6, 1e13}) {
+    const std::vector<double> levels = levels_of({{0.6}, {takes}, {0.3}});
+    EXPECT_DOUBLE_EQ(levels[0], 1) << takes;
+    EXPECT_DOUBLE_EQ(levels[2], 1) << takes;
+    // It takes what is left, or nothing where nothing of it arrives.
+    EXPECT_NEAR(levels[1], takes > 1e12 ? 0 : 0.1 / takes, 1e-12) << takes;
+  }
+  // Nor one that needs nearly all, from a third too much on.
+  EXPECT_GT(levels_of({{0.999}, {4.0 / 3}})[0], 0.985);
+}
+
+TEST(Levels, WhoAsksForNoPressureComesLast) {
+  const std::vector<double> levels = levels_of({{0.7}, {1, false}, {0.2}});
+  EXPECT_DOUBLE_EQ(levels[0], 1);
+  EXPECT_NEAR(levels[1], 0.1, 1e-12);
+  EXPECT_DOUBLE_EQ(levels[2], 1);
+  EXPECT_NEAR(levels_of({{5}, {1, false}})[1], 0, 1e-12);
+}
+
+TEST(Levels, SeveralThatCannotBeReachedShare) {
+  const std::vector<double> levels = levels_of({{3}, {3}});
+  EXPECT_DOUBLE_EQ(levels[0], levels[1]);
+  EXPECT_DOUBLE_EQ(levels[0], 1.0 / 6);
+}
+
+TEST(Levels, NoFingerJumpsWhereAnotherCrossesTheBorderOfWhatCanBeReached) {
+  double before = levels_of({{0.7}, {0.9}})[0];
+  for (double takes = 0.9; takes < 2; takes += 1e-3) {
+    const double now = levels_of({{0.7}, {takes}})[0];
+    EXPECT_NEAR(now, before, 0.006) << takes;
+    before = now;
+  }
+}
+
+RC_GTEST_PROP(Levels, AreBoundedAndUseAllThatThereIs, ()) {
+  const auto count = *rc::gen::inRange<std::size_t>(1, 65);
+  std::vector<Demand> demands(count);
+  double most = 0;
+  for (Demand& demand : demands) {
+    demand = {1e-3 * *rc::gen::inRange(0, 4000), *rc::gen::inRange(0, 8) != 0};
+    most += std::min(demand.takes, 1.0);
+  }
+  const double budget = 1 + 1e-2 * *rc::gen::inRange(0, 300);
+  const std::vector<double> levels = levels_of(demands, budget);
+  for (std::size_t f = 0; f < count; ++f) {
+    RC_ASSERT(levels[f] >= 0 && levels[f] <= 1);
+    RC_ASSERT(levels[f] * demands[f].takes <= 1 + 1e-9);
+  }
+  RC_ASSERT(std::abs(taken(demands, levels) - std::min(budget, most)) < 1e-6);
+}
+
+}  // namespace
+}  // namespace palpa::array

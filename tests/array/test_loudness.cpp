@@ -1,0 +1,258 @@
+// Fingers that ask for a pressure: what their drives give is reckoned anew by the forward model.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "acoustics/pressure.hpp"
+#include "array/drive_pass.hpp"
+#include "array/layout.hpp"
+#include "array/loudness.hpp"
+#include "support/device.hpp"
+
+namespace palpa::array {
+namespace {
+
+Layout posed(const char* name) {
+  const Layout layout = load_layout(name);
+  return transformed(layout, layout.default_T_world_layout);
+}
+
+Voice& add_ring(Schedule& schedule, const Vec3& centre, double radius, double pressure_pa, std::uint32_t foci = 10) {
+  Voice& voice = schedule.add_voice();
+  voice.id = schedule.voice_count - 1;
+  for (std::uint32_t j = 0; j < foci; ++j) {
+    const double angle = 2 * std::numbers::pi * j / foci;
+    voice.foci.push_back(centre + radius * Vec3(std::cos(angle), 0, std::sin(angle)));
+  }
+  fill_order(foci, foci == 10 ? 3 : 1, voice.order);
+  voice.pressure_pa = pressure_pa;
+  return voice;
+}
+
+void sound_together(Voice& voice) {
+  voice.foci_per_slot = static_cast<std::uint32_t>(voice.foci.size());
+}
+
+/// Of each voice what its foci have in a slot, weakest and strongest over all slots, and the largest amplitude of all.
+struct Heard {
+  std::vector<double> least, most;
+  double peak = 0;
+};
+
+Heard hear(const Layout& layout, const Schedule& schedule, std::uint32_t slots, const Loudness& loudness,
+           const DriveOptions& options) {
+  Heard heard;
+  heard.least.assign(schedule.voice_count, 1e9);
+  heard.most.assign(schedule.voice_count, 0);
+  std::vector<SlotFocus> foci;
+  Drive drive(layout.transducers.size());
+  DriveScratch scratch;
+  for (std::uint32_t slot = 0; slot < slots; ++slot) {
+    foci_of_slot(schedule, slot, foci);
+    drive_by_factors(layout, foci, loudness.factors(slot), options, drive, scratch);
+    for (const TransducerDrive& transducer : drive)
+      heard.peak = std::max(heard.peak, static_cast<double>(transducer.amplitude));
+    for (const SlotFocus& focus : foci) {
+      const double pressure =
+          std::abs(acoustics::pressure_at(layout, drive, focus.position, options.medium, options.directivity));
+      heard.least[focus.voice] = std::min(heard.least[focus.voice], pressure);
+      heard.most[focus.voice] = std::max(heard.most[focus.voice], pressure);
+    }
+  }
+  return heard;
+}
+
+/// Solves ten slots of a schedule and hears them.
+Heard solved(const Layout& layout, Schedule& schedule, const DriveOptions& options = {}) {
+  Loudness loudness(layout, options);
+  loudness.solve(schedule, 10);
+  Heard heard = hear(layout, schedule, 10, loudness, options);
+  EXPECT_LE(heard.peak, 1);
+  return heard;
+}
+
+void expect_pressure(const Heard& heard, std::size_t voice, double pascals, double tolerance = 2e-3) {
+  EXPECT_NEAR(heard.least[voice], pascals, tolerance * pascals);
+  EXPECT_NEAR(heard.most[voice], pascals, tolerance * pascals);
+}
+
+TEST(Loudness, EveryFingerHasWhatItAsksInEverySlotWhateverElseSounds) {
+  for (const char* name : {"paper", "openmpd"}) {
+    const Layout layout = posed(name);
+    const double asked = std::string(name) == "paper" ? 8e3 : 1e3;
+    for (const Solver solver : {Solver::naive, Solver::gs_pat}) {
+      for (int fingers = 1; fingers <= 5; ++fingers) {
+        Schedule schedule;
+        for (int f = 0; f < fingers; ++f)
+          add_ring(schedule, {0.03 * (f % 3) - 0.03, 0, 0.03 * (f / 3)}, 5e-3, asked / (1 + f % 2));
+        const Heard heard = solved(layout, schedule, {.solver = solver});
+        for (int f = 0; f < fingers; ++f) {
+          expect_pressure(heard, f, asked / (1 + f % 2));
+          EXPECT_NEAR(*schedule.voices[f].reached_pa, asked / (1 + f % 2), 2e-3 * asked);
+        }
+      }
+    }
+  }
+}
+
+TEST(Loudness, AnUnreachableOneLowersNobodyElse) {
+  const Layout layout = posed("openmpd");
+  const Vec3 near(-0.015, 0, 0);
+  Schedule one;
+  add_ring(one, near, 5e-3, 2e3);
+  expect_pressure(solved(layout, one), 0, 2e3);
+  // Too much, too far, behind the board.
+  for (const auto& [place, asked] :
+       {std::pair(Vec3(0.015, 0, 0), 50e3), std::pair(Vec3(0.8, 0.3, 0), 2e3), std::pair(Vec3(0.015, -0.4, 0), 1e3)}) {
+    Schedule two;
+    add_ring(two, near, 5e-3, 2e3);
+    add_ring(two, place, 5e-3, asked);
+    const Heard heard = solved(layout, two);
+    expect_pressure(heard, 0, 2e3);
+    EXPECT_LT(*two.voices[1].reached_pa, 0.95 * asked);
+    EXPECT_GT(*two.voices[1].reached_pa, 0);
+    EXPECT_NEAR(heard.least[1], *two.voices[1].reached_pa, 2e-3 * heard.least[1]) << "one factor for all of its foci";
+    EXPECT_NEAR(heard.most[1], heard.least[1], 5e-3 * heard.least[1]);
+    EXPECT_GT(heard.peak, 0.97) << "it has what is left";
+  }
+}
+
+TEST(Loudness, FingersThatDoNotFitTogetherAreLoweredAlike) {
+  const Layout layout = posed("openmpd");
+  Schedule schedule;
+  for (const double x : {-0.015, 0.015})
+    add_ring(schedule, {x, 0, 0}, 5e-3, 4e3);
+  const Heard heard = solved(layout, schedule);
+  EXPECT_LT(heard.least[0], 3.5e3);
+  EXPECT_GT(heard.peak, 0.97);
+  for (const int voice : {0, 1}) {
+    EXPECT_NEAR(heard.least[voice] / heard.least[0], 1, 5e-3);
+    EXPECT_NEAR(heard.most[voice] / heard.least[voice], 1, 5e-3);
+  }
+}
+
+TEST(Loudness, FociThatSoundTogetherEachHaveItOfTheWholeSound) {
+  const Layout layout = posed("paper");
+  Schedule schedule;
+  sound_together(add_ring(schedule, {-0.015, 0, 0}, 5e-3, 3e3));
+  sound_together(add_ring(schedule, {0.015, 0, 0}, 5e-3, 2e3, 7));
+  const Heard heard = solved(layout, schedule, {.solver = Solver::gs_pat});
+  expect_pressure(heard, 0, 3e3);
+  expect_pressure(heard, 1, 2e3);
+}
+
+TEST(Loudness, AModulationHasItsCrestThereAndDisturbsNobody) {
+  const Layout layout = posed("paper");
+  Schedule schedule;
+  add_ring(schedule, {-0.015, 0, 0}, 5e-3, 8e3);
+  Voice& still = add_ring(schedule, {0.015, 0, 0}, 0, 8e3, 1);
+  still.modulation_hz = 200;
+  still.gain = 0.5;
+  Loudness loudness(layout, {});
+  loudness.solve(schedule, 10);
+  EXPECT_NEAR(*schedule.voices[1].reached_pa, 4e3, 8);
+  std::vector<SlotFocus> foci;
+  Drive drive(layout.transducers.size());
+  DriveScratch scratch;
+  for (std::uint32_t slot = 0; slot < 10; ++slot) {
+    foci_of_slot(schedule, slot, foci);
+    drive_by_factors(layout, foci, loudness.factors(slot), {}, drive, scratch);
+    EXPECT_NEAR(std::abs(acoustics::pressure_at(layout, drive, foci[0].position)), 8e3, 16) << slot;
+    const double part = modulation_gain(Modulation::pressure_sine, 200, (slot + 0.5) * 1.5e-3);
+    EXPECT_NEAR(std::abs(acoustics::pressure_at(layout, drive, foci[1].position)), 4e3 * std::max(part, 0.01), 8)
+        << slot;
+  }
+}
+
+TEST(Loudness, WhoAsksForNothingHasWhatIsLeft) {
+  const Layout layout = posed("openmpd");
+  Schedule schedule;
+  add_ring(schedule, {-0.015, 0, 0}, 5e-3, 2e3);
+  add_ring(schedule, {0.015, 0, 0}, 5e-3, 0);
+  const Heard heard = solved(layout, schedule);
+  expect_pressure(heard, 0, 2e3);
+  EXPECT_GT(heard.least[1], 1e3);
+  EXPECT_GT(heard.peak, 0.97);
+}
+
+TEST(Loudness, SilentFingersAndPlacesThatCannotBeDrivenDoNoHarm) {
+  const Layout layout = posed("openmpd");
+  Schedule schedule;
+  add_ring(schedule, {0, 0, 0}, 5e-3, 1e3);
+  add_ring(schedule, {0.03, 0, 0}, 5e-3, 1e3).gain = 0;
+  add_ring(schedule, {200, 0, 0}, 5e-3, 1e3);
+  const Heard heard = solved(layout, schedule);
+  expect_pressure(heard, 0, 1e3);
+  EXPECT_EQ(*schedule.voices[1].reached_pa, 0);
+  EXPECT_EQ(*schedule.voices[2].reached_pa, 0);
+}
+
+TEST(Loudness, FingersAtOnePlaceShareOneSound) {
+  const Layout layout = posed("paper");
+  Schedule schedule;
+  for (int f = 0; f < 2; ++f)
+    add_ring(schedule, {0, 0, 0}, 5e-3, 8e3);
+  const Heard heard = solved(layout, schedule);
+  for (const int voice : {0, 1})
+    expect_pressure(heard, voice, 8e3);
+  EXPECT_LT(heard.peak, 0.3) << "not twice what one needs";
+}
+
+TEST(Loudness, ASlotOfItsOwnIsAsInTheSchedule) {
+  const Layout layout = posed("paper");
+  Schedule schedule;
+  for (const double x : {-0.015, 0.015})
+    add_ring(schedule, {x, 0, 0}, 5e-3, 8e3);
+  Loudness loudness(layout, {});
+  loudness.solve(schedule, 10);
+  std::vector<SlotFocus> foci;
+  foci_of_slot(schedule, 3, foci);
+  Drive listed(layout.transducers.size());
+  DriveScratch scratch;
+  drive_by_factors(layout, foci, loudness.factors(3), {}, listed, scratch);
+  const Drive own = drive_for(layout, foci);
+  for (std::size_t n = 0; n < listed.size(); ++n)
+    ASSERT_NEAR(own[n].amplitude, listed[n].amplitude, 1e-6);
+}
+
+TEST(Loudness, TheDeviceAddsUpTheSameDrives) {
+  const Layout layout = posed("paper");
+  const DriveOptions options{.solver = Solver::gs_pat};
+  Schedule schedule;
+  sound_together(add_ring(schedule, {-0.015, 0, 0}, 5e-3, 3e3));
+  add_ring(schedule, {0.015, 0, 0}, 5e-3, 3e3);
+  add_ring(schedule, {0.045, 0, 0}, 5e-3, 60e3);
+  Schedule single;
+  add_ring(single, {0, 0, 0}, 5e-3, 3e3);
+  for (Schedule* each : {&schedule, &single}) {
+    Loudness loudness(layout, options);
+    loudness.solve(*each, 10);
+    gpu::Device& device = test::test_device();
+    const DrivePasses passes(device, Solver::naive);  // factors come from the host
+    DriveMemory memory(device, layout, options, 10, 200);
+    std::vector<SlotFocus> foci;
+    for (std::uint32_t slot = 0; slot < 10; ++slot) {
+      foci_of_slot(*each, slot, foci);
+      ASSERT_TRUE(memory.add_slot(foci, loudness.factors(slot)));
+    }
+    test::run_on_device([&](VkCommandBuffer commands) { memory.record(commands, passes); });
+    Drive drive(layout.transducers.size());
+    DriveScratch scratch;
+    for (std::uint32_t slot = 0; slot < 10; ++slot) {
+      foci_of_slot(*each, slot, foci);
+      drive_by_factors(layout, foci, loudness.factors(slot), options, drive, scratch);
+      for (std::size_t n = 0; n < drive.size(); ++n) {
+        const TransducerDrive &a = drive[n], &b = memory.drive(slot)[n];
+        const auto as_complex = [](const TransducerDrive& t) {
+          return std::polar(static_cast<double>(t.amplitude), static_cast<double>(t.phase));
+        };
+        ASSERT_NEAR(std::abs(as_complex(a) - as_complex(b)), 0, 2e-5) << slot << " " << n;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpa::array
