@@ -25,7 +25,7 @@ bool sums(DriveSlot slot) {
 float amplitude_of(float size, float scale) { return size > 0.0 ? (scale > 0.0 ? min(size / scale, 1.0) : 1.0) : 0.0; }
 
 // The drives of a slot, but under `normalise`, where the scale comes last: there sizes wait in the amplitudes' places
-// until the same thread fetches them. Returns the largest of the thread's sums with every focus in full.
+// until the same thread fetches them. Returns the largest of the thread's sums, with every focus in full and by gains.
 float sum_foci(uint base, DriveSlot slot) {
   const bool even = push.weighting != drive_by_distance;
   float most = 0.0;
@@ -58,8 +58,8 @@ float sum_foci(uint base, DriveSlot slot) {
     for (uint k = 0u; k < drive_sum_each; ++k) {
       const uint t = begin + k * drive_group;
       if (t >= push.transducers) continue;
-      most = max(most, length(plain[k]));
       const float size = length(heard[k]);
+      most = max(most, max(length(plain[k]), size));
       const float phase = size > 0.0 ? clamp(atan(heard[k].y, heard[k].x), -float_pi, float_pi) : 0.0;
       const float amplitude = push.constraint == drive_normalise ? size
                               : push.constraint == drive_uniform ? slot.gain

@@ -69,7 +69,7 @@ double relative_gain(const Source& source, double shared) {
   return shared > 0 ? source.gain / shared : 1.0;
 }
 
-/// The sums of every transducer and the largest of the plain ones.
+/// The sums of every transducer and the largest of them and the plain ones.
 double sum_naively(const Layout& layout, const DriveOptions& options, DriveScratch& scratch, double shared) {
   double largest = 0;
   for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
@@ -81,7 +81,7 @@ double sum_naively(const Layout& layout, const DriveOptions& options, DriveScrat
       plain += asked;
       scratch.sums[t] += relative_gain(source, shared) * asked;
     }
-    largest = std::max(largest, std::abs(plain));
+    largest = std::max({largest, std::abs(plain), std::abs(scratch.sums[t])});
   }
   return largest;
 }
@@ -100,7 +100,7 @@ double sum_weighted(const DriveOptions& options, DriveScratch& scratch) {
       plain += scratch.weights[j].plain * asked;
       scratch.sums[t] += scratch.weights[j].heard * asked;
     }
-    largest = std::max(largest, std::norm(plain));
+    largest = std::max({largest, std::norm(plain), std::norm(scratch.sums[t])});
   }
   return std::sqrt(largest);
 }

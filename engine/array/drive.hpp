@@ -9,12 +9,13 @@
 //   S        sum over j of q_j; G: sum over j of r_j q_j
 //   amplitude = g * constraint(G), phase = arg G
 //
-//   normalise: |G| / max |S|, the largest taken over all transducers; uniform: 1; clamp: |G|; never above 1
+//   normalise: |G| / max(|S|, |G|), the largest taken over all transducers; uniform: 1; clamp: |G|; never above 1
 //
-// The largest |S| knows no gains: normalising |G| by its own largest value would undo the modulation. A gain that all
-// foci share is therefore exactly one scalar over the whole drive, phases untouched; where fingers differ, each focus'
-// share of the sum is modulated, under `uniform` by way of the phases alone. One focus is exactly the paper's q_k times
-// its gain, whatever the solver.
+// The largest |S| knows no gains, and is the larger but where gains are so unequal that those who are to be heard no
+// longer share the array with the others: normalising |G| by its own largest value would undo the modulation. A gain
+// that all foci share is therefore exactly one scalar over the whole drive, phases untouched; where fingers differ,
+// each focus' share of the sum is modulated, under `uniform` by way of the phases alone. One focus is exactly the
+// paper's q_k times its gain, whatever the solver.
 //
 // Where foci ask for a pressure, the constraint does not count: G is then the sum of c_j q_j with the factors that give
 // each focus what it asks (slot_pressures.hpp), and the amplitude |G|, nowhere above 1.

@@ -9,6 +9,21 @@ namespace {
 
 using Complex = std::complex<double>;
 
+/// What the foci are to have, each at least as much as one that is the same has.
+std::span<const double> one_sound(const FocusMatrix& matrix, std::span<const double> targets,
+                                  std::vector<double>& raised) {
+  raised.assign(targets.begin(), targets.end());
+  for (std::size_t j = 0; j < targets.size(); ++j) {
+    if (!(targets[j] > 0)) continue;
+    for (std::size_t k = 0; k < targets.size(); ++k) {
+      if (targets[k] <= raised[j]) continue;
+      const double same = (heard_part(matrix, j, k) - gs_pat_same) / (1 - gs_pat_same);
+      raised[j] = std::max(raised[j], targets[k] * std::clamp(same, 0.0, 1.0));
+    }
+  }
+  return raised;
+}
+
 /// The factors of gs_pat, as loud as asked on the whole.
 void start_together(const FocusMatrix& matrix, const Columns& columns, std::span<const double> targets,
                     std::span<Complex> factors, PressureScratch& scratch) {
@@ -46,7 +61,8 @@ void solve_pressures(const FocusMatrix& matrix, const Columns& columns, FocusPha
 void correct_pressures(const FocusMatrix& matrix, std::span<const double> targets, std::span<Complex> factors,
                        PressureScratch& scratch) {
   if (factors.size() < 2 || factors.size() > most_solved_foci) return;
-  even_out(MatrixHearing(matrix), targets, {1, pressure_miss, pressure_tries}, factors, scratch.even);
+  even_out(MatrixHearing(matrix), one_sound(matrix, targets, scratch.targets), {1, pressure_miss, pressure_tries},
+           factors, scratch.even);
 }
 
 }  // namespace palpa::array

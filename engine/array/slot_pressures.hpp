@@ -8,7 +8,7 @@
 // By `naive` the factors begin as if each focus sounded alone, c_j = T_j / R_jj: the paper's q_j, in its phases.
 // `gs_pat` chooses phases in which the foci help each other, as loud as asked relative to each other, and is scaled to
 // all of it. From there even_out.hpp goes the rest of the way. A focus whose T_j is 0 sounds as it comes, and one of
-// which nothing arrives is left out.
+// which nothing arrives is left out. Foci that are one to the array (gs_pat_same) have the largest of their T_j.
 #pragma once
 
 #include <complex>
@@ -28,7 +28,7 @@ inline constexpr std::uint32_t pressure_tries = 40;
 struct PressureScratch {
   GsPatScratch gs_pat;
   EvenScratch even;
-  std::vector<double> gains;
+  std::vector<double> gains, targets;
   std::vector<FocusWeight> weights;
 };
 

@@ -189,11 +189,11 @@ TEST(Loudness, SilentFingersAndPlacesThatCannotBeDrivenDoNoHarm) {
   EXPECT_EQ(*schedule.voices[2].reached_pa, 0);
 }
 
-TEST(Loudness, FingersAtOnePlaceShareOneSound) {
+TEST(Loudness, FingersAtOnePlaceShareOneSoundTheLouder) {
   const Layout layout = posed("paper");
   Schedule schedule;
   for (int f = 0; f < 2; ++f)
-    add_ring(schedule, {0, 0, 0}, 5e-3, 8e3);
+    add_ring(schedule, {0, 0, 0}, 5e-3, f == 0 ? 8e3 : 3e3);
   const Heard heard = solved(layout, schedule);
   for (const int voice : {0, 1})
     expect_pressure(heard, voice, 8e3);

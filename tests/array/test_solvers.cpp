@@ -190,6 +190,24 @@ TEST_P(SolverOn, GainsAreRelativeAmplitudes) {
   }
 }
 
+TEST_P(SolverOn, VeryUnequalGainsAreNotClipped) {
+  // A focus that sounds nearly alone takes more of some transducers than all of them in full would.
+  for (const char* name : {"paper", "openmpd"}) {
+    const Layout layout = load_layout(name);
+    const Vec3 centre = std::string(name) == "paper" ? Vec3(0) : Vec3(0, 0, 0.15);
+    std::vector<std::vector<SlotFocus>> slots;
+    for (unsigned seed = 0; seed < 12; ++seed) {
+      std::vector<SlotFocus> foci = focus_set(seed, 2 + seed % 9, centre);
+      for (std::size_t j = 0; j < foci.size(); ++j)
+        foci[j].gain = j == seed % foci.size() ? 1.0F : 0.03F;
+      slots.push_back(std::move(foci));
+    }
+    const auto drives = GetParam().drives(layout, slots, with(Solver::gs_pat));
+    for (std::size_t s = 0; s < slots.size(); ++s)
+      EXPECT_GE(pressure_at_foci(layout, drives[s], slots[s]).evenness, 0.98) << name << " " << s;
+  }
+}
+
 TEST_P(SolverOn, AGainThatAllShareIsOneScalar) {
   const Layout layout = load_layout("autd3");
   auto foci = focus_set(4, 3, {0, 0, 0.15});
