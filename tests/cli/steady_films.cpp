@@ -79,11 +79,11 @@ Film resting(const std::string& object, int frames) {
     if (frame % turn >= frames) return at(0, 0.05, 0);
     return at(0.7e-3, -2e-3 - 1e-3 * deeper, 0.4e-3);
   };
-  return {object, "at rest", motion, 3 * frames + 2 * away};
+  return {object, "at rest", motion, 3 * frames + 2 * away, "rest"};
 }
 
 Film dipping(const std::string& object, int frames) {
-  return {object, "dipping", sensing::dipping_motion, frames};
+  return {object, "dipping", sensing::dipping_motion, frames, "dip"};
 }
 
 Film sliding(const std::string& object, bool along, bool half) {
@@ -95,7 +95,12 @@ Film sliding(const std::string& object, bool along, bool half) {
     const double way = begin + 0.25e-3 * film_hz * t;
     return along ? at(0.7e-3, -2e-3, way) : on(object, way, 3e-3, 0.4e-3);
   };
-  return {object, along ? "sliding along" : "sliding", motion, static_cast<int>((end - begin) / 0.25e-3) + 1,
+  const std::string path = along ? "along" : object == "semi-sphere" ? "down" : wide ? "over" : "across";
+  return {object,
+          along ? "sliding along" : "sliding",
+          motion,
+          static_cast<int>((end - begin) / 0.25e-3) + 1,
+          path,
           sensing::Noise::none};
 }
 
@@ -105,7 +110,7 @@ Film fast(const std::string& object, int times) {
     const double way = stroke(u - 0.05, 0.18) - stroke(u - 0.35, 0.18) - 8e-3;
     return object == "prism" ? at(0.7e-3, -3e-3, way) : on(object, way, 3e-3, 0.4e-3);
   };
-  return {object, "100 mm/s", motion, 54 * times};
+  return {object, "100 mm/s", motion, 54 * times, "fast " + object};
 }
 
 void record(const Film& film, const std::filesystem::path& folder) {
@@ -128,7 +133,7 @@ void record(const Film& film, const std::filesystem::path& folder) {
 
 std::vector<FociLine> play(const std::string& source, const std::string& object,
                            const std::vector<std::string>& options) {
-  const UdpReceiver receiver(1);
+  const UdpReceiver receiver(std::chrono::milliseconds(50));
   std::vector<FociLine> lines;
   std::atomic<bool> ended{false};
   std::thread listener([&] {

@@ -18,6 +18,7 @@ struct Film {
   std::string name;
   sensing::Motion motion;
   int frames = 0;
+  std::string path;  ///< films of one path are the same, whatever object they are played on
   sensing::Noise noise = sensing::Noise::d415;
 };
 

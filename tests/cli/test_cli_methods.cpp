@@ -216,7 +216,7 @@ TEST(CliMethods, FociThatSoundTogetherAreSolvedUnlessToldOtherwise) {
   const auto phases = [&](const std::string& name, const std::vector<std::string>& options) {
     const std::string file = (folder / name).string();
     const Result result = palpa(with({"run", "--scene", asset("cube.glb"), "--backend", "cpu", "--every-frame",
-                                      "--hold", "10s", "--frames", "3", "--link", "record:" + file, "--quiet"},
+                                      "--hold", "1s", "--frames", "3", "--link", "record:" + file, "--quiet"},
                                      options));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     std::vector<float> of_first;

@@ -207,15 +207,15 @@ TEST_F(CliOutputs, DrivesEndSilentlyWhereTheDiskIsFull) {
 }
 
 /// Prepared within seconds, not within a moment.
-geometry::SceneMesh bumpy_ball() {
-  geometry::Mesh ball = sphere(0.05, 450, 450);
+geometry::SceneMesh bumpy_ball(int rings) {
+  geometry::Mesh ball = sphere(0.05, rings, rings);
   for (Vec3& p : ball.positions)
     p *= 1 + 0.1 * std::sin(120 * p.x) * std::sin(130 * p.y);
   return {"ball", std::move(ball)};
 }
 
 TEST_F(CliOutputs, LongPreparationSaysWhatItDoesAndStopsOnCtrlC) {
-  const geometry::SceneMesh ball = bumpy_ball();
+  const geometry::SceneMesh ball = bumpy_ball(450);
   geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
   const auto before = contents();
   setenv("PALPA_CACHE", "off", 1);
@@ -237,7 +237,7 @@ TEST_F(CliOutputs, LongPreparationSaysWhatItDoesAndStopsOnCtrlC) {
 }
 
 TEST_F(CliOutputs, LongPreparationTellsALogEachStep) {
-  const geometry::SceneMesh ball = bumpy_ball();
+  const geometry::SceneMesh ball = bumpy_ball(200);
   geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
   RunOptions fresh;
   fresh.environment = {{"PALPA_CACHE", "off"}};

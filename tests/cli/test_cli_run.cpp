@@ -183,7 +183,7 @@ TEST(CliRun, SignalsEndItInTimeHoweverLongItsSlotsAndItsRamp) {
 
 /// What `palpa run` streams to a link of foci, line by line.
 std::vector<json> foci_lines(std::vector<std::string> arguments) {
-  const UdpReceiver receiver(1);
+  const UdpReceiver receiver(std::chrono::milliseconds(50));  // who sends has ended before anybody looks
   arguments.insert(arguments.begin(), {"run", "--scene", cube(), "--quiet", "--link", "foci:" + receiver.address()});
   const Result result = palpa(arguments);
   EXPECT_EQ(result.exit_code, 0) << result.err;

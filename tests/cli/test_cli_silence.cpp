@@ -44,7 +44,7 @@ fs::path named_cube(const fs::path& folder, const std::string& name) {
 /// A session that somebody listens to.
 struct Stage {
   fs::path folder;
-  UdpReceiver receiver{1};
+  UdpReceiver receiver{std::chrono::seconds(1)};
   std::string last;
 
   explicit Stage(const std::string& name) : folder(scratch_folder(name)) {}

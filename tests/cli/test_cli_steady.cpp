@@ -13,11 +13,12 @@ namespace {
 
 class SteadyFociOn : public ::testing::Test {
  protected:
-  std::filesystem::path folder = scratch_folder("steady") / "film";
-
-  std::string recorded(const Film& film) const {
-    record(film, folder);
-    return "recording:" + folder.string();
+  /// As a source. Rendering takes longer than playing: each path is rendered once.
+  static std::string recorded(const Film& film) {
+    static const std::filesystem::path folder = scratch_folder("steady");
+    const auto at = folder / (film.path + " " + std::to_string(film.frames));
+    if (!exists(at)) record(film, at);
+    return "recording:" + at.string();
   }
 };
 class SteadyFoci : public SteadyFociOn, public ::testing::WithParamInterface<const char*> {};

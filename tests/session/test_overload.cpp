@@ -111,14 +111,14 @@ TEST(Overload, PlansThatWereReplacedAreCounted) {
 
 TEST(Overload, NoPlanIsReplacedWhereEveryFrameIsLookedAt) {
   Loop<test::FakePlanner> loop;
-  loop.source.count = 400;
+  loop.source.count = 300;
   loop.source.period_s = 0;
   loop.setting.every_frame = true;
-  loop.setting.output.hold_s = 10;  // a thread may be kept waiting for longer than a hold
+  loop.setting.output.hold_s = 2;  // a thread may be kept waiting for longer than a hold
   loop.run();
-  EXPECT_EQ(loop.stats.planned, 400u);
+  EXPECT_EQ(loop.stats.planned, 300u);
   EXPECT_EQ(loop.stats.unplayed, 0u);
-  EXPECT_EQ(loop.plans_told(), 400u);
+  EXPECT_EQ(loop.plans_told(), 300u);
 }
 
 TEST(Overload, IsToldOnceWithBothFigures) {

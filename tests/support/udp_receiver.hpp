@@ -8,6 +8,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ namespace palpa::test {
 /// A socket on the loopback, on a port of the system's choice.
 class UdpReceiver {
  public:
-  explicit UdpReceiver(int patience_s = 5) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+  explicit UdpReceiver(std::chrono::milliseconds patience = std::chrono::seconds(5)) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -24,8 +25,8 @@ class UdpReceiver {
     socklen_t size = sizeof(address);
     EXPECT_EQ(getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size), 0);
     port_ = ntohs(address.sin_port);
-    const timeval patience{patience_s, 0};
-    EXPECT_EQ(setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience)), 0);
+    const timeval time{patience.count() / 1000, patience.count() % 1000 * 1000};
+    EXPECT_EQ(setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &time, sizeof(time)), 0);
   }
   ~UdpReceiver() { ::close(socket_); }
   UdpReceiver(const UdpReceiver&) = delete;
