@@ -22,6 +22,7 @@
 #include "spirv/solve_weights.comp.hpp"
 #include "spirv/solve_weights_few.comp.hpp"
 #include "support/device.hpp"
+#include "support/digest.hpp"
 #include "support/spirv.hpp"
 
 namespace palpa::array {
@@ -176,8 +177,7 @@ TEST(SolverPass, TheSameBytesOnEveryRun) {
       }
     }
   }
-  // Printed for the test matrix, which compares it between thread counts and vector widths.
-  std::printf("  bytes of 160 solved drives: %016llx\n", static_cast<unsigned long long>(hash));
+  test::tell_digest("solvers", hash);
 }
 
 TEST(SolverPass, GreedyGoesOnFromStretchToStretch) {

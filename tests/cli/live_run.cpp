@@ -10,11 +10,9 @@
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <thread>
 
 #include "process.hpp"
-#include "support/shared_data.hpp"
 
 namespace palpa::test {
 namespace {
@@ -22,24 +20,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 [[noreturn]] void become_palpa(const std::vector<std::string>& arguments, const LiveOptions& options) {
-  const int nothing = open("/dev/null", O_RDWR);
+  const int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
   if (options.foreground) {
     setsid();
     ioctl(options.err->end(), TIOCSCTTY, 0);
   }
-  dup2(nothing, STDIN_FILENO);
-  dup2(options.out ? options.out->end() : nothing, STDOUT_FILENO);
-  dup2(options.err ? options.err->end() : nothing, STDERR_FILENO);
-  for (const auto& [name, value] : options.environment)
-    setenv(name.c_str(), value.c_str(), 1);
-  setenv("PALPA_ASSETS", source_file("assets").c_str(), 1);
-  const std::string program = palpa_binary();
-  std::vector<char*> argv{const_cast<char*>(program.c_str())};
-  for (const std::string& argument : arguments)
-    argv.push_back(const_cast<char*>(argument.c_str()));
-  argv.push_back(nullptr);
-  execv(program.c_str(), argv.data());
-  _exit(127);
+  Environment environment = options.environment;
+  environment.push_back(where_assets_are());
+  become(palpa_binary(), arguments, environment, options.out ? options.out->end() : nothing,
+         options.err ? options.err->end() : nothing);
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "process.hpp"
+
 namespace palpa::test {
 
 /// What takes no more, or may not: a pipe, a terminal, a file.
@@ -38,7 +40,7 @@ struct LiveOptions {
   const Unread* out = nullptr;  ///< stdout; else /dev/null
   const Unread* err = nullptr;  ///< stderr; else /dev/null
   bool foreground = false;      ///< `err` is the terminal that it runs on
-  std::vector<std::pair<std::string, std::string>> environment{};
+  Environment environment{};
 };
 
 class LiveRun {

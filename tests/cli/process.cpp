@@ -22,26 +22,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-[[noreturn]] void become(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                         const RunOptions& options, int out, int err) {
-  if (!options.stdout_file.empty()) out = open(options.stdout_file.c_str(), O_WRONLY);
-  const int in = open("/dev/null", O_RDONLY);
-  dup2(in, STDIN_FILENO);
-  dup2(out, STDOUT_FILENO);
-  dup2(err, STDERR_FILENO);
-  // A shell starts programs with these at their default.
-  std::signal(SIGPIPE, SIG_DFL);
-  std::signal(SIGXFSZ, SIG_DFL);
-  for (const auto& [name, value] : options.environment)
-    setenv(name.c_str(), value.c_str(), 1);
-  std::vector<char*> argv{const_cast<char*>(program.c_str())};
-  for (const std::string& argument : arguments)
-    argv.push_back(const_cast<char*>(argument.c_str()));
-  argv.push_back(nullptr);
-  execv(program.c_str(), argv.data());
-  _exit(127);
-}
-
 /// Reads both pipes until both are closed; false when the time is up first.
 bool read_both(const std::array<int, 2>& pipes, const std::array<std::string*, 2>& texts, Clock::time_point deadline) {
   std::array<pollfd, 2> polls{pollfd{pipes[0], POLLIN, 0}, pollfd{pipes[1], POLLIN, 0}};
@@ -73,6 +53,25 @@ std::vector<std::string> Result::err_lines() const {
   return lines;
 }
 
+void become(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+            const Environment& environment, int out, int err) {
+  const int in = open("/dev/null", O_RDONLY);
+  dup2(in, STDIN_FILENO);
+  dup2(out, STDOUT_FILENO);
+  dup2(err, STDERR_FILENO);
+  // A shell starts programs with these at their default.
+  std::signal(SIGPIPE, SIG_DFL);
+  std::signal(SIGXFSZ, SIG_DFL);
+  for (const auto& [name, value] : environment)
+    setenv(name.c_str(), value.c_str(), 1);
+  std::vector<char*> argv{const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments)
+    argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  execv(program.c_str(), argv.data());
+  _exit(127);
+}
+
 Result run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                    const RunOptions& options) {
   std::array<int, 2> out{}, err{};
@@ -85,7 +84,11 @@ Result run_program(const std::filesystem::path& program, const std::vector<std::
   const auto begin = Clock::now();
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("no fork");
-  if (child == 0) become(program, arguments, options, out[1], err[1]);
+  if (child == 0) {
+    const bool to_file = !options.stdout_file.empty();
+    become(program, arguments, options.environment,
+           to_file ? open(options.stdout_file.c_str(), O_WRONLY | O_CLOEXEC) : out[1], err[1]);
+  }
   close(out[1]);
   close(err[1]);
   Result result;
@@ -111,10 +114,13 @@ std::string palpa_binary() {
   return PALPA_BINARY;
 }
 
+Environment::value_type where_assets_are() {
+  return {"PALPA_ASSETS", source_file("assets").string()};
+}
+
 Result palpa(const std::vector<std::string>& arguments, const RunOptions& options) {
-  // A build folder may lie outside the source tree, where the program does not find its assets by itself.
   RunOptions with_assets = options;
-  with_assets.environment.emplace(with_assets.environment.begin(), "PALPA_ASSETS", source_file("assets").string());
+  with_assets.environment.insert(with_assets.environment.begin(), where_assets_are());
   return run_program(palpa_binary(), arguments, with_assets);
 }
 

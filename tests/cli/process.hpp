@@ -8,8 +8,11 @@
 
 namespace palpa::test {
 
+/// Names and values, added to this process's.
+using Environment = std::vector<std::pair<std::string, std::string>>;
+
 struct RunOptions {
-  std::vector<std::pair<std::string, std::string>> environment;  ///< added to this process's
+  Environment environment;
   std::string stdout_file;           ///< where stdout goes instead of into `Result::out`, e.g. /dev/full
   bool close_stdout_reader = false;  ///< stdout is a pipe that nobody reads
   double timeout_s = 120;            ///< then the program is killed, and `timed_out` is set
@@ -30,6 +33,11 @@ struct Result {
 /// `arguments` without the program's own name.
 Result run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                    const RunOptions& options = {});
+/// In a forked child: becomes a program as a shell would start it, with nothing to read.
+[[noreturn]] void become(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                         const Environment& environment, int out, int err);
+/// For palpa: a build folder may lie outside the source tree, where it does not find its assets by itself.
+Environment::value_type where_assets_are();
 /// The `palpa` that this build made, and where it is.
 std::string palpa_binary();
 Result palpa(const std::vector<std::string>& arguments, const RunOptions& options = {});

@@ -96,12 +96,9 @@ Film sliding(const std::string& object, bool along, bool half) {
     return along ? at(0.7e-3, -2e-3, way) : on(object, way, 3e-3, 0.4e-3);
   };
   const std::string path = along ? "along" : object == "semi-sphere" ? "down" : wide ? "over" : "across";
-  return {object,
-          along ? "sliding along" : "sliding",
-          motion,
-          static_cast<int>((end - begin) / 0.25e-3) + 1,
-          path,
-          sensing::Noise::none};
+  return {object, along ? "sliding along" : "sliding",
+          motion, static_cast<int>((end - begin) / 0.25e-3) + 1,
+          path,   sensing::Noise::none};
 }
 
 Film fast(const std::string& object, int times) {

@@ -75,7 +75,8 @@ run_leg() { # NAME PRESET LABEL [VARIABLE=VALUE...]
   fi
   built=$((SECONDS - begin))
   [[ $label == - ]] || filter=(-L "^$label\$")
-  if ! env "$@" PALPA_LEG="$name" PALPA_DIGEST="$PWD/$digests/$name" tests/house/suite.sh "$preset" "${filter[@]}" \
+  mkdir "$digests/$name"
+  if ! env "$@" PALPA_DIGESTS="$PWD/$digests/$name" tests/house/suite.sh "$preset" "${filter[@]}" \
     >"$log" 2>&1; then
     cat "$log"
     echo "matrix: $name fails"
@@ -86,21 +87,24 @@ run_leg() { # NAME PRESET LABEL [VARIABLE=VALUE...]
   summary+=("$(printf '%-13s passed, %4d s of which build %d s' "$name" $((SECONDS - begin)) "$built")")
 }
 
-# Same input, same bytes: one line per computed result, whatever the leg.
+# Same input, same bytes: one file per leg and result (tests/support/digest.hpp).
 compare_digests() {
-  local file first='' count=0
-  for file in "$digests"/*; do
+  local file name leg
+  local -A first=() legs=()
+  for file in "$digests"/*/*; do
     [[ -f $file ]] || continue
-    count=$((count + 1))
-    if [[ -z $first ]]; then
-      first=$file
-    elif ! diff "$first" "$file"; then
-      echo "matrix: ${file##*/} computes other bytes than ${first##*/}"
+    name=${file##*/} leg=${file%/*} leg=${leg##*/}
+    legs[$name]+=" $leg"
+    if [[ -z ${first[$name]:-} ]]; then
+      first[$name]=$file
+    elif ! diff "${first[$name]}" "$file"; then
+      echo "matrix: $leg computes another $name than${legs[$name]% *}"
       return 1
     fi
   done
-  ((count > 1)) || return 0
-  summary+=("the same bytes in all of: $(cd "$digests" && echo *)")
+  for name in "${!legs[@]}"; do
+    [[ ${legs[$name]} != *' '*' '* ]] || summary+=("the same $name, byte for byte, in${legs[$name]}")
+  done
 }
 
 while read -r name preset label environment; do

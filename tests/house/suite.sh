@@ -3,16 +3,17 @@
 #
 # As many tests side by side as there are cores, each with one rasterizer thread where lavapipe is the driver: two tests of
 # one thread keep two cores busier than one test of two threads. What depends on the number of threads is the matrix's
-# business, which sets LP_NUM_THREADS itself. Drivers and layers keep their caches in the build directory, PALPA_LEG apart.
+# business, which sets LP_NUM_THREADS itself. Drivers and layers keep their caches in the build directory; the code that lavapipe
+# compiles depends on the vectors' width only.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 preset=$1
 shift
-cache=$PWD/build/cache/${PALPA_LEG:-$preset}
+export LP_NUM_THREADS=${LP_NUM_THREADS:-1} LP_NATIVE_VECTOR_WIDTH=${LP_NATIVE_VECTOR_WIDTH:-256}
+cache=$PWD/build/cache/$LP_NATIVE_VECTOR_WIDTH
 mkdir -p "$cache"
-export MESA_SHADER_CACHE_DIR=$cache/mesa XDG_CACHE_HOME=$cache LP_NUM_THREADS=${LP_NUM_THREADS:-1}
-export LP_NATIVE_VECTOR_WIDTH=${LP_NATIVE_VECTOR_WIDTH:-256}
+export MESA_SHADER_CACHE_DIR=$cache/mesa XDG_CACHE_HOME=$cache
 
 # For the presets asan and tsan; the others ignore them.
 export UBSAN_OPTIONS=print_stacktrace=1

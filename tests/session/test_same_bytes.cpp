@@ -1,11 +1,9 @@
 // One number for everything that the device computes. It must be the same on every run, and the test matrix compares it
-// between thread counts, vector widths, staging and sanitizers: with PALPA_DIGEST=FILE it is written there.
+// between thread counts, vector widths, staging and sanitizers.
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
 
 #include "array/board_mesh.hpp"
 #include "geometry/gltf.hpp"
@@ -14,6 +12,7 @@
 #include "sensing/synthetic.hpp"
 #include "session/session.hpp"
 #include "support/device.hpp"
+#include "support/digest.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::session {
@@ -115,10 +114,7 @@ std::uint64_t digest_of(std::span<const Scene> some) {
 TEST(SameBytes, OnEveryRunAndInEveryLegOfTheMatrix) {
   const std::uint64_t first = digest_of(scenes);
   EXPECT_EQ(digest_of(std::span(scenes).first(1)), digest_of(std::span(scenes).first(1)));
-  std::printf("digest %016llx\n", static_cast<unsigned long long>(first));
-  if (const char* file = std::getenv("PALPA_DIGEST"); file && *file) {
-    std::ofstream(file) << std::hex << first << '\n';
-  }
+  test::tell_digest("touch", first);
 }
 
 }  // namespace

@@ -17,7 +17,8 @@ namespace palpa::test {
 /// A socket on the loopback, on a port of the system's choice.
 class UdpReceiver {
  public:
-  explicit UdpReceiver(std::chrono::milliseconds patience = std::chrono::seconds(5)) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+  explicit UdpReceiver(std::chrono::milliseconds patience = std::chrono::seconds(5))
+      : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
