@@ -1,6 +1,7 @@
 #include "gpu/buffer.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "gpu/barrier.hpp"
 #include "gpu/check.hpp"
@@ -16,6 +17,12 @@ constexpr VkBufferUsageFlags every_usage =
 constexpr VkMemoryPropertyFlags host_memory =
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 
+/// Mesa's software device compiles a kernel that reads texels once for buffers of a power of two of bytes and once for
+/// others.
+VkDeviceSize never_a_power_of_two(VkDeviceSize bytes) {
+  return std::has_single_bit(bytes) ? bytes + 16 : bytes;
+}
+
 void copy(VkCommandBuffer commands, BufferRef from, BufferRef to, VkDeviceSize bytes) {
   const VkBufferCopy region{from.offset, to.offset, std::min(bytes, from.size)};
   if (region.size != 0) vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &region);
@@ -30,7 +37,7 @@ Buffer::Buffer(const Device& device, VkDeviceSize size, const char* name, VkMemo
                VkMemoryPropertyFlags preferred)
     : size_(std::max<VkDeviceSize>(size, 4)) {
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
-  info.size = size_;
+  info.size = never_a_power_of_two(size_ + texel_room);
   info.usage = every_usage;
   VkBuffer buffer = VK_NULL_HANDLE;
   PALPA_VK(vkCreateBuffer(device.get(), &info, nullptr, &buffer));

@@ -20,6 +20,9 @@ struct BufferRef {
   VkBufferView texels = VK_NULL_HANDLE;  ///< where a binding reads texels, see texel_view.hpp
 };
 
+/// Behind every buffer's last byte lie so many more that nobody uses: room for a texel view that is made longer.
+inline constexpr VkDeviceSize texel_room = 256;
+
 /// Device memory that only passes touch. Contents are undefined until a pass or `vkCmdFillBuffer` writes them.
 /// Usable as storage, texels, indirect, vertex, index, uniform, and as either end of a copy. A size of 0 allocates 4
 /// bytes.

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "base/error.hpp"
 #include "gpu/check.hpp"
 
@@ -11,6 +13,13 @@ namespace {
 VkDeviceSize texel_bytes(VkFormat format) {
   return format == VK_FORMAT_R32_UINT ? 4 : format == VK_FORMAT_R32G32_UINT ? 8 : 16;
 }
+
+/// Mesa's software device tells views apart whose bits 8 to 15 of their bytes are all 0, and compiles a kernel anew for
+/// each mixture of such and others: a scene or an array of another size would cost seconds.
+VkDeviceSize of_one_kind(VkDeviceSize bytes) {
+  return (bytes >> 8 & 0xff) == 0 ? bytes + 0x100 : bytes;
+}
+static_assert(texel_room >= 0x100);
 
 }  // namespace
 
@@ -25,7 +34,8 @@ TexelView::TexelView(const Device& device, const BufferRef& buffer, VkFormat for
   info.buffer = buffer.buffer;
   info.format = format;
   info.offset = buffer.offset;
-  info.range = texels * texel_bytes(format);
+  info.range =
+      std::min(of_one_kind(texels * texel_bytes(format)), device.limits().maxTexelBufferElements * texel_bytes(format));
   VkBufferView view = VK_NULL_HANDLE;
   PALPA_VK(vkCreateBufferView(device.get(), &info, nullptr, &view));
   view_ = Handle<VkBufferView>(device.get(), view, vkDestroyBufferView);

@@ -14,9 +14,9 @@ namespace palpa::gpu {
 class TexelView {
  public:
   TexelView() = default;
-  /// All of `buffer`, which outlives the view. `format` is one of the 32-bit formats that every device offers for
-  /// texel buffers: R32_UINT, R32G32_UINT, R32G32B32A32_UINT or _SFLOAT. Throws failure where the buffer has more
-  /// texels than the device can address.
+  /// All of `buffer`, which outlives the view, and where that suits the device 256 bytes of what lies behind it.
+  /// `format` is one of the 32-bit formats that every device offers for texel buffers: R32_UINT, R32G32_UINT,
+  /// R32G32B32A32_UINT or _SFLOAT. Throws failure where the buffer has more texels than the device can address.
   TexelView(const Device& device, const BufferRef& buffer, VkFormat format, const char* name);
 
   /// As a pass binds it.

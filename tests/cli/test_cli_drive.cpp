@@ -265,6 +265,26 @@ TEST(DriveLayouts, EveryBuiltInOneHasItsTransducers) {
   }
 }
 
+TEST(DriveShaders, AreCompiledOnceForAnyNumberOfFociAndTransducers) {
+  const auto cache = scratch_folder("shaders");
+  const auto compiled = [&](const std::string& layout, int foci) {
+    std::vector<std::string> line{"drive", "--layout", layout, "--csv", "/dev/null", "--quiet"};
+    for (int j = 0; j < foci; ++j)
+      line.insert(line.end(), {"--focus", std::to_string(0.01 * j) + ",0.02,0"});
+    EXPECT_EQ(palpa(line, {.environment = {{"MESA_SHADER_CACHE_DIR", cache.string()}}}).exit_code, 0);
+    int files = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(cache))
+      files += entry.is_regular_file() ? 1 : 0;
+    return files;
+  };
+  const int first = compiled("openmpd", 7);
+  if (first == 0) GTEST_SKIP() << "skipped: this driver keeps no cache there";
+  // Buffers of 256 bytes and less, of powers of two of bytes and other sizes.
+  for (const int foci : {2, 4, 6, 8, 16, 17})
+    EXPECT_EQ(compiled("openmpd", foci), first) << foci << " foci";
+  EXPECT_EQ(compiled("paper", 7), first);
+}
+
 TEST(DriveErrors, FociThatCannotBe) {
   const auto refused = [](const char* focus, const char* part) {
     expect_failure(palpa({"drive", "--layout", "openmpd", "--focus", focus, "--backend", "cpu"}), 2, part);
