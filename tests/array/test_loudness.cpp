@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "acoustics/pressure.hpp"
 #include "array/drive_pass.hpp"
@@ -198,6 +199,28 @@ TEST(Loudness, FingersAtOnePlaceShareOneSoundTheLouder) {
   for (const int voice : {0, 1})
     expect_pressure(heard, voice, 8e3);
   EXPECT_LT(heard.peak, 0.3) << "not twice what one needs";
+}
+
+TEST(Loudness, WhateverIsAskedNoTransducerExceedsOneAndWhatIsToldIsThere) {
+  const Layout layout = posed("openmpd");
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> place(-0.04, 0.04), power(2, 5);
+  for (int trial = 0; trial < 30; ++trial) {
+    Schedule schedule;
+    const auto fingers = 2 + random() % 5;
+    for (unsigned f = 0; f < fingers; ++f) {
+      Voice& voice =
+          add_ring(schedule, {place(random), place(random), place(random)}, 5e-3, std::pow(10, power(random)));
+      if (random() % 4 == 0) sound_together(voice);
+    }
+    const DriveOptions options{.solver = trial % 2 == 0 ? Solver::naive : Solver::gs_pat};
+    const Heard heard = solved(layout, schedule, options);
+    for (unsigned f = 0; f < fingers; ++f) {
+      const double reached = *schedule.voices[f].reached_pa;
+      EXPECT_TRUE(std::isfinite(reached)) << trial;
+      EXPECT_NEAR(heard.least[f], reached, 2e-3 * reached + 0.5) << trial << " finger " << f;
+    }
+  }
 }
 
 TEST(Loudness, ASlotOfItsOwnIsAsInTheSchedule) {
