@@ -69,7 +69,7 @@ void add_touch_options(CLI::App& app, TouchOptions& options) {
                  "contacts no farther apart than this are in one finger");
   group.integer("--min-points", p.min_points, 1, 1u << 30, "contacts that make a finger");
   group.quantity("--finger-width", p.finger_width_m, Quantity::length, {0, 1},
-                 "patches of skin on two sides of a finger are no wider; 0 joins none");
+                 "depth cameras: no finger is wider, so what is is split, and patches are joined; 0: neither");
   group.choice("--cluster", p.cluster, touch::cluster_words,
                "what is clustered into fingers: contacts, or all skin inside a solid");
   group.integer("--foci", p.foci, 1, touch::max_foci, "foci per finger");

@@ -14,61 +14,17 @@ using shader::BridgePair;
 using shader::BridgePatch;
 using shader::Float3;
 
-struct Sample {
-  Float3 position, normal;
-};
-
 struct Patch {
-  std::vector<Sample> samples;  ///< in the order of the hash
+  std::vector<SkinSample> samples;  ///< in the order of the hash
   BridgePatch record{};
 };
 
-std::uint32_t raw_at(const Sight& sight, std::size_t camera, std::uint32_t u, std::uint32_t v) {
-  return sight.images[camera].depth[std::size_t{v} * sight.cameras[camera].width + u];
-}
-
-Float3 point_of(const Sight& sight, std::size_t c, std::uint32_t u, std::uint32_t v) {
-  const BridgeCamera& camera = sight.cameras[c];
-  const glm::vec2& ray = sight.tables.rays[camera.first_pixel + std::size_t{v} * camera.pitch + u];
-  return pixel_point(camera, raw_at(sight, c, u, v), {ray.x, ray.y});
-}
-
-Float3 normal_at(const Sight& sight, std::uint32_t point) {
-  std::size_t c = 0;
-  while (c + 1 < sight.cameras.size() && point >= sight.cameras[c + 1].first_index)
-    ++c;
-  const BridgeCamera& camera = sight.cameras[c];
-  const std::uint32_t v = (point - camera.first_index) / camera.width, u = (point - camera.first_index) % camera.width;
-  constexpr std::uint32_t far = shader::bridge_normal_pixels;
-  const Float3 nothing{0, 0, 0};
-  return skin_normal(camera, point_of(sight, c, u, v), u >= far ? point_of(sight, c, u - far, v) : nothing,
-                     u + far < camera.width ? point_of(sight, c, u + far, v) : nothing,
-                     v >= far ? point_of(sight, c, u, v - far) : nothing,
-                     v + far < camera.height ? point_of(sight, c, u, v + far) : nothing);
-}
-
 Patch make_patch(const Sight& sight, const Touch& touch, const Finger& finger) {
-  constexpr std::uint32_t none = 0xffffffffU;
-  std::array<std::uint32_t, shader::bridge_samples> least{};
-  least.fill(none);
-  for (const std::uint32_t i : finger.contacts) {
-    const std::uint32_t hash = i * shader::bridge_hash;
-    std::uint32_t& slot = least[hash >> shader::bridge_sample_shift];
-    slot = std::min(slot, hash);
-  }
-  Patch patch;
-  for (const std::uint32_t hash : least) {
-    if (hash == none) continue;
-    const std::uint32_t place = hash * shader::bridge_unhash;
-    const Contact& contact = touch.contacts[place];
-    const glm::vec3& p = contact.position;
-    const Float3 normal = normal_at(sight, contact.point);
-    if (dot3(normal, normal) > 0) patch.samples.push_back({{p.x, p.y, p.z}, normal});
-  }
+  Patch patch{sample_skin(sight, touch, finger)};
   if (patch.samples.empty()) return patch;
   const Float3 first = patch.samples.front().position;
   Float3 low = first, high = first, sum{0, 0, 0};
-  for (const Sample& sample : patch.samples) {
+  for (const SkinSample& sample : patch.samples) {
     const Float3& p = sample.position;
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
@@ -93,10 +49,10 @@ struct Way {
   float apart, own, other;  ///< length, and the cosines at its ends
 };
 
-Way way_across(const Sample& sample, const Patch& other) {
+Way way_across(const SkinSample& sample, const Patch& other) {
   float nearest = 3.0e38F;
-  const Sample* there = &other.samples.front();
-  for (const Sample& candidate : other.samples) {
+  const SkinSample* there = &other.samples.front();
+  for (const SkinSample& candidate : other.samples) {
     const float square = square_apart(sample.position, candidate.position);
     if (square >= nearest) continue;
     nearest = square;
@@ -110,7 +66,7 @@ Way way_across(const Sample& sample, const Patch& other) {
 bool is_too_wide(const Patch& a, const Patch& b, const Float3& line, float finger_width) {
   float low = 3.0e38F, high = -3.0e38F;
   for (const Patch* patch : {&a, &b}) {
-    for (const Sample& sample : patch->samples) {
+    for (const SkinSample& sample : patch->samples) {
       const float along = dot3(sample.position, line);
       low = std::min(low, along);
       high = std::max(high, along);
@@ -123,11 +79,11 @@ bool is_too_wide(const Patch& a, const Patch& b, const Float3& line, float finge
 BridgePair face(const Patch& a, const Patch& b) {
   shader::Evidence e = shader::no_evidence();
   std::vector<Way> from_a, from_b;
-  for (const Sample& sample : a.samples) {
+  for (const SkinSample& sample : a.samples) {
     from_a.push_back(way_across(sample, b));
     e = with_length(e, from_a.back().apart);
   }
-  for (const Sample& sample : b.samples) {
+  for (const SkinSample& sample : b.samples) {
     from_b.push_back(way_across(sample, a));
     e = with_length(e, from_b.back().apart);
   }

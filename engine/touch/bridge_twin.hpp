@@ -8,21 +8,10 @@
 // The surest pair is joined first; two patches that cannot be one finger are never joined through a third.
 #pragma once
 
-#include <span>
-
-#include "sensing/depth_source.hpp"
-#include "sensing/rays.hpp"
-#include "shaders/bridge.h"
+#include "touch/sight.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
-
-/// What the cameras saw. One picture per camera.
-struct Sight {
-  std::span<const shader::BridgeCamera> cameras;  ///< bridge_cameras()
-  const sensing::RayTables& tables;
-  std::span<const sensing::DepthFrame> images;
-};
 
 /// C++ twin of BridgePass: joins fingers of `out`, whose contacts' points are pixels of the pictures. The arithmetic is
 /// the same; where a device divides and takes roots exactly, so are the decisions.

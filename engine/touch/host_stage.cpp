@@ -8,6 +8,7 @@
 #include "touch/fingers_twin.hpp"
 #include "touch/foci_twin.hpp"
 #include "touch/sections_twin.hpp"
+#include "touch/split_twin.hpp"
 
 namespace palpa::touch {
 
@@ -47,6 +48,8 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
   find_fingers(parameters, solids_, out);
   done("fingers");
   if (sight && parameters.finger_width_m > 0) {
+    split_fingers(*sight, parameters, out);
+    done("split");
     bridge_fingers(*sight, parameters, out);
     done("bridge");
   }

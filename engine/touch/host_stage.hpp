@@ -22,7 +22,8 @@ namespace palpa::touch {
 
 class HostStage {
  public:
-  /// Called after each part with its name: "skin", "contacts", "fingers", "bridge", "sections", "follow", "foci".
+  /// Called after each part with its name: "skin", "contacts", "fingers", "split", "bridge", "sections", "follow",
+  /// "foci".
   using Mark = std::function<void(const char*)>;
 
   /// Without cameras every frame is a set of skin points. There is room for any frame, and contacts are there whatever

@@ -10,12 +10,15 @@ void Passes::prepare(const PreparedSolids& solids, const sensing::RayTables& tab
   if (!tables.cameras.empty()) skin_.prepare(tables);
   contacts_.prepare(solids, setting.parameters);
   fingers_.prepare(setting.parameters);
-  if (bridges(tables, setting.parameters) && !bridge_) bridge_.emplace(device_);
+  if (looks_again(tables, setting.parameters)) {
+    if (!split_) split_.emplace(device_);
+    if (!bridge_) bridge_.emplace(device_);
+  }
   if (setting.follow && !follow_) follow_.emplace(device_);
   if (setting.glides() && !glide_) glide_.emplace(device_);
 }
 
-bool bridges(const sensing::RayTables& tables, const Parameters& parameters) {
+bool looks_again(const sensing::RayTables& tables, const Parameters& parameters) {
   return !tables.cameras.empty() && parameters.finger_width_m > 0;
 }
 

@@ -13,6 +13,7 @@
 #include "touch/glide_pass.hpp"
 #include "touch/prepared_solids.hpp"
 #include "touch/sections_pass.hpp"
+#include "touch/split_pass.hpp"
 #include "touch/stage_setting.hpp"
 
 namespace palpa::touch {
@@ -37,6 +38,7 @@ class Passes {
   sensing::SkinPass skin_;
   ContactsPass contacts_;
   FingersPass fingers_;
+  std::optional<SplitPass> split_;
   std::optional<BridgePass> bridge_;
   SectionsPass sections_;
   std::optional<FollowPass> follow_;
@@ -44,7 +46,8 @@ class Passes {
   std::optional<GlidePass> glide_;
 };
 
-/// Whether patches of fingers are joined across hidden skin: that needs cameras.
-bool bridges(const sensing::RayTables& tables, const Parameters& parameters);
+/// Whether depth frames say which clusters are fingers: what is several is split, patches are joined across hidden
+/// skin.
+bool looks_again(const sensing::RayTables& tables, const Parameters& parameters);
 
 }  // namespace palpa::touch

@@ -99,7 +99,20 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                            .deep = m.deep_.ref()},
                           m.fingers_scratch_, m.room_, parameters, times);
   gpu::compute_to_compute(commands);
-  if (bridges(tables_, parameters)) {
+  if (looks_again(tables_, parameters)) {
+    passes_.split_->record(commands,
+                           {.depth = m.depth_.ref(),
+                            .rays = rays_.ref(),
+                            .cameras = bridge_cameras_.ref(),
+                            .total = m.total_.ref(),
+                            .contacts = m.contacts_.ref(),
+                            .parents = m.parents_.ref(),
+                            .clusters = m.clusters_.ref(),
+                            .header = m.header_.ref(),
+                            .fingers = m.fingers_.ref()},
+                           m.split_scratch_, m.room_, parameters);
+    gpu::compute_to_compute(commands);
+    mark("split");
     passes_.bridge_->record(commands,
                             {.depth = m.depth_.ref(),
                              .rays = rays_.ref(),

@@ -56,8 +56,8 @@ class Stage {
   /// Records all that turns the frame's input, captured at `time_s`, into foci, and the readback that the setting asks
   /// for. Where fingers are followed: record frames in the order of their capture, and submit them in the order of
   /// their recording. With `times`, marks the names of SkinPass (depth frames only), ContactsPass, FingersPass,
-  /// "bridge", SectionsPass, "follow", "foci" and "glide", those that run. Barriers: the submit that used `memory`
-  /// before has completed. Allocates nothing.
+  /// "split", "bridge", SectionsPass, "follow", "foci" and "glide", those that run. Barriers: the submit that used
+  /// `memory` before has completed. Allocates nothing.
   void record(VkCommandBuffer commands, StageMemory& memory, double time_s = 0, gpu::Timestamps* times = nullptr);
 
  private:
@@ -106,7 +106,7 @@ class StageMemory {
   gpu::Upload solids_;             // where they are
   gpu::Buffer seen_, seen_total_;  // skin points of depth frames
   gpu::Buffer total_, parents_, clusters_, grouped_;
-  gpu::Scratch skin_scratch_, contacts_scratch_, fingers_scratch_, bridge_scratch_, sections_scratch_;
+  gpu::Scratch skin_scratch_, contacts_scratch_, fingers_scratch_, split_scratch_, bridge_scratch_, sections_scratch_;
   gpu::Readback contacts_, deep_, deep_total_, header_, fingers_, foci_;
   gpu::TexelView contact_texels_, solid_texels_, grouped_texels_;
 };

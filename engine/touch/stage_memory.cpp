@@ -58,7 +58,8 @@ void StageMemory::make(const Room& room) {
     seen_ = gpu::Buffer(device, tables.pixels * sizeof(sensing::SkinPoint), "skin points");
     seen_total_ = gpu::Buffer(device, sizeof(shader::ScanTotal), "skin total");
     skin_scratch_ = gpu::Scratch(device, sensing::SkinPass::scratch(tables), "skin");
-    if (bridges(tables, stage_->setting_.parameters)) {
+    if (looks_again(tables, stage_->setting_.parameters)) {
+      split_scratch_ = gpu::Scratch(device, SplitPass::scratch(), "split");
       bridge_scratch_ = gpu::Scratch(device, BridgePass::scratch(), "bridge");
     }
   } else {
@@ -76,7 +77,7 @@ void StageMemory::make(const Room& room) {
   deep_total_ = gpu::Readback(device, sizeof(shader::ScanTotal), "deep total");
   contacts_scratch_ = gpu::Scratch(device, ContactsPass::scratch(room), "contacts");
   parents_ = gpu::Buffer(device, clustered * 4, "finger parents");
-  clusters_ = gpu::Buffer(device, clustered * sizeof(shader::Cluster), "finger clusters");
+  clusters_ = gpu::Buffer(device, (clustered + split_clusters) * sizeof(shader::Cluster), "finger clusters");
   header_ = gpu::Readback(device, sizeof(shader::TouchHeader), "touch header");
   fingers_ = gpu::Readback(device, std::uint64_t{max_fingers} * sizeof(shader::FingerRecord), "fingers");
   fingers_scratch_ = gpu::Scratch(device, FingersPass::scratch(room), "fingers");

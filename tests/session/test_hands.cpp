@@ -241,6 +241,30 @@ TEST(Hands, FiveFingertipsOnOneArch) {
   expect_own_foci(inside);
 }
 
+TEST(Hands, RingAndMiddleFingerInAPlateAreTwo) {
+  PALPA_SHARED_OR_SKIP(image, "depth-hand-sr305-ondris/20210326-230536_90.png");
+  // A right hand, fingers up, side by side; a plate of 3 mm that they lie in. Between ring and middle finger (columns
+  // 297 to 312 and 315 to 331) there is a gap of a few pixels without data, and a place where they touch.
+  const Seen seen =
+      look("plate", sr305(), band(sr305(), {{268, 200}, {370, 200}}, {{268, 135}, {370, 135}}, 0.563, 0.566), image);
+  const auto holds_both = [&](const touch::Touch& touch) {
+    int both = 0;
+    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+      std::size_t ring = 0, middle = 0;
+      for (const std::uint32_t i : touch.fingers[f].contacts) {
+        const std::uint32_t u = touch.contacts[i].point % 640;
+        ring += u >= 297 && u < 312 ? 1 : 0;
+        middle += u >= 315 && u < 331 ? 1 : 0;
+      }
+      const std::size_t all = touch.fingers[f].contacts.size();
+      both += 10 * ring >= all && 10 * middle >= all ? 1 : 0;
+    }
+    return both;
+  };
+  EXPECT_EQ(holds_both(touch_on_device(seen, {.finger_width_m = 0})), 1);
+  EXPECT_EQ(holds_both(touch_on_device(seen)), 0);
+}
+
 TEST(Hands, TenFingertipsOnOneBody) {
   PALPA_SHARED_OR_SKIP(folder, "depth-hand-kinect1-candescent");
   const std::vector<HandTip> tips = test::read_tips(folder / "two_hands_labels.csv");

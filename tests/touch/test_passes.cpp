@@ -27,6 +27,7 @@
 #include "spirv/sections_axes.comp.hpp"
 #include "spirv/sections_count.comp.hpp"
 #include "spirv/sections_group.comp.hpp"
+#include "spirv/split_sample.comp.hpp"
 #include "support/device.hpp"
 #include "support/spirv.hpp"
 #include "touch/harness.hpp"
@@ -285,6 +286,13 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                 true);
   const auto count = palpa::test::read_spirv(spirv::sections_count_comp);
   expect_struct(count, "SectionsPush", sizeof(shader::SectionsPush), {MEMBER(SectionsPush, most_contacts)}, false);
+  const auto split = palpa::test::read_spirv(spirv::split_sample_comp);
+  expect_struct(split, "SplitPush", sizeof(shader::SplitPush),
+                {MEMBER(SplitPush, most_contacts), MEMBER(SplitPush, cameras), MEMBER(SplitPush, finger_width)}, false);
+  expect_struct(split, "SplitState", sizeof(shader::SplitState),
+                {MEMBER(SplitState, kind), MEMBER(SplitState, samples), MEMBER(SplitState, parts_low),
+                 MEMBER(SplitState, parts_high), MEMBER(SplitState, root)},
+                true);
   const auto follow = palpa::test::read_spirv(spirv::follow_comp);
   expect_struct(follow, "FollowPush", sizeof(shader::FollowPush),
                 {MEMBER(FollowPush, elapsed_us), MEMBER(FollowPush, steady), MEMBER(FollowPush, memory_us)}, false);

@@ -95,7 +95,8 @@ std::vector<Sighting> follow(const Walk& walk, const std::vector<sensing::FrameS
                              Backend backend) {
   const auto rig = paper_cameras(cameras);
   const auto solids = plate();
-  const StageSetting setting{.parameters = {.finger_width_m = 0.016}, .follow = true};
+  // Clusters as they are, so that fingers do merge: what the pictures say of them would keep some apart.
+  const StageSetting setting{.parameters = {.finger_width_m = 0}, .follow = true};
   std::vector<Sighting> sightings;
   const auto note = [&](const Touch& touch, double time_s) {
     const auto tips = walk.tips(time_s);

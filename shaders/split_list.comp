@@ -1,0 +1,91 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "fingers.h"
+#include "split_math.h"
+
+// The list of fingers once more, in the order of their smallest contacts: parts in place of what was split, without what no
+// surface supports. A single group, one finger per thread.
+layout(local_size_x = 64) in;
+
+layout(std430, set = 0, binding = split_list_header) buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = split_list_fingers) buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = split_list_states) readonly buffer States { SplitState states[]; };
+layout(std430, set = 0, binding = split_list_clusters) readonly buffer Clusters { Cluster clusters[]; };
+layout(push_constant) uniform Push { SplitPush push; };
+
+shared uint kinds[bridge_fingers];
+shared uint firsts[bridge_fingers];
+shared uvec2 parts[bridge_fingers];  // those that are fingers
+shared uint changed;
+
+bool holds(uvec2 set, uint part) {
+  return ((part < 32u ? set.x : set.y) >> part % 32u & 1u) != 0u;
+}
+Cluster part_of(uint finger, uint part) {
+  return clusters[push.most_contacts + finger * split_numbers + part];
+}
+
+// How many fingers begin before a contact.
+uint rank_of(uint contact, uint count) {
+  uint rank = 0u;
+  for (uint f = 0u; f < count; ++f) {
+    if (kinds[f] == split_several) {
+      for (uint p = 0u; p < split_numbers; ++p) {
+        if (holds(parts[f], p) && part_of(f, p).smallest < contact) ++rank;
+      }
+    } else if (kinds[f] != split_ghost && firsts[f] < contact) {
+      ++rank;
+    }
+  }
+  return rank;
+}
+
+void main() {
+  const uint thread = gl_LocalInvocationIndex;
+  const uint count = min(header.fingers, bridge_fingers);
+  const uint least = max(push.min_points, 1u);
+  if (thread == 0u) changed = 0u;
+  barrier();
+  FingerRecord record;
+  if (thread < count) {
+    record = fingers[thread];
+    const SplitState state = states[thread];
+    kinds[thread] = state.kind;
+    firsts[thread] = record.first;
+    uvec2 set = uvec2(0u);
+    if (state.kind == split_several) {
+      const uvec2 all = uvec2(state.parts_low, state.parts_high);
+      for (uint p = 0u; p < split_numbers; ++p) {
+        if (holds(all, p) && part_of(thread, p).size >= least) set |= p < 32u ? uvec2(1u << p, 0u) : uvec2(0u, 1u << (p - 32u));
+      }
+    }
+    parts[thread] = set;
+    if (state.kind == split_several || state.kind == split_ghost) changed = 1u;
+  }
+  barrier();
+  if (changed == 0u) return;  // the whole group
+
+  if (thread < count && kinds[thread] == split_several) {
+    for (uint p = 0u; p < split_numbers; ++p) {
+      if (!holds(parts[thread], p)) continue;
+      const Cluster part = part_of(thread, p);
+      const uint rank = rank_of(part.smallest, count);
+      if (rank >= fingers_most) continue;
+      fingers[rank].first = part.smallest;
+      fingers[rank].solid = record.solid;
+      fingers[rank].contacts = part.size;
+    }
+  } else if (thread < count && kinds[thread] != split_ghost) {
+    const uint rank = rank_of(record.first, count);
+    if (rank < fingers_most) {
+      fingers[rank].first = record.first;
+      fingers[rank].solid = record.solid;
+      fingers[rank].contacts = record.contacts;
+    }
+  }
+  if (thread == 0u) {
+    const uint total = rank_of(0xffffffffu, count);
+    header.clusters = header.clusters - count + total;
+    header.fingers = min(total, fingers_most);
+  }
+}
