@@ -6,12 +6,14 @@
 #include <cmath>
 
 #include "array/board_mesh.hpp"
+#include "array/loudness.hpp"
 #include "base/error.hpp"
 #include "fakes.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/ply.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
+#include "session/foci_pressures.hpp"
 #include "session/session.hpp"
 #include "support/device.hpp"
 #include "support/shared_data.hpp"
@@ -128,6 +130,53 @@ TEST_P(Touching, RefusesWhatCannotSound) {
   setting = {.solids = cube(0.001)};
   setting.safety.ceiling = std::nan("");
   EXPECT_THROW(make(setting), Error);
+}
+
+TEST_P(Touching, AsksForAPressureAndTellsWhatItReaches) {
+  const array::Layout board = array::load_layout("openmpd");
+  SessionSetting setting{.solids = cube(0.003), .layout = transformed(board, board.default_T_world_layout)};
+  setting.schedule.voice.pressure_pa = 1500;
+  setting.solids[0].haptics.intensity = 0.5;
+  Session session = make(setting);
+  session.touch(finger_at({0, -0.003, 0}), 0);
+  ASSERT_EQ(session.schedule().voice_count, 1U);
+  EXPECT_NEAR(session.schedule().voices[0].reached_pa.value_or(0), 750, 1);
+  const auto pressures = foci_pressures(session.plan(), session.setting());
+  for (const double pressure : pressures[0])
+    EXPECT_NEAR(pressure, 750, 2);
+
+  setting.solids[0].haptics.pressure_pa = 500;  // the solid's own goes first
+  Session own = make(setting);
+  own.touch(finger_at({0, -0.003, 0}), 0);
+  EXPECT_NEAR(own.schedule().voices[0].reached_pa.value_or(0), 250, 1);
+
+  setting.drive.solver = array::Solver::greedy;
+  EXPECT_THROW(make(setting), Error);
+  setting.drive.solver = array::Solver::naive;
+  setting.schedule.voice.pressure_pa = 2e5;
+  EXPECT_THROW(make(setting), Error);
+}
+
+TEST(SessionPressures, HoldWhereSlotsDoNotRepeatSoonEnoughToBeListed) {
+  SessionSetting setting{.layout = array::load_layout("openmpd")};
+  Plan plan;
+  for (const double x : {-0.015, 0.015}) {
+    array::Voice& voice = plan.schedule.add_voice();
+    for (int j = 0; j < 7; ++j)
+      voice.foci.emplace_back(x + 2e-3 * std::cos(0.9 * j), 2e-3 * std::sin(0.9 * j), 0.15);
+    array::fill_order(7, 2, voice.order);
+    voice.dwell_s = x < 0 ? 1.5e-3 : 1.637e-3;
+    voice.pressure_pa = x < 0 ? 1000 : 500;
+  }
+  array::Loudness loudness(setting.layout, setting.drive);
+  SlotWork work;
+  plan_slots(plan, work, &loudness, [](const auto&, const auto&) { FAIL() << "nothing is listed"; });
+  ASSERT_EQ(plan.cycle, 0U);
+  const auto pressures = foci_pressures(plan, setting);
+  for (int j = 0; j < 7; ++j) {
+    EXPECT_NEAR(pressures[0][j], 1000, 5);
+    EXPECT_NEAR(pressures[1][j], 500, 5);
+  }
 }
 
 TEST(SessionGrows, WithTheCloudItIsGiven) {
