@@ -210,23 +210,29 @@ void expect_heard(const array::Layout& layout, const Played& played, std::size_t
 
 const Vec3 left_tip(-0.015, -3e-3, 0), right_tip(0.015, -3e-3, 0);
 
-TEST(CliPressure, AFingerHasItInEverySlotWhateverElseSounds) {
-  const array::Layout layout = posed("paper");
-  const std::string scene = two_boxes("plain", {}, {});
-  const std::string one = film("one", {left_tip}), two = film("two", {left_tip, right_tip});
-  const Played alone = play(scene, one, {"--backend", "cpu", "--pressure", "8kPa"});
+TEST(CliPressure, AFingerHasItInEverySlot) {
+  const Played alone =
+      play(two_boxes("plain", {}, {}), film("one", {left_tip}), {"--backend", "cpu", "--pressure", "8kPa"});
   ASSERT_EQ(alone.fingers.size(), 1u);
-  expect_heard(layout, alone, 0, 8e3);
-  for (const std::string backend : {"cpu", "gpu"}) {
-    const Played both = play(scene, two, {"--backend", backend, "--pressure", "8kPa"});
-    ASSERT_EQ(both.fingers.size(), 2u);
-    for (const std::size_t finger : {0u, 1u})
-      expect_heard(layout, both, finger, 8e3);
-    EXPECT_EQ(both.warnings, std::vector<std::string>{});
-    ASSERT_EQ(both.stats["fingers"].size(), 2u);
-    EXPECT_EQ(both.stats["fingers"][0]["solid"], "left");
-    EXPECT_NEAR(both.stats["fingers"][0]["pressure_pa"]["least"], 8e3, 80);
-  }
+  expect_heard(posed("paper"), alone, 0, 8e3);
+}
+
+class PressureOn : public testing::TestWithParam<std::string> {};
+std::string backend_of(const testing::TestParamInfo<std::string>& info) {
+  return info.param;
+}
+INSTANTIATE_TEST_SUITE_P(Backends, PressureOn, testing::Values("cpu", "gpu"), backend_of);
+
+TEST_P(PressureOn, TwoFingersEachHaveWhatOneAloneHas) {
+  const Played both = play(two_boxes("plain", {}, {}), film("two", {left_tip, right_tip}),
+                           {"--backend", GetParam(), "--pressure", "8kPa"});
+  ASSERT_EQ(both.fingers.size(), 2u);
+  for (const std::size_t finger : {0u, 1u})
+    expect_heard(posed("paper"), both, finger, 8e3);
+  EXPECT_EQ(both.warnings, std::vector<std::string>{});
+  ASSERT_EQ(both.stats["fingers"].size(), 2u);
+  EXPECT_EQ(both.stats["fingers"][0]["solid"], "left");
+  EXPECT_NEAR(both.stats["fingers"][0]["pressure_pa"]["least"], 8e3, 80);
 }
 
 TEST(CliPressure, LeftOutTheSecondFingerTakesFromTheFirstAndNothingIsToldOfPressures) {
