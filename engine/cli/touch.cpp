@@ -289,8 +289,7 @@ void run(const TouchCommand& o) {
   const bool sounds = !o.array.layout.empty();
   const std::vector<std::vector<double>> pressures =
       sounds ? session::foci_pressures(one.session.plan(), one.session.setting()) : std::vector<std::vector<double>>();
-  if (const auto fault = session::unreached(one.session.schedule(), one.session.solid_names()))
-    log::warning(*fault);
+  if (const auto fault = session::unreached(one.session.schedule(), one.session.solid_names())) log::warning(*fault);
   const double total_ms = whole.lap_ms();
   const bool summed_up = setup::shows_summary(o.common, outputs);
   const TouchReport report{
