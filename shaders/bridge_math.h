@@ -10,6 +10,8 @@ PALPA_CONST bridge_normal_pixels = 2u;
 #define PALPA_BRIDGE_STEP 4e-3f
 // How much farther than a place a camera must have seen something to say that the place is empty.
 #define PALPA_BRIDGE_CLEAR 4e-3f
+// No pixel's ray leans this far: tables hold more where there is none.
+#define PALPA_BRIDGE_NO_RAY 1e17f
 // Contacts this much farther apart than the nearest are no longer those that face each other.
 #define PALPA_BRIDGE_FACING 2e-3f
 
@@ -65,10 +67,10 @@ PALPA_FN bool sees_through(BridgeCamera camera, uint raw, float depth) {
   return raw >= camera.first_depth && seen > depth + PALPA_BRIDGE_CLEAR;
 }
 
-// A pixel's point in camera coordinates; depth 0 where there is no data.
+// A pixel's point in camera coordinates; depth 0 where there is no data, no ray, or what its camera ignores.
 PALPA_FN Float3 pixel_point(BridgeCamera camera, uint raw, Float2 ray) {
   PALPA_EXACT Float3 p;
-  p.z = raw >= camera.first_depth ? float(raw) * camera.depth_unit : 0.0f;
+  p.z = raw >= camera.first_depth && ray.x < PALPA_BRIDGE_NO_RAY ? float(raw) * camera.depth_unit : 0.0f;
   p.x = ray.x * p.z;
   p.y = ray.y * p.z;
   return p;

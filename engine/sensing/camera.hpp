@@ -3,13 +3,21 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/math.hpp"
+#include "sensing/pixel_box.hpp"
 
 namespace palpa::sensing {
+
+/// Which pixels of a camera may be skin.
+struct Mask {
+  std::string file;                  ///< where it came from, and under which name it is written into a TOML
+  std::vector<std::uint8_t> pixels;  ///< width * height of the camera, rows from the top; 0: ignored
+};
 
 /// Camera frame: x right, y down, z forward; pixel centres at integers. Depth is the z coordinate, not the ray's
 /// length.
@@ -22,7 +30,18 @@ struct Camera {
   double min_range_m = 0;                 ///< depths nearer than this are no data
   double rate_hz = 0;                     ///< frames per second
   Transform T_world_camera{1.0};
+  std::optional<PixelBox> roi;       ///< pixels outside are ignored; not empty and within the image
+  std::shared_ptr<const Mask> mask;  ///< may be none; never changes, copies of a camera share it
 };
+
+/// Ignored pixels hold no skin, whatever their depth. Sleeves and table tops are no skin.
+inline bool ignores_pixels(const Camera& camera) {
+  return camera.roi || camera.mask;
+}
+inline bool is_ignored(const Camera& camera, std::uint32_t u, std::uint32_t v) {
+  if (camera.roi && !contains(*camera.roi, u, v)) return true;
+  return camera.mask && camera.mask->pixels[std::size_t{v} * camera.width + u] == 0;
+}
 
 /// Pixel of a point in camera coordinates (z > 0), distorted.
 Vec2 project(const Camera& camera, const Vec3& point_camera);

@@ -13,6 +13,10 @@ struct PixelBox {
   bool empty() const { return x0 >= x1 || y0 >= y1; }
 };
 
+inline bool contains(const PixelBox& box, std::uint32_t u, std::uint32_t v) {
+  return u >= box.x0 && u < box.x1 && v >= box.y0 && v < box.y1;
+}
+
 /// The least box around both.
 inline PixelBox around(const PixelBox& a, const PixelBox& b) {
   if (a.empty() || b.empty()) return a.empty() ? b : a;

@@ -91,25 +91,32 @@ TileRange find_tiles(const CameraTable& table, const glm::vec2& low, const glm::
   return range;
 }
 
+bool is_distorted(const Camera& camera) {
+  return std::any_of(camera.distortion.begin(), camera.distortion.end(), [](double k) { return k != 0; });
+}
+
 void fill_rays(const Camera& camera, CameraTable& table, std::span<glm::vec2> rays) {
   const Lens lens(camera.distortion, true);
+  const bool distorted = is_distorted(camera);
   for (std::uint32_t v = 0; v < table.height; ++v) {
     std::optional<Vec2> guess;  // the neighbour's ray
     glm::vec2* row = rays.data() + std::size_t{v} * table.pitch;
     for (std::uint32_t u = 0; u < table.width; ++u) {
-      if (table.pinhole) {
-        row[u] = glm::vec2((static_cast<float>(u) - table.cx) * table.per_fx,
-                           (static_cast<float>(v) - table.cy) * table.per_fy);
-      } else {
+      glm::vec2 ray((static_cast<float>(u) - table.cx) * table.per_fx,
+                    (static_cast<float>(v) - table.cy) * table.per_fy);
+      if (distorted) {
         const Vec2 target{(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy};
-        const auto ray = lens.undo(target, guess.value_or(target));
-        guess = ray;
-        if (!ray || !(std::abs(ray->x) < 1e6 && std::abs(ray->y) < 1e6)) continue;
-        row[u] = glm::vec2(*ray);
+        const auto undone = lens.undo(target, guess.value_or(target));
+        guess = undone;
+        if (!undone || !(std::abs(undone->x) < 1e6 && std::abs(undone->y) < 1e6)) continue;
+        ray = glm::vec2(*undone);
       }
+      table.reach = std::max(table.reach, ray.x * ray.x + ray.y * ray.y);
+      if (is_ignored(camera, u, v)) continue;
+      row[u] = ray;
       RayBounds& tile = table.tiles[std::size_t{v / tile_pixels} * table.tiles_x + u / tile_pixels];
-      tile.low = glm::vec2(std::min(tile.low.x, row[u].x), std::min(tile.low.y, row[u].y));
-      tile.high = glm::vec2(std::max(tile.high.x, row[u].x), std::max(tile.high.y, row[u].y));
+      tile.low = glm::vec2(std::min(tile.low.x, ray.x), std::min(tile.low.y, ray.y));
+      tile.high = glm::vec2(std::max(tile.high.x, ray.x), std::max(tile.high.y, ray.y));
     }
   }
 }
@@ -139,7 +146,7 @@ RayTables make_rays(std::span<const Camera> cameras) {
     CameraTable& table = tables.cameras.emplace_back();
     table.width = camera.width;
     table.height = camera.height;
-    table.pinhole = std::all_of(camera.distortion.begin(), camera.distortion.end(), [](double k) { return k == 0; });
+    table.pinhole = !is_distorted(camera) && !ignores_pixels(camera);
     table.cx = static_cast<float>(camera.cx);
     table.cy = static_cast<float>(camera.cy);
     table.per_fx = static_cast<float>(1 / camera.fx);
@@ -235,9 +242,11 @@ void pack_depth(const RayTables& tables, std::span<const DepthFrame> frames, std
 std::uint64_t count_valid(std::span<const Camera> cameras, std::span<const DepthFrame> frames) {
   std::uint64_t valid = 0;
   for (std::size_t i = 0; i < std::min(cameras.size(), frames.size()); ++i) {
-    const std::uint32_t first = first_valid_depth(cameras[i]);
-    for (const std::uint16_t depth : frames[i].depth)
-      valid += depth >= first;
+    const Camera& camera = cameras[i];
+    const std::uint32_t first = first_valid_depth(camera);
+    const std::vector<std::uint16_t>& depth = frames[i].depth;
+    for (std::uint32_t pixel = 0; pixel < std::min<std::uint64_t>(depth.size(), pixel_count(camera)); ++pixel)
+      valid += depth[pixel] >= first && !is_ignored(camera, pixel % camera.width, pixel / camera.width);
   }
   return valid;
 }

@@ -29,15 +29,16 @@ struct CameraTable {
   std::uint32_t pitch = 0;        ///< pixels from row to row, a multiple of block_pixels
   std::uint64_t first_pixel = 0;  ///< of the padded arrangement, a multiple of block_pixels
   std::uint64_t first_index = 0;  ///< of the skin points' indices: pixels of the earlier cameras
-  bool pinhole = false;           ///< no distortion: the ray is ((u - cx) * per_fx, (v - cy) * per_fy), in float
+  bool pinhole = false;  ///< nothing distorted or ignored: the ray is ((u - cx) * per_fx, (v - cy) * per_fy), in float
   float cx = 0, cy = 0, per_fx = 0, per_fy = 0;
+  float reach = 0;  ///< the square of the picture's longest ray, those of ignored pixels among them
   std::uint32_t tiles_x = 0, tiles_y = 0;
   std::vector<RayBounds> tile_rows;  ///< tiles_y, each the bounds of its tiles
   std::vector<RayBounds> tiles;      ///< tiles_x * tiles_y, rows from the top
 };
 
-/// Normalised coordinates (x/z, y/z) of every pixel's ray in float. A pixel without a ray, and the padding, hold
-/// no_ray.
+/// Normalised coordinates (x/z, y/z) of every pixel's ray in float. A pixel without a ray or that its camera ignores,
+/// and the padding, hold no_ray.
 struct RayTables {
   std::vector<CameraTable> cameras;
   std::vector<glm::vec2> rays;  ///< padded_pixels of them
@@ -78,7 +79,7 @@ void plan_views(std::span<const Camera> cameras, const RayTables& tables, const 
 /// there is one frame of the right size per camera.
 void pack_depth(const RayTables& tables, std::span<const DepthFrame> frames, std::span<std::uint16_t> packed);
 
-/// Pixels that are data: what `palpa touch` reports as "points" with depth frames.
+/// Pixels that are data and not ignored: what `palpa touch` reports as "points" with depth frames.
 std::uint64_t count_valid(std::span<const Camera> cameras, std::span<const DepthFrame> frames);
 
 }  // namespace palpa::sensing

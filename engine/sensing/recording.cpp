@@ -10,7 +10,7 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/outputs.hpp"
-#include "sensing/png16.hpp"
+#include "sensing/grey_png.hpp"
 #include "sensing/rig_toml.hpp"
 
 namespace palpa::sensing {
@@ -199,7 +199,7 @@ Recording load_recording(const std::filesystem::path& folder_or_toml) {
   TomlTable root = TomlTable::load(toml, "a recording", {.bytes = 4u << 20});
   Recording recording;
   recording.file = toml.string();
-  recording.cameras = read_cameras(root);
+  recording.cameras = read_cameras(root, folder);
   if (recording.cameras.empty()) throw root.fault("", "[[camera]] is missing: a recording needs its cameras");
   auto table = root.table("recording");
   if (!table) throw root.fault("", "[recording] is missing");

@@ -16,8 +16,9 @@ namespace palpa::sensing {
 /// Writes a recording frame by frame. Whatever happens later, the frames written so far can be read back.
 class RecordingWriter {
  public:
-  /// Creates `folder` (its parent must exist; it may exist itself, empty) and writes `recording.toml` into it. Throws
-  /// failure() when that does not work, bad_usage when the folder holds anything already or there is no camera.
+  /// Creates `folder` (its parent must exist; it may exist itself, empty) and writes `recording.toml` and the cameras'
+  /// masks into it. Images keep all that a camera sees, what it ignores as well. Throws failure() when that does not
+  /// work, bad_usage when the folder holds anything already or there is no camera.
   RecordingWriter(const std::filesystem::path& folder, const std::vector<Camera>& cameras);
 
   /// The images, then their line in `times.csv`. False, and nothing is written, where the set's time or number does not

@@ -4,7 +4,7 @@
 
 #include "base/error.hpp"
 #include "base/output_file.hpp"
-#include "sensing/png16.hpp"
+#include "sensing/grey_png.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/rig_toml.hpp"
 
@@ -18,6 +18,17 @@ constexpr std::size_t most_waiting = 1 << 16;
 void put(StreamWriter& out, const std::string& line) {
   constexpr double forever_s = 1e6;
   if (!out.add(line) || !out.flush(forever_s)) out.fail_stalled();
+}
+
+std::string mask_name(std::size_t camera) {
+  return fmt::format("mask-{}.png", camera);
+}
+
+/// As the recording's TOML has it: its mask lies in the folder.
+Camera kept_camera(const Camera& camera, std::size_t index) {
+  Camera kept = camera;
+  if (camera.mask) kept.mask = std::make_shared<Mask>(Mask{mask_name(index), camera.mask->pixels});
+  return kept;
 }
 
 }  // namespace
@@ -36,8 +47,11 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& folder, const std:
   for (std::size_t i = 0; i < cameras.size(); ++i)
     text += fmt::format("{}\"%06d-{}.png\"", i == 0 ? "" : ", ", i);
   text += "]\ntimes = \"times.csv\"\n\n";
-  for (const Camera& camera : cameras)
-    text += to_toml(camera) + "\n";
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const Camera kept = kept_camera(cameras[i], i);
+    if (kept.mask) write_png8(folder / kept.mask->file, kept.width, kept.height, kept.mask->pixels);
+    text += to_toml(kept) + "\n";
+  }
   write_file(folder / "recording.toml", text);
   times_.emplace((folder / "times.csv").string(), most_waiting);
   put(*times_, times_heading(cameras.size()) + "\n");
@@ -72,6 +86,8 @@ void RecordingWriter::discard() {
   std::error_code ignored;
   for (const char* file : {"recording.toml", "times.csv"})
     std::filesystem::remove(folder_ / file, ignored);
+  for (std::size_t i = 0; i < cameras_.size(); ++i)
+    std::filesystem::remove(folder_ / mask_name(i), ignored);
   if (made_folder_) std::filesystem::remove(folder_, ignored);
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/outputs.hpp"
+#include "sensing/grey_png.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/rig_toml.hpp"
 
@@ -15,15 +16,62 @@ namespace {
 constexpr double most_metres = 1e4;
 constexpr std::size_t most_cameras = 64;
 
-/// A layout is a built-in name unless it looks like a file; files are found from where the rig stands.
+/// Files are found from where the rig stands.
+std::string resolve(const std::filesystem::path& folder, const std::string& file) {
+  return std::filesystem::absolute(folder / file).lexically_normal().string();
+}
+
+/// A layout is a built-in name unless it looks like a file.
 std::string resolve_layout(const std::string& layout, const std::filesystem::path& rig_file) {
   const std::filesystem::path path(layout);
   if (path.extension() != ".toml" && layout.find('/') == std::string::npos) return layout;
-  return std::filesystem::absolute(rig_file.parent_path() / path).lexically_normal().string();
+  return resolve(rig_file.parent_path(), layout);
+}
+
+PixelBox read_roi(TomlTable& table, const Camera& camera) {
+  const std::vector<double> n = table.numbers("roi", 4);
+  const auto whole = [](double value) { return value >= 0 && value <= 16384 && value == std::floor(value); };
+  if (!std::all_of(n.begin(), n.end(), whole)) {
+    throw table.fault("roi", "roi must be four whole numbers of pixels: [x, y, width, height]");
+  }
+  const bool empty = n[2] == 0 || n[3] == 0;
+  if (empty || n[0] + n[2] > camera.width || n[1] + n[3] > camera.height) {
+    throw table.fault("roi", fmt::format("roi [{}, {}, {}, {}] {} of {}x{} pixels", n[0], n[1], n[2], n[3],
+                                         empty ? "holds no pixel of the image" : "reaches outside of the image",
+                                         camera.width, camera.height));
+  }
+  const auto pixels = [](double value) { return static_cast<std::uint32_t>(value); };
+  return {pixels(n[0]), pixels(n[1]), pixels(n[0] + n[2]), pixels(n[1] + n[3])};
+}
+
+bool sees_anything(const Camera& camera) {
+  for (std::uint32_t v = 0; v < camera.height; ++v) {
+    for (std::uint32_t u = 0; u < camera.width; ++u) {
+      if (!is_ignored(camera, u, v)) return true;
+    }
+  }
+  return false;
+}
+
+void read_mask(TomlTable& table, const std::filesystem::path& folder, Camera& camera) {
+  auto mask = std::make_shared<Mask>();
+  mask->file = resolve(folder, table.text("mask"));
+  try {
+    read_png8(mask->file, camera.width, camera.height, mask->pixels);
+  } catch (const Error& error) {
+    if (error.code() != Exit::bad_input) throw;
+    throw table.fault("mask", fmt::format("mask {}", error.what()));
+  }
+  camera.mask = std::move(mask);
+  if (!sees_anything(camera)) {
+    throw table.fault("mask", fmt::format("mask {}: leaves this camera no pixel; 0 is what is ignored{}",
+                                          camera.mask->file, camera.roi ? ", and so is what lies outside of roi" : ""));
+  }
 }
 
 }  // namespace
 
+/// Without its mask: that may be read once the cameras are known not to have too many pixels.
 static Camera read_camera(TomlTable& table, std::size_t place) {
   Camera camera;
   camera.name = table.text_or("name", fmt::format("camera {}", place + 1));
@@ -48,11 +96,11 @@ static Camera read_camera(TomlTable& table, std::size_t place) {
   camera.min_range_m = table.number_or("min_range_m", 0, 0, most_metres);
   camera.rate_hz = table.number_or("rate_hz", 0, 0, 1e6);
   if (table.has("T_world_camera")) camera.T_world_camera = table.pose("T_world_camera");
-  table.done();
+  if (table.has("roi")) camera.roi = read_roi(table, camera);
   return camera;
 }
 
-std::vector<Camera> read_cameras(TomlTable& root) {
+std::vector<Camera> read_cameras(TomlTable& root, const std::filesystem::path& folder) {
   std::vector<Camera> cameras;
   for (TomlTable& table : root.tables("camera")) {
     if (cameras.size() == most_cameras) throw table.fault("", fmt::format("more than {} cameras", most_cameras));
@@ -63,6 +111,8 @@ std::vector<Camera> read_cameras(TomlTable& root) {
                                     "palpa takes at most {}",
                                     pixels, block_pixels, most_pixels));
     }
+    if (table.has("mask")) read_mask(table, folder, cameras.back());
+    table.done();
   }
   return cameras;
 }
@@ -71,7 +121,7 @@ Rig load_rig(const std::filesystem::path& file) {
   TomlTable root = TomlTable::load(file, "a rig");
   Rig rig;
   rig.file = file.string();
-  rig.cameras = read_cameras(root);
+  rig.cameras = read_cameras(root, file.parent_path());
   if (auto table = root.table("array")) {
     ArrayPlacement& array = rig.array.emplace();
     array.layout = resolve_layout(table->text("layout"), file);
@@ -108,6 +158,9 @@ std::string to_toml(const Camera& camera) {
   text += fmt::format("depth_unit_m = {}\nmin_range_m = {}\nrate_hz = {}\n", toml_number(camera.depth_unit_m),
                       toml_number(camera.min_range_m), toml_number(camera.rate_hz));
   text += fmt::format("T_world_camera = {}\n", toml_pose(camera.T_world_camera));
+  if (const auto& roi = camera.roi)
+    text += fmt::format("roi = [{}, {}, {}, {}]\n", roi->x0, roi->y0, roi->x1 - roi->x0, roi->y1 - roi->y0);
+  if (camera.mask) text += fmt::format("mask = {}\n", toml_string(camera.mask->file));
   return text;
 }
 

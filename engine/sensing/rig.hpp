@@ -32,9 +32,9 @@ struct Rig {
 /// Throws bad_input naming file, line and key: unknown keys, missing or non-finite values, sizes of zero or above
 /// 16384, more pixels of all cameras than make_rays() takes, distortion that cannot be undone somewhere in the image,
 /// negative focal lengths, units or ranges, poses that are not rigid (4 rows of 4, last row 0 0 0 1, rotation
-/// orthonormal to 1e-4).
+/// orthonormal to 1e-4), a `roi` that is not within the image, a `mask` that read_png8 refuses or that leaves no pixel.
 Rig load_rig(const std::filesystem::path& file);
-/// The same text that load_rig reads; doubles round-trip.
+/// The same text that load_rig reads; doubles round-trip. Masks are named, not written.
 std::string to_toml(const Rig& rig);
 
 }  // namespace palpa::sensing

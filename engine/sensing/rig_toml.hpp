@@ -1,6 +1,7 @@
 // The [[camera]] tables of a rig TOML, which a recording's TOML shares.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -9,8 +10,8 @@
 
 namespace palpa::sensing {
 
-/// Every [[camera]] of the top-level table, at most 64.
-std::vector<Camera> read_cameras(TomlTable& root);
+/// Every [[camera]] of the top-level table, at most 64, with their masks, which are found from `folder`.
+std::vector<Camera> read_cameras(TomlTable& root, const std::filesystem::path& folder);
 
 /// One [[camera]] as read_cameras reads it.
 std::string to_toml(const Camera& camera);

@@ -61,9 +61,22 @@ void SyntheticRig::Layer::copy(const Layer& from, const PixelBox& box, std::uint
   }
 }
 
+/// The same cameras, ignoring nothing: a camera sees what it is told to ignore, too.
+static std::vector<Camera> seeing_all(std::vector<Camera> cameras) {
+  for (Camera& camera : cameras) {
+    camera.roi.reset();
+    camera.mask.reset();
+  }
+  return cameras;
+}
+
 SyntheticRig::SyntheticRig(std::vector<Camera> cameras, const geometry::Mesh& occluders, Noise noise,
                            std::uint64_t seed)
-    : cameras_(std::move(cameras)), tables_(make_rays(cameras_)), views_(cameras_.size()), noise_(noise), seed_(seed) {
+    : cameras_(std::move(cameras)),
+      tables_(make_rays(seeing_all(cameras_))),
+      views_(cameras_.size()),
+      noise_(noise),
+      seed_(seed) {
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     Layer& still = views_[i].still;
     still.depth.assign(pixel_count(cameras_[i]), beyond);

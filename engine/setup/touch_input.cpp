@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "geometry/ply.hpp"
-#include "sensing/png16.hpp"
+#include "sensing/grey_png.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/rig.hpp"
 #include "setup/assets.hpp"

@@ -1,6 +1,5 @@
 #include "touch/bridge_cameras.hpp"
 
-#include <algorithm>
 #include <glm/matrix.hpp>
 
 namespace palpa::touch {
@@ -9,17 +8,6 @@ namespace {
 shader::vec4 row_of(const Transform& T, int row) {
   return {static_cast<float>(T[0][row]), static_cast<float>(T[1][row]), static_cast<float>(T[2][row]),
           static_cast<float>(T[3][row])};
-}
-
-/// The square of the longest ray, and a little more for rounding.
-float reach_of(const sensing::CameraTable& table, std::span<const glm::vec2> rays) {
-  float longest = 0;
-  for (std::uint32_t v = 0; v < table.height; ++v) {
-    for (const glm::vec2& ray : rays.subspan(table.first_pixel + std::size_t{v} * table.pitch, table.width)) {
-      if (ray.x != sensing::no_ray) longest = std::max(longest, ray.x * ray.x + ray.y * ray.y);
-    }
-  }
-  return longest * 1.01F;
 }
 
 }  // namespace
@@ -43,7 +31,7 @@ std::vector<shader::BridgeCamera> bridge_cameras(std::span<const sensing::Camera
                    .lens = {single(camera.fx), single(camera.fy), single(camera.cx), single(camera.cy)},
                    .distortion = {single(k1), single(k2), single(p1), single(p2)},
                    .k3 = single(k3),
-                   .reach = reach_of(table, tables.rays),
+                   .reach = table.reach * 1.01F,  // a little more for rounding
                    .depth_unit = single(camera.depth_unit_m),
                    .first_depth = sensing::first_valid_depth(camera),
                    .width = table.width,

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "boxes.hpp"
-#include "sensing/png16.hpp"
+#include "sensing/grey_png.hpp"
 #include "sensing/rig.hpp"
 #include "support/hand_tips.hpp"
 #include "support/shared_data.hpp"
@@ -224,6 +224,55 @@ TEST_P(Hands, TwoPatchesOfAFingertipAreOneFingerUnlessNoWidthIsAllowed) {
   EXPECT_EQ(run_touch(line).fingers.size(), 2u);
   line.back() = "0";
   EXPECT_EQ(run_touch(line).fingers.size(), 2u);
+}
+
+/// The same fingertip, and a rig that ignores some of it: what is left touches as it did.
+TEST_P(Hands, WhatACameraIgnoresIsNoSkin) {
+  const fs::path folder = scratch_folder("ignored");
+  auto cameras = touch::test::ring_of_cameras(2, 20, 30);
+  const auto images = touch::test::images_of(cameras, {{.press_m = 5e-3}}, 1);
+  std::vector<std::string> line{"--scene", source_file("assets/cube.glb").string(), "--backend", GetParam(),
+                                "--rig",   (folder / "rig.toml").string()};
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const fs::path image = folder / (std::to_string(i) + ".png");
+    sensing::write_png16(image, cameras[i].width, cameras[i].height, images[i].depth);
+    line.insert(line.end(), {"--depth", image.string()});
+  }
+  std::ofstream(folder / "rig.toml") << sensing::to_toml({.file = {}, .cameras = cameras});
+  const TouchReport all = run_touch(line);
+
+  // The left half of what touches in the one, every second row of the other.
+  const auto first_end = static_cast<std::uint32_t>(sensing::pixel_count(cameras[0]));
+  std::vector<std::uint32_t> columns;
+  for (const std::uint32_t index : all.contacts) {
+    if (index < first_end) columns.push_back(index % cameras[0].width);
+  }
+  ASSERT_FALSE(columns.empty());
+  std::ranges::nth_element(columns, columns.begin() + static_cast<std::ptrdiff_t>(columns.size() / 2));
+  cameras[0].roi = {0, 0, columns[columns.size() / 2], cameras[0].height};
+  sensing::Mask mask{(folder / "rows.png").string(), {}};
+  for (std::uint32_t v = 0; v < cameras[1].height; ++v)
+    mask.pixels.insert(mask.pixels.end(), cameras[1].width, v % 2 == 0 ? 0 : 255);
+  sensing::write_png8(mask.file, cameras[1].width, cameras[1].height, mask.pixels);
+  cameras[1].mask = std::make_shared<sensing::Mask>(mask);
+  std::ofstream(folder / "rig.toml") << sensing::to_toml({.file = {}, .cameras = cameras});
+  const auto ignored = [&](std::uint32_t index) {
+    const std::size_t c = index < first_end ? 0 : 1;
+    const std::uint32_t pixel = index - (c == 0 ? 0 : first_end);
+    return sensing::is_ignored(cameras[c], pixel % cameras[c].width, pixel / cameras[c].width);
+  };
+  std::uint64_t points = 0;
+  for (std::uint32_t index = 0; index < first_end + sensing::pixel_count(cameras[1]); ++index) {
+    const std::uint16_t depth = index < first_end ? images[0].depth[index] : images[1].depth[index - first_end];
+    points += !ignored(index) && depth >= sensing::first_valid_depth(cameras[0]);
+  }
+  std::vector<std::uint32_t> kept = all.contacts;
+  std::erase_if(kept, ignored);
+  ASSERT_LT(kept.size(), all.contacts.size());
+  ASSERT_GT(kept.size(), 20u);
+  const TouchReport some = run_touch(line);
+  EXPECT_EQ(some.points, points);
+  EXPECT_EQ(some.contacts, kept);
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, Hands, testing::Values("cpu", "gpu"), [](const auto& test) { return test.param; });

@@ -17,6 +17,7 @@
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
 #include "process.hpp"
+#include "sensing/grey_png.hpp"
 #include "session/record_link.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/files.hpp"
@@ -123,8 +124,15 @@ TEST_F(CliOutputs, NorOfWhatAnInputRefersTo) {
   for (const std::string& file : {rig, path("mine.toml")})
     expect_untouched(run({"--rig", rig, "--layout", "autd3", "--json", file}), 2, "is read by this command");
 
-  ASSERT_EQ(palpa(run({"--record", path("take")})).exit_code, 0);
-  for (const char* file : {"take/recording.toml", "take/times.csv", "take/000001-1.png"})
+  // A camera's mask, of the rig and of what was recorded by it.
+  sensing::write_png8(path("sleeves.png"), 848, 480, std::vector<std::uint8_t>(std::size_t{848} * 480, 1));
+  text = read_text(rig);
+  std::ofstream(rig) << text.replace(text.find("[[camera]]"), 10, "[[camera]]\nmask = \"../sleeves.png\"");
+  expect_untouched(run({"--rig", rig, "--layout", "autd3", "--json", path("sleeves.png")}), 2,
+                   "is read by this command");
+
+  ASSERT_EQ(palpa(run({"--rig", rig, "--layout", "autd3", "--record", path("take")})).exit_code, 0);
+  for (const char* file : {"take/recording.toml", "take/times.csv", "take/000001-1.png", "take/mask-0.png"})
     expect_untouched(run({"--source", "recording:" + path("take"), "--link", "record:" + path(file)}), 2,
                      "is read by this command");
 }

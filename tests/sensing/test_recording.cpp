@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "random_rig.hpp"
-#include "sensing/png16.hpp"
+#include "sensing/grey_png.hpp"
 #include "support/bits.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/files.hpp"
@@ -86,6 +86,32 @@ TEST(Recording, ReadsBackBitForBit) {
   }
   EXPECT_FALSE(source->next(set, 1));
   EXPECT_FALSE(source->next(set, 1));
+}
+
+TEST(Recording, KeepsWhatItsCamerasIgnore) {
+  const fs::path folder = fresh("mask");
+  Take take = random_take(4, 2);
+  Camera &left = take.cameras[0], &right = take.cameras[1];
+  left.roi = {1, 0, left.width, left.height};
+  std::vector<std::uint8_t> pixels(pixel_count(right), 255);
+  pixels.back() = 0;
+  right.mask = std::make_shared<Mask>(Mask{"/somewhere/else.png", pixels});
+  write(folder, take);
+  const Recording back = load_recording(folder);
+  ASSERT_TRUE(back.cameras[0].roi && back.cameras[1].mask);
+  EXPECT_EQ(back.cameras[0].roi->x0, 1u);
+  EXPECT_EQ(back.cameras[0].roi->x1, left.width);
+  EXPECT_FALSE(back.cameras[0].mask || back.cameras[1].roi);
+  EXPECT_EQ(back.cameras[1].mask->pixels, pixels);
+  EXPECT_EQ(back.cameras[1].mask->file, fs::absolute(folder / "mask-1.png").string());
+  // The images have all that was seen.
+  FrameSet set;
+  read_entry(back, 1, set);
+  expect_same(take.sets[1], set);
+  // Nothing stays of a recording without frames.
+  const fs::path none = fresh("mask-none");
+  RecordingWriter(none, take.cameras).discard();
+  EXPECT_FALSE(fs::exists(none));
 }
 
 TEST(Recording, WhatIsOnDiskStaysReadableAfterACrash) {

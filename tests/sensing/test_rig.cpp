@@ -7,6 +7,7 @@
 #include <random>
 
 #include "random_rig.hpp"
+#include "sensing/grey_png.hpp"
 #include "support/bits.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
@@ -169,6 +170,64 @@ TEST(Rig, FaultsNameFileLineAndKey) {
   EXPECT_REFUSED(load_text("[array]\nlayout = \"\"\n"), "line 2: layout must be a text");
   EXPECT_REFUSED(load_text("[[camera]\n"), "line 1: not TOML");
   EXPECT_REFUSED(load_text("a = \"\xff\xfe\"\n"), "not TOML");
+}
+
+std::string mask_file() {
+  return (std::filesystem::path(scratch()).parent_path() / "sleeves.png").string();
+}
+
+/// Writes it: everything is skin but what `ignore` says.
+template <typename Ignore>
+void write_mask(std::uint32_t width, std::uint32_t height, const Ignore& ignore) {
+  std::vector<std::uint8_t> pixels;
+  for (std::uint32_t v = 0; v < height; ++v) {
+    for (std::uint32_t u = 0; u < width; ++u)
+      pixels.push_back(ignore(u, v) ? 0 : 255);
+  }
+  write_png8(mask_file(), width, height, pixels);
+}
+
+TEST(Rig, WhatACameraIgnores) {
+  EXPECT_FALSE(ignores_pixels(load_text(camera_text).cameras[0]));
+  write_mask(848, 480, [](std::uint32_t u, std::uint32_t v) { return u == 100 && v == 7; });
+  const Camera roi = load_text(camera_text + "roi = [100, 0, 748, 480]\n").cameras[0];
+  EXPECT_TRUE(is_ignored(roi, 99, 7));
+  EXPECT_FALSE(is_ignored(roi, 100, 7) || is_ignored(roi, 847, 479));
+  // The mask is found from the rig.
+  const Camera mask = load_text(camera_text + "mask = \"sleeves.png\"\n").cameras[0];
+  EXPECT_EQ(mask.mask->file, mask_file());
+  EXPECT_TRUE(is_ignored(mask, 100, 7));
+  EXPECT_FALSE(is_ignored(mask, 99, 7) || is_ignored(mask, 100, 8));
+  const Rig both = load_text(camera_text + "roi = [100, 0, 748, 480]\nmask = \"sleeves.png\"\n");
+  EXPECT_TRUE(is_ignored(both.cameras[0], 99, 7) && is_ignored(both.cameras[0], 100, 7));
+  const Rig back = load_text(to_toml(both));
+  EXPECT_EQ(to_toml(back), to_toml(both));
+  EXPECT_EQ(back.cameras[0].mask->pixels, mask.mask->pixels);
+  EXPECT_EQ(back.cameras[0].roi->x1, 848u);
+}
+
+TEST(Rig, WhatACameraIgnoresLiesWithinItsImage) {
+  const auto roi = [](const std::string& value) { load_text(camera_text + "roi = " + value + "\n"); };
+  EXPECT_REFUSED(roi("[0, 0, 848]"), "rig.toml: line 14: roi must be 4 finite numbers");
+  EXPECT_REFUSED(roi("[0, 0, 8.5, 480]"), "line 14: roi must be four whole numbers of pixels: [x, y, width, height]");
+  EXPECT_REFUSED(roi("[-1, 0, 8, 8]"), "line 14: roi must be four whole numbers");
+  EXPECT_REFUSED(roi("[1, 0, 848, 480]"), "line 14: roi [1, 0, 848, 480] reaches outside of the image of 848x480");
+  EXPECT_REFUSED(roi("[0, 480, 1, 1]"), "reaches outside of the image");
+  EXPECT_REFUSED(roi("[0, 0, 1e9, 1]"), "line 14: roi must be");
+  EXPECT_REFUSED(roi("[5, 5, 0, 8]"), "line 14: roi [5, 5, 0, 8] holds no pixel");
+  const auto mask = [](const std::string& more = "") { load_text(camera_text + "mask = \"sleeves.png\"\n" + more); };
+  std::filesystem::remove(mask_file());
+  EXPECT_REFUSED(mask(), "rig.toml: line 14: mask " + mask_file() + ": no such file");
+  write_mask(480, 848, [](auto, auto) { return false; });
+  EXPECT_REFUSED(mask(), "sleeves.png: is 480x848 pixels, its camera is 848x480");
+  write_png16(mask_file(), 848, 480, std::vector<std::uint16_t>(848 * 480, 1));
+  EXPECT_REFUSED(mask(), "line 14: mask " + mask_file() + ": is a 16-bit grey PNG, a mask is 8-bit grey");
+  write_text(mask_file(), "no picture");
+  EXPECT_REFUSED(mask(), "is not a PNG file");
+  write_mask(848, 480, [](auto, auto) { return true; });
+  EXPECT_REFUSED(mask(), "line 14: mask " + mask_file() + ": leaves this camera no pixel; 0 is what is ignored");
+  write_mask(848, 480, [](std::uint32_t u, auto) { return u < 8; });
+  EXPECT_REFUSED(mask("roi = [0, 0, 8, 8]\n"), "no pixel; 0 is what is ignored, and so is what lies outside of roi");
 }
 
 TEST(Rig, HostileFilesAreRefusedAtOnce) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <set>
 
 #include "base/error.hpp"
@@ -174,6 +175,74 @@ TEST(Skin, WholeImagesAndNothingAtAll) {
   behind.add(Vec3(100));
   behind.add(Vec3(101));
   EXPECT_EQ(run_pass(scene, behind).total.total, 0u);
+}
+
+/// A rectangle, a mask of noise, both or neither.
+void ignore_some(std::mt19937_64& random, bool roi, bool mask, Camera& camera) {
+  if (roi) {
+    const std::uint32_t x = test::uniform(random, 0, camera.width - 1), y = test::uniform(random, 0, camera.height - 1);
+    camera.roi = {x, y, test::uniform(random, x + 1, camera.width), test::uniform(random, y + 1, camera.height)};
+  }
+  if (!mask) return;
+  Mask pixels{"mask.png", std::vector<std::uint8_t>(pixel_count(camera))};
+  for (std::uint8_t& pixel : pixels.pixels)
+    pixel = static_cast<std::uint8_t>(test::uniform(random, 0, 2) == 0 ? 0 : test::uniform(random, 1, 255));
+  camera.mask = std::make_shared<Mask>(std::move(pixels));
+}
+
+TEST(Skin, IgnoredPixelsAreNoSkinAndTheOthersStayWhatTheyWere) {
+  std::mt19937_64 random(29);
+  std::size_t kept = 0, left_out = 0;
+  for (int round = 0; round < 32; ++round) {
+    Scene scene = random_scene(random, test::uniform(random, 1, 3));
+    Box box = test::random_box(random);
+    box = {box.low - Vec3(0.3), box.high + Vec3(0.3)};
+    const auto all = find_skin(scene.cameras, scene.frames, box);
+    std::vector<bool> ignored;
+    std::uint64_t valid = 0;
+    for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
+      Camera& camera = scene.cameras[c];
+      ignore_some(random, round & 1, round & 2, camera);
+      EXPECT_EQ(ignores_pixels(camera), (round & 3) != 0);
+      for (std::uint32_t v = 0; v < camera.height; ++v) {
+        for (std::uint32_t u = 0; u < camera.width; ++u) {
+          const bool outside =
+              camera.roi && (u < camera.roi->x0 || u >= camera.roi->x1 || v < camera.roi->y0 || v >= camera.roi->y1);
+          const std::size_t pixel = std::size_t{v} * camera.width + u;
+          ignored.push_back(outside || (camera.mask && camera.mask->pixels[pixel] == 0));
+          valid += !ignored.back() && scene.frames[c].depth[pixel] >= first_valid_depth(camera);
+        }
+      }
+    }
+    std::vector<SkinPoint> expected;
+    std::ranges::copy_if(all, std::back_inserter(expected), [&](const SkinPoint& p) { return !ignored[p.index]; });
+    const auto twin = find_skin(scene.cameras, scene.frames, box);
+    EXPECT_TRUE(same_bytes(twin, expected)) << "round " << round;
+    EXPECT_TRUE(same_bytes(twin, run_pass(scene, box).points)) << "round " << round;
+    EXPECT_EQ(count_valid(scene.cameras, scene.frames), valid) << "round " << round;
+    kept += expected.size();
+    left_out += all.size() - expected.size();
+  }
+  EXPECT_GT(kept, 1000u);
+  EXPECT_GT(left_out, 1000u);
+}
+
+TEST(Skin, CountsAgreeInACameraThatIgnoresSome) {
+  std::mt19937_64 random(31);
+  Scene scene;
+  for (int i = 0; i < 2; ++i) {
+    scene.cameras.push_back(test::d415(test::random_pose(random, 0.5)));
+    scene.frames.push_back(test::random_frame(random, scene.cameras.back()));
+  }
+  const std::uint64_t before = count_valid(scene.cameras, scene.frames);
+  ignore_some(random, true, true, scene.cameras[1]);
+  Box everything;
+  everything.add(Vec3(-1e6));
+  everything.add(Vec3(1e6));
+  const auto twin = find_skin(scene.cameras, scene.frames, everything);
+  EXPECT_LT(twin.size(), before);
+  EXPECT_EQ(twin.size(), count_valid(scene.cameras, scene.frames));
+  EXPECT_TRUE(same_bytes(twin, run_pass(scene, everything).points));
 }
 
 TEST(Skin, TooLittleRoomKeepsTheFirstPointsAndStaysInside) {

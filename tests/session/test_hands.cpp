@@ -10,7 +10,7 @@
 #include "array/schedule.hpp"
 #include "geometry/gltf_write.hpp"
 #include "gpu/commands.hpp"
-#include "sensing/png16.hpp"
+#include "sensing/grey_png.hpp"
 #include "sensing/rig.hpp"
 #include "session/voice.hpp"
 #include "support/device.hpp"

@@ -1,4 +1,4 @@
-#include "sensing/png16.hpp"
+#include "sensing/grey_png.hpp"
 
 #include <gtest/gtest.h>
 #include <png.h>
@@ -24,7 +24,7 @@ std::vector<std::uint16_t> noise_image(std::mt19937_64& random, std::size_t pixe
 }
 
 std::filesystem::path scratch(const std::string& name) {
-  static const std::filesystem::path folder = test::scratch_folder("png16");
+  static const std::filesystem::path folder = test::scratch_folder("grey_png");
   return folder / name;
 }
 
@@ -39,7 +39,7 @@ void write_other(const std::filesystem::path& file, std::uint32_t format, std::u
   ASSERT_TRUE(png_image_write_to_file(&image, file.c_str(), 0, pixels.data(), 0, nullptr));
 }
 
-TEST(Png16, RoundTripsBitForBit) {
+TEST(GreyPng, RoundTripsBitForBit) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 30; ++i) {
     const std::uint32_t width = test::uniform(random, 1, 90), height = test::uniform(random, 1, 70);
@@ -51,7 +51,23 @@ TEST(Png16, RoundTripsBitForBit) {
   }
 }
 
-TEST(Png16, IsBigEndianGreyToOthers) {
+TEST(GreyPng, MasksRoundTripAndAreNoDepthImages) {
+  std::vector<std::uint8_t> mask(std::size_t{9} * 5), back;
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    mask[i] = static_cast<std::uint8_t>(i * 37);
+  write_png8(scratch("m.png"), 9, 5, mask);
+  read_png8(scratch("m.png"), 9, 5, back);
+  EXPECT_EQ(mask, back);
+  EXPECT_REFUSED(read_png8(scratch("m.png"), 5, 9, back), "m.png: is 9x5 pixels, its camera is 5x9");
+  std::vector<std::uint16_t> depth;
+  EXPECT_REFUSED(read_png16(scratch("m.png"), 9, 5, depth), "a depth image is 16-bit grey");
+  write_png16(scratch("m.png"), 9, 5, std::vector<std::uint16_t>(45));
+  EXPECT_REFUSED(read_png8(scratch("m.png"), 9, 5, back), "m.png: is a 16-bit grey PNG, a mask is 8-bit grey");
+  write_other(scratch("m.png"), PNG_FORMAT_RGB, 9, 5);
+  EXPECT_REFUSED(read_png8(scratch("m.png"), 9, 5, back), "m.png: is a 8-bit colour PNG, a mask is 8-bit grey");
+}
+
+TEST(GreyPng, IsBigEndianGreyToOthers) {
   const std::vector<std::uint16_t> image{0x0102, 0xfffe, 0, 0x8000, 7, 9};
   write_png16(scratch("b.png"), 3, 2, image);
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(scratch("b.png").c_str(), "rb"), std::fclose);
@@ -69,7 +85,7 @@ TEST(Png16, IsBigEndianGreyToOthers) {
   png_destroy_read_struct(&png, &info, nullptr);
 }
 
-TEST(Png16, ReadsRecordedDepth) {
+TEST(GreyPng, ReadsRecordedDepth) {
   PALPA_SHARED_OR_SKIP(file, "depth-hand-sr305-ondris/20210326-230536_70.png");
   std::vector<std::uint16_t> depth;
   read_png16(file, 640, 480, depth);
@@ -78,7 +94,7 @@ TEST(Png16, ReadsRecordedDepth) {
   EXPECT_GT(near, 10000);
 }
 
-TEST(Png16, OtherImagesAreRefusedByName) {
+TEST(GreyPng, OtherImagesAreRefusedByName) {
   std::vector<std::uint16_t> out;
   const auto read = [&] { read_png16(scratch("c.png"), 4, 3, out); };
   write_other(scratch("c.png"), PNG_FORMAT_GRAY, 4, 3);
@@ -99,7 +115,7 @@ TEST(Png16, OtherImagesAreRefusedByName) {
   EXPECT_REFUSED(read(), "10000000000 bytes");
 }
 
-TEST(Png16, TruncatedAndFlippedFilesAreRefusedOrTheSame) {
+TEST(GreyPng, TruncatedAndFlippedFilesAreRefusedOrTheSame) {
   std::mt19937_64 random(2);
   const auto image = noise_image(random, std::size_t{40} * 30);
   write_png16(scratch("d.png"), 40, 30, image);
@@ -134,7 +150,7 @@ TEST(Png16, TruncatedAndFlippedFilesAreRefusedOrTheSame) {
   EXPECT_GT(refused, 0);
 }
 
-TEST(Png16, ChunksThatPromiseWhatTheFileDoesNotHaveAreRefused) {
+TEST(GreyPng, ChunksThatPromiseWhatTheFileDoesNotHaveAreRefused) {
   write_png16(scratch("p.png"), 2, 1, std::vector<std::uint16_t>{1, 2});
   std::string bad = test::read_text(scratch("p.png"));
   const std::size_t data = bad.find("IDAT");
@@ -145,7 +161,7 @@ TEST(Png16, ChunksThatPromiseWhatTheFileDoesNotHaveAreRefused) {
   EXPECT_NE(line.find("chunk tEXt promises 2147483647 bytes"), std::string::npos) << line;
 }
 
-TEST(Png16, AFullDiskIsAFailure) {
+TEST(GreyPng, AFullDiskIsAFailure) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "skipped: no /dev/full";
   const std::vector<std::uint16_t> image(4096, 3);
   const std::string line = test::error_of([&] { write_png16("/dev/full", 64, 64, image); }, Exit::failed);

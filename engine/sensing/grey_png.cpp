@@ -1,4 +1,4 @@
-#include "sensing/png16.hpp"
+#include "sensing/grey_png.hpp"
 
 #include <fmt/format.h>
 #include <png.h>
@@ -77,9 +77,9 @@ bool read_header(Reader& reader, Memory& memory, Header& header) {
   return true;
 }
 
-bool read_rows(Reader& reader, png_bytepp rows) {
+bool read_rows(Reader& reader, int bits, png_bytepp rows) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
-  if (std::endian::native == std::endian::little) png_set_swap(reader.png);
+  if (bits == 16 && std::endian::native == std::endian::little) png_set_swap(reader.png);
   png_set_interlace_handling(reader.png);
   png_read_update_info(reader.png, reader.info);
   png_read_image(reader.png, rows);
@@ -132,39 +132,43 @@ void append(png_structp png, png_bytep data, std::size_t bytes) {
 
 void flush_nothing(png_structp) {}
 
-bool write_rows(Writer& writer, std::string& out, std::uint32_t width, std::uint32_t height, png_bytepp rows) {
+bool write_rows(Writer& writer, std::string& out, std::uint32_t width, std::uint32_t height, int bits,
+                png_bytepp rows) {
   if (setjmp(png_jmpbuf(writer.png))) return false;
   png_set_write_fn(writer.png, &out, append, flush_nothing);
-  png_set_IHDR(writer.png, writer.info, width, height, 16, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+  png_set_IHDR(writer.png, writer.info, width, height, bits, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   // A recording must keep up with the cameras.
   png_set_compression_level(writer.png, 1);
   png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
   png_write_info(writer.png, writer.info);
-  if (std::endian::native == std::endian::little) png_set_swap(writer.png);
+  if (bits == 16 && std::endian::native == std::endian::little) png_set_swap(writer.png);
   png_write_image(writer.png, rows);
   png_write_end(writer.png, nullptr);
   return true;
 }
 
-std::vector<png_bytep> rows_of(const std::uint16_t* pixels, std::uint32_t width, std::uint32_t height) {
+template <typename Pixel>
+std::vector<png_bytep> rows_of(const Pixel* pixels, std::uint32_t width, std::uint32_t height) {
   std::vector<png_bytep> rows(height);
-  auto* bytes = reinterpret_cast<png_bytep>(const_cast<std::uint16_t*>(pixels));
+  auto* bytes = reinterpret_cast<png_bytep>(const_cast<Pixel*>(pixels));
   for (std::uint32_t v = 0; v < height; ++v)
-    rows[v] = bytes + std::size_t{v} * width * sizeof(std::uint16_t);
+    rows[v] = bytes + std::size_t{v} * width * sizeof(Pixel);
   return rows;
 }
 
 /// Deflate never grows data by much; the rest is room for ancillary chunks.
-std::uint64_t most_bytes(std::uint32_t width, std::uint32_t height) {
-  return std::uint64_t{width} * height * 2 + std::uint64_t{width} * height / 4 + (4u << 20);
+std::uint64_t most_bytes(std::uint32_t width, std::uint32_t height, std::size_t pixel_bytes) {
+  const std::uint64_t bytes = std::uint64_t{width} * height * pixel_bytes;
+  return bytes + bytes / 8 + (4u << 20);
 }
 
-}  // namespace
-
-void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
-                std::vector<std::uint16_t>& out) {
-  const std::string contents = read_file(file, most_bytes(width, height));
+/// `what` is what such an image is, for messages: "a depth image".
+template <typename Pixel>
+void read_png(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height, const char* what,
+              std::vector<Pixel>& out) {
+  constexpr int bits = 8 * sizeof(Pixel);
+  const std::string contents = read_file(file, most_bytes(width, height, sizeof(Pixel)));
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(contents.data()), contents.size());
   if (bytes.size() < 8 || png_sig_cmp(bytes.data(), 0, 8) != 0) throw bad_input(file.string(), "is not a PNG file");
   if (const auto fault = promise_fault(bytes))
@@ -177,8 +181,8 @@ void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uin
   if (!read_header(reader, memory, header)) {
     throw bad_input(file.string(), fmt::format("is a broken PNG file: {}", reader.fault.text));
   }
-  if (header.bits != 16 || header.colour != PNG_COLOR_TYPE_GRAY) {
-    throw bad_input(file.string(), fmt::format("is a {} PNG, a depth image is 16-bit grey", kind_of(header)));
+  if (header.bits != bits || header.colour != PNG_COLOR_TYPE_GRAY) {
+    throw bad_input(file.string(), fmt::format("is a {} PNG, {} is {}-bit grey", kind_of(header), what, bits));
   }
   if (header.width != width || header.height != height) {
     throw bad_input(file.string(),
@@ -186,13 +190,14 @@ void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uin
   }
   out.resize(std::size_t{width} * height);
   std::vector<png_bytep> rows = rows_of(out.data(), width, height);
-  if (!read_rows(reader, rows.data())) {
+  if (!read_rows(reader, bits, rows.data())) {
     throw bad_input(file.string(), fmt::format("is a broken PNG file: {}", reader.fault.text));
   }
 }
 
-void write_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
-                 std::span<const std::uint16_t> pixels) {
+template <typename Pixel>
+void write_png(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
+               std::span<const Pixel> pixels) {
   if (width == 0 || height == 0 || pixels.size() != std::size_t{width} * height) {
     throw bad_usage(fmt::format("{} pixels do not make an image of {}x{}", pixels.size(), width, height));
   }
@@ -200,11 +205,33 @@ void write_png16(const std::filesystem::path& file, std::uint32_t width, std::ui
   if (!writer.info) throw failure("out of memory");
   std::vector<png_bytep> rows = rows_of(pixels.data(), width, height);
   std::string bytes;
-  bytes.reserve(most_bytes(width, height));
-  if (!write_rows(writer, bytes, width, height, rows.data())) {
+  bytes.reserve(most_bytes(width, height, sizeof(Pixel)));
+  if (!write_rows(writer, bytes, width, height, 8 * sizeof(Pixel), rows.data())) {
     throw failure(fmt::format("{}: cannot be encoded: {}", file.string(), writer.fault.text));
   }
   write_file(file, bytes);
+}
+
+}  // namespace
+
+void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
+                std::vector<std::uint16_t>& out) {
+  read_png(file, width, height, "a depth image", out);
+}
+
+void read_png8(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
+               std::vector<std::uint8_t>& out) {
+  read_png(file, width, height, "a mask", out);
+}
+
+void write_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
+                 std::span<const std::uint16_t> pixels) {
+  write_png(file, width, height, pixels);
+}
+
+void write_png8(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
+                std::span<const std::uint8_t> pixels) {
+  write_png(file, width, height, pixels);
 }
 
 }  // namespace palpa::sensing

@@ -1,4 +1,4 @@
-// 16-bit grey PNG files: depth images.
+// Grey PNG files: depth images of 16 bits, masks of 8.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,14 @@ namespace palpa::sensing {
 /// change the values.
 void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
                 std::vector<std::uint16_t>& out);
+/// The same of 8-bit grey.
+void read_png8(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
+               std::vector<std::uint8_t>& out);
 
 /// Fast rather than small. Throws failure() when the file cannot be written whole.
 void write_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
                  std::span<const std::uint16_t> pixels);
+void write_png8(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
+                std::span<const std::uint8_t> pixels);
 
 }  // namespace palpa::sensing
