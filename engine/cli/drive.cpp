@@ -6,8 +6,13 @@
 #include <charconv>
 #include <cmath>
 #include <complex>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <iterator>
+#include <limits>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -16,6 +21,7 @@
 #include "array/layout.hpp"
 #include "array/loudness.hpp"
 #include "array/resolution.hpp"
+#include "array/schedule.hpp"
 #include "array/usual.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
@@ -25,7 +31,9 @@
 #include "gpu/commands.hpp"
 #include "gpu/device.hpp"
 #include "session/pressure_log.hpp"
+#include "setup/load.hpp"
 #include "setup/options.hpp"
+#include "setup/touch_file.hpp"
 #include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
@@ -36,6 +44,8 @@ struct DriveCommand {
   setup::CommonOptions common;
   std::string layout;
   std::vector<std::string> foci;
+  std::string touch, rig;
+  std::optional<std::uint32_t> slot;
   setup::DriveOptionsGroup drive;
   std::string csv;
 };
@@ -45,6 +55,9 @@ void add_options(CLI::App& app, DriveCommand& o) {
   group.text("--layout", o.layout, "NAME|FILE", "autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
   group.texts("--focus", o.foci, "X,Y,Z[,A]",
               "in the layout's own frame; A above 0, at most 1: how loud it is to be; again for several foci at once");
+  group.text("--touch", o.touch, "FILE", "in place of --focus: what sounds of the touch that palpa touch --json wrote");
+  group.integer("--slot", o.slot, 0, std::numeric_limits<std::int32_t>::max(), "of that touch's order [0]");
+  group.text("--rig", o.rig, "FILE", "where the array stands for that touch [where --layout stands by default]");
   group.text("--csv", o.csv, "FILE|-", "index,x,y,z,nx,ny,nz,amplitude,phase of every transducer");
   setup::add_drive_options(app, o.drive);
 }
@@ -66,23 +79,46 @@ std::pair<std::string, float> split_gain(const std::string& text) {
   return {text.substr(0, comma), gain};
 }
 
+/// Refuses what cannot be driven and warns of what is worth little; `what` names the focus.
+void check_focus(const array::Layout& layout, const array::SlotFocus& focus, const std::string& what) {
+  if (!array::drivable(focus)) throw bad_usage(fmt::format("{} is farther than 100 m from the array", what));
+  for (std::size_t i = 0; i < layout.transducers.size(); ++i) {
+    if (glm::distance(layout.transducers[i].position, focus.position) < on_transducer_m) {
+      throw bad_usage(fmt::format("{} is where transducer {} stands; give a point in front of the array", what, i));
+    }
+  }
+  if (const std::string odd = array::unusual_place(layout, {focus.position, focus.position}); !odd.empty())
+    log::warning(what + " " + odd);
+}
+
 std::vector<array::SlotFocus> read_foci(const DriveCommand& o, const array::Layout& layout) {
   std::vector<array::SlotFocus> foci;
   for (const std::string& text : o.foci) {
     const auto [place, gain] = split_gain(text);
     const auto [x, y, z] = setup::parse_point("--focus", place);
-    const array::SlotFocus focus{{x, y, z}, gain};
-    if (!array::drivable(focus))
-      throw bad_usage(fmt::format("--focus: '{}' is farther than 100 m from the array", text));
-    for (std::size_t i = 0; i < layout.transducers.size(); ++i) {
-      if (glm::distance(layout.transducers[i].position, focus.position) < on_transducer_m) {
-        throw bad_usage(
-            fmt::format("--focus: '{}' is where transducer {} stands; give a point in front of the array", text, i));
-      }
-    }
-    if (const std::string odd = array::unusual_place(layout, {focus.position, focus.position}); !odd.empty())
-      log::warning(fmt::format("--focus: '{}' {}", text, odd));
-    foci.push_back(focus);
+    foci.push_back({{x, y, z}, gain});
+    check_focus(layout, foci.back(), fmt::format("--focus: '{}'", text));
+  }
+  return foci;
+}
+
+/// What sounds in the touch's slot, in the layout's frame. Fingers that are silent (`gain` 0) are left out.
+std::vector<array::SlotFocus> foci_of_touch(const DriveCommand& o, const setup::PlacedLayout& placed) {
+  const array::Schedule schedule = setup::load_touch(o.touch);
+  constexpr std::uint64_t longest_cycle = 1u << 20;
+  const std::uint32_t slot = o.slot.value_or(0);
+  if (const std::uint64_t cycle = array::cycle_length(schedule, longest_cycle); cycle != 0 && slot >= cycle) {
+    throw bad_usage(fmt::format("--slot: {} is not there: {} has {}", slot, o.touch,
+                                cycle == 1 ? "one slot, 0" : fmt::format("the slots 0 to {}", cycle - 1)));
+  }
+  std::vector<array::SlotFocus> foci;
+  array::foci_of_slot(schedule, slot, foci);
+  std::erase_if(foci, [](const array::SlotFocus& focus) { return focus.gain == 0; });
+  if (foci.empty()) throw bad_input(o.touch, "every finger of this touch is silent: its gain is 0");
+  const Transform T_layout_world = glm::inverse(placed.T_world_layout);
+  for (array::SlotFocus& focus : foci) {
+    focus.position = transform_point(T_layout_world, focus.position);
+    check_focus(placed.layout, focus, fmt::format("{}: the focus of finger {}", o.touch, focus.voice));
   }
   return foci;
 }
@@ -218,16 +254,30 @@ std::string summary(const array::Layout& layout, const std::vector<array::SlotFo
   return text;
 }
 
+void check(const DriveCommand& o) {
+  if (o.touch.empty()) {
+    if (o.slot || !o.rig.empty()) throw bad_usage(fmt::format("{} goes with --touch", o.slot ? "--slot" : "--rig"));
+    if (o.layout.empty())
+      throw bad_usage("--layout is missing: give autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
+    if (o.foci.empty()) {
+      throw bad_usage(
+          "--focus is missing: give a point x,y,z in the layout's frame, such as 0,0,150mm, or a --touch FILE");
+    }
+    return;
+  }
+  if (!o.foci.empty()) throw bad_usage("--focus and --touch exclude each other: give one of them");
+  if (o.layout.empty() && o.rig.empty())
+    throw bad_usage("--touch needs an array: give --layout, or the --rig that it stands in");
+}
+
 void run(const DriveCommand& o) {
-  if (o.layout.empty())
-    throw bad_usage("--layout is missing: give autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
-  if (o.foci.empty())
-    throw bad_usage("--focus is missing: give a point x,y,z in the layout's frame, such as 0,0,150mm");
+  check(o);
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   const array::DriveOptions options = setup::drive_options(o.drive);
-  const array::Layout layout = array::load_layout(o.layout);
+  const setup::PlacedLayout placed = setup::load_placed_layout({.rig = o.rig, .layout = o.layout});
+  const array::Layout& layout = placed.layout;
   setup::warn_of_frequency(layout, options.medium);
-  const std::vector<array::SlotFocus> foci = read_foci(o, layout);
+  const std::vector<array::SlotFocus> foci = o.touch.empty() ? read_foci(o, layout) : foci_of_touch(o, placed);
   std::vector<std::complex<double>> factors;
   if (o.drive.pressure_pa) factors = factors_for(layout, foci, options, *o.drive.pressure_pa);
   const array::Drive drive = o.common.backend == setup::Backend::cpu
@@ -256,6 +306,7 @@ void add_drive(Program& program) {
       {"drive", "amplitude and phase of every transducer for one focus or several at once",
        "  palpa drive --layout openmpd --focus 0,0,150mm --csv drive.csv\n"
        "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0,0.5 --solver gs-pat --json -\n"
+       "  palpa drive --layout paper --touch touch.json --slot 3 --csv drive.csv\n"
        "Phases are delays in radians (time factor e^-iwt), amplitudes lie in 0..1."},
       add_options, run);
 }

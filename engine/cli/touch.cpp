@@ -128,6 +128,7 @@ void add_finger(JsonWriter& json, const TouchReport& report, std::uint32_t index
   for (const touch::Focus& focus : placement.foci)
     json.value(focus.points);
   json.end_array();
+  if (const double gain = report.session.schedule().voices[index].gain; gain != 1) json.member("gain", gain);
   if (!report.pressures.empty()) add_pressures(json, report.pressures[index], placement);
   if (has_own_schedule(report, index))
     add_schedule(json, by_sector(report.session.schedule().voices[index], placement));

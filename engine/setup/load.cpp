@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "base/activity.hpp"
 #include "base/error.hpp"
@@ -30,6 +31,29 @@ array::Layout load_layout_of(const sensing::ArrayPlacement& array) {
   return array::load_layout(array.layout);
 }
 
+PlacedLayout standing_by_default(const std::string& name) {
+  array::Layout layout = array::load_layout(name);
+  const Transform pose = layout.default_T_world_layout;
+  return {std::move(layout), pose};
+}
+
+sensing::Rig load_rig_of(const RigOptions& options) {
+  return sensing::load_rig(options.rig.empty() ? find_asset("rigs/paper.toml") : options.rig);
+}
+
+/// `layout` replaces the rig's array.
+PlacedLayout array_of(const sensing::Rig& rig, const std::string& layout) {
+  if (!layout.empty()) return standing_by_default(layout);
+  if (!rig.array) throw bad_input(rig.file, "has no [array]; add one or give --layout");
+  array::Layout own = load_layout_of(*rig.array);
+  const Transform pose = rig.array->T_world_layout.value_or(own.default_T_world_layout);
+  return {std::move(own), pose};
+}
+
+array::Layout in_world(const PlacedLayout& placed) {
+  return transformed(placed.layout, placed.T_world_layout);
+}
+
 }  // namespace
 
 std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene,
@@ -51,21 +75,19 @@ std::vector<geometry::Solid> load_solids(const std::string& scene, const std::op
   return solids;
 }
 
+PlacedLayout load_placed_layout(const RigOptions& options) {
+  if (options.rig.empty() && !options.layout.empty()) return standing_by_default(options.layout);
+  return array_of(load_rig_of(options), options.layout);
+}
+
 array::Layout load_posed_layout(const std::string& name) {
-  const array::Layout layout = array::load_layout(name);
-  return transformed(layout, layout.default_T_world_layout);
+  return in_world(standing_by_default(name));
 }
 
 PosedRig load_posed_rig(const RigOptions& options) {
   PosedRig set_up;
-  set_up.rig = sensing::load_rig(options.rig.empty() ? find_asset("rigs/paper.toml") : options.rig);
-  if (!options.layout.empty()) {
-    set_up.layout = load_posed_layout(options.layout);
-    return set_up;
-  }
-  if (!set_up.rig.array) throw bad_input(set_up.rig.file, "has no [array]; add one or give --layout");
-  const array::Layout layout = load_layout_of(*set_up.rig.array);
-  set_up.layout = transformed(layout, set_up.rig.array->T_world_layout.value_or(layout.default_T_world_layout));
+  set_up.rig = load_rig_of(options);
+  set_up.layout = in_world(array_of(set_up.rig, options.layout));
   return set_up;
 }
 

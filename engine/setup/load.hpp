@@ -24,6 +24,16 @@ struct PosedRig {
   array::Layout layout;  ///< as posed in the world
 };
 
+/// A layout, and where it stands.
+struct PlacedLayout {
+  array::Layout layout;  ///< in its own frame
+  Transform T_world_layout{1.0};
+};
+
+/// The array of the rig or, with --layout, that layout where it stands by default; then no rig is read unless one is
+/// named. Throws as load_posed_rig does.
+PlacedLayout load_placed_layout(const RigOptions& options);
+
 /// The layout of that name or file, as it stands in the world by default.
 array::Layout load_posed_layout(const std::string& layout);
 

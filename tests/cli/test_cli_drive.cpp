@@ -253,6 +253,74 @@ TEST_P(Drive, TheSameBytesForAnyThreadCount) {
   EXPECT_EQ(palpa(line, one).out, palpa(line, two).out);
 }
 
+/// The focus as a word of --focus, exactly.
+std::string word(double x, double y, double z, double gain = 1) {
+  std::ostringstream text;
+  text.precision(17);
+  text << x << ',' << y << ',' << z;
+  if (gain != 1) text << ',' << gain;
+  return text.str();
+}
+/// A coordinate of a touch: the decimal of a float.
+double metres(const json& value) {
+  return value.get<float>();
+}
+
+TEST_P(Drive, ASlotOfATouchIsItsFocusMovedIntoTheLayout) {
+  const auto folder = scratch_folder("touch-" + GetParam());
+  const std::string file = (folder / "touch.json").string();
+  ASSERT_EQ(
+      palpa({"touch", "--scene", source_file("assets/cube.glb").string(), "--points",
+             source_file("assets/finger.ply").string(), "--penetration", "3mm", "--json", file, "--backend", "cpu"})
+          .exit_code,
+      0);
+  const json touch = json::parse(std::ifstream(file));
+  const json& foci = touch["fingers"][0]["foci_m"];
+  // The board lies 150 mm below the world's origin and faces up; the rig has it elsewhere, turned about its y axis.
+  std::ofstream(folder / "rig.toml") << "[array]\nlayout = \"openmpd\"\nT_world_layout = [[0, 0, 1, -0.2], [0, 1, 0, "
+                                        "0.01], [-1, 0, 0, 0.02], [0, 0, 0, 1]]\n";
+  const std::string rig = (folder / "rig.toml").string();
+  for (const std::size_t slot : {0, 3, 9}) {
+    const json& focus = foci.at(touch["schedule"]["order"].at(slot).get<std::size_t>());
+    const double x = metres(focus[0]), y = metres(focus[1]), z = metres(focus[2]);
+    const std::string number = std::to_string(slot);
+    EXPECT_EQ(csv({"--layout", "openmpd", "--touch", file, "--slot", number}),
+              csv({"--layout", "openmpd", "--focus", word(x, -z, y + 0.15)}));
+    EXPECT_EQ(csv({"--rig", rig, "--touch", file, "--slot", number}),
+              csv({"--layout", "openmpd", "--focus", word(-(z - 0.02), y - 0.01, x + 0.2)}));
+    EXPECT_EQ(csv({"--layout", "paper", "--rig", rig, "--touch", file, "--slot", number}),
+              csv({"--layout", "paper", "--focus", word(x, y, z)}));
+  }
+  EXPECT_EQ(csv({"--layout", "paper", "--touch", file}), csv({"--layout", "paper", "--touch", file, "--slot", "0"}));
+}
+
+TEST_P(Drive, EveryFingerOfATouchSoundsAsLoudAsItIs) {
+  const std::string file = (scratch_folder("fingers-" + GetParam()) / "touch.json").string();
+  // An empty sector plays its neighbour; the second finger has half the intensity and an order of its own, twice as
+  // slow; the third stands still, the fourth is silent.
+  std::ofstream(file) << R"({"fingers": [
+    {"foci_m": [[0, 0, 0], [0.01, 0, 0], null, [0, 0.01, 0]]},
+    {"foci_m": [[0.03, 0, 0], [0.04, 0, 0]], "gain": 0.5, "schedule": {"order": [1, 0], "dwell_s": 0.003}},
+    {"foci_m": [[0, 0, 0.03]]}, {"foci_m": [[0, 0, 0.05]], "gain": 0}],
+    "schedule": {"order": [0, 3, 2, 1], "dwell_s": 0.0015}})";
+  const std::string still = word(0, 0, 0.03F), first = word(0.03F, 0, 0, 0.5), second = word(0.04F, 0, 0, 0.5);
+  const std::pair<std::string, std::string> slots[]{
+      {word(0, 0, 0), second}, {word(0, 0.01F, 0), second}, {word(0.01F, 0, 0), first}, {word(0.01F, 0, 0), first}};
+  for (std::size_t slot = 0; slot < std::size(slots); ++slot) {
+    EXPECT_EQ(csv({"--layout", "paper", "--touch", file, "--slot", std::to_string(slot)}),
+              csv({"--layout", "paper", "--focus", slots[slot].first, "--focus", slots[slot].second, "--focus", still}))
+        << slot;
+  }
+  expect_failure(palpa({"drive", "--layout", "paper", "--touch", file, "--slot", "4"}), 2,
+                 "--slot: 4 is not there: " + file + " has the slots 0 to 3");
+  // All at once: no neighbour takes an empty sector's place.
+  std::ofstream(file) << R"({"fingers": [{"foci_m": [[0, 0, 0], null, [0.01, 0, 0]]}],
+    "schedule": {"order": [[0, 1, 2]], "dwell_s": 0.0015}})";
+  EXPECT_EQ(csv({"--layout", "paper", "--touch", file}),
+            csv({"--layout", "paper", "--focus", "0,0,0", "--focus", word(0.01F, 0, 0)}));
+  expect_failure(palpa({"drive", "--layout", "paper", "--touch", file, "--slot", "1"}), 2, "has one slot, 0");
+}
+
 INSTANTIATE_TEST_SUITE_P(Backends, Drive, testing::Values("cpu", "gpu"), [](const auto& test) { return test.param; });
 
 TEST(DriveLayouts, EveryBuiltInOneHasItsTransducers) {
@@ -297,6 +365,45 @@ TEST(DriveErrors, FociThatCannotBe) {
     refused(text, "at most 1");
   refused("0,0,1e6", "100 m");
   refused("-78.75mm,78.75mm,0", "transducer 0");
+}
+
+TEST(DriveErrors, TouchesThatCannotBe) {
+  const std::string file = (scratch_folder("no-touch") / "touch.json").string();
+  const auto refused = [&](const std::string& text, const std::string& part) {
+    std::ofstream(file) << text;
+    expect_failure(palpa({"drive", "--layout", "paper", "--backend", "cpu", "--touch", file}), 4, part);
+  };
+  const auto touch = [](const std::string& fingers, const std::string& order) {
+    return R"({"fingers": [)" + fingers + R"(], "schedule": {"order": )" + order + R"(, "dwell_s": 0.0015}})";
+  };
+  const std::string finger = R"({"foci_m": [[0, 0, 0], [0.01, 0, 0]]})";
+  for (const char* text : {"[]", "3", "{}", R"({"fingers": [], "foci_m": []})", R"({"fingers": 3, "schedule": {}})"})
+    refused(text, file + ": is no touch: give what palpa touch --json wrote");
+  refused("{", "syntax error at line 1");
+  refused(touch("", "[0]"), "the touch has no finger");
+  refused(touch("7", "[0]"), "finger 0: is not a JSON object");
+  refused(touch(finger, "[]"), "schedule: \"order\" is missing");
+  refused(touch(finger, "[0, -1]"), "\"order\" must be numbers of foci");
+  refused(touch(finger, "[[0], [1]]"), "several slots of several foci");
+  refused(touch(finger, "[0, 2]"), "finger 0: its order plays focus 2 of 2 foci");
+  refused(touch("{}", "[0]"), "finger 0: \"foci_m\" must be a list");
+  refused(touch(R"({"foci_m": [null, null]})", "[0]"), "finger 0: \"foci_m\" has no focus");
+  refused(touch(R"({"foci_m": [[0, 0]]})", "[0]"), "\"foci_m\" must be places of three numbers");
+  refused(touch(R"({"foci_m": [[0, 0, 1e7]]})", "[0]"), "\"foci_m\" must be places of three numbers");
+  refused(touch(R"({"foci_m": [[0, 0, 0]], "gain": 2})", "[0]"), "\"gain\" must be a number in 0 to 1");
+  refused(touch(R"({"foci_m": [[0, 0, 0]], "gain": 0})", "[0]"), "every finger of this touch is silent");
+  refused(R"({"fingers": [{}], "schedule": {"order": [0], "dwell_s": 0}})",
+          "\"dwell_s\" must be a number in 1e-06 to 10");
+
+  std::ofstream(file) << touch(finger, "[0, 1]");
+  const auto usage = [](const std::vector<std::string>& line, const std::string& part) {
+    expect_failure(palpa(with({"drive", "--backend", "cpu"}, line)), 2, part);
+  };
+  usage({"--layout", "paper", "--touch", file, "--focus", "0,0,0"}, "--focus and --touch exclude each other");
+  usage({"--touch", file}, "--touch needs an array: give --layout, or the --rig");
+  usage({"--layout", "paper", "--focus", "0,0,0", "--slot", "1"}, "--slot goes with --touch");
+  usage({"--layout", "paper", "--focus", "0,0,0", "--rig", "r.toml"}, "--rig goes with --touch");
+  usage({"--layout", "paper", "--touch", file, "--json", file}, "is read by this command");
 }
 
 TEST(DriveErrors, WhatIsMissing) {

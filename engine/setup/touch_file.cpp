@@ -1,0 +1,126 @@
+#include "setup/touch_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/input_file.hpp"
+#include "geometry/gltf_json.hpp"
+#include "session/voice.hpp"
+#include "touch/method.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::setup {
+namespace {
+
+using geometry::gltf::Item;
+using geometry::gltf::Json;
+
+constexpr std::uint64_t most_bytes = 64u << 20;
+constexpr double shortest_dwell_s = 1e-6, longest_dwell_s = 10;
+
+/// In which order sectors play, and for how long.
+struct Playing {
+  std::vector<std::uint32_t> order;  ///< of foci that sound one after the other
+  bool together = false;             ///< all at once
+  double dwell_s = 0;
+};
+
+/// A member that is a number within [low, high].
+double number(const Item& item, const char* key, double low, double high) {
+  const auto found = item.json().find(key);
+  if (found == item.json().end()) item.fail(fmt::format("\"{}\" is missing", key));
+  const double value = found->is_number() ? found->get<double>() : std::nan("");
+  if (!(value >= low && value <= high)) item.fail(fmt::format("\"{}\" must be a number in {} to {}", key, low, high));
+  return value;
+}
+
+Playing read_playing(const Item& item) {
+  const Json* order = item.array("order");
+  if (!order || order->empty()) item.fail("\"order\" is missing");
+  Playing playing;
+  playing.dwell_s = number(item, "dwell_s", shortest_dwell_s, longest_dwell_s);
+  playing.together = order->front().is_array();
+  if (playing.together && order->size() != 1) item.fail("\"order\" has several slots of several foci");
+  if (playing.together) return playing;
+  for (const Json& sector : *order) {
+    const std::uint64_t place = sector.is_number_unsigned() ? sector.get<std::uint64_t>() : touch::max_foci;
+    if (place >= touch::max_foci) item.fail(fmt::format("\"order\" must be numbers of foci below {}", touch::max_foci));
+    playing.order.push_back(static_cast<std::uint32_t>(place));
+  }
+  return playing;
+}
+
+touch::Focus read_focus(const Item& finger, const Json& value) {
+  touch::Focus focus;
+  if (value.is_null()) return focus;  // an empty sector
+  focus.points = 1;
+  bool whole = value.is_array() && value.size() == 3;
+  for (int axis = 0; whole && axis < 3; ++axis) {
+    const Json& metres = value[static_cast<std::size_t>(axis)];
+    whole = metres.is_number() && std::abs(metres.get<double>()) < 1e6;
+    if (whole) focus.position[axis] = metres.get<float>();
+  }
+  if (!whole) finger.fail("\"foci_m\" must be places of three numbers in metres, or null");
+  return focus;
+}
+
+void read_voice(const Item& finger, std::uint32_t index, const Playing& common, array::Voice& voice) {
+  const Json* foci = finger.array("foci_m");
+  if (!foci || foci->empty() || foci->size() > touch::max_foci) {
+    finger.fail(fmt::format("\"foci_m\" must be a list of 1 to {} foci", touch::max_foci));
+  }
+  const auto own = finger.item("schedule");
+  const Playing playing = own ? read_playing(*own) : common;
+  touch::Placement placement;
+  for (const Json& value : *foci)
+    placement.foci.push_back(read_focus(finger, value));
+  if (std::ranges::all_of(placement.foci, [](const touch::Focus& focus) { return focus.points == 0; }))
+    finger.fail("\"foci_m\" has no focus");
+  placement.together = playing.together;
+
+  array::VoiceOptions options;
+  options.dwell_s = playing.dwell_s;
+  if (finger.has("gain")) options.gain = number(finger, "gain", 0, 1);
+  options.modulation_hz = 0;
+  session::make_voice(placement, index, 0, options, voice);
+  if (placement.still()) return;  // one focus, or all of them: there is no order
+  for (const std::uint32_t sector : playing.order) {
+    if (sector >= voice.foci.size())
+      finger.fail(fmt::format("its order plays focus {} of {} foci", sector, voice.foci.size()));
+  }
+  voice.order = playing.order;
+}
+
+}  // namespace
+
+array::Schedule load_touch(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  const std::string text = read_file(file, most_bytes);
+  const geometry::gltf::Parsed parsed(name, text);
+  const Json& json = parsed.json();
+  const auto has = [&](const char* key, Json::value_t type) { return json.contains(key) && json[key].type() == type; };
+  if (!json.is_object() || !has("fingers", Json::value_t::array) || !has("schedule", Json::value_t::object))
+    throw bad_input(name, "is no touch: give what palpa touch --json wrote");
+  if (json["fingers"].empty()) throw bad_input(name, "the touch has no finger: nothing sounds");
+
+  const Playing common = read_playing(Item(name, json["schedule"], "schedule"));
+  array::Schedule schedule;
+  schedule.slot_s = longest_dwell_s;
+  for (const Json& finger : json["fingers"]) {
+    const std::uint32_t index = schedule.voice_count;
+    array::Voice& voice = schedule.add_voice();
+    read_voice(Item(name, finger, fmt::format("finger {}", index)), index, common, voice);
+    schedule.slot_s = std::min(schedule.slot_s, voice.dwell_s);
+  }
+  return schedule;
+}
+
+}  // namespace palpa::setup

@@ -1,0 +1,16 @@
+// What `palpa touch --json` wrote, read back as what it plays. The format is in docs/files.md.
+#pragma once
+
+#include <filesystem>
+
+#include "array/schedule.hpp"
+
+namespace palpa::setup {
+
+/// One voice per finger, in the file's order: foci in the world (an empty sector has its neighbour's, as it plays), the
+/// finger's own order and dwell or the common ones, its gain. A finger whose foci stand still has no modulation here:
+/// it is as loud as at its crest. A slot is as long as the shortest dwell. Throws bad_input: no touch, a focus, an
+/// order or a dwell that cannot be, no finger.
+array::Schedule load_touch(const std::filesystem::path& file);
+
+}  // namespace palpa::setup
