@@ -1,7 +1,10 @@
 // What a scene's author asks for one object, as `palpa touch` and `palpa run` heed it.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
@@ -38,6 +41,7 @@ TEST(CliHaptics, AFingerCarriesTheScheduleItsSolidAsksFor) {
   geometry::Haptics own;
   own.foci = 8;
   own.dwell_s = 0.002;
+  own.intensity = 0.7;
   const std::string scene = with_knob(folder, own).string(), points = two_fingers(folder).string();
   for (const char* backend : {"gpu", "cpu"}) {
     const Result result = palpa({"touch", "--scene", scene, "--points", points, "--backend", backend, "--json", "-"});
@@ -48,10 +52,22 @@ TEST(CliHaptics, AFingerCarriesTheScheduleItsSolidAsksFor) {
     const json &button = touch["fingers"][0], &knob = touch["fingers"][1];
     EXPECT_EQ(button["solid"], "button");
     EXPECT_EQ(button["foci_m"].size(), 10U);
-    EXPECT_FALSE(button.contains("schedule"));
+    EXPECT_FALSE(button.contains("schedule") || button.contains("gain"));
     EXPECT_EQ(knob["solid"], "knob");
     EXPECT_EQ(knob["foci_m"].size(), 8U);
     EXPECT_EQ(knob["schedule"], (json{{"order", {0, 3, 6, 1, 4, 7, 2, 5}}, {"dwell_s", 0.002}}));
+    EXPECT_EQ(knob["gain"], 0.7);
+
+    // Slot 2 of 1.5 ms: the button's third focus, the knob's second.
+    const std::string file = (folder / "touch.json").string();
+    std::ofstream(file) << result.out;
+    const Result drive =
+        palpa({"drive", "--layout", "paper", "--touch", file, "--slot", "2", "--backend", backend, "--json", "-"});
+    ASSERT_EQ(drive.exit_code, 0) << drive.err;
+    EXPECT_EQ(json::parse(drive.out)["gains"], (json{1, 0.7}));
+    using Place = std::array<float, 3>;
+    EXPECT_EQ(json::parse(drive.out)["foci_m"].get<std::vector<Place>>(),
+              (std::vector<Place>{button["foci_m"][6], knob["foci_m"][3]}));
   }
 }
 
