@@ -9,6 +9,7 @@ void add_doctor(Program& program);
 void add_touch(Program& program);
 void add_drive(Program& program);
 void add_run(Program& program);
+void add_export(Program& program);
 void add_decompose(Program& program);
 void add_bench(Program& program);
 

@@ -33,6 +33,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   add_doctor(program);
   add_touch(program);
   add_run(program);
+  add_export(program);
   add_drive(program);
   add_decompose(program);
   add_bench(program);

@@ -6,21 +6,19 @@
 #include <utility>
 #include <vector>
 
-#include "array/board_mesh.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
+#include "cli/frames.hpp"
 #include "cli/interrupt.hpp"
 #include "sensing/recording.hpp"
 #include "session/event_sink.hpp"
 #include "session/session.hpp"
 #include "session/sources.hpp"
-#include "setup/assets.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
-#include "setup/touch_schedule.hpp"
 #include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
@@ -29,59 +27,22 @@ namespace {
 
 enum class StatsFormat { none, json };
 
-struct RunCommand {
-  setup::CommonOptions common;
-  std::string scene;
-  std::optional<std::uint32_t> gltf_scene;
-  std::string source = "synthetic";
+struct RunCommand : FrameOptions {
   std::string link = "null";
-  setup::RigOptions rig;
-  setup::SolidOptions solids;
-  setup::TouchOptions touch;
-  setup::DriveOptionsGroup drive;
-  session::Safety safety;
-  double hold_s = 0.1;
-  std::uint64_t frames = 0;
   bool every_frame = false;
-  bool noise_free = false;
   std::string record;
-  std::string events;
-  session::EventOptions event;
-  touch::Axes axes = touch::Axes::steady;
-  touch::Smoothing smoothing = touch::Smoothing::one_euro;
   StatsFormat stats = StatsFormat::none;
 };
 
 void add_options(CLI::App& app, RunCommand& o) {
   const setup::Group group(app, "What to run");
-  group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
-  group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000, "scene of the file (default: the file's own)");
-  group.text("--source", o.source, "SOURCE", "synthetic[:MESH] or recording:DIR");
+  add_frame_options(group, o, "stop after that many frames; 0: at the source's end or Ctrl-C");
   group.text("--link", o.link, "LINK", "null, record:FILE or foci:udp:HOST:PORT");
-  group.integer("--frames", o.frames, 0, std::uint64_t{1} << 62,
-                "stop after that many frames; 0: at the source's end or Ctrl-C");
-  group.quantity("--hold", o.hold_s, Quantity::time, setup::positive(10), "silence when no frame came for that long");
-  group.number("--ceiling", o.safety.ceiling, {0, 1}, "NUMBER",
-               "multiplies every transducer's amplitude, 0 to 1; the pressure that skin feels follows its square");
-  group.quantity("--ramp", o.safety.ramp_s, Quantity::time, {0, session::most_ramp_s},
-                 "how long amplitudes take up when a touch begins, and down when it ends");
   group.flag("--every-frame", o.every_frame, "look at every frame, however long it takes, instead of the newest");
-  group.flag("--noise-free", o.noise_free, "synthetic frames without the sensor's noise");
   group.text("--record", o.record, "DIR", "write every frame into a new folder, to be replayed as recording:DIR");
-  group.text("--events", o.events, "-|FILE|udp:HOST:PORT",
-             "a JSON line when a finger touches, moves on, presses past a solid's press depth, releases");
-  group.quantity("--event-move", o.event.move_m, Quantity::length, {0, 1},
-                 "how far a finger moves before that is an event; 0: every frame");
   group.choice("--stats", o.stats, {{"none", StatsFormat::none}, {"json", StatsFormat::json}},
                "what the loop measured, on stdout; --json writes the same");
-  setup::add_solid_options(app, o.solids);
-  setup::add_rig_options(app, o.rig);
-  setup::add_touch_options(app, o.touch);
-  setup::add_drive_options(app, o.drive);
-  const setup::Group steadily(app, "From frame to frame");
-  steadily.choice("--axes", o.axes, touch::axes_words,
-                  "which way cross-sections face: turned the least that they must, or each frame's principal axes");
-  steadily.choice("--smoothing", o.smoothing, touch::smoothing_words, "what keeps foci from jumping");
+  add_session_options(app, o);
 }
 
 std::string summary(const session::LoopStats& stats) {
@@ -112,13 +73,6 @@ std::vector<Output> outputs_of(const RunCommand& o, std::span<const session::Lin
           {"--record", o.record, Output::Kind::folder}};
 }
 
-void refuse_what_goes_unused(const RunCommand& o) {
-  if (o.touch.spot_m && !o.touch.tune) throw bad_usage("--spot goes with --tune");
-  if (o.noise_free && o.source.starts_with("recording:")) {
-    throw bad_usage("--noise-free goes with --source synthetic: a recording has the noise that it has");
-  }
-}
-
 void report(const RunCommand& o, const Outputs& outputs, const session::LoopStats& stats) {
   if (!o.common.json.empty()) write_file(o.common.json, session::to_json(stats));
   if (o.stats == StatsFormat::json) {
@@ -126,47 +80,6 @@ void report(const RunCommand& o, const Outputs& outputs, const session::LoopStat
   } else if (setup::shows_summary(o.common, outputs)) {
     write_file("-", summary(stats));
   }
-}
-
-/// Says once that a frame had more fingers than are played.
-void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned) {
-  if (touch.cluster_count <= touch.finger_count || std::exchange(warned, true)) return;
-  log::warning(fmt::format("{} clusters of contacts make a finger, only the first {} are kept", touch.cluster_count,
-                           touch.finger_count));
-}
-
-/// What the options make a session of, for the frames of `source`.
-session::SessionSetting session_setting(const RunCommand& o, std::vector<geometry::Solid> solids,
-                                        const sensing::DepthSource& source, array::Layout layout) {
-  session::ScheduleOptions schedule = setup::schedule_options(o.touch);
-  schedule.voice.pressure_pa = o.drive.pressure_pa;
-  return {.scene = o.scene,
-          .solids = std::move(solids),
-          .cameras = source.cameras(),
-          .layout = std::move(layout),
-          .touch = o.touch.parameters,
-          .schedule = std::move(schedule),
-          .drive = setup::drive_options(o.drive, o.touch.method.method),
-          .events = o.events.empty() ? std::nullopt : std::optional(o.event),
-          .axes = o.axes,
-          .smoothing = o.smoothing,
-          .hold_s = o.hold_s,
-          .safety = o.safety};
-}
-
-std::unique_ptr<sensing::DepthSource> open_source(const RunCommand& o, const Extensions& extensions,
-                                                  const setup::PosedRig& rig) {
-  std::vector<session::SourceKind> sources = session::builtin_sources();
-  sources.insert(sources.end(), extensions.sources.begin(), extensions.sources.end());
-  const geometry::Mesh boards = array::board_mesh(rig.layout);
-  return session::open_source(o.source, sources,
-                              {.cameras = rig.rig.cameras,
-                               .occluders = boards,
-                               .default_skin = setup::find_asset("finger.ply"),
-                               .noise = !o.noise_free,
-                               .seed = o.common.seed,
-                               .paced = !o.every_frame,
-                               .rig = rig.rig.file});
 }
 
 /// The link of the line. Where it cannot be opened there will be no frames, and no recording without any is left.
@@ -202,9 +115,7 @@ void finish(session::EventSink* sink, bool after_error) {
 }
 
 void run(const Extensions& extensions, const RunCommand& o) {
-  if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
-  check(o.touch);
-  refuse_what_goes_unused(o);
+  check(o);
   std::vector<session::LinkKind> links = session::builtin_links();
   links.insert(links.end(), extensions.links.begin(), extensions.links.end());
   const Outputs outputs(outputs_of(o, links));
@@ -212,7 +123,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
   std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids);
   check(o.drive, solids);
   const setup::PosedRig rig = setup::load_posed_rig(o.rig);
-  const std::unique_ptr<sensing::DepthSource> source = open_source(o, extensions, rig);
+  const std::unique_ptr<sensing::DepthSource> source = open_source(o, extensions, rig, !o.every_frame);
   setup::warn_of_reach(rig.layout, solids);
   session::SessionSetting setting = session_setting(o, std::move(solids), *source, rig.layout);
   setup::warn_of_frequency(setting.layout, setting.drive.medium);

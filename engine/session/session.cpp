@@ -152,14 +152,14 @@ const touch::Touch& Session::touch(std::span<const sensing::SkinPoint> skin, dou
   if (!state_->setting.cameras.empty()) {
     throw bad_usage("a session with cameras touches depth frames, not skin points");
   }
-  return state_->touch({.points = skin, .time_s = time_s});
+  return state_->touch({.points = skin, .time_s = time_s, .captured_s = time_s});
 }
 
 const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, double time_s) {
   if (state_->setting.cameras.empty()) {
     throw bad_usage("a session without cameras touches skin points, not depth frames");
   }
-  return state_->touch({.images = images, .time_s = time_s});
+  return state_->touch({.images = images, .time_s = time_s, .captured_s = time_s});
 }
 
 std::span<const Event> Session::events() const {

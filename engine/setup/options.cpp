@@ -60,7 +60,7 @@ void add_solid_options(CLI::App& app, SolidOptions& options) {
                "of parts: whether cuts count as surface, normally dropped");
 }
 
-void add_touch_options(CLI::App& app, TouchOptions& options) {
+void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
   const Group group(app, "Touch");
   touch::Parameters& p = options.parameters;
   group.quantity("--delta", p.delta_m, Quantity::length, positive(1),
@@ -72,7 +72,7 @@ void add_touch_options(CLI::App& app, TouchOptions& options) {
                  "depth cameras: no finger is wider, so what is is split, and patches are joined; 0: neither");
   group.choice("--cluster", p.cluster, touch::cluster_words,
                "what is clustered into fingers: contacts, or all skin inside a solid");
-  group.integer("--foci", p.foci, 1, touch::max_foci, "foci per finger");
+  group.integer(foci, p.foci, 1, touch::max_foci, "foci per finger");
   group.choice("--spacing", p.spacing, touch::spacing_words,
                "foci at equal angles, or at equal lengths along the cross-section");
   group.integer("--stride", options.stride, 1, 1u << 20,

@@ -64,7 +64,8 @@ struct TouchOptions {
   bool tune = false;             ///< --tune: stride, and for a single touch foci, by the perimeter
   std::optional<double> spot_m;  ///< --spot: of a Gaussian in place of an array's field
 };
-void add_touch_options(CLI::App& app, TouchOptions& options);
+/// `foci`: what the number of foci is called.
+void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci = "--foci");
 /// Throws bad_usage, with a stride that would do, where stride and foci share a divisor (geometry::stride_fault). Warns
 /// of a long dwell.
 void check(const TouchOptions& options);

@@ -1,0 +1,92 @@
+#include "cli/frames.hpp"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "array/board_mesh.hpp"
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "session/sources.hpp"
+#include "setup/assets.hpp"
+#include "setup/touch_schedule.hpp"
+
+namespace palpa::cli {
+
+void add_frame_options(const setup::Group& group, FrameOptions& o, const char* until) {
+  group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
+  group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000, "scene of the file (default: the file's own)");
+  group.text("--source", o.source, "SOURCE", "synthetic[:MESH] or recording:DIR");
+  group.integer("--frames", o.frames, 0, std::uint64_t{1} << 62, until);
+  group.quantity("--hold", o.hold_s, Quantity::time, setup::positive(10), "silence when no frame came for that long");
+  group.number("--ceiling", o.safety.ceiling, {0, 1}, "NUMBER",
+               "multiplies every transducer's amplitude, 0 to 1; the pressure that skin feels follows its square");
+  group.quantity("--ramp", o.safety.ramp_s, Quantity::time, {0, session::most_ramp_s},
+                 "how long amplitudes take up when a touch begins, and down when it ends");
+  group.flag("--noise-free", o.noise_free, "synthetic frames without the sensor's noise");
+  group.text("--events", o.events, "-|FILE|udp:HOST:PORT",
+             "a JSON line when a finger touches, moves on, presses past a solid's press depth, releases");
+  group.quantity("--event-move", o.event.move_m, Quantity::length, {0, 1},
+                 "how far a finger moves before that is an event; 0: every frame");
+}
+
+void add_session_options(CLI::App& app, FrameOptions& o, const char* foci) {
+  setup::add_solid_options(app, o.solids);
+  setup::add_rig_options(app, o.rig);
+  setup::add_touch_options(app, o.touch, foci);
+  setup::add_drive_options(app, o.drive);
+  const setup::Group steadily(app, "From frame to frame");
+  steadily.choice("--axes", o.axes, touch::axes_words,
+                  "which way cross-sections face: turned the least that they must, or each frame's principal axes");
+  steadily.choice("--smoothing", o.smoothing, touch::smoothing_words, "what keeps foci from jumping");
+}
+
+void check(const FrameOptions& o) {
+  if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
+  check(o.touch);
+  if (o.touch.spot_m && !o.touch.tune) throw bad_usage("--spot goes with --tune");
+  if (o.noise_free && o.source.starts_with("recording:")) {
+    throw bad_usage("--noise-free goes with --source synthetic: a recording has the noise that it has");
+  }
+}
+
+std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& o, const Extensions& extensions,
+                                                  const setup::PosedRig& rig, bool paced) {
+  std::vector<session::SourceKind> sources = session::builtin_sources();
+  sources.insert(sources.end(), extensions.sources.begin(), extensions.sources.end());
+  const geometry::Mesh boards = array::board_mesh(rig.layout);
+  return session::open_source(o.source, sources,
+                              {.cameras = rig.rig.cameras,
+                               .occluders = boards,
+                               .default_skin = setup::find_asset("finger.ply"),
+                               .noise = !o.noise_free,
+                               .seed = o.common.seed,
+                               .paced = paced,
+                               .rig = rig.rig.file});
+}
+
+session::SessionSetting session_setting(const FrameOptions& o, std::vector<geometry::Solid> solids,
+                                        const sensing::DepthSource& source, array::Layout layout) {
+  session::ScheduleOptions schedule = setup::schedule_options(o.touch);
+  schedule.voice.pressure_pa = o.drive.pressure_pa;
+  return {.scene = o.scene,
+          .solids = std::move(solids),
+          .cameras = source.cameras(),
+          .layout = std::move(layout),
+          .touch = o.touch.parameters,
+          .schedule = std::move(schedule),
+          .drive = setup::drive_options(o.drive, o.touch.method.method),
+          .events = o.events.empty() ? std::nullopt : std::optional(o.event),
+          .axes = o.axes,
+          .smoothing = o.smoothing,
+          .hold_s = o.hold_s,
+          .safety = o.safety};
+}
+
+void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned) {
+  if (touch.cluster_count <= touch.finger_count || std::exchange(warned, true)) return;
+  log::warning(fmt::format("{} clusters of contacts make a finger, only the first {} are kept", touch.cluster_count,
+                           touch.finger_count));
+}
+
+}  // namespace palpa::cli

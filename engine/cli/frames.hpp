@@ -1,0 +1,53 @@
+// What `palpa run` and `palpa export` have in common: a scene, frames from a source, the session that looks at them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/command.hpp"
+#include "session/session.hpp"
+#include "setup/load.hpp"
+#include "setup/options.hpp"
+#include "setup/values.hpp"
+
+namespace palpa::cli {
+
+struct FrameOptions {
+  setup::CommonOptions common;
+  std::string scene;
+  std::optional<std::uint32_t> gltf_scene;
+  std::string source = "synthetic";
+  setup::RigOptions rig;
+  setup::SolidOptions solids;
+  setup::TouchOptions touch;
+  setup::DriveOptionsGroup drive;
+  session::Safety safety;
+  double hold_s = 0.1;
+  std::uint64_t frames = 0;
+  bool noise_free = false;
+  std::string events;
+  session::EventOptions event;
+  touch::Axes axes = touch::Axes::steady;
+  touch::Smoothing smoothing = touch::Smoothing::one_euro;
+};
+
+/// Scene, source and what comes of the frames; `until` explains --frames.
+void add_frame_options(const setup::Group& group, FrameOptions& options, const char* until);
+/// All else that a session needs, in groups of their own; `foci`: what the number of foci is called.
+void add_session_options(CLI::App& app, FrameOptions& options, const char* foci = "--foci");
+/// Throws bad_usage where options are missing or go unused.
+void check(const FrameOptions& options);
+
+/// The source that --source names; `paced`: in real time.
+std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& options, const Extensions& extensions,
+                                                  const setup::PosedRig& rig, bool paced);
+/// What the options make a session of, for the frames of `source`.
+session::SessionSetting session_setting(const FrameOptions& options, std::vector<geometry::Solid> solids,
+                                        const sensing::DepthSource& source, array::Layout layout);
+/// Warns once that a frame had more fingers than are played.
+void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned);
+
+}  // namespace palpa::cli

@@ -1,0 +1,128 @@
+#include "session/replay.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "session/output.hpp"
+#include "session/safe_link.hpp"
+
+namespace palpa::session {
+namespace {
+
+/// Plays one plan after the other, slot by slot.
+class Player {
+ public:
+  Player(Link& link, const OutputSetting& setting, ReplayStats& stats)
+      : setting_(setting),
+        stats_(stats),
+        safe_(link, setting.layout.transducers.size(), setting.safety, setting.slot_s) {
+    scratch_.reserve(setting.layout.transducers.size());
+    nothing_.slot_s = setting.slot_s;
+  }
+
+  void begin_at(double time_s) { begin_s_ = time_s; }
+
+  /// The first slot that begins at that time or later. Times are sums of their own; a slot is not missed by a rounding.
+  std::uint64_t slot_at(double time_s) const {
+    const double slots = std::ceil((time_s - begin_s_) / setting_.slot_s - 1e-6);
+    return std::max(slot_, static_cast<std::uint64_t>(std::max(slots, 0.0)));
+  }
+
+  /// What is told sounds from here on.
+  void tell(const Plan& plan) {
+    sounding_ = plan.schedule.voice_count > 0;
+    if (sounding_) {
+      const std::uint64_t until = slot_at(plan.captured_s + setting_.hold_s);
+      safe_.plan(told(plan, setting_.layout.transducers.size(), slot_, until));
+    } else {
+      tell_nothing(plan);
+    }
+  }
+
+  void play_until(std::uint64_t end, const Plan& plan, const std::atomic<bool>& stop) {
+    const std::uint64_t expiry = slot_at(plan.captured_s + setting_.hold_s);
+    for (; slot_ < end && !stop; ++slot_) {
+      const bool silent = plan.schedule.voice_count == 0 || slot_ >= expiry;
+      if (silent && sounding_) tell_nothing(plan);
+      sounding_ = !silent;
+      // Slots are told apart by their numbers: the time says no more than whether it has expired.
+      const double now_s = silent ? plan.captured_s + setting_.hold_s : plan.captured_s;
+      safe_.send(slot_, drive_of_slot(plan, slot_, now_s, setting_, scratch_));
+      ++stats_.drives;
+      stats_.silent_drives += silent ? 1 : 0;
+    }
+  }
+
+  void finish() {
+    safe_.finish();
+    stats_.duration_s = static_cast<double>(slot_) * setting_.slot_s;
+  }
+
+ private:
+  void tell_nothing(const Plan& plan) {
+    nothing_.time_s = plan.schedule.time_s;
+    safe_.plan({.schedule = nothing_, .from_slot = slot_, .until_slot = slot_});
+  }
+
+  OutputSetting setting_;
+  ReplayStats& stats_;
+  SafeLink safe_;
+  SlotScratch scratch_;
+  array::Schedule nothing_;
+  double begin_s_ = 0;
+  std::uint64_t slot_ = 0;
+  bool sounding_ = false;
+};
+
+}  // namespace
+
+std::string to_json(const ReplayStats& stats) {
+  JsonWriter json;
+  json.begin_object()
+      .member("frames", stats.frames)
+      .member("touching", stats.touching)
+      .member("drives", stats.drives)
+      .member("silent_drives", stats.silent_drives)
+      .member("slot_s", stats.slot_s)
+      .member("duration_s", stats.duration_s)
+      .end_object();
+  return json.take();
+}
+
+ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, const std::atomic<bool>& stop,
+                   const ReplayOptions& options) {
+  const SessionSetting& setting = session.setting();
+  if (!setting.live())
+    throw bad_usage("a session without cameras or without an array, or one of single frames, cannot be played");
+  const bool tells = options.events != nullptr;
+  if (tells && !setting.events) throw bad_usage("a session whose setting has no events cannot tell any");
+  constexpr double patience_s = 1;
+  ReplayStats stats;
+  stats.slot_s = session.link_setting().slot_s;
+  Player player(link, {setting.layout, setting.drive, stats.slot_s, setting.hold_s, setting.safety}, stats);
+  sensing::FrameSet set;
+  double time_s = 0;
+  while (!stop && (options.frames == 0 || stats.frames < options.frames) && source.next(set, patience_s)) {
+    if (set.frames.empty()) continue;
+    if (stats.frames == 0) {
+      player.begin_at(time_s = set.time_s);
+    } else {
+      time_s = std::max(time_s, set.time_s);
+      player.play_until(player.slot_at(time_s), session.plan(), stop);
+    }
+    const touch::Touch& touch = session.touch(set.frames, time_s);
+    ++stats.frames;
+    stats.touching += touch.finger_count > 0 ? 1 : 0;
+    player.tell(session.plan());
+    if (options.planned) options.planned(session.report());
+    if (tells) options.events(session.events());
+  }
+  if (stats.frames > 0) player.play_until(player.slot_at(time_s + setting.hold_s), session.plan(), stop);
+  player.finish();
+  if (tells) options.events(session.end());
+  return stats;
+}
+
+}  // namespace palpa::session

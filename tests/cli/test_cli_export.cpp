@@ -1,0 +1,188 @@
+// `palpa export`: a recording's foci, events and drives on its own clock.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "array/drive.hpp"
+#include "process.hpp"
+#include "session/record_link.hpp"
+#include "setup/load.hpp"
+#include "setup/options.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+
+[[maybe_unused]] const int assets_are_known = setenv("PALPA_ASSETS", source_file("assets").c_str(), 1);
+
+constexpr double slot_s = 1.5e-3, hold_s = 0.1;
+
+class CliExport : public testing::Test {
+ protected:
+  std::filesystem::path folder = scratch_folder("export");
+  std::string cube = source_file("assets/cube.glb").string();
+
+  std::string in(const std::string& name) const { return (folder / name).string(); }
+
+  /// 24 frames of the synthetic finger, those after `whole` so many seconds later.
+  std::string take(std::size_t whole = 24, double later_s = 0) {
+    const std::string take = in("take");
+    EXPECT_EQ(palpa({"run", "--scene", cube, "--frames", "24", "--every-frame", "--record", take, "--quiet"}).exit_code,
+              0);
+    std::ifstream file(take + "/times.csv");
+    std::string line, text;
+    std::getline(file, text);
+    text += '\n';
+    times.clear();
+    while (std::getline(file, line)) {
+      std::istringstream cells(line);
+      std::string cell;
+      std::getline(cells, cell, ',');
+      text += cell;
+      const double late = times.size() < whole ? 0 : later_s;
+      double oldest = 1e9;
+      while (std::getline(cells, cell, ',')) {
+        std::ostringstream time;
+        time.precision(17);
+        time << std::stod(cell) + late;
+        text += ',' + time.str();
+        oldest = std::min(oldest, std::stod(time.str()));
+      }
+      text += '\n';
+      times.push_back(oldest);
+    }
+    file.close();
+    std::ofstream(take + "/times.csv") << text;
+    return "recording:" + take;
+  }
+  Result exported(const std::string& source, const std::vector<std::string>& outputs) const {
+    return palpa(with({"export", "--scene", cube, "--source", source}, outputs));
+  }
+  std::uint64_t slot_of(double time_s) const {
+    return static_cast<std::uint64_t>(std::ceil((time_s - times.front()) / slot_s - 1e-6));
+  }
+
+  std::vector<double> times;  ///< of the frames
+};
+
+bool silent(const array::Drive& drive) {
+  return std::all_of(drive.begin(), drive.end(), [](const auto& t) { return t.amplitude == 0; });
+}
+
+TEST_F(CliExport, TheSameBytesEachTimeAndOnBothBackends) {
+  const std::string source = take();
+  const std::vector<std::string> names{"f.csv", "f.json", "e.jsonl", "d.bin"};
+  std::vector<std::vector<std::string>> all;
+  for (const std::string backend : {"gpu", "gpu", "cpu"}) {
+    ASSERT_EQ(exported(source, {"--foci", in("f.csv"), "--events", in("e.jsonl"), "--drives", in("d.bin"), "--backend",
+                                backend, "--quiet"})
+                  .exit_code,
+              0);
+    ASSERT_EQ(exported(source, {"--foci", in("f.json"), "--backend", backend, "--quiet"}).exit_code, 0);
+    std::vector<std::string>& contents = all.emplace_back();
+    for (const std::string& name : names)
+      contents.push_back(read_text(in(name)));
+  }
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    EXPECT_GT(all[0][n].size(), 500u) << names[n];
+    EXPECT_TRUE(all[0][n] == all[1][n]) << names[n];
+    // Drives of both are within rounding of each other, not the same.
+    if (names[n] == "d.bin") continue;
+    EXPECT_TRUE(all[0][n] == all[2][n]) << names[n];
+  }
+}
+
+TEST_F(CliExport, EachSlotPlaysTheNewestFrameByThen) {
+  const Result result = exported(take(), {"--foci", in("f.json"), "--drives", in("d.bin"), "--json", in("s.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(result.out.starts_with("24 frames, 24 with a touch; ")) << result.out;
+  const json foci = json::parse(read_text(in("f.json")));
+  EXPECT_EQ(foci["slot_s"], slot_s);
+  const json& frames = foci["frames"];
+  ASSERT_EQ(frames.size(), times.size() + 1);
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    EXPECT_EQ(frames[k]["time_s"], times[k]);
+    EXPECT_EQ(frames[k]["slot"], slot_of(times[k]));
+  }
+  const std::uint64_t end = slot_of(times.back() + hold_s);
+  EXPECT_EQ(frames.back()["slot"], end);
+  EXPECT_TRUE(frames.back()["fingers"].empty());
+
+  const session::DriveRecording recording = session::read_drive_recording(in("d.bin"));
+  ASSERT_EQ(recording.drives.size(), end + 1);
+  const array::Layout layout = setup::load_posed_rig({}).layout;
+  std::size_t frame = 0;
+  for (std::uint64_t slot = 0; slot < end; ++slot) {
+    while (frame + 1 < times.size() && slot >= slot_of(times[frame + 1]))
+      ++frame;
+    const session::RecordedDrive& played = recording.drives[slot];
+    ASSERT_EQ(played.slot, slot);
+    const json& finger = frames[frame]["fingers"][0];
+    const json& order = finger["order"];
+    const json& at = finger["foci_m"][order[slot % order.size()].get<std::size_t>()];
+    const array::SlotFocus focus{Vec3(at[0], at[1], at[2]), 1};
+    array::Drive wanted(layout.transducers.size());
+    array::drive_for(layout, std::span(&focus, 1), setup::drive_options({}), wanted);
+    for (std::size_t t = 0; t < wanted.size(); t += 97) {
+      ASSERT_NEAR(played.drive[t].amplitude, wanted[t].amplitude, 1e-5) << slot;
+      ASSERT_LT(std::abs(std::remainder(played.drive[t].phase - wanted[t].phase, 2 * 3.14159265358979)), 1e-3) << slot;
+    }
+  }
+  EXPECT_TRUE(silent(recording.drives.back().drive));
+  const json stats = json::parse(read_text(in("s.json")));
+  EXPECT_EQ(stats["drives"], end);
+  EXPECT_EQ(stats["silent_drives"], 0);
+}
+
+TEST_F(CliExport, WhereNoFrameCameThereIsSilence) {
+  const Result result =
+      exported(take(12, 0.3), {"--drives", in("d.bin"), "--events", in("e.jsonl"), "--foci", in("f.csv"), "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const session::DriveRecording recording = session::read_drive_recording(in("d.bin"));
+  const std::uint64_t from = slot_of(times[11] + hold_s), until = slot_of(times[12]);
+  ASSERT_GT(until, from + 100);
+  for (const session::RecordedDrive& played : recording.drives) {
+    const bool gap = played.slot >= from && played.slot < until;
+    EXPECT_EQ(silent(played.drive), gap || played.slot == recording.drives.back().slot) << played.slot;
+  }
+  std::vector<std::string> kinds;
+  std::istringstream lines(read_text(in("e.jsonl")));
+  for (std::string line; std::getline(lines, line);) {
+    const std::string kind = json::parse(line)["event"];
+    if (kind != "move" && kind != "press") kinds.push_back(kind);
+  }
+  EXPECT_EQ(kinds, (std::vector<std::string>{"touch", "release", "touch", "release"}));
+}
+
+TEST_F(CliExport, FociAsATable) {
+  ASSERT_EQ(exported(take(), {"--foci", in("f.csv"), "--foci-count", "6", "--quiet"}).exit_code, 0);
+  std::istringstream table(read_text(in("f.csv")));
+  std::string line;
+  std::getline(table, line);
+  EXPECT_EQ(line, "slot,time_s,finger,solid,focus,x,y,z,gain");
+  std::size_t rows = 0;
+  for (; std::getline(table, line); ++rows)
+    EXPECT_NE(line.find(",0,cube," + std::to_string(rows % 6) + ","), std::string::npos) << line;
+  EXPECT_EQ(rows, times.size() * 6);
+}
+
+TEST_F(CliExport, WhatCannotBeExportedIsRefused) {
+  expect_failure(palpa({"export", "--scene", cube, "--frames", "2"}), 2, "give --foci, --events or --drives");
+  expect_failure(palpa({"export", "--scene", cube, "--foci", in("f.csv")}), 2, "does not end: give --frames");
+  expect_failure(palpa({"export", "--scene", cube, "--frames", "2", "--foci", in("f.txt")}), 2, ".csv or .json");
+  expect_failure(palpa({"export", "--scene", cube, "--frames", "2", "--foci", in("x.csv"), "--drives", in("x.csv")}), 2,
+                 "--drives");
+  expect_failure(palpa({"export", "--frames", "2", "--foci", in("f.csv")}), 2, "--scene is missing");
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+}
+
+}  // namespace
+}  // namespace palpa::test
