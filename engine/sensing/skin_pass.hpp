@@ -58,7 +58,7 @@ class SkinPass {
   Kernels make(const char* count, const char* scatter, std::uint32_t rays_from_table) const;
 
   const gpu::Device* device_;
-  Kernels pinhole_, table_;  ///< cameras without and with distortion
+  Kernels pinhole_, table_;  ///< CameraTable::pinhole, and all others
   std::optional<gpu::ScanPass> scan_;
 };
 
