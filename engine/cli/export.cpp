@@ -38,19 +38,20 @@ void add_options(CLI::App& app, ExportCommand& o) {
 /// Several links at once.
 class Links final : public session::Link {
  public:
-  void add(std::unique_ptr<session::Link> link) { links_.push_back(std::move(link)); }
+  /// It outlives this.
+  void add(session::Link& link) { links_.push_back(&link); }
   void plan(const session::ToldPlan& told) override {
-    for (const auto& link : links_)
+    for (session::Link* const link : links_)
       link->plan(told);
   }
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
-    for (const auto& link : links_)
+    for (session::Link* const link : links_)
       link->send(slot, drive);
   }
   /// All of them, whatever fails.
   void finish() override {
     std::exception_ptr fault;
-    for (const auto& link : links_) {
+    for (session::Link* const link : links_) {
       try {
         link->finish();
       } catch (const Error&) {
@@ -61,12 +62,13 @@ class Links final : public session::Link {
   }
 
  private:
-  std::vector<std::unique_ptr<session::Link>> links_;
+  std::vector<session::Link*> links_;
 };
 
 std::string summary(const session::ReplayStats& stats) {
   return fmt::format("{} frames, {} with a touch; {} drives of {} ms, {} of them silent\n", stats.frames,
-                     stats.touching, stats.drives, stats.slot_s * 1e3, stats.silent_drives);
+                     stats.touching, stats.drives, stats.slot_s * 1e3, stats.silent_drives) +
+         pressures_summary(stats.fingers, stats.solids);
 }
 
 void check_export(const ExportCommand& o) {
@@ -105,8 +107,10 @@ void run(const Extensions& extensions, const ExportCommand& o) {
     options.events = [&](std::span<const session::Event> events) { sink->write(events); };
   }
   Links links;
-  if (!o.foci.empty()) links.add(session::open_foci_file(o.foci, session.link_setting()));
-  if (!o.drives.empty()) links.add(session::open_record_link(o.drives, session.link_setting()));
+  const auto foci = o.foci.empty() ? nullptr : session::open_foci_file(o.foci, session.link_setting());
+  const auto drives = o.drives.empty() ? nullptr : session::open_record_link(o.drives, session.link_setting());
+  if (foci) links.add(*foci);
+  if (drives) links.add(*drives);
   const Interrupt interrupt("ended without finishing, a second after the signal: a frame or a disk took longer");
   log::release_warnings();
   setup::Progress progress("frames", o.frames, o.common.quiet);
@@ -116,7 +120,11 @@ void run(const Extensions& extensions, const ExportCommand& o) {
   };
   const session::ReplayStats stats = session::replay(session, *source, links, Interrupt::flag(), options);
   if (sink) sink->finish();
-  if (interrupt.requested()) throw failure(fmt::format("ended by a signal: {} frames are exported", stats.frames));
+  if (interrupt.requested()) {
+    throw failure(fmt::format("ended by a signal after {} frames{}", stats.frames,
+                              foci ? fmt::format(": {} is not written", o.foci) : ""));
+  }
+  if (foci) foci->commit();
   if (!o.common.json.empty()) write_file(o.common.json, session::to_json(stats));
   if (setup::shows_summary(o.common, outputs)) write_file("-", summary(stats));
 }

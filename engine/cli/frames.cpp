@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "array/board_mesh.hpp"
@@ -10,6 +11,7 @@
 #include "session/sources.hpp"
 #include "setup/assets.hpp"
 #include "setup/touch_schedule.hpp"
+#include "setup/warnings.hpp"
 
 namespace palpa::cli {
 
@@ -74,13 +76,25 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .cameras = source.cameras(),
           .layout = std::move(layout),
           .touch = o.touch.parameters,
-          .schedule = std::move(schedule),
+          .schedule = schedule,
           .drive = setup::drive_options(o.drive, o.touch.method.method),
           .events = o.events.empty() ? std::nullopt : std::optional(o.event),
           .axes = o.axes,
           .smoothing = o.smoothing,
           .hold_s = o.hold_s,
           .safety = o.safety};
+}
+
+std::string pressures_summary(std::span<const session::FingerPressure> fingers, std::span<const std::string> solids) {
+  std::string text;
+  double most_pa = 0;
+  for (const session::FingerPressure& finger : fingers) {
+    most_pa = std::max(most_pa, finger.most_pa);
+    const double mean_pa = finger.sum_pa / static_cast<double>(finger.frames);
+    text += fmt::format("finger {} on {}: {:.0f} Pa on average, {:.0f} to {:.0f} Pa, of the {:.0f} Pa asked for\n",
+                        finger.id, solids[finger.solid], mean_pa, finger.least_pa, finger.most_pa, finger.asked_pa);
+  }
+  return most_pa > array::linear_pressure_pa ? text + setup::linear_line() : text;
 }
 
 void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned) {

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "cli/command.hpp"
+#include "session/pressure_log.hpp"
 #include "session/session.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
@@ -47,6 +49,8 @@ std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& options, c
 /// What the options make a session of, for the frames of `source`.
 session::SessionSetting session_setting(const FrameOptions& options, std::vector<geometry::Solid> solids,
                                         const sensing::DepthSource& source, array::Layout layout);
+/// Lines of what fingers that asked for a pressure had; nothing where none did.
+std::string pressures_summary(std::span<const session::FingerPressure> fingers, std::span<const std::string> solids);
 /// Warns once that a frame had more fingers than are played.
 void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned);
 

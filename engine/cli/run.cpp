@@ -46,21 +46,13 @@ void add_options(CLI::App& app, RunCommand& o) {
 }
 
 std::string summary(const session::LoopStats& stats) {
-  std::string text = fmt::format(
+  const std::string text = fmt::format(
       "{} frames, {} with a touch, {} left out for newer ones\n"
       "frame to drives: median {:.2f} ms, p99 {:.2f} ms; {} drives, {} of them silent, {} slots overslept\n",
       stats.captured, stats.touching, stats.replaced, stats.frame_to_plan_s.quantile(0.5) * 1e3,
       stats.frame_to_plan_s.quantile(0.99) * 1e3, stats.output.drives, stats.output.silent_drives,
       stats.output.skipped_slots);
-  double most_pa = 0;
-  for (const session::FingerPressure& finger : stats.fingers) {
-    most_pa = std::max(most_pa, finger.most_pa);
-    const double mean_pa = finger.sum_pa / static_cast<double>(finger.frames);
-    text +=
-        fmt::format("finger {} on {}: {:.0f} Pa on average, {:.0f} to {:.0f} Pa, of the {:.0f} Pa asked for\n",
-                    finger.id, stats.solids[finger.solid], mean_pa, finger.least_pa, finger.most_pa, finger.asked_pa);
-  }
-  return most_pa > array::linear_pressure_pa ? text + setup::linear_line() : text;
+  return text + pressures_summary(stats.fingers, stats.solids);
 }
 
 /// All that is written; --stats and --json are the same where both go to stdout.

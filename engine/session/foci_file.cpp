@@ -15,20 +15,10 @@
 namespace palpa::session {
 namespace {
 
-class FociFile : public Link {
- public:
-  FociFile(const std::string& file, const LinkSetting& setting)
-      : out_(file), solid_names_(setting.solid_names.begin(), setting.solid_names.end()) {}
-  void send(std::uint64_t, std::span<const array::TransducerDrive>) override {}
-
- protected:
-  OutputFile out_;
-  std::vector<std::string> solid_names_;
-};
-
 class JsonFile final : public FociFile {
  public:
-  JsonFile(const std::string& file, const LinkSetting& setting) : FociFile(file, setting) {
+  JsonFile(const std::string& file, const LinkSetting& setting)
+      : out_(file), solid_names_(setting.solid_names.begin(), setting.solid_names.end()) {
     out_.write(fmt::format("{{\"slot_s\":{},\"frames\":[", setting.slot_s));
   }
   void plan(const ToldPlan& told) override {
@@ -38,12 +28,14 @@ class JsonFile final : public FociFile {
     line.remove_suffix(1);  // and its newline
     out_.write(fmt::format("{}{{\"slot\":{},{}", std::exchange(between_, ",\n"), told.from_slot, line));
   }
-  void finish() override {
+  void commit() override {
     out_.write("\n]}\n");
     out_.finish();
   }
 
  private:
+  OutputFile out_;
+  std::vector<std::string> solid_names_;
   JsonWriter json_;
   const char* between_ = "\n";
 };
@@ -59,17 +51,17 @@ std::string cell(std::string_view text) {
 
 class CsvFile final : public FociFile {
  public:
-  CsvFile(const std::string& file, const LinkSetting& setting) : FociFile(file, setting) {
+  CsvFile(const std::string& file, const LinkSetting& setting) : out_(file) {
     out_.write("slot,time_s,finger,solid,focus,x,y,z,gain\n");
-    for (std::string& name : solid_names_)
-      name = cell(name);
+    for (const std::string& name : setting.solid_names)
+      solid_cells_.push_back(cell(name));
   }
   void plan(const ToldPlan& told) override {
     text_.clear();
     for (std::uint32_t v = 0; v < told.schedule.voice_count; ++v) {
       const array::Voice& voice = told.schedule.voices[v];
       const std::string_view solid =
-          voice.solid < solid_names_.size() ? std::string_view(solid_names_[voice.solid]) : "";
+          voice.solid < solid_cells_.size() ? std::string_view(solid_cells_[voice.solid]) : "";
       for (std::size_t n = 0; n < voice.foci.size(); ++n) {
         const glm::vec3 focus(voice.foci[n]);
         fmt::format_to(std::back_inserter(text_), "{},{},{},{},{},{},{},{},{}\n", told.from_slot, told.schedule.time_s,
@@ -78,9 +70,11 @@ class CsvFile final : public FociFile {
     }
     out_.write(text_);
   }
-  void finish() override { out_.finish(); }
+  void commit() override { out_.finish(); }
 
  private:
+  OutputFile out_;
+  std::vector<std::string> solid_cells_;
   std::string text_;
 };
 
@@ -95,7 +89,7 @@ void check_foci_file(const std::string& file) {
   throw bad_usage(fmt::format("--foci {}: give a name that ends in .csv or .json, or - for JSON on stdout", file));
 }
 
-std::unique_ptr<Link> open_foci_file(const std::string& file, const LinkSetting& setting) {
+std::unique_ptr<FociFile> open_foci_file(const std::string& file, const LinkSetting& setting) {
   check_foci_file(file);
   if (is_csv(file)) return std::make_unique<CsvFile>(file, setting);
   return std::make_unique<JsonFile>(file, setting);

@@ -11,9 +11,16 @@
 
 namespace palpa::session {
 
-/// Whole or not there: finish() puts it into its place. "-" is JSON on stdout. Throws bad_usage for another ending,
-/// failure() where the file cannot be written.
-std::unique_ptr<Link> open_foci_file(const std::string& file, const LinkSetting& setting);
+class FociFile : public Link {
+ public:
+  void send(std::uint64_t, std::span<const array::TransducerDrive>) override {}
+  /// Puts the file into its place, once all went well: without it there is none, and one that was there stays. Throws
+  /// failure() where it cannot be written.
+  virtual void commit() = 0;
+};
+
+/// "-" is JSON on stdout. Throws bad_usage for another ending, failure() where the file cannot be written.
+std::unique_ptr<FociFile> open_foci_file(const std::string& file, const LinkSetting& setting);
 
 /// Throws bad_usage for another ending than these two.
 void check_foci_file(const std::string& file);

@@ -49,4 +49,21 @@ void PressureLog::planned(const array::Schedule& schedule) {
   if (fault) log::warning(*fault + "; this is said once, the stats have every finger");
 }
 
+void write_pressures(std::span<const FingerPressure> fingers, std::span<const std::string> solid_names,
+                     JsonWriter& json) {
+  if (fingers.empty()) return;
+  constexpr int digits = 6;
+  json.key("fingers").begin_array();
+  for (const FingerPressure& finger : fingers) {
+    json.begin_object().member("id", finger.id).member("solid", solid_names[finger.solid]);
+    json.member("frames", finger.frames).member("asked_pa", finger.asked_pa);
+    json.key("pressure_pa").begin_object();
+    json.key("least").rounded(finger.least_pa, digits);
+    json.key("mean").rounded(finger.sum_pa / static_cast<double>(finger.frames), digits);
+    json.key("most").rounded(finger.most_pa, digits);
+    json.end_object().end_object();
+  }
+  json.end_array();
+}
+
 }  // namespace palpa::session

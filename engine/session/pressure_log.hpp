@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "array/schedule.hpp"
+#include "base/json_writer.hpp"
 
 namespace palpa::session {
 
@@ -19,6 +20,10 @@ struct FingerPressure {
   double asked_pa = 0;  ///< times its gain, in its newest frame; 0: nothing
   double least_pa = 0, most_pa = 0, sum_pa = 0;
 };
+
+/// The member "fingers" of a document of statistics; nothing where there are none.
+void write_pressures(std::span<const FingerPressure> fingers, std::span<const std::string> solid_names,
+                     JsonWriter& json);
 
 /// Less than that part of what was asked is not reached.
 inline constexpr double reached_part = 0.99;

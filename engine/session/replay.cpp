@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
@@ -45,6 +46,7 @@ class Player {
     const std::uint64_t expiry = slot_at(plan.captured_s + setting_.hold_s);
     for (; slot_ < end && !stop; ++slot_) {
       const bool silent = plan.schedule.voice_count == 0 || slot_ >= expiry;
+      if (silent && static_cast<double>(silent_slots_) * setting_.slot_s >= most_silence_s) slot_ = end - 1;
       if (silent && sounding_) tell_nothing(plan);
       sounding_ = !silent;
       // Slots are told apart by their numbers: the time says no more than whether it has expired.
@@ -52,7 +54,15 @@ class Player {
       safe_.send(slot_, drive_of_slot(plan, slot_, now_s, setting_, scratch_));
       ++stats_.drives;
       stats_.silent_drives += silent ? 1 : 0;
+      silent_slots_ = silent && !safe_.must_fade() ? silent_slots_ + 1 : 0;
     }
+  }
+
+  /// What still sounds fades out.
+  void fade(const Plan& plan, const std::atomic<bool>& stop) {
+    if (safe_.must_fade() && std::exchange(sounding_, false)) tell_nothing(plan);
+    while (safe_.must_fade() && !stop)
+      play_until(slot_ + 1, plan, stop);
   }
 
   void finish() {
@@ -73,6 +83,7 @@ class Player {
   array::Schedule nothing_;
   double begin_s_ = 0;
   std::uint64_t slot_ = 0;
+  std::uint64_t silent_slots_ = 0;  ///< one after the other, until now
   bool sounding_ = false;
 };
 
@@ -86,8 +97,9 @@ std::string to_json(const ReplayStats& stats) {
       .member("drives", stats.drives)
       .member("silent_drives", stats.silent_drives)
       .member("slot_s", stats.slot_s)
-      .member("duration_s", stats.duration_s)
-      .end_object();
+      .member("duration_s", stats.duration_s);
+  write_pressures(stats.fingers, stats.solids, json);
+  json.end_object();
   return json.take();
 }
 
@@ -102,6 +114,8 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
   ReplayStats stats;
   stats.slot_s = session.link_setting().slot_s;
   Player player(link, {setting.layout, setting.drive, stats.slot_s, setting.hold_s, setting.safety}, stats);
+  stats.solids = session.solid_names();
+  PressureLog pressures(session.solid_names());
   sensing::FrameSet set;
   double time_s = 0;
   while (!stop && (options.frames == 0 || stats.frames < options.frames) && source.next(set, patience_s)) {
@@ -116,11 +130,16 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
     ++stats.frames;
     stats.touching += touch.finger_count > 0 ? 1 : 0;
     player.tell(session.plan());
+    pressures.planned(session.schedule());
     if (options.planned) options.planned(session.report());
     if (tells) options.events(session.events());
   }
-  if (stats.frames > 0) player.play_until(player.slot_at(time_s + setting.hold_s), session.plan(), stop);
+  if (stats.frames > 0) {
+    player.play_until(player.slot_at(time_s + setting.hold_s), session.plan(), stop);
+    player.fade(session.plan(), stop);
+  }
   player.finish();
+  stats.fingers = pressures.fingers();
   if (tells) options.events(session.end());
   return stats;
 }

@@ -68,19 +68,7 @@ std::string to_json(const LoopStats& stats) {
     json.key("tune").begin_object().member("field", stats.tune->of_array ? "array" : "spot");
     json.member("fields", stats.tune->fields).end_object();
   }
-  if (!stats.fingers.empty()) {
-    json.key("fingers").begin_array();
-    for (const FingerPressure& finger : stats.fingers) {
-      json.begin_object().member("id", finger.id).member("solid", stats.solids[finger.solid]);
-      json.member("frames", finger.frames).member("asked_pa", finger.asked_pa);
-      json.key("pressure_pa").begin_object();
-      json.key("least").rounded(finger.least_pa, digits);
-      json.key("mean").rounded(finger.sum_pa / static_cast<double>(finger.frames), digits);
-      json.key("most").rounded(finger.most_pa, digits);
-      json.end_object().end_object();
-    }
-    json.end_array();
-  }
+  write_pressures(stats.fingers, stats.solids, json);
   json.end_object();
   return json.take();
 }

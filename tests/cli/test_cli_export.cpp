@@ -32,11 +32,20 @@ class CliExport : public testing::Test {
 
   std::string in(const std::string& name) const { return (folder / name).string(); }
 
+  static std::filesystem::path recorded() {
+    const auto take = scratch_folder("take") / "take";
+    EXPECT_EQ(palpa({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "24", "--every-frame",
+                     "--record", take.string(), "--quiet"})
+                  .exit_code,
+              0);
+    return take;
+  }
+
   /// 24 frames of the synthetic finger, those after `whole` so many seconds later.
   std::string take(std::size_t whole = 24, double later_s = 0) {
+    static const std::filesystem::path made = recorded();
     const std::string take = in("take");
-    EXPECT_EQ(palpa({"run", "--scene", cube, "--frames", "24", "--every-frame", "--record", take, "--quiet"}).exit_code,
-              0);
+    std::filesystem::copy(made, take);
     std::ifstream file(take + "/times.csv");
     std::string line, text;
     std::getline(file, text);
@@ -160,6 +169,51 @@ TEST_F(CliExport, WhereNoFrameCameThereIsSilence) {
     if (kind != "move" && kind != "press") kinds.push_back(kind);
   }
   EXPECT_EQ(kinds, (std::vector<std::string>{"touch", "release", "touch", "release"}));
+}
+
+TEST_F(CliExport, APauseOfDaysCostsNothing) {
+  const Result result = exported(take(12, 1e6), {"--drives", in("d.bin"), "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const session::DriveRecording recording = session::read_drive_recording(in("d.bin"));
+  EXPECT_LT(recording.drives.size(), 7500u) << "ten seconds of silence and what sounds";
+  const std::uint64_t until = slot_of(times[12]);
+  const auto again = std::find_if(recording.drives.begin(), recording.drives.end(),
+                                  [&](const auto& played) { return played.slot == until; });
+  ASSERT_NE(again, recording.drives.end());
+  EXPECT_FALSE(silent(again->drive));
+  EXPECT_TRUE(silent(std::prev(again)->drive));
+  EXPECT_EQ(std::prev(again)->slot, until - 1);
+}
+
+TEST_F(CliExport, ARampIsThereToItsEnd) {
+  ASSERT_EQ(exported(take(), {"--drives", in("d.bin"), "--ramp", "15ms", "--quiet"}).exit_code, 0);
+  const session::DriveRecording recording = session::read_drive_recording(in("d.bin"));
+  float last = 0;
+  for (const session::RecordedDrive& played : recording.drives) {
+    float loud = 0;
+    for (const auto& t : played.drive)
+      loud = std::max(loud, t.amplitude);
+    EXPECT_LT(std::abs(loud - last), 0.11F) << played.slot << ": a ramp of ten slots";
+    last = loud;
+  }
+  EXPECT_EQ(last, 0);
+}
+
+TEST_F(CliExport, WhatCannotBeFinishedReplacesNothing) {
+  const std::string source = take();
+  write_text(in("f.csv"), "of before");
+  std::filesystem::resize_file(in("take/000020-0.png"), 30);
+  const Result result = exported(source, {"--foci", in("f.csv"), "--quiet"});
+  EXPECT_EQ(result.exit_code, 4) << result.err;
+  EXPECT_EQ(read_text(in("f.csv")), "of before");
+}
+
+TEST_F(CliExport, APressureThatIsNotReachedIsToldOnce) {
+  const Result result = exported(take(), {"--foci", in("f.csv"), "--pressure", "90kPa", "--json", in("s.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err_lines().size(), 1u) << result.err;
+  EXPECT_NE(result.out.find("of the 90000 Pa asked for"), std::string::npos) << result.out;
+  EXPECT_EQ(json::parse(read_text(in("s.json")))["fingers"][0]["asked_pa"], 90000);
 }
 
 TEST_F(CliExport, FociAsATable) {
