@@ -107,6 +107,7 @@ struct Warnings {
   bool holding = false, counting = false;
   std::vector<Line> lines;
   std::unordered_map<std::string, std::size_t> index;  ///< of lines, by their text
+  std::uint64_t others = 0;                            ///< those that found no place among the lines
 };
 Warnings& warnings() {
   static Warnings instance;
@@ -123,7 +124,10 @@ bool count(std::string_view line) {
     ++w.lines[found->second].times;
     return false;
   }
-  if (w.lines.size() == most_kept) return false;
+  if (w.lines.size() == most_kept) {
+    ++w.others;
+    return false;
+  }
   w.index.emplace(line, w.lines.size());
   w.lines.push_back({std::string(line), 1, w.holding ? 0u : 1u});
   return !w.holding;
@@ -140,6 +144,8 @@ std::vector<std::string> untold() {
     line.told = line.times;
     texts.push_back(line.times == 1 ? line.text : fmt::format("{} ({} times)", line.text, line.times));
   }
+  if (w.others > 0) texts.push_back(fmt::format("and {} more warning{}", w.others, w.others == 1 ? "" : "s"));
+  w.others = 0;
   return texts;
 }
 
@@ -147,6 +153,7 @@ void start_counting(bool holding) {
   Warnings& w = warnings();
   const std::lock_guard lock(w.mutex);
   w.holding = w.counting = holding;
+  w.others = 0;
   w.lines.clear();
   w.index.clear();
 }

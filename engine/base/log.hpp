@@ -29,7 +29,8 @@ void info(std::string_view line);
 void debug(std::string_view line);
 
 /// From now on warnings are kept instead of written: a program that turns out to fail says only why, one that succeeds
-/// releases them. Long work releases them before it begins. The same warning is then told once, and how often it came.
+/// releases them. Long work releases them before it begins. The same warning is then told once, and how often it came;
+/// of those after the thousandth only how many there were.
 void hold_warnings();
 /// Writes what has not been written, in order, and ends keeping; again at the end, for what came again meanwhile.
 void release_warnings();

@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <exception>
 #include <thread>
 
 #include "base/error.hpp"
@@ -54,7 +55,10 @@ struct Interrupt::Deadline {
     std::this_thread::sleep_for(patience);
     if (deadline->called_off) return;  // the signal came while all was over
     // Said by another thread, which may have to wait for whoever reads it.
-    std::thread([line = deadline->late] { log::error(line); }).detach();
+    try {
+      std::thread([line = deadline->late] { log::error(line); }).detach();
+    } catch (const std::exception&) {  // no room for another thread: it ends without the line
+    }
     std::this_thread::sleep_for(for_the_line);
     ::_exit(static_cast<int>(Exit::failed));
   }

@@ -88,7 +88,7 @@ std::unique_ptr<session::Link> open_link(const RunCommand& o, std::span<const se
 
 /// What is said where something keeps palpa from ending.
 std::string late_line(const RunCommand& o) {
-  std::string waits = "the GPU";
+  std::string waits = o.common.backend == setup::Backend::gpu ? "the GPU" : "a frame that takes long";
   for (const auto& [option, target] : {std::pair("--link", o.link), std::pair("--events", o.events),
                                        std::pair("--record", o.record), std::pair("--json", o.common.json)}) {
     if (!target.empty() && target != "null") waits += fmt::format(", {} {}", option, target);

@@ -119,6 +119,19 @@ TEST(Log, TheSameWarningIsToldOnceWithACount) {
             "palpa: warning: once (2 times)\npalpa: warning: later (3 times)\n");
 }
 
+TEST(Log, OfTooManyWarningsTheRestIsCounted) {
+  log::set_level(log::Level::warning);
+  testing::internal::CaptureStderr();
+  log::hold_warnings();
+  for (int i = 0; i < 1003; ++i)
+    log::warning(std::to_string(i));
+  log::release_warnings();
+  log::drop_warnings();
+  const std::string told = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1001);
+  EXPECT_TRUE(told.ends_with("palpa: warning: 999\npalpa: warning: and 3 more warnings\n"));
+}
+
 TEST(Log, LinesHaveAtMost500Bytes) {
   testing::internal::CaptureStderr();
   log::error("file " + std::string(5000, '\xff') + " is wrong: give another");
