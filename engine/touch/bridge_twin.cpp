@@ -9,7 +9,6 @@
 namespace palpa::touch {
 namespace {
 
-using shader::BridgeCamera;
 using shader::BridgePair;
 using shader::BridgePatch;
 using shader::Float3;
