@@ -84,7 +84,7 @@ StrideTuner::Known& StrideTuner::known(std::uint32_t id) {
   if (Known* finger = find(id)) return *finger;
   Known* oldest = known_.data();
   for (Known& finger : known_) {
-    const bool freer = !finger.used || finger.seen_s < oldest->seen_s;
+    const bool freer = !finger.used || finger.seen < oldest->seen;
     if (oldest->used && freer) oldest = &finger;
   }
   *oldest = {};
@@ -96,7 +96,7 @@ std::uint32_t StrideTuner::stride_for(std::uint32_t id, const Ring& ring, double
   Known& finger = known(id);
   const bool fresh = !finger.used || finger.foci != ring.foci;
   if (fresh) finger = {.used = true, .id = id, .foci = ring.foci, .stride = ring.stride, .decides = true};
-  finger.seen_s = time_s;
+  finger.seen = ++calls_;
   if (!finger.decides && std::abs(time_s - finger.chosen_s) < rest_s) return finger.stride;
   if (finger.decides) finger.stride = ring.stride;
   const bool learned = finger.learned.foci() == ring.foci;

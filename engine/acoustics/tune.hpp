@@ -71,8 +71,9 @@ class StrideTuner {
   struct Known {
     bool used = false;
     std::uint32_t id = 0, foci = 0, stride = 0;
-    double chosen_s = 0, seen_s = 0;
-    bool decides = false;  ///< its next frame, without resting
+    double chosen_s = 0;
+    std::uint64_t seen = 0;  ///< by the counter of calls: a clock may stand still or be set back
+    bool decides = false;    ///< its next frame, without resting
     Harmonics learned;
     double learned_s = 0;
   };
@@ -81,6 +82,7 @@ class StrideTuner {
   Known& known(std::uint32_t id);
   SpectrumOptions options_;
   std::array<Known, most_fingers> known_{};
+  std::uint64_t calls_ = 0;
 };
 
 }  // namespace palpa::acoustics

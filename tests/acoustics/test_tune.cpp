@@ -197,5 +197,22 @@ TEST(StrideTuner, ForgetsOldFingersAndKeepsThoseOfNow) {
   }
 }
 
+TEST(StrideTuner, ForgetsTheOneSeenLongestAgoWhateverTheClockSays) {
+  const Ring usual = ring(15e-3, 10, 1);
+  // A clock that stands still, and one that is set back when the second half comes.
+  for (const double back_s : {0.0, 5.0}) {
+    StrideTuner tuner;
+    const auto fingers = [&](std::uint32_t first, std::uint32_t last, double time_s) {
+      for (std::uint32_t id = first; id < last; ++id)
+        tuner.stride_for(id, usual, time_s);
+    };
+    fingers(0, 64, 10);
+    fingers(0, 32, 10 - back_s);   // seen again: 32 is the oldest
+    fingers(64, 70, 10 - back_s);  // six more than there is room for
+    for (std::uint32_t id = 0; id < 70; ++id)
+      EXPECT_EQ(tuner.wants(id, 10), id < 32 || id >= 38) << "finger " << id << ", back by " << back_s << " s";
+  }
+}
+
 }  // namespace
 }  // namespace palpa::acoustics
