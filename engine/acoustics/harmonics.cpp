@@ -88,19 +88,21 @@ PathField::PathField(const ArrayField& field, std::span<const Vec3> foci, const 
   const std::vector<Vec3> path = path_through(foci, per_side);
   std::vector<double> pressures;
   if (!field.felt(path, 1, pressures, give_up)) return;
-  places_ = path.size();
-  const std::vector<Complex> turns = turns_of(places_);
-  for (std::size_t place = 0; place < places_; ++place) {
+  const std::size_t places = path.size();
+  const std::vector<Complex> turns = turns_of(places);
+  for (std::size_t place = 0; place < places; ++place) {
+    if (give_up && *give_up) return;
     const std::size_t side = place / per_side;
     // The hair as in spectrum_of.
     weights_.push_back(glm::distance(foci[side], foci[(side + 1) % foci.size()]) + 1e-12);
-    for (std::size_t b = 0; b < places_; ++b) {
+    for (std::size_t b = 0; b < places; ++b) {
       Complex sum = 0;
-      for (std::size_t focus = 0; focus < places_; ++focus)
-        sum += pressures[focus * places_ + place] * turns[b * focus % places_];
-      terms_.push_back(sum / static_cast<double>(places_));
+      for (std::size_t focus = 0; focus < places; ++focus)
+        sum += pressures[focus * places + place] * turns[b * focus % places];
+      terms_.push_back(sum / static_cast<double>(places));
     }
   }
+  places_ = places;  // all of them are known
 }
 
 Harmonics PathField::harmonics(std::uint32_t foci) const {

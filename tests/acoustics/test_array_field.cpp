@@ -3,10 +3,12 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <complex>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <thread>
 
 #include "acoustics/harmonics.hpp"
 #include "acoustics/pressure.hpp"
@@ -74,6 +76,23 @@ TEST(ArrayField, GivesUpWhenTold) {
   EXPECT_TRUE(field.felt(circle(6e-3, 5), 1, felt, &never));
   const PathField unknown(field, circle(6e-3, 5), &at_once);
   EXPECT_EQ(unknown.harmonics(5).felt(2, 1.5e-3, 1000).vibration, 0);
+}
+
+TEST(PathField, GivesUpInTheMiddleOfItsSeries) {
+  // One transducer and many places: the field is there at once, its series takes seconds.
+  Layout layout = posed("autd3");
+  layout.transducers.resize(1);
+  const ArrayField field(layout, {});
+  std::atomic<bool> give_up{false};
+  std::thread soon([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    give_up = true;
+  });
+  const PathField unknown(field, circle(0.1, 1000), &give_up);
+  EXPECT_TRUE(give_up) << "it was not in the middle";
+  soon.join();
+  EXPECT_EQ(unknown.harmonics(10).felt(3, 1.5e-3, 1000).vibration, 0);
+  EXPECT_EQ(unknown.harmonics(10).felt(3, 1.5e-3, 1000).flutter, 0);
 }
 
 TEST(ArrayField, PathsHaveTheFociInThemAndNoLongStep) {
