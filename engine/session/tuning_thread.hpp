@@ -17,7 +17,8 @@ namespace palpa::session {
 
 /// One question at a time goes over to the thread, of all fingers whose harmonics are wanted; the next when the answer
 /// is here. All calls are the compute thread's; none of them waits. The thread sleeps while nothing is asked, and gives
-/// way to every other. It takes no signals.
+/// way to every other: it is not real-time even where who starts it is (SCHED_BATCH), and nicer than that by ten. It
+/// takes no signals.
 class TuningThread {
  public:
   /// `field` outlives it.

@@ -1,12 +1,19 @@
 // Strides that follow the array's field, which a thread computes beside the loop.
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <functional>
+#include <iterator>
 #include <numbers>
+#include <set>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "fakes.hpp"
 #include "geometry/gltf.hpp"
@@ -139,11 +146,60 @@ TEST(TuningThread, NeitherKeepsAFrameNorTheEnd) {
       if (frame > 0) most = std::max(most, since(begin));
       std::this_thread::sleep_for(std::chrono::milliseconds(3));
     }
-    EXPECT_TRUE(strides.wants(0, 1)) << "it cannot be ready yet";
+    // In the last frame's time: what had been learned in this film would rest still.
+    EXPECT_TRUE(strides.wants(0, 0.19)) << "it cannot be ready yet";
     end = Clock::now();
   }
   EXPECT_LT(most, 0.1) << "what was asked is not waited for";
   EXPECT_LT(since(end), 0.5) << "in the middle of a question";
+}
+
+std::set<pid_t> threads() {
+  std::set<pid_t> ids;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task"))
+    ids.insert(std::stoi(entry.path().filename().string()));
+  return ids;
+}
+
+/// Policy and niceness of the thread that a TuningThread started here has, once it has changed its niceness.
+std::pair<int, int> urgency_of_a_tuning_thread() {
+  const array::Layout layout = openmpd();
+  const acoustics::ArrayField field(layout, {});
+  const std::set<pid_t> before = threads();
+  const int nice = getpriority(PRIO_PROCESS, 0);
+  const TuningThread beside(field);
+  const std::set<pid_t> now = threads();
+  std::vector<pid_t> added;
+  std::ranges::set_difference(now, before, std::back_inserter(added));
+  if (added.size() != 1) return {-1, -1};
+  const auto id = static_cast<id_t>(added[0]);
+  const Clock::time_point begin = Clock::now();
+  while (getpriority(PRIO_PROCESS, id) == nice && since(begin) < 5)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  return {sched_getscheduler(added[0]), getpriority(PRIO_PROCESS, id)};
+}
+
+TEST(TuningThread, GivesWayToWhoStartedIt) {
+  const sched_param none{}, urgent{.sched_priority = 1};
+  std::pair<int, int> usual, of_nicer, of_real_time;
+  bool real_time = false;
+  int nice = 0;
+  // A thread's niceness and policy are its own.
+  std::thread([&] {
+    if (sched_setscheduler(0, SCHED_OTHER, &none) != 0) return;
+    nice = getpriority(PRIO_PROCESS, 0);
+    usual = urgency_of_a_tuning_thread();
+    real_time = sched_setscheduler(0, SCHED_FIFO, &urgent) == 0;
+    if (real_time) of_real_time = urgency_of_a_tuning_thread();
+    sched_setscheduler(0, SCHED_OTHER, &none);
+    setpriority(PRIO_PROCESS, 0, std::min(nice + 3, 19));
+    of_nicer = urgency_of_a_tuning_thread();
+  }).join();
+  if (nice + 13 > 19) GTEST_SKIP() << "skipped: the test itself gives way so much that nothing more is left";
+  EXPECT_EQ(usual, std::pair(SCHED_BATCH, nice + 10));
+  EXPECT_EQ(of_nicer, std::pair(SCHED_BATCH, nice + 13)) << "by ten of what it has";
+  if (!real_time) GTEST_SKIP() << "skipped in part: no real-time threads are allowed here";
+  EXPECT_EQ(of_real_time, std::pair(SCHED_BATCH, nice + 10));
 }
 
 TEST(TuningThread, AnswersEveryFingerOnceAndAgainWhenItHasRested) {
