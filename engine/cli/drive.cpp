@@ -36,6 +36,7 @@
 #include "setup/touch_file.hpp"
 #include "setup/values.hpp"
 #include "setup/warnings.hpp"
+#include "touch/method.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -91,58 +92,68 @@ void check_focus(const array::Layout& layout, const array::SlotFocus& focus, con
     log::warning(what + " " + odd);
 }
 
-std::vector<array::SlotFocus> read_foci(const DriveCommand& o, const array::Layout& layout) {
-  std::vector<array::SlotFocus> foci;
+/// One voice per focus.
+array::Schedule read_foci(const DriveCommand& o, const array::Layout& layout) {
+  array::Schedule schedule;
   for (const std::string& text : o.foci) {
     const auto [place, gain] = split_gain(text);
     const auto [x, y, z] = setup::parse_point("--focus", place);
-    foci.push_back({{x, y, z}, gain});
-    check_focus(layout, foci.back(), fmt::format("--focus: '{}'", text));
+    array::Voice& voice = schedule.add_voice();
+    voice.foci = {{x, y, z}};
+    voice.order = {0};
+    voice.gain = gain;
+    check_focus(layout, {voice.foci[0], gain}, fmt::format("--focus: '{}'", text));
   }
-  return foci;
+  return schedule;
 }
 
-/// What sounds in the touch's slot, in the layout's frame. Fingers that are silent (`gain` 0) are left out.
-std::vector<array::SlotFocus> foci_of_touch(const DriveCommand& o, const setup::PlacedLayout& placed) {
-  const array::Schedule schedule = setup::load_touch(o.touch);
+/// What sounds in the touch's slot, in the layout's frame, as a schedule of one slot: a voice per finger, and none for
+/// one that is silent (`gain` 0).
+array::Schedule slot_of_touch(const DriveCommand& o, const array::Schedule& touch, const setup::PlacedLayout& placed) {
   constexpr std::uint64_t longest_cycle = 1u << 20;
   const std::uint32_t slot = o.slot.value_or(0);
-  if (const std::uint64_t cycle = array::cycle_length(schedule, longest_cycle); cycle != 0 && slot >= cycle) {
+  if (const std::uint64_t cycle = array::cycle_length(touch, longest_cycle); cycle != 0 && slot >= cycle) {
     throw bad_usage(fmt::format("--slot: {} is not there: {} has {}", slot, o.touch,
                                 cycle == 1 ? "one slot, 0" : fmt::format("the slots 0 to {}", cycle - 1)));
   }
   std::vector<array::SlotFocus> foci;
-  array::foci_of_slot(schedule, slot, foci);
-  std::erase_if(foci, [](const array::SlotFocus& focus) { return focus.gain == 0; });
-  if (foci.empty()) throw bad_input(o.touch, "every finger of this touch is silent: its gain is 0");
+  array::foci_of_slot(touch, slot, foci);
   const Transform T_layout_world = glm::inverse(placed.T_world_layout);
-  for (array::SlotFocus& focus : foci) {
-    focus.position = transform_point(T_layout_world, focus.position);
-    check_focus(placed.layout, focus, fmt::format("{}: the focus of finger {}", o.touch, focus.voice));
-  }
-  return foci;
-}
-
-/// Factors of the foci, each of which is to have that pressure times its gain.
-std::vector<std::complex<double>> factors_for(const array::Layout& layout, const std::vector<array::SlotFocus>& foci,
-                                              const array::DriveOptions& options, double pressure_pa) {
   array::Schedule schedule;
   for (const array::SlotFocus& focus : foci) {
-    array::Voice& voice = schedule.add_voice();
-    voice.foci = {focus.position};
-    voice.order = {0};
-    voice.gain = focus.gain;
-    voice.pressure_pa = pressure_pa;
+    if (focus.gain == 0) continue;
+    const array::Voice& finger = touch.voices[focus.voice];
+    const bool another = schedule.voice_count == 0 || schedule.voices[schedule.voice_count - 1].id != finger.id;
+    array::Voice& voice = another ? schedule.add_voice() : schedule.voices[schedule.voice_count - 1];
+    if (another) {
+      voice.id = finger.id;
+      voice.gain = finger.gain;
+      voice.pressure_pa = finger.pressure_pa;
+      voice.foci_per_slot = 0;
+    }
+    voice.foci.push_back(transform_point(T_layout_world, focus.position));
+    voice.order.push_back(voice.foci_per_slot++);
+    check_focus(placed.layout, {voice.foci.back(), focus.gain},
+                fmt::format("{}: the focus of finger {}", o.touch, finger.id));
   }
+  if (schedule.voice_count == 0) throw bad_input(o.touch, "every finger of this touch is silent: its gain is 0");
+  return schedule;
+}
+
+/// Factors of the foci, whose voices are to have the pressures that they ask for; empty where none asks.
+std::vector<std::complex<double>> factors_for(const DriveCommand& o, const array::Layout& layout,
+                                              array::Schedule& schedule, const array::DriveOptions& options) {
+  if (!array::Loudness::asked(schedule)) return {};
   array::Loudness loudness(layout, options);
   loudness.solve(schedule, 1);
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
-    const double asked = pressure_pa * schedule.voices[v].gain, reached = *schedule.voices[v].reached_pa;
+    const array::Voice& voice = schedule.voices[v];
+    const double asked = voice.pressure_pa * voice.gain, reached = *voice.reached_pa;
     if (reached >= session::reached_part * asked) continue;
-    log::warning(
-        fmt::format("--pressure: focus {} has {:.0f} Pa of the {:.0f} Pa that are asked for: more the array does "
-                    "not give",
-                    v + 1, reached, asked));
+    const std::string who =
+        o.touch.empty() ? fmt::format("--pressure: focus {}", v + 1) : fmt::format("{}: finger {}", o.touch, voice.id);
+    log::warning(fmt::format("{} has {:.0f} Pa of the {:.0f} Pa that are asked for: more the array does not give", who,
+                             reached, asked));
   }
   const auto factors = loudness.factors(0);
   return {factors.begin(), factors.end()};
@@ -270,16 +281,31 @@ void check(const DriveCommand& o) {
     throw bad_usage("--touch needs an array: give --layout, or the --rig that it stands in");
 }
 
+/// Refuses fingers that ask for a pressure beside what it takes the place of.
+void check_pressures(const DriveCommand& o, const array::Schedule& touch) {
+  for (const array::Voice& finger : touch.voices) {
+    if (finger.pressure_pa > 0)
+      setup::refuse_beside_pressure(o.drive, fmt::format("finger {} of {} asks for a pressure", finger.id, o.touch));
+  }
+}
+
 void run(const DriveCommand& o) {
   check(o);
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
-  const array::DriveOptions options = setup::drive_options(o.drive);
+  const setup::PlayedTouch played = o.touch.empty() ? setup::PlayedTouch() : setup::load_touch(o.touch);
+  const array::DriveOptions options =
+      setup::drive_options(o.drive, played.together ? touch::Method::multi_focus : touch::Method::cross_section);
+  check_pressures(o, played.schedule);
   const setup::PlacedLayout placed = setup::load_placed_layout({.rig = o.rig, .layout = o.layout});
   const array::Layout& layout = placed.layout;
   setup::warn_of_frequency(layout, options.medium);
-  const std::vector<array::SlotFocus> foci = o.touch.empty() ? read_foci(o, layout) : foci_of_touch(o, placed);
-  std::vector<std::complex<double>> factors;
-  if (o.drive.pressure_pa) factors = factors_for(layout, foci, options, *o.drive.pressure_pa);
+  array::Schedule schedule = o.touch.empty() ? read_foci(o, layout) : slot_of_touch(o, played.schedule, placed);
+  for (array::Voice& voice : schedule.voices) {
+    if (voice.pressure_pa == 0) voice.pressure_pa = o.drive.pressure_pa.value_or(0);
+  }
+  std::vector<array::SlotFocus> foci;
+  array::foci_of_slot(schedule, 0, foci);
+  const std::vector<std::complex<double>> factors = factors_for(o, layout, schedule, options);
   const array::Drive drive = o.common.backend == setup::Backend::cpu
                                  ? drive_on_cpu(layout, foci, factors, options)
                                  : drive_on_gpu(setup::device_options(o.common), layout, foci, factors, options);
@@ -294,7 +320,7 @@ void run(const DriveCommand& o) {
   if (setup::shows_summary(o.common, outputs)) {
     const bool loud = *std::ranges::max_element(pressure.pascals) > array::linear_pressure_pa;
     write_file("-", summary(layout, foci, options.medium, drive, pressure, unresolved) +
-                        (o.drive.pressure_pa && loud ? setup::linear_line() : ""));
+                        (!factors.empty() && loud ? setup::linear_line() : ""));
   }
 }
 

@@ -128,10 +128,11 @@ void add_finger(JsonWriter& json, const TouchReport& report, std::uint32_t index
   for (const touch::Focus& focus : placement.foci)
     json.value(focus.points);
   json.end_array();
-  if (const double gain = report.session.schedule().voices[index].gain; gain != 1) json.member("gain", gain);
+  const array::Voice& voice = report.session.schedule().voices[index];
+  if (voice.gain != 1) json.member("gain", voice.gain);
+  if (const double asked = voice.pressure_pa * voice.gain; asked > 0) json.member("asked_pa", asked);
   if (!report.pressures.empty()) add_pressures(json, report.pressures[index], placement);
-  if (has_own_schedule(report, index))
-    add_schedule(json, by_sector(report.session.schedule().voices[index], placement));
+  if (has_own_schedule(report, index)) add_schedule(json, by_sector(voice, placement));
   if (scheduled.tuned) add_tune(json, *scheduled.tuned);
   if (!report.spectra.empty()) add_spectrum(json, scheduled.perimeter_m, report.spectra[index]);
   json.end_object();

@@ -10,16 +10,6 @@
 #include "setup/warnings.hpp"
 
 namespace palpa::setup {
-namespace {
-
-/// `who` asks for a pressure.
-void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string& who) {
-  if (options.constraint) throw bad_usage("--constraint: " + who + ", which takes its place; leave one of them out");
-  if (options.solver == array::Solver::greedy)
-    throw bad_usage("--solver greedy: " + who + ", but it drives all transducers in full; take gs-pat or naive");
-}
-
-}  // namespace
 
 void add_common(CLI::App& app, CommonOptions& options) {
   const Group group(app, "Common options");
@@ -153,6 +143,12 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
   group.choice("--directivity", options.directivity, array::directivity_words,
                "of a transducer, for pressures and for all solvers but naive");
   add_medium_options(app, options.medium);
+}
+
+void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string& who) {
+  if (options.constraint) throw bad_usage("--constraint: " + who + ", which takes its place; leave one of them out");
+  if (options.solver == array::Solver::greedy)
+    throw bad_usage("--solver greedy: " + who + ", but it drives all transducers in full; take gs-pat or naive");
 }
 
 void check(const DriveOptionsGroup& options, std::span<const geometry::Solid> solids) {

@@ -106,6 +106,8 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options);
 array::DriveOptions drive_options(const DriveOptionsGroup& options,
                                   touch::Method method = touch::Method::cross_section);
 
+/// `who` asks for a pressure: throws bad_usage where the options have a constraint or greedy.
+void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string& who);
 /// Throws bad_usage where one of the solids asks for a pressure and the options for a constraint or for greedy.
 void check(const DriveOptionsGroup& options, std::span<const geometry::Solid> solids);
 

@@ -72,7 +72,8 @@ touch::Focus read_focus(const Item& finger, const Json& value) {
   return focus;
 }
 
-void read_voice(const Item& finger, std::uint32_t index, const Playing& common, array::Voice& voice) {
+/// Returns whether its foci sound together.
+bool read_voice(const Item& finger, std::uint32_t index, const Playing& common, array::Voice& voice) {
   const Json* foci = finger.array("foci_m");
   if (!foci || foci->empty() || foci->size() > touch::max_foci) {
     finger.fail(fmt::format("\"foci_m\" must be a list of 1 to {} foci", touch::max_foci));
@@ -89,19 +90,24 @@ void read_voice(const Item& finger, std::uint32_t index, const Playing& common, 
   array::VoiceOptions options;
   options.dwell_s = playing.dwell_s;
   if (finger.has("gain")) options.gain = number(finger, "gain", 0, 1);
+  if (finger.has("asked_pa")) {
+    const double asked = number(finger, "asked_pa", 0, array::most_pressure_pa);
+    if (asked > 0 && options.gain > 0) options.pressure_pa = asked / options.gain;  // a voice asks at a gain of 1
+  }
   options.modulation_hz = 0;
   session::make_voice(placement, index, 0, options, voice);
-  if (placement.still()) return;  // one focus, or all of them: there is no order
+  if (placement.still()) return playing.together;  // one focus, or all of them: there is no order
   for (const std::uint32_t sector : playing.order) {
     if (sector >= voice.foci.size())
       finger.fail(fmt::format("its order plays focus {} of {} foci", sector, voice.foci.size()));
   }
   voice.order = playing.order;
+  return false;
 }
 
 }  // namespace
 
-array::Schedule load_touch(const std::filesystem::path& file) {
+PlayedTouch load_touch(const std::filesystem::path& file) {
   const std::string name = file.string();
   const std::string text = read_file(file, most_bytes);
   const geometry::gltf::Parsed parsed(name, text);
@@ -112,15 +118,17 @@ array::Schedule load_touch(const std::filesystem::path& file) {
   if (json["fingers"].empty()) throw bad_input(name, "the touch has no finger: nothing sounds");
 
   const Playing common = read_playing(Item(name, json["schedule"], "schedule"));
-  array::Schedule schedule;
+  PlayedTouch played{.schedule = {}, .together = common.together};
+  array::Schedule& schedule = played.schedule;
   schedule.slot_s = longest_dwell_s;
   for (const Json& finger : json["fingers"]) {
     const std::uint32_t index = schedule.voice_count;
     array::Voice& voice = schedule.add_voice();
-    read_voice(Item(name, finger, fmt::format("finger {}", index)), index, common, voice);
+    const bool together = read_voice(Item(name, finger, fmt::format("finger {}", index)), index, common, voice);
+    played.together = played.together || together;
     schedule.slot_s = std::min(schedule.slot_s, voice.dwell_s);
   }
-  return schedule;
+  return played;
 }
 
 }  // namespace palpa::setup

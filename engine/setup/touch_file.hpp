@@ -7,10 +7,15 @@
 
 namespace palpa::setup {
 
-/// One voice per finger, in the file's order: foci in the world (an empty sector has its neighbour's, as it plays), the
-/// finger's own order and dwell or the common ones, its gain. A finger whose foci stand still has no modulation here:
-/// it is as loud as at its crest. A slot is as long as the shortest dwell. Throws bad_input: no touch, a focus, an
-/// order or a dwell that cannot be, no finger.
-array::Schedule load_touch(const std::filesystem::path& file);
+struct PlayedTouch {
+  array::Schedule schedule;
+  bool together = false;  ///< fingers' foci sound together: the method was multi-focus
+};
+
+/// One voice per finger, in the file's order, which is its id: foci in the world (an empty sector has its neighbour's,
+/// as it plays), the finger's own order and dwell or the common ones, its gain and the pressure that it asks for. A
+/// finger whose foci stand still has no modulation here: it is as loud as at its crest. A slot is as long as the
+/// shortest dwell. Throws bad_input: no touch, a focus, an order or a dwell that cannot be, no finger.
+PlayedTouch load_touch(const std::filesystem::path& file);
 
 }  // namespace palpa::setup

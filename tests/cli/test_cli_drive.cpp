@@ -313,11 +313,14 @@ TEST_P(Drive, EveryFingerOfATouchSoundsAsLoudAsItIs) {
   }
   expect_failure(palpa({"drive", "--layout", "paper", "--touch", file, "--slot", "4"}), 2,
                  "--slot: 4 is not there: " + file + " has the slots 0 to 3");
-  // All at once: no neighbour takes an empty sector's place.
+  // All at once: no neighbour takes an empty sector's place, and the solver is the one of multi-focus.
   std::ofstream(file) << R"({"fingers": [{"foci_m": [[0, 0, 0], null, [0.01, 0, 0]]}],
     "schedule": {"order": [[0, 1, 2]], "dwell_s": 0.0015}})";
-  EXPECT_EQ(csv({"--layout", "paper", "--touch", file}),
-            csv({"--layout", "paper", "--focus", "0,0,0", "--focus", word(0.01F, 0, 0)}));
+  for (const std::string solver : {"gs-pat", "naive"}) {
+    const Rows alike = csv({"--layout", "paper", "--focus", "0,0,0", "--focus", word(0.01F, 0, 0), "--solver", solver});
+    EXPECT_EQ(csv({"--layout", "paper", "--touch", file, "--solver", solver}), alike);
+    EXPECT_EQ(csv({"--layout", "paper", "--touch", file}) == alike, solver == "gs-pat");
+  }
   expect_failure(palpa({"drive", "--layout", "paper", "--touch", file, "--slot", "1"}), 2, "has one slot, 0");
 }
 
@@ -391,6 +394,8 @@ TEST(DriveErrors, TouchesThatCannotBe) {
   refused(touch(R"({"foci_m": [[0, 0]]})", "[0]"), "\"foci_m\" must be places of three numbers");
   refused(touch(R"({"foci_m": [[0, 0, 1e7]]})", "[0]"), "\"foci_m\" must be places of three numbers");
   refused(touch(R"({"foci_m": [[0, 0, 0]], "gain": 2})", "[0]"), "\"gain\" must be a number in 0 to 1");
+  refused(touch(R"({"foci_m": [[0, 0, 0]], "asked_pa": 100001})", "[0]"), "\"asked_pa\" must be a number in 0 to");
+  refused(touch(R"({"foci_m": [[0, 0, 0]], "asked_pa": "5 kPa"})", "[0]"), "\"asked_pa\" must be a number in 0 to");
   refused(touch(R"({"foci_m": [[0, 0, 0]], "gain": 0})", "[0]"), "every finger of this touch is silent");
   refused(R"({"fingers": [{}], "schedule": {"order": [0], "dwell_s": 0}})",
           "\"dwell_s\" must be a number in 1e-06 to 10");
@@ -404,6 +409,10 @@ TEST(DriveErrors, TouchesThatCannotBe) {
   usage({"--layout", "paper", "--focus", "0,0,0", "--slot", "1"}, "--slot goes with --touch");
   usage({"--layout", "paper", "--focus", "0,0,0", "--rig", "r.toml"}, "--rig goes with --touch");
   usage({"--layout", "paper", "--touch", file, "--json", file}, "is read by this command");
+  std::ofstream(file) << touch(R"({"foci_m": [[0, 0, 0]]}, {"foci_m": [[0, 0, 0]], "asked_pa": 500})", "[0]");
+  const std::string who = "finger 1 of " + file + " asks for a pressure";
+  usage({"--layout", "paper", "--touch", file, "--constraint", "normalise"}, "--constraint: " + who);
+  usage({"--layout", "paper", "--touch", file, "--solver", "greedy"}, "--solver greedy: " + who);
 }
 
 TEST(DriveErrors, WhatIsMissing) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <complex>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -288,6 +290,53 @@ TEST(CliPressure, TouchAndDriveHaveItToo) {
   EXPECT_NEAR(drive["pressures_pa"][1], 1000, 5);
   for (const json& amplitude : drive["amplitudes"])
     EXPECT_LE(amplitude, 1.0);
+}
+
+TEST_P(PressureOn, ADriveOfATouchHasWhatItsFingersAsked) {
+  geometry::Haptics asks;
+  asks.pressure_pa = 800;
+  asks.intensity = 0.5;
+  const std::filesystem::path folder = scratch_folder("asked-" + GetParam());
+  const std::string file = (folder / "touch.json").string();
+  // A fingertip in each of the two boxes.
+  const geometry::Ply finger = geometry::read_ply(asset("finger.ply"));
+  std::vector<Vec3> both;
+  for (const Vec3& tip : {left_tip, right_tip}) {
+    for (const Vec3& place : finger.positions)
+      both.push_back(place + tip);
+  }
+  const std::string points = (folder / "fingers.ply").string();
+  geometry::write_ply(points, both);
+  const auto touch_of = [&](const std::vector<std::string>& more) {
+    const Result result = palpa(with({"touch", "--scene", two_boxes("asked-" + GetParam(), {}, asks), "--points",
+                                      points, "--backend", GetParam(), "--json", file},
+                                     more));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return json::parse(std::ifstream(file))["fingers"];
+  };
+  const auto heard = [&](const std::vector<std::string>& more) {
+    const Result result =
+        palpa(with({"drive", "--layout", "openmpd", "--touch", file, "--backend", GetParam(), "--json", "-"}, more));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return json::parse(result.out)["pressures_pa"].get<std::vector<double>>();
+  };
+  const std::size_t right = touch_of({})[0]["solid"] == "right" ? 0 : 1, left = 1 - right;
+  json fingers = touch_of({});
+  ASSERT_EQ(fingers.size(), 2u);
+  EXPECT_EQ(fingers[right]["asked_pa"], 400) << "times its intensity";
+  EXPECT_FALSE(fingers[left].contains("asked_pa"));
+  EXPECT_NEAR(heard({"--slot", "2"})[right], 400, 1);
+  EXPECT_GT(heard({"--slot", "2"})[left], 1000) << "it asks for nothing and has what is left";
+  EXPECT_NEAR(heard({"--pressure", "300Pa"})[left], 300, 1) << "who asks for none";
+  EXPECT_NEAR(heard({"--pressure", "300Pa"})[right], 400, 1) << "as a solid's goes before the option's";
+
+  fingers = touch_of({"--layout", "openmpd", "--pressure", "300Pa", "--method", "multi-focus"});
+  EXPECT_EQ(fingers[left]["asked_pa"], 300);
+  EXPECT_EQ(fingers[right]["asked_pa"], 400);
+  const std::vector<double> together = heard({});
+  ASSERT_GT(together.size(), 10u);
+  for (const double pascals : together)
+    EXPECT_TRUE(std::abs(pascals - 300) < 3 || std::abs(pascals - 400) < 4) << pascals;
 }
 
 TEST(CliPressure, AboveTenKilopascalsLinearAcousticsEnds) {
