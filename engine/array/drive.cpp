@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
+#include "array/crowd.hpp"
 #include "array/greedy.hpp"
 #include "base/error.hpp"
 
@@ -152,7 +154,7 @@ void drive_sources(const Layout& layout, const DriveOptions& options, std::span<
                    const DriveScratch& scratch) {
   if (scratch.sources.size() == 1) {  // the paper's q_k, turned down
     Source source = scratch.sources[0];
-    source.gain = std::clamp(scratch.factors[0].real(), 0.0, 1.0);
+    source.gain = as_amplitude(std::abs(scratch.factors[0]));  // its phase nobody can tell
     DriveOptions clamped = options;
     clamped.constraint = Constraint::clamp;
     return drive_one(layout, source, clamped, out);
@@ -172,19 +174,30 @@ void drive_sources(const Layout& layout, const DriveOptions& options, std::span<
 /// The factors that give the drivable foci what they ask.
 void find_factors(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
                   DriveScratch& scratch) {
+  scratch.foci.clear();
+  std::ranges::copy_if(foci, std::back_inserter(scratch.foci), drivable);
+  const std::size_t count = scratch.sources.size();
   scratch.free_field.set(layout, options.medium, options.directivity);
-  scratch.free_field.fill(scratch.sources, options.weighting, scratch.columns);
-  const bool solved = scratch.sources.size() <= most_solved_foci;
-  solved ? multiply(scratch.columns, scratch.matrix) : multiply_alone(scratch.columns, scratch.matrix);
-  scratch.targets.clear();
-  for (const SlotFocus& focus : foci) {
-    if (!drivable(focus)) continue;
-    const bool heard = scratch.matrix.alone(scratch.targets.size()) > 0;
-    scratch.targets.push_back(heard ? focus.pressure_pa.value_or(0) / layout.source_level_pa_m : 0);
+  scratch.targets.resize(count);
+  scratch.factors.resize(count);
+  for (std::size_t first = 0, end = 0; first < count; first = end) {
+    end = part_end(scratch.foci, first);
+    const std::span targets = std::span(scratch.targets).subspan(first, end - first);
+    const std::span part = std::span<const SlotFocus>(scratch.foci).subspan(first, end - first);
+    scratch.free_field.fill(std::span(scratch.sources).subspan(first, end - first), options.weighting, scratch.columns);
+    multiply(scratch.columns, scratch.matrix);
+    for (std::size_t j = 0; j < part.size(); ++j) {
+      const bool heard = scratch.matrix.alone(j) > 0;
+      targets[j] = heard ? part[j].pressure_pa.value_or(0) / layout.source_level_pa_m : 0;
+    }
+    cap_unasked(scratch.matrix, part, targets);
+    solve_pressures(scratch.matrix, scratch.columns, phases_of(options.solver), targets,
+                    std::span(scratch.factors).subspan(first, end - first), scratch.pressures);
   }
-  scratch.factors.resize(scratch.sources.size());
-  solve_pressures(scratch.matrix, scratch.columns, phases_of(options.solver), scratch.targets, scratch.factors,
-                  scratch.pressures);
+  if (count <= most_solved_foci) return;
+  scratch.heard.resize(count);
+  keep_below(scratch.free_field, layout, scratch.foci, scratch.sources, options.weighting, scratch.factors,
+             scratch.columns, scratch.heard);
 }
 
 }  // namespace
@@ -233,6 +246,45 @@ void drive_by_factors(const Layout& layout, std::span<const SlotFocus> foci, std
     if (drivable(foci[j])) scratch.factors.push_back(factors[j]);
   }
   drive_sources(layout, options, out, scratch);
+}
+
+void reserve(DriveScratch& scratch, const Layout& layout, const DriveOptions& options, std::size_t most_foci) {
+  const std::size_t transducers = layout.transducers.size();
+  constexpr std::size_t few = most_solved_foci, square = few * few;
+  scratch.free_field.set(layout, options.medium, options.directivity);
+  scratch.sources.reserve(most_foci);
+  scratch.foci.reserve(most_foci);
+  scratch.sums.reserve(transducers);
+  scratch.phases.reserve(transducers);
+  scratch.weights.reserve(few);
+  Columns& columns = scratch.columns;
+  // hear_all has at least one transducer of all foci at a time.
+  for (std::vector<double>* values : {&columns.cosine, &columns.sine, &columns.loud, &columns.asked})
+    values->reserve(std::max(few * transducers, most_foci));
+  for (std::vector<double>* values : {&scratch.matrix.re, &scratch.matrix.im})
+    values->reserve(square);
+  for (std::vector<double>* values : {&scratch.gains, &scratch.targets})
+    values->reserve(most_foci);
+  for (std::vector<Complex>* values : {&scratch.factors, &scratch.heard})
+    values->reserve(most_foci);
+  PressureScratch& pressures = scratch.pressures;
+  pressures.gains.reserve(few);
+  pressures.targets.reserve(few);
+  pressures.weights.reserve(few);
+  for (GsPatScratch* gs_pat : {&scratch.gs_pat, &pressures.gs_pat}) {
+    for (std::vector<Complex>* values : {&gs_pat->pressure, &gs_pat->factors, &gs_pat->start})
+      values->reserve(few);
+    gs_pat->claims.reserve(few);
+    gs_pat->targets.reserve(few);
+  }
+  for (EvenScratch* even : {&scratch.gs_pat.even, &pressures.gs_pat.even, &pressures.even}) {
+    for (std::vector<Complex>* values : {&even->pressure, &even->tried_pressure, &even->tried})
+      values->reserve(few);
+    even->slopes.reserve(square);
+    even->normal.reserve(square);
+    even->rest.reserve(few);
+    even->miss.reserve(few);
+  }
 }
 
 void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,

@@ -23,7 +23,7 @@
 // That is the solver `naive`. The others choose how several foci share the array, and know what the foci do to each
 // other (docs/solvers.md): `gs_pat` gives each q_j complex factors, one set for S and one for G (gs_pat.hpp); `greedy`
 // chooses the phases of the transducers themselves, all at amplitude g (greedy.hpp). A slot of more than
-// most_solved_foci foci is `naive`'s under every solver.
+// most_solved_foci foci is `naive`'s under every solver, or crowd.hpp's where foci ask for a pressure.
 #pragma once
 
 #include <complex>
@@ -63,6 +63,8 @@ struct SlotFocus {
   /// Where one focus of a slot has one, those without ask for nothing.
   std::optional<double> pressure_pa;
   std::uint32_t voice = 0, number = 0;  ///< of a schedule: whose it is, and which of its foci
+  /// Peak that it must never exceed: what its finger asks, at the modulation's crest; nothing: nobody asks.
+  std::optional<double> most_pa{};
 };
 
 /// Amplitude 0..1 and phase in (-pi, pi] of one transducer, e^{-iwt}: the phase is the delay, -k d for a single focus.
@@ -98,9 +100,13 @@ struct DriveScratch {
   FocusMatrix matrix;
   GsPatScratch gs_pat;
   PressureScratch pressures;
+  std::vector<SlotFocus> foci;  ///< the drivable ones, as `sources`
   std::vector<double> targets;
-  std::vector<std::complex<double>> factors;
+  std::vector<std::complex<double>> factors, heard;
 };
+
+/// Gives `scratch` all the room that drive_for can need for so many foci, and makes what hangs on the layout alone.
+void reserve(DriveScratch& scratch, const Layout& layout, const DriveOptions& options, std::size_t most_foci);
 
 /// The twin of DrivesPass, in double precision: the drive of one slot into `out`, one entry per transducer. No focus
 /// (or none that is drivable): all zero. Gains outside 0..1 are clamped, NaN is 0. A transducer at the very focus has

@@ -180,8 +180,8 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci, std::span<const std:
   const auto store = factors_.as<shader::vec4>();
   for (std::size_t j = 0; j < foci.size(); ++j) {
     if (!drivable(foci[j])) continue;
-    // One focus alone has a real factor: a gain.
-    if (count == 1) slot.gain = static_cast<float>(std::clamp(factors[j].real(), 0.0, 1.0));
+    // Nobody can tell the phase of one focus alone: its factor is a gain.
+    if (count == 1) slot.gain = static_cast<float>(std::clamp(std::abs(factors[j]), 0.0, 1.0));
     store[used_foci_] = {0, 0, static_cast<float>(factors[j].real()), static_cast<float>(factors[j].imag())};
     add_focus(foci[j], 1);
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "array/crowd.hpp"
 #include "array/hearing.hpp"
 
 namespace palpa::array {
@@ -13,6 +14,9 @@ using Complex = std::complex<double>;
 
 /// Looks for how much amplitude there is to share.
 constexpr int most_looks = 10;
+/// Less, in 1/m, is nothing: some micropascals. What is divided by it stays a number.
+constexpr double least_target = 1e-6;
+
 float square_max(std::span<const float> re, std::span<const float> im) {
   float most = 0;
   for (std::size_t n = 0; n < re.size(); ++n) {
@@ -46,7 +50,7 @@ std::span<const Complex> Loudness::factors(std::uint32_t slot) const {
 }
 
 void Loudness::solve(Schedule& schedule, std::uint32_t slots) {
-  slot_count_ = 0;
+  slot_count_ = part_count_ = 0;
   foci_.clear();
   targets_.clear();
   given_.clear();
@@ -73,6 +77,9 @@ void Loudness::solve(Schedule& schedule, std::uint32_t slots) {
     peak = std::max(peak, peak_of(slot, demands_));
   const bool hard = std::ranges::any_of(given_, [](double given) { return given < 1; });
   if (peak > 1 || hard) share();
+  for (const Slot& slot : used()) {
+    if (slot.parts > 1) calm(slot);
+  }
   tell(schedule);
 }
 
@@ -82,39 +89,61 @@ void Loudness::add_slot(const Schedule& schedule, std::uint32_t number) {
   foci_of_slot(schedule, number, slot_foci_);
   slot.first = foci_.size();
   slot.count = slot_foci_.size();
+  slot.first_part = part_count_;
   foci_.insert(foci_.end(), slot_foci_.begin(), slot_foci_.end());
+  targets_.resize(foci_.size(), 0);
+  given_.resize(foci_.size(), 1);
+  full_.resize(foci_.size(), 0);
+  for (std::size_t first = 0, end = 0; first < slot.count; first = end) {
+    end = part_end(slot_foci_, first);
+    if (part_count_ == parts_.size()) parts_.emplace_back();
+    Part& part = parts_[part_count_++];
+    part.first = slot.first + first;
+    part.count = end - first;
+    add_part(schedule, part);
+  }
+  slot.parts = part_count_ - slot.first_part;
+}
+
+void Loudness::find_sources(std::size_t first, std::size_t count) {
   sources_.clear();
-  for (const SlotFocus& focus : slot_foci_) {
+  for (const SlotFocus& focus : std::span(foci_).subspan(first, count)) {
     // One that cannot be driven has a column all the same, which nobody asks anything of.
     const Vec3 place = drivable(focus) ? focus.position : Vec3(0);
     sources_.push_back({place, reach_.farthest(place), 1});
   }
-  field_.fill(sources_, options_.weighting, columns_);
-  slot.count <= most_solved_foci ? multiply(columns_, slot.matrix) : multiply_alone(columns_, slot.matrix);
-  keep_asks(slot);
-  targets_.resize(foci_.size(), 0);
-  given_.resize(foci_.size(), 1);
-  full_.resize(foci_.size(), 0);
-  now_.assign(slot.count, 0);
-  for (std::size_t j = 0; j < slot.count; ++j) {
-    const SlotFocus& focus = slot_foci_[j];
-    const Voice& voice = schedule.voices[focus.voice];
-    const double alone = slot.matrix.alone(j), part = part_of(voice, focus);
-    if (!drivable(focus) || !(alone > 0) || !(part > 0)) continue;
-    const double full = voice.pressure_pa > 0 ? voice.pressure_pa / layout_.source_level_pa_m : alone;
-    double& target = targets_[slot.first + j];
-    target = full * voice.gain * part;
-    // One that would need far more than there is would drown all that is said about the others.
-    now_[j] = std::min(target, alone);
-    given_[slot.first + j] = now_[j] / target;
-  }
-  solve_pressures(slot.matrix, columns_, phases_of(options_.solver), now_, std::span(full_).subspan(slot.first),
-                  scratch_);
 }
 
-void Loudness::keep_asks(const Slot& slot) {
-  for (std::size_t j = 0; j < slot.count; ++j) {
-    const SlotFocus& focus = foci_[slot.first + j];
+void Loudness::add_part(const Schedule& schedule, Part& part) {
+  find_sources(part.first, part.count);
+  field_.fill(sources_, options_.weighting, columns_);
+  multiply(columns_, part.matrix);
+  keep_asks(part);
+  const std::span<const SlotFocus> foci = std::span(foci_).subspan(part.first, part.count);
+  const std::span<double> targets = std::span(targets_).subspan(part.first, part.count);
+  for (std::size_t j = 0; j < part.count; ++j) {
+    const Voice& voice = schedule.voices[foci[j].voice];
+    const double alone = part.matrix.alone(j);
+    if (!drivable(foci[j]) || !(alone > 0)) continue;
+    const double full = voice.pressure_pa > 0 ? voice.pressure_pa / layout_.source_level_pa_m : alone;
+    const double target = full * voice.gain * part_of(voice, foci[j]);
+    if (target > least_target) targets[j] = target;
+  }
+  cap_unasked(part.matrix, foci, targets);
+  now_.assign(part.count, 0);
+  for (std::size_t j = 0; j < part.count; ++j) {
+    if (!(targets[j] > 0)) continue;
+    // One that would need far more than there is would drown all that is said about the others.
+    now_[j] = std::min(targets[j], part.matrix.alone(j));
+    given_[part.first + j] = now_[j] / targets[j];
+  }
+  solve_pressures(part.matrix, columns_, phases_of(options_.solver), now_,
+                  std::span(full_).subspan(part.first, part.count), scratch_);
+}
+
+void Loudness::keep_asks(const Part& part) {
+  for (std::size_t j = 0; j < part.count; ++j) {
+    const SlotFocus& focus = foci_[part.first + j];
     Ask& ask = asks_[ask_of_[focus.voice] + focus.number];
     if (ask.known) continue;
     ask.known = true;
@@ -157,14 +186,14 @@ double Loudness::peak_of(const Slot& slot, std::span<Demand> takes) {
 }
 
 void Loudness::apply_levels() {
-  for (const Slot& slot : used()) {
-    now_.resize(slot.count);
-    for (std::size_t j = 0; j < slot.count; ++j) {
-      const double level = levels_[foci_[slot.first + j].voice];
-      now_[j] = targets_[slot.first + j] * level;
-      factors_[slot.first + j] = full_[slot.first + j] * (level / given_[slot.first + j]);
+  for (const Part& part : std::span(parts_).first(part_count_)) {
+    now_.resize(part.count);
+    for (std::size_t j = 0; j < part.count; ++j) {
+      const double level = levels_[foci_[part.first + j].voice];
+      now_[j] = targets_[part.first + j] * level;
+      factors_[part.first + j] = full_[part.first + j] * (level / given_[part.first + j]);
     }
-    correct_pressures(slot.matrix, now_, std::span(factors_).subspan(slot.first, slot.count), scratch_);
+    correct_pressures(part.matrix, now_, std::span(factors_).subspan(part.first, part.count), scratch_);
   }
 }
 
@@ -202,6 +231,27 @@ void Loudness::share() {
     factor /= peak;
 }
 
+/// No focus louder than asked where fingers were solved each by itself, and still no transducer beyond 1.
+void Loudness::calm(const Slot& slot) {
+  find_sources(slot.first, slot.count);
+  const std::span<Complex> factors = std::span(factors_).subspan(slot.first, slot.count);
+  heard_.resize(slot.count);
+  keep_below(field_, layout_, std::span(foci_).subspan(slot.first, slot.count), sources_, options_.weighting, factors,
+             columns_, heard_);
+  const double peak = peak_of(slot, {});
+  if (peak <= 1) return;
+  for (Complex& factor : factors)
+    factor /= peak;
+}
+
+void Loudness::hear(const Slot& slot) {
+  const std::span<const Complex> factors = std::span(factors_).subspan(slot.first, slot.count);
+  heard_.resize(slot.count);
+  if (slot.parts == 1) return MatrixHearing(parts_[slot.first_part].matrix).hear(factors, heard_);
+  find_sources(slot.first, slot.count);
+  hear_all(field_, layout_, sources_, options_.weighting, factors, columns_, heard_);
+}
+
 void Loudness::tell(Schedule& schedule) {
   constexpr double unheard = std::numeric_limits<double>::infinity();
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
@@ -210,8 +260,7 @@ void Loudness::tell(Schedule& schedule) {
     voice.reached_pa = unheard;
   }
   for (const Slot& slot : used()) {
-    heard_.resize(slot.count);
-    MatrixHearing(slot.matrix).hear(std::span<const Complex>(factors_).subspan(slot.first, slot.count), heard_);
+    hear(slot);
     for (std::size_t j = 0; j < slot.count; ++j) {
       Voice& voice = schedule.voices[foci_[slot.first + j].voice];
       const double part = part_of(voice, foci_[slot.first + j]);

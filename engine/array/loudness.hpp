@@ -4,7 +4,8 @@
 // without absorption, at its modulation's crest: in every slot, whatever else sounds (slot_pressures.hpp). Where the
 // amplitude of some transducer would exceed 1 in some slot, fingers are lowered, each by one factor for all of its foci
 // and slots (levels.hpp). A finger that asks for none, beside one that does, sounds as the paper has it, by what is
-// left of the array.
+// left of the array, or by less where the array does not resolve it from one that asks: only who asks may raise others.
+// In slots of more than most_solved_foci foci nobody is louder than asked (crowd.hpp).
 //
 // All in double precision and the same on every run; a device only adds up the drives.
 #pragma once
@@ -38,20 +39,29 @@ class Loudness {
   std::span<const std::complex<double>> factors(std::uint32_t slot) const;
 
  private:
-  /// One slot: its entries are [first, first + count) of `factors_`, `targets_` and so on.
-  struct Slot {
+  /// Foci that are solved together: their entries are [first, first + count) of `factors_`, `targets_` and so on.
+  struct Part {
     std::size_t first = 0, count = 0;
     FocusMatrix matrix;
   };
+  /// One slot, which is one part, or several (crowd.hpp).
+  struct Slot {
+    std::size_t first = 0, count = 0;
+    std::size_t first_part = 0, parts = 0;
+  };
 
   void add_slot(const Schedule& schedule, std::uint32_t number);
-  void keep_asks(const Slot& slot);
+  void add_part(const Schedule& schedule, Part& part);
+  void find_sources(std::size_t first, std::size_t count);
+  void keep_asks(const Part& part);
   /// The largest amplitude of the slot; where `takes` is not empty each voice's own is entered, too, where it is
   /// larger.
   double peak_of(const Slot& slot, std::span<Demand> takes);
   void apply_levels();
   double peak_of_all();
   void share();
+  void calm(const Slot& slot);
+  void hear(const Slot& slot);  ///< into `heard_`
   void tell(Schedule& schedule);
   std::span<const Slot> used() const { return std::span(slots_).first(slot_count_); }
 
@@ -64,6 +74,8 @@ class Loudness {
 
   std::vector<Slot> slots_;
   std::size_t slot_count_ = 0;
+  std::vector<Part> parts_;
+  std::size_t part_count_ = 0;
   std::vector<SlotFocus> foci_, slot_foci_;    ///< of all slots, and of one
   std::vector<double> targets_;                ///< all that is asked, in 1/m
   std::vector<double> given_;                  ///< what part of it a focus alone could have, 0..1

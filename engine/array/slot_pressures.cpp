@@ -1,6 +1,7 @@
 #include "array/slot_pressures.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 #include "array/hearing.hpp"
 
@@ -48,8 +49,8 @@ void start_together(const FocusMatrix& matrix, const Columns& columns, std::span
 void solve_pressures(const FocusMatrix& matrix, const Columns& columns, FocusPhases phases,
                      std::span<const double> targets, std::span<Complex> factors, PressureScratch& scratch) {
   const bool sounds = std::ranges::any_of(targets, [](double target) { return target > 0; });
-  const bool several = factors.size() > 1 && factors.size() <= most_solved_foci;
-  if (sounds && several && phases == FocusPhases::helping) {
+  assert(factors.size() <= most_solved_foci);
+  if (sounds && factors.size() > 1 && phases == FocusPhases::helping) {
     start_together(matrix, columns, targets, factors, scratch);
   } else {
     for (std::size_t j = 0; j < factors.size(); ++j)
@@ -60,7 +61,7 @@ void solve_pressures(const FocusMatrix& matrix, const Columns& columns, FocusPha
 
 void correct_pressures(const FocusMatrix& matrix, std::span<const double> targets, std::span<Complex> factors,
                        PressureScratch& scratch) {
-  if (factors.size() < 2 || factors.size() > most_solved_foci) return;
+  if (factors.size() < 2) return;
   even_out(MatrixHearing(matrix), one_sound(matrix, targets, scratch.targets), {1, pressure_miss, pressure_tries},
            factors, scratch.even);
 }

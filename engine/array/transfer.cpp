@@ -24,13 +24,4 @@ void multiply(const Columns& columns, FocusMatrix& matrix) {
   }
 }
 
-void multiply_alone(const Columns& columns, FocusMatrix& matrix) {
-  const std::size_t foci = columns.foci;
-  matrix.foci = foci;
-  matrix.re.assign(foci * foci, 0);
-  matrix.im.assign(foci * foci, 0);
-  for (std::size_t entry = 0; entry < foci * columns.transducers; ++entry)
-    matrix.re[entry % foci * (foci + 1)] += columns.loud[entry] * columns.asked[entry];
-}
-
 }  // namespace palpa::array

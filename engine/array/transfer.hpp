@@ -64,9 +64,6 @@ struct FocusMatrix {
 /// Fills `matrix` from all columns, keeping its storage.
 void multiply(const Columns& columns, FocusMatrix& matrix);
 
-/// The same, but what arrives elsewhere than at the focus that asks for it is taken for 0.
-void multiply_alone(const Columns& columns, FocusMatrix& matrix);
-
 /// Where columns come from. Twin: shaders/transfer_*.glsl.
 class Transfer {
  public:

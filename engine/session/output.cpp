@@ -35,12 +35,11 @@ std::uint64_t expiry_slot(const Plan& plan, double begin_s, const OutputSetting&
 
 }  // namespace
 
-void SlotScratch::reserve(std::size_t transducers) {
+void SlotScratch::reserve(const OutputSetting& setting) {
   constexpr std::size_t most_foci = std::size_t{touch::max_fingers} * touch::max_foci;
-  drive.reserve(transducers);
+  drive.reserve(setting.layout.transducers.size());
   foci.reserve(most_foci);
-  work.sources.reserve(most_foci);
-  work.sums.reserve(transducers);
+  array::reserve(work, setting.layout, setting.drive, most_foci);
 }
 
 std::span<const array::TransducerDrive> drive_of_slot(const Plan& plan, std::uint64_t slot, double now_s,
@@ -71,7 +70,7 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
   const std::size_t transducers = setting.layout.transducers.size();
   SafeLink safe(link, transducers, setting.safety, setting.slot_s);
   SlotScratch scratch;
-  scratch.reserve(transducers);
+  scratch.reserve(setting);
   array::Schedule nothing;
   nothing.slot_s = setting.slot_s;
   std::uint64_t slot = 0;

@@ -43,8 +43,8 @@ struct SlotScratch {
   array::Drive drive;
   std::vector<array::SlotFocus> foci;
   array::DriveScratch work;
-  /// Gives it all the room that a slot of so many transducers can need.
-  void reserve(std::size_t transducers);
+  /// Gives it all the room that a slot can need.
+  void reserve(const OutputSetting& setting);
 };
 
 /// The drive of one slot, into `scratch` where it has to be computed: plan's drive, its modulation, or all zero where

@@ -19,7 +19,7 @@ class Player {
       : setting_(setting),
         stats_(stats),
         safe_(link, setting.layout.transducers.size(), setting.safety, setting.slot_s) {
-    scratch_.reserve(setting.layout.transducers.size());
+    scratch_.reserve(setting);
     nothing_.slot_s = setting.slot_s;
   }
 

@@ -201,6 +201,83 @@ TEST(Loudness, FingersAtOnePlaceShareOneSoundTheLouder) {
   EXPECT_LT(heard.peak, 0.3) << "not twice what one needs";
 }
 
+/// Seven fingers of ten foci, all at once; every other one asks, or all.
+Schedule crowd(bool all_ask) {
+  Schedule schedule;
+  for (int f = 0; f < 7; ++f)
+    sound_together(
+        add_ring(schedule, {0.03 * (f % 4) - 0.045, 0, 0.03 * (f / 4)}, 5e-3, all_ask || f % 2 == 0 ? 1e3 : 0));
+  return schedule;
+}
+
+TEST(Loudness, MoreFociThanAreSolvedTogetherAreNeverLouderThanAsked) {
+  const Layout layout = posed("openmpd");
+  for (const bool all_ask : {true, false}) {
+    Schedule schedule = crowd(all_ask);
+    Loudness loudness(layout, {});
+    loudness.solve(schedule, 1);
+    const Heard heard = hear(layout, schedule, 1, loudness, {});
+    EXPECT_LE(heard.peak, 1);
+    for (int f = 0; f < 7; ++f) {
+      EXPECT_NEAR(heard.least[f], *schedule.voices[f].reached_pa, 1e-3 * heard.least[f]) << f;
+      if (!all_ask && f % 2 != 0) continue;
+      EXPECT_LE(heard.most[f], 1e3 * 1.001) << f;
+      EXPECT_GT(heard.most[f], 200) << f;
+    }
+    // The same of a slot that nobody listed.
+    std::vector<SlotFocus> foci;
+    foci_of_slot(schedule, 0, foci);
+    ASSERT_EQ(foci.size(), 70u);
+    const Drive drive = drive_for(layout, foci);
+    for (const SlotFocus& focus : foci) {
+      const double pressure = std::abs(acoustics::pressure_at(layout, drive, focus.position));
+      EXPECT_LE(pressure, focus.most_pa.value_or(1e9) * 1.001) << focus.voice;
+    }
+  }
+}
+
+TEST(Loudness, WhoAsksForNothingRaisesNobodyThatItIsOneWith) {
+  const Layout layout = posed("openmpd");
+  for (const double beside : {0.0, 0.5e-3, 1e-3, 1.5e-3, 2e-3, 3e-3, 4e-3, 5e-3, 7e-3, 10e-3}) {
+    Schedule schedule;
+    add_ring(schedule, {0, 0, 0}, 0, 500, 1);
+    add_ring(schedule, {beside, 0, 0}, 0, 0, 1);
+    const Heard heard = solved(layout, schedule);
+    expect_pressure(heard, 0, 500, 5e-3);
+    EXPECT_GT(heard.least[1], 495) << beside;
+  }
+}
+
+TEST(Loudness, NextToNothingIsNotLouderThanThatAndHarmsNobody) {
+  const Layout layout = posed("openmpd");
+  for (const double gain : {1e-320, 1e-300, 1e-20}) {
+    Schedule schedule;
+    add_ring(schedule, {-0.015, 0, 0}, 5e-3, 1e3).gain = gain;
+    add_ring(schedule, {0.015, 0, 0}, 5e-3, 1e3);
+    const Heard heard = solved(layout, schedule);
+    expect_pressure(heard, 1, 1e3);
+    EXPECT_TRUE(std::isfinite(heard.peak) && std::isfinite(*schedule.voices[0].reached_pa)) << gain;
+  }
+}
+
+TEST(Loudness, OneFocusBesideOneThatCannotBeDrivenHasAllOfItsFactor) {
+  const Layout layout = posed("openmpd");
+  const std::vector<SlotFocus> foci{{Vec3(0)}, {Vec3(200, 0, 0)}};
+  const std::vector<std::complex<double>> factors{std::complex<double>(0, 0.3), 0};
+  Drive drive(layout.transducers.size());
+  DriveScratch scratch;
+  drive_by_factors(layout, foci, factors, {}, drive, scratch);
+  const Drive alone = drive_for(layout, std::span(foci).first(1));
+  for (std::size_t n = 0; n < drive.size(); ++n)
+    ASSERT_NEAR(drive[n].amplitude, 0.3 * alone[n].amplitude, 1e-6);
+  DriveMemory memory(test::test_device(), layout, {}, 1, 2);
+  const DrivePasses passes(test::test_device(), Solver::naive);
+  ASSERT_TRUE(memory.add_slot(foci, factors));
+  test::run_on_device([&](VkCommandBuffer commands) { memory.record(commands, passes); });
+  for (std::size_t n = 0; n < drive.size(); ++n)
+    ASSERT_NEAR(memory.drive(0)[n].amplitude, drive[n].amplitude, 1e-5);
+}
+
 TEST(Loudness, WhateverIsAskedNoTransducerExceedsOneAndWhatIsToldIsThere) {
   const Layout layout = posed("openmpd");
   std::mt19937 random(7);

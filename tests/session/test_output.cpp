@@ -123,6 +123,53 @@ TEST(Output, AScheduleWithoutAShortCycleIsComputedSlotBySlot) {
   EXPECT_TRUE(same(out.slot(plan, 777, 0), expected));
 }
 
+/// The room that a scratch has, of each of its vectors.
+std::vector<std::size_t> storage_of(const SlotScratch& scratch) {
+  const array::DriveScratch& work = scratch.work;
+  std::vector<std::size_t> room;
+  const auto add = [&](const auto&... vectors) { (room.push_back(vectors.capacity()), ...); };
+  const auto add_even = [&](const array::EvenScratch& even) {
+    add(even.pressure, even.tried_pressure, even.tried, even.slopes, even.normal, even.rest, even.miss);
+  };
+  add(scratch.drive, scratch.foci, work.sources, work.sums, work.weights, work.gains, work.phases, work.foci,
+      work.targets, work.factors, work.heard, work.matrix.re, work.matrix.im);
+  add(work.columns.cosine, work.columns.sine, work.columns.loud, work.columns.asked);
+  for (const array::GsPatScratch* gs_pat : {&work.gs_pat, &work.pressures.gs_pat}) {
+    add(gs_pat->pressure, gs_pat->factors, gs_pat->start, gs_pat->claims, gs_pat->targets);
+    add_even(gs_pat->even);
+  }
+  add(work.pressures.gains, work.pressures.targets, work.pressures.weights);
+  add_even(work.pressures.even);
+  return room;
+}
+
+TEST(Output, AReservedScratchNeverGrowsWherePressuresAreAskedFor) {
+  Output out;
+  for (const array::Solver solver : {array::Solver::naive, array::Solver::gs_pat}) {
+    out.setting.drive.solver = solver;
+    for (const unsigned fingers : {2u, 7u}) {
+      array::Schedule schedule;
+      for (unsigned f = 0; f < fingers; ++f) {
+        array::Voice& voice = schedule.add_voice();
+        voice = test::touching(Vec3(0.03 * f, 0.15, 0), f == 0 ? 199.37 : 0).voices[0];
+        voice.foci_per_slot = static_cast<std::uint32_t>(voice.foci.size());
+        voice.pressure_pa = voice.target_pa = 10;
+        voice.reached_pa = 10;
+      }
+      const Plan plan = out.plan_of(schedule);
+      ASSERT_EQ(plan.cycle, 0u);
+      SlotScratch scratch;
+      scratch.reserve(out.setting);
+      const auto before = storage_of(scratch);
+      for (const std::uint64_t slot : {0ull, 777ull}) {
+        drive_of_slot(plan, slot, 0, out.setting, scratch);
+        EXPECT_EQ(storage_of(scratch), before) << slot;
+      }
+      EXPECT_EQ(scratch.work.factors.size(), fingers * 10u);
+    }
+  }
+}
+
 TEST(Output, AReservedScratchNeverGrows) {
   Output out;
   array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
@@ -130,15 +177,11 @@ TEST(Output, AReservedScratchNeverGrows) {
   const Plan plan = out.plan_of(schedule);
   ASSERT_EQ(plan.cycle, 0u);
   SlotScratch scratch;
-  scratch.reserve(out.layout.transducers.size());
-  const auto storage = [&] {
-    return std::array<const void*, 4>{scratch.drive.data(), scratch.foci.data(), scratch.work.sources.data(),
-                                      scratch.work.sums.data()};
-  };
-  const auto before = storage();
+  scratch.reserve(out.setting);
+  const auto before = storage_of(scratch);
   for (const std::uint64_t slot : {0ull, 1ull, 777ull}) {
     drive_of_slot(plan, slot, 0, out.setting, scratch);
-    EXPECT_EQ(storage(), before) << slot;
+    EXPECT_EQ(storage_of(scratch), before) << slot;
   }
   EXPECT_EQ(scratch.work.sources.size(), 2u) << "the slots were not summed";
 }
