@@ -19,8 +19,7 @@ PALPA_CONST skin_count_buffers = 4u;
 PALPA_CONST skin_scatter_buffers = 5u;
 
 // Specialization constant 0 of both: 1 where rays come from the table, 0 where the camera neither distorts nor ignores
-// pixels and
-// ((u - cx) / fx, (v - cy) / fy) is cheaper than two loads.
+// pixels, so that ((u - cx) / fx, (v - cy) / fy) is cheaper than two loads.
 PALPA_CONST skin_rays_from_table = 0u;
 
 // What skin_count leaves for skin_scatter.
