@@ -118,8 +118,14 @@ void run(const Extensions& extensions, const ExportCommand& o) {
     warn_of_left_out_fingers(*frame.touch, warned);
     progress.set(++frames);
   };
-  const session::ReplayStats stats = session::replay(session, *source, links, Interrupt::flag(), options);
-  if (sink) sink->finish();
+  session::ReplayStats stats;
+  try {
+    stats = session::replay(session, *source, links, Interrupt::flag(), options);
+  } catch (...) {
+    finish(sink.get(), true);
+    throw;
+  }
+  finish(sink.get(), false);
   if (interrupt.requested()) {
     throw failure(fmt::format("ended by a signal after {} frames{}", stats.frames,
                               foci ? fmt::format(": {} is not written", o.foci) : ""));

@@ -97,10 +97,18 @@ std::string pressures_summary(std::span<const session::FingerPressure> fingers, 
   return most_pa > array::linear_pressure_pa ? text + setup::linear_line() : text;
 }
 
+void finish(session::EventSink* sink, bool after_error) {
+  try {
+    if (sink) sink->finish();
+  } catch (const std::exception&) {
+    if (!after_error) throw;
+  }
+}
+
 void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned) {
   if (touch.cluster_count <= touch.finger_count || std::exchange(warned, true)) return;
-  log::warning(fmt::format("{} clusters of contacts make a finger, only the first {} are kept", touch.cluster_count,
-                           touch.finger_count));
+  log::warning(fmt::format("{} of {} clusters of contacts are left out: no more than {} of a frame are looked at",
+                           touch.cluster_count - touch.finger_count, touch.cluster_count, touch::max_fingers));
 }
 
 }  // namespace palpa::cli

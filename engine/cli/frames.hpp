@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/command.hpp"
+#include "session/event_sink.hpp"
 #include "session/pressure_log.hpp"
 #include "session/session.hpp"
 #include "setup/load.hpp"
@@ -51,6 +52,8 @@ session::SessionSetting session_setting(const FrameOptions& options, std::vector
                                         const sensing::DepthSource& source, array::Layout layout);
 /// Lines of what fingers that asked for a pressure had; nothing where none did.
 std::string pressures_summary(std::span<const session::FingerPressure> fingers, std::span<const std::string> solids);
+/// Hands over what waits. After an error that error is the one to report, not another of the sink's.
+void finish(session::EventSink* sink, bool after_error);
 /// Warns once that a frame had more fingers than are played.
 void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned);
 

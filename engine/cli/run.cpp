@@ -97,15 +97,6 @@ std::string late_line(const RunCommand& o) {
                      waits);
 }
 
-/// Hands over what waits. After an error that error is the one to report, not another of the sink's.
-void finish(session::EventSink* sink, bool after_error) {
-  try {
-    if (sink) sink->finish();
-  } catch (const std::exception&) {
-    if (!after_error) throw;
-  }
-}
-
 void run(const Extensions& extensions, const RunCommand& o) {
   check(o);
   std::vector<session::LinkKind> links = session::builtin_links();

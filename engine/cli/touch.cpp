@@ -12,6 +12,7 @@
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
+#include "cli/frames.hpp"
 #include "session/foci_link.hpp"
 #include "session/foci_pressures.hpp"
 #include "session/pressure_log.hpp"
@@ -282,10 +283,8 @@ void run(const TouchCommand& o) {
       setup::touch_once(o.common, o.touch, o.felt, o.input.scene, std::move(solids), input, std::move(array), times);
   preparing.reset();
   const touch::Touch& touch = one.touch;
-  if (touch.cluster_count > touch.finger_count) {
-    log::warning(fmt::format("{} clusters of contacts make a finger, only the first {} are kept", touch.cluster_count,
-                             touch.finger_count));
-  }
+  bool warned = false;
+  warn_of_left_out_fingers(touch, warned);
   const std::vector<acoustics::Spectrum> spectra =
       o.felt.spectrum ? setup::spectra_of(one.session) : std::vector<acoustics::Spectrum>();
   const bool sounds = !o.array.layout.empty();

@@ -113,6 +113,11 @@ std::string why_unusable(VkPhysicalDevice physical, const VkPhysicalDeviceProper
     return fmt::format("offers Vulkan {}.{}, palpa needs 1.3", VK_API_VERSION_MAJOR(properties.apiVersion),
                        VK_API_VERSION_MINOR(properties.apiVersion));
   }
+  constexpr std::uint32_t shared_bytes = 32768;  // Vulkan promises half of it; splitting clusters takes 24 KB
+  if (properties.limits.maxComputeSharedMemorySize < shared_bytes) {
+    return fmt::format("has {} bytes of shared memory, palpa needs {}", properties.limits.maxComputeSharedMemorySize,
+                       shared_bytes);
+  }
   if (!find_queue_family(physical)) return "has no compute queue with timestamps";
   if (!has_extension(physical, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME)) return "lacks VK_KHR_push_descriptor";
   return {};

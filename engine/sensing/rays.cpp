@@ -143,6 +143,10 @@ std::uint64_t padded_pixels(std::span<const Camera> cameras) {
 RayTables make_rays(std::span<const Camera> cameras) {
   RayTables tables;
   for (const Camera& camera : cameras) {
+    if (camera.mask && camera.mask->pixels.size() != std::size_t{camera.width} * camera.height) {
+      throw bad_usage(fmt::format("camera {}: a mask of {} pixels for {} x {}", camera.name, camera.mask->pixels.size(),
+                                  camera.width, camera.height));
+    }
     CameraTable& table = tables.cameras.emplace_back();
     table.width = camera.width;
     table.height = camera.height;

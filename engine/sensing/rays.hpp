@@ -55,7 +55,8 @@ inline constexpr std::uint64_t most_pixels = 1u << 23;
 /// What make_rays() makes of that many pixels.
 std::uint64_t padded_pixels(std::span<const Camera> cameras);
 
-/// Throws bad_usage when the cameras have more than `most_pixels` pixels together.
+/// Throws bad_usage when the cameras have more than `most_pixels` pixels together, or a mask not one for each of its
+/// own.
 RayTables make_rays(std::span<const Camera> cameras);
 
 /// The part of one camera's image that can show a point of the box, and all that turns its depths into points.

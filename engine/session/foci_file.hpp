@@ -1,6 +1,6 @@
 // The foci of a run as a file. `.json`: {"slot_s": 0.0015, "frames": [{"slot": 0, "time_s": ..., "fingers": [...]},
 // ...]}, each of "frames" being a line of the stream of foci (session/foci_link.hpp) and the first slot that plays it.
-// `.csv`: slot,time_s,finger,solid,focus,x,y,z,gain, a row per focus: its number in the finger's order of sectors and
+// `.csv`: slot,time_s,finger,solid,focus,x,y,z,gain, a row per focus: its number in the finger's list of foci and
 // its place in the world, metres. A frame without fingers has no row.
 #pragma once
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <utility>
 
 #include "base/error.hpp"
@@ -46,7 +47,10 @@ class Player {
     const std::uint64_t expiry = slot_at(plan.captured_s + setting_.hold_s);
     for (; slot_ < end && !stop; ++slot_) {
       const bool silent = plan.schedule.voice_count == 0 || slot_ >= expiry;
-      if (silent && static_cast<double>(silent_slots_) * setting_.slot_s >= most_silence_s) slot_ = end - 1;
+      if (silent && static_cast<double>(silent_slots_) * setting_.slot_s >= most_silence_s) {
+        slot_ = end;
+        break;
+      }
       if (silent && sounding_) tell_nothing(plan);
       sounding_ = !silent;
       // Slots are told apart by their numbers: the time says no more than whether it has expired.
@@ -109,6 +113,9 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
   if (!setting.live())
     throw bad_usage("a session without cameras or without an array, or one of single frames, cannot be played");
   const bool tells = options.events != nullptr;
+  if (setting.schedule.tune == Tune::all) {
+    throw bad_usage("a session that is played can tune strides only: how long a slot lasts stays as it is");
+  }
   if (tells && !setting.events) throw bad_usage("a session whose setting has no events cannot tell any");
   constexpr double patience_s = 1;
   ReplayStats stats;
@@ -116,29 +123,38 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
   Player player(link, {setting.layout, setting.drive, stats.slot_s, setting.hold_s, setting.safety}, stats);
   stats.solids = session.solid_names();
   PressureLog pressures(session.solid_names());
-  sensing::FrameSet set;
-  double time_s = 0;
-  while (!stop && (options.frames == 0 || stats.frames < options.frames) && source.next(set, patience_s)) {
-    if (set.frames.empty()) continue;
-    if (stats.frames == 0) {
-      player.begin_at(time_s = set.time_s);
-    } else {
-      time_s = std::max(time_s, set.time_s);
-      player.play_until(player.slot_at(time_s), session.plan(), stop);
+  try {
+    sensing::FrameSet set;
+    double time_s = 0;
+    while (!stop && (options.frames == 0 || stats.frames < options.frames) && source.next(set, patience_s)) {
+      if (set.frames.empty()) continue;
+      if (stats.frames == 0) {
+        player.begin_at(time_s = set.time_s);
+      } else {
+        time_s = std::max(time_s, set.time_s);
+        player.play_until(player.slot_at(time_s), session.plan(), stop);
+      }
+      const touch::Touch& touch = session.touch(set.frames, time_s);
+      ++stats.frames;
+      stats.touching += touch.finger_count > 0 ? 1 : 0;
+      player.tell(session.plan());
+      pressures.planned(session.schedule());
+      if (options.planned) options.planned(session.report());
+      if (tells) options.events(session.events());
     }
-    const touch::Touch& touch = session.touch(set.frames, time_s);
-    ++stats.frames;
-    stats.touching += touch.finger_count > 0 ? 1 : 0;
-    player.tell(session.plan());
-    pressures.planned(session.schedule());
-    if (options.planned) options.planned(session.report());
-    if (tells) options.events(session.events());
+    if (stats.frames > 0) {
+      player.play_until(player.slot_at(time_s + setting.hold_s), session.plan(), stop);
+      player.fade(session.plan(), stop);
+    }
+    player.finish();
+  } catch (...) {
+    const std::exception_ptr fault = std::current_exception();
+    try {
+      if (tells) options.events(session.end());
+    } catch (const std::exception&) {  // the first error is the one to report
+    }
+    std::rethrow_exception(fault);
   }
-  if (stats.frames > 0) {
-    player.play_until(player.slot_at(time_s + setting.hold_s), session.plan(), stop);
-    player.fade(session.plan(), stop);
-  }
-  player.finish();
   stats.fingers = pressures.fingers();
   if (tells) options.events(session.end());
   return stats;

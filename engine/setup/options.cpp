@@ -59,14 +59,16 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
                  "contacts no farther apart than this are in one finger");
   group.integer("--min-points", p.min_points, 1, 1u << 30, "contacts that make a finger");
   group.quantity("--finger-width", p.finger_width_m, Quantity::length, {0, 1},
-                 "depth cameras: no finger is wider, so what is is split, and patches are joined; 0: neither");
+                 "depth cameras: no finger is wider, so what is is split, patches are joined, flying pixels dropped; "
+                 "0: none of it");
   group.choice("--cluster", p.cluster, touch::cluster_words,
                "what is clustered into fingers: contacts, or all skin inside a solid");
+  options.foci_name = foci;
   group.integer(foci, p.foci, 1, touch::max_foci, "foci per finger");
   group.choice("--spacing", p.spacing, touch::spacing_words,
                "foci at equal angles, or at equal lengths along the cross-section");
   group.integer("--stride", options.stride, 1, 1u << 20,
-                "every which focus is next; coprime to --foci, normally what is nearest to 0.3 of it");
+                "every which focus is next; coprime to the number of foci, normally what is nearest to 0.3 of it");
   group.quantity("--dwell", options.dwell_s, Quantity::time, {1e-6, 10}, "how long a focus lasts");
   group.choice("--method", options.method.method, touch::method_words, "how a cross-section becomes foci");
   group.choice("--modulation", options.modulation, array::modulation_words,
@@ -106,7 +108,7 @@ void check(const FeltOptions& options, const TouchOptions& touch) {
 void check(const TouchOptions& options) {
   if (options.stride) {
     const std::string fault = geometry::stride_fault(options.parameters.foci, *options.stride);
-    if (!fault.empty()) throw bad_usage("--stride and --foci: " + fault);
+    if (!fault.empty()) throw bad_usage(fmt::format("--stride and {}: {}", options.foci_name, fault));
   }
   warn_of_dwell(options);
 }

@@ -61,8 +61,9 @@ struct TouchOptions {
   touch::MethodOptions method;  ///< --method
   array::Modulation modulation = array::Modulation::pressure_sine;
   double modulation_hz = 200;
-  bool tune = false;             ///< --tune: stride, and for a single touch foci, by the perimeter
-  std::optional<double> spot_m;  ///< --spot: of a Gaussian in place of an array's field
+  const char* foci_name = "--foci";  ///< what the option of parameters.foci is called
+  bool tune = false;                 ///< --tune: stride, and for a single touch foci, by the perimeter
+  std::optional<double> spot_m;      ///< --spot: of a Gaussian in place of an array's field
 };
 /// `foci`: what the number of foci is called.
 void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci = "--foci");

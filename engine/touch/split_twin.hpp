@@ -1,7 +1,7 @@
 // Fingers side by side that are one cluster, and clusters that are none: what the depth pictures say of a cluster's own
 // skin, before patches are joined across hidden skin (bridge_twin.hpp).
 //
-// - A cluster is a ghost where the pictures show no surface at more than two thirds of its contacts: flying pixels.
+// - A cluster is a ghost where the pictures show a surface at less than half of its contacts: flying pixels.
 // - A cluster that is wider than a finger is several fingers where a valley is seen between them (docs/touch.md tells
 //   how): along the way from contact to contact in a picture the skin falls off and rises again.
 #pragma once

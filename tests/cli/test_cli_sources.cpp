@@ -86,7 +86,8 @@ TEST(CliSources, FingersThatAreTooManyAreToldOnce) {
         run({0, 0.01, 0.02}, 3005,
             {"--min-points", "1", "--finger-gap", "1mm", "--finger-width", "0", "--backend", backend});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_EQ(outcome.err, "palpa: warning: 81 clusters of contacts make a finger, only the first 64 are kept\n");
+    EXPECT_EQ(outcome.err,
+              "palpa: warning: 17 of 81 clusters of contacts are left out: no more than 64 of a frame are looked at\n");
     EXPECT_EQ(nlohmann::json::parse(outcome.out)["frames"]["touching"], 3) << backend;
   }
   const Outcome one = run({0, 0.01}, 3005, {"--min-points", "1", "--backend", "cpu"});
