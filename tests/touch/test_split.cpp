@@ -2,6 +2,8 @@
 // finger_scenes.hpp, which know whose each contact is.
 #include <gtest/gtest.h>
 
+#include <glm/geometric.hpp>
+#include <map>
 #include <optional>
 #include <random>
 
@@ -99,19 +101,22 @@ TEST_P(SplitOn, TheSameFingersFromFrameToFrame) {
   HostStage host({scene.solid}, scene.cameras, setting);
   std::optional<DeviceStage> device;
   if (GetParam() == Backend::gpu) device.emplace(std::vector{scene.solid}, scene.cameras, setting);
-  std::vector<std::uint32_t> ids;
+  std::map<std::uint32_t, Vec3> places;  // of each id, where it was seen first
   int frames_of_two = 0;
   for (unsigned k = 0; k < 12; ++k) {
     see_again(scene, k);  // other noise
     Touch touch;
     device ? device->touch(scene.images, touch, k / 90.0) : host.touch(scene.images, touch, k / 90.0);
     frames_of_two += touch.finger_count == 2 ? 1 : 0;
-    for (std::uint32_t f = 0; f < touch.finger_count; ++f)
-      ids.push_back(touch.fingers[f].id);
+    if (touch.finger_count != 2) continue;
+    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+      const Vec3 centroid(touch.fingers[f].section.centroid);
+      const auto [first, fresh] = places.emplace(touch.fingers[f].id, centroid);
+      EXPECT_LT(glm::distance(centroid, first->second), 7e-3) << "they stand still, 16 mm from each other";
+    }
   }
   EXPECT_GE(frames_of_two, 11);
-  for (const std::uint32_t id : ids)
-    EXPECT_LT(id, 2u);
+  EXPECT_EQ(places.size(), 2u);
 }
 
 }  // namespace
