@@ -86,19 +86,8 @@ void run(const Extensions& extensions, const ExportCommand& o) {
                          {"--foci", o.foci},
                          {"--drives", o.drives},
                          {"--events", o.events.starts_with("udp:") ? "" : o.events}});
-  std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);
-  std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids);
-  check(o.drive, solids);
-  const setup::PosedRig rig = setup::load_posed_rig(o.rig);
-  const std::unique_ptr<sensing::DepthSource> source = open_source(o, extensions, rig, false);
-  setup::warn_of_reach(rig.layout, solids);
-  session::SessionSetting setting = session_setting(o, std::move(solids), *source, rig.layout);
-  setup::warn_of_frequency(setting.layout, setting.drive.medium);
-  std::optional<gpu::Device> device;
-  if (o.common.backend == setup::Backend::gpu) device.emplace(setup::device_options(o.common));
-  session::Session session =
-      device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
-  preparing.reset();
+  const auto [source, device, prepared] = prepare(o, extensions, false);
+  session::Session& session = *prepared;
 
   session::ReplayOptions options{.frames = o.frames};
   std::unique_ptr<session::EventSink> sink;

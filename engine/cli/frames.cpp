@@ -10,10 +10,48 @@
 #include "base/log.hpp"
 #include "session/sources.hpp"
 #include "setup/assets.hpp"
+#include "setup/progress.hpp"
 #include "setup/touch_schedule.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {
+
+namespace {
+
+std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& o, const Extensions& extensions,
+                                                  const setup::PosedRig& rig, bool paced) {
+  std::vector<session::SourceKind> sources = session::builtin_sources();
+  sources.insert(sources.end(), extensions.sources.begin(), extensions.sources.end());
+  const geometry::Mesh boards = array::board_mesh(rig.layout);
+  return session::open_source(o.source, sources,
+                              {.cameras = rig.rig.cameras,
+                               .occluders = boards,
+                               .default_skin = setup::find_asset("finger.ply"),
+                               .noise = !o.noise_free,
+                               .seed = o.common.seed,
+                               .paced = paced,
+                               .rig = rig.rig.file});
+}
+
+session::SessionSetting session_setting(const FrameOptions& o, std::vector<geometry::Solid> solids,
+                                        const sensing::DepthSource& source, array::Layout layout) {
+  session::ScheduleOptions schedule = setup::schedule_options(o.touch);
+  schedule.voice.pressure_pa = o.drive.pressure_pa;
+  return {.scene = o.scene,
+          .solids = std::move(solids),
+          .cameras = source.cameras(),
+          .layout = std::move(layout),
+          .touch = o.touch.parameters,
+          .schedule = schedule,
+          .drive = setup::drive_options(o.drive, o.touch.method.method),
+          .events = o.events.empty() ? std::nullopt : std::optional(o.event),
+          .axes = o.axes,
+          .smoothing = o.smoothing,
+          .hold_s = o.hold_s,
+          .safety = o.safety};
+}
+
+}  // namespace
 
 void add_frame_options(const setup::Group& group, FrameOptions& o, const char* until) {
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
@@ -52,37 +90,20 @@ void check(const FrameOptions& o) {
   }
 }
 
-std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& o, const Extensions& extensions,
-                                                  const setup::PosedRig& rig, bool paced) {
-  std::vector<session::SourceKind> sources = session::builtin_sources();
-  sources.insert(sources.end(), extensions.sources.begin(), extensions.sources.end());
-  const geometry::Mesh boards = array::board_mesh(rig.layout);
-  return session::open_source(o.source, sources,
-                              {.cameras = rig.rig.cameras,
-                               .occluders = boards,
-                               .default_skin = setup::find_asset("finger.ply"),
-                               .noise = !o.noise_free,
-                               .seed = o.common.seed,
-                               .paced = paced,
-                               .rig = rig.rig.file});
-}
-
-session::SessionSetting session_setting(const FrameOptions& o, std::vector<geometry::Solid> solids,
-                                        const sensing::DepthSource& source, array::Layout layout) {
-  session::ScheduleOptions schedule = setup::schedule_options(o.touch);
-  schedule.voice.pressure_pa = o.drive.pressure_pa;
-  return {.scene = o.scene,
-          .solids = std::move(solids),
-          .cameras = source.cameras(),
-          .layout = std::move(layout),
-          .touch = o.touch.parameters,
-          .schedule = schedule,
-          .drive = setup::drive_options(o.drive, o.touch.method.method),
-          .events = o.events.empty() ? std::nullopt : std::optional(o.event),
-          .axes = o.axes,
-          .smoothing = o.smoothing,
-          .hold_s = o.hold_s,
-          .safety = o.safety};
+Prepared prepare(const FrameOptions& o, const Extensions& extensions, bool paced) {
+  const setup::Preparing preparing(o.common.quiet);
+  std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids);
+  check(o.drive, solids);
+  const setup::PosedRig rig = setup::load_posed_rig(o.rig);
+  std::unique_ptr<sensing::DepthSource> source = open_source(o, extensions, rig, paced);
+  setup::warn_of_reach(rig.layout, solids);
+  session::SessionSetting setting = session_setting(o, std::move(solids), *source, rig.layout);
+  setup::warn_of_frequency(setting.layout, setting.drive.medium);
+  if (o.common.backend == setup::Backend::cpu)
+    return {std::move(source), nullptr, std::make_unique<session::Session>(std::move(setting))};
+  auto device = std::make_unique<gpu::Device>(setup::device_options(o.common));
+  auto session = std::make_unique<session::Session>(*device, std::move(setting));
+  return {std::move(source), std::move(device), std::move(session)};
 }
 
 std::string pressures_summary(std::span<const session::FingerPressure> fingers, std::span<const std::string> solids) {

@@ -44,12 +44,14 @@ void add_session_options(CLI::App& app, FrameOptions& options, const char* foci 
 /// Throws bad_usage where options are missing or go unused.
 void check(const FrameOptions& options);
 
-/// The source that --source names; `paced`: in real time.
-std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& options, const Extensions& extensions,
-                                                  const setup::PosedRig& rig, bool paced);
-/// What the options make a session of, for the frames of `source`.
-session::SessionSetting session_setting(const FrameOptions& options, std::vector<geometry::Solid> solids,
-                                        const sensing::DepthSource& source, array::Layout layout);
+/// What the options make, members in the order in which they are needed: the session goes first.
+struct Prepared {
+  std::unique_ptr<sensing::DepthSource> source;
+  std::unique_ptr<gpu::Device> device;  ///< none where the processor computes
+  std::unique_ptr<session::Session> session;
+};
+/// Loads and opens all of it, showing what takes long, and warns of what is unusual. `paced`: frames in real time.
+Prepared prepare(const FrameOptions& options, const Extensions& extensions, bool paced);
 /// Lines of what fingers that asked for a pressure had; nothing where none did.
 std::string pressures_summary(std::span<const session::FingerPressure> fingers, std::span<const std::string> solids);
 /// Hands over what waits. After an error that error is the one to report, not another of the sink's.

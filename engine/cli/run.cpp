@@ -102,19 +102,8 @@ void run(const Extensions& extensions, const RunCommand& o) {
   std::vector<session::LinkKind> links = session::builtin_links();
   links.insert(links.end(), extensions.links.begin(), extensions.links.end());
   const Outputs outputs(outputs_of(o, links));
-  std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);
-  std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids);
-  check(o.drive, solids);
-  const setup::PosedRig rig = setup::load_posed_rig(o.rig);
-  const std::unique_ptr<sensing::DepthSource> source = open_source(o, extensions, rig, !o.every_frame);
-  setup::warn_of_reach(rig.layout, solids);
-  session::SessionSetting setting = session_setting(o, std::move(solids), *source, rig.layout);
-  setup::warn_of_frequency(setting.layout, setting.drive.medium);
-  std::optional<gpu::Device> device;
-  if (o.common.backend == setup::Backend::gpu) device.emplace(setup::device_options(o.common));
-  session::Session session =
-      device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
-  preparing.reset();
+  const auto [source, device, prepared] = prepare(o, extensions, !o.every_frame);
+  session::Session& session = *prepared;
 
   // Last of all: a typing error elsewhere must not leave an empty recording behind, nor an array that is switched on.
   session::RunOptions options{.frames = o.frames, .every_frame = o.every_frame};
