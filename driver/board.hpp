@@ -1,0 +1,102 @@
+// A board as its guard plays on it. A guard (driver/guard/) is the one process that has the device open, one for each
+// link that drives a board; it calls everything here from one thread, and calls nothing else. Each board has a folder
+// here: what it speaks, its Board, its emulator.
+//
+//   open -> { play | plan | all_off | tend }... -> all_off -> close
+//
+// Only open() allocates, waits and throws. Afterwards nothing throws, nothing allocates, and nothing but close() waits
+// for the device: what it does not take at once is kept (the newest; nothing queues) and tend() goes on with it.
+//
+// A device that fails, disappears or comes back is the board's own affair: it says so once (BoardNotes), takes drives
+// as before and drops them, tries again within tend(), makes the device silent before anything else when it is back,
+// says that, and plays on. So a loop never ends for a cable.
+#pragma once
+
+#include <poll.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+#include "array/schedule.hpp"
+
+namespace palpa::driver {
+
+/// What a board has to say: one line, without its link's name. It reaches the loop's log; what does not fit into the
+/// way there is dropped. Neither allocates nor waits. Once per change, not once per drive.
+class BoardNotes {
+ public:
+  virtual ~BoardNotes() = default;
+  virtual void warning(std::string_view line) noexcept = 0;  ///< what a person should act on, and that it is over
+  virtual void info(std::string_view line) noexcept = 0;     ///< such as the rate that was reached
+};
+
+/// What a board is opened with. The referenced values outlive the board.
+struct BoardSetting {
+  const std::string& argument;  ///< what follows the colon of `--link openmpd:SERIAL,SERIAL`
+  const std::string& files;     ///< folder with the boards' own calibration (`--board-files`); "": none
+  const array::Layout& layout;  ///< as posed in the world
+  double slot_s;                ///< one drive lasts that long
+  BoardNotes& notes;
+};
+
+/// A pattern for a board that plays by its own clock, valid during the call: from `from_slot` on slot s sounds part
+/// s % cycle of `drives`, until another comes. See session::ToldPlan, which this is on the guard's side.
+struct BoardPlan {
+  std::uint64_t from_slot = 0, until_slot = 0;
+  double from_s = 0;        ///< when from_slot begins, on CLOCK_MONOTONIC; it may be over by some slots
+  double slot_s = 0;        ///< one part lasts that long
+  std::uint32_t cycle = 0;  ///< parts; 0: silence, or drives that come by play() alone
+  std::span<const array::TransducerDrive> drives{};  ///< cycle * transducers
+  double modulation_hz = 0;                          ///< amplitudes times array::modulation_gain(...) where not 0
+  array::Modulation modulation = array::Modulation::pressure_sine;
+};
+
+class Board {
+ public:
+  /// Closes the device, and does nothing else with it: silence is all_off() and close().
+  virtual ~Board() = default;
+
+  /// The drive of slot `slot`, all transducers in layout order, to sound from now until the next. Slots ascend but may
+  /// leap. All zero silences at once whatever else waits. Costs at most 0.2 ms.
+  virtual void play(std::uint64_t slot, std::span<const array::TransducerDrive> drive) = 0;
+
+  /// Only where its kind says plays_plans. play() goes on coming for every slot: the board takes no notice of drives
+  /// that its pattern has at that slot; all-zero ones that the pattern does not have silence it.
+  virtual void plan(const BoardPlan&) {}
+
+  /// What silences this board, whatever it was doing: drops what waits, and nothing may sound afterwards until play()
+  /// or plan() comes. Costs as little as play().
+  virtual void all_off() = 0;
+
+  /// Goes on with what waits for the device. Called when one of watched() is ready, and every 5 ms at least.
+  virtual void tend() {}
+
+  /// What to wait on beside the loop: at most 16, asked for before each wait.
+  virtual std::span<const pollfd> watched() { return {}; }
+
+  /// After all_off(): waits until it has left for the device, half a second at most. False: nobody knows whether it
+  /// did.
+  virtual bool close() = 0;
+};
+
+/// A kind of board: `name:ARGUMENT` is its link on the command line.
+struct BoardKind {
+  std::string name;
+  std::string help;  ///< "openmpd:SERIAL[,SERIAL...]: OpenMPD boards on USB"
+  /// Everything that can be refused is refused here, with one line that says what would be right (palpa::Error): no
+  /// such device, a layout or a slot that it cannot play. Comes back with the device open and silent.
+  std::function<std::unique_ptr<Board>(const BoardSetting&)> open;
+  bool plays_plans = false;
+};
+
+/// All that palpa and its guard know.
+std::vector<BoardKind> board_kinds();
+
+}  // namespace palpa::driver
