@@ -14,7 +14,7 @@ using array::SlotFocus;
 using array::TransducerDrive;
 
 std::complex<double> pressure_at(const Layout& layout, std::span<const TransducerDrive> drive, const Vec3& point,
-                                 const Medium& medium, Directivity kind) {
+                                 const Medium& medium, Directivity kind, double absorption_np_m) {
   assert(drive.size() == layout.transducers.size());
   const double turns_per_metre = medium.turns_per_metre();
   const double ka = 2 * std::numbers::pi * turns_per_metre * layout.transducer_radius_m;
@@ -26,8 +26,8 @@ std::complex<double> pressure_at(const Layout& layout, std::span<const Transduce
     const double cosine = distance > 0 ? glm::dot(way, axis) / distance : 1.0;
     const double turns = distance * turns_per_metre;
     const double phase = drive[t].phase + 2 * std::numbers::pi * (turns - std::floor(turns));
-    sum += std::polar(
-        drive[t].amplitude * directivity(kind, cosine, ka) / std::max(distance, layout.transducer_radius_m), phase);
+    const double loud = drive[t].amplitude * directivity(kind, cosine, ka) * std::exp(-absorption_np_m * distance);
+    sum += std::polar(loud / std::max(distance, layout.transducer_radius_m), phase);
   }
   return layout.source_level_pa_m * sum;
 }

@@ -1,9 +1,9 @@
-// The forward model: what a drive sounds like at a point. Free field, linear, no absorption.
+// The forward model: what a drive sounds like at a point. Free field, linear.
 //
-//   p = level * sum over transducers of amplitude e^{i phase} D(angle) e^{ikr} / r
+//   p = level * sum over transducers of amplitude e^{i phase} D(angle) e^{(ik - alpha) r} / r
 //
 // level being the layout's source level, D the directivity about the transducer's axis. Nearer than its own radius a
-// transducer is no point, and 1/r stays at 1/radius there.
+// transducer is no point, and 1/r stays at 1/radius there. At many points at once: incident.hpp.
 #pragma once
 
 #include <complex>
@@ -17,10 +17,11 @@
 namespace palpa::acoustics {
 
 /// Complex pressure in Pa, peak, time factor e^{-iwt}, in double precision. `drive` has one entry per transducer;
-/// `point` in metres, in the layout's frame as posed.
+/// `point` in metres, in the layout's frame as posed. `absorption_np_m` is alpha (air.hpp).
 std::complex<double> pressure_at(const array::Layout& layout, std::span<const array::TransducerDrive> drive,
                                  const Vec3& point, const array::Medium& medium = {},
-                                 array::Directivity directivity = array::Directivity::t4010a1);
+                                 array::Directivity directivity = array::Directivity::t4010a1,
+                                 double absorption_np_m = 0);
 
 /// What a drive gives at the foci that it was made for.
 struct FociPressure {
@@ -30,6 +31,7 @@ struct FociPressure {
   /// fewer than two.
   double evenness = 1;
 };
+/// Without absorption, as solvers reckon.
 FociPressure pressure_at_foci(const array::Layout& layout, std::span<const array::TransducerDrive> drive,
                               std::span<const array::SlotFocus> foci, const array::Medium& medium = {},
                               array::Directivity directivity = array::Directivity::t4010a1);

@@ -133,6 +133,27 @@ array::Medium medium(const MediumOptions& options) {
   return air;
 }
 
+void add_air_options(CLI::App& app, AirOptions& options) {
+  const Group group(app, "Air and tone");
+  group.number("--humidity", options.humidity_percent, {0, 100}, "PERCENT", "of the air, relative: what it absorbs");
+  group.quantity("--air-pressure", options.pressure_pa, Quantity::pressure,
+                 {acoustics::least_air_pressure_pa, acoustics::most_air_pressure_pa},
+                 "which says how dense air is and what it absorbs");
+  if (options.absorption) {
+    group.flag("--no-absorption", options.not_normally,
+               "air takes nothing from the sound, normally as ISO 9613-1 says");
+  } else {
+    group.flag("--absorption", options.not_normally, "air takes from the sound what ISO 9613-1 says, normally nothing");
+  }
+}
+
+acoustics::Air air(const MediumOptions& options, const AirOptions& rest) {
+  const array::Medium tone = medium(options);
+  const acoustics::Weather weather{options.celsius.value_or(20.0), rest.humidity_percent, rest.pressure_pa};
+  const acoustics::Air air = acoustics::air_of(weather, tone.frequency, tone.sound_speed);
+  return rest.absorption != rest.not_normally ? air : acoustics::without_absorption(air);
+}
+
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
   const Group group(app, "Drives");
   group.choice("--amplitude", options.weighting, array::weighting_words, "what a focus asks of a transducer");

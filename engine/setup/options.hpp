@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "acoustics/air.hpp"
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
@@ -90,6 +91,18 @@ struct MediumOptions {
 void add_medium_options(CLI::App& app, MediumOptions& options);
 /// Throws bad_usage where both temperature and sound speed are given. Neither: 20 degrees Celsius.
 array::Medium medium(const MediumOptions& options);
+
+/// The rest of the air, for whoever reckons with its density or with what it absorbs: --humidity, --air-pressure, and
+/// --no-absorption where sound is absorbed normally, else --absorption. They stand under the heading of MediumOptions.
+struct AirOptions {
+  double humidity_percent = 50;
+  double pressure_pa = 101325;
+  bool absorption = true;     ///< what is normal
+  bool not_normally = false;  ///< the flag was given
+};
+void add_air_options(CLI::App& app, AirOptions& options);
+/// Beside a sound speed that is given the temperature is 20 degrees Celsius. Throws bad_usage as medium() does.
+acoustics::Air air(const MediumOptions& medium, const AirOptions& options);
 
 /// What drives are made of.
 struct DriveOptionsGroup {
