@@ -1,0 +1,62 @@
+// What an OpenMPD board is sent: frames of 512 bytes, one byte per pin, 256 phases and then 256 amplitudes.
+//
+// The board has each transducer on during counts [phase, phase + width) of the 128 of a period, 25 us. A pulse of that
+// width sounds at the amplitude sin(pi width / 128), 64 being full, and at the delay of its middle:
+//
+//   width = trunc(64 (2 / pi) asin(amplitude * factor))
+//   phase = floor(128 (phase / 2 pi - offset / 360) + (64 - width) / 2 + 1/2) mod 128
+//
+// the offset and the factor being the transducer's own (board_file.hpp). A transducer that is off has phase 0, so that
+// an all-zero drive is the all-off frame.
+//
+// Bit 7 of byte 0 starts a frame. Bit 7 of bytes 1 to 34 would set lights and the board's rate, which it remembers; of
+// all frames only the one that with_divider() makes has any of them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "array/drive.hpp"
+#include "driver/openmpd/board_file.hpp"
+#include "driver/openmpd/pins.hpp"
+
+namespace palpa::driver::openmpd {
+
+inline constexpr std::size_t frame_bytes = 2 * transducers;
+inline constexpr unsigned phase_steps = 128;
+inline constexpr unsigned full_width = 64;
+using Frame = std::array<std::uint8_t, frame_bytes>;
+
+/// Silences a board: a start bit and 511 zeros.
+inline constexpr Frame all_off_frame = [] {
+  Frame frame{};
+  frame[0] = 0x80;
+  return frame;
+}();
+
+/// The board takes a frame every `divider` periods of 25 us, 1 to 255.
+Frame with_divider(Frame frame, std::uint8_t divider);
+
+/// The pulse width of an amplitude; what is no number or negative is 0, and beyond 1 is 1.
+std::uint8_t width_of(float amplitude);
+
+/// Encodes for one board.
+class Encoder {
+ public:
+  explicit Encoder(const Calibration& calibration = {});
+
+  /// `drive` is of this board's 256 transducers, in layout order. Allocates nothing.
+  void encode(std::span<const array::TransducerDrive> drive, Frame& out) const;
+
+ private:
+  struct Transducer {
+    std::uint8_t pin;
+    float factor;
+    double offset_steps;  ///< and half a step, for the rounding
+  };
+  std::array<Transducer, transducers> transducers_;
+};
+
+}  // namespace palpa::driver::openmpd
