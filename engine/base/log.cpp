@@ -220,8 +220,10 @@ Relay::~Relay() {
   try {
     if (r.writer->flush(patience_s)) r.tell_left_out();
     r.writer->flush(patience_s / 4);
-  } catch (const Error&) {  // a closed pipe
+    r.writer->close();
+  } catch (const Error&) {  // a closed pipe, or whoever reads it still does not
   }
+  r.left_out += r.writer->waiting();
   r.writer.reset();
 }
 

@@ -32,7 +32,7 @@ OutputFile::OutputFile(const std::filesystem::path& file) : place_(output_place(
   refuse_unwritable(place_);
   const bool whole = place_.kind == OutputPlace::Kind::absent || place_.kind == OutputPlace::Kind::file;
   if (whole && !place_.open_already && open_beside()) return;
-  descriptor_ = file == "-" ? STDOUT_FILENO : ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  descriptor_ = place_.is_stdout ? STDOUT_FILENO : ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor_ < 0) throw write_failure(place_.name, errno);
 }
 

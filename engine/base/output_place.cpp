@@ -51,6 +51,13 @@ void refuse(const OutputPlace& place, bool refused, int code) {
   if (refused) throw write_failure(place.name, code);
 }
 
+/// Nothing in a device can be overwritten, and many have the same one (/dev/null).
+bool is_stdout(const struct stat& there) {
+  struct stat out {};
+  return !S_ISCHR(there.st_mode) && !S_ISBLK(there.st_mode) && ::fstat(STDOUT_FILENO, &out) == 0 &&
+         there.st_dev == out.st_dev && there.st_ino == out.st_ino;
+}
+
 bool may(const fs::path& path, int what) {
   return ::faccessat(AT_FDCWD, path.c_str(), what, AT_EACCESS) == 0;
 }
@@ -66,12 +73,13 @@ OutputPlace output_place(const fs::path& file) {
   if (file == "-") {
     place.name = "stdout";
     place.path = "/dev/stdout";
-    place.open_already = true;
   } else {
     follow_links(place);
   }
   struct stat status {};
   const bool there = file == "-" ? ::fstat(STDOUT_FILENO, &status) == 0 : ::stat(place.path.c_str(), &status) == 0;
+  place.is_stdout = file == "-" || (there && is_stdout(status));
+  place.open_already = place.open_already || place.is_stdout;
   if (there) {
     place.kind = kind_of(status.st_mode);
     place.mode = status.st_mode & 07777;

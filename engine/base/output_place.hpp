@@ -31,6 +31,9 @@ struct OutputPlace {
   Kind kind = Kind::absent;
   /// Behind a descriptor that is open already ("-", /dev/stdout, /proc/self/fd/3): it is written where it stands.
   bool open_already = false;
+  /// It is stdout: "-", or any name of the file or pipe that stdout is open on. Opened anew, what is written by the one
+  /// would take the place of what is written by the other.
+  bool is_stdout = false;
   FileIdentity identity;  ///< of what is there; where nothing is, of the folder that it would come into
   mode_t mode = 0;        ///< of what is there; so are:
   uid_t owner = 0;

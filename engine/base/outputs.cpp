@@ -76,7 +76,7 @@ bool is_same(const OutputPlace& a, const OutputPlace& b) {
 void refuse_pair(const Placed& a, const Placed& b) {
   const std::string both = fmt::format("{} and {}", a.output->option, b.output->option);
   const auto on_stdout = [](const Placed& one) {
-    return one.output->kind == Output::Kind::file && one.output->target == "-";
+    return one.output->kind == Output::Kind::file && one.place.is_stdout;
   };
   if (on_stdout(a) && on_stdout(b)) throw bad_usage(both + " would mix on stdout: give one of them a file");
   if (is_same(a.place, b.place)) {
@@ -94,7 +94,7 @@ Outputs::Outputs(const std::vector<Output>& outputs) {
   for (const Output& output : outputs) {
     if (output.target.empty()) continue;
     all.push_back(placed(output));
-    on_stdout_ = on_stdout_ || (output.kind == Output::Kind::file && output.target == "-");
+    on_stdout_ = on_stdout_ || (output.kind == Output::Kind::file && all.back().place.is_stdout);
   }
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j)

@@ -14,6 +14,7 @@
 #include <condition_variable>
 #include <csignal>
 #include <deque>
+#include <iterator>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -30,6 +31,9 @@ constexpr auto slice = std::chrono::milliseconds(50);
 
 /// The most that one write takes on: whoever gives up is heard between two of them.
 constexpr std::size_t piece = 1 << 18;
+
+/// Longer than anybody waits.
+constexpr double forever_s = 1e6;
 
 std::chrono::steady_clock::time_point after(double seconds) {
   using Clock = std::chrono::steady_clock;
@@ -63,9 +67,11 @@ struct StreamWriter::Work {
   std::string taken;  ///< the thread's own: what it is writing
 
   bool is_given_up();
+  std::size_t next_piece(std::size_t left);
   void written_more(std::size_t bytes);
   std::optional<int> write_taken();
   void end_at_whole_record() const;
+  void write_zeros(off_t end) const;
   void end(std::optional<int> fault);
 };
 
@@ -84,6 +90,17 @@ void StreamWriter::Work::written_more(std::size_t bytes) {
   done.notify_all();
 }
 
+/// How many of the `left` bytes go into one write: as many whole records as it may take, or a part of one that is
+/// longer.
+std::size_t StreamWriter::Work::next_piece(std::size_t left) {
+  const std::lock_guard lock(mutex);
+  // A pipe that is ready has room for PIPE_BUF bytes; a longer write to one that may block could.
+  const std::size_t most = std::min(left, on_disk ? piece : std::size_t{PIPE_BUF});
+  const auto beyond = std::upper_bound(ends.begin(), ends.end(), written + most);
+  if (beyond != ends.begin()) return *std::prev(beyond) - written;
+  return std::min({left, shared ? most : piece, static_cast<std::size_t>(ends.front() - written)});
+}
+
 /// What went wrong, if anything did.
 std::optional<int> StreamWriter::Work::write_taken() {
   std::string_view rest = taken;
@@ -92,9 +109,7 @@ std::optional<int> StreamWriter::Work::write_taken() {
     const int ready = ::poll(&wanted, 1, static_cast<int>(slice.count()));
     if (ready < 0 && errno != EINTR) return errno;
     if (ready <= 0) continue;
-    // A pipe that is ready has room for PIPE_BUF bytes; a longer write to one that may block could.
-    const std::size_t most = shared && !on_disk ? std::size_t{PIPE_BUF} : piece;
-    const ssize_t got = ::write(descriptor, rest.data(), std::min(rest.size(), most));
+    const ssize_t got = ::write(descriptor, rest.data(), next_piece(rest.size()));
     if (got < 0 && errno != EINTR && errno != EAGAIN) return errno;
     if (got <= 0) continue;
     rest.remove_prefix(static_cast<std::size_t>(got));
@@ -113,10 +128,20 @@ void StreamWriter::Work::end_at_whole_record() const {
   if (here < 0 || cut < 0) return;
   if (cut != here && (::ftruncate(descriptor, cut) != 0 || ::lseek(descriptor, cut, SEEK_SET) < 0)) return;
   if (zeros == 0 || whole < keep + zeros) return;
+  // To a file that is appended to, pwrite would append.
+  const int flags = ::fcntl(descriptor, F_GETFL);
+  const bool appends = flags >= 0 && (flags & O_APPEND) != 0;
+  if (appends && ::fcntl(descriptor, F_SETFL, flags & ~O_APPEND) != 0) return;
+  write_zeros(cut);
+  if (appends) ::fcntl(descriptor, F_SETFL, flags);
+}
+
+/// Over the last `zeros` bytes before `end`.
+void StreamWriter::Work::write_zeros(off_t end) const {
   constexpr std::array<char, 4096> nothing{};
   for (std::size_t left = zeros; left > 0;) {
     const std::size_t size = std::min(left, nothing.size());
-    if (::pwrite(descriptor, nothing.data(), size, cut - static_cast<off_t>(left)) != static_cast<ssize_t>(size))
+    if (::pwrite(descriptor, nothing.data(), size, end - static_cast<off_t>(left)) != static_cast<ssize_t>(size))
       return;
     left -= size;
   }
@@ -154,7 +179,7 @@ void StreamWriter::write_what_comes(const std::shared_ptr<Work>& work) {
 
 StreamWriter::StreamWriter(const std::string& file, std::size_t room) : work_(std::make_shared<Work>()) {
   work_->name = file == "-" ? "stdout" : file;
-  work_->shared = file == "-";
+  work_->shared = output_place(file).is_stdout;
   const int descriptor =
       work_->shared ? STDOUT_FILENO : ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   begin(descriptor, room);
@@ -234,6 +259,10 @@ bool StreamWriter::add_patiently(std::string_view record, std::size_t spare) {
   return !stalled_ && add(record);
 }
 
+bool StreamWriter::add_waiting(std::string_view record, const std::atomic<bool>& stop) {
+  return add(record) || (flush_waiting(stop) && add(record));
+}
+
 std::uint64_t StreamWriter::waiting() const {
   const std::lock_guard lock(work_->mutex);
   return work_->ends.size();
@@ -250,6 +279,14 @@ bool StreamWriter::flush(double seconds, const std::atomic<bool>* stop) {
   if (w.fault) throw write_failure(w.name, *w.fault);
   stalled_ = w.written != w.added;
   return !stalled_;
+}
+
+bool StreamWriter::flush(double seconds) {
+  return flush(seconds, nullptr);
+}
+
+bool StreamWriter::flush_waiting(const std::atomic<bool>& stop) {
+  return flush(forever_s, &stop);
 }
 
 bool StreamWriter::flush_patiently() {

@@ -4,6 +4,9 @@
 // A pipe that nobody reads is full after 64 KiB, a terminal is stopped by Ctrl-S, a disk is behind a network that is
 // gone: a write to any of them takes as long as it takes, Ctrl-C or not. So a thread of its own writes; what it has not
 // written yet waits in memory, as much as there is room for, and flush() says how long it may take.
+//
+// A record of at most PIPE_BUF bytes (4096), such as a line, goes out in one write: on a pipe that others write to as
+// well nothing comes between its halves, and where nobody reads it is there whole or not at all.
 #pragma once
 
 #include <atomic>
@@ -22,8 +25,8 @@ class StreamWriter {
   /// And how long once that was not enough, until it has caught up.
   static constexpr double last_patience_s = 0.2;
 
-  /// Creates or empties the file; "-" is stdout. As everywhere, opening a FIFO waits for its reader. At most `room`
-  /// bytes will ever wait. Throws failure() naming the file.
+  /// Creates or empties the file; "-" is stdout, and so is whatever stdout is open on. As everywhere, opening a FIFO
+  /// waits for its reader. At most `room` bytes will ever wait. Throws failure() naming the file.
   StreamWriter(const std::string& file, std::size_t room);
   /// To what is open already, and stays open. `name` is for messages.
   StreamWriter(int descriptor, const std::string& name, std::size_t room);
@@ -47,13 +50,16 @@ class StreamWriter {
   bool add(std::string_view record);
   /// Waits for the room, up to patience_s, and for as much again as `spare`, which stays free.
   bool add_patiently(std::string_view record, std::size_t spare = 0);
+  /// For whoever has nothing to silence: waits for the room as long as it takes, or until `stop` becomes true.
+  bool add_waiting(std::string_view record, const std::atomic<bool>& stop);
   /// How many records have been added and are not written yet.
   std::uint64_t waiting() const;
-  /// Waits until all is written, but gives up after `seconds` or when `stop` becomes true. True when all is written.
-  /// Throws as add().
-  bool flush(double seconds, const std::atomic<bool>* stop = nullptr);
+  /// Waits until all is written, but gives up after `seconds`. True when all is written. Throws as add().
+  bool flush(double seconds);
   /// flush(patience_s), or with last_patience_s where the last such had to give up.
   bool flush_patiently();
+  /// As long as it takes, or until `stop` becomes true.
+  bool flush_waiting(const std::atomic<bool>& stop);
   /// Closes the file, not stdout; some file systems tell of a full disk only here. What still waits is lost. Throws
   /// failure() where the disk does not answer, too.
   void close();
@@ -65,6 +71,7 @@ class StreamWriter {
   struct Work;
   static void write_what_comes(const std::shared_ptr<Work>& work);
   void begin(int descriptor, std::size_t room);
+  bool flush(double seconds, const std::atomic<bool>* stop);
 
   std::shared_ptr<Work> work_;  ///< the thread's, too: it may outlive its writer
   bool stalled_ = false;

@@ -97,7 +97,8 @@ void run(const Extensions& extensions, const ExportCommand& o) {
   }
   Links links;
   const auto foci = o.foci.empty() ? nullptr : session::open_foci_file(o.foci, session.link_setting());
-  const auto drives = o.drives.empty() ? nullptr : session::open_record_link(o.drives, session.link_setting());
+  const auto drives =
+      o.drives.empty() ? nullptr : session::open_record_link(o.drives, session.link_setting(), &Interrupt::flag());
   if (foci) links.add(*foci);
   if (drives) links.add(*drives);
   const Interrupt interrupt("ended without finishing, a second after the signal: a frame or a disk took longer");

@@ -118,7 +118,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
   if (recorder) options.record = [&](const sensing::FrameSet& set) { out_of_order += recorder->write(set) ? 0 : 1; };
   const std::unique_ptr<session::Link> link = open_link(o, links, session, recorder);
 
-  const log::Relay relay;
+  std::optional<log::Relay> relay(std::in_place);
   std::optional<Interrupt> interrupt(std::in_place, late_line(o));
   log::release_warnings();
   setup::Progress progress("frames", o.frames, o.common.quiet);
@@ -146,6 +146,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
                              out_of_order, stats.captured));
     stats.unrecorded += out_of_order;
   }
+  relay.reset();  // its last lines must not come between those of the results
   report(o, outputs, stats);
 }
 

@@ -22,26 +22,23 @@ class StreamSink : public EventSink {
     for (const Event& event : events) {
       write_event_line(event, solid_names_, json_);
       const std::string_view line = json_.finish();
-      const bool taken =
-          writer_.add(line) || (wait_unless_ && writer_.flush(forever_s, wait_unless_) && writer_.add(line));
+      const bool taken = wait_unless_ ? writer_.add_waiting(line, *wait_unless_) : writer_.add(line);
       written_ += taken ? 1 : 0;
       drop(taken ? 0 : 1);
     }
   }
 
   void finish() override {
-    if (wait_unless_) writer_.flush(forever_s, wait_unless_);
-    if (!writer_.flush_patiently()) {
-      const std::uint64_t lost = writer_.waiting();
-      written_ -= std::min(lost, written_);
-      drop(lost);
-    }
-    writer_.close();
+    if (wait_unless_) writer_.flush_waiting(*wait_unless_);
+    writer_.flush_patiently();
+    writer_.close();  // from here on nothing more is written
+    const std::uint64_t lost = writer_.waiting();
+    written_ -= std::min(lost, written_);
+    drop(lost);
   }
 
  private:
   static constexpr std::size_t room = 1 << 20;
-  static constexpr double forever_s = 1e6;
 
   void drop(std::uint64_t lines) {
     if (lines > 0 && !std::exchange(warned_, true)) {

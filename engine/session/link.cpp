@@ -23,7 +23,8 @@ std::vector<LinkKind> builtin_links() {
              if (!argument.empty()) throw bad_usage("link null takes no argument, not '" + argument + "'");
              return std::make_unique<NullLink>();
            }},
-          {"record", "record:FILE: every drive into a file", open_record_link, true},
+          {"record", "record:FILE: every drive into a file",
+           [](const std::string& file, const LinkSetting& setting) { return open_record_link(file, setting); }, true},
           {"foci", "foci:udp:HOST:PORT: one JSON line per frame with the foci", open_foci_link}};
 }
 

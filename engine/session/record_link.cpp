@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <atomic>
 #include <bit>
 #include <cstring>
 #include <span>
@@ -36,15 +37,16 @@ std::string_view text_of(std::span<const T> values) {
 
 class RecordLink : public Link {
  public:
-  RecordLink(const std::string& file, const LinkSetting& setting)
-      : transducers_(setting.layout.transducers.size()),
+  RecordLink(const std::string& file, const LinkSetting& setting, const std::atomic<bool>* wait_unless)
+      : wait_unless_(wait_unless),
+        transducers_(setting.layout.transducers.size()),
         record_bytes_(sizeof(std::uint64_t) + transducers_ * sizeof(array::TransducerDrive)),
         writer_(file, room_of_pipe + 4 * record_bytes_) {
     if (writer_.on_disk()) writer_.grow(room_of_disk + 4 * record_bytes_);
     Header header{{}, version, static_cast<std::uint32_t>(transducers_), setting.slot_s};
     std::memcpy(header.magic, magic, sizeof(magic));
     writer_.add(text_of(std::span<const Header>(&header, 1)));
-    if (!writer_.flush_patiently()) writer_.fail_stalled();
+    if (!flush()) writer_.fail_stalled();
     // Should the disk take no more, what it took must not end with a drive that sounds.
     writer_.end_in_zeros(transducers_ * sizeof(array::TransducerDrive), sizeof(Header));
   }
@@ -54,12 +56,11 @@ class RecordLink : public Link {
     record_ = text_of(std::span<const std::uint64_t>(&slot, 1));
     record_ += text_of(drive);
     // All of a record or nothing: what follows must stay readable. Room for the silence after a fault is kept free.
-    const bool taken = stalled_ ? writer_.add(record_) : writer_.add_patiently(record_, record_bytes_);
-    stalled_ = !taken;
+    stalled_ = !add();
     if (stalled_) writer_.fail_stalled();
   }
   void finish() override {
-    if (!writer_.flush_patiently()) {
+    if (!flush()) {
       close_stalled();
       writer_.fail_stalled();
     }
@@ -67,6 +68,12 @@ class RecordLink : public Link {
   }
 
  private:
+  bool waits() const { return wait_unless_ && !*wait_unless_; }
+  bool add() {
+    if (waits() && writer_.add_waiting(record_, *wait_unless_)) return true;
+    return stalled_ ? writer_.add(record_) : writer_.add_patiently(record_, record_bytes_);
+  }
+  bool flush() { return (waits() && writer_.flush_waiting(*wait_unless_)) || writer_.flush_patiently(); }
   /// The file ends in silence now, and not when whoever else is slow has let go of the program.
   void close_stalled() {
     try {
@@ -78,6 +85,7 @@ class RecordLink : public Link {
   /// A reader that stalls must not hear of drives long after they are over; a disk that stalls must not be heard.
   static constexpr std::size_t room_of_pipe = 1 << 18, room_of_disk = 1 << 23;
 
+  const std::atomic<bool>* wait_unless_;
   std::size_t transducers_, record_bytes_;
   StreamWriter writer_;
   std::string record_;  ///< the one that is being written
@@ -91,9 +99,10 @@ std::span<unsigned char> bytes_of(T& value) {
 
 }  // namespace
 
-std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting) {
+std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting,
+                                       const std::atomic<bool>* wait_unless) {
   if (file.empty()) throw bad_usage("link record needs a file: record:FILE");
-  return std::make_unique<RecordLink>(file, setting);
+  return std::make_unique<RecordLink>(file, setting, wait_unless);
 }
 
 DriveRecording read_drive_recording(const std::filesystem::path& file) {

@@ -4,6 +4,7 @@
 // and, per transducer, f32 amplitude and f32 phase. For 3984 transducers at 1.5 ms that is 21 MB/s.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -15,8 +16,10 @@ namespace palpa::session {
 /// Link "record:FILE"; "-" is stdout. Throws failure() when the file cannot be created or written (a full disk, a
 /// limit): a file on a disk then holds whole drives, as many as it has room for, the last of them silent. The file may
 /// be a FIFO or a terminal; a reader, or a disk, that keeps the link waiting for half a second is a fault, so that it
-/// cannot hold the loop.
-std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting);
+/// cannot hold the loop. Where nothing sounds meanwhile, `wait_unless` is given: then it waits for them as long as it
+/// takes, until that becomes true.
+std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting,
+                                       const std::atomic<bool>* wait_unless = nullptr);
 
 struct RecordedDrive {
   std::uint64_t slot = 0;

@@ -196,6 +196,29 @@ TEST_F(CliOutputs, DrivesOnStdoutAreAlone) {
   }
 }
 
+TEST_F(CliOutputs, AnyNameOfStdoutIsStdout) {
+  const std::vector<std::string> drive{"drive", "--layout", "openmpd", "--focus", "0,0,150mm", "--backend", "cpu"};
+  ASSERT_EQ(palpa(with(drive, {"--csv", path("alone.csv")})).exit_code, 0);
+  const std::string alone = read_text(path("alone.csv"));
+  for (const std::string& name : {std::string("/dev/stdout"), path("out.csv")}) {
+    SCOPED_TRACE(name);
+    std::ofstream(path("out.csv")).flush();
+    const Result result = palpa(with(drive, {"--csv", name}), {.environment = {}, .stdout_file = path("out.csv")});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(read_text(path("out.csv")), alone) << "no summary over it";
+    expect_failure(
+        palpa(with(drive, {"--csv", name, "--json", "-"}), {.environment = {}, .stdout_file = path("out.csv")}), 2,
+        "would mix on stdout");
+  }
+  const Result piped = palpa(with(drive, {"--csv", "/dev/stdout"}));
+  EXPECT_EQ(piped.out, alone);
+  // A device is nobody's.
+  EXPECT_EQ(
+      palpa(with(drive, {"--csv", "/dev/null", "--json", "/dev/null"}), {.environment = {}, .stdout_file = "/dev/null"})
+          .exit_code,
+      0);
+}
+
 TEST_F(CliOutputs, DrivesEndSilentlyWhereTheDiskIsFull) {
   constexpr std::size_t header = 24, record = 8 + 3984 * 8;
   for (const std::size_t limit : {header + record / 2, header + record, header + 20 * record + 77}) {

@@ -16,6 +16,7 @@
 #include "base/stream_writer.hpp"
 #include "session/event_sink.hpp"
 #include "session/link.hpp"
+#include "session/record_link.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -229,6 +230,30 @@ TEST(RecordLink, AFifoThatNobodyReadsIsAFaultAndNotAHang) {
   const std::string last = text.substr(text.size() - record);
   EXPECT_EQ(last[0], 100);
   EXPECT_TRUE(std::all_of(last.begin() + 8, last.end(), [](char c) { return c == 0; })) << "silence is the last thing";
+}
+
+TEST(RecordLink, WaitsForItsReaderWhereNothingSounds) {
+  Fifo fifo("record-patient");
+  array::Layout layout;
+  layout.transducers.assign(1000, {Vec3(0), Vec3(0, 0, 1)});
+  const std::atomic<bool> stop{false};
+  const auto link = open_record_link(fifo.file.string(), {layout, names, 1.5e-3}, &stop);
+  std::string text;
+  std::atomic<bool> over{false};
+  std::thread reader([&] {
+    std::this_thread::sleep_for(700ms);  // longer than a link's patience
+    while (!over) {
+      text += fifo.read_all();
+      std::this_thread::sleep_for(1ms);
+    }
+    text += fifo.read_all();
+  });
+  for (std::uint64_t slot = 0; slot < 100; ++slot)
+    EXPECT_NO_THROW(link->send(slot, array::Drive(1000, {1.0F, 0.5F})));
+  EXPECT_NO_THROW(link->finish());
+  over = true;
+  reader.join();
+  EXPECT_EQ(text.size(), 24 + 100 * 8008U);
 }
 
 }  // namespace

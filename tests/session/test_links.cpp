@@ -1,4 +1,6 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -9,6 +11,7 @@
 #include "session/link.hpp"
 #include "session/record_link.hpp"
 #include "support/file_size_limit.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "support/udp_receiver.hpp"
@@ -109,6 +112,50 @@ TEST(RecordLink, EndsSilentlyWhereverTheDiskIsFull) {
       }
     }
   }
+}
+
+/// stdout goes into that file, and is appended to it, while this lives.
+class AppendedTo {
+ public:
+  explicit AppendedTo(const std::filesystem::path& file) : before_(dup(STDOUT_FILENO)) {
+    const int end = open(file.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+    dup2(end, STDOUT_FILENO);
+    close(end);
+  }
+  ~AppendedTo() {
+    dup2(before_, STDOUT_FILENO);
+    close(before_);
+  }
+  AppendedTo(const AppendedTo&) = delete;
+  AppendedTo& operator=(const AppendedTo&) = delete;
+
+ private:
+  int before_;
+};
+
+TEST(RecordLink, EndsSilentlyWhereItIsAppendedToAFile) {
+  Setting s;
+  const auto file = test::scratch_folder("appended") / "drives.bin";
+  const array::Drive loud(3, {1.0f, 0.5f});
+  constexpr std::size_t header = 24, record = 8 + 3 * 8, before = 100;
+  std::ofstream(file) << std::string(before, 'x');
+  {
+    const test::FileSizeLimit limit(before + header + 5 * record + 7);
+    const AppendedTo out(file);
+    const auto link = open_link("record:-", builtin_links(), s.setting);
+    const Error error = test::thrown_by([&] {
+      for (std::uint64_t slot = 0; slot < 20'000; ++slot)
+        link->send(slot, loud);
+      link->finish();
+    });
+    EXPECT_EQ(error.code(), Exit::failed);
+    EXPECT_EQ(fcntl(STDOUT_FILENO, F_GETFL) & O_APPEND, O_APPEND) << "as it was";
+  }
+  const std::string text = test::read_text(file);
+  ASSERT_EQ(text.size(), before + header + 5 * record);
+  EXPECT_EQ(text.substr(0, before), std::string(before, 'x'));
+  EXPECT_EQ(text.substr(text.size() - record + 8), std::string(record - 8, '\0')) << "the last drive is silent";
+  EXPECT_NE(text.substr(text.size() - 2 * record + 8, record - 8), std::string(record - 8, '\0'));
 }
 
 TEST(RecordLink, BrokenFilesAreNamed) {

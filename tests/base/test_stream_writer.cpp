@@ -1,0 +1,78 @@
+#include "base/stream_writer.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <set>
+#include <sstream>
+#include <string>
+#include <thread>
+
+namespace palpa {
+namespace {
+
+/// Lines of many lengths, each of one letter.
+std::string lines_of(char letter, int count) {
+  std::string text;
+  for (int n = 0; n < count; ++n)
+    text += std::string(static_cast<std::size_t>(1 + n * 37 % 900), letter) + '\n';
+  return text;
+}
+
+TEST(StreamWriter, LinesOfTwoOnOnePipeStayWhole) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe(ends.data()), 0);
+  constexpr int count = 2000;
+  std::string read_back;
+  std::thread reader([&] {
+    std::array<char, 1000> block;
+    for (ssize_t got; (got = read(ends[0], block.data(), block.size())) > 0;)
+      read_back.append(block.data(), static_cast<std::size_t>(got));
+  });
+  {
+    StreamWriter a(ends[1], "a", 1 << 21), b(ends[1], "b", 1 << 21);
+    // What waits is taken all at once: many lines in one go, and more than a pipe takes.
+    for (auto* const writer : {&a, &b}) {
+      std::istringstream lines(lines_of(writer == &a ? 'a' : 'b', count));
+      for (std::string line; std::getline(lines, line);)
+        ASSERT_TRUE(writer->add(line + '\n'));
+    }
+    EXPECT_TRUE(a.flush(10));
+    EXPECT_TRUE(b.flush(10));
+  }
+  close(ends[1]);
+  reader.join();
+  close(ends[0]);
+  std::string of_a, of_b;
+  std::istringstream lines(read_back);
+  for (std::string line; std::getline(lines, line);) {
+    ASSERT_EQ(std::set<char>(line.begin(), line.end()).size(), 1u) << "torn or glued: " << line;
+    (line[0] == 'a' ? of_a : of_b) += line + '\n';
+  }
+  EXPECT_TRUE(of_a == lines_of('a', count));
+  EXPECT_TRUE(of_b == lines_of('b', count));
+}
+
+TEST(StreamWriter, WhatNobodyReadsIsThereInWholeLines) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe(ends.data()), 0);
+  const std::string line = std::string(999, 'x') + '\n';
+  {
+    StreamWriter writer(ends[1], "a", 1 << 20);
+    for (int n = 0; n < 200; ++n)
+      ASSERT_TRUE(writer.add(line));
+    EXPECT_FALSE(writer.flush(0.1));
+  }
+  close(ends[1]);
+  std::string text(1 << 20, '\0');
+  std::size_t size = 0;
+  for (ssize_t got; (got = read(ends[0], text.data() + size, text.size() - size)) > 0;)
+    size += static_cast<std::size_t>(got);
+  close(ends[0]);
+  EXPECT_GT(size, 50'000u);
+  EXPECT_EQ(size % line.size(), 0u);
+}
+
+}  // namespace
+}  // namespace palpa
