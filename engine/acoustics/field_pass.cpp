@@ -105,7 +105,7 @@ bool field_on(const gpu::Device& device, const Layout& layout, const Air& air, D
   pressures.assign(points.size(), 0);
   if (points.empty() || layout.transducers.empty()) return true;
   // Pairs of a point and a transducer in one submit: about a quarter of a second on two cores.
-  constexpr std::size_t pairs = std::size_t{1} << 27, least = shader::field_group * shader::field_each;
+  constexpr std::size_t pairs = std::size_t{1} << 27, least = std::size_t{shader::field_group} * shader::field_each;
   const std::size_t piece =
       std::clamp<std::size_t>(pairs / layout.transducers.size() / least * least, least, std::max(least, points.size()));
   const FieldPass pass(device, directivity, air.absorption_np_m != 0);

@@ -1,0 +1,208 @@
+// The field on the device: against its twin, the definition in doubles and another program's numbers; inside its
+// buffers.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <cstring>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "acoustics/field_pass.hpp"
+#include "acoustics/incident.hpp"
+#include "acoustics/pressure.hpp"
+#include "array/drive_pass.hpp"
+#include "gpu/barrier.hpp"
+#include "gpu/texel_view.hpp"
+#include "spirv/field.comp.hpp"
+#include "support/csv.hpp"
+#include "support/device.hpp"
+#include "support/digest.hpp"
+#include "support/shared_data.hpp"
+#include "support/spirv.hpp"
+
+namespace palpa::acoustics {
+namespace {
+
+using namespace array;
+using Complex = std::complex<double>;
+
+double relative_error(std::span<const Complex> got, std::span<const Complex> expected) {
+  double wrong = 0, all = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    wrong += std::norm(got[i] - expected[i]);
+    all += std::norm(expected[i]);
+  }
+  return std::sqrt(wrong / all);
+}
+
+std::vector<Vec3> random_points(std::size_t count, double half_size, const Vec3& centre = Vec3(0)) {
+  std::mt19937 random(11);
+  const auto uniform = [&] { return half_size * (2 * static_cast<double>(random()) / 4294967296.0 - 1); };
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < count; ++i)
+    points.push_back(centre + Vec3(uniform(), uniform(), uniform()));
+  return points;
+}
+
+Drive focus_drive(const Layout& layout, const Vec3& focus) {
+  const SlotFocus foci[]{{focus, 1}};
+  return drive_for(layout, foci);
+}
+
+TEST(FieldPass, IsTheDefinitionsSum) {
+  const Layout layout = load_layout("paper");
+  const Drive drive = focus_drive(layout, {0.01, 0, 0.02});
+  const std::vector<Vec3> points = random_points(300, 0.15);
+  for (const Directivity kind : {Directivity::omni, Directivity::piston, Directivity::t4010a1}) {
+    for (const Air& air : {air_of({}), without_absorption(air_of({}))}) {
+      std::vector<Complex> pressures, expected;
+      ASSERT_TRUE(field_on(test::test_device(), layout, air, kind, points, strengths_of(drive), pressures));
+      for (const Vec3& point : points)
+        expected.push_back(pressure_at(layout, drive, point, air.medium, kind, air.absorption_np_m));
+      EXPECT_LT(relative_error(pressures, expected), 2e-5);
+    }
+  }
+}
+
+TEST(FieldPass, IsTheTwinsFarAwayAndOnATransducer) {
+  Layout layout = load_layout("openmpd");
+  const Drive drive = focus_drive(layout, {0, 0, 0.15});
+  std::vector<Vec3> points = random_points(500, 1, {0, 0, 2});
+  points.push_back(layout.transducers[100].position);
+  points.push_back(layout.transducers[7].position + Vec3(0, 0, 1e-3));
+  points.emplace_back(0, 0, -0.3);
+  for (const double radius : {layout.transducer_radius_m, 0.0}) {
+    layout.transducer_radius_m = radius;
+    if (radius == 0) points.erase(points.end() - 3);  // no end of sound there
+    std::vector<Complex> pressures;
+    Waves twin;
+    const Air air = air_of({});
+    ASSERT_TRUE(
+        field_on(test::test_device(), layout, air, Directivity::t4010a1, points, strengths_of(drive), pressures));
+    ASSERT_TRUE(Incident(layout, air, Directivity::t4010a1).at(points, {}, strengths_of(drive), twin));
+    EXPECT_LT(relative_error(std::span(pressures).first(500), std::span(twin.pressures).first(500)), 1e-4);
+    for (std::size_t i = 500; i < points.size(); ++i)
+      EXPECT_LT(std::abs(pressures[i] - twin.pressures[i]), 1e-4 * std::abs(twin.pressures[i])) << i;
+  }
+}
+
+TEST(FieldPass, IsLevitates) {
+  PALPA_SHARED_OR_SKIP(folder, "acoustics-levitate");
+  Layout layout = load_layout("openmpd");
+  layout.source_level_pa_m = 6;
+  const auto positions = test::read_csv(folder / "array16x16_positions.csv"),
+             phases = test::read_csv(folder / "phases_f0.csv");
+  Strengths strengths(layout.transducers.size());
+  for (std::size_t row = 0; row < positions.size(); ++row) {
+    const Vec3 place(positions[row][0], positions[row][1], positions[row][2]);
+    for (std::size_t t = 0; t < strengths.size(); ++t) {
+      if (glm::distance(layout.transducers[t].position, place) < 1e-6) strengths[t] = std::polar(1.0, phases[row][0]);
+    }
+  }
+  const Air air = without_absorption(air_of({}, 40e3, 343));
+  const struct {
+    const char* file;
+    Directivity kind;
+  } fields[]{{"pressure_point_f0.csv", Directivity::omni}, {"pressure_piston_r4.5mm_f0.csv", Directivity::piston}};
+  for (const auto& [file, kind] : fields) {
+    std::vector<Vec3> points;
+    std::vector<Complex> expected, pressures;
+    for (const auto& row : test::read_csv(folder / file)) {
+      points.emplace_back(row[0], row[1], row[2]);
+      expected.emplace_back(row[3], row[4]);
+    }
+    ASSERT_GT(points.size(), 1000u);
+    ASSERT_TRUE(field_on(test::test_device(), layout, air, kind, points, strengths, pressures));
+    EXPECT_LT(relative_error(pressures, expected), 2e-5) << file;
+  }
+}
+
+TEST(FieldPass, StaysInsideItsBuffersAtEverySize) {
+  gpu::Device& device = test::test_device();
+  const FieldPass pass(device, Directivity::omni, false);
+  const std::vector<shader::FieldStep> table(shader::field_directivity_steps, {1, 0});
+  for (const std::size_t sources : {0u, 1u, 3u}) {
+    for (const std::size_t count : {0u, 1u, 31u, 33u, 127u, 128u, 129u, 300u}) {
+      std::vector<shader::FieldSource> from(std::max<std::size_t>(1, sources));
+      for (std::size_t n = 0; n < sources; ++n)
+        from[n] = {{0, 0, static_cast<float>(n), 1}, {}, {0, 0, 1, 0}};
+      std::vector<shader::FieldPoint> to;
+      for (std::size_t i = 0; i < count; ++i)
+        to.push_back({{10, 0, static_cast<float>(i) / 16, 0}, {}});
+      auto source_buffer = test::GuardedBuffer::of<shader::FieldSource>(device, from);
+      auto point_buffer = test::GuardedBuffer::of<shader::FieldPoint>(device, to);
+      auto table_buffer = test::GuardedBuffer::of<shader::FieldStep>(device, table);
+      test::GuardedBuffer pressures(device, count * sizeof(shader::FieldPressure));
+      const gpu::TexelView source_texels(device, source_buffer.ref(), VK_FORMAT_R32G32B32A32_SFLOAT, "sources"),
+          table_texels(device, table_buffer.ref(), VK_FORMAT_R32G32_UINT, "directivity");
+      const shader::FieldPush push{static_cast<std::uint32_t>(count), static_cast<std::uint32_t>(sources), 0.5F, 0};
+      test::run_on_device([&](VkCommandBuffer commands) {
+        pass.record(commands, {source_texels.ref(), point_buffer.ref(), table_texels.ref(), pressures.ref()}, push);
+        gpu::compute_to_compute(commands);
+      });
+      ASSERT_TRUE(source_buffer.intact() && point_buffer.intact() && table_buffer.intact() && pressures.intact());
+      const auto out = pressures.read<shader::FieldPressure>();
+      for (std::size_t i = 0; i < count; ++i) {
+        Complex expected = 0;
+        for (std::size_t n = 0; n < sources; ++n) {
+          const double d = std::hypot(10.0, static_cast<double>(i) / 16 - static_cast<double>(n));
+          expected += std::polar(1 / d, 2 * 3.14159265358979 * d);
+        }
+        ASSERT_NEAR(out[i].re, expected.real(), 3e-6) << sources << " " << count << " " << i;
+        ASSERT_NEAR(out[i].im, expected.imag(), 3e-6);
+      }
+    }
+  }
+}
+
+TEST(FieldPass, TheSameBytesOnEveryRun) {
+  const Layout layout = load_layout("autd3");
+  const Strengths strengths = strengths_of(focus_drive(layout, {0, 0, 0.2}));
+  const std::vector<Vec3> points = random_points(1000, 0.05, {0, 0, 0.2});
+  std::uint64_t hash = 14695981039346656037ull;
+  std::vector<Complex> first, again;
+  for (const Directivity kind : {Directivity::omni, Directivity::t4010a1}) {
+    const auto run = [&](std::vector<Complex>& out) {
+      field_on(test::test_device(), layout, air_of({}), kind, points, strengths, out);
+    };
+    run(first);
+    run(again);
+    ASSERT_EQ(std::memcmp(first.data(), again.data(), first.size() * sizeof(Complex)), 0);
+    for (const Complex& p : first) {
+      std::uint64_t words[2];
+      std::memcpy(words, &p, sizeof(words));
+      for (const std::uint64_t word : words)
+        hash = (hash ^ word) * 1099511628211ull;
+    }
+  }
+  test::tell_digest("field", hash);
+}
+
+TEST(FieldPass, GivesUpWhenTold) {
+  const Layout layout = load_layout("autd3");
+  const Strengths strengths(layout.transducers.size(), 1.0);
+  const std::atomic<bool> give_up = true;
+  std::vector<Complex> pressures;
+  EXPECT_FALSE(field_on(test::test_device(), layout, air_of({}), Directivity::omni, random_points(3, 0.1), strengths,
+                        pressures, &give_up));
+  EXPECT_TRUE(field_on(test::test_device(), layout, air_of({}), Directivity::omni, {}, strengths, pressures));
+  EXPECT_TRUE(pressures.empty());
+}
+
+TEST(FieldPass, LayoutIsWhatTheShaderHas) {
+  const test::SpirvModule module = test::read_spirv(spirv::field_comp);
+  EXPECT_EQ(module.local_size[0], shader::field_group);
+  EXPECT_EQ(module.local_size[1], 1u);
+  EXPECT_EQ(module.bindings, (std::vector<std::uint32_t>{0, 1, 2, 3}));
+  EXPECT_EQ(module.array_strides.at("FieldPoint"), sizeof(shader::FieldPoint));
+  EXPECT_EQ(module.array_strides.at("FieldPressure"), sizeof(shader::FieldPressure));
+  EXPECT_EQ(module.structs.at("FieldPoint").offsets.at("fine"), offsetof(shader::FieldPoint, fine));
+  EXPECT_EQ(module.structs.at("FieldPush").offsets.at("halvings"), offsetof(shader::FieldPush, halvings));
+}
+
+}  // namespace
+}  // namespace palpa::acoustics
