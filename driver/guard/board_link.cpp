@@ -1,0 +1,164 @@
+#include "driver/guard/board_link.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "driver/guard/process.hpp"
+
+namespace palpa::driver {
+namespace {
+
+constexpr double open_s = 10;  // a board that was left in an unknown state takes seconds to come back
+constexpr double exit_s = 1;
+constexpr std::uint32_t most_cycle = 128;  // of plans, as session::most_cycle
+
+class BoardLink final : public session::Link {
+ public:
+  BoardLink(Brief brief, std::string program, bool plays_plans)
+      : brief_(std::move(brief)),
+        program_(std::move(program)),
+        plays_plans_(plays_plans),
+        guard_(std::in_place, program_, brief_, plays_plans ? most_cycle : 0) {
+    wait_until_open();
+  }
+
+  void plan(const session::ToldPlan& told) override {
+    if (!guard_ || !plays_plans_) return;
+    const auto place = guard_->memory().plan(plan_place_);
+    if (told.drives.size() > place.drives.size())
+      throw failure(fmt::format("{}: a plan of {} drives, more than {}", brief_.kind, told.cycle, most_cycle));
+    const bool silent = told.schedule.voice_count == 0;
+    place.head = {told.from_slot,        told.until_slot,           monotonic_s(),
+                  told.schedule.slot_s,  told.shared_modulation_hz, silent ? 0 : told.cycle,
+                  told.shared_modulation};
+    std::copy(told.drives.begin(), told.drives.end(), place.drives.begin());
+    plan_place_ = guard_->memory().plan_turns().commit(plan_place_);
+  }
+
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+    if (!guard_) return;
+    const auto place = guard_->memory().drive(drive_place_);
+    if (drive.size() != place.drives.size())
+      throw failure(
+          fmt::format("{}: a drive of {} transducers, not {}", brief_.kind, drive.size(), place.drives.size()));
+    place.head.slot = slot;
+    std::copy(drive.begin(), drive.end(), place.drives.begin());
+    drive_place_ = guard_->memory().drive_turns().commit(drive_place_);
+    const bool there = say(guard_->socket(), Said::drive);
+    if (!listen() || !there) end_without_guard();
+  }
+
+  void finish() override {
+    if (!guard_) return;
+    guard_->hang_up();
+    const double until_s = monotonic_s() + exit_s;
+    while (guard_->wait_for_word(until_s - monotonic_s()) && listen()) {
+    }
+    const bool ended = guard_->wait_for_exit(std::max(until_s - monotonic_s(), 0.0)).ended;
+    if (ended && last_word_ == Said::opened) end_without_guard();
+    guard_.reset();
+    if (!ended) throw failure(brief_.kind + ": palpa-guard still tries to silence the board after 1 s" + advice);
+    if (last_word_ == Said::unsure)
+      throw failure(brief_.kind + ": nobody knows whether the last silence has reached the board" + advice);
+  }
+
+ private:
+  static constexpr const char* advice = "; make sure that it does not sound, or switch it off";
+
+  void wait_until_open() {
+    const double until_s = monotonic_s() + open_s;
+    while (last_word_ != Said::opened) {
+      if (!guard_->wait_for_word(until_s - monotonic_s()))
+        throw failure(fmt::format("{}: not open after {} s", brief_.kind, open_s));
+      if (!listen()) throw failure(fmt::format("{}: {}", brief_.kind, how_it_ended(guard_->wait_for_exit(exit_s))));
+    }
+  }
+
+  /// Takes what the guard has said. False: it is gone.
+  bool listen() {
+    std::array<char, Message::most + 1> buffer{};
+    Message message{};
+    while (true) {
+      const Heard heard = hear(guard_->socket(), buffer, message);
+      if (heard == Heard::gone) return false;
+      if (heard == Heard::nothing) return true;
+      switch (message.said) {
+        case Said::warning:
+          log::warning(fmt::format("{}: {}", brief_.kind, message.text));
+          break;
+        case Said::info:
+          log::info(fmt::format("{}: {}", brief_.kind, message.text));
+          break;
+        case Said::refused:
+          refuse(message.text);
+        default:
+          last_word_ = message.said;
+      }
+    }
+  }
+
+  [[noreturn]] static void refuse(std::string_view text) {
+    if (text.empty()) throw failure("palpa-guard says nothing");
+    throw Error(static_cast<Exit>(text[0]), std::string(text.substr(1)));
+  }
+
+  static std::string how_it_ended(const GuardProcess::Exit& exit) {
+    if (!exit.ended) return "palpa-guard does not answer";
+    if (exit.by_signal != 0) return fmt::format("signal {} has ended palpa-guard", exit.by_signal);
+    return fmt::format("palpa-guard has ended with exit code {}", exit.code);
+  }
+
+  [[noreturn]] void end_without_guard() {
+    const GuardProcess::Exit exit = guard_->wait_for_exit(exit_s);
+    guard_.reset();
+    if (last_word_ == Said::told_to_leave)
+      throw failure(brief_.kind + ": palpa-guard was told to leave (SIGTERM); it has silenced the board");
+    const std::string what = brief_.kind + ": " + how_it_ended(exit);
+    if (silence_once_more()) throw failure(what + "; another has silenced the board");
+    throw failure(what + ", and another could not silence the board: switch it off");
+  }
+
+  bool silence_once_more() {
+    Brief brief = brief_;
+    brief.only_silence = true;
+    last_word_ = Said::drive;
+    try {
+      guard_.emplace(program_, brief, 0);
+      const double until_s = monotonic_s() + open_s;
+      while (guard_->wait_for_word(until_s - monotonic_s()) && listen()) {
+      }
+    } catch (const Error& error) {
+      log::warning(fmt::format("{}: {}", brief_.kind, error.what()));
+    }
+    guard_.reset();
+    return last_word_ == Said::silent;
+  }
+
+  Brief brief_;
+  std::string program_;
+  bool plays_plans_;
+  std::optional<GuardProcess> guard_;
+  Said last_word_ = Said::drive;  ///< the guard's; as yet none
+  std::uint32_t drive_place_ = Turns::writers_first, plan_place_ = Turns::writers_first;
+};
+
+}  // namespace
+
+session::LinkKind board_link(const BoardKind& kind, const std::string& program) {
+  return {kind.name, kind.help,
+          [name = kind.name, plays_plans = kind.plays_plans, program](const std::string& argument,
+                                                                      const session::LinkSetting& setting) {
+            Brief brief{name, argument, {}, setting.layout, setting.slot_s};
+            return std::make_unique<BoardLink>(std::move(brief), program.empty() ? guard_program() : program,
+                                               plays_plans);
+          }};
+}
+
+}  // namespace palpa::driver

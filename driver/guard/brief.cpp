@@ -1,0 +1,132 @@
+#include "driver/guard/brief.hpp"
+
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+#include "base/error.hpp"
+
+namespace palpa::driver {
+namespace {
+
+/// Changes whenever what follows does: palpa and its guard must be of one build.
+constexpr std::uint64_t mark = 0x70616c7061'0001;
+
+class Writer {
+ public:
+  template <typename T>
+  void value(const T& v) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    const auto* first = reinterpret_cast<const std::byte*>(&v);
+    bytes.insert(bytes.end(), first, first + sizeof v);
+  }
+  void text(const std::string& t) {
+    value(std::uint64_t{t.size()});
+    const auto* first = reinterpret_cast<const std::byte*>(t.data());
+    bytes.insert(bytes.end(), first, first + t.size());
+  }
+  std::vector<std::byte> bytes;
+};
+
+class Reader {
+ public:
+  explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
+  template <typename T>
+  T value() {
+    static_assert(std::is_trivially_copyable_v<T>);
+    T v;
+    std::memcpy(&v, next(sizeof v), sizeof v);
+    return v;
+  }
+  std::string text() {
+    const auto size = value<std::uint64_t>();
+    return {reinterpret_cast<const char*>(next(size)), size};
+  }
+  /// A number of things that take `each` bytes at least.
+  std::size_t count(std::size_t each) {
+    const auto n = value<std::uint64_t>();
+    if (n > rest_.size() / each) refuse();
+    return n;
+  }
+
+ private:
+  [[noreturn]] static void refuse() { throw failure("palpa-guard was started by another version of palpa"); }
+  const std::byte* next(std::size_t size) {
+    if (size > rest_.size()) refuse();
+    const std::byte* at = rest_.data();
+    rest_ = rest_.subspan(size);
+    return at;
+  }
+  std::span<const std::byte> rest_;
+};
+
+void write(Writer& out, const array::Layout& layout) {
+  out.text(layout.name);
+  out.value(std::uint64_t{layout.transducers.size()});
+  for (const array::Transducer& transducer : layout.transducers)
+    out.value(transducer);
+  out.value(std::uint64_t{layout.boards.size()});
+  for (const array::Board& board : layout.boards) {
+    out.text(board.type);
+    out.value(board.first);
+    out.value(board.count);
+    out.value(board.width_m);
+    out.value(board.height_m);
+    out.value(board.T_layout_board);
+  }
+  out.value(layout.source_level_pa_m);
+  out.value(layout.frequency_hz);
+  out.value(layout.transducer_radius_m);
+  out.value(layout.default_T_world_layout);
+}
+
+array::Layout read_layout(Reader& in) {
+  array::Layout layout;
+  layout.name = in.text();
+  layout.transducers.resize(in.count(sizeof(array::Transducer)));
+  for (array::Transducer& transducer : layout.transducers)
+    transducer = in.value<array::Transducer>();
+  layout.boards.resize(in.count(sizeof(Transform)));
+  for (array::Board& board : layout.boards) {
+    board.type = in.text();
+    board.first = in.value<std::uint32_t>();
+    board.count = in.value<std::uint32_t>();
+    board.width_m = in.value<double>();
+    board.height_m = in.value<double>();
+    board.T_layout_board = in.value<Transform>();
+  }
+  layout.source_level_pa_m = in.value<double>();
+  layout.frequency_hz = in.value<double>();
+  layout.transducer_radius_m = in.value<double>();
+  layout.default_T_world_layout = in.value<Transform>();
+  return layout;
+}
+
+}  // namespace
+
+std::vector<std::byte> to_bytes(const Brief& brief) {
+  Writer out;
+  out.value(mark);
+  out.text(brief.kind);
+  out.text(brief.argument);
+  out.text(brief.files);
+  write(out, brief.layout);
+  out.value(brief.slot_s);
+  out.value(std::uint8_t{brief.only_silence});
+  return std::move(out.bytes);
+}
+
+Brief brief_from(std::span<const std::byte> bytes) {
+  Reader in(bytes);
+  if (in.value<std::uint64_t>() != mark) throw failure("palpa-guard was started by another version of palpa");
+  Brief brief;
+  brief.kind = in.text();
+  brief.argument = in.text();
+  brief.files = in.text();
+  brief.layout = read_layout(in);
+  brief.slot_s = in.value<double>();
+  brief.only_silence = in.value<std::uint8_t>() != 0;
+  return brief;
+}
+
+}  // namespace palpa::driver

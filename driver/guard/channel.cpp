@@ -1,0 +1,152 @@
+#include "driver/guard/channel.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/uio.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include "base/error.hpp"
+
+namespace palpa::driver {
+namespace {
+
+constexpr std::uint64_t mark = 0x70616c70'61677561;
+constexpr std::size_t line = 64;  // a cache line: what the two write lies apart
+
+std::size_t whole_lines(std::size_t size) {
+  return (size + line - 1) / line * line;
+}
+
+Error no_memory() {
+  return failure(fmt::format("no memory to share with palpa-guard: {}", std::strerror(errno)));
+}
+
+}  // namespace
+
+Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
+  if (this != &other) {
+    if (fd_ >= 0) close(fd_);
+    fd_ = std::exchange(other.fd_, -1);
+  }
+  return *this;
+}
+
+Descriptor::~Descriptor() {
+  if (fd_ >= 0) close(fd_);
+}
+
+/// At the memory's begin; what it names are offsets from there.
+struct SharedMemory::Head {
+  std::uint64_t mark, size;
+  std::uint64_t brief, brief_size;
+  std::uint64_t transducers, most_cycle;
+  std::uint64_t drives, drive_size;  ///< the turns, then three places
+  std::uint64_t plans, plan_size;
+};
+
+SharedMemory::SharedMemory(Descriptor fd, std::size_t size) : fd_(std::move(fd)), size_(size) {
+  // All of it is there from the start: no drive waits for a page.
+  void* base = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, fd_.get(), 0);
+  if (base == MAP_FAILED) throw no_memory();
+  base_ = static_cast<std::byte*>(base);
+}
+
+SharedMemory::SharedMemory(SharedMemory&& other) noexcept
+    : fd_(std::move(other.fd_)), base_(std::exchange(other.base_, nullptr)), size_(other.size_) {}
+
+SharedMemory::~SharedMemory() {
+  if (base_ != nullptr) munmap(base_, size_);
+}
+
+SharedMemory SharedMemory::make(std::span<const std::byte> brief, std::size_t transducers, std::uint32_t most_cycle) {
+  Head head{};
+  head.mark = mark;
+  head.transducers = transducers;
+  head.most_cycle = most_cycle;
+  const std::size_t drive_bytes = transducers * sizeof(array::TransducerDrive);
+  head.drive_size = whole_lines(sizeof(DriveHead) + drive_bytes);
+  head.plan_size = most_cycle == 0 ? 0 : whole_lines(sizeof(PlanHead) + most_cycle * drive_bytes);
+  head.brief = whole_lines(sizeof head);
+  head.brief_size = brief.size();
+  head.drives = head.brief + whole_lines(brief.size());
+  head.plans = head.drives + line + 3 * head.drive_size;
+  head.size = head.plans + line + 3 * head.plan_size;
+
+  Descriptor fd(memfd_create("palpa-guard", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  if (!fd || ftruncate(fd.get(), static_cast<off_t>(head.size)) != 0) throw no_memory();
+  fcntl(fd.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW);  // nobody can take it away from the other
+  SharedMemory memory(std::move(fd), head.size);
+  std::memcpy(memory.base_, &head, sizeof head);
+  std::copy(brief.begin(), brief.end(), memory.base_ + head.brief);
+  memory.drive_turns().init();
+  memory.plan_turns().init();
+  return memory;
+}
+
+SharedMemory SharedMemory::of(Descriptor fd) {
+  struct stat status {};
+  const Error wrong = failure("palpa-guard is started by palpa, not by hand");
+  if (fstat(fd.get(), &status) != 0 || static_cast<std::size_t>(status.st_size) < sizeof(Head)) throw wrong;
+  SharedMemory memory(std::move(fd), static_cast<std::size_t>(status.st_size));
+  if (memory.head().mark != mark || memory.head().size != memory.size_) throw wrong;
+  return memory;
+}
+
+std::span<const std::byte> SharedMemory::brief() const {
+  return {base_ + head().brief, head().brief_size};
+}
+
+Turns& SharedMemory::drive_turns() const {
+  return at<Turns>(head().drives);
+}
+
+Turns& SharedMemory::plan_turns() const {
+  return at<Turns>(head().plans);
+}
+
+SharedMemory::Place<DriveHead> SharedMemory::drive(std::uint32_t place) const {
+  const std::size_t begin = head().drives + line + place * head().drive_size;
+  return {at<DriveHead>(begin), {&at<array::TransducerDrive>(begin + sizeof(DriveHead)), head().transducers}};
+}
+
+SharedMemory::Place<PlanHead> SharedMemory::plan(std::uint32_t place) const {
+  const std::size_t begin = head().plans + line + place * head().plan_size;
+  return {at<PlanHead>(begin),
+          {&at<array::TransducerDrive>(begin + sizeof(PlanHead)), head().transducers * head().most_cycle}};
+}
+
+bool say(int socket, Said said, std::string_view text) {
+  text = text.substr(0, Message::most);
+  std::array<iovec, 2> parts{{{&said, 1}, {const_cast<char*>(text.data()), text.size()}}};
+  msghdr message{};
+  message.msg_iov = parts.data();
+  message.msg_iovlen = parts.size();
+  return sendmsg(socket, &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0 || (errno != EPIPE && errno != ECONNRESET);
+}
+
+Heard hear(int socket, std::span<char, Message::most + 1> buffer, Message& message) {
+  const auto take = [&] { return recv(socket, buffer.data(), buffer.size(), MSG_DONTWAIT); };
+  ssize_t size = take();
+  if (size < 0 && errno == ECONNRESET) size = take();  // it left without reading everything; its last words are there
+  if (size < 0) return errno == EAGAIN || errno == EINTR ? Heard::nothing : Heard::gone;
+  if (size == 0) return Heard::gone;
+  message = {static_cast<Said>(buffer[0]), {buffer.data() + 1, static_cast<std::size_t>(size) - 1}};
+  return Heard::message;
+}
+
+double monotonic_s() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace palpa::driver

@@ -1,0 +1,133 @@
+// What a loop and its guard share: memory with the newest drive and the newest plan, and a socket. The loop writes into
+// memory that only it sees, and hands it over in one step: whoever ends it at whatever instant, a guard sees whole
+// drives only. The socket says that there is one, carries a board's notes back, and its end says that the other one is
+// gone.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "array/drive.hpp"
+#include "array/schedule.hpp"
+
+namespace palpa::driver {
+
+/// Owns a file descriptor; -1 is none.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int fd) : fd_(fd) {}
+  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept;
+  ~Descriptor();
+  int get() const { return fd_; }
+  explicit operator bool() const { return fd_ >= 0; }
+
+ private:
+  int fd_ = -1;
+};
+
+/// Three places for a value in shared memory, taking turns as the writer's, the waiting one and the reader's, as
+/// session::Newest does between threads. Neither waits; what nobody took is replaced.
+class Turns {
+ public:
+  void init() { waiting_ = 1; }
+  /// Writer: what it has written at `mine` waits from now on. Returns the place to write at next.
+  std::uint32_t commit(std::uint32_t mine) {
+    return waiting_.exchange(mine | fresh, std::memory_order_acq_rel) & place;
+  }
+  /// Reader: the place of the newest value, if it is new, in exchange for its own.
+  std::optional<std::uint32_t> take(std::uint32_t mine) {
+    if (!(waiting_.load(std::memory_order_relaxed) & fresh)) return std::nullopt;
+    return waiting_.exchange(mine, std::memory_order_acq_rel) & place;
+  }
+  static constexpr std::uint32_t writers_first = 0, readers_first = 2;
+
+ private:
+  static constexpr std::uint32_t place = 3, fresh = 4;
+  std::atomic<std::uint32_t> waiting_;
+  static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
+};
+
+struct DriveHead {
+  std::uint64_t slot;
+};
+/// See BoardPlan.
+struct PlanHead {
+  std::uint64_t from_slot, until_slot;
+  double from_s, slot_s, modulation_hz;
+  std::uint32_t cycle;
+  array::Modulation modulation;
+};
+
+/// The memory: what the guard is told (Brief), drives, and plans where the board plays any.
+class SharedMemory {
+ public:
+  /// Throws failure() where there is no memory.
+  static SharedMemory make(std::span<const std::byte> brief, std::size_t transducers, std::uint32_t most_cycle);
+  /// The other process's. Throws failure() for a descriptor that is none of these.
+  static SharedMemory of(Descriptor fd);
+  SharedMemory(SharedMemory&& other) noexcept;
+  SharedMemory& operator=(SharedMemory&&) = delete;
+  ~SharedMemory();
+
+  int fd() const { return fd_.get(); }
+  std::span<const std::byte> brief() const;
+
+  template <typename Head>
+  struct Place {
+    Head& head;
+    std::span<array::TransducerDrive> drives;  ///< all there is room for
+  };
+  Place<DriveHead> drive(std::uint32_t place) const;
+  Place<PlanHead> plan(std::uint32_t place) const;
+  Turns& drive_turns() const;
+  Turns& plan_turns() const;
+
+ private:
+  struct Head;
+  SharedMemory(Descriptor fd, std::size_t size);
+  const Head& head() const { return *reinterpret_cast<const Head*>(base_); }
+  template <typename T>
+  T& at(std::size_t offset) const {
+    return *reinterpret_cast<T*>(base_ + offset);
+  }
+
+  Descriptor fd_;
+  std::byte* base_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// What the two say to each other. One message each.
+enum class Said : char {
+  drive = 'd',  ///< the loop: there is another drive
+  /// All others are the guard's.
+  opened = 'o',   ///< the board is there
+  refused = 'r',  ///< the exit code, then the line of the Error
+  warning = 'w',
+  info = 'i',
+  told_to_leave = 't',  ///< SIGTERM: the board is silent, and this is the end
+  silent = 's',         ///< the last thing on the wire was all-off
+  unsure = 'u',         ///< it was to be, but nobody knows whether it got there
+};
+
+struct Message {
+  static constexpr std::size_t most = 512;  ///< longer lines are cut
+  Said said;
+  std::string_view text;
+};
+
+/// Never waits; a message that does not fit is dropped. False: the other one is gone.
+bool say(int socket, Said said, std::string_view text = {});
+enum class Heard { message, nothing, gone };
+/// Takes the next message, if there is one; it stays valid until the next call.
+Heard hear(int socket, std::span<char, Message::most + 1> buffer, Message& message);
+
+double monotonic_s();
+
+}  // namespace palpa::driver

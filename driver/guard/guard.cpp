@@ -1,0 +1,177 @@
+#include "driver/guard/guard.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <optional>
+
+#include "base/error.hpp"
+#include "driver/guard/brief.hpp"
+#include "driver/guard/channel.hpp"
+
+namespace palpa::driver {
+namespace {
+
+constexpr std::size_t most_watched = 16;
+constexpr long tend_ns = 5'000'000;
+
+volatile std::sig_atomic_t asked_to_leave = 0;
+
+void leave(int) {
+  asked_to_leave = 1;
+}
+
+/// What may not end it is ignored, what asks it to leave sets a flag and is let through while it waits only.
+void set_signals() {
+  struct sigaction action {};
+  sigemptyset(&action.sa_mask);
+  action.sa_handler = SIG_IGN;
+  for (const int signal : {SIGINT, SIGHUP, SIGPIPE, SIGTSTP, SIGTTIN, SIGTTOU})
+    sigaction(signal, &action, nullptr);
+  action.sa_handler = leave;
+  sigset_t blocked;
+  sigemptyset(&blocked);
+  for (const int signal : {SIGTERM, SIGQUIT}) {
+    sigaction(signal, &action, nullptr);
+    sigaddset(&blocked, signal);
+  }
+  sigprocmask(SIG_SETMASK, &blocked, nullptr);
+}
+
+class Notes final : public BoardNotes {
+ public:
+  void warning(std::string_view line) noexcept override { say(guard_socket, Said::warning, line); }
+  void info(std::string_view line) noexcept override { say(guard_socket, Said::info, line); }
+};
+
+/// Copies what the other process wrote; a transducer that got anything but an amplitude and a phase is silent.
+void copy_sound(std::span<const array::TransducerDrive> from, std::span<array::TransducerDrive> to) {
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    const auto [amplitude, phase] = from[i];
+    const bool sane = amplitude > 0 && amplitude <= 1 && std::isfinite(phase);
+    to[i] = sane ? from[i] : array::TransducerDrive{0.0f, std::isfinite(phase) ? phase : 0.0f};
+  }
+}
+
+/// What goes between a loop and a board.
+class Guard {
+ public:
+  Guard(const SharedMemory& memory, bool plays_plans)
+      : memory_(memory), plays_plans_(plays_plans), drive_(memory.drive(0).drives.size()) {
+    if (plays_plans) plan_.resize(memory.plan(0).drives.size());
+  }
+
+  /// Until the loop is gone or somebody asks it to leave; leaves the board as it sounds.
+  Said watch(Board& board) {
+    while (true) {
+      wait(board);
+      if (asked_to_leave) return Said::told_to_leave;
+      if (!listen()) return Said::silent;
+      play_newest(board);
+      if (sounding_ && monotonic_s() >= last_drive_s_ + heartbeat_s) {
+        board.all_off();
+        sounding_ = false;
+      }
+      board.tend();
+    }
+  }
+
+ private:
+  static void wait(Board& board) {
+    std::array<pollfd, 1 + most_watched> fds{{{guard_socket, POLLIN, 0}}};
+    const std::span<const pollfd> watched = board.watched();
+    const std::size_t count = std::min(watched.size(), most_watched);
+    std::copy_n(watched.begin(), count, fds.begin() + 1);
+    const timespec at_most{0, tend_ns};
+    sigset_t none;
+    sigemptyset(&none);
+    ppoll(fds.data(), 1 + count, &at_most, &none);
+  }
+
+  /// Takes the loop's words, which say no more than that there is something. False: it is gone.
+  static bool listen() {
+    std::array<char, Message::most + 1> buffer{};
+    Message message{};
+    while (true) {
+      const Heard heard = hear(guard_socket, buffer, message);
+      if (heard == Heard::gone) return false;
+      if (heard == Heard::nothing) return true;
+    }
+  }
+
+  void play_newest(Board& board) {
+    // The loop tells a plan before the drives that belong to it: taken in the other order none comes before its plan.
+    const std::optional<std::uint32_t> drive = memory_.drive_turns().take(drive_place_);
+    if (plays_plans_) take_plan(board);
+    if (!drive) return;
+    drive_place_ = *drive;
+    const auto told = memory_.drive(drive_place_);
+    copy_sound(told.drives, drive_);
+    board.play(told.head.slot, drive_);
+    last_drive_s_ = monotonic_s();
+    sounding_ = true;
+  }
+
+  void take_plan(Board& board) {
+    const std::optional<std::uint32_t> plan = memory_.plan_turns().take(plan_place_);
+    if (!plan) return;
+    plan_place_ = *plan;
+    const auto told = memory_.plan(plan_place_);
+    const PlanHead& head = told.head;
+    const std::size_t size = drive_.size() * head.cycle;
+    if (size > plan_.size()) return;
+    const std::span<array::TransducerDrive> drives(plan_.data(), size);
+    copy_sound(told.drives, drives);
+    board.plan({head.from_slot, head.until_slot, head.from_s, head.slot_s, head.cycle, drives, head.modulation_hz,
+                head.modulation});
+  }
+
+  const SharedMemory& memory_;
+  bool plays_plans_;
+  array::Drive drive_, plan_;
+  std::uint32_t drive_place_ = Turns::readers_first, plan_place_ = Turns::readers_first;
+  double last_drive_s_ = 0;
+  bool sounding_ = false;
+};
+
+int hold_board(std::span<const BoardKind> kinds) {
+  const SharedMemory memory = SharedMemory::of(Descriptor(guard_memory));
+  const Brief brief = brief_from(memory.brief());
+  const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const BoardKind& k) { return k.name == brief.kind; });
+  if (kind == kinds.end()) throw failure("palpa-guard knows no board " + brief.kind);
+  Notes notes;
+  Guard guard(memory, kind->plays_plans);  // all its memory before the board sounds
+  const auto board = kind->open({brief.argument, brief.files, brief.layout, brief.slot_s, notes});
+  Said end = Said::silent;
+  if (!brief.only_silence) {
+    say(guard_socket, Said::opened);
+    end = guard.watch(*board);
+  }
+  board->all_off();
+  const bool sure = board->close();
+  say(guard_socket, sure ? end : Said::unsure);
+  return sure ? 0 : 1;
+}
+
+}  // namespace
+
+int guard_main(std::span<const BoardKind> kinds) {
+  set_signals();
+  close_range(guard_memory + 1, ~0U, 0);  // what else whoever started palpa left open
+  try {
+    return hold_board(kinds);
+  } catch (const Error& error) {
+    say(guard_socket, Said::refused, static_cast<char>(error.code()) + std::string(error.what()));
+  } catch (const std::exception& error) {
+    say(guard_socket, Said::refused, static_cast<char>(Exit::failed) + std::string(error.what()));
+  }
+  return 1;
+}
+
+}  // namespace palpa::driver

@@ -1,0 +1,28 @@
+// The guard: a process of its own that holds a board, so that the board falls silent whatever becomes of the loop.
+//
+//   a drive in every slot        it plays the newest (the heartbeat)
+//   100 ms without one           all off; it stays, and plays again when drives return
+//   the end of its socket        the loop is gone, however it ended: all off, and it leaves
+//   SIGTERM, SIGQUIT             all off, and it leaves; its loop ends, too
+//   INT HUP PIPE TSTP TTIN TTOU  are for the loop, which ends in silence; the guard takes no notice
+//
+// It has a session of its own, so no terminal reaches it. docs/safety.md tells what it cannot protect from.
+#pragma once
+
+#include <span>
+
+#include "driver/board.hpp"
+
+namespace palpa::driver {
+
+/// After so long without a drive a board is silenced, whatever `--hold` says.
+inline constexpr double heartbeat_s = 0.1;
+
+/// Where a guard finds its loop's socket and the shared memory.
+inline constexpr int guard_socket = 3, guard_memory = 4;
+
+/// main() of a guard, with the boards that it knows. Allocates nothing once it has opened its board. Returns what the
+/// process exits with: 0 where the last thing on the wire was all-off.
+int guard_main(std::span<const BoardKind> kinds);
+
+}  // namespace palpa::driver

@@ -1,0 +1,387 @@
+// What the last thing on the wire is, whatever becomes of the loop or of the guard.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "driver/guard/board_link.hpp"
+#include "driver/guard/brief.hpp"
+#include "driver/guard/channel.hpp"
+#include "support/captured.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+#include "trace_board.hpp"
+
+namespace palpa::driver {
+namespace {
+
+using namespace std::chrono_literals;
+
+void wait(std::chrono::microseconds time) {
+  std::this_thread::sleep_for(time);
+}
+
+/// A link to a board that writes down what it is told.
+struct Rig {
+  array::Layout layout;
+  std::vector<std::string> names;
+  std::filesystem::path file = test::scratch_folder("guard") / "trace";
+  session::LinkSetting setting{layout, names, 1.5e-3};
+  array::Drive drive;
+  std::unique_ptr<session::Link> link;
+
+  explicit Rig(std::size_t transducers = 249) : drive(transducers) {
+    layout.name = "some";
+    layout.transducers.assign(transducers, {Vec3(0), Vec3(0, 0, 1)});
+  }
+  std::unique_ptr<session::Link> open(const std::string& argument) const {
+    const auto guard = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "palpa-trace-guard";
+    return board_link({"trace", "trace:FILE", {}, true}, guard.string()).open(argument, setting);
+  }
+  void open() { link = open(file.string()); }
+  void send(std::uint64_t slot) {
+    test::whole_drive(slot, drive);
+    link->send(slot, drive);
+  }
+  void send_for(std::chrono::milliseconds time, std::uint64_t& slot) {
+    for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end; wait(1500us))
+      send(slot++);
+  }
+  void plan(std::uint64_t from, std::uint32_t cycle) {
+    array::Schedule schedule;
+    schedule.add_voice().foci = {Vec3(0)};
+    array::Drive drives(cycle * drive.size());
+    link->plan({.schedule = schedule, .from_slot = from, .until_slot = from + 66, .cycle = cycle, .drives = drives});
+  }
+
+  std::vector<std::string> lines() const {
+    std::vector<std::string> all;
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);)
+      all.push_back(line);
+    return all;
+  }
+  std::size_t count(const std::string& begin) const {
+    std::size_t found = 0;
+    for (const std::string& line : lines())
+      found += line.starts_with(begin) ? 1 : 0;
+    return found;
+  }
+  /// Waits until so many lines begin so.
+  bool wrote(const std::string& begin, std::size_t times = 1) const {
+    for (int i = 0; i < 3000; ++i, wait(1ms)) {
+      if (count(begin) >= times) return true;
+    }
+    return false;
+  }
+  void expect_silent_end() const {
+    const std::vector<std::string> all = lines();
+    ASSERT_GE(all.size(), 3u);
+    EXPECT_EQ(all[0], "open");
+    EXPECT_EQ(all[all.size() - 2], "off");
+    EXPECT_EQ(all[all.size() - 1], "close");
+    EXPECT_EQ(count("torn"), 0u);
+    EXPECT_EQ(count("allocated"), 0u);
+  }
+};
+
+/// A loop in a process of its own, until it is killed.
+class Loop {
+ public:
+  explicit Loop(Rig& rig, std::chrono::microseconds slot) : id_(fork()) {
+    if (id_ != 0) return;
+    log::set_level(log::Level::quiet);
+    rig.open();
+    for (std::uint64_t s = 0;; ++s, wait(slot)) {
+      if (s % 8 == 0) rig.plan(s, 10);
+      rig.send(s);
+    }
+  }
+  ~Loop() { end(SIGKILL); }
+  Loop(const Loop&) = delete;
+  Loop& operator=(const Loop&) = delete;
+  void signal(int which) const { kill(id_, which); }
+  void end(int by) {
+    if (id_ <= 0) return;
+    kill(id_, by);
+    waitpid(id_, nullptr, 0);
+    id_ = -1;
+  }
+
+ private:
+  pid_t id_;
+};
+
+/// The guard that this process has started last.
+pid_t guard_of_ours() {
+  const std::string task = "/proc/self/task/" + std::to_string(getpid()) + "/children";
+  std::ifstream in(task);
+  pid_t child = -1, last = -1;
+  while (in >> child)
+    last = child;
+  return last;
+}
+
+TEST(Guard, PlaysWhatIsSentAndEndsInSilence) {
+  Rig rig;
+  rig.open();
+  rig.plan(0, 10);
+  for (std::uint64_t s = 0; s < 5; ++s) {
+    rig.send(s);
+    ASSERT_TRUE(rig.wrote("play " + std::to_string(s)));
+  }
+  rig.link->finish();
+  EXPECT_EQ(rig.lines(), (std::vector<std::string>{"open", "plan 0 10", "play 0 0.0625", "play 1 0.125",
+                                                   "play 2 0.1875", "play 3 0.25", "play 4 0.3125", "off", "close"}));
+  EXPECT_EQ(guard_of_ours(), -1);
+}
+
+TEST(Guard, APlanComesBeforeTheDrivesThatBelongToIt) {
+  Rig rig;
+  rig.open();
+  for (std::uint64_t s = 0; s < 200; ++s) {
+    rig.plan(s, 1);
+    rig.send(s);
+  }
+  rig.link->finish();
+  std::string plan;
+  for (const std::string& line : rig.lines()) {
+    if (line.starts_with("plan")) plan = line.substr(5, line.rfind(' ') - 5);
+    if (!line.starts_with("play")) continue;
+    EXPECT_GE(std::stoi(plan), std::stoi(line.substr(5))) << "a drive before its plan";
+  }
+  rig.expect_silent_end();
+}
+
+TEST(Guard, WhatTheBoardRefusesIsRefusedAsItSaidIt) {
+  const Rig rig;
+  EXPECT_EQ(test::error_of([&] { rig.open("refuse"); }), "trace:refuse: there is no such board");
+  const auto none = board_link({"trace", "", {}, true}, "/nowhere/palpa-guard");
+  EXPECT_CONTAINS(test::error_of([&] { none.open("x", rig.setting); }, Exit::failed), "/nowhere/palpa-guard");
+}
+
+TEST(Guard, ItsNotesAreLogged) {
+  Rig rig;
+  const std::string said = test::stderr_of([&] {
+    rig.open();
+    rig.send(7);
+    EXPECT_TRUE(rig.wrote("play 7"));
+    wait(20ms);
+    rig.send(8);
+    rig.link->finish();
+  });
+  EXPECT_CONTAINS(said, "trace: what it has to say");
+}
+
+TEST(Guard, WithoutDrivesItSilencesAndPlaysOnWhenTheyReturn) {
+  Rig rig;
+  rig.open();
+  std::uint64_t slot = 0;
+  rig.send_for(30ms, slot);
+  EXPECT_EQ(rig.count("off"), 0u);
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_TRUE(rig.wrote("off"));
+  const std::chrono::duration<double> after = std::chrono::steady_clock::now() - begin;
+  EXPECT_GT(after.count(), 0.09);
+  EXPECT_LT(after.count(), 0.5);  // 0.1 s, and what a busy machine needs
+  wait(150ms);
+  EXPECT_EQ(rig.count("off"), 1u) << "it says so once";
+  rig.send(slot);
+  ASSERT_TRUE(rig.wrote("play " + std::to_string(slot)));
+  rig.link->finish();
+  rig.expect_silent_end();
+}
+
+TEST(Guard, ALoopThatIsKilledAtAnyInstantLeavesSilence) {
+  for (int instant = 0; instant < 12; ++instant) {
+    Rig rig(3984);
+    Loop loop(rig, 0us);
+    ASSERT_TRUE(rig.wrote(instant == 0 ? "open" : "play"));
+    wait(std::chrono::microseconds(instant * 317));
+    loop.end(SIGKILL);
+    ASSERT_TRUE(rig.wrote("close")) << instant;
+    rig.expect_silent_end();
+  }
+}
+
+TEST(Guard, ALoopThatCrashesLeavesSilence) {
+  Rig rig;
+  Loop loop(rig, 1ms);
+  ASSERT_TRUE(rig.wrote("play"));
+  loop.end(SIGABRT);
+  ASSERT_TRUE(rig.wrote("close"));
+  rig.expect_silent_end();
+}
+
+TEST(Guard, ALoopThatIsStoppedIsSilentAndGoesOnWhenItContinues) {
+  Rig rig(3984);
+  Loop loop(rig, 200us);
+  for (std::size_t times = 1; times <= 3; ++times) {
+    ASSERT_TRUE(rig.wrote("play", rig.count("play") + 10));
+    loop.signal(SIGSTOP);
+    ASSERT_TRUE(rig.wrote("off", times));
+    EXPECT_EQ(rig.lines().back(), "off");
+    const std::size_t played = rig.count("play");
+    loop.signal(SIGCONT);
+    ASSERT_TRUE(rig.wrote("play", played + 1));
+  }
+  loop.signal(SIGSTOP);
+  loop.end(SIGKILL);
+  ASSERT_TRUE(rig.wrote("close"));
+  rig.expect_silent_end();
+}
+
+TEST(Guard, AGuardThatIsKilledIsFollowedByOneThatSilences) {
+  Rig rig;
+  rig.open();
+  std::uint64_t slot = 0;
+  rig.send_for(10ms, slot);
+  kill(guard_of_ours(), SIGKILL);
+  const std::string line = test::error_of([&] { rig.send_for(1s, slot); }, Exit::failed);
+  EXPECT_EQ(line, "trace: signal 9 has ended palpa-guard; another has silenced the board");
+  EXPECT_EQ(rig.count("open"), 2u);
+  rig.expect_silent_end();
+  EXPECT_NO_THROW(rig.link->send(slot, rig.drive));  // what SafeLink tries afterwards goes nowhere
+  EXPECT_NO_THROW(rig.link->finish());
+}
+
+TEST(Guard, AGuardThatIsKilledJustBeforeTheEndIsFollowedToo) {
+  Rig rig;
+  rig.open();
+  rig.send(0);
+  kill(guard_of_ours(), SIGKILL);
+  EXPECT_CONTAINS(test::error_of([&] { rig.link->finish(); }, Exit::failed), "another has silenced the board");
+  rig.expect_silent_end();
+}
+
+TEST(Guard, WhereNobodyCanSilenceTheBoardItSaysSo) {
+  Rig rig;
+  rig.open();
+  rig.send(0);
+  ASSERT_TRUE(rig.wrote("play"));
+  kill(guard_of_ours(), SIGKILL);
+  std::filesystem::remove(rig.file);
+  std::filesystem::create_directory(rig.file);
+  const std::string said = test::stderr_of(
+      [&] { EXPECT_CONTAINS(test::error_of([&] { rig.link->finish(); }, Exit::failed), "switch it off"); });
+  EXPECT_CONTAINS(said, "cannot be opened");
+}
+
+TEST(Guard, AGuardThatIsToldToLeaveSilencesFirst) {
+  for (int instant = 0; instant < 5; ++instant) {
+    Rig rig;
+    rig.open();
+    std::uint64_t slot = 0;
+    rig.send_for(10ms, slot);
+    kill(guard_of_ours(), SIGTERM);
+    const std::string line = test::error_of([&] { rig.send_for(1s, slot); }, Exit::failed);
+    EXPECT_CONTAINS(line, "was told to leave");
+    EXPECT_EQ(rig.count("open"), 1u);
+    rig.expect_silent_end();
+  }
+}
+
+TEST(Guard, SignalsThatAreForTheLoopDoNotEndIt) {
+  Rig rig;
+  rig.open();
+  const pid_t guard = guard_of_ours();
+  EXPECT_EQ(getsid(guard), guard);
+  rig.send(0);
+  for (const int signal : {SIGINT, SIGHUP, SIGPIPE, SIGTSTP, SIGTTIN, SIGTTOU})
+    kill(guard, signal);
+  ASSERT_TRUE(rig.wrote("play 0"));
+  rig.send(1);
+  EXPECT_TRUE(rig.wrote("play 1"));
+  rig.link->finish();
+  rig.expect_silent_end();
+}
+
+TEST(Guard, ABoardThatMayNotHaveHeardTheLastSilenceIsReported) {
+  const Rig rig;
+  const auto link = rig.open("unsure:" + rig.file.string());
+  link->send(0, rig.drive);
+  EXPECT_CONTAINS(test::error_of([&] { link->finish(); }, Exit::failed), "nobody knows");
+  rig.expect_silent_end();
+}
+
+TEST(Guard, ALinkThatIsDroppedLeavesSilence) {
+  Rig rig;
+  rig.open();
+  rig.send(0);
+  rig.link.reset();
+  rig.expect_silent_end();
+  EXPECT_EQ(guard_of_ours(), -1);
+}
+
+TEST(Guard, ADriveCostsLittleOnBothSides) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "skipped: an instrumented build is slow";
+#endif
+  Rig rig(3984);
+  rig.open();
+  const pid_t guard = guard_of_ours();
+  const auto processor_s = [](pid_t process) {
+    std::ifstream in("/proc/" + std::to_string(process) + "/schedstat");
+    double ns = 0;
+    in >> ns;
+    return 1e-9 * ns;
+  };
+  constexpr std::uint64_t drives = 300;
+  const double ours_s = processor_s(getpid()), its_s = processor_s(guard);
+  for (std::uint64_t s = 0; s < drives; ++s, wait(1ms))
+    rig.send(s);
+  const double us_per_drive = 1e6 / drives;
+  std::printf("a drive of 3984 transducers: %.0f us in the loop, %.0f us in the guard\n",
+              us_per_drive * (processor_s(getpid()) - ours_s), us_per_drive * (processor_s(guard) - its_s));
+  EXPECT_LT(processor_s(getpid()) - ours_s, 0.2e-3 * drives);
+  EXPECT_LT(processor_s(guard) - its_s, 0.2e-3 * drives);
+  rig.link->finish();
+}
+
+TEST(Guard, InheritsNothingElse) {
+  Rig rig;
+  const int open_to_children = open("/dev/null", O_RDONLY);
+  rig.open();
+  std::size_t descriptors = 0;
+  const std::string folder = "/proc/" + std::to_string(guard_of_ours()) + "/fd";
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder))
+    ++descriptors;
+  EXPECT_EQ(descriptors, 6u);  // in, out, err; socket, memory; the board's file
+  close(open_to_children);
+  rig.link->finish();
+}
+
+TEST(GuardBrief, ComesOverWhole) {
+  Brief brief{"openmpd", "A,B", "some folder", {}, 2e-3, true};
+  brief.layout.name = "mine";
+  brief.layout.transducers = {{Vec3(1, 2, 3), Vec3(0, 0, 1)}, {Vec3(-1, 0.5, 1e-9), Vec3(1, 0, 0)}};
+  brief.layout.boards = {{"openmpd", 0, 2, 0.1, 0.2, Transform(2.0)}};
+  brief.layout.source_level_pa_m = 3;
+  const std::vector<std::byte> bytes = to_bytes(brief);
+  const Brief back = brief_from(bytes);
+  EXPECT_EQ(to_bytes(back), bytes);
+  EXPECT_EQ(back.argument, "A,B");
+  EXPECT_EQ(back.layout.transducers[1].position, Vec3(-1, 0.5, 1e-9));
+  EXPECT_EQ(back.layout.boards[0].T_layout_board, Transform(2.0));
+  EXPECT_TRUE(back.only_silence);
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const std::span<const std::byte> cut(bytes.data(), size);
+    EXPECT_CONTAINS(test::error_of([&] { brief_from(cut); }, Exit::failed), "another version");
+  }
+}
+
+}  // namespace
+}  // namespace palpa::driver

@@ -1,0 +1,81 @@
+#include "trace_board.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+
+#include "base/error.hpp"
+#include "driver/guard/channel.hpp"
+
+namespace palpa::test {
+namespace {
+
+class TraceBoard final : public driver::Board {
+ public:
+  TraceBoard(const std::string& file, bool sure, const driver::BoardSetting& setting)
+      : file_(::open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600)),
+        sure_(sure),
+        notes_(setting.notes) {
+    if (!file_) throw failure(file + ": cannot be opened");
+    write("open\n");
+    allocations_ = allocations();
+  }
+
+  void play(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+    const float first = drive[0].phase;
+    const bool whole = std::all_of(drive.begin(), drive.end(), [&](const auto& t) {
+      return t.phase == first && t.amplitude == drive[0].amplitude;
+    });
+    write_line(whole ? "play %llu %g\n" : "torn %llu %g\n", slot, static_cast<double>(drive[0].amplitude));
+    if (slot == 7) notes_.warning("what it has to say");
+  }
+
+  void plan(const driver::BoardPlan& plan) override {
+    write_line("plan %llu %g\n", plan.from_slot, static_cast<double>(plan.cycle));
+  }
+
+  void all_off() override { write("off\n"); }
+
+  bool close() override {
+    const std::uint64_t since = allocations() - allocations_;
+    if (since != 0) write_line("allocated %llu %g\n", since, 0);
+    write("close\n");
+    return sure_;
+  }
+
+ private:
+  void write(std::string_view line) const {
+    if (::write(file_.get(), line.data(), line.size()) < 0) std::abort();
+  }
+  void write_line(const char* form, std::uint64_t number, double value) const {
+    std::array<char, 80> line{};
+    const int size = std::snprintf(line.data(), line.size(), form, static_cast<unsigned long long>(number), value);
+    write({line.data(), static_cast<std::size_t>(size)});
+  }
+
+  driver::Descriptor file_;
+  bool sure_;
+  driver::BoardNotes& notes_;
+  std::uint64_t allocations_ = 0;
+};
+
+}  // namespace
+
+driver::BoardKind trace_board() {
+  return {"trace", "trace:FILE: what a board is told, into a file",
+          [](const driver::BoardSetting& setting) -> std::unique_ptr<driver::Board> {
+            if (setting.argument == "refuse") throw bad_input("trace:refuse", "there is no such board");
+            const std::string unsure = "unsure:";
+            const bool sure = !setting.argument.starts_with(unsure);
+            return std::make_unique<TraceBoard>(sure ? setting.argument : setting.argument.substr(unsure.size()), sure,
+                                                setting);
+          },
+          true};
+}
+
+}  // namespace palpa::test
