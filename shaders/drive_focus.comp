@@ -7,7 +7,8 @@
 // Slots of one focus, and silent ones. No trigonometry: the phase comes straight from the wrapped turns.
 layout(local_size_x = 32) in;
 
-layout(std430, set = 0, binding = drive_drives) writeonly buffer Drives { DriveOut drives[]; };
+// DriveOut[], each written as one vector: a software device then finds its place, and which lanes write, once.
+layout(std430, set = 0, binding = drive_drives) writeonly buffer Drives { vec2 drives[]; };
 layout(push_constant) uniform Push { DrivePush push; };
 
 void main() {
@@ -28,7 +29,7 @@ void main() {
       const uint t = begin + k * drive_group;
       const Path p = path(points[k].coarse, points[k].fine, focus.coarse, focus.fine);
       const float amplitude = (even ? 1.0 : min(p.distance * focus.coarse.w, 1.0)) * slot.gain;
-      if (t < push.transducers) drives[base + t] = sounds ? DriveOut(amplitude, phase_of(p.turns)) : DriveOut(0.0, 0.0);
+      if (t < push.transducers) drives[base + t] = sounds ? vec2(amplitude, phase_of(p.turns)) : vec2(0.0, 0.0);
     }
   }
 }

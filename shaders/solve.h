@@ -5,7 +5,12 @@
 #include "shared.h"
 PALPA_SHADER_BEGIN
 
-PALPA_CONST solve_group = 32u;  // threads of a workgroup, in all
+// Threads of a workgroup. In the kernels of few foci fewer: where a slot is one thread's work a last, nearly empty
+// workgroup costs as much as a full one, and where one step waits for the other a software device pays for each thread
+// that waits.
+PALPA_CONST solve_group = 32u;
+PALPA_CONST solve_weights_few_group = 8u;
+PALPA_CONST solve_refine_few_group = 16u;
 PALPA_CONST solve_most_foci = 64u;
 // Up to so many foci a slot is solved with all of them in registers, in kernels for so many; more go tile by tile.
 PALPA_CONST solve_hand_foci = 5u;

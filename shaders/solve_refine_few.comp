@@ -5,7 +5,7 @@
 
 // The heard factors of few foci, evened out over the whole array for amplitudes as the constraint makes them
 // (even_out.hpp, hearing.hpp): one workgroup per slot, a transducer and all foci at a time.
-layout(local_size_x = 32) in;
+layout(local_size_x = 16) in;
 
 layout(std430, set = 0, binding = solve_matrices) readonly buffer Matrices { vec2 matrices[]; };
 layout(std430, set = 0, binding = drive_weights) buffer Weights { vec4 weights[]; };
@@ -13,7 +13,7 @@ layout(std430, set = 0, binding = drive_weights) buffer Weights { vec4 weights[]
 #include "solve_rules.glsl"
 #include "solve_near.glsl"
 
-shared vec2 partial[most * most * solve_group];
+shared vec2 partial[most * most * solve_refine_few_group];
 shared vec2 tried[most];             // factors
 shared vec2 field[most];             // what they give
 shared vec2 factor[most];            // those that were the best so far,
@@ -22,12 +22,13 @@ shared float wanted[most];           // t_j
 shared vec2 slopes[most * most];     // [row * count + column]
 shared float normal[most * most];
 shared float rest[most];
+shared float step[most];
 shared float miss[most];
 
-// Sums of sums[entry * solve_group + thread] over the threads, in their order.
+// Sums of sums[entry * solve_refine_few_group + thread] over the threads, in their order.
 vec2 total_of(uint entry) {
   vec2 total = vec2(0.0);
-  for (uint t = 0u; t < solve_group; ++t) total += partial[entry * solve_group + t];
+  for (uint t = 0u; t < solve_refine_few_group; ++t) total += partial[entry * solve_refine_few_group + t];
   return total;
 }
 
@@ -40,7 +41,7 @@ void hear(Place places[most], float bound) {
     by[j] = j < focus_count ? tried[j] : vec2(0.0);
     sum[j] = vec2(0.0);
   }
-  for (uint n = thread; n < push.transducers; n += solve_group) {
+  for (uint n = thread; n < push.transducers; n += solve_refine_few_group) {
     const Source source = source_of(n);
     vec2 asks = vec2(0.0);
     vec2 gives[most];
@@ -53,7 +54,7 @@ void hear(Place places[most], float bound) {
     const vec2 does = size > 0.0 ? asks / size : vec2(0.0);
     [[unroll]] for (uint j = 0u; j < most; ++j) sum[j] += times(does, gives[j]);
   }
-  [[unroll]] for (uint j = 0u; j < most; ++j) partial[j * solve_group + thread] = sum[j];
+  [[unroll]] for (uint j = 0u; j < most; ++j) partial[j * solve_refine_few_group + thread] = sum[j];
   barrier();
   if (thread < focus_count) field[thread] = total_of(thread);
   barrier();
@@ -74,7 +75,7 @@ void find_slopes(Place places[most], float bound, float level) {
     turn[j] = there && loud > 0.0 && asked > 0.0 ? vec2(heard[i].x, -heard[i].y) / (loud * asked) : vec2(0.0);
     [[unroll]] for (uint q = 0u; q < most; ++q) sum[j * most + q] = vec2(0.0);
   }
-  for (uint n = thread; n < push.transducers; n += solve_group) {
+  for (uint n = thread; n < push.transducers; n += solve_refine_few_group) {
     const Source source = source_of(n);
     vec2 total = vec2(0.0);
     vec2 asks[most];
@@ -97,9 +98,9 @@ void find_slopes(Place places[most], float bound, float level) {
       [[unroll]] for (uint q = 0u; q < most; ++q) sum[j * most + q] += times(give, asks[q]);
     }
   }
-  [[unroll]] for (uint e = 0u; e < most * most; ++e) partial[e * solve_group + thread] = sum[e];
+  [[unroll]] for (uint e = 0u; e < most * most; ++e) partial[e * solve_refine_few_group + thread] = sum[e];
   barrier();
-  for (uint e = thread; e < most * most; e += solve_group) {
+  for (uint e = thread; e < most * most; e += solve_refine_few_group) {
     const uint row = e / most;
     const uint column = e % most;
     if (row < focus_count && column < focus_count) slopes[row * focus_count + column] = total_of(e);
@@ -111,7 +112,7 @@ void find_slopes(Place places[most], float bound, float level) {
 void step_even(float damping) {
   const uint thread = gl_LocalInvocationIndex;
   const uint count = focus_count;
-  for (uint e = thread; e < count * count; e += solve_group) {
+  for (uint e = thread; e < count * count; e += solve_refine_few_group) {
     const uint a = e / count;
     const uint b = e % count;
     float sum = 0.0;
@@ -138,15 +139,14 @@ void step_even(float damping) {
   for (uint left = count; left > 0u; --left) {
     const uint k = left - 1u;
     const float found = rest[k] / normal[k * count + k];
-    barrier();
     if (thread < k) rest[thread] -= normal[thread * count + k] * found;
-    if (thread == k) rest[k] = found;
+    if (thread == k) step[k] = found;
     barrier();
   }
   if (thread < count) {
     vec2 sum = factor[thread];
     for (uint a = 0u; a < count; ++a)
-      sum += vec2(slopes[a * count + thread].x, -slopes[a * count + thread].y) * rest[a];
+      sum += vec2(slopes[a * count + thread].x, -slopes[a * count + thread].y) * step[a];
     tried[thread] = sum;
   }
   barrier();

@@ -6,7 +6,7 @@
 // The factors of each slot's foci from its matrix, where they are few: a slot is one thread's work, its matrix in
 // registers. One loop hears the factors that are tried and then does whatever comes next, so that the largest part of
 // it is there once.
-layout(local_size_x = 32) in;
+layout(local_size_x = 8) in;
 
 layout(std430, set = 0, binding = solve_matrices) readonly buffer Matrices { vec2 matrices[]; };
 layout(std430, set = 0, binding = drive_weights) writeonly buffer Weights { vec4 weights[]; };
@@ -199,11 +199,11 @@ void main() {
       allowed = starts > 1u ? solve_look : 0u;
       fresh = true;
     }
-    hear();
-    if (climbs > 0u) {
-      --climbs;
-      if (climb(float(count)) < push.still) climbs = 0u;
-      continue;
+    // A loop of their own: a software device walks through all of a loop's body for each of its turns.
+    for (;;) {
+      hear();
+      if (climbs == 0u) break;
+      climbs = climb(float(count)) < push.still ? 0u : climbs - 1u;
     }
     const float level_then = kept > 0.0 ? kept : level_now();
     float missed_then = 0.0;

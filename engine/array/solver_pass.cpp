@@ -22,6 +22,8 @@ static_assert(shader::solve_most_foci == most_solved_foci);
 static_assert(shader::solve_directivity_steps == directivity_steps);
 static_assert(shader::solve_phases == greedy_phases);
 static_assert(shader::solve_finger_foci == gs_pat_few);
+// Foci have a thread each while they are refined.
+static_assert(shader::solve_refine_few_group >= shader::solve_finger_foci);
 static_assert(shader::solve_starts == gs_pat_starts && shader::solve_climb == gs_pat_climb &&
               shader::solve_look == gs_pat_look && shader::solve_tries == gs_pat_tries &&
               shader::solve_direct_tries == gs_pat_direct_tries && shader::solve_bound_tries == gs_pat_bound_tries &&
@@ -136,7 +138,7 @@ void SolverPass::record_gs_pat(VkCommandBuffer commands, std::initializer_list<g
     const std::uint32_t tiles = gpu::groups_for(foci, kernels.tile);
     run(kernels.diagonal, batch.slots, tiles);
     if (tiles > 1) run(kernels.mirrored, batch.slots, tiles * (tiles - 1) / 2);
-    run(kernels.weights, few ? gpu::groups_for(batch.slots, shader::solve_group) : batch.slots);
+    run(kernels.weights, few ? gpu::groups_for(batch.slots, shader::solve_weights_few_group) : batch.slots);
     if (batch.constraint == Constraint::normalise) continue;
     for (std::uint32_t i = 0; i < (few ? 1 : gs_pat_refinings); ++i)
       run(kernels.refine, batch.slots);

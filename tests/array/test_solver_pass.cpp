@@ -6,6 +6,7 @@
 #include <complex>
 #include <cstring>
 #include <numbers>
+#include <tuple>
 
 #include "array/drive_pass.hpp"
 #include "array/reach.hpp"
@@ -194,14 +195,17 @@ TEST(SolverPass, GreedyGoesOnFromStretchToStretch) {
 }
 
 TEST(SolverPass, LayoutIsWhatTheShadersHave) {
-  const std::pair<const char*, std::span<const std::uint32_t>> modules[]{
-      {"diagonal", spirv::solve_diagonal_comp},     {"mirrored", spirv::solve_mirrored_comp},
-      {"weights", spirv::solve_weights_comp},       {"weights few", spirv::solve_weights_few_comp},
-      {"refine few", spirv::solve_refine_few_comp}, {"refine", spirv::solve_refine_comp},
-      {"greedy", spirv::solve_greedy_comp}};
-  for (const auto& [name, words] : modules) {
+  const std::tuple<const char*, std::span<const std::uint32_t>, std::uint32_t> modules[]{
+      {"diagonal", spirv::solve_diagonal_comp, shader::solve_group},
+      {"mirrored", spirv::solve_mirrored_comp, shader::solve_group},
+      {"weights", spirv::solve_weights_comp, shader::solve_group},
+      {"weights few", spirv::solve_weights_few_comp, shader::solve_weights_few_group},
+      {"refine few", spirv::solve_refine_few_comp, shader::solve_refine_few_group},
+      {"refine", spirv::solve_refine_comp, shader::solve_group},
+      {"greedy", spirv::solve_greedy_comp, shader::solve_group}};
+  for (const auto& [name, words, threads] : modules) {
     const test::SpirvModule module = test::read_spirv(words);
-    EXPECT_EQ(module.local_size[0], shader::solve_group) << name;
+    EXPECT_EQ(module.local_size[0], threads) << name;
     for (const std::uint32_t binding : module.bindings)
       EXPECT_LT(binding, shader::solve_buffers) << name;
     EXPECT_EQ(module.structs.at("SolvePush").offsets.at("nearest"), offsetof(shader::SolvePush, nearest)) << name;
