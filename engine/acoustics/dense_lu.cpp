@@ -1,0 +1,83 @@
+#include "acoustics/dense_lu.hpp"
+
+#include <cblas.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/activity.hpp"
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+
+// LAPACK's own interface, which OpenBLAS brings along without a header: all by pointer, by columns, indices from 1.
+extern "C" {
+void cgetrf_(const int* rows, const int* columns, std::complex<float>* matrix, const int* stride, int* pivots, int* info);
+void cgetrs_(const char* transposed, const int* rows, const int* columns, const std::complex<float>* factors,
+             const int* stride, const int* pivots, std::complex<float>* right, const int* right_stride, int* info);
+void claswp_(const int* columns, std::complex<float>* matrix, const int* stride, const int* first, const int* last,
+             const int* pivots, const int* step);
+}
+
+namespace palpa::acoustics {
+namespace {
+
+using Number = std::complex<float>;
+constexpr std::size_t panel = 128;    // columns factored at a time
+constexpr std::size_t tile = 256;     // columns of the rest that one thread takes
+constexpr std::size_t few_columns = 16;  // right-hand sides that one thread takes
+
+/// The threads are ours: the library's own would sum in another order for another number of them.
+void one_thread_each() {
+  static const bool done = [] {
+    openblas_set_num_threads(1);
+    return true;
+  }();
+  static_cast<void>(done);
+}
+
+}  // namespace
+
+DenseLu::DenseLu(std::vector<Number> matrix, std::size_t size)
+    : size_(size), factors_(std::move(matrix)), pivots_(size) {
+  one_thread_each();
+  const auto n = static_cast<int>(size);
+  Activity activity("factors the matrix", size);
+  for (std::size_t first = 0; first < size; first += panel) {
+    const std::size_t width = std::min(panel, size - first), next = first + width;
+    Number* const corner = &factors_[first * size + first];
+    const int tall = static_cast<int>(size - first), wide = static_cast<int>(width);
+    int info = 0;
+    cgetrf_(&tall, &wide, corner, &n, &pivots_[first], &info);
+    if (info != 0) throw failure("The matrix of the surface is singular");
+    for (std::size_t i = first; i < next; ++i)
+      pivots_[i] += static_cast<int>(first);
+    const auto swap = [&](std::size_t from, std::size_t to) {
+      const int count = static_cast<int>(to - from), top = static_cast<int>(first) + 1, last = static_cast<int>(next);
+      const int step = 1;
+      claswp_(&count, &factors_[from * size], &n, &top, &last, pivots_.data(), &step);
+    };
+    if (first > 0) swap(0, first);
+    parallel_chunks(size - next, tile, [&](std::size_t, std::size_t begin, std::size_t end) {
+      swap(next + begin, next + end);
+      const Number one = 1, minus_one = -1;
+      const int columns = static_cast<int>(end - begin);
+      Number* const top = &factors_[(next + begin) * size + first];
+      cblas_ctrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasUnit, wide, columns, &one, corner, n, top, n);
+      cblas_cgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, static_cast<int>(size - next), columns, wide, &minus_one,
+                  corner + width, n, top, n, &one, top + width, n);
+    });
+    activity.reach(next);
+  }
+}
+
+void DenseLu::solve(Side side, std::span<Number> columns) const {
+  const auto n = static_cast<int>(size_);
+  const char transposed = side == Side::plain ? 'T' : 'N';
+  parallel_chunks(columns.size() / size_, few_columns, [&](std::size_t, std::size_t begin, std::size_t end) {
+    const int count = static_cast<int>(end - begin);
+    int info = 0;
+    cgetrs_(&transposed, &n, &count, factors_.data(), &n, pivots_.data(), &columns[begin * size_], &n, &info);
+  });
+}
+
+}  // namespace palpa::acoustics

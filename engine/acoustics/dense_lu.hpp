@@ -1,0 +1,29 @@
+// A square matrix, factored once, for any number of right-hand sides.
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace palpa::acoustics {
+
+/// Which of a matrix' systems: A x = b, or A^T x = b (transposed, not conjugated).
+enum class Side { plain, transposed };
+
+class DenseLu {
+ public:
+  /// Takes `matrix`, size x size by rows. LU with partial pivoting; the same bytes for any number of threads. Throws
+  /// failure() where the matrix is singular.
+  DenseLu(std::vector<std::complex<float>> matrix, std::size_t size);
+
+  /// Replaces right-hand sides, one after the other in `columns`, by their solutions.
+  void solve(Side side, std::span<std::complex<float>> columns) const;
+
+ private:
+  std::size_t size_;
+  std::vector<std::complex<float>> factors_;  // of the transposed matrix: LAPACK counts by columns
+  std::vector<int> pivots_;
+};
+
+}  // namespace palpa::acoustics

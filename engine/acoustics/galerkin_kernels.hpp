@@ -1,0 +1,54 @@
+// The inner loops of the boundary elements' matrix (galerkin.hpp), for the processor that runs them.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+namespace palpa::acoustics {
+
+/// What a patch is to the rest of the surface from afar: three samples, each with its weight w of the three-point rule.
+enum FarNumber : std::size_t { far_x, far_area = 3, far_u = 6, far_v = 9, far_numbers = 12 };
+inline constexpr std::size_t far_lanes = 16;
+
+/// Sixteen patches side by side, [sample][number][lane]: position, w times area vector, w times the tangents along u
+/// and v. In metres from an origin that all share.
+struct alignas(64) FarGroup {
+  float of[3][far_numbers][far_lanes];
+};
+
+/// One patch; `area`: length of w times the area vector.
+struct FarPatch {
+  float of[3][far_numbers];
+  float area[3];
+};
+
+/// Nine complex numbers, row: test corner, column: trial corner.
+using Block = std::array<std::complex<float>, 9>;
+
+/// Blocks of a test patch with sixteen trial patches, [entry][re, im][lane].
+struct alignas(64) FarBlocks {
+  float of[9][2][far_lanes];
+};
+
+/// All of them but the test function's half (galerkin.hpp), by three samples on either side. Where patches coincide the
+/// result is of no use.
+void far_blocks(const FarPatch& test, const FarGroup& trial, float wave_number, FarBlocks& out);
+
+/// Samples of two patches at once, padded with samples of weight 0.
+struct PairTable {
+  std::vector<float> u, v, other_u, other_v, weight;
+  std::size_t size() const { return u.size(); }
+};
+
+/// Coefficients of a patch in metres from the same origin as the other's.
+struct NearPatch {
+  float c[6][3];
+};
+
+/// The block of two patches by the samples of a table, and the one with their roles exchanged.
+void near_blocks(const NearPatch& test, const NearPatch& trial, const PairTable& table, float wave_number, Block& block,
+                 Block& exchanged);
+
+}  // namespace palpa::acoustics

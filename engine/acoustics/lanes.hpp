@@ -1,0 +1,73 @@
+// Several floats at a time, by the compiler's vectors, and the two functions that waves need of them. What is here is
+// the same arithmetic for any width; whoever uses it compiles his loop for several kinds of processor and asks at run
+// time which it is (galerkin_kernels.cpp).
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+// Vectors wider than the processor's registers are passed within one inlined function only: no ABI is concerned.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace palpa::acoustics {
+
+struct Lanes4 {
+  static constexpr int width = 4;
+  using Float [[gnu::vector_size(16)]] = float;
+  using Bits [[gnu::vector_size(16)]] = std::int32_t;
+};
+struct Lanes8 {
+  static constexpr int width = 8;
+  using Float [[gnu::vector_size(32)]] = float;
+  using Bits [[gnu::vector_size(32)]] = std::int32_t;
+};
+struct Lanes16 {
+  static constexpr int width = 16;
+  using Float [[gnu::vector_size(64)]] = float;
+  using Bits [[gnu::vector_size(64)]] = std::int32_t;
+};
+
+template <class L>
+[[gnu::always_inline]] inline typename L::Float load(const float* from) {
+  typename L::Float value;
+  std::memcpy(&value, from, sizeof(value));
+  return value;
+}
+
+template <class L>
+[[gnu::always_inline]] inline void store(const typename L::Float& value, float* to) {
+  std::memcpy(to, &value, sizeof(value));
+}
+
+/// 1 / sqrt(x) within 2e-7 for x from 1e-30 to 1e30: a first guess from the bits of x, and three of Newton's steps.
+template <class L>
+[[gnu::always_inline]] inline typename L::Float inverse_root(const typename L::Float& x) {
+  typename L::Bits bits;
+  std::memcpy(&bits, &x, sizeof(bits));
+  bits = 0x5f3759df - (bits >> 1);
+  typename L::Float y;
+  std::memcpy(&y, &bits, sizeof(y));
+  const typename L::Float half = x * 0.5F;
+  y = y * (1.5F - half * y * y);
+  y = y * (1.5F - half * y * y);
+  y = y * (1.5F - half * y * y);
+  return y;
+}
+
+/// Sine and cosine of 2 pi `turns`, |turns| below 1e6, within 4e-7 of those of the turns' float.
+template <class L>
+[[gnu::always_inline]] inline void sine_cosine(const typename L::Float& turns, typename L::Float& sine,
+                                               typename L::Float& cosine) {
+  // Adding and taking away 1.5 * 2^23 rounds to a whole number of turns.
+  const typename L::Float whole = (turns + 12582912.0F) - 12582912.0F;
+  const typename L::Float x = (turns - whole) * 3.14159265358979F;  // half the angle, within a quarter turn
+  const typename L::Float z = x * x;
+  const typename L::Float s =
+      x * (1.0F + z * (-1.0F / 6 + z * (1.0F / 120 + z * (-1.0F / 5040 + z * (1.0F / 362880 - z * (1.0F / 39916800))))));
+  const typename L::Float c =
+      1.0F + z * (-0.5F + z * (1.0F / 24 + z * (-1.0F / 720 + z * (1.0F / 40320 - z * (1.0F / 3628800 - z * (1.0F / 479001600))))));
+  sine = 2.0F * s * c;
+  cosine = 1.0F - 2.0F * s * s;
+}
+
+}  // namespace palpa::acoustics
