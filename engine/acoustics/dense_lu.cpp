@@ -11,7 +11,8 @@
 
 // LAPACK's own interface, which OpenBLAS brings along without a header: all by pointer, by columns, indices from 1.
 extern "C" {
-void cgetrf_(const int* rows, const int* columns, std::complex<float>* matrix, const int* stride, int* pivots, int* info);
+void cgetrf_(const int* rows, const int* columns, std::complex<float>* matrix, const int* stride, int* pivots,
+             int* info);
 void cgetrs_(const char* transposed, const int* rows, const int* columns, const std::complex<float>* factors,
              const int* stride, const int* pivots, std::complex<float>* right, const int* right_stride, int* info);
 void claswp_(const int* columns, std::complex<float>* matrix, const int* stride, const int* first, const int* last,
@@ -22,8 +23,8 @@ namespace palpa::acoustics {
 namespace {
 
 using Number = std::complex<float>;
-constexpr std::size_t panel = 128;    // columns factored at a time
-constexpr std::size_t tile = 256;     // columns of the rest that one thread takes
+constexpr std::size_t panel = 128;       // columns factored at a time
+constexpr std::size_t tile = 256;        // columns of the rest that one thread takes
 constexpr std::size_t few_columns = 16;  // right-hand sides that one thread takes
 
 /// The threads are ours: the library's own would sum in another order for another number of them.
@@ -62,7 +63,8 @@ DenseLu::DenseLu(std::vector<Number> matrix, std::size_t size)
       const Number one = 1, minus_one = -1;
       const int columns = static_cast<int>(end - begin);
       Number* const top = &factors_[(next + begin) * size + first];
-      cblas_ctrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasUnit, wide, columns, &one, corner, n, top, n);
+      cblas_ctrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasUnit, wide, columns, &one, corner, n, top,
+                  n);
       cblas_cgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, static_cast<int>(size - next), columns, wide, &minus_one,
                   corner + width, n, top, n, &one, top + width, n);
     });
@@ -70,9 +72,9 @@ DenseLu::DenseLu(std::vector<Number> matrix, std::size_t size)
   }
 }
 
-void DenseLu::solve(Side side, std::span<Number> columns) const {
+void DenseLu::solve(Way way, std::span<Number> columns) const {
   const auto n = static_cast<int>(size_);
-  const char transposed = side == Side::plain ? 'T' : 'N';
+  const char transposed = way == Way::forth ? 'T' : 'N';
   parallel_chunks(columns.size() / size_, few_columns, [&](std::size_t, std::size_t begin, std::size_t end) {
     const int count = static_cast<int>(end - begin);
     int info = 0;

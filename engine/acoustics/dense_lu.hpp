@@ -6,10 +6,9 @@
 #include <span>
 #include <vector>
 
-namespace palpa::acoustics {
+#include "acoustics/surface_operator.hpp"
 
-/// Which of a matrix' systems: A x = b, or A^T x = b (transposed, not conjugated).
-enum class Side { plain, transposed };
+namespace palpa::acoustics {
 
 class DenseLu {
  public:
@@ -18,7 +17,7 @@ class DenseLu {
   DenseLu(std::vector<std::complex<float>> matrix, std::size_t size);
 
   /// Replaces right-hand sides, one after the other in `columns`, by their solutions.
-  void solve(Side side, std::span<std::complex<float>> columns) const;
+  void solve(Way way, std::span<std::complex<float>> columns) const;
 
  private:
   std::size_t size_;

@@ -100,7 +100,8 @@ class RowBlock {
     for (const std::uint32_t v : vertices) {
       rows_[v] = &matrix[v * size_];
       std::fill_n(rows_[v], size_, std::complex<float>{});
-      tests_.insert(tests_.end(), around.patches.begin() + around.first[v], around.patches.begin() + around.first[v + 1]);
+      tests_.insert(tests_.end(), around.patches.begin() + around.first[v],
+                    around.patches.begin() + around.first[v + 1]);
     }
     std::sort(tests_.begin(), tests_.end());
     tests_.erase(std::unique(tests_.begin(), tests_.end()), tests_.end());

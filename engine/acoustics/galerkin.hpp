@@ -5,10 +5,10 @@
 //   p/2 - K p - (i/k) N p = p_inc + (i/k) dp_inc/dn,
 //   K p(x) = integral over S of dG/dn(y) p(y),   N p = d(K p)/dn(x),
 //
-// which has exactly one solution for every k: K alone has none where a sphere's k a is a zero of j_n, N none at those of
-// j_n' (the body's inside resonates; 5.7635 and 5.9404 are the nearest to a fingertip). p is linear on every patch and
-// continuous: the unknowns are the pressures at the mesh's vertices, the test functions the same hat functions. N is
-// then no more singular than 1/R (Maue 1949):
+// which has exactly one solution for every k: K alone has none where a sphere's k a is a zero of j_n, N none at those
+// of j_n' (the body's inside resonates; 5.7635 and 5.9404 are the nearest to a fingertip). p is linear on every patch
+// and continuous: the unknowns are the pressures at the mesh's vertices, the test functions the same hat functions. N
+// is then no more singular than 1/R (Maue 1949):
 //
 //   -<f, N p> = double integral of G (curl_S f . curl_S p - k^2 n.n' f p),   curl_S f = n x grad f.
 //

@@ -181,8 +181,8 @@ template <class L>
     const Float g_re = g.re * weight, g_im = g.im * weight;
     for (int a = 0; a < 2; ++a) {
       for (int b = 0; b < 2; ++b) {
-        const Float product = x.along[a][0] * y.along[b][0] + x.along[a][1] * y.along[b][1] +
-                              x.along[a][2] * y.along[b][2];
+        const Float product =
+            x.along[a][0] * y.along[b][0] + x.along[a][1] * y.along[b][1] + x.along[a][2] * y.along[b][2];
         e[a][b][0] += product * g_re;
         e[a][b][1] += product * g_im;
       }
@@ -198,8 +198,31 @@ template <class L>
   }
 }
 
+template <class L>
+[[gnu::always_inline]] inline void layer_all(const std::array<float, 3>& point, const LayerGroup& patches, float k,
+                                             LayerSums& out) {
+  using Float = typename L::Float;
+  for (std::size_t lane = 0; lane < far_lanes; lane += L::width) {
+    Float re{}, im{};
+    for (const auto& y : patches.of) {
+      const Float dx = load<L>(y[0] + lane) - point[0];
+      const Float dy = load<L>(y[1] + lane) - point[1];
+      const Float dz = load<L>(y[2] + lane) - point[2];
+      Complex<L> g, d;
+      green<L>(dx * dx + dy * dy + dz * dz, k, g, d);
+      const Float towards = dx * load<L>(y[3] + lane) + dy * load<L>(y[4] + lane) + dz * load<L>(y[5] + lane);
+      const Float p_re = load<L>(y[6] + lane) * towards, p_im = load<L>(y[7] + lane) * towards;
+      re += p_re * d.re - p_im * d.im;
+      im += p_re * d.im + p_im * d.re;
+    }
+    store<L>(re, out.of[0] + lane);
+    store<L>(im, out.of[1] + lane);
+  }
+}
+
 using Far = void (*)(const FarPatch&, const FarGroup&, float, FarBlocks&);
 using Near = void (*)(const NearPatch&, const NearPatch&, const PairTable&, float, Block&, Block&);
+using Layer = void (*)(const std::array<float, 3>&, const LayerGroup&, float, LayerSums&);
 
 template <class L>
 [[gnu::always_inline]] inline void far_all(const FarPatch& test, const FarGroup& trial, float k, FarBlocks& out) {
@@ -215,7 +238,21 @@ void near_plain(const NearPatch& test, const NearPatch& trial, const PairTable& 
   near_lanes<Lanes4>(test, trial, table, k, a, b);
 }
 
+void layer_plain(const std::array<float, 3>& point, const LayerGroup& patches, float k, LayerSums& out) {
+  layer_all<Lanes4>(point, patches, k, out);
+}
+
 #if defined(__x86_64__)
+[[gnu::target("avx2,fma")]] void layer_avx2(const std::array<float, 3>& point, const LayerGroup& patches, float k,
+                                            LayerSums& out) {
+  layer_all<Lanes8>(point, patches, k, out);
+}
+
+[[gnu::target("avx512f,avx512dq,avx2,fma")]] void layer_avx512(const std::array<float, 3>& point,
+                                                               const LayerGroup& patches, float k, LayerSums& out) {
+  layer_all<Lanes16>(point, patches, k, out);
+}
+
 [[gnu::target("avx2,fma")]] void far_avx2(const FarPatch& test, const FarGroup& trial, float k, FarBlocks& out) {
   far_all<Lanes8>(test, trial, k, out);
 }
@@ -239,14 +276,16 @@ void near_plain(const NearPatch& test, const NearPatch& trial, const PairTable& 
 struct Kernels {
   Far far = far_plain;
   Near near = near_plain;
+  Layer layer = layer_plain;
 };
 
 const Kernels& kernels() {
   static const Kernels chosen = [] {
     Kernels best;
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) best = {far_avx2, near_avx2};
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) best = {far_avx512, near_avx512};
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) best = {far_avx2, near_avx2, layer_avx2};
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
+      best = {far_avx512, near_avx512, layer_avx512};
 #endif
     return best;
   }();
@@ -257,6 +296,10 @@ const Kernels& kernels() {
 
 void far_blocks(const FarPatch& test, const FarGroup& trial, float wave_number, FarBlocks& out) {
   kernels().far(test, trial, wave_number, out);
+}
+
+void layer_sums(const std::array<float, 3>& point, const LayerGroup& patches, float wave_number, LayerSums& out) {
+  kernels().layer(point, patches, wave_number, out);
 }
 
 void near_blocks(const NearPatch& test, const NearPatch& trial, const PairTable& table, float wave_number, Block& block,

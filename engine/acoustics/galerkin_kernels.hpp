@@ -36,6 +36,19 @@ struct alignas(64) FarBlocks {
 /// result is of no use.
 void far_blocks(const FarPatch& test, const FarGroup& trial, float wave_number, FarBlocks& out);
 
+/// What a patch sends into the air, sixteen patches side by side, [sample][number][lane]: position, weight times area
+/// vector, and the pressure's real and imaginary part.
+inline constexpr std::size_t layer_numbers = 8;
+struct alignas(64) LayerGroup {
+  float of[3][layer_numbers][far_lanes] = {};
+};
+struct alignas(64) LayerSums {
+  float of[2][far_lanes];
+};
+
+/// The double layer of each of these patches at a point, in metres from the same origin. On a patch it is of no use.
+void layer_sums(const std::array<float, 3>& point, const LayerGroup& patches, float wave_number, LayerSums& out);
+
 /// Samples of two patches at once, padded with samples of weight 0.
 struct PairTable {
   std::vector<float> u, v, other_u, other_v, weight;

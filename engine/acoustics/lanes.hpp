@@ -63,9 +63,11 @@ template <class L>
   const typename L::Float x = (turns - whole) * 3.14159265358979F;  // half the angle, within a quarter turn
   const typename L::Float z = x * x;
   const typename L::Float s =
-      x * (1.0F + z * (-1.0F / 6 + z * (1.0F / 120 + z * (-1.0F / 5040 + z * (1.0F / 362880 - z * (1.0F / 39916800))))));
+      x *
+      (1.0F + z * (-1.0F / 6 + z * (1.0F / 120 + z * (-1.0F / 5040 + z * (1.0F / 362880 - z * (1.0F / 39916800))))));
   const typename L::Float c =
-      1.0F + z * (-0.5F + z * (1.0F / 24 + z * (-1.0F / 720 + z * (1.0F / 40320 - z * (1.0F / 3628800 - z * (1.0F / 479001600))))));
+      1.0F + z * (-0.5F + z * (1.0F / 24 +
+                               z * (-1.0F / 720 + z * (1.0F / 40320 - z * (1.0F / 3628800 - z * (1.0F / 479001600))))));
   sine = 2.0F * s * c;
   cosine = 1.0F - 2.0F * s * s;
 }

@@ -81,8 +81,8 @@ Patches make_patches(geometry::Mesh mesh) {
     }
     // Sums of the corners' barycentric coordinates and four times their products, which are 1 in the sides' middles.
     const Vec3 b01 = 4.0 * bulges[0], b12 = 4.0 * bulges[1], b20 = 4.0 * bulges[2];
-    made.patches[t].c = {corner[0], corner[1] - corner[0] + b01, corner[2] - corner[0] + b20,
-                         -b01,      b12 - b01 - b20,             -b20};
+    made.patches[t].c = {corner[0], corner[1] - corner[0] + b01, corner[2] - corner[0] + b20, -b01, b12 - b01 - b20,
+                         -b20};
   }
   made.mesh = std::move(mesh);
   return made;

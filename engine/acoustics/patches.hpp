@@ -6,10 +6,10 @@
 //   x(u, v) = c0 + u c1 + v c2 + u^2 c3 + u v c4 + v^2 c5,   u, v >= 0, u + v <= 1,
 //
 // through its corners, at (0, 0), (1, 0) and (0, 1), and the middles of its sides. A side's middle is that of the cubic
-// that leaves both its ends at right angles to the normals there (Vlachos et al. 2001, "Curved PN triangles"); a vertex'
-// normal is Max's (1999), exact where its neighbours lie on a sphere. An edge where the surface turns by more than
-// sharp_turn stays a straight edge, and faces on its two sides do not share normals: neighbouring patches meet without
-// gaps.
+// that leaves both its ends at right angles to the normals there (Vlachos et al. 2001, "Curved PN triangles"); a
+// vertex' normal is Max's (1999), exact where its neighbours lie on a sphere. An edge where the surface turns by more
+// than sharp_turn stays a straight edge, and faces on its two sides do not share normals: neighbouring patches meet
+// without gaps.
 #pragma once
 
 #include <array>
@@ -36,9 +36,9 @@ struct Patch {
 };
 
 struct Patches {
-  geometry::Mesh mesh;               ///< as given: patch i is its triangle i
-  std::vector<std::uint32_t> twin;   ///< geometry::twins of it
-  std::vector<std::uint8_t> sharp;   ///< by side (geometry/topology.hpp): whether the surface has an edge there
+  geometry::Mesh mesh;              ///< as given: patch i is its triangle i
+  std::vector<std::uint32_t> twin;  ///< geometry::twins of it
+  std::vector<std::uint8_t> sharp;  ///< by side (geometry/topology.hpp): whether the surface has an edge there
   std::vector<Patch> patches;
 };
 

@@ -147,10 +147,16 @@ std::vector<FaceSound> SurfaceFit::at_faces(std::span<const std::complex<float>>
       const double scale2 = glm::dot(frame.s, frame.s);
       sounds[face].pressure = sum[0];
       for (int axis = 0; axis < 3; ++axis)
-        sounds[face].gradient[static_cast<std::size_t>(axis)] = (sum[1] * frame.s[axis] + sum[2] * frame.t[axis]) / scale2;
+        sounds[face].gradient[static_cast<std::size_t>(axis)] =
+            (sum[1] * frame.s[axis] + sum[2] * frame.t[axis]) / scale2;
     }
   });
   return sounds;
+}
+
+void SurfaceFit::add_pressure_row(std::uint32_t face, std::span<std::complex<float>> row) const {
+  for (std::uint32_t at = first_[face]; at < first_[face + 1]; ++at)
+    row[shares_[at].vertex] += shares_[at].of[0];
 }
 
 std::vector<std::complex<double>> SurfaceFit::at_vertices(std::span<const std::complex<float>> solution) const {

@@ -1,9 +1,9 @@
 // Pressures and their slopes on the surface, better than linear elements have them.
 //
-// What Galerkin's method leaves of a wave in its linear elements is, on average over a few faces, far more exact than at
-// any point: a vertex overshoots, a centroid falls short. So a quadratic is fitted to the linear elements over each face
-// and those around it, by least squares over their area, as far as no sharp edge (patches.hpp) parts them; pressure and
-// surface gradient are the quadratic's at the face's centroid.
+// What Galerkin's method leaves of a wave in its linear elements is, on average over a few faces, far more exact than
+// at any point: a vertex overshoots, a centroid falls short. So a quadratic is fitted to the linear elements over each
+// face and those around it, by least squares over their area, as far as no sharp edge (patches.hpp) parts them;
+// pressure and surface gradient are the quadratic's at the face's centroid.
 #pragma once
 
 #include <array>
@@ -31,6 +31,9 @@ class SurfaceFit {
   std::vector<FaceSound> at_faces(std::span<const std::complex<float>> solution) const;
   /// One entry per vertex: the mean of what the quadratics of the faces around it have there.
   std::vector<std::complex<double>> at_vertices(std::span<const std::complex<float>> solution) const;
+
+  /// Adds to `row`, one entry per vertex, what at_faces() multiplies each unknown by to get the face's pressure.
+  void add_pressure_row(std::uint32_t face, std::span<std::complex<float>> row) const;
 
  private:
   /// What a vertex' unknown gives to the six coefficients of a face's quadratic, 1, s, t, s^2, s t, t^2, in its frame.

@@ -27,8 +27,8 @@ struct PairSample {
 enum class Touch { corner, edge, same };
 
 /// For integrands as singular as 1/distance: what is left of it after changes of variables that weigh the singularity
-/// away is smooth, and is sampled by products of Gauss rules of `points` each in four variables (Sauter and Schwab 2011,
-/// "Boundary Element Methods", 5.2). 2, 5 or 6 times points^4 samples.
+/// away is smooth, and is sampled by products of Gauss rules of `points` each in four variables (Sauter and Schwab
+/// 2011, "Boundary Element Methods", 5.2). 2, 5 or 6 times points^4 samples.
 std::vector<PairSample> touching_rule(Touch touch, std::size_t points);
 
 /// Samples and weights of Gauss' rule on [0, 1]; 1 to 8 points.

@@ -1,0 +1,91 @@
+#include "acoustics/radiation.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <numbers>
+
+#include "geometry/topology.hpp"
+
+namespace palpa::acoustics {
+namespace {
+
+Vec3 centroid(const geometry::Mesh& mesh, std::size_t face) {
+  const glm::uvec3& t = mesh.triangles[face];
+  return (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0;
+}
+
+Vec3 area_vector(const geometry::Mesh& mesh, std::size_t face) {
+  return 0.5 * geometry::area_vector(mesh, static_cast<std::uint32_t>(face));
+}
+
+}  // namespace
+
+void add_pressure(std::span<const FaceSound> sound, const Air& air, double weight, SkinPressure& pressure) {
+  pressure.langevin.resize(sound.size());
+  pressure.squared.resize(sound.size());
+  const double k = air.wave_number(), scale = weight / (4 * air.stiffness_pa());
+  for (std::size_t face = 0; face < sound.size(); ++face) {
+    double slope2 = 0;
+    for (const std::complex<double>& part : sound[face].gradient)
+      slope2 += std::norm(part);
+    const double square = std::norm(sound[face].pressure);
+    pressure.squared[face] += scale * square;
+    pressure.langevin[face] += scale * (square - slope2 / (k * k));
+  }
+}
+
+Load load_on(const geometry::Mesh& mesh, std::span<const double> pressure, const Vec3& about) {
+  Load load;
+  for (std::size_t face = 0; face < mesh.triangles.size(); ++face) {
+    const Vec3 force = -pressure[face] * area_vector(mesh, face);
+    load.force += force;
+    load.torque += glm::cross(centroid(mesh, face) - about, force);
+  }
+  return load;
+}
+
+Spot spot_of(const geometry::Mesh& mesh, std::span<const double> pressure) {
+  Spot spot;
+  for (std::size_t face = 0; face < pressure.size(); ++face) {
+    if (face > 0 && !(pressure[face] > spot.peak_pa)) continue;
+    spot.peak_pa = pressure[face];
+    spot.peak_at = centroid(mesh, face);
+  }
+  Vec3 sum(0);
+  std::size_t faces = 0;
+  for (std::size_t face = 0; face < pressure.size(); ++face) {
+    if (!(pressure[face] > spot.peak_pa / 2)) continue;
+    const double area = glm::length(area_vector(mesh, face));
+    spot.half_area_m2 += area;
+    sum += area * centroid(mesh, face);
+    ++faces;
+  }
+  spot.half_radius_m = std::sqrt(spot.half_area_m2 / std::numbers::pi);
+  if (faces < 3) return spot;
+  const Vec3 mean = sum / spot.half_area_m2;
+  glm::dmat3 covariance(0);
+  for (std::size_t face = 0; face < pressure.size(); ++face) {
+    if (!(pressure[face] > spot.peak_pa / 2)) continue;
+    const Vec3 from = centroid(mesh, face) - mean;
+    covariance += glm::length(area_vector(mesh, face)) * glm::outerProduct(from, from);
+  }
+  // l1 >= l2 >= l3 in closed form (Smith 1961).
+  const double trace = covariance[0][0] + covariance[1][1] + covariance[2][2], mean_value = trace / 3;
+  const glm::dmat3 rest = covariance - mean_value * glm::dmat3(1);
+  double squares = 0;
+  for (int i = 0; i < 3; ++i)
+    squares += glm::dot(rest[i], rest[i]);
+  const double spread = std::sqrt(squares / 6);
+  if (!(spread > 0)) return spot;
+  const double half = glm::determinant(rest / spread) / 2;
+  const double angle = std::acos(std::fmin(1, std::fmax(-1, half))) / 3;
+  const double l1 = mean_value + 2 * spread * std::cos(angle);
+  const double l3 = mean_value + 2 * spread * std::cos(angle + 2 * std::numbers::pi / 3);
+  const double l2 = trace - l1 - l3;
+  if (l2 > 0) spot.elongation = std::sqrt(l1 / l2);
+  return spot;
+}
+
+}  // namespace palpa::acoustics

@@ -1,0 +1,37 @@
+#include "acoustics/surface_operator.hpp"
+
+#include <utility>
+#include <vector>
+
+#include "acoustics/dense_lu.hpp"
+#include "acoustics/galerkin.hpp"
+
+namespace palpa::acoustics {
+namespace {
+
+class DenseOperator : public SurfaceOperator {
+ public:
+  DenseOperator(std::vector<std::complex<float>> matrix, std::size_t size)
+      : size_(size), lu_(std::move(matrix), size) {}
+  std::size_t unknowns() const override { return size_; }
+  void solve(Way way, std::span<std::complex<float>> columns) const override { lu_.solve(way, columns); }
+
+ private:
+  std::size_t size_;
+  DenseLu lu_;
+};
+
+}  // namespace
+
+std::unique_ptr<SurfaceOperator> make_dense_operator(const Patches& body, double wave_number) {
+  const std::size_t size = body.mesh.positions.size();
+  std::vector<std::complex<float>> matrix(size * size);
+  assemble(body, wave_number, matrix);
+  return std::make_unique<DenseOperator>(std::move(matrix), size);
+}
+
+std::uint64_t dense_operator_bytes(std::uint64_t vertices, std::uint64_t faces) {
+  return vertices * vertices * sizeof(std::complex<float>) + assembly_bytes(faces);
+}
+
+}  // namespace palpa::acoustics

@@ -1,0 +1,384 @@
+// Scattering by rigid bodies: against the sphere's exact series, other programs' numbers, energy and reciprocity.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <cstdio>
+#include <fstream>
+#include <numbers>
+#include <vector>
+
+#include "acoustics/radiation.hpp"
+#include "acoustics/rigid_body.hpp"
+#include "acoustics/sphere_series.hpp"
+#include "acoustics/triangle_rules.hpp"
+#include "acoustics/waves.hpp"
+#include "geometry/topology.hpp"
+#include "spheres.hpp"
+#include "support/csv.hpp"
+#include "support/shapes.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::acoustics {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+constexpr double radius = 8e-3;
+const Vec3 along = glm::normalize(Vec3(2, -1, 3));
+
+Vec3 centroid(const geometry::Mesh& mesh, std::size_t face) {
+  const glm::uvec3& t = mesh.triangles[face];
+  return (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0;
+}
+
+double face_area(const geometry::Mesh& mesh, std::size_t face) {
+  return glm::length(geometry::area_vector(mesh, static_cast<std::uint32_t>(face))) / 2;
+}
+
+/// Area-weighted relative L2 error of the pressure at the faces' centroids.
+template <class Exact>
+double error_of(const geometry::Mesh& mesh, const std::vector<FaceSound>& sound, const Exact& exact) {
+  double wrong = 0, all = 0;
+  for (std::size_t face = 0; face < sound.size(); ++face) {
+    const Complex right = exact(centroid(mesh, face));
+    wrong += face_area(mesh, face) * std::norm(sound[face].pressure - right);
+    all += face_area(mesh, face) * std::norm(right);
+  }
+  return std::sqrt(wrong / all);
+}
+
+double plane_wave_error(const RigidBody& body, double a) {
+  const auto unknowns = body.solve(plane_wave(body.wave_number(), along, body.points(), body.normals()));
+  const SphereSeries exact = SphereSeries::plane_wave(body.wave_number(), a, along);
+  return error_of(body.mesh(), body.at_faces(unknowns), [&](const Vec3& at) { return exact.at(at); });
+}
+
+TEST(SphereSeries, IsTheKnownNumbers) {
+  const double ka = 5.86186384343285, k = ka / radius;
+  const struct {
+    double degrees;
+    Complex plane;
+  } planes[]{{0, {-1.1293232749, -0.0829824203}},
+             {45, {0.2355223867, -0.5621061721}},
+             {90, {1.2903548230, -0.1378674999}},
+             {150, {0.9318898784, 1.6130800159}},
+             {180, {1.8210651182, 0.5234965910}}};
+  for (const auto& [degrees, plane] : planes) {
+    const double angle = degrees * pi / 180;
+    const Complex p = SphereSeries::plane_wave(k, radius, {0, 0, 1}).at({std::sin(angle), 0, std::cos(angle)});
+    EXPECT_LE(std::abs(p - plane), 2e-10) << degrees;
+  }
+  const Complex free = std::polar(10.0, k * 0.1);
+  const SphereSeries near = SphereSeries::point_source(k, radius, {0, 0.1, 0});
+  EXPECT_LE(std::abs(near.at({0, 1, 0}) / free - Complex(1.9775275187, 0.5704277759)), 2e-10);
+  EXPECT_LE(std::abs(near.at({1, 0, 0}) / free - Complex(1.2106437982, 0.2030658933)), 2e-10);
+  EXPECT_NEAR(sphere_force_function(1), 0.4735790138, 1e-9);
+  EXPECT_NEAR(sphere_force_function(5.86), 0.9089863795, 1e-9);
+  // Around the sphere the field goes on as it is on it.
+  const Vec3 place(0.3 * radius, 0.4 * radius, radius * std::sqrt(0.75));
+  EXPECT_LE(
+      std::abs(SphereSeries::plane_wave(k, radius, along).at(place) - sphere_in_plane_wave(k, radius, along, place)),
+      1e-10);
+}
+
+/// Of u^a v^b over the triangle.
+double monomial(int a, int b) {
+  return std::tgamma(a + 1.0) * std::tgamma(b + 1.0) / std::tgamma(a + b + 3.0);
+}
+
+TEST(TriangleRules, AreExactForPolynomials) {
+  for (const auto& [rule, degree] : {std::pair(three_point_rule(), 2), std::pair(six_point_rule(), 4)}) {
+    for (int a = 0; a <= degree; ++a) {
+      double sum = 0;
+      for (const TriangleSample& s : rule)
+        sum += s.weight * std::pow(s.u, a) * std::pow(s.v, degree - a);
+      EXPECT_NEAR(sum, monomial(a, degree - a), 1e-14);
+    }
+  }
+  for (const Touch touch : {Touch::corner, Touch::edge, Touch::same}) {
+    double sum = 0, uneven = 0;
+    for (const PairSample& s : touching_rule(touch, 5)) {
+      sum += s.weight;
+      uneven += s.weight * s.u * s.u * s.v * s.other_v * s.other_u;
+      EXPECT_TRUE(s.u >= 0 && s.v >= 0 && s.u + s.v <= 1 && s.other_u >= 0 && s.other_u + s.other_v <= 1);
+    }
+    EXPECT_NEAR(sum, 0.25, 1e-14);
+    EXPECT_NEAR(uneven, monomial(2, 1) * monomial(1, 1), 1e-14) << static_cast<int>(touch);
+  }
+}
+
+TEST(TriangleRules, TakeSingularitiesAway) {
+  // 1/R over a flat square's two halves with each other and themselves: (2/3) (1 + ... ) in closed form.
+  const double square = 4 * (std::log(1 + std::sqrt(2.0)) + (1 - std::sqrt(2.0)) / 3);
+  double sum = 0;
+  for (const PairSample& s : touching_rule(Touch::same, 5))
+    sum += 2 * s.weight / std::hypot(s.u - s.other_u, s.v - s.other_v);
+  for (const PairSample& s : touching_rule(Touch::edge, 5)) {
+    // The shared edge from (1, 0) to (0, 1), third corners (0, 0) and (1, 1).
+    const double x = 1 - s.u - s.v, y = s.u, other_x = 1 - s.other_u, other_y = s.other_u + s.other_v;
+    sum += 2 * s.weight / std::hypot(x - other_x, y - other_y);
+  }
+  EXPECT_NEAR(sum, square, 2e-4);
+}
+
+TEST(Scattering, SphereInPlaneWaveAndNearSource) {
+  const double k = 5.86186384343285 / radius;
+  const RigidBody body(icosphere(radius, 14), k);
+  ASSERT_EQ(body.mesh().triangles.size(), 3920u);
+  const double plane = plane_wave_error(body, radius);
+  const Vec3 source(0.06, 0, 0.08);
+  const auto unknowns = body.solve(point_source(k, source, body.points(), body.normals()));
+  const SphereSeries series = SphereSeries::point_source(k, radius, source);
+  const auto exact = [&](const Vec3& at) { return series.at(at); };
+  const double near = error_of(body.mesh(), body.at_faces(unknowns), exact);
+  EXPECT_LE(plane, 0.003);
+  EXPECT_LE(near, 0.003);
+  double wrong = 0, all = 0;
+  const std::vector<Complex> vertices = body.at_vertices(unknowns);
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    wrong += std::norm(vertices[v] - exact(body.mesh().positions[v]));
+    all += std::norm(exact(body.mesh().positions[v]));
+  }
+  EXPECT_LE(std::sqrt(wrong / all), 0.003);
+  std::printf("  3920 faces: plane wave %.3f %%, point source %.3f %%, at vertices %.3f %%\n", 100 * plane, 100 * near,
+              100 * std::sqrt(wrong / all));
+}
+
+TEST(Scattering, ErrorFallsFasterThanTheFacesSquared) {
+  const double k = 5.86 / radius;
+  std::vector<double> errors;
+  for (const int divisions : {5, 6, 8, 10}) {
+    errors.push_back(plane_wave_error(RigidBody(icosphere(radius, divisions), k), radius));
+    std::printf("  %d faces: %.3f %%\n", 20 * divisions * divisions, 100 * errors.back());
+  }
+  EXPECT_GE(std::log(errors[1] / errors[2]) / std::log(8.0 / 6), 2.5);
+  EXPECT_GE(std::log(errors[2] / errors[3]) / std::log(10.0 / 8), 2.5);
+}
+
+TEST(Scattering, InsideNothingResonates) {
+  for (const double resonance : {5.6467, 5.7635, 5.9404, 6.2832}) {
+    std::vector<double> errors;
+    for (double ka = resonance * 0.99; ka < resonance * 1.01; ka += 0.0125)
+      errors.push_back(plane_wave_error(RigidBody(icosphere(radius, 5), ka / radius), radius));
+    const double worst = *std::ranges::max_element(errors);
+    std::ranges::nth_element(errors, errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2));
+    EXPECT_LE(worst / errors[errors.size() / 2], 1.3) << resonance;
+  }
+}
+
+TEST(Scattering, ManySourcesAreTheirSum) {
+  // A drive of point sources around the sphere, as an array's.
+  array::Layout layout;
+  layout.source_level_pa_m = 1;
+  layout.transducer_radius_m = 0;
+  for (int i = 0; i < 40; ++i) {
+    const double z = (i + 0.5) / 20 - 1, angle = 2.4 * i;
+    const double r = std::sqrt(1 - z * z);
+    layout.transducers.push_back({0.2 * Vec3(r * std::cos(angle), r * std::sin(angle), z), {0, 0, 1}});
+  }
+  Air air = without_absorption(air_of({}));
+  const double k = air.wave_number();
+  Strengths strengths;
+  for (std::size_t drive = 0; drive < 2; ++drive) {
+    for (std::size_t i = 0; i < layout.transducers.size(); ++i)
+      strengths.push_back(std::polar(1.0, 0.7 * static_cast<double>((drive + 1) * i)));
+  }
+  const RigidBody body(icosphere(radius, 10), k);
+  Waves waves;
+  Incident(layout, air, array::Directivity::omni).at(body.points(), body.normals(), strengths, waves);
+  const auto unknowns = body.solve(waves);
+  const std::size_t vertices = body.mesh().positions.size(), count = layout.transducers.size();
+  std::vector<SphereSeries> exact;
+  for (const array::Transducer& t : layout.transducers)
+    exact.push_back(SphereSeries::point_source(k, radius, t.position));
+  for (std::size_t drive = 0; drive < 2; ++drive) {
+    const auto sound = body.at_faces(std::span(unknowns).subspan(drive * vertices, vertices));
+    const double error = error_of(body.mesh(), sound, [&](const Vec3& at) {
+      Complex sum = 0;
+      for (std::size_t i = 0; i < count; ++i)
+        sum += strengths[drive * count + i] * exact[i].at(at);
+      return sum;
+    });
+    EXPECT_LE(error, 0.012);
+  }
+  // Reciprocity: what each transducer does at a face of this body, by one solution backwards.
+  const std::vector<std::uint32_t> faces{17, 1234};
+  const RigidBody::Sources sources = body.sources_at_faces(faces);
+  std::vector<Complex> received;
+  Incident(layout, air, array::Directivity::omni)
+      .received(body.points(), body.normals(), sources.strengths, sources.slopes, received);
+  for (std::size_t drive = 0; drive < 2; ++drive) {
+    const auto sound = body.at_faces(std::span(unknowns).subspan(drive * vertices, vertices));
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      Complex sum = 0;
+      for (std::size_t t = 0; t < count; ++t)
+        sum += strengths[drive * count + t] * received[i * count + t];
+      EXPECT_LE(std::abs(sum - sound[faces[i]].pressure), 1e-4 * std::abs(sum) + 1e-3);
+    }
+  }
+}
+
+TEST(Scattering, TheAirAroundIsTheSeries) {
+  const double k = 5.86 / radius;
+  const RigidBody body(icosphere(radius, 12), k);
+  const auto unknowns = body.solve(plane_wave(k, along, body.points(), body.normals()));
+  std::vector<Vec3> points;
+  for (int i = 0; i < 60; ++i) {
+    const Vec3 direction = glm::normalize(Vec3(std::sin(1.7 * i), std::cos(2.9 * i), std::sin(0.6 * i + 1)));
+    // From a hundredth of a millimetre off the surface to far away.
+    points.push_back(direction * (radius + 1e-5 * std::pow(1.25, i)));
+  }
+  const auto scattered = body.scattered(unknowns, points);
+  const Waves incident = plane_wave(k, along, points, {});
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Complex exact = sphere_in_plane_wave(k, radius, along, points[i]);
+    EXPECT_LE(std::abs(incident.pressures[i] + scattered[i] - exact), 0.02) << i;
+  }
+}
+
+/// A box of faces a few millimetres wide: edges, corners and flat sides.
+geometry::Mesh fine_box() {
+  geometry::Mesh box = test::box({-7e-3, -5e-3, -4e-3}, {7e-3, 5e-3, 4e-3});
+  for (int round = 0; round < 3; ++round) {
+    geometry::Mesh finer;
+    for (const glm::uvec3& t : box.triangles) {
+      const Vec3 &a = box.positions[t.x], &b = box.positions[t.y], &c = box.positions[t.z];
+      const Vec3 ab = (a + b) / 2.0, bc = (b + c) / 2.0, ca = (c + a) / 2.0;
+      const auto first = static_cast<unsigned>(finer.positions.size());
+      finer.positions.insert(finer.positions.end(), {a, b, c, ab, bc, ca});
+      for (const glm::uvec3& small :
+           {glm::uvec3(0, 3, 5), glm::uvec3(3, 1, 4), glm::uvec3(5, 4, 2), glm::uvec3(3, 4, 5)})
+        finer.triangles.push_back(small + first);
+    }
+    box = geometry::weld(finer, 1e-9);
+  }
+  return box;
+}
+
+TEST(Scattering, SourceAndReceiverMayBeExchanged) {
+  const double k = 732.7;
+  const RigidBody body(fine_box(), k);
+  const std::array<Vec3, 2> ends{Vec3(0.03, 0.01, -0.02), Vec3(-0.01, -0.025, 0.012)};
+  std::array<Complex, 2> heard;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto unknowns = body.solve(point_source(k, ends[i], body.points(), body.normals()));
+    heard[i] = body.scattered(unknowns, std::span(&ends[1 - i], 1))[0];
+  }
+  EXPECT_LE(std::abs(heard[0] - heard[1]), 0.03 * std::abs(heard[0]));
+}
+
+TEST(Scattering, NoEnergyIsLost) {
+  // What is scattered in all directions is what is missing straight ahead (optical theorem).
+  const double k = 732.7, far = 10;
+  const RigidBody body(fine_box(), k);
+  const auto unknowns = body.solve(plane_wave(k, along, body.points(), body.normals()));
+  std::vector<Vec3> points{far * along};
+  std::vector<double> weights;
+  const std::vector<LineSample> rings = gauss_rule(8);
+  constexpr int around = 48, bands = 4;
+  for (int band = 0; band < bands; ++band) {
+    for (const LineSample& ring : rings) {
+      const double z = 2 * (band + ring.at) / bands - 1, r = std::sqrt(1 - z * z);
+      for (int i = 0; i < around; ++i) {
+        points.push_back(far * Vec3(r * std::cos(2 * pi * i / around), r * std::sin(2 * pi * i / around), z));
+        weights.push_back(2.0 / bands * ring.weight * 2 * pi / around);
+      }
+    }
+  }
+  const auto scattered = body.scattered(unknowns, points);
+  double sent = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    sent += weights[i] * std::norm(far * scattered[i + 1]);
+  const double missing = 4 * pi / k * (far * scattered[0] * std::polar(1.0, -k * far)).imag();
+  EXPECT_NEAR(sent / missing, 1, 0.01);
+}
+
+TEST(Radiation, PushesASphereAsTheSeriesSays) {
+  const double k = 5.86 / radius;
+  const RigidBody body(icosphere(radius, 12), k);
+  Air air = without_absorption(air_of({}));
+  air.medium.frequency = k * air.medium.sound_speed / (2 * pi);
+  const auto sound = body.at_faces(body.solve(plane_wave(k, along, body.points(), body.normals())));
+  SkinPressure pressure;
+  add_pressure(sound, air, 1, pressure);
+  const double unit = pi * radius * radius / (2 * air.stiffness_pa());
+  const Load load = load_on(body.mesh(), pressure.langevin, {});
+  EXPECT_NEAR(glm::dot(load.force, along) / unit, 0.9089863795, 0.009);
+  EXPECT_LE(glm::length(load.force - glm::dot(load.force, along) * along), 0.002 * unit);
+  EXPECT_LE(glm::length(load.torque), 0.002 * unit * radius);
+  // Without the air that slides along the skin it would be more by a third.
+  EXPECT_NEAR(glm::dot(load_on(body.mesh(), pressure.squared, {}).force, along) / unit, 1.258, 0.012);
+  std::printf("  Y_p %.4f of 0.9090\n", glm::dot(load.force, along) / unit);
+  // Twice a half, and the sum.
+  SkinPressure twice;
+  add_pressure(sound, air, 0.5, twice);
+  add_pressure(sound, air, 0.5, twice);
+  EXPECT_NEAR(twice.langevin[7], pressure.langevin[7], 1e-12 * std::abs(pressure.langevin[7]));
+}
+
+TEST(Radiation, ASpotIsMeasured) {
+  const geometry::Mesh mesh = icosphere(radius, 20);
+  std::vector<double> pressure;
+  for (std::size_t face = 0; face < mesh.triangles.size(); ++face) {
+    const Vec3 at = centroid(mesh, face);
+    // Twice as long along x as along z, at the top.
+    pressure.push_back(at.y < 0 ? 0 : 8 * std::exp2(-(at.x * at.x / 4e-6 + at.z * at.z / 1e-6)));
+  }
+  const Spot spot = spot_of(mesh, pressure);
+  EXPECT_NEAR(spot.peak_pa, 8, 0.2);
+  EXPECT_LE(glm::distance(spot.peak_at, Vec3(0, radius, 0)), 0.5e-3);
+  EXPECT_NEAR(spot.half_area_m2, pi * 2e-6, 0.5e-6);
+  EXPECT_NEAR(spot.half_radius_m, std::sqrt(2e-6), 0.06e-3);
+  EXPECT_NEAR(spot.elongation, 2, 0.15);
+}
+
+geometry::Mesh read_off(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::string word;
+  std::size_t vertices = 0, faces = 0, edges = 0;
+  stream >> word >> vertices >> faces >> edges;
+  geometry::Mesh mesh;
+  mesh.positions.resize(vertices);
+  for (Vec3& p : mesh.positions)
+    stream >> p.x >> p.y >> p.z;
+  mesh.triangles.resize(faces);
+  for (glm::uvec3& t : mesh.triangles)
+    stream >> edges >> t.x >> t.y >> t.z;
+  return mesh;
+}
+
+TEST(Scattering, AnotherProgramsSphere) {
+  PALPA_SHARED_OR_SKIP(folder, "bem-sphere");
+  // Its sphere is 0.175 m wide, the tone 4 kHz, and the wave comes from above.
+  const double k = 2 * pi * 4000 / 343;
+  const RigidBody body(read_off(folder / "sphere_1208v_2412f.off"), k);
+  const auto unknowns = body.solve(plane_wave(k, {0, -1, 0}, body.points(), body.normals()));
+  std::vector<Vec3> points;
+  std::vector<Complex> exact, theirs;
+  for (const auto& row : test::read_csv(folder / "rigid_plane.csv")) {
+    if (points.size() % 4 == 0 || row[0] > 0.4)
+      points.emplace_back(row[0], row[1], row[2]);
+    else
+      continue;
+    exact.emplace_back(row[3], row[4]);
+    theirs.emplace_back(row[5], row[6]);
+  }
+  ASSERT_GT(points.size(), 100u);
+  const auto scattered = body.scattered(unknowns, points);
+  const Waves incident = plane_wave(k, {0, -1, 0}, points, {});
+  double ours = 0, other = 0, all = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    ours += std::norm(incident.pressures[i] + scattered[i] - exact[i]);
+    other += std::norm(theirs[i] - exact[i]);
+    all += std::norm(exact[i]);
+  }
+  std::printf("  around a sphere of 2412 faces: %.3f %%, NumCalc %.3f %%\n", 100 * std::sqrt(ours / all),
+              100 * std::sqrt(other / all));
+  EXPECT_LE(std::sqrt(ours / all), 0.005);
+}
+
+}  // namespace
+}  // namespace palpa::acoustics
