@@ -8,6 +8,7 @@ namespace palpa::cli {
 void add_doctor(Program& program);
 void add_touch(Program& program);
 void add_drive(Program& program);
+void add_field(Program& program);
 void add_run(Program& program);
 void add_export(Program& program);
 void add_decompose(Program& program);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <complex>
 #include <cstdint>
@@ -14,12 +13,10 @@
 #include <numbers>
 #include <optional>
 #include <span>
-#include <utility>
 
 #include "acoustics/pressure.hpp"
 #include "array/drive_pass.hpp"
 #include "array/layout.hpp"
-#include "array/loudness.hpp"
 #include "array/resolution.hpp"
 #include "array/schedule.hpp"
 #include "array/usual.hpp"
@@ -28,9 +25,10 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
+#include "cli/foci_drive.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/device.hpp"
-#include "session/pressure_log.hpp"
+#include "setup/drive_file.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "setup/touch_file.hpp"
@@ -54,57 +52,12 @@ struct DriveCommand {
 void add_options(CLI::App& app, DriveCommand& o) {
   const setup::Group group(app, "What to drive");
   group.text("--layout", o.layout, "NAME|FILE", "autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
-  group.texts("--focus", o.foci, "X,Y,Z[,A]",
-              "in the layout's own frame; A above 0, at most 1: how loud it is to be; again for several foci at once");
+  group.texts("--focus", o.foci, "X,Y,Z[,A]", focus_help);
   group.text("--touch", o.touch, "FILE", "in place of --focus: what sounds of the touch that palpa touch --json wrote");
   group.integer("--slot", o.slot, 0, std::numeric_limits<std::int32_t>::max(), "of that touch's order [0]");
   group.text("--rig", o.rig, "FILE", "where the array stands for that touch [where --layout stands by default]");
   group.text("--csv", o.csv, "FILE|-", "index,x,y,z,nx,ny,nz,amplitude,phase of every transducer");
   setup::add_drive_options(app, o.drive);
-}
-
-/// Nearer than this a focus stands on a transducer, and the direction of its sound means nothing.
-constexpr double on_transducer_m = 1e-6;
-
-/// "x,y,z,a" as "x,y,z" and a; without a fourth part a is 1.
-std::pair<std::string, float> split_gain(const std::string& text) {
-  if (std::ranges::count(text, ',') != 3) return {text, 1.0F};
-  const std::size_t comma = text.rfind(',');
-  float gain = 0;
-  const char* const end = text.data() + text.size();
-  const auto [rest, fault] = std::from_chars(text.data() + comma + 1, end, gain);
-  if (fault != std::errc{} || rest != end || !(gain > 0 && gain <= 1)) {
-    throw bad_usage(fmt::format("--focus: '{}' is not x,y,z,a with a above 0 and at most 1, such as 0,0,150mm,0.5",
-                                text.substr(0, 60)));
-  }
-  return {text.substr(0, comma), gain};
-}
-
-/// Refuses what cannot be driven and warns of what is worth little; `what` names the focus.
-void check_focus(const array::Layout& layout, const array::SlotFocus& focus, const std::string& what) {
-  if (!array::drivable(focus)) throw bad_usage(fmt::format("{} is farther than 100 m from the array", what));
-  for (std::size_t i = 0; i < layout.transducers.size(); ++i) {
-    if (glm::distance(layout.transducers[i].position, focus.position) < on_transducer_m) {
-      throw bad_usage(fmt::format("{} is where transducer {} stands; give a point in front of the array", what, i));
-    }
-  }
-  if (const std::string odd = array::unusual_place(layout, {focus.position, focus.position}); !odd.empty())
-    log::warning(what + " " + odd);
-}
-
-/// One voice per focus.
-array::Schedule read_foci(const DriveCommand& o, const array::Layout& layout) {
-  array::Schedule schedule;
-  for (const std::string& text : o.foci) {
-    const auto [place, gain] = split_gain(text);
-    const auto [x, y, z] = setup::parse_point("--focus", place);
-    array::Voice& voice = schedule.add_voice();
-    voice.foci = {{x, y, z}};
-    voice.order = {0};
-    voice.gain = gain;
-    check_focus(layout, {voice.foci[0], gain}, fmt::format("--focus: '{}'", text));
-  }
-  return schedule;
 }
 
 /// What sounds in the touch's slot, in the layout's frame, as a schedule of one slot: a voice per finger, and none for
@@ -140,35 +93,6 @@ array::Schedule slot_of_touch(const DriveCommand& o, const array::Schedule& touc
   return schedule;
 }
 
-/// Factors of the foci, whose voices are to have the pressures that they ask for; empty where none asks.
-std::vector<std::complex<double>> factors_for(const DriveCommand& o, const array::Layout& layout,
-                                              array::Schedule& schedule, const array::DriveOptions& options) {
-  if (!array::Loudness::asked(schedule)) return {};
-  array::Loudness loudness(layout, options);
-  loudness.solve(schedule, 1);
-  for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
-    const array::Voice& voice = schedule.voices[v];
-    const double asked = voice.pressure_pa * voice.gain, reached = *voice.reached_pa;
-    if (reached >= session::reached_part * asked) continue;
-    const std::string who =
-        o.touch.empty() ? fmt::format("--pressure: focus {}", v + 1) : fmt::format("{}: finger {}", o.touch, voice.id);
-    log::warning(fmt::format("{} has {:.0f} Pa of the {:.0f} Pa that are asked for: more the array does not give", who,
-                             reached, asked));
-  }
-  const auto factors = loudness.factors(0);
-  return {factors.begin(), factors.end()};
-}
-
-/// `factors` are empty where no pressure is asked for.
-array::Drive drive_on_cpu(const array::Layout& layout, const std::vector<array::SlotFocus>& foci,
-                          std::span<const std::complex<double>> factors, const array::DriveOptions& options) {
-  if (factors.empty()) return array::drive_for(layout, foci, options);
-  array::Drive drive(layout.transducers.size());
-  array::DriveScratch scratch;
-  array::drive_by_factors(layout, foci, factors, options, drive, scratch);
-  return drive;
-}
-
 array::Drive drive_on_gpu(const gpu::DeviceOptions& select, const array::Layout& layout,
                           const std::vector<array::SlotFocus>& foci, std::span<const std::complex<double>> factors,
                           const array::DriveOptions& options) {
@@ -183,16 +107,6 @@ array::Drive drive_on_gpu(const gpu::DeviceOptions& select, const array::Layout&
   timeline.wait(timeline.submit(recorder.end()));
   const auto drive = buffers.drive(0);
   return {drive.begin(), drive.end()};
-}
-
-std::string to_csv(const array::Layout& layout, const array::Drive& drive) {
-  std::string csv = "index,x,y,z,nx,ny,nz,amplitude,phase\n";
-  for (std::size_t i = 0; i < drive.size(); ++i) {
-    const auto& [p, n] = layout.transducers[i];
-    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{},{},{}\n", i, p.x, p.y, p.z, n.x, n.y, n.z,
-                   drive[i].amplitude, drive[i].phase);
-  }
-  return csv;
 }
 
 std::string to_json(const array::Layout& layout, const std::vector<array::SlotFocus>& foci, const array::Medium& air,
@@ -299,13 +213,13 @@ void run(const DriveCommand& o) {
   const setup::PlacedLayout placed = setup::load_placed_layout({.rig = o.rig, .layout = o.layout});
   const array::Layout& layout = placed.layout;
   setup::warn_of_frequency(layout, options.medium);
-  array::Schedule schedule = o.touch.empty() ? read_foci(o, layout) : slot_of_touch(o, played.schedule, placed);
+  array::Schedule schedule = o.touch.empty() ? schedule_of(o.foci, layout) : slot_of_touch(o, played.schedule, placed);
   for (array::Voice& voice : schedule.voices) {
     if (voice.pressure_pa == 0) voice.pressure_pa = o.drive.pressure_pa.value_or(0);
   }
   std::vector<array::SlotFocus> foci;
   array::foci_of_slot(schedule, 0, foci);
-  const std::vector<std::complex<double>> factors = factors_for(o, layout, schedule, options);
+  const std::vector<std::complex<double>> factors = factors_for(layout, schedule, options, o.touch);
   const array::Drive drive = o.common.backend == setup::Backend::cpu
                                  ? drive_on_cpu(layout, foci, factors, options)
                                  : drive_on_gpu(setup::device_options(o.common), layout, foci, factors, options);
@@ -314,7 +228,7 @@ void run(const DriveCommand& o) {
       acoustics::pressure_at_foci(layout, drive, foci, options.medium, options.directivity);
   const std::vector<array::FocusPair> unresolved = array::unresolved_pairs(layout, foci, options);
 
-  if (!o.csv.empty()) write_file(o.csv, to_csv(layout, drive));
+  if (!o.csv.empty()) write_file(o.csv, setup::drive_csv(layout, drive));
   if (!o.common.json.empty())
     write_file(o.common.json, to_json(layout, foci, options.medium, drive, pressure, unresolved));
   if (setup::shows_summary(o.common, outputs)) {

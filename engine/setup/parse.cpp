@@ -68,7 +68,7 @@ std::string mismatch(const CLI::App& command, const std::string& sentence) {
   const CLI::Option* option = command.get_option_no_throw(name);
   if (option == nullptr) return one_line(sentence);
   if (option->get_expected_max() == 0) return fmt::format("{} takes no value: it is on when it is given", name);
-  const std::size_t given = option->results().size();
+  const std::size_t given = option->results().size() / static_cast<std::size_t>(option->get_expected_max());
   if (given > 1) return fmt::format("{} is given {} times: give it once", name, given);
   return fmt::format("{}: the value is missing, give {}", name, option->get_type_name());
 }

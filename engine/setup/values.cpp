@@ -229,6 +229,22 @@ void Group::texts(const std::string& name, std::vector<std::string>& target, con
       ->group(heading_);
 }
 
+void Group::pair(const std::string& name, std::array<std::string, 2>& target, const std::string& type,
+                 const std::string& help) const {
+  app_->add_option_function<std::vector<std::string>>(
+          name,
+          [name, type, &target](const std::vector<std::string>& both) {
+            if (both.size() != 2 || both[0].empty() || both[1].empty())
+              throw bad_usage(fmt::format("{}: give two values, {} {}", name, type, type));
+            target = {both[0], both[1]};
+          },
+          help)
+      ->expected(2)
+      ->allow_extra_args(false)
+      ->type_name(type)
+      ->group(heading_);
+}
+
 void Group::flag(const std::string& name, bool& target, const std::string& help) const {
   app_->add_flag_callback(
           name, [&target] { target = true; }, help)

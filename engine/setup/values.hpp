@@ -62,6 +62,9 @@ class Group {
   /// An option that may be given again and again, one value each time.
   void texts(const std::string& name, std::vector<std::string>& target, const std::string& type,
              const std::string& help) const;
+  /// Two texts after one another: "--line A B".
+  void pair(const std::string& name, std::array<std::string, 2>& target, const std::string& type,
+            const std::string& help) const;
   void flag(const std::string& name, bool& target, const std::string& help) const;
   /// One of several words, most often those of an enum's table.
   template <typename T, std::size_t count>

@@ -1,0 +1,112 @@
+#include "setup/drive_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <iterator>
+#include <string_view>
+
+#include "base/error.hpp"
+#include "base/input_file.hpp"
+#include "base/text.hpp"
+
+namespace palpa::setup {
+namespace {
+
+constexpr std::string_view heading = "index,x,y,z,nx,ny,nz,amplitude,phase";
+constexpr std::size_t columns = 9;
+constexpr std::uint64_t most_bytes = std::uint64_t{array::max_transducers} * 512;
+
+/// Takes the next line off `text`, without its end.
+std::string_view next_line(std::string_view& text) {
+  const std::size_t end = text.find('\n');
+  std::string_view line = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
+using Row = std::array<double, columns>;
+
+/// False where the line is anything but so many finite numbers.
+bool parse(std::string_view line, Row& row) {
+  for (std::size_t i = 0; i < columns; ++i) {
+    const std::string_view cell = line.substr(0, line.find(','));
+    const auto [rest, fault] = std::from_chars(cell.data(), cell.data() + cell.size(), row[i]);
+    if (fault != std::errc{} || rest != cell.data() + cell.size() || !std::isfinite(row[i])) return false;
+    if ((cell.size() == line.size()) != (i + 1 == columns)) return false;
+    line.remove_prefix(std::min(line.size(), cell.size() + 1));
+  }
+  return true;
+}
+
+std::string place(const Vec3& p) {
+  return fmt::format("({}, {}, {})", p.x, p.y, p.z);
+}
+
+/// Why that row is not of this transducer; empty where it is.
+std::string foreign(const Row& row, const array::Transducer& own) {
+  const Vec3 position(row[1], row[2], row[3]), axis(row[4], row[5], row[6]);
+  if (glm::distance(position, own.position) > drive_tolerance)
+    return fmt::format("stands at {} there and at {} here", place(position), place(own.position));
+  if (glm::distance(axis, own.axis) > drive_tolerance)
+    return fmt::format("looks along {} there and along {} here", place(axis), place(own.axis));
+  return {};
+}
+
+}  // namespace
+
+std::string drive_csv(const array::Layout& layout, std::span<const array::TransducerDrive> drive) {
+  std::string csv = std::string(heading) + '\n';
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    const auto& [p, n] = layout.transducers[i];
+    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{},{},{}\n", i, p.x, p.y, p.z, n.x, n.y, n.z,
+                   drive[i].amplitude, drive[i].phase);
+  }
+  return csv;
+}
+
+array::Drive load_drive(const std::filesystem::path& file, const array::Layout& layout) {
+  const std::string text = read_file(file, most_bytes), name = file.string();
+  std::string_view rest = text;
+  if (next_line(rest) != heading) {
+    throw bad_input(name, fmt::format("is no drive: its first line is not {}; palpa drive --csv writes one", heading));
+  }
+  array::Drive drive;
+  const std::size_t transducers = layout.transducers.size();
+  std::size_t rows = 0;
+  for (std::size_t number = 2; !rest.empty(); ++number) {
+    const std::string_view line = next_line(rest);
+    if (line.empty()) continue;
+    Row row{};
+    if (!parse(line, row)) {
+      throw bad_input(
+          name, fmt::format("line {}: '{}' is not {} numbers ({})", number, printable(line, 60), columns, heading));
+    }
+    if (row[0] != static_cast<double>(rows)) {
+      throw bad_input(name, fmt::format("line {}: transducer {} where {} is due: rows are in layout order, from 0",
+                                        number, row[0], rows));
+    }
+    if (rows < transducers) {
+      if (const std::string fault = foreign(row, layout.transducers[rows]); !fault.empty()) {
+        throw bad_input(name, fmt::format("line {}: is the drive of another layout than {}: transducer {} {}", number,
+                                          layout.name, rows, fault));
+      }
+    }
+    if (row[7] < 0 || row[7] > 1)
+      throw bad_input(name, fmt::format("line {}: amplitude {} is not within 0..1", number, row[7]));
+    drive.push_back({static_cast<float>(row[7]), static_cast<float>(row[8])});
+    ++rows;
+  }
+  if (rows != transducers) {
+    throw bad_input(name, fmt::format("is the drive of another layout: it has {} transducers, {} has {}", rows,
+                                      layout.name, transducers));
+  }
+  return drive;
+}
+
+}  // namespace palpa::setup

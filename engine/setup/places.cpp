@@ -1,0 +1,161 @@
+#include "setup/places.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/memory.hpp"
+#include "base/units.hpp"
+#include "geometry/ply.hpp"
+#include "setup/values.hpp"
+
+namespace palpa::setup {
+namespace {
+
+constexpr double farthest_m = 100;
+constexpr std::uint32_t most_pixels = 65536;  // on a side
+constexpr std::uint32_t usual_pixels = 256;   // on the longer side
+constexpr std::uint32_t usual_samples = 201;
+/// What a point costs until its results are written: its place, its pressure, and both of them as text.
+constexpr std::uint64_t bytes_per_point = 160;
+
+void check_room(std::uint64_t points) {
+  require_memory(points * bytes_per_point, fmt::format("a field of {} points", points), "give fewer points");
+}
+
+Vec3 parse_place(const char* option, const std::string& text) {
+  const auto [x, y, z] = parse_point(option, text);
+  if (std::max({std::abs(x), std::abs(y), std::abs(z)}) > farthest_m)
+    throw bad_usage(fmt::format("{}: '{}' is farther than {} m away", option, text, farthest_m));
+  return {x, y, z};
+}
+
+/// The two parts of "a,b"; none where there are more or fewer.
+std::optional<std::pair<std::string_view, std::string_view>> halves(std::string_view text) {
+  const std::size_t comma = text.find(',');
+  if (comma == std::string_view::npos || text.find(',', comma + 1) != std::string_view::npos) return {};
+  return std::pair(text.substr(0, comma), text.substr(comma + 1));
+}
+
+Vec2 parse_size(const std::string& text) {
+  if (text.empty()) throw bad_usage("--plane has no extent: give --size W,H, such as 60mm,60mm");
+  const auto parts = halves(text);
+  const auto length = [](std::string_view part) { return parse_quantity(part, Quantity::length).value_or(0); };
+  const Vec2 size = parts ? Vec2(length(parts->first), length(parts->second)) : Vec2(0);
+  if (!(size.x > 0 && size.y > 0 && std::max(size.x, size.y) <= farthest_m)) {
+    throw bad_usage(fmt::format("--size: '{}' is not W,H with both above 0, at most {} m, such as 60mm,60mm",
+                                text.substr(0, 60), farthest_m));
+  }
+  return size;
+}
+
+std::uint32_t parse_pixel_count(std::string_view text) {
+  std::uint32_t count = 0;
+  const auto [rest, fault] = std::from_chars(text.data(), text.data() + text.size(), count);
+  return fault == std::errc{} && rest == text.data() + text.size() && count <= most_pixels ? count : 0;
+}
+
+void set_pixels(const std::string& text, Grid& grid) {
+  if (text.empty()) {  // square ones
+    const double pixel = std::max(grid.size_m.x, grid.size_m.y) / usual_pixels;
+    const auto count = [&](double side) { return static_cast<std::uint32_t>(std::max(1.0, std::round(side / pixel))); };
+    grid.columns = count(grid.size_m.x);
+    grid.rows = count(grid.size_m.y);
+    return;
+  }
+  if (const auto parts = halves(text)) {
+    grid.columns = parse_pixel_count(parts->first);
+    grid.rows = parse_pixel_count(parts->second);
+  }
+  if (grid.columns == 0 || grid.rows == 0) {
+    throw bad_usage(fmt::format("--pixels: '{}' is not N,M with whole numbers from 1 to {}, such as 256,256",
+                                text.substr(0, 60), most_pixels));
+  }
+}
+
+Places plane_of(const PlaceOptions& o) {
+  Grid grid;
+  grid.plane = *o.plane;
+  grid.centre = o.centre.empty() ? Vec3(0) : parse_place("--centre", o.centre);
+  grid.size_m = parse_size(o.size);
+  set_pixels(o.pixels, grid);
+  check_room(std::uint64_t{grid.columns} * grid.rows);
+
+  const Vec3 right = grid.plane == Plane::yz ? Vec3(0, 1, 0) : Vec3(1, 0, 0);
+  const Vec3 up = grid.plane == Plane::xy ? Vec3(0, 1, 0) : Vec3(0, 0, 1);
+  Places places;
+  places.points.reserve(std::size_t{grid.columns} * grid.rows);
+  for (std::uint32_t j = 0; j < grid.rows; ++j) {
+    const Vec3 row = grid.centre + up * (grid.size_m.y * (0.5 - (j + 0.5) / grid.rows));
+    for (std::uint32_t i = 0; i < grid.columns; ++i)
+      places.points.push_back(row + right * (grid.size_m.x * ((i + 0.5) / grid.columns - 0.5)));
+  }
+  places.grid = grid;
+  return places;
+}
+
+Places line_of(const PlaceOptions& o) {
+  const Vec3 from = parse_place("--line", o.line[0]), to = parse_place("--line", o.line[1]);
+  if (from == to) throw bad_usage("--line: both ends are the same point; give two");
+  const std::uint32_t samples = o.samples.value_or(usual_samples);
+  check_room(samples);
+  Places places;
+  places.line = true;
+  places.points.reserve(samples);
+  for (std::uint32_t i = 0; i < samples; ++i) {
+    const double t = static_cast<double>(i) / (samples - 1);
+    places.points.push_back(from * (1 - t) + to * t);
+  }
+  return places;
+}
+
+Places file_of(const PlaceOptions& o) {
+  geometry::Ply ply = geometry::read_ply(o.points);
+  if (ply.positions.empty()) throw bad_input(o.points, "has no points");
+  check_room(ply.positions.size());
+  for (std::size_t i = 0; i < ply.positions.size(); ++i) {
+    const Vec3& p = ply.positions[i];
+    if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) > farthest_m)
+      throw bad_input(o.points,
+                      fmt::format("vertex {} is farther than {} m away; coordinates are metres", i, farthest_m));
+  }
+  Places places;
+  places.points = std::move(ply.positions);
+  places.triangles = std::move(ply.triangles);
+  return places;
+}
+
+void check(const PlaceOptions& o) {
+  const int kinds = int{o.plane.has_value()} + int{!o.line[0].empty()} + int{!o.points.empty()};
+  if (kinds == 0)
+    throw bad_usage("no place to look at: give --plane xy|xz|yz with --size, --line x,y,z x,y,z or --points FILE.ply");
+  if (kinds > 1) throw bad_usage("--plane, --line and --points exclude each other: give one of them");
+  if (!o.plane && !(o.centre.empty() && o.size.empty() && o.pixels.empty()))
+    throw bad_usage("--centre, --size and --pixels go with --plane");
+  if (o.line[0].empty() && o.samples) throw bad_usage("--samples goes with --line");
+}
+
+}  // namespace
+
+void add_place_options(CLI::App& app, PlaceOptions& options) {
+  const Group group(app, "Where");
+  group.choice("--plane", options.plane, plane_words, "a plane: the axes that run to the right and up");
+  group.text("--centre", options.centre, "X,Y,Z", "of the plane [0,0,0]");
+  group.text("--size", options.size, "W,H", "of the plane, such as 60mm,60mm");
+  group.text("--pixels", options.pixels, "N,M", "of the plane: samples are at their centres [256 on the longer side]");
+  group.pair("--line", options.line, "X,Y,Z", "a line: its two ends, both included");
+  group.integer("--samples", options.samples, 2, 100'000'000, fmt::format("of the line [{}]", usual_samples));
+  group.text("--points", options.points, "FILE", "points, or the vertices of a surface, as PLY");
+}
+
+Places load_places(const PlaceOptions& options) {
+  check(options);
+  return options.plane ? plane_of(options) : !options.line[0].empty() ? line_of(options) : file_of(options);
+}
+
+}  // namespace palpa::setup
