@@ -9,7 +9,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "driver/usb.hpp"
+#include "driver/usb/libusb.hpp"
 
 namespace palpa::driver {
 namespace {
@@ -49,7 +49,7 @@ const Known* find(const Known (&table)[N], std::uint16_t vendor, std::uint16_t p
   return nullptr;
 }
 
-cli::DoctorItem describe(const UsbDevice& device, const Known& known) {
+cli::DoctorItem describe(const usb::Entry& device, const Known& known) {
   const std::string id = fmt::format("{:04x}:{:04x}", device.vendor, device.product);
   cli::DoctorItem item;
   item.title = fmt::format("{} {} at bus {} address {}", id, known.chip, device.bus, device.address);
@@ -75,9 +75,9 @@ cli::DoctorItem describe(const UsbDevice& device, const Known& known) {
 }
 
 template <std::size_t N>
-void add_usb(cli::DoctorSection& section, const Known (&table)[N], bool (*wanted)(std::uint16_t, std::uint16_t)) {
-  const UsbListing listing = list_usb(wanted);
-  for (const UsbDevice& device : listing.devices) {
+void add_usb(cli::DoctorSection& section, const Known (&table)[N], usb::Wanted wanted) {
+  const usb::Listing listing = usb::LibusbTransport().list(wanted);
+  for (const usb::Entry& device : listing.entries) {
     if (const Known* known = find(table, device.vendor, device.product))
       section.items.push_back(describe(device, *known));
   }

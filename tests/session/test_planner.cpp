@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <memory>
-#include <new>
 
 #include "array/board_mesh.hpp"
 #include "base/error.hpp"
@@ -16,30 +14,7 @@
 #include "session/planner.hpp"
 #include "support/device.hpp"
 #include "support/shared_data.hpp"
-
-namespace {
-
-// Counts what the thread under test allocates while it is watched.
-thread_local bool watching = false;
-thread_local std::size_t allocations = 0;
-
-}  // namespace
-
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define PALPA_WATCH_HEAP 1
-// Not inlined: a compiler that sees only one half of a pair takes malloc and delete for a mismatch.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  if (watching) ++allocations;
-  if (void* memory = std::malloc(size ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-#endif
+#include "support/watched_heap.hpp"
 
 namespace palpa::session {
 namespace {
@@ -207,19 +182,16 @@ TEST(Planner, NothingIsAllocatedAndNoPipelineMadeAfterTheFirstFrames) {
   reserve(plan, scene.setting.layout.transducers.size());
   run_frame(planning, frames[0], plan);
   const std::uint64_t memory = device.memory_allocations, pipelines = device.pipelines_created;
-  allocations = 0;
-  watching = true;
-  for (const auto& frame : frames)
-    run_frame(planning, frame, plan);
-  watching = false;
+  const std::size_t allocations = test::allocations_of([&] {
+    for (const auto& frame : frames)
+      run_frame(planning, frame, plan);
+  });
   EXPECT_EQ(device.memory_allocations, memory);
   EXPECT_EQ(device.pipelines_created, pipelines);
-#ifdef PALPA_WATCH_HEAP
   // The validation layer allocates on this thread.
   if (device.validation() == gpu::Validation::off) {
     EXPECT_EQ(allocations, 0u) << "heap allocations in eight frames";
   }
-#endif
 }
 
 TEST(Planner, MayBeDestroyedWithFramesUnderWay) {

@@ -1,0 +1,32 @@
+// What an emulator found against the rules of what it emulates.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace palpa::driver::emulate {
+
+struct Violation {
+  double time_s = 0;
+  std::string what;
+};
+
+/// The first of them, and how many there were.
+class Violations {
+ public:
+  static constexpr std::size_t most_kept = 20;
+  void add(double time_s, std::string what) {
+    if (kept_.size() < most_kept) kept_.push_back({time_s, std::move(what)});
+    ++count_;
+  }
+  std::size_t count() const { return count_; }
+  const std::vector<Violation>& kept() const { return kept_; }
+
+ private:
+  std::vector<Violation> kept_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace palpa::driver::emulate

@@ -1,0 +1,261 @@
+#include "driver/openmpd/board.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+
+namespace palpa::driver::openmpd {
+namespace {
+
+constexpr double period_s = 25e-6;
+constexpr std::uint8_t usual_divider = 4;
+constexpr double opening_patience_s = 5;
+constexpr double closing_patience_s = 0.5;
+
+/// Formats without allocating; what is too long is cut.
+template <typename... Args>
+void note(BoardNotes& notes, void (BoardNotes::*level)(std::string_view) noexcept, fmt::format_string<Args...> text,
+          Args&&... args) {
+  std::array<char, 400> line{};
+  const auto result = fmt::format_to_n(line.data(), line.size(), text, std::forward<Args>(args)...);
+  (notes.*level)({line.data(), std::min(result.size, line.size())});
+}
+
+void check_layout(const array::Layout& layout, std::size_t addresses) {
+  std::size_t next = 0;
+  for (const array::Board& board : layout.boards) {
+    if (board.type != "openmpd" || board.first != next) break;
+    next += board.count;
+  }
+  if (next != layout.transducers.size()) {
+    throw bad_usage(
+        fmt::format("the layout {} is not of OpenMPD boards alone: --layout openmpd, openmpd-pair or one whose "
+                    "units are all of type openmpd",
+                    layout.name));
+  }
+  if (layout.boards.size() != addresses) {
+    throw bad_usage(
+        fmt::format("the layout {} has {} OpenMPD boards, and {} serial numbers are given: one for each, in the "
+                    "layout's order",
+                    layout.name, layout.boards.size(), addresses));
+  }
+}
+
+}  // namespace
+
+std::vector<Address> parse_addresses(const std::string& argument) {
+  std::vector<Address> addresses;
+  for (std::size_t at = 0; at <= argument.size();) {
+    const std::size_t comma = std::min(argument.find(',', at), argument.size());
+    const std::string one = argument.substr(at, comma - at);
+    const std::size_t sign = one.rfind('@');
+    Address address{one.substr(0, sign), sign == std::string::npos ? "" : one.substr(sign + 1)};
+    if (address.serial.empty() || (sign != std::string::npos && address.place.empty())) {
+      throw bad_usage(
+          "openmpd: needs the boards' serial numbers, openmpd:SERIAL[,SERIAL...], or SERIAL@BUS-PORT where "
+          "several have the same");
+    }
+    for (const Address& other : addresses) {
+      if (other.text() == address.text()) {
+        throw bad_usage(fmt::format("openmpd: the board {} is named twice", printable(address.text(), 80)));
+      }
+    }
+    addresses.push_back(std::move(address));
+    at = comma + 1;
+  }
+  return addresses;
+}
+
+std::uint8_t divider_for(double slot_s) {
+  const double most = std::floor(slot_s / 2 / period_s + 1e-9);
+  if (most < 1) {
+    throw bad_usage(
+        fmt::format("OpenMPD boards take a frame every 0.025 ms at best, and a slot must last two: a dwell of {} "
+                    "ms is shorter than 0.05 ms",
+                    1e3 * slot_s));
+  }
+  return static_cast<std::uint8_t>(std::min<double>(most, usual_divider));
+}
+
+OpenMpdBoard::OpenMpdBoard(const BoardSetting& setting, usb::Transport& transport, Clock& clock)
+    : notes_(setting.notes), clock_(clock) {
+  const std::vector<Address> addresses = parse_addresses(setting.argument);
+  check_layout(setting.layout, addresses.size());
+  const std::uint8_t divider = divider_for(setting.slot_s);
+  const double chip_need = frame_bytes / setting.slot_s;
+  if (chip_need > chip_bytes_per_s) {
+    throw bad_usage(
+        fmt::format("a board needs {:.1f} MB/s at a dwell of {} ms, and an FT232H carries {:.0f}: use a longer "
+                    "--dwell",
+                    1e-6 * chip_need, 1e3 * setting.slot_s, 1e-6 * chip_bytes_per_s));
+  }
+  std::vector<BoardFile> files;
+  if (!setting.files.empty()) files = read_board_files(setting.files);
+  next_.assign(addresses.size(), all_off_frame);
+  encoders_.reserve(addresses.size());
+  wires_.reserve(addresses.size());
+  for (const Address& address : addresses) {
+    encoders_.emplace_back(calibration_of(files, address.serial));
+    const auto named = [&](const BoardFile& file) { return file.serial == address.serial; };
+    if (!files.empty() && std::none_of(files.begin(), files.end(), named)) {
+      note(notes_, &BoardNotes::warning, "no file in {} is of board {}: it plays without calibration", setting.files,
+           address.serial);
+    }
+    wires_.push_back(std::make_unique<Wire>(address, transport, clock, divider));
+  }
+  for (const auto& wire : wires_)
+    wire->open();
+  check_bandwidth(setting.slot_s);
+  const double begin_s = clock_.now_s();
+  while (!in_step()) {
+    clock_.sleep_s(1e-3);
+    for (const auto& wire : wires_) {
+      wire->tend();
+      if (!wire->trouble().empty() && !wire->in_step()) {
+        throw failure(fmt::format("board {} does not come up: {}", wire->address().text(), wire->trouble()));
+      }
+    }
+    if (clock_.now_s() > begin_s + opening_patience_s) throw failure("the boards do not come up: they take no bytes");
+  }
+  sent_s_ = clock_.now_s();
+}
+
+void OpenMpdBoard::check_bandwidth(double slot_s) const {
+  std::map<unsigned, unsigned> boards_of_bus;
+  for (const auto& wire : wires_)
+    ++boards_of_bus[wire->bus()];
+  for (const auto& [bus, boards] : boards_of_bus) {
+    const double need = boards * frame_bytes / slot_s;
+    if (need > bus_bytes_per_s) {
+      throw bad_usage(
+          fmt::format("{} boards on bus {} need {:.1f} MB/s at a dwell of {} ms, and a USB 2 bus carries {:.0f}: "
+                      "use a dwell of at least {:.3f} ms, or more USB controllers",
+                      boards, bus, 1e-6 * need, 1e3 * slot_s, 1e-6 * bus_bytes_per_s,
+                      1e3 * boards * frame_bytes / bus_bytes_per_s));
+    }
+  }
+}
+
+bool OpenMpdBoard::in_step() const {
+  return std::all_of(wires_.begin(), wires_.end(), [](const auto& wire) { return wire->in_step(); });
+}
+
+void OpenMpdBoard::play(std::uint64_t, std::span<const array::TransducerDrive> drive) {
+  for (std::size_t i = 0; i < wires_.size(); ++i)
+    encoders_[i].encode(drive.subspan(i * transducers, transducers), next_[i]);
+  waits_ = true;
+  tend_wires();
+  send_next();
+}
+
+void OpenMpdBoard::all_off() {
+  std::fill(next_.begin(), next_.end(), all_off_frame);
+  waits_ = true;
+  tend_wires();
+  send_next();
+}
+
+void OpenMpdBoard::tend() {
+  tend_wires();
+  if (!waits_ && silent_ && clock_.now_s() > sent_s_ + quiet_s) return all_off();
+  send_next();
+}
+
+/// All boards or none: they get the same number of frames.
+void OpenMpdBoard::send_next() {
+  if (!waits_) return;
+  if (!in_step()) {
+    waits_ = false;  // boards on their way back in step are silent, and drives go on coming
+    return;
+  }
+  for (const auto& wire : wires_) {
+    if (!wire->takes()) return;
+  }
+  for (std::size_t i = 0; i < wires_.size(); ++i)
+    wires_[i]->send(next_[i]);
+  waits_ = false;
+  silent_ = std::all_of(next_.begin(), next_.end(), [](const Frame& frame) { return frame == all_off_frame; });
+  sent_s_ = clock_.now_s();
+}
+
+void OpenMpdBoard::tend_wires() {
+  for (const auto& wire : wires_)
+    wire->tend();
+  if (in_step() == !troubled_) return;
+  tell();
+}
+
+/// Something changed for the worse or the better.
+void OpenMpdBoard::tell() {
+  if (!troubled_) {
+    troubled_ = silent_ = true;
+    troubled_s_ = clock_.now_s();
+    for (const auto& wire : wires_) {
+      if (!wire->in_step()) {
+        note(notes_, &BoardNotes::warning, "board {}: {}; {} until it is in step again", wire->address().text(),
+             wire->trouble(), wires_.size() > 1 ? "all boards are silent" : "silent");
+      }
+    }
+    // The others are silenced by the same way: they have had as many frames as the one that is lost when they play
+    // again.
+    for (const auto& wire : wires_)
+      wire->resync();
+  } else {
+    troubled_ = false;
+    sent_s_ = clock_.now_s();
+    note(notes_, &BoardNotes::warning, "all boards are in step again after {:.1f} s, and play on",
+         sent_s_ - troubled_s_);
+  }
+}
+
+bool OpenMpdBoard::close() {
+  const double begin_s = clock_.now_s();
+  const auto silenced = [&] {
+    return !waits_ && std::all_of(wires_.begin(), wires_.end(), [](const auto& wire) { return wire->silenced(); });
+  };
+  for (;;) {
+    tend_wires();
+    send_next();
+    if (silenced()) return true;
+    if (clock_.now_s() > begin_s + closing_patience_s) return false;
+    clock_.sleep_s(5e-4);
+  }
+}
+
+namespace {
+
+/// A board and what it stands on.
+class OpenBoard final : public Board {
+ public:
+  explicit OpenBoard(const BoardSetting& setting) : board_(setting, *transport_, clock_) {}
+  void play(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override { board_.play(slot, drive); }
+  void all_off() override { board_.all_off(); }
+  void tend() override { board_.tend(); }
+  bool close() override { return board_.close(); }
+
+ private:
+  std::unique_ptr<usb::Transport> transport_ = usb::system_transport();
+  SteadyClock clock_;
+  OpenMpdBoard board_;
+};
+
+}  // namespace
+
+BoardKind board_kind() {
+  return {
+      "openmpd",
+      "openmpd:SERIAL[,SERIAL...]  OpenMPD boards on USB, by the layout's order; SERIAL@BUS-PORT where several share a "
+      "serial number",
+      [](const BoardSetting& setting) { return std::make_unique<OpenBoard>(setting); }};
+}
+
+}  // namespace palpa::driver::openmpd

@@ -1,0 +1,57 @@
+// An OpenMPD board made of software: an FT232H and what stands behind it. As strict as the board, and more talkative:
+// what the board would bear in silence is a violation.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "array/drive.hpp"
+#include "driver/emulate/violations.hpp"
+#include "driver/openmpd/board_file.hpp"
+#include "driver/openmpd/fpga.hpp"
+#include "driver/usb/ftdi.hpp"
+#include "driver/usb/peripheral.hpp"
+
+namespace palpa::driver::openmpd {
+
+class EmulatedBoard final : public usb::Peripheral {
+ public:
+  explicit EmulatedBoard(std::string serial, usb::ftdi::Channel channel = usb::ftdi::Channel::fifo);
+
+  const Identity& identity() const override { return identity_; }
+  usb::Outcome control(double now_s, const usb::Setup& setup, std::span<std::uint8_t> in, std::size_t& filled) override;
+  std::size_t bulk_out(double now_s, std::uint8_t endpoint, std::span<const std::uint8_t> bytes) override;
+  void advance(double now_s) override;
+  void closed(double now_s) override;
+  void unplugged(double now_s) override;
+
+  Fpga& fpga() { return fpga_; }
+  const Fpga& fpga() const { return fpga_; }
+  const emulate::Violations& violations() const { return violations_; }
+
+ private:
+  static constexpr std::size_t chip_bytes = 1024;  ///< the FT232H's own buffer towards the board
+  /// What make_ready() asks for, in order.
+  enum class Step { closed, reset, mode, latency, purged };
+
+  void violate(double now_s, const std::string& what) { violations_.add(now_s, what); }
+  void drain(double now_s);
+
+  Identity identity_;
+  usb::ftdi::Channel channel_;
+  emulate::Violations violations_;
+  Fpga fpga_;
+  Step step_ = Step::closed;
+  std::array<std::uint8_t, chip_bytes> chip_{};
+  std::size_t waiting_ = 0;
+  std::uint64_t dividers_at_reset_ = 0;
+  double closed_s_ = -1;  ///< when somebody let go of it; negative: nobody did, or it was looked at since
+};
+
+/// What that board's transducers do, in layout order: each pulse's first harmonic relative to a centred one of half a
+/// period, with the transducer's own offset. A transducer that is off has phase 0.
+array::Drive heard_drive(const Pulses& pulses, const Calibration& calibration);
+
+}  // namespace palpa::driver::openmpd

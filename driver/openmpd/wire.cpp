@@ -1,0 +1,254 @@
+#include "driver/openmpd/wire.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "driver/usb/ftdi.hpp"
+
+namespace palpa::driver::openmpd {
+namespace {
+
+namespace ftdi = usb::ftdi;
+using usb::Outcome;
+
+bool wanted(std::uint16_t vendor, std::uint16_t product) {
+  return vendor == ftdi::vendor && product == ftdi::product_232h;
+}
+
+bool is(const usb::Entry& entry, const Address& address) {
+  return wanted(entry.vendor, entry.product) && entry.serial == address.serial &&
+         (address.place.empty() || entry.place == address.place);
+}
+
+std::string name_of(const usb::Entry& entry) {
+  return printable(entry.serial.empty() ? "(no serial number)@" + entry.place : entry.serial, 80);
+}
+
+/// Throws where it is not exactly one.
+usb::Entry find(const usb::Listing& listing, const Address& address) {
+  std::vector<usb::Entry> found;
+  std::string others, places;
+  for (const usb::Entry& entry : listing.entries) {
+    if (is(entry, address)) {
+      places += (found.empty() ? "" : ",") + entry.serial + "@" + entry.place;
+      found.push_back(entry);
+    } else if (wanted(entry.vendor, entry.product)) {
+      others += (others.empty() ? "" : ", ") + name_of(entry);
+    }
+  }
+  if (found.empty()) {
+    const std::string there = !others.empty()
+                                  ? "there are: " + shortened(others, 200)
+                                  : (listing.problem.empty() ? "no FT232H is plugged in" : printable(listing.problem));
+    throw failure(fmt::format("no OpenMPD board has the serial number {}: {}", printable(address.text(), 80), there));
+  }
+  if (found.size() > 1) {
+    throw bad_usage(fmt::format("{} boards have the serial number {}: say which by where they are plugged in: {}",
+                                found.size(), printable(address.serial, 80), shortened(places, 200)));
+  }
+  return found.front();
+}
+
+}  // namespace
+
+Wire::Wire(Address address, usb::Transport& transport, const Clock& clock, std::uint8_t divider)
+    : address_(std::move(address)), transport_(transport), clock_(clock), divider_(divider) {}
+
+void Wire::open() {
+  const usb::Entry entry = find(transport_.list(wanted), address_);
+  if (!entry.refusal.empty()) {
+    throw failure(
+        fmt::format("board {} cannot be opened: {}; palpa doctor says what to do", address_.text(), entry.refusal));
+  }
+  ready_device(entry);
+  flush();
+}
+
+void Wire::ready_device(const usb::Entry& entry) {
+  auto device = transport_.open(entry, ftdi::endpoint_out);
+  const auto check = [&](Outcome outcome, const char* what) {
+    if (outcome != Outcome::done) {
+      throw failure(fmt::format("board {} cannot be readied: {}: {}", address_.text(), what, text_of(outcome)));
+    }
+  };
+  ftdi::Channel channel{};
+  check(ftdi::read_channel(*device, channel), "its EEPROM");
+  if (entry.release != ftdi::release_232h || channel != ftdi::Channel::fifo) {
+    throw failure(
+        fmt::format("the device {} at {} is no OpenMPD board, or is not set up as one: its EEPROM says {}, a board's "
+                    "says 245 FIFO (set "
+                    "it with FTDI's FT_PROG, or give the serial number of the board)",
+                    address_.serial, entry.place, text_of(channel)));
+  }
+  check(ftdi::make_ready(*device), "its requests");
+  entry_ = entry;
+  device_ = std::move(device);
+  halted_ = divider_set_ = false;
+}
+
+void Wire::look_for_device() {
+  if (clock_.now_s() < due_s_) return;
+  due_s_ = clock_.now_s() + retry_s;
+  try {
+    open();
+  } catch (const Error& error) {
+    trouble_ = error.what();
+  }
+}
+
+void Wire::tend() {
+  if (state_ == State::lost) return look_for_device();
+  reap();
+  if (device_ == nullptr) return;
+  const double now_s = clock_.now_s();
+  if (flying_ > 0 && state_ != State::draining && now_s - oldest_s() > transfer_patience_s)
+    fall_out(Outcome::timed_out);
+  switch (state_) {
+    case State::draining:
+      if (flying_ == 0 && now_s >= due_s_) {
+        flush();
+      } else if (flying_ > 0 && now_s - oldest_s() > 10 * transfer_patience_s) {
+        lose("its transfers cannot be ended");
+      }
+      break;
+    case State::flushing:
+      if (flying_ > 0) break;
+      due_s_ = now_s + pause_s;
+      state_ = State::pausing;
+      break;
+    case State::pausing: {
+      if (now_s < due_s_) break;
+      std::array<std::uint8_t, 2 * frame_bytes> burst{};
+      const Frame last = divider_set_ ? all_off_frame : with_divider(all_off_frame, divider_);
+      std::copy(last.begin(), last.end(), burst.begin() + frame_bytes);
+      state_ = State::ending;
+      begin(burst);
+      break;
+    }
+    case State::ending:
+      if (flying_ > 0) break;
+      divider_set_ = true;
+      state_ = State::in_step;
+      trouble_.clear();
+      break;
+    case State::lost:
+    case State::in_step:
+      break;
+  }
+}
+
+/// Purges, and sends what silences the board however it stands.
+void Wire::flush() {
+  if (halted_) device_->clear_halt();
+  halted_ = false;
+  for (const usb::Setup& setup : {ftdi::purge_to_device_request(), ftdi::purge_to_host_request()}) {
+    const Outcome outcome = device_->request(setup);
+    if (outcome == Outcome::gone || outcome == Outcome::failed) return lose(text_of(outcome));
+    if (outcome != Outcome::done) return start_over(text_of(outcome));
+  }
+  std::array<std::uint8_t, 3 * frame_bytes> burst{};
+  std::copy(all_off_frame.begin(), all_off_frame.end(), burst.begin() + frame_bytes);
+  std::copy(all_off_frame.begin(), all_off_frame.end(), burst.begin() + 2 * frame_bytes);
+  state_ = State::flushing;
+  begin(burst);
+}
+
+void Wire::begin(std::span<const std::uint8_t> bytes) {
+  const auto free = std::find_if(flights_.begin(), flights_.end(), [](const Flight& flight) { return !flight.flies; });
+  std::copy(bytes.begin(), bytes.end(), free->bytes.begin());
+  free->length = bytes.size();
+  free->sent = 0;
+  submit(static_cast<unsigned>(free - flights_.begin()));
+}
+
+bool Wire::submit(unsigned number) {
+  Flight& flight = flights_[number];
+  const Outcome outcome = device_->submit(
+      number, std::span<const std::uint8_t>(flight.bytes).subspan(flight.sent, flight.length - flight.sent));
+  if (outcome != Outcome::done) {
+    fall_out(outcome);
+    return false;
+  }
+  if (flight.sent == 0) flight.since_s = clock_.now_s();
+  flight.flies = true;
+  ++flying_;
+  return true;
+}
+
+void Wire::reap() {
+  while (const auto sent = device_->reap()) {
+    Flight& flight = flights_[sent->number];
+    flight.flies = false;
+    --flying_;
+    flight.sent += sent->bytes;
+    if (state_ == State::draining) continue;
+    if (sent->outcome != Outcome::done) {
+      fall_out(sent->outcome);
+      if (device_ == nullptr) return;
+    } else if (flight.sent < flight.length) {
+      // The rest follows at its byte, unless what came after it is on its way already.
+      if (flying_ > 0) {
+        fall_out(Outcome::failed);
+      } else if (!submit(sent->number) && device_ == nullptr) {
+        return;
+      }
+    }
+  }
+}
+
+void Wire::fall_out(Outcome outcome) {
+  halted_ = halted_ || outcome == Outcome::stalled;
+  if (outcome == Outcome::gone) return lose(text_of(outcome));
+  start_over(outcome == Outcome::timed_out ? "it takes no bytes" : text_of(outcome));
+}
+
+void Wire::start_over(std::string trouble) {
+  // Out of step again while it is being resynchronised: not at once, or it would be asked without end.
+  due_s_ = clock_.now_s() + (state_ == State::in_step ? 0 : retry_s);
+  state_ = State::draining;
+  if (trouble_.empty()) trouble_ = std::move(trouble);  // what came first is why
+  if (flying_ > 0) device_->cancel();
+}
+
+void Wire::resync() {
+  if (state_ == State::in_step) start_over({});
+}
+
+void Wire::lose(std::string trouble) {
+  device_.reset();
+  for (Flight& flight : flights_)
+    flight.flies = false;
+  flying_ = 0;
+  state_ = State::lost;
+  due_s_ = clock_.now_s() + retry_s;
+  trouble_ = std::move(trouble);
+}
+
+bool Wire::takes() const {
+  return state_ == State::in_step && flying_ < usb::most_in_flight;
+}
+
+void Wire::send(const Frame& frame) {
+  ++frames_;
+  begin(frame);
+}
+
+bool Wire::silenced() const {
+  return flying_ == 0 && state_ != State::lost && state_ != State::draining;
+}
+
+double Wire::oldest_s() const {
+  double oldest = std::numeric_limits<double>::infinity();
+  for (const Flight& flight : flights_) {
+    if (flight.flies) oldest = std::min(oldest, flight.since_s);
+  }
+  return oldest;
+}
+
+}  // namespace palpa::driver::openmpd

@@ -1,0 +1,102 @@
+// One OpenMPD board at the end of its cable: takes frames, and is in step or gets there by itself.
+//
+// The board never says anything, so nobody can see that it is out of step. Therefore it is resynchronised when it is
+// opened and after every transfer that failed, was cancelled or took too long:
+//
+//   cancel -> purge -> 512 zeros, two all-off frames -> 1 s without a byte -> 512 zeros, an all-off frame -> in step
+//
+// The first burst silences it, wherever in a frame its parser stood; the pause has it drop what is left of a cut frame,
+// and the second burst ends the parser's last frame. A device that is gone is looked for until it is back.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "driver/clock.hpp"
+#include "driver/openmpd/frame.hpp"
+#include "driver/usb/device.hpp"
+
+namespace palpa::driver::openmpd {
+
+/// Which board: its serial number and, where several have that one, where it is plugged in (usb::Entry::place).
+struct Address {
+  std::string serial, place;
+  std::string text() const { return place.empty() ? serial : serial + "@" + place; }
+};
+
+class Wire {
+ public:
+  static constexpr double transfer_patience_s = 0.05;
+  static constexpr double pause_s = 1.05;  ///< the board's own second is up by then
+  static constexpr double retry_s = 0.5;
+
+  /// All of them outlive it. `divider` is set once per opening.
+  Wire(Address address, usb::Transport& transport, const Clock& clock, std::uint8_t divider);
+
+  /// Opens the device and begins to resynchronise it. Throws failure() or bad_usage naming what is wrong and what would
+  /// be right: no such board, several, one that another program has, something else that answers to the same ids.
+  void open();
+
+  /// Goes on: transfers that ended, the resynchronisation's steps, a device that is back. Waits for requests alone,
+  /// while the board is silent or as good as.
+  void tend();
+
+  bool in_step() const { return state_ == State::in_step; }
+  /// Whether send() may be called: in step, and a transfer free.
+  bool takes() const;
+  /// Begins to send. Trouble with it is for tend().
+  void send(const Frame& frame);
+  /// Starts over, if it was in step: silence, and in step again a second later.
+  void resync();
+
+  /// Nothing that was sent is on its way any more.
+  bool settled() const { return flying_ == 0; }
+  /// Silent as far as anybody can know: what silences it has left, last.
+  bool silenced() const;
+
+  const Address& address() const { return address_; }
+  /// Why it is not in step, for messages; empty where all is as it should be.
+  const std::string& trouble() const { return trouble_; }
+  unsigned bus() const { return entry_.bus; }
+  std::uint64_t frames() const { return frames_; }  ///< given to send()
+
+ private:
+  enum class State { lost, draining, flushing, pausing, ending, in_step };
+  struct Flight {
+    std::array<std::uint8_t, 3 * frame_bytes> bytes{};
+    std::size_t length = 0, sent = 0;
+    double since_s = 0;
+    bool flies = false;
+  };
+
+  void ready_device(const usb::Entry& entry);
+  void look_for_device();
+  void reap();
+  void start_over(std::string trouble);
+  void lose(std::string trouble);
+  void fall_out(usb::Outcome outcome);
+  void flush();
+  void begin(std::span<const std::uint8_t> bytes);
+  bool submit(unsigned number);
+  double oldest_s() const;
+
+  Address address_;
+  usb::Transport& transport_;
+  const Clock& clock_;
+  std::uint8_t divider_;
+  usb::Entry entry_;
+  std::unique_ptr<usb::Device> device_;
+  State state_ = State::lost;
+  bool halted_ = false;       ///< its endpoint stalled
+  bool divider_set_ = false;  ///< since the device was opened
+  double due_s_ = 0;          ///< when the state's next step may come
+  std::array<Flight, usb::most_in_flight> flights_;
+  unsigned flying_ = 0;
+  std::string trouble_;
+  std::uint64_t frames_ = 0;
+};
+
+}  // namespace palpa::driver::openmpd

@@ -1,0 +1,47 @@
+// The requests that FTDI's chips know, as far as boards need them. Each chip is in many things: whoever opens one knows
+// it by its serial number, never by its ids alone.
+#pragma once
+
+#include <cstdint>
+
+#include "driver/usb/device.hpp"
+
+namespace palpa::driver::usb::ftdi {
+
+inline constexpr std::uint16_t vendor = 0x0403;
+inline constexpr std::uint16_t product_232h = 0x6014, release_232h = 0x0900;
+inline constexpr std::uint8_t endpoint_out = 0x02, endpoint_in = 0x81;
+
+enum Request : std::uint8_t { reset = 0, set_latency = 9, set_bit_mode = 11, read_eeprom = 0x90 };
+
+constexpr Setup reset_request() {
+  return {0x40, reset, 0, 0};
+}
+/// The chip drops what it has for the device behind it, such as a board. (What old programs call "purge RX".)
+constexpr Setup purge_to_device_request() {
+  return {0x40, reset, 1, 0};
+}
+/// The chip drops what it has for the host.
+constexpr Setup purge_to_host_request() {
+  return {0x40, reset, 2, 0};
+}
+/// Back to the mode that the EEPROM says.
+constexpr Setup plain_mode_request() {
+  return {0x40, set_bit_mode, 0, 0};
+}
+constexpr Setup latency_request(std::uint8_t milliseconds) {
+  return {0x40, set_latency, milliseconds, 0};
+}
+
+/// How an FT232H's pins speak to what is behind it: the low four bits of its EEPROM's first byte.
+enum class Channel : std::uint8_t { uart = 0, fifo = 1, optical = 2, cpu = 4, ft1284 = 8, blank = 15 };
+const char* text_of(Channel channel);  ///< "serial (UART)"
+
+/// Reads it into `channel`.
+Outcome read_channel(Device& device, Channel& channel);
+
+/// Readies a chip in this order: reset, plain mode, latency of 2 ms (with 1 ms bytes were seen to be lost), both
+/// purges. Stops at the first that is not `done` and returns it.
+Outcome make_ready(Device& device);
+
+}  // namespace palpa::driver::usb::ftdi

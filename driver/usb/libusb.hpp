@@ -1,0 +1,15 @@
+// Devices on this machine's USB, by libusb. Every list is of a context of its own, made anew: a device that comes back
+// is found without udev, too.
+#pragma once
+
+#include "driver/usb/device.hpp"
+
+namespace palpa::driver::usb {
+
+class LibusbTransport final : public Transport {
+ public:
+  Listing list(Wanted wanted) override;
+  std::unique_ptr<Device> open(const Entry& entry, std::uint8_t endpoint) override;
+};
+
+}  // namespace palpa::driver::usb

@@ -1,0 +1,201 @@
+#include "driver/usb/local_server.hpp"
+
+#include <fmt/core.h>
+#include <sys/socket.h>
+#include <sys/uio.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace palpa::driver::usb {
+namespace {
+
+constexpr unsigned most_emulators = 64;
+constexpr std::size_t most_clients = 16;
+
+}  // namespace
+
+LocalServer::LocalServer(Peripheral& peripheral, Wiretap* tap)
+    : peripheral_(peripheral), tap_(tap), packet_(sizeof(LocalMessage) + most_local_bytes) {
+  listen_at_free_address();
+}
+
+LocalServer::~LocalServer() {
+  for (const Client& client : clients_)
+    close(client.fd);
+  if (listener_ >= 0) {
+    close(listener_);
+    unlink(address_.c_str());
+  }
+}
+
+void LocalServer::listen_at_free_address() {
+  const std::filesystem::path folder = runtime_folder();
+  for (unsigned number = 1; number <= most_emulators; ++number) {
+    address_ = folder / fmt::format("usb-{}.sock", number);
+    sockaddr_un name{};
+    name.sun_family = AF_UNIX;
+    const std::string text = address_.string();
+    if (text.size() >= sizeof name.sun_path) {
+      throw failure(fmt::format("{}: too long for a socket's address: set XDG_RUNTIME_DIR to a shorter path", text));
+    }
+    std::memcpy(name.sun_path, text.c_str(), text.size() + 1);
+    const auto* address = reinterpret_cast<const sockaddr*>(&name);
+    listener_ = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (bind(listener_, address, sizeof name) != 0 && errno == EADDRINUSE) {
+      // Somebody listens there, or did and died.
+      const int probe = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+      const bool dead = connect(probe, address, sizeof name) != 0 && errno == ECONNREFUSED;
+      close(probe);
+      if (!dead || unlink(text.c_str()) != 0 || bind(listener_, address, sizeof name) != 0) {
+        close(std::exchange(listener_, -1));
+        continue;
+      }
+    }
+    if (listen(listener_, most_clients) == 0) return;
+    const int code = errno;
+    close(std::exchange(listener_, -1));
+    throw failure(fmt::format("{}: cannot listen there: {}", text, std::generic_category().message(code)));
+  }
+  throw failure(fmt::format("{}: {} emulators listen there already", folder.string(), most_emulators));
+}
+
+void LocalServer::watch(std::vector<pollfd>& watched) const {
+  watched.push_back({listener_, POLLIN, 0});
+  for (const Client& client : clients_)
+    watched.push_back({client.fd, POLLIN, 0});
+}
+
+bool LocalServer::waits() const {
+  return std::any_of(clients_.begin(), clients_.end(), [](const Client& client) { return !client.transfers.empty(); });
+}
+
+void LocalServer::answer(const Client& client, const LocalMessage& message, std::span<const std::uint8_t> bytes) {
+  iovec parts[]{{const_cast<LocalMessage*>(&message), sizeof message},
+                {const_cast<std::uint8_t*>(bytes.data()), bytes.size()}};
+  msghdr packet{};
+  packet.msg_iov = parts;
+  packet.msg_iovlen = 2;
+  // Whoever does not read its answers loses them.
+  static_cast<void>(sendmsg(client.fd, &packet, MSG_NOSIGNAL));
+}
+
+void LocalServer::end_transfer(Client& client, Outcome outcome, double now_s) {
+  const Transfer& transfer = client.transfers.front();
+  if (tap_ != nullptr && transfer.taken > 0)
+    tap_->bulk(now_s, client.endpoint, std::span(transfer.bytes).first(transfer.taken));
+  LocalMessage message;
+  message.kind = LocalMessage::bulk;
+  message.number = transfer.number;
+  message.outcome = outcome;
+  message.bytes = static_cast<std::uint32_t>(transfer.taken);
+  answer(client, message);
+  client.transfers.pop_front();
+}
+
+void LocalServer::end_transfers(Client& client, Outcome outcome, double now_s) {
+  while (!client.transfers.empty())
+    end_transfer(client, outcome, now_s);
+}
+
+void LocalServer::carry(Client& client, double now_s) {
+  while (!client.transfers.empty()) {
+    Transfer& transfer = client.transfers.front();
+    transfer.taken +=
+        peripheral_.bulk_out(now_s, client.endpoint, std::span(std::as_const(transfer.bytes)).subspan(transfer.taken));
+    if (transfer.taken < transfer.bytes.size()) return;
+    end_transfer(client, Outcome::done, now_s);
+  }
+}
+
+/// One packet; false: nothing more to hear. A client that is gone has no descriptor any more.
+bool LocalServer::hear(Client& client, double now_s) {
+  const ssize_t came = recv(client.fd, packet_.data(), packet_.size(), 0);
+  if (came < 0 && (errno == EAGAIN || errno == EINTR)) return false;
+  if (came < static_cast<ssize_t>(sizeof(LocalMessage))) {
+    close(std::exchange(client.fd, -1));
+    if (client.owner) {
+      // What it had not brought over when it died never comes.
+      client.transfers.clear();
+      peripheral_.closed(now_s);
+    }
+    return false;
+  }
+  LocalMessage message;
+  std::memcpy(&message, packet_.data(), sizeof message);
+  const std::span<const std::uint8_t> bytes(packet_.data() + sizeof message,
+                                            static_cast<std::size_t>(came) - sizeof message);
+  const bool owned = std::any_of(clients_.begin(), clients_.end(), [](const Client& c) { return c.owner; });
+  if (message.kind != LocalMessage::describe && message.kind != LocalMessage::claim && !client.owner) {
+    message.outcome = Outcome::failed;
+    answer(client, message);
+    return true;
+  }
+  switch (message.kind) {
+    case LocalMessage::describe: {
+      const auto& identity = peripheral_.identity();
+      LocalIdentity reply;
+      reply.vendor = identity.vendor;
+      reply.product = identity.product;
+      reply.release = identity.release;
+      identity.serial.copy(reply.serial.data(), reply.serial.size() - 1);
+      answer(client, message, {reinterpret_cast<const std::uint8_t*>(&reply), sizeof reply});
+      break;
+    }
+    case LocalMessage::claim:
+      message.outcome = owned ? Outcome::stalled : Outcome::done;
+      client.endpoint = static_cast<std::uint8_t>(message.number);
+      client.owner = client.owner || !owned;
+      answer(client, message);
+      break;
+    case LocalMessage::request: {
+      std::array<std::uint8_t, 256> in{};
+      std::size_t filled = 0;
+      message.outcome = peripheral_.control(
+          now_s, message.setup, std::span(in).first(std::min<std::size_t>(message.bytes, in.size())), filled);
+      if (tap_ != nullptr) tap_->control(now_s, message.setup, std::span(in).first(filled));
+      answer(client, message, std::span(in).first(filled));
+      break;
+    }
+    case LocalMessage::bulk:
+      client.transfers.push_back({message.number, 0, {bytes.begin(), bytes.end()}});
+      carry(client, now_s);
+      break;
+    case LocalMessage::cancel:
+      end_transfers(client, Outcome::cancelled, now_s);
+      break;
+    case LocalMessage::clear_halt:
+      message.outcome = Outcome::done;
+      answer(client, message);
+      break;
+    default:
+      break;
+  }
+  return true;
+}
+
+void LocalServer::go_on(double now_s) {
+  peripheral_.advance(now_s);
+  for (int fd = 0; clients_.size() < most_clients;) {
+    fd = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    if (fd < 0) break;
+    clients_.push_back({fd, false, 0, {}});
+  }
+  for (Client& client : clients_) {
+    carry(client, now_s);
+    while (hear(client, now_s)) {
+    }
+  }
+  std::erase_if(clients_, [](const Client& client) { return client.fd < 0; });
+}
+
+}  // namespace palpa::driver::usb

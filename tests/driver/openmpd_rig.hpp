@@ -1,0 +1,105 @@
+// OpenMPD boards of software on a bus of this process, in a time that passes only where a test lets it.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+#include "driver/board.hpp"
+#include "driver/clock.hpp"
+#include "driver/openmpd/board.hpp"
+#include "driver/openmpd/emulator.hpp"
+#include "driver/usb/in_process.hpp"
+
+namespace palpa::test {
+
+class TestClock final : public driver::Clock {
+ public:
+  double now_s() const override { return now_s_; }
+  void sleep_s(double seconds) override { now_s_ += seconds; }
+
+ private:
+  double now_s_ = 3;  // boards have been on for a while
+};
+
+class KeptNotes final : public driver::BoardNotes {
+ public:
+  void warning(std::string_view line) noexcept override { warnings.emplace_back(line); }
+  void info(std::string_view line) noexcept override { infos.emplace_back(line); }
+  std::vector<std::string> warnings, infos;
+};
+
+/// `serials.size()` boards, 1 or 2 unless a layout is given.
+struct OpenMpdRig {
+  explicit OpenMpdRig(std::vector<std::string> serials = {"EMU1"},
+                      driver::usb::ftdi::Channel channel = driver::usb::ftdi::Channel::fifo)
+      : layout(array::load_layout(serials.size() == 1 ? "openmpd" : "openmpd-pair")) {
+    for (const std::string& serial : serials) {
+      argument += (argument.empty() ? "" : ",") + serial;
+      emulators.push_back(std::make_unique<driver::openmpd::EmulatedBoard>(serial, channel));
+      faults.push_back(&bus.plug(*emulators.back()));
+    }
+  }
+
+  void open() {
+    board = std::make_unique<driver::openmpd::OpenMpdBoard>(
+        driver::BoardSetting{argument, files, layout, slot_s, notes}, bus, clock);
+  }
+  /// One slot after the other, as a guard does it.
+  void play(const array::Drive& drive, double seconds) {
+    for (const double end_s = clock.now_s() + seconds; clock.now_s() < end_s - 1e-9;) {
+      board->play(slot++, drive);
+      clock.sleep_s(slot_s / 2);
+      board->tend();
+      clock.sleep_s(slot_s / 2);
+    }
+    look();
+  }
+  /// The boards' own time catches up.
+  void look() {
+    for (auto& emulator : emulators)
+      emulator->advance(clock.now_s());
+  }
+  bool sounds() const {
+    bool any = false;
+    for (const auto& emulator : emulators)
+      any = any || emulator->fpga().sounds();
+    return any;
+  }
+  std::string violations() const {
+    std::string text;
+    for (const auto& emulator : emulators) {
+      for (const auto& violation : emulator->violations().kept())
+        text += std::to_string(violation.time_s) + " s: " + violation.what + "\n";
+    }
+    return text;
+  }
+
+  TestClock clock;
+  driver::usb::InProcessBus bus{clock};
+  array::Layout layout;
+  std::string argument, files;
+  double slot_s = 1.5e-3;
+  KeptNotes notes;
+  std::vector<std::unique_ptr<driver::openmpd::EmulatedBoard>> emulators;
+  std::vector<driver::usb::Faults*> faults;
+  std::unique_ptr<driver::openmpd::OpenMpdBoard> board;
+  std::uint64_t slot = 0;
+};
+
+/// A focus above the first board.
+inline array::Drive focus_drive(const array::Layout& layout, const Vec3& focus = {0.01, -0.005, 0.15},
+                                array::Weighting weighting = array::Weighting::distance) {
+  const array::SlotFocus foci[]{{focus}};
+  array::DriveOptions options;
+  options.weighting = weighting;
+  return array::drive_for(layout, foci, options);
+}
+
+}  // namespace palpa::test

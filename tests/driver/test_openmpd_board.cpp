@@ -1,0 +1,378 @@
+// OpenMPD boards as a guard plays on them, against emulators on a bus in memory: what they sound, and what happens when
+// something goes wrong.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstdlib>
+#include <numbers>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "driver/openmpd_files.hpp"
+#include "driver/openmpd_rig.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::test {
+namespace {
+
+namespace openmpd = driver::openmpd;
+namespace ftdi = driver::usb::ftdi;
+constexpr double pi = std::numbers::pi;
+constexpr double wave_number = 2 * pi * 40e3 / 343.21;
+
+/// By hand, omnidirectional.
+std::complex<double> pressure_at(const array::Layout& layout, const array::Drive& drive, const Vec3& place) {
+  std::complex<double> sum = 0;
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    const Vec3 d = place - layout.transducers[i].position;
+    const double r = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    sum +=
+        std::polar(static_cast<double>(drive[i].amplitude) / r, static_cast<double>(drive[i].phase) + wave_number * r);
+  }
+  return sum;
+}
+
+/// Climbs from `from` to the nearest peak, to a micrometre.
+Vec3 peak_near(const array::Layout& layout, const array::Drive& drive, Vec3 at) {
+  for (double step = 1e-3; step > 1e-6;) {
+    Vec3 best = at;
+    double most = std::abs(pressure_at(layout, drive, at));
+    for (const Vec3& d : {Vec3{step, 0, 0}, Vec3{-step, 0, 0}, Vec3{0, step, 0}, Vec3{0, -step, 0}, Vec3{0, 0, step},
+                          Vec3{0, 0, -step}}) {
+      const double here = std::abs(pressure_at(layout, drive, at + d));
+      if (here > most) {
+        most = here;
+        best = at + d;
+      }
+    }
+    if (best == at) step /= 2;
+    at = best;
+  }
+  return at;
+}
+
+/// The drive put through the board's quantisation as its documentation has it.
+array::Drive quantised(const array::Drive& drive) {
+  array::Drive out(drive.size());
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    const int width = static_cast<int>(std::trunc(64 * (2 / pi) * std::asin(static_cast<double>(drive[i].amplitude))));
+    const double turns = static_cast<double>(drive[i].phase) / (2 * pi);
+    const double step = std::floor(128 * (turns - std::floor(turns)) + (64 - width) / 2.0 + 0.5);
+    // A pulse whose first count is `step`, so that its middle lies (64 - width) / 2 before that of a full one's.
+    out[i] = {static_cast<float>(std::sin(width * pi / 128)),
+              static_cast<float>(2 * pi * (step - (64 - width) / 2.0) / 128)};
+  }
+  return out;
+}
+
+TEST(OpenMpdBoard, ComesUpSilentAndInStepWithItsDividerSet) {
+  OpenMpdRig rig;
+  const double begin_s = rig.clock.now_s();
+  rig.open();
+  EXPECT_LT(rig.clock.now_s() - begin_s, 1.2);
+  rig.look();
+  EXPECT_FALSE(rig.sounds());
+  EXPECT_EQ(rig.emulators[0]->fpga().divider(), 4u);
+  EXPECT_EQ(rig.emulators[0]->fpga().dividers_set(), 1u);
+  EXPECT_EQ(rig.faults[0]->bulk_bytes, 5u * 512);
+  EXPECT_EQ(rig.violations(), "");
+  EXPECT_TRUE(rig.notes.warnings.empty());
+}
+
+TEST(OpenMpdBoard, SoundsAsTheDriveAsks) {
+  for (const bool calibrated : {false, true}) {
+    OpenMpdRig rig;
+    openmpd::Calibration calibration;
+    if (calibrated) {
+      calibration = made_up_calibration(5);
+      calibration.factors = openmpd::Calibration{}.factors;
+      const auto folder = scratch_folder("openmpd-calibrated");
+      write_text(folder / "board_1.pat", board_file_text("EMU1", calibration));
+      rig.files = folder.string();
+    }
+    rig.open();
+    for (const Vec3& focus : {Vec3{0, 0, 0.15}, Vec3{0.03, -0.02, 0.12}}) {
+      const array::Drive drive = focus_drive(rig.layout, focus);
+      rig.play(drive, 0.02);
+      const array::Drive heard = openmpd::heard_drive(rig.emulators[0]->fpga().pulses(), calibration);
+      const Vec3 peak = peak_near(rig.layout, drive, focus), heard_peak = peak_near(rig.layout, heard, focus);
+      EXPECT_LT(std::sqrt(glm::dot(peak - heard_peak, peak - heard_peak)), 0.3e-3);
+      const double there = std::abs(pressure_at(rig.layout, heard, focus));
+      if (!calibrated) {
+        EXPECT_NEAR(there / std::abs(pressure_at(rig.layout, quantised(drive), focus)), 1, 0.002);
+      }
+      const array::Drive even = focus_drive(rig.layout, focus, array::Weighting::uniform);
+      rig.play(even, 0.02);
+      const array::Drive heard_even = openmpd::heard_drive(rig.emulators[0]->fpga().pulses(), calibration);
+      EXPECT_NEAR(std::abs(pressure_at(rig.layout, heard_even, focus)) / std::abs(pressure_at(rig.layout, even, focus)),
+                  1, 0.01);
+    }
+    EXPECT_EQ(rig.violations(), "");
+  }
+}
+
+TEST(OpenMpdBoard, SilenceSoundsWithinFiveMillisecondsAndBuffersStayEmpty) {
+  OpenMpdRig rig;
+  rig.open();
+  rig.play(focus_drive(rig.layout), 0.1);
+  EXPECT_TRUE(rig.sounds());
+  rig.board->all_off();
+  rig.clock.sleep_s(0.2e-3);
+  rig.look();
+  EXPECT_FALSE(rig.sounds());
+  rig.play(focus_drive(rig.layout), 0.1);
+  rig.board->play(rig.slot++, array::Drive(256, {0, 0}));
+  rig.clock.sleep_s(0.2e-3);
+  rig.look();
+  EXPECT_FALSE(rig.sounds());
+  EXPECT_TRUE(rig.board->close());
+  rig.board.reset();
+  rig.clock.sleep_s(1);
+  rig.look();
+  EXPECT_EQ(rig.violations(), "");
+  // The opening's burst is three frames; after that one at a time.
+  EXPECT_LE(rig.emulators[0]->fpga().most_buffered(), 1536u);
+}
+
+TEST(OpenMpdBoard, TwoBoardsGetTheirHalvesAndEqualFrames) {
+  OpenMpdRig rig({"EMU1", "EMU2"});
+  rig.open();
+  array::Drive drive(512);
+  for (std::size_t i = 0; i < drive.size(); ++i)
+    drive[i] = {i < 256 ? 0.5f : 1.0f, 0};
+  rig.play(drive, 2);
+  EXPECT_EQ(rig.emulators[0]->fpga().frames(), rig.emulators[1]->fpga().frames());
+  EXPECT_EQ(rig.emulators[0]->fpga().pulses()[3].width, openmpd::width_of(0.5f));
+  EXPECT_EQ(rig.emulators[1]->fpga().pulses()[3].width, 64);
+  EXPECT_EQ(rig.emulators[0]->fpga().shown_s(), rig.emulators[1]->fpga().shown_s());
+  EXPECT_EQ(rig.violations(), "");
+}
+
+TEST(OpenMpdBoard, KeepsABoardThatGetsNothingFromCuttingTheNextFrame) {
+  OpenMpdRig rig;
+  rig.open();
+  const std::uint64_t before = rig.emulators[0]->fpga().frames();
+  for (int i = 0; i < 800; ++i) {
+    rig.clock.sleep_s(5e-3);
+    rig.board->tend();
+  }
+  rig.look();
+  EXPECT_GE(rig.emulators[0]->fpga().frames(), before + 7);
+  EXPECT_FALSE(rig.sounds());
+  // Not while something sounds: the loop is asked for its drives, and its end is the guard's business.
+  rig.play(focus_drive(rig.layout), 0.1);
+  const std::uint64_t playing = rig.emulators[0]->fpga().frames();
+  for (int i = 0; i < 100; ++i) {
+    rig.clock.sleep_s(5e-3);
+    rig.board->tend();
+  }
+  rig.look();
+  EXPECT_EQ(rig.emulators[0]->fpga().frames(), playing);
+}
+
+// ---- faults ---------------------------------------------------------------------------------------------------------
+
+/// After trouble: silent, said once, and playing again within three seconds.
+void expect_recovery(OpenMpdRig& rig, const array::Drive& drive, const std::string& said) {
+  ASSERT_FALSE(rig.notes.warnings.empty());
+  EXPECT_NE(rig.notes.warnings[0].find(said), std::string::npos) << rig.notes.warnings[0];
+  rig.play(drive, 3);
+  EXPECT_TRUE(rig.board->in_step());
+  EXPECT_TRUE(rig.sounds());
+  ASSERT_EQ(rig.notes.warnings.size(), 2u) << rig.notes.warnings[1];
+  EXPECT_NE(rig.notes.warnings[1].find("in step again"), std::string::npos);
+  EXPECT_EQ(rig.violations(), "");
+}
+
+TEST(OpenMpdFaults, UnpluggedAtAnyByteAndPluggedInAgain) {
+  for (const std::size_t bytes : {1u, 255u, 256u, 257u, 511u, 512u, 700u, 1023u}) {
+    OpenMpdRig rig;
+    rig.open();
+    const array::Drive drive = focus_drive(rig.layout);
+    rig.play(drive, 0.05);
+    rig.faults[0]->unplug_after = bytes;
+    rig.play(drive, 0.05);
+    EXPECT_FALSE(rig.board->in_step());
+    rig.play(drive, 2);
+    EXPECT_EQ(rig.notes.warnings.size(), 1u) << "said once";
+    *rig.faults[0] = {};
+    std::vector<bool> silent;
+    rig.emulators[0]->fpga().on_shown([&](double, const openmpd::Pulses& pulses) {
+      silent.push_back(std::all_of(pulses.begin(), pulses.end(), [](const auto& pulse) { return pulse.width == 0; }));
+    });
+    expect_recovery(rig, drive, "gone");
+    // What was left of the cut frame may show once, half silent; then all-off frames before anything sounds.
+    const auto first_off = std::find(silent.begin(), silent.end(), true);
+    EXPECT_LE(first_off - silent.begin(), 1) << bytes;
+    EXPECT_LE(std::find(first_off, silent.end(), false) - first_off, 4);
+    EXPECT_GE(std::find(first_off, silent.end(), false) - first_off, 2);
+  }
+}
+
+TEST(OpenMpdFaults, OneBoardOfTwoUnpluggedSilencesBoth) {
+  OpenMpdRig rig({"EMU1", "EMU2"});
+  rig.open();
+  const array::Drive drive = array::drive_for(rig.layout, std::vector<array::SlotFocus>{{{0, 0, 0.12}}});
+  rig.play(drive, 0.05);
+  rig.faults[1]->unplug_after = 300;
+  rig.play(drive, 0.02);
+  EXPECT_FALSE(rig.emulators[0]->fpga().sounds()) << "the one that is still there";
+  rig.play(drive, 1);
+  EXPECT_FALSE(rig.emulators[0]->fpga().sounds());
+  *rig.faults[1] = {};
+  expect_recovery(rig, drive, "EMU2");
+  // Since they were silenced both have had the same frames, the one that went having missed the burst of its trouble.
+  EXPECT_EQ(rig.emulators[0]->fpga().shown_s(), rig.emulators[1]->fpga().shown_s());
+}
+
+TEST(OpenMpdFaults, AStalledEndpointIsClearedAndResynchronised) {
+  OpenMpdRig rig;
+  rig.open();
+  const array::Drive drive = focus_drive(rig.layout);
+  rig.play(drive, 0.05);
+  rig.faults[0]->stalled = true;
+  rig.play(drive, 0.02);
+  EXPECT_FALSE(rig.sounds());
+  expect_recovery(rig, drive, "refuses");
+}
+
+TEST(OpenMpdFaults, ABoardThatTakesNothingIsSilentAsSoonAsItDoes) {
+  OpenMpdRig rig;
+  rig.open();
+  const array::Drive drive = focus_drive(rig.layout);
+  rig.play(drive, 0.05);
+  rig.faults[0]->takes_nothing = true;
+  rig.play(drive, 1);
+  EXPECT_EQ(rig.notes.warnings.size(), 1u);
+  EXPECT_NE(rig.notes.warnings[0].find("takes no bytes"), std::string::npos) << rig.notes.warnings[0];
+  rig.board->all_off();
+  EXPECT_FALSE(rig.board->close()) << "nobody knows whether it is silent";
+  rig.faults[0]->takes_nothing = false;
+  rig.play(drive, 0.7);
+  EXPECT_FALSE(rig.sounds());
+  rig.play(drive, 2);
+  EXPECT_TRUE(rig.sounds());
+  EXPECT_EQ(rig.violations(), "");
+}
+
+TEST(OpenMpdFaults, RequestsThatAreNotAnsweredAreAskedAgain) {
+  OpenMpdRig rig;
+  rig.open();
+  const array::Drive drive = focus_drive(rig.layout);
+  rig.play(drive, 0.05);
+  rig.faults[0]->stalled = true;
+  rig.faults[0]->refuses_requests = true;
+  rig.play(drive, 1);
+  EXPECT_FALSE(rig.board->in_step());
+  rig.faults[0]->refuses_requests = false;
+  expect_recovery(rig, drive, "refuses");
+}
+
+TEST(OpenMpdFaults, ShortWritesGoOnAtTheirByte) {
+  for (std::size_t cut = 1; cut < 512; ++cut) {
+    OpenMpdRig rig;
+    rig.open();
+    rig.faults[0]->cut_at = cut;
+    const array::Drive drive = focus_drive(rig.layout);
+    const std::uint64_t before = rig.emulators[0]->fpga().frames();
+    rig.play(drive, 0.006);
+    ASSERT_EQ(rig.emulators[0]->fpga().frames() - before, 4u) << cut;
+    ASSERT_TRUE(rig.board->in_step()) << cut;
+    ASSERT_EQ(rig.violations(), "") << cut;
+    ASSERT_TRUE(rig.sounds());
+  }
+}
+
+TEST(OpenMpdFaults, SomethingElseBehindTheIdsIsRefused) {
+  {
+    OpenMpdRig rig({"PROBE"}, ftdi::Channel::uart);
+    const std::string line = error_of([&] { rig.open(); }, Exit::failed);
+    EXPECT_NE(line.find("serial (UART)"), std::string::npos) << line;
+    EXPECT_EQ(rig.faults[0]->bulk_bytes, 0u) << "a probe gets no byte";
+  }
+  {
+    OpenMpdRig rig({"BLANK"}, ftdi::Channel::blank);
+    EXPECT_NE(error_of([&] { rig.open(); }, Exit::failed).find("blank"), std::string::npos);
+  }
+  {  // Something else takes the board's place while it is away.
+    openmpd::EmulatedBoard probe("EMU1", ftdi::Channel::uart);
+    OpenMpdRig rig;
+    rig.open();
+    rig.play(focus_drive(rig.layout), 0.05);
+    rig.faults[0]->unplugged = true;
+    const auto& faults = rig.bus.plug(probe);
+    rig.play(focus_drive(rig.layout), 2);
+    EXPECT_EQ(faults.bulk_bytes, 0u);
+    EXPECT_FALSE(rig.board->in_step());
+  }
+}
+
+TEST(OpenMpdFaults, SerialNumbersThatSeveralShareNeedAPlace) {
+  openmpd::EmulatedBoard twin("23");
+  OpenMpdRig rig({"23"});
+  const auto& twin_faults = rig.bus.plug(twin);
+  const std::string line = error_of([&] { rig.open(); }, Exit::usage);
+  EXPECT_NE(line.find("23@1-1,23@1-2"), std::string::npos) << line;
+  rig.argument = "23@1-2";
+  rig.open();
+  EXPECT_GT(twin_faults.bulk_bytes, 0u);
+  EXPECT_EQ(rig.faults[0]->bulk_bytes, 0u);
+  OpenMpdRig pair({"23", "23"});
+  pair.argument = "23@1-2,23@1-1";
+  pair.open();
+  array::Drive drive(512, {0, 0});
+  drive[0].amplitude = 1;
+  pair.play(drive, 0.02);
+  EXPECT_FALSE(pair.emulators[0]->fpga().sounds());
+  EXPECT_TRUE(pair.emulators[1]->fpga().sounds()) << "the layout's first board is the one named first";
+}
+
+TEST(OpenMpdBoard, RefusesWhatCannotBePlayed) {
+  const auto refusal = [](auto&& change, Exit code) {
+    OpenMpdRig rig;
+    change(rig);
+    return error_of([&] { rig.open(); }, code);
+  };
+  const auto has = [](const std::string& line, const std::string& part) {
+    EXPECT_NE(line.find(part), std::string::npos) << line;
+  };
+  has(refusal([](auto& rig) { rig.argument = "NONE"; }, Exit::failed),
+      "no OpenMPD board has the serial number NONE: there are: EMU1");
+  has(refusal([](auto& rig) { rig.argument = ""; }, Exit::usage), "SERIAL");
+  has(refusal([](auto& rig) { rig.argument = "A,,B"; }, Exit::usage), "SERIAL");
+  has(refusal([](auto& rig) { rig.argument = "EMU1,EMU1"; }, Exit::usage), "twice");
+  has(refusal([](auto& rig) { rig.argument = "EMU1,EMU2"; }, Exit::usage),
+      "has 1 OpenMPD boards, and 2 serial numbers");
+  has(refusal([](auto& rig) { rig.layout = array::load_layout("sonicsurface"); }, Exit::usage), "--layout openmpd");
+  has(refusal([](auto& rig) { rig.slot_s = 40e-6; }, Exit::usage), "0.05 ms");
+  has(refusal([](auto& rig) { rig.slot_s = 60e-6; }, Exit::usage), "8.5 MB/s");
+  EXPECT_EQ(openmpd::divider_for(1.5e-3), 4);
+  EXPECT_EQ(openmpd::divider_for(250e-6), 4);
+  EXPECT_EQ(openmpd::divider_for(100e-6), 2);
+  EXPECT_EQ(openmpd::divider_for(50e-6), 1);
+  // Sixteen boards at 10 kHz are more than a bus carries; at 4 kHz they are not, and on two buses neither.
+  for (const auto& [slot_s, buses, fits] : {std::tuple{100e-6, 1u, false}, {250e-6, 1u, true}, {200e-6, 2u, true}}) {
+    std::vector<std::unique_ptr<openmpd::EmulatedBoard>> more;
+    OpenMpdRig rig;
+    rig.layout.boards.clear();
+    rig.layout.transducers.resize(16 * 256);
+    rig.argument.clear();
+    for (unsigned i = 0; i < 16; ++i) {
+      more.push_back(std::make_unique<openmpd::EmulatedBoard>("B" + std::to_string(i)));
+      rig.bus.plug(*more.back(), 1 + i % buses);
+      rig.layout.boards.push_back({"openmpd", 256 * i, 256, 0.168, 0.168});
+      rig.argument += (i == 0 ? "B" : ",B") + std::to_string(i);
+    }
+    rig.slot_s = slot_s;
+    const std::string line = error_of([&] { rig.open(); }, Exit::usage);
+    EXPECT_EQ(line.empty(), fits) << line;
+    if (!fits) has(line, "16 boards on bus 1 need 81.9 MB/s");
+  }
+}
+
+}  // namespace
+}  // namespace palpa::test

@@ -1,0 +1,39 @@
+// Counts what the thread under test allocates while it is watched. Included by one source of a program: it replaces the
+// program's operator new.
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+namespace palpa::test {
+
+inline thread_local bool heap_watched = false;
+inline thread_local std::size_t heap_allocations = 0;
+
+/// How many allocations `work` makes on this thread; always 0 under sanitizers, which have a heap of their own.
+template <typename Work>
+std::size_t allocations_of(const Work& work) {
+  heap_allocations = 0;
+  heap_watched = true;
+  work();
+  heap_watched = false;
+  return heap_allocations;
+}
+
+}  // namespace palpa::test
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// Not inlined: a compiler that sees only one half of a pair takes malloc and delete for a mismatch.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  if (palpa::test::heap_watched) ++palpa::test::heap_allocations;
+  if (void* memory = std::malloc(size ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+#endif
