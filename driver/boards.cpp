@@ -1,9 +1,10 @@
+#include "driver/autd3/board.hpp"
 #include "driver/board.hpp"
 
 namespace palpa::driver {
 
 std::vector<BoardKind> board_kinds() {
-  return {};
+  return {autd3::board_kind()};
 }
 
 }  // namespace palpa::driver

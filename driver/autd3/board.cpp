@@ -1,0 +1,401 @@
+#include "driver/autd3/board.hpp"
+
+#include <fmt/format.h>
+#include <time.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "base/error.hpp"
+#include "driver/autd3/pattern.hpp"
+#include "driver/autd3/remote.hpp"
+#include "driver/guard/channel.hpp"
+
+namespace palpa::driver::autd3 {
+namespace {
+
+constexpr std::size_t most_parts = 128;
+constexpr double open_patience_s = 3, close_patience_s = 0.5, retry_s = 1;
+
+bool all_zero(std::span<const array::TransducerDrive> drive) {
+  return std::all_of(drive.begin(), drive.end(), [](const auto& t) { return t.amplitude == 0; });
+}
+
+/// The time of day when CLOCK_MONOTONIC shows 0.
+double day_at_zero_s() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec) - monotonic_s();
+}
+
+void check(const array::Layout& layout) {
+  std::size_t covered = 0;
+  for (const array::Board& board : layout.boards)
+    covered += board.type == "autd3" && board.count == transducers && board.first == covered ? board.count : 0;
+  if (covered == 0 || covered != layout.transducers.size())
+    throw bad_input("layout " + layout.name, "link autd3 drives AUTD3 units only, such as those of autd3 and paper");
+}
+
+std::uint16_t divider_of(double slot_s) {
+  constexpr double most = 65535;
+  const double periods = slot_s * period_hz;
+  if (!(std::abs(periods - std::round(periods)) < 1e-6 && periods > 0.5 && periods <= most)) {
+    throw bad_usage(
+        fmt::format("link autd3: a slot of {:g} ms is no whole number of periods of 0.025 ms; choose --dwell "
+                    "so that it is, such as {:g}ms",
+                    1e3 * slot_s, std::max(1.0, std::round(periods)) * 0.025));
+  }
+  return static_cast<std::uint16_t>(std::lround(periods));
+}
+
+class Autd3Board final : public Board {
+ public:
+  explicit Autd3Board(const BoardSetting& setting)
+      : notes_(setting.notes),
+        divider_(divider_of(setting.slot_s)),
+        count_(setting.layout.transducers.size()),
+        remote_(resolve(setting.argument), setting.layout),
+        loading_(count_, most_parts),
+        newest_(count_, most_parts),
+        drive_(count_) {
+    remote_.connect(monotonic_s());
+    const double until_s = monotonic_s() + open_patience_s;
+    while (!ready()) {
+      if (remote_.closed()) throw failure(std::string(remote_.fault()));
+      if (monotonic_s() >= until_s) throw failure(setting.argument + " does not answer in time");
+      wait();
+      advance();
+    }
+  }
+
+  void play(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+    const Pattern& told = fresh_ ? newest_ : loading_;
+    const bool patterned = !told.empty() && slot < told.until_slot();
+    if (all_zero(drive)) {
+      if (!patterned || !told.silent_at(slot)) silence();
+    } else if (patterned) {
+      if (std::exchange(sounding_, true) == false && !fresh_) place_ = 0;  // what was silenced comes over once more
+    } else {
+      std::transform(drive.begin(), drive.end(), drive_.begin(), emission);
+      sounding_ = drive_waits_ = true;
+    }
+    advance();
+  }
+
+  void plan(const BoardPlan& plan) override {
+    ++told_;
+    drive_waits_ = false;
+    if (plan.cycle == 0) {
+      fresh_ = false;
+      place_ = 0;
+      newest_.clear();
+      loading_.clear();
+      return;
+    }
+    newest_.encode(plan);
+    fresh_ = sounding_ = true;
+    advance();
+  }
+
+  void all_off() override {
+    silence();
+    advance();
+  }
+
+  void tend() override { advance(); }
+
+  std::span<const pollfd> watched() override {
+    if (remote_.closed()) return {};
+    watched_ = remote_.watched();
+    return {&watched_, 1};
+  }
+
+  bool close() override {
+    const double until_s = monotonic_s() + close_patience_s;
+    retry_at_s_ = 0;
+    while (!silent_ || !remote_.idle()) {
+      if (monotonic_s() >= until_s) return false;
+      wait();
+      advance();
+    }
+    if (told_ > 0) tell_rate();
+    remote_.say_goodbye(monotonic_s());
+    while (!remote_.closed() && monotonic_s() < until_s) {
+      wait();
+      remote_.pump(monotonic_s());
+    }
+    return true;
+  }
+
+ private:
+  /// What a start-up asks for, in order; all messages but those for their answers wait for nothing.
+  enum Stage : int {
+    first_message,  // its number may be the last one's, and then nobody listens
+    clear_and_sync,
+    cpu_major,
+    fpga_major,
+    versions_done,
+    silencer,
+    zeros,
+    started
+  };
+  enum class Sent { nothing, startup, silence, modulation, part, gain };
+
+  bool ready() const { return stage_ == started && remote_.idle(); }
+
+  void wait() const {
+    pollfd one = remote_.watched();
+    poll(&one, 1, 5);
+  }
+
+  void silence() {
+    sounding_ = false;
+    drive_waits_ = false;
+    place_ = 0;    // of a pattern that was under way nothing sounds
+    if (fresh_) {  // and it is the newest that comes back
+      std::swap(loading_, newest_);
+      fresh_ = false;
+    }
+  }
+
+  /// Goes on with what waits until the devices have to answer.
+  void advance() {
+    while (true) {
+      const double now_s = monotonic_s();
+      if (remote_.closed()) {
+        if (stage_ != started && !lost_) return;  // open() says why
+        if (now_s < retry_at_s_) return;
+        retry_at_s_ = now_s + retry_s;
+        remote_.connect(now_s);
+      }
+      const Remote::Progress progress = remote_.pump(now_s);
+      if (progress == Remote::Progress::failed) return lose(now_s);
+      if (progress == Remote::Progress::done && !acknowledge()) return lose(now_s);
+      if (!remote_.idle()) return;
+      if (!send_next()) return;
+      remote_.send(now_s);
+    }
+  }
+
+  void lose(double now_s) {
+    const bool opening = stage_ != started && !lost_;
+    stage_ = first_message;
+    sent_ = Sent::nothing;
+    silent_ = false;
+    place_ = 0;
+    retry_at_s_ = now_s + retry_s;
+    if (!opening && !std::exchange(lost_, true)) notes_.warning(remote_.fault());
+  }
+
+  /// What was sent has been acknowledged. False: this is nothing to play with.
+  bool acknowledge() {
+    const Sent sent = std::exchange(sent_, Sent::nothing);
+    silent_ = silent_ && sent == Sent::nothing;
+    switch (sent) {
+      case Sent::nothing:
+        break;
+      case Sent::startup:
+        return acknowledge_startup();
+      case Sent::silence:
+      case Sent::gain:
+        segment_ ^= 1;
+        silent_ = sent == Sent::silence;
+        break;
+      case Sent::modulation:
+        modulation_segment_ ^= 1;
+        break;
+      case Sent::part:
+        if (transition_) {
+          segment_ ^= 1;
+          ++loaded_;
+          loading_s_ += monotonic_s() - load_begun_s_;
+        }
+        break;
+    }
+    return true;
+  }
+
+  bool acknowledge_startup() {
+    if (stage_ == cpu_major || stage_ == fpga_major) {
+      for (std::size_t d = 0; d < remote_.devices(); ++d) {
+        if (remote_.data(d) != known_firmware) {
+          std::array<char, 120> line{};
+          const auto end =
+              fmt::format_to_n(line.data(), line.size(), "device {} has firmware 0x{:02x}, not 0x{:02x}, which is 12.1",
+                               d, remote_.data(d), known_firmware);
+          remote_.refuse({line.data(), std::min(end.size, line.size())});
+          return false;
+        }
+      }
+    }
+    if (stage_ == clear_and_sync) {
+      segment_ = modulation_segment_ = 0;
+      modulated_hz_ = 0;
+    }
+    if (stage_ == zeros) {
+      segment_ ^= 1;
+      silent_ = true;
+      if (std::exchange(lost_, false)) notes_.warning("is there again");
+    }
+    stage_ = static_cast<Stage>(stage_ + 1);
+    return true;
+  }
+
+  template <typename Put>
+  void to_all(const Put& put) {
+    for (std::size_t d = 0; d < remote_.devices(); ++d)
+      put(remote_.message(d), d * transducers);
+  }
+
+  /// Writes the next message for all devices. False: there is none.
+  bool send_next() {
+    if (stage_ != started) return send_startup();
+    if (!sounding_) {
+      if (silent_) return false;
+      to_all([&](Message m, std::size_t) { put_silence(m, segment_ ^ 1); });
+      sent_ = Sent::silence;
+      return true;
+    }
+    const bool between = place_ == 0 || place_ == loading_.parts();
+    if (fresh_ && between) {
+      std::swap(loading_, newest_);
+      fresh_ = false;
+      place_ = 0;
+    }
+    if (!loading_.empty() && place_ < loading_.parts()) return send_part();
+    if (!drive_waits_) return false;
+    if (modulated_hz_ != 0) return send_modulation(0);
+    drive_waits_ = false;
+    to_all([&](Message m, std::size_t first) {
+      put_gain(m, segment_ ^ 1, std::span(drive_).subspan(first, transducers));
+    });
+    sent_ = Sent::gain;
+    return true;
+  }
+
+  bool send_startup() {
+    constexpr std::uint16_t usual_intensity_steps = 10, usual_phase_steps = 40;
+    to_all([&](Message m, std::size_t) {
+      switch (stage_) {
+        case first_message:
+          put_nop(m);
+          break;
+        case clear_and_sync:
+          put_clear_and_sync(m);
+          break;
+        case cpu_major:
+          put_version(m, Version::cpu_major);
+          break;
+        case fpga_major:
+          put_version(m, Version::fpga_major);
+          break;
+        case versions_done:
+          put_version(m, Version::done);
+          break;
+        case silencer:
+          put_silencer(m, std::min(divider_, usual_intensity_steps), std::min(divider_, usual_phase_steps));
+          break;
+        default:
+          put_silence(m, segment_ ^ 1);
+          break;
+      }
+    });
+    sent_ = Sent::startup;
+    return true;
+  }
+
+  bool send_modulation(double hz) {
+    const ModulationSamples samples =
+        modulation_samples(hz, loading_.modulation(), loading_.begin_s(), day_at_zero_s(), monotonic_s());
+    to_all([&](Message m, std::size_t) {
+      put_modulation(m, modulation_segment_ ^ 1, samples.divider, std::span(samples.samples).first(samples.count));
+    });
+    modulated_hz_ = hz;
+    modulation_ = loading_.modulation();
+    sent_ = Sent::modulation;
+    return true;
+  }
+
+  bool send_part() {
+    const double hz = loading_.modulation_hz();
+    if (hz != modulated_hz_ || (hz != 0 && loading_.modulation() != modulation_)) return send_modulation(hz);
+    const std::uint32_t parts = loading_.parts();
+    if (place_ == 0) {
+      load_begun_s_ = monotonic_s();
+      turn_.follow(loading_.begin_s(), loading_.slot_s(), day_at_zero_s());
+    }
+    const auto emissions = [&](std::uint32_t place, std::size_t first) {
+      return loading_.part(turn_.part_at(place, parts)).subspan(first, transducers);
+    };
+    const std::uint8_t idle = segment_ ^ 1;
+    const bool pairs = loading_.full() && parts > 1;
+    const std::uint32_t sends = pairs && place_ + 1 < parts ? 2 : 1;
+    const PatternStep step{idle, divider_, place_ == 0, place_ + sends == parts};
+    to_all([&](Message m, std::size_t first) {
+      if (parts == 1) {
+        put_gain(m, idle, emissions(0, first));
+      } else if (pairs) {
+        put_pattern_phases(m, step, emissions(place_, first),
+                           sends == 2 ? emissions(place_ + 1, first) : std::span<const Emission>());
+      } else {
+        put_pattern(m, step, emissions(place_, first));
+      }
+    });
+    place_ += sends;
+    transition_ = place_ == parts;
+    sent_ = Sent::part;
+    return true;
+  }
+
+  void tell_rate() {
+    std::array<char, 120> line{};
+    const auto end = fmt::format_to_n(line.data(), line.size(), "{} of {} plans brought over, {:.1f} ms each", loaded_,
+                                      told_, loaded_ == 0 ? 0.0 : 1e3 * loading_s_ / static_cast<double>(loaded_));
+    notes_.info({line.data(), std::min(end.size, line.size())});
+  }
+
+  BoardNotes& notes_;
+  std::uint16_t divider_;
+  std::size_t count_;
+  Remote remote_;
+  pollfd watched_{};
+
+  // What is to sound.
+  bool sounding_ = false;
+  bool fresh_ = false;  ///< newest_ has not been taken
+  Pattern loading_, newest_;
+  std::uint32_t place_ = 0;  ///< parts of loading_ that have been sent
+  Turn turn_;
+  std::vector<Emission> drive_;
+  bool drive_waits_ = false;
+
+  // What the devices do.
+  Stage stage_ = first_message;
+  Sent sent_ = Sent::nothing;
+  bool transition_ = false;  ///< what was sent makes the other segment sound
+  bool silent_ = false;
+  std::uint8_t segment_ = 0, modulation_segment_ = 0;  ///< that are heard
+  double modulated_hz_ = 0;
+  array::Modulation modulation_ = array::Modulation::pressure_sine;
+  bool lost_ = false;
+  double retry_at_s_ = 0;
+
+  std::uint64_t told_ = 0, loaded_ = 0;
+  double load_begun_s_ = 0, loading_s_ = 0;
+};
+
+}  // namespace
+
+BoardKind board_kind() {
+  return {"autd3", "autd3:HOST:PORT: AUTD3 units behind a server of the Remote protocol",
+          [](const BoardSetting& setting) -> std::unique_ptr<Board> {
+            check(setting.layout);
+            return std::make_unique<Autd3Board>(setting);
+          },
+          true};
+}
+
+}  // namespace palpa::driver::autd3

@@ -1,0 +1,79 @@
+// An AUTD3 device made of software: reads messages as its firmware 12.1 does, and tells what it emits. As strict, and
+// more talkative: what the firmware answers with an error, and what it would bear in silence although nobody can have
+// meant it, is a violation.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "driver/emulate/violations.hpp"
+
+namespace palpa::driver::autd3 {
+
+class EmulatedDevice {
+ public:
+  static constexpr std::size_t transducers = 249, message_size = 626;
+
+  struct Output {
+    std::uint8_t phase, intensity;
+    bool operator==(const Output&) const = default;
+  };
+
+  explicit EmulatedDevice(std::uint8_t firmware = 0xa5);
+
+  /// `now_s` is the time since 2000-01-01: messages take effect then.
+  void receive(double now_s, std::span<const std::uint8_t> message);
+  /// Data, then error and number.
+  std::array<std::uint8_t, 2> answer() const;
+
+  /// What its transducers emit then: the pattern's part times the modulation.
+  std::array<Output, transducers> output(double now_s) const;
+  bool silent(double now_s) const;
+  bool cleared() const { return cleared_; }
+  /// Operations that it has understood, and transitions from one segment to the other.
+  std::uint64_t operations() const { return operations_; }
+  std::uint64_t transitions() const { return transitions_; }
+  const emulate::Violations& violations() const { return violations_; }
+
+ private:
+  struct Segment {
+    std::vector<std::array<Output, transducers>> parts;
+    std::uint32_t divider = 0xffff;
+    bool open = false;  ///< begun, its end has not come
+  };
+  struct Waveform {
+    std::vector<std::uint8_t> samples;
+    std::uint32_t divider = 0xffff;
+  };
+
+  void power_up();
+  std::uint8_t handle(double now_s, std::span<const std::uint8_t> operation);
+  std::uint8_t tell_version(std::uint8_t which);
+  std::uint8_t take_modulation(std::span<const std::uint8_t> o);
+  std::uint8_t take_silencer(std::span<const std::uint8_t> o);
+  std::uint8_t take_gain(std::span<const std::uint8_t> o);
+  std::uint8_t take_pattern(double now_s, std::span<const std::uint8_t> o);
+  std::uint8_t change_pattern(std::span<const std::uint8_t> o);
+  bool too_fast(std::uint32_t pattern_divider, std::uint32_t modulation_divider) const;
+  bool wrong_transition(std::uint8_t current, std::uint8_t segment, std::uint16_t repeat, std::uint8_t mode) const;
+  void violate(const std::string& what) { violations_.add(now_s_, what); }
+
+  std::uint8_t firmware_;
+  double now_s_ = 0;
+  int id_ = -1;
+  std::uint8_t error_ = 0, data_ = 0;
+  bool cleared_ = false, synchronised_ = false;
+  std::array<Segment, 2> segments_;
+  std::array<Waveform, 2> waveforms_;
+  std::uint8_t sounding_ = 0, heard_ = 0;  ///< segments of pattern and modulation
+  std::uint8_t writing_ = 0, mode_ = 0;
+  bool strict_ = true;
+  std::uint16_t intensity_steps_ = 10, phase_steps_ = 40;
+  std::uint64_t operations_ = 0, transitions_ = 0;
+  emulate::Violations violations_;
+};
+
+}  // namespace palpa::driver::autd3

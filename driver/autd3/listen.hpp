@@ -1,0 +1,36 @@
+// The emulated server on a real TCP port.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <span>
+#include <string>
+
+#include "driver/autd3/server.hpp"
+#include "driver/guard/channel.hpp"
+
+namespace palpa::driver::autd3 {
+
+/// Seconds since 2000-01-01 by this machine's time of day, which the emulated devices share.
+double device_time_s();
+
+class Listener {
+ public:
+  /// On 127.0.0.1; port 0 takes any that is free. Throws failure() for one that is taken.
+  explicit Listener(std::uint16_t port);
+  std::uint16_t port() const { return port_; }
+  std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+
+  /// Serves one client after the other until `stop`, which it looks at 50 times a second. `heard` gets what came,
+  /// before it is taken; `lock` is held while the server is used, for whoever else looks at it.
+  void serve(EmulatedServer& server, const std::atomic<bool>& stop, std::mutex& lock,
+             const std::function<void(std::span<const std::uint8_t>)>& heard = {});
+
+ private:
+  Descriptor socket_;
+  std::uint16_t port_ = 0;
+};
+
+}  // namespace palpa::driver::autd3

@@ -1,0 +1,77 @@
+#include "driver/autd3/pattern.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpa::driver::autd3 {
+
+Pattern::Pattern(std::size_t count, std::size_t most_parts)
+    : transducers_(count), emissions_(count * most_parts), silent_(most_parts) {}
+
+void Pattern::encode(const BoardPlan& plan) {
+  parts_ = std::min<std::uint32_t>(plan.cycle, static_cast<std::uint32_t>(silent_.size()));
+  full_ = true;
+  for (std::uint32_t p = 0; p < parts_; ++p) {
+    bool silent = true;
+    for (std::size_t t = p * transducers_; t < (p + 1) * transducers_; ++t) {
+      emissions_[t] = emission(plan.drives[t]);
+      full_ = full_ && emissions_[t].intensity == 255;
+      silent = silent && plan.drives[t].amplitude == 0;
+    }
+    silent_[p] = silent;
+  }
+  until_slot_ = plan.until_slot;
+  modulation_hz_ = plan.modulation_hz;
+  modulation_ = plan.modulation;
+  slot_s_ = plan.slot_s;
+  begin_s_ = plan.from_s - static_cast<double>(plan.from_slot) * plan.slot_s;
+}
+
+bool Pattern::silent_at(std::uint64_t slot) const {
+  if (empty() || silent_[slot % parts_]) return true;
+  const double midpoint_s = (static_cast<double>(slot) + 0.5) * slot_s_;
+  return modulation_hz_ != 0 &&
+         static_cast<float>(array::modulation_gain(modulation_, modulation_hz_, midpoint_s)) == 0;
+}
+
+void Turn::follow(double begin_s, double slot_s, double day_s) {
+  const double ahead = (begin_s + day_s - epoch_s) / slot_s;  // slot 0's begin as the devices count
+  if (known_ && std::abs(ahead - static_cast<double>(ahead_)) <= 1) return;
+  ahead_ = std::llround(ahead);
+  known_ = true;
+}
+
+std::uint32_t Turn::part_at(std::uint32_t index, std::uint32_t parts) const {
+  const std::int64_t part = (static_cast<std::int64_t>(index) - ahead_) % parts;
+  return static_cast<std::uint32_t>(part < 0 ? part + parts : part);
+}
+
+ModulationSamples modulation_samples(double hz, array::Modulation modulation, double begin_s, double day_s,
+                                     double now_s) {
+  ModulationSamples out;
+  out.count = 2;
+  if (hz == 0) {
+    out.samples.fill(255);
+    return out;
+  }
+  const double rate_hz = period_hz / out.divider;
+  double least = 1;
+  for (std::size_t count = 2; count <= out.samples.size(); ++count) {
+    const double cycles = static_cast<double>(count) * hz / rate_hz;
+    const double miss = std::abs(cycles - std::round(cycles)) / std::max(cycles, 1.0);
+    if (std::round(cycles) < 1 || miss > least - 1e-9) continue;
+    least = miss;
+    out.count = count;
+  }
+  const double whole_s = static_cast<double>(out.count) / rate_hz;
+  const double played_hz = std::max(1.0, std::round(whole_s * hz)) / whole_s;
+  const double first_s = std::floor((now_s + day_s - epoch_s) / whole_s) * whole_s;  // on the devices' clock
+  for (std::size_t i = 0; i < out.count; ++i) {
+    const double at_s = first_s + (static_cast<double>(i) + 0.5) / rate_hz - (begin_s + day_s - epoch_s);
+    const double gain = array::modulation_gain(modulation, played_hz, at_s);
+    out.samples[i] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(gain, 0.0, 1.0)));
+  }
+  return out;
+}
+
+}  // namespace palpa::driver::autd3

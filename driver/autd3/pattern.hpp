@@ -1,0 +1,78 @@
+// A plan as AUTD3 devices play it: what each transducer emits in each part, and where in it the devices' clock stands.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "driver/autd3/wire.hpp"
+#include "driver/board.hpp"
+
+namespace palpa::driver::autd3 {
+
+/// Devices count from 2000-01-01, as everything on EtherCAT does.
+inline constexpr double epoch_s = 946684800;
+
+class Pattern {
+ public:
+  /// Room for plans of that many transducers and parts.
+  Pattern(std::size_t count, std::size_t most_parts);
+
+  void encode(const BoardPlan& plan);
+  void clear() { parts_ = 0; }
+  bool empty() const { return parts_ == 0; }
+
+  std::uint32_t parts() const { return parts_; }
+  /// All transducers of all parts at full amplitude.
+  bool full() const { return full_; }
+  std::span<const Emission> part(std::uint64_t index) const {
+    return {&emissions_[index * transducers_], transducers_};
+  }
+  /// Whether a drive of nothing is what that slot is to sound like.
+  bool silent_at(std::uint64_t slot) const;
+  std::uint64_t until_slot() const { return until_slot_; }
+  double modulation_hz() const { return modulation_hz_; }
+  array::Modulation modulation() const { return modulation_; }
+  double slot_s() const { return slot_s_; }
+  /// When slot 0 began, on CLOCK_MONOTONIC.
+  double begin_s() const { return begin_s_; }
+
+ private:
+  std::size_t transducers_;
+  std::vector<Emission> emissions_;
+  std::vector<std::uint8_t> silent_;  ///< by part
+  std::uint32_t parts_ = 0;
+  bool full_ = false;
+  std::uint64_t until_slot_ = 0;
+  double modulation_hz_ = 0, slot_s_ = 0, begin_s_ = 0;
+  array::Modulation modulation_ = array::Modulation::pressure_sine;
+};
+
+/// How far the devices' count of parts is ahead of the loop's count of slots. Both advance alike, so one number holds
+/// for long: it changes only when the two have come apart by a whole slot. Devices are taken to have this machine's
+/// time of day; where theirs is another, a pattern begins at another part, and goes round all the same.
+class Turn {
+ public:
+  /// `day_s` is the time of day, since 1970, when CLOCK_MONOTONIC shows 0.
+  void follow(double begin_s, double slot_s, double day_s);
+  /// The part of `parts` that devices play at their place `index`.
+  std::uint32_t part_at(std::uint32_t index, std::uint32_t parts) const;
+
+ private:
+  std::int64_t ahead_ = 0;
+  bool known_ = false;
+};
+
+/// One modulation as devices play it: samples of `divider` periods, whole cycles of `hz` as near as 254 samples come.
+struct ModulationSamples {
+  std::uint16_t divider = 10;
+  std::size_t count = 0;
+  std::array<std::uint8_t, 254> samples{};
+};
+/// `hz` 0: full amplitude. `begin_s` and `day_s` as above: sample 0 sounds at multiples of the whole on the devices'
+/// clock.
+ModulationSamples modulation_samples(double hz, array::Modulation modulation, double begin_s, double day_s,
+                                     double now_s);
+
+}  // namespace palpa::driver::autd3

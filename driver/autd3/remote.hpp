@@ -1,0 +1,89 @@
+// One connection to an AUTD3 server: what is asked and answered, one message at a time, without ever waiting.
+#pragma once
+
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "array/layout.hpp"
+#include "driver/autd3/wire.hpp"
+#include "driver/guard/channel.hpp"
+
+namespace palpa::driver::autd3 {
+
+struct Address {
+  sockaddr_storage where{};
+  socklen_t size = 0;
+  std::string text;  ///< HOST:PORT
+};
+/// Throws bad_usage for what is no HOST:PORT, failure() for a host that nobody knows.
+Address resolve(const std::string& text);
+
+class Remote {
+ public:
+  /// A server answers within that long, or is given up.
+  static constexpr double patience_s = 0.5;
+
+  /// The layout's boards are its devices.
+  Remote(Address address, const array::Layout& layout);
+
+  /// Begins to connect; once it is through, hello and geometry included, it is idle.
+  void connect(double now_s);
+  void disconnect();
+  bool closed() const { return step_ == Step::closed; }
+  bool idle() const { return step_ == Step::idle; }
+
+  /// What is to be sent next, to be written while it is idle.
+  std::size_t devices() const { return devices_; }
+  Message message(std::size_t device) { return Message(request_.data() + 1 + device * message_size, message_size); }
+  /// Sends the messages of all devices, and asks until all of them have acknowledged.
+  void send(double now_s);
+  /// Tells the server that this is the end.
+  void say_goodbye(double now_s);
+  /// Where the device answered to the message that was acknowledged last.
+  std::uint8_t data(std::size_t device) const { return reply_[1 + answer_size * device]; }
+
+  enum class Progress { nothing, done, failed };
+  /// Goes on as far as it can. done: what was begun is through. failed: the connection is closed, fault() says why.
+  Progress pump(double now_s);
+  std::string_view fault() const { return {fault_.data(), fault_size_}; }
+
+  /// Ends the connection with a fault of the caller's.
+  void refuse(std::string_view what) { fail("is not to be driven", what); }
+
+  pollfd watched() const;
+
+ private:
+  enum class Step { closed, connecting, hello, geometry, idle, sending, reading, goodbye };
+
+  void begin(Step step, std::size_t bytes, std::size_t answer, double now_s);
+  void ask_for_answers(double now_s);
+  Progress next(double now_s);
+  Progress fail(std::string_view what, std::string_view detail = {});
+  Progress check_answers(double now_s);
+  Progress connected(double now_s);
+  Progress transfer();
+  Progress transfer_reply();
+
+  Address address_;
+  std::size_t devices_;
+  std::vector<std::uint8_t> geometry_, request_, reply_;
+  std::array<std::uint8_t, 1> short_request_{};
+  Descriptor socket_;
+  Step step_ = Step::closed;
+  std::span<const std::uint8_t> out_;  ///< what is being sent
+  std::size_t sent_ = 0, received_ = 0, expected_ = 0;
+  double begun_s_ = 0;
+  std::uint8_t id_ = 0;
+  std::array<char, 300> fault_{};
+  std::size_t fault_size_ = 0;
+};
+
+}  // namespace palpa::driver::autd3
