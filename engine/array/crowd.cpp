@@ -87,4 +87,10 @@ void cap_unasked(const FocusMatrix& matrix, std::span<const SlotFocus> foci, std
   }
 }
 
+void release_unasked(std::span<const SlotFocus> foci, std::span<double> targets) {
+  for (std::size_t j = 0; j < targets.size(); ++j) {
+    if (!foci[j].most_pa) targets[j] = 0;
+  }
+}
+
 }  // namespace palpa::array

@@ -34,4 +34,7 @@ void keep_below(const FreeField& field, const Layout& layout, std::span<const Sl
 /// without most_pa come down; those that ask and whose target is 0 count for nothing.
 void cap_unasked(const FocusMatrix& matrix, std::span<const SlotFocus> foci, std::span<double> targets);
 
+/// Nor does it have to have anything: its target becomes 0, so that it sounds as it comes while others are corrected.
+void release_unasked(std::span<const SlotFocus> foci, std::span<double> targets);
+
 }  // namespace palpa::array

@@ -191,8 +191,10 @@ void find_factors(const Layout& layout, std::span<const SlotFocus> foci, const D
       targets[j] = heard ? part[j].pressure_pa.value_or(0) / layout.source_level_pa_m : 0;
     }
     cap_unasked(scratch.matrix, part, targets);
-    solve_pressures(scratch.matrix, scratch.columns, phases_of(options.solver), targets,
-                    std::span(scratch.factors).subspan(first, end - first), scratch.pressures);
+    const std::span factors = std::span(scratch.factors).subspan(first, end - first);
+    start_pressures(scratch.matrix, scratch.columns, phases_of(options.solver), targets, factors, scratch.pressures);
+    release_unasked(part, targets);
+    correct_pressures(scratch.matrix, targets, factors, scratch.pressures);
   }
   if (count <= most_solved_foci) return;
   scratch.heard.resize(count);

@@ -47,7 +47,7 @@ void solve(std::span<double> matrix, std::span<double> rest) {
 }
 
 /// The factors one damped step on. Entries of `scratch.slopes` are J already.
-void step(std::span<const Complex> factors, double damping, EvenScratch& scratch) {
+void step(std::span<const Complex> factors, double damping, bool by_focus, EvenScratch& scratch) {
   const std::size_t foci = factors.size();
   double trace = 0;
   for (std::size_t a = 0; a < foci; ++a) {
@@ -62,8 +62,10 @@ void step(std::span<const Complex> factors, double damping, EvenScratch& scratch
     }
     trace += scratch.normal[a * foci + a];
   }
-  for (std::size_t a = 0; a < foci; ++a)
-    scratch.normal[a * foci + a] += std::max(damping * trace / static_cast<double>(foci), 1e-30);
+  for (std::size_t a = 0; a < foci; ++a) {
+    double& diagonal = scratch.normal[a * foci + a];
+    diagonal += std::max(damping * (by_focus ? diagonal : trace / static_cast<double>(foci)), 1e-30);
+  }
   std::ranges::copy(scratch.miss, scratch.rest.begin());
   solve(scratch.normal, scratch.rest);
   for (std::size_t q = 0; q < foci; ++q) {
@@ -111,7 +113,7 @@ Evened even_out(const Hearing& hearing, std::span<const double> targets, const E
         scratch.slopes[j * foci + q] *= wanted > 0 ? 1 / wanted : 0;
     }
     while (tries < goal.tries && damping <= even_most_damping) {
-      step(factors, damping, scratch);
+      step(factors, damping, goal.by_focus, scratch);
       ++tries;
       hearing.hear(scratch.tried, scratch.tried_pressure);
       const double then = find_misses(scratch.tried_pressure, targets, level(scratch.tried_pressure), scratch.rest);

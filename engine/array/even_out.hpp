@@ -41,6 +41,7 @@ struct EvenGoal {
   double level = 0;         ///< L; 0: what the foci are now
   double most_miss = 0.01;  ///< ends where no focus misses by more
   std::uint32_t tries = 0;  ///< at most so many steps, those taken back included
+  bool by_focus = false;    ///< each focus is damped by its own slope: for targets of very different sizes
 };
 
 /// Keeps its storage from call to call.

@@ -76,7 +76,8 @@ void Loudness::solve(Schedule& schedule, std::uint32_t slots) {
   for (const Slot& slot : used())
     peak = std::max(peak, peak_of(slot, demands_));
   const bool hard = std::ranges::any_of(given_, [](double given) { return given < 1; });
-  if (peak > 1 || hard) share();
+  const bool all_ask = std::ranges::all_of(demands_, &Demand::asks);
+  if (peak > 1 || hard || !all_ask) share();
   for (const Slot& slot : used()) {
     if (slot.parts > 1) calm(slot);
   }
@@ -137,8 +138,23 @@ void Loudness::add_part(const Schedule& schedule, Part& part) {
     now_[j] = std::min(targets[j], part.matrix.alone(j));
     given_[part.first + j] = now_[j] / targets[j];
   }
-  solve_pressures(part.matrix, columns_, phases_of(options_.solver), now_,
-                  std::span(full_).subspan(part.first, part.count), scratch_);
+  const std::span<Complex> full = std::span(full_).subspan(part.first, part.count);
+  start_pressures(part.matrix, columns_, phases_of(options_.solver), now_, full, scratch_);
+  // What it takes to be heard against those that ask for nothing is theirs to give up: apply_levels adds it.
+  own_.assign(full.begin(), full.end());
+  for (std::size_t j = 0; j < part.count; ++j) {
+    if (!foci[j].most_pa) full[j] = 0;
+  }
+  correct(part, full);
+  for (std::size_t j = 0; j < part.count; ++j) {
+    if (!foci[j].most_pa) full[j] = own_[j];
+  }
+}
+
+/// Until who asks has `now_`.
+void Loudness::correct(const Part& part, std::span<Complex> factors) {
+  release_unasked(std::span(foci_).subspan(part.first, part.count), now_);
+  correct_pressures(part.matrix, now_, factors, scratch_);
 }
 
 void Loudness::keep_asks(const Part& part) {
@@ -193,7 +209,7 @@ void Loudness::apply_levels() {
       now_[j] = targets_[part.first + j] * level;
       factors_[part.first + j] = full_[part.first + j] * (level / given_[part.first + j]);
     }
-    correct_pressures(part.matrix, now_, std::span(factors_).subspan(part.first, part.count), scratch_);
+    correct(part, std::span(factors_).subspan(part.first, part.count));
   }
 }
 
@@ -223,12 +239,31 @@ void Loudness::share() {
   share_out(demands_, fits, levels_);
   apply_levels();
   // What is left over is rounding, and how foci correct each other.
-  const double peak = peak_of_all();
+  double peak = peak_of_all();
+  if (peak > 1) peak = quieten_unasked();
   if (peak <= 1) return;
   for (double& level : levels_)
     level /= peak;
   for (Complex& factor : factors_)
     factor /= peak;
+}
+
+/// Whoever asks has to be heard against whoever does not, which takes amplitude of its own: the latter yield, by
+/// halves. Returns the peak that is left.
+double Loudness::quieten_unasked() {
+  shared_.assign(levels_.begin(), levels_.end());
+  const auto apply = [&](double part) {
+    for (std::size_t v = 0; v < levels_.size(); ++v)
+      levels_[v] = shared_[v] * (demands_[v].asks ? 1 : part);
+    apply_levels();
+    return peak_of_all();
+  };
+  double fits = 0, too_much = 1;
+  for (int look = 0; look < most_looks; ++look) {
+    const double part = (fits + too_much) / 2;
+    (apply(part) <= 1 ? fits : too_much) = part;
+  }
+  return apply(fits);
 }
 
 /// No focus louder than asked where fingers were solved each by itself, and still no transducer beyond 1.
@@ -252,11 +287,20 @@ void Loudness::hear(const Slot& slot) {
   hear_all(field_, layout_, sources_, options_.weighting, factors, columns_, heard_);
 }
 
+/// What a slot's focus gives at its own place, in Pa, whatever the others do there.
+double Loudness::own_pressure(const Slot& slot, std::size_t focus) const {
+  std::size_t p = slot.first_part;
+  while (slot.first + focus >= parts_[p].first + parts_[p].count)
+    ++p;
+  const double alone = parts_[p].matrix.alone(slot.first + focus - parts_[p].first);
+  return layout_.source_level_pa_m * std::abs(factors_[slot.first + focus]) * alone;
+}
+
 void Loudness::tell(Schedule& schedule) {
   constexpr double unheard = std::numeric_limits<double>::infinity();
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     Voice& voice = schedule.voices[v];
-    voice.target_pa = voice.pressure_pa * voice.gain * levels_[v];
+    voice.target_pa = voice.pressure_pa > 0 ? voice.pressure_pa * voice.gain * levels_[v] : unheard;
     voice.reached_pa = unheard;
   }
   for (const Slot& slot : used()) {
@@ -267,12 +311,14 @@ void Loudness::tell(Schedule& schedule) {
       const bool sounds = part > 0 && drivable(foci_[slot.first + j]);
       const double pascals = sounds ? layout_.source_level_pa_m * std::abs(heard_[j]) / part : 0;
       voice.reached_pa = std::min(*voice.reached_pa, pascals);
+      if (!(voice.pressure_pa > 0))
+        voice.target_pa = std::min(voice.target_pa, own_pressure(slot, j) / std::max(part, least_modulation));
     }
   }
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     Voice& voice = schedule.voices[v];
     if (*voice.reached_pa == unheard) voice.reached_pa = 0;
-    if (!(voice.pressure_pa > 0)) voice.target_pa = *voice.reached_pa;
+    if (voice.target_pa == unheard) voice.target_pa = 0;
   }
 }
 

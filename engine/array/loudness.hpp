@@ -52,6 +52,7 @@ class Loudness {
 
   void add_slot(const Schedule& schedule, std::uint32_t number);
   void add_part(const Schedule& schedule, Part& part);
+  void correct(const Part& part, std::span<std::complex<double>> factors);
   void find_sources(std::size_t first, std::size_t count);
   void keep_asks(const Part& part);
   /// The largest amplitude of the slot; where `takes` is not empty each voice's own is entered, too, where it is
@@ -60,8 +61,10 @@ class Loudness {
   void apply_levels();
   double peak_of_all();
   void share();
+  double quieten_unasked();
   void calm(const Slot& slot);
   void hear(const Slot& slot);  ///< into `heard_`
+  double own_pressure(const Slot& slot, std::size_t focus) const;
   void tell(Schedule& schedule);
   std::span<const Slot> used() const { return std::span(slots_).first(slot_count_); }
 
@@ -82,7 +85,7 @@ class Loudness {
   std::vector<std::complex<double>> full_;     ///< factors that give that part,
   std::vector<std::complex<double>> factors_;  ///< and those that are played
   std::vector<Demand> demands_;                ///< of the voices
-  std::vector<double> levels_;
+  std::vector<double> levels_, shared_;
   /// What each focus of each voice asks of the transducers, [ask_of_[voice] + number]: transducer by transducer.
   struct Ask {
     bool known = false;
@@ -93,6 +96,7 @@ class Loudness {
   std::vector<FocusSource> sources_;
   std::vector<std::complex<double>> heard_;
   std::vector<double> now_;
+  std::vector<std::complex<double>> own_;
   std::vector<float> re_, im_, own_re_, own_im_;
 };
 

@@ -46,7 +46,7 @@ void start_together(const FocusMatrix& matrix, const Columns& columns, std::span
 
 }  // namespace
 
-void solve_pressures(const FocusMatrix& matrix, const Columns& columns, FocusPhases phases,
+void start_pressures(const FocusMatrix& matrix, const Columns& columns, FocusPhases phases,
                      std::span<const double> targets, std::span<Complex> factors, PressureScratch& scratch) {
   const bool sounds = std::ranges::any_of(targets, [](double target) { return target > 0; });
   assert(factors.size() <= most_solved_foci);
@@ -56,13 +56,12 @@ void solve_pressures(const FocusMatrix& matrix, const Columns& columns, FocusPha
     for (std::size_t j = 0; j < factors.size(); ++j)
       factors[j] = matrix.alone(j) > 0 ? targets[j] / matrix.alone(j) : 0;
   }
-  if (sounds) correct_pressures(matrix, targets, factors, scratch);
 }
 
 void correct_pressures(const FocusMatrix& matrix, std::span<const double> targets, std::span<Complex> factors,
                        PressureScratch& scratch) {
   if (factors.size() < 2) return;
-  even_out(MatrixHearing(matrix), one_sound(matrix, targets, scratch.targets), {1, pressure_miss, pressure_tries},
+  even_out(MatrixHearing(matrix), one_sound(matrix, targets, scratch.targets), {1, pressure_miss, pressure_tries, true},
            factors, scratch.even);
 }
 

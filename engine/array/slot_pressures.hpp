@@ -35,8 +35,8 @@ struct PressureScratch {
 /// The phases in which foci begin: the paper's, or those in which they help each other (`gs_pat`).
 enum class FocusPhases { own, helping };
 
-/// Fills `factors` from nothing. At most most_solved_foci foci.
-void solve_pressures(const FocusMatrix& matrix, const Columns& columns, FocusPhases phases,
+/// Fills `factors` from nothing: as the foci begin. At most most_solved_foci foci.
+void start_pressures(const FocusMatrix& matrix, const Columns& columns, FocusPhases phases,
                      std::span<const double> targets, std::span<std::complex<double>> factors,
                      PressureScratch& scratch);
 

@@ -178,6 +178,36 @@ TEST(Loudness, WhoAsksForNothingHasWhatIsLeft) {
   EXPECT_GT(heard.peak, 0.97);
 }
 
+/// Fingers of one focus, a centimetre apart; every other one asks for next to nothing of what it could have.
+Schedule crowd_of_points(std::uint32_t fingers) {
+  Schedule schedule;
+  for (std::uint32_t f = 0; f < fingers; ++f)
+    add_ring(schedule, {0.01 * (f % 20) - 0.08, 0, 0.01 * (f / 20)}, 0, f % 2 == 0 ? 100 : 0, 1);
+  return schedule;
+}
+
+TEST(Loudness, WhoAsksForLittleHasThatBesideManyThatAskForNothing) {
+  const Layout layout = posed("paper");
+  for (const std::uint32_t fingers : {4u, 24u, 64u}) {
+    Schedule schedule = crowd_of_points(fingers);
+    const Heard heard = solved(layout, schedule);
+    for (std::uint32_t f = 0; f < fingers; ++f) {
+      if (f % 2 == 0) {
+        expect_pressure(heard, f, 100);
+      } else {
+        EXPECT_GT(heard.least[f], 900) << f << " of " << fingers;
+      }
+    }
+    EXPECT_GT(heard.peak, 0.95) << "all that is left";
+    // The same of a slot that nobody listed.
+    std::vector<SlotFocus> foci;
+    foci_of_slot(schedule, 0, foci);
+    const Drive drive = drive_for(layout, foci);
+    for (std::uint32_t f = 0; f < fingers; f += 2)
+      EXPECT_NEAR(std::abs(acoustics::pressure_at(layout, drive, foci[f].position)), 100, 2) << f;
+  }
+}
+
 TEST(Loudness, SilentFingersAndPlacesThatCannotBeDrivenDoNoHarm) {
   const Layout layout = posed("openmpd");
   Schedule schedule;
