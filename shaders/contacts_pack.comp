@@ -13,7 +13,8 @@ layout(std430, set = 0, binding = contacts_hits) readonly buffer Hits { Hit hits
 layout(std430, set = 0, binding = contacts_masks) readonly buffer Masks { uint masks[]; };
 layout(std430, set = 0, binding = contacts_counts) readonly buffer Counts { uvec4 counts[]; };  // four chunks each
 layout(std430, set = 0, binding = contacts_total) writeonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = contacts_out) writeonly buffer Contacts { ContactRecord contacts[]; };
+// ContactRecord[], each written as two vectors: a software device then finds its place, and which lanes write, once.
+layout(std430, set = 0, binding = contacts_out) writeonly buffer Contacts { uvec4 contacts[]; };
 layout(push_constant) uniform Push { ContactsPush push; };
 
 const uint segment = 8u;
@@ -71,8 +72,9 @@ void main() {
       bits &= bits - 1u;
       const uvec4 point = points[i];
       const Hit hit = hits[i];
-      contacts[place++] = ContactRecord(uintBitsToFloat(point.x), uintBitsToFloat(point.y), uintBitsToFloat(point.z),
-                                        point.w, hit.solid, hit.depth, no_finger, no_finger);
+      contacts[2u * place] = point;
+      contacts[2u * place + 1u] = uvec4(hit.solid, floatBitsToUint(hit.depth), no_finger, no_finger);
+      ++place;
     }
   }
 }

@@ -118,23 +118,22 @@ struct FingersWork {
   uint links_y;
   uint links_z;
   uint links;
-  uint crowded_x;
-  uint crowded_y;
-  uint crowded_z;
-  uint crowded;
-  uint rest_x;  // none unless the list of crowded pairs ran out
+  uint rest_x;  // none unless the list of links or that of crowded pairs ran out
   uint rest_y;
   uint rest_z;
+  uint crowded;
   uint cells;
+  uint unused0;
+  uint unused1;
+  uint unused2;
 };
 PALPA_CHECK_SIZE(FingersWork, 64);
 PALPA_CHECK_OFFSET(FingersWork, blocks, 12);
 PALPA_CHECK_OFFSET(FingersWork, links_x, 16);
 PALPA_CHECK_OFFSET(FingersWork, links, 28);
-PALPA_CHECK_OFFSET(FingersWork, crowded_x, 32);
+PALPA_CHECK_OFFSET(FingersWork, rest_x, 32);
 PALPA_CHECK_OFFSET(FingersWork, crowded, 44);
-PALPA_CHECK_OFFSET(FingersWork, rest_x, 48);
-PALPA_CHECK_OFFSET(FingersWork, cells, 60);
+PALPA_CHECK_OFFSET(FingersWork, cells, 48);
 
 struct Cluster {
   uint smallest;  // contact

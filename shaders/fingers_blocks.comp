@@ -32,10 +32,7 @@ void list_links(uint block, uvec2 near) {
   const uint count = uint(bitCount(near.x) + bitCount(near.y));
   if (count == 0u) return;
   const uint place = atomicAdd(work.links, count);
-  if (place + count > push.most_contacts * fingers_links_per_contact) {
-    atomicMax(work.rest_x, blocks_most_groups);
-    return;
-  }
+  if (place + count > push.most_contacts * fingers_links_per_contact) return;
   const uint groups = (place + count + blocks_group - 1u) / blocks_group;
   if (groups != (place + blocks_group - 1u) / blocks_group) atomicMax(work.links_x, min(groups, blocks_most_groups));
   for (uint n = 0u; n < count; ++n) links[place + n] = block << 6u | take_pair(near);

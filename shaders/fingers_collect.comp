@@ -16,7 +16,7 @@ layout(set = 0, binding = fingers_tiles) uniform usamplerBuffer tiles;
 layout(std430, set = 0, binding = fingers_bases) writeonly buffer Bases { uint bases[]; };
 layout(std430, set = 0, binding = fingers_list) writeonly buffer List { uint list[]; };
 layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
-layout(std430, set = 0, binding = fingers_clusters) writeonly buffer Clusters { Cluster clusters[]; };
+layout(std430, set = 0, binding = fingers_clusters) writeonly buffer Clusters { uvec2 clusters[]; };  // Cluster
 layout(push_constant) uniform Push { FingersPush push; };
 
 #include "fingers_cells.glsl"
@@ -43,7 +43,7 @@ void main() {
     atomicMax(work.blocks_x, min((place + blocks + blocks_group - 1u) / blocks_group, blocks_most_groups));
     for (uint c = cell; c < cell + cells; ++c) {
       nodes[4u * c + 3u] = fingers_nothing;
-      clusters[c] = Cluster(fingers_nothing, 0u);
+      clusters[c] = uvec2(fingers_nothing, 0u);
     }
     for (uint k = 0u; k < run && taken != 0u; ++k) {
       const uint s = first + uint(findLSB(taken));

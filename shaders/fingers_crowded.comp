@@ -13,7 +13,7 @@ layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
 layout(set = 0, binding = fingers_nodes) uniform usamplerBuffer nodes;
 layout(std430, set = 0, binding = fingers_crowded) readonly buffer Crowded { CrowdedPair crowded[]; };
-layout(std430, set = 0, binding = fingers_work) readonly buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
 layout(std430, set = 0, binding = fingers_forest) buffer Forest { uint forest[]; };
 layout(set = 0, binding = fingers_seen) uniform usamplerBuffer seen;
 layout(push_constant) uniform Push { FingersPush push; };
@@ -130,8 +130,10 @@ bool within_gap(Walk one, Walk other) {
 
 void main() {
   const uint contacts = min(found.total, push.most_contacts);
-  const uint pairs = min(work.crowded, push.most_contacts / fingers_contacts_per_crowded);
+  const uint room = push.most_contacts / fingers_contacts_per_crowded;
+  const uint pairs = min(work.crowded, room);
   const uint threads = gl_NumWorkGroups.x * blocks_group;
+  if (gl_GlobalInvocationID.x == 0u && work.crowded > room) work.rest_x = blocks_most_groups;
   most_steps = contacts;
   for (uint i = gl_GlobalInvocationID.x; i < pairs; i += threads) {
     const CrowdedPair pair = crowded[i];

@@ -17,7 +17,7 @@ layout(set = 0, binding = fingers_nodes) uniform usamplerBuffer nodes;
 layout(set = 0, binding = fingers_tiles) uniform usamplerBuffer tiles;
 layout(set = 0, binding = fingers_bases) uniform usamplerBuffer bases;
 layout(set = 0, binding = fingers_list) uniform usamplerBuffer list;
-layout(std430, set = 0, binding = fingers_crowded) writeonly buffer Crowded { CrowdedPair crowded[]; };
+layout(std430, set = 0, binding = fingers_crowded) writeonly buffer Crowded { uvec4 crowded[]; };  // CrowdedPair
 layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
 layout(std430, set = 0, binding = fingers_forest) buffer Forest { uint forest[]; };
 layout(set = 0, binding = fingers_seen) uniform usamplerBuffer seen;
@@ -37,20 +37,18 @@ const uvec2 reachable[8] =
              uvec2(0x113355ffu, 0x113355ffu), uvec2(0xffffffffu, 0x0f0f0f0fu), uvec2(0x55ff55ffu, 0x050f050fu),
              uvec2(0x3333ffffu, 0x03030f0fu), uvec2(0x113355ffu, 0x0103050fu));
 
-void defer(CrowdedPair pair) {
+// A pair for fingers_crowded: its four words as one vector, a software device then finds its place only once.
+void defer(uvec4 pair) {
   const uint place = atomicAdd(work.crowded, 1u);
-  if (place < push.most_contacts / fingers_contacts_per_crowded) {
-    crowded[place] = pair;
-    atomicMax(work.crowded_x, min(place / blocks_group + 1u, blocks_most_groups));
-  } else {
-    atomicMax(work.rest_x, blocks_most_groups);
-  }
+  if (place < push.most_contacts / fingers_contacts_per_crowded) crowded[place] = pair;
 }
+
+bool links_ran_out() { return work.links > push.most_contacts * fingers_links_per_contact; }
 
 // How many pairs of blocks there are to look at. A list that ran out has holes, and the last pass looks at everything.
 uint units_of(uint blocks) {
   if (all) return blocks * 64u;
-  return work.links <= push.most_contacts * fingers_links_per_contact ? work.links : 0u;
+  return links_ran_out() ? 0u : work.links;
 }
 
 void main() {
@@ -58,6 +56,7 @@ void main() {
   const uint units = units_of(blocks);
   const uint threads = gl_NumWorkGroups.x * blocks_group;
   const uint slots = table_slots(min(found.total, push.most_contacts));
+  if (!all && gl_GlobalInvocationID.x == 0u && links_ran_out()) work.rest_x = blocks_most_groups;
   for (uint unit = gl_GlobalInvocationID.x; unit < units; unit += threads) {
     const uint link = all ? unit : texelFetch(links, int(unit)).x;
     const uint entry = texelFetch(list, int(link >> 6u)).x;
@@ -111,8 +110,8 @@ void main() {
     }
     for (uint k = 0u; k < 64u && (apart.x | apart.y) != 0u; ++k) {
       const uint pair = take_pair(apart);
-      defer(CrowdedPair(here.first, there.first, here.occupied | cells_of_group(groups_here, pair >> 3u) << 8u,
-                        there.occupied | cells_of_group(groups_there, pair & 7u) << 8u));
+      defer(uvec4(here.first, there.first, here.occupied | cells_of_group(groups_here, pair >> 3u) << 8u,
+                  there.occupied | cells_of_group(groups_there, pair & 7u) << 8u));
     }
   }
 }

@@ -10,6 +10,7 @@ layout(local_size_x = 128) in;
 layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
 layout(set = 0, binding = fingers_contacts) uniform usamplerBuffer contacts;
 layout(std430, set = 0, binding = fingers_nodes) buffer Nodes { uint nodes[]; };
+layout(std430, set = 0, binding = fingers_nodes) writeonly buffer Whole { uvec4 whole_nodes[]; };  // the same
 layout(set = 0, binding = fingers_tiles) uniform usamplerBuffer tiles;
 layout(set = 0, binding = fingers_bases) uniform usamplerBuffer bases;
 layout(set = 0, binding = fingers_places) uniform usamplerBuffer places;
@@ -28,9 +29,7 @@ void main() {
     const bool first = (place & fingers_first) != 0u;
     const uint node = first ? cell : push.most_contacts + i;
     const uvec3 point = texelFetch(contacts, int(2u * i)).xyz;
-    nodes[4u * node] = point.x;
-    nodes[4u * node + 1u] = point.y;
-    nodes[4u * node + 2u] = point.z;
+    whole_nodes[node].xyz = point;
     if (!first) nodes[4u * node + 3u] = atomicExchange(nodes[4u * cell + 3u], node);
     parents[i] = cell;
   }

@@ -114,7 +114,7 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, con
   if (times) times->mark(commands, "cells");
   run(blocks_, s[work], offsetof(shader::FingersWork, blocks_x));
   run(link_, s[work], offsetof(shader::FingersWork, links_x));
-  run(crowded_, s[work], offsetof(shader::FingersWork, crowded_x));
+  run(crowded_, s[work], offsetof(shader::FingersWork, links_x));
   run(rest_, s[work], offsetof(shader::FingersWork, rest_x));
   if (times) times->mark(commands, "links");
   run(inside ? label_inside_ : label_, total, per_contact);
