@@ -11,16 +11,16 @@
 namespace palpa::acoustics {
 namespace {
 
-Vec3 centroid(const geometry::Mesh& mesh, std::size_t face) {
-  const glm::uvec3& t = mesh.triangles[face];
-  return (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0;
-}
-
 Vec3 area_vector(const geometry::Mesh& mesh, std::size_t face) {
   return 0.5 * geometry::area_vector(mesh, static_cast<std::uint32_t>(face));
 }
 
 }  // namespace
+
+Vec3 face_centroid(const geometry::Mesh& mesh, std::size_t face) {
+  const glm::uvec3& t = mesh.triangles[face];
+  return (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0;
+}
 
 void add_pressure(std::span<const FaceSound> sound, const Air& air, double weight, SkinPressure& pressure) {
   pressure.langevin.resize(sound.size());
@@ -41,7 +41,7 @@ Load load_on(const geometry::Mesh& mesh, std::span<const double> pressure, const
   for (std::size_t face = 0; face < mesh.triangles.size(); ++face) {
     const Vec3 force = -pressure[face] * area_vector(mesh, face);
     load.force += force;
-    load.torque += glm::cross(centroid(mesh, face) - about, force);
+    load.torque += glm::cross(face_centroid(mesh, face) - about, force);
   }
   return load;
 }
@@ -51,7 +51,7 @@ Spot spot_of(const geometry::Mesh& mesh, std::span<const double> pressure) {
   for (std::size_t face = 0; face < pressure.size(); ++face) {
     if (face > 0 && !(pressure[face] > spot.peak_pa)) continue;
     spot.peak_pa = pressure[face];
-    spot.peak_at = centroid(mesh, face);
+    spot.peak_at = face_centroid(mesh, face);
   }
   Vec3 sum(0);
   std::size_t faces = 0;
@@ -59,7 +59,7 @@ Spot spot_of(const geometry::Mesh& mesh, std::span<const double> pressure) {
     if (!(pressure[face] > spot.peak_pa / 2)) continue;
     const double area = glm::length(area_vector(mesh, face));
     spot.half_area_m2 += area;
-    sum += area * centroid(mesh, face);
+    sum += area * face_centroid(mesh, face);
     ++faces;
   }
   spot.half_radius_m = std::sqrt(spot.half_area_m2 / std::numbers::pi);
@@ -68,7 +68,7 @@ Spot spot_of(const geometry::Mesh& mesh, std::span<const double> pressure) {
   glm::dmat3 covariance(0);
   for (std::size_t face = 0; face < pressure.size(); ++face) {
     if (!(pressure[face] > spot.peak_pa / 2)) continue;
-    const Vec3 from = centroid(mesh, face) - mean;
+    const Vec3 from = face_centroid(mesh, face) - mean;
     covariance += glm::length(area_vector(mesh, face)) * glm::outerProduct(from, from);
   }
   // l1 >= l2 >= l3 in closed form (Smith 1961).

@@ -9,6 +9,7 @@
 // pictures of |p|^2 do.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,8 @@
 #include "geometry/mesh.hpp"
 
 namespace palpa::acoustics {
+
+Vec3 face_centroid(const geometry::Mesh& mesh, std::size_t face);
 
 /// By face, Pa.
 struct SkinPressure {

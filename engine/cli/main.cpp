@@ -36,6 +36,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   add_export(program);
   add_drive(program);
   add_field(program);
+  add_scatter(program);
   add_decompose(program);
   add_bench(program);
   for (const auto& add : extensions.commands)

@@ -1,0 +1,41 @@
+// Which meshes sound can be scattered by, and what is said of others.
+#pragma once
+
+#include <string>
+
+#include "array/layout.hpp"
+#include "geometry/mesh.hpp"
+#include "geometry/surface.hpp"
+
+namespace palpa::acoustics {
+
+/// `mesh` welded, facing outwards; its triangles are the given ones, in the same order. Throws bad_input naming `file`:
+/// no triangle, one without area, an open edge or one with more than two faces, neighbours that face opposite ways, a
+/// surface that passes through itself or touches itself. A mesh that faces inwards as a whole is turned over, with a
+/// warning.
+geometry::Mesh body_mesh(const std::string& file, const geometry::Mesh& mesh);
+
+/// Mean length of a triangle's sides, metres.
+double mean_side(const geometry::Mesh& mesh);
+
+/// Linear elements follow a wave if there are enough of them: warns where the mean side is above a sixth of the
+/// wavelength, and above a third throws bad_input, or warns if `force`.
+void check_fineness(const std::string& file, const geometry::Mesh& body, double wavelength_m, bool force);
+
+/// Throws bad_input where a transducer stands within the body, or nearer to it than its radius. Both in one frame.
+void check_clear_of(const std::string& file, const geometry::Mesh& body, const array::Layout& layout);
+
+/// Throws failure where the solution needs more memory than is free.
+void check_memory(const geometry::Mesh& body);
+
+/// Whether points lie within the body: there is no sound there.
+class Inside {
+ public:
+  explicit Inside(const geometry::Mesh& body);
+  bool holds(const Vec3& point) const;
+
+ private:
+  geometry::Surface surface_;
+};
+
+}  // namespace palpa::acoustics

@@ -1,0 +1,242 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acoustics/air.hpp"
+#include "acoustics/body_mesh.hpp"
+#include "acoustics/incident.hpp"
+#include "acoustics/radiation.hpp"
+#include "acoustics/rigid_body.hpp"
+#include "acoustics/waves.hpp"
+#include "array/layout.hpp"
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/log.hpp"
+#include "base/output_file.hpp"
+#include "cli/commands.hpp"
+#include "setup/body.hpp"
+#include "setup/drive_file.hpp"
+#include "setup/options.hpp"
+#include "setup/places.hpp"
+#include "setup/progress.hpp"
+#include "setup/touch_run.hpp"
+#include "setup/values.hpp"
+#include "setup/warnings.hpp"
+
+namespace palpa::cli {
+namespace {
+
+struct ScatterCommand {
+  setup::CommonOptions common;
+  std::string mesh;
+  bool force = false;
+  std::string plane_wave, point_source, layout, drive_file;
+  array::Directivity directivity = array::Directivity::t4010a1;
+  setup::PlaceOptions place;
+  std::string csv;
+  setup::MediumOptions medium;
+  setup::AirOptions air{.absorption = false};
+};
+
+void add_options(CLI::App& app, ScatterCommand& o) {
+  const setup::Group body(app, "What scatters");
+  body.text("--mesh", o.mesh, "FILE", "the rigid body, a closed PLY or glTF mesh");
+  body.flag("--force", o.force, "scatter by a mesh that is too coarse for the wavelength, too");
+  const setup::Group sound(app, "What sounds");
+  sound.text("--plane-wave", o.plane_wave, "X,Y,Z",
+             "the plane wave that travels along it: 1 Pa, phase 0 at the origin");
+  sound.text("--point-source", o.point_source, "X,Y,Z", "e^{ikr}/r Pa, r metres from there");
+  sound.text("--layout", o.layout, "NAME|FILE", "the array of --drive; the mesh is in its frame");
+  sound.text("--drive", o.drive_file, "FILE", "the drive of that layout, as palpa drive --csv writes it");
+  sound.choice("--directivity", o.directivity, array::directivity_words, "of the array's transducers");
+  setup::add_place_options(app, o.place);
+  const setup::Group results(app, "Results");
+  results.text("--csv", o.csv, "FILE|-",
+               "face,x,y,z,re,im: total pressure at each face's centroid; of places x,y,z,re,im, nan inside");
+  setup::add_medium_options(app, o.medium);
+  setup::add_air_options(app, o.air);
+}
+
+void check(const ScatterCommand& o) {
+  if (o.mesh.empty()) throw bad_usage("--mesh is missing: give the rigid body, a closed PLY or glTF mesh");
+  const int waves = !o.plane_wave.empty() + !o.point_source.empty() + !o.drive_file.empty();
+  if (waves != 1) {
+    throw bad_usage(waves == 0
+                        ? "nothing sounds: give --plane-wave x,y,z, --point-source x,y,z, or --layout and --drive"
+                        : "--plane-wave, --point-source and --drive exclude each other: give one of them");
+  }
+  if (o.drive_file.empty() != o.layout.empty()) throw bad_usage("--layout and --drive go together: give both");
+}
+
+/// The incident wave, whichever it is.
+class Wave {
+ public:
+  Wave(const ScatterCommand& o, const acoustics::Air& air, const geometry::Mesh& body)
+      : air_(air), directivity_(o.directivity) {
+    if (!o.plane_wave.empty()) {
+      const auto [x, y, z] = setup::parse_point("--plane-wave", o.plane_wave);
+      if (!(glm::length(Vec3(x, y, z)) > 0))
+        throw bad_usage("--plane-wave: 0,0,0 is no direction; give one such as 0,0,1");
+      direction_ = glm::normalize(Vec3(x, y, z));
+    } else if (!o.point_source.empty()) {
+      const auto [x, y, z] = setup::parse_point("--point-source", o.point_source);
+      source_ = Vec3(x, y, z);
+      if (acoustics::Inside(body).holds(*source_))
+        throw bad_usage(
+            fmt::format("--point-source: {} lies inside of the mesh; give a point in the air", o.point_source));
+    } else {
+      layout_ = array::load_layout(o.layout);
+      setup::warn_of_frequency(layout_, air.medium);
+      acoustics::check_clear_of(o.mesh, body, layout_);
+      strengths_ = acoustics::strengths_of(setup::load_drive(o.drive_file, layout_));
+    }
+    // An absorbing medium has no plane wave of 1 Pa everywhere.
+    if (strengths_.empty() && air.absorption_np_m > 0)
+      throw bad_usage("--absorption goes with --drive: plane wave and point source are those of a lossless air");
+  }
+
+  acoustics::Waves at(std::span<const Vec3> points, std::span<const Vec3> normals) const {
+    if (direction_) return acoustics::plane_wave(air_.wave_number(), *direction_, points, normals);
+    if (source_) return acoustics::point_source(air_.wave_number(), *source_, points, normals);
+    acoustics::Waves waves;
+    acoustics::Incident(layout_, air_, directivity_).at(points, normals, strengths_, waves);
+    return waves;
+  }
+
+ private:
+  acoustics::Air air_;
+  array::Directivity directivity_;
+  std::optional<Vec3> direction_, source_;
+  array::Layout layout_;
+  acoustics::Strengths strengths_;
+};
+
+using Pressures = std::vector<std::complex<double>>;
+
+/// Total pressure in the air; not a number inside of the body.
+Pressures around(const acoustics::RigidBody& body, const Wave& wave, std::span<const std::complex<float>> unknowns,
+                 std::span<const Vec3> points) {
+  const acoustics::Inside inside(body.mesh());
+  std::vector<Vec3> outside;
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (inside.holds(points[i])) continue;
+    outside.push_back(points[i]);
+    places.push_back(i);
+  }
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  Pressures total(points.size(), {nan, nan});
+  const Pressures scattered = body.scattered(unknowns, outside), incident = wave.at(outside, {}).pressures;
+  for (std::size_t i = 0; i < outside.size(); ++i)
+    total[places[i]] = incident[i] + scattered[i];
+  return total;
+}
+
+void add_row(std::string& csv, const Vec3& at, const std::complex<double>& p) {
+  fmt::format_to(std::back_inserter(csv), "{},{},{},{},{}\n", at.x, at.y, at.z, static_cast<float>(p.real()),
+                 static_cast<float>(p.imag()));
+}
+
+std::string faces_csv(const geometry::Mesh& mesh, const std::vector<acoustics::FaceSound>& sound) {
+  std::string csv = "face,x,y,z,re,im\n";
+  for (std::size_t face = 0; face < sound.size(); ++face) {
+    csv += fmt::format("{},", face);
+    add_row(csv, acoustics::face_centroid(mesh, face), sound[face].pressure);
+  }
+  return csv;
+}
+
+std::string points_csv(std::span<const Vec3> points, const Pressures& pressures) {
+  std::string csv = "x,y,z,re,im\n";
+  for (std::size_t i = 0; i < points.size(); ++i)
+    add_row(csv, points[i], pressures[i]);
+  return csv;
+}
+
+std::string to_json(const geometry::Mesh& mesh, const acoustics::Load& load, const acoustics::Air& air,
+                    const setup::StageTimes& times) {
+  JsonWriter json;
+  json.begin_object()
+      .member("faces", std::uint64_t{mesh.triangles.size()})
+      .member("force_N", load.force)
+      .member("torque_Nm", load.torque)
+      .member("density_kg_m3", air.density_kg_m3);
+  json.key("timing_ms").begin_object();
+  for (const auto& [stage, ms] : times)
+    json.member(stage, ms);
+  json.end_object().end_object();
+  return json.take();
+}
+
+std::string summary(const geometry::Mesh& mesh, const std::vector<acoustics::FaceSound>& sound,
+                    const acoustics::Load& load, const setup::StageTimes& times) {
+  std::size_t loudest = 0;
+  double ms = 0;
+  for (std::size_t face = 0; face < sound.size(); ++face) {
+    if (std::norm(sound[face].pressure) > std::norm(sound[loudest].pressure)) loudest = face;
+  }
+  for (const auto& stage : times)
+    ms += stage.second;
+  const Vec3 at = acoustics::face_centroid(mesh, loudest) * 1e3;
+  return fmt::format(
+      "{} faces in {:.2f} s: at most {:.4g} Pa, at ({:.2f}, {:.2f}, {:.2f}) mm\n"
+      "radiation force ({:.3g}, {:.3g}, {:.3g}) N\n",
+      mesh.triangles.size(), ms / 1e3, std::abs(sound[loudest].pressure), at.x, at.y, at.z, load.force.x, load.force.y,
+      load.force.z);
+}
+
+void run(const ScatterCommand& o) {
+  check(o);
+  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
+  const acoustics::Air air = setup::air(o.medium, o.air);
+  geometry::Mesh mesh = setup::load_body(o.mesh, air, o.force);
+  const Wave wave(o, air, mesh);
+  const setup::Places places = o.place.given() ? setup::load_places(o.place) : setup::Places();
+  log::release_warnings();
+
+  setup::StageTimes times;
+  setup::Stopwatch watch;
+  std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
+  const acoustics::RigidBody body(std::move(mesh), air.wave_number());
+  times.emplace_back("operator", watch.lap_ms());
+  const acoustics::Waves incident = wave.at(body.points(), body.normals());
+  times.emplace_back("incident", watch.lap_ms());
+  const std::vector<std::complex<float>> unknowns = body.solve(incident);
+  const std::vector<acoustics::FaceSound> sound = body.at_faces(unknowns);
+  times.emplace_back("solution", watch.lap_ms());
+  const Pressures pressures = around(body, wave, unknowns, places.points);
+  if (o.place.given()) times.emplace_back("places", watch.lap_ms());
+  progress.reset();
+
+  acoustics::SkinPressure pressure;
+  acoustics::add_pressure(sound, air, 1, pressure);
+  const acoustics::Load load = acoustics::load_on(body.mesh(), pressure.langevin, {});
+  if (!o.csv.empty())
+    write_file(o.csv, o.place.given() ? points_csv(places.points, pressures) : faces_csv(body.mesh(), sound));
+  if (!o.common.json.empty()) write_file(o.common.json, to_json(body.mesh(), load, air, times));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(body.mesh(), sound, load, times));
+}
+
+}  // namespace
+
+void add_scatter(Program& program) {
+  add_subcommand<ScatterCommand>(
+      program,
+      {"scatter", "sound scattered by a rigid body, by boundary elements",
+       "  palpa scatter --mesh sphere.ply --plane-wave 0,0,1 --csv surface.csv\n"
+       "  palpa scatter --mesh assets/finger.ply --layout paper --drive drive.csv --json -\n"
+       "  palpa scatter --mesh sphere.ply --point-source 0,0,100mm --plane xz --centre 0,0,0 --size 60mm,60mm --csv "
+       "f.csv\n"
+       "Total pressures, peak, time factor e^-iwt; force and torque, about the origin, of the radiation pressure."},
+      add_options, run);
+}
+
+}  // namespace palpa::cli

@@ -1,0 +1,168 @@
+// `palpa scatter`: its tables against the sphere's series, its force, and which meshes it refuses.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "../acoustics/spheres.hpp"
+#include "acoustics/sphere_series.hpp"
+#include "geometry/ply.hpp"
+#include "process.hpp"
+#include "support/csv.hpp"
+#include "support/files.hpp"
+#include "support/shapes.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+using Rows = std::vector<std::vector<double>>;
+constexpr double pi = std::numbers::pi;
+constexpr double radius = 5e-3;
+const double wave_number = 2 * pi * 40e3 / 343;
+
+std::filesystem::path folder() {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "palpa-scatter";
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+std::string ply_of(const std::string& name, const geometry::Mesh& mesh) {
+  const std::filesystem::path file = folder() / (name + ".ply");
+  geometry::write_ply(file, mesh.positions, mesh.triangles);
+  return file;
+}
+
+std::string sphere_file() {
+  return ply_of("sphere", acoustics::icosphere(radius, 5));
+}
+
+struct Scattered {
+  Rows rows;
+  json results;
+};
+
+Scattered scatter(const std::vector<std::string>& arguments, const std::string& head) {
+  const std::string csv = folder() / "out.csv", file = folder() / "out.json";
+  const Result result = palpa(with({"scatter", "--csv", csv, "--json", file, "--sound-speed", "343"}, arguments));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  EXPECT_TRUE(read_text(csv).starts_with(head)) << read_text(csv).substr(0, 80);
+  return {read_csv(csv), json::parse(read_text(file))};
+}
+
+TEST(Scatter, ASphereInAPlaneWaveIsTheSeries) {
+  const Scattered got = scatter({"--mesh", sphere_file(), "--plane-wave", "0,0,2"}, "face,x,y,z,re,im\n");
+  ASSERT_EQ(got.rows.size(), 500u);
+  const auto series = acoustics::SphereSeries::plane_wave(wave_number, radius, {0, 0, 1});
+  double wrong = 0, all = 0;
+  for (std::size_t face = 0; face < got.rows.size(); ++face) {
+    const std::vector<double>& row = got.rows[face];
+    ASSERT_EQ(row[0], static_cast<double>(face));
+    const std::complex<double> exact = series.at({row[1], row[2], row[3]});
+    wrong += std::norm(std::complex(row[4], row[5]) - exact);
+    all += std::norm(exact);
+  }
+  EXPECT_LE(std::sqrt(wrong / all), 0.03);
+  EXPECT_EQ(got.results["faces"], 500);
+  const double density = got.results["density_kg_m3"];
+  EXPECT_NEAR(density, 1.2041, 1e-4);
+  const double unit = pi * radius * radius / (2 * density * 343 * 343);
+  const double ka = wave_number * radius;
+  EXPECT_NEAR(got.results["force_N"][2].get<double>() / unit, acoustics::sphere_force_function(ka), 0.03);
+  for (int axis = 0; axis < 2; ++axis)
+    EXPECT_NEAR(got.results["force_N"][axis].get<double>() / unit, 0, 0.005);
+  EXPECT_EQ(got.results["torque_Nm"].size(), 3u);
+}
+
+TEST(Scatter, AroundTheBodyIsAirAndInsideIsNothing) {
+  const Scattered got =
+      scatter({"--mesh", sphere_file(), "--plane-wave", "0,0,1", "--line", "0,0,-12mm", "0,0,12mm", "--samples", "13"},
+              "x,y,z,re,im\n");
+  ASSERT_EQ(got.rows.size(), 13u);
+  for (const std::vector<double>& row : got.rows) {
+    if (std::abs(row[2]) < 4.9e-3) {
+      EXPECT_TRUE(std::isnan(row[3]) && std::isnan(row[4])) << row[2];
+    } else if (std::abs(row[2]) > 5.1e-3) {
+      const auto exact = acoustics::sphere_in_plane_wave(wave_number, radius, {0, 0, 1}, {row[0], row[1], row[2]});
+      EXPECT_LE(std::abs(std::complex(row[3], row[4]) - exact), 0.05) << row[2];
+    }
+  }
+}
+
+TEST(Scatter, AnArrayLiftsWhatIsAboveIt) {
+  const std::string drive = folder() / "drive.csv";
+  ASSERT_EQ(
+      palpa({"drive", "--layout", "openmpd", "--focus", "0,0,100mm", "--csv", drive, "--backend", "cpu"}).exit_code, 0);
+  geometry::Mesh above = acoustics::icosphere(radius, 5);
+  for (Vec3& p : above.positions)
+    p.z += 0.105;
+  const std::vector<std::string> arguments{"--mesh", ply_of("above", above), "--layout", "openmpd", "--drive", drive};
+  const Scattered got = scatter(arguments, "face,x,y,z,re,im\n");
+  const double force = got.results["force_N"][2];
+  EXPECT_GT(force, 1e-3);
+  EXPECT_LE(std::abs(got.results["force_N"][0].get<double>()), 0.05 * force);
+  // Air that absorbs takes some of it on the way.
+  const double less = scatter(with(arguments, {"--absorption"}), "face,x,y,z,re,im\n").results["force_N"][2];
+  EXPECT_LT(less, 0.99 * force);
+  EXPECT_GT(less, 0.9 * force);
+  expect_failure(palpa({"scatter", "--mesh", sphere_file(), "--layout", "openmpd", "--drive", drive, "--csv", "-"}), 4,
+                 "stands in the array");
+  expect_failure(palpa({"scatter", "--mesh", arguments[1], "--layout", "sonicsurface", "--drive", drive, "--csv", "-"}),
+                 4, "drive.csv");
+}
+
+TEST(Scatter, RefusesWhatIsNoBody) {
+  const auto refused = [](const std::string& name, const geometry::Mesh& mesh, const std::string& why) {
+    expect_failure(palpa({"scatter", "--mesh", ply_of(name, mesh), "--plane-wave", "0,0,1", "--csv", "-"}), 4, why);
+  };
+  const geometry::Mesh sphere = acoustics::icosphere(radius, 4);
+  geometry::Mesh open = sphere, crossing = sphere, needle = sphere;
+  open.triangles.pop_back();
+  refused("open", open, "the mesh is open");
+  geometry::Mesh other = sphere;
+  for (Vec3& p : other.positions)
+    p.x += radius;
+  geometry::append(crossing, other);
+  refused("crossing", crossing, "passes through or touches itself");
+  needle.positions[0] = needle.positions[needle.triangles[0].y];
+  refused("needle", needle, "needle without area");
+  geometry::Mesh swapped = sphere;
+  std::swap(swapped.triangles[3].x, swapped.triangles[3].y);
+  refused("swapped", swapped, "opposite orientation");
+  refused("points", {sphere.positions, {}}, "has no faces");
+  refused("coarse", test::box({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01}), "too coarse");
+  const Result forced = palpa({"scatter", "--mesh", ply_of("coarse", box({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01})),
+                               "--plane-wave", "0,0,1", "--force", "--json", "-"});
+  EXPECT_EQ(forced.exit_code, 0);
+  EXPECT_NE(forced.err.find("coarse"), std::string::npos);
+  // Turned over it is a body.
+  geometry::Mesh inwards = sphere;
+  geometry::flip(inwards);
+  const Result turned =
+      palpa({"scatter", "--mesh", ply_of("inwards", inwards), "--plane-wave", "0,0,1", "--json", "-"});
+  EXPECT_EQ(turned.exit_code, 0);
+  EXPECT_NE(turned.err.find("faces inwards"), std::string::npos);
+  EXPECT_GT(json::parse(turned.out)["force_N"][2].get<double>(), 0);
+}
+
+TEST(Scatter, RefusesWavesThatAreNone) {
+  const std::string mesh = sphere_file();
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& why) {
+    expect_failure(palpa(with({"scatter", "--mesh", mesh, "--csv", "-"}, arguments)), 2, why);
+  };
+  refused({}, "nothing sounds");
+  refused({"--plane-wave", "0,0,1", "--point-source", "0,0,1"}, "exclude each other");
+  refused({"--plane-wave", "0,0,0"}, "no direction");
+  refused({"--point-source", "0,0,1mm"}, "inside of the mesh");
+  refused({"--plane-wave", "0,0,1", "--layout", "paper"}, "go together");
+  refused({"--plane-wave", "0,0,1", "--absorption"}, "lossless");
+}
+
+}  // namespace
+}  // namespace palpa::test
