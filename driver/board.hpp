@@ -44,6 +44,7 @@ struct BoardSetting {
   const array::Layout& layout;  ///< as posed in the world
   double slot_s;                ///< one drive lasts that long
   BoardNotes& notes;
+  bool foci_move = true;  ///< from slot to slot; else a plan is one drive and its modulation
 };
 
 /// A pattern for a board that plays by its own clock, valid during the call: from `from_slot` on slot s sounds part

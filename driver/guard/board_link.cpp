@@ -155,7 +155,7 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
   return {kind.name, kind.help,
           [name = kind.name, plays_plans = kind.plays_plans, program](const std::string& argument,
                                                                       const session::LinkSetting& setting) {
-            Brief brief{name, argument, {}, setting.layout, setting.slot_s};
+            Brief brief{name, argument, setting.board_files, setting.layout, setting.slot_s, setting.foci_move};
             return std::make_unique<BoardLink>(std::move(brief), program.empty() ? guard_program() : program,
                                                plays_plans);
           }};

@@ -10,7 +10,7 @@ namespace palpa::driver {
 namespace {
 
 /// Changes whenever what follows does: palpa and its guard must be of one build.
-constexpr std::uint64_t mark = 0x70616c7061'0001;
+constexpr std::uint64_t mark = 0x70616c7061'0002;
 
 class Writer {
  public:
@@ -112,6 +112,7 @@ std::vector<std::byte> to_bytes(const Brief& brief) {
   out.text(brief.files);
   write(out, brief.layout);
   out.value(brief.slot_s);
+  out.value(std::uint8_t{brief.foci_move});
   out.value(std::uint8_t{brief.only_silence});
   return std::move(out.bytes);
 }
@@ -125,6 +126,7 @@ Brief brief_from(std::span<const std::byte> bytes) {
   brief.files = in.text();
   brief.layout = read_layout(in);
   brief.slot_s = in.value<double>();
+  brief.foci_move = in.value<std::uint8_t>() != 0;
   brief.only_silence = in.value<std::uint8_t>() != 0;
   return brief;
 }

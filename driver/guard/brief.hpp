@@ -17,6 +17,7 @@ struct Brief {
   std::string files;
   array::Layout layout;
   double slot_s = 1.5e-3;
+  bool foci_move = true;
   bool only_silence = false;  ///< open, all off, close: after a guard that died
 };
 

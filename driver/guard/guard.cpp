@@ -147,7 +147,7 @@ int hold_board(std::span<const BoardKind> kinds) {
   if (kind == kinds.end()) throw failure("palpa-guard knows no board " + brief.kind);
   Notes notes;
   Guard guard(memory, kind->plays_plans);  // all its memory before the board sounds
-  const auto board = kind->open({brief.argument, brief.files, brief.layout, brief.slot_s, notes});
+  const auto board = kind->open({brief.argument, brief.files, brief.layout, brief.slot_s, notes, brief.foci_move});
   Said end = Said::silent;
   if (!brief.only_silence) {
     say(guard_socket, Said::opened);

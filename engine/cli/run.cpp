@@ -29,6 +29,7 @@ enum class StatsFormat { none, json };
 
 struct RunCommand : FrameOptions {
   std::string link = "null";
+  std::string board_files;
   bool every_frame = false;
   std::string record;
   StatsFormat stats = StatsFormat::none;
@@ -37,7 +38,9 @@ struct RunCommand : FrameOptions {
 void add_options(CLI::App& app, RunCommand& o) {
   const setup::Group group(app, "What to run");
   add_frame_options(group, o, "stop after that many frames; 0: at the source's end or Ctrl-C");
-  group.text("--link", o.link, "LINK", "null, record:FILE or foci:udp:HOST:PORT");
+  group.text("--link", o.link, "LINK",
+             "null, record:FILE, foci:udp:HOST:PORT, or a board; a name that is none lists them all");
+  group.text("--board-files", o.board_files, "DIR", "with the boards' own files: how their transducers differ");
   group.flag("--every-frame", o.every_frame, "look at every frame, however long it takes, instead of the newest");
   group.text("--record", o.record, "DIR", "write every frame into a new folder, to be replayed as recording:DIR");
   group.choice("--stats", o.stats, {{"none", StatsFormat::none}, {"json", StatsFormat::json}},
@@ -79,7 +82,9 @@ std::unique_ptr<session::Link> open_link(const RunCommand& o, std::span<const se
                                          const session::Session& session,
                                          std::optional<sensing::RecordingWriter>& recorder) {
   try {
-    return session::open_link(o.link, links, session.link_setting());
+    session::LinkSetting setting = session.link_setting();
+    setting.board_files = o.board_files;
+    return session::open_link(o.link, links, setting);
   } catch (...) {
     if (recorder) recorder->discard();
     throw;

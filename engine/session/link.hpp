@@ -20,6 +20,8 @@ struct LinkSetting {
   const array::Layout& layout;               ///< as posed in the world
   std::span<const std::string> solid_names;  ///< by solid index
   double slot_s = 1.5e-3;                    ///< one drive lasts that long
+  bool foci_move = true;                     ///< from slot to slot; else a plan is one drive and its modulation
+  std::string board_files{};                 ///< folder with the boards' own calibration; empty: none
 };
 
 /// What sounds from now on, as a link is told it: enough for a board that plays a pattern by its own clock. What it

@@ -92,7 +92,9 @@ const std::vector<std::string>& Session::solid_names() const {
   return state_->names;
 }
 LinkSetting Session::link_setting() const {
-  return {state_->setting.layout, state_->names, state_->scheduler.slot_s()};
+  const touch::Method method = state_->setting.schedule.method.method;
+  const bool still = method == touch::Method::single_focus || method == touch::Method::multi_focus;
+  return {state_->setting.layout, state_->names, state_->scheduler.slot_s(), !still};
 }
 
 LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options) {

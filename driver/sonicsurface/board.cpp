@@ -1,0 +1,313 @@
+#include "driver/sonicsurface/board.hpp"
+
+#include <fmt/core.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <utility>
+
+#include "base/error.hpp"
+#include "driver/guard/channel.hpp"
+#include "driver/sonicsurface/line.hpp"
+#include "driver/sonicsurface/wire.hpp"
+
+namespace palpa::driver::sonicsurface {
+namespace {
+
+constexpr double retry_s = 1, close_patience_s = 0.5;
+
+struct Port {
+  std::string path;
+  Firmware firmware = Firmware::plain;
+};
+
+Port parse_port(const std::string& argument) {
+  const std::string tactile = ",tactile";
+  if (argument.empty() || argument == tactile ||
+      (argument.find(',') != std::string::npos && !argument.ends_with(tactile)))
+    throw bad_usage("link sonicsurface takes PORT or PORT,tactile, such as sonicsurface:/dev/ttyUSB0, not '" +
+                    argument + "'");
+  if (argument.ends_with(tactile)) return {argument.substr(0, argument.size() - tactile.size()), Firmware::tactile};
+  return {argument, Firmware::plain};
+}
+
+std::size_t boards_of(const array::Layout& layout, Firmware firmware) {
+  std::size_t covered = 0;
+  for (const array::Board& board : layout.boards)
+    covered += board.type == "sonicsurface" && board.count == transducers && board.first == covered ? transducers : 0;
+  const std::size_t most = firmware == Firmware::plain ? 2 : 1;
+  const std::size_t boards = covered / transducers;
+  if (boards == 0 || boards > most || covered != layout.transducers.size()) {
+    throw bad_input("layout " + layout.name,
+                    fmt::format("link sonicsurface drives {} of type sonicsurface, and nothing else",
+                                most == 2 ? "one or two boards" : "one board (tactile firmware)"));
+  }
+  return boards;
+}
+
+void check_pace(const BoardSetting& setting, std::size_t boards) {
+  const double frame_s = seconds_of(frame_size(boards));
+  if (!setting.foci_move || setting.slot_s >= frame_s) return;
+  throw bad_usage(
+      fmt::format("link sonicsurface: a frame takes {:.1f} ms, a slot of {:g} ms is too short; use --dwell {:g}ms, "
+                  "or --method single-focus, which needs none",
+                  1e3 * frame_s, 1e3 * setting.slot_s, std::ceil(1e3 * frame_s)));
+}
+
+bool all_zero(std::span<const array::TransducerDrive> drive) {
+  return std::all_of(drive.begin(), drive.end(), [](const auto& t) { return t.amplitude == 0; });
+}
+
+class SonicSurface final : public Board {
+ public:
+  SonicSurface(const BoardSetting& setting, const Port& port, std::size_t boards)
+      : notes_(setting.notes),
+        encoder_(boards, port.firmware, read_degrees(setting.files, boards * transducers)),
+        line_(port.path),
+        timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
+        still_(encoder_.size()),
+        newest_(encoder_.size()),
+        loaded_(encoder_.size()),
+        silence_(2 * encoder_.size()) {
+    encoder_.encode_all_off(silence_);
+    out_.reserve(silence_.size());
+    fall_silent();
+    pump();
+  }
+
+  void play(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+    const bool still = has_still_ && slot < until_slot_;
+    if (all_zero(drive)) {
+      if (!still || !silent_at(slot)) silence();
+    } else if (still) {
+      sounding_ = true;
+    } else {
+      encoder_.encode(drive, newest_);
+      sounding_ = drive_waits_ = true;
+    }
+    pump();
+  }
+
+  void plan(const BoardPlan& plan) override {
+    has_still_ = plan.cycle == 1;
+    if (!has_still_) return;
+    encoder_.encode(plan.drives, still_);
+    until_slot_ = plan.until_slot;
+    slot_s_ = plan.slot_s;
+    hz_ = plan.modulation_hz;
+    modulation_ = plan.modulation;
+    sounding_ = true;
+    drive_waits_ = false;
+    pump();
+  }
+
+  void all_off() override {
+    silence();
+    pump();
+  }
+
+  void tend() override {
+    std::uint64_t expirations = 0;
+    [[maybe_unused]] const ssize_t read_now = read(timer_.get(), &expirations, sizeof expirations);
+    pump();
+  }
+
+  std::span<const pollfd> watched() override {
+    watched_[0] = {timer_.get(), POLLIN, 0};
+    watched_[1] = {line_.fd(), POLLOUT, 0};
+    return std::span(watched_).first(sent_ < out_.size() && !line_.gone() ? 2 : 1);
+  }
+
+  bool close() override {
+    const double until_s = monotonic_s() + close_patience_s;
+    retry_at_s_ = 0;
+    while (!silent_ || sent_ < out_.size() || !line_.drained() || monotonic_s() < line_free_s_) {
+      if (monotonic_s() >= until_s) return false;
+      poll(nullptr, 0, 1);
+      pump();
+    }
+    return true;
+  }
+
+ private:
+  bool silent_at(std::uint64_t slot) const {
+    const double midpoint_s = (static_cast<double>(slot) + 0.5) * slot_s_;
+    return hz_ != 0 && static_cast<float>(array::modulation_gain(modulation_, hz_, midpoint_s)) == 0;
+  }
+
+  void silence() {
+    sounding_ = drive_waits_ = false;
+    if (!silent_) fall_silent();
+  }
+
+  /// What waits is dropped, in the kernel, too; then all off, in both buffers.
+  void fall_silent() {
+    line_.drop();
+    line_free_s_ = monotonic_s();
+    say(silence_);
+    silent_ = true;
+    loaded_hz_ = 0;
+    front_off_ = back_off_ = true;
+    std::fill(loaded_.begin(), loaded_.end(), std::uint8_t{0});
+  }
+
+  void say(std::span<const std::uint8_t> bytes) {
+    out_.assign(bytes.begin(), bytes.end());
+    sent_ = 0;
+    line_free_s_ = std::max(line_free_s_, monotonic_s()) + seconds_of(bytes.size());
+  }
+
+  /// Goes on until the line is busy or nothing is to be done; sets the timer for what comes next.
+  void pump() {
+    while (true) {
+      const double now_s = monotonic_s();
+      if (line_.gone() && !come_back(now_s)) return;
+      if (sent_ < out_.size()) {
+        sent_ += line_.write(std::span(out_).subspan(sent_));
+        if (line_.gone()) return lose(now_s);
+        if (sent_ < out_.size()) return;
+      }
+      if (!sounding_) return;
+      if (now_s < line_free_s_) return wake_at(line_free_s_);
+      if (!next(now_s)) return;
+    }
+  }
+
+  /// False: nothing is to be said now.
+  bool next(double now_s) {
+    if (drive_waits_) {
+      drive_waits_ = false;
+      load(newest_, now_s);
+      return true;
+    }
+    if (!has_still_) return false;
+    const bool differs = loaded_ != still_ || loaded_hz_ != hz_;
+    if (hz_ == 0) {
+      if (differs) load(still_, now_s);
+      return differs;
+    }
+    if (!front_off_ && !back_off_) {  // what came before was no modulation
+      fall_silent();
+      return true;
+    }
+    // Only behind a silent front can a pattern be written without being heard half.
+    if (differs && front_off_ && (silent_ || now_s >= loaded_s_ + refresh_s)) {
+      load(still_, now_s);
+      toggle_s_ = line_free_s_ + 0.5 / hz_;
+      return true;
+    }
+    if (now_s < toggle_s_) {
+      wake_at(toggle_s_);
+      return false;
+    }
+    std::swap(front_off_, back_off_);
+    say(swap_byte_);
+    toggle_s_ += 0.5 / hz_;
+    if (toggle_s_ < now_s) toggle_s_ = now_s + 0.5 / hz_;  // late: no burst
+    return true;
+  }
+
+  void load(const std::vector<std::uint8_t>& frame, double now_s) {
+    say(frame);
+    loaded_ = frame;
+    loaded_hz_ = hz_;
+    loaded_s_ = now_s;
+    back_off_ = front_off_;
+    front_off_ = false;
+    silent_ = false;
+  }
+
+  void wake_at(double when_s) const {
+    itimerspec when{};
+    when.it_value.tv_sec = static_cast<time_t>(when_s);
+    when.it_value.tv_nsec = static_cast<long>(1e9 * (when_s - std::floor(when_s)));
+    timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &when, nullptr);
+  }
+
+  void lose(double now_s) {
+    out_.clear();
+    sent_ = 0;
+    silent_ = false;
+    retry_at_s_ = now_s + retry_s;
+    if (!std::exchange(lost_, true)) notes_.warning("the serial port is gone");
+  }
+
+  /// Before anything else comes silence.
+  bool come_back(double now_s) {
+    if (now_s < retry_at_s_) return false;
+    retry_at_s_ = now_s + retry_s;
+    if (!line_.reopen()) return false;
+    lost_ = false;
+    fall_silent();
+    notes_.warning("the serial port is there again");
+    return true;
+  }
+
+  static constexpr std::array<std::uint8_t, 1> swap_byte_{swap};
+
+  BoardNotes& notes_;
+  Encoder encoder_;
+  Line line_;
+  Descriptor timer_;
+  std::array<pollfd, 2> watched_{};
+
+  // What is to sound.
+  bool sounding_ = false;
+  bool has_still_ = false;            ///< a plan of one drive
+  std::vector<std::uint8_t> still_;   ///< as a frame
+  std::vector<std::uint8_t> newest_;  ///< the newest drive that no such plan has
+  bool drive_waits_ = false;
+  std::uint64_t until_slot_ = 0;
+  double slot_s_ = 0, hz_ = 0;
+  array::Modulation modulation_ = array::Modulation::pressure_sine;
+
+  // What the boards do.
+  std::vector<std::uint8_t> loaded_;
+  double loaded_hz_ = 0, loaded_s_ = 0, toggle_s_ = 0;
+  bool front_off_ = true, back_off_ = true;  ///< the buffers
+  bool silent_ = false;                      ///< all off has been said, and nothing since
+  std::vector<std::uint8_t> silence_, out_;
+  std::size_t sent_ = 0;
+  double line_free_s_ = 0;  ///< when all that was said has left, by the line's speed
+  bool lost_ = false;
+  double retry_at_s_ = 0;
+};
+
+}  // namespace
+
+std::vector<float> read_degrees(const std::string& folder, std::size_t count) {
+  if (folder.empty()) return {};
+  const std::string file = (std::filesystem::path(folder) / "sonicsurface.txt").string();
+  std::ifstream in(file);
+  if (!in)
+    throw bad_input(file, fmt::format("cannot be read; it has {} numbers, one per transducer, in degrees", count));
+  std::vector<float> degrees;
+  for (float value = 0; in >> value;) {
+    if (!(std::abs(value) <= 360))
+      throw bad_input(file, fmt::format("{} degrees are no phase from -360 to 360", value));
+    degrees.push_back(value);
+  }
+  if (!in.eof()) throw bad_input(file, fmt::format("number {} is none", degrees.size() + 1));
+  if (degrees.size() != count)
+    throw bad_input(file, fmt::format("has {} numbers; the boards have {} transducers", degrees.size(), count));
+  return degrees;
+}
+
+BoardKind board_kind() {
+  return {"sonicsurface", "sonicsurface:PORT[,tactile]: SonicSurface boards on a serial port",
+          [](const BoardSetting& setting) -> std::unique_ptr<Board> {
+            const Port port = parse_port(setting.argument);
+            const std::size_t boards = boards_of(setting.layout, port.firmware);
+            check_pace(setting, boards);
+            return std::make_unique<SonicSurface>(setting, port, boards);
+          },
+          true};
+}
+
+}  // namespace palpa::driver::sonicsurface

@@ -1,0 +1,65 @@
+#include "driver/sonicsurface/line.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace palpa::driver::sonicsurface {
+
+Line::Line(std::string path) : path_(std::move(path)) {
+  const int fault = open();
+  if (fault == 0) return;
+  const char* advice = fault == EACCES   ? "; add yourself to the group dialout and log in again"
+                       : fault == ENOTTY ? "; give the board's serial port, such as /dev/ttyUSB0"
+                       : fault == EBUSY  ? "; another program has it"
+                                         : "";
+  throw failure(fmt::format("{}: {}{}", path_, std::strerror(fault), advice));
+}
+
+int Line::open() {
+  Descriptor fd(::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (!fd) return errno;
+  termios setting{};
+  if (tcgetattr(fd.get(), &setting) != 0) return errno;
+  cfmakeraw(&setting);
+  setting.c_cflag |= CLOCAL | CREAD;
+  setting.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS | HUPCL | CSTOPB | PARENB);
+  cfsetspeed(&setting, B230400);
+  if (ioctl(fd.get(), TIOCEXCL) != 0 || tcsetattr(fd.get(), TCSANOW, &setting) != 0) return errno;
+  // What a line cannot do it leaves undone without a word.
+  if (tcgetattr(fd.get(), &setting) != 0) return errno;
+  if (cfgetospeed(&setting) != B230400) return EINVAL;
+  fd_ = std::move(fd);
+  return 0;
+}
+
+bool Line::reopen() {
+  return open() == 0;
+}
+
+std::size_t Line::write(std::span<const std::uint8_t> bytes) {
+  if (gone() || bytes.empty()) return 0;
+  const ssize_t size = ::write(fd_.get(), bytes.data(), bytes.size());
+  if (size >= 0) return static_cast<std::size_t>(size);
+  if (errno != EAGAIN && errno != EINTR) fd_ = Descriptor();
+  return 0;
+}
+
+void Line::drop() {
+  if (!gone()) tcflush(fd_.get(), TCOFLUSH);
+}
+
+bool Line::drained() const {
+  int waiting = 0;
+  return !gone() && ioctl(fd_.get(), TIOCOUTQ, &waiting) == 0 && waiting == 0;
+}
+
+}  // namespace palpa::driver::sonicsurface

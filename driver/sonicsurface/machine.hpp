@@ -1,0 +1,54 @@
+// SonicSurface boards made of software, on one serial line: a primary one, and a secondary one that hears what the
+// primary repeats. They read bytes as the firmware's state machine does, and tell what sounds. What the boards would
+// bear although nobody can have meant it is a violation.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "driver/emulate/violations.hpp"
+
+namespace palpa::driver::sonicsurface {
+
+class EmulatedBoards {
+ public:
+  static constexpr std::size_t slots = 256;
+  static constexpr int silent = -1;
+
+  EmulatedBoards(std::size_t boards, bool tactile);
+
+  /// The line's speed, as whoever opened it has set it. The boards' own is 227556 baud; 3 % they bear.
+  void set_baud(double now_s, double baud);
+  void take(double now_s, std::span<const std::uint8_t> bytes);
+
+  /// Of a transducer in layout order (16 r + c, r from the top): its phase in 1/32 turns, or `silent`.
+  int sounding(std::size_t board, std::size_t transducer) const;
+  bool all_silent() const;
+  /// What is heard after the next swap is nothing, too.
+  bool all_silent_behind() const;
+  std::uint64_t swaps() const { return swaps_; }
+  std::uint64_t bytes() const { return bytes_; }
+  const emulate::Violations& violations() const { return violations_; }
+
+ private:
+  using Buffer = std::array<std::uint8_t, slots>;
+  struct Board {
+    std::array<Buffer, 2> buffers{};  ///< after power-up all phases are 0: they sound
+    std::size_t front = 0, counter = slots;
+    bool selected = true;
+    std::size_t written = 0;  ///< since `begin`
+  };
+  void take_byte(std::uint8_t byte);
+  void take_phase(Board& board, std::uint8_t byte);
+
+  bool tactile_;
+  std::vector<Board> boards_;
+  double now_s_ = 0;
+  std::uint64_t swaps_ = 0, bytes_ = 0;
+  emulate::Violations violations_;
+};
+
+}  // namespace palpa::driver::sonicsurface

@@ -1,0 +1,75 @@
+#include "driver/sonicsurface/pty.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <thread>
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace palpa::driver::sonicsurface {
+namespace {
+
+constexpr int look_ms = 20;
+
+double baud_of(int terminal) {
+  constexpr double unknown = 0;
+  termios setting{};
+  if (tcgetattr(terminal, &setting) != 0) return unknown;
+  switch (cfgetospeed(&setting)) {
+    case B115200:
+      return 115200;
+    case B230400:
+      return 230400;
+    case B460800:
+      return 460800;
+    default:
+      return unknown;
+  }
+}
+
+}  // namespace
+
+Pty::Pty() : master_(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
+  std::array<char, 64> name{};
+  if (!master_ || grantpt(master_.get()) != 0 || unlockpt(master_.get()) != 0 ||
+      ptsname_r(master_.get(), name.data(), name.size()) != 0)
+    throw failure(fmt::format("no pseudo terminal: {}", std::strerror(errno)));
+  path_ = name.data();
+  termios raw{};
+  tcgetattr(master_.get(), &raw);
+  cfmakeraw(&raw);
+  tcsetattr(master_.get(), TCSANOW, &raw);
+}
+
+void Pty::serve(EmulatedBoards& boards, const std::atomic<bool>& stop, std::mutex& lock,
+                const std::function<void(std::span<const std::uint8_t>)>& heard) const {
+  std::array<std::uint8_t, 4096> bytes{};
+  bool listened = false;  // of a line that was opened and closed the speed need not be the next one's
+  while (!stop) {
+    pollfd one{master_.get(), POLLIN, 0};
+    if (poll(&one, 1, look_ms) <= 0) continue;
+    const ssize_t size = read(master_.get(), bytes.data(), bytes.size());
+    if (size <= 0) {  // nobody has the other end open
+      listened = false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(look_ms));
+      continue;
+    }
+    const std::span<const std::uint8_t> came(bytes.data(), static_cast<std::size_t>(size));
+    if (heard) heard(came);
+    const std::lock_guard held(lock);
+    if (!std::exchange(listened, true)) boards.set_baud(monotonic_s(), baud_of(master_.get()));
+    boards.take(monotonic_s(), came);
+  }
+}
+
+}  // namespace palpa::driver::sonicsurface

@@ -1,0 +1,33 @@
+// The emulated boards on a pseudo terminal, which programs open as they open a serial port.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <span>
+#include <string>
+
+#include "driver/guard/channel.hpp"
+#include "driver/sonicsurface/machine.hpp"
+
+namespace palpa::driver::sonicsurface {
+
+class Pty {
+ public:
+  /// Throws failure() where the system has none left.
+  Pty();
+  /// The end for programs, such as /dev/pts/3.
+  const std::string& path() const { return path_; }
+
+  /// Gives the boards what comes until `stop`, which it looks at 50 times a second. `heard` gets it before they do;
+  /// `lock` is held while they are used.
+  void serve(EmulatedBoards& boards, const std::atomic<bool>& stop, std::mutex& lock,
+             const std::function<void(std::span<const std::uint8_t>)>& heard = {}) const;
+
+ private:
+  Descriptor master_;
+  std::string path_;
+};
+
+}  // namespace palpa::driver::sonicsurface

@@ -1,0 +1,57 @@
+#include "driver/sonicsurface/wire.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace palpa::driver::sonicsurface {
+
+Encoder::Encoder(std::size_t boards, Firmware firmware, std::vector<float> degrees)
+    : boards_(boards), firmware_(firmware), degrees_(std::move(degrees)), places_(boards * transducers) {
+  degrees_.resize(places_.size());
+  // A lattice in the plane: whatever part of the transducers is on, they lie evenly.
+  constexpr double along_row = 0.7548776662466927, along_column = 0.5698402909980532;
+  for (std::size_t t = 0; t < places_.size(); ++t) {
+    const std::size_t row = t % transducers / 16, column = t % 16;
+    const double place = along_row * static_cast<double>(column) + along_column * static_cast<double>(row);
+    places_[t] = static_cast<float>(place - std::floor(place));
+  }
+}
+
+std::uint8_t Encoder::phase_of(std::size_t transducer, float phase) const {
+  const int steps = firmware_ == Firmware::plain ? 32 : 16;
+  const double turns = phase / (2 * std::numbers::pi) - degrees_[transducer] / 360.0;
+  const int step = static_cast<int>(std::floor(steps * (turns - std::floor(turns)) + 0.5)) % steps;
+  return static_cast<std::uint8_t>(step * (32 / steps));
+}
+
+template <typename Phase>
+void Encoder::write(std::span<std::uint8_t> frame, const Phase& phase) const {
+  std::size_t at = 0;
+  for (std::size_t board = 0; board < boards_; ++board) {
+    if (boards_ > 1) frame[at++] = board == 0 ? primary : secondary;
+    frame[at++] = begin;
+    for (std::size_t t = 0; t < transducers; ++t)
+      frame[at + slot_of(t)] = phase(board * transducers + t);
+    at += transducers;
+  }
+  frame[at] = swap;
+}
+
+void Encoder::encode(std::span<const array::TransducerDrive> drive, std::span<std::uint8_t> frame) const {
+  float loudest = 0;
+  for (const array::TransducerDrive& t : drive)
+    loudest = std::max(loudest, t.amplitude);
+  write(frame, [&](std::size_t t) {
+    const bool heard = drive[t].amplitude > 0 && places_[t] < loudest;
+    return heard ? phase_of(t, drive[t].phase) : off;
+  });
+}
+
+void Encoder::encode_all_off(std::span<std::uint8_t> two_frames) const {
+  for (const std::size_t at : {std::size_t{0}, size()})
+    write(two_frames.subspan(at, size()), [](std::size_t) { return off; });
+}
+
+}  // namespace palpa::driver::sonicsurface

@@ -1,0 +1,343 @@
+// SonicSurface: what the encoder writes is what an independent reading of the bytes hears; and the board on a serial
+// line.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <mutex>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "driver/guard/channel.hpp"
+#include "driver/sonicsurface/board.hpp"
+#include "driver/sonicsurface/machine.hpp"
+#include "driver/sonicsurface/pty.hpp"
+#include "driver/sonicsurface/wire.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::driver::sonicsurface {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr float pi = std::numbers::pi_v<float>;
+
+array::Drive some_drive(std::size_t boards) {
+  array::Drive drive(boards * transducers);
+  for (std::size_t t = 0; t < drive.size(); ++t)
+    drive[t] = {1.0f,
+                static_cast<float>(static_cast<double>(t * 37 % 128) / 128 * 2 * std::numbers::pi - std::numbers::pi)};
+  drive[5].amplitude = 0;
+  return drive;
+}
+
+int expected_phase(const array::TransducerDrive& t, int steps) {
+  if (t.amplitude == 0) return EmulatedBoards::silent;
+  const double turns = t.phase / (2 * std::numbers::pi);
+  return static_cast<int>(std::floor(steps * (turns - std::floor(turns)) + 0.5)) % steps * (32 / steps);
+}
+
+TEST(SonicSurfaceWire, EachTransducerGetsItsPhase) {
+  for (const auto& [boards, firmware] : {std::pair(std::size_t{1}, Firmware::plain),
+                                         {std::size_t{1}, Firmware::tactile},
+                                         {std::size_t{2}, Firmware::plain}}) {
+    const bool tactile = firmware == Firmware::tactile;
+    const Encoder encoder(boards, firmware);
+    EmulatedBoards machine(boards, tactile);
+    EXPECT_FALSE(machine.all_silent()) << "after power-up it sounds";
+    const array::Drive drive = some_drive(boards);
+    std::vector<std::uint8_t> frame(encoder.size());
+    encoder.encode(drive, frame);
+    machine.take(0, frame);
+    for (std::size_t t = 0; t < drive.size(); ++t)
+      ASSERT_EQ(machine.sounding(t / transducers, t % transducers), expected_phase(drive[t], tactile ? 16 : 32)) << t;
+    std::vector<std::uint8_t> silence(2 * encoder.size());
+    encoder.encode_all_off(silence);
+    machine.take(0, silence);
+    EXPECT_TRUE(machine.all_silent() && machine.all_silent_behind());
+    EXPECT_EQ(machine.violations().count(), 0u);
+  }
+}
+
+TEST(SonicSurfaceWire, IsOfTheBytesThatTheBoardsTake) {
+  const Encoder encoder(1, Firmware::plain);
+  std::vector<std::uint8_t> silence(2 * encoder.size());
+  encoder.encode_all_off(silence);
+  std::vector<std::uint8_t> expected;
+  for (int times = 0; times < 2; ++times) {
+    expected.push_back(254);
+    expected.insert(expected.end(), 256, 32);
+    expected.push_back(253);
+  }
+  EXPECT_EQ(silence, expected);
+  // The corners: top left, its neighbours, bottom right.
+  EXPECT_EQ(slot_of(0), 0u);
+  EXPECT_EQ(slot_of(1), 7u);
+  EXPECT_EQ(slot_of(16), 4u);
+  EXPECT_EQ(slot_of(255), 64u * 3 + 8 * 7 + 5);
+  std::array<int, transducers> hits{};
+  for (std::size_t t = 0; t < transducers; ++t)
+    ++hits[slot_of(t)];
+  EXPECT_TRUE(std::all_of(hits.begin(), hits.end(), [](int n) { return n == 1; }));
+}
+
+TEST(SonicSurfaceWire, PhasesAreDelaysAndACalibrationIsTakenOff) {
+  const Encoder encoder(1, Firmware::plain, [] {
+    std::vector<float> degrees(transducers, 0.0f);
+    degrees[1] = 180;
+    return degrees;
+  }());
+  array::Drive drive(transducers, {1.0f, 0.0f});
+  drive[2].phase = -pi / 2;
+  drive[3].phase = -1e-4f;
+  drive[4].phase = pi;
+  std::vector<std::uint8_t> frame(encoder.size());
+  encoder.encode(drive, frame);
+  EmulatedBoards machine(1, false);
+  machine.take(0, frame);
+  EXPECT_EQ(machine.sounding(0, 0), 0);
+  EXPECT_EQ(machine.sounding(0, 1), 16);
+  EXPECT_EQ(machine.sounding(0, 2), 24);
+  EXPECT_EQ(machine.sounding(0, 3), 0);
+  EXPECT_EQ(machine.sounding(0, 4), 16);
+}
+
+TEST(SonicSurfaceWire, ACeilingMutesTransducersEvenly) {
+  const Encoder encoder(1, Firmware::plain);
+  std::vector<std::uint8_t> frame(encoder.size());
+  for (const float ceiling : {0.9f, 0.5f, 0.25f, 0.1f}) {
+    array::Drive drive(transducers, {ceiling, 0.0f});
+    drive[7].amplitude *= 0.7f;  // amplitudes that differ are taken as uniform
+    encoder.encode(drive, frame);
+    EmulatedBoards machine(1, false);
+    machine.take(0, frame);
+    std::array<int, 4> quarters{};
+    for (std::size_t t = 0; t < transducers; ++t)
+      quarters[t / 128 * 2 + t % 16 / 8] += machine.sounding(0, t) != EmulatedBoards::silent ? 1 : 0;
+    for (const int quarter : quarters)
+      EXPECT_NEAR(quarter, 64 * ceiling, 4) << ceiling;
+  }
+}
+
+TEST(SonicSurfaceEmulator, FindsWhatNobodyCanHaveMeant) {
+  const auto violations = [](bool tactile, const std::vector<std::uint8_t>& bytes, double baud = 230400) {
+    EmulatedBoards machine(1, tactile);
+    machine.set_baud(0, baud);
+    machine.take(0, bytes);
+    return machine.violations().count();
+  };
+  std::vector<std::uint8_t> frame{254};
+  frame.insert(frame.end(), 256, 4);
+  auto longer = frame, odd = frame, loud = frame;
+  longer.push_back(4);
+  odd[9] = 5;
+  loud[9] = 40;
+  EXPECT_EQ(violations(false, frame), 0u);
+  EXPECT_EQ(violations(false, longer), 1u);
+  EXPECT_EQ(violations(false, odd), 0u);
+  EXPECT_EQ(violations(true, odd), 1u);
+  EXPECT_EQ(violations(false, loud), 1u);
+  EXPECT_EQ(violations(false, {150}), 1u);
+  EXPECT_EQ(violations(false, {254, 1, 2, 253}), 1u);
+  EXPECT_EQ(violations(true, {0xa5}), 1u);
+  EXPECT_EQ(violations(false, {}, 115200), 1u);
+}
+
+TEST(SonicSurfaceEmulator, ASwapExchangesTheBuffersAndHitsAllBoards) {
+  EmulatedBoards machine(2, false);
+  std::vector<std::uint8_t> off{254}, on{254};
+  off.insert(off.end(), 256, 32);
+  on.insert(on.end(), 256, 3);
+  const std::vector<std::uint8_t> swap{253};
+  for (const auto& bytes : {off, swap, off, swap})
+    machine.take(0, bytes);
+  EXPECT_TRUE(machine.all_silent() && machine.all_silent_behind());
+  machine.take(0, std::vector<std::uint8_t>{193});
+  machine.take(0, on);
+  EXPECT_TRUE(machine.all_silent());
+  machine.take(0, swap);
+  EXPECT_EQ(machine.sounding(0, 0), EmulatedBoards::silent) << "only the secondary board was selected";
+  EXPECT_EQ(machine.sounding(1, 0), 3);
+  machine.take(0, swap);
+  EXPECT_TRUE(machine.all_silent());
+  machine.take(0, swap);
+  EXPECT_FALSE(machine.all_silent());
+  EXPECT_EQ(machine.violations().count(), 0u);
+}
+
+class Told final : public BoardNotes {
+ public:
+  void warning(std::string_view line) noexcept override { warnings.emplace_back(line); }
+  void info(std::string_view) noexcept override {}
+  std::vector<std::string> warnings;
+};
+
+/// A board on a pseudo terminal, as its guard has it.
+struct Rig {
+  array::Layout layout = array::load_layout("sonicsurface");
+  EmulatedBoards machine{1, false};
+  Pty pty;
+  std::string argument = pty.path(), files;
+  Told notes;
+  std::mutex lock;
+  std::atomic<bool> stop{false};
+  std::thread thread{[this] { pty.serve(machine, stop, lock); }};
+  std::unique_ptr<Board> board;
+  array::Drive drive = some_drive(1), silence = array::Drive(transducers, {0.0f, 0.0f});
+
+  ~Rig() {
+    stop = true;
+    thread.join();
+  }
+  std::unique_ptr<Board> make(double slot_s, bool foci_move) {
+    return board_kind().open({argument, files, layout, slot_s, notes, foci_move});
+  }
+  void plan(double hz) {
+    board->plan({100, 1000000, monotonic_s(), 1.5e-3, 1, drive, hz, array::Modulation::pressure_sine});
+  }
+  /// As a guard does between drives: waits for what the board watches, 5 ms at most.
+  template <typename Done>
+  bool tend_until(const Done& done, std::chrono::milliseconds at_most = 2000ms) {
+    for (const auto end = std::chrono::steady_clock::now() + at_most; std::chrono::steady_clock::now() < end;) {
+      std::array<pollfd, 2> fds{};
+      const auto watched = board->watched();
+      std::copy(watched.begin(), watched.end(), fds.begin());
+      poll(fds.data(), watched.size(), 5);
+      board->tend();
+      const std::lock_guard held(lock);
+      if (done()) return true;
+    }
+    return false;
+  }
+  bool plays(const array::Drive& wanted) const {
+    for (std::size_t t = 0; t < transducers; ++t) {
+      if (machine.sounding(0, t) != expected_phase(wanted[t], 32)) return false;
+    }
+    return true;
+  }
+  void expect_silent_end() {
+    EXPECT_TRUE(board->close());
+    board.reset();
+    for (int i = 0; i < 500; ++i, std::this_thread::sleep_for(1ms)) {
+      const std::lock_guard held(lock);
+      if (machine.all_silent() && machine.all_silent_behind()) break;
+    }
+    const std::lock_guard held(lock);
+    EXPECT_TRUE(machine.all_silent() && machine.all_silent_behind());
+    EXPECT_EQ(machine.violations().count(), 0u) << machine.violations().kept()[0].what;
+  }
+};
+
+TEST(SonicSurfaceBoard, SilencesABoardThatWasLeftSounding) {
+  Rig rig;
+  rig.board = rig.make(12e-3, true);
+  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
+  rig.expect_silent_end();
+}
+
+TEST(SonicSurfaceBoard, PlaysTheNewestDriveAndSilenceAtOnce) {
+  Rig rig;
+  rig.board = rig.make(12e-3, true);
+  for (std::uint64_t s = 0; s < 20; ++s) {
+    rig.drive[0].phase = static_cast<float>(s) / 10;
+    rig.board->play(s, rig.drive);
+  }
+  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
+  EXPECT_LE(rig.machine.swaps(), 5u) << "none queue";
+  rig.board->play(20, rig.silence);
+  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
+  rig.expect_silent_end();
+}
+
+TEST(SonicSurfaceBoard, WhatStandsStillIsModulatedByOneByte) {
+  Rig rig;
+  rig.board = rig.make(1.5e-3, false);
+  rig.plan(200);
+  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
+  const std::uint64_t bytes = rig.machine.bytes(), swaps = rig.machine.swaps();
+  const double begin_s = monotonic_s();
+  bool on = false, silent = false;
+  std::uint64_t slot = 100;
+  rig.tend_until(
+      [&] {
+        on = on || rig.plays(rig.drive);
+        silent = silent || rig.machine.all_silent();
+        rig.board->play(++slot, rig.drive);
+        return false;
+      },
+      300ms);
+  const double after_s = monotonic_s() - begin_s;
+  EXPECT_TRUE(on && silent);
+  EXPECT_EQ(rig.machine.bytes() - bytes, rig.machine.swaps() - swaps) << "nothing but swaps";
+  EXPECT_NEAR(static_cast<double>(rig.machine.swaps() - swaps) / after_s, 400, 60);
+  // Another pattern comes within a refresh, and never half.
+  rig.drive[3].phase += 1;
+  rig.plan(200);
+  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
+  rig.board->all_off();
+  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
+  const std::uint64_t at_rest = rig.machine.bytes();
+  rig.tend_until([] { return false; }, 50ms);
+  EXPECT_EQ(rig.machine.bytes(), at_rest) << "nothing more is said";
+  rig.board->play(slot, rig.drive);  // and with the next drive it goes on
+  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
+  rig.board->all_off();
+  rig.expect_silent_end();
+}
+
+TEST(SonicSurfaceBoard, RefusesWhatItCannotPlay) {
+  Rig rig;
+  const std::string line = test::error_of([&] { rig.make(1.5e-3, true); }, Exit::usage);
+  EXPECT_CONTAINS(line, "a frame takes 11.3 ms");
+  EXPECT_CONTAINS(line, "--dwell 12ms");
+  EXPECT_CONTAINS(line, "single-focus");
+  rig.argument += ",fast";
+  EXPECT_CONTAINS(test::error_of([&] { rig.make(12e-3, true); }, Exit::usage), "PORT,tactile");
+  rig.argument = "/dev/null";
+  EXPECT_CONTAINS(test::error_of([&] { rig.make(12e-3, true); }, Exit::failed), "serial port");
+  rig.argument = "/dev/ttyNONE";
+  EXPECT_CONTAINS(test::error_of([&] { rig.make(12e-3, true); }, Exit::failed), "/dev/ttyNONE: No such file");
+  rig.argument = rig.pty.path();
+  rig.layout = array::load_layout("openmpd");
+  EXPECT_CONTAINS(test::error_of([&] { rig.make(12e-3, true); }), "one or two boards");
+}
+
+TEST(SonicSurfaceBoard, TakesACalibrationFromItsFolder) {
+  const auto folder = test::scratch_folder("sonicsurface");
+  EXPECT_TRUE(read_degrees("", 256).empty());
+  EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 256); }), "cannot be read");
+  const auto write = [&](const std::string& text) { std::ofstream(folder / "sonicsurface.txt") << text; };
+  write("0 180 -90\n");
+  EXPECT_EQ(read_degrees(folder, 3), (std::vector<float>{0, 180, -90}));
+  EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 4); }), "has 3 numbers");
+  write("0 x 3");
+  EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 3); }), "number 2");
+  write("0 400 3");
+  EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 3); }), "400 degrees");
+}
+
+TEST(SonicSurfaceBoard, ALineThatGoesAwayIsToldOnce) {
+  Rig rig;
+  auto vanishing = std::make_unique<Pty>();
+  rig.argument = vanishing->path();
+  rig.board = rig.make(12e-3, true);
+  vanishing.reset();
+  for (std::uint64_t s = 0; s < 50; ++s) {
+    rig.board->play(s, rig.drive);
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_EQ(rig.notes.warnings, (std::vector<std::string>{"the serial port is gone"}));
+  rig.board->all_off();
+  EXPECT_FALSE(rig.board->close()) << "nobody knows";
+}
+
+}  // namespace
+}  // namespace palpa::driver::sonicsurface
