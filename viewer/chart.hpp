@@ -1,10 +1,14 @@
 // The chart of what skin feels in time: a bar per line of the spectrum, its felt part in the finger's colour.
 #pragma once
 
-#include "viewer/ink.hpp"
+#include "drawing/ink.hpp"
+#include "viewer/palette.hpp"
 #include "viewer/picture.hpp"
 
 namespace palpa::viewer {
+
+using drawing::Align;
+using drawing::Ink;
 
 /// Draws the chart of `picture.spectra` at the bottom left of a picture of so many pixels. Nothing where there are no
 /// spectra or no room.

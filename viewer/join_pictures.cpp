@@ -4,22 +4,22 @@
 #include <exception>
 
 #include "base/error.hpp"
-#include "viewer/png.hpp"
+#include "drawing/png.hpp"
 
 namespace {
 
 void join(const char* left_file, const char* right_file, const char* out_file) {
-  const palpa::viewer::Pixels left = palpa::viewer::read_png(left_file), right = palpa::viewer::read_png(right_file);
+  const palpa::drawing::Pixels left = palpa::drawing::read_png(left_file), right = palpa::drawing::read_png(right_file);
   if (left.height != right.height)
     throw palpa::bad_input(right_file, "is not as high as the picture that goes to its left");
-  palpa::viewer::Pixels out;
+  palpa::drawing::Pixels out;
   out.width = left.width + right.width;
   out.height = left.height;
   for (std::uint32_t y = 0; y < out.height; ++y) {
     for (const auto* part : {&left, &right})
       out.rgba.insert(out.rgba.end(), part->at(0, y), part->at(0, y) + std::size_t{4} * part->width);
   }
-  palpa::viewer::write_png(out_file, out);
+  palpa::drawing::write_png(out_file, out);
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
 // Pictures without a window: renders into an image of its own and reads it back.
 #pragma once
 
+#include "drawing/png.hpp"
 #include "gpu/commands.hpp"
-#include "viewer/png.hpp"
 #include "viewer/renderer.hpp"
 
 namespace palpa::viewer {
+
+using drawing::Pixels;
 
 class Offscreen {
  public:

@@ -9,11 +9,16 @@
 #include <numbers>
 #include <string_view>
 
+#include "drawing/ink.hpp"
 #include "viewer/chart.hpp"
-#include "viewer/ink.hpp"
 #include "viewer/palette.hpp"
 
 namespace palpa::viewer {
+
+using drawing::Align;
+using drawing::Ink;
+using drawing::text_size;
+
 namespace {
 
 struct Placed {

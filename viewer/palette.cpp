@@ -5,31 +5,6 @@
 #include <cmath>
 
 namespace palpa::viewer {
-namespace {
-
-float encode(float linear) {
-  const float c = std::clamp(linear, 0.0f, 1.0f);
-  return c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1.0f / 2.4f) - 0.055f;
-}
-
-/// Björn Ottosson's Oklab, 2020.
-Colour from_oklch(float lightness, float chroma, float hue) {
-  const float a = chroma * std::cos(hue), b = chroma * std::sin(hue);
-  const auto cube = [](float v) { return v * v * v; };
-  const float l = cube(lightness + 0.3963377774f * a + 0.2158037573f * b);
-  const float m = cube(lightness - 0.1055613458f * a - 0.0638541728f * b);
-  const float s = cube(lightness - 0.0894841775f * a - 1.2914855480f * b);
-  return {encode(4.0767416621f * l - 3.3077115913f * m + 0.2309699292f * s),
-          encode(-1.2684380046f * l + 2.6097574011f * m - 0.3413193965f * s),
-          encode(-0.0041960863f * l - 0.7034186147f * m + 1.7076147010f * s), 1.0f};
-}
-
-}  // namespace
-
-Colour mix(Colour a, Colour b, float t) {
-  return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t, a.a + (b.a - a.a) * t};
-}
-
 const Theme& light_theme() {
   static const Theme theme{
       .background = rgb(0xffffff),
@@ -84,7 +59,7 @@ Colour finger_colour(std::uint32_t index) {
 Colour drive_colour(float amplitude, float phase) {
   const float a = std::isfinite(amplitude) ? std::clamp(amplitude, 0.0f, 1.0f) : 0.0f;
   const float hue = (std::isfinite(phase) ? phase : 0.0f) + 0.7f;
-  return from_oklch(0.22f + 0.53f * a, 0.122f * a, hue);
+  return drawing::from_oklch({0.22f + 0.53f * a, 0.122f * a, hue});
 }
 
 Colour part_colour(Colour solid, std::uint32_t index) {

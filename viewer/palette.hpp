@@ -3,20 +3,14 @@
 
 #include <cstdint>
 
+#include "drawing/colour.hpp"
+
 namespace palpa::viewer {
 
-/// As on the screen (sRGB, gamma-encoded), each component 0..1.
-struct Colour {
-  float r = 0, g = 0, b = 0, a = 1;
-};
-constexpr Colour rgb(std::uint32_t hex, float alpha = 1) {
-  return {static_cast<float>(hex >> 16 & 255u) / 255.0f, static_cast<float>(hex >> 8 & 255u) / 255.0f,
-          static_cast<float>(hex & 255u) / 255.0f, alpha};
-}
-constexpr Colour with_alpha(Colour c, float alpha) {
-  return {c.r, c.g, c.b, alpha};
-}
-Colour mix(Colour a, Colour b, float t);
+using drawing::Colour;
+using drawing::mix;
+using drawing::rgb;
+using drawing::with_alpha;
 
 /// Colours that depend on the background.
 struct Theme {

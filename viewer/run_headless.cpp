@@ -23,7 +23,7 @@ std::string to_json(const Pixels& pixels, std::uint32_t frames, std::optional<do
 }
 
 double compare(const ViewerOptions& options, const Pixels& pixels) {
-  const Pixels reference = read_png(options.reference);
+  const Pixels reference = drawing::read_png(options.reference);
   if (reference.width != pixels.width || reference.height != pixels.height) {
     throw bad_input(options.reference,
                     fmt::format("is {}x{} pixels, the picture is {}x{}: give --size {}x{}", reference.width,

@@ -8,6 +8,8 @@
 #include <iterator>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "acoustics/air.hpp"
@@ -21,8 +23,12 @@
 #include "base/json_writer.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
+#include "base/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/foci_drive.hpp"
+#include "drawing/field_picture.hpp"
+#include "drawing/png.hpp"
 #include "geometry/vtu.hpp"
 #include "gpu/device.hpp"
 #include "setup/drive_file.hpp"
@@ -42,7 +48,7 @@ struct FieldCommand {
   std::string layout, drive_file;
   std::vector<std::string> foci;
   setup::PlaceOptions place;
-  std::string csv, vtu;
+  std::string csv, vtu, png;
   setup::DriveOptionsGroup drive;
   setup::AirOptions air;
 };
@@ -56,6 +62,7 @@ void add_options(CLI::App& app, FieldCommand& o) {
   const setup::Group results(app, "Results");
   results.text("--csv", o.csv, "FILE|-", "x,y,z,re,im of every point: metres, Pa");
   results.text("--vtu", o.vtu, "FILE", "the same for ParaView, with amplitude and phase");
+  results.text("--png", o.png, "FILE", "a picture of the plane: |p|, a bar in Pa, axes in mm");
   setup::add_drive_options(app, o.drive);
   setup::add_air_options(app, o.air);
 }
@@ -72,17 +79,25 @@ void check(const FieldCommand& o) {
       (o.drive.weighting != usual.weighting || o.drive.solver || o.drive.constraint || o.drive.pressure_pa)) {
     throw bad_usage("--amplitude, --solver, --constraint and --pressure make a drive of --focus: --drive has one");
   }
+  if (!o.png.empty() && o.place.given() && !o.place.plane)
+    throw bad_usage("--png draws a plane: give --plane, or take --csv or --vtu");
 }
 
-array::Drive drive_of(const FieldCommand& o, const array::Layout& layout) {
-  if (!o.drive_file.empty()) return setup::load_drive(o.drive_file, layout);
+struct Sound {
+  array::Drive drive;
+  std::vector<array::SlotFocus> foci;  ///< that it was made for; none of a file
+};
+
+Sound sound_of(const FieldCommand& o, const array::Layout& layout) {
+  if (!o.drive_file.empty()) return {setup::load_drive(o.drive_file, layout), {}};
   const array::DriveOptions options = setup::drive_options(o.drive);
   array::Schedule schedule = schedule_of(o.foci, layout);
   for (array::Voice& voice : schedule.voices)
     voice.pressure_pa = o.drive.pressure_pa.value_or(0);
-  std::vector<array::SlotFocus> foci;
-  array::foci_of_slot(schedule, 0, foci);
-  return drive_on_cpu(layout, foci, factors_for(layout, schedule, options), options);
+  Sound sound;
+  array::foci_of_slot(schedule, 0, sound.foci);
+  sound.drive = drive_on_cpu(layout, sound.foci, factors_for(layout, schedule, options), options);
+  return sound;
 }
 
 struct Field {
@@ -173,6 +188,55 @@ void write_vtu(const std::string& file, const Field& field) {
   geometry::write_vtu(file, field.places.points, cells_of(field.places), values);
 }
 
+/// "3.2" for 3.2 mm; what differs from it by nanometres is it.
+std::string in_mm(double metres) {
+  const double mm = std::round(metres * 1e9) / 1e6;
+  return fmt::format("{:g}", mm == 0 ? 0 : mm);
+}
+
+std::string title_of(const FieldCommand& o, const array::Layout& layout, const Sound& sound) {
+  const std::string name = printable(layout.name, 40);
+  if (sound.foci.empty()) return fmt::format("{}: {}", name, printable(shortened(o.drive_file, 40)));
+  if (sound.foci.size() > 1) return fmt::format("{}: {} foci", name, sound.foci.size());
+  const Vec3& at = sound.foci[0].position;
+  return fmt::format("{}: focus at ({}, {}, {}) mm", name, in_mm(at.x), in_mm(at.y), in_mm(at.z));
+}
+
+/// Above the pressure to which linear acoustics holds, colours say no more than what is how large beside the largest.
+void draw_png(const FieldCommand& o, const std::string& title, const acoustics::Air& air, const Field& field) {
+  const setup::Grid& grid = *field.places.grid;
+  std::vector<double> sizes(field.pressures.size());
+  std::ranges::transform(field.pressures, sizes.begin(), [](const std::complex<double>& p) { return std::abs(p); });
+  const std::string_view letters = word_of(setup::plane_words, grid.plane);
+  const auto axis = [](char letter) { return letter - 'x'; };
+  const int right = axis(letters[0]), up = axis(letters[1]), depth = 3 - right - up;
+
+  drawing::FieldPicture picture;
+  picture.values = sizes;
+  picture.columns = grid.columns;
+  picture.rows = grid.rows;
+  const Vec2 centre(grid.centre[right], grid.centre[up]);
+  picture.low_mm = (centre - grid.size_m * 0.5) * 1e3;
+  picture.high_mm = (centre + grid.size_m * 0.5) * 1e3;
+  picture.right = letters[0];
+  picture.up = letters[1];
+  picture.title = "Sound pressure, " + title;
+  picture.notes = {fmt::format("{} = {} mm; {}, {:g} kHz, {:.1f} m/s, {:.3f} Np/m", static_cast<char>('x' + depth),
+                               in_mm(grid.centre[depth]), word_of(array::directivity_words, o.drive.directivity),
+                               air.medium.frequency / 1e3, air.medium.sound_speed, air.absorption_np_m)};
+  if (field.peak_pa() > array::linear_pressure_pa) {
+    picture.notes.push_back(
+        fmt::format("Beyond linear acoustics: the linear sum reaches {:.1f} kPa", field.peak_pa() / 1e3));
+    picture.scale = 1 / field.peak_pa();
+    picture.most = 1;
+    picture.unit = "of the largest";
+  } else {
+    picture.most = field.peak_pa();
+    picture.unit = "Pa, peak";
+  }
+  drawing::write_png(o.png, drawing::draw(picture));
+}
+
 std::string to_json(const Field& field, const acoustics::Air& air, double total_ms) {
   JsonWriter json;
   json.begin_object()
@@ -199,20 +263,21 @@ std::string summary(const Field& field, const acoustics::Air& air) {
 void run(const FieldCommand& o) {
   const auto begin = Clock::now();
   check(o);
-  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}, {"--vtu", o.vtu}});
+  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}, {"--vtu", o.vtu}, {"--png", o.png}});
   const acoustics::Air air = setup::air(o.drive.medium, o.air);
   const array::Layout layout = array::load_layout(o.layout);
   setup::warn_of_frequency(layout, air.medium);
   Field field{.places = setup::load_places(o.place), .pressures = {}};
-  const array::Drive drive = drive_of(o, layout);
+  const Sound sound = sound_of(o, layout);
   log::release_warnings();
 
   std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
-  sum(o, layout, air, drive, field);
+  sum(o, layout, air, sound.drive, field);
   progress.reset();
 
   if (!o.csv.empty()) write_csv(o.csv, field);
   if (!o.vtu.empty()) write_vtu(o.vtu, field);
+  if (!o.png.empty()) draw_png(o, title_of(o, layout, sound), air, field);
   if (!o.common.json.empty()) write_file(o.common.json, to_json(field, air, milliseconds_since(begin)));
   if (setup::shows_summary(o.common, outputs)) write_file("-", summary(field, air));
 }
@@ -223,8 +288,8 @@ void add_field(Program& program) {
   add_subcommand<FieldCommand>(
       program,
       {"field", "the sound field of an array on a plane, a line or at points",
-       "  palpa field --layout openmpd --focus 0,0,150mm --plane xz --centre 0,0,120mm --size 120mm,160mm --csv "
-       "field.csv\n"
+       "  palpa field --layout openmpd --focus 0,0,150mm --plane xz --centre 0,0,120mm --size 120mm,160mm --png "
+       "field.png\n"
        "  palpa field --layout paper --drive drive.csv --line 0,0,-20mm 0,0,20mm --samples 401 --csv -\n"
        "  palpa field --layout autd3 --focus 0,0,200mm --points assets/finger.ply --vtu finger.vtu --directivity "
        "piston\n"

@@ -133,6 +133,17 @@ TEST(Field, VtuIsWhatOthersRead) {
   }
 }
 
+/// What it looks like: tests/drawing/test_field_picture.cpp.
+TEST(Field, PngIsAPictureOfAPlane) {
+  const std::string png = folder() / "field.png";
+  const Result result = palpa(with(with({"field", "--png", png, "--json", "-"}, focus), plane));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(read_text(png).starts_with("\x89PNG"));
+  EXPECT_GT(std::filesystem::file_size(png), 10000u);
+  expect_failure(palpa(with(with({"field", "--png", png}, focus), {"--line", "0,0,0.1", "0,0,0.2"})), 2,
+                 "--png draws a plane");
+}
+
 TEST(Field, SaysWhatIsWrong) {
   const std::string other = folder() / "other.csv", bad = folder() / "bad.csv";
   ASSERT_EQ(palpa({"drive", "--layout", "autd3", "--focus", "0,0,150mm", "--quiet", "--csv", other}).exit_code, 0);

@@ -1,9 +1,12 @@
 // The chart of what skin feels: where it is drawn, how high its bars are, and where it is not drawn.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include <algorithm>
 
 #include "viewer/chart.hpp"
+#include "viewer/overlay.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -81,6 +84,15 @@ TEST(Chart, StaysInItsCorner) {
       EXPECT_TRUE(end.y > 570 && end.y < 800) << end.y;
     }
   }
+}
+
+TEST(Overlay, ScaleBarIsOneTwoOrFive) {
+  EXPECT_NEAR(scale_bar_length(0.0123), 0.01, 1e-12);
+  EXPECT_NEAR(scale_bar_length(0.0999), 0.05, 1e-12);
+  EXPECT_NEAR(scale_bar_length(0.02), 0.02, 1e-12);
+  EXPECT_NEAR(scale_bar_length(0.1), 0.1, 1e-12);
+  EXPECT_GT(scale_bar_length(0), 0);
+  EXPECT_GT(scale_bar_length(std::numeric_limits<double>::quiet_NaN()), 0);
 }
 
 }  // namespace

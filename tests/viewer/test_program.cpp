@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/process.hpp"
+#include "drawing/png.hpp"
 #include "drawing_test.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
-#include "viewer/png.hpp"
 
 namespace palpa {
 namespace {
@@ -40,7 +40,7 @@ TEST_F(Viewer, WritesAScreenshotWithoutADisplay) {
       {"--headless", "--frames", "3", "--screenshot", shot, "--skin", source_file("assets/finger.ply").string()}));
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.err, "");
-  const viewer::Pixels pixels = viewer::read_png(shot);
+  const drawing::Pixels pixels = drawing::read_png(shot);
   EXPECT_EQ(pixels.width, 320u);
   EXPECT_EQ(pixels.height, 200u);
 }
@@ -52,7 +52,7 @@ TEST_F(Viewer, TheSameCommandGivesTheSameBytesOnEitherBackend) {
   ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", b, "--quiet"})).exit_code, 0);
   ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", c, "--quiet", "--backend", "cpu"})).exit_code, 0);
   EXPECT_EQ(test::read_text(a), test::read_text(b));
-  EXPECT_LT(viewer::mean_difference(viewer::read_png(a), viewer::read_png(c)), 1e-4);
+  EXPECT_LT(drawing::mean_difference(drawing::read_png(a), drawing::read_png(c)), 1e-4);
 }
 
 TEST_F(Viewer, TheSpectrumIsAChartInItsCornerBesideWhatIsLookedAt) {
@@ -61,10 +61,10 @@ TEST_F(Viewer, TheSpectrumIsAChartInItsCornerBesideWhatIsLookedAt) {
   const std::vector<std::string> more{"--headless", "--quiet", "--no-grid", "--screenshot"};
   ASSERT_EQ(viewer(cube_touch(test::with(more, {a}), "640x400")).exit_code, 0);
   ASSERT_EQ(viewer(cube_touch(test::with(more, {b, "--spectrum"}), "640x400")).exit_code, 0);
-  const viewer::Pixels without = viewer::read_png(a), with = viewer::read_png(b);
+  const drawing::Pixels without = drawing::read_png(a), with = drawing::read_png(b);
   // The chart is in its corner, and no part of the cube is: right of it there is more than was there, left of it
   // nothing but the legend at the top.
-  const auto drawn = [](const viewer::Pixels& pixels, std::uint32_t x0, std::uint32_t y0, std::uint32_t x1,
+  const auto drawn = [](const drawing::Pixels& pixels, std::uint32_t x0, std::uint32_t y0, std::uint32_t x1,
                         std::uint32_t y1) {
     std::size_t count = 0;
     for (std::uint32_t y = y0; y < y1; ++y) {
@@ -112,7 +112,7 @@ TEST_F(Viewer, DrawsAnArrayAloneAndWithATouch) {
   const auto folder = test::scratch_folder("viewer-array");
   const std::string alone = (folder / "alone.png").string(), driven = (folder / "driven.png").string();
   EXPECT_EQ(viewer({"--layout", "sonicsurface", "--headless", "--screenshot", alone, "--quiet"}).exit_code, 0);
-  EXPECT_EQ(viewer::read_png(alone).width, 1280u);
+  EXPECT_EQ(drawing::read_png(alone).width, 1280u);
   EXPECT_EQ(
       viewer(cube_touch({"--layout", "paper", "--headless", "--screenshot", driven, "--quiet", "--inset"})).exit_code,
       0);

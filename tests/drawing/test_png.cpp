@@ -4,11 +4,11 @@
 #include <random>
 
 #include "base/error.hpp"
+#include "drawing/png.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
-#include "viewer/png.hpp"
 
-namespace palpa::viewer {
+namespace palpa::drawing {
 namespace {
 
 Pixels noise(std::uint32_t width, std::uint32_t height, unsigned seed) {
@@ -86,4 +86,4 @@ TEST(Png, MeanDifference) {
 }
 
 }  // namespace
-}  // namespace palpa::viewer
+}  // namespace palpa::drawing

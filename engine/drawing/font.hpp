@@ -6,7 +6,7 @@
 
 #include "base/math.hpp"
 
-namespace palpa::viewer {
+namespace palpa::drawing {
 
 /// A line of the pen, in pixels, y down. Both ends are equal for a dot.
 struct PenStroke {
@@ -19,4 +19,4 @@ double text_width(std::string_view text, double height);
 /// Appends the strokes of `text`, its baseline beginning at `origin`.
 void write_text(std::string_view text, const Vec2& origin, double height, std::vector<PenStroke>& out);
 
-}  // namespace palpa::viewer
+}  // namespace palpa::drawing

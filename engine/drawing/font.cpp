@@ -1,4 +1,4 @@
-#include "viewer/font.hpp"
+#include "drawing/font.hpp"
 
 #include <array>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <map>
 #include <numbers>
 
-namespace palpa::viewer {
+namespace palpa::drawing {
 namespace {
 
 // Units: capitals and digits are 7 high, small letters 5, descenders reach -2; y up, baseline 0. Commands:
@@ -275,4 +275,4 @@ void write_text(std::string_view text, const Vec2& origin, double height, std::v
   }
 }
 
-}  // namespace palpa::viewer
+}  // namespace palpa::drawing

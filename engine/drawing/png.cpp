@@ -1,4 +1,4 @@
-#include "viewer/png.hpp"
+#include "drawing/png.hpp"
 
 #include <fmt/core.h>
 #include <png.h>
@@ -12,7 +12,7 @@
 #include "base/input_file.hpp"
 #include "base/output_file.hpp"
 
-namespace palpa::viewer {
+namespace palpa::drawing {
 void write_png(const std::filesystem::path& file, const Pixels& pixels) {
   std::vector<std::uint8_t> rgb;
   rgb.reserve(pixels.rgba.size() / 4 * 3);
@@ -67,4 +67,4 @@ double mean_difference(const Pixels& a, const Pixels& b) {
   return samples > 0 ? static_cast<double>(sum) / (255.0 * samples) : 0.0;
 }
 
-}  // namespace palpa::viewer
+}  // namespace palpa::drawing

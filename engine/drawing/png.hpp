@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace palpa::viewer {
+namespace palpa::drawing {
 
 /// Rows from the top, 4 bytes per pixel: red, green, blue, alpha as on the screen.
 struct Pixels {
@@ -27,4 +27,4 @@ Pixels read_png(const std::filesystem::path& file);
 /// Mean absolute difference of red, green and blue over all pixels, 0..1. The two must have the same size.
 double mean_difference(const Pixels& a, const Pixels& b);
 
-}  // namespace palpa::viewer
+}  // namespace palpa::drawing

@@ -1,14 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 #include <set>
 #include <string>
 
-#include "viewer/font.hpp"
-#include "viewer/overlay.hpp"
+#include "drawing/font.hpp"
 
-namespace palpa::viewer {
+namespace palpa::drawing {
 namespace {
 
 std::vector<PenStroke> strokes_of(const std::string& text, double height = 70) {
@@ -69,14 +67,5 @@ TEST(Font, SurvivesBrokenUtf8) {
   EXPECT_NE(strokes_of("\u03c0").size(), strokes_of("\xff").size());
 }
 
-TEST(Overlay, ScaleBarIsOneTwoOrFive) {
-  EXPECT_NEAR(scale_bar_length(0.0123), 0.01, 1e-12);
-  EXPECT_NEAR(scale_bar_length(0.0999), 0.05, 1e-12);
-  EXPECT_NEAR(scale_bar_length(0.02), 0.02, 1e-12);
-  EXPECT_NEAR(scale_bar_length(0.1), 0.1, 1e-12);
-  EXPECT_GT(scale_bar_length(0), 0);
-  EXPECT_GT(scale_bar_length(std::numeric_limits<double>::quiet_NaN()), 0);
-}
-
 }  // namespace
-}  // namespace palpa::viewer
+}  // namespace palpa::drawing

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "base/math.hpp"
+#include "drawing/colour.hpp"
+#include "drawing/font.hpp"
 #include "shaders/view_scene.h"
-#include "viewer/font.hpp"
-#include "viewer/palette.hpp"
 
-namespace palpa::viewer {
+namespace palpa::drawing {
 
 inline constexpr double text_size = 9.0;  ///< height of capitals, points
 
@@ -54,6 +54,14 @@ class Ink {
     for (const PenStroke& s : pen_)
       line(s.from, s.to, weight * (0.55 + 0.088 * height), c);
   }
+  /// Text that reads upwards, its middle at `at` on the baseline, which is to its right.
+  void text_upwards(std::string_view words, const Vec2& at, double height, const Colour& c) {
+    pen_.clear();
+    write_text(words, {-text_width(words, px(height)) / 2, 0}, px(height), pen_);
+    const auto turned = [&](const Vec2& p) { return at + Vec2(p.y, -p.x); };
+    for (const PenStroke& s : pen_)
+      line(turned(s.from), turned(s.to), 0.55 + 0.088 * height, c);
+  }
   /// Text with a border of the paper's colour, legible over anything.
   void label(std::string_view words, Vec2 at, double height, const Colour& c, Align align = Align::left,
              double weight = 1) {
@@ -68,4 +76,4 @@ class Ink {
   std::vector<PenStroke> pen_;
 };
 
-}  // namespace palpa::viewer
+}  // namespace palpa::drawing
