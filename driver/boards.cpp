@@ -1,11 +1,12 @@
 #include "driver/autd3/board.hpp"
 #include "driver/board.hpp"
+#include "driver/openmpd/board.hpp"
 #include "driver/sonicsurface/board.hpp"
 
 namespace palpa::driver {
 
 std::vector<BoardKind> board_kinds() {
-  return {autd3::board_kind(), sonicsurface::board_kind()};
+  return {autd3::board_kind(), openmpd::board_kind(), sonicsurface::board_kind()};
 }
 
 }  // namespace palpa::driver

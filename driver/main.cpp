@@ -6,6 +6,7 @@
 #include "cli/commands.hpp"
 #include "driver/board.hpp"
 #include "driver/doctor.hpp"
+#include "driver/emulate/command.hpp"
 #include "driver/guard/board_link.hpp"
 
 namespace {
@@ -26,5 +27,8 @@ std::vector<palpa::session::LinkKind> board_links() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return palpa::cli::main(argc, argv, {.doctor = palpa::driver::doctor_probes(), .links = board_links()});
+  return palpa::cli::main(argc, argv,
+                          {.doctor = palpa::driver::doctor_probes(),
+                           .links = board_links(),
+                           .commands = {palpa::driver::emulate::add_emulate}});
 }

@@ -1,0 +1,59 @@
+#include "driver/emulate/trace.hpp"
+
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace palpa::driver::emulate {
+
+TraceFile::TraceFile(const std::string& name)
+    : name_(name), file_(name == "-" ? stdout : std::fopen(name.c_str(), "we"), [](std::FILE* file) {
+        return file == stdout ? 0 : std::fclose(file);
+      }) {
+  if (!file_) throw failure(name_ + ": cannot be created: " + std::generic_category().message(errno));
+}
+
+void TraceFile::write(std::string_view line) {
+  if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() || std::fflush(file_.get()) != 0) {
+    throw failure(name_ + ": cannot be written: " + std::generic_category().message(errno));
+  }
+}
+
+UsbTrace::UsbTrace(TraceFile& file, std::string serial) : file_(file), serial_(std::move(serial)) {}
+
+void UsbTrace::begin(double now_s, const char* kind) {
+  json_.clear();
+  json_.begin_object(JsonWriter::Style::compact).key("t_s").rounded(now_s, 9).key("kind").value(kind);
+  if (!serial_.empty()) json_.key("serial").value(serial_);
+}
+
+void UsbTrace::end(std::span<const std::uint8_t> bytes) {
+  constexpr char digits[] = "0123456789abcdef";
+  hex_.clear();
+  for (const std::uint8_t byte : bytes) {
+    hex_ += digits[byte >> 4];
+    hex_ += digits[byte & 15];
+  }
+  if (!hex_.empty()) json_.key("hex").value(hex_);
+  json_.end_object();
+  file_.write(json_.finish());
+}
+
+void UsbTrace::control(double now_s, const usb::Setup& setup, std::span<const std::uint8_t> in) {
+  begin(now_s, "control");
+  json_.key("request_type").value(std::uint32_t{setup.request_type});
+  json_.key("request").value(std::uint32_t{setup.request});
+  json_.key("value").value(std::uint32_t{setup.value});
+  json_.key("index").value(std::uint32_t{setup.index});
+  end(in);
+}
+
+void UsbTrace::bulk(double now_s, std::uint8_t endpoint, std::span<const std::uint8_t> bytes) {
+  begin(now_s, "bulk");
+  json_.key("endpoint").value(std::uint32_t{endpoint});
+  end(bytes);
+}
+
+}  // namespace palpa::driver::emulate

@@ -1,0 +1,46 @@
+// What a board was told, as a file of JSON lines (docs/files.md): one per transfer, each in the file when the next
+// begins.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/json_writer.hpp"
+#include "driver/usb/local_server.hpp"
+
+namespace palpa::driver::emulate {
+
+/// The file. Several boards may write to one.
+class TraceFile {
+ public:
+  /// Replaces the file; "-" is stdout. Throws failure() naming it.
+  explicit TraceFile(const std::string& name);
+  /// Adds a line, which ends with a line break. Throws failure().
+  void write(std::string_view line);
+
+ private:
+  std::string name_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+};
+
+/// One board's USB. Where `serial` is not empty each line says it: several boards are in that file.
+class UsbTrace final : public usb::Wiretap {
+ public:
+  UsbTrace(TraceFile& file, std::string serial);
+  void control(double now_s, const usb::Setup& setup, std::span<const std::uint8_t> in) override;
+  void bulk(double now_s, std::uint8_t endpoint, std::span<const std::uint8_t> bytes) override;
+
+ private:
+  void begin(double now_s, const char* kind);
+  void end(std::span<const std::uint8_t> bytes);
+
+  TraceFile& file_;
+  std::string serial_, hex_;
+  JsonWriter json_;
+};
+
+}  // namespace palpa::driver::emulate

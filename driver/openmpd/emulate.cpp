@@ -1,0 +1,213 @@
+#include "driver/openmpd/emulate.hpp"
+
+#include <fmt/core.h>
+#include <poll.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "array/layout.hpp"
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/output_file.hpp"
+#include "base/outputs.hpp"
+#include "driver/clock.hpp"
+#include "driver/emulate/stop.hpp"
+#include "driver/emulate/trace.hpp"
+#include "driver/emulate/view.hpp"
+#include "driver/openmpd/board.hpp"
+#include "driver/openmpd/board_file.hpp"
+#include "driver/openmpd/emulator.hpp"
+#include "driver/usb/local_server.hpp"
+
+namespace palpa::driver::openmpd {
+namespace {
+
+/// A board, its socket, its trace.
+struct Emulated {
+  Emulated(const Address& address, Calibration its_calibration, emulate::TraceFile* trace, bool alone)
+      : board(address.serial), calibration(std::move(its_calibration)) {
+    if (trace != nullptr) tap.emplace(*trace, alone ? "" : address.serial);
+    server = std::make_unique<usb::LocalServer>(board, tap ? &*tap : nullptr);
+  }
+  const std::string& serial() const { return board.identity().serial; }
+
+  EmulatedBoard board;
+  Calibration calibration;
+  std::optional<emulate::UsbTrace> tap;
+  std::unique_ptr<usb::LocalServer> server;
+  std::size_t told = 0;  ///< of its violations
+};
+
+/// Looks at the boards twice a second, on a thread of its own: the boards have no time for that.
+class Viewer {
+ public:
+  Viewer(const array::Layout& layout, std::span<const std::unique_ptr<Emulated>> boards)
+      : view_(layout), boards_(boards), drive_(layout.transducers.size(), {0, 0}) {
+    thread_ = std::jthread([this](const std::stop_token& stop) { look(stop); });
+  }
+  /// What the boards sound now.
+  void take() {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = 0; i < boards_.size(); ++i) {
+      const array::Drive heard = heard_drive(boards_[i]->board.fpga().pulses(), boards_[i]->calibration);
+      std::copy(heard.begin(), heard.end(), drive_.begin() + static_cast<std::ptrdiff_t>(i * transducers));
+    }
+  }
+
+ private:
+  void look(const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(500));
+      array::Drive drive;
+      {
+        const std::lock_guard lock(mutex_);
+        drive = drive_;
+      }
+      const std::string picture = view_.picture(drive);
+      if (picture == last_) continue;
+      last_ = picture;
+      std::fwrite(picture.data(), 1, picture.size(), stdout);
+      std::fflush(stdout);
+    }
+  }
+
+  emulate::View view_;
+  std::span<const std::unique_ptr<Emulated>> boards_;
+  std::mutex mutex_;
+  array::Drive drive_;
+  std::string last_;
+  std::jthread thread_;
+};
+
+array::Layout layout_of(const emulate::Options& options, std::size_t boards) {
+  const std::string name = !options.layout.empty() ? options.layout : boards == 2 ? "openmpd-pair" : "openmpd";
+  array::Layout layout = array::load_layout(name);
+  if (layout.boards.size() != boards || layout.transducers.size() != boards * transducers) {
+    throw bad_usage(
+        fmt::format("the layout {} is not of {} OpenMPD board{}: name one with --layout that is, or leave --view out",
+                    name, boards, boards == 1 ? "" : "s"));
+  }
+  return layout;
+}
+
+void serve(std::span<const std::unique_ptr<Emulated>> boards, Viewer* viewer, bool quiet) {
+  const SteadyClock clock;
+  const double begin_s = clock.now_s();
+  double taken_s = 0;
+  std::vector<pollfd> watched;
+  while (!emulate::Stop::asked()) {
+    bool waits = false;
+    watched.clear();
+    for (const auto& one : boards) {
+      one->server->watch(watched);
+      waits = waits || one->server->waits();
+    }
+    const timespec wait{0, waits ? 200'000 : 20'000'000};
+    ppoll(watched.data(), watched.size(), &wait, nullptr);
+    const double now_s = clock.now_s() - begin_s;
+    for (const auto& one : boards) {
+      one->server->go_on(now_s);
+      const auto& kept = one->board.violations().kept();
+      for (; one->told < kept.size() && !quiet; ++one->told) {
+        fmt::print("{} at {:.4f} s: {}\n", one->serial(), kept[one->told].time_s, kept[one->told].what);
+        std::fflush(stdout);
+      }
+    }
+    if (viewer != nullptr && now_s > taken_s + 0.1) {
+      viewer->take();
+      taken_s = now_s;
+    }
+  }
+  // What was let go of in the last moment may sound on only so long.
+  for (const auto& one : boards)
+    one->board.advance(clock.now_s() - begin_s + 0.1);
+}
+
+std::string to_json(std::span<const std::unique_ptr<Emulated>> boards) {
+  JsonWriter json;
+  json.begin_object().key("boards").begin_array(JsonWriter::Style::block);
+  for (const auto& one : boards) {
+    const Fpga& fpga = one->board.fpga();
+    json.begin_object(JsonWriter::Style::line)
+        .member("serial", one->serial())
+        .member("frames", fpga.frames())
+        .member("divider", std::uint32_t{fpga.divider()})
+        .member("most_buffered_bytes", std::uint64_t{fpga.most_buffered()})
+        .member("sounds", fpga.sounds())
+        .member("violation_count", std::uint64_t{one->board.violations().count()});
+    json.key("violations").begin_array();
+    for (const auto& violation : one->board.violations().kept())
+      json.begin_object(JsonWriter::Style::line)
+          .member("t_s", violation.time_s)
+          .member("what", violation.what)
+          .end_object();
+    json.end_array().end_object();
+  }
+  json.end_array().end_object();
+  return json.take();
+}
+
+/// Throws where anything was wrong.
+void judge(std::span<const std::unique_ptr<Emulated>> boards) {
+  for (const auto& one : boards) {
+    const auto& violations = one->board.violations();
+    if (violations.count() == 0) continue;
+    throw failure(fmt::format("{}: {} violation{}, the first at {:.4f} s: {}", one->serial(), violations.count(),
+                              violations.count() == 1 ? "" : "s", violations.kept()[0].time_s,
+                              violations.kept()[0].what));
+  }
+  for (const auto& one : boards) {
+    if (one->board.fpga().frames() != boards[0]->board.fpga().frames()) {
+      throw failure(fmt::format("{} was shown {} frames and {} {}: boards of one array get equal numbers",
+                                boards[0]->serial(), boards[0]->board.fpga().frames(), one->serial(),
+                                one->board.fpga().frames()));
+    }
+  }
+}
+
+}  // namespace
+
+void emulate(const emulate::Options& options) {
+  const std::vector<Address> addresses = parse_addresses(options.serials.empty() ? "EMU1" : options.serials);
+  const Outputs outputs({{"--trace", options.trace}, {"--json", options.common.json}});
+  std::vector<BoardFile> files;
+  if (!options.files.empty()) files = read_board_files(options.files);
+  std::optional<array::Layout> layout;
+  if (options.view) layout = layout_of(options, addresses.size());
+  std::optional<emulate::TraceFile> trace;
+  if (!options.trace.empty()) trace.emplace(options.trace);
+
+  const emulate::Stop stop;
+  std::vector<std::unique_ptr<Emulated>> boards;
+  for (const Address& address : addresses) {
+    boards.push_back(std::make_unique<Emulated>(address, calibration_of(files, address.serial),
+                                                trace ? &*trace : nullptr, addresses.size() == 1));
+  }
+  for (const auto& one : boards)
+    fmt::print("{}\n", one->server->address().string());
+  std::fflush(stdout);
+
+  std::optional<Viewer> viewer;
+  if (layout) viewer.emplace(*layout, boards);
+  serve(boards, viewer ? &*viewer : nullptr, options.common.quiet);
+  viewer.reset();
+
+  if (!options.common.json.empty()) write_file(options.common.json, to_json(boards));
+  if (setup::shows_summary(options.common, outputs)) {
+    for (const auto& one : boards) {
+      const Fpga& fpga = one->board.fpga();
+      fmt::print("{}: {} frames, {}, at most {} bytes waited\n", one->serial(), fpga.frames(),
+                 fpga.sounds() ? "sounds" : "silent", fpga.most_buffered());
+    }
+  }
+  judge(boards);
+}
+
+}  // namespace palpa::driver::openmpd
