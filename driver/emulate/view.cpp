@@ -84,7 +84,7 @@ std::string View::picture(std::span<const array::TransducerDrive> drive) const {
   const std::vector<double> loud = pressures(points, drive);
   for (std::size_t i = 0; i < loud.size(); ++i) {
     const double share = std::min(loud[i] / most.pascals, 1.0);
-    text += shades[static_cast<std::size_t>(share * static_cast<double>(shades.size() - 1) + 0.5)];
+    text += shades[static_cast<std::size_t>(std::lround(share * static_cast<double>(shades.size() - 1)))];
     if (i % columns == columns - 1) text += '\n';
   }
   return text;

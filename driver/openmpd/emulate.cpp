@@ -9,7 +9,6 @@
 #include <mutex>
 #include <optional>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "array/layout.hpp"
@@ -31,8 +30,8 @@ namespace {
 
 /// A board, its socket, its trace.
 struct Emulated {
-  Emulated(const Address& address, Calibration its_calibration, emulate::TraceFile* trace, bool alone)
-      : board(address.serial), calibration(std::move(its_calibration)) {
+  Emulated(const Address& address, const Calibration& its_calibration, emulate::TraceFile* trace, bool alone)
+      : board(address.serial), calibration(its_calibration) {
     if (trace != nullptr) tap.emplace(*trace, alone ? "" : address.serial);
     server = std::make_unique<usb::LocalServer>(board, tap ? &*tap : nullptr);
   }
@@ -186,6 +185,7 @@ void emulate(const emulate::Options& options) {
 
   const emulate::Stop stop;
   std::vector<std::unique_ptr<Emulated>> boards;
+  boards.reserve(addresses.size());
   for (const Address& address : addresses) {
     boards.push_back(std::make_unique<Emulated>(address, calibration_of(files, address.serial),
                                                 trace ? &*trace : nullptr, addresses.size() == 1));

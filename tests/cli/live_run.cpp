@@ -82,7 +82,7 @@ std::string Unread::read_all() {
 }
 
 LiveRun::LiveRun(const std::vector<std::string>& arguments, const LiveOptions& options) {
-  std::vector<std::string> line{"run"};
+  std::vector<std::string> line{options.command};
   line.insert(line.end(), arguments.begin(), arguments.end());
   child_ = fork();
   EXPECT_GE(child_, 0);

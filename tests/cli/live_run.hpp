@@ -1,4 +1,4 @@
-// `palpa run` while it lives: somebody hears its foci, and nobody reads what it writes.
+// `palpa run`, or another of its commands, while it lives: nobody reads what it writes.
 #pragma once
 
 #include <sys/types.h>
@@ -41,6 +41,7 @@ struct LiveOptions {
   const Unread* err = nullptr;  ///< stderr; else /dev/null
   bool foreground = false;      ///< `err` is the terminal that it runs on
   Environment environment{};
+  const char* command = "run";
 };
 
 class LiveRun {

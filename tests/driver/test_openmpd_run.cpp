@@ -1,0 +1,129 @@
+// `palpa run` against `palpa emulate openmpd`: the real programs, a socket between them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cli/live_run.hpp"
+#include "cli/process.hpp"
+#include "driver/openmpd_files.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+
+/// A runtime folder, and emulated boards that live in it.
+class Emulation {
+ public:
+  Emulation(const std::string& name, const std::string& serials, const std::vector<std::string>& more = {})
+      : folder_(scratch_folder(name)) {
+    LiveOptions options;
+    options.environment = environment();
+    options.command = "emulate";
+    run_.emplace(with({"openmpd", "--serial", serials, "--json", report().string()}, more), options);
+    const std::size_t boards = 1 + static_cast<std::size_t>(std::count(serials.begin(), serials.end(), ','));
+    const auto socket = folder_ / "palpa" / ("usb-" + std::to_string(boards) + ".sock");
+    for (int i = 0; i < 400 && !std::filesystem::exists(socket); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_TRUE(std::filesystem::exists(socket));
+  }
+  Environment environment() const { return {{"XDG_RUNTIME_DIR", folder_.string()}}; }
+  const std::filesystem::path& folder() const { return folder_; }
+  /// Ends it; what it reports.
+  json end(int& exit_code) {
+    run_->signal(SIGTERM);
+    const auto end = run_->wait(10);
+    EXPECT_TRUE(end.ended);
+    exit_code = end.exit_code;
+    std::ifstream file(report());
+    return json::parse(file);
+  }
+
+ private:
+  std::filesystem::path report() const { return folder_ / "report.json"; }
+
+  std::filesystem::path folder_;
+  std::optional<LiveRun> run_;
+};
+
+std::vector<std::string> run_to(const std::string& link, const std::string& layout) {
+  return {"--scene",  source_file("assets/cube.glb").string(),
+          "--source", "synthetic",
+          "--hold",   "500ms",
+          "--layout", layout,
+          "--link",   link};
+}
+
+TEST(OpenMpdRun, TwoBoardsHearALoopToItsSilentEnd) {
+  Emulation emulation("openmpd-run", "EMU1,EMU2", {"--trace", "-"});
+  write_text(emulation.folder() / "board_1.pat", board_file_text("EMU1", made_up_calibration(1)));
+  RunOptions options;
+  options.environment = emulation.environment();
+  const Result result = palpa(with(with({"run"}, run_to("openmpd:EMU1,EMU2", "openmpd-pair")),
+                                   {"--frames", "30", "--json", "-", "--board-files", emulation.folder().string()}),
+                              options);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("no file in"), std::string::npos) << "EMU2 has none: " << result.err;
+  EXPECT_EQ(result.err_lines().size(), 1u) << result.err;
+  const json stats = json::parse(result.out);
+  int exit_code = -1;
+  const json report = emulation.end(exit_code);
+  EXPECT_EQ(exit_code, 0) << report;
+  ASSERT_EQ(report["boards"].size(), 2u);
+  for (const json& board : report["boards"]) {
+    EXPECT_EQ(board["violation_count"], 0) << board;
+    EXPECT_FALSE(board["sounds"].get<bool>());
+    EXPECT_EQ(board["divider"], 4);
+    EXPECT_EQ(board["frames"], report["boards"][0]["frames"]);
+    // What a busy computer leaves out is never sent late.
+    EXPECT_GT(board["frames"].get<std::uint64_t>(), 20u);
+  }
+}
+
+TEST(OpenMpdRun, ALoopThatIsKilledLeavesSilence) {
+  Emulation emulation("openmpd-killed", "EMU1");
+  {
+    LiveOptions options;
+    options.environment = emulation.environment();
+    LiveRun loop(run_to("openmpd:EMU1", "openmpd"), options);
+    std::this_thread::sleep_for(std::chrono::milliseconds(instrumented() ? 5000 : 2500));
+    loop.signal(SIGKILL);
+    EXPECT_EQ(loop.wait(5).by_signal, SIGKILL);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  int exit_code = -1;
+  const json report = emulation.end(exit_code);
+  EXPECT_EQ(exit_code, 0) << report;
+  EXPECT_FALSE(report["boards"][0]["sounds"].get<bool>());
+  EXPECT_GT(report["boards"][0]["frames"].get<std::uint64_t>(), 20u);
+  EXPECT_EQ(report["boards"][0]["violation_count"], 0) << report;
+}
+
+TEST(OpenMpdRun, ABoardThatIsNotThereIsNamed) {
+  const auto folder = scratch_folder("openmpd-none");
+  RunOptions options;
+  options.environment = {{"XDG_RUNTIME_DIR", folder.string()}};
+  const Result result = palpa(with({"run"}, run_to("openmpd:FT43NK5M", "openmpd")), options);
+  expect_failure(result, 1, "no OpenMPD board has the serial number FT43NK5M");
+}
+
+TEST(OpenMpdEmulate, RefusesWhatItCannotBe) {
+  expect_failure(palpa({"emulate", "matd"}), 2, "no board is called matd");
+  expect_failure(palpa({"emulate"}), 2, "which board?");
+  expect_failure(palpa({"emulate", "openmpd", "--serial", "A,B,C", "--view"}), 2, "--layout");
+  expect_failure(palpa({"emulate", "openmpd", "--board-files", "/nowhere"}), 4, "/nowhere");
+}
+
+}  // namespace
+}  // namespace palpa::test
