@@ -21,19 +21,26 @@ shared uint changed;
 bool holds(uvec2 set, uint part) {
   return ((part < 32u ? set.x : set.y) >> part % 32u & 1u) != 0u;
 }
+uint first_of(uvec2 set) {
+  return set.x != 0u ? uint(findLSB(set.x)) : 32u + uint(findLSB(set.y));
+}
+uvec2 without_first(uvec2 set) {
+  return set.x != 0u ? uvec2(set.x & (set.x - 1u), set.y) : uvec2(0u, set.y & (set.y - 1u));
+}
 Cluster part_of(uint finger, uint part) {
   return clusters[push.most_contacts + finger * split_numbers + part];
 }
 
-// How many fingers begin before a contact.
+// How many fingers begin before a contact, which is one of the `count`'s: no more than are looked for. (A software
+// device ends all loops of a shader after 65,535 turns together: so only parts that are there are walked.)
 uint rank_of(uint contact, uint count) {
   uint rank = 0u;
-  for (uint f = 0u; f < count; ++f) {
+  for (uint f = 0u; f < count && firsts[f] < contact && rank < fingers_most; ++f) {
     if (kinds[f] == split_several) {
-      for (uint p = 0u; p < split_numbers; ++p) {
-        if (holds(parts[f], p) && part_of(f, p).smallest < contact) ++rank;
+      for (uvec2 left = parts[f]; left != uvec2(0u); left = without_first(left)) {
+        if (part_of(f, first_of(left)).smallest < contact) ++rank;
       }
-    } else if (kinds[f] != split_ghost && firsts[f] < contact) {
+    } else if (kinds[f] != split_ghost) {
       ++rank;
     }
   }
@@ -66,9 +73,8 @@ void main() {
   if (changed == 0u) return;  // the whole group
 
   if (thread < count && kinds[thread] == split_several) {
-    for (uint p = 0u; p < split_numbers; ++p) {
-      if (!holds(parts[thread], p)) continue;
-      const Cluster part = part_of(thread, p);
+    for (uvec2 left = parts[thread]; left != uvec2(0u); left = without_first(left)) {
+      const Cluster part = part_of(thread, first_of(left));
       const uint rank = rank_of(part.smallest, count);
       if (rank >= fingers_most) continue;
       fingers[rank].first = part.smallest;
@@ -84,7 +90,10 @@ void main() {
     }
   }
   if (thread == 0u) {
-    const uint total = rank_of(0xffffffffu, count);
+    uint total = 0u;
+    for (uint f = 0u; f < count; ++f) {
+      total += kinds[f] == split_several ? uint(bitCount(parts[f].x) + bitCount(parts[f].y)) : kinds[f] == split_ghost ? 0u : 1u;
+    }
     header.clusters = header.clusters - count + total;
     header.fingers = min(total, fingers_most);
   }

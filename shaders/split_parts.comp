@@ -58,15 +58,22 @@ uint raw_at(BridgeCamera camera, uint u, uint v) {
   return depth[pixel >> 1u] >> ((pixel & 1u) * 16u) & 0xffffu;
 }
 
+SplitWalk step_on(SplitWalk walk, BridgeCamera camera, SplitView a, SplitView b, uint s) {
+  if (s > walk.steps || walk.state == split_valley) return walk;
+  const uint raw = raw_at(camera, pixel_between(a.u, b.u, s, walk.steps), pixel_between(a.v, b.v, s, walk.steps));
+  if (raw < camera.first_depth) return walked_hole(walk);
+  return walked(walk, line_depth(a.at.z, b.at.z, s, walk.steps), product(float(raw), camera.depth_unit));
+}
+
+// A software device ends all loops of a shader after 65,535 turns together, however many cameras there are: so a turn is
+// four steps here, pairs are dealt out evenly, sums are kept, and sets are walked bit by bit.
 bool is_valley_between(BridgeCamera camera, SplitView a, SplitView b) {
   SplitWalk walk = walk_between(a, b);
-  for (uint s = 0u; s <= walk.steps && walk.steps > 0u && walk.state != split_valley; ++s) {
-    const uint raw = raw_at(camera, pixel_between(a.u, b.u, s, walk.steps), pixel_between(a.v, b.v, s, walk.steps));
-    if (raw < camera.first_depth) {
-      walk = walked_hole(walk);
-    } else {
-      walk = walked(walk, line_depth(a.at.z, b.at.z, s, walk.steps), product(float(raw), camera.depth_unit));
-    }
+  for (uint s = 0u; s <= walk.steps && walk.steps > 0u && walk.state != split_valley; s += 4u) {
+    walk = step_on(walk, camera, a, b, s);
+    walk = step_on(walk, camera, a, b, s + 1u);
+    walk = step_on(walk, camera, a, b, s + 2u);
+    walk = step_on(walk, camera, a, b, s + 3u);
   }
   return walk.state == split_valley;
 }
@@ -80,13 +87,16 @@ void look(uint c, uint count) {
   }
   barrier();
   if (thread < count && views[thread].seen) {
-    for (uint s = thread + 1u; s < count; ++s) {
-      if (!views[s].seen) continue;
-      atomicOr(looked[2u * thread + s / 32u], 1u << s % 32u);
-      atomicOr(looked[2u * s + thread / 32u], 1u << thread % 32u);
-      if (!is_valley_between(camera, views[thread], views[s])) continue;
-      atomicOr(valley[2u * thread + s / 32u], 1u << s % 32u);
-      atomicOr(valley[2u * s + thread / 32u], 1u << thread % 32u);
+    // With the half of them that follows, round the circle: each pair once.
+    for (uint along = 1u; 2u * along <= count; ++along) {
+      const uint other = (thread + along) % count;
+      if (!views[other].seen || (2u * along == count && other < thread)) continue;
+      const uint a = min(thread, other), b = max(thread, other);
+      atomicOr(looked[2u * a + b / 32u], 1u << b % 32u);
+      atomicOr(looked[2u * b + a / 32u], 1u << a % 32u);
+      if (!is_valley_between(camera, views[a], views[b])) continue;
+      atomicOr(valley[2u * a + b / 32u], 1u << b % 32u);
+      atomicOr(valley[2u * b + a / 32u], 1u << a % 32u);
     }
   }
   barrier();
@@ -111,13 +121,22 @@ void gather(uint count) {
   barrier();
 }
 
-// Joins the two groups that thread 0 has chosen.
-void join(uint a, uint b) {
-  const uint keeps = min(a, b);
-  const uint goes = max(a, b);
-  members[keeps] |= members[goes];
-  members[goes] = uvec2(0u);
-  for (uint s = 0u; s < most; ++s) head[s] = head[s] == goes ? keeps : head[s];
+// Joins the two groups that thread 0 has chosen, `joined` and its best, which is the later one, and their links.
+void join() {
+  const uint thread = gl_LocalInvocationIndex;
+  const uint keeps = joined, goes = best[joined];
+  const uint sum = links[keeps * most + thread] + links[goes * most + thread];
+  if (head[thread] == goes) head[thread] = keeps;
+  if (thread == 0u) {
+    members[keeps] |= members[goes];
+    members[goes] = uvec2(0u);
+  }
+  barrier();
+  if (thread != keeps && thread != goes) {
+    links[keeps * most + thread] = sum;
+    links[thread * most + keeps] = sum;
+  }
+  barrier();
 }
 
 SplitLink link_between(uint a, uint b) {
@@ -125,8 +144,7 @@ SplitLink link_between(uint a, uint b) {
   return SplitLink(link & 0xffffu, link >> 16u);
 }
 
-// Groups of samples, the surest pair first. (A software device ends all loops of a shader after 65,535 turns together:
-// so sums are kept, and sets are walked bit by bit.)
+// Groups of samples, the surest pair first.
 void grow(uint count) {
   const uint thread = gl_LocalInvocationIndex;
   for (uint round = 1u; round < count; ++round) {
@@ -149,18 +167,10 @@ void grow(uint count) {
         if (best[s] != fingers_nothing && (a == fingers_nothing || surer(best_link[s], best_link[a]))) a = s;
       }
       joined = a;
-      if (a != fingers_nothing) join(a, best[a]);
     }
     barrier();
     if (joined == fingers_nothing) break;  // the whole group
-    const uint keeps = joined, goes = best[joined];
-    const uint sum = links[keeps * most + thread] + links[goes * most + thread];
-    barrier();
-    if (thread != keeps && thread != goes) {
-      links[keeps * most + thread] = sum;
-      links[thread * most + keeps] = sum;
-    }
-    barrier();
+    join();
   }
   barrier();
 }
@@ -192,9 +202,26 @@ void vote(uint count) {
   gather(count);
 }
 
+// The links between groups, of valleys alone.
+void link_groups(uint count) {
+  const uint thread = gl_LocalInvocationIndex;
+  const uvec2 tells = looked_of(thread), says_two = valley_of(thread);
+  for (uint s = 0u; s < count; ++s) links[thread * most + s] = (holds(says_two, s) ? 65536u : 0u) + (holds(tells, s) ? 1u : 0u);
+  barrier();
+  for (uint s = 0u; s < count; ++s) {
+    if (head[s] != s) links[head[s] * most + thread] += links[s * most + thread];
+  }
+  barrier();
+  for (uint s = 0u; s < count; ++s) {
+    if (head[s] != s) links[thread * most + head[s]] += links[thread * most + s];
+  }
+  barrier();
+}
+
 // Joins parts between which no valley is seen, or whose insides are one: the nearest first.
 void settle(uint count) {
   const uint thread = gl_LocalInvocationIndex;
+  link_groups(count);
   for (uint round = 1u; round < count; ++round) {
     if (thread < count && head[thread] == thread) {
       Float3 sum = Float3(0.0, 0.0, 0.0);
@@ -209,13 +236,8 @@ void settle(uint count) {
     if (thread < count && head[thread] == thread) {
       for (uint b = thread + 1u; b < count; ++b) {
         if (head[b] != b) continue;
-        SplitLink link = SplitLink(0u, 0u);
-        for (uvec2 left = members[thread]; left != uvec2(0u); left = without_first(left)) {
-          link.known += size_of(looked_of(first_of(left)) & members[b]);
-          link.two += size_of(valley_of(first_of(left)) & members[b]);
-        }
         const float square = square_apart(means[thread], means[b]);
-        if (are_fingers(link, square, push.finger_width)) continue;
+        if (are_fingers(link_between(thread, b), square, push.finger_width)) continue;
         if (found != fingers_nothing && square >= found_square) continue;
         found = b;
         found_square = square;
@@ -230,10 +252,10 @@ void settle(uint count) {
         if (best[s] != fingers_nothing && (a == fingers_nothing || best_square[s] < best_square[a])) a = s;
       }
       joined = a;
-      if (a != fingers_nothing) join(a, best[a]);
     }
     barrier();
     if (joined == fingers_nothing) break;  // the whole group
+    join();
   }
   barrier();
 }

@@ -10,77 +10,13 @@
 #include "support/device.hpp"
 #include "support/spirv.hpp"
 #include "touch/bridge_cameras.hpp"
+#include "touch/bridge_pass.hpp"
 #include "touch/fingertips.hpp"
+#include "touch/guarded_fingers.hpp"
 #include "touch/harness.hpp"
 
 namespace palpa::touch::test {
 namespace {
-
-using palpa::test::GuardedBuffer;
-
-/// What FingersPass leaves of an unbridged touch, as buffers exactly as large as the contract says.
-struct Guarded {
-  Guarded(gpu::Device& device, const std::vector<sensing::Camera>& cameras, const sensing::RayTables& tables,
-          const std::vector<sensing::DepthFrame>& images, const Touch& touch)
-      : depth(device, sensing::packed_bytes(tables)),
-        rays(GuardedBuffer::of<glm::vec2>(device, tables.rays)),
-        records(GuardedBuffer::of<shader::BridgeCamera>(device, bridge_cameras(cameras, tables))),
-        total(device, sizeof(shader::ScanTotal)),
-        contacts(device, touch.contacts.size() * sizeof(shader::ContactRecord)),
-        parents(device, touch.contacts.size() * 4),
-        clusters(device, touch.contacts.size() * sizeof(shader::Cluster)),
-        header(device, sizeof(shader::TouchHeader)),
-        fingers(device, max_fingers * sizeof(shader::FingerRecord)),
-        scratch(device, BridgePass::scratch()) {
-    std::vector<std::uint16_t> packed(tables.padded_pixels);
-    sensing::pack_depth(tables, images, packed);
-    depth.write(packed.data(), packed.size() * 2);
-    const auto count = static_cast<std::uint32_t>(touch.contacts.size());
-    const shader::ScanTotal found{count, gpu::groups_for(count, shader::contact_group), 1, 1};
-    total.write(&found, sizeof(found));
-    std::vector<shader::ContactRecord> all(count);
-    std::vector<std::uint32_t> roots(count);
-    std::vector<shader::Cluster> sizes(count, {shader::fingers_nothing, 0});
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const Contact& c = touch.contacts[i];
-      all[i] = {c.position.x, c.position.y, c.position.z, c.point, c.solid, c.depth_m};
-      roots[i] = i;
-      sizes[i] = {i, 1};
-    }
-    std::vector<shader::FingerRecord> list(max_fingers);
-    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-      const Finger& finger = touch.fingers[f];
-      // Any member may be the root: here the last.
-      for (const std::uint32_t i : finger.contacts)
-        roots[i] = finger.contacts.back();
-      sizes[finger.contacts.back()] = {finger.contacts.front(), finger.contact_count};
-      list[f].first = finger.contacts.front();
-      list[f].solid = finger.solid;
-      list[f].contacts = finger.contact_count;
-    }
-    const shader::TouchHeader head{touch.finger_count, 1, 1, touch.cluster_count, count};
-    contacts.write(all.data(), all.size() * sizeof(all[0]));
-    parents.write(roots.data(), roots.size() * 4);
-    clusters.write(sizes.data(), sizes.size() * sizeof(sizes[0]));
-    header.write(&head, sizeof(head));
-    fingers.write(list.data(), list.size() * sizeof(list[0]));
-  }
-
-  BridgeBindings bindings() const {
-    return {depth.ref(),   rays.ref(),     records.ref(), total.ref(),  contacts.ref(),
-            parents.ref(), clusters.ref(), header.ref(),  fingers.ref()};
-  }
-
-  GuardedBuffer depth, rays, records, total, contacts, parents, clusters, header, fingers;
-  palpa::test::GuardedScratch scratch;
-
-  bool intact() {
-    bool all = scratch.intact();
-    for (GuardedBuffer* buffer : {&depth, &rays, &records, &total, &contacts, &parents, &clusters, &header, &fingers})
-      all = buffer->intact() && all;
-    return all;
-  }
-};
 
 TEST(BridgePassByItself, StaysInsideItsBuffers) {
   gpu::Device& device = palpa::test::test_device();
@@ -96,11 +32,11 @@ TEST(BridgePassByItself, StaysInsideItsBuffers) {
     Touch twin;
     HostStage(plate, cameras, {.parameters = {.finger_width_m = 0}}).touch(images, twin);
     ASSERT_GE(twin.finger_count, static_cast<std::uint32_t>(fingers));
-    Guarded guarded(device, cameras, tables, images, twin);
+    GuardedFingers guarded(device, cameras, tables, images, twin, BridgePass::scratch());
     const auto count = static_cast<std::uint32_t>(twin.contacts.size());
     const Room room{.points = count, .contacts = count};
     palpa::test::run_on_device([&](VkCommandBuffer commands) {
-      pass.record(commands, guarded.bindings(), guarded.scratch, room, Parameters{});
+      pass.record(commands, guarded.bindings<BridgeBindings>(), guarded.scratch, room, Parameters{});
     });
     EXPECT_TRUE(guarded.intact());
 

@@ -61,6 +61,34 @@ TEST(Split, FlyingPixelsAreNoFingers) {
   EXPECT_EQ(tally_of(SceneKind::rims, 3, 2).found, 0);
 }
 
+/// The middle of the first camera's picture as so many cameras see it.
+FingerScene seen_by(FingerScene scene, std::size_t cameras) {
+  sensing::Camera camera = scene.cameras.front();
+  const sensing::DepthFrame whole = scene.images.front();
+  const std::uint32_t left = camera.width / 4, top = camera.height / 4, pitch = camera.width;
+  camera.width /= 2;
+  camera.height /= 2;
+  camera.cx -= left;
+  camera.cy -= top;
+  sensing::DepthFrame middle = whole;
+  middle.depth.clear();
+  for (std::uint32_t v = 0; v < camera.height; ++v) {
+    const auto row = whole.depth.begin() + (v + top) * pitch + left;
+    middle.depth.insert(middle.depth.end(), row, row + camera.width);
+  }
+  scene.cameras.assign(cameras, camera);
+  scene.images.assign(cameras, middle);
+  return scene;
+}
+
+TEST(Split, ManyCamerasAreAllHeard) {
+  std::mt19937 random(23);
+  const FingerScene scene = seen_by(random_scene(random, SceneKind::five_deep, 1), 60);
+  const Touch touch = touch_of(Backend::cpu, scene, scene.parameters);
+  EXPECT_GT(touch.finger_count, 1u);
+  expect_identical(touch, touch_of(Backend::gpu, scene, scene.parameters));
+}
+
 class SplitOn : public OnBothBackends {};
 INSTANTIATE_TEST_SUITE_P(, SplitOn, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
 
