@@ -33,6 +33,8 @@ void measure_loop(const Context& context, std::vector<Row>& rows);
 void measure_array(const Context& context, std::vector<Row>& rows);
 /// Ten foci at once by each solver, on the device and by the twins.
 void measure_solvers(const Context& context, std::vector<Row>& rows);
+/// The sound of a drive on a plane, on the device and on the host.
+void measure_field(const Context& context, std::vector<Row>& rows);
 /// Skin points to foci.
 void measure_touch(const Context& context, std::vector<Row>& rows);
 /// Methods and tuning, on the host.

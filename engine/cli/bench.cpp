@@ -15,7 +15,7 @@
 namespace palpa::cli {
 namespace {
 
-enum class Suite { all, touch, surface, array, loop };
+enum class Suite { all, touch, surface, array, acoustics, loop };
 
 struct BenchCommand {
   setup::CommonOptions common;
@@ -31,8 +31,10 @@ void add_options(CLI::App& app, BenchCommand& o) {
                 {"touch", Suite::touch},
                 {"surface", Suite::surface},
                 {"array", Suite::array},
+                {"acoustics", Suite::acoustics},
                 {"loop", Suite::loop}},
-               "touch: points to foci; surface: solids of many faces; array: drives; loop: depth frames to drives");
+               "touch: points to foci; surface: solids of many faces; array: drives; acoustics: what they sound like; "
+               "loop: depth frames to drives");
   group.text("--scene", o.scene, "FILE", "glTF model that the surface suite measures, too");
   group.integer("--runs", o.runs, 3, 100'000, "timed runs of each case, after a warm-up");
   group.text("--csv", o.csv, "FILE|-", "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver");
@@ -66,10 +68,10 @@ std::string to_json(const std::vector<bench::Row>& rows, const gpu::DeviceDescri
 }
 
 std::string table(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device, std::uint64_t resident) {
-  std::string text = fmt::format("{}, {}\n{:<6} {:<28} {:<14} {:>10} {:>10} {:>10}\n", device.name, device.driver,
+  std::string text = fmt::format("{}, {}\n{:<9} {:<28} {:<14} {:>10} {:>10} {:>10}\n", device.name, device.driver,
                                  "suite", "case", "stage", "median ms", "p99 ms", "min ms");
   for (const bench::Row& row : rows) {
-    text += fmt::format("{:<6} {:<28} {:<14} {:>10.3f} {:>10.3f} {:>10.3f}", row.suite, row.name, row.stage,
+    text += fmt::format("{:<9} {:<28} {:<14} {:>10.3f} {:>10.3f} {:>10.3f}", row.suite, row.name, row.stage,
                         row.median_ms, row.p99_ms, row.least_ms);
     if (row.value > 0) text += fmt::format("  {:.0f} {}", row.value, row.unit);
     if (!row.note.empty()) text += "; " + row.note;
@@ -104,6 +106,7 @@ void run(const BenchCommand& o) {
     bench::measure_array(context, rows);
     bench::measure_solvers(context, rows);
   }
+  if (o.suite == Suite::all || o.suite == Suite::acoustics) bench::measure_field(context, rows);
   if (o.suite == Suite::all || o.suite == Suite::loop) bench::measure_loop(context, rows);
   bar.reset();
 

@@ -1,0 +1,105 @@
+// The field's part of the acoustics suite: a plane of 512 x 512 points before the paper's array.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <complex>
+#include <span>
+
+#include "acoustics/field_pass.hpp"
+#include "acoustics/incident.hpp"
+#include "acoustics/pressure.hpp"
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+#include "base/error.hpp"
+#include "bench/bench.hpp"
+
+namespace palpa::bench {
+namespace {
+
+using array::Directivity;
+using Complex = std::complex<double>;
+
+constexpr std::uint32_t side = 512;
+constexpr double side_m = 0.06;
+constexpr std::size_t judged_every = 1009;  // of the points: a prime, so that all columns have their turn
+constexpr double most_error = 1e-4;
+
+struct Case {
+  const char* name;
+  Directivity directivity;
+  bool absorbing;
+};
+constexpr Case cases[]{{"field, omni", Directivity::omni, false},
+                       {"field, pistons in air", Directivity::piston, true},
+                       {"field, t4010a1 in air", Directivity::t4010a1, true}};
+
+std::vector<Vec3> plane() {
+  std::vector<Vec3> points;
+  for (std::uint32_t j = 0; j < side; ++j) {
+    for (std::uint32_t i = 0; i < side; ++i)
+      points.emplace_back(side_m * ((i + 0.5) / side - 0.5), side_m * (0.5 - (j + 0.5) / side), 0);
+  }
+  return points;
+}
+
+/// Relative L2 against the definition in doubles.
+double error_of(std::span<const Complex> pressures, std::span<const Vec3> points, const array::Layout& layout,
+                const array::Drive& drive, const acoustics::Air& air, Directivity directivity) {
+  double wrong = 0, all = 0;
+  for (std::size_t i = 0; i < points.size(); i += judged_every) {
+    const Complex expected =
+        acoustics::pressure_at(layout, drive, points[i], air.medium, directivity, air.absorption_np_m);
+    wrong += std::norm(pressures[i] - expected);
+    all += std::norm(expected);
+  }
+  return std::sqrt(wrong / all);
+}
+
+}  // namespace
+
+void measure_field(const Context& context, std::vector<Row>& rows) {
+  const array::Layout layout = array::load_layout("paper");
+  const array::SlotFocus focus[]{{Vec3(0), 1}};
+  const array::Drive drive = array::drive_for(layout, focus);
+  const acoustics::Strengths strengths = acoustics::strengths_of(drive);
+  const std::vector<Vec3> points = plane();
+  const std::uint32_t runs = std::clamp(context.runs / 50, 3u, 20u);
+  for (const Case& which : cases) {
+    const acoustics::Air usual = acoustics::air_of({});
+    const acoustics::Air air = which.absorbing ? usual : acoustics::without_absorption(usual);
+    std::vector<Complex> pressures;
+    const auto measure = [&](const char* stage, const auto& sum) {
+      sum();
+      const double error = error_of(pressures, points, layout, drive, air, which.directivity);
+      if (!(error <= most_error)) {
+        throw failure(fmt::format("bench: {}, {}: off by {:.1e} of the sum in doubles; nothing was timed", which.name,
+                                  stage, error));
+      }
+      std::vector<double> samples;
+      for (std::uint32_t run = 0; run < runs; ++run) {
+        const auto begin = std::chrono::steady_clock::now();
+        sum();
+        const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
+        samples.push_back(taken.count());
+        context.progress(fmt::format("{}, {}", which.name, stage), run + 1, runs);
+      }
+      Row row = make_row("acoustics", which.name, stage, samples);
+      row.value = static_cast<double>(points.size() * layout.transducers.size()) / row.median_ms / 1e3;
+      row.unit = "million pairs/s";
+      row.note =
+          fmt::format("{} x {} points x {} transducers; error {:.1e}", side, side, layout.transducers.size(), error);
+      rows.push_back(row);
+    };
+    measure("device",
+            [&] { acoustics::field_on(context.device, layout, air, which.directivity, points, strengths, pressures); });
+    measure("host", [&] {
+      acoustics::Waves waves;
+      acoustics::Incident(layout, air, which.directivity).at(points, {}, strengths, waves);
+      pressures.swap(waves.pressures);
+    });
+  }
+}
+
+}  // namespace palpa::bench
