@@ -30,7 +30,7 @@ struct FieldBindings {
 
 /// p(x) = sum over sources of s D(angle) e^{(ik - alpha) r} / max(r, nearest), lengths in wavelengths. The pipeline
 /// only. Twin: Incident (incident.hpp), which it follows within 1e-4 of the field's root mean square where points are
-/// within 3 m of the transducers.
+/// within 2 m of the transducers.
 class FieldPass {
  public:
   /// `directivity` omni asks no table, and without absorption there is no exponential: they are left out of the kernel.

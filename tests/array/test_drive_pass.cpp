@@ -175,8 +175,8 @@ TEST(DrivesPass, LayoutIsWhatTheShadersHave) {
     EXPECT_EQ(module.bindings, (std::vector<std::uint32_t>{0, 1, 2, 3}));
     EXPECT_EQ(module.structs.at("DrivePush").offsets.at("constraint"), offsetof(shader::DrivePush, constraint));
   }
-  // Slots of one focus are written as vectors; transducers, foci and slots are read as texels, word by word in the order
-  // that drive.h gives them.
+  // Slots of one focus are written as vectors; transducers, foci and slots are read as texels, word by word in the
+  // order that drive.h gives them.
   const test::SpirvModule sum = test::read_spirv(spirv::drive_sum_comp);
   EXPECT_EQ(sum.structs.at("DriveOut").offsets.at("phase"), offsetof(shader::DriveOut, phase));
   EXPECT_EQ(sum.array_strides.at("DriveOut"), sizeof(shader::DriveOut));
