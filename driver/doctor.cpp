@@ -7,9 +7,12 @@
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 #include <system_error>
 
+#include "driver/usb/ftdi.hpp"
 #include "driver/usb/libusb.hpp"
+#include "driver/usb/local.hpp"
 
 namespace palpa::driver {
 namespace {
@@ -49,6 +52,32 @@ const Known* find(const Known (&table)[N], std::uint16_t vendor, std::uint16_t p
   return nullptr;
 }
 
+/// What to do about it. udev reads /usr and /etc alone, whatever the prefix that palpa is installed under.
+std::string no_permission() {
+  constexpr std::string_view rules = PALPA_UDEV_RULES;
+  const bool read = rules.starts_with("/usr/lib/") || rules.starts_with("/lib/") || rules.starts_with("/etc/udev/");
+  std::error_code ignored;
+  const bool there = std::filesystem::exists(rules, ignored);
+  const std::string copy = there && read
+                               ? std::string()
+                               : fmt::format("copy {} to /etc/udev/rules.d, ",
+                                             there ? std::string(rules) : "driver/70-palpa.rules of palpa's sources");
+  return fmt::format(
+      "no permission: as root, {}run udevadm control --reload, plug the device in again; if you are not at the machine "
+      "itself (ssh), be in the group plugdev",
+      copy);
+}
+
+/// Which driver of the kernel's has a device's first interface; empty: none.
+std::string kernel_driver(const std::string& place) {
+  if (place.empty()) return {};
+  std::error_code ignored;
+  return std::filesystem::read_symlink(std::filesystem::path("/sys/bus/usb/devices") / (place + ":1.0") / "driver",
+                                       ignored)
+      .filename()
+      .string();
+}
+
 cli::DoctorItem describe(const usb::Entry& device, const Known& known) {
   const std::string id = fmt::format("{:04x}:{:04x}", device.vendor, device.product);
   cli::DoctorItem item;
@@ -58,18 +87,18 @@ cli::DoctorItem describe(const usb::Entry& device, const Known& known) {
                 {"chip", std::string(known.chip)},
                 {"bus", std::int64_t{device.bus}},
                 {"address", std::int64_t{device.address}},
+                {"place", device.place},
                 {"serial", device.serial},
                 {"usable", item.ok}};
   item.advice = known.remark;
   if (device.forbidden) {
-    item.advice = fmt::format(
-        "no permission: as root, write SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{:04x}\", "
-        "ATTR{{idProduct}}==\"{:04x}\", "
-        "MODE=\"0660\", GROUP=\"plugdev\", TAG+=\"uaccess\" to /etc/udev/rules.d/70-palpa.rules, run udevadm control "
-        "--reload, plug the device in again",
-        device.vendor, device.product);
+    item.advice = no_permission();
   } else if (!device.refusal.empty()) {
     item.advice = fmt::format("cannot be opened: {}", device.refusal);
+  } else if (const std::string driver = kernel_driver(device.place); !driver.empty()) {
+    item.facts.push_back({"kernel_driver", driver});
+    if (device.product == usb::ftdi::product_232h && driver == "ftdi_sio")
+      item.advice += "; the kernel has made it a serial port, which palpa ends while it has it open";
   }
   return item;
 }
@@ -84,9 +113,26 @@ void add_usb(cli::DoctorSection& section, const Known (&table)[N], usb::Wanted w
   section.note = listing.problem;
 }
 
+/// Boards made of software that listen now (palpa emulate).
+void add_emulators(cli::DoctorSection& section) {
+  for (const usb::Entry& device :
+       usb::LocalTransport().list([](std::uint16_t, std::uint16_t) { return true; }).entries) {
+    cli::DoctorItem item;
+    item.title = fmt::format("{:04x}:{:04x} emulated, serial number {}", device.vendor, device.product, device.serial);
+    item.ok = true;
+    item.facts = {{"id", fmt::format("{:04x}:{:04x}", device.vendor, device.product)},
+                  {"chip", std::string("emulated")},
+                  {"place", device.place},
+                  {"serial", device.serial},
+                  {"usable", true}};
+    section.items.push_back(std::move(item));
+  }
+}
+
 cli::DoctorSection look_at_boards() {
   cli::DoctorSection section{"boards", "Boards", {}, {}};
   add_usb(section, boards, [](std::uint16_t v, std::uint16_t p) { return find(boards, v, p) != nullptr; });
+  add_emulators(section);
   if (section.items.empty() && section.note.empty()) section.note = "no board on USB";
   return section;
 }

@@ -29,7 +29,7 @@ struct Address {
 
 class Wire {
  public:
-  static constexpr double transfer_patience_s = 0.05;
+  static constexpr double transfer_patience_s = 0.25;
   static constexpr double pause_s = 1.05;  ///< the board's own second is up by then
   static constexpr double retry_s = 0.5;
 

@@ -57,7 +57,7 @@ struct Sent {
 };
 
 inline constexpr unsigned most_in_flight = 4;       ///< transfers of a device
-inline constexpr double request_patience_s = 0.05;  ///< that a request is waited for
+inline constexpr double request_patience_s = 0.25;  ///< that a request is waited for
 
 /// An open device with one bulk endpoint to write to. Nothing here throws; only request(), clear_halt() and the end
 /// wait.

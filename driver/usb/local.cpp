@@ -220,6 +220,12 @@ unsigned number_of(const std::filesystem::path& address) {
   return number;
 }
 
+std::filesystem::path runtime_place() {
+  const char* given = std::getenv("XDG_RUNTIME_DIR");
+  return given != nullptr && *given != '\0' ? std::filesystem::path(given) / "palpa"
+                                            : std::filesystem::path("/tmp") / fmt::format("palpa-{}", getuid());
+}
+
 std::filesystem::path address_of(unsigned number) {
   return runtime_folder() / fmt::format("usb-{}.sock", number);
 }
@@ -227,10 +233,7 @@ std::filesystem::path address_of(unsigned number) {
 }  // namespace
 
 std::filesystem::path runtime_folder() {
-  const char* given = std::getenv("XDG_RUNTIME_DIR");
-  const std::filesystem::path folder = given != nullptr && *given != '\0'
-                                           ? std::filesystem::path(given) / "palpa"
-                                           : std::filesystem::path("/tmp") / fmt::format("palpa-{}", getuid());
+  std::filesystem::path folder = runtime_place();
   if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
     throw failure(fmt::format("{}: cannot be made for the emulators' sockets: {}", folder.string(),
                               std::generic_category().message(errno)));
@@ -247,6 +250,7 @@ std::filesystem::path runtime_folder() {
 Listing LocalTransport::list(Wanted wanted) {
   Listing listing;
   std::error_code code;
+  if (!std::filesystem::exists(runtime_place(), code)) return listing;  // nobody listens, and nothing is made for it
   std::filesystem::path folder;
   try {
     folder = runtime_folder();

@@ -76,7 +76,12 @@ TEST(OpenMpdRun, TwoBoardsHearALoopToItsSilentEnd) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("no file in"), std::string::npos) << "EMU2 has none: " << result.err;
   EXPECT_EQ(result.err_lines().size(), 1u) << result.err;
-  const json stats = json::parse(result.out);
+  // Beside whatever real boards there are.
+  const Result doctor = palpa({"doctor", "--json", "-"}, options);
+  const json seen = json::parse(doctor.out)["boards"];
+  EXPECT_TRUE(std::any_of(seen.begin(), seen.end(), [](const json& board) {
+    return board["serial"] == "EMU2" && board["place"] == "emulated-2" && board["usable"];
+  })) << seen;
   int exit_code = -1;
   const json report = emulation.end(exit_code);
   EXPECT_EQ(exit_code, 0) << report;

@@ -11,6 +11,11 @@ function(run)
 endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+foreach(file lib/udev/rules.d/70-palpa.rules libexec/palpa/palpa-guard)
+  if(NOT EXISTS ${prefix}/${file})
+    message(FATAL_ERROR "${file} is not installed")
+  endif()
+endforeach()
 # Were the package to lean on the source tree, it would break where that tree is gone.
 file(GLOB_RECURSE package_files ${prefix}/lib/*.cmake)
 foreach(file IN LISTS package_files)
