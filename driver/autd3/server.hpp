@@ -34,6 +34,7 @@ class EmulatedServer {
   std::vector<EmulatedDevice>& devices() { return devices_; }
   const std::vector<Pose>& poses() const { return poses_; }
   bool silent(double now_s) const;
+  bool connected() const { return greeted_; }
   /// Its own and its devices', oldest first.
   std::vector<emulate::Violation> violations() const;
   std::size_t violation_count() const;

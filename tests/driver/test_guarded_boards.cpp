@@ -1,0 +1,141 @@
+// Boards held by the guard that palpa installs, on lines that listen: whatever ends the loop, the last thing on the
+// wire is the board's own silence.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/log.hpp"
+#include "driver/autd3/board.hpp"
+#include "driver/autd3/listen.hpp"
+#include "driver/guard/board_link.hpp"
+#include "driver/sonicsurface/board.hpp"
+#include "driver/sonicsurface/pty.hpp"
+
+namespace palpa::driver {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A loop in a process of its own: tells a plan as often as a camera sees, and sends its drives.
+class Loop {
+ public:
+  Loop(const BoardKind& kind, const std::string& argument, const std::string& layout_name, bool foci_move)
+      : id_(fork()) {
+    if (id_ != 0) return;
+    log::set_level(log::Level::quiet);
+    const array::Layout layout = array::load_layout(layout_name);
+    const std::vector<std::string> names;
+    const auto guard = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "palpa-guard";
+    const auto link =
+        board_link(kind, guard.string()).open(argument, {layout, names, foci_move ? 12e-3 : 1.5e-3, foci_move});
+    const std::size_t count = layout.transducers.size();
+    const std::uint32_t parts = foci_move ? 5 : 1;
+    array::Drive drives(parts * count);
+    for (std::size_t i = 0; i < drives.size(); ++i)
+      drives[i] = {1.0f, static_cast<float>(i % 50) / 50};
+    array::Schedule schedule;
+    schedule.slot_s = foci_move ? 12e-3 : 1.5e-3;
+    schedule.add_voice().foci = {Vec3(0)};
+    for (std::uint64_t s = 0;; ++s, std::this_thread::sleep_for(std::chrono::duration<double>(schedule.slot_s))) {
+      if (s % 8 == 0) {
+        link->plan({.schedule = schedule,
+                    .from_slot = s,
+                    .until_slot = s + 60,
+                    .cycle = parts,
+                    .drives = drives,
+                    .shared_modulation_hz = foci_move ? 0.0 : 200.0});
+      }
+      link->send(s, std::span(drives).subspan(s % parts * count, count));
+    }
+  }
+  ~Loop() { end(SIGKILL); }
+  Loop(const Loop&) = delete;
+  Loop& operator=(const Loop&) = delete;
+  void signal(int which) const { kill(id_, which); }
+  void end(int by) {
+    if (id_ <= 0) return;
+    kill(id_, by);
+    waitpid(id_, nullptr, 0);
+    id_ = -1;
+  }
+
+ private:
+  pid_t id_;
+};
+
+/// Serves on a thread of its own, and is asked under the lock.
+class Serving {
+ public:
+  explicit Serving(const std::function<void(const std::atomic<bool>&, std::mutex&)>& serve)
+      : thread_([this, serve] { serve(stop_, lock_); }) {}
+  ~Serving() {
+    stop_ = true;
+    thread_.join();
+  }
+  Serving(const Serving&) = delete;
+  Serving& operator=(const Serving&) = delete;
+  bool becomes(const std::function<bool()>& true_now) {
+    for (int i = 0; i < 4000; ++i, std::this_thread::sleep_for(1ms)) {
+      const std::lock_guard held(lock_);
+      if (true_now()) return true;
+    }
+    return false;
+  }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::mutex lock_;
+  std::thread thread_;
+};
+
+/// Through a stop and a continuation to its end.
+void expect_silence_after(Loop& loop, Serving& serving, const std::function<bool()>& silent) {
+  const auto sounds = [&] { return !silent(); };
+  ASSERT_TRUE(serving.becomes(sounds));
+  loop.signal(SIGSTOP);
+  EXPECT_TRUE(serving.becomes(silent)) << "stopped";
+  std::this_thread::sleep_for(50ms);
+  EXPECT_TRUE(serving.becomes(silent));
+  loop.signal(SIGCONT);
+  EXPECT_TRUE(serving.becomes(sounds)) << "and goes on";
+  std::this_thread::sleep_for(30ms);
+  loop.end(SIGKILL);
+  EXPECT_TRUE(serving.becomes(silent)) << "killed";
+}
+
+TEST(GuardedBoards, Autd3UnitsFallSilentWithTheirLoop) {
+  autd3::EmulatedServer server(16);
+  autd3::Listener listener(0);
+  Loop loop(autd3::board_kind(), listener.address(), "paper", true);
+  Serving serving([&](const auto& stop, std::mutex& lock) { listener.serve(server, stop, lock); });
+  expect_silence_after(loop, serving, [&] { return server.silent(autd3::device_time_s()); });
+  // It has said goodbye, too.
+  EXPECT_TRUE(serving.becomes([&] { return !server.connected(); }));
+  EXPECT_EQ(server.violation_count(), 0u) << server.violations()[0].what;
+}
+
+TEST(GuardedBoards, SonicSurfaceFallsSilentWithItsLoop) {
+  sonicsurface::EmulatedBoards boards(1, false);
+  sonicsurface::Pty pty;
+  Loop loop(sonicsurface::board_kind(), pty.path(), "sonicsurface", false);
+  Serving serving([&](const auto& stop, std::mutex& lock) { pty.serve(boards, stop, lock); });
+  // The modulation has its pauses: silent is where nothing waits behind, either.
+  const auto silent = [&] { return boards.all_silent() && boards.all_silent_behind(); };
+  ASSERT_TRUE(serving.becomes(silent)) << "it sounds when it is switched on, until somebody opens it";
+  expect_silence_after(loop, serving, silent);
+  EXPECT_EQ(boards.violations().count(), 0u) << boards.violations().kept()[0].what;
+}
+
+}  // namespace
+}  // namespace palpa::driver
