@@ -2,8 +2,15 @@
 
 #include <fmt/core.h>
 
+#include <cstdio>
+
 #include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/output_file.hpp"
+#include "base/outputs.hpp"
+#include "driver/autd3/emulate.hpp"
 #include "driver/openmpd/emulate.hpp"
+#include "driver/sonicsurface/emulate.hpp"
 #include "setup/values.hpp"
 
 namespace palpa::driver::emulate {
@@ -16,6 +23,8 @@ void add_options(CLI::App& app, Options& o) {
     names += (names.empty() ? "" : ", ") + kind.name + ": " + kind.help;
   board.text("board", o.board, "BOARD", names);
   board.text("--serial", o.serials, "SERIAL,...", "of USB boards, one board for each [EMU1]");
+  board.integer("--port", o.port, 0, 65535, "of an AUTD3 server; 0: one that is free");
+  board.flag("--tactile", o.tactile, "a SonicSurface with the tactile firmware");
   board.text("--layout", o.layout, "NAME|FILE", "how the boards stand [one alone, two as a pair]");
   board.text("--board-files", o.files, "DIR",
              "with the boards' own files, board_NAME.pat: how their transducers differ");
@@ -38,7 +47,38 @@ void run(const Options& o) {
 }  // namespace
 
 std::vector<Kind> kinds() {
-  return {{"openmpd", "OpenMPD boards on USB", openmpd::emulate}};
+  return {{"autd3", "AUTD3 units behind a server", autd3::emulate},
+          {"openmpd", "OpenMPD boards on USB", openmpd::emulate},
+          {"sonicsurface", "SonicSurface boards on a serial port", sonicsurface::emulate}};
+}
+
+void tell_violations(const Options& options, std::span<const Violation> all, std::size_t& told) {
+  for (; told < all.size(); ++told) {
+    if (options.common.quiet) continue;
+    fmt::print("at {:.4f} s: {}\n", all[told].time_s, all[told].what);
+    std::fflush(stdout);
+  }
+}
+
+void conclude(const Options& options, const Outcome& outcome) {
+  if (!options.common.json.empty()) {
+    JsonWriter json;
+    json.begin_object().member(outcome.counted, outcome.count).member("sounds", outcome.sounds);
+    json.member("violation_count", std::uint64_t{outcome.violation_count}).key("violations");
+    json.begin_array(JsonWriter::Style::block);
+    for (const Violation& violation : outcome.violations) {
+      json.begin_object(JsonWriter::Style::line).member("t_s", violation.time_s);
+      json.member("what", violation.what).end_object();
+    }
+    json.end_array().end_object();
+    write_file(options.common.json, json.take());
+  }
+  const Outputs outputs({{"--trace", options.trace}, {"--json", options.common.json}});
+  if (setup::shows_summary(options.common, outputs)) fmt::print("{}\n", outcome.summary);
+  if (outcome.violation_count == 0) return;
+  throw failure(fmt::format("{} violation{}, the first at {:.4f} s: {}", outcome.violation_count,
+                            outcome.violation_count == 1 ? "" : "s", outcome.violations[0].time_s,
+                            outcome.violations[0].what));
 }
 
 void add_emulate(cli::Program& program) {
@@ -46,7 +86,9 @@ void add_emulate(cli::Program& program) {
                                {"emulate", "a board made of software, as strict as the real one",
                                 "  palpa emulate openmpd --serial EMU1 --view     and beside it: palpa run ... "
                                 "--layout openmpd --link openmpd:EMU1\n"
-                                "  palpa emulate openmpd --serial A,B --trace wire.jsonl"},
+                                "  palpa emulate openmpd --serial A,B --trace wire.jsonl\n"
+                                "  palpa emulate autd3 --layout paper     and beside it: palpa run ... --link "
+                                "autd3:127.0.0.1:8080"},
                                add_options, run);
 }
 

@@ -1,11 +1,14 @@
 // `palpa emulate BOARD`: a board made of software, for whoever has none, or none to spare.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "cli/command.hpp"
+#include "driver/emulate/violations.hpp"
 #include "setup/options.hpp"
 
 namespace palpa::driver::emulate {
@@ -17,9 +20,25 @@ struct Options {
   std::string serials;  ///< comma-separated
   std::string files;    ///< folder with the boards' own calibration
   std::string layout;   ///< empty: the board's usual one
+  std::uint32_t port = 8080;
+  bool tactile = false;
   std::string trace;
   bool view = false;
 };
+
+/// Violations as they come: a line each, unless quiet. `told` of them have been told.
+void tell_violations(const Options& options, std::span<const Violation> all, std::size_t& told);
+/// What an emulator of one server or line says at its end: `summary` for people, the same in numbers as --json, and a
+/// failure() where there were violations.
+struct Outcome {
+  std::string summary;
+  std::string counted;      ///< what `count` counts
+  std::uint64_t count = 0;  ///< of what came
+  bool sounds = false;
+  std::span<const Violation> violations;  ///< the first of them
+  std::size_t violation_count = 0;
+};
+void conclude(const Options& options, const Outcome& outcome);
 
 struct Kind {
   std::string name;

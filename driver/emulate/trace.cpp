@@ -7,6 +7,18 @@
 #include "base/error.hpp"
 
 namespace palpa::driver::emulate {
+namespace {
+
+void put_hex(std::string& out, std::span<const std::uint8_t> bytes) {
+  constexpr char digits[] = "0123456789abcdef";
+  out.clear();
+  for (const std::uint8_t byte : bytes) {
+    out += digits[byte >> 4];
+    out += digits[byte & 15];
+  }
+}
+
+}  // namespace
 
 TraceFile::TraceFile(const std::string& name)
     : name_(name), file_(name == "-" ? stdout : std::fopen(name.c_str(), "we"), [](std::FILE* file) {
@@ -19,6 +31,15 @@ void TraceFile::write(std::string_view line) {
   if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() || std::fflush(file_.get()) != 0) {
     throw failure(name_ + ": cannot be written: " + std::generic_category().message(errno));
   }
+}
+
+void ByteTrace::bytes(double now_s, std::span<const std::uint8_t> bytes) {
+  std::string hex;
+  put_hex(hex, bytes);
+  JsonWriter json;
+  json.begin_object(JsonWriter::Style::compact).key("t_s").rounded(now_s, 9).key("kind").value(kind_);
+  json.key("hex").value(hex).end_object();
+  file_.write(json.take());
 }
 
 UsbTrace::UsbTrace(TraceFile& file, std::string serial) : file_(file), serial_(std::move(serial)) {}

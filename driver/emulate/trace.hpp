@@ -27,6 +27,17 @@ class TraceFile {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
+/// A line without anything but bytes: `kind` is "tcp" or "serial".
+class ByteTrace {
+ public:
+  ByteTrace(TraceFile& file, const char* kind) : file_(file), kind_(kind) {}
+  void bytes(double now_s, std::span<const std::uint8_t> bytes);
+
+ private:
+  TraceFile& file_;
+  const char* kind_;
+};
+
 /// One board's USB. Where `serial` is not empty each line says it: several boards are in that file.
 class UsbTrace final : public usb::Wiretap {
  public:

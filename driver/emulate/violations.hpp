@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,5 +29,13 @@ class Violations {
   std::vector<Violation> kept_;
   std::size_t count_ = 0;
 };
+
+/// The same, their time counted from `begin_s`.
+inline std::vector<Violation> since(double begin_s, std::span<const Violation> all) {
+  std::vector<Violation> out(all.begin(), all.end());
+  for (Violation& violation : out)
+    violation.time_s -= begin_s;
+  return out;
+}
 
 }  // namespace palpa::driver::emulate

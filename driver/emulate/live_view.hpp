@@ -1,0 +1,28 @@
+// `palpa emulate --view`: twice a second, what the boards sound, on stdout.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+#include "driver/emulate/view.hpp"
+
+namespace palpa::driver::emulate {
+
+/// A thread of its own that asks `heard` for what sounds, and prints it where it has changed, until this object's end.
+class LiveView {
+ public:
+  LiveView(const array::Layout& layout, std::function<array::Drive()> heard);
+
+ private:
+  void look(const std::stop_token& stop);
+
+  View view_;
+  std::function<array::Drive()> heard_;
+  std::string last_;
+  std::jthread thread_;
+};
+
+}  // namespace palpa::driver::emulate

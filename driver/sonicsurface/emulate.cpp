@@ -1,0 +1,84 @@
+#include "driver/sonicsurface/emulate.hpp"
+
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <mutex>
+#include <numbers>
+#include <optional>
+
+#include "array/layout.hpp"
+#include "base/error.hpp"
+#include "driver/emulate/live_view.hpp"
+#include "driver/emulate/stop.hpp"
+#include "driver/emulate/trace.hpp"
+#include "driver/sonicsurface/board.hpp"
+#include "driver/sonicsurface/pty.hpp"
+
+namespace palpa::driver::sonicsurface {
+namespace {
+
+array::Layout layout_of(const emulate::Options& options) {
+  array::Layout layout = array::load_layout(options.layout.empty() ? "sonicsurface" : options.layout);
+  const std::size_t boards = layout.boards.size();
+  if (boards == 0 || boards > (options.tactile ? 1 : 2) ||
+      boards * EmulatedBoards::slots != layout.transducers.size()) {
+    throw bad_usage(fmt::format("the layout {} is not of {}: name one with --layout that is", options.layout,
+                                options.tactile ? "one SonicSurface board" : "one or two SonicSurface boards"));
+  }
+  return layout;
+}
+
+array::Drive heard_drive(const EmulatedBoards& machine, std::span<const float> degrees, std::size_t boards) {
+  array::Drive drive;
+  for (std::size_t t = 0; t < boards * EmulatedBoards::slots; ++t) {
+    const int phase = machine.sounding(t / EmulatedBoards::slots, t % EmulatedBoards::slots);
+    const double late = degrees.empty() ? 0 : degrees[t] / 360.0;
+    const double turns = phase / 32.0 + late;
+    const bool sounds = phase != EmulatedBoards::silent;
+    drive.push_back({sounds ? 1.0f : 0.0f, static_cast<float>(sounds ? 2 * std::numbers::pi * turns : 0)});
+  }
+  return drive;
+}
+
+}  // namespace
+
+void emulate(const emulate::Options& options) {
+  const array::Layout layout = layout_of(options);
+  const std::vector<float> degrees = read_degrees(options.files, layout.transducers.size());
+  std::optional<emulate::TraceFile> file;
+  if (!options.trace.empty()) file.emplace(options.trace);
+  const double begin_s = monotonic_s();
+
+  const emulate::Stop stop;
+  EmulatedBoards machine(layout.boards.size(), options.tactile);
+  const Pty pty;
+  fmt::print("{}\n", pty.path());
+  std::fflush(stdout);
+
+  std::mutex lock;
+  std::optional<emulate::LiveView> view;
+  if (options.view) {
+    view.emplace(layout, [&] {
+      const std::lock_guard held(lock);
+      return heard_drive(machine, degrees, layout.boards.size());
+    });
+  }
+  std::optional<emulate::ByteTrace> trace;
+  if (file) trace.emplace(*file, "serial");
+  std::size_t told = 0;
+  pty.serve(machine, emulate::Stop::asked(), lock, [&](std::span<const std::uint8_t> bytes) {
+    if (trace) trace->bytes(monotonic_s() - begin_s, bytes);
+    emulate::tell_violations(options, emulate::since(begin_s, machine.violations().kept()), told);
+  });
+  view.reset();
+
+  const bool sounds = !machine.all_silent() || !machine.all_silent_behind();
+  const auto violations = emulate::since(begin_s, machine.violations().kept());
+  emulate::tell_violations(options, violations, told);
+  emulate::conclude(
+      options, {fmt::format("{} bytes, {} swaps, {}", machine.bytes(), machine.swaps(), sounds ? "sounding" : "silent"),
+                "bytes", machine.bytes(), sounds, violations, machine.violations().count()});
+}
+
+}  // namespace palpa::driver::sonicsurface
