@@ -1,0 +1,90 @@
+// `palpa run` against emulated AUTD3 units and SonicSurface boards: the real programs, a line between them.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cli/live_run.hpp"
+#include "cli/process.hpp"
+#include "driver/autd3/listen.hpp"
+#include "driver/sonicsurface/pty.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> run_to(const std::string& link, const std::string& layout) {
+  return {"run",      "--scene",   source_file("assets/cube.glb").string(),
+          "--source", "synthetic", "--frames",
+          "30",       "--hold",    "500ms",
+          "--layout", layout,      "--link",
+          link};
+}
+
+TEST(Autd3Run, UnitsHearALoopToItsSilentEnd) {
+  const auto folder = scratch_folder("autd3-run");
+  const std::string address = driver::autd3::Listener(0).address();  // free, and nobody else is after it
+  const std::string port = address.substr(address.find(':') + 1);
+  LiveOptions options;
+  options.command = "emulate";
+  LiveRun emulator({"autd3", "--port", port, "--json", (folder / "report.json").string(), "--trace",
+                    (folder / "wire.jsonl").string()},
+                   options);
+  Result result;
+  for (int tries = 0; tries < 50 && result.exit_code != 0; ++tries) {
+    result = palpa(with(run_to("autd3:" + address, "autd3"), {"--log-level", "info"}));
+    if (result.err.find("is not there") == std::string::npos) break;  // else it has not begun to listen
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("plans brought over"), std::string::npos) << result.err;
+  emulator.signal(SIGTERM);
+  EXPECT_EQ(emulator.wait(10).exit_code, 0);
+  std::ifstream file(folder / "report.json");
+  const json report = json::parse(file);
+  EXPECT_EQ(report["violation_count"], 0) << report;
+  EXPECT_FALSE(report["sounds"].get<bool>());
+  EXPECT_GT(report["operations"].get<int>(), 20);
+  std::ifstream wire(folder / "wire.jsonl");
+  std::string line;
+  ASSERT_TRUE(std::getline(wire, line));
+  const json first = json::parse(line);
+  EXPECT_EQ(first["kind"], "tcp");
+  EXPECT_EQ(first["hex"], "100100415554443352454d4f5445");
+}
+
+TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
+  driver::sonicsurface::EmulatedBoards boards(1, false);
+  const driver::sonicsurface::Pty pty;
+  std::atomic<bool> stop{false};
+  std::mutex lock;
+  std::thread thread([&] { pty.serve(boards, stop, lock); });
+  const Result result = palpa(with(run_to("sonicsurface:" + pty.path(), "sonicsurface"), {"--method", "single-focus"}));
+  const Result refused = palpa(run_to("sonicsurface:" + pty.path(), "sonicsurface"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  stop = true;
+  thread.join();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  expect_failure(refused, 2, "a frame takes 11.3 ms");
+  EXPECT_TRUE(boards.all_silent() && boards.all_silent_behind());
+  EXPECT_GT(boards.swaps(), 10u);
+  EXPECT_EQ(boards.violations().count(), 0u) << boards.violations().kept()[0].what;
+}
+
+TEST(BoardsRun, WhatIsNotThereIsNamed) {
+  expect_failure(palpa(run_to("autd3:127.0.0.1:1", "autd3")), 1, "127.0.0.1:1 is not there");
+  expect_failure(palpa({"emulate", "autd3", "--layout", "openmpd"}), 2, "not of AUTD3 units");
+  expect_failure(palpa({"emulate", "sonicsurface", "--layout", "autd3"}), 2, "--layout");
+}
+
+}  // namespace
+}  // namespace palpa::test
