@@ -22,6 +22,10 @@ Vec3 face_centroid(const geometry::Mesh& mesh, std::size_t face) {
   return (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0;
 }
 
+double face_area(const geometry::Mesh& mesh, std::size_t face) {
+  return glm::length(area_vector(mesh, face));
+}
+
 void add_pressure(std::span<const FaceSound> sound, const Air& air, double weight, SkinPressure& pressure) {
   pressure.langevin.resize(sound.size());
   pressure.squared.resize(sound.size());
@@ -57,7 +61,7 @@ Spot spot_of(const geometry::Mesh& mesh, std::span<const double> pressure) {
   std::size_t faces = 0;
   for (std::size_t face = 0; face < pressure.size(); ++face) {
     if (!(pressure[face] > spot.peak_pa / 2)) continue;
-    const double area = glm::length(area_vector(mesh, face));
+    const double area = face_area(mesh, face);
     spot.half_area_m2 += area;
     sum += area * face_centroid(mesh, face);
     ++faces;
@@ -69,7 +73,7 @@ Spot spot_of(const geometry::Mesh& mesh, std::span<const double> pressure) {
   for (std::size_t face = 0; face < pressure.size(); ++face) {
     if (!(pressure[face] > spot.peak_pa / 2)) continue;
     const Vec3 from = face_centroid(mesh, face) - mean;
-    covariance += glm::length(area_vector(mesh, face)) * glm::outerProduct(from, from);
+    covariance += face_area(mesh, face) * glm::outerProduct(from, from);
   }
   // l1 >= l2 >= l3 in closed form (Smith 1961).
   const double trace = covariance[0][0] + covariance[1][1] + covariance[2][2], mean_value = trace / 3;

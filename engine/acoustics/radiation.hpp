@@ -21,6 +21,7 @@
 namespace palpa::acoustics {
 
 Vec3 face_centroid(const geometry::Mesh& mesh, std::size_t face);
+double face_area(const geometry::Mesh& mesh, std::size_t face);
 
 /// By face, Pa.
 struct SkinPressure {

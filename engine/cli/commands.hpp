@@ -10,6 +10,7 @@ void add_touch(Program& program);
 void add_drive(Program& program);
 void add_field(Program& program);
 void add_scatter(Program& program);
+void add_simulate(Program& program);
 void add_run(Program& program);
 void add_export(Program& program);
 void add_decompose(Program& program);

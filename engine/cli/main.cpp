@@ -37,6 +37,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   add_drive(program);
   add_field(program);
   add_scatter(program);
+  add_simulate(program);
   add_decompose(program);
   add_bench(program);
   for (const auto& add : extensions.commands)

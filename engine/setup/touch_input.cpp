@@ -15,10 +15,7 @@
 #include "setup/values.hpp"
 
 namespace palpa::setup {
-namespace {
-
-/// The y by which points move so that the lowest of them lies `penetration` below the highest point of the solids.
-double lowering(std::span<const geometry::Solid> solids, const std::vector<Vec3>& points, double penetration) {
+double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> points, double penetration) {
   Box all;
   for (const geometry::Solid& solid : solids) {
     all.add(solid.bounds.low);
@@ -29,6 +26,8 @@ double lowering(std::span<const geometry::Solid> solids, const std::vector<Vec3>
     lowest = std::min(lowest, point.y);
   return all.high.y - penetration - lowest;
 }
+
+namespace {
 
 void load_points(const TouchInputOptions& options, std::span<const geometry::Solid> solids, TouchInput& input) {
   std::vector<Vec3> positions = geometry::read_ply(options.points).positions;

@@ -43,4 +43,8 @@ struct TouchInput {
 /// fault.
 TouchInput load_touch_input(const TouchInputOptions& options, std::span<const geometry::Solid> solids);
 
+/// What --penetration adds to the points' y, so that the lowest of them, of which there is one at least, lies that far
+/// below the highest point of the solids.
+double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> points, double penetration_m);
+
 }  // namespace palpa::setup

@@ -1,0 +1,261 @@
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "acoustics/air.hpp"
+#include "acoustics/body_mesh.hpp"
+#include "acoustics/incident.hpp"
+#include "acoustics/radiation.hpp"
+#include "acoustics/rigid_body.hpp"
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/log.hpp"
+#include "base/output_file.hpp"
+#include "cli/commands.hpp"
+#include "geometry/topology.hpp"
+#include "geometry/vtu.hpp"
+#include "session/skin_pressure.hpp"
+#include "setup/body.hpp"
+#include "setup/load.hpp"
+#include "setup/nearest_skin.hpp"
+#include "setup/options.hpp"
+#include "setup/progress.hpp"
+#include "setup/touch_input.hpp"
+#include "setup/touch_run.hpp"
+#include "setup/values.hpp"
+#include "setup/warnings.hpp"
+
+namespace palpa::cli {
+namespace {
+
+struct SimulateCommand {
+  setup::CommonOptions common;
+  std::string scene, finger;
+  std::optional<std::uint32_t> gltf_scene;
+  double penetration_m = 3e-3;
+  bool force = false;
+  std::string csv, vtu;
+  setup::SolidOptions solids;
+  setup::TouchOptions touch;
+  setup::RigOptions rig;
+  setup::DriveOptionsGroup drive;
+  setup::AirOptions air;
+};
+
+void add_options(CLI::App& app, SimulateCommand& o) {
+  const setup::Group group(app, "What touches what");
+  group.text("--scene", o.scene, "FILE", "glTF model: the solids, in world coordinates");
+  group.integer("--gltf-scene", o.gltf_scene, 0, 1u << 30, "scene of that file, if not its default one");
+  group.text("--finger", o.finger, "FILE", "the finger, a closed PLY or glTF mesh: tip at the origin, body along +y");
+  group.quantity("--penetration", o.penetration_m, Quantity::length, {-10, 10},
+                 "how far below the solids' top the finger's lowest point is");
+  group.flag("--force", o.force, "reckon with a finger that is too coarse for the wavelength, too");
+  const setup::Group results(app, "Results");
+  results.text("--csv", o.csv, "FILE|-", "face,x,y,z,area,langevin,squared of every face: time averages in Pa");
+  results.text("--vtu", o.vtu, "FILE", "the same on the finger for ParaView");
+  setup::add_solid_options(app, o.solids);
+  setup::add_touch_options(app, o.touch);
+  setup::add_rig_options(app, o.rig);
+  setup::add_drive_options(app, o.drive);
+  setup::add_air_options(app, o.air);
+}
+
+/// One touch as the skin has it.
+struct Felt {
+  geometry::Mesh body;  ///< in the world
+  Vec3 tip{0};
+  std::vector<std::optional<Vec3>> foci;  ///< none for an empty sector
+  acoustics::SkinPressure pressure;
+  acoustics::Spot langevin, squared;
+  acoustics::Load load;  ///< about the tip
+  setup::StageTimes times;
+};
+
+/// The skin points are the mesh's vertices, each once, in the file's order.
+setup::TouchInput skin_of(const geometry::Mesh& finger, double dy) {
+  setup::TouchInput input;
+  const std::vector<std::uint32_t> first = geometry::weld_indices(finger.positions);
+  for (std::uint32_t v = 0; v < first.size(); ++v) {
+    if (first[v] != v) continue;
+    const auto index = static_cast<std::uint32_t>(input.points.size());
+    input.points.push_back({glm::vec3(finger.positions[v] + Vec3(0, dy, 0)), index});
+  }
+  input.point_count = input.points.size();
+  return input;
+}
+
+std::vector<std::optional<Vec3>> foci_of(const session::Session& session) {
+  std::vector<std::optional<Vec3>> foci;
+  for (const session::ScheduledFinger& finger : session.scheduler().fingers()) {
+    for (std::size_t i = 0; i < finger.placement.foci.size(); ++i) {
+      foci.emplace_back();
+      if (finger.placement.has(i)) foci.back() = Vec3(finger.placement.foci[i].position);
+    }
+  }
+  return foci;
+}
+
+[[noreturn]] void refuse_untouched(const SimulateCommand& o, std::span<const geometry::Solid> solids,
+                                   const setup::TouchInput& skin) {
+  std::string line = "the finger touches nothing there";
+  if (const auto nearest = setup::nearest_skin(solids, skin)) {
+    line += fmt::format(": its skin is {:.1f} mm {} the surface of {}{}", nearest->distance_m * 1e3,
+                        nearest->inside ? "below" : "away from", solids[nearest->solid].name,
+                        nearest->inside ? ", deeper than its shell" : "");
+  }
+  throw bad_input(o.scene, line + "; give another --penetration");
+}
+
+Felt feel(const SimulateCommand& o) {
+  Felt felt;
+  setup::Stopwatch watch;
+  const acoustics::Air air = setup::air(o.drive.medium, o.air);
+  std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids);
+  const geometry::Mesh finger = setup::load_triangles(o.finger);
+  felt.body = setup::load_body(o.finger, air, o.force);
+  const double dy = setup::lowering(solids, finger.positions, o.penetration_m);
+  felt.tip = Vec3(0, dy, 0);
+  for (Vec3& p : felt.body.positions)
+    p.y += dy;
+  const setup::TouchInput skin = skin_of(finger, dy);
+  setup::TouchArray array{.layout = setup::load_posed_rig(o.rig).layout,
+                          .drive = setup::drive_options(o.drive, o.touch.method.method),
+                          .pressure_pa = o.drive.pressure_pa};
+  check(o.drive, solids);
+  acoustics::check_clear_of(o.finger, felt.body, array.layout);
+  setup::warn_of_reach(array.layout, solids);
+  setup::warn_of_frequency(array.layout, array.drive.medium);
+  log::release_warnings();
+  felt.times.emplace_back("load", watch.lap_ms());
+
+  const setup::Preparing progress(o.common.quiet);
+  const setup::OneTouch one =
+      setup::touch_once(o.common, o.touch, {}, o.scene, std::move(solids), skin, std::move(array), felt.times);
+  if (one.touch.finger_count == 0) refuse_untouched(o, one.session.solids(), skin);
+  felt.foci = foci_of(one.session);
+  watch.lap_ms();
+  const acoustics::RigidBody body(felt.body, air.wave_number());
+  felt.times.emplace_back("operator", watch.lap_ms());
+  const session::SessionSetting& setting = one.session.setting();
+  const acoustics::Incident incident(setting.layout, air, o.drive.directivity);
+  felt.pressure = session::mean_pressure(session::sounds_of(one.session.plan(), setting), incident, air, body);
+  felt.times.emplace_back("pressure", watch.lap_ms());
+  felt.langevin = acoustics::spot_of(felt.body, felt.pressure.langevin);
+  felt.squared = acoustics::spot_of(felt.body, felt.pressure.squared);
+  felt.load = acoustics::load_on(felt.body, felt.pressure.langevin, felt.tip);
+  return felt;
+}
+
+void add_spot(JsonWriter& json, const char* name, const acoustics::Spot& spot) {
+  json.key(name)
+      .begin_object()
+      .member("peak_pa", spot.peak_pa)
+      .member("peak_m", spot.peak_at)
+      .member("half_area_m2", spot.half_area_m2)
+      .member("half_radius_m", spot.half_radius_m)
+      .member("elongation", spot.elongation)
+      .end_object();
+}
+
+std::string to_json(const SimulateCommand& o, const Felt& felt) {
+  JsonWriter json;
+  json.begin_object();
+  json.key("finger")
+      .begin_object()
+      .member("faces", std::uint64_t{felt.body.triangles.size()})
+      .member("vertices", std::uint64_t{felt.body.positions.size()})
+      .end_object();
+  json.member("method", word_of(touch::method_words, o.touch.method.method)).member("penetration_m", o.penetration_m);
+  json.key("foci_m").begin_array();
+  for (const std::optional<Vec3>& focus : felt.foci) {
+    if (focus) {
+      json.value(*focus);
+    } else {
+      json.null();
+    }
+  }
+  json.end_array();
+  add_spot(json, "langevin", felt.langevin);
+  add_spot(json, "squared", felt.squared);
+  json.member("force_N", felt.load.force).member("torque_Nm", felt.load.torque);
+  json.key("timing_ms").begin_object();
+  for (const auto& [stage, ms] : felt.times)
+    json.member(stage, ms);
+  json.end_object().end_object();
+  return json.take();
+}
+
+std::string to_csv(const Felt& felt) {
+  std::string csv = "face,x,y,z,area,langevin,squared\n";
+  for (std::size_t face = 0; face < felt.body.triangles.size(); ++face) {
+    const Vec3 at = acoustics::face_centroid(felt.body, face);
+    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{}\n", face, at.x, at.y, at.z,
+                   acoustics::face_area(felt.body, face), felt.pressure.langevin[face], felt.pressure.squared[face]);
+  }
+  return csv;
+}
+
+void write_vtu(const std::string& file, const Felt& felt) {
+  geometry::VtuCells cells{.shape = geometry::VtuCells::Shape::triangle, .corners = {}};
+  for (const glm::uvec3& t : felt.body.triangles)
+    cells.corners.insert(cells.corners.end(), {t.x, t.y, t.z});
+  const std::vector<float> langevin(felt.pressure.langevin.begin(), felt.pressure.langevin.end());
+  const std::vector<float> squared(felt.pressure.squared.begin(), felt.pressure.squared.end());
+  const geometry::VtuValues values[]{{"langevin (Pa)", langevin}, {"squared (Pa)", squared}};
+  geometry::write_vtu(file, felt.body.positions, cells, {}, values);
+}
+
+std::string spot_line(const char* name, const acoustics::Spot& spot) {
+  const Vec3 at = spot.peak_at * 1e3;
+  return fmt::format(
+      "{}: at most {:.4g} Pa, at ({:.2f}, {:.2f}, {:.2f}) mm; above half of it {:.1f} mm2, as a disc of "
+      "radius {:.2f} mm, elongation {:.2f}\n",
+      name, spot.peak_pa, at.x, at.y, at.z, spot.half_area_m2 * 1e6, spot.half_radius_m * 1e3, spot.elongation);
+}
+
+std::string summary(const SimulateCommand& o, const Felt& felt) {
+  double ms = 0;
+  for (const auto& stage : felt.times)
+    ms += stage.second;
+  return fmt::format("{} faces, {}, {} foci ({:.2f} s)\n", felt.body.triangles.size(),
+                     word_of(touch::method_words, o.touch.method.method), felt.foci.size(), ms / 1e3) +
+         spot_line("radiation pressure", felt.langevin) + spot_line("|p|^2 / (4 rho c^2)", felt.squared) +
+         fmt::format("force ({:.3g}, {:.3g}, {:.3g}) N\n", felt.load.force.x, felt.load.force.y, felt.load.force.z);
+}
+
+void check(const SimulateCommand& o) {
+  if (o.scene.empty()) throw bad_usage("--scene is missing: give the glTF model that is touched");
+  if (o.finger.empty())
+    throw bad_usage("--finger is missing: give the finger's closed mesh, such as assets/finger.ply");
+  setup::check(o.touch);
+}
+
+void run(const SimulateCommand& o) {
+  check(o);
+  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}, {"--vtu", o.vtu}});
+  const Felt felt = feel(o);
+  if (!o.csv.empty()) write_file(o.csv, to_csv(felt));
+  if (!o.vtu.empty()) write_vtu(o.vtu, felt);
+  if (!o.common.json.empty()) write_file(o.common.json, to_json(o, felt));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(o, felt));
+}
+
+}  // namespace
+
+void add_simulate(Program& program) {
+  add_subcommand<SimulateCommand>(
+      program,
+      {"simulate", "the radiation pressure on a finger that touches a model",
+       "  palpa simulate --scene assets/cube.glb --finger assets/finger.ply --penetration 3mm --csv pressure.csv\n"
+       "  palpa simulate --scene assets/pyramid.glb --finger assets/finger.ply --method single-focus --json -\n"
+       "A rigid finger, linear sound; pressures are time averages over the schedule. Coordinates in the world."},
+      add_options, run);
+}
+
+}  // namespace palpa::cli

@@ -1,0 +1,30 @@
+// What a plan does to rigid skin: the radiation pressure of its drives, averaged over time.
+#pragma once
+
+#include <vector>
+
+#include "acoustics/air.hpp"
+#include "acoustics/incident.hpp"
+#include "acoustics/radiation.hpp"
+#include "acoustics/rigid_body.hpp"
+#include "session/plan.hpp"
+#include "session/setting.hpp"
+
+namespace palpa::session {
+
+/// The drives of a plan's cycle, one after the other, and the part of the time that each of them sounds, times the mean
+/// square of the modulation that they share.
+struct Sounds {
+  acoustics::Strengths strengths;
+  std::vector<double> weights;
+};
+
+/// Each slot of the cycle, so that foci count by their dwell and their modulation. A plan whose drives are not listed
+/// (cycle 0) is looked at for its first most_cycle slots. `plan` has at least one voice.
+Sounds sounds_of(const Plan& plan, const SessionSetting& setting);
+
+/// The time average over these sounds at the faces of `body`, which stands in the world as the incident's array.
+acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Incident& incident,
+                                      const acoustics::Air& air, const acoustics::RigidBody& body);
+
+}  // namespace palpa::session

@@ -1,0 +1,133 @@
+// `palpa simulate`: that its numbers are those of its table, that its averages are those of the drives one by one, and
+// what it refuses.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "../acoustics/spheres.hpp"
+#include "geometry/ply.hpp"
+#include "process.hpp"
+#include "support/csv.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+
+std::filesystem::path folder() {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "palpa-simulate";
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+/// A fingertip: a sphere of 5 mm, its lowest point at y.
+std::string finger_file(const std::string& name, double y) {
+  geometry::Mesh mesh = acoustics::icosphere(5e-3, 5);
+  double lowest = 0;
+  for (const Vec3& p : mesh.positions)
+    lowest = std::min(lowest, p.y);
+  for (Vec3& p : mesh.positions)
+    p.y += y - lowest;
+  const std::filesystem::path file = folder() / (name + ".ply");
+  geometry::write_ply(file, mesh.positions, mesh.triangles);
+  return file;
+}
+
+std::vector<std::string> touch_of(const std::string& scene) {
+  return {"simulate",  "--scene", source_file("assets/" + scene + ".glb"), "--finger", finger_file("tip", 0),
+          "--backend", "cpu"};
+}
+
+struct Simulated {
+  json results;
+  std::vector<std::vector<double>> rows;
+};
+
+Simulated simulate(const std::vector<std::string>& arguments) {
+  const std::string csv = folder() / "out.csv", file = folder() / "out.json";
+  const Result result = palpa(with(arguments, {"--csv", csv, "--json", file}));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(read_text(csv).starts_with("face,x,y,z,area,langevin,squared\n"));
+  return {json::parse(read_text(file)), read_csv(csv)};
+}
+
+void expect_spot(const json& spot, const Simulated& got, std::size_t column) {
+  std::vector<double> peak = got.rows[0];
+  for (const auto& row : got.rows) {
+    if (row[column] > peak[column]) peak = row;
+  }
+  EXPECT_EQ(spot["peak_pa"], peak[column]);
+  EXPECT_EQ(spot["peak_m"], (json{peak[1], peak[2], peak[3]}));
+  double area = 0;
+  for (const auto& row : got.rows)
+    area += row[column] > peak[column] / 2 ? row[4] : 0;
+  EXPECT_NEAR(spot["half_area_m2"], area, 1e-9 * area);
+  EXPECT_NEAR(spot["half_radius_m"], std::sqrt(area / std::numbers::pi), 1e-9);
+  EXPECT_GE(spot["elongation"], 1);
+  EXPECT_EQ(spot.size(), 5u);
+}
+
+TEST(Simulate, TellsWhatItsTableHolds) {
+  const Simulated got = simulate(with(touch_of("cube"), {"--penetration", "1.5mm"}));
+  ASSERT_EQ(got.rows.size(), 500u);
+  const json& results = got.results;
+  EXPECT_EQ(results["finger"], (json{{"faces", 500}, {"vertices", 252}}));
+  EXPECT_EQ(results["method"], "cross-section");
+  EXPECT_EQ(results["penetration_m"], 0.0015);
+  EXPECT_EQ(results["foci_m"].size(), 10u);
+  EXPECT_EQ(results.size(), 9u) << results.dump();
+  expect_spot(results["langevin"], got, 5);
+  expect_spot(results["squared"], got, 6);
+  // The pressure is on the tip, which is where the foci are, and pushes it up.
+  EXPECT_LT(results["langevin"]["peak_m"][1], 0);
+  EXPECT_GT(results["force_N"][1], 0);
+  for (const auto& row : got.rows)
+    EXPECT_LE(row[5], row[6] * (1 + 1e-12));
+  // Where the tip is, force times lever is torque.
+  EXPECT_LE(std::abs(results["torque_Nm"][0].get<double>()), 5e-3 * results["force_N"][1].get<double>());
+  // The same bytes again.
+  const std::string before = read_text(folder() / "out.csv");
+  simulate(with(touch_of("cube"), {"--penetration", "1.5mm"}));
+  EXPECT_EQ(read_text(folder() / "out.csv"), before);
+}
+
+TEST(Simulate, AModulatedFocusIsHalfOfItsDrive) {
+  // Its radiation pressure is a raised sine: on average half of what the drive alone gives.
+  const Simulated got = simulate(
+      with(touch_of("semi-sphere"), {"--penetration", "1.5mm", "--method", "single-focus", "--no-absorption"}));
+  const json focus = got.results["foci_m"][0];
+  const auto place = [](const json& p) { return p[0].dump() + "," + p[1].dump() + "," + p[2].dump(); };
+  const std::string drive = folder() / "drive.csv";
+  ASSERT_EQ(
+      palpa({"drive", "--layout", "paper", "--focus", place(focus), "--csv", drive, "--backend", "cpu"}).exit_code, 0);
+  const Result alone = palpa(
+      {"scatter", "--mesh", finger_file("lowered", -1.5e-3), "--layout", "paper", "--drive", drive, "--json", "-"});
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  const double up = json::parse(alone.out)["force_N"][1];
+  EXPECT_NEAR(got.results["force_N"][1].get<double>() / up, 0.5, 1e-3);
+}
+
+TEST(Simulate, RefusesWhatCannotBe) {
+  const std::vector<std::string> cube = touch_of("cube");
+  expect_failure(palpa(with(cube, {"--penetration", "-2mm", "--json", "-"})), 4, "touches nothing there");
+  expect_failure(palpa({"simulate", "--finger", finger_file("tip", 0)}), 2, "--scene is missing");
+  expect_failure(palpa({"simulate", "--scene", source_file("assets/cube.glb")}), 2, "--finger is missing");
+  expect_failure(palpa(with(cube, {"--layout", "openmpd", "--penetration", "153mm", "--json", "-"})), 4,
+                 "stands in the array");
+  geometry::Mesh open = acoustics::icosphere(5e-3, 5);
+  open.triangles.pop_back();
+  const std::filesystem::path file = folder() / "open.ply";
+  geometry::write_ply(file, open.positions, open.triangles);
+  expect_failure(palpa({"simulate", "--scene", source_file("assets/cube.glb"), "--finger", file, "--json", "-"}), 4,
+                 "the mesh is open");
+}
+
+}  // namespace
+}  // namespace palpa::test
