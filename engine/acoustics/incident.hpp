@@ -5,7 +5,7 @@
 // and the slope is n . grad p, that of directivity and absorption included. Drives that sound at the same points share
 // G, so that ten cost little more than one. All cores; phases in double precision, all else in single: within 1e-5 of
 // pressure_at (pressure.hpp), which is the definition, relative to the field's root mean square. The same bytes for any
-// number of threads.
+// number of threads and any processor.
 //
 // It is the twin of FieldPass (field_pass.hpp). A layout made by hand of transducers of radius 0 and level 1, with
 // Directivity::omni, is a sum of point sources e^{ikr} / r.
@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
+#include "acoustics/incident_kernels.hpp"
 #include "array/directivity.hpp"
 #include "array/drive.hpp"
 #include "array/layout.hpp"
@@ -55,17 +56,8 @@ class Incident {
                 std::vector<std::complex<double>>& received, const std::atomic<bool>* give_up = nullptr) const;
 
  private:
-  /// The directivity between two entries of its table: value + rise * (0..1).
-  struct Entry {
-    float value, rise;
-  };
-  struct Block;
-  struct Transfer;
-  void transfer(const array::Transducer& from, const Block& to, bool slopes, Transfer& out) const;
-
   const array::Layout& layout_;
-  Air air_;
-  std::vector<Entry> table_;
+  TransferSetting setting_;
 };
 
 }  // namespace palpa::acoustics

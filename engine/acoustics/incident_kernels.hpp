@@ -1,0 +1,62 @@
+// The inner loops of Incident: one transducer's sound at a block of points. Each is plain arithmetic on arrays of one
+// length, which the compiler makes vector instructions of, and is compiled for several kinds of processor, of which the
+// best that is there is taken. None of them fuses or reorders: all give the same bytes.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "acoustics/air.hpp"
+#include "array/directivity.hpp"
+#include "array/layout.hpp"
+#include "base/math.hpp"
+
+namespace palpa::acoustics {
+
+/// Points in a block.
+inline constexpr std::size_t block_points = 64;
+
+template <typename T>
+using BlockOf = std::array<T, block_points>;
+
+/// Some of the points. Where there are fewer, the last one stands in for the rest.
+struct PointBlock {
+  BlockOf<double> x, y, z;
+  BlockOf<float> nx, ny, nz;
+  std::size_t count;
+
+  /// The points from `first` on. `normals` may be none.
+  PointBlock(std::span<const Vec3> points, std::span<const Vec3> normals, std::size_t first);
+};
+
+/// G of one transducer (incident.hpp) at a block's points, and its slope along their normals.
+struct TransferBlock {
+  BlockOf<float> re, im, slope_re, slope_im;
+};
+
+/// What G hangs on beside the places.
+struct TransferSetting {
+  /// The directivity between two entries of its table: value + rise * (0..1).
+  struct Entry {
+    float value, rise;
+  };
+  std::vector<Entry> table;
+  double turns_per_metre;
+  float wave_number, absorption;
+  float closest;  ///< 1/r grows no further
+
+  TransferSetting(const array::Layout& layout, const Air& air, array::Directivity directivity);
+};
+
+/// Fills `out`, its slopes only where asked for.
+void transfer(const TransferSetting& setting, const array::Transducer& from, const PointBlock& to, bool slopes,
+              TransferBlock& out);
+
+/// sum += s G.
+void add_product(std::complex<float> s, const BlockOf<float>& g_re, const BlockOf<float>& g_im, BlockOf<float>& sum_re,
+                 BlockOf<float>& sum_im);
+
+}  // namespace palpa::acoustics
