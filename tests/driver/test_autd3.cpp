@@ -274,8 +274,15 @@ struct Rig {
   std::span<const array::TransducerDrive> part(std::uint64_t s) const {
     return std::span(drives).subspan((s % 10) * silence.size(), silence.size());
   }
-  void plan(double hz = 0) {
-    board->plan({slot, slot + 1000000, monotonic_s(), 1.5e-3, 10, drives, hz, array::Modulation::amplitude_sine});
+  /// When the plan's first slot begins, as the devices count.
+  double plan(double hz = 0) {
+    double from_s = monotonic_s(), device_s = device_time_s();
+    while (monotonic_s() > from_s + 20e-6) {  // both at one time
+      from_s = monotonic_s();
+      device_s = device_time_s();
+    }
+    board->plan({slot, slot + 1000000, from_s, 1.5e-3, 10, drives, hz, array::Modulation::amplitude_sine});
+    return device_s;
   }
   /// As a guard does between drives.
   template <typename Done>
@@ -321,8 +328,7 @@ TEST(Autd3Board, PlaysAPlanFromTheSlotThatIsRunning) {
     rig.open();
     ASSERT_EQ(rig.server.poses().size(), rig.layout.boards.size());
     EXPECT_TRUE(rig.silent());
-    rig.plan();
-    const double told_s = device_time_s();
+    const double told_s = rig.plan();
     ASSERT_TRUE(rig.sounds());
     {
       const std::lock_guard held(rig.serving->lock);
