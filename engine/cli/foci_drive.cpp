@@ -71,7 +71,7 @@ std::vector<std::complex<double>> factors_for(const array::Layout& layout, array
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const array::Voice& voice = schedule.voices[v];
     const double asked = voice.pressure_pa * voice.gain, reached = *voice.reached_pa;
-    if (reached >= session::reached_part * asked) continue;
+    if (session::is_reached(asked, reached)) continue;
     const std::string who =
         touch.empty() ? fmt::format("--pressure: focus {}", v + 1) : fmt::format("{}: finger {}", touch, voice.id);
     log::warning(fmt::format("{} has {:.0f} Pa of the {:.0f} Pa that are asked for: more the array does not give", who,

@@ -13,7 +13,7 @@ std::optional<std::string> unreached(const array::Schedule& schedule, std::span<
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const array::Voice& voice = schedule.voices[v];
     const double asked = voice.pressure_pa * voice.gain;
-    if (!voice.reached_pa || *voice.reached_pa >= reached_part * asked) continue;
+    if (!voice.reached_pa || is_reached(asked, *voice.reached_pa)) continue;
     return fmt::format(
         "finger {} on {} has {:.0f} Pa of the {:.0f} Pa that are asked for: more the array does not give{}", voice.id,
         voice.solid < solid_names.size() ? solid_names[voice.solid] : "", *voice.reached_pa, asked,

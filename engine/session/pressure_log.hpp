@@ -25,8 +25,10 @@ struct FingerPressure {
 void write_pressures(std::span<const FingerPressure> fingers, std::span<const std::string> solid_names,
                      JsonWriter& json);
 
-/// Less than that part of what was asked is not reached.
-inline constexpr double reached_part = 0.99;
+/// Less than that part of what was asked is not reached; what is missing of next to nothing is nothing.
+constexpr bool is_reached(double asked_pa, double reached_pa) {
+  return reached_pa >= 0.99 * asked_pa || asked_pa < 1e-3;
+}
 
 /// Says of the first finger of the schedule that does not reach what it asks what it has instead, as a sentence;
 /// nothing where all do. `solid_names` by solid index.

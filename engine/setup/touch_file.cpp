@@ -28,8 +28,8 @@ constexpr double shortest_dwell_s = 1e-6, longest_dwell_s = 10;
 
 /// In which order sectors play, and for how long.
 struct Playing {
-  std::vector<std::uint32_t> order;  ///< of foci that sound one after the other
-  bool together = false;             ///< all at once
+  std::vector<std::uint32_t> order;  ///< of foci
+  bool together = false;             ///< all at once, not one after the other
   double dwell_s = 0;
 };
 
@@ -49,8 +49,7 @@ Playing read_playing(const Item& item) {
   playing.dwell_s = number(item, "dwell_s", shortest_dwell_s, longest_dwell_s);
   playing.together = order->front().is_array();
   if (playing.together && order->size() != 1) item.fail("\"order\" has several slots of several foci");
-  if (playing.together) return playing;
-  for (const Json& sector : *order) {
+  for (const Json& sector : playing.together ? order->front() : *order) {
     const std::uint64_t place = sector.is_number_unsigned() ? sector.get<std::uint64_t>() : touch::max_foci;
     if (place >= touch::max_foci) item.fail(fmt::format("\"order\" must be numbers of foci below {}", touch::max_foci));
     playing.order.push_back(static_cast<std::uint32_t>(place));
@@ -96,11 +95,11 @@ bool read_voice(const Item& finger, std::uint32_t index, const Playing& common, 
   }
   options.modulation_hz = 0;
   session::make_voice(placement, index, 0, options, voice);
-  if (placement.still()) return playing.together;  // one focus, or all of them: there is no order
   for (const std::uint32_t sector : playing.order) {
-    if (sector >= voice.foci.size())
-      finger.fail(fmt::format("its order plays focus {} of {} foci", sector, voice.foci.size()));
+    if (foci->size() > 1 && sector >= foci->size())
+      finger.fail(fmt::format("its order plays focus {} of {} foci", sector, foci->size()));
   }
+  if (placement.still()) return playing.together;  // one focus, or all of them: there is no order
   voice.order = playing.order;
   return false;
 }

@@ -389,6 +389,7 @@ TEST(DriveErrors, TouchesThatCannotBe) {
   refused(touch(finger, "[0, -1]"), "\"order\" must be numbers of foci");
   refused(touch(finger, "[[0], [1]]"), "several slots of several foci");
   refused(touch(finger, "[0, 2]"), "finger 0: its order plays focus 2 of 2 foci");
+  refused(touch(finger, "[[0, 2]]"), "finger 0: its order plays focus 2 of 2 foci");
   refused(touch("{}", "[0]"), "finger 0: \"foci_m\" must be a list");
   refused(touch(R"({"foci_m": [null, null]})", "[0]"), "finger 0: \"foci_m\" has no focus");
   refused(touch(R"({"foci_m": [[0, 0]]})", "[0]"), "\"foci_m\" must be places of three numbers");
