@@ -5,7 +5,8 @@
 #include "scan.h"
 
 // Clusters large enough to be fingers, in the order of their smallest contacts, by a single group: each thread looks at a
-// contiguous run of contacts, the runs' finds are summed, then each thread writes its own.
+// contiguous run of contacts, the runs' finds are summed, then each thread writes its own. Of too many the largest: what
+// few pixels pretend must not hide a finger.
 layout(local_size_x = 256) in;
 
 layout(std430, set = 0, binding = select_total) readonly buffer Total { ScanTotal found; };
@@ -17,13 +18,65 @@ layout(std430, set = 0, binding = select_header) writeonly buffer Header { Touch
 layout(std430, set = 0, binding = select_fingers) writeonly buffer Fingers { FingerRecord fingers[]; };
 layout(push_constant) uniform Push { FingersPush push; };
 
-// The size of the cluster that begins at contact i, else 0.
-uint size_from(uint i) {
+// The size of the cluster that begins at contact i, one before `last`; else 0.
+uint size_from(uint i, uint last) {
+  if (i >= last) return 0u;
   const Cluster cluster = clusters[parents[i]];
   return cluster.smallest == i ? cluster.size : 0u;
 }
 
 shared uint sums[fingers_select_group];
+shared uint histogram[fingers_select_group];  // of the sizes by one of their digits
+shared uint bound;
+shared uint wanted;
+
+// The sum of what the threads before this one have; sums[fingers_select_group - 1] is that of all.
+uint sum_before(uint mine) {
+  const uint thread = gl_LocalInvocationIndex;
+  barrier();
+  sums[thread] = mine;
+  barrier();
+  for (uint step = 1u; step < fingers_select_group; step <<= 1u) {
+    const uint left = thread >= step ? sums[thread - step] : 0u;
+    barrier();
+    sums[thread] += left;
+    barrier();
+  }
+  return sums[thread] - mine;
+}
+
+void count_digit(uint size, uint least, uint shift) {
+  if (size >= least && size >> (shift + 8u) == bound >> (shift + 8u)) atomicAdd(histogram[size >> shift & 0xffu], 1u);
+}
+
+// The size of the smallest cluster that is taken, into `bound`, digit by digit from the top, and how many of that size are,
+// into `wanted`.
+void find_bound(uint first, uint last, uint least) {
+  const uint thread = gl_LocalInvocationIndex;
+  if (thread == 0u) {
+    bound = 0u;
+    wanted = fingers_most;
+  }
+  for (uint digit = 3u; digit > 0u; --digit) {
+    const uint shift = 8u * (digit - 1u);
+    histogram[thread] = 0u;
+    barrier();
+    // A software device ends all loops of a shader after 65,535 turns together: a turn is four contacts.
+    for (uint i = first; i < last; i += 4u) {
+      count_digit(size_from(i, last), least, shift);
+      count_digit(size_from(i + 1u, last), least, shift);
+      count_digit(size_from(i + 2u, last), least, shift);
+      count_digit(size_from(i + 3u, last), least, shift);
+    }
+    barrier();
+    if (thread == 0u) {
+      uint at = 0xffu;
+      for (; at > 0u && histogram[at] < wanted; --at) wanted -= histogram[at];
+      bound |= at << shift;
+    }
+    barrier();
+  }
+}
 
 void main() {
   const uint thread = gl_LocalInvocationIndex;
@@ -34,27 +87,37 @@ void main() {
   const uint least = max(push.min_points, 1u);
 
   uint mine = 0u;
-  for (uint i = first; i < last; ++i) mine += size_from(i) >= least ? 1u : 0u;
-  sums[thread] = mine;
-  barrier();
-  for (uint step = 1u; step < fingers_select_group; step <<= 1u) {
-    const uint left = thread >= step ? sums[thread - step] : 0u;
-    barrier();
-    sums[thread] += left;
-    barrier();
+  for (uint i = first; i < last; ++i) mine += size_from(i, last) >= least ? 1u : 0u;
+  uint finger = sum_before(mine);
+  const uint total = sums[fingers_select_group - 1u];
+  uint over = least - 1u;  // larger ones are taken,
+  uint equal = 0u;         // and so many of this thread's of just that size
+  if (total > fingers_most) {  // the whole group
+    find_bound(first, last, least);
+    over = bound;
+    uint larger = 0u, same = 0u;
+    for (uint i = first; i < last; ++i) {
+      const uint size = size_from(i, last);
+      larger += size > over ? 1u : 0u;
+      same += size == over ? 1u : 0u;
+    }
+    const uint before = sum_before(same);
+    equal = min(same, wanted - min(wanted, before));
+    mine = larger + equal;
+    finger = sum_before(mine);
   }
 
-  uint finger = sums[thread] - mine;
   const uint end = finger + mine;
-  for (uint i = first; i < last && finger < min(end, fingers_most); ++i) {
-    const uint size = size_from(i);
-    if (size < least) continue;
+  for (uint i = first; i < last && finger < end; ++i) {
+    const uint size = size_from(i, last);
+    if (size < over || size == 0u || (size == over && equal == 0u)) continue;
+    if (size == over) --equal;
     fingers[finger].first = i;
     fingers[finger].solid = contacts[i].solid;
     fingers[finger].contacts = size;
     ++finger;
   }
   if (thread == fingers_select_group - 1u) {
-    header = TouchHeader(min(end, fingers_most), 1u, 1u, end, found.total, given.total, 0u, 0u);
+    header = TouchHeader(min(total, fingers_most), 1u, 1u, total, found.total, given.total, 0u, 0u);
   }
 }

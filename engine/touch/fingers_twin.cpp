@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <numeric>
 #include <unordered_map>
 
@@ -129,6 +131,34 @@ class Clustering {
   std::vector<std::uint32_t> smallest_;  ///< union-find over the cells' first contacts; at the end complete
 };
 
+/// Which clusters are fingers: those of enough contacts, of too many the largest, of equally large ones the first.
+class Taken {
+ public:
+  Taken(const std::vector<std::uint32_t>& sizes, std::uint32_t least) : over_(least - 1) {
+    std::vector<std::uint32_t> all;
+    std::ranges::copy_if(sizes, std::back_inserter(all), [&](std::uint32_t size) { return size >= least; });
+    clusters_ = static_cast<std::uint32_t>(all.size());
+    if (clusters_ <= max_fingers) return;
+    std::ranges::nth_element(all, all.begin() + max_fingers - 1, std::greater());
+    over_ = all[max_fingers - 1];
+    equal_ =
+        max_fingers - static_cast<std::uint32_t>(std::ranges::count_if(all, [&](auto size) { return size > over_; }));
+  }
+
+  std::uint32_t clusters() const { return clusters_; }
+  /// Asked in the order of the clusters.
+  bool take(std::uint32_t size) {
+    if (size != over_ || equal_ == 0) return size > over_;
+    --equal_;
+    return true;
+  }
+
+ private:
+  std::uint32_t over_;       ///< larger ones are taken,
+  std::uint32_t equal_ = 0;  ///< and so many of just that size
+  std::uint32_t clusters_ = 0;
+};
+
 }  // namespace
 
 void find_fingers(const Parameters& parameters, const PreparedSolids& solids, Touch& out) {
@@ -147,10 +177,10 @@ void find_fingers(const Parameters& parameters, const PreparedSolids& solids, To
   constexpr std::uint32_t none = shader::fingers_nothing;
   std::vector<std::uint32_t> finger_of_root(smallest.size(), none);
   out.finger_count = 0;
-  out.cluster_count = 0;
+  Taken taken(sizes, std::max(parameters.min_points, 1U));
+  out.cluster_count = taken.clusters();
   for (std::uint32_t i = 0; i < smallest.size(); ++i) {
-    if (sizes[i] < std::max(parameters.min_points, 1U)) continue;
-    if (out.cluster_count++ >= max_fingers) continue;
+    if (!taken.take(sizes[i])) continue;
     if (out.fingers.size() <= out.finger_count) out.fingers.emplace_back();
     finger_of_root[i] = out.finger_count;
     Finger& finger = out.fingers[out.finger_count++];

@@ -114,8 +114,8 @@ struct Touch {
   /// Ordered by their smallest contact; only the first `finger_count` are valid.
   std::vector<Finger> fingers;
   std::uint32_t finger_count = 0;
-  /// Clusters of at least min_points contacts. More than max_fingers: those with the smallest first contacts are
-  /// fingers.
+  /// Clusters of at least min_points contacts. More than max_fingers: the largest are fingers, of equally large ones
+  /// those with the smallest first contacts.
   std::uint32_t cluster_count = 0;
 };
 

@@ -299,6 +299,9 @@ TEST(CliPressure, TouchAndDriveHaveItToo) {
   EXPECT_NEAR(drive["pressures_pa"][1], 1000, 5);
   for (const json& amplitude : drive["amplitudes"])
     EXPECT_LE(amplitude, 1.0);
+  const Result nothing = palpa({"drive", "--layout", "openmpd", "--focus", "0,0,150mm,1e-30", "--pressure", "2kPa",
+                                "--backend", "cpu", "--json", "-"});
+  EXPECT_EQ(nothing.err, "") << "who asks for next to nothing lacks nothing";
 }
 
 TEST_P(PressureOn, ADriveOfATouchHasWhatItsFingersAsked) {

@@ -223,4 +223,11 @@ void expect_identical(const Touch& a, const Touch& b) {
   }
 }
 
+std::vector<std::vector<std::uint32_t>> largest(std::vector<std::vector<std::uint32_t>> clusters) {
+  std::stable_sort(clusters.begin(), clusters.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  if (clusters.size() > max_fingers) clusters.resize(max_fingers);
+  std::sort(clusters.begin(), clusters.end());
+  return clusters;
+}
+
 }  // namespace palpa::touch::test

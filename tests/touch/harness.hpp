@@ -77,4 +77,7 @@ std::vector<int> finger_of_contacts(const Touch& touch);
 /// Bit for bit, so that NaN and -0 count.
 void expect_identical(const Touch& a, const Touch& b);
 
+/// The contacts of clusters in the order of their smallest: of more than max_fingers what become fingers.
+std::vector<std::vector<std::uint32_t>> largest(std::vector<std::vector<std::uint32_t>> clusters);
+
 }  // namespace palpa::touch::test

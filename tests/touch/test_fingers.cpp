@@ -52,7 +52,8 @@ void expect_clusters(const Touch& touch, const Parameters& parameters) {
     if (members.size() >= std::max(parameters.min_points, 1U)) clusters.push_back(members);
   }
   ASSERT_EQ(touch.cluster_count, clusters.size());
-  ASSERT_EQ(touch.finger_count, std::min<std::size_t>(clusters.size(), max_fingers));
+  clusters = largest(std::move(clusters));
+  ASSERT_EQ(touch.finger_count, clusters.size());
   for (std::size_t f = 0; f < touch.finger_count; ++f) {
     ASSERT_EQ(touch.fingers[f].contacts, clusters[f]) << "finger " << f;
     EXPECT_EQ(touch.fingers[f].solid, touch.contacts[clusters[f].front()].solid);
@@ -178,6 +179,23 @@ TEST_P(Fingers, BeyondTheMostAreLeftOutInOrder) {
   for (std::uint32_t f = 0; f < max_fingers; ++f) {
     EXPECT_EQ(touch.fingers[f].contacts, (std::vector<std::uint32_t>{f, 150 + f, 300 + f}));
   }
+}
+
+TEST_P(Fingers, BeyondTheMostTheSmallestAreLeftOut) {
+  // 150 clusters, of 3 to 7 points and two of 300, which begin where the first 64 have long begun.
+  std::vector<glm::vec3> points;
+  for (int row = 0; row < 300; ++row) {
+    for (int i = 0; i < 150; ++i) {
+      const int size = i == 100 || i == 149 ? 300 : 3 + i * 7 % 5;
+      if (row < size) points.emplace_back(0.01 * i - 0.7, 1e-4 * row, 0);
+    }
+  }
+  const Parameters parameters = everything_is_contact(1e-3, 3);
+  const Touch touch = run(points, parameters);
+  EXPECT_EQ(touch.cluster_count, 150u);
+  ASSERT_EQ(touch.finger_count, max_fingers);
+  expect_clusters(touch, parameters);
+  EXPECT_EQ(touch.fingers[max_fingers - 1].contacts.size(), 300u);
 }
 
 TEST_P(Fingers, OfDifferentSolidsNeverMix) {
