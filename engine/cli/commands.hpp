@@ -13,6 +13,7 @@ void add_scatter(Program& program);
 void add_simulate(Program& program);
 void add_run(Program& program);
 void add_export(Program& program);
+void add_link(Program& program);
 void add_decompose(Program& program);
 void add_bench(Program& program);
 

@@ -163,8 +163,7 @@ void add_run(Program& program) {
       program,
       {"run", "the live loop: frames in, drives out, until Ctrl-C",
        "  palpa run --scene assets/cube.glb --source synthetic --link null --frames 300 --stats json\n"
-       "  palpa run --scene assets/cube.glb --link foci:udp:127.0.0.1:9000 --events - --pressure 8kPa\n"
-       "  palpa run --scene assets/cube.glb --frames 90 --record take1\n"
+       "  palpa run --scene assets/cube.glb --link foci:udp:127.0.0.1:9000 --events - --pressure 8kPa --record take1\n"
        "  palpa run --scene assets/cube.glb --source recording:take1 --link record:drives.bin"},
       add_options, [&extensions](const RunCommand& o) { run(extensions, o); });
 }

@@ -96,13 +96,35 @@ TEST(OpenMpdRun, TwoBoardsHearALoopToItsSilentEnd) {
   }
 }
 
+/// The bytes of all bulk transfers of a trace, one board's.
+std::string wire_of(const std::filesystem::path& trace) {
+  std::string hex;
+  std::ifstream file(trace);
+  for (std::string line; std::getline(file, line);) {
+    const json entry = json::parse(line, nullptr, false);  // the last line may still be on its way
+    if (!entry.is_discarded() && entry["kind"] == "bulk") hex += entry["hex"].get<std::string>();
+  }
+  return hex;
+}
+
+/// Whether any frame of the wire has an amplitude.
+bool sounded(const std::string& wire) {
+  for (std::size_t at = 0; at + 1024 <= wire.size(); at += 1024) {
+    if (wire.substr(at + 512, 512).find_first_not_of('0') != std::string::npos) return true;
+  }
+  return false;
+}
+
 TEST(OpenMpdRun, ALoopThatIsKilledLeavesSilence) {
-  Emulation emulation("openmpd-killed", "EMU1");
+  const auto trace = scratch_folder("openmpd-killed-trace") / "wire.jsonl";
+  Emulation emulation("openmpd-killed", "EMU1", {"--trace", trace.string()});
   {
     LiveOptions options;
     options.environment = emulation.environment();
     LiveRun loop(run_to("openmpd:EMU1", "openmpd"), options);
-    std::this_thread::sleep_for(std::chrono::milliseconds(instrumented() ? 5000 : 2500));
+    for (int i = 0; i < 300 && !sounded(wire_of(trace)); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    EXPECT_TRUE(sounded(wire_of(trace)));
     loop.signal(SIGKILL);
     EXPECT_EQ(loop.wait(5).by_signal, SIGKILL);
   }
@@ -111,8 +133,36 @@ TEST(OpenMpdRun, ALoopThatIsKilledLeavesSilence) {
   const json report = emulation.end(exit_code);
   EXPECT_EQ(exit_code, 0) << report;
   EXPECT_FALSE(report["boards"][0]["sounds"].get<bool>());
-  EXPECT_GT(report["boards"][0]["frames"].get<std::uint64_t>(), 20u);
   EXPECT_EQ(report["boards"][0]["violation_count"], 0) << report;
+}
+
+TEST(OpenMpdRun, LinkTestPlaysOneTransducerAfterTheOther) {
+  const auto trace = scratch_folder("openmpd-trace") / "wire.jsonl";
+  Emulation emulation("openmpd-test", "EMU1", {"--trace", trace.string()});
+  RunOptions options;
+  options.environment = emulation.environment();
+  const Result result = palpa({"link", "test", "--layout", "openmpd", "--link", "openmpd:EMU1", "--first", "64",
+                               "--last", "65", "--each", "60ms", "--rest", "40ms"},
+                              options);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("65 at -36.8, 68.2, 0.0 mm"), std::string::npos) << result.out;
+  int exit_code = -1;
+  const json report = emulation.end(exit_code);
+  EXPECT_EQ(exit_code, 0) << report;
+  const std::string hex = wire_of(trace);
+  ASSERT_EQ(hex.size() % 1024, 0u);
+  std::vector<std::string> sounding;  // amplitudes, frame by frame, without repetitions
+  for (std::size_t at = 0; at < hex.size(); at += 1024) {
+    const std::string amplitudes = hex.substr(at + 512, 512);
+    if (sounding.empty() || sounding.back() != amplitudes) sounding.push_back(amplitudes);
+  }
+  const auto only = [](std::size_t pin) {
+    std::string amplitudes(512, '0');
+    return amplitudes.replace(2 * pin, 2, "40");
+  };
+  const std::string none(512, '0');
+  // Column 4: the third quarter of the pins; see the boards' own files.
+  EXPECT_EQ(sounding, (std::vector{none, only(185), none, only(189), none}));
 }
 
 TEST(OpenMpdRun, ABoardThatIsNotThereIsNamed) {
@@ -121,6 +171,14 @@ TEST(OpenMpdRun, ABoardThatIsNotThereIsNamed) {
   options.environment = {{"XDG_RUNTIME_DIR", folder.string()}};
   const Result result = palpa(with({"run"}, run_to("openmpd:FT43NK5M", "openmpd")), options);
   expect_failure(result, 1, "no OpenMPD board has the serial number FT43NK5M");
+}
+
+TEST(PalpaLink, RefusesWhatItCannotTry) {
+  expect_failure(palpa({"link"}), 2, "palpa link test");
+  expect_failure(palpa({"link", "test", "--layout", "openmpd"}), 2, "--link");
+  expect_failure(palpa({"link", "test", "--link", "null"}), 2, "--layout");
+  expect_failure(palpa({"link", "test", "--link", "null", "--layout", "openmpd", "--first", "7", "--last", "256"}), 2,
+                 "0 to 255");
 }
 
 TEST(OpenMpdEmulate, RefusesWhatItCannotBe) {

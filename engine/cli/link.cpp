@@ -1,0 +1,152 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "array/layout.hpp"
+#include "array/schedule.hpp"
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/log.hpp"
+#include "base/output_file.hpp"
+#include "base/outputs.hpp"
+#include "cli/commands.hpp"
+#include "cli/interrupt.hpp"
+#include "session/clock.hpp"
+#include "session/link.hpp"
+#include "session/safe_link.hpp"
+#include "setup/options.hpp"
+#include "setup/values.hpp"
+
+namespace palpa::cli {
+namespace {
+
+struct LinkCommand {
+  setup::CommonOptions common;
+  std::string what;
+  std::string link, layout, board_files;
+  std::uint32_t first = 0;
+  std::optional<std::uint32_t> last;
+  double each_s = 0.5, rest_s = 0.1, dwell_s = 0.02;
+  double amplitude = 1;
+};
+
+void add_options(CLI::App& app, LinkCommand& o) {
+  const setup::Group group(app, "What to try out");
+  group.text("what", o.what, "test",
+             "test: one transducer after the other, so that one sees, hears or measures which is which");
+  group.text("--link", o.link, "LINK", "as of palpa run");
+  group.text("--layout", o.layout, "NAME|FILE", "autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
+  group.text("--board-files", o.board_files, "DIR", "with the boards' own files: how their transducers differ");
+  constexpr std::uint32_t most = array::max_transducers - 1;
+  group.integer("--first", o.first, 0, most, "transducer, in layout order");
+  group.integer("--last", o.last, 0, most, "transducer [the layout's last]");
+  group.quantity("--each", o.each_s, Quantity::time, setup::positive(3600), "how long each sounds");
+  group.quantity("--rest", o.rest_s, Quantity::time, {0, 3600}, "silence after each");
+  group.quantity("--dwell", o.dwell_s, Quantity::time, {1e-3, 0.05}, "between two drives");
+  group.number("--amplitude", o.amplitude, {0, 1}, "A", "of the one that sounds");
+}
+
+/// One transducer sounds, or none, for some slots. False once the end is asked for.
+class Sweep {
+ public:
+  Sweep(session::SafeLink& link, std::size_t transducers, double dwell_s)
+      : link_(link), drive_(transducers, {0, 0}), dwell_s_(dwell_s) {
+    schedule_.slot_s = dwell_s;
+  }
+
+  bool hold(std::optional<std::size_t> transducer, const Vec3& position, float amplitude, double seconds) {
+    std::fill(drive_.begin(), drive_.end(), array::TransducerDrive{0, 0});
+    schedule_.clear();
+    if (transducer) {
+      drive_[*transducer].amplitude = amplitude;
+      array::Voice& voice = schedule_.add_voice();
+      voice.foci = {position};
+      voice.order = {0};
+      voice.dwell_s = dwell_s_;
+    }
+    const auto slots = static_cast<std::uint64_t>(std::max(1.0, seconds / dwell_s_));
+    link_.plan({schedule_, slot_, slot_ + slots, 1, drive_});
+    for (std::uint64_t i = 0; i < slots; ++i) {
+      if (Interrupt::flag()) return false;
+      link_.send(slot_, drive_);
+      clock_.sleep_until(static_cast<double>(++slot_) * dwell_s_);
+      // Slots that were overslept are left out, as in the loop.
+      slot_ = std::max(slot_, static_cast<std::uint64_t>(clock_.now() / dwell_s_));
+    }
+    return true;
+  }
+
+ private:
+  session::SafeLink& link_;
+  array::Drive drive_;
+  array::Schedule schedule_;
+  double dwell_s_;
+  session::Clock clock_;
+  std::uint64_t slot_ = 0;
+};
+
+void run(const Extensions& extensions, const LinkCommand& o) {
+  if (o.what != "test") throw bad_usage("palpa link test: there is nothing else to try out");
+  if (o.link.empty()) throw bad_usage("--link: which one? as of palpa run, such as null or a board");
+  if (o.layout.empty()) throw bad_usage("--layout: which array is it? such as openmpd");
+  const array::Layout own = array::load_layout(o.layout);
+  const array::Layout layout = array::transformed(own, own.default_T_world_layout);
+  const auto end = static_cast<std::uint32_t>(layout.transducers.size());
+  const std::uint32_t last = o.last.value_or(end - 1);
+  if (last >= end || o.first > last) {
+    throw bad_usage(fmt::format("--first {} --last {}: the layout {} has the transducers 0 to {}", o.first, last,
+                                o.layout, end - 1));
+  }
+  std::vector<session::LinkKind> links = session::builtin_links();
+  links.insert(links.end(), extensions.links.begin(), extensions.links.end());
+  const Outputs outputs({{"--json", o.common.json}, {"--link", session::file_of_link(o.link, links)}});
+  const bool tells = setup::shows_summary(o.common, outputs);
+  const std::vector<std::string> nothing_solid;
+  session::LinkSetting setting{layout, nothing_solid, o.dwell_s};
+  setting.board_files = o.board_files;
+  const std::unique_ptr<session::Link> link = session::open_link(o.link, links, setting);
+
+  std::optional<log::Relay> relay(std::in_place);
+  Interrupt interrupt("ended without finishing, a second after the signal: the link did not answer");
+  log::release_warnings();
+  session::SafeLink safe(*link, layout.transducers.size(), {}, o.dwell_s);
+  Sweep sweep(safe, layout.transducers.size(), o.dwell_s);
+  std::uint32_t played = 0;
+  for (std::uint32_t t = o.first; t <= last; ++t) {
+    if (tells) {
+      const Vec3& at = own.transducers[t].position;
+      fmt::print("{} at {:.1f}, {:.1f}, {:.1f} mm\n", t, 1e3 * at.x, 1e3 * at.y, 1e3 * at.z);
+      std::fflush(stdout);
+    }
+    if (!sweep.hold(t, layout.transducers[t].position, static_cast<float>(o.amplitude), o.each_s)) break;
+    ++played;
+    if (o.rest_s > 0 && !sweep.hold(std::nullopt, {}, 0, o.rest_s)) break;
+  }
+  safe.finish();
+  relay.reset();
+  if (!o.common.json.empty()) {
+    JsonWriter json;
+    json.begin_object().member("first", o.first).member("played", played).end_object();
+    write_file(o.common.json, json.finish());
+  }
+}
+
+}  // namespace
+
+void add_link(Program& program) {
+  const Extensions& extensions = program.extensions;
+  add_subcommand<LinkCommand>(program,
+                              {"link", "try a link out: one transducer after the other",
+                               "  palpa link test --layout openmpd --link openmpd:FT43NK5M --each 1s\n"
+                               "  palpa link test --layout openmpd --link openmpd:EMU1 --first 16 --last 31"},
+                              add_options, [&extensions](const LinkCommand& o) { run(extensions, o); });
+}
+
+}  // namespace palpa::cli
