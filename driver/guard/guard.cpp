@@ -74,7 +74,7 @@ class Guard {
       if (asked_to_leave) return Said::told_to_leave;
       if (!listen()) return Said::silent;
       play_newest(board);
-      if (sounding_ && monotonic_s() >= last_drive_s_ + heartbeat_s) {
+      if (sounding_ && monotonic_s() >= heard_s_ + heartbeat_s) {
         board.all_off();
         sounding_ = false;
       }
@@ -114,7 +114,12 @@ class Guard {
     const auto told = memory_.drive(drive_place_);
     copy_sound(told.drives, drive_);
     board.play(told.head.slot, drive_);
-    last_drive_s_ = monotonic_s();
+    heart_beats();
+  }
+
+  /// A plan may make a board sound before its first drive comes.
+  void heart_beats() {
+    heard_s_ = monotonic_s();
     sounding_ = true;
   }
 
@@ -130,13 +135,14 @@ class Guard {
     copy_sound(told.drives, drives);
     board.plan({head.from_slot, head.until_slot, head.from_s, head.slot_s, head.cycle, drives, head.modulation_hz,
                 head.modulation});
+    heart_beats();
   }
 
   const SharedMemory& memory_;
   bool plays_plans_;
   array::Drive drive_, plan_;
   std::uint32_t drive_place_ = Turns::readers_first, plan_place_ = Turns::readers_first;
-  double last_drive_s_ = 0;
+  double heard_s_ = 0;
   bool sounding_ = false;
 };
 

@@ -215,6 +215,16 @@ TEST(Guard, WithoutDrivesItSilencesAndPlaysOnWhenTheyReturn) {
   rig.expect_silent_end();
 }
 
+TEST(Guard, APlanWithoutADriveIsSilencedToo) {
+  Rig rig;
+  rig.open();
+  rig.plan(0, 10);
+  ASSERT_TRUE(rig.ends_with("off"));
+  EXPECT_EQ(rig.lines(), (std::vector<std::string>{"open", "plan 0 10", "off"}));
+  rig.link->finish();
+  rig.expect_silent_end();
+}
+
 TEST(Guard, ALoopThatIsKilledAtAnyInstantLeavesSilence) {
   for (int instant = 0; instant < 12; ++instant) {
     Rig rig(3984);
