@@ -29,9 +29,9 @@ std::vector<double> amplitudes(const Layout& layout, const DriveOptions& options
 /// Full width at half maximum of |p| along a line through the focus, metres.
 double width(const Layout& layout, const DriveOptions& options, const Vec3& focus, Directivity directivity,
              const Vec3& along) {
-  constexpr double step = 1e-5;
+  constexpr double step = 2e-5;
   std::vector<Vec3> line;
-  for (int i = -1500; i <= 1500; ++i)
+  for (int i = -400; i <= 400; ++i)
     line.push_back(focus + along * (step * i));
   const std::vector<double> sizes = amplitudes(layout, options, focus, directivity, line);
   const auto peak = std::ranges::max_element(sizes);

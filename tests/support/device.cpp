@@ -68,13 +68,13 @@ GuardedBuffer::GuardedBuffer(gpu::Device& device, std::size_t bytes, std::uint8_
 
 void GuardedBuffer::write(const void* data, std::size_t bytes) {
   std::vector<std::uint8_t> all(total_, guard_byte);
-  std::memcpy(all.data() + guard_, data, std::min(bytes, bytes_));
+  if (bytes > 0) std::memcpy(all.data() + guard_, data, std::min(bytes, bytes_));
   fill(*device_, buffer_.ref(), all);
 }
 
 void GuardedBuffer::read_bytes(void* out, std::size_t bytes) {
   const auto all = fetch(*device_, buffer_.ref());
-  std::memcpy(out, all.data() + guard_, bytes);
+  if (bytes > 0) std::memcpy(out, all.data() + guard_, bytes);
 }
 
 bool GuardedBuffer::intact() {
