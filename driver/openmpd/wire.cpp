@@ -103,10 +103,11 @@ void Wire::look_for_device() {
 }
 
 void Wire::tend() {
+  const double now_s = clock_.now_s();
+  forgive_absence(now_s);
   if (state_ == State::lost) return look_for_device();
   reap();
   if (device_ == nullptr) return;
-  const double now_s = clock_.now_s();
   if (flying_ > 0 && state_ != State::draining && now_s - oldest_s() > transfer_patience_s)
     fall_out(Outcome::timed_out);
   switch (state_) {
@@ -241,6 +242,15 @@ void Wire::send(const Frame& frame) {
 
 bool Wire::silenced() const {
   return flying_ == 0 && state_ != State::lost && state_ != State::draining;
+}
+
+/// Time in which nobody could look, as when the computer was busy or asleep, is not the device's.
+void Wire::forgive_absence(double now_s) {
+  constexpr double usual_s = 0.02;
+  const double absent_s = now_s - std::exchange(tended_s_, now_s);
+  if (absent_s < usual_s) return;
+  for (Flight& flight : flights_)
+    flight.since_s += std::min(absent_s, now_s - flight.since_s);
 }
 
 double Wire::oldest_s() const {

@@ -82,6 +82,7 @@ class Wire {
   void begin(std::span<const std::uint8_t> bytes);
   bool submit(unsigned number);
   double oldest_s() const;
+  void forgive_absence(double now_s);
 
   Address address_;
   usb::Transport& transport_;
@@ -93,6 +94,7 @@ class Wire {
   bool halted_ = false;       ///< its endpoint stalled
   bool divider_set_ = false;  ///< since the device was opened
   double due_s_ = 0;          ///< when the state's next step may come
+  double tended_s_ = 0;       ///< when somebody last looked
   std::array<Flight, usb::most_in_flight> flights_;
   unsigned flying_ = 0;
   std::string trouble_;

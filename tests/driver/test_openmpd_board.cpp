@@ -259,6 +259,21 @@ TEST(OpenMpdFaults, ABoardThatTakesNothingIsSilentAsSoonAsItDoes) {
   EXPECT_EQ(rig.violations(), "");
 }
 
+TEST(OpenMpdFaults, TimeInWhichNobodyLookedIsNotTheBoards) {
+  OpenMpdRig rig;
+  rig.open();
+  const array::Drive drive = focus_drive(rig.layout);
+  rig.play(drive, 0.05);
+  rig.faults[0]->takes_nothing = true;
+  rig.board->play(rig.slot++, drive);
+  rig.clock.sleep_s(3);  // the computer was asleep
+  rig.board->tend();
+  rig.faults[0]->takes_nothing = false;
+  rig.play(drive, 0.05);
+  EXPECT_TRUE(rig.board->in_step());
+  EXPECT_TRUE(rig.notes.warnings.empty());
+}
+
 TEST(OpenMpdFaults, RequestsThatAreNotAnsweredAreAskedAgain) {
   OpenMpdRig rig;
   rig.open();
