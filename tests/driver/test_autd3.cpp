@@ -229,8 +229,12 @@ class Told final : public BoardNotes {
 /// An emulated server that is there while this lives.
 class Serving {
  public:
-  explicit Serving(EmulatedServer& server, std::uint16_t port = 0) : listener_(port) {
-    thread_ = std::thread([this, &server] { listener_.serve(server, stop_, lock); });
+  /// `late` is how long it lets every request wait.
+  explicit Serving(EmulatedServer& server, std::uint16_t port = 0, std::chrono::milliseconds late = 0ms)
+      : listener_(port) {
+    thread_ = std::thread([this, &server, late] {
+      listener_.serve(server, stop_, lock, [late](auto) { std::this_thread::sleep_for(late); });
+    });
   }
   ~Serving() {
     stop_ = true;
@@ -469,6 +473,31 @@ TEST(Autd3Board, AServerThatComesBackIsSilencedBeforeItSounds) {
   rig.board->all_off();
   EXPECT_TRUE(rig.board->close());
   EXPECT_TRUE(rig.silent());
+}
+
+TEST(Autd3Board, ASlowServerHearsTheNewestPlanAndSilenceInTime) {
+  Rig rig;
+  rig.serving.reset();
+  rig.serving = std::make_unique<Serving>(rig.server, 0, 3ms);
+  rig.argument = rig.serving->address();
+  rig.open();
+  for (int i = 0; i < 40; ++i) {  // a frame each 4 ms, a plan takes 60 to come over
+    rig.drives[0].amplitude = static_cast<float>(i) / 100;
+    rig.plan();
+    rig.tend_until([] { return false; }, 4ms);
+  }
+  EXPECT_LT(rig.server.devices()[0].transitions(), 8u);
+  EXPECT_TRUE(rig.tend_until([&] { return part_heard(rig, 0.5 * 1.5e-3) >= 0; })) << "the last of them";
+  const auto begin = std::chrono::steady_clock::now();
+  const std::uint64_t operations = rig.server.devices()[0].operations();
+  rig.plan();
+  rig.board->play(rig.slot, rig.silence);
+  EXPECT_TRUE(rig.falls_silent());
+  EXPECT_LE(rig.server.devices()[0].operations() - operations, 2u) << "silence waits for one message at most";
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s);
+  EXPECT_TRUE(rig.board->close());
+  EXPECT_TRUE(rig.notes.warnings.empty());
+  EXPECT_EQ(rig.server.violation_count(), 0u);
 }
 
 /// A server that answers as it likes, once.
