@@ -3,12 +3,13 @@
 #include <fmt/core.h>
 #include <poll.h>
 
-#include <chrono>
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <thread>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "array/layout.hpp"
@@ -17,9 +18,9 @@
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
 #include "driver/clock.hpp"
+#include "driver/emulate/live_view.hpp"
 #include "driver/emulate/stop.hpp"
 #include "driver/emulate/trace.hpp"
-#include "driver/emulate/view.hpp"
 #include "driver/openmpd/board.hpp"
 #include "driver/openmpd/board_file.hpp"
 #include "driver/openmpd/emulator.hpp"
@@ -44,13 +45,14 @@ struct Emulated {
   std::size_t told = 0;  ///< of its violations
 };
 
-/// Looks at the boards twice a second, on a thread of its own: the boards have no time for that.
+/// What is looked at twice a second, on a thread of its own: the boards have no time for that.
 class Viewer {
  public:
   Viewer(const array::Layout& layout, std::span<const std::unique_ptr<Emulated>> boards)
-      : view_(layout), boards_(boards), drive_(layout.transducers.size(), {0, 0}) {
-    thread_ = std::jthread([this](const std::stop_token& stop) { look(stop); });
-  }
+      : boards_(boards), drive_(layout.transducers.size(), {0, 0}), view_(layout, [this] {
+          const std::lock_guard lock(mutex_);
+          return drive_;
+        }) {}
   /// What the boards sound now.
   void take() {
     const std::lock_guard lock(mutex_);
@@ -61,28 +63,10 @@ class Viewer {
   }
 
  private:
-  void look(const std::stop_token& stop) {
-    while (!stop.stop_requested()) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(500));
-      array::Drive drive;
-      {
-        const std::lock_guard lock(mutex_);
-        drive = drive_;
-      }
-      const std::string picture = view_.picture(drive);
-      if (picture == last_) continue;
-      last_ = picture;
-      std::fwrite(picture.data(), 1, picture.size(), stdout);
-      std::fflush(stdout);
-    }
-  }
-
-  emulate::View view_;
   std::span<const std::unique_ptr<Emulated>> boards_;
   std::mutex mutex_;
   array::Drive drive_;
-  std::string last_;
-  std::jthread thread_;
+  emulate::LiveView view_;
 };
 
 array::Layout layout_of(const emulate::Options& options, std::size_t boards) {
