@@ -123,7 +123,7 @@ bool LocalServer::hear(Client& client, double now_s) {
   if (came < 0 && (errno == EAGAIN || errno == EINTR)) return false;
   if (came < static_cast<ssize_t>(sizeof(LocalMessage))) {
     close(std::exchange(client.fd, -1));
-    if (client.owner) {
+    if (std::exchange(client.owner, false)) {
       // What it had not brought over when it died never comes.
       client.transfers.clear();
       peripheral_.closed(now_s);
