@@ -182,12 +182,16 @@ class Autd3Board final : public Board {
 
   void lose(double now_s) {
     const bool opening = stage_ != started && !lost_;
+    const bool first = !opening && !lost_;  // tried again at once: it may still sound
     stage_ = first_message;
     sent_ = Sent::nothing;
     silent_ = false;
     place_ = 0;
-    retry_at_s_ = now_s + retry_s;
-    if (!opening && !std::exchange(lost_, true)) notes_.warning(remote_.fault());
+    retry_at_s_ = first ? now_s : now_s + retry_s;
+    if (first) {
+      lost_ = true;
+      notes_.warning(remote_.fault());
+    }
   }
 
   /// What was sent has been acknowledged. False: this is nothing to play with.

@@ -167,7 +167,7 @@ Remote::Progress Remote::transfer_reply() {
         whole += std::min<std::size_t>(text, most_error_text);
       }
     }
-    if (received_ == whole) {
+    if (received_ >= whole) {  // longer than a short refusal where more was expected
       if (!refused) return Progress::done;
       return fail("refuses", {reinterpret_cast<const char*>(reply_.data()) + error_head, whole - error_head});
     }

@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "driver/guard/guard.hpp"
 #include "driver/guard/process.hpp"
 
 namespace palpa::driver {
@@ -17,7 +18,9 @@ namespace {
 
 constexpr double open_s = 10;  // a board that was left in an unknown state takes seconds to come back
 constexpr double exit_s = 1;
-constexpr std::uint32_t most_cycle = 128;  // of plans, as session::most_cycle
+constexpr double hang_s = 1;
+constexpr double most_slot_s = heartbeat_s / 2;  // a longer one would be silenced between two drives
+constexpr std::uint32_t most_cycle = 128;        // of plans, as session::most_cycle
 
 class BoardLink final : public session::Link {
  public:
@@ -39,7 +42,7 @@ class BoardLink final : public session::Link {
                   told.schedule.slot_s,  told.shared_modulation_hz, silent ? 0 : told.cycle,
                   told.shared_modulation};
     std::copy(told.drives.begin(), told.drives.end(), place.drives.begin());
-    plan_place_ = guard_->memory().plan_turns().commit(plan_place_);
+    plan_place_ = guard_->memory().plan_turns().commit(plan_place_).place;
   }
 
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
@@ -50,14 +53,16 @@ class BoardLink final : public session::Link {
           fmt::format("{}: a drive of {} transducers, not {}", brief_.kind, drive.size(), place.drives.size()));
     place.head.slot = slot;
     std::copy(drive.begin(), drive.end(), place.drives.begin());
-    drive_place_ = guard_->memory().drive_turns().commit(drive_place_);
+    const Turns::Committed committed = guard_->memory().drive_turns().commit(drive_place_);
+    drive_place_ = committed.place;
     const bool there = say(guard_->socket(), Said::drive);
-    if (!listen() || !there) end_without_guard();
+    if (!listen() || !there || hangs(committed.unread)) end_without_guard();
   }
 
   void finish() override {
     if (!guard_) return;
     guard_->hang_up();
+    guard_->wake();
     const double until_s = monotonic_s() + exit_s;
     while (guard_->wait_for_word(until_s - monotonic_s()) && listen()) {
     }
@@ -70,6 +75,17 @@ class BoardLink final : public session::Link {
   }
 
  private:
+  /// Whether the guard has taken nothing for so long that it is stopped or hangs: it is ended then. A step counts as a
+  /// slot or two: whoever was stopped together with it is not the guard's judge.
+  bool hangs(bool unread) {
+    const double now_s = monotonic_s();
+    const double step_s = std::min(now_s - std::exchange(sent_s_, now_s), 2 * brief_.slot_s);
+    unread_s_ = unread ? unread_s_ + step_s : 0;
+    if (unread_s_ < hang_s) return false;
+    guard_->kill();
+    return true;
+  }
+
   static constexpr const char* advice = "; make sure that it does not sound, or switch it off";
 
   void wait_until_open() {
@@ -77,7 +93,7 @@ class BoardLink final : public session::Link {
     while (last_word_ != Said::opened) {
       if (!guard_->wait_for_word(until_s - monotonic_s()))
         throw failure(fmt::format("{}: not open after {} s", brief_.kind, open_s));
-      if (!listen()) throw failure(fmt::format("{}: {}", brief_.kind, how_it_ended(guard_->wait_for_exit(exit_s))));
+      if (!listen()) end_without_guard();
     }
   }
 
@@ -146,6 +162,7 @@ class BoardLink final : public session::Link {
   bool plays_plans_;
   std::optional<GuardProcess> guard_;
   Said last_word_ = Said::drive;  ///< the guard's; as yet none
+  double sent_s_ = monotonic_s(), unread_s_ = 0;
   std::uint32_t drive_place_ = Turns::writers_first, plan_place_ = Turns::writers_first;
 };
 
@@ -155,6 +172,11 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
   return {kind.name, kind.help,
           [name = kind.name, plays_plans = kind.plays_plans, program](const std::string& argument,
                                                                       const session::LinkSetting& setting) {
+            if (setting.slot_s > most_slot_s)
+              throw bad_usage(
+                  fmt::format("link {}: a board is silenced {} ms after its last drive; a dwell of {} ms is "
+                              "too long for it: at most {} ms",
+                              name, 1e3 * heartbeat_s, 1e3 * setting.slot_s, 1e3 * most_slot_s));
             Brief brief{name, argument, setting.board_files, setting.layout, setting.slot_s, setting.foci_move};
             return std::make_unique<BoardLink>(std::move(brief), program.empty() ? guard_program() : program,
                                                plays_plans);

@@ -37,9 +37,14 @@ class Descriptor {
 class Turns {
  public:
   void init() { waiting_ = 1; }
-  /// Writer: what it has written at `mine` waits from now on. Returns the place to write at next.
-  std::uint32_t commit(std::uint32_t mine) {
-    return waiting_.exchange(mine | fresh, std::memory_order_acq_rel) & place;
+  struct Committed {
+    std::uint32_t place;  ///< to write at next
+    bool unread;          ///< what waited before was taken by nobody
+  };
+  /// Writer: what it has written at `mine` waits from now on.
+  Committed commit(std::uint32_t mine) {
+    const std::uint32_t before = waiting_.exchange(mine | fresh, std::memory_order_acq_rel);
+    return {before & place, (before & fresh) != 0};
   }
   /// Reader: the place of the newest value, if it is new, in exchange for its own.
   std::optional<std::uint32_t> take(std::uint32_t mine) {

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cmath>
 #include <csignal>
+#include <exception>
 #include <optional>
 
 #include "base/error.hpp"
@@ -111,10 +112,11 @@ class Guard {
     if (plays_plans_) take_plan(board);
     if (!drive) return;
     drive_place_ = *drive;
+    heart_beats();
     const auto told = memory_.drive(drive_place_);
+    if (told.head.slot < planned_from_) return;  // it was told before the plan that is there already
     copy_sound(told.drives, drive_);
     board.play(told.head.slot, drive_);
-    heart_beats();
   }
 
   /// A plan may make a board sound before its first drive comes.
@@ -131,6 +133,7 @@ class Guard {
     const PlanHead& head = told.head;
     const std::size_t size = drive_.size() * head.cycle;
     if (size > plan_.size()) return;
+    planned_from_ = head.from_slot;
     const std::span<array::TransducerDrive> drives(plan_.data(), size);
     copy_sound(told.drives, drives);
     board.plan({head.from_slot, head.until_slot, head.from_s, head.slot_s, head.cycle, drives, head.modulation_hz,
@@ -142,6 +145,7 @@ class Guard {
   bool plays_plans_;
   array::Drive drive_, plan_;
   std::uint32_t drive_place_ = Turns::readers_first, plan_place_ = Turns::readers_first;
+  std::uint64_t planned_from_ = 0;  ///< the newest plan's first slot
   double heard_s_ = 0;
   bool sounding_ = false;
 };
@@ -155,12 +159,18 @@ int hold_board(std::span<const BoardKind> kinds) {
   Guard guard(memory, kind->plays_plans);  // all its memory before the board sounds
   const auto board = kind->open({brief.argument, brief.files, brief.layout, brief.slot_s, notes, brief.foci_move});
   Said end = Said::silent;
+  std::exception_ptr fault;
   if (!brief.only_silence) {
     say(guard_socket, Said::opened);
-    end = guard.watch(*board);
+    try {
+      end = guard.watch(*board);
+    } catch (...) {  // nothing should throw there; what does ends in silence, too
+      fault = std::current_exception();
+    }
   }
   board->all_off();
   const bool sure = board->close();
+  if (fault) std::rethrow_exception(fault);
   say(guard_socket, sure ? end : Said::unsure);
   return sure ? 0 : 1;
 }

@@ -113,6 +113,14 @@ void GuardProcess::hang_up() {
   shutdown(socket_.get(), SHUT_WR);
 }
 
+void GuardProcess::wake() const {
+  syscall(SYS_pidfd_send_signal, child_handle_.get(), SIGCONT, nullptr, 0);
+}
+
+void GuardProcess::kill() const {
+  syscall(SYS_pidfd_send_signal, child_handle_.get(), SIGKILL, nullptr, 0);
+}
+
 bool GuardProcess::wait_for_word(double at_most_s) const {
   return ready(socket_.get(), at_most_s);
 }

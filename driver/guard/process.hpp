@@ -32,6 +32,9 @@ class GuardProcess {
 
   /// Tells it that the loop is at its end. What it says can still be heard.
   void hang_up();
+  /// Lets it go on where it was stopped; and ends it at once, whatever it does.
+  void wake() const;
+  void kill() const;
   /// Waits until it has something to say, or is gone. False: not within `at_most_s`.
   bool wait_for_word(double at_most_s) const;
   struct Exit {

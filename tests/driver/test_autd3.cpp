@@ -547,5 +547,14 @@ TEST(Autd3Board, AServerThatLiesOrIsSilentIsGivenUp) {
   EXPECT_CONTAINS(line_for(std::string("\xff\x10\0\0\0too short", 14), false), "has ended the connection");
 }
 
+TEST(Autd3Board, AShortRefusalWithMoreBehindItIsARefusal) {
+  Rig rig("paper");
+  // Hello, geometry and a message are answered well; instead of the devices' answers there is a refusal without a text,
+  // and much that nobody asked for.
+  const Stranger stranger(std::string("\0\0\0\xff\0\0\0\0", 8) + std::string(4000, 'x'), true);
+  rig.argument = stranger.address();
+  EXPECT_CONTAINS(test::error_of([&] { rig.make(); }, Exit::failed), "refuses");
+}
+
 }  // namespace
 }  // namespace palpa::driver::autd3

@@ -277,6 +277,81 @@ TEST(Guard, AGuardThatIsKilledIsFollowedByOneThatSilences) {
   EXPECT_NO_THROW(rig.link->finish());
 }
 
+TEST(Guard, AGuardThatIsStoppedIsFollowedToo) {
+  Rig rig;
+  rig.open();
+  std::uint64_t slot = 0;
+  rig.send_for(10ms, slot);
+  kill(guard_of_ours(), SIGSTOP);
+  EXPECT_CONTAINS(test::error_of([&] { rig.send_for(10s, slot); }, Exit::failed), "another has silenced the board");
+  rig.expect_silent_end();
+}
+
+TEST(Guard, AGuardThatIsStoppedAtTheEndGoesOnAndSilences) {
+  Rig rig;
+  rig.open();
+  rig.send(0);
+  ASSERT_TRUE(rig.wrote("play"));
+  kill(guard_of_ours(), SIGSTOP);
+  rig.link->finish();
+  rig.expect_silent_end();
+}
+
+TEST(Guard, ALoopThatWasStoppedTogetherWithItDoesNotEndIt) {
+  Rig rig;
+  rig.open();
+  std::uint64_t slot = 0;
+  rig.send_for(10ms, slot);
+  const pid_t guard = guard_of_ours();
+  kill(guard, SIGSTOP);
+  rig.send(slot++);
+  wait(1200ms);  // as good as stopped
+  rig.send(slot++);
+  kill(guard, SIGCONT);
+  rig.send_for(20ms, slot);
+  rig.link->finish();
+  EXPECT_EQ(rig.count("open"), 1u);
+  rig.expect_silent_end();
+}
+
+TEST(Guard, SlotsLongerThanItsPatienceAreRefused) {
+  Rig rig;
+  rig.setting.slot_s = 0.2;
+  EXPECT_CONTAINS(test::error_of([&] { rig.open(); }, Exit::usage), "200 ms is too long for it: at most 50 ms");
+}
+
+TEST(Guard, AGuardThatDiesWhileItOpensIsFollowedToo) {
+  const Rig rig;
+  const std::string line =
+      test::error_of([&] { static_cast<void>(rig.open("die-once:" + rig.file.string())); }, Exit::failed);
+  EXPECT_EQ(line, "trace: signal 9 has ended palpa-guard; another has silenced the board");
+  rig.expect_silent_end();
+}
+
+TEST(Guard, WhatABoardThrowsEndsInSilence) {
+  Rig rig;
+  rig.open();
+  std::uint64_t slot = 666;
+  EXPECT_CONTAINS(test::error_of([&] { rig.send_for(1s, slot); }, Exit::failed), "a board must not throw");
+  EXPECT_TRUE(rig.ends_with("close"));
+  EXPECT_GE(rig.count("off"), 1u);
+}
+
+TEST(Guard, ADriveOfBeforeAPlanIsNotPlayedAfterIt) {
+  Rig rig;
+  rig.open();
+  std::uint64_t slot = 0;
+  rig.send_for(20ms, slot);
+  kill(guard_of_ours(), SIGSTOP);
+  rig.send(slot);
+  rig.plan(slot + 100, 2);
+  kill(guard_of_ours(), SIGCONT);
+  ASSERT_TRUE(rig.wrote("plan"));
+  wait(20ms);
+  EXPECT_EQ(rig.count("play " + std::to_string(slot) + " "), 0u);
+  rig.link->finish();
+}
+
 TEST(Guard, AGuardThatIsKilledJustBeforeTheEndIsFollowedToo) {
   Rig rig;
   rig.open();

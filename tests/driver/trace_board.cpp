@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
@@ -32,6 +33,7 @@ class TraceBoard final : public driver::Board {
       return t.phase == first && t.amplitude == drive[0].amplitude;
     });
     write_line(whole ? "play %llu %g\n" : "torn %llu %g\n", slot, static_cast<double>(drive[0].amplitude));
+    if (slot == 666) throw failure("a board must not throw");
     if (slot == 7) notes_.warning("what it has to say");
   }
 
@@ -70,6 +72,14 @@ driver::BoardKind trace_board() {
   return {"trace", "trace:FILE: what a board is told, into a file",
           [](const driver::BoardSetting& setting) -> std::unique_ptr<driver::Board> {
             if (setting.argument == "refuse") throw bad_input("trace:refuse", "there is no such board");
+            const std::string die_once = "die-once:";
+            if (setting.argument.starts_with(die_once)) {
+              const std::string file = setting.argument.substr(die_once.size());
+              const std::string before = file + "-died";
+              if (access(before.c_str(), F_OK) == 0) return std::make_unique<TraceBoard>(file, true, setting);
+              const driver::Descriptor mark(::open(before.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+              static_cast<void>(std::raise(SIGKILL));
+            }
             const std::string unsure = "unsure:";
             const bool sure = !setting.argument.starts_with(unsure);
             return std::make_unique<TraceBoard>(sure ? setting.argument : setting.argument.substr(unsure.size()), sure,
