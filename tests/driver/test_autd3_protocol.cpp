@@ -1,0 +1,212 @@
+// AUTD3: what the encoder writes is what an independent reading of the protocol hears.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "driver/autd3/device.hpp"
+#include "driver/autd3/pattern.hpp"
+#include "driver/autd3/server.hpp"
+#include "driver/autd3/wire.hpp"
+
+namespace palpa::driver::autd3 {
+namespace {
+
+using Bytes = std::array<std::uint8_t, message_size>;
+constexpr float pi = std::numbers::pi_v<float>;
+
+TEST(Autd3Wire, PhasesAreDelaysAndIntensitiesAmplitudes) {
+  EXPECT_EQ(emission({1.0f, 0.0f}), (Emission{0, 255}));
+  EXPECT_EQ(emission({0.5f, pi}), (Emission{128, 128}));
+  EXPECT_EQ(emission({0.0f, -pi / 2}), (Emission{192, 0}));
+  EXPECT_EQ(emission({0.25f, -1e-4f}), (Emission{0, 64})) << "just below a whole turn";
+  EXPECT_EQ(emission({1.5f, 2 * pi / 256}), (Emission{1, 255}));
+  EXPECT_EQ(emission({1.0f, 2 * pi * 1.49f / 256}).phase, 1);
+  EXPECT_EQ(emission({1.0f, 2 * pi * 1.51f / 256}).phase, 2);
+}
+
+/// A device that has been told to begin.
+EmulatedDevice begun() {
+  EmulatedDevice device;
+  Bytes bytes{};
+  put_clear_and_sync(bytes);
+  device.receive(0, bytes);
+  return device;
+}
+
+class Teller {
+ public:
+  explicit Teller(EmulatedDevice& device) : device_(device) {}
+  template <typename Put>
+  std::uint8_t tell(const Put& put, double now_s = 0) {
+    Bytes bytes{};
+    put(Message(bytes));
+    set_id(bytes, static_cast<std::uint8_t>(++id_ % 16));
+    device_.receive(now_s, bytes);
+    EXPECT_EQ(device_.answer()[1] & 0x0f, id_ % 16);
+    return device_.answer()[1] >> 4;
+  }
+
+ private:
+  EmulatedDevice& device_;
+  int id_ = 0;
+};
+
+std::vector<Emission> some(std::uint8_t seed, bool full = false) {
+  std::vector<Emission> out(transducers);
+  for (std::size_t t = 0; t < transducers; ++t)
+    out[t] = {static_cast<std::uint8_t>(t * 7 + seed), full ? std::uint8_t{255} : static_cast<std::uint8_t>(t ^ seed)};
+  return out;
+}
+
+testing::AssertionResult sounds(const EmulatedDevice& device, double at_s, const std::vector<Emission>& expected) {
+  const auto heard = device.output(at_s);
+  for (std::size_t t = 0; t < transducers; ++t) {
+    if (heard[t].phase != expected[t].phase || heard[t].intensity != expected[t].intensity)
+      return testing::AssertionFailure() << "transducer " << t << " at " << at_s << " s: " << int{heard[t].phase}
+                                         << ", " << int{heard[t].intensity};
+  }
+  return testing::AssertionSuccess();
+}
+
+TEST(Autd3Wire, OneDriveSoundsAsItWasWritten) {
+  EmulatedDevice device = begun();
+  Teller teller(device);
+  EXPECT_TRUE(device.silent(1));
+  EXPECT_EQ(teller.tell([](Message m) { put_gain(m, 1, some(3)); }), 0);
+  EXPECT_TRUE(sounds(device, 1, some(3)));
+  EXPECT_EQ(teller.tell([](Message m) { put_silence(m, 0); }), 0);
+  EXPECT_TRUE(device.silent(1));
+  EXPECT_EQ(device.violations().count(), 0u);
+}
+
+TEST(Autd3Wire, APatternSoundsByTheDevicesClockOnceItIsWhole) {
+  for (const bool full : {false, true}) {
+    for (const std::uint32_t parts : {2u, 3u, 10u, 65u}) {
+      EmulatedDevice device = begun();
+      Teller teller(device);
+      const std::uint32_t each = full ? 2 : 1;
+      for (std::uint32_t p = 0; p < parts; p += each) {
+        EXPECT_TRUE(device.silent(1)) << "nothing of it sounds before its end";
+        const PatternStep step{1, 60, p == 0, p + each >= parts};
+        const auto part = some(static_cast<std::uint8_t>(p), full), next = some(static_cast<std::uint8_t>(p + 1), full);
+        const std::span<const Emission> second = p + 1 < parts ? std::span(next) : std::span<const Emission>();
+        EXPECT_EQ(teller.tell([&](Message m) {
+          full ? put_pattern_phases(m, step, part, second) : put_pattern(m, step, part);
+        }),
+                  0);
+      }
+      for (std::uint32_t p = 0; p < 2 * parts; ++p)
+        EXPECT_TRUE(sounds(device, (p + 0.5) * 1.5e-3, some(static_cast<std::uint8_t>(p % parts), full)));
+      EXPECT_EQ(device.violations().count(), 0u);
+    }
+  }
+}
+
+TEST(Autd3Wire, AModulationIsHeardByTheDevicesClock) {
+  EmulatedDevice device = begun();
+  Teller teller(device);
+  const std::vector<Emission> loud(transducers, {7, 200});
+  teller.tell([&](Message m) { put_gain(m, 1, loud); });
+  const ModulationSamples samples = modulation_samples(200, array::Modulation::amplitude_sine, 100, 1000, 100.4);
+  EXPECT_EQ(samples.count, 20u);
+  EXPECT_EQ(teller.tell([&](Message m) {
+    put_modulation(m, 1, samples.divider, std::span(samples.samples).first(samples.count));
+  }),
+            0);
+  // Slot 0 began at 100 on the loop's clock, 1000 before that began the day.
+  for (int i = 0; i < 40; ++i) {
+    const double after_s = 3 + (i + 0.5) / 4000;
+    const double gain = array::modulation_gain(array::Modulation::amplitude_sine, 200, after_s);
+    EXPECT_NEAR(device.output(100 + 1000 - epoch_s + 2 * epoch_s + after_s)[5].intensity, 200 * gain, 1.2) << i;
+  }
+  for (const double hz : {1000 / 15.0, 199.0, 120.5}) {
+    const ModulationSamples odd = modulation_samples(hz, array::Modulation::pressure_sine, 0, 0, 1);
+    const double cycles = static_cast<double>(odd.count) * hz / 4000;
+    EXPECT_NEAR(cycles, std::round(cycles), 0.02 * cycles) << hz;
+  }
+  EXPECT_EQ(device.violations().count(), 0u);
+}
+
+TEST(Autd3Emulator, RefusesWhatTheFirmwareRefuses) {
+  const auto part = some(1);
+  {
+    EmulatedDevice fresh;
+    Teller(fresh).tell([&](Message m) { put_gain(m, 1, part); });
+    EXPECT_EQ(fresh.violations().count(), 1u) << "before clear and sync";
+  }
+  EmulatedDevice device = begun();
+  Teller teller(device);
+  EXPECT_EQ(teller.tell([&](Message m) {
+    put_pattern(m, {1, 39, true, false}, part);
+  }),
+            7)
+      << "faster than its silencer";
+  EXPECT_EQ(teller.tell([](Message m) { put_silencer(m, 10, 30); }), 0);
+  EXPECT_EQ(teller.tell([&](Message m) { put_pattern(m, {1, 39, true, false}, part); }), 0);
+  std::size_t count = device.violations().count();
+  EXPECT_EQ(count, 1u);
+  teller.tell([&](Message m) { put_pattern(m, {0, 60, true, false}, part); });
+  EXPECT_GT(device.violations().count(), count) << "into the segment that sounds";
+  count = device.violations().count();
+  EXPECT_EQ(teller.tell([&](Message m) { put_pattern(m, {1, 60, false, true}, part); }), 5) << "no beginning";
+  EXPECT_GT(device.violations().count(), count);
+  EXPECT_EQ(teller.tell([](Message m) { m[4] = 0x77; }), 1);
+}
+
+std::vector<std::uint8_t> geometry(std::uint32_t count) {
+  std::vector<std::uint8_t> out{0x01, static_cast<std::uint8_t>(count), 0, 0, 0};
+  for (std::uint32_t d = 0; d < count; ++d) {
+    out.insert(out.end(), 12, 0);
+    for (const float value : {1.0f, 0.0f, 0.0f, 0.0f}) {
+      const auto* bytes = reinterpret_cast<const std::uint8_t*>(&value);
+      out.insert(out.end(), bytes, bytes + 4);
+    }
+  }
+  return out;
+}
+
+TEST(Autd3Emulator, TakesRequestsHoweverTheyAreCut) {
+  std::vector<std::uint8_t> all(hello_request.begin(), hello_request.end());
+  const auto add = [&](const std::vector<std::uint8_t>& more) { all.insert(all.end(), more.begin(), more.end()); };
+  add(geometry(2));
+  std::vector<std::uint8_t> send(1 + 2 * message_size);
+  send[0] = 0x03;
+  send[1] = send[1 + message_size] = 5;
+  add(send);
+  add({0x04, 0x05});
+  const std::vector<std::uint8_t> expected{0, 0, 0, 0, 0, 5, 0, 5, 0};
+  for (std::size_t cut = 0; cut < all.size(); cut += cut < 90 ? 1 : 41) {
+    EmulatedServer server(2);
+    std::vector<std::uint8_t> answer;
+    server.welcome();
+    EXPECT_TRUE(server.take(0, std::span(all).first(cut), answer));
+    EXPECT_FALSE(server.take(0, std::span(all).subspan(cut), answer)) << "a goodbye is the end";
+    EXPECT_EQ(answer, expected) << cut;
+    EXPECT_EQ(server.violation_count(), 0u);
+  }
+}
+
+TEST(Autd3Emulator, RefusesRequestsOutOfOrder) {
+  const std::vector<std::uint8_t> hello(hello_request.begin(), hello_request.end());
+  auto newer = hello, other = hello;
+  newer[1] = 2;
+  other[5] = 'X';
+  for (const auto& wrong : {newer, other, geometry(1), std::vector<std::uint8_t>{0x04}}) {
+    EmulatedServer server(1);
+    std::vector<std::uint8_t> answer;
+    EXPECT_FALSE(server.take(0, wrong, answer));
+    EXPECT_EQ(answer.at(0), 0xff);
+    EXPECT_EQ(server.violation_count(), 1u);
+  }
+  EmulatedServer server(1);
+  std::vector<std::uint8_t> answer;
+  EXPECT_TRUE(server.take(0, hello, answer));
+  EXPECT_FALSE(server.take(0, geometry(2), answer));
+}
+
+}  // namespace
+}  // namespace palpa::driver::autd3
