@@ -128,9 +128,10 @@ void check_memory(const Mesh& body) {
                  fmt::format("a body of {} faces", body.triangles.size()), "give a mesh of fewer faces");
 }
 
-Inside::Inside(const Mesh& body) : surface_(geometry::make_surface(body, {})) {}
+Inside::Inside(const Mesh& body) : bounds_(geometry::bounds(body)), surface_(geometry::make_surface(body, {})) {}
 
 bool Inside::holds(const Vec3& point) const {
+  if (geometry::distance2(bounds_, point) > 0) return false;  // the surface's grid knows its own box only
   const float reach = static_cast<float>(surface_.options.reach_m);
   return geometry::find_place(surface_, glm::vec3(point - surface_.centre), reach).region != geometry::Region::outside;
 }

@@ -35,6 +35,7 @@ class Inside {
   bool holds(const Vec3& point) const;
 
  private:
+  Box bounds_;
   geometry::Surface surface_;
 };
 

@@ -99,15 +99,20 @@ void FieldMemory::read(std::span<std::complex<double>> pressures) const {
                          [](const shader::FieldPressure& p) { return std::complex<double>(p.re, p.im); });
 }
 
+std::size_t field_piece(std::size_t transducers) {
+  // Pairs of a point and a transducer in one submit: about a quarter of a second on two cores.
+  constexpr std::size_t pairs = std::size_t{1} << 27, least = std::size_t{shader::field_group} * shader::field_each;
+  constexpr std::size_t most = (std::size_t{1} << 20) / least * least;
+  static_assert(most <= FieldPass::most_points && most * sizeof(shader::FieldPoint) <= std::size_t{128} << 20);
+  return std::clamp(pairs / std::max<std::size_t>(transducers, 1) / least * least, least, most);
+}
+
 bool field_on(const gpu::Device& device, const Layout& layout, const Air& air, Directivity directivity,
               std::span<const Vec3> points, std::span<const std::complex<double>> strengths,
               std::vector<std::complex<double>>& pressures, const std::atomic<bool>* give_up) {
   pressures.assign(points.size(), 0);
   if (points.empty() || layout.transducers.empty()) return true;
-  // Pairs of a point and a transducer in one submit: about a quarter of a second on two cores.
-  constexpr std::size_t pairs = std::size_t{1} << 27, least = std::size_t{shader::field_group} * shader::field_each;
-  const std::size_t piece =
-      std::clamp<std::size_t>(pairs / layout.transducers.size() / least * least, least, std::max(least, points.size()));
+  const std::size_t piece = field_piece(layout.transducers.size());
   const FieldPass pass(device, directivity, air.absorption_np_m != 0);
   FieldMemory memory(device, layout, air, directivity, std::min(piece, points.size()));
   memory.set(strengths);

@@ -69,6 +69,10 @@ class FieldMemory {
   gpu::Readback pressures_;
 };
 
+/// How many points field_on has in one submit: what every device addresses, and a fraction of a second on a software
+/// one.
+std::size_t field_piece(std::size_t transducers);
+
 /// The twin's at() on the device, without slopes and of one drive: `pressures` has one per point. Points go in pieces
 /// of a fraction of a second on a software device. False, and nothing of use, if `give_up` became true meanwhile.
 bool field_on(const gpu::Device& device, const array::Layout& layout, const Air& air, array::Directivity directivity,

@@ -182,6 +182,15 @@ TEST(FieldPass, TheSameBytesOnEveryRun) {
   test::tell_digest("field", hash);
 }
 
+TEST(FieldPass, APieceIsNeverMoreThanOneDispatchHolds) {
+  for (const std::size_t transducers : {0, 1, 2, 15, 16, 17, 249, 3984, 1'000'000, 1'000'000'000}) {
+    const std::size_t piece = field_piece(transducers);
+    EXPECT_GT(piece, 0u);
+    EXPECT_LE(piece, FieldPass::most_points);
+    EXPECT_LE(piece * sizeof(shader::FieldPoint), std::size_t{128} << 20);
+  }
+}
+
 TEST(FieldPass, GivesUpWhenTold) {
   const Layout layout = load_layout("autd3");
   const Strengths strengths(layout.transducers.size(), 1.0);

@@ -11,6 +11,7 @@
 #include <random>
 #include <vector>
 
+#include "acoustics/body_mesh.hpp"
 #include "acoustics/radiation.hpp"
 #include "acoustics/rigid_body.hpp"
 #include "acoustics/sphere_series.hpp"
@@ -251,6 +252,16 @@ TEST(Scattering, TheAirAroundIsTheSeries) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Complex exact = sphere_in_plane_wave(k, radius, along, points[i]);
     EXPECT_LE(std::abs(incident.pressures[i] + scattered[i] - exact), 0.02) << i;
+  }
+}
+
+TEST(BodyMesh, WhatIsInsideIsNeverFarFromTheBody) {
+  const Inside inside(icosphere(radius, 4));
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 direction = glm::normalize(Vec3(std::sin(1.7 * i), std::cos(2.9 * i), std::sin(0.6 * i + 1)));
+    EXPECT_TRUE(inside.holds(direction * radius * 0.9));
+    for (const double times : {1.01, 1.5, 3.0, 100.0, 1e6})
+      EXPECT_FALSE(inside.holds(direction * radius * times)) << i << " " << times;
   }
 }
 
