@@ -44,6 +44,7 @@ struct BoardSetting {
   const array::Layout& layout;  ///< as posed in the world
   double slot_s;                ///< one drive lasts that long
   BoardNotes& notes;
+  double sound_speed_m_s = 343.21;
   bool foci_move = true;  ///< from slot to slot; else a plan is one drive and its modulation
 };
 
@@ -55,7 +56,9 @@ struct BoardPlan {
   double slot_s = 0;        ///< one part lasts that long
   std::uint32_t cycle = 0;  ///< parts; 0: silence, or drives that come by play() alone
   std::span<const array::TransducerDrive> drives{};  ///< cycle * transducers
-  double modulation_hz = 0;                          ///< amplitudes times array::modulation_gain(...) where not 0
+  /// One per part where each part is one focus, in the frame of BoardSetting::layout; else none.
+  std::span<const Vec3> foci{};
+  double modulation_hz = 0;  ///< amplitudes times array::modulation_gain(...) where not 0
   array::Modulation modulation = array::Modulation::pressure_sine;
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <string_view>
 #include <utility>
 
@@ -57,6 +58,8 @@ class Autd3Board final : public Board {
       : notes_(setting.notes),
         divider_(divider_of(setting.slot_s)),
         count_(setting.layout.transducers.size()),
+        layout_(setting.layout),
+        sound_speed_m_s_(setting.sound_speed_m_s),
         remote_(resolve(setting.argument), setting.layout),
         loading_(count_, most_parts),
         newest_(count_, most_parts),
@@ -335,6 +338,13 @@ class Autd3Board final : public Board {
       return loading_.part(turn_.part_at(place, parts)).subspan(first, transducers);
     };
     const std::uint8_t idle = segment_ ^ 1;
+    if (place_ == 0 && can_be_foci()) {
+      to_all([&](Message m, std::size_t first) { put_all_foci(m, first / transducers, idle); });
+      place_ = parts;
+      transition_ = true;
+      sent_ = Sent::part;
+      return true;
+    }
     const bool pairs = loading_.full() && parts > 1;
     const std::uint32_t sends = pairs && place_ + 1 < parts ? 2 : 1;
     const PatternStep step{idle, divider_, place_ == 0, place_ + sends == parts};
@@ -354,6 +364,45 @@ class Autd3Board final : public Board {
     return true;
   }
 
+  FixedPoint fixed(const Vec3& focus, std::size_t device) const {
+    const array::Board& board = layout_.boards[device];
+    const Vec3 way = focus - layout_.transducers[board.first].position;
+    const auto along = [&](int axis) {
+      constexpr double most = 1e9;
+      const double units = glm::dot(way, Vec3(board.T_layout_board[axis])) / fixed_unit_m;
+      return static_cast<std::int32_t>(std::lround(std::clamp(units, -most, most)));
+    };
+    return {along(0), along(1), along(2)};
+  }
+
+  /// Whether foci, whose phases the devices reckon, are what the drives say: full amplitudes, and each transducer's
+  /// phase that of its distance. Of each part and device one transducer is looked at, another for each.
+  bool can_be_foci() const {
+    const std::span<const Vec3> foci = loading_.foci();
+    if (!loading_.full() || foci.size() < 2 || foci.size() > most_foci) return false;
+    constexpr int steps_between = 2;
+    for (std::size_t p = 0; p < foci.size(); ++p) {
+      for (std::size_t d = 0; d < remote_.devices(); ++d) {
+        if (!within_reach(fixed(foci[p], d))) return false;
+        const std::size_t t = d * transducers + (97 * p + 31 * d) % transducers;
+        const double distance = glm::length(foci[p] - layout_.transducers[t].position);
+        const double turns = -distance * period_hz / sound_speed_m_s_;
+        const int phase = static_cast<int>(std::lround(256 * (turns - std::floor(turns))));
+        const int apart = (loading_.part(p)[t].phase - phase) & 0xff;
+        if (std::min(apart, 256 - apart) > steps_between) return false;
+      }
+    }
+    return true;
+  }
+
+  void put_all_foci(Message message, std::size_t device, std::uint8_t segment) const {
+    std::array<FixedPoint, most_foci> points;
+    const std::uint32_t parts = loading_.parts();
+    for (std::uint32_t place = 0; place < parts; ++place)
+      points[place] = fixed(loading_.foci()[turn_.part_at(place, parts)], device);
+    put_foci(message, segment, divider_, sound_speed_m_s_, std::span(points).first(parts));
+  }
+
   void tell_rate() {
     std::array<char, 120> line{};
     const auto end = fmt::format_to_n(line.data(), line.size(), "{} of {} plans brought over, {:.1f} ms each", loaded_,
@@ -364,6 +413,8 @@ class Autd3Board final : public Board {
   BoardNotes& notes_;
   std::uint16_t divider_;
   std::size_t count_;
+  const array::Layout& layout_;
+  double sound_speed_m_s_;
   Remote remote_;
   pollfd watched_{};
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 
 namespace palpa::driver::autd3 {
@@ -19,6 +20,20 @@ constexpr double ultrasound_hz = 40000;
 std::uint16_t u16(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
 }
+
+/// What the firmware has as tables.
+struct Tables {
+  std::array<std::uint8_t, 256> sine{};
+  std::array<std::uint8_t, 16384> angle{};  ///< 128 sines by 128 cosines
+  Tables() {
+    for (int i = 0; i < 256; ++i)
+      sine[i] = static_cast<std::uint8_t>(std::floor(128 + 127.5 * std::sin(2 * std::numbers::pi * i / 256)));
+    for (int i = 0; i < 128 * 128; ++i) {
+      const double turns = -std::atan2((i >> 7) - 64, (i & 127) - 64) / (2 * std::numbers::pi);
+      angle[i] = static_cast<std::uint8_t>(static_cast<int>(std::floor(256 * turns + 0.5)) & 0xff);
+    }
+  }
+};
 
 std::size_t place(double now_s, std::uint32_t divider, std::size_t size) {
   return static_cast<std::size_t>(std::floor(now_s * ultrasound_hz / divider)) % size;
@@ -93,8 +108,12 @@ std::uint8_t EmulatedDevice::handle(double now_s, std::span<const std::uint8_t> 
       return take_gain(o);
     case 0x41:
       return take_pattern(now_s, o);
+    case 0x42:
+      return take_foci(o);
     case 0x43:
-      return change_pattern(o);
+      return change_pattern(o, false);
+    case 0x44:
+      return change_pattern(o, true);
     default:
       return unknown_tag;
   }
@@ -174,7 +193,7 @@ std::uint8_t EmulatedDevice::take_gain(std::span<const std::uint8_t> o) {
   Segment& segment = segments_[o[1]];
   segment.parts.resize(1);
   segment.divider = 0xffff;
-  segment.open = false;
+  segment.open = segment.foci = false;
   for (std::size_t t = 0; t < transducers; ++t)
     segment.parts[0][t] = {o[4 + 2 * t], o[5 + 2 * t]};
   if ((o[2] & 1) != 0) {
@@ -202,6 +221,7 @@ std::uint8_t EmulatedDevice::take_pattern(double, std::span<const std::uint8_t> 
     segment.parts.clear();
     segment.divider = divider;
     segment.open = true;
+    segment.foci = false;
     at = 16;
   }
   if (!segment.open || index != writing_) {
@@ -233,11 +253,67 @@ std::uint8_t EmulatedDevice::take_pattern(double, std::span<const std::uint8_t> 
   return no_error;
 }
 
-std::uint8_t EmulatedDevice::change_pattern(std::span<const std::uint8_t> o) {
+std::array<std::uint8_t, EmulatedDevice::transducers> EmulatedDevice::phases_of_focus(std::int32_t x, std::int32_t y,
+                                                                                      std::int32_t z, std::uint32_t c) {
+  static const Tables tables;
+  std::array<std::uint8_t, transducers> out{};
+  std::size_t t = 0;
+  for (int row = 0; row < 14; ++row) {
+    for (int column = 0; column < 18; ++column) {
+      if (row == 1 && (column == 1 || column == 2 || column == 16)) continue;  // screws and the connector
+      const std::int64_t dx = x - std::lround(406.4 * column), dy = y - std::lround(406.4 * row), dz = z;
+      const std::int64_t square = dx * dx + dy * dy + dz * dz;
+      auto distance = static_cast<std::int64_t>(std::sqrt(static_cast<double>(square)));
+      while (distance * distance > square)
+        --distance;
+      const auto q = static_cast<std::uint64_t>(distance << 14) / c;
+      const std::size_t sine = tables.sine[q % 256] >> 1, cosine = tables.sine[(q + 64) % 256] >> 1;
+      out[t++] = tables.angle[sine << 7 | cosine];
+    }
+  }
+  return out;
+}
+
+std::uint8_t EmulatedDevice::take_foci(std::span<const std::uint8_t> o) {
+  if ((o[1] & 7) != 3 || o[5] != 1) {
+    violate("foci in several messages, several at once, or with a transition, which this emulator does not take");
+    return unknown_tag;
+  }
+  const std::size_t count = o[2], index = o[3];
+  if (index > 1) return bad_segment;
+  const std::uint16_t speed = u16(o, 6), divider = u16(o, 8);
+  if (wrong_transition(sounding_, o[3], u16(o, 10), o[4])) return bad_transition;
+  if (too_fast(divider, waveforms_[heard_].divider)) return bad_silencer;
+  if (index == sounding_) violate("foci into the segment that sounds");
+  if (count < 2 || 24 + 8 * count > o.size() || speed == 0) {
+    violate(fmt::format("{} foci at a sound speed of {}", count, speed));
+    return bad_segment;
+  }
+  Segment& segment = segments_[index];
+  segment = {};
+  segment.divider = divider;
+  segment.foci = true;
+  for (std::size_t f = 0; f < count; ++f) {
+    std::uint64_t word = 0;
+    for (std::size_t byte = 0; byte < 8; ++byte)
+      word |= std::uint64_t{o[24 + 8 * f + byte]} << (8 * byte);
+    const auto coordinate = [&](int shift) {
+      const auto bits = static_cast<std::int32_t>(word >> shift & 0x3ffff);
+      return bits >= 0x20000 ? bits - 0x40000 : bits;
+    };
+    const auto phases = phases_of_focus(coordinate(0), coordinate(18), coordinate(36), speed);
+    auto& out = segment.parts.emplace_back();
+    for (std::size_t t = 0; t < transducers; ++t)
+      out[t] = {phases[t], static_cast<std::uint8_t>(word >> 54 & 0xff)};
+  }
+  return no_error;
+}
+
+std::uint8_t EmulatedDevice::change_pattern(std::span<const std::uint8_t> o, bool foci) {
   const std::uint8_t index = o[1], mode = o[2];
   if (index > 1) return bad_segment;
   const Segment& segment = segments_[index];
-  if (segment.parts.size() < 2) return bad_segment;
+  if (segment.foci != foci || (!foci && segment.parts.size() < 2)) return bad_segment;
   if (segment.open) violate("a transition to a pattern that is not whole");
   if (wrong_transition(sounding_, index, 0xffff, mode)) return bad_transition;
   if (too_fast(segment.divider, waveforms_[heard_].divider)) return bad_silencer;

@@ -26,6 +26,10 @@ class EmulatedDevice {
 
   /// `now_s` is the time since 2000-01-01: messages take effect then.
   void receive(double now_s, std::span<const std::uint8_t> message);
+  /// What the firmware makes of a focus at x, y, z (0.025 mm, from transducer 0), c being the sound speed times 64: in
+  /// whole numbers, by its tables of 256 sines and 128 x 128 angles.
+  static std::array<std::uint8_t, transducers> phases_of_focus(std::int32_t x, std::int32_t y, std::int32_t z,
+                                                               std::uint32_t c);
   /// Data, then error and number.
   std::array<std::uint8_t, 2> answer() const;
 
@@ -43,6 +47,7 @@ class EmulatedDevice {
     std::vector<std::array<Output, transducers>> parts;
     std::uint32_t divider = 0xffff;
     bool open = false;  ///< begun, its end has not come
+    bool foci = false;  ///< the device has reckoned its phases
   };
   struct Waveform {
     std::vector<std::uint8_t> samples;
@@ -56,7 +61,8 @@ class EmulatedDevice {
   std::uint8_t take_silencer(std::span<const std::uint8_t> o);
   std::uint8_t take_gain(std::span<const std::uint8_t> o);
   std::uint8_t take_pattern(double now_s, std::span<const std::uint8_t> o);
-  std::uint8_t change_pattern(std::span<const std::uint8_t> o);
+  std::uint8_t take_foci(std::span<const std::uint8_t> o);
+  std::uint8_t change_pattern(std::span<const std::uint8_t> o, bool foci);
   bool too_fast(std::uint32_t pattern_divider, std::uint32_t modulation_divider) const;
   bool wrong_transition(std::uint8_t current, std::uint8_t segment, std::uint16_t repeat, std::uint8_t mode) const;
   void violate(const std::string& what) { violations_.add(now_s_, what); }

@@ -6,7 +6,7 @@
 namespace palpa::driver::autd3 {
 
 Pattern::Pattern(std::size_t count, std::size_t most_parts)
-    : transducers_(count), emissions_(count * most_parts), silent_(most_parts) {}
+    : transducers_(count), emissions_(count * most_parts), silent_(most_parts), foci_(most_parts) {}
 
 void Pattern::encode(const BoardPlan& plan) {
   parts_ = std::min<std::uint32_t>(plan.cycle, static_cast<std::uint32_t>(silent_.size()));
@@ -20,6 +20,8 @@ void Pattern::encode(const BoardPlan& plan) {
     }
     silent_[p] = silent;
   }
+  foci_count_ = plan.foci.size() == parts_ ? parts_ : 0;
+  std::copy_n(plan.foci.begin(), foci_count_, foci_.begin());
   until_slot_ = plan.until_slot;
   modulation_hz_ = plan.modulation_hz;
   modulation_ = plan.modulation;

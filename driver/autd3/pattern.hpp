@@ -26,6 +26,8 @@ class Pattern {
   std::uint32_t parts() const { return parts_; }
   /// All transducers of all parts at full amplitude.
   bool full() const { return full_; }
+  /// One per part, where each is one focus; else none.
+  std::span<const Vec3> foci() const { return std::span(foci_).first(foci_count_); }
   std::span<const Emission> part(std::uint64_t index) const {
     return {&emissions_[index * transducers_], transducers_};
   }
@@ -42,6 +44,8 @@ class Pattern {
   std::size_t transducers_;
   std::vector<Emission> emissions_;
   std::vector<std::uint8_t> silent_;  ///< by part
+  std::vector<Vec3> foci_;
+  std::size_t foci_count_ = 0;
   std::uint32_t parts_ = 0;
   bool full_ = false;
   std::uint64_t until_slot_ = 0;

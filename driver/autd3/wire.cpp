@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <numbers>
 
 namespace palpa::driver::autd3 {
@@ -16,7 +18,9 @@ enum Tag : std::uint8_t {
   silencer = 0x21,
   gain = 0x30,
   gain_pattern = 0x41,
+  foci_pattern = 0x42,
   change_gain_pattern = 0x43,
+  change_foci_pattern = 0x44,
 };
 constexpr std::uint8_t begin_flag = 1, end_flag = 2, transition_flag = 4, segment_flag = 8;
 constexpr std::uint8_t no_transition = 0xfe, at_once = 0xff;
@@ -60,11 +64,10 @@ void put_pattern_head(Writer& out, const PatternStep& step, Mode mode, std::size
   out.zeros(8);  // when a transition is to be
 }
 
-void put_transition(Writer& out, const PatternStep& step) {
-  if (!step.last) return;
+void put_transition(Writer& out, Tag change, std::uint8_t segment) {
   out.second();
-  out.u8(change_gain_pattern);
-  out.u8(step.segment);
+  out.u8(change);
+  out.u8(segment);
   out.u8(at_once);
   out.zeros(13);
 }
@@ -141,7 +144,7 @@ void put_pattern(Message message, const PatternStep& step, std::span<const Emiss
     out.u8(e.phase);
     out.u8(e.intensity);
   }
-  put_transition(out, step);
+  if (step.last) put_transition(out, change_gain_pattern, step.segment);
 }
 
 void put_pattern_phases(Message message, const PatternStep& step, std::span<const Emission> part,
@@ -152,7 +155,40 @@ void put_pattern_phases(Message message, const PatternStep& step, std::span<cons
     out.u8(part[i].phase);
     out.u8(next.empty() ? 0 : next[i].phase);
   }
-  put_transition(out, step);
+  if (step.last) put_transition(out, change_gain_pattern, step.segment);
+}
+
+bool within_reach(const FixedPoint& focus) {
+  constexpr std::int32_t most = (1 << 17) - 1, widest = 6909, highest = 5283;  // of a device's own transducers
+  const auto near = [](std::int32_t value, std::int32_t extent) { return value >= extent - most && value <= most; };
+  if (!near(focus.x, widest) || !near(focus.y, highest) || !near(focus.z, 0)) return false;
+  const auto square = [](std::int64_t value) { return value * value; };
+  const std::int64_t far = square(std::max(std::abs(focus.x), std::abs(focus.x - widest))) +
+                           square(std::max(std::abs(focus.y), std::abs(focus.y - highest))) + square(focus.z);
+  return far <= std::numeric_limits<std::int32_t>::max();
+}
+
+void put_foci(Message message, std::uint8_t segment, std::uint16_t divider, double sound_speed_m_s,
+              std::span<const FixedPoint> foci) {
+  constexpr std::uint64_t full = 255, eighteen_bits = (1 << 18) - 1;
+  Writer out(message);
+  out.u8(foci_pattern);
+  out.u8(begin_flag | end_flag);
+  out.u8(static_cast<std::uint8_t>(foci.size()));
+  out.u8(segment);
+  out.u8(no_transition);
+  out.u8(1);  // focus per part
+  out.u16(static_cast<std::uint16_t>(std::lround(64 * sound_speed_m_s)));
+  out.u16(divider);
+  out.u16(for_ever);
+  out.zeros(4 + 8);
+  for (const FixedPoint& focus : foci) {
+    const auto bits = [](std::int32_t value) { return static_cast<std::uint64_t>(value) & eighteen_bits; };
+    const std::uint64_t word = bits(focus.x) | bits(focus.y) << 18 | bits(focus.z) << 36 | full << 54;
+    for (int byte = 0; byte < 8; ++byte)
+      out.u8(static_cast<std::uint8_t>(word >> (8 * byte)));
+  }
+  put_transition(out, change_foci_pattern, segment);
 }
 
 void set_id(Message message, std::uint8_t id) {

@@ -70,6 +70,20 @@ void put_pattern(Message message, const PatternStep& step, std::span<const Emiss
 void put_pattern_phases(Message message, const PatternStep& step, std::span<const Emission> part,
                         std::span<const Emission> next);
 
+/// A focus as a device takes it: 0.025 mm from its transducer 0, along its own axes; within 18 bits with their sign.
+struct FixedPoint {
+  std::int32_t x = 0, y = 0, z = 0;
+};
+inline constexpr double fixed_unit_m = 0.025e-3;
+/// How many foci one message takes.
+inline constexpr std::size_t most_foci = 72;
+/// Whether a device can take it: what it reckons with does not overflow.
+bool within_reach(const FixedPoint& focus);
+/// A whole pattern at once: the foci one after the other, all transducers at full amplitude, into a segment that does
+/// not sound; the device reckons the phases. With it comes the transition.
+void put_foci(Message message, std::uint8_t segment, std::uint16_t divider, double sound_speed_m_s,
+              std::span<const FixedPoint> foci);
+
 void set_id(Message message, std::uint8_t id);
 
 }  // namespace palpa::driver::autd3

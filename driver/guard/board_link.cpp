@@ -38,8 +38,13 @@ class BoardLink final : public session::Link {
     if (told.drives.size() > place.drives.size())
       throw failure(fmt::format("{}: a plan of {} drives, more than {}", brief_.kind, told.cycle, most_cycle));
     const bool silent = told.schedule.voice_count == 0;
-    place.head = {told.from_slot,        told.until_slot,           monotonic_s(),
-                  told.schedule.slot_s,  told.shared_modulation_hz, silent ? 0 : told.cycle,
+    place.head = {told.from_slot,
+                  told.until_slot,
+                  monotonic_s(),
+                  told.schedule.slot_s,
+                  told.shared_modulation_hz,
+                  silent ? 0 : told.cycle,
+                  put_foci(told, place.foci),
                   told.shared_modulation};
     std::copy(told.drives.begin(), told.drives.end(), place.drives.begin());
     plan_place_ = guard_->memory().plan_turns().commit(plan_place_).place;
@@ -87,6 +92,18 @@ class BoardLink final : public session::Link {
   }
 
   static constexpr const char* advice = "; make sure that it does not sound, or switch it off";
+
+  /// Which focus each part is, where one finger's foci follow one another, one per part. Returns how many; 0:
+  /// otherwise.
+  static std::uint32_t put_foci(const session::ToldPlan& told, std::span<Vec3> out) {
+    if (told.schedule.voice_count != 1 || told.cycle > out.size()) return 0;
+    const array::Voice& voice = told.schedule.voices[0];
+    const bool one_by_one = voice.foci_per_slot == 1 && voice.dwell_s == told.schedule.slot_s;
+    if (!one_by_one || told.cycle != voice.order.size()) return 0;
+    std::transform(voice.order.begin(), voice.order.end(), out.begin(),
+                   [&](std::uint32_t focus) { return voice.foci[focus]; });
+    return told.cycle;
+  }
 
   void wait_until_open() {
     const double until_s = monotonic_s() + open_s;

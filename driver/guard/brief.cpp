@@ -10,7 +10,7 @@ namespace palpa::driver {
 namespace {
 
 /// Changes whenever what follows does: palpa and its guard must be of one build.
-constexpr std::uint64_t mark = 0x70616c7061'0002;
+constexpr std::uint64_t mark = 0x70616c7061'0003;
 
 class Writer {
  public:
@@ -113,6 +113,7 @@ std::vector<std::byte> to_bytes(const Brief& brief) {
   write(out, brief.layout);
   out.value(brief.slot_s);
   out.value(std::uint8_t{brief.foci_move});
+  out.value(brief.sound_speed_m_s);
   out.value(std::uint8_t{brief.only_silence});
   return std::move(out.bytes);
 }
@@ -127,6 +128,7 @@ Brief brief_from(std::span<const std::byte> bytes) {
   brief.layout = read_layout(in);
   brief.slot_s = in.value<double>();
   brief.foci_move = in.value<std::uint8_t>() != 0;
+  brief.sound_speed_m_s = in.value<double>();
   brief.only_silence = in.value<std::uint8_t>() != 0;
   return brief;
 }

@@ -18,6 +18,7 @@ struct Brief {
   array::Layout layout;
   double slot_s = 1.5e-3;
   bool foci_move = true;
+  double sound_speed_m_s = 343.21;
   bool only_silence = false;  ///< open, all off, close: after a guard that died
 };
 

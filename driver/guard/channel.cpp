@@ -74,7 +74,7 @@ SharedMemory SharedMemory::make(std::span<const std::byte> brief, std::size_t tr
   head.most_cycle = most_cycle;
   const std::size_t drive_bytes = transducers * sizeof(array::TransducerDrive);
   head.drive_size = whole_lines(sizeof(DriveHead) + drive_bytes);
-  head.plan_size = most_cycle == 0 ? 0 : whole_lines(sizeof(PlanHead) + most_cycle * drive_bytes);
+  head.plan_size = most_cycle == 0 ? 0 : whole_lines(sizeof(PlanHead) + most_cycle * (sizeof(Vec3) + drive_bytes));
   head.brief = whole_lines(sizeof head);
   head.brief_size = brief.size();
   head.drives = head.brief + whole_lines(brief.size());
@@ -118,10 +118,12 @@ SharedMemory::Place<DriveHead> SharedMemory::drive(std::uint32_t place) const {
   return {at<DriveHead>(begin), {&at<array::TransducerDrive>(begin + sizeof(DriveHead)), head().transducers}};
 }
 
-SharedMemory::Place<PlanHead> SharedMemory::plan(std::uint32_t place) const {
+SharedMemory::PlanPlace SharedMemory::plan(std::uint32_t place) const {
   const std::size_t begin = head().plans + line + place * head().plan_size;
+  const std::size_t foci = begin + sizeof(PlanHead), drives = foci + head().most_cycle * sizeof(Vec3);
   return {at<PlanHead>(begin),
-          {&at<array::TransducerDrive>(begin + sizeof(PlanHead)), head().transducers * head().most_cycle}};
+          {&at<Vec3>(foci), head().most_cycle},
+          {&at<array::TransducerDrive>(drives), head().transducers * head().most_cycle}};
 }
 
 bool say(int socket, Said said, std::string_view text) {

@@ -66,7 +66,7 @@ struct DriveHead {
 struct PlanHead {
   std::uint64_t from_slot, until_slot;
   double from_s, slot_s, modulation_hz;
-  std::uint32_t cycle;
+  std::uint32_t cycle, foci;
   array::Modulation modulation;
 };
 
@@ -90,7 +90,12 @@ class SharedMemory {
     std::span<array::TransducerDrive> drives;  ///< all there is room for
   };
   Place<DriveHead> drive(std::uint32_t place) const;
-  Place<PlanHead> plan(std::uint32_t place) const;
+  struct PlanPlace {
+    PlanHead& head;
+    std::span<Vec3> foci;  ///< as many as there may be parts
+    std::span<array::TransducerDrive> drives;
+  };
+  PlanPlace plan(std::uint32_t place) const;
   Turns& drive_turns() const;
   Turns& plan_turns() const;
 

@@ -11,6 +11,7 @@
 #include <csignal>
 #include <exception>
 #include <optional>
+#include <vector>
 
 #include "base/error.hpp"
 #include "driver/guard/brief.hpp"
@@ -65,7 +66,9 @@ class Guard {
  public:
   Guard(const SharedMemory& memory, bool plays_plans)
       : memory_(memory), plays_plans_(plays_plans), drive_(memory.drive(0).drives.size()) {
-    if (plays_plans) plan_.resize(memory.plan(0).drives.size());
+    if (!plays_plans) return;
+    plan_.resize(memory.plan(0).drives.size());
+    foci_.resize(memory.plan(0).foci.size());
   }
 
   /// Until the loop is gone or somebody asks it to leave; leaves the board as it sounds.
@@ -136,14 +139,17 @@ class Guard {
     planned_from_ = head.from_slot;
     const std::span<array::TransducerDrive> drives(plan_.data(), size);
     copy_sound(told.drives, drives);
-    board.plan({head.from_slot, head.until_slot, head.from_s, head.slot_s, head.cycle, drives, head.modulation_hz,
-                head.modulation});
+    const std::size_t foci = head.foci == head.cycle ? head.cycle : 0;
+    std::copy_n(told.foci.begin(), foci, foci_.begin());
+    board.plan({head.from_slot, head.until_slot, head.from_s, head.slot_s, head.cycle, drives,
+                std::span(foci_).first(foci), head.modulation_hz, head.modulation});
     heart_beats();
   }
 
   const SharedMemory& memory_;
   bool plays_plans_;
   array::Drive drive_, plan_;
+  std::vector<Vec3> foci_;
   std::uint32_t drive_place_ = Turns::readers_first, plan_place_ = Turns::readers_first;
   std::uint64_t planned_from_ = 0;  ///< the newest plan's first slot
   double heard_s_ = 0;
@@ -157,7 +163,8 @@ int hold_board(std::span<const BoardKind> kinds) {
   if (kind == kinds.end()) throw failure("palpa-guard knows no board " + brief.kind);
   Notes notes;
   Guard guard(memory, kind->plays_plans);  // all its memory before the board sounds
-  const auto board = kind->open({brief.argument, brief.files, brief.layout, brief.slot_s, notes, brief.foci_move});
+  const auto board = kind->open(
+      {brief.argument, brief.files, brief.layout, brief.slot_s, notes, brief.sound_speed_m_s, brief.foci_move});
   Said end = Said::silent;
   std::exception_ptr fault;
   if (!brief.only_silence) {

@@ -7,7 +7,10 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <mutex>
+#include <numbers>
 #include <string>
 #include <thread>
 #include <vector>
@@ -22,6 +25,7 @@ namespace palpa::driver::autd3 {
 namespace {
 
 using namespace std::chrono_literals;
+constexpr double pi = std::numbers::pi;
 
 class Told final : public BoardNotes {
  public:
@@ -65,6 +69,7 @@ struct Rig {
   Told notes;
   std::unique_ptr<Board> board;
   array::Drive drives, silence;
+  std::vector<Vec3> foci;
   std::uint64_t slot = 1000;
 
   explicit Rig(const std::string& name = "autd3")
@@ -76,7 +81,7 @@ struct Rig {
     silence.assign(layout.transducers.size(), {0.0f, 0.0f});
   }
   std::unique_ptr<Board> make(double slot_s = 1.5e-3) {
-    return board_kind().open({argument, files, layout, slot_s, notes});
+    return board_kind().open({argument, files, layout, slot_s, notes, 340});
   }
   void open() { board = make(); }
   std::span<const array::TransducerDrive> part(std::uint64_t s) const {
@@ -89,7 +94,7 @@ struct Rig {
       from_s = monotonic_s();
       device_s = device_time_s();
     }
-    board->plan({slot, slot + 1000000, from_s, 1.5e-3, 10, drives, hz, array::Modulation::amplitude_sine});
+    board->plan({slot, slot + 1000000, from_s, 1.5e-3, 10, drives, foci, hz, array::Modulation::amplitude_sine});
     return device_s;
   }
   /// As a guard does between drives.
@@ -229,6 +234,53 @@ TEST(Autd3Board, FullAmplitudesTakeHalfTheMessagesAndAModulationOneMore) {
   }
   EXPECT_LT(least, 5);
   EXPECT_GT(most, 250);
+  rig.board->all_off();
+  EXPECT_TRUE(rig.board->close());
+  EXPECT_EQ(rig.server.violation_count(), 0u);
+}
+
+TEST(Autd3Board, FociOneByOneAtFullAmplitudeAreOneMessage) {
+  Rig rig("paper");
+  rig.layout = array::transformed(rig.layout, glm::rotate(Transform(1.0), 0.3, Vec3(1, 2, 3)));
+  rig.open();
+  for (int p = 0; p < 10; ++p) {
+    rig.foci.emplace_back(0.01 * std::cos(p), 0.01 * std::sin(p), 0.002 * p);
+    for (std::size_t t = 0; t < rig.silence.size(); ++t) {
+      const double turns = -glm::length(rig.foci[p] - rig.layout.transducers[t].position) * 40e3 / 340;
+      rig.drives[p * rig.silence.size() + t] = {1.0f, static_cast<float>(2 * pi * (turns - std::round(turns)))};
+    }
+  }
+  const std::uint64_t before = rig.server.devices()[0].operations();
+  const double told_s = rig.plan();
+  ASSERT_TRUE(rig.sounds());
+  EXPECT_EQ(rig.server.devices()[0].operations() - before, 2u) << "the foci, the transition";
+  {
+    const std::lock_guard held(rig.serving->lock);
+    int right = 0;
+    for (int s = 0; s < 20; ++s) {
+      int best = 1000;
+      for (const double off_s : {-0.75e-3, 0.7e-3}) {
+        int worst = 0;
+        for (std::size_t d = 0; d < 16; ++d) {
+          const auto heard = rig.server.devices()[d].output(told_s + (100 + s + 0.5) * 1.5e-3 + off_s);
+          for (std::size_t t = 0; t < transducers; ++t) {
+            const int apart =
+                (heard[t].phase - emission(rig.part(rig.slot + 100 + s)[d * transducers + t]).phase) & 255;
+            worst = std::max(worst, std::min(apart, 256 - apart));
+          }
+        }
+        best = std::min(best, worst);
+      }
+      right += best <= 3 ? 1 : 0;  // 0.025 mm are 0.75 steps, tables and roundings cost the rest
+    }
+    EXPECT_EQ(right, 20);
+  }
+  // What is no focus, or not at full amplitude, comes as drives.
+  rig.drives[5].amplitude = 0.5f;
+  const std::uint64_t transitions = rig.server.devices()[0].transitions();
+  rig.plan();
+  EXPECT_TRUE(rig.tend_until([&] { return rig.server.devices()[0].transitions() > transitions; }));
+  EXPECT_EQ(rig.server.devices()[0].operations() - before, 2u + 10 + 1);
   rig.board->all_off();
   EXPECT_TRUE(rig.board->close());
   EXPECT_EQ(rig.server.violation_count(), 0u);

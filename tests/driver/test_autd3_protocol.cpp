@@ -3,14 +3,19 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <numbers>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "driver/autd3/device.hpp"
 #include "driver/autd3/pattern.hpp"
 #include "driver/autd3/server.hpp"
 #include "driver/autd3/wire.hpp"
+#include "support/shared_data.hpp"
 
 namespace palpa::driver::autd3 {
 namespace {
@@ -129,6 +134,70 @@ TEST(Autd3Wire, AModulationIsHeardByTheDevicesClock) {
     EXPECT_NEAR(cycles, std::round(cycles), 0.02 * cycles) << hz;
   }
   EXPECT_EQ(device.violations().count(), 0u);
+}
+
+TEST(Autd3Wire, FociSoundAsTheFirmwareReckonsThem) {
+  PALPA_SHARED_OR_SKIP(folder, "autd3-geometry");
+  const auto read = [&](const char* name) {
+    std::ifstream in(folder / "fw" / name, std::ios::binary);
+    return std::vector<std::uint8_t>(std::istreambuf_iterator<char>(in), {});
+  };
+  const auto sine = read("sin.dat"), angle = read("atan.dat");
+  ASSERT_EQ(sine.size(), 256u);
+  ASSERT_EQ(angle.size(), 16384u);
+  std::vector<std::array<int, 2>> places;  // of the transducers, by the published table
+  std::ifstream table(folder / "autd3_unit_transducers.csv");
+  std::string line;
+  std::getline(table, line);
+  for (int index = 0, x = 0, y = 0; std::getline(table, line);) {
+    ASSERT_EQ(std::sscanf(line.c_str(), "%d,%d,%d", &index, &x, &y), 3);
+    places.push_back({x, y});
+  }
+  ASSERT_EQ(places.size(), transducers);
+
+  const std::vector<FixedPoint> foci{{3454, 2641, 6000}, {-1200, 9000, 4000}, {5000, -77, 8000}};
+  EmulatedDevice device = begun();
+  Teller teller(device);
+  EXPECT_EQ(teller.tell([&](Message m) { put_foci(m, 1, 60, 343.21, foci); }), 0);
+  const int speed = static_cast<int>(std::lround(343.21 * 64));
+  for (std::size_t f = 0; f < foci.size(); ++f) {
+    const auto heard = device.output((static_cast<double>(f) + 0.5) * 1.5e-3);
+    for (std::size_t t = 0; t < transducers; ++t) {
+      const double dx = foci[f].x - std::round(406.4 * places[t][0]), dy = foci[f].y - std::round(406.4 * places[t][1]);
+      const auto distance = static_cast<int>(std::floor(std::sqrt(dx * dx + dy * dy + 1.0 * foci[f].z * foci[f].z)));
+      const int q = (distance << 14) / speed;
+      EXPECT_EQ(heard[t].phase, angle[(sine[q & 255] >> 1) << 7 | sine[(q + 64) & 255] >> 1]) << f << ", " << t;
+      EXPECT_EQ(heard[t].intensity, 255);
+      const double turns = -distance * fixed_unit_m * 40e3 / 343.21;  // and a delay it is
+      const int apart = (heard[t].phase - static_cast<int>(std::lround(256 * (turns - std::floor(turns))))) & 255;
+      EXPECT_LE(std::min(apart, 256 - apart), 2);
+    }
+  }
+  EXPECT_EQ(device.violations().count(), 0u);
+  EXPECT_TRUE(within_reach({0, 0, 40000}));
+  EXPECT_FALSE(within_reach({0, 0, 46341}));
+  EXPECT_FALSE(within_reach({131072, 0, 0}));
+}
+
+TEST(Autd3Emulator, ReckonsAFocusAsItsFirmwareDoes) {
+  // By the firmware's own tables, transducers 0, 19, 32, 124 and 248, and sums over all.
+  struct Known {
+    FixedPoint focus;
+    std::array<int, 5> some;
+    int sum, by_place;
+  };
+  for (const Known& known : {Known{{3454, 2641, 6000}, {106, 62, 206, 99, 105}, 32782, 4095727},
+                             Known{{-1200, 9000, 4000}, {24, 127, 168, 28, 132}, 31584, 3865715}}) {
+    const auto phases = EmulatedDevice::phases_of_focus(known.focus.x, known.focus.y, known.focus.z, 21965);
+    EXPECT_EQ((std::array<int, 5>{phases[0], phases[19], phases[32], phases[124], phases[248]}), known.some);
+    int sum = 0, by_place = 0;
+    for (int t = 0; t < static_cast<int>(phases.size()); ++t) {
+      sum += phases[t];
+      by_place += (t + 1) * phases[t];
+    }
+    EXPECT_EQ(sum, known.sum);
+    EXPECT_EQ(by_place, known.by_place);
+  }
 }
 
 TEST(Autd3Emulator, RefusesWhatTheFirmwareRefuses) {

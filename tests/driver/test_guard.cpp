@@ -459,7 +459,7 @@ TEST(Guard, InheritsNothingElse) {
 }
 
 TEST(GuardBrief, ComesOverWhole) {
-  Brief brief{"openmpd", "A,B", "some folder", {}, 2e-3, false, true};
+  Brief brief{"openmpd", "A,B", "some folder", {}, 2e-3, false, 340, true};
   brief.layout.name = "mine";
   brief.layout.transducers = {{Vec3(1, 2, 3), Vec3(0, 0, 1)}, {Vec3(-1, 0.5, 1e-9), Vec3(1, 0, 0)}};
   brief.layout.boards = {{"openmpd", 0, 2, 0.1, 0.2, Transform(2.0)}};

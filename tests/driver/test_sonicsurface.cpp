@@ -198,10 +198,10 @@ struct Rig {
     thread.join();
   }
   std::unique_ptr<Board> make(double slot_s, bool foci_move) {
-    return board_kind().open({argument, files, layout, slot_s, notes, foci_move});
+    return board_kind().open({argument, files, layout, slot_s, notes, 340, foci_move});
   }
   void plan(double hz) {
-    board->plan({100, 1000000, monotonic_s(), 1.5e-3, 1, drive, hz, array::Modulation::pressure_sine});
+    board->plan({100, 1000000, monotonic_s(), 1.5e-3, 1, drive, {}, hz, array::Modulation::pressure_sine});
   }
   /// As a guard does between drives: waits for what the board watches, 5 ms at most.
   template <typename Done>
