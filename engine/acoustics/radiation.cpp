@@ -50,6 +50,34 @@ Load load_on(const geometry::Mesh& mesh, std::span<const double> pressure, const
   return load;
 }
 
+double elongation_of(std::span<const Vec3> points, std::span<const double> areas) {
+  if (points.size() < 3) return 1;
+  Vec3 sum(0);
+  double area = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    sum += areas[i] * points[i];
+    area += areas[i];
+  }
+  const Vec3 mean = sum / area;
+  glm::dmat3 covariance(0);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    covariance += areas[i] * glm::outerProduct(points[i] - mean, points[i] - mean);
+  // l1 >= l2 >= l3 in closed form (Smith 1961).
+  const double trace = covariance[0][0] + covariance[1][1] + covariance[2][2];
+  const glm::dmat3 rest = covariance - trace / 3 * glm::dmat3(1);
+  double squares = 0;
+  for (int i = 0; i < 3; ++i)
+    squares += glm::dot(rest[i], rest[i]);
+  const double spread = std::sqrt(squares / 6);
+  if (!(spread > 0)) return 1;
+  const double half = glm::determinant(rest / spread) / 2;
+  const double angle = std::acos(std::fmin(1, std::fmax(-1, half))) / 3;
+  const double l1 = trace / 3 + 2 * spread * std::cos(angle);
+  const double l3 = trace / 3 + 2 * spread * std::cos(angle + 2 * std::numbers::pi / 3);
+  const double l2 = trace - l1 - l3;
+  return l2 > 0 ? std::sqrt(l1 / l2) : 1;
+}
+
 Spot spot_of(const geometry::Mesh& mesh, std::span<const double> pressure) {
   Spot spot;
   for (std::size_t face = 0; face < pressure.size(); ++face) {
@@ -57,38 +85,16 @@ Spot spot_of(const geometry::Mesh& mesh, std::span<const double> pressure) {
     spot.peak_pa = pressure[face];
     spot.peak_at = face_centroid(mesh, face);
   }
-  Vec3 sum(0);
-  std::size_t faces = 0;
+  std::vector<Vec3> places;
+  std::vector<double> areas;
   for (std::size_t face = 0; face < pressure.size(); ++face) {
     if (!(pressure[face] > spot.peak_pa / 2)) continue;
-    const double area = face_area(mesh, face);
-    spot.half_area_m2 += area;
-    sum += area * face_centroid(mesh, face);
-    ++faces;
+    places.push_back(face_centroid(mesh, face));
+    areas.push_back(face_area(mesh, face));
+    spot.half_area_m2 += areas.back();
   }
   spot.half_radius_m = std::sqrt(spot.half_area_m2 / std::numbers::pi);
-  if (faces < 3) return spot;
-  const Vec3 mean = sum / spot.half_area_m2;
-  glm::dmat3 covariance(0);
-  for (std::size_t face = 0; face < pressure.size(); ++face) {
-    if (!(pressure[face] > spot.peak_pa / 2)) continue;
-    const Vec3 from = face_centroid(mesh, face) - mean;
-    covariance += face_area(mesh, face) * glm::outerProduct(from, from);
-  }
-  // l1 >= l2 >= l3 in closed form (Smith 1961).
-  const double trace = covariance[0][0] + covariance[1][1] + covariance[2][2], mean_value = trace / 3;
-  const glm::dmat3 rest = covariance - mean_value * glm::dmat3(1);
-  double squares = 0;
-  for (int i = 0; i < 3; ++i)
-    squares += glm::dot(rest[i], rest[i]);
-  const double spread = std::sqrt(squares / 6);
-  if (!(spread > 0)) return spot;
-  const double half = glm::determinant(rest / spread) / 2;
-  const double angle = std::acos(std::fmin(1, std::fmax(-1, half))) / 3;
-  const double l1 = mean_value + 2 * spread * std::cos(angle);
-  const double l3 = mean_value + 2 * spread * std::cos(angle + 2 * std::numbers::pi / 3);
-  const double l2 = trace - l1 - l3;
-  if (l2 > 0) spot.elongation = std::sqrt(l1 / l2);
+  spot.elongation = elongation_of(places, areas);
   return spot;
 }
 

@@ -44,9 +44,10 @@ struct Spot {
   Vec3 peak_at{0};           ///< that face's centroid
   double half_area_m2 = 0;   ///< of the faces with more than half of it
   double half_radius_m = 0;  ///< of a disc of that area
-  double elongation = 1;  ///< sqrt(l1 / l2) of the area-weighted covariance of these faces' centroids; 1 for fewer than
-                          ///< three
+  double elongation = 1;     ///< of these faces' centroids and areas
 };
+/// sqrt(l1 / l2) of the covariance of points that stand for areas; 1 for fewer than three.
+double elongation_of(std::span<const Vec3> points, std::span<const double> areas);
 Spot spot_of(const geometry::Mesh& mesh, std::span<const double> pressure);
 
 }  // namespace palpa::acoustics

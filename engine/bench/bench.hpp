@@ -35,6 +35,8 @@ void measure_array(const Context& context, std::vector<Row>& rows);
 void measure_solvers(const Context& context, std::vector<Row>& rows);
 /// The sound of a drive on a plane, on the device and on the host.
 void measure_field(const Context& context, std::vector<Row>& rows);
+/// Scattering by spheres, by the finger and by the hand, on the host: how exact, then how long.
+void measure_scattering(const Context& context, std::vector<Row>& rows);
 /// Skin points to foci.
 void measure_touch(const Context& context, std::vector<Row>& rows);
 /// Methods and tuning, on the host.

@@ -106,7 +106,10 @@ void run(const BenchCommand& o) {
     bench::measure_array(context, rows);
     bench::measure_solvers(context, rows);
   }
-  if (o.suite == Suite::all || o.suite == Suite::acoustics) bench::measure_field(context, rows);
+  if (o.suite == Suite::all || o.suite == Suite::acoustics) {
+    bench::measure_field(context, rows);
+    bench::measure_scattering(context, rows);
+  }
   if (o.suite == Suite::all || o.suite == Suite::loop) bench::measure_loop(context, rows);
   bar.reset();
 

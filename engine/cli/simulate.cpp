@@ -1,3 +1,5 @@
+#include "cli/simulate.hpp"
+
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -18,9 +20,10 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
-#include "geometry/topology.hpp"
+#include "cli/touch_picture.hpp"
 #include "geometry/vtu.hpp"
 #include "session/skin_pressure.hpp"
+#include "setup/assets.hpp"
 #include "setup/body.hpp"
 #include "setup/load.hpp"
 #include "setup/nearest_skin.hpp"
@@ -34,20 +37,6 @@
 namespace palpa::cli {
 namespace {
 
-struct SimulateCommand {
-  setup::CommonOptions common;
-  std::string scene, finger;
-  std::optional<std::uint32_t> gltf_scene;
-  double penetration_m = 3e-3;
-  bool force = false;
-  std::string csv, vtu;
-  setup::SolidOptions solids;
-  setup::TouchOptions touch;
-  setup::RigOptions rig;
-  setup::DriveOptionsGroup drive;
-  setup::AirOptions air;
-};
-
 void add_options(CLI::App& app, SimulateCommand& o) {
   const setup::Group group(app, "What touches what");
   group.text("--scene", o.scene, "FILE", "glTF model: the solids, in world coordinates");
@@ -55,27 +44,19 @@ void add_options(CLI::App& app, SimulateCommand& o) {
   group.text("--finger", o.finger, "FILE", "the finger, a closed PLY or glTF mesh: tip at the origin, body along +y");
   group.quantity("--penetration", o.penetration_m, Quantity::length, {-10, 10},
                  "how far below the solids' top the finger's lowest point is");
+  group.flag("--figure6", o.figure6,
+             "in place of --scene: the paper's four objects, by every method, with the paper's finger");
   group.flag("--force", o.force, "reckon with a finger that is too coarse for the wavelength, too");
   const setup::Group results(app, "Results");
   results.text("--csv", o.csv, "FILE|-", "face,x,y,z,area,langevin,squared of every face: time averages in Pa");
   results.text("--vtu", o.vtu, "FILE", "the same on the finger for ParaView");
+  results.text("--png", o.png, "FILE", "pictures from below: where the foci are, and the pressure");
   setup::add_solid_options(app, o.solids);
   setup::add_touch_options(app, o.touch);
   setup::add_rig_options(app, o.rig);
   setup::add_drive_options(app, o.drive);
   setup::add_air_options(app, o.air);
 }
-
-/// One touch as the skin has it.
-struct Felt {
-  geometry::Mesh body;  ///< in the world
-  Vec3 tip{0};
-  std::vector<std::optional<Vec3>> foci;  ///< none for an empty sector
-  acoustics::SkinPressure pressure;
-  acoustics::Spot langevin, squared;
-  acoustics::Load load;  ///< about the tip
-  setup::StageTimes times;
-};
 
 /// The skin points are the mesh's vertices, each once, in the file's order.
 setup::TouchInput skin_of(const geometry::Mesh& finger, double dy) {
@@ -101,7 +82,7 @@ std::vector<std::optional<Vec3>> foci_of(const session::Session& session) {
   return foci;
 }
 
-[[noreturn]] void refuse_untouched(const SimulateCommand& o, std::span<const geometry::Solid> solids,
+[[noreturn]] void refuse_untouched(const std::string& scene, std::span<const geometry::Solid> solids,
                                    const setup::TouchInput& skin) {
   std::string line = "the finger touches nothing there";
   if (const auto nearest = setup::nearest_skin(solids, skin)) {
@@ -109,23 +90,41 @@ std::vector<std::optional<Vec3>> foci_of(const session::Session& session) {
                         nearest->inside ? "below" : "away from", solids[nearest->solid].name,
                         nearest->inside ? ", deeper than its shell" : "");
   }
-  throw bad_input(o.scene, line + "; give another --penetration");
+  throw bad_input(scene, line + "; give another --penetration");
 }
 
-Felt feel(const SimulateCommand& o) {
+}  // namespace
+
+Finger::Finger(const SimulateCommand& o, const acoustics::Air& air)
+    : given_(setup::load_triangles(o.finger)),
+      body_(setup::load_body(o.finger, air, o.force)),
+      wave_number_(air.wave_number()) {}
+
+const acoustics::RigidBody& Finger::standing(double dy) {
+  if (standing_ && dy_ == dy) return *standing_;
+  geometry::Mesh moved = body_;
+  for (Vec3& p : moved.positions)
+    p.y += dy;
+  standing_.reset();
+  standing_ = std::make_unique<acoustics::RigidBody>(std::move(moved), wave_number_);
+  dy_ = dy;
+  return *standing_;
+}
+
+Felt feel(const SimulateCommand& o, Finger& finger, const std::string& scene, std::vector<geometry::Solid> solids,
+          touch::Method method) {
   Felt felt;
+  felt.method = method;
   setup::Stopwatch watch;
   const acoustics::Air air = setup::air(o.drive.medium, o.air);
-  std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids);
-  const geometry::Mesh finger = setup::load_triangles(o.finger);
-  felt.body = setup::load_body(o.finger, air, o.force);
-  const double dy = setup::lowering(solids, finger.positions, o.penetration_m);
+  const double dy = setup::lowering(solids, finger.as_given().positions, o.penetration_m);
   felt.tip = Vec3(0, dy, 0);
+  felt.body = finger.body();
   for (Vec3& p : felt.body.positions)
     p.y += dy;
-  const setup::TouchInput skin = skin_of(finger, dy);
+  const setup::TouchInput skin = skin_of(finger.as_given(), dy);
   setup::TouchArray array{.layout = setup::load_posed_rig(o.rig).layout,
-                          .drive = setup::drive_options(o.drive, o.touch.method.method),
+                          .drive = setup::drive_options(o.drive, method),
                           .pressure_pa = o.drive.pressure_pa};
   check(o.drive, solids);
   acoustics::check_clear_of(o.finger, felt.body, array.layout);
@@ -134,23 +133,29 @@ Felt feel(const SimulateCommand& o) {
   log::release_warnings();
   felt.times.emplace_back("load", watch.lap_ms());
 
-  const setup::Preparing progress(o.common.quiet);
+  setup::TouchOptions touch = o.touch;
+  touch.method.method = method;
   const setup::OneTouch one =
-      setup::touch_once(o.common, o.touch, {}, o.scene, std::move(solids), skin, std::move(array), felt.times);
-  if (one.touch.finger_count == 0) refuse_untouched(o, one.session.solids(), skin);
+      setup::touch_once(o.common, touch, {}, scene, std::move(solids), skin, std::move(array), felt.times);
+  if (one.touch.finger_count == 0) refuse_untouched(scene, one.session.solids(), skin);
   felt.foci = foci_of(one.session);
   watch.lap_ms();
-  const acoustics::RigidBody body(felt.body, air.wave_number());
+  const acoustics::RigidBody& body = finger.standing(dy);
   felt.times.emplace_back("operator", watch.lap_ms());
   const session::SessionSetting& setting = one.session.setting();
+  const session::Sounds sounds = session::sounds_of(one.session.plan(), setting);
   const acoustics::Incident incident(setting.layout, air, o.drive.directivity);
-  felt.pressure = session::mean_pressure(session::sounds_of(one.session.plan(), setting), incident, air, body);
+  felt.pressure = session::mean_pressure(sounds, incident, air, body);
   felt.times.emplace_back("pressure", watch.lap_ms());
   felt.langevin = acoustics::spot_of(felt.body, felt.pressure.langevin);
   felt.squared = acoustics::spot_of(felt.body, felt.pressure.squared);
   felt.load = acoustics::load_on(felt.body, felt.pressure.langevin, felt.tip);
+  if (o.figure6)
+    felt.bare_elongation = session::bare_elongation(sounds, incident, one.touch.fingers[0].section.centroid);
   return felt;
 }
+
+namespace {
 
 void add_spot(JsonWriter& json, const char* name, const acoustics::Spot& spot) {
   json.key(name)
@@ -163,15 +168,15 @@ void add_spot(JsonWriter& json, const char* name, const acoustics::Spot& spot) {
       .end_object();
 }
 
-std::string to_json(const SimulateCommand& o, const Felt& felt) {
-  JsonWriter json;
-  json.begin_object();
+}  // namespace
+
+void add_felt(JsonWriter& json, const SimulateCommand& o, const Felt& felt) {
   json.key("finger")
       .begin_object()
       .member("faces", std::uint64_t{felt.body.triangles.size()})
       .member("vertices", std::uint64_t{felt.body.positions.size()})
       .end_object();
-  json.member("method", word_of(touch::method_words, o.touch.method.method)).member("penetration_m", o.penetration_m);
+  json.member("method", word_of(touch::method_words, felt.method)).member("penetration_m", o.penetration_m);
   json.key("foci_m").begin_array();
   for (const std::optional<Vec3>& focus : felt.foci) {
     if (focus) {
@@ -187,7 +192,16 @@ std::string to_json(const SimulateCommand& o, const Felt& felt) {
   json.key("timing_ms").begin_object();
   for (const auto& [stage, ms] : felt.times)
     json.member(stage, ms);
-  json.end_object().end_object();
+  json.end_object();
+}
+
+namespace {
+
+std::string to_json(const SimulateCommand& o, const Felt& felt) {
+  JsonWriter json;
+  json.begin_object();
+  add_felt(json, o, felt);
+  json.end_object();
   return json.take();
 }
 
@@ -219,31 +233,59 @@ std::string spot_line(const char* name, const acoustics::Spot& spot) {
       name, spot.peak_pa, at.x, at.y, at.z, spot.half_area_m2 * 1e6, spot.half_radius_m * 1e3, spot.elongation);
 }
 
-std::string summary(const SimulateCommand& o, const Felt& felt) {
+std::string summary(const Felt& felt) {
   double ms = 0;
   for (const auto& stage : felt.times)
     ms += stage.second;
   return fmt::format("{} faces, {}, {} foci ({:.2f} s)\n", felt.body.triangles.size(),
-                     word_of(touch::method_words, o.touch.method.method), felt.foci.size(), ms / 1e3) +
+                     word_of(touch::method_words, felt.method), felt.foci.size(), ms / 1e3) +
          spot_line("radiation pressure", felt.langevin) + spot_line("|p|^2 / (4 rho c^2)", felt.squared) +
          fmt::format("force ({:.3g}, {:.3g}, {:.3g}) N\n", felt.load.force.x, felt.load.force.y, felt.load.force.z);
 }
 
 void check(const SimulateCommand& o) {
-  if (o.scene.empty()) throw bad_usage("--scene is missing: give the glTF model that is touched");
+  setup::check(o.touch);
+  if (o.figure6) {
+    if (!o.scene.empty() || !o.csv.empty() || !o.vtu.empty() || o.gltf_scene ||
+        o.touch.method.method != touch::Method{})
+      throw bad_usage(
+          "--figure6 is the paper's objects by every method: --scene, --method, --csv and --vtu are of one touch");
+    return;
+  }
+  if (o.scene.empty()) throw bad_usage("--scene is missing: give the glTF model that is touched, or --figure6");
   if (o.finger.empty())
     throw bad_usage("--finger is missing: give the finger's closed mesh, such as assets/finger.ply");
-  setup::check(o.touch);
 }
 
-void run(const SimulateCommand& o) {
-  check(o);
-  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}, {"--vtu", o.vtu}});
-  const Felt felt = feel(o);
+void run_one(const SimulateCommand& o) {
+  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}, {"--vtu", o.vtu}, {"--png", o.png}});
+  std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
+  std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids);
+  Box all;
+  for (const geometry::Solid& solid : solids)
+    all.add(solid.bounds.high);
+  Finger finger(o, setup::air(o.drive.medium, o.air));
+  const Felt felt = feel(o, finger, o.scene, std::move(solids), o.touch.method.method);
+  progress.reset();
   if (!o.csv.empty()) write_file(o.csv, to_csv(felt));
   if (!o.vtu.empty()) write_vtu(o.vtu, felt);
+  if (!o.png.empty()) {
+    drawing::write_png(
+        o.png, side_by_side({foci_picture(felt, all.high.y, "Foci"), pressure_picture(felt, "Radiation pressure")}, 2));
+  }
   if (!o.common.json.empty()) write_file(o.common.json, to_json(o, felt));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(o, felt));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(felt));
+}
+
+void run(const SimulateCommand& given) {
+  check(given);
+  SimulateCommand o = given;
+  if (o.figure6 && o.finger.empty()) o.finger = setup::find_asset("finger.ply");
+  if (o.figure6) {
+    run_figure6(o);
+  } else {
+    run_one(o);
+  }
 }
 
 }  // namespace
@@ -254,6 +296,7 @@ void add_simulate(Program& program) {
       {"simulate", "the radiation pressure on a finger that touches a model",
        "  palpa simulate --scene assets/cube.glb --finger assets/finger.ply --penetration 3mm --csv pressure.csv\n"
        "  palpa simulate --scene assets/pyramid.glb --finger assets/finger.ply --method single-focus --json -\n"
+       "  palpa simulate --figure6 --png figure6.png --json figure6.json\n"
        "A rigid finger, linear sound; pressures are time averages over the schedule. Coordinates in the world."},
       add_options, run);
 }

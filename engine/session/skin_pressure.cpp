@@ -65,4 +65,27 @@ acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Inc
   return pressure;
 }
 
+double bare_elongation(const Sounds& sounds, const acoustics::Incident& incident, const Vec3& centre) {
+  constexpr int steps = 30;
+  constexpr double step_m = 0.5e-3;
+  std::vector<Vec3> points;
+  for (int i = -steps; i <= steps; ++i) {
+    for (int j = -steps; j <= steps; ++j)
+      points.push_back(centre + step_m * Vec3(i, 0, j));
+  }
+  acoustics::Waves waves;
+  incident.at(points, {}, sounds.strengths, waves);
+  std::vector<double> mean(points.size());
+  for (std::size_t sound = 0; sound < sounds.weights.size(); ++sound) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      mean[i] += sounds.weights[sound] * std::norm(waves.pressures[sound * points.size() + i]);
+  }
+  const double half = *std::ranges::max_element(mean) / 2;
+  std::vector<Vec3> above;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (mean[i] > half) above.push_back(points[i]);
+  }
+  return acoustics::elongation_of(above, std::vector<double>(above.size(), step_m * step_m));
+}
+
 }  // namespace palpa::session

@@ -27,4 +27,8 @@ Sounds sounds_of(const Plan& plan, const SessionSetting& setting);
 acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Incident& incident,
                                       const acoustics::Air& air, const acoustics::RigidBody& body);
 
+/// The same sounds without anything in their way: how much longer than wide is the place, in the horizontal plane
+/// through `centre`, within 15 mm, where the time average of |p|^2 is above half of its largest.
+double bare_elongation(const Sounds& sounds, const acoustics::Incident& incident, const Vec3& centre);
+
 }  // namespace palpa::session

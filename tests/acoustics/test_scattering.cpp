@@ -18,8 +18,9 @@
 #include "acoustics/surface_operator.hpp"
 #include "acoustics/triangle_rules.hpp"
 #include "acoustics/waves.hpp"
+#include "geometry/icosphere.hpp"
 #include "geometry/topology.hpp"
-#include "spheres.hpp"
+
 #include "support/csv.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
@@ -129,7 +130,7 @@ TEST(TriangleRules, TakeSingularitiesAway) {
 
 TEST(Scattering, SphereInPlaneWaveAndNearSource) {
   const double k = 5.86186384343285 / radius;
-  const RigidBody body(icosphere(radius, 14), k);
+  const RigidBody body(geometry::icosphere(radius, 14), k);
   ASSERT_EQ(body.mesh().triangles.size(), 3920u);
   const double plane = plane_wave_error(body, radius);
   const Vec3 source(0.06, 0, 0.08);
@@ -154,7 +155,7 @@ TEST(Scattering, ErrorFallsFasterThanTheFacesSquared) {
   const double k = 5.86 / radius;
   std::vector<double> errors;
   for (const int divisions : {5, 6, 8, 10}) {
-    errors.push_back(plane_wave_error(RigidBody(icosphere(radius, divisions), k), radius));
+    errors.push_back(plane_wave_error(RigidBody(geometry::icosphere(radius, divisions), k), radius));
     std::printf("  %d faces: %.3f %%\n", 20 * divisions * divisions, 100 * errors.back());
   }
   EXPECT_GE(std::log(errors[1] / errors[2]) / std::log(8.0 / 6), 2.5);
@@ -168,7 +169,7 @@ TEST(Scattering, InsideNothingResonates) {
   for (const double resonance : {5.6467, 5.7635, 5.9404, 6.2832}) {
     std::vector<double> answers;
     for (double ka = resonance * 0.99; ka < resonance * 1.01; ka += 0.005) {
-      const Patches body = make_patches(icosphere(radius, 4));
+      const Patches body = make_patches(geometry::icosphere(radius, 4));
       const auto system = make_dense_operator(body, ka / radius);
       std::vector<std::complex<float>> numbers(8 * system->unknowns());
       for (std::complex<float>& number : numbers)
@@ -202,7 +203,7 @@ TEST(Scattering, ManySourcesAreTheirSum) {
     for (std::size_t i = 0; i < layout.transducers.size(); ++i)
       strengths.push_back(std::polar(1.0, 0.7 * static_cast<double>((drive + 1) * i)));
   }
-  const RigidBody body(icosphere(radius, 10), k);
+  const RigidBody body(geometry::icosphere(radius, 10), k);
   Waves waves;
   Incident(layout, air, array::Directivity::omni).at(body.points(), body.normals(), strengths, waves);
   const auto unknowns = body.solve(waves);
@@ -239,7 +240,7 @@ TEST(Scattering, ManySourcesAreTheirSum) {
 
 TEST(Scattering, TheAirAroundIsTheSeries) {
   const double k = 5.86 / radius;
-  const RigidBody body(icosphere(radius, 12), k);
+  const RigidBody body(geometry::icosphere(radius, 12), k);
   const auto unknowns = body.solve(plane_wave(k, along, body.points(), body.normals()));
   std::vector<Vec3> points;
   for (int i = 0; i < 60; ++i) {
@@ -324,7 +325,7 @@ TEST(Scattering, NoEnergyIsLost) {
 
 TEST(Radiation, PushesASphereAsTheSeriesSays) {
   const double k = 5.86 / radius;
-  const RigidBody body(icosphere(radius, 12), k);
+  const RigidBody body(geometry::icosphere(radius, 12), k);
   Air air = without_absorption(air_of({}));
   air.medium.frequency = k * air.medium.sound_speed / (2 * pi);
   const auto sound = body.at_faces(body.solve(plane_wave(k, along, body.points(), body.normals())));
@@ -346,7 +347,7 @@ TEST(Radiation, PushesASphereAsTheSeriesSays) {
 }
 
 TEST(Radiation, ASpotIsMeasured) {
-  const geometry::Mesh mesh = icosphere(radius, 20);
+  const geometry::Mesh mesh = geometry::icosphere(radius, 20);
   std::vector<double> pressure;
   for (std::size_t face = 0; face < mesh.triangles.size(); ++face) {
     const Vec3 at = centroid(mesh, face);

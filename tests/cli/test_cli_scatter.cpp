@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "../acoustics/spheres.hpp"
 #include "acoustics/sphere_series.hpp"
+#include "geometry/icosphere.hpp"
 #include "geometry/ply.hpp"
 #include "process.hpp"
 #include "support/csv.hpp"
@@ -39,7 +39,7 @@ std::string ply_of(const std::string& name, const geometry::Mesh& mesh) {
 }
 
 std::string sphere_file() {
-  return ply_of("sphere", acoustics::icosphere(radius, 5));
+  return ply_of("sphere", geometry::icosphere(radius, 5));
 }
 
 struct Scattered {
@@ -99,7 +99,7 @@ TEST(Scatter, AnArrayLiftsWhatIsAboveIt) {
   const std::string drive = folder() / "drive.csv";
   ASSERT_EQ(
       palpa({"drive", "--layout", "openmpd", "--focus", "0,0,100mm", "--csv", drive, "--backend", "cpu"}).exit_code, 0);
-  geometry::Mesh above = acoustics::icosphere(radius, 5);
+  geometry::Mesh above = geometry::icosphere(radius, 5);
   for (Vec3& p : above.positions)
     p.z += 0.105;
   const std::vector<std::string> arguments{"--mesh", ply_of("above", above), "--layout", "openmpd", "--drive", drive};
@@ -121,7 +121,7 @@ TEST(Scatter, RefusesWhatIsNoBody) {
   const auto refused = [](const std::string& name, const geometry::Mesh& mesh, const std::string& why) {
     expect_failure(palpa({"scatter", "--mesh", ply_of(name, mesh), "--plane-wave", "0,0,1", "--csv", "-"}), 4, why);
   };
-  const geometry::Mesh sphere = acoustics::icosphere(radius, 4);
+  const geometry::Mesh sphere = geometry::icosphere(radius, 4);
   geometry::Mesh open = sphere, crossing = sphere, needle = sphere;
   open.triangles.pop_back();
   refused("open", open, "the mesh is open");

@@ -2,14 +2,16 @@
 // what it refuses.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
 
-#include "../acoustics/spheres.hpp"
+#include "geometry/icosphere.hpp"
 #include "geometry/ply.hpp"
 #include "process.hpp"
 #include "support/csv.hpp"
@@ -27,14 +29,12 @@ std::filesystem::path folder() {
   return folder;
 }
 
-/// A fingertip: a sphere of 5 mm, its lowest point at y.
-std::string finger_file(const std::string& name, double y) {
-  geometry::Mesh mesh = acoustics::icosphere(5e-3, 5);
-  double lowest = 0;
-  for (const Vec3& p : mesh.positions)
-    lowest = std::min(lowest, p.y);
+/// A fingertip: a sphere of 5 mm, its lowest vertex at 0, y, 0.
+std::string finger_file(const std::string& name, double y, int divisions = 5) {
+  geometry::Mesh mesh = geometry::icosphere(5e-3, divisions);
+  const Vec3 lowest = *std::ranges::min_element(mesh.positions, {}, &Vec3::y);
   for (Vec3& p : mesh.positions)
-    p.y += y - lowest;
+    p += Vec3(0, y, 0) - lowest;
   const std::filesystem::path file = folder() / (name + ".ply");
   geometry::write_ply(file, mesh.positions, mesh.triangles);
   return file;
@@ -114,6 +114,53 @@ TEST(Simulate, AModulatedFocusIsHalfOfItsDrive) {
   EXPECT_NEAR(got.results["force_N"][1].get<double>() / up, 0.5, 1e-3);
 }
 
+/// The paper's rig with every seventeenth of its transducers: the same focus for less time.
+std::string sparse_rig() {
+  const std::string drive = folder() / "all.csv";
+  EXPECT_EQ(palpa({"drive", "--layout", "paper", "--focus", "0,0,0", "--csv", drive, "--backend", "cpu"}).exit_code, 0);
+  std::ofstream layout(folder() / "sparse.toml");
+  const auto rows = read_csv(drive);
+  for (std::size_t i = 0; i < rows.size(); i += 17) {
+    const auto& r = rows[i];
+    layout << "[[transducer]]\nposition_m = [" << r[1] << ", " << r[2] << ", " << r[3] << "]\naxis = [" << r[4] << ", "
+           << r[5] << ", " << r[6] << "]\n";
+  }
+  std::string rig = read_text(source_file("assets/rigs/paper.toml"));
+  const std::string named = "layout = \"paper\"";
+  const std::size_t at = rig.find(named);
+  EXPECT_NE(at, std::string::npos);
+  rig.replace(at, named.size(), "layout = \"sparse.toml\"");
+  const std::filesystem::path file = folder() / "rig.toml";
+  std::ofstream(file) << rig;
+  return file;
+}
+
+TEST(Simulate, TheFigureIsThePapers) {
+  const std::string png = folder() / "figure6.png";
+  const Result result = palpa({"simulate", "--figure6", "--finger", finger_file("fine-tip", 0, 8), "--penetration",
+                               "3mm", "--backend", "cpu", "--rig", sparse_rig(), "--png", png, "--json", "-"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json all = json::parse(result.out);
+  ASSERT_EQ(all.size(), 20u);
+  std::vector<json> paper;
+  for (const json& touch : all) {
+    EXPECT_GE(touch["bare_elongation"], 1);
+    if (touch["method"] == "cross-section") paper.push_back(touch);
+  }
+  ASSERT_EQ(paper.size(), 5u);
+  const char* const objects[]{"cube", "semi-sphere", "pyramid", "prism", "prism-along-x"};
+  for (std::size_t i = 0; i < 5; ++i)
+    EXPECT_EQ(paper[i]["object"], objects[i]);
+  const auto area = [&](std::size_t i) { return paper[i]["squared"]["half_area_m2"].get<double>(); };
+  // The cube's follows the cross-section, the pyramid's is a single focus, the prism's is long, along its ridge.
+  EXPECT_GT(area(0), area(1));
+  EXPECT_GT(area(1), 1.5 * area(2));
+  EXPECT_GT(area(3), 1.1 * area(2));
+  EXPECT_GT(paper[3]["squared"]["elongation"], paper[4]["squared"]["elongation"]);
+  EXPECT_TRUE(read_text(png).starts_with("\x89PNG"));
+  expect_failure(palpa({"simulate", "--figure6", "--scene", "a.glb"}), 2, "--figure6");
+}
+
 TEST(Simulate, RefusesWhatCannotBe) {
   const std::vector<std::string> cube = touch_of("cube");
   expect_failure(palpa(with(cube, {"--penetration", "-2mm", "--json", "-"})), 4, "touches nothing there");
@@ -121,7 +168,7 @@ TEST(Simulate, RefusesWhatCannotBe) {
   expect_failure(palpa({"simulate", "--scene", source_file("assets/cube.glb")}), 2, "--finger is missing");
   expect_failure(palpa(with(cube, {"--layout", "openmpd", "--penetration", "153mm", "--json", "-"})), 4,
                  "stands in the array");
-  geometry::Mesh open = acoustics::icosphere(5e-3, 5);
+  geometry::Mesh open = geometry::icosphere(5e-3, 5);
   open.triangles.pop_back();
   const std::filesystem::path file = folder() / "open.ply";
   geometry::write_ply(file, open.positions, open.triangles);

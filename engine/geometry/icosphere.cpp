@@ -1,12 +1,12 @@
-#include "spheres.hpp"
+#include "geometry/icosphere.hpp"
 
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-namespace palpa::acoustics {
+namespace palpa::geometry {
 
-geometry::Mesh icosphere(double radius, int divisions) {
+Mesh icosphere(double radius, int divisions) {
   const double g = (1 + std::sqrt(5.0)) / 2;
   const std::array<Vec3, 12> corners{{{-1, g, 0},
                                       {1, g, 0},
@@ -23,7 +23,7 @@ geometry::Mesh icosphere(double radius, int divisions) {
   constexpr unsigned faces[20][3]{{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
                                   {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
                                   {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-  geometry::Mesh mesh;
+  Mesh mesh;
   for (const auto& face : faces) {
     const auto at = [&](int b, int c) {
       const Vec3 flat = corners[face[0]] * static_cast<double>(divisions - b - c) +
@@ -42,7 +42,7 @@ geometry::Mesh icosphere(double radius, int divisions) {
       }
     }
   }
-  return geometry::weld(mesh, radius * 1e-9);
+  return weld(mesh, radius * 1e-9);
 }
 
-}  // namespace palpa::acoustics
+}  // namespace palpa::geometry

@@ -1,0 +1,164 @@
+// Scattering by rigid bodies: how exact by the sphere's series, then how long.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <complex>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "acoustics/air.hpp"
+#include "acoustics/body_mesh.hpp"
+#include "acoustics/incident.hpp"
+#include "acoustics/radiation.hpp"
+#include "acoustics/rigid_body.hpp"
+#include "acoustics/sphere_series.hpp"
+#include "acoustics/waves.hpp"
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+#include "base/error.hpp"
+#include "bench/bench.hpp"
+#include "geometry/icosphere.hpp"
+#include "setup/assets.hpp"
+#include "setup/body.hpp"
+
+namespace palpa::bench {
+namespace {
+
+using acoustics::RigidBody;
+using acoustics::SphereSeries;
+
+constexpr double radius = 8e-3, usual_ka = 5.86;
+const Vec3 along(0, 0, 1), source(0, 0, 0.1);
+constexpr std::uint32_t most_runs = 5;
+
+double now_ms() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Area-weighted relative L2 error of the total pressure at the faces' centroids.
+double error_of(const RigidBody& body, const acoustics::Waves& wave, const SphereSeries& exact) {
+  const auto sound = body.at_faces(body.solve(wave));
+  double wrong = 0, all = 0;
+  for (std::size_t face = 0; face < sound.size(); ++face) {
+    const std::complex<double> right = exact.at(acoustics::face_centroid(body.mesh(), face));
+    const double area = acoustics::face_area(body.mesh(), face);
+    wrong += area * std::norm(sound[face].pressure - right);
+    all += area * std::norm(right);
+  }
+  return std::sqrt(wrong / all);
+}
+
+double plane_wave_error(const RigidBody& body) {
+  const double k = body.wave_number();
+  return error_of(body, acoustics::plane_wave(k, along, body.points(), body.normals()),
+                  SphereSeries::plane_wave(k, radius, along));
+}
+
+[[noreturn]] void wrong(const std::string& what) {
+  throw failure(fmt::format("bench: {}; nothing was timed", what));
+}
+
+/// Y_p that the radiation pressure of a plane wave comes to.
+double force_function(const RigidBody& body) {
+  acoustics::Air air = acoustics::without_absorption(acoustics::air_of({}));
+  air.medium.frequency = body.wave_number() * air.medium.sound_speed / (2 * std::numbers::pi);
+  acoustics::SkinPressure pressure;
+  const auto wave = acoustics::plane_wave(body.wave_number(), along, body.points(), body.normals());
+  acoustics::add_pressure(body.at_faces(body.solve(wave)), air, 1, pressure);
+  const double unit = std::numbers::pi * radius * radius / (2 * air.stiffness_pa());
+  return acoustics::load_on(body.mesh(), pressure.langevin, {}).force.z / unit;
+}
+
+/// The largest error beside the median one, of wave numbers near one at which a sphere's inside resonates.
+double worst_by_median(double resonance) {
+  std::vector<double> errors;
+  for (double ka = resonance * 0.99; ka < resonance * 1.01; ka += 0.005)
+    errors.push_back(plane_wave_error(RigidBody(geometry::icosphere(radius, 7), ka / radius)));
+  std::ranges::sort(errors);
+  return errors.back() / errors[errors.size() / 2];
+}
+
+void measure_spheres(const Context& context, std::vector<Row>& rows) {
+  for (const int divisions : {5, 7, 10, 14, 20}) {
+    const int faces = 20 * divisions * divisions;
+    std::vector<double> samples;
+    std::optional<RigidBody> body;
+    for (std::uint32_t run = 0; run < std::clamp(context.runs, 1u, most_runs); ++run) {
+      const double begin = now_ms();
+      body.emplace(geometry::icosphere(radius, divisions), usual_ka / radius);
+      samples.push_back(now_ms() - begin);
+    }
+    const double k = body->wave_number(), plane = plane_wave_error(*body);
+    const double near = error_of(*body, acoustics::point_source(k, source, body->points(), body->normals()),
+                                 SphereSeries::point_source(k, radius, source));
+    const double force = force_function(*body);
+    if (faces > 3000 && std::max(plane, near) > 0.005) wrong("a sphere's pressure is more than 0.5 % off its series");
+    if (faces > 3000 && std::abs(force / acoustics::sphere_force_function(usual_ka) - 1) > 0.01)
+      wrong("the force on a sphere is more than 1 % off its series");
+    rows.push_back(make_row("acoustics", fmt::format("sphere, {} faces", faces), "operator", std::move(samples)));
+    rows.back().note = fmt::format("ka 5.86: plane wave {:.3f} %, point source {:.3f} %, Y_p {:.4f} of {:.4f}",
+                                   plane * 100, near * 100, force, acoustics::sphere_force_function(usual_ka));
+  }
+  for (const double resonance : {5.6467, 5.7635, 5.9404, 6.2832}) {
+    const double begin = now_ms(), worst = worst_by_median(resonance);
+    if (worst > 1.3) wrong(fmt::format("errors peak near ka {}", resonance));
+    rows.push_back(make_row("acoustics", fmt::format("sphere, ka {} +- 1 %", resonance), "scan", {now_ms() - begin}));
+    rows.back().note = fmt::format("980 faces, steps of 0.005: largest error {:.3f} times the median", worst);
+  }
+}
+
+/// Ten foci on a circle of 3 mm at the tip of a body that stands 3 mm below the origin, by the paper's array.
+void measure_body(const Context& context, const std::string& asset, std::vector<Row>& rows) {
+  const acoustics::Air air = acoustics::air_of({});
+  geometry::Mesh mesh = acoustics::body_mesh(asset, setup::load_triangles(setup::find_asset(asset)));
+  const double lowest = geometry::bounds(mesh).low.y;
+  for (Vec3& p : mesh.positions)
+    p.y -= lowest + 3e-3;
+  const array::Layout layout = array::load_layout("paper");
+  acoustics::Strengths strengths;
+  for (int focus = 0; focus < 10; ++focus) {
+    const double angle = 0.2 * std::numbers::pi * focus;
+    const array::SlotFocus one{{3e-3 * std::cos(angle), -2e-3, 3e-3 * std::sin(angle)}};
+    const acoustics::Strengths own = acoustics::strengths_of(array::drive_for(layout, {&one, 1}));
+    strengths.insert(strengths.end(), own.begin(), own.end());
+  }
+  const acoustics::Incident incident(layout, air, array::Directivity::t4010a1);
+  std::vector<double> operators, sets;
+  const std::uint32_t runs = mesh.triangles.size() > 10'000 ? 1 : std::clamp(context.runs, 1u, most_runs);
+  for (std::uint32_t run = 0; run < runs; ++run) {
+    const double begin = now_ms();
+    const RigidBody body(mesh, air.wave_number());
+    operators.push_back(now_ms() - begin);
+    const double ready = now_ms();
+    acoustics::Waves waves;
+    incident.at(body.points(), body.normals(), strengths, waves);
+    const auto unknowns = body.solve(waves);
+    acoustics::SkinPressure pressure;
+    for (std::size_t focus = 0; focus < 10; ++focus) {
+      const std::size_t size = mesh.positions.size();
+      acoustics::add_pressure(body.at_faces(std::span(unknowns).subspan(focus * size, size)), air, 0.1, pressure);
+    }
+    sets.push_back(now_ms() - ready);
+  }
+  const std::string name = fmt::format("{}, {} faces", asset, mesh.triangles.size());
+  rows.push_back(make_row("acoustics", name, "operator", std::move(operators)));
+  rows.back().note = fmt::format("process at most {} MB so far", peak_resident_bytes() / 1'000'000);
+  rows.push_back(make_row("acoustics", name, "ten foci", std::move(sets)));
+  rows.back().note = "3984 transducers to pressures on the skin";
+}
+
+}  // namespace
+
+void measure_scattering(const Context& context, std::vector<Row>& rows) {
+  measure_spheres(context, rows);
+  measure_body(context, "finger.ply", rows);
+  measure_body(context, "hand.glb", rows);
+}
+
+}  // namespace palpa::bench

@@ -1,0 +1,79 @@
+// One touch as rigid skin has it, and the paper's figure of several: what both share.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acoustics/air.hpp"
+#include "acoustics/radiation.hpp"
+#include "acoustics/rigid_body.hpp"
+#include "base/json_writer.hpp"
+#include "base/math.hpp"
+#include "geometry/mesh.hpp"
+#include "geometry/solid.hpp"
+#include "setup/options.hpp"
+#include "setup/touch_run.hpp"
+#include "touch/method.hpp"
+
+namespace palpa::cli {
+
+struct SimulateCommand {
+  setup::CommonOptions common;
+  std::string scene, finger;
+  std::optional<std::uint32_t> gltf_scene;
+  bool figure6 = false;
+  double penetration_m = 3e-3;
+  bool force = false;
+  std::string csv, vtu, png;
+  setup::SolidOptions solids;
+  setup::TouchOptions touch;
+  setup::RigOptions rig;
+  setup::DriveOptionsGroup drive;
+  setup::AirOptions air;
+};
+
+/// A finger's mesh, and what it does to sound where it stands.
+class Finger {
+ public:
+  /// Throws as setup::load_body does.
+  Finger(const SimulateCommand& o, const acoustics::Air& air);
+
+  const geometry::Mesh& as_given() const { return given_; }
+  const geometry::Mesh& body() const { return body_; }  ///< as_given() welded
+  /// The body, moved along y by that. Kept until another place is asked for.
+  const acoustics::RigidBody& standing(double dy);
+
+ private:
+  geometry::Mesh given_, body_;
+  double wave_number_;
+  double dy_ = 0;
+  std::unique_ptr<acoustics::RigidBody> standing_;
+};
+
+struct Felt {
+  touch::Method method{};
+  geometry::Mesh body;  ///< in the world
+  Vec3 tip{0};
+  std::vector<std::optional<Vec3>> foci;  ///< none for an empty sector
+  acoustics::SkinPressure pressure;
+  acoustics::Spot langevin, squared;
+  acoustics::Load load;  ///< about the tip
+  double bare_elongation = 1;
+  setup::StageTimes times;
+};
+
+/// The finger, `o.penetration_m` into these solids, of which `scene` is the file, by this method. `fault` names what is
+/// touched where nothing is.
+Felt feel(const SimulateCommand& o, Finger& finger, const std::string& scene, std::vector<geometry::Solid> solids,
+          touch::Method method);
+
+/// The members of a touch's object.
+void add_felt(JsonWriter& json, const SimulateCommand& o, const Felt& felt);
+
+/// The paper's objects, one after the other, by every method: table, --json, --png.
+void run_figure6(const SimulateCommand& o);
+
+}  // namespace palpa::cli

@@ -1,0 +1,158 @@
+#include "cli/touch_picture.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "drawing/field_picture.hpp"
+
+namespace palpa::cli {
+namespace {
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t side = 240;  // samples along each axis
+constexpr double half_m = 11e-3;   // what is shown on either side of the tip
+constexpr double step_m = 2 * half_m / side;
+
+/// What is seen of a body from below, x to the right and z upwards: by sample the face, and the height of the skin.
+struct SeenFromBelow {
+  std::vector<std::int64_t> face = std::vector<std::int64_t>(side * side, -1);
+  std::vector<double> y = std::vector<double>(side * side, 0);
+
+  explicit SeenFromBelow(const Felt& felt) {
+    for (std::size_t f = 0; f < felt.body.triangles.size(); ++f) {
+      const glm::uvec3& t = felt.body.triangles[f];
+      add(f, felt.body.positions[t.x] - felt.tip, felt.body.positions[t.y] - felt.tip,
+          felt.body.positions[t.z] - felt.tip);
+    }
+    for (double& height : y)
+      height += felt.tip.y;
+  }
+
+ private:
+  static double column(double x) { return (x + half_m) / step_m - 0.5; }
+  static double row(double z) { return (half_m - z) / step_m - 0.5; }
+  static std::int64_t clamped(double at) {
+    return static_cast<std::int64_t>(std::clamp(at, -1.0, static_cast<double>(side)));
+  }
+
+  void add(std::size_t f, const Vec3& a, const Vec3& b, const Vec3& c) {
+    const double turn = (b.x - a.x) * (c.z - a.z) - (b.z - a.z) * (c.x - a.x);
+    if (turn == 0) return;
+    const auto [left, right] = std::minmax({column(a.x), column(b.x), column(c.x)});
+    const auto [top, bottom] = std::minmax({row(a.z), row(b.z), row(c.z)});
+    for (std::int64_t j = std::max<std::int64_t>(0, clamped(std::ceil(top)));
+         j <= std::min<std::int64_t>(static_cast<std::int64_t>(side) - 1, clamped(bottom)); ++j) {
+      for (std::int64_t i = std::max<std::int64_t>(0, clamped(std::ceil(left)));
+           i <= std::min<std::int64_t>(static_cast<std::int64_t>(side) - 1, clamped(right)); ++i) {
+        const double x = (static_cast<double>(i) + 0.5) * step_m - half_m;
+        const double z = half_m - (static_cast<double>(j) + 0.5) * step_m;
+        const double u = ((x - a.x) * (c.z - a.z) - (z - a.z) * (c.x - a.x)) / turn;
+        const double v = ((b.x - a.x) * (z - a.z) - (b.z - a.z) * (x - a.x)) / turn;
+        if (u < -1e-9 || v < -1e-9 || u + v > 1 + 1e-9) continue;
+        const double height = a.y + u * (b.y - a.y) + v * (c.y - a.y);
+        const std::size_t at = static_cast<std::size_t>(j) * side + static_cast<std::size_t>(i);
+        if (face[at] >= 0 && y[at] <= height) continue;
+        face[at] = static_cast<std::int64_t>(f);
+        y[at] = height;
+      }
+    }
+  }
+};
+
+drawing::Pixels draw(const std::vector<double>& values, const std::string& title, const std::string& note, double most,
+                     const std::string& unit) {
+  const drawing::FieldPicture picture{.values = values,
+                                      .columns = static_cast<std::uint32_t>(side),
+                                      .rows = static_cast<std::uint32_t>(side),
+                                      .low_mm = Vec2(-half_m * 1e3),
+                                      .high_mm = Vec2(half_m * 1e3),
+                                      .right = "x",
+                                      .up = "z",
+                                      .title = title,
+                                      .notes = {note},
+                                      .most = most,
+                                      .unit = unit};
+  return drawing::draw(picture);
+}
+
+/// Samples of a cross around a focus.
+void cross_out(std::vector<double>& values, const Vec3& from_tip) {
+  constexpr int arm = 4;
+  const int column = static_cast<int>(std::lround((from_tip.x + half_m) / step_m - 0.5));
+  const int row = static_cast<int>(std::lround((half_m - from_tip.z) / step_m - 0.5));
+  for (int i = -arm; i <= arm; ++i) {
+    for (const auto& [x, y] : {std::pair(column + i, row), std::pair(column, row + i)}) {
+      if (x >= 0 && y >= 0 && x < static_cast<int>(side) && y < static_cast<int>(side))
+        values[static_cast<std::size_t>(y) * side + static_cast<std::size_t>(x)] = nothing;
+    }
+  }
+}
+
+}  // namespace
+
+drawing::Pixels foci_picture(const Felt& felt, double top_y, const std::string& title) {
+  const SeenFromBelow seen(felt);
+  std::vector<double> values(side * side, nothing);
+  double most = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (seen.face[i] < 0) continue;
+    values[i] = std::max(0.0, (top_y - seen.y[i]) * 1e3);
+    most = std::max(most, values[i]);
+  }
+  for (const std::optional<Vec3>& focus : felt.foci) {
+    if (focus) cross_out(values, *focus - felt.tip);
+  }
+  return draw(values, title, "the finger from below; crosses: foci", most, "mm below the top");
+}
+
+drawing::Pixels pressure_picture(const Felt& felt, const std::string& title) {
+  const SeenFromBelow seen(felt);
+  std::vector<double> values(side * side, nothing);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (seen.face[i] < 0) continue;
+    values[i] = std::max(0.0, felt.pressure.langevin[static_cast<std::size_t>(seen.face[i])] / felt.langevin.peak_pa);
+  }
+  return draw(values, title, fmt::format("time average; the largest is {:.0f} Pa", felt.langevin.peak_pa), 1,
+              "of the largest");
+}
+
+drawing::Pixels halved(const drawing::Pixels& picture) {
+  drawing::Pixels half{picture.width / 2, picture.height / 2, {}};
+  half.rgba.resize(static_cast<std::size_t>(half.width) * half.height * 4);
+  for (std::uint32_t y = 0; y < half.height; ++y) {
+    for (std::uint32_t x = 0; x < half.width; ++x) {
+      for (std::size_t c = 0; c < 4; ++c) {
+        const int sum = picture.at(2 * x, 2 * y)[c] + picture.at(2 * x + 1, 2 * y)[c] +
+                        picture.at(2 * x, 2 * y + 1)[c] + picture.at(2 * x + 1, 2 * y + 1)[c];
+        half.rgba[(static_cast<std::size_t>(y) * half.width + x) * 4 + c] = static_cast<std::uint8_t>((sum + 2) / 4);
+      }
+    }
+  }
+  return half;
+}
+
+drawing::Pixels side_by_side(const std::vector<drawing::Pixels>& pictures, std::uint32_t columns) {
+  std::uint32_t width = 0, height = 0;
+  for (const drawing::Pixels& picture : pictures) {
+    width = std::max(width, picture.width);
+    height = std::max(height, picture.height);
+  }
+  const auto rows = static_cast<std::uint32_t>((pictures.size() + columns - 1) / columns);
+  drawing::Pixels all{width * columns, height * rows, {}};
+  all.rgba.resize(static_cast<std::size_t>(all.width) * all.height * 4, 255);
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const std::size_t left = i % columns * width, top = i / columns * height;
+    for (std::uint32_t y = 0; y < pictures[i].height; ++y) {
+      std::copy_n(pictures[i].at(0, y), static_cast<std::size_t>(pictures[i].width) * 4,
+                  all.rgba.begin() + static_cast<std::ptrdiff_t>(((top + y) * all.width + left) * 4));
+    }
+  }
+  return all;
+}
+
+}  // namespace palpa::cli
