@@ -257,7 +257,7 @@ TEST(Scattering, TheAirAroundIsTheSeries) {
 }
 
 TEST(BodyMesh, WhatIsInsideIsNeverFarFromTheBody) {
-  const Inside inside(icosphere(radius, 4));
+  const Inside inside(geometry::icosphere(radius, 4));
   for (int i = 0; i < 200; ++i) {
     const Vec3 direction = glm::normalize(Vec3(std::sin(1.7 * i), std::cos(2.9 * i), std::sin(0.6 * i + 1)));
     EXPECT_TRUE(inside.holds(direction * radius * 0.9));
