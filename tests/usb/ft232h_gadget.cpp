@@ -1,0 +1,81 @@
+#include "usb/ft232h_gadget.hpp"
+
+#include <algorithm>
+#include <span>
+
+#include "driver/usb/ftdi.hpp"
+
+namespace palpa::test {
+
+namespace ftdi = driver::usb::ftdi;
+using driver::usb::Outcome;
+
+Ft232hGadget::Ft232hGadget(driver::usb::Peripheral& peripheral) : peripheral_(peripheral) {
+  const auto& identity = peripheral.identity();
+  // As a real FT232H module says of itself: one interface of the vendor's class, two bulk endpoints, 90 mA.
+  descriptors_.device = {18,
+                         1,
+                         0x00,
+                         0x02,
+                         0,
+                         0,
+                         0,
+                         64,
+                         low(identity.vendor),
+                         high(identity.vendor),
+                         low(identity.product),
+                         high(identity.product),
+                         low(identity.release),
+                         high(identity.release),
+                         1,
+                         2,
+                         3,
+                         1};
+  descriptors_.configuration = {9,    2,    32,
+                                0,    1,    1,
+                                0,    0xa0, 45,  //
+                                9,    4,    0,
+                                0,    2,    0xff,
+                                0xff, 0xff, 2,  //
+                                7,    5,    ftdi::endpoint_in,
+                                2,    0x00, 0x02,
+                                0,  //
+                                7,    5,    ftdi::endpoint_out,
+                                2,    0x00, 0x02,
+                                0};
+  descriptors_.strings = {"FTDI", "UM232H", identity.serial};
+}
+
+Answer Ft232hGadget::control(double now_s, const ControlRequest& request, std::vector<std::uint8_t>& bytes) {
+  ++requests;
+  std::size_t filled = 0;
+  const Outcome outcome = peripheral_.control(now_s, {request.type, request.request, request.value, request.index},
+                                              request.to_host() ? std::span(bytes) : std::span<std::uint8_t>(), filled);
+  if (request.to_host()) bytes.resize(filled);
+  return outcome == Outcome::done ? Answer::done : Answer::stalled;
+}
+
+Answer Ft232hGadget::carry(double now_s, UsbTransfer& transfer) {
+  if (transfer.endpoint == ftdi::endpoint_in) return Answer::later;  // a board never writes back
+  if (stalls) return Answer::stalled;
+  if (takes_nothing) return Answer::later;
+  std::span<const std::uint8_t> rest = std::span<const std::uint8_t>(transfer.bytes).subspan(transfer.done);
+  rest = rest.first(std::min<std::size_t>(rest.size(), unplug_after));
+  const std::size_t taken = peripheral_.bulk_out(now_s, transfer.endpoint, rest);
+  transfer.done += taken;
+  bytes_taken += taken;
+  if (unplug_after != never) {
+    unplug_after -= taken;
+    if (unplug_after == 0) {
+      unplug_after = never;
+      return Answer::unplugged;
+    }
+  }
+  return transfer.done == transfer.bytes.size() ? Answer::done : Answer::later;
+}
+
+void Ft232hGadget::halt_cleared(std::uint8_t endpoint) {
+  if (endpoint == ftdi::endpoint_out) stalls = false;
+}
+
+}  // namespace palpa::test

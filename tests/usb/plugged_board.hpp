@@ -1,0 +1,74 @@
+// An emulated OpenMPD board on the kernel's USB, and what it was seen to do.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "driver/openmpd/emulator.hpp"
+#include "usb/ft232h_gadget.hpp"
+#include "usb/vhci_port.hpp"
+
+namespace palpa::test {
+
+/// Looks again and again; false when the time is up first.
+inline bool eventually(double seconds, const std::function<bool()>& condition) {
+  for (int i = 0; i < 100 * seconds; ++i) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return condition();
+}
+
+class PluggedBoard {
+ public:
+  explicit PluggedBoard(const std::string& serial,
+                        driver::usb::ftdi::Channel channel = driver::usb::ftdi::Channel::fifo)
+      : board_(serial, channel), gadget(board_), port(gadget) {
+    board_.fpga().on_shown([this](double, const driver::openmpd::Pulses& pulses) { note(pulses); });
+    port.plug();
+  }
+
+  /// Pins that sounded alone, in the order in which they first did.
+  std::vector<std::size_t> pins() {
+    const auto held = port.hold();
+    return pins_;
+  }
+  bool sounds() {
+    const auto held = port.hold();
+    return board_.fpga().sounds();
+  }
+  /// As whoever looks at a board that nobody has open any more: what it was left with, and all that was against its
+  /// rules.
+  std::vector<std::string> faults_at_the_end() {
+    const auto held = port.hold();
+    board_.advance(port.now_s());
+    std::vector<std::string> faults;
+    if (board_.fpga().sounds()) faults.emplace_back("left sounding");
+    for (const auto& violation : board_.violations().kept())
+      faults.push_back(violation.what);
+    return faults;
+  }
+
+ private:
+  void note(const driver::openmpd::Pulses& pulses) {
+    const auto on = [](const driver::openmpd::Pulse& pulse) { return pulse.width > 0; };
+    const auto first = std::find_if(pulses.begin(), pulses.end(), on);
+    if (first == pulses.end() || std::find_if(first + 1, pulses.end(), on) != pulses.end()) return;
+    const auto pin = static_cast<std::size_t>(first - pulses.begin());
+    if (std::find(pins_.begin(), pins_.end(), pin) == pins_.end()) pins_.push_back(pin);
+  }
+
+  driver::openmpd::EmulatedBoard board_;
+  std::vector<std::size_t> pins_;
+
+ public:
+  Ft232hGadget gadget;
+  VhciPort port;
+};
+
+}  // namespace palpa::test

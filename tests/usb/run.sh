@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# run.sh [GTEST ARGUMENT...]: boots Debian's kernel in an emulated machine and runs test_usb in it: the programs of this build on
+# the real USB core, libusb and uvcvideo, devices made of software at the kernel's ports. The guest's only file system is made
+# here of what the tests need; it has no disk and no network, and needs no rights here.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+most_s=${PALPA_USB_SECONDS:-240}
+
+die() {
+  printf 'test usb: %s\n' "$*" >&2
+  exit 1
+}
+
+missing=()
+for tool in qemu-system-x86_64:qemu-system-x86 busybox:busybox-static xz:xz-utils ldd:libc-bin; do
+  command -v "${tool%:*}" >/dev/null || missing+=("${tool#*:}")
+done
+((${#missing[@]} == 0)) || die "this machine lacks ${missing[*]}: ./dev deps installs them"
+kernel=$(tests/usb/kernel.sh)
+
+guest=build/usb/guest
+rm -rf "$guest"
+mkdir -p "$guest"/{bin,dev,etc,proc,sys,tmp,guest/modules}
+chmod 755 "$guest"
+cp "$(command -v busybox)" "$guest/bin/busybox"
+install -m 755 tests/usb/init.sh "$guest/init"
+cp "$kernel"/*.ko "$kernel/order" "$guest/guest/modules/"
+
+# Programs and files are where they are here, since the tests know them by these names.
+programs=("$PWD"/build/release/bin/{test_usb,palpa,palpa-guard})
+ldd "${programs[@]}" | grep -o '/[^ ]*\.so[^ ]*' | sort -u | xargs cp -L --parents -t "$guest"
+cp --parents -rt "$guest" "${programs[@]}" "$PWD/assets"
+printf 'exec %q' "${programs[0]}" >"$guest/guest/command"
+printf ' %q' --gtest_color=no "$@" >>"$guest/guest/command"
+(cd "$guest" && find . | busybox cpio -o -H newc 2>/dev/null) >build/usb/guest.cpio
+
+# No acceleration: the same on every machine.
+status=0
+begin=$SECONDS
+: >build/usb/console.txt
+timeout "$most_s" qemu-system-x86_64 -accel tcg -cpu max -smp 1 -m 512 -nodefaults -display none -no-reboot \
+  -kernel "$kernel/vmlinux" -initrd build/usb/guest.cpio -append "console=ttyS0 quiet panic=-1" \
+  -serial file:build/usb/console.txt -serial stdio -device isa-debug-exit,iobase=0xf4,iosize=4 </dev/null || status=$?
+case $status in
+  33) echo "test usb: passed in $((SECONDS - begin)) s, on ${kernel##*/}" ;;
+  35) die "a test failed" ;;
+  124) tail -n 60 build/usb/console.txt >&2 && die "the guest did not end within $most_s s" ;;
+  *) tail -n 60 build/usb/console.txt >&2 && die "the guest ended by itself: qemu's status is $status" ;;
+esac

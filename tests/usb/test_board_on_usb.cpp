@@ -1,0 +1,56 @@
+// palpa and its guard on real libusb, usbfs and the kernel's own USB core, an emulated OpenMPD board at the port.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/process.hpp"
+#include "support/shared_data.hpp"
+#include "usb/plugged_board.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+
+const std::vector<std::string> none;
+
+TEST(BoardOnUsb, IsFoundByDoctor) {
+  PluggedBoard board("EMU1");
+  const Result result = palpa({"doctor", "--backend", "cpu", "--json", "-"});
+  const json boards = json::parse(result.out)["boards"];
+  ASSERT_EQ(boards.size(), 1u) << result.out << result.err;
+  EXPECT_EQ(boards[0]["serial"], "EMU1");
+  EXPECT_EQ(boards[0]["place"], board.port.place());
+  EXPECT_TRUE(boards[0]["usable"].get<bool>()) << boards;
+  EXPECT_EQ(board.faults_at_the_end(), none);
+}
+
+TEST(BoardOnUsb, PlaysOneTransducerAfterTheOther) {
+  PluggedBoard board("EMU1");
+  const Result result = palpa({"link", "test", "--layout", "openmpd", "--link", "openmpd:EMU1", "--first", "64",
+                               "--last", "65", "--each", "100ms", "--rest", "60ms"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(board.pins(), (std::vector<std::size_t>{185, 189})) << "as the boards' own files have it";
+  EXPECT_EQ(board.faults_at_the_end(), none);
+}
+
+TEST(BoardOnUsb, HearsALoopToItsSilentEnd) {
+  PluggedBoard left("EMU1"), right("EMU2");
+  const Result result = palpa({"run", "--scene", source_file("assets/cube.glb").string(), "--backend", "cpu",
+                               "--frames", "8", "--every-frame", "--hold", "1s", "--layout", "openmpd-pair", "--link",
+                               "openmpd:EMU1,EMU2", "--json", "-"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(report["frames"]["planned"], 8);
+  EXPECT_GT(report["drives"]["sent"], report["drives"]["silent"]);
+  EXPECT_GT(left.gadget.bytes_taken, 20u * 512) << "frames, and not only what brings it in step";
+  EXPECT_EQ(left.gadget.bytes_taken, right.gadget.bytes_taken);
+  EXPECT_EQ(left.faults_at_the_end(), none);
+  EXPECT_EQ(right.faults_at_the_end(), none);
+}
+
+}  // namespace
+}  // namespace palpa::test

@@ -1,0 +1,66 @@
+// A USB port of this machine's own kernel for a device made of software: the module vhci_hcd hands each of the kernel's
+// transfers over a socket, as USB/IP's messages, and takes the answers from there. Everything above the host controller
+// is what a real device meets. Needs root.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "driver/clock.hpp"
+#include "usb/gadget.hpp"
+
+namespace palpa::test {
+
+class VhciPort {
+ public:
+  /// The gadget outlives it.
+  explicit VhciPort(Gadget& gadget) : gadget_(gadget) {}
+  ~VhciPort() { unplug(); }
+  VhciPort(const VhciPort&) = delete;
+  VhciPort& operator=(const VhciPort&) = delete;
+
+  /// At the next free port; comes back when the kernel knows the device. Throws std::runtime_error where it does not
+  /// within a few seconds.
+  void plug();
+  /// The cable is pulled; comes back when the kernel has noticed.
+  void unplug();
+  bool plugged() const { return plugged_; }
+
+  /// BUS-PORT, as the kernel names where it is plugged in.
+  const std::string& place() const { return place_; }
+  /// Its file of /dev/bus/usb.
+  std::string device_file() const;
+
+  /// While it is held nobody speaks to the gadget.
+  [[nodiscard]] std::unique_lock<std::mutex> hold() { return std::unique_lock(mutex_); }
+  double now_s() const { return clock_.now_s(); }
+
+ private:
+  struct Message;
+
+  void serve();
+  void hear();
+  void submit(const Message& message);
+  void unlink(const Message& message);
+  void carry();
+  void answer(UsbTransfer& transfer, bool ok);
+  void drop();
+
+  Gadget& gadget_;
+  driver::SteadyClock clock_;
+  std::mutex mutex_;
+  std::thread thread_;
+  std::atomic<bool> plugged_{false}, ends_{false};
+  int fd_ = -1;
+  unsigned port_ = 0;
+  std::string place_;
+  std::map<std::uint8_t, std::deque<UsbTransfer>> waiting_;  ///< by endpoint, oldest first
+};
+
+}  // namespace palpa::test
