@@ -17,5 +17,5 @@ void main() {
   // A dark rim keeps pale colours readable on white; a light from the upper left makes a ball of it.
   const float rim = push.style.x > 0.0 ? clamp((r - 1.0) * scale + push.style.x + 0.5, 0.0, 1.0) : 0.0;
   const float light = ball > 0.5 && radius > 3.0 ? 1.0 + 0.16 * dot(place, vec2(-0.5, -0.7)) : 1.0;
-  colour = vec4(mix(clamp(disc_colour.rgb * light, 0.0, 1.0), disc_colour.rgb * 0.45, rim), coverage);
+  colour = vec4(mix(clamp(disc_colour.rgb * light, 0.0, 1.0), disc_colour.rgb * 0.45, rim), coverage * push.style.z);
 }

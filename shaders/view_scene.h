@@ -1,17 +1,19 @@
-// Shared by viewer/ and shaders/view_*: what the viewer's four pipelines fetch and their common push constants.
+// Shared by viewer/ and shaders/view_*: what the viewer's pipelines fetch and their common push constants.
 #ifndef PALPA_SHADERS_VIEW_SCENE_H
 #define PALPA_SHADERS_VIEW_SCENE_H
 #include "shared.h"
 PALPA_SHADER_BEGIN
 
-// Every pipeline fetches one array, at binding 0.
+// Every pipeline fetches one array, at binding 0. Images have their pixels at binding 1: 4 bytes each, red the lowest.
 PALPA_CONST view_items = 0u;
 PALPA_CONST view_buffers = 1u;
+PALPA_CONST view_pixels = 1u;
+PALPA_CONST view_image_buffers = 2u;
 
 // A corner of a mesh triangle. Three in a row are one triangle.
 struct ViewVertex {
-  vec4 position;  // xyz metres, w unused
-  vec4 normal;    // xyz unit, w unused
+  vec4 position;  // xyz metres; w: its own colour where it has one, (256 red + green) 256 + blue; of an image: x in it
+  vec4 normal;    // xyz unit; w: 1 where it has a colour of its own, else 0; of an image: y in it, 0 to 1 from the top
 };
 PALPA_CHECK_SIZE(ViewVertex, 32);
 PALPA_CHECK_OFFSET(ViewVertex, normal, 16);
@@ -53,9 +55,10 @@ struct ViewPush {
   vec4
       window;  // x, y: size in pixels; z: pixels per metre where clip w = 1; w: depth bias towards the viewer, relative
   vec4 colour;  // mesh, edge: rgb and alpha; stroke, disc: unused
-  vec4 style;   // mesh: x alpha at the silhouette, y 1 for shading, 0 for none; edge: x half the width in pixels;
-               // stroke: x 1 where coordinates are pixels, y multiplies widths; edge, stroke: zw where the view begins,
-               // pixels; disc: x outline in pixels, y multiplies radii given in pixels
+  vec4 style;   // mesh: x alpha at the silhouette, y 1 for shading, 0 for none; image: x its first pixel, y, z its
+                // width and height in pixels, w opacity; edge: x half the width in pixels;
+  // stroke: x 1 where coordinates are pixels, y multiplies widths; edge, stroke: zw where the view begins,
+  // pixels; disc: x outline in pixels, y multiplies radii given in pixels, z opacity
 };
 PALPA_CHECK_SIZE(ViewPush, 128);
 PALPA_CHECK_OFFSET(ViewPush, eye, 64);

@@ -1,7 +1,6 @@
 #include "viewer/drawn_picture.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
 
@@ -17,50 +16,8 @@ shader::vec4 pack(const glm::vec3& v, float w) {
 shader::vec4 pack(const Colour& c, float w) {
   return {c.r, c.g, c.b, w};
 }
-shader::vec4 pack(const Colour& c) {
-  return pack(c, c.a);
-}
 
 constexpr float unbounded = 1e6f;
-
-shader::ViewStroke line(const glm::vec3& a, const glm::vec3& b, float width, const Colour& colour) {
-  return {pack(a, width / 2), pack(b, 0), pack(colour)};
-}
-
-/// On the plane that the objects stand on, some way beyond them: a line every 10 mm, a stronger one every 50 mm.
-void add_grid(const Box& box, const Theme& theme, std::vector<shader::ViewStroke>& out) {
-  if (box.empty()) return;
-  const double reach = std::max(box.high.x - box.low.x, box.high.z - box.low.z);
-  if (!(reach < 1000)) return;  // a stray point far away: nothing a grid would help with
-  double step = 0.01;
-  while (reach / step > 60)
-    step *= 10;
-  const auto snap = [&](double v, double direction) {
-    return static_cast<int>(std::floor(v / step * direction) + 2) * direction;
-  };
-  const double x0 = snap(box.low.x, -1), x1 = snap(box.high.x, 1), z0 = snap(box.low.z, -1), z1 = snap(box.high.z, 1);
-  const auto point = [&](double x, double z) { return glm::vec3(Vec3(x * step, box.low.y, z * step)); };
-  const auto colour = [&](double index) { return std::fmod(index, 5.0) == 0 ? theme.grid_major : theme.grid; };
-  for (double x = x0; x <= x1; ++x)
-    out.push_back(line(point(x, z0), point(x, z1), 1.0f, colour(x)));
-  for (double z = z0; z <= z1; ++z)
-    out.push_back(line(point(x0, z), point(x1, z), 1.0f, colour(z)));
-}
-
-void add_frustum(const CameraMark& camera, const Theme& theme, std::vector<shader::ViewStroke>& out) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    out.push_back(line(camera.apex, camera.corners[i], 1.2f, theme.frustum));
-    out.push_back(line(camera.corners[i], camera.corners[(i + 1) % 4], 1.2f, theme.frustum));
-  }
-}
-
-/// Where the grid lies: under the objects, else under everything.
-Box floor_of(const Picture& picture) {
-  Picture objects;
-  objects.solids = picture.solids;
-  if (!picture.solids.empty()) return extent(objects, Extent::all);
-  return extent(picture, Extent::all);
-}
 
 }  // namespace
 
@@ -73,47 +30,47 @@ void DrawnPicture::fill(gpu::Upload& upload, const std::vector<T>& items, const 
   if (bytes != 0) std::memcpy(upload.data(), items.data(), bytes);
 }
 
-SurfaceItems DrawnPicture::add_surface(const geometry::Mesh& mesh) {
-  const Shape shape = make_shape(mesh);
+SurfaceItems DrawnPicture::add_surface(const SurfaceMark& surface) {
+  const Shape shape = make_shape(surface.mesh);
   SurfaceItems range;
   range.vertices = {static_cast<std::uint32_t>(new_vertices_.size()),
                     static_cast<std::uint32_t>(shape.vertices.size())};
   range.edges = {static_cast<std::uint32_t>(new_edges_.size()), static_cast<std::uint32_t>(shape.edges.size())};
   new_vertices_.insert(new_vertices_.end(), shape.vertices.begin(), shape.vertices.end());
   new_edges_.insert(new_edges_.end(), shape.edges.begin(), shape.edges.end());
-  Box box;
-  for (const Vec3& p : mesh.positions)
-    box.add(p);
-  range.centre = box.empty() ? Vec3(0) : box.centre();
+  range.bounds = geometry::bounds(surface.mesh);
+  range.part = surface.part;
   return range;
 }
 
-void DrawnPicture::update(const Picture& picture) {
+void DrawnPicture::update(const Picture& picture, const ViewState& state) {
   new_vertices_.clear();
   new_edges_.clear();
   solids_.clear();
   picture_.solids.clear();
   picture_.skin.reset();
-  for (const SurfaceMark& solid : picture.solids) {
-    solids_.push_back(add_surface(solid.mesh));
-    solids_.back().part = solid.part;
+  const std::vector<Vec3> ways = apart(picture.solids);
+  for (std::size_t i = 0; i < picture.solids.size(); ++i) {
+    const SurfaceMark& solid = picture.solids[i];
+    solids_.push_back(add_surface(solid));
+    solids_.back().away = ways[i];
     picture_.solids.push_back({solid.name, {}, solid.part});
   }
   skin_ = {};
   if (picture.skin) {
-    skin_ = add_surface(picture.skin->mesh);
+    skin_ = add_surface(*picture.skin);
     picture_.skin = SurfaceMark{picture.skin->name, {}};
   }
-  floor_ = floor_of(picture);
+  everything_ = solids_.empty() ? extent(picture, Extent::all) : Box();
   fill(vertices_, new_vertices_, "surfaces");
   fill(edges_, new_edges_, "surface edges");
   surfaces_changed_ = true;
-  update_marks(picture);
+  update_marks(picture, state);
 }
 
-void DrawnPicture::update_marks(const Picture& picture) {
+void DrawnPicture::update_marks(const Picture& picture, const ViewState& state) {
+  state_ = state;
   picture_.title = picture.title;
-  picture_.skin_points = picture.skin_points;
   picture_.skin_count = picture.skin_count;
   picture_.contacts = picture.contacts;
   picture_.fingers = picture.fingers;
@@ -121,11 +78,33 @@ void DrawnPicture::update_marks(const Picture& picture) {
   picture_.driven = picture.driven;
   picture_.cameras = picture.cameras;
   picture_.spectra = picture.spectra;
-  picture_.dark = picture.dark;
-  picture_.legend = picture.legend;
-  picture_.grid = picture.grid;
-  const Theme& theme = picture.dark ? dark_theme() : light_theme();
+  const Theme& theme = state.dark ? dark_theme() : light_theme();
+  add_discs(picture, theme);
+  build_marks(picture, state, floor(), new_marks_);
+  new_vertices_ = new_marks_.boards;
+  boards_ = {0, static_cast<std::uint32_t>(new_vertices_.size())};
+  sections_ = {boards_.count, static_cast<std::uint32_t>(new_marks_.sections.size())};
+  new_vertices_.insert(new_vertices_.end(), new_marks_.sections.begin(), new_marks_.sections.end());
+  add_images(picture);
+  lines_ = {0, static_cast<std::uint32_t>(new_marks_.lines.size())};
+  fill(face_vertices_, new_vertices_, "faces");
+  fill(pixels_, new_pixels_, "images");
+  fill(strokes_, new_marks_.lines, "lines");
+  marks_changed_ = true;
+}
 
+/// The grid lies under the objects, else under everything.
+Box DrawnPicture::floor() const {
+  Box box = everything_;
+  for (const SurfaceItems& solid : solids_) {
+    if (solid.bounds.empty()) continue;
+    box.add(solid.bounds.low + state_.explode * solid.away);
+    box.add(solid.bounds.high + state_.explode * solid.away);
+  }
+  return box;
+}
+
+void DrawnPicture::add_discs(const Picture& picture, const Theme& theme) {
   new_discs_.clear();
   const auto begin = [&] { return Items{static_cast<std::uint32_t>(new_discs_.size()), 0}; };
   const auto end = [&](Items& range) { range.count = static_cast<std::uint32_t>(new_discs_.size()) - range.first; };
@@ -148,24 +127,24 @@ void DrawnPicture::update_marks(const Picture& picture) {
   }
   end(transducers_);
   fill(discs_, new_discs_, "points and transducers");
+}
 
-  new_strokes_.clear();
-  if (picture.grid) add_grid(floor_, theme, new_strokes_);
-  for (const CameraMark& camera : picture.cameras)
-    add_frustum(camera, theme, new_strokes_);
-  new_vertices_.clear();
-  for (const BoardMark& board : picture.boards) {
-    const glm::vec3 normal = glm::cross(board[1] - board[0], board[2] - board[0]);
-    for (const std::size_t corner : {0, 1, 2, 0, 2, 3})
-      new_vertices_.push_back({pack(board[corner], 1), pack(normal, 0)});
-    for (std::size_t i = 0; i < 4; ++i)
-      new_strokes_.push_back(line(board[i], board[(i + 1) % 4], 1.2f, theme.board_edge));
+void DrawnPicture::add_images(const Picture& picture) {
+  images_.clear();
+  new_pixels_.clear();
+  for (const ImageMark& image : picture.images) {
+    if (image.pixels.empty() || !state_.layers.shows(image.layer)) continue;
+    images_.push_back({image.layer,
+                       {static_cast<std::uint32_t>(new_vertices_.size()), 6},
+                       static_cast<std::uint32_t>(new_pixels_.size()),
+                       image.width,
+                       image.height});
+    for (const std::size_t corner : {0, 1, 2, 0, 2, 3}) {
+      const float x = corner == 1 || corner == 2 ? 1 : 0, y = corner >= 2 ? 1 : 0;
+      new_vertices_.push_back({pack(image.corners[corner], x), {0, 0, 0, y}});
+    }
+    new_pixels_.insert(new_pixels_.end(), image.pixels.begin(), image.pixels.end());
   }
-  boards_ = {0, static_cast<std::uint32_t>(new_vertices_.size())};
-  lines_ = {0, static_cast<std::uint32_t>(new_strokes_.size())};
-  fill(board_vertices_, new_vertices_, "boards");
-  fill(strokes_, new_strokes_, "lines");
-  marks_changed_ = true;
 }
 
 void DrawnPicture::record_upload(VkCommandBuffer commands) {
@@ -174,7 +153,8 @@ void DrawnPicture::record_upload(VkCommandBuffer commands) {
     edges_.record(commands);
   }
   if (marks_changed_) {
-    board_vertices_.record(commands);
+    face_vertices_.record(commands);
+    pixels_.record(commands);
     discs_.record(commands);
     strokes_.record(commands);
   }

@@ -7,6 +7,7 @@
 #include "gpu/buffer.hpp"
 #include "shaders/view_scene.h"
 #include "viewer/picture.hpp"
+#include "viewer/world_marks.hpp"
 
 namespace palpa::viewer {
 
@@ -17,9 +18,17 @@ struct Items {
 
 /// One surface's triangles and edges.
 struct SurfaceItems {
-  Vec3 centre{};  ///< of its bounds: surfaces are drawn from far to near
+  Box bounds{};  ///< surfaces are drawn from far to near by its centre
   Items vertices, edges;
   std::optional<std::uint32_t> part{};  ///< as SurfaceMark has it
+  Vec3 away{0};                         ///< where it goes when its solid is taken apart
+};
+
+/// An image's two triangles, and where its pixels begin.
+struct ImageItems {
+  Layer layer = Layer::depth;
+  Items vertices;
+  std::uint32_t first_pixel = 0, width = 0, height = 0;
 };
 
 class DrawnPicture {
@@ -28,10 +37,10 @@ class DrawnPicture {
 
   /// Replaces what the scene shows. No frame that draws it may be in flight. Buffers grow and never shrink, so that a
   /// live scene settles.
-  void update(const Picture& picture);
+  void update(const Picture& picture, const ViewState& state = {});
   /// The same for everything but `solids` and `skin`, which stay those of the last update: what changes with every
-  /// frame of a live view, without working through the meshes again.
-  void update_marks(const Picture& picture);
+  /// frame of a live view, or with how it is looked at, without working through the meshes again.
+  void update_marks(const Picture& picture, const ViewState& state = {});
   /// Copies what changed to the device where memory is not unified; outside a rendering, before the draws.
   void record_upload(VkCommandBuffer commands);
 
@@ -39,20 +48,26 @@ class DrawnPicture {
   friend class Renderer;
   template <typename T>
   void fill(gpu::Upload& upload, const std::vector<T>& items, const char* name);
-  SurfaceItems add_surface(const geometry::Mesh& mesh);
+  SurfaceItems add_surface(const SurfaceMark& surface);
+  void add_discs(const Picture& picture, const Theme& theme);
+  void add_images(const Picture& picture);
+  Box floor() const;
 
   const gpu::Device* device_;
-  Picture picture_;  ///< without the meshes
-  Box floor_;        ///< the grid lies on its underside
+  Picture picture_;  ///< without what is on the device
+  ViewState state_;
+  Box everything_;  ///< where there are no solids
   std::vector<SurfaceItems> solids_;
   SurfaceItems skin_;
-  Items boards_, points_, contacts_, transducers_, lines_;
-  gpu::Upload vertices_, edges_, board_vertices_, discs_, strokes_;
+  std::vector<ImageItems> images_;
+  Items boards_, sections_, points_, contacts_, transducers_, lines_;
+  gpu::Upload vertices_, edges_, face_vertices_, pixels_, discs_, strokes_;
   bool surfaces_changed_ = false, marks_changed_ = false;
   std::vector<shader::ViewVertex> new_vertices_;
   std::vector<shader::ViewEdge> new_edges_;
   std::vector<shader::ViewDisc> new_discs_;
-  std::vector<shader::ViewStroke> new_strokes_;
+  std::vector<std::uint32_t> new_pixels_;
+  WorldMarks new_marks_;
 };
 
 }  // namespace palpa::viewer

@@ -27,8 +27,46 @@ struct Placed {
   std::size_t index;
 };
 
-void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, const shader::ViewPush& projection,
-                 const Theme& theme) {
+void draw_camera_names(Ink& ink, const Picture& picture, const shader::ViewPush& projection, const Theme& theme) {
+  for (const CameraMark& mark : picture.cameras) {
+    const Projected p = project(projection, Vec3(mark.apex));
+    if (p.visible) ink.label(mark.name, Vec2(p.x, p.y - ink.px(8)), 8, theme.faint_ink, Align::centre);
+  }
+}
+
+/// w1, w2 and w3 at the ends of a cross-section's axes.
+void draw_axis_names(Ink& ink, const Picture& picture, const shader::ViewPush& projection, const Theme& theme) {
+  for (std::size_t f = 0; f < picture.fingers.size(); ++f) {
+    const auto& section = picture.fingers[f].section;
+    if (!section) continue;
+    const Projected centre = project(projection, Vec3(section->centre));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Projected tip = project(projection, Vec3(section_tip(*section, axis)));
+      const Vec2 way(tip.x - centre.x, tip.y - centre.y);
+      // Too short to be told from the others: far away, or seen from its end.
+      if (!tip.visible || !centre.visible || glm::length(way) < ink.px(18)) continue;
+      const Vec2 at = Vec2(tip.x, tip.y) + ink.px(9) * glm::normalize(way);
+      const Colour colour = mix(finger_colour(static_cast<std::uint32_t>(f)), theme.ink, 0.35f);
+      ink.label(fmt::format("w{}", axis + 1), at + Vec2(0, ink.px(3)), 8, colour, Align::centre, 1.2);
+    }
+  }
+}
+
+/// A cross that leaves its middle free.
+void draw_picked(Ink& ink, const Vec3& picked, const shader::ViewPush& projection, const Theme& theme) {
+  const Projected p = project(projection, picked);
+  if (!p.visible) return;
+  const Vec2 at(p.x, p.y);
+  for (const double width : {4.0, 1.4}) {
+    const Colour& colour = width > 2 ? theme.background : theme.ink;
+    ink.ring(at, 6, width, colour);
+    for (const Vec2 way : {Vec2(1, 0), Vec2(0, 1), Vec2(-1, 0), Vec2(0, -1)})
+      ink.line(at + ink.px(6) * way, at + ink.px(12) * way, width, colour);
+  }
+}
+
+void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, std::optional<std::uint32_t> chosen,
+                 const shader::ViewPush& projection, const Theme& theme) {
   const Colour colour = finger_colour(index);
   std::vector<Placed> placed;
   for (std::size_t i = 0; i < finger.foci.size(); ++i) {
@@ -66,6 +104,7 @@ void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, const
     ink.disc(p.at, radius + (running ? 1.6 : 0.9), theme.background);
     ink.disc(p.at, radius + (running ? 0.8 : 0.1), colour);
     if (!running) ink.disc(p.at, radius - std::min(1.6, 0.4 * radius), rgb(0xffffff));
+    if (chosen == p.index) ink.ring(p.at, radius + 4, 1.6, theme.ink);
     if (numbered && focus.own && !finger.together) {
       const std::string number = fmt::format("{}", focus.number);
       const double size = number.size() > 1 ? radius * 0.80 : radius * 0.95;
@@ -79,7 +118,7 @@ std::string counted(std::size_t n, std::string_view one) {
   return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
 }
 
-void draw_legend(Ink& ink, const Picture& picture, const Theme& theme) {
+void draw_legend(Ink& ink, const Picture& picture, const Layers& layers, const Theme& theme) {
   const double x = ink.px(22), line_height = ink.px(19);
   double y = ink.px(30);
   const Vec2 swatch(x + ink.px(5), 0);
@@ -92,7 +131,7 @@ void draw_legend(Ink& ink, const Picture& picture, const Theme& theme) {
     ink.label(picture.title, {x, y}, text_size * 1.3, theme.ink, Align::left, 1.15);
     y += line_height * 1.35;
   }
-  if (!picture.solids.empty()) {
+  if (!picture.solids.empty() && (layers.shows(Layer::solids) || layers.shows(Layer::edges))) {
     std::string names;
     std::size_t named = 0;
     for (const SurfaceMark& solid : picture.solids) {
@@ -105,12 +144,12 @@ void draw_legend(Ink& ink, const Picture& picture, const Theme& theme) {
     ink.swatch(m, theme.solid_rim, theme.edge);
     entry(names);
   }
-  if (picture.skin) {
+  if (picture.skin && layers.shows(Layer::skin)) {
     const Vec2 m = middle();
     ink.swatch(m, theme.skin_rim, theme.skin_point);
     entry(picture.skin->name);
   }
-  if (picture.skin_count > 0) {
+  if (picture.skin_count > 0 && layers.shows(Layer::points)) {
     ink.disc(middle(), 3, theme.skin_point);
     entry(counted(picture.skin_count, "skin point"));
   }
@@ -131,11 +170,11 @@ void draw_legend(Ink& ink, const Picture& picture, const Theme& theme) {
   }
   if (picture.fingers.size() > most_fingers)
     entry(fmt::format("and {} more", counted(picture.fingers.size() - most_fingers, "finger")));
-  if (loose > 0) {
+  if (loose > 0 && layers.shows(Layer::contacts)) {
     ink.disc(middle(), 3.4, theme.loose_contact);
     entry(fmt::format("{} of no finger", counted(loose, "contact")));
   }
-  if (!picture.transducers.empty() && !picture.driven) {
+  if (!picture.transducers.empty() && !picture.driven && layers.shows(Layer::transducers)) {
     ink.disc(middle(), 4, theme.idle_transducer);
     entry(counted(picture.transducers.size(), "transducer"));
   }
@@ -187,7 +226,9 @@ void draw_axes(Ink& ink, const Viewpoint& viewpoint, double height) {
 }
 
 void draw_scale(Ink& ink, const Viewpoint& viewpoint, const OverlayOptions& options, const Theme& theme) {
-  const double per_pixel = metres_per_pixel(viewpoint, options.height);
+  // As the projection has it, since a frustum is none of the orbit's: metres at the target's depth.
+  const double at_one = projection(viewpoint, options.width, options.height).window.z;
+  const double per_pixel = (viewpoint.orthographic ? 1 : viewpoint.distance) / at_one;
   const double length = scale_bar_length(std::min(ink.px(150), options.width * 0.3) * per_pixel);
   const double pixels = length / per_pixel;
   const Vec2 right(options.width - ink.px(24), options.height - ink.px(28)), left = right - Vec2(pixels, 0);
@@ -208,32 +249,45 @@ double scale_bar_length(double longest_m) {
   return power * (mantissa >= 5 ? 5 : mantissa >= 2 ? 2 : 1);
 }
 
-void build_overlay(const Picture& picture, const Viewpoint& viewpoint, const OverlayOptions& options,
-                   std::vector<shader::ViewStroke>& strokes) {
-  const Theme& theme = picture.dark ? dark_theme() : light_theme();
+void build_overlay(const Picture& picture, const ViewState& state, const Viewpoint& viewpoint,
+                   const OverlayOptions& options, std::vector<shader::ViewStroke>& strokes) {
+  const Layers& layers = state.layers;
+  const Theme& theme = state.dark ? dark_theme() : light_theme();
   Ink ink(options.ratio, theme.background, strokes);
   const shader::ViewPush view = projection(viewpoint, options.width, options.height);
-  for (const CameraMark& mark : picture.cameras) {
-    const Projected p = project(view, Vec3(mark.apex));
-    if (p.visible) ink.label(mark.name, Vec2(p.x, p.y - ink.px(8)), 8, theme.faint_ink, Align::centre);
-  }
-  for (std::size_t f = 0; f < picture.fingers.size(); ++f) {
-    draw_finger(ink, picture.fingers[f], static_cast<std::uint32_t>(f), view, theme);
-  }
+  /// The strokes of a layer, as firm as it is.
+  const auto in_layer = [&](Layer layer, const auto& draw) {
+    if (!layers.shows(layer)) return;
+    const std::size_t first = strokes.size();
+    draw();
+    for (std::size_t i = first; i < strokes.size(); ++i)
+      strokes[i].colour.w *= layers.opacity(layer);
+  };
+  in_layer(Layer::cameras, [&] { draw_camera_names(ink, picture, view, theme); });
+  in_layer(Layer::sections, [&] { draw_axis_names(ink, picture, view, theme); });
+  in_layer(Layer::foci, [&] {
+    for (std::size_t f = 0; f < picture.fingers.size(); ++f) {
+      const bool chosen = state.chosen && state.chosen->finger == f;
+      draw_finger(ink, picture.fingers[f], static_cast<std::uint32_t>(f),
+                  chosen ? std::optional(state.chosen->focus) : std::nullopt, view, theme);
+    }
+  });
+  if (state.picked) draw_picked(ink, *state.picked, view, theme);
   if (options.inset) {
     const Vec2 far(options.width, options.height);
     const std::array<Vec2, 4> corners{Vec2(0, 0), Vec2(far.x, 0), far, Vec2(0, far.y)};
     for (std::size_t i = 0; i < 4; ++i)
       ink.line(corners[i], corners[(i + 1) % 4], 2, theme.faint_ink);
-    if (picture.legend) draw_scale(ink, viewpoint, options, theme);
+    in_layer(Layer::legend, [&] { draw_scale(ink, viewpoint, options, theme); });
     return;
   }
-  if (!picture.legend) return;
-  draw_legend(ink, picture, theme);
-  if (picture.driven) draw_drive_wheel(ink, picture, options.width, theme);
-  draw_axes(ink, viewpoint, options.height);
-  draw_scale(ink, viewpoint, options, theme);
-  draw_chart(ink, picture, options.width, options.height, theme);
+  in_layer(Layer::legend, [&] {
+    draw_legend(ink, picture, layers, theme);
+    if (picture.driven && layers.shows(Layer::transducers)) draw_drive_wheel(ink, picture, options.width, theme);
+    draw_axes(ink, viewpoint, options.height);
+    draw_scale(ink, viewpoint, options, theme);
+    draw_chart(ink, picture, options.width, options.height, theme);
+  });
 }
 
 }  // namespace palpa::viewer

@@ -17,10 +17,10 @@ struct OverlayOptions {
   bool inset = false;            ///< a close-up inside another view: a border and a scale in place of legend and axes
 };
 
-/// Appends the overlay of `picture`, in pixels from the view's top left; later strokes lie over earlier ones. Surfaces,
-/// points and transducers are only named and counted.
-void build_overlay(const Picture& picture, const Viewpoint& viewpoint, const OverlayOptions& options,
-                   std::vector<shader::ViewStroke>& strokes);
+/// Appends the overlay of `picture` as `state` has it, seen from `viewpoint`, in pixels from the view's top left; later
+/// strokes lie over earlier ones. Surfaces, points and transducers are only named and counted.
+void build_overlay(const Picture& picture, const ViewState& state, const Viewpoint& viewpoint,
+                   const OverlayOptions& options, std::vector<shader::ViewStroke>& strokes);
 
 /// Length in metres of the scale bar: the longest of 1, 2 and 5 times a power of ten that is at most `longest_m`.
 double scale_bar_length(double longest_m);

@@ -49,6 +49,11 @@ const Theme& dark_theme() {
   return theme;
 }
 
+std::uint32_t to_pixel(const Colour& colour) {
+  const auto byte = [](float v) { return static_cast<std::uint32_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255)); };
+  return byte(colour.r) | byte(colour.g) << 8 | byte(colour.b) << 16 | byte(colour.a) << 24;
+}
+
 Colour finger_colour(std::uint32_t index) {
   // Okabe and Ito, "Color Universal Design", 2008; the darker ones first, since they stand out on white.
   static constexpr std::array<std::uint32_t, 7> colours{0xd55e00, 0x0072b2, 0x009e73, 0xcc79a7,

@@ -22,6 +22,9 @@ struct Theme {
 const Theme& light_theme();
 const Theme& dark_theme();
 
+/// Red in the lowest byte, then green, blue and alpha.
+std::uint32_t to_pixel(const Colour& colour);
+
 /// The colour of finger `index`; repeats after seven.
 Colour finger_colour(std::uint32_t index);
 

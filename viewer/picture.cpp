@@ -6,6 +6,7 @@
 #include <glm/vector_relational.hpp>
 
 #include "acoustics/skin.hpp"
+#include "viewer/depth_image.hpp"
 
 namespace palpa::viewer {
 
@@ -17,6 +18,25 @@ void show_solids(Picture& picture, std::span<const geometry::Solid> solids) {
       picture.solids.push_back({solid.name, solid.parts.parts[i].mesh, i});
   }
 }
+
+glm::vec3 section_tip(const SectionMark& section, std::size_t axis) {
+  const float across = 0.9f * section.reach.y;
+  return section.centre + section.axes[axis] * (axis == 2 ? across : 1.25f * section.reach[static_cast<int>(axis)]);
+}
+
+namespace {
+
+std::optional<SectionMark> section_of(const touch::Finger& finger) {
+  if (finger.point_like) return std::nullopt;
+  const touch::CrossSection& section = finger.section;
+  const auto& [w1, w2, w3] = section.axes;
+  const auto spread = [&](std::size_t i) { return 2 * std::sqrt(std::max(section.eigenvalues[i], 0.0f)); };
+  return SectionMark{section.centroid,
+                     {section.turn.x * w1 + section.turn.y * w2, section.turn.x * w2 - section.turn.y * w1, w3},
+                     {spread(0), spread(1)}};
+}
+
+}  // namespace
 
 void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::span<const sensing::SkinPoint> points,
                 const touch::Touch& touch) {
@@ -38,6 +58,7 @@ void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::
     FingerMarks marks;
     marks.solid = finger.solid < solids.size() ? solids[finger.solid].name : "";
     marks.contacts = static_cast<std::uint32_t>(finger.contacts.size());
+    marks.section = section_of(finger);
     picture.fingers.push_back(std::move(marks));
   }
 }
@@ -109,6 +130,7 @@ void show_cameras(Picture& picture, std::span<const sensing::Camera> cameras, do
   for (const sensing::Camera& camera : cameras) {
     CameraMark mark;
     mark.name = camera.name;
+    mark.frustum = through(camera);
     mark.apex = glm::vec3(transform_point(camera.T_world_camera, Vec3(0)));
     const double w = camera.width, h = camera.height;
     const std::array<Vec2, 4> pixels{Vec2(0, 0), Vec2(w, 0), Vec2(w, h), Vec2(0, h)};
@@ -121,7 +143,39 @@ void show_cameras(Picture& picture, std::span<const sensing::Camera> cameras, do
   }
 }
 
-Box extent(const Picture& picture, Extent extent) {
+void show_depth(Picture& picture, std::span<const sensing::Camera> cameras,
+                std::span<const sensing::DepthFrame> frames) {
+  std::erase_if(picture.images, [](const ImageMark& image) { return image.layer == Layer::depth; });
+  const std::size_t count = std::min({cameras.size(), frames.size(), picture.cameras.size()});
+  for (std::size_t i = 0; i < count; ++i) {
+    ImageMark& mark = picture.images.emplace_back();
+    mark.layer = Layer::depth;
+    mark.corners = picture.cameras[i].corners;
+    paint_depth(cameras[i], frames[i], mark);
+  }
+}
+
+std::vector<Vec3> apart(std::span<const SurfaceMark> solids) {
+  std::vector<Vec3> ways(solids.size(), Vec3(0));
+  for (std::size_t first = 0; first < solids.size();) {
+    std::size_t end = first + 1;
+    while (end < solids.size() && solids[first].part && solids[end].part && *solids[end].part != 0)
+      ++end;
+    Box whole;
+    for (std::size_t i = first; i < end && end - first > 1; ++i) {
+      const Box part = geometry::bounds(solids[i].mesh);
+      ways[i] = part.empty() ? Vec3(0) : part.centre();
+      whole.add(part.low);
+      whole.add(part.high);
+    }
+    for (std::size_t i = first; i < end && end - first > 1; ++i)
+      ways[i] = 2.0 * (ways[i] - whole.centre());
+    first = end;
+  }
+  return ways;
+}
+
+Box extent(const Picture& picture, Extent extent, const ViewState& state) {
   Box box;
   for (const ContactMark& c : picture.contacts) {
     if (c.finger || extent != Extent::touch) box.add(Vec3(c.position));
@@ -136,9 +190,10 @@ Box extent(const Picture& picture, Extent extent) {
     box.high += margin;
     return box;
   }
-  for (const SurfaceMark& solid : picture.solids) {
-    for (const Vec3& p : solid.mesh.positions)
-      box.add(p);
+  const std::vector<Vec3> ways = state.explode > 0 ? apart(picture.solids) : std::vector<Vec3>(picture.solids.size());
+  for (std::size_t i = 0; i < picture.solids.size(); ++i) {
+    for (const Vec3& p : picture.solids[i].mesh.positions)
+      box.add(p + state.explode * ways[i]);
   }
   if (extent != Extent::all && !box.empty()) {
     constexpr double near = 0.03;
@@ -161,8 +216,8 @@ Box extent(const Picture& picture, Extent extent) {
   }
   for (const TransducerMark& t : picture.transducers)
     box.add(Vec3(t.position));
-  for (const CameraMark& c : picture.cameras)
-    box.add(Vec3(c.apex));
+  for (std::size_t i = 0; i < picture.cameras.size() && state.layers.shows(Layer::cameras); ++i)
+    box.add(Vec3(picture.cameras[i].apex));
   return box;
 }
 

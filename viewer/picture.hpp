@@ -17,9 +17,12 @@
 #include "geometry/mesh.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
+#include "sensing/depth_source.hpp"
 #include "sensing/skin_point.hpp"
 #include "touch/method.hpp"
 #include "touch/types.hpp"
+#include "viewer/frustum.hpp"
+#include "viewer/view_state.hpp"
 
 namespace palpa::viewer {
 
@@ -43,13 +46,23 @@ struct FocusMark {
   bool own = true;           ///< false: an empty sector's slot
 };
 
+/// A finger's cross-section: the plane of its contacts, and its principal axes.
+struct SectionMark {
+  glm::vec3 centre{};
+  std::array<glm::vec3, 3> axes{};  ///< in the plane the longer and the shorter, across it; unit vectors
+  glm::vec2 reach{};                ///< along the first two: two standard deviations, metres
+};
+/// Where axis 0, 1 or 2 is drawn to: beyond the plane's rim, so that its name has room.
+glm::vec3 section_tip(const SectionMark& section, std::size_t axis);
+
 struct FingerMarks {
   std::string solid;  ///< what it touches
   std::uint32_t contacts = 0;
   std::vector<FocusMark> foci;  ///< as they play; joined by a line in this order
   /// Index into `foci` of the focus that sounds now, highlighted.
   std::optional<std::uint32_t> running;
-  bool together = false;  ///< all of them sound now
+  bool together = false;               ///< all of them sound now
+  std::optional<SectionMark> section;  ///< none of a finger that is a single point
 };
 
 /// One line of what skin feels in time, by the mean pressure.
@@ -71,6 +84,15 @@ struct CameraMark {
   std::string name;
   glm::vec3 apex{};
   std::array<glm::vec3, 4> corners{};  ///< where the image's corners are, some way before the apex
+  Frustum frustum{};                   ///< what it sees
+};
+
+/// A flat image in the world.
+struct ImageMark {
+  Layer layer = Layer::depth;
+  std::array<glm::vec3, 4> corners{};  ///< top left, top right, bottom right, bottom left
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint32_t> pixels;  ///< rows from the top; red in the lowest byte, then green, blue and alpha
 };
 
 struct Picture {
@@ -86,11 +108,8 @@ struct Picture {
   bool driven = false;  ///< transducers have a drive; otherwise they are drawn idle
   std::vector<BoardMark> boards;
   std::vector<CameraMark> cameras;
+  std::vector<ImageMark> images;
   std::vector<std::vector<SpectrumMark>> spectra;  ///< one per finger, drawn as a chart; or none
-  std::optional<Transform> T_world_camera;         ///< of the first camera that sees the skin
-  bool dark = false;                               ///< dark-neutral instead of white background
-  bool legend = true;                              ///< title, legend, axes and scale
-  bool grid = true;
 };
 
 // What fills a picture from the engine's values; each replaces its own part only.
@@ -111,6 +130,14 @@ void show_array(Picture& picture, const array::Layout& layout);
 void show_drive(Picture& picture, std::span<const array::TransducerDrive> drive);
 /// Frusta as long as `depth_m`.
 void show_cameras(Picture& picture, std::span<const sensing::Camera> cameras, double depth_m = 0.08);
+/// One image for each camera of show_cameras, at the end of its frustum: the nearer, the lighter, no data as a shade.
+/// Coarser than the frames, so that a live view stays quick.
+void show_depth(Picture& picture, std::span<const sensing::Camera> cameras,
+                std::span<const sensing::DepthFrame> frames);
+
+/// Where the parts of solids go when they are taken apart: one for each surface, nothing for a solid that is whole.
+/// Parts move away from their solid's middle, those at its ends by about its size.
+std::vector<Vec3> apart(std::span<const SurfaceMark> solids);
 
 /// What the view should show.
 enum class Extent {
@@ -118,6 +145,7 @@ enum class Extent {
   objects,  ///< solids, contacts, and the skin up to 3 cm around them
   all,      ///< everything, array and cameras too
 };
-Box extent(const Picture& picture, Extent extent);
+/// `explode` and whether cameras are shown are those of `state`.
+Box extent(const Picture& picture, Extent extent, const ViewState& state = {});
 
 }  // namespace palpa::viewer

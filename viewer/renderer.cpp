@@ -12,6 +12,8 @@
 #include "spirv/view_disc.frag.hpp"
 #include "spirv/view_disc.vert.hpp"
 #include "spirv/view_edge.vert.hpp"
+#include "spirv/view_image.frag.hpp"
+#include "spirv/view_image.vert.hpp"
 #include "spirv/view_mesh.frag.hpp"
 #include "spirv/view_mesh.vert.hpp"
 #include "spirv/view_stroke.frag.hpp"
@@ -24,6 +26,9 @@ namespace {
 
 /// One part in a thousand of the distance: lines lie on their surface, not half in it.
 constexpr float line_bias = 1.0e-3f;
+
+/// Of the plane of a cross-section, which has its finger's colour.
+constexpr float section_alpha = 0.22f;
 
 Colour face_of(const SurfaceItems& solid, const Theme& theme) {
   return solid.part ? part_colour(theme.solid, *solid.part) : theme.solid;
@@ -84,8 +89,23 @@ struct Renderer::Shot {
   VkCommandBuffer commands;
   shader::ViewPush push;  // projection, window and eye; colour and style are each draw's own
   const Theme& theme;
+  const Layers& layers;
   Vec3 eye;
   float ratio;
+
+  /// Of what stands `by` away from where its coordinates say.
+  Shot moved(const Vec3& by) const {
+    Shot shot = *this;
+    const glm::vec3 d(by);
+    for (shader::vec4* clip : {&shot.push.clip_x, &shot.push.clip_y, &shot.push.clip_z, &shot.push.clip_w})
+      clip->w += clip->x * d.x + clip->y * d.y + clip->z * d.z;
+    if (push.eye.w > 0.5f) {
+      shot.push.eye.x -= d.x;
+      shot.push.eye.y -= d.y;
+      shot.push.eye.z -= d.z;
+    }
+    return shot;
+  }
 };
 
 Renderer::Renderer(const gpu::Device& device, VkFormat colour)
@@ -101,6 +121,9 @@ Renderer::Renderer(const gpu::Device& device, VkFormat colour)
   mesh_ = {device, "view mesh", spirv::view_mesh_vert, spirv::view_mesh_frag, layout};
   edge_ = {device, "view edge", spirv::view_edge_vert, spirv::view_stroke_frag, layout};
   stroke_ = {device, "view stroke", spirv::view_stroke_vert, spirv::view_stroke_frag, layout};
+  layout.buffers = shader::view_image_buffers;
+  image_ = {device, "view image", spirv::view_image_vert, spirv::view_image_frag, layout};
+  layout.buffers = shader::view_buffers;
   layout.blend = samples_ == VK_SAMPLE_COUNT_1_BIT;
   layout.alpha_to_coverage = !layout.blend;
   disc_ = {device, "view disc", spirv::view_disc_vert, spirv::view_disc_frag, layout};
@@ -141,7 +164,7 @@ std::vector<Items> Renderer::upload_overlay(VkCommandBuffer commands, const Draw
   for (const View& view : views) {
     const auto first = static_cast<std::uint32_t>(canvas.strokes_.size());
     build_overlay(
-        drawn.picture_, view.viewpoint,
+        drawn.picture_, drawn.state_, view.viewpoint,
         {static_cast<double>(view.area.extent.width), static_cast<double>(view.area.extent.height), ratio, view.inset},
         canvas.strokes_);
     ranges.push_back({first, static_cast<std::uint32_t>(canvas.strokes_.size()) - first});
@@ -158,7 +181,7 @@ std::vector<Items> Renderer::upload_overlay(VkCommandBuffer commands, const Draw
 void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<const View> views, Canvas& canvas,
                       const Target& target, double ratio) const {
   const VkExtent2D extent = canvas.extent();
-  const Theme& theme = drawn.picture_.dark ? dark_theme() : light_theme();
+  const Theme& theme = drawn.state_.dark ? dark_theme() : light_theme();
   after_last_draws(commands);
   drawn.record_upload(commands);
   const std::vector<Items> overlays = upload_overlay(commands, drawn, views, canvas, ratio);
@@ -197,7 +220,11 @@ void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<c
   vkCmdBeginRendering(commands, &rendering);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const VkExtent2D size = views[i].area.extent;
-    Shot shot{commands, projection(views[i].viewpoint, size.width, size.height), theme, basis(views[i].viewpoint).eye,
+    Shot shot{commands,
+              projection(views[i].viewpoint, size.width, size.height),
+              theme,
+              drawn.state_.layers,
+              basis(views[i].viewpoint).eye,
               static_cast<float>(ratio)};
     shot.push.style.z = static_cast<float>(views[i].area.offset.x);
     shot.push.style.w = static_cast<float>(views[i].area.offset.y);
@@ -226,70 +253,103 @@ void Renderer::draw_view(const Shot& shot, const DrawnPicture& drawn, const Canv
     vkCmdClearAttachments(shot.commands, 2, clears.data(), 1, &rect);
   }
   draw_points(shot, drawn);
-  draw_boards_and_lines(shot, drawn);
+  draw_images(shot, drawn, view);
+  draw_faces_and_lines(shot, drawn);
   draw_surfaces(shot, drawn);
   draw_overlay(shot, canvas, overlay);
 }
 
 // Opaque and first: they write depth, and what is translucent then blends over those behind it.
 void Renderer::draw_points(const Shot& shot, const DrawnPicture& drawn) const {
-  const auto draw = [&](const Items& range, float outline) {
+  const auto draw = [&](const Items& range, float outline, Layer layer) {
+    if (!shot.layers.shows(layer)) return;
     shader::ViewPush push = shot.push;
-    push.style = {outline * shot.ratio, shot.ratio, 0, 0};
+    push.style = {outline * shot.ratio, shot.ratio, shot.layers.opacity(layer), 0};
     disc_.draw(shot.commands, {drawn.discs_.ref()}, push, {.depth_write = true}, corners_of(range.count),
                corners_of(range.first));
   };
-  draw(drawn.transducers_, 0.0f);
-  draw(drawn.points_, 0.0f);
-  draw(drawn.contacts_, 0.6f);
+  draw(drawn.transducers_, 0.0f, Layer::transducers);
+  draw(drawn.points_, 0.0f, Layer::points);
+  draw(drawn.contacts_, 0.6f, Layer::contacts);
 }
 
-void Renderer::draw_boards_and_lines(const Shot& shot, const DrawnPicture& drawn) const {
+// Those that hide what lies behind them write depth, too. From within a camera its own image would hide all else.
+void Renderer::draw_images(const Shot& shot, const DrawnPicture& drawn, const View& view) const {
+  for (const ImageItems& image : drawn.images_) {
+    if (image.layer == Layer::depth && view.viewpoint.frustum) continue;
+    const float opacity = shot.layers.opacity(image.layer);
+    shader::ViewPush push = shot.push;
+    push.style = {static_cast<float>(image.first_pixel), static_cast<float>(image.width),
+                  static_cast<float>(image.height), opacity};
+    image_.draw(shot.commands, {drawn.face_vertices_.ref(), drawn.pixels_.ref()}, push, {.depth_write = opacity >= 1},
+                image.vertices.count, image.vertices.first);
+  }
+}
+
+void Renderer::draw_faces_and_lines(const Shot& shot, const DrawnPicture& drawn) const {
   shader::ViewPush push = shot.push;
   push.window.w = line_bias;
   push.style = {0, shot.ratio, shot.push.style.z, shot.push.style.w};
   stroke_.draw(shot.commands, {drawn.strokes_.ref()}, push, {}, corners_of(drawn.lines_.count));
   push = shot.push;
-  push.colour = pack(shot.theme.board);
-  push.style = {shot.theme.board.a, 0, 0, 0};
-  mesh_.draw(shot.commands, {drawn.board_vertices_.ref()}, push, {}, drawn.boards_.count);
+  const float board = shot.theme.board.a * shot.layers.opacity(Layer::transducers);
+  push.colour = pack(with_alpha(shot.theme.board, board));
+  push.style = {board, 0, 0, 0};
+  mesh_.draw(shot.commands, {drawn.face_vertices_.ref()}, push, {}, drawn.boards_.count);
+  const float section = section_alpha * shot.layers.opacity(Layer::sections);
+  push.colour.w = push.style.x = section;
+  mesh_.draw(shot.commands, {drawn.face_vertices_.ref()}, push, {}, drawn.sections_.count, drawn.sections_.first);
 }
 
 // Solids are convex, so that back faces, then front faces, blend in the right order; several solids from far to near.
 // The skin's surface may pass through a solid: the part behind the solid's front is drawn before that front, the rest
 // after.
-void Renderer::draw_surfaces(const Shot& shot, const DrawnPicture& drawn) const {
-  const auto paint = [&](const Items& range, Colour face, Colour rim, float shading, const gpu::DrawState& state) {
+void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn) const {
+  const auto paint = [&](const Shot& shot, const Items& range, Colour face, Colour rim, float opacity,
+                         const gpu::DrawState& state) {
     shader::ViewPush push = shot.push;
-    push.colour = pack(face);
-    push.style = {rim.a, shading, 0, 0};
+    push.colour = pack(with_alpha(face, face.a * opacity));
+    push.style = {rim.a * opacity, 1, 0, 0};
     mesh_.draw(shot.commands, {drawn.vertices_.ref()}, push, state, range.count, range.first);
   };
   const auto paint_skin = [&](VkCompareOp compare) {
+    if (!all.layers.shows(Layer::skin)) return;
     for (const VkCullModeFlagBits hidden : {VK_CULL_MODE_FRONT_BIT, VK_CULL_MODE_BACK_BIT}) {
-      paint(drawn.skin_.vertices, shot.theme.skin, shot.theme.skin_rim, 1, {.cull = hidden, .compare = compare});
+      paint(all, drawn.skin_.vertices, all.theme.skin, all.theme.skin_rim, all.layers.opacity(Layer::skin),
+            {.cull = hidden, .compare = compare});
     }
   };
 
-  std::vector<std::size_t> order(drawn.solids_.size());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return glm::distance(drawn.solids_[a].centre, shot.eye) > glm::distance(drawn.solids_[b].centre, shot.eye);
-  });
-  for (const std::size_t i : order) {
-    const Items& range = drawn.solids_[i].vertices;
-    paint(range, face_of(drawn.solids_[i], shot.theme), rim_of(drawn.solids_[i], shot.theme), 1,
-          {.cull = VK_CULL_MODE_FRONT_BIT});
-    // Depth alone, by painting with no alpha.
-    paint(range, with_alpha(shot.theme.solid, 0), with_alpha(shot.theme.solid, 0), 0,
-          {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = true});
+  struct Part {
+    const SurfaceItems* items;
+    Vec3 away;
+    double distance;
+  };
+  std::vector<Part> parts;
+  for (const SurfaceItems& solid : drawn.solids_) {
+    const Vec3 away = drawn.state_.explode * solid.away;
+    parts.push_back({&solid, away, solid.bounds.empty() ? 0 : glm::distance(solid.bounds.centre() + away, all.eye)});
   }
-  if (!order.empty()) paint_skin(VK_COMPARE_OP_LESS);
-  for (const std::size_t i : order) {
-    paint(drawn.solids_[i].vertices, face_of(drawn.solids_[i], shot.theme), rim_of(drawn.solids_[i], shot.theme), 1,
-          {.cull = VK_CULL_MODE_BACK_BIT});
-    draw_edges(shot, drawn, drawn.solids_[i]);
+  std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.distance > b.distance; });
+  const float opacity = all.layers.opacity(Layer::solids);
+  const auto paint_faces = [&](const Part& part, VkCullModeFlags hidden) {
+    if (opacity > 0) {
+      paint(all.moved(part.away), part.items->vertices, face_of(*part.items, all.theme), rim_of(*part.items, all.theme),
+            opacity, {.cull = hidden});
+    }
+  };
+  const bool edges = all.layers.shows(Layer::edges);
+  for (const Part& part : parts) {
+    paint_faces(part, VK_CULL_MODE_FRONT_BIT);
+    // Depth alone, by painting with no alpha.
+    if (opacity > 0 || edges)
+      paint(all.moved(part.away), part.items->vertices, all.theme.solid, all.theme.solid, 0,
+            {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = true});
+  }
+  if (!parts.empty()) paint_skin(VK_COMPARE_OP_LESS);
+  for (const Part& part : parts) {
+    paint_faces(part, VK_CULL_MODE_BACK_BIT);
+    if (edges) draw_edges(all.moved(part.away), drawn, *part.items);
   }
   paint_skin(VK_COMPARE_OP_GREATER_OR_EQUAL);
 }
@@ -299,7 +359,7 @@ void Renderer::draw_edges(const Shot& shot, const DrawnPicture& drawn, const Sur
   shader::ViewPush push = shot.push;
   push.window.w = line_bias;
   const auto draw = [&](float width, float alpha, VkCompareOp compare) {
-    push.colour = pack(with_alpha(shot.theme.edge, alpha));
+    push.colour = pack(with_alpha(shot.theme.edge, alpha * shot.layers.opacity(Layer::edges)));
     push.style = {0.5f * width * shot.ratio, 0, shot.push.style.z, shot.push.style.w};
     edge_.draw(shot.commands, {drawn.edges_.ref()}, push, {.compare = compare}, corners_of(surface.edges.count),
                corners_of(surface.edges.first));

@@ -62,7 +62,8 @@ class Renderer {
  private:
   struct Shot;
   void draw_points(const Shot& shot, const DrawnPicture& drawn) const;
-  void draw_boards_and_lines(const Shot& shot, const DrawnPicture& drawn) const;
+  void draw_images(const Shot& shot, const DrawnPicture& drawn, const View& view) const;
+  void draw_faces_and_lines(const Shot& shot, const DrawnPicture& drawn) const;
   void draw_surfaces(const Shot& shot, const DrawnPicture& drawn) const;
   void draw_edges(const Shot& shot, const DrawnPicture& drawn, const SurfaceItems& surface) const;
   void draw_overlay(const Shot& shot, const Canvas& canvas, const Items& strokes) const;
@@ -74,7 +75,7 @@ class Renderer {
   const gpu::Device* device_;
   VkFormat colour_, depth_;
   VkSampleCountFlagBits samples_;
-  gpu::GraphicsPipeline mesh_, edge_, stroke_, disc_;
+  gpu::GraphicsPipeline mesh_, edge_, stroke_, disc_, image_;
 };
 
 }  // namespace palpa::viewer

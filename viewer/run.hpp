@@ -6,8 +6,8 @@
 
 namespace palpa::viewer {
 
-/// Draws --frames pictures, a slot each; writes and compares the last. Throws failure() where it differs from the
-/// reference by more than the threshold.
+/// Draws --frames pictures, a slot each; writes all of them or the last, and compares that. Throws failure() where it
+/// differs from the reference by more than the threshold.
 void run_headless(const ViewerOptions& options);
 
 /// Opens a window and shows until it is closed or --frames have been drawn. The running focus moves on in slow motion,

@@ -32,10 +32,18 @@ double compare(const ViewerOptions& options, const Pixels& pixels) {
   return mean_difference(pixels, reference);
 }
 
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directory(folder, error);
+  if (error) throw failure(fmt::format("{}: cannot be created: {}", folder.string(), error.message()));
+}
+
 }  // namespace
 
 void run_headless(const ViewerOptions& options) {
-  const Outputs outputs({{"--json", options.common.json}, {"--screenshot", options.screenshot}});
+  const Outputs outputs({{"--json", options.common.json},
+                         {"--screenshot", options.screenshot},
+                         {"--video", options.video, Output::Kind::folder}});
   refuse_output_as_input(std::filesystem::path(options.reference));
   Show show(options);
   const gpu::Device device(setup::device_options(options.common));
@@ -43,8 +51,10 @@ void run_headless(const ViewerOptions& options) {
   const double ratio = options.pixel_ratio.value_or(1);
   Offscreen offscreen(device, size.width, size.height, ratio);
   DrawnPicture drawn(device);
-  drawn.update(show.picture());
-  const Viewpoint viewpoint = first_viewpoint(options, show.picture(), size);
+  const ViewState state = first_state(options);
+  drawn.update(show.picture(), state);
+  const Viewpoint viewpoint = first_viewpoint(options, show.picture(), state, size);
+  if (!options.video.empty()) make_folder(options.video);
   const auto views = views_from(viewpoint, options, show.picture(), size, ratio);
 
   const std::uint32_t frames = options.frames.value_or(1);
@@ -53,10 +63,13 @@ void run_headless(const ViewerOptions& options) {
   for (std::uint32_t i = 0; i < frames; ++i) {
     if (i > 0 && show.changes()) {
       show.go_to(options.slot + i);
-      drawn.update_marks(show.picture());
+      drawn.update_marks(show.picture(), state);
     }
     offscreen.draw(drawn, views);
     times.push_back(watch.lap_ms());
+    if (options.video.empty()) continue;
+    write_png(std::filesystem::path(options.video) / fmt::format("{:06}.png", i), offscreen.pixels());
+    watch.lap_ms();  // files are no part of a frame
   }
   std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
   const double frame_ms = times[times.size() / 2];
@@ -73,8 +86,8 @@ void run_headless(const ViewerOptions& options) {
   }
   if (setup::shows_summary(options.common, outputs)) {
     write_file(
-        "-", fmt::format("{} frame{} of {}x{} pixels, {:.1f} ms each{}{}\n", frames, frames == 1 ? "" : "s",
-                         pixels.width, pixels.height, frame_ms,
+        "-", fmt::format("{} frame{} of {}x{} pixels, {:.1f} ms each{}{}{}\n", frames, frames == 1 ? "" : "s",
+                         pixels.width, pixels.height, frame_ms, options.video.empty() ? "" : "; in " + options.video,
                          options.screenshot.empty() ? "" : "; the last one is " + options.screenshot,
                          difference ? fmt::format("; differs from {} by {:.4f}", options.reference, *difference) : ""));
   }

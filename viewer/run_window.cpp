@@ -43,11 +43,12 @@ void run_window(const ViewerOptions& options) {
   const WindowSurface surface(device, window);
   Presenter presenter(device, surface.get());
   DrawnPicture drawn(device);
-  drawn.update(show.picture());
+  const ViewState state = first_state(options);
+  drawn.update(show.picture(), state);
 
   Size extent = pixels_of(window);
-  Viewpoint viewpoint = first_viewpoint(options, show.picture(), extent);
-  const Box home = home_of(options, show.picture());
+  Viewpoint viewpoint = first_viewpoint(options, show.picture(), state, extent);
+  const Box home = home_of(options, show.picture(), state);
   Controls controls;
   std::vector<WindowEvent> events;
   std::uint64_t slot = options.slot;
@@ -85,7 +86,7 @@ void run_window(const ViewerOptions& options) {
       next_slot = Clock::now() + slow_slot;
       show.go_to(++slot);
       presenter.finish();
-      drawn.update_marks(show.picture());
+      drawn.update_marks(show.picture(), state);
       dirty = true;
     }
     extent = pixels_of(window);

@@ -35,9 +35,6 @@ std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input, std:
 Show::Show(const ViewerOptions& options)
     : drive_options_(setup::drive_options(options.drive, options.touch.method.method)) {
   picture_.title = options.title;
-  picture_.dark = options.dark;
-  picture_.legend = !options.no_legend;
-  picture_.grid = !options.no_grid;
   {
     const setup::Preparing preparing(options.common.quiet);
     load_array(options);
@@ -64,14 +61,14 @@ void Show::load_objects(const ViewerOptions& options) {
                                                 std::move(solids), input, std::move(array), times);
   show_touch(picture_, one.session.solids(), points_near(input, one.session.solids()), one.touch);
   picture_.skin_count = input.point_count;
-  if (!input.cameras.empty()) picture_.T_world_camera = input.cameras.front().T_world_camera;
+  show_cameras(picture_, input.cameras);
+  show_depth(picture_, input.cameras, input.frames);
   schedule_ = one.session.schedule();
   std::vector<touch::Placement> placements;
   for (const session::ScheduledFinger& finger : one.session.scheduler().fingers())
     placements.push_back(finger.placement);
   show_schedule(picture_, schedule_, placements);
   if (options.felt.spectrum) show_spectra(picture_, setup::spectra_of(one.session));
-  if (options.show_cameras) show_cameras(picture_, input.cameras);
 }
 
 void Show::load_skin_surface(const ViewerOptions& options) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <iterator>
 #include <optional>
 
@@ -41,19 +42,23 @@ inline constexpr std::size_t layer_count = std::size(layer_words);
 
 struct LayerState {
   bool visible = true;
-  float opacity = 1;  ///< 0..1, times what the layer has by itself; only surfaces, slice and heat can be seen through
+  float opacity = 1;  ///< 0..1, times what the layer has by itself
   bool operator==(const LayerState&) const = default;
 };
 
 /// The layers. What costs time or covers others is hidden at first.
 class Layers {
  public:
-  Layers() {
-    for (const Layer hidden : {Layer::sections, Layer::depth, Layer::slice, Layer::heat})
-      (*this)[hidden].visible = false;
-  }
+  Layers() { hide({Layer::sections, Layer::cameras, Layer::depth, Layer::slice, Layer::heat}); }
   LayerState& operator[](Layer layer) { return states_[static_cast<std::size_t>(layer)]; }
   const LayerState& operator[](Layer layer) const { return states_[static_cast<std::size_t>(layer)]; }
+  /// 0 for a layer that is hidden.
+  float opacity(Layer layer) const { return (*this)[layer].visible ? (*this)[layer].opacity : 0; }
+  bool shows(Layer layer) const { return opacity(layer) > 0; }
+  void hide(std::initializer_list<Layer> layers) {
+    for (const Layer layer : layers)
+      (*this)[layer].visible = false;
+  }
   bool operator==(const Layers&) const = default;
 
  private:

@@ -21,6 +21,62 @@ Vec3 point(const std::string& option, const std::string& text) {
   return {p[0], p[1], p[2]};
 }
 
+/// What --view says before a colon.
+std::string_view standard_view(const ViewerOptions& o) {
+  const std::string_view view = o.view;
+  return view.starts_with("camera:") ? view.substr(0, 6) : view;
+}
+
+const CameraMark& camera_of(const ViewerOptions& o, const Picture& picture) {
+  const std::string_view name = std::string_view(o.view).substr(standard_view(o).size());
+  std::string names;
+  for (const CameraMark& camera : picture.cameras) {
+    if (name.empty() || name.substr(1) == camera.name) return camera;
+    names += (names.empty() ? "" : ", ") + camera.name;
+  }
+  throw bad_usage(fmt::format("--view: there is no camera '{}'; give one of {}", name.substr(1), names));
+}
+
+/// The parts of "a,b,c"; none of an empty text.
+std::vector<std::string_view> items_of(std::string_view text) {
+  std::vector<std::string_view> items;
+  if (text.empty()) return items;
+  for (std::size_t comma = text.find(','); comma != std::string_view::npos; comma = text.find(',')) {
+    items.push_back(text.substr(0, comma));
+    text.remove_prefix(comma + 1);
+  }
+  items.push_back(text);
+  return items;
+}
+
+Layer layer_of(const char* option, std::string_view word) {
+  if (const std::optional<Layer> layer = value_of(layer_words, word)) return *layer;
+  throw bad_usage(fmt::format("{}: '{}' is no layer; give {}", option, word, one_of(layer_words)));
+}
+
+std::vector<Layer> layers_in(const char* option, std::string_view text) {
+  std::vector<Layer> layers;
+  for (const std::string_view word : items_of(text))
+    layers.push_back(layer_of(option, word));
+  return layers;
+}
+
+std::optional<double> number_in(std::string_view text) {
+  double value = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (read.ec != std::errc() || read.ptr != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// Those that are normally visible, or those that are not.
+std::string names_of_layers(bool visible) {
+  std::string names;
+  for (const Word<Layer>& entry : layer_words) {
+    if (Layers()[entry.value].visible == visible) names += std::string(names.empty() ? "" : ", ") + entry.word;
+  }
+  return names;
+}
+
 }  // namespace
 
 void add_options(CLI::App& app, ViewerOptions& o) {
@@ -38,13 +94,17 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   what.text("--skin", o.skin, "FILE",
             "surface of the finger or hand as PLY, drawn faintly; --penetration moves it too");
   what.text("--title", o.title, "TEXT", "above the legend");
-  what.flag("--show-cameras", o.show_cameras, "draw the cameras of --depth");
+  what.text("--show", o.shown, "LAYER,...",
+            fmt::format("layers to draw that normally are not: {}", names_of_layers(false)));
+  what.text("--hide", o.hidden, "LAYER,...", fmt::format("layers not to draw: {}", names_of_layers(true)));
+  what.text("--opacity", o.opacities, "LAYER=0..1,...", "how firmly layers are drawn, 1 is their own look");
+  what.number("--explode", o.explode, {0, 1}, "NUMBER",
+              "how far apart the convex parts of solids are drawn, 1: by their solid's size");
   what.flag("--dark", o.dark, "dark background");
-  what.flag("--no-legend", o.no_legend, "neither legend nor axes nor scale");
-  what.flag("--no-grid", o.no_grid, "no grid");
 
   const setup::Group where(app, "View");
-  where.choice("--view", o.view, view_words, "from where; camera: as the first camera of --depth sees it");
+  where.text("--view", o.view, "FROM",
+             "front, right, top, iso, or camera: through the first camera of --depth; camera:NAME: through that one");
   where.text("--eye", o.eye, "X,Y,Z", "in place of --view: the eye, looking at --target");
   where.text("--target", o.target, "X,Y,Z", "what --eye looks at [0,0,0]");
   where.choice("--frame", o.frame, {{"touch", Extent::touch}, {"objects", Extent::objects}, {"all", Extent::all}},
@@ -56,6 +116,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   how.flag("--headless", o.headless, "open no window");
   how.integer("--frames", o.frames, 1, 1'000'000, "frames to draw, a slot each, then exit [headless: 1]");
   how.text("--screenshot", o.screenshot, "FILE", "write the last frame as PNG");
+  how.text("--video", o.video, "FOLDER", "write every frame as PNG into that new folder: 000000.png and so on");
   how.text("--size", o.size, "WxH", "of picture or window, pixels [1280x800]");
   how.number("--pixel-ratio", o.pixel_ratio, {0.5, 8}, "NUMBER", "pixels per point: how large text and lines are [1]");
   how.text("--reference", o.reference, "FILE", "compare the last frame with this PNG");
@@ -82,7 +143,10 @@ void check(const ViewerOptions& o) {
     throw bad_usage("--penetration moves --points and --skin: give one of them");
   }
   if (o.input.penetration_m && o.input.scene.empty()) throw bad_usage("--penetration goes with --scene");
-  if (o.view == StandardView::camera && o.input.depths.empty()) throw bad_usage("--view camera goes with --depth");
+  if (!value_of(view_words, standard_view(o)))
+    throw bad_usage(fmt::format("--view: '{}' is no view; give {}, or camera:NAME", o.view, one_of(view_words)));
+  if (standard_view(o) == "camera" && o.input.depths.empty()) throw bad_usage("--view camera goes with --depth");
+  first_state(o);
   if (!o.target.empty() && o.eye.empty()) throw bad_usage("--target goes with --eye");
   if (!o.eye.empty()) {
     const Vec3 target = o.target.empty() ? Vec3(0) : point("--target", o.target);
@@ -91,6 +155,7 @@ void check(const ViewerOptions& o) {
   picture_size(o);
   if (!o.headless) {
     if (!o.screenshot.empty()) throw bad_usage("--screenshot goes with --headless");
+    if (!o.video.empty()) throw bad_usage("--video goes with --headless");
     if (!o.reference.empty()) throw bad_usage("--reference goes with --headless");
   }
   if (o.threshold && o.reference.empty()) throw bad_usage("--threshold goes with --reference");
@@ -110,25 +175,47 @@ Size picture_size(const ViewerOptions& o) {
       fmt::format("--size: '{}' is no size; give width x height, 16 to 8192 pixels each, such as 1280x800", o.size));
 }
 
-Box home_of(const ViewerOptions& o, const Picture& picture) {
-  return extent(picture, o.frame.value_or(picture.transducers.empty() ? Extent::objects : Extent::all));
+ViewState first_state(const ViewerOptions& o) {
+  ViewState state;
+  for (const Layer layer : layers_in("--show", o.shown))
+    state.layers[layer].visible = true;
+  for (const Layer layer : layers_in("--hide", o.hidden))
+    state.layers[layer].visible = false;
+  for (const std::string_view item : items_of(o.opacities)) {
+    const std::size_t equals = std::min(item.find('='), item.size());
+    const std::optional<double> opacity = number_in(item.substr(std::min(equals + 1, item.size())));
+    if (!opacity || !(*opacity >= 0 && *opacity <= 1))
+      throw bad_usage(fmt::format("--opacity: '{}' is no layer=0..1, such as solids=0.5", item));
+    state.layers[layer_of("--opacity", item.substr(0, equals))].opacity = static_cast<float>(*opacity);
+  }
+  state.explode = o.explode;
+  state.time.slot = o.slot;
+  state.dark = o.dark;
+  return state;
 }
 
-Viewpoint first_viewpoint(const ViewerOptions& o, const Picture& picture, const Size& size) {
+Box home_of(const ViewerOptions& o, const Picture& picture, const ViewState& state) {
+  return extent(picture, o.frame.value_or(picture.transducers.empty() ? Extent::objects : Extent::all), state);
+}
+
+Viewpoint first_viewpoint(const ViewerOptions& o, const Picture& picture, const ViewState& state, const Size& size) {
   Viewpoint viewpoint;
   viewpoint.orthographic = o.orthographic;
   if (o.inset && !picture.fingers.empty()) viewpoint.covered_right = inset_share;
-  if (!o.no_legend) viewpoint.covered_left = chart_share(picture, size.width, size.height, o.pixel_ratio.value_or(1));
+  if (state.layers.shows(Layer::legend))
+    viewpoint.covered_left = chart_share(picture, size.width, size.height, o.pixel_ratio.value_or(1));
   if (!o.eye.empty()) {
     look(viewpoint, point("--eye", o.eye), o.target.empty() ? Vec3(0) : point("--target", o.target));
     return viewpoint;
   }
-  if (o.view == StandardView::camera && picture.T_world_camera) {
-    look(viewpoint, *picture.T_world_camera);
-  } else {
-    look(viewpoint, o.view);
+  const Box home = home_of(o, picture, state);
+  const StandardView view = *value_of(view_words, standard_view(o));
+  if (view == StandardView::camera) {
+    look(viewpoint, camera_of(o, picture).frustum, home.empty() ? Vec3(0) : home.centre());
+    return viewpoint;
   }
-  fit(viewpoint, home_of(o, picture), static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u));
+  look(viewpoint, view);
+  fit(viewpoint, home, static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u));
   return viewpoint;
 }
 

@@ -11,7 +11,7 @@
 #include "setup/touch_input.hpp"
 #include "viewer/picture.hpp"
 #include "viewer/renderer.hpp"
-#include "viewer/viewpoint.hpp"
+#include "viewer/view_state.hpp"
 
 namespace palpa::viewer {
 
@@ -25,14 +25,13 @@ struct ViewerOptions {
 
   std::string skin;  ///< mesh of the finger or hand, as PLY
   std::string title;
-  bool show_cameras = false;
+  std::string shown, hidden, opacities;  ///< layers: "cameras,depth"; with opacities "solids=0.5,skin=0.2"
+  double explode = 0;
   bool dark = false;
-  bool no_legend = false;
-  bool no_grid = false;
   std::uint64_t slot = 0;
 
-  StandardView view = StandardView::iso;
-  std::string eye, target;  ///< "x,y,z"
+  std::string view = "iso";  ///< one of view_words; "camera:NAME"
+  std::string eye, target;   ///< "x,y,z"
   std::optional<Extent> frame;
   bool orthographic = false;
   bool inset = false;
@@ -41,7 +40,7 @@ struct ViewerOptions {
   std::optional<std::uint32_t> frames;
   std::string size = "1280x800";
   std::optional<double> pixel_ratio;
-  std::string screenshot, reference;
+  std::string screenshot, video, reference;
   std::optional<double> threshold;
 };
 
@@ -55,12 +54,15 @@ struct Size {
 };
 /// Of --size.
 Size picture_size(const ViewerOptions& options);
-/// Where the viewpoint stands at first, for a picture of that size.
-Viewpoint first_viewpoint(const ViewerOptions& options, const Picture& picture, const Size& size);
+/// How the picture is looked at as long as nobody changes it; its viewpoint is not set yet.
+ViewState first_state(const ViewerOptions& options);
+/// Where the viewpoint stands at first, for a picture of that size. Throws bad_usage for a camera that is not there.
+Viewpoint first_viewpoint(const ViewerOptions& options, const Picture& picture, const ViewState& state,
+                          const Size& size);
 /// What is drawn from there: the whole, and with --inset a close-up of the touch, if there is one.
 std::vector<View> views_from(const Viewpoint& viewpoint, const ViewerOptions& options, const Picture& picture,
                              const Size& size, double ratio);
 /// What F frames, and what the first viewpoint does unless an eye is given.
-Box home_of(const ViewerOptions& options, const Picture& picture);
+Box home_of(const ViewerOptions& options, const Picture& picture, const ViewState& state);
 
 }  // namespace palpa::viewer

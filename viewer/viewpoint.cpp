@@ -19,6 +19,7 @@ shader::vec4 row(const Vec3& v, double w) {
 }  // namespace
 
 void look(Viewpoint& viewpoint, StandardView view) {
+  viewpoint.frustum.reset();
   viewpoint.R_world_orbit = glm::dmat3(1.0);
   switch (view) {
     case StandardView::front:
@@ -37,13 +38,19 @@ void look(Viewpoint& viewpoint, StandardView view) {
   }
 }
 
-void look(Viewpoint& viewpoint, const Transform& T_world_camera) {
-  const glm::dmat3 R(T_world_camera);
-  viewpoint.R_world_orbit = glm::dmat3(R[0], -R[1], -R[2]);
+void look(Viewpoint& viewpoint, const Frustum& frustum, const Vec3& about) {
+  viewpoint.frustum = frustum;
+  viewpoint.R_world_orbit = glm::dmat3(frustum.T_world_eye);
   viewpoint.azimuth = viewpoint.elevation = 0;
+  viewpoint.orthographic = false;
+  viewpoint.fov = 2 * std::atan((frustum.high.y - frustum.low.y) / 2);
+  const Vec3 eye(frustum.T_world_eye[3]), forward(-frustum.T_world_eye[2]);
+  viewpoint.distance = std::clamp(glm::dot(about - eye, forward), least_distance, most_distance);
+  viewpoint.target = eye + viewpoint.distance * forward;
 }
 
 void look(Viewpoint& viewpoint, const Vec3& eye, const Vec3& target) {
+  viewpoint.frustum.reset();
   viewpoint.R_world_orbit = glm::dmat3(1.0);
   const Vec3 d = eye - target;
   viewpoint.target = target;
@@ -53,6 +60,10 @@ void look(Viewpoint& viewpoint, const Vec3& eye, const Vec3& target) {
 }
 
 Basis basis(const Viewpoint& viewpoint) {
+  if (viewpoint.frustum) {
+    const Transform& T = viewpoint.frustum->T_world_eye;
+    return {Vec3(T[3]), Vec3(T[0]), Vec3(T[1]), -Vec3(T[2])};
+  }
   const double ca = std::cos(viewpoint.azimuth), sa = std::sin(viewpoint.azimuth);
   const double ce = std::cos(viewpoint.elevation), se = std::sin(viewpoint.elevation);
   Basis b;
@@ -65,6 +76,7 @@ Basis basis(const Viewpoint& viewpoint) {
 
 void fit(Viewpoint& viewpoint, const Box& box, double aspect) {
   constexpr double margin = 1.18;
+  viewpoint.frustum.reset();
   viewpoint.target = box.empty() ? Vec3(0) : box.centre();
   const Basis b = basis(viewpoint);
   const double tan_y = std::tan(viewpoint.fov / 2), free = 1 - viewpoint.covered_left - viewpoint.covered_right;
@@ -84,16 +96,19 @@ void fit(Viewpoint& viewpoint, const Box& box, double aspect) {
 
 void orbit(Viewpoint& viewpoint, double dx, double dy, double height) {
   const double per_pixel = pi / std::max(height, 1.0);
+  viewpoint.frustum.reset();
   viewpoint.azimuth = std::remainder(viewpoint.azimuth - dx * per_pixel, 2 * pi);
   viewpoint.elevation = std::clamp(viewpoint.elevation + dy * per_pixel, -pi / 2, pi / 2);
 }
 
 void pan(Viewpoint& viewpoint, double dx, double dy, double height) {
+  viewpoint.frustum.reset();
   const Basis b = basis(viewpoint);
   viewpoint.target += (b.up * dy - b.right * dx) * metres_per_pixel(viewpoint, height);
 }
 
 void zoom(Viewpoint& viewpoint, double steps) {
+  viewpoint.frustum.reset();
   viewpoint.distance = std::clamp(viewpoint.distance * std::pow(0.9, steps), least_distance, most_distance);
 }
 
@@ -102,6 +117,7 @@ double metres_per_pixel(const Viewpoint& viewpoint, double height) {
 }
 
 shader::ViewPush projection(const Viewpoint& viewpoint, double width, double height) {
+  if (viewpoint.frustum) return projection(*viewpoint.frustum, width, height, viewpoint.distance / 100);
   const Basis b = basis(viewpoint);
   const double aspect = width / height;
   const double tan_y = std::tan(viewpoint.fov / 2);

@@ -7,6 +7,7 @@
 #include "base/math.hpp"
 #include "base/words.hpp"
 #include "shaders/view_scene.h"
+#include "viewer/frustum.hpp"
 
 namespace palpa::viewer {
 
@@ -21,6 +22,9 @@ struct Viewpoint {
   /// Shares of the picture's width that something else covers: what is looked at lies in the middle of the rest,
   /// undistorted (a shifted lens).
   double covered_left = 0, covered_right = 0;
+  /// In place of all the above but the distance, which says what the scale is of. Whatever moves the viewpoint leaves
+  /// it: the orbit then goes on from there.
+  std::optional<Frustum> frustum;
 };
 
 /// `camera` is what the first camera sees, and needs its pose.
@@ -33,8 +37,8 @@ inline constexpr Word<StandardView> view_words[] = {{"front", StandardView::fron
 
 /// Turns the viewpoint to a standard view other than `camera`; target, distance and projection stay.
 void look(Viewpoint& viewpoint, StandardView view);
-/// Turns it as a camera is turned (x right, y down, z forward), from where orbits then start; the rest stays.
-void look(Viewpoint& viewpoint, const Transform& T_world_camera);
+/// Puts it into the frustum, at whose eye the orbit stands, too; its target is as far before it as `about`.
+void look(Viewpoint& viewpoint, const Frustum& frustum, const Vec3& about);
 /// Puts the eye at `eye`, looking at `target`. The two must differ.
 void look(Viewpoint& viewpoint, const Vec3& eye, const Vec3& target);
 /// Moves target and distance so that `box` just fits an image of that width / height, with a margin. An empty box or a

@@ -32,7 +32,8 @@ void compute_to_compute(VkCommandBuffer commands) {
 
 void transfer_to_use(VkCommandBuffer commands) {
   barrier(commands, transfer, VK_ACCESS_2_TRANSFER_WRITE_BIT,
-          compute | indirect | transfer | VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT,
+          compute | indirect | transfer | VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
+              VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
           shader_read | shader_write | transfer_any | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT |
               VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_2_INDEX_READ_BIT);
 }

@@ -32,9 +32,7 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits kind, VkShaderModule
 
 GraphicsPipeline::GraphicsPipeline(const Device& device, const char* name, std::span<const std::uint32_t> vertex,
                                    std::span<const std::uint32_t> fragment, const GraphicsLayout& layout)
-    : name_(name),
-      set_(device, name, layout.buffers, VK_SHADER_STAGE_VERTEX_BIT, most_in_flight),
-      push_bytes_(layout.push_bytes) {
+    : name_(name), set_(device, name, layout.buffers, stages, most_in_flight), push_bytes_(layout.push_bytes) {
   const VkDescriptorSetLayout set_layout = set_.layout();
   const VkPushConstantRange range{stages, 0, push_bytes_};
   VkPipelineLayoutCreateInfo layout_info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};

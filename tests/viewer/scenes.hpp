@@ -7,16 +7,15 @@
 
 namespace palpa::test {
 
-/// A picture with nothing but background.
-inline viewer::Picture bare() {
-  viewer::Picture picture;
-  picture.legend = false;
-  picture.grid = false;
-  return picture;
+/// Looked at without grid and legend: a picture of nothing is then background.
+inline viewer::ViewState bare_view() {
+  viewer::ViewState state;
+  state.layers.hide({viewer::Layer::grid, viewer::Layer::legend});
+  return state;
 }
 
 inline viewer::Picture cube_picture() {
-  viewer::Picture picture = bare();
+  viewer::Picture picture;
   picture.solids.push_back({"cube", box({-0.02, -0.02, -0.02}, {0.02, 0.02, 0.02})});
   return picture;
 }

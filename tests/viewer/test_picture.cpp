@@ -150,7 +150,7 @@ std::size_t count_near(const std::vector<shader::ViewStroke>& strokes, const Pro
 }
 
 TEST(Overlay, MarksEveryFocusWhereItIsAndLeavesEmptySectorsOut) {
-  Picture picture = test::bare();
+  Picture picture;
   picture.fingers.resize(1);
   for (std::uint32_t i = 0; i < 5; ++i) {
     const double a = 2 * std::numbers::pi * i / 5;
@@ -158,7 +158,7 @@ TEST(Overlay, MarksEveryFocusWhereItIsAndLeavesEmptySectorsOut) {
   }
   const Viewpoint viewpoint = test::front_viewpoint();
   std::vector<shader::ViewStroke> strokes;
-  build_overlay(picture, viewpoint, {640, 480, 1, false}, strokes);
+  build_overlay(picture, {}, viewpoint, {640, 480, 1, false}, strokes);
   const auto view = projection(viewpoint, 640, 480);
   for (const FocusMark& focus : picture.fingers[0].foci) {
     const std::size_t marks = count_near(strokes, project(view, Vec3(focus.position)), 1.0, finger_colour(0));
@@ -172,7 +172,7 @@ TEST(Overlay, MarksEveryFocusWhereItIsAndLeavesEmptySectorsOut) {
 
   const std::size_t before = strokes.size();
   picture.fingers[0].running = 2;
-  build_overlay(picture, viewpoint, {640, 480, 1, false}, strokes);
+  build_overlay(picture, {}, viewpoint, {640, 480, 1, false}, strokes);
   EXPECT_GT(strokes.size(), 2 * before - 10);  // appended, and the running one has its halo
 }
 

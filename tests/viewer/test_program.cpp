@@ -9,6 +9,8 @@
 #include "drawing_test.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
+#include "sensing/grey_png.hpp"
+#include "sensing/rig.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 
@@ -58,7 +60,7 @@ TEST_F(Viewer, TheSameCommandGivesTheSameBytesOnEitherBackend) {
 TEST_F(Viewer, TheSpectrumIsAChartInItsCornerBesideWhatIsLookedAt) {
   const auto folder = test::scratch_folder("viewer-spectrum");
   const std::string a = (folder / "a.png").string(), b = (folder / "b.png").string();
-  const std::vector<std::string> more{"--headless", "--quiet", "--no-grid", "--screenshot"};
+  const std::vector<std::string> more{"--headless", "--quiet", "--hide", "grid", "--screenshot"};
   ASSERT_EQ(viewer(cube_touch(test::with(more, {a}), "640x400")).exit_code, 0);
   ASSERT_EQ(viewer(cube_touch(test::with(more, {b, "--spectrum"}), "640x400")).exit_code, 0);
   const drawing::Pixels without = drawing::read_png(a), with = drawing::read_png(b);
@@ -94,6 +96,42 @@ TEST_F(Viewer, FramesAdvanceTheRunningFocus) {
   EXPECT_NE(shot("2.png", {"--frames", "2"}), first);
   EXPECT_EQ(shot("11.png", {"--frames", "11"}), first);  // ten foci: around once
   EXPECT_EQ(shot("s.png", {"--slot", "1"}), test::read_text(folder / "2.png"));
+}
+
+TEST_F(Viewer, AVideoIsEveryFrame) {
+  const auto folder = test::scratch_folder("viewer-video");
+  const std::string video = (folder / "frames").string(), shot = (folder / "last.png").string();
+  const auto run = viewer(cube_touch({"--headless", "--frames", "3", "--video", video, "--screenshot", shot}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find(video), std::string::npos);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(video), {}), 3);
+  const std::string first = test::read_text(folder / "frames/000000.png");
+  EXPECT_NE(first, test::read_text(folder / "frames/000001.png"));
+  EXPECT_EQ(test::read_text(folder / "frames/000002.png"), test::read_text(shot));
+  test::expect_failure(viewer(cube_touch({"--headless", "--video", video})), 2, "not empty");
+  test::expect_failure(viewer(cube_touch({"--headless", "--video", "/no/such/folder"})), 1, "/no/such/folder");
+  test::expect_failure(viewer(cube_touch({"--video", video})), 2, "--headless");
+}
+
+TEST_F(Viewer, LayersAreShownAndHidden) {
+  const auto folder = test::scratch_folder("viewer-layers");
+  const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {
+    const std::string file = (folder / name).string();
+    EXPECT_EQ(viewer(cube_touch(test::with({"--headless", "--quiet", "--screenshot", file}, more))).exit_code, 0);
+    return test::read_text(file);
+  };
+  const std::string usual = shot("usual.png", {}), bare = shot("bare.png", {"--hide", "grid,legend"});
+  EXPECT_NE(shot("sections.png", {"--show", "sections"}), usual);
+  EXPECT_NE(bare, usual);
+  EXPECT_EQ(shot("none.png", {"--opacity", "grid=0,legend=0"}), bare);
+  const auto refused = [&](const std::vector<std::string>& more, const char* part) {
+    test::expect_failure(viewer(cube_touch(test::with({"--headless"}, more))), 2, part);
+  };
+  refused({"--hide", "grid,nonsense"}, "'nonsense' is no layer; give solids");
+  refused({"--show", "grid,"}, "--show");
+  refused({"--opacity", "solids"}, "--opacity");
+  refused({"--opacity", "solids=2"}, "solids=2");
+  refused({"--explode", "2"}, "--explode");
 }
 
 TEST_F(Viewer, ComparesWithAReference) {
@@ -180,6 +218,38 @@ TEST_F(Viewer, AStrideThatLeavesFociOutIsTheScenesFault) {
 
 TEST_F(Viewer, ACamerasViewGoesWithACamera) {
   test::expect_failure(viewer(cube_touch({"--headless", "--view", "camera"})), 2, "--view camera goes with --depth");
+}
+
+TEST_F(Viewer, LooksThroughTheCameraOfThatName) {
+  const auto folder = test::scratch_folder("viewer-camera");
+  sensing::Camera camera;
+  camera.name = "from above";
+  camera.width = 64;
+  camera.height = 48;
+  camera.fx = camera.fy = 100;
+  camera.cx = 31.5;
+  camera.cy = 23.5;
+  camera.T_world_camera = {{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}, {0, 0.2, 0, 1}};  // columns: it looks down
+  std::ofstream(folder / "camera.toml") << sensing::to_toml(sensing::Rig{"", {camera}, {}, {}});
+  sensing::write_png16(folder / "depth.png", 64, 48, std::vector<std::uint16_t>(64 * 48, 199));  // in the cube
+  const auto run = [&](const std::string& view, const std::vector<std::string>& more) {
+    const std::vector<std::string> all{"--scene",   source_file("assets/cube.glb").string(),
+                                       "--camera",  (folder / "camera.toml").string(),
+                                       "--depth",   (folder / "depth.png").string(),
+                                       "--view",    view,
+                                       "--size",    "320x240",
+                                       "--headless"};
+    return viewer(test::with(all, more));
+  };
+  const std::string a = (folder / "a.png").string(), b = (folder / "b.png").string();
+  EXPECT_EQ(run("camera:from above", {"--screenshot", a, "--hide", "legend,grid"}).exit_code, 0);
+  EXPECT_EQ(run("camera", {"--screenshot", b, "--hide", "legend,grid", "--show", "depth"}).exit_code, 0);
+  EXPECT_EQ(test::read_text(a), test::read_text(b)) << "its own image does not hide what it sees";
+  // The cube's top is 40 mm wide and 0.2 m away: 100 pixels of the picture, in its middle.
+  const drawing::Pixels pixels = drawing::read_png(a);
+  EXPECT_GT(pixels.at(110 - 8, 120)[0], 250);
+  EXPECT_LT(pixels.at(110 + 8, 120)[0], 240);
+  test::expect_failure(run("camera:from below", {}), 2, "no camera 'from below'; give one of from above");
 }
 
 TEST_F(Viewer, AnUnwritableScreenshotIsAFailure) {

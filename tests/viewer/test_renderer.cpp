@@ -18,9 +18,10 @@ using Renderer = test::DrawingTest;
 
 constexpr std::uint32_t width = 320, height = 240;
 
-Pixels draw(const Picture& picture, const Viewpoint& viewpoint, std::uint32_t w = width, std::uint32_t h = height) {
+Pixels draw(const Picture& picture, const Viewpoint& viewpoint, std::uint32_t w = width, std::uint32_t h = height,
+            const ViewState& state = test::bare_view()) {
   DrawnPicture drawn(test::test_device());
-  drawn.update(picture);
+  drawn.update(picture, state);
   Offscreen offscreen(test::test_device(), w, h);
   offscreen.draw(drawn, viewpoint);
   return offscreen.pixels();
@@ -51,10 +52,11 @@ std::size_t count_not(const Pixels& pixels, const Colour& colour) {
 }
 
 TEST_F(Renderer, AnEmptySceneIsBackground) {
-  Picture picture = test::bare();
+  Picture picture;
   EXPECT_EQ(count_not(draw(picture, test::front_viewpoint()), light_theme().background), 0u);
-  picture.dark = true;
-  EXPECT_EQ(count_not(draw(picture, test::front_viewpoint()), dark_theme().background), 0u);
+  ViewState dark = test::bare_view();
+  dark.dark = true;
+  EXPECT_EQ(count_not(draw(picture, test::front_viewpoint(), width, height, dark), dark_theme().background), 0u);
 }
 
 TEST_F(Renderer, ACubeIsWhereItShouldBeAndTranslucent) {
@@ -85,7 +87,7 @@ TEST_F(Renderer, HiddenEdgesAreFaint) {
 }
 
 TEST_F(Renderer, ASmoothSolidHasAnOutlineAndNoInnerEdges) {
-  Picture picture = test::bare();
+  Picture picture;
   geometry::Mesh ball;  // rings of a sphere of 2 cm
   constexpr unsigned rings = 32, around = 64;
   for (unsigned i = 0; i <= rings; ++i) {
@@ -116,7 +118,7 @@ TEST_F(Renderer, ASmoothSolidHasAnOutlineAndNoInnerEdges) {
 }
 
 TEST_F(Renderer, ContactsHaveTheirFingersColour) {
-  Picture picture = test::bare();
+  Picture picture;
   for (std::uint32_t f = 0; f < 4; ++f) {
     picture.contacts.push_back({{-0.015f + 0.01f * static_cast<float>(f), 0.01f, 0}, f});
   }
@@ -175,7 +177,7 @@ TEST_F(Renderer, FociLieOnTopWithTheRunningOneFilled) {
 }
 
 TEST_F(Renderer, TransducersShowTheirDriveFromTheFrontOnly) {
-  Picture picture = test::bare();
+  Picture picture;
   picture.driven = true;
   picture.transducers = {{{-0.02f, 0, 0}, {0, 0, 1}, 1.0f, 0.5f},
                          {{0, 0, 0}, {0, 0, 1}, 0.3f, -2.0f},
@@ -203,11 +205,10 @@ TEST_F(Renderer, TheSkinIsFaintAndPassesThroughTheSolid) {
 
 TEST_F(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {
   Picture picture = test::cube_picture();
-  picture.legend = true;
-  picture.grid = true;
   show_array(picture, array::load_layout("autd3"));
   const Viewpoint viewpoint = test::front_viewpoint();
-  const Pixels first = draw(picture, viewpoint), second = draw(picture, viewpoint);
+  const Pixels first = draw(picture, viewpoint, width, height, {}),
+               second = draw(picture, viewpoint, width, height, {});
   EXPECT_EQ(first.rgba, second.rgba);
   EXPECT_GT(count_not(first, light_theme().background), 3000u);
 
@@ -215,7 +216,7 @@ TEST_F(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {
   Offscreen offscreen(test::test_device(), width, height);
   Picture other = picture;
   other.transducers.clear();
-  drawn.update(other);
+  drawn.update(other, {});
   offscreen.draw(drawn, viewpoint);
   EXPECT_NE(offscreen.pixels().rgba, first.rgba);
   drawn.update_marks(picture);
@@ -226,11 +227,10 @@ TEST_F(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {
 
 TEST_F(Renderer, TheLegendCountsSkinThatIsTooFarAwayToBeDrawn) {
   Picture picture = test::cube_picture();
-  picture.legend = true;
   const Viewpoint viewpoint = test::front_viewpoint();
-  const Pixels without = draw(picture, viewpoint);
+  const Pixels without = draw(picture, viewpoint, width, height, {});
   picture.skin_count = 61'396;
-  const Pixels with = draw(picture, viewpoint);
+  const Pixels with = draw(picture, viewpoint, width, height, {});
   EXPECT_GT(count_not(with, light_theme().background), count_not(without, light_theme().background) + 100);
 }
 
@@ -259,7 +259,7 @@ TEST_F(Renderer, AnInsetIsAPictureInThePicture) {
   picture.fingers[0].foci = {{{0, 0, 0}, 1, false}};  // the running one has no number to hide its colour
   picture.fingers[0].running = 0;
   DrawnPicture drawn(test::test_device());
-  drawn.update(picture);
+  drawn.update(picture, test::bare_view());
   Offscreen offscreen(test::test_device(), 640, 480);
   const Viewpoint viewpoint = test::front_viewpoint();
   Box box;
@@ -296,14 +296,16 @@ TEST_F(Renderer, AnInsetIsAPictureInThePicture) {
 }
 
 TEST_F(Renderer, LinesAreCutWhereTheyPassBehindTheEye) {
-  Picture picture = test::bare();
+  Picture picture;
   CameraMark mark;  // four lines from behind the viewer's right shoulder to a point ahead on the right
   mark.apex = {0.01f, 0, 0.1f};
   mark.corners.fill({0.01f, 0, -0.1f});
   picture.cameras.push_back(mark);
   Viewpoint viewpoint;
   look(viewpoint, Vec3(0), Vec3(0, 0, -1));
-  const Pixels pixels = draw(picture, viewpoint);
+  ViewState state = test::bare_view();
+  state.layers[Layer::cameras].visible = true;
+  const Pixels pixels = draw(picture, viewpoint, width, height, state);
   const Projected end = project(projection(viewpoint, width, height), {0.01, 0, -0.1});
   const auto darkest = [&](double from, double to) {
     int dark = 255;
@@ -339,12 +341,10 @@ TEST_F(Renderer, HugeAndBrokenCoordinatesDoNotHang) {
   }
   picture.fingers.resize(1);
   picture.fingers[0].foci = {{{inf, 0, 0}, 1, true}, {{nan, 0, 0}, 2, true}, {{0, 0, 0}, 3, true}};
-  picture.legend = true;
-  picture.grid = true;
-  const Pixels pixels = draw(picture, test::front_viewpoint());
+  const Pixels pixels = draw(picture, test::front_viewpoint(), width, height, {});
   EXPECT_LT(distance(at(pixels, test::front_viewpoint(), {0.0185, 0.0185, 0.02}), light_theme().solid), 120);
   picture.solids.clear();  // now the floor lies under the points
-  EXPECT_EQ(draw(picture, test::front_viewpoint()).width, width);
+  EXPECT_EQ(draw(picture, test::front_viewpoint(), width, height, {}).width, width);
 }
 
 }  // namespace

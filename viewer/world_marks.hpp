@@ -1,0 +1,25 @@
+// What of a picture stands in the world as lines and flat faces: grid, boards, camera frusta, cross-sections.
+#pragma once
+
+#include <vector>
+
+#include "shaders/view_scene.h"
+#include "viewer/palette.hpp"
+#include "viewer/picture.hpp"
+#include "viewer/view_state.hpp"
+
+namespace palpa::viewer {
+
+struct WorldMarks {
+  std::vector<shader::ViewStroke> lines;     ///< coordinates in the world
+  std::vector<shader::ViewVertex> boards;    ///< faces in the theme's colour of boards
+  std::vector<shader::ViewVertex> sections;  ///< faces in their fingers' colours
+};
+
+/// Replaces `marks` by those of the layers that are shown. `floor`: the grid lies on its underside.
+void build_marks(const Picture& picture, const ViewState& state, const Box& floor, WorldMarks& marks);
+
+/// A corner with a colour of its own (without alpha), as view_mesh.vert has it.
+shader::ViewVertex coloured(const glm::vec3& position, const glm::vec3& normal, const Colour& colour);
+
+}  // namespace palpa::viewer
