@@ -47,6 +47,13 @@ Ft232hGadget::Ft232hGadget(driver::usb::Peripheral& peripheral) : peripheral_(pe
 }
 
 Answer Ft232hGadget::control(double now_s, const ControlRequest& request, std::vector<std::uint8_t>& bytes) {
+  // The kernel's own driver asks the chip how long it waits, and sets 16 ms. A board never hears of that.
+  constexpr std::uint8_t get_latency = 10, usual_latency_ms = 16;
+  if (request.request == get_latency) {
+    bytes = {usual_latency_ms};
+    return Answer::done;
+  }
+  if (request.request == ftdi::set_latency && request.value == usual_latency_ms) return Answer::done;
   ++requests;
   std::size_t filled = 0;
   const Outcome outcome = peripheral_.control(now_s, {request.type, request.request, request.value, request.index},

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # kernel.sh: prints the folder with Debian's own kernel and its USB modules, which it fetches if it is not there: vmlinux, NAME.ko,
-# and `order`, the modules as they are to be loaded. The package is unpacked below build/ and not installed: nothing of this
-# machine changes.
+# and `order`, the modules as they are to be loaded at the start. The package is unpacked below build/ and not installed: nothing
+# of this machine changes.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -13,6 +13,8 @@ die() {
 # Each needs what stands before it.
 modules=(usb-common usbcore usbip-core vhci-hcd
   mc videodev videobuf2-common videobuf2-memops videobuf2-v4l2 videobuf2-vmalloc uvcvideo)
+# Those that a test loads itself.
+later=(usbserial ftdi_sio)
 all=build/usb/kernel
 
 # The package's name has a version in it, and the archive keeps the newest only.
@@ -32,7 +34,7 @@ unpack() {
   mkdir -p "$in/guest"
   dpkg-deb --fsys-tarfile "$all/$package"_*.deb | tar -x -C "$in" --wildcards './boot/vmlinuz*' \
     './lib/modules/*/kernel/drivers/usb/*' './lib/modules/*/kernel/drivers/media/*'
-  for module in "${modules[@]}"; do
+  for module in "${modules[@]}" "${later[@]}"; do
     find "$in/lib/modules" -name "$module.ko" -exec mv {} "$in/guest/" \;
     [[ -f $in/guest/$module.ko ]] || die "$package has no module $module"
   done

@@ -25,6 +25,7 @@ chmod 755 "$guest"
 cp "$(command -v busybox)" "$guest/bin/busybox"
 install -m 755 tests/usb/init.sh "$guest/init"
 cp "$kernel"/*.ko "$kernel/order" "$guest/guest/modules/"
+echo "nobody:x:65534:65534::/tmp:/bin/sh" >"$guest/etc/passwd"
 
 # Programs and files are where they are here, since the tests know them by these names.
 programs=("$PWD"/build/release/bin/{test_usb,palpa,palpa-guard})

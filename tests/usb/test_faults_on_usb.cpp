@@ -1,0 +1,221 @@
+// What goes wrong with a board on a real kernel's USB: each time the program goes on, says so once, recovers by itself
+// or ends, and what the board hears last is silence.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/process.hpp"
+#include "support/files.hpp"
+#include "usb/board_loop.hpp"
+#include "usb/plugged_board.hpp"
+
+namespace palpa::test {
+namespace {
+
+const std::vector<std::string> none;
+
+/// Whether the board plays on: transducers that it has not played before.
+bool plays_on(PluggedBoard& board) {
+  const std::size_t before = board.pins().size();
+  return eventually(8, [&] { return board.pins().size() > before + 2; });
+}
+
+/// The lines that say `part`.
+std::size_t lines_with(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++count;
+  return count;
+}
+
+void expect_one_recovery(const BoardLoop& loop, const std::string& trouble) {
+  const std::string said = loop.said();
+  EXPECT_EQ(lines_with(said, trouble), 1u) << said;
+  EXPECT_EQ(lines_with(said, "in step again after"), 1u) << said;
+  EXPECT_EQ(lines_with(said, "\n"), 2u) << said;
+}
+
+/// The process that holds the loop's board, 0: none does.
+pid_t guard() {
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    if (read_text(entry.path() / "comm") == "palpa-guard\n") return std::stoi(entry.path().filename().string());
+  }
+  return 0;
+}
+
+TEST(FaultsOnUsb, UnpluggedInTheMiddleOfAFrameAndPluggedInAgain) {
+  PluggedBoard board("EMU1");
+  BoardLoop loop("openmpd:EMU1");
+  ASSERT_TRUE(plays_on(board)) << loop.said();
+  board.gadget.unplug_after = 2 * 512 + 200;
+  ASSERT_TRUE(eventually(2, [&] { return !board.port.plugged(); }));
+  board.port.unplug();
+  board.port.plug();
+  EXPECT_TRUE(plays_on(board)) << loop.said();
+  EXPECT_EQ(loop.end(), 0);
+  expect_one_recovery(loop, "board EMU1: ");
+  EXPECT_EQ(board.faults_at_the_end(), none);
+}
+
+TEST(FaultsOnUsb, AnEndpointStalls) {
+  PluggedBoard board("EMU1");
+  BoardLoop loop("openmpd:EMU1");
+  ASSERT_TRUE(plays_on(board)) << loop.said();
+  board.gadget.stalls = true;
+  EXPECT_TRUE(plays_on(board)) << loop.said();
+  EXPECT_FALSE(board.gadget.stalls) << "the halt is cleared";
+  EXPECT_EQ(loop.end(), 0);
+  expect_one_recovery(loop, "board EMU1: the device refuses it; silent until it is in step again");
+  EXPECT_EQ(board.faults_at_the_end(), none);
+}
+
+TEST(FaultsOnUsb, TakesNoBytesForAWhile) {
+  PluggedBoard board("EMU1");
+  BoardLoop loop("openmpd:EMU1");
+  ASSERT_TRUE(plays_on(board)) << loop.said();
+  board.gadget.takes_nothing = true;
+  EXPECT_TRUE(eventually(5, [&] { return !loop.said().empty(); }));
+  board.gadget.takes_nothing = false;
+  EXPECT_TRUE(plays_on(board)) << loop.said();
+  EXPECT_EQ(loop.end(), 0);
+  expect_one_recovery(loop, "board EMU1: it takes no bytes; silent until it is in step again");
+  EXPECT_EQ(board.faults_at_the_end(), none);
+}
+
+TEST(FaultsOnUsb, AKilledLoopLeavesSilence) {
+  PluggedBoard board("EMU1");
+  BoardLoop loop("openmpd:EMU1");
+  ASSERT_TRUE(eventually(8, [&] { return board.sounds(); })) << loop.said();
+  loop.signal(SIGKILL);
+  loop.wait();
+  EXPECT_TRUE(eventually(2, [&] { return guard() == 0; })) << "the guard leaves";
+  EXPECT_EQ(board.faults_at_the_end(), none);
+}
+
+TEST(FaultsOnUsb, AStoppedLoopIsSilentAndPlaysOn) {
+  PluggedBoard board("EMU1");
+  BoardLoop loop("openmpd:EMU1");
+  ASSERT_TRUE(eventually(8, [&] { return board.sounds(); })) << loop.said();
+  loop.signal(SIGSTOP);
+  EXPECT_TRUE(eventually(2, [&] { return !board.sounds(); }));
+  EXPECT_FALSE(eventually(0.2, [&] { return board.sounds(); })) << "and stays silent";
+  loop.signal(SIGCONT);
+  EXPECT_TRUE(plays_on(board)) << loop.said();
+  EXPECT_EQ(loop.end(), 0);
+  EXPECT_EQ(board.faults_at_the_end(), none);
+}
+
+TEST(FaultsOnUsb, AGuardThatIsKilledIsFollowedBySilence) {
+  PluggedBoard board("EMU1");
+  BoardLoop loop("openmpd:EMU1");
+  ASSERT_TRUE(eventually(8, [&] { return board.sounds(); })) << loop.said();
+  ASSERT_NE(guard(), 0);
+  kill(guard(), SIGKILL);
+  EXPECT_EQ(loop.wait(), 1);
+  EXPECT_EQ(lines_with(loop.said(), "signal 9 has ended palpa-guard; another has silenced the board"), 1u)
+      << loop.said();
+  EXPECT_EQ(guard(), 0);
+  EXPECT_EQ(board.faults_at_the_end(), none);
+}
+
+TEST(FaultsOnUsb, ABoardInSerialModeIsRefused) {
+  PluggedBoard board("EMU1", driver::usb::ftdi::Channel::uart);
+  expect_failure(palpa(with({"link"}, sweep_of("openmpd:EMU1"))), 1, "its EEPROM says serial (UART)");
+  EXPECT_EQ(board.gadget.bytes_taken, 0u);
+  EXPECT_EQ(board.gadget.requests, 1u) << "it is asked what it is, and left alone";
+}
+
+/// Has the ids of a board's chip, and knows none of its requests.
+class Stranger final : public driver::usb::Peripheral {
+ public:
+  const Identity& identity() const override { return identity_; }
+  driver::usb::Outcome control(double, const driver::usb::Setup&, std::span<std::uint8_t>, std::size_t&) override {
+    return driver::usb::Outcome::stalled;
+  }
+  std::size_t bulk_out(double, std::uint8_t, std::span<const std::uint8_t> bytes) override { return bytes.size(); }
+  void advance(double) override {}
+  void closed(double) override {}
+  void unplugged(double) override {}
+
+ private:
+  Identity identity_{driver::usb::ftdi::vendor, driver::usb::ftdi::product_232h, 0x0700, "EMU1"};
+};
+
+TEST(FaultsOnUsb, SomethingElseWithTheSameIdsIsRefused) {
+  Stranger stranger;
+  Ft232hGadget gadget(stranger);
+  VhciPort port(gadget);
+  port.plug();
+  expect_failure(palpa(with({"link"}, sweep_of("openmpd:EMU1"))), 1, "its EEPROM: the device refuses it");
+  EXPECT_EQ(gadget.bytes_taken, 0u);
+}
+
+TEST(FaultsOnUsb, ABoardOfAnotherSerialNumberIsLeftAlone) {
+  PluggedBoard board("FTX");
+  expect_failure(palpa(with({"link"}, sweep_of("openmpd:EMU1"))), 1, "there are: FTX");
+  EXPECT_EQ(board.gadget.requests, 0u);
+  EXPECT_EQ(board.gadget.bytes_taken, 0u);
+}
+
+TEST(FaultsOnUsb, OfTwoWithOneSerialNumberThePlaceSaysWhich) {
+  PluggedBoard left("EMU1"), right("EMU1");
+  expect_failure(palpa(with({"link"}, sweep_of("openmpd:EMU1"))), 2,
+                 "EMU1@" + left.port.place() + ",EMU1@" + right.port.place());
+  EXPECT_EQ(left.gadget.requests + right.gadget.requests, 0u);
+  BoardLoop loop("openmpd:EMU1@" + right.port.place());
+  EXPECT_TRUE(plays_on(right)) << loop.said();
+  EXPECT_EQ(loop.end(), 0);
+  EXPECT_EQ(left.gadget.requests, 0u);
+  EXPECT_EQ(right.faults_at_the_end(), none);
+}
+
+/// A module of the kernel's, as long as this lives.
+class Module {
+ public:
+  explicit Module(std::string name) : name_(std::move(name)) {
+    EXPECT_EQ(run_program("/bin/busybox", {"insmod", "/guest/modules/" + name_ + ".ko"}).exit_code, 0) << name_;
+  }
+  ~Module() { EXPECT_EQ(run_program("/bin/busybox", {"rmmod", name_}).exit_code, 0) << name_; }
+  Module(const Module&) = delete;
+  Module& operator=(const Module&) = delete;
+
+ private:
+  std::string name_;
+};
+
+TEST(FaultsOnUsb, TheKernelHasMadeTheBoardASerialPort) {
+  const Module serial("usbserial"), ftdi("ftdi_sio");
+  PluggedBoard board("EMU1");
+  ASSERT_TRUE(eventually(5, [] { return std::filesystem::exists("/dev/ttyUSB0"); }));
+  const Result doctor = palpa({"doctor", "--backend", "cpu"});
+  EXPECT_NE(doctor.out.find("the kernel has made it a serial port, which palpa ends"), std::string::npos) << doctor.out;
+  BoardLoop loop("openmpd:EMU1");
+  EXPECT_TRUE(plays_on(board)) << loop.said();
+  EXPECT_FALSE(std::filesystem::exists("/dev/ttyUSB0"));
+  EXPECT_EQ(loop.end(), 0);
+  EXPECT_EQ(loop.said(), "");
+  EXPECT_TRUE(eventually(5, [] { return std::filesystem::exists("/dev/ttyUSB0"); })) << "the kernel has it back";
+  EXPECT_EQ(board.faults_at_the_end(), none);
+}
+
+TEST(FaultsOnUsb, WhoMayNotOpenABoardIsTold) {
+  PluggedBoard board("EMU1");
+  const auto nobody = [](const std::vector<std::string>& arguments) {
+    return run_program("/bin/busybox",
+                       with({"start-stop-daemon", "-S", "-q", "-c", "nobody", "-x", palpa_binary(), "--"}, arguments));
+  };
+  const Result result = nobody(with({"link"}, sweep_of("openmpd:EMU1")));
+  expect_failure(result, 1, "board EMU1 cannot be opened: Access denied");
+  const Result doctor = nobody({"doctor", "--backend", "cpu"});
+  EXPECT_NE(doctor.out.find("70-palpa.rules"), std::string::npos) << doctor.out << doctor.err;
+  EXPECT_EQ(board.gadget.requests, 0u);
+}
+
+}  // namespace
+}  // namespace palpa::test
