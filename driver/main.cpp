@@ -1,10 +1,7 @@
 // The `palpa` command: the engine's subcommands, and what the driver adds to them.
 #include <dlfcn.h>
 
-#include <vector>
-
 #include "cli/commands.hpp"
-#include "driver/board.hpp"
 #include "driver/doctor.hpp"
 #include "driver/emulate/command.hpp"
 #include "driver/guard/board_link.hpp"
@@ -17,18 +14,11 @@ namespace {
 [[maybe_unused]] void* const keep_driver = dlopen("libvulkan_lvp.so", RTLD_LAZY | RTLD_NODELETE);
 #endif
 
-std::vector<palpa::session::LinkKind> board_links() {
-  std::vector<palpa::session::LinkKind> links;
-  for (const palpa::driver::BoardKind& kind : palpa::driver::board_kinds())
-    links.push_back(palpa::driver::board_link(kind));
-  return links;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   return palpa::cli::main(argc, argv,
                           {.doctor = palpa::driver::doctor_probes(),
-                           .links = board_links(),
+                           .links = palpa::driver::board_links(),
                            .commands = {palpa::driver::emulate::add_emulate}});
 }

@@ -200,4 +200,11 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
           }};
 }
 
+std::vector<session::LinkKind> board_links() {
+  std::vector<session::LinkKind> links;
+  for (const BoardKind& kind : board_kinds())
+    links.push_back(board_link(kind));
+  return links;
+}
+
 }  // namespace palpa::driver

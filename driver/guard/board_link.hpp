@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "driver/board.hpp"
 #include "session/link.hpp"
@@ -16,5 +17,8 @@ namespace palpa::driver {
 /// nothing but silence the board; the line says whether it could. finish() waits up to 1 s for the guard's exit, and
 /// throws failure() where nobody knows that the last silence has reached the board.
 session::LinkKind board_link(const BoardKind& kind, const std::string& program = {});
+
+/// Those of all boards.
+std::vector<session::LinkKind> board_links();
 
 }  // namespace palpa::driver

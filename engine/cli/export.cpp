@@ -10,19 +10,19 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
-#include "cli/frames.hpp"
-#include "cli/interrupt.hpp"
 #include "session/event_sink.hpp"
 #include "session/foci_file.hpp"
 #include "session/record_link.hpp"
 #include "session/replay.hpp"
+#include "setup/frames.hpp"
+#include "setup/interrupt.hpp"
 #include "setup/progress.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {
 
-struct ExportCommand : FrameOptions {
+struct ExportCommand : setup::FrameOptions {
   std::string foci;
   std::string drives;
 };
@@ -68,7 +68,7 @@ class Links final : public session::Link {
 std::string summary(const session::ReplayStats& stats) {
   return fmt::format("{} frames, {} with a touch; {} drives of {} ms, {} of them silent\n", stats.frames,
                      stats.touching, stats.drives, stats.slot_s * 1e3, stats.silent_drives) +
-         pressures_summary(stats.fingers, stats.solids);
+         setup::pressures_summary(stats.fingers, stats.solids);
 }
 
 void check_export(const ExportCommand& o) {
@@ -86,36 +86,37 @@ void run(const Extensions& extensions, const ExportCommand& o) {
                          {"--foci", o.foci},
                          {"--drives", o.drives},
                          {"--events", o.events.starts_with("udp:") ? "" : o.events}});
-  const auto [source, device, prepared] = prepare(o, extensions, false);
+  const auto [source, device, prepared] = prepare(o, extensions.sources, false);
   session::Session& session = *prepared;
 
   session::ReplayOptions options{.frames = o.frames};
   std::unique_ptr<session::EventSink> sink;
   if (!o.events.empty()) {
-    sink = session::open_event_sink(o.events, session.solid_names(), &Interrupt::flag());
+    sink = session::open_event_sink(o.events, session.solid_names(), &setup::Interrupt::flag());
     options.events = [&](std::span<const session::Event> events) { sink->write(events); };
   }
   Links links;
   const auto foci = o.foci.empty() ? nullptr : session::open_foci_file(o.foci, session.link_setting());
-  const auto drives =
-      o.drives.empty() ? nullptr : session::open_record_link(o.drives, session.link_setting(), &Interrupt::flag());
+  const auto drives = o.drives.empty()
+                          ? nullptr
+                          : session::open_record_link(o.drives, session.link_setting(), &setup::Interrupt::flag());
   if (foci) links.add(*foci);
   if (drives) links.add(*drives);
-  const Interrupt interrupt("ended without finishing, a second after the signal: a frame or a disk took longer");
+  const setup::Interrupt interrupt("ended without finishing, a second after the signal: a frame or a disk took longer");
   log::release_warnings();
   setup::Progress progress("frames", o.frames, o.common.quiet);
   options.planned = [&, warned = false, frames = std::uint64_t{0}](const session::FrameReport& frame) mutable {
-    warn_of_left_out_fingers(*frame.touch, warned);
+    setup::warn_of_left_out_fingers(*frame.touch, warned);
     progress.set(++frames);
   };
   session::ReplayStats stats;
   try {
-    stats = session::replay(session, *source, links, Interrupt::flag(), options);
+    stats = session::replay(session, *source, links, setup::Interrupt::flag(), options);
   } catch (...) {
-    finish(sink.get(), true);
+    setup::finish(sink.get(), true);
     throw;
   }
-  finish(sink.get(), false);
+  setup::finish(sink.get(), false);
   if (interrupt.requested()) {
     throw failure(fmt::format("ended by a signal after {} frames{}", stats.frames,
                               foci ? fmt::format(": {} is not written", o.foci) : ""));

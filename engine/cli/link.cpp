@@ -17,10 +17,10 @@
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
 #include "cli/commands.hpp"
-#include "cli/interrupt.hpp"
 #include "session/clock.hpp"
 #include "session/link.hpp"
 #include "session/safe_link.hpp"
+#include "setup/interrupt.hpp"
 #include "setup/options.hpp"
 #include "setup/values.hpp"
 
@@ -74,7 +74,7 @@ class Sweep {
     const auto slots = static_cast<std::uint64_t>(std::max(1.0, seconds / dwell_s_));
     link_.plan({schedule_, slot_, slot_ + slots, 1, drive_});
     for (std::uint64_t i = 0; i < slots; ++i) {
-      if (Interrupt::flag()) return false;
+      if (setup::Interrupt::flag()) return false;
       link_.send(slot_, drive_);
       clock_.sleep_until(static_cast<double>(++slot_) * dwell_s_);
       // Slots that were overslept are left out, as in the loop.
@@ -114,7 +114,7 @@ void run(const Extensions& extensions, const LinkCommand& o) {
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, setting);
 
   std::optional<log::Relay> relay(std::in_place);
-  Interrupt interrupt("ended without finishing, a second after the signal: the link did not answer");
+  setup::Interrupt interrupt("ended without finishing, a second after the signal: the link did not answer");
   log::release_warnings();
   session::SafeLink safe(*link, layout.transducers.size(), {}, o.dwell_s);
   Sweep sweep(safe, layout.transducers.size(), o.dwell_s);

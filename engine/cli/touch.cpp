@@ -12,10 +12,10 @@
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
-#include "cli/frames.hpp"
 #include "session/foci_link.hpp"
 #include "session/foci_pressures.hpp"
 #include "session/pressure_log.hpp"
+#include "setup/frames.hpp"
 #include "setup/load.hpp"
 #include "setup/nearest_skin.hpp"
 #include "setup/progress.hpp"
@@ -284,7 +284,7 @@ void run(const TouchCommand& o) {
   preparing.reset();
   const touch::Touch& touch = one.touch;
   bool warned = false;
-  warn_of_left_out_fingers(touch, warned);
+  setup::warn_of_left_out_fingers(touch, warned);
   const std::vector<acoustics::Spectrum> spectra =
       o.felt.spectrum ? setup::spectra_of(one.session) : std::vector<acoustics::Spectrum>();
   const bool sounds = !o.array.layout.empty();

@@ -1,4 +1,4 @@
-#include "cli/interrupt.hpp"
+#include "setup/interrupt.hpp"
 
 #include <semaphore.h>
 #include <unistd.h>
@@ -11,7 +11,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 
-namespace palpa::cli {
+namespace palpa::setup {
 namespace {
 
 using namespace std::chrono_literals;
@@ -103,4 +103,4 @@ void Interrupt::replace(int signal, const struct sigaction& action) {
   if (sigaction(signal, &action, nullptr) == 0) before_.emplace_back(signal, before);
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

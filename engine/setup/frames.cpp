@@ -1,4 +1,4 @@
-#include "cli/frames.hpp"
+#include "setup/frames.hpp"
 
 #include <fmt/core.h>
 
@@ -14,19 +14,22 @@
 #include "setup/touch_schedule.hpp"
 #include "setup/warnings.hpp"
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 namespace {
 
-std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& o, const Extensions& extensions,
-                                                  const setup::PosedRig& rig, bool paced) {
+std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& o, std::span<const session::SourceKind> more,
+                                                  const PosedRig& rig, bool paced) {
   std::vector<session::SourceKind> sources = session::builtin_sources();
-  sources.insert(sources.end(), extensions.sources.begin(), extensions.sources.end());
+  std::erase_if(sources, [&](const session::SourceKind& own) {
+    return std::ranges::any_of(more, [&](const session::SourceKind& kind) { return kind.name == own.name; });
+  });
+  sources.insert(sources.end(), more.begin(), more.end());
   const geometry::Mesh boards = array::board_mesh(rig.layout);
   return session::open_source(o.source, sources,
                               {.cameras = rig.rig.cameras,
                                .occluders = boards,
-                               .default_skin = setup::find_asset("finger.ply"),
+                               .default_skin = find_asset("finger.ply"),
                                .noise = !o.noise_free,
                                .seed = o.common.seed,
                                .paced = paced,
@@ -35,7 +38,7 @@ std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& o, const E
 
 session::SessionSetting session_setting(const FrameOptions& o, std::vector<geometry::Solid> solids,
                                         const sensing::DepthSource& source, array::Layout layout) {
-  session::ScheduleOptions schedule = setup::schedule_options(o.touch);
+  session::ScheduleOptions schedule = schedule_options(o.touch);
   schedule.voice.pressure_pa = o.drive.pressure_pa;
   return {.scene = o.scene,
           .solids = std::move(solids),
@@ -43,8 +46,8 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .layout = std::move(layout),
           .touch = o.touch.parameters,
           .schedule = schedule,
-          .drive = setup::drive_options(o.drive, o.touch.method.method),
-          .events = o.events.empty() ? std::nullopt : std::optional(o.event),
+          .drive = drive_options(o.drive, o.touch.method.method),
+          .events = o.events.empty() && !o.watched ? std::nullopt : std::optional(o.event),
           .axes = o.axes,
           .smoothing = o.smoothing,
           .hold_s = o.hold_s,
@@ -53,12 +56,16 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
 
 }  // namespace
 
-void add_frame_options(const setup::Group& group, FrameOptions& o, const char* until) {
+void add_frame_options(const Group& group, FrameOptions& o, const char* until) {
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
   group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000, "scene of the file (default: the file's own)");
   group.text("--source", o.source, "SOURCE", "synthetic[:MESH] or recording:DIR");
   group.integer("--frames", o.frames, 0, std::uint64_t{1} << 62, until);
-  group.quantity("--hold", o.hold_s, Quantity::time, setup::positive(10), "silence when no frame came for that long");
+  add_loop_options(group, o);
+}
+
+void add_loop_options(const Group& group, FrameOptions& o) {
+  group.quantity("--hold", o.hold_s, Quantity::time, positive(10), "silence when no frame came for that long");
   group.number("--ceiling", o.safety.ceiling, {0, 1}, "NUMBER",
                "multiplies every transducer's amplitude, 0 to 1; the pressure that skin feels follows its square");
   group.quantity("--ramp", o.safety.ramp_s, Quantity::time, {0, session::most_ramp_s},
@@ -71,11 +78,11 @@ void add_frame_options(const setup::Group& group, FrameOptions& o, const char* u
 }
 
 void add_session_options(CLI::App& app, FrameOptions& o, const char* foci) {
-  setup::add_solid_options(app, o.solids);
-  setup::add_rig_options(app, o.rig);
-  setup::add_touch_options(app, o.touch, foci);
-  setup::add_drive_options(app, o.drive);
-  const setup::Group steadily(app, "From frame to frame");
+  add_solid_options(app, o.solids);
+  add_rig_options(app, o.rig);
+  add_touch_options(app, o.touch, foci);
+  add_drive_options(app, o.drive);
+  const Group steadily(app, "From frame to frame");
   steadily.choice("--axes", o.axes, touch::axes_words,
                   "which way cross-sections face: turned the least that they must, or each frame's principal axes");
   steadily.choice("--smoothing", o.smoothing, touch::smoothing_words, "what keeps foci from jumping");
@@ -90,18 +97,18 @@ void check(const FrameOptions& o) {
   }
 }
 
-Prepared prepare(const FrameOptions& o, const Extensions& extensions, bool paced) {
-  const setup::Preparing preparing(o.common.quiet);
-  std::vector<geometry::Solid> solids = setup::load_solids(o.scene, o.gltf_scene, o.solids);
+Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sources, bool paced) {
+  const Preparing preparing(o.common.quiet);
+  std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene, o.solids);
   check(o.drive, solids);
-  const setup::PosedRig rig = setup::load_posed_rig(o.rig);
-  std::unique_ptr<sensing::DepthSource> source = open_source(o, extensions, rig, paced);
-  setup::warn_of_reach(rig.layout, solids);
+  const PosedRig rig = load_posed_rig(o.rig);
+  std::unique_ptr<sensing::DepthSource> source = open_source(o, sources, rig, paced);
+  warn_of_reach(rig.layout, solids);
   session::SessionSetting setting = session_setting(o, std::move(solids), *source, rig.layout);
-  setup::warn_of_frequency(setting.layout, setting.drive.medium);
-  if (o.common.backend == setup::Backend::cpu)
+  warn_of_frequency(setting.layout, setting.drive.medium);
+  if (o.common.backend == Backend::cpu)
     return {std::move(source), nullptr, std::make_unique<session::Session>(std::move(setting))};
-  auto device = std::make_unique<gpu::Device>(setup::device_options(o.common));
+  auto device = std::make_unique<gpu::Device>(device_options(o.common));
   auto session = std::make_unique<session::Session>(*device, std::move(setting));
   return {std::move(source), std::move(device), std::move(session)};
 }
@@ -115,7 +122,7 @@ std::string pressures_summary(std::span<const session::FingerPressure> fingers, 
     text += fmt::format("finger {} on {}: {:.0f} Pa on average, {:.0f} to {:.0f} Pa, of the {:.0f} Pa asked for\n",
                         finger.id, solids[finger.solid], mean_pa, finger.least_pa, finger.most_pa, finger.asked_pa);
   }
-  return most_pa > array::linear_pressure_pa ? text + setup::linear_line() : text;
+  return most_pa > array::linear_pressure_pa ? text + linear_line() : text;
 }
 
 void finish(session::EventSink* sink, bool after_error) {
@@ -132,4 +139,4 @@ void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned) {
                            touch.cluster_count - touch.finger_count, touch.cluster_count, touch::max_fingers));
 }
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace palpa::cli {
+namespace palpa::setup {
 
 /// From its construction until its end signals only make requested() true; those that whoever started palpa ignores
 /// (nohup) stay ignored. One at a time.
@@ -39,4 +39,4 @@ class Interrupt {
   std::thread watch_;
 };
 
-}  // namespace palpa::cli
+}  // namespace palpa::setup

@@ -1,0 +1,97 @@
+#include "setup/live_run.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "base/log.hpp"
+
+namespace palpa::setup {
+namespace {
+
+/// Both, one after the other; `first` alone where there is no second.
+template <typename... Arguments>
+std::function<void(Arguments...)> both(std::function<void(Arguments...)> first,
+                                       std::function<void(Arguments...)> second) {
+  if (!first || !second) return first ? first : second;
+  return [first = std::move(first), second = std::move(second)](Arguments... arguments) {
+    first(arguments...);
+    second(arguments...);
+  };
+}
+
+}  // namespace
+
+void add_link_options(const Group& group, LiveOptions& o) {
+  group.text("--link", o.link, "LINK",
+             "null, record:FILE, foci:udp:HOST:PORT, or a board; a name that is none lists them all");
+  group.text("--board-files", o.board_files, "DIR", "with the boards' own files: how their transducers differ");
+  group.flag("--every-frame", o.every_frame, "look at every frame, however long it takes, instead of the newest");
+  group.text("--record", o.record, "DIR", "write every frame into a new folder, to be replayed as recording:DIR");
+}
+
+std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links) {
+  std::vector<session::LinkKind> all = session::builtin_links();
+  std::erase_if(all, [&](const session::LinkKind& own) {
+    return std::ranges::any_of(links, [&](const session::LinkKind& kind) { return kind.name == own.name; });
+  });
+  all.insert(all.end(), links.begin(), links.end());
+  return all;
+}
+
+LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind> sources,
+                 std::span<const session::LinkKind> links, std::atomic<bool>& stop)
+    : options_(options), stop_(&stop), prepared_(prepare(options, sources, !options.every_frame)) {
+  // Last of all: a typing error elsewhere must not leave an empty recording behind, nor an array that is switched on.
+  if (!options_.events.empty()) {
+    sink_ = session::open_event_sink(options_.events, session().solid_names(), options_.every_frame ? stop_ : nullptr);
+  }
+  if (!options_.record.empty()) recorder_.emplace(options_.record, source().cameras());
+  link_ = open_link(links);
+}
+
+/// Where it cannot be opened there will be no frames, and no recording without any is left.
+std::unique_ptr<session::Link> LiveRun::open_link(std::span<const session::LinkKind> links) {
+  try {
+    session::LinkSetting setting = session().link_setting();
+    setting.board_files = options_.board_files;
+    return session::open_link(options_.link, with_builtin(links), setting);
+  } catch (...) {
+    if (recorder_) recorder_->discard();
+    throw;
+  }
+}
+
+session::LoopStats LiveRun::run(const session::RunOptions& looking) {
+  session::RunOptions options{.frames = options_.frames, .every_frame = options_.every_frame};
+  options.planned = looking.planned;
+  std::uint64_t out_of_order = 0;  // frames whose time a recording cannot hold; of the recorder's thread
+  if (sink_) options.events = [&](std::span<const session::Event> events) { sink_->write(events); };
+  if (recorder_) options.record = [&](const sensing::FrameSet& set) { out_of_order += recorder_->write(set) ? 0 : 1; };
+  options.events = both(std::move(options.events), looking.events);
+  options.record = both(std::move(options.record), looking.record);
+  session::LoopStats stats;
+  try {
+    stats = session().run(source(), *link_, *stop_, options);
+  } catch (...) {
+    finish(sink_.get(), true);
+    throw;
+  }
+  finish(sink_.get(), false);
+  if (sink_) stats.events = {sink_->written(), sink_->dropped()};
+  if (recorder_ && stats.unrecorded > 0) {
+    log::warning(fmt::format("{}: {} of {} frames came too fast to be written; --every-frame waits for each",
+                             options_.record, stats.unrecorded, stats.captured));
+  }
+  if (out_of_order > 0) {
+    log::warning(fmt::format("{}: {} of {} frames are not in it, since the source's clock stepped back",
+                             options_.record, out_of_order, stats.captured));
+    stats.unrecorded += out_of_order;
+  }
+  return stats;
+}
+
+}  // namespace palpa::setup

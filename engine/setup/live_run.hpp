@@ -1,0 +1,58 @@
+// One live run from its options: what `palpa run` is, and what the viewer looks on at. Everything that the options name
+// is opened once, in the order in which a fault leaves nothing behind.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sensing/recording.hpp"
+#include "session/event_sink.hpp"
+#include "session/link.hpp"
+#include "session/session.hpp"
+#include "session/sources.hpp"
+#include "setup/frames.hpp"
+
+namespace palpa::setup {
+
+struct LiveOptions : FrameOptions {
+  std::string link = "null";
+  std::string board_files;
+  bool every_frame = false;
+  std::string record;
+};
+/// Where drives go, and what else becomes of the frames.
+void add_link_options(const Group& group, LiveOptions& options);
+
+class LiveRun {
+ public:
+  /// Loads and opens all of it. `sources` and `links` come beside palpa's own; `stop` is the run's.
+  LiveRun(const LiveOptions& options, std::span<const session::SourceKind> sources,
+          std::span<const session::LinkKind> links, std::atomic<bool>& stop);
+
+  session::Session& session() { return *prepared_.session; }
+  sensing::DepthSource& source() { return *prepared_.source; }
+
+  /// Session::run, once. `looking` is called beside what the options ask for, after it. Warns of frames that were not
+  /// written down. Throws as Session::run does, and what a sink or a recorder throws.
+  session::LoopStats run(const session::RunOptions& looking = {});
+
+ private:
+  std::unique_ptr<session::Link> open_link(std::span<const session::LinkKind> links);
+
+  LiveOptions options_;
+  std::atomic<bool>* stop_;
+  Prepared prepared_;
+  std::unique_ptr<session::EventSink> sink_;
+  std::optional<sensing::RecordingWriter> recorder_;
+  std::unique_ptr<session::Link> link_;
+};
+
+/// palpa's own links and these, which take the place of those of the same name.
+std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links);
+
+}  // namespace palpa::setup
