@@ -101,7 +101,10 @@ Result run_program(const std::filesystem::path& program, const std::vector<std::
   rusage usage{};
   while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
   }
-  result.wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  result.processor_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
   result.peak_mib = static_cast<double>(usage.ru_maxrss) / 1024;
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);

@@ -23,8 +23,8 @@ struct Result {
   int signal = 0;
   bool timed_out = false;
   std::string out, err;
-  double wall_s = 0;
-  double peak_mib = 0;  ///< resident memory
+  double processor_s = 0;  ///< of all its threads
+  double peak_mib = 0;     ///< resident memory
 
   /// The lines of stderr.
   std::vector<std::string> err_lines() const;

@@ -1,5 +1,5 @@
 // No file costs more than it weighs: families of models whose cost would grow faster than their size are answered, or
-// refused with the limit that they exceed, within a second and another for each megabyte.
+// refused with the limit that they exceed, within processor time and memory that grow as their size does.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,8 +30,9 @@ class Cost : public testing::Test {
                                  source_file("assets/finger.ply").string(), "--penetration", "3mm", "--backend", "cpu"},
                                 options);
     const double megabytes = static_cast<double>(fs::file_size(scene)) / 1e6;
-    // Sanitizers make everything slower and fatter; a busy machine slower.
-    EXPECT_LT(result.wall_s, (instrumented() ? 30 : 4) * (1 + megabytes)) << result.err;
+    // What it takes of the processors: how long one waits depends on who else is there. Sanitizers make all slower and
+    // fatter.
+    EXPECT_LT(result.processor_s, (instrumented() ? 30 : 4) * (1 + megabytes)) << result.err;
     if (!instrumented()) {
       EXPECT_LT(result.peak_mib, 1e9 / (1 << 20)) << result.err;
     }
