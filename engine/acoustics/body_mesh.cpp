@@ -124,8 +124,8 @@ void check_clear_of(const std::string& file, const Mesh& body, const array::Layo
 }
 
 void check_memory(const Mesh& body) {
-  require_memory(dense_operator_bytes(body.positions.size(), body.triangles.size()),
-                 fmt::format("a body of {} faces", body.triangles.size()), "give a mesh of fewer faces");
+  require_memory(dense_operator_bytes(body), fmt::format("a body of {} faces", body.triangles.size()),
+                 "give a mesh of fewer faces");
 }
 
 Inside::Inside(const Mesh& body) : bounds_(geometry::bounds(body)), surface_(geometry::make_surface(body, {})) {}

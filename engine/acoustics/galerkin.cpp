@@ -1,5 +1,7 @@
 #include "acoustics/galerkin.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +13,7 @@
 #include "acoustics/near_pairs.hpp"
 #include "acoustics/triangle_rules.hpp"
 #include "base/activity.hpp"
+#include "base/log.hpp"
 #include "base/parallel.hpp"
 #include "geometry/bvh.hpp"
 
@@ -154,6 +157,12 @@ class RowBlock {
 void assemble(const Patches& body, double wave_number, std::span<std::complex<float>> matrix) {
   const FarTables far = far_tables(body, geometry::bounds(body.mesh).centre());
   const NearPairs near = near_pairs(body, wave_number);
+  if (near.unresolved) {
+    log::warning(
+        fmt::format("The surface nearly touches itself: faces {} and {} are less than a twelfth of their sides "
+                    "apart; what they do to each other is less exact",
+                    (*near.unresolved)[0], (*near.unresolved)[1]));
+  }
   const Around around = patches_around(body.mesh);
   const std::vector<std::uint32_t> order = spatial_order(body.mesh);
   Activity activity("fills the matrix of the surface", order.size());
@@ -164,8 +173,10 @@ void assemble(const Patches& body, double wave_number, std::span<std::complex<fl
   });
 }
 
-std::uint64_t assembly_bytes(std::uint64_t faces) {
-  return faces * (sizeof(FarPatch) + sizeof(FarGroup) / far_lanes + near_pairs_per_face * (sizeof(Block) + 4));
+std::uint64_t assembly_bytes(const geometry::Mesh& mesh) {
+  // A pair's number is in memory twice while pairs are found.
+  return mesh.triangles.size() * (sizeof(FarPatch) + sizeof(FarGroup) / far_lanes) +
+         near_pair_count(mesh) * (sizeof(Block) + 2 * sizeof(std::uint32_t));
 }
 
 }  // namespace palpa::acoustics

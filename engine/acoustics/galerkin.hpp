@@ -12,9 +12,9 @@
 //
 //   -<f, N p> = double integral of G (curl_S f . curl_S p - k^2 n.n' f p),   curl_S f = n x grad f.
 //
-// Pairs of patches that touch are sampled by rules that weigh the singularity away, close ones by six samples each, all
-// others by three (triangle_rules.hpp). Single precision: the matrix is well conditioned, and 4e-6 is far below what
-// linear elements leave (docs/acoustics.md).
+// Pairs of patches that touch are sampled by rules that weigh the singularity away, close ones by six samples each or
+// cut into smaller ones (near_rules.hpp), all others by three (triangle_rules.hpp). Single precision: the matrix is
+// well conditioned, and 4e-6 is far below what linear elements leave (docs/acoustics.md).
 #pragma once
 
 #include <complex>
@@ -25,10 +25,11 @@
 
 namespace palpa::acoustics {
 
-/// Replaces `matrix`, vertices x vertices by rows, row: test function. The same bytes for any number of threads.
+/// Replaces `matrix`, vertices x vertices by rows, row: test function. The same bytes for any number of threads. Warns
+/// where faces that do not touch are too close to each other to be resolved.
 void assemble(const Patches& body, double wave_number, std::span<std::complex<float>> matrix);
 
 /// Memory that assemble() takes beside the matrix, about.
-std::uint64_t assembly_bytes(std::uint64_t faces);
+std::uint64_t assembly_bytes(const geometry::Mesh& mesh);
 
 }  // namespace palpa::acoustics

@@ -1,5 +1,6 @@
 #include "acoustics/galerkin_kernels.hpp"
 
+#include <cmath>
 #include <numbers>
 
 #include "acoustics/lanes.hpp"
@@ -15,19 +16,25 @@ struct Complex {
   typename L::Float re{}, im{};
 };
 
-/// G = e^{ikR} / (4 pi R) of a squared distance, and D = (ik - 1/R) G / R: the gradient of G by y is D (y - x).
+/// e^{ikl} / (4 pi R) of a length l and of 1/R, and (ik - 1/R) / R times that.
 template <class L>
-[[gnu::always_inline]] inline void green(const typename L::Float& r2, float k, Complex<L>& g, Complex<L>& d) {
+[[gnu::always_inline]] inline void green_of(const typename L::Float& length, const typename L::Float& inverse, float k,
+                                            Complex<L>& g, Complex<L>& d) {
   using Float = typename L::Float;
-  const Float inverse = inverse_root<L>(r2);
-  const Float r = r2 * inverse;
   Float sine, cosine;
-  sine_cosine<L>(r * (k * turn_inverse), sine, cosine);
+  sine_cosine<L>(length * (k * turn_inverse), sine, cosine);
   const Float size = inverse * quarter_of_pi_inverse;
   g.re = size * cosine;
   g.im = size * sine;
   d.re = inverse * (-inverse * g.re - k * g.im);
   d.im = inverse * (k * g.re - inverse * g.im);
+}
+
+/// G = e^{ikR} / (4 pi R) of a squared distance, and D = (ik - 1/R) G / R: the gradient of G by y is D (y - x).
+template <class L>
+[[gnu::always_inline]] inline void green(const typename L::Float& r2, float k, Complex<L>& g, Complex<L>& d) {
+  const typename L::Float inverse = inverse_root<L>(r2);
+  green_of<L>(r2 * inverse, inverse, k, g, d);
 }
 
 /// From the sums of G times tangents' products, e[a][b] with a, b = u, v: i/k times those of the hat functions' surface
@@ -202,14 +209,19 @@ template <class L>
 [[gnu::always_inline]] inline void layer_all(const std::array<float, 3>& point, const LayerGroup& patches, float k,
                                              LayerSums& out) {
   using Float = typename L::Float;
+  const float range = std::sqrt(point[0] * point[0] + point[1] * point[1] + point[2] * point[2]);
   for (std::size_t lane = 0; lane < far_lanes; lane += L::width) {
     Float re{}, im{};
     for (const auto& y : patches.of) {
-      const Float dx = load<L>(y[0] + lane) - point[0];
-      const Float dy = load<L>(y[1] + lane) - point[1];
-      const Float dz = load<L>(y[2] + lane) - point[2];
+      const Float ax = load<L>(y[0] + lane), ay = load<L>(y[1] + lane), az = load<L>(y[2] + lane);
+      const Float dx = ax - point[0], dy = ay - point[1], dz = az - point[2];
+      const Float r2 = dx * dx + dy * dy + dz * dz;
+      const Float inverse = inverse_root<L>(r2);
+      // r - range, whose difference would have lost its digits: (r^2 - range^2) / (r + range).
+      const Float ahead =
+          (ax * (ax - 2 * point[0]) + ay * (ay - 2 * point[1]) + az * (az - 2 * point[2])) / (r2 * inverse + range);
       Complex<L> g, d;
-      green<L>(dx * dx + dy * dy + dz * dz, k, g, d);
+      green_of<L>(ahead, inverse, k, g, d);
       const Float towards = dx * load<L>(y[3] + lane) + dy * load<L>(y[4] + lane) + dz * load<L>(y[5] + lane);
       const Float p_re = load<L>(y[6] + lane) * towards, p_im = load<L>(y[7] + lane) * towards;
       re += p_re * d.re - p_im * d.im;

@@ -46,7 +46,8 @@ struct alignas(64) LayerSums {
   float of[2][far_lanes];
 };
 
-/// The double layer of each of these patches at a point, in metres from the same origin. On a patch it is of no use.
+/// The double layer of each of these patches at a point, in metres from the same origin, times e^{-ikR} of its distance
+/// R from that: however far the point is, phases keep their digits. On a patch it is of no use.
 void layer_sums(const std::array<float, 3>& point, const LayerGroup& patches, float wave_number, LayerSums& out);
 
 /// Samples of two patches at once, padded with samples of weight 0.

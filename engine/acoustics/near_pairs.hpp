@@ -1,7 +1,9 @@
 // What patches do to patches next to them, where three samples on either side are too few.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "acoustics/galerkin_kernels.hpp"
@@ -14,10 +16,12 @@ namespace palpa::acoustics {
 struct NearPairs {
   std::vector<std::uint32_t> first, trial;
   std::vector<Block> blocks;
+  /// The first two that lie so close to each other that their blocks have lost digits (near_rules.hpp).
+  std::optional<std::array<std::uint32_t, 2>> unresolved;
 };
 NearPairs near_pairs(const Patches& body, double wave_number);
 
-/// How many there are per face of an even mesh, about.
-inline constexpr std::uint64_t near_pairs_per_face = 60;
+/// How many entries that has: some 40 per face of an even mesh.
+std::uint64_t near_pair_count(const geometry::Mesh& mesh);
 
 }  // namespace palpa::acoustics

@@ -1,12 +1,15 @@
 #include "acoustics/rigid_body.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
 #include <utility>
 
 #include "acoustics/triangle_rules.hpp"
+#include "base/error.hpp"
 #include "base/parallel.hpp"
 
 namespace palpa::acoustics {
@@ -58,6 +61,9 @@ std::vector<std::complex<float>> RigidBody::solve(const Waves& incident) const {
       columns[wave * size + v] = std::complex<float>(sums[v]);
   });
   operator_->solve(Way::forth, columns);
+  const auto finite = [](const std::complex<float>& p) { return std::isfinite(p.real()) && std::isfinite(p.imag()); };
+  if (!std::ranges::all_of(columns, finite))
+    throw failure("The pressure on the surface is no number: the incident wave is too large or no number itself");
   return columns;
 }
 
@@ -67,6 +73,11 @@ std::vector<FaceSound> RigidBody::at_faces(std::span<const std::complex<float>> 
 
 std::vector<Complex> RigidBody::at_vertices(std::span<const std::complex<float>> unknowns) const {
   return fit_.at_vertices(unknowns);
+}
+
+Complex RigidBody::at_skin(std::span<const std::complex<float>> unknowns, std::uint32_t face, double u,
+                           double v) const {
+  return fit_.at(face, patches_.patches[face].at(u, v), unknowns);
 }
 
 RigidBody::Sources RigidBody::sources_at_faces(std::span<const std::uint32_t> faces) const {

@@ -31,7 +31,7 @@ class RigidBody {
   std::span<const Vec3> normals() const { return normals_; }
 
   /// The unknowns of every wave that `incident` has at points(), one wave after the other: one complex number per
-  /// vertex, of use to what follows only.
+  /// vertex, of use to what follows only. Throws failure() where they are no numbers.
   std::vector<std::complex<float>> solve(const Waves& incident) const;
 
   /// Of one wave's unknowns: total pressure and its surface gradient at the faces' centroids, total pressure at the
@@ -39,8 +39,12 @@ class RigidBody {
   std::vector<FaceSound> at_faces(std::span<const std::complex<float>> unknowns) const;
   std::vector<std::complex<double>> at_vertices(std::span<const std::complex<float>> unknowns) const;
 
-  /// The scattered pressure, total less incident, at points in the air, whatever their distance from the surface.
-  /// Inside the body it is of no use.
+  /// Total pressure on the patch of a face, at its (u, v).
+  std::complex<double> at_skin(std::span<const std::complex<float>> unknowns, std::uint32_t face, double u,
+                               double v) const;
+
+  /// The scattered pressure, total less incident, at points in the air, whatever their distance from the surface. On
+  /// the body and inside of it (body_places.hpp) it is of no use.
   std::vector<std::complex<double>> scattered(std::span<const std::complex<float>> unknowns,
                                               std::span<const Vec3> points) const;
 

@@ -102,18 +102,21 @@ std::vector<Complex> RigidBody::scattered(std::span<const std::complex<float>> u
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 at = points[i] - origin;
       const std::array<float, 3> from{static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)};
-      Complex total = 0;
+      const Complex arrival = std::polar(1.0, wave_number_ * glm::length(at));
+      Complex from_afar = 0, from_near = 0;
       for (std::size_t g = 0; g < groups.size(); ++g) {
         layer_sums(from, groups[g], static_cast<float>(wave_number_), parts);
         for (std::size_t lane = 0; lane < std::min(far_lanes, faces - g * far_lanes); ++lane) {
           const std::size_t f = g * far_lanes + lane;
           const Vec3 way = points[i] - centres[f];
-          total += glm::dot(way, way) > reach[f] * reach[f]
-                       ? Complex(parts.of[0][lane], parts.of[1][lane])
-                       : Piece(patches_.patches[f], corners[f], points[i], wave_number_).sum({0, 0}, {1, 0}, {0, 1}, 0);
+          if (glm::dot(way, way) > reach[f] * reach[f]) {
+            from_afar += Complex(parts.of[0][lane], parts.of[1][lane]);
+          } else {
+            from_near += Piece(patches_.patches[f], corners[f], points[i], wave_number_).sum({0, 0}, {1, 0}, {0, 1}, 0);
+          }
         }
       }
-      sums[i] = total;
+      sums[i] = arrival * from_afar + from_near;
     }
     activity.advance(end - begin);
   });

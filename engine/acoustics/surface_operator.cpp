@@ -30,8 +30,9 @@ std::unique_ptr<SurfaceOperator> make_dense_operator(const Patches& body, double
   return std::make_unique<DenseOperator>(std::move(matrix), size);
 }
 
-std::uint64_t dense_operator_bytes(std::uint64_t vertices, std::uint64_t faces) {
-  return vertices * vertices * sizeof(std::complex<float>) + assembly_bytes(faces);
+std::uint64_t dense_operator_bytes(const geometry::Mesh& body) {
+  const std::uint64_t vertices = body.positions.size();
+  return vertices * vertices * sizeof(std::complex<float>) + assembly_bytes(body);
 }
 
 }  // namespace palpa::acoustics

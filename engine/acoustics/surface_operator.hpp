@@ -31,6 +31,6 @@ class SurfaceOperator {
 std::unique_ptr<SurfaceOperator> make_dense_operator(const Patches& body, double wave_number);
 
 /// Memory that it takes at most while it is made.
-std::uint64_t dense_operator_bytes(std::uint64_t vertices, std::uint64_t faces);
+std::uint64_t dense_operator_bytes(const geometry::Mesh& body);
 
 }  // namespace palpa::acoustics

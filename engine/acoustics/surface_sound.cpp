@@ -159,20 +159,24 @@ void SurfaceFit::add_pressure_row(std::uint32_t face, std::span<std::complex<flo
     row[shares_[at].vertex] += shares_[at].of[0];
 }
 
+std::complex<double> SurfaceFit::at(std::size_t face, const Vec3& point,
+                                    std::span<const std::complex<float>> solution) const {
+  const auto sum = quadratic(face, solution);
+  const Frame& frame = frames_[face];
+  const Vec3 from = (point - frame.origin) / glm::dot(frame.s, frame.s);
+  const Terms at = terms_at(glm::dot(from, frame.s), glm::dot(from, frame.t));
+  std::complex<double> value = 0;
+  for (std::size_t i = 0; i < terms; ++i)
+    value += sum[i] * at[i];
+  return value;
+}
+
 std::vector<std::complex<double>> SurfaceFit::at_vertices(std::span<const std::complex<float>> solution) const {
   std::vector<std::complex<double>> sums(positions_.size());
   std::vector<double> faces(positions_.size());
   for (std::size_t face = 0; face < frames_.size(); ++face) {
-    const auto sum = quadratic(face, solution);
-    const Frame& frame = frames_[face];
-    const double scale2 = glm::dot(frame.s, frame.s);
     for (const std::uint32_t vertex : corners_[face]) {
-      const Vec3 from = (positions_[vertex] - frame.origin) / scale2;
-      const Terms at = terms_at(glm::dot(from, frame.s), glm::dot(from, frame.t));
-      std::complex<double> value = 0;
-      for (std::size_t i = 0; i < terms; ++i)
-        value += sum[i] * at[i];
-      sums[vertex] += value;
+      sums[vertex] += at(face, positions_[vertex], solution);
       ++faces[vertex];
     }
   }

@@ -32,6 +32,9 @@ class SurfaceFit {
   /// One entry per vertex: the mean of what the quadratics of the faces around it have there.
   std::vector<std::complex<double>> at_vertices(std::span<const std::complex<float>> solution) const;
 
+  /// Pressure at a point of a face's patch.
+  std::complex<double> at(std::size_t face, const Vec3& point, std::span<const std::complex<float>> solution) const;
+
   /// Adds to `row`, one entry per vertex, what at_faces() multiplies each unknown by to get the face's pressure.
   void add_pressure_row(std::uint32_t face, std::span<std::complex<float>> row) const;
 

@@ -12,6 +12,7 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/body_mesh.hpp"
+#include "acoustics/body_places.hpp"
 #include "acoustics/incident.hpp"
 #include "acoustics/radiation.hpp"
 #include "acoustics/rigid_body.hpp"
@@ -21,6 +22,7 @@
 #include "base/json_writer.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "base/parallel.hpp"
 #include "cli/commands.hpp"
 #include "setup/body.hpp"
 #include "setup/drive_file.hpp"
@@ -121,22 +123,32 @@ class Wave {
 
 using Pressures = std::vector<std::complex<double>>;
 
-/// Total pressure in the air; not a number inside of the body.
+/// Total pressure in the air and on the skin; not a number inside of the body.
 Pressures around(const acoustics::RigidBody& body, const Wave& wave, std::span<const std::complex<float>> unknowns,
                  std::span<const Vec3> points) {
-  const acoustics::Inside inside(body.mesh());
-  std::vector<Vec3> outside;
-  std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (inside.holds(points[i])) continue;
-    outside.push_back(points[i]);
-    places.push_back(i);
-  }
+  using Where = acoustics::BodyPlace::Where;
+  if (points.empty()) return {};
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   Pressures total(points.size(), {nan, nan});
-  const Pressures scattered = body.scattered(unknowns, outside), incident = wave.at(outside, {}).pressures;
-  for (std::size_t i = 0; i < outside.size(); ++i)
-    total[places[i]] = incident[i] + scattered[i];
+  const acoustics::BodyPlaces places(body.patches());
+  std::vector<Where> where(points.size());
+  parallel_chunks(points.size(), 256, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const acoustics::BodyPlace place = places.of(points[i]);
+      where[i] = place.where;
+      if (place.where == Where::skin) total[i] = body.at_skin(unknowns, place.face, place.u, place.v);
+    }
+  });
+  std::vector<Vec3> in_air;
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (where[i] != Where::air) continue;
+    in_air.push_back(points[i]);
+    rows.push_back(i);
+  }
+  const Pressures scattered = body.scattered(unknowns, in_air), incident = wave.at(in_air, {}).pressures;
+  for (std::size_t i = 0; i < in_air.size(); ++i)
+    total[rows[i]] = incident[i] + scattered[i];
   return total;
 }
 

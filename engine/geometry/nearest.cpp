@@ -37,8 +37,14 @@ Vec3 closest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3
 }
 
 double NearestTriangle::distance(const Vec3& point, double most) const {
+  const std::optional<Found> found = find(point, most);
+  return found ? found->distance : most;
+}
+
+std::optional<NearestTriangle::Found> NearestTriangle::find(const Vec3& point, double most) const {
   const auto nodes = tree_.nodes();
   double best = most * most;
+  std::optional<Found> found;
   std::vector<std::pair<double, std::uint32_t>> stack{{distance2(nodes[0].box, point), 0U}};
   while (!stack.empty()) {
     const auto [far, n] = stack.back();
@@ -47,10 +53,14 @@ double NearestTriangle::distance(const Vec3& point, double most) const {
     const Bvh::Node& node = nodes[n];
     if (node.second == 0) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        const glm::uvec3& t = mesh_->triangles[tree_.order()[i]];
-        const Vec3& a = mesh_->positions[t[0]];
-        best = std::min(best,
-                        square(closest_on_triangle(a, mesh_->positions[t[1]], mesh_->positions[t[2]], point) - point));
+        const std::uint32_t triangle = tree_.order()[i];
+        const glm::uvec3& t = mesh_->triangles[triangle];
+        const Vec3 at =
+            closest_on_triangle(mesh_->positions[t[0]], mesh_->positions[t[1]], mesh_->positions[t[2]], point);
+        if (const double away = square(at - point); away < best) {
+          best = away;
+          found = {triangle, at, 0};
+        }
       }
       continue;
     }
@@ -60,7 +70,8 @@ double NearestTriangle::distance(const Vec3& point, double most) const {
     stack.push_back(other);
     stack.push_back(near);
   }
-  return std::sqrt(best);
+  if (found) found->distance = std::sqrt(best);
+  return found;
 }
 
 }  // namespace palpa::geometry

@@ -1,7 +1,9 @@
 // How far a point is from a soup of triangles.
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "geometry/bvh.hpp"
 #include "geometry/mesh.hpp"
@@ -19,6 +21,15 @@ class NearestTriangle {
 
   /// Metres to the nearest triangle, or `most` where that is less.
   double distance(const Vec3& point, double most = std::numeric_limits<double>::infinity()) const;
+
+  /// The nearest triangle, of several one of them, its nearest point, and how far that is in metres.
+  struct Found {
+    std::uint32_t triangle = 0;
+    Vec3 point{0};
+    double distance = 0;
+  };
+  /// Nothing where none is nearer than `most`.
+  std::optional<Found> find(const Vec3& point, double most = std::numeric_limits<double>::infinity()) const;
 
  private:
   const Mesh* mesh_;

@@ -95,6 +95,24 @@ TEST(Scatter, AroundTheBodyIsAirAndInsideIsNothing) {
   }
 }
 
+TEST(Scatter, OnTheMeshItselfIsTheSkin) {
+  // Vertices lie on the body, which bulges over the faces' middles.
+  const std::string mesh = ply_of("fine", geometry::icosphere(radius, 7));
+  const auto series = acoustics::SphereSeries::plane_wave(wave_number, radius, {0, 0, 1});
+  const geometry::Mesh at = geometry::icosphere(radius, 7);
+  std::vector<Vec3> middles;
+  for (const glm::uvec3& t : at.triangles)
+    middles.push_back((at.positions[t.x] + at.positions[t.y]) / 2.0);
+  const std::string places = folder() / "middles.ply";
+  geometry::write_ply(places, middles, {});
+  for (const std::string& points : {mesh, places}) {
+    const Scattered got = scatter({"--mesh", mesh, "--plane-wave", "0,0,1", "--points", points}, "x,y,z,re,im\n");
+    ASSERT_GT(got.rows.size(), 400u);
+    for (const std::vector<double>& row : got.rows)
+      EXPECT_LE(std::abs(std::complex(row[3], row[4]) - series.at({row[0], row[1], row[2]})), 0.05) << row[0];
+  }
+}
+
 TEST(Scatter, AnArrayLiftsWhatIsAboveIt) {
   const std::string drive = folder() / "drive.csv";
   ASSERT_EQ(
