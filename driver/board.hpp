@@ -4,8 +4,9 @@
 //
 //   open -> { play | plan | all_off | tend }... -> all_off -> close
 //
-// Only open() allocates, waits and throws. Afterwards nothing throws, nothing allocates, and nothing but close() waits
-// for the device: what it does not take at once is kept (the newest; nothing queues) and tend() goes on with it.
+// Only open() allocates, waits and throws. Afterwards nothing throws, and nothing but close() waits for the device:
+// what it does not take at once is kept (the newest; nothing queues) and tend() goes on with it. Nothing allocates but
+// the search for a device that is lost, which may also wait for one answer of it, and what libusb does by itself.
 //
 // A device that fails, disappears or comes back is the board's own affair: it says so once (BoardNotes), takes drives
 // as before and drops them, tries again within tend(), makes the device silent before anything else when it is back,
@@ -85,7 +86,7 @@ class Board {
   /// What to wait on beside the loop: at most 16, asked for before each wait.
   virtual std::span<const pollfd> watched() { return {}; }
 
-  /// After all_off(): waits until it has left for the device, half a second at most. False: nobody knows whether it
+  /// After all_off(): waits until it has left for the device, 0.6 s at most. False: nobody knows whether it
   /// did.
   virtual bool close() = 0;
 };

@@ -115,8 +115,9 @@ void add_usb(cli::DoctorSection& section, const Known (&table)[N], usb::Wanted w
 
 /// Boards made of software that listen now (palpa emulate).
 void add_emulators(cli::DoctorSection& section) {
-  for (const usb::Entry& device :
-       usb::LocalTransport().list([](std::uint16_t, std::uint16_t) { return true; }).entries) {
+  const usb::Listing listing = usb::LocalTransport().list([](std::uint16_t, std::uint16_t) { return true; });
+  if (!listing.problem.empty()) section.note += (section.note.empty() ? "" : "; ") + listing.problem;
+  for (const usb::Entry& device : listing.entries) {
     cli::DoctorItem item;
     item.title = fmt::format("{:04x}:{:04x} emulated, serial number {}", device.vendor, device.product, device.serial);
     item.ok = true;

@@ -1,6 +1,6 @@
 #include "driver/autd3/board.hpp"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <time.h>
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include "base/error.hpp"
 #include "driver/autd3/pattern.hpp"
 #include "driver/autd3/remote.hpp"
+#include "driver/fixed_text.hpp"
 #include "driver/guard/channel.hpp"
 
 namespace palpa::driver::autd3 {
@@ -84,12 +85,13 @@ class Autd3Board final : public Board {
     } else {
       std::transform(drive.begin(), drive.end(), drive_.begin(), emission);
       sounding_ = drive_waits_ = true;
+      ++drives_.told;
     }
     advance();
   }
 
   void plan(const BoardPlan& plan) override {
-    ++told_;
+    ++plans_.told;
     drive_waits_ = false;
     if (plan.cycle == 0) {
       fresh_ = false;
@@ -124,7 +126,8 @@ class Autd3Board final : public Board {
       wait();
       advance();
     }
-    if (told_ > 0) tell_rate();
+    tell(plans_, "plans");
+    tell(drives_, "drives");
     remote_.say_goodbye(monotonic_s());
     while (!remote_.closed() && monotonic_s() < until_s) {
       wait();
@@ -208,6 +211,7 @@ class Autd3Board final : public Board {
         return acknowledge_startup();
       case Sent::silence:
       case Sent::gain:
+        if (sent == Sent::gain) drives_.end();
         segment_ ^= 1;
         silent_ = sent == Sent::silence;
         break;
@@ -217,8 +221,7 @@ class Autd3Board final : public Board {
       case Sent::part:
         if (transition_) {
           segment_ ^= 1;
-          ++loaded_;
-          loading_s_ += monotonic_s() - load_begun_s_;
+          plans_.end();
         }
         break;
     }
@@ -229,11 +232,9 @@ class Autd3Board final : public Board {
     if (stage_ == cpu_major || stage_ == fpga_major) {
       for (std::size_t d = 0; d < remote_.devices(); ++d) {
         if (remote_.data(d) != known_firmware) {
-          std::array<char, 120> line{};
-          const auto end =
-              fmt::format_to_n(line.data(), line.size(), "device {} has firmware 0x{:02x}, not 0x{:02x}, which is 12.1",
-                               d, remote_.data(d), known_firmware);
-          remote_.refuse({line.data(), std::min(end.size, line.size())});
+          remote_.refuse(FixedText<120>("device {} has firmware 0x{:02x}, not 0x{:02x}, which is 12.1", d,
+                                        remote_.data(d), known_firmware)
+                             .view());
           return false;
         }
       }
@@ -276,6 +277,7 @@ class Autd3Board final : public Board {
     if (!drive_waits_) return false;
     if (modulated_hz_ != 0) return send_modulation(0);
     drive_waits_ = false;
+    drives_.begin();
     to_all([&](Message m, std::size_t first) {
       put_gain(m, segment_ ^ 1, std::span(drive_).subspan(first, transducers));
     });
@@ -331,7 +333,7 @@ class Autd3Board final : public Board {
     if (hz != modulated_hz_ || (hz != 0 && loading_.modulation() != modulation_)) return send_modulation(hz);
     const std::uint32_t parts = loading_.parts();
     if (place_ == 0) {
-      load_begun_s_ = monotonic_s();
+      plans_.begin();
       turn_.follow(loading_.begin_s(), loading_.slot_s(), day_at_zero_s());
     }
     const auto emissions = [&](std::uint32_t place, std::size_t first) {
@@ -403,11 +405,21 @@ class Autd3Board final : public Board {
     put_foci(message, segment, divider_, sound_speed_m_s_, std::span(points).first(parts));
   }
 
-  void tell_rate() {
-    std::array<char, 120> line{};
-    const auto end = fmt::format_to_n(line.data(), line.size(), "{} of {} plans brought over, {:.1f} ms each", loaded_,
-                                      told_, loaded_ == 0 ? 0.0 : 1e3 * loading_s_ / static_cast<double>(loaded_));
-    notes_.info({line.data(), std::min(end.size, line.size())});
+  /// How many were told, how many of them came through, and how long these took.
+  struct Rate {
+    std::uint64_t told = 0, through = 0;
+    double begun_s = 0, all_s = 0;
+    void begin() { begun_s = monotonic_s(); }
+    void end() {
+      ++through;
+      all_s += monotonic_s() - begun_s;
+    }
+  };
+  void tell(const Rate& rate, const char* what) {
+    if (rate.told == 0) return;
+    const double each_s = rate.through == 0 ? 0.0 : rate.all_s / static_cast<double>(rate.through);
+    notes_.info(
+        FixedText<120>("{} of {} {} brought over, {:.1f} ms each", rate.through, rate.told, what, 1e3 * each_s).view());
   }
 
   BoardNotes& notes_;
@@ -438,8 +450,7 @@ class Autd3Board final : public Board {
   bool lost_ = false;
   double retry_at_s_ = 0;
 
-  std::uint64_t told_ = 0, loaded_ = 0;
-  double load_begun_s_ = 0, loading_s_ = 0;
+  Rate plans_, drives_;  ///< drives: that no plan has
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
 #include "driver/autd3/remote.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <netdb.h>
 #include <netinet/tcp.h>
 #include <unistd.h>
@@ -58,8 +58,11 @@ Address resolve(const std::string& text) {
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, freeaddrinfo);
   Address address;
   address.text = text;
-  address.size = found->ai_addrlen;
-  std::memcpy(&address.where, found->ai_addr, found->ai_addrlen);
+  for (const addrinfo* one = found; one != nullptr; one = one->ai_next) {
+    Address::Place& place = address.places.emplace_back();
+    place.size = one->ai_addrlen;
+    std::memcpy(&place.where, one->ai_addr, one->ai_addrlen);
+  }
   return address;
 }
 
@@ -71,13 +74,27 @@ Remote::Remote(Address address, const array::Layout& layout)
       reply_(std::max(1 + devices_ * answer_size, error_head + most_error_text)) {}
 
 void Remote::connect(double now_s) {
-  fault_size_ = 0;
-  socket_ = Descriptor(socket(address_.where.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  fault_.clear();
+  place_ = 0;
+  connect_to_place(now_s);
+}
+
+void Remote::connect_to_place(double now_s) {
+  const Address::Place& place = address_.places[place_];
+  socket_ = Descriptor(socket(place.where.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int yes = 1;
   setsockopt(socket_.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-  const int result = ::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address_.where), address_.size);
-  if (result != 0 && errno != EINPROGRESS) fail("is not there", std::strerror(errno));
+  const int result = ::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&place.where), place.size);
+  refused_ = result == 0 || errno == EINPROGRESS ? 0 : errno;
   begin(Step::connecting, 0, 0, now_s);
+}
+
+/// Nobody at this place: then at the next one, if there is one.
+Remote::Progress Remote::not_there(std::string_view what, std::string_view detail, double now_s) {
+  if (place_ + 1 == address_.places.size()) return fail(what, detail);
+  ++place_;
+  connect_to_place(now_s);
+  return Progress::nothing;
 }
 
 void Remote::disconnect() {
@@ -118,24 +135,19 @@ void Remote::begin(Step step, std::size_t bytes, std::size_t answer, double now_
 }
 
 Remote::Progress Remote::fail(std::string_view what, std::string_view detail) {
-  const auto end = fmt::format_to_n(fault_.data(), fault_.size(), "{} {}{}{}", address_.text, what,
-                                    detail.empty() ? "" : ": ", detail);
-  fault_size_ = std::min(end.size, fault_.size());
+  fault_.format("{} {}{}{}", address_.text, what, detail.empty() ? "" : ": ", detail);
   disconnect();
   return Progress::failed;
 }
 
 Remote::Progress Remote::connected(double now_s) {
-  if (!socket_) {  // it was refused at once
-    disconnect();
-    return Progress::failed;
-  }
+  if (refused_ != 0) return not_there("is not there", std::strerror(refused_), now_s);
   pollfd one{socket_.get(), POLLOUT, 0};
   if (poll(&one, 1, 0) <= 0) return Progress::nothing;
   int fault = 0;
   socklen_t size = sizeof fault;
   getsockopt(socket_.get(), SOL_SOCKET, SO_ERROR, &fault, &size);
-  if (fault != 0) return fail("is not there", std::strerror(fault));
+  if (fault != 0) return not_there("is not there", std::strerror(fault), now_s);
   out_ = hello_request;
   begin(Step::hello, out_.size(), 1, now_s);
   return Progress::done;
@@ -189,10 +201,7 @@ Remote::Progress Remote::check_answers(double now_s) {
       return Progress::nothing;
     }
     if ((acknowledge >> 4) != 0) {
-      std::array<char, 80> text{};
-      const auto end =
-          fmt::format_to_n(text.data(), text.size(), "device {} refuses a message with error {}", d, acknowledge >> 4);
-      return fail("answers", {text.data(), std::min(end.size, text.size())});
+      return fail("answers", FixedText<80>("device {} refuses a message with error {}", d, acknowledge >> 4).view());
     }
   }
   step_ = Step::idle;
@@ -246,8 +255,8 @@ Remote::Progress Remote::pump(double now_s) {
     if (through != Progress::nothing) return through;
     if (before == Step::reading) ++reads;
   }
-  if (now_s - begun_s_ > patience_s) return fail("does not answer");
-  return Progress::nothing;
+  if (now_s - begun_s_ <= patience_s) return Progress::nothing;
+  return step_ == Step::connecting ? not_there("does not answer", {}, now_s) : fail("does not answer");
 }
 
 pollfd Remote::watched() const {

@@ -14,14 +14,19 @@
 
 #include "array/layout.hpp"
 #include "driver/autd3/wire.hpp"
+#include "driver/fixed_text.hpp"
 #include "driver/guard/channel.hpp"
 
 namespace palpa::driver::autd3 {
 
+/// All that a name stands for, to be tried in this order: `localhost` may be ::1 where a server has only 127.0.0.1.
 struct Address {
-  sockaddr_storage where{};
-  socklen_t size = 0;
-  std::string text;  ///< HOST:PORT
+  struct Place {
+    sockaddr_storage where{};
+    socklen_t size = 0;
+  };
+  std::vector<Place> places;  ///< one at least
+  std::string text;           ///< HOST:PORT
 };
 /// Throws bad_usage for what is no HOST:PORT, failure() for a host that nobody knows.
 Address resolve(const std::string& text);
@@ -53,7 +58,7 @@ class Remote {
   enum class Progress { nothing, done, failed };
   /// Goes on as far as it can. done: what was begun is through. failed: the connection is closed, fault() says why.
   Progress pump(double now_s);
-  std::string_view fault() const { return {fault_.data(), fault_size_}; }
+  std::string_view fault() const { return fault_.view(); }
 
   /// Ends the connection with a fault of the caller's.
   void refuse(std::string_view what) { fail("is not to be driven", what); }
@@ -63,6 +68,8 @@ class Remote {
  private:
   enum class Step { closed, connecting, hello, geometry, idle, sending, reading, goodbye };
 
+  void connect_to_place(double now_s);
+  Progress not_there(std::string_view what, std::string_view detail, double now_s);
   void begin(Step step, std::size_t bytes, std::size_t answer, double now_s);
   void ask_for_answers(double now_s);
   Progress next(double now_s);
@@ -73,6 +80,7 @@ class Remote {
   Progress transfer_reply();
 
   Address address_;
+  std::size_t place_ = 0;  ///< of the address's, to which it connects
   std::size_t devices_;
   std::vector<std::uint8_t> geometry_, request_, reply_;
   std::array<std::uint8_t, 1> short_request_{};
@@ -81,9 +89,9 @@ class Remote {
   std::span<const std::uint8_t> out_;  ///< what is being sent
   std::size_t sent_ = 0, received_ = 0, expected_ = 0;
   double begun_s_ = 0;
+  int refused_ = 0;  ///< the errno of a connection that was refused at once
   std::uint8_t id_ = 0;
-  std::array<char, 300> fault_{};
-  std::size_t fault_size_ = 0;
+  FixedText<300> fault_;
 };
 
 }  // namespace palpa::driver::autd3

@@ -1,7 +1,9 @@
 #include "driver/guard/guard.hpp"
 
 #include <fcntl.h>
+#include <malloc.h>
 #include <poll.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,7 +11,9 @@
 #include <cerrno>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <exception>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -44,6 +48,17 @@ void set_signals() {
     sigaddset(&blocked, signal);
   }
   sigprocmask(SIG_SETMASK, &blocked, nullptr);
+}
+
+/// No page of it waits for a disk from now on, nor what libusb and the C library still take, where the machine allows
+/// that (RLIMIT_MEMLOCK). Not what is mapped later: that would be refused beyond the limit instead of slow.
+void keep_in_memory() {
+  constexpr std::size_t spare = 1 << 20;
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());  // the heap keeps what it has
+  mallopt(M_MMAP_THRESHOLD, 2 * spare);
+  void* volatile some = std::malloc(spare);
+  std::free(some);
+  static_cast<void>(mlockall(MCL_CURRENT));
 }
 
 class Notes final : public BoardNotes {
@@ -165,6 +180,7 @@ int hold_board(std::span<const BoardKind> kinds) {
   Guard guard(memory, kind->plays_plans);  // all its memory before the board sounds
   const auto board = kind->open(
       {brief.argument, brief.files, brief.layout, brief.slot_s, notes, brief.sound_speed_m_s, brief.foci_move});
+  keep_in_memory();
   Said end = Said::silent;
   std::exception_ptr fault;
   if (!brief.only_silence) {

@@ -21,8 +21,9 @@ inline constexpr double heartbeat_s = 0.1;
 /// Where a guard finds its loop's socket and the shared memory.
 inline constexpr int guard_socket = 3, guard_memory = 4;
 
-/// main() of a guard, with the boards that it knows. Allocates nothing once it has opened its board. Returns what the
-/// process exits with: 0 where the last thing on the wire was all-off.
+/// main() of a guard, with the boards that it knows. Allocates nothing once it has opened its board, and keeps its
+/// memory from being swapped out where that is allowed. Returns what the process exits with: 0 where the last thing on
+/// the wire was all-off.
 int guard_main(std::span<const BoardKind> kinds);
 
 }  // namespace palpa::driver

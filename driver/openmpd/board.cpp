@@ -4,14 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <string_view>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "driver/fixed_text.hpp"
 
 namespace palpa::driver::openmpd {
 namespace {
@@ -19,15 +20,14 @@ namespace {
 constexpr double period_s = 25e-6;
 constexpr std::uint8_t usual_divider = 4;
 constexpr double opening_patience_s = 5;
-constexpr double closing_patience_s = 0.5;
+constexpr double closing_patience_s = 0.5, flight_patience_s = 0.1;
+constexpr double asking_s = 2e-3;
 
 /// Formats without allocating; what is too long is cut.
 template <typename... Args>
 void note(BoardNotes& notes, void (BoardNotes::*level)(std::string_view) noexcept, fmt::format_string<Args...> text,
           Args&&... args) {
-  std::array<char, 400> line{};
-  const auto result = fmt::format_to_n(line.data(), line.size(), text, std::forward<Args>(args)...);
-  (notes.*level)({line.data(), std::min(result.size, line.size())});
+  (notes.*level)(FixedText<500>(text, std::forward<Args>(args)...).view());
 }
 
 void check_layout(const array::Layout& layout, std::size_t addresses) {
@@ -101,6 +101,7 @@ OpenMpdBoard::OpenMpdBoard(const BoardSetting& setting, usb::Transport& transpor
   std::vector<BoardFile> files;
   if (!setting.files.empty()) files = read_board_files(setting.files);
   next_.assign(addresses.size(), all_off_frame);
+  silences_.assign(addresses.size(), 0);
   encoders_.reserve(addresses.size());
   wires_.reserve(addresses.size());
   for (const Address& address : addresses) {
@@ -153,43 +154,82 @@ void OpenMpdBoard::play(std::uint64_t, std::span<const array::TransducerDrive> d
   for (std::size_t i = 0; i < wires_.size(); ++i)
     encoders_[i].encode(drive.subspan(i * transducers, transducers), next_[i]);
   waits_ = true;
+  const auto off = [](const Frame& frame) { return frame == all_off_frame; };
+  if (std::all_of(next_.begin(), next_.end(), off)) begin_silence();
   tend_wires();
   send_next();
 }
 
 void OpenMpdBoard::all_off() {
-  std::fill(next_.begin(), next_.end(), all_off_frame);
-  waits_ = true;
+  begin_silence();
   tend_wires();
   send_next();
+}
+
+void OpenMpdBoard::begin_silence() {
+  waits_ = false;
+  // Where one is still waiting for its last one nothing has been played since.
+  if (send_silences()) std::fill(silences_.begin(), silences_.end(), std::uint8_t{1});
 }
 
 void OpenMpdBoard::tend() {
   tend_wires();
-  if (!waits_ && silent_ && clock_.now_s() > sent_s_ + quiet_s) return all_off();
+  if (!waits_ && silent_ && clock_.now_s() > sent_s_ + quiet_s) begin_silence();
   send_next();
 }
 
-/// All boards or none: they get the same number of frames.
+/// Sends what silences to the boards that take it. False: some do not.
+bool OpenMpdBoard::send_silences() {
+  bool all = true;
+  for (std::size_t i = 0; i < wires_.size(); ++i) {
+    if (silences_[i] == 0) continue;
+    if (!wires_[i]->takes()) {
+      all = false;
+      continue;
+    }
+    wires_[i]->send(all_off_frame);
+    silences_[i] = 0;
+    silent_ = true;
+    sent_s_ = clock_.now_s();
+  }
+  return all;
+}
+
+/// A drive: all boards or none, they get the same number of frames.
 void OpenMpdBoard::send_next() {
-  if (!waits_) return;
-  if (!in_step()) {
-    waits_ = false;  // boards on their way back in step are silent, and drives go on coming
+  if (!in_step()) {  // boards on their way back in step are silent, and drives go on coming
+    waits_ = false;
+    std::fill(silences_.begin(), silences_.end(), std::uint8_t{0});
     return;
   }
+  if (!send_silences() || !waits_) return;
   for (const auto& wire : wires_) {
     if (!wire->takes()) return;
   }
   for (std::size_t i = 0; i < wires_.size(); ++i)
     wires_[i]->send(next_[i]);
-  waits_ = false;
-  silent_ = std::all_of(next_.begin(), next_.end(), [](const Frame& frame) { return frame == all_off_frame; });
+  waits_ = silent_ = false;
   sent_s_ = clock_.now_s();
 }
 
 void OpenMpdBoard::tend_wires() {
-  for (const auto& wire : wires_)
-    wire->tend();
+  for (const auto& wire : wires_) {
+    if (!wire->asks()) wire->tend();
+  }
+  // A device that does not answer keeps whoever asks it: those that are well come first, and of the others the next has
+  // its turn next time.
+  const double until_s = clock_.now_s() + asking_s;
+  const auto ask = [&](Wire& wire) {
+    while (wire.asks() && clock_.now_s() < until_s)
+      wire.tend();
+  };
+  for (const auto& wire : wires_) {
+    if (wire->trouble().empty()) ask(*wire);
+  }
+  for (std::size_t i = 0; i < wires_.size() && clock_.now_s() < until_s; ++i) {
+    asker_ = (asker_ + 1) % wires_.size();
+    ask(*wires_[asker_]);
+  }
   if (in_step() == !troubled_) return;
   tell();
 }
@@ -217,16 +257,25 @@ void OpenMpdBoard::tell() {
   }
 }
 
+bool OpenMpdBoard::healthy_wire_flies() const {
+  return std::any_of(wires_.begin(), wires_.end(),
+                     [](const auto& wire) { return wire->trouble().empty() && !wire->settled(); });
+}
+
 bool OpenMpdBoard::close() {
-  const double begin_s = clock_.now_s();
   const auto silenced = [&] {
-    return !waits_ && std::all_of(wires_.begin(), wires_.end(), [](const auto& wire) { return wire->silenced(); });
+    return !waits_ && send_silences() &&
+           std::all_of(wires_.begin(), wires_.end(), [](const auto& wire) { return wire->silenced(); });
   };
-  for (;;) {
+  for (const auto& wire : wires_)
+    wire->hurry();
+  for (const double begin_s = clock_.now_s();;) {
     tend_wires();
     send_next();
     if (silenced()) return true;
-    if (clock_.now_s() > begin_s + closing_patience_s) return false;
+    const double waited_s = clock_.now_s() - begin_s;
+    // One that is in trouble is given up; bytes that others are taking are not.
+    if (waited_s > closing_patience_s + (healthy_wire_flies() ? flight_patience_s : 0)) return false;
     clock_.sleep_s(5e-4);
   }
 }

@@ -1,7 +1,9 @@
 // OpenMPD boards as one array: `openmpd:SERIAL[,SERIAL...]`, the serial numbers in the order of the layout's boards.
 // Where several boards have one serial number: SERIAL@BUS-PORT.
 //
-// One frame per slot and board, all boards the same number of frames. The boards take a frame every `divider` periods,
+// One frame per slot and board, all boards the same number of frames: a drive waits until all of them take one. Silence
+// does not wait for a board that takes nothing: each gets its all-off frame as soon as it takes one, and no drive
+// follows before all have it. The boards take a frame every `divider` periods,
 // at most half a slot, so that their buffers stay empty and silence sounds at once. Their carriers are in phase by
 // their own cable, one of them (its switch MS_SELECT) being the master of all; no program can see or set that.
 //
@@ -10,6 +12,7 @@
 // a second, since a board clears its buffer every second in which it got nothing, and might cut the next frame.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -53,15 +56,20 @@ class OpenMpdBoard final : public Board {
   void check_bandwidth(double slot_s) const;
   void tend_wires();
   void send_next();
+  void begin_silence();
+  bool send_silences();
+  bool healthy_wire_flies() const;
   void tell();
 
   BoardNotes& notes_;
   Clock& clock_;
   std::vector<std::unique_ptr<Wire>> wires_;
   std::vector<Encoder> encoders_;
-  std::vector<Frame> next_;  ///< by board
-  bool waits_ = false;       ///< next_ has not been sent
-  bool silent_ = true;       ///< what was sent last is the all-off frame
+  std::vector<Frame> next_;             ///< by board
+  bool waits_ = false;                  ///< next_ has not been sent
+  std::vector<std::uint8_t> silences_;  ///< by board: an all-off frame is still to be sent, before anything else
+  std::size_t asker_ = 0;               ///< the wire whose turn it is to ask its device
+  bool silent_ = true;                  ///< what was sent last is the all-off frame
   double sent_s_ = 0;
   bool troubled_ = false;
   double troubled_s_ = 0;

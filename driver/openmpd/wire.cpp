@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <exception>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -43,9 +44,8 @@ usb::Entry find(const usb::Listing& listing, const Address& address) {
     }
   }
   if (found.empty()) {
-    const std::string there = !others.empty()
-                                  ? "there are: " + shortened(others, 200)
-                                  : (listing.problem.empty() ? "no FT232H is plugged in" : printable(listing.problem));
+    std::string there = others.empty() ? "no FT232H is plugged in" : "there are: " + shortened(others, 200);
+    if (!listing.problem.empty()) there += "; " + printable(listing.problem);
     throw failure(fmt::format("no OpenMPD board has the serial number {}: {}", printable(address.text(), 80), there));
   }
   if (found.size() > 1) {
@@ -61,59 +61,111 @@ Wire::Wire(Address address, usb::Transport& transport, const Clock& clock, std::
     : address_(std::move(address)), transport_(transport), clock_(clock), divider_(divider) {}
 
 void Wire::open() {
-  const usb::Entry entry = find(transport_.list(wanted), address_);
+  find_device();
+  take_device();
+  while (state_ == State::asking)
+    ask();
+  if (state_ == State::lost) throw failure(fmt::format("board {}: {}", address_.text(), trouble()));
+}
+
+void Wire::find_device() {
+  usb::Entry entry = find(transport_.list(wanted), address_);
   if (!entry.refusal.empty()) {
     throw failure(
         fmt::format("board {} cannot be opened: {}; palpa doctor says what to do", address_.text(), entry.refusal));
   }
-  ready_device(entry);
-  flush();
+  entry_ = std::move(entry);
 }
 
-void Wire::ready_device(const usb::Entry& entry) {
-  auto device = transport_.open(entry, ftdi::endpoint_out);
-  const auto check = [&](Outcome outcome, const char* what) {
-    if (outcome != Outcome::done) {
-      throw failure(fmt::format("board {} cannot be readied: {}: {}", address_.text(), what, text_of(outcome)));
-    }
-  };
-  ftdi::Channel channel{};
-  check(ftdi::read_channel(*device, channel), "its EEPROM");
-  if (entry.release != ftdi::release_232h || channel != ftdi::Channel::fifo) {
-    throw failure(
-        fmt::format("the device {} at {} is no OpenMPD board, or is not set up as one: its EEPROM says {}, a board's "
-                    "says 245 FIFO (set "
-                    "it with FTDI's FT_PROG, or give the serial number of the board)",
-                    address_.serial, entry.place, text_of(channel)));
-  }
-  check(ftdi::make_ready(*device), "its requests");
-  entry_ = entry;
-  device_ = std::move(device);
+void Wire::take_device() {
+  device_ = transport_.open(entry_, ftdi::endpoint_out);
+  state_ = State::asking;
+  asked_ = 0;
   halted_ = divider_set_ = false;
 }
 
+/// One of the two steps towards a device that is lost.
 void Wire::look_for_device() {
-  if (clock_.now_s() < due_s_) return;
-  due_s_ = clock_.now_s() + retry_s;
   try {
-    open();
-  } catch (const Error& error) {
-    trouble_ = error.what();
+    if (state_ == State::lost) {
+      due_s_ = clock_.now_s() + retry_s;
+      find_device();
+      state_ = State::found;
+    } else {
+      take_device();
+    }
+  } catch (const std::exception& error) {  // no memory, too: then later
+    lose(error.what());
   }
+}
+
+/// Of a device that was just opened what it is, then what readies it. After trouble the purges alone, then what
+/// silences the board however it stands.
+void Wire::ask() {
+  if (halted_) {
+    halted_ = false;
+    device_->clear_halt();
+    return;
+  }
+  if (asked_ == 0) return check_channel();
+  const Outcome outcome = device_->request(ftdi::ready_requests[asked_ - 1]);
+  if (outcome != Outcome::done) {
+    const bool readied = asked_ > ftdi::first_purge;
+    if (!readied) return lose(FixedText<80>("cannot be readied: {}", usb::text_of(outcome)).view());
+    if (outcome == Outcome::gone || outcome == Outcome::failed) return lose(usb::text_of(outcome));
+    return start_over(usb::text_of(outcome));
+  }
+  if (++asked_ <= ftdi::ready_requests.size()) return;
+  std::array<std::uint8_t, 3 * frame_bytes> burst{};
+  std::copy(all_off_frame.begin(), all_off_frame.end(), burst.begin() + frame_bytes);
+  std::copy(all_off_frame.begin(), all_off_frame.end(), burst.begin() + 2 * frame_bytes);
+  state_ = State::flushing;
+  begin(burst);
+}
+
+void Wire::check_channel() {
+  ftdi::Channel channel{};
+  const Outcome outcome = ftdi::read_channel(*device_, channel);
+  if (outcome != Outcome::done)
+    return lose(FixedText<80>("cannot be readied: its EEPROM: {}", usb::text_of(outcome)).view());
+  if (entry_.release != ftdi::release_232h || channel != ftdi::Channel::fifo) {
+    return lose(FixedText<400>("the device at {} is no OpenMPD board, or is not set up as one: its EEPROM says {}, a "
+                               "board's says 245 FIFO (set it with FTDI's FT_PROG, or give the serial number of the "
+                               "board)",
+                               entry_.place, ftdi::text_of(channel))
+                    .view());
+  }
+  asked_ = 1;
+}
+
+bool Wire::asks() const {
+  if (state_ == State::lost) return clock_.now_s() >= due_s_;
+  return state_ == State::found || state_ == State::asking;
+}
+
+void Wire::hurry() {
+  if (state_ == State::lost || state_ == State::draining) due_s_ = clock_.now_s();
 }
 
 void Wire::tend() {
   const double now_s = clock_.now_s();
   forgive_absence(now_s);
-  if (state_ == State::lost) return look_for_device();
+  if (device_ == nullptr) {
+    if (asks()) look_for_device();
+    return;
+  }
   reap();
   if (device_ == nullptr) return;
   if (flying_ > 0 && state_ != State::draining && now_s - oldest_s() > transfer_patience_s)
     fall_out(Outcome::timed_out);
   switch (state_) {
+    case State::asking:
+      ask();
+      break;
     case State::draining:
       if (flying_ == 0 && now_s >= due_s_) {
-        flush();
+        state_ = State::asking;
+        asked_ = 1 + ftdi::first_purge;
       } else if (flying_ > 0 && now_s - oldest_s() > 10 * transfer_patience_s) {
         lose("its transfers cannot be ended");
       }
@@ -139,25 +191,10 @@ void Wire::tend() {
       trouble_.clear();
       break;
     case State::lost:
+    case State::found:
     case State::in_step:
       break;
   }
-}
-
-/// Purges, and sends what silences the board however it stands.
-void Wire::flush() {
-  if (halted_) device_->clear_halt();
-  halted_ = false;
-  for (const usb::Setup& setup : {ftdi::purge_to_device_request(), ftdi::purge_to_host_request()}) {
-    const Outcome outcome = device_->request(setup);
-    if (outcome == Outcome::gone || outcome == Outcome::failed) return lose(text_of(outcome));
-    if (outcome != Outcome::done) return start_over(text_of(outcome));
-  }
-  std::array<std::uint8_t, 3 * frame_bytes> burst{};
-  std::copy(all_off_frame.begin(), all_off_frame.end(), burst.begin() + frame_bytes);
-  std::copy(all_off_frame.begin(), all_off_frame.end(), burst.begin() + 2 * frame_bytes);
-  state_ = State::flushing;
-  begin(burst);
 }
 
 void Wire::begin(std::span<const std::uint8_t> bytes) {
@@ -209,11 +246,11 @@ void Wire::fall_out(Outcome outcome) {
   start_over(outcome == Outcome::timed_out ? "it takes no bytes" : text_of(outcome));
 }
 
-void Wire::start_over(std::string trouble) {
+void Wire::start_over(std::string_view trouble) {
   // Out of step again while it is being resynchronised: not at once, or it would be asked without end.
   due_s_ = clock_.now_s() + (state_ == State::in_step ? 0 : retry_s);
   state_ = State::draining;
-  if (trouble_.empty()) trouble_ = std::move(trouble);  // what came first is why
+  if (trouble_.empty()) trouble_.assign(trouble);  // what came first is why
   if (flying_ > 0) device_->cancel();
 }
 
@@ -221,14 +258,14 @@ void Wire::resync() {
   if (state_ == State::in_step) start_over({});
 }
 
-void Wire::lose(std::string trouble) {
+void Wire::lose(std::string_view trouble) {
   device_.reset();
   for (Flight& flight : flights_)
     flight.flies = false;
   flying_ = 0;
   state_ = State::lost;
   due_s_ = clock_.now_s() + retry_s;
-  trouble_ = std::move(trouble);
+  trouble_.assign(trouble);
 }
 
 bool Wire::takes() const {
@@ -241,7 +278,7 @@ void Wire::send(const Frame& frame) {
 }
 
 bool Wire::silenced() const {
-  return flying_ == 0 && state_ != State::lost && state_ != State::draining;
+  return flying_ == 0 && state_ >= State::flushing;
 }
 
 /// Time in which nobody could look, as when the computer was busy or asleep, is not the device's.

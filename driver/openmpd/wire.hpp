@@ -7,15 +7,21 @@
 //
 // The first burst silences it, wherever in a frame its parser stood; the pause has it drop what is left of a cut frame,
 // and the second burst ends the parser's last frame. A device that is gone is looked for until it is back.
+//
+// Requests are the one thing that is waited for, so there is at most one in each tend(): whoever holds several boards,
+// or is to leave, is not kept by one that does not answer. Nothing here allocates but the search for a lost device.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "driver/clock.hpp"
+#include "driver/fixed_text.hpp"
 #include "driver/openmpd/frame.hpp"
 #include "driver/usb/device.hpp"
 
@@ -40,9 +46,12 @@ class Wire {
   /// be right: no such board, several, one that another program has, something else that answers to the same ids.
   void open();
 
-  /// Goes on: transfers that ended, the resynchronisation's steps, a device that is back. Waits for requests alone,
-  /// while the board is silent or as good as.
+  /// Goes on by a step: transfers that ended, the resynchronisation, a device that is back.
   void tend();
+  /// Whether the next tend() waits for the device, for usb::request_patience_s at most.
+  bool asks() const;
+  /// Looks at once for what it would look for later: this is the end.
+  void hurry();
 
   bool in_step() const { return state_ == State::in_step; }
   /// Whether send() may be called: in step, and a transfer free.
@@ -59,12 +68,14 @@ class Wire {
 
   const Address& address() const { return address_; }
   /// Why it is not in step, for messages; empty where all is as it should be.
-  const std::string& trouble() const { return trouble_; }
+  std::string_view trouble() const { return trouble_.view(); }
   unsigned bus() const { return entry_.bus; }
   std::uint64_t frames() const { return frames_; }  ///< given to send()
 
  private:
-  enum class State { lost, draining, flushing, pausing, ending, in_step };
+  /// lost: looked for; found: to be opened; asking: what it is and purges; draining: transfers are being ended;
+  /// flushing and ending: the two bursts.
+  enum class State { lost, found, asking, draining, flushing, pausing, ending, in_step };
   struct Flight {
     std::array<std::uint8_t, 3 * frame_bytes> bytes{};
     std::size_t length = 0, sent = 0;
@@ -72,11 +83,14 @@ class Wire {
     bool flies = false;
   };
 
-  void ready_device(const usb::Entry& entry);
   void look_for_device();
+  void find_device();
+  void take_device();
+  void ask();
+  void check_channel();
   void reap();
-  void start_over(std::string trouble);
-  void lose(std::string trouble);
+  void start_over(std::string_view trouble);
+  void lose(std::string_view trouble);
   void fall_out(usb::Outcome outcome);
   void flush();
   void begin(std::span<const std::uint8_t> bytes);
@@ -91,13 +105,14 @@ class Wire {
   usb::Entry entry_;
   std::unique_ptr<usb::Device> device_;
   State state_ = State::lost;
+  std::size_t asked_ = 0;     ///< requests since it was opened
   bool halted_ = false;       ///< its endpoint stalled
   bool divider_set_ = false;  ///< since the device was opened
   double due_s_ = 0;          ///< when the state's next step may come
   double tended_s_ = 0;       ///< when somebody last looked
   std::array<Flight, usb::most_in_flight> flights_;
   unsigned flying_ = 0;
-  std::string trouble_;
+  FixedText<400> trouble_;
   std::uint64_t frames_ = 0;
 };
 

@@ -74,8 +74,7 @@ class SonicSurface final : public Board {
         still_(encoder_.size()),
         newest_(encoder_.size()),
         loaded_(encoder_.size()),
-        silence_(2 * encoder_.size()) {
-    encoder_.encode_all_off(silence_);
+        silence_(encoder_.all_off()) {
     out_.reserve(silence_.size());
     fall_silent();
     pump();

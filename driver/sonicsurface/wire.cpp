@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 #include <utility>
 
@@ -49,9 +50,27 @@ void Encoder::encode(std::span<const array::TransducerDrive> drive, std::span<st
   });
 }
 
-void Encoder::encode_all_off(std::span<std::uint8_t> two_frames) const {
-  for (const std::size_t at : {std::size_t{0}, size()})
-    write(two_frames.subspan(at, size()), [](std::size_t) { return off; });
+std::vector<std::uint8_t> Encoder::all_off() const {
+  std::vector<std::uint8_t> bytes;
+  const auto twice = [&](std::initializer_list<std::uint8_t> selections) {
+    for (int times = 0; times < 2; ++times) {
+      for (const std::uint8_t selection : selections) {
+        if (firmware_ == Firmware::plain) bytes.push_back(selection);
+        bytes.push_back(begin);
+        bytes.insert(bytes.end(), transducers, off);
+      }
+      bytes.push_back(swap);
+    }
+  };
+  if (boards_ == 2) {
+    twice({secondary, primary});
+  } else {
+    // The one that is meant first. No swap makes it sound after that.
+    twice({primary});
+    if (firmware_ == Firmware::plain) twice({secondary});
+  }
+  if (firmware_ == Firmware::plain) bytes.push_back(primary);
+  return bytes;
 }
 
 }  // namespace palpa::driver::sonicsurface

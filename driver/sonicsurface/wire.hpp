@@ -2,7 +2,7 @@
 //
 //   254        phases follow, for the slots 0 to 255 (only where the board is selected)
 //   253        the buffers change places, on all boards: what was written sounds, what sounded is the one to be written
-//   192, 193   the primary board, the secondary board alone takes phases from now on
+//   192, 193   the primary board, the secondary board alone takes phases from now on, for whoever has it open next, too
 //   others     a phase: 0 to 31 in 1/32 turns of delay, 32 is off
 //
 // The tactile firmware drops a phase's last bit (16 steps), takes 0xa0 to 0xbf as the speed of a modulation of its own,
@@ -53,8 +53,9 @@ class Encoder {
   std::size_t size() const { return frame_size(boards_); }
   /// Writes a frame, swap included.
   void encode(std::span<const array::TransducerDrive> drive, std::span<std::uint8_t> frame) const;
-  /// All off, in both buffers.
-  void encode_all_off(std::span<std::uint8_t> two_frames) const;
+  /// All off, in both buffers, on every board that may be there: one board alone may have been deselected by whoever
+  /// had it before, and a second one behind it sounds since it was switched on. The primary one is selected afterwards.
+  std::vector<std::uint8_t> all_off() const;
 
  private:
   template <typename Phase>

@@ -43,7 +43,7 @@ struct Entry {
 
 struct Listing {
   std::vector<Entry> entries;  ///< in the order of bus and address
-  std::string problem;         ///< why there is no list; empty if there is one
+  std::string problem;         ///< why there is no list, or not all of it; empty if there is
 };
 
 using Wanted = bool (*)(std::uint16_t vendor, std::uint16_t product);

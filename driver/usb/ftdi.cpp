@@ -32,12 +32,4 @@ Outcome read_channel(Device& device, Channel& channel) {
   return Outcome::done;
 }
 
-Outcome make_ready(Device& device) {
-  for (const Setup& setup : {reset_request(), plain_mode_request(), latency_request(2), purge_to_device_request(),
-                             purge_to_host_request()}) {
-    if (const Outcome outcome = device.request(setup); outcome != Outcome::done) return outcome;
-  }
-  return Outcome::done;
-}
-
 }  // namespace palpa::driver::usb::ftdi

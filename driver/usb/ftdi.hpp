@@ -2,6 +2,8 @@
 // it by its serial number, never by its ids alone.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "driver/usb/device.hpp"
@@ -40,8 +42,10 @@ const char* text_of(Channel channel);  ///< "serial (UART)"
 /// Reads it into `channel`.
 Outcome read_channel(Device& device, Channel& channel);
 
-/// Readies a chip in this order: reset, plain mode, latency of 2 ms (with 1 ms bytes were seen to be lost), both
-/// purges. Stops at the first that is not `done` and returns it.
-Outcome make_ready(Device& device);
+/// What readies a chip, in this order: reset, plain mode, latency of 2 ms (with 1 ms bytes were seen to be lost), both
+/// purges.
+inline constexpr std::array<Setup, 5> ready_requests{reset_request(), plain_mode_request(), latency_request(2),
+                                                     purge_to_device_request(), purge_to_host_request()};
+inline constexpr std::size_t first_purge = 3;  ///< of these; the purges alone after trouble
 
 }  // namespace palpa::driver::usb::ftdi

@@ -22,6 +22,7 @@ class InProcessDevice final : public Device {
   Outcome request(const Setup& setup, std::span<std::uint8_t> in, std::size_t& received) override {
     received = 0;
     if (gone()) return Outcome::gone;
+    clock_.sleep_s(socket_.faults.refuses_requests ? request_patience_s : socket_.faults.request_s);
     if (socket_.faults.refuses_requests) return Outcome::timed_out;
     return socket_.peripheral->control(clock_.now_s(), setup, in, received);
   }

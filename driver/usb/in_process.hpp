@@ -14,9 +14,10 @@ namespace palpa::driver::usb {
 /// What is to go wrong with a device, and what did.
 struct Faults {
   bool unplugged = false;
-  bool stalled = false;        ///< the bulk endpoint, until clear_halt()
-  bool takes_nothing = false;  ///< every bulk packet is put off
-  bool refuses_requests = false;
+  bool stalled = false;                                     ///< the bulk endpoint, until clear_halt()
+  bool takes_nothing = false;                               ///< every bulk packet is put off
+  bool refuses_requests = false;                            ///< they are not answered within the patience
+  double request_s = 0;                                     ///< that long each request takes
   std::size_t unplug_after = static_cast<std::size_t>(-1);  ///< that many more bulk bytes have come
   /// Transfers end as done when that many bytes of them are sent, or all of them; 0: at their end.
   std::size_t cut_at = 0;

@@ -132,7 +132,7 @@ class LibusbDevice final : public Device {
   ~LibusbDevice() override {
     cancel();
     // Each transfer comes back, from a device that is gone too; without it its memory may not be given back.
-    for (int i = 0; i < 100 && flying(); ++i)
+    for (int i = 0; i < 25 && flying(); ++i)
       handle_events(10000);
     if (flying()) {
       static_cast<void>(bus_.release());

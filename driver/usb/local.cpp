@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "driver/clock.hpp"
 #include "driver/usb/libusb.hpp"
 
 namespace palpa::driver::usb {
@@ -258,6 +259,9 @@ Listing LocalTransport::list(Wanted wanted) {
     listing.problem = error.what();
     return listing;
   }
+  // Whoever does not answer is left out, and all of them together keep nobody for longer than one device does.
+  double patience_s = request_patience_s;
+  const SteadyClock clock;
   for (std::filesystem::directory_iterator file(folder, code), end; !code && file != end; file.increment(code)) {
     const unsigned number = number_of(file->path());
     if (number == 0) continue;
@@ -266,7 +270,9 @@ Listing LocalTransport::list(Wanted wanted) {
     if (!connection.connected() || connection.send(message) != Connection::Result::done) continue;
     LocalIdentity identity;
     std::size_t filled = 0;
-    connection.wait(request_patience_s);
+    const double begin_s = clock.now_s();
+    connection.wait(std::max(patience_s, 0.01));
+    patience_s -= clock.now_s() - begin_s;
     const std::span<std::uint8_t> bytes(reinterpret_cast<std::uint8_t*>(&identity), sizeof identity);
     if (connection.receive(message, bytes, filled) != Connection::Result::done || filled != sizeof identity) continue;
     Entry entry;
@@ -307,6 +313,7 @@ class SystemTransport final : public Transport {
     const Listing local = local_.list(wanted);
     listing.entries.insert(listing.entries.end(), local.entries.begin(), local.entries.end());
     if (!local.entries.empty()) listing.problem.clear();
+    if (!local.problem.empty()) listing.problem += (listing.problem.empty() ? "" : "; ") + local.problem;
     return listing;
   }
   std::unique_ptr<Device> open(const Entry& entry, std::uint8_t endpoint) override {

@@ -1,6 +1,8 @@
 #include "driver/usb/local_server.hpp"
 
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
 #include <sys/un.h>
@@ -22,6 +24,33 @@ namespace {
 constexpr unsigned most_emulators = 64;
 constexpr std::size_t most_clients = 16;
 
+/// Held by whoever looks for a free address: an address that nobody answers at is taken away, and must not be another's
+/// that has just come.
+class AddressLock {
+ public:
+  explicit AddressLock(const std::filesystem::path& folder)
+      : file_(open((folder / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
+    if (file_ < 0 || flock(file_, LOCK_EX) != 0) {
+      throw failure(fmt::format("{}: cannot be locked for the emulators' sockets: {}", (folder / "lock").string(),
+                                std::generic_category().message(errno)));
+    }
+  }
+  ~AddressLock() { close(file_); }
+  AddressLock(const AddressLock&) = delete;
+  AddressLock& operator=(const AddressLock&) = delete;
+
+ private:
+  int file_;
+};
+
+/// Whether nobody listens there any more.
+bool dead(const sockaddr* address, socklen_t size) {
+  const int probe = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  const bool refused = connect(probe, address, size) != 0 && errno == ECONNREFUSED;
+  close(probe);
+  return refused;
+}
+
 }  // namespace
 
 LocalServer::LocalServer(Peripheral& peripheral, Wiretap* tap)
@@ -40,6 +69,7 @@ LocalServer::~LocalServer() {
 
 void LocalServer::listen_at_free_address() {
   const std::filesystem::path folder = runtime_folder();
+  const AddressLock lock(folder);
   for (unsigned number = 1; number <= most_emulators; ++number) {
     address_ = folder / fmt::format("usb-{}.sock", number);
     sockaddr_un name{};
@@ -51,17 +81,16 @@ void LocalServer::listen_at_free_address() {
     std::memcpy(name.sun_path, text.c_str(), text.size() + 1);
     const auto* address = reinterpret_cast<const sockaddr*>(&name);
     listener_ = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (bind(listener_, address, sizeof name) != 0 && errno == EADDRINUSE) {
-      // Somebody listens there, or did and died.
-      const int probe = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-      const bool dead = connect(probe, address, sizeof name) != 0 && errno == ECONNREFUSED;
-      close(probe);
-      if (!dead || unlink(text.c_str()) != 0 || bind(listener_, address, sizeof name) != 0) {
+    const auto bound = [&] { return bind(listener_, address, sizeof name) == 0; };
+    bool there = bound();
+    if (!there && errno == EADDRINUSE) {
+      if (dead(address, sizeof name) && unlink(text.c_str()) == 0) there = bound();
+      if (!there) {
         close(std::exchange(listener_, -1));
         continue;
       }
     }
-    if (listen(listener_, most_clients) == 0) return;
+    if (there && listen(listener_, most_clients) == 0) return;
     const int code = errno;
     close(std::exchange(listener_, -1));
     throw failure(fmt::format("{}: cannot listen there: {}", text, std::generic_category().message(code)));

@@ -17,6 +17,7 @@
 
 #include "driver/autd3/board.hpp"
 #include "driver/autd3/listen.hpp"
+#include "driver/autd3/remote.hpp"
 #include "driver/autd3/server.hpp"
 #include "driver/autd3/wire.hpp"
 #include "support/thrown.hpp"
@@ -215,6 +216,8 @@ TEST(Autd3Board, DrivesWithoutAPlanComeOneByOne) {
   EXPECT_TRUE(rig.falls_silent());
   EXPECT_TRUE(rig.board->close());
   EXPECT_EQ(rig.server.violation_count(), 0u);
+  ASSERT_EQ(rig.notes.infos.size(), 1u);
+  EXPECT_CONTAINS(rig.notes.infos[0], "of 29 drives brought over");
 }
 
 TEST(Autd3Board, FullAmplitudesTakeHalfTheMessagesAndAModulationOneMore) {
@@ -306,6 +309,25 @@ TEST(Autd3Board, RefusesWhatItCannotPlay) {
   old.serving = std::make_unique<Serving>(old.server);
   old.argument = old.serving->address();
   EXPECT_CONTAINS(test::error_of([&] { old.make(); }, Exit::failed), "device 0 has firmware 0xa3");
+}
+
+TEST(Autd3Board, AllAddressesOfANameAreTried) {
+  const Rig rig;
+  Address address = resolve(rig.argument);
+  const Address nobody = resolve("127.0.0.1:1");
+  address.places.insert(address.places.begin(), nobody.places.front());
+  Remote remote(address, rig.layout);
+  remote.connect(monotonic_s());
+  for (int i = 0; i < 1000 && !remote.idle() && !remote.closed(); ++i, std::this_thread::sleep_for(1ms))
+    remote.pump(monotonic_s());
+  EXPECT_TRUE(remote.idle()) << remote.fault();
+  address.places.assign(2, nobody.places.front());
+  Remote none(address, rig.layout);
+  none.connect(monotonic_s());
+  for (int i = 0; i < 1000 && !none.closed(); ++i, std::this_thread::sleep_for(1ms))
+    none.pump(monotonic_s());
+  EXPECT_TRUE(none.closed());
+  EXPECT_CONTAINS(none.fault(), "is not there: Connection refused");
 }
 
 TEST(Autd3Board, AServerThatComesBackIsSilencedBeforeItSounds) {

@@ -331,7 +331,7 @@ TEST(Guard, AGuardThatDiesWhileItOpensIsFollowedToo) {
 TEST(Guard, WhatABoardThrowsEndsInSilence) {
   Rig rig;
   rig.open();
-  std::uint64_t slot = 666;
+  std::uint64_t slot = test::throws_from_slot;
   EXPECT_CONTAINS(test::error_of([&] { rig.send_for(1s, slot); }, Exit::failed), "a board must not throw");
   EXPECT_TRUE(rig.ends_with("close"));
   EXPECT_GE(rig.count("off"), 1u);

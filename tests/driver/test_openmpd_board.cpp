@@ -259,6 +259,97 @@ TEST(OpenMpdFaults, ABoardThatTakesNothingIsSilentAsSoonAsItDoes) {
   EXPECT_EQ(rig.violations(), "");
 }
 
+TEST(OpenMpdFaults, SilenceDoesNotWaitForABoardThatIsStuck) {
+  for (const bool by_a_drive : {false, true}) {
+    OpenMpdRig rig({"EMU1", "EMU2"});
+    rig.open();
+    const array::Drive drive = array::drive_for(rig.layout, std::vector<array::SlotFocus>{{{0, 0, 0.12}}});
+    rig.play(drive, 0.05);
+    rig.faults[1]->takes_nothing = true;
+    rig.play(drive, 0.02);
+    EXPECT_TRUE(rig.emulators[0]->fpga().sounds());
+    const std::uint64_t before = rig.emulators[0]->fpga().frames();
+    for (int times = 0; times < 5; ++times) {
+      by_a_drive ? rig.board->play(rig.slot++, array::Drive(512, {0, 0})) : rig.board->all_off();
+      rig.clock.sleep_s(1e-3);
+    }
+    rig.look();
+    EXPECT_FALSE(rig.emulators[0]->fpga().sounds());
+    EXPECT_EQ(rig.emulators[0]->fpga().frames(), before + 1) << "once";
+    rig.faults[1]->takes_nothing = false;
+    rig.board->tend();
+    rig.clock.sleep_s(5e-3);
+    rig.board->tend();
+    rig.clock.sleep_s(5e-3);
+    rig.look();
+    EXPECT_FALSE(rig.sounds());
+    EXPECT_EQ(rig.emulators[0]->fpga().frames(), rig.emulators[1]->fpga().frames());
+    rig.play(drive, 0.02);
+    EXPECT_TRUE(rig.sounds());
+    EXPECT_EQ(rig.emulators[0]->fpga().frames(), rig.emulators[1]->fpga().frames());
+    EXPECT_TRUE(rig.notes.warnings.empty());
+    EXPECT_EQ(rig.violations(), "");
+  }
+}
+
+TEST(OpenMpdFaults, ADeviceThatAnswersSlowlyKeepsNobody) {
+  OpenMpdRig rig({"EMU1", "EMU2"});
+  rig.open();
+  const array::Drive drive = array::drive_for(rig.layout, std::vector<array::SlotFocus>{{{0, 0, 0.12}}});
+  rig.play(drive, 0.05);
+  rig.faults[1]->unplugged = true;
+  rig.play(drive, 0.05);
+  *rig.faults[1] = {};
+  rig.faults[1]->request_s = 0.2;
+  double longest_s = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double begin_s = rig.clock.now_s();
+    rig.board->tend();
+    longest_s = std::max(longest_s, rig.clock.now_s() - begin_s);
+    rig.clock.sleep_s(5e-3);
+  }
+  EXPECT_GT(longest_s, 0.19) << "it was asked";
+  EXPECT_LT(longest_s, 0.21) << "one request at a time";
+  EXPECT_TRUE(rig.board->in_step());
+  EXPECT_EQ(rig.violations(), "");
+}
+
+TEST(OpenMpdFaults, AtTheEndABoardThatIsBackIsSilencedAtOnce) {
+  OpenMpdRig rig;
+  rig.open();
+  rig.play(focus_drive(rig.layout), 0.05);
+  rig.faults[0]->unplug_after = 100;
+  rig.play(focus_drive(rig.layout), 0.003);
+  EXPECT_FALSE(rig.board->in_step());
+  *rig.faults[0] = {};
+  rig.board->all_off();
+  const double begin_s = rig.clock.now_s();
+  EXPECT_TRUE(rig.board->close());
+  EXPECT_LT(rig.clock.now_s() - begin_s, 0.05);
+  rig.clock.sleep_s(0.01);
+  rig.look();
+  EXPECT_FALSE(rig.sounds());
+}
+
+TEST(OpenMpdFaults, TheDividerIsSetWhenABoardIsOpenedAndNeverElse) {
+  OpenMpdRig rig;
+  rig.open();
+  const array::Drive drive = focus_drive(rig.layout);
+  rig.play(drive, 0.05);
+  const auto set = [&] { return rig.emulators[0]->fpga().dividers_set(); };
+  EXPECT_EQ(set(), 1u);
+  rig.faults[0]->stalled = true;
+  rig.play(drive, 3);
+  EXPECT_TRUE(rig.board->in_step());
+  EXPECT_EQ(set(), 1u) << "resynchronised";
+  rig.faults[0]->unplugged = true;
+  rig.play(drive, 0.05);
+  *rig.faults[0] = {};
+  rig.play(drive, 3);
+  EXPECT_TRUE(rig.board->in_step());
+  EXPECT_EQ(set(), 2u) << "opened anew: it may have lost its power";
+}
+
 TEST(OpenMpdFaults, TimeInWhichNobodyLookedIsNotTheBoards) {
   OpenMpdRig rig;
   rig.open();

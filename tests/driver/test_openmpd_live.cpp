@@ -1,5 +1,10 @@
 // OpenMPD boards in real time: what a drive costs, and emulators behind sockets, as other processes have them.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -9,6 +14,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -66,6 +72,39 @@ TEST(OpenMpdCost, ADriveOfSixteenBoardsLeavesWithinAMillisecondAndAllocatesNothi
   // The emulators take their bytes on the same thread. The median: other tests run beside this one.
   EXPECT_LT(times[1000], 1e-3);
 #endif
+}
+
+/// Says nothing, so that whoever tells it something is the only one to allocate for it.
+class DeafNotes final : public driver::BoardNotes {
+ public:
+  void warning(std::string_view) noexcept override { ++warnings; }
+  void info(std::string_view) noexcept override {}
+  int warnings = 0;
+};
+
+TEST(OpenMpdCost, TroubleAllocatesNothingEither) {
+  OpenMpdRig rig({"EMU1", "EMU2"});
+  DeafNotes notes;
+  rig.board = std::make_unique<openmpd::OpenMpdBoard>(
+      driver::BoardSetting{rig.argument, rig.files, rig.layout, rig.slot_s, notes}, rig.bus, rig.clock);
+  const array::Drive drive(512, {1, 0});
+  rig.play(drive, 0.01);
+  const std::size_t allocations = allocations_of([&] {
+    rig.faults[1]->stalled = true;
+    rig.play(drive, 2);
+    rig.faults[1]->takes_nothing = true;
+    rig.play(drive, 1);
+    rig.faults[1]->takes_nothing = false;
+    rig.faults[0]->refuses_requests = true;
+    rig.play(drive, 1);
+    rig.faults[0]->refuses_requests = false;
+    rig.play(drive, 4);
+    rig.faults[0]->unplugged = true;
+    rig.play(drive, 0.1);  // until it is looked for
+    rig.board->all_off();
+  });
+  EXPECT_EQ(allocations, 0u);
+  EXPECT_EQ(notes.warnings, 5) << "out of step and back, twice, and gone";
 }
 
 /// Emulators behind sockets, with a thread that carries their bytes.
@@ -144,7 +183,8 @@ TEST(OpenMpdLocal, AnEmulatorThatEndsIsABoardThatIsGone) {
   openmpd::EmulatedBoard board("EMU1");
   auto behind = std::make_unique<Behind>(std::vector{&board});
   const auto device = transport.open(transport.list(any).entries.at(0), 2);
-  EXPECT_EQ(usb::ftdi::make_ready(*device), usb::Outcome::done);
+  for (const usb::Setup& setup : usb::ftdi::ready_requests)
+    EXPECT_EQ(device->request(setup), usb::Outcome::done);
   behind.reset();
   const openmpd::Frame frame = openmpd::all_off_frame;
   usb::Outcome outcome = device->submit(0, frame);
@@ -157,12 +197,41 @@ TEST(OpenMpdLocal, AnEmulatorThatEndsIsABoardThatIsGone) {
   EXPECT_EQ(device->request(usb::ftdi::reset_request()), usb::Outcome::gone);
 }
 
+TEST(OpenMpdLocal, EmulatorsThatStartTogetherTakeTurns) {
+  const auto folder = scratch_folder("runtime-race");
+  setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
+  const auto first = usb::runtime_folder() / "usb-1.sock";
+  const int lock = open((usb::runtime_folder() / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  ASSERT_EQ(flock(lock, LOCK_EX), 0) << "as one that looks for its address";
+  openmpd::EmulatedBoard board("EMU1"), same("EMU1");
+  std::vector<std::unique_ptr<usb::LocalServer>> servers(2);
+  {
+    std::jthread other([&] { servers[0] = std::make_unique<usb::LocalServer>(board, nullptr); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    EXPECT_FALSE(std::filesystem::exists(first));
+    close(lock);
+  }
+  servers[1] = std::make_unique<usb::LocalServer>(same, nullptr);
+  EXPECT_EQ(servers[0]->address(), first);
+  EXPECT_EQ(servers[1]->address(), usb::runtime_folder() / "usb-2.sock");
+  // What one left behind that was killed is nobody's.
+  const auto third = (usb::runtime_folder() / "usb-3.sock").string();
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  third.copy(name.sun_path, sizeof name.sun_path - 1);
+  const int dead = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(bind(dead, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
+  close(dead);
+  EXPECT_EQ(usb::LocalServer(board, nullptr).address(), third);
+}
+
 TEST(OpenMpdLocal, TheRuntimeFolderMustBeOnesOwn) {
   const auto folder = scratch_folder("runtime-open");
   setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
   EXPECT_EQ(usb::runtime_folder(), folder / "palpa");
   std::filesystem::permissions(folder / "palpa", std::filesystem::perms(0755));
   EXPECT_NE(error_of([] { usb::runtime_folder(); }, Exit::failed).find("0700"), std::string::npos);
+  EXPECT_NE(usb::system_transport()->list(any).problem.find("0700"), std::string::npos) << "what is missing is said";
   const auto missing = folder / "not" / "there";
   setenv("XDG_RUNTIME_DIR", missing.c_str(), 1);
   EXPECT_NE(error_of([] { usb::runtime_folder(); }, Exit::failed).find("cannot be made"), std::string::npos);

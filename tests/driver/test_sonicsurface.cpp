@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <initializer_list>
 #include <memory>
 #include <mutex>
 #include <numbers>
@@ -59,25 +60,35 @@ TEST(SonicSurfaceWire, EachTransducerGetsItsPhase) {
     machine.take(0, frame);
     for (std::size_t t = 0; t < drive.size(); ++t)
       ASSERT_EQ(machine.sounding(t / transducers, t % transducers), expected_phase(drive[t], tactile ? 16 : 32)) << t;
-    std::vector<std::uint8_t> silence(2 * encoder.size());
-    encoder.encode_all_off(silence);
-    machine.take(0, silence);
+    machine.take(0, encoder.all_off());
     EXPECT_TRUE(machine.all_silent() && machine.all_silent_behind());
     EXPECT_EQ(machine.violations().count(), 0u);
   }
 }
 
 TEST(SonicSurfaceWire, IsOfTheBytesThatTheBoardsTake) {
-  const Encoder encoder(1, Firmware::plain);
-  std::vector<std::uint8_t> silence(2 * encoder.size());
-  encoder.encode_all_off(silence);
   std::vector<std::uint8_t> expected;
-  for (int times = 0; times < 2; ++times) {
-    expected.push_back(254);
-    expected.insert(expected.end(), 256, 32);
-    expected.push_back(253);
-  }
-  EXPECT_EQ(silence, expected);
+  const auto expect = [&](std::initializer_list<std::uint8_t> selections) {
+    for (int times = 0; times < 2; ++times) {
+      for (const std::uint8_t selection : selections) {
+        if (selection != 0) expected.push_back(selection);
+        expected.push_back(254);
+        expected.insert(expected.end(), 256, 32);
+      }
+      expected.push_back(253);
+    }
+  };
+  expect({0});
+  EXPECT_EQ(Encoder(1, Firmware::tactile).all_off(), expected);
+  expected.clear();
+  expect({193, 192});
+  expected.push_back(192);
+  EXPECT_EQ(Encoder(2, Firmware::plain).all_off(), expected);
+  expected.clear();
+  expect({192});
+  expect({193});
+  expected.push_back(192);
+  EXPECT_EQ(Encoder(1, Firmware::plain).all_off(), expected);
   // The corners: top left, its neighbours, bottom right.
   EXPECT_EQ(slot_of(0), 0u);
   EXPECT_EQ(slot_of(1), 7u);
@@ -241,6 +252,33 @@ TEST(SonicSurfaceBoard, SilencesABoardThatWasLeftSounding) {
   rig.board = rig.make(12e-3, true);
   EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
   rig.expect_silent_end();
+}
+
+TEST(SonicSurfaceBoard, ABoardThatWasDeselectedHearsItAllTheSame) {
+  Rig rig;
+  {
+    const std::lock_guard held(rig.lock);
+    rig.machine.take(0, std::vector<std::uint8_t>{193});  // by a pair's last frame
+  }
+  rig.board = rig.make(12e-3, true);
+  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
+  rig.board->play(0, rig.drive);
+  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
+  rig.board->all_off();
+  rig.expect_silent_end();
+}
+
+TEST(SonicSurfaceWire, OneBoardsSilenceReachesASecondOneBehindIt) {
+  EmulatedBoards machine(2, false);
+  const Encoder encoder(1, Firmware::plain);
+  machine.take(0, encoder.all_off());
+  EXPECT_TRUE(machine.all_silent() && machine.all_silent_behind());
+  std::vector<std::uint8_t> frame(encoder.size());
+  encoder.encode(some_drive(1), frame);
+  machine.take(0, frame);
+  EXPECT_EQ(machine.sounding(0, 0), expected_phase(some_drive(1)[0], 32));
+  EXPECT_EQ(machine.sounding(1, 0), EmulatedBoards::silent) << "the primary one alone plays";
+  EXPECT_EQ(machine.violations().count(), 0u);
 }
 
 TEST(SonicSurfaceBoard, PlaysTheNewestDriveAndSilenceAtOnce) {

@@ -21,6 +21,9 @@ inline void whole_drive(std::uint64_t slot, std::span<array::TransducerDrive> dr
   std::fill(drive.begin(), drive.end(), one);
 }
 
+/// Drives from this slot on make it throw.
+inline constexpr std::uint64_t throws_from_slot = std::uint64_t{1} << 40;
+
 /// How often this process has allocated memory. The program defines it.
 std::uint64_t allocations();
 
