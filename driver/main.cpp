@@ -5,6 +5,7 @@
 #include "driver/doctor.hpp"
 #include "driver/emulate/command.hpp"
 #include "driver/guard/board_link.hpp"
+#include "driver/sources.hpp"
 
 namespace {
 
@@ -20,5 +21,6 @@ int main(int argc, char** argv) {
   return palpa::cli::main(argc, argv,
                           {.doctor = palpa::driver::doctor_probes(),
                            .links = palpa::driver::board_links(),
+                           .sources = palpa::driver::camera_sources(),
                            .commands = {palpa::driver::emulate::add_emulate}});
 }

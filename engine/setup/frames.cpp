@@ -59,7 +59,7 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
 void add_frame_options(const Group& group, FrameOptions& o, const char* until) {
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
   group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000, "scene of the file (default: the file's own)");
-  group.text("--source", o.source, "SOURCE", "synthetic[:MESH] or recording:DIR");
+  group.text("--source", o.source, "SOURCE", "synthetic[:MESH], recording:DIR or v4l2:/dev/videoN[,...]");
   group.integer("--frames", o.frames, 0, std::uint64_t{1} << 62, until);
   add_loop_options(group, o);
 }
@@ -92,8 +92,9 @@ void check(const FrameOptions& o) {
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
   check(o.touch);
   if (o.touch.spot_m && !o.touch.tune) throw bad_usage("--spot goes with --tune");
-  if (o.noise_free && o.source.starts_with("recording:")) {
-    throw bad_usage("--noise-free goes with --source synthetic: a recording has the noise that it has");
+  if (o.noise_free && !o.source.starts_with("synthetic")) {
+    throw bad_usage(
+        "--noise-free goes with --source synthetic: a recording has the noise that it has, and so has a camera");
   }
 }
 

@@ -6,7 +6,7 @@ BEGIN {
   for (i in floor_names) floor_of[floor_names[i]] = i + 0
 
   # driver/ sees the engine through its small interfaces only.
-  interface["session/link.hpp"] = 1
+  interface["session/link.hpp"] = interface["session/sources.hpp"] = 1  # how both are named on the command line
   interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor
   interface["cli/command.hpp"] = interface["setup/options.hpp"] = interface["setup/values.hpp"] = 1  # its commands

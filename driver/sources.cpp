@@ -1,0 +1,11 @@
+#include "driver/sources.hpp"
+
+#include "driver/v4l2/source.hpp"
+
+namespace palpa::driver {
+
+std::vector<session::SourceKind> camera_sources() {
+  return {v4l2::source_kind()};
+}
+
+}  // namespace palpa::driver

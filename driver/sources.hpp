@@ -1,0 +1,13 @@
+// Where the driver's depth frames come from: real cameras, and what other programs recorded of them.
+#pragma once
+
+#include <vector>
+
+#include "session/sources.hpp"
+
+namespace palpa::driver {
+
+/// For the command line: `--source v4l2:...`.
+std::vector<session::SourceKind> camera_sources();
+
+}  // namespace palpa::driver

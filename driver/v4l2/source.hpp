@@ -1,0 +1,32 @@
+// `--source v4l2:/dev/videoN[,/dev/videoM...]`: depth cameras through the kernel's own driver, as a DepthSource.
+//
+// Frames of several cameras are taken together by their capture times (match.hpp). A camera that is unplugged, stops or
+// breaks is said once and looked for again, under whatever number it comes back; meanwhile its images have no data and
+// the others go on. Without any camera no set comes, and the loop is silent after its hold.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "driver/v4l2/kernel.hpp"
+#include "sensing/depth_source.hpp"
+#include "session/sources.hpp"
+
+namespace palpa::driver::v4l2 {
+
+/// The nodes of "/dev/video0,/dev/video2". Throws bad_usage for none, an empty one and one that is named twice.
+std::vector<std::string> parse_nodes(const std::string& argument);
+
+/// Opens one node per camera, in this order, and starts them. `rig` is the file that describes the cameras, for
+/// messages. Throws Error for what is refused: see Stream. `kernel` belongs to the source.
+///
+/// next() allocates nothing once each of its caller's sets has been used, and waits no longer than it is told, but for
+/// a camera that is opened again.
+std::unique_ptr<sensing::DepthSource> open_cameras(std::unique_ptr<Kernel> kernel, std::vector<sensing::Camera> cameras,
+                                                   const std::vector<std::string>& nodes, const std::string& rig);
+
+/// For the command line.
+session::SourceKind source_kind();
+
+}  // namespace palpa::driver::v4l2
