@@ -11,8 +11,8 @@ namespace palpa::acoustics {
 
 /// `mesh` welded, facing outwards; its triangles are the given ones, in the same order. Throws bad_input naming `file`:
 /// no triangle, one without area, an open edge or one with more than two faces, neighbours that face opposite ways, a
-/// surface that passes through itself or touches itself. A mesh that faces inwards as a whole is turned over, with a
-/// warning.
+/// surface that passes through itself or touches itself, a piece that lies within another (a cavity, where no sound
+/// gets). Pieces that face inwards are turned over, with a warning.
 geometry::Mesh body_mesh(const std::string& file, const geometry::Mesh& mesh);
 
 /// Mean length of a triangle's sides, metres.
@@ -22,7 +22,13 @@ double mean_side(const geometry::Mesh& mesh);
 /// wavelength, and above a third throws bad_input, or warns if `force`.
 void check_fineness(const std::string& file, const geometry::Mesh& body, double wavelength_m, bool force);
 
-/// Throws bad_input where a transducer stands within the body, or nearer to it than its radius. Both in one frame.
+/// A wave that bends more sharply than the faces is not resolved: warns where a point source is nearer than twice the
+/// mean side of the face next to it, and throws bad_usage within the body, and nearer than half a side, of which it
+/// warns if `force`.
+void check_source(const geometry::Mesh& body, const Vec3& source, bool force);
+
+/// Throws bad_input where a transducer stands within the body, or nearer to it than its radius; and where the body
+/// reaches into the wall that transducers make, or stands behind it. Both in one frame.
 void check_clear_of(const std::string& file, const geometry::Mesh& body, const array::Layout& layout);
 
 /// Throws failure where the solution needs more memory than is free.

@@ -1,5 +1,6 @@
 #include "acoustics/radiation.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
@@ -35,6 +36,7 @@ void add_pressure(std::span<const FaceSound> sound, const Air& air, double weigh
     for (const std::complex<double>& part : sound[face].gradient)
       slope2 += std::norm(part);
     const double square = std::norm(sound[face].pressure);
+    pressure.loudest_pa = std::max(pressure.loudest_pa, std::sqrt(square));
     pressure.squared[face] += scale * square;
     pressure.langevin[face] += scale * (square - slope2 / (k * k));
   }

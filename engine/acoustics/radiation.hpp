@@ -26,6 +26,7 @@ double face_area(const geometry::Mesh& mesh, std::size_t face);
 /// By face, Pa.
 struct SkinPressure {
   std::vector<double> langevin, squared;
+  double loudest_pa = 0;  ///< largest |p| of any sound at any face
 };
 
 /// Adds `weight` times what one sound gives: averages over a schedule are sums of these.

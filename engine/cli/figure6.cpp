@@ -1,6 +1,7 @@
 // The paper's Fig. 6: the finger in each of its objects, as pictures and as a table.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "geometry/gltf.hpp"
 #include "setup/assets.hpp"
 #include "setup/progress.hpp"
+#include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -93,7 +95,9 @@ void run_figure6(const SimulateCommand& o) {
     drawing::write_png(o.png, side_by_side(foci, columns));
   }
   if (!o.common.json.empty()) write_file(o.common.json, to_json(o, entries));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", table(entries));
+  if (!setup::shows_summary(o.common, outputs)) return;
+  const bool loud = std::ranges::any_of(entries, [](const Entry& entry) { return entry.felt.beyond_linear(); });
+  write_file("-", table(entries) + (loud ? setup::linear_line() : ""));
 }
 
 }  // namespace palpa::cli

@@ -4,7 +4,6 @@
 #include <complex>
 #include <cstdint>
 #include <glm/geometric.hpp>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
@@ -18,6 +17,7 @@
 #include "acoustics/rigid_body.hpp"
 #include "acoustics/waves.hpp"
 #include "array/layout.hpp"
+#include "array/schedule.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/log.hpp"
@@ -51,7 +51,7 @@ struct ScatterCommand {
 void add_options(CLI::App& app, ScatterCommand& o) {
   const setup::Group body(app, "What scatters");
   body.text("--mesh", o.mesh, "FILE", "the rigid body, a closed PLY or glTF mesh");
-  body.flag("--force", o.force, "scatter by a mesh that is too coarse for the wavelength, too");
+  body.flag("--force", o.force, "scatter by a mesh that is too coarse for the wavelength, or for the source, too");
   const setup::Group sound(app, "What sounds");
   sound.text("--plane-wave", o.plane_wave, "X,Y,Z",
              "the plane wave that travels along it: 1 Pa, phase 0 at the origin");
@@ -91,9 +91,7 @@ class Wave {
     } else if (!o.point_source.empty()) {
       const auto [x, y, z] = setup::parse_point("--point-source", o.point_source);
       source_ = Vec3(x, y, z);
-      if (acoustics::Inside(body).holds(*source_))
-        throw bad_usage(
-            fmt::format("--point-source: {} lies inside of the mesh; give a point in the air", o.point_source));
+      acoustics::check_source(body, *source_, o.force);
     } else {
       layout_ = array::load_layout(o.layout);
       setup::warn_of_frequency(layout_, air.medium);
@@ -152,25 +150,24 @@ Pressures around(const acoustics::RigidBody& body, const Wave& wave, std::span<c
   return total;
 }
 
-void add_row(std::string& csv, const Vec3& at, const std::complex<double>& p) {
-  fmt::format_to(std::back_inserter(csv), "{},{},{},{},{}\n", at.x, at.y, at.z, static_cast<float>(p.real()),
-                 static_cast<float>(p.imag()));
+std::string row(const Vec3& at, const std::complex<double>& p) {
+  return fmt::format("{},{},{},{},{}\n", at.x, at.y, at.z, static_cast<float>(p.real()), static_cast<float>(p.imag()));
 }
 
-std::string faces_csv(const geometry::Mesh& mesh, const std::vector<acoustics::FaceSound>& sound) {
-  std::string csv = "face,x,y,z,re,im\n";
-  for (std::size_t face = 0; face < sound.size(); ++face) {
-    csv += fmt::format("{},", face);
-    add_row(csv, acoustics::face_centroid(mesh, face), sound[face].pressure);
-  }
-  return csv;
+void write_faces(const std::string& file, const geometry::Mesh& mesh, const std::vector<acoustics::FaceSound>& sound) {
+  OutputFile csv(file);
+  csv.write("face,x,y,z,re,im\n");
+  for (std::size_t face = 0; face < sound.size(); ++face)
+    csv.write(fmt::format("{},", face) + row(acoustics::face_centroid(mesh, face), sound[face].pressure));
+  csv.finish();
 }
 
-std::string points_csv(std::span<const Vec3> points, const Pressures& pressures) {
-  std::string csv = "x,y,z,re,im\n";
+void write_points(const std::string& file, std::span<const Vec3> points, const Pressures& pressures) {
+  OutputFile csv(file);
+  csv.write("x,y,z,re,im\n");
   for (std::size_t i = 0; i < points.size(); ++i)
-    add_row(csv, points[i], pressures[i]);
-  return csv;
+    csv.write(row(points[i], pressures[i]));
+  csv.finish();
 }
 
 std::string to_json(const geometry::Mesh& mesh, const acoustics::Load& load, const acoustics::Air& air,
@@ -209,6 +206,7 @@ void run(const ScatterCommand& o) {
   check(o);
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   const acoustics::Air air = setup::air(o.medium, o.air);
+  std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
   geometry::Mesh mesh = setup::load_body(o.mesh, air, o.force);
   const Wave wave(o, air, mesh);
   const setup::Places places = o.place.given() ? setup::load_places(o.place) : setup::Places();
@@ -216,7 +214,6 @@ void run(const ScatterCommand& o) {
 
   setup::StageTimes times;
   setup::Stopwatch watch;
-  std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
   const acoustics::RigidBody body(std::move(mesh), air.wave_number());
   times.emplace_back("operator", watch.lap_ms());
   const acoustics::Waves incident = wave.at(body.points(), body.normals());
@@ -231,10 +228,17 @@ void run(const ScatterCommand& o) {
   acoustics::SkinPressure pressure;
   acoustics::add_pressure(sound, air, 1, pressure);
   const acoustics::Load load = acoustics::load_on(body.mesh(), pressure.langevin, {});
-  if (!o.csv.empty())
-    write_file(o.csv, o.place.given() ? points_csv(places.points, pressures) : faces_csv(body.mesh(), sound));
+  if (!o.csv.empty()) {
+    if (o.place.given()) {
+      write_points(o.csv, places.points, pressures);
+    } else {
+      write_faces(o.csv, body.mesh(), sound);
+    }
+  }
   if (!o.common.json.empty()) write_file(o.common.json, to_json(body.mesh(), load, air, times));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(body.mesh(), sound, load, times));
+  if (!setup::shows_summary(o.common, outputs)) return;
+  const bool loud = !o.drive_file.empty() && pressure.loudest_pa > array::linear_pressure_pa;
+  write_file("-", summary(body.mesh(), sound, load, times) + (loud ? setup::linear_line() : ""));
 }
 
 }  // namespace

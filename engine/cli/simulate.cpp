@@ -205,14 +205,15 @@ std::string to_json(const SimulateCommand& o, const Felt& felt) {
   return json.take();
 }
 
-std::string to_csv(const Felt& felt) {
-  std::string csv = "face,x,y,z,area,langevin,squared\n";
+void write_csv(const std::string& file, const Felt& felt) {
+  OutputFile csv(file);
+  csv.write("face,x,y,z,area,langevin,squared\n");
   for (std::size_t face = 0; face < felt.body.triangles.size(); ++face) {
     const Vec3 at = acoustics::face_centroid(felt.body, face);
-    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{}\n", face, at.x, at.y, at.z,
-                   acoustics::face_area(felt.body, face), felt.pressure.langevin[face], felt.pressure.squared[face]);
+    csv.write(fmt::format("{},{},{},{},{},{},{}\n", face, at.x, at.y, at.z, acoustics::face_area(felt.body, face),
+                          felt.pressure.langevin[face], felt.pressure.squared[face]));
   }
-  return csv;
+  csv.finish();
 }
 
 void write_vtu(const std::string& file, const Felt& felt) {
@@ -240,7 +241,8 @@ std::string summary(const Felt& felt) {
   return fmt::format("{} faces, {}, {} foci ({:.2f} s)\n", felt.body.triangles.size(),
                      word_of(touch::method_words, felt.method), felt.foci.size(), ms / 1e3) +
          spot_line("radiation pressure", felt.langevin) + spot_line("|p|^2 / (4 rho c^2)", felt.squared) +
-         fmt::format("force ({:.3g}, {:.3g}, {:.3g}) N\n", felt.load.force.x, felt.load.force.y, felt.load.force.z);
+         fmt::format("force ({:.3g}, {:.3g}, {:.3g}) N\n", felt.load.force.x, felt.load.force.y, felt.load.force.z) +
+         (felt.beyond_linear() ? setup::linear_line() : "");
 }
 
 void check(const SimulateCommand& o) {
@@ -267,7 +269,7 @@ void run_one(const SimulateCommand& o) {
   Finger finger(o, setup::air(o.drive.medium, o.air));
   const Felt felt = feel(o, finger, o.scene, std::move(solids), o.touch.method.method);
   progress.reset();
-  if (!o.csv.empty()) write_file(o.csv, to_csv(felt));
+  if (!o.csv.empty()) write_csv(o.csv, felt);
   if (!o.vtu.empty()) write_vtu(o.vtu, felt);
   if (!o.png.empty()) {
     drawing::write_png(

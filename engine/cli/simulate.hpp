@@ -10,6 +10,7 @@
 #include "acoustics/air.hpp"
 #include "acoustics/radiation.hpp"
 #include "acoustics/rigid_body.hpp"
+#include "array/schedule.hpp"
 #include "base/json_writer.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh.hpp"
@@ -63,6 +64,9 @@ struct Felt {
   acoustics::Load load;  ///< about the tip
   double bare_elongation = 1;
   setup::StageTimes times;
+
+  /// What is felt would be less, and so would what is heard.
+  bool beyond_linear() const { return pressure.loudest_pa > array::linear_pressure_pa; }
 };
 
 /// The finger, `o.penetration_m` into these solids, of which `scene` is the file, by this method. `fault` names what is

@@ -64,8 +64,8 @@ struct SeenFromBelow {
   }
 };
 
-drawing::Pixels draw(const std::vector<double>& values, const std::string& title, const std::string& note, double most,
-                     const std::string& unit) {
+drawing::Pixels draw(const std::vector<double>& values, const std::string& title, const std::vector<std::string>& notes,
+                     double most, const std::string& unit) {
   const drawing::FieldPicture picture{.values = values,
                                       .columns = static_cast<std::uint32_t>(side),
                                       .rows = static_cast<std::uint32_t>(side),
@@ -74,7 +74,7 @@ drawing::Pixels draw(const std::vector<double>& values, const std::string& title
                                       .right = "x",
                                       .up = "z",
                                       .title = title,
-                                      .notes = {note},
+                                      .notes = notes,
                                       .most = most,
                                       .unit = unit};
   return drawing::draw(picture);
@@ -107,7 +107,7 @@ drawing::Pixels foci_picture(const Felt& felt, double top_y, const std::string& 
   for (const std::optional<Vec3>& focus : felt.foci) {
     if (focus) cross_out(values, *focus - felt.tip);
   }
-  return draw(values, title, "the finger from below; crosses: foci", most, "mm below the top");
+  return draw(values, title, {"the finger from below; crosses: foci"}, most, "mm below the top");
 }
 
 drawing::Pixels pressure_picture(const Felt& felt, const std::string& title) {
@@ -117,8 +117,12 @@ drawing::Pixels pressure_picture(const Felt& felt, const std::string& title) {
     if (seen.face[i] < 0) continue;
     values[i] = std::max(0.0, felt.pressure.langevin[static_cast<std::size_t>(seen.face[i])] / felt.langevin.peak_pa);
   }
-  return draw(values, title, fmt::format("time average; the largest is {:.0f} Pa", felt.langevin.peak_pa), 1,
-              "of the largest");
+  std::vector<std::string> notes{fmt::format("time average; the largest is {:.0f} Pa", felt.langevin.peak_pa)};
+  if (felt.beyond_linear()) {
+    notes.push_back(
+        fmt::format("Beyond linear acoustics: the linear sum reaches {:.0f} kPa", felt.pressure.loudest_pa / 1e3));
+  }
+  return draw(values, title, notes, 1, "of the largest");
 }
 
 drawing::Pixels halved(const drawing::Pixels& picture) {

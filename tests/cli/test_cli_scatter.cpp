@@ -1,8 +1,10 @@
 // `palpa scatter`: its tables against the sphere's series, its force, and which meshes it refuses.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <complex>
+#include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -16,6 +18,7 @@
 #include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/shapes.hpp"
+#include "terminal.hpp"
 
 namespace palpa::test {
 namespace {
@@ -167,6 +170,88 @@ TEST(Scatter, RefusesWhatIsNoBody) {
   EXPECT_EQ(turned.exit_code, 0);
   EXPECT_NE(turned.err.find("faces inwards"), std::string::npos);
   EXPECT_GT(json::parse(turned.out)["force_N"][2].get<double>(), 0);
+}
+
+TEST(Scatter, PiecesFaceOutwardsAndLieBesideEachOther) {
+  const auto with_sphere = [](double size, const Vec3& at, bool flipped) {
+    geometry::Mesh both = geometry::icosphere(radius, 5), other = geometry::icosphere(size, 5);
+    if (flipped) geometry::flip(other);
+    for (Vec3& p : other.positions)
+      p += at;
+    geometry::append(both, other);
+    return ply_of("pieces", both);
+  };
+  for (const bool flipped : {false, true}) {
+    expect_failure(
+        palpa({"scatter", "--mesh", with_sphere(radius / 2, Vec3(0), flipped), "--plane-wave", "0,0,1", "--json", "-"}),
+        4, "a piece within another");
+  }
+  const Vec3 beside(3 * radius, 0, 0);
+  const Scattered right = scatter({"--mesh", with_sphere(radius, beside, false), "--plane-wave", "0,0,1"}, "face,");
+  const Result turned = palpa({"scatter", "--mesh", with_sphere(radius, beside, true), "--plane-wave", "0,0,1",
+                               "--sound-speed", "343", "--json", "-"});
+  EXPECT_NE(turned.err.find("1 of its 2 pieces face inwards"), std::string::npos) << turned.err;
+  const double force = right.results["force_N"][2];
+  EXPECT_NEAR(json::parse(turned.out)["force_N"][2].get<double>() / force, 1, 1e-3);
+}
+
+TEST(Scatter, ASourceCloseToTheMeshIsToldOrRefused) {
+  // Sides of 1.2 mm or so.
+  const auto from = [](const std::string& z, const std::vector<std::string>& more = {}) {
+    return palpa(with({"scatter", "--mesh", sphere_file(), "--point-source", "0,0," + z, "--json", "-"}, more));
+  };
+  EXPECT_EQ(from("9mm").err, "");
+  const Result near = from("6.2mm");
+  EXPECT_EQ(near.exit_code, 0);
+  EXPECT_NE(near.err.find("the faces do not follow the wave"), std::string::npos) << near.err;
+  expect_failure(from("5.3mm"), 2, "from the mesh");
+  EXPECT_EQ(from("5.3mm", {"--force"}).exit_code, 0);
+}
+
+TEST(Scatter, AnArraysTransducersAreAWall) {
+  const std::string drive = folder() / "drive.csv";
+  ASSERT_EQ(
+      palpa({"drive", "--layout", "openmpd", "--focus", "0,0,100mm", "--csv", drive, "--backend", "cpu"}).exit_code, 0);
+  const auto at = [&](const std::string& name, double size, const Vec3& place) {
+    geometry::Mesh mesh = geometry::icosphere(size, 4);
+    for (Vec3& p : mesh.positions)
+      p += place;
+    return palpa({"scatter", "--mesh", ply_of(name, mesh), "--layout", "openmpd", "--drive", drive, "--json", "-"});
+  };
+  // A board's middle lies between four transducers: a thin body there is nearer to none than its radius.
+  expect_failure(at("through", 1.5e-3, {0, 0, 0}), 4, "behind its wall");
+  expect_failure(at("behind", 3e-3, {2e-3, 1e-3, -30e-3}), 4, "behind its wall");
+  EXPECT_EQ(at("before", 1.5e-3, {0, 0, 3e-3}).exit_code, 0);
+  EXPECT_EQ(at("beside", 3e-3, {0.15, 0, -10e-3}).exit_code, 0);
+}
+
+TEST(Scatter, LoudDrivesAreBeyondLinearAcoustics) {
+  const std::string drive = folder() / "loud.csv";
+  const auto told = [&](const std::string& layout) {
+    EXPECT_EQ(palpa({"drive", "--layout", layout, "--focus", "0,0,50mm", "--csv", drive, "--backend", "cpu"}).exit_code,
+              0);
+    geometry::Mesh mesh = geometry::icosphere(radius, 4);
+    for (Vec3& p : mesh.positions)
+      p.z += 0.055;
+    const Result result = palpa({"scatter", "--mesh", ply_of("loud", mesh), "--layout", layout, "--drive", drive});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.out.find("linear acoustics ends") != std::string::npos;
+  };
+  EXPECT_TRUE(told("paper"));
+  EXPECT_FALSE(told("sonicsurface"));
+}
+
+TEST(Scatter, LongWorkSaysWhatItDoesAndStopsOnCtrlC) {
+  const std::filesystem::path csv = folder() / "hand.csv";
+  std::filesystem::remove(csv);
+  const std::string mesh = ply_of("large", geometry::icosphere(15e-3, 22));
+  Terminal terminal({"scatter", "--mesh", mesh, "--plane-wave", "0,0,1", "--csv", csv.string()});
+  EXPECT_TRUE(terminal.shows("fills the matrix of the surface")) << terminal.text();
+  const auto begin = std::chrono::steady_clock::now();
+  terminal.type("\x03");
+  EXPECT_EQ(terminal.ended_by_signal(), SIGINT) << terminal.text();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
+  EXPECT_FALSE(std::filesystem::exists(csv));
 }
 
 TEST(Scatter, RefusesWavesThatAreNone) {

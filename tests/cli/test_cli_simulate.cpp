@@ -98,6 +98,16 @@ TEST(Simulate, TellsWhatItsTableHolds) {
   EXPECT_EQ(read_text(folder() / "out.csv"), before);
 }
 
+TEST(Simulate, SaysThatItIsBeyondLinearAcoustics) {
+  const auto told = [](const std::string& layout) {
+    const Result result = palpa(with(touch_of("cube"), {"--penetration", "1.5mm", "--layout", layout}));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.out.find("linear acoustics ends") != std::string::npos;
+  };
+  EXPECT_TRUE(told("paper"));
+  EXPECT_FALSE(told("openmpd"));
+}
+
 TEST(Simulate, AModulatedFocusIsHalfOfItsDrive) {
   // Its radiation pressure is a raised sine: on average half of what the drive alone gives.
   const Simulated got = simulate(
