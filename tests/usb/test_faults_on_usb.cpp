@@ -12,7 +12,7 @@
 
 #include "cli/process.hpp"
 #include "support/files.hpp"
-#include "usb/board_loop.hpp"
+#include "usb/loop.hpp"
 #include "usb/plugged_board.hpp"
 
 namespace palpa::test {
@@ -26,19 +26,11 @@ bool plays_on(PluggedBoard& board) {
   return eventually(8, [&] { return board.pins().size() > before + 2; });
 }
 
-/// The lines that say `part`.
-std::size_t lines_with(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
-    ++count;
-  return count;
-}
-
-void expect_one_recovery(const BoardLoop& loop, const std::string& trouble) {
+void expect_one_recovery(const Loop& loop, const std::string& trouble) {
   const std::string said = loop.said();
-  EXPECT_EQ(lines_with(said, trouble), 1u) << said;
-  EXPECT_EQ(lines_with(said, "in step again after"), 1u) << said;
-  EXPECT_EQ(lines_with(said, "\n"), 2u) << said;
+  EXPECT_EQ(times_said(said, trouble), 1u) << said;
+  EXPECT_EQ(times_said(said, "in step again after"), 1u) << said;
+  EXPECT_EQ(times_said(said, "\n"), 2u) << said;
 }
 
 /// The process that holds the loop's board, 0: none does.
@@ -51,7 +43,7 @@ pid_t guard() {
 
 TEST(FaultsOnUsb, UnpluggedInTheMiddleOfAFrameAndPluggedInAgain) {
   PluggedBoard board("EMU1");
-  BoardLoop loop("openmpd:EMU1");
+  Loop loop("link", sweep_of("openmpd:EMU1"));
   ASSERT_TRUE(plays_on(board)) << loop.said();
   board.gadget.unplug_after = 2 * 512 + 200;
   ASSERT_TRUE(eventually(2, [&] { return !board.port.plugged(); }));
@@ -65,7 +57,7 @@ TEST(FaultsOnUsb, UnpluggedInTheMiddleOfAFrameAndPluggedInAgain) {
 
 TEST(FaultsOnUsb, AnEndpointStalls) {
   PluggedBoard board("EMU1");
-  BoardLoop loop("openmpd:EMU1");
+  Loop loop("link", sweep_of("openmpd:EMU1"));
   ASSERT_TRUE(plays_on(board)) << loop.said();
   board.gadget.stalls = true;
   EXPECT_TRUE(plays_on(board)) << loop.said();
@@ -77,7 +69,7 @@ TEST(FaultsOnUsb, AnEndpointStalls) {
 
 TEST(FaultsOnUsb, TakesNoBytesForAWhile) {
   PluggedBoard board("EMU1");
-  BoardLoop loop("openmpd:EMU1");
+  Loop loop("link", sweep_of("openmpd:EMU1"));
   ASSERT_TRUE(plays_on(board)) << loop.said();
   board.gadget.takes_nothing = true;
   EXPECT_TRUE(eventually(5, [&] { return !loop.said().empty(); }));
@@ -90,7 +82,7 @@ TEST(FaultsOnUsb, TakesNoBytesForAWhile) {
 
 TEST(FaultsOnUsb, AKilledLoopLeavesSilence) {
   PluggedBoard board("EMU1");
-  BoardLoop loop("openmpd:EMU1");
+  Loop loop("link", sweep_of("openmpd:EMU1"));
   ASSERT_TRUE(eventually(8, [&] { return board.sounds(); })) << loop.said();
   loop.signal(SIGKILL);
   loop.wait();
@@ -100,7 +92,7 @@ TEST(FaultsOnUsb, AKilledLoopLeavesSilence) {
 
 TEST(FaultsOnUsb, AStoppedLoopIsSilentAndPlaysOn) {
   PluggedBoard board("EMU1");
-  BoardLoop loop("openmpd:EMU1");
+  Loop loop("link", sweep_of("openmpd:EMU1"));
   ASSERT_TRUE(eventually(8, [&] { return board.sounds(); })) << loop.said();
   loop.signal(SIGSTOP);
   EXPECT_TRUE(eventually(2, [&] { return !board.sounds(); }));
@@ -113,12 +105,12 @@ TEST(FaultsOnUsb, AStoppedLoopIsSilentAndPlaysOn) {
 
 TEST(FaultsOnUsb, AGuardThatIsKilledIsFollowedBySilence) {
   PluggedBoard board("EMU1");
-  BoardLoop loop("openmpd:EMU1");
+  Loop loop("link", sweep_of("openmpd:EMU1"));
   ASSERT_TRUE(eventually(8, [&] { return board.sounds(); })) << loop.said();
   ASSERT_NE(guard(), 0);
   kill(guard(), SIGKILL);
   EXPECT_EQ(loop.wait(), 1);
-  EXPECT_EQ(lines_with(loop.said(), "signal 9 has ended palpa-guard; another has silenced the board"), 1u)
+  EXPECT_EQ(times_said(loop.said(), "signal 9 has ended palpa-guard; another has silenced the board"), 1u)
       << loop.said();
   EXPECT_EQ(guard(), 0);
   EXPECT_EQ(board.faults_at_the_end(), none);
@@ -168,7 +160,7 @@ TEST(FaultsOnUsb, OfTwoWithOneSerialNumberThePlaceSaysWhich) {
   expect_failure(palpa(with({"link"}, sweep_of("openmpd:EMU1"))), 2,
                  "EMU1@" + left.port.place() + ",EMU1@" + right.port.place());
   EXPECT_EQ(left.gadget.requests + right.gadget.requests, 0u);
-  BoardLoop loop("openmpd:EMU1@" + right.port.place());
+  Loop loop("link", sweep_of("openmpd:EMU1@" + right.port.place()));
   EXPECT_TRUE(plays_on(right)) << loop.said();
   EXPECT_EQ(loop.end(), 0);
   EXPECT_EQ(left.gadget.requests, 0u);
@@ -195,7 +187,7 @@ TEST(FaultsOnUsb, TheKernelHasMadeTheBoardASerialPort) {
   ASSERT_TRUE(eventually(5, [] { return std::filesystem::exists("/dev/ttyUSB0"); }));
   const Result doctor = palpa({"doctor", "--backend", "cpu"});
   EXPECT_NE(doctor.out.find("the kernel has made it a serial port, which palpa ends"), std::string::npos) << doctor.out;
-  BoardLoop loop("openmpd:EMU1");
+  Loop loop("link", sweep_of("openmpd:EMU1"));
   EXPECT_TRUE(plays_on(board)) << loop.said();
   EXPECT_FALSE(std::filesystem::exists("/dev/ttyUSB0"));
   EXPECT_EQ(loop.end(), 0);

@@ -133,7 +133,10 @@ std::string VhciPort::device_file() const {
 void VhciPort::unplug() {
   ends_ = true;
   if (thread_.joinable()) thread_.join();
-  static_cast<void>(within(5, [&] { return state_of(port_) == 4; }));
+  // The port is free before the device is gone.
+  const std::filesystem::path device = std::filesystem::path("/sys/bus/usb/devices") / place_;
+  static_cast<void>(
+      within(5, [&] { return state_of(port_) == 4 && (place_.empty() || !std::filesystem::exists(device)); }));
 }
 
 /// The thread, from plug to unplug.
@@ -143,7 +146,7 @@ void VhciPort::serve() {
     bool waits = false;
     for (const auto& [endpoint, transfers] : waiting_)
       waits = waits || !transfers.empty();
-    const timespec patience{0, waits ? 200'000 : 5'000'000};
+    const timespec patience{0, waits ? 1'000'000 : 5'000'000};
     const bool heard = ppoll(&watched, 1, &patience, nullptr) > 0;
     const std::lock_guard lock(mutex_);
     gadget_.advance(now_s());

@@ -1,0 +1,60 @@
+// palpa at work, until the test has seen enough, and all that it says.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "cli/live_run.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+
+class Loop {
+ public:
+  /// palpa COMMAND ARGUMENTS...
+  Loop(const char* command, const std::vector<std::string>& arguments)
+      : said_(scratch_folder("loop") / "stderr.txt"),
+        err_(Unread::file(said_)),
+        run_(arguments, options(command, err_)) {}
+
+  void signal(int signal) const { run_.signal(signal); }
+  std::string said() const { return read_text(said_); }
+  /// As Ctrl-C; its exit code, -1 where it does not end.
+  int end() {
+    signal(SIGINT);
+    return wait();
+  }
+  int wait() { return run_.wait(5).exit_code; }
+
+ private:
+  static LiveOptions options(const char* command, const Unread& err) {
+    LiveOptions options;
+    options.err = &err;
+    options.command = command;
+    return options;
+  }
+
+  std::filesystem::path said_;
+  Unread err_;
+  LiveRun run_;
+};
+
+/// For `palpa link`: every 60 ms the next transducer, for a quarter of a minute.
+inline std::vector<std::string> sweep_of(const std::string& link) {
+  return {"test", "--layout", "openmpd", "--link", link, "--each", "50ms", "--rest", "10ms", "--dwell", "10ms"};
+}
+
+/// How often a text says that.
+inline std::size_t times_said(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++count;
+  return count;
+}
+
+}  // namespace palpa::test
