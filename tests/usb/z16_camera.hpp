@@ -1,0 +1,56 @@
+// A depth camera made of software, as a D435 shows itself on USB: UVC 1.5, frames of 16-bit depths over one bulk
+// endpoint, 848x480 at 90 Hz among others. Its faults are to order.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "usb/gadget.hpp"
+
+namespace palpa::test {
+
+class Z16Camera final : public Gadget {
+ public:
+  explicit Z16Camera(const std::string& serial);
+
+  /// Depths, row by row. A frame of another size shows as much of them as there is, and then zeros.
+  using Picture = std::vector<std::uint16_t>;
+  /// What frames show that begin from now on. The port must be held.
+  void show(Picture picture) { picture_ = std::make_shared<const Picture>(std::move(picture)); }
+
+  enum class Fault {
+    none,
+    frozen,       ///< frames stop
+    short_frame,  ///< every frame ends after its upper half
+    broken_frame  ///< every frame says that it is broken
+  };
+  std::atomic<Fault> fault{Fault::none};
+  std::atomic<std::uint64_t> frames{0};     ///< whose last byte the kernel has fetched
+  std::atomic<std::uint32_t> period_ns{0};  ///< that was asked for last; 0: nothing was
+  std::atomic<bool> streams{false};
+
+  const Descriptors& descriptors() const override { return descriptors_; }
+  Answer control(double now_s, const ControlRequest& request, std::vector<std::uint8_t>& bytes) override;
+  Answer carry(double now_s, UsbTransfer& transfer) override;
+  void advance(double) override {}
+  void halt_cleared(std::uint8_t endpoint) override;
+  void unplugged(double now_s) override;
+
+ private:
+  void begin_stream(double now_s);
+  std::size_t frame_bytes() const;
+
+  Descriptors descriptors_;
+  std::vector<std::uint8_t> probe_;  ///< what was agreed on last
+  std::shared_ptr<const Picture> picture_ = std::make_shared<const Picture>();
+  std::shared_ptr<const Picture> sent_;  ///< the frame's that is on its way
+  std::size_t at_ = 0;                   ///< bytes of it that have gone
+  double due_s_ = 0;                     ///< when the next may begin
+  std::uint8_t toggle_ = 0;              ///< changes from frame to frame
+};
+
+}  // namespace palpa::test
