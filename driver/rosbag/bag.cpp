@@ -1,0 +1,194 @@
+#include "driver/rosbag/bag.hpp"
+
+#include <fmt/core.h>
+#include <lz4frame.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include "base/error.hpp"
+
+namespace palpa::driver::rosbag {
+namespace {
+
+constexpr std::string_view magic = "#ROSBAG V2.0\n";
+constexpr std::uint32_t most_header_bytes = 1u << 16;
+constexpr std::size_t most_connections = 10'000;
+
+enum Operation : std::uint8_t { message_data = 2, chunk_of_records = 5, connection = 7 };
+
+/// Fills `out`, which has the size that the chunk says, from LZ4 frames.
+void unpack_lz4(std::span<const std::uint8_t> packed, std::span<std::uint8_t> out) {
+  LZ4F_dctx* made = nullptr;
+  if (LZ4F_isError(LZ4F_createDecompressionContext(&made, LZ4F_VERSION))) throw Malformed("lz4 cannot be started");
+  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> context(made,
+                                                                                     &LZ4F_freeDecompressionContext);
+  while (!out.empty()) {
+    std::size_t given = out.size(), taken = packed.size();
+    const std::size_t result = LZ4F_decompress(context.get(), out.data(), &given, packed.data(), &taken, nullptr);
+    if (LZ4F_isError(result))
+      throw Malformed(fmt::format("a chunk's lz4 data is broken: {}", LZ4F_getErrorName(result)));
+    if (given == 0 && taken == 0) throw Malformed("a chunk's lz4 data ends too soon");
+    out = out.subspan(given);
+    packed = packed.subspan(taken);
+  }
+}
+
+}  // namespace
+
+/// The fields of a record's header: name=value each.
+struct Bag::Header {
+  std::optional<std::uint8_t> operation{};
+  std::optional<std::uint32_t> connection{}, size{};
+  std::optional<double> time_s{};
+  std::string_view topic{}, compression{};
+
+  explicit Header(std::span<const std::uint8_t> bytes) {
+    for (Cursor cursor(bytes); cursor.left() > 0;) {
+      const std::span<const std::uint8_t> field = cursor.counted();
+      const std::string_view text = Cursor::as_text(field);
+      const std::size_t equals = text.find('=');
+      if (equals == std::string_view::npos) throw Malformed("a field of a record's header has no value");
+      const std::string_view name = text.substr(0, equals);
+      Cursor value(field.subspan(equals + 1));
+      if (name == "op") operation = value.take<std::uint8_t>();
+      if (name == "conn") connection = value.take<std::uint32_t>();
+      if (name == "size") size = value.take<std::uint32_t>();
+      if (name == "topic") topic = text.substr(equals + 1);
+      if (name == "compression") compression = text.substr(equals + 1);
+      if (name == "time") {
+        const auto seconds = value.take<std::uint32_t>();
+        time_s = seconds + value.take<std::uint32_t>() * 1e-9;
+      }
+    }
+    if (!operation) throw Malformed("a record does not say what it is");
+  }
+};
+
+Bag::Bag(std::string file) : file_(std::move(file)) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file_, none)) throw bad_input(file_, "there is no such file");
+  size_ = std::filesystem::file_size(file_, none);
+  in_.open(file_, std::ios::binary);
+  std::vector<std::uint8_t> begin;
+  if (!in_ || !read(begin, magic.size()) || Cursor::as_text(begin) != magic) {
+    throw bad_input(file_,
+                    "is no bag of format 2.0, which begins with #ROSBAG V2.0; RealSense Viewer records such bags");
+  }
+}
+
+void Bag::fault(const std::string& what) const {
+  throw bad_input(file_, fmt::format("byte {}: {}", record_at_, what));
+}
+
+bool Bag::read(std::vector<std::uint8_t>& into, std::uint64_t bytes) {
+  // What a length says is not believed before the file is known to have it.
+  if (bytes > size_ - at_) {
+    cut_short_ = true;
+    return false;
+  }
+  into.resize(bytes);
+  if (!in_.read(reinterpret_cast<char*>(into.data()), static_cast<std::streamsize>(bytes)))
+    throw bad_input(file_, fmt::format("cannot be read from byte {} on", at_));
+  at_ += bytes;
+  return true;
+}
+
+bool Bag::read_length(std::uint32_t& length) {
+  std::uint8_t bytes[4];
+  if (size_ - at_ < sizeof bytes || !in_.read(reinterpret_cast<char*>(bytes), sizeof bytes)) {
+    cut_short_ = true;
+    return false;
+  }
+  at_ += sizeof bytes;
+  length = Cursor(bytes).take<std::uint32_t>();
+  return true;
+}
+
+void Bag::add_connection(const Header& header) {
+  if (!header.connection || header.topic.empty()) throw Malformed("a connection has no number or no topic");
+  if (topics_.size() >= most_connections && !topics_.contains(*header.connection))
+    throw Malformed(fmt::format("there are more than {} connections", most_connections));
+  topics_[*header.connection] = std::string(header.topic);
+}
+
+void Bag::open_chunk(const Header& header, std::uint32_t bytes) {
+  if (!header.size) throw Malformed("a chunk does not say its size");
+  if (*header.size > most_chunk_bytes || bytes > most_chunk_bytes)
+    throw Malformed(
+        fmt::format("a chunk has {} bytes; palpa takes at most {}", std::max(*header.size, bytes), most_chunk_bytes));
+  const std::string compression(header.compression);
+  chunk_at_ = 0;
+  if (compression == "none") {
+    if (!read(chunk_, bytes)) chunk_.clear();
+    return;
+  }
+  if (compression != "lz4") {
+    throw Malformed(fmt::format("a chunk is compressed with {}; palpa reads lz4 and none: run rosbag decompress",
+                                compression.empty() ? "nothing known" : compression));
+  }
+  const std::uint32_t unpacked = *header.size;
+  if (!read(packed_, bytes)) {
+    chunk_.clear();
+    return;
+  }
+  chunk_.resize(unpacked);
+  unpack_lz4(packed_, chunk_);
+}
+
+bool Bag::read_record() {
+  record_at_ = at_;
+  std::uint32_t bytes = 0;
+  if (at_ == size_ || !read_length(bytes)) return false;
+  if (bytes > most_header_bytes) throw Malformed(fmt::format("a record's header of {} bytes", bytes));
+  if (!read(header_, bytes) || !read_length(bytes)) return false;
+  const Header header(header_);
+  if (*header.operation == connection) add_connection(header);
+  if (*header.operation == chunk_of_records) {
+    open_chunk(header, bytes);
+    return !cut_short_;
+  }
+  // Indices and the like are not needed.
+  if (bytes > size_ - at_) {
+    cut_short_ = true;
+    return false;
+  }
+  at_ += bytes;
+  in_.seekg(static_cast<std::streamoff>(at_));
+  return true;
+}
+
+bool Bag::next_in_chunk(Message& message) {
+  while (chunk_at_ < chunk_.size()) {
+    Cursor cursor(std::span<const std::uint8_t>(chunk_).subspan(chunk_at_));
+    const std::size_t before = cursor.left();
+    const Header header(cursor.counted());
+    const std::span<const std::uint8_t> data = cursor.counted();
+    chunk_at_ += before - cursor.left();
+    if (*header.operation == connection) add_connection(header);
+    if (*header.operation != message_data) continue;
+    if (!header.connection || !header.time_s) throw Malformed("a message has no connection or no time");
+    const auto topic = topics_.find(*header.connection);
+    if (topic == topics_.end()) throw Malformed("a message of a connection that was never described");
+    message = {&topic->second, *header.time_s, data};
+    return true;
+  }
+  return false;
+}
+
+bool Bag::next(Message& message) {
+  try {
+    while (!next_in_chunk(message)) {
+      if (!read_record()) return false;
+    }
+    return true;
+  } catch (const Malformed& malformed) {
+    fault(malformed.what());
+  }
+}
+
+}  // namespace palpa::driver::rosbag

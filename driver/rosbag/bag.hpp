@@ -1,0 +1,61 @@
+// The messages of a ROS bag (format 2.0), in the order in which they lie in the file. It is read once from its
+// beginning to its end and needs no index, so that a bag which was cut short can be read as far as it goes.
+// http://wiki.ros.org/Bags/Format/2.0
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "driver/rosbag/cursor.hpp"
+
+namespace palpa::driver::rosbag {
+
+/// Valid until the next one is read.
+struct Message {
+  const std::string* topic = nullptr;
+  double time_s = 0;  ///< when it was recorded
+  std::span<const std::uint8_t> data;
+};
+
+class Bag {
+ public:
+  /// A chunk, compressed or not, is held in memory whole. RealSense Viewer's have a few megabytes.
+  static constexpr std::uint64_t most_chunk_bytes = 64u << 20;
+
+  /// Throws bad_input for a missing file and for what is no bag of this format.
+  explicit Bag(std::string file);
+
+  /// False at the end. Throws bad_input naming file, byte and fault for broken records, chunks above most_chunk_bytes,
+  /// and those compressed with anything but lz4.
+  bool next(Message& message);
+  /// The file ends in the middle of a record.
+  bool cut_short() const { return cut_short_; }
+
+  const std::string& file() const { return file_; }
+  /// Where the record began that next() read last, as an Error.
+  [[noreturn]] void fault(const std::string& what) const;
+
+ private:
+  struct Header;
+
+  bool read_record();
+  bool next_in_chunk(Message& message);
+  void open_chunk(const Header& header, std::uint32_t bytes);
+  void add_connection(const Header& header);
+  bool read(std::vector<std::uint8_t>& into, std::uint64_t bytes);
+  bool read_length(std::uint32_t& length);
+
+  std::string file_;
+  std::ifstream in_;
+  std::uint64_t size_ = 0, at_ = 0, record_at_ = 0;
+  bool cut_short_ = false;
+  std::map<std::uint32_t, std::string> topics_;  ///< by connection
+  std::vector<std::uint8_t> header_, packed_, chunk_;
+  std::size_t chunk_at_ = 0;
+};
+
+}  // namespace palpa::driver::rosbag

@@ -1,0 +1,226 @@
+#include "driver/rosbag/source.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "driver/rosbag/bag.hpp"
+#include "driver/rosbag/messages.hpp"
+
+namespace palpa::driver::rosbag {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::string_view image_part = "/image/data", depth_part = "/Depth_", info_part = "/info",
+                           lens_part = "/info/camera_info", unit_part = "/option/Depth Units/value";
+constexpr std::size_t most_sensors = 64;
+
+/// "/device_0/sensor_0" of "/device_0/sensor_0/Depth_0/image/data".
+std::string sensor_of(std::string_view topic) {
+  std::size_t end = topic.find('/', 1);
+  if (end != std::string_view::npos) end = topic.find('/', end + 1);
+  return std::string(topic.substr(0, end));
+}
+
+bool is_depth(std::string_view topic) {
+  return topic.substr(sensor_of(topic).size()).starts_with(depth_part);
+}
+
+/// What the bag says of a sensor that has depth.
+struct Sensor {
+  sensing::Camera camera;
+  bool has_lens = false, has_unit = false;
+};
+
+struct Frame {
+  std::vector<std::uint16_t> depth;
+  double time_s = 0;
+  std::uint64_t sequence = 0;
+};
+
+class BagSource final : public sensing::DepthSource {
+ public:
+  BagSource(const std::string& file, const sensing::Camera* posed, bool paced) : bag_(file), paced_(paced) {
+    there_ = read(next_);
+    if (!there_)
+      throw bad_input(file,
+                      "has no depth of a RealSense: no image on a topic like /device_0/sensor_0/Depth_0/image/data");
+    place(posed);
+    first_s_ = next_.time_s;
+    more_ = read(after_);
+  }
+
+  const std::vector<sensing::Camera>& cameras() const override { return cameras_; }
+
+  bool next(sensing::FrameSet& out, double timeout_s) override {
+    if (!there_) return false;
+    if (paced_ && !wait(timeout_s)) {
+      out.frames.clear();
+      return true;
+    }
+    out.frames.resize(1);
+    out.frames[0].depth.swap(next_.depth);
+    out.frames[0].time_s = out.time_s = next_.time_s;
+    out.sequence = next_.sequence;
+    advance();
+    return true;
+  }
+
+ private:
+  /// Until the next frame is due. Whoever comes late gets the newest; the last one of all is not dropped.
+  bool wait(double timeout_s) {
+    if (!start_) start_ = Clock::now();
+    const double elapsed_s = std::chrono::duration<double>(Clock::now() - *start_).count();
+    while (more_ && after_.time_s - first_s_ <= elapsed_s)
+      advance();
+    const double wait_s = next_.time_s - first_s_ - elapsed_s;
+    std::this_thread::sleep_for(std::chrono::duration<double>(std::clamp(wait_s, 0.0, std::max(timeout_s, 0.0))));
+    return wait_s <= timeout_s;
+  }
+
+  void advance() {
+    std::swap(next_, after_);
+    there_ = more_;
+    more_ = more_ && read(after_);
+  }
+
+  /// The next depth image of the bag; what else there is about its sensor is noted on the way.
+  bool read(Frame& frame) {
+    for (Message message; bag_.next(message);) {
+      try {
+        if (take(message, frame)) return true;
+      } catch (const Malformed& malformed) {
+        bag_.fault(fmt::format("topic {}: {}", *message.topic, malformed.what()));
+      }
+    }
+    if (bag_.cut_short())
+      log::warning(fmt::format("{}: ends in the middle of a record, after {} depth frames; the recording was cut short",
+                               bag_.file(), read_));
+    return false;
+  }
+
+  bool take(const Message& message, Frame& frame) {
+    const std::string_view topic = *message.topic;
+    if (topic.ends_with(unit_part)) note_unit(topic, message.data);
+    if (!is_depth(topic)) return false;
+    Sensor& sensor = sensor_at(topic);
+    if (topic.ends_with(lens_part)) {
+      if (chosen_.empty()) read_camera_info(message.data, sensor.camera);
+      sensor.has_lens = true;
+    } else if (topic.ends_with(info_part)) {
+      sensor.camera.rate_hz = read_rate(message.data);
+    } else if (topic.ends_with(image_part)) {
+      return take_image(message, sensor, frame);
+    }
+    return false;
+  }
+
+  void note_unit(std::string_view topic, std::span<const std::uint8_t> message) {
+    Sensor& sensor = sensor_at(topic);
+    const double unit_m = static_cast<double>(read_float(message));
+    if (!(unit_m >= 1e-9 && unit_m <= 1)) throw Malformed(fmt::format("a depth unit of {:.4g} m", unit_m));
+    // It is a float in the bag: 0.0001f is meant to be 0.0001.
+    sensor.camera.depth_unit_m = std::round(unit_m * 1e9) * 1e-9;
+    sensor.has_unit = true;
+  }
+
+  bool take_image(const Message& message, const Sensor& sensor, Frame& frame) {
+    if (chosen_.empty()) choose(*message.topic, sensor);
+    if (chosen_ != *message.topic) {
+      if (!std::exchange(others_said_, true))
+        log::warning(fmt::format("{}: has several depth cameras; {} is played", bag_.file(), chosen_));
+      return false;
+    }
+    const DepthImage image = read_depth_image(message.data);
+    const sensing::Camera& camera = cameras_[0];
+    if (image.width != camera.width || image.height != camera.height)
+      throw Malformed(fmt::format("an image of {}x{} of a camera of {}x{}", image.width, image.height, camera.width,
+                                  camera.height));
+    if (read_ > 0 && message.time_s <= last_s_) return false;
+    frame.depth.resize(sensing::pixel_count(camera));
+    const std::size_t row = std::size_t{image.width} * sizeof(std::uint16_t);
+    for (std::uint32_t v = 0; v < image.height; ++v)
+      std::memcpy(frame.depth.data() + std::size_t{v} * image.width, image.rows.data() + std::size_t{v} * image.step,
+                  row);
+    frame.time_s = last_s_ = message.time_s;
+    frame.sequence = read_++;
+    return true;
+  }
+
+  void choose(const std::string& topic, const Sensor& sensor) {
+    if (!sensor.has_lens) throw Malformed("an image before the camera_info that describes it");
+    if (!sensor.has_unit)
+      log::warning(
+          fmt::format("{}: does not say its depth unit; 1 mm is taken, as RealSense cameras come", bag_.file()));
+    chosen_ = topic;
+    cameras_ = {sensor.camera};
+    cameras_[0].name = sensor_of(topic);
+  }
+
+  void place(const sensing::Camera* posed) {
+    sensing::Camera& camera = cameras_[0];
+    if (!posed) {
+      log::warning(
+          fmt::format("{}: nobody says where this camera stood, so it is put at the world's origin; give --rig "
+                      "with one [[camera]] and its T_world_camera",
+                      bag_.file()));
+      return;
+    }
+    camera.name = posed->name;
+    camera.T_world_camera = posed->T_world_camera;
+    camera.min_range_m = posed->min_range_m;
+    if (posed->width == camera.width && posed->height == camera.height) {
+      camera.roi = posed->roi;
+      camera.mask = posed->mask;
+    }
+  }
+
+  Sensor& sensor_at(std::string_view topic) {
+    std::string name = sensor_of(topic);
+    if (sensors_.size() >= most_sensors && !sensors_.contains(name))
+      throw Malformed(fmt::format("there are more than {} sensors", most_sensors));
+    return sensors_[std::move(name)];
+  }
+
+  Bag bag_;
+  bool paced_;
+  std::map<std::string, Sensor> sensors_;
+  std::string chosen_;  ///< the topic that is played
+  std::vector<sensing::Camera> cameras_;
+  Frame next_, after_;
+  bool there_ = false, more_ = false;  ///< whether next_ and after_ are frames
+  std::uint64_t read_ = 0;
+  double last_s_ = 0, first_s_ = 0;
+  std::optional<Clock::time_point> start_;
+  bool others_said_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<sensing::DepthSource> open_bag(const std::string& file, const sensing::Camera* posed, bool paced) {
+  return std::make_unique<BagSource>(file, posed, paced);
+}
+
+session::SourceKind source_kind() {
+  return {"bag", "bag:FILE: the depth of a RealSense camera as RealSense Viewer records it",
+          [](const std::string& file, const session::SourceSetting& setting) {
+            if (file.empty()) throw bad_usage("source bag needs a file: bag:FILE");
+            return open_bag(file, setting.cameras.size() == 1 ? setting.cameras.data() : nullptr, setting.paced);
+          }};
+}
+
+}  // namespace palpa::driver::rosbag

@@ -1,0 +1,26 @@
+// `--source bag:FILE`: the depth stream that RealSense Viewer, or anything else on librealsense, recorded into a ROS
+// bag.
+//
+// Size, lens, depth unit and rate come from the bag. Where the camera stood it does not say: that is the rig's, where
+// the rig has one camera.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "sensing/depth_source.hpp"
+#include "session/sources.hpp"
+
+namespace palpa::driver::rosbag {
+
+/// `posed` gives name, pose, nearest range, and, where its size is the bag's, roi and mask; null: the camera stands at
+/// the world's origin. `paced`: frames come as far apart as they were recorded, and late ones are dropped.
+///
+/// Throws bad_input as Bag does, and for a bag without a depth stream or without its camera_info. A bag that was cut
+/// short ends where it was cut, with a warning.
+std::unique_ptr<sensing::DepthSource> open_bag(const std::string& file, const sensing::Camera* posed, bool paced);
+
+/// For the command line.
+session::SourceKind source_kind();
+
+}  // namespace palpa::driver::rosbag
