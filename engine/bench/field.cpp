@@ -8,6 +8,7 @@
 #include <span>
 
 #include "acoustics/field_pass.hpp"
+#include "acoustics/focus_shape.hpp"
 #include "acoustics/incident.hpp"
 #include "acoustics/pressure.hpp"
 #include "array/drive.hpp"
@@ -57,9 +58,52 @@ double error_of(std::span<const Complex> pressures, std::span<const Vec3> points
   return std::sqrt(wrong / all);
 }
 
+void check_within(const char* what, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  throw failure(fmt::format("bench: {} is {:.4g}, not {:.4g} to {:.4g}; nothing was timed", what, value, least, most));
+}
+
+/// How wide foci are, and how much one presses, beside what is known of such arrays (docs/acoustics.md).
+void measure_foci(std::vector<Row>& rows) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto row = [&](const char* name, std::string note) {
+    const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
+    rows.push_back(make_row("acoustics", name, "focus", {taken.count()}));
+    rows.back().note = std::move(note);
+  };
+  const acoustics::Air air = acoustics::air_of({});
+  {
+    const array::Layout layout = array::load_layout("paper");
+    const array::SlotFocus focus[]{{Vec3(0), 1}};
+    const acoustics::Strengths strengths = acoustics::strengths_of(array::drive_for(layout, focus));
+    const acoustics::Incident incident(layout, air, Directivity::t4010a1);
+    const double across = 1e3 * acoustics::focus_width(incident, strengths, Vec3(0), {1, 0, 0});
+    const double along = 1e3 * acoustics::focus_width(incident, strengths, Vec3(0), {0, 0, 1});
+    check_within("the width in mm of the paper's focus", across, 4.3, 4.8);
+    check_within("the length in mm of the paper's focus", along, 8, 9.5);
+    row("paper, focus at its centre",
+        fmt::format("|p| above half: {:.2f} mm across, {:.2f} mm along z", across, along));
+  }
+  array::Layout board = acoustics::square_board(18, 10.16e-3);
+  board.source_level_pa_m = 3.4;
+  const Vec3 above(0, 0, 0.2);
+  const array::SlotFocus focus[]{{above, 1}};
+  array::DriveOptions full;
+  full.constraint = array::Constraint::uniform;
+  const acoustics::Strengths strengths = acoustics::strengths_of(array::drive_for(board, focus, full));
+  const acoustics::Incident incident(board, air, Directivity::piston);
+  const double width = 1e3 * acoustics::focus_width(incident, strengths, above, {1, 0, 0});
+  const double force = 1e3 * acoustics::disc_force(incident, strengths, air, above, 10e-3);
+  check_within("the width in mm of a flat board's focus", width, 12.3, 13.2);
+  check_within("the force in mN on a disc of 20 mm", force, 0.7 * 16, 1.3 * 16);
+  row("18 x 18, focus at 0.2 m",
+      fmt::format("|p| above half: {:.1f} mm; {:.1f} mN on 20 mm, measured 16", width, force));
+}
+
 }  // namespace
 
 void measure_field(const Context& context, std::vector<Row>& rows) {
+  measure_foci(rows);
   const array::Layout layout = array::load_layout("paper");
   const array::SlotFocus focus[]{{Vec3(0), 1}};
   const array::Drive drive = array::drive_for(layout, focus);

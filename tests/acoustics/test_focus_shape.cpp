@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <vector>
 
+#include "acoustics/focus_shape.hpp"
 #include "acoustics/incident.hpp"
 
 namespace palpa::acoustics {
@@ -26,21 +26,11 @@ std::vector<double> amplitudes(const Layout& layout, const DriveOptions& options
   return sizes;
 }
 
-/// Full width at half maximum of |p| along a line through the focus, metres.
 double width(const Layout& layout, const DriveOptions& options, const Vec3& focus, Directivity directivity,
              const Vec3& along) {
-  constexpr double step = 2e-5;
-  std::vector<Vec3> line;
-  for (int i = -400; i <= 400; ++i)
-    line.push_back(focus + along * (step * i));
-  const std::vector<double> sizes = amplitudes(layout, options, focus, directivity, line);
-  const auto peak = std::ranges::max_element(sizes);
-  auto low = peak, high = peak;
-  while (low != sizes.begin() && *low > *peak / 2)
-    --low;
-  while (high + 1 != sizes.end() && *high > *peak / 2)
-    ++high;
-  return step * static_cast<double>(high - low - 1);
+  const SlotFocus foci[]{{focus, 1}};
+  return focus_width(Incident(layout, air_of({}), directivity), strengths_of(drive_for(layout, foci, options)), focus,
+                     along);
 }
 
 TEST(FocusShape, ThePapersIsFourByNineMillimetres) {
@@ -57,13 +47,9 @@ TEST(FocusShape, ThePapersIsFourByNineMillimetres) {
 
 /// 18 x 18 transducers, as Hoshi et al. (2010) had them.
 TEST(FocusShape, AFlatArraysIsAsMeasured) {
-  Layout layout;
+  Layout layout = square_board(18, 10.16e-3);
   layout.source_level_pa_m = 3.4;
   layout.transducer_radius_m = 4.5e-3;
-  for (int row = 0; row < 18; ++row) {
-    for (int column = 0; column < 18; ++column)
-      layout.transducers.push_back({{0.01016 * (column - 8.5), 0.01016 * (row - 8.5), 0}, {0, 0, 1}});
-  }
   DriveOptions full;
   full.constraint = Constraint::uniform;
   const Vec3 focus(0, 0, 0.2);
@@ -72,21 +58,9 @@ TEST(FocusShape, AFlatArraysIsAsMeasured) {
   EXPECT_LT(fwhm, 13.2e-3);
 
   // What a wall that reflects all of it would feel on a disc of 20 mm: they measured 16 mN.
-  constexpr int rings = 40, around = 24;
-  constexpr double radius = 10e-3;
-  std::vector<Vec3> points;
-  std::vector<double> areas;
-  for (int i = 0; i < rings; ++i) {
-    for (int j = 0; j < around; ++j) {
-      const double r = radius * (i + 0.5) / rings, angle = 2 * std::numbers::pi * j / around;
-      points.push_back(focus + r * Vec3(std::cos(angle), std::sin(angle), 0));
-      areas.push_back(2 * std::numbers::pi * r * radius / rings / around);
-    }
-  }
-  const std::vector<double> sizes = amplitudes(layout, full, focus, Directivity::piston, points);
-  double newtons = 0;
-  for (std::size_t i = 0; i < sizes.size(); ++i)
-    newtons += areas[i] * sizes[i] * sizes[i] / air_of({}).stiffness_pa();
+  const SlotFocus foci[]{{focus, 1}};
+  const double newtons = disc_force(Incident(layout, air_of({}), Directivity::piston),
+                                    strengths_of(drive_for(layout, foci, full)), air_of({}), focus, 10e-3);
   EXPECT_NEAR(newtons, 16e-3, 0.3 * 16e-3);
 }
 
