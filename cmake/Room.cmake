@@ -36,12 +36,18 @@ function(palpa_room NAME)
   set_property(GLOBAL APPEND PROPERTY PALPA_ROOMS ${target})
 endfunction()
 
+# palpa_test_headers(TARGET): the tests' common headers. PALPA_TEST_HEADERS names those of the flags that a folder's tests are built
+# with.
+function(palpa_test_headers TARGET)
+  palpa_common_headers(${TARGET} LINKS GTest::gtest HEADERS <gtest/gtest.h> <nlohmann/json.hpp>)
+endfunction()
+
 # palpa_test_library(NAME SOURCES ... [LINKS ...]): what several tests use, compiled once for them.
 function(palpa_test_library NAME)
   cmake_parse_arguments(TEST "" "" "SOURCES;LINKS" ${ARGN})
   add_library(${NAME} STATIC ${TEST_SOURCES})
   target_link_libraries(${NAME} PUBLIC ${TEST_LINKS} palpa_test_support GTest::gtest PRIVATE palpa_options)
-  target_precompile_headers(${NAME} REUSE_FROM palpa_test_headers)
+  target_precompile_headers(${NAME} REUSE_FROM ${PALPA_TEST_HEADERS})
 endfunction()
 
 # palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...] [COST SECONDS]): one GoogleTest executable per topic, one ctest entry. A
@@ -52,7 +58,7 @@ function(palpa_test NAME)
   add_executable(${NAME} ${TEST_SOURCES})
   target_link_libraries(${NAME} PRIVATE ${TEST_LINKS} palpa_test_support GTest::gtest palpa_options)
   target_include_directories(${NAME} PRIVATE ${PROJECT_BINARY_DIR})
-  target_precompile_headers(${NAME} REUSE_FROM palpa_test_headers)
+  target_precompile_headers(${NAME} REUSE_FROM ${PALPA_TEST_HEADERS})
   add_test(NAME ${NAME} COMMAND ${NAME})
   set_tests_properties(${NAME} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT 600)
   if(TEST_COST)
