@@ -6,6 +6,7 @@
 """
 import json
 import math
+import shutil
 import signal
 import socket
 import sys
@@ -30,7 +31,6 @@ def fingers_of(datagram):
         need(isinstance(fingers, list))
         for finger in fingers:
             need(number(finger["id"], 0, 2**32) and number(finger["gain"], 0, 1) and isinstance(finger["solid"], str))
-            need(finger["solid"].isprintable())
             need(number(finger["dwell_s"], 1e-6, 10) and number(finger["modulation_hz"], 0, 1e6))
             need(finger["modulation_hz"] == 0 or finger["modulation"] in ("pressure-sine", "amplitude-sine"))
             need("pressure_pa" not in finger or number(finger["pressure_pa"], 0, 1e6))  # where one is asked for
@@ -55,50 +55,63 @@ def amplitude(finger, time_s):
 
 
 def show(text):
-    """On a terminal one line that changes, else a line each."""
-    print(f"\r{text:.118}\x1b[K" if sys.stdout.isatty() else text, end="" if sys.stdout.isatty() else "\n", flush=True)
+    """On a terminal one line that changes, no longer than the terminal is wide; else a line each."""
+    if sys.stdout.isatty():
+        print(f"\r{text[:shutil.get_terminal_size().columns - 1]}\x1b[K", end="", flush=True)
+    else:
+        print(text, flush=True)
 
 
 def main():
+    """Plays until lines stop coming, or a signal does. How many datagrams were no lines of foci is told at the end."""
     receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     receiver.bind(("127.0.0.1", int(sys.argv[1]) if len(sys.argv) > 1 else 9000))
     receiver.setblocking(False)
     linger_ns = round(float(sys.argv[2] if len(sys.argv) > 2 else 60) * 1e9)
     show("listening")
-    fingers, sounding, bad = [], False, 0
-    begin, heard = time.monotonic_ns(), None
-    while heard is None or time.monotonic_ns() - heard < linger_ns:
-        now = time.monotonic_ns()
-        for _ in range(1000):  # one line per frame, the newest counts; no more than that at a time, whoever sends
-            try:
-                fingers, heard = fingers_of(receiver.recv(65536)), now  # no fingers: be silent
-            except BlockingIOError:
-                break
-            except ValueError:
-                bad += 1  # as if it had not come: what sounds is not prolonged by it
-        if heard is None or now - heard > HOLD_NS:
-            fingers = []
-        t_ns = now - begin  # never starts again: the place in the order runs on from line to line
-        for finger in fingers:
-            step = finger["order"][t_ns // round(finger["dwell_s"] * 1e9) % len(finger["order"])]
-            for focus in step if isinstance(step, list) else [step]:  # a list: foci that sound together
-                x, y, z = finger["foci_m"][focus]
-                show(f"{t_ns} ns: finger {finger['id']} on {finger['solid']}: "
-                     f"amplitude {amplitude(finger, t_ns * 1e-9):.3f} of focus {focus} at {x:.4f} {y:.4f} {z:.4f} m")
-        if sounding and not fingers:
-            show(f"{t_ns} ns: silent")
-        sounding = bool(fingers)
-        tick_ns = min((round(finger["dwell_s"] * 1e9) for finger in fingers), default=1_500_000)  # the shortest dwell
-        time.sleep(min(tick_ns - t_ns % tick_ns, HOLD_NS // 2) * 1e-9)
-    show(f"no line for {linger_ns * 1e-9:g} s; {bad} datagrams were no lines of foci")
+    bad = 0
+    try:
+        fingers, sounding = [], False
+        begin, heard = time.monotonic_ns(), None
+        while heard is None or time.monotonic_ns() - heard < linger_ns:
+            now = time.monotonic_ns()
+            for _ in range(1000):  # one line per frame, the newest counts; no more than that at a time, whoever sends
+                try:
+                    fingers, heard = fingers_of(receiver.recv(65536)), now  # no fingers: be silent
+                except BlockingIOError:
+                    break
+                except ValueError:
+                    bad += 1  # as if it had not come: what sounds is not prolonged by it
+            if heard is None or now - heard > HOLD_NS:
+                fingers = []
+            t_ns = now - begin  # never starts again: the place in the order runs on from line to line
+            for finger in fingers:
+                step = finger["order"][t_ns // round(finger["dwell_s"] * 1e9) % len(finger["order"])]
+                for focus in step if isinstance(step, list) else [step]:  # a list: foci that sound together
+                    x, y, z = finger["foci_m"][focus]
+                    show(f"{t_ns} ns: finger {finger['id']} on {ascii(finger['solid'])[1:-1]}: amplitude "
+                         f"{amplitude(finger, t_ns * 1e-9):.3f} of focus {focus} at {x:.4f} {y:.4f} {z:.4f} m")
+            if sounding and not fingers:
+                show(f"{t_ns} ns: silent")
+            sounding = bool(fingers)
+            tick_ns = min((round(finger["dwell_s"] * 1e9) for finger in fingers), default=1_500_000)  # shortest dwell
+            time.sleep(min(tick_ns - t_ns % tick_ns, HOLD_NS // 20) * 1e-9)  # and soon enough for the hold
+        show(f"no line for {linger_ns * 1e-9:g} s")
+    finally:  # on every way out what sounds has to be silenced
+        show("the end: silent")
+        print(end="\n" if sys.stdout.isatty() else "")
+        print(f"{bad} datagrams were no lines of foci")
+
+
+def leave(*_):
+    sys.exit()
 
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit())
+    for ending in (getattr(signal, name, None) for name in ("SIGTERM", "SIGHUP")):  # SIGHUP: its terminal was closed
+        if ending is not None and signal.getsignal(ending) != signal.SIG_IGN:
+            signal.signal(ending, leave)
     try:
         main()
     except KeyboardInterrupt:
         pass
-    finally:  # on every way out what sounds has to be silenced
-        show("the end: silent")
-        print(end="\n" if sys.stdout.isatty() else "")

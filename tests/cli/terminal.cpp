@@ -15,17 +15,20 @@
 
 namespace palpa::test {
 
-Terminal::Terminal(const std::vector<std::string>& arguments) {
-  std::vector<std::string> line{palpa_binary()};
+Terminal::Terminal(const std::vector<std::string>& arguments) : Terminal(palpa_binary(), arguments) {}
+
+Terminal::Terminal(const std::string& program, const std::vector<std::string>& arguments) {
+  std::vector<std::string> line{program};
   line.insert(line.end(), arguments.begin(), arguments.end());
   std::vector<char*> words;
   for (std::string& word : line)
     words.push_back(word.data());
   words.push_back(nullptr);
-  child_ = forkpty(&master_, nullptr, nullptr, nullptr);
+  const winsize size{.ws_row = 24, .ws_col = 80, .ws_xpixel = 0, .ws_ypixel = 0};
+  child_ = forkpty(&master_, nullptr, nullptr, &size);
   if (child_ < 0) throw std::runtime_error("no terminal to be had");
   if (child_ == 0) {
-    execv(words[0], words.data());
+    execvp(words[0], words.data());
     _exit(127);
   }
 }

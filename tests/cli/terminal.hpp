@@ -12,6 +12,8 @@ class Terminal {
  public:
   /// `palpa` with these arguments.
   explicit Terminal(const std::vector<std::string>& arguments);
+  /// Another program, found as a shell finds it. The terminal has 80 columns.
+  Terminal(const std::string& program, const std::vector<std::string>& arguments);
   /// Ends the program where it has not ended.
   ~Terminal();
   Terminal(const Terminal&) = delete;

@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -21,6 +22,7 @@
 
 #include "process.hpp"
 #include "support/shared_data.hpp"
+#include "terminal.hpp"
 
 extern char** environ;
 
@@ -215,7 +217,6 @@ TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
                                         with("0.0015", "NaN"),
                                         with("[[0, 0, 0]]", "[[0, 0]]"),
                                         with(R"("gain": 1)", R"("gain": 2)"),
-                                        with("cube", R"(\u001b[2J)"),
                                         with(R"("modulation_hz": 0)", R"("modulation_hz": 200)"),
                                         with(R"("id": 1,)", "")};
   // For longer than the hold: none of them may prolong what sounds.
@@ -224,8 +225,49 @@ TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
     std::this_thread::sleep_for(10ms);
   }
   EXPECT_TRUE(receiver.says(": silent", 3)) << receiver.lines().back();
-  EXPECT_TRUE(receiver.has_said("for 1 s; " + std::to_string(strays.size() + 1) + " datagrams were no lines of foci"))
+  EXPECT_TRUE(receiver.has_said("no line for 1 s"));
+  EXPECT_TRUE(receiver.says(std::to_string(strays.size() + 1) + " datagrams were no lines of foci"))
       << receiver.lines().back();
+}
+
+/// A line of one finger on a solid of that name.
+std::string line_of(const std::string& solid) {
+  return R"({"time_s": 1, "fingers": [{"id": 1, "solid": ")" + solid +
+         R"(", "foci_m": [[0.001, -0.0123, 0.0345]], "order": [0],)"
+         R"("dwell_s": 0.0015, "modulation_hz": 0, "gain": 1}]})";
+}
+
+TEST(Receiver, PlaysSolidsOfAnyName) {
+  if (without_python()) GTEST_SKIP() << "skipped: no python3";
+  const Sender sender;
+  const PythonReceiver receiver(sender.port(), scratch_folder("receiver") / "out");
+  ASSERT_TRUE(receiver.says("listening"));
+  sender.send(line_of(R"(W\u00fcrfel\u00a0\u001b[2J)"));  // a model's names are its author's business
+  ASSERT_TRUE(receiver.has_said(R"(on W\xfcrfel\xa0\x1b[2J: amplitude 1.000)")) << receiver.lines().back();
+  ASSERT_TRUE(receiver.says(": silent", 3));
+}
+
+TEST(Receiver, ShowsOneLineOnATerminalAndTellsWhatItIgnored) {
+  if (without_python()) GTEST_SKIP() << "skipped: no python3";
+  const Sender sender;
+  Terminal terminal("python3", {source_file("docs/examples/receive_foci.py").string(), std::to_string(sender.port())});
+  ASSERT_TRUE(terminal.shows("listening"));
+  sender.send("hello");
+  sender.send(line_of("a solid whose name is no shorter than half of the terminal's width"));
+  ASSERT_TRUE(terminal.shows(": silent"));
+  terminal.type("\x03");
+  EXPECT_EQ(terminal.ended_by_signal(), 0);
+  const std::string& text = terminal.text();
+  EXPECT_TRUE(text.ends_with("1 datagrams were no lines of foci\r\n")) << text;
+  // Until the end nothing but the one line: no line feed, and none so long that a terminal would go on in the next row.
+  const std::size_t end = text.find("the end: silent");
+  ASSERT_NE(end, std::string::npos);
+  EXPECT_EQ(text.find('\n'), text.find('\n', end)) << text;
+  std::size_t longest = 0;
+  for (std::size_t from = 0, to; (to = text.find("\x1b[K", from)) < end; from = to + 4)
+    longest = std::max(longest, to - from);
+  EXPECT_GT(longest, 60u);
+  EXPECT_LE(longest, 80u);  // the carriage return is one of them
 }
 
 TEST(Receiver, GoesSilentWhenPalpaCrashes) {
