@@ -45,8 +45,8 @@ class Loop {
 };
 
 /// For `palpa link`: every 60 ms the next transducer, for a quarter of a minute.
-inline std::vector<std::string> sweep_of(const std::string& link) {
-  return {"test", "--layout", "openmpd", "--link", link, "--each", "50ms", "--rest", "10ms", "--dwell", "10ms"};
+inline std::vector<std::string> sweep_of(const std::string& link, const std::string& layout = "openmpd") {
+  return {"test", "--layout", layout, "--link", link, "--each", "50ms", "--rest", "10ms", "--dwell", "10ms"};
 }
 
 /// How often a text says that.

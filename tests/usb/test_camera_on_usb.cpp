@@ -102,9 +102,10 @@ TEST(CameraOnUsb, UnpluggedAndPluggedInAgain) {
   EXPECT_EQ(chain.board.faults_at_the_end(), none);
 }
 
-TEST(CameraOnUsb, FramesThatStopOrAreCutAreSilence) {
+TEST(CameraOnUsb, FramesThatStopAreCutOrAreBrokenAreSilence) {
   Chain chain;
-  for (const Z16Camera::Fault fault : {Z16Camera::Fault::frozen, Z16Camera::Fault::short_frame}) {
+  for (const Z16Camera::Fault fault :
+       {Z16Camera::Fault::frozen, Z16Camera::Fault::short_frame, Z16Camera::Fault::broken_frame}) {
     ASSERT_TRUE(chain.sounds()) << chain.loop->said();
     chain.camera.gadget.fault = fault;
     EXPECT_TRUE(chain.falls_silent()) << chain.loop->said();

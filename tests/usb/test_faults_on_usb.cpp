@@ -55,6 +55,21 @@ TEST(FaultsOnUsb, UnpluggedInTheMiddleOfAFrameAndPluggedInAgain) {
   EXPECT_EQ(board.faults_at_the_end(), none);
 }
 
+TEST(FaultsOnUsb, OneOfTwoUnpluggedSilencesBoth) {
+  PluggedBoard left("EMU1"), right("EMU2");
+  Loop loop("link", sweep_of("openmpd:EMU1,EMU2", "openmpd-pair"));
+  ASSERT_TRUE(plays_on(left)) << loop.said();
+  right.port.unplug();
+  EXPECT_TRUE(eventually(1, [&] { return !left.sounds(); }));
+  EXPECT_FALSE(eventually(0.5, [&] { return left.sounds(); })) << "as long as the other is away";
+  right.port.plug();
+  EXPECT_TRUE(plays_on(left)) << loop.said();
+  EXPECT_EQ(loop.end(), 0);
+  expect_one_recovery(loop, "board EMU2: ");
+  EXPECT_EQ(left.faults_at_the_end(), none);
+  EXPECT_EQ(right.faults_at_the_end(), none);
+}
+
 TEST(FaultsOnUsb, AnEndpointStalls) {
   PluggedBoard board("EMU1");
   Loop loop("link", sweep_of("openmpd:EMU1"));
