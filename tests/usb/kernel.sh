@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# kernel.sh: prints the folder with Debian's own kernel and its USB modules, which it fetches if it is not there: vmlinux, NAME.ko,
-# and `order`, the modules as they are to be loaded at the start. The package is unpacked below build/ and not installed: nothing
-# of this machine changes.
+# kernel.sh: prints the folder with Debian's own kernel and udev, which it fetches if it is not there: vmlinux, USB's modules NAME.ko,
+# `order`, the modules as they are to be loaded at the start, udevadm and the library that it needs. The packages are unpacked below
+# build/ and not installed: nothing of this machine changes.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -20,12 +20,12 @@ all=build/usb/kernel
 # The package's name has a version in it, and the archive keeps the newest only.
 name() { apt-cache depends linux-image-amd64 2>/dev/null | awk '/Depends: linux-image/ { print $2; exit }'; }
 
-# Sets `package`; its file, or what has been made of it, is there then.
+# Sets `package`; its file and udev's, or what has been made of them, are there then.
 download() {
   package=$(name)
   [[ -n $package ]] || return
-  [[ -f $all/$package/order ]] && return
-  (cd "$all" && apt-get -q -o APT::Sandbox::User=root download "$package" >/dev/null)
+  [[ -f $all/$package/udevadm ]] && return
+  (cd "$all" && apt-get -q -o APT::Sandbox::User=root download "$package" udev libkmod2 >/dev/null)
 }
 
 unpack() {
@@ -45,9 +45,12 @@ unpack() {
   # More follows than the kernel, which xz says and minds.
   tail -c +$((at + 1)) "${packed[0]}" | xz -dc --single-stream 2>/dev/null >"$in/guest/vmlinux" || true
   [[ -s $in/guest/vmlinux ]] || die "$package's kernel cannot be unpacked"
+  dpkg-deb -x "$all"/udev_*.deb "$in"
+  dpkg-deb -x "$all"/libkmod2_*.deb "$in"
+  cp "$in/bin/udevadm" "$in"/usr/lib/*/libkmod.so.2 "$in/guest/"
   printf '%s\n' "${modules[@]}" >"$in/guest/order"
   mv "$in/guest" "$all/$package"
-  rm -rf "$in" "$all/$package"_*.deb
+  rm -rf "$in" "$all"/*.deb
 }
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-deb >/dev/null; then
@@ -56,9 +59,9 @@ fi
 mkdir -p "$all"
 # Package lists may be absent or outdated.
 if ! download && ! { ((EUID == 0)) && apt-get -q update >&2 && download; }; then
-  kept=$(find "$all" -mindepth 2 -maxdepth 2 -name order -printf '%h\n' | sort -V | tail -n 1)
+  kept=$(find "$all" -mindepth 2 -maxdepth 2 -name udevadm -printf '%h\n' | sort -V | tail -n 1)
   [[ -n $kept ]] || die "apt-get cannot fetch the kernel (package linux-image-amd64): try apt-get update; is there a network?"
   package=${kept##*/}
 fi
-[[ -f $all/$package/order ]] || unpack
+[[ -f $all/$package/udevadm ]] || unpack
 echo "$all/$package"

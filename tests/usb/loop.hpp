@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/live_run.hpp"
+#include "cli/process.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 
@@ -47,6 +48,12 @@ class Loop {
 /// For `palpa link`: every 60 ms the next transducer, for a quarter of a minute.
 inline std::vector<std::string> sweep_of(const std::string& link, const std::string& layout = "openmpd") {
   return {"test", "--layout", layout, "--link", link, "--each", "50ms", "--rest", "10ms", "--dwell", "10ms"};
+}
+
+/// As another user of the guest, "NAME" or "NAME:GROUP".
+inline Result palpa_as(const std::string& user, const std::vector<std::string>& arguments) {
+  const std::vector<std::string> line{"start-stop-daemon", "-S", "-q", "-c", user, "-x", palpa_binary(), "--"};
+  return run_program("/bin/busybox", with(line, arguments), {.environment = {where_assets_are()}});
 }
 
 /// How often a text says that.

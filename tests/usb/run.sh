@@ -20,16 +20,21 @@ kernel=$(tests/usb/kernel.sh)
 
 guest=build/usb/guest
 rm -rf "$guest"
-mkdir -p "$guest"/{bin,dev,etc,proc,sys,tmp,guest/modules}
+mkdir -p "$guest"/{bin,dev,etc,lib/systemd,lib/udev/rules.d,proc,run,sys,tmp,guest/modules}
 chmod 755 "$guest"
 cp "$(command -v busybox)" "$guest/bin/busybox"
 install -m 755 tests/usb/init.sh "$guest/init"
 cp "$kernel"/*.ko "$kernel/order" "$guest/guest/modules/"
+cp driver/70-palpa.rules "$guest/lib/udev/rules.d/"
+cp "$kernel/udevadm" "$kernel/libkmod.so.2" "$guest/bin/"
+ln -s /bin/udevadm "$guest/lib/systemd/systemd-udevd"
 echo "nobody:x:65534:65534::/tmp:/bin/sh" >"$guest/etc/passwd"
+printf '%s\n' nogroup:x:65534: plugdev:x:46: >"$guest/etc/group"
 
 # Programs and files are where they are here, since the tests know them by these names.
 programs=("$PWD"/build/release/bin/{test_usb,palpa,palpa-guard})
-ldd "${programs[@]}" | grep -o '/[^ ]*\.so[^ ]*' | sort -u | xargs cp -L --parents -t "$guest"
+ldd "${programs[@]}" "$kernel"/{udevadm,libkmod.so.2} | awk '/=> \// { print $3 } /^\t\// { print $1 }' | sort -u |
+  xargs cp -L --parents -t "$guest"
 cp --parents -rt "$guest" "${programs[@]}" "$PWD/assets"
 printf 'exec %q' "${programs[0]}" >"$guest/guest/command"
 printf ' %q' --gtest_color=no "$@" >>"$guest/guest/command"

@@ -8,6 +8,7 @@
 
 #include "cli/process.hpp"
 #include "support/shared_data.hpp"
+#include "usb/loop.hpp"
 #include "usb/plugged_board.hpp"
 
 namespace palpa::test {
@@ -34,6 +35,36 @@ TEST(BoardOnUsb, PlaysOneTransducerAfterTheOther) {
                                "--last", "65", "--each", "100ms", "--rest", "60ms"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(board.pins(), (std::vector<std::size_t>{185, 189})) << "as the boards' own files have it";
+  EXPECT_EQ(board.faults_at_the_end(), none);
+}
+
+/// Debian's udev with the rules that palpa installs, as long as this lives. Without it the guest has none.
+class Udev {
+ public:
+  Udev() { EXPECT_EQ(run_program("/lib/systemd/systemd-udevd", {"--daemon"}, in_guest()).exit_code, 0); }
+  ~Udev() { EXPECT_EQ(udevadm({"control", "--exit"}), 0); }
+  Udev(const Udev&) = delete;
+  Udev& operator=(const Udev&) = delete;
+  /// Comes back when it has done what there was to do.
+  void settle() { EXPECT_EQ(udevadm({"settle"}), 0); }
+
+ private:
+  static RunOptions in_guest() { return {.environment = {{"LD_LIBRARY_PATH", "/bin"}}}; }
+  static int udevadm(const std::vector<std::string>& arguments) {
+    return run_program("/bin/udevadm", arguments, in_guest()).exit_code;
+  }
+};
+
+TEST(BoardOnUsb, OpensForTheGroupThatTheRulesName) {
+  Udev udev;
+  PluggedBoard board("EMU1");
+  udev.settle();
+  const std::vector<std::string> test = with({"link"}, {"test", "--layout", "openmpd", "--link", "openmpd:EMU1",
+                                                        "--first", "64", "--last", "64", "--each", "100ms"});
+  expect_failure(palpa_as("nobody", test), 1, "Access denied");
+  const Result result = palpa_as("nobody:plugdev", test);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(board.pins(), (std::vector<std::size_t>{185}));
   EXPECT_EQ(board.faults_at_the_end(), none);
 }
 

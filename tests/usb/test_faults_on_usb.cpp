@@ -213,13 +213,9 @@ TEST(FaultsOnUsb, TheKernelHasMadeTheBoardASerialPort) {
 
 TEST(FaultsOnUsb, WhoMayNotOpenABoardIsTold) {
   PluggedBoard board("EMU1");
-  const auto nobody = [](const std::vector<std::string>& arguments) {
-    return run_program("/bin/busybox",
-                       with({"start-stop-daemon", "-S", "-q", "-c", "nobody", "-x", palpa_binary(), "--"}, arguments));
-  };
-  const Result result = nobody(with({"link"}, sweep_of("openmpd:EMU1")));
+  const Result result = palpa_as("nobody", with({"link"}, sweep_of("openmpd:EMU1")));
   expect_failure(result, 1, "board EMU1 cannot be opened: Access denied");
-  const Result doctor = nobody({"doctor", "--backend", "cpu"});
+  const Result doctor = palpa_as("nobody", {"doctor", "--backend", "cpu"});
   EXPECT_NE(doctor.out.find("70-palpa.rules"), std::string::npos) << doctor.out << doctor.err;
   EXPECT_EQ(board.gadget.requests, 0u);
 }
