@@ -2,6 +2,7 @@
 #include <dlfcn.h>
 
 #include "cli/commands.hpp"
+#include "driver/bench.hpp"
 #include "driver/doctor.hpp"
 #include "driver/emulate/command.hpp"
 #include "driver/guard/board_link.hpp"
@@ -22,5 +23,6 @@ int main(int argc, char** argv) {
                           {.doctor = palpa::driver::doctor_probes(),
                            .links = palpa::driver::board_links(),
                            .sources = palpa::driver::camera_sources(),
-                           .commands = {palpa::driver::emulate::add_emulate}});
+                           .commands = {palpa::driver::emulate::add_emulate},
+                           .benches = {palpa::driver::measure_links}});
 }

@@ -23,6 +23,8 @@ void add_options(CLI::App& app, Options& o) {
     names += (names.empty() ? "" : ", ") + kind.name + ": " + kind.help;
   board.text("board", o.board, "BOARD", names);
   board.text("--serial", o.serials, "SERIAL,...", "of USB boards, one board for each [EMU1]");
+  board.flag("--uart", o.uart,
+             "USB boards as they come from the shop: their FT232H is a serial port, and palpa refuses it");
   board.integer("--port", o.port, 0, 65535, "of an AUTD3 server; 0: one that is free");
   board.flag("--tactile", o.tactile, "a SonicSurface with the tactile firmware");
   board.text("--layout", o.layout, "NAME|FILE", "how the boards stand [one alone, two as a pair]");

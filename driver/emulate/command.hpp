@@ -22,6 +22,7 @@ struct Options {
   std::string layout;   ///< empty: the board's usual one
   std::uint32_t port = 8080;
   bool tactile = false;
+  bool uart = false;  ///< USB boards whose chips are set up as serial ports
   std::string trace;
   bool view = false;
 };

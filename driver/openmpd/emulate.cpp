@@ -4,6 +4,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <mutex>
@@ -31,8 +32,9 @@ namespace {
 
 /// A board, its socket, its trace.
 struct Emulated {
-  Emulated(const Address& address, const Calibration& its_calibration, emulate::TraceFile* trace, bool alone)
-      : board(address.serial), calibration(its_calibration) {
+  Emulated(const Address& address, usb::ftdi::Channel channel, const Calibration& its_calibration,
+           emulate::TraceFile* trace, bool alone)
+      : board(address.serial, channel), calibration(its_calibration) {
     if (trace != nullptr) tap.emplace(*trace, alone ? "" : address.serial);
     server = std::make_unique<usb::LocalServer>(board, tap ? &*tap : nullptr);
   }
@@ -121,6 +123,7 @@ std::string to_json(std::span<const std::unique_ptr<Emulated>> boards) {
     json.begin_object(JsonWriter::Style::line)
         .member("serial", one->serial())
         .member("frames", fpga.frames())
+        .member("frames_in_step", fpga.frames_in_step())
         .member("divider", std::uint32_t{fpga.divider()})
         .member("most_buffered_bytes", std::uint64_t{fpga.most_buffered()})
         .member("sounds", fpga.sounds())
@@ -147,10 +150,12 @@ void judge(std::span<const std::unique_ptr<Emulated>> boards) {
                               violations.kept()[0].what));
   }
   for (const auto& one : boards) {
-    if (one->board.fpga().frames() != boards[0]->board.fpga().frames()) {
-      throw failure(fmt::format("{} was shown {} frames and {} {}: boards of one array get equal numbers",
-                                boards[0]->serial(), boards[0]->board.fpga().frames(), one->serial(),
-                                one->board.fpga().frames()));
+    const std::uint64_t first = boards[0]->board.fpga().frames_in_step(), its = one->board.fpga().frames_in_step();
+    if (its != first) {
+      throw failure(
+          fmt::format("{} was shown {} frames and {} {} since they were brought into step: boards of one array get "
+                      "equal numbers",
+                      boards[0]->serial(), first, one->serial(), its));
     }
   }
 }
@@ -171,7 +176,8 @@ void emulate(const emulate::Options& options) {
   std::vector<std::unique_ptr<Emulated>> boards;
   boards.reserve(addresses.size());
   for (const Address& address : addresses) {
-    boards.push_back(std::make_unique<Emulated>(address, calibration_of(files, address.serial),
+    const auto channel = options.uart ? usb::ftdi::Channel::uart : usb::ftdi::Channel::fifo;
+    boards.push_back(std::make_unique<Emulated>(address, channel, calibration_of(files, address.serial),
                                                 trace ? &*trace : nullptr, addresses.size() == 1));
   }
   for (const auto& one : boards)

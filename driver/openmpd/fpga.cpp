@@ -33,6 +33,7 @@ void Fpga::begin_resync(double now_s) {
   resyncing_ = true;
   resync_from_ns_ = now_ns_;
   sounding_frames_ = 0;
+  frames_in_step_ = 0;
 }
 
 std::size_t Fpga::take(double now_s, std::span<const std::uint8_t> bytes) {
@@ -139,6 +140,7 @@ void Fpga::finish_frame(std::int64_t now_ns) {
   swapping_ = true;
   front_ = back_;
   ++frames_;
+  if (!resyncing_) ++frames_in_step_;
   if (resyncing_ && sounds() && ++sounding_frames_ == 2) violate(now_ns, "sound before it was resynchronised");
   const std::int64_t edge_ns = (now_ns / period_ns + 1) * period_ns;
   shown_s_ = 1e-9 * static_cast<double>(edge_ns);

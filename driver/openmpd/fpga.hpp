@@ -55,6 +55,8 @@ class Fpga {
   bool sounds() const;
   unsigned divider() const { return divider_ == 0 ? 256 : divider_; }
   std::uint64_t frames() const { return frames_; }  ///< shown since power-up
+  /// Shown since it was brought into step last: boards of one array get equal numbers of these.
+  std::uint64_t frames_in_step() const { return frames_in_step_; }
   std::uint64_t dividers_set() const { return dividers_set_; }
   std::size_t buffered() const { return used_; }
   std::size_t most_buffered() const { return most_used_; }  ///< at any time
@@ -91,7 +93,7 @@ class Fpga {
   std::int64_t resync_from_ns_ = 0;
   unsigned sounding_frames_ = 0;  ///< of this resynchronisation
   Pulses back_{}, front_{};
-  std::uint64_t frames_ = 0;
+  std::uint64_t frames_ = 0, frames_in_step_ = 0;
   double shown_s_ = -1;
 };
 

@@ -6,19 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "bench/row.hpp"
 #include "gpu/device.hpp"
 
 namespace palpa::bench {
-
-/// One row of the report: a stage of a case, or the whole of it ("total").
-struct Row {
-  std::string suite, name, stage;
-  double median_ms = 0, p99_ms = 0, least_ms = 0;
-  std::uint32_t runs = 0;
-  double value = 0;  ///< a rate at the median, a size or a ratio, in `unit`; 0 where the times say it all
-  std::string unit;
-  std::string note;  ///< how good the result was, where that is part of the measure
-};
 
 struct Context {
   const gpu::Device& device;
@@ -45,9 +36,6 @@ void measure_methods(const Context& context, std::vector<Row>& rows);
 /// Solids of many faces: how long and how much memory it takes to prepare one, from scratch and from the cache, and the
 /// contacts of a full three-camera frame against those of the cube.
 void measure_surface(const Context& context, std::vector<Row>& rows);
-
-/// Median, 99th percentile and least of `samples_ms` as a row.
-Row make_row(std::string suite, std::string name, std::string stage, std::vector<double> samples_ms);
 
 /// Highest resident memory of this process so far, in bytes.
 std::uint64_t peak_resident_bytes();

@@ -15,7 +15,7 @@
 namespace palpa::cli {
 namespace {
 
-enum class Suite { all, touch, surface, array, acoustics, loop };
+enum class Suite { all, touch, surface, array, acoustics, loop, links };
 
 struct BenchCommand {
   setup::CommonOptions common;
@@ -32,9 +32,10 @@ void add_options(CLI::App& app, BenchCommand& o) {
                 {"surface", Suite::surface},
                 {"array", Suite::array},
                 {"acoustics", Suite::acoustics},
-                {"loop", Suite::loop}},
+                {"loop", Suite::loop},
+                {"links", Suite::links}},
                "touch: points to foci; surface: solids of many faces; array: drives; acoustics: what they sound like; "
-               "loop: depth frames to drives");
+               "loop: depth frames to drives; links: drives to the wire, on the host");
   group.text("--scene", o.scene, "FILE", "glTF model that the surface suite measures, too");
   group.integer("--runs", o.runs, 3, 100'000, "timed runs of each case, after a warm-up");
   group.text("--csv", o.csv, "FILE|-", "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver");
@@ -80,7 +81,7 @@ std::string table(const std::vector<bench::Row>& rows, const gpu::DeviceDescript
   return text + fmt::format("resident memory at most {} MB\n", resident / 1'000'000);
 }
 
-void run(const BenchCommand& o) {
+void run(const BenchCommand& o, const Extensions& extensions) {
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   if (o.common.backend == setup::Backend::cpu)
     throw bad_usage("bench measures the GPU's passes; --backend cpu has none");
@@ -111,6 +112,10 @@ void run(const BenchCommand& o) {
     bench::measure_scattering(context, rows);
   }
   if (o.suite == Suite::all || o.suite == Suite::loop) bench::measure_loop(context, rows);
+  if (o.suite == Suite::all || o.suite == Suite::links) {
+    for (const auto& measure : extensions.benches)
+      measure(o.runs, rows);
+  }
   bar.reset();
 
   const std::uint64_t resident = bench::peak_resident_bytes();
@@ -129,7 +134,8 @@ void add_bench(Program& program) {
                                 "  palpa bench\n"
                                 "  palpa bench --suite loop --runs 1000 --csv loop.csv\n"
                                 "  palpa bench --gpu 1 --json -"},
-                               add_options, [](const BenchCommand& o) { run(o); });
+                               add_options,
+                               [&extensions = program.extensions](const BenchCommand& o) { run(o, extensions); });
 }
 
 }  // namespace palpa::cli

@@ -2,11 +2,13 @@
 // the command line, and what it does is a function that runs once the whole line is understood.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "bench/row.hpp"
 #include "cli/doctor.hpp"
 #include "session/link.hpp"
 #include "session/sources.hpp"
@@ -26,6 +28,8 @@ struct Extensions {
   std::vector<session::LinkKind> links{};
   std::vector<session::SourceKind> sources{};
   std::vector<std::function<void(Program&)>> commands{};  ///< each adds one, as the engine's own do; after these
+  /// Rows of `palpa bench`'s suite "links", of that many timed runs.
+  std::vector<std::function<void(std::uint32_t runs, std::vector<bench::Row>& rows)>> benches{};
 };
 
 /// Does a subcommand's work; throws Error for every failure. Returning means exit code 0.

@@ -395,5 +395,17 @@ TEST(CliBench, ChecksThenMeasures) {
   EXPECT_EQ(totals, 3);
 }
 
+TEST(CliBench, MeasuresWhatLinksCost) {
+  const Result result = palpa({"bench", "--runs", "3", "--suite", "links", "--json", "-"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json rows = json::parse(result.out)["rows"];
+  ASSERT_EQ(rows.size(), 2u) << rows;
+  EXPECT_EQ(rows[0]["stage"], "encode");
+  EXPECT_EQ(rows[0]["runs"], 1000);
+  EXPECT_GT(rows[0]["value"], 0) << "% of a core";
+  EXPECT_EQ(rows[1]["stage"], "drive to wire");
+  EXPECT_GT(rows[1]["p99_ms"], 0);
+}
+
 }  // namespace
 }  // namespace palpa::test

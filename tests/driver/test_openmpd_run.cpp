@@ -166,6 +166,19 @@ TEST(OpenMpdRun, LinkTestPlaysOneTransducerAfterTheOther) {
   EXPECT_EQ(hex.substr(hex.size() - 512), none);
 }
 
+TEST(OpenMpdRun, ABoardInSerialModeIsRefusedBeforeItGetsAByte) {
+  const auto trace = scratch_folder("openmpd-uart-trace") / "wire.jsonl";
+  Emulation emulation("openmpd-uart", "EMU1", {"--uart", "--trace", trace.string()});
+  RunOptions options;
+  options.environment = emulation.environment();
+  const Result result = palpa({"link", "test", "--layout", "openmpd", "--link", "openmpd:EMU1"}, options);
+  expect_failure(result, 1, "its EEPROM says serial (UART)");
+  int exit_code = -1;
+  const json report = emulation.end(exit_code);
+  EXPECT_EQ(exit_code, 0) << report;
+  EXPECT_EQ(wire_of(trace), "");
+}
+
 TEST(OpenMpdRun, ABoardThatIsNotThereIsNamed) {
   const auto folder = scratch_folder("openmpd-none");
   RunOptions options;

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <initializer_list>
 #include <memory>
@@ -377,6 +378,29 @@ TEST(SonicSurfaceBoard, ALineThatGoesAwayIsToldOnce) {
   EXPECT_EQ(rig.notes.warnings, (std::vector<std::string>{"the serial port is gone"}));
   rig.board->all_off();
   EXPECT_FALSE(rig.board->close()) << "nobody knows";
+}
+
+TEST(SonicSurfaceBoard, ALineThatComesBackIsSilencedBeforeItPlays) {
+  Rig rig;
+  const auto port = test::scratch_folder("sonicsurface-port") / "tty";
+  auto vanishing = std::make_unique<Pty>();
+  std::filesystem::create_symlink(vanishing->path(), port);
+  rig.argument = port.string();
+  rig.board = rig.make(12e-3, true);
+  vanishing.reset();
+  std::filesystem::remove(port);
+  for (std::uint64_t s = 0; rig.notes.warnings.empty() && s < 1000; ++s, std::this_thread::sleep_for(1ms))
+    rig.board->play(s, rig.drive);
+  std::filesystem::create_symlink(rig.pty.path(), port);  // its board sounds since it was switched on
+  const bool silenced = rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); });
+  EXPECT_TRUE(silenced);
+  EXPECT_EQ(rig.notes.warnings,
+            (std::vector<std::string>{"the serial port is gone", "the serial port is there again"}));
+  for (std::uint64_t s = 2000; s < 2020; ++s)
+    rig.board->play(s, rig.drive);
+  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
+  rig.board->all_off();
+  rig.expect_silent_end();
 }
 
 }  // namespace

@@ -9,6 +9,7 @@ BEGIN {
   interface["session/link.hpp"] = interface["session/sources.hpp"] = 1  # how both are named on the command line
   interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor
+  interface["bench/row.hpp"] = 1              # its rows of palpa bench
   interface["cli/command.hpp"] = interface["setup/options.hpp"] = interface["setup/values.hpp"] = 1  # its commands
   interface["array/drive.hpp"] = interface["array/layout.hpp"] = interface["array/schedule.hpp"] = 1
   interface["acoustics/incident.hpp"] = interface["acoustics/air.hpp"] = 1  # what an emulator's bytes sound like
