@@ -62,7 +62,8 @@ std::uint32_t size_of(const Frame& frame) {
 std::vector<std::uint8_t> control_descriptors() {
   std::vector<std::uint8_t> units;
   append(units, {18, class_interface, 2, 1, 0x01, 0x02, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0});  // 1: a camera
-  append(units, {9, class_interface, 3, 2, 0x01, 0x01, 0, 1, 0});                              // 2: USB
+  append(units, D400Unit::descriptor(1));
+  append(units, {9, class_interface, 3, 2, 0x01, 0x01, 0, D400Unit::number, 0});  // 2: USB
   const unsigned total = 13 + static_cast<unsigned>(units.size());
   std::vector<std::uint8_t> out{13, class_interface, 1, 0x50, 0x01, low(total), high(total)};
   append32(out, {48000000});
@@ -117,6 +118,8 @@ Z16Camera::Z16Camera(const std::string& serial) : probe_(probe_bytes) {
 }
 
 Answer Z16Camera::control(double now_s, const ControlRequest& request, std::vector<std::uint8_t>& bytes) {
+  if (low(request.index) == control_interface && high(request.index) == D400Unit::number)
+    return unit.control(request, bytes);
   const std::uint8_t control = high(request.value);
   if (low(request.index) != streaming_interface || (control != probe_control && control != commit_control))
     return Answer::stalled;

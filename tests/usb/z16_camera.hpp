@@ -1,5 +1,5 @@
-// A depth camera made of software, as a D435 shows itself on USB: UVC 1.5, frames of 16-bit depths over one bulk
-// endpoint, 848x480 at 90 Hz among others. Its faults are to order.
+// A depth camera made of software, as a D435 shows itself on USB: UVC 1.5 with an extension unit, frames of 16-bit
+// depths over one bulk endpoint, 848x480 at 90 Hz among others. Its faults are to order.
 #pragma once
 
 #include <atomic>
@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "usb/d400_unit.hpp"
 #include "usb/gadget.hpp"
 
 namespace palpa::test {
@@ -32,6 +33,8 @@ class Z16Camera final : public Gadget {
   std::atomic<std::uint64_t> frames{0};     ///< whose last byte the kernel has fetched
   std::atomic<std::uint32_t> period_ns{0};  ///< that was asked for last; 0: nothing was
   std::atomic<bool> streams{false};
+
+  D400Unit unit;  ///< the port must be held
 
   const Descriptors& descriptors() const override { return descriptors_; }
   Answer control(double now_s, const ControlRequest& request, std::vector<std::uint8_t>& bytes) override;
