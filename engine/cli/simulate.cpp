@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <glm/ext/matrix_transform.hpp>
 #include <iterator>
 #include <optional>
 #include <span>
@@ -15,13 +17,16 @@
 #include "acoustics/incident.hpp"
 #include "acoustics/radiation.hpp"
 #include "acoustics/rigid_body.hpp"
+#include "array/board_mesh.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "base/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/touch_picture.hpp"
 #include "geometry/vtu.hpp"
+#include "sensing/synthetic.hpp"
 #include "session/skin_pressure.hpp"
 #include "setup/assets.hpp"
 #include "setup/body.hpp"
@@ -37,6 +42,8 @@
 namespace palpa::cli {
 namespace {
 
+constexpr Word<Skin> skin_words[] = {{"vertices", Skin::vertices}, {"cameras", Skin::cameras}};
+
 void add_options(CLI::App& app, SimulateCommand& o) {
   const setup::Group group(app, "What touches what");
   group.text("--scene", o.scene, "FILE", "glTF model: the solids, in world coordinates");
@@ -44,6 +51,9 @@ void add_options(CLI::App& app, SimulateCommand& o) {
   group.text("--finger", o.finger, "FILE", "the finger, a closed PLY or glTF mesh: tip at the origin, body along +y");
   group.quantity("--penetration", o.penetration_m, Quantity::length, {-10, 10},
                  "how far below the solids' top the finger's lowest point is");
+  group.choice("--skin", o.skin, skin_words,
+               "what touches: the mesh's vertices, or what the rig's cameras see of it, simulated");
+  group.flag("--noise-free", o.noise_free, "cameras without the sensor's noise");
   group.flag("--figure6", o.figure6,
              "in place of --scene: the paper's four objects, by every method, with the paper's finger");
   group.flag("--force", o.force, "reckon with a finger that is too coarse for the wavelength, too");
@@ -68,6 +78,23 @@ setup::TouchInput skin_of(const geometry::Mesh& finger, double dy) {
     input.points.push_back({glm::vec3(finger.positions[v] + Vec3(0, dy, 0)), index});
   }
   input.point_count = input.points.size();
+  return input;
+}
+
+/// What the rig's cameras see of the mesh, the array's boards in their way.
+setup::TouchInput seen_skin(const SimulateCommand& o, const setup::PosedRig& rig, const geometry::Mesh& finger,
+                            double dy) {
+  if (rig.rig.cameras.empty()) throw bad_input(rig.rig.file, "has no [[camera]]; --skin cameras is what they see");
+  sensing::FrameSet seen;
+  const sensing::Posed posed{&finger, glm::translate(Transform(1.0), Vec3(0, dy, 0))};
+  sensing::SyntheticRig(rig.rig.cameras, array::board_mesh(rig.layout),
+                        o.noise_free ? sensing::Noise::none : sensing::Noise::d415, o.common.seed)
+      .render({&posed, 1}, 0, seen);
+  setup::TouchInput input;
+  input.cameras = rig.rig.cameras;
+  input.frames = std::move(seen.frames);
+  for (const sensing::DepthFrame& frame : input.frames)
+    input.point_count += static_cast<std::uint64_t>(std::ranges::count_if(frame.depth, [](auto d) { return d != 0; }));
   return input;
 }
 
@@ -122,10 +149,11 @@ Felt feel(const SimulateCommand& o, Finger& finger, const std::string& scene, st
   felt.body = finger.body();
   for (Vec3& p : felt.body.positions)
     p.y += dy;
-  const setup::TouchInput skin = skin_of(finger.as_given(), dy);
-  setup::TouchArray array{.layout = setup::load_posed_rig(o.rig).layout,
-                          .drive = setup::drive_options(o.drive, method),
-                          .pressure_pa = o.drive.pressure_pa};
+  const setup::PosedRig rig = setup::load_posed_rig(o.rig);
+  const setup::TouchInput skin =
+      o.skin == Skin::cameras ? seen_skin(o, rig, finger.as_given(), dy) : skin_of(finger.as_given(), dy);
+  setup::TouchArray array{
+      .layout = rig.layout, .drive = setup::drive_options(o.drive, method), .pressure_pa = o.drive.pressure_pa};
   check(o.drive, solids);
   acoustics::check_clear_of(o.finger, felt.body, array.layout);
   setup::warn_of_reach(array.layout, solids);
@@ -247,6 +275,7 @@ std::string summary(const Felt& felt) {
 
 void check(const SimulateCommand& o) {
   setup::check(o.touch);
+  if (o.noise_free && o.skin != Skin::cameras) throw bad_usage("--noise-free goes with --skin cameras");
   if (o.figure6) {
     if (!o.scene.empty() || !o.csv.empty() || !o.vtu.empty() || o.gltf_scene ||
         o.touch.method.method != touch::Method{})

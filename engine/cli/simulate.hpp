@@ -21,9 +21,14 @@
 
 namespace palpa::cli {
 
+/// What the skin points of the touch are: the finger's vertices, or what the rig's cameras see of it.
+enum class Skin { vertices, cameras };
+
 struct SimulateCommand {
   setup::CommonOptions common;
   std::string scene, finger;
+  Skin skin = Skin::vertices;
+  bool noise_free = false;
   std::optional<std::uint32_t> gltf_scene;
   bool figure6 = false;
   double penetration_m = 3e-3;

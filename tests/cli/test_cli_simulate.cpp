@@ -124,6 +124,23 @@ TEST(Simulate, AModulatedFocusIsHalfOfItsDrive) {
   EXPECT_NEAR(got.results["force_N"][1].get<double>() / up, 0.5, 1e-3);
 }
 
+TEST(Simulate, CamerasSeeTheSameTouch) {
+  const std::vector<std::string> cube = with(touch_of("cube"), {"--penetration", "1.5mm"});
+  const auto seen = [&](const std::vector<std::string>& more) {
+    return simulate(with(cube, with({"--skin", "cameras"}, more))).results;
+  };
+  const json vertices = simulate(cube).results, exact = seen({"--noise-free"}), noisy = seen({"--seed", "7"});
+  for (const json& cameras : {exact, noisy}) {
+    ASSERT_EQ(cameras["foci_m"].size(), 10u);
+    EXPECT_NE(cameras["foci_m"], vertices["foci_m"]);
+    EXPECT_NEAR(cameras["force_N"][1].get<double>() / vertices["force_N"][1].get<double>(), 1, 0.15);
+    EXPECT_NEAR(cameras["squared"]["half_radius_m"].get<double>(), vertices["squared"]["half_radius_m"], 0.6e-3);
+  }
+  EXPECT_EQ(seen({"--seed", "7"})["foci_m"], noisy["foci_m"]);
+  EXPECT_NE(seen({"--seed", "8"})["foci_m"], noisy["foci_m"]);
+  expect_failure(palpa(with(cube, {"--noise-free", "--json", "-"})), 2, "--skin cameras");
+}
+
 /// The paper's rig with every seventeenth of its transducers: the same focus for less time.
 std::string sparse_rig() {
   const std::string drive = folder() / "all.csv";
