@@ -55,10 +55,11 @@ struct ViewPush {
   vec4
       window;  // x, y: size in pixels; z: pixels per metre where clip w = 1; w: depth bias towards the viewer, relative
   vec4 colour;  // mesh, edge: rgb and alpha; stroke, disc: unused
-  vec4 style;   // mesh: x alpha at the silhouette, y 1 for shading, 0 for none; image: x its first pixel, y, z its
-                // width and height in pixels, w opacity; edge: x half the width in pixels;
-  // stroke: x 1 where coordinates are pixels, y multiplies widths; edge, stroke: zw where the view begins,
-  // pixels; disc: x outline in pixels, y multiplies radii given in pixels, z opacity
+  // mesh: x alpha at the silhouette, y 1 for shading, 0 for none, z 1 for no corner in a colour of its own;
+  // image: x its first pixel, y and z its width and height in pixels, w opacity; edge: x half the width in pixels;
+  // stroke: x 1 where coordinates are pixels, y multiplies widths; edge, stroke: z and w where the view begins, pixels;
+  // disc: x outline in pixels, y multiplies radii given in pixels, z opacity
+  vec4 style;
 };
 PALPA_CHECK_SIZE(ViewPush, 128);
 PALPA_CHECK_OFFSET(ViewPush, eye, 64);

@@ -4,7 +4,6 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 
-#include "viewer/palette.hpp"
 #include "viewer/shape.hpp"
 
 namespace palpa::viewer {
@@ -31,7 +30,7 @@ void DrawnPicture::fill(gpu::Upload& upload, const std::vector<T>& items, const 
 }
 
 SurfaceItems DrawnPicture::add_surface(const SurfaceMark& surface) {
-  const Shape shape = make_shape(surface.mesh);
+  const Shape shape = make_shape(surface.mesh, usual_crease, surface.colours);
   SurfaceItems range;
   range.vertices = {static_cast<std::uint32_t>(new_vertices_.size()),
                     static_cast<std::uint32_t>(shape.vertices.size())};
@@ -49,6 +48,7 @@ void DrawnPicture::update(const Picture& picture, const ViewState& state) {
   solids_.clear();
   picture_.solids.clear();
   picture_.skin.reset();
+  skin_has_colours_ = false;
   const std::vector<Vec3> ways = apart(picture.solids);
   for (std::size_t i = 0; i < picture.solids.size(); ++i) {
     const SurfaceMark& solid = picture.solids[i];
@@ -60,6 +60,7 @@ void DrawnPicture::update(const Picture& picture, const ViewState& state) {
   if (picture.skin) {
     skin_ = add_surface(*picture.skin);
     picture_.skin = SurfaceMark{picture.skin->name, {}};
+    skin_has_colours_ = !picture.skin->colours.empty();
   }
   everything_ = solids_.empty() ? extent(picture, Extent::all) : Box();
   fill(vertices_, new_vertices_, "surfaces");
@@ -78,6 +79,7 @@ void DrawnPicture::update_marks(const Picture& picture, const ViewState& state) 
   picture_.driven = picture.driven;
   picture_.cameras = picture.cameras;
   picture_.spectra = picture.spectra;
+  picture_.bars = picture.bars;
   const Theme& theme = state.dark ? dark_theme() : light_theme();
   add_discs(picture, theme);
   build_marks(picture, state, floor(), new_marks_);

@@ -6,6 +6,7 @@
 
 #include "gpu/buffer.hpp"
 #include "shaders/view_scene.h"
+#include "viewer/palette.hpp"
 #include "viewer/picture.hpp"
 #include "viewer/world_marks.hpp"
 
@@ -59,6 +60,7 @@ class DrawnPicture {
   Box everything_;  ///< where there are no solids
   std::vector<SurfaceItems> solids_;
   SurfaceItems skin_;
+  bool skin_has_colours_ = false;
   std::vector<ImageItems> images_;
   Items boards_, sections_, points_, contacts_, transducers_, lines_;
   gpu::Upload vertices_, edges_, face_vertices_, pixels_, discs_, strokes_;

@@ -11,6 +11,7 @@
 
 #include "drawing/ink.hpp"
 #include "viewer/chart.hpp"
+#include "viewer/colour_bars.hpp"
 #include "viewer/palette.hpp"
 
 namespace palpa::viewer {
@@ -287,6 +288,8 @@ void build_overlay(const Picture& picture, const ViewState& state, const Viewpoi
     draw_axes(ink, viewpoint, options.height);
     draw_scale(ink, viewpoint, options, theme);
     draw_chart(ink, picture, options.width, options.height, theme);
+    draw_bars(ink, picture, layers, options.width, options.height,
+              chart_share(picture, options.width, options.height, options.ratio), theme);
   });
 }
 

@@ -14,6 +14,7 @@
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/math.hpp"
+#include "drawing/colour.hpp"
 #include "geometry/mesh.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
@@ -30,7 +31,8 @@ namespace palpa::viewer {
 struct SurfaceMark {
   std::string name;
   geometry::Mesh mesh;
-  std::optional<std::uint32_t> part{};  ///< of a solid of convex parts: which of them; drawn in a colour of its own
+  std::optional<std::uint32_t> part{};     ///< of a solid of convex parts: which of them; drawn in a colour of its own
+  std::vector<drawing::Colour> colours{};  ///< of the mesh's vertices, for the layer heat; or none
 };
 
 /// A skin point in a solid's shell, drawn in its finger's colour.
@@ -87,6 +89,13 @@ struct CameraMark {
   Frustum frustum{};                   ///< what it sees
 };
 
+/// What the colours of a layer mean, from nothing to `most`.
+struct ColourBar {
+  Layer layer = Layer::slice;
+  std::string title;  ///< with its unit
+  double most = 1;
+};
+
 /// A flat image in the world.
 struct ImageMark {
   Layer layer = Layer::depth;
@@ -109,6 +118,7 @@ struct Picture {
   std::vector<BoardMark> boards;
   std::vector<CameraMark> cameras;
   std::vector<ImageMark> images;
+  std::vector<ColourBar> bars;
   std::vector<std::vector<SpectrumMark>> spectra;  ///< one per finger, drawn as a chart; or none
 };
 

@@ -309,11 +309,13 @@ void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn) const {
                          const gpu::DrawState& state) {
     shader::ViewPush push = shot.push;
     push.colour = pack(with_alpha(face, face.a * opacity));
-    push.style = {rim.a * opacity, 1, 0, 0};
+    push.style = {rim.a * opacity, 1, 1, 0};
     mesh_.draw(shot.commands, {drawn.vertices_.ref()}, push, state, range.count, range.first);
   };
+  const bool heat = drawn.skin_has_colours_ && all.layers.shows(Layer::heat);
+  if (heat) draw_heat(all, drawn);
   const auto paint_skin = [&](VkCompareOp compare) {
-    if (!all.layers.shows(Layer::skin)) return;
+    if (heat || !all.layers.shows(Layer::skin)) return;
     for (const VkCullModeFlagBits hidden : {VK_CULL_MODE_FRONT_BIT, VK_CULL_MODE_BACK_BIT}) {
       paint(all, drawn.skin_.vertices, all.theme.skin, all.theme.skin_rim, all.layers.opacity(Layer::skin),
             {.cull = hidden, .compare = compare});
@@ -352,6 +354,17 @@ void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn) const {
     if (edges) draw_edges(all.moved(part.away), drawn, *part.items);
   }
   paint_skin(VK_COMPARE_OP_GREATER_OR_EQUAL);
+}
+
+// Hardly shaded, so that colours stay those of the bar.
+void Renderer::draw_heat(const Shot& shot, const DrawnPicture& drawn) const {
+  const float opacity = shot.layers.opacity(Layer::heat);
+  shader::ViewPush push = shot.push;
+  push.colour.w = opacity;
+  push.style = {opacity, 0.25f, 0, 0};
+  const Items& range = drawn.skin_.vertices;
+  mesh_.draw(shot.commands, {drawn.vertices_.ref()}, push, {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = opacity >= 1},
+             range.count, range.first);
 }
 
 // What lies behind a surface faintly, what is before it firmly.

@@ -65,6 +65,7 @@ class Renderer {
   void draw_images(const Shot& shot, const DrawnPicture& drawn, const View& view) const;
   void draw_faces_and_lines(const Shot& shot, const DrawnPicture& drawn) const;
   void draw_surfaces(const Shot& shot, const DrawnPicture& drawn) const;
+  void draw_heat(const Shot& shot, const DrawnPicture& drawn) const;
   void draw_edges(const Shot& shot, const DrawnPicture& drawn, const SurfaceItems& surface) const;
   void draw_overlay(const Shot& shot, const Canvas& canvas, const Items& strokes) const;
   std::vector<Items> upload_overlay(VkCommandBuffer commands, const DrawnPicture& drawn, std::span<const View> views,

@@ -51,7 +51,13 @@ void run_headless(const ViewerOptions& options) {
   const double ratio = options.pixel_ratio.value_or(1);
   Offscreen offscreen(device, size.width, size.height, ratio);
   DrawnPicture drawn(device);
-  const ViewState state = first_state(options);
+  ViewState state = first_state(options);
+  place_slice(state, options, show.picture());
+  std::optional<FieldSlice> field;
+  if (state.layers.shows(Layer::slice)) {
+    field.emplace(device, show.layout(), setup::air(options.drive.medium, {}), options.drive.directivity);
+    show.show_field(*field, state.slice);
+  }
   drawn.update(show.picture(), state);
   const Viewpoint viewpoint = first_viewpoint(options, show.picture(), state, size);
   if (!options.video.empty()) make_folder(options.video);
@@ -63,6 +69,7 @@ void run_headless(const ViewerOptions& options) {
   for (std::uint32_t i = 0; i < frames; ++i) {
     if (i > 0 && show.changes()) {
       show.go_to(options.slot + i);
+      if (field) show.show_field(*field, state.slice);
       drawn.update_marks(show.picture(), state);
     }
     offscreen.draw(drawn, views);

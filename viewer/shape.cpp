@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "geometry/topology.hpp"
+#include "viewer/view_vertex.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -55,7 +56,7 @@ void drop_scratches(const geometry::Mesh& mesh, std::vector<Edge>& edges) {
 
 }  // namespace
 
-Shape make_shape(const geometry::Mesh& mesh, double crease) {
+Shape make_shape(const geometry::Mesh& mesh, double crease, std::span<const drawing::Colour> colours) {
   Shape shape;
   const double smooth = std::cos(crease);
   std::vector<glm::uvec3> faces;
@@ -92,7 +93,8 @@ Shape make_shape(const geometry::Mesh& mesh, double crease) {
       for (std::uint32_t i = first[v]; i < first[v + 1]; ++i) {
         if (glm::dot(normals[around[i]], normals[f]) > smooth) sum += area_normals[around[i]];
       }
-      shape.vertices.push_back({pack(mesh.positions[v]), pack(glm::normalize(sum))});
+      const glm::vec3 at(mesh.positions[v]), normal(glm::normalize(sum));
+      shape.vertices.push_back(colours.empty() ? plain(at, normal) : coloured(at, normal, colours[v]));
     }
   }
 

@@ -1,8 +1,10 @@
 // A mesh as the renderer wants it: corners with shading normals, and edges with the normals on both sides.
 #pragma once
 
+#include <span>
 #include <vector>
 
+#include "drawing/colour.hpp"
 #include "geometry/mesh.hpp"
 #include "shaders/view_scene.h"
 
@@ -15,7 +17,10 @@ struct Shape {
 
 /// `mesh` welded; triangles without area are left out. Faces that meet at less than `crease` radians shade smoothly.
 /// Creases are drawn where they close or are, with those they meet, at least a quarter as long as the object: not the
-/// short folds of a scan.
-Shape make_shape(const geometry::Mesh& mesh, double crease = 0.52);
+/// short folds of a scan. `colours`, where not empty, are the vertices': the shape's corners then have colours of their
+/// own.
+inline constexpr double usual_crease = 0.52;
+Shape make_shape(const geometry::Mesh& mesh, double crease = usual_crease,
+                 std::span<const drawing::Colour> colours = {});
 
 }  // namespace palpa::viewer

@@ -4,10 +4,14 @@
 #include <optional>
 #include <utility>
 
+#include "acoustics/body_mesh.hpp"
+#include "acoustics/rigid_body.hpp"
 #include "base/error.hpp"
 #include "geometry/ply.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/skin_twin.hpp"
+#include "session/skin_pressure.hpp"
+#include "setup/body.hpp"
 #include "setup/load.hpp"
 #include "setup/progress.hpp"
 #include "setup/touch_run.hpp"
@@ -40,7 +44,7 @@ Show::Show(const ViewerOptions& options)
     load_array(options);
     if (!options.input.scene.empty()) load_objects(options);
   }
-  if (!options.skin.empty()) load_skin_surface(options);
+  if (!options.skin.empty() && !picture_.skin) load_skin_surface(options);
   go_to(options.slot);
 }
 
@@ -54,7 +58,8 @@ void Show::load_objects(const ViewerOptions& options) {
   check(options.drive, solids);
   setup::TouchArray array{.layout = {}, .drive = drive_options_, .pressure_pa = options.drive.pressure_pa};
   const auto asks = [](const geometry::Solid& solid) { return solid.haptics.pressure_pa.has_value(); };
-  const bool felt = options.felt.spectrum || options.touch.tune;
+  const bool heat = first_state(options).layers.shows(Layer::heat);
+  const bool felt = options.felt.spectrum || options.touch.tune || heat;
   // Only what skin feels in time and what pressures are reached depend on the array; drives come slot by slot.
   if (felt || array.pressure_pa || std::ranges::any_of(solids, asks)) array.layout = layout_;
   const setup::OneTouch one = setup::touch_once(options.common, options.touch, options.felt, options.input.scene,
@@ -63,6 +68,7 @@ void Show::load_objects(const ViewerOptions& options) {
   picture_.skin_count = input.point_count;
   show_cameras(picture_, input.cameras);
   show_depth(picture_, input.cameras, input.frames);
+  if (heat) heat_skin(options, one.session);
   schedule_ = one.session.schedule();
   std::vector<touch::Placement> placements;
   for (const session::ScheduledFinger& finger : one.session.scheduler().fingers())
@@ -88,6 +94,27 @@ void Show::load_skin_surface(const ViewerOptions& options) {
   picture_.skin = SurfaceMark{std::filesystem::path(options.skin).stem().string(), std::move(mesh)};
 }
 
+// What palpa simulate computes, on the mesh of --skin.
+void Show::heat_skin(const ViewerOptions& options, const session::Session& session) {
+  const acoustics::Air air = setup::air(options.drive.medium, {});
+  geometry::Mesh body = setup::load_body(options.skin, air, false);
+  if (options.input.penetration_m) {
+    const double dy = setup::lowering(session.solids(), body.positions, *options.input.penetration_m);
+    for (Vec3& p : body.positions)
+      p.y += dy;
+  }
+  const session::SessionSetting& setting = session.setting();
+  acoustics::check_clear_of(options.skin, body, setting.layout);
+  std::vector<double> pressure(body.triangles.size(), 0);
+  if (session.schedule().voice_count > 0) {
+    const acoustics::Incident incident(setting.layout, air, options.drive.directivity);
+    pressure = session::mean_pressure(session::sounds_of(session.plan(), setting), incident, air,
+                                      acoustics::RigidBody(body, air.wave_number()))
+                   .langevin;
+  }
+  show_heat(picture_, std::filesystem::path(options.skin).stem().string(), std::move(body), pressure);
+}
+
 void Show::load_array(const ViewerOptions& options) {
   std::string name = options.layout;
   std::optional<Transform> pose;
@@ -103,6 +130,10 @@ void Show::load_array(const ViewerOptions& options) {
   layout_ = array::transformed(layout, pose.value_or(layout.default_T_world_layout));
   setup::warn_of_frequency(layout_, drive_options_.medium);
   show_array(picture_, layout_);
+}
+
+void Show::show_field(FieldSlice& field, const SliceState& slice) {
+  if (!drive_.empty()) field.show(picture_, slice, drive_);
 }
 
 bool Show::changes() const {

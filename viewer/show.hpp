@@ -5,6 +5,8 @@
 
 #include "array/drive.hpp"
 #include "array/schedule.hpp"
+#include "session/session.hpp"
+#include "viewer/field_slice.hpp"
 #include "viewer/picture.hpp"
 #include "viewer/viewer_options.hpp"
 
@@ -20,11 +22,17 @@ class Show {
   bool changes() const;
   /// The running foci and the drive of that slot.
   void go_to(std::uint64_t slot);
+  /// Puts the field of that drive into the picture; nothing where there is none.
+  void show_field(FieldSlice& field, const SliceState& slice);
+
+  /// Of --layout or the rig, in the world.
+  const array::Layout& layout() const { return layout_; }
 
  private:
   void load_objects(const ViewerOptions& options);
   void load_skin_surface(const ViewerOptions& options);
   void load_array(const ViewerOptions& options);
+  void heat_skin(const ViewerOptions& options, const session::Session& session);
 
   Picture picture_;
   array::Schedule schedule_;

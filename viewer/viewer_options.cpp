@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <glm/geometric.hpp>
 
 #include "base/error.hpp"
 #include "setup/values.hpp"
@@ -100,6 +101,10 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   what.text("--opacity", o.opacities, "LAYER=0..1,...", "how firmly layers are drawn, 1 is their own look");
   what.number("--explode", o.explode, {0, 1}, "NUMBER",
               "how far apart the convex parts of solids are drawn, 1: by their solid's size");
+  what.choice("--slice", o.slice_plane, setup::plane_words,
+              "show the sound field of the slot in a plane, normally xz: its axes in the world");
+  what.text("--slice-at", o.slice_at, "X,Y,Z", "the plane's centre [the touch's]");
+  what.quantity("--slice-size", o.slice_size_m, Quantity::length, setup::positive(10), "of the plane's sides");
   what.flag("--dark", o.dark, "dark background");
 
   const setup::Group where(app, "View");
@@ -146,7 +151,17 @@ void check(const ViewerOptions& o) {
   if (!value_of(view_words, standard_view(o)))
     throw bad_usage(fmt::format("--view: '{}' is no view; give {}, or camera:NAME", o.view, one_of(view_words)));
   if (standard_view(o) == "camera" && o.input.depths.empty()) throw bad_usage("--view camera goes with --depth");
-  first_state(o);
+  const Layers layers = first_state(o).layers;
+  if (layers.shows(Layer::slice) || layers.shows(Layer::heat)) {
+    const char* what = layers.shows(Layer::heat) ? "--show heat" : "--slice";
+    if (!has_skin(o) || o.input.scene.empty())
+      throw bad_usage(fmt::format("{} goes with --points or --depth: it is of a touch", what));
+    if (o.layout.empty() && o.input.rig.empty())
+      throw bad_usage(fmt::format("{} goes with --layout or --rig: it is of an array's sound", what));
+    if (layers.shows(Layer::heat) && o.skin.empty())
+      throw bad_usage("--show heat goes with --skin: it is on the finger's closed mesh");
+  }
+  if (!o.slice_at.empty()) point("--slice-at", o.slice_at);
   if (!o.target.empty() && o.eye.empty()) throw bad_usage("--target goes with --eye");
   if (!o.eye.empty()) {
     const Vec3 target = o.target.empty() ? Vec3(0) : point("--target", o.target);
@@ -188,10 +203,24 @@ ViewState first_state(const ViewerOptions& o) {
       throw bad_usage(fmt::format("--opacity: '{}' is no layer=0..1, such as solids=0.5", item));
     state.layers[layer_of("--opacity", item.substr(0, equals))].opacity = static_cast<float>(*opacity);
   }
+  if (o.slice_plane || !o.slice_at.empty()) state.layers[Layer::slice].visible = true;
   state.explode = o.explode;
   state.time.slot = o.slot;
   state.dark = o.dark;
   return state;
+}
+
+void place_slice(ViewState& state, const ViewerOptions& o, const Picture& picture) {
+  Transform& T = state.slice.T_world_slice;
+  const std::string_view letters = word_of(setup::plane_words, o.slice_plane.value_or(setup::Plane::xz));
+  for (int column = 0; column < 2; ++column) {
+    T[column] = Vec4(0);
+    T[column][letters[static_cast<std::size_t>(column)] - 'x'] = 1;
+  }
+  T[2] = Vec4(glm::cross(Vec3(T[0]), Vec3(T[1])), 0);
+  const Box touch = extent(picture, Extent::touch, state);
+  T[3] = Vec4(!o.slice_at.empty() ? point("--slice-at", o.slice_at) : touch.empty() ? Vec3(0) : touch.centre(), 1);
+  state.slice.size_m = Vec2(o.slice_size_m);
 }
 
 Box home_of(const ViewerOptions& o, const Picture& picture, const ViewState& state) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "setup/options.hpp"
+#include "setup/places.hpp"
 #include "setup/touch_input.hpp"
 #include "viewer/picture.hpp"
 #include "viewer/renderer.hpp"
@@ -27,6 +28,9 @@ struct ViewerOptions {
   std::string title;
   std::string shown, hidden, opacities;  ///< layers: "cameras,depth"; with opacities "solids=0.5,skin=0.2"
   double explode = 0;
+  std::optional<setup::Plane> slice_plane;
+  std::string slice_at;  ///< "x,y,z"
+  double slice_size_m = 60e-3;
   bool dark = false;
   std::uint64_t slot = 0;
 
@@ -56,6 +60,8 @@ struct Size {
 Size picture_size(const ViewerOptions& options);
 /// How the picture is looked at as long as nobody changes it; its viewpoint is not set yet.
 ViewState first_state(const ViewerOptions& options);
+/// Where the slice lies, unless --slice-at says: in the middle of the touch.
+void place_slice(ViewState& state, const ViewerOptions& options, const Picture& picture);
 /// Where the viewpoint stands at first, for a picture of that size. Throws bad_usage for a camera that is not there.
 Viewpoint first_viewpoint(const ViewerOptions& options, const Picture& picture, const ViewState& state,
                           const Size& size);

@@ -5,6 +5,9 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "viewer/palette.hpp"
+#include "viewer/view_vertex.hpp"
+
 namespace palpa::viewer {
 namespace {
 
@@ -55,7 +58,7 @@ void add_frustum(const CameraMark& camera, const Theme& theme, Pen& pen) {
 void add_board(const BoardMark& board, const Theme& theme, Pen& pen, std::vector<shader::ViewVertex>& faces) {
   const glm::vec3 normal = glm::cross(board[1] - board[0], board[2] - board[0]);
   for (const std::size_t corner : {0, 1, 2, 0, 2, 3})
-    faces.push_back({pack(board[corner], 1), pack(normal, 0)});
+    faces.push_back(plain(board[corner], normal));
   for (std::size_t i = 0; i < 4; ++i)
     pen.line(board[i], board[(i + 1) % 4], 1.2f, theme.board_edge);
 }
@@ -80,11 +83,6 @@ void add_section(const SectionMark& section, const Colour& colour, Pen& pen, std
 
 }  // namespace
 
-shader::ViewVertex coloured(const glm::vec3& position, const glm::vec3& normal, const Colour& colour) {
-  const auto step = [](float v) { return std::round(std::clamp(v, 0.0f, 1.0f) * 255.0f); };
-  return {pack(position, (step(colour.r) * 256.0f + step(colour.g)) * 256.0f + step(colour.b)), pack(normal, 1)};
-}
-
 void build_marks(const Picture& picture, const ViewState& state, const Box& floor, WorldMarks& marks) {
   const Theme& theme = state.dark ? dark_theme() : light_theme();
   marks.lines.clear();
@@ -101,6 +99,13 @@ void build_marks(const Picture& picture, const ViewState& state, const Box& floo
     Pen edges = pen(Layer::transducers);
     for (const BoardMark& board : picture.boards)
       add_board(board, theme, edges, marks.boards);
+  }
+  if (state.layers.shows(Layer::slice)) {
+    Pen frame = pen(Layer::slice);
+    for (const ImageMark& image : picture.images) {
+      for (std::size_t i = 0; i < 4 && image.layer == Layer::slice; ++i)
+        frame.line(image.corners[i], image.corners[(i + 1) % 4], 1.2f, theme.board_edge);
+    }
   }
   if (state.layers.shows(Layer::sections)) {
     Pen outlines = pen(Layer::sections);

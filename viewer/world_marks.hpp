@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "shaders/view_scene.h"
-#include "viewer/palette.hpp"
 #include "viewer/picture.hpp"
 #include "viewer/view_state.hpp"
 
@@ -18,8 +17,5 @@ struct WorldMarks {
 
 /// Replaces `marks` by those of the layers that are shown. `floor`: the grid lies on its underside.
 void build_marks(const Picture& picture, const ViewState& state, const Box& floor, WorldMarks& marks);
-
-/// A corner with a colour of its own (without alpha), as view_mesh.vert has it.
-shader::ViewVertex coloured(const glm::vec3& position, const glm::vec3& normal, const Colour& colour);
 
 }  // namespace palpa::viewer

@@ -9,6 +9,8 @@
 #include "drawing_test.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
+#include "geometry/icosphere.hpp"
+#include "geometry/ply.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rig.hpp"
 #include "support/files.hpp"
@@ -132,6 +134,55 @@ TEST_F(Viewer, LayersAreShownAndHidden) {
   refused({"--opacity", "solids"}, "--opacity");
   refused({"--opacity", "solids=2"}, "solids=2");
   refused({"--explode", "2"}, "--explode");
+}
+
+TEST_F(Viewer, TheFieldOfTheSlotStandsInAPlane) {
+  const auto folder = test::scratch_folder("viewer-slice");
+  const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {
+    const std::string file = (folder / name).string();
+    const std::vector<std::string> all{"--headless", "--quiet", "--layout", "autd3",        "--frame",
+                                       "touch",      "--hide",  "array",    "--screenshot", file};
+    EXPECT_EQ(viewer(cube_touch(test::with(all, more))).exit_code, 0);
+    return test::read_text(file);
+  };
+  const std::string slice = shot("xz.png", {"--slice", "xz", "--slice-size", "20mm"});
+  EXPECT_NE(shot("none.png", {}), slice);
+  EXPECT_NE(shot("xy.png", {"--slice", "xy", "--slice-size", "20mm"}), slice);
+  EXPECT_NE(shot("at.png", {"--slice-at", "0,-1mm,0", "--slice-size", "20mm"}), slice);
+  EXPECT_NE(shot("next.png", {"--slice", "xz", "--slice-size", "20mm", "--slot", "1"}), slice);
+  test::expect_failure(viewer(cube_touch({"--headless", "--slice", "xz"})), 2, "--slice goes with --layout or --rig");
+  test::expect_failure(viewer({"--headless", "--layout", "paper", "--slice", "xz"}), 2, "it is of a touch");
+}
+
+TEST_F(Viewer, ThePressureOnTheFingerIsHeat) {
+  const auto folder = test::scratch_folder("viewer-heat");
+  const std::string ball = (folder / "ball.ply").string(), file = (folder / "heat.png").string();
+  const geometry::Mesh mesh = geometry::icosphere(6e-3, 7);
+  geometry::write_ply(ball, mesh.positions, mesh.triangles);
+  const std::vector<std::string> touch{"--scene",       source_file("assets/cube.glb").string(),
+                                       "--points",      ball,
+                                       "--skin",        ball,
+                                       "--penetration", "2mm",
+                                       "--size",        "320x200",
+                                       "--frame",       "touch",
+                                       "--hide",        "array,legend",
+                                       "--headless",    "--show",
+                                       "heat"};
+  const auto run = viewer(test::with(touch, {"--layout", "autd3", "--screenshot", file}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  // Near black where there is nothing to feel, lighter where there is most.
+  const drawing::Pixels pixels = drawing::read_png(file);
+  std::size_t dark = 0, light = 0;
+  for (std::uint32_t y = 0; y < pixels.height; ++y) {
+    for (std::uint32_t x = 0; x < pixels.width; ++x) {
+      dark += pixels.at(x, y)[1] < 40;
+      light += pixels.at(x, y)[0] > 200 && pixels.at(x, y)[2] < 120;
+    }
+  }
+  EXPECT_GT(dark, 2000u);
+  EXPECT_GT(light, 200u);
+  test::expect_failure(viewer(touch), 2, "--show heat goes with --layout or --rig");
+  test::expect_failure(viewer(cube_touch({"--headless", "--layout", "autd3", "--show", "heat"})), 2, "--skin");
 }
 
 TEST_F(Viewer, ComparesWithAReference) {
