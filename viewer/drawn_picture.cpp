@@ -85,8 +85,12 @@ void DrawnPicture::update_marks(const Picture& picture, const ViewState& state) 
   build_marks(picture, state, floor(), new_marks_);
   new_vertices_ = new_marks_.boards;
   boards_ = {0, static_cast<std::uint32_t>(new_vertices_.size())};
-  sections_ = {boards_.count, static_cast<std::uint32_t>(new_marks_.sections.size())};
-  new_vertices_.insert(new_vertices_.end(), new_marks_.sections.begin(), new_marks_.sections.end());
+  const auto append = [&](Items& range, const std::vector<shader::ViewVertex>& faces) {
+    range = {static_cast<std::uint32_t>(new_vertices_.size()), static_cast<std::uint32_t>(faces.size())};
+    new_vertices_.insert(new_vertices_.end(), faces.begin(), faces.end());
+  };
+  append(sections_, new_marks_.sections);
+  append(tile_, new_marks_.tile);
   add_images(picture);
   lines_ = {0, static_cast<std::uint32_t>(new_marks_.lines.size())};
   fill(face_vertices_, new_vertices_, "faces");

@@ -62,7 +62,7 @@ class DrawnPicture {
   SurfaceItems skin_;
   bool skin_has_colours_ = false;
   std::vector<ImageItems> images_;
-  Items boards_, sections_, points_, contacts_, transducers_, lines_;
+  Items boards_, sections_, tile_, points_, contacts_, transducers_, lines_;
   gpu::Upload vertices_, edges_, face_vertices_, pixels_, discs_, strokes_;
   bool surfaces_changed_ = false, marks_changed_ = false;
   std::vector<shader::ViewVertex> new_vertices_;

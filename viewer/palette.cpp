@@ -23,6 +23,7 @@ const Theme& light_theme() {
       .board_edge = rgb(0x66727f, 0.55f),
       .idle_transducer = rgb(0xc3cad1),
       .frustum = rgb(0x66727f, 0.75f),
+      .tile = rgb(0xe69f00),
   };
   return theme;
 }
@@ -45,6 +46,7 @@ const Theme& dark_theme() {
       .board_edge = rgb(0x9aa7b4, 0.5f),
       .idle_transducer = rgb(0x3c444d),
       .frustum = rgb(0x9aa7b4, 0.75f),
+      .tile = rgb(0xf0b429),
   };
   return theme;
 }

@@ -17,7 +17,7 @@ struct Theme {
   Colour background, ink, faint_ink, grid, grid_major;
   Colour solid, solid_rim, edge;
   Colour skin, skin_rim, skin_point, loose_contact;
-  Colour board, board_edge, idle_transducer, frustum;
+  Colour board, board_edge, idle_transducer, frustum, tile;
 };
 const Theme& light_theme();
 const Theme& dark_theme();

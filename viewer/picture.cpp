@@ -10,8 +10,31 @@
 
 namespace palpa::viewer {
 
+namespace {
+
+/// The middle of what lies within a millimetre of the top.
+Vec3 middle_of_top(const geometry::Solid& solid) {
+  Box top;
+  for (const Vec3& p : solid.mesh.positions) {
+    if (p.y > solid.bounds.high.y - 1e-3) top.add(p);
+  }
+  return top.empty() ? solid.bounds.centre() : top.centre();
+}
+
+}  // namespace
+
 void show_solids(Picture& picture, std::span<const geometry::Solid> solids) {
   picture.solids.clear();
+  picture.tile.reset();
+  const auto highest = std::max_element(solids.begin(), solids.end(),
+                                        [](const auto& a, const auto& b) { return a.bounds.high.y < b.bounds.high.y; });
+  if (highest != solids.end() && !highest->bounds.empty()) {
+    constexpr float half = 5e-3f;
+    glm::vec3 at(middle_of_top(*highest));
+    at.y = static_cast<float>(highest->bounds.high.y) + 0.3e-3f;  // above it, not half in it
+    picture.tile = {at + glm::vec3(-half, 0, half), at + glm::vec3(half, 0, half), at + glm::vec3(half, 0, -half),
+                    at + glm::vec3(-half, 0, -half)};
+  }
   for (const auto& solid : solids) {
     if (solid.parts.parts.size() < 2) picture.solids.push_back({solid.name, solid.mesh});
     for (std::uint32_t i = 0; solid.parts.parts.size() > 1 && i < solid.parts.parts.size(); ++i)

@@ -107,9 +107,10 @@ struct ImageMark {
 struct Picture {
   std::string title;  ///< above the legend, may be empty
   std::vector<SurfaceMark> solids;
-  std::optional<SurfaceMark> skin;     ///< the finger's or hand's surface, drawn faintly
-  std::vector<glm::vec3> skin_points;  ///< those near the solids that are no contacts
-  std::uint64_t skin_count = 0;        ///< skin points in all, contacts and those far away too
+  std::optional<std::array<glm::vec3, 4>> tile;  ///< marks the top of the solids; corners in order around it
+  std::optional<SurfaceMark> skin;               ///< the finger's or hand's surface, drawn faintly
+  std::vector<glm::vec3> skin_points;            ///< those near the solids that are no contacts
+  std::uint64_t skin_count = 0;                  ///< skin points in all, contacts and those far away too
   std::vector<ContactMark> contacts;
   std::vector<FingerMarks> fingers;
   std::vector<TransducerMark> transducers;
@@ -124,6 +125,7 @@ struct Picture {
 
 // What fills a picture from the engine's values; each replaces its own part only.
 
+/// With a tile of 10 mm on the highest of them, in the middle of its top.
 void show_solids(Picture& picture, std::span<const geometry::Solid> solids);
 /// `points` in ascending order of index; those that are contacts are drawn as contacts only.
 void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::span<const sensing::SkinPoint> points,

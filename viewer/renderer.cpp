@@ -287,6 +287,12 @@ void Renderer::draw_images(const Shot& shot, const DrawnPicture& drawn, const Vi
 }
 
 void Renderer::draw_faces_and_lines(const Shot& shot, const DrawnPicture& drawn) const {
+  const float tile = shot.layers.opacity(Layer::tile);
+  shader::ViewPush flat = shot.push;
+  flat.colour.w = flat.style.x = tile;
+  flat.style.y = flat.style.z = 0;
+  mesh_.draw(shot.commands, {drawn.face_vertices_.ref()}, flat, {.depth_write = tile >= 1}, drawn.tile_.count,
+             drawn.tile_.first);
   shader::ViewPush push = shot.push;
   push.window.w = line_bias;
   push.style = {0, shot.ratio, shot.push.style.z, shot.push.style.w};

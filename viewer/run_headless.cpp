@@ -45,13 +45,17 @@ void run_headless(const ViewerOptions& options) {
                          {"--screenshot", options.screenshot},
                          {"--video", options.video, Output::Kind::folder}});
   refuse_output_as_input(std::filesystem::path(options.reference));
+  std::optional<Participant> participant;
+  if (options.participant) participant = participant_of(options);
   Show show(options);
   const gpu::Device device(setup::device_options(options.common));
   const Size size = picture_size(options);
   const double ratio = options.pixel_ratio.value_or(1);
-  Offscreen offscreen(device, size.width, size.height, ratio);
+  const EyeSize eye = eye_size(options.stereo, size.width, size.height);
+  Offscreen offscreen(device, eye.width, eye.height, ratio);
   DrawnPicture drawn(device);
   ViewState state = first_state(options);
+  if (participant) state = for_participant(state);
   place_slice(state, options, show.picture());
   std::optional<FieldSlice> field;
   if (state.layers.shows(Layer::slice)) {
@@ -62,9 +66,16 @@ void run_headless(const ViewerOptions& options) {
   const Viewpoint viewpoint = first_viewpoint(options, show.picture(), state, size);
   if (!options.video.empty()) make_folder(options.video);
   const auto views = views_from(viewpoint, options, show.picture(), size, ratio);
+  const Box objects = extent(show.picture(), Extent::objects, state);
+  const auto draw_frame = [&] {
+    if (participant) return draw(*participant, objects, offscreen, drawn);
+    offscreen.draw(drawn, views);
+    return offscreen.pixels();
+  };
 
   const std::uint32_t frames = options.frames.value_or(1);
   std::vector<double> times;
+  Pixels pixels;
   setup::Stopwatch watch;
   for (std::uint32_t i = 0; i < frames; ++i) {
     if (i > 0 && show.changes()) {
@@ -72,16 +83,15 @@ void run_headless(const ViewerOptions& options) {
       if (field) show.show_field(*field, state.slice);
       drawn.update_marks(show.picture(), state);
     }
-    offscreen.draw(drawn, views);
+    pixels = draw_frame();
     times.push_back(watch.lap_ms());
     if (options.video.empty()) continue;
-    write_png(std::filesystem::path(options.video) / fmt::format("{:06}.png", i), offscreen.pixels());
+    write_png(std::filesystem::path(options.video) / fmt::format("{:06}.png", i), pixels);
     watch.lap_ms();  // files are no part of a frame
   }
   std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
   const double frame_ms = times[times.size() / 2];
 
-  const Pixels pixels = offscreen.pixels();
   if (!options.screenshot.empty()) write_png(options.screenshot, pixels);
   std::optional<double> difference;
   if (!options.reference.empty()) difference = compare(options, pixels);

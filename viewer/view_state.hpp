@@ -29,6 +29,7 @@ enum class Layer {
   depth,    ///< the cameras' images, inset
   slice,    ///< the field in a plane
   heat,     ///< the pressure on the finger
+  tile,     ///< the marker on top of the objects, as the participant sees it
   grid,
   legend,  ///< with axes and scale
 };
@@ -37,7 +38,7 @@ inline constexpr Word<Layer> layer_words[] = {
     {"points", Layer::points}, {"contacts", Layer::contacts}, {"sections", Layer::sections},
     {"foci", Layer::foci},     {"array", Layer::transducers}, {"cameras", Layer::cameras},
     {"depth", Layer::depth},   {"slice", Layer::slice},       {"heat", Layer::heat},
-    {"grid", Layer::grid},     {"legend", Layer::legend}};
+    {"tile", Layer::tile},     {"grid", Layer::grid},         {"legend", Layer::legend}};
 inline constexpr std::size_t layer_count = std::size(layer_words);
 
 struct LayerState {
@@ -49,7 +50,7 @@ struct LayerState {
 /// The layers. What costs time or covers others is hidden at first.
 class Layers {
  public:
-  Layers() { hide({Layer::sections, Layer::cameras, Layer::depth, Layer::slice, Layer::heat}); }
+  Layers() { hide({Layer::sections, Layer::cameras, Layer::depth, Layer::slice, Layer::heat, Layer::tile}); }
   LayerState& operator[](Layer layer) { return states_[static_cast<std::size_t>(layer)]; }
   const LayerState& operator[](Layer layer) const { return states_[static_cast<std::size_t>(layer)]; }
   /// 0 for a layer that is hidden.

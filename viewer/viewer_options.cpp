@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 
 #include "base/error.hpp"
+#include "sensing/rig.hpp"
+#include "setup/assets.hpp"
 #include "setup/values.hpp"
 #include "viewer/chart.hpp"
 
@@ -117,6 +119,18 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   where.flag("--ortho", o.orthographic, "parallel projection");
   where.flag("--inset", o.inset, "a close-up of the touch in the corner");
 
+  const setup::Group participant(app, "What the participant sees");
+  participant.flag("--participant", o.participant,
+                   "objects and marker tile on the rig's screen, as seen from its eye or --eye; without a window");
+  participant.text("--screen", o.screen, "FILE", "rig TOML with the [screen] [--rig's, or the paper's]");
+  participant.choice("--stereo", o.stereo, stereo_words, "how the two eyes' pictures become one");
+  participant.quantity("--eyes-apart", o.eyes_apart_m, Quantity::length, setup::positive(1), "from eye to eye");
+  participant.quantity("--barrier-pitch", o.barrier_pitch_m, Quantity::length, setup::positive(1),
+                       "of columns: from slit to slit; of rows: of two rows [so that neighbours differ]");
+  participant.quantity("--barrier-gap", o.barrier_gap_m, Quantity::length, {-1, 1},
+                       "from the screen to its barrier [so that neighbours differ]");
+  participant.number("--barrier-phase", o.barrier_phase, {0, 1}, "PART", "of a pitch: where the slits are");
+
   const setup::Group how(app, "Without a window");
   how.flag("--headless", o.headless, "open no window");
   how.integer("--frames", o.frames, 1, 1'000'000, "frames to draw, a slot each, then exit [headless: 1]");
@@ -162,6 +176,14 @@ void check(const ViewerOptions& o) {
       throw bad_usage("--show heat goes with --skin: it is on the finger's closed mesh");
   }
   if (!o.slice_at.empty()) point("--slice-at", o.slice_at);
+  if (o.participant) {
+    if (!o.headless) throw bad_usage("--participant goes with --headless");
+    if (o.input.scene.empty()) throw bad_usage("--participant goes with --scene: give the objects");
+    if (!o.target.empty()) throw bad_usage("--target goes with --eye alone: a participant looks through the screen");
+    if (o.inset) throw bad_usage("--inset is no part of what a participant sees");
+  } else if (!o.screen.empty() || o.stereo != Stereo::none) {
+    throw bad_usage("--screen and --stereo go with --participant");
+  }
   if (!o.target.empty() && o.eye.empty()) throw bad_usage("--target goes with --eye");
   if (!o.eye.empty()) {
     const Vec3 target = o.target.empty() ? Vec3(0) : point("--target", o.target);
@@ -246,6 +268,25 @@ Viewpoint first_viewpoint(const ViewerOptions& o, const Picture& picture, const 
   look(viewpoint, view);
   fit(viewpoint, home, static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u));
   return viewpoint;
+}
+
+Participant participant_of(const ViewerOptions& o) {
+  const std::string file = !o.screen.empty()      ? o.screen
+                           : !o.input.rig.empty() ? o.input.rig
+                                                  : setup::find_asset("rigs/paper.toml");
+  const sensing::Rig rig = sensing::load_rig(file);
+  if (!rig.screen) throw bad_input(file, "has no [screen]; give a rig with one as --screen");
+  Participant participant{.screen = *rig.screen, .eyes_apart_m = o.eyes_apart_m, .stereo = o.stereo};
+  if (!o.eye.empty()) participant.screen.eye_m = point("--eye", o.eye);
+  const Size size = picture_size(o);
+  const Eyes eyes = eyes_before(participant.screen, o.eyes_apart_m);
+  for (const Vec3& eye : {eyes.left, eyes.right})
+    (void)onto(participant.screen, eye);
+  participant.barrier = usual_barrier(participant.screen, eyes, o.stereo, size.width, size.height);
+  participant.barrier.pitch_m = o.barrier_pitch_m.value_or(participant.barrier.pitch_m);
+  participant.barrier.gap_m = o.barrier_gap_m.value_or(participant.barrier.gap_m);
+  participant.barrier.phase = o.barrier_phase;
+  return participant;
 }
 
 std::vector<View> views_from(const Viewpoint& viewpoint, const ViewerOptions& o, const Picture& picture,

@@ -10,6 +10,7 @@
 #include "setup/options.hpp"
 #include "setup/places.hpp"
 #include "setup/touch_input.hpp"
+#include "viewer/participant.hpp"
 #include "viewer/picture.hpp"
 #include "viewer/renderer.hpp"
 #include "viewer/view_state.hpp"
@@ -40,6 +41,13 @@ struct ViewerOptions {
   bool orthographic = false;
   bool inset = false;
 
+  bool participant = false;
+  std::string screen;  ///< rig whose screen it is; empty: that of --rig, else the paper's
+  Stereo stereo = Stereo::none;
+  double eyes_apart_m = 63e-3;
+  std::optional<double> barrier_pitch_m, barrier_gap_m;
+  double barrier_phase = 0;
+
   bool headless = false;
   std::optional<std::uint32_t> frames;
   std::string size = "1280x800";
@@ -68,6 +76,8 @@ Viewpoint first_viewpoint(const ViewerOptions& options, const Picture& picture, 
 /// What is drawn from there: the whole, and with --inset a close-up of the touch, if there is one.
 std::vector<View> views_from(const Viewpoint& viewpoint, const ViewerOptions& options, const Picture& picture,
                              const Size& size, double ratio);
+/// Of --participant. Throws bad_input for a rig without a screen.
+Participant participant_of(const ViewerOptions& options);
 /// What F frames, and what the first viewpoint does unless an eye is given.
 Box home_of(const ViewerOptions& options, const Picture& picture, const ViewState& state);
 

@@ -88,6 +88,7 @@ void build_marks(const Picture& picture, const ViewState& state, const Box& floo
   marks.lines.clear();
   marks.boards.clear();
   marks.sections.clear();
+  marks.tile.clear();
   const auto pen = [&](Layer layer) { return Pen(state.layers.opacity(layer), marks.lines); };
   if (state.layers.shows(Layer::grid)) add_grid(floor, theme, pen(Layer::grid));
   if (state.layers.shows(Layer::cameras)) {
@@ -106,6 +107,14 @@ void build_marks(const Picture& picture, const ViewState& state, const Box& floo
       for (std::size_t i = 0; i < 4 && image.layer == Layer::slice; ++i)
         frame.line(image.corners[i], image.corners[(i + 1) % 4], 1.2f, theme.board_edge);
     }
+  }
+  if (picture.tile && state.layers.shows(Layer::tile)) {
+    Pen edges = pen(Layer::tile);
+    const auto& corners = *picture.tile;
+    for (const std::size_t corner : {0, 1, 2, 0, 2, 3})
+      marks.tile.push_back(coloured(corners[corner], {0, 1, 0}, theme.tile));
+    for (std::size_t i = 0; i < 4; ++i)
+      edges.line(corners[i], corners[(i + 1) % 4], 1.5f, theme.edge);
   }
   if (state.layers.shows(Layer::sections)) {
     Pen outlines = pen(Layer::sections);

@@ -13,6 +13,7 @@ struct WorldMarks {
   std::vector<shader::ViewStroke> lines;     ///< coordinates in the world
   std::vector<shader::ViewVertex> boards;    ///< faces in the theme's colour of boards
   std::vector<shader::ViewVertex> sections;  ///< faces in their fingers' colours
+  std::vector<shader::ViewVertex> tile;      ///< of the marker, in its colour
 };
 
 /// Replaces `marks` by those of the layers that are shown. `floor`: the grid lies on its underside.

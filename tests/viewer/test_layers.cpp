@@ -51,6 +51,8 @@ Picture everything() {
     picture.skin_points.emplace_back(-0.03 + 0.002 * i, 0.025, 0.02);
   for (int i = 0; i < 5; ++i)
     picture.contacts.push_back({{-0.015f, 0.002f * static_cast<float>(i), 0.021f}, 0u});
+  picture.tile = {
+      glm::vec3(-0.005, 0.021, 0.005), {0.005, 0.021, 0.005}, {0.005, 0.021, -0.005}, {-0.005, 0.021, -0.005}};
   FingerMarks finger;
   finger.foci = {{{-0.01f, -0.01f, 0.02f}, 1}, {{0.01f, -0.01f, 0.02f}, 2}};
   finger.section =

@@ -185,6 +185,47 @@ TEST_F(Viewer, ThePressureOnTheFingerIsHeat) {
   test::expect_failure(viewer(cube_touch({"--headless", "--layout", "autd3", "--show", "heat"})), 2, "--skin");
 }
 
+TEST_F(Viewer, AParticipantSeesTheObjectWithEitherEye) {
+  const auto folder = test::scratch_folder("viewer-participant");
+  const std::string scene = source_file("assets/pyramid.glb").string();
+  const auto arguments = [&](const std::vector<std::string>& more) {
+    return test::with({"--participant", "--scene", scene, "--headless", "--quiet", "--size", "320x180"}, more);
+  };
+  const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {
+    const std::string file = (folder / name).string();
+    EXPECT_EQ(viewer(test::with(arguments(more), {"--screenshot", file})).exit_code, 0) << name;
+    return drawing::read_png(file);
+  };
+  const drawing::Pixels both = shot("both.png", {"--stereo", "side-by-side"});
+  const drawing::Pixels tile = shot("tile.png", {"--stereo", "side-by-side", "--hide", "solids,edges"});
+  EXPECT_EQ(both.width, 320u);
+  // The tile is the same in both, farther to the right for the left eye since it stands before the screen.
+  const auto middle = [&](std::uint32_t first) {
+    double sum = 0, count = 0;
+    for (std::uint32_t y = 0; y < 180; ++y) {
+      for (std::uint32_t x = first; x < first + 160; ++x) {
+        if (tile.at(x, y)[2] > 200) continue;
+        sum += x - first;
+        ++count;
+      }
+    }
+    EXPECT_GT(count, 5) << first;
+    return sum / count;
+  };
+  EXPECT_GT(middle(0), middle(160) + 3);
+  EXPECT_GT(drawing::mean_difference(both, tile), 0.002);
+  EXPECT_GT(drawing::mean_difference(shot("columns.png", {"--stereo", "columns"}), shot("none.png", {})), 0.002);
+  const auto refused = [&](const std::vector<std::string>& more, int code, const char* part) {
+    test::expect_failure(viewer(arguments(more)), code, part);
+  };
+  refused({"--eye", "0,0,-1"}, 2, "not before the screen");
+  refused({"--stereo", "nonsense"}, 2, "--stereo");
+  const std::string rig = (folder / "bare.toml").string();
+  std::ofstream(rig) << sensing::to_toml(sensing::Rig{});
+  refused({"--screen", rig}, 4, "bare.toml");
+  test::expect_failure(viewer({"--scene", scene, "--headless", "--stereo", "rows"}), 2, "--participant");
+}
+
 TEST_F(Viewer, ComparesWithAReference) {
   const auto folder = test::scratch_folder("viewer-reference");
   const std::string shot = (folder / "p.png").string(), other = (folder / "other.png").string();

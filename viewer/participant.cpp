@@ -1,0 +1,34 @@
+#include "viewer/participant.hpp"
+
+namespace palpa::viewer {
+
+ViewState for_participant(const ViewState& state) {
+  ViewState out = state;
+  for (const Word<Layer>& entry : layer_words) {
+    const bool kept = entry.value == Layer::solids || entry.value == Layer::edges;
+    LayerState& layer = out.layers[entry.value];
+    layer.visible = entry.value == Layer::tile || (kept && layer.visible);
+  }
+  out.chosen.reset();
+  out.picked.reset();
+  return out;
+}
+
+Viewpoint eye_view(const sensing::Screen& screen, const Vec3& eye, const Box& objects) {
+  Viewpoint viewpoint;
+  look(viewpoint, onto(screen, eye), objects.empty() ? Vec3(screen.T_world_screen[3]) : objects.centre());
+  return viewpoint;
+}
+
+drawing::Pixels draw(const Participant& participant, const Box& objects, Offscreen& offscreen, DrawnPicture& drawn) {
+  const auto seen_by = [&](const Vec3& eye) {
+    offscreen.draw(drawn, eye_view(participant.screen, eye, objects));
+    return offscreen.pixels();
+  };
+  if (participant.stereo == Stereo::none) return seen_by(participant.screen.eye_m);
+  const Eyes eyes = eyes_before(participant.screen, participant.eyes_apart_m);
+  const drawing::Pixels left = seen_by(eyes.left);
+  return combine(left, seen_by(eyes.right), participant.screen, eyes, participant.barrier, participant.stereo);
+}
+
+}  // namespace palpa::viewer

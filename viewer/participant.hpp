@@ -1,0 +1,26 @@
+// Pictures for the participant of an experiment: the objects and the marker tile, nothing of what senses and sounds.
+#pragma once
+
+#include "viewer/offscreen.hpp"
+#include "viewer/stereo.hpp"
+#include "viewer/view_state.hpp"
+
+namespace palpa::viewer {
+
+struct Participant {
+  sensing::Screen screen;  ///< its eye is between the participant's
+  double eyes_apart_m = 63e-3;
+  Stereo stereo = Stereo::none;
+  Barrier barrier{};  ///< of columns and rows
+};
+
+/// The same look with solids and tile alone; solids that are hidden stay so.
+ViewState for_participant(const ViewState& state);
+
+/// What one eye sees.
+Viewpoint eye_view(const sensing::Screen& screen, const Vec3& eye, const Box& objects);
+
+/// The screen's whole picture. `offscreen` has the size that eye_size says.
+drawing::Pixels draw(const Participant& participant, const Box& objects, Offscreen& offscreen, DrawnPicture& drawn);
+
+}  // namespace palpa::viewer
