@@ -47,6 +47,7 @@ struct BoardSetting {
   BoardNotes& notes;
   double sound_speed_m_s = 343.21;
   bool foci_move = true;  ///< from slot to slot; else a plan is one drive and its modulation
+  double ramp_s = 0;  ///< a change from drive to drive takes so long, where the board can and the slot allows; 0: none
 };
 
 /// A pattern for a board that plays by its own clock, valid during the call: from `from_slot` on slot s sounds part

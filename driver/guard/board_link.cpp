@@ -194,7 +194,14 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
                   fmt::format("link {}: a board is silenced {} ms after its last drive; a dwell of {} ms is "
                               "too long for it: at most {} ms",
                               name, 1e3 * heartbeat_s, 1e3 * setting.slot_s, 1e3 * most_slot_s));
-            Brief brief{name, argument, setting.board_files, setting.layout, setting.slot_s, setting.foci_move};
+            Brief brief{.kind = name,
+                        .argument = argument,
+                        .files = setting.board_files,
+                        .layout = setting.layout,
+                        .slot_s = setting.slot_s,
+                        .foci_move = setting.foci_move,
+                        .sound_speed_m_s = setting.sound_speed_m_s,
+                        .ramp_s = setting.ramp_s};
             return std::make_unique<BoardLink>(std::move(brief), program.empty() ? guard_program() : program,
                                                plays_plans);
           }};

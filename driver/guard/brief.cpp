@@ -114,6 +114,7 @@ std::vector<std::byte> to_bytes(const Brief& brief) {
   out.value(brief.slot_s);
   out.value(std::uint8_t{brief.foci_move});
   out.value(brief.sound_speed_m_s);
+  out.value(brief.ramp_s);
   out.value(std::uint8_t{brief.only_silence});
   return std::move(out.bytes);
 }
@@ -129,6 +130,7 @@ Brief brief_from(std::span<const std::byte> bytes) {
   brief.slot_s = in.value<double>();
   brief.foci_move = in.value<std::uint8_t>() != 0;
   brief.sound_speed_m_s = in.value<double>();
+  brief.ramp_s = in.value<double>();
   brief.only_silence = in.value<std::uint8_t>() != 0;
   return brief;
 }

@@ -19,6 +19,7 @@ struct Brief {
   double slot_s = 1.5e-3;
   bool foci_move = true;
   double sound_speed_m_s = 343.21;
+  double ramp_s = 0;
   bool only_silence = false;  ///< open, all off, close: after a guard that died
 };
 

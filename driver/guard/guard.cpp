@@ -178,8 +178,8 @@ int hold_board(std::span<const BoardKind> kinds) {
   if (kind == kinds.end()) throw failure("palpa-guard knows no board " + brief.kind);
   Notes notes;
   Guard guard(memory, kind->plays_plans);  // all its memory before the board sounds
-  const auto board = kind->open(
-      {brief.argument, brief.files, brief.layout, brief.slot_s, notes, brief.sound_speed_m_s, brief.foci_move});
+  const auto board = kind->open({brief.argument, brief.files, brief.layout, brief.slot_s, notes, brief.sound_speed_m_s,
+                                 brief.foci_move, brief.ramp_s});
   keep_in_memory();
   Said end = Said::silent;
   std::exception_ptr fault;

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numbers>
 #include <string_view>
 #include <utility>
 
@@ -115,7 +117,12 @@ OpenMpdBoard::OpenMpdBoard(const BoardSetting& setting, usb::Transport& transpor
   }
   for (const auto& wire : wires_)
     wire->open();
-  check_bandwidth(setting.slot_s);
+  const std::size_t carried = check_bandwidth(setting.slot_s);
+  const double ramp_s = std::min(setting.ramp_s, setting.slot_s / 2);
+  const auto wanted = static_cast<std::size_t>(ramp_s / (divider * period_s) + 1e-9);
+  steps_ = std::clamp<std::size_t>(wanted, 1, std::min(carried, Wire::most_frames));
+  newest_.resize(setting.layout.transducers.size());
+  sounding_.resize(newest_.size());
   const double begin_s = clock_.now_s();
   while (!in_step()) {
     clock_.sleep_s(1e-3);
@@ -130,7 +137,8 @@ OpenMpdBoard::OpenMpdBoard(const BoardSetting& setting, usb::Transport& transpor
   sent_s_ = clock_.now_s();
 }
 
-void OpenMpdBoard::check_bandwidth(double slot_s) const {
+std::size_t OpenMpdBoard::check_bandwidth(double slot_s) const {
+  double frames = chip_bytes_per_s * slot_s / frame_bytes;
   std::map<unsigned, unsigned> boards_of_bus;
   for (const auto& wire : wires_)
     ++boards_of_bus[wire->bus()];
@@ -143,7 +151,9 @@ void OpenMpdBoard::check_bandwidth(double slot_s) const {
                       boards, bus, 1e-6 * need, 1e3 * slot_s, 1e-6 * bus_bytes_per_s,
                       1e3 * boards * frame_bytes / bus_bytes_per_s));
     }
+    frames = std::min(frames, bus_bytes_per_s / need);
   }
+  return static_cast<std::size_t>(std::max(frames, 1.0));
 }
 
 bool OpenMpdBoard::in_step() const {
@@ -153,6 +163,7 @@ bool OpenMpdBoard::in_step() const {
 void OpenMpdBoard::play(std::uint64_t, std::span<const array::TransducerDrive> drive) {
   for (std::size_t i = 0; i < wires_.size(); ++i)
     encoders_[i].encode(drive.subspan(i * transducers, transducers), next_[i]);
+  if (steps_ > 1) std::copy(drive.begin(), drive.end(), newest_.begin());
   waits_ = true;
   const auto off = [](const Frame& frame) { return frame == all_off_frame; };
   if (std::all_of(next_.begin(), next_.end(), off)) begin_silence();
@@ -168,6 +179,7 @@ void OpenMpdBoard::all_off() {
 
 void OpenMpdBoard::begin_silence() {
   waits_ = false;
+  std::fill(sounding_.begin(), sounding_.end(), array::TransducerDrive{0.0f, 0.0f});
   // Where one is still waiting for its last one nothing has been played since.
   if (send_silences()) std::fill(silences_.begin(), silences_.end(), std::uint8_t{1});
 }
@@ -187,7 +199,7 @@ bool OpenMpdBoard::send_silences() {
       all = false;
       continue;
     }
-    wires_[i]->send(all_off_frame);
+    wires_[i]->send({&all_off_frame, 1});
     silences_[i] = 0;
     silent_ = true;
     sent_s_ = clock_.now_s();
@@ -200,6 +212,7 @@ void OpenMpdBoard::send_next() {
   if (!in_step()) {  // boards on their way back in step are silent, and drives go on coming
     waits_ = false;
     std::fill(silences_.begin(), silences_.end(), std::uint8_t{0});
+    std::fill(sounding_.begin(), sounding_.end(), array::TransducerDrive{0.0f, 0.0f});
     return;
   }
   if (!send_silences() || !waits_) return;
@@ -207,9 +220,29 @@ void OpenMpdBoard::send_next() {
     if (!wire->takes()) return;
   }
   for (std::size_t i = 0; i < wires_.size(); ++i)
-    wires_[i]->send(next_[i]);
+    send_steps(i);
+  if (steps_ > 1) std::swap(sounding_, newest_);
   waits_ = silent_ = false;
   sent_s_ = clock_.now_s();
+}
+
+void OpenMpdBoard::send_steps(std::size_t board) {
+  std::array<Frame, Wire::most_frames> frames;
+  std::array<array::TransducerDrive, transducers> between;
+  for (std::size_t step = 1; step < steps_; ++step) {
+    const float part = static_cast<float>(step) / static_cast<float>(steps_);
+    for (std::size_t t = 0; t < transducers; ++t) {
+      const array::TransducerDrive from = sounding_[board * transducers + t], to = newest_[board * transducers + t];
+      const float way = from.amplitude == 0 || to.amplitude == 0
+                            ? 0.0f
+                            : std::remainder(to.phase - from.phase, 2 * std::numbers::pi_v<float>);
+      const float phase = from.amplitude == 0 ? to.phase : from.phase;
+      between[t] = {std::lerp(from.amplitude, to.amplitude, part), phase + way * part};
+    }
+    encoders_[board].encode(between, frames[step - 1]);
+  }
+  frames[steps_ - 1] = next_[board];
+  wires_[board]->send(std::span(frames).first(steps_));
 }
 
 void OpenMpdBoard::tend_wires() {

@@ -7,6 +7,9 @@
 // at most half a slot, so that their buffers stay empty and silence sounds at once. Their carriers are in phase by
 // their own cable, one of them (its switch MS_SELECT) being the master of all; no program can see or set that.
 //
+// With a ramp a drive is several frames, in even steps from the one before: in half a slot at most, as many as the
+// boards take and chip and bus carry. What was off takes the phases that come, what goes off keeps its own.
+//
 // Where a board falls out of step, or is gone, all boards are silenced and resynchronised, and the array plays on when
 // all are in step again, a good second after the last is back. Where nothing is played an all-off frame goes out twice
 // a second, since a board clears its buffer every second in which it got nothing, and might cut the next frame.
@@ -53,10 +56,12 @@ class OpenMpdBoard final : public Board {
  private:
   static constexpr double quiet_s = 0.5;  ///< then an all-off frame goes out
 
-  void check_bandwidth(double slot_s) const;
+  /// How many frames a drive may be.
+  std::size_t check_bandwidth(double slot_s) const;
   void tend_wires();
   void send_next();
   void begin_silence();
+  void send_steps(std::size_t board);
   bool send_silences();
   bool healthy_wire_flies() const;
   void tell();
@@ -67,6 +72,8 @@ class OpenMpdBoard final : public Board {
   std::vector<Encoder> encoders_;
   std::vector<Frame> next_;             ///< by board
   bool waits_ = false;                  ///< next_ has not been sent
+  std::size_t steps_ = 1;               ///< frames of a drive
+  array::Drive newest_, sounding_;      ///< with more than one: what next_ was made of, and what was sent last
   std::vector<std::uint8_t> silences_;  ///< by board: an all-off frame is still to be sent, before anything else
   std::size_t asker_ = 0;               ///< the wire whose turn it is to ask its device
   bool silent_ = true;                  ///< what was sent last is the all-off frame

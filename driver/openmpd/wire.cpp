@@ -272,9 +272,9 @@ bool Wire::takes() const {
   return state_ == State::in_step && flying_ < usb::most_in_flight;
 }
 
-void Wire::send(const Frame& frame) {
-  ++frames_;
-  begin(frame);
+void Wire::send(std::span<const Frame> frames) {
+  frames_ += frames.size();
+  begin({frames.front().data(), frames.size() * frame_bytes});
 }
 
 bool Wire::silenced() const {

@@ -38,6 +38,7 @@ class Wire {
   static constexpr double transfer_patience_s = 0.25;
   static constexpr double pause_s = 1.05;  ///< the board's own second is up by then
   static constexpr double retry_s = 0.5;
+  static constexpr std::size_t most_frames = 8;  ///< in one send()
 
   /// All of them outlive it. `divider` is set once per opening.
   Wire(Address address, usb::Transport& transport, const Clock& clock, std::uint8_t divider);
@@ -56,8 +57,8 @@ class Wire {
   bool in_step() const { return state_ == State::in_step; }
   /// Whether send() may be called: in step, and a transfer free.
   bool takes() const;
-  /// Begins to send. Trouble with it is for tend().
-  void send(const Frame& frame);
+  /// Begins to send, one frame after the other. Trouble with it is for tend().
+  void send(std::span<const Frame> frames);
   /// Starts over, if it was in step: silence, and in step again a second later.
   void resync();
 
@@ -77,7 +78,7 @@ class Wire {
   /// flushing and ending: the two bursts.
   enum class State { lost, found, asking, draining, flushing, pausing, ending, in_step };
   struct Flight {
-    std::array<std::uint8_t, 3 * frame_bytes> bytes{};
+    std::array<std::uint8_t, most_frames * frame_bytes> bytes{};
     std::size_t length = 0, sent = 0;
     double since_s = 0;
     bool flies = false;

@@ -94,8 +94,12 @@ const std::vector<std::string>& Session::solid_names() const {
 LinkSetting Session::link_setting() const {
   const touch::Method method = state_->setting.schedule.method.method;
   const bool still = method == touch::Method::single_focus || method == touch::Method::multi_focus;
-  return {state_->setting.layout, state_->names, state_->scheduler.slot_s(), !still,
-          state_->setting.drive.medium.sound_speed};
+  return {state_->setting.layout,
+          state_->names,
+          state_->scheduler.slot_s(),
+          !still,
+          state_->setting.drive.medium.sound_speed,
+          state_->setting.safety.ramp_s};
 }
 
 LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options) {

@@ -49,7 +49,7 @@ struct OpenMpdRig {
 
   void open() {
     board = std::make_unique<driver::openmpd::OpenMpdBoard>(
-        driver::BoardSetting{argument, files, layout, slot_s, notes}, bus, clock);
+        driver::BoardSetting{argument, files, layout, slot_s, notes, 343.21, true, ramp_s}, bus, clock);
   }
   /// One slot after the other, as a guard does it.
   void play(const array::Drive& drive, double seconds) {
@@ -85,7 +85,7 @@ struct OpenMpdRig {
   driver::usb::InProcessBus bus{clock};
   array::Layout layout;
   std::string argument, files;
-  double slot_s = 1.5e-3;
+  double slot_s = 1.5e-3, ramp_s = 0;
   KeptNotes notes;
   std::vector<std::unique_ptr<driver::openmpd::EmulatedBoard>> emulators;
   std::vector<driver::usb::Faults*> faults;

@@ -180,6 +180,13 @@ TEST(Guard, APlanComesBeforeTheDrivesThatBelongToIt) {
 TEST(Guard, WhatTheBoardRefusesIsRefusedAsItSaidIt) {
   const Rig rig;
   EXPECT_EQ(test::error_of([&] { rig.open("refuse"); }), "trace:refuse: there is no such board");
+  Rig told;
+  told.setting.slot_s = 2e-3;
+  told.setting.foci_move = false;
+  told.setting.sound_speed_m_s = 350;
+  told.setting.ramp_s = 0.02;
+  EXPECT_CONTAINS(test::error_of([&] { told.open("told"); }),
+                  "sound at 350 m/s, slots of 0.002 s, a ramp of 0.02 s, foci stand");
   const auto none = board_link({"trace", "", {}, true}, "/nowhere/palpa-guard");
   EXPECT_CONTAINS(test::error_of([&] { none.open("x", rig.setting); }, Exit::failed), "/nowhere/palpa-guard");
 }
@@ -459,7 +466,7 @@ TEST(Guard, InheritsNothingElse) {
 }
 
 TEST(GuardBrief, ComesOverWhole) {
-  Brief brief{"openmpd", "A,B", "some folder", {}, 2e-3, false, 340, true};
+  Brief brief{"openmpd", "A,B", "some folder", {}, 2e-3, false, 340, 0.01, true};
   brief.layout.name = "mine";
   brief.layout.transducers = {{Vec3(1, 2, 3), Vec3(0, 0, 1)}, {Vec3(-1, 0.5, 1e-9), Vec3(1, 0, 0)}};
   brief.layout.boards = {{"openmpd", 0, 2, 0.1, 0.2, Transform(2.0)}};
@@ -471,6 +478,7 @@ TEST(GuardBrief, ComesOverWhole) {
   EXPECT_EQ(back.layout.transducers[1].position, Vec3(-1, 0.5, 1e-9));
   EXPECT_EQ(back.layout.boards[0].T_layout_board, Transform(2.0));
   EXPECT_TRUE(back.only_silence);
+  EXPECT_EQ(back.ramp_s, 0.01);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     const std::span<const std::byte> cut(bytes.data(), size);
     EXPECT_CONTAINS(test::error_of([&] { brief_from(cut); }, Exit::failed), "another version");

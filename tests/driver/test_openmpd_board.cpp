@@ -136,6 +136,53 @@ TEST(OpenMpdBoard, SilenceSoundsWithinFiveMillisecondsAndBuffersStayEmpty) {
   EXPECT_LE(rig.emulators[0]->fpga().most_buffered(), 1536u);
 }
 
+TEST(OpenMpdBoard, ARampGoesFromFocusToFocusInSmallSteps) {
+  OpenMpdRig rig({"EMU1", "EMU2"}), plain({"EMU1", "EMU2"});
+  rig.ramp_s = 20e-3;
+  rig.open();
+  plain.open();
+  const auto drive_to = [&](double x) {
+    const array::SlotFocus foci[]{{{x, 0, 0.12}}};
+    array::DriveOptions options;
+    options.weighting = array::Weighting::uniform;
+    return array::drive_for(rig.layout, foci, options);
+  };
+  rig.play(drive_to(0), 0.03);
+  std::vector<openmpd::Pulses> shown{rig.emulators[0]->fpga().pulses()};
+  rig.emulators[0]->fpga().on_shown([&](double, const openmpd::Pulses& pulses) { shown.push_back(pulses); });
+  for (const double x : {2e-3, 4e-3, 0.0}) {
+    rig.play(drive_to(x), rig.slot_s);
+    plain.play(drive_to(x), plain.slot_s);
+    EXPECT_EQ(rig.emulators[0]->fpga().pulses(), plain.emulators[0]->fpga().pulses()) << "where it goes to";
+    EXPECT_EQ(rig.emulators[1]->fpga().pulses(), plain.emulators[1]->fpga().pulses());
+  }
+  ASSERT_EQ(shown.size(), 1u + 3 * 7) << "half a slot of 1.5 ms has seven frames of 0.1 ms";
+  int most = 0;
+  for (std::size_t i = 1; i < shown.size(); ++i) {
+    for (std::size_t pin = 0; pin < 256; ++pin) {
+      const int apart = (shown[i][pin].phase - shown[i - 1][pin].phase) & 127;
+      most = std::max(most, std::min(apart, 128 - apart));
+      EXPECT_EQ(shown[i][pin].width, 64) << "at full amplitude all the way";
+    }
+  }
+  EXPECT_GT(most, 3);
+  EXPECT_LE(most, 64 / 7 + 2) << "of 128 steps, and the rounding";
+  rig.board->all_off();
+  rig.clock.sleep_s(1e-3);
+  rig.look();
+  EXPECT_FALSE(rig.sounds());
+  EXPECT_EQ(rig.emulators[0]->fpga().frames(), rig.emulators[1]->fpga().frames());
+  EXPECT_EQ(rig.violations(), "");
+  // Where slots are too short for two frames a drive is one.
+  OpenMpdRig fast;
+  fast.ramp_s = 20e-3;
+  fast.slot_s = 250e-6;
+  fast.open();
+  const std::uint64_t before = fast.emulators[0]->fpga().frames();
+  fast.play(focus_drive(fast.layout), 10 * fast.slot_s);
+  EXPECT_EQ(fast.emulators[0]->fpga().frames(), before + 10);
+}
+
 TEST(OpenMpdBoard, TwoBoardsGetTheirHalvesAndEqualFrames) {
   OpenMpdRig rig({"EMU1", "EMU2"});
   rig.open();

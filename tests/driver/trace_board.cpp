@@ -1,6 +1,7 @@
 #include "trace_board.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <string_view>
 
 #include "base/error.hpp"
@@ -72,6 +74,10 @@ driver::BoardKind trace_board() {
   return {"trace", "trace:FILE: what a board is told, into a file",
           [](const driver::BoardSetting& setting) -> std::unique_ptr<driver::Board> {
             if (setting.argument == "refuse") throw bad_input("trace:refuse", "there is no such board");
+            if (setting.argument == "told")
+              throw bad_input("trace:told", fmt::format("sound at {} m/s, slots of {} s, a ramp of {} s, {}",
+                                                        setting.sound_speed_m_s, setting.slot_s, setting.ramp_s,
+                                                        setting.foci_move ? "foci move" : "foci stand"));
             const std::string die_once = "die-once:";
             if (setting.argument.starts_with(die_once)) {
               const std::string file = setting.argument.substr(die_once.size());
