@@ -115,6 +115,10 @@ PlayedTouch load_touch(const std::filesystem::path& file) {
   if (!json.is_object() || !has("fingers", Json::value_t::array) || !has("schedule", Json::value_t::object))
     throw bad_input(name, "is no touch: give what palpa touch --json wrote");
   if (json["fingers"].empty()) throw bad_input(name, "the touch has no finger: nothing sounds");
+  if (json["fingers"].size() > touch::max_fingers) {
+    throw bad_input(name, fmt::format("the touch has {} fingers; palpa touch writes at most {}", json["fingers"].size(),
+                                      touch::max_fingers));
+  }
 
   const Playing common = read_playing(Item(name, json["schedule"], "schedule"));
   PlayedTouch played{.schedule = {}, .together = common.together};

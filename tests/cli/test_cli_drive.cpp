@@ -385,6 +385,10 @@ TEST(DriveErrors, TouchesThatCannotBe) {
   refused("{", "syntax error at line 1");
   refused(touch("", "[0]"), "the touch has no finger");
   refused(touch("7", "[0]"), "finger 0: is not a JSON object");
+  std::string many = finger;
+  for (int more = 0; more < 64; ++more)
+    many += "," + finger;
+  refused(touch(many, "[0, 1]"), "the touch has 65 fingers; palpa touch writes at most 64");
   refused(touch(finger, "[]"), "schedule: \"order\" is missing");
   refused(touch(finger, "[0, -1]"), "\"order\" must be numbers of foci");
   refused(touch(finger, "[[0], [1]]"), "several slots of several foci");
