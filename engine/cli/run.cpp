@@ -83,14 +83,17 @@ void run(const Extensions& extensions, const RunCommand& o) {
   std::optional<log::Relay> relay(std::in_place);
   std::optional<setup::Interrupt> interrupt(std::in_place, late_line(o));
   log::release_warnings();
+  std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);  // ends with the first frame
   setup::Progress progress("frames", o.frames, o.common.quiet);
   session::RunOptions looking;
   looking.planned = [&, warned = false, frames = std::uint64_t{0}](const session::FrameReport& frame,
                                                                    const session::Plan&) mutable {
+    preparing.reset();
     setup::warn_of_left_out_fingers(*frame.touch, warned);
     progress.set(++frames);
   };
   const session::LoopStats stats = live.run(looking);
+  preparing.reset();
   interrupt.reset();
   relay.reset();  // its last lines must not come between those of the results
   report(o, outputs, stats);
