@@ -38,6 +38,13 @@ gpu::TexelView floats(const gpu::Device& device, const gpu::BufferRef& buffer, c
 
 }  // namespace
 
+bool fits_pass(std::uint32_t transducers, std::size_t foci) {
+  constexpr std::uint64_t most_turns = 65'000;  // and some for what compilers make of it
+  const std::uint64_t stretches = gpu::groups_for(transducers, shader::drive_group * shader::drive_sum_each);
+  const std::uint64_t scaling = gpu::groups_for(transducers, shader::drive_group);
+  return foci < most_turns && stretches * (1 + foci) + scaling <= most_turns;
+}
+
 DrivesPass::DrivesPass(const gpu::Device& device)
     : focus_(device, "drive_focus", spirv::drive_focus_comp, kernel()),
       sum_(device, "drive_sum", spirv::drive_sum_comp, kernel()),
@@ -87,7 +94,7 @@ std::uint32_t DriveMemory::fitting_slots(const gpu::Device& device, std::size_t 
 
 DriveMemory::DriveMemory(const gpu::Device& device, const Layout& layout, const DriveOptions& options,
                          std::uint32_t most_slots, std::uint32_t most_foci)
-    : options_(options), reach_(layout), most_slots_(most_slots), most_foci_(most_foci) {
+    : layout_(layout), options_(options), reach_(layout), most_slots_(most_slots), most_foci_(most_foci) {
   const double turns_per_metre = options.medium.turns_per_metre();
   const std::uint32_t fitting = fitting_slots(device, layout.transducers.size());
   if (most_slots > fitting || layout.transducers.size() > max_transducers) {
@@ -138,6 +145,14 @@ void DriveMemory::clear() {
   batch_.constraint = options_.constraint;
   solve_.sizes = 0;
   used_foci_ = used_entries_ = 0;
+  host_drives_.clear();
+}
+
+std::span<TransducerDrive> DriveMemory::add_host_slot() {
+  host_drives_.push_back({batch_.slots, Drive(layout_.transducers.size())});
+  slots_.as<shader::DriveSlot>()[batch_.slots++] = {used_foci_, 0, 0, shader::drive_unsolved};
+  batch_.single = true;
+  return host_drives_.back().drive;
 }
 
 bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
@@ -145,6 +160,10 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
   const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
   if (!fits(count)) return false;
   assert(!by_factors_);
+  if (!fits_pass(batch_.transducers, count)) {
+    drive_for(layout_, foci, options_, add_host_slot(), host_scratch_);
+    return true;
+  }
 
   float shared = 0;
   for (const SlotFocus& focus : foci) {
@@ -174,6 +193,10 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci, std::span<const std:
   if (!fits(count)) return false;
   by_factors_ = true;
   batch_.constraint = Constraint::clamp;
+  if (!fits_pass(batch_.transducers, count)) {
+    drive_by_factors(layout_, foci, factors, options_, add_host_slot(), host_scratch_);
+    return true;
+  }
   shader::DriveSlot& slot = slots_.as<shader::DriveSlot>()[batch_.slots++];
   slot = {used_foci_, static_cast<std::uint32_t>(count), 1, 0};
   (count <= 1 ? batch_.single : batch_.weighted) = true;
@@ -228,6 +251,8 @@ void DriveMemory::record(VkCommandBuffer commands, const DrivePasses& passes) {
 }
 
 std::span<const TransducerDrive> DriveMemory::drive(std::uint32_t slot) const {
+  const auto made = std::ranges::find(host_drives_, slot, &HostDrive::slot);
+  if (made != host_drives_.end()) return made->drive;
   return drives_.as<TransducerDrive>().subspan(std::size_t{slot} * batch_.transducers, batch_.transducers);
 }
 

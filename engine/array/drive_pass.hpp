@@ -4,6 +4,7 @@
 #include <complex>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "array/drive.hpp"
 #include "array/layout.hpp"
@@ -20,7 +21,7 @@ namespace palpa::array {
 struct DriveBindings {
   gpu::BufferRef transducers;  ///< texels of shader::DrivePoint[transducers]
   gpu::BufferRef foci;         ///< texels of shader::DriveFocus[]
-  gpu::BufferRef slots;        ///< texels of shader::DriveSlot[slots]; first + count within `foci`
+  gpu::BufferRef slots;        ///< texels of shader::DriveSlot[slots]; first + count within `foci`, fits_pass()
   gpu::BufferRef drives;   ///< written: shader::DriveOut[slots * transducers], slot after slot; no more than 2^32 - 1
   gpu::BufferRef weights;  ///< texels: vec4 per focus, plain and heard factor; bound only where batch.weighted
 };
@@ -34,6 +35,10 @@ struct DriveBatch {
   Weighting weighting = Weighting::distance;
   Constraint constraint = Constraint::normalise;
 };
+
+/// Whether a slot of several foci is one for the pass: a software device ends the loops of a kernel after 65,535 turns,
+/// wherever they are, and what would be left is no drive. (2000 foci in `paper`, 115 with 65,536 transducers.)
+bool fits_pass(std::uint32_t transducers, std::size_t foci);
 
 /// Pipelines only. Twin: drive_for, which it follows within 2e-6 rad and 1e-6 of amplitude for single foci up to 2 m
 /// away (float grows coarser beyond: 2e-4 rad at 10 m). Sums of several foci depend on the device's atan(y, x), of
@@ -75,7 +80,8 @@ class DriveMemory {
 
   /// Begins a new batch.
   void clear();
-  /// Adds the next slot; its foci may be none. False, and nothing added, where slots or foci would not fit.
+  /// Adds the next slot; its foci may be none. False, and nothing added, where slots or foci would not fit. The drive
+  /// of more foci than fits_pass() is the twin's, made here.
   [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci);
   /// The same with the factors of the foci, as drive_by_factors has it. A batch has all its slots by the one or by the
   /// other.
@@ -88,10 +94,14 @@ class DriveMemory {
 
   /// Drive of the batch's slot `slot`, once the submit has completed.
   std::span<const TransducerDrive> drive(std::uint32_t slot) const;
-  /// Where the drives lie on the device, for passes that go on from there.
-  gpu::BufferRef drives_ref() const { return drives_.ref(); }
 
  private:
+  struct HostDrive {
+    std::uint32_t slot;
+    Drive drive;
+  };
+
+  Layout layout_;
   DriveOptions options_;
   Reach reach_{Layout{}};
   std::uint32_t most_slots_ = 0, most_foci_ = 0;
@@ -108,8 +118,11 @@ class DriveMemory {
   std::uint32_t used_foci_ = 0, used_entries_ = 0;
   bool by_factors_ = false;
   bool layout_sent_ = false;
+  std::vector<HostDrive> host_drives_;  ///< of slots that are silent on the device
+  DriveScratch host_scratch_;
 
   bool fits(std::size_t foci) const { return batch_.slots < most_slots_ && foci <= most_foci_ - used_foci_; }
+  std::span<TransducerDrive> add_host_slot();
   void add_focus(const SlotFocus& focus, float gain);
 };
 

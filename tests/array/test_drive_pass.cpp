@@ -218,6 +218,36 @@ TEST(DriveMemory, AFullBatchRefusesAndStaysAsItIs) {
   EXPECT_TRUE(buffers.add_slot(two));
 }
 
+TEST(DriveMemory, MoreFociThanADevicesLoopsReachAreDrivenInFull) {
+  gpu::Device& device = test::test_device();
+  const Layout layout = load_layout("autd3");
+  const DrivePasses passes(device, Solver::naive);
+  std::vector<SlotFocus> crowd(33'000);  // two turns for each focus
+  for (std::size_t j = 0; j < crowd.size(); ++j) {
+    const double turn = static_cast<double>(j);
+    crowd[j].position = {0.05 * std::cos(turn), 0.05 * std::sin(turn), 0.1 + 1e-6 * turn};
+  }
+  ASSERT_FALSE(fits_pass(249, crowd.size()));
+  ASSERT_TRUE(fits_pass(3984, 2000) && !fits_pass(3984, 2047) && fits_pass(65'536, 64));
+  const std::vector<SlotFocus> few(crowd.begin(), crowd.begin() + 3);
+  DriveMemory memory(device, layout, {}, 3, static_cast<std::uint32_t>(crowd.size()) + 6);
+  for (int batch = 0; batch < 2; ++batch) {
+    memory.clear();
+    ASSERT_TRUE(memory.add_slot(few) && (batch > 0 || memory.add_slot(crowd)) && memory.add_slot(few));
+    test::run_on_device([&](VkCommandBuffer commands) { memory.record(commands, passes); });
+    const auto first = memory.drive(0), last = memory.drive(memory.slots() - 1);
+    EXPECT_TRUE(std::ranges::equal(first, last, [](const TransducerDrive& a, const TransducerDrive& b) {
+      return a.amplitude == b.amplitude && a.phase == b.phase && a.amplitude <= 1;
+    }));
+    if (batch > 0) continue;
+    const Drive expected = drive_for(layout, crowd);
+    for (std::uint32_t t = 0; t < 249; ++t) {
+      ASSERT_EQ(memory.drive(1)[t].amplitude, expected[t].amplitude);
+      ASSERT_EQ(memory.drive(1)[t].phase, expected[t].phase);
+    }
+  }
+}
+
 TEST(DriveMemory, RefuseWhatTheDeviceCannotBind) {
   gpu::Device& device = test::test_device();
   const Layout layout = load_layout("paper");
