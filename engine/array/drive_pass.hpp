@@ -37,7 +37,7 @@ struct DriveBatch {
 };
 
 /// Whether a slot of several foci is one for the pass: a software device ends the loops of a kernel after 65,535 turns,
-/// wherever they are, and what would be left is no drive. (2000 foci in `paper`, 115 with 65,536 transducers.)
+/// wherever they are, and what would be left is no drive. (2026 foci in `paper`, 121 with 65,536 transducers.)
 bool fits_pass(std::uint32_t transducers, std::size_t foci);
 
 /// Pipelines only. Twin: drive_for, which it follows within 2e-6 rad and 1e-6 of amplitude for single foci up to 2 m
