@@ -6,6 +6,8 @@
 #include <CLI/Formatter.hpp>
 
 #include "base/output_file.hpp"
+#include "driver/guard/board_link.hpp"
+#include "driver/sources.hpp"
 #include "setup/parse.hpp"
 #include "setup/program.hpp"
 #include "viewer/run.hpp"
@@ -31,11 +33,8 @@ void parse_and_run(int argc, char** argv) {
       "  palpa-viewer --scene assets/cube.glb --points assets/finger.ply --skin assets/finger.ply --penetration 3mm\n"
       "  palpa-viewer --scene assets/cube.glb --points assets/finger.ply --penetration 3mm --layout paper \\\n"
       "               --headless --screenshot touch.png\n"
-      "In the window: left-drag orbits, the wheel zooms, middle- or shift-drag pans; 1, 3 and 7 look from the front, "
-      "the\n"
-      "right and the top, 5 switches between perspective and parallel projection, F frames everything, space stops "
-      "the\n"
-      "running focus, Escape or q quits.\n"
+      "  palpa-viewer --scene assets/cube.glb --source synthetic --link foci:udp:127.0.0.1:9000\n"
+      "In the window H shows what mouse and keys do, O switches the array off; docs/viewer.md tells the rest.\n"
       "Exit codes: 0 ok, 1 failed, 2 bad usage, 3 no usable Vulkan device or display, 4 bad or missing input.");
   ViewerOptions options;
   add_options(app, options);
@@ -50,11 +49,15 @@ void parse_and_run(int argc, char** argv) {
     return;
   }
   setup::apply_logging(options.common);
+  options.given = setup::given_on(app);
   check(options);
-  if (options.headless) {
-    run_headless(options);
+  const LiveSession::Kinds kinds{.sources = driver::camera_sources(), .links = driver::board_links()};
+  if (!options.headless) {
+    run_window(options, kinds);
+  } else if (options.is_live() || !options.interact.empty()) {
+    run_scripted(options, kinds);
   } else {
-    run_window(options);
+    run_headless(options);
   }
 }
 

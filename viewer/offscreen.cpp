@@ -44,10 +44,10 @@ void Offscreen::draw(DrawnPicture& drawn, const Viewpoint& viewpoint) {
   draw(drawn, std::span(&view, 1));
 }
 
-void Offscreen::draw(DrawnPicture& drawn, std::span<const View> views) {
+void Offscreen::draw(DrawnPicture& drawn, std::span<const View> views, const Sheet* sheet) {
   const VkCommandBuffer commands = recorder_.begin();
   after_last_copy(commands);
-  renderer_.record(commands, drawn, views, canvas_, {image_.get(), image_.view()}, ratio_);
+  renderer_.record(commands, drawn, views, canvas_, {image_.get(), image_.view()}, ratio_, sheet);
   gpu::transition(commands, image_.get(), format, gpu::image_use::colour_target, gpu::image_use::copied_from);
   VkBufferImageCopy region{};
   region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};

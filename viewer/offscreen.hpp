@@ -15,7 +15,7 @@ class Offscreen {
   Offscreen(const gpu::Device& device, std::uint32_t width, std::uint32_t height, double ratio = 1);
 
   /// Draws one frame and waits for it. The same picture and views give the same bytes on one machine.
-  void draw(DrawnPicture& drawn, std::span<const View> views);
+  void draw(DrawnPicture& drawn, std::span<const View> views, const Sheet* sheet = nullptr);
   void draw(DrawnPicture& drawn, const Viewpoint& viewpoint);
   /// What the last draw drew; all zero before the first.
   Pixels pixels() const;

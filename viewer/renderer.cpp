@@ -71,7 +71,7 @@ shader::vec4 pack(const Colour& c) {
 /// Uploads overwrite what earlier frames' draws fetched.
 void after_last_draws(VkCommandBuffer commands) {
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-  memory.srcStageMask = VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT;
+  memory.srcStageMask = VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
   memory.dstStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
   VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
   info.memoryBarrierCount = 1;
@@ -127,6 +127,7 @@ Renderer::Renderer(const gpu::Device& device, VkFormat colour)
   layout.blend = samples_ == VK_SAMPLE_COUNT_1_BIT;
   layout.alpha_to_coverage = !layout.blend;
   disc_ = {device, "view disc", spirv::view_disc_vert, spirv::view_disc_frag, layout};
+  sheets_ = SheetPainter(device, colour_, depth_, samples_);
 }
 
 Canvas Renderer::make_canvas(VkExtent2D extent) const {
@@ -179,12 +180,13 @@ std::vector<Items> Renderer::upload_overlay(VkCommandBuffer commands, const Draw
 }
 
 void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<const View> views, Canvas& canvas,
-                      const Target& target, double ratio) const {
+                      const Target& target, double ratio, const Sheet* sheet) const {
   const VkExtent2D extent = canvas.extent();
   const Theme& theme = drawn.state_.dark ? dark_theme() : light_theme();
   after_last_draws(commands);
   drawn.record_upload(commands);
   const std::vector<Items> overlays = upload_overlay(commands, drawn, views, canvas, ratio);
+  if (sheet) sheets_.upload(commands, *sheet, canvas.sheet_);
 
   const bool resolve = canvas.colour_.get() != VK_NULL_HANDLE;
   gpu::transition(commands, target.image, colour_, gpu::image_use::discard_colour, gpu::image_use::colour_target);
@@ -230,6 +232,7 @@ void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<c
     shot.push.style.w = static_cast<float>(views[i].area.offset.y);
     draw_view(shot, drawn, canvas, views[i], overlays[i]);
   }
+  if (sheet) sheets_.draw(commands, *sheet, canvas.sheet_, extent);
   vkCmdEndRendering(commands);
 }
 

@@ -8,6 +8,7 @@
 #include "gpu/graphics_pipeline.hpp"
 #include "gpu/image.hpp"
 #include "viewer/drawn_picture.hpp"
+#include "viewer/sheet_painter.hpp"
 #include "viewer/viewpoint.hpp"
 
 namespace palpa::viewer {
@@ -22,6 +23,7 @@ class Canvas {
   friend class Renderer;
   gpu::Image colour_, depth_;
   gpu::Upload overlay_;
+  SheetMemory sheet_;
   std::vector<shader::ViewStroke> strokes_;
 };
 
@@ -53,11 +55,12 @@ class Renderer {
   Canvas make_canvas(VkExtent2D extent) const;
 
   /// Draws `drawn` into `target`, which must have the canvas' extent; whatever it held is lost. Views are drawn in
-  /// order. `ratio` is pixels per point (2 on a high-resolution screen). Barriers: earlier users of the target's image
-  /// are ordered before colour-attachment output by the caller (a semaphore's wait, or a submit before that was waited
-  /// for). Afterwards the target is a colour target (gpu::image_use::colour_target): the caller moves it on.
+  /// order, then the sheet over them. `ratio` is pixels per point (2 on a high-resolution screen). Barriers: earlier
+  /// users of the target's image are ordered before colour-attachment output by the caller (a semaphore's wait, or a
+  /// submit before that was waited for). Afterwards the target is a colour target (gpu::image_use::colour_target): the
+  /// caller moves it on.
   void record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<const View> views, Canvas& canvas,
-              const Target& target, double ratio = 1) const;
+              const Target& target, double ratio = 1, const Sheet* sheet = nullptr) const;
 
  private:
   struct Shot;
@@ -77,6 +80,7 @@ class Renderer {
   VkFormat colour_, depth_;
   VkSampleCountFlagBits samples_;
   gpu::GraphicsPipeline mesh_, edge_, stroke_, disc_, image_;
+  SheetPainter sheets_;
 };
 
 }  // namespace palpa::viewer

@@ -1,6 +1,11 @@
 // The two ways to look at a show: pictures without a window, and a window.
 #pragma once
 
+#include <cstdint>
+
+#include "base/outputs.hpp"
+#include "drawing/png.hpp"
+#include "viewer/live/live_session.hpp"
 #include "viewer/show.hpp"
 #include "viewer/viewer_options.hpp"
 
@@ -10,8 +15,16 @@ namespace palpa::viewer {
 /// differs from the reference by more than the threshold.
 void run_headless(const ViewerOptions& options);
 
+/// Without a window, but with hands: does what --interact says, or draws --frames pictures of a live run, one for each
+/// of its frames at most; then writes the last and compares it as run_headless does.
+void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds);
+
 /// Opens a window and shows until it is closed or --frames have been drawn. The running focus moves on in slow motion,
 /// a slot every quarter of a second; with --frames, with every frame.
-void run_window(const ViewerOptions& options);
+void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds);
+
+/// The last picture: writes it down, compares it, tells of it.
+void report_picture(const ViewerOptions& options, const Outputs& outputs, const drawing::Pixels& pixels,
+                    std::uint32_t frames, double frame_ms);
 
 }  // namespace palpa::viewer

@@ -40,6 +40,26 @@ void make_folder(const std::filesystem::path& folder) {
 
 }  // namespace
 
+void report_picture(const ViewerOptions& options, const Outputs& outputs, const Pixels& pixels, std::uint32_t frames,
+                    double frame_ms) {
+  if (!options.screenshot.empty()) write_png(options.screenshot, pixels);
+  std::optional<double> difference;
+  if (!options.reference.empty()) difference = compare(options, pixels);
+  if (!options.common.json.empty()) write_file(options.common.json, to_json(pixels, frames, difference, frame_ms));
+  const double threshold = options.threshold.value_or(0.02);
+  if (difference && *difference > threshold) {
+    throw failure(fmt::format("the picture differs from {} by {:.4f} on average, more than {}", options.reference,
+                              *difference, threshold));
+  }
+  if (setup::shows_summary(options.common, outputs)) {
+    write_file(
+        "-", fmt::format("{} frame{} of {}x{} pixels, {:.1f} ms each{}{}{}\n", frames, frames == 1 ? "" : "s",
+                         pixels.width, pixels.height, frame_ms, options.video.empty() ? "" : "; in " + options.video,
+                         options.screenshot.empty() ? "" : "; the last one is " + options.screenshot,
+                         difference ? fmt::format("; differs from {} by {:.4f}", options.reference, *difference) : ""));
+  }
+}
+
 void run_headless(const ViewerOptions& options) {
   const Outputs outputs({{"--json", options.common.json},
                          {"--screenshot", options.screenshot},
@@ -92,22 +112,7 @@ void run_headless(const ViewerOptions& options) {
   std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
   const double frame_ms = times[times.size() / 2];
 
-  if (!options.screenshot.empty()) write_png(options.screenshot, pixels);
-  std::optional<double> difference;
-  if (!options.reference.empty()) difference = compare(options, pixels);
-  if (!options.common.json.empty()) write_file(options.common.json, to_json(pixels, frames, difference, frame_ms));
-  const double threshold = options.threshold.value_or(0.02);
-  if (difference && *difference > threshold) {
-    throw failure(fmt::format("the picture differs from {} by {:.4f} on average, more than {}", options.reference,
-                              *difference, threshold));
-  }
-  if (setup::shows_summary(options.common, outputs)) {
-    write_file(
-        "-", fmt::format("{} frame{} of {}x{} pixels, {:.1f} ms each{}{}{}\n", frames, frames == 1 ? "" : "s",
-                         pixels.width, pixels.height, frame_ms, options.video.empty() ? "" : "; in " + options.video,
-                         options.screenshot.empty() ? "" : "; the last one is " + options.screenshot,
-                         difference ? fmt::format("; differs from {} by {:.4f}", options.reference, *difference) : ""));
-  }
+  report_picture(options, outputs, pixels, frames, frame_ms);
 }
 
 }  // namespace palpa::viewer

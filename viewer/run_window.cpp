@@ -1,7 +1,13 @@
+#include <algorithm>
 #include <chrono>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "viewer/app.hpp"
 #include "viewer/run.hpp"
+#include "viewer/script.hpp"
+#include "viewer/stopper.hpp"
 #include "viewer/swapchain.hpp"
 #include "viewer/window.hpp"
 
@@ -9,7 +15,11 @@ namespace palpa::viewer {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds slow_slot{250};
+
+/// Between two pictures: of a live run not more than 30 a second, so that the loop has the cores.
+double shortest_s(const ViewerOptions& options) {
+  return options.is_live() ? 1.0 / 30 : 0.0;
+}
 
 /// The surface goes after everything that presents to it and before the device's instance.
 class WindowSurface {
@@ -33,72 +43,67 @@ Size pixels_of(const Window& window) {
 
 }  // namespace
 
-void run_window(const ViewerOptions& options) {
+void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   const Size size = picture_size(options);
   Window window(size.width, size.height, "palpa");  // first: without a display nothing else is worth doing
-  Show show(options);
+  const Clock::time_point begin = Clock::now();
+  const auto now = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
+  Stopper stopper(options);
+  App app(options, size,
+          {.kinds = kinds,
+           .stop = &stopper.flag(),
+           .wake = Window::wake,
+           .copy = [&](const std::string& text) { window.set_clipboard(text); },
+           .paste = [&] { return window.clipboard(); },
+           .panels = !options.no_panels,
+           .settings = settings_file().value_or("")});
+  // From here on: threads of a live run have begun, those of the picture have not.
+  if (options.is_live()) give_way();
   gpu::DeviceOptions device_options = setup::device_options(options.common);
   device_options.window_extensions = window.extensions();
   const gpu::Device device(device_options);
   const WindowSurface surface(device, window);
   Presenter presenter(device, surface.get());
   DrawnPicture drawn(device);
-  const ViewState state = first_state(options);
-  drawn.update(show.picture(), state);
-
-  Size extent = pixels_of(window);
-  Viewpoint viewpoint = first_viewpoint(options, show.picture(), state, extent);
-  const Box home = home_of(options, show.picture(), state);
-  Controls controls;
+  Script script(options);
   std::vector<WindowEvent> events;
-  std::uint64_t slot = options.slot;
   std::uint32_t frames_drawn = 0;
-  bool dirty = true, playing = show.changes();
-  Clock::time_point next_slot = Clock::now() + slow_slot;
+  double last_drawn_s = -1;
 
   // Draws only when something has changed: a window that nobody touches costs nothing.
-  while (!window.closing() && !(options.frames && frames_drawn >= *options.frames)) {
+  while (!window.closing() && !app.quitting() && !(options.frames && frames_drawn >= *options.frames)) {
+    const Size pixels = pixels_of(window);
+    const bool visible = pixels.width > 0 && pixels.height > 0;
     double timeout = -1;
-    extent = pixels_of(window);
-    const bool visible = extent.width > 0 && extent.height > 0;
-    if (options.frames || (dirty && visible)) {
-      timeout = 0;
-    } else if (playing && visible) {
-      timeout = std::max(1e-3, std::chrono::duration<double>(next_slot - Clock::now()).count());
-    }
+    if (const std::optional<double> next = app.next_s()) timeout = std::max(*next - now(), 1e-3);
+    if (visible && app.dirty()) timeout = std::max(last_drawn_s + shortest_s(options) - now(), 0.0);
+    if (options.frames || script.busy()) timeout = 0;
     events.clear();
     window.wait(timeout, events);
-    for (const WindowEvent& event : events) {
-      switch (controls.handle(event, viewpoint, home, extent.width, extent.height)) {
-        case Reply::quit:
-          return;
-        case Reply::toggle_pause:
-          playing = !playing && show.changes();
-          break;
-        case Reply::redraw:
-          dirty = true;
-          break;
-        case Reply::nothing:
-          break;
-      }
-    }
-    if (playing && (options.frames ? frames_drawn > 0 : Clock::now() >= next_slot)) {
-      next_slot = Clock::now() + slow_slot;
-      show.go_to(++slot);
-      presenter.finish();
-      drawn.update_marks(show.picture(), state);
-      dirty = true;
-    }
-    extent = pixels_of(window);
-    if (!dirty && !options.frames) continue;
-    const double ratio = options.pixel_ratio.value_or(window.pixel_ratio());
-    if (presenter.draw(drawn, views_from(viewpoint, options, show.picture(), extent, ratio), ratio)) {
+    for (const WindowEvent& event : events)
+      app.handle(event, pixels);
+    script.play(now(), [&](const Interaction& step) {
+      if (step.kind == Interaction::Kind::resize) window.resize(step.width, step.height);
+      if (step.kind == Interaction::Kind::event) app.handle(step.event, pixels);
+    });
+    if (options.frames && frames_drawn > 0) app.go_on();
+    app.advance(now(), pixels);
+    if (!visible || !(app.dirty() || options.frames || script.busy())) continue;
+    if (now() < last_drawn_s + shortest_s(options) && !options.frames && !script.busy()) continue;
+    const double started_s = now(), ratio = options.pixel_ratio.value_or(window.pixel_ratio());
+    if (app.stale()) presenter.finish();
+    app.update(drawn);
+    const App::Frame frame = app.render(pixels, ratio, started_s);
+    if (presenter.draw(drawn, frame.views, ratio, frame.sheet)) {
       ++frames_drawn;
-      dirty = false;
-    } else if (extent.width == 0 || extent.height == 0) {
-      window.wait(0.1, events);
+      script.drew();
+    } else {
+      app.handle({}, pixels);  // it was not shown: once more
     }
+    last_drawn_s = now();
+    app.drew(last_drawn_s - started_s);
   }
+  stopper.end(app);
 }
 
 }  // namespace palpa::viewer

@@ -143,7 +143,7 @@ void Presenter::submit(Flight& flight, const Image& image) {
   PALPA_VK(device_->lost() ? VK_ERROR_DEVICE_LOST : vkQueueSubmit(device_->queue(), 1, &info, fence));
 }
 
-bool Presenter::draw(DrawnPicture& drawn, std::span<const View> views, double ratio) {
+bool Presenter::draw(DrawnPicture& drawn, std::span<const View> views, double ratio, const Sheet* sheet) {
   const auto [width, height] = views.front().area.extent;
   if (width == 0 || height == 0) return false;
   if ((stale_ || width != asked_width_ || height != asked_height_) && !rebuild(width, height)) return false;
@@ -167,7 +167,7 @@ bool Presenter::draw(DrawnPicture& drawn, std::span<const View> views, double ra
 
   const Image& image = images_[index];
   const VkCommandBuffer commands = flight.recorder.begin();
-  renderer_.record(commands, drawn, views, *flight.canvas, {image.image, image.view.get()}, ratio);
+  renderer_.record(commands, drawn, views, *flight.canvas, {image.image, image.view.get()}, ratio, sheet);
   gpu::transition(commands, image.image, format_.format, gpu::image_use::colour_target, gpu::image_use::presented);
   submit(flight, image);
   next_flight_ = (next_flight_ + 1) % flights_.size();

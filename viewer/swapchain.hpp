@@ -22,7 +22,7 @@ class Presenter {
   /// Draws and presents one frame; the first view says how large the window is, making the swapchain anew where the
   /// window has changed. False where nothing could be shown: the window has no area, or it changed again meanwhile;
   /// draw once more later.
-  bool draw(DrawnPicture& drawn, std::span<const View> views, double ratio);
+  bool draw(DrawnPicture& drawn, std::span<const View> views, double ratio, const Sheet* sheet = nullptr);
 
   /// Waits until no frame is in flight: the picture may then be updated.
   void finish();

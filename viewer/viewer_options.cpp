@@ -11,6 +11,7 @@
 #include "setup/assets.hpp"
 #include "setup/values.hpp"
 #include "viewer/chart.hpp"
+#include "viewer/live/live_line.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -93,6 +94,14 @@ void add_options(CLI::App& app, ViewerOptions& o) {
                 "first slot to show: its focus is highlighted, its drive coloured");
   setup::add_drive_options(app, o.drive);
 
+  const setup::Group live(app, "Live, as palpa run");
+  live.text("--source", o.live.source, "SOURCE",
+            "frames come from there and are touched as they come: synthetic[:MESH], recording:DIR, "
+            "v4l2:/dev/videoN[,...] or bag:FILE");
+  add_loop_options(live, o.live);
+  add_link_options(live, o.live);
+  add_following_options(app, o.live);
+
   const setup::Group what(app, "Picture");
   what.text("--skin", o.skin, "FILE",
             "surface of the finger or hand as PLY, drawn faintly; --penetration moves it too");
@@ -131,6 +140,11 @@ void add_options(CLI::App& app, ViewerOptions& o) {
                        "from the screen to its barrier [so that neighbours differ]");
   participant.number("--barrier-phase", o.barrier_phase, {0, 1}, "PART", "of a pitch: where the slits are");
 
+  const setup::Group hands(app, "Hands");
+  hands.text("--interact", o.interact, "FILE", "do what a recorded log says: see docs/viewer.md");
+  hands.flag("--no-panels", o.no_panels, "a window without panels");
+  hands.flag("--panels", o.panels, "panels where there is no window, too");
+
   const setup::Group how(app, "Without a window");
   how.flag("--headless", o.headless, "open no window");
   how.integer("--frames", o.frames, 1, 1'000'000, "frames to draw, a slot each, then exit [headless: 1]");
@@ -147,7 +161,11 @@ void check(const ViewerOptions& o) {
   if (o.input.scene.empty() && o.layout.empty()) {
     throw bad_usage("nothing to show: give --scene FILE, such as assets/cube.glb, or --layout NAME");
   }
-  if (has_skin(o)) {
+  if (o.is_live()) {
+    if (has_skin(o)) throw bad_usage("--source and --points or --depth both say what touches: give one of them");
+    if (o.felt.spectrum) throw bad_usage("--spectrum goes with --points or --depth: it is of a touch");
+    live_options(o.given);
+  } else if (has_skin(o)) {
     setup::check(o.input);
     setup::check(o.touch);
     setup::check(o.felt, o.touch);
@@ -178,12 +196,21 @@ void check(const ViewerOptions& o) {
   if (!o.slice_at.empty()) point("--slice-at", o.slice_at);
   if (o.participant) {
     if (!o.headless) throw bad_usage("--participant goes with --headless");
+    if (o.is_live() || !o.interact.empty()) throw bad_usage("--participant goes with neither --source nor --interact");
     if (o.input.scene.empty()) throw bad_usage("--participant goes with --scene: give the objects");
     if (!o.target.empty()) throw bad_usage("--target goes with --eye alone: a participant looks through the screen");
     if (o.inset) throw bad_usage("--inset is no part of what a participant sees");
   } else if (!o.screen.empty() || o.stereo != Stereo::none) {
     throw bad_usage("--screen and --stereo go with --participant");
   }
+  if (!o.is_live()) {
+    for (const setup::OptionInfo& info : live_table()) {
+      const bool ours = info.heading == "What to run" || info.heading == "From frame to frame";
+      if (ours && info.name != "--scene" && info.name != "--gltf-scene" && o.given.contains(info.name))
+        throw bad_usage(info.name + " goes with --source: it is of a live run");
+    }
+  }
+  if (o.panels && o.no_panels) throw bad_usage("--panels and --no-panels exclude each other");
   if (!o.target.empty() && o.eye.empty()) throw bad_usage("--target goes with --eye");
   if (!o.eye.empty()) {
     const Vec3 target = o.target.empty() ? Vec3(0) : point("--target", o.target);

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "setup/live_run.hpp"
+#include "setup/option_table.hpp"
 #include "setup/options.hpp"
 #include "setup/places.hpp"
 #include "setup/touch_input.hpp"
@@ -23,6 +25,10 @@ struct ViewerOptions {
   setup::TouchOptions touch;
   setup::FeltOptions felt;
   setup::DriveOptionsGroup drive;
+  setup::LiveOptions live;  ///< what only a live run has; all of its options are in `given`
+  setup::Given given;       ///< the whole line
+  /// Whether frames come from a source.
+  bool is_live() const { return given.contains("--source"); }
   std::string layout;  ///< built-in name or file; empty: the rig's array where there is a rig, else none
 
   std::string skin;  ///< mesh of the finger or hand, as PLY
@@ -54,6 +60,8 @@ struct ViewerOptions {
   std::optional<double> pixel_ratio;
   std::string screenshot, video, reference;
   std::optional<double> threshold;
+  std::string interact;
+  bool panels = false, no_panels = false;
 };
 
 /// Puts every option on `app`.

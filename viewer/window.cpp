@@ -22,30 +22,62 @@ std::string last_fault() {
   return text.substr(0, text.find('\n'));
 }
 
-Key key_of(int key) {
+Key key_named(int key) {
   switch (key) {
-    case GLFW_KEY_1:
-    case GLFW_KEY_KP_1:
-      return Key::one;
-    case GLFW_KEY_3:
-    case GLFW_KEY_KP_3:
-      return Key::three;
-    case GLFW_KEY_5:
-    case GLFW_KEY_KP_5:
-      return Key::five;
-    case GLFW_KEY_7:
-    case GLFW_KEY_KP_7:
-      return Key::seven;
-    case GLFW_KEY_F:
-      return Key::frame;
-    case GLFW_KEY_SPACE:
-      return Key::space;
-    case GLFW_KEY_Q:
+    case GLFW_KEY_TAB:
+      return Key::tab;
+    case GLFW_KEY_LEFT:
+      return Key::left;
+    case GLFW_KEY_RIGHT:
+      return Key::right;
+    case GLFW_KEY_UP:
+      return Key::up;
+    case GLFW_KEY_DOWN:
+      return Key::down;
+    case GLFW_KEY_PAGE_UP:
+      return Key::page_up;
+    case GLFW_KEY_PAGE_DOWN:
+      return Key::page_down;
+    case GLFW_KEY_HOME:
+      return Key::home;
+    case GLFW_KEY_END:
+      return Key::end;
+    case GLFW_KEY_DELETE:
+      return Key::del;
+    case GLFW_KEY_BACKSPACE:
+      return Key::backspace;
+    case GLFW_KEY_ENTER:
+    case GLFW_KEY_KP_ENTER:
+      return Key::enter;
     case GLFW_KEY_ESCAPE:
-      return Key::quit;
+      return Key::escape;
+    case GLFW_KEY_F12:
+      return Key::f12;
     default:
       return Key::other;
   }
+}
+
+/// Letters where the keyboard's layout has them, digits also of the number pad.
+Key key_pressed(int key, int code) {
+  if (key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) return key_of(static_cast<char>('0' + key - GLFW_KEY_KP_0));
+  if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) return key_of(static_cast<char>(key));
+  if (key == GLFW_KEY_KP_ADD) return key_of('+');
+  if (key == GLFW_KEY_KP_SUBTRACT) return key_of('-');
+  if (const Key named = key_named(key); named != Key::other) return named;
+  const char* name = glfwGetKeyName(key, code);
+  if (name != nullptr && name[0] > 0 && name[1] == '\0') return key_of(name[0]);
+  return key >= ' ' && key < 127 ? key_of(static_cast<char>(key >= 'A' && key <= 'Z' ? key + 'a' - 'A' : key))
+                                 : Key::other;
+}
+
+std::string utf8(unsigned int code) {
+  const auto byte = [](unsigned int value) { return static_cast<char>(value); };
+  if (code < 0x80) return {byte(code)};
+  if (code < 0x800) return {byte(0xc0 | code >> 6), byte(0x80 | (code & 63))};
+  if (code < 0x10000) return {byte(0xe0 | code >> 12), byte(0x80 | (code >> 6 & 63)), byte(0x80 | (code & 63))};
+  return {byte(0xf0 | code >> 18), byte(0x80 | (code >> 12 & 63)), byte(0x80 | (code >> 6 & 63)),
+          byte(0x80 | (code & 63))};
 }
 
 }  // namespace
@@ -92,6 +124,7 @@ Window::Window(std::uint32_t width, std::uint32_t height, const char* title) : s
                    : button == GLFW_MOUSE_BUTTON_MIDDLE ? Button::middle
                                                         : Button::right;
     event.shift = mods & GLFW_MOD_SHIFT;
+    event.ctrl = mods & GLFW_MOD_CONTROL;
     state.events.push_back(event);
   });
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double, double) {
@@ -99,17 +132,33 @@ Window::Window(std::uint32_t width, std::uint32_t height, const char* title) : s
     state.events.push_back(state.pointer(WindowEvent::Kind::move));
   });
   glfwSetScrollCallback(window, [](GLFWwindow* w, double, double steps) {
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::scroll;
-    event.y = steps;
-    State::of(w).events.push_back(event);
+    State& state = State::of(w);
+    WindowEvent event = state.pointer(WindowEvent::Kind::scroll);
+    event.steps = steps;
+    state.events.push_back(event);
   });
-  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int) {
-    if (action == GLFW_RELEASE) return;
+  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int code, int action, int mods) {
     WindowEvent event;
     event.kind = WindowEvent::Kind::key;
-    event.key = key_of(key);
+    event.key = key_pressed(key, code);
+    event.down = action != GLFW_RELEASE;
+    event.shift = mods & GLFW_MOD_SHIFT;
+    event.ctrl = mods & GLFW_MOD_CONTROL;
     State::of(w).events.push_back(event);
+  });
+  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned int code) {
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::text;
+    event.text = utf8(code);
+    State::of(w).events.push_back(event);
+  });
+  glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+    for (int i = 0; i < count; ++i) {
+      WindowEvent event;
+      event.kind = WindowEvent::Kind::drop;
+      event.text = paths[i];
+      State::of(w).events.push_back(event);
+    }
   });
   glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { State::of(w).events.emplace_back(); });
   glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { State::of(w).events.emplace_back(); });
@@ -155,6 +204,23 @@ void Window::wait(double timeout_s, std::vector<WindowEvent>& events) {
   }
   events.insert(events.end(), state_->events.begin(), state_->events.end());
   state_->events.clear();
+}
+
+void Window::wake() {
+  glfwPostEmptyEvent();
+}
+
+void Window::resize(std::uint32_t width, std::uint32_t height) {
+  glfwSetWindowSize(state_->window, static_cast<int>(width), static_cast<int>(height));
+}
+
+std::string Window::clipboard() const {
+  const char* text = glfwGetClipboardString(state_->window);
+  return text != nullptr ? text : "";
+}
+
+void Window::set_clipboard(const std::string& text) {
+  glfwSetClipboardString(state_->window, text.c_str());
 }
 
 bool Window::closing() const {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "viewer/controls.hpp"
@@ -32,6 +33,12 @@ class Window {
   /// Waits for something to happen, at most `timeout_s` (0: only looks; negative: for ever), and appends what did, with
   /// positions in pixels.
   void wait(double timeout_s, std::vector<WindowEvent>& events);
+  /// From any thread: ends a wait().
+  static void wake();
+  void resize(std::uint32_t width, std::uint32_t height);
+  /// What other programs put there, and for them.
+  std::string clipboard() const;
+  void set_clipboard(const std::string& text);
   /// The user asked to close it.
   bool closing() const;
 

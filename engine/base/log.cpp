@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdint>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -61,6 +62,25 @@ Relayed& relayed() {
   return instance;
 }
 
+/// What a Tail keeps.
+struct Kept {
+  std::mutex mutex;
+  std::atomic<bool> on{false};
+  std::deque<Line> lines;
+};
+Kept& kept() {
+  static Kept instance;
+  return instance;
+}
+
+void keep(Level at, std::string_view line) {
+  Kept& k = kept();
+  if (!k.on || at > Level::info) return;
+  const std::lock_guard lock(k.mutex);
+  if (k.lines.size() == Tail::most) k.lines.pop_front();
+  k.lines.push_back({at, shortened(one_line(line), longest_line)});
+}
+
 /// Waits for whoever reads it.
 void put(std::string_view text) {
   while (!text.empty()) {
@@ -77,6 +97,7 @@ void put(std::string_view text) {
 }
 
 void write(Level at, std::string_view line) {
+  keep(at, line);
   if (at > threshold.load(std::memory_order_relaxed)) return;
   // One write per line keeps lines of several threads apart.
   std::string text = line_of(at, line);
@@ -191,6 +212,25 @@ void release_warnings() {
 
 void drop_warnings() {
   start_counting(false);
+}
+
+Tail::Tail() {
+  kept().on = true;
+}
+
+Tail::~Tail() {
+  Kept& k = kept();
+  k.on = false;
+  const std::lock_guard lock(k.mutex);
+  k.lines.clear();
+}
+
+std::vector<Line> Tail::take() {
+  Kept& k = kept();
+  const std::lock_guard lock(k.mutex);
+  std::vector<Line> lines(k.lines.begin(), k.lines.end());
+  k.lines.clear();
+  return lines;
 }
 
 void draw(std::string_view text) {

@@ -4,8 +4,11 @@
 // has an array to silence, logs while a Relay lives.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/words.hpp"
 
@@ -36,6 +39,26 @@ void hold_warnings();
 void release_warnings();
 /// Forgets what was kept and ends keeping and counting.
 void drop_warnings();
+
+/// What is told to people while a program with a window runs: lines as they are logged, kept warnings when they are
+/// released.
+struct Line {
+  Level level = Level::info;
+  std::string text;
+};
+
+/// Keeps the newest lines, down to info whatever the level, for whoever shows them. One at a time.
+class Tail {
+ public:
+  static constexpr std::size_t most = 500;
+  Tail();
+  ~Tail();
+  Tail(const Tail&) = delete;
+  Tail& operator=(const Tail&) = delete;
+
+  /// Those since the last call, oldest first; at most `most`.
+  std::vector<Line> take();
+};
 
 /// What a terminal shows until something else takes its place, such as a progress bar: no line, and not kept. While a
 /// Relay lives it is left out where anything else still waits.

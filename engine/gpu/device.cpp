@@ -37,6 +37,19 @@ bool load_vulkan() {
   return loaded;
 }
 
+/// Vulkan's functions are the process's, not a device's: those of all devices of one driver are the same, but those of
+/// extensions are only there where they were asked for. So a device without a window leaves alone what one with a
+/// window has loaded, and one thread at a time makes a device.
+struct Functions {
+  std::mutex mutex;
+  bool of_window = false;
+
+  static Functions& get() {
+    static Functions functions;
+    return functions;
+  }
+};
+
 std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
   std::uint32_t count = 0;
   if (vkEnumeratePhysicalDevices(instance, &count, nullptr) != VK_SUCCESS) return {};
@@ -187,7 +200,7 @@ std::vector<DeviceDescription> list_devices() {
   info.pApplicationInfo = &app;
   VkInstance instance = VK_NULL_HANDLE;
   if (vkCreateInstance(&info, nullptr, &instance) != VK_SUCCESS) return {};
-  volkLoadInstanceOnly(instance);
+  if (!Functions::get().of_window) volkLoadInstanceOnly(instance);
   std::vector<DeviceDescription> devices;
   for (VkPhysicalDevice physical : physical_devices(instance)) {
     devices.push_back(describe(physical, static_cast<std::uint32_t>(devices.size())));
@@ -201,6 +214,7 @@ Device::Device(const DeviceOptions& options) {
     throw Error(Exit::no_device, "no Vulkan loader found: install libvulkan1 and a driver such as mesa-vulkan-drivers");
   }
   validation_ = options.validation ? *options.validation : validation_from_environment();
+  const std::lock_guard one_at_a_time(Functions::get().mutex);
   try {
     create_instance(options);
     choose_physical(options);
@@ -271,7 +285,7 @@ void Device::create_instance(const DeviceOptions& options) {
     throw Error(Exit::no_device, fmt::format("no Vulkan instance ({}): install a driver such as mesa-vulkan-drivers",
                                              result_name(result)));
   }
-  volkLoadInstanceOnly(instance_);
+  if (!options.window_extensions.empty() || !Functions::get().of_window) volkLoadInstanceOnly(instance_);
   if (validation_ != Validation::off) {
     VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
     messenger.messageSeverity =
@@ -344,7 +358,8 @@ void Device::create_device(bool window) {
     throw Error(Exit::no_device,
                 fmt::format("{} cannot be used: vkCreateDevice returned {}", description_.name, result_name(result)));
   }
-  volkLoadDevice(device_);
+  if (window || !Functions::get().of_window) volkLoadDevice(device_);
+  Functions::get().of_window = Functions::get().of_window || window;
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 }
 

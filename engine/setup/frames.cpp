@@ -82,6 +82,10 @@ void add_session_options(CLI::App& app, FrameOptions& o, const char* foci) {
   add_rig_options(app, o.rig);
   add_touch_options(app, o.touch, foci);
   add_drive_options(app, o.drive);
+  add_following_options(app, o);
+}
+
+void add_following_options(CLI::App& app, FrameOptions& o) {
   const Group steadily(app, "From frame to frame");
   steadily.choice("--axes", o.axes, touch::axes_words,
                   "which way cross-sections face: turned the least that they must, or each frame's principal axes");

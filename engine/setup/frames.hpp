@@ -43,6 +43,8 @@ struct FrameOptions {
 void add_frame_options(const Group& group, FrameOptions& options, const char* until);
 /// Of these what comes of the frames.
 void add_loop_options(const Group& group, FrameOptions& options);
+/// How fingers are followed.
+void add_following_options(CLI::App& app, FrameOptions& options);
 /// All else that a session needs, in groups of their own; `foci`: what the number of foci is called.
 void add_session_options(CLI::App& app, FrameOptions& options, const char* foci = "--foci");
 /// Throws bad_usage where options are missing or go unused.

@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 constexpr auto patience = 750ms, for_the_line = 50ms;
 
 std::atomic<bool> requested_flag{false};
-std::atomic<bool> signalled{false};  ///< by a signal, not by others
+std::atomic<bool> signal_came{false};  ///< set by a signal, not by others
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 /// Posted by the signal; of a type that a handler may touch.
@@ -28,7 +28,7 @@ sem_t first_signal;
 
 void note(int) {
   requested_flag = true;
-  if (!signalled.exchange(true)) sem_post(&first_signal);
+  if (!signal_came.exchange(true)) sem_post(&first_signal);
 }
 
 /// All that end or stop a program that does not catch them, but for those that nobody can catch (SIGKILL, SIGSTOP) and
@@ -65,7 +65,7 @@ struct Interrupt::Deadline {
 };
 
 Interrupt::Interrupt(std::string late) : deadline_(std::make_shared<Deadline>()) {
-  requested_flag = signalled = false;
+  requested_flag = signal_came = false;
   sem_init(&first_signal, 0, 0);
   deadline_->late = std::move(late);
   watch_ = std::thread(Deadline::watch, deadline_);
@@ -84,13 +84,17 @@ Interrupt::Interrupt(std::string late) : deadline_(std::make_shared<Deadline>())
 Interrupt::~Interrupt() {
   for (const auto& [signal, before] : before_)
     sigaction(signal, &before, nullptr);
-  if (signalled) {
+  if (signal_came) {
     watch_.detach();
     return;
   }
   deadline_->called_off = true;
   sem_post(&first_signal);
   watch_.join();
+}
+
+bool Interrupt::signalled() {
+  return signal_came;
 }
 
 std::atomic<bool>& Interrupt::flag() {

@@ -27,6 +27,8 @@ class Interrupt {
   Interrupt& operator=(const Interrupt&) = delete;
 
   bool requested() const { return flag(); }
+  /// A signal came, whatever has become of the flag since.
+  static bool signalled();
   /// The flag itself, which others may set as well.
   static std::atomic<bool>& flag();
 

@@ -37,13 +37,17 @@ class UdpReceiver {
   std::string address() const { return "udp:127.0.0.1:" + std::to_string(port_); }
 
   /// The next datagram; empty when none comes within its patience.
-  std::string next() const {
+  std::string next() const { return receive(0); }
+  /// One that has come already; empty where none has.
+  std::string waiting() const { return receive(MSG_DONTWAIT); }
+
+ private:
+  std::string receive(int flags) const {
     std::vector<char> text(65536);
-    const ssize_t size = recv(socket_, text.data(), text.size(), 0);
+    const ssize_t size = recv(socket_, text.data(), text.size(), flags);
     return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : std::string();
   }
 
- private:
   int socket_ = -1;
   int port_ = 0;
 };

@@ -85,6 +85,30 @@ TEST_F(Viewer, TheSpectrumIsAChartInItsCornerBesideWhatIsLookedAt) {
   test::expect_failure(nothing, 2, "--spectrum");
 }
 
+TEST_F(Viewer, ALiveRunIsDrawnAndScripted) {
+  const auto folder = test::scratch_folder("viewer-live");
+  const std::string shot = (folder / "p.png").string(), early = (folder / "early.png").string();
+  std::ofstream(folder / "log") << "draw 2\nkey 7\nclick 100 100\nkey h\ndraw 2\nkey o\ndraw\nshot " << early << "\n";
+  const std::vector<std::string> live{"--scene",    source_file("assets/cube.glb").string(),
+                                      "--source",   "synthetic",
+                                      "--layout",   "autd3",
+                                      "--headless", "--size",
+                                      "400x300"};
+  const auto run = viewer(test::with(live, {"--frames", "2", "--screenshot", shot}));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(drawing::read_png(shot).width, 400u);
+  const auto scripted = viewer(test::with(live, {"--panels", "--interact", (folder / "log").string()}));
+  EXPECT_EQ(scripted.exit_code, 0) << scripted.err;
+  EXPECT_GT(drawing::mean_difference(drawing::read_png(shot), drawing::read_png(early)), 0.02) << "panels and sheet";
+
+  test::expect_failure(viewer({"--scene", "/nowhere.glb", "--source", "synthetic", "--headless"}), 4, "/nowhere.glb");
+  test::expect_failure(viewer(test::with(live, {"--points", "x.ply"})), 2, "--source");
+  test::expect_failure(viewer({"--scene", source_file("assets/cube.glb").string(), "--link", "null", "--headless"}), 2,
+                       "--source");
+  std::ofstream(folder / "bad") << "draw\njump\n";
+  test::expect_failure(viewer(test::with(live, {"--interact", (folder / "bad").string()})), 4, ":2: ");
+}
+
 TEST_F(Viewer, FramesAdvanceTheRunningFocus) {
   const auto folder = test::scratch_folder("viewer-slots");
   const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {

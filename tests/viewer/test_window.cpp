@@ -1,6 +1,7 @@
 // The window, on a private X server; skipped where there is none.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <future>
 #include <thread>
 
@@ -8,6 +9,7 @@
 #include "drawing_test.hpp"
 #include "gpu/device.hpp"
 #include "support/shared_data.hpp"
+#include "support/udp_receiver.hpp"
 #include "x_display.hpp"
 
 namespace palpa {
@@ -24,7 +26,8 @@ test::Result viewer(const test::XServer& server, const std::vector<std::string>&
                                      "--penetration", "3mm",
                                      "--size",        "500x400"};
   arguments.insert(arguments.end(), more.begin(), more.end());
-  return test::run_program(PALPA_VIEWER_BINARY, arguments, {{{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}}});
+  return test::run_program(PALPA_VIEWER_BINARY, arguments,
+                           {{{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", "/dev/null"}}});
 }
 
 /// With every call checked, where the layer is installed. It leaks by itself, which a leak checker would report.
@@ -65,6 +68,49 @@ TEST_F(Window, SurvivesResizingAndHidingAndClosesWhenAsked) {
   EXPECT_EQ(running.wait_for(0s), std::future_status::timeout) << "ended too early";
   hand.close();
   const auto run = running.get();
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+}
+
+TEST_F(Window, ClosingItWhileTheArraySoundsLeavesSilence) {
+  const test::XServer server;
+  if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
+  const test::UdpReceiver receiver(std::chrono::seconds(60));
+  auto running = std::async(std::launch::async, [&] {
+    return test::run_program(PALPA_VIEWER_BINARY,
+                             {"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--layout",
+                              "autd3", "--hold", "5s", "--link", "foci:" + receiver.address(), "--size", "500x400"},
+                             {{{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", "/dev/null"}}});
+  });
+  test::XHand hand(server.name());
+  ASSERT_TRUE(hand.connected());
+  ASSERT_TRUE(hand.find("palpa", 60));
+  const auto sounds = [](const std::string& line) { return line.find("\"fingers\":[]") == std::string::npos; };
+  std::string line = receiver.next();
+  for (int i = 0; i < 2000 && !line.empty() && !sounds(line); ++i)
+    line = receiver.next();
+  ASSERT_TRUE(!line.empty() && sounds(line)) << "nothing sounds";
+  hand.close();
+  std::string last = line;
+  const auto drain = [&] {
+    while (!(line = receiver.waiting()).empty())
+      last = line;
+  };
+  while (running.wait_for(10ms) == std::future_status::timeout)
+    drain();
+  const auto run = running.get();
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  drain();
+  EXPECT_FALSE(sounds(last)) << last;
+}
+
+TEST_F(Window, PlaysARecordedLogAndEnds) {
+  const test::XServer server;
+  if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
+  const auto folder = test::scratch_folder("viewer-log");
+  std::ofstream(folder / "log") << "drag 100 100 200 150\nscroll 2\nkey 7\nkey h\nresize 600 300\ndraw 3\nkey escape\n"
+                                   "click 400 20\ndrop /nowhere/broken.glb\ndraw 2\nkey tab\nkey tab\nkey q\n";
+  const auto run = viewer(server, {"--interact", (folder / "log").string(), "--validation", validation()});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.err, "");
 }

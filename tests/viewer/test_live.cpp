@@ -1,0 +1,180 @@
+// A session that runs beside the viewer: it is looked at without being waited for, and ends in silence.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "base/error.hpp"
+#include "support/shared_data.hpp"
+#include "viewer/live/live_line.hpp"
+#include "viewer/live/live_picture.hpp"
+#include "viewer/live/live_session.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// What a link was told, kept beyond its life.
+struct Heard {
+  std::mutex mutex;
+  std::uint64_t drives = 0, sounding = 0;
+  bool last_sounds = false, finished = false;
+};
+
+class HeardLink final : public session::Link {
+ public:
+  explicit HeardLink(std::shared_ptr<Heard> heard) : heard_(std::move(heard)) {}
+  void plan(const session::ToldPlan&) override {}
+  void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
+    const std::lock_guard lock(heard_->mutex);
+    ++heard_->drives;
+    heard_->last_sounds = false;
+    for (const array::TransducerDrive& one : drive)
+      heard_->last_sounds = heard_->last_sounds || one.amplitude > 0;
+    heard_->sounding += heard_->last_sounds ? 1 : 0;
+  }
+  void finish() override { heard_->finished = true; }
+
+ private:
+  std::shared_ptr<Heard> heard_;
+};
+
+struct Bench {
+  std::shared_ptr<Heard> heard = std::make_shared<Heard>();
+  std::atomic<bool> stop{false};
+  std::atomic<int> woken{0};
+
+  std::unique_ptr<LiveSession> start(std::chrono::milliseconds patience = LiveSession::usual_patience) {
+    setup::LiveOptions options = live_options({{"--scene", {test::source_file("assets/cube.glb").string()}},
+                                               {"--source", {"synthetic"}},
+                                               {"--layout", {"autd3"}},
+                                               {"--backend", {"cpu"}},
+                                               {"--noise-free", {}},
+                                               {"--hold", {"5s"}},
+                                               {"--link", {"heard"}}});
+    LiveSession::Kinds kinds;
+    kinds.links.push_back({"heard", "", [heard = heard](const std::string&, const session::LinkSetting&) {
+                             return std::make_unique<HeardLink>(heard);
+                           }});
+    return std::make_unique<LiveSession>(
+        std::move(options), std::move(kinds), stop, [this] { ++woken; }, patience);
+  }
+  bool sounded() {
+    const std::lock_guard lock(heard->mutex);
+    return heard->sounding > 0;
+  }
+};
+
+template <typename Condition>
+bool soon(LiveSession& live, Condition condition) {
+  const auto until = std::chrono::steady_clock::now() + 60s;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > until) return false;
+    live.look();
+    std::this_thread::sleep_for(2ms);
+  }
+  return true;
+}
+
+TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
+  Bench bench;
+  const auto live = bench.start();
+  bool touched = false;
+  ASSERT_TRUE(soon(*live, [&] {
+    if (live->take()) touched = touched || live->snapshot().touch.finger_count > 0;
+    live->take_seen();
+    return touched && bench.sounded() && !live->seen().points.empty();
+  })) << live->fault();
+  EXPECT_EQ(live->state(), LiveState::running);
+  EXPECT_GT(bench.woken, 0);
+  EXPECT_GT(live->snapshot().numbers.frames, 0u);
+  EXPECT_FALSE(live->snapshot().touch.contacts.empty()) << "contacts come even though nobody asked for events";
+
+  Picture picture = live->scene()->picture;
+  EXPECT_EQ(picture.solids.size(), 1u);
+  EXPECT_EQ(picture.transducers.size(), 249u);
+  show_live(picture, *live->scene(), live->snapshot(), live->seen(), true);
+  EXPECT_EQ(picture.contacts.size(), live->snapshot().touch.contacts.size());
+  EXPECT_FALSE(picture.images.empty());
+
+  live->all_off();
+  ASSERT_TRUE(soon(*live, [&] { return live->over(); }));
+  EXPECT_EQ(live->state(), LiveState::ended);
+  EXPECT_EQ(live->fault(), "");
+  EXPECT_TRUE(bench.heard->finished);
+  EXPECT_FALSE(bench.heard->last_sounds);
+  EXPECT_FALSE(live->link().open || live->link().sounding);
+}
+
+TEST(Live, EndsWithTheViewer) {
+  Bench bench;
+  {
+    const auto live = bench.start();
+    ASSERT_TRUE(soon(*live, [&] { return bench.sounded(); })) << live->fault();
+  }  // as when drawing throws
+  EXPECT_TRUE(bench.heard->finished);
+  EXPECT_FALSE(bench.heard->last_sounds);
+}
+
+TEST(Live, AViewerThatNoLongerLooksLeavesSilence) {
+  Bench bench;
+  const auto live = bench.start(700ms);
+  ASSERT_TRUE(soon(*live, [&] { return bench.sounded(); })) << live->fault();
+  const auto before = std::chrono::steady_clock::now();
+  while (!live->over() && std::chrono::steady_clock::now() < before + 60s)
+    std::this_thread::sleep_for(10ms);
+  EXPECT_TRUE(live->over());
+  EXPECT_GE(std::chrono::steady_clock::now() - before, 650ms);
+  EXPECT_FALSE(bench.heard->last_sounds);
+}
+
+TEST(Live, AFaultIsToldAndNothingSounds) {
+  Bench bench;
+  setup::LiveOptions options = live_options({{"--scene", {"/nowhere.glb"}}});
+  LiveSession live(std::move(options), {}, bench.stop, [] {});
+  ASSERT_TRUE(soon(live, [&] { return live.over(); }));
+  EXPECT_EQ(live.state(), LiveState::failed);
+  EXPECT_NE(live.fault().find("/nowhere.glb"), std::string::npos) << live.fault();
+  EXPECT_EQ(live.scene(), nullptr);
+}
+
+TEST(LiveLine, GoesThereAndBack) {
+  const setup::Given given{{"--scene", {"a b.glb"}}, {"--delta", {"2mm"}}, {"--every-frame", {}}, {"--dark", {}}};
+  EXPECT_EQ(run_command(given), "palpa run --scene 'a b.glb' --every-frame --delta 2mm");
+  const setup::LiveOptions options = live_options(given);
+  EXPECT_EQ(options.scene, "a b.glb");
+  EXPECT_EQ(options.touch.parameters.delta_m, 2e-3);
+  EXPECT_TRUE(options.every_frame);
+  EXPECT_THROW(live_options({{"--scene", {"a.glb"}}, {"--delta", {"-1"}}}), Error);
+  EXPECT_THROW(live_options({}), Error) << "without a scene";
+}
+
+TEST(LiveLine, TheTableHasWordsAndDefaults) {
+  bool method = false, delta = false;
+  for (const setup::OptionInfo& info : live_table()) {
+    if (info.name == "--method") method = info.words.size() == 4 && info.initial == "cross-section";
+    if (info.name == "--delta")
+      delta = info.initial == "1.5mm" && info.type == "LENGTH" && info.help.ends_with("may be");
+    EXPECT_EQ(info.type == "WORD", info.words.size() > 1) << info.name;
+  }
+  EXPECT_TRUE(method && delta);
+}
+
+TEST(TimeBins, CountTenthsOfTheBudget) {
+  TimeBins bins;
+  for (int i = 0; i < 99; ++i)
+    bins.add(0.55 * TimeBins::budget_s);
+  bins.add(100);
+  EXPECT_EQ(bins.counts[5], 99u);
+  EXPECT_EQ(bins.counts.back(), 1u);
+  EXPECT_NEAR(bins.quantile(0.5), 0.6 * TimeBins::budget_s, 1e-12);
+  EXPECT_EQ(bins.total(), 100u);
+}
+
+}  // namespace
+}  // namespace palpa::viewer

@@ -1,0 +1,42 @@
+// What the viewer remembers.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "base/error.hpp"
+#include "support/shared_data.hpp"
+#include "viewer/settings.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+TEST(Settings, ComeBackAsTheyWere) {
+  const auto file = test::scratch_folder("viewer-settings") / "made" / "palpa" / "viewer.toml";
+  EXPECT_EQ(load_settings(file), Settings()) << "none yet";
+  Settings settings;
+  settings.dark = true;
+  settings.panels = false;
+  settings.slots_per_s = 12.5;
+  settings.layers[Layer::sections] = {true, 0.25F};
+  settings.layers[Layer::solids].visible = false;
+  save_settings(file, settings);
+  EXPECT_EQ(load_settings(file), settings);
+}
+
+TEST(Settings, ABrokenFileIsToldWithItsLine) {
+  const auto file = test::scratch_folder("viewer-settings-broken") / "viewer.toml";
+  for (const char* text : {"dark = 3\n", "dark = true\nnonsense = 1\n", "slots_per_s = 1e9\n",
+                           "[layers.solids]\nopacity = 2\n", "[layers.ghosts]\nvisible = true\n", "= =\n"}) {
+    std::ofstream(file) << text;
+    try {
+      load_settings(file);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Exit::bad_input);
+      EXPECT_NE(std::string(error.what()).find(file.string()), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpa::viewer

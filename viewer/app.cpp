@@ -1,0 +1,414 @@
+#include "viewer/app.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "base/activity.hpp"
+#include "base/error.hpp"
+#include "setup/interrupt.hpp"
+#include "viewer/live/live_line.hpp"
+#include "viewer/live/live_picture.hpp"
+#include "viewer/panels/panels.hpp"
+#include "viewer/panels/stroke_font.hpp"
+#include "viewer/pick.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+constexpr double toast_s = 6;
+constexpr double tend_s = 1;  ///< how often a live run is looked after at least, see LiveSession::look
+
+bool same_marks(const ViewState& a, const ViewState& b) {
+  return a.layers == b.layers && a.explode == b.explode && a.slice == b.slice && a.chosen == b.chosen &&
+         a.picked == b.picked && a.dark == b.dark;
+}
+
+}  // namespace
+
+App::App(const ViewerOptions& options, const Size& size, Surroundings around)
+    : options_(options), around_(std::move(around)) {
+  desk_.state = first_state(options_);
+  desk_.given = options_.given;
+  desk_.live = options_.is_live();
+  desk_.panels = around_.panels;
+  recall();
+  around_.kinds.sources.push_back(transport_.source());
+  if (around_.panels) ui_ = std::make_unique<Ui>(desk_.state.dark, around_.copy, around_.paste);
+  if (desk_.live) {
+    start();
+  } else {
+    show_ = std::make_unique<Show>(options_);
+    desk_.state.time.playing = show_->changes();
+  }
+  ratio_ = options_.pixel_ratio.value_or(1);
+  desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, beside_panels(size));
+}
+
+App::~App() {
+  remember();
+}
+
+/// What the command line says goes first.
+void App::recall() {
+  if (around_.settings.empty()) return;
+  try {
+    recalled_ = load_settings(around_.settings);
+  } catch (const Error& error) {
+    return say(log::Level::warning, error.what(), 0);
+  }
+  const auto given = [&](const char* option) { return options_.given.contains(option); };
+  if (!given("--show") && !given("--hide") && !given("--opacity")) desk_.state.layers = recalled_.layers;
+  desk_.state.dark = desk_.state.dark || recalled_.dark;
+  desk_.state.time.slots_per_s = recalled_.slots_per_s;
+  desk_.panels = desk_.panels && recalled_.panels;
+}
+
+void App::remember() {
+  if (around_.settings.empty()) return;
+  const Settings now{desk_.state.layers, desk_.state.dark, desk_.panels, desk_.state.time.slots_per_s};
+  if (now == recalled_) return;
+  try {
+    save_settings(around_.settings, now);
+  } catch (const std::exception& error) {
+    log::warning(error.what());
+  }
+}
+
+void App::start() {
+  *around_.stop = false;
+  running_ = desk_.given;
+  told_ = false;
+  live_ = std::make_unique<LiveSession>(
+      live_options(desk_.given), around_.kinds, *around_.stop, around_.wake ? around_.wake : [] {});
+  desk_.live_state = LiveState::loading;
+}
+
+void App::say(log::Level level, const std::string& line, double now_s) {
+  if (desk_.toasts.size() >= 4) desk_.toasts.pop_front();
+  desk_.toasts.push_back({line, level, now_s + toast_s});
+  desk_.log.push_back({level, line});
+  dirty_ = true;
+}
+
+bool App::changing() const {
+  return std::ranges::any_of(picture().fingers, [](const FingerMarks& finger) { return finger.foci.size() > 1; });
+}
+
+Size App::beside_panels(const Size& size) const {
+  if (!ui_ || !desk_.panels) return size;
+  const double panels = panels_width(size.width, text_height * ratio_);
+  return {std::max(size.width - static_cast<std::uint32_t>(panels), 1U), size.height};
+}
+
+void App::handle(const WindowEvent& event, const Size& whole_size) {
+  const Size size = beside_panels(whole_size);
+  if (event.kind == WindowEvent::Kind::damage) dirty_ = true;
+  if (event.kind == WindowEvent::Kind::drop) return open(event.text, now_s_);
+  const bool taken = ui_ && ui_->take(event);
+  if (ui_) dirty_ = true;
+  if (taken && event.kind != WindowEvent::Kind::release) return;
+  if (event.kind == WindowEvent::Kind::key && event.down) key(event);
+  if (event.kind == WindowEvent::Kind::press && event.ctrl && event.button == Button::left)
+    return read_at(event.x, event.y, size);
+  const Box home = home_of(options_, picture(), desk_.state);
+  if (controls_.handle(event, desk_.state.viewpoint, home, size.width, size.height) == Reply::redraw) dirty_ = true;
+}
+
+void App::key(const WindowEvent& event) {
+  dirty_ = true;
+  switch (event.key) {
+    case Key::space:
+      if (desk_.playback) {
+        Playback play = *desk_.playback;
+        play.playing = !play.playing;
+        desk_.asked.play = play;
+      } else {
+        desk_.state.time.playing = !desk_.state.time.playing;
+      }
+      return;
+    case Key::left:
+      desk_.asked.step = -1;
+      return;
+    case Key::right:
+      desk_.asked.step = 1;
+      return;
+    case Key::tab:
+      desk_.panels = !desk_.panels;
+      return;
+    case Key::escape:
+      desk_.help || desk_.reading ? void() : void(quitting_ = true);
+      desk_.help = false;
+      desk_.reading.reset();
+      desk_.state.picked.reset();
+      return;
+    default:
+      break;
+  }
+  switch (static_cast<char>(event.key)) {
+    case 'q':
+      quitting_ = true;
+      break;
+    case 'h':
+      desk_.help = !desk_.help;
+      break;
+    case 'o':
+      desk_.asked.all_off = true;
+      break;
+    case 'c':
+      if (desk_.live) desk_.asked.copy = run_command(desk_.given);
+      break;
+    case ',':
+      desk_.asked.slots = -1;
+      break;
+    case '.':
+      desk_.asked.slots = 1;
+      break;
+    case '-':
+      desk_.state.time.slots_per_s = std::max(desk_.state.time.slots_per_s / 2, 0.5);
+      break;
+    case '+':
+    case '=':
+      desk_.state.time.slots_per_s = std::min(desk_.state.time.slots_per_s * 2, 667.0);
+      break;
+    default:
+      break;
+  }
+}
+
+void App::read_at(double x, double y, const Size& size) {
+  desk_.reading = pick(picture(), desk_.state, x, y, size.width, size.height, ratio_);
+  desk_.state.picked = desk_.reading ? std::optional(desk_.reading->at) : std::nullopt;
+  dirty_ = true;
+}
+
+void App::open(const std::string& path, double now_s) {
+  const std::filesystem::path file(path);
+  const std::string ending = file.extension().string();
+  setup::Given given = desk_.given;
+  std::error_code ignored;
+  if (ending == ".glb" || ending == ".gltf") {
+    given["--scene"] = {path};
+    given.erase("--gltf-scene");
+  } else if (std::filesystem::is_directory(file, ignored) || file.filename() == "recording.toml") {
+    given["--source"] = {"recording:" + path};
+    given.erase("--noise-free");
+  } else {
+    return say(log::Level::warning, fmt::format("{}: is no .glb, .gltf or recording", path), now_s);
+  }
+  if (!desk_.live) {
+    ViewerOptions other = options_;
+    other.input.scene = given.contains("--scene") ? given["--scene"].front() : "";
+    if (given.contains("--source"))
+      return say(log::Level::warning, "a recording needs --source: start with one", now_s);
+    try {
+      auto show = std::make_unique<Show>(other);
+      show_ = std::move(show);
+    } catch (const Error& error) {
+      return say(log::Level::error, error.what(), now_s);
+    }
+    options_ = std::move(other);
+    desk_.given = std::move(given);
+    desk_.asked.frame = dirty_ = stale_surfaces_ = true;
+    return;
+  }
+  if (desk_.given == given) desk_.asked.start = true;  // the same file, written anew
+  desk_.given = std::move(given);
+}
+
+void App::advance(double now_s, const Size& whole_size) {
+  const Size size = beside_panels(whole_size);
+  now_s_ = now_s;
+  for (const log::Line& line : tail_.take()) {
+    if (line.level <= log::Level::warning) {
+      say(line.level, line.text, now_s);
+    } else {
+      desk_.log.push_back(line);
+    }
+  }
+  while (desk_.log.size() > log::Tail::most)
+    desk_.log.pop_front();
+  do_asked(now_s, size);
+  if (live_) advance_live(now_s, size);
+  if (now_s >= next_reload_s_) reload(now_s);
+  advance_slots(now_s);
+  if (std::ranges::any_of(desk_.toasts, [&](const Toast& toast) { return now_s >= toast.until_s; })) dirty_ = true;
+  if (!same_marks(desk_.state, drawn_state_)) {
+    if (desk_.state.explode != drawn_state_.explode) stale_surfaces_ = true;
+    stale_marks_ = dirty_ = true;
+  }
+}
+
+/// A scene that was written anew is read anew, once it has not changed for a while: editors write in pieces.
+void App::reload(double now_s) {
+  constexpr double every_s = 1;
+  next_reload_s_ = now_s + every_s;
+  const auto scene = desk_.given.find("--scene");
+  if (scene == desk_.given.end()) return;
+  std::error_code fault;
+  const std::filesystem::file_time_type time = std::filesystem::last_write_time(scene->second.front(), fault);
+  if (fault) return;
+  const std::filesystem::file_time_type before = std::exchange(scene_time_, time).value_or(time);
+  if (before == time) {
+    if (std::exchange(written_, false)) open(scene->second.front(), now_s);
+  } else {
+    written_ = true;
+  }
+}
+
+void App::do_asked(double now_s, const Size& size) {
+  const Desk::Asked asked = std::exchange(desk_.asked, {});
+  const double aspect = static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u);
+  if (asked.all_off && live_) {
+    live_->all_off();
+    say(log::Level::info, "all off", now_s);
+  }
+  if (asked.view) look(desk_.state.viewpoint, *asked.view);
+  if (asked.frame || asked.view) fit(desk_.state.viewpoint, home_of(options_, picture(), desk_.state), aspect);
+  if (!asked.copy.empty()) {
+    if (around_.copy) around_.copy(asked.copy);
+    say(log::Level::info, asked.copy, now_s);
+  }
+  if (asked.play) transport_.play(*asked.play);
+  if (asked.step != 0) transport_.step(asked.step);
+  if (asked.slots != 0) {
+    SlotTime& time = desk_.state.time;
+    time.playing = false;
+    time.slot =
+        asked.slots > 0 || time.slot > 0 ? time.slot + static_cast<std::uint64_t>(std::int64_t{asked.slots}) : 0;
+    show_slot_now();
+  }
+  if (asked.start || asked.view || asked.frame) dirty_ = true;
+  if (desk_.live && (asked.start || desk_.given != running_)) touch_options(now_s);
+}
+
+/// Options that changed, or a run that is to begin anew: the one that runs ends first.
+void App::touch_options(double now_s) {
+  try {
+    live_options(desk_.given);
+  } catch (const Error& error) {
+    say(log::Level::error, error.what(), now_s);
+    desk_.given = running_;  // what runs stays
+    return;
+  }
+  if (live_ && !live_->over()) live_->all_off();
+  running_ = desk_.given;
+  restart_ = true;
+}
+
+void App::advance_live(double now_s, const Size& size) {
+  live_->look();
+  const LinkWatch& link = live_->link();
+  const bool sounding = link.sounding;
+  if (desk_.sounding != sounding || desk_.live_state != live_->state()) dirty_ = true;
+  desk_.sounding = sounding;
+  desk_.link_open = link.open;
+  desk_.drives = link.drives;
+  desk_.silent_drives = link.silent;
+  desk_.live_state = live_->state();
+  desk_.playback = transport_.now();
+  const std::optional<Doing> doing = desk_.live_state == LiveState::loading ? palpa::doing() : std::nullopt;
+  desk_.doing = doing ? doing->what : std::string();
+
+  if (auto scene = live_->scene(); scene && scene != scene_) {
+    scene_ = std::move(scene);
+    live_picture_ = scene_->picture;
+    stale_surfaces_ = dirty_ = true;
+    if (!std::exchange(framed_, true)) desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, size);
+  }
+  const bool fresh = live_->take();
+  const bool seen = live_->take_seen();
+  fresh_ = fresh_ || fresh;
+  if (scene_ && (fresh || seen)) {
+    show_live(live_picture_, *scene_, live_->snapshot(), live_->seen(), desk_.state.layers.shows(Layer::depth));
+    desk_.numbers = live_->snapshot().numbers;
+    show_slot_now();
+  }
+  if (!live_->over()) return;
+  if (!std::exchange(told_, true)) {
+    dirty_ = true;
+    if (const std::string fault = live_->fault(); !fault.empty()) say(log::Level::error, fault, now_s);
+    if (setup::Interrupt::signalled()) quitting_ = true;
+  }
+  if (!std::exchange(restart_, false) || quitting_) return;
+  live_.reset();
+  start();
+}
+
+void App::show_slot_now() {
+  const std::uint64_t slot = desk_.state.time.slot;
+  if (show_) {
+    show_->go_to(slot);
+  } else if (live_ && scene_) {
+    show_live_slot(live_picture_, *scene_, live_->snapshot(), slot);
+  }
+  stale_marks_ = dirty_ = true;
+}
+
+void App::advance_slots(double now_s) {
+  SlotTime& time = desk_.state.time;
+  if (!time.playing || !changing()) {
+    next_slot_s_ = now_s + 1 / time.slots_per_s;
+    return;
+  }
+  if (now_s < next_slot_s_) return;
+  const double late = std::clamp((now_s - next_slot_s_) * time.slots_per_s, 0.0, 1e4);
+  time.slot += 1 + static_cast<std::uint64_t>(late);
+  next_slot_s_ = now_s + 1 / time.slots_per_s;
+  show_slot_now();
+}
+
+std::optional<double> App::next_s() const {
+  std::optional<double> next;
+  const auto sooner = [&](double at) { next = next ? std::min(*next, at) : at; };
+  if (desk_.state.time.playing && changing()) sooner(next_slot_s_);
+  for (const Toast& toast : desk_.toasts)
+    sooner(toast.until_s);
+  if (desk_.given.contains("--scene")) sooner(next_reload_s_);
+  if (live_ && !told_) sooner(now_s_ + (desk_.live_state == LiveState::loading ? 0.1 : tend_s));
+  return next;
+}
+
+void App::update(DrawnPicture& drawn) {
+  if (stale_surfaces_) {
+    drawn.update(picture(), desk_.state);
+  } else if (stale_marks_) {
+    drawn.update_marks(picture(), desk_.state);
+  }
+  stale_surfaces_ = stale_marks_ = false;
+  drawn_state_ = desk_.state;
+}
+
+App::Frame App::render(const Size& size, double ratio, double now_s) {
+  Frame frame;
+  ratio_ = ratio;
+  if (ui_) {
+    ui_->set_dark(desk_.state.dark);
+    ui_->begin(size.width, size.height, ratio, now_s - last_render_s_);
+    desk_.picture = &picture();
+    draw_panels(desk_, now_s);
+    frame.sheet = &ui_->end();
+  }
+  last_render_s_ = now_s;
+  dirty_ = false;
+  frame.views = views_from(desk_.state.viewpoint, options_, picture(), beside_panels(size), ratio);
+  return frame;
+}
+
+bool App::finish(double patience_s) {
+  if (!live_) return true;
+  live_->all_off();
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
+  while (!live_->over() && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return live_->over();
+}
+
+}  // namespace palpa::viewer

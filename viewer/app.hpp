@@ -1,0 +1,122 @@
+// The viewer without a window: events go in, a picture and what lies over it come out. A window, a recorded log and
+// tests stand on it alike.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "viewer/controls.hpp"
+#include "viewer/desk.hpp"
+#include "viewer/drawn_picture.hpp"
+#include "viewer/live/live_session.hpp"
+#include "viewer/live/transport.hpp"
+#include "viewer/panels/ui.hpp"
+#include "viewer/settings.hpp"
+#include "viewer/show.hpp"
+#include "viewer/viewer_options.hpp"
+
+namespace palpa::viewer {
+
+/// What the application needs of whoever runs it.
+struct Surroundings {
+  LiveSession::Kinds kinds;
+  /// Ends a live run; see LiveSession. Set from outside, too.
+  std::atomic<bool>* stop = nullptr;
+  std::function<void()> wake;                    ///< from other threads: something is new
+  std::function<void(const std::string&)> copy;  ///< to other programs
+  std::function<std::string()> paste;
+  bool panels = true;
+  /// Where settings are remembered; empty: nowhere.
+  std::filesystem::path settings;
+};
+
+class App {
+ public:
+  /// Loads what is shown, but for a live run, which loads by itself. Throws as the engine does.
+  App(const ViewerOptions& options, const Size& size, Surroundings around);
+  ~App();
+  App(const App&) = delete;
+  App& operator=(const App&) = delete;
+
+  void handle(const WindowEvent& event, const Size& size);
+  /// Takes in what is new at `now_s`, and does what panels asked for.
+  void advance(double now_s, const Size& size);
+  bool quitting() const { return quitting_; }
+
+  /// Whether the picture has changed since the last render().
+  bool dirty() const { return dirty_ || (ui_ && ui_->restless()); }
+  /// Until when nothing happens by itself; nothing: until somebody does something.
+  std::optional<double> next_s() const;
+
+  /// Brings `drawn` up to date; no frame that draws it may be in flight where stale().
+  bool stale() const { return stale_surfaces_ || stale_marks_; }
+  void update(DrawnPicture& drawn);
+  struct Frame {
+    std::vector<View> views;
+    const Sheet* sheet = nullptr;
+  };
+  /// What is drawn, valid until the next call. `ratio`: pixels per point.
+  Frame render(const Size& size, double ratio, double now_s);
+  /// How long that took, for those who want to know.
+  void drew(double seconds) { desk_.picture_ms = seconds * 1e3; }
+
+  const Desk& desk() const { return desk_; }
+  const Picture& picture() const { return show_ ? show_->picture() : live_picture_; }
+  /// The next slot, whatever the time.
+  void go_on() { desk_.asked.slots = 1; }
+  /// Whether a live run has shown a frame since the last call; of anything else, always.
+  bool showed_frame() { return !desk_.live || std::exchange(fresh_, false); }
+  void say(log::Level level, const std::string& line, double now_s);
+  /// A live run falls silent and ends; false where it has not within `patience_s`.
+  bool finish(double patience_s);
+  /// Throws what a live run failed with.
+  void rethrow() const {
+    if (live_) live_->rethrow();
+  }
+
+ private:
+  void remember();
+  void recall();
+  void start();
+  void advance_live(double now_s, const Size& size);
+  void advance_slots(double now_s);
+  void do_asked(double now_s, const Size& size);
+  void key(const WindowEvent& event);
+  void open(const std::string& path, double now_s);
+  void read_at(double x, double y, const Size& size);
+  void show_slot_now();
+  void touch_options(double now_s);
+  bool changing() const;
+  /// What panels leave of a picture of that size.
+  Size beside_panels(const Size& size) const;
+  void reload(double now_s);
+
+  ViewerOptions options_;
+  Surroundings around_;
+  Picture live_picture_;
+  Desk desk_;
+  Settings recalled_;
+  ViewState drawn_state_;  ///< as the picture was drawn last
+  setup::Given running_;   ///< what the live run was started with
+  std::unique_ptr<Show> show_;
+  Transport transport_;
+  std::unique_ptr<LiveSession> live_;
+  std::shared_ptr<const LiveScene> scene_;
+  bool restart_ = false, told_ = false, written_ = false, framed_ = false, fresh_ = false;
+  std::unique_ptr<Ui> ui_;
+  log::Tail tail_;
+  Controls controls_;
+  double ratio_ = 1;
+  double next_reload_s_ = 0;
+  std::optional<std::filesystem::file_time_type> scene_time_;
+  double next_slot_s_ = 0, last_render_s_ = 0, now_s_ = 0;
+  bool dirty_ = true, stale_surfaces_ = true, stale_marks_ = false, quitting_ = false;
+};
+
+}  // namespace palpa::viewer

@@ -1,0 +1,75 @@
+// What lies on the viewer's desk: all that its panels show, change and ask for, as plain values. The application fills
+// the first part before a picture, panels change the second, and the application does what the third asks for.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/log.hpp"
+#include "setup/option_table.hpp"
+#include "viewer/live/live_session.hpp"
+#include "viewer/picture.hpp"
+#include "viewer/view_state.hpp"
+
+namespace palpa::viewer {
+
+/// A line that is shown for a while, whatever else is open.
+struct Toast {
+  std::string text;
+  log::Level level = log::Level::info;
+  double until_s = 0;  ///< on the application's clock
+};
+
+/// Where a recording is being played.
+struct Playback {
+  std::uint64_t frame = 0, frames = 0;  ///< of so many
+  double time_s = 0, length_s = 0;      ///< since its first frame
+  bool playing = true;
+  double speed = 1;
+  bool loop = true;
+};
+
+/// What was found under the pointer.
+struct Reading {
+  std::string what;
+  Vec3 at{};
+  std::optional<double> depth_m;  ///< inside a solid, positive inside; of a contact
+};
+
+struct Desk {
+  // ---- shown -------------------------------------------------------------------------------------------------------
+  const Picture* picture = nullptr;
+  bool live = false;
+  LiveState live_state = LiveState::loading;
+  bool sounding = false, link_open = false;
+  std::uint64_t drives = 0, silent_drives = 0;
+  std::string doing;  ///< while something is loaded
+  LiveNumbers numbers;
+  std::optional<Playback> playback;
+  double picture_ms = 0;  ///< to draw the last picture
+  std::deque<log::Line> log;
+  std::deque<Toast> toasts;
+  std::optional<Reading> reading;
+
+  // ---- changed -----------------------------------------------------------------------------------------------------
+  ViewState state;
+  setup::Given given;  ///< the options of the run
+  bool panels = true;
+  bool help = false;
+  bool finger_by_mouse = false;
+
+  // ---- asked for ---------------------------------------------------------------------------------------------------
+  struct Asked {
+    bool all_off = false, start = false, frame = false;
+    std::optional<StandardView> view;
+    std::string copy;              ///< text for other programs
+    std::optional<Playback> play;  ///< to go there, or at that speed
+    int step = 0;                  ///< frames of a recording
+    int slots = 0;                 ///< slots of the schedule
+  } asked;
+};
+
+}  // namespace palpa::viewer

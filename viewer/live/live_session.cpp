@@ -1,0 +1,169 @@
+#include "viewer/live/live_session.hpp"
+
+#include <fmt/core.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "base/log.hpp"
+#include "sensing/skin_twin.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+/// Depth images show far more than the hand: only what lies this near the solids is drawn.
+constexpr double skin_reach = 0.12;
+
+}  // namespace
+
+void give_way() {
+  constexpr int nicer = 10;
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), nicer);  // where it may not, it shares like everybody
+}
+
+LiveSession::LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bool>& stop, std::function<void()> wake,
+                         std::chrono::milliseconds patience)
+    : options_(std::move(options)),
+      kinds_(std::move(kinds)),
+      stop_(&stop),
+      wake_(std::move(wake)),
+      patience_(patience) {
+  options_.watched = true;
+  thread_ = std::thread([this] { work(); });
+}
+
+LiveSession::~LiveSession() {
+  all_off();
+  if (thread_.joinable()) thread_.join();
+}
+
+void LiveSession::work() {
+  LiveState end = LiveState::ended;
+  std::string fault;
+  std::exception_ptr thrown;
+  std::optional<session::LoopStats> stats;
+  try {
+    setup::LiveRun run(options_, kinds_.sources, watched(setup::with_builtin(kinds_.links), link_), *stop_);
+    publish_scene(run);
+    log::release_warnings();
+    session::RunOptions looking;
+    looking.planned = [this](const session::FrameReport& report, const session::Plan& plan) { planned(report, plan); };
+    looking.record = [this](const sensing::FrameSet& set) { saw(set); };
+    state_ = LiveState::running;
+    wake_();
+    stats = run.run(looking);
+  } catch (const std::exception& error) {
+    end = LiveState::failed;
+    fault = error.what();
+    thrown = std::current_exception();
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    fault_ = std::move(fault);
+    error_ = std::move(thrown);
+    stats_ = std::move(stats);
+  }
+  state_ = end;
+  over_ = true;
+  wake_();
+}
+
+void LiveSession::publish_scene(setup::LiveRun& run) {
+  auto scene = std::make_shared<LiveScene>();
+  show_solids(scene->picture, run.session().solids());
+  show_array(scene->picture, run.session().setting().layout);
+  show_cameras(scene->picture, run.source().cameras());
+  scene->solid_names = run.session().solid_names();
+  scene->cameras = run.source().cameras();
+  scene->layout = run.session().setting().layout;
+  for (const geometry::Solid& solid : run.session().solids()) {
+    near_.add(solid.bounds.low - Vec3(skin_reach));
+    near_.add(solid.bounds.high + Vec3(skin_reach));
+  }
+  rays_ = sensing::make_rays(scene->cameras);
+  sensing::plan_views(scene->cameras, rays_, near_, views_);
+  const std::lock_guard lock(mutex_);
+  scene_ = std::move(scene);
+}
+
+std::string LiveSession::fault() const {
+  const std::lock_guard lock(mutex_);
+  return fault_;
+}
+
+void LiveSession::rethrow() const {
+  const std::lock_guard lock(mutex_);
+  if (error_) std::rethrow_exception(error_);
+}
+
+std::shared_ptr<const LiveScene> LiveSession::scene() const {
+  const std::lock_guard lock(mutex_);
+  return scene_;
+}
+
+std::optional<session::LoopStats> LiveSession::stats() const {
+  const std::lock_guard lock(mutex_);
+  return stats_;
+}
+
+void LiveSession::count(const session::FrameReport& report) {
+  constexpr double weight = 1.0 / 50;
+  const Clock::time_point now = Clock::now();
+  LiveNumbers& n = numbers_;
+  if (last_sequence_ && report.sequence > *last_sequence_ + 1) n.dropped += report.sequence - *last_sequence_ - 1;
+  if (last_sequence_) {
+    const double apart = std::max(std::chrono::duration<double>(now - last_frame_).count(), 1e-6);
+    n.rate_hz = n.rate_hz > 0 ? 1 / ((1 - weight) / n.rate_hz + weight * apart) : 1 / apart;
+  }
+  last_sequence_ = report.sequence;
+  last_frame_ = now;
+  ++n.frames;
+  n.touching += report.touch->finger_count > 0 ? 1 : 0;
+  n.last_s = report.planned_s - report.started_s;
+  n.bins.add(n.last_s);
+  for (const gpu::PassTime& pass : report.passes) {
+    auto at = std::ranges::find(n.passes, pass.name, &PassTimes::name);
+    if (at == n.passes.end()) {
+      n.passes.push_back({pass.name, pass.ms, pass.ms});
+      continue;
+    }
+    at->last_ms = pass.ms;
+    at->mean_ms += weight * (pass.ms - at->mean_ms);
+  }
+}
+
+// On the compute thread.
+void LiveSession::planned(const session::FrameReport& report, const session::Plan& plan) {
+  count(report);
+  const Clock::duration unseen = Clock::now().time_since_epoch() - Clock::duration(looked_.load());
+  if (looks_ > 1 && unseen > patience_ && !stop_->exchange(true)) {
+    log::error(fmt::format("the window has not answered for {} s: the array is off",
+                           std::chrono::duration_cast<std::chrono::seconds>(patience_).count()));
+  }
+  if (!wants_snapshot_.exchange(false)) return;
+  Snapshot& next = snapshots_.back();
+  next.sequence = report.sequence;
+  next.time_s = report.time_s;
+  next.touch = *report.touch;
+  next.plan = plan;
+  next.numbers = numbers_;
+  snapshots_.publish();
+  wake_();
+}
+
+// On a thread that nobody waits for, unless every frame is looked at.
+void LiveSession::saw(const sensing::FrameSet& set) {
+  if (!std::exchange(modest_, true) && options_.record.empty()) give_way();
+  if (!wants_seen_.exchange(false)) return;
+  Seen& next = seen_.back();
+  next.sequence = set.sequence;
+  next.images = set;
+  sensing::find_skin(rays_, set.frames, near_, views_, next.points);
+  seen_.publish();
+  wake_();
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,139 @@
+// The session of `palpa run` on threads of its own, with the viewer looking on. Whatever the viewer does, draws or
+// fails to do, nobody in the session waits for it; and where it does not look any more, the session ends in silence.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "sensing/rays.hpp"
+#include "session/newest.hpp"
+#include "setup/live_run.hpp"
+#include "viewer/live/snapshot.hpp"
+#include "viewer/live/watched_link.hpp"
+#include "viewer/picture.hpp"
+
+namespace palpa::viewer {
+
+/// What a session stands on, once it is loaded.
+struct LiveScene {
+  Picture picture;  ///< solids and array; no touch
+  std::vector<std::string> solid_names;
+  std::vector<sensing::Camera> cameras;
+  array::Layout layout;  ///< in the world
+};
+
+enum class LiveState {
+  loading,
+  running,
+  ended,   ///< by the source, the frames that were asked for, or all_off()
+  failed,  ///< see fault()
+};
+
+class LiveSession {
+ public:
+  /// What it is made of, beside the options. The kinds come beside palpa's own.
+  struct Kinds {
+    std::vector<session::SourceKind> sources;
+    std::vector<session::LinkKind> links;
+  };
+  /// How long a viewer that does not look is waited for before the array falls silent.
+  static constexpr std::chrono::milliseconds usual_patience{5000};
+
+  /// Begins to load and then runs. `stop` ends the run from any thread, whoever sets it. `wake` is called from other
+  /// threads when there is something new to see; it must not wait.
+  LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bool>& stop, std::function<void()> wake,
+              std::chrono::milliseconds patience = usual_patience);
+  /// all_off(), then waits for the end: of what is being loaded, too.
+  ~LiveSession();
+  LiveSession(const LiveSession&) = delete;
+  LiveSession& operator=(const LiveSession&) = delete;
+
+  /// Silence from the next slot on, and the end of the run. Only sets a flag, which the output thread looks at for
+  /// every slot: neither a full disk nor a GPU that hangs keeps it.
+  void all_off() { *stop_ = true; }
+
+  /// Says that the viewer is alive, once for every time it goes round. Before the second time it is still beginning,
+  /// and may take as long as drivers take to compile.
+  void look() {
+    looked_ = Clock::now().time_since_epoch().count();
+    ++looks_;
+  }
+
+  LiveState state() const { return state_; }
+  /// Whether the run's thread is done with everything.
+  bool over() const { return over_; }
+  /// Why it failed; empty where it did not.
+  std::string fault() const;
+  /// Throws that again; returns where it did not fail.
+  void rethrow() const;
+  /// Once it is loaded; the same object until the end.
+  std::shared_ptr<const LiveScene> scene() const;
+
+  /// Whether there is a newer snapshot(); it is valid until the next call.
+  bool take() { return wants(wants_snapshot_, snapshots_); }
+  const Snapshot& snapshot() { return snapshots_.front(); }
+  /// The same of seen().
+  bool take_seen() { return wants(wants_seen_, seen_); }
+  const Seen& seen() { return seen_.front(); }
+
+  const LinkWatch& link() const { return link_; }
+  /// Complete once it is over; nothing where it failed.
+  std::optional<session::LoopStats> stats() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  template <typename T>
+  static bool wants(std::atomic<bool>& flag, session::Newest<T>& values) {
+    const bool fresh = values.take();
+    flag = true;
+    return fresh;
+  }
+  void work();
+  void publish_scene(setup::LiveRun& run);
+  void planned(const session::FrameReport& report, const session::Plan& plan);
+  void saw(const sensing::FrameSet& set);
+  void count(const session::FrameReport& report);
+
+  setup::LiveOptions options_;
+  Kinds kinds_;
+  std::atomic<bool>* stop_;
+  std::function<void()> wake_;
+  std::chrono::milliseconds patience_;
+  std::atomic<LiveState> state_{LiveState::loading};
+  std::atomic<bool> over_{false};
+  std::atomic<Clock::rep> looked_{0};
+  std::atomic<std::uint64_t> looks_{0};
+  std::atomic<bool> wants_snapshot_{true}, wants_seen_{true};
+  session::Newest<Snapshot> snapshots_;
+  session::Newest<Seen> seen_;
+  LinkWatch link_;
+  LiveNumbers numbers_;  ///< of the compute thread
+  std::optional<std::uint64_t> last_sequence_;
+  Clock::time_point last_frame_{};
+  // Of the recorder's thread, made before it begins.
+  Box near_;  ///< where skin is drawn
+  sensing::RayTables rays_;
+  std::vector<sensing::View> views_;
+  bool modest_ = false;
+  mutable std::mutex mutex_;
+  std::string fault_;
+  std::exception_ptr error_;
+  std::shared_ptr<const LiveScene> scene_;
+  std::optional<session::LoopStats> stats_;
+  std::thread thread_;
+};
+
+/// From now on this thread, and those that it starts, give way to all others.
+void give_way();
+
+}  // namespace palpa::viewer

@@ -1,0 +1,39 @@
+// A recording under somebody's hand: played, stopped, stepped through and gone to, at any speed.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "session/sources.hpp"
+#include "viewer/desk.hpp"
+
+namespace palpa::viewer {
+
+/// What the viewer's thread says and the capture thread does. Frames that are shown for a second time, or before those
+/// that came before, have times and numbers that go on all the same: to a session they are new.
+class Transport {
+ public:
+  /// Nothing where no recording is open.
+  std::optional<Playback> now() const;
+  /// Goes to `wanted.frame` where that is another one than now()'s; takes over the rest.
+  void play(const Playback& wanted);
+  /// Stops, and goes so many frames on.
+  void step(int frames);
+
+  /// The kind `recording`, under this hand. It outlives what it opens. Not with --every-frame, where frames come as
+  /// fast as they are asked for.
+  session::SourceKind source();
+
+ private:
+  friend class TransportSource;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<Playback> now_;
+  std::optional<std::uint64_t> go_to_;  ///< a frame that is to be shown next
+};
+
+}  // namespace palpa::viewer

@@ -1,0 +1,190 @@
+// The panels of what runs: its options, its time, its numbers.
+#include <fmt/core.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <cfloat>
+#include <string>
+#include <vector>
+
+#include "viewer/live/live_line.hpp"
+#include "viewer/panels/panels.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+float em(float lines) {
+  return lines * ImGui::GetFontSize();
+}
+
+void choose(Desk& desk, const setup::OptionInfo& info, const std::string& now) {
+  const std::string usual = info.initial.empty() ? "as usual" : info.initial;
+  if (!ImGui::BeginCombo("##value", now.empty() ? usual.c_str() : now.c_str())) return;
+  if (ImGui::Selectable((usual + " (usual)").c_str(), now.empty())) desk.given.erase(info.name);
+  for (const std::string& word : info.words) {
+    if (ImGui::Selectable(word.c_str(), word == now)) desk.given[info.name] = {word};
+  }
+  ImGui::EndCombo();
+}
+
+void draw_option(Desk& desk, const setup::OptionInfo& info) {
+  const auto found = desk.given.find(info.name);
+  const bool set = found != desk.given.end();
+  const std::string now = set && !found->second.empty() ? found->second.front() : std::string();
+  const char* label = info.name.c_str() + 2;
+  ImGui::PushID(info.name.c_str());
+  ImGui::TableNextColumn();
+  ImGui::AlignTextToFramePadding();
+  set ? ImGui::TextUnformatted(label) : ImGui::TextDisabled("%s", label);
+  tip(info.help.c_str());
+  ImGui::TableNextColumn();
+  ImGui::SetNextItemWidth(-1);
+  if (info.flag) {
+    bool on = set;
+    if (ImGui::Checkbox("##value", &on)) on ? void(desk.given[info.name] = {}) : void(desk.given.erase(info.name));
+  } else if (!info.words.empty()) {
+    choose(desk, info, now);
+  } else {
+    std::string text = now;
+    const std::string hint = info.initial.empty() ? info.type : info.initial;
+    ImGui::InputTextWithHint("##value", hint.c_str(), &text);
+    // What is being typed is nobody's business until it is done.
+    if (ImGui::IsItemDeactivatedAfterEdit() && text != now)
+      text.empty() ? void(desk.given.erase(info.name)) : void(desk.given[info.name] = {text});
+  }
+  tip(info.help.c_str());
+  ImGui::PopID();
+}
+
+}  // namespace
+
+void draw_options_panel(Desk& desk) {
+  if (ImGui::SmallButton("copy as command line")) desk.asked.copy = run_command(desk.given);
+  tip("The palpa run that does the same without a window. Key: C");
+  const std::vector<setup::OptionInfo>& table = live_table();
+  for (auto first = table.begin(); first != table.end();) {
+    const auto last =
+        std::find_if(first, table.end(), [&](const auto& info) { return info.heading != first->heading; });
+    if (ImGui::TreeNode(first->heading.c_str())) {
+      if (ImGui::BeginTable("options", 2, ImGuiTableFlags_SizingStretchSame)) {
+        for (auto info = first; info != last; ++info)
+          draw_option(desk, *info);
+        ImGui::EndTable();
+      }
+      ImGui::TreePop();
+    }
+    first = last;
+  }
+}
+
+void draw_time_panel(Desk& desk) {
+  SlotTime& time = desk.state.time;
+  if (ImGui::SmallButton(time.playing ? "stop" : "play")) time.playing = !time.playing;
+  tip("The schedule, slowed down. Key: Space");
+  ImGui::SameLine();
+  if (ImGui::SmallButton("<")) desk.asked.slots = -1;
+  tip("One slot back. Key: ,");
+  ImGui::SameLine();
+  if (ImGui::SmallButton(">")) desk.asked.slots = 1;
+  tip("One slot on. Key: .");
+  ImGui::SameLine();
+  ImGui::Text("slot %llu", static_cast<unsigned long long>(time.slot));
+  auto rate = static_cast<float>(time.slots_per_s);
+  ImGui::SetNextItemWidth(em(8));
+  if (ImGui::SliderFloat("slots/s", &rate, 0.5f, 667, "%.1f", ImGuiSliderFlags_Logarithmic))
+    time.slots_per_s = std::clamp(rate, 0.5f, 667.0f);
+  tip("Of the schedule as it is shown; 667 are real time for a dwell of 1.5 ms. The array keeps its own.");
+  if (!desk.playback) return;
+  ImGui::Separator();
+  Playback play = *desk.playback;
+  bool changed = false;
+  if (ImGui::SmallButton(play.playing ? "pause" : "go on")) {
+    play.playing = !play.playing;
+    changed = true;
+  }
+  tip("The recording: while it pauses, the array falls silent after the hold. Key: Space");
+  ImGui::SameLine();
+  if (ImGui::SmallButton("|<")) desk.asked.step = -1;
+  tip("One frame back. Key: left");
+  ImGui::SameLine();
+  if (ImGui::SmallButton(">|")) desk.asked.step = 1;
+  tip("One frame on. Key: right");
+  ImGui::SameLine();
+  ImGui::Text("%.2f of %.2f s", play.time_s, play.length_s);
+  int frame = static_cast<int>(play.frame);
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderInt("##frame", &frame, 0, std::max(static_cast<int>(play.frames) - 1, 1), "frame %d")) {
+    play.frame = static_cast<std::uint64_t>(std::clamp(frame, 0, static_cast<int>(play.frames) - 1));
+    changed = true;
+  }
+  tip("Where the recording is");
+  auto speed = static_cast<float>(play.speed);
+  ImGui::SetNextItemWidth(em(8));
+  if (ImGui::SliderFloat("speed", &speed, 0.05f, 4, "%.2f", ImGuiSliderFlags_Logarithmic)) {
+    play.speed = std::clamp(speed, 0.05f, 4.0f);
+    changed = true;
+  }
+  tip("1 is as it was recorded");
+  ImGui::SameLine();
+  changed = ImGui::Checkbox("again", &play.loop) || changed;
+  tip("Begin anew at the end");
+  if (changed) desk.asked.play = play;
+}
+
+void draw_statistics_panel(const Desk& desk) {
+  const LiveNumbers& n = desk.numbers;
+  const auto share = static_cast<float>(n.last_s / TimeBins::budget_s);
+  const std::string text = fmt::format("{:.1f} of {:.1f} ms", n.last_s * 1e3, TimeBins::budget_s * 1e3);
+  ImGui::PushStyleColor(ImGuiCol_PlotHistogram,
+                        share <= 1 ? ImVec4{0.20f, 0.50f, 0.78f, 1} : ImVec4{0.85f, 0.37f, 0, 1});
+  ImGui::ProgressBar(std::min(share, 1.0f), {-1, 0}, text.c_str());
+  ImGui::PopStyleColor();
+  tip("From a frame in memory to its drives, of the budget that 90 frames a second leave");
+  ImGui::Text("%llu frames, %.0f a second, %llu dropped", static_cast<unsigned long long>(n.frames), n.rate_hz,
+              static_cast<unsigned long long>(n.dropped));
+  ImGui::Text("median %.1f ms, p99 %.1f ms", n.bins.quantile(0.5) * 1e3, n.bins.quantile(0.99) * 1e3);
+  std::vector<float> bars;
+  for (const std::uint32_t count : n.bins.counts)
+    bars.push_back(static_cast<float>(count));
+  ImGui::PlotHistogram("##times", bars.data(), static_cast<int>(bars.size()), 0, nullptr, 0, FLT_MAX,
+                       {ImGui::GetContentRegionAvail().x, em(3)});
+  tip("How long frames took: each bar a tenth of the budget of 11.1 ms, the last one all that took longer than three");
+  if (ImGui::TreeNode("passes")) {
+    if (ImGui::BeginTable("passes", 2, ImGuiTableFlags_SizingStretchSame)) {
+      for (const PassTimes& pass : n.passes) {
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(pass.name.c_str());
+        ImGui::TableNextColumn();
+        ImGui::Text("%.2f ms", pass.mean_ms);
+        tip("On average over about the last fifty frames");
+      }
+      ImGui::EndTable();
+    }
+    ImGui::TreePop();
+  }
+  ImGui::Text("%llu drives, %llu silent", static_cast<unsigned long long>(desk.drives),
+              static_cast<unsigned long long>(desk.silent_drives));
+  ImGui::TextDisabled("picture %.1f ms", desk.picture_ms);
+  tip("To draw the picture; it gives way to the loop");
+}
+
+void draw_spectrum_panel(const Desk& desk) {
+  for (std::size_t f = 0; f < desk.picture->spectra.size(); ++f) {
+    std::vector<float> felt;
+    double most_hz = 0;
+    for (const SpectrumMark& line : desk.picture->spectra[f]) {
+      felt.push_back(static_cast<float>(line.felt));
+      most_hz = std::max(most_hz, line.frequency_hz);
+    }
+    const std::string label = fmt::format("finger {}, up to {:.0f} Hz", f + 1, most_hz);
+    ImGui::TextUnformatted(label.c_str());
+    ImGui::PushID(static_cast<int>(f));
+    ImGui::PlotHistogram("##felt", felt.data(), static_cast<int>(felt.size()), 0, nullptr, 0, FLT_MAX,
+                         {ImGui::GetContentRegionAvail().x, em(3)});
+    tip("Lines of the pressure's spectrum by how well skin feels them");
+    ImGui::PopID();
+  }
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,219 @@
+#include "viewer/panels/ui.hpp"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <utility>
+
+#include "viewer/panels/stroke_font.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+constexpr std::pair<ImGuiKey, Key> keys[] = {{ImGuiKey_Tab, Key::tab},
+                                             {ImGuiKey_LeftArrow, Key::left},
+                                             {ImGuiKey_RightArrow, Key::right},
+                                             {ImGuiKey_UpArrow, Key::up},
+                                             {ImGuiKey_DownArrow, Key::down},
+                                             {ImGuiKey_PageUp, Key::page_up},
+                                             {ImGuiKey_PageDown, Key::page_down},
+                                             {ImGuiKey_Home, Key::home},
+                                             {ImGuiKey_End, Key::end},
+                                             {ImGuiKey_Delete, Key::del},
+                                             {ImGuiKey_Backspace, Key::backspace},
+                                             {ImGuiKey_Space, Key::space},
+                                             {ImGuiKey_Enter, Key::enter},
+                                             {ImGuiKey_Escape, Key::escape},
+                                             {ImGuiKey_A, key_of('a')},
+                                             {ImGuiKey_C, key_of('c')},
+                                             {ImGuiKey_V, key_of('v')},
+                                             {ImGuiKey_X, key_of('x')},
+                                             {ImGuiKey_Y, key_of('y')},
+                                             {ImGuiKey_Z, key_of('z')}};
+
+int button_of(Button button) {
+  return button == Button::left ? 0 : button == Button::right ? 1 : 2;
+}
+
+void set_style(double ratio, bool dark) {
+  ImGuiStyle style;
+  dark ? ImGui::StyleColorsDark(&style) : ImGui::StyleColorsLight(&style);
+  style.WindowRounding = style.FrameRounding = style.GrabRounding = style.PopupRounding = 4;
+  style.WindowBorderSize = 1;
+  style.FramePadding = {6, 2};
+  style.ItemSpacing = {7, 4};
+  style.WindowPadding = {9, 7};
+  style.ScrollbarSize = 12;
+  style.Colors[ImGuiCol_WindowBg].w = 1;
+  style.Colors[ImGuiCol_FrameBg] = dark ? ImVec4{0.22f, 0.24f, 0.28f, 1} : ImVec4{0.86f, 0.88f, 0.91f, 1};
+  style.ScaleAllSizes(static_cast<float>(ratio));
+  ImGui::GetStyle() = style;
+}
+
+}  // namespace
+
+struct Ui::State {
+  ImGuiContext* context = nullptr;
+  Glyphs glyphs;
+  Sheet sheet;
+  bool dark = false;
+  double ratio = 0;
+  std::deque<WindowEvent> waiting;
+  std::array<bool, 3> held{};
+  int settle = 3;  ///< pictures until sizes that depend on each other are what they will be
+  std::function<void(const std::string&)> copy;
+  std::function<std::string()> paste;
+  std::string pasted;
+};
+
+Ui::Ui(bool dark, std::function<void(const std::string&)> copy, std::function<std::string()> paste)
+    : state_(std::make_unique<State>()) {
+  State& s = *state_;
+  s.context = ImGui::CreateContext();
+  s.dark = dark;
+  s.copy = std::move(copy);
+  s.paste = std::move(paste);
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;
+  io.LogFilename = nullptr;
+  io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
+  io.ConfigInputTextCursorBlink = false;  // a window that nobody touches need not be drawn
+  for (const auto& [theirs, ours] : keys)
+    io.KeyMap[theirs] = static_cast<int>(ours);
+  io.ClipboardUserData = &s;
+  if (s.copy) {
+    io.SetClipboardTextFn = [](void* user, const char* text) { static_cast<State*>(user)->copy(text); };
+  }
+  if (s.paste) {
+    io.GetClipboardTextFn = [](void* user) {
+      State& state = *static_cast<State*>(user);
+      state.pasted = state.paste();
+      return state.pasted.c_str();
+    };
+  }
+}
+
+Ui::~Ui() {
+  ImGui::DestroyContext(state_->context);
+}
+
+void Ui::set_dark(bool dark) {
+  if (std::exchange(state_->dark, dark) != dark && state_->ratio > 0) set_style(state_->ratio, dark);
+}
+
+bool Ui::take(const WindowEvent& event) {
+  State& s = *state_;
+  const ImGuiIO& io = ImGui::GetIO();
+  s.settle = 2;
+  s.waiting.push_back(event);
+  switch (event.kind) {
+    case WindowEvent::Kind::press:
+    case WindowEvent::Kind::release:
+    case WindowEvent::Kind::move:
+    case WindowEvent::Kind::scroll:
+      return io.WantCaptureMouse;
+    case WindowEvent::Kind::key:
+      return io.WantTextInput || (io.WantCaptureKeyboard && event.key != Key::escape && ImGui::IsAnyItemActive());
+    case WindowEvent::Kind::text:
+      return true;
+    case WindowEvent::Kind::drop:
+    case WindowEvent::Kind::damage:
+      break;
+  }
+  return false;
+}
+
+void Ui::begin(double width, double height, double ratio, double seconds) {
+  State& s = *state_;
+  ImGuiIO& io = ImGui::GetIO();
+  if (ratio != s.ratio) {
+    s.ratio = ratio;
+    s.glyphs = make_stroke_font(*io.Fonts, ratio);
+    set_style(ratio, s.dark);
+  }
+  io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
+  io.DeltaTime = static_cast<float>(std::clamp(seconds, 1e-4, 1.0));
+  io.MouseWheel = 0;
+  // A button that is pressed and let go of between two pictures is a click all the same: one change a picture.
+  bool changed = false;
+  while (!s.waiting.empty() && !changed) {
+    const WindowEvent& event = s.waiting.front();
+    switch (event.kind) {
+      case WindowEvent::Kind::press:
+      case WindowEvent::Kind::release:
+        io.MousePos = {static_cast<float>(event.x), static_cast<float>(event.y)};
+        io.MouseDown[button_of(event.button)] = event.kind == WindowEvent::Kind::press;
+        changed = true;
+        break;
+      case WindowEvent::Kind::move:
+        io.MousePos = {static_cast<float>(event.x), static_cast<float>(event.y)};
+        break;
+      case WindowEvent::Kind::scroll:
+        io.MousePos = {static_cast<float>(event.x), static_cast<float>(event.y)};
+        io.MouseWheel += static_cast<float>(event.steps);
+        break;
+      case WindowEvent::Kind::key:
+        io.KeyCtrl = event.ctrl;
+        io.KeyShift = event.shift;
+        io.KeysDown[static_cast<unsigned char>(event.key)] = event.down;
+        changed = true;
+        break;
+      case WindowEvent::Kind::text:
+        io.AddInputCharactersUTF8(event.text.c_str());
+        break;
+      case WindowEvent::Kind::drop:
+      case WindowEvent::Kind::damage:
+        break;
+    }
+    s.waiting.pop_front();
+  }
+  ImGui::NewFrame();
+}
+
+const Sheet& Ui::end() {
+  State& s = *state_;
+  ImGui::Render();
+  if (s.settle > 0) --s.settle;
+  const ImDrawData& data = *ImGui::GetDrawData();
+  const ImVec2 white = ImGui::GetIO().Fonts->TexUvWhitePixel;
+  const auto atlas_width = static_cast<float>(s.glyphs.width), atlas_height = static_cast<float>(s.glyphs.height);
+  s.sheet.corners.clear();
+  s.sheet.runs.clear();
+  s.sheet.glyphs = &s.glyphs;
+  for (int i = 0; i < data.CmdListsCount; ++i) {
+    const ImDrawList& list = *data.CmdLists[i];
+    for (const ImDrawCmd& command : list.CmdBuffer) {
+      const float left = std::max(std::floor(command.ClipRect.x), 0.0f);
+      const float top = std::max(std::floor(command.ClipRect.y), 0.0f);
+      const float right = std::min(std::ceil(command.ClipRect.z), data.DisplaySize.x);
+      const float bottom = std::min(std::ceil(command.ClipRect.w), data.DisplaySize.y);
+      if (command.UserCallback != nullptr || right <= left || bottom <= top) continue;
+      SheetRun run{static_cast<std::int32_t>(left),
+                   static_cast<std::int32_t>(top),
+                   static_cast<std::uint32_t>(right - left),
+                   static_cast<std::uint32_t>(bottom - top),
+                   static_cast<std::uint32_t>(s.sheet.corners.size()),
+                   command.ElemCount};
+      for (unsigned int k = 0; k < command.ElemCount; ++k) {
+        const ImDrawVert& v = list.VtxBuffer[static_cast<int>(list.IdxBuffer[static_cast<int>(command.IdxOffset + k)] +
+                                                              command.VtxOffset)];
+        const bool plain = v.uv.x == white.x && v.uv.y == white.y;
+        const ImVec4 c = ImGui::ColorConvertU32ToFloat4(v.col);
+        s.sheet.corners.push_back(
+            {{v.pos.x, v.pos.y, plain ? -1.0f : v.uv.x * atlas_width, plain ? -1.0f : v.uv.y * atlas_height},
+             {c.x, c.y, c.z, c.w}});
+      }
+      s.sheet.runs.push_back(run);
+    }
+  }
+  return s.sheet;
+}
+
+bool Ui::restless() const {
+  return !state_->waiting.empty() || state_->settle > 0;
+}
+
+}  // namespace palpa::viewer

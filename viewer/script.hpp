@@ -1,0 +1,33 @@
+// Plays a recorded log into whoever draws, picture by picture.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "viewer/interact.hpp"
+#include "viewer/viewer_options.hpp"
+
+namespace palpa::viewer {
+
+class Script {
+ public:
+  /// Of --interact; without it there is nothing to play. Throws bad_input, bad_usage for a shot in a window.
+  explicit Script(const ViewerOptions& options);
+  explicit Script(std::vector<Interaction> steps) : steps_(std::move(steps)) {}
+
+  bool busy() const { return next_ < steps_.size() || pictures_ > 0; }
+  /// Gives `act` events, sizes and shots until pictures are to be drawn or time is to pass.
+  void play(double now_s, const std::function<void(const Interaction&)>& act);
+  /// A picture was drawn.
+  void drew() { pictures_ -= pictures_ > 0 ? 1 : 0; }
+
+ private:
+  std::vector<Interaction> steps_;
+  std::size_t next_ = 0;
+  std::uint32_t pictures_ = 0;
+  double until_s_ = -1;
+};
+
+}  // namespace palpa::viewer

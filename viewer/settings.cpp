@@ -1,0 +1,64 @@
+#include "viewer/settings.hpp"
+
+#include <fmt/core.h>
+
+#include <cstdlib>
+#include <system_error>
+
+#include "base/error.hpp"
+#include "base/output_file.hpp"
+#include "base/toml.hpp"
+
+namespace palpa::viewer {
+
+std::optional<std::filesystem::path> settings_file() {
+  const auto under = [](const char* variable) -> std::filesystem::path {
+    const char* value = std::getenv(variable);
+    return value != nullptr && value[0] == '/' ? value : "";
+  };
+  std::filesystem::path folder = under("XDG_CONFIG_HOME");
+  if (folder.empty() && !under("HOME").empty()) folder = under("HOME") / ".config";
+  if (folder.empty()) return std::nullopt;
+  return folder / "palpa" / "viewer.toml";
+}
+
+Settings load_settings(const std::filesystem::path& file) {
+  Settings settings;
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) return settings;
+  TomlTable table = TomlTable::load(file, "the viewer's settings", {.bytes = 1U << 16, .items = 1000});
+  settings.dark = table.flag_or("dark", settings.dark);
+  settings.panels = table.flag_or("panels", settings.panels);
+  settings.slots_per_s = table.number_or("slots_per_s", settings.slots_per_s, 0.5, 667);
+  if (std::optional<TomlTable> layers = table.table("layers")) {
+    for (const Word<Layer>& entry : layer_words) {
+      LayerState& state = settings.layers[entry.value];
+      std::optional<TomlTable> layer = layers->table(entry.word);
+      if (!layer) continue;
+      state.visible = layer->flag_or("visible", state.visible);
+      state.opacity = static_cast<float>(layer->number_or("opacity", state.opacity, 0, 1));
+      layer->done();
+    }
+    layers->done();
+  }
+  table.done();
+  return settings;
+}
+
+void save_settings(const std::filesystem::path& file, const Settings& settings) {
+  std::error_code fault;
+  std::filesystem::create_directories(file.parent_path(), fault);
+  if (fault) throw failure(fmt::format("{}: cannot be created: {}", file.parent_path().string(), fault.message()));
+  std::string text =
+      fmt::format("# How palpa-viewer looked when it was closed.\ndark = {}\npanels = {}\nslots_per_s = {}\n",
+                  settings.dark, settings.panels, settings.slots_per_s);
+  for (const Word<Layer>& entry : layer_words) {
+    const LayerState& state = settings.layers[entry.value];
+    text += fmt::format("[layers.{}]\nvisible = {}\nopacity = {}\n", entry.word, state.visible, state.opacity);
+  }
+  OutputFile out(file);
+  out.write(text);
+  out.finish();
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,29 @@
+// What ends a live run: signals while there is one, and the end of the program, whatever that is.
+#pragma once
+
+#include <atomic>
+#include <optional>
+
+#include "base/log.hpp"
+#include "setup/interrupt.hpp"
+#include "viewer/app.hpp"
+
+namespace palpa::viewer {
+
+class Stopper {
+ public:
+  /// Of a live run: signals end it from now on, and nobody waits for whoever reads the log.
+  explicit Stopper(const ViewerOptions& options);
+
+  std::atomic<bool>& flag() { return setup::Interrupt::flag(); }
+
+  /// Ends the run. Where it does not end (a camera, a disk or a GPU that does not answer) the program does: the array
+  /// is silent by then, see session/loop.hpp.
+  void end(App& app);
+
+ private:
+  std::optional<log::Relay> relay_;
+  std::optional<setup::Interrupt> interrupt_;
+};
+
+}  // namespace palpa::viewer
