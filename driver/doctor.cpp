@@ -1,18 +1,18 @@
 #include "driver/doctor.hpp"
 
 #include <fmt/core.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
+#include <memory>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "driver/usb/ftdi.hpp"
 #include "driver/usb/libusb.hpp"
 #include "driver/usb/local.hpp"
+#include "driver/v4l2/doctor.hpp"
+#include "driver/v4l2/kernel.hpp"
 
 namespace palpa::driver {
 namespace {
@@ -38,10 +38,9 @@ constexpr Known boards[]{
 };
 
 constexpr Known cameras[]{
-    {0x8086, 0x0ad3, "RealSense D415", ""},
-    {0x8086, 0x0b07, "RealSense D435", ""},
-    {0x8086, 0x0b3a, "RealSense D435i", ""},
-    {0x8086, 0x0b48, "RealSense SR305", ""},
+    {0x8086, 0x0ad3, "RealSense D415", ""},  {0x8086, 0x0b07, "RealSense D435", ""},
+    {0x8086, 0x0b3a, "RealSense D435i", ""}, {0x8086, 0x0b5b, "RealSense D405", ""},
+    {0x8086, 0x0b5c, "RealSense D455", ""},  {0x8086, 0x0b48, "RealSense SR305", ""},
 };
 
 template <std::size_t N>
@@ -138,34 +137,12 @@ cli::DoctorSection look_at_boards() {
   return section;
 }
 
-/// A node that the kernel made for a camera's stream.
-cli::DoctorItem describe_video_node(const std::filesystem::path& node) {
-  std::string name;
-  std::ifstream file(std::filesystem::path("/sys/class/video4linux") / node.filename() / "name");
-  std::getline(file, name);
-  cli::DoctorItem item;
-  item.title = name.empty() ? node.string() : fmt::format("{} {}", node.string(), name);
-  item.ok = access(node.c_str(), R_OK | W_OK) == 0;
-  if (!item.ok) {
-    item.advice = errno == EACCES
-                      ? "no permission: add yourself to the group video (usermod -aG video $USER) and log in again"
-                      : std::generic_category().message(errno);
-  }
-  item.facts = {{"node", node.string()}, {"name", name}, {"usable", item.ok}};
-  return item;
-}
-
 cli::DoctorSection look_at_cameras() {
   cli::DoctorSection section{"cameras", "Depth cameras", {}, {}};
   add_usb(section, cameras, [](std::uint16_t v, std::uint16_t p) { return find(cameras, v, p) != nullptr; });
-  std::vector<std::filesystem::path> nodes;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator("/dev", ignored)) {
-    if (entry.path().filename().string().starts_with("video")) nodes.push_back(entry.path());
-  }
-  std::sort(nodes.begin(), nodes.end());
-  for (const auto& node : nodes)
-    section.items.push_back(describe_video_node(node));
+  const std::unique_ptr<v4l2::Kernel> kernel = v4l2::make_kernel();
+  for (cli::DoctorItem& item : v4l2::describe_nodes(*kernel))
+    section.items.push_back(std::move(item));
   if (section.items.empty()) {
     section.note =
         section.note.empty() ? "no depth camera on USB and no /dev/video*" : section.note + "; no /dev/video*";

@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
@@ -21,20 +23,68 @@ constexpr std::uint32_t said_broken = 5;
 
 LiveCamera::LiveCamera(Kernel& kernel, Description description)
     : kernel_(kernel), description_(std::move(description)), path_(description_.path) {
-  open();
-  await_until_s_ = opened_s_ + first_frame_s;
   identity_.path = description_.path;
   const std::string real = kernel_.resolve(path_);
   for (const Node& node : kernel_.nodes()) {
     if (node.path == real) identity_.node = node;
   }
+  open();
+  await_until_s_ = opened_s_ + first_frame_s;
 }
 
 void LiveCamera::open() {
-  stream_ = std::make_unique<Stream>(kernel_, path_, description_.wanted, description_.rig);
+  stream_ = std::make_unique<Stream>(kernel_, path_, description_.wanted, description_.rig,
+                                     [this](int fd) { configure(fd); });
   period_s_ = stream_->period_s();
   opened_s_ = kernel_.now_s();
   frame_s_ = 0;
+}
+
+void LiveCamera::configure(int fd) {
+  const sensing::DeviceSetting& setting = description_.setting;
+  if (!d400::is_realsense(identity_.node)) {
+    if (setting.own_lens || setting.exposure_s || setting.preset) {
+      throw bad_input(path_, fmt::format("is no RealSense on USB, which calibration = \"device\", exposure_s and "
+                                         "hardware_preset of {} are for",
+                                         description_.rig));
+    }
+    return;
+  }
+  try {
+    if (setting.preset) d400::write_hardware_preset(kernel_, fd, *setting.preset);
+    if (setting.exposure_s) d400::write_exposure(kernel_, fd, *setting.exposure_s);
+    const Wanted& wanted = description_.wanted;
+    if (setting.own_lens) lens_ = d400::read_lens(kernel_, fd, wanted.width, wanted.height);
+  } catch (const Error& error) {
+    throw bad_input(path_, error.what());
+  }
+  set_depth_unit(fd);
+}
+
+void LiveCamera::set_depth_unit(int fd) {
+  const double wanted_m = description_.depth_unit_m;
+  const auto is = [](double a, double b) { return std::abs(a - b) < 0.5e-6; };
+  double unit_m = 0;
+  try {
+    unit_m = d400::read_depth_unit(kernel_, fd);
+    if (!is(unit_m, wanted_m)) {
+      d400::write_depth_unit(kernel_, fd, wanted_m);
+      unit_m = d400::read_depth_unit(kernel_, fd);
+    }
+  } catch (const Error& error) {
+    if (unit_m == 0) {
+      if (!std::exchange(trusted_said_, true))
+        log::warning(fmt::format("{}: {}; that a step is {:g} mm, as {} says, is taken on trust", path_, error.what(),
+                                 wanted_m * 1e3, description_.rig));
+      return;
+    }
+    throw bad_input(path_, error.what());
+  }
+  // Ten times too deep is a hand elsewhere.
+  if (!is(unit_m, wanted_m)) {
+    throw bad_input(path_, fmt::format("keeps its depth unit of {:g} mm; set depth_unit_m = {:g} in {}", unit_m * 1e3,
+                                       unit_m, description_.rig));
+  }
 }
 
 void LiveCamera::reopen() {

@@ -4,11 +4,14 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "driver/v4l2/d400.hpp"
 #include "driver/v4l2/kernel.hpp"
 #include "driver/v4l2/stream.hpp"
+#include "sensing/camera.hpp"
 
 namespace palpa::driver::v4l2 {
 
@@ -18,9 +21,12 @@ class LiveCamera {
     std::string name;  ///< the rig's
     std::string path;  ///< as on the command line
     Wanted wanted;
-    std::string rig;
+    std::string rig;  ///< its file, for messages
+    double depth_unit_m = 0.001;
+    sensing::DeviceSetting setting{};
   };
-  /// Opens and starts it. Throws as Stream does.
+  /// Opens it, sets it up where it is a RealSense, and starts it. Throws as Stream does, and where it has another depth
+  /// unit than the rig says.
   LiveCamera(Kernel& kernel, Description description);
 
   /// Takes what the camera has ready and keeps the newest frames of it. A camera that is gone is opened again when it
@@ -38,11 +44,15 @@ class LiveCamera {
   /// What poll() is to wait for; below 0 while it is gone.
   int fd() const { return stream_ ? stream_->fd() : -1; }
   double period_s() const { return period_s_; }
+  /// Of its own calibration, where the setting asks for that.
+  const std::optional<d400::Lens>& lens() const { return lens_; }
 
  private:
   static constexpr std::uint32_t most_held = 3;
 
   void open();
+  void configure(int fd);
+  void set_depth_unit(int fd);
   void reopen();
   void keep(const Taken& taken);
   void drop();
@@ -56,6 +66,8 @@ class LiveCamera {
   std::string path_;  ///< under which it is now
   std::unique_ptr<Stream> stream_;
   double period_s_ = 0;
+  std::optional<d400::Lens> lens_;
+  bool trusted_said_ = false;
   std::array<Taken, most_held> taken_{};
   std::array<double, most_held> times_s_{};
   std::uint32_t held_ = 0;

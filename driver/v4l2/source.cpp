@@ -30,13 +30,23 @@ class Cameras final : public sensing::DepthSource {
       live_.emplace_back(*kernel_, LiveCamera::Description{.name = camera.name,
                                                            .path = nodes[c],
                                                            .wanted = {camera.width, camera.height, camera.rate_hz},
-                                                           .rig = rig});
+                                                           .rig = rig,
+                                                           .depth_unit_m = camera.depth_unit_m,
+                                                           .setting = camera.device});
+      if (const auto& lens = live_.back().lens()) {
+        camera.fx = lens->fx;
+        camera.fy = lens->fy;
+        camera.cx = lens->cx;
+        camera.cy = lens->cy;
+        camera.distortion = {};
+      }
+      camera.device = {};  // what was asked for has been done; a recording of it is of a file
       camera.rate_hz = 1 / live_.back().period_s();
       period_s_ = std::max(period_s_, live_.back().period_s());
       if (camera.depth_unit_m >= coarse_m) {
         log::warning(
             fmt::format("{}: camera '{}' has a depth unit of {:g} mm, coarse against a shell of 1.5 mm; set "
-                        "depth_unit_m = 0.0001, here and in the camera",
+                        "depth_unit_m = 0.0001",
                         rig, camera.name, camera.depth_unit_m * 1e3));
       }
     }

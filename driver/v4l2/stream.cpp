@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <system_error>
 
 #include "base/error.hpp"
@@ -49,13 +50,15 @@ v4l2_buffer mapped_buffer(std::uint32_t index) {
 
 }  // namespace
 
-Stream::Stream(Kernel& kernel, const std::string& path, const Wanted& wanted, const std::string& rig)
+Stream::Stream(Kernel& kernel, const std::string& path, const Wanted& wanted, const std::string& rig,
+               const std::function<void(int fd)>& configure)
     : kernel_(kernel), path_(path), fd_(kernel.open(path)) {
   if (fd_ < 0) throw bad_input(path, refusal(-fd_));
   try {
     check_node();
     set_format(wanted, rig);
     set_rate(wanted.rate_hz, rig);
+    if (configure) configure(fd_);
     map_buffers();
     start();
   } catch (...) {

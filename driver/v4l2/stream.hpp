@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "driver/v4l2/kernel.hpp"
@@ -34,8 +35,9 @@ enum class Take {
 class Stream {
  public:
   /// Throws Error: what is wrong with the device, the format that it has, what would be right. `rig` is the file that
-  /// asks for it.
-  Stream(Kernel& kernel, const std::string& path, const Wanted& wanted, const std::string& rig);
+  /// asks for it. `configure` gets the open device before it streams; what it throws is thrown.
+  Stream(Kernel& kernel, const std::string& path, const Wanted& wanted, const std::string& rig,
+         const std::function<void(int fd)>& configure = {});
   ~Stream();
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;

@@ -19,6 +19,13 @@ struct Mask {
   std::vector<std::uint8_t> pixels;  ///< width * height of the camera, rows from the top; 0: ignored
 };
 
+/// What a real camera is set to when it is opened; frames that come from elsewhere take no notice of it.
+struct DeviceSetting {
+  bool own_lens = false;               ///< fx fy cx cy of the calibration that it keeps take the place of the file's
+  std::optional<double> exposure_s;    ///< 0: its own automatic; absent: as it is
+  std::optional<std::uint8_t> preset;  ///< librealsense's "hardware preset"; absent: as it is
+};
+
 /// Camera frame: x right, y down, z forward; pixel centres at integers. Depth is the z coordinate, not the ray's
 /// length.
 struct Camera {
@@ -32,6 +39,7 @@ struct Camera {
   Transform T_world_camera{1.0};
   std::optional<PixelBox> roi;       ///< pixels outside are ignored; not empty and within the image
   std::shared_ptr<const Mask> mask;  ///< may be none; never changes, copies of a camera share it
+  DeviceSetting device{};
 };
 
 /// Ignored pixels hold no skin, whatever their depth. Sleeves and table tops are no skin.

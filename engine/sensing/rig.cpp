@@ -44,6 +44,17 @@ PixelBox read_roi(TomlTable& table, const Camera& camera) {
   return {pixels(n[0]), pixels(n[1]), pixels(n[0] + n[2]), pixels(n[1] + n[3])};
 }
 
+DeviceSetting read_device(TomlTable& table) {
+  DeviceSetting device;
+  const std::string lens = table.text_or("calibration", "file");
+  if (lens != "file" && lens != "device")
+    throw table.fault("calibration", "calibration is '" + lens + "'; known are file and device");
+  device.own_lens = lens == "device";
+  if (table.has("exposure_s")) device.exposure_s = table.number("exposure_s", 0, 0.2);
+  if (table.has("hardware_preset")) device.preset = static_cast<std::uint8_t>(table.whole("hardware_preset", 0, 255));
+  return device;
+}
+
 bool sees_anything(const Camera& camera) {
   for (std::uint32_t v = 0; v < camera.height; ++v) {
     for (std::uint32_t u = 0; u < camera.width; ++u) {
@@ -97,6 +108,7 @@ static Camera read_camera(TomlTable& table, std::size_t place) {
   camera.rate_hz = table.number_or("rate_hz", 0, 0, 1e6);
   if (table.has("T_world_camera")) camera.T_world_camera = table.pose("T_world_camera");
   if (table.has("roi")) camera.roi = read_roi(table, camera);
+  camera.device = read_device(table);
   return camera;
 }
 
@@ -160,6 +172,9 @@ std::string to_toml(const Camera& camera) {
   text += fmt::format("T_world_camera = {}\n", toml_pose(camera.T_world_camera));
   if (const auto& roi = camera.roi)
     text += fmt::format("roi = [{}, {}, {}, {}]\n", roi->x0, roi->y0, roi->x1 - roi->x0, roi->y1 - roi->y0);
+  if (camera.device.own_lens) text += "calibration = \"device\"\n";
+  if (camera.device.exposure_s) text += fmt::format("exposure_s = {}\n", toml_number(*camera.device.exposure_s));
+  if (camera.device.preset) text += fmt::format("hardware_preset = {}\n", *camera.device.preset);
   if (camera.mask) text += fmt::format("mask = {}\n", toml_string(camera.mask->file));
   return text;
 }

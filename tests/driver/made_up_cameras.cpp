@@ -267,7 +267,7 @@ std::shared_ptr<MadeUpCamera> Machine::plug(const std::string& path, const std::
                   .controller = "0000:00:14.0",
                   .bus = "usb2",
                   .serial = serial,
-                  .vendor = 0x8086,
+                  .vendor = 0x1d6b,
                   .product = 0x0ad3,
                   .mbit_s = 5000};
   for (const double rate : {90.0, 60.0, 30.0, 6.0})

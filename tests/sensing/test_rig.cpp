@@ -206,6 +206,19 @@ TEST(Rig, WhatACameraIgnores) {
   EXPECT_EQ(back.cameras[0].roi->x1, 848u);
 }
 
+TEST(Rig, WhatARealCameraIsSetTo) {
+  const Camera plain = load_text(camera_text).cameras[0];
+  EXPECT_FALSE(plain.device.own_lens || plain.device.exposure_s || plain.device.preset);
+  const Rig set = load_text(camera_text + "calibration = \"device\"\nexposure_s = 0.004\nhardware_preset = 3\n");
+  EXPECT_TRUE(set.cameras[0].device.own_lens);
+  EXPECT_EQ(set.cameras[0].device.exposure_s, 0.004);
+  EXPECT_EQ(set.cameras[0].device.preset, 3);
+  EXPECT_EQ(to_toml(load_text(to_toml(set))), to_toml(set));
+  EXPECT_TRUE(load_text(to_toml(set)).cameras[0].device.own_lens);
+  for (const char* bad : {"calibration = \"none\"", "exposure_s = 1", "exposure_s = -1", "hardware_preset = 256"})
+    EXPECT_THROW(load_text(camera_text + bad + "\n"), Error) << bad;
+}
+
 TEST(Rig, WhatACameraIgnoresLiesWithinItsImage) {
   const auto roi = [](const std::string& value) { load_text(camera_text + "roi = " + value + "\n"); };
   EXPECT_REFUSED(roi("[0, 0, 848]"), "rig.toml: line 14: roi must be 4 finite numbers");

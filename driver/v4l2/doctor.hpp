@@ -1,0 +1,15 @@
+// What `palpa doctor` says of video nodes: what they deliver, and what a lab finds out too late otherwise: a coarse
+// depth unit, a slow port, cameras that share a USB controller.
+#pragma once
+
+#include <vector>
+
+#include "cli/doctor.hpp"
+#include "driver/v4l2/kernel.hpp"
+
+namespace palpa::driver::v4l2 {
+
+/// One item per node, by its number. Opens each for a moment and starts no stream.
+std::vector<cli::DoctorItem> describe_nodes(Kernel& kernel);
+
+}  // namespace palpa::driver::v4l2
