@@ -1,5 +1,7 @@
 #include "setup/option_table.hpp"
 
+#include <fmt/core.h>
+
 #include <CLI/App.hpp>
 #include <algorithm>
 #include <cstddef>
@@ -91,9 +93,10 @@ void parse_given(CLI::App& app, const Given& given) {
     if (values.empty()) words.push_back(name);
     // Joined, so that a value may begin with a dash.
     for (const std::string& value : values)
-      words.push_back(name + "=" + value);
+      words.push_back(fmt::format("{}={}", name, value));
   }
   std::vector<const char*> arguments;
+  arguments.reserve(words.size());
   for (const std::string& word : words)
     arguments.push_back(word.c_str());
   parse(app, static_cast<int>(arguments.size()), arguments.data());

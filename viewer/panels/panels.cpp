@@ -57,7 +57,7 @@ void draw_panels(Desk& desk, double now_s) {
       draw_link_panel(desk);
       if (heading("Run", false, "What runs: the options of palpa run")) draw_options_panel(desk);
     }
-    if (heading("Time", desk.live || desk.picture->fingers.size() > 0, "Slots of the schedule, frames of a recording"))
+    if (heading("Time", desk.live || !desk.picture->fingers.empty(), "Slots of the schedule, frames of a recording"))
       draw_time_panel(desk);
     if (heading("View", !desk.live, "What is drawn, and from where")) draw_view_panel(desk);
     if (desk.live && heading("Statistics", true, "How long frames take, and how many there are"))
