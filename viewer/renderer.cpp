@@ -268,8 +268,7 @@ void Renderer::draw_points(const Shot& shot, const DrawnPicture& drawn) const {
     if (!shot.layers.shows(layer)) return;
     shader::ViewPush push = shot.push;
     push.style = {outline * shot.ratio, shot.ratio, shot.layers.opacity(layer), 0};
-    disc_.draw(shot.commands, {drawn.discs_.ref()}, push, {.depth_write = true}, corners_of(range.count),
-               corners_of(range.first));
+    disc_.draw(shot.commands, {drawn.discs_.ref()}, push, {.depth_write = true}, 3 * range.count, 3 * range.first);
   };
   draw(drawn.transducers_, 0.0f, Layer::transducers);
   draw(drawn.points_, 0.0f, Layer::points);
