@@ -59,7 +59,6 @@ struct Desk {
   setup::Given given;  ///< the options of the run
   bool panels = true;
   bool help = false;
-  bool finger_by_mouse = false;
 
   // ---- asked for ---------------------------------------------------------------------------------------------------
   struct Asked {
