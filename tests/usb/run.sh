@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # run.sh [GTEST ARGUMENT...]: boots Debian's kernel in an emulated machine and runs test_usb in it: the programs of this build on
 # the real USB core, libusb and uvcvideo, devices made of software at the kernel's ports. The guest's only file system is made
-# here of what the tests need; it has no disk and no network, and needs no rights here.
+# here of what the tests need; it has no disk and no network, and needs no rights here. PALPA_USB_SECONDS: how long it may take [290].
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 most_s=${PALPA_USB_SECONDS:-290}

@@ -60,6 +60,35 @@ TEST(CameraOnUsb, GivesItsFramesBitForBit) {
   EXPECT_FALSE(camera.gadget.streams) << "it is told to stop";
 }
 
+TEST(CameraOnUsb, IsSetToWhatTheRigAsksFor) {
+  PluggedCamera camera("C1");
+  D400Unit& unit = camera.gadget.unit;
+  {
+    const auto held = camera.port.hold();
+    unit.lens = {601, 602, 420, 238};
+  }
+  std::string rig = to_toml(rig_of(1, 90));
+  const std::string begin = "[[camera]]\n";
+  rig.insert(rig.find(begin) + begin.size(), "calibration = \"device\"\nexposure_s = 0.004\nhardware_preset = 4\n");
+  const auto folder = scratch_folder("set");
+  write_text(folder / "rig.toml", rig);
+  const Result doctor = palpa({"doctor", "--backend", "cpu"});
+  EXPECT_NE(doctor.out.find("its depth unit is 1 mm"), std::string::npos)
+      << "a step as coarse as the factory's: " << doctor.out;
+  const Result result =
+      palpa({"run", "--scene", source_file("assets/cube.glb").string(), "--layout", "openmpd", "--backend", "cpu",
+             "--source", "v4l2:" + camera.node(), "--rig", (folder / "rig.toml").string(), "--frames", "2", "--record",
+             (folder / "take").string()});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto held = camera.port.hold();
+  EXPECT_EQ(unit.depth_unit_um(), 100u);
+  EXPECT_EQ(unit.exposure_us(), 4000u);
+  EXPECT_FALSE(unit.automatic());
+  EXPECT_EQ(unit.preset(), 4u);
+  const sensing::Camera seen = sensing::load_recording(folder / "take").cameras.at(0);
+  EXPECT_EQ((std::vector{seen.fx, seen.fy, seen.cx, seen.cy}), (std::vector<double>{601, 602, 420, 238}));
+}
+
 /// A camera, a board, and a loop between them in which a finger touches.
 struct Chain {
   Chain() {
