@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace palpa::acoustics {
 
@@ -32,25 +33,56 @@ std::complex<double> pressure_at(const Layout& layout, std::span<const Transduce
   return layout.source_level_pa_m * sum;
 }
 
-FociPressure pressure_at_foci(const Layout& layout, std::span<const TransducerDrive> drive,
-                              std::span<const SlotFocus> foci, const Medium& medium, Directivity kind) {
+namespace {
+
+FociPressure judged(std::vector<double> pascals, std::span<const SlotFocus> foci) {
   FociPressure result;
   double weakest = 0, strongest = 0, sum = 0;
   std::size_t counted = 0;
-  for (const SlotFocus& focus : foci) {
-    const bool sounds = drivable(focus);
-    result.pascals.push_back(sounds ? std::abs(pressure_at(layout, drive, focus.position, medium, kind)) : 0.0);
-    const double gain = gain_of(focus);
-    if (!sounds || gain <= 0) continue;
-    const double even = result.pascals.back() / gain;
+  for (std::size_t j = 0; j < foci.size(); ++j) {
+    const double gain = gain_of(foci[j]);
+    if (!drivable(foci[j]) || gain <= 0) continue;
+    const double even = pascals[j] / gain;
     weakest = counted == 0 ? even : std::min(weakest, even);
     strongest = std::max(strongest, even);
-    sum += result.pascals.back();
+    sum += pascals[j];
     ++counted;
   }
   if (counted > 0) result.mean = sum / static_cast<double>(counted);
   if (counted > 1) result.evenness = strongest > 0 ? weakest / strongest : 0.0;
+  result.pascals = std::move(pascals);
   return result;
+}
+
+}  // namespace
+
+FociPressure pressure_at_foci(const Layout& layout, std::span<const TransducerDrive> drive,
+                              std::span<const SlotFocus> foci, const Medium& medium, Directivity kind) {
+  std::vector<double> pascals;
+  pascals.reserve(foci.size());
+  for (const SlotFocus& focus : foci) {
+    const bool sounds = drivable(focus);
+    pascals.push_back(sounds ? std::abs(pressure_at(layout, drive, focus.position, medium, kind)) : 0.0);
+  }
+  return judged(std::move(pascals), foci);
+}
+
+FociPressure pressure_at_foci(const Layout& layout, std::span<const TransducerDrive> drive,
+                              std::span<const SlotFocus> foci, const array::Transfer& transfer) {
+  array::Columns columns;
+  std::vector<double> pascals;
+  pascals.reserve(foci.size());
+  for (const SlotFocus& focus : foci) {
+    std::complex<double> sum = 0;
+    if (drivable(focus)) {
+      const array::FocusSource source{focus.position, 0, 1};
+      transfer.fill(std::span(&source, 1), array::Weighting::uniform, columns);
+      for (std::size_t t = 0; t < drive.size(); ++t)
+        sum += columns.transfer(t) * std::polar<double>(drive[t].amplitude, drive[t].phase);
+    }
+    pascals.push_back(layout.source_level_pa_m * std::abs(sum));
+  }
+  return judged(std::move(pascals), foci);
 }
 
 }  // namespace palpa::acoustics

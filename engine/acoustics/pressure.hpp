@@ -35,5 +35,8 @@ struct FociPressure {
 FociPressure pressure_at_foci(const array::Layout& layout, std::span<const array::TransducerDrive> drive,
                               std::span<const array::SlotFocus> foci, const array::Medium& medium = {},
                               array::Directivity directivity = array::Directivity::t4010a1);
+/// The same where another sound is in the free field's place (array::DriveOptions::transfer).
+FociPressure pressure_at_foci(const array::Layout& layout, std::span<const array::TransducerDrive> drive,
+                              std::span<const array::SlotFocus> foci, const array::Transfer& transfer);
 
 }  // namespace palpa::acoustics

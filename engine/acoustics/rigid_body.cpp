@@ -80,16 +80,30 @@ Complex RigidBody::at_skin(std::span<const std::complex<float>> unknowns, std::u
   return fit_.at(face, patches_.patches[face].at(u, v), unknowns);
 }
 
+RigidBody::Row RigidBody::row_on_skin(std::uint32_t face, double u, double v) const {
+  Row row(mesh().positions.size());
+  fit_.add_pressure_row(face, patches_.patches[face].at(u, v), row);
+  return row;
+}
+
 RigidBody::Sources RigidBody::sources_at_faces(std::span<const std::uint32_t> faces) const {
-  const std::size_t size = mesh().positions.size(), count = points_.size();
-  std::vector<std::complex<float>> columns(faces.size() * size);
+  std::vector<Row> rows(faces.size(), Row(mesh().positions.size()));
   for (std::size_t i = 0; i < faces.size(); ++i)
-    fit_.add_pressure_row(faces[i], std::span(columns).subspan(i * size, size));
+    fit_.add_pressure_row(faces[i], rows[i]);
+  return sources_of(rows);
+}
+
+RigidBody::Sources RigidBody::sources_of(std::span<const Row> rows) const {
+  const std::size_t size = mesh().positions.size(), count = points_.size();
+  std::vector<std::complex<float>> columns;
+  columns.reserve(rows.size() * size);
+  for (const Row& row : rows)
+    columns.insert(columns.end(), row.begin(), row.end());
   operator_->solve(Way::back, columns);
   Sources sources;
-  sources.strengths.resize(faces.size() * count);
-  sources.slopes.resize(faces.size() * count);
-  for (std::size_t i = 0; i < faces.size(); ++i) {
+  sources.strengths.resize(rows.size() * count);
+  sources.slopes.resize(rows.size() * count);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t point = 0; point < count; ++point) {
       const glm::uvec3& corners = mesh().triangles[point / samples];
       Complex sum = 0;

@@ -48,11 +48,19 @@ class RigidBody {
   std::vector<std::complex<double>> scattered(std::span<const std::complex<float>> unknowns,
                                               std::span<const Vec3> points) const;
 
-  /// Sources at points(), with those along normals(), that an incident wave's total pressure at the faces' centroids is
-  /// the sum over: entry [face * points + point]. With Incident::received they give what each transducer does there.
+  /// What is heard at a place as a row: one number per vertex, by which the unknowns are multiplied and summed up.
+  using Row = std::vector<std::complex<float>>;
+  /// The total pressure at at_skin's place; the scattered pressure at a point in the air.
+  Row row_on_skin(std::uint32_t face, double u, double v) const;
+  Row row_in_air(const Vec3& at) const;
+
+  /// Sources at points(), with those along normals(), that what an incident wave makes heard there is the sum over:
+  /// entry [place * points + point]. With Incident::received they give what each transducer does there.
   struct Sources {
     std::vector<std::complex<double>> strengths, slopes;
   };
+  Sources sources_of(std::span<const Row> rows) const;
+  /// Of the total pressure at the faces' centroids.
   Sources sources_at_faces(std::span<const std::uint32_t> faces) const;
 
  private:

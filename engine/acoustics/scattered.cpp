@@ -63,6 +63,19 @@ class Piece {
 
 }  // namespace
 
+RigidBody::Row RigidBody::row_in_air(const Vec3& at) const {
+  // What each corner's hat function alone sends there.
+  constexpr std::array<std::array<Complex, 3>, 3> hats{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  std::vector<Complex> sums(mesh().positions.size());
+  for (std::size_t face = 0; face < mesh().triangles.size(); ++face) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      sums[mesh().triangles[face][static_cast<int>(corner)]] +=
+          Piece(patches_.patches[face], hats[corner], at, wave_number_).sum({0, 0}, {1, 0}, {0, 1}, 0);
+    }
+  }
+  return {sums.begin(), sums.end()};
+}
+
 std::vector<Complex> RigidBody::scattered(std::span<const std::complex<float>> unknowns,
                                           std::span<const Vec3> points) const {
   const std::size_t faces = mesh().triangles.size();

@@ -35,8 +35,10 @@ class SurfaceFit {
   /// Pressure at a point of a face's patch.
   std::complex<double> at(std::size_t face, const Vec3& point, std::span<const std::complex<float>> solution) const;
 
-  /// Adds to `row`, one entry per vertex, what at_faces() multiplies each unknown by to get the face's pressure.
+  /// Adds to `row`, one entry per vertex, what the unknowns are multiplied by to get the face's pressure at its
+  /// centroid, and at a point of its patch.
   void add_pressure_row(std::uint32_t face, std::span<std::complex<float>> row) const;
+  void add_pressure_row(std::uint32_t face, const Vec3& at, std::span<std::complex<float>> row) const;
 
  private:
   /// What a vertex' unknown gives to the six coefficients of a face's quadratic, 1, s, t, s^2, s t, t^2, in its frame.

@@ -42,7 +42,7 @@ std::size_t part_end(std::span<const SlotFocus> foci, std::size_t first) {
   return end > first ? end : last;
 }
 
-void hear_all(const FreeField& field, const Layout& layout, std::span<const FocusSource> sources, Weighting weighting,
+void hear_all(const Transfer& transfer, const Layout& layout, std::span<const FocusSource> sources, Weighting weighting,
               std::span<const Complex> factors, Columns& columns, std::span<Complex> heard) {
   std::ranges::fill(heard, Complex(0));
   const std::size_t transducers = layout.transducers.size(), foci = sources.size();
@@ -50,7 +50,7 @@ void hear_all(const FreeField& field, const Layout& layout, std::span<const Focu
   const std::size_t at_once = std::max<std::size_t>(1, most_solved_foci * transducers / foci);
   for (std::size_t first = 0; first < transducers; first += at_once) {
     const std::size_t count = std::min(at_once, transducers - first);
-    field.fill(sources, weighting, first, count, columns);
+    transfer.fill(sources, weighting, first, count, columns);
     for (std::size_t n = 0; n < count; ++n) {
       Complex sum = 0;
       for (std::size_t j = 0; j < foci; ++j)
@@ -61,12 +61,12 @@ void hear_all(const FreeField& field, const Layout& layout, std::span<const Focu
   }
 }
 
-void keep_below(const FreeField& field, const Layout& layout, std::span<const SlotFocus> foci,
+void keep_below(const Transfer& transfer, const Layout& layout, std::span<const SlotFocus> foci,
                 std::span<const FocusSource> sources, Weighting weighting, std::span<Complex> factors, Columns& columns,
                 std::span<Complex> heard) {
-  hear_all(field, layout, sources, weighting, factors, columns, heard);
+  hear_all(transfer, layout, sources, weighting, factors, columns, heard);
   if (!lower_fingers(foci, layout, heard, factors)) return;
-  hear_all(field, layout, sources, weighting, factors, columns, heard);
+  hear_all(transfer, layout, sources, weighting, factors, columns, heard);
   double least = 1;
   for (std::size_t j = 0; j < foci.size(); ++j)
     least = std::min(least, room(foci[j], heard[j], layout));

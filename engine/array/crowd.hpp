@@ -21,11 +21,11 @@ std::size_t part_end(std::span<const SlotFocus> foci, std::size_t first);
 
 /// Fills `heard`, one per focus, with what the sum of factor times q_j over all of the array gives there, in 1/m. No
 /// more of `columns` is used than most_solved_foci foci have.
-void hear_all(const FreeField& field, const Layout& layout, std::span<const FocusSource> sources, Weighting weighting,
+void hear_all(const Transfer& transfer, const Layout& layout, std::span<const FocusSource> sources, Weighting weighting,
               std::span<const std::complex<double>> factors, Columns& columns, std::span<std::complex<double>> heard);
 
 /// Lowers a slot's factors until no focus has more than its most_pa. `heard` is as hear_all fills it, before and after.
-void keep_below(const FreeField& field, const Layout& layout, std::span<const SlotFocus> foci,
+void keep_below(const Transfer& transfer, const Layout& layout, std::span<const SlotFocus> foci,
                 std::span<const FocusSource> sources, Weighting weighting, std::span<std::complex<double>> factors,
                 Columns& columns, std::span<std::complex<double>> heard);
 

@@ -51,9 +51,19 @@ double constrained(double amplitude, double largest, Constraint constraint) {
   return 0;
 }
 
-void drive_one(const Layout& layout, const Source& source, const DriveOptions& options,
-               std::span<TransducerDrive> out) {
+/// What one focus asks of each transducer by `columns`, where they are another sound's than the free field's.
+void drive_one(const Columns& columns, const Source& source, std::span<TransducerDrive> out) {
+  for (std::size_t t = 0; t < out.size(); ++t)
+    out[t] = {as_amplitude(columns.asked[t] * source.gain), as_phase(-std::atan2(columns.sine[t], columns.cosine[t]))};
+}
+
+void drive_one(const Layout& layout, const Source& source, const DriveOptions& options, std::span<TransducerDrive> out,
+               Columns& columns) {
   const Weighting weighting = options.constraint == Constraint::uniform ? Weighting::uniform : options.weighting;
+  if (options.transfer) {
+    options.transfer->fill(std::span(&source, 1), weighting, columns);
+    return drive_one(columns, source, out);
+  }
   for (std::size_t t = 0; t < out.size(); ++t) {
     const double distance = glm::distance(layout.transducers[t].position, source.position);
     out[t].amplitude = as_amplitude(asked_amplitude(distance, source.reach, weighting) * source.gain);
@@ -71,17 +81,37 @@ double relative_gain(const Source& source, double shared) {
   return shared > 0 ? source.gain / shared : 1.0;
 }
 
+/// q_j of the sources, the paper's or another sound's.
+class Asks {
+ public:
+  Asks(const Layout& layout, const DriveOptions& options, DriveScratch& scratch)
+      : layout_(layout), options_(options), sources_(scratch.sources), columns_(scratch.columns) {
+    if (options.transfer) options.transfer->fill(scratch.sources, options.weighting, scratch.columns);
+  }
+  Complex of(std::size_t transducer, std::size_t j) const {
+    if (options_.transfer) return columns_.ask(transducer * columns_.foci + j);
+    const double distance = glm::distance(layout_.transducers[transducer].position, sources_[j].position);
+    return std::polar(asked_amplitude(distance, sources_[j].reach, options_.weighting),
+                      2 * std::numbers::pi * delay_turns(distance, options_.medium));
+  }
+
+ private:
+  const Layout& layout_;
+  const DriveOptions& options_;
+  const std::vector<Source>& sources_;
+  const Columns& columns_;
+};
+
 /// The sums of every transducer and the largest of them and the plain ones.
 double sum_naively(const Layout& layout, const DriveOptions& options, DriveScratch& scratch, double shared) {
+  const Asks asks(layout, options, scratch);
   double largest = 0;
   for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
     Complex plain = 0;
-    for (const Source& source : scratch.sources) {
-      const double distance = glm::distance(layout.transducers[t].position, source.position);
-      const Complex asked = std::polar(asked_amplitude(distance, source.reach, options.weighting),
-                                       2 * std::numbers::pi * delay_turns(distance, options.medium));
+    for (std::size_t j = 0; j < scratch.sources.size(); ++j) {
+      const Complex asked = asks.of(t, j);
       plain += asked;
-      scratch.sums[t] += relative_gain(source, shared) * asked;
+      scratch.sums[t] += relative_gain(scratch.sources[j], shared) * asked;
     }
     largest = std::max({largest, std::abs(plain), std::abs(scratch.sums[t])});
   }
@@ -121,8 +151,8 @@ void drive_several(const Layout& layout, const DriveOptions& options, std::span<
   const double shared = shared_gain_of(scratch.sources);
   const bool solved = options.solver != Solver::naive && scratch.sources.size() <= most_solved_foci;
   if (solved) {
-    scratch.free_field.set(layout, options.medium, options.directivity);
-    scratch.free_field.fill(scratch.sources, options.weighting, scratch.columns);
+    const Transfer& transfer = transfer_of(layout, options, scratch.free_field);
+    transfer.fill(scratch.sources, options.weighting, scratch.columns);
     scratch.gains.clear();
     for (const Source& source : scratch.sources)
       scratch.gains.push_back(relative_gain(source, shared));
@@ -151,22 +181,19 @@ void find_sources(const Layout& layout, std::span<const SlotFocus> foci, DriveSc
 
 /// The sum of the sources' q_j times `scratch.factors`.
 void drive_sources(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out,
-                   const DriveScratch& scratch) {
+                   DriveScratch& scratch) {
   if (scratch.sources.size() == 1) {  // the paper's q_k, turned down
     Source source = scratch.sources[0];
     source.gain = as_amplitude(std::abs(scratch.factors[0]));  // its phase nobody can tell
     DriveOptions clamped = options;
     clamped.constraint = Constraint::clamp;
-    return drive_one(layout, source, clamped, out);
+    return drive_one(layout, source, clamped, out, scratch.columns);
   }
+  const Asks asks(layout, options, scratch);
   for (std::size_t t = 0; t < out.size(); ++t) {
     Complex sum = 0;
-    for (std::size_t j = 0; j < scratch.sources.size(); ++j) {
-      const Source& source = scratch.sources[j];
-      const double distance = glm::distance(layout.transducers[t].position, source.position);
-      sum += scratch.factors[j] * std::polar(asked_amplitude(distance, source.reach, options.weighting),
-                                             2 * std::numbers::pi * delay_turns(distance, options.medium));
-    }
+    for (std::size_t j = 0; j < scratch.sources.size(); ++j)
+      sum += scratch.factors[j] * asks.of(t, j);
     out[t] = {as_amplitude(std::abs(sum)), as_phase(std::arg(sum))};
   }
 }
@@ -177,14 +204,14 @@ void find_factors(const Layout& layout, std::span<const SlotFocus> foci, const D
   scratch.foci.clear();
   std::ranges::copy_if(foci, std::back_inserter(scratch.foci), drivable);
   const std::size_t count = scratch.sources.size();
-  scratch.free_field.set(layout, options.medium, options.directivity);
+  const Transfer& transfer = transfer_of(layout, options, scratch.free_field);
   scratch.targets.resize(count);
   scratch.factors.resize(count);
   for (std::size_t first = 0, end = 0; first < count; first = end) {
     end = part_end(scratch.foci, first);
     const std::span targets = std::span(scratch.targets).subspan(first, end - first);
     const std::span part = std::span<const SlotFocus>(scratch.foci).subspan(first, end - first);
-    scratch.free_field.fill(std::span(scratch.sources).subspan(first, end - first), options.weighting, scratch.columns);
+    transfer.fill(std::span(scratch.sources).subspan(first, end - first), options.weighting, scratch.columns);
     multiply(scratch.columns, scratch.matrix);
     for (std::size_t j = 0; j < part.size(); ++j) {
       const bool heard = scratch.matrix.alone(j) > 0;
@@ -198,8 +225,8 @@ void find_factors(const Layout& layout, std::span<const SlotFocus> foci, const D
   }
   if (count <= most_solved_foci) return;
   scratch.heard.resize(count);
-  keep_below(scratch.free_field, layout, scratch.foci, scratch.sources, options.weighting, scratch.factors,
-             scratch.columns, scratch.heard);
+  keep_below(transfer, layout, scratch.foci, scratch.sources, options.weighting, scratch.factors, scratch.columns,
+             scratch.heard);
 }
 
 }  // namespace
@@ -210,6 +237,12 @@ double sound_speed_at(double celsius) {
                                 least_celsius, most_celsius));
   }
   return 331.3 * std::sqrt(1 + celsius / 273.15);
+}
+
+const Transfer& transfer_of(const Layout& layout, const DriveOptions& options, FreeField& free_field) {
+  if (options.transfer) return *options.transfer;
+  free_field.set(layout, options.medium, options.directivity);
+  return free_field;
 }
 
 bool drivable(const SlotFocus& focus) {
@@ -233,7 +266,7 @@ void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const Driv
     find_factors(layout, foci, options, scratch);
     drive_sources(layout, options, out, scratch);
   } else if (sources.size() == 1) {
-    drive_one(layout, sources[0], options, out);
+    drive_one(layout, sources[0], options, out, scratch.columns);
   } else {
     drive_several(layout, options, out, scratch);
   }

@@ -3,7 +3,8 @@
 // The paper's q_k (Sec. III-F) under the time factor e^{-iwt}: a focus f asks of the transducer at distance d the
 // amplitude d / max d (or 1) and the phase -k d. What follows when several foci sound in one slot:
 //
-//   q_j      complex amplitude that focus j asks, its own largest |q_j| being 1
+//   q_j      complex amplitude that focus j asks, its own largest |q_j| being 1; where another sound than the free
+//            field's counts (transfer.hpp), with the phase -arg g of what each transducer does at the focus
 //   g        shared gain: the largest of the foci's gains
 //   r_j      relative gain: gain_j / g, and 1 where g is 0
 //   S        sum over j of q_j; G: sum over j of r_j q_j
@@ -80,7 +81,13 @@ struct DriveOptions {
   Medium medium;
   Solver solver = Solver::naive;
   Directivity directivity = Directivity::t4010a1;  ///< what the solvers reckon with; `naive` does not ask
+  /// The sound that foci are made of in the free field's place, for every solver and pressure. It outlives whatever is
+  /// made with it. On the host only: a device has the free field.
+  const Transfer* transfer = nullptr;
 };
+
+/// What foci go by under these options; `free_field` is made ready if it is that.
+const Transfer& transfer_of(const Layout& layout, const DriveOptions& options, FreeField& free_field);
 
 /// Whether a focus can be driven: finite, its coordinates within 100 m. Others are left out of their slot.
 bool drivable(const SlotFocus& focus);

@@ -69,9 +69,9 @@ struct DrivePasses {
 class DriveMemory {
  public:
   DriveMemory() = default;
-  /// `layout` as posed in the frame of the foci; all batches have the same options. Throws bad_usage where `most_slots`
-  /// slots of it exceed the device's largest storage buffer (128 MiB on small devices: 4210 slots of 3984 transducers);
-  /// see fitting_slots.
+  /// `layout` as posed in the frame of the foci; all batches have the same options. Throws bad_usage with a transfer in
+  /// the options, and where `most_slots` slots of it exceed the device's largest storage buffer (128 MiB on small
+  /// devices: 4210 slots of 3984 transducers); see fitting_slots.
   DriveMemory(const gpu::Device& device, const Layout& layout, const DriveOptions& options, std::uint32_t most_slots,
               std::uint32_t most_foci);
 

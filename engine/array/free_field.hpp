@@ -20,9 +20,8 @@ class FreeField final : public Transfer {
   void set(const Layout& layout, const Medium& medium, Directivity kind);
   /// The phase is within 1e-14 turns of what the distance says.
   void fill(std::span<const FocusSource> foci, Weighting weighting, Columns& columns) const override;
-  /// The same of `count` transducers from `first` on, for whoever wants less of it at a time.
   void fill(std::span<const FocusSource> foci, Weighting weighting, std::size_t first, std::size_t count,
-            Columns& columns) const;
+            Columns& columns) const override;
 
  private:
   const Layout* layout_ = nullptr;

@@ -35,7 +35,7 @@ double part_of(const Voice& voice, const SlotFocus& focus) {
 
 Loudness::Loudness(const Layout& layout, const DriveOptions& options)
     : layout_(layout), options_(options), reach_(layout) {
-  field_.set(layout, options.medium, options.directivity);
+  transfer_of(layout, options_, free_field_);
   for (std::vector<float>* values : {&re_, &im_, &own_re_, &own_im_})
     values->resize(layout.transducers.size());
 }
@@ -117,7 +117,7 @@ void Loudness::find_sources(std::size_t first, std::size_t count) {
 
 void Loudness::add_part(const Schedule& schedule, Part& part) {
   find_sources(part.first, part.count);
-  field_.fill(sources_, options_.weighting, columns_);
+  transfer().fill(sources_, options_.weighting, columns_);
   multiply(columns_, part.matrix);
   keep_asks(part);
   const std::span<const SlotFocus> foci = std::span(foci_).subspan(part.first, part.count);
@@ -271,8 +271,8 @@ void Loudness::calm(const Slot& slot) {
   find_sources(slot.first, slot.count);
   const std::span<Complex> factors = std::span(factors_).subspan(slot.first, slot.count);
   heard_.resize(slot.count);
-  keep_below(field_, layout_, std::span(foci_).subspan(slot.first, slot.count), sources_, options_.weighting, factors,
-             columns_, heard_);
+  keep_below(transfer(), layout_, std::span(foci_).subspan(slot.first, slot.count), sources_, options_.weighting,
+             factors, columns_, heard_);
   const double peak = peak_of(slot, {});
   if (peak <= 1) return;
   for (Complex& factor : factors)
@@ -284,7 +284,7 @@ void Loudness::hear(const Slot& slot) {
   heard_.resize(slot.count);
   if (slot.parts == 1) return MatrixHearing(parts_[slot.first_part].matrix).hear(factors, heard_);
   find_sources(slot.first, slot.count);
-  hear_all(field_, layout_, sources_, options_.weighting, factors, columns_, heard_);
+  hear_all(transfer(), layout_, sources_, options_.weighting, factors, columns_, heard_);
 }
 
 /// What a slot's focus gives at its own place, in Pa, whatever the others do there.

@@ -50,6 +50,7 @@ class Loudness {
     std::size_t first_part = 0, parts = 0;
   };
 
+  const Transfer& transfer() const { return options_.transfer ? *options_.transfer : free_field_; }
   void add_slot(const Schedule& schedule, std::uint32_t number);
   void add_part(const Schedule& schedule, Part& part);
   void correct(const Part& part, std::span<std::complex<double>> factors);
@@ -71,7 +72,7 @@ class Loudness {
   const Layout& layout_;
   DriveOptions options_;
   Reach reach_;
-  FreeField field_;
+  FreeField free_field_;
   Columns columns_;
   PressureScratch scratch_;
 

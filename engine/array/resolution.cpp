@@ -18,10 +18,9 @@ std::vector<FocusPair> unresolved_pairs(const Layout& layout, std::span<const Sl
   }
   std::vector<FocusPair> pairs;
   if (sources.size() < 2 || sources.size() > most_solved_foci) return pairs;
-  FreeField field;
-  field.set(layout, options.medium, options.directivity);
+  FreeField free_field;
   Columns columns;
-  field.fill(sources, options.weighting, columns);
+  transfer_of(layout, options, free_field).fill(sources, options.weighting, columns);
   FocusMatrix matrix;
   multiply(columns, matrix);
   for (std::size_t j = 0; j < sources.size(); ++j) {

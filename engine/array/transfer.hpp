@@ -70,6 +70,9 @@ class Transfer {
   virtual ~Transfer() = default;
   /// Replaces `columns` by those of these foci, keeping its storage.
   virtual void fill(std::span<const FocusSource> foci, Weighting weighting, Columns& columns) const = 0;
+  /// The same of `count` transducers from `first` on, for whoever wants less of it at a time.
+  virtual void fill(std::span<const FocusSource> foci, Weighting weighting, std::size_t first, std::size_t count,
+                    Columns& columns) const = 0;
 };
 
 }  // namespace palpa::array

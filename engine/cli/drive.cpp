@@ -10,11 +10,17 @@
 #include <glm/matrix.hpp>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <span>
+#include <utility>
 
+#include "acoustics/air.hpp"
+#include "acoustics/body_mesh.hpp"
+#include "acoustics/finger_transfer.hpp"
 #include "acoustics/pressure.hpp"
+#include "acoustics/rigid_body.hpp"
 #include "array/drive_pass.hpp"
 #include "array/layout.hpp"
 #include "array/resolution.hpp"
@@ -28,9 +34,11 @@
 #include "cli/foci_drive.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/device.hpp"
+#include "setup/body.hpp"
 #include "setup/drive_file.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
+#include "setup/progress.hpp"
 #include "setup/touch_file.hpp"
 #include "setup/values.hpp"
 #include "setup/warnings.hpp"
@@ -46,6 +54,8 @@ struct DriveCommand {
   std::string touch, rig;
   std::optional<std::uint32_t> slot;
   setup::DriveOptionsGroup drive;
+  std::string mesh;
+  bool force = false;
   std::string csv;
 };
 
@@ -56,6 +66,9 @@ void add_options(CLI::App& app, DriveCommand& o) {
   group.text("--touch", o.touch, "FILE", "in place of --focus: what sounds of the touch that palpa touch --json wrote");
   group.integer("--slot", o.slot, 0, std::numeric_limits<std::int32_t>::max(), "of that touch's order [0]");
   group.text("--rig", o.rig, "FILE", "where the array stands for that touch [where --layout stands by default]");
+  group.text("--mesh", o.mesh, "FILE",
+             "with --transfer finger: that finger, a closed PLY or glTF mesh in the layout's frame");
+  group.flag("--force", o.force, "focus on a finger that is too coarse for the wavelength, too");
   group.text("--csv", o.csv, "FILE|-", "index,x,y,z,nx,ny,nz,amplitude,phase of every transducer");
   setup::add_drive_options(app, o.drive);
 }
@@ -109,9 +122,38 @@ array::Drive drive_on_gpu(const gpu::DeviceOptions& select, const array::Layout&
   return {drive.begin(), drive.end()};
 }
 
+/// A finger in the layout's frame, and what the transducers do to it.
+struct Finger {
+  acoustics::RigidBody body;
+  acoustics::FingerTransfer sound;
+  std::vector<Vec3> aimed;    ///< where each focus is: on the skin
+  std::vector<double> gains;  ///< pressure over that of the drive for the same foci in free air; none with --pressure
+
+  Finger(geometry::Mesh mesh, const array::Layout& layout, const acoustics::Air& air, array::Directivity directivity)
+      : body(std::move(mesh), air.wave_number()), sound(body, layout, air, directivity) {}
+};
+
+std::unique_ptr<Finger> finger_of(const DriveCommand& o, const array::Layout& layout,
+                                  const array::DriveOptions& options, const std::vector<array::SlotFocus>& foci) {
+  if (o.mesh.empty()) return nullptr;
+  // Without absorption, as solvers reckon.
+  const acoustics::Air air = acoustics::without_absorption(setup::air(o.drive.medium, {}));
+  geometry::Mesh mesh = setup::load_body(o.mesh, air, o.force);
+  acoustics::check_clear_of(o.mesh, mesh, layout);
+  log::release_warnings();
+  const setup::Preparing progress(o.common.quiet);
+  auto finger = std::make_unique<Finger>(std::move(mesh), layout, air, options.directivity);
+  std::vector<Vec3> places;
+  places.reserve(foci.size());
+  for (const array::SlotFocus& focus : foci)
+    places.push_back(focus.position);
+  finger->aimed = finger->sound.aim(places);
+  return finger;
+}
+
 std::string to_json(const array::Layout& layout, const std::vector<array::SlotFocus>& foci, const array::Medium& air,
                     const array::Drive& drive, const acoustics::FociPressure& pressure,
-                    const std::vector<array::FocusPair>& unresolved) {
+                    const std::vector<array::FocusPair>& unresolved, const Finger* finger) {
   JsonWriter json;
   json.begin_object()
       .member("layout", layout.name)
@@ -122,6 +164,12 @@ std::string to_json(const array::Layout& layout, const std::vector<array::SlotFo
   for (const array::SlotFocus& focus : foci)
     json.value(focus.position);
   json.end_array();
+  if (finger) {
+    json.key("aimed_m").begin_array();
+    for (const Vec3& place : finger->aimed)
+      json.value(place);
+    json.end_array();
+  }
   json.key("gains").begin_array();
   for (const array::SlotFocus& focus : foci)
     json.value(focus.gain);
@@ -130,6 +178,12 @@ std::string to_json(const array::Layout& layout, const std::vector<array::SlotFo
   for (const double pascals : pressure.pascals)
     json.value(pascals);
   json.end_array().member("weakest_to_strongest", pressure.evenness);
+  if (finger && !finger->gains.empty()) {
+    json.key("over_free_field").begin_array();
+    for (const double gain : finger->gains)
+      json.value(gain);
+    json.end_array();
+  }
   json.key("unresolved_pairs").begin_array();
   for (const array::FocusPair& pair : unresolved)
     json.begin_array().value(std::uint64_t{pair.first}).value(std::uint64_t{pair.second}).end_array();
@@ -156,9 +210,34 @@ std::string unresolved_line(const std::vector<array::SlotFocus>& foci, const std
       glm::distance(foci[worst.first].position, foci[worst.second].position) * 1e3, worst.second + 1);
 }
 
+/// Of each focus, against the drive that free air asks for.
+std::vector<double> gains_over(const array::DriveOptions& in_free_air, const array::Layout& layout,
+                               const std::vector<array::SlotFocus>& foci, const Finger& finger,
+                               const acoustics::FociPressure& pressure) {
+  const array::Drive other = array::drive_for(layout, foci, in_free_air);
+  const acoustics::FociPressure before = acoustics::pressure_at_foci(layout, other, foci, finger.sound);
+  std::vector<double> gains;
+  gains.reserve(foci.size());
+  for (std::size_t j = 0; j < foci.size(); ++j)
+    gains.push_back(before.pascals[j] > 0 ? pressure.pascals[j] / before.pascals[j] : 0);
+  return gains;
+}
+
+/// What is different on a finger.
+std::string finger_line(const Finger& finger, std::size_t focus, const Vec3& asked) {
+  const Vec3& at = finger.aimed[focus];
+  std::string text = "  on the finger";
+  if (at != asked) {
+    text = fmt::format("  on the nearest skin, at ({:.2f}, {:.2f}, {:.2f}) mm", at.x * 1e3, at.y * 1e3, at.z * 1e3);
+  }
+  if (!finger.gains.empty())
+    text += fmt::format("; {:.2f} times what the drive for free air gives there", finger.gains[focus]);
+  return text + "\n";
+}
+
 std::string summary(const array::Layout& layout, const std::vector<array::SlotFocus>& foci, const array::Medium& air,
                     const array::Drive& drive, const acoustics::FociPressure& pressure,
-                    const std::vector<array::FocusPair>& unresolved) {
+                    const std::vector<array::FocusPair>& unresolved, const Finger* finger) {
   float least = 1, most = 0;
   for (const array::TransducerDrive& d : drive) {
     least = std::min(least, d.amplitude);
@@ -169,6 +248,7 @@ std::string summary(const array::Layout& layout, const std::vector<array::SlotFo
   for (std::size_t j = 0; j < foci.size(); ++j) {
     fmt::format_to(std::back_inserter(text), "focus at ({:.2f}, {:.2f}, {:.2f}) mm: {:.0f} Pa\n",
                    foci[j].position.x * 1e3, foci[j].position.y * 1e3, foci[j].position.z * 1e3, pressure.pascals[j]);
+    if (finger) text += finger_line(*finger, j, foci[j].position);
   }
   if (foci.size() > 1)
     fmt::format_to(std::back_inserter(text), "weakest to strongest focus: {:.3f} of what was asked\n",
@@ -180,6 +260,11 @@ std::string summary(const array::Layout& layout, const std::vector<array::SlotFo
 }
 
 void check(const DriveCommand& o) {
+  const std::string asks = setup::asks_for_finger(o.drive);
+  if (!asks.empty() && o.mesh.empty())
+    throw bad_usage(asks + ": --mesh is missing: give the finger's closed mesh, in the layout's frame");
+  if (asks.empty() && (!o.mesh.empty() || o.force))
+    throw bad_usage(fmt::format("{} goes with --transfer finger", o.mesh.empty() ? "--force" : "--mesh"));
   if (o.touch.empty()) {
     if (o.slot || !o.rig.empty()) throw bad_usage(fmt::format("{} goes with --touch", o.slot ? "--slot" : "--rig"));
     if (o.layout.empty())
@@ -207,8 +292,9 @@ void run(const DriveCommand& o) {
   check(o);
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   const setup::PlayedTouch played = o.touch.empty() ? setup::PlayedTouch() : setup::load_touch(o.touch);
-  const array::DriveOptions options =
-      setup::drive_options(o.drive, played.together ? touch::Method::multi_focus : touch::Method::cross_section);
+  array::DriveOptions options =
+      setup::drive_options(o.drive, played.together ? touch::Method::multi_focus : touch::Method::cross_section,
+                           o.mesh.empty() ? setup::FingerMesh::unknown : setup::FingerMesh::known);
   check_pressures(o, played.schedule);
   const setup::PlacedLayout placed = setup::load_placed_layout({.rig = o.rig, .layout = o.layout});
   const array::Layout& layout = placed.layout;
@@ -219,21 +305,26 @@ void run(const DriveCommand& o) {
   }
   std::vector<array::SlotFocus> foci;
   array::foci_of_slot(schedule, 0, foci);
+  const array::DriveOptions in_free_air = options;
+  const std::unique_ptr<Finger> finger = finger_of(o, layout, options, foci);
+  if (finger) options.transfer = &finger->sound;
   const std::vector<std::complex<double>> factors = factors_for(layout, schedule, options, o.touch);
-  const array::Drive drive = o.common.backend == setup::Backend::cpu
+  const array::Drive drive = finger || o.common.backend == setup::Backend::cpu
                                  ? drive_on_cpu(layout, foci, factors, options)
                                  : drive_on_gpu(setup::device_options(o.common), layout, foci, factors, options);
 
   const acoustics::FociPressure pressure =
-      acoustics::pressure_at_foci(layout, drive, foci, options.medium, options.directivity);
+      finger ? acoustics::pressure_at_foci(layout, drive, foci, finger->sound)
+             : acoustics::pressure_at_foci(layout, drive, foci, options.medium, options.directivity);
+  if (finger && factors.empty()) finger->gains = gains_over(in_free_air, layout, foci, *finger, pressure);
   const std::vector<array::FocusPair> unresolved = array::unresolved_pairs(layout, foci, options);
 
   if (!o.csv.empty()) write_file(o.csv, setup::drive_csv(layout, drive));
   if (!o.common.json.empty())
-    write_file(o.common.json, to_json(layout, foci, options.medium, drive, pressure, unresolved));
+    write_file(o.common.json, to_json(layout, foci, options.medium, drive, pressure, unresolved, finger.get()));
   if (setup::shows_summary(o.common, outputs)) {
     const bool loud = *std::ranges::max_element(pressure.pascals) > array::linear_pressure_pa;
-    write_file("-", summary(layout, foci, options.medium, drive, pressure, unresolved) +
+    write_file("-", summary(layout, foci, options.medium, drive, pressure, unresolved, finger.get()) +
                         (!factors.empty() && loud ? setup::linear_line() : ""));
   }
 }
@@ -247,6 +338,7 @@ void add_drive(Program& program) {
        "  palpa drive --layout openmpd --focus 0,0,150mm --csv drive.csv\n"
        "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0,0.5 --solver gs-pat --json -\n"
        "  palpa drive --layout paper --touch touch.json --slot 3 --csv drive.csv\n"
+       "  palpa drive --layout paper --focus 0,0.2mm,0 --transfer finger --mesh assets/finger.ply\n"
        "Phases are delays in radians (time factor e^-iwt), amplitudes lie in 0..1."},
       add_options, run);
 }

@@ -75,9 +75,10 @@ void check(const FieldCommand& o) {
                                    : "--drive and --focus exclude each other: give one of them");
   }
   const setup::DriveOptionsGroup usual;
-  if (!o.drive_file.empty() &&
-      (o.drive.weighting != usual.weighting || o.drive.solver || o.drive.constraint || o.drive.pressure_pa)) {
-    throw bad_usage("--amplitude, --solver, --constraint and --pressure make a drive of --focus: --drive has one");
+  if (!o.drive_file.empty() && (o.drive.weighting != usual.weighting || o.drive.solver || o.drive.transfer ||
+                                o.drive.constraint || o.drive.pressure_pa)) {
+    throw bad_usage(
+        "--amplitude, --solver, --transfer, --constraint and --pressure make a drive of --focus: --drive has one");
   }
   if (!o.png.empty() && o.place.given() && !o.place.plane)
     throw bad_usage("--png draws a plane: give --plane, or take --csv or --vtu");

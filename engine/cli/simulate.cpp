@@ -14,6 +14,7 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/body_mesh.hpp"
+#include "acoustics/finger_transfer.hpp"
 #include "acoustics/incident.hpp"
 #include "acoustics/radiation.hpp"
 #include "acoustics/rigid_body.hpp"
@@ -27,6 +28,7 @@
 #include "cli/touch_picture.hpp"
 #include "geometry/vtu.hpp"
 #include "sensing/synthetic.hpp"
+#include "session/plan.hpp"
 #include "session/skin_pressure.hpp"
 #include "setup/assets.hpp"
 #include "setup/body.hpp"
@@ -138,6 +140,29 @@ const acoustics::RigidBody& Finger::standing(double dy) {
   return *standing_;
 }
 
+namespace {
+
+/// The plan, driven anew for what its foci are on that finger.
+session::Plan focused_on(acoustics::FingerTransfer& finger, session::Plan plan, const array::Layout& layout,
+                         const array::DriveOptions& options, Felt& felt) {
+  std::vector<Vec3> foci;
+  for (const std::optional<Vec3>& focus : felt.foci) {
+    if (focus) foci.push_back(*focus);
+  }
+  const std::size_t placed = foci.size();
+  for (std::uint32_t v = 0; v < plan.schedule.voice_count; ++v)
+    foci.insert(foci.end(), plan.schedule.voices[v].foci.begin(), plan.schedule.voices[v].foci.end());
+  felt.aimed = finger.aim(foci);
+  felt.aimed.resize(placed);
+  array::Loudness loudness(layout, options);
+  session::SlotWork work;
+  array::DriveScratch scratch;
+  session::drive_on_host(plan, layout, options, work, &loudness, scratch);
+  return plan;
+}
+
+}  // namespace
+
 Felt feel(const SimulateCommand& o, Finger& finger, const std::string& scene, std::vector<geometry::Solid> solids,
           touch::Method method) {
   Felt felt;
@@ -152,8 +177,9 @@ Felt feel(const SimulateCommand& o, Finger& finger, const std::string& scene, st
   const setup::PosedRig rig = setup::load_posed_rig(o.rig);
   const setup::TouchInput skin =
       o.skin == Skin::cameras ? seen_skin(o, rig, finger.as_given(), dy) : skin_of(finger.as_given(), dy);
-  setup::TouchArray array{
-      .layout = rig.layout, .drive = setup::drive_options(o.drive, method), .pressure_pa = o.drive.pressure_pa};
+  setup::TouchArray array{.layout = rig.layout,
+                          .drive = setup::drive_options(o.drive, method, setup::FingerMesh::known),
+                          .pressure_pa = o.drive.pressure_pa};
   check(o.drive, solids);
   acoustics::check_clear_of(o.finger, felt.body, array.layout);
   setup::warn_of_reach(array.layout, solids);
@@ -171,7 +197,17 @@ Felt feel(const SimulateCommand& o, Finger& finger, const std::string& scene, st
   const acoustics::RigidBody& body = finger.standing(dy);
   felt.times.emplace_back("operator", watch.lap_ms());
   const session::SessionSetting& setting = one.session.setting();
-  const session::Sounds sounds = session::sounds_of(one.session.plan(), setting);
+  session::Plan focused;
+  array::DriveOptions drive = setting.drive;
+  std::optional<acoustics::FingerTransfer> transfer;
+  if (!setup::asks_for_finger(o.drive).empty()) {
+    // Without absorption, as solvers reckon.
+    transfer.emplace(body, setting.layout, acoustics::without_absorption(air), o.drive.directivity);
+    drive.transfer = &*transfer;
+    focused = focused_on(*transfer, one.session.plan(), setting.layout, drive, felt);
+    felt.times.emplace_back("focus", watch.lap_ms());
+  }
+  const session::Sounds sounds = session::sounds_of(transfer ? focused : one.session.plan(), setting.layout, drive);
   const acoustics::Incident incident(setting.layout, air, o.drive.directivity);
   felt.pressure = session::mean_pressure(sounds, incident, air, body);
   felt.times.emplace_back("pressure", watch.lap_ms());
@@ -196,6 +232,20 @@ void add_spot(JsonWriter& json, const char* name, const acoustics::Spot& spot) {
       .end_object();
 }
 
+/// As the foci: null for an empty sector.
+void add_aimed(JsonWriter& json, const Felt& felt) {
+  json.key("aimed_m").begin_array();
+  std::size_t next = 0;
+  for (const std::optional<Vec3>& focus : felt.foci) {
+    if (focus) {
+      json.value(felt.aimed[next++]);
+    } else {
+      json.null();
+    }
+  }
+  json.end_array();
+}
+
 }  // namespace
 
 void add_felt(JsonWriter& json, const SimulateCommand& o, const Felt& felt) {
@@ -214,6 +264,7 @@ void add_felt(JsonWriter& json, const SimulateCommand& o, const Felt& felt) {
     }
   }
   json.end_array();
+  if (!felt.aimed.empty()) add_aimed(json, felt);
   add_spot(json, "langevin", felt.langevin);
   add_spot(json, "squared", felt.squared);
   json.member("force_N", felt.load.force).member("torque_Nm", felt.load.torque);

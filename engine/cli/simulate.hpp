@@ -64,6 +64,7 @@ struct Felt {
   geometry::Mesh body;  ///< in the world
   Vec3 tip{0};
   std::vector<std::optional<Vec3>> foci;  ///< none for an empty sector
+  std::vector<Vec3> aimed;                ///< with --transfer finger: where those that are there sound, on the skin
   acoustics::SkinPressure pressure;
   acoustics::Spot langevin, squared;
   acoustics::Load load;  ///< about the tip

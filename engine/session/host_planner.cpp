@@ -65,17 +65,8 @@ class HostPlanner : public Planner {
   void make_drives(Plan& plan) {
     plan.drives.clear();
     plan.cycle = 0;
-    const std::size_t transducers = setting_.layout.transducers.size();
-    if (transducers == 0) return;
-    plan_slots(plan, slot_work_, loudness_ ? &*loudness_ : nullptr, [&](const auto& foci, const auto& factors) {
-      plan.drives.resize(plan.drives.size() + transducers);
-      const std::span<array::TransducerDrive> out = std::span(plan.drives).last(transducers);
-      if (factors.empty()) {
-        array::drive_for(setting_.layout, foci, setting_.drive, out, drive_scratch_);
-      } else {
-        array::drive_by_factors(setting_.layout, foci, factors, setting_.drive, out, drive_scratch_);
-      }
-    });
+    if (setting_.layout.transducers.empty()) return;
+    drive_on_host(plan, setting_.layout, setting_.drive, slot_work_, loudness_ ? &*loudness_ : nullptr, drive_scratch_);
   }
 
   const SessionSetting& setting_;

@@ -40,6 +40,21 @@ const array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* 
   return *planned;
 }
 
+void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, SlotWork& work,
+                   array::Loudness* loudness, array::DriveScratch& scratch) {
+  const std::size_t transducers = layout.transducers.size();
+  plan.drives.clear();
+  plan_slots(plan, work, loudness, [&](const auto& foci, const auto& factors) {
+    plan.drives.resize(plan.drives.size() + transducers);
+    const std::span<array::TransducerDrive> out = std::span(plan.drives).last(transducers);
+    if (factors.empty()) {
+      array::drive_for(layout, foci, options, out, scratch);
+    } else {
+      array::drive_by_factors(layout, foci, factors, options, out, scratch);
+    }
+  });
+}
+
 ToldPlan told(const Plan& plan, std::size_t transducers, std::uint64_t from_slot, std::uint64_t until_slot) {
   return {.schedule = plan.schedule,
           .from_slot = from_slot,

@@ -63,4 +63,9 @@ void plan_slots(Plan& plan, SlotWork& work, array::Loudness* loudness, Add add) 
   }
 }
 
+/// Fills a plan's drives on the host. `loudness`, of this layout and these options, is needed where fingers may ask for
+/// a pressure.
+void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, SlotWork& work,
+                   array::Loudness* loudness, array::DriveScratch& scratch);
+
 }  // namespace palpa::session

@@ -29,15 +29,14 @@ constexpr std::size_t together = 16;
 
 }  // namespace
 
-Sounds sounds_of(const Plan& plan, const SessionSetting& setting) {
+Sounds sounds_of(const Plan& plan, const array::Layout& layout, const array::DriveOptions& options) {
   const std::uint64_t slots = plan.cycle > 0 ? plan.cycle : most_cycle;
   const double weight = (plan.cycle > 0 ? mean_square(plan) : 1) / static_cast<double>(slots);
-  const OutputSetting output{
-      .layout = setting.layout, .drive = setting.drive, .slot_s = plan.schedule.slot_s, .safety = {}};
+  const OutputSetting output{.layout = layout, .drive = options, .slot_s = plan.schedule.slot_s, .safety = {}};
   SlotScratch scratch;
   Sounds sounds;
   for (std::uint64_t slot = 0; slot < slots; ++slot) {
-    const auto drive = plan.cycle > 0 ? plan.drive(slot, setting.layout.transducers.size())
+    const auto drive = plan.cycle > 0 ? plan.drive(slot, layout.transducers.size())
                                       : drive_of_slot(plan, slot, plan.captured_s, output, scratch);
     const acoustics::Strengths strengths = acoustics::strengths_of(drive);
     sounds.strengths.insert(sounds.strengths.end(), strengths.begin(), strengths.end());

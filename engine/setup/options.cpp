@@ -11,6 +11,29 @@
 
 namespace palpa::setup {
 
+namespace {
+
+constexpr Word<SolverChoice> solver_words[] = {{"naive", SolverChoice::naive},
+                                               {"gs-pat", SolverChoice::gs_pat},
+                                               {"greedy", SolverChoice::greedy},
+                                               {"adjoint", SolverChoice::adjoint}};
+constexpr Word<TransferChoice> transfer_words[] = {{"free", TransferChoice::free}, {"finger", TransferChoice::finger}};
+
+array::Solver solver_of(SolverChoice choice) {
+  switch (choice) {
+    case SolverChoice::gs_pat:
+      return array::Solver::gs_pat;
+    case SolverChoice::greedy:
+      return array::Solver::greedy;
+    case SolverChoice::naive:
+    case SolverChoice::adjoint:
+      return array::Solver::naive;
+  }
+  return array::Solver::naive;
+}
+
+}  // namespace
+
 void add_common(CLI::App& app, CommonOptions& options) {
   const Group group(app, "Common options");
   group.text("--gpu", options.gpu, "NAME|INDEX", "GPU to use, as `palpa doctor` lists them");
@@ -157,8 +180,12 @@ acoustics::Air air(const MediumOptions& options, const AirOptions& rest) {
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
   const Group group(app, "Drives");
   group.choice("--amplitude", options.weighting, array::weighting_words, "what a focus asks of a transducer");
-  group.choice("--solver", options.solver, array::solver_words,
-               "how several foci share the array [naive; gs-pat for the method multi-focus]");
+  group.choice("--solver", options.solver, solver_words,
+               "how several foci share the array [naive; gs-pat for the method multi-focus]; adjoint: naive with "
+               "--transfer finger");
+  group.choice("--transfer", options.transfer, transfer_words,
+               "foci are made of the sound in free air, or of that around a finger, whose mesh drive and simulate "
+               "know [free]");
   group.choice("--constraint", options.constraint, array::constraint_words,
                "how amplitudes come into 0..1 [normalise]");
   group.quantity("--pressure", options.pressure_pa, Quantity::pressure, positive(array::most_pressure_pa),
@@ -170,7 +197,7 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
 
 void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string& who) {
   if (options.constraint) throw bad_usage("--constraint: " + who + ", which takes its place; leave one of them out");
-  if (options.solver == array::Solver::greedy)
+  if (options.solver == SolverChoice::greedy)
     throw bad_usage("--solver greedy: " + who + ", but it drives all transducers in full; take gs-pat or naive");
 }
 
@@ -181,14 +208,25 @@ void check(const DriveOptionsGroup& options, std::span<const geometry::Solid> so
   }
 }
 
-array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Method method) {
+std::string asks_for_finger(const DriveOptionsGroup& options) {
+  if (options.solver == SolverChoice::adjoint) return "--solver adjoint";
+  return options.transfer == TransferChoice::finger ? "--transfer finger" : "";
+}
+
+array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Method method, FingerMesh mesh) {
+  if (options.solver == SolverChoice::adjoint && options.transfer == TransferChoice::free)
+    throw bad_usage("--solver adjoint is naive with --transfer finger: leave --transfer free out");
+  if (const std::string asks = asks_for_finger(options); !asks.empty() && mesh == FingerMesh::unknown) {
+    throw bad_usage(asks +
+                    ": no finger's mesh is known here; palpa drive --mesh and palpa simulate focus on that of theirs");
+  }
   if (options.pressure_pa) refuse_beside_pressure(options, "--pressure says how loud foci are");
   array::DriveOptions drive;
   drive.weighting = options.weighting;
   drive.constraint = options.constraint.value_or(array::Constraint::normalise);
   drive.medium = medium(options.medium);
   const bool together = method == touch::Method::multi_focus;
-  drive.solver = options.solver.value_or(together ? array::Solver::gs_pat : array::Solver::naive);
+  drive.solver = solver_of(options.solver.value_or(together ? SolverChoice::gs_pat : SolverChoice::naive));
   drive.directivity = options.directivity;
   return drive;
 }

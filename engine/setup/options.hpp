@@ -104,10 +104,16 @@ void add_air_options(CLI::App& app, AirOptions& options);
 /// Beside a sound speed that is given the temperature is 20 degrees Celsius. Throws bad_usage as medium() does.
 acoustics::Air air(const MediumOptions& medium, const AirOptions& options);
 
+/// --solver: one of the engine's, or `adjoint`, which is naive with the transfer of a finger.
+enum class SolverChoice { naive, gs_pat, greedy, adjoint };
+/// --transfer: foci are made of what transducers do in free air, or on a finger.
+enum class TransferChoice { free, finger };
+
 /// What drives are made of.
 struct DriveOptionsGroup {
   array::Weighting weighting = array::Weighting::distance;
-  std::optional<array::Solver> solver;
+  std::optional<SolverChoice> solver;
+  std::optional<TransferChoice> transfer;       ///< normally free
   std::optional<array::Constraint> constraint;  ///< normally normalise
   std::optional<double> pressure_pa;            ///< at each focus, in the place of a constraint
   array::Directivity directivity = array::Directivity::t4010a1;
@@ -116,9 +122,13 @@ struct DriveOptionsGroup {
 };
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options);
 /// Without --solver it is gs_pat for the method multi_focus, whose foci sound together, and naive for all others.
-/// Throws bad_usage where a pressure is asked for with a constraint or with greedy.
-array::DriveOptions drive_options(const DriveOptionsGroup& options,
-                                  touch::Method method = touch::Method::cross_section);
+/// Throws bad_usage where a pressure is asked for with a constraint or with greedy, and for a finger's transfer unless
+/// the command has the finger's mesh: it then sets DriveOptions::transfer.
+enum class FingerMesh { unknown, known };
+array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Method method = touch::Method::cross_section,
+                                  FingerMesh mesh = FingerMesh::unknown);
+/// The option that asks for a finger's transfer; empty: none does.
+std::string asks_for_finger(const DriveOptionsGroup& options);
 
 /// `who` asks for a pressure: throws bad_usage where the options have a constraint or greedy.
 void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string& who);

@@ -1,4 +1,6 @@
-// `palpa scatter`: its tables against the sphere's series, its force, and which meshes it refuses.
+// `palpa scatter`: its tables against the sphere's series, its force, and which meshes it refuses. And `palpa drive`
+// for foci on such a mesh, which are as loud as `scatter` then finds.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -18,6 +20,7 @@
 #include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/shapes.hpp"
+#include "support/shared_data.hpp"
 #include "terminal.hpp"
 
 namespace palpa::test {
@@ -252,6 +255,75 @@ TEST(Scatter, LongWorkSaysWhatItDoesAndStopsOnCtrlC) {
   EXPECT_EQ(terminal.ended_by_signal(), SIGINT) << terminal.text();
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
   EXPECT_FALSE(std::filesystem::exists(csv));
+}
+
+/// A fingertip above a board, and a point a little below the middle of one of its faces.
+struct Above {
+  std::string file;
+  Vec3 centre;
+  std::string focus;
+};
+Above fingertip(std::size_t face) {
+  geometry::Mesh mesh = geometry::icosphere(radius, 6);
+  for (Vec3& p : mesh.positions)
+    p.z += 0.1;
+  const glm::uvec3& t = mesh.triangles[face];
+  const Vec3 centre = (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0;
+  const Vec3 below = centre + 0.3 * (Vec3(0, 0, 0.1) - centre);
+  return {ply_of("above", mesh), centre, fmt::format("{},{},{}", below.x, below.y, below.z)};
+}
+
+TEST(DriveOnAFinger, IsAsLoudAsWhatScattersSays) {
+  const std::vector<std::string> drive{"drive", "--layout",     "openmpd", "--sound-speed",
+                                       "343",   "--constraint", "uniform"};
+  for (const std::size_t face : {5u, 200u}) {
+    const Above above = fingertip(face);
+    const std::string csv = folder() / "drive.csv", other = folder() / "other.csv", file = folder() / "drive.json";
+    const std::vector<std::string> here = with(drive, {"--focus", above.focus, "--mesh", above.file});
+    const Result made = palpa(with(here, {"--transfer", "finger", "--csv", csv, "--json", file}));
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    EXPECT_NE(made.out.find("on the nearest skin"), std::string::npos) << made.out;
+    const json results = json::parse(read_text(file));
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(results["aimed_m"][0][static_cast<std::size_t>(axis)].get<double>(), above.centre[axis], 1e-4);
+    EXPECT_GE(results["over_free_field"][0], 1);
+    const Scattered got = scatter({"--mesh", above.file, "--layout", "openmpd", "--drive", csv}, "face,x,y,z,re,im\n");
+    const double loud = std::hypot(got.rows[face][4], got.rows[face][5]);
+    EXPECT_NEAR(results["pressures_pa"][0].get<double>() / loud, 1, 5e-3);
+    ASSERT_EQ(palpa(with(here, {"--solver", "adjoint", "--csv", other})).exit_code, 0);
+    EXPECT_EQ(read_text(other), read_text(csv));
+    // A pressure that is asked for is there.
+    const std::vector<std::string> asked{"drive",   "--layout",  "openmpd", "--sound-speed", "343",
+                                         "--focus", above.focus, "--mesh",  above.file,      "--pressure",
+                                         "500Pa",   "--solver",  "adjoint", "--csv",         csv};
+    ASSERT_EQ(palpa(asked).exit_code, 0);
+    const Scattered even = scatter({"--mesh", above.file, "--layout", "openmpd", "--drive", csv}, "face,x,y,z,re,im\n");
+    EXPECT_NEAR(std::hypot(even.rows[face][4], even.rows[face][5]), 500, 3);
+  }
+}
+
+TEST(DriveOnAFinger, RefusesWhatHasNoFinger) {
+  const Above above = fingertip(5);
+  const auto refused = [](const std::vector<std::string>& arguments, int code, const std::string& why) {
+    expect_failure(palpa(arguments), code, why);
+  };
+  const std::vector<std::string> drive{"drive", "--layout", "openmpd", "--focus", above.focus, "--csv", "-"};
+  refused(with(drive, {"--transfer", "finger"}), 2, "--mesh is missing");
+  refused(with(drive, {"--solver", "adjoint"}), 2, "--mesh is missing");
+  refused(with(drive, {"--mesh", above.file}), 2, "--mesh goes with --transfer finger");
+  refused(with(drive, {"--mesh", above.file, "--solver", "adjoint", "--transfer", "free"}), 2, "leave --transfer free");
+  refused(with(drive, {"--mesh", "nothing.ply", "--transfer", "finger"}), 4, "nothing.ply");
+  const std::string there = ply_of("there", geometry::icosphere(radius, 6));
+  refused(with(drive, {"--mesh", there, "--transfer", "finger"}), 4, "stands in the array");
+  const std::string unknown = "no finger's mesh is known here";
+  refused({"field", "--layout", "openmpd", "--focus", "0,0,0.1", "--plane", "xz", "--size", "1cm,1cm", "--csv", "-",
+           "--transfer", "finger"},
+          2, unknown);
+  const std::string scene = source_file("assets/cube.glb");
+  refused({"run", "--scene", scene, "--frames", "1", "--solver", "adjoint"}, 2, unknown);
+  refused({"touch", "--scene", scene, "--points", source_file("assets/finger.ply"), "--layout", "paper", "--transfer",
+           "finger"},
+          2, unknown);
 }
 
 TEST(Scatter, RefusesWavesThatAreNone) {

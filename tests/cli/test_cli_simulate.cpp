@@ -141,6 +141,31 @@ TEST(Simulate, CamerasSeeTheSameTouch) {
   expect_failure(palpa(with(cube, {"--noise-free", "--json", "-"})), 2, "--skin cameras");
 }
 
+TEST(Simulate, FocusesOnTheFingerItself) {
+  // Nothing is louder there than all transducers in phase.
+  const std::vector<std::string> touch = with(touch_of("cube"), {"--penetration", "1.5mm", "--method", "single-focus",
+                                                                 "--no-absorption", "--constraint", "uniform"});
+  const Simulated before = simulate(touch), got = simulate(with(touch, {"--transfer", "finger"}));
+  EXPECT_FALSE(before.results.contains("aimed_m"));
+  ASSERT_EQ(got.results["aimed_m"].size(), 1u);
+  const json place = got.results["aimed_m"][0];
+  const auto near = std::ranges::min_element(got.rows, {}, [&](const std::vector<double>& row) {
+    return std::hypot(row[1] - place[0].get<double>(), row[2] - place[1].get<double>(),
+                      row[3] - place[2].get<double>());
+  });
+  const auto face = static_cast<std::size_t>(near - got.rows.begin());
+  EXPECT_LE(std::hypot((*near)[1] - place[0].get<double>(), (*near)[2] - place[1].get<double>()), 1e-3);
+  EXPECT_GE(got.rows[face][6], 0.99 * before.rows[face][6]);
+  EXPECT_NE(got.rows[face][6], before.rows[face][6]);
+  // Every method and solver goes with it.
+  for (const char* const method : {"cross-section", "multi-focus"}) {
+    const Simulated all =
+        simulate(with(touch_of("cube"), {"--penetration", "1.5mm", "--method", method, "--transfer", "finger"}));
+    EXPECT_EQ(all.results["aimed_m"].size(), all.results["foci_m"].size());
+    EXPECT_GT(all.results["langevin"]["peak_pa"], 0);
+  }
+}
+
 /// The paper's rig with every seventeenth of its transducers: the same focus for less time.
 std::string sparse_rig() {
   const std::string drive = folder() / "all.csv";

@@ -1,0 +1,219 @@
+// What transducers do at places of one finger: against the sound of one transducer after the other, against the
+// sphere's exact series, and what solvers make of it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <vector>
+
+#include "acoustics/body_places.hpp"
+#include "acoustics/finger_transfer.hpp"
+#include "acoustics/pressure.hpp"
+#include "acoustics/sphere_series.hpp"
+#include "array/drive.hpp"
+#include "array/loudness.hpp"
+#include "geometry/icosphere.hpp"
+
+namespace palpa::acoustics {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double radius = 8e-3;
+
+/// Transducers all around, facing the middle.
+array::Layout shell(int count) {
+  array::Layout layout;
+  for (int i = 0; i < count; ++i) {
+    const double z = (i + 0.5) * 2 / count - 1, angle = 2.4 * i, r = std::sqrt(1 - z * z);
+    const Vec3 out(r * std::cos(angle), r * std::sin(angle), z);
+    layout.transducers.push_back({0.15 * out, -out});
+  }
+  return layout;
+}
+
+/// A ball for a finger: one operator for all tests.
+const RigidBody& ball(const Air& air) {
+  static const RigidBody body(geometry::icosphere(radius, 9), air.wave_number());
+  return body;
+}
+
+/// What an array that plays `strengths` sounds like on the ball.
+std::vector<std::complex<float>> played(const array::Layout& layout, const Air& air, array::Directivity kind,
+                                        std::span<const Complex> strengths) {
+  Waves waves;
+  Incident(layout, air, kind).at(ball(air).points(), ball(air).normals(), strengths, waves);
+  return ball(air).solve(waves);
+}
+
+/// The pressure on the skin that stands for a focus within the ball.
+double heard(const Air& air, std::span<const std::complex<float>> unknowns, const Vec3& focus) {
+  const BodyPlace skin = BodyPlaces(ball(air).patches()).of(focus);
+  return std::abs(ball(air).at_skin(unknowns, skin.face, skin.u, skin.v));
+}
+
+std::vector<Complex> transfer_of(const FingerTransfer& finger, const array::Layout& layout, const Vec3& focus) {
+  const array::FocusSource source{focus, 0, 1};
+  array::Columns columns;
+  finger.fill(std::span(&source, 1), array::Weighting::uniform, columns);
+  std::vector<Complex> sound;
+  for (std::size_t t = 0; t < layout.transducers.size(); ++t)
+    sound.push_back(layout.source_level_pa_m * columns.transfer(t));
+  return sound;
+}
+
+TEST(FingerTransfer, IsThePressureOfEachTransducerAlone) {
+  const array::Layout layout = shell(12);
+  for (const auto& [air, kind] : {std::pair(without_absorption(air_of({})), array::Directivity::omni),
+                                  std::pair(air_of({}), array::Directivity::piston)}) {
+    const RigidBody& body = ball(air);
+    FingerTransfer finger(body, layout, air, kind);
+    // Within the ball; at a face's centre; in the air near and far.
+    const std::vector<Vec3> foci{
+        {1e-3, 2e-3, -3e-3}, body.patches().patches[77].at(1.0 / 3, 1.0 / 3), {0, 9e-3, 0}, {0.02, -0.01, 0.03}};
+    const std::vector<Vec3> places = finger.aim(foci);
+    EXPECT_NEAR(glm::length(places[0]), radius, 0.2e-3);
+    EXPECT_LE(glm::length(glm::cross(glm::normalize(places[0]), glm::normalize(foci[0]))), 0.1);
+    EXPECT_LE(glm::distance(places[1], foci[1]), 1e-4);
+    EXPECT_EQ(places[2], foci[2]);
+    EXPECT_EQ(places[3], foci[3]);
+    const BodyPlace skin = BodyPlaces(body.patches()).of(foci[0]);
+    std::vector<std::vector<Complex>> sounds;
+    double loudest = 0;
+    for (const Vec3& focus : foci) {
+      sounds.push_back(transfer_of(finger, layout, focus));
+      for (const Complex& g : sounds.back())
+        loudest = std::max(loudest, std::abs(g));
+    }
+    for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
+      std::vector<Complex> alone(layout.transducers.size());
+      alone[t] = 1;
+      const auto unknowns = played(layout, air, kind, alone);
+      EXPECT_LE(std::abs(body.at_skin(unknowns, skin.face, skin.u, skin.v) - sounds[0][t]), 1e-4 * loudest) << t;
+      EXPECT_LE(std::abs(body.at_faces(unknowns)[77].pressure - sounds[1][t]), 1e-4 * loudest) << t;
+      Waves direct;
+      const std::span air_places = std::span(foci).subspan(2);
+      Incident(layout, air, kind).at(air_places, {}, alone, direct);
+      const std::vector<Complex> scattered = body.scattered(unknowns, air_places);
+      for (std::size_t i = 0; i < 2; ++i)
+        EXPECT_LE(std::abs(direct.pressures[i] + scattered[i] - sounds[2 + i][t]), 1e-3 * loudest) << t;
+    }
+  }
+}
+
+TEST(FingerTransfer, IsTheSeriesOfTheSphere) {
+  array::Layout layout = shell(40);
+  layout.transducer_radius_m = 0;
+  const Air air = without_absorption(air_of({}));
+  FingerTransfer finger(ball(air), layout, air, array::Directivity::omni);
+  std::vector<Vec3> foci;
+  for (int i = 0; i < 12; ++i)
+    foci.push_back(3e-3 * glm::normalize(Vec3(std::sin(1.7 * i), std::cos(2.9 * i), std::sin(0.6 * i + 1))));
+  const std::vector<Vec3> places = finger.aim(foci);
+  double wrong = 0, all = 0;
+  for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
+    const auto series = SphereSeries::point_source(air.wave_number(), radius, layout.transducers[t].position);
+    for (std::size_t i = 0; i < foci.size(); ++i) {
+      const Complex exact = layout.source_level_pa_m * series.at(places[i]);
+      wrong += std::norm(transfer_of(finger, layout, foci[i])[t] - exact);
+      all += std::norm(exact);
+    }
+  }
+  EXPECT_LE(std::sqrt(wrong / all), 0.015);
+  std::printf("  %.2f %% off the series\n", 100 * std::sqrt(wrong / all));
+}
+
+TEST(FingerTransfer, InFullNoDriveIsLouder) {
+  const array::Layout layout = shell(200);
+  const Air air = without_absorption(air_of({}));
+  FingerTransfer finger(ball(air), layout, air, array::Directivity::t4010a1);
+  const std::vector<Vec3> foci{{0, -7.5e-3, 0}, {2e-3, -7e-3, 1e-3}, {-6e-3, -2e-3, 3e-3}};
+  finger.aim(foci);
+  array::DriveOptions free_air{.constraint = array::Constraint::uniform}, on_finger = free_air;
+  on_finger.transfer = &finger;
+  double most = 0;
+  for (const Vec3& focus : foci) {
+    const std::vector<array::SlotFocus> one{{focus}};
+    const auto pressure = [&](const array::Drive& drive) {
+      return pressure_at_foci(layout, drive, one, finger).pascals[0];
+    };
+    const array::Drive drive = array::drive_for(layout, one, on_finger);
+    for (const array::TransducerDrive& t : drive)
+      EXPECT_EQ(t.amplitude, 1);
+    const double now = pressure(drive), before = pressure(array::drive_for(layout, one, free_air));
+    EXPECT_GE(now, before);
+    most = std::max(most, now / before);
+    double sum = 0;
+    for (const Complex& g : transfer_of(finger, layout, focus))
+      sum += std::abs(g);
+    EXPECT_NEAR(now / sum, 1, 1e-6);
+    array::Drive conjugate = drive;
+    for (array::TransducerDrive& t : conjugate)
+      t.phase = -t.phase;
+    EXPECT_LT(pressure(conjugate), 0.5 * now);
+    // It is so in truth, not only by what it was made of.
+    const auto unknowns = played(layout, air, array::Directivity::t4010a1, strengths_of(drive));
+    EXPECT_NEAR(heard(air, unknowns, focus) / now, 1, 1e-4);
+  }
+  EXPECT_GT(most, 1.02);
+}
+
+TEST(FingerTransfer, ServesEverySolverAndPressure) {
+  const array::Layout layout = shell(200);
+  const Air air = without_absorption(air_of({}));
+  FingerTransfer finger(ball(air), layout, air, array::Directivity::t4010a1);
+  const std::vector<Vec3> foci{{5e-3, -5e-3, 0}, {-5e-3, -5e-3, 1e-3}, {0, -2e-3, 7e-3}};
+  finger.aim(foci);
+  array::Schedule schedule;
+  std::vector<array::SlotFocus> slot;
+  for (const Vec3& focus : foci) {
+    array::Voice& voice = schedule.add_voice();
+    voice.foci = {focus};
+    voice.order = {0};
+    voice.pressure_pa = 700;
+    slot.push_back({focus});
+  }
+  for (const array::Solver solver : {array::Solver::naive, array::Solver::gs_pat, array::Solver::greedy}) {
+    for (const array::Constraint constraint :
+         {array::Constraint::normalise, array::Constraint::uniform, array::Constraint::clamp}) {
+      const array::DriveOptions options{.constraint = constraint, .solver = solver, .transfer = &finger};
+      const array::Drive drive = array::drive_for(layout, slot, options);
+      EXPECT_GE(pressure_at_foci(layout, drive, slot, finger).evenness, solver == array::Solver::gs_pat ? 0.98 : 0.6);
+    }
+    if (solver == array::Solver::greedy) continue;
+    const array::DriveOptions options{.solver = solver, .transfer = &finger};
+    array::Loudness loudness(layout, options);
+    loudness.solve(schedule, 1);
+    std::vector<array::SlotFocus> asked;
+    array::foci_of_slot(schedule, 0, asked);
+    array::Drive drive(layout.transducers.size());
+    array::DriveScratch scratch;
+    array::drive_by_factors(layout, asked, loudness.factors(0), options, drive, scratch);
+    const auto unknowns = played(layout, air, array::Directivity::t4010a1, strengths_of(drive));
+    for (const Vec3& focus : foci) {
+      EXPECT_NEAR(heard(air, unknowns, focus), 700, 2);
+    }
+  }
+}
+
+TEST(FingerTransfer, KeepsWhatItKnows) {
+  const array::Layout layout = shell(30);
+  const Air air = without_absorption(air_of({}));
+  const Vec3 stays(0, -6e-3, 0), goes(4e-3, -4e-3, 0), comes(0, -4e-3, 4e-3);
+  FingerTransfer finger(ball(air), layout, air, array::Directivity::omni);
+  finger.aim(std::vector{stays, goes});
+  const std::vector<Complex> before = transfer_of(finger, layout, stays);
+  const std::vector<Vec3> places = finger.aim(std::vector{comes, stays, comes});
+  EXPECT_EQ(places[0], places[2]);
+  EXPECT_EQ(transfer_of(finger, layout, stays), before);
+  for (const Complex& g : transfer_of(finger, layout, goes))
+    EXPECT_EQ(g, 0.0);
+  FingerTransfer other(ball(air), layout, air, array::Directivity::omni);
+  other.aim(std::vector{comes});
+  const std::vector<Complex> alone = transfer_of(other, layout, comes), among = transfer_of(finger, layout, comes);
+  for (std::size_t t = 0; t < alone.size(); ++t)
+    EXPECT_LE(std::abs(alone[t] - among[t]), 1e-5 * std::abs(alone[t]));
+}
+
+}  // namespace
+}  // namespace palpa::acoustics
