@@ -52,6 +52,20 @@ Load load_on(const geometry::Mesh& mesh, std::span<const double> pressure, const
   return load;
 }
 
+std::vector<double> at_vertices(const geometry::Mesh& mesh, std::span<const double> faces) {
+  std::vector<double> sums(mesh.positions.size()), areas(mesh.positions.size());
+  for (std::size_t face = 0; face < faces.size(); ++face) {
+    const double area = face_area(mesh, face);
+    for (int corner = 0; corner < 3; ++corner) {
+      sums[mesh.triangles[face][corner]] += area * faces[face];
+      areas[mesh.triangles[face][corner]] += area;
+    }
+  }
+  for (std::size_t v = 0; v < sums.size(); ++v)
+    sums[v] = areas[v] > 0 ? sums[v] / areas[v] : 0;
+  return sums;
+}
+
 double elongation_of(std::span<const Vec3> points, std::span<const double> areas) {
   if (points.size() < 3) return 1;
   Vec3 sum(0);

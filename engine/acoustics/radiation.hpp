@@ -32,6 +32,9 @@ struct SkinPressure {
 /// Adds `weight` times what one sound gives: averages over a schedule are sums of these.
 void add_pressure(std::span<const FaceSound> sound, const Air& air, double weight, SkinPressure& pressure);
 
+/// At each vertex the mean of the faces around it, by their area.
+std::vector<double> at_vertices(const geometry::Mesh& mesh, std::span<const double> faces);
+
 /// Total force in N and torque in Nm about a point of a pressure on a closed mesh, which pushes along the faces' inward
 /// normals at their centroids.
 struct Load {

@@ -129,15 +129,11 @@ Finger::Finger(const SimulateCommand& o, const acoustics::Air& air)
       body_(setup::load_body(o.finger, air, o.force)),
       wave_number_(air.wave_number()) {}
 
-const acoustics::RigidBody& Finger::standing(double dy) {
-  if (standing_ && dy_ == dy) return *standing_;
+std::shared_ptr<const acoustics::RigidBody> Finger::standing(double dy) {
   geometry::Mesh moved = body_;
   for (Vec3& p : moved.positions)
     p.y += dy;
-  standing_.reset();
-  standing_ = std::make_unique<acoustics::RigidBody>(std::move(moved), wave_number_);
-  dy_ = dy;
-  return *standing_;
+  return standing_.of(moved, wave_number_);
 }
 
 namespace {
@@ -194,7 +190,8 @@ Felt feel(const SimulateCommand& o, Finger& finger, const std::string& scene, st
   if (one.touch.finger_count == 0) refuse_untouched(scene, one.session.solids(), skin);
   felt.foci = foci_of(one.session);
   watch.lap_ms();
-  const acoustics::RigidBody& body = finger.standing(dy);
+  const std::shared_ptr<const acoustics::RigidBody> standing = finger.standing(dy);
+  const acoustics::RigidBody& body = *standing;
   felt.times.emplace_back("operator", watch.lap_ms());
   const session::SessionSetting& setting = one.session.setting();
   session::Plan focused;

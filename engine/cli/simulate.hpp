@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
+#include "acoustics/body_cache.hpp"
 #include "acoustics/radiation.hpp"
-#include "acoustics/rigid_body.hpp"
 #include "array/schedule.hpp"
 #include "base/json_writer.hpp"
 #include "base/math.hpp"
@@ -50,13 +50,12 @@ class Finger {
   const geometry::Mesh& as_given() const { return given_; }
   const geometry::Mesh& body() const { return body_; }  ///< as_given() welded
   /// The body, moved along y by that. Kept until another place is asked for.
-  const acoustics::RigidBody& standing(double dy);
+  std::shared_ptr<const acoustics::RigidBody> standing(double dy);
 
  private:
   geometry::Mesh given_, body_;
   double wave_number_;
-  double dy_ = 0;
-  std::unique_ptr<acoustics::RigidBody> standing_;
+  acoustics::BodyCache standing_;
 };
 
 struct Felt {

@@ -1,32 +1,12 @@
 #include "session/tuning_thread.hpp"
 
-#include <sched.h>
-#include <sys/resource.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
-#include <csignal>
 
+#include "session/give_way.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
-namespace {
-
-/// Makes the calling thread give way to all others: no real-time policy, which it has from who started it, and nicer by
-/// ten. What is refused stays as it is.
-void give_way() {
-  const sched_param none{};
-  // Who runs when nobody else wants to is to stay so.
-  const bool idle = sched_getscheduler(0) == SCHED_IDLE;
-  if (!idle && sched_setscheduler(0, SCHED_BATCH, &none) != 0) sched_setscheduler(0, SCHED_IDLE, &none);
-  // Process 0 is the calling thread alone. -1 is a niceness, too.
-  errno = 0;
-  const int nice = getpriority(PRIO_PROCESS, 0);
-  if (errno == 0) setpriority(PRIO_PROCESS, 0, std::min(nice + 10, 19));
-}
-
-}  // namespace
 
 TuningThread::TuningThread(const acoustics::ArrayField& field) : field_(field) {
   questions_.each([](Question& question) {
@@ -71,9 +51,6 @@ void TuningThread::end() {
 }
 
 void TuningThread::work() {
-  sigset_t all;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, nullptr);
   give_way();
   try {
     while (!ends_) {

@@ -1,0 +1,77 @@
+// The pressure on a finger for whoever draws it while foci, array or finger change: computed beside the drawing thread,
+// the newest question first.
+//
+// The equations are solved in the finger's own frame, into which the array is moved: they are factored once per mesh
+// and tone (acoustics/body_cache.hpp), and a finger that moves as a whole, foci that move, another array or schedule
+// cost right-hand sides only, 0.3 s for the paper's case.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "acoustics/air.hpp"
+#include "acoustics/body_cache.hpp"
+#include "acoustics/radiation.hpp"
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+#include "base/math.hpp"
+#include "geometry/mesh.hpp"
+#include "session/plan.hpp"
+
+namespace palpa::session {
+
+struct SkinQuestion {
+  geometry::Mesh finger;          ///< in its own frame, as acoustics::body_mesh returns it
+  Transform T_world_finger{1.0};  ///< rigid
+  Plan plan;                      ///< of the layout, by these options; without a voice it is silent
+  array::Layout layout;           ///< in the world, clear of the finger
+  array::DriveOptions drive;
+  acoustics::Air air;
+};
+
+struct SkinAnswer {
+  std::uint64_t number = 0;       ///< of the question; 0: there was none yet
+  acoustics::SkinPressure faces;  ///< time averages, Pa
+  std::vector<double> vertices;   ///< `langevin` of these: at each vertex of the mesh
+  std::string fault;              ///< why there is nothing of that, as the error said it; empty: it is all there
+};
+
+/// Answers on the calling thread.
+SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies);
+
+/// What is computed says so where doing() is looked at (base/activity.hpp).
+class SkinPreview {
+ public:
+  SkinPreview();
+  /// Ends the thread when what it computes is done.
+  ~SkinPreview();
+  SkinPreview(const SkinPreview&) = delete;
+  SkinPreview& operator=(const SkinPreview&) = delete;
+
+  /// Takes the place of a question that waits. Never waits itself. Its number: 1, 2, ...
+  std::uint64_t ask(SkinQuestion question);
+  /// The newest answer; questions that another took the place of have none.
+  std::shared_ptr<const SkinAnswer> newest() const;
+  /// Whether something newer was asked than newest() answers: a picture of it is to be marked.
+  bool stale() const;
+
+ private:
+  void work();
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::optional<SkinQuestion> waiting_;
+  std::uint64_t asked_ = 0;
+  bool ends_ = false;
+  std::shared_ptr<const SkinAnswer> newest_ = std::make_shared<SkinAnswer>();
+  acoustics::BodyCache bodies_;
+  std::thread thread_;
+};
+
+}  // namespace palpa::session

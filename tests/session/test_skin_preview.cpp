@@ -1,0 +1,102 @@
+// The pressure on a finger beside whoever draws it: operators that are kept, and which answer is of what was asked.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+#include <thread>
+
+#include "geometry/icosphere.hpp"
+#include "session/skin_preview.hpp"
+
+namespace palpa::session {
+namespace {
+
+/// A ball for a fingertip above a board, one focus at its lowest point.
+SkinQuestion question(const Vec3& focus = {0, 0, 0.095}) {
+  SkinQuestion q;
+  q.finger = geometry::icosphere(5e-3, 4);
+  q.T_world_finger = glm::translate(Transform(1.0), Vec3(0, 0, 0.1));
+  q.layout = array::load_layout("openmpd");
+  q.air = acoustics::air_of({});
+  array::Voice& voice = q.plan.schedule.add_voice();
+  voice.foci = {focus};
+  voice.order = {0};
+  voice.modulation_hz = 0;
+  SlotWork work;
+  array::DriveScratch scratch;
+  drive_on_host(q.plan, q.layout, q.drive, work, nullptr, scratch);
+  return q;
+}
+
+std::size_t loudest(const SkinAnswer& answer) {
+  return static_cast<std::size_t>(std::ranges::max_element(answer.vertices) - answer.vertices.begin());
+}
+
+TEST(SkinPreview, AFingersEquationsAreFactoredOnce) {
+  acoustics::BodyCache bodies;
+  SkinQuestion q = question();
+  const SkinAnswer below = answer(q, bodies);
+  ASSERT_EQ(below.faces.langevin.size(), q.finger.triangles.size());
+  ASSERT_EQ(below.vertices.size(), q.finger.positions.size());
+  EXPECT_LT(q.finger.positions[loudest(below)].z, -4e-3);
+  // Another focus, another array, a finger elsewhere.
+  SkinQuestion beside = question({4e-3, 0, 0.097});
+  const SkinAnswer moved = answer(beside, bodies);
+  EXPECT_GT(q.finger.positions[loudest(moved)].x, 1e-3);
+  // Finger, array and focus turned about the world's x: nothing changes.
+  SkinQuestion turned = question();
+  const Transform turn = glm::rotate(Transform(1.0), 1.0, Vec3(1, 0, 0));
+  turned.T_world_finger = turn * turned.T_world_finger;
+  turned.layout = array::transformed(turned.layout, turn);
+  const SkinAnswer same = answer(turned, bodies);
+  for (std::size_t v = 0; v < same.vertices.size(); ++v)
+    EXPECT_NEAR(same.vertices[v], below.vertices[v], 1e-3 * below.vertices[loudest(below)]);
+  EXPECT_EQ(bodies.made(), 1u);
+  // Another tone, or another finger.
+  q.air.medium.frequency = 41e3;
+  answer(q, bodies);
+  EXPECT_EQ(bodies.made(), 2u);
+  beside.finger.positions[0].x += 1e-5;
+  answer(beside, bodies);
+  EXPECT_EQ(bodies.made(), 3u);
+  // Nothing sounds: nothing is solved.
+  beside.finger.positions[0].x += 1e-5;
+  beside.plan.schedule.clear();
+  EXPECT_EQ(answer(beside, bodies).vertices, std::vector<double>(beside.finger.positions.size(), 0.0));
+  EXPECT_EQ(bodies.made(), 3u);
+}
+
+TEST(SkinPreview, SaysWhatAnAnswerIsOf) {
+  acoustics::BodyCache bodies;
+  const SkinAnswer wanted = answer(question({4e-3, 0, 0.097}), bodies);
+  SkinPreview preview;
+  EXPECT_FALSE(preview.stale());
+  EXPECT_EQ(preview.newest()->number, 0u);
+  const auto wait = [&] {
+    for (int i = 0; i < 6000 && preview.stale(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_FALSE(preview.stale());
+    return preview.newest();
+  };
+  EXPECT_EQ(preview.ask(question()), 1u);
+  EXPECT_EQ(preview.ask(question()), 2u);
+  EXPECT_EQ(preview.ask(question({4e-3, 0, 0.097})), 3u);
+  EXPECT_TRUE(preview.stale());
+  const auto got = wait();
+  EXPECT_EQ(got->number, 3u);
+  EXPECT_EQ(got->fault, "");
+  EXPECT_EQ(got->vertices, wanted.vertices);
+  // Sound that is no number has no answer, and the next has one again.
+  SkinQuestion bad = question();
+  bad.layout.source_level_pa_m = std::numeric_limits<double>::infinity();
+  preview.ask(std::move(bad));
+  EXPECT_NE(wait()->fault, "");
+  preview.ask(question());
+  EXPECT_EQ(wait()->fault, "");
+}
+
+}  // namespace
+}  // namespace palpa::session
