@@ -70,7 +70,7 @@ void add_options(CLI::App& app, DriveCommand& o) {
              "with --transfer finger: that finger, a closed PLY or glTF mesh in the layout's frame");
   group.flag("--force", o.force, "focus on a finger that is too coarse for the wavelength, too");
   group.text("--csv", o.csv, "FILE|-", "index,x,y,z,nx,ny,nz,amplitude,phase of every transducer");
-  setup::add_drive_options(app, o.drive);
+  setup::add_drive_options(app, o.drive, setup::FingerMesh::known);
 }
 
 /// What sounds in the touch's slot, in the layout's frame, as a schedule of one slot: a voice per finger, and none for

@@ -66,7 +66,7 @@ void add_options(CLI::App& app, SimulateCommand& o) {
   setup::add_solid_options(app, o.solids);
   setup::add_touch_options(app, o.touch);
   setup::add_rig_options(app, o.rig);
-  setup::add_drive_options(app, o.drive);
+  setup::add_drive_options(app, o.drive, setup::FingerMesh::known);
   setup::add_air_options(app, o.air);
 }
 

@@ -54,6 +54,7 @@ std::vector<OptionInfo> option_table(const CLI::App& app) {
   std::vector<OptionInfo> table;
   for (const CLI::Option* option : app.get_options()) {
     if (option == app.get_help_ptr() || option == app.get_version_ptr() || option->get_lnames().empty()) continue;
+    if (option->get_group().empty()) continue;  // left out of the help
     OptionInfo info;
     info.name = "--" + option->get_lnames().front();
     info.heading = option->get_group();

@@ -177,15 +177,18 @@ acoustics::Air air(const MediumOptions& options, const AirOptions& rest) {
   return rest.absorption != rest.not_normally ? air : acoustics::without_absorption(air);
 }
 
-void add_drive_options(CLI::App& app, DriveOptionsGroup& options) {
+void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh) {
   const Group group(app, "Drives");
   group.choice("--amplitude", options.weighting, array::weighting_words, "what a focus asks of a transducer");
   group.choice("--solver", options.solver, solver_words,
-               "how several foci share the array [naive; gs-pat for the method multi-focus]; adjoint: naive with "
-               "--transfer finger");
-  group.choice("--transfer", options.transfer, transfer_words,
-               "foci are made of the sound in free air, or of that around a finger, whose mesh drive and simulate "
-               "know [free]");
+               mesh == FingerMesh::known
+                   ? "how several foci share the array [naive; gs-pat for the method multi-focus]; adjoint: naive with "
+                     "--transfer finger"
+                   : "how several foci share the array [naive; gs-pat for the method multi-focus]; adjoint needs a "
+                     "finger's mesh, as drive and simulate have");
+  Group(app, mesh == FingerMesh::known ? "Drives" : "")
+      .choice("--transfer", options.transfer, transfer_words,
+              "foci are made of the sound in free air, or of that around the finger [free]");
   group.choice("--constraint", options.constraint, array::constraint_words,
                "how amplitudes come into 0..1 [normalise]");
   group.quantity("--pressure", options.pressure_pa, Quantity::pressure, positive(array::most_pressure_pa),

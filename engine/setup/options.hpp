@@ -120,11 +120,13 @@ struct DriveOptionsGroup {
   MediumOptions medium;
   bool operator==(const DriveOptionsGroup&) const = default;
 };
-void add_drive_options(CLI::App& app, DriveOptionsGroup& options);
+/// Whether a command has a finger's mesh, so that foci may be made of the sound around it. Where it has none, the help
+/// leaves --transfer out.
+enum class FingerMesh { unknown, known };
+void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh = FingerMesh::unknown);
 /// Without --solver it is gs_pat for the method multi_focus, whose foci sound together, and naive for all others.
 /// Throws bad_usage where a pressure is asked for with a constraint or with greedy, and for a finger's transfer unless
 /// the command has the finger's mesh: it then sets DriveOptions::transfer.
-enum class FingerMesh { unknown, known };
 array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Method method = touch::Method::cross_section,
                                   FingerMesh mesh = FingerMesh::unknown);
 /// The option that asks for a finger's transfer; empty: none does.

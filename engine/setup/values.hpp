@@ -33,7 +33,8 @@ constexpr Range positive(double high = 1e300) {
 }
 
 /// The options under one heading of a subcommand's help. Targets must outlive the parse; what they hold when an option
-/// is added is its default, and is shown. A bad value throws bad_usage while parsing.
+/// is added is its default, and is shown. A bad value throws bad_usage while parsing. Without a heading help leaves
+/// them out.
 class Group {
  public:
   Group(CLI::App& app, std::string heading) : app_(&app), heading_(std::move(heading)) {}
