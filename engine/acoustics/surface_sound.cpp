@@ -174,11 +174,11 @@ std::complex<double> SurfaceFit::at(std::size_t face, const Vec3& point,
 void SurfaceFit::add_pressure_row(std::uint32_t face, const Vec3& at, std::span<std::complex<float>> row) const {
   const Frame& frame = frames_[face];
   const Vec3 from = (at - frame.origin) / glm::dot(frame.s, frame.s);
-  const Terms terms = terms_at(glm::dot(from, frame.s), glm::dot(from, frame.t));
+  const Terms by = terms_at(glm::dot(from, frame.s), glm::dot(from, frame.t));
   for (std::uint32_t share = first_[face]; share < first_[face + 1]; ++share) {
     double sum = 0;
-    for (std::size_t i = 0; i < terms.size(); ++i)
-      sum += terms[i] * static_cast<double>(shares_[share].of[i]);
+    for (std::size_t i = 0; i < terms; ++i)
+      sum += by[i] * static_cast<double>(shares_[share].of[i]);
     row[shares_[share].vertex] += static_cast<float>(sum);
   }
 }
