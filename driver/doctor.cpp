@@ -102,10 +102,17 @@ cli::DoctorItem describe(const usb::Entry& device, const Known& known) {
   return item;
 }
 
+/// Devices that palpa opens itself, or that the kernel opens for it: then it needs no right of its own.
+enum class Opened { by_palpa, by_kernel };
+
 template <std::size_t N>
-void add_usb(cli::DoctorSection& section, const Known (&table)[N], usb::Wanted wanted) {
+void add_usb(cli::DoctorSection& section, const Known (&table)[N], usb::Wanted wanted, Opened opened) {
   const usb::Listing listing = usb::LibusbTransport().list(wanted);
-  for (const usb::Entry& device : listing.entries) {
+  for (usb::Entry device : listing.entries) {
+    if (opened == Opened::by_kernel) {
+      device.refusal.clear();
+      device.forbidden = false;
+    }
     if (const Known* known = find(table, device.vendor, device.product))
       section.items.push_back(describe(device, *known));
   }
@@ -131,7 +138,9 @@ void add_emulators(cli::DoctorSection& section) {
 
 cli::DoctorSection look_at_boards() {
   cli::DoctorSection section{"boards", "Boards", {}, {}};
-  add_usb(section, boards, [](std::uint16_t v, std::uint16_t p) { return find(boards, v, p) != nullptr; });
+  add_usb(
+      section, boards, [](std::uint16_t v, std::uint16_t p) { return find(boards, v, p) != nullptr; },
+      Opened::by_palpa);
   add_emulators(section);
   if (section.items.empty() && section.note.empty()) section.note = "no board on USB";
   return section;
@@ -139,7 +148,9 @@ cli::DoctorSection look_at_boards() {
 
 cli::DoctorSection look_at_cameras() {
   cli::DoctorSection section{"cameras", "Depth cameras", {}, {}};
-  add_usb(section, cameras, [](std::uint16_t v, std::uint16_t p) { return find(cameras, v, p) != nullptr; });
+  add_usb(
+      section, cameras, [](std::uint16_t v, std::uint16_t p) { return find(cameras, v, p) != nullptr; },
+      Opened::by_kernel);
   const std::unique_ptr<v4l2::Kernel> kernel = v4l2::make_kernel();
   for (cli::DoctorItem& item : v4l2::describe_nodes(*kernel))
     section.items.push_back(std::move(item));

@@ -17,7 +17,11 @@ namespace {
 
 constexpr std::string_view magic = "#ROSBAG V2.0\n";
 constexpr std::uint32_t most_header_bytes = 1u << 16;
-constexpr std::size_t most_connections = 10'000;
+constexpr std::size_t most_connections = 10'000, most_topic_bytes = 256;
+
+void check_header(std::size_t bytes) {
+  if (bytes > most_header_bytes) throw Malformed(fmt::format("a record's header of {} bytes", bytes));
+}
 
 enum Operation : std::uint8_t { message_data = 2, chunk_of_records = 5, connection = 7 };
 
@@ -111,6 +115,8 @@ bool Bag::read_length(std::uint32_t& length) {
 
 void Bag::add_connection(const Header& header) {
   if (!header.connection || header.topic.empty()) throw Malformed("a connection has no number or no topic");
+  if (header.topic.size() > most_topic_bytes)
+    throw Malformed(fmt::format("a topic has a name of {} bytes", header.topic.size()));
   if (topics_.size() >= most_connections && !topics_.contains(*header.connection))
     throw Malformed(fmt::format("there are more than {} connections", most_connections));
   topics_[*header.connection] = std::string(header.topic);
@@ -118,6 +124,10 @@ void Bag::add_connection(const Header& header) {
 
 void Bag::open_chunk(const Header& header, std::uint32_t bytes) {
   if (!header.size) throw Malformed("a chunk does not say its size");
+  if (*header.size == 0 && bytes == 0) {  // its recorder would have written them at its end
+    cut_short_ = true;
+    return;
+  }
   if (*header.size > most_chunk_bytes || bytes > most_chunk_bytes)
     throw Malformed(
         fmt::format("a chunk has {} bytes; palpa takes at most {}", std::max(*header.size, bytes), most_chunk_bytes));
@@ -144,7 +154,7 @@ bool Bag::read_record() {
   record_at_ = at_;
   std::uint32_t bytes = 0;
   if (at_ == size_ || !read_length(bytes)) return false;
-  if (bytes > most_header_bytes) throw Malformed(fmt::format("a record's header of {} bytes", bytes));
+  check_header(bytes);
   if (!read(header_, bytes) || !read_length(bytes)) return false;
   const Header header(header_);
   if (*header.operation == connection) add_connection(header);
@@ -166,7 +176,9 @@ bool Bag::next_in_chunk(Message& message) {
   while (chunk_at_ < chunk_.size()) {
     Cursor cursor(std::span<const std::uint8_t>(chunk_).subspan(chunk_at_));
     const std::size_t before = cursor.left();
-    const Header header(cursor.counted());
+    const std::span<const std::uint8_t> fields = cursor.counted();
+    check_header(fields.size());
+    const Header header(fields);
     const std::span<const std::uint8_t> data = cursor.counted();
     chunk_at_ += before - cursor.left();
     if (*header.operation == connection) add_connection(header);

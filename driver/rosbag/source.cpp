@@ -26,7 +26,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::string_view image_part = "/image/data", depth_part = "/Depth_", info_part = "/info",
-                           lens_part = "/info/camera_info", unit_part = "/option/Depth Units/value";
+                           lens_part = "/info/camera_info";
+/// librealsense writes names of options with underscores since 2.20; before, as they are.
+constexpr std::string_view unit_parts[] = {"/option/Depth_Units/value", "/option/Depth Units/value"};
 constexpr std::size_t most_sensors = 64;
 
 /// "/device_0/sensor_0" of "/device_0/sensor_0/Depth_0/image/data".
@@ -115,7 +117,8 @@ class BagSource final : public sensing::DepthSource {
 
   bool take(const Message& message, Frame& frame) {
     const std::string_view topic = *message.topic;
-    if (topic.ends_with(unit_part)) note_unit(topic, message.data);
+    if (std::ranges::any_of(unit_parts, [&](std::string_view part) { return topic.ends_with(part); }))
+      note_unit(topic, message.data);
     if (!is_depth(topic)) return false;
     Sensor& sensor = sensor_at(topic);
     if (topic.ends_with(lens_part)) {
@@ -134,7 +137,11 @@ class BagSource final : public sensing::DepthSource {
     const double unit_m = static_cast<double>(read_float(message));
     if (!(unit_m >= 1e-9 && unit_m <= 1)) throw Malformed(fmt::format("a depth unit of {:.4g} m", unit_m));
     // It is a float in the bag: 0.0001f is meant to be 0.0001.
-    sensor.camera.depth_unit_m = std::round(unit_m * 1e9) * 1e-9;
+    const double meant_m = std::round(unit_m * 1e9) * 1e-9;
+    if (!chosen_.empty() && sensor_of(chosen_) == sensor_of(topic) && cameras_[0].depth_unit_m != meant_m)
+      throw Malformed(
+          fmt::format("the depth unit becomes {:g} m after an image of {:g} m", meant_m, cameras_[0].depth_unit_m));
+    sensor.camera.depth_unit_m = meant_m;
     sensor.has_unit = true;
   }
 
@@ -186,6 +193,10 @@ class BagSource final : public sensing::DepthSource {
     if (posed->width == camera.width && posed->height == camera.height) {
       camera.roi = posed->roi;
       camera.mask = posed->mask;
+    } else if (posed->roi || posed->mask) {
+      throw bad_input(bag_.file(), fmt::format("has images of {}x{}, and the rig's roi and mask are for {}x{}: they "
+                                               "cannot be applied; leave them out of the rig, or make them anew",
+                                               camera.width, camera.height, posed->width, posed->height));
     }
   }
 

@@ -16,7 +16,8 @@ constexpr double first_frame_s = 3;    ///< a camera takes up to two seconds fro
 constexpr double silent_s = 0.05;      ///< who has given no frame for that long, or four periods, is not waited for,
 constexpr double said_silent_s = 1;    ///< after that long it is said,
 constexpr double restarted_s = 3;      ///< and after that long the stream is started anew
-constexpr double look_every_s = 0.25;  ///< for a camera that is gone
+constexpr double look_every_s = 0.25;  ///< for a camera that is gone,
+constexpr double longest_rest_s = 60;  ///< and at least that often for one that takes long to fail
 constexpr std::uint32_t said_broken = 5;
 
 }  // namespace
@@ -72,7 +73,7 @@ void LiveCamera::set_depth_unit(int fd) {
       unit_m = d400::read_depth_unit(kernel_, fd);
     }
   } catch (const Error& error) {
-    if (unit_m == 0) {
+    if (unit_m == 0 && !unit_read_) {
       if (!std::exchange(trusted_said_, true))
         log::warning(fmt::format("{}: {}; that a step is {:g} mm, as {} says, is taken on trust", path_, error.what(),
                                  wanted_m * 1e3, description_.rig));
@@ -80,6 +81,7 @@ void LiveCamera::set_depth_unit(int fd) {
     }
     throw bad_input(path_, error.what());
   }
+  unit_read_ = true;
   // Ten times too deep is a hand elsewhere.
   if (!is(unit_m, wanted_m)) {
     throw bad_input(path_, fmt::format("keeps its depth unit of {:g} mm; set depth_unit_m = {:g} in {}", unit_m * 1e3,
@@ -90,6 +92,11 @@ void LiveCamera::set_depth_unit(int fd) {
 void LiveCamera::reopen() {
   const double now_s = kernel_.now_s();
   if (now_s < retry_s_) return;
+  // The kernel may wait five seconds for a device that does not answer: meanwhile nobody looks at the others.
+  const auto rest = [&] {
+    const double took_s = kernel_.now_s() - now_s;
+    retry_s_ = kernel_.now_s() + std::clamp(10 * took_s, look_every_s, longest_rest_s);
+  };
   retry_s_ = now_s + look_every_s;
   const std::string path = find_again(identity_, kernel_.nodes());
   if (path.empty()) return;
@@ -97,6 +104,7 @@ void LiveCamera::reopen() {
   try {
     open();
   } catch (const Error& error) {
+    rest();
     // A device that comes back is not whole at once; and one that has come back slower is refused for good.
     if (now_s - lost_s_ < 2 || refusal_said_) return;
     refusal_said_ = true;

@@ -68,6 +68,7 @@ class LiveCamera {
   double period_s_ = 0;
   std::optional<d400::Lens> lens_;
   bool trusted_said_ = false;
+  bool unit_read_ = false;  ///< once: a camera that answers is not trusted again
   std::array<Taken, most_held> taken_{};
   std::array<double, most_held> times_s_{};
   std::uint32_t held_ = 0;

@@ -70,6 +70,8 @@ struct MadeUpBag {
   std::string encoding = "mono16", lens_model = "Brown Conrady";
   std::vector<double> distortion{0, 0, 0, 0, 0};
   double fx = 40;
+  std::string unit_topic = "/device_0/sensor_0/option/Depth_Units/value", more_topic = "/more";
+  float last_unit_m = 0;                           ///< told before the last image; 0: not
   bool lens = true, unit = true, another = false;  ///< what it has; `another` depth camera
   std::vector<double> times_s{0.1, 0.1333, 0.1667, 0.2};
 
@@ -81,12 +83,13 @@ struct MadeUpBag {
     Bytes begin;
     put_bytes(begin, describe(0, "/device_0/sensor_0/Depth_0/info"));
     put_bytes(begin, describe(1, "/device_0/sensor_0/Depth_0/info/camera_info"));
-    put_bytes(begin, describe(2, "/device_0/sensor_0/option/Depth Units/value"));
+    put_bytes(begin, describe(2, unit_topic));
     put_bytes(begin, describe(3, "/device_0/sensor_0/Depth_0/image/data"));
     put_bytes(begin, describe(4, "/device_0/sensor_1/Color_0/image/data"));
     put_bytes(begin, describe(5, "/device_0/sensor_0/Depth_0/image/metadata"));
     put_bytes(begin, describe(6, "/device_1/sensor_0/Depth_0/image/data"));
     put_bytes(begin, describe(7, "/device_1/sensor_0/Depth_0/info/camera_info"));
+    put_bytes(begin, describe(8, more_topic));
     Bytes number;
     put(number, rate_hz);
     put_text(number, encoding);
@@ -102,7 +105,13 @@ struct MadeUpBag {
     put_bytes(out, Record().field<std::uint8_t>("op", 3).field<std::uint64_t>("index_pos", 0).with(Bytes(100, ' ')));
     put_bytes(out, chunk(begin));
     for (std::size_t i = 0; i < times_s.size(); ++i) {
-      Bytes frame = message(3, times_s[i], image(i));
+      Bytes frame;
+      if (last_unit_m > 0 && i + 1 == times_s.size()) {
+        number.clear();
+        put(number, last_unit_m);
+        put_bytes(frame, message(2, times_s[i], number));
+      }
+      put_bytes(frame, message(3, times_s[i], image(i)));
       put_bytes(frame, message(5, times_s[i], {9, 9}));
       if (another) put_bytes(frame, message(6, times_s[i], image(i + 20)));
       put_bytes(out, chunk(frame));

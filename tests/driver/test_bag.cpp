@@ -1,4 +1,5 @@
 // Recordings of RealSense Viewer: bags as it writes them, cut and broken ones.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,6 +29,8 @@ using palpa::test::error_of;
 using palpa::test::stderr_of;
 using test::Bytes;
 using test::MadeUpBag;
+using test::put_bytes;
+using test::Record;
 
 std::string written(const Bytes& bytes) {
   static const std::filesystem::path folder = palpa::test::scratch_folder("bags");
@@ -147,6 +150,35 @@ TEST(Bag, WhatItLacksIsSaid) {
   EXPECT_EQ(play(bag.bytes(), &camera).size(), 3u);
 }
 
+TEST(Bag, TheDepthUnitUnderEitherNameAndNoOtherLater) {
+  const sensing::Camera camera = posed();
+  MadeUpBag bag;
+  for (const char* name : {"Depth Units", "Depth_Units"}) {
+    bag.unit_topic = fmt::format("/device_0/sensor_0/option/{}/value", name);
+    EXPECT_EQ(open_bag(written(bag.bytes()), &camera, false)->cameras()[0].depth_unit_m, 0.0001) << name;
+  }
+  bag.last_unit_m = bag.unit_m;
+  EXPECT_EQ(play(bag.bytes(), &camera).size(), 4u) << "said again";
+  bag.last_unit_m = 0.001f;
+  EXPECT_CONTAINS(error_of([&] { play(bag.bytes(), &camera); }), "becomes 0.001 m after an image of 0.0001 m");
+}
+
+TEST(Bag, ItsRecorderDied) {
+  const sensing::Camera camera = posed();
+  Bytes bytes = MadeUpBag().bytes();
+  put_bytes(bytes,
+            Record().field<std::uint8_t>("op", 5).field<std::uint32_t>("size", 0).text("compression", "lz4").with({}));
+  put_bytes(bytes, Bytes(500, 0x22));
+  const std::string said = stderr_of([&] { EXPECT_EQ(play(bytes, &camera).size(), 4u); });
+  EXPECT_CONTAINS(said, "ends in the middle of a record, after 4 depth frames");
+}
+
+TEST(Bag, WhatTheRigLeavesOutIsLeftOutOrRefused) {
+  MadeUpBag bag;
+  bag.width = 20;
+  EXPECT_CONTAINS(refusal(bag), "the rig's roi and mask are for 16x8: they cannot be applied");
+}
+
 TEST(Bag, WhatItCannotReadIsRefused) {
   const auto with = [](const std::function<void(MadeUpBag&)>& change) {
     MadeUpBag bag;
@@ -167,6 +199,8 @@ TEST(Bag, WhatItCannotReadIsRefused) {
                     b.distortion[0] = 0.1;
                   }),
                   "lens model 'Kannala Brandt4'");
+  EXPECT_CONTAINS(with([](auto& b) { b.more_topic = std::string(300, 'x'); }), "a topic has a name of 300 bytes");
+  EXPECT_CONTAINS(with([](auto& b) { b.more_topic = std::string(70'000, 'x'); }), "a record's header of 70");
   EXPECT_CONTAINS(with([](auto& b) { b.distortion = {-50, 0, 0, 0, 0}; }), "cannot be undone");
   const sensing::Camera camera = posed();
   EXPECT_CONTAINS(error_of([&] { open_bag("/nonexistent.bag", &camera, false); }), "there is no such file");

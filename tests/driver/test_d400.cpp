@@ -184,6 +184,27 @@ TEST_F(D400, WhereItDoesNotAnswerTheRigIsTrustedAndThatIsSaid) {
   EXPECT_CONTAINS(stderr_of([&] { open(described()); }), "that a step is 0.1 mm, as rig.toml says, is taken on trust");
 }
 
+TEST_F(D400, WhoAnsweredOnceIsNotTrustedAfterwards) {
+  const auto source = open(described());
+  stderr_of([&] {
+    sensing::FrameSet set;
+    machine.unplug("/dev/video0");
+    source->next(set, 0.1);
+    held.unit_um = 1000;
+    const auto again = machine.plug("/dev/video0", "A");
+    make_d400(*again, held);
+    again->extension = nullptr;
+    for (int i = 0; i < 10; ++i)
+      source->next(set, 0.1);
+    EXPECT_TRUE(set.frames.empty()) << "its steps may be ten times as long now";
+    make_d400(*again, held);
+    for (int i = 0; i < 10; ++i)
+      source->next(set, 0.1);
+    EXPECT_FALSE(set.frames.empty());
+  });
+  EXPECT_EQ(held.unit_um, 100u);
+}
+
 TEST_F(D400, ItIsAskedAgainWhileItIsBusy) {
   held.busy = 3;
   open(described());

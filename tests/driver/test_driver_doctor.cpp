@@ -87,13 +87,17 @@ TEST(DriverDoctor, ADeviceThatMayNotBeOpenedIsExplained) {
   // The node is announced by sysfs, but is not there to be opened.
   std::string device = describe({3, 19, "0403", "6014", "FTY4PDOI"});
   device.erase(device.find("N: "), device.find("E: DEVNAME") - device.find("N: "));
-  std::ofstream(file) << device;
+  std::string camera = describe({2, 12, "8086", "0ad3", "728612070259"});
+  camera.erase(camera.find("N: "), camera.find("E: DEVNAME") - camera.find("N: "));
+  std::ofstream(file) << device << camera;
   const Result result = run_program(mock, {"--device", file.string(), "--", palpa_binary(), "doctor", "--json", "-"});
   const json report = json::parse(result.out);
   ASSERT_EQ(report["boards"].size(), 1u);
   EXPECT_FALSE(report["boards"][0]["usable"].get<bool>());
   EXPECT_EQ(report["boards"][0]["serial"], "FTY4PDOI");
   EXPECT_NE(report["boards"][0]["advice"].get<std::string>().find("cannot be opened"), std::string::npos);
+  // The kernel opens it.
+  EXPECT_TRUE(report["cameras"][0]["usable"].get<bool>()) << report["cameras"][0];
 }
 
 }  // namespace
