@@ -382,6 +382,7 @@ class Autd3Board final : public Board {
   bool can_be_foci() const {
     const std::span<const Vec3> foci = loading_.foci();
     if (!loading_.full() || foci.size() < 2 || foci.size() > most_foci) return false;
+    if (sound_speed_m_s_ > most_sound_speed_m_s) return false;
     constexpr int steps_between = 2;
     for (std::size_t p = 0; p < foci.size(); ++p) {
       for (std::size_t d = 0; d < remote_.devices(); ++d) {

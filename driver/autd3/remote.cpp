@@ -75,7 +75,7 @@ Remote::Remote(Address address, const array::Layout& layout)
 
 void Remote::connect(double now_s) {
   fault_.clear();
-  place_ = 0;
+  tried_ = 0;  // first where somebody was last time
   connect_to_place(now_s);
 }
 
@@ -89,10 +89,10 @@ void Remote::connect_to_place(double now_s) {
   begin(Step::connecting, 0, 0, now_s);
 }
 
-/// Nobody at this place: then at the next one, if there is one.
+/// Nobody at this place: then at the next one, if there is one that was not tried.
 Remote::Progress Remote::not_there(std::string_view what, std::string_view detail, double now_s) {
-  if (place_ + 1 == address_.places.size()) return fail(what, detail);
-  ++place_;
+  if (++tried_ >= address_.places.size()) return fail(what, detail);
+  place_ = (place_ + 1) % address_.places.size();
   connect_to_place(now_s);
   return Progress::nothing;
 }

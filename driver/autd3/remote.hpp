@@ -80,7 +80,8 @@ class Remote {
   Progress transfer_reply();
 
   Address address_;
-  std::size_t place_ = 0;  ///< of the address's, to which it connects
+  std::size_t place_ = 0;  ///< of the address's, to which it connects or has connected
+  std::size_t tried_ = 0;  ///< of them, in vain
   std::size_t devices_;
   std::vector<std::uint8_t> geometry_, request_, reply_;
   std::array<std::uint8_t, 1> short_request_{};

@@ -75,6 +75,8 @@ struct FixedPoint {
   std::int32_t x = 0, y = 0, z = 0;
 };
 inline constexpr double fixed_unit_m = 0.025e-3;
+/// The fastest sound that a device reckons with: 64ths of a metre per second in 16 bits.
+inline constexpr double most_sound_speed_m_s = 65535.0 / 64;
 /// How many foci one message takes.
 inline constexpr std::size_t most_foci = 72;
 /// Whether a device can take it: what it reckons with does not overflow.

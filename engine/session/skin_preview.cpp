@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "acoustics/incident.hpp"
+#include "base/error.hpp"
 #include "session/give_way.hpp"
 #include "session/skin_pressure.hpp"
 
@@ -15,6 +16,8 @@ SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies) {
   answer.faces.langevin.assign(question.finger.triangles.size(), 0);
   answer.faces.squared = answer.faces.langevin;
   if (question.plan.schedule.voice_count > 0 && !question.layout.transducers.empty()) {
+    if (question.plan.drives.size() != question.plan.cycle * question.layout.transducers.size())
+      throw failure("the plan is of another array than the one whose sound is asked for");
     const auto body = bodies.of(question.finger, question.air.wave_number());
     const array::Layout layout = array::transformed(question.layout, glm::inverse(question.T_world_finger));
     const acoustics::Incident incident(layout, question.air, question.drive.directivity);

@@ -72,6 +72,7 @@ struct Rig {
   array::Drive drives, silence;
   std::vector<Vec3> foci;
   std::uint64_t slot = 1000;
+  double sound_speed_m_s = 340;
 
   explicit Rig(const std::string& name = "autd3")
       : layout(array::load_layout(name)), server(layout.boards.size()), serving(std::make_unique<Serving>(server)) {
@@ -82,7 +83,7 @@ struct Rig {
     silence.assign(layout.transducers.size(), {0.0f, 0.0f});
   }
   std::unique_ptr<Board> make(double slot_s = 1.5e-3) {
-    return board_kind().open({argument, files, layout, slot_s, notes, 340});
+    return board_kind().open({argument, files, layout, slot_s, notes, sound_speed_m_s});
   }
   void open() { board = make(); }
   std::span<const array::TransducerDrive> part(std::uint64_t s) const {
@@ -287,6 +288,28 @@ TEST(Autd3Board, FociOneByOneAtFullAmplitudeAreOneMessage) {
   rig.board->all_off();
   EXPECT_TRUE(rig.board->close());
   EXPECT_EQ(rig.server.violation_count(), 0u);
+}
+
+TEST(Autd3Board, FociInFasterSoundThanADeviceReckonsWithAreDrives) {
+  for (const double sound_speed_m_s : {1000.0, 1100.0}) {
+    Rig rig;
+    rig.sound_speed_m_s = sound_speed_m_s;
+    rig.open();
+    for (int p = 0; p < 10; ++p) {
+      rig.foci.emplace_back(0.01 * p, 0, 0.1);
+      for (std::size_t t = 0; t < rig.silence.size(); ++t) {
+        const double turns = -glm::length(rig.foci[p] - rig.layout.transducers[t].position) * 40e3 / sound_speed_m_s;
+        rig.drives[p * rig.silence.size() + t] = {1.0f, static_cast<float>(2 * pi * (turns - std::round(turns)))};
+      }
+    }
+    const std::uint64_t before = rig.server.devices()[0].operations();
+    rig.plan();
+    ASSERT_TRUE(rig.sounds());
+    const std::uint64_t one = 1 + 1, pairs = 5 + 1;  // and the transition
+    EXPECT_EQ(rig.server.devices()[0].operations() - before, sound_speed_m_s > 1023 ? pairs : one);
+    rig.board->all_off();
+    EXPECT_TRUE(rig.board->close());
+  }
 }
 
 TEST(Autd3Board, RefusesWhatItCannotPlay) {

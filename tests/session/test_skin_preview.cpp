@@ -10,6 +10,7 @@
 
 #include "geometry/icosphere.hpp"
 #include "session/skin_preview.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::session {
 namespace {
@@ -94,6 +95,11 @@ TEST(SkinPreview, SaysWhatAnAnswerIsOf) {
   bad.layout.source_level_pa_m = std::numeric_limits<double>::infinity();
   preview.ask(std::move(bad));
   EXPECT_NE(wait()->fault, "");
+  // Nor has the plan of another array.
+  bad = question();
+  bad.layout.transducers.push_back(bad.layout.transducers.front());
+  preview.ask(std::move(bad));
+  EXPECT_CONTAINS(wait()->fault, "of another array");
   preview.ask(question());
   EXPECT_EQ(wait()->fault, "");
 }
