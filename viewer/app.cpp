@@ -53,6 +53,7 @@ App::App(const ViewerOptions& options, const Size& size, Surroundings around)
 }
 
 App::~App() {
+  if (live_) live_->all_off();  // before a disk is waited for
   remember();
 }
 
@@ -84,8 +85,13 @@ void App::remember() {
 
 void App::start() {
   *around_.stop = false;
+  if (setup::Interrupt::signalled()) {  // asked after the flag was cleared: it may have come just before
+    *around_.stop = quitting_ = true;
+    return;
+  }
   running_ = desk_.given;
   told_ = false;
+  scene_.reset();
   live_ = std::make_unique<LiveSession>(
       live_options(desk_.given), around_.kinds, *around_.stop, around_.wake ? around_.wake : [] {});
   desk_.live_state = LiveState::loading;
@@ -194,9 +200,10 @@ void App::open(const std::string& path, double now_s) {
   const std::string ending = file.extension().string();
   setup::Given given = desk_.given;
   std::error_code ignored;
+  const bool same = given.contains("--scene") && given["--scene"] == std::vector{path};
   if (ending == ".glb" || ending == ".gltf") {
     given["--scene"] = {path};
-    given.erase("--gltf-scene");
+    if (!same) given.erase("--gltf-scene");
   } else if (std::filesystem::is_directory(file, ignored) || file.filename() == "recording.toml") {
     given["--source"] = {"recording:" + path};
     given.erase("--noise-free");
@@ -206,6 +213,7 @@ void App::open(const std::string& path, double now_s) {
   if (!desk_.live) {
     ViewerOptions other = options_;
     other.input.scene = given.contains("--scene") ? given["--scene"].front() : "";
+    if (!given.contains("--gltf-scene")) other.input.gltf_scene.reset();
     if (given.contains("--source"))
       return say(log::Level::warning, "a recording needs --source: start with one", now_s);
     try {
@@ -219,7 +227,7 @@ void App::open(const std::string& path, double now_s) {
     desk_.asked.frame = dirty_ = stale_surfaces_ = true;
     return;
   }
-  if (desk_.given == given) desk_.asked.start = true;  // the same file, written anew
+  anew_ = anew_ || desk_.given == given;  // the same file, written anew
   desk_.given = std::move(given);
 }
 
@@ -252,14 +260,17 @@ void App::reload(double now_s) {
   next_reload_s_ = now_s + every_s;
   const auto scene = desk_.given.find("--scene");
   if (scene == desk_.given.end()) return;
+  const std::string path = scene->second.front();
   std::error_code fault;
-  const std::filesystem::file_time_type time = std::filesystem::last_write_time(scene->second.front(), fault);
+  const std::filesystem::file_time_type time = std::filesystem::last_write_time(path, fault);
   if (fault) return;
-  const std::filesystem::file_time_type before = std::exchange(scene_time_, time).value_or(time);
-  if (before == time) {
-    if (std::exchange(written_, false)) open(scene->second.front(), now_s);
-  } else {
+  const WrittenScene before = std::exchange(scene_written_, {path, time});
+  if (before.path != path) {
+    written_ = false;  // another file: nobody knows what it was before
+  } else if (before.time != time) {
     written_ = true;
+  } else if (std::exchange(written_, false)) {
+    open(path, now_s);
   }
 }
 
@@ -286,10 +297,19 @@ void App::do_asked(double now_s, const Size& size) {
     show_slot_now();
   }
   if (asked.start || asked.view || asked.frame) dirty_ = true;
-  if (desk_.live && (asked.start || desk_.given != running_)) touch_options(now_s);
+  // Last, so that what else was asked for at the same time starts nothing either.
+  if (asked.all_off) {
+    off_ = true;
+    restart_ = false;
+  } else if (asked.start) {
+    off_ = false;
+  }
+  const bool anew = std::exchange(anew_, false);
+  if (desk_.live && (asked.start || anew || desk_.given != running_)) touch_options(now_s);
 }
 
-/// Options that changed, or a run that is to begin anew: the one that runs ends first.
+/// Options that changed, or a run that is to begin anew: the one that runs ends first. After all off nothing begins
+/// until somebody starts it.
 void App::touch_options(double now_s) {
   try {
     live_options(desk_.given);
@@ -298,12 +318,14 @@ void App::touch_options(double now_s) {
     desk_.given = running_;  // what runs stays
     return;
   }
-  if (live_ && !live_->over()) live_->all_off();
   running_ = desk_.given;
+  if (off_) return;
+  if (live_ && !live_->over()) live_->all_off();
   restart_ = true;
 }
 
 void App::advance_live(double now_s, const Size& size) {
+  if (setup::Interrupt::signalled()) quitting_ = true;
   live_->look();
   const LinkWatch& link = live_->link();
   const bool sounding = link.sounding;
@@ -317,14 +339,15 @@ void App::advance_live(double now_s, const Size& size) {
   const std::optional<Doing> doing = desk_.live_state == LiveState::loading ? palpa::doing() : std::nullopt;
   desk_.doing = doing ? doing->what : std::string();
 
+  // Before the scene is asked for: a snapshot's scene is there by then.
+  const bool fresh = live_->take();
+  const bool seen = live_->take_seen();
   if (auto scene = live_->scene(); scene && scene != scene_) {
     scene_ = std::move(scene);
     live_picture_ = scene_->picture;
     stale_surfaces_ = dirty_ = true;
     if (!std::exchange(framed_, true)) desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, size);
   }
-  const bool fresh = live_->take();
-  const bool seen = live_->take_seen();
   fresh_ = fresh_ || fresh;
   if (scene_ && (fresh || seen)) {
     show_live(live_picture_, *scene_, live_->snapshot(), live_->seen(), desk_.state.layers.shows(Layer::depth));
@@ -335,7 +358,6 @@ void App::advance_live(double now_s, const Size& size) {
   if (!std::exchange(told_, true)) {
     dirty_ = true;
     if (const std::string fault = live_->fault(); !fault.empty()) say(log::Level::error, fault, now_s);
-    if (setup::Interrupt::signalled()) quitting_ = true;
   }
   if (!std::exchange(restart_, false) || quitting_) return;
   live_.reset();

@@ -103,18 +103,23 @@ class App {
   Desk desk_;
   Settings recalled_;
   ViewState drawn_state_;  ///< as the picture was drawn last
-  setup::Given running_;   ///< what the live run was started with
+  setup::Given running_;   ///< what the live run was started with, or is to be
   std::unique_ptr<Show> show_;
   Transport transport_;
   std::unique_ptr<LiveSession> live_;
   std::shared_ptr<const LiveScene> scene_;
+  bool off_ = false;   ///< somebody switched it off: only they start it again
+  bool anew_ = false;  ///< the scene was written anew
   bool restart_ = false, told_ = false, written_ = false, framed_ = false, fresh_ = false;
   std::unique_ptr<Ui> ui_;
   log::Tail tail_;
   Controls controls_;
   double ratio_ = 1;
   double next_reload_s_ = 0;
-  std::optional<std::filesystem::file_time_type> scene_time_;
+  struct WrittenScene {
+    std::string path;
+    std::filesystem::file_time_type time;
+  } scene_written_;  ///< as reload() saw it last
   double next_slot_s_ = 0, last_render_s_ = 0, now_s_ = 0;
   bool dirty_ = true, stale_surfaces_ = true, stale_marks_ = false, quitting_ = false;
 };

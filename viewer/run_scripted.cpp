@@ -98,6 +98,7 @@ void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds)
   if (options.is_live()) give_way();
   const gpu::Device device(setup::device_options(options.common));
   Stage stage(options, device);
+  const SilentEnd silent_end(stopper.flag());
   if (options.interact.empty()) {
     draw_frames(app, stage, options.frames.value_or(1), now);
   } else {

@@ -26,7 +26,9 @@ class WindowSurface {
  public:
   WindowSurface(const gpu::Device& device, const Window& window)
       : instance_(device.instance()), surface_(window.make_surface(instance_)) {}
-  ~WindowSurface() { vkDestroySurfaceKHR(instance_, surface_, nullptr); }
+  ~WindowSurface() {
+    if (!gpu::device_abandoned) vkDestroySurfaceKHR(instance_, surface_, nullptr);
+  }
   WindowSurface(const WindowSurface&) = delete;
   WindowSurface& operator=(const WindowSurface&) = delete;
   VkSurfaceKHR get() const { return surface_; }
@@ -69,6 +71,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   std::vector<WindowEvent> events;
   std::uint32_t frames_drawn = 0;
   double last_drawn_s = -1;
+  const SilentEnd silent_end(stopper.flag());
 
   // Draws only when something has changed: a window that nobody touches costs nothing.
   while (!window.closing() && !app.quitting() && !(options.frames && frames_drawn >= *options.frames)) {

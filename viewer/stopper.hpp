@@ -1,4 +1,5 @@
-// What ends a live run: signals while there is one, and the end of the program, whatever that is.
+// What ends a live run: signals while there is one, and the end of the program, whatever that is: an exit() within a
+// library, too, as Xlib's where its server is gone.
 #pragma once
 
 #include <atomic>
@@ -12,7 +13,7 @@ namespace palpa::viewer {
 
 class Stopper {
  public:
-  /// Of a live run: signals end it from now on, and nobody waits for whoever reads the log.
+  /// Of a live run: signals and exit() end it from now on, and nobody waits for whoever reads the log.
   explicit Stopper(const ViewerOptions& options);
 
   std::atomic<bool>& flag() { return setup::Interrupt::flag(); }
@@ -24,6 +25,19 @@ class Stopper {
  private:
   std::optional<log::Relay> relay_;
   std::optional<setup::Interrupt> interrupt_;
+};
+
+/// Ends the run with its scope. Made after all that takes part in drawing, so that an error's way out silences the
+/// array before it waits for a device.
+class SilentEnd {
+ public:
+  explicit SilentEnd(std::atomic<bool>& stop) : stop_(&stop) {}
+  ~SilentEnd() { *stop_ = true; }
+  SilentEnd(const SilentEnd&) = delete;
+  SilentEnd& operator=(const SilentEnd&) = delete;
+
+ private:
+  std::atomic<bool>* stop_;
 };
 
 }  // namespace palpa::viewer

@@ -10,6 +10,8 @@
 namespace palpa::viewer {
 namespace {
 
+constexpr std::uint64_t ten_seconds = 10'000'000'000;
+
 /// UNORM: the renderer's colours are already as they should appear.
 VkSurfaceFormatKHR pick_format(const gpu::Device& device, VkSurfaceKHR surface) {
   VkBool32 presents = VK_FALSE;
@@ -49,17 +51,25 @@ Presenter::Presenter(const gpu::Device& device, VkSurfaceKHR surface)
 }
 
 Presenter::~Presenter() {
+  if (gpu::device_abandoned) return;
   // Fences do not cover presentation, which still holds semaphores and images.
   const std::lock_guard lock(device_->queue_mutex());
   vkQueueWaitIdle(device_->queue());
 }
 
 void Presenter::finish() {
-  const std::array fences{flights_[0].done.get(), flights_[1].done.get()};
-  constexpr std::uint64_t ten_seconds = 10'000'000'000;
-  PALPA_VK(vkWaitForFences(device_->get(), 2, fences.data(), VK_TRUE, ten_seconds) == VK_SUCCESS
-               ? VK_SUCCESS
-               : VK_ERROR_DEVICE_LOST);
+  wait(std::array{flights_[0].done.get(), flights_[1].done.get()});
+}
+
+void Presenter::wait(std::span<const VkFence> fences) {
+  const VkResult result =
+      vkWaitForFences(device_->get(), static_cast<std::uint32_t>(fences.size()), fences.data(), VK_TRUE, ten_seconds);
+  if (result == VK_TIMEOUT) {
+    device_->lose();
+    gpu::device_abandoned = true;
+    throw failure(fmt::format("{}: no answer within 10 s", device_->description().name));
+  }
+  PALPA_VK(result);
 }
 
 bool Presenter::rebuild(std::uint32_t width, std::uint32_t height) {
@@ -149,11 +159,7 @@ bool Presenter::draw(DrawnPicture& drawn, std::span<const View> views, double ra
   if ((stale_ || width != asked_width_ || height != asked_height_) && !rebuild(width, height)) return false;
 
   Flight& flight = flights_[next_flight_];
-  const VkFence fence = flight.done.get();
-  constexpr std::uint64_t ten_seconds = 10'000'000'000;
-  if (vkWaitForFences(device_->get(), 1, &fence, VK_TRUE, ten_seconds) != VK_SUCCESS) {
-    throw failure(fmt::format("{}: no answer within 10 s", device_->description().name));
-  }
+  wait(std::array{flight.done.get()});
   std::uint32_t index = 0;
   const VkResult acquired = vkAcquireNextImageKHR(device_->get(), swapchain_.get(), ten_seconds, flight.acquired.get(),
                                                   VK_NULL_HANDLE, &index);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "gpu/commands.hpp"
@@ -24,7 +25,8 @@ class Presenter {
   /// draw once more later.
   bool draw(DrawnPicture& drawn, std::span<const View> views, double ratio, const Sheet* sheet = nullptr);
 
-  /// Waits until no frame is in flight: the picture may then be updated.
+  /// Waits until no frame is in flight: the picture may then be updated. A device that does not answer within 10 s is
+  /// abandoned, as by Timeline::wait.
   void finish();
 
  private:
@@ -39,6 +41,7 @@ class Presenter {
     gpu::Handle<VkImageView> view;
     gpu::Handle<VkSemaphore> drawn;
   };
+  void wait(std::span<const VkFence> fences);
   bool rebuild(std::uint32_t width, std::uint32_t height);
   void submit(Flight& flight, const Image& image);
 

@@ -14,6 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Claim {
+  const Outputs* owner;
   FileIdentity identity;
   std::string option;
 };
@@ -104,13 +105,14 @@ Outputs::Outputs(const std::vector<Output>& outputs) {
     refuse_unusable(one);
   const std::lock_guard lock(claims().mutex);
   for (const Placed& one : all) {
-    if (one.place.kind == OutputPlace::Kind::file) claims().files.push_back({one.place.identity, one.output->option});
+    if (one.place.kind == OutputPlace::Kind::file)
+      claims().files.push_back({this, one.place.identity, one.output->option});
   }
 }
 
 Outputs::~Outputs() {
   const std::lock_guard lock(claims().mutex);
-  claims().files.clear();
+  std::erase_if(claims().files, [this](const Claim& claim) { return claim.owner == this; });
 }
 
 void refuse_output_as_input(const FileIdentity& identity, const std::string& name) {

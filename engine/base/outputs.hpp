@@ -22,7 +22,7 @@ struct Output {
 
 /// The outputs of a command. While it lives, reading one of them is refused (by InputFile and refuse_output_as_input),
 /// under whatever name, so a command that makes this first and opens outputs after all inputs cannot lose an input.
-/// Devices and pipes may be read, and written twice. One at a time.
+/// Devices and pipes may be read, and written twice. Where several live, each knows only its own.
 class Outputs {
  public:
   /// Throws, before anything is changed, failure() for an output that cannot be written there, bad_usage for a folder

@@ -47,12 +47,9 @@ std::string summary(const session::LoopStats& stats) {
 
 /// All that is written; --stats and --json are the same where both go to stdout.
 std::vector<Output> outputs_of(const RunCommand& o, std::span<const session::LinkKind> links) {
-  const bool stats = o.stats == StatsFormat::json && o.common.json != "-";
-  return {{"--json", o.common.json},
-          {"--stats", stats ? "-" : ""},
-          {"--events", o.events.starts_with("udp:") ? "" : o.events},
-          {"--link", session::file_of_link(o.link, links)},
-          {"--record", o.record, Output::Kind::folder}};
+  std::vector<Output> outputs = setup::outputs_of(o, links);
+  if (o.stats == StatsFormat::json && o.common.json != "-") outputs.insert(outputs.begin() + 1, {"--stats", "-"});
+  return outputs;
 }
 
 void report(const RunCommand& o, const Outputs& outputs, const session::LoopStats& stats) {

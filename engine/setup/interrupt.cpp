@@ -27,8 +27,9 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 sem_t first_signal;
 
 void note(int) {
+  const bool first = !signal_came.exchange(true);  // before the flag: whoever clears that asks for this afterwards
   requested_flag = true;
-  if (!signal_came.exchange(true)) sem_post(&first_signal);
+  if (first) sem_post(&first_signal);
 }
 
 /// All that end or stop a program that does not catch them, but for those that nobody can catch (SIGKILL, SIGSTOP) and

@@ -33,6 +33,13 @@ void add_link_options(const Group& group, LiveOptions& o) {
   group.text("--record", o.record, "DIR", "write every frame into a new folder, to be replayed as recording:DIR");
 }
 
+std::vector<Output> outputs_of(const LiveOptions& o, std::span<const session::LinkKind> links) {
+  return {{"--json", o.common.json},
+          {"--events", o.events.starts_with("udp:") ? "" : o.events},
+          {"--link", session::file_of_link(o.link, links)},
+          {"--record", o.record, Output::Kind::folder}};
+}
+
 std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links) {
   std::vector<session::LinkKind> all = session::builtin_links();
   std::erase_if(all, [&](const session::LinkKind& own) {

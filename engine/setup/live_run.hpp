@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/outputs.hpp"
 #include "sensing/recording.hpp"
 #include "session/event_sink.hpp"
 #include "session/link.hpp"
@@ -27,6 +28,9 @@ struct LiveOptions : FrameOptions {
 };
 /// Where drives go, and what else becomes of the frames.
 void add_link_options(const Group& group, LiveOptions& options);
+
+/// All that such a run writes; `links` are all there are.
+std::vector<Output> outputs_of(const LiveOptions& options, std::span<const session::LinkKind> links);
 
 class LiveRun {
  public:

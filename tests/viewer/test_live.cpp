@@ -3,12 +3,14 @@
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <memory>
-#include <mutex>
 #include <thread>
 #include <vector>
 
 #include "base/error.hpp"
+#include "heard_link.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/live/live_picture.hpp"
@@ -19,37 +21,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What a link was told, kept beyond its life.
-struct Heard {
-  std::mutex mutex;
-  std::uint64_t drives = 0, sounding = 0;
-  bool last_sounds = false, finished = false;
-};
-
-class HeardLink final : public session::Link {
- public:
-  explicit HeardLink(std::shared_ptr<Heard> heard) : heard_(std::move(heard)) {}
-  void plan(const session::ToldPlan&) override {}
-  void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
-    const std::lock_guard lock(heard_->mutex);
-    ++heard_->drives;
-    heard_->last_sounds = false;
-    for (const array::TransducerDrive& one : drive)
-      heard_->last_sounds = heard_->last_sounds || one.amplitude > 0;
-    heard_->sounding += heard_->last_sounds ? 1 : 0;
-  }
-  void finish() override { heard_->finished = true; }
-
- private:
-  std::shared_ptr<Heard> heard_;
-};
-
 struct Bench {
-  std::shared_ptr<Heard> heard = std::make_shared<Heard>();
+  std::shared_ptr<test::Heard> heard = std::make_shared<test::Heard>();
   std::atomic<bool> stop{false};
   std::atomic<int> woken{0};
 
-  std::unique_ptr<LiveSession> start(std::chrono::milliseconds patience = LiveSession::usual_patience) {
+  std::unique_ptr<LiveSession> start(Patience patience = {}) {
     setup::LiveOptions options = live_options({{"--scene", {test::source_file("assets/cube.glb").string()}},
                                                {"--source", {"synthetic"}},
                                                {"--layout", {"autd3"}},
@@ -58,16 +35,11 @@ struct Bench {
                                                {"--hold", {"5s"}},
                                                {"--link", {"heard"}}});
     LiveSession::Kinds kinds;
-    kinds.links.push_back({"heard", "", [heard = heard](const std::string&, const session::LinkSetting&) {
-                             return std::make_unique<HeardLink>(heard);
-                           }});
+    kinds.links.push_back(test::heard_link(heard));
     return std::make_unique<LiveSession>(
         std::move(options), std::move(kinds), stop, [this] { ++woken; }, patience);
   }
-  bool sounded() {
-    const std::lock_guard lock(heard->mutex);
-    return heard->sounding > 0;
-  }
+  bool sounded() { return heard->sounded(); }
 };
 
 template <typename Condition>
@@ -123,7 +95,7 @@ TEST(Live, EndsWithTheViewer) {
 
 TEST(Live, AViewerThatNoLongerLooksLeavesSilence) {
   Bench bench;
-  const auto live = bench.start(700ms);
+  const auto live = bench.start({.usual = 700ms});
   ASSERT_TRUE(soon(*live, [&] { return bench.sounded(); })) << live->fault();
   const auto before = std::chrono::steady_clock::now();
   while (!live->over() && std::chrono::steady_clock::now() < before + 60s)
@@ -131,6 +103,43 @@ TEST(Live, AViewerThatNoLongerLooksLeavesSilence) {
   EXPECT_TRUE(live->over());
   EXPECT_GE(std::chrono::steady_clock::now() - before, 650ms);
   EXPECT_FALSE(bench.heard->last_sounds);
+}
+
+TEST(Live, AViewerThatNeverBeginsLeavesSilence) {
+  Bench bench;
+  const auto live = bench.start({.beginning = 1ms});
+  const auto until = std::chrono::steady_clock::now() + 60s;
+  while (!live->over() && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(10ms);
+  EXPECT_TRUE(live->over());
+  EXPECT_TRUE(bench.stop);
+  EXPECT_FALSE(bench.heard->last_sounds);
+}
+
+TEST(Live, NeverWritesOverWhatItReads) {
+  Bench bench;
+  const auto scene = test::scratch_folder("live-outputs") / "cube.glb";
+  std::filesystem::copy_file(test::source_file("assets/cube.glb"), scene);
+  const std::string before = test::read_text(scene);
+  LiveSession live(live_options({{"--scene", {scene.string()}}, {"--link", {"record:" + scene.string()}}}), {},
+                   bench.stop, [] {});
+  ASSERT_TRUE(soon(live, [&] { return live.over(); }));
+  EXPECT_NE(live.fault().find("--link: "), std::string::npos) << live.fault();
+  EXPECT_EQ(test::read_text(scene), before);
+}
+
+TEST(Live, ASnapshotOfAnotherArrayDrivesNothing) {
+  LiveScene scene;
+  scene.layout.transducers.resize(3);
+  Picture picture;
+  picture.transducers.resize(3);
+  picture.driven = true;
+  Snapshot snapshot;
+  snapshot.plan.schedule.voice_count = 1;
+  snapshot.plan.cycle = 1;
+  snapshot.plan.drives.resize(2);
+  show_live_slot(picture, scene, snapshot, 0);
+  EXPECT_FALSE(picture.driven);
 }
 
 TEST(Live, AFaultIsToldAndNothingSounds) {

@@ -72,36 +72,69 @@ TEST_F(Window, SurvivesResizingAndHidingAndClosesWhenAsked) {
   EXPECT_EQ(run.err, "");
 }
 
+/// A viewer whose array sounds, and what is heard of it.
+class Sounding {
+ public:
+  explicit Sounding(const std::string& display)
+      : running_(std::async(std::launch::async, [this, display] {
+          return test::run_program(
+              PALPA_VIEWER_BINARY,
+              {"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--layout", "autd3",
+               "--hold", "5s", "--link", "foci:" + receiver_.address(), "--size", "500x400"},
+              {{{"DISPLAY", display}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", "/dev/null"}}});
+        })) {}
+  /// Waits for the first line with a finger.
+  bool heard() {
+    last_ = receiver_.next();
+    for (int i = 0; i < 2000 && !last_.empty() && !sounds(); ++i)
+      last_ = receiver_.next();
+    return !last_.empty() && sounds();
+  }
+  /// Listens until the program has ended.
+  test::Result end() {
+    while (running_.wait_for(10ms) == std::future_status::timeout)
+      drain();
+    drain();
+    return running_.get();
+  }
+  bool sounds() const { return last_.find("\"fingers\":[]") == std::string::npos; }
+  const std::string& last() const { return last_; }
+
+ private:
+  void drain() {
+    for (std::string line = receiver_.waiting(); !line.empty(); line = receiver_.waiting())
+      last_ = std::move(line);
+  }
+
+  test::UdpReceiver receiver_{60s};
+  std::string last_;
+  std::future<test::Result> running_;
+};
+
 TEST_F(Window, ClosingItWhileTheArraySoundsLeavesSilence) {
   const test::XServer server;
   if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
-  const test::UdpReceiver receiver(std::chrono::seconds(60));
-  auto running = std::async(std::launch::async, [&] {
-    return test::run_program(PALPA_VIEWER_BINARY,
-                             {"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--layout",
-                              "autd3", "--hold", "5s", "--link", "foci:" + receiver.address(), "--size", "500x400"},
-                             {{{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", "/dev/null"}}});
-  });
+  Sounding viewer(server.name());
   test::XHand hand(server.name());
   ASSERT_TRUE(hand.connected());
   ASSERT_TRUE(hand.find("palpa", 60));
-  const auto sounds = [](const std::string& line) { return line.find("\"fingers\":[]") == std::string::npos; };
-  std::string line = receiver.next();
-  for (int i = 0; i < 2000 && !line.empty() && !sounds(line); ++i)
-    line = receiver.next();
-  ASSERT_TRUE(!line.empty() && sounds(line)) << "nothing sounds";
+  ASSERT_TRUE(viewer.heard()) << "nothing sounds";
   hand.close();
-  std::string last = line;
-  const auto drain = [&] {
-    while (!(line = receiver.waiting()).empty())
-      last = line;
-  };
-  while (running.wait_for(10ms) == std::future_status::timeout)
-    drain();
-  const auto run = running.get();
+  const auto run = viewer.end();
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  drain();
-  EXPECT_FALSE(sounds(last)) << last;
+  EXPECT_FALSE(viewer.sounds()) << viewer.last();
+}
+
+// Xlib ends a program whose server is gone by exit().
+TEST_F(Window, LosingTheServerWhileTheArraySoundsLeavesSilence) {
+  test::XServer server;
+  if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
+  Sounding viewer(server.name());
+  ASSERT_TRUE(viewer.heard()) << "nothing sounds";
+  server.kill();
+  const auto run = viewer.end();
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_FALSE(viewer.sounds()) << viewer.last();
 }
 
 TEST_F(Window, PlaysARecordedLogAndEnds) {

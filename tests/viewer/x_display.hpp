@@ -16,6 +16,8 @@ class XServer {
   XServer(const XServer&) = delete;
   XServer& operator=(const XServer&) = delete;
   const std::string& name() const { return name_; }
+  /// Ends it at once, as when it crashes.
+  void kill();
 
  private:
   pid_t process_ = -1;

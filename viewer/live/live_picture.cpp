@@ -32,11 +32,13 @@ void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapsho
 void show_live_slot(Picture& picture, const LiveScene& scene, const Snapshot& snapshot, std::uint64_t slot) {
   const session::Plan& plan = snapshot.plan;
   show_slot(picture, plan.schedule, slot);
-  if (plan.schedule.voice_count == 0 || plan.cycle == 0 || picture.transducers.empty()) {
+  const std::size_t transducers = scene.layout.transducers.size();
+  const bool whole = plan.drives.size() == plan.cycle * transducers;  // not so where it is of another array
+  if (plan.schedule.voice_count == 0 || plan.cycle == 0 || picture.transducers.empty() || !whole) {
     picture.driven = false;
     return;
   }
-  show_drive(picture, plan.drive(slot, scene.layout.transducers.size()));
+  show_drive(picture, plan.drive(slot, transducers));
 }
 
 }  // namespace palpa::viewer

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/log.hpp"
+#include "base/outputs.hpp"
 #include "sensing/skin_twin.hpp"
 
 namespace palpa::viewer {
@@ -25,14 +26,20 @@ void give_way() {
 }
 
 LiveSession::LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bool>& stop, std::function<void()> wake,
-                         std::chrono::milliseconds patience)
+                         Patience patience)
     : options_(std::move(options)),
       kinds_(std::move(kinds)),
       stop_(&stop),
       wake_(std::move(wake)),
       patience_(patience) {
   options_.watched = true;
-  thread_ = std::thread([this] { work(); });
+  ++under_way_;
+  try {
+    thread_ = std::thread([this] { work(); });
+  } catch (...) {
+    --under_way_;
+    throw;
+  }
 }
 
 LiveSession::~LiveSession() {
@@ -46,6 +53,7 @@ void LiveSession::work() {
   std::exception_ptr thrown;
   std::optional<session::LoopStats> stats;
   try {
+    const Outputs outputs(setup::outputs_of(options_, setup::with_builtin(kinds_.links)));
     setup::LiveRun run(options_, kinds_.sources, watched(setup::with_builtin(kinds_.links), link_), *stop_);
     publish_scene(run);
     log::release_warnings();
@@ -68,6 +76,7 @@ void LiveSession::work() {
   }
   state_ = end;
   over_ = true;
+  --under_way_;
   wake_();
 }
 
@@ -139,9 +148,10 @@ void LiveSession::count(const session::FrameReport& report) {
 void LiveSession::planned(const session::FrameReport& report, const session::Plan& plan) {
   count(report);
   const Clock::duration unseen = Clock::now().time_since_epoch() - Clock::duration(looked_.load());
-  if (looks_ > 1 && unseen > patience_ && !stop_->exchange(true)) {
+  const std::chrono::milliseconds patience = looks_ > 1 ? patience_.usual : patience_.beginning;
+  if (unseen > patience && !stop_->exchange(true)) {
     log::error(fmt::format("the window has not answered for {} s: the array is off",
-                           std::chrono::duration_cast<std::chrono::seconds>(patience_).count()));
+                           std::chrono::duration_cast<std::chrono::seconds>(patience).count()));
   }
   if (!wants_snapshot_.exchange(false)) return;
   Snapshot& next = snapshots_.back();

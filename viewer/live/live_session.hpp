@@ -39,6 +39,13 @@ enum class LiveState {
   failed,  ///< see fault()
 };
 
+/// How long a viewer that does not look is waited for before the array falls silent.
+struct Patience {
+  std::chrono::milliseconds usual{5000};
+  /// Before it has looked twice: it is still beginning, and drivers compile.
+  std::chrono::milliseconds beginning{60000};
+};
+
 class LiveSession {
  public:
   /// What it is made of, beside the options. The kinds come beside palpa's own.
@@ -46,13 +53,11 @@ class LiveSession {
     std::vector<session::SourceKind> sources;
     std::vector<session::LinkKind> links;
   };
-  /// How long a viewer that does not look is waited for before the array falls silent.
-  static constexpr std::chrono::milliseconds usual_patience{5000};
 
   /// Begins to load and then runs. `stop` ends the run from any thread, whoever sets it. `wake` is called from other
   /// threads when there is something new to see; it must not wait.
   LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bool>& stop, std::function<void()> wake,
-              std::chrono::milliseconds patience = usual_patience);
+              Patience patience = {});
   /// all_off(), then waits for the end: of what is being loaded, too.
   ~LiveSession();
   LiveSession(const LiveSession&) = delete;
@@ -62,8 +67,10 @@ class LiveSession {
   /// every slot: neither a full disk nor a GPU that hangs keeps it.
   void all_off() { *stop_ = true; }
 
-  /// Says that the viewer is alive, once for every time it goes round. Before the second time it is still beginning,
-  /// and may take as long as drivers take to compile.
+  /// How many there are whose run's thread is not done yet.
+  static int under_way() { return under_way_; }
+
+  /// Says that the viewer is alive, once for every time it goes round; see Patience.
   void look() {
     looked_ = Clock::now().time_since_epoch().count();
     ++looks_;
@@ -104,14 +111,15 @@ class LiveSession {
   void saw(const sensing::FrameSet& set);
   void count(const session::FrameReport& report);
 
+  inline static std::atomic<int> under_way_{0};
   setup::LiveOptions options_;
   Kinds kinds_;
   std::atomic<bool>* stop_;
   std::function<void()> wake_;
-  std::chrono::milliseconds patience_;
+  Patience patience_;
   std::atomic<LiveState> state_{LiveState::loading};
   std::atomic<bool> over_{false};
-  std::atomic<Clock::rep> looked_{0};
+  std::atomic<Clock::rep> looked_{Clock::now().time_since_epoch().count()};  ///< or was made
   std::atomic<std::uint64_t> looks_{0};
   std::atomic<bool> wants_snapshot_{true}, wants_seen_{true};
   session::Newest<Snapshot> snapshots_;
