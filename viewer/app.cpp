@@ -92,8 +92,10 @@ void App::start() {
   running_ = desk_.given;
   told_ = false;
   scene_.reset();
-  live_ = std::make_unique<LiveSession>(
-      live_options(desk_.given), around_.kinds, *around_.stop, around_.wake ? around_.wake : [] {});
+  starter_.run([this] {
+    live_ = std::make_unique<LiveSession>(
+        live_options(desk_.given), around_.kinds, *around_.stop, around_.wake ? around_.wake : [] {});
+  });
   desk_.live_state = LiveState::loading;
 }
 

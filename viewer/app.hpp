@@ -15,6 +15,7 @@
 #include "viewer/desk.hpp"
 #include "viewer/drawn_picture.hpp"
 #include "viewer/live/live_session.hpp"
+#include "viewer/live/starter.hpp"
 #include "viewer/live/transport.hpp"
 #include "viewer/panels/ui.hpp"
 #include "viewer/settings.hpp"
@@ -106,6 +107,7 @@ class App {
   setup::Given running_;   ///< what the live run was started with, or is to be
   std::unique_ptr<Show> show_;
   Transport transport_;
+  Starter starter_;  ///< of live runs: they do not give way when they begin anew either
   std::unique_ptr<LiveSession> live_;
   std::shared_ptr<const LiveScene> scene_;
   bool off_ = false;   ///< somebody switched it off: only they start it again

@@ -1,5 +1,7 @@
 // A session that runs beside the viewer: it is looked at without being waited for, and ends in silence.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -15,6 +17,7 @@
 #include "viewer/live/live_line.hpp"
 #include "viewer/live/live_picture.hpp"
 #include "viewer/live/live_session.hpp"
+#include "viewer/live/starter.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -150,6 +153,21 @@ TEST(Live, AFaultIsToldAndNothingSounds) {
   EXPECT_EQ(live.state(), LiveState::failed);
   EXPECT_NE(live.fault().find("/nowhere.glb"), std::string::npos) << live.fault();
   EXPECT_EQ(live.scene(), nullptr);
+}
+
+TEST(Starter, DoesNotGiveWayWithWhoeverMadeIt) {
+  const auto niceness = [] { return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); };
+  const int before = niceness();
+  int maker = 0, started = 0;
+  std::thread([&] {
+    Starter starter;
+    give_way();
+    maker = niceness();
+    starter.run([&] { std::thread([&] { started = niceness(); }).join(); });
+    EXPECT_THROW(starter.run([] { throw failure("no"); }), Error);
+  }).join();
+  EXPECT_GE(maker, 10);
+  EXPECT_EQ(started, before);
 }
 
 TEST(LiveLine, GoesThereAndBack) {
