@@ -200,17 +200,18 @@ int hold_board(std::span<const BoardKind> kinds) {
 
 }  // namespace
 
-int guard_main(std::span<const BoardKind> kinds) {
+void guard_main(std::span<const BoardKind> kinds) {
   set_signals();
   close_range(guard_memory + 1, ~0U, 0);  // what else whoever started palpa left open
+  int status = 1;
   try {
-    return hold_board(kinds);
+    status = hold_board(kinds);
   } catch (const Error& error) {
     say(guard_socket, Said::refused, static_cast<char>(error.code()) + std::string(error.what()));
   } catch (const std::exception& error) {
     say(guard_socket, Said::refused, static_cast<char>(Exit::failed) + std::string(error.what()));
   }
-  return 1;
+  _exit(status);
 }
 
 }  // namespace palpa::driver

@@ -3,5 +3,5 @@
 #include "driver/guard/guard.hpp"
 
 int main() {
-  return palpa::driver::guard_main(palpa::driver::board_kinds());
+  palpa::driver::guard_main(palpa::driver::board_kinds());
 }

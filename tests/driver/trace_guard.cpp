@@ -44,5 +44,5 @@ std::uint64_t palpa::test::allocations() {
 
 int main() {
   const palpa::driver::BoardKind boards[]{palpa::test::trace_board()};
-  return palpa::driver::guard_main(boards);
+  palpa::driver::guard_main(boards);
 }
