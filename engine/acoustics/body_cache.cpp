@@ -4,7 +4,8 @@
 
 namespace palpa::acoustics {
 
-std::shared_ptr<const RigidBody> BodyCache::of(const geometry::Mesh& mesh, double wave_number) {
+std::shared_ptr<const RigidBody> BodyCache::of(const geometry::Mesh& mesh, double wave_number,
+                                               const std::atomic<bool>* give_up) {
   const auto found = std::ranges::find_if(kept_, [&](const auto& body) {
     return body->wave_number() == wave_number && body->mesh().positions == mesh.positions &&
            body->mesh().triangles == mesh.triangles;
@@ -14,7 +15,7 @@ std::shared_ptr<const RigidBody> BodyCache::of(const geometry::Mesh& mesh, doubl
     return kept_.back();
   }
   if (kept_.size() >= most_ && !kept_.empty()) kept_.erase(kept_.begin());
-  auto body = std::make_shared<const RigidBody>(mesh, wave_number);
+  auto body = std::make_shared<const RigidBody>(mesh, wave_number, give_up);
   ++made_;
   if (most_ > 0) kept_.push_back(body);
   return body;

@@ -1,6 +1,7 @@
 // Rigid bodies whose equations are factored, kept for whoever asks for the same again.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -18,8 +19,9 @@ class BodyCache {
   explicit BodyCache(std::size_t most = 1) : most_(most) {}
 
   /// The body of this mesh and wave number: a kept one where its vertices, triangles and wave number are the very same,
-  /// else a new one, made when the oldest has made way. `mesh` as RigidBody takes it.
-  std::shared_ptr<const RigidBody> of(const geometry::Mesh& mesh, double wave_number);
+  /// else a new one, made when the oldest has made way. `mesh` and `give_up` as RigidBody takes them.
+  std::shared_ptr<const RigidBody> of(const geometry::Mesh& mesh, double wave_number,
+                                      const std::atomic<bool>* give_up = nullptr);
 
   /// How many it had to make.
   std::uint64_t made() const { return made_; }

@@ -38,12 +38,13 @@ void one_thread_each() {
 
 }  // namespace
 
-DenseLu::DenseLu(std::vector<Number> matrix, std::size_t size)
+DenseLu::DenseLu(std::vector<Number> matrix, std::size_t size, const std::atomic<bool>* give_up)
     : size_(size), factors_(std::move(matrix)), pivots_(size) {
   one_thread_each();
   const auto n = static_cast<int>(size);
   Activity activity("factors the matrix", size);
   for (std::size_t first = 0; first < size; first += panel) {
+    stop_if(give_up);
     const std::size_t width = std::min(panel, size - first), next = first + width;
     Number* const corner = &factors_[first * size + first];
     const int tall = static_cast<int>(size - first), wide = static_cast<int>(width);
@@ -59,6 +60,7 @@ DenseLu::DenseLu(std::vector<Number> matrix, std::size_t size)
     };
     if (first > 0) swap(0, first);
     parallel_chunks(size - next, tile, [&](std::size_t, std::size_t begin, std::size_t end) {
+      stop_if(give_up);
       swap(next + begin, next + end);
       const Number one = 1, minus_one = -1;
       const int columns = static_cast<int>(end - begin);

@@ -1,6 +1,7 @@
 // A square matrix, factored once, for any number of right-hand sides.
 #pragma once
 
+#include <atomic>
 #include <complex>
 #include <cstddef>
 #include <span>
@@ -13,8 +14,8 @@ namespace palpa::acoustics {
 class DenseLu {
  public:
   /// Takes `matrix`, size x size by rows. LU with partial pivoting; the same bytes for any number of threads. Throws
-  /// failure() where the matrix is singular.
-  DenseLu(std::vector<std::complex<float>> matrix, std::size_t size);
+  /// failure() where the matrix is singular, GivenUp (base/parallel.hpp) soon after `give_up` became true.
+  DenseLu(std::vector<std::complex<float>> matrix, std::size_t size, const std::atomic<bool>* give_up = nullptr);
 
   /// Replaces right-hand sides, one after the other in `columns`, by their solutions.
   void solve(Way way, std::span<std::complex<float>> columns) const;

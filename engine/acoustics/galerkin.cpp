@@ -110,12 +110,13 @@ class RowBlock {
     tests_.erase(std::unique(tests_.begin(), tests_.end()), tests_.end());
   }
 
-  void fill(const FarTables& far, const NearPairs& near, float wave_number) {
+  void fill(const FarTables& far, const NearPairs& near, float wave_number, const std::atomic<bool>* give_up) {
     std::vector<std::uint32_t> next(tests_.size());
     for (std::size_t i = 0; i < tests_.size(); ++i)
       next[i] = near.first[tests_[i]];
     FarBlocks blocks;
     for (std::size_t group = 0; group < far.groups.size(); ++group) {
+      stop_if(give_up);
       for (std::size_t i = 0; i < tests_.size(); ++i) {
         far_blocks(far.patches[tests_[i]], far.groups[group], wave_number, blocks);
         add_group(near, tests_[i], group, next[i], blocks);
@@ -154,9 +155,10 @@ class RowBlock {
 
 }  // namespace
 
-void assemble(const Patches& body, double wave_number, std::span<std::complex<float>> matrix) {
+void assemble(const Patches& body, double wave_number, std::span<std::complex<float>> matrix,
+              const std::atomic<bool>* give_up) {
   const FarTables far = far_tables(body, geometry::bounds(body.mesh).centre());
-  const NearPairs near = near_pairs(body, wave_number);
+  const NearPairs near = near_pairs(body, wave_number, give_up);
   if (near.unresolved) {
     log::warning(
         fmt::format("The surface nearly touches itself: faces {} and {} are less than a twelfth of their sides "
@@ -168,7 +170,7 @@ void assemble(const Patches& body, double wave_number, std::span<std::complex<fl
   Activity activity("fills the matrix of the surface", order.size());
   parallel_chunks(order.size(), rows_per_block, [&](std::size_t, std::size_t begin, std::size_t end) {
     RowBlock(body, around, std::span(order).subspan(begin, end - begin), matrix)
-        .fill(far, near, static_cast<float>(wave_number));
+        .fill(far, near, static_cast<float>(wave_number), give_up);
     activity.advance(end - begin);
   });
 }

@@ -17,6 +17,7 @@
 // well conditioned, and 4e-6 is far below what linear elements leave (docs/acoustics.md).
 #pragma once
 
+#include <atomic>
 #include <complex>
 #include <cstdint>
 #include <span>
@@ -26,8 +27,10 @@
 namespace palpa::acoustics {
 
 /// Replaces `matrix`, vertices x vertices by rows, row: test function. The same bytes for any number of threads. Warns
-/// where faces that do not touch are too close to each other to be resolved.
-void assemble(const Patches& body, double wave_number, std::span<std::complex<float>> matrix);
+/// where faces that do not touch are too close to each other to be resolved. Throws GivenUp (base/parallel.hpp) soon
+/// after `give_up` became true.
+void assemble(const Patches& body, double wave_number, std::span<std::complex<float>> matrix,
+              const std::atomic<bool>* give_up = nullptr);
 
 /// Memory that assemble() takes beside the matrix, about.
 std::uint64_t assembly_bytes(const geometry::Mesh& mesh);

@@ -134,7 +134,7 @@ std::uint64_t near_pair_count(const Mesh& mesh) {
   return sum;
 }
 
-NearPairs near_pairs(const Patches& body, double wave_number) {
+NearPairs near_pairs(const Patches& body, double wave_number, const std::atomic<bool>* give_up) {
   static const NearRules rules;
   const Mesh& mesh = body.mesh;
   const Neighbours neighbours(mesh);
@@ -146,6 +146,7 @@ NearPairs near_pairs(const Patches& body, double wave_number) {
   parallel_chunks(mesh.triangles.size(), patches_per_job, [&](std::size_t, std::size_t begin, std::size_t end) {
     PairTable cut;
     for (std::size_t t = begin; t < end; ++t) {
+      stop_if(give_up);
       const NearPatch test = relative(body.patches[t], neighbours.centre(t));
       for (std::uint32_t entry = pairs.first[t]; entry < pairs.first[t + 1]; ++entry) {
         const std::uint32_t other = pairs.trial[entry];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -19,7 +20,8 @@ struct NearPairs {
   /// The first two that lie so close to each other that their blocks have lost digits (near_rules.hpp).
   std::optional<std::array<std::uint32_t, 2>> unresolved;
 };
-NearPairs near_pairs(const Patches& body, double wave_number);
+/// Throws GivenUp soon after `give_up` became true.
+NearPairs near_pairs(const Patches& body, double wave_number, const std::atomic<bool>* give_up = nullptr);
 
 /// How many entries that has: some 40 per face of an even mesh.
 std::uint64_t near_pair_count(const geometry::Mesh& mesh);

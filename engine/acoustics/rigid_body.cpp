@@ -27,11 +27,11 @@ double hat(std::size_t corner, std::size_t sample) {
 
 }  // namespace
 
-RigidBody::RigidBody(geometry::Mesh mesh, double wave_number)
+RigidBody::RigidBody(geometry::Mesh mesh, double wave_number, const std::atomic<bool>* give_up)
     : patches_(make_patches(std::move(mesh))),
       wave_number_(wave_number),
       fit_(patches_),
-      operator_(make_dense_operator(patches_, wave_number)) {
+      operator_(make_dense_operator(patches_, wave_number, give_up)) {
   for (const Patch& patch : patches_.patches) {
     for (const TriangleSample& s : three_point_rule()) {
       const Vec3 area = patch.area_vector(s.u, s.v);

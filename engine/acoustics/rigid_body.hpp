@@ -4,6 +4,7 @@
 // lossless air: absorption, and directivity, belong to the incident wave and its slope.
 #pragma once
 
+#include <atomic>
 #include <complex>
 #include <memory>
 #include <span>
@@ -19,8 +20,9 @@ namespace palpa::acoustics {
 
 class RigidBody {
  public:
-  /// `mesh` is welded, closed, oriented outwards (body_mesh.hpp checks that), `wave_number` in 1/m.
-  RigidBody(geometry::Mesh mesh, double wave_number);
+  /// `mesh` is welded, closed, oriented outwards (body_mesh.hpp checks that), `wave_number` in 1/m. Throws GivenUp
+  /// (base/parallel.hpp) soon after `give_up` became true.
+  RigidBody(geometry::Mesh mesh, double wave_number, const std::atomic<bool>* give_up = nullptr);
 
   const geometry::Mesh& mesh() const { return patches_.mesh; }
   const Patches& patches() const { return patches_; }

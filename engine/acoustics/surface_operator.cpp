@@ -11,8 +11,8 @@ namespace {
 
 class DenseOperator : public SurfaceOperator {
  public:
-  DenseOperator(std::vector<std::complex<float>> matrix, std::size_t size)
-      : size_(size), lu_(std::move(matrix), size) {}
+  DenseOperator(std::vector<std::complex<float>> matrix, std::size_t size, const std::atomic<bool>* give_up)
+      : size_(size), lu_(std::move(matrix), size, give_up) {}
   std::size_t unknowns() const override { return size_; }
   void solve(Way way, std::span<std::complex<float>> columns) const override { lu_.solve(way, columns); }
 
@@ -23,11 +23,12 @@ class DenseOperator : public SurfaceOperator {
 
 }  // namespace
 
-std::unique_ptr<SurfaceOperator> make_dense_operator(const Patches& body, double wave_number) {
+std::unique_ptr<SurfaceOperator> make_dense_operator(const Patches& body, double wave_number,
+                                                     const std::atomic<bool>* give_up) {
   const std::size_t size = body.mesh.positions.size();
   std::vector<std::complex<float>> matrix(size * size);
-  assemble(body, wave_number, matrix);
-  return std::make_unique<DenseOperator>(std::move(matrix), size);
+  assemble(body, wave_number, matrix, give_up);
+  return std::make_unique<DenseOperator>(std::move(matrix), size, give_up);
 }
 
 std::uint64_t dense_operator_bytes(const geometry::Mesh& body) {

@@ -3,6 +3,7 @@
 // another.
 #pragma once
 
+#include <atomic>
 #include <complex>
 #include <cstddef>
 #include <cstdint>
@@ -27,8 +28,9 @@ class SurfaceOperator {
 };
 
 /// The whole matrix (galerkin.hpp) and its factors: a solution then costs two passes over it. Factoring takes 8/3
-/// vertices^3 operations.
-std::unique_ptr<SurfaceOperator> make_dense_operator(const Patches& body, double wave_number);
+/// vertices^3 operations. Throws GivenUp (base/parallel.hpp) soon after `give_up` became true.
+std::unique_ptr<SurfaceOperator> make_dense_operator(const Patches& body, double wave_number,
+                                                     const std::atomic<bool>* give_up = nullptr);
 
 /// Memory that it takes at most while it is made.
 std::uint64_t dense_operator_bytes(const geometry::Mesh& body);

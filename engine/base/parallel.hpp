@@ -1,6 +1,7 @@
 // Work cut into chunks and done by as many threads as the machine has.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
 
@@ -15,6 +16,13 @@ unsigned worker_count();
 /// that of the lowest chunk.
 void parallel_chunks(std::size_t count, std::size_t size,
                      const std::function<void(std::size_t chunk, std::size_t begin, std::size_t end)>& work);
+
+/// Thrown where work ends because nobody wants it any more.
+struct GivenUp {};
+/// Between the steps of long work: throws GivenUp if `give_up`, which may be null, became true.
+inline void stop_if(const std::atomic<bool>* give_up) {
+  if (give_up && *give_up) throw GivenUp();
+}
 
 inline std::size_t chunk_count(std::size_t count, std::size_t size) {
   return (count + size - 1) / size;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/parallel.hpp"
 #include "session/output.hpp"
 
 namespace palpa::session {
@@ -46,7 +47,8 @@ Sounds sounds_of(const Plan& plan, const array::Layout& layout, const array::Dri
 }
 
 acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Incident& incident,
-                                      const acoustics::Air& air, const acoustics::RigidBody& body) {
+                                      const acoustics::Air& air, const acoustics::RigidBody& body,
+                                      const std::atomic<bool>* give_up) {
   acoustics::SkinPressure pressure;
   const std::size_t vertices = body.mesh().positions.size();
   const std::size_t transducers = sounds.strengths.size() / sounds.weights.size();
@@ -54,7 +56,8 @@ acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Inc
   for (std::size_t first = 0; first < sounds.weights.size(); first += together) {
     const std::size_t count = std::min(together, sounds.weights.size() - first);
     incident.at(body.points(), body.normals(),
-                std::span(sounds.strengths).subspan(first * transducers, count * transducers), waves);
+                std::span(sounds.strengths).subspan(first * transducers, count * transducers), waves, give_up);
+    stop_if(give_up);
     const std::vector<std::complex<float>> unknowns = body.solve(waves);
     for (std::size_t i = 0; i < count; ++i) {
       acoustics::add_pressure(body.at_faces(std::span(unknowns).subspan(i * vertices, vertices)), air,

@@ -1,6 +1,7 @@
 // What a plan does to rigid skin: the radiation pressure of its drives, averaged over time.
 #pragma once
 
+#include <atomic>
 #include <vector>
 
 #include "acoustics/air.hpp"
@@ -27,9 +28,11 @@ inline Sounds sounds_of(const Plan& plan, const SessionSetting& setting) {
   return sounds_of(plan, setting.layout, setting.drive);
 }
 
-/// The time average over these sounds at the faces of `body`, which stands in the world as the incident's array.
+/// The time average over these sounds at the faces of `body`, which stands in the world as the incident's array. Throws
+/// GivenUp (base/parallel.hpp) soon after `give_up` became true.
 acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Incident& incident,
-                                      const acoustics::Air& air, const acoustics::RigidBody& body);
+                                      const acoustics::Air& air, const acoustics::RigidBody& body,
+                                      const std::atomic<bool>* give_up = nullptr);
 
 /// The same sounds without anything in their way: how much longer than wide is the place, in the horizontal plane
 /// through `centre`, within 15 mm, where the time average of |p|^2 is above half of its largest.

@@ -6,23 +6,24 @@
 
 #include "acoustics/incident.hpp"
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "session/give_way.hpp"
 #include "session/skin_pressure.hpp"
 
 namespace palpa::session {
 
-SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies) {
+SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies, const std::atomic<bool>* give_up) {
   SkinAnswer answer;
   answer.faces.langevin.assign(question.finger.triangles.size(), 0);
   answer.faces.squared = answer.faces.langevin;
   if (question.plan.schedule.voice_count > 0 && !question.layout.transducers.empty()) {
     if (question.plan.drives.size() != question.plan.cycle * question.layout.transducers.size())
       throw failure("the plan is of another array than the one whose sound is asked for");
-    const auto body = bodies.of(question.finger, question.air.wave_number());
+    const auto body = bodies.of(question.finger, question.air.wave_number(), give_up);
     const array::Layout layout = array::transformed(question.layout, glm::inverse(question.T_world_finger));
     const acoustics::Incident incident(layout, question.air, question.drive.directivity);
     const Sounds sounds = sounds_of(question.plan, question.layout, question.drive);
-    answer.faces = mean_pressure(sounds, incident, question.air, *body);
+    answer.faces = mean_pressure(sounds, incident, question.air, *body, give_up);
   }
   answer.vertices = acoustics::at_vertices(question.finger, answer.faces.langevin);
   return answer;
@@ -72,7 +73,9 @@ void SkinPreview::work() {
     lock.unlock();
     auto next = std::make_shared<SkinAnswer>();
     try {
-      *next = answer(question, bodies_);
+      *next = answer(question, bodies_, &ends_);
+    } catch (const GivenUp&) {
+      return;
     } catch (const std::exception& error) {
       next->fault = error.what();
     }

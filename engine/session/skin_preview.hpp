@@ -6,6 +6,7 @@
 // cost right-hand sides only, 0.3 s for the paper's case.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
@@ -42,14 +43,15 @@ struct SkinAnswer {
   std::string fault;              ///< why there is nothing of that, as the error said it; empty: it is all there
 };
 
-/// Answers on the calling thread.
-SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies);
+/// Answers on the calling thread. Throws GivenUp (base/parallel.hpp) soon after `give_up` became true.
+SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies,
+                  const std::atomic<bool>* give_up = nullptr);
 
 /// What is computed says so where doing() is looked at (base/activity.hpp).
 class SkinPreview {
  public:
   SkinPreview();
-  /// Ends the thread when what it computes is done.
+  /// Ends the thread, in the middle of an answer too: of a finger within some hundredths of a second.
   ~SkinPreview();
   SkinPreview(const SkinPreview&) = delete;
   SkinPreview& operator=(const SkinPreview&) = delete;
@@ -68,7 +70,7 @@ class SkinPreview {
   std::condition_variable wake_;
   std::optional<SkinQuestion> waiting_;
   std::uint64_t asked_ = 0;
-  bool ends_ = false;
+  std::atomic<bool> ends_{false};
   std::shared_ptr<const SkinAnswer> newest_ = std::make_shared<SkinAnswer>();
   acoustics::BodyCache bodies_;
   std::thread thread_;

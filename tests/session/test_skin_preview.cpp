@@ -4,10 +4,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <optional>
+#include <string>
 #include <thread>
 
+#include "base/activity.hpp"
 #include "geometry/icosphere.hpp"
 #include "session/skin_preview.hpp"
 #include "support/thrown.hpp"
@@ -102,6 +106,34 @@ TEST(SkinPreview, SaysWhatAnAnswerIsOf) {
   EXPECT_CONTAINS(wait()->fault, "of another array");
   preview.ask(question());
   EXPECT_EQ(wait()->fault, "");
+}
+
+double processor_s() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+TEST(SkinPreview, EndsInTheMiddleOfAnAnswer) {
+  // To the end it would take one or two seconds of processor time.
+  SkinQuestion long_work = question();
+  long_work.finger = geometry::icosphere(10e-3, 16);
+  for (const std::string stage : {"samples neighbouring faces", "fills the matrix", "factors the matrix"}) {
+    double begun = 0;
+    {
+      SkinPreview preview;
+      preview.ask(long_work);
+      bool reached = false;
+      while (!reached && preview.stale()) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        const std::optional<Doing> now = doing();
+        reached = now && now->what.starts_with(stage);
+      }
+      ASSERT_TRUE(reached) << stage;
+      begun = processor_s();
+    }
+    EXPECT_LT(processor_s() - begun, 0.25) << stage;
+  }
 }
 
 }  // namespace
