@@ -78,6 +78,7 @@ void App::remember() {
   if (now == recalled_) return;
   try {
     save_settings(around_.settings, now);
+    recalled_ = now;
   } catch (const std::exception& error) {
     log::warning(error.what());
   }
@@ -92,9 +93,12 @@ void App::start() {
   running_ = desk_.given;
   told_ = false;
   scene_.reset();
-  starter_.run([this] {
+  setup::LiveOptions options = live_options(desk_.given);
+  for (const std::string& line : outputs_.name(options, setup::with_builtin(around_.kinds.links)))
+    say(log::Level::info, line, now_s_);
+  starter_.run([&] {
     live_ = std::make_unique<LiveSession>(
-        live_options(desk_.given), around_.kinds, *around_.stop, around_.wake ? around_.wake : [] {});
+        std::move(options), around_.kinds, *around_.stop, around_.wake ? around_.wake : [] {});
   });
   desk_.live_state = LiveState::loading;
 }
@@ -120,7 +124,11 @@ void App::handle(const WindowEvent& event, const Size& whole_size) {
   const Size size = beside_panels(whole_size);
   if (event.kind == WindowEvent::Kind::damage) dirty_ = true;
   if (event.kind == WindowEvent::Kind::drop) return open(event.text, now_s_);
-  const bool taken = ui_ && ui_->take(event);
+  const bool press = event.kind == WindowEvent::Kind::press;
+  const auto here = [&](const Area& area) { return area.holds(event.x, event.y); };
+  // Before any picture, and whatever lies over the button.
+  if (press && desk_.places.all_off && here(*desk_.places.all_off)) switch_off();
+  const bool taken = ui_ && ui_->take(event, press && std::ranges::any_of(desk_.places.texts, here));
   if (ui_) dirty_ = true;
   if (taken && event.kind != WindowEvent::Kind::release) return;
   if (event.kind == WindowEvent::Kind::key && event.down) key(event);
@@ -135,7 +143,7 @@ void App::key(const WindowEvent& event) {
   switch (event.key) {
     case Key::space:
       if (desk_.playback) {
-        Playback play = *desk_.playback;
+        Playback play = desk_.asked.play.value_or(*desk_.playback);
         play.playing = !play.playing;
         desk_.asked.play = play;
       } else {
@@ -143,10 +151,10 @@ void App::key(const WindowEvent& event) {
       }
       return;
     case Key::left:
-      desk_.asked.step = -1;
+      desk_.asked.step -= 1;
       return;
     case Key::right:
-      desk_.asked.step = 1;
+      desk_.asked.step += 1;
       return;
     case Key::tab:
       desk_.panels = !desk_.panels;
@@ -168,16 +176,16 @@ void App::key(const WindowEvent& event) {
       desk_.help = !desk_.help;
       break;
     case 'o':
-      desk_.asked.all_off = true;
+      switch_off();
       break;
     case 'c':
       if (desk_.live) desk_.asked.copy = run_command(desk_.given);
       break;
     case ',':
-      desk_.asked.slots = -1;
+      desk_.asked.slots -= 1;
       break;
     case '.':
-      desk_.asked.slots = 1;
+      desk_.asked.slots += 1;
       break;
     case '-':
       desk_.state.time.slots_per_s = std::max(desk_.state.time.slots_per_s / 2, 0.5);
@@ -279,10 +287,7 @@ void App::reload(double now_s) {
 void App::do_asked(double now_s, const Size& size) {
   const Desk::Asked asked = std::exchange(desk_.asked, {});
   const double aspect = static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u);
-  if (asked.all_off && live_) {
-    live_->all_off();
-    say(log::Level::info, "all off", now_s);
-  }
+  if (asked.all_off) switch_off();
   if (asked.view) look(desk_.state.viewpoint, *asked.view);
   if (asked.frame || asked.view) fit(desk_.state.viewpoint, home_of(options_, picture(), desk_.state), aspect);
   if (!asked.copy.empty()) {
@@ -290,24 +295,28 @@ void App::do_asked(double now_s, const Size& size) {
     say(log::Level::info, asked.copy, now_s);
   }
   if (asked.play) transport_.play(*asked.play);
+  if (asked.go_to) transport_.go_to(*asked.go_to);
   if (asked.step != 0) transport_.step(asked.step);
   if (asked.slots != 0) {
     SlotTime& time = desk_.state.time;
     time.playing = false;
+    const auto back = static_cast<std::uint64_t>(std::max(-asked.slots, 0));
     time.slot =
-        asked.slots > 0 || time.slot > 0 ? time.slot + static_cast<std::uint64_t>(std::int64_t{asked.slots}) : 0;
+        asked.slots > 0 ? time.slot + static_cast<std::uint64_t>(asked.slots) : time.slot - std::min(time.slot, back);
     show_slot_now();
   }
   if (asked.start || asked.view || asked.frame) dirty_ = true;
-  // Last, so that what else was asked for at the same time starts nothing either.
-  if (asked.all_off) {
-    off_ = true;
-    restart_ = false;
-  } else if (asked.start) {
-    off_ = false;
-  }
+  if (asked.start && !asked.all_off) off_ = false;
   const bool anew = std::exchange(anew_, false);
   if (desk_.live && (asked.start || anew || desk_.given != running_)) touch_options(now_s);
+}
+
+/// Silence at once, and nothing begins until somebody starts it.
+void App::switch_off() {
+  if (!live_) return;
+  live_->all_off();
+  restart_ = false;
+  if (!std::exchange(off_, true)) say(log::Level::info, "all off", now_s_);
 }
 
 /// Options that changed, or a run that is to begin anew: the one that runs ends first. After all off nothing begins
@@ -427,12 +436,17 @@ App::Frame App::render(const Size& size, double ratio, double now_s) {
 }
 
 bool App::finish(double patience_s) {
+  constexpr double while_loading_s = 0.3;  // what loads looks at no flag
+  remember();
   if (!live_) return true;
   live_->all_off();
-  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
-  while (!live_->over() && std::chrono::steady_clock::now() < until)
+  const auto begin = std::chrono::steady_clock::now();
+  while (!live_->over()) {
+    const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - begin;
+    if (waited.count() > (loading() ? while_loading_s : patience_s)) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  return live_->over();
+  }
+  return true;
 }
 
 }  // namespace palpa::viewer

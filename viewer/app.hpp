@@ -15,6 +15,7 @@
 #include "viewer/desk.hpp"
 #include "viewer/drawn_picture.hpp"
 #include "viewer/live/live_session.hpp"
+#include "viewer/live/next_outputs.hpp"
 #include "viewer/live/starter.hpp"
 #include "viewer/live/transport.hpp"
 #include "viewer/panels/ui.hpp"
@@ -74,7 +75,8 @@ class App {
   /// Whether a live run has shown a frame since the last call; of anything else, always.
   bool showed_frame() { return !desk_.live || std::exchange(fresh_, false); }
   void say(log::Level level, const std::string& line, double now_s);
-  /// A live run falls silent and ends; false where it has not within `patience_s`.
+  bool loading() const { return live_ && live_->state() == LiveState::loading; }
+  /// A live run falls silent and ends; false where it has not within `patience_s`, or is loading all the while.
   bool finish(double patience_s);
   /// Throws what a live run failed with.
   void rethrow() const {
@@ -93,6 +95,7 @@ class App {
   void read_at(double x, double y, const Size& size);
   void show_slot_now();
   void touch_options(double now_s);
+  void switch_off();
   bool changing() const;
   /// What panels leave of a picture of that size.
   Size beside_panels(const Size& size) const;
@@ -108,6 +111,7 @@ class App {
   std::unique_ptr<Show> show_;
   Transport transport_;
   Starter starter_;  ///< of live runs: they do not give way when they begin anew either
+  NextOutputs outputs_;
   std::unique_ptr<LiveSession> live_;
   std::shared_ptr<const LiveScene> scene_;
   bool off_ = false;   ///< somebody switched it off: only they start it again

@@ -39,6 +39,12 @@ struct Reading {
   std::optional<double> depth_m;  ///< inside a solid, positive inside; of a contact
 };
 
+/// Where something of the panels was drawn, pixels.
+struct Area {
+  double left = 0, top = 0, right = 0, bottom = 0;
+  bool holds(double x, double y) const { return x >= left && x < right && y >= top && y < bottom; }
+};
+
 struct Desk {
   // ---- shown -------------------------------------------------------------------------------------------------------
   const Picture* picture = nullptr;
@@ -64,11 +70,18 @@ struct Desk {
   struct Asked {
     bool all_off = false, start = false, frame = false;
     std::optional<StandardView> view;
-    std::string copy;              ///< text for other programs
-    std::optional<Playback> play;  ///< to go there, or at that speed
-    int step = 0;                  ///< frames of a recording
-    int slots = 0;                 ///< slots of the schedule
+    std::string copy;                    ///< text for other programs
+    std::optional<Playback> play;        ///< the recording is to play like that; its place is of no account
+    std::optional<std::uint64_t> go_to;  ///< a frame of it
+    int step = 0;                        ///< frames of it
+    int slots = 0;                       ///< slots of the schedule
   } asked;
+
+  // ---- where the panels of the last picture were -------------------------------------------------------------------
+  struct Places {
+    std::optional<Area> all_off;  ///< the button
+    std::vector<Area> texts;      ///< fields where text is typed
+  } places;
 };
 
 }  // namespace palpa::viewer

@@ -83,6 +83,15 @@ void play(App& app, Stage& stage, Script script, const std::function<double()>& 
     stage.draw(app, now());
     script.drew();
   }
+  // A run that is still loading may yet fail, and the last picture shows it.
+  bool waited = false;
+  for (; app.loading() && !app.quitting(); waited = true) {
+    app.advance(now(), stage.size());
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  if (!waited || app.quitting()) return;
+  app.advance(now(), stage.size());
+  stage.draw(app, now());
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   Window window(size.width, size.height, "palpa");  // first: without a display nothing else is worth doing
   const Clock::time_point begin = Clock::now();
   const auto now = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
-  Stopper stopper(options);
+  Stopper stopper(options, Window::wake);
   App app(options, size,
           {.kinds = kinds,
            .stop = &stopper.flag(),

@@ -26,20 +26,32 @@ void silence_at_exit() {
 
 }  // namespace
 
-Stopper::Stopper(const ViewerOptions& options) {
+Stopper::Stopper(const ViewerOptions& options, std::function<void()> wake)
+    : scripted_(!options.interact.empty() || options.frames), windowed_(!options.headless) {
   if (!options.is_live()) return;
   [[maybe_unused]] static const int registered = std::atexit(silence_at_exit);
   relay_.emplace();
-  interrupt_.emplace("ended without finishing, a second after the signal: what it waited for did not answer");
+  interrupt_.emplace("ended without finishing, a second after the signal: what it waited for did not answer",
+                     std::move(wake));
 }
 
 void Stopper::end(App& app) {
+  constexpr const char* too_early = "ended while the run was loading: nothing of it was shown; give it time to wait";
   constexpr double patience_s = 3;
-  if (app.finish(patience_s)) return;
-  const bool loading = app.desk().live_state == LiveState::loading;
-  if (!loading) log::error("ended without finishing: what the run waited for did not answer; the array is silent");
+  const bool cut = app.loading() && scripted_ && !setup::Interrupt::signalled();
+  const bool over = app.finish(patience_s);
+  if (over && cut) throw failure(too_early);
+  // After a signal there is a second for all of it: a window's device may take longer to be given back.
+  const bool at_once = over && windowed_ && setup::Interrupt::signalled();
+  if (over && !at_once) return;
+  const bool loading = app.loading();
+  if (cut) {
+    log::error(too_early);
+  } else if (!loading && !over) {
+    log::error("ended without finishing: what the run waited for did not answer; the array is silent");
+  }
   relay_.reset();
-  ::_exit(static_cast<int>(loading ? Exit::ok : Exit::failed));
+  ::_exit(static_cast<int>(cut || !(loading || over) ? Exit::failed : Exit::ok));
 }
 
 }  // namespace palpa::viewer

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <optional>
 
 #include "base/log.hpp"
@@ -13,16 +14,19 @@ namespace palpa::viewer {
 
 class Stopper {
  public:
-  /// Of a live run: signals and exit() end it from now on, and nobody waits for whoever reads the log.
-  explicit Stopper(const ViewerOptions& options);
+  /// Of a live run: signals and exit() end it from now on, and nobody waits for whoever reads the log. `wake` is called
+  /// on another thread when a signal has come.
+  explicit Stopper(const ViewerOptions& options, std::function<void()> wake = {});
 
   std::atomic<bool>& flag() { return setup::Interrupt::flag(); }
 
   /// Ends the run. Where it does not end (a camera, a disk or a GPU that does not answer) the program does: the array
-  /// is silent by then, see session/loop.hpp.
+  /// is silent by then, see session/loop.hpp. What is still loading has nothing to silence and is not waited for.
+  /// Throws failure where nobody but --interact or --frames ended it then: they have shown nothing of it.
   void end(App& app);
 
  private:
+  bool scripted_, windowed_;
   std::optional<log::Relay> relay_;
   std::optional<setup::Interrupt> interrupt_;
 };

@@ -6,7 +6,9 @@
 #include <cerrno>
 #include <chrono>
 #include <exception>
+#include <mutex>
 #include <thread>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
@@ -48,11 +50,17 @@ std::vector<int> ending_signals() {
 struct Interrupt::Deadline {
   std::string late;
   std::atomic<bool> called_off{false};
+  std::mutex mutex;
+  std::function<void()> came;
 
   static void watch(const std::shared_ptr<Deadline>& deadline) {
     while (sem_wait(&first_signal) != 0 && errno == EINTR) {
     }
     if (deadline->called_off) return;
+    {
+      const std::lock_guard lock(deadline->mutex);
+      if (deadline->came) deadline->came();
+    }
     std::this_thread::sleep_for(patience);
     if (deadline->called_off) return;  // the signal came while all was over
     // Said by another thread, which may have to wait for whoever reads it.
@@ -65,10 +73,11 @@ struct Interrupt::Deadline {
   }
 };
 
-Interrupt::Interrupt(std::string late) : deadline_(std::make_shared<Deadline>()) {
+Interrupt::Interrupt(std::string late, std::function<void()> came) : deadline_(std::make_shared<Deadline>()) {
   requested_flag = signal_came = false;
   sem_init(&first_signal, 0, 0);
   deadline_->late = std::move(late);
+  deadline_->came = std::move(came);
   watch_ = std::thread(Deadline::watch, deadline_);
   struct sigaction action {};
   action.sa_handler = note;
@@ -85,6 +94,10 @@ Interrupt::Interrupt(std::string late) : deadline_(std::make_shared<Deadline>())
 Interrupt::~Interrupt() {
   for (const auto& [signal, before] : before_)
     sigaction(signal, &before, nullptr);
+  {
+    const std::lock_guard lock(deadline_->mutex);
+    deadline_->came = {};
+  }
   if (signal_came) {
     watch_.detach();
     return;

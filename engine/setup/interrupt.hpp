@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -19,8 +20,9 @@ class Interrupt {
   /// too, since a program that is stopped cannot silence anything. Later ones change nothing: the array must not be
   /// left sounding by an impatient second Ctrl-C. But a second after the first one palpa ends whatever it is doing,
   /// with the error line `late`: nothing that it writes to, and no device, keeps it longer. That goes for what is done
-  /// after this object's end, too.
-  explicit Interrupt(std::string late);
+  /// after this object's end, too. `came` is called on another thread when the first signal has come, for as long as
+  /// this object lives; it must not wait.
+  explicit Interrupt(std::string late, std::function<void()> came = {});
 
   ~Interrupt();
   Interrupt(const Interrupt&) = delete;

@@ -27,8 +27,8 @@ using Clock = std::chrono::steady_clock;
   }
   Environment environment = options.environment;
   environment.push_back(where_assets_are());
-  become(palpa_binary(), arguments, environment, options.out ? options.out->end() : nothing,
-         options.err ? options.err->end() : nothing);
+  become(options.program.empty() ? palpa_binary() : options.program, arguments, environment,
+         options.out ? options.out->end() : nothing, options.err ? options.err->end() : nothing);
 }
 
 }  // namespace
@@ -82,7 +82,8 @@ std::string Unread::read_all() {
 }
 
 LiveRun::LiveRun(const std::vector<std::string>& arguments, const LiveOptions& options) {
-  std::vector<std::string> line{options.command};
+  std::vector<std::string> line;
+  if (options.program.empty()) line.emplace_back(options.command);
   line.insert(line.end(), arguments.begin(), arguments.end());
   child_ = fork();
   EXPECT_GE(child_, 0);

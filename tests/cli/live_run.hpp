@@ -1,4 +1,4 @@
-// `palpa run`, or another of its commands, while it lives: nobody reads what it writes.
+// `palpa run`, another of its commands or another program, while it lives: nobody reads what it writes.
 #pragma once
 
 #include <sys/types.h>
@@ -42,11 +42,12 @@ struct LiveOptions {
   bool foreground = false;      ///< `err` is the terminal that it runs on
   Environment environment{};
   const char* command = "run";
+  std::string program{};  ///< in palpa's place; without a command
 };
 
 class LiveRun {
  public:
-  /// palpa with these arguments.
+  /// palpa, or that program, with these arguments.
   explicit LiveRun(const std::vector<std::string>& arguments, const LiveOptions& options = {});
   ~LiveRun();  ///< kills what is left
   LiveRun(const LiveRun&) = delete;

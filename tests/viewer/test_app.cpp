@@ -18,7 +18,8 @@ using namespace std::chrono_literals;
 
 class LiveApp : public testing::Test {
  protected:
-  LiveApp() : folder_(test::scratch_folder("viewer-app")), scene_(folder_ / "cube.glb"), other_(folder_ / "other.glb") {
+  explicit LiveApp(bool panels = false)
+      : folder_(test::scratch_folder("viewer-app")), scene_(folder_ / "cube.glb"), other_(folder_ / "other.glb") {
     fs::copy_file(test::source_file("assets/cube.glb"), scene_);
     fs::copy_file(scene_, other_);
     ViewerOptions options;
@@ -29,7 +30,7 @@ class LiveApp : public testing::Test {
     Surroundings around;
     around.kinds.links.push_back(test::heard_link(heard_));
     around.stop = &stop_;
-    around.panels = false;
+    around.panels = panels;
     app_ = std::make_unique<App>(options, size_, std::move(around));
   }
 
@@ -56,12 +57,14 @@ class LiveApp : public testing::Test {
     go_round(50);
     return app_->desk().live_state == LiveState::ended && stop_;
   }
-  void all_off() {
+  void key(char character, bool down = true) {
     WindowEvent event;
     event.kind = WindowEvent::Kind::key;
-    event.key = key_of('o');
+    event.key = key_of(character);
+    event.down = down;
     app_->handle(event, size_);
   }
+  void all_off() { key('o'); }
   void drop(const fs::path& file) {
     WindowEvent event;
     event.kind = WindowEvent::Kind::drop;
@@ -128,6 +131,111 @@ TEST_F(LiveApp, AnotherSceneIsNotOneThatWasWrittenAnew) {
   ASSERT_TRUE(comes_to(LiveState::running));
   go_round(50);
   EXPECT_EQ(app_->desk().live_state, LiveState::running);
+}
+
+/// With panels, and a hand on them.
+class LiveAppWithPanels : public LiveApp {
+ protected:
+  LiveAppWithPanels() : LiveApp(true) {}
+
+  void draw(int pictures = 3) {
+    for (int i = 0; i < pictures; ++i) {
+      go_round();
+      app_->render(size_, 1, now_s_);
+    }
+  }
+  void button(WindowEvent::Kind kind, double x, double y) {
+    WindowEvent event;
+    event.kind = kind;
+    event.x = x;
+    event.y = y;
+    app_->handle(event, size_);
+  }
+  Area all_off_button() { return app_->desk().places.all_off.value_or(Area()); }
+};
+
+TEST_F(LiveAppWithPanels, StartBeginsAgainAfterAllOff) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  draw();
+  all_off();
+  ASSERT_TRUE(comes_to(LiveState::ended));
+  EXPECT_TRUE(stays_off());
+  draw();
+  const std::uint64_t before = heard_->sounding;
+  const Area off = all_off_button();  // Start stands to its right
+  const double x = off.right + 0.3 * (off.right - off.left), y = (off.top + off.bottom) / 2;
+  button(WindowEvent::Kind::move, x, y);
+  draw();
+  button(WindowEvent::Kind::press, x, y);
+  draw(1);
+  button(WindowEvent::Kind::release, x, y);
+  draw(1);
+  ASSERT_TRUE(comes_to(LiveState::running));
+  EXPECT_FALSE(stop_);
+  EXPECT_TRUE(goes_round_until([&] { return heard_->sounding > before; })) << "it sounds again";
+  all_off();
+  ASSERT_TRUE(comes_to(LiveState::ended)) << "and can be switched off again";
+  EXPECT_FALSE(heard_->last_sounds);
+}
+
+TEST_F(LiveAppWithPanels, AllOffWaitsForNoPicture) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  draw();
+  for (int i = 0; i < 50; ++i) {  // keys that are held down, each change of which takes a picture
+    key('.');
+    key('.', false);
+  }
+  const Area off = all_off_button();
+  ASSERT_GT(off.right, off.left);
+  button(WindowEvent::Kind::press, off.left + 2, off.top + 2);
+  EXPECT_TRUE(stop_) << "before anything was drawn";
+  ASSERT_TRUE(comes_to(LiveState::ended));
+  button(WindowEvent::Kind::release, off.left + 2, off.top + 2);
+  draw();
+  EXPECT_TRUE(stays_off());
+}
+
+TEST(UiKeys, AreTextFromThePressOnATextOn) {
+  Ui ui(false);
+  const auto picture = [&] {
+    ui.begin(200, 100, 1, 0.01);
+    ui.end();
+  };
+  const auto typed = [&](Key key) {
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::key;
+    event.key = key;
+    const bool taken = ui.take(event);
+    event.down = false;
+    ui.take(event);
+    return taken;
+  };
+  WindowEvent press;
+  press.kind = WindowEvent::Kind::press;
+  picture();
+  EXPECT_FALSE(typed(key_of('o')));
+  ui.take(press, true);
+  EXPECT_TRUE(typed(key_of('o'))) << "no picture came between";
+  EXPECT_TRUE(typed(Key::enter));
+  EXPECT_FALSE(typed(key_of('o'))) << "that ended it";
+  ui.take(press, true);
+  ui.take(press, false);
+  EXPECT_FALSE(typed(key_of('o'))) << "elsewhere";
+}
+
+TEST(UiKeys, OneThatIsHeldDownIsOneChange) {
+  Ui ui(false);
+  WindowEvent event;
+  event.kind = WindowEvent::Kind::key;
+  event.key = key_of('a');
+  for (int i = 0; i < 100; ++i)
+    ui.take(event);
+  int pictures = 0;
+  for (; ui.restless() && pictures < 100; ++pictures) {
+    ui.begin(200, 100, 1, 0.01);
+    ui.end();
+  }
+  EXPECT_LE(pictures, 3);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "viewer/live/live_line.hpp"
 #include "viewer/live/live_picture.hpp"
 #include "viewer/live/live_session.hpp"
+#include "viewer/live/next_outputs.hpp"
 #include "viewer/live/starter.hpp"
 
 namespace palpa::viewer {
@@ -168,6 +169,48 @@ TEST(Starter, DoesNotGiveWayWithWhoeverMadeIt) {
   }).join();
   EXPECT_GE(maker, 10);
   EXPECT_EQ(started, before);
+}
+
+TEST(NextOutputs, ARunThatBeginsAnewWritesOverNothing) {
+  const auto folder = test::scratch_folder("live-next-outputs");
+  const std::string events = (folder / "events.jsonl").string(), drives = (folder / "drives").string(),
+                    take = (folder / "take.1").string();
+  const std::vector<session::LinkKind> links = session::builtin_links();
+  NextOutputs outputs;
+  const auto begin = [&](bool writes) {
+    setup::LiveOptions options;
+    options.events = events;
+    options.record = take + "/";
+    options.link = "record:" + drives;
+    const auto lines = outputs.name(options, links);
+    if (writes) {
+      test::write_text(options.events, "e");
+      test::write_text(options.link.substr(7), "d");
+      std::filesystem::create_directory(options.record);
+      test::write_text(options.record + "/recording.toml", "r");
+    }
+    return std::pair(options, lines);
+  };
+  EXPECT_TRUE(begin(false).second.empty());
+  EXPECT_TRUE(begin(false).second.empty()) << "nothing was written there";
+  EXPECT_EQ(begin(true).first.record, take);
+  const auto [second, told] = begin(true);
+  EXPECT_EQ(second.events, (folder / "events-2.jsonl").string());
+  EXPECT_EQ(second.link, "record:" + (folder / "drives-2").string());
+  EXPECT_EQ(second.record, (folder / "take.1-2").string());
+  ASSERT_EQ(told.size(), 3u);
+  EXPECT_EQ(told[0], "--events: " + events + " is kept, this run writes " + second.events);
+  test::write_text(folder / "events-3.jsonl", "somebody else's");
+  EXPECT_EQ(begin(true).first.events, (folder / "events-4.jsonl").string());
+
+  setup::LiveOptions streams;
+  streams.events = "-";
+  streams.link = "foci:udp:127.0.0.1:9000";
+  for (int i = 0; i < 2; ++i)
+    EXPECT_TRUE(outputs.name(streams, links).empty());
+  streams.events = "/dev/null";
+  for (int i = 0; i < 2; ++i)
+    EXPECT_TRUE(outputs.name(streams, links).empty());
 }
 
 TEST(LiveLine, GoesThereAndBack) {

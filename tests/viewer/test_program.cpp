@@ -1,6 +1,8 @@
 // palpa-viewer itself, without a window.
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -248,6 +250,25 @@ TEST_F(Viewer, AParticipantSeesTheObjectWithEitherEye) {
   std::ofstream(rig) << sensing::to_toml(sensing::Rig{});
   refused({"--screen", rig}, 4, "bare.toml");
   test::expect_failure(viewer({"--scene", scene, "--headless", "--stereo", "rows"}), 2, "--participant");
+}
+
+TEST_F(Viewer, AScriptThatEndsWhileARunLoadsIsNoSuccess) {
+  const auto folder = test::scratch_folder("viewer-script-loading");
+  const std::string script = (folder / "script").string(), shot = (folder / "shot.png").string();
+  const auto run = [&](const std::string& text, const std::vector<std::string>& more) {
+    test::write_text(script, text);
+    return viewer(test::with({"--source", "synthetic", "--noise-free", "--layout", "autd3", "--backend", "cpu",
+                              "--headless", "--quiet", "--size", "320x200", "--interact", script, "--screenshot", shot},
+                             more));
+  };
+  const std::string cube = source_file("assets/cube.glb").string(), pipe = (folder / "pipe").string();
+  test::expect_failure(run("draw\n", {"--scene", (folder / "absent.glb").string()}), 4, "absent.glb");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);  // nobody will ever read from it
+  test::expect_failure(run("draw\nkey q\n", {"--scene", cube, "--events", pipe}), 1, "while the run was loading");
+  const auto waited = run("draw\n", {"--scene", cube});
+  EXPECT_EQ(waited.exit_code, 0) << waited.err;
+  const drawing::Pixels shown = drawing::read_png(shot);
+  EXPECT_LT(shown.at(160, 120)[0], 250) << "the scene, not an empty picture";
 }
 
 TEST_F(Viewer, ComparesWithAReference) {

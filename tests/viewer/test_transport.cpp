@@ -61,11 +61,24 @@ TEST(Transport, PlaysStopsStepsAndGoes) {
   EXPECT_EQ(next(*source), 1u);
   EXPECT_EQ(next(*source, 0.05), 0u);
 
-  play = *transport.now();
-  play.frame = 4;
-  transport.play(play);
+  transport.go_to(4);
   EXPECT_EQ(next(*source), 5u);
   EXPECT_EQ(transport.now()->frame, 4u);
+}
+
+TEST(Transport, StopsAndGoesOnWhereItIs) {
+  Transport transport;
+  const auto source = open(transport, "viewer-transport-space");
+  EXPECT_EQ(next(*source), 1u);
+  Playback seen = *transport.now();  // as the last picture showed it
+  EXPECT_EQ(next(*source), 2u);
+  EXPECT_EQ(next(*source), 3u);
+  seen.playing = false;
+  transport.play(seen);
+  EXPECT_EQ(transport.now()->frame, 2u);
+  seen.playing = true;
+  transport.play(seen);
+  EXPECT_EQ(next(*source), 4u);
 }
 
 TEST(Transport, TimesAndNumbersGoOnWhereverItIs) {

@@ -1,13 +1,18 @@
 // The window, on a private X server; skipped where there is none.
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+
+#include <csignal>
 #include <fstream>
 #include <future>
 #include <thread>
 
+#include "cli/live_run.hpp"
 #include "cli/process.hpp"
 #include "drawing_test.hpp"
 #include "gpu/device.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/udp_receiver.hpp"
 #include "x_display.hpp"
@@ -135,6 +140,56 @@ TEST_F(Window, LosingTheServerWhileTheArraySoundsLeavesSilence) {
   const auto run = viewer.end();
   EXPECT_EQ(run.exit_code, 1) << run.err;
   EXPECT_FALSE(viewer.sounds()) << viewer.last();
+}
+
+/// What Ctrl-C ends, `after_s` after its window is there.
+void expect_a_clean_end(const char* name, const std::vector<std::string>& more, const std::string& script,
+                        std::chrono::milliseconds after) {
+  const test::XServer server;
+  if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
+  const auto folder = test::scratch_folder(name);
+  const std::string said = (folder / "stderr").string();
+  const test::Unread err = test::Unread::file(said);
+  test::write_text(folder / "script", script);
+  std::vector<std::string> arguments{"--scene",
+                                     source_file("assets/cube.glb").string(),
+                                     "--layout",
+                                     "autd3",
+                                     "--hold",
+                                     "5s",
+                                     "--size",
+                                     "500x400",
+                                     "--source",
+                                     "synthetic",
+                                     "--noise-free",
+                                     "--interact",
+                                     (folder / "script").string()};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  test::LiveRun run(
+      arguments,
+      {.err = &err,
+       .environment = {{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", "/dev/null"}},
+       .program = PALPA_VIEWER_BINARY});
+  test::XHand hand(server.name());
+  ASSERT_TRUE(hand.connected());
+  ASSERT_TRUE(hand.find("palpa", 60));
+  std::this_thread::sleep_for(after);
+  run.signal(SIGINT);
+  const test::LiveRun::End end = run.wait(30);
+  EXPECT_TRUE(end.ended);
+  EXPECT_EQ(end.exit_code, 0) << test::read_text(said);
+  EXPECT_EQ(test::read_text(said), "");
+}
+
+TEST_F(Window, CtrlCEndsItCleanlyWhileTheArrayIsOff) {
+  expect_a_clean_end("viewer-off", {}, "key o\n", 1500ms);
+}
+
+TEST_F(Window, CtrlCEndsItCleanlyWhileItLoads) {
+  const auto folder = test::scratch_folder("viewer-fifo");
+  const std::string pipe = (folder / "pipe").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);  // nobody will ever read from it
+  expect_a_clean_end("viewer-loading", {"--events", pipe}, "draw\n", 500ms);
 }
 
 TEST_F(Window, PlaysARecordedLogAndEnds) {

@@ -115,10 +115,16 @@ std::optional<Playback> Transport::now() const {
 void Transport::play(const Playback& wanted) {
   const std::lock_guard lock(mutex_);
   if (!now_) return;
-  if (wanted.frame != now_->frame) go_to_ = wanted.frame;
   now_->playing = wanted.playing;
   now_->speed = wanted.speed;
   now_->loop = wanted.loop;
+  changed_.notify_all();
+}
+
+void Transport::go_to(std::uint64_t frame) {
+  const std::lock_guard lock(mutex_);
+  if (!now_) return;
+  go_to_ = frame;
   changed_.notify_all();
 }
 

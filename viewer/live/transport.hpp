@@ -19,8 +19,9 @@ class Transport {
  public:
   /// Nothing where no recording is open.
   std::optional<Playback> now() const;
-  /// Goes to `wanted.frame` where that is another one than now()'s; takes over the rest.
+  /// Plays on, or stops, as `wanted` says, from wherever it is: its frame and times are of no account.
   void play(const Playback& wanted);
+  void go_to(std::uint64_t frame);
   /// Stops, and goes so many frames on.
   void step(int frames);
 

@@ -29,6 +29,11 @@ bool heading(const char* name, bool open, const char* about) {
 
 }  // namespace
 
+Area last_area() {
+  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  return {low.x, low.y, high.x, high.y};
+}
+
 void tip(const char* text) {
   if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
   ImGui::BeginTooltip();
@@ -44,6 +49,7 @@ double panels_width(double width, double text_height) {
 
 void draw_panels(Desk& desk, double now_s) {
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
+  desk.places = {};
   if (desk.panels) {
     const auto width = static_cast<float>(panels_width(whole.x, em(1)));
     ImGui::SetNextWindowPos({whole.x, 0}, ImGuiCond_Always, {1, 0});
@@ -55,6 +61,9 @@ void draw_panels(Desk& desk, double now_s) {
     ImGui::PopStyleVar();
     if (desk.live) {
       draw_link_panel(desk);
+    }
+    ImGui::BeginChild("below");  // what is above stays in sight
+    if (desk.live) {
       if (heading("Run", false, "What runs: the options of palpa run")) draw_options_panel(desk);
     }
     if (heading("Time", desk.live || !desk.picture->fingers.empty(), "Slots of the schedule, frames of a recording"))
@@ -66,6 +75,7 @@ void draw_panels(Desk& desk, double now_s) {
       draw_spectrum_panel(desk);
     if (heading("Log", false, "What palpa had to say, newest last")) draw_log_panel(desk);
     ImGui::TextDisabled("H: keys and mouse   Tab: hide this");
+    ImGui::EndChild();
     ImGui::End();
   }
   if (desk.reading) {
@@ -88,6 +98,7 @@ void draw_link_panel(Desk& desk) {
   ImGui::PushStyleColor(ImGuiCol_ButtonActive, {0.60f, 0.08f, 0.08f, 1});
   ImGui::PushStyleColor(ImGuiCol_Text, {1, 1, 1, 1});
   if (ImGui::Button("ALL OFF", {ImGui::GetContentRegionAvail().x * 0.6f, em(2)})) desk.asked.all_off = true;
+  desk.places.all_off = last_area();
   ImGui::PopStyleColor(4);
   tip("Silence from the next slot on, and the end of the run. Key: O");
   ImGui::SameLine();

@@ -24,6 +24,8 @@ void draw_log_panel(const Desk& desk);
 void draw_toasts(Desk& desk, double now_s);
 void draw_cheat_sheet(Desk& desk);
 
+/// Where the widget before it is.
+Area last_area();
 /// Explains the widget before it, while the pointer rests on it.
 void tip(const char* text);
 

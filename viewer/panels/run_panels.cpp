@@ -49,6 +49,7 @@ void draw_option(Desk& desk, const setup::OptionInfo& info) {
     std::string text = now;
     const std::string hint = info.initial.empty() ? info.type : info.initial;
     ImGui::InputTextWithHint("##value", hint.c_str(), &text);
+    if (ImGui::IsItemVisible()) desk.places.texts.push_back(last_area());
     // What is being typed is nobody's business until it is done.
     if (ImGui::IsItemDeactivatedAfterEdit() && text != now)
       text.empty() ? void(desk.given.erase(info.name)) : void(desk.given[info.name] = {text});
@@ -83,10 +84,10 @@ void draw_time_panel(Desk& desk) {
   if (ImGui::SmallButton(time.playing ? "stop" : "play")) time.playing = !time.playing;
   tip("The schedule, slowed down. Key: Space");
   ImGui::SameLine();
-  if (ImGui::SmallButton("<")) desk.asked.slots = -1;
+  if (ImGui::SmallButton("<")) desk.asked.slots -= 1;
   tip("One slot back. Key: ,");
   ImGui::SameLine();
-  if (ImGui::SmallButton(">")) desk.asked.slots = 1;
+  if (ImGui::SmallButton(">")) desk.asked.slots += 1;
   tip("One slot on. Key: .");
   ImGui::SameLine();
   ImGui::Text("slot %llu", static_cast<unsigned long long>(time.slot));
@@ -105,18 +106,17 @@ void draw_time_panel(Desk& desk) {
   }
   tip("The recording: while it pauses, the array falls silent after the hold. Key: Space");
   ImGui::SameLine();
-  if (ImGui::SmallButton("|<")) desk.asked.step = -1;
+  if (ImGui::SmallButton("|<")) desk.asked.step -= 1;
   tip("One frame back. Key: left");
   ImGui::SameLine();
-  if (ImGui::SmallButton(">|")) desk.asked.step = 1;
+  if (ImGui::SmallButton(">|")) desk.asked.step += 1;
   tip("One frame on. Key: right");
   ImGui::SameLine();
   ImGui::Text("%.2f of %.2f s", play.time_s, play.length_s);
   int frame = static_cast<int>(play.frame);
   ImGui::SetNextItemWidth(-1);
   if (ImGui::SliderInt("##frame", &frame, 0, std::max(static_cast<int>(play.frames) - 1, 1), "frame %d")) {
-    play.frame = static_cast<std::uint64_t>(std::clamp(frame, 0, static_cast<int>(play.frames) - 1));
-    changed = true;
+    desk.asked.go_to = static_cast<std::uint64_t>(std::clamp(frame, 0, static_cast<int>(play.frames) - 1));
   }
   tip("Where the recording is");
   auto speed = static_cast<float>(play.speed);

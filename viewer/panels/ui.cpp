@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <optional>
 #include <utility>
 
 #include "viewer/panels/stroke_font.hpp"
@@ -62,8 +63,9 @@ struct Ui::State {
   bool dark = false;
   double ratio = 0;
   std::deque<WindowEvent> waiting;
-  std::array<bool, 3> held{};
-  int settle = 3;  ///< pictures until sizes that depend on each other are what they will be
+  std::array<bool, 128> down{};  ///< keys, once all that waits has been seen
+  std::optional<bool> typing;    ///< text is typed, or no more, once all that waits has been seen
+  int settle = 3;                ///< pictures until sizes that depend on each other are what they will be
   std::function<void(const std::string&)> copy;
   std::function<std::string()> paste;
   std::string pasted;
@@ -104,19 +106,29 @@ void Ui::set_dark(bool dark) {
   if (std::exchange(state_->dark, dark) != dark && state_->ratio > 0) set_style(state_->ratio, dark);
 }
 
-bool Ui::take(const WindowEvent& event) {
+bool Ui::take(const WindowEvent& event, bool on_text) {
   State& s = *state_;
   const ImGuiIO& io = ImGui::GetIO();
   s.settle = 2;
-  s.waiting.push_back(event);
+  // Each change of a key takes a picture, and Dear ImGui repeats by itself what is held down.
+  const bool key = event.kind == WindowEvent::Kind::key;
+  if (!key || std::exchange(s.down[static_cast<unsigned char>(event.key) % s.down.size()], event.down) != event.down)
+    s.waiting.push_back(event);
   switch (event.kind) {
     case WindowEvent::Kind::press:
+      s.typing = on_text;
+      return io.WantCaptureMouse;
     case WindowEvent::Kind::release:
     case WindowEvent::Kind::move:
     case WindowEvent::Kind::scroll:
       return io.WantCaptureMouse;
     case WindowEvent::Kind::key:
-      return io.WantTextInput || (io.WantCaptureKeyboard && event.key != Key::escape && ImGui::IsAnyItemActive());
+      if (s.typing.value_or(io.WantTextInput)) {
+        if (event.down && (event.key == Key::enter || event.key == Key::escape)) s.typing = false;
+        return true;
+      }
+      // Whatever is held: the key that ends it all is nobody else's.
+      return io.WantCaptureKeyboard && event.key != Key::escape && event.key != key_of('o') && ImGui::IsAnyItemActive();
     case WindowEvent::Kind::text:
       return true;
     case WindowEvent::Kind::drop:
@@ -137,6 +149,7 @@ void Ui::begin(double width, double height, double ratio, double seconds) {
   io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
   io.DeltaTime = static_cast<float>(std::clamp(seconds, 1e-4, 1.0));
   io.MouseWheel = 0;
+  if (s.waiting.empty()) s.typing.reset();  // from now on it says so itself
   // A button that is pressed and let go of between two pictures is a click all the same: one change a picture.
   bool changed = false;
   while (!s.waiting.empty() && !changed) {

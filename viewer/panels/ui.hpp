@@ -22,8 +22,9 @@ class Ui {
   void set_dark(bool dark);
 
   /// Whether panels want the event for themselves: the pointer is over one, or text is being typed. They see every
-  /// event, with the next begin().
-  bool take(const WindowEvent& event);
+  /// event with the next begin(), but for a key's repetitions. `on_text`: a button is pressed where text is typed, so
+  /// that the keys that follow are text even where no picture comes between.
+  bool take(const WindowEvent& event, bool on_text = false);
 
   /// A new picture, of that many pixels, `ratio` of them to a point, `seconds` after the last. What ImGui:: functions
   /// are called between begin() and end() is what it shows.
