@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
+#include <chrono>
 #include <utility>
 
 #include "base/error.hpp"
@@ -16,8 +16,7 @@ constexpr double first_frame_s = 3;    ///< a camera takes up to two seconds fro
 constexpr double silent_s = 0.05;      ///< who has given no frame for that long, or four periods, is not waited for,
 constexpr double said_silent_s = 1;    ///< after that long it is said,
 constexpr double restarted_s = 3;      ///< and after that long the stream is started anew
-constexpr double look_every_s = 0.25;  ///< for a camera that is gone,
-constexpr double longest_rest_s = 60;  ///< and at least that often for one that takes long to fail
+constexpr double look_every_s = 0.25;  ///< for a camera that is gone
 constexpr std::uint32_t said_broken = 5;
 
 }  // namespace
@@ -29,91 +28,58 @@ LiveCamera::LiveCamera(Kernel& kernel, Description description)
   for (const Node& node : kernel_.nodes()) {
     if (node.path == real) identity_.node = node;
   }
-  open();
+  stream_ = open_camera(kernel_, description_, path_, identity_.node, known_);
+  opened_s_ = kernel_.now_s();
   await_until_s_ = opened_s_ + first_frame_s;
 }
 
-void LiveCamera::open() {
-  stream_ = std::make_unique<Stream>(kernel_, path_, description_.wanted, description_.rig,
-                                     [this](int fd) { configure(fd); });
-  period_s_ = stream_->period_s();
-  opened_s_ = kernel_.now_s();
-  frame_s_ = 0;
+LiveCamera::~LiveCamera() {
+  if (beside_.valid()) beside_.wait();
 }
 
-void LiveCamera::configure(int fd) {
-  const sensing::DeviceSetting& setting = description_.setting;
-  if (!d400::is_realsense(identity_.node)) {
-    if (setting.own_lens || setting.exposure_s || setting.preset) {
-      throw bad_input(path_, fmt::format("is no RealSense on USB, which calibration = \"device\", exposure_s and "
-                                         "hardware_preset of {} are for",
-                                         description_.rig));
-    }
+/// The kernel may wait five seconds for a device that does not answer; the others' frames do not wait for that.
+void LiveCamera::look_for_it() {
+  if (!beside_.valid()) {
+    if (kernel_.now_s() < retry_s_) return;
+    beside_ = kernel_.beside([this] { find_and_open(); });
+  }
+  if (beside_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  beside_.get();
+  adopt();
+}
+
+void LiveCamera::find_and_open() {
+  old_.reset();
+  refusal_.clear();
+  new_path_ = find_again(identity_, kernel_.nodes());
+  if (new_path_.empty()) return;
+  try {
+    new_ = open_camera(kernel_, description_, new_path_, identity_.node, known_);
+  } catch (const Error& error) {
+    refusal_ = error.what();
+  }
+}
+
+/// What has come of it.
+void LiveCamera::adopt() {
+  const double now_s = kernel_.now_s();
+  retry_s_ = now_s + look_every_s;
+  if (new_) {
+    stream_ = std::move(new_);
+    path_ = new_path_;
+    opened_s_ = now_s;
+    frame_s_ = last_s_ = 0;
+    distances_s_ = {};
     return;
   }
-  try {
-    if (setting.preset) d400::write_hardware_preset(kernel_, fd, *setting.preset);
-    if (setting.exposure_s) d400::write_exposure(kernel_, fd, *setting.exposure_s);
-    const Wanted& wanted = description_.wanted;
-    if (setting.own_lens) lens_ = d400::read_lens(kernel_, fd, wanted.width, wanted.height);
-  } catch (const Error& error) {
-    throw bad_input(path_, error.what());
-  }
-  set_depth_unit(fd);
-}
-
-void LiveCamera::set_depth_unit(int fd) {
-  const double wanted_m = description_.depth_unit_m;
-  const auto is = [](double a, double b) { return std::abs(a - b) < 0.5e-6; };
-  double unit_m = 0;
-  try {
-    unit_m = d400::read_depth_unit(kernel_, fd);
-    if (!is(unit_m, wanted_m)) {
-      d400::write_depth_unit(kernel_, fd, wanted_m);
-      unit_m = d400::read_depth_unit(kernel_, fd);
-    }
-  } catch (const Error& error) {
-    if (unit_m == 0 && !unit_read_) {
-      if (!std::exchange(trusted_said_, true))
-        log::warning(fmt::format("{}: {}; that a step is {:g} mm, as {} says, is taken on trust", path_, error.what(),
-                                 wanted_m * 1e3, description_.rig));
-      return;
-    }
-    throw bad_input(path_, error.what());
-  }
-  unit_read_ = true;
-  // Ten times too deep is a hand elsewhere.
-  if (!is(unit_m, wanted_m)) {
-    throw bad_input(path_, fmt::format("keeps its depth unit of {:g} mm; set depth_unit_m = {:g} in {}", unit_m * 1e3,
-                                       unit_m, description_.rig));
-  }
-}
-
-void LiveCamera::reopen() {
-  const double now_s = kernel_.now_s();
-  if (now_s < retry_s_) return;
-  // The kernel may wait five seconds for a device that does not answer: meanwhile nobody looks at the others.
-  const auto rest = [&] {
-    const double took_s = kernel_.now_s() - now_s;
-    retry_s_ = kernel_.now_s() + std::clamp(10 * took_s, look_every_s, longest_rest_s);
-  };
-  retry_s_ = now_s + look_every_s;
-  const std::string path = find_again(identity_, kernel_.nodes());
-  if (path.empty()) return;
-  path_ = path;
-  try {
-    open();
-  } catch (const Error& error) {
-    rest();
-    // A device that comes back is not whole at once; and one that has come back slower is refused for good.
-    if (now_s - lost_s_ < 2 || refusal_said_) return;
-    refusal_said_ = true;
-    log::warning(fmt::format("camera '{}' cannot be opened again: {}", description_.name, error.what()));
-  }
+  // A device that comes back is not whole at once; and one that has come back slower is refused for good.
+  if (refusal_.empty() || now_s - lost_s_ < 2 || refusal_said_) return;
+  refusal_said_ = true;
+  log::warning(fmt::format("camera '{}' cannot be opened again: {}", description_.name, refusal_));
 }
 
 bool LiveCamera::tend() {
-  if (!stream_) reopen();
+  if (!stream_) look_for_it();
   if (!stream_) return false;
   bool any = false;
   // As many as it can have at once: one that never ends may not keep the others.
@@ -148,11 +114,20 @@ bool LiveCamera::tend() {
 bool LiveCamera::awaited() const {
   if (!stream_) return false;
   const double now_s = kernel_.now_s();
-  return frame_s_ > 0 ? now_s - frame_s_ < std::max(silent_s, 4 * period_s_) : now_s < await_until_s_;
+  if (frame_s_ == 0) return now_s < await_until_s_;
+  return now_s - frame_s_ < std::max({silent_s, 4 * stream_->period_s(), 1.5 * period_s()});
+}
+
+double LiveCamera::period_s() const {
+  const double least_s = *std::min_element(distances_s_.begin(), distances_s_.end());
+  return std::max(stream_->period_s(), least_s);
 }
 
 void LiveCamera::keep(const Taken& taken) {
-  if (held_ == most_held) release_through(0);
+  if (last_s_ > 0) distances_s_[next_distance_++ % distances] = taken.time_s - last_s_;
+  last_s_ = taken.time_s;
+  // The camera keeps two: one that it fills, and the next.
+  if (held_ == std::min(most_held, stream_->buffers() - 2)) release_through(0);
   taken_[held_] = taken;
   times_s_[held_] = taken.time_s;
   ++held_;
@@ -169,8 +144,10 @@ void LiveCamera::release_through(std::uint32_t frame) {
 
 void LiveCamera::drop() {
   held_ = 0;
-  stream_.reset();
-  retry_s_ = kernel_.now_s() + look_every_s;
+  old_ = std::move(stream_);
+  beside_ = kernel_.beside([this] { old_.reset(); });
+  new_path_.clear();
+  refusal_.clear();
 }
 
 void LiveCamera::count_broken() {

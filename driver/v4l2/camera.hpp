@@ -3,37 +3,34 @@
 #pragma once
 
 #include <array>
+#include <future>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 
-#include "driver/v4l2/d400.hpp"
 #include "driver/v4l2/kernel.hpp"
+#include "driver/v4l2/opening.hpp"
 #include "driver/v4l2/stream.hpp"
-#include "sensing/camera.hpp"
 
 namespace palpa::driver::v4l2 {
 
 class LiveCamera {
  public:
-  struct Description {
-    std::string name;  ///< the rig's
-    std::string path;  ///< as on the command line
-    Wanted wanted;
-    std::string rig;  ///< its file, for messages
-    double depth_unit_m = 0.001;
-    sensing::DeviceSetting setting{};
-  };
-  /// Opens it, sets it up where it is a RealSense, and starts it. Throws as Stream does, and where it has another depth
-  /// unit than the rig says.
+  /// Opens it, sets it up and starts it. Throws as open_camera() does.
   LiveCamera(Kernel& kernel, Description description);
+  /// Waits for a camera that is being opened.
+  ~LiveCamera();
+  LiveCamera(const LiveCamera&) = delete;
+  LiveCamera& operator=(const LiveCamera&) = delete;
 
-  /// Takes what the camera has ready and keeps the newest frames of it. A camera that is gone is opened again when it
-  /// is time, which may take a while. Whether a frame came.
+  /// Takes what the camera has ready and keeps the newest frames of it. A camera that is gone is closed, looked for and
+  /// opened again beside whoever calls this. Whether a frame came.
   bool tend();
   /// Whether a set has to have a frame of it: not while it is gone or silent.
   bool awaited() const;
+  /// Whether a frame of it has come since it was opened.
+  bool gives_frames() const { return frame_s_ > 0; }
 
   /// Capture times of the frames that wait, oldest first.
   std::span<const double> times_s() const { return {times_s_.data(), held_}; }
@@ -43,17 +40,18 @@ class LiveCamera {
 
   /// What poll() is to wait for; below 0 while it is gone.
   int fd() const { return stream_ ? stream_->fd() : -1; }
-  double period_s() const { return period_s_; }
-  /// Of its own calibration, where the setting asks for that.
-  const std::optional<d400::Lens>& lens() const { return lens_; }
+  /// From frame to frame: what it was asked for, or the least of its last few distances where that is more. Automatic
+  /// exposure takes longer than a frame where it is dark.
+  double period_s() const;
+  /// Of its own calibration, where the setting asks for that. Before the first tend().
+  const std::optional<d400::Lens>& lens() const { return known_.lens; }
 
  private:
-  static constexpr std::uint32_t most_held = 3;
+  static constexpr std::uint32_t most_held = 3, distances = 3;
 
-  void open();
-  void configure(int fd);
-  void set_depth_unit(int fd);
-  void reopen();
+  void look_for_it();
+  void find_and_open();
+  void adopt();
   void keep(const Taken& taken);
   void drop();
   void count_broken();
@@ -61,17 +59,16 @@ class LiveCamera {
   void say_back();
 
   Kernel& kernel_;
-  Description description_;
+  const Description description_;
   Identity identity_;
   std::string path_;  ///< under which it is now
   std::unique_ptr<Stream> stream_;
-  double period_s_ = 0;
-  std::optional<d400::Lens> lens_;
-  bool trusted_said_ = false;
-  bool unit_read_ = false;  ///< once: a camera that answers is not trusted again
   std::array<Taken, most_held> taken_{};
   std::array<double, most_held> times_s_{};
   std::uint32_t held_ = 0;
+  double last_s_ = 0;                            ///< capture time of the newest frame; 0: none since it was opened
+  std::array<double, distances> distances_s_{};  ///< of the last frames, in turns
+  std::uint32_t next_distance_ = 0;
   double opened_s_ = 0;       ///< when it was opened
   double frame_s_ = 0;        ///< when its last frame was taken; 0: none since it was opened
   double await_until_s_ = 0;  ///< its first frame is waited for until then
@@ -80,6 +77,12 @@ class LiveCamera {
   bool lost_ = false;         ///< and that has been said
   bool refusal_said_ = false;
   std::uint32_t broken_ = 0;
+
+  // Of what goes on beside, and while it does its alone.
+  Known known_;
+  std::unique_ptr<Stream> old_, new_;
+  std::string new_path_, refusal_;
+  std::future<void> beside_;  ///< not valid: nothing does
 };
 
 }  // namespace palpa::driver::v4l2

@@ -14,6 +14,7 @@ namespace palpa::driver::v4l2::d400 {
 /// Pinhole of the rectified depth image; its distortion is none.
 struct Lens {
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
+  bool operator==(const Lens&) const = default;
 };
 
 /// Whether it is worth asking: Intel's, on USB.

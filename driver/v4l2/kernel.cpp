@@ -10,6 +10,7 @@
 #include <cmath>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "driver/clock.hpp"
 
@@ -53,6 +54,9 @@ class Machine final : public Kernel {
     std::error_code fault;
     const std::filesystem::path real = std::filesystem::canonical(path, fault);
     return fault ? path : real.string();
+  }
+  std::future<void> beside(std::function<void()> work) override {
+    return std::async(std::launch::async, std::move(work));
   }
   double now_s() override { return clock_.now_s(); }
 

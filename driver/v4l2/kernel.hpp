@@ -1,9 +1,12 @@
-// What palpa asks of the kernel about cameras: a handful of system calls. A test has cameras of its own behind it.
+// What palpa asks of the kernel about cameras: a handful of system calls, of any thread. A test has cameras of its own
+// behind it.
 #pragma once
 
 #include <poll.h>
 
 #include <cstddef>
+#include <functional>
+#include <future>
 #include <memory>
 #include <span>
 #include <string>
@@ -30,6 +33,8 @@ class Kernel {
   virtual std::vector<Node> nodes() = 0;
   /// The node's own name of a path that may be a link, such as those of /dev/v4l/by-id.
   virtual std::string resolve(const std::string& path) = 0;
+  /// Does that on a thread of its own; it may call all of this. Ready when it is done.
+  virtual std::future<void> beside(std::function<void()> work) = 0;
   /// CLOCK_MONOTONIC, which capture times are on.
   virtual double now_s() = 0;
 };

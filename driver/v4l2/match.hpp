@@ -15,8 +15,9 @@ struct Waiting {
 /// within half a period of any of another's. This is how much more it may be, for the kernel's stamps are not exact.
 constexpr double stamp_jitter_s = 0.5e-3;
 
-/// Chooses the newest frame of the first camera for which each of the others has one within half a period, and of each
-/// the nearest. `chosen` gets one index per camera. False where there is no such set yet.
+/// `period_s` is that of the slowest. Chooses the newest frame of the first camera for which each of the others has one
+/// within half a period, and of each the nearest. `chosen` gets one index per camera. False where there is no such set
+/// yet.
 bool match(std::span<const Waiting> cameras, double period_s, std::span<std::uint32_t> chosen);
 
 }  // namespace palpa::driver::v4l2

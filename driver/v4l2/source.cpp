@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <limits>
+#include <map>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
@@ -19,20 +21,22 @@ constexpr std::size_t most_cameras = 64;
 constexpr double look_s = 0.02;    ///< how often it is looked whether a camera is silent or back
 constexpr double pause_s = 0.002;  ///< after a camera that has woken palpa for nothing
 constexpr double coarse_m = 0.5e-3;
+constexpr double unmatched_s = 1;  ///< without a set: said
 
 class Cameras final : public sensing::DepthSource {
  public:
   Cameras(std::unique_ptr<Kernel> kernel, std::vector<sensing::Camera> cameras, const std::vector<std::string>& nodes,
           const std::string& rig)
-      : kernel_(std::move(kernel)), cameras_(std::move(cameras)) {
+      : kernel_(std::move(kernel)), cameras_(std::move(cameras)), rig_(rig) {
+    refuse_twice(nodes);
     for (std::size_t c = 0; c < cameras_.size(); ++c) {
       sensing::Camera& camera = cameras_[c];
-      live_.emplace_back(*kernel_, LiveCamera::Description{.name = camera.name,
-                                                           .path = nodes[c],
-                                                           .wanted = {camera.width, camera.height, camera.rate_hz},
-                                                           .rig = rig,
-                                                           .depth_unit_m = camera.depth_unit_m,
-                                                           .setting = camera.device});
+      live_.emplace_back(*kernel_, Description{.name = camera.name,
+                                               .path = nodes[c],
+                                               .wanted = {camera.width, camera.height, camera.rate_hz},
+                                               .rig = rig,
+                                               .depth_unit_m = camera.depth_unit_m,
+                                               .setting = camera.device});
       if (const auto& lens = live_.back().lens()) {
         camera.fx = lens->fx;
         camera.fy = lens->fy;
@@ -42,7 +46,7 @@ class Cameras final : public sensing::DepthSource {
       }
       camera.device = {};  // what was asked for has been done; a recording of it is of a file
       camera.rate_hz = 1 / live_.back().period_s();
-      period_s_ = std::max(period_s_, live_.back().period_s());
+      nominal_s_ = std::max(nominal_s_, live_.back().period_s());
       if (camera.depth_unit_m >= coarse_m) {
         log::warning(
             fmt::format("{}: camera '{}' has a depth unit of {:g} mm, coarse against a shell of 1.5 mm; set "
@@ -72,6 +76,19 @@ class Cameras final : public sensing::DepthSource {
   }
 
  private:
+  /// One camera has several names: the links of /dev/v4l/by-id beside /dev/videoN.
+  void refuse_twice(const std::vector<std::string>& nodes) const {
+    std::map<std::string, std::string> named;
+    for (const std::string& node : nodes) {
+      const auto [before, first] = named.emplace(kernel_->resolve(node), node);
+      if (first) continue;
+      throw bad_usage(
+          fmt::format("source v4l2 names one camera twice: {} and {} are both {}; each camera of the rig has "
+                      "its own",
+                      before->second, node, before->first));
+    }
+  }
+
   /// Until a camera has something, or has been silent for a while. `any`: the last look at them was not in vain.
   void wait(double left_s, bool any) {
     std::size_t count = 0;
@@ -91,12 +108,20 @@ class Cameras final : public sensing::DepthSource {
 
   bool deliver(sensing::FrameSet& out) {
     std::size_t count = 0;
+    double period_s = nominal_s_;
+    bool all_give = true;
     for (LiveCamera& camera : live_) {
       if (!camera.awaited()) continue;
       awaited_[count] = &camera;
       waiting_[count++] = {camera.times_s()};
+      period_s = std::max(period_s, camera.period_s());
+      all_give = all_give && camera.gives_frames();
     }
-    if (count == 0 || !match(std::span(waiting_).first(count), period_s_, chosen_)) return false;
+    if (count == 0 || !match(std::span(waiting_).first(count), period_s, chosen_)) {
+      count > 1 && all_give ? note_unmatched(period_s) : note_matched();
+      return false;
+    }
+    note_matched();
     if (out.frames.empty()) out.frames.swap(spare_);
     out.frames.resize(cameras_.size());
     out.time_s = waiting_[0].times_s[chosen_[0]];
@@ -119,9 +144,24 @@ class Cameras final : public sensing::DepthSource {
     return true;
   }
 
+  void note_matched() { unmatched_since_s_ = std::numeric_limits<double>::infinity(); }
+
+  /// Frames come, and no two that fit together: of one rate they always do.
+  void note_unmatched(double period_s) {
+    const double now_s = kernel_->now_s();
+    unmatched_since_s_ = std::min(unmatched_since_s_, now_s);
+    if (unmatched_said_ || now_s - unmatched_since_s_ < unmatched_s) return;
+    unmatched_said_ = true;
+    log::warning(
+        fmt::format("the cameras' frames do not fit together: for {:g} s none were captured within {:.1f} ms of "
+                    "each other; give all of them one rate_hz and a fixed exposure_s in {}",
+                    unmatched_s, (period_s / 2 + stamp_jitter_s) * 1e3, rig_));
+  }
+
   /// Periods that have passed count, so that frames which nobody got are gaps.
   std::uint64_t number(double time_s) {
-    if (last_s_ > 0) sequence_ += static_cast<std::uint64_t>(std::max(1L, std::lround((time_s - last_s_) / period_s_)));
+    if (last_s_ > 0)
+      sequence_ += static_cast<std::uint64_t>(std::max(1L, std::lround((time_s - last_s_) / nominal_s_)));
     last_s_ = time_s;
     return sequence_;
   }
@@ -129,7 +169,10 @@ class Cameras final : public sensing::DepthSource {
   std::unique_ptr<Kernel> kernel_;
   std::vector<sensing::Camera> cameras_;
   std::deque<LiveCamera> live_;  ///< their addresses stay
-  double period_s_ = 0;          ///< of the slowest
+  std::string rig_;
+  double nominal_s_ = 0;  ///< period of the slowest, as it was asked for
+  double unmatched_since_s_ = std::numeric_limits<double>::infinity();
+  bool unmatched_said_ = false;
   std::array<pollfd, most_cameras> polled_{};
   std::array<LiveCamera*, most_cameras> awaited_{};
   std::array<Waiting, most_cameras> waiting_{};

@@ -15,14 +15,15 @@
 
 namespace palpa::driver::v4l2 {
 
-/// The nodes of "/dev/video0,/dev/video2". Throws bad_usage for none, an empty one and one that is named twice.
+/// The nodes of "/dev/video0,/dev/video2". Throws bad_usage for none, an empty one and one that is named twice
+/// in the same words; open_cameras() finds out about others.
 std::vector<std::string> parse_nodes(const std::string& argument);
 
 /// Opens one node per camera, in this order, and starts them. `rig` is the file that describes the cameras, for
 /// messages. Throws Error for what is refused: see Stream. `kernel` belongs to the source.
 ///
-/// next() allocates nothing once each of its caller's sets has been used, and waits no longer than it is told, but for
-/// a camera that is opened again.
+/// next() allocates nothing once each of its caller's sets has been used, while no camera is gone, and waits no longer
+/// than it is told: a camera that is gone is looked for and opened again beside it. The source's end waits for that.
 std::unique_ptr<sensing::DepthSource> open_cameras(std::unique_ptr<Kernel> kernel, std::vector<sensing::Camera> cameras,
                                                    const std::vector<std::string>& nodes, const std::string& rig);
 

@@ -32,6 +32,7 @@ std::string refusal(int error) {
     case ENXIO:
       return "there is no such camera; palpa doctor lists what is plugged in";
     case EACCES:
+    case EPERM:
       return "no permission: add yourself to the group video (usermod -aG video $USER) and log in again";
     case EBUSY:
       return "another program has this camera; end it first";
@@ -99,7 +100,11 @@ void Stream::set_format(const Wanted& wanted, const std::string& rig) {
   format.fmt.pix.height = wanted.height;
   format.fmt.pix.field = V4L2_FIELD_NONE;
   const int result = kernel_.ioctl(fd_, VIDIOC_S_FMT, &format);
-  if (result == -EBUSY || result == -ENODEV) throw bad_input(path_, refusal(-result));
+  // A driver that has no such format takes another, or says EINVAL; anything else is another trouble.
+  if (result < 0 && result != -EINVAL) {
+    const bool known = result == -EBUSY || result == -ENODEV || result == -EACCES || result == -EPERM;
+    throw bad_input(path_, known ? refusal(-result) : fmt::format("the camera takes no format: {}", say(-result)));
+  }
   const v4l2_pix_format& given = format.fmt.pix;
   const bool depth = result >= 0 && given.pixelformat == V4L2_PIX_FMT_Z16;
   if (!depth || given.width != wanted.width || given.height != wanted.height) {

@@ -44,6 +44,8 @@ class Stream {
 
   int fd() const { return fd_; }
   double period_s() const { return period_s_; }
+  /// How many the camera has; one whose frames all wait with whoever took them has none to fill.
+  std::uint32_t buffers() const { return buffer_count_; }
 
   /// The oldest frame that the camera has ready. Never waits.
   Take take(Taken& taken);

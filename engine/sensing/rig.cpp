@@ -44,13 +44,22 @@ PixelBox read_roi(TomlTable& table, const Camera& camera) {
   return {pixels(n[0]), pixels(n[1]), pixels(n[0] + n[2]), pixels(n[1] + n[3])};
 }
 
-DeviceSetting read_device(TomlTable& table) {
+/// `rate_hz` 0: nobody knows.
+DeviceSetting read_device(TomlTable& table, double rate_hz) {
   DeviceSetting device;
   const std::string lens = table.text_or("calibration", "file");
   if (lens != "file" && lens != "device")
     throw table.fault("calibration", "calibration is '" + lens + "'; known are file and device");
   device.own_lens = lens == "device";
-  if (table.has("exposure_s")) device.exposure_s = table.number("exposure_s", 0, 0.2);
+  if (table.has("exposure_s")) {
+    device.exposure_s = table.number("exposure_s", 0, 0.2);
+    if (*device.exposure_s * rate_hz > 1) {
+      throw table.fault("exposure_s",
+                        fmt::format("exposure_s of {:g} is longer than a frame at {:g} Hz: at most {:.2g}, "
+                                    "or a lower rate_hz",
+                                    *device.exposure_s, rate_hz, std::floor(1e4 / rate_hz) * 1e-4));
+    }
+  }
   if (table.has("hardware_preset")) device.preset = static_cast<std::uint8_t>(table.whole("hardware_preset", 0, 255));
   return device;
 }
@@ -108,7 +117,7 @@ static Camera read_camera(TomlTable& table, std::size_t place) {
   camera.rate_hz = table.number_or("rate_hz", 0, 0, 1e6);
   if (table.has("T_world_camera")) camera.T_world_camera = table.pose("T_world_camera");
   if (table.has("roi")) camera.roi = read_roi(table, camera);
-  camera.device = read_device(table);
+  camera.device = read_device(table, camera.rate_hz);
   return camera;
 }
 

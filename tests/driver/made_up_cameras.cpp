@@ -42,7 +42,7 @@ class MadeUpKernel final : public Kernel {
   explicit MadeUpKernel(Machine& machine) : machine_(machine) {}
 
   int open(const std::string& path) override {
-    const auto found = machine_.plugged.find(path);
+    const auto found = machine_.plugged.find(resolve(path));
     if (found == machine_.plugged.end()) return -ENOENT;
     if (found->second->refuses_to_open != 0) return -found->second->refuses_to_open;
     const int fd = 10 + next_fd_++;
@@ -71,6 +71,7 @@ class MadeUpKernel final : public Kernel {
       case VIDIOC_ENUM_FRAMEINTERVALS:
         return enumerate(camera, *static_cast<v4l2_frmivalenum*>(argument));
       case VIDIOC_S_FMT:
+        if (camera.refuses_format != 0) return -camera.refuses_format;
         return set(camera, *static_cast<v4l2_format*>(argument));
       case VIDIOC_S_PARM:
       case VIDIOC_G_PARM:
@@ -146,7 +147,19 @@ class MadeUpKernel final : public Kernel {
     }
     return nodes;
   }
-  std::string resolve(const std::string& path) override { return path; }
+  std::string resolve(const std::string& path) override {
+    const auto link = machine_.links.find(path);
+    return link == machine_.links.end() ? path : link->second;
+  }
+  /// No thread: it is done when its time is over.
+  std::future<void> beside(std::function<void()> work) override {
+    const auto task = std::make_shared<std::packaged_task<void()>>(std::move(work));
+    if (machine_.beside_s == 0)
+      (*task)();
+    else
+      machine_.at(machine_.now_s + machine_.beside_s, [task] { (*task)(); });
+    return task->get_future();
+  }
   double now_s() override { return machine_.now_s; }
 
  private:

@@ -26,6 +26,7 @@ struct MadeUpCamera {
   bool metadata = false;      ///< it is a metadata node
   int refuses_to_open = 0;    ///< an errno
   int refuses_to_start = 0;   ///< an errno
+  int refuses_format = 0;     ///< an errno
   bool frozen = false;        ///< gives no frames, and no error
   bool failing = false;       ///< gives each buffer back at once, empty and marked as wrong
   bool eager_einval = false;  ///< says EINVAL once before ENODEV when it has gone
@@ -62,7 +63,9 @@ struct Machine {
   double now_s = 100;
   std::uint64_t calls = 0, polls = 0;
   int open_descriptors = 0, mapped = 0;
+  double beside_s = 0;                                                          ///< what is done beside takes so long
   std::map<std::string, std::shared_ptr<MadeUpCamera>> plugged;                 ///< by path
+  std::map<std::string, std::string> links;                                     ///< other names of nodes
   std::map<int, std::pair<std::string, std::shared_ptr<MadeUpCamera>>> opened;  ///< by descriptor
   std::vector<std::pair<double, std::function<void()>>> later;                  ///< what happens when, in order
 

@@ -30,6 +30,7 @@ using test::MadeUpCamera;
 /// What a D400 holds behind its extension unit.
 struct MadeUpD400 {
   std::uint32_t unit_um = 1000;
+  float fx = 390.5f;  ///< at 640x480
   bool keeps_unit = false, wrong_checksum = false;
   int busy = 0;  ///< so many requests are refused before one is taken
   std::uint8_t automatic = 1, preset = 0;
@@ -51,7 +52,7 @@ struct MadeUpD400 {
   std::vector<std::uint8_t> calibration() const {
     std::vector<std::uint8_t> table(512, 0);
     for (int size = 0; size < 12; ++size) {
-      const float lens[4] = {size == 2 ? 390.5f : 1.5f, size == 2 ? 391.5f : 1.5f, 319.25f, 241.75f};
+      const float lens[4] = {size == 2 ? fx : 1.5f, size == 2 ? 391.5f : 1.5f, 319.25f, 241.75f};
       std::memcpy(table.data() + 256 + 16 * size, lens, 16);
     }
     std::uint32_t crc = 0xffffffff;
@@ -231,6 +232,45 @@ TEST_F(D400, ItsOwnCalibrationTakesThePlaceOfTheFiles) {
   wanted.width = 64;
   wanted.height = 48;
   EXPECT_CONTAINS(refusal(wanted), "calibration has no 64x48; give fx, fy, cx and cy");
+}
+
+TEST_F(D400, OnlyWholeMicrometresAreADepthUnit) {
+  sensing::Camera wanted = described();
+  for (const auto& [unit_m, told] : {std::pair(62.5e-6, "is 62.5 of them; set depth_unit_m = 6.3e-05"),
+                                     {100.4e-6, "is 100.4 of them; set depth_unit_m = 0.0001"},
+                                     {0.3e-6, "is 0.3 of them; set depth_unit_m = 1e-06"}}) {
+    wanted.depth_unit_m = unit_m;
+    EXPECT_CONTAINS(refusal(wanted), told);
+    EXPECT_EQ(held.unit_um, 1000u) << "nothing is written";
+  }
+  wanted.depth_unit_m = 63e-6;
+  open(wanted);
+  EXPECT_EQ(held.unit_um, 63u);
+}
+
+TEST_F(D400, AnotherLensUnderTheSameNameIsAnotherCamera) {
+  sensing::Camera wanted = described();
+  wanted.device.own_lens = true;
+  const auto source = open(wanted);
+  sensing::FrameSet set;
+  const auto comes = [&](double seconds) {
+    bool any = false;
+    for (const double begin_s = machine.now_s; machine.now_s < begin_s + seconds;)
+      any = (source->next(set, 0.1) && !set.frames.empty()) || any;
+    return any;
+  };
+  EXPECT_TRUE(comes(0.1));
+  machine.unplug("/dev/video0");
+  held.fx = 401;
+  const std::string said = stderr_of([&] {
+    comes(0.5);
+    machine.plug("/dev/video0", camera);
+    EXPECT_FALSE(comes(4));
+  });
+  EXPECT_CONTAINS(said, "camera 'left' cannot be opened again: /dev/video0: this is another camera");
+  EXPECT_EQ(said.find("another camera"), said.rfind("another camera"));
+  held.fx = 390.5f;
+  EXPECT_CONTAINS(stderr_of([&] { EXPECT_TRUE(comes(2)); }), "is back");
 }
 
 TEST_F(D400, ExposureAndPresetAreSetWhereTheRigSaysSo) {

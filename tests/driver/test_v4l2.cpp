@@ -1,4 +1,4 @@
-// Depth cameras through V4L2: made-up cameras on a made-up clock stop, skip, repeat, break, go and come back.
+// One depth camera through V4L2: made-up cameras on a made-up clock skip, repeat and break frames, and are refused.
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
-#include "driver/made_up_cameras.hpp"
-#include "driver/v4l2/match.hpp"
+#include "driver/made_up_rig.hpp"
 #include "driver/v4l2/nodes.hpp"
 #include "driver/v4l2/source.hpp"
 #include "support/captured.hpp"
@@ -23,54 +23,12 @@ namespace {
 using palpa::test::allocations_of;
 using palpa::test::error_of;
 using palpa::test::stderr_of;
+using test::described;
+using test::frame_of;
 using test::Machine;
-using test::pixel_of;
-
-constexpr double period_s = 1.0 / 90;
-
-sensing::Camera described(const std::string& name) {
-  sensing::Camera camera;
-  camera.name = name;
-  camera.width = 64;
-  camera.height = 48;
-  camera.fx = camera.fy = 50;
-  camera.cx = 32;
-  camera.cy = 24;
-  camera.depth_unit_m = 0.0001;
-  camera.rate_hz = 90;
-  return camera;
-}
-
-std::unique_ptr<sensing::DepthSource> open(Machine& machine, const std::vector<std::string>& nodes,
-                                           std::vector<sensing::Camera> cameras = {}) {
-  while (cameras.size() < nodes.size())
-    cameras.push_back(described("camera " + std::to_string(cameras.size() + 1)));
-  return open_cameras(machine.kernel(), cameras, nodes, "rig.toml");
-}
-
-/// The number of the frame that an image shows whole; 0 where it has no data.
-std::uint64_t frame_of(const sensing::DepthFrame& image) {
-  if (image.depth[0] == 0) {
-    for (const std::uint16_t depth : image.depth)
-      EXPECT_EQ(depth, 0);
-    return 0;
-  }
-  const std::uint64_t frame = image.depth[0] - 1u;
-  for (std::uint32_t i = 0; i < image.depth.size(); ++i) {
-    if (image.depth[i] != pixel_of(frame, i)) ADD_FAILURE() << "pixel " << i << " of frame " << frame;
-    if (image.depth[i] != pixel_of(frame, i)) break;
-  }
-  return frame;
-}
-
-/// The next set that came, within that many waits of the loop's 100 ms.
-bool next_set(sensing::DepthSource& source, sensing::FrameSet& set, int waits = 1) {
-  for (int i = 0; i < waits; ++i) {
-    EXPECT_TRUE(source.next(set, 0.1));
-    if (!set.frames.empty()) return true;
-  }
-  return false;
-}
+using test::next_set;
+using test::open;
+using test::period_s;
 
 TEST(V4l2, FramesComeWholeInOrderWithTheirTimes) {
   for (const std::uint32_t padding : {0u, 32u}) {
@@ -124,35 +82,6 @@ TEST(V4l2, AllocatesNothingPerFrame) {
   }
 }
 
-TEST(V4l2, FramesOfSeveralCamerasAreWithinHalfAFrame) {
-  Machine machine;
-  machine.plug("/dev/video0", "A");
-  machine.plug("/dev/video2", "B")->phase_s = 0.7 * period_s;
-  const auto drifting = machine.plug("/dev/video4", "C");
-  drifting->rate_hz = 90.2;  // its clock is fast: it goes through every phase
-  drifting->phase_s = 0.4 * period_s;
-  const auto source = open(machine, {"/dev/video0", "/dev/video2", "/dev/video4"});
-  sensing::FrameSet set;
-  std::uint64_t sets = 0;
-  const double begin_s = machine.now_s;
-  double last_s = 0;
-  while (machine.now_s < begin_s + 10) {
-    ASSERT_TRUE(next_set(*source, set));
-    ++sets;
-    double oldest_s = set.frames[0].time_s;
-    for (const sensing::DepthFrame& frame : set.frames) {
-      EXPECT_LE(std::abs(frame.time_s - set.frames[0].time_s), period_s / 2 + stamp_jitter_s);
-      EXPECT_GT(frame_of(frame), 0u);
-      oldest_s = std::min(oldest_s, frame.time_s);
-    }
-    EXPECT_EQ(set.time_s, oldest_s);
-    EXPECT_GT(set.time_s, last_s);
-    last_s = set.time_s;
-    EXPECT_LT(machine.now_s - set.time_s, 1.5 * period_s);
-  }
-  EXPECT_GT(sets, 890u) << "of 900 frames";
-}
-
 TEST(V4l2, FramesThatWereSkippedAreGaps) {
   Machine machine;
   const auto camera = machine.plug("/dev/video0", "A");
@@ -198,36 +127,6 @@ TEST(V4l2, BrokenFramesAreLeftOutAndSaidOnce) {
   EXPECT_EQ(said.find("frames came"), said.rfind("frames came"));
 }
 
-TEST(V4l2, ACameraThatStopsIsLeftOutAndStartedAnew) {
-  Machine machine;
-  machine.plug("/dev/video0", "A");
-  const auto camera = machine.plug("/dev/video2", "B");
-  const auto source = open(machine, {"/dev/video0", "/dev/video2"});
-  sensing::FrameSet set;
-  ASSERT_TRUE(next_set(*source, set));
-  camera->frozen = true;
-  const double begin_s = machine.now_s;
-  double last_s = begin_s, longest_s = 0;
-  const std::string said = stderr_of([&] {
-    while (machine.now_s < begin_s + 5) {
-      ASSERT_TRUE(next_set(*source, set));
-      longest_s = std::max(longest_s, machine.now_s - last_s);
-      last_s = machine.now_s;
-      EXPECT_GT(frame_of(set.frames[0]), 0u);
-    }
-    EXPECT_EQ(frame_of(set.frames[1]), 0u) << "what it saw last is not where the hand is now";
-    camera->frozen = false;
-    while (machine.now_s < begin_s + 8)
-      ASSERT_TRUE(next_set(*source, set));
-  });
-  EXPECT_LT(longest_s, 0.09) << "the loop's hold is 0.1 s";
-  EXPECT_GT(frame_of(set.frames[1]), 0u);
-  EXPECT_GE(camera->starts, 2u);
-  EXPECT_CONTAINS(said, "camera 'camera 2' (/dev/video2): gives no frames");
-  EXPECT_EQ(said.find("gives no frames"), said.rfind("gives no frames"));
-  EXPECT_CONTAINS(said, "camera 'camera 2' (/dev/video2): is back");
-}
-
 TEST(V4l2, ALonelyCameraThatStopsKeepsNobodyLongerThanAsked) {
   Machine machine;
   const auto camera = machine.plug("/dev/video0", "A");
@@ -243,44 +142,6 @@ TEST(V4l2, ALonelyCameraThatStopsKeepsNobodyLongerThanAsked) {
       EXPECT_LT(machine.now_s - begin_s, 0.11);
     }
   });
-}
-
-TEST(V4l2, BackUnderAnotherNumberAfterItWasUnplugged) {
-  for (const bool einval : {false, true}) {
-    Machine machine;
-    machine.plug("/dev/video0", "A");
-    const auto camera = machine.plug("/dev/video2", "B");
-    camera->eager_einval = einval;
-    const auto source = open(machine, {"/dev/video0", "/dev/video2"});
-    sensing::FrameSet set;
-    ASSERT_TRUE(next_set(*source, set));
-    const double begin_s = machine.now_s;
-    machine.at(begin_s + 1, [&] { machine.unplug("/dev/video2"); });
-    machine.at(begin_s + 2, [&] {
-      // Another camera of the same kind takes its name meanwhile, and it comes back on another port.
-      machine.plug("/dev/video2", "C");
-      const auto again = machine.plug("/dev/video7", "B");
-      again->phase_s = 0.002;
-    });
-    std::uint64_t alone = 0, empty = 0;
-    const std::string said = stderr_of([&] {
-      while (machine.now_s < begin_s + 4) {
-        if (!next_set(*source, set)) {
-          ++empty;
-          continue;
-        }
-        EXPECT_GT(frame_of(set.frames[0]), 0u);
-        alone += frame_of(set.frames[1]) == 0;
-      }
-    });
-    EXPECT_EQ(empty, 0u);
-    EXPECT_GT(alone, 85u);
-    EXPECT_LT(alone, 125u);
-    EXPECT_GT(frame_of(set.frames[1]), 0u);
-    EXPECT_CONTAINS(said, "camera 'camera 2' (/dev/video2): unplugged; palpa goes on without it");
-    EXPECT_CONTAINS(said, "camera 'camera 2' (/dev/video7): is back");
-    EXPECT_EQ(machine.open_descriptors, 2) << "whoever unplugs it again finds nothing left open";
-  }
 }
 
 TEST(V4l2, NothingStaysOpenOrMapped) {
@@ -315,17 +176,12 @@ TEST(V4l2, AFailingStreamKeepsNoProcessorBusy) {
   EXPECT_LT(machine.calls - before, 15000u) << "in a second";
 }
 
-TEST(V4l2, AFewBuffersAreEnough) {
-  Machine machine;
-  machine.plug("/dev/video0", "A")->most_buffers = 3;
-  machine.plug("/dev/video2", "B")->most_buffers = 3;
-  machine.plugged["/dev/video2"]->phase_s = 0.4 * period_s;
-  const auto source = open(machine, {"/dev/video0", "/dev/video2"});
-  sensing::FrameSet set;
-  std::uint64_t sets = 0;
-  for (const double begin_s = machine.now_s; machine.now_s < begin_s + 1;)
-    sets += next_set(*source, set);
-  EXPECT_GT(sets, 80u);
+TEST(V4l2, TheMachineDoesWhatIsBesideOnAnotherThread) {
+  const auto kernel = make_kernel();
+  std::thread::id other;
+  kernel->beside([&] { other = std::this_thread::get_id(); }).get();
+  EXPECT_NE(other, std::thread::id());
+  EXPECT_NE(other, std::this_thread::get_id());
 }
 
 TEST(V4l2, StampsOfAnotherClockAreReplacedByTheArrival) {
@@ -353,6 +209,17 @@ TEST(V4l2, RefusalsNameTheDeviceTheFormatAndWhatWouldBeRight) {
                   "gives no Z16 of 65x48; it has 64x48, 128x72: set width and height of rig.toml so");
   EXPECT_CONTAINS(refusal([](auto& c) { c.rate_hz = 75; }),
                   "does not give Z16 64x48 at 75 Hz; it has 90, 60, 30, 6 Hz: set rate_hz of rig.toml so");
+  for (const auto& [fault, told] : {std::pair(EBUSY, "another program has this camera"),
+                                    {EACCES, "no permission: add yourself to the group video"},
+                                    {EPERM, "no permission: add yourself to the group video"},
+                                    {ENODEV, "there is no such camera"},
+                                    {EIO, "the camera takes no format: Input/output error"}}) {
+    camera->refuses_format = fault;
+    EXPECT_CONTAINS(refusal([](auto&) {}), told);
+  }
+  camera->refuses_format = EINVAL;
+  EXPECT_CONTAINS(refusal([](auto& c) { c.width = 65; }), "gives no Z16 of 65x48; it has 64x48, 128x72");
+  camera->refuses_format = 0;
   camera->metadata = true;
   EXPECT_CONTAINS(refusal([](auto&) {}), "metadata, no images");
   camera->metadata = false;
@@ -375,6 +242,14 @@ TEST(V4l2, TheArgumentNamesOneNodePerCamera) {
   machine.plug("/dev/video0", "A");
   const auto two = [&] { open(machine, {"/dev/video0"}, {described("left"), described("right")}); };
   EXPECT_CONTAINS(error_of(two, Exit::usage), "names 1 camera and rig.toml describes 2");
+  machine.links["/dev/v4l/by-id/usb-A"] = "/dev/video0";
+  EXPECT_CONTAINS(error_of(
+                      [&] {
+                        open(machine, {"/dev/v4l/by-id/usb-A", "/dev/video0"});
+                      },
+                      Exit::usage),
+                  "names one camera twice: /dev/v4l/by-id/usb-A and /dev/video0 are both /dev/video0");
+  EXPECT_EQ(machine.open_descriptors, 0);
 }
 
 TEST(V4l2, ACoarseDepthUnitIsWarnedOf) {
@@ -385,21 +260,6 @@ TEST(V4l2, ACoarseDepthUnitIsWarnedOf) {
   const std::string said = stderr_of([&] { open(machine, {"/dev/video0"}, {coarse}); });
   EXPECT_CONTAINS(said, "rig.toml: camera 'left' has a depth unit of 1 mm");
   EXPECT_EQ(stderr_of([&] { open(machine, {"/dev/video0"}); }), "");
-}
-
-TEST(V4l2Match, NewestThatAllHave) {
-  const std::vector<double> a{0.00, 0.01, 0.02}, b{0.004, 0.014}, late{0.004};
-  std::vector<std::uint32_t> chosen(2);
-  const auto matched = [&](const std::vector<double>& x, const std::vector<double>& y) {
-    const std::vector<Waiting> cameras{{x}, {y}};
-    return match(cameras, 0.01, chosen);
-  };
-  ASSERT_TRUE(matched(a, b));
-  EXPECT_EQ(chosen, (std::vector<std::uint32_t>{1, 1}));
-  ASSERT_TRUE(matched(a, late));
-  EXPECT_EQ(chosen, (std::vector<std::uint32_t>{0, 0}));
-  EXPECT_FALSE(matched(a, {}));
-  EXPECT_FALSE(matched({0.02}, late));
 }
 
 TEST(V4l2Nodes, AreReadFromSysfs) {

@@ -217,6 +217,9 @@ TEST(Rig, WhatARealCameraIsSetTo) {
   EXPECT_TRUE(load_text(to_toml(set)).cameras[0].device.own_lens);
   for (const char* bad : {"calibration = \"none\"", "exposure_s = 1", "exposure_s = -1", "hardware_preset = 256"})
     EXPECT_THROW(load_text(camera_text + bad + "\n"), Error) << bad;
+  EXPECT_REFUSED(load_text(camera_text + "exposure_s = 0.012\n"),
+                 "rig.toml: line 14: exposure_s of 0.012 is longer than a frame at 90 Hz: at most 0.011");
+  EXPECT_EQ(load_text(with("rate_hz", "rate_hz = 0") + "exposure_s = 0.012\n").cameras[0].device.exposure_s, 0.012);
 }
 
 TEST(Rig, WhatACameraIgnoresLiesWithinItsImage) {
