@@ -1,0 +1,273 @@
+#include "sensing/find_target.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "sensing/flat_patches.hpp"
+#include "sensing/target.hpp"
+
+namespace palpa::sensing {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+constexpr double angle_tolerance = 5 * degree;   // between two patches
+constexpr double across_m = 0.16;                // middles of two patches on it are never that far apart
+constexpr double on_face_m = 3e-3;               // of a patch's middle from the target
+constexpr double sample_m = 4e-3;                // from one sample of the target's surface to the next
+constexpr double hit_m = 2.5e-3, past_m = 8e-3;  // what is seen there lies on the surface; lies behind it
+constexpr double least_facing = 0.25;            // cosine at which a sample ought to be seen
+constexpr std::uint64_t least_seen = 2000;       // pixels
+constexpr int least_hits = 100;                  // samples: 16 square centimetres
+constexpr double least_agreement = 0.8;
+constexpr double rival_share = 0.8;  // of the best score: too near to it
+constexpr std::size_t most_candidates = 8, most_points = 30000;
+constexpr double same_m = 0.01, same_angle = 8 * degree;
+
+struct Sample {
+  Vec3 position, normal;  // target frame
+};
+
+struct Candidate {
+  Transform T_target_camera{1.0};
+  int hits = 0, past = 0;
+  double score() const { return hits - 2.0 * past; }
+  double agreement() const { return hits > 0 ? static_cast<double>(hits) / (hits + past) : 0; }
+};
+
+Error refused(const Camera& camera, const std::string& fault) {
+  return bad_input(fmt::format("camera \"{}\"", printable(camera.name, 60)), fault);
+}
+
+/// Evenly over the mesh, but for its underside.
+std::vector<Sample> samples_of(const geometry::Mesh& mesh) {
+  std::vector<Sample> samples;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const Vec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+    const Vec3 across = glm::cross(b - a, c - a);
+    const double length = glm::length(across);
+    if (!(length > 0) || across.z <= 0) continue;
+    const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
+    const int n = std::max(1, static_cast<int>(std::lround(longest / sample_m)));
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; i + j < n; ++j) {
+        const double u = (i + 1.0 / 3) / n, v = (j + 1.0 / 3) / n;
+        samples.push_back({a + u * (b - a) + v * (c - a), across / length});
+      }
+    }
+  }
+  return samples;
+}
+
+/// The rotation nearest to a matrix that is nearly one: Newton's iteration for the polar decomposition.
+glm::dmat3 nearest_rotation(glm::dmat3 m) {
+  for (int i = 0; i < 20; ++i)
+    m = 0.5 * (m + glm::transpose(glm::inverse(m)));
+  return m;
+}
+
+class Search {
+ public:
+  Search(const Camera& camera, const StillImage& image)
+      : camera_(camera),
+        image_(image),
+        mesh_(make_target()),
+        fit_(mesh_),
+        faces_(target_faces()),
+        samples_(samples_of(mesh_)),
+        patches_(find_flat_patches(image)) {}
+
+  FoundTarget run() {
+    std::vector<Candidate> best = match();
+    for (Candidate& candidate : best) {
+      refine(candidate, {.gate_m = 8e-3, .steps = 4}, 4000);
+      refine(candidate, {.gate_m = 4e-3, .steps = 4}, 4000);
+      look(candidate);
+    }
+    best = distinct(std::move(best));
+    if (best.empty() || best[0].hits < least_hits || best[0].agreement() < least_agreement) throw not_seen();
+    if (best.size() > 1 && best[1].agreement() >= least_agreement && best[1].score() > rival_share * best[0].score()) {
+      throw refused(camera_,
+                    "two poses of the target explain what it sees equally well: move camera or target so that it sees "
+                    "more of the slopes");
+    }
+    const geometry::MeshFitted fitted = refine(best[0], {}, most_points);
+    look(best[0]);
+    if (fitted.points < least_points || fitted.hold < least_hold) {
+      throw refused(camera_,
+                    fmt::format("its view does not fix the target in all six directions: a shift by 1 mm changes what "
+                                "it sees by no more than {:.2f} mm; let it see three faces of the target, the plate "
+                                "and two slopes, each at more than 20 degrees",
+                                fitted.hold));
+    }
+    return {glm::inverse(fitted.T_mesh_points), fitted, best[0].agreement()};
+  }
+
+ private:
+  static constexpr std::uint32_t least_points = 500;
+
+  Error not_seen() const {
+    return refused(camera_, fmt::format("does not see the target: of the {} flat patches that it sees no three are "
+                                        "three of its faces; aim it so that it sees the plate and two slopes, nearer "
+                                        "than 0.8 m and with nothing before them",
+                                        patches_.size()));
+  }
+
+  /// The best poses by what three patches say.
+  std::vector<Candidate> match() const {
+    std::vector<Candidate> found;
+    const std::size_t n = patches_.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = i + 1; j < n; ++j) {
+        if (!near(i, j)) continue;
+        for (std::size_t k = j + 1; k < n; ++k) {
+          if (near(i, k) && near(j, k)) match({i, j, k}, found);
+        }
+      }
+    }
+    return distinct(std::move(found));
+  }
+
+  bool near(std::size_t i, std::size_t j) const {
+    return glm::distance(patches_[i].middle, patches_[j].middle) < across_m;
+  }
+
+  /// These three patches as any three faces.
+  void match(const std::array<std::size_t, 3>& three, std::vector<Candidate>& found) const {
+    const std::size_t m = faces_.size();
+    for (std::size_t a = 0; a < m; ++a) {
+      for (std::size_t b = 0; b < m; ++b) {
+        if (b == a || !angle_fits(three[0], three[1], a, b)) continue;
+        for (std::size_t c = 0; c < m; ++c) {
+          if (c == a || c == b || !angle_fits(three[0], three[2], a, c) || !angle_fits(three[1], three[2], b, c))
+            continue;
+          consider(three, {a, b, c}, found);
+        }
+      }
+    }
+  }
+
+  bool angle_fits(std::size_t i, std::size_t j, std::size_t a, std::size_t b) const {
+    const auto angle = [](const Vec3& p, const Vec3& q) { return std::acos(std::clamp(glm::dot(p, q), -1.0, 1.0)); };
+    return std::abs(angle(patches_[i].plane.normal, patches_[j].plane.normal) -
+                    angle(faces_[a].normal, faces_[b].normal)) < angle_tolerance;
+  }
+
+  void consider(const std::array<std::size_t, 3>& three, const std::array<std::size_t, 3>& faces,
+                std::vector<Candidate>& found) const {
+    glm::dmat3 seen(1.0), known(1.0);
+    Vec3 offsets(0);
+    for (int i = 0; i < 3; ++i) {
+      const geometry::Plane& patch = patches_[three[static_cast<std::size_t>(i)]].plane;
+      const geometry::Plane& face = faces_[faces[static_cast<std::size_t>(i)]];
+      seen[i] = patch.normal;
+      known[i] = face.normal;
+      offsets[i] = face.offset - patch.offset;
+    }
+    // Mirrored ones have the other sign; nearly flat ones say nothing.
+    if (std::abs(glm::determinant(seen)) < 0.1 || glm::determinant(seen) * glm::determinant(known) < 0) return;
+    const glm::dmat3 rotation = nearest_rotation(known * glm::inverse(seen));
+    const Vec3 shift = glm::inverse(glm::transpose(known)) * offsets;
+    Candidate candidate;
+    candidate.T_target_camera = Transform(rotation);
+    candidate.T_target_camera[3] = Vec4(shift, 1);
+    for (const std::size_t i : three) {
+      if (fit_.distance(transform_point(candidate.T_target_camera, patches_[i].middle), 0.1) > on_face_m) return;
+    }
+    look(candidate);
+    if (candidate.hits >= least_hits / 2 && candidate.score() > 0) found.push_back(candidate);
+  }
+
+  /// What the camera sees where the target's surface ought to be.
+  void look(Candidate& candidate) const {
+    const Transform T_camera_target = glm::inverse(candidate.T_target_camera);
+    candidate.hits = candidate.past = 0;
+    for (const Sample& sample : samples_) {
+      const Vec3 at = transform_point(T_camera_target, sample.position);
+      const Vec3 normal = transform_direction(T_camera_target, sample.normal);
+      if (at.z <= 0 || glm::dot(normal, at) > -least_facing * glm::length(at)) continue;
+      const Vec2 pixel = project(camera_, at);
+      const double u = std::round(pixel.x), v = std::round(pixel.y);
+      if (!(u >= 0 && v >= 0 && u < image_.width && v < image_.height)) continue;
+      const glm::vec3& seen = image_.at(static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v));
+      if (seen.z <= 0) continue;
+      const double off = glm::dot(normal, Vec3(seen) - at);
+      if (std::abs(off) < hit_m)
+        ++candidate.hits;
+      else if (off < -hit_m && seen.z - at.z > past_m)
+        ++candidate.past;
+    }
+  }
+
+  /// The best of each neighbourhood, the best first.
+  static std::vector<Candidate> distinct(std::vector<Candidate> all) {
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.score() > b.score(); });
+    std::vector<Candidate> kept;
+    for (const Candidate& candidate : all) {
+      if (kept.size() == most_candidates) break;
+      if (std::none_of(kept.begin(), kept.end(), [&](const Candidate& k) { return same(k, candidate); }))
+        kept.push_back(candidate);
+    }
+    return kept;
+  }
+
+  static bool same(const Candidate& a, const Candidate& b) {
+    const Transform between = a.T_target_camera * glm::inverse(b.T_target_camera);
+    const double trace = between[0][0] + between[1][1] + between[2][2];
+    return glm::length(Vec3(between[3])) < same_m && std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) < same_angle;
+  }
+
+  geometry::MeshFitted refine(Candidate& candidate, const geometry::FitOptions& options, std::size_t most) const {
+    std::vector<geometry::MeasuredPoint> near;
+    const double wide = TargetSize::plate_half + options.gate_m;
+    const double high = TargetSize::plate_thickness + TargetSize::height + options.gate_m;
+    for (const glm::vec3& point : image_.points) {
+      if (point.z <= 0) continue;
+      const Vec3 at = transform_point(candidate.T_target_camera, Vec3(point));
+      if (std::abs(at.x) > wide || std::abs(at.y) > wide || at.z < 0 || at.z > high) continue;
+      // Along the ray, and with the square of the distance: what a step of disparity is.
+      near.push_back({Vec3(point), Vec3(point) * static_cast<double>(point.z)});
+    }
+    if (near.size() > most) {
+      std::vector<geometry::MeasuredPoint> fewer;
+      for (std::size_t i = 0; i < most; ++i)
+        fewer.push_back(near[i * near.size() / most]);
+      near = std::move(fewer);
+    }
+    const geometry::MeshFitted fitted = fit_.fit(near, candidate.T_target_camera, options);
+    candidate.T_target_camera = fitted.T_mesh_points;
+    return fitted;
+  }
+
+  const Camera& camera_;
+  const StillImage& image_;
+  geometry::Mesh mesh_;
+  geometry::MeshFit fit_;
+  std::vector<geometry::Plane> faces_;
+  std::vector<Sample> samples_;
+  std::vector<FlatPatch> patches_;
+};
+
+}  // namespace
+
+FoundTarget find_target(const Camera& camera, const StillImage& image) {
+  if (image.seen < least_seen) {
+    throw refused(camera, fmt::format("only {} of its {} pixels stand still and have a depth: is something before it, "
+                                      "or all of it nearer than {:.2f} m?",
+                                      image.seen, image.points.size(), camera.min_range_m));
+  }
+  return Search(camera, image).run();
+}
+
+}  // namespace palpa::sensing

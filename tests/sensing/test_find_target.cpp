@@ -1,0 +1,239 @@
+// The calibration target, and finding it in what a depth camera sees.
+#include "sensing/find_target.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "geometry/mesh.hpp"
+#include "sensing/synthetic.hpp"
+#include "sensing/target.hpp"
+#include "support/shapes.hpp"
+
+namespace palpa::test {
+namespace {
+
+using namespace sensing;
+
+constexpr double degree = std::numbers::pi / 180;
+
+Camera d415() {
+  Camera camera;
+  camera.name = "one";
+  camera.width = 848;
+  camera.height = 480;
+  camera.fx = camera.fy = 640;
+  camera.cx = 423.5;
+  camera.cy = 239.5;
+  camera.depth_unit_m = 1e-4;
+  camera.min_range_m = 0.28;
+  return camera;
+}
+
+/// That looks at `to` (target frame: z up) from so far, so high above the horizon, from the side `azimuth`.
+Camera looking(const Vec3& to, double distance, double elevation_deg, double azimuth_deg) {
+  Camera camera = d415();
+  const double e = elevation_deg * degree, a = azimuth_deg * degree;
+  const Vec3 back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+  const Vec3 right =
+      elevation_deg == 90 ? Vec3(-std::sin(a), std::cos(a), 0) : glm::normalize(glm::cross(Vec3(0, 0, 1), back));
+  camera.T_world_camera =
+      Transform(Vec4(right, 0), Vec4(glm::cross(-back, right), 0), Vec4(-back, 0), Vec4(to + distance * back, 1));
+  return camera;
+}
+
+/// What it sees of the target at the world's origin and of `rest`, from so many frames.
+StillImage seen(const Camera& camera, const geometry::Mesh& rest, Noise noise = Noise::d415, int frames = 5,
+                bool target = true) {
+  SyntheticRig rig({camera}, rest, noise, 7);
+  const geometry::Mesh mesh = make_target({0.0525, 0.0525});
+  const Posed posed{&mesh, Transform(1.0)};
+  StillFrames still(camera);
+  FrameSet set;
+  for (int i = 0; i < frames; ++i) {
+    rig.render(target ? std::span(&posed, 1) : std::span<const Posed>(), static_cast<std::uint64_t>(i), set);
+    still.add(set.frames[0].depth);
+  }
+  return still.finish();
+}
+
+geometry::Mesh board() {
+  return box({-0.084, -0.084, -0.01}, {0.084, 0.084, 0});
+}
+
+/// How far a found pose is off: of the target's middle, and the angle.
+struct Off {
+  double metres, degrees;
+};
+Off off(const Transform& T_camera_target, const Camera& camera) {
+  const Transform between = camera.T_world_camera * T_camera_target;
+  const Vec3 middle(0, 0, 0.02);
+  const Vec3 turn(between[1][2] - between[2][1], between[2][0] - between[0][2], between[0][1] - between[1][0]);
+  return {glm::distance(transform_point(between, middle), middle),
+          std::asin(std::min(1.0, glm::length(turn) / 2)) / degree};
+}
+
+TEST(Target, IsClosedAndStandsOnItsPlate) {
+  for (const TargetHoles& holes :
+       {TargetHoles{}, TargetHoles{0.0508, 0.0508}, TargetHoles{0.0525, 0.0525}, TargetHoles{0.0554, 0.0554}}) {
+    const geometry::Mesh mesh = make_target(holes);
+    EXPECT_TRUE(geometry::find_defects(mesh).closed_and_oriented());
+    const Box box = geometry::bounds(mesh);
+    EXPECT_EQ(box.low, Vec3(-0.065, -0.065, 0));
+    EXPECT_DOUBLE_EQ(box.high.z, 0.054);
+    // The plate without its corner and its holes, 16-cornered, and the stump by the prismoidal formula.
+    const double corner = holes.x_m > 0 ? 0.065 - holes.x_m - 0.003 : 0.065 - 0.046;
+    const double hole = holes.x_m > 0 ? 8 * std::sin(std::numbers::pi / 8) * std::pow(TargetSize::hole_radius, 2) : 0;
+    const double plate = 0.006 * (0.13 * 0.13 - corner * corner / 2 - 4 * hole);
+    const double wide = 0.092, top_x = 0.0095, top_y = 0.0115;
+    const double stump = 0.048 / 6 * (wide * wide + (wide + top_x) * (wide + top_y) + top_x * top_y);
+    EXPECT_NEAR(geometry::signed_volume(mesh), plate + stump, 1e-10);
+  }
+  EXPECT_ANY_THROW(make_target({0.04, 0.0525}));
+}
+
+TEST(FindTarget, ExactDepthsGiveTheExactPose) {
+  const Camera camera = looking({0, 0, 0.02}, 0.45, 45, 200);
+  const FoundTarget found = find_target(camera, seen(camera, board(), Noise::none, 1));
+  const Off error = off(found.T_camera_target, camera);
+  EXPECT_LT(error.metres, 3e-5);
+  EXPECT_LT(error.degrees, 0.02);
+  EXPECT_LT(found.fit.rms_m, 5e-5);
+}
+
+/// What is found in spite of `rest`, within the bounds that calibration promises.
+void expect_found(const Camera& camera, const StillImage& image) {
+  const FoundTarget found = find_target(camera, image);
+  const Off error = off(found.T_camera_target, camera);
+  EXPECT_LT(error.metres, 0.5e-3);
+  EXPECT_LT(error.degrees, 0.2);
+  // What it says of itself is no boast.
+  EXPECT_LT(error.metres, 5 * found.fit.deviation_m);
+  EXPECT_LT(error.degrees, 5 * found.fit.deviation_rad / degree);
+  EXPECT_GT(found.agreement, 0.95);
+  EXPECT_GT(found.fit.points, 5000U);
+}
+
+TEST(FindTarget, WithNoiseFromAllSides) {
+  for (const auto& [elevation, azimuth] : {std::pair(30.0, 10.0), std::pair(30.0, 190.0), std::pair(50.0, 100.0),
+                                           std::pair(40.0, 150.0), std::pair(50.0, 280.0), std::pair(90.0, 40.0)}) {
+    SCOPED_TRACE(testing::Message() << elevation << " degrees high, from " << azimuth);
+    const Camera camera = looking({0.02, -0.03, 0}, 0.5, elevation, azimuth);
+    expect_found(camera, seen(camera, board()));
+  }
+}
+
+/// A table, things with square corners on it, and a hand that hides some of the target.
+geometry::Mesh clutter() {
+  geometry::Mesh rest = box({-0.4, -0.3, -0.03}, {0.4, 0.3, -0.01});
+  geometry::append(rest, board());
+  geometry::append(rest, box({0.1, -0.1, -0.01}, {0.16, 0.02, 0.05}));
+  geometry::append(rest, box({-0.2, 0.05, -0.01}, {-0.1, 0.12, 0.03}));
+  const auto ball = [](double x, double y, double z) {
+    return transformed(sphere(0.012, 24, 24), [=](const Vec3& p) { return p + Vec3(x, y, z); });
+  };
+  for (int i = 0; i < 5; ++i)
+    geometry::append(rest, ball(0.06 + 0.01 * i, 0.05, 0.05 + 0.004 * i));
+  return rest;
+}
+
+TEST(FindTarget, AmongClutterAndPartlyHidden) {
+  const Camera camera = looking({0, 0, 0.02}, 0.5, 45, 60);
+  expect_found(camera, seen(camera, clutter()));
+}
+
+/// With one line that names the camera and has `part` in it.
+void expect_refused(const Camera& camera, const StillImage& image, const std::string& part) {
+  try {
+    find_target(camera, image);
+    ADD_FAILURE() << "found";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Exit::bad_input);
+    EXPECT_TRUE(std::string(error.what()).starts_with("camera \"one\": ")) << error.what();
+    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+  }
+}
+
+/// What is left of an image where `keeps` says so of a point in the target's frame.
+StillImage only(StillImage image, const Camera& camera, const std::function<bool(const Vec3&)>& keeps) {
+  image.seen = 0;
+  for (glm::vec3& point : image.points) {
+    if (point.z > 0 && !keeps(transform_point(camera.T_world_camera, Vec3(point)))) point = glm::vec3(0);
+    image.seen += point.z > 0 ? 1 : 0;
+  }
+  return image;
+}
+
+TEST(FindTarget, WithoutOneItSaysSo) {
+  const Camera camera = looking({0, 0, 0.02}, 0.5, 45, 60);
+  expect_refused(camera, seen(camera, clutter(), Noise::d415, 5, false), "does not see the target");
+  const StillImage nothing = seen(camera, {}, Noise::d415, 1, false);
+  expect_refused(camera, nothing, "only 0 of its 407040 pixels");
+  // The target's mirror image is another solid.
+  const geometry::Mesh mirrored = [] {
+    geometry::Mesh mesh = transformed(make_target(), [](const Vec3& p) { return Vec3(p.y, p.x, p.z); });
+    geometry::flip(mesh);
+    return mesh;
+  }();
+  const Camera steep = looking({0, 0, 0.02}, 0.5, 90, 0);
+  expect_refused(steep, seen(steep, mirrored, Noise::d415, 5, false), "does not see the target");
+}
+
+TEST(FindTarget, RefusesWhatDoesNotHoldIt) {
+  const Camera camera = looking({0, 0, 0.02}, 0.45, 50, 35);
+  const StillImage whole = seen(camera, {});
+  const geometry::Plane east = target_faces()[1], north = target_faces()[2];
+  const auto on = [](const geometry::Plane& face, const Vec3& p) {
+    return std::abs(glm::dot(face.normal, p) - face.offset) < 2e-3;
+  };
+  const auto flat = [](const Vec3& p) { return p.z < 0.0075; };
+  // A plate alone, and with one slope, slides.
+  expect_refused(camera, only(whole, camera, flat), "does not see the target");
+  const auto slides = [&](const Vec3& p) { return flat(p) || on(east, p); };
+  expect_refused(camera, only(whole, camera, slides), "does not see the target");
+  // So it does, nearly, where the third face is a patch of a centimetre.
+  const auto barely = [&](const Vec3& p) {
+    return slides(p) || (on(north, p) && std::abs(p.z - 0.022) < 0.0042 && std::abs(p.x) < 0.0055);
+  };
+  expect_refused(camera, only(whole, camera, barely), "does not fix the target in all six directions");
+}
+
+TEST(StillFrames, LeavesOutWhatMovesAndWhatIsSeldomSeen) {
+  Camera camera = d415();
+  camera.width = 8;
+  camera.height = 6;
+  camera.roi = PixelBox{0, 0, 1, 1};  // ignored
+  StillFrames frames(camera);
+  for (int i = 0; i < 8; ++i) {
+    std::vector<std::uint16_t> depth(48, static_cast<std::uint16_t>(5000 + i % 2));
+    depth[0] = static_cast<std::uint16_t>(5000 + 40 * i);  // moves
+    depth[1] = i < 4 ? 0 : 5000;                           // seldom there
+    depth[7] = 2000;                                       // too near
+    for (const std::size_t right : {29U, 30U, 31U})
+      depth[right] = 6000;  // far behind its neighbours
+    frames.add(depth);
+  }
+  const StillImage image = frames.finish();
+  EXPECT_EQ(image.at(0, 0).z, 0);
+  EXPECT_EQ(image.at(1, 0).z, 0);
+  EXPECT_EQ(image.at(7, 0).z, 0);
+  EXPECT_FLOAT_EQ(image.at(0, 5).z, 0.50005F);
+  EXPECT_FLOAT_EQ(image.at(0, 5).x, static_cast<float>(-423.5 / 640) * 0.50005F);
+  // Two pixels on either side of a step: in row 3, of columns 4 and 5.
+  EXPECT_EQ(image.at(4, 3).z, 0);
+  EXPECT_EQ(image.at(5, 3).z, 0);
+  EXPECT_GT(image.at(2, 3).z, 0);
+}
+
+}  // namespace
+}  // namespace palpa::test
