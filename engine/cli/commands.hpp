@@ -14,6 +14,7 @@ void add_simulate(Program& program);
 void add_run(Program& program);
 void add_export(Program& program);
 void add_link(Program& program);
+void add_calibrate(Program& program);
 void add_decompose(Program& program);
 void add_bench(Program& program);
 

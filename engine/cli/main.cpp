@@ -35,6 +35,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   add_run(program);
   add_export(program);
   add_link(program);
+  add_calibrate(program);
   add_drive(program);
   add_field(program);
   add_scatter(program);

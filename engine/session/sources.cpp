@@ -12,20 +12,6 @@
 namespace palpa::session {
 namespace {
 
-/// A skin mesh from a PLY or, all its meshes together, from a glTF file.
-geometry::Mesh load_skin(const std::string& file) {
-  geometry::Mesh mesh;
-  if (std::filesystem::path(file).extension() == ".ply") {
-    geometry::Ply ply = geometry::read_ply(file);
-    mesh = {std::move(ply.positions), std::move(ply.triangles)};
-  } else {
-    for (const geometry::SceneMesh& part : geometry::load_gltf(file).meshes)
-      geometry::append(mesh, part.mesh);
-  }
-  if (mesh.triangles.empty()) throw bad_input(file, "has no triangles; a synthetic source needs the skin as a mesh");
-  return mesh;
-}
-
 std::unique_ptr<sensing::DepthSource> open_synthetic(const std::string& file, const SourceSetting& setting) {
   if (setting.cameras.empty())
     throw bad_input(setting.rig, "has no [[camera]]; a synthetic source renders what the rig's cameras see");
@@ -43,6 +29,19 @@ std::unique_ptr<sensing::DepthSource> open_recording(const std::string& folder, 
 }
 
 }  // namespace
+
+geometry::Mesh load_skin(const std::string& file) {
+  geometry::Mesh mesh;
+  if (std::filesystem::path(file).extension() == ".ply") {
+    geometry::Ply ply = geometry::read_ply(file);
+    mesh = {std::move(ply.positions), std::move(ply.triangles)};
+  } else {
+    for (const geometry::SceneMesh& part : geometry::load_gltf(file).meshes)
+      geometry::append(mesh, part.mesh);
+  }
+  if (mesh.triangles.empty()) throw bad_input(file, "has no triangles; a synthetic source needs the skin as a mesh");
+  return mesh;
+}
 
 std::vector<SourceKind> builtin_sources() {
   return {

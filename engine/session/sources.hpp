@@ -34,6 +34,9 @@ struct SourceKind {
 /// `synthetic` and `recording`.
 std::vector<SourceKind> builtin_sources();
 
+/// A skin mesh from a PLY or, all its meshes together, from a glTF file. Throws bad_input where there is none in it.
+geometry::Mesh load_skin(const std::string& file);
+
 /// Opens "name" or "name:argument". Throws bad_usage with the known names for an unknown one, bad_input for broken
 /// files.
 std::unique_ptr<sensing::DepthSource> open_source(const std::string& spec, std::span<const SourceKind> kinds,

@@ -20,11 +20,7 @@ namespace {
 
 std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& o, std::span<const session::SourceKind> more,
                                                   const PosedRig& rig, bool paced) {
-  std::vector<session::SourceKind> sources = session::builtin_sources();
-  std::erase_if(sources, [&](const session::SourceKind& own) {
-    return std::ranges::any_of(more, [&](const session::SourceKind& kind) { return kind.name == own.name; });
-  });
-  sources.insert(sources.end(), more.begin(), more.end());
+  const std::vector<session::SourceKind> sources = with_builtin(more);
   const geometry::Mesh boards = array::board_mesh(rig.layout);
   return session::open_source(o.source, sources,
                               {.cameras = rig.rig.cameras,
@@ -55,6 +51,15 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
 }
 
 }  // namespace
+
+std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKind> more) {
+  std::vector<session::SourceKind> sources = session::builtin_sources();
+  std::erase_if(sources, [&](const session::SourceKind& own) {
+    return std::ranges::any_of(more, [&](const session::SourceKind& kind) { return kind.name == own.name; });
+  });
+  sources.insert(sources.end(), more.begin(), more.end());
+  return sources;
+}
 
 void add_frame_options(const Group& group, FrameOptions& o, const char* until) {
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");

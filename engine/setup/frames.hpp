@@ -39,6 +39,9 @@ struct FrameOptions {
   touch::Smoothing smoothing = touch::Smoothing::one_euro;
 };
 
+/// palpa's own sources and these, which take the place of those of the same name.
+std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKind> sources);
+
 /// Scene, source and what comes of the frames; `until` explains --frames.
 void add_frame_options(const Group& group, FrameOptions& options, const char* until);
 /// Of these what comes of the frames.

@@ -87,7 +87,9 @@ array::Layout load_posed_layout(const std::string& name) {
 PosedRig load_posed_rig(const RigOptions& options) {
   PosedRig set_up;
   set_up.rig = load_rig_of(options);
-  set_up.layout = in_world(array_of(set_up.rig, options.layout));
+  const PlacedLayout placed = array_of(set_up.rig, options.layout);
+  set_up.layout = in_world(placed);
+  set_up.T_world_layout = placed.T_world_layout;
   return set_up;
 }
 

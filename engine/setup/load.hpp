@@ -22,6 +22,7 @@ std::vector<geometry::Solid> load_solids(const std::string& scene, const std::op
 struct PosedRig {
   sensing::Rig rig;
   array::Layout layout;  ///< as posed in the world
+  Transform T_world_layout{1.0};
 };
 
 /// A layout, and where it stands.

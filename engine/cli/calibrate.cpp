@@ -1,0 +1,204 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "array/board_mesh.hpp"
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/log.hpp"
+#include "base/output_file.hpp"
+#include "cli/commands.hpp"
+#include "geometry/gltf_write.hpp"
+#include "geometry/stl.hpp"
+#include "session/sources.hpp"
+#include "setup/calibration.hpp"
+#include "setup/frames.hpp"
+#include "setup/load.hpp"
+#include "setup/options.hpp"
+#include "setup/progress.hpp"
+#include "setup/target_mount.hpp"
+#include "setup/values.hpp"
+
+namespace palpa::cli {
+namespace {
+
+struct CalibrateCommand {
+  setup::CommonOptions common;
+  std::string target;  ///< model to write
+  std::string out;     ///< rig to write
+  std::string at;      ///< where the target stands, if not on its mount
+  double turn_deg = 0;
+  std::string source = "synthetic";
+  std::uint32_t frames = 30;
+  bool noise_free = false;
+  setup::RigOptions rig;
+};
+
+constexpr std::uint32_t most_frames = 300;
+constexpr double degree = std::numbers::pi / 180;
+/// More than that is no camera's noise within a metre.
+constexpr double usual_rms_m = 1e-3;
+
+void add_options(CLI::App& app, CalibrateCommand& o) {
+  const setup::Group target(app, "The target");
+  target.text("--target", o.target, "FILE",
+              "write the model to be printed, .stl (millimetres) or .glb, and do no more");
+  target.text("--at", o.at, "X,Y,Z",
+              "where the middle of the target's underside is, in the array's frame [its mount on the layout]");
+  target.number("--turn", o.turn_deg, {-360, 360}, "DEGREES",
+                "of the target about its own z, from above counter-clockwise");
+  const setup::Group frames(app, "What is seen, and where it goes");
+  frames.text("--source", o.source, "SOURCE",
+              "synthetic[:MESH] (a rehearsal), recording:DIR, v4l2:/dev/videoN[,...] or bag:FILE");
+  frames.integer("--frames", o.frames, 1, most_frames, "how many are taken together");
+  frames.flag("--noise-free", o.noise_free, "synthetic frames without the sensor's noise");
+  frames.text("--out", o.out, "FILE", "write the rig with what was found; another file than --rig");
+  setup::add_rig_options(app, o.rig);
+}
+
+sensing::TargetHoles holes_for(const setup::RigOptions& rig) {
+  // Without a rig that is named, the layout alone says what it is to stand on.
+  return setup::target_mount(setup::load_placed_layout(rig).layout).holes;
+}
+
+void write_target(const CalibrateCommand& o) {
+  const std::string kind = std::filesystem::path(o.target).extension();
+  if (kind != ".stl" && kind != ".glb")
+    throw bad_usage("--target " + o.target + ": give a file that ends in .stl or .glb");
+  if (!o.out.empty()) throw bad_usage("--target writes the model and does no more: leave --out out");
+  const Outputs outputs({{"--target", o.target}});
+  const geometry::Mesh mesh = sensing::make_target(holes_for(o.rig));
+  if (kind == ".stl") {
+    geometry::write_stl(o.target, mesh);
+  } else {
+    const geometry::SceneMesh node{"target", mesh};
+    geometry::write_glb(o.target, std::span(&node, 1));
+  }
+}
+
+/// In the world.
+Transform pose_of_target(const CalibrateCommand& o, const setup::PosedRig& posed) {
+  const setup::TargetMount mount = setup::target_mount(setup::load_placed_layout(o.rig).layout);
+  Vec3 origin(mount.T_layout_target[3]);
+  if (!o.at.empty()) {
+    const auto [x, y, z] = setup::parse_point("--at", o.at);
+    origin = {x, y, z};
+  }
+  return posed.T_world_layout * setup::moved_mount(mount, origin, o.turn_deg * degree);
+}
+
+std::string to_json(const std::vector<setup::CalibratedCamera>& cameras, std::uint64_t frames,
+                    const Transform& T_world_target) {
+  JsonWriter json;
+  const auto pose = [&](const char* name, const Transform& T) {
+    json.key(name).begin_array();
+    for (int row = 0; row < 4; ++row)
+      json.value(std::vector<double>{T[0][row], T[1][row], T[2][row], T[3][row]});
+    json.end_array();
+  };
+  json.begin_object().member("frames", frames);
+  pose("T_world_target", T_world_target);
+  json.key("cameras").begin_array(JsonWriter::Style::block);
+  for (const setup::CalibratedCamera& camera : cameras) {
+    const geometry::MeshFitted& fit = camera.found.fit;
+    json.begin_object(JsonWriter::Style::line).member("name", camera.name).member("points", fit.points);
+    json.member("rms_m", fit.rms_m).member("p95_m", fit.p95_m).member("hold", fit.hold);
+    json.member("agreement", camera.found.agreement);
+    json.member("deviation_m", fit.deviation_m).member("deviation_rad", fit.deviation_rad);
+    json.member("moved_m", camera.moved_m).member("turned_rad", camera.turned_rad);
+    pose("T_world_camera", camera.T_world_camera);
+    json.end_object();
+  }
+  json.end_array().end_object();
+  return json.take();
+}
+
+std::string summary(const CalibrateCommand& o, const std::vector<setup::CalibratedCamera>& cameras) {
+  std::string text;
+  for (const setup::CalibratedCamera& camera : cameras) {
+    const geometry::MeshFitted& fit = camera.found.fit;
+    text += fmt::format("{}: {:.2f} mm rms, {:.2f} mm at 95 %, {} points; moved by {:.1f} mm and {:.2f} degrees\n",
+                        camera.name, fit.rms_m * 1e3, fit.p95_m * 1e3, fit.points, camera.moved_m * 1e3,
+                        camera.turned_rad / degree);
+  }
+  return text + (o.out.empty() ? "nothing written: give --out\n" : fmt::format("written to {}\n", o.out));
+}
+
+/// With the array of --layout, where that was given, in place of its own.
+sensing::Rig rig_to_write(const setup::PosedRig& posed, const setup::RigOptions& options) {
+  sensing::Rig rig = posed.rig;
+  if (options.layout.empty()) return rig;
+  const std::vector<std::string> known = array::layout_names();
+  const bool built_in = std::ranges::find(known, options.layout) != known.end();
+  rig.array = {built_in ? options.layout : std::filesystem::absolute(options.layout).string(), {}, {}};
+  return rig;
+}
+
+void write_rig(const std::string& file, const sensing::Rig& rig) {
+  write_file(file, "# By palpa calibrate.\n\n" + sensing::to_toml(rig));
+}
+
+void find_poses(const Extensions& extensions, const CalibrateCommand& o) {
+  if (o.noise_free && !o.source.starts_with("synthetic")) throw bad_usage("--noise-free goes with --source synthetic");
+  const Outputs outputs({{"--json", o.common.json}, {"--out", o.out}});
+  setup::PosedRig posed = setup::load_posed_rig(o.rig);
+  const Transform T_world_target = pose_of_target(o, posed);
+  std::vector<session::SourceKind> sources(extensions.sources);
+  sources.push_back(setup::rehearsal(T_world_target));
+  const geometry::Mesh boards = array::board_mesh(posed.layout);
+  const auto source = session::open_source(o.source, setup::with_builtin(sources),
+                                           {.cameras = posed.rig.cameras,
+                                            .occluders = boards,
+                                            .default_skin = {},
+                                            .noise = !o.noise_free,
+                                            .seed = o.common.seed,
+                                            .paced = false,
+                                            .rig = posed.rig.file});
+  log::release_warnings();
+  std::uint64_t taken = 0;
+  std::vector<sensing::StillFrames> seen;
+  {
+    setup::Progress progress("frames", o.frames, o.common.quiet);
+    seen = setup::collect_still_frames(*source, o.frames, [&](std::uint64_t done) { progress.set(taken = done); });
+  }
+  const std::vector<setup::CalibratedCamera> cameras =
+      setup::calibrate_cameras(posed.rig.cameras, source->cameras(), seen, T_world_target, posed.rig.file);
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    posed.rig.cameras[i].T_world_camera = cameras[i].T_world_camera;
+    if (const double rms_m = cameras[i].found.fit.rms_m; rms_m > usual_rms_m) {
+      log::warning(
+          fmt::format("camera \"{}\": its points lie {:.1f} mm from the target, rms: was it printed in "
+                      "millimetres, and flat? is depth_unit_m right?",
+                      cameras[i].name, rms_m * 1e3));
+    }
+  }
+  if (!o.out.empty()) write_rig(o.out, rig_to_write(posed, o.rig));
+  if (!o.common.json.empty()) write_file(o.common.json, to_json(cameras, taken, T_world_target));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(o, cameras));
+}
+
+void run(const Extensions& extensions, const CalibrateCommand& o) {
+  if (!o.target.empty()) return write_target(o);
+  find_poses(extensions, o);
+}
+
+}  // namespace
+
+void add_calibrate(Program& program) {
+  const Extensions& extensions = program.extensions;
+  add_subcommand<CalibrateCommand>(
+      program,
+      {"calibrate", "where the cameras are, from what they see of a printed target",
+       "  palpa calibrate --target target.stl --layout openmpd\n"
+       "  palpa calibrate --rig rig.toml --source v4l2:/dev/video0,/dev/video4 --out calibrated.toml\n"
+       "  palpa calibrate --rig rig.toml --source synthetic --json -"},
+      add_options, [&extensions](const CalibrateCommand& o) { run(extensions, o); });
+}
+
+}  // namespace palpa::cli
