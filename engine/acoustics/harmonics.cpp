@@ -83,7 +83,7 @@ Felt Harmonics::felt(std::uint32_t stride, double dwell_s, double highest_hz) co
   return felt;
 }
 
-PathField::PathField(const ArrayField& field, std::span<const Vec3> foci, const std::atomic<bool>* give_up) {
+PathField::PathField(const FocusField& field, std::span<const Vec3> foci, const std::atomic<bool>* give_up) {
   const std::size_t per_side = steps_per_side(foci, field.step_m());
   const std::vector<Vec3> path = path_through(foci, per_side);
   std::vector<double> pressures;

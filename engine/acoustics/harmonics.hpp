@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "acoustics/array_field.hpp"
+#include "acoustics/focus_field.hpp"
 #include "acoustics/skin.hpp"
 
 namespace palpa::acoustics {
@@ -41,8 +41,8 @@ class Harmonics {
   double variance_ = 0;
 };
 
-/// What foci anywhere on a closed path give anywhere on it, as an array's field is there: one table for rings of any
-/// number of foci.
+/// What foci anywhere on a closed path give anywhere on it, as a field (focus_field.hpp) has it there: one table for
+/// rings of any number of foci.
 ///
 /// The pressure that a focus at u gives at a place v, u counted 0 to 1 around the path, is looked at on a grid as fine
 /// as the field needs and turned into a Fourier series in u, with the terms k_b(v) e^{2 pi i b u}. N foci spread evenly
@@ -51,7 +51,7 @@ class PathField {
  public:
   /// `foci`, three at least, at the corners of the path. Its sides count alike in u, however long: as sectors do.
   /// If `give_up` becomes true meanwhile nothing is known and nothing felt.
-  PathField(const ArrayField& field, std::span<const Vec3> foci, const std::atomic<bool>* give_up = nullptr);
+  PathField(const FocusField& field, std::span<const Vec3> foci, const std::atomic<bool>* give_up = nullptr);
 
   /// Of 1 to most_ring_foci foci; of as many as the path has corners, of these themselves.
   Harmonics harmonics(std::uint32_t foci) const;

@@ -27,18 +27,23 @@ double face_area(const geometry::Mesh& mesh, std::size_t face) {
   return glm::length(area_vector(mesh, face));
 }
 
+Radiation radiation_of(const FaceSound& sound, const Air& air) {
+  const double k = air.wave_number(), scale = 1 / (4 * air.stiffness_pa());
+  double slope2 = 0;
+  for (const std::complex<double>& part : sound.gradient)
+    slope2 += std::norm(part);
+  const double square = std::norm(sound.pressure);
+  return {scale * (square - slope2 / (k * k)), scale * square};
+}
+
 void add_pressure(std::span<const FaceSound> sound, const Air& air, double weight, SkinPressure& pressure) {
   pressure.langevin.resize(sound.size());
   pressure.squared.resize(sound.size());
-  const double k = air.wave_number(), scale = weight / (4 * air.stiffness_pa());
   for (std::size_t face = 0; face < sound.size(); ++face) {
-    double slope2 = 0;
-    for (const std::complex<double>& part : sound[face].gradient)
-      slope2 += std::norm(part);
-    const double square = std::norm(sound[face].pressure);
-    pressure.loudest_pa = std::max(pressure.loudest_pa, std::sqrt(square));
-    pressure.squared[face] += scale * square;
-    pressure.langevin[face] += scale * (square - slope2 / (k * k));
+    const Radiation one = radiation_of(sound[face], air);
+    pressure.loudest_pa = std::max(pressure.loudest_pa, std::abs(sound[face].pressure));
+    pressure.squared[face] += weight * one.squared;
+    pressure.langevin[face] += weight * one.langevin;
   }
 }
 

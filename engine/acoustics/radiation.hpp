@@ -23,6 +23,12 @@ namespace palpa::acoustics {
 Vec3 face_centroid(const geometry::Mesh& mesh, std::size_t face);
 double face_area(const geometry::Mesh& mesh, std::size_t face);
 
+/// What one sound gives, Pa.
+struct Radiation {
+  double langevin, squared;
+};
+Radiation radiation_of(const FaceSound& sound, const Air& air);
+
 /// By face, Pa.
 struct SkinPressure {
   std::vector<double> langevin, squared;

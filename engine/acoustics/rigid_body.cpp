@@ -75,8 +75,8 @@ std::vector<Complex> RigidBody::at_vertices(std::span<const std::complex<float>>
   return fit_.at_vertices(unknowns);
 }
 
-Complex RigidBody::at_skin(std::span<const std::complex<float>> unknowns, std::uint32_t face, double u,
-                           double v) const {
+FaceSound RigidBody::at_skin(std::span<const std::complex<float>> unknowns, std::uint32_t face, double u,
+                             double v) const {
   return fit_.at(face, patches_.patches[face].at(u, v), unknowns);
 }
 

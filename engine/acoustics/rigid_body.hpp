@@ -41,9 +41,8 @@ class RigidBody {
   std::vector<FaceSound> at_faces(std::span<const std::complex<float>> unknowns) const;
   std::vector<std::complex<double>> at_vertices(std::span<const std::complex<float>> unknowns) const;
 
-  /// Total pressure on the patch of a face, at its (u, v).
-  std::complex<double> at_skin(std::span<const std::complex<float>> unknowns, std::uint32_t face, double u,
-                               double v) const;
+  /// The same on the patch of a face, at its (u, v).
+  FaceSound at_skin(std::span<const std::complex<float>> unknowns, std::uint32_t face, double u, double v) const;
 
   /// The scattered pressure, total less incident, at points in the air, whatever their distance from the surface. On
   /// the body and inside of it (body_places.hpp) it is of no use.

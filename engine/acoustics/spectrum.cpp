@@ -104,7 +104,7 @@ class Lines {
 Spectrum still_spectrum(const Voice& voice, double slot_s, const SpectrumOptions& options) {
   Spectrum out;
   out.skin = voice.foci.front();
-  out.of_array = options.array != nullptr;
+  out.field = kind_of(options.field);
   if (voice.modulation_hz == 0) return out;
   // (1 + sin)/2, and its square 3/8 + sin/2 - cos(2 ..)/8; index h + 2.
   const bool pressure = voice.modulation == Modulation::pressure_sine;
@@ -143,7 +143,7 @@ Spectrum still_spectrum(const Voice& voice, double slot_s, const SpectrumOptions
     if (amplitude > 1e-12 && hz <= options.highest_hz * (1 + 1e-12))
       out.lines.push_back({hz, amplitude, std::arg(c), amplitude, std::abs(sinc(turns))});
   }
-  if (!(mean > 0)) return Spectrum{out.skin, 0, {}, 0, out.of_array};
+  if (!(mean > 0)) return Spectrum{out.skin, 0, {}, 0, out.field};
   for (Line& line : out.lines) {
     line.amplitude /= mean;
     line.around /= mean;
@@ -217,11 +217,11 @@ Spectrum spectrum_of(const Voice& voice, double slot_s, const SpectrumOptions& o
                     voice.dwell_s * 1e3, slot_s * 1e3, most_slots));
   }
   const std::vector<std::vector<Sounding>> slots = slots_of(alone, cycle);
-  const std::size_t per_side = options.array ? steps_per_side(voice.foci, options.array->step_m()) : 8;
+  const std::size_t per_side = options.field ? steps_per_side(voice.foci, options.field->step_m()) : 8;
   const std::vector<Vec3> path = path_through(voice.foci, per_side);
   std::vector<double> table, pressures(cycle);
-  if (options.array) {
-    options.array->felt(path, per_side, table);
+  if (options.field) {
+    options.field->felt(path, per_side, table);
   } else {
     spot_pressures(voice.foci, path, options.fwhm_m, table);
   }
@@ -236,8 +236,8 @@ Spectrum spectrum_of(const Voice& voice, double slot_s, const SpectrumOptions& o
     const std::size_t side = place / per_side;
     lines.add(pressures, glm::distance(voice.foci[side], voice.foci[(side + 1) % voice.foci.size()]) + 1e-12);
   }
-  Spectrum spectrum = lines.spectrum(voice.foci.front());
-  spectrum.of_array = options.array != nullptr;
+  Spectrum spectrum = lines.spectrum(options.field ? options.field->skin_at(path.front()) : path.front());
+  spectrum.field = kind_of(options.field);
   return spectrum;
 }
 

@@ -1,9 +1,9 @@
 // What skin feels in time: the spectrum of the radiation pressure at a point of the skin.
 //
-// The pressure of one focus is what the array gives around it (array_field.hpp) or, where there is no array, taken as a
-// Gaussian; it goes with the square of the voice's gain. Foci that sound together add their pressures. While a schedule
-// plays, the pressure at a skin point is then piecewise constant and repeats after T = N dwell for N foci, so its
-// spectrum is the lines m / T:
+// The pressure of one focus is what a field has around it, in free air or on a finger (focus_field.hpp), or, where
+// there is none, taken as a Gaussian; it goes with the square of the voice's gain. Foci that sound together add their
+// pressures. While a schedule plays, the pressure at a skin point is then piecewise constant and repeats after T = N
+// dwell for N foci, so its spectrum is the lines m / T:
 //
 //   p(t) = mean + sum over m of A_m cos(2 pi m t / T + phase_m),  A_m e^{i phase_m} = 2 c_m sinc(m / N)
 //   c_m  = 1/N sum over k of p_k e^{-2 pi i m (k + 1/2) / N},     sinc(x) = sin(pi x) / (pi x)
@@ -17,14 +17,14 @@
 #include <span>
 #include <vector>
 
-#include "acoustics/array_field.hpp"
+#include "acoustics/focus_field.hpp"
 #include "array/schedule.hpp"
 #include "base/math.hpp"
 
 namespace palpa::acoustics {
 
 struct SpectrumOptions {
-  const ArrayField* array = nullptr;  ///< nothing: a Gaussian spot
+  const FocusField* field = nullptr;  ///< nothing: a Gaussian spot
   /// Of the spot: at half its height it is so wide. What an array all around reaches at 40 kHz (0.443 lambda).
   double fwhm_m = 3.8e-3;
   double highest_hz = 1000;  ///< lines up to there are listed; skin feels little beyond
@@ -45,11 +45,11 @@ struct Spectrum {
   /// Variance over time around the perimeter, by the square of the mean: the sum of around^2 / 2 over all lines, those
   /// beyond highest_hz too.
   double variance = 0;
-  bool of_array = false;  ///< whether a focus was what an array gives, not a spot
+  FocusKind field{};  ///< what a focus was
 };
 
 /// The spectrum of what `voice` makes the skin feel; slots of `slot_s`. The skin point is the voice's first focus; the
-/// perimeter is the closed polygon through its foci, eight points to a side or, of an array, as many as its field
+/// perimeter is the closed polygon through its foci, eight points to a side or as many as its field
 /// needs. Throws bad_usage for a schedule that does not repeat within 1024 slots, such as a dwell of 1.2345 ms in slots
 /// of 1 ms.
 Spectrum spectrum_of(const array::Voice& voice, double slot_s, const SpectrumOptions& options = {});

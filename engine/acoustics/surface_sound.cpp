@@ -141,15 +141,8 @@ std::array<std::complex<double>, 6> SurfaceFit::quadratic(std::size_t face,
 std::vector<FaceSound> SurfaceFit::at_faces(std::span<const std::complex<float>> solution) const {
   std::vector<FaceSound> sounds(frames_.size());
   parallel_chunks(sounds.size(), 256, [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t face = begin; face < end; ++face) {
-      const auto sum = quadratic(face, solution);
-      const Frame& frame = frames_[face];
-      const double scale2 = glm::dot(frame.s, frame.s);
-      sounds[face].pressure = sum[0];
-      for (int axis = 0; axis < 3; ++axis)
-        sounds[face].gradient[static_cast<std::size_t>(axis)] =
-            (sum[1] * frame.s[axis] + sum[2] * frame.t[axis]) / scale2;
-    }
+    for (std::size_t face = begin; face < end; ++face)
+      sounds[face] = at(face, frames_[face].origin, solution);
   });
   return sounds;
 }
@@ -159,16 +152,21 @@ void SurfaceFit::add_pressure_row(std::uint32_t face, std::span<std::complex<flo
     row[shares_[at].vertex] += shares_[at].of[0];
 }
 
-std::complex<double> SurfaceFit::at(std::size_t face, const Vec3& point,
-                                    std::span<const std::complex<float>> solution) const {
+FaceSound SurfaceFit::at(std::size_t face, const Vec3& point, std::span<const std::complex<float>> solution) const {
   const auto sum = quadratic(face, solution);
   const Frame& frame = frames_[face];
-  const Vec3 from = (point - frame.origin) / glm::dot(frame.s, frame.s);
-  const Terms at = terms_at(glm::dot(from, frame.s), glm::dot(from, frame.t));
-  std::complex<double> value = 0;
+  const double scale2 = glm::dot(frame.s, frame.s);
+  const Vec3 from = (point - frame.origin) / scale2;
+  const double s = glm::dot(from, frame.s), t = glm::dot(from, frame.t);
+  const Terms at = terms_at(s, t);
+  FaceSound sound{};
   for (std::size_t i = 0; i < terms; ++i)
-    value += sum[i] * at[i];
-  return value;
+    sound.pressure += sum[i] * at[i];
+  const std::complex<double> along_s = sum[1] + 2 * s * sum[3] + t * sum[4];
+  const std::complex<double> along_t = sum[2] + s * sum[4] + 2 * t * sum[5];
+  for (int axis = 0; axis < 3; ++axis)
+    sound.gradient[static_cast<std::size_t>(axis)] = (along_s * frame.s[axis] + along_t * frame.t[axis]) / scale2;
+  return sound;
 }
 
 void SurfaceFit::add_pressure_row(std::uint32_t face, const Vec3& at, std::span<std::complex<float>> row) const {
@@ -188,7 +186,7 @@ std::vector<std::complex<double>> SurfaceFit::at_vertices(std::span<const std::c
   std::vector<double> faces(positions_.size());
   for (std::size_t face = 0; face < frames_.size(); ++face) {
     for (const std::uint32_t vertex : corners_[face]) {
-      sums[vertex] += at(face, positions_[vertex], solution);
+      sums[vertex] += at(face, positions_[vertex], solution).pressure;
       ++faces[vertex];
     }
   }

@@ -32,8 +32,8 @@ class SurfaceFit {
   /// One entry per vertex: the mean of what the quadratics of the faces around it have there.
   std::vector<std::complex<double>> at_vertices(std::span<const std::complex<float>> solution) const;
 
-  /// Pressure at a point of a face's patch.
-  std::complex<double> at(std::size_t face, const Vec3& point, std::span<const std::complex<float>> solution) const;
+  /// At a point of a face's patch; the gradient along the plane that touches the patch at its centroid.
+  FaceSound at(std::size_t face, const Vec3& point, std::span<const std::complex<float>> solution) const;
 
   /// Adds to `row`, one entry per vertex, what the unknowns are multiplied by to get the face's pressure at its
   /// centroid, and at a point of its patch.

@@ -39,11 +39,10 @@ bool worth_it(const Felt& before, const Felt& after, double gain) {
 }  // namespace
 
 Tuned tune(const Ring& ring, const TuneOptions& options, std::span<const Vec3> foci) {
-  const bool of_array = options.spectrum.array != nullptr && foci.size() == ring.foci;
-  if (!tunable(ring)) return {ring, {}, {}, false, of_array};
+  const FocusField* const field = foci.size() == ring.foci ? options.spectrum.field : nullptr;
+  if (!tunable(ring)) return {ring, {}, {}, false, kind_of(field)};
   const double highest_hz = options.spectrum.highest_hz, fwhm_m = options.spectrum.fwhm_m;
-  const std::optional<PathField> path =
-      of_array ? std::optional<PathField>(std::in_place, *options.spectrum.array, foci) : std::nullopt;
+  const std::optional<PathField> path = field ? std::optional<PathField>(std::in_place, *field, foci) : std::nullopt;
   const auto harmonics_of = [&](std::uint32_t count) {
     return path ? path->harmonics(count) : Harmonics(ring.perimeter_m, count, fwhm_m);
   };
@@ -66,8 +65,8 @@ Tuned tune(const Ring& ring, const TuneOptions& options, std::span<const Vec3> f
   }
   const bool within = !ranged || (ring.dwell_s >= options.shortest_dwell_s && ring.dwell_s <= options.longest_dwell_s);
   if (!best.any || (within && !worth_it(before, best.felt, options.gain)))
-    return {ring, before, before, false, of_array};
-  return {best.ring, before, best.felt, true, of_array};
+    return {ring, before, before, false, kind_of(field)};
+  return {best.ring, before, best.felt, true, kind_of(field)};
 }
 
 const StrideTuner::Known* StrideTuner::find(std::uint32_t id) const {

@@ -38,11 +38,11 @@ struct Tuned {
   Ring ring;  ///< as it should be; strides at most half of N, since N - s is s the other way round
   Felt before, after;
   bool changed = false;
-  bool of_array = false;  ///< whether it rests on an array's field
+  FocusKind field{};  ///< what foci were
 };
 
 /// A ring with fewer than 3 foci, more than most_ring_foci or without a perimeter stays as it is. `foci` are the ring's
-/// own: where the options have an array and there is one for each focus of the ring, it is its field between them
+/// own: where the options have a field and there is one for each focus of the ring, it is that between them
 /// that counts, else that of spots on a curve as long.
 Tuned tune(const Ring& ring, const TuneOptions& options = {}, std::span<const Vec3> foci = {});
 

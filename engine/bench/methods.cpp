@@ -4,6 +4,7 @@
 #include <chrono>
 #include <glm/geometric.hpp>
 
+#include "acoustics/array_field.hpp"
 #include "acoustics/tune.hpp"
 #include "base/error.hpp"
 #include "bench/bench.hpp"
@@ -77,7 +78,7 @@ void measure_methods(const Context& context, std::vector<Row>& rows) {
   array::Voice voice;
   session::make_voice(placement, 0, 0, {}, voice);
   const std::string of_array = name + " in paper";
-  const acoustics::SpectrumOptions spectrum{.array = &field};
+  const acoustics::SpectrumOptions spectrum{.field = &field};
   rows.push_back(timed(
       context, of_array, "spectrum", [&] { acoustics::spectrum_of(voice, voice.dwell_s, spectrum); }, 1));
   const acoustics::TuneOptions tuning{.spectrum = spectrum};

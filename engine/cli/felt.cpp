@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <iterator>
 
+#include "acoustics/skin.hpp"
+#include "acoustics/tune.hpp"
+#include "base/words.hpp"
+
 namespace palpa::cli {
 namespace {
 
@@ -12,25 +16,27 @@ double felt(const acoustics::Line& line) {
   return acoustics::vibration_sensitivity(line.frequency_hz) * line.around;
 }
 
-/// What a focus' pressure was taken for, as JSON has it.
-const char* field(bool of_array) {
-  return of_array ? "array" : "spot";
-}
-const char* field_text(bool of_array) {
-  return of_array ? "of the array's field" : "of spots";
+const char* field_text(acoustics::FocusKind field) {
+  switch (field) {
+    case acoustics::FocusKind::spot:
+      return "of spots";
+    case acoustics::FocusKind::array:
+      return "of the array's field";
+    case acoustics::FocusKind::finger:
+      break;
+  }
+  return "of the sound on the finger";
 }
 
 std::string shares(const acoustics::Felt& felt) {
   return fmt::format("{:.0f} % felt as vibration, {:.0f} % as flutter", 100 * felt.vibration, 100 * felt.flutter);
 }
 
-}  // namespace
-
 void add_spectrum(JsonWriter& json, double perimeter_m, const acoustics::Spectrum& spectrum) {
   json.key("spectrum").begin_object().member("perimeter_m", perimeter_m).member("skin_m", glm::vec3(spectrum.skin));
   json.member("period_s", spectrum.period_s).member("variance", spectrum.variance);
   const acoustics::Felt all = acoustics::felt(spectrum);
-  json.member("field", field(spectrum.of_array));
+  json.member("field", word_of(acoustics::focus_kind_words, spectrum.field));
   json.member("felt_share", all.vibration).member("flutter_share", all.flutter);
   json.key("lines").begin_array(JsonWriter::Style::rows);
   for (const acoustics::Line& line : spectrum.lines) {
@@ -44,18 +50,27 @@ void add_spectrum(JsonWriter& json, double perimeter_m, const acoustics::Spectru
 void add_tune(JsonWriter& json, const acoustics::Tuned& tuned) {
   json.key("tune").begin_object().member("perimeter_m", tuned.ring.perimeter_m).member("foci", tuned.ring.foci);
   json.member("stride", tuned.ring.stride).member("dwell_s", tuned.ring.dwell_s);
-  json.member("field", field(tuned.of_array));
+  json.member("field", word_of(acoustics::focus_kind_words, tuned.field));
   json.member("felt_share_before", tuned.before.vibration).member("felt_share", tuned.after.vibration);
   json.member("flutter_share_before", tuned.before.flutter).member("flutter_share", tuned.after.flutter).end_object();
 }
+
+}  // namespace
+
+void add_felt(JsonWriter& json, const session::ScheduledFinger& finger, const acoustics::Spectrum* spectrum) {
+  if (finger.tuned) add_tune(json, *finger.tuned);
+  if (spectrum) add_spectrum(json, finger.perimeter_m, *spectrum);
+}
+
+namespace {
 
 std::string spectrum_table(std::uint32_t finger, double perimeter_m, const acoustics::Spectrum& spectrum) {
   std::string text;
   const auto out = std::back_inserter(text);
   if (spectrum.lines.empty()) return fmt::format("finger {}: its pressure does not change in time\n", finger);
-  const std::string what =
-      perimeter_m > 0 ? fmt::format("perimeter {:.1f} mm, {}", perimeter_m * 1e3, field_text(spectrum.of_array))
-                      : "its foci stand still";
+  const std::string what = perimeter_m > 0
+                               ? fmt::format("perimeter {:.1f} mm, {}", perimeter_m * 1e3, field_text(spectrum.field))
+                               : "its foci stand still";
   fmt::format_to(out, "finger {}: {}: {}\n", finger, what, shares(acoustics::felt(spectrum)));
   fmt::format_to(out, "      Hz  pressure   phase  around    felt\n");
   double most = 0;
@@ -74,12 +89,25 @@ std::string tune_line(std::uint32_t finger, const acoustics::Tuned& tuned) {
   const acoustics::Ring& ring = tuned.ring;
   if (!tuned.changed) {
     return fmt::format("finger {}: {} foci, stride {} and {} ms stay, {}: {}\n", finger, ring.foci, ring.stride,
-                       ring.dwell_s * 1e3, field_text(tuned.of_array), shares(tuned.after));
+                       ring.dwell_s * 1e3, field_text(tuned.field), shares(tuned.after));
   }
   return fmt::format(
       "finger {}: tuned to {} foci, stride {}, {} ms for a perimeter of {:.1f} mm, {}: {}, instead of {}\n", finger,
-      ring.foci, ring.stride, ring.dwell_s * 1e3, ring.perimeter_m * 1e3, field_text(tuned.of_array),
-      shares(tuned.after), shares(tuned.before));
+      ring.foci, ring.stride, ring.dwell_s * 1e3, ring.perimeter_m * 1e3, field_text(tuned.field), shares(tuned.after),
+      shares(tuned.before));
+}
+
+}  // namespace
+
+std::string felt_lines(std::span<const session::ScheduledFinger> fingers,
+                       std::span<const acoustics::Spectrum> spectra) {
+  std::string text;
+  for (std::uint32_t f = 0; f < fingers.size(); ++f) {
+    if (fingers[f].tuned) text += tune_line(f, *fingers[f].tuned);
+  }
+  for (std::uint32_t f = 0; f < spectra.size(); ++f)
+    text += spectrum_table(f, fingers[f].perimeter_m, spectra[f]);
+  return text;
 }
 
 }  // namespace palpa::cli

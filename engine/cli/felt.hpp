@@ -1,24 +1,19 @@
 // What skin feels in time, for people and programs: --spectrum, and what --tune chose.
 #pragma once
 
-#include <optional>
+#include <span>
 #include <string>
-#include <vector>
 
-#include "acoustics/skin.hpp"
 #include "acoustics/spectrum.hpp"
-#include "acoustics/tune.hpp"
-#include "array/schedule.hpp"
 #include "base/json_writer.hpp"
+#include "session/scheduler.hpp"
 
 namespace palpa::cli {
 
-/// The members "spectrum" and "tune" of a finger in the touch's JSON, each only where asked for.
-void add_spectrum(JsonWriter& json, double perimeter_m, const acoustics::Spectrum& spectrum);
-void add_tune(JsonWriter& json, const acoustics::Tuned& tuned);
+/// The members "tune" and "spectrum" of a finger's object, each only where it was asked for.
+void add_felt(JsonWriter& json, const session::ScheduledFinger& finger, const acoustics::Spectrum* spectrum);
 
-/// The same as a few lines of text.
-std::string spectrum_table(std::uint32_t finger, double perimeter_m, const acoustics::Spectrum& spectrum);
-std::string tune_line(std::uint32_t finger, const acoustics::Tuned& tuned);
+/// The same as a few lines of text. `spectra`: one for each finger, or none.
+std::string felt_lines(std::span<const session::ScheduledFinger> fingers, std::span<const acoustics::Spectrum> spectra);
 
 }  // namespace palpa::cli

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/simulate.hpp"
 #include "cli/touch_picture.hpp"
@@ -89,6 +90,8 @@ void run_figure6(const SimulateCommand& o) {
     }
   }
   progress.reset();
+  const auto quiet = std::ranges::find_if(entries, [](const Entry& entry) { return entry.felt.unreached.has_value(); });
+  if (quiet != entries.end()) log::warning(*quiet->felt.unreached);
   if (!o.png.empty()) {
     const auto columns = static_cast<std::uint32_t>(foci.size());
     foci.insert(foci.end(), pressures.begin(), pressures.end());

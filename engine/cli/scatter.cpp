@@ -134,7 +134,7 @@ Pressures around(const acoustics::RigidBody& body, const Wave& wave, std::span<c
     for (std::size_t i = begin; i < end; ++i) {
       const acoustics::BodyPlace place = places.of(points[i]);
       where[i] = place.where;
-      if (place.where == Where::skin) total[i] = body.at_skin(unknowns, place.face, place.u, place.v);
+      if (place.where == Where::skin) total[i] = body.at_skin(unknowns, place.face, place.u, place.v).pressure;
     }
   });
   std::vector<Vec3> in_air;

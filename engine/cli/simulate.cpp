@@ -14,6 +14,7 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/body_mesh.hpp"
+#include "acoustics/finger_field.hpp"
 #include "acoustics/finger_transfer.hpp"
 #include "acoustics/incident.hpp"
 #include "acoustics/radiation.hpp"
@@ -25,10 +26,12 @@
 #include "base/output_file.hpp"
 #include "base/words.hpp"
 #include "cli/commands.hpp"
+#include "cli/felt.hpp"
 #include "cli/touch_picture.hpp"
 #include "geometry/vtu.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/plan.hpp"
+#include "session/pressure_log.hpp"
 #include "session/skin_pressure.hpp"
 #include "setup/assets.hpp"
 #include "setup/body.hpp"
@@ -38,6 +41,7 @@
 #include "setup/progress.hpp"
 #include "setup/touch_input.hpp"
 #include "setup/touch_run.hpp"
+#include "setup/touch_schedule.hpp"
 #include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
@@ -65,6 +69,7 @@ void add_options(CLI::App& app, SimulateCommand& o) {
   results.text("--png", o.png, "FILE", "pictures from below: where the foci are, and the pressure");
   setup::add_solid_options(app, o.solids);
   setup::add_touch_options(app, o.touch);
+  setup::add_felt_options(app, o.in_time);
   setup::add_rig_options(app, o.rig);
   setup::add_drive_options(app, o.drive, setup::FingerMesh::known);
   setup::add_air_options(app, o.air);
@@ -138,6 +143,24 @@ std::shared_ptr<const acoustics::RigidBody> Finger::standing(double dy) {
 
 namespace {
 
+/// What the sound on a finger is asked for, once it is known where it stands.
+struct OnFinger {
+  std::shared_ptr<const acoustics::RigidBody> body;
+  std::optional<acoustics::FingerTransfer> transfer;  ///< with --transfer finger
+  std::optional<acoustics::FingerField> field;        ///< of spectra and tuning, unless spots are asked for
+
+  /// All in the world; the layout outlives it.
+  OnFinger(const SimulateCommand& o, std::shared_ptr<const acoustics::RigidBody> standing, const array::Layout& layout,
+           const acoustics::Air& air, const array::DriveOptions& drive)
+      : body(std::move(standing)) {
+    // Without absorption, as solvers reckon.
+    if (!setup::asks_for_finger(o.drive).empty())
+      transfer.emplace(*body, layout, acoustics::without_absorption(air), o.drive.directivity);
+    if ((o.in_time.spectrum || o.touch.tune) && !o.touch.spot_m)
+      field.emplace(*body, layout, air, drive, transfer ? &*transfer : nullptr, o.drive.pressure_pa);
+  }
+};
+
 /// The plan, driven anew for what its foci are on that finger.
 session::Plan focused_on(acoustics::FingerTransfer& finger, session::Plan plan, const array::Layout& layout,
                          const array::DriveOptions& options, Felt& felt) {
@@ -182,32 +205,46 @@ Felt feel(const SimulateCommand& o, Finger& finger, const std::string& scene, st
   setup::warn_of_frequency(array.layout, array.drive.medium);
   log::release_warnings();
   felt.times.emplace_back("load", watch.lap_ms());
+  array::DriveOptions drive = array.drive;
+  std::optional<OnFinger> sound;
+  const auto stand = [&] {
+    watch.lap_ms();
+    sound.emplace(o, finger.standing(dy), rig.layout, air, drive);
+    felt.times.emplace_back("operator", watch.lap_ms());
+    if (sound->field) array.field = &*sound->field;
+  };
+  if (o.in_time.spectrum || o.touch.tune) stand();
 
   setup::TouchOptions touch = o.touch;
   touch.method.method = method;
   const setup::OneTouch one =
-      setup::touch_once(o.common, touch, {}, scene, std::move(solids), skin, std::move(array), felt.times);
+      setup::touch_once(o.common, touch, o.in_time, scene, std::move(solids), skin, std::move(array), felt.times);
   if (one.touch.finger_count == 0) refuse_untouched(scene, one.session.solids(), skin);
   felt.foci = foci_of(one.session);
+  if (!sound) stand();
   watch.lap_ms();
-  const std::shared_ptr<const acoustics::RigidBody> standing = finger.standing(dy);
-  const acoustics::RigidBody& body = *standing;
-  felt.times.emplace_back("operator", watch.lap_ms());
-  const session::SessionSetting& setting = one.session.setting();
   session::Plan focused;
-  array::DriveOptions drive = setting.drive;
-  std::optional<acoustics::FingerTransfer> transfer;
-  if (!setup::asks_for_finger(o.drive).empty()) {
-    // Without absorption, as solvers reckon.
-    transfer.emplace(body, setting.layout, acoustics::without_absorption(air), o.drive.directivity);
-    drive.transfer = &*transfer;
-    focused = focused_on(*transfer, one.session.plan(), setting.layout, drive, felt);
+  if (sound->transfer) {
+    drive.transfer = &*sound->transfer;
+    focused = focused_on(*sound->transfer, one.session.plan(), rig.layout, drive, felt);
     felt.times.emplace_back("focus", watch.lap_ms());
   }
-  const session::Sounds sounds = session::sounds_of(transfer ? focused : one.session.plan(), setting.layout, drive);
-  const acoustics::Incident incident(setting.layout, air, o.drive.directivity);
-  felt.pressure = session::mean_pressure(sounds, incident, air, body);
+  const session::Plan& plan = sound->transfer ? focused : one.session.plan();
+  felt.unreached = session::unreached(plan.schedule, one.session.solid_names());
+  const session::Sounds sounds = session::sounds_of(plan, rig.layout, drive);
+  const acoustics::Incident incident(rig.layout, air, o.drive.directivity);
+  felt.pressure = session::mean_pressure(sounds, incident, air, *sound->body);
   felt.times.emplace_back("pressure", watch.lap_ms());
+  if (o.in_time.spectrum || o.touch.tune) {
+    const std::span<const session::ScheduledFinger> fingers = one.session.scheduler().fingers();
+    felt.fingers.assign(fingers.begin(), fingers.end());
+    for (std::uint32_t f = 0; f < one.touch.finger_count; ++f)
+      felt.touched.push_back(one.session.solids()[one.touch.fingers[f].solid].name);
+  }
+  if (o.in_time.spectrum) {
+    felt.spectra = setup::spectra_of(one.session);
+    felt.times.emplace_back("spectrum", watch.lap_ms());
+  }
   felt.langevin = acoustics::spot_of(felt.body, felt.pressure.langevin);
   felt.squared = acoustics::spot_of(felt.body, felt.pressure.squared);
   felt.load = acoustics::load_on(felt.body, felt.pressure.langevin, felt.tip);
@@ -243,6 +280,17 @@ void add_aimed(JsonWriter& json, const Felt& felt) {
   json.end_array();
 }
 
+/// As a touch has them: an object for each finger.
+void add_in_time(JsonWriter& json, const Felt& felt) {
+  json.key("fingers").begin_array(JsonWriter::Style::block);
+  for (std::size_t f = 0; f < felt.fingers.size(); ++f) {
+    json.begin_object().member("solid", felt.touched[f]);
+    add_felt(json, felt.fingers[f], felt.spectra.empty() ? nullptr : &felt.spectra[f]);
+    json.end_object();
+  }
+  json.end_array();
+}
+
 }  // namespace
 
 void add_felt(JsonWriter& json, const SimulateCommand& o, const Felt& felt) {
@@ -265,6 +313,7 @@ void add_felt(JsonWriter& json, const SimulateCommand& o, const Felt& felt) {
   add_spot(json, "langevin", felt.langevin);
   add_spot(json, "squared", felt.squared);
   json.member("force_N", felt.load.force).member("torque_Nm", felt.load.torque);
+  if (!felt.fingers.empty()) add_in_time(json, felt);
   json.key("timing_ms").begin_object();
   for (const auto& [stage, ms] : felt.times)
     json.member(stage, ms);
@@ -318,11 +367,12 @@ std::string summary(const Felt& felt) {
                      word_of(touch::method_words, felt.method), felt.foci.size(), ms / 1e3) +
          spot_line("radiation pressure", felt.langevin) + spot_line("|p|^2 / (4 rho c^2)", felt.squared) +
          fmt::format("force ({:.3g}, {:.3g}, {:.3g}) N\n", felt.load.force.x, felt.load.force.y, felt.load.force.z) +
-         (felt.beyond_linear() ? setup::linear_line() : "");
+         felt_lines(felt.fingers, felt.spectra) + (felt.beyond_linear() ? setup::linear_line() : "");
 }
 
 void check(const SimulateCommand& o) {
   setup::check(o.touch);
+  setup::check(o.in_time, o.touch);
   if (o.noise_free && o.skin != Skin::cameras) throw bad_usage("--noise-free goes with --skin cameras");
   if (o.figure6) {
     if (!o.scene.empty() || !o.csv.empty() || !o.vtu.empty() || o.gltf_scene ||
@@ -346,6 +396,7 @@ void run_one(const SimulateCommand& o) {
   Finger finger(o, setup::air(o.drive.medium, o.air));
   const Felt felt = feel(o, finger, o.scene, std::move(solids), o.touch.method.method);
   progress.reset();
+  if (felt.unreached) log::warning(*felt.unreached);
   if (!o.csv.empty()) write_csv(o.csv, felt);
   if (!o.vtu.empty()) write_vtu(o.vtu, felt);
   if (!o.png.empty()) {

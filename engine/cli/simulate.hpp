@@ -10,11 +10,13 @@
 #include "acoustics/air.hpp"
 #include "acoustics/body_cache.hpp"
 #include "acoustics/radiation.hpp"
+#include "acoustics/spectrum.hpp"
 #include "array/schedule.hpp"
 #include "base/json_writer.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh.hpp"
 #include "geometry/solid.hpp"
+#include "session/scheduler.hpp"
 #include "setup/options.hpp"
 #include "setup/touch_run.hpp"
 #include "touch/method.hpp"
@@ -36,6 +38,7 @@ struct SimulateCommand {
   std::string csv, vtu, png;
   setup::SolidOptions solids;
   setup::TouchOptions touch;
+  setup::FeltOptions in_time;
   setup::RigOptions rig;
   setup::DriveOptionsGroup drive;
   setup::AirOptions air;
@@ -68,6 +71,10 @@ struct Felt {
   acoustics::Spot langevin, squared;
   acoustics::Load load;  ///< about the tip
   double bare_elongation = 1;
+  std::vector<session::ScheduledFinger> fingers;  ///< that touch, one for each patch of skin in the shell
+  std::vector<std::string> touched;               ///< the solid of each
+  std::vector<acoustics::Spectrum> spectra;       ///< with --spectrum of each
+  std::optional<std::string> unreached;           ///< what is not reached of the pressures that are asked for
   setup::StageTimes times;
 
   /// What is felt would be less, and so would what is heard.

@@ -134,8 +134,7 @@ void add_finger(JsonWriter& json, const TouchReport& report, std::uint32_t index
   if (const double asked = voice.pressure_pa * voice.gain; asked > 0) json.member("asked_pa", asked);
   if (!report.pressures.empty()) add_pressures(json, report.pressures[index], placement);
   if (has_own_schedule(report, index)) add_schedule(json, by_sector(voice, placement));
-  if (scheduled.tuned) add_tune(json, *scheduled.tuned);
-  if (!report.spectra.empty()) add_spectrum(json, scheduled.perimeter_m, report.spectra[index]);
+  add_felt(json, scheduled, report.spectra.empty() ? nullptr : &report.spectra[index]);
   json.end_object();
 }
 
@@ -245,12 +244,7 @@ std::string summary(const TouchReport& report) {
   }
   const auto loud = [](const auto& foci) { return *std::ranges::max_element(foci) > array::linear_pressure_pa; };
   if (std::ranges::any_of(report.pressures, loud)) text += setup::linear_line();
-  const std::span<const session::ScheduledFinger> fingers = report.session.scheduler().fingers();
-  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-    if (fingers[f].tuned) text += tune_line(f, *fingers[f].tuned);
-  }
-  for (std::uint32_t f = 0; f < report.spectra.size(); ++f)
-    text += spectrum_table(f, fingers[f].perimeter_m, report.spectra[f]);
+  text += felt_lines(report.session.scheduler().fingers(), report.spectra);
   return text;
 }
 

@@ -12,13 +12,13 @@ static_assert(acoustics::StrideTuner::most_fingers >= touch::max_fingers);
 static_assert(acoustics::most_ring_foci >= touch::max_foci);
 
 Scheduler::Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
-                     const ScheduleOptions& options, const acoustics::ArrayField* field)
+                     const ScheduleOptions& options, const acoustics::FocusField* field)
     : solids_(resolve_haptics(scene, solids, touch, options.voice)),
       foci_(touch.foci),
       options_(options),
       slot_s_(slot_length(solids_, options.voice)) {
   acoustics::SpectrumOptions& spectrum = options_.tuning.spectrum;
-  spectrum.array = field;
+  spectrum.field = field;
   spectrum.fwhm_m = options.spot_m.value_or(spectrum.fwhm_m);
   strides_ = acoustics::StrideTuner(spectrum);
   fingers_.resize(touch::max_fingers);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "acoustics/array_field.hpp"
 #include "acoustics/tune.hpp"
 #include "array/schedule.hpp"
 #include "session/haptics.hpp"
@@ -30,7 +31,7 @@ struct ScheduleOptions {
   touch::MethodOptions method;  ///< places the foci
   array::VoiceOptions voice;
   Tune tune = Tune::nothing;
-  acoustics::TuneOptions tuning;  ///< of Tune::all; its spectrum's array is not for the user to give
+  acoustics::TuneOptions tuning;  ///< of Tune::all; its spectrum's field is not for the user to give
   /// How wide a Gaussian spot stands for a focus; nothing: the array's field where there is an array.
   std::optional<double> spot_m;
 };
@@ -48,7 +49,7 @@ class Scheduler {
   /// For touches of these solids, found with these parameters. Throws as resolve_haptics does. Tune::all takes what
   /// `field`, which outlives it, makes of the foci; without it they are spots, as they are of Tune::stride.
   Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
-            const ScheduleOptions& options, const acoustics::ArrayField* field = nullptr);
+            const ScheduleOptions& options, const acoustics::FocusField* field = nullptr);
   ~Scheduler();
   Scheduler(Scheduler&&) noexcept;
   Scheduler& operator=(Scheduler&&) noexcept;

@@ -23,9 +23,9 @@ void check_times(const SessionSetting& setting) {
   check_safety(setting.safety);
 }
 
-/// Nothing without an array, and where a spot takes its place.
+/// Nothing without an array, and where a spot or another field takes its place.
 std::optional<acoustics::ArrayField> field_of(const SessionSetting& setting) {
-  if (setting.layout.transducers.empty() || setting.schedule.spot_m) return std::nullopt;
+  if (setting.field || setting.layout.transducers.empty() || setting.schedule.spot_m) return std::nullopt;
   return std::optional<acoustics::ArrayField>(std::in_place, setting.layout, setting.drive);
 }
 
@@ -57,7 +57,7 @@ struct Session::State {
   State(const gpu::Device* device, SessionSetting given)
       : setting((check_times(given), std::move(given))),
         field(field_of(setting)),
-        scheduler(setting.scene, setting.solids, setting.touch, setting.schedule, field ? &*field : nullptr),
+        scheduler(setting.scene, setting.solids, setting.touch, setting.schedule, felt_by()),
         tracker(setting.solids, setting.events.value_or(EventOptions()), setting.hold_s) {
     names.reserve(setting.solids.size());
     for (const geometry::Solid& solid : setting.solids)
@@ -68,6 +68,8 @@ struct Session::State {
           "the solver greedy drives all transducers in full: it cannot give a pressure; take gs-pat or naive");
     planner = device ? make_gpu_planner(*device, setting, scheduler) : make_host_planner(setting, scheduler);
   }
+
+  const acoustics::FocusField* felt_by() const { return setting.field ? setting.field : field ? &*field : nullptr; }
 
   const touch::Touch& touch(const SkinFrame& frame) {
     planner->start(frame);
@@ -122,7 +124,7 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   if (tells) observers.expired = [&] { options.events(s.tracker.expire()); };
   LoopStats stats;
   // When the field is known depends on the machine: where every frame must come out the same on all it is not asked.
-  const TunedBeside beside(s.scheduler, options.every_frame ? nullptr : field());
+  const TunedBeside beside(s.scheduler, options.every_frame || !s.field ? nullptr : &*s.field);
   try {
     run_loop(source, *s.planner, link,
              {.output = {s.setting.layout, s.setting.drive, s.scheduler.slot_s(), s.setting.hold_s, s.setting.safety},
@@ -178,8 +180,8 @@ const Plan& Session::plan() const {
 const Scheduler& Session::scheduler() const {
   return state_->scheduler;
 }
-const acoustics::ArrayField* Session::field() const {
-  return state_->field ? &*state_->field : nullptr;
+const acoustics::FocusField* Session::field() const {
+  return state_->felt_by();
 }
 const FrameReport& Session::report() const {
   return state_->report;

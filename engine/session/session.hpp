@@ -89,7 +89,7 @@ class Session {
   /// How its fingers came to their voices.
   const Scheduler& scheduler() const;
   /// What its array gives around a focus, for spectra; nullptr where it has none or the setting has a spot.
-  const acoustics::ArrayField* field() const;
+  const acoustics::FocusField* field() const;
   /// What each of its passes took, and whatever else is known of it.
   const FrameReport& report() const;
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "acoustics/focus_field.hpp"
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "geometry/solid.hpp"
@@ -24,6 +25,9 @@ struct SessionSetting {
   touch::Parameters touch;
   ScheduleOptions schedule;
   array::DriveOptions drive;
+  /// What spectra and Tune::all have of a focus, in the place of the layout's field in free air; it outlives the
+  /// session.
+  const acoustics::FocusField* field = nullptr;
   /// Nothing: nobody asks for events. Then fingers are no deeper than delta, which saves looking at the skin below.
   std::optional<EventOptions> events = EventOptions{};
   /// Fingers keep their ids from frame to frame, and as the next two say their axes and foci. Off: each frame stands

@@ -46,6 +46,7 @@ OneTouch touch_once(const CommonOptions& common, const TouchOptions& touch, cons
                                   .touch = touch.parameters,
                                   .schedule = schedule_options(touch, felt),
                                   .drive = array.drive,
+                                  .field = array.field,
                                   .events = std::nullopt,
                                   .follow = false,
                                   .frame_by_frame = true};

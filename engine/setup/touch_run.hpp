@@ -29,7 +29,8 @@ struct OneTouch {
 struct TouchArray {
   array::Layout layout;  ///< in the world
   array::DriveOptions drive;
-  std::optional<double> pressure_pa{};  ///< asked for at each focus
+  std::optional<double> pressure_pa{};           ///< asked for at each focus
+  const acoustics::FocusField* field = nullptr;  ///< see SessionSetting
 };
 
 /// Contacts, fingers, foci and schedule of `input`'s skin on `solids`, of which `scene` is the file, and the drives of

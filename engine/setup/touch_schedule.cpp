@@ -25,7 +25,7 @@ session::ScheduleOptions schedule_options(const TouchOptions& options, const Fel
 std::vector<acoustics::Spectrum> spectra_of(const session::Session& session) {
   const array::Schedule& schedule = session.schedule();
   acoustics::SpectrumOptions options;
-  options.array = session.field();
+  options.field = session.field();
   options.fwhm_m = session.setting().schedule.spot_m.value_or(options.fwhm_m);
   std::vector<acoustics::Spectrum> spectra;
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {

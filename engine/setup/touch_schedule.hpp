@@ -17,7 +17,7 @@ session::ScheduleOptions schedule_options(const TouchOptions& options);
 /// Of a single touch, where --tune chooses foci and, in the range that `felt` gives, dwells as well.
 session::ScheduleOptions schedule_options(const TouchOptions& options, const FeltOptions& felt);
 
-/// What skin feels of each finger of the session's newest frame: of its array's field or, where it has none, of spots.
+/// What skin feels of each finger of the session's newest frame: of its field or, where it has none, of spots.
 std::vector<acoustics::Spectrum> spectra_of(const session::Session& session);
 
 }  // namespace palpa::setup

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <thread>
 
+#include "acoustics/array_field.hpp"
 #include "acoustics/harmonics.hpp"
 #include "acoustics/pressure.hpp"
 #include "acoustics/tune.hpp"
@@ -181,8 +182,8 @@ TEST(ArrayField, TheSameRingIsFeltOtherwiseOnEveryArray) {
   for (const auto& [name, expected] : {std::pair("paper", 0.523), std::pair("openmpd", 0.662)}) {
     const Layout layout = posed(name);
     const ArrayField field(layout, {});
-    const Spectrum spectrum = spectrum_of(voice, 1.5e-3, {.array = &field});
-    EXPECT_TRUE(spectrum.of_array);
+    const Spectrum spectrum = spectrum_of(voice, 1.5e-3, {.field = &field});
+    EXPECT_EQ(spectrum.field, FocusKind::array);
     const double share = felt(spectrum).vibration;
     EXPECT_NEAR(share, summed_share(layout, radius), 1e-3) << name;
     EXPECT_NEAR(share, expected, 0.005) << name;
@@ -197,7 +198,7 @@ TEST(PathField, HasTheHarmonicsOfTheFociThemselves) {
       const std::vector<Vec3> foci = circle(5e-3, count);
       const Harmonics harmonics = PathField(field, foci).harmonics(count);
       for (const std::uint32_t stride : {1u, 3u}) {
-        const Felt expected = felt(spectrum_of(voice_of(foci, stride), 1.5e-3, {.array = &field}));
+        const Felt expected = felt(spectrum_of(voice_of(foci, stride), 1.5e-3, {.field = &field}));
         const Felt found = harmonics.felt(stride, 1.5e-3, 1000);
         EXPECT_NEAR(found.vibration, expected.vibration, 1e-9);
         EXPECT_NEAR(found.flutter, expected.flutter, 1e-9);
@@ -212,7 +213,7 @@ TEST(PathField, KnowsOtherNumbersOfFociOnItsPath) {
   // The polygon of 24 corners is all but a circle, and so are rings of fewer of them.
   const PathField path(field, circle(6e-3, 24));
   for (const std::uint32_t count : {10u, 13u, 17u}) {
-    const Felt expected = felt(spectrum_of(voice_of(circle(6e-3, count), 3), 1.5e-3, {.array = &field}));
+    const Felt expected = felt(spectrum_of(voice_of(circle(6e-3, count), 3), 1.5e-3, {.field = &field}));
     const Felt found = path.harmonics(count).felt(3, 1.5e-3, 1000);
     EXPECT_NEAR(found.vibration, expected.vibration, 0.01) << count;
     EXPECT_NEAR(found.flutter, expected.flutter, 0.01) << count;
@@ -234,18 +235,18 @@ TEST(Tune, OfAnArrayIsThatOfItsField) {
   const Ring ring{2 * pi * 5.5e-3, 10, 3, 1e-3};
   TuneOptions options{.most_foci = 10};
   const Tuned spots = tune(ring, options, foci);
-  EXPECT_FALSE(spots.of_array);
+  EXPECT_EQ(spots.field, FocusKind::spot);
   EXPECT_TRUE(spots.changed);
   EXPECT_EQ(spots.ring.stride, 1u);
-  options.spectrum.array = &field;
+  options.spectrum.field = &field;
   const Tuned tuned = tune(ring, options, foci);
-  EXPECT_TRUE(tuned.of_array);
+  EXPECT_EQ(tuned.field, FocusKind::array);
   EXPECT_FALSE(tuned.changed) << "needless: this array's focus is wider than that";
   EXPECT_EQ(tuned.ring.stride, 3u);
   array::Voice voice = voice_of(foci, 3);
   voice.dwell_s = 1e-3;
   EXPECT_NEAR(tuned.after.vibration, felt(spectrum_of(voice, 1e-3, options.spectrum)).vibration, 1e-6);
-  EXPECT_FALSE(tune(ring, options).of_array) << "without the foci their places are not known";
+  EXPECT_EQ(tune(ring, options).field, FocusKind::spot) << "without the foci their places are not known";
 }
 
 TEST(StrideTuner, FollowsWhatItLearns) {

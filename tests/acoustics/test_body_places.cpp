@@ -41,7 +41,7 @@ TEST(BodyPlaces, WhatIsBetweenPatchAndFaceIsOnTheSkin) {
       for (const double part : {0.0, 0.3, 0.8, 1.0}) {
         const BodyPlace place = places.of(flat * (1 + part * bulge));
         ASSERT_EQ(place.where, Where::skin) << face << " " << part;
-        EXPECT_LE(std::abs(body.at_skin(unknowns, place.face, place.u, place.v) - exact.at(flat)), 0.06);
+        EXPECT_LE(std::abs(body.at_skin(unknowns, place.face, place.u, place.v).pressure - exact.at(flat)), 0.06);
       }
       EXPECT_EQ(places.of(flat * (1 + bulge + 3e-3)).where, Where::air);
       EXPECT_EQ(places.of(flat * (1 - bulge - 3e-3)).where, Where::inside);

@@ -49,7 +49,7 @@ std::vector<std::complex<float>> played(const array::Layout& layout, const Air& 
 /// The pressure on the skin that stands for a focus within the ball.
 double heard(const Air& air, std::span<const std::complex<float>> unknowns, const Vec3& focus) {
   const BodyPlace skin = BodyPlaces(ball(air).patches()).of(focus);
-  return std::abs(ball(air).at_skin(unknowns, skin.face, skin.u, skin.v));
+  return std::abs(ball(air).at_skin(unknowns, skin.face, skin.u, skin.v).pressure);
 }
 
 std::vector<Complex> transfer_of(const FingerTransfer& finger, const array::Layout& layout, const Vec3& focus) {
@@ -89,7 +89,8 @@ TEST(FingerTransfer, IsThePressureOfEachTransducerAlone) {
       std::vector<Complex> alone(layout.transducers.size());
       alone[t] = 1;
       const auto unknowns = played(layout, air, kind, alone);
-      EXPECT_LE(std::abs(body.at_skin(unknowns, skin.face, skin.u, skin.v) - sounds[0][t]), 1e-4 * loudest) << t;
+      EXPECT_LE(std::abs(body.at_skin(unknowns, skin.face, skin.u, skin.v).pressure - sounds[0][t]), 1e-4 * loudest)
+          << t;
       EXPECT_LE(std::abs(body.at_faces(unknowns)[77].pressure - sounds[1][t]), 1e-4 * loudest) << t;
       Waves direct;
       const std::span air_places = std::span(foci).subspan(2);

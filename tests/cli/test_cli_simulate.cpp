@@ -166,6 +166,65 @@ TEST(Simulate, FocusesOnTheFingerItself) {
   }
 }
 
+TEST(Simulate, SpectrumAndTuneAreOfTheSoundOnTheFinger) {
+  const std::vector<std::string> touch =
+      with(touch_of("cube"), {"--penetration", "1.5mm", "--foci", "4", "--stride", "1", "--layout", "openmpd"});
+  const auto fingers = [&](const std::vector<std::string>& more) {
+    const json results = simulate(with(touch, more)).results;
+    EXPECT_EQ(results["fingers"].size(), 1u);
+    return results["fingers"][0];
+  };
+  EXPECT_FALSE(simulate(touch).results.contains("fingers"));
+  const json free = fingers({"--spectrum"}), here = fingers({"--spectrum", "--transfer", "finger"});
+  for (const json& finger : {free, here}) {
+    EXPECT_EQ(finger["solid"], "cube");
+    EXPECT_FALSE(finger.contains("tune"));
+    EXPECT_EQ(finger["spectrum"]["field"], "finger");
+    EXPECT_NEAR(finger["spectrum"]["lines"][0]["frequency_hz"], 1 / (4 * 1.5e-3), 1e-9);
+    EXPECT_GT(finger["spectrum"]["felt_share"], 0.1);
+  }
+  EXPECT_NE(free["spectrum"]["felt_share"], here["spectrum"]["felt_share"]);
+  // Its skin point is on the ball; foci lie within.
+  const json skin = free["spectrum"]["skin_m"];
+  const double lowest = -1.5e-3;
+  EXPECT_NEAR(std::hypot(skin[0].get<double>(), skin[1].get<double>() - lowest - 5e-3, skin[2].get<double>()), 5e-3,
+              3e-4);
+  // Spots: as for any touch.
+  EXPECT_EQ(fingers({"--spectrum", "--spot", "4mm"})["spectrum"]["field"], "spot");
+  EXPECT_EQ(fingers({"--tune"})["tune"]["field"], "finger");
+  const std::vector<std::string> air{"touch",
+                                     "--scene",
+                                     source_file("assets/cube.glb"),
+                                     "--points",
+                                     finger_file("tip", 0),
+                                     "--penetration",
+                                     "1.5mm",
+                                     "--foci",
+                                     "4",
+                                     "--stride",
+                                     "1",
+                                     "--layout",
+                                     "openmpd",
+                                     "--backend",
+                                     "cpu",
+                                     "--spectrum",
+                                     "--json",
+                                     "-"};
+  EXPECT_EQ(json::parse(palpa(air).out)["fingers"][0]["spectrum"]["field"], "array");
+  expect_failure(palpa(with(touch, {"--spot", "4mm", "--json", "-"})), 2, "--spot goes with");
+}
+
+TEST(Simulate, SaysOnceThatAPressureIsNotReached) {
+  const std::vector<std::string> touch = with(touch_of("cube"), {"--penetration", "1.5mm", "--layout", "openmpd"});
+  for (const char* const transfer : {"free", "finger"}) {
+    const Result loud = palpa(with(touch, {"--transfer", transfer, "--pressure", "50kPa"}));
+    EXPECT_EQ(loud.exit_code, 0);
+    ASSERT_EQ(loud.err_lines().size(), 1u) << loud.err;
+    EXPECT_NE(loud.err.find("50000 Pa"), std::string::npos) << loud.err;
+    EXPECT_EQ(palpa(with(touch, {"--transfer", transfer, "--pressure", "500Pa"})).err, "");
+  }
+}
+
 /// The paper's rig with every seventeenth of its transducers: the same focus for less time.
 std::string sparse_rig() {
   const std::string drive = folder() / "all.csv";
