@@ -186,6 +186,10 @@ void OpenMpdBoard::begin_silence() {
 
 void OpenMpdBoard::tend() {
   tend_wires();
+  if (!in_step()) {
+    for (const auto& wire : wires_)
+      wire->keep_awake();
+  }
   if (!waits_ && silent_ && clock_.now_s() > sent_s_ + quiet_s) begin_silence();
   send_next();
 }
@@ -245,13 +249,13 @@ void OpenMpdBoard::send_steps(std::size_t board) {
   wires_[board]->send(std::span(frames).first(steps_));
 }
 
-void OpenMpdBoard::tend_wires() {
+void OpenMpdBoard::tend_wires(bool may_ask) {
   for (const auto& wire : wires_) {
     if (!wire->asks()) wire->tend();
   }
   // A device that does not answer keeps whoever asks it: those that are well come first, and of the others the next has
   // its turn next time.
-  const double until_s = clock_.now_s() + asking_s;
+  const double until_s = clock_.now_s() + (may_ask ? asking_s : 0);
   const auto ask = [&](Wire& wire) {
     while (wire.asks() && clock_.now_s() < until_s)
       wire.tend();
@@ -303,7 +307,8 @@ bool OpenMpdBoard::close() {
   for (const auto& wire : wires_)
     wire->hurry();
   for (const double begin_s = clock_.now_s();;) {
-    tend_wires();
+    // What is asked last is waited for within the patience, too.
+    tend_wires(clock_.now_s() - begin_s < closing_patience_s - usb::request_patience_s);
     send_next();
     if (silenced()) return true;
     const double waited_s = clock_.now_s() - begin_s;

@@ -11,7 +11,8 @@
 // boards take and chip and bus carry. What was off takes the phases that come, what goes off keeps its own.
 //
 // Where a board falls out of step, or is gone, all boards are silenced and resynchronised, and the array plays on when
-// all are in step again, a good second after the last is back. Where nothing is played an all-off frame goes out twice
+// all are in step again, a good second after the last is back; one that waits for others gets zeros, which are no
+// frame. Where nothing is played an all-off frame goes out twice
 // a second, since a board clears its buffer every second in which it got nothing, and might cut the next frame.
 #pragma once
 
@@ -58,7 +59,7 @@ class OpenMpdBoard final : public Board {
 
   /// How many frames a drive may be.
   std::size_t check_bandwidth(double slot_s) const;
-  void tend_wires();
+  void tend_wires(bool may_ask = true);
   void send_next();
   void begin_silence();
   void send_steps(std::size_t board);

@@ -202,6 +202,8 @@ void Wire::begin(std::span<const std::uint8_t> bytes) {
   std::copy(bytes.begin(), bytes.end(), free->bytes.begin());
   free->length = bytes.size();
   free->sent = 0;
+  free->turn = ++begun_;
+  begun_s_ = clock_.now_s();
   submit(static_cast<unsigned>(free - flights_.begin()));
 }
 
@@ -230,8 +232,8 @@ void Wire::reap() {
       fall_out(sent->outcome);
       if (device_ == nullptr) return;
     } else if (flight.sent < flight.length) {
-      // The rest follows at its byte, unless what came after it is on its way already.
-      if (flying_ > 0) {
+      // The rest follows at its byte, unless what came after it is on its way already, or there: they end in any order.
+      if (flight.turn != begun_) {
         fall_out(Outcome::failed);
       } else if (!submit(sent->number) && device_ == nullptr) {
         return;
@@ -275,6 +277,10 @@ bool Wire::takes() const {
 void Wire::send(std::span<const Frame> frames) {
   frames_ += frames.size();
   begin({frames.front().data(), frames.size() * frame_bytes});
+}
+
+void Wire::keep_awake() {
+  if (takes() && clock_.now_s() - begun_s_ > idle_s) begin(std::array<std::uint8_t, frame_bytes>{});
 }
 
 bool Wire::silenced() const {

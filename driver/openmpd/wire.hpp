@@ -38,6 +38,7 @@ class Wire {
   static constexpr double transfer_patience_s = 0.25;
   static constexpr double pause_s = 1.05;  ///< the board's own second is up by then
   static constexpr double retry_s = 0.5;
+  static constexpr double idle_s = 0.4;          ///< a board clears its buffer every second in which it got nothing
   static constexpr std::size_t most_frames = 8;  ///< in one send()
 
   /// All of them outlive it. `divider` is set once per opening.
@@ -59,6 +60,9 @@ class Wire {
   bool takes() const;
   /// Begins to send, one frame after the other. Trouble with it is for tend().
   void send(std::span<const Frame> frames);
+  /// Of a board in step that waits for another while nothing is sent: zeros, which begin no frame, where nothing has
+  /// left for so long that it might clear its buffer, and cut the next frame.
+  void keep_awake();
   /// Starts over, if it was in step: silence, and in step again a second later.
   void resync();
 
@@ -80,6 +84,7 @@ class Wire {
   struct Flight {
     std::array<std::uint8_t, most_frames * frame_bytes> bytes{};
     std::size_t length = 0, sent = 0;
+    std::uint64_t turn = 0;  ///< in the order in which they were begun
     double since_s = 0;
     bool flies = false;
   };
@@ -113,6 +118,8 @@ class Wire {
   double tended_s_ = 0;       ///< when somebody last looked
   std::array<Flight, usb::most_in_flight> flights_;
   unsigned flying_ = 0;
+  std::uint64_t begun_ = 0;  ///< flights
+  double begun_s_ = 0;       ///< when the last one was
   FixedText<400> trouble_;
   std::uint64_t frames_ = 0;
 };

@@ -74,9 +74,10 @@ class SonicSurface final : public Board {
         still_(encoder_.size()),
         newest_(encoder_.size()),
         loaded_(encoder_.size()),
-        silence_(encoder_.all_off()) {
-    out_.reserve(silence_.size());
-    fall_silent();
+        all_off_(encoder_.all_off()),
+        own_off_(encoder_.own_off()) {
+    out_.reserve(all_off_.size());
+    fall_silent(all_off_);
     pump();
   }
 
@@ -106,8 +107,10 @@ class SonicSurface final : public Board {
     pump();
   }
 
+  /// A second board behind a single one is silenced when the port is opened; one that was switched on since sounds.
   void all_off() override {
-    silence();
+    sounding_ = drive_waits_ = false;
+    if (!all_silent_) fall_silent(all_off_);
     pump();
   }
 
@@ -142,15 +145,16 @@ class SonicSurface final : public Board {
 
   void silence() {
     sounding_ = drive_waits_ = false;
-    if (!silent_) fall_silent();
+    if (!silent_) fall_silent(own_off_);
   }
 
   /// What waits is dropped, in the kernel, too; then all off, in both buffers.
-  void fall_silent() {
+  void fall_silent(std::span<const std::uint8_t> off) {
     line_.drop();
     line_free_s_ = monotonic_s();
-    say(silence_);
+    say(off);
     silent_ = true;
+    all_silent_ = off.size() == all_off_.size();
     loaded_hz_ = 0;
     front_off_ = back_off_ = true;
     std::fill(loaded_.begin(), loaded_.end(), std::uint8_t{0});
@@ -192,7 +196,7 @@ class SonicSurface final : public Board {
       return differs;
     }
     if (!front_off_ && !back_off_) {  // what came before was no modulation
-      fall_silent();
+      fall_silent(own_off_);
       return true;
     }
     // Only behind a silent front can a pattern be written without being heard half.
@@ -219,7 +223,7 @@ class SonicSurface final : public Board {
     loaded_s_ = now_s;
     back_off_ = front_off_;
     front_off_ = false;
-    silent_ = false;
+    silent_ = all_silent_ = false;
   }
 
   void wake_at(double when_s) const {
@@ -232,7 +236,7 @@ class SonicSurface final : public Board {
   void lose(double now_s) {
     out_.clear();
     sent_ = 0;
-    silent_ = false;
+    silent_ = all_silent_ = false;
     retry_at_s_ = now_s + retry_s;
     if (!std::exchange(lost_, true)) notes_.warning("the serial port is gone");
   }
@@ -243,7 +247,7 @@ class SonicSurface final : public Board {
     retry_at_s_ = now_s + retry_s;
     if (!line_.reopen()) return false;
     lost_ = false;
-    fall_silent();
+    fall_silent(all_off_);
     notes_.warning("the serial port is there again");
     return true;
   }
@@ -271,7 +275,8 @@ class SonicSurface final : public Board {
   double loaded_hz_ = 0, loaded_s_ = 0, toggle_s_ = 0;
   bool front_off_ = true, back_off_ = true;  ///< the buffers
   bool silent_ = false;                      ///< all off has been said, and nothing since
-  std::vector<std::uint8_t> silence_, out_;
+  bool all_silent_ = false;                  ///< to every board that may be there
+  std::vector<std::uint8_t> all_off_, own_off_, out_;
   std::size_t sent_ = 0;
   double line_free_s_ = 0;  ///< when all that was said has left, by the line's speed
   bool lost_ = false;

@@ -50,26 +50,32 @@ void Encoder::encode(std::span<const array::TransducerDrive> drive, std::span<st
   });
 }
 
-std::vector<std::uint8_t> Encoder::all_off() const {
-  std::vector<std::uint8_t> bytes;
-  const auto twice = [&](std::initializer_list<std::uint8_t> selections) {
-    for (int times = 0; times < 2; ++times) {
-      for (const std::uint8_t selection : selections) {
-        if (firmware_ == Firmware::plain) bytes.push_back(selection);
-        bytes.push_back(begin);
-        bytes.insert(bytes.end(), transducers, off);
-      }
-      bytes.push_back(swap);
+/// In both buffers of the boards that are selected one after the other.
+void Encoder::add_off(std::vector<std::uint8_t>& bytes, std::initializer_list<std::uint8_t> selections) const {
+  for (int times = 0; times < 2; ++times) {
+    for (const std::uint8_t selection : selections) {
+      if (firmware_ == Firmware::plain) bytes.push_back(selection);
+      bytes.push_back(begin);
+      bytes.insert(bytes.end(), transducers, off);
     }
-  };
-  if (boards_ == 2) {
-    twice({secondary, primary});
-  } else {
-    // The one that is meant first. No swap makes it sound after that.
-    twice({primary});
-    if (firmware_ == Firmware::plain) twice({secondary});
+    bytes.push_back(swap);
   }
-  if (firmware_ == Firmware::plain) bytes.push_back(primary);
+}
+
+std::vector<std::uint8_t> Encoder::own_off() const {
+  std::vector<std::uint8_t> bytes;
+  if (boards_ == 2)
+    add_off(bytes, {secondary, primary});
+  else
+    add_off(bytes, {primary});
+  return bytes;
+}
+
+std::vector<std::uint8_t> Encoder::all_off() const {
+  std::vector<std::uint8_t> bytes = own_off();  // first: no swap makes them sound after that
+  if (firmware_ != Firmware::plain) return bytes;
+  if (boards_ == 1) add_off(bytes, {secondary});
+  bytes.push_back(primary);
   return bytes;
 }
 

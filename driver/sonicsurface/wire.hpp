@@ -12,6 +12,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <vector>
 
@@ -56,11 +57,14 @@ class Encoder {
   /// All off, in both buffers, on every board that may be there: one board alone may have been deselected by whoever
   /// had it before, and a second one behind it sounds since it was switched on. The primary one is selected afterwards.
   std::vector<std::uint8_t> all_off() const;
+  /// The same for its own boards alone: enough, and half as long for one, where all_off() has gone before.
+  std::vector<std::uint8_t> own_off() const;
 
  private:
   template <typename Phase>
   void write(std::span<std::uint8_t> frame, const Phase& phase) const;
   std::uint8_t phase_of(std::size_t transducer, float phase) const;
+  void add_off(std::vector<std::uint8_t>& bytes, std::initializer_list<std::uint8_t> selections) const;
 
   std::size_t boards_;
   Firmware firmware_;

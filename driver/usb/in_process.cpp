@@ -38,6 +38,11 @@ class InProcessDevice final : public Device {
   std::optional<Sent> reap() override {
     carry();
     if (flying_ == 0 || !flights_[first_].ended) return std::nullopt;
+    const Flight& last = flights_[(first_ + flying_ - 1) % most_in_flight];
+    if (socket_.faults.reaped_backwards && last.ended) {
+      --flying_;
+      return Sent{last.number, last.outcome, last.sent};
+    }
     const Flight& flight = flights_[first_];
     first_ = (first_ + 1) % most_in_flight;
     --flying_;
@@ -103,6 +108,7 @@ class InProcessDevice final : public Device {
       }
       if (taken < rest.size()) return;
       flight.ended = true;
+      if (cut && faults.cuts_once) faults.cut_at = 0;
     }
   }
 

@@ -21,7 +21,9 @@ struct Faults {
   std::size_t unplug_after = static_cast<std::size_t>(-1);  ///< that many more bulk bytes have come
   /// Transfers end as done when that many bytes of them are sent, or all of them; 0: at their end.
   std::size_t cut_at = 0;
-  std::size_t bulk_bytes = 0;  ///< that came
+  bool cuts_once = false;
+  bool reaped_backwards = false;  ///< of transfers that have ended the one that was begun last is reaped first
+  std::size_t bulk_bytes = 0;     ///< that came
 };
 
 class InProcessBus final : public Transport {

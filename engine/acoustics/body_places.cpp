@@ -29,7 +29,9 @@ BodyPlace BodyPlaces::of(const Vec3& point) const {
   const Vec3 &a = body_.mesh.positions[t.x], &b = body_.mesh.positions[t.y], &c = body_.mesh.positions[t.z];
   const Vec2 uv = coordinates(a, b, c, found.point);
   BodyPlace place{.face = found.triangle, .u = uv.x, .v = uv.y, .distance_m = found.distance};
-  const double gap = glm::distance(found.point, body_.patches[found.triangle].at(uv.x, uv.y));
+  // The gap lies on one side of the face.
+  const Vec3 to_patch = body_.patches[found.triangle].at(uv.x, uv.y) - found.point;
+  const double gap = glm::dot(to_patch, point - found.point) > 0 ? glm::length(to_patch) : 0;
   const double side = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
   if (found.distance <= (1 + gaps_beside) * gap + sides_beside * side) {
     place.where = BodyPlace::Where::skin;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -38,11 +39,12 @@ gpu::TexelView floats(const gpu::Device& device, const gpu::BufferRef& buffer, c
 
 }  // namespace
 
-bool fits_pass(std::uint32_t transducers, std::size_t foci) {
-  constexpr std::uint64_t most_turns = 65'000;  // and some for what compilers make of it
-  const std::uint64_t stretches = gpu::groups_for(transducers, shader::drive_group * shader::drive_sum_each);
-  const std::uint64_t scaling = gpu::groups_for(transducers, shader::drive_group);
-  return foci < most_turns && stretches * (1 + foci) + scaling <= most_turns;
+std::size_t most_pass_foci(std::uint32_t transducers) {
+  constexpr std::size_t most_turns = 65'000;  // and some for what compilers make of it
+  const std::size_t stretches = gpu::groups_for(transducers, shader::drive_group * shader::drive_sum_each);
+  const std::size_t scaling = gpu::groups_for(transducers, shader::drive_group);
+  // A turn for each stretch and focus, one more for each stretch, and the scaling.
+  return (most_turns - scaling) / std::max<std::size_t>(1, stretches) - 1;
 }
 
 DrivesPass::DrivesPass(const gpu::Device& device)
@@ -137,7 +139,16 @@ DriveMemory::DriveMemory(const gpu::Device& device, const Layout& layout, const 
     weight_texels_ = floats(device, weights_.ref(), "focus weights");
   }
   batch_.weighting = options.weighting;
+  reserve_host_drives(device.description().ends_long_loops);
   clear();
+}
+
+void DriveMemory::reserve_host_drives(bool ends_long_loops) {
+  pass_foci_ = ends_long_loops ? most_pass_foci(batch_.transducers) : std::numeric_limits<std::size_t>::max();
+  if (pass_foci_ >= most_foci_) return;
+  const std::size_t most = std::min<std::size_t>(most_slots_, most_foci_ / (pass_foci_ + 1));
+  host_drives_.assign(most, {0, Drive(batch_.transducers)});
+  reserve(host_scratch_, layout_, options_, most_foci_);
 }
 
 void DriveMemory::clear() {
@@ -146,14 +157,15 @@ void DriveMemory::clear() {
   batch_.constraint = options_.constraint;
   solve_.sizes = 0;
   used_foci_ = used_entries_ = 0;
-  host_drives_.clear();
+  used_host_drives_ = 0;
 }
 
 std::span<TransducerDrive> DriveMemory::add_host_slot() {
-  host_drives_.push_back({batch_.slots, Drive(layout_.transducers.size())});
+  HostDrive& made = host_drives_[used_host_drives_++];
+  made.slot = batch_.slots;
   slots_.as<shader::DriveSlot>()[batch_.slots++] = {used_foci_, 0, 0, shader::drive_unsolved};
   batch_.single = true;
-  return host_drives_.back().drive;
+  return made.drive;
 }
 
 bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
@@ -161,7 +173,7 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
   const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
   if (!fits(count)) return false;
   assert(!by_factors_);
-  if (!fits_pass(batch_.transducers, count)) {
+  if (count > pass_foci_) {
     drive_for(layout_, foci, options_, add_host_slot(), host_scratch_);
     return true;
   }
@@ -194,7 +206,7 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci, std::span<const std:
   if (!fits(count)) return false;
   by_factors_ = true;
   batch_.constraint = Constraint::clamp;
-  if (!fits_pass(batch_.transducers, count)) {
+  if (count > pass_foci_) {
     drive_by_factors(layout_, foci, factors, options_, add_host_slot(), host_scratch_);
     return true;
   }
@@ -252,8 +264,9 @@ void DriveMemory::record(VkCommandBuffer commands, const DrivePasses& passes) {
 }
 
 std::span<const TransducerDrive> DriveMemory::drive(std::uint32_t slot) const {
-  const auto made = std::ranges::find(host_drives_, slot, &HostDrive::slot);
-  if (made != host_drives_.end()) return made->drive;
+  for (const HostDrive& made : std::span(host_drives_).first(used_host_drives_)) {
+    if (made.slot == slot) return made.drive;
+  }
   return drives_.as<TransducerDrive>().subspan(std::size_t{slot} * batch_.transducers, batch_.transducers);
 }
 

@@ -21,7 +21,7 @@ namespace palpa::array {
 struct DriveBindings {
   gpu::BufferRef transducers;  ///< texels of shader::DrivePoint[transducers]
   gpu::BufferRef foci;         ///< texels of shader::DriveFocus[]
-  gpu::BufferRef slots;        ///< texels of shader::DriveSlot[slots]; first + count within `foci`, fits_pass()
+  gpu::BufferRef slots;    ///< texels of shader::DriveSlot[slots]; first + count within `foci`, see most_pass_foci()
   gpu::BufferRef drives;   ///< written: shader::DriveOut[slots * transducers], slot after slot; no more than 2^32 - 1
   gpu::BufferRef weights;  ///< texels: vec4 per focus, plain and heard factor; bound only where batch.weighted
 };
@@ -36,9 +36,9 @@ struct DriveBatch {
   Constraint constraint = Constraint::normalise;
 };
 
-/// Whether a slot of several foci is one for the pass: a software device ends the loops of a kernel after 65,535 turns,
-/// wherever they are, and what would be left is no drive. (2026 foci in `paper`, 121 with 65,536 transducers.)
-bool fits_pass(std::uint32_t transducers, std::size_t foci);
+/// Of how many foci a slot may be for the pass on a device that ends long loops (gpu::DeviceDescription): what would be
+/// left of more is no drive. (2026 in `paper`, 121 with 65,536 transducers.)
+std::size_t most_pass_foci(std::uint32_t transducers);
 
 /// Pipelines only. Twin: drive_for, which it follows within 2e-6 rad and 1e-6 of amplitude for single foci up to 2 m
 /// away (float grows coarser beyond: 2e-4 rad at 10 m). Sums of several foci depend on the device's atan(y, x), of
@@ -80,8 +80,8 @@ class DriveMemory {
 
   /// Begins a new batch.
   void clear();
-  /// Adds the next slot; its foci may be none. False, and nothing added, where slots or foci would not fit. The drive
-  /// of more foci than fits_pass() is the twin's, made here.
+  /// Adds the next slot; its foci may be none. False, and nothing added, where slots or foci would not fit. Where
+  /// the device ends long loops the drive of more foci than most_pass_foci() is the twin's, made here.
   [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci);
   /// The same with the factors of the foci, as drive_by_factors has it. A batch has all its slots by the one or by the
   /// other.
@@ -97,7 +97,7 @@ class DriveMemory {
 
  private:
   struct HostDrive {
-    std::uint32_t slot;
+    std::uint32_t slot = 0;
     Drive drive;
   };
 
@@ -118,10 +118,13 @@ class DriveMemory {
   std::uint32_t used_foci_ = 0, used_entries_ = 0;
   bool by_factors_ = false;
   bool layout_sent_ = false;
-  std::vector<HostDrive> host_drives_;  ///< of slots that are silent on the device
+  std::size_t pass_foci_ = 0;           ///< a slot of more is the host's
+  std::vector<HostDrive> host_drives_;  ///< of slots that are silent on the device: as many as a batch can have
+  std::size_t used_host_drives_ = 0;
   DriveScratch host_scratch_;
 
   bool fits(std::size_t foci) const { return batch_.slots < most_slots_ && foci <= most_foci_ - used_foci_; }
+  void reserve_host_drives(bool ends_long_loops);
   std::span<TransducerDrive> add_host_slot();
   void add_focus(const SlotFocus& focus, float gain);
 };

@@ -104,8 +104,10 @@ void run(const Extensions& extensions, const ExportCommand& o) {
   if (drives) links.add(*drives);
   const setup::Interrupt interrupt("ended without finishing, a second after the signal: a frame or a disk took longer");
   log::release_warnings();
+  std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);  // ends with the first frame
   setup::Progress progress("frames", o.frames, o.common.quiet);
   options.planned = [&, warned = false, frames = std::uint64_t{0}](const session::FrameReport& frame) mutable {
+    preparing.reset();
     setup::warn_of_left_out_fingers(*frame.touch, warned);
     progress.set(++frames);
   };

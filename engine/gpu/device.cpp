@@ -147,6 +147,7 @@ DeviceDescription describe(VkPhysicalDevice physical, std::uint32_t index) {
   d.name = basic.deviceName;
   d.driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
   d.kind = kind_name(basic.deviceType);
+  d.ends_long_loops = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
   d.unusable = why_unusable(physical, basic);
   return d;
 }

@@ -43,8 +43,10 @@ struct DeviceOptions {
 struct DeviceDescription {
   std::uint32_t index = 0;
   std::string name;
-  std::string driver;    ///< driver name and version
-  std::string kind;      ///< "discrete", "integrated", "virtual", "cpu" or "other"
+  std::string driver;  ///< driver name and version
+  std::string kind;    ///< "discrete", "integrated", "virtual", "cpu" or "other"
+  /// Loops of a kernel end after 65,535 turns, wherever they are: Mesa's software device.
+  bool ends_long_loops = false;
   std::string unusable;  ///< why palpa cannot use it; empty if it can
 };
 

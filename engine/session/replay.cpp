@@ -47,7 +47,8 @@ class Player {
     const std::uint64_t expiry = slot_at(plan.captured_s + setting_.hold_s);
     for (; slot_ < end && !stop; ++slot_) {
       const bool silent = plan.schedule.voice_count == 0 || slot_ >= expiry;
-      if (silent && static_cast<double>(silent_slots_) * setting_.slot_s >= most_silence_s) {
+      if (silent && (silent_slots_ >= most_silent_slots ||
+                     static_cast<double>(silent_slots_) * setting_.slot_s >= most_silence_s)) {
         slot_ = end;
         break;
       }
@@ -118,6 +119,7 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
   }
   if (tells && !setting.events) throw bad_usage("a session whose setting has no events cannot tell any");
   constexpr double patience_s = 1;
+  session.warm_up();
   ReplayStats stats;
   stats.slot_s = session.link_setting().slot_s;
   Player player(link, {setting.layout, setting.drive, stats.slot_s, setting.hold_s, setting.safety}, stats);

@@ -104,6 +104,10 @@ LinkSetting Session::link_setting() const {
           state_->setting.safety.ramp_s};
 }
 
+void Session::warm_up() {
+  state_->planner->warm_up();
+}
+
 LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options) {
   State& s = *state_;
   if (!s.setting.live())

@@ -93,6 +93,10 @@ class Session {
   /// What each of its passes took, and whatever else is known of it.
   const FrameReport& report() const;
 
+  /// Lets the device get ready, and says so where it takes a while (base/activity.hpp): drivers compile kernels when
+  /// they are first dispatched. run() does it by itself; the first frame that is touched does it without a word.
+  void warm_up();
+
   /// Moves a solid for the frames that follow: T_world_rest takes its place in the scene to where it is now. A rigid
   /// transform; nothing is rebuilt.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest);

@@ -45,6 +45,9 @@ TEST(BodyPlaces, WhatIsBetweenPatchAndFaceIsOnTheSkin) {
       }
       EXPECT_EQ(places.of(flat * (1 + bulge + 3e-3)).where, Where::air);
       EXPECT_EQ(places.of(flat * (1 - bulge - 3e-3)).where, Where::inside);
+      // On the other side of the face there is no patch.
+      const Where behind = places.of(flat * (1 - 0.6 * bulge)).where;
+      EXPECT_TRUE(bulge < 1e-3 || behind == Where::inside) << face;
     }
   }
   EXPECT_EQ(places.of({0, 0, 0}).where, Where::inside);

@@ -16,6 +16,7 @@
 #include "spirv/drive_sum_checked.comp.hpp"
 #include "support/device.hpp"
 #include "support/spirv.hpp"
+#include "support/watched_heap.hpp"
 
 namespace palpa::array {
 namespace {
@@ -227,19 +228,27 @@ TEST(DriveMemory, MoreFociThanADevicesLoopsReachAreDrivenInFull) {
     const double turn = static_cast<double>(j);
     crowd[j].position = {0.05 * std::cos(turn), 0.05 * std::sin(turn), 0.1 + 1e-6 * turn};
   }
-  ASSERT_FALSE(fits_pass(249, crowd.size()));
-  ASSERT_TRUE(fits_pass(3984, 2000) && !fits_pass(3984, 2047) && fits_pass(65'536, 64));
+  ASSERT_LT(most_pass_foci(249), crowd.size());
+  EXPECT_EQ(most_pass_foci(3984), 2026u);
+  EXPECT_EQ(most_pass_foci(65'536), 121u);
+  const bool on_host = device.description().ends_long_loops;
+  EXPECT_EQ(on_host, device.description().driver.find("llvmpipe") != std::string::npos) << device.description().driver;
   const std::vector<SlotFocus> few(crowd.begin(), crowd.begin() + 3);
   DriveMemory memory(device, layout, {}, 3, static_cast<std::uint32_t>(crowd.size()) + 6);
   for (int batch = 0; batch < 2; ++batch) {
-    memory.clear();
-    ASSERT_TRUE(memory.add_slot(few) && (batch > 0 || memory.add_slot(crowd)) && memory.add_slot(few));
+    bool added = false;
+    EXPECT_EQ(test::allocations_of([&] {
+                memory.clear();
+                added = memory.add_slot(few) && (batch > 0 || memory.add_slot(crowd)) && memory.add_slot(few);
+              }),
+              0u);
+    ASSERT_TRUE(added);
     test::run_on_device([&](VkCommandBuffer commands) { memory.record(commands, passes); });
     const auto first = memory.drive(0), last = memory.drive(memory.slots() - 1);
     EXPECT_TRUE(std::ranges::equal(first, last, [](const TransducerDrive& a, const TransducerDrive& b) {
       return a.amplitude == b.amplitude && a.phase == b.phase && a.amplitude <= 1;
     }));
-    if (batch > 0) continue;
+    if (batch > 0 || !on_host) continue;
     const Drive expected = drive_for(layout, crowd);
     for (std::uint32_t t = 0; t < 249; ++t) {
       ASSERT_EQ(memory.drive(1)[t].amplitude, expected[t].amplitude);

@@ -184,6 +184,16 @@ TEST_F(CliExport, APauseOfDaysCostsNothing) {
   EXPECT_TRUE(silent(std::prev(again)->drive));
 }
 
+TEST_F(CliExport, AShortDwellMakesAPauseNoLonger) {
+  ASSERT_EQ(exported(take(12, 3), {"--dwell", "100us", "--layout", "openmpd", "--events", in("e.jsonl"), "--json",
+                                   in("s.json"), "--quiet"})
+                .exit_code,
+            0);
+  const json stats = json::parse(read_text(in("s.json")));
+  EXPECT_EQ(stats["silent_drives"], 10'000) << "of three seconds";
+  EXPECT_GT(stats["drives"], 12'000);
+}
+
 TEST_F(CliExport, ARampIsThereToItsEnd) {
   ASSERT_EQ(exported(take(), {"--drives", in("d.bin"), "--ramp", "15ms", "--quiet"}).exit_code, 0);
   const session::DriveRecording recording = session::read_drive_recording(in("d.bin"));

@@ -72,6 +72,73 @@ TEST(OpenMpdFaults, OneBoardOfTwoUnpluggedSilencesBoth) {
   EXPECT_EQ(rig.emulators[0]->fpga().frames_in_step(), rig.emulators[1]->fpga().frames_in_step());
 }
 
+TEST(OpenMpdFaults, ABoardThatWaitsForAnotherNeverClearsItsBuffer) {
+  OpenMpdRig rig({"EMU1", "EMU2"});
+  rig.open();
+  const array::Drive drive = array::drive_for(rig.layout, std::vector<array::SlotFocus>{{{0, 0, 0.12}}});
+  rig.play(drive, 0.05);
+  rig.faults[1]->unplugged = true;
+  rig.play(drive, 2.2);
+  ASSERT_TRUE(rig.board->wires()[0]->in_step());
+  const std::uint64_t frames = rig.emulators[0]->fpga().frames();
+  double longest_s = 0, last_s = rig.clock.now_s();
+  const auto wait = [&](double seconds) {
+    for (const double end_s = rig.clock.now_s() + seconds; rig.clock.now_s() < end_s;) {
+      const std::size_t before = rig.faults[0]->bulk_bytes;
+      rig.play(drive, 0.01);
+      if (rig.faults[0]->bulk_bytes > before) last_s = rig.clock.now_s();
+      longest_s = std::max(longest_s, rig.clock.now_s() - last_s);
+    }
+  };
+  wait(3);
+  EXPECT_EQ(rig.emulators[0]->fpga().frames(), frames) << "frames are for all";
+  EXPECT_FALSE(rig.emulators[0]->fpga().sounds());
+  *rig.faults[1] = {};
+  while (!rig.board->in_step())
+    wait(0.01);
+  EXPECT_LT(longest_s, 0.5);
+  expect_recovery(rig, drive, "EMU2");
+  EXPECT_EQ(rig.emulators[0]->fpga().frames_in_step(), rig.emulators[1]->fpga().frames_in_step());
+}
+
+TEST(OpenMpdFaults, WhatIsLeftOfAFrameNeverComesBehindTheNext) {
+  for (const bool backwards : {false, true}) {
+    OpenMpdRig rig;
+    rig.open();
+    const array::Drive drive = focus_drive(rig.layout);
+    rig.play(drive, 0.05);
+    rig.faults[0]->takes_nothing = true;
+    for (int times = 0; times < 2; ++times)
+      rig.board->play(rig.slot++, drive);
+    *rig.faults[0] = {.cut_at = 100, .cuts_once = true, .reaped_backwards = backwards};
+    rig.play(drive, 0.02);
+    EXPECT_EQ(rig.faults[0]->cut_at, 0u) << "it was cut";
+    EXPECT_FALSE(rig.sounds());
+    // The two were on their way: they came as one that is none. No more came after them.
+    const std::size_t violations = rig.emulators[0]->violations().count();
+    ASSERT_EQ(rig.notes.warnings.size(), 1u);
+    rig.play(drive, 3);
+    EXPECT_TRUE(rig.board->in_step() && rig.sounds());
+    EXPECT_EQ(rig.notes.warnings.size(), 2u);
+    EXPECT_EQ(rig.emulators[0]->violations().count(), violations);
+  }
+}
+
+TEST(OpenMpdFaults, TheEndIsNoLongerThanItsPatience) {
+  for (const double request_s : {0.1, 0.2, 0.24}) {
+    OpenMpdRig rig;
+    rig.open();
+    rig.play(focus_drive(rig.layout), 0.05);
+    rig.faults[0]->unplugged = true;
+    rig.play(focus_drive(rig.layout), 0.01);
+    *rig.faults[0] = {.request_s = request_s};
+    rig.board->all_off();
+    const double begin_s = rig.clock.now_s();
+    EXPECT_FALSE(rig.board->close());
+    EXPECT_LE(rig.clock.now_s() - begin_s, 0.601);
+  }
+}
+
 TEST(OpenMpdFaults, AStalledEndpointIsClearedAndResynchronised) {
   OpenMpdRig rig;
   rig.open();

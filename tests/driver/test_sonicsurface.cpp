@@ -90,6 +90,9 @@ TEST(SonicSurfaceWire, IsOfTheBytesThatTheBoardsTake) {
   expect({193});
   expected.push_back(192);
   EXPECT_EQ(Encoder(1, Firmware::plain).all_off(), expected);
+  expected.clear();
+  expect({192});
+  EXPECT_EQ(Encoder(1, Firmware::plain).own_off(), expected) << "half of it";
   // The corners: top left, its neighbours, bottom right.
   EXPECT_EQ(slot_of(0), 0u);
   EXPECT_EQ(slot_of(1), 7u);
@@ -293,6 +296,28 @@ TEST(SonicSurfaceBoard, PlaysTheNewestDriveAndSilenceAtOnce) {
   EXPECT_LE(rig.machine.swaps(), 5u) << "none queue";
   rig.board->play(20, rig.silence);
   EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
+  rig.expect_silent_end();
+}
+
+TEST(SonicSurfaceBoard, BetweenPatternsItsOwnBoardIsSilencedAtTheEndAllAre) {
+  Rig rig;
+  rig.board = rig.make(12e-3, true);
+  const auto silent = [&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); };
+  const auto bytes_of = [&](const auto& act, const auto& done) {
+    const std::uint64_t before = rig.machine.bytes();
+    act();
+    EXPECT_TRUE(rig.tend_until(done));
+    rig.tend_until([] { return false; }, 60ms);
+    return rig.machine.bytes() - before;
+  };
+  std::uint64_t slot = 0;
+  const auto sound = [&] { rig.board->play(slot++, rig.drive); };
+  const auto sounds = [&] { return rig.plays(rig.drive); };
+  bytes_of([] {}, silent);
+  EXPECT_EQ(bytes_of(sound, sounds), 258u);
+  EXPECT_EQ(bytes_of([&] { rig.board->play(slot++, rig.silence); }, silent), 2 * 259u);
+  EXPECT_EQ(bytes_of(sound, sounds), 258u);
+  EXPECT_EQ(bytes_of([&] { rig.board->all_off(); }, silent), 4 * 259u + 1);
   rig.expect_silent_end();
 }
 

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <string>
+#include <thread>
 
 #include "array/board_mesh.hpp"
 #include "array/loudness.hpp"
+#include "base/activity.hpp"
 #include "base/error.hpp"
 #include "fakes.hpp"
 #include "geometry/gltf.hpp"
@@ -14,6 +17,7 @@
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/foci_pressures.hpp"
+#include "session/replay.hpp"
 #include "session/session.hpp"
 #include "support/device.hpp"
 #include "support/shared_data.hpp"
@@ -223,6 +227,23 @@ TEST(SessionRuns, ToTheEndOfItsSourceAndLetsGo) {
   EXPECT_EQ(live.told.back().kind, EventKind::release) << "the source ended in the middle of a touch";
   EXPECT_GT(*std::max_element(live.link.loudest.begin(), live.link.loudest.end()), 0.0F);
   EXPECT_TRUE(live.link.ended_silent());
+}
+
+TEST(SessionReplays, AndSaysWhatTheFirstFrameWaitsFor) {
+  Live live;
+  Session session(palpa::test::test_device(), live.setting);
+  const auto source = sensing::make_synthetic_source(live.setting.cameras, {}, {}, {.paced = false, .frames = 1});
+  std::atomic<bool> ended{false};
+  std::string said;
+  std::thread looks([&] {
+    while (!ended && said.empty()) {
+      if (const auto now = doing()) said = now->what;
+    }
+  });
+  EXPECT_EQ(replay(session, *source, live.link, live.stop).frames, 1U);
+  ended = true;
+  looks.join();
+  EXPECT_EQ(said.substr(0, 16), "compiles shaders");
 }
 
 TEST(SessionRuns, AgainAfterItWasStoppedWithFramesUnderWay) {
