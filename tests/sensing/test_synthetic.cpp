@@ -6,6 +6,7 @@
 #include <cmath>
 #include <ctime>
 #include <glm/ext/matrix_transform.hpp>
+#include <glm/matrix.hpp>
 #include <set>
 #include <thread>
 
@@ -383,11 +384,24 @@ TEST(PaperRig, SeesTheContactsOfTheCubeTouch) {
     EXPECT_GT(seen_by[c], 0);
 }
 
-TEST(PaperRig, BoardsDoNotHideTheWorkspaceFromTheScreensViewer) {
+// An object stands where it is felt when each eye sees its places where the line of sight meets the screen: that must
+// be on the screen, and no board between.
+TEST(PaperRig, BothEyesSeeAllOfTheWorkspaceOnTheScreen) {
   const Rig rig = load_rig(test::source_file("assets/rigs/paper.toml"));
   const Mesh boards = boards_of(rig);
-  for (const Vec3& corner : {Vec3(-0.02, 0, 0.02), Vec3(0.02, 0, 0.02), Vec3(0.02, -0.04, -0.02), Vec3(0, 0, 0)}) {
-    EXPECT_GT(nearest_hit(boards, rig.screen->eye_m, corner - rig.screen->eye_m), 1);
+  const Screen& screen = *rig.screen;
+  const Transform T_screen_world = glm::inverse(screen.T_world_screen);
+  for (const double beside : {-0.0315, 0.0, 0.0315}) {
+    const Vec3 eye = screen.eye_m + beside * Vec3(screen.T_world_screen[0]);
+    const Vec3 e = transform_point(T_screen_world, eye);
+    for (int i = 0; i < 8; ++i) {  // around the paper's four objects
+      const Vec3 corner(i & 1 ? 0.02 : -0.02, i & 2 ? 0 : -0.0483, i & 4 ? 0.02 : -0.02);
+      const Vec3 c = transform_point(T_screen_world, corner);
+      const Vec3 on = e + (c - e) * (e.z / (e.z - c.z));
+      EXPECT_LT(std::abs(on.x), screen.width_m / 2) << beside << ' ' << i;
+      EXPECT_LT(std::abs(on.y), screen.height_m / 2) << beside << ' ' << i;
+      EXPECT_GT(nearest_hit(boards, eye, transform_point(screen.T_world_screen, on) - eye), 1) << beside << ' ' << i;
+    }
   }
 }
 
