@@ -41,6 +41,7 @@ App::App(const ViewerOptions& options, const Size& size, Surroundings around)
   desk_.panels = around_.panels;
   recall();
   around_.kinds.sources.push_back(transport_.source());
+  around_.kinds.sources.push_back(finger_.source());
   if (around_.panels) ui_ = std::make_unique<Ui>(desk_.state.dark, around_.copy, around_.paste);
   if (desk_.live) {
     start();
@@ -100,6 +101,7 @@ void App::start() {
     live_ = std::make_unique<LiveSession>(
         std::move(options), around_.kinds, *around_.stop, around_.wake ? around_.wake : [] {});
   });
+  place_anew();
   desk_.live_state = LiveState::loading;
 }
 
@@ -131,6 +133,11 @@ void App::handle(const WindowEvent& event, const Size& whole_size) {
   const bool taken = ui_ && ui_->take(event, press && std::ranges::any_of(desk_.places.texts, here));
   if (ui_) dirty_ = true;
   if (taken && event.kind != WindowEvent::Kind::release) return;
+  if (desk_.live) {
+    const bool placed = placing_.handle(event, sight(size));
+    place();
+    if (placed) return void(dirty_ = true);
+  }
   if (event.kind == WindowEvent::Kind::key && event.down) key(event);
   if (event.kind == WindowEvent::Kind::press && event.ctrl && event.button == Button::left)
     return read_at(event.x, event.y, size);
@@ -286,6 +293,7 @@ void App::reload(double now_s) {
 
 void App::do_asked(double now_s, const Size& size) {
   const Desk::Asked asked = std::exchange(desk_.asked, {});
+  if (desk_.live && ui_) do_placing(now_s);
   const double aspect = static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u);
   if (asked.all_off) switch_off();
   if (asked.view) look(desk_.state.viewpoint, *asked.view);
@@ -293,6 +301,7 @@ void App::do_asked(double now_s, const Size& size) {
   if (!asked.copy.empty()) {
     if (around_.copy) around_.copy(asked.copy);
     say(log::Level::info, asked.copy, now_s);
+    if (placing_.moved()) say(log::Level::warning, "what was moved is not in it: save the scene, then copy", now_s);
   }
   if (asked.play) transport_.play(*asked.play);
   if (asked.go_to) transport_.go_to(*asked.go_to);
@@ -357,6 +366,7 @@ void App::advance_live(double now_s, const Size& size) {
     scene_ = std::move(scene);
     live_picture_ = scene_->picture;
     stale_surfaces_ = dirty_ = true;
+    begin_placing();
     if (!std::exchange(framed_, true)) desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, size);
   }
   fresh_ = fresh_ || fresh;
@@ -426,7 +436,9 @@ App::Frame App::render(const Size& size, double ratio, double now_s) {
     ui_->set_dark(desk_.state.dark);
     ui_->begin(size.width, size.height, ratio, now_s - last_render_s_);
     desk_.picture = &picture();
+    show_placing(beside_panels(size));
     draw_panels(desk_, now_s);
+    take_placing();
     frame.sheet = &ui_->end();
   }
   last_render_s_ = now_s;

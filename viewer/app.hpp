@@ -14,11 +14,13 @@
 #include "viewer/controls.hpp"
 #include "viewer/desk.hpp"
 #include "viewer/drawn_picture.hpp"
+#include "viewer/live/held_finger.hpp"
 #include "viewer/live/live_session.hpp"
 #include "viewer/live/next_outputs.hpp"
 #include "viewer/live/starter.hpp"
 #include "viewer/live/transport.hpp"
 #include "viewer/panels/ui.hpp"
+#include "viewer/placing.hpp"
 #include "viewer/settings.hpp"
 #include "viewer/show.hpp"
 #include "viewer/viewer_options.hpp"
@@ -100,6 +102,14 @@ class App {
   /// What panels leave of a picture of that size.
   Size beside_panels(const Size& size) const;
   void reload(double now_s);
+  Sight sight(const Size& size) const;
+  bool holds_finger() const;
+  void place_anew();
+  void begin_placing();
+  void place();
+  void show_placing(const Size& size);
+  void take_placing();
+  void do_placing(double now_s);
 
   ViewerOptions options_;
   Surroundings around_;
@@ -110,6 +120,11 @@ class App {
   setup::Given running_;   ///< what the live run was started with, or is to be
   std::unique_ptr<Show> show_;
   Transport transport_;
+  HeldFinger finger_;
+  Placing placing_;
+  std::vector<Transform> placed_;  ///< as the run has them
+  std::string placed_scene_;
+  bool same_scene_ = false;
   Starter starter_;  ///< of live runs: they do not give way when they begin anew either
   NextOutputs outputs_;
   std::unique_ptr<LiveSession> live_;

@@ -10,6 +10,7 @@
 
 #include "base/log.hpp"
 #include "setup/option_table.hpp"
+#include "viewer/gizmo.hpp"
 #include "viewer/live/live_session.hpp"
 #include "viewer/picture.hpp"
 #include "viewer/view_state.hpp"
@@ -30,6 +31,12 @@ struct Playback {
   bool playing = true;
   double speed = 1;
   bool loop = true;
+};
+
+/// How far a finger is in.
+struct Depth {
+  std::string solid;
+  double depth_m = 0;  ///< of its deepest skin point
 };
 
 /// What was found under the pointer.
@@ -59,10 +66,22 @@ struct Desk {
   std::deque<log::Line> log;
   std::deque<Toast> toasts;
   std::optional<Reading> reading;
+  std::vector<Depth> depths;    ///< of the fingers of a live run
+  std::vector<FlatMark> marks;  ///< over the picture
 
   // ---- changed -----------------------------------------------------------------------------------------------------
   ViewState state;
   setup::Given given;  ///< the options of the run
+  /// What is moved by hand.
+  struct Placed {
+    std::vector<std::string> things;                   ///< shown: solids, then the finger that is held
+    std::optional<Vec3> tip;                           ///< shown: of the finger that is held, world
+    bool moved = false;                                ///< shown: a solid is elsewhere than in its scene
+    std::optional<std::size_t> chosen;                 ///< of the things: has handles
+    bool follows = true;                               ///< the finger goes where the pointer goes
+    std::string file = "moved.glb";                    ///< to save to
+    bool undo = false, restore = false, save = false;  ///< asked for
+  } placed;
   bool panels = true;
   bool help = false;
 

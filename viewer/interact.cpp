@@ -111,6 +111,7 @@ class Parser {
     } else if (verb == "scroll") {
       WindowEvent event = pointer(WindowEvent::Kind::scroll);
       event.steps = line.number("number of steps", -1000, 1000);
+      line.modifiers(event);
       add(event);
     } else if (verb == "key") {
       key(line);
@@ -156,10 +157,12 @@ class Parser {
     return step;
   }
   void add(const WindowEvent& event) { add(Interaction::Kind::event).event = event; }
-  void go(double x, double y) {
+  void go(double x, double y, const WindowEvent& how = {}) {
     x_ = x;
     y_ = y;
-    add(pointer(WindowEvent::Kind::move));
+    WindowEvent event = pointer(WindowEvent::Kind::move);
+    event.shift = how.shift, event.ctrl = how.ctrl;
+    add(event);
   }
   void click(Line& line) {
     const double x = line.number("place", -most_pixels, most_pixels);
@@ -182,9 +185,9 @@ class Parser {
     WindowEvent event = pointer(WindowEvent::Kind::press);
     event.button = how.button, event.shift = how.shift, event.ctrl = how.ctrl;
     add(event);
-    go((at[0] + at[2]) / 2, (at[1] + at[3]) / 2);
+    go((at[0] + at[2]) / 2, (at[1] + at[3]) / 2, how);
     add(Interaction::Kind::draw);
-    go(at[2], at[3]);
+    go(at[2], at[3], how);
     event = pointer(WindowEvent::Kind::release);
     event.button = how.button;
     add(event);

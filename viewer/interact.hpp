@@ -6,8 +6,8 @@
 //   press left|middle|right [shift] [ctrl]      where the pointer is
 //   release left|middle|right
 //   click X Y                 move, press left, draw, release left: as a hand does it
-//   drag X0 Y0 X1 Y1 [BUTTON] [shift]           all of a drag, in two moves
-//   scroll STEPS              where the pointer is; positive away from the user
+//   drag X0 Y0 X1 Y1 [BUTTON] [shift] [ctrl]    all of a drag, in two moves
+//   scroll STEPS [shift] [ctrl]                 where the pointer is; positive away from the user
 //   key NAME [shift] [ctrl]   a character or tab, left, right, up, down, page-up, page-down, home, end, delete,
 //                             backspace, enter, escape, space, f12; pressed, drawn, let go
 //   type TEXT                 what was typed, to the end of the line

@@ -8,20 +8,6 @@
 namespace palpa::viewer {
 namespace {
 
-/// The ray of a pixel: what project() undoes.
-struct Ray {
-  Vec3 from, direction;
-};
-
-Ray ray_of(const Viewpoint& viewpoint, double x, double y, double width, double height) {
-  const Basis b = basis(viewpoint);
-  const Projected target = project(projection(viewpoint, width, height), viewpoint.target);
-  const double scale = metres_per_pixel(viewpoint, height);
-  const Vec3 under = viewpoint.target + (b.right * (x - target.x) - b.up * (y - target.y)) * scale;
-  if (viewpoint.orthographic) return {under - b.forward * (8 * viewpoint.distance), b.forward};
-  return {b.eye, glm::normalize(under - b.eye)};
-}
-
 /// How far along the ray a triangle is; nothing where it is missed (Moeller and Trumbore, 1997).
 std::optional<double> hit(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, p = glm::cross(ray.direction, ac);
@@ -83,7 +69,7 @@ std::optional<Reading> pick(const Picture& picture, const ViewState& state, doub
                             double height, double ratio) {
   std::optional<Reading> reading = mark_at(picture, state, x, y, width, height, ratio);
   if (!reading && state.layers.shows(Layer::solids)) {
-    const Ray ray = ray_of(state.viewpoint, x, y, width, height);
+    const Ray ray = line_of_sight(state.viewpoint, x, y, width, height);
     double best = 1e300;
     for (const SurfaceMark& solid : picture.solids) {
       for (const glm::uvec3& t : solid.mesh.triangles) {

@@ -32,13 +32,15 @@ void show_solids(Picture& picture, std::span<const geometry::Solid> solids) {
     constexpr float half = 5e-3f;
     glm::vec3 at(middle_of_top(*highest));
     at.y = static_cast<float>(highest->bounds.high.y) + 0.3e-3f;  // above it, not half in it
+    picture.tile_solid = static_cast<std::uint32_t>(highest - solids.begin());
     picture.tile = {at + glm::vec3(-half, 0, half), at + glm::vec3(half, 0, half), at + glm::vec3(half, 0, -half),
                     at + glm::vec3(-half, 0, -half)};
   }
-  for (const auto& solid : solids) {
-    if (solid.parts.parts.size() < 2) picture.solids.push_back({solid.name, solid.mesh});
+  for (std::uint32_t s = 0; s < solids.size(); ++s) {
+    const geometry::Solid& solid = solids[s];
+    if (solid.parts.parts.size() < 2) picture.solids.push_back({.name = solid.name, .mesh = solid.mesh, .solid = s});
     for (std::uint32_t i = 0; solid.parts.parts.size() > 1 && i < solid.parts.parts.size(); ++i)
-      picture.solids.push_back({solid.name, solid.parts.parts[i].mesh, i});
+      picture.solids.push_back({.name = solid.name, .mesh = solid.parts.parts[i].mesh, .part = i, .solid = s});
   }
 }
 

@@ -33,6 +33,7 @@ struct SurfaceMark {
   geometry::Mesh mesh;
   std::optional<std::uint32_t> part{};     ///< of a solid of convex parts: which of them; drawn in a colour of its own
   std::vector<drawing::Colour> colours{};  ///< of the mesh's vertices, for the layer heat; or none
+  std::uint32_t solid = 0;                 ///< of a solid: which of the scene's it is, or is a part of
 };
 
 /// A skin point in a solid's shell, drawn in its finger's colour.
@@ -108,6 +109,7 @@ struct Picture {
   std::string title;  ///< above the legend, may be empty
   std::vector<SurfaceMark> solids;
   std::optional<std::array<glm::vec3, 4>> tile;  ///< marks the top of the solids; corners in order around it
+  std::uint32_t tile_solid = 0;                  ///< on which it is
   std::optional<SurfaceMark> skin;               ///< the finger's or hand's surface, drawn faintly
   std::vector<glm::vec3> skin_points;            ///< those near the solids that are no contacts
   std::uint64_t skin_count = 0;                  ///< skin points in all, contacts and those far away too

@@ -95,9 +95,10 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   setup::add_drive_options(app, o.drive);
 
   const setup::Group live(app, "Live, as palpa run");
-  live.text("--source", o.live.source, "SOURCE",
-            "frames come from there and are touched as they come: synthetic[:MESH], recording:DIR, "
-            "v4l2:/dev/videoN[,...] or bag:FILE");
+  live.text(
+      "--source", o.live.source, "SOURCE",
+      "frames come from there and are touched as they come: synthetic[:MESH], mouse[:MESH] (the pointer holds it), "
+      "recording:DIR, v4l2:/dev/videoN[,...] or bag:FILE");
   add_loop_options(live, o.live);
   add_link_options(live, o.live);
   add_following_options(app, o.live);

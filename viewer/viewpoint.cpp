@@ -164,4 +164,28 @@ Projected project(const shader::ViewPush& projection, const Vec3& p) {
   return out;
 }
 
+Ray line_of_sight(const Viewpoint& viewpoint, double x, double y, double width, double height) {
+  const shader::ViewPush push = projection(viewpoint, width, height);
+  const Basis b = basis(viewpoint);
+  // The pixel's column and its row are a plane each.
+  const auto plane = [&](const shader::vec4& clip, double at) {
+    return Vec4(clip.x, clip.y, clip.z, clip.w) - at * Vec4(push.clip_w.x, push.clip_w.y, push.clip_w.z, push.clip_w.w);
+  };
+  const Vec4 column = plane(push.clip_x, 2 * x / width - 1), line = plane(push.clip_y, 2 * y / height - 1);
+  const Vec3 across = glm::cross(Vec3(column), Vec3(line));
+  const Vec3 direction = glm::normalize(glm::dot(across, b.forward) < 0 ? -across : across);
+  if (push.eye.w > 0.5f) return {b.eye, direction};
+  const Vec3 on = (glm::cross(Vec3(line), across) * -column.w + glm::cross(across, Vec3(column)) * -line.w) /
+                  glm::dot(across, across);
+  return {on + direction * (glm::dot(viewpoint.target - on, direction) - 8 * viewpoint.distance), direction};
+}
+
+std::optional<Vec3> meet(const Ray& ray, const Vec3& point, const Vec3& normal) {
+  const double along = glm::dot(ray.direction, normal);
+  if (std::abs(along) < 0.05 * glm::length(normal)) return std::nullopt;
+  const double away = glm::dot(point - ray.from, normal) / along;
+  if (away <= 0) return std::nullopt;
+  return ray.from + ray.direction * away;
+}
+
 }  // namespace palpa::viewer

@@ -63,6 +63,15 @@ double metres_per_pixel(const Viewpoint& viewpoint, double height);
 /// style are left 0. Depth is reversed: 1 near, 0 far.
 shader::ViewPush projection(const Viewpoint& viewpoint, double width, double height);
 
+/// A half-line; the direction is a unit vector.
+struct Ray {
+  Vec3 from, direction;
+};
+/// What a pixel of such an image shows lies on it: what project() undoes.
+Ray line_of_sight(const Viewpoint& viewpoint, double x, double y, double width, double height);
+/// Where it meets the plane through `point`; nothing where it does not, or within 3 degrees of not doing so.
+std::optional<Vec3> meet(const Ray& ray, const Vec3& point, const Vec3& normal);
+
 struct Projected {
   double x = 0, y = 0;   ///< pixels from the top left
   double depth = 0;      ///< metres before the eye

@@ -100,6 +100,11 @@ struct Window::State {
       event.x *= static_cast<double>(pixels_x) / width;
       event.y *= static_cast<double>(pixels_y) / height;
     }
+    const auto held = [&](int left, int right) {
+      return glfwGetKey(window, left) == GLFW_PRESS || glfwGetKey(window, right) == GLFW_PRESS;
+    };
+    event.shift = held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+    event.ctrl = held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
     return event;
   }
 };

@@ -98,7 +98,7 @@ class Session {
   void warm_up();
 
   /// Moves a solid for the frames that follow: T_world_rest takes its place in the scene to where it is now. A rigid
-  /// transform; nothing is rebuilt.
+  /// transform; nothing is rebuilt. While it runs: from whoever looks on at what is `planned`.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest);
 
   /// No more frames will come: the releases of whoever still touches.

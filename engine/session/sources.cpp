@@ -1,24 +1,26 @@
 #include "session/sources.hpp"
 
 #include <filesystem>
+#include <utility>
 
 #include "base/error.hpp"
 #include "geometry/gltf.hpp"
 #include "geometry/ply.hpp"
 #include "sensing/recording.hpp"
-#include "sensing/synthetic.hpp"
 #include "session/spec.hpp"
 
 namespace palpa::session {
 namespace {
 
-std::unique_ptr<sensing::DepthSource> open_synthetic(const std::string& file, const SourceSetting& setting) {
+std::unique_ptr<sensing::DepthSource> open_synthetic(const std::string& file, const SourceSetting& setting,
+                                                     const sensing::Motion& motion) {
   if (setting.cameras.empty())
     throw bad_input(setting.rig, "has no [[camera]]; a synthetic source renders what the rig's cameras see");
   sensing::SyntheticOptions options;
   options.noise = setting.noise ? sensing::Noise::d415 : sensing::Noise::none;
   options.seed = setting.seed;
   options.paced = setting.paced;
+  options.motion = motion;
   return sensing::make_synthetic_source(setting.cameras, load_skin(file.empty() ? setting.default_skin : file),
                                         setting.occluders, options);
 }
@@ -43,9 +45,17 @@ geometry::Mesh load_skin(const std::string& file) {
   return mesh;
 }
 
+SourceKind synthetic_source(std::string name, std::string help, sensing::Motion motion) {
+  return {std::move(name), std::move(help),
+          [motion = std::move(motion)](const std::string& file, const SourceSetting& setting) {
+            return open_synthetic(file, setting, motion);
+          }};
+}
+
 std::vector<SourceKind> builtin_sources() {
   return {
-      {"synthetic", "synthetic[:MESH]: a rendered fingertip, or another mesh, that dips in and out", open_synthetic},
+      synthetic_source("synthetic", "synthetic[:MESH]: a rendered fingertip, or another mesh, that dips in and out",
+                       sensing::dipping_motion),
       {"recording", "recording:DIR: what palpa run --record wrote, or a folder with a recording.toml", open_recording}};
 }
 

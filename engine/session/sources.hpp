@@ -10,6 +10,7 @@
 
 #include "geometry/mesh.hpp"
 #include "sensing/depth_source.hpp"
+#include "sensing/synthetic.hpp"
 
 namespace palpa::session {
 
@@ -30,6 +31,9 @@ struct SourceKind {
   std::string help;
   std::function<std::unique_ptr<sensing::DepthSource>(const std::string& argument, const SourceSetting&)> open;
 };
+
+/// `name`: a rendered fingertip, or another mesh, that moves so.
+SourceKind synthetic_source(std::string name, std::string help, sensing::Motion motion);
 
 /// `synthetic` and `recording`.
 std::vector<SourceKind> builtin_sources();

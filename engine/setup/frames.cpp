@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "array/board_mesh.hpp"
@@ -101,7 +102,11 @@ void check(const FrameOptions& o) {
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
   check(o.touch);
   if (o.touch.spot_m && !o.touch.tune) throw bad_usage("--spot goes with --tune");
-  if (o.noise_free && !o.source.starts_with("synthetic")) {
+  // `mouse` is the viewer's.
+  const auto rendered = [&](std::string_view kind) {
+    return o.source.starts_with(kind) && (o.source.size() == kind.size() || o.source[kind.size()] == ':');
+  };
+  if (o.noise_free && !rendered("synthetic") && !rendered("mouse")) {
     throw bad_usage(
         "--noise-free goes with --source synthetic: a recording has the noise that it has, and so has a camera");
   }

@@ -19,18 +19,25 @@ using namespace std::chrono_literals;
 class LiveApp : public testing::Test {
  protected:
   explicit LiveApp(bool panels = false)
-      : folder_(test::scratch_folder("viewer-app")), scene_(folder_ / "cube.glb"), other_(folder_ / "other.glb") {
+      : panels_(panels),
+        folder_(test::scratch_folder("viewer-app")),
+        scene_(folder_ / "cube.glb"),
+        other_(folder_ / "other.glb") {
     fs::copy_file(test::source_file("assets/cube.glb"), scene_);
     fs::copy_file(scene_, other_);
+    begin("synthetic");
+  }
+  void begin(const std::string& source) {
+    app_.reset();
+    heard_ = std::make_shared<test::Heard>();
     ViewerOptions options;
     options.input.scene = scene_;
-    options.given = {{"--scene", {scene_}},   {"--gltf-scene", {"0"}}, {"--source", {"synthetic"}},
-                     {"--layout", {"autd3"}}, {"--backend", {"cpu"}},  {"--noise-free", {}},
-                     {"--hold", {"5s"}},      {"--link", {"heard"}}};
+    options.given = {{"--scene", {scene_}},  {"--gltf-scene", {"0"}}, {"--source", {source}}, {"--layout", {"autd3"}},
+                     {"--backend", {"cpu"}}, {"--noise-free", {}},    {"--hold", {"5s"}},     {"--link", {"heard"}}};
     Surroundings around;
     around.kinds.links.push_back(test::heard_link(heard_));
     around.stop = &stop_;
-    around.panels = panels;
+    around.panels = panels_;
     app_ = std::make_unique<App>(options, size_, std::move(around));
   }
 
@@ -65,6 +72,13 @@ class LiveApp : public testing::Test {
     app_->handle(event, size_);
   }
   void all_off() { key('o'); }
+  void point_at(const Vec3& world) {
+    const Projected at = project(projection(app_->desk().state.viewpoint, size_.width, size_.height), world);
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::move;
+    event.x = at.x, event.y = at.y;
+    app_->handle(event, size_);
+  }
   void drop(const fs::path& file) {
     WindowEvent event;
     event.kind = WindowEvent::Kind::drop;
@@ -74,6 +88,7 @@ class LiveApp : public testing::Test {
   static void write_anew(const fs::path& file) { fs::last_write_time(file, fs::last_write_time(file) + 1s); }
   const setup::Given& given() const { return app_->desk().given; }
 
+  const bool panels_;
   const Size size_{400, 300};
   fs::path folder_, scene_, other_;
   std::shared_ptr<test::Heard> heard_ = std::make_shared<test::Heard>();
@@ -236,6 +251,19 @@ TEST(UiKeys, OneThatIsHeldDownIsOneChange) {
     ui.end();
   }
   EXPECT_LE(pictures, 3);
+}
+
+TEST_F(LiveApp, AFingerThatFollowsThePointerTouches) {
+  begin("mouse");
+  ASSERT_TRUE(comes_to(LiveState::running));
+  ASSERT_TRUE(goes_round_until([&] { return app_->showed_frame(); }));
+  go_round(5);
+  EXPECT_FALSE(heard_->sounded()) << "it waits above the cube";
+  point_at({0, -0.002, 0});
+  EXPECT_TRUE(goes_round_until([&] { return heard_->sounded(); }));
+  ASSERT_TRUE(goes_round_until([&] { return app_->picture().fingers.size() == 1; }));
+  point_at({0, 0.02, 0});
+  EXPECT_TRUE(goes_round_until([&] { return app_->picture().fingers.empty(); }));
 }
 
 }  // namespace

@@ -6,11 +6,13 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <glm/ext/matrix_transform.hpp>
 #include <memory>
 #include <thread>
 #include <vector>
 
 #include "base/error.hpp"
+#include "geometry/gltf_write.hpp"
 #include "heard_link.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
@@ -85,6 +87,30 @@ TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
   EXPECT_TRUE(bench.heard->finished);
   EXPECT_FALSE(bench.heard->last_sounds);
   EXPECT_FALSE(live->link().open || live->link().sounding);
+}
+
+TEST(Live, ASolidThatIsMovedIsFeltWhereItIs) {
+  Bench bench;
+  const auto live = bench.start();
+  const auto touches = [&] { return live->take() && live->snapshot().touch.finger_count > 0; };
+  ASSERT_TRUE(soon(*live, touches)) << live->fault();
+  const std::vector<Transform> away{glm::translate(Transform(1.0), Vec3(0, -0.1, 0))};
+  live->place(away);
+  const auto silent_for_a_period = [&, since = std::chrono::steady_clock::time_point()]() mutable {
+    const auto now = std::chrono::steady_clock::now();
+    if (since == std::chrono::steady_clock::time_point() || touches()) since = now;
+    return now - since > 2500ms;  // the finger dips every 2 s
+  };
+  ASSERT_TRUE(soon(*live, silent_for_a_period));
+  live->place({glm::translate(Transform(1.0), Vec3(0, 0.003, 0))});
+  ASSERT_TRUE(soon(*live, touches));
+  EXPECT_GT(live->snapshot().touch.fingers[0].depth_m, 0);
+
+  const auto folder = test::scratch_folder("viewer-moved");
+  geometry::write_glb(folder / "moved.glb", meshes_of(*live->scene(), away));
+  const std::vector<geometry::Solid> solids = geometry::make_solids(geometry::load_gltf(folder / "moved.glb"));
+  ASSERT_EQ(solids.size(), 1u);
+  EXPECT_NEAR(solids[0].bounds.high.y, -0.1, 1e-7);
 }
 
 TEST(Live, EndsWithTheViewer) {

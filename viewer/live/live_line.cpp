@@ -48,7 +48,13 @@ setup::LiveOptions live_options(const setup::Given& given) {
 }
 
 std::string run_command(const setup::Given& given) {
-  return setup::command_line("palpa run", live_table(), given);
+  setup::Given there = given;
+  // A pointer is not there: the same finger dips by itself.
+  if (const auto source = there.find("--source"); source != there.end() && !source->second.empty()) {
+    std::string& name = source->second.front();
+    if (name == "mouse" || name.starts_with("mouse:")) name.replace(0, 5, "synthetic");
+  }
+  return setup::command_line("palpa run", live_table(), there);
 }
 
 }  // namespace palpa::viewer

@@ -41,4 +41,15 @@ void show_live_slot(Picture& picture, const LiveScene& scene, const Snapshot& sn
   show_drive(picture, plan.drive(slot, transducers));
 }
 
+std::vector<geometry::SceneMesh> meshes_of(const LiveScene& scene, const std::vector<Transform>& poses) {
+  std::vector<geometry::SceneMesh> meshes = scene.meshes;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const std::size_t solid = scene.picture.solids[i].solid;
+    if (solid >= poses.size()) continue;
+    for (Vec3& p : meshes[i].mesh.positions)
+      p = transform_point(poses[solid], p);
+  }
+  return meshes;
+}
+
 }  // namespace palpa::viewer

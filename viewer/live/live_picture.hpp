@@ -11,4 +11,7 @@ void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapsho
 /// Which focus of it sounds in `slot`, and its drive.
 void show_live_slot(Picture& picture, const LiveScene& scene, const Snapshot& snapshot, std::uint64_t slot);
 
+/// The scene's solids where `poses` take them, for a file of them.
+std::vector<geometry::SceneMesh> meshes_of(const LiveScene& scene, const std::vector<Transform>& poses);
+
 }  // namespace palpa::viewer

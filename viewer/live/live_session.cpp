@@ -18,6 +18,15 @@ namespace {
 /// Depth images show far more than the hand: only what lies this near the solids is drawn.
 constexpr double skin_reach = 0.12;
 
+/// Around the box where the pose takes it.
+Box moved(const Box& box, const Transform& pose) {
+  Box out;
+  for (int i = 0; i < 8; ++i)
+    out.add(transform_point(
+        pose, {i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y, i & 4 ? box.high.z : box.low.z}));
+  return out;
+}
+
 }  // namespace
 
 void give_way() {
@@ -56,6 +65,8 @@ void LiveSession::work() {
     const Outputs outputs(setup::outputs_of(options_, setup::with_builtin(kinds_.links)));
     setup::LiveRun run(options_, kinds_.sources, watched(setup::with_builtin(kinds_.links), link_), *stop_);
     publish_scene(run);
+    session_ = &run.session();
+    follow_poses(run.session());
     log::release_warnings();
     session::RunOptions looking;
     looking.planned = [this](const session::FrameReport& report, const session::Plan& plan) { planned(report, plan); };
@@ -85,17 +96,55 @@ void LiveSession::publish_scene(setup::LiveRun& run) {
   show_solids(scene->picture, run.session().solids());
   show_array(scene->picture, run.session().setting().layout);
   show_cameras(scene->picture, run.source().cameras());
+  for (const geometry::Solid& solid : run.session().solids()) {
+    const auto& parts = solid.parts.parts;
+    if (parts.size() < 2) scene->meshes.push_back({solid.name, solid.mesh, solid.haptics, {}, {}});
+    const auto group = static_cast<std::uint32_t>(&solid - run.session().solids().data());
+    for (std::size_t i = 0; parts.size() > 1 && i < parts.size(); ++i)
+      scene->meshes.push_back(
+          {solid.name, parts[i].mesh, solid.haptics, geometry::PartOf{solid.name, group, solid.parts.seam_m}, {}});
+  }
   scene->solid_names = run.session().solid_names();
   scene->cameras = run.source().cameras();
   scene->layout = run.session().setting().layout;
-  for (const geometry::Solid& solid : run.session().solids()) {
-    near_.add(solid.bounds.low - Vec3(skin_reach));
-    near_.add(solid.bounds.high + Vec3(skin_reach));
-  }
+  for (const geometry::Solid& solid : run.session().solids())
+    boxes_.push_back(solid.bounds);
   rays_ = sensing::make_rays(scene->cameras);
-  sensing::plan_views(scene->cameras, rays_, near_, views_);
+  look_around(scene->cameras);
   const std::lock_guard lock(mutex_);
   scene_ = std::move(scene);
+}
+
+void LiveSession::place(std::vector<Transform> poses) {
+  const std::lock_guard lock(mutex_);
+  poses_ = std::move(poses);
+  ++placements_;
+}
+
+// On the compute thread, or before there is one.
+void LiveSession::follow_poses(session::Session& session) {
+  if (placements_ == placed_) return;
+  const std::lock_guard lock(mutex_);
+  placed_ = placements_;
+  for (std::uint32_t i = 0; i < std::min(poses_.size(), session.solids().size()); ++i)
+    session.set_pose(i, poses_[i]);
+}
+
+// On the recorder's thread, or before there is one.
+void LiveSession::look_around(const std::vector<sensing::Camera>& cameras) {
+  std::vector<Transform> poses;
+  {
+    const std::lock_guard lock(mutex_);
+    looked_around_ = placements_;
+    poses = poses_;
+  }
+  near_ = {};
+  for (std::size_t i = 0; i < boxes_.size(); ++i) {
+    const Box here = i < poses.size() ? moved(boxes_[i], poses[i]) : boxes_[i];
+    near_.add(here.low - Vec3(skin_reach));
+    near_.add(here.high + Vec3(skin_reach));
+  }
+  sensing::plan_views(cameras, rays_, near_, views_);
 }
 
 std::string LiveSession::fault() const {
@@ -147,6 +196,7 @@ void LiveSession::count(const session::FrameReport& report) {
 // On the compute thread.
 void LiveSession::planned(const session::FrameReport& report, const session::Plan& plan) {
   count(report);
+  follow_poses(*session_);
   const Clock::duration unseen = Clock::now().time_since_epoch() - Clock::duration(looked_.load());
   const std::chrono::milliseconds patience = looks_ > 1 ? patience_.usual : patience_.beginning;
   if (unseen > patience && !stop_->exchange(true)) {
@@ -168,6 +218,7 @@ void LiveSession::planned(const session::FrameReport& report, const session::Pla
 void LiveSession::saw(const sensing::FrameSet& set) {
   if (!std::exchange(modest_, true) && options_.record.empty()) give_way();
   if (!wants_seen_.exchange(false)) return;
+  if (looked_around_ != placements_) look_around(session_->setting().cameras);
   Seen& next = seen_.back();
   next.sequence = set.sequence;
   next.images = set;

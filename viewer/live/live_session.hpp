@@ -26,7 +26,8 @@ namespace palpa::viewer {
 
 /// What a session stands on, once it is loaded.
 struct LiveScene {
-  Picture picture;  ///< solids and array; no touch
+  Picture picture;                          ///< solids and array; no touch
+  std::vector<geometry::SceneMesh> meshes;  ///< of the picture's solids, in their order: what a file of them has
   std::vector<std::string> solid_names;
   std::vector<sensing::Camera> cameras;
   array::Layout layout;  ///< in the world
@@ -93,6 +94,9 @@ class LiveSession {
   bool take_seen() { return wants(wants_seen_, seen_); }
   const Seen& seen() { return seen_.front(); }
 
+  /// From the next frame on each solid is where its pose takes it from its place in the scene; see Session::set_pose.
+  void place(std::vector<Transform> poses);
+
   const LinkWatch& link() const { return link_; }
   /// Complete once it is over; nothing where it failed.
   std::optional<session::LoopStats> stats() const;
@@ -110,6 +114,8 @@ class LiveSession {
   void planned(const session::FrameReport& report, const session::Plan& plan);
   void saw(const sensing::FrameSet& set);
   void count(const session::FrameReport& report);
+  void follow_poses(session::Session& session);
+  void look_around(const std::vector<sensing::Camera>& cameras);
 
   inline static std::atomic<int> under_way_{0};
   setup::LiveOptions options_;
@@ -125,15 +131,21 @@ class LiveSession {
   session::Newest<Snapshot> snapshots_;
   session::Newest<Seen> seen_;
   LinkWatch link_;
-  LiveNumbers numbers_;  ///< of the compute thread
+  LiveNumbers numbers_;                  ///< of the compute thread
+  session::Session* session_ = nullptr;  ///< while it runs
+  std::uint64_t placed_ = 0;             ///< poses that it has
   std::optional<std::uint64_t> last_sequence_;
   Clock::time_point last_frame_{};
   // Of the recorder's thread, made before it begins.
+  std::vector<Box> boxes_;  ///< of the solids at rest
+  std::uint64_t looked_around_ = 0;
   Box near_;  ///< where skin is drawn
   sensing::RayTables rays_;
   std::vector<sensing::View> views_;
   bool modest_ = false;
+  std::atomic<std::uint64_t> placements_{0};
   mutable std::mutex mutex_;
+  std::vector<Transform> poses_;
   std::string fault_;
   std::exception_ptr error_;
   std::shared_ptr<const LiveScene> scene_;

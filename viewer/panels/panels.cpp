@@ -50,6 +50,7 @@ double panels_width(double width, double text_height) {
 void draw_panels(Desk& desk, double now_s) {
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
   desk.places = {};
+  draw_marks(desk.marks);
   if (desk.panels) {
     const auto width = static_cast<float>(panels_width(whole.x, em(1)));
     ImGui::SetNextWindowPos({whole.x, 0}, ImGuiCond_Always, {1, 0});
@@ -66,6 +67,9 @@ void draw_panels(Desk& desk, double now_s) {
     if (desk.live) {
       if (heading("Run", false, "What runs: the options of palpa run")) draw_options_panel(desk);
     }
+    if (desk.live &&
+        heading("Place", !desk.placed.things.empty(), "How deep fingers are; solids and finger moved by hand"))
+      draw_place_panel(desk);
     if (heading("Time", desk.live || !desk.picture->fingers.empty(), "Slots of the schedule, frames of a recording"))
       draw_time_panel(desk);
     if (heading("View", !desk.live, "What is drawn, and from where")) draw_view_panel(desk);
@@ -202,6 +206,10 @@ void draw_cheat_sheet(Desk& desk) {
       {"1 3 7 9", "front, right, top, corner; with Ctrl the other side"},
       {"5", "perspective or parallel"},
       {"F", "frame everything"},
+      {"M", "source mouse: the finger follows the pointer, or stays"},
+      {"wheel, right drag", "it goes deeper into the picture (Shift: finely); turns"},
+      {"G", "handles to move and turn: the next thing's; Ctrl in steps"},
+      {"Ctrl Z", "takes the last move back"},
       {"Space", "stop and go on: slots, or the recording"},
       {", .", "one slot back, one on"},
       {"left right", "one frame of the recording back, one on"},

@@ -15,12 +15,14 @@ void draw_panels(Desk& desk, double now_s);
 void draw_link_panel(Desk& desk);
 void draw_view_panel(Desk& desk);
 void draw_time_panel(Desk& desk);
+void draw_place_panel(Desk& desk);
 void draw_statistics_panel(const Desk& desk);
 void draw_spectrum_panel(const Desk& desk);
 void draw_options_panel(Desk& desk);
 void draw_log_panel(const Desk& desk);
 
 // Over everything.
+void draw_marks(const std::vector<FlatMark>& marks);
 void draw_toasts(Desk& desk, double now_s);
 void draw_cheat_sheet(Desk& desk);
 

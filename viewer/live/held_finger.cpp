@@ -1,0 +1,21 @@
+#include "viewer/live/held_finger.hpp"
+
+namespace palpa::viewer {
+
+Transform HeldFinger::pose() const {
+  const std::lock_guard lock(mutex_);
+  return T_world_finger_;
+}
+
+void HeldFinger::put(const Transform& T_world_finger) {
+  const std::lock_guard lock(mutex_);
+  T_world_finger_ = T_world_finger;
+}
+
+session::SourceKind HeldFinger::source() {
+  return session::synthetic_source("mouse",
+                                   "mouse[:MESH]: a rendered fingertip, or another mesh, that follows the pointer",
+                                   [this](double) { return pose(); });
+}
+
+}  // namespace palpa::viewer

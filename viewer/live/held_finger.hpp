@@ -1,0 +1,27 @@
+// A made-up finger under somebody's hand.
+#pragma once
+
+#include <mutex>
+
+#include "base/math.hpp"
+#include "session/sources.hpp"
+
+namespace palpa::viewer {
+
+/// The viewer's thread says where it is, the capture thread has the rig's cameras see it there: a session knows no
+/// other finger from it.
+class HeldFinger {
+ public:
+  /// Its tip is at the origin of its own frame, its body along +y.
+  Transform pose() const;
+  void put(const Transform& T_world_finger);
+
+  /// The kind `mouse`. The finger outlives what it opens.
+  session::SourceKind source();
+
+ private:
+  mutable std::mutex mutex_;
+  Transform T_world_finger_{1.0};
+};
+
+}  // namespace palpa::viewer
