@@ -2,17 +2,14 @@
 
 #include <fmt/core.h>
 
-#include <cstdio>
-#include <mutex>
+#include <cstdint>
 #include <numbers>
-#include <optional>
+#include <span>
 
 #include "array/layout.hpp"
 #include "base/error.hpp"
 #include "driver/autd3/listen.hpp"
-#include "driver/emulate/live_view.hpp"
-#include "driver/emulate/stop.hpp"
-#include "driver/emulate/trace.hpp"
+#include "driver/emulate/session.hpp"
 
 namespace palpa::driver::autd3 {
 namespace {
@@ -41,37 +38,21 @@ array::Drive heard_drive(const EmulatedServer& server, double now_s) {
 
 void emulate(const emulate::Options& options) {
   const array::Layout layout = layout_of(options.layout);
-  std::optional<emulate::TraceFile> file;
-  if (!options.trace.empty()) file.emplace(options.trace);
   const double begin_s = device_time_s();
-
-  const emulate::Stop stop;
   EmulatedServer server(layout.boards.size());
   Listener listener(static_cast<std::uint16_t>(options.port));
-  fmt::print("{}\n", listener.address());
-  std::fflush(stdout);
-
-  std::mutex lock;
-  std::optional<emulate::LiveView> view;
-  if (options.view) {
-    view.emplace(layout, [&] {
-      const std::lock_guard held(lock);
-      return heard_drive(server, device_time_s());
-    });
-  }
-  std::optional<emulate::ByteTrace> trace;
-  if (file) trace.emplace(*file, "tcp");
-  std::size_t told = 0;
-  listener.serve(server, emulate::Stop::asked(), lock, [&](std::span<const std::uint8_t> bytes) {
-    if (trace) trace->bytes(device_time_s() - begin_s, bytes);
-    emulate::tell_violations(options, emulate::since(begin_s, server.violations()), told);
-  });
-  view.reset();
-
+  const auto violations = emulate::serve(
+      options,
+      {.address = listener.address(),
+       .wire = "tcp",
+       .layout = layout,
+       .begin_s = begin_s,
+       .now_s = device_time_s,
+       .heard = [&] { return heard_drive(server, device_time_s()); },
+       .violations = [&] { return server.violations(); },
+       .serve = [&](const auto& stop, auto& lock, const auto& took) { listener.serve(server, stop, lock, took); }});
   const bool sounds = !server.silent(device_time_s());
   const std::uint64_t operations = server.devices()[0].operations();
-  const auto violations = emulate::since(begin_s, server.violations());
-  emulate::tell_violations(options, violations, told);
   emulate::conclude(options,
                     {fmt::format("{} device{}, each told {} operations, {}", server.devices().size(),
                                  server.devices().size() == 1 ? "" : "s", operations, sounds ? "sounding" : "silent"),

@@ -21,9 +21,10 @@ inline constexpr double heartbeat_s = 0.1;
 /// Where a guard finds its loop's socket and the shared memory.
 inline constexpr int guard_socket = 3, guard_memory = 4;
 
-/// main() of a guard, with the boards that it knows. Allocates nothing once it has opened its board, and keeps its
-/// memory from being swapped out where that is allowed. Ends the process with 0 where the last thing on the wire was
-/// all-off, and at once: its loop waits, and nothing that libraries do at a program's end may keep it.
+/// main() of a guard, with the boards that it knows. Allocates nothing once it has opened its board, and where
+/// that is allowed keeps its memory from being swapped out and goes before other programs (niceness -10). Ends the
+/// process with 0 where the last thing on the wire was all-off, and at once: its loop waits, and nothing that libraries
+/// do at a program's end may keep it.
 [[noreturn]] void guard_main(std::span<const BoardKind> kinds);
 
 }  // namespace palpa::driver

@@ -2,16 +2,13 @@
 
 #include <fmt/core.h>
 
-#include <cstdio>
-#include <mutex>
 #include <numbers>
-#include <optional>
+#include <span>
+#include <vector>
 
 #include "array/layout.hpp"
 #include "base/error.hpp"
-#include "driver/emulate/live_view.hpp"
-#include "driver/emulate/stop.hpp"
-#include "driver/emulate/trace.hpp"
+#include "driver/emulate/session.hpp"
 #include "driver/sonicsurface/board.hpp"
 #include "driver/sonicsurface/pty.hpp"
 
@@ -46,36 +43,20 @@ array::Drive heard_drive(const EmulatedBoards& machine, std::span<const float> d
 void emulate(const emulate::Options& options) {
   const array::Layout layout = layout_of(options);
   const std::vector<float> degrees = read_degrees(options.files, layout.transducers.size());
-  std::optional<emulate::TraceFile> file;
-  if (!options.trace.empty()) file.emplace(options.trace);
   const double begin_s = monotonic_s();
-
-  const emulate::Stop stop;
   EmulatedBoards machine(layout.boards.size(), options.tactile);
   const Pty pty;
-  fmt::print("{}\n", pty.path());
-  std::fflush(stdout);
-
-  std::mutex lock;
-  std::optional<emulate::LiveView> view;
-  if (options.view) {
-    view.emplace(layout, [&] {
-      const std::lock_guard held(lock);
-      return heard_drive(machine, degrees, layout.boards.size());
-    });
-  }
-  std::optional<emulate::ByteTrace> trace;
-  if (file) trace.emplace(*file, "serial");
-  std::size_t told = 0;
-  pty.serve(machine, emulate::Stop::asked(), lock, [&](std::span<const std::uint8_t> bytes) {
-    if (trace) trace->bytes(monotonic_s() - begin_s, bytes);
-    emulate::tell_violations(options, emulate::since(begin_s, machine.violations().kept()), told);
-  });
-  view.reset();
-
+  const auto violations = emulate::serve(
+      options,
+      {.address = pty.path(),
+       .wire = "serial",
+       .layout = layout,
+       .begin_s = begin_s,
+       .now_s = monotonic_s,
+       .heard = [&] { return heard_drive(machine, degrees, layout.boards.size()); },
+       .violations = [&] { return machine.violations().kept(); },
+       .serve = [&](const auto& stop, auto& lock, const auto& took) { pty.serve(machine, stop, lock, took); }});
   const bool sounds = !machine.all_silent() || !machine.all_silent_behind();
-  const auto violations = emulate::since(begin_s, machine.violations().kept());
-  emulate::tell_violations(options, violations, told);
   emulate::conclude(
       options, {fmt::format("{} bytes, {} swaps, {}", machine.bytes(), machine.swaps(), sounds ? "sounding" : "silent"),
                 "bytes", machine.bytes(), sounds, violations, machine.violations().count()});

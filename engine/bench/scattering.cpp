@@ -25,8 +25,8 @@
 #include "base/error.hpp"
 #include "bench/bench.hpp"
 #include "geometry/icosphere.hpp"
+#include "geometry/load_triangles.hpp"
 #include "setup/assets.hpp"
-#include "setup/body.hpp"
 
 namespace palpa::bench {
 namespace {
@@ -135,10 +135,10 @@ void measure_body(const Context& context, const std::string& asset, std::vector<
   }
   const acoustics::Incident incident(layout, air, array::Directivity::t4010a1);
   std::vector<double> operators, sets, totals;
-  const std::size_t faces = setup::load_triangles(setup::find_asset(asset)).triangles.size();
+  const std::size_t faces = geometry::load_triangles(setup::find_asset(asset)).triangles.size();
   for (std::uint32_t run = 0; run < runs_of(context, faces); ++run) {
     const double begin = now_ms();
-    geometry::Mesh mesh = acoustics::body_mesh(asset, setup::load_triangles(setup::find_asset(asset)));
+    geometry::Mesh mesh = acoustics::body_mesh(asset, geometry::load_triangles(setup::find_asset(asset)));
     const double lowest = geometry::bounds(mesh).low.y;
     for (Vec3& p : mesh.positions)
       p.y -= lowest + 3e-3;

@@ -28,6 +28,7 @@
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
 #include "cli/touch_picture.hpp"
+#include "geometry/load_triangles.hpp"
 #include "geometry/vtu.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/plan.hpp"
@@ -130,7 +131,7 @@ std::vector<std::optional<Vec3>> foci_of(const session::Session& session) {
 }  // namespace
 
 Finger::Finger(const SimulateCommand& o, const acoustics::Air& air)
-    : given_(setup::load_triangles(o.finger)),
+    : given_(geometry::load_triangles(o.finger)),
       body_(setup::load_body(o.finger, air, o.force)),
       wave_number_(air.wave_number()) {}
 

@@ -1,11 +1,9 @@
 #include "session/sources.hpp"
 
-#include <filesystem>
 #include <utility>
 
 #include "base/error.hpp"
-#include "geometry/gltf.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/load_triangles.hpp"
 #include "sensing/recording.hpp"
 #include "session/spec.hpp"
 
@@ -33,14 +31,7 @@ std::unique_ptr<sensing::DepthSource> open_recording(const std::string& folder, 
 }  // namespace
 
 geometry::Mesh load_skin(const std::string& file) {
-  geometry::Mesh mesh;
-  if (std::filesystem::path(file).extension() == ".ply") {
-    geometry::Ply ply = geometry::read_ply(file);
-    mesh = {std::move(ply.positions), std::move(ply.triangles)};
-  } else {
-    for (const geometry::SceneMesh& part : geometry::load_gltf(file).meshes)
-      geometry::append(mesh, part.mesh);
-  }
+  geometry::Mesh mesh = geometry::load_triangles(file);
   if (mesh.triangles.empty()) throw bad_input(file, "has no triangles; a synthetic source needs the skin as a mesh");
   return mesh;
 }

@@ -1,6 +1,7 @@
 // What the last thing on the wire is, whatever becomes of the loop or of the guard.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,6 +21,7 @@
 #include "driver/guard/board_link.hpp"
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
+#include "forked_loop.hpp"
 #include "support/captured.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -106,32 +108,16 @@ struct Rig {
   }
 };
 
-/// A loop in a process of its own, until it is killed.
-class Loop {
- public:
-  explicit Loop(Rig& rig, std::chrono::microseconds slot) : id_(fork()) {
-    if (id_ != 0) return;
-    log::set_level(log::Level::quiet);
+/// What a loop does to its end: a drive in every slot, a plan now and then.
+std::function<void()> plays(Rig& rig, std::chrono::microseconds slot) {
+  return [&rig, slot] {
     rig.open();
     for (std::uint64_t s = 0;; ++s, wait(slot)) {
       if (s % 8 == 0) rig.plan(s, 10);
       rig.send(s);
     }
-  }
-  ~Loop() { end(SIGKILL); }
-  Loop(const Loop&) = delete;
-  Loop& operator=(const Loop&) = delete;
-  void signal(int which) const { kill(id_, which); }
-  void end(int by) {
-    if (id_ <= 0) return;
-    kill(id_, by);
-    waitpid(id_, nullptr, 0);
-    id_ = -1;
-  }
-
- private:
-  pid_t id_;
-};
+  };
+}
 
 /// The guard that this process has started last.
 pid_t guard_of_ours() {
@@ -235,7 +221,7 @@ TEST(Guard, APlanWithoutADriveIsSilencedToo) {
 TEST(Guard, ALoopThatIsKilledAtAnyInstantLeavesSilence) {
   for (int instant = 0; instant < 12; ++instant) {
     Rig rig(3984);
-    Loop loop(rig, 0us);
+    test::ForkedLoop loop(plays(rig, 0us));
     ASSERT_TRUE(rig.wrote(instant == 0 ? "open" : "play"));
     wait(std::chrono::microseconds(instant * 317));
     loop.end(SIGKILL);
@@ -246,7 +232,7 @@ TEST(Guard, ALoopThatIsKilledAtAnyInstantLeavesSilence) {
 
 TEST(Guard, ALoopThatCrashesLeavesSilence) {
   Rig rig;
-  Loop loop(rig, 1ms);
+  test::ForkedLoop loop(plays(rig, 1ms));
   ASSERT_TRUE(rig.wrote("play"));
   loop.end(SIGABRT);
   ASSERT_TRUE(rig.wrote("close"));
@@ -255,7 +241,7 @@ TEST(Guard, ALoopThatCrashesLeavesSilence) {
 
 TEST(Guard, ALoopThatIsStoppedIsSilentAndGoesOnWhenItContinues) {
   Rig rig(3984);
-  Loop loop(rig, 200us);
+  test::ForkedLoop loop(plays(rig, 200us));
   for (int times = 0; times < 3; ++times) {
     ASSERT_TRUE(rig.wrote("play", rig.count("play") + 10));
     loop.signal(SIGSTOP);
@@ -450,6 +436,20 @@ TEST(Guard, ADriveCostsLittleOnBothSides) {
   EXPECT_LT(processor_s(getpid()) - ours_s, 0.2e-3 * drives);
   EXPECT_LT(processor_s(guard) - its_s, 0.2e-3 * drives);
   rig.link->finish();
+}
+
+TEST(Guard, GoesBeforeOtherProgramsWhereThatIsAllowed) {
+  const pid_t asks = fork();  // whoever has gone first need not be allowed to go back
+  if (asks == 0) _exit(setpriority(PRIO_PROCESS, 0, -10) == 0 ? 1 : 0);
+  int status = 0;
+  waitpid(asks, &status, 0);
+  const bool allowed = WEXITSTATUS(status) == 1;
+  Rig rig;
+  rig.open();
+  EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(guard_of_ours())),
+            allowed ? -10 : getpriority(PRIO_PROCESS, 0));
+  rig.link->finish();
+  rig.expect_silent_end();
 }
 
 TEST(Guard, InheritsNothingElse) {

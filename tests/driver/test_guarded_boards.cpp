@@ -23,19 +23,17 @@
 #include "driver/guard/board_link.hpp"
 #include "driver/sonicsurface/board.hpp"
 #include "driver/sonicsurface/pty.hpp"
+#include "forked_loop.hpp"
 
 namespace palpa::driver {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// A loop in a process of its own: tells a plan as often as a camera sees, and sends its drives.
-class Loop {
- public:
-  Loop(const BoardKind& kind, const std::string& argument, const std::string& layout_name, bool foci_move)
-      : id_(fork()) {
-    if (id_ != 0) return;
-    log::set_level(log::Level::quiet);
+/// What a loop does to its end: tells a plan as often as a camera sees, and sends its drives.
+std::function<void()> plays(const BoardKind& kind, const std::string& argument, const std::string& layout_name,
+                            bool foci_move) {
+  return [=] {
     const array::Layout layout = array::load_layout(layout_name);
     const std::vector<std::string> names;
     const auto guard = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "palpa-guard";
@@ -60,21 +58,8 @@ class Loop {
       }
       link->send(s, std::span(drives).subspan(s % parts * count, count));
     }
-  }
-  ~Loop() { end(SIGKILL); }
-  Loop(const Loop&) = delete;
-  Loop& operator=(const Loop&) = delete;
-  void signal(int which) const { kill(id_, which); }
-  void end(int by) {
-    if (id_ <= 0) return;
-    kill(id_, by);
-    waitpid(id_, nullptr, 0);
-    id_ = -1;
-  }
-
- private:
-  pid_t id_;
-};
+  };
+}
 
 /// Serves on a thread of its own, and is asked under the lock.
 class Serving {
@@ -102,7 +87,7 @@ class Serving {
 };
 
 /// Through a stop and a continuation to its end.
-void expect_silence_after(Loop& loop, Serving& serving, const std::function<bool()>& silent) {
+void expect_silence_after(test::ForkedLoop& loop, Serving& serving, const std::function<bool()>& silent) {
   const auto sounds = [&] { return !silent(); };
   ASSERT_TRUE(serving.becomes(sounds));
   loop.signal(SIGSTOP);
@@ -143,7 +128,7 @@ TEST(GuardedBoards, AGuardsMemoryStaysInMemory) {
 TEST(GuardedBoards, Autd3UnitsFallSilentWithTheirLoop) {
   autd3::EmulatedServer server(16);
   autd3::Listener listener(0);
-  Loop loop(autd3::board_kind(), listener.address(), "paper", true);
+  test::ForkedLoop loop(plays(autd3::board_kind(), listener.address(), "paper", true));
   Serving serving([&](const auto& stop, std::mutex& lock) { listener.serve(server, stop, lock); });
   expect_silence_after(loop, serving, [&] { return server.silent(autd3::device_time_s()); });
   // It has said goodbye, too.
@@ -154,7 +139,7 @@ TEST(GuardedBoards, Autd3UnitsFallSilentWithTheirLoop) {
 TEST(GuardedBoards, SonicSurfaceFallsSilentWithItsLoop) {
   sonicsurface::EmulatedBoards boards(1, false);
   sonicsurface::Pty pty;
-  Loop loop(sonicsurface::board_kind(), pty.path(), "sonicsurface", false);
+  test::ForkedLoop loop(plays(sonicsurface::board_kind(), pty.path(), "sonicsurface", false));
   Serving serving([&](const auto& stop, std::mutex& lock) { pty.serve(boards, stop, lock); });
   // The modulation has its pauses: silent is where nothing waits behind, either.
   const auto silent = [&] { return boards.all_silent() && boards.all_silent_behind(); };

@@ -13,6 +13,7 @@
 #include <limits>
 #include <random>
 
+#include "geometry/load_triangles.hpp"
 #include "geometry/memory_file.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
@@ -320,6 +321,16 @@ TEST(Ply, AMillionPointsTakeASecondOrTwo) {
     EXPECT_LT(std::clock() - start, 3 * CLOCKS_PER_SEC);
 #endif
   }
+}
+
+TEST(LoadTriangles, TheEndingSaysWhichFormatAFileHas) {
+  const Mesh finger = load_triangles(test::source_file("assets/finger.ply").string());
+  EXPECT_EQ(finger.triangles, read_ply(test::source_file("assets/finger.ply")).triangles);
+  const auto cube = test::source_file("assets/cube.glb"), loud = folder() / "CUBE.GLB";
+  std::filesystem::copy_file(cube, loud);
+  EXPECT_EQ(load_triangles(loud.string()).triangles.size(), 12u);
+  EXPECT_EQ(load_triangles(loud.string()).positions, load_triangles(cube.string()).positions);
+  EXPECT_REFUSED(load_triangles((folder() / "none.obj").string()), "none.obj");
 }
 
 }  // namespace

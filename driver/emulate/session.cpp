@@ -1,0 +1,41 @@
+#include "driver/emulate/session.hpp"
+
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <optional>
+
+#include "driver/emulate/live_view.hpp"
+#include "driver/emulate/stop.hpp"
+#include "driver/emulate/trace.hpp"
+
+namespace palpa::driver::emulate {
+
+std::vector<Violation> serve(const Options& options, const Emulator& emulator) {
+  std::optional<TraceFile> file;
+  std::optional<ByteTrace> trace;
+  if (!options.trace.empty()) trace.emplace(file.emplace(options.trace), emulator.wire);
+  const Stop stop;
+  fmt::print("{}\n", emulator.address);
+  std::fflush(stdout);
+
+  std::mutex lock;
+  std::optional<LiveView> view;
+  if (options.view) {
+    view.emplace(emulator.layout, [&] {
+      const std::lock_guard held(lock);
+      return emulator.heard();
+    });
+  }
+  std::size_t told = 0;
+  emulator.serve(Stop::asked(), lock, [&](std::span<const std::uint8_t> bytes) {
+    if (trace) trace->bytes(emulator.now_s() - emulator.begin_s, bytes);
+    tell_violations(options, since(emulator.begin_s, emulator.violations()), told);
+  });
+  view.reset();
+  std::vector<Violation> violations = since(emulator.begin_s, emulator.violations());
+  tell_violations(options, violations, told);
+  return violations;
+}
+
+}  // namespace palpa::driver::emulate

@@ -1,0 +1,38 @@
+// A loop in a process of its own, which a test may stop, continue and kill.
+#pragma once
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <functional>
+
+#include "base/log.hpp"
+
+namespace palpa::test {
+
+class ForkedLoop {
+ public:
+  /// `loop` goes on until the process is killed, and is quiet.
+  explicit ForkedLoop(const std::function<void()>& loop) : id_(fork()) {
+    if (id_ != 0) return;
+    log::set_level(log::Level::quiet);
+    loop();
+    _exit(1);
+  }
+  ~ForkedLoop() { end(SIGKILL); }
+  ForkedLoop(const ForkedLoop&) = delete;
+  ForkedLoop& operator=(const ForkedLoop&) = delete;
+  void signal(int which) const { kill(id_, which); }
+  void end(int by) {
+    if (id_ <= 0) return;
+    kill(id_, by);
+    waitpid(id_, nullptr, 0);
+    id_ = -1;
+  }
+
+ private:
+  pid_t id_;
+};
+
+}  // namespace palpa::test
