@@ -1,3 +1,5 @@
+#include "cli/calibrate.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,8 +21,6 @@
 #include "session/sources.hpp"
 #include "setup/calibration.hpp"
 #include "setup/frames.hpp"
-#include "setup/load.hpp"
-#include "setup/options.hpp"
 #include "setup/progress.hpp"
 #include "setup/target_mount.hpp"
 #include "setup/values.hpp"
@@ -28,19 +28,7 @@
 namespace palpa::cli {
 namespace {
 
-struct CalibrateCommand {
-  setup::CommonOptions common;
-  std::string target;  ///< model to write
-  std::string out;     ///< rig to write
-  std::string at;      ///< where the target stands, if not on its mount
-  double turn_deg = 0;
-  std::string source = "synthetic";
-  std::uint32_t frames = 30;
-  bool noise_free = false;
-  setup::RigOptions rig;
-};
-
-constexpr std::uint32_t most_frames = 300;
+constexpr std::uint64_t usual_frames = 30, most_frames = 300;
 constexpr double degree = std::numbers::pi / 180;
 /// More than that is no camera's noise within a metre.
 constexpr double usual_rms_m = 1e-3;
@@ -48,7 +36,8 @@ constexpr double usual_rms_m = 1e-3;
 void add_options(CLI::App& app, CalibrateCommand& o) {
   const setup::Group target(app, "The target");
   target.text("--target", o.target, "FILE",
-              "write the model to be printed, .stl (millimetres) or .glb, and do no more");
+              "write the model, .stl for a printer (millimetres, as it lies) or .glb for a viewer (the world, on "
+              "its mount), and do no more");
   target.text("--at", o.at, "X,Y,Z",
               "where the middle of the target's underside is, in the array's frame [its mount on the layout]");
   target.number("--turn", o.turn_deg, {-360, 360}, "DEGREES",
@@ -56,41 +45,43 @@ void add_options(CLI::App& app, CalibrateCommand& o) {
   const setup::Group frames(app, "What is seen, and where it goes");
   frames.text("--source", o.source, "SOURCE",
               "synthetic[:MESH] (a rehearsal), recording:DIR, v4l2:/dev/videoN[,...] or bag:FILE");
-  frames.integer("--frames", o.frames, 1, most_frames, "how many are taken together");
+  frames.integer("--frames", o.frames, 0, std::uint64_t{1} << 62,
+                 "how many are taken together, normally 30; with --nudge when to stop, normally never");
   frames.flag("--noise-free", o.noise_free, "synthetic frames without the sensor's noise");
   frames.text("--out", o.out, "FILE", "write the rig with what was found; another file than --rig");
   setup::add_rig_options(app, o.rig);
+  add_nudge_options(app, o);
 }
 
-sensing::TargetHoles holes_for(const setup::RigOptions& rig) {
-  // Without a rig that is named, the layout alone says what it is to stand on.
-  return setup::target_mount(setup::load_placed_layout(rig).layout).holes;
+/// In the world.
+Transform pose_of_target(const CalibrateCommand& o, const setup::PlacedLayout& placed) {
+  const setup::TargetMount mount = setup::target_mount(placed.layout);
+  Vec3 origin(mount.T_layout_target[3]);
+  if (!o.at.empty()) {
+    const auto [x, y, z] = setup::parse_point("--at", o.at);
+    origin = {x, y, z};
+  }
+  return placed.T_world_layout * setup::moved_mount(mount, origin, o.turn_deg * degree);
 }
 
 void write_target(const CalibrateCommand& o) {
   const std::string kind = std::filesystem::path(o.target).extension();
   if (kind != ".stl" && kind != ".glb")
     throw bad_usage("--target " + o.target + ": give a file that ends in .stl or .glb");
-  if (!o.out.empty()) throw bad_usage("--target writes the model and does no more: leave --out out");
+  if (!o.out.empty() || o.nudge)
+    throw bad_usage("--target writes the model and does no more: leave --out and --nudge out");
   const Outputs outputs({{"--target", o.target}});
-  const geometry::Mesh mesh = sensing::make_target(holes_for(o.rig));
+  const setup::PlacedLayout placed = setup::load_placed_layout(o.rig);
+  geometry::Mesh mesh = sensing::make_target(setup::target_mount(placed.layout).holes);
   if (kind == ".stl") {
     geometry::write_stl(o.target, mesh);
   } else {
+    const Transform T_world_target = pose_of_target(o, placed);
+    for (Vec3& p : mesh.positions)
+      p = transform_point(T_world_target, p);
     const geometry::SceneMesh node{"target", mesh};
     geometry::write_glb(o.target, std::span(&node, 1));
   }
-}
-
-/// In the world.
-Transform pose_of_target(const CalibrateCommand& o, const setup::PosedRig& posed) {
-  const setup::TargetMount mount = setup::target_mount(setup::load_placed_layout(o.rig).layout);
-  Vec3 origin(mount.T_layout_target[3]);
-  if (!o.at.empty()) {
-    const auto [x, y, z] = setup::parse_point("--at", o.at);
-    origin = {x, y, z};
-  }
-  return posed.T_world_layout * setup::moved_mount(mount, origin, o.turn_deg * degree);
 }
 
 std::string to_json(const std::vector<setup::CalibratedCamera>& cameras, std::uint64_t frames,
@@ -130,25 +121,14 @@ std::string summary(const CalibrateCommand& o, const std::vector<setup::Calibrat
   return text + (o.out.empty() ? "nothing written: give --out\n" : fmt::format("written to {}\n", o.out));
 }
 
-/// With the array of --layout, where that was given, in place of its own.
-sensing::Rig rig_to_write(const setup::PosedRig& posed, const setup::RigOptions& options) {
-  sensing::Rig rig = posed.rig;
-  if (options.layout.empty()) return rig;
-  const std::vector<std::string> known = array::layout_names();
-  const bool built_in = std::ranges::find(known, options.layout) != known.end();
-  rig.array = {built_in ? options.layout : std::filesystem::absolute(options.layout).string(), {}, {}};
-  return rig;
-}
-
-void write_rig(const std::string& file, const sensing::Rig& rig) {
-  write_file(file, "# By palpa calibrate.\n\n" + sensing::to_toml(rig));
-}
-
 void find_poses(const Extensions& extensions, const CalibrateCommand& o) {
+  const std::uint64_t frames = o.frames == 0 ? usual_frames : o.frames;
+  if (frames > most_frames)
+    throw bad_usage(fmt::format("--frames {}: at most {} are taken together", frames, most_frames));
   if (o.noise_free && !o.source.starts_with("synthetic")) throw bad_usage("--noise-free goes with --source synthetic");
   const Outputs outputs({{"--json", o.common.json}, {"--out", o.out}});
   setup::PosedRig posed = setup::load_posed_rig(o.rig);
-  const Transform T_world_target = pose_of_target(o, posed);
+  const Transform T_world_target = pose_of_target(o, setup::load_placed_layout(o.rig));
   std::vector<session::SourceKind> sources(extensions.sources);
   sources.push_back(setup::rehearsal(T_world_target));
   const geometry::Mesh boards = array::board_mesh(posed.layout);
@@ -164,8 +144,8 @@ void find_poses(const Extensions& extensions, const CalibrateCommand& o) {
   std::uint64_t taken = 0;
   std::vector<sensing::StillFrames> seen;
   {
-    setup::Progress progress("frames", o.frames, o.common.quiet);
-    seen = setup::collect_still_frames(*source, o.frames, [&](std::uint64_t done) { progress.set(taken = done); });
+    setup::Progress progress("frames", frames, o.common.quiet);
+    seen = setup::collect_still_frames(*source, frames, [&](std::uint64_t done) { progress.set(taken = done); });
   }
   const std::vector<setup::CalibratedCamera> cameras =
       setup::calibrate_cameras(posed.rig.cameras, source->cameras(), seen, T_world_target, posed.rig.file);
@@ -185,10 +165,25 @@ void find_poses(const Extensions& extensions, const CalibrateCommand& o) {
 
 void run(const Extensions& extensions, const CalibrateCommand& o) {
   if (!o.target.empty()) return write_target(o);
+  if (o.nudge) return run_nudge(extensions, o);
+  refuse_nudge_options(o);
   find_poses(extensions, o);
 }
 
 }  // namespace
+
+sensing::Rig rig_to_write(const setup::PosedRig& posed, const setup::RigOptions& options) {
+  sensing::Rig rig = posed.rig;
+  if (options.layout.empty()) return rig;
+  const std::vector<std::string> known = array::layout_names();
+  const bool built_in = std::ranges::find(known, options.layout) != known.end();
+  rig.array = {built_in ? options.layout : std::filesystem::absolute(options.layout).string(), {}, {}};
+  return rig;
+}
+
+void write_rig(const std::string& file, const sensing::Rig& rig) {
+  write_file(file, "# By palpa calibrate.\n\n" + sensing::to_toml(rig));
+}
 
 void add_calibrate(Program& program) {
   const Extensions& extensions = program.extensions;
@@ -197,7 +192,8 @@ void add_calibrate(Program& program) {
       {"calibrate", "where the cameras are, from what they see of a printed target",
        "  palpa calibrate --target target.stl --layout openmpd\n"
        "  palpa calibrate --rig rig.toml --source v4l2:/dev/video0,/dev/video4 --out calibrated.toml\n"
-       "  palpa calibrate --rig rig.toml --source synthetic --json -"},
+       "  palpa calibrate --nudge --rig calibrated.toml --source v4l2:/dev/video0,/dev/video4 --link openmpd:FT43NK5M "
+       "--out nudged.toml"},
       add_options, [&extensions](const CalibrateCommand& o) { run(extensions, o); });
 }
 

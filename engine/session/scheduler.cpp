@@ -60,6 +60,10 @@ void Scheduler::make(const touch::Touch& touch, double time_s, array::Schedule& 
         make_voice(out.placement, finger.id, finger.solid, options, voice);
       }
     }
+    if (aim_ != Vec3(0)) {
+      for (Vec3& focus : voice.foci)
+        focus += aim_;
+    }
     schedule.slot_s = std::min(schedule.slot_s, options.dwell_s);
   }
   if (beside_) beside_->end();

@@ -11,6 +11,7 @@
 #include "acoustics/array_field.hpp"
 #include "acoustics/tune.hpp"
 #include "array/schedule.hpp"
+#include "base/math.hpp"
 #include "session/haptics.hpp"
 #include "touch/method.hpp"
 #include "touch/types.hpp"
@@ -66,6 +67,9 @@ class Scheduler {
   /// Turns the fingers of a frame captured at `time_s` into the voices of `schedule`, one each, in their order.
   /// Allocates nothing once `schedule` has the room (reserve).
   void make(const touch::Touch& touch, double time_s, array::Schedule& schedule);
+  /// From the next make on foci sound so far from where they are seen, metres in the world: an array that stands
+  /// elsewhere than one thinks is found by it.
+  void aim(const Vec3& offset) { aim_ = offset; }
   /// From now on a thread computes what `field`, which outlives that, makes of the foci, and strides follow it when it
   /// is ready; nullptr ends the thread. Nothing without Tune::stride.
   void tune_beside(const acoustics::ArrayField* field);
@@ -86,6 +90,7 @@ class Scheduler {
   std::uint32_t foci_;
   ScheduleOptions options_;
   double slot_s_;
+  Vec3 aim_{0};
   acoustics::StrideTuner strides_;
   std::unique_ptr<TuningThread> beside_;
   std::vector<ScheduledFinger> fingers_;

@@ -195,6 +195,10 @@ void Session::set_pose(std::uint32_t solid, const Transform& T_world_rest) {
   state_->planner->set_pose(solid, T_world_rest);
 }
 
+void Session::set_aim(const Vec3& offset) {
+  state_->scheduler.aim(offset);
+}
+
 std::span<const Event> Session::end() {
   return state_->events = state_->tracker.end();
 }

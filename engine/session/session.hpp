@@ -101,6 +101,10 @@ class Session {
   /// transform; nothing is rebuilt. While it runs: from whoever looks on at what is `planned`.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest);
 
+  /// The foci of the frames that follow sound so far from where they are seen, metres in the world. While it runs: from
+  /// what looks on at planned frames.
+  void set_aim(const Vec3& offset);
+
   /// No more frames will come: the releases of whoever still touches.
   std::span<const Event> end();
 

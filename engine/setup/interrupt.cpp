@@ -24,6 +24,7 @@ constexpr auto patience = 750ms, for_the_line = 50ms;
 std::atomic<bool> requested_flag{false};
 std::atomic<bool> signal_came{false};  ///< set by a signal, not by others
 static_assert(std::atomic<bool>::is_always_lock_free);
+std::atomic<void (*)()> restore_something{nullptr};
 
 /// Posted by the signal; of a type that a handler may touch.
 sem_t first_signal;
@@ -69,6 +70,7 @@ struct Interrupt::Deadline {
     } catch (const std::exception&) {  // no room for another thread: it ends without the line
     }
     std::this_thread::sleep_for(for_the_line);
+    if (void (*const restore)() = restore_something) restore();
     ::_exit(static_cast<int>(Exit::failed));
   }
 };
@@ -109,6 +111,10 @@ Interrupt::~Interrupt() {
 
 bool Interrupt::signalled() {
   return signal_came;
+}
+
+void Interrupt::at_the_end(void (*restore)()) {
+  restore_something = restore;
 }
 
 std::atomic<bool>& Interrupt::flag() {

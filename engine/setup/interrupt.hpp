@@ -31,6 +31,9 @@ class Interrupt {
   bool requested() const { return flag(); }
   /// A signal came, whatever has become of the flag since.
   static bool signalled();
+  /// What is called, on another thread, before palpa ends by itself a second after a signal; nullptr: nothing. It must
+  /// not wait.
+  static void at_the_end(void (*restore)());
   /// The flag itself, which others may set as well.
   static std::atomic<bool>& flag();
 

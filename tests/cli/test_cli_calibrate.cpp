@@ -199,7 +199,8 @@ TEST_F(Calibrate, RefusesWhatCannotBeMeant) {
   expect_failure(palpa({"calibrate", "--rig", rig, "--out", rig}), 2, "--out");
   expect_failure(palpa({"calibrate", "--target", "target.obj"}), 2, ".stl or .glb");
   expect_failure(palpa({"calibrate", "--rig", rig, "--at", "1,2"}), 2, "--at");
-  expect_failure(palpa({"calibrate", "--rig", rig, "--frames", "0"}), 2, "--frames");
+  expect_failure(palpa({"calibrate", "--rig", rig, "--frames", "301"}), 2, "--frames");
+  expect_failure(palpa({"calibrate", "--rig", rig, "--keys", "enter"}), 2, "--keys goes with --nudge");
   Rig one = truth;
   one.cameras.pop_back();
   const std::string source = record("seen", truth, default_pose_of_target(truth), {}, 1);
@@ -236,7 +237,7 @@ TEST_F(Calibrate, WritesTheTargetForAPrinter) {
   const geometry::Scene scene = geometry::load_gltf(file("t.glb"));
   ASSERT_EQ(scene.meshes.size(), 1U);
   const geometry::Mesh& mesh = scene.meshes[0].mesh;
-  EXPECT_NEAR(geometry::bounds(mesh).high.z, 0.054, 1e-8);
+  EXPECT_NEAR(geometry::bounds(mesh).high.y, -0.15 + 0.054, 1e-8);  // on a board that lies 150 mm below the origin
   ASSERT_EQ(stl.size(), 84 + 50 * mesh.triangles.size());
   float highest = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -1,0 +1,33 @@
+// What the two parts of `palpa calibrate` share: the poses of cameras, and --nudge.
+#pragma once
+
+#include <string>
+
+#include "cli/command.hpp"
+#include "sensing/rig.hpp"
+#include "setup/live_run.hpp"
+#include "setup/load.hpp"
+
+namespace palpa::cli {
+
+/// The options of both; a nudge is a live run.
+struct CalibrateCommand : setup::LiveOptions {
+  std::string target;  ///< model to write
+  std::string out;     ///< rig to write
+  std::string at;      ///< where the target stands, if not on its mount
+  double turn_deg = 0;
+  bool nudge = false;
+  std::string keys;
+};
+
+/// With the array of --layout, where that was given, in place of its own.
+sensing::Rig rig_to_write(const setup::PosedRig& posed, const setup::RigOptions& options);
+void write_rig(const std::string& file, const sensing::Rig& rig);
+
+/// `palpa calibrate --nudge`.
+void add_nudge_options(CLI::App& app, CalibrateCommand& options);
+/// Throws bad_usage where one of them is given without --nudge.
+void refuse_nudge_options(const CalibrateCommand& options);
+void run_nudge(const Extensions& extensions, const CalibrateCommand& options);
+
+}  // namespace palpa::cli

@@ -1,0 +1,246 @@
+// `palpa calibrate --nudge`: a focus at the fingertip that is seen, moved by keys until it is felt there.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <glm/common.hpp>
+#include <glm/ext/matrix_transform.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/log.hpp"
+#include "base/output_file.hpp"
+#include "cli/calibrate.hpp"
+#include "setup/assets.hpp"
+#include "setup/interrupt.hpp"
+#include "setup/keys.hpp"
+#include "setup/progress.hpp"
+#include "setup/values.hpp"
+
+namespace palpa::cli {
+namespace {
+
+constexpr double step_m = 1e-3, fine_step_m = 1e-4;
+constexpr double farthest_m = 0.05;  // along each axis: more is no nudge
+
+/// What the keys say.
+class Nudge {
+ public:
+  enum class End { none, save, leave };
+
+  /// Whether the offset, or what a step is, is another now.
+  bool press(const setup::KeyPress& press) {
+    using setup::Key;
+    switch (press.key) {
+      case Key::left:
+        return move({-1, 0, 0}, press.fine);
+      case Key::right:
+        return move({1, 0, 0}, press.fine);
+      case Key::up:
+        return move({0, 1, 0}, press.fine);
+      case Key::down:
+        return move({0, -1, 0}, press.fine);
+      case Key::away:
+        return move({0, 0, -1}, press.fine);
+      case Key::nearer:
+        return move({0, 0, 1}, press.fine);
+      case Key::finer:
+        fine_ = !fine_;
+        return true;
+      case Key::back:
+        steps_ = Vec3(0);
+        return true;
+      case Key::save:
+        end_ = End::save;
+        break;
+      case Key::leave:
+        end_ = End::leave;
+        break;
+      case Key::wait:
+        break;
+    }
+    return false;
+  }
+  /// Metres in the world.
+  Vec3 offset() const { return steps_ * fine_step_m; }
+  End end() const { return end_; }
+  std::string line() const {
+    const Vec3 mm = offset() * 1e3;
+    return fmt::format("x {:+.1f}  y {:+.1f}  z {:+.1f} mm, step {} mm; f: finer, 0: back, Enter: save, q: leave", mm.x,
+                       mm.y, mm.z, fine_ ? "0.1" : "1");
+  }
+
+ private:
+  bool move(const Vec3& way, bool fine) {
+    constexpr double most = farthest_m / fine_step_m;
+    steps_ = glm::clamp(steps_ + way * (fine || fine_ ? 1.0 : step_m / fine_step_m), Vec3(-most), Vec3(most));
+    return true;
+  }
+
+  Vec3 steps_{0};  ///< whole fine ones, so that going back ends where it began
+  bool fine_ = false;
+  End end_ = End::none;
+};
+
+/// Where keys come from: a script's one for each frame with a touch, or the terminal.
+class Keys {
+ public:
+  explicit Keys(const std::string& script) {
+    if (script.empty()) {
+      terminal_.emplace(
+          "--nudge: stdin is no terminal, so there are no keys to press; give them as --keys \"right*3 enter\"");
+    } else {
+      script_ = setup::parse_keys("--keys", script);
+    }
+  }
+  /// What has been pressed since.
+  const std::vector<setup::KeyPress>& take(bool touching) {
+    pressed_.clear();
+    if (terminal_) {
+      reader_.feed(terminal_->read(), pressed_);
+    } else if (touching && next_ < script_.size()) {
+      pressed_.push_back(script_[next_++]);
+    }
+    return pressed_;
+  }
+  /// Of a script.
+  bool over() const { return !terminal_ && next_ == script_.size(); }
+
+ private:
+  std::optional<setup::RawTerminal> terminal_;
+  setup::KeyReader reader_;
+  std::vector<setup::KeyPress> script_, pressed_;
+  std::size_t next_ = 0;
+};
+
+/// On a terminal, wherever the offset changes.
+class Shown {
+ public:
+  explicit Shown(bool quiet) : on_(!quiet && isatty(STDERR_FILENO) != 0) {}
+  ~Shown() {
+    if (on_) log::draw("\r\x1b[K");
+  }
+  Shown(const Shown&) = delete;
+  Shown& operator=(const Shown&) = delete;
+  void show(const std::string& line) const {
+    if (on_) log::draw("\r" + line + "\x1b[K");
+  }
+
+ private:
+  bool on_;
+};
+
+/// Sound that came `offset` from where it was to be was right there: so the array stands as much the other way.
+void move_array(sensing::ArrayPlacement& array, const Transform& T_world_layout, const Vec3& offset) {
+  array.T_world_layout = glm::translate(Transform(1.0), -offset) * T_world_layout;
+}
+
+void check(const CalibrateCommand& o) {
+  if (o.out.empty()) throw bad_usage("--nudge: --out is missing: give a file for the rig that comes of it");
+  if (!o.at.empty() || o.turn_deg != 0) throw bad_usage("--at and --turn are for the target; --nudge needs none");
+  if (o.keys.empty() && isatty(STDIN_FILENO) == 0) {
+    throw bad_usage(
+        "--nudge: stdin is no terminal, so there are no keys to press; give them as --keys \"right*3 enter\"");
+  }
+}
+
+std::string to_json(const Vec3& offset, bool saved, const sensing::Rig& rig) {
+  JsonWriter json;
+  json.begin_object().member("offset_m", offset).member("saved", saved).key("T_world_layout").begin_array();
+  const Transform& T = *rig.array->T_world_layout;
+  for (int row = 0; row < 4; ++row)
+    json.value(std::vector<double>{T[0][row], T[1][row], T[2][row], T[3][row]});
+  json.end_array().end_object();
+  return json.take();
+}
+
+/// Until Enter or q, or whatever else ends it.
+void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<bool>& stop, Nudge& nudge) {
+  const log::Relay relay;
+  const setup::Interrupt interrupt(
+      "ended without finishing, a second after the signal: what it waited for did not answer");
+  Keys keys(o.keys);
+  const Shown shown(o.common.quiet);
+  log::release_warnings();
+  session::RunOptions looking;
+  looking.planned = [&](const session::FrameReport& frame, const session::Plan&) {
+    if (nudge.end() != Nudge::End::none) return;
+    bool changed = frame.sequence == 0;
+    for (const setup::KeyPress& press : keys.take(frame.touch->finger_count > 0)) {
+      changed = nudge.press(press) || changed;
+      if (nudge.end() != Nudge::End::none || keys.over()) stop = true;
+    }
+    if (!changed) return;
+    live.session().set_aim(nudge.offset());
+    shown.show(nudge.line());
+  };
+  live.run(looking);
+}
+
+}  // namespace
+
+void add_nudge_options(CLI::App& app, CalibrateCommand& o) {
+  const setup::Group group(app, "With --nudge");
+  group.flag("--nudge", o.nudge,
+             "a focus at the fingertip that is seen, moved by arrows, PageUp and PageDown until it is felt there; "
+             "--out has the array where that says it is");
+  group.text("--scene", o.scene, "FILE", "what the fingertip touches [assets/cube.glb]");
+  group.text("--link", o.link, "LINK", "as of palpa run");
+  group.text("--board-files", o.board_files, "DIR", "with the boards' own files: how their transducers differ");
+  group.text("--keys", o.keys, "KEYS", "in place of a terminal's, one with each frame: \"right*3 shift+up enter\"");
+  group.quantity("--hold", o.hold_s, Quantity::time, setup::positive(10), "silence when no frame came for that long");
+  group.number("--ceiling", o.safety.ceiling, {0, 1}, "NUMBER", "multiplies every transducer's amplitude");
+  group.quantity("--ramp", o.safety.ramp_s, Quantity::time, {0, session::most_ramp_s},
+                 "how long amplitudes take up when a touch begins, and down when it ends");
+  setup::add_medium_options(app, o.drive.medium);
+}
+
+void refuse_nudge_options(const CalibrateCommand& o) {
+  const CalibrateCommand usual;
+  for (const auto& [name, given] :
+       {std::pair("--scene", !o.scene.empty()), std::pair("--link", o.link != usual.link),
+        std::pair("--board-files", !o.board_files.empty()), std::pair("--keys", !o.keys.empty()),
+        std::pair("--hold", o.hold_s != usual.hold_s), std::pair("--ceiling", o.safety.ceiling != usual.safety.ceiling),
+        std::pair("--ramp", o.safety.ramp_s != usual.safety.ramp_s),
+        std::pair("how fast sound is", !(o.drive.medium == usual.drive.medium))}) {
+    if (given) throw bad_usage(fmt::format("{} goes with --nudge", name));
+  }
+}
+
+void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
+  CalibrateCommand o = given;
+  check(o);
+  if (!o.keys.empty()) setup::parse_keys("--keys", o.keys);  // before anything is opened
+  if (o.scene.empty()) o.scene = setup::find_asset("cube.glb");
+  o.touch.method.method = touch::Method::single_focus;
+  o.every_frame = !o.keys.empty();  // a script's keys take as many frames as there are keys
+  setup::check(o);
+  const Outputs outputs({{"--json", o.common.json},
+                         {"--out", o.out},
+                         {"--link", session::file_of_link(o.link, setup::with_builtin(extensions.links))}});
+  const setup::PosedRig posed = setup::load_posed_rig(o.rig);
+  std::atomic<bool>& stop = setup::Interrupt::flag();
+  Nudge nudge;
+  {
+    setup::LiveRun live(o, extensions.sources, extensions.links, stop);
+    run_until_end(live, o, stop, nudge);
+  }
+  const bool saves = nudge.end() == Nudge::End::save && !setup::Interrupt::signalled();
+  const bool left = nudge.end() == Nudge::End::leave || setup::Interrupt::signalled();
+  if (!saves && !left) throw failure("--nudge: nothing is saved, for it ended before Enter was pressed");
+  sensing::Rig rig = rig_to_write(posed, o.rig);
+  move_array(*rig.array, posed.T_world_layout, nudge.offset());
+  if (saves) write_rig(o.out, rig);
+  if (!o.common.json.empty()) write_file(o.common.json, to_json(nudge.offset(), saves, rig));
+  if (setup::shows_summary(o.common, outputs)) {
+    const Vec3 mm = nudge.offset() * 1e3;
+    write_file("-", fmt::format("x {:+.1f}, y {:+.1f}, z {:+.1f} mm; {}\n", mm.x, mm.y, mm.z,
+                                saves ? "written to " + o.out : "nothing is saved"));
+  }
+}
+
+}  // namespace palpa::cli

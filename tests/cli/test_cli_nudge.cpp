@@ -1,0 +1,211 @@
+// `palpa calibrate --nudge`: a focus that keys move, and the array where they say it stands.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+#include "geometry/ply.hpp"
+#include "process.hpp"
+#include "sensing/recording.hpp"
+#include "sensing/rig.hpp"
+#include "sensing/synthetic.hpp"
+#include "session/record_link.hpp"
+#include "setup/keys.hpp"
+#include "support/files.hpp"
+#include "terminal.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+using setup::Key;
+using setup::KeyPress;
+
+TEST(Keys, AreReadFromATerminalsBytes) {
+  std::vector<KeyPress> keys;
+  setup::KeyReader reader;
+  // Arrows in both of a terminal's modes, one of them in two pieces; shift; keys that are none; an escape that is none.
+  reader.feed("\x1b[A\x1bOB\x1b", keys);
+  reader.feed("[C\x1b[D\x1b[1;2A\x1b[5~\x1b[6~\x1b[6;2~x\x1b[3~\x1b\x1b[C\x1bqf0\rq", keys);
+  const std::vector<KeyPress> expected{{Key::up},   {Key::down},   {Key::right},        {Key::left},  {Key::up, true},
+                                       {Key::away}, {Key::nearer}, {Key::nearer, true}, {Key::right}, {Key::finer},
+                                       {Key::back}, {Key::save},   {Key::leave}};
+  EXPECT_EQ(keys, expected);
+}
+
+TEST(Keys, AreReadFromAScript) {
+  const std::vector<KeyPress> expected{{Key::right},  {Key::right}, {Key::up, true},
+                                       {Key::nearer}, {Key::wait},  {Key::save}};
+  EXPECT_EQ(setup::parse_keys("--keys", " right*2, shift+up pagedown,wait enter"), expected);
+  for (const char* bad : {"rigth", "right*", "right*0", "right*-1", "right*1000000", "shift+enter", "*2", "right*2x"})
+    EXPECT_ANY_THROW(setup::parse_keys("--keys", bad)) << bad;
+}
+
+/// A fingertip that rests 3 mm in the cube, before the paper's cameras, and an OpenMPD board that does not stand where
+/// it usually does.
+class Nudge : public testing::Test {
+ protected:
+  Nudge() {
+    std::filesystem::create_directories(folder_);
+    const std::filesystem::path assets = where_assets_are().second;
+    rig_ = sensing::load_rig(assets / "rigs/paper.toml");
+    rig_.array = sensing::ArrayPlacement{"openmpd", array::load_layout("openmpd").default_T_world_layout, {}};
+    (*rig_.array->T_world_layout)[3] = Vec4(0.004, -0.145, 0.003, 1);
+    write_text(file("rig.toml"), sensing::to_toml(rig_));
+    const geometry::Ply finger = geometry::read_ply(assets / "finger.ply");
+    const geometry::Mesh mesh{finger.positions, finger.triangles};
+    const sensing::Posed posed{&mesh, glm::translate(Transform(1.0), Vec3(0, -0.003, 0))};
+    sensing::SyntheticRig synthetic(rig_.cameras, {}, sensing::Noise::none, 1);
+    sensing::RecordingWriter writer(file("still"), rig_.cameras);
+    sensing::FrameSet set;
+    for (int i = 0; i < 24; ++i) {
+      synthetic.render(std::span(&posed, 1), static_cast<std::uint64_t>(i), set);
+      for (sensing::DepthFrame& frame : set.frames)
+        frame.time_s = i / 90.0;
+      set.time_s = i / 90.0;
+      writer.write(set);
+    }
+  }
+  ~Nudge() override { std::filesystem::remove_all(folder_); }
+
+  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  std::vector<std::string> nudge(const std::string& keys) const {
+    return {"calibrate", "--nudge",           "--backend", "cpu",
+            "--rig",     file("rig.toml"),    "--source",  "recording:" + file("still"),
+            "--out",     file("nudged.toml"), "--keys",    keys};
+  }
+  /// The last drive of a recorded run that sounds.
+  array::Drive last_sound(const std::string& name) const {
+    const session::DriveRecording recording = session::read_drive_recording(file(name));
+    const auto sounds = [](const session::RecordedDrive& d) {
+      return std::any_of(d.drive.begin(), d.drive.end(), [](const auto& t) { return t.amplitude > 0; });
+    };
+    const auto last = std::find_if(recording.drives.rbegin(), recording.drives.rend(), sounds);
+    EXPECT_FALSE(sounds(recording.drives.back())) << "it must end in silence";
+    return last == recording.drives.rend() ? array::Drive() : last->drive;
+  }
+  /// How far the phases are from those of a focus there, at most, radians.
+  static double off(const array::Drive& drive, const Transform& T_world_layout, const Vec3& focus) {
+    const array::Layout layout = transformed(array::load_layout("openmpd"), T_world_layout);
+    const array::SlotFocus slot{focus};
+    const array::Drive expected = array::drive_for(layout, std::span(&slot, 1));
+    if (drive.size() != expected.size()) return 1e9;
+    double most = 0;
+    for (std::size_t i = 0; i < drive.size(); ++i)
+      most = std::max(most, std::abs(std::remainder(static_cast<double>(drive[i].phase) - expected[i].phase,
+                                                    2 * std::numbers::pi)));
+    return most;
+  }
+
+  std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() /
+      ("palpa-nudge-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+  sensing::Rig rig_;
+};
+
+TEST_F(Nudge, TheFocusMovesByWhatTheKeysSayAndARunWithTheNewRigPutsItThere) {
+  const Result result = palpa(with(nudge("right*3 shift+up pageup f pageup*2 down left wait*8 enter"),
+                                   {"--link", "record:" + file("nudge.bin"), "--json", file("nudge.json")}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Vec3 offset(0.0029, 0.0, -0.0012);
+  const json said = json::parse(read_text(file("nudge.json")));
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NEAR(said["offset_m"][static_cast<std::size_t>(i)].get<double>(), offset[i], 1e-12);
+  EXPECT_EQ(said["saved"], true);
+
+  // Where the fingertip is seen.
+  const std::vector<std::string> same{"--backend", "cpu",          "--scene",  where_assets_are().second + "/cube.glb",
+                                      "--method",  "single-focus", "--source", "recording:" + file("still")};
+  const Result exported = palpa(with({"export", "--foci", file("foci.json"), "--rig", file("rig.toml")}, same));
+  ASSERT_EQ(exported.exit_code, 0) << exported.err;
+  const json frames = json::parse(read_text(file("foci.json")))["frames"];
+  const auto touching = [](const json& frame) { return !frame["fingers"].empty(); };
+  const auto last = std::find_if(frames.rbegin(), frames.rend(), touching);
+  ASSERT_TRUE(last != frames.rend());
+  const json at = (*last)["fingers"][0]["foci_m"][0];
+  const Vec3 seen(at[0], at[1], at[2]);
+  const Transform T_world_layout = *rig_.array->T_world_layout;
+  EXPECT_LT(off(last_sound("nudge.bin"), T_world_layout, seen + offset), 2e-3);
+  EXPECT_GT(off(last_sound("nudge.bin"), T_world_layout, seen), 0.3);
+
+  // The board now stands as much the other way, and a run sounds what was felt.
+  const sensing::Rig nudged = sensing::load_rig(file("nudged.toml"));
+  EXPECT_LT(glm::length(Vec3((*nudged.array->T_world_layout)[3]) - (Vec3(T_world_layout[3]) - offset)), 1e-12);
+  EXPECT_EQ(nudged.cameras.size(), rig_.cameras.size());
+  const Result run =
+      palpa(with({"run", "--every-frame", "--rig", file("nudged.toml"), "--link", "record:" + file("run.bin")}, same));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_LT(off(last_sound("run.bin"), T_world_layout, seen + offset), 2e-3);
+}
+
+TEST_F(Nudge, NothingIsSavedWithoutEnter) {
+  const Result left = palpa(nudge("right q"));
+  EXPECT_EQ(left.exit_code, 0) << left.err;
+  EXPECT_NE(left.out.find("nothing is saved"), std::string::npos);
+  expect_failure(palpa(nudge("right*2")), 1, "before Enter");
+  expect_failure(palpa(nudge("wait*1000")), 1, "before Enter");  // the recording ends first
+  EXPECT_FALSE(std::filesystem::exists(file("nudged.toml")));
+}
+
+TEST_F(Nudge, RefusesWhatCannotBeMeant) {
+  std::vector<std::string> line = nudge("right");
+  line.resize(line.size() - 2);
+  expect_failure(palpa(line), 2, "stdin is no terminal");
+  expect_failure(palpa(nudge("rigth")), 2, "there is no key 'rigth'");
+  expect_failure(palpa({"calibrate", "--nudge", "--keys", "enter"}), 2, "--out is missing");
+  expect_failure(palpa(with(nudge("enter"), {"--at", "0,0,0"})), 2, "--at");
+}
+
+/// A shell that runs it on a terminal, and then says how the terminal is.
+std::string shell_line(const std::string& rest) {
+  const auto assets = where_assets_are();
+  return "trap : INT HUP; export " + assets.first + "='" + assets.second + "'; '" + palpa_binary() +
+         "' calibrate --nudge --backend cpu --layout openmpd " + rest + "; stty -a; echo all said";
+}
+
+TEST_F(Nudge, ATerminalIsAsItWasBeforeOnEveryWayOut) {
+  const std::string out = " --out " + file("nudged.toml");
+  const auto restored = [](Terminal& terminal) {
+    EXPECT_TRUE(terminal.shows("all said")) << terminal.text();
+    EXPECT_NE(terminal.text().find(" icanon"), std::string::npos) << terminal.text();
+    EXPECT_NE(terminal.text().find(" echo "), std::string::npos) << terminal.text();
+  };
+  {
+    Terminal saves("sh", {"-c", shell_line(out)});
+    ASSERT_TRUE(saves.shows("x +0.0")) << saves.text();
+    saves.type("\x1b[C");
+    EXPECT_TRUE(saves.shows("x +1.0")) << saves.text();
+    saves.type("f\x1b[5~");
+    EXPECT_TRUE(saves.shows("z -0.1")) << saves.text();
+    saves.type("\r");
+    EXPECT_TRUE(saves.shows("written to")) << saves.text();
+    restored(saves);
+    const Vec3 moved((*sensing::load_rig(file("nudged.toml")).array->T_world_layout)[3]);
+    EXPECT_LT(glm::distance(moved, Vec3(-0.001, -0.15, 0.0001)), 1e-12);
+  }
+  {
+    Terminal interrupted("sh", {"-c", shell_line(out)});
+    ASSERT_TRUE(interrupted.shows("x +0.0")) << interrupted.text();
+    interrupted.type("\x03");
+    EXPECT_TRUE(interrupted.shows("nothing is saved")) << interrupted.text();
+    restored(interrupted);
+  }
+  {
+    Terminal fails("sh", {"-c", shell_line(out + " --link record:/dev/full")});
+    EXPECT_TRUE(fails.shows("No space left")) << fails.text();
+    restored(fails);
+  }
+}
+
+}  // namespace
+}  // namespace palpa::test
