@@ -28,7 +28,7 @@
 namespace palpa::cli {
 namespace {
 
-constexpr std::uint64_t usual_frames = 30, most_frames = 300;
+constexpr std::uint64_t usual_frames = 30, most_frames = 100;
 constexpr double degree = std::numbers::pi / 180;
 /// More than that is no camera's noise within a metre.
 constexpr double usual_rms_m = 1e-3;

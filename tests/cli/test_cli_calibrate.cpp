@@ -199,7 +199,7 @@ TEST_F(Calibrate, RefusesWhatCannotBeMeant) {
   expect_failure(palpa({"calibrate", "--rig", rig, "--out", rig}), 2, "--out");
   expect_failure(palpa({"calibrate", "--target", "target.obj"}), 2, ".stl or .glb");
   expect_failure(palpa({"calibrate", "--rig", rig, "--at", "1,2"}), 2, "--at");
-  expect_failure(palpa({"calibrate", "--rig", rig, "--frames", "301"}), 2, "--frames");
+  expect_failure(palpa({"calibrate", "--rig", rig, "--frames", "101"}), 2, "--frames");
   expect_failure(palpa({"calibrate", "--rig", rig, "--keys", "enter"}), 2, "--keys goes with --nudge");
   Rig one = truth;
   one.cameras.pop_back();
