@@ -7,7 +7,6 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "array/board_mesh.hpp"
@@ -15,6 +14,7 @@
 #include "process.hpp"
 #include "sensing/recording.hpp"
 #include "setup/load.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/udp_receiver.hpp"
 

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
 #include "geometry/parts_solid.hpp"
 #include "geometry/vhacd.hpp"
 #include "process.hpp"
+#include "support/json.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "terminal.hpp"

@@ -1,9 +1,8 @@
 // `palpa doctor` on whatever machine this is: a GPU, perhaps none; USB, perhaps none.
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "process.hpp"
+#include "support/json.hpp"
 
 namespace palpa::test {
 namespace {

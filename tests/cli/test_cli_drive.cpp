@@ -5,11 +5,11 @@
 #include <cmath>
 #include <complex>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 
 #include "process.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {

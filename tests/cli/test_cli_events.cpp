@@ -12,13 +12,13 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "process.hpp"
 #include "sensing/recording.hpp"
 #include "session/record_link.hpp"
 #include "support/files.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 
 extern char** environ;

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "array/drive.hpp"
@@ -14,6 +13,7 @@
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "support/files.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <complex>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "process.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
+#include "support/json.hpp"
 
 namespace palpa::test {
 namespace {

@@ -3,13 +3,13 @@
 
 #include <array>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "geometry/gltf.hpp"
 #include "geometry/gltf_write.hpp"
 #include "geometry/ply.hpp"
 #include "process.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {

@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "base/text.hpp"
@@ -21,6 +20,7 @@
 #include "session/record_link.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/files.hpp"
+#include "support/json.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "terminal.hpp"

@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "array/board_mesh.hpp"
@@ -23,6 +22,7 @@
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/record_link.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/udp_receiver.hpp"
 

@@ -10,12 +10,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "boxes.hpp"
 #include "process.hpp"
 #include "session/record_link.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/udp_receiver.hpp"
 

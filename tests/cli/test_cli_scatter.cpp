@@ -8,7 +8,6 @@
 #include <complex>
 #include <csignal>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -19,6 +18,7 @@
 #include "process.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
+#include "support/json.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "terminal.hpp"

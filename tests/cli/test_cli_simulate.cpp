@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "process.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {

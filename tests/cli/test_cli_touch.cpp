@@ -6,10 +6,10 @@
 #include <cmath>
 #include <fstream>
 #include <glm/geometric.hpp>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "geometry/ply.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "touch_json.hpp"

@@ -6,7 +6,6 @@
 #include <csignal>
 #include <fstream>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "cli/process.hpp"
 #include "driver/autd3/listen.hpp"
 #include "driver/sonicsurface/pty.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {

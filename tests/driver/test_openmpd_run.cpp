@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <thread>
@@ -16,6 +15,7 @@
 #include "cli/live_run.hpp"
 #include "cli/process.hpp"
 #include "driver/openmpd_files.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {

@@ -3,11 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "geometry/mesh.hpp"
+#include "support/json.hpp"
 
 namespace palpa::test {
 

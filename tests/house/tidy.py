@@ -5,8 +5,9 @@ cores. Without --tests only over what ships: the tests would double the time, an
 A source whose text, headers, flags and rules have been found clean before is not looked at again: BUILD/tidy keeps an empty
 file per clean state, named by its hash.
 
-Most of the time goes into the headers, so several sources of a target are looked at as one text, a unit. A unit at fault, or one
-whose sources cannot stand beside each other, is looked at in halves, down to the single source; only its findings are shown.
+Most of the time goes into the headers, so several sources of the same flags are looked at as one text, a unit; those that define
+the same name for themselves are kept apart. A unit at fault, or one whose sources cannot stand beside each other, is looked at in
+halves, down to the single source; only its findings are shown.
 """
 import concurrent.futures
 import hashlib
@@ -20,8 +21,12 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 UNIT = 8  # sources
-# What a later source of a unit could use, so that nobody noticed when its own does not.
-ALONE = re.compile(r"^(using [\w:]+::\w+;|namespace \w+ =)", re.M)
+# What a later source of a unit could use, so that nobody noticed when its own does not: such a source is the last of its unit.
+LAST = re.compile(r"^(using [\w:]+::\w+;|namespace \w+ =)", re.M)
+# What a source has for itself, and the names there: types, functions, constants. One name too many costs little.
+OWN = re.compile(r"^namespace \{\n(.*?)^\}  // namespace|^(int main\()", re.S | re.M)
+DEFINED = re.compile(r"^(?:struct|class|enum class|enum|union|using) (\w+)|^[\w:<>,*& ]+?[ *&](\w+)\(|"
+                     r"^(?:inline |static |constexpr |const )+[\w:<>,*& ]+?(\w+)(?:\[\w*\])*(?: = |\{|;)", re.M)
 
 
 def included_files(build):
@@ -61,6 +66,28 @@ def flags_of(entry):
     kept = [word for word in words if word.startswith(("-D", "-I", "-std=", "-W", "-f")) and word != "-Winvalid-pch"]
     systems = [words[i + 1] for i, word in enumerate(words) if word == "-isystem"]
     return kept + [word for folder in systems for word in ("-isystem", folder)]
+
+
+def own_names(path):
+    """The names a source defines for itself; "using" where it must be the last."""
+    text = path.read_text()
+    own = "".join(part[0] or part[1] for part in OWN.findall(text))
+    return {name for found in DEFINED.findall(own) for name in found if name} | ({"using"} if LAST.search(text) else set())
+
+
+def units_of(sources):
+    """Lists of about the same size of the (path, stamp), none with a name twice."""
+    most = -(-len(sources) // -(-len(sources) // UNIT))
+    units = []  # (sources, names)
+    for source in sorted(sources, key=lambda source: (-len(own_names(source[0])), source[0])):
+        names = own_names(source[0])
+        unit = next((unit for unit in units if len(unit[0]) < most and not unit[1] & names), None)
+        if not unit:
+            unit = ([], set())
+            units.append(unit)
+        unit[0].append(source)
+        unit[1].update(names)
+    return [sorted(unit, key=lambda source: bool(LAST.search(source[0].read_text()))) for unit, _ in units]
 
 
 class Tidy:
@@ -110,14 +137,10 @@ def main():
         made = words[words.index("-o") + 1]
         state += [f"{name} {hashes.of(name)}" for name in deps.get(made, [str(source)])]
         stamps[source] = clean / hashlib.sha256("\n".join(state).encode()).hexdigest()
-        target = made.split(".dir/")[0] if not ALONE.search(source.read_text()) else source
         if not stamps[source].exists():
-            groups.setdefault((target, *flags_of(entry)), []).append((source, stamps[source]))
+            groups.setdefault(tuple(flags_of(entry)), []).append((source, stamps[source]))
 
-    units = []
-    for (_, *flags), sources in groups.items():
-        count = -(-len(sources) // UNIT)  # of about the same size
-        units += [(sources[i::count], flags) for i in range(count)]
+    units = [(unit, flags) for flags, sources in groups.items() for unit in units_of(sources)]
     units.sort(key=lambda unit: -len(unit[0]))
     tidy, looked = Tidy(build, clean), sum(len(sources) for sources, _ in units)
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:

@@ -9,7 +9,6 @@
 #include <chrono>
 #include <csignal>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "base/error.hpp"
@@ -18,6 +17,7 @@
 #include "session/link.hpp"
 #include "session/record_link.hpp"
 #include "support/files.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "support/udp_receiver.hpp"

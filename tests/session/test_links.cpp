@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
 #include "session/foci_link.hpp"
@@ -12,6 +11,7 @@
 #include "session/record_link.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/files.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "support/udp_receiver.hpp"

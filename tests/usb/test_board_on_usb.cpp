@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "cli/process.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "usb/loop.hpp"
 #include "usb/plugged_board.hpp"

@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "cli/process.hpp"
 #include "sensing/recording.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "usb/loop.hpp"
 #include "usb/plugged_board.hpp"

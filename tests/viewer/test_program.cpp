@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "cli/process.hpp"
 #include "drawing/png.hpp"
@@ -16,6 +15,7 @@
 #include "sensing/grey_png.hpp"
 #include "sensing/rig.hpp"
 #include "support/files.hpp"
+#include "support/json.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa {
