@@ -115,7 +115,7 @@ struct DriveScratch {
 /// Gives `scratch` all the room that drive_for can need for so many foci, and makes what hangs on the layout alone.
 void reserve(DriveScratch& scratch, const Layout& layout, const DriveOptions& options, std::size_t most_foci);
 
-/// The twin of DrivesPass, in double precision: the drive of one slot into `out`, one entry per transducer. No focus
+/// The twin of DrivePass, in double precision: the drive of one slot into `out`, one entry per transducer. No focus
 /// (or none that is drivable): all zero. Gains outside 0..1 are clamped, NaN is 0. A transducer at the very focus has
 /// phase 0.
 void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,

@@ -47,13 +47,13 @@ std::size_t most_pass_foci(std::uint32_t transducers) {
   return (most_turns - scaling) / std::max<std::size_t>(1, stretches) - 1;
 }
 
-DrivesPass::DrivesPass(const gpu::Device& device)
+DrivePass::DrivePass(const gpu::Device& device)
     : focus_(device, "drive_focus", spirv::drive_focus_comp, kernel()),
       sum_(device, "drive_sum", spirv::drive_sum_comp, kernel()),
       weighted_(device, "drive_weighted", spirv::drive_weighted_comp,
                 {shader::drive_weighted_buffers, sizeof(shader::DrivePush), {}, shader::drive_weighted_texels}) {}
 
-void DrivesPass::record(VkCommandBuffer commands, const DriveBindings& bindings, const DriveBatch& batch) const {
+void DrivePass::record(VkCommandBuffer commands, const DriveBindings& bindings, const DriveBatch& batch) const {
   const shader::DrivePush push{batch.transducers, batch.slots, static_cast<std::uint32_t>(batch.weighting),
                                static_cast<std::uint32_t>(batch.constraint)};
   // The kernels write different slots, but of one buffer, which nothing else tells apart.

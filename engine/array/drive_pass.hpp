@@ -44,9 +44,9 @@ std::size_t most_pass_foci(std::uint32_t transducers);
 /// away (float grows coarser beyond: 2e-4 rad at 10 m). Sums of several foci depend on the device's atan(y, x), of
 /// which Vulkan promises no more than 4096 ULP (2.4e-4 of the phase): that much their drives may differ from one device
 /// to another.
-class DrivesPass {
+class DrivePass {
  public:
-  explicit DrivesPass(const gpu::Device& device);
+  explicit DrivePass(const gpu::Device& device);
 
   /// Barriers: expects the three inputs to be visible to compute; the caller makes `drives` visible afterwards.
   void record(VkCommandBuffer commands, const DriveBindings& bindings, const DriveBatch& batch) const;
@@ -61,7 +61,7 @@ class DrivesPass {
 struct DrivePasses {
   DrivePasses(const gpu::Device& device, Solver which) : solver(device, which), drives(device) {}
   SolverPass solver;
-  DrivesPass drives;
+  DrivePass drives;
 };
 
 /// Everything one batch in flight needs; allocates when made and never again. Not to be touched between the submit that

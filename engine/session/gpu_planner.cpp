@@ -24,14 +24,11 @@ constexpr std::uint32_t most_passes = 24;
 constexpr std::uint32_t most_contacts_of_one = 1U << 20;
 
 touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler& scheduler) {
+  touch::StageSetting stage = stage_setting(setting);
   const bool listed = !setting.live() || setting.events || scheduler.needs_contacts();
-  return {.parameters = setting.touch,
-          .detail = listed ? touch::Detail::contacts : touch::Detail::fingers,
-          .follow = setting.follow,
-          .axes = setting.axes,
-          .smoothing = setting.smoothing,
-          .memory_s = setting.hold_s,
-          .most_contacts = setting.live() || setting.cameras.empty() ? 0 : most_contacts_of_one};
+  stage.detail = listed ? touch::Detail::contacts : touch::Detail::fingers;
+  stage.most_contacts = setting.live() || setting.cameras.empty() ? 0 : most_contacts_of_one;
+  return stage;
 }
 
 /// Everything that one frame in flight writes to.

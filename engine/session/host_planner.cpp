@@ -12,14 +12,7 @@ namespace {
 class HostPlanner : public Planner {
  public:
   HostPlanner(const SessionSetting& setting, Scheduler& scheduler)
-      : setting_(setting),
-        scheduler_(scheduler),
-        stage_(setting.solids, setting.cameras,
-               {.parameters = setting.touch,
-                .follow = setting.follow,
-                .axes = setting.axes,
-                .smoothing = setting.smoothing,
-                .memory_s = setting.hold_s}) {
+      : setting_(setting), scheduler_(scheduler), stage_(setting.solids, setting.cameras, stage_setting(setting)) {
     if (scheduler.needs_pressures() && !setting.layout.transducers.empty())
       loudness_.emplace(setting.layout, setting.drive);
   }

@@ -17,7 +17,8 @@ namespace palpa::session {
 ///
 /// A schedule repeats after `cycle` slots, so the drives of slots 0..cycle-1 are all there is to know; a modulation
 /// that all fingers share is left to the output as one gain per slot. A schedule that does not repeat within most_cycle
-/// slots (odd dwells with several modulations) has cycle 0: the output then computes each slot's drive itself.
+/// slots (odd dwells with several modulations) has cycle 0: the output then computes each slot's drive itself. So has
+/// one of no finger, or without an array: there is nothing to drive.
 struct Plan {
   array::Schedule schedule;
   double captured_s = 0;  ///< on the loop's clock

@@ -12,4 +12,12 @@ void reserve(touch::Touch& touch) {
   }
 }
 
+touch::StageSetting stage_setting(const SessionSetting& setting) {
+  return {.parameters = setting.touch,
+          .follow = setting.follow,
+          .axes = setting.axes,
+          .smoothing = setting.smoothing,
+          .memory_s = setting.hold_s};
+}
+
 }  // namespace palpa::session

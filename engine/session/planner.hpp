@@ -12,6 +12,7 @@
 #include "sensing/skin_point.hpp"
 #include "session/plan.hpp"
 #include "session/setting.hpp"
+#include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
@@ -32,7 +33,7 @@ struct FrameReport {
   double time_s = 0;  ///< capture, on the source's clock
   const touch::Touch* touch = nullptr;
   std::span<const gpu::PassTime> passes;  ///< in the order they ran, on the device or of the C++ twins
-  double started_s = 0, planned_s = 0;    ///< on the loop's clock: frame in memory, drives in memory
+  double arrived_s = 0, planned_s = 0;    ///< on the loop's clock: frame in memory, drives in memory
 };
 
 class Planner {
@@ -67,5 +68,8 @@ std::unique_ptr<Planner> make_host_planner(const SessionSetting& setting, Schedu
 inline constexpr std::size_t contacts_per_finger = 4096;
 inline constexpr std::uint32_t most_deep = 1U << 18;
 void reserve(touch::Touch& touch);
+
+/// What the setting says of the stage, for either planner.
+touch::StageSetting stage_setting(const SessionSetting& setting);
 
 }  // namespace palpa::session

@@ -47,7 +47,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
   done("contacts");
   find_fingers(parameters, solids_, out);
   done("fingers");
-  if (sight && parameters.finger_width_m > 0) {
+  if (setting_.looks_again(sight != nullptr)) {
     split_fingers(*sight, parameters, out);
     done("split");
     bridge_fingers(*sight, parameters, out);

@@ -23,7 +23,7 @@ namespace palpa::touch {
 class HostStage {
  public:
   /// Called after each part with its name: "skin", "contacts", "fingers", "split", "bridge", "sections", "follow",
-  /// "foci".
+  /// "foci", "glide".
   using Mark = std::function<void(const char*)>;
 
   /// Without cameras every frame is a set of skin points. There is room for any frame, and contacts are there whatever

@@ -10,16 +10,12 @@ void Passes::prepare(const PreparedSolids& solids, const sensing::RayTables& tab
   if (!tables.cameras.empty()) skin_.prepare(tables);
   contacts_.prepare(solids, setting.parameters);
   fingers_.prepare(setting.parameters);
-  if (looks_again(tables, setting.parameters)) {
+  if (setting.looks_again(!tables.cameras.empty())) {
     if (!split_) split_.emplace(device_);
     if (!bridge_) bridge_.emplace(device_);
   }
   if (setting.follow && !follow_) follow_.emplace(device_);
   if (setting.glides() && !glide_) glide_.emplace(device_);
-}
-
-bool looks_again(const sensing::RayTables& tables, const Parameters& parameters) {
-  return !tables.cameras.empty() && parameters.finger_width_m > 0;
 }
 
 }  // namespace palpa::touch

@@ -46,8 +46,4 @@ class Passes {
   std::optional<GlidePass> glide_;
 };
 
-/// Whether depth frames say which clusters are fingers: what is several is split, patches are joined across hidden
-/// skin.
-bool looks_again(const sensing::RayTables& tables, const Parameters& parameters);
-
 }  // namespace palpa::touch

@@ -99,7 +99,7 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                            .deep = m.deep_.ref()},
                           m.fingers_scratch_, m.room_, parameters, times);
   gpu::compute_to_compute(commands);
-  if (looks_again(tables_, parameters)) {
+  if (setting_.looks_again(cameras)) {
     passes_.split_->record(commands,
                            {.depth = m.depth_.ref(),
                             .rays = rays_.ref(),

@@ -58,7 +58,7 @@ void StageMemory::make(const Room& room) {
     seen_ = gpu::Buffer(device, tables.pixels * sizeof(sensing::SkinPoint), "skin points");
     seen_total_ = gpu::Buffer(device, sizeof(shader::ScanTotal), "skin total");
     skin_scratch_ = gpu::Scratch(device, sensing::SkinPass::scratch(tables), "skin");
-    if (looks_again(tables, stage_->setting_.parameters)) {
+    if (stage_->setting_.looks_again(cameras)) {
       split_scratch_ = gpu::Scratch(device, SplitPass::scratch(), "split");
       bridge_scratch_ = gpu::Scratch(device, BridgePass::scratch(), "bridge");
     }

@@ -26,6 +26,9 @@ struct StageSetting {
     return static_cast<std::uint32_t>(std::clamp(memory_s, 0.3, longest_memory_s) * 1e6);
   }
   bool glides() const { return follow && smoothing == Smoothing::one_euro; }
+  /// Whether depth frames, where there are `cameras`, say which clusters are fingers: what is several is split, patches
+  /// are joined across hidden skin.
+  bool looks_again(bool cameras) const { return cameras && parameters.finger_width_m > 0; }
 
   // On the device only, most of what one frame has; more is an error that read() reports. 0: the stage decides. With
   // cameras it has room for every pixel, and for 262,144 contacts; points from elsewhere get as much room as they need,

@@ -82,7 +82,7 @@ std::vector<shader::DriveOut> run_guarded(const Inputs& inputs, const Record& re
 }
 
 std::vector<shader::DriveOut> run_guarded(const Inputs& inputs, const DriveBatch& batch) {
-  const DrivesPass pass(test::test_device());
+  const DrivePass pass(test::test_device());
   return run_guarded(
       inputs, [&](VkCommandBuffer commands, const DriveBindings& bindings) { pass.record(commands, bindings, batch); });
 }
@@ -94,7 +94,7 @@ Layout line(std::size_t count) {
   return layout;
 }
 
-TEST(DrivesPass, StaysInsideItsBuffersAtEverySize) {
+TEST(DrivePass, StaysInsideItsBuffersAtEverySize) {
   // Around the group sizes: 32 threads, 4 or 8 transducers each, 64 slots per group.
   for (const std::size_t transducers : {1u, 31u, 32u, 33u, 127u, 129u, 255u, 256u, 257u}) {
     for (const std::size_t slots : {1u, 2u, 63u, 64u, 65u, 129u}) {
@@ -114,7 +114,7 @@ TEST(DrivesPass, StaysInsideItsBuffersAtEverySize) {
   }
 }
 
-TEST(DrivesPass, NoSineOutsideOfAQuarterTurn) {
+TEST(DrivePass, NoSineOutsideOfAQuarterTurn) {
   // drive_sum_checked is drive_sum, but its sines of anything else are NaN: there their polynomial holds.
   auto batch = random_slots(40, 6, 11);
   // Where wrapping is delicate: a transducer at whole and half wavelengths, at the focus and far away.
@@ -148,7 +148,7 @@ TEST(DrivesPass, NoSineOutsideOfAQuarterTurn) {
   EXPECT_GT(summed, 30u);
 }
 
-TEST(DrivesPass, TheSameBytesOnEveryRun) {
+TEST(DrivePass, TheSameBytesOnEveryRun) {
   const Layout layout = load_layout("paper");
   const Inputs inputs(layout, random_slots(70, 4, 5));
   const auto first = run_guarded(inputs, inputs.batch());
@@ -167,7 +167,7 @@ TEST(DrivesPass, TheSameBytesOnEveryRun) {
   std::printf("  bytes of 70 drives: %016llx\n", static_cast<unsigned long long>(hash));
 }
 
-TEST(DrivesPass, LayoutIsWhatTheShadersHave) {
+TEST(DrivePass, LayoutIsWhatTheShadersHave) {
   for (const auto words : {std::span<const std::uint32_t>(spirv::drive_focus_comp),
                            std::span<const std::uint32_t>(spirv::drive_sum_comp)}) {
     const test::SpirvModule module = test::read_spirv(words);

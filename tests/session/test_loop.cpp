@@ -297,7 +297,7 @@ TEST(Loop, FollowsASourceWhoseClockRunsSlow) {
   loop.source.clock_rate = 1 - 8e-4;  // in a second as far off as 50 parts in a million make it in 16
   double youngest_s = 1;
   loop.observers.planned = [&](const FrameReport& report, const Plan& plan) {
-    if (report.sequence > 250) youngest_s = std::min(youngest_s, report.started_s - plan.captured_s);
+    if (report.sequence > 250) youngest_s = std::min(youngest_s, report.arrived_s - plan.captured_s);
   };
   loop.run();
   // Single frames may dawdle on a loaded machine; without the leak none of these is younger than 0.4 ms.
@@ -310,7 +310,7 @@ TEST(Loop, SoundsOnWhenTheSourcesClockIsReset) {
   loop.source.reset_at = 20;
   double oldest_s = 0;
   loop.observers.planned = [&](const FrameReport& report, const Plan& plan) {
-    oldest_s = std::max(oldest_s, report.started_s - plan.captured_s);
+    oldest_s = std::max(oldest_s, report.arrived_s - plan.captured_s);
   };
   loop.run();
   EXPECT_LT(oldest_s, 50);
