@@ -87,7 +87,7 @@ class Board {
   /// What to wait on beside the loop: at most 16, asked for before each wait.
   virtual std::span<const pollfd> watched() { return {}; }
 
-  /// After all_off(): waits until it has left for the device, 0.6 s at most. False: nobody knows whether it
+  /// After all_off(): waits until it has left for the device, 0.85 s at most. False: nobody knows whether it
   /// did.
   virtual bool close() = 0;
 };

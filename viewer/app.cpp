@@ -130,7 +130,8 @@ void App::handle(const WindowEvent& event, const Size& whole_size) {
   const auto here = [&](const Area& area) { return area.holds(event.x, event.y); };
   // Before any picture, and whatever lies over the button.
   if (press && desk_.places.all_off && here(*desk_.places.all_off)) switch_off();
-  const bool taken = ui_ && ui_->take(event, press && std::ranges::any_of(desk_.places.texts, here));
+  const bool taken =
+      ui_ && ui_->take(event, press && event.button == Button::left && std::ranges::any_of(desk_.places.texts, here));
   if (ui_) dirty_ = true;
   if (taken && event.kind != WindowEvent::Kind::release) return;
   if (desk_.live) {
@@ -325,6 +326,8 @@ void App::switch_off() {
   if (!live_) return;
   live_->all_off();
   restart_ = false;
+  desk_.asked.start = false;
+  if (ui_) ui_->forget();  // a click on Start that no picture has shown yet
   if (!std::exchange(off_, true)) say(log::Level::info, "all off", now_s_);
 }
 

@@ -38,13 +38,13 @@ Stopper::Stopper(const ViewerOptions& options, std::function<void()> wake)
 void Stopper::end(App& app) {
   constexpr const char* too_early = "ended while the run was loading: nothing of it was shown; give it time to wait";
   constexpr double patience_s = 3;
-  const bool cut = app.loading() && scripted_ && !setup::Interrupt::signalled();
+  const bool loading = app.loading();
+  const bool cut = loading && scripted_ && !setup::Interrupt::signalled();
   const bool over = app.finish(patience_s);
   if (over && cut) throw failure(too_early);
   // After a signal there is a second for all of it: a window's device may take longer to be given back.
   const bool at_once = over && windowed_ && setup::Interrupt::signalled();
   if (over && !at_once) return;
-  const bool loading = app.loading();
   if (cut) {
     log::error(too_early);
   } else if (!loading && !over) {

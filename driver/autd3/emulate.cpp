@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "driver/autd3/listen.hpp"
 #include "driver/emulate/session.hpp"
+#include "driver/emulate/stop.hpp"
 
 namespace palpa::driver::autd3 {
 namespace {
@@ -39,6 +40,7 @@ array::Drive heard_drive(const EmulatedServer& server, double now_s) {
 void emulate(const emulate::Options& options) {
   const array::Layout layout = layout_of(options.layout);
   const double begin_s = device_time_s();
+  const emulate::Stop stop;  // until all is said
   EmulatedServer server(layout.boards.size());
   Listener listener(static_cast<std::uint16_t>(options.port));
   const auto violations = emulate::serve(

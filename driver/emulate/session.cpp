@@ -15,7 +15,6 @@ std::vector<Violation> serve(const Options& options, const Emulator& emulator) {
   std::optional<TraceFile> file;
   std::optional<ByteTrace> trace;
   if (!options.trace.empty()) trace.emplace(file.emplace(options.trace), emulator.wire);
-  const Stop stop;
   fmt::print("{}\n", emulator.address);
   std::fflush(stdout);
 

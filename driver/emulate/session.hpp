@@ -32,8 +32,8 @@ struct Emulator {
   std::function<void(const std::atomic<bool>& stop, std::mutex& lock, const Took& took)> serve;
 };
 
-/// Until a signal asks for the end: with its trace and its view, violations as they come. Returns them, told from
-/// begin_s. Throws failure() for a trace that cannot be written.
+/// Until a signal asks the caller's Stop for the end: with its trace and its view, violations as they come. Returns
+/// them, told from begin_s. Throws failure() for a trace that cannot be written.
 std::vector<Violation> serve(const Options& options, const Emulator& emulator);
 
 }  // namespace palpa::driver::emulate

@@ -66,7 +66,7 @@ void keep_in_memory() {
 /// silence is not to wait.
 void go_first() {
   constexpr int niceness = -10;
-  static_cast<void>(setpriority(PRIO_PROCESS, 0, niceness));
+  if (getpriority(PRIO_PROCESS, 0) > niceness) static_cast<void>(setpriority(PRIO_PROCESS, 0, niceness));
 }
 
 class Notes final : public BoardNotes {

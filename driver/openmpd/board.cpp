@@ -22,7 +22,9 @@ namespace {
 constexpr double period_s = 25e-6;
 constexpr std::uint8_t usual_divider = 4;
 constexpr double opening_patience_s = 5;
-constexpr double closing_patience_s = 0.5, flight_patience_s = 0.1;
+/// At the end: more than a transfer that gets stuck, the purge after it and a request are waited for, one after the
+/// other.
+constexpr double closing_patience_s = 0.75, flight_patience_s = 0.1;
 constexpr double asking_s = 2e-3;
 
 /// Formats without allocating; what is too long is cut.

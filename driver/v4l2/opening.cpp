@@ -53,15 +53,17 @@ struct Setup {
 
   void set_depth_unit(int fd) const {
     const double wanted_m = description.depth_unit_m, wanted_um = wanted_m / micrometre;
-    if (std::round(wanted_um) < 1 || std::abs(wanted_um - std::round(wanted_um)) > 1e-6) {
-      throw bad_input(path, fmt::format("a RealSense keeps its depth unit in whole micrometres, and depth_unit_m of {} "
-                                        "is {:g} of them; set depth_unit_m = {:g}",
-                                        description.rig, wanted_um, std::fmax(1, std::round(wanted_um)) * micrometre));
-    }
+    const bool whole = std::round(wanted_um) >= 1 && std::abs(wanted_um - std::round(wanted_um)) <= 1e-6;
     const auto is_wanted = [&](double unit_m) { return std::lround(unit_m / micrometre) == std::lround(wanted_um); };
     double unit_m = 0;
     try {
       unit_m = d400::read_depth_unit(kernel, fd);
+      if (!whole) {
+        throw bad_input(path,
+                        fmt::format("keeps its depth unit in whole micrometres, and depth_unit_m of {} is {:g} of "
+                                    "them; set depth_unit_m = {:g}",
+                                    description.rig, wanted_um, std::fmax(1, std::round(wanted_um)) * micrometre));
+      }
       if (!is_wanted(unit_m)) {
         d400::write_depth_unit(kernel, fd, wanted_m);
         unit_m = d400::read_depth_unit(kernel, fd);

@@ -140,7 +140,7 @@ class Cameras final : public sensing::DepthSource {
         std::fill(frame.depth.begin(), frame.depth.end(), std::uint16_t{0});
       }
     }
-    out.sequence = number(out.time_s);
+    out.sequence = number(out.time_s, period_s);
     return true;
   }
 
@@ -159,9 +159,8 @@ class Cameras final : public sensing::DepthSource {
   }
 
   /// Periods that have passed count, so that frames which nobody got are gaps.
-  std::uint64_t number(double time_s) {
-    if (last_s_ > 0)
-      sequence_ += static_cast<std::uint64_t>(std::max(1L, std::lround((time_s - last_s_) / nominal_s_)));
+  std::uint64_t number(double time_s, double period_s) {
+    if (last_s_ > 0) sequence_ += static_cast<std::uint64_t>(std::max(1L, std::lround((time_s - last_s_) / period_s)));
     last_s_ = time_s;
     return sequence_;
   }

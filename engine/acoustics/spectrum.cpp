@@ -103,7 +103,7 @@ class Lines {
 /// coefficients a_h (-1)^n sinc((h f + n / slot) slot).
 Spectrum still_spectrum(const Voice& voice, double slot_s, const SpectrumOptions& options) {
   Spectrum out;
-  out.skin = voice.foci.front();
+  out.skin = options.field ? options.field->skin_at(voice.foci.front()) : voice.foci.front();
   out.field = kind_of(options.field);
   if (voice.modulation_hz == 0) return out;
   // (1 + sin)/2, and its square 3/8 + sin/2 - cos(2 ..)/8; index h + 2.

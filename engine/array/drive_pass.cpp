@@ -174,6 +174,7 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
   if (!fits(count)) return false;
   assert(!by_factors_);
   if (count > pass_foci_) {
+    if (used_host_drives_ == host_drives_.size()) return false;
     drive_for(layout_, foci, options_, add_host_slot(), host_scratch_);
     return true;
   }
@@ -204,6 +205,7 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci, std::span<const std:
   assert(factors.size() == foci.size() && (by_factors_ || batch_.slots == 0));
   const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
   if (!fits(count)) return false;
+  if (count > pass_foci_ && used_host_drives_ == host_drives_.size()) return false;
   by_factors_ = true;
   batch_.constraint = Constraint::clamp;
   if (count > pass_foci_) {

@@ -44,7 +44,7 @@ void add_options(CLI::App& app, CalibrateCommand& o) {
                 "of the target about its own z, from above counter-clockwise");
   const setup::Group frames(app, "What is seen, and where it goes");
   frames.text("--source", o.source, "SOURCE",
-              "synthetic[:MESH] (a rehearsal), recording:DIR, v4l2:/dev/videoN[,...] or bag:FILE");
+              "synthetic[:MESH] (a rehearsal), recording:DIR, v4l2:/dev/videoN[,...] or bag:FILE [a rehearsal]");
   frames.integer("--frames", o.frames, 0, std::uint64_t{1} << 62,
                  "how many are taken together, normally 30; with --nudge when to stop, normally never");
   frames.flag("--noise-free", o.noise_free, "synthetic frames without the sensor's noise");
@@ -125,14 +125,17 @@ void find_poses(const Extensions& extensions, const CalibrateCommand& o) {
   const std::uint64_t frames = o.frames == 0 ? usual_frames : o.frames;
   if (frames > most_frames)
     throw bad_usage(fmt::format("--frames {}: at most {} are taken together", frames, most_frames));
-  if (o.noise_free && !o.source.starts_with("synthetic")) throw bad_usage("--noise-free goes with --source synthetic");
+  const std::string from = o.source.empty() ? "synthetic" : o.source;
+  if (o.noise_free && !from.starts_with("synthetic")) throw bad_usage("--noise-free goes with --source synthetic");
+  if (!o.out.empty() && o.source.empty())
+    throw bad_usage("--out needs --source: a rehearsal finds the poses that the rig says already");
   const Outputs outputs({{"--json", o.common.json}, {"--out", o.out}});
   setup::PosedRig posed = setup::load_posed_rig(o.rig);
   const Transform T_world_target = pose_of_target(o, setup::load_placed_layout(o.rig));
   std::vector<session::SourceKind> sources(extensions.sources);
   sources.push_back(setup::rehearsal(T_world_target));
   const geometry::Mesh boards = array::board_mesh(posed.layout);
-  const auto source = session::open_source(o.source, setup::with_builtin(sources),
+  const auto source = session::open_source(from, setup::with_builtin(sources),
                                            {.cameras = posed.rig.cameras,
                                             .occluders = boards,
                                             .default_skin = {},

@@ -12,6 +12,8 @@ namespace palpa::cli {
 
 /// The options of both; a nudge is a live run.
 struct CalibrateCommand : setup::LiveOptions {
+  CalibrateCommand() { source.clear(); }  // not given: a rehearsal
+
   std::string target;  ///< model to write
   std::string out;     ///< rig to write
   std::string at;      ///< where the target stands, if not on its mount

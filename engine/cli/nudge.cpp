@@ -8,6 +8,7 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
@@ -107,6 +108,10 @@ class Keys {
     }
     return pressed_;
   }
+  /// What has been typed so far; a script stays.
+  void forget() {
+    if (terminal_) terminal_->forget();
+  }
   /// Of a script.
   bool over() const { return !terminal_ && next_ == script_.size(); }
 
@@ -167,12 +172,14 @@ void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<
   const Shown shown(o.common.quiet);
   log::release_warnings();
   session::RunOptions looking;
-  looking.planned = [&](const session::FrameReport& frame, const session::Plan&) {
+  looking.planned = [&, first = true](const session::FrameReport& frame, const session::Plan&) mutable {
     if (nudge.end() != Nudge::End::none) return;
-    bool changed = frame.sequence == 0;
+    bool changed = std::exchange(first, false);
+    if (changed) keys.forget();  // pressed before anything could be felt
     for (const setup::KeyPress& press : keys.take(frame.touch->finger_count > 0)) {
       changed = nudge.press(press) || changed;
       if (nudge.end() != Nudge::End::none || keys.over()) stop = true;
+      if (nudge.end() != Nudge::End::none) break;  // the first word counts
     }
     if (!changed) return;
     live.session().set_aim(nudge.offset());
@@ -214,7 +221,10 @@ void refuse_nudge_options(const CalibrateCommand& o) {
 void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   CalibrateCommand o = given;
   check(o);
-  if (!o.keys.empty()) setup::parse_keys("--keys", o.keys);  // before anything is opened
+  // Before anything is opened.
+  if (!o.keys.empty() && setup::parse_keys("--keys", o.keys).empty())
+    throw bad_usage("--keys names no key: for example \"right*3 enter\"");
+  if (o.source.empty()) o.source = "synthetic";
   if (o.scene.empty()) o.scene = setup::find_asset("cube.glb");
   o.touch.method.method = touch::Method::single_focus;
   o.every_frame = !o.keys.empty();  // a script's keys take as many frames as there are keys
@@ -225,9 +235,14 @@ void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   const setup::PosedRig posed = setup::load_posed_rig(o.rig);
   std::atomic<bool>& stop = setup::Interrupt::flag();
   Nudge nudge;
-  {
+  std::optional<Error> fault;
+  try {
     setup::LiveRun live(o, extensions.sources, extensions.links, stop);
     run_until_end(live, o, stop, nudge);
+  } catch (const Error& error) {
+    // What was confirmed is not lost with a link that ends badly.
+    if (nudge.end() != Nudge::End::save) throw;
+    fault = error;
   }
   const bool saves = nudge.end() == Nudge::End::save && !setup::Interrupt::signalled();
   const bool left = nudge.end() == Nudge::End::leave || setup::Interrupt::signalled();
@@ -241,6 +256,7 @@ void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
     write_file("-", fmt::format("x {:+.1f}, y {:+.1f}, z {:+.1f} mm; {}\n", mm.x, mm.y, mm.z,
                                 saves ? "written to " + o.out : "nothing is saved"));
   }
+  if (fault) throw Error(*fault);
 }
 
 }  // namespace palpa::cli

@@ -156,7 +156,10 @@ MeshFitted MeshFit::fit(std::span<const MeasuredPoint> points, const Transform& 
   double typical = 0;
   for (int step = 0;; ++step) {
     find_hits(points, out.T_mesh_points, options, hits);
-    if (hits.size() < 6) return out;
+    if (hits.size() < 6) {
+      out.T_mesh_points = T_guess;
+      return out;
+    }
     typical = scatter(hits, work);
     centre = Vec3(0);
     for (Hit& hit : hits) {

@@ -103,7 +103,13 @@ class Search {
     }
     const geometry::MeshFitted fitted = refine(best[0], {}, most_points);
     look(best[0]);
-    if (fitted.points < least_points || fitted.hold < least_hold) {
+    if (fitted.points < least_points) {
+      throw refused(camera_,
+                    fmt::format("sees the target with {} points and needs {}: bring it nearer, or let the camera "
+                                "give more pixels",
+                                fitted.points, least_points));
+    }
+    if (fitted.hold < least_hold) {
       throw refused(camera_,
                     fmt::format("its view does not fix the target in all six directions: a shift by 1 mm changes what "
                                 "it sees by no more than {:.2f} mm; let it see three faces of the target, the plate "

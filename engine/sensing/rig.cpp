@@ -54,10 +54,9 @@ DeviceSetting read_device(TomlTable& table, double rate_hz) {
   if (table.has("exposure_s")) {
     device.exposure_s = table.number("exposure_s", 0, 0.2);
     if (*device.exposure_s * rate_hz > 1) {
-      throw table.fault("exposure_s",
-                        fmt::format("exposure_s of {:g} is longer than a frame at {:g} Hz: at most {:.2g}, "
-                                    "or a lower rate_hz",
-                                    *device.exposure_s, rate_hz, std::floor(1e4 / rate_hz) * 1e-4));
+      throw table.fault("exposure_s", fmt::format("exposure_s of {:g} is longer than a frame at {:g} Hz: at most {:g}, "
+                                                  "or a lower rate_hz",
+                                                  *device.exposure_s, rate_hz, std::floor(1e4 / rate_hz) * 1e-4));
     }
   }
   if (table.has("hardware_preset")) device.preset = static_cast<std::uint8_t>(table.whole("hardware_preset", 0, 255));

@@ -14,8 +14,8 @@ namespace {
 /// distance.
 constexpr double still_m = 3e-3, still_at_m = 0.5;
 /// A step between pixels beside which depths are made up, and how many pixels on either side. A plane seen at 15
-/// degrees has steps of 3 mm at 0.5 m.
-constexpr double step_m = 5e-3;
+/// degrees has steps of less than four times what a pixel covers: 3 mm at 0.5 m and a focal length of 600 pixels.
+constexpr double step_m = 5e-3, step_px = 4;
 constexpr std::int64_t rim_px = 2;
 
 /// Metres, 0 where there is none.
@@ -33,7 +33,8 @@ double middle_depth(std::vector<std::uint16_t>& depths, std::size_t frames, doub
 }
 
 /// Which pixels have a step in depth, or nothing at all, near them.
-std::vector<bool> near_steps(const std::vector<double>& depth, std::uint32_t width, std::uint32_t height) {
+std::vector<bool> near_steps(const std::vector<double>& depth, std::uint32_t width, std::uint32_t height,
+                             double focal_px) {
   std::vector<bool> near(depth.size(), false);
   const auto mark = [&](std::int64_t u, std::int64_t v, std::int64_t du, std::int64_t dv) {
     for (std::int64_t i = 1 - rim_px; i <= rim_px; ++i) {
@@ -44,8 +45,9 @@ std::vector<bool> near_steps(const std::vector<double>& depth, std::uint32_t wid
   for (std::int64_t v = 0; v < height; ++v) {
     for (std::int64_t u = 0; u < width; ++u) {
       const double z = depth[static_cast<std::size_t>(v * width + u)];
+      const double least = std::max(step_m, step_px * z / focal_px);
       const auto steps = [&](std::int64_t x, std::int64_t y) {
-        return std::abs(depth[static_cast<std::size_t>(y * width + x)] - z) > step_m;
+        return std::abs(depth[static_cast<std::size_t>(y * width + x)] - z) > least;
       };
       if (u + 1 < width && steps(u + 1, v)) mark(u, v, 1, 0);
       if (v + 1 < height && steps(u, v + 1)) mark(u, v, 0, 1);
@@ -76,7 +78,7 @@ StillImage StillFrames::finish() const {
     }
     depth[i] = middle_depth(values, frames_.size(), camera_.depth_unit_m);
   }
-  const std::vector<bool> rim = near_steps(depth, image.width, image.height);
+  const std::vector<bool> rim = near_steps(depth, image.width, image.height, std::min(camera_.fx, camera_.fy));
 
   Camera whole = camera_;
   whole.roi.reset();

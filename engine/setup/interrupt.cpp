@@ -58,9 +58,13 @@ struct Interrupt::Deadline {
     while (sem_wait(&first_signal) != 0 && errno == EINTR) {
     }
     if (deadline->called_off) return;
-    {
-      const std::lock_guard lock(deadline->mutex);
-      if (deadline->came) deadline->came();
+    // By another thread: a window's server may not answer.
+    try {
+      std::thread([deadline] {
+        const std::lock_guard lock(deadline->mutex);
+        if (deadline->came) deadline->came();
+      }).detach();
+    } catch (const std::exception&) {  // no room for another thread: the flag will be seen without it
     }
     std::this_thread::sleep_for(patience);
     if (deadline->called_off) return;  // the signal came while all was over

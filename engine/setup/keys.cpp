@@ -147,6 +147,10 @@ RawTerminal::~RawTerminal() {
   Interrupt::at_the_end(nullptr);
 }
 
+void RawTerminal::forget() {
+  tcflush(STDIN_FILENO, TCIFLUSH);
+}
+
 std::string RawTerminal::read() {
   std::array<char, 256> bytes;
   const ssize_t got = ::read(STDIN_FILENO, bytes.data(), bytes.size());

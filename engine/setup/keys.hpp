@@ -45,6 +45,8 @@ class RawTerminal {
 
   /// What has been pressed since, without waiting.
   std::string read();
+  /// Whatever has been pressed up to now has not been.
+  void forget();
 };
 
 }  // namespace palpa::setup

@@ -197,6 +197,7 @@ TEST_F(Calibrate, RefusesWhatCannotBeMeant) {
   const Rig truth = rig_of_a_board();
   const std::string rig = write("rig.toml", truth);
   expect_failure(palpa({"calibrate", "--rig", rig, "--out", rig}), 2, "--out");
+  expect_failure(palpa({"calibrate", "--rig", rig, "--out", file("found.toml")}), 2, "--source");
   expect_failure(palpa({"calibrate", "--target", "target.obj"}), 2, ".stl or .glb");
   expect_failure(palpa({"calibrate", "--rig", rig, "--at", "1,2"}), 2, "--at");
   expect_failure(palpa({"calibrate", "--rig", rig, "--frames", "101"}), 2, "--frames");

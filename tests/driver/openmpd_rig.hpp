@@ -3,10 +3,13 @@
 
 #include <cmath>
 #include <cstddef>
+#include <functional>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "array/drive.hpp"
@@ -22,9 +25,19 @@ namespace palpa::test {
 class TestClock final : public driver::Clock {
  public:
   double now_s() const override { return now_s_; }
-  void sleep_s(double seconds) override { now_s_ += seconds; }
+  void sleep_s(double seconds) override {
+    now_s_ += seconds;
+    if (now_s_ >= then_s_) std::exchange(then_, [] {})();
+  }
+  /// Once, when it is that late.
+  void at(double then_s, std::function<void()> then) {
+    then_s_ = then_s;
+    then_ = std::move(then);
+  }
 
  private:
+  double then_s_ = std::numeric_limits<double>::infinity();
+  std::function<void()> then_ = [] {};
   double now_s_ = 3;  // boards have been on for a while
 };
 

@@ -218,7 +218,12 @@ TEST(Rig, WhatARealCameraIsSetTo) {
   for (const char* bad : {"calibration = \"none\"", "exposure_s = 1", "exposure_s = -1", "hardware_preset = 256"})
     EXPECT_THROW(load_text(camera_text + bad + "\n"), Error) << bad;
   EXPECT_REFUSED(load_text(camera_text + "exposure_s = 0.012\n"),
-                 "rig.toml: line 14: exposure_s of 0.012 is longer than a frame at 90 Hz: at most 0.011");
+                 "rig.toml: line 14: exposure_s of 0.012 is longer than a frame at 90 Hz: at most 0.0111");
+  for (const auto& [rate, most] : {std::pair{"6", "0.1666"}, {"15", "0.0666"}, {"30", "0.0333"}, {"60", "0.0166"}}) {
+    const std::string text = with("rate_hz", std::string("rate_hz = ") + rate);
+    EXPECT_REFUSED(load_text(text + "exposure_s = 0.19\n"), std::string("at most ") + most + ",");
+    EXPECT_NO_THROW(load_text(text + "exposure_s = " + most + "\n")) << "what it says would do";
+  }
   EXPECT_EQ(load_text(with("rate_hz", "rate_hz = 0") + "exposure_s = 0.012\n").cameras[0].device.exposure_s, 0.012);
 }
 

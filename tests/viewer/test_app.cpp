@@ -193,6 +193,34 @@ TEST_F(LiveAppWithPanels, StartBeginsAgainAfterAllOff) {
   EXPECT_FALSE(heard_->last_sounds);
 }
 
+/// The run is off, Start is clicked, and before a picture shows that the key is pressed: the last word counts.
+TEST_F(LiveAppWithPanels, AllOffWinsOverAStartThatNoPictureHasShown) {
+  for (const bool pressed_before : {false, true}) {
+    ASSERT_TRUE(comes_to(LiveState::running));
+    draw();
+    all_off();
+    ASSERT_TRUE(comes_to(LiveState::ended));
+    draw();
+    const Area off = all_off_button();
+    const double x = off.right + 0.3 * (off.right - off.left), y = (off.top + off.bottom) / 2;
+    button(WindowEvent::Kind::move, x, y);
+    draw();
+    button(WindowEvent::Kind::press, x, y);
+    if (pressed_before) draw(1);
+    button(WindowEvent::Kind::release, x, y);
+    if (pressed_before) app_->render(size_, 1, now_s_);  // asked for, and not yet done
+    all_off();
+    draw();
+    EXPECT_TRUE(stays_off()) << pressed_before;
+    EXPECT_FALSE(heard_->last_sounds);
+    button(WindowEvent::Kind::press, x, y);
+    draw(1);
+    button(WindowEvent::Kind::release, x, y);
+    draw(1);
+  }
+  EXPECT_TRUE(comes_to(LiveState::running)) << "a click after it does";
+}
+
 TEST_F(LiveAppWithPanels, AllOffWaitsForNoPicture) {
   ASSERT_TRUE(comes_to(LiveState::running));
   draw();

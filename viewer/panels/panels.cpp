@@ -31,7 +31,9 @@ bool heading(const char* name, bool open, const char* about) {
 
 Area last_area() {
   const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-  return {low.x, low.y, high.x, high.y};
+  const ImDrawList& list = *ImGui::GetWindowDrawList();  // what has been scrolled away is not there
+  const ImVec2 least = list.GetClipRectMin(), most = list.GetClipRectMax();
+  return {std::max(low.x, least.x), std::max(low.y, least.y), std::min(high.x, most.x), std::min(high.y, most.y)};
 }
 
 void tip(const char* text) {

@@ -1,6 +1,7 @@
 #include "viewer/panels/ui.hpp"
 
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <array>
@@ -136,6 +137,14 @@ bool Ui::take(const WindowEvent& event, bool on_text) {
       break;
   }
   return false;
+}
+
+void Ui::forget() {
+  ImGuiIO& io = ImGui::GetIO();
+  state_->waiting.clear();
+  std::ranges::fill(io.MouseDown, false);
+  std::ranges::fill(io.KeysDown, false);
+  ImGui::ClearActiveID();
 }
 
 void Ui::begin(double width, double height, double ratio, double seconds) {

@@ -25,6 +25,8 @@ class Ui {
   /// event with the next begin(), but for a key's repetitions. `on_text`: a button is pressed where text is typed, so
   /// that the keys that follow are text even where no picture comes between.
   bool take(const WindowEvent& event, bool on_text = false);
+  /// What was taken and not yet seen by a picture has never been; a button that is held down is no click any more.
+  void forget();
 
   /// A new picture, of that many pixels, `ratio` of them to a point, `seconds` after the last. What ImGui:: functions
   /// are called between begin() and end() is what it shows.
