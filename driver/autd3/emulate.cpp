@@ -40,7 +40,7 @@ array::Drive heard_drive(const EmulatedServer& server, double now_s) {
 void emulate(const emulate::Options& options) {
   const array::Layout layout = layout_of(options.layout);
   const double begin_s = device_time_s();
-  const emulate::Stop stop;  // until all is said
+  const emulate::Stop ends;  // until all is said
   EmulatedServer server(layout.boards.size());
   Listener listener(static_cast<std::uint16_t>(options.port));
   const auto violations = emulate::serve(
