@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <string>
 #include <thread>
 
 #include "acoustics/pressure.hpp"
@@ -55,7 +56,7 @@ std::vector<std::vector<array::SlotFocus>> near_sets(const Vec3& centre) {
   };
   const Vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
   std::vector<std::vector<array::SlotFocus>> slots;
-  for (const double radius : {2e-3, 2.5e-3, 3e-3, 4e-3, 5e-3, 6e-3, 8e-3, 10e-3}) {
+  for (const double radius : {2e-3, 2.5e-3, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3, 10e-3}) {
     const Vec3 one = direction(), two = direction(), other = direction(), another = direction();
     for (const auto& [u, v] : {std::pair(x, y),
                                {x, z},
@@ -83,7 +84,7 @@ std::vector<std::vector<array::SlotFocus>> near_sets(const Vec3& centre) {
 /// How loud the judged slots are and how even the least even of them is.
 struct Heard {
   double mean_pa = 0, evenness = 1;
-  std::vector<double> weakest_pa;  ///< slot by slot
+  std::vector<double> weakest_pa, even;  ///< slot by slot
 };
 template <typename DriveOf>
 Heard listen(const array::Layout& layout, const std::vector<std::vector<array::SlotFocus>>& slots, std::uint32_t judged,
@@ -93,6 +94,7 @@ Heard listen(const array::Layout& layout, const std::vector<std::vector<array::S
     const acoustics::FociPressure pressure = acoustics::pressure_at_foci(layout, drive_of(s), slots[s]);
     heard.mean_pa += pressure.mean / judged;
     heard.evenness = std::min(heard.evenness, pressure.evenness);
+    heard.even.push_back(pressure.evenness);
     heard.weakest_pa.push_back(*std::ranges::min_element(pressure.pascals));
   }
   return heard;
@@ -114,7 +116,7 @@ constexpr Case cases[]{{"naive normalise", Solver::naive, Constraint::normalise}
 /// What the figures are relative to: naive's under the same constraint, and greedy's.
 struct Yardsticks {
   double naive_pa[3] = {}, greedy_pa = 0;
-  std::vector<double> greedy_weakest_pa;
+  std::vector<double> greedy_weakest_pa, greedy_even;
 };
 
 std::string quality(const Case& which, const Heard& heard, const Yardsticks& yardsticks) {
@@ -123,9 +125,13 @@ std::string quality(const Case& which, const Heard& heard, const Yardsticks& yar
   if (yardsticks.greedy_pa > 0) text += fmt::format(" and {:.2f} of greedy", heard.mean_pa / yardsticks.greedy_pa);
   if (yardsticks.greedy_weakest_pa.empty()) return text;
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t s = 0; s < heard.weakest_pa.size(); ++s)
+  int behind = 0;
+  for (std::size_t s = 0; s < heard.weakest_pa.size(); ++s) {
     least = std::min(least, heard.weakest_pa[s] / yardsticks.greedy_weakest_pa[s]);
-  return text + fmt::format("; weakest at least {:.2f} of greedy's", least);
+    behind += heard.even[s] < yardsticks.greedy_even[s];
+  }
+  return text + fmt::format("; weakest at least {:.2f} of greedy's; {} of {} sets less even than greedy's", least,
+                            behind, heard.even.size());
 }
 
 void keep(const Case& which, const Heard& heard, Yardsticks& yardsticks) {
@@ -133,6 +139,7 @@ void keep(const Case& which, const Heard& heard, Yardsticks& yardsticks) {
   if (which.solver != Solver::greedy) return;
   yardsticks.greedy_pa = heard.mean_pa;
   yardsticks.greedy_weakest_pa = heard.weakest_pa;
+  yardsticks.greedy_even = heard.even;
 }
 
 void on_device(const Context& context, const array::Layout& layout, const Case& which, const std::string& name,
@@ -214,33 +221,41 @@ void on_host(const Context& context, const array::Layout& layout, const Case& wh
   rows.push_back(row);
 }
 
+/// Random sets far apart, device and twins.
+void measure_far(const Context& context, const std::string& name, const Vec3& centre, std::vector<Row>& rows) {
+  const array::Layout layout = array::load_layout(name);
+  std::mt19937 random(1);
+  std::vector<std::vector<array::SlotFocus>> slots(sets);
+  for (auto& slot : slots)
+    slot = random_set(random, centre);
+  Yardsticks yardsticks;
+  for (const Case& which : cases)
+    on_device(context, layout, which, fmt::format("{} {}", name, which.name), slots, far_judged, 0.01, yardsticks,
+              rows);
+  for (const Case& which : cases)
+    on_host(context, layout, which, fmt::format("{} {} C++", name, which.name), slots, yardsticks, rows);
+}
+
+void measure_near(const Context& context, const std::string& name, const Vec3& centre, std::vector<Row>& rows) {
+  const array::Layout layout = array::load_layout(name);
+  const auto slots = near_sets(centre);
+  Yardsticks yardsticks;
+  for (const Case& which : cases) {
+    // Several drives serve near foci as well: device and twin may choose different ones.
+    on_device(context, layout, which, fmt::format("{} near {}", name, which.name), slots,
+              static_cast<std::uint32_t>(slots.size()), 0.05, yardsticks, rows);
+  }
+}
+
 }  // namespace
 
 void measure_solvers(const Context& context, std::vector<Row>& rows) {
-  const struct {
-    const char* name;
-    Vec3 centre;
-  } layouts[]{{"paper", Vec3(0)}, {"openmpd", Vec3(0, 0, 0.15)}};
-  for (const auto& [layout_name, centre] : layouts) {
-    const array::Layout layout = array::load_layout(layout_name);
-    std::mt19937 random(1);
-    std::vector<std::vector<array::SlotFocus>> slots(sets);
-    for (auto& slot : slots)
-      slot = random_set(random, centre);
-    Yardsticks yardsticks;
-    for (const Case& which : cases)
-      on_device(context, layout, which, fmt::format("{} {}", layout_name, which.name), slots, far_judged, 0.01,
-                yardsticks, rows);
-    for (const Case& which : cases)
-      on_host(context, layout, which, fmt::format("{} {} C++", layout_name, which.name), slots, yardsticks, rows);
-    const auto near = near_sets(centre);
-    Yardsticks near_yardsticks;
-    for (const Case& which : cases) {
-      // Several drives serve near foci as well: device and twin may choose different ones.
-      on_device(context, layout, which, fmt::format("{} near {}", layout_name, which.name), near,
-                static_cast<std::uint32_t>(near.size()), 0.05, near_yardsticks, rows);
-    }
-  }
+  const Vec3 above(0, 0, 0.15);
+  measure_far(context, "paper", Vec3(0), rows);
+  measure_near(context, "paper", Vec3(0), rows);
+  measure_far(context, "openmpd", above, rows);
+  measure_near(context, "openmpd", above, rows);
+  measure_near(context, "autd3", above, rows);
 }
 
 }  // namespace palpa::bench
