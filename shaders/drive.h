@@ -22,6 +22,10 @@ PALPA_CONST drive_weighted_buffers = 5u;
 PALPA_CONST drive_texels = 1u << drive_transducers | 1u << drive_foci | 1u << drive_slots;
 PALPA_CONST drive_weighted_texels = drive_texels | 1u << drive_weights;
 
+// Under `uniform` and `clamp` the transducers of slots of up to so many foci with complex factors turn from their sums
+// on: by how much, in turns, waits in the drives where the phase will be.
+PALPA_CONST drive_turned_foci = 10u;
+
 // Weightings and constraints, as in engine/array/drive.hpp.
 PALPA_CONST drive_by_distance = 0u;
 PALPA_CONST drive_by_nothing = 1u;

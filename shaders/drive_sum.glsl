@@ -60,6 +60,10 @@ float sum_foci(uint base, DriveSlot slot) {
       if (t >= push.transducers) continue;
       const float size = length(heard[k]);
       most = max(most, max(length(plain[k]), size));
+#ifdef DRIVE_WEIGHTED
+      if (push.constraint != drive_normalise && slot.count <= drive_turned_foci)
+        heard[k] = times(heard[k], unit_of_turns(drives[base + t].phase));
+#endif
       const float phase = size > 0.0 ? clamp(atan(heard[k].y, heard[k].x), -float_pi, float_pi) : 0.0;
       const float amplitude = push.constraint == drive_normalise ? size
                               : push.constraint == drive_uniform ? slot.gain

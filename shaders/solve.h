@@ -10,7 +10,7 @@ PALPA_SHADER_BEGIN
 // that waits.
 PALPA_CONST solve_group = 32u;
 PALPA_CONST solve_weights_few_group = 8u;
-PALPA_CONST solve_refine_few_group = 16u;
+PALPA_CONST solve_phases_group = 16u;
 PALPA_CONST solve_most_foci = 64u;
 // Up to so many foci a slot is solved with all of them in registers, in kernels for so many; more go tile by tile.
 PALPA_CONST solve_hand_foci = 5u;
@@ -30,22 +30,21 @@ PALPA_CONST solve_directivity_steps = 2048u;
 PALPA_CONST solve_phases = 16u;   // greedy's
 PALPA_CONST solve_turns = 8192u;  // greedy's in one dispatch
 
-// Of gs_pat.hpp and even_out.hpp, under the same names.
+// Of gs_pat.hpp, even_out.hpp and even_phases.hpp, under the same names.
 PALPA_CONST solve_starts = 13u;
 PALPA_CONST solve_climb = 20u;
 PALPA_CONST solve_look = 3u;
 PALPA_CONST solve_tries = 24u;
-PALPA_CONST solve_direct_tries = 4u;
-PALPA_CONST solve_bound_tries = 8u;
-PALPA_CONST solve_bounds = 3u;
-PALPA_CONST_FLOAT solve_first_bound = 1.0f;
-PALPA_CONST_FLOAT solve_next_bound = 0.25f;  // of the one before
+PALPA_CONST solve_raises = 6u;
 PALPA_CONST_FLOAT solve_most_help = 4.0f;
 PALPA_CONST_FLOAT solve_crowded = 0.5f;
 PALPA_CONST_FLOAT solve_same = 0.9f;
 PALPA_CONST_FLOAT solve_better = 1.02f;
 PALPA_CONST_FLOAT solve_miss = 0.005f;
-PALPA_CONST_FLOAT solve_bounded_miss = 0.008f;
+PALPA_CONST_FLOAT solve_bounded_miss = 0.0045f;
+PALPA_CONST_FLOAT solve_fill = 1.3f;
+PALPA_CONST_FLOAT solve_uneven = 0.15f;
+PALPA_CONST_FLOAT solve_push = 0.1f;
 PALPA_CONST_FLOAT solve_damping = 0.03f;
 PALPA_CONST_FLOAT solve_least_damping = 1e-4f;
 PALPA_CONST_FLOAT solve_most_damping = 1e4f;

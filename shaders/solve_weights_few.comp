@@ -262,7 +262,7 @@ void main() {
   }
 
   float scale = 1.0;
-  if (push.constraint != drive_normalise) {
+  if (push.constraint == drive_clamp) {
     const float takes = power();
     float alone_in_all = 0.0;
     float gains = 0.0;
@@ -271,7 +271,7 @@ void main() {
       const float gain = gain_of(slot.first + min(j, count - 1u));
       gains += j < count ? gain * gain : 0.0;
     }
-    if (takes > 0.0 && alone_in_all > 0.0) scale = sqrt(gains * alone_in_all / takes);
+    if (takes > 0.0 && alone_in_all > 0.0) scale = solve_fill * sqrt(gains * alone_in_all / takes);
   }
   [[unroll]] for (uint j = 0u; j < most; ++j) {
     if (j < count) weights[slot.first + j] = vec4(plain[j], factor[j] * scale);

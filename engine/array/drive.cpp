@@ -134,6 +134,7 @@ double sum_weighted(const DriveOptions& options, DriveScratch& scratch) {
     }
     largest = std::max({largest, std::norm(plain), std::norm(scratch.sums[t])});
   }
+  gs_pat_turn(columns, options.constraint, scratch.sums, scratch.gs_pat);
   return std::sqrt(largest);
 }
 
@@ -312,6 +313,15 @@ void reserve(DriveScratch& scratch, const Layout& layout, const DriveOptions& op
     gs_pat->claims.reserve(few);
     gs_pat->targets.reserve(few);
   }
+  PhaseScratch& turning = scratch.gs_pat.phases;
+  turning.tried.reserve(transducers);
+  for (std::vector<Complex>* values : {&turning.pressure, &turning.tried_pressure, &turning.pull})
+    values->reserve(few);
+  for (std::vector<Complex>* values : {&turning.alike, &turning.across, &turning.tried_across})
+    values->reserve(square);
+  turning.normal.reserve(square);
+  for (std::vector<double>* values : {&turning.rest, &turning.miss, &turning.tried_miss})
+    values->reserve(few);
   for (EvenScratch* even : {&scratch.gs_pat.even, &pressures.gs_pat.even, &pressures.even}) {
     for (std::vector<Complex>* values : {&even->pressure, &even->tried_pressure, &even->tried})
       values->reserve(few);

@@ -3,29 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "array/hearing.hpp"
+
 namespace palpa::array {
 namespace {
 
 using Complex = std::complex<double>;
-
-/// Fills the misses; returns the sum of their squares.
-double find_misses(std::span<const Complex> pressure, std::span<const double> targets, double level,
-                   std::span<double> miss) {
-  double sum = 0;
-  for (std::size_t j = 0; j < pressure.size(); ++j) {
-    const double wanted = targets[j] * level;
-    miss[j] = wanted > 0 ? 1 - std::abs(pressure[j]) / wanted : 0;
-    sum += miss[j] * miss[j];
-  }
-  return sum;
-}
-
-double largest(std::span<const double> miss) {
-  double most = 0;
-  for (const double m : miss)
-    most = std::max(most, std::abs(m));
-  return most;
-}
 
 /// Solves the symmetric positive system of `rest.size()` rows in place; `rest` becomes the solution.
 void solve(std::span<double> matrix, std::span<double> rest) {
@@ -46,10 +29,20 @@ void solve(std::span<double> matrix, std::span<double> rest) {
   }
 }
 
-/// The factors one damped step on. Entries of `scratch.slopes` are J already.
+/// Fills J. A focus that hears nothing has no slope.
+void find_slopes(const FocusMatrix& matrix, std::span<const double> targets, double level, EvenScratch& scratch) {
+  for (std::size_t row = 0; row < matrix.foci; ++row) {
+    const Complex& heard = scratch.pressure[row];
+    const double size = std::abs(heard), wanted = targets[row] * level;
+    const Complex turn = size > 0 && wanted > 0 ? std::conj(heard) / size / wanted : Complex(0);
+    for (std::size_t column = 0; column < matrix.foci; ++column)
+      scratch.slopes[row * matrix.foci + column] = turn * matrix.at(row, column);
+  }
+}
+
+/// The factors one damped step on. `scratch.slopes` are J.
 void step(std::span<const Complex> factors, double damping, bool by_focus, EvenScratch& scratch) {
   const std::size_t foci = factors.size();
-  double trace = 0;
   for (std::size_t a = 0; a < foci; ++a) {
     for (std::size_t b = 0; b <= a; ++b) {
       double sum = 0;
@@ -60,14 +53,9 @@ void step(std::span<const Complex> factors, double damping, bool by_focus, EvenS
       }
       scratch.normal[a * foci + b] = scratch.normal[b * foci + a] = sum;
     }
-    trace += scratch.normal[a * foci + a];
-  }
-  for (std::size_t a = 0; a < foci; ++a) {
-    double& diagonal = scratch.normal[a * foci + a];
-    diagonal += std::max(damping * (by_focus ? diagonal : trace / static_cast<double>(foci)), 1e-30);
   }
   std::ranges::copy(scratch.miss, scratch.rest.begin());
-  solve(scratch.normal, scratch.rest);
+  solve_damped(scratch.normal, damping, by_focus, scratch.rest);
   for (std::size_t q = 0; q < foci; ++q) {
     Complex sum = factors[q];
     for (std::size_t a = 0; a < foci; ++a)
@@ -87,7 +75,37 @@ double level_of(std::span<const Complex> pressure, std::span<const double> targe
   return wanted > 0 ? heard / wanted : 0;
 }
 
-Evened even_out(const Hearing& hearing, std::span<const double> targets, const EvenGoal& goal,
+double find_misses(std::span<const Complex> pressure, std::span<const double> targets, double level,
+                   std::span<double> miss) {
+  double sum = 0;
+  for (std::size_t j = 0; j < pressure.size(); ++j) {
+    const double wanted = targets[j] * level;
+    miss[j] = wanted > 0 ? 1 - std::abs(pressure[j]) / wanted : 0;
+    sum += miss[j] * miss[j];
+  }
+  return sum;
+}
+
+double largest_miss(std::span<const double> miss) {
+  double most = 0;
+  for (const double m : miss)
+    most = std::max(most, std::abs(m));
+  return most;
+}
+
+void solve_damped(std::span<double> normal, double damping, bool by_focus, std::span<double> rest) {
+  const std::size_t foci = rest.size();
+  double trace = 0;
+  for (std::size_t a = 0; a < foci; ++a)
+    trace += normal[a * foci + a];
+  for (std::size_t a = 0; a < foci; ++a) {
+    double& diagonal = normal[a * foci + a];
+    diagonal += std::max(damping * (by_focus ? diagonal : trace / static_cast<double>(foci)), 1e-30);
+  }
+  solve(normal, rest);
+}
+
+Evened even_out(const FocusMatrix& matrix, std::span<const double> targets, const EvenGoal& goal,
                 std::span<Complex> factors, EvenScratch& scratch) {
   const std::size_t foci = factors.size();
   for (std::vector<Complex>* values : {&scratch.pressure, &scratch.tried_pressure, &scratch.tried})
@@ -100,22 +118,16 @@ Evened even_out(const Hearing& hearing, std::span<const double> targets, const E
     return goal.level > 0 ? goal.level : level_of(pressure, targets);
   };
 
-  hearing.hear(factors, scratch.pressure);
+  hear(matrix, factors, scratch.pressure);
   double missed = find_misses(scratch.pressure, targets, level(scratch.pressure), scratch.miss);
   double damping = even_damping;
   std::uint32_t tries = 0;
-  while (largest(scratch.miss) > goal.most_miss && tries < goal.tries && damping <= even_most_damping) {
-    hearing.slope(factors, scratch.pressure, scratch.slopes);
-    const double now = level(scratch.pressure);
-    for (std::size_t j = 0; j < foci; ++j) {
-      const double wanted = targets[j] * now;
-      for (std::size_t q = 0; q < foci; ++q)
-        scratch.slopes[j * foci + q] *= wanted > 0 ? 1 / wanted : 0;
-    }
+  while (largest_miss(scratch.miss) > goal.most_miss && tries < goal.tries && damping <= even_most_damping) {
+    find_slopes(matrix, targets, level(scratch.pressure), scratch);
     while (tries < goal.tries && damping <= even_most_damping) {
       step(factors, damping, goal.by_focus, scratch);
       ++tries;
-      hearing.hear(scratch.tried, scratch.tried_pressure);
+      hear(matrix, scratch.tried, scratch.tried_pressure);
       const double then = find_misses(scratch.tried_pressure, targets, level(scratch.tried_pressure), scratch.rest);
       if (then < missed) {
         missed = then;
@@ -128,7 +140,7 @@ Evened even_out(const Hearing& hearing, std::span<const double> targets, const E
       damping *= even_more;
     }
   }
-  return {largest(scratch.miss), tries};
+  return {largest_miss(scratch.miss), tries};
 }
 
 }  // namespace palpa::array

@@ -1,10 +1,10 @@
 // Evening out what several foci hear: Levenberg and Marquardt's method for the few numbers that foci are.
 //
 //   c     the factors, one per focus
-//   p(c)  what the foci hear
+//   p     R c, what the foci hear
 //   t_j   how loud focus j is to be; L the level, either given or what they are now: sum |p| / sum t
 //   m_j = 1 - |p_j| / (t_j L), the miss of focus j, 0 where t_j is 0
-//   J     how the misses' pressures follow the factors: |p_j| / (t_j L) grows by Re(sum over q of J_jq dc_q)
+//   J_jq = e^{-i arg p_j} R_jq / (t_j L): |p_j| / (t_j L) grows by Re(sum over q of J_jq dc_q)
 //
 //   dc = J^H y,  (Re(J J^H) + lambda trace / foci) y = m
 //
@@ -17,6 +17,8 @@
 #include <span>
 #include <vector>
 
+#include "array/transfer.hpp"
+
 namespace palpa::array {
 
 inline constexpr double even_damping = 0.03;        ///< lambda at first
@@ -24,18 +26,6 @@ inline constexpr double even_least_damping = 1e-4;  ///< rounding decides below
 inline constexpr double even_most_damping = 1e4;    ///< no step helps any more
 inline constexpr double even_less = 0.3;            ///< by this after a step that helped
 inline constexpr double even_more = 4;              ///< by this after one that did not
-
-/// What the foci hear of factors.
-class Hearing {
- public:
-  virtual ~Hearing() = default;
-  /// Fills `pressure`, one per factor.
-  virtual void hear(std::span<const std::complex<double>> factors, std::span<std::complex<double>> pressure) const = 0;
-  /// Fills `slopes`, [focus * foci + factor]: |pressure_j| grows by Re(sum over q of slopes_jq dc_q). `pressure` is
-  /// what `factors` sound like; a focus that hears nothing has no slope.
-  virtual void slope(std::span<const std::complex<double>> factors, std::span<const std::complex<double>> pressure,
-                     std::span<std::complex<double>> slopes) const = 0;
-};
 
 struct EvenGoal {
   double level = 0;         ///< L; 0: what the foci are now
@@ -57,10 +47,19 @@ struct Evened {
 };
 
 /// Moves `factors`. `targets` are t_j, 0 and above.
-Evened even_out(const Hearing& hearing, std::span<const double> targets, const EvenGoal& goal,
+Evened even_out(const FocusMatrix& matrix, std::span<const double> targets, const EvenGoal& goal,
                 std::span<std::complex<double>> factors, EvenScratch& scratch);
 
 /// L of what is heard: sum |p| / sum t, 0 where no focus is to be heard.
 double level_of(std::span<const std::complex<double>> pressure, std::span<const double> targets);
+
+/// Fills `miss` with the m_j for the level L; returns the sum of their squares.
+double find_misses(std::span<const std::complex<double>> pressure, std::span<const double> targets, double level,
+                   std::span<double> miss);
+double largest_miss(std::span<const double> miss);
+
+/// Solves (J J^T + damping) y = m in place: `normal` is J J^T, rows of `rest.size()`, and is used up; `rest` is m and
+/// becomes y. `by_focus` as in EvenGoal.
+void solve_damped(std::span<double> normal, double damping, bool by_focus, std::span<double> rest);
 
 }  // namespace palpa::array

@@ -25,10 +25,9 @@ Complex turned(double size, const Complex& p, const Complex& otherwise) {
 void solve_many(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
                 std::span<FocusWeight> weights, GsPatScratch& scratch) {
   const std::size_t foci = columns.foci;
-  const MatrixHearing hearing(matrix);
   gs_pat_start(matrix, columns, 0, scratch.claims, scratch.factors);
   for (std::uint32_t i = 0; i < gs_pat_steps; ++i) {
-    hearing.hear(scratch.factors, scratch.pressure);
+    hear(matrix, scratch.factors, scratch.pressure);
     if (gs_pat_step(scratch.pressure, scratch.claims, {0, static_cast<double>(foci)}, scratch.factors) < gs_pat_still)
       break;
   }
@@ -38,12 +37,12 @@ void solve_many(const FocusMatrix& matrix, const Columns& columns, std::span<con
   for (std::size_t j = 0; j < foci; ++j)
     scratch.targets[j] = gains[j] * scratch.claims[j];
   if (std::ranges::any_of(gains, [](double gain) { return gain != 1; })) {
-    hearing.hear(scratch.factors, scratch.pressure);
+    hear(matrix, scratch.factors, scratch.pressure);
     const double level = level_of(scratch.pressure, scratch.claims);
     for (std::size_t j = 0; j < foci; ++j)
       scratch.factors[j] *= gains[j];
     for (std::uint32_t i = 0; i < gs_pat_steps; ++i) {
-      hearing.hear(scratch.factors, scratch.pressure);
+      hear(matrix, scratch.factors, scratch.pressure);
       if (gs_pat_step(scratch.pressure, scratch.targets, {level, 0}, scratch.factors) < gs_pat_still) break;
     }
   }
@@ -51,9 +50,8 @@ void solve_many(const FocusMatrix& matrix, const Columns& columns, std::span<con
     double sum = 0;
     for (const double gain : gains)
       sum += gain;
-    const BoundedHearing bounded(columns, constraint == Constraint::clamp ? 1 : 0);
     for (std::uint32_t i = 0; i < gs_pat_refinings; ++i) {
-      bounded.hear(scratch.factors, scratch.pressure);
+      hear_bounded(columns, constraint, scratch.factors, scratch.pressure);
       gs_pat_step(scratch.pressure, scratch.targets, {0, sum}, scratch.factors);
     }
   }
@@ -64,9 +62,9 @@ void solve_many(const FocusMatrix& matrix, const Columns& columns, std::span<con
 }  // namespace
 
 std::uint32_t gs_pat_most_tries(std::size_t transducers) {
-  // A try is at most two walks of 32 threads over the transducers, and some 300 turns among the foci.
-  const std::size_t turns = 2 * (transducers / 32 + 1) + 300;
-  return static_cast<std::uint32_t>(std::max<std::size_t>(1, 50'000 / turns));
+  // 16 threads walk; among the foci go some 300 turns. What comes before the first try and after the last is left over.
+  const std::size_t turns = transducers / 16 + 1 + 300;
+  return static_cast<std::uint32_t>(std::clamp<std::size_t>(45'000 / turns, 1, gs_pat_phase_tries));
 }
 
 double heard_part(const FocusMatrix& matrix, std::size_t j, std::size_t k) {
@@ -136,6 +134,14 @@ void gs_pat(const FocusMatrix& matrix, const Columns& columns, std::span<const d
   find_claims(matrix, scratch.claims);
   const auto solve = foci <= gs_pat_few ? solve_few : solve_many;
   solve(matrix, columns, gains, constraint, weights, scratch);
+}
+
+void gs_pat_turn(const Columns& columns, Constraint constraint, std::span<Complex> sums, GsPatScratch& scratch) {
+  if (columns.foci > gs_pat_few || constraint == Constraint::normalise) return;
+  for (Complex& sum : sums)
+    sum = bounded(sum, constraint);
+  even_phases(columns, scratch.targets, gs_pat_bounded_miss, gs_pat_most_tries(columns.transducers), sums,
+              scratch.phases);
 }
 
 }  // namespace palpa::array

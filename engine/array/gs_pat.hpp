@@ -25,11 +25,10 @@
 // tried, each with phases as if the sound came from another transducer; taken is that with the weakest focus the
 // loudest for the power that it takes.
 //
-// The steps end near what is even; even_out.hpp goes the rest of the way, first on R, then, under `uniform` and
-// `clamp`, over the whole array, where the amplitudes of a drive are not those of B c. Sums are bounded there, and the
-// factors are scaled so that the sums are as large as those of foci that do not hear each other. Under `uniform` a
-// transducer whose sum is almost 0 turns round at the least change; where the direct way does not get there, the bound
-// comes down from that of `clamp` in gs_pat_bounds.
+// The steps end near what is even; even_out.hpp goes the rest of the way on R. Under `uniform` and `clamp` a transducer
+// does not do its sum of B c but what the constraint makes of it; from there on even_phases.hpp turns the transducers
+// until what is even is what they sound like, amplitudes being what they are. Under `clamp` the factors are scaled
+// first, so that the sums are gs_pat_fill times as large as those of foci that do not hear each other.
 //
 // That is for up to gs_pat_few foci. More of them are not evened out so: v_j never exceeds gs_pat_most_weight, and
 // under `uniform` and `clamp` the same step is repeated gs_pat_refinings times over the whole array, p = G P(B c) with
@@ -43,6 +42,7 @@
 
 #include "array/constraint.hpp"
 #include "array/even_out.hpp"
+#include "array/even_phases.hpp"
 #include "array/transfer.hpp"
 
 namespace palpa::array {
@@ -61,14 +61,12 @@ inline constexpr std::uint32_t gs_pat_climb = 20;        ///< steps of each of t
 inline constexpr std::uint32_t gs_pat_look = 3;          ///< tries to even it out before it is judged
 inline constexpr double gs_pat_better = 1.02;            ///< by so much a later start has to be
 inline constexpr double gs_pat_miss = 0.005;             ///< no focus misses by more on R,
-inline constexpr double gs_pat_bounded_miss = 0.008;     ///< or where amplitudes are bounded
+inline constexpr double gs_pat_bounded_miss = 0.0045;    ///< or where amplitudes are bounded
+inline constexpr double gs_pat_fill = 1.3;               ///< under `clamp`
 inline constexpr std::uint32_t gs_pat_tries = 24;        ///< of even_out
-inline constexpr std::uint32_t gs_pat_direct_tries = 4;  ///< under `uniform`, before the bound comes down
-inline constexpr std::uint32_t gs_pat_bound_tries = 8;   ///< at each bound
-inline constexpr std::uint32_t gs_pat_bounds = 3;        ///< from the bound 1 down,
-inline constexpr double gs_pat_next_bound = 0.25;        ///< each so much of the one before
+inline constexpr std::uint32_t gs_pat_phase_tries = 60;  ///< of even_phases
 
-/// Of even_out over the whole array, in all. A software device ends the loops of a shader after 65,535 turns.
+/// gs_pat_phase_tries, or how many fit: a software device ends the loops of a shader after 65,535 turns.
 std::uint32_t gs_pat_most_tries(std::size_t transducers);
 
 /// Keeps its storage from call to call.
@@ -76,6 +74,7 @@ struct GsPatScratch {
   std::vector<std::complex<double>> pressure, factors, start;
   std::vector<double> claims, targets;
   EvenScratch even;
+  PhaseScratch phases;
 };
 
 /// What part of the sound of focus `k` is heard at focus `j`, 0 .. 1; 0 where one of them cannot be reached.
@@ -87,5 +86,10 @@ double heard_part(const FocusMatrix& matrix, std::size_t j, std::size_t k);
 /// rounding.
 void gs_pat(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
             std::span<FocusWeight> weights, GsPatScratch& scratch);
+
+/// Under `uniform` and `clamp`, for the slot that `scratch` was last in gs_pat for: bounds the sums of the transducers,
+/// B c of the heard factors, and turns them until the foci are even. Leaves sums of more foci than gs_pat_few.
+void gs_pat_turn(const Columns& columns, Constraint constraint, std::span<std::complex<double>> sums,
+                 GsPatScratch& scratch);
 
 }  // namespace palpa::array

@@ -42,24 +42,23 @@ bool crowded(const FocusMatrix& matrix) {
 
 /// The plain factors.
 void solve_plain(const FocusMatrix& matrix, const Columns& columns, GsPatScratch& scratch) {
-  const MatrixHearing hearing(matrix);
   const std::uint32_t starts = crowded(matrix) ? gs_pat_starts : 1;
   double best = -1;
   for (std::uint32_t i = 0; i < starts; ++i) {
     gs_pat_start(matrix, columns, columns.transducers * i / gs_pat_starts, scratch.claims, scratch.start);
     for (std::uint32_t step = 0; step < (starts > 1 ? gs_pat_climb : gs_pat_steps); ++step) {
-      hearing.hear(scratch.start, scratch.pressure);
+      hear(matrix, scratch.start, scratch.pressure);
       const GsPatGoal goal{0, static_cast<double>(matrix.foci)};
       if (gs_pat_step(scratch.pressure, scratch.claims, goal, scratch.start) < gs_pat_still) break;
     }
-    if (starts > 1) even_out(hearing, scratch.claims, {0, gs_pat_miss, gs_pat_look}, scratch.start, scratch.even);
-    hearing.hear(scratch.start, scratch.pressure);
+    if (starts > 1) even_out(matrix, scratch.claims, {0, gs_pat_miss, gs_pat_look}, scratch.start, scratch.even);
+    hear(matrix, scratch.start, scratch.pressure);
     const double merit = merit_of(scratch.start, scratch.pressure, scratch.claims);
     if (i > 0 && !(merit > best * gs_pat_better)) continue;
     best = merit;
     scratch.factors = scratch.start;
   }
-  even_out(hearing, scratch.claims, {0, gs_pat_miss, gs_pat_tries}, scratch.factors, scratch.even);
+  even_out(matrix, scratch.claims, {0, gs_pat_miss, gs_pat_tries}, scratch.factors, scratch.even);
 }
 
 /// Gains times claims, but at least as loud as what a focus that is the same makes it.
@@ -75,9 +74,9 @@ void find_targets(const FocusMatrix& matrix, std::span<const double> gains, GsPa
   }
 }
 
-/// The factors with sums as large as those of foci that do not hear each other.
+/// The factors with sums gs_pat_fill times as large as those of foci that do not hear each other.
 void scale(const FocusMatrix& matrix, std::span<const double> gains, GsPatScratch& scratch) {
-  MatrixHearing(matrix).hear(scratch.factors, scratch.pressure);
+  hear(matrix, scratch.factors, scratch.pressure);
   const double power = power_of(scratch.factors, scratch.pressure);
   double alone = 0, wanted = 0;
   for (std::size_t j = 0; j < gains.size(); ++j) {
@@ -85,30 +84,9 @@ void scale(const FocusMatrix& matrix, std::span<const double> gains, GsPatScratc
     wanted += gains[j] * gains[j];
   }
   if (!(power > 0) || !(alone > 0)) return;
-  const double by = std::sqrt(wanted * alone / power);
+  const double by = gs_pat_fill * std::sqrt(wanted * alone / power);
   for (Complex& factor : scratch.factors)
     factor *= by;
-}
-
-/// The heard factors for bounded amplitudes.
-void solve_bounded(const Columns& columns, Constraint constraint, GsPatScratch& scratch) {
-  std::uint32_t left = gs_pat_most_tries(columns.transducers);
-  const auto even = [&](double bound, std::uint32_t tries) {
-    const EvenGoal goal{0, gs_pat_bounded_miss, std::min(tries, left)};
-    const Evened evened =
-        even_out(BoundedHearing(columns, bound), scratch.targets, goal, scratch.factors, scratch.even);
-    left -= evened.tries;
-    return evened.miss;
-  };
-  if (constraint == Constraint::clamp) {
-    even(1, gs_pat_tries);
-    return;
-  }
-  if (even(0, gs_pat_direct_tries) <= gs_pat_bounded_miss) return;
-  double bound = 1;
-  for (std::uint32_t i = 0; i < gs_pat_bounds; ++i, bound *= gs_pat_next_bound)
-    even(bound, gs_pat_bound_tries);
-  even(0, gs_pat_tries);
 }
 
 }  // namespace
@@ -122,17 +100,13 @@ void solve_few(const FocusMatrix& matrix, const Columns& columns, std::span<cons
 
   find_targets(matrix, gains, scratch);
   if (std::ranges::any_of(gains, [](double gain) { return gain != 1; })) {
-    const MatrixHearing hearing(matrix);
-    hearing.hear(scratch.factors, scratch.pressure);
+    hear(matrix, scratch.factors, scratch.pressure);
     const double level = level_of(scratch.pressure, scratch.claims);
     for (std::size_t j = 0; j < foci; ++j)
       scratch.factors[j] *= gains[j];
-    even_out(hearing, scratch.targets, {level, gs_pat_miss, gs_pat_tries}, scratch.factors, scratch.even);
+    even_out(matrix, scratch.targets, {level, gs_pat_miss, gs_pat_tries}, scratch.factors, scratch.even);
   }
-  if (constraint != Constraint::normalise) {
-    scale(matrix, gains, scratch);
-    solve_bounded(columns, constraint, scratch);
-  }
+  if (constraint == Constraint::clamp) scale(matrix, gains, scratch);
   for (std::size_t j = 0; j < foci; ++j)
     weights[j].heard = scratch.factors[j];
 }

@@ -282,7 +282,7 @@ void Loudness::calm(const Slot& slot) {
 void Loudness::hear(const Slot& slot) {
   const std::span<const Complex> factors = std::span(factors_).subspan(slot.first, slot.count);
   heard_.resize(slot.count);
-  if (slot.parts == 1) return MatrixHearing(parts_[slot.first_part].matrix).hear(factors, heard_);
+  if (slot.parts == 1) return array::hear(parts_[slot.first_part].matrix, factors, heard_);
   find_sources(slot.first, slot.count);
   hear_all(transfer(), layout_, sources_, options_.weighting, factors, columns_, heard_);
 }

@@ -38,7 +38,7 @@ void start_together(const FocusMatrix& matrix, const Columns& columns, std::span
     factors[j] = scratch.weights[j].heard;
   std::vector<Complex>& pressure = scratch.gs_pat.pressure;
   pressure.resize(factors.size());
-  MatrixHearing(matrix).hear(factors, pressure);
+  hear(matrix, factors, pressure);
   const double level = level_of(pressure, targets);
   for (Complex& factor : factors)
     factor = level > 0 ? factor / level : 0;
@@ -61,8 +61,8 @@ void start_pressures(const FocusMatrix& matrix, const Columns& columns, FocusPha
 void correct_pressures(const FocusMatrix& matrix, std::span<const double> targets, std::span<Complex> factors,
                        PressureScratch& scratch) {
   if (factors.size() < 2) return;
-  even_out(MatrixHearing(matrix), one_sound(matrix, targets, scratch.targets), {1, pressure_miss, pressure_tries, true},
-           factors, scratch.even);
+  even_out(matrix, one_sound(matrix, targets, scratch.targets), {1, pressure_miss, pressure_tries, true}, factors,
+           scratch.even);
 }
 
 }  // namespace palpa::array

@@ -9,10 +9,10 @@
 #include "array/greedy.hpp"
 #include "gpu/barrier.hpp"
 #include "spirv/solve_diagonal.comp.hpp"
+#include "spirv/solve_even_phases.comp.hpp"
 #include "spirv/solve_greedy.comp.hpp"
 #include "spirv/solve_mirrored.comp.hpp"
 #include "spirv/solve_refine.comp.hpp"
-#include "spirv/solve_refine_few.comp.hpp"
 #include "spirv/solve_weights.comp.hpp"
 #include "spirv/solve_weights_few.comp.hpp"
 
@@ -21,20 +21,21 @@ namespace palpa::array {
 static_assert(shader::solve_most_foci == most_solved_foci);
 static_assert(shader::solve_directivity_steps == directivity_steps);
 static_assert(shader::solve_phases == greedy_phases);
-static_assert(shader::solve_finger_foci == gs_pat_few);
-// Foci have a thread each while they are refined.
-static_assert(shader::solve_refine_few_group >= shader::solve_finger_foci);
+static_assert(shader::solve_finger_foci == gs_pat_few && shader::drive_turned_foci == gs_pat_few);
+// Foci have a thread each while transducers turn.
+static_assert(shader::solve_phases_group >= shader::solve_finger_foci);
 static_assert(shader::solve_starts == gs_pat_starts && shader::solve_climb == gs_pat_climb &&
               shader::solve_look == gs_pat_look && shader::solve_tries == gs_pat_tries &&
-              shader::solve_direct_tries == gs_pat_direct_tries && shader::solve_bound_tries == gs_pat_bound_tries &&
-              shader::solve_bounds == gs_pat_bounds);
-static_assert(shader::solve_first_bound == 1 && shader::solve_next_bound == static_cast<float>(gs_pat_next_bound) &&
-              shader::solve_most_help == static_cast<float>(gs_pat_most_help) &&
+              shader::solve_raises == phases_raises);
+static_assert(shader::solve_most_help == static_cast<float>(gs_pat_most_help) &&
               shader::solve_crowded == static_cast<float>(gs_pat_crowded) &&
               shader::solve_same == static_cast<float>(gs_pat_same) &&
               shader::solve_better == static_cast<float>(gs_pat_better) &&
               shader::solve_miss == static_cast<float>(gs_pat_miss) &&
-              shader::solve_bounded_miss == static_cast<float>(gs_pat_bounded_miss));
+              shader::solve_bounded_miss == static_cast<float>(gs_pat_bounded_miss) &&
+              shader::solve_fill == static_cast<float>(gs_pat_fill) &&
+              shader::solve_uneven == static_cast<float>(phases_uneven) &&
+              shader::solve_push == static_cast<float>(phases_push));
 static_assert(shader::solve_damping == static_cast<float>(even_damping) &&
               shader::solve_least_damping == static_cast<float>(even_least_damping) &&
               shader::solve_most_damping == static_cast<float>(even_most_damping) &&
@@ -87,7 +88,7 @@ SolverPass::SolverPass(const gpu::Device& device, Solver solver) {
                          pipeline(device, "solve_diagonal", spirv::solve_diagonal_comp, {fewest, most, most}),
                          {},
                          pipeline(device, "solve_weights_few", spirv::solve_weights_few_comp, {fewest, most}),
-                         pipeline(device, "solve_refine_few", spirv::solve_refine_few_comp, {fewest, most})});
+                         pipeline(device, "solve_even_phases", spirv::solve_even_phases_comp, {fewest, most})});
       fewest = most + 1;
     }
     constexpr std::uint32_t most = shader::solve_most_foci, tile = shader::solve_tile;

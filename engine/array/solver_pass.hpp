@@ -20,7 +20,8 @@ struct SolveBindings {
   gpu::BufferRef transducers;  ///< texels of shader::DrivePoint[transducers]
   gpu::BufferRef foci;         ///< texels of shader::DriveFocus[]
   gpu::BufferRef slots;    ///< texels of shader::DriveSlot[slots]; those with `solved` == drive_unsolved are left alone
-  gpu::BufferRef drives;   ///< written by greedy; scratch of gs_pat under `uniform` and `clamp`
+  gpu::BufferRef drives;   ///< written by greedy; by gs_pat under `uniform` and `clamp`: by how much transducers turn,
+                           ///< for the drives' kernel
   gpu::BufferRef weights;  ///< written by gs_pat: vec4 per focus, plain and heard factor; scratch of greedy
   gpu::BufferRef axes;     ///< texels: vec4[transducers]
   gpu::BufferRef directivity;  ///< texels of 4 bytes: solver_directivity
@@ -39,11 +40,12 @@ struct SolveBatch {
 /// Pipelines only, those of one solver. Twins: gs_pat and greedy.
 ///
 /// gs_pat takes three steps. The matrix of each slot: one workgroup per tile of foci. The factors from it: a thread per
-/// slot, or a workgroup where foci are many. Under `uniform` and `clamp` their refinement over the whole array: a
-/// workgroup per slot. The factors agree with the twin's within 1e-3. No built-in sine or arctangent takes part:
-/// devices differ by the rounding of multiply-adds only. What a slot of M foci (at most solve_finger_foci) and N
-/// transducers costs: N M sines and cosines, N M^2 complex multiply-adds, and at most 200 products of matrix and
-/// vector; under `uniform` and `clamp` 6 times N M sines and cosines and 2 N M multiply-adds more.
+/// slot, or a workgroup where foci are many. Under `uniform` and `clamp` a workgroup per slot turns the transducers, or
+/// refines the factors where foci are many. The factors agree with the twin's within 1e-3. No built-in sine or
+/// arctangent takes part: devices differ by the rounding of multiply-adds only. What a slot of M foci (at most
+/// solve_finger_foci) and N transducers costs: N M sines and cosines, N M^2 complex multiply-adds, and at most 200
+/// products of matrix and vector; under `uniform` and `clamp` once to 62 times N M sines and cosines and N M^2 / 2
+/// multiply-adds more.
 ///
 /// greedy: 16 N M square roots one after the other, a slot to a thread, so that it is fast only for many slots. Where
 /// two phases are equally good to within rounding, device and twin may choose differently and go different ways from

@@ -55,7 +55,7 @@ inline std::vector<std::vector<SlotFocus>> crowds(const Vec3& centre) {
   const Vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
   const Vec3 slanted = glm::normalize(Vec3(1, 2, -0.5));
   const Vec3 across = glm::normalize(glm::cross(slanted, Vec3(0.3, 0.1, 1)));
-  for (const double radius : {2e-3, 2.5e-3, 3e-3, 4e-3, 5e-3, 6e-3, 8e-3, 10e-3}) {
+  for (const double radius : {2e-3, 2.5e-3, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3, 10e-3}) {
     for (const auto& [u, v] : {std::pair(x, y), {x, z}, {y, z}, {slanted, across}})
       sets.push_back(ring(10, radius, centre, u, v));
   }

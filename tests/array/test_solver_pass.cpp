@@ -16,10 +16,10 @@
 #include "gpu/texel_view.hpp"
 #include "spirv/drive_weighted.comp.hpp"
 #include "spirv/solve_diagonal.comp.hpp"
+#include "spirv/solve_even_phases.comp.hpp"
 #include "spirv/solve_greedy.comp.hpp"
 #include "spirv/solve_mirrored.comp.hpp"
 #include "spirv/solve_refine.comp.hpp"
-#include "spirv/solve_refine_few.comp.hpp"
 #include "spirv/solve_weights.comp.hpp"
 #include "spirv/solve_weights_few.comp.hpp"
 #include "support/device.hpp"
@@ -200,7 +200,7 @@ TEST(SolverPass, LayoutIsWhatTheShadersHave) {
       {"mirrored", spirv::solve_mirrored_comp, shader::solve_group},
       {"weights", spirv::solve_weights_comp, shader::solve_group},
       {"weights few", spirv::solve_weights_few_comp, shader::solve_weights_few_group},
-      {"refine few", spirv::solve_refine_few_comp, shader::solve_refine_few_group},
+      {"even phases", spirv::solve_even_phases_comp, shader::solve_phases_group},
       {"refine", spirv::solve_refine_comp, shader::solve_group},
       {"greedy", spirv::solve_greedy_comp, shader::solve_group}};
   for (const auto& [name, words, threads] : modules) {

@@ -131,10 +131,11 @@ TEST_P(SolverOn, FociOfAnyDistanceAreAsEvenAsGreedysAboveABoard) {
     for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
       const Served served = serve(GetParam(), layout, sets, with(Solver::gs_pat, constraint));
       for (std::size_t s = 0; s < sets.size(); ++s) {
-        // A ring of 6 mm that stands upright on the axis of `autd3`: 0.94 under `uniform`, greedy 0.96.
-        const bool left = std::string(name) == "autd3" && s == 21 && constraint == Constraint::uniform;
-        EXPECT_GE(served.evenness[s], left ? 0.93 : greedy.evenness[s])
-            << name << " " << s << " " << static_cast<int>(constraint);
+        EXPECT_GE(served.evenness[s], greedy.evenness[s]) << name << " " << s << " " << static_cast<int>(constraint);
+        // What evens them out does not cost the weakest: 1.1 times greedy's in the worst of 600 sets.
+        if (constraint == Constraint::uniform) {
+          EXPECT_GE(served.weakest[s], greedy.weakest[s]) << name << " " << s;
+        }
       }
     }
   }
@@ -361,9 +362,9 @@ TEST(Solvers, DeviceAndTwinServeFociNearEachOtherAlike) {
     std::ranges::sort(apart);
     std::printf("  %d: median %.1e, nine of ten %.1e, farthest %.1e\n", static_cast<int>(constraint),
                 apart[apart.size() / 2], apart[apart.size() * 9 / 10], apart.back());
-    EXPECT_LE(apart[apart.size() / 2], 1e-4) << static_cast<int>(constraint);
-    EXPECT_LE(apart[apart.size() * 9 / 10], 0.02) << static_cast<int>(constraint);
-    EXPECT_LE(apart.back(), 0.1) << static_cast<int>(constraint);
+    EXPECT_LE(apart[apart.size() / 2], 3e-5) << static_cast<int>(constraint);
+    EXPECT_LE(apart[apart.size() * 9 / 10], 1e-3) << static_cast<int>(constraint);
+    EXPECT_LE(apart.back(), 0.05) << static_cast<int>(constraint);
   }
 }
 
@@ -375,19 +376,20 @@ TEST(Solvers, DeviceAndTwinAgree) {
       slots.push_back(
           focus_set(static_cast<unsigned>(slots.size()), count, {0, 0, layout.boards.size() > 1 ? 0 : 0.15}));
     slots[4][3].gain = 0.3F;
-    for (const Solver solver : {Solver::gs_pat, Solver::greedy}) {
-      const auto twin = backends[0].drives(layout, slots, with(solver));
-      const auto device = backends[1].drives(layout, slots, with(solver));
-      for (std::size_t s = 0; s < slots.size(); ++s) {
-        if (solver == Solver::gs_pat) {
-          EXPECT_LE(farthest(twin[s], device[s]), 3e-3) << name << " " << s;
-          continue;
-        }
-        std::size_t others = 0;
-        for (std::size_t t = 0; t < twin[s].size(); ++t)
-          others += angle_between(twin[s][t].phase, device[s][t].phase) > 1e-4;
-        EXPECT_LE(others, twin[s].size() / 10) << name << " " << s;
-      }
+    // Under `uniform` a transducer whose sum is almost 0 has hardly a phase: in which it is bounded, rounding decides.
+    for (const Constraint constraint : {Constraint::normalise, Constraint::clamp}) {
+      const auto expected = backends[0].drives(layout, slots, with(Solver::gs_pat, constraint));
+      const auto found = backends[1].drives(layout, slots, with(Solver::gs_pat, constraint));
+      for (std::size_t s = 0; s < slots.size(); ++s)
+        EXPECT_LE(farthest(expected[s], found[s]), 3e-3) << name << " " << s << " " << static_cast<int>(constraint);
+    }
+    const auto twin = backends[0].drives(layout, slots, with(Solver::greedy));
+    const auto device = backends[1].drives(layout, slots, with(Solver::greedy));
+    for (std::size_t s = 0; s < slots.size(); ++s) {
+      std::size_t others = 0;
+      for (std::size_t t = 0; t < twin[s].size(); ++t)
+        others += angle_between(twin[s][t].phase, device[s][t].phase) > 1e-4;
+      EXPECT_LE(others, twin[s].size() / 10) << name << " " << s;
     }
   }
 }

@@ -230,6 +230,31 @@ TEST_P(Drive, RingsOfAFingertipAreEvenUnderEveryConstraint) {
   }
 }
 
+// On one board, too: upright rings on its axis, which are hard to even out with phases alone.
+TEST_P(Drive, UprightRingsAboveABoardAreAsEvenAsGreedys) {
+  for (const double radius : {6e-3, 7e-3}) {
+    std::vector<std::string> line{"drive",        "--backend", GetParam(), "--layout", "autd3",
+                                  "--constraint", "uniform",   "--json",   "-"};
+    for (int i = 0; i < 10; ++i) {
+      const double angle = 2 * std::numbers::pi * i / 10;
+      line.insert(line.end(), {"--focus", std::to_string(radius * std::cos(angle)) + ",0," +
+                                              std::to_string(0.15 + radius * std::sin(angle))});
+    }
+    const auto report = [&](const std::string& solver) {
+      std::vector<std::string> arguments = line;
+      arguments.insert(arguments.end(), {"--solver", solver});
+      return json::parse(palpa(arguments).out);
+    };
+    const json greedy = report("greedy"), ours = report("gs-pat");
+    EXPECT_GE(ours["weakest_to_strongest"].get<double>(), greedy["weakest_to_strongest"].get<double>()) << radius;
+    const auto weakest = [](const json& said) {
+      const auto pressures = said["pressures_pa"].get<std::vector<double>>();
+      return *std::ranges::min_element(pressures);
+    };
+    EXPECT_GE(weakest(ours), weakest(greedy)) << radius;
+  }
+}
+
 TEST_P(Drive, SaysWhichFociTheArrayDoesNotResolve) {
   const auto report = [&](const std::string& layout, const std::string& second) {
     return palpa({"drive", "--layout", layout, "--focus", "0,0,150mm", "--focus", second, "--backend", GetParam(),

@@ -138,6 +138,9 @@ std::vector<std::size_t> storage_of(const SlotScratch& scratch) {
     add(gs_pat->pressure, gs_pat->factors, gs_pat->start, gs_pat->claims, gs_pat->targets);
     add_even(gs_pat->even);
   }
+  const array::PhaseScratch& phases = work.gs_pat.phases;
+  add(phases.tried, phases.pressure, phases.tried_pressure, phases.pull, phases.alike, phases.across,
+      phases.tried_across, phases.normal, phases.rest, phases.miss, phases.tried_miss);
   add(work.pressures.gains, work.pressures.targets, work.pressures.weights);
   add_even(work.pressures.even);
   return room;
@@ -176,14 +179,18 @@ TEST(Output, AReservedScratchNeverGrows) {
   schedule.add_voice() = test::touching(Vec3(0.06, 0.15, 0.02), 199.37).voices[0];
   const Plan plan = out.plan_of(schedule);
   ASSERT_EQ(plan.cycle, 0u);
-  SlotScratch scratch;
-  scratch.reserve(out.setting);
-  const auto before = storage_of(scratch);
-  for (const std::uint64_t slot : {0ull, 1ull, 777ull}) {
-    drive_of_slot(plan, slot, 0, out.setting, scratch);
-    EXPECT_EQ(storage_of(scratch), before) << slot;
+  for (const array::Solver solver : {array::Solver::naive, array::Solver::gs_pat}) {
+    out.setting.drive.solver = solver;
+    out.setting.drive.constraint = array::Constraint::uniform;
+    SlotScratch scratch;
+    scratch.reserve(out.setting);
+    const auto before = storage_of(scratch);
+    for (const std::uint64_t slot : {0ull, 1ull, 777ull}) {
+      drive_of_slot(plan, slot, 0, out.setting, scratch);
+      EXPECT_EQ(storage_of(scratch), before) << slot;
+    }
+    EXPECT_EQ(scratch.work.sources.size(), 2u) << "the slots were not summed";
   }
-  EXPECT_EQ(scratch.work.sources.size(), 2u) << "the slots were not summed";
 }
 
 TEST(Output, SendsSilenceLastWhenStopped) {

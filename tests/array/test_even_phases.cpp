@@ -1,0 +1,113 @@
+// Evening out by the phases of transducers alone: what it reaches and what it leaves as it is.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "array/even_phases.hpp"
+#include "array/free_field.hpp"
+#include "array/hearing.hpp"
+#include "array/layout.hpp"
+#include "focus_sets.hpp"
+
+namespace palpa::array {
+namespace {
+
+using Complex = std::complex<double>;
+
+Columns columns_of(const Layout& layout, const std::vector<SlotFocus>& foci) {
+  FreeField field;
+  field.set(layout, {}, Directivity::t4010a1);
+  std::vector<FocusSource> sources;
+  for (const SlotFocus& focus : foci) {
+    double reach = 0;
+    for (const Transducer& transducer : layout.transducers)
+      reach = std::max(reach, glm::distance(transducer.position, focus.position));
+    sources.push_back({focus.position, reach, 1});
+  }
+  Columns columns;
+  field.fill(sources, Weighting::distance, columns);
+  return columns;
+}
+
+/// What the transducers do if every focus just asks.
+std::vector<Complex> sums_of(const Columns& columns, Constraint constraint) {
+  std::vector<Complex> sums(columns.transducers);
+  for (std::size_t n = 0; n < sums.size(); ++n) {
+    for (std::size_t j = 0; j < columns.foci; ++j)
+      sums[n] += columns.ask(n * columns.foci + j) / 3.0;
+    sums[n] = bounded(sums[n], constraint);
+  }
+  return sums;
+}
+
+std::vector<double> heard_of(const Columns& columns, const std::vector<Complex>& does) {
+  std::vector<double> heard;
+  for (std::size_t j = 0; j < columns.foci; ++j) {
+    Complex sum = 0;
+    for (std::size_t n = 0; n < does.size(); ++n)
+      sum += columns.transfer(n * columns.foci + j) * does[n];
+    heard.push_back(std::abs(sum));
+  }
+  return heard;
+}
+
+// From phases that leave some foci almost silent to even ones, no magnitude touched, the weakest far louder.
+TEST(EvenPhases, EvenOutWhateverTheAmplitudes) {
+  const Layout layout = load_layout("autd3");
+  for (const Constraint constraint : {Constraint::uniform, Constraint::clamp}) {
+    for (const double radius : {6e-3, 7e-3}) {
+      const Columns columns = columns_of(layout, ring(10, radius, {0, 0, 0.15}, {1, 0, 0}, {0, 0, 1}));
+      const std::vector<double> targets(columns.foci, 1);
+      const std::vector<Complex> first = sums_of(columns, constraint);
+      std::vector<Complex> does = first;
+      PhaseScratch scratch;
+      const Evened evened = even_phases(columns, targets, 0.0045, 60, does, scratch);
+      EXPECT_LE(evened.miss, 0.0045);
+      EXPECT_LE(evened.tries, 60u);
+      const auto before = heard_of(columns, first), after = heard_of(columns, does);
+      EXPECT_LT(*std::ranges::min_element(before), 0.7 * *std::ranges::max_element(before));  // what there is to mend
+      EXPECT_GE(*std::ranges::min_element(after), 0.99 * *std::ranges::max_element(after));
+      EXPECT_GT(*std::ranges::min_element(after), 1.2 * *std::ranges::min_element(before));
+      for (std::size_t n = 0; n < does.size(); ++n)
+        ASSERT_NEAR(std::abs(does[n]), std::abs(first[n]), 1e-12) << n;
+    }
+  }
+}
+
+TEST(EvenPhases, TargetsAreRelativeAndMayBeNone) {
+  const Layout layout = load_layout("openmpd");
+  const Columns columns = columns_of(layout, focus_set(3, 4, {0, 0, 0.15}));
+  std::vector<Complex> does = sums_of(columns, Constraint::uniform);
+  does[7] = 0;  // silent, and stays so
+  PhaseScratch scratch;
+  even_phases(columns, std::vector<double>{1, 0.5, 0.8, 0.25}, 0.001, 60, does, scratch);
+  const auto heard = heard_of(columns, does);
+  EXPECT_NEAR(heard[1] / heard[0], 0.5, 0.002);
+  EXPECT_NEAR(heard[2] / heard[0], 0.8, 0.003);
+  EXPECT_NEAR(heard[3] / heard[0], 0.25, 0.001);
+  EXPECT_EQ(does[7], Complex(0));
+  const std::vector<Complex> first = does;
+  even_phases(columns, std::vector<double>{0, 0, 0, 0}, 0.001, 60, does, scratch);
+  EXPECT_EQ(does, first);
+}
+
+// What is even stays to the last bit, and no try is made where none is allowed.
+TEST(EvenPhases, LeavesWhatIsEven) {
+  const Layout layout = load_layout("openmpd");
+  const Columns columns = columns_of(layout, focus_set(3, 4, {0, 0, 0.15}));
+  std::vector<Complex> does = sums_of(columns, Constraint::uniform);
+  const std::vector<double> targets(columns.foci, 1);
+  const std::vector<Complex> first = does;
+  PhaseScratch scratch;
+  EXPECT_EQ(even_phases(columns, targets, 0.001, 0, does, scratch).tries, 0u);
+  EXPECT_EQ(does, first);
+  EXPECT_GT(even_phases(columns, targets, 0.001, 60, does, scratch).tries, 0u);
+  const std::vector<Complex> even = does;
+  EXPECT_EQ(even_phases(columns, targets, 0.001, 60, does, scratch).tries, 0u);
+  EXPECT_EQ(does, even);
+}
+
+}  // namespace
+}  // namespace palpa::array
