@@ -34,8 +34,19 @@ constexpr double fine_sides = 6, coarse_sides = 3;  // per wavelength
 /// Sides between a source and the mesh: the error of a sphere's pressure is twice that of a far source's at two of
 /// them, and 10 to 20 % at a half.
 constexpr double fine_source = 2, coarse_source = 0.5;
+/// A face so many times as long as high is a needle.
+constexpr double needle = 10;
 /// Coordinates beyond have lost what a transducer's wave needs of them.
 constexpr double farthest_m = 100;
+
+/// Of a face: its longest side by its height above that.
+double length_by_height(const Mesh& mesh, std::uint32_t face) {
+  const glm::uvec3& t = mesh.triangles[face];
+  double longest = 0;
+  for (int i = 0; i < 3; ++i)
+    longest = std::max(longest, glm::distance(mesh.positions[t[i]], mesh.positions[t[(i + 1) % 3]]));
+  return longest * longest / glm::length(geometry::area_vector(mesh, face));
+}
 
 void check_faces(const std::string& file, const Mesh& mesh) {
   if (mesh.triangles.empty()) throw bad_input(file, "has no faces; a body is a closed surface of triangles");
@@ -44,13 +55,8 @@ void check_faces(const std::string& file, const Mesh& mesh) {
       throw bad_input(file, "has a vertex farther than 100 m from the origin; coordinates are metres");
   }
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3 area = geometry::area_vector(mesh, t);
-    double longest = 0;
-    for (int i = 0; i < 3; ++i)
-      longest = std::max(
-          longest, glm::distance(mesh.positions[mesh.triangles[t][i]], mesh.positions[mesh.triangles[t][(i + 1) % 3]]));
-    // A needle a thousand times as long as wide has no normal to speak of.
-    if (!(glm::length(area) > 1e-3 * longest * longest)) {
+    // A thousand times as long as high it has no normal to speak of.
+    if (!(length_by_height(mesh, t) < 1e3)) {
       throw bad_input(file, fmt::format("face {} at {} m is a needle without area; mend the mesh, a remesher such as "
                                         "MeshLab's isotropic one does",
                                         t, geometry::text::point(mesh.positions[mesh.triangles[t][0]])));
@@ -139,6 +145,25 @@ void check_fineness(const std::string& file, const Mesh& body, double wavelength
   }
   log::warning(fmt::format("{}: coarse: {}; below {:.2f} mm errors are a few percent or less", file, what,
                            wavelength_m / fine_sides * 1e3));
+}
+
+void warn_of_needles(const std::string& file, const Mesh& body) {
+  std::size_t count = 0;
+  std::uint32_t worst = 0;
+  double most = 0;
+  for (std::uint32_t t = 0; t < body.triangles.size(); ++t) {
+    const double times = length_by_height(body, t);
+    count += times > needle ? 1 : 0;
+    if (times <= most) continue;
+    most = times;
+    worst = t;
+  }
+  if (count == 0) return;
+  log::warning(
+      fmt::format("{}: {} of its {} faces are needles, more than {} times as long as high, face {} at {} m {:.0f} "
+                  "times; they take longer and are less exact, a remesher such as MeshLab's isotropic one mends them",
+                  file, count, body.triangles.size(), needle, worst,
+                  geometry::text::point(body.positions[body.triangles[worst].x]), most));
 }
 
 void check_source(const Mesh& body, const Vec3& source, bool force) {

@@ -22,6 +22,10 @@ double mean_side(const geometry::Mesh& mesh);
 /// wavelength, and above a third throws bad_input, or warns if `force`.
 void check_fineness(const std::string& file, const geometry::Mesh& body, double wavelength_m, bool force);
 
+/// Warns of faces more than ten times as long as high, and names the worst: they take longer, for more of the others
+/// are near to them, and elements that are fine across and coarse along follow a wave no better than the coarse.
+void warn_of_needles(const std::string& file, const geometry::Mesh& body);
+
 /// A wave that bends more sharply than the faces is not resolved: warns where a point source is nearer than twice the
 /// mean side of the face next to it, and throws bad_usage within the body, and nearer than half a side, of which it
 /// warns if `force`.

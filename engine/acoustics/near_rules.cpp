@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <span>
 
 #include "acoustics/triangle_rules.hpp"
 
@@ -14,6 +15,11 @@ namespace {
 /// Nearer than so many times the longer one's sides two pieces are cut.
 constexpr double close_reach = 1.3;
 constexpr int most_cuts = 4;
+/// So many times as long as high a piece is a needle: halved across until it is none, for quarters would be needles,
+/// too, and be close to each other again.
+constexpr double needle = 3;
+/// Products of pieces of two patches, at most: what patches of one size, right on each other, come to by themselves.
+constexpr std::size_t most_products = 1u << 16;
 constexpr std::array<Vec2, 3> whole{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
 /// Gauss points per variable for patches that touch.
 constexpr std::size_t touching_points = 3;
@@ -55,26 +61,45 @@ PairTable touching_table(Touch touch, std::uint32_t first, std::uint32_t other_f
 struct Piece {
   std::array<Vec2, 3> corners;
   Vec3 centre;
-  double size;  // longest side
+  double size;          // longest side,
+  std::size_t longest;  // which begins at that corner
+  bool slender;
 
   Piece(const Patch& patch, const std::array<Vec2, 3>& uv) : corners(uv) {
     const Vec2 middle = (uv[0] + uv[1] + uv[2]) / 3.0;
     centre = patch.at(middle.x, middle.y);
     const Vec3 a = patch.at(uv[0].x, uv[0].y), b = patch.at(uv[1].x, uv[1].y), c = patch.at(uv[2].x, uv[2].y);
-    size = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
-  }
-
-  std::array<Piece, 4> quarters(const Patch& patch) const {
-    const auto& [a, b, c] = corners;
-    const Vec2 ab = (a + b) / 2.0, bc = (b + c) / 2.0, ca = (c + a) / 2.0;
-    return {Piece(patch, {a, ab, ca}), Piece(patch, {ab, b, bc}), Piece(patch, {ca, bc, c}),
-            Piece(patch, {bc, ca, ab})};
+    const std::array<double, 3> sides{glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)};
+    longest = static_cast<std::size_t>(std::ranges::max_element(sides) - sides.begin());
+    size = sides[longest];
+    slender = size * size > needle * glm::length(glm::cross(b - a, c - a));
   }
 
   Vec2 at(const TriangleSample& s) const {
     return corners[0] + s.u * (corners[1] - corners[0]) + s.v * (corners[2] - corners[0]);
   }
 };
+
+/// What a piece is cut into: quarters, or halves of a needle.
+struct Parts {
+  std::array<Piece, 4> of;
+  std::size_t count;
+  std::span<const Piece> all() const { return std::span(of).first(count); }
+  double weight() const { return 1.0 / static_cast<double>(count); }
+};
+
+Parts parts_of(const Piece& piece, const Patch& patch) {
+  const auto& [a, b, c] = piece.corners;
+  if (piece.slender) {
+    const Vec2 from = piece.corners[piece.longest], to = piece.corners[(piece.longest + 1) % 3];
+    const Vec2 tip = piece.corners[(piece.longest + 2) % 3], middle = (from + to) / 2.0;
+    const Piece first(patch, {from, middle, tip}), second(patch, {middle, to, tip});
+    return {{first, second, first, second}, 2};
+  }
+  const Vec2 ab = (a + b) / 2.0, bc = (b + c) / 2.0, ca = (c + a) / 2.0;
+  return {{Piece(patch, {a, ab, ca}), Piece(patch, {ab, b, bc}), Piece(patch, {ca, bc, c}), Piece(patch, {bc, ca, ab})},
+          4};
+}
 
 bool are_close(const Piece& a, const Piece& b) {
   const Vec3 way = a.centre - b.centre;
@@ -96,32 +121,37 @@ class Cutter {
  public:
   Cutter(const Patch& test, const Patch& trial, PairTable& table) : test_(test), trial_(trial), table_(table) {}
 
-  /// `weight`: by which the pieces are smaller than the patches; `cuts` that are left.
+  /// `weight`: by which the pieces are smaller than the patches; `cuts` that are left, those of needles not counted.
   bool cut(const Piece& a, const Piece& b, double weight, int cuts) {
     const bool close = are_close(a, b);
-    if (!close || cuts == 0) {
+    if (!close || cuts == 0 || products_ >= most_products) {
       add_product(table_, a, b, weight);
+      ++products_;
       return !close;
     }
     // The larger one alone, where the other is less than half its size.
     bool resolved = true;
     if (a.size > 2 * b.size) {
-      for (const Piece& piece : a.quarters(test_))
-        resolved &= cut(piece, b, weight / 4, cuts - 1);
+      const Parts parts = parts_of(a, test_);
+      for (const Piece& piece : parts.all())
+        resolved &= cut(piece, b, weight * parts.weight(), a.slender ? cuts : cuts - 1);
     } else if (b.size > 2 * a.size) {
-      for (const Piece& piece : b.quarters(trial_))
-        resolved &= cut(a, piece, weight / 4, cuts - 1);
+      const Parts parts = parts_of(b, trial_);
+      for (const Piece& piece : parts.all())
+        resolved &= cut(a, piece, weight * parts.weight(), b.slender ? cuts : cuts - 1);
     } else {
-      const std::array<Piece, 4> others = b.quarters(trial_);
-      for (const Piece& piece : a.quarters(test_)) {
-        for (const Piece& other : others)
-          resolved &= cut(piece, other, weight / 16, cuts - 1);
+      const Parts parts = parts_of(a, test_), others = parts_of(b, trial_);
+      const double smaller = weight * parts.weight() * others.weight();
+      for (const Piece& piece : parts.all()) {
+        for (const Piece& other : others.all())
+          resolved &= cut(piece, other, smaller, a.slender && b.slender ? cuts : cuts - 1);
       }
     }
     return resolved;
   }
 
  private:
+  std::size_t products_ = 0;
   const Patch& test_;
   const Patch& trial_;
   PairTable& table_;

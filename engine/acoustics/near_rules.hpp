@@ -15,7 +15,8 @@ class NearRules {
   const PairTable* touching(const glm::uvec3& test, const glm::uvec3& trial) const;
 
   /// Samples of patches that do not touch: six on each, and where the patches are nearer to each other than 1.3 times
-  /// the longer one's sides six on each of their quarters, and so on, a few times: `cut` is their place then.
+  /// the longer one's sides six on each of their quarters, or halves across of needles, and so on, a few times: `cut`
+  /// is their place then. However patches are shaped that is bounded, at 2.4 million samples.
   /// `resolved` becomes false where that does not get there: patches less than about a twelfth of their sides apart.
   const PairTable& apart(const Patch& test, const Patch& trial, PairTable& cut, bool& resolved) const;
 

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <complex>
+#include <csignal>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -12,6 +14,7 @@
 #include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
+#include "terminal.hpp"
 
 namespace palpa::test {
 namespace {
@@ -177,6 +180,24 @@ TEST(Field, SaysWhatIsWrong) {
   };
   for (const auto& [arguments, code, part] : wrong)
     expect_failure(palpa(with({"field"}, arguments)), code, part);
+}
+
+TEST(Field, LongWorkSaysWhatItDoesAndStopsOnCtrlC) {
+  const std::filesystem::path out = folder() / "out-of-ctrl-c";
+  for (const char* const backend : {"gpu", "cpu"}) {
+    std::filesystem::remove_all(out);
+    std::filesystem::create_directories(out);
+    Terminal terminal({"field",       "--layout", "paper",       "--focus",  "0,0,0",       "--plane",
+                       "xy",          "--size",   "60mm,60mm",   "--pixels", "1500,1500",   "--backend",
+                       backend,       "--csv",    out / "a.csv", "--vtu",    out / "a.vtu", "--png",
+                       out / "a.png", "--json",   out / "a.json"});
+    EXPECT_TRUE(terminal.shows("sums the sound of transducers")) << terminal.text();
+    const auto begin = std::chrono::steady_clock::now();
+    terminal.type("\x03");
+    EXPECT_EQ(terminal.ended_by_signal(), SIGINT) << terminal.text();
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1)) << backend;
+    EXPECT_TRUE(std::filesystem::is_empty(out)) << backend;
+  }
 }
 
 }  // namespace

@@ -175,6 +175,18 @@ TEST(Scatter, RefusesWhatIsNoBody) {
   EXPECT_GT(json::parse(turned.out)["force_N"][2].get<double>(), 0);
 }
 
+TEST(Scatter, NamesTheWorstNeedle) {
+  // A sphere with one of its vertices next to another.
+  geometry::Mesh mesh = geometry::icosphere(radius, 6);
+  const glm::uvec3 t = mesh.triangles[40];
+  mesh.positions[t.x] += 0.9 * (mesh.positions[t.y] - mesh.positions[t.x]);
+  const Result told = palpa({"scatter", "--mesh", ply_of("needles", mesh), "--plane-wave", "0,0,1", "--json", "-"});
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NE(told.err.find("2 of its 720 faces are needles, more than 10 times as long as high, face 39"),
+            std::string::npos)
+      << told.err;
+}
+
 TEST(Scatter, PiecesFaceOutwardsAndLieBesideEachOther) {
   const auto with_sphere = [](double size, const Vec3& at, bool flipped) {
     geometry::Mesh both = geometry::icosphere(radius, 5), other = geometry::icosphere(size, 5);

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -17,6 +19,7 @@
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
+#include "terminal.hpp"
 
 namespace palpa::test {
 namespace {
@@ -29,9 +32,9 @@ std::filesystem::path folder() {
   return folder;
 }
 
-/// A fingertip: a sphere of 5 mm, its lowest vertex at 0, y, 0.
-std::string finger_file(const std::string& name, double y, int divisions = 5) {
-  geometry::Mesh mesh = geometry::icosphere(5e-3, divisions);
+/// A fingertip: a sphere, its lowest vertex at 0, y, 0.
+std::string finger_file(const std::string& name, double y, int divisions = 5, double radius = 5e-3) {
+  geometry::Mesh mesh = geometry::icosphere(radius, divisions);
   const Vec3 lowest = *std::ranges::min_element(mesh.positions, {}, &Vec3::y);
   for (Vec3& p : mesh.positions)
     p += Vec3(0, y, 0) - lowest;
@@ -270,6 +273,21 @@ TEST(Simulate, TheFigureIsThePapers) {
   EXPECT_GT(paper[3]["squared"]["elongation"], paper[4]["squared"]["elongation"]);
   EXPECT_TRUE(read_text(png).starts_with("\x89PNG"));
   expect_failure(palpa({"simulate", "--figure6", "--scene", "a.glb"}), 2, "--figure6");
+}
+
+TEST(Simulate, LongWorkSaysWhatItDoesAndStopsOnCtrlC) {
+  const std::filesystem::path out = folder() / "out-of-ctrl-c";
+  std::filesystem::remove_all(out);
+  std::filesystem::create_directories(out);
+  Terminal terminal({"simulate", "--scene", source_file("assets/cube.glb"), "--finger",
+                     finger_file("large", 0, 22, 15e-3), "--backend", "cpu", "--csv", out / "a.csv", "--vtu",
+                     out / "a.vtu", "--png", out / "a.png", "--json", out / "a.json"});
+  EXPECT_TRUE(terminal.shows("fills the matrix of the surface")) << terminal.text();
+  const auto begin = std::chrono::steady_clock::now();
+  terminal.type("\x03");
+  EXPECT_EQ(terminal.ended_by_signal(), SIGINT) << terminal.text();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
+  EXPECT_TRUE(std::filesystem::is_empty(out));
 }
 
 TEST(Simulate, RefusesWhatCannotBe) {
