@@ -1,6 +1,7 @@
 #include "acoustics/incident.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -27,27 +28,30 @@ namespace {
 
 /// Transducers whose parts are summed in single precision before they go into the double sum.
 constexpr std::size_t batch = 128;
+/// Transducers whose sound is at hand for all drives: what fits into the fastest cache.
+constexpr std::size_t at_hand = 16;
+static_assert(batch % at_hand == 0);
 
 /// One drive's sum over transducers at a block's points: of a batch in single precision, of all batches in double.
 struct Sum {
-  BlockOf<float> re{}, im{};
-  BlockOf<double> all_re{}, all_im{};
+  SumBlock part;
+  BlockOf<double> re{}, im{}, slope_re{}, slope_im{};
 
-  void add(std::complex<float> s, const BlockOf<float>& g_re, const BlockOf<float>& g_im) {
-    add_product(s, g_re, g_im, re, im);
-  }
   void end_batch() {
     for (std::size_t i = 0; i < block_points; ++i) {
-      all_re[i] += static_cast<double>(re[i]);
-      all_im[i] += static_cast<double>(im[i]);
-      re[i] = im[i] = 0;
+      re[i] += static_cast<double>(part.re[i]);
+      im[i] += static_cast<double>(part.im[i]);
+      slope_re[i] += static_cast<double>(part.slope_re[i]);
+      slope_im[i] += static_cast<double>(part.slope_im[i]);
     }
-  }
-  void store(double level, std::span<Complex> into) const {
-    for (std::size_t i = 0; i < into.size(); ++i)
-      into[i] = level * Complex(all_re[i], all_im[i]);
+    part = {};
   }
 };
+
+void store(double level, const BlockOf<double>& re, const BlockOf<double>& im, std::span<Complex> into) {
+  for (std::size_t i = 0; i < into.size(); ++i)
+    into[i] = level * Complex(re[i], im[i]);
+}
 
 }  // namespace
 
@@ -61,29 +65,30 @@ bool Incident::at(std::span<const Vec3> points, std::span<const Vec3> normals, s
   waves.slopes.assign(sloped ? drives * points.size() : 0, 0);
   if (drives == 0) return true;
 
+  std::vector<std::complex<float>> single(strengths.size());
+  std::ranges::transform(strengths, single.begin(), [](const Complex& s) { return std::complex<float>(s); });
   Activity activity("sums the sound of transducers", points.size());
   parallel_chunks(points.size(), block_points, [&](std::size_t, std::size_t begin, std::size_t) {
     if (give_up && *give_up) return;
     const PointBlock block(points, normals, begin);
-    TransferBlock sound;
-    std::vector<Sum> pressures(drives), slopes(sloped ? drives : 0);
-    for (std::size_t t = 0; t < transducers; ++t) {
-      transfer(setting_, layout_.transducers[t], block, sloped, sound);
+    std::array<TransferBlock, at_hand> sounds;
+    std::vector<Sum> sums(drives);
+    for (std::size_t first = 0; first < transducers; first += at_hand) {
+      const std::size_t count = std::min(at_hand, transducers - first);
+      for (std::size_t i = 0; i < count; ++i)
+        transfer(setting_, layout_.transducers[first + i], block, sloped, sounds[i]);
+      const bool ends = (first + at_hand) % batch == 0 || first + at_hand >= transducers;
       for (std::size_t d = 0; d < drives; ++d) {
-        const std::complex<float> s(strengths[d * transducers + t]);
-        pressures[d].add(s, sound.re, sound.im);
-        if (sloped) slopes[d].add(s, sound.slope_re, sound.slope_im);
-      }
-      if ((t + 1) % batch != 0 && t + 1 != transducers) continue;
-      for (std::vector<Sum>* sums : {&pressures, &slopes}) {
-        for (Sum& sum : *sums)
-          sum.end_batch();
+        add_products(std::span(single).subspan(d * transducers + first, count), std::span(sounds).first(count), sloped,
+                     sums[d].part);
+        if (ends) sums[d].end_batch();
       }
     }
+    const double level = layout_.source_level_pa_m;
     for (std::size_t d = 0; d < drives; ++d) {
       const std::size_t first = d * points.size() + begin;
-      pressures[d].store(layout_.source_level_pa_m, std::span(waves.pressures).subspan(first, block.count));
-      if (sloped) slopes[d].store(layout_.source_level_pa_m, std::span(waves.slopes).subspan(first, block.count));
+      store(level, sums[d].re, sums[d].im, std::span(waves.pressures).subspan(first, block.count));
+      if (sloped) store(level, sums[d].slope_re, sums[d].slope_im, std::span(waves.slopes).subspan(first, block.count));
     }
     activity.advance(block.count);
   });

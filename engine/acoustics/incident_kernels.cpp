@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "acoustics/lanes.hpp"
+
 namespace palpa::acoustics {
 
 using array::Layout;
@@ -136,31 +138,59 @@ namespace {
   }
 }
 
-[[gnu::always_inline]] inline void add_all(std::complex<float> s, const BlockOf<float>& g_re,
-                                           const BlockOf<float>& g_im, BlockOf<float>& sum_re, BlockOf<float>& sum_im) {
-  const float a = s.real(), b = s.imag();
-  for (std::size_t i = 0; i < block_points; ++i) {
-    sum_re[i] += a * g_re[i] - b * g_im[i];
-    sum_im[i] += a * g_im[i] + b * g_re[i];
+/// Sums stay in registers from transducer to transducer: `lanes` points at a time.
+template <class L>
+[[gnu::always_inline]] inline void add_lanes(std::span<const std::complex<float>> strengths,
+                                             std::span<const TransferBlock> sounds, BlockOf<float> TransferBlock::*g_re,
+                                             BlockOf<float> TransferBlock::*g_im, BlockOf<float>& sum_re,
+                                             BlockOf<float>& sum_im) {
+  constexpr std::size_t width = L::width;
+  static_assert(block_points % (2 * width) == 0);
+  for (std::size_t i = 0; i < block_points; i += 2 * width) {
+    typename L::Float re0 = load<L>(&sum_re[i]), re1 = load<L>(&sum_re[i + width]);
+    typename L::Float im0 = load<L>(&sum_im[i]), im1 = load<L>(&sum_im[i + width]);
+    for (std::size_t t = 0; t < sounds.size(); ++t) {
+      const float a = strengths[t].real(), b = strengths[t].imag();
+      const float* const from_re = (sounds[t].*g_re).data() + i;
+      const float* const from_im = (sounds[t].*g_im).data() + i;
+      const typename L::Float g0 = load<L>(from_re), g1 = load<L>(from_re + width);
+      const typename L::Float h0 = load<L>(from_im), h1 = load<L>(from_im + width);
+      re0 += a * g0 - b * h0;
+      re1 += a * g1 - b * h1;
+      im0 += a * h0 + b * g0;
+      im1 += a * h1 + b * g1;
+    }
+    store<L>(re0, &sum_re[i]);
+    store<L>(re1, &sum_re[i + width]);
+    store<L>(im0, &sum_im[i]);
+    store<L>(im1, &sum_im[i + width]);
   }
+}
+
+template <class L>
+[[gnu::always_inline]] inline void add_all(std::span<const std::complex<float>> strengths,
+                                           std::span<const TransferBlock> sounds, bool slopes, SumBlock& sum) {
+  add_lanes<L>(strengths, sounds, &TransferBlock::re, &TransferBlock::im, sum.re, sum.im);
+  if (slopes)
+    add_lanes<L>(strengths, sounds, &TransferBlock::slope_re, &TransferBlock::slope_im, sum.slope_re, sum.slope_im);
 }
 
 void transfer_plain(const TransferSetting& setting, const Transducer& from, const PointBlock& to, bool slopes,
                     TransferBlock& out) {
   transfer_all(setting, from, to, slopes, out);
 }
-void add_plain(std::complex<float> s, const BlockOf<float>& g_re, const BlockOf<float>& g_im, BlockOf<float>& sum_re,
-               BlockOf<float>& sum_im) {
-  add_all(s, g_re, g_im, sum_re, sum_im);
+void add_plain(std::span<const std::complex<float>> strengths, std::span<const TransferBlock> sounds, bool slopes,
+               SumBlock& sum) {
+  add_all<Lanes4>(strengths, sounds, slopes, sum);
 }
 #if defined(__x86_64__)
 [[gnu::target("avx2")]] void transfer_avx2(const TransferSetting& setting, const Transducer& from, const PointBlock& to,
                                            bool slopes, TransferBlock& out) {
   transfer_all(setting, from, to, slopes, out);
 }
-[[gnu::target("avx2")]] void add_avx2(std::complex<float> s, const BlockOf<float>& g_re, const BlockOf<float>& g_im,
-                                      BlockOf<float>& sum_re, BlockOf<float>& sum_im) {
-  add_all(s, g_re, g_im, sum_re, sum_im);
+[[gnu::target("avx2")]] void add_avx2(std::span<const std::complex<float>> strengths,
+                                      std::span<const TransferBlock> sounds, bool slopes, SumBlock& sum) {
+  add_all<Lanes8>(strengths, sounds, slopes, sum);
 }
 #endif
 
@@ -187,9 +217,9 @@ void transfer(const TransferSetting& setting, const Transducer& from, const Poin
   kernels().transfer(setting, from, to, slopes, out);
 }
 
-void add_product(std::complex<float> s, const BlockOf<float>& g_re, const BlockOf<float>& g_im, BlockOf<float>& sum_re,
-                 BlockOf<float>& sum_im) {
-  kernels().add(s, g_re, g_im, sum_re, sum_im);
+void add_products(std::span<const std::complex<float>> strengths, std::span<const TransferBlock> sounds, bool slopes,
+                  SumBlock& sum) {
+  kernels().add(strengths, sounds, slopes, sum);
 }
 
 }  // namespace palpa::acoustics

@@ -55,8 +55,13 @@ struct TransferSetting {
 void transfer(const TransferSetting& setting, const array::Transducer& from, const PointBlock& to, bool slopes,
               TransferBlock& out);
 
-/// sum += s G.
-void add_product(std::complex<float> s, const BlockOf<float>& g_re, const BlockOf<float>& g_im, BlockOf<float>& sum_re,
-                 BlockOf<float>& sum_im);
+/// What a drive comes to at a block's points.
+struct SumBlock {
+  BlockOf<float> re{}, im{}, slope_re{}, slope_im{};
+};
+
+/// Adds s G of one transducer after the other, each with its strength, slopes only where asked for.
+void add_products(std::span<const std::complex<float>> strengths, std::span<const TransferBlock> sounds, bool slopes,
+                  SumBlock& sum);
 
 }  // namespace palpa::acoustics

@@ -3,7 +3,7 @@
 //
 // The equations are solved in the finger's own frame, into which the array is moved: they are factored once per mesh
 // and tone (acoustics/body_cache.hpp), and a finger that moves as a whole, foci that move, another array or schedule
-// cost right-hand sides only, 0.3 s for the paper's case.
+// cost right-hand sides only, 0.2 s for the paper's case.
 #pragma once
 
 #include <atomic>
