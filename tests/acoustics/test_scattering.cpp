@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <complex>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "acoustics/body_mesh.hpp"
+#include "acoustics/dense_lu.hpp"
 #include "acoustics/near_rules.hpp"
 #include "acoustics/radiation.hpp"
 #include "acoustics/rigid_body.hpp"
@@ -19,6 +21,7 @@
 #include "acoustics/surface_operator.hpp"
 #include "acoustics/triangle_rules.hpp"
 #include "acoustics/waves.hpp"
+#include "base/parallel.hpp"
 #include "geometry/icosphere.hpp"
 #include "geometry/topology.hpp"
 
@@ -191,6 +194,16 @@ TEST(NearRules, CutNeedlesAcross) {
   bool resolved = true;
   EXPECT_LE(rules.apart(needle, upon, cut, resolved).size(), 2400000u);
   EXPECT_FALSE(resolved);
+}
+
+TEST(DenseLu, EndsWhenNobodyWantsIt) {
+  const std::vector<std::complex<float>> unit{1, 0, 0, 1};
+  std::atomic<bool> give_up{true};
+  EXPECT_THROW(DenseLu(unit, 2, &give_up), GivenUp);
+  give_up = false;
+  std::vector<std::complex<float>> column{2, 3};
+  DenseLu(unit, 2, &give_up).solve(Way::forth, column);
+  EXPECT_EQ(column[1], std::complex<float>(3));
 }
 
 TEST(Scattering, SphereInPlaneWaveAndNearSource) {

@@ -118,7 +118,7 @@ TEST(SkinPreview, EndsInTheMiddleOfAnAnswer) {
   // To the end it would take one or two seconds of processor time.
   SkinQuestion long_work = question();
   long_work.finger = geometry::icosphere(10e-3, 16);
-  for (const std::string stage : {"samples neighbouring faces", "fills the matrix", "factors the matrix"}) {
+  for (const std::string stage : {"samples neighbouring faces", "fills the matrix"}) {
     double begun = 0;
     {
       SkinPreview preview;
