@@ -114,8 +114,9 @@ class Nudge : public testing::Test {
 };
 
 TEST_F(Nudge, TheFocusMovesByWhatTheKeysSayAndARunWithTheNewRigPutsItThere) {
-  const Result result = palpa(with(nudge("right*3 shift+up pageup f pageup*2 down left wait*8 enter"),
-                                   {"--link", "record:" + file("nudge.bin"), "--json", file("nudge.json")}));
+  const Result result =
+      palpa(with(nudge("right*3 shift+up pageup f pageup*2 down left wait*8 enter"),
+                 {"--link", "record:" + file("nudge.bin"), "--json", file("nudge.json"), "--hold", "10s"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Vec3 offset(0.0029, 0.0, -0.0012);
   const json said = json::parse(read_text(file("nudge.json")));
@@ -142,8 +143,9 @@ TEST_F(Nudge, TheFocusMovesByWhatTheKeysSayAndARunWithTheNewRigPutsItThere) {
   const sensing::Rig nudged = sensing::load_rig(file("nudged.toml"));
   EXPECT_LT(glm::length(Vec3((*nudged.array->T_world_layout)[3]) - (Vec3(T_world_layout[3]) - offset)), 1e-12);
   EXPECT_EQ(nudged.cameras.size(), rig_.cameras.size());
-  const Result run =
-      palpa(with({"run", "--every-frame", "--rig", file("nudged.toml"), "--link", "record:" + file("run.bin")}, same));
+  const Result run = palpa(with(
+      {"run", "--every-frame", "--rig", file("nudged.toml"), "--link", "record:" + file("run.bin"), "--hold", "10s"},
+      same));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_LT(off(last_sound("run.bin"), T_world_layout, seen + offset), 2e-3);
 }
