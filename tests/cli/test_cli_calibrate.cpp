@@ -22,6 +22,7 @@
 #include "setup/target_mount.hpp"
 #include "support/files.hpp"
 #include "support/shapes.hpp"
+#include "support/shared_data.hpp"
 
 namespace palpa::test {
 namespace {
@@ -54,9 +55,6 @@ Rig rig_of_a_board() {
 
 class Calibrate : public testing::Test {
  protected:
-  Calibrate() { std::filesystem::create_directories(folder_); }
-  ~Calibrate() override { std::filesystem::remove_all(folder_); }
-
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
   std::string write(const std::string& name, const Rig& rig) const {
     write_text(file(name), sensing::to_toml(rig));
@@ -88,9 +86,7 @@ class Calibrate : public testing::Test {
     return "recording:" + file(name);
   }
 
-  std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() /
-      ("palpa-calibrate-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+  std::filesystem::path folder_ = scratch_folder("calibrate");
 };
 
 /// The same cameras where nobody knows where they are.

@@ -22,6 +22,7 @@
 #include "session/record_link.hpp"
 #include "setup/keys.hpp"
 #include "support/files.hpp"
+#include "support/shared_data.hpp"
 #include "terminal.hpp"
 
 namespace palpa::test {
@@ -56,7 +57,6 @@ TEST(Keys, AreReadFromAScript) {
 class Nudge : public testing::Test {
  protected:
   Nudge() {
-    std::filesystem::create_directories(folder_);
     const std::filesystem::path assets = where_assets_are().second;
     rig_ = sensing::load_rig(assets / "rigs/paper.toml");
     rig_.array = sensing::ArrayPlacement{"openmpd", array::load_layout("openmpd").default_T_world_layout, {}};
@@ -76,8 +76,6 @@ class Nudge : public testing::Test {
       writer.write(set);
     }
   }
-  ~Nudge() override { std::filesystem::remove_all(folder_); }
-
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
   std::vector<std::string> nudge(const std::string& keys) const {
     return {"calibrate", "--nudge",           "--backend", "cpu",
@@ -107,9 +105,7 @@ class Nudge : public testing::Test {
     return most;
   }
 
-  std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() /
-      ("palpa-nudge-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+  std::filesystem::path folder_ = scratch_folder("nudge");
   sensing::Rig rig_;
 };
 
