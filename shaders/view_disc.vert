@@ -10,7 +10,7 @@ layout(location = 3) flat out float ball;
 
 void main() {
   // One triangle around the disc costs half of what a square of two does.
-  const ViewDisc disc = items[gl_VertexIndex / 3];
+  const ViewDisc disc = items[gl_VertexIndex / 3 * int(push.style.w)];
   const uint corner = uint(gl_VertexIndex) % 3u;
   const float side = 1.7320508;
   const vec2 around = corner == 0u ? vec2(-side, -1.0) : corner == 1u ? vec2(side, -1.0) : vec2(0.0, 2.0);
@@ -21,7 +21,7 @@ void main() {
   ball = 0.0;
   const vec4 centre = to_clip(disc.centre.xyz);
   if (centre.w <= 0.0) return;
-  radius = clamp(disc.centre.w * push.window.z / centre.w, disc.axis.w * push.style.y, disc.colour.w * push.style.y);
+  radius = disc_radius(disc, centre.w);
   place = around * (radius + 1.0) / radius;  // a pixel more, for the soft edge
   if (dot(disc.axis.xyz, disc.axis.xyz) < 0.5) {
     ball = 1.0;

@@ -3,6 +3,8 @@
 #include "view_scene.h"
 
 layout(std430, set = 0, binding = view_items) readonly buffer Items { ViewVertex items[]; };
+// What is drawn for depth alone and then in colour must meet itself.
+invariant gl_Position;
 layout(location = 0) out vec3 world;
 layout(location = 1) out vec3 normal;
 layout(location = 2) out vec3 paint;

@@ -10,7 +10,7 @@ PALPA_CONST view_buffers = 1u;
 PALPA_CONST view_pixels = 1u;
 PALPA_CONST view_image_buffers = 2u;
 
-// A corner of a mesh triangle. Three in a row are one triangle.
+// A corner of a triangle: three in a row are one, of a mesh those that three indices in a row name.
 struct ViewVertex {
   vec4 position;  // xyz metres; w: its own colour where it has one, (256 red + green) 256 + blue; of an image: x in it
   vec4 normal;    // xyz unit; w: 1 where it has a colour of its own, else 0; of an image: y in it, 0 to 1 from the top
@@ -27,15 +27,13 @@ struct ViewStroke {
 PALPA_CHECK_SIZE(ViewStroke, 48);
 PALPA_CHECK_OFFSET(ViewStroke, colour, 32);
 
-// An edge of a mesh: drawn when it is a crease or where the surface turns away from the viewer.
+// An edge of a mesh that is drawn as a line.
 struct ViewEdge {
-  vec4 from;   // xyz metres; w: 1 for a crease, 0 for an edge inside a smooth surface
-  vec4 to;     // xyz metres; w unused
-  vec4 left;   // xyz unit normal of one face; w unused
-  vec4 right;  // and of the other
+  vec4 from;  // xyz metres; w unused
+  vec4 to;
 };
-PALPA_CHECK_SIZE(ViewEdge, 64);
-PALPA_CHECK_OFFSET(ViewEdge, left, 32);
+PALPA_CHECK_SIZE(ViewEdge, 32);
+PALPA_CHECK_OFFSET(ViewEdge, to, 16);
 
 // A point or a transducer.
 struct ViewDisc {
@@ -58,7 +56,8 @@ struct ViewPush {
   // mesh: x alpha at the silhouette, y 1 for shading, 0 for none, z 1 for no corner in a colour of its own;
   // image: x its first pixel, y and z its width and height in pixels, w opacity; edge: x half the width in pixels;
   // stroke: x 1 where coordinates are pixels, y multiplies widths; edge, stroke: z and w where the view begins, pixels;
-  // disc: x outline in pixels, y multiplies radii given in pixels, z opacity
+  // disc: x outline in pixels, y multiplies radii given in pixels, z opacity, w: only each so-manyth is drawn, counted
+  // from the buffer's first
   vec4 style;
 };
 PALPA_CHECK_SIZE(ViewPush, 128);
@@ -82,8 +81,16 @@ vec3 towards_viewer(vec3 world) {
   return normalize(push.eye.xyz - push.eye.w * world);
 }
 
-// A triangle all of whose corners are here is not drawn.
-const vec4 nowhere = vec4(2.0, 2.0, -1.0, 1.0);
+// In pixels. Never nothing, not even of a disc that is all zeros, which is what a software device's idle lanes have:
+// they would divide by it, and what they then say of clipping holds for all.
+float disc_radius(ViewDisc disc, float clip_w) {
+  const float own = disc.centre.w * push.window.z / clip_w;
+  return max(clamp(own, disc.axis.w * push.style.y, disc.colour.w * push.style.y), 0.1);
+}
+
+// A triangle all of whose corners are here has no area and is not drawn. It lies where nothing needs to be clipped: one
+// corner beyond the picture sends hundreds of triangles around it through a software device's clipper.
+const vec4 nowhere = vec4(0.0, 0.0, 0.0, 1.0);
 #endif
 
 #endif

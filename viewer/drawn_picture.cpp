@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <span>
+#include <utility>
 
+#include "viewer/detail.hpp"
 #include "viewer/shape.hpp"
 
 namespace palpa::viewer {
@@ -30,13 +33,23 @@ void DrawnPicture::fill(gpu::Upload& upload, const std::vector<T>& items, const 
 }
 
 SurfaceItems DrawnPicture::add_surface(const SurfaceMark& surface) {
-  const Shape shape = make_shape(surface.mesh, usual_crease, surface.colours);
+  Shape shape = make_shape(surface.mesh, usual_crease, surface.colours);
   SurfaceItems range;
-  range.vertices = {static_cast<std::uint32_t>(new_vertices_.size()),
-                    static_cast<std::uint32_t>(shape.vertices.size())};
-  range.edges = {static_cast<std::uint32_t>(new_edges_.size()), static_cast<std::uint32_t>(shape.edges.size())};
+  const auto first_vertex = static_cast<std::uint32_t>(new_vertices_.size());
+  const auto append = [&](std::span<const std::uint32_t> corners) {
+    const Items items{static_cast<std::uint32_t>(new_corners_.size()), static_cast<std::uint32_t>(corners.size())};
+    for (const std::uint32_t corner : corners)
+      new_corners_.push_back(first_vertex + corner);
+    return items;
+  };
+  range.corners = append(shape.corners);
+  // Colours are to be seen everywhere.
+  if (surface.colours.empty()) {
+    for (const Detail& detail : coarser(shape.vertices, shape.corners))
+      range.coarser.push_back({append(detail.corners), detail.error_m});
+  }
   new_vertices_.insert(new_vertices_.end(), shape.vertices.begin(), shape.vertices.end());
-  new_edges_.insert(new_edges_.end(), shape.edges.begin(), shape.edges.end());
+  range.edges = std::move(shape.edges);
   range.bounds = geometry::bounds(surface.mesh);
   range.part = surface.part;
   return range;
@@ -44,7 +57,7 @@ SurfaceItems DrawnPicture::add_surface(const SurfaceMark& surface) {
 
 void DrawnPicture::update(const Picture& picture, const ViewState& state) {
   new_vertices_.clear();
-  new_edges_.clear();
+  new_corners_.clear();
   solids_.clear();
   picture_.solids.clear();
   picture_.skin.reset();
@@ -64,7 +77,7 @@ void DrawnPicture::update(const Picture& picture, const ViewState& state) {
   }
   everything_ = solids_.empty() ? extent(picture, Extent::all) : Box();
   fill(vertices_, new_vertices_, "surfaces");
-  fill(edges_, new_edges_, "surface edges");
+  fill(corners_, new_corners_, "surface corners");
   surfaces_changed_ = true;
   update_marks(picture, state);
 }
@@ -115,7 +128,9 @@ void DrawnPicture::add_discs(const Picture& picture, const Theme& theme) {
   const auto begin = [&] { return Items{static_cast<std::uint32_t>(new_discs_.size()), 0}; };
   const auto end = [&](Items& range) { range.count = static_cast<std::uint32_t>(new_discs_.size()) - range.first; };
   points_ = begin();
+  points_box_ = {};
   for (const glm::vec3& p : picture.skin_points) {
+    points_box_.add(Vec3(p));
     new_discs_.push_back({pack(p, 0.2e-3f), {0, 0, 0, 0.8f}, pack(theme.skin_point, 2.2f)});
   }
   end(points_);
@@ -156,7 +171,7 @@ void DrawnPicture::add_images(const Picture& picture) {
 void DrawnPicture::record_upload(VkCommandBuffer commands) {
   if (surfaces_changed_) {
     vertices_.record(commands);
-    edges_.record(commands);
+    corners_.record(commands);
   }
   if (marks_changed_) {
     face_vertices_.record(commands);

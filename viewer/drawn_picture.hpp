@@ -6,6 +6,7 @@
 
 #include "gpu/buffer.hpp"
 #include "shaders/view_scene.h"
+#include "viewer/outline.hpp"
 #include "viewer/palette.hpp"
 #include "viewer/picture.hpp"
 #include "viewer/world_marks.hpp"
@@ -17,10 +18,18 @@ struct Items {
   std::uint32_t first = 0, count = 0;
 };
 
+/// A coarser form of a surface, see detail.hpp.
+struct CoarserItems {
+  Items corners;
+  double error_m = 0;
+};
+
 /// One surface's triangles and edges.
 struct SurfaceItems {
   Box bounds{};  ///< surfaces are drawn from far to near by its centre
-  Items vertices, edges;
+  Items corners;
+  std::vector<CoarserItems> coarser;
+  EdgeNet edges;
   std::optional<std::uint32_t> part{};  ///< as SurfaceMark has it
   Vec3 away{0};                         ///< where it goes when its solid is taken apart
 };
@@ -61,12 +70,13 @@ class DrawnPicture {
   std::vector<SurfaceItems> solids_;
   SurfaceItems skin_;
   bool skin_has_colours_ = false;
+  Box points_box_;
   std::vector<ImageItems> images_;
   Items boards_, sections_, tile_, points_, contacts_, transducers_, lines_;
-  gpu::Upload vertices_, edges_, face_vertices_, pixels_, discs_, strokes_;
+  gpu::Upload vertices_, corners_, face_vertices_, pixels_, discs_, strokes_;
   bool surfaces_changed_ = false, marks_changed_ = false;
   std::vector<shader::ViewVertex> new_vertices_;
-  std::vector<shader::ViewEdge> new_edges_;
+  std::vector<std::uint32_t> new_corners_;
   std::vector<shader::ViewDisc> new_discs_;
   std::vector<std::uint32_t> new_pixels_;
   WorldMarks new_marks_;

@@ -18,6 +18,7 @@
 #include "spirv/view_mesh.vert.hpp"
 #include "spirv/view_stroke.frag.hpp"
 #include "spirv/view_stroke.vert.hpp"
+#include "viewer/detail.hpp"
 #include "viewer/overlay.hpp"
 #include "viewer/palette.hpp"
 
@@ -71,7 +72,8 @@ shader::vec4 pack(const Colour& c) {
 /// Uploads overwrite what earlier frames' draws fetched.
 void after_last_draws(VkCommandBuffer commands) {
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-  memory.srcStageMask = VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
+  memory.srcStageMask = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
+                        VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
   memory.dstStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
   VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
   info.memoryBarrierCount = 1;
@@ -81,6 +83,63 @@ void after_last_draws(VkCommandBuffer commands) {
 
 constexpr std::uint32_t corners_of(std::uint32_t quads) {
   return quads * 6;
+}
+
+/// What one frame in flight draws with, however much it is this time.
+template <typename T>
+void upload(const gpu::Device& device, VkCommandBuffer commands, const std::vector<T>& items, gpu::Upload& memory,
+            const char* name) {
+  const VkDeviceSize bytes = items.size() * sizeof(T);
+  if (memory.data() == nullptr || memory.ref().size < bytes)
+    memory = gpu::Upload(device, std::max<VkDeviceSize>(2 * bytes, 4096), name);
+  if (bytes != 0) std::memcpy(memory.data(), items.data(), bytes);
+  memory.record(commands, bytes);
+}
+
+/// How large a metre appears at most within `box`.
+double pixels_per_metre(const shader::ViewPush& push, const Box& box) {
+  double nearest = 1e30;
+  for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
+    const Vec3 p(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                 corner & 4 ? box.high.z : box.low.z);
+    const shader::vec4& w = push.clip_w;
+    nearest = std::min(nearest, w.x * p.x + w.y * p.y + w.z * p.z + w.w);
+  }
+  return static_cast<double>(push.window.z) / std::max(nearest, 1e-9);
+}
+
+/// Skin points that lie in a crowd hide each other: drawing each so-manyth of them leaves enough for every pixel.
+std::uint32_t crowding(const shader::ViewPush& push, const Box& box, std::uint32_t count) {
+  constexpr double enough = 4;  // for each pixel
+  if (box.empty()) return 1;
+  double left = 1e30, right = -1e30, top = 1e30, bottom = -1e30;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Projected p = project(push, {corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                       corner & 4 ? box.high.z : box.low.z});
+    if (!p.visible) return 1;
+    left = std::min(left, p.x);
+    right = std::max(right, p.x);
+    top = std::min(top, p.y);
+    bottom = std::max(bottom, p.y);
+  }
+  const double pixels = std::max(right - left, 1.0) * std::max(bottom - top, 1.0);
+  return static_cast<std::uint32_t>(std::clamp(count / (enough * pixels), 1.0, 64.0));
+}
+
+/// The fewest triangles that are not further off than that.
+Items corners_for(const SurfaceItems& surface, double error_m) {
+  Items corners = surface.corners;
+  for (const CoarserItems& coarser : surface.coarser) {
+    if (coarser.error_m <= error_m) corners = coarser.corners;
+  }
+  return corners;
+}
+
+/// An eye as what stands `by` away from where its coordinates say sees it.
+shader::vec4 seen_from(shader::vec4 eye, const Vec3& by) {
+  const glm::vec3 d(by);
+  if (eye.w > 0.5f) eye = {eye.x - d.x, eye.y - d.y, eye.z - d.z, eye.w};
+  return eye;
 }
 
 }  // namespace
@@ -99,11 +158,7 @@ struct Renderer::Shot {
     const glm::vec3 d(by);
     for (shader::vec4* clip : {&shot.push.clip_x, &shot.push.clip_y, &shot.push.clip_z, &shot.push.clip_w})
       clip->w += clip->x * d.x + clip->y * d.y + clip->z * d.z;
-    if (push.eye.w > 0.5f) {
-      shot.push.eye.x -= d.x;
-      shot.push.eye.y -= d.y;
-      shot.push.eye.z -= d.z;
-    }
+    shot.push.eye = seen_from(push.eye, by);
     return shot;
   }
 };
@@ -119,6 +174,7 @@ Renderer::Renderer(const gpu::Device& device, VkFormat colour)
   layout.samples = samples_;
   layout.blend = true;
   mesh_ = {device, "view mesh", spirv::view_mesh_vert, spirv::view_mesh_frag, layout};
+  mesh_depth_ = {device, "view mesh depth", spirv::view_mesh_vert, {}, layout};
   edge_ = {device, "view edge", spirv::view_edge_vert, spirv::view_stroke_frag, layout};
   stroke_ = {device, "view stroke", spirv::view_stroke_vert, spirv::view_stroke_frag, layout};
   layout.buffers = shader::view_image_buffers;
@@ -170,13 +226,29 @@ std::vector<Items> Renderer::upload_overlay(VkCommandBuffer commands, const Draw
         canvas.strokes_);
     ranges.push_back({first, static_cast<std::uint32_t>(canvas.strokes_.size()) - first});
   }
-  const VkDeviceSize bytes = canvas.strokes_.size() * sizeof(shader::ViewStroke);
-  if (canvas.overlay_.data() == nullptr || canvas.overlay_.ref().size < bytes) {
-    canvas.overlay_ = gpu::Upload(*device_, std::max<VkDeviceSize>(2 * bytes, 4096), "view overlay");
-  }
-  if (bytes != 0) std::memcpy(canvas.overlay_.data(), canvas.strokes_.data(), bytes);
-  canvas.overlay_.record(commands, bytes);
+  upload(*device_, commands, canvas.strokes_, canvas.overlay_, "view overlay");
   return ranges;
+}
+
+// Nothing where edges are hidden; else those of every surface of the first view, then of the next.
+std::vector<Renderer::EdgeLines> Renderer::upload_edges(VkCommandBuffer commands, const DrawnPicture& drawn,
+                                                        std::span<const View> views, Canvas& canvas) const {
+  std::vector<EdgeLines> lines;
+  if (!drawn.state_.layers.shows(Layer::edges)) return lines;
+  std::vector<shader::ViewEdge>& edges = canvas.edges_;
+  edges.clear();
+  for (const View& view : views) {
+    const shader::vec4 eye = projection(view.viewpoint, 1, 1).eye;
+    for (const SurfaceItems& solid : drawn.solids_) {
+      const auto first = static_cast<std::uint32_t>(edges.size());
+      edges.insert(edges.end(), solid.edges.creases.begin(), solid.edges.creases.end());
+      canvas.outliner_.find(solid.edges, seen_from(eye, drawn.state_.explode * solid.away), edges);
+      lines.push_back({{first, static_cast<std::uint32_t>(edges.size()) - first},
+                       static_cast<std::uint32_t>(solid.edges.creases.size())});
+    }
+  }
+  upload(*device_, commands, edges, canvas.lines_, "view edges");
+  return lines;
 }
 
 void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<const View> views, Canvas& canvas,
@@ -186,6 +258,7 @@ void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<c
   after_last_draws(commands);
   drawn.record_upload(commands);
   const std::vector<Items> overlays = upload_overlay(commands, drawn, views, canvas, ratio);
+  const std::vector<EdgeLines> lines = upload_edges(commands, drawn, views, canvas);
   if (sheet) sheets_.upload(commands, *sheet, canvas.sheet_);
 
   const bool resolve = canvas.colour_.get() != VK_NULL_HANDLE;
@@ -230,14 +303,15 @@ void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<c
               static_cast<float>(ratio)};
     shot.push.style.z = static_cast<float>(views[i].area.offset.x);
     shot.push.style.w = static_cast<float>(views[i].area.offset.y);
-    draw_view(shot, drawn, canvas, views[i], overlays[i]);
+    const std::size_t solids = lines.empty() ? 0 : drawn.solids_.size();
+    draw_view(shot, drawn, canvas, views[i], overlays[i], std::span(lines).subspan(i * solids, solids));
   }
   if (sheet) sheets_.draw(commands, *sheet, canvas.sheet_, extent);
   vkCmdEndRendering(commands);
 }
 
 void Renderer::draw_view(const Shot& shot, const DrawnPicture& drawn, const Canvas& canvas, const View& view,
-                         const Items& overlay) const {
+                         const Items& overlay, std::span<const EdgeLines> lines) const {
   const VkRect2D& area = view.area;
   const VkViewport viewport{static_cast<float>(area.offset.x),
                             static_cast<float>(area.offset.y),
@@ -258,21 +332,22 @@ void Renderer::draw_view(const Shot& shot, const DrawnPicture& drawn, const Canv
   draw_points(shot, drawn);
   draw_images(shot, drawn, view);
   draw_faces_and_lines(shot, drawn);
-  draw_surfaces(shot, drawn);
+  draw_surfaces(shot, drawn, canvas, lines);
   draw_overlay(shot, canvas, overlay);
 }
 
 // Opaque and first: they write depth, and what is translucent then blends over those behind it.
 void Renderer::draw_points(const Shot& shot, const DrawnPicture& drawn) const {
-  const auto draw = [&](const Items& range, float outline, Layer layer) {
+  const auto draw = [&](const Items& range, float outline, Layer layer, std::uint32_t each) {
     if (!shot.layers.shows(layer)) return;
     shader::ViewPush push = shot.push;
-    push.style = {outline * shot.ratio, shot.ratio, shot.layers.opacity(layer), 0};
-    disc_.draw(shot.commands, {drawn.discs_.ref()}, push, {.depth_write = true}, 3 * range.count, 3 * range.first);
+    push.style = {outline * shot.ratio, shot.ratio, shot.layers.opacity(layer), static_cast<float>(each)};
+    disc_.draw(shot.commands, {drawn.discs_.ref()}, push, {.depth_write = true}, 3 * (range.count / each),
+               3 * (range.first / each));
   };
-  draw(drawn.transducers_, 0.0f, Layer::transducers);
-  draw(drawn.points_, 0.0f, Layer::points);
-  draw(drawn.contacts_, 0.6f, Layer::contacts);
+  draw(drawn.transducers_, 0.0f, Layer::transducers, 1);
+  draw(drawn.points_, 0.0f, Layer::points, crowding(shot.push, drawn.points_box_, drawn.points_.count));
+  draw(drawn.contacts_, 0.6f, Layer::contacts, 1);
 }
 
 // Those that hide what lies behind them write depth, too. From within a camera its own image would hide all else.
@@ -312,54 +387,61 @@ void Renderer::draw_faces_and_lines(const Shot& shot, const DrawnPicture& drawn)
 // Solids are convex, so that back faces, then front faces, blend in the right order; several solids from far to near.
 // The skin's surface may pass through a solid: the part behind the solid's front is drawn before that front, the rest
 // after.
-void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn) const {
-  const auto paint = [&](const Shot& shot, const Items& range, Colour face, Colour rim, float opacity,
+void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn, const Canvas& canvas,
+                             std::span<const EdgeLines> lines) const {
+  const auto run_of = [&](const Shot& shot, const SurfaceItems& surface) {
+    const Items corners = corners_for(surface, least_pixels / pixels_per_metre(shot.push, surface.bounds));
+    return gpu::GraphicsPipeline::Run{drawn.corners_.ref(), corners.first, corners.count};
+  };
+  const auto paint = [&](const Shot& shot, const SurfaceItems& surface, Colour face, Colour rim, float opacity,
                          const gpu::DrawState& state) {
     shader::ViewPush push = shot.push;
     push.colour = pack(with_alpha(face, face.a * opacity));
     push.style = {rim.a * opacity, 1, 1, 0};
-    mesh_.draw(shot.commands, {drawn.vertices_.ref()}, push, state, range.count, range.first);
+    mesh_.draw(shot.commands, {drawn.vertices_.ref()}, push, state, run_of(shot, surface));
   };
   const bool heat = drawn.skin_has_colours_ && all.layers.shows(Layer::heat);
   if (heat) draw_heat(all, drawn);
   const auto paint_skin = [&](VkCompareOp compare) {
     if (heat || !all.layers.shows(Layer::skin)) return;
     for (const VkCullModeFlagBits hidden : {VK_CULL_MODE_FRONT_BIT, VK_CULL_MODE_BACK_BIT}) {
-      paint(all, drawn.skin_.vertices, all.theme.skin, all.theme.skin_rim, all.layers.opacity(Layer::skin),
+      paint(all, drawn.skin_, all.theme.skin, all.theme.skin_rim, all.layers.opacity(Layer::skin),
             {.cull = hidden, .compare = compare});
     }
   };
 
   struct Part {
     const SurfaceItems* items;
+    EdgeLines lines;
     Vec3 away;
     double distance;
   };
   std::vector<Part> parts;
-  for (const SurfaceItems& solid : drawn.solids_) {
+  for (std::size_t i = 0; i < drawn.solids_.size(); ++i) {
+    const SurfaceItems& solid = drawn.solids_[i];
     const Vec3 away = drawn.state_.explode * solid.away;
-    parts.push_back({&solid, away, solid.bounds.empty() ? 0 : glm::distance(solid.bounds.centre() + away, all.eye)});
+    parts.push_back({&solid, lines.empty() ? EdgeLines{} : lines[i], away,
+                     solid.bounds.empty() ? 0 : glm::distance(solid.bounds.centre() + away, all.eye)});
   }
   std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.distance > b.distance; });
   const float opacity = all.layers.opacity(Layer::solids);
   const auto paint_faces = [&](const Part& part, VkCullModeFlags hidden) {
     if (opacity > 0) {
-      paint(all.moved(part.away), part.items->vertices, face_of(*part.items, all.theme), rim_of(*part.items, all.theme),
-            opacity, {.cull = hidden});
+      paint(all.moved(part.away), *part.items, face_of(*part.items, all.theme), rim_of(*part.items, all.theme), opacity,
+            {.cull = hidden});
     }
   };
   const bool edges = all.layers.shows(Layer::edges);
   for (const Part& part : parts) {
     paint_faces(part, VK_CULL_MODE_FRONT_BIT);
-    // Depth alone, by painting with no alpha.
     if (opacity > 0 || edges)
-      paint(all.moved(part.away), part.items->vertices, all.theme.solid, all.theme.solid, 0,
-            {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = true});
+      mesh_depth_.draw(all.commands, {drawn.vertices_.ref()}, all.moved(part.away).push,
+                       {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = true}, run_of(all.moved(part.away), *part.items));
   }
   if (!parts.empty()) paint_skin(VK_COMPARE_OP_LESS);
   for (const Part& part : parts) {
     paint_faces(part, VK_CULL_MODE_BACK_BIT);
-    if (edges) draw_edges(all.moved(part.away), drawn, *part.items);
+    if (edges) draw_edges(all.moved(part.away), canvas, part.lines);
   }
   paint_skin(VK_COMPARE_OP_GREATER_OR_EQUAL);
 }
@@ -370,23 +452,22 @@ void Renderer::draw_heat(const Shot& shot, const DrawnPicture& drawn) const {
   shader::ViewPush push = shot.push;
   push.colour.w = opacity;
   push.style = {opacity, 0.25f, 0, 0};
-  const Items& range = drawn.skin_.vertices;
   mesh_.draw(shot.commands, {drawn.vertices_.ref()}, push, {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = opacity >= 1},
-             range.count, range.first);
+             {drawn.corners_.ref(), drawn.skin_.corners.first, drawn.skin_.corners.count});
 }
 
-// What lies behind a surface faintly, what is before it firmly.
-void Renderer::draw_edges(const Shot& shot, const DrawnPicture& drawn, const SurfaceItems& surface) const {
+// What is before the surface firmly, creases behind it faintly: the folds of a dense mesh would be but a tangle there.
+void Renderer::draw_edges(const Shot& shot, const Canvas& canvas, const EdgeLines& lines) const {
   shader::ViewPush push = shot.push;
   push.window.w = line_bias;
-  const auto draw = [&](float width, float alpha, VkCompareOp compare) {
+  const auto draw = [&](float width, float alpha, VkCompareOp compare, std::uint32_t count) {
     push.colour = pack(with_alpha(shot.theme.edge, alpha * shot.layers.opacity(Layer::edges)));
     push.style = {0.5f * width * shot.ratio, 0, shot.push.style.z, shot.push.style.w};
-    edge_.draw(shot.commands, {drawn.edges_.ref()}, push, {.compare = compare}, corners_of(surface.edges.count),
-               corners_of(surface.edges.first));
+    edge_.draw(shot.commands, {canvas.lines_.ref()}, push, {.compare = compare}, corners_of(count),
+               corners_of(lines.all.first));
   };
-  draw(1.0f, 0.30f, VK_COMPARE_OP_LESS);
-  draw(1.5f, 0.90f, VK_COMPARE_OP_GREATER_OR_EQUAL);
+  draw(1.0f, 0.30f, VK_COMPARE_OP_LESS, lines.creases);
+  draw(1.5f, 0.90f, VK_COMPARE_OP_GREATER_OR_EQUAL, lines.all.count);
 }
 
 void Renderer::draw_overlay(const Shot& shot, const Canvas& canvas, const Items& strokes) const {

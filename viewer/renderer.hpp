@@ -22,9 +22,11 @@ class Canvas {
  private:
   friend class Renderer;
   gpu::Image colour_, depth_;
-  gpu::Upload overlay_;
+  gpu::Upload overlay_, lines_;
   SheetMemory sheet_;
   std::vector<shader::ViewStroke> strokes_;
+  std::vector<shader::ViewEdge> edges_;
+  Outliner outliner_;
 };
 
 /// One view in a rectangle of the picture.
@@ -64,22 +66,30 @@ class Renderer {
 
  private:
   struct Shot;
+  /// Of one surface in one view: its creases, and after them its outline.
+  struct EdgeLines {
+    Items all;
+    std::uint32_t creases = 0;
+  };
   void draw_points(const Shot& shot, const DrawnPicture& drawn) const;
   void draw_images(const Shot& shot, const DrawnPicture& drawn, const View& view) const;
   void draw_faces_and_lines(const Shot& shot, const DrawnPicture& drawn) const;
-  void draw_surfaces(const Shot& shot, const DrawnPicture& drawn) const;
+  void draw_surfaces(const Shot& shot, const DrawnPicture& drawn, const Canvas& canvas,
+                     std::span<const EdgeLines> lines) const;
   void draw_heat(const Shot& shot, const DrawnPicture& drawn) const;
-  void draw_edges(const Shot& shot, const DrawnPicture& drawn, const SurfaceItems& surface) const;
+  void draw_edges(const Shot& shot, const Canvas& canvas, const EdgeLines& lines) const;
   void draw_overlay(const Shot& shot, const Canvas& canvas, const Items& strokes) const;
   std::vector<Items> upload_overlay(VkCommandBuffer commands, const DrawnPicture& drawn, std::span<const View> views,
                                     Canvas& canvas, double ratio) const;
+  std::vector<EdgeLines> upload_edges(VkCommandBuffer commands, const DrawnPicture& drawn, std::span<const View> views,
+                                      Canvas& canvas) const;
   void draw_view(const Shot& shot, const DrawnPicture& drawn, const Canvas& canvas, const View& view,
-                 const Items& overlay) const;
+                 const Items& overlay, std::span<const EdgeLines> lines) const;
 
   const gpu::Device* device_;
   VkFormat colour_, depth_;
   VkSampleCountFlagBits samples_;
-  gpu::GraphicsPipeline mesh_, edge_, stroke_, disc_, image_;
+  gpu::GraphicsPipeline mesh_, mesh_depth_, edge_, stroke_, disc_, image_;
   SheetPainter sheets_;
 };
 

@@ -1,4 +1,4 @@
-// A mesh as the renderer wants it: corners with shading normals, and edges with the normals on both sides.
+// A mesh as the renderer wants it: vertices with shading normals, triangles of them, and edges that may be lines.
 #pragma once
 
 #include <span>
@@ -7,12 +7,14 @@
 #include "drawing/colour.hpp"
 #include "geometry/mesh.hpp"
 #include "shaders/view_scene.h"
+#include "viewer/outline.hpp"
 
 namespace palpa::viewer {
 
 struct Shape {
-  std::vector<shader::ViewVertex> vertices;  ///< three per triangle
-  std::vector<shader::ViewEdge> edges;       ///< creases, open edges and edges of smooth surfaces; none where coplanar
+  std::vector<shader::ViewVertex> vertices;  ///< no two the same
+  std::vector<std::uint32_t> corners;  ///< three per triangle, in an order in which a device shades few vertices twice
+  EdgeNet edges;                       ///< creases, open edges, and folds of smooth surfaces; none where coplanar
 };
 
 /// `mesh` welded; triangles without area are left out. Faces that meet at less than `crease` radians shade smoothly.

@@ -45,7 +45,7 @@ GraphicsPipeline::GraphicsPipeline(const Device& device, const char* name, std::
   layout_ = Handle<VkPipelineLayout>(device.get(), pipeline_layout, vkDestroyPipelineLayout);
 
   const auto vertex_module = make_module(device, vertex);
-  const auto fragment_module = make_module(device, fragment);
+  const auto fragment_module = fragment.empty() ? Handle<VkShaderModule>() : make_module(device, fragment);
   const std::array shader_stages{stage(VK_SHADER_STAGE_VERTEX_BIT, vertex_module.get()),
                                  stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment_module.get())};
 
@@ -72,6 +72,7 @@ GraphicsPipeline::GraphicsPipeline(const Device& device, const char* name, std::
   attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
   // Alpha of an alpha-to-coverage draw is its coverage, not the image's opacity.
   if (!layout.alpha_to_coverage) attachment.colorWriteMask |= VK_COLOR_COMPONENT_A_BIT;
+  if (fragment.empty()) attachment.colorWriteMask = 0;
   VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
   blend.attachmentCount = 1;
   blend.pAttachments = &attachment;
@@ -87,7 +88,7 @@ GraphicsPipeline::GraphicsPipeline(const Device& device, const char* name, std::
   rendering.depthAttachmentFormat = layout.depth;
 
   VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO, &rendering};
-  info.stageCount = static_cast<std::uint32_t>(shader_stages.size());
+  info.stageCount = fragment.empty() ? 1 : 2;
   info.pStages = shader_stages.data();
   info.pVertexInputState = &input;
   info.pInputAssemblyState = &assembly;
@@ -105,9 +106,8 @@ GraphicsPipeline::GraphicsPipeline(const Device& device, const char* name, std::
   device.name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), name);
 }
 
-void GraphicsPipeline::draw(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
-                            const DrawState& state, std::uint32_t vertices, std::uint32_t first) const {
-  if (vertices == 0) return;
+void GraphicsPipeline::bind(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
+                            const DrawState& state) const {
   check_push_bytes(name_, push_bytes_, push);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
   set_.bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), buffers);
@@ -116,7 +116,21 @@ void GraphicsPipeline::draw(VkCommandBuffer commands, std::initializer_list<Buff
   vkCmdSetDepthTestEnable(commands, state.depth_test);
   vkCmdSetDepthWriteEnable(commands, state.depth_write);
   vkCmdSetDepthCompareOp(commands, state.compare);
+}
+
+void GraphicsPipeline::draw(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
+                            const DrawState& state, std::uint32_t vertices, std::uint32_t first) const {
+  if (vertices == 0) return;
+  bind(commands, buffers, push, state);
   vkCmdDraw(commands, vertices, 1, first, 0);
+}
+
+void GraphicsPipeline::draw(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
+                            const DrawState& state, const Run& run) const {
+  if (run.count == 0) return;
+  bind(commands, buffers, push, state);
+  vkCmdBindIndexBuffer(commands, run.indices.buffer, run.indices.offset, VK_INDEX_TYPE_UINT32);
+  vkCmdDrawIndexed(commands, run.count, 1, run.first, 0, 0);
 }
 
 }  // namespace palpa::gpu

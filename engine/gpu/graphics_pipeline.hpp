@@ -39,7 +39,8 @@ struct DrawState {
 class GraphicsPipeline {
  public:
   GraphicsPipeline() = default;
-  /// `vertex` and `fragment` are arrays of namespace palpa::spirv; the entry points are main.
+  /// `vertex` and `fragment` are arrays of namespace palpa::spirv; the entry points are main. No fragment: it draws
+  /// depth alone.
   GraphicsPipeline(const Device& device, const char* name, std::span<const std::uint32_t> vertex,
                    std::span<const std::uint32_t> fragment, const GraphicsLayout& layout);
 
@@ -48,8 +49,18 @@ class GraphicsPipeline {
   /// buffers or size of push constants than the layout's.
   void draw(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
             const DrawState& state, std::uint32_t vertices, std::uint32_t first = 0) const;
+  /// The same for the vertices that a run of `indices` (32 bits each) names; gl_VertexIndex is the index.
+  struct Run {
+    BufferRef indices;
+    std::uint32_t first = 0, count = 0;
+  };
+  void draw(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
+            const DrawState& state, const Run& run) const;
 
  private:
+  void bind(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
+            const DrawState& state) const;
+
   std::string name_;
   BufferSet set_;
   Handle<VkPipelineLayout> layout_;

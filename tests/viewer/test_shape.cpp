@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "geometry/icosphere.hpp"
 #include "scenes.hpp"
 #include "viewer/shape.hpp"
 
@@ -15,15 +17,16 @@ Vec3 xyz(const shader::vec4& v) {
   return {v.x, v.y, v.z};
 }
 
-std::ptrdiff_t creases(const Shape& shape) {
-  return std::count_if(shape.edges.begin(), shape.edges.end(), [](const auto& e) { return e.from.w == 1.0f; });
+std::size_t creases(const Shape& shape) {
+  return shape.edges.creases.size();
 }
 
 TEST(Shape, ACubeHasTwelveCreasesAndFlatFaces) {
   const Shape shape = make_shape(test::box({-1, -1, -1}, {1, 1, 1}));
-  EXPECT_EQ(shape.vertices.size(), 36u);
-  EXPECT_EQ(shape.edges.size(), 12u);  // the faces' diagonals are no edges
-  EXPECT_EQ(creases(shape), 12);
+  EXPECT_EQ(shape.vertices.size(), 24u);  // four for each face
+  EXPECT_EQ(shape.corners.size(), 36u);
+  EXPECT_EQ(creases(shape), 12u);
+  EXPECT_TRUE(shape.edges.folds.empty());  // the faces' diagonals are no edges
   for (const auto& v : shape.vertices) {
     EXPECT_NEAR(std::max({std::abs(v.normal.x), std::abs(v.normal.y), std::abs(v.normal.z)}), 1, 1e-6);
     EXPECT_GT(glm::dot(xyz(v.normal), xyz(v.position)), 0.9);  // outwards
@@ -49,7 +52,7 @@ TEST(Shape, AFineCylinderIsSmoothAroundAndSharpAtItsRims) {
   }
   const Shape shape = make_shape(mesh);
   EXPECT_EQ(creases(shape), 2 * n);
-  EXPECT_EQ(shape.edges.size(), 3 * n);  // and the upright ones, for the silhouette
+  EXPECT_EQ(shape.edges.folds.size(), n);  // the upright ones, for the outline
   for (const auto& v : shape.vertices) {
     if (std::abs(v.normal.y) < 0.5) {  // on the side: radial
       EXPECT_NEAR(glm::distance(xyz(v.normal), Vec3(v.position.x, 0, v.position.z)), 0, 0.06);
@@ -87,11 +90,30 @@ TEST(Shape, ShortFoldsThatEndAreNoCreases) {
   std::ptrdiff_t folds = 0;
   for (double height = 0; folds == 0 && height < 0.2; height += 0.002) {
     const Shape shape = make_shape(ball_with_bump(height));
-    folds = std::count_if(shape.edges.begin(), shape.edges.end(),
-                          [](const auto& e) { return glm::dot(xyz(e.left), xyz(e.right)) <= std::cos(0.52); });
-    EXPECT_EQ(creases(shape), 0);
+    const auto normal = [&](std::uint32_t face) { return xyz(shape.edges.planes[face]); };
+    folds = std::ranges::count_if(shape.edges.folds, [&](const EdgeNet::Fold& fold) {
+      return glm::dot(normal(fold.left), normal(fold.right)) <= std::cos(0.52);
+    });
+    EXPECT_EQ(creases(shape), 0u);
   }
   EXPECT_GT(folds, 0);
+}
+
+// As many triangles as a scan has: hardly more vertices than places, and what lies side by side shares them.
+TEST(Shape, ASmoothMeshHasOneVertexForEachPlaceInAnOrderThatSharesThem) {
+  const geometry::Mesh mesh = geometry::icosphere(0.05, 20);
+  const Shape shape = make_shape(mesh);
+  EXPECT_EQ(shape.vertices.size(), mesh.positions.size());
+  ASSERT_EQ(shape.corners.size(), 3 * mesh.triangles.size());
+  std::deque<std::uint32_t> shaded;  // the last 24
+  std::size_t runs = 0;
+  for (const std::uint32_t corner : shape.corners) {
+    if (std::ranges::find(shaded, corner) != shaded.end()) continue;
+    ++runs;
+    shaded.push_back(corner);
+    if (shaded.size() > 24) shaded.pop_front();
+  }
+  EXPECT_LT(static_cast<double>(runs), 0.75 * static_cast<double>(mesh.triangles.size()));
 }
 
 TEST(Shape, OpenEdgesAreCreasesAndEmptyTrianglesAreLeftOut) {
@@ -100,7 +122,7 @@ TEST(Shape, OpenEdgesAreCreasesAndEmptyTrianglesAreLeftOut) {
   mesh.triangles = {{0, 1, 2}, {0, 1, 3}};
   const Shape shape = make_shape(mesh);
   EXPECT_EQ(shape.vertices.size(), 3u);
-  EXPECT_EQ(creases(shape), 3);
+  EXPECT_EQ(creases(shape), 3u);
   EXPECT_TRUE(make_shape({}).vertices.empty());
 }
 

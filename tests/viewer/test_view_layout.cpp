@@ -23,8 +23,7 @@ TEST(ViewLayout, ItemsAndPushConstantsAreWhatTheShadersHave) {
   EXPECT_EQ(stroke.structs.at("ViewStroke").offsets.at("colour"), offsetof(shader::ViewStroke, colour));
   const auto edge = test::read_spirv(spirv::view_edge_vert);
   EXPECT_EQ(edge.array_strides.at("ViewEdge"), sizeof(shader::ViewEdge));
-  EXPECT_EQ(edge.structs.at("ViewEdge").offsets.at("left"), offsetof(shader::ViewEdge, left));
-  EXPECT_EQ(edge.structs.at("ViewEdge").offsets.at("right"), offsetof(shader::ViewEdge, right));
+  EXPECT_EQ(edge.structs.at("ViewEdge").offsets.at("to"), offsetof(shader::ViewEdge, to));
   const auto disc = test::read_spirv(spirv::view_disc_vert);
   EXPECT_EQ(disc.array_strides.at("ViewDisc"), sizeof(shader::ViewDisc));
   EXPECT_EQ(disc.structs.at("ViewDisc").offsets.at("colour"), offsetof(shader::ViewDisc, colour));
