@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "session/give_way.hpp"
 #include "setup/touch_run.hpp"
 #include "viewer/app.hpp"
 #include "viewer/offscreen.hpp"
@@ -104,7 +105,7 @@ void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds)
   Script script(options);
   Stopper stopper(options);
   App app(options, picture_size(options), {.kinds = kinds, .stop = &stopper.flag(), .panels = options.panels});
-  if (options.is_live()) give_way();
+  if (options.is_live()) session::give_way();
   const gpu::Device device(setup::device_options(options.common));
   Stage stage(options, device);
   const SilentEnd silent_end(stopper.flag());

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "session/give_way.hpp"
 #include "viewer/app.hpp"
 #include "viewer/run.hpp"
 #include "viewer/script.hpp"
@@ -60,13 +61,13 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
            .panels = !options.no_panels,
            .settings = settings_file().value_or("")});
   // From here on: threads of a live run have begun, those of the picture have not.
-  if (options.is_live()) give_way();
+  if (options.is_live()) session::give_way();
   gpu::DeviceOptions device_options = setup::device_options(options.common);
   device_options.window_extensions = window.extensions();
   const gpu::Device device(device_options);
   const WindowSurface surface(device, window);
+  DrawnPicture drawn(device);  // outlives the frames that draw it: the presenter's end waits for them
   Presenter presenter(device, surface.get());
-  DrawnPicture drawn(device);
   Script script(options);
   std::vector<WindowEvent> events;
   std::uint32_t frames_drawn = 0;

@@ -9,10 +9,13 @@
 
 namespace palpa::session {
 
-void give_way() {
+void take_no_signals() {
   sigset_t all;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, nullptr);
+}
+
+void give_way() {
   const sched_param none{};
   // Who runs when nobody else wants to is to stay so.
   const bool idle = sched_getscheduler(0) == SCHED_IDLE;

@@ -62,6 +62,7 @@ bool SkinPreview::stale() const {
 }
 
 void SkinPreview::work() {
+  take_no_signals();
   give_way();
   std::unique_lock lock(mutex_);
   for (;;) {

@@ -51,6 +51,7 @@ void TuningThread::end() {
 }
 
 void TuningThread::work() {
+  take_no_signals();
   give_way();
   try {
     while (!ends_) {

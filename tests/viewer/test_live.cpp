@@ -14,6 +14,7 @@
 #include "base/error.hpp"
 #include "geometry/gltf_write.hpp"
 #include "heard_link.hpp"
+#include "session/give_way.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/live/live_line.hpp"
@@ -188,7 +189,7 @@ TEST(Starter, DoesNotGiveWayWithWhoeverMadeIt) {
   int maker = 0, started = 0;
   std::thread([&] {
     Starter starter;
-    give_way();
+    session::give_way();
     maker = niceness();
     starter.run([&] { std::thread([&] { started = niceness(); }).join(); });
     EXPECT_THROW(starter.run([] { throw failure("no"); }), Error);

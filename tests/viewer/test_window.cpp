@@ -3,9 +3,15 @@
 
 #include <sys/stat.h>
 
+#include <sys/types.h>
+#include <unistd.h>
 #include <csignal>
+
+#include <filesystem>
 #include <fstream>
 #include <future>
+#include <sstream>
+#include <string>
 #include <thread>
 
 #include "cli/live_run.hpp"
@@ -75,6 +81,54 @@ TEST_F(Window, SurvivesResizingAndHidingAndClosesWhenAsked) {
   const auto run = running.get();
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.err, "");
+}
+
+/// Of the one child of this process that has that name: processor seconds of all its threads so far; below 0: no such.
+double processor_s_of(const std::string& name) {
+  namespace fs = std::filesystem;
+  for (const fs::directory_entry& process : fs::directory_iterator("/proc")) {
+    std::ifstream status(process.path() / "stat");
+    std::string line;
+    if (!std::getline(status, line) || line.find("(" + name + ")") == std::string::npos) continue;
+    std::istringstream after(line.substr(line.rfind(')') + 1));
+    char state = 0;
+    pid_t parent = 0;
+    if (!(after >> state >> parent) || parent != getpid()) continue;
+    double sum = 0;
+    for (const fs::directory_entry& thread : fs::directory_iterator(process.path() / "task")) {
+      double ran_ns = 0;
+      std::ifstream(thread.path() / "schedstat") >> ran_ns;
+      sum += ran_ns / 1e9;
+    }
+    return sum;
+  }
+  return -1;
+}
+
+TEST_F(Window, CostsNothingWhereNothingChangesNorMinimised) {
+  const test::XServer server;
+  if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
+  auto running = std::async(std::launch::async, [&] {
+    return test::run_program(PALPA_VIEWER_BINARY,
+                             {"--scene", source_file("assets/cube.glb").string(), "--layout", "autd3"},
+                             {{{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", "/dev/null"}}});
+  });
+  test::XHand hand(server.name());
+  ASSERT_TRUE(hand.connected());
+  ASSERT_TRUE(hand.find("palpa", 60));
+  const auto rests = [] {  // for half a second with less than a hundredth of a core, soon
+    for (int i = 0; i < 60; ++i) {
+      const double before = processor_s_of("palpa-viewer");
+      std::this_thread::sleep_for(500ms);
+      if (before > 0 && processor_s_of("palpa-viewer") - before < 5e-3) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(rests()) << "unchanged";
+  hand.iconify();
+  EXPECT_TRUE(rests()) << "minimised";
+  hand.close();
+  EXPECT_EQ(running.get().exit_code, 0);
 }
 
 /// A viewer whose array sounds, and what is heard of it.

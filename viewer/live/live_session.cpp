@@ -1,8 +1,6 @@
 #include "viewer/live/live_session.hpp"
 
 #include <fmt/core.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <exception>
@@ -11,6 +9,7 @@
 #include "base/log.hpp"
 #include "base/outputs.hpp"
 #include "sensing/skin_twin.hpp"
+#include "session/give_way.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -28,11 +27,6 @@ Box moved(const Box& box, const Transform& pose) {
 }
 
 }  // namespace
-
-void give_way() {
-  constexpr int nicer = 10;
-  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), nicer);  // where it may not, it shares like everybody
-}
 
 LiveSession::LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bool>& stop, std::function<void()> wake,
                          Patience patience)
@@ -216,7 +210,7 @@ void LiveSession::planned(const session::FrameReport& report, const session::Pla
 
 // On a thread that nobody waits for, unless every frame is looked at.
 void LiveSession::saw(const sensing::FrameSet& set) {
-  if (!std::exchange(modest_, true) && options_.record.empty()) give_way();
+  if (!std::exchange(modest_, true) && options_.record.empty()) session::give_way();
   if (!wants_seen_.exchange(false)) return;
   if (looked_around_ != placements_) look_around(session_->setting().cameras);
   Seen& next = seen_.back();

@@ -153,7 +153,4 @@ class LiveSession {
   std::thread thread_;
 };
 
-/// From now on this thread, and those that it starts, give way to all others.
-void give_way();
-
 }  // namespace palpa::viewer

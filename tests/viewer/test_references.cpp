@@ -1,0 +1,61 @@
+// Whole pictures beside those in references/: what a person would see change. After a change that is meant,
+//   PALPA_DRAW_REFERENCES=1 build/release/bin/test_viewer_program --gtest_filter='References.*'
+// draws them anew; look at them before they are committed.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "cli/process.hpp"
+#include "drawing_test.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa {
+namespace {
+
+using References = test::DrawingTest;
+using test::source_file;
+
+/// Mean difference of a channel: drivers and vector widths differ by a tenth of it, a missing outline by more.
+constexpr const char* threshold = "0.0006";
+
+test::Result draw(const std::string& asset, const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{"--scene",       source_file("assets/" + asset).string(),
+                                     "--points",      source_file("assets/finger.ply").string(),
+                                     "--skin",        source_file("assets/finger.ply").string(),
+                                     "--penetration", "3mm",
+                                     "--headless",    "--size",
+                                     "480x300"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return test::run_program(PALPA_VIEWER_BINARY, arguments, {{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}});
+}
+
+void expect_as_ever(const std::string& name, const std::string& asset, const std::vector<std::string>& more) {
+  const std::string file = source_file("tests/viewer/references").string() + "/" + name + ".png";
+  if (std::getenv("PALPA_DRAW_REFERENCES") != nullptr) {
+    const auto run = draw(asset, test::with(more, {"--screenshot", file}));
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return;
+  }
+  const std::vector<std::string> compared = test::with(more, {"--reference", file, "--threshold", threshold});
+  const auto run = draw(asset, compared);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const auto other = draw(asset, test::with(compared, {"--hide", "edges"}));
+  EXPECT_EQ(other.exit_code, 1) << "without a line there is a difference";
+}
+
+TEST_F(References, Touch) {
+  expect_as_ever("touch", "semi-sphere.glb", {"--slot", "2"});
+}
+
+TEST_F(References, Array) {
+  expect_as_ever("array", "pyramid.glb", {"--layout", "openmpd", "--dark"});
+}
+
+TEST_F(References, Section) {
+  expect_as_ever("section", "cube.glb", {"--frame", "touch", "--show", "sections"});
+}
+
+}  // namespace
+}  // namespace palpa
