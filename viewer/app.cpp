@@ -49,6 +49,7 @@ App::App(const ViewerOptions& options, const Size& size, Surroundings around)
     show_ = std::make_unique<Show>(options_);
     desk_.state.time.playing = show_->changes();
   }
+  if (options_.participant) open_participant(true);
   ratio_ = options_.pixel_ratio.value_or(1);
   desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, beside_panels(size));
 }
@@ -176,7 +177,11 @@ void App::key(const WindowEvent& event) {
     default:
       break;
   }
+  if (participant_key(event.key)) return;
   switch (static_cast<char>(event.key)) {
+    case 'p':
+      desk_.asked.participant = !desk_.participant.open;
+      break;
     case 'q':
       quitting_ = true;
       break;
@@ -242,7 +247,8 @@ void App::open(const std::string& path, double now_s) {
     }
     options_ = std::move(other);
     desk_.given = std::move(given);
-    desk_.asked.frame = dirty_ = stale_surfaces_ = true;
+    desk_.asked.frame = true;
+    surfaces_changed();
     return;
   }
   anew_ = anew_ || desk_.given == given;  // the same file, written anew
@@ -267,7 +273,7 @@ void App::advance(double now_s, const Size& whole_size) {
   advance_slots(now_s);
   if (std::ranges::any_of(desk_.toasts, [&](const Toast& toast) { return now_s >= toast.until_s; })) dirty_ = true;
   if (!same_marks(desk_.state, drawn_state_)) {
-    if (desk_.state.explode != drawn_state_.explode) stale_surfaces_ = true;
+    if (desk_.state.explode != drawn_state_.explode) surfaces_changed();
     stale_marks_ = dirty_ = true;
   }
 }
@@ -306,6 +312,7 @@ void App::do_asked(double now_s, const Size& size) {
   }
   if (asked.play) transport_.play(*asked.play);
   if (asked.go_to) transport_.go_to(*asked.go_to);
+  if (asked.participant) try_participant(*asked.participant);
   if (asked.step != 0) transport_.step(asked.step);
   if (asked.slots != 0) {
     SlotTime& time = desk_.state.time;
@@ -368,7 +375,7 @@ void App::advance_live(double now_s, const Size& size) {
   if (auto scene = live_->scene(); scene && scene != scene_) {
     scene_ = std::move(scene);
     live_picture_ = scene_->picture;
-    stale_surfaces_ = dirty_ = true;
+    surfaces_changed();
     begin_placing();
     if (!std::exchange(framed_, true)) desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, size);
   }

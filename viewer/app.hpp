@@ -67,6 +67,14 @@ class App {
   };
   /// What is drawn, valid until the next call. `ratio`: pixels per point.
   Frame render(const Size& size, double ratio, double now_s);
+  /// Another number where the picture's surfaces are others.
+  std::uint64_t surfaces_version() const { return surfaces_version_; }
+  /// Of the participant's window: it takes keys alone.
+  void handle_participant(const WindowEvent& event);
+  /// Throws bad_usage for --monitor that is none of them.
+  void tell_monitors(std::vector<std::string> names);
+  void participant_window_failed(const std::string& fault);
+  void try_participant(bool open);
   /// How long that took, for those who want to know.
   void drew(double seconds) { desk_.picture_ms = seconds * 1e3; }
 
@@ -102,6 +110,10 @@ class App {
   /// What panels leave of a picture of that size.
   Size beside_panels(const Size& size) const;
   void reload(double now_s);
+  void surfaces_changed() {
+    stale_surfaces_ = dirty_ = true;
+    ++surfaces_version_;
+  }
   Sight sight(const Size& size) const;
   bool holds_finger() const;
   void place_anew();
@@ -110,6 +122,9 @@ class App {
   void show_placing(const Size& size);
   void take_placing();
   void do_placing(double now_s);
+  void open_participant(bool open);
+  bool participant_key(Key key);
+  void switch_object(int by);
 
   ViewerOptions options_;
   Surroundings around_;
@@ -141,6 +156,7 @@ class App {
     std::string path;
     std::filesystem::file_time_type time;
   } scene_written_;  ///< as reload() saw it last
+  std::uint64_t surfaces_version_ = 1;
   double next_slot_s_ = 0, last_render_s_ = 0, now_s_ = 0;
   bool dirty_ = true, stale_surfaces_ = true, stale_marks_ = false, quitting_ = false;
 };

@@ -44,7 +44,7 @@ void App::place() {
   placed_ = placing_.poses();
   live_->place(placed_);
   pose_solids(live_picture_, scene_->picture, placed_);
-  stale_surfaces_ = dirty_ = true;
+  surfaces_changed();
 }
 
 void App::show_placing(const Size& size) {

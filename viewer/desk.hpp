@@ -12,6 +12,7 @@
 #include "setup/option_table.hpp"
 #include "viewer/gizmo.hpp"
 #include "viewer/live/live_session.hpp"
+#include "viewer/participant.hpp"
 #include "viewer/picture.hpp"
 #include "viewer/view_state.hpp"
 
@@ -82,6 +83,14 @@ struct Desk {
     std::string file = "moved.glb";                    ///< to save to
     bool undo = false, restore = false, save = false;  ///< asked for
   } placed;
+  /// What the participant's window shows, and where.
+  struct ParticipantView {
+    bool open = false;                   ///< shown
+    std::vector<std::string> monitors;   ///< shown
+    std::size_t monitor = 0;             ///< of these
+    bool hidden = false;                 ///< the objects; the marker tile stays
+    std::optional<Participant> setting;  ///< once it was open
+  } participant;
   bool panels = true;
   bool help = false;
 
@@ -92,6 +101,7 @@ struct Desk {
     std::string copy;                    ///< text for other programs
     std::optional<Playback> play;        ///< the recording is to play like that; its place is of no account
     std::optional<std::uint64_t> go_to;  ///< a frame of it
+    std::optional<bool> participant;     ///< whose window is to open, or to close
     int step = 0;                        ///< frames of it
     int slots = 0;                       ///< slots of the schedule
   } asked;

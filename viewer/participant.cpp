@@ -2,6 +2,14 @@
 
 namespace palpa::viewer {
 
+Barrier barrier_of(const Participant& p, std::uint32_t width, std::uint32_t height) {
+  Barrier barrier = usual_barrier(p.screen, eyes_before(p.screen, p.eyes_apart_m), p.stereo, width, height);
+  barrier.pitch_m = p.barrier_pitch_m.value_or(barrier.pitch_m);
+  barrier.gap_m = p.barrier_gap_m.value_or(barrier.gap_m);
+  barrier.phase = p.barrier_phase;
+  return barrier;
+}
+
 ViewState for_participant(const ViewState& state) {
   ViewState out = state;
   for (const Word<Layer>& entry : layer_words) {
@@ -28,7 +36,9 @@ drawing::Pixels draw(const Participant& participant, const Box& objects, Offscre
   if (participant.stereo == Stereo::none) return seen_by(participant.screen.eye_m);
   const Eyes eyes = eyes_before(participant.screen, participant.eyes_apart_m);
   const drawing::Pixels left = seen_by(eyes.left);
-  return combine(left, seen_by(eyes.right), participant.screen, eyes, participant.barrier, participant.stereo);
+  // Where pixels are interleaved, an eye's picture is as large as the whole.
+  const Barrier barrier = barrier_of(participant, offscreen.width(), offscreen.height());
+  return combine(left, seen_by(eyes.right), participant.screen, eyes, barrier, participant.stereo);
 }
 
 }  // namespace palpa::viewer

@@ -1,6 +1,8 @@
 // Pictures for the participant of an experiment: the objects and the marker tile, nothing of what senses and sounds.
 #pragma once
 
+#include <optional>
+
 #include "viewer/offscreen.hpp"
 #include "viewer/stereo.hpp"
 #include "viewer/view_state.hpp"
@@ -11,8 +13,14 @@ struct Participant {
   sensing::Screen screen;  ///< its eye is between the participant's
   double eyes_apart_m = 63e-3;
   Stereo stereo = Stereo::none;
-  Barrier barrier{};  ///< of columns and rows
+  /// Of columns and rows; without them those of usual_barrier().
+  std::optional<double> barrier_pitch_m{}, barrier_gap_m{};
+  double barrier_phase = 0;
+  bool operator==(const Participant&) const = default;
 };
+
+/// What the pixels of a picture so large are seen through.
+Barrier barrier_of(const Participant& participant, std::uint32_t width, std::uint32_t height);
 
 /// The same look with solids and tile alone; solids that are hidden stay so.
 ViewState for_participant(const ViewState& state);

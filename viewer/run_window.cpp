@@ -4,13 +4,16 @@
 #include <string>
 #include <vector>
 
+#include "base/error.hpp"
 #include "session/give_way.hpp"
 #include "viewer/app.hpp"
+#include "viewer/participant_window.hpp"
 #include "viewer/run.hpp"
 #include "viewer/script.hpp"
 #include "viewer/stopper.hpp"
 #include "viewer/swapchain.hpp"
 #include "viewer/window.hpp"
+#include "viewer/window_surface.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -22,22 +25,26 @@ double shortest_s(const ViewerOptions& options) {
   return options.is_live() ? 1.0 / 30 : 0.0;
 }
 
-/// The surface goes after everything that presents to it and before the device's instance.
-class WindowSurface {
- public:
-  WindowSurface(const gpu::Device& device, const Window& window)
-      : instance_(device.instance()), surface_(window.make_surface(instance_)) {}
-  ~WindowSurface() {
-    if (!gpu::device_abandoned) vkDestroySurfaceKHR(instance_, surface_, nullptr);
+/// The participant's window as the desk has it: opened, closed, and brought up to date.
+void look_after(std::optional<ParticipantWindow>& participant, App& app, const gpu::Device& device) {
+  if (participant) {
+    std::vector<WindowEvent> events;
+    participant->take(events);
+    for (const WindowEvent& event : events)
+      app.handle_participant(event);
+    if (participant->closing()) app.try_participant(false);
   }
-  WindowSurface(const WindowSurface&) = delete;
-  WindowSurface& operator=(const WindowSurface&) = delete;
-  VkSurfaceKHR get() const { return surface_; }
-
- private:
-  VkInstance instance_;
-  VkSurfaceKHR surface_;
-};
+  try {
+    const Desk::ParticipantView& view = app.desk().participant;
+    if (view.open && !participant) participant.emplace(device, view.monitor);
+    if (!view.open) participant.reset();
+    if (participant) participant->show(app);
+  } catch (const Error& error) {
+    if (device.lost()) throw;
+    app.participant_window_failed(error.what());
+    participant.reset();
+  }
+}
 
 Size pixels_of(const Window& window) {
   const VkExtent2D extent = window.size();
@@ -69,6 +76,8 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   DrawnPicture drawn(device);  // outlives the frames that draw it: the presenter's end waits for them
   Presenter presenter(device, surface.get());
   Script script(options);
+  app.tell_monitors(Window::monitors());
+  std::optional<ParticipantWindow> participant;
   std::vector<WindowEvent> events;
   std::uint32_t frames_drawn = 0;
   double last_drawn_s = -1;
@@ -92,6 +101,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     });
     if (options.frames && frames_drawn > 0) app.go_on();
     app.advance(now(), pixels);
+    look_after(participant, app, device);
     if (!visible || !(app.dirty() || options.frames || script.busy())) continue;
     if (now() < last_drawn_s + shortest_s(options) && !options.frames && !script.busy()) continue;
     const double started_s = now(), ratio = options.pixel_ratio.value_or(window.pixel_ratio());

@@ -12,6 +12,8 @@
 namespace palpa::viewer {
 namespace {
 
+constexpr double nearest_eye_m = 1e-3;
+
 /// In the screen's frame.
 Vec3 on_screen(const sensing::Screen& screen, const Vec3& world) {
   return transform_point(glm::inverse(screen.T_world_screen), world);
@@ -58,9 +60,13 @@ drawing::Pixels joined(const drawing::Pixels& left, const drawing::Pixels& right
 
 }  // namespace
 
+bool in_front(const sensing::Screen& screen) {
+  return on_screen(screen, screen.eye_m).z > nearest_eye_m;
+}
+
 Frustum onto(const sensing::Screen& screen, const Vec3& eye) {
   const Vec3 e = on_screen(screen, eye);
-  if (!(e.z > 1e-3))
+  if (!(e.z > nearest_eye_m))
     throw bad_usage(
         fmt::format("the eye at {:g},{:g},{:g} is not before the screen: give an eye on the side that its z "
                     "axis points to",

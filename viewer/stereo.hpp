@@ -23,6 +23,8 @@ inline constexpr Word<Stereo> stereo_words[] = {
     {"none", Stereo::none},         {"side-by-side", Stereo::side_by_side}, {"top-bottom", Stereo::top_bottom},
     {"anaglyph", Stereo::anaglyph}, {"columns", Stereo::columns},           {"rows", Stereo::rows}};
 
+/// Whether the screen's own eye, and so whoever looks, is before it.
+bool in_front(const sensing::Screen& screen);
 /// What the eye sees through the screen, whose picture shows just that. Throws bad_usage where the eye is not before
 /// the screen.
 Frustum onto(const sensing::Screen& screen, const Vec3& eye);

@@ -98,7 +98,8 @@ bool Presenter::rebuild(std::uint32_t width, std::uint32_t height) {
   info.imageColorSpace = format_.colorSpace;
   info.imageExtent = extent;
   info.imageArrayLayers = 1;
-  info.imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+  info.imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
+                    (surface.supportedUsageFlags & static_cast<VkImageUsageFlags>(VK_IMAGE_USAGE_TRANSFER_DST_BIT));
   info.preTransform = surface.currentTransform;
   info.compositeAlpha = surface.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                             ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
@@ -124,9 +125,11 @@ bool Presenter::rebuild(std::uint32_t width, std::uint32_t height) {
     PALPA_VK(vkCreateImageView(device_->get(), &view_info, nullptr, &view));
     images_.push_back({image, {device_->get(), view, vkDestroyImageView}, make_semaphore(*device_)});
   }
-  if (extent.width != extent_.width || extent.height != extent_.height || !flights_[0].canvas) {
-    for (Flight& flight : flights_)
-      flight.canvas = renderer_.make_canvas(extent);
+  if (extent.width != extent_.width || extent.height != extent_.height) {
+    for (Flight& flight : flights_) {
+      flight.canvas.reset();
+      flight.pixels = {};
+    }
   }
   extent_ = extent;
   asked_width_ = width;
@@ -137,7 +140,7 @@ bool Presenter::rebuild(std::uint32_t width, std::uint32_t height) {
 
 void Presenter::submit(Flight& flight, const Image& image) {
   const VkSemaphore wait = flight.acquired.get(), signal = image.drawn.get();
-  const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+  const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
   const VkCommandBuffer commands = flight.recorder.end();
   VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   info.waitSemaphoreCount = 1;
@@ -155,6 +158,43 @@ void Presenter::submit(Flight& flight, const Image& image) {
 
 bool Presenter::draw(DrawnPicture& drawn, std::span<const View> views, double ratio, const Sheet* sheet) {
   const auto [width, height] = views.front().area.extent;
+  return show(width, height, [&](VkCommandBuffer commands, Flight& flight, const Image& image) {
+    if (!flight.canvas) flight.canvas = renderer_.make_canvas(extent_);
+    renderer_.record(commands, drawn, views, *flight.canvas, {image.image, image.view.get()}, ratio, sheet);
+    gpu::transition(commands, image.image, format_.format, gpu::image_use::colour_target, gpu::image_use::presented);
+  });
+}
+
+bool Presenter::draw(const drawing::Pixels& pixels) {
+  if ((stale_ || pixels.width != asked_width_ || pixels.height != asked_height_) &&
+      !rebuild(pixels.width, pixels.height))
+    return false;
+  if (pixels.width != extent_.width || pixels.height != extent_.height) {
+    stale_ = true;
+    return false;
+  }
+  return show(pixels.width, pixels.height, [&](VkCommandBuffer commands, Flight& flight, const Image& image) {
+    if (!flight.pixels.data()) flight.pixels = gpu::Upload(*device_, pixels.rgba.size(), "window pixels");
+    const auto to = flight.pixels.as<std::uint8_t>();
+    const bool blue_first = format_.format == VK_FORMAT_B8G8R8A8_UNORM;
+    for (std::size_t i = 0; i < pixels.rgba.size(); i += 4) {
+      to[i] = pixels.rgba[blue_first ? i + 2 : i];
+      to[i + 1] = pixels.rgba[i + 1];
+      to[i + 2] = pixels.rgba[blue_first ? i : i + 2];
+      to[i + 3] = 255;
+    }
+    flight.pixels.record(commands);
+    gpu::transition(commands, image.image, format_.format, gpu::image_use::discard_copied, gpu::image_use::copied_to);
+    VkBufferImageCopy region{};
+    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.imageExtent = {pixels.width, pixels.height, 1};
+    vkCmdCopyBufferToImage(commands, flight.pixels.ref().buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                           &region);
+    gpu::transition(commands, image.image, format_.format, gpu::image_use::copied_to, gpu::image_use::presented);
+  });
+}
+
+bool Presenter::show(std::uint32_t width, std::uint32_t height, const Record& record) {
   if (width == 0 || height == 0) return false;
   if ((stale_ || width != asked_width_ || height != asked_height_) && !rebuild(width, height)) return false;
 
@@ -173,8 +213,7 @@ bool Presenter::draw(DrawnPicture& drawn, std::span<const View> views, double ra
 
   const Image& image = images_[index];
   const VkCommandBuffer commands = flight.recorder.begin();
-  renderer_.record(commands, drawn, views, *flight.canvas, {image.image, image.view.get()}, ratio, sheet);
-  gpu::transition(commands, image.image, format_.format, gpu::image_use::colour_target, gpu::image_use::presented);
+  record(commands, flight, image);
   submit(flight, image);
   next_flight_ = (next_flight_ + 1) % flights_.size();
 

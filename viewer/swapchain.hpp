@@ -2,10 +2,13 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "drawing/png.hpp"
+#include "gpu/buffer.hpp"
 #include "gpu/commands.hpp"
 #include "viewer/renderer.hpp"
 
@@ -25,6 +28,9 @@ class Presenter {
   /// draw once more later.
   bool draw(DrawnPicture& drawn, std::span<const View> views, double ratio, const Sheet* sheet = nullptr);
 
+  /// The same of a picture that is there already; it is as large as the window, or nothing is shown.
+  bool draw(const drawing::Pixels& pixels);
+
   /// Waits until no frame is in flight: the picture may then be updated. A device that does not answer within 10 s is
   /// abandoned, as by Timeline::wait.
   void finish();
@@ -34,7 +40,8 @@ class Presenter {
     gpu::Recorder recorder;
     gpu::Handle<VkSemaphore> acquired;
     gpu::Handle<VkFence> done;
-    std::optional<Canvas> canvas;
+    std::optional<Canvas> canvas;  ///< where something is drawn
+    gpu::Upload pixels;            ///< where something is copied
   };
   struct Image {
     VkImage image;
@@ -44,6 +51,8 @@ class Presenter {
   void wait(std::span<const VkFence> fences);
   bool rebuild(std::uint32_t width, std::uint32_t height);
   void submit(Flight& flight, const Image& image);
+  using Record = std::function<void(VkCommandBuffer, Flight&, const Image&)>;
+  bool show(std::uint32_t width, std::uint32_t height, const Record& record);
 
   const gpu::Device* device_;
   VkSurfaceKHR surface_;

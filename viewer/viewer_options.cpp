@@ -130,8 +130,11 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   where.flag("--inset", o.inset, "a close-up of the touch in the corner");
 
   const setup::Group participant(app, "What the participant sees");
-  participant.flag("--participant", o.participant,
-                   "objects and marker tile on the rig's screen, as seen from its eye or --eye; without a window");
+  participant.flag(
+      "--participant", o.participant,
+      "objects and marker tile on the rig's screen, as seen from its eye or --eye: in a second window that "
+      "fills a monitor; with --headless alone");
+  participant.text("--monitor", o.monitor, "NAME|NUMBER", "which monitor that is [the last]");
   participant.text("--screen", o.screen, "FILE", "rig TOML with the [screen] [--rig's, or the paper's]");
   participant.choice("--stereo", o.stereo, stereo_words, "how the two eyes' pictures become one");
   participant.quantity("--eyes-apart", o.eyes_apart_m, Quantity::length, setup::positive(1), "from eye to eye");
@@ -196,11 +199,14 @@ void check(const ViewerOptions& o) {
   }
   if (!o.slice_at.empty()) point("--slice-at", o.slice_at);
   if (o.participant) {
-    if (!o.headless) throw bad_usage("--participant goes with --headless");
-    if (o.is_live() || !o.interact.empty()) throw bad_usage("--participant goes with neither --source nor --interact");
+    if (o.headless && (o.is_live() || !o.interact.empty()))
+      throw bad_usage("--participant with --headless goes with neither --source nor --interact");
     if (o.input.scene.empty()) throw bad_usage("--participant goes with --scene: give the objects");
     if (!o.target.empty()) throw bad_usage("--target goes with --eye alone: a participant looks through the screen");
     if (o.inset) throw bad_usage("--inset is no part of what a participant sees");
+    if (!o.monitor.empty() && o.headless) throw bad_usage("--monitor is of a window");
+  } else if (!o.monitor.empty()) {
+    throw bad_usage("--monitor goes with --participant");
   } else if (!o.screen.empty() || o.stereo != Stereo::none) {
     throw bad_usage("--screen and --stereo go with --participant");
   }
@@ -304,16 +310,16 @@ Participant participant_of(const ViewerOptions& o) {
                                                   : setup::find_asset("rigs/paper.toml");
   const sensing::Rig rig = sensing::load_rig(file);
   if (!rig.screen) throw bad_input(file, "has no [screen]; give a rig with one as --screen");
-  Participant participant{.screen = *rig.screen, .eyes_apart_m = o.eyes_apart_m, .stereo = o.stereo};
+  Participant participant{.screen = *rig.screen,
+                          .eyes_apart_m = o.eyes_apart_m,
+                          .stereo = o.stereo,
+                          .barrier_pitch_m = o.barrier_pitch_m,
+                          .barrier_gap_m = o.barrier_gap_m,
+                          .barrier_phase = o.barrier_phase};
   if (!o.eye.empty()) participant.screen.eye_m = point("--eye", o.eye);
-  const Size size = picture_size(o);
   const Eyes eyes = eyes_before(participant.screen, o.eyes_apart_m);
   for (const Vec3& eye : {eyes.left, eyes.right})
     (void)onto(participant.screen, eye);
-  participant.barrier = usual_barrier(participant.screen, eyes, o.stereo, size.width, size.height);
-  participant.barrier.pitch_m = o.barrier_pitch_m.value_or(participant.barrier.pitch_m);
-  participant.barrier.gap_m = o.barrier_gap_m.value_or(participant.barrier.gap_m);
-  participant.barrier.phase = o.barrier_phase;
   return participant;
 }
 

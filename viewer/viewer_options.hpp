@@ -48,7 +48,8 @@ struct ViewerOptions {
   bool inset = false;
 
   bool participant = false;
-  std::string screen;  ///< rig whose screen it is; empty: that of --rig, else the paper's
+  std::string monitor;  ///< name or number of the participant's; empty: the last
+  std::string screen;   ///< rig whose screen it is; empty: that of --rig, else the paper's
   Stereo stereo = Stereo::none;
   double eyes_apart_m = 63e-3;
   std::optional<double> barrier_pitch_m, barrier_gap_m;
@@ -71,6 +72,7 @@ void check(const ViewerOptions& options);
 
 struct Size {
   std::uint32_t width = 0, height = 0;  ///< pixels
+  bool operator==(const Size&) const = default;
 };
 /// Of --size.
 Size picture_size(const ViewerOptions& options);

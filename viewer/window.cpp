@@ -85,7 +85,12 @@ std::string utf8(unsigned int code) {
 struct Window::State {
   GLFWwindow* window = nullptr;
   std::vector<WindowEvent> events;
+  inline static int open = 0;  ///< windows
 
+  static void close() {
+    if (--open == 0) glfwTerminate();
+  }
+  void listen();
   static State& of(GLFWwindow* window) { return *static_cast<State*>(glfwGetWindowUserPointer(window)); }
 
   /// GLFW counts in screen coordinates, of which one may be several pixels.
@@ -111,17 +116,38 @@ struct Window::State {
 
 Window::Window(std::uint32_t width, std::uint32_t height, const char* title) : state_(std::make_unique<State>()) {
   if (!glfwInit()) throw Error(Exit::no_device, fmt::format("no display ({}): {}", last_fault(), advice));
+  ++State::open;
   const auto refuse = [](const std::string& fault) {
-    glfwTerminate();
+    State::close();
     return Error(Exit::no_device, fmt::format("{}: {}", fault, advice));
   };
   if (!glfwVulkanSupported()) throw refuse("this display has no Vulkan surfaces");
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
   state_->window = glfwCreateWindow(static_cast<int>(width), static_cast<int>(height), title, nullptr, nullptr);
   if (!state_->window) throw refuse(fmt::format("no window ({})", last_fault()));
+  state_->listen();
+}
 
-  GLFWwindow* window = state_->window;
-  glfwSetWindowUserPointer(window, state_.get());
+Window::Window(std::size_t monitor, const char* title) : state_(std::make_unique<State>()) {
+  int count = 0;
+  GLFWmonitor** const all = glfwGetMonitors(&count);
+  if (count < 1) throw failure("there is no monitor for the participant");
+  GLFWmonitor* const chosen = all[std::min(monitor, static_cast<std::size_t>(count) - 1)];
+  const GLFWvidmode* const mode = glfwGetVideoMode(chosen);
+  if (mode == nullptr) throw failure(fmt::format("the participant's monitor says no size ({})", last_fault()));
+  glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+  glfwWindowHint(GLFW_REFRESH_RATE, mode->refreshRate);
+  glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);  // it stays while somebody works in the other
+  state_->window = glfwCreateWindow(mode->width, mode->height, title, chosen, nullptr);
+  glfwDefaultWindowHints();
+  if (!state_->window) throw failure(fmt::format("no window for the participant ({})", last_fault()));
+  ++State::open;
+  glfwSetInputMode(state_->window, GLFW_CURSOR, GLFW_CURSOR_HIDDEN);
+  state_->listen();
+}
+
+void Window::State::listen() {
+  glfwSetWindowUserPointer(window, this);
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
     State& state = State::of(w);
     WindowEvent event = state.pointer(action == GLFW_PRESS ? WindowEvent::Kind::press : WindowEvent::Kind::release);
@@ -171,7 +197,20 @@ Window::Window(std::uint32_t width, std::uint32_t height, const char* title) : s
 
 Window::~Window() {
   glfwDestroyWindow(state_->window);
-  glfwTerminate();
+  State::close();
+}
+
+std::vector<std::string> Window::monitors() {
+  int count = 0;
+  GLFWmonitor** const all = glfwGetMonitors(&count);
+  std::vector<std::string> names;
+  for (int i = 0; i < count; ++i) {
+    const char* const name = glfwGetMonitorName(all[i]);
+    const GLFWvidmode* const mode = glfwGetVideoMode(all[i]);
+    names.push_back(fmt::format("{} {}x{}", name != nullptr ? name : "?", mode != nullptr ? mode->width : 0,
+                                mode != nullptr ? mode->height : 0));
+  }
+  return names;
 }
 
 std::vector<const char*> Window::extensions() const {
@@ -207,6 +246,10 @@ void Window::wait(double timeout_s, std::vector<WindowEvent>& events) {
   } else {
     glfwWaitEventsTimeout(timeout_s);
   }
+  take(events);
+}
+
+void Window::take(std::vector<WindowEvent>& events) {
   events.insert(events.end(), state_->events.begin(), state_->events.end());
   state_->events.clear();
 }

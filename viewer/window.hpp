@@ -3,6 +3,7 @@
 
 #include <volk.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -15,8 +16,10 @@ namespace palpa::viewer {
 class Window {
  public:
   /// Throws Error (Exit::no_device), suggesting --headless, where there is no display or none that Vulkan can present
-  /// to. One window per process.
+  /// to.
   Window(std::uint32_t width, std::uint32_t height, const char* title);
+  /// All of a monitor, an index into monitors(); the last where there are not so many. Beside another window.
+  Window(std::size_t monitor, const char* title);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
@@ -41,6 +44,11 @@ class Window {
   void set_clipboard(const std::string& text);
   /// The user asked to close it.
   bool closing() const;
+  /// What happened to this window while another waited.
+  void take(std::vector<WindowEvent>& events);
+
+  /// What there is to fill, "NAME WxH" in pixels; while there is a window.
+  static std::vector<std::string> monitors();
 
  private:
   struct State;

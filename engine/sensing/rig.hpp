@@ -20,6 +20,7 @@ struct Screen {
   double width_m = 0, height_m = 0;
   Transform T_world_screen{1.0};
   Vec3 eye_m{};  ///< the viewer's eye in the world
+  bool operator==(const Screen&) const = default;
 };
 
 struct Rig {

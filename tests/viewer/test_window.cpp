@@ -257,6 +257,51 @@ TEST_F(Window, PlaysARecordedLogAndEnds) {
   EXPECT_EQ(run.err, "");
 }
 
+TEST_F(Window, TheParticipantHasAWindowOfItsOwn) {
+  const test::XServer server;
+  if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
+  const auto folder = test::scratch_folder("viewer-participant-window");
+  for (const char* object : {"cube.glb", "pyramid.glb"})
+    std::filesystem::copy_file(source_file("assets") / object, folder / object);
+  auto running = std::async(std::launch::async, [&] {
+    return test::run_program(PALPA_VIEWER_BINARY,
+                             {"--scene", (folder / "cube.glb").string(), "--participant", "--stereo", "anaglyph",
+                              "--size", "300x200", "--validation", validation()},
+                             {{{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", "/dev/null"}}});
+  });
+  test::XHand participant(server.name()), operators(server.name());
+  ASSERT_TRUE(participant.connected() && operators.connected());
+  ASSERT_TRUE(operators.find("palpa", 60));
+  ASSERT_TRUE(participant.find("palpa participant", 60));
+  const auto comes_to = [&](const auto& condition) {
+    for (int i = 0; i < 600; ++i) {
+      if (condition()) return true;
+      std::this_thread::sleep_for(100ms);
+    }
+    return false;
+  };
+  test::XHand::Picture cube, tile, pyramid;
+  EXPECT_TRUE(comes_to([&] { return (cube = participant.picture()).colours() > 20; })) << "both eyes' cube";
+  EXPECT_EQ(cube.width, 1280u) << "all of the screen";
+  participant.press("v");
+  EXPECT_TRUE(comes_to([&] { return (tile = participant.picture()).colours() > 1 && tile != cube; }));
+  EXPECT_LT(tile.colours(), cube.colours()) << "the tile alone";
+  participant.press("v");
+  EXPECT_TRUE(comes_to([&] { return participant.picture() == cube; }));
+  participant.press("Next");
+  EXPECT_TRUE(comes_to([&] {
+    pyramid = participant.picture();
+    return pyramid != cube && pyramid != tile;
+  })) << "the next object";
+  participant.press("Escape");
+  EXPECT_TRUE(comes_to([&] { return !participant.there(); }));
+  EXPECT_EQ(running.wait_for(0s), std::future_status::timeout) << "the other window goes on";
+  operators.close();
+  const auto run = running.get();
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+}
+
 TEST_F(Window, AServerThatIsNotThereIsNoDisplay) {
   const auto run =
       test::run_program(PALPA_VIEWER_BINARY, {"--layout", "autd3"}, {{{"DISPLAY", ":4711"}, {"WAYLAND_DISPLAY", ""}}});

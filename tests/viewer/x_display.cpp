@@ -6,8 +6,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <set>
 #include <thread>
 
 namespace palpa::test {
@@ -26,11 +28,30 @@ struct ClientMessage {
   int format;
   long data[5];
 };
+/// Its KeyPress and KeyRelease.
+struct KeyEvent {
+  int type;
+  unsigned long serial;
+  int send_event;
+  void* display;
+  unsigned long window, root, subwindow, time;
+  int x, y, x_root, y_root;
+  unsigned state, keycode;
+  int same_screen;
+};
+/// How its XImage begins.
+struct Image {
+  int width, height, xoffset, format;
+  char* data;
+  int byte_order, bitmap_unit, bitmap_bit_order, bitmap_pad, depth, bytes_per_line, bits_per_pixel;
+};
 union XEvent {
   ClientMessage client;
+  KeyEvent key;
   long pad[24];
 };
-constexpr int client_message = 33;
+constexpr int key_press = 2, key_release = 3, client_message = 33;
+constexpr int pixmaps = 2;  // XGetImage: whole pixels
 
 }  // namespace
 
@@ -84,22 +105,32 @@ XHand::~XHand() {
   if (display_) function<int(void*)>("XCloseDisplay")(display_);
 }
 
+std::vector<unsigned long> XHand::windows() const {
+  const auto root = function<unsigned long(void*)>("XDefaultRootWindow")(display_);
+  unsigned long ignored_root = 0, parent = 0, *children = nullptr;
+  unsigned count = 0;
+  function<int(void*, unsigned long, unsigned long*, unsigned long*, unsigned long**, unsigned*)>("XQueryTree")(
+      display_, root, &ignored_root, &parent, &children, &count);
+  std::vector<unsigned long> all(children, children + count);
+  if (children) function<int(void*)>("XFree")(children);
+  return all;
+}
+
+bool XHand::there() const {
+  const std::vector<unsigned long> all = windows();
+  return std::find(all.begin(), all.end(), window_) != all.end();
+}
+
 bool XHand::find(const std::string& title, double timeout_s) {
   const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
-  const auto root = function<unsigned long(void*)>("XDefaultRootWindow")(display_);
   do {
-    unsigned long ignored_root = 0, parent = 0, *children = nullptr;
-    unsigned count = 0;
-    function<int(void*, unsigned long, unsigned long*, unsigned long*, unsigned long**, unsigned*)>("XQueryTree")(
-        display_, root, &ignored_root, &parent, &children, &count);
-    for (unsigned i = 0; i < count; ++i) {
+    for (const unsigned long window : windows()) {
       char* name = nullptr;
-      if (function<int(void*, unsigned long, char**)>("XFetchName")(display_, children[i], &name) && name) {
-        if (title == name) window_ = children[i];
+      if (function<int(void*, unsigned long, char**)>("XFetchName")(display_, window, &name) && name) {
+        if (title == name) window_ = window;
         function<int(void*)>("XFree")(name);
       }
     }
-    if (children) function<int(void*)>("XFree")(children);
     if (window_) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   } while (Clock::now() < end);
@@ -109,6 +140,51 @@ bool XHand::find(const std::string& title, double timeout_s) {
 void XHand::resize(unsigned width, unsigned height) {
   function<int(void*, unsigned long, unsigned, unsigned)>("XResizeWindow")(display_, window_, width, height);
   function<int(void*, int)>("XSync")(display_, 0);
+}
+
+void XHand::press(const char* key) {
+  const auto symbol = function<unsigned long(const char*)>("XStringToKeysym")(key);
+  XEvent event;
+  std::memset(&event, 0, sizeof event);
+  event.key.window = window_;
+  event.key.root = function<unsigned long(void*)>("XDefaultRootWindow")(display_);
+  event.key.keycode = function<unsigned char(void*, unsigned long)>("XKeysymToKeycode")(display_, symbol);
+  event.key.same_screen = 1;
+  for (const int type : {key_press, key_release}) {
+    event.key.type = type;
+    event.key.time = time_ += 100;  // two of one time are one
+    function<int(void*, unsigned long, int, long, XEvent*)>("XSendEvent")(display_, window_, 0, 0, &event);
+  }
+  function<int(void*, int)>("XSync")(display_, 0);
+}
+
+XHand::Picture XHand::picture() const {
+  Picture out;
+  unsigned long root = 0;
+  int x = 0, y = 0;
+  unsigned width = 0, height = 0, border = 0, depth = 0;
+  function<int(void*, unsigned long, unsigned long*, int*, int*, unsigned*, unsigned*, unsigned*, unsigned*)>(
+      "XGetGeometry")(display_, window_, &root, &x, &y, &width, &height, &border, &depth);
+  auto* const image =
+      static_cast<Image*>(function<void*(void*, unsigned long, int, int, unsigned, unsigned, unsigned long, int)>(
+          "XGetImage")(display_, window_, 0, 0, width, height, ~0ul, pixmaps));
+  if (!image || image->bits_per_pixel != 32) return out;
+  out.width = width;
+  for (unsigned row = 0; row < height; ++row) {
+    for (unsigned column = 0; column < width; ++column) {
+      std::uint32_t pixel = 0;
+      std::memcpy(&pixel, image->data + std::size_t{row} * static_cast<unsigned>(image->bytes_per_line) + 4 * column,
+                  sizeof pixel);
+      out.pixels.push_back(pixel & 0xffffff);
+    }
+  }
+  function<int(void*)>("XFree")(image->data);
+  function<int(void*)>("XFree")(image);
+  return out;
+}
+
+std::size_t XHand::Picture::colours() const {
+  return std::set(pixels.begin(), pixels.end()).size();
 }
 
 void XHand::iconify() {

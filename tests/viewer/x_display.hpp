@@ -4,7 +4,10 @@
 
 #include <sys/types.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace palpa::test {
 
@@ -35,6 +38,18 @@ class XHand {
   bool connected() const { return display_ != nullptr; }
   /// Waits up to `timeout_s` for a window with that title.
   bool find(const std::string& title, double timeout_s);
+  /// Whether it is still there.
+  bool there() const;
+  /// A key by its X name: "v", "Next", "Escape".
+  void press(const char* key);
+  struct Picture {
+    unsigned width = 0;
+    std::vector<std::uint32_t> pixels;  ///< 0xrrggbb, rows from the top
+    std::size_t colours() const;        ///< how many different ones
+    bool operator==(const Picture&) const = default;
+  };
+  /// What it shows; it must be visible.
+  Picture picture() const;
   void resize(unsigned width, unsigned height);
   void iconify();
   void restore();
@@ -45,9 +60,11 @@ class XHand {
   template <typename F>
   F* function(const char* name) const;
 
+  std::vector<unsigned long> windows() const;
+
   void* library_ = nullptr;
   void* display_ = nullptr;
-  unsigned long window_ = 0;
+  unsigned long window_ = 0, time_ = 0;
 };
 
 }  // namespace palpa::test

@@ -75,6 +75,9 @@ void draw_panels(Desk& desk, double now_s) {
     if (heading("Time", desk.live || !desk.picture->fingers.empty(), "Slots of the schedule, frames of a recording"))
       draw_time_panel(desk);
     if (heading("View", !desk.live, "What is drawn, and from where")) draw_view_panel(desk);
+    if (!desk.participant.monitors.empty() &&
+        heading("Participant", false, "What the participant sees, in a window of its own"))
+      draw_participant_panel(desk);
     if (desk.live && heading("Statistics", true, "How long frames take, and how many there are"))
       draw_statistics_panel(desk);
     if (!desk.picture->spectra.empty() && heading("Spectrum", false, "What skin feels in time"))
@@ -216,6 +219,8 @@ void draw_cheat_sheet(Desk& desk) {
       {", .", "one slot back, one on"},
       {"left right", "one frame of the recording back, one on"},
       {"- +", "slots slower, faster"},
+      {"Page up, down", "another object: the scenes of the folder"},
+      {"P, V", "the participant's window; the object in it hidden"},
       {"O", "all off: the array is silent"},
       {"C", "copy the run as a command line"},
       {"Tab", "panels"},

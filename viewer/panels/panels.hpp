@@ -16,6 +16,7 @@ void draw_link_panel(Desk& desk);
 void draw_view_panel(Desk& desk);
 void draw_time_panel(Desk& desk);
 void draw_place_panel(Desk& desk);
+void draw_participant_panel(Desk& desk);
 void draw_statistics_panel(const Desk& desk);
 void draw_spectrum_panel(const Desk& desk);
 void draw_options_panel(Desk& desk);

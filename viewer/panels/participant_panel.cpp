@@ -1,0 +1,89 @@
+// What the participant sees, and where.
+#include <imgui.h>
+
+#include <algorithm>
+#include <string>
+
+#include "viewer/panels/panels.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+constexpr float mm = 1e-3f;
+
+/// By dragging alone: nothing is typed, so that keys stay keys.
+bool drag(const char* label, double& value, float unit, float speed, float low, float high, const char* format) {
+  auto shown = static_cast<float>(value) / unit;
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.5f);
+  if (!ImGui::DragFloat(label, &shown, speed, low, high, format,
+                        ImGuiSliderFlags_NoInput | ImGuiSliderFlags_AlwaysClamp))
+    return false;
+  value = static_cast<double>(shown * unit);
+  return true;
+}
+
+void draw_barrier(Participant& setting) {
+  // As for a screen of full HD; what is shown is reckoned with the window's own pixels.
+  Barrier barrier = barrier_of(setting, 1920, 1080);
+  if (drag("pitch", barrier.pitch_m, mm, 1e-4f, 0.01f, 5, "%.4f mm")) setting.barrier_pitch_m = barrier.pitch_m;
+  tip("From slit to slit; of rows, of two rows");
+  if (setting.stereo == Stereo::columns) {
+    if (drag("gap", barrier.gap_m, mm, 0.01f, -50, 50, "%.2f mm")) setting.barrier_gap_m = barrier.gap_m;
+    tip("From the screen to its barrier, towards the eyes");
+  }
+  drag("phase", setting.barrier_phase, 1, 0.005f, 0, 1, "%.3f");
+  tip("Where the slits are, in parts of a pitch");
+  if (ImGui::SmallButton("as usual")) {
+    setting.barrier_pitch_m.reset();
+    setting.barrier_gap_m.reset();
+    setting.barrier_phase = 0;
+  }
+  tip("Pitch and gap with which neighbouring pixels are seen by different eyes");
+}
+
+}  // namespace
+
+void draw_participant_panel(Desk& desk) {
+  Desk::ParticipantView& view = desk.participant;
+  if (ImGui::SmallButton(view.open ? "close" : "open")) desk.asked.participant = !view.open;
+  tip("A second window that fills a monitor: objects and marker tile alone, where they are felt. Key: P; Escape in it");
+  ImGui::SameLine();
+  ImGui::Checkbox("object hidden", &view.hidden);
+  tip("The participant sees the marker tile alone. Key: V");
+  ImGui::BeginDisabled(view.open);
+  ImGui::SetNextItemWidth(-1);
+  const std::string now = view.monitor < view.monitors.size() ? view.monitors[view.monitor] : "no monitor";
+  if (ImGui::BeginCombo("##monitor", now.c_str())) {
+    for (std::size_t i = 0; i < view.monitors.size(); ++i) {
+      ImGui::PushID(static_cast<int>(i));
+      if (ImGui::Selectable(view.monitors[i].c_str(), i == view.monitor)) view.monitor = i;
+      ImGui::PopID();
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::EndDisabled();
+  tip("Which monitor it fills");
+  if (!view.setting) return;
+  Participant& setting = *view.setting;
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.5f);
+  if (ImGui::BeginCombo("stereo", std::string(word_of(stereo_words, setting.stereo)).c_str())) {
+    for (const Word<Stereo>& entry : stereo_words) {
+      if (ImGui::Selectable(entry.word, entry.value == setting.stereo)) setting.stereo = entry.value;
+    }
+    ImGui::EndCombo();
+  }
+  tip("How the two eyes' pictures become one");
+  drag("eyes apart", setting.eyes_apart_m, mm, 0.1f, 1, 100, "%.1f mm");
+  tip("From eye to eye");
+  Participant moved = setting;
+  bool changed = false;
+  for (int i = 0; i < 3; ++i) {
+    const char* const names[] = {"eye x", "eye y", "eye z"};
+    changed = drag(names[i], moved.screen.eye_m[i], mm, 0.5f, -3000, 3000, "%.0f mm") || changed;
+    tip("Between the participant's eyes, in the world");
+  }
+  if (changed && in_front(moved.screen)) setting = moved;
+  if (setting.stereo == Stereo::columns || setting.stereo == Stereo::rows) draw_barrier(setting);
+}
+
+}  // namespace palpa::viewer

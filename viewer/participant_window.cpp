@@ -1,0 +1,29 @@
+#include "viewer/participant_window.hpp"
+
+namespace palpa::viewer {
+
+ParticipantWindow::ParticipantWindow(const gpu::Device& device, std::size_t monitor)
+    : device_(&device),
+      window_(monitor, "palpa participant"),
+      surface_(device, window_),
+      presenter_(device, surface_.get()),
+      drawn_(device) {}
+
+void ParticipantWindow::show(const App& app) {
+  const Desk::ParticipantView& view = app.desk().participant;
+  const VkExtent2D whole = window_.size();
+  if (whole.width < 2 || whole.height < 2 || !view.setting) return;
+  const Shown now{
+      app.surfaces_version(), *view.setting, view.hidden, app.desk().state.dark, {whole.width, whole.height}};
+  if (shown_ == now) return;
+  ViewState state = for_participant(app.desk().state);
+  if (view.hidden) state.layers.hide({Layer::solids, Layer::edges});
+  drawn_.update(app.picture(), state);  // nothing is in flight: a picture of the eyes is waited for
+  const EyeSize size = eye_size(now.participant.stereo, whole.width, whole.height);
+  if (!eye_ || eye_->width() != size.width || eye_->height() != size.height)
+    eye_.emplace(*device_, size.width, size.height);
+  const Box objects = extent(app.picture(), Extent::objects, state);
+  if (presenter_.draw(draw(now.participant, objects, *eye_, drawn_))) shown_ = now;
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,44 @@
+// The participant's window: all of a monitor, on which the objects stand where they are felt.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "viewer/app.hpp"
+#include "viewer/offscreen.hpp"
+#include "viewer/swapchain.hpp"
+#include "viewer/window_surface.hpp"
+
+namespace palpa::viewer {
+
+class ParticipantWindow {
+ public:
+  /// On the monitor of that number, beside the window that waits for events.
+  ParticipantWindow(const gpu::Device& device, std::size_t monitor);
+
+  bool closing() const { return window_.closing(); }
+  void take(std::vector<WindowEvent>& events) { window_.take(events); }
+  /// Draws what `app` has for the participant, where that is not what is there already: both eyes, as the screen tells
+  /// them apart. A picture is made when something changes, not at a rate.
+  void show(const App& app);
+
+ private:
+  struct Shown {
+    std::uint64_t surfaces = 0;
+    Participant participant;
+    bool hidden = false, dark = false;
+    Size size;
+    bool operator==(const Shown&) const = default;
+  };
+
+  const gpu::Device* device_;
+  Window window_;
+  WindowSurface surface_;
+  Presenter presenter_;
+  DrawnPicture drawn_;
+  std::optional<Offscreen> eye_;
+  std::optional<Shown> shown_;
+};
+
+}  // namespace palpa::viewer
