@@ -40,6 +40,7 @@ App::App(const ViewerOptions& options, const Size& size, Surroundings around)
   desk_.live = options_.is_live();
   desk_.panels = around_.panels;
   recall();
+  loader_ = std::make_unique<Loader>(around_.wake);
   around_.kinds.sources.push_back(transport_.source());
   around_.kinds.sources.push_back(finger_.source());
   if (around_.panels) ui_ = std::make_unique<Ui>(desk_.state.dark, around_.copy, around_.paste);
@@ -107,10 +108,14 @@ void App::start() {
 }
 
 void App::say(log::Level level, const std::string& line, double now_s) {
+  dirty_ = true;
+  if (const auto same = std::ranges::find(desk_.toasts, line, &Toast::text); same != desk_.toasts.end()) {
+    same->until_s = now_s + toast_s;  // what is read for a second time warns of the same
+    return;
+  }
   if (desk_.toasts.size() >= 4) desk_.toasts.pop_front();
   desk_.toasts.push_back({line, level, now_s + toast_s});
   desk_.log.push_back({level, line});
-  dirty_ = true;
 }
 
 bool App::changing() const {
@@ -169,6 +174,7 @@ void App::key(const WindowEvent& event) {
       desk_.panels = !desk_.panels;
       return;
     case Key::escape:
+      if (desk_.opening) return cancel_opening();
       desk_.help || desk_.reading ? void() : void(quitting_ = true);
       desk_.help = false;
       desk_.reading.reset();
@@ -190,6 +196,9 @@ void App::key(const WindowEvent& event) {
       break;
     case 'o':
       switch_off();
+      break;
+    case 'r':
+      desk_.asked.record = true;
       break;
     case 'c':
       if (desk_.live) desk_.asked.copy = run_command(desk_.given);
@@ -218,43 +227,6 @@ void App::read_at(double x, double y, const Size& size) {
   dirty_ = true;
 }
 
-void App::open(const std::string& path, double now_s) {
-  const std::filesystem::path file(path);
-  const std::string ending = file.extension().string();
-  setup::Given given = desk_.given;
-  std::error_code ignored;
-  const bool same = given.contains("--scene") && given["--scene"] == std::vector{path};
-  if (ending == ".glb" || ending == ".gltf") {
-    given["--scene"] = {path};
-    if (!same) given.erase("--gltf-scene");
-  } else if (std::filesystem::is_directory(file, ignored) || file.filename() == "recording.toml") {
-    given["--source"] = {"recording:" + path};
-    given.erase("--noise-free");
-  } else {
-    return say(log::Level::warning, fmt::format("{}: is no .glb, .gltf or recording", path), now_s);
-  }
-  if (!desk_.live) {
-    ViewerOptions other = options_;
-    other.input.scene = given.contains("--scene") ? given["--scene"].front() : "";
-    if (!given.contains("--gltf-scene")) other.input.gltf_scene.reset();
-    if (given.contains("--source"))
-      return say(log::Level::warning, "a recording needs --source: start with one", now_s);
-    try {
-      auto show = std::make_unique<Show>(other);
-      show_ = std::move(show);
-    } catch (const Error& error) {
-      return say(log::Level::error, error.what(), now_s);
-    }
-    options_ = std::move(other);
-    desk_.given = std::move(given);
-    desk_.asked.frame = true;
-    surfaces_changed();
-    return;
-  }
-  anew_ = anew_ || desk_.given == given;  // the same file, written anew
-  desk_.given = std::move(given);
-}
-
 void App::advance(double now_s, const Size& whole_size) {
   const Size size = beside_panels(whole_size);
   now_s_ = now_s;
@@ -267,8 +239,10 @@ void App::advance(double now_s, const Size& whole_size) {
   }
   while (desk_.log.size() > log::Tail::most)
     desk_.log.pop_front();
+  advance_opening(now_s);
   do_asked(now_s, size);
   if (live_) advance_live(now_s, size);
+  tell_doing();
   if (now_s >= next_reload_s_) reload(now_s);
   advance_slots(now_s);
   if (std::ranges::any_of(desk_.toasts, [&](const Toast& toast) { return now_s >= toast.until_s; })) dirty_ = true;
@@ -278,24 +252,15 @@ void App::advance(double now_s, const Size& whole_size) {
   }
 }
 
-/// A scene that was written anew is read anew, once it has not changed for a while: editors write in pieces.
-void App::reload(double now_s) {
-  constexpr double every_s = 1;
-  next_reload_s_ = now_s + every_s;
-  const auto scene = desk_.given.find("--scene");
-  if (scene == desk_.given.end()) return;
-  const std::string path = scene->second.front();
-  std::error_code fault;
-  const std::filesystem::file_time_type time = std::filesystem::last_write_time(path, fault);
-  if (fault) return;
-  const WrittenScene before = std::exchange(scene_written_, {path, time});
-  if (before.path != path) {
-    written_ = false;  // another file: nobody knows what it was before
-  } else if (before.time != time) {
-    written_ = true;
-  } else if (std::exchange(written_, false)) {
-    open(path, now_s);
-  }
+/// What is being loaded, by a run that begins or beside what is shown.
+void App::tell_doing() {
+  const bool loads = desk_.opening || (desk_.live && desk_.live_state == LiveState::loading);
+  const std::optional<Doing> doing = loads ? palpa::doing() : std::nullopt;
+  desk_.doing = doing ? doing->what : std::string();
+  desk_.done = doing && doing->total > 0
+                   ? std::optional(static_cast<double>(doing->done) / static_cast<double>(doing->total))
+                   : std::nullopt;
+  if (loads) dirty_ = true;
 }
 
 void App::do_asked(double now_s, const Size& size) {
@@ -313,6 +278,8 @@ void App::do_asked(double now_s, const Size& size) {
   if (asked.play) transport_.play(*asked.play);
   if (asked.go_to) transport_.go_to(*asked.go_to);
   if (asked.participant) try_participant(*asked.participant);
+  if (asked.cancel) cancel_opening();
+  if (asked.record) record(now_s);
   if (asked.step != 0) transport_.step(asked.step);
   if (asked.slots != 0) {
     SlotTime& time = desk_.state.time;
@@ -366,8 +333,8 @@ void App::advance_live(double now_s, const Size& size) {
   desk_.silent_drives = link.silent;
   desk_.live_state = live_->state();
   desk_.playback = transport_.now();
-  const std::optional<Doing> doing = desk_.live_state == LiveState::loading ? palpa::doing() : std::nullopt;
-  desk_.doing = doing ? doing->what : std::string();
+  desk_.recording = live_->recording();
+  desk_.recorded = live_->recorded();
 
   // Before the scene is asked for: a snapshot's scene is there by then.
   const bool fresh = live_->take();
@@ -425,6 +392,7 @@ std::optional<double> App::next_s() const {
   for (const Toast& toast : desk_.toasts)
     sooner(toast.until_s);
   if (desk_.given.contains("--scene")) sooner(next_reload_s_);
+  if (desk_.opening) sooner(now_s_ + 0.1);
   if (live_ && !told_) sooner(now_s_ + (desk_.live_state == LiveState::loading ? 0.1 : tend_s));
   return next;
 }

@@ -16,6 +16,7 @@
 #include "viewer/drawn_picture.hpp"
 #include "viewer/live/held_finger.hpp"
 #include "viewer/live/live_session.hpp"
+#include "viewer/live/loader.hpp"
 #include "viewer/live/next_outputs.hpp"
 #include "viewer/live/starter.hpp"
 #include "viewer/live/transport.hpp"
@@ -35,6 +36,8 @@ struct Surroundings {
   std::function<void()> wake;                    ///< from other threads: something is new
   std::function<void(const std::string&)> copy;  ///< to other programs
   std::function<std::string()> paste;
+  /// Called before what was a touch becomes a live run; empty: that cannot be.
+  std::function<void()> goes_live;
   bool panels = true;
   /// Where settings are remembered; empty: nowhere.
   std::filesystem::path settings;
@@ -102,6 +105,12 @@ class App {
   void do_asked(double now_s, const Size& size);
   void key(const WindowEvent& event);
   void open(const std::string& path, double now_s);
+  void open_scene(const std::string& path);
+  void open_live(const std::string& recording, double now_s);
+  void advance_opening(double now_s);
+  void cancel_opening();
+  void record(double now_s);
+  void tell_doing();
   void read_at(double x, double y, const Size& size);
   void show_slot_now();
   void touch_options(double now_s);
@@ -152,6 +161,14 @@ class App {
   Controls controls_;
   double ratio_ = 1;
   double next_reload_s_ = 0;
+  /// A scene that is being loaded.
+  struct Opened {
+    std::string path;
+    bool same = false;                     ///< it is the one that is shown, written anew
+    std::optional<ViewerOptions> options;  ///< of a touch, and what becomes of it
+    std::shared_ptr<std::unique_ptr<Show>> show;
+  } opened_;
+  std::unique_ptr<Loader> loader_;
   struct WrittenScene {
     std::string path;
     std::filesystem::file_time_type time;

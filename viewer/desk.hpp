@@ -60,7 +60,11 @@ struct Desk {
   LiveState live_state = LiveState::loading;
   bool sounding = false, link_open = false;
   std::uint64_t drives = 0, silent_drives = 0;
-  std::string doing;  ///< while something is loaded
+  std::string doing;           ///< while something is loaded
+  std::optional<double> done;  ///< of that, 0..1, where somebody counts
+  bool opening = false;        ///< a scene is loaded beside what is shown
+  std::string recording;       ///< the folder that frames are written to
+  std::uint64_t recorded = 0;  ///< of them
   LiveNumbers numbers;
   std::optional<Playback> playback;
   double picture_ms = 0;  ///< to draw the last picture
@@ -101,6 +105,8 @@ struct Desk {
     std::string copy;                    ///< text for other programs
     std::optional<Playback> play;        ///< the recording is to play like that; its place is of no account
     std::optional<std::uint64_t> go_to;  ///< a frame of it
+    bool cancel = false;                 ///< what is opening
+    bool record = false;                 ///< to begin, or to end
     std::optional<bool> participant;     ///< whose window is to open, or to close
     int step = 0;                        ///< frames of it
     int slots = 0;                       ///< slots of the schedule

@@ -6,8 +6,8 @@ ParticipantWindow::ParticipantWindow(const gpu::Device& device, std::size_t moni
     : device_(&device),
       window_(monitor, "palpa participant"),
       surface_(device, window_),
-      presenter_(device, surface_.get()),
-      drawn_(device) {}
+      drawn_(device),
+      presenter_(device, surface_.get()) {}
 
 void ParticipantWindow::show(const App& app) {
   const Desk::ParticipantView& view = app.desk().participant;

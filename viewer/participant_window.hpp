@@ -35,8 +35,8 @@ class ParticipantWindow {
   const gpu::Device* device_;
   Window window_;
   WindowSurface surface_;
+  DrawnPicture drawn_;  ///< outlives the frames that draw it: the presenter's end waits for them
   Presenter presenter_;
-  DrawnPicture drawn_;
   std::optional<Offscreen> eye_;
   std::optional<Shown> shown_;
 };

@@ -104,7 +104,8 @@ void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds)
   const auto now = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
   Script script(options);
   Stopper stopper(options);
-  App app(options, picture_size(options), {.kinds = kinds, .stop = &stopper.flag(), .panels = options.panels});
+  App app(options, picture_size(options),
+          {.kinds = kinds, .stop = &stopper.flag(), .goes_live = [&] { stopper.begin(); }, .panels = options.panels});
   if (options.is_live()) session::give_way();
   const gpu::Device device(setup::device_options(options.common));
   Stage stage(options, device);

@@ -21,8 +21,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Between two pictures: of a live run not more than 30 a second, so that the loop has the cores.
-double shortest_s(const ViewerOptions& options) {
-  return options.is_live() ? 1.0 / 30 : 0.0;
+double shortest_s(const App& app) {
+  return app.desk().live ? 1.0 / 30 : 0.0;
 }
 
 /// The participant's window as the desk has it: opened, closed, and brought up to date.
@@ -65,6 +65,11 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
            .wake = Window::wake,
            .copy = [&](const std::string& text) { window.set_clipboard(text); },
            .paste = [&] { return window.clipboard(); },
+           .goes_live =
+               [&] {
+                 stopper.begin();
+                 session::give_way();
+               },
            .panels = !options.no_panels,
            .settings = settings_file().value_or("")});
   // From here on: threads of a live run have begun, those of the picture have not.
@@ -89,7 +94,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     const bool visible = pixels.width > 0 && pixels.height > 0;
     double timeout = -1;
     if (const std::optional<double> next = app.next_s()) timeout = std::max(*next - now(), 1e-3);
-    if (visible && app.dirty()) timeout = std::max(last_drawn_s + shortest_s(options) - now(), 0.0);
+    if (visible && app.dirty()) timeout = std::max(last_drawn_s + shortest_s(app) - now(), 0.0);
     if (options.frames || script.busy()) timeout = 0;
     events.clear();
     window.wait(timeout, events);
@@ -103,7 +108,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     app.advance(now(), pixels);
     look_after(participant, app, device);
     if (!visible || !(app.dirty() || options.frames || script.busy())) continue;
-    if (now() < last_drawn_s + shortest_s(options) && !options.frames && !script.busy()) continue;
+    if (now() < last_drawn_s + shortest_s(app) && !options.frames && !script.busy()) continue;
     const double started_s = now(), ratio = options.pixel_ratio.value_or(window.pixel_ratio());
     if (app.stale()) presenter.finish();
     app.update(drawn);

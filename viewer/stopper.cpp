@@ -27,12 +27,15 @@ void silence_at_exit() {
 }  // namespace
 
 Stopper::Stopper(const ViewerOptions& options, std::function<void()> wake)
-    : scripted_(!options.interact.empty() || options.frames), windowed_(!options.headless) {
-  if (!options.is_live()) return;
+    : wake_(std::move(wake)), scripted_(!options.interact.empty() || options.frames), windowed_(!options.headless) {
+  if (options.is_live()) begin();
+}
+
+void Stopper::begin() {
+  if (interrupt_) return;
   [[maybe_unused]] static const int registered = std::atexit(silence_at_exit);
   relay_.emplace();
-  interrupt_.emplace("ended without finishing, a second after the signal: what it waited for did not answer",
-                     std::move(wake));
+  interrupt_.emplace("ended without finishing, a second after the signal: what it waited for did not answer", wake_);
 }
 
 void Stopper::end(App& app) {

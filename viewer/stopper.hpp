@@ -18,6 +18,9 @@ class Stopper {
   /// on another thread when a signal has come.
   explicit Stopper(const ViewerOptions& options, std::function<void()> wake = {});
 
+  /// What was none has become a live run: from now on.
+  void begin();
+
   std::atomic<bool>& flag() { return setup::Interrupt::flag(); }
 
   /// Ends the run. Where it does not end (a camera, a disk or a GPU that does not answer) the program does: the array
@@ -26,6 +29,7 @@ class Stopper {
   void end(App& app);
 
  private:
+  std::function<void()> wake_;
   bool scripted_, windowed_;
   std::optional<log::Relay> relay_;
   std::optional<setup::Interrupt> interrupt_;

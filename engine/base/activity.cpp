@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.hpp"
+
 namespace palpa {
 namespace {
 
@@ -17,9 +19,20 @@ Activities& activities() {
   return instance;
 }
 
+thread_local const std::atomic<bool>* stop_of_thread = nullptr;
+
 }  // namespace
 
+Cancellable::Cancellable(const std::atomic<bool>& stop) {
+  stop_of_thread = &stop;
+}
+
+Cancellable::~Cancellable() {
+  stop_of_thread = nullptr;
+}
+
 Activity::Activity(std::string what, std::uint64_t total) : what_(std::move(what)), total_(total) {
+  if (stop_of_thread && *stop_of_thread) throw failure("cancelled before: " + what_);
   const std::lock_guard lock(activities().mutex);
   activities().all.push_back(this);
 }

@@ -18,6 +18,7 @@ struct Doing {
 class Activity {
  public:
   /// `what` is a verb with its object: "checks mesh \"bunny\"". Of `total` steps; 0 where nobody counts.
+  /// Throws failure() where this thread is Cancellable and was cancelled.
   explicit Activity(std::string what, std::uint64_t total = 0);
   ~Activity();
   Activity(const Activity&) = delete;
@@ -33,6 +34,15 @@ class Activity {
   std::string what_;
   std::uint64_t total_;
   std::atomic<std::uint64_t> done_{0};
+};
+
+/// While it lives, what its thread does ends where it begins another Activity, once `stop` is set.
+class Cancellable {
+ public:
+  explicit Cancellable(const std::atomic<bool>& stop);
+  ~Cancellable();
+  Cancellable(const Cancellable&) = delete;
+  Cancellable& operator=(const Cancellable&) = delete;
 };
 
 /// What is being done now.

@@ -114,6 +114,25 @@ TEST(Live, ASolidThatIsMovedIsFeltWhereItIs) {
   EXPECT_NEAR(solids[0].bounds.high.y, -0.1, 1e-7);
 }
 
+TEST(Live, RecordsWhileItRuns) {
+  Bench bench;
+  const auto folder = test::scratch_folder("viewer-recorded");
+  const auto live = bench.start();
+  ASSERT_TRUE(soon(*live, [&] { return live->state() == LiveState::running; })) << live->fault();
+  const std::string taken = (folder / "taken").string(), made = (folder / "made").string();
+  std::filesystem::create_directories(std::filesystem::path(taken) / "something");
+  live->record(taken);  // that is told, and ends nothing
+  live->record(made);
+  ASSERT_TRUE(soon(*live, [&] { return live->recorded() >= 5; })) << live->fault();
+  EXPECT_EQ(live->recording(), made);
+  live->record({});
+  ASSERT_TRUE(soon(*live, [&] { return live->recording().empty(); }));
+  EXPECT_EQ(live->state(), LiveState::running);
+  const sensing::Recording recording = sensing::load_recording(made);
+  EXPECT_GE(recording.entries.size(), 5u);
+  EXPECT_EQ(recording.cameras.size(), live->scene()->cameras.size());
+}
+
 TEST(Live, EndsWithTheViewer) {
   Bench bench;
   {

@@ -6,6 +6,7 @@
 #include <exception>
 #include <utility>
 
+#include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/outputs.hpp"
 #include "sensing/skin_twin.hpp"
@@ -115,6 +116,40 @@ void LiveSession::place(std::vector<Transform> poses) {
   ++placements_;
 }
 
+void LiveSession::record(const std::string& folder) {
+  const std::lock_guard lock(mutex_);
+  record_to_ = folder;
+  ++recordings_;
+}
+
+std::string LiveSession::recording() const {
+  const std::lock_guard lock(mutex_);
+  return recording_;
+}
+
+void LiveSession::write_down(const sensing::FrameSet& set) {
+  try {
+    if (recordings_seen_ != recordings_) {
+      const std::lock_guard lock(mutex_);
+      recordings_seen_ = recordings_;
+      recorder_.reset();
+      recorded_ = 0;
+      recording_.clear();
+      if (!record_to_.empty()) recorder_.emplace(record_to_, session_->setting().cameras);
+      recording_ = record_to_;
+    }
+    if (!recorder_) return;
+    recorder_->write(set);
+    recorded_ = recorder_->frames();
+  } catch (const Error& error) {
+    log::error(error.what());
+    recorder_.reset();
+    const std::lock_guard lock(mutex_);
+    record_to_.clear();
+    recording_.clear();
+  }
+}
+
 // On the compute thread, or before there is one.
 void LiveSession::follow_poses(session::Session& session) {
   if (placements_ == placed_) return;
@@ -211,6 +246,7 @@ void LiveSession::planned(const session::FrameReport& report, const session::Pla
 // On a thread that nobody waits for, unless every frame is looked at.
 void LiveSession::saw(const sensing::FrameSet& set) {
   if (!std::exchange(modest_, true) && options_.record.empty()) session::give_way();
+  write_down(set);
   if (!wants_seen_.exchange(false)) return;
   if (looked_around_ != placements_) look_around(session_->setting().cameras);
   Seen& next = seen_.back();

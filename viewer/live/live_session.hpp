@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "sensing/rays.hpp"
+#include "sensing/recording.hpp"
 #include "session/newest.hpp"
 #include "setup/live_run.hpp"
 #include "viewer/live/snapshot.hpp"
@@ -97,6 +98,11 @@ class LiveSession {
   /// From the next frame on each solid is where its pose takes it from its place in the scene; see Session::set_pose.
   void place(std::vector<Transform> poses);
 
+  /// From now on frames are written to this new folder, too; empty: no more. A fault is told in the log and ends it.
+  void record(const std::string& folder);
+  std::string recording() const;  ///< that folder, until its last frame is written
+  std::uint64_t recorded() const { return recorded_; }
+
   const LinkWatch& link() const { return link_; }
   /// Complete once it is over; nothing where it failed.
   std::optional<session::LoopStats> stats() const;
@@ -114,6 +120,7 @@ class LiveSession {
   void planned(const session::FrameReport& report, const session::Plan& plan);
   void saw(const sensing::FrameSet& set);
   void count(const session::FrameReport& report);
+  void write_down(const sensing::FrameSet& set);
   void follow_poses(session::Session& session);
   void look_around(const std::vector<sensing::Camera>& cameras);
 
@@ -143,9 +150,12 @@ class LiveSession {
   sensing::RayTables rays_;
   std::vector<sensing::View> views_;
   bool modest_ = false;
-  std::atomic<std::uint64_t> placements_{0};
+  std::optional<sensing::RecordingWriter> recorder_;
+  std::uint64_t recordings_seen_ = 0;
+  std::atomic<std::uint64_t> placements_{0}, recordings_{0}, recorded_{0};
   mutable std::mutex mutex_;
   std::vector<Transform> poses_;
+  std::string record_to_, recording_;
   std::string fault_;
   std::exception_ptr error_;
   std::shared_ptr<const LiveScene> scene_;

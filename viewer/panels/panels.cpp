@@ -97,6 +97,7 @@ void draw_panels(Desk& desk, double now_s) {
     ImGui::End();
   }
   draw_toasts(desk, now_s);
+  if (desk.opening) draw_opening(desk);
   if (desk.help) draw_cheat_sheet(desk);
 }
 
@@ -127,7 +128,16 @@ void draw_link_panel(Desk& desk) {
   const ImVec4 lamp = desk.sounding ? ImVec4{0.80f, 0.36f, 0, 1} : ImVec4{0.35f, 0.35f, 0.38f, 1};
   ImGui::TextColored(lamp, "%s", state);
   tip("What the array does now, by the drives that leave for it");
-  if (!desk.doing.empty()) ImGui::TextWrapped("%s", desk.doing.c_str());
+  ImGui::BeginDisabled(!running);
+  if (ImGui::SmallButton(desk.recording.empty() ? "record" : "stop recording")) desk.asked.record = true;
+  ImGui::EndDisabled();
+  tip("Writes what the cameras see into a new folder, of whatever source, while the run goes on. Key: R");
+  if (!desk.recording.empty()) {
+    ImGui::SameLine();
+    ImGui::Text("%s: %llu", desk.recording.c_str(), static_cast<unsigned long long>(desk.recorded));
+    tip("The folder, and how many frames it has");
+  }
+  if (!desk.doing.empty() && !desk.opening) ImGui::TextWrapped("%s", desk.doing.c_str());
 }
 
 void draw_view_panel(Desk& desk) {
@@ -202,6 +212,22 @@ void draw_toasts(Desk& desk, double now_s) {
   }
 }
 
+void draw_opening(Desk& desk) {
+  const ImVec2 whole = ImGui::GetIO().DisplaySize;
+  const float free = whole.x - (desk.panels ? static_cast<float>(panels_width(whole.x, em(1))) : 0.0f);
+  ImGui::SetNextWindowPos({free / 2, whole.y - em(1)}, ImGuiCond_Always, {0.5f, 1});
+  ImGui::SetNextWindowSize({std::max(std::min(em(24), free - em(1)), 1.0f), 0});
+  ImGui::Begin("opening", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoFocusOnAppearing);
+  ImGui::TextWrapped("%s", desk.doing.empty() ? "opens a scene" : desk.doing.c_str());
+  if (desk.done) {
+    ImGui::ProgressBar(static_cast<float>(*desk.done), {-em(5), 0});
+    ImGui::SameLine();
+  }
+  if (ImGui::Button("cancel", {-1, 0})) desk.asked.cancel = true;
+  tip("What is shown, and what runs, stays. Key: Escape");
+  ImGui::End();
+}
+
 void draw_cheat_sheet(Desk& desk) {
   static constexpr std::pair<const char*, const char*> lines[] = {
       {"left drag", "turn around the middle"},
@@ -221,6 +247,7 @@ void draw_cheat_sheet(Desk& desk) {
       {"- +", "slots slower, faster"},
       {"Page up, down", "another object: the scenes of the folder"},
       {"P, V", "the participant's window; the object in it hidden"},
+      {"R", "record what the cameras see, into a new folder"},
       {"O", "all off: the array is silent"},
       {"C", "copy the run as a command line"},
       {"Tab", "panels"},

@@ -25,6 +25,7 @@ void draw_log_panel(const Desk& desk);
 // Over everything.
 void draw_marks(const std::vector<FlatMark>& marks);
 void draw_toasts(Desk& desk, double now_s);
+void draw_opening(Desk& desk);
 void draw_cheat_sheet(Desk& desk);
 
 /// Where the widget before it is.

@@ -1,0 +1,136 @@
+// What is opened while something is shown: files that are dropped, scenes that are written anew, recordings that are
+// made.
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "base/error.hpp"
+#include "setup/load.hpp"
+#include "viewer/app.hpp"
+#include "viewer/live/live_line.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+constexpr const char* scene_option = "--scene";
+
+/// The first folder of "recording-1", "recording-2", ... that is not there.
+std::string free_folder() {
+  for (int i = 1;; ++i) {
+    std::string name = fmt::format("recording-{}", i);
+    std::error_code ignored;
+    if (!std::filesystem::exists(name, ignored)) return name;
+  }
+}
+
+}  // namespace
+
+void App::open(const std::string& path, double now_s) {
+  const std::filesystem::path file(path);
+  const std::string ending = file.extension().string();
+  std::error_code ignored;
+  if (ending == ".glb" || ending == ".gltf") return open_scene(path);
+  if (!std::filesystem::is_directory(file, ignored) && file.filename() != "recording.toml")
+    return say(log::Level::warning, fmt::format("{}: is no .glb, .gltf or recording", path), now_s);
+  if (!desk_.live) return open_live(path, now_s);
+  desk_.given["--source"] = {"recording:" + path};
+  desk_.given.erase("--noise-free");
+}
+
+/// What runs, or is shown, goes on until the scene is there and was found to be one.
+void App::open_scene(const std::string& path) {
+  dirty_ = true;
+  setup::Given given = desk_.given;
+  const bool same = given.contains(scene_option) && given[scene_option] == std::vector{path};
+  given[scene_option] = {path};
+  if (!same) given.erase("--gltf-scene");
+  opened_ = {path, same, {}, {}};
+  if (desk_.live) {
+    const setup::LiveOptions options = live_options(given);
+    return loader_->begin([options] { setup::load_solids(options.scene, options.gltf_scene, options.solids); });
+  }
+  opened_.options = options_;
+  opened_.options->input.scene = path;
+  if (!given.contains("--gltf-scene")) opened_.options->input.gltf_scene.reset();
+  opened_.show = std::make_shared<std::unique_ptr<Show>>();
+  loader_->begin([show = opened_.show, options = *opened_.options] { *show = std::make_unique<Show>(options); });
+}
+
+void App::advance_opening(double now_s) {
+  desk_.opening = loader_->busy();
+  const std::optional<std::string> fault = loader_->take();
+  if (!fault) return;
+  dirty_ = true;
+  if (!fault->empty()) return say(log::Level::error, *fault, now_s);
+  desk_.given[scene_option] = {opened_.path};
+  if (!opened_.same) desk_.given.erase("--gltf-scene");
+  if (desk_.live) {
+    anew_ = anew_ || opened_.same;
+    return;
+  }
+  if (!opened_.show) return;
+  show_ = std::move(*opened_.show);
+  options_ = *std::exchange(opened_.options, std::nullopt);
+  opened_.show.reset();
+  desk_.asked.frame = true;
+  surfaces_changed();
+}
+
+void App::cancel_opening() {
+  loader_->cancel();
+  desk_.opening = false;
+  say(log::Level::info, "what was being loaded is not opened", now_s_);
+}
+
+/// A touch becomes a live run of the recording: what was said of the touch alone is of no account any more.
+void App::open_live(const std::string& recording, double now_s) {
+  if (!around_.goes_live) return say(log::Level::warning, "a recording needs --source: start with one", now_s);
+  setup::Given given = setup::known_to(live_table(), desk_.given);
+  given["--source"] = {"recording:" + recording};
+  try {
+    live_options(given);
+  } catch (const Error& error) {
+    return say(log::Level::error, error.what(), now_s);
+  }
+  loader_->cancel();
+  around_.goes_live();
+  desk_.live = true;
+  desk_.given = std::move(given);
+  live_picture_ = show_->picture();
+  show_.reset();
+  desk_.state.time.playing = true;
+  start();
+}
+
+/// A scene that was written anew is read anew, once it has not changed for a while: editors write in pieces.
+void App::reload(double now_s) {
+  constexpr double every_s = 1;
+  next_reload_s_ = now_s + every_s;
+  const auto scene = desk_.given.find(scene_option);
+  if (scene == desk_.given.end()) return;
+  const std::string path = scene->second.front();
+  std::error_code fault;
+  const std::filesystem::file_time_type time = std::filesystem::last_write_time(path, fault);
+  if (fault) return;
+  const WrittenScene before = std::exchange(scene_written_, {path, time});
+  if (before.path != path) {
+    written_ = false;  // another file: nobody knows what it was before
+  } else if (before.time != time) {
+    written_ = true;
+  } else if (std::exchange(written_, false)) {
+    open(path, now_s);
+  }
+}
+
+/// Begins to write down what is seen, or ends it.
+void App::record(double now_s) {
+  if (!live_ || desk_.live_state != LiveState::running) return;
+  if (!live_->recording().empty()) return live_->record({});
+  const std::string folder = free_folder();
+  live_->record(folder);
+  say(log::Level::info, folder + ": records what the cameras see", now_s);
+}
+
+}  // namespace palpa::viewer
