@@ -67,8 +67,13 @@ void App::show_placing(const Size& size) {
     desk_.depths.push_back({scene_->solid_names[finger.solid], finger.depth_m});
     const Projected at = project(push, Vec3(finger.section.centroid));
     if (!at.visible) continue;
-    // Beside its contacts and what is drawn around them.
-    const Vec2 beside = Vec2(at.x, at.y) + seen.ratio * Vec2(34, -34);
+    // Beside its contacts and foci, and their numbers.
+    Vec2 beside(at.x, at.y);
+    for (const touch::Focus& focus : finger.foci) {
+      const Projected p = project(push, Vec3(focus.position));
+      if (p.visible && (finger.placed || focus.points > 0)) beside.x = std::max(beside.x, p.x);
+    }
+    beside.x += 48 * seen.ratio;
     desk_.marks.push_back({.points = {beside}, .label = fmt::format("{:.1f} mm", finger.depth_m * 1e3)});
   }
 }

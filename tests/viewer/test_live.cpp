@@ -122,6 +122,10 @@ TEST(Live, RecordsWhileItRuns) {
   const std::string taken = (folder / "taken").string(), made = (folder / "made").string();
   std::filesystem::create_directories(std::filesystem::path(taken) / "something");
   live->record(taken);  // that is told, and ends nothing
+  std::uint64_t frames = 0;
+  ASSERT_TRUE(soon(*live, [&] { return live->take() && (frames += 1) > 10; }));
+  EXPECT_EQ(live->recorded(), 0u);
+  EXPECT_EQ(live->state(), LiveState::running);
   live->record(made);
   ASSERT_TRUE(soon(*live, [&] { return live->recorded() >= 5; })) << live->fault();
   EXPECT_EQ(live->recording(), made);
