@@ -27,14 +27,16 @@ constexpr double toast_s = 6;
 constexpr double tend_s = 1;  ///< how often a live run is looked after at least, see LiveSession::look
 
 bool same_marks(const ViewState& a, const ViewState& b) {
-  return a.layers == b.layers && a.explode == b.explode && a.slice == b.slice && a.chosen == b.chosen &&
-         a.picked == b.picked && a.dark == b.dark;
+  return a.layers == b.layers && a.explode == b.explode && a.slice == b.slice && a.slice_handles == b.slice_handles &&
+         a.chosen == b.chosen && a.picked == b.picked && a.dark == b.dark;
 }
 
 }  // namespace
 
 App::App(const ViewerOptions& options, const Size& size, Surroundings around)
-    : options_(options), around_(std::move(around)) {
+    : options_(options),
+      around_(std::move(around)),
+      sounds_(finger_mesh(options), setup::device_options(options.common)) {
   desk_.state = first_state(options_);
   desk_.given = options_.given;
   desk_.live = options_.is_live();
@@ -79,9 +81,9 @@ void App::remember() {
   if (around_.settings.empty()) return;
   const Settings now{desk_.state.layers, desk_.state.dark, desk_.panels, desk_.state.time.slots_per_s};
   if (now == recalled_) return;
+  recalled_ = now;  // asked once: where it cannot be written it is told once
   try {
     save_settings(around_.settings, now);
-    recalled_ = now;
   } catch (const std::exception& error) {
     log::warning(error.what());
   }
@@ -140,6 +142,11 @@ void App::handle(const WindowEvent& event, const Size& whole_size) {
       ui_ && ui_->take(event, press && event.button == Button::left && std::ranges::any_of(desk_.places.texts, here));
   if (ui_) dirty_ = true;
   if (taken && event.kind != WindowEvent::Kind::release) return;
+  if (desk_.state.slice_handles && desk_.state.layers.shows(Layer::slice) &&
+      slice_hand_.handle(event, sight(size), desk_.state.slice)) {
+    slice_placed_ = dirty_ = true;
+    return;
+  }
   if (desk_.live) {
     const bool placed = placing_.handle(event, sight(size));
     place();
@@ -245,6 +252,7 @@ void App::advance(double now_s, const Size& whole_size) {
   tell_doing();
   if (now_s >= next_reload_s_) reload(now_s);
   advance_slots(now_s);
+  listen(now_s);
   if (std::ranges::any_of(desk_.toasts, [&](const Toast& toast) { return now_s >= toast.until_s; })) dirty_ = true;
   if (!same_marks(desk_.state, drawn_state_)) {
     if (desk_.state.explode != drawn_state_.explode) surfaces_changed();
@@ -268,6 +276,7 @@ void App::do_asked(double now_s, const Size& size) {
   if (desk_.live && ui_) do_placing(now_s);
   const double aspect = static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u);
   if (asked.all_off) switch_off();
+  if (asked.plane) turn_slice(*asked.plane);
   if (asked.view) look(desk_.state.viewpoint, *asked.view);
   if (asked.frame || asked.view) fit(desk_.state.viewpoint, home_of(options_, picture(), desk_.state), aspect);
   if (!asked.copy.empty()) {
@@ -342,6 +351,7 @@ void App::advance_live(double now_s, const Size& size) {
   if (auto scene = live_->scene(); scene && scene != scene_) {
     scene_ = std::move(scene);
     live_picture_ = scene_->picture;
+    sounds_.forget();
     surfaces_changed();
     begin_placing();
     if (!std::exchange(framed_, true)) desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, size);
@@ -393,6 +403,7 @@ std::optional<double> App::next_s() const {
     sooner(toast.until_s);
   if (desk_.given.contains("--scene")) sooner(next_reload_s_);
   if (desk_.opening) sooner(now_s_ + 0.1);
+  if (sounds_.busy()) sooner(now_s_ + 0.03);
   if (live_ && !told_) sooner(now_s_ + (desk_.live_state == LiveState::loading ? 0.1 : tend_s));
   return next;
 }

@@ -24,9 +24,14 @@
 #include "viewer/placing.hpp"
 #include "viewer/settings.hpp"
 #include "viewer/show.hpp"
+#include "viewer/slice_hand.hpp"
+#include "viewer/sound/sounds.hpp"
 #include "viewer/viewer_options.hpp"
 
 namespace palpa::viewer {
+
+/// The closed mesh on which pressures are shown; empty: there is none.
+std::string finger_mesh(const ViewerOptions& options);
 
 /// What the application needs of whoever runs it.
 struct Surroundings {
@@ -82,7 +87,7 @@ class App {
   void drew(double seconds) { desk_.picture_ms = seconds * 1e3; }
 
   const Desk& desk() const { return desk_; }
-  const Picture& picture() const { return show_ ? show_->picture() : live_picture_; }
+  const Picture& picture() const { return show_ ? std::as_const(*show_).picture() : live_picture_; }
   /// The next slot, whatever the time.
   void go_on() { desk_.asked.slots = 1; }
   /// Whether a live run has shown a frame since the last call; of anything else, always.
@@ -134,6 +139,11 @@ class App {
   void open_participant(bool open);
   bool participant_key(Key key);
   void switch_object(int by);
+  Picture& shown_picture() { return show_ ? show_->picture() : live_picture_; }
+  Sounding sounding() const;
+  void place_slice_once();
+  void turn_slice(setup::Plane plane);
+  void listen(double now_s);
 
   ViewerOptions options_;
   Surroundings around_;
@@ -156,6 +166,9 @@ class App {
   bool off_ = false;   ///< somebody switched it off: only they start it again
   bool anew_ = false;  ///< the scene was written anew
   bool restart_ = false, told_ = false, written_ = false, framed_ = false, fresh_ = false;
+  Sounds sounds_;
+  SliceHand slice_hand_;
+  bool slice_placed_ = false;
   std::unique_ptr<Ui> ui_;
   log::Tail tail_;
   Controls controls_;

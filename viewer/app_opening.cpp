@@ -74,6 +74,7 @@ void App::advance_opening(double now_s) {
   show_ = std::move(*opened_.show);
   options_ = *std::exchange(opened_.options, std::nullopt);
   opened_.show.reset();
+  sounds_.forget();
   desk_.asked.frame = true;
   surfaces_changed();
 }
@@ -100,6 +101,7 @@ void App::open_live(const std::string& recording, double now_s) {
   desk_.given = std::move(given);
   live_picture_ = show_->picture();
   show_.reset();
+  sounds_.forget();
   desk_.state.time.playing = true;
   start();
 }

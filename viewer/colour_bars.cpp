@@ -1,6 +1,7 @@
 #include "viewer/colour_bars.hpp"
 
 #include <algorithm>
+#include <string>
 
 #include "drawing/field_picture.hpp"
 
@@ -13,12 +14,14 @@ constexpr double letters = 8, thick = 9;
 
 void draw_bar(drawing::Ink& ink, const ColourBar& bar, const Vec2& at, double length, const Theme& theme) {
   constexpr int pieces = 96;
+  const std::string title = bar.note.empty() ? bar.title : bar.title + " (" + bar.note + ")";
+  ink.label(title, at + Vec2(length / 2, -ink.px(10)), letters, theme.ink, drawing::Align::centre);
+  if (!(bar.most > 0)) return;
   for (int i = 0; i < pieces; ++i) {
     // Strokes have round ends: each reaches under the next, and the last ends where the bar does.
     const double from = length * i / pieces, to = std::min(length, length * (i + 1.0) / pieces);
     ink.line(at + Vec2(from, 0), at + Vec2(to, 0), thick, drawing::map_colour((i + 0.5) / pieces));
   }
-  ink.label(bar.title, at + Vec2(length / 2, -ink.px(10)), letters, theme.ink, drawing::Align::centre);
   const std::vector<double> marks = drawing::ticks(0, bar.most, 5);
   const double step = marks.size() > 1 ? marks[1] - marks[0] : bar.most;
   for (const double mark : marks) {

@@ -8,8 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "acoustics/spectrum.hpp"
 #include "base/log.hpp"
 #include "setup/option_table.hpp"
+#include "setup/places.hpp"
 #include "viewer/gizmo.hpp"
 #include "viewer/live/live_session.hpp"
 #include "viewer/participant.hpp"
@@ -71,8 +73,9 @@ struct Desk {
   std::deque<log::Line> log;
   std::deque<Toast> toasts;
   std::optional<Reading> reading;
-  std::vector<Depth> depths;    ///< of the fingers of a live run
-  std::vector<FlatMark> marks;  ///< over the picture
+  std::vector<Depth> depths;                 ///< of the fingers of a live run
+  std::vector<FlatMark> marks;               ///< over the picture
+  std::vector<acoustics::Spectrum> spectra;  ///< of each finger, while wanted
 
   // ---- changed -----------------------------------------------------------------------------------------------------
   ViewState state;
@@ -97,11 +100,13 @@ struct Desk {
   } participant;
   bool panels = true;
   bool help = false;
+  bool wants_spectrum = false;  ///< somebody looks at it
 
   // ---- asked for ---------------------------------------------------------------------------------------------------
   struct Asked {
     bool all_off = false, start = false, frame = false;
     std::optional<StandardView> view;
+    std::optional<setup::Plane> plane;   ///< the field's, through the touch
     std::string copy;                    ///< text for other programs
     std::optional<Playback> play;        ///< the recording is to play like that; its place is of no account
     std::optional<std::uint64_t> go_to;  ///< a frame of it

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "acoustics/radiation.hpp"
 #include "array/schedule.hpp"
 #include "viewer/palette.hpp"
 
@@ -18,19 +17,9 @@ void replace_bar(Picture& picture, ColourBar bar) {
   picture.bars.push_back(std::move(bar));
 }
 
-/// Of the faces around each vertex, by their area.
-std::vector<double> at_vertices(const geometry::Mesh& mesh, std::span<const double> by_face) {
-  std::vector<double> sums(mesh.positions.size(), 0), areas(mesh.positions.size(), 0);
-  for (std::size_t face = 0; face < mesh.triangles.size(); ++face) {
-    const double area = acoustics::face_area(mesh, face);
-    for (int corner = 0; corner < 3; ++corner) {
-      sums[mesh.triangles[face][corner]] += area * by_face[face];
-      areas[mesh.triangles[face][corner]] += area;
-    }
-  }
-  for (std::size_t vertex = 0; vertex < sums.size(); ++vertex)
-    sums[vertex] = areas[vertex] > 0 ? sums[vertex] / areas[vertex] : 0;
-  return sums;
+ColourBar* bar_of(Picture& picture, Layer layer) {
+  const auto bar = std::ranges::find(picture.bars, layer, &ColourBar::layer);
+  return bar == picture.bars.end() ? nullptr : &*bar;
 }
 
 }  // namespace
@@ -86,12 +75,12 @@ void show_slice(Picture& picture, const SliceState& slice, const SliceGrid& grid
     image.pixels.push_back(to_pixel(drawing::map_colour(std::abs(p) / most)));
   replace_bar(picture, {Layer::slice,
                         linear ? "sound pressure in the plane, Pa peak"
-                               : fmt::format("sound in the plane, of the linear sum's largest {:.1f} kPa", peak / 1e3),
-                        linear ? most : 1});
+                               : fmt::format("beyond linear acoustics: of the largest, {:.1f} kPa", peak / 1e3),
+                        linear ? most : 1,
+                        {}});
 }
 
-void show_heat(Picture& picture, std::string name, geometry::Mesh body, std::span<const double> pressure_pa) {
-  const std::vector<double> values = at_vertices(body, pressure_pa);
+void show_heat(Picture& picture, std::string name, geometry::Mesh body, std::span<const double> values) {
   double peak = 0;
   for (const double value : values)
     peak = std::max(peak, value);
@@ -101,7 +90,33 @@ void show_heat(Picture& picture, std::string name, geometry::Mesh body, std::spa
   for (const double value : values)
     skin.colours.push_back(drawing::map_colour(value / most));
   picture.skin = std::move(skin);
-  replace_bar(picture, {Layer::heat, "mean radiation pressure on the skin, Pa", most});
+  replace_bar(picture, {Layer::heat, "mean radiation pressure on the skin, Pa", most, {}});
+}
+
+bool hide_bar(Picture& picture, Layer layer) {
+  return std::erase_if(picture.bars, [&](const ColourBar& bar) { return bar.layer == layer; }) > 0;
+}
+
+bool hide_slice(Picture& picture) {
+  const bool images = std::erase_if(picture.images, [](const ImageMark& image) { return image.layer == Layer::slice; });
+  return hide_bar(picture, Layer::slice) || images;
+}
+
+bool mark(Picture& picture, Layer layer, const std::string& title, Standing standing, const std::string& progress) {
+  ColourBar* const bar = bar_of(picture, layer);
+  const bool shown = bar != nullptr && bar->most > 0;
+  if (standing == Standing::fresh && !shown) return hide_bar(picture, layer);
+  const std::string note = standing == Standing::fresh    ? std::string()
+                           : standing == Standing::failed ? std::string("failed")
+                                                          : (shown ? "stale" : "being computed") + progress;
+  if (bar != nullptr) return std::exchange(bar->note, note) != note;
+  picture.bars.push_back({layer, title, 0, note});
+  return true;
+}
+
+bool is_stale(const Picture& picture, Layer layer) {
+  const auto bar = std::ranges::find(picture.bars, layer, &ColourBar::layer);
+  return bar != picture.bars.end() && !bar->note.empty();
 }
 
 }  // namespace palpa::viewer

@@ -5,6 +5,7 @@
 #include <complex>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "geometry/mesh.hpp"
@@ -28,8 +29,21 @@ void show_slice(Picture& picture, const SliceState& slice, const SliceGrid& grid
                 std::span<const std::complex<double>> pressures);
 
 /// Puts `body`, a closed mesh, into the picture as the skin's surface, in the colours of its radiation pressure, which
-/// is by face in Pa, with a bar. What pulls the skin has the colour of nothing.
+/// is by vertex in Pa, with a bar. What pulls the skin has the colour of nothing.
 void show_heat(Picture& picture, std::string name, geometry::Mesh body, std::span<const double> pressure_pa);
+
+/// Takes the layer's bar away, and the plane with its own. Whether there was one.
+bool hide_bar(Picture& picture, Layer layer);
+bool hide_slice(Picture& picture);
+
+/// What a layer of sound is, beside what sounds now.
+enum class Standing { fresh, stale, failed };
+/// Says so at the layer's bar, with how far the next is (", 40 %"; may be empty). Where there is no bar yet there is
+/// one of that title and the note alone. Whether the picture has changed.
+bool mark(Picture& picture, Layer layer, const std::string& title, Standing standing, const std::string& progress = {});
+/// Then the layer is drawn dimmer.
+bool is_stale(const Picture& picture, Layer layer);
+inline constexpr float stale_opacity = 0.4f;
 
 /// The least number of one digit, or 1.5 times a power of ten, that is not below `most`; 1 for nothing.
 double round_up(double most);

@@ -12,24 +12,30 @@
 
 namespace palpa::viewer {
 
+struct SliceField {
+  SliceGrid grid;
+  std::vector<std::complex<double>> pressures;  ///< Pa, one per sample
+};
+
 class FieldSlice {
  public:
-  /// Of this layout as posed in the world. Device and layout outlive it. `along`: samples along the plane's longer
-  /// side, at most 512; the time grows with its square, and with the number of transducers.
+  /// Of this layout as posed in the world. Device and layout outlive it. `most_along`: samples along the plane's longer
+  /// side, at most 512.
   FieldSlice(const gpu::Device& device, const array::Layout& layout, const acoustics::Air& air,
-             array::Directivity directivity, std::uint32_t along = 96);
+             array::Directivity directivity, std::uint32_t most_along = 96);
 
-  /// Puts the field of one drive per transducer into the picture (show_slice). Free field: nothing is in the way. Waits
-  /// for the device.
+  /// The field of one drive per transducer. Free field: nothing is in the way. Waits for the device; the time grows
+  /// with the square of `along`, at most most_along, and with the number of transducers.
+  SliceField sample(const SliceState& slice, std::span<const array::TransducerDrive> drive, std::uint32_t along);
+  /// Puts that, as fine as it may be, into the picture (show_slice).
   void show(Picture& picture, const SliceState& slice, std::span<const array::TransducerDrive> drive);
 
  private:
-  std::uint32_t along_;
+  std::uint32_t most_along_;
   acoustics::FieldPass pass_;
   acoustics::FieldMemory memory_;
   gpu::Recorder recorder_;
   gpu::Timeline timeline_;
-  std::vector<std::complex<double>> pressures_;
 };
 
 }  // namespace palpa::viewer

@@ -19,13 +19,6 @@ inline constexpr std::array all_handles{Handle::along_x,  Handle::along_y,  Hand
                                         Handle::in_yz,    Handle::in_zx,    Handle::in_xy,
                                         Handle::around_x, Handle::around_y, Handle::around_z};
 
-/// A picture as somebody looks at it.
-struct Sight {
-  Viewpoint viewpoint;
-  double width = 0, height = 0;  ///< pixels
-  double ratio = 1;              ///< pixels per point
-};
-
 struct Gizmo {
   Vec3 at{};          ///< its middle, world
   double size_m = 0;  ///< length of its arrows

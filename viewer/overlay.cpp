@@ -13,6 +13,7 @@
 #include "viewer/chart.hpp"
 #include "viewer/colour_bars.hpp"
 #include "viewer/palette.hpp"
+#include "viewer/slice_hand.hpp"
 
 namespace palpa::viewer {
 
@@ -63,6 +64,27 @@ void draw_picked(Ink& ink, const Vec3& picked, const shader::ViewPush& projectio
     ink.ring(at, 6, width, colour);
     for (const Vec2 way : {Vec2(1, 0), Vec2(0, 1), Vec2(-1, 0), Vec2(0, -1)})
       ink.line(at + ink.px(6) * way, at + ink.px(12) * way, width, colour);
+  }
+}
+
+/// The handles of a plane that a hand may take, and the frame that they move.
+void draw_slice_handles(Ink& ink, const SliceState& slice, const shader::ViewPush& projection, const Theme& theme) {
+  const auto at = [&](const Vec3& world) { return project(projection, world); };
+  const Projected middle = at(place_of(SliceHandle::middle, slice)), tip = at(normal_tip(slice));
+  const auto line = [&](const Projected& a, const Projected& b) {
+    if (!a.visible || !b.visible) return;
+    for (const double width : {3.6, 1.6})
+      ink.line({a.x, a.y}, {b.x, b.y}, width, width > 2 ? theme.background : theme.ink);
+  };
+  for (const SliceHandle end : {SliceHandle::x_end, SliceHandle::y_end})
+    line(middle, at(place_of(end, slice)));
+  line(middle, tip);
+  for (const SliceHandle handle : slice_handles) {
+    const Projected p = at(place_of(handle, slice));
+    if (!p.visible) continue;
+    ink.disc({p.x, p.y}, 7, theme.background);
+    ink.disc({p.x, p.y}, 5.5, theme.ink);
+    if (handle != SliceHandle::middle) ink.disc({p.x, p.y}, 3, theme.background);
   }
 }
 
@@ -273,6 +295,8 @@ void build_overlay(const Picture& picture, const ViewState& state, const Viewpoi
                   chosen ? std::optional(state.chosen->focus) : std::nullopt, view, theme);
     }
   });
+  if (state.slice_handles && !options.inset)
+    in_layer(Layer::slice, [&] { draw_slice_handles(ink, state.slice, view, theme); });
   if (state.picked) draw_picked(ink, *state.picked, view, theme);
   if (options.inset) {
     const Vec2 far(options.width, options.height);

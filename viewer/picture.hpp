@@ -93,8 +93,9 @@ struct CameraMark {
 /// What the colours of a layer mean, from nothing to `most`.
 struct ColourBar {
   Layer layer = Layer::slice;
-  std::string title;  ///< with its unit
-  double most = 1;
+  std::string title;   ///< with its unit
+  double most = 1;     ///< 0: nobody knows yet, there is the title alone
+  std::string note{};  ///< why the layer is not of what sounds now; else empty
 };
 
 /// A flat image in the world.

@@ -19,6 +19,7 @@
 #include "spirv/view_stroke.frag.hpp"
 #include "spirv/view_stroke.vert.hpp"
 #include "viewer/detail.hpp"
+#include "viewer/field_marks.hpp"
 #include "viewer/overlay.hpp"
 #include "viewer/palette.hpp"
 
@@ -448,7 +449,8 @@ void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn, const C
 
 // Hardly shaded, so that colours stay those of the bar.
 void Renderer::draw_heat(const Shot& shot, const DrawnPicture& drawn) const {
-  const float opacity = shot.layers.opacity(Layer::heat);
+  const float opacity =
+      shot.layers.opacity(Layer::heat) * (is_stale(drawn.picture_, Layer::heat) ? stale_opacity : 1.0f);
   shader::ViewPush push = shot.push;
   push.colour.w = opacity;
   push.style = {opacity, 0.25f, 0, 0};

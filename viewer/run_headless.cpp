@@ -4,12 +4,16 @@
 #include <optional>
 #include <vector>
 
+#include "acoustics/body_cache.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
+#include "setup/body.hpp"
 #include "setup/touch_run.hpp"
+#include "viewer/film.hpp"
 #include "viewer/offscreen.hpp"
 #include "viewer/run.hpp"
+#include "viewer/sound/heat.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -30,12 +34,6 @@ double compare(const ViewerOptions& options, const Pixels& pixels) {
                                 reference.height, pixels.width, pixels.height, reference.width, reference.height));
   }
   return mean_difference(pixels, reference);
-}
-
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directory(folder, error);
-  if (error) throw failure(fmt::format("{}: cannot be created: {}", folder.string(), error.message()));
 }
 
 }  // namespace
@@ -77,6 +75,13 @@ void run_headless(const ViewerOptions& options) {
   ViewState state = first_state(options);
   if (participant) state = for_participant(state);
   place_slice(state, options, show.picture());
+  if (state.layers.shows(Layer::heat)) {
+    const Sounding now = show.sounding();
+    const geometry::Mesh mesh = setup::load_body(options.skin, now.air, false);
+    const session::SkinQuestion question = skin_question(options.skin, mesh, now);
+    acoustics::BodyCache bodies;
+    show_answer(show.picture(), question, session::answer(question, bodies));
+  }
   std::optional<FieldSlice> field;
   if (state.layers.shows(Layer::slice)) {
     field.emplace(device, show.layout(), setup::air(options.drive.medium, {}), options.drive.directivity);
@@ -84,7 +89,7 @@ void run_headless(const ViewerOptions& options) {
   }
   drawn.update(show.picture(), state);
   const Viewpoint viewpoint = first_viewpoint(options, show.picture(), state, size);
-  if (!options.video.empty()) make_folder(options.video);
+  Film film(options.video);
   const auto views = views_from(viewpoint, options, show.picture(), size, ratio);
   const Box objects = extent(show.picture(), Extent::objects, state);
   const auto draw_frame = [&] {
@@ -105,8 +110,8 @@ void run_headless(const ViewerOptions& options) {
     }
     pixels = draw_frame();
     times.push_back(watch.lap_ms());
-    if (options.video.empty()) continue;
-    write_png(std::filesystem::path(options.video) / fmt::format("{:06}.png", i), pixels);
+    if (!film.wanted()) continue;
+    film.add(pixels);
     watch.lap_ms();  // files are no part of a frame
   }
   std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());

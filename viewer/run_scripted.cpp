@@ -9,6 +9,7 @@
 #include "session/give_way.hpp"
 #include "setup/touch_run.hpp"
 #include "viewer/app.hpp"
+#include "viewer/film.hpp"
 #include "viewer/offscreen.hpp"
 #include "viewer/run.hpp"
 #include "viewer/script.hpp"
@@ -23,7 +24,11 @@ using Clock = std::chrono::steady_clock;
 class Stage {
  public:
   Stage(const ViewerOptions& options, const gpu::Device& device)
-      : device_(&device), ratio_(options.pixel_ratio.value_or(1)), size_(picture_size(options)), drawn_(device) {
+      : device_(&device),
+        ratio_(options.pixel_ratio.value_or(1)),
+        size_(picture_size(options)),
+        drawn_(device),
+        film_(options.video) {
     resize(size_);
   }
   void resize(const Size& size) {
@@ -38,6 +43,7 @@ class Stage {
     offscreen_->draw(drawn_, frame.views, frame.sheet);
     times_.push_back(watch.lap_ms());
     app.drew(times_.back() / 1e3);
+    if (film_.wanted()) film_.add(pixels());  // files are no part of a frame
   }
   Pixels pixels() const { return offscreen_->pixels(); }
   std::uint32_t frames() const { return static_cast<std::uint32_t>(times_.size()); }
@@ -55,6 +61,7 @@ class Stage {
   Size size_;
   DrawnPicture drawn_;
   std::unique_ptr<Offscreen> offscreen_;
+  Film film_;
   std::vector<double> times_;
 };
 
@@ -98,7 +105,9 @@ void play(App& app, Stage& stage, Script script, const std::function<double()>& 
 }  // namespace
 
 void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
-  const Outputs outputs({{"--json", options.common.json}, {"--screenshot", options.screenshot}});
+  const Outputs outputs({{"--json", options.common.json},
+                         {"--screenshot", options.screenshot},
+                         {"--video", options.video, Output::Kind::folder}});
   refuse_output_as_input(std::filesystem::path(options.reference));
   const Clock::time_point begin = Clock::now();
   const auto now = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };

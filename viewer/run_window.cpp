@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -7,6 +8,8 @@
 #include "base/error.hpp"
 #include "session/give_way.hpp"
 #include "viewer/app.hpp"
+#include "viewer/film.hpp"
+#include "viewer/offscreen.hpp"
 #include "viewer/participant_window.hpp"
 #include "viewer/run.hpp"
 #include "viewer/script.hpp"
@@ -46,6 +49,24 @@ void look_after(std::optional<ParticipantWindow>& participant, App& app, const g
   }
 }
 
+/// What the window shows, drawn once more for a film.
+class Filming {
+ public:
+  Filming(const gpu::Device& device, const std::string& folder) : device_(&device), film_(folder) {}
+  void add(DrawnPicture& drawn, const App::Frame& frame, const Size& size, double ratio) {
+    if (!film_.wanted()) return;
+    if (!offscreen_ || offscreen_->width() != size.width || offscreen_->height() != size.height)
+      offscreen_ = std::make_unique<Offscreen>(*device_, size.width, size.height, ratio);
+    offscreen_->draw(drawn, frame.views, frame.sheet);
+    film_.add(offscreen_->pixels());
+  }
+
+ private:
+  const gpu::Device* device_;
+  Film film_;
+  std::unique_ptr<Offscreen> offscreen_;
+};
+
 Size pixels_of(const Window& window) {
   const VkExtent2D extent = window.size();
   return {extent.width, extent.height};
@@ -55,6 +76,7 @@ Size pixels_of(const Window& window) {
 
 void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   const Size size = picture_size(options);
+  const Outputs outputs({{"--video", options.video, Output::Kind::folder}});
   Window window(size.width, size.height, "palpa");  // first: without a display nothing else is worth doing
   const Clock::time_point begin = Clock::now();
   const auto now = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
@@ -80,6 +102,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   const WindowSurface surface(device, window);
   DrawnPicture drawn(device);  // outlives the frames that draw it: the presenter's end waits for them
   Presenter presenter(device, surface.get());
+  Filming filming(device, options.video);
   Script script(options);
   app.tell_monitors(Window::monitors());
   std::optional<ParticipantWindow> participant;
@@ -116,6 +139,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     if (presenter.draw(drawn, frame.views, ratio, frame.sheet)) {
       ++frames_drawn;
       script.drew();
+      filming.add(drawn, frame, pixels, ratio);
     } else {
       app.handle({}, pixels);  // it was not shown: once more
     }

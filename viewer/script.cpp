@@ -16,7 +16,8 @@ Script::Script(const ViewerOptions& options) {
 }
 
 void Script::play(double now_s, const std::function<void(const Interaction&)>& act) {
-  if (pictures_ > 0 || now_s < until_s_) return;
+  if (pictures_ > 0 || (until_s_ && now_s < *until_s_)) return;
+  until_s_.reset();
   while (next_ < steps_.size()) {
     const Interaction& step = steps_[next_++];
     if (step.kind == Interaction::Kind::draw) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "viewer/interact.hpp"
@@ -17,7 +18,7 @@ class Script {
   explicit Script(const ViewerOptions& options);
   explicit Script(std::vector<Interaction> steps) : steps_(std::move(steps)) {}
 
-  bool busy() const { return next_ < steps_.size() || pictures_ > 0; }
+  bool busy() const { return next_ < steps_.size() || pictures_ > 0 || until_s_; }
   /// Gives `act` events, sizes and shots until pictures are to be drawn or time is to pass.
   void play(double now_s, const std::function<void(const Interaction&)>& act);
   /// A picture was drawn.
@@ -27,7 +28,7 @@ class Script {
   std::vector<Interaction> steps_;
   std::size_t next_ = 0;
   std::uint32_t pictures_ = 0;
-  double until_s_ = -1;
+  std::optional<double> until_s_;
 };
 
 }  // namespace palpa::viewer

@@ -1,17 +1,14 @@
 #include "viewer/show.hpp"
 
 #include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
 #include <optional>
 #include <utility>
 
-#include "acoustics/body_mesh.hpp"
-#include "acoustics/rigid_body.hpp"
 #include "base/error.hpp"
 #include "geometry/ply.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/skin_twin.hpp"
-#include "session/skin_pressure.hpp"
-#include "setup/body.hpp"
 #include "setup/load.hpp"
 #include "setup/progress.hpp"
 #include "setup/touch_run.hpp"
@@ -37,7 +34,10 @@ std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input, std:
 }  // namespace
 
 Show::Show(const ViewerOptions& options)
-    : drive_options_(setup::drive_options(options.drive, options.touch.method.method)) {
+    : layout_(std::make_shared<const array::Layout>()),
+      air_(setup::air(options.drive.medium, {})),
+      spot_m_(options.touch.spot_m),
+      drive_options_(setup::drive_options(options.drive, options.touch.method.method)) {
   picture_.title = options.title;
   {
     const setup::Preparing preparing(options.common.quiet);
@@ -58,18 +58,17 @@ void Show::load_objects(const ViewerOptions& options) {
   check(options.drive, solids);
   setup::TouchArray array{.layout = {}, .drive = drive_options_, .pressure_pa = options.drive.pressure_pa};
   const auto asks = [](const geometry::Solid& solid) { return solid.haptics.pressure_pa.has_value(); };
-  const bool heat = first_state(options).layers.shows(Layer::heat);
-  const bool felt = options.felt.spectrum || options.touch.tune || heat;
+  const bool felt = options.felt.spectrum || options.touch.tune || !options.skin.empty();
   // Only what skin feels in time and what pressures are reached depend on the array; drives come slot by slot.
-  if (felt || array.pressure_pa || std::ranges::any_of(solids, asks)) array.layout = layout_;
+  if (felt || array.pressure_pa || std::ranges::any_of(solids, asks)) array.layout = *layout_;
   const setup::OneTouch one = setup::touch_once(options.common, options.touch, options.felt, options.input.scene,
                                                 std::move(solids), input, std::move(array), times);
   show_touch(picture_, one.session.solids(), points_near(input, one.session.solids()), one.touch);
   picture_.skin_count = input.point_count;
   show_cameras(picture_, input.cameras);
   show_depth(picture_, input.cameras, input.frames);
-  if (heat) heat_skin(options, one.session);
   schedule_ = one.session.schedule();
+  if (!options.skin.empty() && !layout_->transducers.empty()) plan_ = one.session.plan();
   std::vector<touch::Placement> placements;
   for (const session::ScheduledFinger& finger : one.session.scheduler().fingers())
     placements.push_back(finger.placement);
@@ -88,31 +87,11 @@ void Show::load_skin_surface(const ViewerOptions& options) {
       top = std::max(top, geometry::bounds(solid.mesh).high.y);
     for (const Vec3& p : mesh.positions)
       lowest = std::min(lowest, p.y);
+    skin_lowered_m_ = top - *options.input.penetration_m - lowest;
     for (Vec3& p : mesh.positions)
-      p.y += top - *options.input.penetration_m - lowest;
+      p.y += skin_lowered_m_;
   }
   picture_.skin = SurfaceMark{std::filesystem::path(options.skin).stem().string(), std::move(mesh)};
-}
-
-// What palpa simulate computes, on the mesh of --skin.
-void Show::heat_skin(const ViewerOptions& options, const session::Session& session) {
-  const acoustics::Air air = setup::air(options.drive.medium, {});
-  geometry::Mesh body = setup::load_body(options.skin, air, false);
-  if (options.input.penetration_m) {
-    const double dy = setup::lowering(session.solids(), body.positions, *options.input.penetration_m);
-    for (Vec3& p : body.positions)
-      p.y += dy;
-  }
-  const session::SessionSetting& setting = session.setting();
-  acoustics::check_clear_of(options.skin, body, setting.layout);
-  std::vector<double> pressure(body.triangles.size(), 0);
-  if (session.schedule().voice_count > 0) {
-    const acoustics::Incident incident(setting.layout, air, options.drive.directivity);
-    pressure = session::mean_pressure(session::sounds_of(session.plan(), setting), incident, air,
-                                      acoustics::RigidBody(body, air.wave_number()))
-                   .langevin;
-  }
-  show_heat(picture_, std::filesystem::path(options.skin).stem().string(), std::move(body), pressure);
 }
 
 void Show::load_array(const ViewerOptions& options) {
@@ -127,13 +106,27 @@ void Show::load_array(const ViewerOptions& options) {
   }
   if (name.empty()) return;
   const array::Layout layout = array::load_layout(name);
-  layout_ = array::transformed(layout, pose.value_or(layout.default_T_world_layout));
-  setup::warn_of_frequency(layout_, drive_options_.medium);
-  show_array(picture_, layout_);
+  layout_ =
+      std::make_shared<const array::Layout>(array::transformed(layout, pose.value_or(layout.default_T_world_layout)));
+  setup::warn_of_frequency(*layout_, drive_options_.medium);
+  show_array(picture_, *layout_);
 }
 
 void Show::show_field(FieldSlice& field, const SliceState& slice) {
   if (!drive_.empty()) field.show(picture_, slice, drive_);
+}
+
+Sounding Show::sounding() const {
+  Sounding now;
+  if (!layout_->transducers.empty()) now.layout = layout_;
+  now.drive = drive_options_;
+  now.air = air_;
+  now.spot_m = spot_m_;
+  if (schedule_.voice_count > 0) now.schedule = &schedule_;
+  if (plan_) now.plan = &*plan_;
+  now.slot = drive_;
+  now.T_world_finger = glm::translate(Transform(1.0), Vec3(0, skin_lowered_m_, 0));
+  return now;
 }
 
 bool Show::changes() const {
@@ -146,8 +139,8 @@ void Show::go_to(std::uint64_t slot) {
   show_slot(picture_, schedule_, slot);
   if (picture_.transducers.empty()) return;
   array::foci_of_slot(schedule_, slot, foci_);
-  drive_.resize(layout_.transducers.size());
-  array::drive_for(layout_, foci_, drive_options_, drive_, drive_scratch_);
+  drive_.resize(layout_->transducers.size());
+  array::drive_for(*layout_, foci_, drive_options_, drive_, drive_scratch_);
   show_drive(picture_, drive_);
 }
 

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
 
 #include "array/drive.hpp"
 #include "array/schedule.hpp"
 #include "session/session.hpp"
 #include "viewer/field_slice.hpp"
 #include "viewer/picture.hpp"
+#include "viewer/sound/sounding.hpp"
 #include "viewer/viewer_options.hpp"
 
 namespace palpa::viewer {
@@ -18,6 +22,7 @@ class Show {
   explicit Show(const ViewerOptions& options);
 
   const Picture& picture() const { return picture_; }
+  Picture& picture() { return picture_; }
   /// Whether slots look different from each other.
   bool changes() const;
   /// The running foci and the drive of that slot.
@@ -26,17 +31,23 @@ class Show {
   void show_field(FieldSlice& field, const SliceState& slice);
 
   /// Of --layout or the rig, in the world.
-  const array::Layout& layout() const { return layout_; }
+  const array::Layout& layout() const { return *layout_; }
+  /// What the slot of go_to() sounds like, and what is felt of all of them; valid as long as this is and no other slot
+  /// is shown. It has a plan where --skin and an array are there.
+  Sounding sounding() const;
 
  private:
   void load_objects(const ViewerOptions& options);
   void load_skin_surface(const ViewerOptions& options);
   void load_array(const ViewerOptions& options);
-  void heat_skin(const ViewerOptions& options, const session::Session& session);
 
   Picture picture_;
   array::Schedule schedule_;
-  array::Layout layout_;  ///< in the world
+  std::shared_ptr<const array::Layout> layout_;  ///< in the world; without transducers where there is none
+  std::optional<session::Plan> plan_;
+  acoustics::Air air_;
+  std::optional<double> spot_m_;
+  double skin_lowered_m_ = 0;
   array::DriveOptions drive_options_;
   std::vector<array::SlotFocus> foci_;
   array::Drive drive_;

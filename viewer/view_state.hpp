@@ -92,6 +92,7 @@ struct ViewState {
   Layers layers;
   double explode = 0;  ///< how far convex parts are moved apart, 0..1: by that share of the solid's size
   SliceState slice;
+  bool slice_handles = false;  ///< drawn: there is a hand to take them
   SlotTime time;
   std::optional<FocusChoice> chosen;  ///< a focus to be told apart from all others; nothing: only the one that runs
   std::optional<Vec3> picked;         ///< a point that was asked about, world

@@ -153,7 +153,8 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   how.flag("--headless", o.headless, "open no window");
   how.integer("--frames", o.frames, 1, 1'000'000, "frames to draw, a slot each, then exit [headless: 1]");
   how.text("--screenshot", o.screenshot, "FILE", "write the last frame as PNG");
-  how.text("--video", o.video, "FOLDER", "write every frame as PNG into that new folder: 000000.png and so on");
+  how.text("--video", o.video, "FOLDER",
+           "write every picture, a window's too, as PNG into that new folder: 000000.png and so on");
   how.text("--size", o.size, "WxH", "of picture or window, pixels [1280x800]");
   how.number("--pixel-ratio", o.pixel_ratio, {0.5, 8}, "NUMBER", "pixels per point: how large text and lines are [1]");
   how.text("--reference", o.reference, "FILE", "compare the last frame with this PNG");
@@ -190,11 +191,11 @@ void check(const ViewerOptions& o) {
   const Layers layers = first_state(o).layers;
   if (layers.shows(Layer::slice) || layers.shows(Layer::heat)) {
     const char* what = layers.shows(Layer::heat) ? "--show heat" : "--slice";
-    if (!has_skin(o) || o.input.scene.empty())
+    if (!o.is_live() && (!has_skin(o) || o.input.scene.empty()))
       throw bad_usage(fmt::format("{} goes with --points or --depth: it is of a touch", what));
-    if (o.layout.empty() && o.input.rig.empty())
+    if (!o.is_live() && o.layout.empty() && o.input.rig.empty())
       throw bad_usage(fmt::format("{} goes with --layout or --rig: it is of an array's sound", what));
-    if (layers.shows(Layer::heat) && o.skin.empty())
+    if (!o.is_live() && layers.shows(Layer::heat) && o.skin.empty())
       throw bad_usage("--show heat goes with --skin: it is on the finger's closed mesh");
   }
   if (!o.slice_at.empty()) point("--slice-at", o.slice_at);
@@ -226,7 +227,6 @@ void check(const ViewerOptions& o) {
   picture_size(o);
   if (!o.headless) {
     if (!o.screenshot.empty()) throw bad_usage("--screenshot goes with --headless");
-    if (!o.video.empty()) throw bad_usage("--video goes with --headless");
     if (!o.reference.empty()) throw bad_usage("--reference goes with --headless");
   }
   if (o.threshold && o.reference.empty()) throw bad_usage("--threshold goes with --reference");

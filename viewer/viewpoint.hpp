@@ -52,6 +52,13 @@ void pan(Viewpoint& viewpoint, double dx, double dy, double height);
 /// Positive steps come nearer.
 void zoom(Viewpoint& viewpoint, double steps);
 
+/// From where a picture of that size is looked at.
+struct Sight {
+  Viewpoint viewpoint;
+  double width = 0, height = 0;  ///< pixels
+  double ratio = 1;              ///< pixels per point
+};
+
 struct Basis {
   Vec3 eye, right, up, forward;  ///< world; the last three are orthonormal
 };

@@ -7,13 +7,10 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
-#include <mutex>
-#include <optional>
 #include <string>
-#include <thread>
+#include <utility>
 #include <vector>
 
 #include "acoustics/air.hpp"
@@ -23,15 +20,17 @@
 #include "array/layout.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh.hpp"
+#include "session/beside.hpp"
 #include "session/plan.hpp"
 
 namespace palpa::session {
 
 struct SkinQuestion {
-  geometry::Mesh finger;          ///< in its own frame, as acoustics::body_mesh returns it
-  Transform T_world_finger{1.0};  ///< rigid
-  Plan plan;                      ///< of the layout, by these options; without a voice it is silent
-  array::Layout layout;           ///< in the world, clear of the finger
+  std::string name = "the finger";  ///< its file, for messages
+  geometry::Mesh finger;            ///< in its own frame, as acoustics::body_mesh returns it
+  Transform T_world_finger{1.0};    ///< rigid
+  Plan plan;                        ///< of the layout, by these options; without a voice it is silent
+  array::Layout layout;             ///< in the world
   array::DriveOptions drive;
   acoustics::Air air;
 };
@@ -43,37 +42,24 @@ struct SkinAnswer {
   std::string fault;              ///< why there is nothing of that, as the error said it; empty: it is all there
 };
 
-/// Answers on the calling thread. Throws GivenUp (base/parallel.hpp) soon after `give_up` became true.
+/// Answers on the calling thread. Throws bad_input where the finger stands in the array, GivenUp (base/parallel.hpp)
+/// soon after `give_up` became true.
 SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies,
                   const std::atomic<bool>* give_up = nullptr);
 
-/// What is computed says so where doing() is looked at (base/activity.hpp).
+/// Beside whoever asks (beside.hpp). What is computed says so where doing() is looked at (base/activity.hpp).
 class SkinPreview {
  public:
   SkinPreview();
-  /// Ends the thread, in the middle of an answer too: of a finger within some hundredths of a second.
-  ~SkinPreview();
-  SkinPreview(const SkinPreview&) = delete;
-  SkinPreview& operator=(const SkinPreview&) = delete;
 
-  /// Takes the place of a question that waits. Never waits itself. Its number: 1, 2, ...
-  std::uint64_t ask(SkinQuestion question);
-  /// The newest answer; questions that another took the place of have none.
-  std::shared_ptr<const SkinAnswer> newest() const;
+  std::uint64_t ask(SkinQuestion question) { return beside_.ask(std::move(question)); }
+  std::shared_ptr<const SkinAnswer> newest() const { return beside_.newest(); }
   /// Whether something newer was asked than newest() answers: a picture of it is to be marked.
-  bool stale() const;
+  bool stale() const { return beside_.stale(); }
 
  private:
-  void work();
-
-  mutable std::mutex mutex_;
-  std::condition_variable wake_;
-  std::optional<SkinQuestion> waiting_;
-  std::uint64_t asked_ = 0;
-  std::atomic<bool> ends_{false};
-  std::shared_ptr<const SkinAnswer> newest_ = std::make_shared<SkinAnswer>();
-  acoustics::BodyCache bodies_;
-  std::thread thread_;
+  acoustics::BodyCache bodies_;  ///< of the thread
+  Beside<SkinQuestion, SkinAnswer> beside_;
 };
 
 }  // namespace palpa::session

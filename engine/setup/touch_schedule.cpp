@@ -23,10 +23,14 @@ session::ScheduleOptions schedule_options(const TouchOptions& options, const Fel
 }
 
 std::vector<acoustics::Spectrum> spectra_of(const session::Session& session) {
-  const array::Schedule& schedule = session.schedule();
   acoustics::SpectrumOptions options;
   options.field = session.field();
   options.fwhm_m = session.setting().schedule.spot_m.value_or(options.fwhm_m);
+  return spectra_of(session.schedule(), options);
+}
+
+std::vector<acoustics::Spectrum> spectra_of(const array::Schedule& schedule,
+                                            const acoustics::SpectrumOptions& options) {
   std::vector<acoustics::Spectrum> spectra;
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const array::Voice& voice = schedule.voices[v];

@@ -19,5 +19,7 @@ session::ScheduleOptions schedule_options(const TouchOptions& options, const Fel
 
 /// What skin feels of each finger of the session's newest frame: of its field or, where it has none, of spots.
 std::vector<acoustics::Spectrum> spectra_of(const session::Session& session);
+/// The same of what plays, one per voice.
+std::vector<acoustics::Spectrum> spectra_of(const array::Schedule& schedule, const acoustics::SpectrumOptions& options);
 
 }  // namespace palpa::setup

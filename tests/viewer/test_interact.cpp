@@ -84,5 +84,15 @@ TEST(Script, StopsForPicturesAndForTime) {
   EXPECT_FALSE(script.busy());
 }
 
+TEST(Script, IsBusyUntilItsLastWaitIsOver) {
+  Script script(parse_interactions("wait 2\n", "log"));
+  const auto play = [&](double now) { script.play(now, [](const Interaction&) {}); };
+  play(1);
+  play(2.9);
+  EXPECT_TRUE(script.busy());
+  play(3.1);
+  EXPECT_FALSE(script.busy());
+}
+
 }  // namespace
 }  // namespace palpa::viewer

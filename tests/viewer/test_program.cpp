@@ -138,7 +138,13 @@ TEST_F(Viewer, AVideoIsEveryFrame) {
   EXPECT_EQ(test::read_text(folder / "frames/000002.png"), test::read_text(shot));
   test::expect_failure(viewer(cube_touch({"--headless", "--video", video})), 2, "not empty");
   test::expect_failure(viewer(cube_touch({"--headless", "--video", "/no/such/folder"})), 1, "/no/such/folder");
-  test::expect_failure(viewer(cube_touch({"--video", video})), 2, "--headless");
+  const std::string live = (folder / "live").string();
+  const auto filmed = viewer({"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic",
+                              "--noise-free", "--layout", "autd3", "--backend", "cpu", "--headless", "--size",
+                              "320x200", "--frames", "3", "--video", live, "--screenshot", shot});
+  ASSERT_EQ(filmed.exit_code, 0) << filmed.err;
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(live), {}), 3);
+  EXPECT_EQ(test::read_text(folder / "live/000002.png"), test::read_text(shot));
 }
 
 TEST_F(Viewer, LayersAreShownAndHidden) {

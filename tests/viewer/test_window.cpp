@@ -16,7 +16,10 @@
 
 #include "cli/live_run.hpp"
 #include "cli/process.hpp"
+#include "drawing/png.hpp"
 #include "drawing_test.hpp"
+#include "geometry/icosphere.hpp"
+#include "geometry/ply.hpp"
 #include "gpu/device.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
@@ -300,6 +303,36 @@ TEST_F(Window, TheParticipantHasAWindowOfItsOwn) {
   const auto run = running.get();
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.err, "");
+}
+
+TEST_F(Window, SoundIsPlayedThroughAndFilmed) {
+  const test::XServer server;
+  if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
+  const auto folder = test::scratch_folder("viewer-sound-log");
+  const std::string ball = (folder / "ball.ply").string();
+  const geometry::Mesh mesh = geometry::icosphere(6e-3, 6);
+  geometry::write_ply(ball, mesh.positions, mesh.triangles);
+  test::write_text(folder / "log",
+                   "draw 2\nkey 7\ndrag 150 200 250 220\nresize 700 300\ndraw 2\nresize 64 64\ndraw\nresize 1 1\n"
+                   "draw\nresize 640 480\nwait 0.5\nkey 3\ndrag 200 240 260 200\nkey tab\ndraw 2\nkey q\n");
+  const auto run =
+      test::run_program(PALPA_VIEWER_BINARY, {"--scene",       source_file("assets/cube.glb").string(),
+                                              "--points",      source_file("assets/finger.ply").string(),
+                                              "--penetration", "3mm",
+                                              "--skin",        ball,
+                                              "--layout",      "autd3",
+                                              "--show",        "heat,slice,sections",
+                                              "--size",        "500x400",
+                                              "--video",       (folder / "film").string(),
+                                              "--interact",    (folder / "log").string(),
+                                              "--validation",  validation()},
+                        {{{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", folder.string()}}});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "") << "the layers were silent";
+  bool resized = false;
+  for (const auto& file : std::filesystem::directory_iterator(folder / "film"))
+    resized = resized || drawing::read_png(file.path()).width == 640;
+  EXPECT_TRUE(resized);
 }
 
 TEST_F(Window, AServerThatIsNotThereIsNoDisplay) {

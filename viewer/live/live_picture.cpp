@@ -11,7 +11,7 @@ void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapsho
     named[i].name = scene.solid_names[i];
   show_touch(picture, named, seen.points, snapshot.touch);
   picture.skin_count = seen.points.size();
-  picture.images.clear();
+  std::erase_if(picture.images, [](const ImageMark& image) { return image.layer == Layer::depth; });
   if (depth && !seen.images.frames.empty()) show_depth(picture, scene.cameras, seen.images.frames);
 
   const array::Schedule& schedule = snapshot.plan.schedule;

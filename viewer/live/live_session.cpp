@@ -102,6 +102,9 @@ void LiveSession::publish_scene(setup::LiveRun& run) {
   scene->solid_names = run.session().solid_names();
   scene->cameras = run.source().cameras();
   scene->layout = run.session().setting().layout;
+  scene->drive = run.session().setting().drive;
+  scene->air = setup::air(options_.drive.medium, {});
+  scene->spot_m = run.session().setting().schedule.spot_m;
   for (const geometry::Solid& solid : run.session().solids())
     boxes_.push_back(solid.bounds);
   rays_ = sensing::make_rays(scene->cameras);

@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "acoustics/air.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/recording.hpp"
 #include "session/newest.hpp"
@@ -31,7 +32,10 @@ struct LiveScene {
   std::vector<geometry::SceneMesh> meshes;  ///< of the picture's solids, in their order: what a file of them has
   std::vector<std::string> solid_names;
   std::vector<sensing::Camera> cameras;
-  array::Layout layout;  ///< in the world
+  array::Layout layout;            ///< in the world
+  array::DriveOptions drive;       ///< how it is driven
+  acoustics::Air air;              ///< in which it sounds
+  std::optional<double> spot_m{};  ///< as --spot says
 };
 
 enum class LiveState {

@@ -80,8 +80,11 @@ void draw_panels(Desk& desk, double now_s) {
       draw_participant_panel(desk);
     if (desk.live && heading("Statistics", true, "How long frames take, and how many there are"))
       draw_statistics_panel(desk);
-    if (!desk.picture->spectra.empty() && heading("Spectrum", false, "What skin feels in time"))
-      draw_spectrum_panel(desk);
+    const bool sounds = desk.live || (!desk.picture->transducers.empty() && !desk.picture->fingers.empty());
+    if (sounds && heading("Sound", false, "What the array's sound is like, and what it does to the finger"))
+      draw_sound_panel(desk);
+    desk.wants_spectrum = sounds && heading("Spectrum", false, "What skin feels in time");
+    if (desk.wants_spectrum) draw_spectrum_panel(desk);
     if (heading("Log", false, "What palpa had to say, newest last")) draw_log_panel(desk);
     ImGui::TextDisabled("H: keys and mouse   Tab: hide this");
     ImGui::EndChild();
@@ -234,6 +237,7 @@ void draw_cheat_sheet(Desk& desk) {
       {"middle or Shift drag", "move along"},
       {"wheel", "nearer to what is under the pointer"},
       {"Ctrl click", "read a point's place and depth"},
+      {"a plane's handles", "drag its middle along the arrow, an end to turn it"},
       {"1 3 7 9", "front, right, top, corner; with Ctrl the other side"},
       {"5", "perspective or parallel"},
       {"F", "frame everything"},

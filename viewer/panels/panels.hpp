@@ -18,6 +18,7 @@ void draw_time_panel(Desk& desk);
 void draw_place_panel(Desk& desk);
 void draw_participant_panel(Desk& desk);
 void draw_statistics_panel(const Desk& desk);
+void draw_sound_panel(Desk& desk);
 void draw_spectrum_panel(const Desk& desk);
 void draw_options_panel(Desk& desk);
 void draw_log_panel(const Desk& desk);

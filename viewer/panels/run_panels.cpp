@@ -169,22 +169,4 @@ void draw_statistics_panel(const Desk& desk) {
   tip("To draw the picture; it gives way to the loop");
 }
 
-void draw_spectrum_panel(const Desk& desk) {
-  for (std::size_t f = 0; f < desk.picture->spectra.size(); ++f) {
-    std::vector<float> felt;
-    double most_hz = 0;
-    for (const SpectrumMark& line : desk.picture->spectra[f]) {
-      felt.push_back(static_cast<float>(line.felt));
-      most_hz = std::max(most_hz, line.frequency_hz);
-    }
-    const std::string label = fmt::format("finger {}, up to {:.0f} Hz", f + 1, most_hz);
-    ImGui::TextUnformatted(label.c_str());
-    ImGui::PushID(static_cast<int>(f));
-    ImGui::PlotHistogram("##felt", felt.data(), static_cast<int>(felt.size()), 0, nullptr, 0, FLT_MAX,
-                         {ImGui::GetContentRegionAvail().x, em(3)});
-    tip("Lines of the pressure's spectrum by how well skin feels them");
-    ImGui::PopID();
-  }
-}
-
 }  // namespace palpa::viewer

@@ -1,0 +1,100 @@
+// Questions answered beside the thread that asks them: on one thread, the newest question first, whoever asks waits for
+// nothing.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "base/parallel.hpp"
+#include "session/give_way.hpp"
+
+namespace palpa::session {
+
+/// An Answer has a `number`, that of its question, 0 for none, and a `fault`: why there is nothing else in it, as the
+/// error said; empty: it is all there. The thread gives way to all others (give_way.hpp), as do those that it starts.
+template <typename Question, typename Answer>
+class Beside {
+ public:
+  /// Called on the thread. It may throw GivenUp soon after `give_up` became true.
+  using Work = std::function<Answer(const Question&, const std::atomic<bool>& give_up)>;
+
+  explicit Beside(Work work) : work_(std::move(work)), thread_([this] { go_round(); }) {}
+  /// Ends the thread, in the middle of an answer too, as soon as that gives up.
+  ~Beside() {
+    {
+      const std::lock_guard lock(mutex_);
+      ends_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+  }
+  Beside(const Beside&) = delete;
+  Beside& operator=(const Beside&) = delete;
+
+  /// Takes the place of a question that waits. Never waits itself. Its number: 1, 2, ...
+  std::uint64_t ask(Question question) {
+    std::uint64_t number = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      waiting_ = std::move(question);
+      number = ++asked_;
+    }
+    wake_.notify_one();
+    return number;
+  }
+  /// The newest answer; questions that another took the place of have none.
+  std::shared_ptr<const Answer> newest() const {
+    const std::lock_guard lock(mutex_);
+    return newest_;
+  }
+  /// Whether something newer was asked than newest() answers.
+  bool stale() const {
+    const std::lock_guard lock(mutex_);
+    return newest_->number != asked_;
+  }
+
+ private:
+  void go_round() {
+    take_no_signals();
+    give_way();
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      wake_.wait(lock, [this] { return ends_ || waiting_; });
+      if (ends_) return;
+      const Question question = std::move(*waiting_);
+      waiting_.reset();
+      const std::uint64_t number = asked_;
+      lock.unlock();
+      auto next = std::make_shared<Answer>();
+      try {
+        *next = work_(question, ends_);
+      } catch (const GivenUp&) {
+        return;
+      } catch (const std::exception& error) {
+        next->fault = error.what();
+      }
+      next->number = number;
+      lock.lock();
+      newest_ = std::move(next);
+    }
+  }
+
+  Work work_;
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::optional<Question> waiting_;
+  std::uint64_t asked_ = 0;
+  std::atomic<bool> ends_{false};
+  std::shared_ptr<const Answer> newest_ = std::make_shared<Answer>();
+  std::thread thread_;
+};
+
+}  // namespace palpa::session

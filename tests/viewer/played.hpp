@@ -1,0 +1,51 @@
+// Something that sounds, without a session, and patience for what is computed beside.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include "viewer/sound/sounding.hpp"
+
+namespace palpa::test {
+
+/// Four foci around a point above a board, as a finger's schedule.
+class Played {
+ public:
+  explicit Played(const Vec3& centre = {0, 0, 0.1}) {
+    now.layout = std::make_shared<const array::Layout>(array::load_layout("openmpd"));
+    now.air = acoustics::without_absorption(acoustics::air_of({}));
+    move(centre);
+  }
+  void move(const Vec3& centre) {
+    plan_ = {};
+    array::Voice& voice = plan_.schedule.add_voice();
+    for (const auto& [x, y] : {std::pair(3e-3, 0.0), {0.0, 3e-3}, {-3e-3, 0.0}, {0.0, -3e-3}})
+      voice.foci.push_back(centre + Vec3(x, y, 0));
+    voice.order = {0, 3, 2, 1};
+    voice.modulation_hz = 0;
+    session::SlotWork work;
+    array::DriveScratch scratch;
+    session::drive_on_host(plan_, *now.layout, now.drive, work, nullptr, scratch);
+    now.plan = &plan_;
+    now.schedule = &plan_.schedule;
+    now.slot = plan_.drive(0, now.layout->transducers.size());
+  }
+  viewer::Sounding now;
+
+ private:
+  session::Plan plan_;
+};
+
+template <typename Condition>
+bool soon(Condition condition) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > until) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return true;
+}
+
+}  // namespace palpa::test

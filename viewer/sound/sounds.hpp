@@ -1,0 +1,42 @@
+// The sound in a picture: the pressure on the finger, the field in a plane and the spectrum, each begun when it is
+// first wanted, and computed beside whoever draws.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "viewer/sound/heat.hpp"
+#include "viewer/sound/slice_preview.hpp"
+#include "viewer/sound/spectra.hpp"
+
+namespace palpa::viewer {
+
+class Sounds {
+ public:
+  /// `skin`: file of the finger's closed mesh. `device`: where planes are computed.
+  Sounds(std::string skin, gpu::DeviceOptions device) : skin_(std::move(skin)), device_(std::move(device)) {}
+
+  /// What the layers of `state` show of `now`, with the spectrum where it is wanted; see Heat, SlicePreview, Spectra.
+  Change look(const Sounding& now, const ViewState& state, bool spectrum, Picture& picture, double now_s);
+  /// The picture is another.
+  void forget();
+  /// Whether something will change by itself.
+  bool busy() const { return busy_; }
+  /// Of each finger; empty where none is wanted or nothing plays.
+  const std::vector<acoustics::Spectrum>& spectra() const { return spectra_; }
+  /// What went wrong since the last call, as a line; else empty.
+  std::string fault();
+
+ private:
+  std::string skin_;
+  gpu::DeviceOptions device_;
+  std::optional<Heat> heat_;
+  std::optional<SlicePreview> slice_;
+  std::optional<Spectra> felt_;
+  std::vector<acoustics::Spectrum> spectra_;
+  std::string fault_, told_;
+  bool busy_ = false;
+};
+
+}  // namespace palpa::viewer

@@ -1,0 +1,47 @@
+// What skin feels of the schedule that plays, computed beside whoever shows it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acoustics/spectrum.hpp"
+#include "session/beside.hpp"
+#include "viewer/sound/sounding.hpp"
+
+namespace palpa::viewer {
+
+struct SpectraQuestion {
+  array::Schedule schedule;
+  std::shared_ptr<const array::Layout> layout;  ///< nothing: spots
+  array::DriveOptions drive;
+  std::optional<double> spot_m;
+};
+
+struct SpectraAnswer {
+  std::uint64_t number = 0;
+  std::string fault;
+  std::vector<acoustics::Spectrum> spectra;  ///< one per voice
+};
+
+class Spectra {
+ public:
+  Spectra();
+
+  /// Asks where something else plays than was asked last, not more often than a few times a second. True where
+  /// spectra() are new. Waits for nothing.
+  bool look(const Sounding& now, double now_s);
+  const std::vector<acoustics::Spectrum>& spectra() const { return spectra_; }
+  bool busy() const { return beside_.stale(); }
+
+ private:
+  std::optional<SpectraQuestion> asked_;
+  std::uint64_t shown_ = 0;
+  double next_s_ = 0;
+  std::vector<acoustics::Spectrum> spectra_;
+  session::Beside<SpectraQuestion, SpectraAnswer> beside_;
+};
+
+}  // namespace palpa::viewer
