@@ -34,6 +34,7 @@ PALPA_CONST drive_uniform = 1u;
 PALPA_CONST drive_clamp = 2u;
 
 PALPA_CONST drive_unsolved = 0xffffffffu;
+PALPA_CONST drive_given = 0xfffffffeu;
 
 // A place in wavelengths, as a multiple of 1/16 plus a rest: the squared difference of two such coarse parts is exact
 // in float up to 256 wavelengths, so that a phase hundreds of turns away is as exact as a near one.
@@ -56,8 +57,8 @@ struct DriveSlot {
   uint first;   // of its foci
   uint count;   // 0: silence
   float gain;   // shared by all of its foci, 0..1
-  uint solved;  // drive_unsolved: the plain sum of its foci; else where its matrix begins, in entries, or with greedy
-                // anything
+  uint solved;  // drive_unsolved: the plain sum of its foci; drive_given: their factors are given, and nothing turns;
+                // else where its matrix begins, in entries, or with greedy anything
 };
 PALPA_CHECK_SIZE(DriveSlot, 16);
 PALPA_CHECK_OFFSET(DriveSlot, gain, 8);

@@ -213,7 +213,7 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci, std::span<const std:
     return true;
   }
   shader::DriveSlot& slot = slots_.as<shader::DriveSlot>()[batch_.slots++];
-  slot = {used_foci_, static_cast<std::uint32_t>(count), 1, 0};
+  slot = {used_foci_, static_cast<std::uint32_t>(count), 1, shader::drive_given};
   (count <= 1 ? batch_.single : batch_.weighted) = true;
   const auto store = factors_.as<shader::vec4>();
   for (std::size_t j = 0; j < foci.size(); ++j) {
