@@ -90,6 +90,7 @@ void App::remember() {
 }
 
 void App::start() {
+  scene_.reset();
   *around_.stop = false;
   if (setup::Interrupt::signalled()) {  // asked after the flag was cleared: it may have come just before
     *around_.stop = quitting_ = true;
@@ -97,7 +98,6 @@ void App::start() {
   }
   running_ = desk_.given;
   told_ = false;
-  scene_.reset();
   setup::LiveOptions options = live_options(desk_.given);
   for (const std::string& line : outputs_.name(options, setup::with_builtin(around_.kinds.links)))
     say(log::Level::info, line, now_s_);

@@ -48,7 +48,12 @@ void App::open_scene(const std::string& path) {
   if (!same) given.erase("--gltf-scene");
   opened_ = {path, same, {}, {}};
   if (desk_.live) {
-    const setup::LiveOptions options = live_options(given);
+    setup::LiveOptions options;
+    try {
+      options = live_options(given);
+    } catch (const Error& error) {
+      return say(log::Level::error, error.what(), now_s_);
+    }
     return loader_->begin([options] { setup::load_solids(options.scene, options.gltf_scene, options.solids); });
   }
   opened_.options = options_;

@@ -34,6 +34,7 @@ void App::begin_placing() {
   same_scene_ = true;
   finger_.put(placing_.finger());
   placed_.assign(placing_.poses().size(), Transform(1.0));
+  live_->place(placed_);  // of a scene of other solids it may have been told what the one before had
   place();
 }
 
@@ -99,6 +100,9 @@ void App::do_placing(double now_s) {
   say(log::Level::info, placed.file + ": is the scene now", now_s);
   desk_.given["--scene"] = {placed.file};
   desk_.given.erase("--gltf-scene");
+  // What was moved is in the file now: the run that begins with it moves nothing, be it the same file as before.
+  placed_scene_.clear();
+  anew_ = true;
 }
 
 }  // namespace palpa::viewer

@@ -22,7 +22,7 @@ std::string finger_mesh(const ViewerOptions& options) {
 Sounding App::sounding() const {
   if (show_) return show_->sounding();
   Sounding now;
-  if (!live_ || !scene_) return now;
+  if (!live_ || !scene_ || desk_.live_state != LiveState::running) return now;
   const session::Plan& plan = live_->snapshot().plan;
   now.layout = std::shared_ptr<const array::Layout>(scene_, &scene_->layout);
   now.drive = scene_->drive;

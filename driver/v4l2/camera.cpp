@@ -14,7 +14,6 @@ namespace {
 
 constexpr double first_frame_s = 3;    ///< a camera takes up to two seconds from its start to its first frame
 constexpr double silent_s = 0.05;      ///< who has given no frame for that long, or four periods, is not waited for,
-constexpr double slowest_s = 0.2;      ///< between frames: the longest exposure that there is
 constexpr double said_silent_s = 1;    ///< after that long it is said,
 constexpr double restarted_s = 3;      ///< and after that long the stream is started anew
 constexpr double look_every_s = 0.25;  ///< for a camera that is gone
@@ -71,7 +70,6 @@ void LiveCamera::adopt() {
     opened_s_ = now_s;
     frame_s_ = last_s_ = 0;
     distances_s_ = {};
-    next_distance_ = 0;
     return;
   }
   // A device that comes back is not whole at once; and one that has come back slower is refused for good.
@@ -117,8 +115,7 @@ bool LiveCamera::awaited() const {
   if (!stream_) return false;
   const double now_s = kernel_.now_s();
   if (frame_s_ == 0) return now_s < await_until_s_;
-  const bool known = next_distance_ >= distances;  // before that it may be as slow as any
-  return now_s - frame_s_ < std::max({silent_s, 4 * stream_->period_s(), 1.5 * (known ? period_s() : slowest_s)});
+  return now_s - frame_s_ < std::max({silent_s, 4 * stream_->period_s(), 1.5 * period_s()});
 }
 
 double LiveCamera::period_s() const {

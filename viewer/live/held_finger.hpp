@@ -1,6 +1,7 @@
 // A made-up finger under somebody's hand.
 #pragma once
 
+#include <glm/ext/matrix_transform.hpp>
 #include <mutex>
 
 #include "base/math.hpp"
@@ -21,7 +22,8 @@ class HeldFinger {
 
  private:
   mutable std::mutex mutex_;
-  Transform T_world_finger_{1.0};
+  /// Out of everybody's sight until somebody has put it where it is to be.
+  Transform T_world_finger_ = glm::translate(Transform(1.0), Vec3(0, 10, 0));
 };
 
 }  // namespace palpa::viewer

@@ -133,13 +133,19 @@ std::string LiveSession::recording() const {
 void LiveSession::write_down(const sensing::FrameSet& set) {
   try {
     if (recordings_seen_ != recordings_) {
-      const std::lock_guard lock(mutex_);
-      recordings_seen_ = recordings_;
+      std::string folder;
+      {
+        const std::lock_guard lock(mutex_);
+        recordings_seen_ = recordings_;
+        folder = record_to_;
+        recording_.clear();
+      }
+      // A disk that takes its time keeps nobody else.
       recorder_.reset();
       recorded_ = 0;
-      recording_.clear();
-      if (!record_to_.empty()) recorder_.emplace(record_to_, session_->setting().cameras);
-      recording_ = record_to_;
+      if (!folder.empty()) recorder_.emplace(folder, session_->setting().cameras);
+      const std::lock_guard lock(mutex_);
+      recording_ = folder;
     }
     if (!recorder_) return;
     recorder_->write(set);
