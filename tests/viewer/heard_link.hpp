@@ -1,9 +1,10 @@
 // A link that remembers what it was told.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <string>
 #include <utility>
@@ -14,14 +15,10 @@ namespace palpa::test {
 
 /// What a link was told, kept beyond its life.
 struct Heard {
-  std::mutex mutex;
-  std::uint64_t drives = 0, sounding = 0;
-  bool last_sounds = false, finished = false;
+  std::atomic<std::uint64_t> drives{0}, sounding{0};
+  std::atomic<bool> last_sounds{false}, finished{false};
 
-  bool sounded() {
-    const std::lock_guard lock(mutex);
-    return sounding > 0;
-  }
+  bool sounded() const { return sounding > 0; }
 };
 
 class HeardLink final : public session::Link {
@@ -29,12 +26,10 @@ class HeardLink final : public session::Link {
   explicit HeardLink(std::shared_ptr<Heard> heard) : heard_(std::move(heard)) {}
   void plan(const session::ToldPlan&) override {}
   void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
-    const std::lock_guard lock(heard_->mutex);
+    const bool sounds = std::ranges::any_of(drive, [](const array::TransducerDrive& one) { return one.amplitude > 0; });
     ++heard_->drives;
-    heard_->last_sounds = false;
-    for (const array::TransducerDrive& one : drive)
-      heard_->last_sounds = heard_->last_sounds || one.amplitude > 0;
-    heard_->sounding += heard_->last_sounds ? 1 : 0;
+    heard_->last_sounds = sounds;
+    heard_->sounding += sounds ? 1 : 0;
   }
   void finish() override { heard_->finished = true; }
 
