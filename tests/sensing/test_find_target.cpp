@@ -16,6 +16,7 @@
 
 #include "base/error.hpp"
 #include "geometry/mesh.hpp"
+#include "random_rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "sensing/target.hpp"
 #include "support/shapes.hpp"
@@ -27,22 +28,10 @@ using namespace sensing;
 
 constexpr double degree = std::numbers::pi / 180;
 
-Camera d415() {
-  Camera camera;
-  camera.name = "one";
-  camera.width = 848;
-  camera.height = 480;
-  camera.fx = camera.fy = 640;
-  camera.cx = 423.5;
-  camera.cy = 239.5;
-  camera.depth_unit_m = 1e-4;
-  camera.min_range_m = 0.28;
-  return camera;
-}
-
 /// That looks at `to` (target frame: z up) from so far, so high above the horizon, from the side `azimuth`.
 Camera looking(const Vec3& to, double distance, double elevation_deg, double azimuth_deg) {
-  Camera camera = d415();
+  Camera camera = test::d415(Transform(1.0));
+  camera.name = "one";
   const double e = elevation_deg * degree, a = azimuth_deg * degree;
   const Vec3 back(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
   const Vec3 right =
@@ -209,7 +198,8 @@ TEST(FindTarget, RefusesWhatDoesNotHoldIt) {
 }
 
 TEST(StillFrames, LeavesOutWhatMovesAndWhatIsSeldomSeen) {
-  Camera camera = d415();
+  Camera camera = test::d415(Transform(1.0));
+  camera.name = "one";
   camera.width = 8;
   camera.height = 6;
   camera.roi = PixelBox{0, 0, 1, 1};  // ignored
