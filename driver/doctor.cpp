@@ -51,13 +51,22 @@ const Known* find(const Known (&table)[N], std::uint16_t vendor, std::uint16_t p
   return nullptr;
 }
 
-/// What to do about it. udev reads /usr and /etc alone, whatever the prefix that palpa is installed under.
+/// Whether udev reads that file, by udev(7): whatever the prefix that palpa is installed under, it looks here alone.
+constexpr bool udev_reads(std::string_view rules) {
+  for (const std::string_view folder : {"/etc", "/run", "/usr/local/lib", "/usr/lib", "/lib"}) {
+    if (rules.starts_with(folder) && rules.substr(folder.size()).starts_with("/udev/rules.d/")) return true;
+  }
+  return false;
+}
+static_assert(udev_reads("/usr/local/lib/udev/rules.d/70-palpa.rules"));
+static_assert(!udev_reads("/opt/palpa/lib/udev/rules.d/70-palpa.rules"));
+
+/// What to do about it.
 std::string no_permission() {
   constexpr std::string_view rules = PALPA_UDEV_RULES;
-  const bool read = rules.starts_with("/usr/lib/") || rules.starts_with("/lib/") || rules.starts_with("/etc/udev/");
   std::error_code ignored;
   const bool there = std::filesystem::exists(rules, ignored);
-  const std::string copy = there && read
+  const std::string copy = there && udev_reads(rules)
                                ? std::string()
                                : fmt::format("copy {} to /etc/udev/rules.d, ",
                                              there ? std::string(rules) : "driver/70-palpa.rules of palpa's sources");

@@ -7,7 +7,7 @@
 
 namespace palpa::driver {
 
-/// For the command line: `--source v4l2:...` and `bag:FILE`.
+/// For the command line: `--source v4l2:...`, `realsense:...` and `bag:FILE`.
 std::vector<session::SourceKind> camera_sources();
 
 }  // namespace palpa::driver

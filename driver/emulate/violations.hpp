@@ -19,8 +19,11 @@ class Violations {
  public:
   static constexpr std::size_t most_kept = 20;
   void add(double time_s, std::string what) {
-    if (kept_.size() < most_kept) kept_.push_back({time_s, std::move(what)});
     ++count_;
+    if (kept_.size() == most_kept) return;
+    Violation& violation = kept_.emplace_back();
+    violation.time_s = time_s;
+    violation.what = std::move(what);
   }
   std::size_t count() const { return count_; }
   const std::vector<Violation>& kept() const { return kept_; }

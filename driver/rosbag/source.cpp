@@ -231,7 +231,8 @@ session::SourceKind source_kind() {
           [](const std::string& file, const session::SourceSetting& setting) {
             if (file.empty()) throw bad_usage("source bag needs a file: bag:FILE");
             return open_bag(file, setting.cameras.size() == 1 ? setting.cameras.data() : nullptr, setting.paced);
-          }};
+          },
+          true};
 }
 
 }  // namespace palpa::driver::rosbag

@@ -75,8 +75,9 @@ class SonicSurface final : public Board {
         newest_(encoder_.size()),
         loaded_(encoder_.size()),
         all_off_(encoder_.all_off()),
-        own_off_(encoder_.own_off()) {
-    out_.reserve(all_off_.size());
+        own_off_(encoder_.own_off()),
+        own_are_all_(port.firmware != Firmware::plain || boards == 2) {
+    out_.reserve(own_off_.size() + all_off_.size());
     fall_silent(all_off_);
     pump();
   }
@@ -110,7 +111,12 @@ class SonicSurface final : public Board {
   /// A second board behind a single one is silenced when the port is opened; one that was switched on since sounds.
   void all_off() override {
     sounding_ = drive_waits_ = false;
-    if (!all_silent_) fall_silent(all_off_);
+    if (!silent_) {
+      fall_silent(all_off_);
+    } else if (!all_silent_) {
+      say_more(all_off_);
+      all_silent_ = true;
+    }
     pump();
   }
 
@@ -154,7 +160,7 @@ class SonicSurface final : public Board {
     line_free_s_ = monotonic_s();
     say(off);
     silent_ = true;
-    all_silent_ = off.size() == all_off_.size();
+    all_silent_ = own_are_all_ || off.size() == all_off_.size();
     loaded_hz_ = 0;
     front_off_ = back_off_ = true;
     std::fill(loaded_.begin(), loaded_.end(), std::uint8_t{0});
@@ -162,6 +168,13 @@ class SonicSurface final : public Board {
 
   void say(std::span<const std::uint8_t> bytes) {
     out_.assign(bytes.begin(), bytes.end());
+    sent_ = 0;
+    line_free_s_ = std::max(line_free_s_, monotonic_s()) + seconds_of(bytes.size());
+  }
+  /// Behind silence that is on its way: to begin that anew would only make it come later.
+  void say_more(std::span<const std::uint8_t> bytes) {
+    out_.erase(out_.begin(), out_.begin() + static_cast<std::ptrdiff_t>(sent_));
+    out_.insert(out_.end(), bytes.begin(), bytes.end());
     sent_ = 0;
     line_free_s_ = std::max(line_free_s_, monotonic_s()) + seconds_of(bytes.size());
   }
@@ -277,6 +290,7 @@ class SonicSurface final : public Board {
   bool silent_ = false;                      ///< all off has been said, and nothing since
   bool all_silent_ = false;                  ///< to every board that may be there
   std::vector<std::uint8_t> all_off_, own_off_, out_;
+  bool own_are_all_;  ///< there can be no board but the layout's
   std::size_t sent_ = 0;
   double line_free_s_ = 0;  ///< when all that was said has left, by the line's speed
   bool lost_ = false;

@@ -127,7 +127,7 @@ void write_depth_unit(Kernel& kernel, int fd, double metres) {
   ask(kernel, fd, set_advanced, depth_table, table, "take a depth unit");
 }
 
-Lens read_lens(Kernel& kernel, int fd, std::uint32_t width, std::uint32_t height) {
+cameras::Lens read_lens(Kernel& kernel, int fd, std::uint32_t width, std::uint32_t height) {
   const char* what = "tell its calibration";
   const std::vector<std::uint8_t> table = ask(kernel, fd, read_calibration, coefficients_table, {}, what);
   const auto size = std::find_if(std::begin(sizes), std::end(sizes),
@@ -142,7 +142,7 @@ Lens read_lens(Kernel& kernel, int fd, std::uint32_t width, std::uint32_t height
   const auto value = [&](std::size_t i) {
     return static_cast<double>(number_at<float>(table, at + i * sizeof(float)));
   };
-  const Lens lens{value(0), value(1), value(2), value(3)};
+  const cameras::Lens lens{value(0), value(1), value(2), value(3)};
   const double most = 10.0 * width;
   if (!(lens.fx > 1 && lens.fx < most && lens.fy > 1 && lens.fy < most && std::abs(lens.cx) < most &&
         std::abs(lens.cy) < most)) {

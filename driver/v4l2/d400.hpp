@@ -7,15 +7,10 @@
 
 #include <cstdint>
 
+#include "driver/cameras/device.hpp"
 #include "driver/v4l2/kernel.hpp"
 
 namespace palpa::driver::v4l2::d400 {
-
-/// Pinhole of the rectified depth image; its distortion is none.
-struct Lens {
-  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
-  bool operator==(const Lens&) const = default;
-};
 
 /// Whether it is worth asking: Intel's, on USB.
 bool is_realsense(const Node& node);
@@ -26,8 +21,9 @@ bool is_realsense(const Node& node);
 double read_depth_unit(Kernel& kernel, int fd);
 /// Whole micrometres. It holds until the camera loses power. Does not look whether it was taken.
 void write_depth_unit(Kernel& kernel, int fd, double metres);
-/// From the calibration that the camera keeps. Refuses a table whose checksum is wrong and a size that is not in it.
-Lens read_lens(Kernel& kernel, int fd, std::uint32_t width, std::uint32_t height);
+/// Of the rectified depth image, whose distortion is none, from the calibration that the camera keeps. Refuses a table
+/// whose checksum is wrong and a size that is not in it.
+cameras::Lens read_lens(Kernel& kernel, int fd, std::uint32_t width, std::uint32_t height);
 /// 0: the camera's own automatic.
 void write_exposure(Kernel& kernel, int fd, double seconds);
 /// librealsense's option "hardware preset".

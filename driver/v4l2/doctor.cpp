@@ -27,7 +27,7 @@ struct Seen {
   int refusal = 0;  ///< errno; 0: it could be opened
   std::vector<Offer> offers;
   std::optional<double> depth_unit_m;
-  bool gives_depth() const { return !list_sizes(offers, V4L2_PIX_FMT_Z16).empty(); }
+  bool gives_depth() const { return !cameras::list_sizes(offers, V4L2_PIX_FMT_Z16).empty(); }
 };
 
 Seen look_at(Kernel& kernel, const Node& node) {

@@ -5,14 +5,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <filesystem>
 #include <system_error>
-#include <utility>
-
-#include "driver/clock.hpp"
 
 namespace palpa::driver::v4l2 {
 namespace {
@@ -33,16 +28,6 @@ class Machine final : public Kernel {
     }
   }
 
-  int poll(std::span<pollfd> descriptors, double timeout_s) override {
-    const double end_s = now_s() + timeout_s;
-    for (;;) {
-      const double left_s = std::clamp(end_s - now_s(), 0.0, 60.0);
-      const int result = ::poll(descriptors.data(), descriptors.size(), static_cast<int>(std::ceil(left_s * 1e3)));
-      if (result >= 0) return result;
-      if (errno != EINTR) return -errno;
-    }
-  }
-
   const std::byte* map(int fd, std::size_t length, std::size_t offset) override {
     void* memory = mmap(nullptr, length, PROT_READ, MAP_SHARED, fd, static_cast<off_t>(offset));
     return memory == MAP_FAILED ? nullptr : static_cast<const std::byte*>(memory);
@@ -55,13 +40,6 @@ class Machine final : public Kernel {
     const std::filesystem::path real = std::filesystem::canonical(path, fault);
     return fault ? path : real.string();
   }
-  std::future<void> beside(std::function<void()> work) override {
-    return std::async(std::launch::async, std::move(work));
-  }
-  double now_s() override { return clock_.now_s(); }
-
- private:
-  SteadyClock clock_;
 };
 
 }  // namespace

@@ -2,30 +2,23 @@
 // behind it.
 #pragma once
 
-#include <poll.h>
-
 #include <cstddef>
-#include <functional>
-#include <future>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
+#include "driver/cameras/host.hpp"
 #include "driver/v4l2/nodes.hpp"
 
 namespace palpa::driver::v4l2 {
 
 /// Calls that fail return -errno; none returns -EINTR.
-class Kernel {
+class Kernel : public cameras::Host {
  public:
-  virtual ~Kernel() = default;
   /// A descriptor that does not wait.
   virtual int open(const std::string& path) = 0;
   virtual void close(int fd) = 0;
   virtual int ioctl(int fd, unsigned long request, void* argument) = 0;
-  /// Fills in `revents`; the number of descriptors that have any.
-  virtual int poll(std::span<pollfd> descriptors, double timeout_s) = 0;
   /// Null where it cannot be had.
   virtual const std::byte* map(int fd, std::size_t length, std::size_t offset) = 0;
   virtual void unmap(const std::byte* memory, std::size_t length) = 0;
@@ -33,10 +26,6 @@ class Kernel {
   virtual std::vector<Node> nodes() = 0;
   /// The node's own name of a path that may be a link, such as those of /dev/v4l/by-id.
   virtual std::string resolve(const std::string& path) = 0;
-  /// Does that on a thread of its own; it may call all of this. Ready when it is done.
-  virtual std::future<void> beside(std::function<void()> work) = 0;
-  /// CLOCK_MONOTONIC, which capture times are on.
-  virtual double now_s() = 0;
 };
 
 /// The machine's.

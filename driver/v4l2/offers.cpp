@@ -45,23 +45,6 @@ void add_sizes(Kernel& kernel, int fd, Offer offer, std::vector<Offer>& offers) 
   }
 }
 
-/// Joins what `word(offer)` says of each offer, leaving out what is empty or said already.
-template <typename Word>
-std::string join(std::span<const Offer> offers, Word word) {
-  std::string text;
-  std::vector<std::string> said;
-  for (const Offer& offer : offers) {
-    const std::string next = word(offer);
-    bool known = next.empty();
-    for (const std::string& before : said)
-      known = known || before == next;
-    if (known) continue;
-    text += (text.empty() ? "" : ", ") + next;
-    said.push_back(next);
-  }
-  return text;
-}
-
 }  // namespace
 
 std::vector<Offer> list_offers(Kernel& kernel, int fd) {
@@ -88,22 +71,8 @@ std::string format_name(std::uint32_t format) {
 }
 
 std::string list_formats(std::span<const Offer> offers) {
-  const std::string names = join(offers, [](const Offer& o) { return format_name(o.format); });
+  const std::string names = cameras::join(offers, [](const Offer& o) { return format_name(o.format); });
   return names.empty() ? "nothing" : names;
-}
-
-std::string list_sizes(std::span<const Offer> offers, std::uint32_t format) {
-  return join(offers, [&](const Offer& o) {
-    return o.format == format && o.width > 0 ? fmt::format("{}x{}", o.width, o.height) : std::string();
-  });
-}
-
-std::string list_rates(std::span<const Offer> offers, std::uint32_t format, std::uint32_t width, std::uint32_t height) {
-  const std::string rates = join(offers, [&](const Offer& o) {
-    const bool wanted = o.format == format && o.width == width && o.height == height && o.rate_hz > 0;
-    return wanted ? fmt::format("{:.3g}", o.rate_hz) : std::string();
-  });
-  return rates.empty() ? rates : rates + " Hz";
 }
 
 }  // namespace palpa::driver::v4l2

@@ -42,7 +42,7 @@ struct Setup {
 
  private:
   void read_lens(int fd) const {
-    const d400::Lens lens = d400::read_lens(kernel, fd, description.wanted.width, description.wanted.height);
+    const cameras::Lens lens = d400::read_lens(kernel, fd, description.wanted.width, description.wanted.height);
     if (known.lens && lens != *known.lens) {
       throw failure(
           "this is another camera than the one that was here, or it was calibrated anew: its lens has changed; plug "

@@ -24,8 +24,8 @@ struct Description {
 
 /// What a camera has told of itself. One that comes back has to tell the same.
 struct Known {
-  std::optional<d400::Lens> lens;  ///< of its own calibration, where the setting asks for that
-  bool unit_read = false;          ///< a camera that has answered once is not trusted again
+  std::optional<cameras::Lens> lens;  ///< of its own calibration, where the setting asks for that
+  bool unit_read = false;             ///< a camera that has answered once is not trusted again
   bool trusted_said = false;
 };
 

@@ -2,209 +2,84 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <deque>
-#include <limits>
 #include <map>
+#include <optional>
+#include <utility>
 
 #include "base/error.hpp"
-#include "base/log.hpp"
-#include "driver/v4l2/camera.hpp"
-#include "driver/v4l2/match.hpp"
+#include "driver/cameras/source.hpp"
+#include "driver/v4l2/opening.hpp"
 
 namespace palpa::driver::v4l2 {
 namespace {
 
-constexpr std::size_t most_cameras = 64;
-constexpr double look_s = 0.02;    ///< how often it is looked whether a camera is silent or back
-constexpr double pause_s = 0.002;  ///< after a camera that has woken palpa for nothing
-constexpr double coarse_m = 0.5e-3;
-constexpr double unmatched_s = 1;  ///< without a set: said
-
-class Cameras final : public sensing::DepthSource {
+class Camera final : public cameras::Device {
  public:
-  Cameras(std::unique_ptr<Kernel> kernel, std::vector<sensing::Camera> cameras, const std::vector<std::string>& nodes,
-          const std::string& rig)
-      : kernel_(std::move(kernel)), cameras_(std::move(cameras)), rig_(rig) {
-    refuse_twice(nodes);
-    for (std::size_t c = 0; c < cameras_.size(); ++c) {
-      sensing::Camera& camera = cameras_[c];
-      live_.emplace_back(*kernel_, Description{.name = camera.name,
-                                               .path = nodes[c],
-                                               .wanted = {camera.width, camera.height, camera.rate_hz},
-                                               .rig = rig,
-                                               .depth_unit_m = camera.depth_unit_m,
-                                               .setting = camera.device});
-      if (const auto& lens = live_.back().lens()) {
-        camera.fx = lens->fx;
-        camera.fy = lens->fy;
-        camera.cx = lens->cx;
-        camera.cy = lens->cy;
-        camera.distortion = {};
-      }
-      camera.device = {};  // what was asked for has been done; a recording of it is of a file
-      camera.rate_hz = 1 / live_.back().period_s();
-      nominal_s_ = std::max(nominal_s_, live_.back().period_s());
-      if (camera.depth_unit_m >= coarse_m) {
-        log::warning(
-            fmt::format("{}: camera '{}' has a depth unit of {:g} mm, coarse against a shell of 1.5 mm; set "
-                        "depth_unit_m = 0.0001",
-                        rig, camera.name, camera.depth_unit_m * 1e3));
-      }
+  Camera(Kernel& kernel, Description description)
+      : kernel_(kernel), description_(std::move(description)), path_(description_.path) {
+    identity_.path = path_;
+    const std::string real = kernel_.resolve(path_);
+    for (const Node& node : kernel_.nodes()) {
+      if (node.path == real) identity_.node = node;
     }
   }
 
-  const std::vector<sensing::Camera>& cameras() const override { return cameras_; }
-
-  bool next(sensing::FrameSet& out, double timeout_s) override {
-    const double end_s = kernel_->now_s() + timeout_s;
-    for (;;) {
-      bool any = false;
-      for (LiveCamera& camera : live_)
-        any = camera.tend() || any;
-      if (deliver(out)) return true;
-      const double left_s = end_s - kernel_->now_s();
-      if (left_s <= 0) break;
-      wait(left_s, any);
-    }
-    // The images' storage is kept for the next set.
-    if (spare_.empty()) out.frames.swap(spare_);
-    out.frames.clear();
-    return true;
+  const std::string& address() const override { return path_; }
+  const std::optional<cameras::Lens>& lens() const override { return known_.lens; }
+  std::unique_ptr<cameras::Stream> open() override {
+    return open_camera(kernel_, description_, path_, identity_.node, known_);
+  }
+  std::unique_ptr<cameras::Stream> open_again() override {
+    const std::string path = find_again(identity_, kernel_.nodes());
+    if (path.empty()) return nullptr;
+    auto stream = open_camera(kernel_, description_, path, identity_.node, known_);
+    path_ = path;
+    return stream;
   }
 
  private:
-  /// One camera has several names: the links of /dev/v4l/by-id beside /dev/videoN.
-  void refuse_twice(const std::vector<std::string>& nodes) const {
-    std::map<std::string, std::string> named;
-    for (const std::string& node : nodes) {
-      const auto [before, first] = named.emplace(kernel_->resolve(node), node);
-      if (first) continue;
-      throw bad_usage(
-          fmt::format("source v4l2 names one camera twice: {} and {} are both {}; each camera of the rig has "
-                      "its own",
-                      before->second, node, before->first));
-    }
-  }
-
-  /// Until a camera has something, or has been silent for a while. `any`: the last look at them was not in vain.
-  void wait(double left_s, bool any) {
-    std::size_t count = 0;
-    for (const LiveCamera& camera : live_) {
-      if (camera.fd() >= 0) polled_[count++] = {camera.fd(), POLLIN, 0};
-    }
-    const bool woken = kernel_->poll(std::span(polled_).first(count), std::min(left_s, look_s)) > 0;
-    // Neither a device that has failed nor one that returns its buffers empty may keep the processor busy.
-    if (woken && !any && !woken_) {
-      woken_ = true;
-    } else if (woken && !any) {
-      kernel_->poll({}, pause_s);
-    } else {
-      woken_ = false;
-    }
-  }
-
-  bool deliver(sensing::FrameSet& out) {
-    std::size_t count = 0;
-    double period_s = nominal_s_;
-    bool all_give = true;
-    for (LiveCamera& camera : live_) {
-      if (!camera.awaited()) continue;
-      awaited_[count] = &camera;
-      waiting_[count++] = {camera.times_s()};
-      period_s = std::max(period_s, camera.period_s());
-      all_give = all_give && camera.gives_frames();
-    }
-    if (count == 0 || !match(std::span(waiting_).first(count), period_s, chosen_)) {
-      count > 1 && all_give ? note_unmatched(period_s) : note_matched();
-      return false;
-    }
-    note_matched();
-    if (out.frames.empty()) out.frames.swap(spare_);
-    out.frames.resize(cameras_.size());
-    out.time_s = waiting_[0].times_s[chosen_[0]];
-    for (std::size_t k = 1; k < count; ++k)
-      out.time_s = std::min(out.time_s, waiting_[k].times_s[chosen_[k]]);
-    for (std::size_t c = 0, k = 0; c < cameras_.size(); ++c) {
-      sensing::DepthFrame& frame = out.frames[c];
-      frame.depth.resize(sensing::pixel_count(cameras_[c]));
-      if (k < count && awaited_[k] == &live_[c]) {
-        frame.time_s = waiting_[k].times_s[chosen_[k]];
-        live_[c].copy(chosen_[k], frame.depth.data());
-        live_[c].release_through(chosen_[k]);
-        ++k;
-      } else {
-        frame.time_s = out.time_s;
-        std::fill(frame.depth.begin(), frame.depth.end(), std::uint16_t{0});
-      }
-    }
-    out.sequence = number(out.time_s, period_s);
-    return true;
-  }
-
-  void note_matched() { unmatched_since_s_ = std::numeric_limits<double>::infinity(); }
-
-  /// Frames come, and no two that fit together: of one rate they always do.
-  void note_unmatched(double period_s) {
-    const double now_s = kernel_->now_s();
-    unmatched_since_s_ = std::min(unmatched_since_s_, now_s);
-    if (unmatched_said_ || now_s - unmatched_since_s_ < unmatched_s) return;
-    unmatched_said_ = true;
-    log::warning(
-        fmt::format("the cameras' frames do not fit together: for {:g} s none were captured within {:.1f} ms of "
-                    "each other; give all of them one rate_hz and a fixed exposure_s in {}",
-                    unmatched_s, (period_s / 2 + stamp_jitter_s) * 1e3, rig_));
-  }
-
-  /// Periods that have passed count, so that frames which nobody got are gaps.
-  std::uint64_t number(double time_s, double period_s) {
-    if (last_s_ > 0) sequence_ += static_cast<std::uint64_t>(std::max(1L, std::lround((time_s - last_s_) / period_s)));
-    last_s_ = time_s;
-    return sequence_;
-  }
-
-  std::unique_ptr<Kernel> kernel_;
-  std::vector<sensing::Camera> cameras_;
-  std::deque<LiveCamera> live_;  ///< their addresses stay
-  std::string rig_;
-  double nominal_s_ = 0;  ///< period of the slowest, as it was asked for
-  double unmatched_since_s_ = std::numeric_limits<double>::infinity();
-  bool unmatched_said_ = false;
-  std::array<pollfd, most_cameras> polled_{};
-  std::array<LiveCamera*, most_cameras> awaited_{};
-  std::array<Waiting, most_cameras> waiting_{};
-  std::array<std::uint32_t, most_cameras> chosen_{};
-  std::vector<sensing::DepthFrame> spare_;
-  std::uint64_t sequence_ = 0;
-  double last_s_ = 0;
-  bool woken_ = false;  ///< the last wait ended for nothing
+  Kernel& kernel_;
+  const Description description_;
+  Identity identity_;
+  std::string path_;  ///< under which it is now
+  Known known_;
 };
+
+/// One camera has several names: the links of /dev/v4l/by-id beside /dev/videoN.
+void refuse_twice(Kernel& kernel, const std::vector<std::string>& nodes) {
+  std::map<std::string, std::string> named;
+  for (const std::string& node : nodes) {
+    const auto [before, first] = named.emplace(kernel.resolve(node), node);
+    if (first) continue;
+    throw bad_usage(
+        fmt::format("source v4l2 names one camera twice: {} and {} are both {}; each camera of the rig has "
+                    "its own",
+                    before->second, node, before->first));
+  }
+}
 
 }  // namespace
 
 std::vector<std::string> parse_nodes(const std::string& argument) {
-  std::vector<std::string> nodes;
-  for (std::size_t begin = 0; begin <= argument.size();) {
-    const std::size_t end = std::min(argument.find(',', begin), argument.size());
-    std::string node = argument.substr(begin, end - begin);
-    if (node.empty()) throw bad_usage("source v4l2 needs cameras: v4l2:/dev/video0 or v4l2:/dev/video0,/dev/video2");
-    if (std::find(nodes.begin(), nodes.end(), node) != nodes.end())
-      throw bad_usage("source v4l2 names " + node + " twice; each camera of the rig has its own");
-    nodes.push_back(std::move(node));
-    begin = end + 1;
-  }
-  return nodes;
+  return cameras::parse_names(argument, "v4l2", "/dev/video0 or v4l2:/dev/video0,/dev/video2");
 }
 
 std::unique_ptr<sensing::DepthSource> open_cameras(std::unique_ptr<Kernel> kernel, std::vector<sensing::Camera> cameras,
                                                    const std::vector<std::string>& nodes, const std::string& rig) {
-  if (cameras.size() != nodes.size() || nodes.size() > most_cameras) {
-    throw bad_usage(fmt::format("source v4l2 names {} camera{} and {} describes {}; give as many, in the same order",
-                                nodes.size(), nodes.size() == 1 ? "" : "s", rig, cameras.size()));
+  cameras::check_count(nodes.size(), cameras.size(), "v4l2", rig);
+  refuse_twice(*kernel, nodes);
+  std::vector<std::unique_ptr<cameras::Device>> devices;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const sensing::Camera& camera = cameras[c];
+    devices.push_back(
+        std::make_unique<Camera>(*kernel, Description{.name = camera.name,
+                                                      .path = nodes[c],
+                                                      .wanted = {camera.width, camera.height, camera.rate_hz},
+                                                      .rig = rig,
+                                                      .depth_unit_m = camera.depth_unit_m,
+                                                      .setting = camera.device}));
   }
-  return std::make_unique<Cameras>(std::move(kernel), std::move(cameras), nodes, rig);
+  return cameras::open_cameras(std::move(kernel), std::move(cameras), std::move(devices), rig);
 }
 
 session::SourceKind source_kind() {

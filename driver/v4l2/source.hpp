@@ -1,8 +1,5 @@
-// `--source v4l2:/dev/videoN[,/dev/videoM...]`: depth cameras through the kernel's own driver, as a DepthSource.
-//
-// Frames of several cameras are taken together by their capture times (match.hpp). A camera that is unplugged, stops or
-// breaks is said once and looked for again, under whatever number it comes back; meanwhile its images have no data and
-// the others go on. Without any camera no set comes, and the loop is silent after its hold.
+// `--source v4l2:/dev/videoN[,/dev/videoM...]`: depth cameras through the kernel's own driver, as a DepthSource
+// (driver/cameras). One that was unplugged is found again by its serial number, under whatever number it comes back.
 #pragma once
 
 #include <memory>
@@ -21,9 +18,6 @@ std::vector<std::string> parse_nodes(const std::string& argument);
 
 /// Opens one node per camera, in this order, and starts them. `rig` is the file that describes the cameras, for
 /// messages. Throws Error for what is refused: see Stream. `kernel` belongs to the source.
-///
-/// next() allocates nothing once each of its caller's sets has been used, while no camera is gone, and waits no longer
-/// than it is told: a camera that is gone is looked for and opened again beside it. The source's end waits for that.
 std::unique_ptr<sensing::DepthSource> open_cameras(std::unique_ptr<Kernel> kernel, std::vector<sensing::Camera> cameras,
                                                    const std::vector<std::string>& nodes, const std::string& rig);
 

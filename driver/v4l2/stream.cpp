@@ -109,7 +109,7 @@ void Stream::set_format(const Wanted& wanted, const std::string& rig) {
   const bool depth = result >= 0 && given.pixelformat == V4L2_PIX_FMT_Z16;
   if (!depth || given.width != wanted.width || given.height != wanted.height) {
     const std::vector<Offer> offers = list_offers(kernel_, fd_);
-    const std::string sizes = list_sizes(offers, V4L2_PIX_FMT_Z16);
+    const std::string sizes = cameras::list_sizes(offers, V4L2_PIX_FMT_Z16);
     if (sizes.empty()) {
       throw bad_input(path_, fmt::format("gives no depth, which is the format Z16, but {}; palpa doctor names the "
                                          "camera's other nodes",
@@ -136,7 +136,7 @@ void Stream::set_rate(double rate_hz, const std::string& rig) {
   const double given = period.numerator == 0 ? 0 : static_cast<double>(period.denominator) / period.numerator;
   if (!(given > 0)) throw bad_input(path_, fmt::format("does not say how often it delivers; set rate_hz of {}", rig));
   if (rate_hz > 0 && std::abs(given - rate_hz) > 0.02 * rate_hz) {
-    const std::string rates = list_rates(list_offers(kernel_, fd_), V4L2_PIX_FMT_Z16, width_, height_);
+    const std::string rates = cameras::list_rates(list_offers(kernel_, fd_), V4L2_PIX_FMT_Z16, width_, height_);
     throw bad_input(
         path_, fmt::format("does not give Z16 {}x{} at {:.4g} Hz; it has {}: set rate_hz of {} so, or plug "
                            "the camera into a USB 3 port",

@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include "driver/cameras/device.hpp"
 #include "driver/v4l2/kernel.hpp"
 
 namespace palpa::driver::v4l2 {
@@ -17,47 +18,27 @@ struct Wanted {
   double rate_hz = 0;                   ///< 0: as it is set
 };
 
-/// A frame that the camera has delivered and that still lies in its buffer.
-struct Taken {
-  std::uint32_t buffer = 0;
-  double time_s = 0;  ///< CLOCK_MONOTONIC; never later than when it was taken
-};
+using cameras::Take;
+using cameras::Taken;
 
-/// What take() found.
-enum class Take {
-  frame,
-  broken,  ///< a frame that is no whole one, or no newer than the one before; its buffer is the camera's again
-  nothing,
-  gone,  ///< the device does not answer any more: unplugged, or the stream has failed
-};
-
-/// Between its making and its end the camera streams. Neither copied nor moved: its buffers are mapped.
-class Stream {
+/// Neither copied nor moved: its buffers are mapped.
+class Stream final : public cameras::Stream {
  public:
   /// Throws Error: what is wrong with the device, the format that it has, what would be right. `rig` is the file that
   /// asks for it. `configure` gets the open device before it streams; what it throws is thrown.
   Stream(Kernel& kernel, const std::string& path, const Wanted& wanted, const std::string& rig,
          const std::function<void(int fd)>& configure = {});
-  ~Stream();
+  ~Stream() override;
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
-  int fd() const { return fd_; }
-  double period_s() const { return period_s_; }
-  /// How many the camera has; one whose frames all wait with whoever took them has none to fill.
-  std::uint32_t buffers() const { return buffer_count_; }
-
-  /// The oldest frame that the camera has ready. Never waits.
-  Take take(Taken& taken);
-  /// Why take() said gone: "unplugged", or what the kernel said.
-  const std::string& fault() const { return fault_; }
-  /// Rows of the frame, `width * height` values, into `depth`.
-  void copy(const Taken& taken, std::uint16_t* depth) const;
-  /// Gives its buffer back.
-  void release(const Taken& taken);
-
-  /// A camera has that many at most, and three at least.
-  static constexpr std::uint32_t most_buffers = 8;
+  int fd() const override { return fd_; }
+  double period_s() const override { return period_s_; }
+  std::uint32_t buffers() const override { return buffer_count_; }
+  Take take(Taken& taken) override;
+  const std::string& fault() const override { return fault_; }
+  void copy(const Taken& taken, std::uint16_t* depth) const override;
+  void release(const Taken& taken) override;
 
  private:
   struct Mapped {

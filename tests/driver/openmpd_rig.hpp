@@ -60,9 +60,10 @@ struct OpenMpdRig {
     }
   }
 
-  void open() {
+  void open() { open(bus); }
+  void open(driver::usb::Transport& transport) {
     board = std::make_unique<driver::openmpd::OpenMpdBoard>(
-        driver::BoardSetting{argument, files, layout, slot_s, notes, 343.21, true, ramp_s}, bus, clock);
+        driver::BoardSetting{argument, files, layout, slot_s, notes, 343.21, true, ramp_s}, transport, clock);
   }
   /// One slot after the other, as a guard does it.
   void play(const array::Drive& drive, double seconds) {

@@ -321,6 +321,21 @@ TEST(SonicSurfaceBoard, BetweenPatternsItsOwnBoardIsSilencedAtTheEndAllAre) {
   rig.expect_silent_end();
 }
 
+TEST(SonicSurfaceBoard, SilenceThatIsOnItsWayIsNotBegunAnew) {
+  Rig rig;
+  rig.board = rig.make(12e-3, true);
+  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent(); }));
+  rig.board->play(0, rig.drive);
+  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
+  const std::uint64_t before = rig.machine.bytes();
+  rig.board->play(1, rig.silence);
+  rig.board->all_off();
+  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.bytes() >= before + 6 * 259u + 1; }))
+      << rig.machine.bytes() - before << " bytes: both buffers of its own board, then of all";
+  EXPECT_EQ(rig.machine.bytes(), before + 6 * 259u + 1);
+  rig.expect_silent_end();
+}
+
 TEST(SonicSurfaceBoard, WhatStandsStillIsModulatedByOneByte) {
   Rig rig;
   rig.board = rig.make(1.5e-3, false);

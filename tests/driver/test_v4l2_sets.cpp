@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "driver/cameras/match.hpp"
 #include "driver/made_up_rig.hpp"
-#include "driver/v4l2/match.hpp"
 #include "support/captured.hpp"
 #include "support/thrown.hpp"
 
@@ -39,7 +39,7 @@ TEST(V4l2Sets, FramesOfSeveralCamerasAreWithinHalfAFrame) {
     ++sets;
     double oldest_s = set.frames[0].time_s;
     for (const sensing::DepthFrame& frame : set.frames) {
-      EXPECT_LE(std::abs(frame.time_s - set.frames[0].time_s), period_s / 2 + stamp_jitter_s);
+      EXPECT_LE(std::abs(frame.time_s - set.frames[0].time_s), period_s / 2 + cameras::stamp_jitter_s);
       EXPECT_GT(frame_of(frame), 0u);
       oldest_s = std::min(oldest_s, frame.time_s);
     }
@@ -234,8 +234,8 @@ TEST(V4l2Match, NewestThatAllHave) {
   const std::vector<double> a{0.00, 0.01, 0.02}, b{0.004, 0.014}, late{0.004};
   std::vector<std::uint32_t> chosen(2);
   const auto matched = [&](const std::vector<double>& x, const std::vector<double>& y) {
-    const std::vector<Waiting> cameras{{x}, {y}};
-    return match(cameras, 0.01, chosen);
+    const std::vector<cameras::Waiting> both{{x}, {y}};
+    return cameras::match(both, 0.01, chosen);
   };
   ASSERT_TRUE(matched(a, b));
   EXPECT_EQ(chosen, (std::vector<std::uint32_t>{1, 1}));

@@ -1,8 +1,8 @@
-#include "driver/v4l2/match.hpp"
+#include "driver/cameras/match.hpp"
 
 #include <cmath>
 
-namespace palpa::driver::v4l2 {
+namespace palpa::driver::cameras {
 namespace {
 
 std::uint32_t nearest(std::span<const double> times_s, double time_s) {
@@ -32,4 +32,4 @@ bool match(std::span<const Waiting> cameras, double period_s, std::span<std::uin
   return false;
 }
 
-}  // namespace palpa::driver::v4l2
+}  // namespace palpa::driver::cameras

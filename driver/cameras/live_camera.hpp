@@ -9,16 +9,15 @@
 #include <span>
 #include <string>
 
-#include "driver/v4l2/kernel.hpp"
-#include "driver/v4l2/opening.hpp"
-#include "driver/v4l2/stream.hpp"
+#include "driver/cameras/device.hpp"
+#include "driver/cameras/host.hpp"
 
-namespace palpa::driver::v4l2 {
+namespace palpa::driver::cameras {
 
 class LiveCamera {
  public:
-  /// Opens it, sets it up and starts it. Throws as open_camera() does.
-  LiveCamera(Kernel& kernel, Description description);
+  /// Opens it, sets it up and starts it. Throws as Device::open() does. `name` is the rig's.
+  LiveCamera(Host& host, std::string name, std::unique_ptr<Device> device);
   /// Waits for a camera that is being opened.
   ~LiveCamera();
   LiveCamera(const LiveCamera&) = delete;
@@ -44,7 +43,7 @@ class LiveCamera {
   /// exposure takes longer than a frame where it is dark.
   double period_s() const;
   /// Of its own calibration, where the setting asks for that. Before the first tend().
-  const std::optional<d400::Lens>& lens() const { return known_.lens; }
+  const std::optional<Lens>& lens() const { return device_->lens(); }
 
  private:
   static constexpr std::uint32_t most_held = 3, distances = 3;
@@ -58,10 +57,9 @@ class LiveCamera {
   void say_lost(const std::string& how);
   void say_back();
 
-  Kernel& kernel_;
-  const Description description_;
-  Identity identity_;
-  std::string path_;  ///< under which it is now
+  Host& host_;
+  const std::string name_;
+  std::unique_ptr<Device> device_;  ///< of what goes on beside, while it looks for it
   std::unique_ptr<Stream> stream_;
   std::array<Taken, most_held> taken_{};
   std::array<double, most_held> times_s_{};
@@ -79,10 +77,9 @@ class LiveCamera {
   std::uint32_t broken_ = 0;
 
   // Of what goes on beside, and while it does its alone.
-  Known known_;
   std::unique_ptr<Stream> old_, new_;
-  std::string new_path_, refusal_;
+  std::string refusal_;
   std::future<void> beside_;  ///< not valid: nothing does
 };
 
-}  // namespace palpa::driver::v4l2
+}  // namespace palpa::driver::cameras

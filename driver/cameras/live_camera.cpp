@@ -1,4 +1,4 @@
-#include "driver/v4l2/camera.hpp"
+#include "driver/cameras/live_camera.hpp"
 
 #include <fmt/core.h>
 
@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 
-namespace palpa::driver::v4l2 {
+namespace palpa::driver::cameras {
 namespace {
 
 constexpr double first_frame_s = 3;    ///< a camera takes up to two seconds from its start to its first frame
@@ -21,15 +21,9 @@ constexpr std::uint32_t said_broken = 5;
 
 }  // namespace
 
-LiveCamera::LiveCamera(Kernel& kernel, Description description)
-    : kernel_(kernel), description_(std::move(description)), path_(description_.path) {
-  identity_.path = description_.path;
-  const std::string real = kernel_.resolve(path_);
-  for (const Node& node : kernel_.nodes()) {
-    if (node.path == real) identity_.node = node;
-  }
-  stream_ = open_camera(kernel_, description_, path_, identity_.node, known_);
-  opened_s_ = kernel_.now_s();
+LiveCamera::LiveCamera(Host& host, std::string name, std::unique_ptr<Device> device)
+    : host_(host), name_(std::move(name)), device_(std::move(device)), stream_(device_->open()) {
+  opened_s_ = host_.now_s();
   await_until_s_ = opened_s_ + first_frame_s;
 }
 
@@ -40,8 +34,8 @@ LiveCamera::~LiveCamera() {
 /// The kernel may wait five seconds for a device that does not answer; the others' frames do not wait for that.
 void LiveCamera::look_for_it() {
   if (!beside_.valid()) {
-    if (kernel_.now_s() < retry_s_) return;
-    beside_ = kernel_.beside([this] { find_and_open(); });
+    if (host_.now_s() < retry_s_) return;
+    beside_ = host_.beside([this] { find_and_open(); });
   }
   if (beside_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   beside_.get();
@@ -51,10 +45,8 @@ void LiveCamera::look_for_it() {
 void LiveCamera::find_and_open() {
   old_.reset();
   refusal_.clear();
-  new_path_ = find_again(identity_, kernel_.nodes());
-  if (new_path_.empty()) return;
   try {
-    new_ = open_camera(kernel_, description_, new_path_, identity_.node, known_);
+    new_ = device_->open_again();
   } catch (const Error& error) {
     refusal_ = error.what();
   }
@@ -62,11 +54,10 @@ void LiveCamera::find_and_open() {
 
 /// What has come of it.
 void LiveCamera::adopt() {
-  const double now_s = kernel_.now_s();
+  const double now_s = host_.now_s();
   retry_s_ = now_s + look_every_s;
   if (new_) {
     stream_ = std::move(new_);
-    path_ = new_path_;
     opened_s_ = now_s;
     frame_s_ = last_s_ = 0;
     distances_s_ = {};
@@ -75,7 +66,7 @@ void LiveCamera::adopt() {
   // A device that comes back is not whole at once; and one that has come back slower is refused for good.
   if (refusal_.empty() || now_s - lost_s_ < 2 || refusal_said_) return;
   refusal_said_ = true;
-  log::warning(fmt::format("camera '{}' cannot be opened again: {}", description_.name, refusal_));
+  log::warning(fmt::format("camera '{}' cannot be opened again: {}", name_, refusal_));
 }
 
 bool LiveCamera::tend() {
@@ -100,7 +91,7 @@ bool LiveCamera::tend() {
     keep(taken);
     any = true;
   }
-  const double now_s = kernel_.now_s();
+  const double now_s = host_.now_s();
   if (any) {
     frame_s_ = now_s;
     say_back();
@@ -113,7 +104,7 @@ bool LiveCamera::tend() {
 
 bool LiveCamera::awaited() const {
   if (!stream_) return false;
-  const double now_s = kernel_.now_s();
+  const double now_s = host_.now_s();
   if (frame_s_ == 0) return now_s < await_until_s_;
   return now_s - frame_s_ < std::max({silent_s, 4 * stream_->period_s(), 1.5 * period_s()});
 }
@@ -145,8 +136,7 @@ void LiveCamera::release_through(std::uint32_t frame) {
 void LiveCamera::drop() {
   held_ = 0;
   old_ = std::move(stream_);
-  beside_ = kernel_.beside([this] { old_.reset(); });
-  new_path_.clear();
+  beside_ = host_.beside([this] { old_.reset(); });
   refusal_.clear();
 }
 
@@ -156,22 +146,22 @@ void LiveCamera::count_broken() {
       fmt::format("camera '{}' ({}): {} frames came short, damaged or twice and were left out; a cable of 2 m at most "
                   "and a port of "
                   "its own help",
-                  description_.name, path_, broken_));
+                  name_, device_->address(), broken_));
 }
 
 void LiveCamera::say_lost(const std::string& how) {
   if (lost_) return;
   lost_ = true;
-  lost_s_ = kernel_.now_s();
+  lost_s_ = host_.now_s();
   refusal_said_ = false;
   log::warning(
-      fmt::format("camera '{}' ({}): {}; palpa goes on without it and looks for it", description_.name, path_, how));
+      fmt::format("camera '{}' ({}): {}; palpa goes on without it and looks for it", name_, device_->address(), how));
 }
 
 void LiveCamera::say_back() {
   if (!lost_) return;
   lost_ = false;
-  log::warning(fmt::format("camera '{}' ({}): is back", description_.name, path_));
+  log::warning(fmt::format("camera '{}' ({}): is back", name_, device_->address()));
 }
 
-}  // namespace palpa::driver::v4l2
+}  // namespace palpa::driver::cameras

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-namespace palpa::driver::v4l2 {
+namespace palpa::driver::cameras {
 
 /// Frames of one camera that wait, oldest first; at least one: a camera that is not waited for is not asked about.
 struct Waiting {
@@ -20,4 +20,4 @@ constexpr double stamp_jitter_s = 0.5e-3;
 /// yet.
 bool match(std::span<const Waiting> cameras, double period_s, std::span<std::uint32_t> chosen);
 
-}  // namespace palpa::driver::v4l2
+}  // namespace palpa::driver::cameras

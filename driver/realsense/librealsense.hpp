@@ -1,0 +1,15 @@
+// The SDK itself. Only in a palpa that is built with it.
+#pragma once
+
+#include <librealsense2/rs.h>
+
+#include <memory>
+
+#include "driver/realsense/sdk.hpp"
+
+namespace palpa::driver::realsense {
+
+/// Takes a context over, in which a test has put devices made of software.
+std::unique_ptr<Sdk> make_sdk(rs2_context* context);
+
+}  // namespace palpa::driver::realsense
