@@ -21,10 +21,11 @@ struct SurfaceOptions {
   /// The grid has about four cells per triangle, but at least so many: fewer are made sooner and answer the same,
   /// slower.
   std::uint32_t least_cells = 4096;
-  /// Steps, nodes of a tree of boxes that are looked at, that filling the grid may take beyond steps_per_cell.
-  std::uint64_t spare_steps = 50'000'000;
+  /// Steps, nodes of a tree of boxes that are looked at, that filling the grid may take: what a lumpy ball of
+  /// 300,000 triangles needs for its deep points.
+  std::uint64_t steps_per_cell = 1400;
+  std::uint64_t spare_steps = 50'000'000;  ///< beyond that
 };
-inline constexpr std::uint64_t steps_per_cell = 1400;  ///< twice what models need
 
 /// Built once, shared by copies, never changed. All positions are relative to `centre`, in single precision.
 struct Surface {

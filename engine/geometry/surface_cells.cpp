@@ -9,6 +9,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "base/activity.hpp"
@@ -17,6 +18,7 @@
 #include "base/parallel.hpp"
 #include "geometry/surface_contest.hpp"
 #include "geometry/surface_samples.hpp"
+#include "geometry/surface_search.hpp"
 
 namespace palpa::geometry {
 namespace {
@@ -54,11 +56,19 @@ struct Piece {
   std::vector<std::uint32_t> lists;
 };
 
+/// What is known on the way along the rows of the grid.
+struct Walk {
+  std::uint32_t guess = 0;  // nearest to the last cell's middle
+  std::uint64_t steps = 0;
+  std::optional<glm::uvec3> last;           // cell whose corners were looked at
+  std::array<std::uint32_t, 4> right = {};  // nearest to those that it shares with the next cell
+};
+
 class Builder {
  public:
   Builder(const Bvh& bvh, const SurfaceTriangles& triangles, const Vec3& centre, const Box& box,
           const SurfaceOptions& options)
-      : bvh_(bvh), t_(triangles), centre_(centre), options_(options) {
+      : t_(triangles), options_(options) {
     const Vec3 extent = box.high - box.low;
     epsilon_ = rounding * glm::length(extent) / 2;
     const double wanted = std::clamp(static_cast<double>(t_.triangles.size()) * 4,
@@ -73,11 +83,13 @@ class Builder {
       out_.low[i] = static_cast<double>(std::nextafter(static_cast<float>(box.low[i]), -1e30F));
       out_.grid[i] = static_cast<std::uint32_t>(std::ceil((box.high[i] - out_.low[i]) / side + 1e-3));
     }
+    search_.emplace(bvh, triangles, centre, epsilon_);
     most_listed_ = std::clamp(t_.triangles.size() * 64, std::size_t{1} << 18, std::size_t{64} << 20);
   }
 
   SurfaceCells run() {
     build_grid();
+    search_.reset();  // lists are about to grow
     double side = out_.cell_m;
     for (std::uint32_t level = 0; level < shader::surface_most_levels && !items_.empty(); ++level) {
       divide_level(side, level + 1 < shader::surface_most_levels && side / 2 > std::max(smallest_cell, 400 * epsilon_));
@@ -90,70 +102,6 @@ class Builder {
 
  private:
   // ---- the grid: lists from the tree ----
-
-  std::uint32_t nearest(const glm::vec3& p, std::uint32_t guess, float& distance2, std::uint64_t& steps) const {
-    std::uint32_t best = guess;
-    distance2 = shader::surface_distance2(t_.triangles[guess], float3(p));
-    const Vec3 world = Vec3(p) + centre_;
-    const std::span<const Bvh::Node> nodes = bvh_.nodes();
-    std::array<std::pair<std::uint32_t, double>, 64> stack;
-    std::size_t depth = 0;
-    stack[depth++] = {0, geometry::distance2(nodes[0].box, world)};
-    const auto allowed = [&] { return (std::sqrt(static_cast<double>(distance2)) + 4 * epsilon_); };
-    while (depth > 0) {
-      ++steps;
-      const auto [index, apart2] = stack[--depth];
-      if (apart2 > allowed() * allowed()) continue;
-      const Bvh::Node& node = nodes[index];
-      if (node.second != 0) {
-        const double first = geometry::distance2(nodes[index + 1].box, world);
-        const double second = geometry::distance2(nodes[node.second].box, world);
-        const bool first_nearer = first <= second;
-        stack[depth++] = first_nearer ? std::pair(node.second, second) : std::pair(index + 1, first);
-        stack[depth++] = first_nearer ? std::pair(index + 1, first) : std::pair(node.second, second);
-        continue;
-      }
-      for (std::uint32_t t = node.begin; t < node.end; ++t) {
-        const float d = shader::surface_distance2(t_.triangles[t], float3(p));
-        if (d < distance2 || (d == distance2 && t < best)) {
-          distance2 = d;
-          best = t;
-        }
-      }
-    }
-    return best;
-  }
-
-  void gather(const Contest& contest, const Corners& corners, std::vector<std::uint32_t>& list,
-              std::uint64_t& steps) const {
-    const std::span<const Bvh::Node> nodes = bvh_.nodes();
-    std::array<std::uint32_t, 64> stack;
-    std::size_t depth = 0;
-    stack[depth++] = 0;
-    std::array<float, 8> d, x, y, z;
-    for (std::size_t c = 0; c < 8; ++c) {
-      x[c] = corners[c].x;
-      y[c] = corners[c].y;
-      z[c] = corners[c].z;
-    }
-    while (depth > 0) {
-      steps += 8;
-      const std::uint32_t index = stack[--depth];
-      const Bvh::Node& node = nodes[index];
-      for (std::size_t c = 0; c < 8; ++c)
-        d[c] = static_cast<float>(geometry::distance2(node.box, Vec3(corners[c]) + centre_));
-      if (contest.beats(d)) continue;
-      if (node.second != 0) {
-        stack[depth++] = node.second;
-        stack[depth++] = index + 1;
-        continue;
-      }
-      for (std::uint32_t t = node.begin; t < node.end; ++t) {
-        distances2(t_.triangles[t], x.data(), y.data(), z.data(), 8, d.data());
-        if (!contest.beats(d)) list.push_back(t);
-      }
-    }
-  }
 
   /// All lists, of which there is never a second copy of more than a piece.
   void collect_lists(std::vector<Piece>& pieces) {
@@ -173,13 +121,12 @@ class Builder {
     constexpr std::size_t chunk = 512;
     std::vector<Piece> pieces(chunk_count(count, chunk));
     const double side = out_.cell_m;
-    const std::uint64_t most_steps = options_.spare_steps + steps_per_cell * count;
+    const std::uint64_t most_steps = options_.spare_steps + options_.steps_per_cell * count;
     std::atomic<std::uint64_t> all_steps{0};
     Activity work("fills its grid", pieces.size());
     parallel_chunks(count, chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
       Piece& piece = pieces[number];
-      std::uint64_t steps = 0;
-      std::uint32_t guess = 0;
+      Walk walk;
       // The distance changes by no more than a step's length: a cell far from the surface speaks for some that follow.
       std::size_t same = 0;
       for (std::size_t i = begin; i < end && all_steps <= most_steps; ++i) {
@@ -189,9 +136,9 @@ class Builder {
           continue;
         }
         double spare = 0;
-        piece.children.push_back(grid_cell(position(i), side, guess, piece.lists, spare, steps));
+        piece.children.push_back(grid_cell(position(i), side, walk, piece.lists, spare));
         same = static_cast<std::size_t>(std::max(spare / side, 0.0));
-        all_steps += std::exchange(steps, 0);
+        all_steps += std::exchange(walk.steps, 0);
       }
       work.advance();
     });
@@ -216,12 +163,12 @@ class Builder {
   }
 
   /// `spare`: how far from the cell the answer is the same.
-  Child grid_cell(const glm::uvec3& at, double side, std::uint32_t& guess, std::vector<std::uint32_t>& lists,
-                  double& spare, std::uint64_t& steps) const {
+  Child grid_cell(const glm::uvec3& at, double side, Walk& walk, std::vector<std::uint32_t>& lists,
+                  double& spare) const {
     const CellSamples samples(out_.low + Vec3(at) * side, side);
     const glm::vec3 middle = samples.at(13);
     float middle2 = 0;
-    guess = nearest(middle, guess, middle2, steps);
+    const std::uint32_t guess = walk.guess = search_->nearest(middle, walk.guess, middle2, walk.steps);
     const double radius = std::sqrt(3.0) / 2 * side, apart = std::sqrt(middle2) - radius;
     const bool inside = is_inside(t_.triangles[guess], t_.signs[guess], t_.corners, middle);
     if (apart > 4 * epsilon_ && !inside) {
@@ -238,16 +185,48 @@ class Builder {
     for (std::size_t c = 0; c < 8; ++c)
       corners[c] = samples.at((c & 1) * 2 + (c >> 1 & 1) * 6 + (c >> 2) * 18);
     contest.add({nearest_point(t_.triangles[guess], middle), guess}, corners, epsilon_, 0);
+    const bool next = walk.last && at == *walk.last + glm::uvec3(1, 0, 0);
+    const std::array<std::uint32_t, 4> left = walk.right;
     std::uint32_t near = guess;
-    for (const glm::vec3& corner : corners) {
-      float corner2 = 0;
-      near = nearest(corner, near, corner2, steps);
-      contest.add({nearest_point(t_.triangles[near], corner), near}, corners, epsilon_, 0);
+    std::array<float, 8> corner2;
+    for (std::size_t c = 0; c < 8; ++c) {
+      if (next && c % 2 == 0) {
+        near = left[c / 2];
+        corner2[c] = shader::surface_distance2(t_.triangles[near], float3(corners[c]));
+      } else {
+        near = search_->nearest(corners[c], near, corner2[c], walk.steps);
+      }
+      if (c % 2 == 1) walk.right[c / 2] = near;
+      contest.add({nearest_point(t_.triangles[near], corners[c]), near}, corners, epsilon_, 0);
+    }
+    walk.last = at;
+    if (const auto one = deep ? one_for_all(contest, corner2, apart) : std::nullopt) {
+      lists.push_back(*one);
+      return {shader::surface_deep, 1};
     }
     const std::size_t before = lists.size();
-    gather(contest, corners, lists, steps);
+    search_->gather(contest, corners, lists, walk.steps);
     return {deep ? shader::surface_deep : shader::surface_near, static_cast<std::uint32_t>(lists.size() - before), 0,
             false};
+  }
+
+  /// How much farther away, squared, than the nearest triangle one may be that is taken for it, where all are at least
+  /// `apart` away.
+  static double slack_of(double apart) { return ((1 + deep_tolerance) * (1 + deep_tolerance) - 1) * apart * apart; }
+
+  /// A triangle that is nowhere in a deep cell farther away than the nearest there by more than the tolerance. d^2 -
+  /// |p|^2 of the distance to a point is linear in p, of that to a surface concave: between the corners one is what
+  /// they say, the other at least that. So what one rival is farther away, squared, is most at a corner.
+  static std::optional<std::uint32_t> one_for_all(const Contest& contest, const std::array<float, 8>& corner2,
+                                                  double apart) {
+    const double slack = slack_of(apart);
+    for (std::size_t r = 0; r < contest.count; ++r) {
+      double farther = 0;
+      for (std::size_t c = 0; c < 8; ++c)
+        farther = std::max(farther, double{contest.to_corner[r][c]} - corner2[c]);
+      if (farther < slack) return contest.triangle[r];
+    }
+    return std::nullopt;
   }
 
   // ---- levels below: lists from the parents' lists ----
@@ -368,8 +347,7 @@ class Builder {
         return static_cast<std::uint32_t>(piece.lists.size() - before);
       };
       if (deep) {
-        const double slack = ((1 + deep_tolerance) * (1 + deep_tolerance) - 1) * apart * apart;
-        const std::uint32_t kept = filter(slack);
+        const std::uint32_t kept = filter(slack_of(apart));
         if (kept <= short_deep_list) {
           piece.children.push_back({shader::surface_deep, kept});
           continue;
@@ -422,11 +400,10 @@ class Builder {
     out_.cells[item.cell] = {first, (item.deep ? shader::surface_deep : shader::surface_near) + runs};
   }
 
-  const Bvh& bvh_;
   const SurfaceTriangles& t_;
-  Vec3 centre_;
   SurfaceOptions options_;
   double epsilon_ = 0;
+  std::optional<SurfaceSearch> search_;
   std::size_t most_listed_ = 0;
   SurfaceCells out_;
   std::vector<Item> items_, next_items_, finished_;

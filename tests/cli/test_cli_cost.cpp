@@ -32,7 +32,7 @@ class Cost : public testing::Test {
     const double megabytes = static_cast<double>(fs::file_size(scene)) / 1e6;
     // What it takes of the processors: how long one waits depends on who else is there. Sanitizers make all slower and
     // fatter.
-    EXPECT_LT(result.processor_s, (instrumented() ? 30 : 4) * (1 + megabytes)) << result.err;
+    EXPECT_LT(result.processor_s, (instrumented() ? 45 : 5) * (1 + megabytes)) << result.err;
     if (!instrumented()) {
       EXPECT_LT(result.peak_mib, 1e9 / (1 << 20)) << result.err;
     }
@@ -90,7 +90,7 @@ Mesh needles(std::uint32_t count) {
 }
 
 TEST_F(Cost, OfRodsSideBySide) {
-  expect_refused(touch(rods(500)), "boxes that overlap too much");
+  EXPECT_EQ(touch(rods(500)).exit_code, 0);
   expect_refused(touch(rods(5000)), "pairs of its 60000 triangles have boxes that overlap");
 }
 

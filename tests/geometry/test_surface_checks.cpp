@@ -8,12 +8,16 @@
 #include <random>
 
 #include "geometry/bvh.hpp"
+#include "geometry/icosphere.hpp"
 #include "geometry/mesh_repair.hpp"
 #include "geometry/predicates.hpp"
 #include "geometry/self_intersection.hpp"
 #include "geometry/shells.hpp"
+#include "geometry/slabs.hpp"
 #include "geometry/solid.hpp"
 #include "geometry/surface.hpp"
+#include "geometry/surface_samples.hpp"
+#include "geometry/surface_triangles.hpp"
 #include "geometry/topology.hpp"
 #include "support/captured.hpp"
 #include "support/shapes.hpp"
@@ -298,10 +302,60 @@ TEST(Limits, PairsThatAreLookedAtAreCounted) {
 TEST(Limits, StepsToASurfacesGridAreCounted) {
   const Mesh mesh = rods(12);
   EXPECT_FALSE(make_surface(mesh, {}).empty());
-  EXPECT_CONTAINS(test::error_of([&] { make_surface(mesh, {.spare_steps = 0}); }, Exit::failed),
+  EXPECT_CONTAINS(test::error_of([&] { make_surface(mesh, {.steps_per_cell = 250, .spare_steps = 0}); }, Exit::failed),
                   "turn it so that its long faces run along an axis");
   // A mesh as they are.
-  EXPECT_FALSE(make_surface(test::torus(0.05, 0.02, 40), {.spare_steps = 0}).empty());
+  EXPECT_FALSE(make_surface(test::torus(0.05, 0.02, 40), {.steps_per_cell = 250, .spare_steps = 0}).empty());
+}
+
+/// Scales a ball's points: "shape" of unit directions.
+template <typename Shape>
+Mesh ball_of(int divisions, Shape shape) {
+  Mesh ball = icosphere(1, divisions);
+  for (Vec3& p : ball.positions)
+    p = shape(p);
+  return ball;
+}
+
+TEST(Limits, RoundThingsNeedFewSteps) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> noise(1, 0.003);
+  const SurfaceOptions deep{.deep = true, .steps_per_cell = 1000, .spare_steps = 0};
+  EXPECT_FALSE(make_surface(ball_of(24, [](const Vec3& p) { return 0.03 * p; }), deep).empty());
+  EXPECT_FALSE(make_surface(ball_of(24, [](const Vec3& p) { return 0.03 * p * Vec3(1, 1.3, 1); }), deep).empty());
+  EXPECT_FALSE(make_surface(ball_of(24, [&](const Vec3& p) { return 0.03 * noise(random) * p; }), deep).empty());
+  const auto long_and_waved = [](const Vec3& p) { return Vec3(0.02, 0.1, 0.02) * p * (1 + 0.05 * std::sin(30 * p.y)); };
+  EXPECT_FALSE(make_surface(ball_of(24, long_and_waved), deep).empty());
+}
+
+TEST(Slabs, AreNearerThanTheirTrianglesAndSeldomMuch) {
+  const Mesh mesh = ball_of(12, [](const Vec3& p) { return 0.03 * p * (1 + 0.05 * std::sin(9 * p.x)); });
+  const Bvh bvh(mesh);
+  const SurfaceTriangles triangles = make_surface_triangles(mesh, twins(mesh), bvh.order(), Vec3(0), 0);
+  const std::vector<Slab> slabs = make_slabs(bvh.nodes(), triangles.triangles, 0);
+  ASSERT_EQ(slabs.size(), bvh.nodes().size());
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> place(-0.04F, 0.04F);
+  std::size_t tight = 0, tight_boxes = 0, asked = 0;
+  for (std::size_t i = 0; i < slabs.size(); ++i) {
+    const Bvh::Node& node = bvh.nodes()[i];
+    for (int k = 0; k < 20; ++k) {
+      const glm::vec3 p(place(random), place(random), place(random));
+      double least = 1;
+      for (std::uint32_t t = node.begin; t < node.end; ++t)
+        least = std::min(least, glm::distance(nearest_point(triangles.triangles[t], Vec3(p)), Vec3(p)));
+      EXPECT_LE(distance(slabs[i], p), least + 1e-8);
+    }
+    if (node.second != 0) continue;
+    ++asked;
+    double least = 1;
+    for (std::uint32_t t = node.begin; t < node.end; ++t)
+      least = std::min(least, glm::length(nearest_point(triangles.triangles[t], Vec3(0))));
+    tight += distance(slabs[i], glm::vec3(0)) > 0.95 * least;
+    tight_boxes += std::sqrt(distance2(node.box, Vec3(0))) > 0.95 * least;
+  }
+  EXPECT_GT(tight, asked * 9 / 10) << "seen from the middle";
+  EXPECT_LT(tight_boxes, asked / 2) << "else slabs would be for nothing";
 }
 
 TEST(Surface, WithFewerCellsAnswersTheSame) {

@@ -16,6 +16,7 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "geometry/gltf.hpp"
+#include "geometry/icosphere.hpp"
 #include "geometry/ply.hpp"
 #include "geometry/surface.hpp"
 #include "shaders/surface_math.h"
@@ -42,6 +43,16 @@ geometry::Mesh mesh_of(const std::string& asset) {
   return mesh;
 }
 
+/// A scan of a round thing: from its middle all of it is about as far away.
+geometry::Mesh rough_ball() {
+  geometry::Mesh ball = geometry::icosphere(0.02, 32);
+  std::mt19937 random(6);
+  std::normal_distribution<double> noise(1, 0.003);
+  for (Vec3& p : ball.positions)
+    p *= noise(random);
+  return tilted(ball, {0.01, 0, 0.1});
+}
+
 struct Model {
   std::string name;
   geometry::Mesh mesh;
@@ -65,11 +76,13 @@ Model model(int which) {
       const geometry::Ply finger = geometry::read_ply(palpa::test::source_file("assets/finger.ply"));
       return {"finger", {finger.positions, finger.triangles}};
     }
+    case 7:
+      return {"rough ball", rough_ball()};
     default:
       return {"subdivided", tilted(subdivided(subdivided(notched_cube())), {-0.3, 0.2, 0.1})};
   }
 }
-constexpr int models = 8;
+constexpr int models = 9;
 
 struct Checked {
   std::size_t contacts = 0, deep = 0, undecided = 0;
