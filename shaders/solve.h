@@ -31,20 +31,22 @@ PALPA_CONST solve_phases = 16u;   // greedy's
 PALPA_CONST solve_turns = 8192u;  // greedy's in one dispatch
 
 // Of gs_pat.hpp, even_out.hpp and even_phases.hpp, under the same names.
-PALPA_CONST solve_starts = 13u;
+PALPA_CONST solve_starts = 8u;
+PALPA_CONST solve_sounds = 4u;
 PALPA_CONST solve_climb = 20u;
 PALPA_CONST solve_look = 3u;
-PALPA_CONST solve_tries = 24u;
+PALPA_CONST solve_tries = 40u;
+PALPA_CONST solve_bounded_tries = 8u;
 PALPA_CONST solve_raises = 6u;
 PALPA_CONST_FLOAT solve_most_help = 4.0f;
-PALPA_CONST_FLOAT solve_crowded = 0.5f;
+PALPA_CONST_FLOAT solve_hears = 0.2f;
 PALPA_CONST_FLOAT solve_same = 0.9f;
-PALPA_CONST_FLOAT solve_better = 1.02f;
-PALPA_CONST_FLOAT solve_miss = 0.005f;
-PALPA_CONST_FLOAT solve_bounded_miss = 0.0045f;
-PALPA_CONST_FLOAT solve_fill = 1.3f;
+PALPA_CONST_FLOAT solve_better = 1.005f;
+PALPA_CONST_FLOAT solve_miss = 0.003f;
+PALPA_CONST_FLOAT solve_fill = 2.0f;
 PALPA_CONST_FLOAT solve_uneven = 0.15f;
 PALPA_CONST_FLOAT solve_push = 0.1f;
+PALPA_CONST_FLOAT solve_keep = 0.95f;
 PALPA_CONST_FLOAT solve_damping = 0.03f;
 PALPA_CONST_FLOAT solve_least_damping = 1e-4f;
 PALPA_CONST_FLOAT solve_most_damping = 1e4f;
@@ -57,7 +59,7 @@ struct SolvePush {
   uint weighting;   // as in drive.h
   uint constraint;  // as in drive.h
   float nearest;    // in wavelengths: no transducer counts as nearer
-  uint stride;      // greedy's
+  uint stride;      // greedy_stride
   uint steps;       // gs_pat_steps
   uint refinings;   // gs_pat_refinings
   float most_weight;

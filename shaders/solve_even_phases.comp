@@ -200,7 +200,8 @@ void main() {
       const float heard = wanted[j] > 0.0 ? length(tried[j]) / wanted[j] : weakest_then;
       weakest_then = weakest_then < 0.0 ? heard : min(weakest_then, heard);
     }
-    kept = first || (raises > 0u ? weakest_then > weakest : missed_then < missed);
+    kept = first || (raises > 0u ? weakest_then > weakest
+                                 : missed_then < missed && weakest_then >= solve_keep * weakest);
     if (kept) {
       missed = missed_then;
       worst = worst_then;
@@ -210,7 +211,7 @@ void main() {
     }
     barrier();
     if (first) {
-      if (worst <= solve_bounded_miss) break;
+      if (worst <= solve_miss) break;
       raises = worst > solve_uneven ? solve_raises : 0u;
       first = false;
     } else {
@@ -221,7 +222,7 @@ void main() {
         if (raises == 0u) damping = solve_damping;
       }
     }
-    if ((raises == 0u && worst <= solve_bounded_miss) || made >= push.tries || damping > solve_most_damping) break;
+    if ((raises == 0u && worst <= solve_miss) || made >= push.tries || damping > solve_most_damping) break;
     find_pull(level, raises > 0u ? solve_push : 0.0, damping);
     walk(places, by, base, kept);
   }

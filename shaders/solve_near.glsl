@@ -20,12 +20,12 @@ float heard_part(uint j, uint k) {
   return both > 0.0 ? min(length(at(j, k)) * inversesqrt(both), 1.0) : 0.0;
 }
 
-bool crowded() {
+bool hear_each_other() {
   float nearest = 0.0;
   for (uint j = 1u; j < focus_count; ++j) {
     for (uint k = 0u; k < j; ++k) nearest = max(nearest, heard_part(j, k));
   }
-  return nearest >= solve_crowded;
+  return nearest >= solve_hears;
 }
 
 // How loud a focus is to be: its gain times its claim, but at least as loud as what a focus that is the same makes it.

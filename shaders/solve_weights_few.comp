@@ -168,7 +168,7 @@ void main() {
   [[unroll]] for (uint j = 0u; j < most; ++j)
     share[j] = j >= count ? 0.0 : shares > 0.0 ? min(share[j] * float(count) / shares, push.most_weight) : 1.0;
 
-  const uint starts = crowded() ? solve_starts : 1u;
+  const uint starts = hear_each_other() ? solve_starts : 1u;
   uint begun = 0u;     // starts
   bool begins = true;  // the next one
   bool plainly = false;  // all starts are judged, the best goes the rest of the way
@@ -189,11 +189,16 @@ void main() {
 
   for (uint turn = 0u; turn < 4096u; ++turn) {
     if (begins) {
-      const Source source = source_of(uint(push.transducers * begun / solve_starts));
-      [[unroll]] for (uint j = 0u; j < most; ++j) {
-        const vec2 unit = pair_of(source, place_of(slot.first + min(j, count - 1u))).unit;
-        tried[j] = share[j] * vec2(unit.x, -unit.y);
+      [[unroll]] for (uint j = 0u; j < most; ++j) tried[j] = vec2(0.0);
+      const uint sounds = begun == 0u ? 1u : solve_sounds;
+      for (uint i = 0u; i < sounds; ++i) {
+        const Source source = source_of((begun * solve_sounds + i) * push.stride % push.transducers);
+        [[unroll]] for (uint j = 0u; j < most; ++j) {
+          const vec2 unit = pair_of(source, place_of(slot.first + min(j, count - 1u))).unit;
+          tried[j] += vec2(unit.x, -unit.y);
+        }
       }
+      [[unroll]] for (uint j = 0u; j < most; ++j) tried[j] = turned(share[j], tried[j], vec2(1.0, 0.0));
       begins = false;
       climbs = starts > 1u ? solve_climb : push.steps;
       allowed = starts > 1u ? solve_look : 0u;
@@ -237,7 +242,7 @@ void main() {
     }
     // Here ends what was allowed.
     fresh = true;
-    allowed = solve_tries;
+    allowed = push.constraint == drive_normalise ? solve_tries : solve_bounded_tries;
     if (!plainly) {
       const float good = merit();
       if (begun == 0u || good > best_merit * solve_better) {

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "acoustics/asked_field.hpp"
 #include "base/error.hpp"
 
 namespace palpa::acoustics {
@@ -221,7 +222,11 @@ Spectrum spectrum_of(const Voice& voice, double slot_s, const SpectrumOptions& o
   const std::vector<Vec3> path = path_through(voice.foci, per_side);
   std::vector<double> table, pressures(cycle);
   if (options.field) {
-    options.field->felt(path, per_side, table);
+    // A finger's field has the drives of the pressure that is asked for already.
+    const AskedField asked(*options.field);
+    const bool by_pressure = voice.pressure_pa > 0 && options.field->kind() == FocusKind::array;
+    const FocusField& field = by_pressure ? asked : *options.field;
+    field.felt(path, per_side, table);
   } else {
     spot_pressures(voice.foci, path, options.fwhm_m, table);
   }

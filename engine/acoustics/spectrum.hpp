@@ -50,8 +50,8 @@ struct Spectrum {
 
 /// The spectrum of what `voice` makes the skin feel; slots of `slot_s`. The skin point is the voice's first focus; the
 /// perimeter is the closed polygon through its foci, eight points to a side or as many as its field
-/// needs. Throws bad_usage for a schedule that does not repeat within 1024 slots, such as a dwell of 1.2345 ms in slots
-/// of 1 ms.
+/// needs. Where the voice asks for a pressure, each focus has that in an array's field (AskedField). Throws bad_usage
+/// for a schedule that does not repeat within 1024 slots, such as a dwell of 1.2345 ms in slots of 1 ms.
 Spectrum spectrum_of(const array::Voice& voice, double slot_s, const SpectrumOptions& options = {});
 
 /// The same spectrum for N foci spread evenly on a closed curve of which only the length is known, so of Gaussian

@@ -138,7 +138,9 @@ Evened even_phases(const Columns& columns, std::span<const double> targets, doub
     const double level_then = level_of(scratch.tried_pressure, targets);
     const double missed_then = find_misses(scratch.tried_pressure, targets, level_then, scratch.tried_miss);
     const double weakest_then = weakest_of(scratch.tried_pressure, targets);
-    if (raises > 0 ? weakest_then > weakest : missed_then < missed) {
+    const bool stays =
+        raises > 0 ? weakest_then > weakest : missed_then < missed && weakest_then >= phases_keep * weakest;
+    if (stays) {
       level = level_then;
       missed = missed_then;
       weakest = weakest_then;

@@ -16,7 +16,8 @@
 //
 // Levelling out costs those that are loud: where at first a focus misses by more than phases_uneven, phases_raises
 // tries come first in which each focus is asked for phases_push of L more than it misses, m_j + phases_push; they stay
-// where the weakest focus, by its t_j, has become louder.
+// where the weakest focus, by its t_j, has become louder. Later ones stay where the misses are smaller in sum of
+// squares and the weakest has kept phases_keep of its loudness: far steps can even foci out in a sound half as loud.
 #pragma once
 
 #include <complex>
@@ -32,6 +33,7 @@ namespace palpa::array {
 inline constexpr double phases_uneven = 0.15;
 inline constexpr double phases_push = 0.1;
 inline constexpr std::uint32_t phases_raises = 6;
+inline constexpr double phases_keep = 0.95;
 
 /// Keeps its storage from call to call.
 struct PhaseScratch {

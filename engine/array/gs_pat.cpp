@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "array/greedy.hpp"
 #include "array/gs_pat_few.hpp"
 #include "array/gs_pat_step.hpp"
 #include "array/hearing.hpp"
@@ -83,7 +84,7 @@ void find_claims(const FocusMatrix& matrix, std::vector<double>& claims) {
   }
 }
 
-void gs_pat_start(const FocusMatrix& matrix, const Columns& columns, std::size_t transducer,
+void gs_pat_start(const FocusMatrix& matrix, const Columns& columns, std::uint32_t start,
                   std::span<const double> claims, std::span<Complex> factors) {
   double sizes[most_solved_foci];
   double total = 0;
@@ -93,11 +94,17 @@ void gs_pat_start(const FocusMatrix& matrix, const Columns& columns, std::size_t
     total += sizes[j];
   }
   const auto foci = static_cast<double>(factors.size());
+  const std::size_t stride = greedy_stride(static_cast<std::uint32_t>(columns.transducers));
+  const std::size_t first = std::size_t{start} * gs_pat_sounds;
+  const std::uint32_t sounds = columns.transducers == 0 ? 0 : start == 0 ? 1 : gs_pat_sounds;
   for (std::size_t j = 0; j < factors.size(); ++j) {
     const double size = total > 0 ? std::min(sizes[j] * foci / total, gs_pat_most_weight) : 1;
-    const std::size_t entry = transducer * columns.foci + j;
-    factors[j] =
-        columns.transducers > 0 ? size * Complex(columns.cosine[entry], -columns.sine[entry]) : Complex(size, 0);
+    Complex sound = 0;
+    for (std::uint32_t i = 0; i < sounds; ++i) {
+      const std::size_t entry = (first + i) * stride % columns.transducers * columns.foci + j;
+      sound += Complex(columns.cosine[entry], -columns.sine[entry]);
+    }
+    factors[j] = turned(size, sound, 1);
   }
 }
 
@@ -140,8 +147,7 @@ void gs_pat_turn(const Columns& columns, Constraint constraint, std::span<Comple
   if (columns.foci > gs_pat_few || constraint == Constraint::normalise) return;
   for (Complex& sum : sums)
     sum = bounded(sum, constraint);
-  even_phases(columns, scratch.targets, gs_pat_bounded_miss, gs_pat_most_tries(columns.transducers), sums,
-              scratch.phases);
+  even_phases(columns, scratch.targets, gs_pat_miss, gs_pat_most_tries(columns.transducers), sums, scratch.phases);
 }
 
 }  // namespace palpa::array

@@ -21,12 +21,15 @@
 // Foci near each other. r_jk = |R_jk| / sqrt(R_jj R_kk) is what part of focus k's sound is heard at focus j. From
 // gs_pat_crowded on the array does not resolve the two, and from gs_pat_same on they become one: a focus is asked to be
 // at least as loud as its nearest neighbours' gains make it, so that at one place the largest gain wins. Where no pair
-// is crowded, one start will do. Where some are, the phases have many places to climb to, and gs_pat_starts starts are
-// tried, each with phases as if the sound came from another transducer; taken is that with the weakest focus the
-// loudest for the power that it takes.
+// hears gs_pat_hears of each other, one start will do, its phases as if the sound came from the first transducer. Where
+// some do, the phases have many places to climb to, and gs_pat_starts starts are tried; taken is that with the weakest
+// focus the loudest for the power that it takes. The others begin with the phases of what gs_pat_sounds other
+// transducers sound like together: from one alone they would change little within a ring, and those which run once
+// around it, often the best, would never be found.
 //
 // The steps end near what is even; even_out.hpp goes the rest of the way on R. Under `uniform` and `clamp` a transducer
-// does not do its sum of B c but what the constraint makes of it; from there on even_phases.hpp turns the transducers
+// does not do its sum of B c but what the constraint makes of it, so that few tries on R will do, and more of them make
+// foci weaker that are near each other; from there on even_phases.hpp turns the transducers
 // until what is even is what they sound like, amplitudes being what they are. Under `clamp` the factors are scaled
 // first, so that the sums are gs_pat_fill times as large as those of foci that do not hear each other.
 //
@@ -56,15 +59,17 @@ inline constexpr std::size_t gs_pat_few = 10;
 
 inline constexpr double gs_pat_crowded = 0.5;
 inline constexpr double gs_pat_same = 0.9;
-inline constexpr std::uint32_t gs_pat_starts = 13;       ///< where foci are crowded
-inline constexpr std::uint32_t gs_pat_climb = 20;        ///< steps of each of them
-inline constexpr std::uint32_t gs_pat_look = 3;          ///< tries to even it out before it is judged
-inline constexpr double gs_pat_better = 1.02;            ///< by so much a later start has to be
-inline constexpr double gs_pat_miss = 0.005;             ///< no focus misses by more on R,
-inline constexpr double gs_pat_bounded_miss = 0.0045;    ///< or where amplitudes are bounded
-inline constexpr double gs_pat_fill = 1.3;               ///< under `clamp`
-inline constexpr std::uint32_t gs_pat_tries = 24;        ///< of even_out
-inline constexpr std::uint32_t gs_pat_phase_tries = 60;  ///< of even_phases
+inline constexpr double gs_pat_hears = 0.2;
+inline constexpr std::uint32_t gs_pat_starts = 8;         ///< where foci hear each other
+inline constexpr std::uint32_t gs_pat_sounds = 4;         ///< transducers of each of them but the first
+inline constexpr std::uint32_t gs_pat_climb = 20;         ///< steps of each of them
+inline constexpr std::uint32_t gs_pat_look = 3;           ///< tries to even it out before it is judged
+inline constexpr double gs_pat_better = 1.005;            ///< by so much a later start has to be
+inline constexpr double gs_pat_miss = 0.003;              ///< no focus misses by more
+inline constexpr double gs_pat_fill = 2;                  ///< under `clamp`
+inline constexpr std::uint32_t gs_pat_tries = 40;         ///< of even_out,
+inline constexpr std::uint32_t gs_pat_bounded_tries = 8;  ///< or where even_phases goes on
+inline constexpr std::uint32_t gs_pat_phase_tries = 60;   ///< of even_phases
 
 /// gs_pat_phase_tries, or how many fit: a software device ends the loops of a shader after 65,535 turns.
 std::uint32_t gs_pat_most_tries(std::size_t transducers);

@@ -31,21 +31,21 @@ double merit_of(std::span<const Complex> factors, std::span<const Complex> press
   return power > 0 && least > 0 ? least / std::sqrt(power) : 0;
 }
 
-bool crowded(const FocusMatrix& matrix) {
+bool hear_each_other(const FocusMatrix& matrix) {
   for (std::size_t j = 0; j < matrix.foci; ++j) {
     for (std::size_t k = 0; k < j; ++k) {
-      if (heard_part(matrix, j, k) >= gs_pat_crowded) return true;
+      if (heard_part(matrix, j, k) >= gs_pat_hears) return true;
     }
   }
   return false;
 }
 
 /// The plain factors.
-void solve_plain(const FocusMatrix& matrix, const Columns& columns, GsPatScratch& scratch) {
-  const std::uint32_t starts = crowded(matrix) ? gs_pat_starts : 1;
+void solve_plain(const FocusMatrix& matrix, const Columns& columns, std::uint32_t tries, GsPatScratch& scratch) {
+  const std::uint32_t starts = hear_each_other(matrix) ? gs_pat_starts : 1;
   double best = -1;
   for (std::uint32_t i = 0; i < starts; ++i) {
-    gs_pat_start(matrix, columns, columns.transducers * i / gs_pat_starts, scratch.claims, scratch.start);
+    gs_pat_start(matrix, columns, i, scratch.claims, scratch.start);
     for (std::uint32_t step = 0; step < (starts > 1 ? gs_pat_climb : gs_pat_steps); ++step) {
       hear(matrix, scratch.start, scratch.pressure);
       const GsPatGoal goal{0, static_cast<double>(matrix.foci)};
@@ -58,7 +58,7 @@ void solve_plain(const FocusMatrix& matrix, const Columns& columns, GsPatScratch
     best = merit;
     scratch.factors = scratch.start;
   }
-  even_out(matrix, scratch.claims, {0, gs_pat_miss, gs_pat_tries}, scratch.factors, scratch.even);
+  even_out(matrix, scratch.claims, {0, gs_pat_miss, tries}, scratch.factors, scratch.even);
 }
 
 /// Gains times claims, but at least as loud as what a focus that is the same makes it.
@@ -94,7 +94,8 @@ void scale(const FocusMatrix& matrix, std::span<const double> gains, GsPatScratc
 void solve_few(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
                std::span<FocusWeight> weights, GsPatScratch& scratch) {
   const std::size_t foci = columns.foci;
-  solve_plain(matrix, columns, scratch);
+  const std::uint32_t tries = constraint == Constraint::normalise ? gs_pat_tries : gs_pat_bounded_tries;
+  solve_plain(matrix, columns, tries, scratch);
   for (std::size_t j = 0; j < foci; ++j)
     weights[j].plain = scratch.factors[j];
 
@@ -104,7 +105,7 @@ void solve_few(const FocusMatrix& matrix, const Columns& columns, std::span<cons
     const double level = level_of(scratch.pressure, scratch.claims);
     for (std::size_t j = 0; j < foci; ++j)
       scratch.factors[j] *= gains[j];
-    even_out(matrix, scratch.targets, {level, gs_pat_miss, gs_pat_tries}, scratch.factors, scratch.even);
+    even_out(matrix, scratch.targets, {level, gs_pat_miss, tries}, scratch.factors, scratch.even);
   }
   if (constraint == Constraint::clamp) scale(matrix, gains, scratch);
   for (std::size_t j = 0; j < foci; ++j)

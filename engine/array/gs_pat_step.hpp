@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -12,8 +13,10 @@ namespace palpa::array {
 /// What part of full loudness each focus may claim.
 void find_claims(const FocusMatrix& matrix, std::vector<double>& claims);
 
-/// Fills `factors`: phases from the way to `transducer`, weights as if each focus sounded alone.
-void gs_pat_start(const FocusMatrix& matrix, const Columns& columns, std::size_t transducer,
+/// Fills `factors`: phases of what the transducers of start number `start` sound like, weights as if each focus sounded
+/// alone. The first start has the first transducer; each of the others gs_pat_sounds, from all over the layout, no two
+/// the same ones.
+void gs_pat_start(const FocusMatrix& matrix, const Columns& columns, std::uint32_t start,
                   std::span<const double> claims, std::span<std::complex<double>> factors);
 
 struct GsPatGoal {

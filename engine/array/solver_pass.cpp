@@ -24,18 +24,19 @@ static_assert(shader::solve_phases == greedy_phases);
 static_assert(shader::solve_finger_foci == gs_pat_few && shader::drive_turned_foci == gs_pat_few);
 // Foci have a thread each while transducers turn.
 static_assert(shader::solve_phases_group >= shader::solve_finger_foci);
-static_assert(shader::solve_starts == gs_pat_starts && shader::solve_climb == gs_pat_climb &&
-              shader::solve_look == gs_pat_look && shader::solve_tries == gs_pat_tries &&
+static_assert(shader::solve_starts == gs_pat_starts && shader::solve_sounds == gs_pat_sounds &&
+              shader::solve_climb == gs_pat_climb && shader::solve_look == gs_pat_look &&
+              shader::solve_tries == gs_pat_tries && shader::solve_bounded_tries == gs_pat_bounded_tries &&
               shader::solve_raises == phases_raises);
 static_assert(shader::solve_most_help == static_cast<float>(gs_pat_most_help) &&
-              shader::solve_crowded == static_cast<float>(gs_pat_crowded) &&
+              shader::solve_hears == static_cast<float>(gs_pat_hears) &&
               shader::solve_same == static_cast<float>(gs_pat_same) &&
               shader::solve_better == static_cast<float>(gs_pat_better) &&
               shader::solve_miss == static_cast<float>(gs_pat_miss) &&
-              shader::solve_bounded_miss == static_cast<float>(gs_pat_bounded_miss) &&
               shader::solve_fill == static_cast<float>(gs_pat_fill) &&
               shader::solve_uneven == static_cast<float>(phases_uneven) &&
-              shader::solve_push == static_cast<float>(phases_push));
+              shader::solve_push == static_cast<float>(phases_push) &&
+              shader::solve_keep == static_cast<float>(phases_keep));
 static_assert(shader::solve_damping == static_cast<float>(even_damping) &&
               shader::solve_least_damping == static_cast<float>(even_least_damping) &&
               shader::solve_most_damping == static_cast<float>(even_most_damping) &&

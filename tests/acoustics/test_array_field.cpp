@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "acoustics/array_field.hpp"
+#include "acoustics/asked_field.hpp"
 #include "acoustics/harmonics.hpp"
 #include "acoustics/pressure.hpp"
 #include "acoustics/tune.hpp"
@@ -42,6 +43,10 @@ array::Voice voice_of(const std::vector<Vec3>& foci, std::uint32_t stride) {
   return voice;
 }
 
+double felt_share(const array::Voice& voice, const FocusField& field) {
+  return felt(spectrum_of(voice, 1.5e-3, {.field = &field})).vibration;
+}
+
 TEST(ArrayField, IsThePressureOfTheDriveOfEachFocusAlone) {
   const Layout layout = posed("autd3");
   array::Medium cold;
@@ -66,6 +71,32 @@ TEST(ArrayField, IsThePressureOfTheDriveOfEachFocusAlone) {
       }
     }
   }
+}
+
+TEST(ArrayField, WhereAPressureIsAskedForEveryFocusHasIt) {
+  const Layout layout = posed("autd3");
+  const ArrayField field(layout, {});
+  const AskedField asked(field);
+  const std::vector<Vec3> path = path_through(circle(12e-3, 5), 3);
+  std::vector<double> felt;
+  ASSERT_TRUE(asked.felt(path, 3, felt));
+  constexpr double pa = 500;
+  for (std::size_t focus = 0; focus < 5; ++focus) {
+    const array::SlotFocus alone{.position = path[3 * focus], .pressure_pa = pa};
+    const array::Drive driven = array::drive_for(layout, {&alone, 1}, {});
+    for (std::size_t place = 0; place < path.size(); ++place) {
+      const double p = std::abs(pressure_at(layout, driven, path[place], {}, array::Directivity::t4010a1));
+      EXPECT_NEAR(felt[focus * path.size() + place], p * p / (pa * pa), 2e-3) << focus << " at " << place;
+    }
+  }
+  std::vector<Vec3> aside = circle(12e-3, 10);
+  for (Vec3& focus : aside)
+    focus.x += 80e-3;
+  array::Voice voice = voice_of(aside, 3);
+  const double without = felt_share(voice, field);
+  voice.pressure_pa = pa;
+  EXPECT_DOUBLE_EQ(felt_share(voice, asked), felt_share(voice, field)) << "as if the field were that";
+  EXPECT_NE(felt_share(voice, field), without) << "some of them are farther from the array";
 }
 
 TEST(ArrayField, GivesUpWhenTold) {

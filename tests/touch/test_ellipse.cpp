@@ -61,22 +61,23 @@ TEST(FitEllipse, FindsTheEllipseThatPointsLieOn) {
   }
 }
 
-/// Fitzgibbon's own formulation on all six coefficients. (Matrices of a size known to the compiler would take it a
-/// minute.)
+/// Fitzgibbon's own formulation on all six coefficients, S a = w C a, by the symmetric problem of L^-1 C L^-T with S =
+/// L L^T. (Eigen's general solver, or matrices of a size known to the compiler, would take it most of a minute.)
 Eigen::VectorXd fitzgibbon(const std::vector<Vec2>& points) {
-  Eigen::MatrixXd design(points.size(), 6);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double x = points[i].x, y = points[i].y;
-    design.row(static_cast<Eigen::Index>(i)) << x * x, x * y, y * y, x, y, 1;
+  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(6, 6), constraint = scatter;
+  for (const Vec2& p : points) {
+    const double terms[] = {p.x * p.x, p.x * p.y, p.y * p.y, p.x, p.y, 1};
+    for (int row = 0; row < 6; ++row)
+      for (int column = 0; column < 6; ++column)
+        scatter(row, column) += terms[row] * terms[column];
   }
-  const Eigen::MatrixXd scatter = design.transpose() * design;
-  Eigen::MatrixXd constraint = Eigen::MatrixXd::Zero(6, 6);
   constraint(0, 2) = constraint(2, 0) = 2;
   constraint(1, 1) = -1;
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(scatter.inverse() * constraint);
-  Eigen::Index best = 0;
-  solver.eigenvalues().real().maxCoeff(&best);
-  return solver.eigenvectors().col(best).real();
+  const Eigen::LLT<Eigen::MatrixXd> root(scatter);
+  const Eigen::MatrixXd half = root.matrixL().solve(constraint);
+  const Eigen::MatrixXd symmetric = root.matrixL().solve(half.transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(symmetric);
+  return root.matrixU().solve(solver.eigenvectors().col(5));  // of the largest eigenvalue
 }
 
 TEST(FitEllipse, AgreesWithTheFullEigenvalueProblemOnNoisyPoints) {
