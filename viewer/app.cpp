@@ -7,6 +7,7 @@
 #include <cmath>
 #include <exception>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -31,12 +32,17 @@ bool same_marks(const ViewState& a, const ViewState& b) {
          a.chosen == b.chosen && a.picked == b.picked && a.dark == b.dark;
 }
 
+/// Keys that go on while they are held down; of all others that would be a switch thrown to and fro.
+bool goes_on(const WindowEvent& event) {
+  constexpr std::string_view characters = ",.-+=z";
+  return event.key == Key::left || event.key == Key::right ||
+         characters.find(static_cast<char>(event.key)) != std::string_view::npos;
+}
+
 }  // namespace
 
 App::App(const ViewerOptions& options, const Size& size, Surroundings around)
-    : options_(options),
-      around_(std::move(around)),
-      sounds_(finger_mesh(options), setup::device_options(options.common)) {
+    : options_(options), around_(std::move(around)), sounds_(setup::device_options(options.common)) {
   desk_.state = first_state(options_);
   desk_.given = options_.given;
   desk_.live = options_.is_live();
@@ -50,6 +56,7 @@ App::App(const ViewerOptions& options, const Size& size, Surroundings around)
     start();
   } else {
     show_ = std::make_unique<Show>(options_);
+    sounds_.set_finger(finger_mesh(options_.skin, {}));
     desk_.state.time.playing = show_->changes();
   }
   if (options_.participant) open_participant(true);
@@ -68,18 +75,23 @@ void App::recall() {
   try {
     recalled_ = load_settings(around_.settings);
   } catch (const Error& error) {
-    return say(log::Level::warning, error.what(), 0);
+    say(log::Level::warning, error.what(), 0);
   }
-  const auto given = [&](const char* option) { return options_.given.contains(option); };
-  if (!given("--show") && !given("--hide") && !given("--opacity")) desk_.state.layers = recalled_.layers;
+  desk_.state.layers = first_state(options_, recalled_.layers).layers;
   desk_.state.dark = desk_.state.dark || recalled_.dark;
+  if (!options_.given.contains("--fine")) desk_.state.fine = recalled_.fine;
   desk_.state.time.slots_per_s = recalled_.slots_per_s;
   desk_.panels = desk_.panels && recalled_.panels;
+  began_ = settings();
+}
+
+Settings App::settings() const {
+  return {desk_.state.layers, desk_.state.dark, desk_.panels, desk_.state.fine, desk_.state.time.slots_per_s};
 }
 
 void App::remember() {
   if (around_.settings.empty()) return;
-  const Settings now{desk_.state.layers, desk_.state.dark, desk_.panels, desk_.state.time.slots_per_s};
+  const Settings now = to_remember(recalled_, began_, settings());
   if (now == recalled_) return;
   recalled_ = now;  // asked once: where it cannot be written it is told once
   try {
@@ -99,6 +111,7 @@ void App::start() {
   running_ = desk_.given;
   told_ = false;
   setup::LiveOptions options = live_options(desk_.given);
+  sounds_.set_finger(finger_mesh(options_.skin, options.source));
   for (const std::string& line : outputs_.name(options, setup::with_builtin(around_.kinds.links)))
     say(log::Level::info, line, now_s_);
   starter_.run([&] {
@@ -142,8 +155,10 @@ void App::handle(const WindowEvent& event, const Size& whole_size) {
       ui_ && ui_->take(event, press && event.button == Button::left && std::ranges::any_of(desk_.places.texts, here));
   if (ui_) dirty_ = true;
   if (taken && event.kind != WindowEvent::Kind::release) return;
-  if (desk_.state.slice_handles && desk_.state.layers.shows(Layer::slice) &&
-      slice_hand_.handle(event, sight(size), desk_.state.slice)) {
+  if (event.repeat && !goes_on(event)) return;
+  // What is held is held until it is let go of, be it while a run begins anew and no handles are there.
+  const bool handles = desk_.state.slice_handles && desk_.state.layers.shows(Layer::slice);
+  if ((handles || slice_hand_.dragging()) && slice_hand_.handle(event, sight(size), desk_.state.slice)) {
     slice_placed_ = dirty_ = true;
     return;
   }
@@ -208,7 +223,7 @@ void App::key(const WindowEvent& event) {
       desk_.asked.record = true;
       break;
     case 'c':
-      if (desk_.live) desk_.asked.copy = run_command(desk_.given);
+      if (desk_.live) desk_.asked.copy = run_command(desk_.given, desk_.told);
       break;
     case ',':
       desk_.asked.slots -= 1;
@@ -255,7 +270,7 @@ void App::advance(double now_s, const Size& whole_size) {
   listen(now_s);
   if (std::ranges::any_of(desk_.toasts, [&](const Toast& toast) { return now_s >= toast.until_s; })) dirty_ = true;
   if (!same_marks(desk_.state, drawn_state_)) {
-    if (desk_.state.explode != drawn_state_.explode) surfaces_changed();
+    if (desk_.state.explode != drawn_state_.explode) ++surfaces_version_;
     stale_marks_ = dirty_ = true;
   }
 }
@@ -302,6 +317,7 @@ void App::do_asked(double now_s, const Size& size) {
   if (asked.start && !asked.all_off) off_ = false;
   const bool anew = std::exchange(anew_, false);
   if (desk_.live && (asked.start || anew || desk_.given != running_)) touch_options(now_s);
+  if (desk_.told != copied_) touch_told(now_s);
 }
 
 /// Silence at once, and nothing begins until somebody starts it.
@@ -330,6 +346,17 @@ void App::touch_options(double now_s) {
   restart_ = true;
 }
 
+/// What only the copied command has: nothing that runs changes.
+void App::touch_told(double now_s) {
+  try {
+    check_told(desk_.told);
+    copied_ = desk_.told;
+  } catch (const Error& error) {
+    say(log::Level::error, error.what(), now_s);
+    desk_.told = copied_;
+  }
+}
+
 void App::advance_live(double now_s, const Size& size) {
   if (setup::Interrupt::signalled()) quitting_ = true;
   live_->look();
@@ -342,8 +369,7 @@ void App::advance_live(double now_s, const Size& size) {
   desk_.silent_drives = link.silent;
   desk_.live_state = live_->state();
   desk_.playback = transport_.now();
-  desk_.recording = live_->recording();
-  desk_.recorded = live_->recorded();
+  tell_recording(now_s);
 
   // Before the scene is asked for: a snapshot's scene is there by then.
   const bool fresh = live_->take();
@@ -368,6 +394,7 @@ void App::advance_live(double now_s, const Size& size) {
     if (const std::string fault = live_->fault(); !fault.empty()) say(log::Level::error, fault, now_s);
   }
   if (!std::exchange(restart_, false) || quitting_) return;
+  tell_recording(now_s);  // it ends with its run
   live_.reset();
   start();
 }
@@ -377,7 +404,7 @@ void App::show_slot_now() {
   if (show_) {
     show_->go_to(slot);
   } else if (live_ && scene_) {
-    show_live_slot(live_picture_, *scene_, live_->snapshot(), slot);
+    show_live_slot(live_picture_, *scene_, live_->snapshot(), slot, slot_);
   }
   stale_marks_ = dirty_ = true;
 }
@@ -411,10 +438,12 @@ std::optional<double> App::next_s() const {
 void App::update(DrawnPicture& drawn) {
   if (stale_surfaces_) {
     drawn.update(picture(), desk_.state);
+  } else if (stale_skin_) {
+    drawn.update_skin(picture(), desk_.state);
   } else if (stale_marks_) {
     drawn.update_marks(picture(), desk_.state);
   }
-  stale_surfaces_ = stale_marks_ = false;
+  stale_surfaces_ = stale_skin_ = stale_marks_ = false;
   drawn_state_ = desk_.state;
 }
 

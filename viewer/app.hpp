@@ -1,4 +1,4 @@
-// The viewer without a window: events go in, a picture and what lies over it come out. A window, a recorded log and
+// The viewer without a window: events go in, a picture and what lies over it come out. A window, a script and
 // tests stand on it alike.
 #pragma once
 
@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "session/output.hpp"
 #include "viewer/controls.hpp"
 #include "viewer/desk.hpp"
 #include "viewer/drawn_picture.hpp"
@@ -30,8 +31,9 @@
 
 namespace palpa::viewer {
 
-/// The closed mesh on which pressures are shown; empty: there is none.
-std::string finger_mesh(const ViewerOptions& options);
+/// The closed mesh on which pressures are shown: --skin; of a live run without it, whose source is not empty, that of a
+/// made-up finger or palpa's own. Empty: there is none.
+std::string finger_mesh(const std::string& skin, const std::string& source);
 
 /// What the application needs of whoever runs it.
 struct Surroundings {
@@ -67,7 +69,7 @@ class App {
   std::optional<double> next_s() const;
 
   /// Brings `drawn` up to date; no frame that draws it may be in flight where stale().
-  bool stale() const { return stale_surfaces_ || stale_marks_; }
+  bool stale() const { return stale_surfaces_ || stale_skin_ || stale_marks_; }
   void update(DrawnPicture& drawn);
   struct Frame {
     std::vector<View> views;
@@ -94,14 +96,19 @@ class App {
   bool showed_frame() { return !desk_.live || std::exchange(fresh_, false); }
   void say(log::Level level, const std::string& line, double now_s);
   bool loading() const { return live_ && live_->state() == LiveState::loading; }
+  /// Whether something that was asked for is still to come: a file that is opened, a run that begins.
+  bool beginning() const { return loading() || desk_.opening || restart_; }
   /// A live run falls silent and ends; false where it has not within `patience_s`, or is loading all the while.
   bool finish(double patience_s);
+  /// Of the live run that there was last, once it is over.
+  std::optional<session::LoopStats> stats() const { return live_ ? live_->stats() : std::nullopt; }
   /// Throws what a live run failed with.
   void rethrow() const {
     if (live_) live_->rethrow();
   }
 
  private:
+  Settings settings() const;
   void remember();
   void recall();
   void start();
@@ -111,14 +118,16 @@ class App {
   void key(const WindowEvent& event);
   void open(const std::string& path, double now_s);
   void open_scene(const std::string& path);
-  void open_live(const std::string& recording, double now_s);
+  void play_recording(double now_s);
   void advance_opening(double now_s);
   void cancel_opening();
   void record(double now_s);
+  void tell_recording(double now_s);
   void tell_doing();
   void read_at(double x, double y, const Size& size);
   void show_slot_now();
   void touch_options(double now_s);
+  void touch_told(double now_s);
   void switch_off();
   bool changing() const;
   /// What panels leave of a picture of that size.
@@ -140,7 +149,7 @@ class App {
   bool participant_key(Key key);
   void switch_object(int by);
   Picture& shown_picture() { return show_ ? show_->picture() : live_picture_; }
-  Sounding sounding() const;
+  Sounding sounding();
   void place_slice_once();
   void turn_slice(setup::Plane plane);
   void listen(double now_s);
@@ -149,9 +158,10 @@ class App {
   Surroundings around_;
   Picture live_picture_;
   Desk desk_;
-  Settings recalled_;
-  ViewState drawn_state_;  ///< as the picture was drawn last
-  setup::Given running_;   ///< what the live run was started with, or is to be
+  Settings recalled_, began_;  ///< as remembered, and with what the command line says
+  ViewState drawn_state_;      ///< as the picture was drawn last
+  setup::Given running_;       ///< what the live run was started with, or is to be
+  setup::Given copied_;        ///< what else the copied command says: what can be
   std::unique_ptr<Show> show_;
   Transport transport_;
   HeldFinger finger_;
@@ -166,6 +176,7 @@ class App {
   bool off_ = false;   ///< somebody switched it off: only they start it again
   bool anew_ = false;  ///< the scene was written anew
   bool restart_ = false, told_ = false, written_ = false, framed_ = false, fresh_ = false;
+  session::SlotScratch slot_;  ///< of a live run's
   Sounds sounds_;
   SliceHand slice_hand_;
   bool slice_placed_ = false;
@@ -174,12 +185,13 @@ class App {
   Controls controls_;
   double ratio_ = 1;
   double next_reload_s_ = 0;
-  /// A scene that is being loaded.
+  /// What is being loaded.
   struct Opened {
     std::string path;
-    bool same = false;                     ///< it is the one that is shown, written anew
-    std::optional<ViewerOptions> options;  ///< of a touch, and what becomes of it
-    std::shared_ptr<std::unique_ptr<Show>> show;
+    bool recording = false;                  ///< else a scene
+    bool same = false;                       ///< it is the one that is shown, written anew
+    std::optional<ViewerOptions> options{};  ///< of a touch, and what becomes of it
+    std::shared_ptr<std::unique_ptr<Show>> show{};
   } opened_;
   std::unique_ptr<Loader> loader_;
   struct WrittenScene {
@@ -188,7 +200,7 @@ class App {
   } scene_written_;  ///< as reload() saw it last
   std::uint64_t surfaces_version_ = 1;
   double next_slot_s_ = 0, last_render_s_ = 0, now_s_ = 0;
-  bool dirty_ = true, stale_surfaces_ = true, stale_marks_ = false, quitting_ = false;
+  bool dirty_ = true, stale_surfaces_ = true, stale_skin_ = false, stale_marks_ = false, quitting_ = false;
 };
 
 }  // namespace palpa::viewer

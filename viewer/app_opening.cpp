@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "sensing/recording.hpp"
 #include "setup/load.hpp"
 #include "viewer/app.hpp"
 #include "viewer/live/live_line.hpp"
@@ -34,9 +35,11 @@ void App::open(const std::string& path, double now_s) {
   if (ending == ".glb" || ending == ".gltf") return open_scene(path);
   if (!std::filesystem::is_directory(file, ignored) && file.filename() != "recording.toml")
     return say(log::Level::warning, fmt::format("{}: is no .glb, .gltf or recording", path), now_s);
-  if (!desk_.live) return open_live(path, now_s);
-  desk_.given["--source"] = {"recording:" + path};
-  desk_.given.erase("--noise-free");
+  if (!desk_.live && !around_.goes_live)
+    return say(log::Level::warning, "a recording needs --source: start with one", now_s);
+  dirty_ = true;
+  opened_ = {.path = path, .recording = true};
+  loader_->begin([path] { sensing::load_recording(path); });
 }
 
 /// What runs, or is shown, goes on until the scene is there and was found to be one.
@@ -46,7 +49,7 @@ void App::open_scene(const std::string& path) {
   const bool same = given.contains(scene_option) && given[scene_option] == std::vector{path};
   given[scene_option] = {path};
   if (!same) given.erase("--gltf-scene");
-  opened_ = {path, same, {}, {}};
+  opened_ = {.path = path, .same = same};
   if (desk_.live) {
     setup::LiveOptions options;
     try {
@@ -69,6 +72,7 @@ void App::advance_opening(double now_s) {
   if (!fault) return;
   dirty_ = true;
   if (!fault->empty()) return say(log::Level::error, *fault, now_s);
+  if (opened_.recording) return play_recording(now_s);
   desk_.given[scene_option] = {opened_.path};
   if (!opened_.same) desk_.given.erase("--gltf-scene");
   if (desk_.live) {
@@ -90,17 +94,18 @@ void App::cancel_opening() {
   say(log::Level::info, "what was being loaded is not opened", now_s_);
 }
 
-/// A touch becomes a live run of the recording: what was said of the touch alone is of no account any more.
-void App::open_live(const std::string& recording, double now_s) {
-  if (!around_.goes_live) return say(log::Level::warning, "a recording needs --source: start with one", now_s);
-  setup::Given given = setup::known_to(live_table(), desk_.given);
-  given["--source"] = {"recording:" + recording};
+/// A live run goes on with it, a touch becomes one: what was said of the touch alone is of no account any more.
+void App::play_recording(double now_s) {
+  setup::Given given = desk_.live ? desk_.given : setup::known_to(live_table(), desk_.given);
+  given["--source"] = {"recording:" + opened_.path};
+  given.erase("--noise-free");
+  if (desk_.live) return void(desk_.given = std::move(given));
+  if (!given.contains("--tune")) given.erase("--spot");  // it was of --spectrum
   try {
     live_options(given);
   } catch (const Error& error) {
     return say(log::Level::error, error.what(), now_s);
   }
-  loader_->cancel();
   around_.goes_live();
   desk_.live = true;
   desk_.given = std::move(given);
@@ -129,6 +134,15 @@ void App::reload(double now_s) {
   } else if (std::exchange(written_, false)) {
     open(path, now_s);
   }
+}
+
+/// What is being written down, and of what has ended how much it is.
+void App::tell_recording(double now_s) {
+  std::string folder = live_->recording();
+  if (folder != desk_.recording && !desk_.recording.empty())
+    say(log::Level::info, fmt::format("{}: {} frames", desk_.recording, live_->recorded()), now_s);
+  desk_.recording = std::move(folder);
+  desk_.recorded = live_->recorded();
 }
 
 /// Begins to write down what is seen, or ends it.

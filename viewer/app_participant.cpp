@@ -56,7 +56,7 @@ void App::participant_window_failed(const std::string& fault) {
 }
 
 void App::handle_participant(const WindowEvent& event) {
-  if (event.kind != WindowEvent::Kind::key || !event.down) return;
+  if (event.kind != WindowEvent::Kind::key || !event.down || event.repeat) return;
   if (event.key == Key::escape) return try_participant(false);
   if (event.key == key_of('o')) return switch_off();
   participant_key(event.key);

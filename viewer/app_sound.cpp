@@ -4,14 +4,14 @@
 #include "session/spec.hpp"
 #include "setup/assets.hpp"
 #include "viewer/app.hpp"
+#include "viewer/live/live_picture.hpp"
 
 namespace palpa::viewer {
 
-/// Of --skin; of a made-up finger the mesh that it is made of.
-std::string finger_mesh(const ViewerOptions& options) {
-  if (!options.skin.empty() || !options.is_live()) return options.skin;
-  const session::Spec source = session::parse_spec(options.given.at("--source").front());
-  if ((source.name == "synthetic" || source.name == "mouse") && !source.argument.empty()) return source.argument;
+std::string finger_mesh(const std::string& skin, const std::string& source) {
+  if (!skin.empty() || source.empty()) return skin;
+  const session::Spec spec = session::parse_spec(source);
+  if ((spec.name == "synthetic" || spec.name == "mouse") && !spec.argument.empty()) return spec.argument;
   try {
     return setup::find_asset("finger.ply");
   } catch (const Error&) {  // nothing but the pressure needs it
@@ -19,21 +19,12 @@ std::string finger_mesh(const ViewerOptions& options) {
   }
 }
 
-Sounding App::sounding() const {
+Sounding App::sounding() {
   if (show_) return show_->sounding();
-  Sounding now;
-  if (!live_ || !scene_ || desk_.live_state != LiveState::running) return now;
-  const session::Plan& plan = live_->snapshot().plan;
-  now.layout = std::shared_ptr<const array::Layout>(scene_, &scene_->layout);
-  now.drive = scene_->drive;
-  now.air = scene_->air;
-  now.spot_m = scene_->spot_m;
-  const std::size_t transducers = scene_->layout.transducers.size();
-  if (plan.schedule.voice_count == 0 || plan.cycle == 0 || plan.drives.size() != plan.cycle * transducers) return now;
-  now.schedule = &plan.schedule;
-  now.plan = &plan;
-  now.slot = plan.drive(desk_.state.time.slot, transducers);
-  now.tip = tip_of(live_->snapshot().touch);
+  if (!live_ || !scene_ || desk_.live_state != LiveState::running) return {};
+  Sounding now = sounding_of(scene_, live_->snapshot());
+  if (desk_.state.layers.shows(Layer::slice))  // nothing else asks for it
+    now.slot = drive_of(*scene_, live_->snapshot().plan, desk_.state.time.slot, slot_);
   if (now.tip && holds_finger()) now.T_world_finger = finger_.pose();
   return now;
 }
@@ -58,11 +49,12 @@ void App::listen(double now_s) {
   const Sounding now = sounding();
   desk_.state.slice_handles = now.layout != nullptr;
   const Change change = sounds_.look(now, desk_.state, desk_.wants_spectrum, shown_picture(), now_s);
-  stale_surfaces_ = stale_surfaces_ || change.surfaces;
+  stale_skin_ = stale_skin_ || change.skin;
   stale_marks_ = stale_marks_ || change.marks;
-  dirty_ = dirty_ || change.surfaces || change.marks;
+  dirty_ = dirty_ || change.skin || change.marks;
   desk_.spectra = sounds_.spectra();
-  if (const std::string fault = sounds_.fault(); !fault.empty()) say(log::Level::error, fault, now_s);
+  for (const std::string& fault : sounds_.faults())
+    say(log::Level::error, fault, now_s);
 }
 
 }  // namespace palpa::viewer

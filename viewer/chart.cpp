@@ -104,6 +104,11 @@ double chart_share(const Picture& picture, double width, double height, double r
   return ratio * (panel_left + panel_width) / width;
 }
 
+double chart_in_the_way(const Picture& picture, double width, double height, double ratio, double beside) {
+  const double share = chart_share(picture, width, height, ratio);
+  return share > 0 && share * width + beside > width ? ratio * (panel_below + panel_height) : 0;
+}
+
 void draw_chart(Ink& ink, const Picture& picture, double width, double height, const Theme& theme) {
   if (picture.spectra.empty()) return;
   if (!has_room(width, height, ink.px(1))) return;

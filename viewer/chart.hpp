@@ -14,6 +14,10 @@ using drawing::Ink;
 /// spectra or no room.
 void draw_chart(Ink& ink, const Picture& picture, double width, double height, const Theme& theme);
 
+/// How far up from a picture's lower edge the chart reaches where, right of it, there are no `beside` pixels to the
+/// picture's edge; else 0.
+double chart_in_the_way(const Picture& picture, double width, double height, double ratio, double beside);
+
 /// The share of the picture's width up to the chart's right edge; 0 where none is drawn. `ratio`: pixels per point.
 double chart_share(const Picture& picture, double width, double height, double ratio);
 

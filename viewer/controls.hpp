@@ -1,4 +1,4 @@
-// What mouse and keyboard do to the view, without knowing where they come from: a window, a recorded log, a test.
+// What mouse and keyboard do to the view, without knowing where they come from: a window, a script, a test.
 #pragma once
 
 #include <string>
@@ -41,8 +41,9 @@ struct WindowEvent {
   Button button = Button::left;
   bool shift = false, ctrl = false;
   Key key = Key::other;
-  bool down = true;    ///< of key: pressed or repeated, else let go
-  std::string text{};  ///< of text: what was typed, UTF-8; of drop: a file's or folder's path
+  bool down = true;     ///< of key: pressed or repeated, else let go
+  bool repeat = false;  ///< of key: it was held down so long that it comes once more
+  std::string text{};   ///< of text: what was typed, UTF-8; of drop: a file's or folder's path
 };
 
 /// What the program is to do after an event.

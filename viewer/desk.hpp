@@ -80,6 +80,7 @@ struct Desk {
   // ---- changed -----------------------------------------------------------------------------------------------------
   ViewState state;
   setup::Given given;  ///< the options of the run
+  setup::Given told;   ///< those that only the copied command has (live/live_line.hpp)
   /// What is moved by hand.
   struct Placed {
     std::vector<std::string> things;                   ///< shown: solids, then the finger that is held

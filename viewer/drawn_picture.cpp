@@ -32,6 +32,17 @@ void DrawnPicture::fill(gpu::Upload& upload, const std::vector<T>& items, const 
   if (bytes != 0) std::memcpy(upload.data(), items.data(), bytes);
 }
 
+void DrawnPicture::begin_surfaces() {
+  new_vertices_.clear();
+  new_corners_.clear();
+}
+
+void DrawnPicture::end_surfaces(SurfaceMemory& memory, const char* name, const char* corners_name) {
+  fill(memory.vertices, new_vertices_, name);
+  fill(memory.corners, new_corners_, corners_name);
+  memory.changed = true;
+}
+
 SurfaceItems DrawnPicture::add_surface(const SurfaceMark& surface) {
   Shape shape = make_shape(surface.mesh, usual_crease, surface.colours);
   SurfaceItems range;
@@ -56,12 +67,9 @@ SurfaceItems DrawnPicture::add_surface(const SurfaceMark& surface) {
 }
 
 void DrawnPicture::update(const Picture& picture, const ViewState& state) {
-  new_vertices_.clear();
-  new_corners_.clear();
+  begin_surfaces();
   solids_.clear();
   picture_.solids.clear();
-  picture_.skin.reset();
-  skin_has_colours_ = false;
   const std::vector<Vec3> ways = apart(picture.solids);
   for (std::size_t i = 0; i < picture.solids.size(); ++i) {
     const SurfaceMark& solid = picture.solids[i];
@@ -69,16 +77,22 @@ void DrawnPicture::update(const Picture& picture, const ViewState& state) {
     solids_.back().away = ways[i];
     picture_.solids.push_back({solid.name, {}, solid.part});
   }
+  end_surfaces(solids_memory_, "solids", "solids' corners");
+  update_skin(picture, state);
+}
+
+void DrawnPicture::update_skin(const Picture& picture, const ViewState& state) {
+  begin_surfaces();
+  picture_.skin.reset();
+  skin_has_colours_ = false;
   skin_ = {};
   if (picture.skin) {
     skin_ = add_surface(*picture.skin);
     picture_.skin = SurfaceMark{picture.skin->name, {}};
     skin_has_colours_ = !picture.skin->colours.empty();
   }
+  end_surfaces(skin_memory_, "skin", "skin's corners");
   everything_ = solids_.empty() ? extent(picture, Extent::all) : Box();
-  fill(vertices_, new_vertices_, "surfaces");
-  fill(corners_, new_corners_, "surface corners");
-  surfaces_changed_ = true;
   update_marks(picture, state);
 }
 
@@ -169,9 +183,10 @@ void DrawnPicture::add_images(const Picture& picture) {
 }
 
 void DrawnPicture::record_upload(VkCommandBuffer commands) {
-  if (surfaces_changed_) {
-    vertices_.record(commands);
-    corners_.record(commands);
+  for (SurfaceMemory* memory : {&solids_memory_, &skin_memory_}) {
+    if (!std::exchange(memory->changed, false)) continue;
+    memory->vertices.record(commands);
+    memory->corners.record(commands);
   }
   if (marks_changed_) {
     face_vertices_.record(commands);
@@ -179,7 +194,7 @@ void DrawnPicture::record_upload(VkCommandBuffer commands) {
     discs_.record(commands);
     strokes_.record(commands);
   }
-  surfaces_changed_ = marks_changed_ = false;
+  marks_changed_ = false;
 }
 
 }  // namespace palpa::viewer

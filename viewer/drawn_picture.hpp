@@ -34,6 +34,12 @@ struct SurfaceItems {
   Vec3 away{0};                         ///< where it goes when its solid is taken apart
 };
 
+/// Triangles of surfaces on the device, and whether they are still to be copied there.
+struct SurfaceMemory {
+  gpu::Upload vertices, corners;
+  bool changed = false;
+};
+
 /// An image's two triangles, and where its pixels begin.
 struct ImageItems {
   Layer layer = Layer::depth;
@@ -48,6 +54,8 @@ class DrawnPicture {
   /// Replaces what the scene shows. No frame that draws it may be in flight. Buffers grow and never shrink, so that a
   /// live scene settles.
   void update(const Picture& picture, const ViewState& state = {});
+  /// The same for everything but `solids`: the skin's surface has other colours, or is elsewhere.
+  void update_skin(const Picture& picture, const ViewState& state = {});
   /// The same for everything but `solids` and `skin`, which stay those of the last update: what changes with every
   /// frame of a live view, or with how it is looked at, without working through the meshes again.
   void update_marks(const Picture& picture, const ViewState& state = {});
@@ -58,7 +66,9 @@ class DrawnPicture {
   friend class Renderer;
   template <typename T>
   void fill(gpu::Upload& upload, const std::vector<T>& items, const char* name);
+  void begin_surfaces();
   SurfaceItems add_surface(const SurfaceMark& surface);
+  void end_surfaces(SurfaceMemory& memory, const char* name, const char* corners_name);
   void add_discs(const Picture& picture, const Theme& theme);
   void add_images(const Picture& picture);
   Box floor() const;
@@ -73,8 +83,9 @@ class DrawnPicture {
   Box points_box_;
   std::vector<ImageItems> images_;
   Items boards_, sections_, tile_, points_, contacts_, transducers_, lines_;
-  gpu::Upload vertices_, corners_, face_vertices_, pixels_, discs_, strokes_;
-  bool surfaces_changed_ = false, marks_changed_ = false;
+  SurfaceMemory solids_memory_, skin_memory_;
+  gpu::Upload face_vertices_, pixels_, discs_, strokes_;
+  bool marks_changed_ = false;
   std::vector<shader::ViewVertex> new_vertices_;
   std::vector<std::uint32_t> new_corners_;
   std::vector<shader::ViewDisc> new_discs_;

@@ -1,4 +1,4 @@
-// Recorded input: what was done to a window, as lines of text that people can read and write, replayed by
+// Scripts: what is done to a window, as lines of text that people can read and write, played by
 // `palpa-viewer --interact FILE`.
 //
 //   # a comment, up to the end of the line; empty lines mean nothing

@@ -25,9 +25,10 @@ void after_last_copy(VkCommandBuffer commands) {
 
 }  // namespace
 
-Offscreen::Offscreen(const gpu::Device& device, std::uint32_t width, std::uint32_t height, double ratio)
+Offscreen::Offscreen(const gpu::Device& device, std::uint32_t width, std::uint32_t height, double ratio,
+                     Fineness fineness)
     : renderer_(device, format),
-      canvas_(renderer_.make_canvas({width, height})),
+      canvas_(renderer_.make_canvas({width, height}, fineness)),
       image_(device,
              {{width, height},
               format,

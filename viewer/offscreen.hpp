@@ -12,7 +12,8 @@ using drawing::Pixels;
 class Offscreen {
  public:
   /// `ratio`: pixels per point, for text and line widths. Throws failure() for sizes the device cannot do.
-  Offscreen(const gpu::Device& device, std::uint32_t width, std::uint32_t height, double ratio = 1);
+  Offscreen(const gpu::Device& device, std::uint32_t width, std::uint32_t height, double ratio = 1,
+            Fineness fineness = Fineness::fine);
 
   /// Draws one frame and waits for it. The same picture and views give the same bytes on one machine.
   void draw(DrawnPicture& drawn, std::span<const View> views, const Sheet* sheet = nullptr);

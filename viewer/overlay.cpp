@@ -248,13 +248,17 @@ void draw_axes(Ink& ink, const Viewpoint& viewpoint, double height) {
   }
 }
 
-void draw_scale(Ink& ink, const Viewpoint& viewpoint, const OverlayOptions& options, const Theme& theme) {
+/// At the lower right, above the chart where there is no room beside it.
+void draw_scale(Ink& ink, const Picture& picture, const Viewpoint& viewpoint, const OverlayOptions& options,
+                const Theme& theme) {
   // As the projection has it, since a frustum is none of the orbit's: metres at the target's depth.
   const double at_one = projection(viewpoint, options.width, options.height).window.z;
   const double per_pixel = (viewpoint.orthographic ? 1 : viewpoint.distance) / at_one;
   const double length = scale_bar_length(std::min(ink.px(150), options.width * 0.3) * per_pixel);
   const double pixels = length / per_pixel;
-  const Vec2 right(options.width - ink.px(24), options.height - ink.px(28)), left = right - Vec2(pixels, 0);
+  const double below =
+      options.inset ? 0 : chart_in_the_way(picture, options.width, options.height, options.ratio, pixels + ink.px(40));
+  const Vec2 right(options.width - ink.px(24), options.height - ink.px(28) - below), left = right - Vec2(pixels, 0);
   const Vec2 tick(0, ink.px(4));
   ink.line(left, right, 1.6, theme.ink);
   ink.line(left - tick, left + tick, 1.6, theme.ink);
@@ -303,14 +307,14 @@ void build_overlay(const Picture& picture, const ViewState& state, const Viewpoi
     const std::array<Vec2, 4> corners{Vec2(0, 0), Vec2(far.x, 0), far, Vec2(0, far.y)};
     for (std::size_t i = 0; i < 4; ++i)
       ink.line(corners[i], corners[(i + 1) % 4], 2, theme.faint_ink);
-    in_layer(Layer::legend, [&] { draw_scale(ink, viewpoint, options, theme); });
+    in_layer(Layer::legend, [&] { draw_scale(ink, picture, viewpoint, options, theme); });
     return;
   }
   in_layer(Layer::legend, [&] {
     draw_legend(ink, picture, layers, theme);
     if (picture.driven && layers.shows(Layer::transducers)) draw_drive_wheel(ink, picture, options.width, theme);
     draw_axes(ink, viewpoint, options.height);
-    draw_scale(ink, viewpoint, options, theme);
+    draw_scale(ink, picture, viewpoint, options, theme);
     draw_chart(ink, picture, options.width, options.height, theme);
     draw_bars(ink, picture, layers, options.width, options.height,
               chart_share(picture, options.width, options.height, options.ratio), theme);

@@ -28,7 +28,8 @@ Viewpoint eye_view(const sensing::Screen& screen, const Vec3& eye, const Box& ob
   return viewpoint;
 }
 
-drawing::Pixels draw(const Participant& participant, const Box& objects, Offscreen& offscreen, DrawnPicture& drawn) {
+drawing::Pixels draw(const Participant& participant, const Box& objects, std::uint32_t width, std::uint32_t height,
+                     Offscreen& offscreen, DrawnPicture& drawn) {
   const auto seen_by = [&](const Vec3& eye) {
     offscreen.draw(drawn, eye_view(participant.screen, eye, objects));
     return offscreen.pixels();
@@ -38,7 +39,8 @@ drawing::Pixels draw(const Participant& participant, const Box& objects, Offscre
   const drawing::Pixels left = seen_by(eyes.left);
   // Where pixels are interleaved, an eye's picture is as large as the whole.
   const Barrier barrier = barrier_of(participant, offscreen.width(), offscreen.height());
-  return combine(left, seen_by(eyes.right), participant.screen, eyes, barrier, participant.stereo);
+  return grown_to(combine(left, seen_by(eyes.right), participant.screen, eyes, barrier, participant.stereo), width,
+                  height);
 }
 
 }  // namespace palpa::viewer

@@ -28,7 +28,8 @@ ViewState for_participant(const ViewState& state);
 /// What one eye sees.
 Viewpoint eye_view(const sensing::Screen& screen, const Vec3& eye, const Box& objects);
 
-/// The screen's whole picture. `offscreen` has the size that eye_size says.
-drawing::Pixels draw(const Participant& participant, const Box& objects, Offscreen& offscreen, DrawnPicture& drawn);
+/// The screen's whole picture, of that size. `offscreen` has the one that eye_size says of it.
+drawing::Pixels draw(const Participant& participant, const Box& objects, std::uint32_t width, std::uint32_t height,
+                     Offscreen& offscreen, DrawnPicture& drawn);
 
 }  // namespace palpa::viewer

@@ -1,5 +1,8 @@
 #include "viewer/participant_window.hpp"
 
+#include <algorithm>
+#include <cstddef>
+
 namespace palpa::viewer {
 
 ParticipantWindow::ParticipantWindow(const gpu::Device& device, std::size_t monitor)
@@ -8,6 +11,14 @@ ParticipantWindow::ParticipantWindow(const gpu::Device& device, std::size_t moni
       surface_(device, window_),
       drawn_(device),
       presenter_(device, surface_.get()) {}
+
+void ParticipantWindow::take(std::vector<WindowEvent>& events) {
+  const std::size_t before = events.size();
+  window_.take(events);
+  const bool damaged = std::any_of(events.begin() + static_cast<std::ptrdiff_t>(before), events.end(),
+                                   [](const WindowEvent& event) { return event.kind == WindowEvent::Kind::damage; });
+  if (damaged) shown_.reset();  // what was there is not there any more
+}
 
 void ParticipantWindow::show(const App& app) {
   const Desk::ParticipantView& view = app.desk().participant;
@@ -23,7 +34,7 @@ void ParticipantWindow::show(const App& app) {
   if (!eye_ || eye_->width() != size.width || eye_->height() != size.height)
     eye_.emplace(*device_, size.width, size.height);
   const Box objects = extent(app.picture(), Extent::objects, state);
-  if (presenter_.draw(draw(now.participant, objects, *eye_, drawn_))) shown_ = now;
+  if (presenter_.draw(draw(now.participant, objects, whole.width, whole.height, *eye_, drawn_))) shown_ = now;
 }
 
 }  // namespace palpa::viewer

@@ -18,7 +18,8 @@ class ParticipantWindow {
   ParticipantWindow(const gpu::Device& device, std::size_t monitor);
 
   bool closing() const { return window_.closing(); }
-  void take(std::vector<WindowEvent>& events) { window_.take(events); }
+  /// What happened to it; where it was damaged it is drawn anew.
+  void take(std::vector<WindowEvent>& events);
   /// Draws what `app` has for the participant, where that is not what is there already: both eyes, as the screen tells
   /// them apart. A picture is made when something changes, not at a rate.
   void show(const App& app);

@@ -9,15 +9,6 @@
 
 #include "base/error.hpp"
 #include "gpu/check.hpp"
-#include "spirv/view_disc.frag.hpp"
-#include "spirv/view_disc.vert.hpp"
-#include "spirv/view_edge.vert.hpp"
-#include "spirv/view_image.frag.hpp"
-#include "spirv/view_image.vert.hpp"
-#include "spirv/view_mesh.frag.hpp"
-#include "spirv/view_mesh.vert.hpp"
-#include "spirv/view_stroke.frag.hpp"
-#include "spirv/view_stroke.vert.hpp"
 #include "viewer/detail.hpp"
 #include "viewer/field_marks.hpp"
 #include "viewer/overlay.hpp"
@@ -127,6 +118,9 @@ std::uint32_t crowding(const shader::ViewPush& push, const Box& box, std::uint32
   return static_cast<std::uint32_t>(std::clamp(count / (enough * pixels), 1.0, 64.0));
 }
 
+/// The same of a picture that is to be quick.
+constexpr std::uint32_t most_quick_points = 32768;
+
 /// The fewest triangles that are not further off than that.
 Items corners_for(const SurfaceItems& surface, double error_m) {
   Items corners = surface.corners;
@@ -147,6 +141,8 @@ shader::vec4 seen_from(shader::vec4 eye, const Vec3& by) {
 
 struct Renderer::Shot {
   VkCommandBuffer commands;
+  const ViewPipelines& with;
+  Fineness fineness;
   shader::ViewPush push;  // projection, window and eye; colour and style are each draw's own
   const Theme& theme;
   const Layers& layers;
@@ -165,35 +161,27 @@ struct Renderer::Shot {
 };
 
 Renderer::Renderer(const gpu::Device& device, VkFormat colour)
-    : device_(&device), colour_(colour), depth_(pick_depth_format(device)), samples_(pick_samples(device)) {
+    : device_(&device), colour_(colour), depth_(pick_depth_format(device)), most_samples_(pick_samples(device)) {
   refuse_what_cannot_draw(device);
-  gpu::GraphicsLayout layout;
-  layout.buffers = shader::view_buffers;
-  layout.push_bytes = sizeof(shader::ViewPush);
-  layout.colour = colour_;
-  layout.depth = depth_;
-  layout.samples = samples_;
-  layout.blend = true;
-  mesh_ = {device, "view mesh", spirv::view_mesh_vert, spirv::view_mesh_frag, layout};
-  mesh_depth_ = {device, "view mesh depth", spirv::view_mesh_vert, {}, layout};
-  edge_ = {device, "view edge", spirv::view_edge_vert, spirv::view_stroke_frag, layout};
-  stroke_ = {device, "view stroke", spirv::view_stroke_vert, spirv::view_stroke_frag, layout};
-  layout.buffers = shader::view_image_buffers;
-  image_ = {device, "view image", spirv::view_image_vert, spirv::view_image_frag, layout};
-  layout.buffers = shader::view_buffers;
-  layout.blend = samples_ == VK_SAMPLE_COUNT_1_BIT;
-  layout.alpha_to_coverage = !layout.blend;
-  disc_ = {device, "view disc", spirv::view_disc_vert, spirv::view_disc_frag, layout};
-  sheets_ = SheetPainter(device, colour_, depth_, samples_);
 }
 
-Canvas Renderer::make_canvas(VkExtent2D extent) const {
+VkSampleCountFlagBits Renderer::samples_of(Fineness fineness) const {
+  return fineness == Fineness::fine ? most_samples_ : VK_SAMPLE_COUNT_1_BIT;
+}
+
+Canvas Renderer::make_canvas(VkExtent2D extent, Fineness fineness) {
+  const VkSampleCountFlagBits samples = samples_of(fineness);
+  std::unique_ptr<const ViewPipelines>& pipelines = samples == VK_SAMPLE_COUNT_1_BIT ? single_ : several_;
+  if (!pipelines)
+    pipelines = std::make_unique<const ViewPipelines>(make_view_pipelines(*device_, colour_, depth_, samples));
   Canvas canvas;
+  canvas.pipelines_ = pipelines.get();
+  canvas.fineness_ = fineness;
   constexpr VkImageUsageFlags transient = VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
   canvas.depth_ = gpu::Image(
-      *device_, {extent, depth_, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | transient, samples_}, "view depth");
-  if (samples_ != VK_SAMPLE_COUNT_1_BIT) {
-    canvas.colour_ = gpu::Image(*device_, {extent, colour_, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | transient, samples_},
+      *device_, {extent, depth_, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | transient, samples}, "view depth");
+  if (samples != VK_SAMPLE_COUNT_1_BIT) {
+    canvas.colour_ = gpu::Image(*device_, {extent, colour_, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | transient, samples},
                                 "view samples");
   }
   return canvas;
@@ -260,7 +248,7 @@ void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<c
   drawn.record_upload(commands);
   const std::vector<Items> overlays = upload_overlay(commands, drawn, views, canvas, ratio);
   const std::vector<EdgeLines> lines = upload_edges(commands, drawn, views, canvas);
-  if (sheet) sheets_.upload(commands, *sheet, canvas.sheet_);
+  if (sheet) canvas.pipelines_->sheets.upload(commands, *sheet, canvas.sheet_);
 
   const bool resolve = canvas.colour_.get() != VK_NULL_HANDLE;
   gpu::transition(commands, target.image, colour_, gpu::image_use::discard_colour, gpu::image_use::colour_target);
@@ -297,6 +285,8 @@ void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<c
   for (std::size_t i = 0; i < views.size(); ++i) {
     const VkExtent2D size = views[i].area.extent;
     Shot shot{commands,
+              *canvas.pipelines_,
+              canvas.fineness_,
               projection(views[i].viewpoint, size.width, size.height),
               theme,
               drawn.state_.layers,
@@ -307,7 +297,7 @@ void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<c
     const std::size_t solids = lines.empty() ? 0 : drawn.solids_.size();
     draw_view(shot, drawn, canvas, views[i], overlays[i], std::span(lines).subspan(i * solids, solids));
   }
-  if (sheet) sheets_.draw(commands, *sheet, canvas.sheet_, extent);
+  if (sheet) canvas.pipelines_->sheets.draw(commands, *sheet, canvas.sheet_, extent);
   vkCmdEndRendering(commands);
 }
 
@@ -343,11 +333,14 @@ void Renderer::draw_points(const Shot& shot, const DrawnPicture& drawn) const {
     if (!shot.layers.shows(layer)) return;
     shader::ViewPush push = shot.push;
     push.style = {outline * shot.ratio, shot.ratio, shot.layers.opacity(layer), static_cast<float>(each)};
-    disc_.draw(shot.commands, {drawn.discs_.ref()}, push, {.depth_write = true}, 3 * (range.count / each),
-               3 * (range.first / each));
+    shot.with.disc.draw(shot.commands, {drawn.discs_.ref()}, push, {.depth_write = true}, 3 * (range.count / each),
+                        3 * (range.first / each));
   };
   draw(drawn.transducers_, 0.0f, Layer::transducers, 1);
-  draw(drawn.points_, 0.0f, Layer::points, crowding(shot.push, drawn.points_box_, drawn.points_.count));
+  const std::uint32_t points = drawn.points_.count;
+  std::uint32_t each = crowding(shot.push, drawn.points_box_, points);
+  if (shot.fineness == Fineness::quick) each = std::max(each, (points + most_quick_points - 1) / most_quick_points);
+  draw(drawn.points_, 0.0f, Layer::points, each);
   draw(drawn.contacts_, 0.6f, Layer::contacts, 1);
 }
 
@@ -359,8 +352,8 @@ void Renderer::draw_images(const Shot& shot, const DrawnPicture& drawn, const Vi
     shader::ViewPush push = shot.push;
     push.style = {static_cast<float>(image.first_pixel), static_cast<float>(image.width),
                   static_cast<float>(image.height), opacity};
-    image_.draw(shot.commands, {drawn.face_vertices_.ref(), drawn.pixels_.ref()}, push, {.depth_write = opacity >= 1},
-                image.vertices.count, image.vertices.first);
+    shot.with.image.draw(shot.commands, {drawn.face_vertices_.ref(), drawn.pixels_.ref()}, push,
+                         {.depth_write = opacity >= 1}, image.vertices.count, image.vertices.first);
   }
 }
 
@@ -369,20 +362,21 @@ void Renderer::draw_faces_and_lines(const Shot& shot, const DrawnPicture& drawn)
   shader::ViewPush flat = shot.push;
   flat.colour.w = flat.style.x = tile;
   flat.style.y = flat.style.z = 0;
-  mesh_.draw(shot.commands, {drawn.face_vertices_.ref()}, flat, {.depth_write = tile >= 1}, drawn.tile_.count,
-             drawn.tile_.first);
+  shot.with.mesh.draw(shot.commands, {drawn.face_vertices_.ref()}, flat, {.depth_write = tile >= 1}, drawn.tile_.count,
+                      drawn.tile_.first);
   shader::ViewPush push = shot.push;
   push.window.w = line_bias;
   push.style = {0, shot.ratio, shot.push.style.z, shot.push.style.w};
-  stroke_.draw(shot.commands, {drawn.strokes_.ref()}, push, {}, corners_of(drawn.lines_.count));
+  shot.with.stroke.draw(shot.commands, {drawn.strokes_.ref()}, push, {}, corners_of(drawn.lines_.count));
   push = shot.push;
   const float board = shot.theme.board.a * shot.layers.opacity(Layer::transducers);
   push.colour = pack(with_alpha(shot.theme.board, board));
   push.style = {board, 0, 0, 0};
-  mesh_.draw(shot.commands, {drawn.face_vertices_.ref()}, push, {}, drawn.boards_.count);
+  shot.with.mesh.draw(shot.commands, {drawn.face_vertices_.ref()}, push, {}, drawn.boards_.count);
   const float section = section_alpha * shot.layers.opacity(Layer::sections);
   push.colour.w = push.style.x = section;
-  mesh_.draw(shot.commands, {drawn.face_vertices_.ref()}, push, {}, drawn.sections_.count, drawn.sections_.first);
+  shot.with.mesh.draw(shot.commands, {drawn.face_vertices_.ref()}, push, {}, drawn.sections_.count,
+                      drawn.sections_.first);
 }
 
 // Solids are convex, so that back faces, then front faces, blend in the right order; several solids from far to near.
@@ -390,16 +384,19 @@ void Renderer::draw_faces_and_lines(const Shot& shot, const DrawnPicture& drawn)
 // after.
 void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn, const Canvas& canvas,
                              std::span<const EdgeLines> lines) const {
+  const auto memory_of = [&](const SurfaceItems& surface) -> const SurfaceMemory& {
+    return &surface == &drawn.skin_ ? drawn.skin_memory_ : drawn.solids_memory_;
+  };
   const auto run_of = [&](const Shot& shot, const SurfaceItems& surface) {
     const Items corners = corners_for(surface, least_pixels / pixels_per_metre(shot.push, surface.bounds));
-    return gpu::GraphicsPipeline::Run{drawn.corners_.ref(), corners.first, corners.count};
+    return gpu::GraphicsPipeline::Run{memory_of(surface).corners.ref(), corners.first, corners.count};
   };
   const auto paint = [&](const Shot& shot, const SurfaceItems& surface, Colour face, Colour rim, float opacity,
                          const gpu::DrawState& state) {
     shader::ViewPush push = shot.push;
     push.colour = pack(with_alpha(face, face.a * opacity));
     push.style = {rim.a * opacity, 1, 1, 0};
-    mesh_.draw(shot.commands, {drawn.vertices_.ref()}, push, state, run_of(shot, surface));
+    shot.with.mesh.draw(shot.commands, {memory_of(surface).vertices.ref()}, push, state, run_of(shot, surface));
   };
   const bool heat = drawn.skin_has_colours_ && all.layers.shows(Layer::heat);
   if (heat) draw_heat(all, drawn);
@@ -436,8 +433,9 @@ void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn, const C
   for (const Part& part : parts) {
     paint_faces(part, VK_CULL_MODE_FRONT_BIT);
     if (opacity > 0 || edges)
-      mesh_depth_.draw(all.commands, {drawn.vertices_.ref()}, all.moved(part.away).push,
-                       {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = true}, run_of(all.moved(part.away), *part.items));
+      all.with.mesh_depth.draw(all.commands, {drawn.solids_memory_.vertices.ref()}, all.moved(part.away).push,
+                               {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = true},
+                               run_of(all.moved(part.away), *part.items));
   }
   if (!parts.empty()) paint_skin(VK_COMPARE_OP_LESS);
   for (const Part& part : parts) {
@@ -454,8 +452,9 @@ void Renderer::draw_heat(const Shot& shot, const DrawnPicture& drawn) const {
   shader::ViewPush push = shot.push;
   push.colour.w = opacity;
   push.style = {opacity, 0.25f, 0, 0};
-  mesh_.draw(shot.commands, {drawn.vertices_.ref()}, push, {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = opacity >= 1},
-             {drawn.corners_.ref(), drawn.skin_.corners.first, drawn.skin_.corners.count});
+  shot.with.mesh.draw(shot.commands, {drawn.skin_memory_.vertices.ref()}, push,
+                      {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = opacity >= 1},
+                      {drawn.skin_memory_.corners.ref(), drawn.skin_.corners.first, drawn.skin_.corners.count});
 }
 
 // What is before the surface firmly, creases behind it faintly: the folds of a dense mesh would be but a tangle there.
@@ -465,8 +464,8 @@ void Renderer::draw_edges(const Shot& shot, const Canvas& canvas, const EdgeLine
   const auto draw = [&](float width, float alpha, VkCompareOp compare, std::uint32_t count) {
     push.colour = pack(with_alpha(shot.theme.edge, alpha * shot.layers.opacity(Layer::edges)));
     push.style = {0.5f * width * shot.ratio, 0, shot.push.style.z, shot.push.style.w};
-    edge_.draw(shot.commands, {canvas.lines_.ref()}, push, {.compare = compare}, corners_of(count),
-               corners_of(lines.all.first));
+    shot.with.edge.draw(shot.commands, {canvas.lines_.ref()}, push, {.compare = compare}, corners_of(count),
+                        corners_of(lines.all.first));
   };
   draw(1.0f, 0.30f, VK_COMPARE_OP_LESS, lines.creases);
   draw(1.5f, 0.90f, VK_COMPARE_OP_GREATER_OR_EQUAL, lines.all.count);
@@ -476,8 +475,8 @@ void Renderer::draw_overlay(const Shot& shot, const Canvas& canvas, const Items&
   shader::ViewPush push = shot.push;
   push.style.x = 1;
   push.style.y = 1;
-  stroke_.draw(shot.commands, {canvas.overlay_.ref()}, push, {.depth_test = false}, corners_of(strokes.count),
-               corners_of(strokes.first));
+  shot.with.stroke.draw(shot.commands, {canvas.overlay_.ref()}, push, {.depth_test = false}, corners_of(strokes.count),
+                        corners_of(strokes.first));
 }
 
 }  // namespace palpa::viewer

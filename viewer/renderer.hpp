@@ -2,25 +2,29 @@
 // image that is drawn to, be it a swapchain's or one that is read back.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
-#include "gpu/graphics_pipeline.hpp"
 #include "gpu/image.hpp"
 #include "viewer/drawn_picture.hpp"
+#include "viewer/fineness.hpp"
 #include "viewer/sheet_painter.hpp"
+#include "viewer/view_pipelines.hpp"
 #include "viewer/viewpoint.hpp"
 
 namespace palpa::viewer {
 
 /// What one frame in flight draws with: the multisampled image, depth, and the overlay's strokes. From
-/// Renderer::make_canvas; may be used again once the frame that used it has completed.
+/// Renderer::make_canvas, of a renderer that outlives it; may be used again once the frame that used it has completed.
 class Canvas {
  public:
   VkExtent2D extent() const { return depth_.extent(); }
 
  private:
   friend class Renderer;
+  const ViewPipelines* pipelines_ = nullptr;  ///< the renderer's
+  Fineness fineness_ = Fineness::fine;
   gpu::Image colour_, depth_;
   gpu::Upload overlay_, lines_;
   SheetMemory sheet_;
@@ -53,8 +57,9 @@ class Renderer {
   Renderer(const gpu::Device& device, VkFormat colour);
 
   VkFormat colour_format() const { return colour_; }
-  /// Throws failure() for an extent of zero or beyond the device's limit.
-  Canvas make_canvas(VkExtent2D extent) const;
+  /// For pictures so fine; makes the pipelines of the first canvas of either kind. Throws failure() for an extent of
+  /// zero or beyond the device's limit.
+  Canvas make_canvas(VkExtent2D extent, Fineness fineness = Fineness::fine);
 
   /// Draws `drawn` into `target`, which must have the canvas' extent; whatever it held is lost. Views are drawn in
   /// order, then the sheet over them. `ratio` is pixels per point (2 on a high-resolution screen). Barriers: earlier
@@ -65,6 +70,7 @@ class Renderer {
               const Target& target, double ratio = 1, const Sheet* sheet = nullptr) const;
 
  private:
+  VkSampleCountFlagBits samples_of(Fineness fineness) const;
   struct Shot;
   /// Of one surface in one view: its creases, and after them its outline.
   struct EdgeLines {
@@ -88,9 +94,8 @@ class Renderer {
 
   const gpu::Device* device_;
   VkFormat colour_, depth_;
-  VkSampleCountFlagBits samples_;
-  gpu::GraphicsPipeline mesh_, mesh_depth_, edge_, stroke_, disc_, image_;
-  SheetPainter sheets_;
+  VkSampleCountFlagBits most_samples_;
+  std::unique_ptr<const ViewPipelines> single_, several_;  ///< of one sample, and of most_samples_
 };
 
 }  // namespace palpa::viewer

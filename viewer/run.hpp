@@ -1,10 +1,6 @@
 // The two ways to look at a show: pictures without a window, and a window.
 #pragma once
 
-#include <cstdint>
-
-#include "base/outputs.hpp"
-#include "drawing/png.hpp"
 #include "viewer/live/live_session.hpp"
 #include "viewer/show.hpp"
 #include "viewer/viewer_options.hpp"
@@ -22,9 +18,5 @@ void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds)
 /// Opens a window and shows until it is closed or --frames have been drawn. The running focus moves on in slow motion,
 /// a slot every quarter of a second; with --frames, with every frame.
 void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds);
-
-/// The last picture: writes it down, compares it, tells of it.
-void report_picture(const ViewerOptions& options, const Outputs& outputs, const drawing::Pixels& pixels,
-                    std::uint32_t frames, double frame_ms);
 
 }  // namespace palpa::viewer

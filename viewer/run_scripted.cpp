@@ -1,16 +1,15 @@
-#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "base/error.hpp"
-#include "session/give_way.hpp"
 #include "setup/touch_run.hpp"
 #include "viewer/app.hpp"
+#include "viewer/drawing_threads.hpp"
 #include "viewer/film.hpp"
 #include "viewer/offscreen.hpp"
+#include "viewer/report.hpp"
 #include "viewer/run.hpp"
 #include "viewer/script.hpp"
 #include "viewer/stopper.hpp"
@@ -26,6 +25,7 @@ class Stage {
   Stage(const ViewerOptions& options, const gpu::Device& device)
       : device_(&device),
         ratio_(options.pixel_ratio.value_or(1)),
+        fineness_(fineness_without_window(options)),
         size_(picture_size(options)),
         drawn_(device),
         film_(options.video) {
@@ -33,7 +33,7 @@ class Stage {
   }
   void resize(const Size& size) {
     size_ = size;
-    offscreen_ = std::make_unique<Offscreen>(*device_, size.width, size.height, ratio_);
+    offscreen_ = std::make_unique<Offscreen>(*device_, size.width, size.height, ratio_, fineness_);
   }
   const Size& size() const { return size_; }
   void draw(App& app, double now_s) {
@@ -41,33 +41,29 @@ class Stage {
     app.update(drawn_);
     const App::Frame frame = app.render(size_, ratio_, now_s);
     offscreen_->draw(drawn_, frame.views, frame.sheet);
-    times_.push_back(watch.lap_ms());
-    app.drew(times_.back() / 1e3);
+    const double ms = watch.lap_ms();
+    drew_.ms.add(ms);
+    drew_.size = size_;
+    app.drew(ms / 1e3);
     if (film_.wanted()) film_.add(pixels());  // files are no part of a frame
   }
   Pixels pixels() const { return offscreen_->pixels(); }
-  std::uint32_t frames() const { return static_cast<std::uint32_t>(times_.size()); }
-  double median_ms() const {
-    if (times_.empty()) return 0;
-    std::vector<double> times = times_;
-    const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
-    std::nth_element(times.begin(), middle, times.end());
-    return *middle;
-  }
+  const PicturesDrawn& drew() const { return drew_; }
 
  private:
   const gpu::Device* device_;
   double ratio_;
+  Fineness fineness_;
   Size size_;
   DrawnPicture drawn_;
   std::unique_ptr<Offscreen> offscreen_;
   Film film_;
-  std::vector<double> times_;
+  PicturesDrawn drew_;
 };
 
 /// A live run's frames as they come; until the end of the run where there are not so many.
 void draw_frames(App& app, Stage& stage, std::uint32_t frames, const std::function<double()>& now) {
-  while (stage.frames() < frames && !app.quitting()) {
+  while (stage.drew().ms.count() < frames && !app.quitting()) {
     const LiveState state = app.desk().live_state;
     app.advance(now(), stage.size());
     if (app.showed_frame()) {
@@ -81,23 +77,24 @@ void draw_frames(App& app, Stage& stage, std::uint32_t frames, const std::functi
 }
 
 void play(App& app, Stage& stage, Script script, const std::function<double()>& now) {
+  bool behind = app.beginning();  // the last picture, what was asked for
   while (script.busy() && !app.quitting()) {
     script.play(now(), [&](const Interaction& step) {
       if (step.kind == Interaction::Kind::event) app.handle(step.event, stage.size());
       if (step.kind == Interaction::Kind::resize) stage.resize({step.width, step.height});
       if (step.kind == Interaction::Kind::shot) write_png(step.file, stage.pixels());
     });
+    behind = app.beginning();
     app.advance(now(), stage.size());
     stage.draw(app, now());
     script.drew();
   }
-  // A run that is still loading may yet fail, and the last picture shows it.
-  bool waited = false;
-  for (; app.loading() && !app.quitting(); waited = true) {
+  // A run that is still loading may yet fail, and the last picture shows it, and what was dropped.
+  for (; app.beginning() && !app.quitting(); behind = true) {
     app.advance(now(), stage.size());
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  if (!waited || app.quitting()) return;
+  if (!behind || app.quitting()) return;
   app.advance(now(), stage.size());
   stage.draw(app, now());
 }
@@ -113,10 +110,20 @@ void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds)
   const auto now = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
   Script script(options);
   Stopper stopper(options);
+  DrawingThreads threads;
   App app(options, picture_size(options),
-          {.kinds = kinds, .stop = &stopper.flag(), .goes_live = [&] { stopper.begin(); }, .panels = options.panels});
-  if (options.is_live()) session::give_way();
+          {.kinds = kinds,
+           .stop = &stopper.flag(),
+           .goes_live =
+               [&] {
+                 stopper.begin();
+                 threads.give_way();
+               },
+           .panels = options.panels});
+  if (options.is_live()) threads.give_way();
+  threads.expect();
   const gpu::Device device(setup::device_options(options.common));
+  threads.have_begun();
   Stage stage(options, device);
   const SilentEnd silent_end(stopper.flag());
   if (options.interact.empty()) {
@@ -125,8 +132,8 @@ void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds)
     play(app, stage, std::move(script), now);
   }
   stopper.end(app);
-  app.rethrow();
-  report_picture(options, outputs, stage.pixels(), stage.frames(), stage.median_ms());
+  report_picture(options, outputs, stage.pixels(), stage.drew());
+  report_run(options, outputs, app.stats());
 }
 
 }  // namespace palpa::viewer

@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "session/give_way.hpp"
 #include "viewer/app.hpp"
+#include "viewer/drawing_threads.hpp"
 #include "viewer/film.hpp"
 #include "viewer/offscreen.hpp"
 #include "viewer/participant_window.hpp"
+#include "viewer/report.hpp"
 #include "viewer/run.hpp"
 #include "viewer/script.hpp"
 #include "viewer/stopper.hpp"
@@ -76,11 +77,12 @@ Size pixels_of(const Window& window) {
 
 void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   const Size size = picture_size(options);
-  const Outputs outputs({{"--video", options.video, Output::Kind::folder}});
+  const Outputs outputs({{"--json", options.common.json}, {"--video", options.video, Output::Kind::folder}});
   Window window(size.width, size.height, "palpa");  // first: without a display nothing else is worth doing
   const Clock::time_point begin = Clock::now();
   const auto now = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
   Stopper stopper(options, Window::wake);
+  DrawingThreads threads;
   App app(options, size,
           {.kinds = kinds,
            .stop = &stopper.flag(),
@@ -90,15 +92,17 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
            .goes_live =
                [&] {
                  stopper.begin();
-                 session::give_way();
+                 threads.give_way();
                },
            .panels = !options.no_panels,
            .settings = settings_file().value_or("")});
   // From here on: threads of a live run have begun, those of the picture have not.
-  if (options.is_live()) session::give_way();
+  if (options.is_live()) threads.give_way();
+  threads.expect();
   gpu::DeviceOptions device_options = setup::device_options(options.common);
   device_options.window_extensions = window.extensions();
   const gpu::Device device(device_options);
+  threads.have_begun();
   const WindowSurface surface(device, window);
   DrawnPicture drawn(device);  // outlives the frames that draw it: the presenter's end waits for them
   Presenter presenter(device, surface.get());
@@ -107,16 +111,21 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   app.tell_monitors(Window::monitors());
   std::optional<ParticipantWindow> participant;
   std::vector<WindowEvent> events;
-  std::uint32_t frames_drawn = 0;
+  Rest rest;
+  PicturesDrawn pictures;
   double last_drawn_s = -1;
   const SilentEnd silent_end(stopper.flag());
 
   // Draws only when something has changed: a window that nobody touches costs nothing.
-  while (!window.closing() && !app.quitting() && !(options.frames && frames_drawn >= *options.frames)) {
+  while (!window.closing() && !app.quitting() && !(options.frames && pictures.ms.count() >= *options.frames)) {
     const Size pixels = pixels_of(window);
     const bool visible = pixels.width > 0 && pixels.height > 0;
     double timeout = -1;
     if (const std::optional<double> next = app.next_s()) timeout = std::max(*next - now(), 1e-3);
+    if (const std::optional<double> again = rest.again_s(); visible && again) {
+      const double until = std::max(*again - now(), 1e-3);
+      timeout = timeout < 0 ? until : std::min(timeout, until);
+    }
     if (visible && app.dirty()) timeout = std::max(last_drawn_s + shortest_s(app) - now(), 0.0);
     if (options.frames || script.busy()) timeout = 0;
     events.clear();
@@ -127,26 +136,39 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
       if (step.kind == Interaction::Kind::resize) window.resize(step.width, step.height);
       if (step.kind == Interaction::Kind::event) app.handle(step.event, pixels);
     });
-    if (options.frames && frames_drawn > 0) app.go_on();
+    if (options.frames && pictures.ms.count() > 0) app.go_on();
     app.advance(now(), pixels);
     look_after(participant, app, device);
-    if (!visible || !(app.dirty() || options.frames || script.busy())) continue;
-    if (now() < last_drawn_s + shortest_s(app) && !options.frames && !script.busy()) continue;
+    const bool asked = options.frames || script.busy(), changed = app.dirty() || asked;
+    const bool rests = rest.again_s() && now() >= *rest.again_s();
+    if (!visible || !(changed || rests)) continue;
+    if (now() < last_drawn_s + shortest_s(app) && !asked) continue;
     const double started_s = now(), ratio = options.pixel_ratio.value_or(window.pixel_ratio());
     if (app.stale()) presenter.finish();
     app.update(drawn);
     const App::Frame frame = app.render(pixels, ratio, started_s);
-    if (presenter.draw(drawn, frame.views, ratio, frame.sheet)) {
-      ++frames_drawn;
-      script.drew();
-      filming.add(drawn, frame, pixels, ratio);
-    } else {
-      app.handle({}, pixels);  // it was not shown: once more
-    }
+    const FinePictures wanted = app.desk().state.fine;
+    const Fineness fineness = rest.next(wanted, presenter.slow(), changed, started_s);
+    // What moves later is quick, and then nobody is to wait for a driver that compiles.
+    if (pictures.ms.count() == 0 && wanted == FinePictures::automatic && presenter.slow())
+      presenter.expect(Fineness::quick);
+    const bool shown = presenter.draw(drawn, frame.views, ratio, frame.sheet, fineness);
     last_drawn_s = now();
     app.drew(last_drawn_s - started_s);
+    if (!shown) {
+      app.handle({}, pixels);  // once more
+      continue;
+    }
+    rest.drew(wanted, fineness, last_drawn_s);
+    if (!changed) continue;  // the same picture, but finer
+    pictures.ms.add((last_drawn_s - started_s) * 1e3);
+    pictures.size = pixels;
+    script.drew();
+    filming.add(drawn, frame, pixels, ratio);
   }
   stopper.end(app);
+  report_window(options, outputs, pictures);
+  report_run(options, outputs, app.stats());
 }
 
 }  // namespace palpa::viewer

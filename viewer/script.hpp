@@ -1,4 +1,4 @@
-// Plays a recorded log into whoever draws, picture by picture.
+// Plays a script into whoever draws, picture by picture.
 #pragma once
 
 #include <cstddef>

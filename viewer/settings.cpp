@@ -29,6 +29,13 @@ Settings load_settings(const std::filesystem::path& file) {
   TomlTable table = TomlTable::load(file, "the viewer's settings", {.bytes = 1U << 16, .items = 1000});
   settings.dark = table.flag_or("dark", settings.dark);
   settings.panels = table.flag_or("panels", settings.panels);
+  constexpr const char* fine = "fine_pictures";
+  if (const std::string word = table.text_or(fine, std::string(word_of(fine_words, settings.fine)));
+      const std::optional<FinePictures> known = value_of(fine_words, word)) {
+    settings.fine = *known;
+  } else {
+    throw table.fault(fine, fmt::format("{} is '{}': give {}", fine, word, one_of(fine_words)));
+  }
   settings.slots_per_s = table.number_or("slots_per_s", settings.slots_per_s, 0.5, 667);
   if (std::optional<TomlTable> layers = table.table("layers")) {
     for (const Word<Layer>& entry : layer_words) {
@@ -49,9 +56,10 @@ void save_settings(const std::filesystem::path& file, const Settings& settings) 
   std::error_code fault;
   std::filesystem::create_directories(file.parent_path(), fault);
   if (fault) throw failure(fmt::format("{}: cannot be created: {}", file.parent_path().string(), fault.message()));
-  std::string text =
-      fmt::format("# How palpa-viewer looked when it was closed.\ndark = {}\npanels = {}\nslots_per_s = {}\n",
-                  settings.dark, settings.panels, settings.slots_per_s);
+  std::string text = fmt::format(
+      "# How palpa-viewer looked when it was closed.\ndark = {}\npanels = {}\nfine_pictures = \"{}\"\nslots_per_s = "
+      "{}\n",
+      settings.dark, settings.panels, word_of(fine_words, settings.fine), settings.slots_per_s);
   for (const Word<Layer>& entry : layer_words) {
     const LayerState& state = settings.layers[entry.value];
     text += fmt::format("[layers.{}]\nvisible = {}\nopacity = {}\n", entry.word, state.visible, state.opacity);
@@ -59,6 +67,22 @@ void save_settings(const std::filesystem::path& file, const Settings& settings) 
   OutputFile out(file);
   out.write(text);
   out.finish();
+}
+
+Settings to_remember(const Settings& before, const Settings& began, const Settings& now) {
+  Settings out = before;
+  const auto take = [](auto& value, const auto& at_first, const auto& at_last) {
+    if (at_last != at_first) value = at_last;
+  };
+  take(out.dark, began.dark, now.dark);
+  take(out.panels, began.panels, now.panels);
+  take(out.fine, began.fine, now.fine);
+  take(out.slots_per_s, began.slots_per_s, now.slots_per_s);
+  for (const Word<Layer>& entry : layer_words) {
+    take(out.layers[entry.value].visible, began.layers[entry.value].visible, now.layers[entry.value].visible);
+    take(out.layers[entry.value].opacity, began.layers[entry.value].opacity, now.layers[entry.value].opacity);
+  }
+  return out;
 }
 
 }  // namespace palpa::viewer

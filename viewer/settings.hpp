@@ -1,5 +1,5 @@
-// How somebody likes to look at things, remembered from one day to the next: layers, background, panels, pace. Not what
-// is looked at.
+// How somebody likes to look at things, remembered from one day to the next: layers, background, panels, fine pictures,
+// pace. Not what is looked at.
 #pragma once
 
 #include <filesystem>
@@ -14,6 +14,7 @@ struct Settings {
   Layers layers;
   bool dark = false;
   bool panels = true;
+  FinePictures fine = FinePictures::automatic;
   double slots_per_s = SlotTime{}.slots_per_s;
   bool operator==(const Settings&) const = default;
 };
@@ -25,5 +26,9 @@ std::optional<std::filesystem::path> settings_file();
 Settings load_settings(const std::filesystem::path& file);
 /// Writes it anew, with the folders it lies in; readers see the old file or the new one. Throws failure().
 void save_settings(const std::filesystem::path& file, const Settings& settings);
+
+/// What to remember of `now`: what was changed since the program `began`, and of all else what was remembered `before`,
+/// so that what a command line says is for its run alone.
+Settings to_remember(const Settings& before, const Settings& began, const Settings& now);
 
 }  // namespace palpa::viewer

@@ -59,9 +59,15 @@ bool SliceHand::handle(const WindowEvent& event, const Sight& sight, SliceState&
     }
     x_ = event.x;
     y_ = event.y;
+    before_ = slice;
     return held_.has_value();
   }
   if (!held_) return false;
+  if (event.kind == WindowEvent::Kind::key && event.down && event.key == Key::escape) {
+    slice = before_;
+    held_.reset();
+    return true;
+  }
   if (event.kind == WindowEvent::Kind::release) {
     held_.reset();
     return event.button == Button::left;

@@ -20,12 +20,14 @@ Vec3 normal_tip(const SliceState& slice);
 
 class SliceHand {
  public:
-  /// True where the event is the hand's alone. Handles are what is within some points of the pointer.
+  /// True where the event is the hand's alone. Handles are what is within some points of the pointer. Escape lets go of
+  /// what is dragged, where it was.
   bool handle(const WindowEvent& event, const Sight& sight, SliceState& slice);
   bool dragging() const { return held_.has_value(); }
 
  private:
   std::optional<SliceHandle> held_;
+  SliceState before_;  ///< when it was taken
   double x_ = 0, y_ = 0;
 };
 

@@ -113,6 +113,16 @@ EyeSize eye_size(Stereo stereo, std::uint32_t width, std::uint32_t height) {
   return {stereo == Stereo::side_by_side ? width / 2 : width, stereo == Stereo::top_bottom ? height / 2 : height};
 }
 
+drawing::Pixels grown_to(drawing::Pixels picture, std::uint32_t width, std::uint32_t height) {
+  if (picture.width == width && picture.height == height) return picture;
+  drawing::Pixels out{width, height, std::vector<std::uint8_t>(std::size_t{4} * width * height)};
+  for (std::uint32_t y = 0; y < height; ++y) {
+    for (std::uint32_t x = 0; x < width; ++x)
+      copy_pixel(picture, std::min(x, picture.width - 1), std::min(y, picture.height - 1), out, x, y);
+  }
+  return out;
+}
+
 drawing::Pixels combine(const drawing::Pixels& left, const drawing::Pixels& right, const sensing::Screen& screen,
                         const Eyes& eyes, const Barrier& barrier, Stereo stereo) {
   if (stereo == Stereo::anaglyph) return anaglyph(left, right);

@@ -61,4 +61,8 @@ EyeSize eye_size(Stereo stereo, std::uint32_t width, std::uint32_t height);
 drawing::Pixels combine(const drawing::Pixels& left, const drawing::Pixels& right, const sensing::Screen& screen,
                         const Eyes& eyes, const Barrier& barrier, Stereo stereo);
 
+/// The picture at that size, no smaller than its own: its last column and row once more where halving an odd size has
+/// left a pixel over.
+drawing::Pixels grown_to(drawing::Pixels picture, std::uint32_t width, std::uint32_t height);
+
 }  // namespace palpa::viewer

@@ -47,14 +47,22 @@ void Stopper::end(App& app) {
   if (over && cut) throw failure(too_early);
   // After a signal there is a second for all of it: a window's device may take longer to be given back.
   const bool at_once = over && windowed_ && setup::Interrupt::signalled();
-  if (over && !at_once) return;
+  if (over && !at_once) return app.rethrow();
+  Exit code = cut || !(loading || over) ? Exit::failed : Exit::ok;
   if (cut) {
     log::error(too_early);
   } else if (!loading && !over) {
     log::error("ended without finishing: what the run waited for did not answer; the array is silent");
+  } else if (at_once) {
+    try {
+      app.rethrow();
+    } catch (const Error& error) {
+      log::error(error.what());
+      code = error.code();
+    }
   }
   relay_.reset();
-  ::_exit(static_cast<int>(cut || !(loading || over) ? Exit::failed : Exit::ok));
+  ::_exit(static_cast<int>(code));
 }
 
 }  // namespace palpa::viewer

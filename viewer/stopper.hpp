@@ -25,7 +25,8 @@ class Stopper {
 
   /// Ends the run. Where it does not end (a camera, a disk or a GPU that does not answer) the program does: the array
   /// is silent by then, see session/loop.hpp. What is still loading has nothing to silence and is not waited for.
-  /// Throws failure where nobody but --interact or --frames ended it then: they have shown nothing of it.
+  /// Throws what the run failed with, so that the program ends as `palpa run` does, and failure where nobody but
+  /// --interact or --frames ended it while it was loading: they have shown nothing of it.
   void end(App& app);
 
  private:

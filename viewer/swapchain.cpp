@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <exception>
+#include <utility>
 
 #include "base/error.hpp"
 #include "gpu/check.hpp"
@@ -10,7 +12,8 @@
 namespace palpa::viewer {
 namespace {
 
-constexpr std::uint64_t ten_seconds = 10'000'000'000;
+constexpr double patience_s = 10;
+constexpr auto patience_ns = static_cast<std::uint64_t>(patience_s * 1e9);
 
 /// UNORM: the renderer's colours are already as they should appear.
 VkSurfaceFormatKHR pick_format(const gpu::Device& device, VkSurfaceKHR surface) {
@@ -38,10 +41,16 @@ gpu::Handle<VkSemaphore> make_semaphore(const gpu::Device& device) {
 }  // namespace
 
 Presenter::Presenter(const gpu::Device& device, VkSurfaceKHR surface)
-    : device_(&device), surface_(surface), format_(pick_format(device, surface)), renderer_(device, format_.format) {
+    : device_(&device),
+      surface_(surface),
+      format_(pick_format(device, surface)),
+      renderer_(device, format_.format),
+      slow_(device.description().kind == "cpu"),
+      drained_(device, "window drained") {
   for (Flight& flight : flights_) {
     flight.recorder = gpu::Recorder(device, "window frame");
     flight.acquired = make_semaphore(device);
+    flight.time = gpu::Timestamps(device, 1);
     VkFenceCreateInfo info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
     info.flags = VK_FENCE_CREATE_SIGNALED_BIT;
     VkFence fence = VK_NULL_HANDLE;
@@ -52,9 +61,16 @@ Presenter::Presenter(const gpu::Device& device, VkSurfaceKHR surface)
 
 Presenter::~Presenter() {
   if (gpu::device_abandoned) return;
-  // Fences do not cover presentation, which still holds semaphores and images.
-  const std::lock_guard lock(device_->queue_mutex());
-  vkQueueWaitIdle(device_->queue());
+  try {
+    drain();
+  } catch (const std::exception&) {
+    // A device that does not answer, or is lost: there is nobody to tell from here.
+  }
+}
+
+// What is being presented holds on to images and semaphores, and frames' fences do not say when it lets go.
+void Presenter::drain() {
+  drained_.wait(drained_.submit(), patience_s);
 }
 
 void Presenter::finish() {
@@ -63,11 +79,11 @@ void Presenter::finish() {
 
 void Presenter::wait(std::span<const VkFence> fences) {
   const VkResult result =
-      vkWaitForFences(device_->get(), static_cast<std::uint32_t>(fences.size()), fences.data(), VK_TRUE, ten_seconds);
+      vkWaitForFences(device_->get(), static_cast<std::uint32_t>(fences.size()), fences.data(), VK_TRUE, patience_ns);
   if (result == VK_TIMEOUT) {
     device_->lose();
     gpu::device_abandoned = true;
-    throw failure(fmt::format("{}: no answer within 10 s", device_->description().name));
+    throw failure(fmt::format("{}: no answer within {} s", device_->description().name, patience_s));
   }
   PALPA_VK(result);
 }
@@ -83,12 +99,7 @@ bool Presenter::rebuild(std::uint32_t width, std::uint32_t height) {
   if (extent.width == 0 || extent.height == 0) return false;
 
   finish();
-  {
-    // Only when the window changes: what is being presented holds on to the old images and semaphores, and no fence
-    // says when it lets go.
-    const std::lock_guard lock(device_->queue_mutex());
-    PALPA_VK(vkQueueWaitIdle(device_->queue()));
-  }
+  drain();  // only when the window changes
   images_.clear();
   VkSwapchainCreateInfoKHR info{VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR};
   info.surface = surface_;
@@ -127,7 +138,7 @@ bool Presenter::rebuild(std::uint32_t width, std::uint32_t height) {
   }
   if (extent.width != extent_.width || extent.height != extent_.height) {
     for (Flight& flight : flights_) {
-      flight.canvas.reset();
+      flight.canvases = {};
       flight.pixels = {};
     }
   }
@@ -156,13 +167,32 @@ void Presenter::submit(Flight& flight, const Image& image) {
   PALPA_VK(device_->lost() ? VK_ERROR_DEVICE_LOST : vkQueueSubmit(device_->queue(), 1, &info, fence));
 }
 
-bool Presenter::draw(DrawnPicture& drawn, std::span<const View> views, double ratio, const Sheet* sheet) {
+bool Presenter::draw(DrawnPicture& drawn, std::span<const View> views, double ratio, const Sheet* sheet,
+                     Fineness fineness) {
   const auto [width, height] = views.front().area.extent;
   return show(width, height, [&](VkCommandBuffer commands, Flight& flight, const Image& image) {
-    if (!flight.canvas) flight.canvas = renderer_.make_canvas(extent_);
-    renderer_.record(commands, drawn, views, *flight.canvas, {image.image, image.view.get()}, ratio, sheet);
+    const Target target{image.image, image.view.get()};
+    if (const std::optional<Fineness> first = std::exchange(expected_, {}))
+      renderer_.record(commands, drawn, views, canvas(flight, *first), target, ratio, sheet);
+    flight.timed = fineness == Fineness::fine;
+    flight.time.begin(commands);
+    renderer_.record(commands, drawn, views, canvas(flight, fineness), target, ratio, sheet);
+    flight.time.mark(commands, "picture");
     gpu::transition(commands, image.image, format_.format, gpu::image_use::colour_target, gpu::image_use::presented);
   });
+}
+
+Canvas& Presenter::canvas(Flight& flight, Fineness fineness) {
+  std::optional<Canvas>& canvas = flight.canvases[static_cast<std::size_t>(fineness)];
+  if (!canvas) canvas = renderer_.make_canvas(extent_, fineness);
+  return *canvas;
+}
+
+// Of the frame that the flight carried last, which is complete.
+void Presenter::look_at_time(Flight& flight) {
+  if (!std::exchange(flight.timed, false) || device_->description().kind == "cpu") return;
+  flight.time.read(times_);
+  slow_ = !times_.empty() && times_.front().ms > slow_picture_ms;
 }
 
 bool Presenter::draw(const drawing::Pixels& pixels) {
@@ -200,8 +230,9 @@ bool Presenter::show(std::uint32_t width, std::uint32_t height, const Record& re
 
   Flight& flight = flights_[next_flight_];
   wait(std::array{flight.done.get()});
+  look_at_time(flight);
   std::uint32_t index = 0;
-  const VkResult acquired = vkAcquireNextImageKHR(device_->get(), swapchain_.get(), ten_seconds, flight.acquired.get(),
+  const VkResult acquired = vkAcquireNextImageKHR(device_->get(), swapchain_.get(), patience_ns, flight.acquired.get(),
                                                   VK_NULL_HANDLE, &index);
   if (acquired == VK_ERROR_OUT_OF_DATE_KHR || acquired == VK_TIMEOUT || acquired == VK_NOT_READY) {
     stale_ = true;

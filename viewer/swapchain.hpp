@@ -10,6 +10,7 @@
 #include "drawing/png.hpp"
 #include "gpu/buffer.hpp"
 #include "gpu/commands.hpp"
+#include "gpu/timestamps.hpp"
 #include "viewer/renderer.hpp"
 
 namespace palpa::viewer {
@@ -26,7 +27,11 @@ class Presenter {
   /// Draws and presents one frame; the first view says how large the window is, making the swapchain anew where the
   /// window has changed. False where nothing could be shown: the window has no area, or it changed again meanwhile;
   /// draw once more later.
-  bool draw(DrawnPicture& drawn, std::span<const View> views, double ratio, const Sheet* sheet = nullptr);
+  bool draw(DrawnPicture& drawn, std::span<const View> views, double ratio, const Sheet* sheet = nullptr,
+            Fineness fineness = Fineness::fine);
+
+  /// The next picture is drawn with that fineness first, unseen: what a driver makes for that is there from then on.
+  void expect(Fineness fineness) { expected_ = fineness; }
 
   /// The same of a picture that is there already; it is as large as the window, or nothing is shown.
   bool draw(const drawing::Pixels& pixels);
@@ -35,13 +40,19 @@ class Presenter {
   /// abandoned, as by Timeline::wait.
   void finish();
 
+  /// Whether a fine picture takes long: on a processor, or where the last one took the device longer than
+  /// slow_picture_ms.
+  bool slow() const { return slow_; }
+
  private:
   struct Flight {
     gpu::Recorder recorder;
     gpu::Handle<VkSemaphore> acquired;
     gpu::Handle<VkFence> done;
-    std::optional<Canvas> canvas;  ///< where something is drawn
-    gpu::Upload pixels;            ///< where something is copied
+    std::array<std::optional<Canvas>, 2> canvases;  ///< where something is drawn, by Fineness
+    gpu::Timestamps time;
+    bool timed = false;  ///< the frame under way is a fine picture
+    gpu::Upload pixels;  ///< where something is copied
   };
   struct Image {
     VkImage image;
@@ -49,6 +60,9 @@ class Presenter {
     gpu::Handle<VkSemaphore> drawn;
   };
   void wait(std::span<const VkFence> fences);
+  void drain();
+  void look_at_time(Flight& flight);
+  Canvas& canvas(Flight& flight, Fineness fineness);
   bool rebuild(std::uint32_t width, std::uint32_t height);
   void submit(Flight& flight, const Image& image);
   using Record = std::function<void(VkCommandBuffer, Flight&, const Image&)>;
@@ -61,10 +75,13 @@ class Presenter {
   gpu::Handle<VkSwapchainKHR> swapchain_;
   VkExtent2D extent_{};
   std::uint32_t asked_width_ = 0, asked_height_ = 0;
-  bool stale_ = true;
+  bool stale_ = true, slow_ = false;
+  std::optional<Fineness> expected_;
   std::vector<Image> images_;
   std::array<Flight, 2> flights_;
   std::size_t next_flight_ = 0;
+  std::vector<gpu::PassTime> times_;
+  gpu::Timeline drained_;
 };
 
 }  // namespace palpa::viewer

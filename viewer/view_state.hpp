@@ -11,6 +11,7 @@
 
 #include "base/math.hpp"
 #include "base/words.hpp"
+#include "viewer/fineness.hpp"
 #include "viewer/viewpoint.hpp"
 
 namespace palpa::viewer {
@@ -97,6 +98,7 @@ struct ViewState {
   std::optional<FocusChoice> chosen;  ///< a focus to be told apart from all others; nothing: only the one that runs
   std::optional<Vec3> picked;         ///< a point that was asked about, world
   bool dark = false;
+  FinePictures fine = FinePictures::automatic;
 };
 
 }  // namespace palpa::viewer

@@ -98,7 +98,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   live.text(
       "--source", o.live.source, "SOURCE",
       "frames come from there and are touched as they come: synthetic[:MESH], mouse[:MESH] (the pointer holds it), "
-      "recording:DIR, v4l2:/dev/videoN[,...] or bag:FILE");
+      "recording:DIR, v4l2:/dev/videoN[,...], realsense:SERIAL[,...] or bag:FILE");
   add_loop_options(live, o.live);
   add_link_options(live, o.live);
   add_following_options(app, o.live);
@@ -118,6 +118,9 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   what.text("--slice-at", o.slice_at, "X,Y,Z", "the plane's centre [the touch's]");
   what.quantity("--slice-size", o.slice_size_m, Quantity::length, setup::positive(10), "of the plane's sides");
   what.flag("--dark", o.dark, "dark background");
+  what.choice("--fine", o.fine, fine_words,
+              "pictures with four samples for each pixel; auto: where they take long, of what rests; without a window, "
+              "of all");
 
   const setup::Group where(app, "View");
   where.text("--view", o.view, "FROM",
@@ -144,8 +147,8 @@ void add_options(CLI::App& app, ViewerOptions& o) {
                        "from the screen to its barrier [so that neighbours differ]");
   participant.number("--barrier-phase", o.barrier_phase, {0, 1}, "PART", "of a pitch: where the slits are");
 
-  const setup::Group hands(app, "Hands");
-  hands.text("--interact", o.interact, "FILE", "do what a recorded log says: see docs/viewer.md");
+  const setup::Group hands(app, "Mouse and keys, panels");
+  hands.text("--interact", o.interact, "FILE", "do what a script says, a line for each move: see docs/viewer.md");
   hands.flag("--no-panels", o.no_panels, "a window without panels");
   hands.flag("--panels", o.panels, "panels where there is no window, too");
 
@@ -155,7 +158,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   how.text("--screenshot", o.screenshot, "FILE", "write the last frame as PNG");
   how.text("--video", o.video, "FOLDER",
            "write every picture, a window's too, as PNG into that new folder: 000000.png and so on");
-  how.text("--size", o.size, "WxH", "of picture or window, pixels [1280x800]");
+  how.text("--size", o.size, "WxH", "of picture or window, pixels");
   how.number("--pixel-ratio", o.pixel_ratio, {0.5, 8}, "NUMBER", "pixels per point: how large text and lines are [1]");
   how.text("--reference", o.reference, "FILE", "compare the last frame with this PNG");
   how.number("--threshold", o.threshold, {0, 1}, "NUMBER",
@@ -246,8 +249,13 @@ Size picture_size(const ViewerOptions& o) {
       fmt::format("--size: '{}' is no size; give width x height, 16 to 8192 pixels each, such as 1280x800", o.size));
 }
 
-ViewState first_state(const ViewerOptions& o) {
+Fineness fineness_without_window(const ViewerOptions& o) {
+  return o.fine == FinePictures::never ? Fineness::quick : Fineness::fine;
+}
+
+ViewState first_state(const ViewerOptions& o, const Layers& layers) {
   ViewState state;
+  state.layers = layers;
   for (const Layer layer : layers_in("--show", o.shown))
     state.layers[layer].visible = true;
   for (const Layer layer : layers_in("--hide", o.hidden))
@@ -263,6 +271,7 @@ ViewState first_state(const ViewerOptions& o) {
   state.explode = o.explode;
   state.time.slot = o.slot;
   state.dark = o.dark;
+  state.fine = o.fine;
   return state;
 }
 

@@ -39,6 +39,7 @@ struct ViewerOptions {
   std::string slice_at;  ///< "x,y,z"
   double slice_size_m = 60e-3;
   bool dark = false;
+  FinePictures fine = FinePictures::automatic;
   std::uint64_t slot = 0;
 
   std::string view = "iso";  ///< one of view_words; "camera:NAME"
@@ -76,8 +77,11 @@ struct Size {
 };
 /// Of --size.
 Size picture_size(const ViewerOptions& options);
-/// How the picture is looked at as long as nobody changes it; its viewpoint is not set yet.
-ViewState first_state(const ViewerOptions& options);
+/// Of pictures that nobody waits for.
+Fineness fineness_without_window(const ViewerOptions& options);
+/// How the picture is looked at as long as nobody changes it: `layers` but for what the options say of them. Its
+/// viewpoint is not set yet.
+ViewState first_state(const ViewerOptions& options, const Layers& layers = {});
 /// Where the slice lies, unless --slice-at says: in the middle of the touch.
 void place_slice(ViewState& state, const ViewerOptions& options, const Picture& picture);
 /// Where the viewpoint stands at first, for a picture of that size. Throws bad_usage for a camera that is not there.

@@ -173,6 +173,7 @@ void Window::State::listen() {
     event.kind = WindowEvent::Kind::key;
     event.key = key_pressed(key, code);
     event.down = action != GLFW_RELEASE;
+    event.repeat = action == GLFW_REPEAT;
     event.shift = mods & GLFW_MOD_SHIFT;
     event.ctrl = mods & GLFW_MOD_CONTROL;
     State::of(w).events.push_back(event);

@@ -3,14 +3,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <thread>
 
+#include "geometry/icosphere.hpp"
+#include "geometry/ply.hpp"
 #include "heard_link.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
+#include "viewer/live/live_line.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -29,11 +33,12 @@ class LiveApp : public testing::Test {
     fs::copy_file(scene_, other_);
     begin("synthetic");
   }
-  void begin(const std::string& source) {
+  void begin(const std::string& source, const std::string& shown = {}) {
     app_.reset();
     heard_ = std::make_shared<test::Heard>();
     ViewerOptions options;
     options.input.scene = scene_;
+    options.shown = shown;
     options.given = {{"--scene", {scene_}},  {"--gltf-scene", {"0"}}, {"--source", {source}}, {"--layout", {"autd3"}},
                      {"--backend", {"cpu"}}, {"--noise-free", {}},    {"--hold", {"5s"}},     {"--link", {"heard"}}};
     Surroundings around;
@@ -86,6 +91,27 @@ class LiveApp : public testing::Test {
     event.kind = WindowEvent::Kind::drop;
     event.text = file;
     app_->handle(event, size_);
+  }
+  void button(WindowEvent::Kind kind, double x, double y) {
+    WindowEvent event;
+    event.kind = kind;
+    event.x = x;
+    event.y = y;
+    app_->handle(event, size_);
+  }
+  /// Frames of a finger in the cube.
+  fs::path recording() {
+    const fs::path folder = folder_ / "take";
+    if (fs::exists(folder)) return folder;
+    setup::LiveOptions options;
+    options.scene = scene_;
+    options.frames = 30;
+    options.record = folder;
+    options.common.backend = setup::Backend::cpu;
+    options.noise_free = options.every_frame = true;
+    std::atomic<bool> stop{false};
+    setup::LiveRun(options, {}, {}, stop).run();
+    return folder;
   }
   bool opens_other() {
     return goes_round_until([&] { return given().at("--scene").front() == other_; });
@@ -164,13 +190,6 @@ class LiveAppWithPanels : public LiveApp {
       go_round();
       app_->render(size_, 1, now_s_);
     }
-  }
-  void button(WindowEvent::Kind kind, double x, double y) {
-    WindowEvent event;
-    event.kind = kind;
-    event.x = x;
-    event.y = y;
-    app_->handle(event, size_);
   }
   Area all_off_button() { return app_->desk().places.all_off.value_or(Area()); }
 };
@@ -287,6 +306,20 @@ TEST(UiKeys, OneThatIsHeldDownIsOneChange) {
   EXPECT_LE(pictures, 3);
 }
 
+TEST_F(LiveApp, ASwitchThatIsHeldDownIsThrownOnce) {
+  WindowEvent event;
+  event.kind = WindowEvent::Kind::key;
+  event.key = key_of('h');
+  app_->handle(event, size_);
+  event.repeat = true;
+  app_->handle(event, size_);
+  EXPECT_TRUE(app_->desk().help);
+  event.key = key_of('-');
+  const double before = app_->desk().state.time.slots_per_s;
+  app_->handle(event, size_);
+  EXPECT_LT(app_->desk().state.time.slots_per_s, before) << "slower and slower";
+}
+
 TEST_F(LiveApp, ABrokenSceneEndsNothing) {
   ASSERT_TRUE(comes_to(LiveState::running));
   std::ofstream(folder_ / "broken.glb") << "no glTF";
@@ -295,6 +328,18 @@ TEST_F(LiveApp, ABrokenSceneEndsNothing) {
   EXPECT_CONTAINS(app_->desk().toasts.back().text, "broken.glb");
   EXPECT_EQ(app_->desk().live_state, LiveState::running);
   EXPECT_EQ(given().at("--scene").front(), scene_);
+}
+
+TEST_F(LiveApp, ABrokenRecordingEndsNothing) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  fs::create_directory(folder_ / "broken");
+  std::ofstream(folder_ / "broken" / "recording.toml") << "[recording]\n";
+  drop(folder_ / "broken");
+  ASSERT_TRUE(goes_round_until([&] { return !app_->desk().toasts.empty(); }));
+  EXPECT_CONTAINS(app_->desk().toasts.back().text, "recording.toml");
+  go_round(5);
+  EXPECT_EQ(app_->desk().live_state, LiveState::running);
+  EXPECT_EQ(given().at("--source").front(), "synthetic");
 }
 
 TEST_F(LiveApp, WhatIsCancelledIsNotOpened) {
@@ -322,6 +367,107 @@ TEST_F(LiveApp, AFingerThatFollowsThePointerTouches) {
   ASSERT_TRUE(goes_round_until([&] { return app_->picture().fingers.size() == 1; }));
   point_at({0, 0.02, 0});
   EXPECT_TRUE(goes_round_until([&] { return app_->picture().fingers.empty(); }));
+}
+
+TEST_F(LiveApp, AHandleThatIsLetGoOfWhileARunBeginsAnewIsLetGoOf) {
+  begin("synthetic", "slice");
+  ASSERT_TRUE(goes_round_until([&] { return app_->desk().state.slice_handles; }));
+  const auto middle = [&] {
+    const ViewState& state = app_->desk().state;
+    return project(projection(state.viewpoint, size_.width, size_.height), place_of(SliceHandle::middle, state.slice));
+  };
+  const Projected at = middle();
+  button(WindowEvent::Kind::press, at.x, at.y);
+  write_anew(scene_);
+  ASSERT_TRUE(goes_round_until([&] { return !app_->desk().state.slice_handles; }));
+  button(WindowEvent::Kind::release, at.x, at.y);
+  ASSERT_TRUE(goes_round_until([&] { return app_->desk().state.slice_handles; }));
+  const SliceState before = app_->desk().state.slice;
+  button(WindowEvent::Kind::move, at.x + 40, at.y + 30);
+  EXPECT_EQ(app_->desk().state.slice, before);
+}
+
+/// The mesh on which pressures are shown is that of the run that plays, not of the one before.
+TEST_F(LiveApp, PressuresAreOnTheFingerOfThisRun) {
+  const std::string open = (folder_ / "open.ply").string();
+  geometry::Mesh mesh = geometry::icosphere(5e-3, 4);
+  mesh.triangles.pop_back();  // a hole: cameras see it, sound has no inside
+  for (Vec3& p : mesh.positions)
+    p.y += 5e-3;
+  geometry::write_ply(open, mesh.positions, mesh.triangles);
+  const auto note = [&] {
+    const auto& bars = app_->picture().bars;
+    const auto bar = std::ranges::find(bars, Layer::heat, &ColourBar::layer);
+    return bar == bars.end() ? std::string() : bar->note;
+  };
+  begin("synthetic:" + open, "heat");
+  ASSERT_TRUE(goes_round_until([&] { return note().find("failed") != std::string::npos; })) << note();
+  ASSERT_FALSE(app_->desk().toasts.empty());
+  EXPECT_CONTAINS(app_->desk().toasts.back().text, "open.ply");
+  drop(recording());
+  ASSERT_TRUE(goes_round_until([&] { return note().find("being computed") != std::string::npos; })) << note();
+}
+
+/// A touch, and a recording that is dropped on it.
+TEST_F(LiveApp, ARecordingOnATouchIsALiveRunWithAllThatIsShownOfIt) {
+  app_.reset();
+  ViewerOptions options;
+  options.input.scene = scene_;
+  options.input.points = test::source_file("assets/finger.ply");
+  options.input.penetration_m = 3e-3;
+  options.common.backend = setup::Backend::cpu;
+  options.layout = "autd3";
+  options.given = {
+      {"--spectrum", {}},         {"--spot", {"4mm"}},    {"--scene", {scene_}},  {"--points", {options.input.points}},
+      {"--penetration", {"3mm"}}, {"--backend", {"cpu"}}, {"--layout", {"autd3"}}};
+  Surroundings around;
+  int went_live = 0;
+  around.stop = &stop_;
+  around.panels = false;
+  around.goes_live = [&] { ++went_live; };
+  app_ = std::make_unique<App>(options, size_, std::move(around));
+  EXPECT_FALSE(app_->desk().live);
+  drop(folder_ / "nowhere.txt");
+  go_round();
+  EXPECT_EQ(went_live, 0);
+  const fs::path take = recording();
+  drop(take);
+  ASSERT_TRUE(comes_to(LiveState::running));
+  EXPECT_EQ(went_live, 1);
+  EXPECT_TRUE(app_->desk().live);
+  EXPECT_TRUE(goes_round_until([&] { return app_->picture().fingers.size() == 1; }));
+  EXPECT_TRUE(app_->picture().driven);
+  EXPECT_EQ(run_command(given()), "palpa run --scene " + scene_.string() + " --source recording:" + take.string() +
+                                      " --layout autd3 --backend cpu");
+  EXPECT_TRUE(app_->finish(10));
+}
+
+TEST(Fingers, OfPressuresAreOfTheSource) {
+  EXPECT_EQ(finger_mesh("", ""), "") << "a touch without --skin";
+  EXPECT_EQ(finger_mesh("skin.ply", "synthetic:made.ply"), "skin.ply");
+  EXPECT_EQ(finger_mesh("", "synthetic:made.ply"), "made.ply");
+  EXPECT_EQ(finger_mesh("", "mouse:held.ply"), "held.ply");
+  EXPECT_TRUE(finger_mesh("", "recording:take").ends_with("finger.ply"));
+}
+
+TEST(AppSettings, OfALineAreNotRemembered) {
+  const fs::path folder = test::scratch_folder("viewer-app-settings"), file = folder / "viewer.toml";
+  Settings before;
+  before.layers[Layer::grid].visible = false;
+  save_settings(file, before);
+  std::atomic<bool> stop{false};
+  ViewerOptions options;
+  options.layout = "autd3";
+  options.shown = "sections";
+  Surroundings around;
+  around.stop = &stop;
+  around.settings = file;
+  around.panels = false;
+  App app(options, {300, 200}, std::move(around));
+  EXPECT_TRUE(app.desk().state.layers.shows(Layer::sections));
+  EXPECT_FALSE(app.desk().state.layers.shows(Layer::grid)) << "of this the line said nothing";
+  EXPECT_TRUE(app.finish(1));
+  EXPECT_EQ(load_settings(file), before);
 }
 
 }  // namespace

@@ -45,6 +45,23 @@ TEST(Chart, IsAbsentWithoutSpectraOrRoom) {
   EXPECT_FALSE(chart(with({{{200, 1, 1}}})).empty());
 }
 
+TEST(Chart, TheScaleStandsBesideItOrAboveIt) {
+  const auto scale = [](double width) {
+    std::vector<shader::ViewStroke> strokes;
+    build_overlay(with({{{200, 1, 1}}}), {}, {}, {width, 600}, strokes);
+    for (const shader::ViewStroke& s : strokes) {  // the one long line with ends at the right margin
+      if (s.from.y == s.to.y && s.to.x == static_cast<float>(width - 24) && s.to.x - s.from.x > 20) return s;
+    }
+    ADD_FAILURE() << "no scale";
+    return shader::ViewStroke{};
+  };
+  const double right = 504, top = 600 - 216;  // of the chart's panel
+  const shader::ViewStroke wide = scale(1280), narrow = scale(540);
+  EXPECT_GT(wide.from.x, right);
+  EXPECT_GT(wide.from.y, top);
+  EXPECT_LT(narrow.from.y, top);
+}
+
 TEST(Chart, BarsAreAsHighAsTheirLines) {
   // 200 Hz as high as the chart, 100 Hz half, of which half is felt.
   const auto strokes = chart(with({{{100, 0.5, 0.25}, {200, 1, 1}, {300, 0, 0}}}));

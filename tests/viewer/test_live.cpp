@@ -17,6 +17,7 @@
 #include "session/give_way.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "viewer/drawing_threads.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/live/live_picture.hpp"
 #include "viewer/live/live_session.hpp"
@@ -32,6 +33,7 @@ struct Bench {
   std::shared_ptr<test::Heard> heard = std::make_shared<test::Heard>();
   std::atomic<bool> stop{false};
   std::atomic<int> woken{0};
+  std::uint64_t frames = 0;  ///< after which it ends by itself
 
   std::unique_ptr<LiveSession> start(Patience patience = {}) {
     setup::LiveOptions options = live_options({{"--scene", {test::source_file("assets/cube.glb").string()}},
@@ -41,6 +43,7 @@ struct Bench {
                                                {"--noise-free", {}},
                                                {"--hold", {"5s"}},
                                                {"--link", {"heard"}}});
+    options.frames = frames;
     LiveSession::Kinds kinds;
     kinds.links.push_back(test::heard_link(heard));
     return std::make_unique<LiveSession>(
@@ -137,6 +140,20 @@ TEST(Live, RecordsWhileItRuns) {
   EXPECT_EQ(recording.cameras.size(), live->scene()->cameras.size());
 }
 
+TEST(Live, ARecordingIsWholeWhenItsRunEndsByItself) {
+  Bench bench;
+  bench.frames = 60;
+  const auto folder = test::scratch_folder("viewer-recorded-to-the-end");
+  const std::string made = (folder / "made").string();
+  const auto live = bench.start();
+  live->record(made);
+  ASSERT_TRUE(soon(*live, [&] { return live->over(); }));
+  EXPECT_EQ(live->fault(), "");
+  EXPECT_EQ(live->recording(), "") << "nothing is written any more";
+  EXPECT_GT(live->recorded(), 0u);
+  EXPECT_EQ(sensing::load_recording(made).entries.size(), live->recorded());
+}
+
 TEST(Live, EndsWithTheViewer) {
   Bench bench;
   {
@@ -192,8 +209,43 @@ TEST(Live, ASnapshotOfAnotherArrayDrivesNothing) {
   snapshot.plan.schedule.voice_count = 1;
   snapshot.plan.cycle = 1;
   snapshot.plan.drives.resize(2);
-  show_live_slot(picture, scene, snapshot, 0);
+  session::SlotScratch scratch;
+  show_live_slot(picture, scene, snapshot, 0, scratch);
   EXPECT_FALSE(picture.driven);
+}
+
+/// Two fingers whose dwells differ by a microsecond: the output computes each slot, and so does whoever shows it.
+TEST(Live, AScheduleTooLongToBeListedIsShownAndHeard) {
+  auto scene = std::make_shared<LiveScene>();
+  scene->layout = array::load_layout("openmpd");
+  Snapshot snapshot;
+  array::Schedule& schedule = snapshot.plan.schedule;
+  for (const double dwell : {1.5e-3, 1.501e-3}) {
+    array::Voice& voice = schedule.add_voice();
+    voice.foci = {{0, 0, 0.1}, {5e-3, dwell, 0.1}};
+    voice.order = {0, 1};
+    voice.dwell_s = dwell;
+  }
+  session::SlotWork work;
+  array::DriveScratch drives;
+  session::drive_on_host(snapshot.plan, scene->layout, scene->drive, work, nullptr, drives);
+  ASSERT_EQ(snapshot.plan.cycle, 0u);
+
+  Picture picture;
+  picture.transducers.resize(scene->layout.transducers.size());
+  session::SlotScratch scratch;
+  show_live_slot(picture, *scene, snapshot, 1, scratch);
+  EXPECT_TRUE(picture.driven);
+  const auto drive = drive_of(*scene, snapshot.plan, 1, scratch);
+  std::vector<array::SlotFocus> foci;
+  array::foci_of_slot(schedule, 1, foci);
+  const array::Drive expected = array::drive_for(scene->layout, foci, scene->drive);
+  ASSERT_EQ(drive.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    ASSERT_TRUE(drive[i].phase == expected[i].phase && drive[i].amplitude == expected[i].amplitude) << i;
+  const Sounding sounding = sounding_of(scene, snapshot);
+  EXPECT_EQ(sounding.schedule, &schedule);
+  EXPECT_EQ(sounding.plan, &snapshot.plan);
 }
 
 TEST(Live, AFaultIsToldAndNothingSounds) {
@@ -219,6 +271,39 @@ TEST(Starter, DoesNotGiveWayWithWhoeverMadeIt) {
   }).join();
   EXPECT_GE(maker, 10);
   EXPECT_EQ(started, before);
+}
+
+// A driver's threads are there before a touch goes live.
+TEST(DrawingThreads, GiveWayThoughTheyHaveBegun) {
+  const auto niceness = [](int thread) { return getpriority(PRIO_PROCESS, static_cast<id_t>(thread)); };
+  std::atomic<bool> done{false};
+  std::atomic<int> driver{0}, other{0};
+  const auto stay = [&](std::atomic<int>& number) {
+    number = gettid();
+    number.notify_one();
+    done.wait(false);
+  };
+  std::thread another([&] { stay(other); });
+  other.wait(0);
+  const int before = niceness(other);
+  std::thread maker([&] {
+    DrawingThreads drawing;
+    drawing.expect();
+    std::thread begun([&] { stay(driver); });
+    driver.wait(0);
+    drawing.have_begun();
+    EXPECT_EQ(niceness(driver), before);
+    drawing.give_way();
+    EXPECT_GE(niceness(driver), 10);
+    EXPECT_GE(niceness(gettid()), 10);
+    EXPECT_NE(sched_getscheduler(driver), SCHED_OTHER);
+    EXPECT_EQ(niceness(other), before) << "nobody else's";
+    done = true;
+    done.notify_all();
+    begun.join();
+  });
+  maker.join();
+  another.join();
 }
 
 TEST(NextOutputs, ARunThatBeginsAnewWritesOverNothing) {
@@ -272,6 +357,14 @@ TEST(LiveLine, GoesThereAndBack) {
   EXPECT_TRUE(options.every_frame);
   EXPECT_THROW(live_options({{"--scene", {"a.glb"}}, {"--delta", {"-1"}}}), Error);
   EXPECT_THROW(live_options({}), Error) << "without a scene";
+}
+
+TEST(LiveLine, WhatACommandTellsIsNoneOfTheViewersOwn) {
+  EXPECT_EQ(run_command({{"--scene", {"a.glb"}}, {"--json", {"of-the-viewer.json"}}, {"--frames", {"3"}}},
+                        {{"--frames", {"300"}}, {"--stats", {"json"}}, {"--quiet", {}}}),
+            "palpa run --scene a.glb --frames 300 --stats json --quiet");
+  check_told({{"--frames", {"300"}}, {"--log-level", {"info"}}});
+  EXPECT_THROW(check_told({{"--frames", {"many"}}}), Error);
 }
 
 TEST(LiveLine, TheTableHasWordsAndDefaults) {

@@ -99,6 +99,7 @@ TEST_F(Viewer, ALiveRunIsDrawnAndScripted) {
   const auto run = viewer(test::with(live, {"--frames", "2", "--screenshot", shot}));
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(drawing::read_png(shot).width, 400u);
+  EXPECT_NE(run.out.find("frame to drives: median "), std::string::npos) << "as palpa run ends: " << run.out;
   const auto scripted = viewer(test::with(live, {"--panels", "--interact", (folder / "log").string()}));
   EXPECT_EQ(scripted.exit_code, 0) << scripted.err;
   EXPECT_GT(drawing::mean_difference(drawing::read_png(shot), drawing::read_png(early)), 0.02) << "panels and sheet";
@@ -247,6 +248,14 @@ TEST_F(Viewer, AParticipantSeesTheObjectWithEitherEye) {
   EXPECT_GT(middle(0), middle(160) + 3);
   EXPECT_GT(drawing::mean_difference(both, tile), 0.002);
   EXPECT_GT(drawing::mean_difference(shot("columns.png", {"--stereo", "columns"}), shot("none.png", {})), 0.002);
+  for (const char* stereo : {"side-by-side", "top-bottom"}) {
+    const std::string file = (folder / "odd.png").string();
+    const auto run = viewer({"--participant", "--scene", scene, "--headless", "--quiet", "--size", "321x181",
+                             "--stereo", stereo, "--screenshot", file});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const drawing::Pixels odd = drawing::read_png(file);
+    EXPECT_TRUE(odd.width == 321 && odd.height == 181) << odd.width << "x" << odd.height;
+  }
   const auto refused = [&](const std::vector<std::string>& more, int code, const char* part) {
     test::expect_failure(viewer(arguments(more)), code, part);
   };
@@ -275,6 +284,27 @@ TEST_F(Viewer, AScriptThatEndsWhileARunLoadsIsNoSuccess) {
   EXPECT_EQ(waited.exit_code, 0) << waited.err;
   const drawing::Pixels shown = drawing::read_png(shot);
   EXPECT_LT(shown.at(160, 120)[0], 250) << "the scene, not an empty picture";
+}
+
+TEST_F(Viewer, ARecordingThatIsDroppedOnATouchIsALiveRun) {
+  const auto folder = test::scratch_folder("viewer-drop-recording");
+  const std::string take = (folder / "take").string(), touch = (folder / "touch.png").string(),
+                    live = (folder / "live.png").string(), script = (folder / "script").string();
+  const auto recorded = viewer({"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic",
+                                "--noise-free", "--backend", "cpu", "--layout", "autd3", "--record", take, "--headless",
+                                "--quiet", "--size", "320x200", "--frames", "40"});
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
+  test::write_text(script, "draw\nshot " + touch + "\ndrop " + take + "\ndraw\n");
+  const std::vector<std::string> line{"--layout", "autd3",      "--backend", "cpu",        "--hide",
+                                      "legend",   "--frame",    "objects",   "--headless", "--screenshot",
+                                      live,       "--interact", script};
+  const auto dropped = viewer(cube_touch(line));
+  EXPECT_EQ(dropped.exit_code, 0) << dropped.err;
+  EXPECT_EQ(dropped.err, "");
+  EXPECT_GT(drawing::mean_difference(drawing::read_png(touch), drawing::read_png(live)), 1e-4) << "what cameras saw";
+  test::write_text(folder / "take" / "times.csv", "no times\n");
+  const auto broken = viewer(cube_touch(line));
+  EXPECT_EQ(broken.exit_code, 0) << broken.err << "the touch stays";
 }
 
 TEST_F(Viewer, ComparesWithAReference) {
@@ -306,6 +336,7 @@ TEST_F(Viewer, ReportsAsJson) {
   EXPECT_EQ(json["frames"], 2);
   EXPECT_EQ(json["width"], 320);
   EXPECT_GT(json["timing_ms"]["frame"].get<double>(), 0);
+  EXPECT_GE(json["timing_ms"]["frame_p95"].get<double>(), json["timing_ms"]["frame"].get<double>());
 }
 
 TEST_F(Viewer, WithoutADisplayItSaysSoAndSuggestsHeadless) {

@@ -225,6 +225,74 @@ TEST_F(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {
   EXPECT_EQ(offscreen.pixels().rgba, first.rgba);
 }
 
+TEST_F(Renderer, ASkinThatChangesLeavesSolidsAlone) {
+  Picture picture = test::cube_picture();
+  picture.skin = SurfaceMark{"finger", test::box({-0.01, 0.01, -0.01}, {0.01, 0.03, 0.01})};
+  const Viewpoint viewpoint = test::front_viewpoint();
+  const Pixels before = draw(picture, viewpoint);
+  Picture moved = picture;
+  moved.skin->mesh = test::box({0, 0.01, -0.01}, {0.02, 0.03, 0.01});
+  const Pixels after = draw(moved, viewpoint);
+  ASSERT_NE(after.rgba, before.rgba);
+
+  DrawnPicture drawn(test::test_device());
+  Offscreen offscreen(test::test_device(), width, height);
+  drawn.update(picture, test::bare_view());
+  Picture skin_alone = moved;
+  skin_alone.solids.clear();
+  drawn.update_skin(skin_alone, test::bare_view());
+  offscreen.draw(drawn, viewpoint);
+  EXPECT_EQ(offscreen.pixels().rgba, after.rgba);
+  skin_alone.skin.reset();
+  drawn.update_skin(skin_alone, test::bare_view());
+  offscreen.draw(drawn, viewpoint);
+  EXPECT_EQ(offscreen.pixels().rgba, draw(test::cube_picture(), viewpoint).rgba);
+}
+
+// Lines, rings and points are soft by themselves; what one sample leaves rough are edges of surfaces.
+TEST_F(Renderer, AQuickPictureIsTheFineOneButForEdges) {
+  Picture picture = test::cube_picture();
+  picture.skin_points = {{0.03f, 0, 0.02f}, {0.031f, 0.001f, 0.02f}};
+  picture.fingers.resize(1);
+  picture.fingers[0].foci = {{{0, 0.02f, 0}, 1, true}};
+  show_array(picture, array::load_layout("autd3"));
+  Viewpoint viewpoint = test::front_viewpoint();
+  viewpoint.azimuth = 0.4;
+  viewpoint.elevation = 0.3;
+  DrawnPicture drawn(test::test_device());
+  drawn.update(picture);
+  const auto draw = [&](Fineness fineness) {
+    Offscreen offscreen(test::test_device(), width, height, 1, fineness);
+    offscreen.draw(drawn, viewpoint);
+    return offscreen.pixels();
+  };
+  const Pixels fine = draw(Fineness::fine), quick = draw(Fineness::quick);
+  EXPECT_NE(quick.rgba, fine.rgba);
+  std::size_t same = 0;
+  for (std::size_t i = 0; i < fine.rgba.size(); i += 4)
+    same += std::abs(fine.rgba[i] - quick.rgba[i]) <= 2;
+  EXPECT_GT(same, 8 * width * height / 10);
+  EXPECT_LT(mean_difference(fine, quick), 0.02);
+}
+
+TEST_F(Renderer, AQuickPictureHasOfVeryManyPointsEachSoManyth) {
+  const auto drawn_of = [](int side, Fineness fineness) {  // so many points along a side, four pixels apart
+    Picture picture;
+    for (int i = 0; i < side * side; ++i)
+      picture.skin_points.emplace_back((i % side - side / 2) * 4e-4f, (i / side - side / 2) * 4e-4f, 0);
+    Viewpoint viewpoint = test::front_viewpoint();
+    viewpoint.orthographic = true;
+    viewpoint.distance = 0.4;
+    DrawnPicture drawn(test::test_device());
+    drawn.update(picture, test::bare_view());
+    Offscreen offscreen(test::test_device(), 1280, 1280, 1, fineness);
+    offscreen.draw(drawn, viewpoint);
+    return static_cast<double>(count_not(offscreen.pixels(), light_theme().background));
+  };
+  EXPECT_NEAR(drawn_of(120, Fineness::quick) / drawn_of(120, Fineness::fine), 1, 0.1);
+  EXPECT_LT(drawn_of(240, Fineness::quick), 0.7 * drawn_of(240, Fineness::fine)) << "57,600, of which each second";
+}
+
 TEST_F(Renderer, TheLegendCountsSkinThatIsTooFarAwayToBeDrawn) {
   Picture picture = test::cube_picture();
   const Viewpoint viewpoint = test::front_viewpoint();

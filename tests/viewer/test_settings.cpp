@@ -16,6 +16,7 @@ TEST(Settings, ComeBackAsTheyWere) {
   Settings settings;
   settings.dark = true;
   settings.panels = false;
+  settings.fine = FinePictures::never;
   settings.slots_per_s = 12.5;
   settings.layers[Layer::sections] = {true, 0.25F};
   settings.layers[Layer::solids].visible = false;
@@ -23,10 +24,31 @@ TEST(Settings, ComeBackAsTheyWere) {
   EXPECT_EQ(load_settings(file), settings);
 }
 
+TEST(Settings, WhatALineSaysIsForItsRunAlone) {
+  Settings before, began, now;
+  before.layers[Layer::grid].visible = false;
+  began = before;
+  began.layers[Layer::slice].visible = began.dark = true;  // --show slice --dark
+  began.panels = false;                                    // --no-panels
+  now = began;
+  EXPECT_EQ(to_remember(before, began, now), before);
+  now.layers[Layer::solids].opacity = 0.5F;  // by hand
+  now.layers[Layer::slice].opacity = 0.25F;
+  now.dark = false;
+  now.slots_per_s = 12;
+  Settings expected = before;
+  expected.layers[Layer::solids].opacity = 0.5F;
+  expected.layers[Layer::slice].opacity = 0.25F;
+  expected.slots_per_s = 12;
+  EXPECT_EQ(to_remember(before, began, now), expected);
+  EXPECT_EQ(to_remember(expected, began, now), expected) << "asked once more";
+}
+
 TEST(Settings, ABrokenFileIsToldWithItsLine) {
   const auto file = test::scratch_folder("viewer-settings-broken") / "viewer.toml";
-  for (const char* text : {"dark = 3\n", "dark = true\nnonsense = 1\n", "slots_per_s = 1e9\n",
-                           "[layers.solids]\nopacity = 2\n", "[layers.ghosts]\nvisible = true\n", "= =\n"}) {
+  for (const char* text :
+       {"dark = 3\n", "dark = true\nnonsense = 1\n", "slots_per_s = 1e9\n", "fine_pictures = \"often\"\n",
+        "[layers.solids]\nopacity = 2\n", "[layers.ghosts]\nvisible = true\n", "= =\n"}) {
     std::ofstream(file) << text;
     try {
       load_settings(file);

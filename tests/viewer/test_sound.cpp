@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <iterator>
 
 #include "geometry/icosphere.hpp"
 #include "geometry/ply.hpp"
@@ -35,13 +36,13 @@ TEST(Heat, IsOfWhatSoundsOrSaysThatItIsNot) {
   EXPECT_FALSE(picture.skin) << "nobody waits for it";
   ASSERT_EQ(picture.bars.size(), 1u);
   EXPECT_NE(picture.bars[0].note.find("being computed"), std::string::npos);
-  bool surfaces = false;
+  bool skin = false;
   const auto rests = [&] {
-    surfaces = heat.look(played.now, picture).surfaces || surfaces;
+    skin = heat.look(played.now, picture).skin || skin;
     return !heat.busy();
   };
   ASSERT_TRUE(soon(rests));
-  EXPECT_TRUE(surfaces);
+  EXPECT_TRUE(skin);
   EXPECT_EQ(heat.fault(), "");
   EXPECT_FALSE(is_stale(picture, Layer::heat));
   ASSERT_TRUE(picture.skin);
@@ -53,7 +54,7 @@ TEST(Heat, IsOfWhatSoundsOrSaysThatItIsNot) {
   ASSERT_EQ(before.size(), picture.skin->mesh.positions.size());
 
   played.move({0.1e-3, 0, 0.1});
-  EXPECT_FALSE(heat.look(played.now, picture).surfaces);
+  EXPECT_FALSE(heat.look(played.now, picture).skin);
   EXPECT_FALSE(is_stale(picture, Layer::heat)) << "nobody sees a tenth of a millimetre";
   played.move({0, 4e-3, 0.1});
   heat.look(played.now, picture);
@@ -67,7 +68,7 @@ TEST(Heat, IsOfWhatSoundsOrSaysThatItIsNot) {
   EXPECT_GT(difference, 0.1);
 
   played.now.tip.reset();
-  EXPECT_TRUE(heat.look(played.now, picture).surfaces);
+  EXPECT_TRUE(heat.look(played.now, picture).skin);
   EXPECT_FALSE(picture.skin) << "nobody touches";
   EXPECT_TRUE(picture.bars.empty());
 }
@@ -83,6 +84,43 @@ TEST(Heat, OfAFileThatIsNoFingerFails) {
   }));
   EXPECT_NE(heat.fault().find("README.md"), std::string::npos) << heat.fault();
   EXPECT_NE(picture.bars.at(0).note.find("failed"), std::string::npos);
+}
+
+TEST(Sounds, TellEachFaultOnce) {
+  Played played;
+  played.now.tip = Vec3(0, 0, 0.1);
+  array::Schedule odd = *played.now.schedule;
+  odd.voices[0].modulation_hz = 123.457;  // repeats after an hour
+  played.now.schedule = &odd;
+  Sounds sounds({.select = "no such device"});
+  sounds.set_finger(test::source_file("README.md").string());
+  ViewState state;
+  state.layers[Layer::heat].visible = state.layers[Layer::slice].visible = true;
+  Picture picture;
+  std::vector<std::string> told;
+  double now_s = 0;
+  const auto look = [&] {
+    sounds.look(played.now, state, true, picture, now_s += 0.1);
+    std::ranges::move(sounds.faults(), std::back_inserter(told));
+  };
+  const auto says = [&](const char* part) {
+    return std::ranges::count_if(told, [&](const std::string& line) { return line.find(part) != std::string::npos; });
+  };
+  ASSERT_TRUE(soon([&] {
+    look();
+    return told.size() >= 3;
+  })) << told.size();
+  for (int i = 0; i < 50; ++i)
+    look();
+  EXPECT_EQ(told.size(), 3u);
+  EXPECT_EQ(says("README.md"), 1) << "the finger";
+  EXPECT_EQ(says("no such device"), 1) << "the plane";
+  EXPECT_EQ(says("does not repeat"), 1) << "the spectrum";
+  sounds.set_finger(test::source_file("LICENSE").string());
+  ASSERT_TRUE(soon([&] {
+    look();
+    return says("LICENSE") > 0;
+  })) << "another finger";
 }
 
 TEST(Spectra, AreThoseOfTheScheduleThatPlays) {
@@ -156,6 +194,22 @@ TEST_F(SliceHands, ThePlaneGoesAlongItsNormalWithThePointer) {
   EXPECT_NEAR(slice.T_world_slice[3].y, 0.02, 1e-4);
   EXPECT_NEAR(slice.T_world_slice[3].x, 0, 1e-9);
   EXPECT_FALSE(send(WindowEvent::Kind::move, middle)) << "let go of";
+}
+
+TEST_F(SliceHands, EscapeLetsGoOfItWhereItWas) {
+  sight.viewpoint.elevation = 1.2;
+  const SliceState before = slice;
+  const Vec2 end = pixels(place_of(SliceHandle::x_end, slice));
+  WindowEvent escape;
+  escape.kind = WindowEvent::Kind::key;
+  escape.key = Key::escape;
+  EXPECT_FALSE(hand.handle(escape, sight, slice)) << "nothing is dragged";
+  ASSERT_TRUE(send(WindowEvent::Kind::press, end));
+  ASSERT_TRUE(send(WindowEvent::Kind::move, end + Vec2(0, 40)));
+  EXPECT_NE(slice, before);
+  EXPECT_TRUE(hand.handle(escape, sight, slice));
+  EXPECT_EQ(slice, before);
+  EXPECT_FALSE(hand.dragging());
 }
 
 TEST_F(SliceHands, AnEndTurnsItAboutTheOtherAxis) {

@@ -157,6 +157,19 @@ TEST(Stereo, TwoPicturesBecomeOne) {
   }
 }
 
+TEST(Stereo, APixelThatHalvingLeavesOverIsItsNeighbour) {
+  drawing::Pixels halves = filled({64, 48}, 1, 2, 3);
+  halves.rgba[4 * 63] = 9;  // top right
+  const drawing::Pixels out = grown_to(halves, 65, 49);
+  ASSERT_EQ(out.width, 65u);
+  ASSERT_EQ(out.height, 49u);
+  ASSERT_EQ(out.rgba.size(), std::size_t{4} * 65 * 49);
+  EXPECT_EQ(out.at(64, 0)[0], 9);
+  EXPECT_EQ(out.at(64, 1)[0], 1);
+  EXPECT_EQ(out.at(3, 48)[2], 3);
+  EXPECT_EQ(grown_to(halves, 64, 48).rgba, halves.rgba);
+}
+
 using ViewerParticipant = test::DrawingTest;
 
 TEST_F(ViewerParticipant, SeesSolidsAndTileAndNothingElse) {
@@ -178,10 +191,10 @@ TEST_F(ViewerParticipant, SeesSolidsAndTileAndNothingElse) {
   ViewState state = for_participant({});
   drawn.update(picture, state);
   const Box objects = extent(picture, Extent::objects);
-  const Pixels both = draw(participant, objects, offscreen, drawn);
+  const Pixels both = draw(participant, objects, 640, 180, offscreen, drawn);
   state.layers.hide({Layer::solids, Layer::edges});
   drawn.update_marks(picture, state);
-  const Pixels tile = draw(participant, objects, offscreen, drawn);
+  const Pixels tile = draw(participant, objects, 640, 180, offscreen, drawn);
   ASSERT_EQ(both.width, 640u);
   const Eyes eyes = eyes_before(participant.screen, participant.eyes_apart_m);
   const auto at = [&](const Pixels& pixels, const Vec3& world, bool left) {

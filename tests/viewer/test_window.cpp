@@ -134,6 +134,51 @@ TEST_F(Window, CostsNothingWhereNothingChangesNorMinimised) {
   EXPECT_EQ(running.get().exit_code, 0);
 }
 
+// What it shows at rest is what --headless draws, quick as pictures in motion are; with --fine never it stays quick.
+TEST_F(Window, WhatRestsIsDrawnFinely) {
+  const test::XServer server;
+  if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
+  const auto folder = test::scratch_folder("viewer-fine");
+  const std::vector<std::string> scene{"--scene", source_file("assets/pyramid.glb").string(), "--size", "320x240"};
+  const test::RunOptions screen{
+      {{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", "/dev/null"}}};
+  const auto drawn = [&](const std::string& fine) {
+    const std::string file = (folder / (fine + ".png")).string();
+    const auto run = test::run_program(
+        PALPA_VIEWER_BINARY, test::with(scene, {"--fine", fine, "--headless", "--quiet", "--screenshot", file}));
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const drawing::Pixels pixels = drawing::read_png(file);
+    test::XHand::Picture picture{pixels.width, {}};
+    for (std::size_t i = 0; i < pixels.rgba.size(); i += 4)
+      picture.pixels.push_back(pixels.rgba[i] << 16U | pixels.rgba[i + 1] << 8U | pixels.rgba[i + 2]);
+    return picture;
+  };
+  const test::XHand::Picture fine = drawn("auto"), quick = drawn("never");
+  EXPECT_EQ(fine, drawn("always"));
+  EXPECT_FALSE(fine == quick);
+  const test::XHand stays(server.name());  // a server that loses its last client begins anew
+  for (const std::string wanted : {"auto", "never"}) {
+    auto running = std::async(std::launch::async, [&] {
+      return test::run_program(PALPA_VIEWER_BINARY, test::with(scene, {"--fine", wanted, "--no-panels"}), screen);
+    });
+    test::XHand hand(server.name());
+    ASSERT_TRUE(hand.connected());
+    ASSERT_TRUE(hand.find("palpa", 60));
+    const auto shows = [&](const test::XHand::Picture& picture) {
+      for (int i = 0; i < 400; ++i) {
+        if (hand.picture() == picture) return true;
+        std::this_thread::sleep_for(25ms);
+      }
+      return false;
+    };
+    EXPECT_TRUE(shows(wanted == "auto" ? fine : quick)) << wanted;
+    std::this_thread::sleep_for(400ms);
+    EXPECT_TRUE(hand.picture() == (wanted == "auto" ? fine : quick)) << wanted << ", and stays";
+    hand.close();
+    EXPECT_EQ(running.get().exit_code, 0);
+  }
+}
+
 /// A viewer whose array sounds, and what is heard of it.
 class Sounding {
  public:
@@ -233,6 +278,14 @@ void expect_a_clean_end(const char* name, const std::vector<std::string>& more, 
   // What a driver compiles for the first picture is not what is measured here.
   for (int i = 0; i < 600 && hand.picture().colours() < 20; ++i)
     std::this_thread::sleep_for(100ms);
+  // Nor for what comes next: what rests is drawn finely.
+  test::XHand::Picture before = hand.picture();
+  for (int i = 0, same = 0; i < 40 && same < 8; ++i) {
+    std::this_thread::sleep_for(100ms);
+    test::XHand::Picture now = hand.picture();
+    same = now == before ? same + 1 : 0;
+    before = std::move(now);
+  }
   std::this_thread::sleep_for(after);
   run.signal(SIGINT);
   const test::LiveRun::End end = run.wait(30);
@@ -250,6 +303,19 @@ TEST_F(Window, CtrlCEndsItCleanlyWhileItLoads) {
   const std::string pipe = (folder / "pipe").string();
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);  // nobody will ever read from it
   expect_a_clean_end("viewer-loading", {"--events", pipe}, "draw\n", 500ms);
+}
+
+TEST_F(Window, OneWhoseRunFailedEndsAsTheRunDoes) {
+  const test::XServer server;
+  if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
+  const auto folder = test::scratch_folder("viewer-failed");
+  test::write_text(folder / "log", "draw 2\nwait 1\ndraw 2\nkey q\n");
+  const auto run =
+      test::run_program(PALPA_VIEWER_BINARY,
+                        {"--scene", (folder / "absent.glb").string(), "--source", "synthetic", "--size", "300x200",
+                         "--interact", (folder / "log").string()},
+                        {{{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", "/dev/null"}}});
+  test::expect_failure(run, 4, "absent.glb");
 }
 
 TEST_F(Window, PlaysARecordedLogAndEnds) {
@@ -271,7 +337,7 @@ TEST_F(Window, TheParticipantHasAWindowOfItsOwn) {
     std::filesystem::copy_file(source_file("assets") / object, folder / object);
   auto running = std::async(std::launch::async, [&] {
     return test::run_program(PALPA_VIEWER_BINARY,
-                             {"--scene", (folder / "cube.glb").string(), "--participant", "--stereo", "anaglyph",
+                             {"--scene", (folder / "cube.glb").string(), "--participant", "--stereo", "side-by-side",
                               "--size", "300x200", "--validation", validation()},
                              {{{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", "/dev/null"}}});
   });
@@ -294,11 +360,18 @@ TEST_F(Window, TheParticipantHasAWindowOfItsOwn) {
   EXPECT_LT(tile.colours(), cube.colours()) << "the tile alone";
   participant.press("v");
   EXPECT_TRUE(comes_to([&] { return participant.picture() == cube; }));
+  participant.damage();
+  EXPECT_TRUE(comes_to([&] { return participant.picture() == cube; })) << "what was wiped away is drawn again";
   participant.press("Next");
   EXPECT_TRUE(comes_to([&] {
     pyramid = participant.picture();
     return pyramid != cube && pyramid != tile;
   })) << "the next object";
+  participant.resize(1279, 717);  // that the two halves do not fill
+  EXPECT_TRUE(comes_to([&] {
+    const test::XHand::Picture odd = participant.picture();
+    return odd.width == 1279 && odd.colours() > 20;
+  }));
   participant.press("Escape");
   EXPECT_TRUE(comes_to([&] { return !participant.there(); }));
   EXPECT_EQ(running.wait_for(0s), std::future_status::timeout) << "the other window goes on";

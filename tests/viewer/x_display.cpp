@@ -158,6 +158,12 @@ void XHand::press(const char* key) {
   function<int(void*, int)>("XSync")(display_, 0);
 }
 
+void XHand::damage() {
+  function<int(void*, unsigned long, int, int, unsigned, unsigned, int)>("XClearArea")(display_, window_, 0, 0, 0, 0,
+                                                                                       1);
+  function<int(void*, int)>("XSync")(display_, 0);
+}
+
 XHand::Picture XHand::picture() const {
   Picture out;
   unsigned long root = 0;

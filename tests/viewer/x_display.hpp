@@ -50,6 +50,8 @@ class XHand {
   };
   /// What it shows; it must be visible.
   Picture picture() const;
+  /// Wipes away what it shows and tells it so, as when another window was in its way.
+  void damage();
   void resize(unsigned width, unsigned height);
   void iconify();
   void restore();

@@ -1,5 +1,7 @@
 #include "viewer/live/live_picture.hpp"
 
+#include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -29,16 +31,42 @@ void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapsho
   show_schedule(picture, schedule, placements);
 }
 
-void show_live_slot(Picture& picture, const LiveScene& scene, const Snapshot& snapshot, std::uint64_t slot) {
-  const session::Plan& plan = snapshot.plan;
-  show_slot(picture, plan.schedule, slot);
+namespace {
+
+/// Whether the plan is of something that sounds, and of this array.
+bool plays(const LiveScene& scene, const session::Plan& plan) {
   const std::size_t transducers = scene.layout.transducers.size();
-  const bool whole = plan.drives.size() == plan.cycle * transducers;  // not so where it is of another array
-  if (plan.schedule.voice_count == 0 || plan.cycle == 0 || picture.transducers.empty() || !whole) {
-    picture.driven = false;
-    return;
-  }
-  show_drive(picture, plan.drive(slot, transducers));
+  return plan.schedule.voice_count > 0 && transducers > 0 && plan.drives.size() == plan.cycle * transducers;
+}
+
+}  // namespace
+
+std::span<const array::TransducerDrive> drive_of(const LiveScene& scene, const session::Plan& plan, std::uint64_t slot,
+                                                 session::SlotScratch& scratch) {
+  if (!plays(scene, plan)) return {};
+  const session::OutputSetting setting{.layout = scene.layout, .drive = scene.drive, .slot_s = plan.schedule.slot_s};
+  return session::drive_of_slot(plan, slot, plan.captured_s, setting, scratch);
+}
+
+void show_live_slot(Picture& picture, const LiveScene& scene, const Snapshot& snapshot, std::uint64_t slot,
+                    session::SlotScratch& scratch) {
+  show_slot(picture, snapshot.plan.schedule, slot);
+  const auto drive = drive_of(scene, snapshot.plan, slot, scratch);
+  picture.driven = false;
+  if (!picture.transducers.empty() && !drive.empty()) show_drive(picture, drive);
+}
+
+Sounding sounding_of(const std::shared_ptr<const LiveScene>& scene, const Snapshot& snapshot) {
+  Sounding now;
+  now.layout = std::shared_ptr<const array::Layout>(scene, &scene->layout);
+  now.drive = scene->drive;
+  now.air = scene->air;
+  now.spot_m = scene->spot_m;
+  if (!plays(*scene, snapshot.plan)) return now;
+  now.schedule = &snapshot.plan.schedule;
+  now.plan = &snapshot.plan;
+  now.tip = tip_of(snapshot.touch);
+  return now;
 }
 
 std::vector<geometry::SceneMesh> meshes_of(const LiveScene& scene, const std::vector<Transform>& poses) {

@@ -74,8 +74,10 @@ void LiveSession::work() {
     fault = error.what();
     thrown = std::current_exception();
   }
+  close_recorder();  // whatever ended the run: what it has written is whole
   {
     const std::lock_guard lock(mutex_);
+    recording_.clear();
     fault_ = std::move(fault);
     error_ = std::move(thrown);
     stats_ = std::move(stats);
@@ -141,9 +143,11 @@ void LiveSession::write_down(const sensing::FrameSet& set) {
         recording_.clear();
       }
       // A disk that takes its time keeps nobody else.
-      recorder_.reset();
-      recorded_ = 0;
-      if (!folder.empty()) recorder_.emplace(folder, session_->setting().cameras);
+      close_recorder();
+      if (!folder.empty()) {
+        recorded_ = 0;
+        recorder_.emplace(folder, session_->setting().cameras);
+      }
       const std::lock_guard lock(mutex_);
       recording_ = folder;
     }
@@ -157,6 +161,12 @@ void LiveSession::write_down(const sensing::FrameSet& set) {
     record_to_.clear();
     recording_.clear();
   }
+}
+
+// On the recorder's thread, or after it.
+void LiveSession::close_recorder() {
+  if (recorder_) recorder_->discard();  // of a recording without a frame nothing is left
+  recorder_.reset();
 }
 
 // On the compute thread, or before there is one.

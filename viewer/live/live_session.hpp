@@ -104,8 +104,8 @@ class LiveSession {
 
   /// From now on frames are written to this new folder, too; empty: no more. A fault is told in the log and ends it.
   void record(const std::string& folder);
-  std::string recording() const;  ///< that folder, until its last frame is written
-  std::uint64_t recorded() const { return recorded_; }
+  std::string recording() const;  ///< that folder, until its last frame is written or the run has ended
+  std::uint64_t recorded() const { return recorded_; }  ///< frames of it, or of the one before
 
   const LinkWatch& link() const { return link_; }
   /// Complete once it is over; nothing where it failed.
@@ -125,6 +125,7 @@ class LiveSession {
   void saw(const sensing::FrameSet& set);
   void count(const session::FrameReport& report);
   void write_down(const sensing::FrameSet& set);
+  void close_recorder();
   void follow_poses(session::Session& session);
   void look_around(const std::vector<sensing::Camera>& cameras);
 

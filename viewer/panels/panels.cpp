@@ -157,6 +157,14 @@ void draw_view_panel(Desk& desk) {
   ImGui::SameLine();
   ImGui::Checkbox("dark", &desk.state.dark);
   tip("Dark background");
+  ImGui::SetNextItemWidth(em(7));
+  if (ImGui::BeginCombo("fine pictures", std::string(word_of(fine_words, desk.state.fine)).c_str())) {
+    for (const Word<FinePictures>& entry : fine_words) {
+      if (ImGui::Selectable(entry.word, entry.value == desk.state.fine)) desk.state.fine = entry.value;
+    }
+    ImGui::EndCombo();
+  }
+  tip("Four samples for each pixel. auto: where they take long, what moves has one, and four as soon as it rests");
   auto explode = static_cast<float>(desk.state.explode);
   ImGui::SetNextItemWidth(em(7));
   if (ImGui::SliderFloat("explode", &explode, 0, 1, "%.2f")) desk.state.explode = std::clamp(explode, 0.0f, 1.0f);
@@ -221,7 +229,7 @@ void draw_opening(Desk& desk) {
   ImGui::SetNextWindowPos({free / 2, whole.y - em(1)}, ImGuiCond_Always, {0.5f, 1});
   ImGui::SetNextWindowSize({std::max(std::min(em(24), free - em(1)), 1.0f), 0});
   ImGui::Begin("opening", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoFocusOnAppearing);
-  ImGui::TextWrapped("%s", desk.doing.empty() ? "opens a scene" : desk.doing.c_str());
+  ImGui::TextWrapped("%s", desk.doing.empty() ? "opens a file" : desk.doing.c_str());
   if (desk.done) {
     ImGui::ProgressBar(static_cast<float>(*desk.done), {-em(5), 0});
     ImGui::SameLine();
@@ -256,7 +264,7 @@ void draw_cheat_sheet(Desk& desk) {
       {"C", "copy the run as a command line"},
       {"Tab", "panels"},
       {"H", "this sheet"},
-      {"Escape, Q", "close a sheet; quit"},
+      {"Escape, Q", "close what is open; quit"},
   };
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({whole.x / 2, whole.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});

@@ -92,7 +92,7 @@ Change Heat::look(const Sounding& now, Picture& picture) {
   if (!mesh_) return tell(picture, Standing::failed);
   if (!has_place(now)) {  // nobody touches
     Change change;
-    change.surfaces = picture.skin.has_value();
+    change.skin = picture.skin.has_value();
     picture.skin.reset();
     change.marks = hide_bar(picture, Layer::heat);
     asked_.reset();
@@ -106,7 +106,7 @@ Change Heat::look(const Sounding& now, Picture& picture) {
     fault_ = newest->fault;
     if (fault_.empty()) {
       show_answer(picture, *asked_, *newest);
-      change = {.surfaces = true, .marks = true};
+      change = {.skin = true, .marks = true};
     }
   }
   const bool same = is_of(now);

@@ -35,11 +35,11 @@ inline constexpr double alike_m = 0.3e-3;
 /// where nobody touches.
 std::optional<Vec3> tip_of(const touch::Touch& touch);
 
-/// What changed in a picture.
+/// What changed in a picture: the skin's surface, and what is neither that nor a solid.
 struct Change {
-  bool surfaces = false, marks = false;
+  bool skin = false, marks = false;
   Change& operator|=(const Change& other) {
-    surfaces = surfaces || other.surfaces;
+    skin = skin || other.skin;
     marks = marks || other.marks;
     return *this;
   }

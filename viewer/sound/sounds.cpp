@@ -1,23 +1,31 @@
 #include "viewer/sound/sounds.hpp"
 
-#include <utility>
-
 namespace palpa::viewer {
+
+void Sounds::set_finger(const std::string& file) {
+  if (file == finger_) return;
+  finger_ = file;
+  heat_.reset();
+}
+
+void Sounds::heed(const std::string& fault) {
+  if (!fault.empty() && told_.insert(fault).second) faults_.push_back(fault);
+}
 
 Change Sounds::look(const Sounding& now, const ViewState& state, bool spectrum, Picture& picture, double now_s) {
   Change change;
   busy_ = false;
-  if (state.layers.shows(Layer::heat) && now.layout && !skin_.empty()) {
-    if (!heat_) heat_.emplace(skin_, now.air);
+  if (state.layers.shows(Layer::heat) && now.layout && !finger_.empty()) {
+    if (!heat_) heat_.emplace(finger_, now.air);
     change |= heat_->look(now, picture);
     busy_ = busy_ || heat_->busy();
-    fault_ = heat_->fault();
+    heed(heat_->fault());
   }
   if (state.layers.shows(Layer::slice) && now.layout) {
     if (!slice_) slice_.emplace(device_);
     change |= slice_->look(now, state.slice, picture, now_s);
     busy_ = busy_ || slice_->busy();
-    if (fault_.empty()) fault_ = slice_->fault();
+    heed(slice_->fault());
   }
   if (spectrum) {
     if (!felt_) felt_.emplace();
@@ -26,6 +34,7 @@ Change Sounds::look(const Sounding& now, const ViewState& state, bool spectrum, 
       change.marks = true;
     }
     busy_ = busy_ || felt_->busy();
+    heed(felt_->fault());
   }
   return change;
 }
@@ -33,12 +42,6 @@ Change Sounds::look(const Sounding& now, const ViewState& state, bool spectrum, 
 void Sounds::forget() {
   if (heat_) heat_->forget();
   if (slice_) slice_->forget();
-}
-
-std::string Sounds::fault() {
-  if (fault_ == told_) return {};
-  told_ = fault_;
-  return told_;
 }
 
 }  // namespace palpa::viewer

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "viewer/sound/heat.hpp"
@@ -14,9 +16,11 @@ namespace palpa::viewer {
 
 class Sounds {
  public:
-  /// `skin`: file of the finger's closed mesh. `device`: where planes are computed.
-  Sounds(std::string skin, gpu::DeviceOptions device) : skin_(std::move(skin)), device_(std::move(device)) {}
+  /// `device`: where planes are computed.
+  explicit Sounds(gpu::DeviceOptions device) : device_(std::move(device)) {}
 
+  /// From now on pressures are of the closed mesh in this file; empty: of none.
+  void set_finger(const std::string& file);
   /// What the layers of `state` show of `now`, with the spectrum where it is wanted; see Heat, SlicePreview, Spectra.
   Change look(const Sounding& now, const ViewState& state, bool spectrum, Picture& picture, double now_s);
   /// The picture is another.
@@ -25,17 +29,20 @@ class Sounds {
   bool busy() const { return busy_; }
   /// Of each finger; empty where none is wanted or nothing plays.
   const std::vector<acoustics::Spectrum>& spectra() const { return spectra_; }
-  /// What went wrong since the last call, as a line; else empty.
-  std::string fault();
+  /// What went wrong since the last call, a line each; none of them twice.
+  std::vector<std::string> faults() { return std::exchange(faults_, {}); }
 
  private:
-  std::string skin_;
+  void heed(const std::string& fault);
+
+  std::string finger_;
   gpu::DeviceOptions device_;
   std::optional<Heat> heat_;
   std::optional<SlicePreview> slice_;
   std::optional<Spectra> felt_;
   std::vector<acoustics::Spectrum> spectra_;
-  std::string fault_, told_;
+  std::vector<std::string> faults_;
+  std::set<std::string> told_;
   bool busy_ = false;
 };
 

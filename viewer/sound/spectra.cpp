@@ -32,6 +32,7 @@ bool Spectra::look(const Sounding& now, double now_s) {
   if (newest->number > shown_) {
     shown_ = newest->number;
     spectra_ = newest->spectra;
+    fault_ = newest->fault;
     fresh = true;
   }
   if (now.schedule == nullptr || now.schedule->voice_count == 0) {

@@ -35,12 +35,15 @@ class Spectra {
   bool look(const Sounding& now, double now_s);
   const std::vector<acoustics::Spectrum>& spectra() const { return spectra_; }
   bool busy() const { return beside_.stale(); }
+  /// Why there are none; else empty.
+  const std::string& fault() const { return fault_; }
 
  private:
   std::optional<SpectraQuestion> asked_;
   std::uint64_t shown_ = 0;
   double next_s_ = 0;
   std::vector<acoustics::Spectrum> spectra_;
+  std::string fault_;
   session::Beside<SpectraQuestion, SpectraAnswer> beside_;
 };
 

@@ -1,0 +1,33 @@
+// The Run panel's options beside those of the real `palpa run`.
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "cli/process.hpp"
+#include "viewer/live/live_line.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+TEST(RunOptions, ArePalpaRunsOwn) {
+  std::set<std::string> shown;
+  for (const auto* table : {&live_table(), &told_table()})
+    for (const setup::OptionInfo& info : *table)
+      EXPECT_TRUE(shown.insert(info.name).second) << info.name << " stands twice";
+
+  std::set<std::string> helped;
+  const std::regex option("^ +(?:-[a-z], ?)?(--[a-z0-9-]+)");
+  std::istringstream help(test::palpa({"run", "--help"}).out);
+  for (std::string line; std::getline(help, line);) {
+    if (std::smatch found; std::regex_search(line, found, option)) helped.insert(found[1]);
+  }
+  helped.erase("--help");
+  EXPECT_GT(helped.size(), 40u);
+  EXPECT_EQ(shown, helped);
+}
+
+}  // namespace
+}  // namespace palpa::viewer
