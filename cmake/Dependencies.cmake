@@ -1,4 +1,4 @@
-# Everything palpa links, all of it Debian packages (see ./dev deps) but V-HACD.
+# Everything palpa links, all of it Debian packages (see ./dev deps) but V-HACD, and librealsense2 where somebody installed it.
 find_package(PkgConfig REQUIRED)
 find_package(Vulkan REQUIRED)
 find_package(Threads REQUIRED)
@@ -17,6 +17,12 @@ pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(OPENBLAS REQUIRED IMPORTED_TARGET openblas)
 pkg_check_modules(QHULL REQUIRED IMPORTED_TARGET qhull_r)
 include(cmake/Vhacd.cmake)
+# The first that can be asked whether a camera is still plugged in.
+if(PALPA_REALSENSE STREQUAL "AUTO")
+  find_package(realsense2 2.55 QUIET)
+elseif(PALPA_REALSENSE)
+  find_package(realsense2 2.55 REQUIRED)
+endif()
 if(PALPA_BUILD_VIEWER)
   find_package(glfw3 REQUIRED)
 endif()

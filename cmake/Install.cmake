@@ -26,4 +26,6 @@ configure_package_config_file(cmake/palpaConfig.cmake.in ${PROJECT_BINARY_DIR}/p
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/palpaConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/palpaConfig.cmake ${PROJECT_BINARY_DIR}/palpaConfigVersion.cmake
   DESTINATION ${package_dir})
+# The README's links lead into docs/. The pages' own links to headers and tests are for readers of the sources.
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -17,6 +17,10 @@ endif()
 if(PALPA_WERROR)
   target_compile_options(palpa_options INTERFACE -Werror)
 endif()
+if(PALPA_UNITS)
+  # One source's constants above another's local names.
+  target_compile_options(palpa_options INTERFACE -Wno-shadow)
+endif()
 if(PALPA_SANITIZE)
   # What the last three look for in the tests' own code, AddressSanitizer meets when it happens, or nobody would write there; to be
   # built with them costs a quarter more.

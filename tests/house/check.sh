@@ -111,7 +111,13 @@ shows() {
   return 1
 }
 
-# Pages point to files and tests that exist, and the examples that they show are those that are compiled.
+# PAGE: what its headings are called in links, a line each.
+anchors() {
+  # shellcheck disable=SC2016  # the pages' backquotes
+  sed '/^```/,/^```/d' "$1" | grep -E '^#+ ' | sed -E 's/^#+ +//' | tr '[:upper:]' '[:lower:]' | tr -cd 'a-z0-9_ \n-' | tr ' ' '-'
+}
+
+# Pages point to files, headings and tests that exist, and the examples that they show are those that are compiled.
 docs() {
   local page target found=0
   # shellcheck disable=SC2016  # the pages' backquotes
@@ -128,6 +134,13 @@ docs() {
         found=1
       fi
     done < <(grep -o '](\([^)#:]*\)[^):]*)' "$page" | sed 's/^](//; s/[#)].*//' | grep .)
+    while IFS='#' read -r target heading; do
+      [[ -n $target ]] && target=${page%"${page##*/}"}$target
+      if ! anchors "${target:-$page}" | grep -qxF -- "$heading"; then
+        echo "   $page points to #$heading of ${target:-$page}, which has no such heading"
+        found=1
+      fi
+    done < <(grep -oE '\]\([^):]*\.md#[^)]*\)|\]\(#[^)]*\)' "$page" | sed 's/^](//; s/)$//')
   done < <(files '*.md')
   shows docs/add-a-link.md 1 byte_link.hpp || found=1
   shows docs/cpp-api.md 3 live.hpp || found=1

@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+"""units.py: which sources can be one text, a unit, so that the headers of all are read once.
+
+Those that define the same name for themselves are kept apart. As a program it groups the sources of each target: a line
+"TARGET|SOURCE|..." of absolute paths on stdin; a line "TARGET|SOURCE|UNIT" on stdout for each that is in a unit (cmake/Units.cmake).
+"""
+import collections
+import pathlib
+import re
+import sys
+
+MOST = 8  # sources of a target; each core wants units, and the longest ends last
+# Names that a source brings into its namespace: another's that are not used would go unnoticed beside it.
+BROUGHT = re.compile(r"^using [\w:]+::(\w+);|^namespace (\w+) =", re.M)
+# What a source has for itself, and the names there: types, functions, constants. One name too many costs little.
+OWN = re.compile(r"^namespace \{\n(.*?)^\}  // namespace|^(int main\()", re.S | re.M)
+DEFINED = re.compile(r"^(?:struct|class|enum class|enum|union|using) (\w+)|^\w[\w:<>,*& ]*?[ *&](\w+)\(|"
+                     r"^(?:inline |static |constexpr |const )+[\w:<>,*& ]+?(\w+)(?:\[\w*\])*(?: = |\{|;)", re.M)
+# What makes another text of the sources behind it; or a library's source that a program takes only where it has none of its own.
+ALONE = re.compile(r"^ *# *define |^using namespace (?!std::)|^int main\(", re.M)
+INCLUDED = re.compile(r"^#include (.+)$", re.M)
+
+
+def own_names(text):
+    """The names that a source defines or brings for itself."""
+    own = "".join(part[0] or part[1] for part in OWN.findall(text))
+    return {name for found in DEFINED.findall(own) + BROUGHT.findall(text) for name in found if name}
+
+
+def units_of(sources, headers, most):
+    """Lists of the sources, paths, none with a name twice, those that include the same together. headers: source -> what it
+    includes"""
+    names = {source: own_names(source.read_text()) for source in sources}
+    units = []  # (sources, names, headers)
+    for source in sorted(sources, key=lambda source: (-len(names[source]), source)):
+        fitting = [unit for unit in units if len(unit[0]) < most and not unit[1] & names[source]]
+        if not fitting:
+            fitting = [([], set(), set())]
+            units += fitting
+        unit = min(fitting, key=lambda unit: len(headers[source] - unit[2]))
+        unit[0].append(source)
+        unit[1].update(names[source])
+        unit[2].update(headers[source])
+    return [unit for unit, _, _ in units]
+
+
+def main():
+    targets = [line.split("|") for line in sys.stdin.read().splitlines()]
+    times = collections.Counter(path for _, *paths in targets for path in paths)
+    for target, *paths in targets:
+        texts = {pathlib.Path(path): pathlib.Path(path).read_text() for path in paths if times[path] == 1}
+        sources = [path for path, text in texts.items() if not ALONE.search(text)]
+        headers = {path: set(INCLUDED.findall(texts[path])) for path in sources}
+        for number, unit in enumerate(units_of(sources, headers, MOST)):
+            for source in unit if len(unit) > 1 else []:
+                print(f"{target}|{source}|{number}")
+
+
+if __name__ == "__main__":
+    main()
