@@ -233,16 +233,18 @@ std::vector<Line> Tail::take() {
   return lines;
 }
 
-void draw(std::string_view text) {
+bool draw(std::string_view text) {
   Relayed& r = relayed();
   {
     const std::lock_guard lock(r.mutex);
     if (r.writer) {
-      if (r.writer->waiting() == 0) r.add(text);
-      return;
+      if (r.writer->waiting() != 0) return false;
+      r.add(text);
+      return true;
     }
   }
   put(text);
+  return true;
 }
 
 Relay::Relay() {

@@ -61,8 +61,8 @@ class Tail {
 };
 
 /// What a terminal shows until something else takes its place, such as a progress bar: no line, and not kept. While a
-/// Relay lives it is left out where anything else still waits.
-void draw(std::string_view text);
+/// Relay lives it is left out where anything else still waits; false then.
+bool draw(std::string_view text);
 
 /// While one lives, a thread of its own writes what is logged, and nobody who logs waits for whoever reads it, or for a
 /// disk. Of a reader that is too slow 64 KiB wait; lines beyond are left out, and one line says how many as soon as

@@ -44,9 +44,10 @@ void add_options(CLI::App& app, CalibrateCommand& o) {
                 "of the target about its own z, from above counter-clockwise");
   const setup::Group frames(app, "What is seen, and where it goes");
   frames.text("--source", o.source, "SOURCE",
-              "synthetic[:MESH] (a rehearsal), recording:DIR, v4l2:/dev/videoN[,...] or bag:FILE [a rehearsal]");
+              "synthetic[:MESH] (a rehearsal), recording:DIR, v4l2:/dev/videoN[,...], realsense:SERIAL[,...] or "
+              "bag:FILE [a rehearsal]");
   frames.integer("--frames", o.frames, 0, std::uint64_t{1} << 62,
-                 "how many are taken together, normally 30; with --nudge when to stop, normally never");
+                 "how many are taken together, 0: 30; with --nudge when to stop, 0: never");
   frames.flag("--noise-free", o.noise_free, "synthetic frames without the sensor's noise");
   frames.text("--out", o.out, "FILE", "write the rig with what was found; another file than --rig");
   setup::add_rig_options(app, o.rig);
@@ -194,7 +195,7 @@ void add_calibrate(Program& program) {
       program,
       {"calibrate", "where the cameras are, from what they see of a printed target",
        "  palpa calibrate --target target.stl --layout openmpd\n"
-       "  palpa calibrate --rig rig.toml --source v4l2:/dev/video0,/dev/video4 --out calibrated.toml\n"
+       "  palpa calibrate --rig rig.toml --layout openmpd --source v4l2:/dev/video0,/dev/video4 --out calibrated.toml\n"
        "  palpa calibrate --nudge --rig calibrated.toml --source v4l2:/dev/video0,/dev/video4 --link openmpd:FT43NK5M "
        "--out nudged.toml"},
       add_options, [&extensions](const CalibrateCommand& o) { run(extensions, o); });

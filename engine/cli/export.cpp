@@ -14,6 +14,7 @@
 #include "session/foci_file.hpp"
 #include "session/record_link.hpp"
 #include "session/replay.hpp"
+#include "session/sources.hpp"
 #include "setup/frames.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/progress.hpp"
@@ -71,17 +72,17 @@ std::string summary(const session::ReplayStats& stats) {
          setup::pressures_summary(stats.fingers, stats.solids);
 }
 
-void check_export(const ExportCommand& o) {
+void check_export(const ExportCommand& o, const Extensions& extensions) {
   check(o);
   if (o.foci.empty() && o.events.empty() && o.drives.empty())
     throw bad_usage("nothing to export: give --foci, --events or --drives");
   if (!o.foci.empty()) session::check_foci_file(o.foci);
-  if (o.frames == 0 && !o.source.starts_with("recording:"))
-    throw bad_usage(fmt::format("--source {} does not end: give --frames, or a recording", o.source));
+  if (o.frames == 0 && !session::ends_by_itself(o.source, setup::with_builtin(extensions.sources)))
+    throw bad_usage(fmt::format("--source {} does not end: give --frames, or recording:DIR or bag:FILE", o.source));
 }
 
 void run(const Extensions& extensions, const ExportCommand& o) {
-  check_export(o);
+  check_export(o, extensions);
   const Outputs outputs({{"--json", o.common.json},
                          {"--foci", o.foci},
                          {"--drives", o.drives},

@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <cstddef>
 #include <glm/common.hpp>
 #include <glm/ext/matrix_transform.hpp>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -16,6 +20,7 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/calibrate.hpp"
+#include "session/give_way.hpp"
 #include "setup/assets.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/keys.hpp"
@@ -27,34 +32,41 @@ namespace {
 
 constexpr double step_m = 1e-3, fine_step_m = 1e-4;
 constexpr double farthest_m = 0.05;  // along each axis: more is no nudge
+constexpr const char* no_terminal =
+    "--nudge: stdin is no terminal, so there are no keys to press; give them as --keys \"right*3 enter\"";
 
 /// What the keys say.
 class Nudge {
  public:
   enum class End { none, save, leave };
 
-  /// Whether the offset, or what a step is, is another now.
-  bool press(const setup::KeyPress& press) {
+  void press(const setup::KeyPress& press) {
     using setup::Key;
     switch (press.key) {
       case Key::left:
-        return move({-1, 0, 0}, press.fine);
+        move({-1, 0, 0}, press.fine);
+        break;
       case Key::right:
-        return move({1, 0, 0}, press.fine);
+        move({1, 0, 0}, press.fine);
+        break;
       case Key::up:
-        return move({0, 1, 0}, press.fine);
+        move({0, 1, 0}, press.fine);
+        break;
       case Key::down:
-        return move({0, -1, 0}, press.fine);
+        move({0, -1, 0}, press.fine);
+        break;
       case Key::away:
-        return move({0, 0, -1}, press.fine);
+        move({0, 0, -1}, press.fine);
+        break;
       case Key::nearer:
-        return move({0, 0, 1}, press.fine);
+        move({0, 0, 1}, press.fine);
+        break;
       case Key::finer:
         fine_ = !fine_;
-        return true;
+        break;
       case Key::back:
         steps_ = Vec3(0);
-        return true;
+        break;
       case Key::save:
         end_ = End::save;
         break;
@@ -64,7 +76,6 @@ class Nudge {
       case Key::wait:
         break;
     }
-    return false;
   }
   /// Metres in the world.
   Vec3 offset() const { return steps_ * fine_step_m; }
@@ -76,10 +87,9 @@ class Nudge {
   }
 
  private:
-  bool move(const Vec3& way, bool fine) {
+  void move(const Vec3& way, bool fine) {
     constexpr double most = farthest_m / fine_step_m;
     steps_ = glm::clamp(steps_ + way * (fine || fine_ ? 1.0 : step_m / fine_step_m), Vec3(-most), Vec3(most));
-    return true;
   }
 
   Vec3 steps_{0};  ///< whole fine ones, so that going back ends where it began
@@ -87,42 +97,7 @@ class Nudge {
   End end_ = End::none;
 };
 
-/// Where keys come from: a script's one for each frame with a touch, or the terminal.
-class Keys {
- public:
-  explicit Keys(const std::string& script) {
-    if (script.empty()) {
-      terminal_.emplace(
-          "--nudge: stdin is no terminal, so there are no keys to press; give them as --keys \"right*3 enter\"");
-    } else {
-      script_ = setup::parse_keys("--keys", script);
-    }
-  }
-  /// What has been pressed since.
-  const std::vector<setup::KeyPress>& take(bool touching) {
-    pressed_.clear();
-    if (terminal_) {
-      reader_.feed(terminal_->read(), pressed_);
-    } else if (touching && next_ < script_.size()) {
-      pressed_.push_back(script_[next_++]);
-    }
-    return pressed_;
-  }
-  /// What has been typed so far; a script stays.
-  void forget() {
-    if (terminal_) terminal_->forget();
-  }
-  /// Of a script.
-  bool over() const { return !terminal_ && next_ == script_.size(); }
-
- private:
-  std::optional<setup::RawTerminal> terminal_;
-  setup::KeyReader reader_;
-  std::vector<setup::KeyPress> script_, pressed_;
-  std::size_t next_ = 0;
-};
-
-/// On a terminal, wherever the offset changes.
+/// On a terminal, as soon as there is room for it.
 class Shown {
  public:
   explicit Shown(bool quiet) : on_(!quiet && isatty(STDERR_FILENO) != 0) {}
@@ -131,12 +106,83 @@ class Shown {
   }
   Shown(const Shown&) = delete;
   Shown& operator=(const Shown&) = delete;
-  void show(const std::string& line) const {
-    if (on_) log::draw("\r" + line + "\x1b[K");
+  void show(const std::string& line) {
+    if (on_ && line != drawn_ && log::draw("\r" + line + "\x1b[K")) drawn_ = line;
   }
 
  private:
   bool on_;
+  std::string drawn_;
+};
+
+/// The keys' hand on the array: keys come by time, on a thread of their own, and frames follow what they say.
+class Hand {
+ public:
+  Hand(Nudge& nudge, std::atomic<bool>& stop, bool quiet) : nudge_(&nudge), stop_(&stop), shown_(quiet) {}
+
+  /// There is a frame: what is pressed from now on can be felt.
+  void begin() {
+    const std::lock_guard lock(mutex_);
+    begun_ = true;
+  }
+  void press(const setup::KeyPress& press) {
+    const std::lock_guard lock(mutex_);
+    if (nudge_->end() != Nudge::End::none) return;  // the first word counts
+    if (!begun_ && press.key != setup::Key::leave) return;
+    nudge_->press(press);
+    if (nudge_->end() != Nudge::End::none) *stop_ = true;
+  }
+  /// Where it stands, if that is not what is shown already.
+  void show() {
+    const std::lock_guard lock(mutex_);
+    if (begun_) shown_.show(nudge_->line());
+  }
+  Vec3 offset() const {
+    const std::lock_guard lock(mutex_);
+    return nudge_->offset();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  Nudge* nudge_;
+  std::atomic<bool>* stop_;
+  Shown shown_;
+  bool begun_ = false;
+};
+
+/// The terminal's keys, whether frames come or not. What was typed before is nobody's.
+class Typing {
+ public:
+  explicit Typing(Hand& hand) : terminal_(no_terminal), hand_(&hand) {
+    terminal_.forget();
+    thread_ = std::thread([this] { listen(); });
+  }
+  ~Typing() {
+    ends_ = true;
+    thread_.join();
+  }
+  Typing(const Typing&) = delete;
+  Typing& operator=(const Typing&) = delete;
+
+ private:
+  void listen() {
+    session::take_no_signals();
+    constexpr std::chrono::milliseconds between(20);
+    setup::KeyReader reader;
+    std::vector<setup::KeyPress> pressed;
+    for (; !ends_; std::this_thread::sleep_for(between)) {
+      pressed.clear();
+      reader.feed(terminal_.read(), pressed);
+      for (const setup::KeyPress& press : pressed)
+        hand_->press(press);
+      hand_->show();
+    }
+  }
+
+  setup::RawTerminal terminal_;
+  Hand* hand_;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
 };
 
 /// Sound that came `offset` from where it was to be was right there: so the array stands as much the other way.
@@ -147,10 +193,7 @@ void move_array(sensing::ArrayPlacement& array, const Transform& T_world_layout,
 void check(const CalibrateCommand& o) {
   if (o.out.empty()) throw bad_usage("--nudge: --out is missing: give a file for the rig that comes of it");
   if (!o.at.empty() || o.turn_deg != 0) throw bad_usage("--at and --turn are for the target; --nudge needs none");
-  if (o.keys.empty() && isatty(STDIN_FILENO) == 0) {
-    throw bad_usage(
-        "--nudge: stdin is no terminal, so there are no keys to press; give them as --keys \"right*3 enter\"");
-  }
+  if (o.keys.empty() && isatty(STDIN_FILENO) == 0) throw bad_usage(no_terminal);
 }
 
 std::string to_json(const Vec3& offset, bool saved, const sensing::Rig& rig) {
@@ -168,22 +211,26 @@ void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<
   const log::Relay relay;
   const setup::Interrupt interrupt(
       "ended without finishing, a second after the signal: what it waited for did not answer");
-  Keys keys(o.keys);
-  const Shown shown(o.common.quiet);
+  Hand hand(nudge, stop, o.common.quiet);
+  std::optional<Typing> typing;
+  std::vector<setup::KeyPress> script;
+  if (o.keys.empty()) {
+    typing.emplace(hand);
+  } else {
+    script = setup::parse_keys("--keys", o.keys);
+  }
   log::release_warnings();
   session::RunOptions looking;
-  looking.planned = [&, first = true](const session::FrameReport& frame, const session::Plan&) mutable {
-    if (nudge.end() != Nudge::End::none) return;
-    bool changed = std::exchange(first, false);
-    if (changed) keys.forget();  // pressed before anything could be felt
-    for (const setup::KeyPress& press : keys.take(frame.touch->finger_count > 0)) {
-      changed = nudge.press(press) || changed;
-      if (nudge.end() != Nudge::End::none || keys.over()) stop = true;
-      if (nudge.end() != Nudge::End::none) break;  // the first word counts
+  looking.planned = [&, first = true, next = std::size_t{0}, aim = Vec3(0)](const session::FrameReport& frame,
+                                                                            const session::Plan&) mutable {
+    if (std::exchange(first, false)) hand.begin();
+    if (next < script.size() && frame.touch->finger_count > 0) {
+      hand.press(script[next++]);
+      hand.show();
+      if (next == script.size()) stop = true;
     }
-    if (!changed) return;
-    live.session().set_aim(nudge.offset());
-    shown.show(nudge.line());
+    const Vec3 wanted = hand.offset();
+    if (wanted != std::exchange(aim, wanted)) live.session().set_aim(wanted);
   };
   live.run(looking);
 }

@@ -20,7 +20,7 @@
 namespace palpa::cli {
 namespace {
 
-enum class StatsFormat { none, json };
+using setup::StatsFormat;
 
 struct RunCommand : setup::LiveOptions {
   StatsFormat stats = StatsFormat::none;
@@ -30,19 +30,8 @@ void add_options(CLI::App& app, RunCommand& o) {
   const setup::Group group(app, "What to run");
   add_frame_options(group, o, "stop after that many frames; 0: at the source's end or Ctrl-C");
   add_link_options(group, o);
-  group.choice("--stats", o.stats, {{"none", StatsFormat::none}, {"json", StatsFormat::json}},
-               "what the loop measured, on stdout; --json writes the same");
+  setup::add_stats_option(group, o.stats);
   add_session_options(app, o);
-}
-
-std::string summary(const session::LoopStats& stats) {
-  const std::string text = fmt::format(
-      "{} frames, {} with a touch, {} left out for newer ones\n"
-      "frame to drives: median {:.2f} ms, p99 {:.2f} ms; {} drives, {} of them silent, {} slots overslept\n",
-      stats.captured, stats.touching, stats.replaced, stats.frame_to_plan_s.quantile(0.5) * 1e3,
-      stats.frame_to_plan_s.quantile(0.99) * 1e3, stats.output.drives, stats.output.silent_drives,
-      stats.output.skipped_slots);
-  return text + setup::pressures_summary(stats.fingers, stats.solids);
 }
 
 /// All that is written; --stats and --json are the same where both go to stdout.
@@ -57,7 +46,7 @@ void report(const RunCommand& o, const Outputs& outputs, const session::LoopStat
   if (o.stats == StatsFormat::json) {
     if (o.common.json != "-") write_file("-", session::to_json(stats));
   } else if (setup::shows_summary(o.common, outputs)) {
-    write_file("-", summary(stats));
+    write_file("-", setup::summary(stats));
   }
 }
 

@@ -37,8 +37,9 @@ class Timeline {
   Timeline(const Timeline&) = delete;
   Timeline& operator=(const Timeline&) = delete;
 
-  /// Submits to the device's queue and returns the value that its completion signals.
-  std::uint64_t submit(VkCommandBuffer commands);
+  /// Submits to the device's queue and returns the value that its completion signals; of nothing, when all that the
+  /// queue was given before, by whomever, is complete.
+  std::uint64_t submit(VkCommandBuffer commands = VK_NULL_HANDLE);
   /// Blocks until `value` is signalled. Throws Error (Exit::failed) when the device is lost or `timeout_s` passes; then
   /// the device counts as lost, and as abandoned (gpu/handle.hpp).
   void wait(std::uint64_t value, double timeout_s = 60.0) const;

@@ -37,19 +37,6 @@ bool load_vulkan() {
   return loaded;
 }
 
-/// Vulkan's functions are the process's, not a device's: those of all devices of one driver are the same, but those of
-/// extensions are only there where they were asked for. So a device without a window leaves alone what one with a
-/// window has loaded, and one thread at a time makes a device.
-struct Functions {
-  std::mutex mutex;
-  bool of_window = false;
-
-  static Functions& get() {
-    static Functions functions;
-    return functions;
-  }
-};
-
 std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
   std::uint32_t count = 0;
   if (vkEnumeratePhysicalDevices(instance, &count, nullptr) != VK_SUCCESS) return {};
@@ -66,6 +53,24 @@ bool has_instance_extension(const char* name) {
   vkEnumerateInstanceExtensionProperties(nullptr, &count, extensions.data());
   return std::any_of(extensions.begin(), extensions.end(),
                      [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+/// What every instance has where the loader knows it, beside what it was asked for: see load_functions.
+std::vector<const char*> with_usual_extensions(std::vector<const char*> wanted) {
+  for (const char* name : {VK_KHR_SURFACE_EXTENSION_NAME, VK_EXT_DEBUG_UTILS_EXTENSION_NAME}) {
+    const bool there =
+        std::any_of(wanted.begin(), wanted.end(), [&](const char* w) { return std::strcmp(w, name) == 0; });
+    if (!there && has_instance_extension(name)) wanted.push_back(name);
+  }
+  return wanted;
+}
+
+/// Vulkan's functions are the process's, not a device's. They are loaded once, by the first instance, whichever that
+/// is, so that nobody's change while somebody calls them; and they are the loader's, which finds the driver by what it
+/// is called with, so that they serve devices of several drivers.
+void load_functions(VkInstance first) {
+  static std::once_flag once;
+  std::call_once(once, [&] { volkLoadInstance(first); });
 }
 
 bool has_extension(VkPhysicalDevice physical, const char* name) {
@@ -197,11 +202,14 @@ std::vector<DeviceDescription> list_devices() {
   if (!load_vulkan()) return {};
   VkApplicationInfo app{VK_STRUCTURE_TYPE_APPLICATION_INFO};
   app.apiVersion = VK_API_VERSION_1_3;
+  const std::vector<const char*> extensions = with_usual_extensions({});
   VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
   info.pApplicationInfo = &app;
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   VkInstance instance = VK_NULL_HANDLE;
   if (vkCreateInstance(&info, nullptr, &instance) != VK_SUCCESS) return {};
-  if (!Functions::get().of_window) volkLoadInstanceOnly(instance);
+  load_functions(instance);
   std::vector<DeviceDescription> devices;
   for (VkPhysicalDevice physical : physical_devices(instance)) {
     devices.push_back(describe(physical, static_cast<std::uint32_t>(devices.size())));
@@ -215,7 +223,6 @@ Device::Device(const DeviceOptions& options) {
     throw Error(Exit::no_device, "no Vulkan loader found: install libvulkan1 and a driver such as mesa-vulkan-drivers");
   }
   validation_ = options.validation ? *options.validation : validation_from_environment();
-  const std::lock_guard one_at_a_time(Functions::get().mutex);
   try {
     create_instance(options);
     choose_physical(options);
@@ -247,7 +254,7 @@ void Device::create_instance(const DeviceOptions& options) {
   app.pApplicationName = "palpa";
   app.apiVersion = VK_API_VERSION_1_3;
 
-  std::vector<const char*> extensions = options.window_extensions;
+  std::vector<const char*> extensions = with_usual_extensions(options.window_extensions);
   std::vector<const char*> layers;
   std::vector<VkValidationFeatureEnableEXT> enables;
   if (validation_ != Validation::off) {
@@ -267,9 +274,7 @@ void Device::create_instance(const DeviceOptions& options) {
     enables = {VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
                VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT};
   }
-  // Names also help tools that capture frames; the layer brings the extension where the loader does not.
-  names_ = validation_ != Validation::off || has_instance_extension(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
-  if (names_) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  names_ = has_instance_extension(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);  // they also help tools that capture frames
   VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
   features.enabledValidationFeatureCount = static_cast<std::uint32_t>(enables.size());
   features.pEnabledValidationFeatures = enables.data();
@@ -286,8 +291,13 @@ void Device::create_instance(const DeviceOptions& options) {
     throw Error(Exit::no_device, fmt::format("no Vulkan instance ({}): install a driver such as mesa-vulkan-drivers",
                                              result_name(result)));
   }
-  if (!options.window_extensions.empty() || !Functions::get().of_window) volkLoadInstanceOnly(instance_);
+  load_functions(instance_);
   if (validation_ != Validation::off) {
+    if (!names_) {
+      throw Error(
+          Exit::no_device,
+          "validation was asked for, but the Vulkan loader has no VK_EXT_debug_utils: install a newer libvulkan1");
+    }
     VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
     messenger.messageSeverity =
         VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
@@ -359,8 +369,6 @@ void Device::create_device(bool window) {
     throw Error(Exit::no_device,
                 fmt::format("{} cannot be used: vkCreateDevice returned {}", description_.name, result_name(result)));
   }
-  if (window || !Functions::get().of_window) volkLoadDevice(device_);
-  Functions::get().of_window = Functions::get().of_window || window;
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 }
 

@@ -1,7 +1,9 @@
 #include "session/scheduler.hpp"
 
 #include <algorithm>
+#include <optional>
 
+#include "acoustics/asked_field.hpp"
 #include "geometry/haptics.hpp"
 #include "session/tuning_thread.hpp"
 #include "session/voice.hpp"
@@ -76,10 +78,14 @@ void Scheduler::tune(const touch::Touch& touch, const touch::Finger& finger, dou
                              voice.dwell_s};
   if (options_.tune == Tune::stride) {
     voice.stride = strides_.stride_for(finger.id, ring, time_s);
-    if (beside_) beside_->look_at(finger.id, foci, time_s, strides_);
+    if (beside_) beside_->look_at(finger.id, foci, voice.pressure_pa.has_value(), time_s, strides_);
     return;
   }
-  const acoustics::Tuned& tuned = out.tuned.emplace(acoustics::tune(ring, options_.tuning, foci));
+  acoustics::TuneOptions tuning = options_.tuning;
+  std::optional<acoustics::AskedField> asked;
+  if (voice.pressure_pa && kind_of(tuning.spectrum.field) == acoustics::FocusKind::array)
+    tuning.spectrum.field = &asked.emplace(*tuning.spectrum.field);
+  const acoustics::Tuned& tuned = out.tuned.emplace(acoustics::tune(ring, tuning, foci));
   voice.stride = tuned.ring.stride;
   voice.dwell_s = tuned.ring.dwell_s;
   if (tuned.ring.foci == count) return;

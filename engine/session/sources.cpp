@@ -44,10 +44,14 @@ SourceKind synthetic_source(std::string name, std::string help, sensing::Motion 
 }
 
 std::vector<SourceKind> builtin_sources() {
-  return {
-      synthetic_source("synthetic", "synthetic[:MESH]: a rendered fingertip, or another mesh, that dips in and out",
-                       sensing::dipping_motion),
-      {"recording", "recording:DIR: what palpa run --record wrote, or a folder with a recording.toml", open_recording}};
+  return {synthetic_source("synthetic", "synthetic[:MESH]: a rendered fingertip, or another mesh, that dips in and out",
+                           sensing::dipping_motion),
+          {"recording", "recording:DIR: what palpa run --record wrote, or a folder with a recording.toml",
+           open_recording, true}};
+}
+
+bool ends_by_itself(const std::string& spec, std::span<const SourceKind> kinds) {
+  return find_kind(kinds, parse_spec(spec).name, "source").ends;
 }
 
 std::unique_ptr<sensing::DepthSource> open_source(const std::string& spec, std::span<const SourceKind> kinds,

@@ -30,6 +30,7 @@ struct SourceKind {
   std::string name;
   std::string help;
   std::function<std::unique_ptr<sensing::DepthSource>(const std::string& argument, const SourceSetting&)> open;
+  bool ends = false;  ///< by itself, since it was recorded
 };
 
 /// `name`: a rendered fingertip, or another mesh, that moves so.
@@ -40,6 +41,9 @@ std::vector<SourceKind> builtin_sources();
 
 /// A skin mesh from a PLY or, all its meshes together, from a glTF file. Throws bad_input where there is none in it.
 geometry::Mesh load_skin(const std::string& file);
+
+/// Whether "name" or "name:argument" ends by itself. Throws bad_usage as open_source does.
+bool ends_by_itself(const std::string& spec, std::span<const SourceKind> kinds);
 
 /// Opens "name" or "name:argument". Throws bad_usage with the known names for an unknown one, bad_input for broken
 /// files.

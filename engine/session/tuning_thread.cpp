@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "acoustics/asked_field.hpp"
 #include "session/give_way.hpp"
 #include "touch/types.hpp"
 
@@ -34,13 +35,14 @@ void TuningThread::begin(acoustics::StrideTuner& strides) {
   if (!asked_) questions_.back().count = 0;
 }
 
-void TuningThread::look_at(std::uint32_t id, std::span<const Vec3> foci, double time_s,
+void TuningThread::look_at(std::uint32_t id, std::span<const Vec3> foci, bool asks, double time_s,
                            const acoustics::StrideTuner& strides) {
   Question& question = questions_.back();
   if (asked_ || question.count == question.rings.size() || !strides.wants(id, time_s)) return;
   Ring& ring = question.rings[question.count++];
   ring.id = id;
   ring.time_s = time_s;
+  ring.asks = asks;
   ring.foci.assign(foci.begin(), foci.end());
 }
 
@@ -53,6 +55,8 @@ void TuningThread::end() {
 void TuningThread::work() {
   take_no_signals();
   give_way();
+  const acoustics::AskedField asked(field_);
+  const acoustics::FocusField& field = field_;
   try {
     while (!ends_) {
       if (!questions_.take(std::chrono::hours(1))) continue;
@@ -61,7 +65,7 @@ void TuningThread::work() {
       answers.clear();
       for (std::size_t i = 0; i < question.count && !ends_; ++i) {
         const Ring& ring = question.rings[i];
-        const acoustics::PathField path(field_, ring.foci, &ends_);
+        const acoustics::PathField path(ring.asks ? asked : field, ring.foci, &ends_);
         answers.push_back({ring.id, ring.time_s, path.harmonics(static_cast<std::uint32_t>(ring.foci.size()))});
       }
       answers_.publish();

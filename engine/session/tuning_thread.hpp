@@ -33,8 +33,9 @@ class TuningThread {
   /// How many fingers' fields have become known so far.
   std::uint64_t known() const { return known_; }
   /// A finger of that frame, its foci in the order of their sectors: asks for it where `strides` wants it and no other
-  /// question is under way.
-  void look_at(std::uint32_t id, std::span<const Vec3> foci, double time_s, const acoustics::StrideTuner& strides);
+  /// question is under way. `asks`: for a pressure, which each focus has then.
+  void look_at(std::uint32_t id, std::span<const Vec3> foci, bool asks, double time_s,
+               const acoustics::StrideTuner& strides);
   /// The frame's last finger was looked at.
   void end();
 
@@ -42,6 +43,7 @@ class TuningThread {
   struct Ring {
     std::uint32_t id = 0;
     double time_s = 0;
+    bool asks = false;
     std::vector<Vec3> foci;
   };
   /// Only the first `count` are valid; the others keep their storage.

@@ -65,7 +65,8 @@ std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKin
 void add_frame_options(const Group& group, FrameOptions& o, const char* until) {
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
   group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000, "scene of the file (default: the file's own)");
-  group.text("--source", o.source, "SOURCE", "synthetic[:MESH], recording:DIR, v4l2:/dev/videoN[,...] or bag:FILE");
+  group.text("--source", o.source, "SOURCE",
+             "synthetic[:MESH], recording:DIR, v4l2:/dev/videoN[,...], realsense:SERIAL[,...] or bag:FILE");
   group.integer("--frames", o.frames, 0, std::uint64_t{1} << 62, until);
   add_loop_options(group, o);
 }

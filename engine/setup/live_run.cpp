@@ -33,6 +33,11 @@ void add_link_options(const Group& group, LiveOptions& o) {
   group.text("--record", o.record, "DIR", "write every frame into a new folder, to be replayed as recording:DIR");
 }
 
+void add_stats_option(const Group& group, StatsFormat& stats) {
+  group.choice("--stats", stats, {{"none", StatsFormat::none}, {"json", StatsFormat::json}},
+               "what the loop measured, on stdout; --json writes the same");
+}
+
 std::vector<Output> outputs_of(const LiveOptions& o, std::span<const session::LinkKind> links) {
   return {{"--json", o.common.json},
           {"--events", o.events.starts_with("udp:") ? "" : o.events},
@@ -99,6 +104,16 @@ session::LoopStats LiveRun::run(const session::RunOptions& looking) {
     stats.unrecorded += out_of_order;
   }
   return stats;
+}
+
+std::string summary(const session::LoopStats& stats) {
+  const std::string text = fmt::format(
+      "{} frames, {} with a touch, {} left out for newer ones\n"
+      "frame to drives: median {:.2f} ms, p99 {:.2f} ms; {} drives, {} of them silent, {} slots overslept\n",
+      stats.captured, stats.touching, stats.replaced, stats.frame_to_plan_s.quantile(0.5) * 1e3,
+      stats.frame_to_plan_s.quantile(0.99) * 1e3, stats.output.drives, stats.output.silent_drives,
+      stats.output.skipped_slots);
+  return text + pressures_summary(stats.fingers, stats.solids);
 }
 
 }  // namespace palpa::setup

@@ -26,6 +26,10 @@ struct LiveOptions : FrameOptions {
   bool every_frame = false;
   std::string record;
 };
+/// What stdout is told of a run when it ends, beside --json.
+enum class StatsFormat { none, json };
+void add_stats_option(const Group& group, StatsFormat& stats);
+
 /// Where drives go, and what else becomes of the frames.
 void add_link_options(const Group& group, LiveOptions& options);
 
@@ -55,6 +59,9 @@ class LiveRun {
   std::optional<sensing::RecordingWriter> recorder_;
   std::unique_ptr<session::Link> link_;
 };
+
+/// What a run has measured, for people: a line each, with that of every finger's pressure.
+std::string summary(const session::LoopStats& stats);
 
 /// palpa's own links and these, which take the place of those of the same name.
 std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links);

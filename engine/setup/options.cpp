@@ -82,8 +82,8 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
                  "contacts no farther apart than this are in one finger");
   group.integer("--min-points", p.min_points, 1, 1u << 30, "contacts that make a finger");
   group.quantity("--finger-width", p.finger_width_m, Quantity::length, {0, 1},
-                 "depth cameras: no finger is wider, so what is is split, patches are joined, flying pixels dropped; "
-                 "0: none of it");
+                 "depth cameras: what is wider is several fingers, patches of one finger are joined, flying pixels are "
+                 "dropped; 0: none of it");
   group.choice("--cluster", p.cluster, touch::cluster_words,
                "what is clustered into fingers: contacts, or all skin inside a solid");
   options.foci_name = foci;

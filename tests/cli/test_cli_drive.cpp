@@ -230,6 +230,34 @@ TEST_P(Drive, RingsOfAFingertipAreEvenUnderEveryConstraint) {
   }
 }
 
+// Rings that lie aslant, whose best phases run once around them or change sides: from those of a single way to the
+// foci nobody climbs there.
+TEST_P(Drive, TiltedRingsHaveTheirBestPhases) {
+  struct Ring {
+    double radius, u[3], v[3];
+  };
+  for (const auto& [radius, u, v] : {Ring{2e-3, {-0.8267, 0, -0.5626}, {-0.2759, -0.8715, 0.4054}},
+                                     Ring{3.4e-3, {-0.9062, 0, -0.4229}, {-0.06726, -0.9873, 0.1441}},
+                                     Ring{6.6e-3, {0.6112, -0, 0.7915}, {0.02378, -0.9995, -0.01836}}}) {
+    std::vector<std::string> line{"drive",        "--backend", GetParam(), "--layout", "paper",
+                                  "--constraint", "uniform",   "--json",   "-"};
+    for (int i = 0; i < 10; ++i) {
+      const double angle = 2 * std::numbers::pi * i / 10;
+      std::string focus;
+      for (int axis = 0; axis < 3; ++axis)
+        focus += (axis ? "," : "") + std::to_string(radius * (std::cos(angle) * u[axis] + std::sin(angle) * v[axis]));
+      line.insert(line.end(), {"--focus", focus});
+    }
+    const auto weakest = [&](const std::string& solver) {
+      std::vector<std::string> arguments = line;
+      arguments.insert(arguments.end(), {"--solver", solver});
+      const auto pressures = json::parse(palpa(arguments).out)["pressures_pa"].get<std::vector<double>>();
+      return *std::ranges::min_element(pressures);
+    };
+    EXPECT_GE(weakest("gs-pat"), 0.95 * weakest("greedy")) << radius;
+  }
+}
+
 // On one board, too: upright rings on its axis, which are hard to even out with phases alone.
 TEST_P(Drive, UprightRingsAboveABoardAreAsEvenAsGreedys) {
   for (const double radius : {6e-3, 7e-3}) {

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "array/drive.hpp"
+#include "driver/made_up_bag.hpp"
 #include "process.hpp"
 #include "session/record_link.hpp"
 #include "setup/load.hpp"
@@ -238,6 +239,17 @@ TEST_F(CliExport, FociAsATable) {
   for (; std::getline(table, line); ++rows)
     EXPECT_NE(line.find(",0,cube," + std::to_string(rows % 6) + ","), std::string::npos) << line;
   EXPECT_EQ(rows, times.size() * 6);
+}
+
+TEST_F(CliExport, ABagEndsByItselfToo) {
+  const driver::rosbag::test::MadeUpBag bag;
+  const auto bytes = bag.bytes();
+  std::ofstream(in("take.bag"), std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  const Result result =
+      exported("bag:" + in("take.bag"), {"--backend", "cpu", "--foci", in("f.json"), "--json", in("all.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(json::parse(read_text(in("all.json")))["frames"], bag.times_s.size());
 }
 
 TEST_F(CliExport, WhatCannotBeExportedIsRefused) {

@@ -66,15 +66,20 @@ class Nudge : public testing::Test {
     const geometry::Mesh mesh{finger.positions, finger.triangles};
     const sensing::Posed posed{&mesh, glm::translate(Transform(1.0), Vec3(0, -0.003, 0))};
     sensing::SyntheticRig synthetic(rig_.cameras, {}, sensing::Noise::none, 1);
-    sensing::RecordingWriter writer(file("still"), rig_.cameras);
+    sensing::RecordingWriter writer(file("still"), rig_.cameras), stuck(file("stuck"), rig_.cameras);
     sensing::FrameSet set;
     for (int i = 0; i < 24; ++i) {
       synthetic.render(std::span(&posed, 1), static_cast<std::uint64_t>(i), set);
-      for (sensing::DepthFrame& frame : set.frames)
-        frame.time_s = i / 90.0;
-      set.time_s = i / 90.0;
+      set_time(set, i / 90.0);
       writer.write(set);
+      if (i == 22) set_time(set, 1000);
+      if (i >= 21 && i < 23) stuck.write(set);
     }
+  }
+  static void set_time(sensing::FrameSet& set, double time_s) {
+    for (sensing::DepthFrame& frame : set.frames)
+      frame.time_s = time_s;
+    set.time_s = time_s;
   }
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
   std::vector<std::string> nudge(const std::string& keys) const {
@@ -203,6 +208,18 @@ TEST_F(Nudge, ATerminalIsAsItWasBeforeOnEveryWayOut) {
     EXPECT_TRUE(fails.shows("No space left")) << fails.text();
     restored(fails);
   }
+}
+
+TEST_F(Nudge, KeysAreReadWhileNoFrameComes) {
+  Terminal terminal("sh", {"-c", shell_line(" --out " + file("nudged.toml") + " --source recording:" + file("stuck"))});
+  ASSERT_TRUE(terminal.shows("x +0.0")) << terminal.text();
+  terminal.type("\x1b[C");
+  EXPECT_TRUE(terminal.shows("x +1.0")) << terminal.text();
+  terminal.type("\r");
+  EXPECT_TRUE(terminal.shows("written to")) << terminal.text();
+  EXPECT_TRUE(terminal.shows("all said")) << terminal.text();
+  const Vec3 moved((*sensing::load_rig(file("nudged.toml")).array->T_world_layout)[3]);
+  EXPECT_LT(glm::distance(moved, Vec3(-0.001, -0.15, 0)), 1e-12);
 }
 
 }  // namespace

@@ -1,7 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
+#include <thread>
+#include <tuple>
 
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"
@@ -74,6 +79,57 @@ TEST(Device, StagedAndUnifiedBuffersCarryTheSameBytes) {
     EXPECT_TRUE(timeline.done(value));
     EXPECT_EQ(std::memcmp(upload.data(), readback.data(), 1000), 0) << "staging " << staging;
   }
+}
+
+// A driver's own would serve no other driver's device; and whoever calls one must not meet another that loads them.
+TEST(Device, FunctionsAreTheLoadersAndLoadedOnce) {
+  const Device device;
+  const auto all = [] {
+    return std::tuple(vkCmdDispatch, vkQueueSubmit, vkCmdPushDescriptorSetKHR, vkGetPhysicalDeviceProperties,
+                      vkSetDebugUtilsObjectNameEXT);
+  };
+  const auto before = all();
+  EXPECT_EQ(reinterpret_cast<PFN_vkVoidFunction>(vkCmdDispatch),
+            vkGetInstanceProcAddr(device.instance(), "vkCmdDispatch"));
+  EXPECT_NE(reinterpret_cast<PFN_vkVoidFunction>(vkCmdDispatch), vkGetDeviceProcAddr(device.get(), "vkCmdDispatch"));
+  std::atomic<bool> done{false};
+  std::thread lists([&] {
+    while (!done)
+      list_devices();
+  });
+  Buffer buffer(device, 320, "filled");
+  const Recorder recorder(device, "fill");
+  Timeline timeline(device);
+  for (VkDeviceSize i = 0; i < 20; ++i) {
+    vkCmdFillBuffer(recorder.begin(), buffer.ref().buffer, 16 * i, 16, 7);
+    timeline.wait(timeline.submit(recorder.end()));
+  }
+  done = true;
+  lists.join();
+  const Device another;
+  EXPECT_EQ(all(), before);
+}
+
+TEST(Timeline, ASubmitOfNothingIsDoneWhenAllBeforeItIs) {
+  const char* const validation = std::getenv("PALPA_VALIDATION");
+  if (validation && std::string_view(validation) == "gpu-assisted")
+    GTEST_SKIP() << "this validation waits for a queue before its host may signal an event";
+  const Device& device = palpa::test::test_device();
+  VkEvent later = VK_NULL_HANDLE;
+  const VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
+  PALPA_VK(vkCreateEvent(device.get(), &info, nullptr, &later));
+  const Handle<VkEvent> owner(device.get(), later, vkDestroyEvent);
+  const Recorder recorder(device, "waits");
+  Timeline work(device), drained(device);
+  const VkCommandBuffer commands = recorder.begin();
+  vkCmdWaitEvents(commands, 1, &later, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, nullptr, 0,
+                  nullptr, 0, nullptr);
+  const std::uint64_t busy = work.submit(recorder.end()), end = drained.submit();
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_FALSE(drained.done(end));
+  PALPA_VK(vkSetEvent(device.get(), later));
+  drained.wait(end);
+  EXPECT_TRUE(work.done(busy));
 }
 
 TEST(Device, ALostDeviceIsAnErrorNotACrash) {

