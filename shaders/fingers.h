@@ -20,10 +20,15 @@ PALPA_CONST blocks_group = 64u;
 PALPA_CONST blocks_most_groups = 256u;
 // Tests of two blocks before their groups of cells that are still apart are put on the list of crowded ones.
 PALPA_CONST fingers_patience = 32u;
-// Room on that list, and on that of blocks that touch. When either runs out, a last pass tests everything again, pair
-// by pair: slow, but no less exact.
-PALPA_CONST fingers_contacts_per_crowded = 4u;
+// Room on that list, and on that of blocks that touch. When either runs out, a pass tests everything again, pair by pair:
+// slow, but no less exact.
+PALPA_CONST fingers_crowded_per_contact = 1u;
 PALPA_CONST fingers_links_per_contact = 6u;
+// A software device ends all loops of a shader after 65,535 turns together, and what they were about to say is then anything.
+// So a thread looks at few pairs of contacts and lists what it could not decide; for a pair of groups there, the first
+// one's contacts go to so many groups of blocks_group threads. That is enough for 20,000 contacts in each of the two.
+PALPA_CONST fingers_rest_patience = 2048u;
+PALPA_CONST fingers_undecided_parts = 16u;
 
 // Bindings of all shaders but fingers_select. What a pass only reads it reads as texels, see engine/gpu/texel_view.hpp.
 PALPA_CONST fingers_total = 0u;     // ScanTotal of the contacts
@@ -36,7 +41,7 @@ PALPA_CONST fingers_bases = 5u;     // uint[]: per slot its first cell's number
 PALPA_CONST fingers_places = 6u;    // uint[]: per contact its slot times 64, plus its cell there, or fingers_first
 PALPA_CONST fingers_list = 7u;      // uint[]: the blocks that hold contacts: slot times 8, plus the block there
 PALPA_CONST fingers_links = 8u;     // uint[]: a block's place in `list` times 64, plus a neighbour: see
-                                    // fingers_neighbours.glsl
+                                    // fingers_neighbours.glsl. Then CrowdedPair[]: those that stayed undecided
 PALPA_CONST fingers_groups = 9u;    // uint[]: per block, at its first cell's number: see fingers_cells.glsl
 PALPA_CONST fingers_crowded = 10u;  // CrowdedPair[]
 PALPA_CONST fingers_work = 11u;     // FingersWork
@@ -118,22 +123,29 @@ struct FingersWork {
   uint links_y;
   uint links_z;
   uint links;
+  uint crowded_x;
+  uint crowded_y;
+  uint crowded_z;
+  uint crowded;
+  uint undecided_x;
+  uint undecided_y;
+  uint undecided_z;
+  uint undecided;
   uint rest_x;  // none unless the list of links or that of crowded pairs ran out
   uint rest_y;
   uint rest_z;
-  uint crowded;
   uint cells;
-  uint unused0;
-  uint unused1;
-  uint unused2;
 };
-PALPA_CHECK_SIZE(FingersWork, 64);
+PALPA_CHECK_SIZE(FingersWork, 80);
 PALPA_CHECK_OFFSET(FingersWork, blocks, 12);
 PALPA_CHECK_OFFSET(FingersWork, links_x, 16);
 PALPA_CHECK_OFFSET(FingersWork, links, 28);
-PALPA_CHECK_OFFSET(FingersWork, rest_x, 32);
+PALPA_CHECK_OFFSET(FingersWork, crowded_x, 32);
 PALPA_CHECK_OFFSET(FingersWork, crowded, 44);
-PALPA_CHECK_OFFSET(FingersWork, cells, 48);
+PALPA_CHECK_OFFSET(FingersWork, undecided_x, 48);
+PALPA_CHECK_OFFSET(FingersWork, undecided, 60);
+PALPA_CHECK_OFFSET(FingersWork, rest_x, 64);
+PALPA_CHECK_OFFSET(FingersWork, cells, 76);
 
 struct Cluster {
   uint smallest;  // contact

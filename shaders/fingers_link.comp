@@ -7,8 +7,8 @@
 #include "scan.h"
 
 // Unites groups of cells of blocks that touch where they hold two contacts within the gap: one thread per pair of blocks on
-// the list. Groups of two blocks that a few tests leave apart go to fingers_crowded. With `all` they do not, and every block's
-// every neighbour is looked at: that is for when one of the lists was too short.
+// the list. Groups of two blocks that a few tests leave apart go to fingers_crowded. With `all` every block's every neighbour is
+// looked at, for when one of the lists was too short, and what many tests leave apart goes to fingers_undecided.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool all = false;
 
@@ -17,7 +17,7 @@ layout(set = 0, binding = fingers_nodes) uniform usamplerBuffer nodes;
 layout(set = 0, binding = fingers_tiles) uniform usamplerBuffer tiles;
 layout(set = 0, binding = fingers_bases) uniform usamplerBuffer bases;
 layout(set = 0, binding = fingers_list) uniform usamplerBuffer list;
-layout(std430, set = 0, binding = fingers_crowded) writeonly buffer Crowded { uvec4 crowded[]; };  // CrowdedPair
+layout(std430, set = 0, binding = fingers_crowded) writeonly buffer Left { uvec4 left[]; };  // CrowdedPair
 layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
 layout(std430, set = 0, binding = fingers_forest) buffer Forest { uint forest[]; };
 layout(set = 0, binding = fingers_seen) uniform usamplerBuffer seen;
@@ -28,6 +28,7 @@ layout(push_constant) uniform Push { FingersPush push; };
 #include "fingers_cells.glsl"
 #include "fingers_neighbours.glsl"
 #include "fingers_pairs.glsl"
+#include "fingers_undecided.glsl"
 #include "fingers_union.glsl"
 
 // By the axes along which two blocks lie apart, as bits x, y, z: the pairs of cells at most two apart, as pairs_of has them,
@@ -37,10 +38,19 @@ const uvec2 reachable[8] =
              uvec2(0x113355ffu, 0x113355ffu), uvec2(0xffffffffu, 0x0f0f0f0fu), uvec2(0x55ff55ffu, 0x050f050fu),
              uvec2(0x3333ffffu, 0x03030f0fu), uvec2(0x113355ffu, 0x0103050fu));
 
-// A pair for fingers_crowded: its four words as one vector, a software device then finds its place only once.
+// A pair for the pass that decides: its four words as one vector, a software device then finds its place only once.
 void defer(uvec4 pair) {
-  const uint place = atomicAdd(work.crowded, 1u);
-  if (place < push.most_contacts / fingers_contacts_per_crowded) crowded[place] = pair;
+  if (all) {
+    const uint place = atomicAdd(work.undecided, 1u);
+    if (place >= undecided_room(push.most_contacts)) return;
+    left[place] = pair;
+    atomicMax(work.undecided_x, undecided_groups(place));
+  } else {
+    const uint place = atomicAdd(work.crowded, 1u);
+    if (place >= push.most_contacts * fingers_crowded_per_contact) return;
+    left[place] = pair;
+    if (place % blocks_group == 0u) atomicMax(work.crowded_x, place / blocks_group + 1u);
+  }
 }
 
 bool links_ran_out() { return work.links > push.most_contacts * fingers_links_per_contact; }
@@ -83,7 +93,7 @@ void main() {
     uvec2 apart = pairs_of(first_cells(groups_here), first_cells(groups_there));  // groups; mostly one pair
     if (itself) apart &= each_pair_once;
     Search search = search_in(itself ? pairs_in_reach & each_pair_once : pairs_in_reach);
-    if (all) {  // patience has no end: spare it what is together already
+    if (all) {  // patience is long: spare it what is together already
       uvec2 todo = apart;
       for (uint k = 0u; k < 64u && (todo.x | todo.y) != 0u; ++k) {
         const uint pair = take_pair(todo);
@@ -93,7 +103,7 @@ void main() {
       }
     }
     uvec2 together = uvec2(0u);
-    for (uint k = 0u; (all || k < fingers_patience) && more(search); ++k) {
+    for (uint k = 0u; k < (all ? fingers_rest_patience : fingers_patience) && more(search); ++k) {
       if (!test(search, here, there, face_here, face_there)) continue;
       const uint a = group_of(groups_here, face_here ^ (search.pair >> 3u));
       const uint b = group_of(groups_there, face_there ^ (search.pair & 7u));

@@ -17,7 +17,7 @@ void main() {
   const uint slots = table_slots(min(found.total, push.most_contacts));
   const uint threads = gl_NumWorkGroups.x * contact_group;
   if (gl_GlobalInvocationID.x == 0u) {
-    work = FingersWork(0u, 1u, 1u, 0u, 0u, 1u, 1u, 0u, 0u, 1u, 1u, 0u, 0u, 0u, 0u, 0u);
+    work = FingersWork(0u, 1u, 1u, 0u, 0u, 1u, 1u, 0u, 0u, 1u, 1u, 0u, 0u, fingers_undecided_parts, 1u, 0u, 0u, 1u, 1u, 0u);
   }
   for (uint s = gl_GlobalInvocationID.x; s < slots; s += threads) {
     tiles[s] = uvec4(fingers_nothing, fingers_nothing, 0u, 0u);

@@ -17,6 +17,7 @@
 #include "spirv/fingers_place.comp.hpp"
 #include "spirv/fingers_prepare.comp.hpp"
 #include "spirv/fingers_select.comp.hpp"
+#include "spirv/fingers_undecided.comp.hpp"
 #include "touch/finger_cells.hpp"
 
 namespace palpa::touch {
@@ -47,6 +48,7 @@ void FingersPass::prepare(const Parameters& parameters) {
     link_ = kernel(*device_, "fingers link", spirv::fingers_link_comp, shader::fingers_link_texels);
     crowded_ = kernel(*device_, "fingers crowded", spirv::fingers_crowded_comp, shader::fingers_crowded_texels);
     rest_ = kernel(*device_, "fingers rest", spirv::fingers_link_comp, shader::fingers_link_texels, {&test_all, 1});
+    undecided_ = kernel(*device_, "fingers undecided", spirv::fingers_undecided_comp, shader::fingers_crowded_texels);
     select_ = {*device_,
                "fingers select",
                spirv::fingers_select_comp,
@@ -75,7 +77,7 @@ std::vector<gpu::ScratchPiece> FingersPass::scratch(const Room& room) {
   of[list] = {"finger blocks", points * 4, VK_FORMAT_R32_UINT};
   of[links] = {"finger links", points * 4 * shader::fingers_links_per_contact, VK_FORMAT_R32_UINT};
   of[groups] = {"finger groups", points * 4, VK_FORMAT_R32_UINT};
-  of[crowded] = {"finger crowded", points * 4 + sizeof(shader::CrowdedPair)};
+  of[crowded] = {"finger crowded", points * sizeof(shader::CrowdedPair) * shader::fingers_crowded_per_contact};
   of[forest] = {"finger forest", points * 4, VK_FORMAT_R32_UINT};
   of[work] = {"finger work", sizeof(shader::FingersWork)};
   of[inside_total] = {"inside total", sizeof(shader::ScanTotal)};
@@ -99,10 +101,12 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, con
                      shader::contacts_most_groups / 2);
     gpu::compute_to_compute(commands);
   }
-  const auto run = [&](const gpu::ComputePipeline& kernel, gpu::BufferRef where, VkDeviceSize at) {
+  // `left`: where the kernel lists what it leaves undecided.
+  const auto run = [&](const gpu::ComputePipeline& kernel, gpu::BufferRef where, VkDeviceSize at,
+                       Piece left = crowded) {
     kernel.dispatch_indirect(commands,
                              {total, contacts, b.solids, s[nodes], s[tiles], s[bases], s[places], s[list], s[links],
-                              s[groups], s[crowded], s[work], s[forest], b.parents, b.clusters, s[forest]},
+                              s[groups], s[left], s[work], s[forest], b.parents, b.clusters, s[forest]},
                              push, {where.buffer, where.offset + at, sizeof(VkDispatchIndirectCommand)});
     gpu::compute_to_compute(commands);
   };
@@ -114,8 +118,9 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, con
   if (times) times->mark(commands, "cells");
   run(blocks_, s[work], offsetof(shader::FingersWork, blocks_x));
   run(link_, s[work], offsetof(shader::FingersWork, links_x));
-  run(crowded_, s[work], offsetof(shader::FingersWork, links_x));
-  run(rest_, s[work], offsetof(shader::FingersWork, rest_x));
+  run(crowded_, s[work], offsetof(shader::FingersWork, crowded_x));
+  run(rest_, s[work], offsetof(shader::FingersWork, rest_x), links);
+  run(undecided_, s[work], offsetof(shader::FingersWork, undecided_x));
   if (times) times->mark(commands, "links");
   run(inside ? label_inside_ : label_, total, per_contact);
   push.most_contacts = room.contacts;

@@ -34,9 +34,10 @@ struct FingersBindings {
   gpu::BufferRef deep = {};        ///< in: shader::ContactRecord[]
 };
 
-/// Pipelines only; ten dispatches, and gather before them for Cluster::inside: prepare, insert, collect, place, blocks,
-/// link, crowded, rest, label, select. Every loop is bounded; the fingers do not depend on the order in which anything
-/// ran.
+/// Pipelines only; eleven dispatches, and gather before them for Cluster::inside: prepare, insert, collect, place,
+/// blocks, link, crowded, rest, undecided, label, select. Every loop is bounded; the fingers do not depend on the order
+/// in which anything ran. A software device, which counts a shader's turns, finds them exactly unless more than 40,000
+/// contacts lie in a cube with sides of a gap, beside as many that no plane tells apart from them.
 class FingersPass {
  public:
   explicit FingersPass(const gpu::Device& device) : device_(&device) {}
@@ -71,7 +72,7 @@ class FingersPass {
 
   const gpu::Device* device_;
   gpu::ComputePipeline gather_, label_inside_, prepare_, insert_, collect_, place_, blocks_, link_, crowded_, rest_,
-      label_, select_;
+      undecided_, label_, select_;
 };
 
 }  // namespace palpa::touch

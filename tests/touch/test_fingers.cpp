@@ -251,6 +251,45 @@ TEST_P(Fingers, CurvedCrowdsStayApart) {
   expect_exact(points, 10.21e-3);
 }
 
+/// A ball of contacts and a cap of a shell around it, `size` each, just out of the ball's reach: no plane and no box
+/// tells them apart. With `bridged` two more, one of each, that alone are in reach.
+std::vector<glm::vec3> ball_and_cap(int size, double gap, bool bridged) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto direction = [&] {
+    for (;;) {
+      const double x = unit(random), y = unit(random), z = unit(random);
+      if (const Vec3 d(x, y, z); glm::length(d) < 1 && glm::length(d) > 0.1) return glm::normalize(d);
+    }
+  };
+  const Vec3 middle(0.5), ball(0.02 * gap), cap(1.021 * gap);
+  std::vector<glm::vec3> points;
+  points.reserve(4096);
+  for (int i = 0; i < size; ++i) {
+    Vec3 d = direction();
+    points.emplace_back(gap * middle + ball * d);
+    while (d.x + d.y + d.z < 0.5)
+      d = direction();
+    points.emplace_back(gap * middle + cap * d);
+  }
+  if (bridged) {
+    const Vec3 d = glm::normalize(Vec3(1, 0.8, 1.2));
+    points.insert(points.begin() + size, glm::vec3(gap * middle + ball * d));
+    points.insert(points.begin() + size / 2, glm::vec3(gap * middle + 0.999 * cap * d - 0.001 * ball * d));
+  }
+  return points;
+}
+
+TEST_P(Fingers, CrowdsThatNothingButEveryPairTellsApart) {
+  const double gap = 10e-3;
+  for (const int size : {300, 1000, 4000}) {
+    for (const bool bridged : {false, true}) {
+      const Touch touch = run(ball_and_cap(size, gap, bridged), everything_is_contact(gap));
+      EXPECT_EQ(touch.cluster_count, bridged ? 1U : 2U) << size << (bridged ? ", bridged" : "");
+    }
+  }
+}
+
 /// Pairs of tight crowds just out of each other's reach, in every direction and place relative to the cells; with
 /// `bridged` the first point of each leans over, so that these two alone are in reach, and lists that begin with the
 /// newest find them last.

@@ -21,6 +21,7 @@
 #include "spirv/fingers_place.comp.hpp"
 #include "spirv/fingers_prepare.comp.hpp"
 #include "spirv/fingers_select.comp.hpp"
+#include "spirv/fingers_undecided.comp.hpp"
 #include "spirv/foci.comp.hpp"
 #include "spirv/follow.comp.hpp"
 #include "spirv/glide.comp.hpp"
@@ -265,7 +266,8 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                 true);
   expect_struct(link, "FingersWork", sizeof(shader::FingersWork),
                 {MEMBER(FingersWork, blocks_x), MEMBER(FingersWork, blocks), MEMBER(FingersWork, links_x),
-                 MEMBER(FingersWork, rest_x), MEMBER(FingersWork, crowded), MEMBER(FingersWork, cells)},
+                 MEMBER(FingersWork, crowded_x), MEMBER(FingersWork, crowded), MEMBER(FingersWork, undecided_x),
+                 MEMBER(FingersWork, undecided), MEMBER(FingersWork, rest_x), MEMBER(FingersWork, cells)},
                 false);
   expect_struct(link, "FingersPush", sizeof(shader::FingersPush),
                 {MEMBER(FingersPush, cells_per_metre), MEMBER(FingersPush, limit), MEMBER(FingersPush, most_contacts),
@@ -335,7 +337,8 @@ TEST(TouchShaders, HaveTheWorkgroupsThatTheirHeadersName) {
   }
   for (const auto words : {std::span<const std::uint32_t>(spirv::fingers_blocks_comp),
                            std::span<const std::uint32_t>(spirv::fingers_link_comp),
-                           std::span<const std::uint32_t>(spirv::fingers_crowded_comp)}) {
+                           std::span<const std::uint32_t>(spirv::fingers_crowded_comp),
+                           std::span<const std::uint32_t>(spirv::fingers_undecided_comp)}) {
     EXPECT_EQ(size_of(words), shader::blocks_group);
   }
   EXPECT_EQ(size_of(spirv::fingers_select_comp), shader::fingers_select_group);

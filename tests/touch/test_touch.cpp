@@ -243,7 +243,7 @@ TEST(Passes, MakeThePipelinesThatStagesNeedAndEachOnce) {
     before = now;
     return count;
   };
-  EXPECT_EQ(made({cube()}, {}), 12u);                             // to find and pack contacts; for fingers
+  EXPECT_EQ(made({cube()}, {}), 13u);                             // to find and pack contacts; for fingers
   EXPECT_EQ(made({cube()}, {.detail = Detail::fingers}), 0u);     // the same
   EXPECT_EQ(made({cube()}, {.follow = true}), 2u);                // to follow, and for foci that glide
   EXPECT_EQ(made({cube(), cube()}, {}), 1u);                      // to find contacts of several solids
