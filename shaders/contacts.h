@@ -5,12 +5,15 @@
 #include "shared.h"
 PALPA_SHADER_BEGIN
 
-// The points are cut into contacts_chunks stretches of whole rounds of a group, one group each: few groups, since
-// starting one costs a software device a microsecond, and their counts need no scan of their own.
+// The points are cut into chunks, stretches of whole rounds of a group, one group each: contacts_chunks of them, since
+// starting one costs a software device a microsecond and their counts need no scan of their own; more only where a
+// thread would look at too much, see contacts_most_turns. Always a multiple of four.
 PALPA_CONST contacts_group = 64u;
 PALPA_CONST contacts_chunks = 64u;
+// What a thread may look at: a software device ends all loops of a shader after 65,535 turns together.
+PALPA_CONST contacts_most_turns = 60000u;
 PALPA_CONST contacts_most_words = 2048u;  // of 32 points each, in one chunk
-PALPA_CONST contacts_most_points = 4194304u;
+PALPA_CONST contacts_most_points = 4000000u;
 PALPA_CONST no_finger = 0xffffffffu;
 
 // Passes over contacts: threads stride over them in at most contacts_most_groups groups.
@@ -22,12 +25,12 @@ PALPA_CONST contacts_points = 0u;       // uvec4[]: bits of x, y, z; the point's
 PALPA_CONST contacts_length = 1u;       // ScanTotal of the points
 PALPA_CONST contacts_hits = 2u;         // Hit[]: per point, written for contacts only
 PALPA_CONST contacts_masks = 3u;        // uint[]: which of 32 points are contacts
-PALPA_CONST contacts_counts = 4u;       // uint[contacts_chunks]: contacts per chunk
+PALPA_CONST contacts_counts = 4u;       // uint[]: contacts per chunk
 PALPA_CONST contacts_solids = 5u;       // SolidRecord[]
 PALPA_CONST contacts_cells = 6u;        // PlaneCell[]
 PALPA_CONST contacts_planes = 7u;       // vec4[]: normal, offset
 PALPA_CONST contacts_deep_masks = 8u;   // uint[]: which of 32 points are deep points, where asked for
-PALPA_CONST contacts_deep_counts = 9u;  // uint[contacts_chunks]
+PALPA_CONST contacts_deep_counts = 9u;  // uint[]
 PALPA_CONST contacts_find_buffers = 10u;
 // contacts_surface only: texel buffers, see surface.h.
 PALPA_CONST contacts_surface_cells = 10u;      // SurfaceCell[], two words a texel

@@ -26,7 +26,7 @@ void main() {
   const uint group = gl_WorkGroupID.x;
   if (thread == 0u) {
     uint first = 0u, total = 0u;
-    for (uint k = 0u; k < contacts_chunks / 4u; ++k) {
+    for (uint k = 0u; k < gl_NumWorkGroups.x / 4u; ++k) {
       const uvec4 four = counts[k];
       if (k == group / 4u) {
         first = total + (group % 4u > 0u ? four.x : 0u) + (group % 4u > 1u ? four.y : 0u) +

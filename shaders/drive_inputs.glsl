@@ -1,4 +1,4 @@
-// What drives are reckoned from, read as texels: a software device fetches 16 bytes in one piece.
+// What drives are computed from, read as texels: a software device fetches 16 bytes in one piece.
 
 layout(set = 0, binding = drive_transducers) uniform samplerBuffer transducers;
 layout(set = 0, binding = drive_foci) uniform samplerBuffer foci;

@@ -18,15 +18,17 @@ PALPA_CONST fingers_most_blocks = 30000u;
 // Groups of the passes over blocks.
 PALPA_CONST blocks_group = 64u;
 PALPA_CONST blocks_most_groups = 256u;
+PALPA_CONST rest_most_groups = 16384u;
 // Tests of two blocks before their groups of cells that are still apart are put on the list of crowded ones.
 PALPA_CONST fingers_patience = 32u;
-// Room on that list, and on that of blocks that touch. When either runs out, a pass tests everything again, pair by pair:
-// slow, but no less exact.
+// Room on that list, and on that of blocks that touch. When either runs out, a pass tests everything again, pair by
+// pair: slow, but no less exact.
 PALPA_CONST fingers_crowded_per_contact = 1u;
 PALPA_CONST fingers_links_per_contact = 6u;
-// A software device ends all loops of a shader after 65,535 turns together, and what they were about to say is then anything.
-// So a thread looks at few pairs of contacts and lists what it could not decide; for a pair of groups there, the first
-// one's contacts go to so many groups of blocks_group threads. That is enough for 20,000 contacts in each of the two.
+// A software device ends all loops of a shader after 65,535 turns together, and what they were about to say is then
+// anything. So a thread looks at few pairs of contacts and lists what it could not decide; for a pair of groups there,
+// the first one's contacts go to so many groups of blocks_group threads. That is enough for 20,000 contacts in each of
+// the two.
 PALPA_CONST fingers_rest_patience = 2048u;
 PALPA_CONST fingers_undecided_parts = 16u;
 

@@ -169,7 +169,7 @@ void defer(CrowdedPair pair) {
 void main() {
   const uint room = push.most_contacts * fingers_crowded_per_contact;
   const uint i = gl_GlobalInvocationID.x;
-  if (i == 0u && work.crowded > room) work.rest_x = blocks_most_groups;
+  if (i == 0u && work.crowded > room) work.rest_x = min(work.blocks, rest_most_groups);
   if (i >= min(work.crowded, room)) return;
   const CrowdedPair pair = crowded[i];
   const Block a = Block(pair.first_a, pair.cells_a & 0xffu);

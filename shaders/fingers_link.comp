@@ -66,7 +66,7 @@ void main() {
   const uint units = units_of(blocks);
   const uint threads = gl_NumWorkGroups.x * blocks_group;
   const uint slots = table_slots(min(found.total, push.most_contacts));
-  if (!all && gl_GlobalInvocationID.x == 0u && links_ran_out()) work.rest_x = blocks_most_groups;
+  if (!all && gl_GlobalInvocationID.x == 0u && links_ran_out()) work.rest_x = min(blocks, rest_most_groups);
   for (uint unit = gl_GlobalInvocationID.x; unit < units; unit += threads) {
     const uint link = all ? unit : texelFetch(links, int(unit)).x;
     const uint entry = texelFetch(list, int(link >> 6u)).x;

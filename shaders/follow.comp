@@ -63,6 +63,14 @@ float cost_of(uint finger, uint column, float scale) {
   return follow_cost(found[finger], place[column], reach[column], scale, penalty[column]);
 }
 
+// What another thread found, where that is less; threads without a column found no_cost_yet.
+void take_shorter(uint thread, inout float best, inout uint column) {
+  if (shortest[thread] < best) {
+    best = shortest[thread];
+    column = shortest_column[thread];
+  }
+}
+
 // Least sum of costs; equal ones go to the column that comes first: track 0, birth 0, track 1, ...
 void assign(uint count, uint known, float scale) {
   const uint thread = gl_LocalInvocationIndex;
@@ -103,11 +111,16 @@ void assign(uint count, uint known, float scale) {
       shortest_column[thread] = best_column;
       barrier();
       if (thread == 0u) {
-        for (uint t = 1u; t < wide; ++t) {
-          if (shortest[t] < best) {
-            best = shortest[t];
-            best_column = shortest_column[t];
-          }
+        // A software device ends all loops of a shader after 65,535 turns together: a turn is eight threads' finds.
+        for (uint t = 0u; t < wide; t += 8u) {
+          take_shorter(t, best, best_column);
+          take_shorter(t + 1u, best, best_column);
+          take_shorter(t + 2u, best, best_column);
+          take_shorter(t + 3u, best, best_column);
+          take_shorter(t + 4u, best, best_column);
+          take_shorter(t + 5u, best, best_column);
+          take_shorter(t + 6u, best, best_column);
+          take_shorter(t + 7u, best, best_column);
         }
         step_price = best;
         current = best_column;

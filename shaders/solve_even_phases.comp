@@ -181,7 +181,7 @@ void main() {
   float level = 0.0;
   begin(places, by, base);
   for (uint turn = 0u; turn < 4096u; ++turn) {
-    // All threads reckon the same.
+    // All threads compute the same.
     float loud = 0.0;
     float asked = 0.0;
     for (uint j = 0u; j < count; ++j) {

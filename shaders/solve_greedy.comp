@@ -3,7 +3,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "solve_inputs.glsl"
 
-// greedy.hpp: each transducer's choice hangs on all choices before it, so a slot is one thread's work and slots run side
+// greedy.hpp: each transducer's choice depends on all choices before it, so a slot is one thread's work and slots run side
 // by side. Everything of a focus stays in registers: two kernels, for few foci and for many. A dispatch lets a stretch of
 // the transducers choose; between them a slot's state waits in its foci's weights. (A software driver ends a shader's
 // loops after 65,535 turns in all.)

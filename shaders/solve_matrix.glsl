@@ -1,6 +1,6 @@
 // R = G B of a slot, tile by tile: one workgroup walks over all transducers for `tile` rows and as many columns, and,
 // where they are different foci, for their mirror image, too. What a transducer and a focus do to each other is
-// reckoned anew in each tile: reading it back would take longer on every device tried.
+// computed anew in each tile: reading it back would take longer on every device tried.
 //
 // With SOLVE_MIRRORED defined: the tiles off the diagonal; without, those on it.
 #include "solve_inputs.glsl"

@@ -1,6 +1,6 @@
-// The free field: the sound between a transducer and a focus, reckoned anew wherever it is needed and never stored, in
+// The free field: the sound between a transducer and a focus, computed anew wherever it is needed and never stored, in
 // single precision. Half a thousandth of a wavelength of error costs a factor nothing; the drives themselves are
-// reckoned with more care (drive_phase.glsl).
+// computed with more care (drive_phase.glsl).
 //
 // The solvers' kernels know of a transfer these names only: Source, source_of, Place, place_of, Pair, pair_of, ask_of.
 

@@ -114,7 +114,7 @@ void show_spectra(Picture& picture, std::span<const acoustics::Spectrum> spectra
 }
 
 void show_slot(Picture& picture, const array::Schedule& schedule, std::uint64_t slot) {
-  // In whole nanoseconds, as the schedule itself reckons.
+  // In whole nanoseconds, as the schedule itself counts.
   const auto nanoseconds = [](double s) { return static_cast<std::uint64_t>(std::max(std::llround(s * 1e9), 1ll)); };
   const std::size_t count = std::min<std::size_t>(schedule.voice_count, picture.fingers.size());
   for (std::size_t f = 0; f < count; ++f) {

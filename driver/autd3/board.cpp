@@ -377,7 +377,7 @@ class Autd3Board final : public Board {
     return {along(0), along(1), along(2)};
   }
 
-  /// Whether foci, whose phases the devices reckon, are what the drives say: full amplitudes, and each transducer's
+  /// Whether foci, whose phases the devices compute, are what the drives say: full amplitudes, and each transducer's
   /// phase that of its distance. Of each part and device one transducer is looked at, another for each.
   bool can_be_foci() const {
     const std::span<const Vec3> foci = loading_.foci();

@@ -2,7 +2,7 @@
 //
 // A device plays a pattern by its own clock. Of the plans that the loop tells, one at a time is brought over, a message
 // per part (or per two, where all transducers are at full amplitude), each of which the devices acknowledge after about
-// a millisecond; then comes the newest there is. One finger's foci at full amplitude are one message: devices reckon
+// a millisecond; then comes the newest there is. One finger's foci at full amplitude are one message: devices compute
 // their phases. It goes into the segment that does not sound, and sounds as a whole. Its parts are turned so that the
 // slot that is running sounds. Drives that no plan lists come one by one, the newest as soon as the one before is
 // acknowledged.

@@ -47,7 +47,7 @@ class EmulatedDevice {
     std::vector<std::array<Output, transducers>> parts;
     std::uint32_t divider = 0xffff;
     bool open = false;  ///< begun, its end has not come
-    bool foci = false;  ///< the device has reckoned its phases
+    bool foci = false;  ///< the device has computed its phases
   };
   struct Waveform {
     std::vector<std::uint8_t> samples;

@@ -75,14 +75,14 @@ struct FixedPoint {
   std::int32_t x = 0, y = 0, z = 0;
 };
 inline constexpr double fixed_unit_m = 0.025e-3;
-/// The fastest sound that a device reckons with: 64ths of a metre per second in 16 bits.
+/// The fastest sound that a device can be told: 64ths of a metre per second in 16 bits.
 inline constexpr double most_sound_speed_m_s = 65535.0 / 64;
 /// How many foci one message takes.
 inline constexpr std::size_t most_foci = 72;
-/// Whether a device can take it: what it reckons with does not overflow.
+/// Whether a device can take it: what it computes with does not overflow.
 bool within_reach(const FixedPoint& focus);
 /// A whole pattern at once: the foci one after the other, all transducers at full amplitude, into a segment that does
-/// not sound; the device reckons the phases. With it comes the transition.
+/// not sound; the device computes the phases. With it comes the transition.
 void put_foci(Message message, std::uint8_t segment, std::uint16_t divider, double sound_speed_m_s,
               std::span<const FixedPoint> foci);
 

@@ -37,7 +37,7 @@ struct TransferBlock {
   BlockOf<float> re, im, slope_re, slope_im;
 };
 
-/// What G hangs on beside the places.
+/// What G depends on beside the places.
 struct TransferSetting {
   /// The directivity between two entries of its table: value + rise * (0..1).
   struct Entry {

@@ -31,7 +31,7 @@ struct FociPressure {
   /// fewer than two.
   double evenness = 1;
 };
-/// Without absorption, as solvers reckon.
+/// Without absorption, as in the solvers.
 FociPressure pressure_at_foci(const array::Layout& layout, std::span<const array::TransducerDrive> drive,
                               std::span<const array::SlotFocus> foci, const array::Medium& medium = {},
                               array::Directivity directivity = array::Directivity::t4010a1);

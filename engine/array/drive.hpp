@@ -80,7 +80,7 @@ struct DriveOptions {
   Constraint constraint = Constraint::normalise;
   Medium medium;
   Solver solver = Solver::naive;
-  Directivity directivity = Directivity::t4010a1;  ///< what the solvers reckon with; `naive` does not ask
+  Directivity directivity = Directivity::t4010a1;  ///< what the solvers count on; `naive` does not ask
   /// The sound that foci are made of in the free field's place, for every solver and pressure. It outlives whatever is
   /// made with it. On the host only: a device has the free field.
   const Transfer* transfer = nullptr;
@@ -112,7 +112,7 @@ struct DriveScratch {
   std::vector<std::complex<double>> factors, heard;
 };
 
-/// Gives `scratch` all the room that drive_for can need for so many foci, and makes what hangs on the layout alone.
+/// Gives `scratch` all the room that drive_for can need for so many foci, and makes what depends on the layout alone.
 void reserve(DriveScratch& scratch, const Layout& layout, const DriveOptions& options, std::size_t most_foci);
 
 /// The twin of DrivePass, in double precision: the drive of one slot into `out`, one entry per transducer. No focus

@@ -37,7 +37,7 @@ struct DriveBatch {
 };
 
 /// Of how many foci a slot may be for the pass on a device that ends long loops (gpu::DeviceDescription): what would be
-/// left of more is no drive. (2026 in `paper`, 121 with 65,536 transducers.)
+/// left of more is no drive. (2026 in `paper`, 122 with 65,000 transducers.)
 std::size_t most_pass_foci(std::uint32_t transducers);
 
 /// Pipelines only. Twin: drive_for, which it follows within 2e-6 rad and 1e-6 of amplitude for single foci up to 2 m

@@ -24,8 +24,9 @@ struct Board {
   Transform T_layout_board{1.0};
 };
 
-/// More than this no layout may hold; sixteen times the paper's.
-inline constexpr std::uint32_t max_transducers = 65536;
+/// More than this no layout may hold; sixteen times the paper's, and fewer than the turns after which a software device
+/// ends a kernel's loops.
+inline constexpr std::uint32_t max_transducers = 65000;
 
 struct Layout {
   std::string name;
@@ -33,7 +34,7 @@ struct Layout {
   std::vector<Board> boards;            ///< ascending by `first`; transducers given one by one belong to no board
   double source_level_pa_m = 4.386;     ///< peak pressure at 1 m on the axis at full amplitude, times 1 m
   double frequency_hz = 40e3;           ///< what its transducers are made for
-  double transducer_radius_m = 4.5e-3;  ///< of the part that sounds; the piston's directivity hangs on it
+  double transducer_radius_m = 4.5e-3;  ///< of the part that sounds; the piston's directivity depends on it
   /// Where it stands when neither rig nor user says: `paper` at the world's origin, a board 150 mm below it facing +y.
   Transform default_T_world_layout{1.0};
 };

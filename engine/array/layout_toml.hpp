@@ -8,7 +8,7 @@
 
 namespace palpa::array {
 
-/// Refused without reading: anything but a regular file, and more than this. 65,536 transducers written with every
+/// Refused without reading: anything but a regular file, and more than this. 65,000 transducers written with every
 /// digit take about 10 MB.
 inline constexpr std::uint64_t max_layout_bytes = std::uint64_t{16} << 20;
 

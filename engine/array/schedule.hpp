@@ -77,7 +77,7 @@ struct VoiceOptions {
 };
 
 /// Replaces `out` by the foci of slot `slot`, voice after voice: the entry floor(slot slot_s / dwell) modulo its number
-/// of steps of each voice's order, with the voice's gain times its modulation. Reckons in whole nanoseconds, so that no
+/// of steps of each voice's order, with the voice's gain times its modulation. Counts in whole nanoseconds, so that no
 /// rounding makes a step late; exact for 10^13 slots of 1.5 ms. Nothing for no voices; how long a schedule
 /// may play is for the caller to say.
 void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<SlotFocus>& out);

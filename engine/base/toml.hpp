@@ -19,7 +19,7 @@ namespace palpa {
 /// What a file may have at most.
 struct TomlLimits {
   std::uint64_t bytes = 1u << 20;
-  /// Values and lines: the parser needs a microsecond and up to 300 bytes for each. A layout of 65,536 transducers,
+  /// Values and lines: the parser needs a microsecond and up to 300 bytes for each. A layout of 65,000 transducers,
   /// three lines and six numbers each, has 850,000.
   std::uint64_t items = 1'200'000;
   /// Parts of a dotted key. The parser nests one table per part and destroys them recursively: a line of a million dots

@@ -136,7 +136,7 @@ struct Finger {
 std::unique_ptr<Finger> finger_of(const DriveCommand& o, const array::Layout& layout,
                                   const array::DriveOptions& options, const std::vector<array::SlotFocus>& foci) {
   if (o.mesh.empty()) return nullptr;
-  // Without absorption, as solvers reckon.
+  // Without absorption, as in the solvers.
   const acoustics::Air air = acoustics::without_absorption(setup::air(o.drive.medium, {}));
   geometry::Mesh mesh = setup::load_body(o.mesh, air, o.force);
   acoustics::check_clear_of(o.mesh, mesh, layout);

@@ -134,7 +134,7 @@ void sum(const FieldCommand& o, const array::Layout& layout, const acoustics::Ai
   }
 }
 
-/// What is reckoned in single precision is printed as such.
+/// What is computed in single precision is printed as such.
 void write_csv(const std::string& file, const Field& field) {
   OutputFile out(file);
   std::string text = "x,y,z,re,im\n";

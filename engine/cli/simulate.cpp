@@ -63,7 +63,7 @@ void add_options(CLI::App& app, SimulateCommand& o) {
   group.flag("--noise-free", o.noise_free, "cameras without the sensor's noise");
   group.flag("--figure6", o.figure6,
              "in place of --scene: the paper's four objects, by every method, with the paper's finger");
-  group.flag("--force", o.force, "reckon with a finger that is too coarse for the wavelength, too");
+  group.flag("--force", o.force, "take a finger that is too coarse for the wavelength, too");
   const setup::Group results(app, "Results");
   results.text("--csv", o.csv, "FILE|-", "face,x,y,z,area,langevin,squared of every face: time averages in Pa");
   results.text("--vtu", o.vtu, "FILE", "the same on the finger for ParaView");
@@ -154,7 +154,7 @@ struct OnFinger {
   OnFinger(const SimulateCommand& o, std::shared_ptr<const acoustics::RigidBody> standing, const array::Layout& layout,
            const acoustics::Air& air, const array::DriveOptions& drive)
       : body(std::move(standing)) {
-    // Without absorption, as solvers reckon.
+    // Without absorption, as in the solvers.
     if (!setup::asks_for_finger(o.drive).empty())
       transfer.emplace(*body, layout, acoustics::without_absorption(air), o.drive.directivity);
     if ((o.in_time.spectrum || o.touch.tune) && !o.touch.spot_m)

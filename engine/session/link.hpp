@@ -21,7 +21,7 @@ struct LinkSetting {
   std::span<const std::string> solid_names;  ///< by solid index
   double slot_s = 1.5e-3;                    ///< one drive lasts that long
   bool foci_move = true;                     ///< from slot to slot; else a plan is one drive and its modulation
-  double sound_speed_m_s = 343.21;           ///< for boards that reckon phases by themselves
+  double sound_speed_m_s = 343.21;           ///< for boards that compute phases by themselves
   double ramp_s = 0;                         ///< --ramp: a link that can goes from focus to focus in steps, too
   std::string board_files{};                 ///< folder with the boards' own calibration; empty: none
 };

@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "array/layout.hpp"
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/stream_writer.hpp"
@@ -115,8 +116,9 @@ DriveRecording read_drive_recording(const std::filesystem::path& file) {
   if (header.version != version) {
     throw bad_input(in.name(), fmt::format("has version {}, this palpa reads version {}", header.version, version));
   }
-  if (header.transducers > 65536) {
-    throw bad_input(in.name(), fmt::format("claims {} transducers, at most 65536 are possible", header.transducers));
+  if (header.transducers > array::max_transducers) {
+    throw bad_input(in.name(), fmt::format("claims {} transducers, at most {} are possible", header.transducers,
+                                           array::max_transducers));
   }
   DriveRecording recording{header.slot_s, header.transducers, {}};
   RecordedDrive record;

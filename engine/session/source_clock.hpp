@@ -8,7 +8,7 @@ namespace palpa::session {
 
 /// The least delay between capture and arrival seen so far is taken for none: a frame that dawdled on its way is then
 /// as old as it really is, but for what every frame takes alike: exposure and transfer, some 10 ms of a depth camera.
-/// Nothing tells that part from two clocks that began at different times; whoever sets a hold has to reckon with it.
+/// Nothing tells that part from two clocks that began at different times; whoever sets a hold has to allow for it.
 /// The estimate leaks upwards, since clocks drift apart by some ten parts in a million, and starts anew when the
 /// source's clock steps back, as it does when a camera is reset. No frame is younger than its arrival.
 class SourceClock {

@@ -92,7 +92,7 @@ void add_medium_options(CLI::App& app, MediumOptions& options);
 /// Throws bad_usage where both temperature and sound speed are given. Neither: 20 degrees Celsius.
 array::Medium medium(const MediumOptions& options);
 
-/// The rest of the air, for whoever reckons with its density or with what it absorbs: --humidity, --air-pressure, and
+/// The rest of the air, for whoever needs its density or with what it absorbs: --humidity, --air-pressure, and
 /// --no-absorption where sound is absorbed normally, else --absorption. They stand under the heading of MediumOptions.
 struct AirOptions {
   double humidity_percent = 50;

@@ -1,8 +1,11 @@
 #include "touch/contacts_pass.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 
+#include "base/error.hpp"
 #include "gpu/barrier.hpp"
 #include "shaders/contacts.h"
 #include "shaders/scan.h"
@@ -13,10 +16,26 @@
 namespace palpa::touch {
 namespace {
 
-/// Words of 32 points that the pass's chunks cover.
+/// Words of 32 points that chunks can cover, of however many rounds: the last one may begin just before the last point.
 std::uint64_t mask_words(std::uint32_t points) {
-  constexpr std::uint32_t round_of_all = shader::contacts_chunks * shader::contacts_group;
-  return std::uint64_t{gpu::groups_for(points, round_of_all)} * round_of_all / 32;
+  constexpr std::uint32_t longest_round = shader::contacts_chunks * shader::contacts_group;
+  return (std::uint64_t{gpu::groups_for(points, longest_round)} * (longest_round + shader::contacts_group)) / 32;
+}
+
+std::uint32_t whole_fours(std::uint32_t chunks) {
+  return (chunks + 3) / 4 * 4;
+}
+
+/// So many that no thread takes more turns than contacts_most_turns, where turns are counted.
+std::uint32_t chunks_for(const gpu::Device& device, const Room& room, const PreparedSolids& solids) {
+  if (!device.description().ends_long_loops) return shader::contacts_chunks;
+  const std::uint32_t rounds = std::max(shader::contacts_most_turns / std::max(solids.turns, 1U), 1U);
+  return std::max(shader::contacts_chunks, whole_fours(gpu::groups_for(room.points, rounds * shader::contacts_group)));
+}
+
+/// However few rounds chunks have.
+std::uint32_t most_chunks(std::uint32_t points) {
+  return std::max(shader::contacts_chunks, whole_fours(gpu::groups_for(points, shader::contacts_group)));
 }
 
 bool any_asked_by(const PreparedSolids& solids, std::uint32_t kind) {
@@ -32,6 +51,12 @@ ContactsPass::Kernel ContactsPass::kernel_for(const PreparedSolids& solids) {
 }
 
 void ContactsPass::prepare(const PreparedSolids& solids, const Parameters& parameters) {
+  if (device_->description().ends_long_loops && solids.turns > shader::contacts_most_turns) {
+    throw bad_usage(
+        fmt::format("the scene's {} solids can take {} looks at one skin point, and {} takes {}: give fewer or simpler "
+                    "ones, or compute on the CPU (--backend cpu)",
+                    solids.records.size(), solids.turns, device_->description().name, shader::contacts_most_turns));
+  }
   if (!pack_) {
     pack_ = {*device_,
              "contacts pack",
@@ -61,9 +86,9 @@ std::vector<gpu::ScratchPiece> ContactsPass::scratch(const Room& room) {
   std::vector<gpu::ScratchPiece> list(pieces);
   list[hits] = {"contact hits", std::uint64_t{room.points} * sizeof(shader::Hit)};
   list[masks] = {"contact masks", mask_words(room.points) * 4};
-  list[counts] = {"contact counts", std::uint64_t{shader::contacts_chunks} * 4};
+  list[counts] = {"contact counts", std::uint64_t{most_chunks(room.points)} * 4};
   list[deep_masks] = {"deep masks", room.deep == 0 ? 0 : mask_words(room.points) * 4};
-  list[deep_counts] = {"deep counts", room.deep == 0 ? 0 : std::uint64_t{shader::contacts_chunks} * 4};
+  list[deep_counts] = {"deep counts", room.deep == 0 ? 0 : std::uint64_t{most_chunks(room.points)} * 4};
   return list;
 }
 
@@ -74,27 +99,27 @@ void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, c
   if (count == 1) push.only = solids.records[0];
   const bool with_deep = parameters.wants_deep();
   const Kernel kernel = kernel_for(solids);
+  const std::uint32_t chunks = chunks_for(*device_, room, solids);
   const gpu::ComputePipeline& find = find_[kernel][count == 1 ? 1 : 0][with_deep ? 1 : 0];
   if (kernel == by_planes) {
     find.dispatch(
         commands,
         {b.points, b.length, s[hits], s[masks], s[counts], b.solids, b.cells, b.planes, s[deep_masks], s[deep_counts]},
-        push, shader::contacts_chunks);
+        push, chunks);
   } else {
     find.dispatch(
         commands,
         {b.points, b.length, s[hits], s[masks], s[counts], b.solids, b.cells, b.planes, s[deep_masks], s[deep_counts],
          b.surface.cells, b.surface.runs, b.surface.triangles, b.surface.signs, b.surface.corners, b.parts},
-        push, shader::contacts_chunks);
+        push, chunks);
   }
   gpu::compute_to_compute(commands);
   if (times) times->mark(commands, "contacts find");
-  pack_.dispatch(commands, {b.points, b.length, s[hits], s[masks], s[counts], b.total, b.contacts}, push,
-                 shader::contacts_chunks);
+  pack_.dispatch(commands, {b.points, b.length, s[hits], s[masks], s[counts], b.total, b.contacts}, push, chunks);
   if (with_deep) {
     push.most_contacts = room.deep;
     pack_.dispatch(commands, {b.points, b.length, s[hits], s[deep_masks], s[deep_counts], b.deep_total, b.deep}, push,
-                   shader::contacts_chunks);
+                   chunks);
   }
   if (times) times->mark(commands, "contacts pack");
 }

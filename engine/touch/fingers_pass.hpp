@@ -36,8 +36,8 @@ struct FingersBindings {
 
 /// Pipelines only; eleven dispatches, and gather before them for Cluster::inside: prepare, insert, collect, place,
 /// blocks, link, crowded, rest, undecided, label, select. Every loop is bounded; the fingers do not depend on the order
-/// in which anything ran. A software device, which counts a shader's turns, finds them exactly unless more than 40,000
-/// contacts lie in a cube with sides of a gap, beside as many that no plane tells apart from them.
+/// in which anything ran. A software device, which counts a shader's turns, finds them exactly unless more than 20,000
+/// contacts lie in a cube with sides of a gap, and as many beside it.
 class FingersPass {
  public:
   explicit FingersPass(const gpu::Device& device) : device_(&device) {}

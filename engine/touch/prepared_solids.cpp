@@ -16,6 +16,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "shaders/fingers.h"
+#include "touch/contact_turns.hpp"
 #include "touch/parts_table.hpp"
 #include "touch/plane_cells.hpp"
 
@@ -248,6 +249,7 @@ PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const 
   }
   for (std::size_t s = 0; s < solids.size(); ++s)
     check_size(solids[s], table.records[s], parameters);
+  table.turns = contact_turns(table);
   return table;
 }
 

@@ -31,6 +31,7 @@ struct PreparedSolids {
   std::vector<Transform> T_rest_made;
   std::vector<std::uint32_t> foci_of;  ///< foci_of_solids()
   std::vector<shader::uvec4> parts;    ///< see parts_table.hpp; empty without solids of convex parts
+  std::uint32_t turns = 0;             ///< contact_turns()
 
   /// The solid's delta: its own where it has one.
   double delta_m(std::uint32_t solid, const Parameters& parameters) const {

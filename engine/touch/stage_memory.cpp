@@ -101,7 +101,7 @@ void StageMemory::set(std::span<const sensing::SkinPoint> points) {
   const auto count = static_cast<std::uint32_t>(points.size());
   // Powers of two, so that a cloud that grows needs new memory only now and then.
   if (count > room_.points || room_.points == 0) {
-    const std::uint32_t some = std::bit_ceil(std::max(count, least_points));
+    const std::uint32_t some = std::min(std::bit_ceil(std::max(count, least_points)), most);
     make(room_for(setting, some, some));
   }
   if (!points.empty()) std::memcpy(points_.data(), points.data(), points.size_bytes());

@@ -1,5 +1,5 @@
 // How large, how far and how strong a focus is: what the formulas give for arrays that others have measured or
-// reckoned.
+// computed.
 #include <gtest/gtest.h>
 
 #include <algorithm>

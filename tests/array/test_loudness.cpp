@@ -1,4 +1,4 @@
-// Fingers that ask for a pressure: what their drives give is reckoned anew by the forward model.
+// Fingers that ask for a pressure: what their drives give is computed anew by the forward model.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -290,7 +290,7 @@ TEST(Autd3Board, FociOneByOneAtFullAmplitudeAreOneMessage) {
   EXPECT_EQ(rig.server.violation_count(), 0u);
 }
 
-TEST(Autd3Board, FociInFasterSoundThanADeviceReckonsWithAreDrives) {
+TEST(Autd3Board, FociInFasterSoundThanADeviceCanBeToldAreDrives) {
   for (const double sound_speed_m_s : {1000.0, 1100.0}) {
     Rig rig;
     rig.sound_speed_m_s = sound_speed_m_s;

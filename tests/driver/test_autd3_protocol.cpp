@@ -136,7 +136,7 @@ TEST(Autd3Wire, AModulationIsHeardByTheDevicesClock) {
   EXPECT_EQ(device.violations().count(), 0u);
 }
 
-TEST(Autd3Wire, FociSoundAsTheFirmwareReckonsThem) {
+TEST(Autd3Wire, FociSoundAsTheFirmwareComputesThem) {
   PALPA_SHARED_OR_SKIP(folder, "autd3-geometry");
   const auto read = [&](const char* name) {
     std::ifstream in(folder / "fw" / name, std::ios::binary);
@@ -179,7 +179,7 @@ TEST(Autd3Wire, FociSoundAsTheFirmwareReckonsThem) {
   EXPECT_FALSE(within_reach({131072, 0, 0}));
 }
 
-TEST(Autd3Emulator, ReckonsAFocusAsItsFirmwareDoes) {
+TEST(Autd3Emulator, ComputesAFocusAsItsFirmwareDoes) {
   // By the firmware's own tables, transducers 0, 19, 32, 124 and 248, and sums over all.
   struct Known {
     FixedPoint focus;

@@ -82,7 +82,7 @@ TEST_P(Contacts, AgreeWithDoublePrecision) {
 }
 
 TEST_P(Contacts, ManyPlanesCostNothingInCorrectness) {
-  const geometry::Solid solid = ball({0, 0, 0}, 0.05, 65'536);
+  const geometry::Solid solid = ball({0, 0, 0}, 0.05, 50'000);
   const auto points = random_points(3000, Vec3(-0.051), Vec3(0.051));
   const Touch touch = touch_on(GetParam(), points, {solid});
   expect_eq1(touch, points, {solid}, 1.5e-3);
@@ -148,6 +148,59 @@ TEST_P(Contacts, ComeOutInInputOrderWhateverTheCount) {
     for (std::uint32_t i = 0; i < count; ++i)
       ASSERT_EQ(touch.contacts[i].point, i);
   }
+}
+
+/// As touch_on(), for what takes long: once on the device.
+Touch once_on(Backend backend, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
+              const Parameters& parameters) {
+  if (backend == Backend::cpu) return touch_on(backend, points, solids, parameters);
+  const auto count = static_cast<std::uint32_t>(points.size());
+  return touch_on_device(indexed(points), solids,
+                         {.parameters = parameters, .most_points = count, .most_contacts = count}, 1);
+}
+
+TEST_P(Contacts, OfManySmallSolidsAreAllThere) {
+  // More boxes for a thread's points than a software device has turns for in one chunk.
+  std::vector<geometry::Solid> dots;
+  dots.reserve(4096);
+  for (int i = 0; i < 38 * 38; ++i) {
+    const Vec3 at(0.01 * (i % 38), 0.01 * static_cast<int>(i / 38), 0);
+    dots.push_back(box(at, at + Vec3(2e-3), "dot"));
+  }
+  const auto points = random_points(100'000, Vec3(0, 0, 0), Vec3(0.38, 0.38, 2e-3));
+  const double delta = 0.5e-3;
+  const Touch touch = once_on(GetParam(), points, dots, {.delta_m = delta, .finger_gap_m = 2e-3});
+  std::size_t expected = 0, close = 0;
+  for (const glm::vec3& p : points) {
+    const auto column = static_cast<std::size_t>(p.x / 0.01), row = static_cast<std::size_t>(p.y / 0.01);
+    const double depth = exact_depth(dots[std::min<std::size_t>(row, 37) * 38 + std::min<std::size_t>(column, 37)], p);
+    expected += depth > 0 && depth < delta ? 1 : 0;
+    close += std::abs(depth) < band || std::abs(depth - delta) < band ? 1 : 0;
+  }
+  EXPECT_GT(expected, 1000U);
+  EXPECT_NEAR(static_cast<double>(touch.contacts.size()), static_cast<double>(expected), static_cast<double>(close));
+}
+
+TEST_P(Contacts, DeepInABallOfManyPlanesAreAllThere) {
+  // Deep cells list every plane of the ball: more looks for a thread's points than a software device has turns for.
+  const auto points = random_points(70'000, Vec3(-0.04), Vec3(0.04));
+  const Touch touch = once_on(GetParam(), points, {ball({0, 0, 0}, 0.1, 4096)},
+                              {.finger_gap_m = 5e-3, .cluster = Cluster::inside, .deep = true});
+  EXPECT_EQ(touch.deep.size(), points.size());
+}
+
+TEST(PreparedSolids, RefusesMoreThanADeviceThatCountsTurnsCanLookAt) {
+  if (!palpa::test::test_device().description().ends_long_loops) GTEST_SKIP() << "this device counts no turns";
+  const std::vector<geometry::Solid> solids(30'001, cube());
+  const std::vector<glm::vec3> points{{0, -1e-3, 0}};
+  try {
+    touch_on(Backend::gpu, points, solids, {});
+    ADD_FAILURE() << "took them";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("30001 solids can take"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("--backend cpu"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(touch_on(Backend::cpu, points, solids, {}).contacts.size(), 1U);
 }
 
 TEST(PreparedSolids, KeepsTheNearestPlaneOfEveryPoint) {
