@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <iterator>
@@ -142,6 +143,50 @@ TEST(Spectra, AreThoseOfTheScheduleThatPlays) {
   played.now.schedule = nullptr;
   EXPECT_TRUE(spectra.look(played.now, now_s += 1));
   EXPECT_TRUE(spectra.spectra().empty());
+}
+
+/// Looks again and again without a rest, so that an answer comes at any moment of a look.
+template <typename Look>
+bool looks_until_at_rest(Look rests) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!rests()) {
+    if (std::chrono::steady_clock::now() > until) return false;
+  }
+  return true;
+}
+
+TEST(Spectra, AtRestAreTheNewest) {
+  Played played;
+  Spectra spectra;
+  double now_s = 0;
+  for (int i = 0; i < 40; ++i) {
+    played.move({i * 1e-3, 0, 0.1});
+    bool fresh = false;
+    ASSERT_TRUE(looks_until_at_rest([&] {
+      fresh = spectra.look(played.now, now_s += 1) || fresh;
+      return !spectra.busy();
+    }));
+    EXPECT_TRUE(fresh) << i;
+    EXPECT_FALSE(spectra.look(played.now, now_s += 1)) << i;
+  }
+}
+
+TEST(SlicePreview, AtRestIsTheNewest) {
+  Played played;
+  SlicePreview slices({});
+  Picture picture;
+  SliceState slice;
+  double now_s = 0;
+  for (int i = 0; i < 4; ++i) {
+    played.move({i * 1e-3, 0, 0.1});
+    bool marks = false;
+    ASSERT_TRUE(looks_until_at_rest([&] {
+      marks = slices.look(played.now, slice, picture, now_s += 1).marks || marks;
+      return !slices.busy();
+    }));
+    EXPECT_TRUE(marks) << i;
+    EXPECT_FALSE(slices.look(played.now, slice, picture, now_s += 1).marks) << i;
+  }
 }
 
 TEST(Sounding, ATipIsTheLowestSkinAroundTheMiddle) {

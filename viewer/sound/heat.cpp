@@ -100,8 +100,9 @@ Change Heat::look(const Sounding& now, Picture& picture) {
     return change;
   }
   Change change;
+  const bool computing = preview_.stale();  // asked first: what is answered from now on is for the next look
   const std::shared_ptr<const session::SkinAnswer> newest = preview_.newest();
-  if (asked_ && newest->number > shown_ && !preview_.stale()) {
+  if (asked_ && newest->number > shown_ && !computing) {
     shown_ = newest->number;
     fault_ = newest->fault;
     if (fault_.empty()) {
@@ -110,12 +111,12 @@ Change Heat::look(const Sounding& now, Picture& picture) {
     }
   }
   const bool same = is_of(now);
-  if (!same && !preview_.stale()) {
+  if (!same && !computing) {
     asked_ = skin_question(file_, *mesh_, now);
     preview_.ask(*asked_);
     fault_.clear();
   }
-  const bool stale = !same || preview_.stale();
+  const bool stale = !same || computing;
   change |= tell(picture, !fault_.empty() ? Standing::failed : stale ? Standing::stale : Standing::fresh);
   return change;
 }

@@ -65,8 +65,9 @@ Change SlicePreview::look(const Sounding& now, const SliceState& slice, Picture&
     return {.marks = hide_slice(picture)};
   }
   Change change;
+  const bool computing = beside_.stale();  // asked first: what is answered from now on is for the next look
   const std::shared_ptr<const SliceAnswer> newest = beside_.newest();
-  if (asked_ && newest->number > shown_ && !beside_.stale()) {
+  if (asked_ && newest->number > shown_ && !computing) {
     shown_ = newest->number;
     if (newest->fault.empty()) {
       const SliceField& field = newest->field;
@@ -78,10 +79,10 @@ Change SlicePreview::look(const Sounding& now, const SliceState& slice, Picture&
       change.marks = true;
     }
   }
-  if (!beside_.stale()) fault_ = newest->fault;
+  if (!computing) fault_ = newest->fault;
   const bool moved = !asked_ || asked_->slice != slice;
   const bool same = !moved && asked_->layout == now.layout && same_drive(asked_->drive, now.slot);
-  if (same && !beside_.stale() && (asked_->along >= finest || !fault_.empty())) {
+  if (same && !computing && (asked_->along >= finest || !fault_.empty())) {
     change.marks =
         mark(picture, Layer::slice, title, fault_.empty() ? Standing::fresh : Standing::failed) || change.marks;
     moved_s_ = now_s;
@@ -89,13 +90,13 @@ Change SlicePreview::look(const Sounding& now, const SliceState& slice, Picture&
   }
   busy_ = true;
   if (!same) {
-    if (!beside_.stale() && (moved || now_s >= rest_until_s_)) {
+    if (!computing && (moved || now_s >= rest_until_s_)) {
       asked_ = {now.layout, now.air, now.drive.directivity, slice, {now.slot.begin(), now.slot.end()}, quick_along()};
       beside_.ask(*asked_);
       moved_s_ = now_s;
       current_ = false;
     }
-  } else if (!beside_.stale() && now_s >= moved_s_ + rested_s) {
+  } else if (!computing && now_s >= moved_s_ + rested_s) {
     asked_->along = std::min(2 * asked_->along, finest);
     beside_.ask(*asked_);
   }

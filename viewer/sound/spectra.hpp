@@ -34,7 +34,8 @@ class Spectra {
   /// spectra() are new. Waits for nothing.
   bool look(const Sounding& now, double now_s);
   const std::vector<acoustics::Spectrum>& spectra() const { return spectra_; }
-  bool busy() const { return beside_.stale(); }
+  /// Whether a look() to come will find others.
+  bool busy() const { return beside_.stale() || beside_.newest()->number > shown_; }
   /// Why there are none; else empty.
   const std::string& fault() const { return fault_; }
 
