@@ -7,7 +7,7 @@
 
 // Groups of cells with so many contacts that testing pair by pair showed nothing soon: one thread per pair of groups. Bounds
 // first, which look at every contact only once: each side is narrowed down to its contacts near the other side's box, again
-// and again; then a gap is looked for along the line between the centres. Exact: bounds only spare work, tests decide, here
+// and again; then a line is looked for along which they are farther apart. Exact: bounds only spare work, tests decide, here
 // or, if there would be too many of them for one thread, in fingers_undecided.
 layout(local_size_x = 64) in;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -58,6 +59,7 @@ std::uint64_t longest_of_parts(const PreparedSolids& solids, const shader::Solid
 
 std::uint32_t contact_turns(const PreparedSolids& solids) {
   std::uint64_t for_any = for_any_planes;
+  std::map<const void*, std::uint64_t> known;  // of surfaces, which rigid copies share
   std::vector<std::uint64_t> longest;
   longest.reserve(solids.records.size());
   for (std::size_t s = 0; s < solids.records.size(); ++s) {
@@ -67,7 +69,10 @@ std::uint32_t contact_turns(const PreparedSolids& solids) {
       longest.push_back(longest_of_parts(solids, record));
     } else if (record.asked_by == shader::asked_by_surface) {
       for_any = std::max(for_any, for_any_surface);
-      longest.push_back(longest_of_surface(solids.surfaces[s]));
+      const geometry::Surface& surface = solids.surfaces[s];
+      const auto [at, is_new] = known.try_emplace(surface.cells.data());
+      if (is_new) at->second = longest_of_surface(surface);
+      longest.push_back(at->second);
     } else {
       longest.push_back(longest_of_planes(solids, record));
     }

@@ -38,12 +38,13 @@ class Played {
   session::Plan plan_;
 };
 
+/// `rest`: between two looks; none, so that an answer comes at any moment of a look.
 template <typename Condition>
-bool soon(Condition condition) {
+bool soon(Condition condition, std::chrono::milliseconds rest = std::chrono::milliseconds(2)) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (!condition()) {
     if (std::chrono::steady_clock::now() > until) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    std::this_thread::sleep_for(rest);
   }
   return true;
 }

@@ -20,6 +20,7 @@ namespace {
 
 using test::Played;
 using test::soon;
+constexpr std::chrono::milliseconds without_rest(0);
 
 std::string ball() {
   const auto file = test::scratch_folder("viewer-sound") / "ball.ply";
@@ -145,16 +146,6 @@ TEST(Spectra, AreThoseOfTheScheduleThatPlays) {
   EXPECT_TRUE(spectra.spectra().empty());
 }
 
-/// Looks again and again without a rest, so that an answer comes at any moment of a look.
-template <typename Look>
-bool looks_until_at_rest(Look rests) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!rests()) {
-    if (std::chrono::steady_clock::now() > until) return false;
-  }
-  return true;
-}
-
 TEST(Spectra, AtRestAreTheNewest) {
   Played played;
   Spectra spectra;
@@ -162,10 +153,12 @@ TEST(Spectra, AtRestAreTheNewest) {
   for (int i = 0; i < 40; ++i) {
     played.move({i * 1e-3, 0, 0.1});
     bool fresh = false;
-    ASSERT_TRUE(looks_until_at_rest([&] {
-      fresh = spectra.look(played.now, now_s += 1) || fresh;
-      return !spectra.busy();
-    }));
+    ASSERT_TRUE(soon(
+        [&] {
+          fresh = spectra.look(played.now, now_s += 1) || fresh;
+          return !spectra.busy();
+        },
+        without_rest));
     EXPECT_TRUE(fresh) << i;
     EXPECT_FALSE(spectra.look(played.now, now_s += 1)) << i;
   }
@@ -180,10 +173,12 @@ TEST(SlicePreview, AtRestIsTheNewest) {
   for (int i = 0; i < 4; ++i) {
     played.move({i * 1e-3, 0, 0.1});
     bool marks = false;
-    ASSERT_TRUE(looks_until_at_rest([&] {
-      marks = slices.look(played.now, slice, picture, now_s += 1).marks || marks;
-      return !slices.busy();
-    }));
+    ASSERT_TRUE(soon(
+        [&] {
+          marks = slices.look(played.now, slice, picture, now_s += 1).marks || marks;
+          return !slices.busy();
+        },
+        without_rest));
     EXPECT_TRUE(marks) << i;
     EXPECT_FALSE(slices.look(played.now, slice, picture, now_s += 1).marks) << i;
   }
