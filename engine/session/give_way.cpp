@@ -25,13 +25,22 @@ struct Wish {
   std::uint64_t slice_ns = 0, deadline_ns = 0, period_ns = 0;
 };
 
-/// Linux 6.12 and later lets a thread that wakes up have the core of one that asked for longer slices than its own, at
-/// once and not when that slice ends. What gives way asks for some that are longer than the usual 1 to 3 ms, but not by
-/// much: who asks for long ones waits long for them on a busy machine. Before 6.12 the kernel passes this over.
-void ask_for_long_slices(int thread, int nice) {
-  const Wish wish{.policy = SCHED_BATCH, .nice = nice, .slice_ns = 10'000'000};
+/// Of a thread that has no real-time policy; 0 is as long as any thread's. Kernels before 6.12 pass it over.
+void ask_for_slices(int thread, int policy, int nice, std::uint64_t slice_ns) {
+  const Wish wish{.policy = static_cast<std::uint32_t>(policy), .nice = nice, .slice_ns = slice_ns};
   syscall(SYS_sched_setattr, thread, &wish, 0U);
 }
+
+void ask_for_slices(std::uint64_t slice_ns) {
+  if (sched_getscheduler(0) != SCHED_OTHER) return;
+  errno = 0;
+  const int nice = getpriority(PRIO_PROCESS, 0);
+  if (errno == 0) ask_for_slices(0, SCHED_OTHER, nice, slice_ns);
+}
+
+constexpr std::uint64_t short_ns = 500'000;  // shorter ones let a loop's threads interrupt each other
+/// Longer than the usual 1 to 3 ms, but not by much: who asks for long slices waits long for them on a busy machine.
+constexpr std::uint64_t long_ns = 10'000'000;
 
 }  // namespace
 
@@ -39,6 +48,14 @@ void take_no_signals() {
   sigset_t all;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, nullptr);
+}
+
+void go_first() {
+  ask_for_slices(short_ns);
+}
+
+void take_turns() {
+  ask_for_slices(0);
 }
 
 void give_way() {
@@ -55,8 +72,9 @@ void give_way(int thread) {
   errno = 0;
   const int nice = getpriority(PRIO_PROCESS, id);
   if (errno != 0) return;
-  setpriority(PRIO_PROCESS, id, std::min(nice + 10, 19));
-  if (sched_getscheduler(thread) == SCHED_BATCH) ask_for_long_slices(thread, std::min(nice + 10, 19));
+  const int nicer = std::min(nice + 10, 19);
+  setpriority(PRIO_PROCESS, id, nicer);
+  if (sched_getscheduler(thread) == SCHED_BATCH) ask_for_slices(thread, SCHED_BATCH, nicer, long_ns);
 }
 
 std::vector<int> threads_since(const std::vector<int>& before) {

@@ -14,6 +14,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "session/early_start.hpp"
+#include "session/give_way.hpp"
 #include "session/source_clock.hpp"
 
 namespace palpa::session {
@@ -267,6 +268,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
     };
     output_thread.emplace([&, fail] {
       const EndFlag ended(output_ended);
+      go_first();  // drives leave on time
       try {
         play(link, plans, setting.output, clock, ending, stats.output);
       } catch (...) {
@@ -278,6 +280,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
     planner.warm_up();
     if (observers.record) {
       recorder_thread.emplace([&, fail] {
+        take_turns();  // whoever calls may go first
         try {
           record(recorded, observers);
         } catch (...) {
@@ -288,6 +291,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
     }
     capture_thread.emplace([&, fail] {
       const CloseFrames close(frames);
+      take_turns();  // what makes frames itself, or unpacks them, works as long as the touch that waits for them
       try {
         capture(source, frames, observers.record ? &recorded : nullptr, setting, clock, stop_capture, stats);
       } catch (...) {

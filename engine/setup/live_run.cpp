@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/log.hpp"
+#include "session/give_way.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -21,6 +22,11 @@ std::function<void(Arguments...)> both(std::function<void(Arguments...)> first,
     first(arguments...);
     second(arguments...);
   };
+}
+
+Prepared prepare_live(const LiveOptions& options, std::span<const session::SourceKind> sources) {
+  if (!options.every_frame) session::go_first();  // before the device begins its threads
+  return prepare(options, sources, !options.every_frame);
 }
 
 }  // namespace
@@ -56,7 +62,7 @@ std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> l
 
 LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind> sources,
                  std::span<const session::LinkKind> links, std::atomic<bool>& stop)
-    : options_(options), stop_(&stop), prepared_(prepare(options, sources, !options.every_frame)) {
+    : options_(options), stop_(&stop), prepared_(prepare_live(options, sources)) {
   // Last of all: a typing error elsewhere must not leave an empty recording behind, nor an array that is switched on.
   if (!options_.events.empty()) {
     sink_ = session::open_event_sink(options_.events, session().solid_names(), options_.every_frame ? stop_ : nullptr);

@@ -1,10 +1,14 @@
 // The three threads together, with frames, plans and links of the test's making.
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <numeric>
 #include <thread>
 
 #include "fakes.hpp"
+#include "session/give_way.hpp"
 #include "session/loop.hpp"
 #include "session/source_clock.hpp"
 
@@ -74,6 +78,47 @@ TEST(Loop, TheNewestFrameWinsWhenComputeIsSlow) {
   EXPECT_GT(loop.stats.replaced, 10u);
   EXPECT_TRUE(std::is_sorted(loop.planner.seen.begin(), loop.planner.seen.end()));
   EXPECT_EQ(loop.planner.seen.back(), 59u) << "the last frame is the newest";
+}
+
+/// How long a slice the calling thread asks for; 0 where the kernel does not say, before 6.12.
+std::uint64_t slice_ns() {
+  struct {
+    std::uint32_t size = 48, policy = 0;
+    std::uint64_t flags = 0;
+    std::int32_t nice = 0;
+    std::uint32_t priority = 0;
+    std::uint64_t slice_ns = 0, deadline_ns = 0, period_ns = 0;
+  } has;
+  syscall(SYS_sched_getattr, 0, &has, sizeof has, 0U);
+  return has.slice_ns;
+}
+
+TEST(Loop, DrivesAndTouchGoBeforeTheirSource) {
+  const std::uint64_t usual = slice_ns();
+  if (usual == 0 || sched_getscheduler(0) != SCHED_OTHER) GTEST_SKIP() << "no slices to ask for";
+  struct LookingLink : test::SpyLink {
+    std::uint64_t slice = 0;
+    void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+      slice = slice_ns();
+      SpyLink::send(slot, drive);
+    }
+  } link;
+  Loop loop;
+  std::uint64_t source = 0, compute = 0, driver = 0, recorder = 0;
+  loop.source.before = [&](std::uint64_t) { source = slice_ns(); };
+  loop.planner.before = [&](std::uint64_t) { compute = slice_ns(); };
+  loop.observers.record = [&](const sensing::FrameSet&) { recorder = slice_ns(); };
+  std::thread([&] {
+    go_first();
+    std::thread([&] { driver = slice_ns(); }).join();
+    run_loop(loop.source, loop.planner, link, loop.setting, loop.stop, loop.observers, loop.stats);
+  }).join();
+  EXPECT_LT(compute, usual);
+  EXPECT_EQ(driver, compute) << "a device's threads are begun by who computes on it";
+  EXPECT_EQ(link.slice, compute);
+  EXPECT_EQ(source, usual);
+  EXPECT_EQ(recorder, usual);
+  EXPECT_EQ(slice_ns(), usual) << "whoever else there is";
 }
 
 TEST(Loop, DrivesLeaveWhileAFrameIsLate) {
