@@ -42,15 +42,6 @@ Environment::value_type where_assets_are();
 std::string palpa_binary();
 Result palpa(const std::vector<std::string>& arguments, const RunOptions& options = {});
 
-/// Whether this build slows programs down and fattens them (sanitizers).
-constexpr bool instrumented() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  return true;
-#else
-  return false;
-#endif
-}
-
 /// A command line with more behind it.
 std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more);
 

@@ -11,6 +11,7 @@
 #include "geometry/ply.hpp"
 #include "process.hpp"
 #include "support/files.hpp"
+#include "support/instrumented.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 

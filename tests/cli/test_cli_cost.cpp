@@ -10,6 +10,7 @@
 #include "geometry/gltf_write.hpp"
 #include "process.hpp"
 #include "support/files.hpp"
+#include "support/instrumented.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 
@@ -95,10 +96,11 @@ TEST_F(Cost, OfRodsSideBySide) {
 }
 
 TEST_F(Cost, OfShellsWithinShells) {
+  constexpr int many = instrumented() ? 1001 : 4001;
   EXPECT_EQ(touch(nested(301, true)).exit_code, 0);
-  const Result deep = touch(nested(4001, true));
+  const Result deep = touch(nested(many, true));
   EXPECT_TRUE(deep.exit_code == 0 || deep.exit_code == 4) << deep.err;
-  expect_failure(touch(nested(4001, false)), 4, "has a shell inside another that faces the same way");
+  expect_failure(touch(nested(many, false)), 4, "has a shell inside another that faces the same way");
 }
 
 TEST_F(Cost, OfAFanOfNeedles) {

@@ -20,6 +20,7 @@
 #include "session/record_link.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/files.hpp"
+#include "support/instrumented.hpp"
 #include "support/json.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
@@ -268,7 +269,7 @@ TEST_F(CliOutputs, LongPreparationSaysWhatItDoesAndStopsOnCtrlC) {
 }
 
 TEST_F(CliOutputs, LongPreparationTellsALogEachStep) {
-  const geometry::SceneMesh ball = bumpy_ball(200);
+  const geometry::SceneMesh ball = bumpy_ball(instrumented() ? 80 : 200);  // takes some seconds
   geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
   RunOptions fresh;
   fresh.environment = {{"PALPA_CACHE", "off"}};

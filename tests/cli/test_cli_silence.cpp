@@ -11,6 +11,7 @@
 #include "process.hpp"
 #include "session/record_link.hpp"
 #include "support/files.hpp"
+#include "support/instrumented.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/udp_receiver.hpp"

@@ -7,6 +7,7 @@
 
 #include "cli/process.hpp"
 #include "driver/umockdev_device.hpp"
+#include "support/instrumented.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 

@@ -12,6 +12,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "geometry/gltf.hpp"
+#include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
 #include "touch/harness.hpp"
 #include "touch/surface_models.hpp"
@@ -154,7 +155,7 @@ TEST(Corpus, IsTouchedRightOrRefusedWithAReason) {
       const std::vector<geometry::Solid> solids = geometry::make_solids({name, {{name, mesh}}});
       EXPECT_TRUE(is_closed) << "an open mesh was taken";
       ++found.touched;
-      expect_true_contacts(solids, thorough ? 20'000 : 1'500);
+      expect_true_contacts(solids, thorough ? 20'000 : palpa::test::fewer(1'500));
     } catch (const Error& error) {
       const std::string line = error.what(), reason = reason_of(line);
       EXPECT_EQ(error.code(), Exit::bad_input);

@@ -15,6 +15,7 @@
 #include "sensing/grey_png.hpp"
 #include "sensing/rig.hpp"
 #include "support/files.hpp"
+#include "support/instrumented.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 

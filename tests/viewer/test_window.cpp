@@ -22,6 +22,7 @@
 #include "geometry/ply.hpp"
 #include "gpu/device.hpp"
 #include "support/files.hpp"
+#include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
 #include "support/udp_receiver.hpp"
 #include "x_display.hpp"
