@@ -1,6 +1,6 @@
 # palpa_units(): has the compiler look at several sources of a target as one text, where tests/house/units.py says that they can
 # stand beside each other: much of the time goes into headers and templates that they share. What a source forgets to include is
-# seen by a build without, and by tests/house/includes.py.
+# seen by a build without.
 function(palpa_units)
   palpa_targets_of(targets ${PROJECT_SOURCE_DIR})
   set(lines "")

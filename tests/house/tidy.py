@@ -55,13 +55,6 @@ class Hashes:
         return self.known[name]
 
 
-def sources_of(file):
-    """The sources of a compile command's: itself, or what a unit that CMake made of several includes (cmake/Units.cmake)."""
-    if "Unity" not in file.parts:
-        return [file]
-    return [pathlib.Path(line.split('"')[1]) for line in file.read_text().splitlines() if line.startswith('#include "')]
-
-
 def flags_of(entries):
     """What clang needs of these compile commands together: defines, folders, the language."""
     kept = {}  # in the order in which they are met
@@ -109,16 +102,17 @@ def main():
     clean.mkdir(exist_ok=True)
 
     stamps, headers, entries, new = {}, {}, [], []
-    for entry, source in [(entry, source.resolve()) for entry in database
-                          for source in sources_of(pathlib.Path(entry["directory"], entry["file"]))]:
+    for entry in database:
+        source = pathlib.Path(entry["directory"], entry["file"]).resolve()
         if not source.is_relative_to(ROOT) or source.is_relative_to(build) or source.suffix != ".cpp":
             continue
         if source.is_relative_to(ROOT / "tests") and "--tests" not in sys.argv:
             continue
         entries.append(entry)
+        state = [version, rules, entry["command"]]
         words = entry["command"].split()
-        state = [version, rules, str(source), *flags_of([entry])]
-        included = deps.get(words[words.index("-o") + 1], [str(source)])
+        made = words[words.index("-o") + 1]
+        included = deps.get(made, [str(source)])
         headers[source] = set(included)
         state += [f"{name} {hashes.of(name)}" for name in included]
         stamps[source] = clean / hashlib.sha256("\n".join(state).encode()).hexdigest()
