@@ -30,7 +30,7 @@ if(PALPA_SANITIZE)
     -fsanitize=${PALPA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer
     $<$<BOOL:$<TARGET_PROPERTY:PALPA_OF_TESTS>>:-fno-sanitize=null,alignment,vptr>)
   target_link_options(palpa_options INTERFACE -fsanitize=${PALPA_SANITIZE})
-  # More than a hundred programs of some 100 MB each: LLVM's linker, where it is, takes a third of the time.
+  # More than a hundred programs of some 100 MB each: LLVM's linker, where it is, takes less than half the time.
   find_program(PALPA_LLD ld.lld)
   if(PALPA_LLD)
     target_link_options(palpa_options INTERFACE -fuse-ld=lld)

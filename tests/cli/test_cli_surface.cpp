@@ -212,7 +212,7 @@ TEST_P(Surface, ContactsAreThoseOfTheNearestTriangleAndTheWindingNumber) {
   for (const char* backend : {"gpu", "cpu"}) {
     const TouchReport report =
         run_touch({"--scene", scene.string(), "--points", cloud.string(), "--backend", backend, "--finger-gap", "20mm"},
-                  delta, 10);  // few points make few fingers
+                  delta, 10);  // thin clouds would be more fingers than are looked at
     ASSERT_EQ(report.points, points.size());
     std::vector<double> found(points.size(), 0);
     for (std::size_t i = 0; i < report.contacts.size(); ++i)
