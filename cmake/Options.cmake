@@ -30,6 +30,12 @@ if(PALPA_SANITIZE)
     -fsanitize=${PALPA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer
     $<$<BOOL:$<TARGET_PROPERTY:PALPA_OF_TESTS>>:-fno-sanitize=null,alignment,vptr>)
   target_link_options(palpa_options INTERFACE -fsanitize=${PALPA_SANITIZE})
+  # What the sanitizers note of every check and global is full of addresses: a program that may lie anywhere has over a million to
+  # mend whenever it starts, and tests start thousands.
+  if(NOT PALPA_SANITIZE STREQUAL "thread")
+    target_compile_options(palpa_options INTERFACE -fno-pie)
+    target_link_options(palpa_options INTERFACE -no-pie)
+  endif()
   # More than a hundred programs of some 100 MB each: LLVM's linker, where it is, takes less than half the time.
   find_program(PALPA_LLD ld.lld)
   if(PALPA_LLD)

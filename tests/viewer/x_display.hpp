@@ -48,7 +48,7 @@ class XHand {
     std::size_t colours() const;        ///< how many different ones
     bool operator==(const Picture&) const = default;
   };
-  /// What it shows; it must be visible.
+  /// What it shows; empty where it is not visible.
   Picture picture() const;
   /// Wipes away what it shows and tells it so, as when another window was in its way.
   void damage();
