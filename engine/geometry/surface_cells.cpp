@@ -103,7 +103,8 @@ class Builder {
  private:
   // ---- the grid: lists from the tree ----
 
-  /// All lists, of which there is never a second copy of more than a piece.
+  /// All lists, of which there is never a second copy of more than a piece. A piece keeps no room that it does not
+  /// need.
   void collect_lists(std::vector<Piece>& pieces) {
     std::size_t listed = 0;
     for (const Piece& piece : pieces)
@@ -140,6 +141,7 @@ class Builder {
         same = static_cast<std::size_t>(std::max(spare / side, 0.0));
         all_steps += std::exchange(walk.steps, 0);
       }
+      piece.lists.shrink_to_fit();
       work.advance();
     });
     log::debug(
@@ -248,6 +250,7 @@ class Builder {
       std::vector<float> scratch;
       for (std::size_t i = begin; i < end; ++i)
         divide(*divided[i], side, scratch, pieces[number]);
+      pieces[number].lists.shrink_to_fit();
       work.advance();
     });
     collect_lists(pieces);

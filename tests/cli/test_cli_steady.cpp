@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "steady_films.hpp"
+#include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -22,7 +23,8 @@ class SteadyFociOn : public ::testing::Test {
   }
 };
 class SteadyFoci : public SteadyFociOn, public ::testing::WithParamInterface<const char*> {};
-INSTANTIATE_TEST_SUITE_P(, SteadyFoci, ::testing::Values("cube", "semi-sphere", "pyramid", "prism"),
+INSTANTIATE_TEST_SUITE_P(, SteadyFoci,
+                         ::testing::ValuesIn(the_first<const char*>(1, {"cube", "semi-sphere", "pyramid", "prism"})),
                          [](const auto& object) { return std::string(object.param).substr(0, 4); });
 
 TEST_P(SteadyFoci, OfAFingerAtRest) {

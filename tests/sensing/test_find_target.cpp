@@ -19,6 +19,7 @@
 #include "random_rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "sensing/target.hpp"
+#include "support/instrumented.hpp"
 #include "support/shapes.hpp"
 
 namespace palpa::test {
@@ -114,8 +115,8 @@ void expect_found(const Camera& camera, const StillImage& image) {
 }
 
 TEST(FindTarget, WithNoiseFromAllSides) {
-  for (const auto& [elevation, azimuth] : {std::pair(30.0, 10.0), std::pair(30.0, 190.0), std::pair(50.0, 100.0),
-                                           std::pair(40.0, 150.0), std::pair(50.0, 280.0), std::pair(90.0, 40.0)}) {
+  const std::vector<std::pair<double, double>> sides{{30, 10}, {30, 190}, {50, 100}, {40, 150}, {50, 280}, {90, 40}};
+  for (const auto& [elevation, azimuth] : test::the_first(2, sides)) {
     SCOPED_TRACE(testing::Message() << elevation << " degrees high, from " << azimuth);
     const Camera camera = looking({0.02, -0.03, 0}, 0.5, elevation, azimuth);
     expect_found(camera, seen(camera, board()));

@@ -83,7 +83,6 @@ Model model(int which) {
       return {"subdivided", tilted(subdivided(subdivided(notched_cube())), {-0.3, 0.2, 0.1})};
   }
 }
-constexpr int models = 9;
 
 struct Checked {
   std::size_t contacts = 0, deep = 0, undecided = 0;
@@ -137,7 +136,8 @@ Checked expect_truth(const Touch& touch, const std::vector<glm::vec3>& points, c
 }
 
 class Surfaces : public ::testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(, Surfaces, ::testing::Range(0, models), [](const auto& which) {
+const std::vector<int> models{0, 1, 2, 3, 4, 8, 5, 6, 7};  // those of many triangles last
+INSTANTIATE_TEST_SUITE_P(, Surfaces, ::testing::ValuesIn(palpa::test::the_first(6, models)), [](const auto& which) {
   std::string name = model(which.param).name;
   std::replace(name.begin(), name.end(), ' ', '_');
   return name;
