@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "session/give_way.hpp"
+#include "session/threads.hpp"
 
 namespace palpa::viewer {
 

@@ -20,7 +20,7 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/calibrate.hpp"
-#include "session/give_way.hpp"
+#include "session/threads.hpp"
 #include "setup/assets.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/keys.hpp"

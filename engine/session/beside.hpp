@@ -14,12 +14,12 @@
 #include <utility>
 
 #include "base/parallel.hpp"
-#include "session/give_way.hpp"
+#include "session/threads.hpp"
 
 namespace palpa::session {
 
 /// An Answer has a `number`, that of its question, 0 for none, and a `fault`: why there is nothing else in it, as the
-/// error said; empty: it is all there. The thread gives way to all others (give_way.hpp), as do those that it starts.
+/// error said; empty: it is all there. The thread gives way to all others (threads.hpp), as do those that it starts.
 template <typename Question, typename Answer>
 class Beside {
  public:

@@ -14,8 +14,8 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "session/early_start.hpp"
-#include "session/give_way.hpp"
 #include "session/source_clock.hpp"
+#include "session/threads.hpp"
 
 namespace palpa::session {
 namespace {

@@ -4,7 +4,7 @@
 #include <chrono>
 
 #include "acoustics/asked_field.hpp"
-#include "session/give_way.hpp"
+#include "session/threads.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {

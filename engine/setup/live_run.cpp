@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/log.hpp"
-#include "session/give_way.hpp"
+#include "session/threads.hpp"
 
 namespace palpa::setup {
 namespace {

@@ -39,7 +39,7 @@ std::vector<Output> outputs_of(const LiveOptions& options, std::span<const sessi
 class LiveRun {
  public:
   /// Loads and opens all of it. `sources` and `links` come beside palpa's own; `stop` is the run's. The calling thread,
-  /// which is to run it, goes first from here on (give_way.hpp), unless every frame is looked at.
+  /// which is to run it, goes first from here on (threads.hpp), unless every frame is looked at.
   LiveRun(const LiveOptions& options, std::span<const session::SourceKind> sources,
           std::span<const session::LinkKind> links, std::atomic<bool>& stop);
 

@@ -62,6 +62,7 @@ class LiveRun {
     int by_signal = 0;
     double after_s = 0;  ///< since this was asked
   };
+  /// For the program's end, which is its first thread's: not for the system, which takes its memory down after that.
   End wait(double at_most_s);
 
  private:

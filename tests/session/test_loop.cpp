@@ -8,9 +8,9 @@
 #include <thread>
 
 #include "fakes.hpp"
-#include "session/give_way.hpp"
 #include "session/loop.hpp"
 #include "session/source_clock.hpp"
+#include "session/threads.hpp"
 
 namespace palpa::session {
 namespace {

@@ -14,7 +14,7 @@
 #include "base/error.hpp"
 #include "geometry/gltf_write.hpp"
 #include "heard_link.hpp"
-#include "session/give_way.hpp"
+#include "session/threads.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/drawing_threads.hpp"

@@ -10,7 +10,7 @@
 #include "base/log.hpp"
 #include "base/outputs.hpp"
 #include "sensing/skin_twin.hpp"
-#include "session/give_way.hpp"
+#include "session/threads.hpp"
 
 namespace palpa::viewer {
 namespace {

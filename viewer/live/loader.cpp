@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/activity.hpp"
-#include "session/give_way.hpp"
+#include "session/threads.hpp"
 #include "viewer/live/live_session.hpp"
 
 namespace palpa::viewer {

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "base/activity.hpp"
-#include "session/give_way.hpp"
+#include "session/threads.hpp"
 #include "setup/body.hpp"
 
 namespace palpa::viewer {

@@ -1,4 +1,5 @@
-// Whose turn it is where threads want more cores than there are: a loop's before what works beside it.
+// What the threads of a program are to each other: whose turn it is where they want more cores than there are, a loop's
+// before what works beside it, and who takes signals.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-#include "session/give_way.hpp"
+#include "session/threads.hpp"
 
 #include <sched.h>
 #include <sys/resource.h>
