@@ -78,7 +78,7 @@ TEST(CliRun, MeasuresItselfAndRecordsDrivesThatEndInSilence) {
 }
 
 TEST(CliRun, SoundsFromTheFirstFramesAlsoWhereNoShaderHasBeenCompiledBefore) {
-  if (instrumented()) GTEST_SKIP() << "skipped: half a minute of the driver's compiler, in which nothing is seen";
+  if (instrumented()) GTEST_SKIP() << "skipped: half a minute in the driver's compiler, which is not instrumented";
   const auto folder = scratch_folder("cold");
   const Result result = palpa({"run", "--scene", cube(), "--frames", "60", "--link",
                                "record:" + (folder / "d.bin").string(), "--stats", "json", "--log-level", "info"},
