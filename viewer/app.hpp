@@ -100,6 +100,8 @@ class App {
   bool beginning() const { return loading() || desk_.opening || restart_; }
   /// A live run falls silent and ends; false where it has not within `patience_s`, or is loading all the while.
   bool finish(double patience_s);
+  /// Waits until work of `work_s` holds up no frame of a live run, at most `most_s`; returns how long that was.
+  double let_run(double work_s, double most_s) { return live_ ? live_->let_run(work_s, most_s) : 0; }
   /// Of the live run that there was last, once it is over.
   std::optional<session::LoopStats> stats() const { return live_ ? live_->stats() : std::nullopt; }
   /// Throws what a live run failed with.

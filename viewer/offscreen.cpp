@@ -45,10 +45,19 @@ void Offscreen::draw(DrawnPicture& drawn, const Viewpoint& viewpoint) {
   draw(drawn, std::span(&view, 1));
 }
 
-void Offscreen::draw(DrawnPicture& drawn, std::span<const View> views, const Sheet* sheet) {
-  const VkCommandBuffer commands = recorder_.begin();
+void Offscreen::draw(DrawnPicture& drawn, std::span<const View> views, const Sheet* sheet,
+                     const std::function<void()>& pause) {
+  NextPiece next;
+  if (pause) {
+    next = [&](VkCommandBuffer) {
+      pause();
+      timeline_.wait(timeline_.submit(recorder_.end()));
+      return recorder_.begin();
+    };
+  }
+  VkCommandBuffer commands = recorder_.begin();
   after_last_copy(commands);
-  renderer_.record(commands, drawn, views, canvas_, {image_.get(), image_.view()}, ratio_, sheet);
+  commands = renderer_.record(commands, drawn, views, canvas_, {image_.get(), image_.view()}, ratio_, sheet, next);
   gpu::transition(commands, image_.get(), format, gpu::image_use::colour_target, gpu::image_use::copied_from);
   VkBufferImageCopy region{};
   region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
@@ -56,6 +65,7 @@ void Offscreen::draw(DrawnPicture& drawn, std::span<const View> views, const She
   vkCmdCopyImageToBuffer(commands, image_.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, readback_.ref().buffer, 1,
                          &region);
   readback_.record(commands);
+  if (pause) pause();
   timeline_.wait(timeline_.submit(recorder_.end()));
   drawn_ = true;
 }

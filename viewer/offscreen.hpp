@@ -1,6 +1,9 @@
 // Pictures without a window: renders into an image of its own and reads it back.
 #pragma once
 
+#include <functional>
+#include <span>
+
 #include "drawing/png.hpp"
 #include "gpu/commands.hpp"
 #include "viewer/renderer.hpp"
@@ -15,8 +18,10 @@ class Offscreen {
   Offscreen(const gpu::Device& device, std::uint32_t width, std::uint32_t height, double ratio = 1,
             Fineness fineness = Fineness::fine);
 
-  /// Draws one frame and waits for it. The same picture and views give the same bytes on one machine.
-  void draw(DrawnPicture& drawn, std::span<const View> views, const Sheet* sheet = nullptr);
+  /// Draws one frame and waits for it. The same picture and views give the same bytes on one machine. With `pause` it
+  /// is drawn piece by piece, and that called before each.
+  void draw(DrawnPicture& drawn, std::span<const View> views, const Sheet* sheet = nullptr,
+            const std::function<void()>& pause = {});
   void draw(DrawnPicture& drawn, const Viewpoint& viewpoint);
   /// What the last draw drew; all zero before the first.
   Pixels pixels() const;

@@ -13,6 +13,7 @@
 #include "viewer/field_marks.hpp"
 #include "viewer/overlay.hpp"
 #include "viewer/palette.hpp"
+#include "viewer/rendering.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -140,7 +141,7 @@ shader::vec4 seen_from(shader::vec4 eye, const Vec3& by) {
 }  // namespace
 
 struct Renderer::Shot {
-  VkCommandBuffer commands;
+  Rendering& on;
   const ViewPipelines& with;
   Fineness fineness;
   shader::ViewPush push;  // projection, window and eye; colour and style are each draw's own
@@ -240,8 +241,9 @@ std::vector<Renderer::EdgeLines> Renderer::upload_edges(VkCommandBuffer commands
   return lines;
 }
 
-void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<const View> views, Canvas& canvas,
-                      const Target& target, double ratio, const Sheet* sheet) const {
+VkCommandBuffer Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<const View> views,
+                                 Canvas& canvas, const Target& target, double ratio, const Sheet* sheet,
+                                 const NextPiece& next) const {
   const VkExtent2D extent = canvas.extent();
   const Theme& theme = drawn.state_.dark ? dark_theme() : light_theme();
   after_last_draws(commands);
@@ -258,33 +260,12 @@ void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<c
                     gpu::image_use::colour_target);
   }
 
-  VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-  colour.imageView = resolve ? canvas.colour_.view() : target.view;
-  colour.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-  if (resolve) {
-    colour.resolveMode = VK_RESOLVE_MODE_AVERAGE_BIT;
-    colour.resolveImageView = target.view;
-    colour.resolveImageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-  }
-  colour.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-  colour.storeOp = resolve ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE;
-  colour.clearValue.color = {{theme.background.r, theme.background.g, theme.background.b, 1.0f}};
-  VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-  depth.imageView = canvas.depth_.view();
-  depth.imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
-  depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-  depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-  depth.clearValue.depthStencil = {0.0f, 0};
-  VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-  rendering.renderArea.extent = extent;
-  rendering.layerCount = 1;
-  rendering.colorAttachmentCount = 1;
-  rendering.pColorAttachments = &colour;
-  rendering.pDepthAttachment = &depth;
-  vkCmdBeginRendering(commands, &rendering);
+  const Rendering::Images images{extent, target.view, canvas.colour_.view(), canvas.depth_.view()};
+  // Of very many parts each takes little.
+  Rendering rendering(commands, images, theme.background, next, 1 + drawn.solids_.size() / 8);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const VkExtent2D size = views[i].area.extent;
-    Shot shot{commands,
+    Shot shot{rendering,
               *canvas.pipelines_,
               canvas.fineness_,
               projection(views[i].viewpoint, size.width, size.height),
@@ -297,28 +278,21 @@ void Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<c
     const std::size_t solids = lines.empty() ? 0 : drawn.solids_.size();
     draw_view(shot, drawn, canvas, views[i], overlays[i], std::span(lines).subspan(i * solids, solids));
   }
-  if (sheet) canvas.pipelines_->sheets.draw(commands, *sheet, canvas.sheet_, extent);
-  vkCmdEndRendering(commands);
+  if (sheet) canvas.pipelines_->sheets.draw(rendering.commands(), *sheet, canvas.sheet_, extent);
+  return rendering.end();
 }
 
 void Renderer::draw_view(const Shot& shot, const DrawnPicture& drawn, const Canvas& canvas, const View& view,
                          const Items& overlay, std::span<const EdgeLines> lines) const {
   const VkRect2D& area = view.area;
-  const VkViewport viewport{static_cast<float>(area.offset.x),
-                            static_cast<float>(area.offset.y),
-                            static_cast<float>(area.extent.width),
-                            static_cast<float>(area.extent.height),
-                            0,
-                            1};
-  vkCmdSetViewport(shot.commands, 0, 1, &viewport);
-  vkCmdSetScissor(shot.commands, 0, 1, &area);
+  shot.on.set_area(area);
   if (view.inset) {
     std::array<VkClearAttachment, 2> clears{};
     clears[0].aspectMask = VK_IMAGE_ASPECT_COLOR_BIT;
     clears[0].clearValue.color = {{shot.theme.background.r, shot.theme.background.g, shot.theme.background.b, 1.0f}};
     clears[1].aspectMask = VK_IMAGE_ASPECT_DEPTH_BIT;
     const VkClearRect rect{area, 0, 1};
-    vkCmdClearAttachments(shot.commands, 2, clears.data(), 1, &rect);
+    vkCmdClearAttachments(shot.on.commands(), 2, clears.data(), 1, &rect);
   }
   draw_points(shot, drawn);
   draw_images(shot, drawn, view);
@@ -333,8 +307,8 @@ void Renderer::draw_points(const Shot& shot, const DrawnPicture& drawn) const {
     if (!shot.layers.shows(layer)) return;
     shader::ViewPush push = shot.push;
     push.style = {outline * shot.ratio, shot.ratio, shot.layers.opacity(layer), static_cast<float>(each)};
-    shot.with.disc.draw(shot.commands, {drawn.discs_.ref()}, push, {.depth_write = true}, 3 * (range.count / each),
-                        3 * (range.first / each));
+    shot.on.draw(shot.with.disc, {drawn.discs_.ref()}, push, {.depth_write = true}, 3 * (range.count / each),
+                 3 * (range.first / each));
   };
   draw(drawn.transducers_, 0.0f, Layer::transducers, 1);
   const std::uint32_t points = drawn.points_.count;
@@ -352,8 +326,8 @@ void Renderer::draw_images(const Shot& shot, const DrawnPicture& drawn, const Vi
     shader::ViewPush push = shot.push;
     push.style = {static_cast<float>(image.first_pixel), static_cast<float>(image.width),
                   static_cast<float>(image.height), opacity};
-    shot.with.image.draw(shot.commands, {drawn.face_vertices_.ref(), drawn.pixels_.ref()}, push,
-                         {.depth_write = opacity >= 1}, image.vertices.count, image.vertices.first);
+    shot.on.draw(shot.with.image, {drawn.face_vertices_.ref(), drawn.pixels_.ref()}, push,
+                 {.depth_write = opacity >= 1}, image.vertices.count, image.vertices.first);
   }
 }
 
@@ -362,21 +336,20 @@ void Renderer::draw_faces_and_lines(const Shot& shot, const DrawnPicture& drawn)
   shader::ViewPush flat = shot.push;
   flat.colour.w = flat.style.x = tile;
   flat.style.y = flat.style.z = 0;
-  shot.with.mesh.draw(shot.commands, {drawn.face_vertices_.ref()}, flat, {.depth_write = tile >= 1}, drawn.tile_.count,
-                      drawn.tile_.first);
+  shot.on.draw(shot.with.mesh, {drawn.face_vertices_.ref()}, flat, {.depth_write = tile >= 1}, drawn.tile_.count,
+               drawn.tile_.first);
   shader::ViewPush push = shot.push;
   push.window.w = line_bias;
   push.style = {0, shot.ratio, shot.push.style.z, shot.push.style.w};
-  shot.with.stroke.draw(shot.commands, {drawn.strokes_.ref()}, push, {}, corners_of(drawn.lines_.count));
+  shot.on.draw(shot.with.stroke, {drawn.strokes_.ref()}, push, {}, corners_of(drawn.lines_.count));
   push = shot.push;
   const float board = shot.theme.board.a * shot.layers.opacity(Layer::transducers);
   push.colour = pack(with_alpha(shot.theme.board, board));
   push.style = {board, 0, 0, 0};
-  shot.with.mesh.draw(shot.commands, {drawn.face_vertices_.ref()}, push, {}, drawn.boards_.count);
+  shot.on.draw(shot.with.mesh, {drawn.face_vertices_.ref()}, push, {}, drawn.boards_.count);
   const float section = section_alpha * shot.layers.opacity(Layer::sections);
   push.colour.w = push.style.x = section;
-  shot.with.mesh.draw(shot.commands, {drawn.face_vertices_.ref()}, push, {}, drawn.sections_.count,
-                      drawn.sections_.first);
+  shot.on.draw(shot.with.mesh, {drawn.face_vertices_.ref()}, push, {}, drawn.sections_.count, drawn.sections_.first);
 }
 
 // Solids are convex, so that back faces, then front faces, blend in the right order; several solids from far to near.
@@ -396,7 +369,7 @@ void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn, const C
     shader::ViewPush push = shot.push;
     push.colour = pack(with_alpha(face, face.a * opacity));
     push.style = {rim.a * opacity, 1, 1, 0};
-    shot.with.mesh.draw(shot.commands, {memory_of(surface).vertices.ref()}, push, state, run_of(shot, surface));
+    shot.on.draw(shot.with.mesh, {memory_of(surface).vertices.ref()}, push, state, run_of(shot, surface));
   };
   const bool heat = drawn.skin_has_colours_ && all.layers.shows(Layer::heat);
   if (heat) draw_heat(all, drawn);
@@ -433,9 +406,8 @@ void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn, const C
   for (const Part& part : parts) {
     paint_faces(part, VK_CULL_MODE_FRONT_BIT);
     if (opacity > 0 || edges)
-      all.with.mesh_depth.draw(all.commands, {drawn.solids_memory_.vertices.ref()}, all.moved(part.away).push,
-                               {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = true},
-                               run_of(all.moved(part.away), *part.items));
+      all.on.draw(all.with.mesh_depth, {drawn.solids_memory_.vertices.ref()}, all.moved(part.away).push,
+                  {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = true}, run_of(all.moved(part.away), *part.items));
   }
   if (!parts.empty()) paint_skin(VK_COMPARE_OP_LESS);
   for (const Part& part : parts) {
@@ -452,9 +424,9 @@ void Renderer::draw_heat(const Shot& shot, const DrawnPicture& drawn) const {
   shader::ViewPush push = shot.push;
   push.colour.w = opacity;
   push.style = {opacity, 0.25f, 0, 0};
-  shot.with.mesh.draw(shot.commands, {drawn.skin_memory_.vertices.ref()}, push,
-                      {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = opacity >= 1},
-                      {drawn.skin_memory_.corners.ref(), drawn.skin_.corners.first, drawn.skin_.corners.count});
+  shot.on.draw(shot.with.mesh, {drawn.skin_memory_.vertices.ref()}, push,
+               {.cull = VK_CULL_MODE_BACK_BIT, .depth_write = opacity >= 1},
+               {drawn.skin_memory_.corners.ref(), drawn.skin_.corners.first, drawn.skin_.corners.count});
 }
 
 // What is before the surface firmly, creases behind it faintly: the folds of a dense mesh would be but a tangle there.
@@ -464,8 +436,8 @@ void Renderer::draw_edges(const Shot& shot, const Canvas& canvas, const EdgeLine
   const auto draw = [&](float width, float alpha, VkCompareOp compare, std::uint32_t count) {
     push.colour = pack(with_alpha(shot.theme.edge, alpha * shot.layers.opacity(Layer::edges)));
     push.style = {0.5f * width * shot.ratio, 0, shot.push.style.z, shot.push.style.w};
-    shot.with.edge.draw(shot.commands, {canvas.lines_.ref()}, push, {.compare = compare}, corners_of(count),
-                        corners_of(lines.all.first));
+    shot.on.draw(shot.with.edge, {canvas.lines_.ref()}, push, {.compare = compare}, corners_of(count),
+                 corners_of(lines.all.first));
   };
   draw(1.0f, 0.30f, VK_COMPARE_OP_LESS, lines.creases);
   draw(1.5f, 0.90f, VK_COMPARE_OP_GREATER_OR_EQUAL, lines.all.count);
@@ -475,8 +447,8 @@ void Renderer::draw_overlay(const Shot& shot, const Canvas& canvas, const Items&
   shader::ViewPush push = shot.push;
   push.style.x = 1;
   push.style.y = 1;
-  shot.with.stroke.draw(shot.commands, {canvas.overlay_.ref()}, push, {.depth_test = false}, corners_of(strokes.count),
-                        corners_of(strokes.first));
+  shot.on.draw(shot.with.stroke, {canvas.overlay_.ref()}, push, {.depth_test = false}, corners_of(strokes.count),
+               corners_of(strokes.first));
 }
 
 }  // namespace palpa::viewer

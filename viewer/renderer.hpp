@@ -9,6 +9,7 @@
 #include "gpu/image.hpp"
 #include "viewer/drawn_picture.hpp"
 #include "viewer/fineness.hpp"
+#include "viewer/rendering.hpp"
 #include "viewer/sheet_painter.hpp"
 #include "viewer/view_pipelines.hpp"
 #include "viewer/viewpoint.hpp"
@@ -65,9 +66,10 @@ class Renderer {
   /// order, then the sheet over them. `ratio` is pixels per point (2 on a high-resolution screen). Barriers: earlier
   /// users of the target's image are ordered before colour-attachment output by the caller (a semaphore's wait, or a
   /// submit before that was waited for). Afterwards the target is a colour target (gpu::image_use::colour_target): the
-  /// caller moves it on.
-  void record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<const View> views, Canvas& canvas,
-              const Target& target, double ratio = 1, const Sheet* sheet = nullptr) const;
+  /// caller moves it on. With `next` the picture comes in pieces; returns the commands of the last.
+  VkCommandBuffer record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<const View> views, Canvas& canvas,
+                         const Target& target, double ratio = 1, const Sheet* sheet = nullptr,
+                         const NextPiece& next = {}) const;
 
  private:
   VkSampleCountFlagBits samples_of(Fineness fineness) const;

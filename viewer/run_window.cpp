@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 #include "viewer/app.hpp"
 #include "viewer/drawing_threads.hpp"
 #include "viewer/film.hpp"
+#include "viewer/live/turns.hpp"
 #include "viewer/offscreen.hpp"
 #include "viewer/participant_window.hpp"
 #include "viewer/report.hpp"
@@ -54,11 +56,12 @@ void look_after(std::optional<ParticipantWindow>& participant, App& app, const g
 class Filming {
  public:
   Filming(const gpu::Device& device, const std::string& folder) : device_(&device), film_(folder) {}
-  void add(DrawnPicture& drawn, const App::Frame& frame, const Size& size, double ratio) {
+  void add(DrawnPicture& drawn, const App::Frame& frame, const Size& size, double ratio,
+           const std::function<void()>& pause) {
     if (!film_.wanted()) return;
     if (!offscreen_ || offscreen_->width() != size.width || offscreen_->height() != size.height)
       offscreen_ = std::make_unique<Offscreen>(*device_, size.width, size.height, ratio);
-    offscreen_->draw(drawn, frame.views, frame.sheet);
+    offscreen_->draw(drawn, frame.views, frame.sheet, pause);
     film_.add(offscreen_->pixels());
   }
 
@@ -114,6 +117,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   Rest rest;
   PicturesDrawn pictures;
   double last_drawn_s = -1;
+  PicturePieces pieces([&](double work_s, double most_s) { return app.let_run(work_s, most_s); });
   const SilentEnd silent_end(stopper.flag());
 
   // Draws only when something has changed: a window that nobody touches costs nothing.
@@ -144,15 +148,24 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     if (!visible || !(changed || rests)) continue;
     if (now() < last_drawn_s + shortest_s(app) && !asked) continue;
     const double started_s = now(), ratio = options.pixel_ratio.value_or(window.pixel_ratio());
+    // The run may compute where pictures are drawn: they take turns.
+    std::function<void()> pause;
+    if (app.desk().live && presenter.on_processor()) {
+      pieces.begin();
+      pause = [&] { pieces.pause(); };
+      pause();
+    }
     if (app.stale()) presenter.finish();
     app.update(drawn);
+    if (pause) pause();
     const App::Frame frame = app.render(pixels, ratio, started_s);
     const FinePictures wanted = app.desk().state.fine;
     const Fineness fineness = rest.next(wanted, presenter.slow(), changed, started_s);
     // What moves later is quick, and then nobody is to wait for a driver that compiles.
     if (pictures.ms.count() == 0 && wanted == FinePictures::automatic && presenter.slow())
       presenter.expect(Fineness::quick);
-    const bool shown = presenter.draw(drawn, frame.views, ratio, frame.sheet, fineness);
+    const bool shown = presenter.draw(drawn, frame.views, ratio, frame.sheet, fineness, pause);
+    if (pause) pause();
     last_drawn_s = now();
     app.drew(last_drawn_s - started_s);
     if (!shown) {
@@ -164,7 +177,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     pictures.ms.add((last_drawn_s - started_s) * 1e3);
     pictures.size = pixels;
     script.drew();
-    filming.add(drawn, frame, pixels, ratio);
+    filming.add(drawn, frame, pixels, ratio, pause);
   }
   stopper.end(app);
   report_window(options, outputs, pictures);

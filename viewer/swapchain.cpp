@@ -45,7 +45,7 @@ Presenter::Presenter(const gpu::Device& device, VkSurfaceKHR surface)
       surface_(surface),
       format_(pick_format(device, surface)),
       renderer_(device, format_.format),
-      slow_(device.description().kind == "cpu"),
+      slow_(on_processor()),
       drained_(device, "window drained") {
   for (Flight& flight : flights_) {
     flight.recorder = gpu::Recorder(device, "window frame");
@@ -149,18 +149,17 @@ bool Presenter::rebuild(std::uint32_t width, std::uint32_t height) {
   return true;
 }
 
-void Presenter::submit(Flight& flight, const Image& image) {
-  const VkSemaphore wait = flight.acquired.get(), signal = image.drawn.get();
+void Presenter::submit(Flight& flight, VkSemaphore acquired, VkSemaphore drawn) {
   const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
   const VkCommandBuffer commands = flight.recorder.end();
   VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
-  info.waitSemaphoreCount = 1;
-  info.pWaitSemaphores = &wait;
+  info.waitSemaphoreCount = acquired ? 1 : 0;
+  info.pWaitSemaphores = &acquired;
   info.pWaitDstStageMask = &stage;
   info.commandBufferCount = 1;
   info.pCommandBuffers = &commands;
-  info.signalSemaphoreCount = 1;
-  info.pSignalSemaphores = &signal;
+  info.signalSemaphoreCount = drawn ? 1 : 0;
+  info.pSignalSemaphores = &drawn;
   const VkFence fence = flight.done.get();
   PALPA_VK(vkResetFences(device_->get(), 1, &fence));
   const std::lock_guard lock(device_->queue_mutex());
@@ -168,18 +167,19 @@ void Presenter::submit(Flight& flight, const Image& image) {
 }
 
 bool Presenter::draw(DrawnPicture& drawn, std::span<const View> views, double ratio, const Sheet* sheet,
-                     Fineness fineness) {
+                     Fineness fineness, const std::function<void()>& pause) {
   const auto [width, height] = views.front().area.extent;
-  return show(width, height, [&](VkCommandBuffer commands, Flight& flight, const Image& image) {
+  const auto record = [&](VkCommandBuffer commands, Flight& flight, const Image& image, const NextPiece& next) {
     const Target target{image.image, image.view.get()};
     if (const std::optional<Fineness> first = std::exchange(expected_, {}))
       renderer_.record(commands, drawn, views, canvas(flight, *first), target, ratio, sheet);
     flight.timed = fineness == Fineness::fine;
     flight.time.begin(commands);
-    renderer_.record(commands, drawn, views, canvas(flight, fineness), target, ratio, sheet);
+    commands = renderer_.record(commands, drawn, views, canvas(flight, fineness), target, ratio, sheet, next);
     flight.time.mark(commands, "picture");
     gpu::transition(commands, image.image, format_.format, gpu::image_use::colour_target, gpu::image_use::presented);
-  });
+  };
+  return show(width, height, record, pause);
 }
 
 Canvas& Presenter::canvas(Flight& flight, Fineness fineness) {
@@ -190,7 +190,7 @@ Canvas& Presenter::canvas(Flight& flight, Fineness fineness) {
 
 // Of the frame that the flight carried last, which is complete.
 void Presenter::look_at_time(Flight& flight) {
-  if (!std::exchange(flight.timed, false) || device_->description().kind == "cpu") return;
+  if (!std::exchange(flight.timed, false) || on_processor()) return;
   flight.time.read(times_);
   slow_ = !times_.empty() && times_.front().ms > slow_picture_ms;
 }
@@ -203,7 +203,7 @@ bool Presenter::draw(const drawing::Pixels& pixels) {
     stale_ = true;
     return false;
   }
-  return show(pixels.width, pixels.height, [&](VkCommandBuffer commands, Flight& flight, const Image& image) {
+  const auto record = [&](VkCommandBuffer commands, Flight& flight, const Image& image, const NextPiece&) {
     if (!flight.pixels.data()) flight.pixels = gpu::Upload(*device_, pixels.rgba.size(), "window pixels");
     const auto to = flight.pixels.as<std::uint8_t>();
     const bool blue_first = format_.format == VK_FORMAT_B8G8R8A8_UNORM;
@@ -221,10 +221,12 @@ bool Presenter::draw(const drawing::Pixels& pixels) {
     vkCmdCopyBufferToImage(commands, flight.pixels.ref().buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
                            &region);
     gpu::transition(commands, image.image, format_.format, gpu::image_use::copied_to, gpu::image_use::presented);
-  });
+  };
+  return show(pixels.width, pixels.height, record);
 }
 
-bool Presenter::show(std::uint32_t width, std::uint32_t height, const Record& record) {
+bool Presenter::show(std::uint32_t width, std::uint32_t height, const Record& record,
+                     const std::function<void()>& pause) {
   if (width == 0 || height == 0) return false;
   if ((stale_ || width != asked_width_ || height != asked_height_) && !rebuild(width, height)) return false;
 
@@ -243,16 +245,30 @@ bool Presenter::show(std::uint32_t width, std::uint32_t height, const Record& re
   if (!stale_) PALPA_VK(acquired);
 
   const Image& image = images_[index];
-  const VkCommandBuffer commands = flight.recorder.begin();
-  record(commands, flight, image);
-  submit(flight, image);
+  VkSemaphore unseen = flight.acquired.get();  // by the first piece
+  NextPiece next;
+  if (pause) {
+    next = [&](VkCommandBuffer) {
+      pause();
+      submit(flight, std::exchange(unseen, VK_NULL_HANDLE), VK_NULL_HANDLE);
+      wait(std::array{flight.done.get()});
+      return flight.recorder.begin();
+    };
+  }
+  record(flight.recorder.begin(), flight, image, next);
+  if (pause) pause();
+  submit(flight, unseen, image.drawn.get());
+  if (pause) {
+    wait(std::array{flight.done.get()});
+    pause();
+  }
   next_flight_ = (next_flight_ + 1) % flights_.size();
 
-  const VkSemaphore wait = image.drawn.get();
+  const VkSemaphore drawn = image.drawn.get();
   const VkSwapchainKHR swapchain = swapchain_.get();
   VkPresentInfoKHR present{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
   present.waitSemaphoreCount = 1;
-  present.pWaitSemaphores = &wait;
+  present.pWaitSemaphores = &drawn;
   present.swapchainCount = 1;
   present.pSwapchains = &swapchain;
   present.pImageIndices = &index;

@@ -26,9 +26,10 @@ class Presenter {
 
   /// Draws and presents one frame; the first view says how large the window is, making the swapchain anew where the
   /// window has changed. False where nothing could be shown: the window has no area, or it changed again meanwhile;
-  /// draw once more later.
+  /// draw once more later. With `pause` it is drawn piece by piece, and that called before each, and before it is
+  /// presented.
   bool draw(DrawnPicture& drawn, std::span<const View> views, double ratio, const Sheet* sheet = nullptr,
-            Fineness fineness = Fineness::fine);
+            Fineness fineness = Fineness::fine, const std::function<void()>& pause = {});
 
   /// The next picture is drawn with that fineness first, unseen: what a driver makes for that is there from then on.
   void expect(Fineness fineness) { expected_ = fineness; }
@@ -40,6 +41,8 @@ class Presenter {
   /// abandoned, as by Timeline::wait.
   void finish();
 
+  /// Whether the device is a processor.
+  bool on_processor() const { return device_->description().kind == "cpu"; }
   /// Whether a fine picture takes long: on a processor, or where the last one took the device longer than
   /// slow_picture_ms.
   bool slow() const { return slow_; }
@@ -64,9 +67,10 @@ class Presenter {
   void look_at_time(Flight& flight);
   Canvas& canvas(Flight& flight, Fineness fineness);
   bool rebuild(std::uint32_t width, std::uint32_t height);
-  void submit(Flight& flight, const Image& image);
-  using Record = std::function<void(VkCommandBuffer, Flight&, const Image&)>;
-  bool show(std::uint32_t width, std::uint32_t height, const Record& record);
+  /// What has been recorded: all, or the first or the last piece, or one between.
+  void submit(Flight& flight, VkSemaphore acquired, VkSemaphore drawn);
+  using Record = std::function<void(VkCommandBuffer, Flight&, const Image&, const NextPiece&)>;
+  bool show(std::uint32_t width, std::uint32_t height, const Record& record, const std::function<void()>& pause = {});
 
   const gpu::Device* device_;
   VkSurfaceKHR surface_;

@@ -86,7 +86,8 @@ bool wait_until_taken(Newest<T>& values, Stopped stopped) {
 constexpr double most_wait_s = 0.1;
 
 void capture(sensing::DepthSource& source, Newest<Captured>& frames, Newest<sensing::FrameSet>* recorded,
-             const LoopSetting& setting, const Clock& clock, const std::atomic<bool>& stop, LoopStats& stats) {
+             const LoopSetting& setting, const Clock& clock, const std::atomic<bool>& stop,
+             const LoopObservers& observers, LoopStats& stats) {
   SourceClock source_clock;
   const auto stopped = [&] { return stop.load(); };
   double looked_s = clock.now();  // when there was a frame, or it was noted that there was none
@@ -105,6 +106,7 @@ void capture(sensing::DepthSource& source, Newest<Captured>& frames, Newest<sens
     if (setting.every_frame) wait_until_taken(frames, stopped);
     next.arrived_s = clock.now();
     next.captured_s = source_clock.capture_time(next.set.time_s, next.arrived_s);
+    if (observers.arrived) observers.arrived(next.set.sequence);
     if (recorded) {
       if (setting.every_frame) wait_until_taken(*recorded, stopped);
       recorded->back() = next.set;
@@ -293,7 +295,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
       const CloseFrames close(frames);
       take_turns();  // what makes frames itself, or unpacks them, works as long as the touch that waits for them
       try {
-        capture(source, frames, observers.record ? &recorded : nullptr, setting, clock, stop_capture, stats);
+        capture(source, frames, observers.record ? &recorded : nullptr, setting, clock, stop_capture, observers, stats);
       } catch (...) {
         fail();
         throw;

@@ -24,6 +24,9 @@ struct LoopSetting {
 
 /// What others may look at while the loop runs. They must not throw anything but Error; `planned` must not linger.
 struct LoopObservers {
+  /// Capture thread: a frame with that number has come, and will be planned or replaced by a newer one. Must not
+  /// linger.
+  std::function<void(std::uint64_t sequence)> arrived;
   /// On a thread of its own, so that a slow disk delays no touch: every frame, e.g. to be written down. Frames that
   /// come while it is busy are left out, all but the newest (never with every_frame), and counted as `unrecorded`.
   std::function<void(const sensing::FrameSet&)> record;

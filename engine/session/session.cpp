@@ -119,6 +119,7 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   if (tells && !s.setting.events) throw bad_usage("a session whose setting has no events cannot tell any");
   PressureLog pressures(s.names);
   LoopObservers observers;
+  observers.arrived = options.arrived;
   observers.record = options.record;
   observers.planned = [&](const FrameReport& report, const Plan& plan) {
     pressures.planned(plan.schedule);

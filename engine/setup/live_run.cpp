@@ -86,6 +86,7 @@ std::unique_ptr<session::Link> LiveRun::open_link(std::span<const session::LinkK
 session::LoopStats LiveRun::run(const session::RunOptions& looking) {
   session::RunOptions options{.frames = options_.frames, .every_frame = options_.every_frame};
   options.planned = looking.planned;
+  options.arrived = looking.arrived;
   std::uint64_t out_of_order = 0;  // frames whose time a recording cannot hold; of the recorder's thread
   if (sink_) options.events = [&](std::span<const session::Event> events) { sink_->write(events); };
   if (recorder_) options.record = [&](const sensing::FrameSet& set) { out_of_order += recorder_->write(set) ? 0 : 1; };

@@ -59,6 +59,22 @@ TEST_F(Renderer, AnEmptySceneIsBackground) {
   EXPECT_EQ(count_not(draw(picture, test::front_viewpoint(), width, height, dark), dark_theme().background), 0u);
 }
 
+TEST_F(Renderer, PieceByPieceThePictureIsTheSame) {
+  DrawnPicture drawn(test::test_device());
+  drawn.update(test::cube_picture(), ViewState{});
+  const std::vector<View> views{whole(test::front_viewpoint(), width, height),
+                                close_up(test::front_viewpoint(), Box{Vec3(-0.01), Vec3(0.01)}, width, height, 1)};
+  for (const Fineness fineness : {Fineness::quick, Fineness::fine}) {
+    Offscreen offscreen(test::test_device(), width, height, 1, fineness);
+    offscreen.draw(drawn, views);
+    const Pixels at_once = offscreen.pixels();
+    int pieces = 0;
+    offscreen.draw(drawn, views, nullptr, [&] { ++pieces; });
+    EXPECT_GT(pieces, 8);
+    EXPECT_EQ(offscreen.pixels().rgba, at_once.rgba);
+  }
+}
+
 TEST_F(Renderer, ACubeIsWhereItShouldBeAndTranslucent) {
   const Viewpoint viewpoint = test::front_viewpoint();
   const Pixels pixels = draw(test::cube_picture(), viewpoint);

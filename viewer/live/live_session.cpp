@@ -64,6 +64,7 @@ void LiveSession::work() {
     follow_poses(run.session());
     log::release_warnings();
     session::RunOptions looking;
+    looking.arrived = [this](std::uint64_t sequence) { turns_.arrived(sequence); };
     looking.planned = [this](const session::FrameReport& report, const session::Plan& plan) { planned(report, plan); };
     looking.record = [this](const sensing::FrameSet& set) { saw(set); };
     state_ = LiveState::running;
@@ -74,6 +75,7 @@ void LiveSession::work() {
     fault = error.what();
     thrown = std::current_exception();
   }
+  turns_.over();
   close_recorder();  // whatever ended the run: what it has written is whole
   {
     const std::lock_guard lock(mutex_);
@@ -243,6 +245,7 @@ void LiveSession::count(const session::FrameReport& report) {
 
 // On the compute thread.
 void LiveSession::planned(const session::FrameReport& report, const session::Plan& plan) {
+  turns_.planned(report.sequence);
   count(report);
   follow_poses(*session_);
   const Clock::duration unseen = Clock::now().time_since_epoch() - Clock::duration(looked_.load());
@@ -267,6 +270,7 @@ void LiveSession::saw(const sensing::FrameSet& set) {
   if (!std::exchange(modest_, true) && options_.record.empty()) session::give_way();
   write_down(set);
   if (!wants_seen_.exchange(false)) return;
+  if (!recorder_ && options_.record.empty()) turns_.wait(3e-3, 0.05);
   if (looked_around_ != placements_) look_around(session_->setting().cameras);
   Seen& next = seen_.back();
   next.sequence = set.sequence;

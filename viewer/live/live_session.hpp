@@ -21,6 +21,7 @@
 #include "session/newest.hpp"
 #include "setup/live_run.hpp"
 #include "viewer/live/snapshot.hpp"
+#include "viewer/live/turns.hpp"
 #include "viewer/live/watched_link.hpp"
 #include "viewer/picture.hpp"
 
@@ -99,6 +100,9 @@ class LiveSession {
   bool take_seen() { return wants(wants_seen_, seen_); }
   const Seen& seen() { return seen_.front(); }
 
+  /// Waits until work of `work_s` is in no frame's way, at most `most_s`; returns how long that was.
+  double let_run(double work_s, double most_s) { return turns_.wait(work_s, most_s); }
+
   /// From the next frame on each solid is where its pose takes it from its place in the scene; see Session::set_pose.
   void place(std::vector<Transform> poses);
 
@@ -143,6 +147,7 @@ class LiveSession {
   session::Newest<Snapshot> snapshots_;
   session::Newest<Seen> seen_;
   LinkWatch link_;
+  Turns turns_;
   LiveNumbers numbers_;                  ///< of the compute thread
   session::Session* session_ = nullptr;  ///< while it runs
   std::uint64_t placed_ = 0;             ///< poses that it has
