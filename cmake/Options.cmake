@@ -17,18 +17,25 @@ endif()
 if(PALPA_WERROR)
   target_compile_options(palpa_options INTERFACE -Werror)
 endif()
+# Tests are built with other flags here and there.
+define_property(DIRECTORY PROPERTY PALPA_OF_TESTS INHERITED)
+define_property(TARGET PROPERTY PALPA_OF_TESTS INHERITED)
+set(of_tests $<BOOL:$<TARGET_PROPERTY:PALPA_OF_TESTS>>)
+if(PALPA_UNITS STREQUAL "TESTS")
+  set(in_units ${of_tests})
+elseif(PALPA_UNITS)
+  set(in_units 1)
+endif()
 if(PALPA_UNITS)
-  # One source's constants above another's local names.
-  target_compile_options(palpa_options INTERFACE -Wno-shadow)
+  # One source's constants may stand above another's local names.
+  target_compile_options(palpa_options INTERFACE $<${in_units}:-Wno-shadow>)
 endif()
 if(PALPA_SANITIZE)
   # What the last three look for in the tests' own code, AddressSanitizer meets when it happens, or nobody would write there; to be
   # built with them costs a quarter more.
-  define_property(DIRECTORY PROPERTY PALPA_OF_TESTS INHERITED)
-  define_property(TARGET PROPERTY PALPA_OF_TESTS INHERITED)
   target_compile_options(palpa_options INTERFACE
     -fsanitize=${PALPA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer
-    $<$<BOOL:$<TARGET_PROPERTY:PALPA_OF_TESTS>>:-fno-sanitize=null,alignment,vptr>)
+    $<${of_tests}:-fno-sanitize=null,alignment,vptr>)
   target_link_options(palpa_options INTERFACE -fsanitize=${PALPA_SANITIZE})
   # What the sanitizers note of every check and global is full of addresses: a program that may lie anywhere has over a million to
   # mend whenever it starts, and tests start thousands.

@@ -50,16 +50,42 @@ function(palpa_test_library NAME)
   target_precompile_headers(${NAME} REUSE_FROM ${PALPA_TEST_HEADERS})
 endfunction()
 
-# palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...] [COST SECONDS]): one GoogleTest executable per topic, one ctest entry. A
-# test may include the embedded SPIR-V ("spirv/name.comp.hpp") of any room it links. COST is for the long ones, by about how many
-# seconds: ctest, which learns it from a first run, starts them first.
+# palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...] [COST SECONDS] [NEEDS ...] [DEFINES ...] [SHADERS ...] [ALONE]): a topic of
+# tests, one ctest entry. The topics of a folder are one GoogleTest program, tests_FOLDER; ctest runs it once for each topic, with
+# the tests of those sources alone (tests/support/main.cpp), and to build NAME is to build that program. ALONE: the topic has one of
+# its own. A test may include the embedded SPIR-V ("spirv/name.comp.hpp") of any room that it links. COST is for the long ones, by
+# about how many seconds: ctest, which learns it from a first run, starts them first. NEEDS: targets that must be there, too.
 function(palpa_test NAME)
-  cmake_parse_arguments(TEST "" "COST" "SOURCES;LINKS;LABELS" ${ARGN})
-  add_executable(${NAME} ${TEST_SOURCES})
-  target_link_libraries(${NAME} PRIVATE ${TEST_LINKS} palpa_test_support GTest::gtest palpa_options)
-  target_include_directories(${NAME} PRIVATE ${PROJECT_BINARY_DIR})
-  target_precompile_headers(${NAME} REUSE_FROM ${PALPA_TEST_HEADERS})
-  add_test(NAME ${NAME} COMMAND ${NAME})
+  cmake_parse_arguments(TEST "ALONE" "COST" "SOURCES;LINKS;LABELS;NEEDS;DEFINES;SHADERS" ${ARGN})
+  # Who looks for races between threads builds nothing else.
+  if(PALPA_SANITIZE STREQUAL "thread" AND NOT "threads" IN_LIST TEST_LABELS)
+    return()
+  endif()
+  cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)
+  set(program tests_${folder})
+  if(TEST_ALONE)
+    string(REGEX REPLACE "^test_" "tests_" program ${NAME})
+  endif()
+  if(NOT TARGET ${program})
+    add_executable(${program})
+    target_link_libraries(${program} PRIVATE palpa_test_support GTest::gtest palpa_options)
+    target_include_directories(${program} PRIVATE ${PROJECT_BINARY_DIR})
+    target_precompile_headers(${program} REUSE_FROM ${PALPA_TEST_HEADERS})
+  endif()
+  target_sources(${program} PRIVATE ${TEST_SOURCES})
+  target_link_libraries(${program} PRIVATE ${TEST_LINKS})
+  target_compile_definitions(${program} PRIVATE ${TEST_DEFINES})
+  if(TEST_SHADERS)
+    palpa_shaders(${program} ${TEST_SHADERS})
+  endif()
+  if(TEST_NEEDS)
+    add_dependencies(${program} ${TEST_NEEDS})
+  endif()
+  add_custom_target(${NAME} DEPENDS ${program})
+  set(of ${TEST_SOURCES})
+  list(FILTER of INCLUDE REGEX "^test_")
+  list(JOIN of "," of)
+  add_test(NAME ${NAME} COMMAND ${program} --of=${of})
   set_tests_properties(${NAME} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT 600)
   if(TEST_COST)
     set_tests_properties(${NAME} PROPERTIES COST ${TEST_COST})

@@ -1,8 +1,8 @@
-# palpa_units(): has the compiler look at several sources of a target as one text, where tests/house/units.py says that they can
-# stand beside each other: much of the time goes into headers and templates that they share. What a source forgets to include is
-# seen by a build without.
-function(palpa_units)
-  palpa_targets_of(targets ${PROJECT_SOURCE_DIR})
+# palpa_units(FOLDER): has the compiler look at several sources of a target in that folder or below as one text, where
+# tests/house/units.py says that they can stand beside each other: much of the time goes into headers and templates that they share.
+# What a source forgets to include is seen by tests/house/includes.py, and by a build without.
+function(palpa_units FOLDER)
+  palpa_targets_of(targets ${FOLDER})
   set(lines "")
   foreach(target IN LISTS targets)
     get_target_property(folder ${target} SOURCE_DIR)

@@ -20,7 +20,8 @@ namespace palpa::acoustics {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double radius = 8e-3, pi = std::numbers::pi;
+constexpr double radius = 8e-3;
+constexpr double pi = std::numbers::pi;
 
 /// Point sources all around, at least 0.15 m away, some farther than others.
 array::Layout shell(int count) {

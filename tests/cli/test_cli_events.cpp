@@ -32,8 +32,6 @@ namespace {
 using nlohmann::json;
 using namespace std::chrono_literals;
 
-[[maybe_unused]] const int assets_are_known = setenv("PALPA_ASSETS", source_file("assets").c_str(), 1);
-
 constexpr double near_m = 0.3;  // the button's front face, seen from the camera at the origin
 constexpr double focal = 300;   // a pixel is a millimetre there
 constexpr int centre = 16;

@@ -22,8 +22,6 @@ namespace {
 
 using nlohmann::json;
 
-[[maybe_unused]] const int assets_are_known = setenv("PALPA_ASSETS", source_file("assets").c_str(), 1);
-
 constexpr double slot_s = 1.5e-3, hold_s = 0.1;
 
 class CliExport : public testing::Test {

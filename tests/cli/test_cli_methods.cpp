@@ -16,9 +16,6 @@ namespace {
 
 using nlohmann::json;
 
-/// Every child finds the assets, wherever this was built.
-[[maybe_unused]] const int assets_are_known = setenv("PALPA_ASSETS", source_file("assets").c_str(), 1);
-
 std::string asset(const std::string& name) {
   return source_file("assets/" + name).string();
 }

@@ -31,8 +31,6 @@ namespace {
 
 using nlohmann::json;
 
-[[maybe_unused]] const int assets_are_known = setenv("PALPA_ASSETS", source_file("assets").c_str(), 1);
-
 std::string asset(const std::string& name) {
   return source_file("assets/" + name).string();
 }

@@ -28,9 +28,6 @@ namespace {
 using nlohmann::json;
 using namespace std::chrono_literals;
 
-/// Every child finds the assets, wherever this was built.
-[[maybe_unused]] const int assets_are_known = setenv("PALPA_ASSETS", source_file("assets").c_str(), 1);
-
 std::string cube() {
   return source_file("assets/cube.glb").string();
 }

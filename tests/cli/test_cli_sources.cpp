@@ -11,8 +11,6 @@
 namespace palpa::test {
 namespace {
 
-[[maybe_unused]] const int assets_are_known = setenv("PALPA_ASSETS", source_file("assets").c_str(), 1);
-
 /// Looks down on the cube's face at y = 0 from 0.3 m above; a pixel sees 3 mm of it.
 sensing::Camera above() {
   sensing::Camera camera{.name = "above", .width = 9, .height = 9, .fx = 100, .fy = 100, .cx = 4, .cy = 4};

@@ -10,8 +10,6 @@
 namespace palpa::test {
 namespace {
 
-[[maybe_unused]] const int assets_are_known = setenv("PALPA_ASSETS", source_file("assets").c_str(), 1);
-
 class SteadyFociOn : public ::testing::Test {
  protected:
   /// As a source. Rendering takes longer than playing: each path is rendered once.

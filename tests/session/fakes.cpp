@@ -5,7 +5,7 @@
 #include <cmath>
 #include <thread>
 
-namespace palpa::session::test {
+namespace palpa::test {
 
 array::Layout small_layout() {
   array::Layout layout;
@@ -42,21 +42,21 @@ bool FakeSource::next(sensing::FrameSet& out, double) {
   return true;
 }
 
-void FakePlanner::start(const SkinFrame& frame) {
+void FakePlanner::start(const session::SkinFrame& frame) {
   captured_s = frame.captured_s;
   current = {frame.sequence, frame.time_s, &touch, {}, frame.arrived_s, 0};
   under_way = true;
 }
 
-bool FakePlanner::step(Plan& plan, FrameReport& report) {
+bool FakePlanner::step(session::Plan& plan, session::FrameReport& report) {
   if (before) before(current.sequence);
   seen.push_back(current.sequence);
   touch.finger_count = fingers(current.sequence);
   plan.schedule = touch.finger_count ? touching(Vec3(0, 0.15, 0)) : array::Schedule();
   plan.captured_s = captured_s;
   plan.drives.clear();
-  SlotWork work;
-  plan_slots(plan, work, nullptr, [&](std::span<const array::SlotFocus> slot_foci, const auto&) {
+  session::SlotWork work;
+  session::plan_slots(plan, work, nullptr, [&](std::span<const array::SlotFocus> slot_foci, const auto&) {
     plan.drives.resize(plan.drives.size() + layout.transducers.size());
     array::drive_for(layout, slot_foci, {}, std::span(plan.drives).last(layout.transducers.size()));
   });
@@ -72,7 +72,7 @@ float loudest_of(std::span<const array::TransducerDrive> drive) {
   return loud;
 }
 
-void SpyLink::plan(const ToldPlan& plan) {
+void SpyLink::plan(const session::ToldPlan& plan) {
   const bool touched = plan.schedule.voice_count > 0;
   told.push_back({plan.schedule.voice_count, plan.from_slot, plan.until_slot, plan.cycle,
                   touched ? plan.schedule.voices[0].gain : 0, loudest_of(plan.drives), &plan.schedule,
@@ -92,4 +92,4 @@ void SpyLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> d
   loudest.push_back(loud);
 }
 
-}  // namespace palpa::session::test
+}  // namespace palpa::test

@@ -12,7 +12,7 @@
 #include "session/link.hpp"
 #include "session/planner.hpp"
 
-namespace palpa::session::test {
+namespace palpa::test {
 
 array::Layout small_layout();
 /// One finger, ten foci on a circle about `centre`.
@@ -33,20 +33,20 @@ struct FakeSource : sensing::DepthSource {
 };
 
 /// Every frame touches (or not, as `fingers` says); plans are made at once.
-struct FakePlanner : Planner {
+struct FakePlanner : session::Planner {
   array::Layout layout = small_layout();
   std::function<std::uint32_t(std::uint64_t)> fingers = [](std::uint64_t) { return 1u; };
   std::function<void(std::uint64_t)> before;  ///< called in step; may sleep or throw
   std::vector<std::uint64_t> seen;
   bool under_way = false;
-  FrameReport current;
+  session::FrameReport current;
   double captured_s = 0;
   touch::Touch touch;
 
   bool can_start() const override { return !under_way; }
   bool busy() const override { return under_way; }
-  void start(const SkinFrame& frame) override;
-  bool step(Plan& plan, FrameReport& report) override;
+  void start(const session::SkinFrame& frame) override;
+  bool step(session::Plan& plan, session::FrameReport& report) override;
   void set_pose(std::uint32_t, const Transform&) override {}
 };
 
@@ -54,7 +54,7 @@ struct FakePlanner : Planner {
 float loudest_of(std::span<const array::TransducerDrive> drive);
 
 /// Remembers what it was told and sent.
-struct SpyLink : Link {
+struct SpyLink : session::Link {
   std::vector<std::uint64_t> slots;
   std::vector<float> loudest;  ///< largest amplitude of each drive
   /// What it was told: the first voice's gain, and the loudest of the listed drives.
@@ -74,10 +74,10 @@ struct SpyLink : Link {
   std::uint64_t fail_at = ~0ull;  ///< throws in the n-th send, and in every later one while `broken`
   bool broken = false;
 
-  void plan(const ToldPlan& plan) override;
+  void plan(const session::ToldPlan& plan) override;
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override;
   void finish() override { finished = true; }
   bool ended_silent() const { return !loudest.empty() && loudest.back() == 0.0f; }
 };
 
-}  // namespace palpa::session::test
+}  // namespace palpa::test

@@ -26,7 +26,7 @@ namespace palpa::session {
 namespace {
 
 using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
+using Steady = std::chrono::steady_clock;
 
 // As every program of palpa has it: a closed pipe is an error of a write.
 [[maybe_unused]] const auto no_sigpipe = std::signal(SIGPIPE, SIG_IGN);
@@ -90,10 +90,10 @@ TEST(EventSink, AFileHoldsEveryLineAtOnce) {
 TEST(EventSink, APipeThatNobodyReadsDelaysNothingAndLosesWholeLines) {
   Fifo fifo("event-slow");
   const auto sink = open_event_sink(fifo.file.string(), names);
-  const auto begin = Clock::now();
+  const auto begin = Steady::now();
   for (std::uint32_t n = 0; n < 20'000; ++n)  // 2 MB; the pipe takes 64 kB, a megabyte waits
     sink->write(events(1, n));
-  EXPECT_LT(Clock::now() - begin, 5s);
+  EXPECT_LT(Steady::now() - begin, 5s);
   EXPECT_EQ(sink->written() + sink->dropped(), 20'000U);
   EXPECT_GT(sink->dropped(), 1000U);
   std::string text;
@@ -117,9 +117,9 @@ TEST(EventSink, ItsEndWaitsForNobodyLong) {
   Fifo fifo("event-end");
   const auto sink = open_event_sink(fifo.file.string(), names);
   sink->write(events(5'000));
-  const auto begin = Clock::now();
+  const auto begin = Steady::now();
   sink->finish();
-  EXPECT_LT(Clock::now() - begin, 3s);
+  EXPECT_LT(Steady::now() - begin, 3s);
   EXPECT_EQ(sink->written() + sink->dropped(), 5'000U);
   EXPECT_GT(sink->dropped(), 1000U);
 }
@@ -151,12 +151,12 @@ TEST(EventSink, ThatMayWaitStillStops) {
     std::this_thread::sleep_for(100ms);
     stop = true;
   });
-  const auto begin = Clock::now();
+  const auto begin = Steady::now();
   for (std::uint32_t n = 0; n < 20'000; ++n)
     sink->write(events(1, n));
   sink->finish();
   stopper.join();
-  EXPECT_LT(Clock::now() - begin, 5s);
+  EXPECT_LT(Steady::now() - begin, 5s);
   EXPECT_GT(sink->dropped(), 0U);
 }
 
@@ -204,7 +204,7 @@ TEST(RecordLink, AFifoThatNobodyReadsIsAFaultAndNotAHang) {
   const LinkSetting setting{layout, names, 1.5e-3};
   const auto link = open_link("record:" + fifo.file.string(), builtin_links(), setting);
   const array::Drive loud(1000, {1.0F, 0.5F}), silent(1000, {0.0F, 0.0F});
-  const auto begin = Clock::now();
+  const auto begin = Steady::now();
   const Error stalled = test::thrown_by([&] {
     for (std::uint64_t slot = 0; slot < 100; ++slot)
       link->send(slot, loud);
@@ -223,7 +223,7 @@ TEST(RecordLink, AFifoThatNobodyReadsIsAFaultAndNotAHang) {
   });
   EXPECT_NO_THROW(link->send(100, silent));
   EXPECT_NO_THROW(link->finish());
-  EXPECT_LT(Clock::now() - begin, 4s);
+  EXPECT_LT(Steady::now() - begin, 4s);
   reader.join();
   constexpr std::size_t header = 24, record = 8 + 8000;
   ASSERT_EQ((text.size() - header) % record, 0U) << "whole records";

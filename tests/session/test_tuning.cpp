@@ -29,11 +29,11 @@
 namespace palpa::session {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using Steady = std::chrono::steady_clock;
 constexpr double pi = std::numbers::pi;
 
-double since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
+double since(Steady::time_point begin) {
+  return std::chrono::duration<double>(Steady::now() - begin).count();
 }
 
 array::Layout openmpd() {
@@ -80,7 +80,7 @@ TEST(Tuning, ChangesTheStrideWhenTheFieldIsReady) {
   scheduler.tune_beside(&field);
   scheduler.make(touch, 0, schedule);
   EXPECT_EQ(stride_of(schedule), of_spots) << "no frame waits for the field";
-  const Clock::time_point begin = Clock::now();
+  const Steady::time_point begin = Steady::now();
   double time_s = 0;
   while (stride_of(schedule) == of_spots && since(begin) < 20) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -136,7 +136,7 @@ TEST(TuningThread, NeitherKeepsAFrameNorTheEnd) {
   {
     TuningThread beside(field);
     for (std::uint32_t frame = 0; frame < 20; ++frame) {
-      const Clock::time_point begin = Clock::now();
+      const Steady::time_point begin = Steady::now();
       beside.begin(strides);
       for (std::uint32_t id = 0; id < 8; ++id) {
         strides.stride_for(id, ring, 0.01 * frame);
@@ -175,7 +175,7 @@ std::pair<int, int> urgency_of_a_tuning_thread() {
   std::ranges::set_difference(now, before, std::back_inserter(added));
   if (added.size() != 1) return {-1, -1};
   const auto id = static_cast<id_t>(added[0]);
-  const Clock::time_point begin = Clock::now();
+  const Steady::time_point begin = Steady::now();
   while (getpriority(PRIO_PROCESS, id) == nice && since(begin) < 5)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return {sched_getscheduler(added[0]), getpriority(PRIO_PROCESS, id)};
@@ -229,7 +229,7 @@ TEST(TuningThread, AnswersEveryFingerOnceAndAgainWhenItHasRested) {
     return strides.wants(3, time_s) + strides.wants(4, time_s) + strides.wants(9, time_s);
   };
   EXPECT_EQ(frame(0), std::vector<std::uint32_t>(3, 1));
-  const Clock::time_point begin = Clock::now();
+  const Steady::time_point begin = Steady::now();
   while (wanted(0.01) > 0 && since(begin) < 20) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     frame(0.01);
@@ -282,12 +282,12 @@ struct Live {
 
 TEST(Tuning, OfALoopChangesWhileItSoundsAndEndsInTime) {
   Live live(2000);
-  Clock::time_point stopped;
+  Steady::time_point stopped;
   live.options.planned = [&, look = live.options.planned](const FrameReport& report, const Plan& plan) {
     look(report, plan);
     if (!live.changed() || live.stop) return;
     live.stop = true;
-    stopped = Clock::now();
+    stopped = Steady::now();
   };
   const LoopStats stats = live.run();
   EXPECT_TRUE(live.stop) << "the field was never ready";

@@ -1,9 +1,12 @@
-// main() of every test executable: says what it runs on and fails on any validation error.
+// main() of every test program: fails on any validation error. --of=FILE[,FILE...] runs the tests of these sources
+// alone.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <cstdlib>
+#include <string>
+#include <string_view>
 
 #include "gpu/device.hpp"
 
@@ -13,10 +16,46 @@ namespace {
 // match.
 [[maybe_unused]] void* const keep_driver = dlopen("libvulkan_lvp.so", RTLD_LAZY | RTLD_NODELETE);
 
+bool ends_with(std::string_view path, std::string_view file) {
+  return path.size() > file.size() && path.ends_with(file) && path[path.size() - file.size() - 1] == '/';
+}
+
+/// Whether each of these has tests. What a filter leaves out stays out.
+bool keep_tests_of(std::string_view files) {
+  const std::string before = GTEST_FLAG_GET(filter);
+  std::string kept;
+  for (bool more = true; more;) {
+    const std::size_t comma = files.find(',');
+    const std::string_view file = files.substr(0, comma);
+    bool any = false;
+    const testing::UnitTest& all = *testing::UnitTest::GetInstance();
+    for (int i = 0; i < all.total_test_suite_count(); ++i) {
+      const testing::TestSuite& suite = *all.GetTestSuite(i);
+      for (int j = 0; j < suite.total_test_count(); ++j) {
+        const testing::TestInfo& test = *suite.GetTestInfo(j);
+        if (!ends_with(test.file(), file)) continue;
+        any = true;
+        kept += std::string(kept.empty() ? "" : ":") + suite.name() + "." + test.name();
+      }
+    }
+    if (!any) {
+      std::fprintf(stderr, "--of=%.*s: no test is in that\n", static_cast<int>(file.size()), file.data());
+      return false;
+    }
+    more = comma != std::string_view::npos;
+    files.remove_prefix(more ? comma + 1 : 0);
+  }
+  const std::size_t left_out = before.find('-');
+  GTEST_FLAG_SET(filter, left_out == std::string::npos ? kept : kept + before.substr(left_out));
+  return true;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
+  constexpr std::string_view of = "--of=";
+  if (argc > 1 && std::string_view(argv[1]).starts_with(of) && !keep_tests_of(argv[1] + of.size())) return 2;
   // No test leans on what an earlier one has computed.
   setenv("PALPA_CACHE", "off", 1);
   // Property tests draw the same cases on every run, so that what fails fails again and nobody's change fails by
