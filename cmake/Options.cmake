@@ -27,8 +27,11 @@ elseif(PALPA_UNITS)
   set(in_units 1)
 endif()
 if(PALPA_UNITS)
-  # One source's constants may stand above another's local names.
+  # One source's constants may stand above another's local names; local names above each other are seen all the same.
   target_compile_options(palpa_options INTERFACE $<${in_units}:-Wno-shadow>)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(palpa_options INTERFACE $<$<AND:${of_tests},$<COMPILE_LANGUAGE:CXX>>:-Wshadow=local>)
+  endif()
 endif()
 if(PALPA_SANITIZE)
   # What the last three look for in the tests' own code, AddressSanitizer meets when it happens, or nobody would write there; to be
@@ -43,7 +46,7 @@ if(PALPA_SANITIZE)
     target_compile_options(palpa_options INTERFACE -fno-pie)
     target_link_options(palpa_options INTERFACE -no-pie)
   endif()
-  # More than a hundred programs of some 100 MB each: LLVM's linker, where it is, takes less than half the time.
+  # Programs of some 100 MB each: LLVM's linker, where it is, takes less than half the time.
   find_program(PALPA_LLD ld.lld)
   if(PALPA_LLD)
     target_link_options(palpa_options INTERFACE -fuse-ld=lld)

@@ -165,16 +165,17 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     if (pictures.ms.count() == 0 && wanted == FinePictures::automatic && presenter.slow())
       presenter.expect(Fineness::quick);
     const bool shown = presenter.draw(drawn, frame.views, ratio, frame.sheet, fineness, pause);
-    if (pause) pause();
+    const double waited_s = pause ? pieces.end() : 0;
     last_drawn_s = now();
-    app.drew(last_drawn_s - started_s);
+    const double took_s = last_drawn_s - started_s - waited_s;
+    app.drew(took_s);
     if (!shown) {
       app.handle({}, pixels);  // once more
       continue;
     }
     rest.drew(wanted, fineness, last_drawn_s);
     if (!changed) continue;  // the same picture, but finer
-    pictures.ms.add((last_drawn_s - started_s) * 1e3);
+    pictures.ms.add(took_s * 1e3);
     pictures.size = pixels;
     script.drew();
     filming.add(drawn, frame, pixels, ratio, pause);

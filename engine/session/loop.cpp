@@ -106,12 +106,12 @@ void capture(sensing::DepthSource& source, Newest<Captured>& frames, Newest<sens
     if (setting.every_frame) wait_until_taken(frames, stopped);
     next.arrived_s = clock.now();
     next.captured_s = source_clock.capture_time(next.set.time_s, next.arrived_s);
-    if (observers.arrived) observers.arrived(next.set.sequence);
     if (recorded) {
       if (setting.every_frame) wait_until_taken(*recorded, stopped);
       recorded->back() = next.set;
       if (recorded->publish()) ++stats.unrecorded;
     }
+    if (observers.arrived) observers.arrived(next.set.sequence);
     if (frames.publish()) ++stats.replaced;
   }
 }

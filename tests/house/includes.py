@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""includes.py FILE...: each source includes, itself or through palpa's own headers, what the names it uses come from. The
-build parses the common headers of other people's once for all (cmake/Room.cmake), so the compiler misses none of them.
+"""includes.py FILE...: each source includes, itself or through palpa's own headers, what the names it uses come from: other
+people's, whose common headers the build parses once for all (cmake/Room.cmake), and palpa's own, which a unit's other sources may
+have included (cmake/Units.cmake). The compiler misses neither there.
 """
 import functools
 import pathlib
@@ -56,6 +57,55 @@ def read(path):
     return path.read_text()
 
 
+# What one of palpa's headers declares at a line's beginning, for others to use: types, functions, constants, macros.
+TYPE = r"(?:template\s*<[^;{]*>\s*)?(?:struct|class|enum class|enum|union)\s+(\w+)\s*(?:final\s*)?[:{]"
+DECLARED = re.compile(r"^(?:" + TYPE + r"|using (\w+) =|(?! )(?:\[\[\w+\]\] |[\w:<>,*& ])*?[\w>*&] [*&]*(\w+)\(|"
+                      r"(?:inline |static |constexpr |const )+[\w:<>,*& ]+?(\w+)(?:\[\w*\])*(?: = |\{|;)|#define (\w+))", re.M)
+# A type, or a function that is called and no member of anything; what stands in a namespace of palpa's, if it says which.
+USED = re.compile(r"(?:\b([a-z]\w*)::|(?<![\w.>~:]))(?:([A-Z]\w*[a-z]\w*)\b|(\w+)\()")
+SPACE = re.compile(r"^namespace ([\w:]+) \{", re.M)
+SYSTEM = {"open", "read", "write", "close", "poll", "extent"}  # the kernel's and the language's, too
+NO_TYPES = set("return else case throw new delete not and or co_return const constexpr static inline virtual explicit mutable "
+               "public private".split())
+
+
+@functools.cache
+def words(path):
+    return frozenset(re.findall(r"\w+", plain(read(path))))
+
+
+@functools.cache
+def homes():
+    """Name: palpa's headers that declare it; and palpa's namespaces."""
+    found, spaces = {}, {""}
+    for folder in ("engine", "driver", "viewer", "assets", "tests"):
+        for header in (ROOT / folder).rglob("*.hpp"):
+            text = plain(read(header))
+            spaces.update(*(names.split("::") for names in SPACE.findall(text)))
+            for names in DECLARED.findall(text):
+                for name in set(names) - SYSTEM - {""}:
+                    found.setdefault(name, set()).add(header)
+    return found, spaces
+
+
+def its_own(name, text):
+    """Whether the text declares something of that name: a word that may be a type stands before it."""
+    before = re.findall(r"([\w>\]]+)[&*]*\s+[&*]*" + name + r"\b(?!\s*<)", text)
+    return any(word not in NO_TYPES for word in before) or re.search(r"[&,[] *" + name + " = ", text)
+
+
+def missing_own(path, text, headers):
+    if path.suffix != ".cpp":
+        return
+    known, spaces = homes()
+    text = re.sub(r"\b(?:INSTANTIATE_)?TEST\w*\(\w*, *\w+|\btesting::\w+", "", text)  # a test's names are its own
+    there = frozenset().union(*(words(header) for header in headers))
+    for space, type_name, function in set(USED.findall(text)):
+        name = type_name or function
+        if space in spaces and name in known and name not in there and not its_own(name, text):
+            yield f"{name} comes from {' or '.join(sorted(str(header.relative_to(ROOT)) for header in known[name]))}"
+
+
 def resolve(name, beside):
     for folder in (beside.parent, ROOT, ROOT / "engine", ROOT / "tests"):
         if (folder / name).is_file():
@@ -64,7 +114,7 @@ def resolve(name, beside):
 
 
 def reached(path):
-    """The headers of other people's that this file includes, itself or through palpa's own."""
+    """The headers of other people's, by name, and palpa's own that this file includes, itself or through palpa's own."""
     seen, found, todo = {path}, set(), [path]
     while todo:
         here = todo.pop()
@@ -75,11 +125,12 @@ def reached(path):
             elif other not in seen:
                 seen.add(other)
                 todo.append(other)
-    return found
+    return found, seen - {path}
 
 
 def missing(path):
-    text, headers = plain(read(path)), reached(path)
+    text, (headers, own) = plain(read(path)), reached(path)
+    yield from missing_own(path, text, own)
     used = set(re.findall(r"\bstd::(?:ranges::)?(\w+)", text))
     for header, names in NAMES.items():
         hits = sorted(used.intersection(names.split()))

@@ -44,7 +44,7 @@ rm -rf "$digests"
 mkdir -p "$digests" build/logs
 summary=()
 
-# The executables behind the tests of a label, so that a sanitizer builds no more than it runs.
+# The targets of the tests of a label, which have their names, so that a sanitizer builds no more than it runs.
 targets_of() { # PRESET LABEL
   ctest --test-dir "build/$1" -N -L "^$2\$" | sed -n 's/^ *Test *#[0-9]*: //p'
 }

@@ -203,7 +203,10 @@ TEST(Loop, TellsOfEachFrameThatHasComeBeforeItIsPlanned) {
   Loop loop;
   loop.source.count = 30;
   std::atomic<std::uint64_t> arrived{0};
-  loop.observers.arrived = [&](std::uint64_t sequence) { EXPECT_EQ(sequence, arrived++); };
+  loop.observers.arrived = [&](std::uint64_t sequence) {
+    std::this_thread::sleep_for(1ms);
+    EXPECT_EQ(sequence, arrived++);
+  };
   loop.observers.planned = [&](const FrameReport& report, const Plan&) { EXPECT_LT(report.sequence, arrived); };
   loop.run();
   EXPECT_EQ(arrived, 30u);

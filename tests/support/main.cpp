@@ -1,8 +1,10 @@
 // main() of every test program: fails on any validation error. --of=FILE[,FILE...] runs the tests of these sources
 // alone.
 #include <dlfcn.h>
+#include <fnmatch.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -20,9 +22,22 @@ bool ends_with(std::string_view path, std::string_view file) {
   return path.size() > file.size() && path.ends_with(file) && path[path.size() - file.size() - 1] == '/';
 }
 
+/// Patterns as --gtest_filter has them, with colons between.
+bool matches(std::string_view patterns, const std::string& name) {
+  for (bool more = true; more;) {
+    const std::size_t colon = patterns.find(':');
+    if (fnmatch(std::string(patterns.substr(0, colon)).c_str(), name.c_str(), 0) == 0) return true;
+    more = colon != std::string_view::npos;
+    patterns.remove_prefix(more ? colon + 1 : 0);
+  }
+  return false;
+}
+
 /// Whether each of these has tests. What a filter leaves out stays out.
 bool keep_tests_of(std::string_view files) {
   const std::string before = GTEST_FLAG_GET(filter);
+  const std::size_t left_out = std::min(before.find('-'), before.size());
+  const std::string wanted = left_out > 0 ? before.substr(0, left_out) : "*";
   std::string kept;
   for (bool more = true; more;) {
     const std::size_t comma = files.find(',');
@@ -35,7 +50,8 @@ bool keep_tests_of(std::string_view files) {
         const testing::TestInfo& test = *suite.GetTestInfo(j);
         if (!ends_with(test.file(), file)) continue;
         any = true;
-        kept += std::string(kept.empty() ? "" : ":") + suite.name() + "." + test.name();
+        const std::string name = std::string(suite.name()) + "." + test.name();
+        if (matches(wanted, name)) kept += (kept.empty() ? "" : ":") + name;
       }
     }
     if (!any) {
@@ -45,8 +61,8 @@ bool keep_tests_of(std::string_view files) {
     more = comma != std::string_view::npos;
     files.remove_prefix(more ? comma + 1 : 0);
   }
-  const std::size_t left_out = before.find('-');
-  GTEST_FLAG_SET(filter, left_out == std::string::npos ? kept : kept + before.substr(left_out));
+  // Of an empty list gtest would run all.
+  GTEST_FLAG_SET(filter, (kept.empty() ? "none" : kept) + before.substr(left_out));
   return true;
 }
 

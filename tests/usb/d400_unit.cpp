@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cstring>
 
+#include "usb/uvc_requests.hpp"
+
 namespace palpa::test {
 namespace {
 
 enum : std::uint8_t { monitor = 1, exposure = 3, preset_control = 6, auto_exposure = 0x0b };
-enum : std::uint8_t { set_cur = 0x01, get_cur = 0x81, get_len = 0x85, get_info = 0x86 };
 
 // A letter to the monitor: length of what follows the first four bytes, magic, opcode, four parameters, data. The
 // answer: the opcode again, or a negative number that says what is wrong; data; its length at the end.

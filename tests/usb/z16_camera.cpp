@@ -5,6 +5,8 @@
 #include <initializer_list>
 #include <iterator>
 
+#include "usb/uvc_requests.hpp"
+
 namespace palpa::test {
 namespace {
 
@@ -21,8 +23,7 @@ const Frame frames_offered[] = {{424, 240, {111111, 166666, 333333, 666666, 1666
                                 {1280, 720, {333333, 666666, 1666665}}};
 constexpr std::uint8_t usual_frame = 2;  // counted from 1
 
-/// UVC's names of requests, descriptors and controls.
-enum : std::uint8_t { set_cur = 0x01, get_cur = 0x81, get_min, get_max, get_res, get_len, get_info, get_def };
+/// UVC's names of descriptors and controls.
 enum : std::uint8_t { control_interface = 0, streaming_interface = 1 };
 enum : std::uint8_t { probe_control = 1, commit_control = 2 };
 constexpr std::uint8_t class_interface = 0x24;

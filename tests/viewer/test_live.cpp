@@ -93,6 +93,19 @@ TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
   EXPECT_FALSE(live->link().open || live->link().sounding);
 }
 
+TEST(Live, WhoAsksIsKeptOutOfItsFramesWay) {
+  Bench bench;
+  const auto live = bench.start();
+  double waited_s = 0;
+  ASSERT_TRUE(soon(*live, [&] {
+    waited_s += live->let_run(5e-3, 0.1);
+    return waited_s > 0.02 && live->state() == LiveState::running;
+  })) << live->fault();
+  live->all_off();
+  ASSERT_TRUE(soon(*live, [&] { return live->over(); }));
+  EXPECT_LT(live->let_run(1e-3, 0.2), 0.2) << "no more frames come";
+}
+
 TEST(Live, ASolidThatIsMovedIsFeltWhereItIs) {
   Bench bench;
   const auto live = bench.start();

@@ -1,5 +1,5 @@
 // Whole pictures beside those in references/: what a person would see change. After a change that is meant,
-//   PALPA_DRAW_REFERENCES=1 build/release/bin/test_viewer_program --gtest_filter='References.*'
+//   PALPA_DRAW_REFERENCES=1 build/release/bin/tests_viewer --gtest_filter='References.*'
 // draws them anew; look at them before they are committed.
 #include <gtest/gtest.h>
 

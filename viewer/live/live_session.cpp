@@ -18,6 +18,9 @@ namespace {
 /// Depth images show far more than the hand: only what lies this near the solids is drawn.
 constexpr double skin_reach = 0.12;
 
+/// What finding it takes, about, and how long that may wait for the run.
+constexpr double skin_s = 3e-3, most_wait_s = 0.05;
+
 /// Around the box where the pose takes it.
 Box moved(const Box& box, const Transform& pose) {
   Box out;
@@ -245,7 +248,6 @@ void LiveSession::count(const session::FrameReport& report) {
 
 // On the compute thread.
 void LiveSession::planned(const session::FrameReport& report, const session::Plan& plan) {
-  turns_.planned(report.sequence);
   count(report);
   follow_poses(*session_);
   const Clock::duration unseen = Clock::now().time_since_epoch() - Clock::duration(looked_.load());
@@ -254,7 +256,11 @@ void LiveSession::planned(const session::FrameReport& report, const session::Pla
     log::error(fmt::format("the window has not answered for {} s: the array is off",
                            std::chrono::duration_cast<std::chrono::seconds>(patience).count()));
   }
-  if (!wants_snapshot_.exchange(false)) return;
+  if (wants_snapshot_.exchange(false)) publish_snapshot(report, plan);
+  turns_.planned(report.sequence);
+}
+
+void LiveSession::publish_snapshot(const session::FrameReport& report, const session::Plan& plan) {
   Snapshot& next = snapshots_.back();
   next.sequence = report.sequence;
   next.time_s = report.time_s;
@@ -270,7 +276,7 @@ void LiveSession::saw(const sensing::FrameSet& set) {
   if (!std::exchange(modest_, true) && options_.record.empty()) session::give_way();
   write_down(set);
   if (!wants_seen_.exchange(false)) return;
-  if (!recorder_ && options_.record.empty()) turns_.wait(3e-3, 0.05);
+  if (!recorder_ && options_.record.empty() && !options_.every_frame) turns_.wait(skin_s, most_wait_s);
   if (looked_around_ != placements_) look_around(session_->setting().cameras);
   Seen& next = seen_.back();
   next.sequence = set.sequence;

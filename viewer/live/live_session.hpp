@@ -126,6 +126,7 @@ class LiveSession {
   void work();
   void publish_scene(setup::LiveRun& run);
   void planned(const session::FrameReport& report, const session::Plan& plan);
+  void publish_snapshot(const session::FrameReport& report, const session::Plan& plan);
   void saw(const sensing::FrameSet& set);
   void count(const session::FrameReport& report);
   void write_down(const sensing::FrameSet& set);

@@ -17,7 +17,15 @@ double mean(double before, double now) {
 }  // namespace
 
 void Rhythm::arrived(std::uint64_t sequence, double now_s) {
-  if (last_s_) every_s_ = now_s - *last_s_ < longest_s ? mean(every_s_, now_s - *last_s_) : 0;
+  if (last_s_) {
+    const double after_s = now_s - *last_s_;
+    // One that was left out says nothing of how often they come; several in a row do.
+    gaps_ = every_s_ > 0 && after_s > 1.5 * every_s_ ? gaps_ + 1 : 0;
+    if (after_s > longest_s)
+      every_s_ = 0;
+    else if (gaps_ == 0 || gaps_ > 3)
+      every_s_ = mean(gaps_ ? 0 : every_s_, after_s);
+  }
   // Whatever keeps a source makes its frames late, never early.
   const double late_s = now_s - due_s_;
   due_s_ = std::abs(late_s) < 0.5 * every_s_ ? due_s_ + (late_s > 0 ? 0.05 : 0.5) * late_s : now_s;
@@ -78,16 +86,24 @@ double Turns::wait(double work_s, double most_s) {
 
 void PicturePieces::begin() {
   next_ = 0;
-  patience_s_ = most_s;
+  waited_s_ = 0;
+}
+
+void PicturePieces::ends() {
+  if (next_ > 0) take_s_[next_ - 1] = mean(take_s_[next_ - 1], clock_.now() - begun_s_);
+}
+
+double PicturePieces::end() {
+  ends();
+  return waited_s_;
 }
 
 void PicturePieces::pause() {
-  const double now_s = clock_.now();
-  if (next_ > 0) take_s_[next_ - 1] = mean(take_s_[next_ - 1], now_s - begun_s_);
+  ends();
   if (next_ == take_s_.size()) take_s_.push_back(0);
   // Some take longer than usual; what took very long once, e.g. since a driver compiled, will hardly do so again.
   const double work_s = std::min(1.25 * take_s_[next_] + 2e-3, 12e-3);
-  if (patience_s_ > 0) patience_s_ -= let_run_(work_s, patience_s_);
+  if (waited_s_ < most_s) waited_s_ += let_run_(work_s, most_s - waited_s_);
   begun_s_ = clock_.now();
   ++next_;
 }

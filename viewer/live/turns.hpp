@@ -19,11 +19,11 @@ namespace palpa::viewer {
 class Rhythm {
  public:
   void arrived(std::uint64_t sequence, double now_s);
-  /// So is none that had come before it.
+  /// Nor is any under way that had come before it.
   void planned(std::uint64_t sequence, double now_s);
   /// Nothing where it is the time to work for `work_s`; else when to ask again, if no frame has come or been planned by
-  /// then. Where frames leave less time than that, work begins when one is planned. One that does not come, or is not
-  /// planned for long, is not waited for.
+  /// then. Where frames leave less time than that, work begins when one is planned; where another has always come by
+  /// then, there is no such time. A frame that does not come, or is not planned for long, is not waited for.
   std::optional<double> wait_until(double now_s, double work_s) const;
 
  private:
@@ -33,6 +33,7 @@ class Rhythm {
   std::optional<double> last_s_;
   double due_s_ = 0;                  ///< when the next comes, where every_s_ is known
   double every_s_ = 0, takes_s_ = 0;  ///< means; 0: not known
+  int gaps_ = 0;                      ///< since the last frame that came when it was due
 };
 
 /// The same for threads.
@@ -61,17 +62,20 @@ class PicturePieces {
 
   /// Another picture: it waits for no more than most_s altogether.
   void begin();
-  /// Between two pieces, and before the first and after the last: waits for the time for one that takes as long as the
-  /// same of pictures before.
+  /// Before each piece: waits for the time for one that takes as long as that of the same number in pictures before.
   void pause();
+  /// After the last; returns how long the picture has waited.
+  double end();
   static constexpr double most_s = 0.1;
 
  private:
+  void ends();
+
   LetRun let_run_;
   session::Clock clock_;
   std::vector<double> take_s_;  ///< means
   std::size_t next_ = 0;
-  double begun_s_ = 0, patience_s_ = 0;
+  double begun_s_ = 0, waited_s_ = 0;
 };
 
 }  // namespace palpa::viewer
