@@ -7,8 +7,7 @@ the two compare. Rows that only one of them has are named at the end. Exit code 
 slower by more than 5 %: run those again by themselves before you believe it."""
 
 import argparse
-import csv
-import io
+import json
 import os
 import subprocess
 import sys
@@ -19,11 +18,10 @@ SHORT_MS = 0.02  # what is over sooner is measured by the clock more than by the
 
 def measure(binaries, arguments):
     """(suite, case, stage) -> median in milliseconds."""
-    done = subprocess.run([os.path.join(binaries, "palpa"), "bench", *arguments, "--csv", "-", "--quiet"], stdout=subprocess.PIPE, text=True)
+    done = subprocess.run([os.path.join(binaries, "palpa"), "bench", *arguments, "--json", "-", "--quiet"], stdout=subprocess.PIPE, text=True)
     if done.returncode:
         sys.exit(f"bench_against: {binaries}/palpa bench {' '.join(arguments)}: exit code {done.returncode}")
-    rows = csv.DictReader(io.StringIO(done.stdout))
-    return {(row["suite"], row["case"], row["stage"]): float(row["median_ms"]) for row in rows}
+    return {(row["suite"], row["case"], row["stage"]): row["median_ms"] for row in json.loads(done.stdout)["rows"]}
 
 
 def least(seen, rows):
