@@ -49,7 +49,7 @@ void Offscreen::draw(DrawnPicture& drawn, std::span<const View> views, const She
                      const std::function<void()>& pause) {
   NextPiece next;
   if (pause) {
-    next = [&](VkCommandBuffer) {
+    next = [&] {
       pause();
       timeline_.wait(timeline_.submit(recorder_.end()));
       return recorder_.begin();

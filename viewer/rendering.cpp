@@ -64,7 +64,7 @@ void Rendering::drew() {
 void Rendering::end_piece() {
   drawn_ = 0;
   vkCmdEndRendering(commands_);
-  commands_ = (*next_)(commands_);
+  commands_ = (*next_)();
   after_last_piece(commands_);
   colour_.loadOp = depth_.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
   begin();

@@ -13,9 +13,9 @@
 
 namespace palpa::viewer {
 
-/// Called with the commands of a piece, which it ends and gives to the device; returns begun ones to go on with, which
-/// the device gets after those. Empty: all is one piece.
-using NextPiece = std::function<VkCommandBuffer(VkCommandBuffer)>;
+/// Ends the commands of a piece and gives them to the device; returns begun ones to go on with, which the device gets
+/// after those. Empty: all is one piece.
+using NextPiece = std::function<VkCommandBuffer()>;
 
 /// One vkCmdBeginRendering, or one for each piece. What is drawn has the same bytes either way.
 class Rendering {

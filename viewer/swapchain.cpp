@@ -248,7 +248,7 @@ bool Presenter::show(std::uint32_t width, std::uint32_t height, const Record& re
   VkSemaphore unseen = flight.acquired.get();  // by the first piece
   NextPiece next;
   if (pause) {
-    next = [&](VkCommandBuffer) {
+    next = [&] {
       pause();
       submit(flight, std::exchange(unseen, VK_NULL_HANDLE), VK_NULL_HANDLE);
       wait(std::array{flight.done.get()});
