@@ -37,10 +37,8 @@ shared uint solid_of[fingers_most];
 shared float row_price[fingers_most];
 shared uint row_of[columns];
 shared uint way[columns];
-shared float shortest[most];
-shared uint shortest_column[most];
-shared uint current;
-shared float step_price;
+shared uint shortest[2];        // of this step, and of the next: the least, as ordered() has it,
+shared uint shortest_place[2];  // and which column's that is, as place_of() has it
 
 Float3 xyz(vec4 v) {
   return Float3(v.x, v.y, v.z);
@@ -63,18 +61,26 @@ float cost_of(uint finger, uint column, float scale) {
   return follow_cost(found[finger], place[column], reach[column], scale, penalty[column]);
 }
 
-// What another thread found, where that is less; threads without a column found no_cost_yet.
-void take_shorter(uint thread, inout float best, inout uint column) {
-  if (shortest[thread] < best) {
-    best = shortest[thread];
-    column = shortest_column[thread];
-  }
+// Numbers in the order of the floats; both zeros are one.
+uint ordered(float f) {
+  const uint bits = floatBitsToUint(f);
+  return f < 0.0 ? ~bits : bits | 0x80000000u;
+}
+float from_ordered(uint bits) {
+  return uintBitsToFloat(bits >= 0x80000000u ? bits & 0x7fffffffu : ~bits);
+}
+// A column's place among them: track 0, birth 0, track 1, ...
+uint place_of(uint column) {
+  return column < most ? 2u * column : 2u * (column - most) + 1u;
+}
+uint column_at(uint place) {
+  return place / 2u + (place % 2u) * most;
 }
 
-// Least sum of costs; equal ones go to the column that comes first: track 0, birth 0, track 1, ...
+// Least sum of costs; equal ones go to the column whose place comes first. The least of a step is found by atomics: a loop over
+// what threads found costs a software device more than all else here, and more turns than it has.
 void assign(uint count, uint known, float scale) {
   const uint thread = gl_LocalInvocationIndex;
-  const uint wide = max(count, known);
   const uint mine[2] = uint[2](thread, most + thread);
   const bool exists[2] = bool[2](thread < known, thread < count);
   float price[2] = float[2](0.0, 0.0);
@@ -85,11 +91,9 @@ void assign(uint count, uint known, float scale) {
     float least[2] = float[2](no_cost_yet, no_cost_yet);
     bool visited[2] = bool[2](false, false);
     barrier();
-    if (thread == 0u) {
-      current = follow_none;
-      step_price = 0.0;
-    }
+    if (thread == 0u) shortest[0] = shortest_place[0] = 0xffffffffu;
     barrier();
+    uint current = follow_none;
     uint row = finger;
     for (uint turn = 0u; turn <= count; ++turn) {
       const uint from = current;
@@ -107,26 +111,16 @@ void assign(uint count, uint known, float scale) {
           best_column = mine[k];
         }
       }
-      shortest[thread] = best;
-      shortest_column[thread] = best_column;
+      const uint now = turn % 2u, next = 1u - now;
+      const uint mine_ordered = ordered(best);
+      if (best_column != follow_none) atomicMin(shortest[now], mine_ordered);
       barrier();
-      if (thread == 0u) {
-        // A software device ends all loops of a shader after 65,535 turns together: a turn is eight threads' finds.
-        for (uint t = 0u; t < wide; t += 8u) {
-          take_shorter(t, best, best_column);
-          take_shorter(t + 1u, best, best_column);
-          take_shorter(t + 2u, best, best_column);
-          take_shorter(t + 3u, best, best_column);
-          take_shorter(t + 4u, best, best_column);
-          take_shorter(t + 5u, best, best_column);
-          take_shorter(t + 6u, best, best_column);
-          take_shorter(t + 7u, best, best_column);
-        }
-        step_price = best;
-        current = best_column;
-      }
+      const uint least_of_all = shortest[now];
+      if (best_column != follow_none && mine_ordered == least_of_all) atomicMin(shortest_place[now], place_of(best_column));
+      if (thread == 0u) shortest[next] = shortest_place[next] = 0xffffffffu;
       barrier();
-      const float delta = step_price;
+      current = column_at(shortest_place[now]);
+      const float delta = from_ordered(least_of_all);
       for (uint k = 0u; k < 2u; ++k) {
         if (!exists[k]) continue;
         if (visited[k]) {

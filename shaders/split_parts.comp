@@ -89,9 +89,10 @@ void look(uint c, uint count) {
   if (thread < count && views[thread].seen) {
     // With the half of them that follows, round the circle: each pair once.
     for (uint along = 1u; 2u * along <= count; ++along) {
-      const uint other = (thread + along) % count;
+      const uint other = thread + along < count ? thread + along : thread + along - count;
       if (!views[other].seen || (2u * along == count && other < thread)) continue;
       const uint a = min(thread, other), b = max(thread, other);
+      if ((valley[2u * a + b / 32u] >> b % 32u & 1u) != 0u) continue;  // another camera has said all that there is to say
       atomicOr(looked[2u * a + b / 32u], 1u << b % 32u);
       atomicOr(looked[2u * b + a / 32u], 1u << a % 32u);
       if (!is_valley_between(camera, views[a], views[b])) continue;
@@ -144,13 +145,16 @@ SplitLink link_between(uint a, uint b) {
   return SplitLink(link & 0xffffu, link >> 16u);
 }
 
-// Groups of samples, the surest pair first.
+// Groups of samples, the surest pair first. A thread keeps the surest group for its own from round to round, since a join changes
+// the links of one group only.
 void grow(uint count) {
   const uint thread = gl_LocalInvocationIndex;
+  uint found = fingers_nothing;
+  SplitLink found_link = SplitLink(0u, 0u);
+  bool anew = thread < count;
   for (uint round = 1u; round < count; ++round) {
-    uint found = fingers_nothing;
-    SplitLink found_link = SplitLink(0u, 0u);
-    if (thread < count && head[thread] == thread) {
+    if (anew) {
+      found = fingers_nothing;
       for (uint b = thread + 1u; b < count; ++b) {
         const SplitLink link = link_between(thread, b);
         if (head[b] != b || !can_grow(link) || (found != fingers_nothing && !surer(link, found_link))) continue;
@@ -170,7 +174,20 @@ void grow(uint count) {
     }
     barrier();
     if (joined == fingers_nothing) break;  // the whole group
+    const uint keeps = joined, goes = best[joined];
     join();
+    const bool stays = thread < count && head[thread] == thread;
+    anew = stays && (thread == keeps || found == keeps || found == goes);
+    if (!stays) {
+      found = fingers_nothing;
+    } else if (!anew && thread < keeps) {
+      const SplitLink link = link_between(thread, keeps);
+      const bool is_first = found == fingers_nothing || (keeps < found && !surer(found_link, link));  // of two as sure
+      if (can_grow(link) && (is_first || surer(link, found_link))) {
+        found = keeps;
+        found_link = link;
+      }
+    }
   }
   barrier();
 }

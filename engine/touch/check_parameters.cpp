@@ -25,14 +25,13 @@ void check_parameters(const Parameters& parameters, const PreparedSolids& solids
   if (parameters.foci < 1 || parameters.foci > max_foci) {
     throw bad_usage(fmt::format("{} foci: give 1 to {}", parameters.foci, max_foci));
   }
-  for (std::uint32_t s = 0; s < solids.records.size(); ++s) {
-    if (solids.records[s].asked_by != shader::asked_by_surface) continue;
-    const geometry::SurfaceOptions& made = solids.surfaces[s].options;
-    if (solids.delta_m(s, parameters) > made.reach_m * (1 + 1e-6) || (parameters.wants_deep() && !made.deep)) {
-      throw bad_usage(
-          fmt::format("solid {} was prepared for contacts up to {} m deep{}; prepare it for these parameters", s,
-                      made.reach_m, made.deep ? "" : " and no deep points"));
-    }
+  const MadeFor& made = solids.made_for;
+  const bool uses_delta = std::any_of(solids.records.begin(), solids.records.end(),
+                                      [](const shader::SolidRecord& solid) { return solid.delta == 0; });
+  if ((uses_delta && parameters.delta_m > made.delta_m * (1 + 1e-6)) || (parameters.wants_deep() && !made.deep)) {
+    throw bad_usage(
+        fmt::format("the solids were prepared for contacts up to {} m deep{}; prepare them for these parameters",
+                    made.delta_m, made.deep ? "" : " and no deep points"));
   }
   for (const shader::SolidRecord& solid : solids.records) {
     const double least = least_finger_gap(solid);

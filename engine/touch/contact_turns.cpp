@@ -18,11 +18,14 @@ namespace {
 constexpr std::uint64_t for_any_planes = 2, for_any_surface = 4, for_any_parts = 7;
 constexpr std::size_t boxes_that_meet = 16;
 
-std::uint64_t longest_of_planes(const PreparedSolids& solids, const shader::SolidRecord& record) {
+/// Of the cells that are looked into: plane_cell_depth() of contacts_planes.glsl leaves those that lie too deep.
+std::uint64_t longest_of_planes(const PreparedSolids& solids, const shader::SolidRecord& record, float delta,
+                                bool deep) {
   const std::size_t cells = std::size_t{record.cells_per_axis} * record.cells_per_axis * record.cells_per_axis;
   std::uint64_t longest = 0;
-  for (const shader::PlaneCell& cell : std::span(solids.cells).subspan(record.first_cell, cells))
-    longest = std::max<std::uint64_t>(longest, cell.count);
+  for (const shader::PlaneCell& cell : std::span(solids.cells).subspan(record.first_cell, cells)) {
+    if (deep || cell.shallowest < delta) longest = std::max<std::uint64_t>(longest, cell.count);
+  }
   return longest;
 }
 
@@ -57,7 +60,7 @@ std::uint64_t longest_of_parts(const PreparedSolids& solids, const shader::Solid
 
 }  // namespace
 
-std::uint32_t contact_turns(const PreparedSolids& solids) {
+std::uint32_t contact_turns(const PreparedSolids& solids, const Parameters& parameters) {
   std::uint64_t for_any = for_any_planes;
   std::map<const void*, std::uint64_t> known;  // of surfaces, which rigid copies share
   std::vector<std::uint64_t> longest;
@@ -74,7 +77,9 @@ std::uint32_t contact_turns(const PreparedSolids& solids) {
       if (is_new) at->second = longest_of_surface(surface);
       longest.push_back(at->second);
     } else {
-      longest.push_back(longest_of_planes(solids, record));
+      longest.push_back(longest_of_planes(solids, record,
+                                          static_cast<float>(solids.delta_m(static_cast<std::uint32_t>(s), parameters)),
+                                          parameters.wants_deep()));
     }
   }
   const std::size_t some = std::min(longest.size(), boxes_that_meet);

@@ -7,9 +7,9 @@
 
 namespace palpa::touch {
 
-/// A bound of the turns that the loops of contacts_walk.glsl take for one point, whichever points its neighbours in the
-/// group look up: some for every solid, and the longest lists of the sixteen solids whose lists are the longest, since
-/// the boxes of more than that hardly meet in one place. Looks at every cell of every solid.
-std::uint32_t contact_turns(const PreparedSolids& solids);
+/// A bound of the turns that the loops of contacts_walk.glsl take for one point with these parameters, whichever points
+/// its neighbours in the group look up: some for every solid, and the longest lists of the sixteen solids whose lists
+/// are the longest, since the boxes of more than that hardly meet in one place. Looks at every cell of every solid.
+std::uint32_t contact_turns(const PreparedSolids& solids, const Parameters& parameters);
 
 }  // namespace palpa::touch

@@ -249,7 +249,8 @@ PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const 
   }
   for (std::size_t s = 0; s < solids.size(); ++s)
     check_size(solids[s], table.records[s], parameters);
-  table.turns = contact_turns(table);
+  table.made_for = {parameters.delta_m, parameters.wants_deep()};
+  table.turns = contact_turns(table, parameters);
   return table;
 }
 

@@ -17,6 +17,12 @@ struct SurfaceBase {
   std::uint32_t cells = 0, runs = 0, triangles = 0, corners = 0;
 };
 
+/// What solids were prepared for: contacts up to how deep, where a solid has no delta of its own; and deep points.
+struct MadeFor {
+  double delta_m = 0;
+  bool deep = false;
+};
+
 /// The solids of one scene, relative to each solid's centre and in single precision.
 struct PreparedSolids {
   std::vector<shader::SolidRecord> records;  ///< posed
@@ -31,7 +37,8 @@ struct PreparedSolids {
   std::vector<Transform> T_rest_made;
   std::vector<std::uint32_t> foci_of;  ///< foci_of_solids()
   std::vector<shader::uvec4> parts;    ///< see parts_table.hpp; empty without solids of convex parts
-  std::uint32_t turns = 0;             ///< contact_turns()
+  MadeFor made_for;
+  std::uint32_t turns = 0;  ///< contact_turns()
 
   /// The solid's delta: its own where it has one.
   double delta_m(std::uint32_t solid, const Parameters& parameters) const {
