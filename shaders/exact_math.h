@@ -9,7 +9,6 @@
 #ifdef __cplusplus
 #include <bit>
 #include <cmath>
-#define PALPA_FN inline
 #define PALPA_EXACT
 PALPA_SHADER_BEGIN
 using std::abs;
@@ -19,7 +18,6 @@ inline uint floatBitsToUint(float value) {
   return std::bit_cast<uint>(value);
 }
 #else
-#define PALPA_FN
 #define PALPA_EXACT precise
 PALPA_SHADER_BEGIN
 #endif

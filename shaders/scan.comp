@@ -43,7 +43,7 @@ void main() {
   if (thread == scan_group - 1u) {
     const uint total = min(sums[thread], push.most_total);
     result.total = total;
-    result.groups_x = (total + push.group_size - 1u) / push.group_size;
+    result.groups_x = scan_groups_of(total, push.groups);
     result.groups_y = 1u;
     result.groups_z = 1u;
   }

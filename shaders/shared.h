@@ -10,6 +10,7 @@
 #define PALPA_SHADER_END }
 #define PALPA_CONST inline constexpr std::uint32_t
 #define PALPA_CONST_FLOAT inline constexpr float
+#define PALPA_FN inline
 // Size and offsets are proved on the C++ side; a test reads the same numbers back from the SPIR-V.
 #define PALPA_CHECK_SIZE(type, bytes) static_assert(sizeof(type) == (bytes), #type " differs from its shader")
 #define PALPA_CHECK_OFFSET(type, member, bytes) \
@@ -28,6 +29,7 @@ struct alignas(16) uvec4 {
 #define PALPA_SHADER_END
 #define PALPA_CONST const uint
 #define PALPA_CONST_FLOAT const float
+#define PALPA_FN
 #define PALPA_CHECK_SIZE(type, bytes)
 #define PALPA_CHECK_OFFSET(type, member, bytes)
 #endif

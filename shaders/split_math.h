@@ -111,8 +111,9 @@ PALPA_FN SplitWalk walk_between(SplitView a, SplitView b) {
   return w;
 }
 
-// Of the pixels from a to b, `step` of `steps`, rounded. By floats, since vectors have no division of integers: numbers are below
-// 2^24 and a quotient of them is no nearer to the next integer than 1 / 128, so that the half more than what is asked for outweighs rounding.
+// Of the pixels from a to b, `step` of `steps`, rounded. By floats, since vectors have no division of integers: numbers
+// are below 2^24 and a quotient of them is no nearer to the next integer than 1 / 128, so that the half more than what
+// is asked for outweighs rounding.
 PALPA_FN uint pixel_between(int a, int b, uint step, uint steps) {
   const int n = int(steps);
   const float halves = plus(float(2 * (b - a) * int(step) + n), 0.5f);

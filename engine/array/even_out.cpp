@@ -33,7 +33,7 @@ void solve(std::span<double> matrix, std::span<double> rest) {
 void find_slopes(const FocusMatrix& matrix, std::span<const double> targets, double level, EvenScratch& scratch) {
   for (std::size_t row = 0; row < matrix.foci; ++row) {
     const Complex& heard = scratch.pressure[row];
-    const double size = std::abs(heard), wanted = targets[row] * level;
+    const double size = magnitude(heard), wanted = targets[row] * level;
     const Complex turn = size > 0 && wanted > 0 ? std::conj(heard) / size / wanted : Complex(0);
     for (std::size_t column = 0; column < matrix.foci; ++column)
       scratch.slopes[row * matrix.foci + column] = turn * matrix.at(row, column);
@@ -69,7 +69,7 @@ void step(std::span<const Complex> factors, double damping, bool by_focus, EvenS
 double level_of(std::span<const Complex> pressure, std::span<const double> targets) {
   double heard = 0, wanted = 0;
   for (std::size_t j = 0; j < pressure.size(); ++j) {
-    heard += std::abs(pressure[j]);
+    heard += magnitude(pressure[j]);
     wanted += targets[j];
   }
   return wanted > 0 ? heard / wanted : 0;
@@ -80,7 +80,7 @@ double find_misses(std::span<const Complex> pressure, std::span<const double> ta
   double sum = 0;
   for (std::size_t j = 0; j < pressure.size(); ++j) {
     const double wanted = targets[j] * level;
-    miss[j] = wanted > 0 ? 1 - std::abs(pressure[j]) / wanted : 0;
+    miss[j] = wanted > 0 ? 1 - magnitude(pressure[j]) / wanted : 0;
     sum += miss[j] * miss[j];
   }
   return sum;

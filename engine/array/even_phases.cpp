@@ -5,6 +5,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "array/hearing.hpp"
+
 namespace palpa::array {
 namespace {
 
@@ -81,7 +83,7 @@ double weakest_of(std::span<const Complex> pressure, std::span<const double> tar
   double least = -1;
   for (std::size_t j = 0; j < pressure.size(); ++j) {
     if (targets[j] <= 0) continue;
-    const double heard = std::abs(pressure[j]) / targets[j];
+    const double heard = magnitude(pressure[j]) / targets[j];
     least = least < 0 ? heard : std::min(least, heard);
   }
   return least;
@@ -91,7 +93,7 @@ double weakest_of(std::span<const Complex> pressure, std::span<const double> tar
 void find_pull(std::span<const double> targets, double level, double more, double damping, PhaseScratch& scratch) {
   const std::size_t foci = targets.size();
   for (std::size_t j = 0; j < foci; ++j) {
-    const double heard = std::abs(scratch.pressure[j]), wanted = targets[j] * level;
+    const double heard = magnitude(scratch.pressure[j]), wanted = targets[j] * level;
     scratch.pull[j] = heard > 0 && wanted > 0 ? std::conj(scratch.pressure[j]) / (heard * wanted) : Complex(0);
     scratch.rest[j] = wanted > 0 ? scratch.miss[j] + more : 0;
   }

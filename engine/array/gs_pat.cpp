@@ -16,9 +16,9 @@ using Complex = std::complex<double>;
 
 /// The phase of `p`, or of `otherwise` where p has none, at magnitude `size`.
 Complex turned(double size, const Complex& p, const Complex& otherwise) {
-  const double most = std::abs(p);
+  const double most = magnitude(p);
   if (most > 0) return size * p / most;
-  const double other = std::abs(otherwise);
+  const double other = magnitude(otherwise);
   return other > 0 ? size * otherwise / other : Complex(size, 0);
 }
 
@@ -70,7 +70,7 @@ std::uint32_t gs_pat_most_tries(std::size_t transducers) {
 
 double heard_part(const FocusMatrix& matrix, std::size_t j, std::size_t k) {
   const double alone = matrix.alone(j) * matrix.alone(k);
-  return matrix.alone(j) > 0 && alone > 0 ? std::min(1.0, std::abs(matrix.at(j, k)) / std::sqrt(alone)) : 0;
+  return matrix.alone(j) > 0 && alone > 0 ? std::min(1.0, magnitude(matrix.at(j, k)) / std::sqrt(alone)) : 0;
 }
 
 void find_claims(const FocusMatrix& matrix, std::vector<double>& claims) {
@@ -115,9 +115,9 @@ double gs_pat_step(std::span<const Complex> pressure, std::span<const double> ta
   double total = 0;
   for (std::size_t j = 0; j < factors.size(); ++j) {
     const double wanted = targets[j] * level;
-    const double heard = std::abs(pressure[j]);
+    const double heard = magnitude(pressure[j]);
     // No more than four times per step: a pressure near zero says little.
-    sizes[j] = std::abs(factors[j]) * (wanted < 4 * heard ? wanted / heard : 4);
+    sizes[j] = magnitude(factors[j]) * (wanted < 4 * heard ? wanted / heard : 4);
     total += sizes[j];
   }
   const double scale = goal.sum > 0 && total > 0 ? goal.sum / total : 1;
@@ -125,7 +125,7 @@ double gs_pat_step(std::span<const Complex> pressure, std::span<const double> ta
   for (std::size_t j = 0; j < factors.size(); ++j) {
     const double size = std::min(sizes[j] * scale, gs_pat_most_weight);
     const Complex next = turned(size, pressure[j], factors[j]);
-    moved = std::max(moved, std::abs(next - factors[j]));
+    moved = std::max(moved, magnitude(next - factors[j]));
     factors[j] = next;
   }
   return moved;

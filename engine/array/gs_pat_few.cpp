@@ -25,7 +25,7 @@ double merit_of(std::span<const Complex> factors, std::span<const Complex> press
   double least = -1;
   for (std::size_t j = 0; j < factors.size(); ++j) {
     if (targets[j] <= 0) continue;
-    const double heard = std::abs(pressure[j]) / targets[j];
+    const double heard = magnitude(pressure[j]) / targets[j];
     least = least < 0 ? heard : std::min(least, heard);
   }
   return power > 0 && least > 0 ? least / std::sqrt(power) : 0;

@@ -35,7 +35,7 @@ void hear(const FocusMatrix& matrix, std::span<const Complex> factors, std::span
 }
 
 Complex bounded(const Complex& sum, Constraint constraint) {
-  const double size = std::sqrt(std::norm(sum));
+  const double size = magnitude(sum);
   const bool full = constraint == Constraint::uniform || (constraint == Constraint::clamp && size > 1);
   return size > 0 && full ? sum / size : sum;
 }

@@ -1,6 +1,7 @@
 // What foci hear of factors: through the small matrix, and of bounded transducers over the whole array.
 #pragma once
 
+#include <cmath>
 #include <complex>
 #include <span>
 
@@ -8,6 +9,11 @@
 #include "array/transfer.hpp"
 
 namespace palpa::array {
+
+/// |z|. std::abs minds numbers too large to be squared, at four times the price; solvers' are nowhere near.
+inline double magnitude(const std::complex<double>& z) {
+  return std::sqrt(std::norm(z));
+}
 
 /// p = R c: what sounds where amplitudes are in proportion to the sums.
 void hear(const FocusMatrix& matrix, std::span<const std::complex<double>> factors,

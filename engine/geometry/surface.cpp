@@ -28,13 +28,14 @@ struct Memory {
 /// Meshes with fewer triangles are prepared sooner than a file is found.
 constexpr std::size_t worth_caching = 5000;
 /// Changes whenever the same mesh gives other cells or triangles.
-constexpr std::uint32_t surface_version = 2;
+constexpr std::uint32_t surface_version = 3;
 
 /// Everything of a Surface but the spans, as it lies in the cache.
 struct Frame {
   Vec3 centre, low, high;
   double cell_m;
-  std::array<std::uint32_t, 4> grid;
+  glm::uvec3 grid;
+  std::uint32_t longest;
 };
 
 CacheKey cache_key(const Mesh& mesh, const SurfaceOptions& options) {
@@ -64,15 +65,16 @@ std::optional<Surface> load(const CacheKey& key, const SurfaceOptions& options) 
   out.low = frame[0].low;
   out.high = frame[0].high;
   out.cell_m = frame[0].cell_m;
-  out.grid = {frame[0].grid[0], frame[0].grid[1], frame[0].grid[2]};
+  out.grid = frame[0].grid;
+  out.longest = frame[0].longest;
   out.options = options;
   out.memory = file;
   return out;
 }
 
 void store(const CacheKey& key, const Surface& surface) {
-  const std::array frame{Frame{
-      surface.centre, surface.low, surface.high, surface.cell_m, {surface.grid.x, surface.grid.y, surface.grid.z, 0}}};
+  const std::array frame{
+      Frame{surface.centre, surface.low, surface.high, surface.cell_m, surface.grid, surface.longest}};
   const std::array<std::span<const std::byte>, 6> sections{
       std::as_bytes(std::span(frame)),  std::as_bytes(surface.cells), std::as_bytes(surface.runs),
       std::as_bytes(surface.triangles), std::as_bytes(surface.signs), std::as_bytes(surface.corners)};
@@ -95,6 +97,7 @@ Surface build(const Mesh& mesh, const SurfaceOptions& options) {
   out.high = box.high;
   out.cell_m = memory->cells.cell_m;
   out.grid = memory->cells.grid;
+  out.longest = memory->cells.longest;
   out.cells = memory->cells.cells;
   out.runs = memory->cells.runs;
   out.triangles = memory->triangles.triangles;

@@ -29,10 +29,11 @@ struct SurfaceOptions {
 
 /// Built once, shared by copies, never changed. All positions are relative to `centre`, in single precision.
 struct Surface {
-  Vec3 centre{0};        ///< metres, in the mesh's coordinates; single precision holds it exactly
-  Vec3 low{0}, high{0};  ///< the box that the grid fills, relative to the centre
-  double cell_m = 0;     ///< side of the grid's cells
-  glm::uvec3 grid{0};    ///< how many of them along each axis, at most 1023
+  Vec3 centre{0};             ///< metres, in the mesh's coordinates; single precision holds it exactly
+  Vec3 low{0}, high{0};       ///< the box that the grid fills, relative to the centre
+  double cell_m = 0;          ///< side of the grid's cells
+  glm::uvec3 grid{0};         ///< how many of them along each axis, at most 1023
+  std::uint32_t longest = 0;  ///< no point is held against more triangles
   SurfaceOptions options;
   std::span<const shader::SurfaceCell> cells;  ///< the grid, x fastest, then the children of divided cells
   std::span<const std::uint32_t> runs;

@@ -400,6 +400,7 @@ class Builder {
       k = end;
     }
     const auto runs = static_cast<std::uint32_t>(out_.runs.size()) - first;
+    out_.longest = std::max(out_.longest, item.count);
     out_.cells[item.cell] = {first, (item.deep ? shader::surface_deep : shader::surface_near) + runs};
   }
 

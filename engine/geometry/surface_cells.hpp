@@ -16,6 +16,7 @@ struct SurfaceCells {
   Vec3 low{0};
   double cell_m = 0;
   glm::uvec3 grid{0};
+  std::uint32_t longest = 0;  ///< triangles of a cell at most
   std::vector<shader::SurfaceCell> cells;
   std::vector<std::uint32_t> runs;
 };

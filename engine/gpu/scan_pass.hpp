@@ -10,6 +10,9 @@
 
 namespace palpa::gpu {
 
+/// 64 items per group, however many that are.
+inline constexpr shader::ScanGroups groups_of_64{64, 0, 0xffffffffu, 1};
+
 /// Pipelines only; the caller owns buffers and command buffer.
 class ScanPass {
  public:
@@ -18,13 +21,13 @@ class ScanPass {
   /// In place over `counts` (uint32 each, at most `most_counts` of them and at most the buffer's size). With `length`
   /// the number of counts is ceil(length[0] / items_per_count), read on the device and bounded by `most_counts`; an
   /// empty BufferRef means exactly `most_counts`. Writes to `total` a ScanTotal: the sum, clamped to `most_total`, and
-  /// the three group counts of an indirect dispatch with `group_size` items per group. Barriers: expects counts and
+  /// the three group counts of an indirect dispatch that is cut up as `groups` says. Barriers: expects counts and
   /// length to be visible to compute; the caller adds compute_to_compute afterwards.
   struct Sizes {
     std::uint32_t most_counts = 0;
     std::uint32_t items_per_count = 1;
     std::uint32_t most_total = 0xffffffffu;
-    std::uint32_t group_size = 64;
+    shader::ScanGroups groups = groups_of_64;
   };
   void record(VkCommandBuffer commands, BufferRef counts, BufferRef length, BufferRef total, const Sizes& sizes) const;
 

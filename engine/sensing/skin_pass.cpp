@@ -92,7 +92,8 @@ std::vector<gpu::ScratchPiece> SkinPass::scratch(const RayTables& tables) {
 }
 
 void SkinPass::record(VkCommandBuffer commands, const SkinBindings& b, const gpu::Scratch& s, const RayTables& tables,
-                      const Box& box, std::span<const View> views, gpu::Timestamps* times) const {
+                      const Box& box, std::span<const View> views, const shader::ScanGroups& cut,
+                      gpu::Timestamps* times) const {
   if (!scan_) throw failure("the skin pass was not prepared for its cameras");
   const auto kernels = [&](const View& view) -> const Kernels& {
     return tables.cameras[view.camera].pinhole ? pinhole_ : table_;
@@ -108,7 +109,7 @@ void SkinPass::record(VkCommandBuffer commands, const SkinBindings& b, const gpu
   if (times) times->mark(commands, "skin count");
 
   const auto room = static_cast<std::uint32_t>(b.points.size / sizeof(SkinPoint));
-  scan_->record(commands, s[counts], {}, b.total, {groups, 1, room, 64});
+  scan_->record(commands, s[counts], {}, b.total, {groups, 1, room, cut});
   gpu::compute_to_compute(commands);  // scanned counts, runs -> scatter
   if (times) times->mark(commands, "skin scan");
 

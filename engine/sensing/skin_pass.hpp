@@ -20,7 +20,7 @@ struct SkinBindings {
   gpu::BufferRef depth;   ///< in: packed by pack_depth, 2 bytes per padded pixel
   gpu::BufferRef rays;    ///< in: upload_rays, 8 bytes per padded pixel
   gpu::BufferRef points;  ///< out: SkinPoint[], room for size / 16 of them, at most tables.pixels are written
-  gpu::BufferRef total;   ///< out: shader::ScanTotal, points found and an indirect dispatch with 64 of them per group
+  gpu::BufferRef total;   ///< out: shader::ScanTotal, points found and an indirect dispatch over them
 };
 
 /// Bytes of the packed depth frames, e.g. for a gpu::Upload.
@@ -42,12 +42,13 @@ class SkinPass {
   /// Enough for any box.
   static std::vector<gpu::ScratchPiece> scratch(const RayTables& tables);
 
-  /// Finds the skin points inside `box` (world, compared in float) from the views that plan_views gave for it.
+  /// Finds the skin points inside `box` (world, compared in float) from the views that plan_views gave for it; who
+  /// looks at them next does so in `groups`.
   /// Barriers: expects depth and rays to be visible to compute, and earlier readers of points and total to be ordered
   /// before; inside it adds its own; the caller adds compute_to_compute (or writes_to_transfer) afterwards. With
   /// `times`, marks "skin count", "skin scan" and "skin scatter".
   void record(VkCommandBuffer commands, const SkinBindings& bindings, const gpu::Scratch& scratch,
-              const RayTables& tables, const Box& box, std::span<const View> views,
+              const RayTables& tables, const Box& box, std::span<const View> views, const shader::ScanGroups& groups,
               gpu::Timestamps* times = nullptr) const;
 
  private:

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -29,21 +28,6 @@ std::uint64_t longest_of_planes(const PreparedSolids& solids, const shader::Soli
   return longest;
 }
 
-std::uint64_t longest_of_surface(const geometry::Surface& surface) {
-  // Triangles in all runs before each.
-  std::vector<std::uint64_t> before{0};
-  before.reserve(surface.runs.size() + 1);
-  for (const std::uint32_t run : surface.runs)
-    before.push_back(before.back() + (run >> shader::surface_run_bits) + 1);
-  std::uint64_t longest = 0;
-  for (const shader::SurfaceCell& cell : surface.cells) {
-    if ((cell.kind & shader::surface_kinds) == shader::surface_divided) continue;
-    const std::uint32_t runs = cell.kind & ~shader::surface_kinds;
-    if (runs != 0) longest = std::max(longest, before[cell.first + runs] - before[cell.first]);
-  }
-  return longest + shader::surface_most_levels;
-}
-
 std::uint64_t longest_of_parts(const PreparedSolids& solids, const shader::SolidRecord& record) {
   const std::size_t cells = std::size_t{record.cells_per_axis} * record.cells_per_axis * record.cells_per_axis;
   std::uint64_t entries = 0, planes = 0, triangles = 0;
@@ -62,7 +46,6 @@ std::uint64_t longest_of_parts(const PreparedSolids& solids, const shader::Solid
 
 std::uint32_t contact_turns(const PreparedSolids& solids, const Parameters& parameters) {
   std::uint64_t for_any = for_any_planes;
-  std::map<const void*, std::uint64_t> known;  // of surfaces, which rigid copies share
   std::vector<std::uint64_t> longest;
   longest.reserve(solids.records.size());
   for (std::size_t s = 0; s < solids.records.size(); ++s) {
@@ -72,10 +55,7 @@ std::uint32_t contact_turns(const PreparedSolids& solids, const Parameters& para
       longest.push_back(longest_of_parts(solids, record));
     } else if (record.asked_by == shader::asked_by_surface) {
       for_any = std::max(for_any, for_any_surface);
-      const geometry::Surface& surface = solids.surfaces[s];
-      const auto [at, is_new] = known.try_emplace(surface.cells.data());
-      if (is_new) at->second = longest_of_surface(surface);
-      longest.push_back(at->second);
+      longest.push_back(std::uint64_t{solids.surfaces[s].longest} + shader::surface_most_levels);
     } else {
       longest.push_back(longest_of_planes(solids, record,
                                           static_cast<float>(solids.delta_m(static_cast<std::uint32_t>(s), parameters)),

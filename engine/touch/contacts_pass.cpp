@@ -26,13 +26,6 @@ std::uint32_t whole_fours(std::uint32_t chunks) {
   return (chunks + 3) / 4 * 4;
 }
 
-/// So many that no thread takes more turns than contacts_most_turns, where turns are counted.
-std::uint32_t chunks_for(const gpu::Device& device, const Room& room, const PreparedSolids& solids) {
-  if (!device.description().ends_long_loops) return shader::contacts_chunks;
-  const std::uint32_t rounds = std::max(shader::contacts_most_turns / std::max(solids.turns, 1U), 1U);
-  return std::max(shader::contacts_chunks, whole_fours(gpu::groups_for(room.points, rounds * shader::contacts_group)));
-}
-
 /// However few rounds chunks have.
 std::uint32_t most_chunks(std::uint32_t points) {
   return std::max(shader::contacts_chunks, whole_fours(gpu::groups_for(points, shader::contacts_group)));
@@ -92,6 +85,14 @@ std::vector<gpu::ScratchPiece> ContactsPass::scratch(const Room& room) {
   return list;
 }
 
+shader::ScanGroups ContactsPass::groups(const gpu::Device& device, const Room& room, const PreparedSolids& solids) {
+  constexpr std::uint32_t all = shader::contacts_most_points;
+  const std::uint32_t rounds = device.description().ends_long_loops
+                                   ? std::clamp(shader::contacts_most_turns / std::max(solids.turns, 1U), 1U, all)
+                                   : all;
+  return {rounds * shader::contacts_group, shader::contacts_chunks, most_chunks(room.points), 4};
+}
+
 void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, const gpu::Scratch& s, const Room& room,
                           const PreparedSolids& solids, const Parameters& parameters, gpu::Timestamps* times) const {
   const auto count = static_cast<std::uint32_t>(solids.records.size());
@@ -99,15 +100,16 @@ void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, c
   if (count == 1) push.only = solids.records[0];
   const bool with_deep = parameters.wants_deep();
   const Kernel kernel = kernel_for(solids);
-  const std::uint32_t chunks = chunks_for(*device_, room, solids);
+  const gpu::BufferRef chunks{b.length.buffer, b.length.offset + offsetof(shader::ScanTotal, groups_x),
+                              sizeof(VkDispatchIndirectCommand)};
   const gpu::ComputePipeline& find = find_[kernel][count == 1 ? 1 : 0][with_deep ? 1 : 0];
   if (kernel == by_planes) {
-    find.dispatch(
+    find.dispatch_indirect(
         commands,
         {b.points, b.length, s[hits], s[masks], s[counts], b.solids, b.cells, b.planes, s[deep_masks], s[deep_counts]},
         push, chunks);
   } else {
-    find.dispatch(
+    find.dispatch_indirect(
         commands,
         {b.points, b.length, s[hits], s[masks], s[counts], b.solids, b.cells, b.planes, s[deep_masks], s[deep_counts],
          b.surface.cells, b.surface.runs, b.surface.triangles, b.surface.signs, b.surface.corners, b.parts},
@@ -115,11 +117,12 @@ void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, c
   }
   gpu::compute_to_compute(commands);
   if (times) times->mark(commands, "contacts find");
-  pack_.dispatch(commands, {b.points, b.length, s[hits], s[masks], s[counts], b.total, b.contacts}, push, chunks);
+  pack_.dispatch_indirect(commands, {b.points, b.length, s[hits], s[masks], s[counts], b.total, b.contacts}, push,
+                          chunks);
   if (with_deep) {
     push.most_contacts = room.deep;
-    pack_.dispatch(commands, {b.points, b.length, s[hits], s[deep_masks], s[deep_counts], b.deep_total, b.deep}, push,
-                   chunks);
+    pack_.dispatch_indirect(
+        commands, {b.points, b.length, s[hits], s[deep_masks], s[deep_counts], b.deep_total, b.deep}, push, chunks);
   }
   if (times) times->mark(commands, "contacts pack");
 }

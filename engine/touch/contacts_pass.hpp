@@ -7,6 +7,7 @@
 #include "gpu/pipeline.hpp"
 #include "gpu/scratch.hpp"
 #include "gpu/timestamps.hpp"
+#include "shaders/scan.h"
 #include "touch/prepared_solids.hpp"
 #include "touch/room.hpp"
 #include "touch/types.hpp"
@@ -24,7 +25,7 @@ struct SurfaceBindings {
 
 struct ContactsBindings {
   gpu::BufferRef points;  ///< in: vec4 per skin point: x, y, z, the bits of its index
-  gpu::BufferRef length;  ///< in: shader::ScanTotal of the points, 64 per group
+  gpu::BufferRef length;  ///< in: shader::ScanTotal of the points, cut up as groups() says
   gpu::BufferRef solids;  ///< in: shader::SolidRecord[]
   gpu::BufferRef cells;   ///< in: shader::PlaneCell[]
   gpu::BufferRef planes;  ///< in: vec4[]
@@ -52,8 +53,11 @@ class ContactsPass {
 
   static std::vector<gpu::ScratchPiece> scratch(const Room& room);
 
-  /// Barriers: expects points and length to be visible to compute; adds its own inside; the caller adds
-  /// compute_to_compute afterwards. With `times`, marks "contacts find" and "contacts pack".
+  /// How the points are to be cut up: so that no thread takes more turns than a device has that counts them.
+  static shader::ScanGroups groups(const gpu::Device& device, const Room& room, const PreparedSolids& solids);
+
+  /// Barriers: expects points and length to be visible to compute, and length as indirect arguments; adds its own
+  /// inside; the caller adds compute_to_compute afterwards. With `times`, marks "contacts find" and "contacts pack".
   void record(VkCommandBuffer commands, const ContactsBindings& bindings, const gpu::Scratch& scratch, const Room& room,
               const PreparedSolids& solids, const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
 

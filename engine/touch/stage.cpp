@@ -50,7 +50,8 @@ void Stage::record_skin(VkCommandBuffer commands, StageMemory& memory, gpu::Time
                         .rays = rays_.ref(),
                         .points = memory.seen_.ref(),
                         .total = memory.seen_total_.ref()},
-                       memory.skin_scratch_, tables_, box, memory.views_, times);
+                       memory.skin_scratch_, tables_, box, memory.views_,
+                       ContactsPass::groups(passes_.device(), memory.room_, solids_), times);
   gpu::compute_to_compute(commands);
 }
 

@@ -105,7 +105,8 @@ void StageMemory::set(std::span<const sensing::SkinPoint> points) {
     make(room_for(setting, some, some));
   }
   if (!points.empty()) std::memcpy(points_.data(), points.data(), points.size_bytes());
-  given_.as<shader::ScanTotal>()[0] = {count, gpu::groups_for(count, 64), 1, 1};
+  const shader::ScanGroups cut = ContactsPass::groups(stage_->passes_.device(), room_, stage_->solids_);
+  given_.as<shader::ScanTotal>()[0] = {count, shader::scan_groups_of(count, cut), 1, 1};
 }
 
 void read(const StageMemory& memory, Touch& out) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
 
 #include "base/error.hpp"
@@ -32,12 +33,12 @@ TEST(ComputePipeline, RefusesPushConstantsOfAnotherSize) {
     });
   };
   EXPECT_EQ(dispatch(shader::ScanPush{}), "");
-  EXPECT_EQ(dispatch(shader::vec4{}), "");  // as large
+  EXPECT_EQ(dispatch(std::array<shader::vec4, 2>{}), "");  // as large
   struct Half {
     std::uint32_t a, b;
   };
-  EXPECT_EQ(dispatch(Half{}), "pipeline 'scan' was given 8 bytes of push constants: its shader has 16");
-  EXPECT_EQ(dispatch(Push::none()), "pipeline 'scan' was given 0 bytes of push constants: its shader has 16");
+  EXPECT_EQ(dispatch(Half{}), "pipeline 'scan' was given 8 bytes of push constants: its shader has 32");
+  EXPECT_EQ(dispatch(Push::none()), "pipeline 'scan' was given 0 bytes of push constants: its shader has 32");
 }
 
 TEST(ComputePipeline, RefusesAnotherNumberOfBuffers) {

@@ -2,6 +2,8 @@
 
 #include <numeric>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "gpu/barrier.hpp"
 #include "gpu/scan_pass.hpp"
@@ -51,7 +53,7 @@ TEST(Scan, AgreesWithTheTwinAndWithStdExclusiveScan) {
     std::vector<std::uint32_t> expected(size);
     std::exclusive_scan(counts.begin(), counts.end(), expected.begin(), 0u);
 
-    const Scanned scanned = scan_on_device(counts, 0, {static_cast<std::uint32_t>(size), 0, 0xffffffffu, 64});
+    const Scanned scanned = scan_on_device(counts, 0, {static_cast<std::uint32_t>(size), 0, 0xffffffffu});
     EXPECT_EQ(scanned.offsets, expected) << size;
     EXPECT_EQ(twin, expected) << size;
     EXPECT_EQ(scanned.total.total, twin_total);
@@ -65,7 +67,7 @@ TEST(Scan, AgreesWithTheTwinAndWithStdExclusiveScan) {
 TEST(Scan, ReadsItsLengthOnTheDevice) {
   const auto counts = random_counts(100);
   // 700 items at 64 per count: 11 counts, the rest must stay as they are.
-  const Scanned scanned = scan_on_device(counts, 700, {100, 64, 0xffffffffu, 64});
+  const Scanned scanned = scan_on_device(counts, 700, {100, 64, 0xffffffffu});
   auto expected = counts;
   gpu::exclusive_scan(std::span(expected).first(11));
   EXPECT_EQ(scanned.offsets, expected);
@@ -75,15 +77,23 @@ TEST(Scan, ReadsItsLengthOnTheDevice) {
 
 TEST(Scan, ALengthBeyondTheBufferIsBounded) {
   const auto counts = random_counts(10);
-  const Scanned scanned = scan_on_device(counts, 1'000'000, {10, 64, 0xffffffffu, 64});
+  const Scanned scanned = scan_on_device(counts, 1'000'000, {10, 64, 0xffffffffu});
   EXPECT_EQ(scanned.total.total, std::accumulate(counts.begin(), counts.end(), 0u));
   EXPECT_TRUE(scanned.intact);
 }
 
 TEST(Scan, ClampsTheTotal) {
-  const Scanned scanned = scan_on_device({5, 6, 7}, 0, {3, 0, 10, 64});
+  const Scanned scanned = scan_on_device({5, 6, 7}, 0, {3, 0, 10});
   EXPECT_EQ(scanned.total.total, 10u);
   EXPECT_EQ(scanned.offsets, (std::vector<std::uint32_t>{0, 5, 11}));
+}
+
+TEST(Scan, CutsTheTotalUpAsAsked) {
+  const shader::ScanGroups cut{100, 8, 20, 4};
+  const std::vector<std::pair<std::uint32_t, std::uint32_t>> groups_of{{0, 8},     {1, 8},     {800, 8},     {801, 12},
+                                                                       {1200, 12}, {1201, 16}, {100'000, 20}};
+  for (const auto& [items, groups] : groups_of)
+    EXPECT_EQ(scan_on_device({items}, 0, {1, 0, 0xffffffffu, cut}).total.groups_x, groups) << items;
 }
 
 TEST(Scan, LayoutIsWhatTheShaderHas) {
@@ -91,7 +101,8 @@ TEST(Scan, LayoutIsWhatTheShaderHas) {
   EXPECT_EQ(module.local_size[0], shader::scan_group);
   EXPECT_EQ(module.bindings, (std::vector<std::uint32_t>{0, 1, 2}));
   EXPECT_EQ(module.structs.at("ScanTotal").offsets.at("groups_x"), offsetof(shader::ScanTotal, groups_x));
-  EXPECT_EQ(module.structs.at("ScanPush").offsets.at("group_size"), offsetof(shader::ScanPush, group_size));
+  EXPECT_EQ(module.structs.at("ScanPush").offsets.at("groups"), offsetof(shader::ScanPush, groups));
+  EXPECT_EQ(module.structs.at("ScanGroups").offsets.at("step"), offsetof(shader::ScanGroups, step));
 }
 
 }  // namespace

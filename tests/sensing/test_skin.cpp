@@ -59,7 +59,8 @@ DeviceResult run_pass(const Scene& scene, const Box& box, std::uint64_t room = ~
   static SkinPass pass(device);
   pass.prepare(tables);
   test::run_on_device([&](VkCommandBuffer commands) {
-    pass.record(commands, {depth.ref(), rays.ref(), points.ref(), total.ref()}, scratch, tables, box, views);
+    pass.record(commands, {depth.ref(), rays.ref(), points.ref(), total.ref()}, scratch, tables, box, views,
+                gpu::groups_of_64);
     gpu::writes_to_transfer(commands);
   });
   for (GuardedBuffer* buffer : {&depth, &rays, &points, &total})

@@ -70,7 +70,8 @@ struct Guarded {
         contact_texels(device, contacts.ref(), VK_FORMAT_R32G32B32A32_UINT, "contacts"),
         grouped_texels(device, grouped.ref(), VK_FORMAT_R32G32B32A32_UINT, "grouped contacts") {
     const auto count = static_cast<std::uint32_t>(skin.size());
-    const shader::ScanTotal given{count, (count + 63) / 64, 1, 1};
+    const shader::ScanTotal given{count, shader::scan_groups_of(count, ContactsPass::groups(device, room, prepared)), 1,
+                                  1};
     length.write(&given, sizeof(given));
   }
 
