@@ -74,7 +74,8 @@ PALPA_CONST select_clusters = 3u;
 PALPA_CONST select_contacts = 4u;
 PALPA_CONST select_header = 5u;   // TouchHeader
 PALPA_CONST select_fingers = 6u;  // FingerRecord[fingers_most]
-PALPA_CONST fingers_select_buffers = 7u;
+PALPA_CONST select_begin = 7u;    // uint[]: room for an index per contact
+PALPA_CONST fingers_select_buffers = 8u;
 // And fingers_gather.
 PALPA_CONST gather_total = 0u;
 PALPA_CONST gather_contacts = 1u;

@@ -5,8 +5,8 @@
 #include "scan.h"
 
 // Clusters large enough to be fingers, in the order of their smallest contacts, by a single group: each thread looks at a
-// contiguous run of contacts, the runs' finds are summed, then each thread writes its own. Of too many the largest: what
-// few pixels pretend must not hide a finger.
+// contiguous run of contacts and lists those that such a cluster begins with, where the run is in `begin`; the runs' finds are
+// summed, then each thread writes its own. Of too many the largest: what few pixels pretend must not hide a finger.
 layout(local_size_x = 256) in;
 
 layout(std430, set = 0, binding = select_total) readonly buffer Total { ScanTotal found; };
@@ -16,11 +16,11 @@ layout(std430, set = 0, binding = select_clusters) readonly buffer Clusters { Cl
 layout(std430, set = 0, binding = select_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
 layout(std430, set = 0, binding = select_header) writeonly buffer Header { TouchHeader header; };
 layout(std430, set = 0, binding = select_fingers) writeonly buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = select_begin) buffer Begin { uint begin[]; };
 layout(push_constant) uniform Push { FingersPush push; };
 
-// The size of the cluster that begins at contact i, one before `last`; else 0.
-uint size_from(uint i, uint last) {
-  if (i >= last) return 0u;
+// The size of the cluster that begins at contact i; else 0.
+uint size_from(uint i) {
   const Cluster cluster = clusters[parents[i]];
   return cluster.smallest == i ? cluster.size : 0u;
 }
@@ -45,13 +45,9 @@ uint sum_before(uint mine) {
   return sums[thread] - mine;
 }
 
-void count_digit(uint size, uint least, uint shift) {
-  if (size >= least && size >> (shift + 8u) == bound >> (shift + 8u)) atomicAdd(histogram[size >> shift & 0xffu], 1u);
-}
-
-// The size of the smallest cluster that is taken, into `bound`, digit by digit from the top, and how many of that size are,
-// into `wanted`.
-void find_bound(uint first, uint last, uint least) {
+// Of the clusters that begin[first] to begin[end - 1] are of: the size of the smallest that is taken, into `bound`, digit by
+// digit from the top, and how many of that size are, into `wanted`.
+void find_bound(uint first, uint end) {
   const uint thread = gl_LocalInvocationIndex;
   if (thread == 0u) {
     bound = 0u;
@@ -61,12 +57,9 @@ void find_bound(uint first, uint last, uint least) {
     const uint shift = 8u * (digit - 1u);
     histogram[thread] = 0u;
     barrier();
-    // A software device ends all loops of a shader after 65,535 turns together: a turn is four contacts.
-    for (uint i = first; i < last; i += 4u) {
-      count_digit(size_from(i, last), least, shift);
-      count_digit(size_from(i + 1u, last), least, shift);
-      count_digit(size_from(i + 2u, last), least, shift);
-      count_digit(size_from(i + 3u, last), least, shift);
+    for (uint k = first; k < end; ++k) {
+      const uint size = size_from(begin[k]);
+      if (size >> (shift + 8u) == bound >> (shift + 8u)) atomicAdd(histogram[size >> shift & 0xffu], 1u);
     }
     barrier();
     if (thread == 0u) {
@@ -87,17 +80,20 @@ void main() {
   const uint least = max(push.min_points, 1u);
 
   uint mine = 0u;
-  for (uint i = first; i < last; ++i) mine += size_from(i, last) >= least ? 1u : 0u;
+  for (uint i = first; i < last; ++i) {
+    if (size_from(i) >= least) begin[first + mine++] = i;
+  }
+  const uint end = first + mine;
   uint finger = sum_before(mine);
   const uint total = sums[fingers_select_group - 1u];
   uint over = least - 1u;  // larger ones are taken,
   uint equal = 0u;         // and so many of this thread's of just that size
   if (total > fingers_most) {  // the whole group
-    find_bound(first, last, least);
+    find_bound(first, end);
     over = bound;
     uint larger = 0u, same = 0u;
-    for (uint i = first; i < last; ++i) {
-      const uint size = size_from(i, last);
+    for (uint k = first; k < end; ++k) {
+      const uint size = size_from(begin[k]);
       larger += size > over ? 1u : 0u;
       same += size == over ? 1u : 0u;
     }
@@ -107,10 +103,9 @@ void main() {
     finger = sum_before(mine);
   }
 
-  const uint end = finger + mine;
-  for (uint i = first; i < last && finger < end; ++i) {
-    const uint size = size_from(i, last);
-    if (size < over || size == 0u || (size == over && equal == 0u)) continue;
+  for (uint k = first; k < end && finger < fingers_most; ++k) {
+    const uint i = begin[k], size = size_from(i);
+    if (size < over || (size == over && equal == 0u)) continue;
     if (size == over) --equal;
     fingers[finger].first = i;
     fingers[finger].solid = contacts[i].solid;
