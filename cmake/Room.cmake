@@ -50,13 +50,14 @@ function(palpa_test_library NAME)
   target_precompile_headers(${NAME} REUSE_FROM ${PALPA_TEST_HEADERS})
 endfunction()
 
-# palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...] [COST SECONDS] [NEEDS ...] [DEFINES ...] [SHADERS ...] [ALONE]): a topic of
+# palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...] [COST SECONDS] [NEEDS ...] [DEFINES ...] [SHADERS ...] [WAITS] [ALONE]): a topic of
 # tests, one ctest entry. The topics of a folder are one GoogleTest program, tests_FOLDER; ctest runs it once for each topic, with
 # the tests of those sources alone (tests/support/main.cpp), and to build NAME is to build that program. ALONE: the topic has one of
 # its own. A test may include the embedded SPIR-V ("spirv/name.comp.hpp") of any room that it links. COST is for the long ones, by
-# about how many seconds: ctest, which learns it from a first run, starts them first. NEEDS: targets that must be there, too.
+# about how many seconds: ctest, which learns it from a first run, starts them first. WAITS: most of its time it waits, for clocks
+# and for programs that wait; two such run in the place of one that computes. NEEDS: targets that must be there, too.
 function(palpa_test NAME)
-  cmake_parse_arguments(TEST "ALONE" "COST" "SOURCES;LINKS;LABELS;NEEDS;DEFINES;SHADERS" ${ARGN})
+  cmake_parse_arguments(TEST "ALONE;WAITS" "COST" "SOURCES;LINKS;LABELS;NEEDS;DEFINES;SHADERS" ${ARGN})
   # Who looks for races between threads builds nothing else.
   if(PALPA_SANITIZE STREQUAL "thread" AND NOT "threads" IN_LIST TEST_LABELS)
     return()
@@ -87,6 +88,10 @@ function(palpa_test NAME)
   list(JOIN of "," of)
   add_test(NAME ${NAME} COMMAND ${program} --of=${of})
   set_tests_properties(${NAME} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT 600)
+  # Of the two places of each core that tests/house/suite.sh gives.
+  if(NOT TEST_WAITS)
+    set_tests_properties(${NAME} PROPERTIES PROCESSORS 2)
+  endif()
   if(TEST_COST)
     set_tests_properties(${NAME} PROPERTIES COST ${TEST_COST})
   endif()
