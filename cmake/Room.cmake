@@ -50,6 +50,11 @@ function(palpa_test_library NAME)
   target_precompile_headers(${NAME} REUSE_FROM ${PALPA_TEST_HEADERS})
 endfunction()
 
+# palpa_test_computes(SOURCE...): these compute for long what tests compare with, and are optimised in every build.
+function(palpa_test_computes)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O2 SKIP_PRECOMPILE_HEADERS ON SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 # palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...] [COST SECONDS] [NEEDS ...] [DEFINES ...] [SHADERS ...] [WAITS] [ALONE]): a topic of
 # tests, one ctest entry. The topics of a folder are one GoogleTest program, tests_FOLDER; ctest runs it once for each topic, with
 # the tests of those sources alone (tests/support/main.cpp), and to build NAME is to build that program. ALONE: the topic has one of
