@@ -56,7 +56,7 @@ constexpr FocusPhases phases_of(Solver solver) {
   return solver == Solver::gs_pat ? FocusPhases::helping : FocusPhases::own;
 }
 
-/// One focus that sounds in a slot; several in one slot belong to different fingers.
+/// One focus that sounds in a slot: one of a finger's, or several where its method has them sound together.
 struct SlotFocus {
   Vec3 position;   ///< metres, in the layout's frame as posed
   float gain = 1;  ///< 0..1, the finger's amplitude modulation and intensity

@@ -20,17 +20,6 @@ namespace {
 
 constexpr std::uint32_t most_passes = 24;
 
-/// Depth frames that come one by one may be of a whole hand in a solid: more contacts than a frame of a loop has.
-constexpr std::uint32_t most_contacts_of_one = 1U << 20;
-
-touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler& scheduler) {
-  touch::StageSetting stage = stage_setting(setting);
-  const bool listed = !setting.live() || setting.events || scheduler.needs_contacts();
-  stage.detail = listed ? touch::Detail::contacts : touch::Detail::fingers;
-  stage.most_contacts = setting.live() || setting.cameras.empty() ? 0 : most_contacts_of_one;
-  return stage;
-}
-
 /// Everything that one frame in flight writes to.
 struct Flight {
   touch::StageMemory memory;
@@ -103,7 +92,9 @@ class GpuPlanner : public Planner {
     try {
       if (flight.state == Flight::State::touching) {
         timeline_.wait(flight.submitted);
-        begin_drives(flight);
+        read_touch(flight);
+        plan_on_host(flight);
+        submit_drives(flight);
         return false;
       }
       finish(flight, plan);
@@ -157,19 +148,22 @@ class GpuPlanner : public Planner {
     }
   }
 
-  void begin_drives(Flight& flight) {
-    read_touch(flight);
+  /// The hop over the host: the fingers' schedule, and the foci of each slot of its cycle.
+  void plan_on_host(Flight& flight) {
     scheduler_.make(flight.touch, flight.report.time_s, flight.plan.schedule);
-    flight.submitted = 0;
     flight.plan.cycle = 0;
-    flight.state = Flight::State::driving;
     if (!flight.drive_memory) return;
-    flight.drive_memory->clear();
     array::DriveMemory& memory = *flight.drive_memory;
+    memory.clear();
     plan_slots(flight.plan, slot_work_, loudness_ ? &*loudness_ : nullptr, [&](const auto& foci, const auto& factors) {
       const bool fits = factors.empty() ? memory.add_slot(foci) : memory.add_slot(foci, factors);
       if (!fits) throw failure("a frame has more foci than its buffers hold");
     });
+  }
+
+  void submit_drives(Flight& flight) {
+    flight.state = Flight::State::driving;
+    flight.submitted = 0;
     if (flight.plan.cycle == 0) return;
     const VkCommandBuffer commands = flight.drive_recorder.begin();
     flight.drive_times.begin(commands);

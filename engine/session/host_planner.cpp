@@ -12,7 +12,9 @@ namespace {
 class HostPlanner : public Planner {
  public:
   HostPlanner(const SessionSetting& setting, Scheduler& scheduler)
-      : setting_(setting), scheduler_(scheduler), stage_(setting.solids, setting.cameras, stage_setting(setting)) {
+      : setting_(setting),
+        scheduler_(scheduler),
+        stage_(setting.solids, setting.cameras, stage_setting(setting, scheduler)) {
     if (scheduler.needs_pressures() && !setting.layout.transducers.empty())
       loudness_.emplace(setting.layout, setting.drive);
   }

@@ -51,7 +51,7 @@ struct SlotWork {
 const array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness);
 
 /// Which slots a plan for its schedule must hold: fills its cycle and shared modulation, and gives the foci of each of
-/// its slots, gains being 1 where the modulation is shared. `add` is called once per slot, in order, with the foci and,
+/// its slots, without the modulation where that is shared. `add` is called once per slot, in order, with the foci and,
 /// where fingers ask for a pressure and `loudness` is there, their factors, else none. Fills what pressures the voices
 /// reach then.
 template <typename Add>

@@ -69,7 +69,8 @@ inline constexpr std::size_t contacts_per_finger = 4096;
 inline constexpr std::uint32_t most_deep = 1U << 18;
 void reserve(touch::Touch& touch);
 
-/// What the setting says of the stage, for either planner.
-touch::StageSetting stage_setting(const SessionSetting& setting);
+/// What the stage is for, on the device or through its twins: of single frames, of events and of methods that look at
+/// contacts it gives these, too; events look at deep points.
+touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler& scheduler);
 
 }  // namespace palpa::session

@@ -62,7 +62,6 @@ struct Session::State {
     names.reserve(setting.solids.size());
     for (const geometry::Solid& solid : setting.solids)
       names.push_back(solid.name);
-    if (setting.events) setting.touch.deep = true;
     if (scheduler.needs_pressures() && setting.drive.solver == array::Solver::greedy)
       throw bad_usage(
           "the solver greedy drives all transducers in full: it cannot give a pressure; take gs-pat or naive");

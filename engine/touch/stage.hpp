@@ -10,6 +10,23 @@
 //   stage.record(recorder.begin(), memory, time_s);
 //   timeline.wait(timeline.submit(recorder.end()));
 //   touch::read(memory, touch);
+//
+// The passes in the order of record(), each with its kernels (shaders/NAME.comp) and what it writes. A point goes on as
+// a contact, a contact as a member of a finger, a finger as foci; nothing else is handed on.
+//
+//   SkinPass      skin_count, scan, skin_scatter: pixels -> points (world x, y, z, pixel) and their total
+//   ContactsPass  contacts_find or contacts_surface (by the scene's solids), contacts_pack: points -> contacts, Eq. (1)
+//   FingersPass   fingers_*: contacts -> parents (per contact its cluster), clusters (size, smallest contact),
+//                 header (how many fingers), fingers' first, solid, contacts
+//   SplitPass     split_*: parents, clusters, header, fingers anew where a cluster is several fingers, or none
+//   BridgePass    bridge_*: the same where clusters are one finger
+//   SectionsPass  sections_*: contacts' finger, grouped (contacts by finger); fingers' centre, mean, axes, turn, lean,
+//                 point_like, id (its index); Eq. (2)-(4)
+//   FollowPass    follow: fingers' id, axes, turn; tracks
+//   FociPass      foci: foci (sectors' centroids, contacts per sector), Eq. (5)-(7); fingers' foci (how many)
+//   GlidePass     glide: foci smoothed over time, also of sectors that are empty; fingers' placed, held; homes
+//
+// read() makes a Touch of header, fingers, foci and, where asked for, contacts; types.hpp says what each means.
 #pragma once
 
 #include <optional>
