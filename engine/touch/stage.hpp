@@ -12,12 +12,15 @@
 //   touch::read(memory, touch);
 //
 // The passes in the order of record(), each with its kernels (shaders/NAME.comp) and what it writes. A point goes on as
-// a contact, a contact as a member of a finger, a finger as foci; nothing else is handed on.
+// a contact, a contact as a member of a finger, a finger as foci. Split and bridge look at the depth frames again and
+// run where there are cameras and a finger width; follow and glide know of the frames before and run where fingers are
+// followed and foci smoothed.
 //
 //   SkinPass      skin_count, scan, skin_scatter: pixels -> points (world x, y, z, pixel) and their total
-//   ContactsPass  contacts_find or contacts_surface (by the scene's solids), contacts_pack: points -> contacts, Eq. (1)
+//   ContactsPass  contacts_find or contacts_surface (by the scene's solids), contacts_pack: points -> contacts,
+//                 Eq. (1), and deep points where asked for
 //   FingersPass   fingers_*: contacts -> parents (per contact its cluster), clusters (size, smallest contact),
-//                 header (how many fingers), fingers' first, solid, contacts
+//                 header (how many fingers; points and contacts in all), fingers' first, solid, contacts
 //   SplitPass     split_*: parents, clusters, header, fingers anew where a cluster is several fingers, or none
 //   BridgePass    bridge_*: the same where clusters are one finger
 //   SectionsPass  sections_*: contacts' finger, grouped (contacts by finger); fingers' centre, mean, axes, turn, lean,
@@ -26,7 +29,8 @@
 //   FociPass      foci: foci (sectors' centroids, contacts per sector), Eq. (5)-(7); fingers' foci (how many)
 //   GlidePass     glide: foci smoothed over time, also of sectors that are empty; fingers' placed, held; homes
 //
-// read() makes a Touch of header, fingers, foci and, where asked for, contacts; types.hpp says what each means.
+// read() makes a Touch of header, fingers, foci and, where asked for, contacts and deep points; types.hpp says what
+// each means.
 #pragma once
 
 #include <optional>
