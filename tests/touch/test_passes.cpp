@@ -189,8 +189,10 @@ TEST(TouchPassesByThemselves, LeavePointsBeyondTheirRoomAlone) {
   gpu::Device& device = palpa::test::test_device();
   const auto cloud = indexed(random_points(1000, Vec3(-0.05), Vec3(0.05)));
   const PreparedSolids solids = prepare_solids({everything()});
-  Guarded guarded(device, solids, cloud, {.points = 1000, .contacts = 1000});
-  const shader::ScanTotal boastful{1'000'000, 15'625, 1, 1};
+  const Room room{.points = 1000, .contacts = 1000};
+  Guarded guarded(device, solids, cloud, room);
+  const shader::ScanTotal boastful{1'000'000,
+                                   shader::scan_groups_of(1'000'000, ContactsPass::groups(device, room, solids)), 1, 1};
   guarded.length.write(&boastful, sizeof(boastful));
   palpa::test::run_on_device(
       [&](VkCommandBuffer commands) { record_all(commands, guarded, solids, everything_is_contact()); });
