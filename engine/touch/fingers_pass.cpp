@@ -124,6 +124,7 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, con
   if (times) times->mark(commands, "links");
   run(inside ? label_inside_ : label_, total, per_contact);
   push.most_contacts = room.contacts;
+  // Groups have had their use: where they lay there is room for a list.
   select_.dispatch(commands, {b.total, b.length, b.parents, b.clusters, b.contacts, b.header, b.fingers, s[groups]},
                    push, 1);
   if (times) times->mark(commands, "fingers");
