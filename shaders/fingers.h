@@ -21,10 +21,9 @@ PALPA_CONST blocks_most_groups = 256u;
 PALPA_CONST rest_most_groups = 16384u;
 // Tests of two blocks before their groups of cells that are still apart are put on the list of crowded ones.
 PALPA_CONST fingers_patience = 32u;
-// Room on that list, and on that of blocks that touch. When either runs out, a pass tests everything again, pair by
-// pair: slow, but no less exact.
+// Room on that list. When it or that of blocks that touch (links_room() in fingers_math.h) runs out, a pass tests
+// everything again, pair by pair: slow, but no less exact.
 PALPA_CONST fingers_crowded_per_contact = 1u;
-PALPA_CONST fingers_links_per_contact = 6u;
 // A software device ends all loops of a shader after 65,535 turns together, and what they were about to say is then
 // anything. So a thread looks at few pairs of contacts and lists what it could not decide; for a pair of groups there,
 // the first one's contacts go to so many groups of blocks_group threads. That is enough for 20,000 contacts in each of
@@ -42,8 +41,8 @@ PALPA_CONST fingers_tiles = 4u;     // uvec4[]: hash table: a TileKey, see finge
 PALPA_CONST fingers_bases = 5u;     // uint[]: per slot its first cell's number
 PALPA_CONST fingers_places = 6u;    // uint[]: per contact its slot times 64, plus its cell there, or fingers_first
 PALPA_CONST fingers_list = 7u;      // uint[]: the blocks that hold contacts: slot times 8, plus the block there
-PALPA_CONST fingers_links = 8u;     // uint[]: a block's place in `list` times 64, plus a neighbour: see
-                                    // fingers_neighbours.glsl. Then CrowdedPair[]: those that stayed undecided
+PALPA_CONST fingers_links = 8u;     // uvec2[]: two blocks that touch, see fingers_links.glsl. Then CrowdedPair[]: those
+                                    // that stayed undecided
 PALPA_CONST fingers_groups = 9u;    // uint[]: per block, at its first cell's number: see fingers_cells.glsl
 PALPA_CONST fingers_crowded = 10u;  // CrowdedPair[]
 PALPA_CONST fingers_work = 11u;     // FingersWork

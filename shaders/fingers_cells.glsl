@@ -59,6 +59,9 @@ uint spread(uint bits) {
 
 uint each_by_itself(uint occupied) { return each_in_its_own | spread(~occupied & 0xffu) << 3u; }
 
+// The cells that hold contacts, as bits.
+uint occupied_of(uint groups) { return ~gathered(groups >> 3u & ones) & 0xffu; }
+
 // Cells of one group, as bits.
 uint cells_of_group(uint groups, uint group) { return gathered(equal_fours(groups, group * ones)); }
 
@@ -82,20 +85,16 @@ const uvec2 each_pair_once = uvec2(0xf0f8fcfeu, 0x0080c0e0u);
 
 // Takes the lowest pair out of a set that is not empty: a * 8 + b.
 uint take_pair(inout uvec2 pairs) {
-  if (pairs.x != 0u) {
-    const uint pair = uint(findLSB(pairs.x));
-    pairs.x &= pairs.x - 1u;
-    return pair;
-  }
-  const uint pair = uint(findLSB(pairs.y));
-  pairs.y &= pairs.y - 1u;
-  return 32u + pair;
+  const bool low = pairs.x != 0u;
+  const uint word = low ? pairs.x : pairs.y;
+  pairs = low ? uvec2(word & (word - 1u), pairs.y) : uvec2(0u, word & (word - 1u));
+  return uint(findLSB(word)) + (low ? 0u : 32u);
 }
 
-// A set of cells with every cell's bits x, y, z flipped where `flip` has ones.
-uint flipped(uint cells, uint flip) {
-  if ((flip & 1u) != 0u) cells = (cells & 0x55u) << 1u | (cells & 0xaau) >> 1u;
-  if ((flip & 2u) != 0u) cells = (cells & 0x33u) << 2u | (cells & 0xccu) >> 2u;
-  if ((flip & 4u) != 0u) cells = (cells & 0x0fu) << 4u | (cells & 0xf0u) >> 4u;
-  return cells;
+// Groups in the order in which the cells are with their bits x, y, z flipped where `flip` has ones.
+uint flipped(uint groups, uint flip) {
+  const uint x = 4u * (flip & 1u), y = 4u * (flip & 2u), z = 4u * (flip & 4u);
+  groups = (groups & 0x0f0f0f0fu) << x | (groups & 0xf0f0f0f0u) >> x;
+  groups = (groups & 0x00ff00ffu) << y | (groups & 0xff00ff00u) >> y;
+  return (groups & 0x0000ffffu) << z | (groups & 0xffff0000u) >> z;
 }

@@ -21,19 +21,21 @@ layout(push_constant) uniform Push { FingersPush push; };
 
 #include "fingers_cells.glsl"
 
-const uint run = 32u;  // slots that a thread looks at
+const uint run = 32u;  // slots that a thread looks at,
+const uint apart = 8u;  // so many apart: tiles come in flocks, and threads side by side share one
 
 void main() {
   const uint slots = table_slots(min(found.total, push.most_contacts));
+  const uint thread = gl_GlobalInvocationID.x;
   const uint stride = gl_NumWorkGroups.x * contact_group * run;
-  for (uint first = gl_GlobalInvocationID.x * run; first < slots; first += stride) {
-    const uint last = min(first + run, slots);
+  for (uint first = thread / apart * (apart * run) + thread % apart; first < slots; first += stride) {
+    const uint count = min(run, (slots - first + apart - 1u) / apart);
     uint taken = 0u;  // slots, as bits
     uint cells = 0u;
     uint blocks = 0u;
-    for (uint s = first; s < last; ++s) {
-      const uvec2 mask = texelFetch(tiles, int(s)).zw;
-      taken |= (mask.x | mask.y) != 0u ? 1u << (s - first) : 0u;
+    for (uint k = 0u; k < count; ++k) {
+      const uvec2 mask = texelFetch(tiles, int(first + k * apart)).zw;
+      taken |= (mask.x | mask.y) != 0u ? 1u << k : 0u;
       cells += uint(bitCount(mask.x) + bitCount(mask.y));
       blocks += uint(bitCount(occupied_blocks(mask)));
     }
@@ -45,17 +47,25 @@ void main() {
       nodes[4u * c + 3u] = fingers_nothing;
       clusters[c] = uvec2(fingers_nothing, 0u);
     }
-    for (uint k = 0u; k < run && taken != 0u; ++k) {
-      const uint s = first + uint(findLSB(taken));
-      taken &= taken - 1u;
-      const uvec2 mask = texelFetch(tiles, int(s)).zw;
-      bases[s] = cell;
-      cell += uint(bitCount(mask.x) + bitCount(mask.y));
-      uint there = occupied_blocks(mask);
-      for (uint b = 0u; b < 8u && there != 0u; ++b) {
-        list[place++] = s << 3u | uint(findLSB(there));
-        there &= there - 1u;
+    for (;;) {
+      uint there = 0u;
+      uint s = 0u;
+      if (taken != 0u) {
+        s = first + uint(findLSB(taken)) * apart;
+        taken &= taken - 1u;
+        const uvec2 mask = texelFetch(tiles, int(s)).zw;
+        bases[s] = cell;
+        cell += uint(bitCount(mask.x) + bitCount(mask.y));
+        there = occupied_blocks(mask);
       }
+      for (;;) {
+        if (there != 0u) {
+          list[place++] = s << 3u | uint(findLSB(there));
+          there &= there - 1u;
+        }
+        if (there == 0u) break;
+      }
+      if (taken == 0u) break;
     }
   }
 }

@@ -19,7 +19,7 @@ layout(push_constant) uniform Push { FingersPush push; };
 
 void add(uint root, Cluster run) {
   if (root == fingers_nothing) return;
-  atomicMin(clusters[root].smallest, run.smallest);
+  if (run.smallest < clusters[root].smallest) atomicMin(clusters[root].smallest, run.smallest);
   if (run.size != 0u) atomicAdd(clusters[root].size, run.size);
 }
 

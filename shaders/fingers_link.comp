@@ -26,17 +26,20 @@ layout(set = 0, binding = fingers_links) uniform usamplerBuffer links;
 layout(push_constant) uniform Push { FingersPush push; };
 
 #include "fingers_cells.glsl"
+#include "fingers_links.glsl"
 #include "fingers_neighbours.glsl"
 #include "fingers_pairs.glsl"
 #include "fingers_undecided.glsl"
 #include "fingers_union.glsl"
 
-// By the axes along which two blocks lie apart, as bits x, y, z: the pairs of cells at most two apart, as pairs_of has them,
+// Of two blocks that lie apart along these axes, as bits x, y, z: the pairs of cells at most two apart, as pairs_of has them,
 // cells counted from the sides that face each other.
-const uvec2 reachable[8] =
-    uvec2[8](uvec2(0xffffffffu, 0xffffffffu), uvec2(0x55ff55ffu, 0x55ff55ffu), uvec2(0x3333ffffu, 0x3333ffffu),
-             uvec2(0x113355ffu, 0x113355ffu), uvec2(0xffffffffu, 0x0f0f0f0fu), uvec2(0x55ff55ffu, 0x050f050fu),
-             uvec2(0x3333ffffu, 0x03030f0fu), uvec2(0x113355ffu, 0x0103050fu));
+uvec2 reachable(uint axes) {
+  const uint x = (axes & 1u) != 0u ? 0x55ff55ffu : 0xffffffffu;
+  const uint y = (axes & 2u) != 0u ? 0x3333ffffu : 0xffffffffu;
+  const uint z = (axes & 4u) != 0u ? 0x0f0f0f0fu : 0xffffffffu;
+  return uvec2(x & y, x & y & z);
+}
 
 // A pair for the pass that decides: its four words as one vector, a software device then finds its place only once.
 void defer(uvec4 pair) {
@@ -53,12 +56,28 @@ void defer(uvec4 pair) {
   }
 }
 
-bool links_ran_out() { return work.links > push.most_contacts * fingers_links_per_contact; }
+bool links_ran_out() { return work.links > links_room(push.most_contacts); }
 
 // How many pairs of blocks there are to look at. A list that ran out has holes, and the last pass looks at everything.
 uint units_of(uint blocks) {
   if (all) return blocks * 64u;
   return links_ran_out() ? 0u : work.links;
+}
+
+// Of all that could be: a block and one of its neighbours, if it sees that one and there is one.
+bool found_link(uint unit, uint slots, out uvec2 link) {
+  link = uvec2(0u);
+  const uint entry = texelFetch(list, int(unit >> 6u)).x;
+  const uint beyond = unit >> 3u & 7u;
+  const uint corner = entry & 7u;
+  const uint there = unit & 7u;
+  if ((corners_to_see(corner, beyond) >> there & 1u) == 0u) return false;
+  const int slot = int(entry >> 3u);
+  const uvec4 tile = texelFetch(tiles, slot);
+  const Tile other = tile_beyond(TileKey(tile.x, tile.y), corner, beyond, slots);
+  const Block seen_block = block_of(texelFetch(bases, int(other.slot)).x, other.cells, there);
+  link = link_of(block_of(texelFetch(bases, slot).x, tile.zw, corner).first, seen_block.first, corner, beyond, there);
+  return seen_block.occupied != 0u;
 }
 
 void main() {
@@ -68,55 +87,60 @@ void main() {
   const uint slots = table_slots(min(found.total, push.most_contacts));
   if (!all && gl_GlobalInvocationID.x == 0u && links_ran_out()) work.rest_x = min(blocks, rest_most_groups);
   for (uint unit = gl_GlobalInvocationID.x; unit < units; unit += threads) {
-    const uint link = all ? unit : texelFetch(links, int(unit)).x;
-    const uint entry = texelFetch(list, int(link >> 6u)).x;
-    const uint beyond = link >> 3u & 7u;
-    const uint corner_here = entry & 7u;
-    const uint corner_there = link & 7u;
-    if (all && (corners_to_see(corner_here, beyond) >> corner_there & 1u) == 0u) continue;
-    const uint slot_here = entry >> 3u;
-    const uvec4 tile = texelFetch(tiles, int(slot_here));
-    const Tile other = tile_beyond(TileKey(tile.x, tile.y), corner_here, beyond, slots);
-    const Block here = block_of(texelFetch(bases, int(slot_here)).x, tile.zw, corner_here);
-    const Block there = block_of(texelFetch(bases, int(other.slot)).x, other.cells, corner_there);
-    if (there.occupied == 0u) continue;
-    const bool itself = here.first == there.first;
-
-    const uint groups_here = texelFetch(groups_of_block, int(here.first)).x;
-    const uint groups_there = texelFetch(groups_of_block, int(there.first)).x;
+    uvec2 packed;
+    if (all) {
+      if (!found_link(unit, slots, packed)) continue;
+    } else {
+      packed = texelFetch(links, int(unit)).xy;
+    }
+    const Link link = link_from(packed);
+    const bool itself = link.first_here == link.first_there;
+    const uint groups_here = texelFetch(groups_of_block, int(link.first_here)).x;
+    const uint groups_there = texelFetch(groups_of_block, int(link.first_there)).x;
+    const Block here = Block(link.first_here, occupied_of(groups_here));
+    const Block there = Block(link.first_there, occupied_of(groups_there));
     // Cells that face each other first: they are the likeliest to be within the gap.
-    const uint axes = corner_here ^ corner_there;
-    const uint face_here = axes & ~(corner_here ^ beyond);
-    const uint face_there = axes ^ face_here;
-    const uvec2 pairs_in_reach =
-        pairs_of(flipped(here.occupied, face_here), flipped(there.occupied, face_there)) & reachable[axes];
+    const uint face_here = link.face_here;
+    const uint face_there = link.axes ^ face_here;
+    const uint facing_here = flipped(groups_here, face_here);
+    const uint facing_there = flipped(groups_there, face_there);
+    const uvec2 in_reach_of_each_other =
+        pairs_of(occupied_of(facing_here), occupied_of(facing_there)) & reachable(link.axes);
     uvec2 apart = pairs_of(first_cells(groups_here), first_cells(groups_there));  // groups; mostly one pair
     if (itself) apart &= each_pair_once;
-    Search search = search_in(itself ? pairs_in_reach & each_pair_once : pairs_in_reach);
+    Search search = search_in(itself ? in_reach_of_each_other & each_pair_once : in_reach_of_each_other);
     if (all) {  // patience is long: spare it what is together already
       uvec2 todo = apart;
       for (uint k = 0u; k < 64u && (todo.x | todo.y) != 0u; ++k) {
         const uint pair = take_pair(todo);
         if (seen_root(cell_number(here, pair >> 3u)) != seen_root(cell_number(there, pair & 7u))) continue;
-        leave(search, pairs_of(flipped(cells_of_group(groups_here, pair >> 3u), face_here),
-                               flipped(cells_of_group(groups_there, pair & 7u), face_there)));
+        leave(search, pairs_of(cells_of_group(facing_here, pair >> 3u), cells_of_group(facing_there, pair & 7u)));
       }
     }
     uvec2 together = uvec2(0u);
-    for (uint k = 0u; k < (all ? fingers_rest_patience : fingers_patience) && more(search); ++k) {
-      if (!test(search, here, there, face_here, face_there)) continue;
-      const uint a = group_of(groups_here, face_here ^ (search.pair >> 3u));
-      const uint b = group_of(groups_there, face_there ^ (search.pair & 7u));
-      const uint cells_a = cells_of_group(groups_here, a);
-      const uint cells_b = cells_of_group(groups_there, b);
-      together |= pairs_of(1u << a, 1u << b);
-      leave(search, pairs_of(flipped(cells_a, face_here), flipped(cells_b, face_there)));
-      if (itself) leave(search, pairs_of(cells_a | cells_b, cells_a | cells_b));
+    uint left = more(search) ? (all ? fingers_rest_patience : fingers_patience) : 0u;
+    for (;;) {
+      if (left != 0u) {
+        if (test(search, here, there, face_here, face_there)) {
+          const uint a = group_of(facing_here, search.pair >> 3u);
+          const uint b = group_of(facing_there, search.pair & 7u);
+          const uint cells_a = cells_of_group(facing_here, a);
+          const uint cells_b = cells_of_group(facing_there, b);
+          together |= pairs_of(1u << a, 1u << b);
+          leave(search, pairs_of(cells_a, cells_b));
+          if (itself) leave(search, pairs_of(cells_a | cells_b, cells_a | cells_b));
+        }
+        left = more(search) ? left - 1u : 0u;
+      }
+      if (left == 0u) break;
     }
     apart &= more(search) ? ~together : uvec2(0u);
-    for (uint k = 0u; k < 64u && (together.x | together.y) != 0u; ++k) {
-      const uint pair = take_pair(together);
-      unite(cell_number(here, pair >> 3u), cell_number(there, pair & 7u));
+    for (;;) {
+      if ((together.x | together.y) != 0u) {
+        const uint pair = take_pair(together);
+        unite(cell_number(here, pair >> 3u), cell_number(there, pair & 7u));
+      }
+      if ((together.x | together.y) == 0u) break;
     }
     for (uint k = 0u; k < 64u && (apart.x | apart.y) != 0u; ++k) {
       const uint pair = take_pair(apart);

@@ -34,11 +34,15 @@ Tile tile_beyond(TileKey key, uint corner, uint beyond, uint slots) {
   const uint minus = beyond & ~corner;
   key.xy += (plus & 1u) - (minus & 1u) + ((plus & 2u) << 14u) - ((minus & 2u) << 14u);
   key.z_solid += (plus >> 2u) - (minus >> 2u);
-  uint slot = first_slot(key, slots);
-  uvec4 there = texelFetch(tiles, int(slot));
-  for (uint probe = 1u; probe < slots && there.x != fingers_nothing && there.xy != uvec2(key.xy, key.z_solid); ++probe) {
-    slot = next_slot(slot, slots);
+  uint next = first_slot(key, slots);
+  uint slot;
+  uvec4 there;
+  uint probe = 0u;
+  for (;;) {
+    slot = next;
     there = texelFetch(tiles, int(slot));
+    next = next_slot(slot, slots);
+    if (++probe >= slots || there.x == fingers_nothing || there.xy == uvec2(key.xy, key.z_solid)) break;
   }
   return Tile(slot, there.zw);
 }

@@ -1,4 +1,4 @@
-// The hash table of tiles: open addressing, a slot per tile that holds contacts. The eight tiles of a cube have their slots side
+// The hash table of tiles: open addressing, a slot per tile that holds contacts. The 4x4x4 tiles of a cube have their slots side
 // by side: neighbours are then looked up in memory that is already near. Needs fingers_math.h.
 
 // A tile's coordinates from the solid's centre, biased by 2^14, 15 bits each, and the solid. Never fingers_nothing.
@@ -9,17 +9,18 @@ struct TileKey {
 
 // Where to look for a tile first.
 uint first_slot(TileKey key, uint slots) {
-  uint h = (key.xy & ~0x8001u) * 0x9e3779b1u ^ (key.z_solid & ~1u) * 0x85ebca77u;
+  uint h = (key.xy & ~0x18003u) * 0x9e3779b1u ^ (key.z_solid & ~3u) * 0x85ebca77u;
   h = (h ^ h >> 15u) * 0x2c1b3c6du;
   h ^= h >> 13u;
   uint group, rest;
-  umulExtended(h, slots / 8u, group, rest);
-  const uint in_cube = (key.xy & 1u) | (key.xy >> 14u & 2u) | (key.z_solid & 1u) << 2u;
-  return group * 8u + (in_cube ^ (h & 7u));
+  umulExtended(h, slots / table_group, group, rest);
+  const uint in_cube = (key.xy & 3u) | (key.xy >> 13u & 12u) | (key.z_solid & 3u) << 4u;
+  return group * table_group + (in_cube ^ (h & (table_group - 1u)));
 }
 
-// And then: nine on, which has no divisor in common with the number of slots, so that every one has its turn.
+// And then: out of the group, by a power of three. It has no divisor in common with the number of slots, so that every one has
+// its turn.
 uint next_slot(uint slot, uint slots) {
-  slot += 9u;
+  slot += 81u;
   return slot < slots ? slot : slot - slots;
 }

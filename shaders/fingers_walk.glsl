@@ -1,10 +1,11 @@
 // Walks up the union-find's trees, through `seen`.
 
 uint seen_root(uint a) {
-  uint parent = texelFetch(seen, int(a)).x;
-  while (parent < a) {  // parents are smaller
+  uint parent = a;
+  for (;;) {
     a = parent;
     parent = texelFetch(seen, int(a)).x;
+    if (parent >= a) break;  // parents are smaller
   }
   return a;
 }

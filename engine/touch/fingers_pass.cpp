@@ -75,7 +75,7 @@ std::vector<gpu::ScratchPiece> FingersPass::scratch(const Room& room) {
   of[bases] = {"finger bases", slots * 4, VK_FORMAT_R32_UINT};
   of[places] = {"finger places", points * 4, VK_FORMAT_R32_UINT};
   of[list] = {"finger blocks", points * 4, VK_FORMAT_R32_UINT};
-  of[links] = {"finger links", points * 4 * shader::fingers_links_per_contact, VK_FORMAT_R32_UINT};
+  of[links] = {"finger links", std::uint64_t{8} * shader::links_room(room.clustered()), VK_FORMAT_R32G32_UINT};
   of[groups] = {"finger groups", points * 4, VK_FORMAT_R32_UINT};
   of[crowded] = {"finger crowded", points * sizeof(shader::CrowdedPair) * shader::fingers_crowded_per_contact};
   of[forest] = {"finger forest", points * 4, VK_FORMAT_R32_UINT};
