@@ -123,18 +123,20 @@ array::Drive drive_on_gpu(const gpu::DeviceOptions& select, const array::Layout&
 }
 
 /// A finger in the layout's frame, and what the transducers do to it.
-struct Finger {
+struct ScatteringFinger {
   acoustics::RigidBody body;
   acoustics::FingerTransfer sound;
   std::vector<Vec3> aimed;    ///< where each focus is: on the skin
   std::vector<double> gains;  ///< pressure over that of the drive for the same foci in free air; none with --pressure
 
-  Finger(geometry::Mesh mesh, const array::Layout& layout, const acoustics::Air& air, array::Directivity directivity)
+  ScatteringFinger(geometry::Mesh mesh, const array::Layout& layout, const acoustics::Air& air,
+                   array::Directivity directivity)
       : body(std::move(mesh), air.wave_number()), sound(body, layout, air, directivity) {}
 };
 
-std::unique_ptr<Finger> finger_of(const DriveCommand& o, const array::Layout& layout,
-                                  const array::DriveOptions& options, const std::vector<array::SlotFocus>& foci) {
+std::unique_ptr<ScatteringFinger> finger_of(const DriveCommand& o, const array::Layout& layout,
+                                            const array::DriveOptions& options,
+                                            const std::vector<array::SlotFocus>& foci) {
   if (o.mesh.empty()) return nullptr;
   // Without absorption, as in the solvers.
   const acoustics::Air air = acoustics::without_absorption(setup::air(o.drive.medium, {}));
@@ -142,7 +144,7 @@ std::unique_ptr<Finger> finger_of(const DriveCommand& o, const array::Layout& la
   acoustics::check_clear_of(o.mesh, mesh, layout);
   log::release_warnings();
   const setup::Preparing progress(o.common.quiet);
-  auto finger = std::make_unique<Finger>(std::move(mesh), layout, air, options.directivity);
+  auto finger = std::make_unique<ScatteringFinger>(std::move(mesh), layout, air, options.directivity);
   std::vector<Vec3> places;
   places.reserve(foci.size());
   for (const array::SlotFocus& focus : foci)
@@ -153,7 +155,7 @@ std::unique_ptr<Finger> finger_of(const DriveCommand& o, const array::Layout& la
 
 std::string to_json(const array::Layout& layout, const std::vector<array::SlotFocus>& foci, const array::Medium& air,
                     const array::Drive& drive, const acoustics::FociPressure& pressure,
-                    const std::vector<array::FocusPair>& unresolved, const Finger* finger) {
+                    const std::vector<array::FocusPair>& unresolved, const ScatteringFinger* finger) {
   JsonWriter json;
   json.begin_object()
       .member("layout", layout.name)
@@ -212,7 +214,7 @@ std::string unresolved_line(const std::vector<array::SlotFocus>& foci, const std
 
 /// Of each focus, against the drive that free air asks for.
 std::vector<double> gains_over(const array::DriveOptions& in_free_air, const array::Layout& layout,
-                               const std::vector<array::SlotFocus>& foci, const Finger& finger,
+                               const std::vector<array::SlotFocus>& foci, const ScatteringFinger& finger,
                                const acoustics::FociPressure& pressure) {
   const array::Drive other = array::drive_for(layout, foci, in_free_air);
   const acoustics::FociPressure before = acoustics::pressure_at_foci(layout, other, foci, finger.sound);
@@ -224,7 +226,7 @@ std::vector<double> gains_over(const array::DriveOptions& in_free_air, const arr
 }
 
 /// What is different on a finger.
-std::string finger_line(const Finger& finger, std::size_t focus, const Vec3& asked) {
+std::string finger_line(const ScatteringFinger& finger, std::size_t focus, const Vec3& asked) {
   const Vec3& at = finger.aimed[focus];
   std::string text = "  on the finger";
   if (at != asked) {
@@ -237,7 +239,7 @@ std::string finger_line(const Finger& finger, std::size_t focus, const Vec3& ask
 
 std::string summary(const array::Layout& layout, const std::vector<array::SlotFocus>& foci, const array::Medium& air,
                     const array::Drive& drive, const acoustics::FociPressure& pressure,
-                    const std::vector<array::FocusPair>& unresolved, const Finger* finger) {
+                    const std::vector<array::FocusPair>& unresolved, const ScatteringFinger* finger) {
   float least = 1, most = 0;
   for (const array::TransducerDrive& d : drive) {
     least = std::min(least, d.amplitude);
@@ -306,7 +308,7 @@ void run(const DriveCommand& o) {
   std::vector<array::SlotFocus> foci;
   array::foci_of_slot(schedule, 0, foci);
   const array::DriveOptions in_free_air = options;
-  const std::unique_ptr<Finger> finger = finger_of(o, layout, options, foci);
+  const std::unique_ptr<ScatteringFinger> finger = finger_of(o, layout, options, foci);
   if (finger) options.transfer = &finger->sound;
   const std::vector<std::complex<double>> factors = factors_for(layout, schedule, options, o.touch);
   const array::Drive drive = finger || o.common.backend == setup::Backend::cpu

@@ -61,7 +61,7 @@ std::string foreign(const Row& row, const array::Transducer& own) {
 }  // namespace
 
 std::string drive_csv(const array::Layout& layout, std::span<const array::TransducerDrive> drive) {
-  std::string csv = std::string(heading) + '\n';
+  std::string csv = fmt::format("{}\n", heading);
   for (std::size_t i = 0; i < drive.size(); ++i) {
     const auto& [p, n] = layout.transducers[i];
     fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{},{},{}\n", i, p.x, p.y, p.z, n.x, n.y, n.z,

@@ -14,6 +14,7 @@ import hashlib
 import json
 import os
 import pathlib
+import re
 import shlex
 import subprocess
 import sys
@@ -53,6 +54,14 @@ class Hashes:
                 status = path.stat()
                 self.known[name] = f"{status.st_size} {status.st_mtime_ns}"
         return self.known[name]
+
+
+def sources_of(entry, build):
+    """What a compile command compiles: its file, or the sources that the file is a unit of"""
+    file = pathlib.Path(entry["directory"], entry["file"]).resolve()
+    if file.parent.name != "Unity" or not file.is_relative_to(build):
+        return [file]
+    return [pathlib.Path(path) for path in re.findall(r'^#include "(.+)"$', file.read_text(), re.M)]
 
 
 def flags_of(entries):
@@ -103,25 +112,25 @@ def main():
 
     stamps, headers, entries, new = {}, {}, [], []
     for entry in database:
-        source = pathlib.Path(entry["directory"], entry["file"]).resolve()
-        if not source.is_relative_to(ROOT) or source.is_relative_to(build) or source.suffix != ".cpp":
-            continue
-        if source.is_relative_to(ROOT / "tests") and "--tests" not in sys.argv:
-            continue
-        entries.append(entry)
-        state = [version, rules, entry["command"]]
-        words = entry["command"].split()
-        made = words[words.index("-o") + 1]
-        included = deps.get(made, [str(source)])
-        headers[source] = set(included)
-        state += [f"{name} {hashes.of(name)}" for name in included]
-        stamps[source] = clean / hashlib.sha256("\n".join(state).encode()).hexdigest()
-        if not stamps[source].exists():
-            new.append(source)
+        for source in sources_of(entry, build):
+            if not source.is_relative_to(ROOT) or source.is_relative_to(build) or source.suffix != ".cpp":
+                continue
+            if source.is_relative_to(ROOT / "tests") and "--tests" not in sys.argv:
+                continue
+            entries.append(entry)
+            state = [version, rules, entry["command"], str(source)]
+            words = entry["command"].split()
+            made = words[words.index("-o") + 1]
+            included = deps.get(made, [str(source)])
+            headers[source] = set(included)
+            state += [f"{name} {hashes.of(name)}" for name in included]
+            stamps[source] = clean / hashlib.sha256("\n".join(state).encode()).hexdigest()
+            if not stamps[source].exists():
+                new.append(source)
 
     tidy = Tidy(build, clean, flags_of(entries))
     units = [[(source, stamps[source]) for source in unit]
-             for unit in units_of(new, headers, min(MOST, -(-len(new) // os.cpu_count())))]
+             for unit in units_of(new, headers, min(MOST, -(-len(new) // os.cpu_count())), shadows=True)]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         faults = sum(pool.map(tidy.look, sorted(units, key=lambda unit: -len(unit))), [])
     for stale in set(clean.iterdir()) - set(stamps.values()):

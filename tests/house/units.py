@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """units.py: which sources can be one text, a unit, so that the headers of all are read once.
 
-Those that define the same name for themselves are kept apart. As a program it groups the sources of each target: a line
+Those that define the same name for themselves are kept apart; palpa's own are, too, where one defines what stands anywhere in the
+other, since a local name above it would be a warning (-Wshadow). As a program it groups the sources of each target: a line
 "TARGET|SOURCE|..." of absolute paths on stdin; a line "TARGET|SOURCE|UNIT" on stdout for each that is in a unit (cmake/Units.cmake).
 """
 import collections
@@ -9,6 +10,7 @@ import pathlib
 import re
 import sys
 
+TESTS = pathlib.Path(__file__).resolve().parents[1]
 MOST = 8  # sources of a target; each core wants units, and the longest ends last
 # Names that a source brings into its namespace: another's that are not used would go unnoticed beside it.
 BROUGHT = re.compile(r"^using [\w:]+::(\w+);|^namespace (\w+) =", re.M)
@@ -19,6 +21,7 @@ DEFINED = re.compile(r"^(?:struct|class|enum class|enum|union|using) (\w+)|^\w[\
 # What makes another text of the sources behind it; or a library's source that a program takes only where it has none of its own.
 ALONE = re.compile(r"^ *# *define |^using namespace (?!std::)|^int main\(", re.M)
 INCLUDED = re.compile(r"^#include (.+)$", re.M)
+WORD = re.compile(r"[A-Za-z_]\w*")
 
 
 def own_names(text):
@@ -27,21 +30,25 @@ def own_names(text):
     return {name for found in DEFINED.findall(own) + BROUGHT.findall(text) for name in found if name}
 
 
-def units_of(sources, headers, most):
+def units_of(sources, headers, most, shadows):
     """Lists of the sources, paths, none with a name twice, those that include the same together. headers: source -> what it
-    includes"""
-    names = {source: own_names(source.read_text()) for source in sources}
-    units = []  # (sources, names, headers)
+    includes; shadows: whether one's name may stand in another's text"""
+    texts = {source: source.read_text() for source in sources}
+    names = {source: own_names(text) for source, text in texts.items()}
+    words = {source: names[source] if shadows else set(WORD.findall(text)) for source, text in texts.items()}
+    units = []  # (sources, names, words, headers)
     for source in sorted(sources, key=lambda source: (-len(names[source]), source)):
-        fitting = [unit for unit in units if len(unit[0]) < most and not unit[1] & names[source]]
+        fitting = [unit for unit in units
+                   if len(unit[0]) < most and not unit[1] & words[source] and not unit[2] & names[source]]
         if not fitting:
-            fitting = [([], set(), set())]
+            fitting = [([], set(), set(), set())]
             units += fitting
-        unit = min(fitting, key=lambda unit: len(headers[source] - unit[2]))
+        unit = min(fitting, key=lambda unit: len(headers[source] - unit[3]))
         unit[0].append(source)
         unit[1].update(names[source])
-        unit[2].update(headers[source])
-    return [unit for unit, _, _ in units]
+        unit[2].update(words[source])
+        unit[3].update(headers[source])
+    return [unit for unit, *_ in units]
 
 
 def main():
@@ -51,7 +58,8 @@ def main():
         texts = {pathlib.Path(path): pathlib.Path(path).read_text() for path in paths if times[path] == 1}
         sources = [path for path, text in texts.items() if not ALONE.search(text)]
         headers = {path: set(INCLUDED.findall(texts[path])) for path in sources}
-        for number, unit in enumerate(units_of(sources, headers, MOST)):
+        shadows = all(path.is_relative_to(TESTS) for path in sources)
+        for number, unit in enumerate(units_of(sources, headers, MOST, shadows)):
             for source in unit if len(unit) > 1 else []:
                 print(f"{target}|{source}|{number}")
 
