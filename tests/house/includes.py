@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""includes.py FILE...: each source includes, itself or through palpa's own headers, what the names it uses come from: other
-people's, whose common headers the build parses once for all (cmake/Room.cmake), and palpa's own, which a unit's other sources may
-have included (cmake/Units.cmake). The compiler misses neither there.
+"""includes.py FILE...: each source includes, itself or through palpa's own headers, what the names it uses come from, other
+people's and palpa's own. The compiler misses nothing that the build parses once for all (cmake/Room.cmake) or that another source
+of a unit has included (cmake/Units.cmake).
 """
 import functools
 import pathlib
@@ -32,6 +32,8 @@ NAMES = {
     "cmath": "sqrt abs sin cos tan atan2 asin acos atan floor ceil round lround hypot pow exp log fmod isfinite isnan isinf fabs "
              "copysign nextafter ldexp frexp remainder cbrt lerp log2 log10 trunc nearbyint",
     "cstring": "memcpy memset memcmp memmove strlen strerror strcmp strncmp",
+    "charconv": "from_chars to_chars", "cctype": "isdigit isalpha isalnum isspace toupper", "cstdlib": "getenv exit abort",
+    "exception": "exception_ptr current_exception rethrow_exception", "compare": "strong_ordering",
     "cstdint": "uint8_t uint16_t uint32_t uint64_t int8_t int16_t int32_t int64_t uintptr_t",
 }
 OTHERS = [  # pattern, the headers of which one must be there
@@ -39,6 +41,20 @@ OTHERS = [  # pattern, the headers of which one must be there
     (r"\bfmt::(memory_buffer|join)\b", r"fmt/(format|ranges)\.h"),
     (r"\bglm::\w", r"glm/"),
     (r"\bnlohmann::\w", r"nlohmann/"),
+    (r"\b(Vk[A-Z]|vk[A-Z]|VK_)\w", r"volk\.h|vulkan/"),
+    (r"\bCLI::(?!App\b)\w", r"CLI/"),
+    (r"\bIm(Gui::|Vec[24]\b|DrawList\b)", r"imgui"),
+    (r"\b(glfw|GLFW)\w", r"GLFW/"),
+    (r"\blibusb_\w", r"libusb\.h"),
+    (r"\berrno\b", r"cerrno|errno\.h"),
+    (r"(?<!\w)::(read|write|close|unlink|getpid|isatty|pipe2?|fsync|dup2?|fork|_exit|lseek|ftruncate|geteuid)\(", r"unistd\.h"),
+    (r"\bO_(RDONLY|WRONLY|RDWR|CREAT|NONBLOCK|CLOEXEC|TRUNC|EXCL)\b", r"fcntl\.h"),
+    (r"\b(pollfd|POLLIN|POLLOUT|POLLHUP)\b", r"poll\.h"),
+    (r"(?<!\w)::(socket|connect|accept4?|bind|listen|send|recv|sendmsg|recvmsg|shutdown|setsockopt)\(", r"sys/socket\.h"),
+    (r"(?<!\w)::(mmap|munmap|madvise|mlock)\(", r"sys/mman\.h"),
+    (r"(?<!\w)::(f?stat|f?chmod|mkdir|mkfifo|umask)\(", r"sys/stat\.h"),
+    (r"(?<!\w)::ioctl\(", r"sys/ioctl\.h"),
+    (r"\b(SIGINT|SIGTERM|SIGHUP|SIGKILL|SIGPIPE|sigaction|sigset_t)\b", r"csignal|signal\.h"),
     (r"\b(TEST|TEST_F|TEST_P|EXPECT_\w+|ASSERT_\w+)\s*\(", r"gtest/"),
 ]
 # Headers that bring another's names along by what they are.
