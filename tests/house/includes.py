@@ -47,12 +47,14 @@ OTHERS = [  # pattern, the headers of which one must be there
     (r"\b(glfw|GLFW)\w", r"GLFW/"),
     (r"\blibusb_\w", r"libusb\.h"),
     (r"\berrno\b", r"cerrno|errno\.h"),
-    (r"(?<!\w)::(read|write|close|unlink|getpid|isatty|pipe2?|fsync|dup2?|fork|_exit|lseek|ftruncate|geteuid)\(", r"unistd\.h"),
+    (r"(?<!\w)::(read|write|close|unlink|getpid|isatty|pipe2?|fsync|dup2?|fork|_exit|lseek|ftruncate|geteuid)\(|"
+     r"\bSTD(IN|OUT|ERR)_FILENO\b|\bisatty\(", r"unistd\.h"),
     (r"\bO_(RDONLY|WRONLY|RDWR|CREAT|NONBLOCK|CLOEXEC|TRUNC|EXCL)\b", r"fcntl\.h"),
     (r"\b(pollfd|POLLIN|POLLOUT|POLLHUP)\b", r"poll\.h"),
-    (r"(?<!\w)::(socket|connect|accept4?|bind|listen|send|recv|sendmsg|recvmsg|shutdown|setsockopt)\(", r"sys/socket\.h"),
-    (r"(?<!\w)::(mmap|munmap|madvise|mlock)\(", r"sys/mman\.h"),
-    (r"(?<!\w)::(f?stat|f?chmod|mkdir|mkfifo|umask)\(", r"sys/stat\.h"),
+    (r"(?<!\w)::(socket|connect|accept4?|bind|listen|send|recv|sendmsg|recvmsg|shutdown|setsockopt)\(|"
+     r"\bSOCK_\w|\bMSG_(NOSIGNAL|DONTWAIT)\b", r"sys/socket\.h"),
+    (r"\b(mmap|munmap)\(|\bMAP_(FAILED|SHARED|PRIVATE)\b", r"sys/mman\.h"),
+    (r"(?<!\w)::(f?stat|f?chmod|mkdir|mkfifo|umask)\(|\bS_IS[A-Z]+\(", r"sys/stat\.h"),
     (r"(?<!\w)::ioctl\(", r"sys/ioctl\.h"),
     (r"\b(SIGINT|SIGTERM|SIGHUP|SIGKILL|SIGPIPE|sigaction|sigset_t)\b", r"csignal|signal\.h"),
     (r"\b(TEST|TEST_F|TEST_P|EXPECT_\w+|ASSERT_\w+)\s*\(", r"gtest/"),
