@@ -48,8 +48,7 @@ void main() {
       clusters[c] = uvec2(fingers_nothing, 0u);
     }
     for (;;) {
-      uint there = 0u;
-      uint s = 0u;
+      uint s = 0u, there = 0u;
       if (taken != 0u) {
         s = first + uint(findLSB(taken)) * apart;
         taken &= taken - 1u;

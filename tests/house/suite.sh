@@ -3,9 +3,9 @@
 #
 # As many tests side by side as there are cores, and two that wait in the place of one (WAITS in cmake/Room.cmake), each with one
 # rasterizer thread where lavapipe is the driver: two tests of one thread keep two cores busier than one test of two threads. What
-# depends on the number of threads is the matrix's business, which sets LP_NUM_THREADS itself. OpenBLAS starts a thread per core with every program, which waits busily at first;
-# palpa uses none of them. Drivers and layers keep their caches in the build directory; the code that lavapipe compiles depends
-# on the vectors' width only.
+# depends on the number of threads is the matrix's business, which sets LP_NUM_THREADS itself. OpenBLAS starts a thread per core
+# with every program, which waits busily at first; palpa uses none of them. Drivers and layers keep their caches in the build
+# directory; the code that lavapipe compiles depends on the vectors' width only.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
