@@ -15,6 +15,8 @@ PALPA_CONST fingers_nothing = 0xffffffffu;
 PALPA_CONST fingers_cell_thousandths = 520u;
 PALPA_CONST fingers_most_blocks = 30000u;
 
+PALPA_CONST collect_run = 32u;  // slots of the hash table that a thread of fingers_collect looks at at once
+
 // Groups of the passes over blocks.
 PALPA_CONST blocks_group = 64u;
 PALPA_CONST blocks_most_groups = 256u;
@@ -43,7 +45,8 @@ PALPA_CONST fingers_places = 6u;    // uint[]: per contact its slot times 64, pl
 PALPA_CONST fingers_list = 7u;      // uint[]: the blocks that hold contacts: slot times 8, plus the block there
 PALPA_CONST fingers_links = 8u;     // uvec2[]: two blocks that touch, see fingers_links.glsl. Then CrowdedPair[]: those
                                     // that stayed undecided
-PALPA_CONST fingers_groups = 9u;    // uint[]: per block, at its first cell's number: see fingers_cells.glsl
+PALPA_CONST fingers_groups = 9u;    // uint[]: per block, at its first cell's number: see fingers_cells.glsl. Then the
+                                    // roots of clusters that may be fingers
 PALPA_CONST fingers_crowded = 10u;  // CrowdedPair[]
 PALPA_CONST fingers_work = 11u;     // FingersWork
 PALPA_CONST fingers_forest = 12u;   // uint[]: union-find over cells
@@ -68,12 +71,12 @@ PALPA_CONST fingers_label_texels = 1u << fingers_contacts | 1u << fingers_seen;
 // fingers_select has its own:
 PALPA_CONST select_total = 0u;
 PALPA_CONST select_length = 1u;  // ScanTotal of the skin points
-PALPA_CONST select_parents = 2u;
+PALPA_CONST select_large = 2u;  // uint[]: roots of clusters that may be fingers, in any order
 PALPA_CONST select_clusters = 3u;
 PALPA_CONST select_contacts = 4u;
 PALPA_CONST select_header = 5u;   // TouchHeader
 PALPA_CONST select_fingers = 6u;  // FingerRecord[fingers_most]
-PALPA_CONST select_begin = 7u;    // uint[]: room for an index per contact
+PALPA_CONST select_work = 7u;     // FingersWork
 PALPA_CONST fingers_select_buffers = 8u;
 // And fingers_gather.
 PALPA_CONST gather_total = 0u;
@@ -117,6 +120,10 @@ PALPA_CHECK_OFFSET(CrowdedPair, cells_a, 8);
 
 // How much there is to do, and the indirect dispatches that do it.
 struct FingersWork {
+  uint collect_x;
+  uint collect_y;
+  uint collect_z;
+  uint cells;
   uint blocks_x;
   uint blocks_y;
   uint blocks_z;
@@ -136,18 +143,19 @@ struct FingersWork {
   uint rest_x;  // none unless the list of links or that of crowded pairs ran out
   uint rest_y;
   uint rest_z;
-  uint cells;
+  uint large;  // clusters that may be fingers
 };
-PALPA_CHECK_SIZE(FingersWork, 80);
-PALPA_CHECK_OFFSET(FingersWork, blocks, 12);
-PALPA_CHECK_OFFSET(FingersWork, links_x, 16);
-PALPA_CHECK_OFFSET(FingersWork, links, 28);
-PALPA_CHECK_OFFSET(FingersWork, crowded_x, 32);
-PALPA_CHECK_OFFSET(FingersWork, crowded, 44);
-PALPA_CHECK_OFFSET(FingersWork, undecided_x, 48);
-PALPA_CHECK_OFFSET(FingersWork, undecided, 60);
-PALPA_CHECK_OFFSET(FingersWork, rest_x, 64);
-PALPA_CHECK_OFFSET(FingersWork, cells, 76);
+PALPA_CHECK_SIZE(FingersWork, 96);
+PALPA_CHECK_OFFSET(FingersWork, cells, 12);
+PALPA_CHECK_OFFSET(FingersWork, blocks, 28);
+PALPA_CHECK_OFFSET(FingersWork, links_x, 32);
+PALPA_CHECK_OFFSET(FingersWork, links, 44);
+PALPA_CHECK_OFFSET(FingersWork, crowded_x, 48);
+PALPA_CHECK_OFFSET(FingersWork, crowded, 60);
+PALPA_CHECK_OFFSET(FingersWork, undecided_x, 64);
+PALPA_CHECK_OFFSET(FingersWork, undecided, 76);
+PALPA_CHECK_OFFSET(FingersWork, rest_x, 80);
+PALPA_CHECK_OFFSET(FingersWork, large, 92);
 
 struct Cluster {
   uint smallest;  // contact

@@ -21,8 +21,8 @@ layout(push_constant) uniform Push { FingersPush push; };
 
 #include "fingers_cells.glsl"
 
-const uint run = 32u;  // slots that a thread looks at,
-const uint apart = 8u;  // so many apart: tiles come in flocks, and threads side by side share one
+const uint run = collect_run;
+const uint apart = 8u;  // between a thread's slots: tiles come in flocks, and threads side by side share one
 
 void main() {
   const uint slots = table_slots(min(found.total, push.most_contacts));

@@ -4,13 +4,16 @@
 #include "fingers.h"
 #include "scan.h"
 
-// Every contact's parent is its cluster's root; at the root: the cluster's smallest contact and its size.
+// Every contact's parent is its cluster's root; at the root: the cluster's smallest contact and its size. Lists the roots of clusters
+// that are large enough to be fingers.
 layout(local_size_x = 128) in;
 layout(constant_id = 0) const bool inside = false;  // deep points are clustered too: they count for no size
 
 layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
 layout(set = 0, binding = fingers_contacts) uniform usamplerBuffer contacts;
 layout(set = 0, binding = fingers_seen) uniform usamplerBuffer seen;
+layout(std430, set = 0, binding = fingers_groups) writeonly buffer Large { uint large[]; };
+layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
 layout(std430, set = 0, binding = fingers_parents) buffer Parents { uint parents[]; };
 layout(std430, set = 0, binding = fingers_clusters) coherent buffer Clusters { Cluster clusters[]; };
 layout(push_constant) uniform Push { FingersPush push; };
@@ -20,7 +23,10 @@ layout(push_constant) uniform Push { FingersPush push; };
 void add(uint root, Cluster run) {
   if (root == fingers_nothing) return;
   if (run.smallest < clusters[root].smallest) atomicMin(clusters[root].smallest, run.smallest);
-  if (run.size != 0u) atomicAdd(clusters[root].size, run.size);
+  if (run.size == 0u) return;
+  const uint least = max(push.min_points, 1u);
+  const uint before = atomicAdd(clusters[root].size, run.size);
+  if (before < least && before + run.size >= least) large[atomicAdd(work.large, 1u)] = root;
 }
 
 void main() {

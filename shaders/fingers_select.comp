@@ -4,62 +4,56 @@
 #include "fingers.h"
 #include "scan.h"
 
-// Clusters large enough to be fingers, in the order of their smallest contacts, by a single group: each thread looks at a
-// contiguous run of contacts and lists those that such a cluster begins with, where the run is in `begin`; the runs' finds are
-// summed, then each thread writes its own. Of too many the largest: what few pixels pretend must not hide a finger.
+// Clusters large enough to be fingers, in the order of their smallest contacts, by a single group. Of too many the largest, and
+// of those of one size the ones that begin first: what few pixels pretend must not hide a finger.
 layout(local_size_x = 256) in;
 
 layout(std430, set = 0, binding = select_total) readonly buffer Total { ScanTotal found; };
 layout(std430, set = 0, binding = select_length) readonly buffer Length { ScanTotal given; };
-layout(std430, set = 0, binding = select_parents) readonly buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = select_large) readonly buffer Large { uint large[]; };
 layout(std430, set = 0, binding = select_clusters) readonly buffer Clusters { Cluster clusters[]; };
 layout(std430, set = 0, binding = select_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
 layout(std430, set = 0, binding = select_header) writeonly buffer Header { TouchHeader header; };
 layout(std430, set = 0, binding = select_fingers) writeonly buffer Fingers { FingerRecord fingers[]; };
-layout(std430, set = 0, binding = select_begin) buffer Begin { uint begin[]; };
-layout(push_constant) uniform Push { FingersPush push; };
+layout(std430, set = 0, binding = select_work) readonly buffer Work { FingersWork work; };
 
-// The size of the cluster that begins at contact i; else 0.
-uint size_from(uint i) {
-  const Cluster cluster = clusters[parents[i]];
-  return cluster.smallest == i ? cluster.size : 0u;
-}
+// Sizes and contacts are below 2^24: three digits of eight bits.
+const uint digits = 3u;
+const uint last_contact = 0xffffffu;
 
-shared uint sums[fingers_select_group];
-shared uint histogram[fingers_select_group];  // of the sizes by one of their digits
+shared uint histogram[fingers_select_group];  // of one digit
 shared uint bound;
 shared uint wanted;
+shared uint taken;
+shared Cluster chosen[fingers_most];
 
-// The sum of what the threads before this one have; sums[fingers_select_group - 1] is that of all.
-uint sum_before(uint mine) {
-  const uint thread = gl_LocalInvocationIndex;
-  barrier();
-  sums[thread] = mine;
-  barrier();
-  for (uint step = 1u; step < fingers_select_group; step <<= 1u) {
-    const uint left = thread >= step ? sums[thread - step] : 0u;
-    barrier();
-    sums[thread] += left;
-    barrier();
-  }
-  return sums[thread] - mine;
+// What clusters are sorted by: their sizes; or, with `size`, of those that are so large, how far before the last contact they begin.
+uint number_of(Cluster cluster, uint size) {
+  if (size == 0u) return cluster.size;
+  return cluster.size == size ? last_contact - cluster.smallest : fingers_nothing;
 }
 
-// Of the clusters that begin[first] to begin[end - 1] are of: the size of the smallest that is taken, into `bound`, digit by
-// digit from the top, and how many of that size are, into `wanted`.
-void find_bound(uint first, uint end) {
+void tally(uint k, uint listed, uint size, uint shift) {
+  if (k >= listed) return;
+  const uint number = number_of(clusters[large[k]], size);
+  if (number >> (shift + 8u) == bound >> (shift + 8u)) atomicAdd(histogram[number >> shift & 0xffu], 1u);
+}
+
+// Of the `wanted` largest numbers the least, into `bound`, digit by digit from the top, and how many of them are just that, into
+// `wanted`.
+void find_bound(uint listed, uint size) {
   const uint thread = gl_LocalInvocationIndex;
-  if (thread == 0u) {
-    bound = 0u;
-    wanted = fingers_most;
-  }
-  for (uint digit = 3u; digit > 0u; --digit) {
+  barrier();
+  if (thread == 0u) bound = 0u;
+  for (uint digit = digits; digit > 0u; --digit) {
     const uint shift = 8u * (digit - 1u);
     histogram[thread] = 0u;
     barrier();
-    for (uint k = first; k < end; ++k) {
-      const uint size = size_from(begin[k]);
-      if (size >> (shift + 8u) == bound >> (shift + 8u)) atomicAdd(histogram[size >> shift & 0xffu], 1u);
+    for (uint k = thread; k < listed; k += 4u * fingers_select_group) {
+      tally(k, listed, size, shift);
+      tally(k + fingers_select_group, listed, size, shift);
+      tally(k + 2u * fingers_select_group, listed, size, shift);
+      tally(k + 3u * fingers_select_group, listed, size, shift);
     }
     barrier();
     if (thread == 0u) {
@@ -71,48 +65,43 @@ void find_bound(uint first, uint end) {
   }
 }
 
+// Takes it where it is larger than `size`, or just as large and begins with `last` or before.
+void take(uint k, uint listed, uint size, uint last) {
+  if (k >= listed) return;
+  const Cluster cluster = clusters[large[k]];
+  if (cluster.size > size || (cluster.size == size && cluster.smallest <= last)) chosen[atomicAdd(taken, 1u)] = cluster;
+}
+
+// (A software device ends all loops of a shader after 65,535 turns together: so a turn is four clusters.)
 void main() {
   const uint thread = gl_LocalInvocationIndex;
-  const uint count = min(found.total, push.most_contacts);
-  const uint run = (count + fingers_select_group - 1u) / fingers_select_group;
-  const uint first = min(thread * run, count);
-  const uint last = min(first + run, count);
-  const uint least = max(push.min_points, 1u);
-
-  uint mine = 0u;
-  for (uint i = first; i < last; ++i) {
-    if (size_from(i) >= least) begin[first + mine++] = i;
+  const uint listed = work.large;
+  uint size = 0u, last = last_contact;
+  if (thread == 0u) {
+    taken = 0u;
+    wanted = fingers_most;
   }
-  const uint end = first + mine;
-  uint finger = sum_before(mine);
-  const uint total = sums[fingers_select_group - 1u];
-  uint over = least - 1u;  // larger ones are taken,
-  uint equal = 0u;         // and so many of this thread's of just that size
-  if (total > fingers_most) {  // the whole group
-    find_bound(first, end);
-    over = bound;
-    uint larger = 0u, same = 0u;
-    for (uint k = first; k < end; ++k) {
-      const uint size = size_from(begin[k]);
-      larger += size > over ? 1u : 0u;
-      same += size == over ? 1u : 0u;
-    }
-    const uint before = sum_before(same);
-    equal = min(same, wanted - min(wanted, before));
-    mine = larger + equal;
-    finger = sum_before(mine);
+  barrier();
+  if (listed > fingers_most) {  // the whole group
+    find_bound(listed, 0u);
+    size = bound;
+    find_bound(listed, size);
+    last = last_contact - bound;
   }
-
-  for (uint k = first; k < end && finger < fingers_most; ++k) {
-    const uint i = begin[k], size = size_from(i);
-    if (size < over || (size == over && equal == 0u)) continue;
-    if (size == over) --equal;
-    fingers[finger].first = i;
-    fingers[finger].solid = contacts[i].solid;
-    fingers[finger].contacts = size;
-    ++finger;
+  for (uint k = thread; k < listed; k += 4u * fingers_select_group) {
+    take(k, listed, size, last);
+    take(k + fingers_select_group, listed, size, last);
+    take(k + 2u * fingers_select_group, listed, size, last);
+    take(k + 3u * fingers_select_group, listed, size, last);
   }
-  if (thread == fingers_select_group - 1u) {
-    header = TouchHeader(min(total, fingers_most), 1u, 1u, total, found.total, given.total, 0u, 0u);
+  barrier();
+  if (thread < taken) {
+    const Cluster cluster = chosen[thread];
+    uint finger = 0u;
+    for (uint other = 0u; other < taken; ++other) finger += chosen[other].smallest < cluster.smallest ? 1u : 0u;
+    fingers[finger].first = cluster.smallest;
+    fingers[finger].solid = contacts[cluster.smallest].solid;
+    fingers[finger].contacts = cluster.size;
   }
+  if (thread == 0u) header = TouchHeader(taken, 1u, 1u, listed, found.total, given.total, 0u, 0u);
 }

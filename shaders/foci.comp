@@ -37,18 +37,29 @@ void clear_sums() {
   }
 }
 
-// The last of `count` ascending borders that p has reached.
+// Of the borders from `sector` on and before `beyond`, which ascend, one half: p has reached its first.
+void halve(Float2 p, inout uint sector, inout uint beyond) {
+  const uint middle = (sector + beyond) / 2u;
+  const bool there = reaches(p, Float2(border[middle].x, border[middle].y));
+  if (beyond - sector <= 1u) return;
+  if (there) {
+    sector = middle;
+  } else {
+    beyond = middle;
+  }
+}
+
+// The last of `count` ascending borders that p has reached. No loop: a software device ends all loops of a shader after 65,535 turns
+// together, and a finger may have four million contacts.
 uint sector_of(Float2 p, uint count) {
   uint sector = 0u;
   uint beyond = p.x == 0.0 && p.y == 0.0 ? 1u : count;
-  for (uint step = 0u; step < 7u && beyond - sector > 1u; ++step) {
-    const uint middle = (sector + beyond) / 2u;
-    if (reaches(p, Float2(border[middle].x, border[middle].y))) {
-      sector = middle;
-    } else {
-      beyond = middle;
-    }
-  }
+  halve(p, sector, beyond);
+  halve(p, sector, beyond);
+  halve(p, sector, beyond);
+  halve(p, sector, beyond);
+  halve(p, sector, beyond);
+  halve(p, sector, beyond);
   return sector;
 }
 

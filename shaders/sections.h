@@ -6,7 +6,8 @@ PALPA_SHADER_BEGIN
 
 // Contacts are put in order of their fingers by counting: they are cut into chunks, a group each, and a chunk into as
 // many runs as the group has threads; runs count, then each knows where its own contacts go. A pass over contacts has
-// more groups than that (at most contacts_most_groups): only one in sections_groups_per_chunk is needed.
+// more groups than that (at most contacts_most_groups): only one in sections_groups_per_chunk is needed, every so
+// many-th, since a software device gives each core groups that follow each other.
 PALPA_CONST sections_groups_per_chunk = 4u;
 PALPA_CONST sections_most_chunks = 32u;
 PALPA_CONST sections_chunk_group = 32u;

@@ -21,11 +21,11 @@ shared uint places[fingers_most * sections_chunk_group];
 
 void main() {
   const uint thread = gl_LocalInvocationIndex;
-  const uint chunk = gl_WorkGroupID.x;
   const uint count = min(found.total, push.most_contacts);
   const uint known = min(header.fingers, fingers_most);
   const uint chunks = chunks_of(gl_NumWorkGroups.x);
-  if (chunk >= chunks) return;  // the whole group
+  if (gl_WorkGroupID.x % sections_groups_per_chunk != 0u) return;  // the whole group
+  const uint chunk = gl_WorkGroupID.x / sections_groups_per_chunk;
   const uint runs = chunks * sections_chunk_group;
   const uint run = (count + runs - 1u) / runs;
   const uint first = min((chunk * sections_chunk_group + thread) * run, count);

@@ -49,10 +49,7 @@ void FingersPass::prepare(const Parameters& parameters) {
     crowded_ = kernel(*device_, "fingers crowded", spirv::fingers_crowded_comp, shader::fingers_crowded_texels);
     rest_ = kernel(*device_, "fingers rest", spirv::fingers_link_comp, shader::fingers_link_texels, {&test_all, 1});
     undecided_ = kernel(*device_, "fingers undecided", spirv::fingers_undecided_comp, shader::fingers_crowded_texels);
-    select_ = {*device_,
-               "fingers select",
-               spirv::fingers_select_comp,
-               {shader::fingers_select_buffers, sizeof(shader::FingersPush)}};
+    select_ = {*device_, "fingers select", spirv::fingers_select_comp, {shader::fingers_select_buffers}};
   }
   if (parameters.cluster != Cluster::inside) {
     if (!label_) label_ = kernel(*device_, "fingers label", spirv::fingers_label_comp, shader::fingers_label_texels);
@@ -94,7 +91,7 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, con
   const float gap = float_gap(parameters);
   const bool inside = parameters.cluster == Cluster::inside;
   const gpu::BufferRef total = inside ? s[inside_total] : b.total, contacts = inside ? s[inside_points] : b.contacts;
-  shader::FingersPush push{cells_per_metre(gap), gap * gap, room.clustered(), parameters.min_points};
+  const shader::FingersPush push{cells_per_metre(gap), gap * gap, room.clustered(), parameters.min_points};
   if (inside) {
     const shader::GatherPush gather{room.contacts, room.deep, 0, 0};
     gather_.dispatch(commands, {b.total, b.contacts, b.deep_total, b.deep, s[inside_total], s[inside_points]}, gather,
@@ -113,7 +110,7 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, con
   constexpr VkDeviceSize per_contact = offsetof(shader::ScanTotal, groups_x);
   run(prepare_, total, per_contact);
   run(insert_, total, per_contact);
-  run(collect_, total, per_contact);
+  run(collect_, s[work], offsetof(shader::FingersWork, collect_x));
   run(place_, total, per_contact);
   if (times) times->mark(commands, "cells");
   run(blocks_, s[work], offsetof(shader::FingersWork, blocks_x));
@@ -123,10 +120,8 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, con
   run(undecided_, s[work], offsetof(shader::FingersWork, undecided_x));
   if (times) times->mark(commands, "links");
   run(inside ? label_inside_ : label_, total, per_contact);
-  push.most_contacts = room.contacts;
-  // Groups have had their use: where they lay there is room for a list.
-  select_.dispatch(commands, {b.total, b.length, b.parents, b.clusters, b.contacts, b.header, b.fingers, s[groups]},
-                   push, 1);
+  select_.dispatch(commands, {b.total, b.length, s[groups], b.clusters, b.contacts, b.header, b.fingers, s[work]},
+                   gpu::Push::none(), 1);
   if (times) times->mark(commands, "fingers");
 }
 

@@ -1,12 +1,16 @@
-// Contacts sorted by cell, cells joined pair by pair.
+// Contacts sorted by cell, cells joined pair by pair; which cells there are is looked up tile by tile.
 #include "touch/fingers_twin.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <iterator>
 #include <numeric>
 #include <unordered_map>
+#include <utility>
 
 #include "shaders/fingers_math.h"
 #include "touch/finger_cells.hpp"
@@ -32,10 +36,42 @@ struct KeyHash {
   }
 };
 
-struct Cell {
+/// 4x4x4 cells; `key` counts tiles.
+struct Tile {
   Key key;
+  std::uint64_t cells = 0;      ///< those that hold contacts, as bits
+  std::uint32_t first_cell = 0;  ///< their numbers follow each other in the order of the bits
+};
+
+struct Cell {
   std::uint32_t begin, end;  ///< in the contacts sorted by cell
 };
+
+constexpr int tile_side = 4;
+constexpr std::size_t tile_cells = 64;
+/// Tiles that touch a tile are so many; `centre` is the tile itself, and of two that lie opposite one comes after it.
+constexpr std::size_t tiles_around = 27, centre = 13;
+
+/// Per tile around, cell of the tile, and distance in cells in the widest direction, less one: the cells there.
+using Reach = std::array<std::array<std::array<std::uint64_t, 2>, tile_cells>, tiles_around>;
+
+constexpr Reach make_reach() {
+  Reach reach{};
+  for (std::size_t cell = 0; cell < tile_cells; ++cell) {
+    const int from = static_cast<int>(cell);
+    for (int place = 0; place < 125; ++place) {
+      const int dx = place % 5 - 2, dy = place / 5 % 5 - 2, dz = place / 25 - 2;
+      const int distance = std::max({dx < 0 ? -dx : dx, dy < 0 ? -dy : dy, dz < 0 ? -dz : dz});
+      if (distance == 0) continue;
+      // From the tile before the tile, so that nothing is negative.
+      const int x = from % 4 + dx + tile_side, y = from / 4 % 4 + dy + tile_side, z = from / 16 + dz + tile_side;
+      const int tile = x / tile_side + 3 * (y / tile_side) + 9 * (z / tile_side);
+      const int there = x % tile_side + 4 * (y % tile_side) + 16 * (z % tile_side);
+      reach[static_cast<std::size_t>(tile)][cell][static_cast<std::size_t>(distance - 1)] |= std::uint64_t{1} << there;
+    }
+  }
+  return reach;
+}
 
 std::uint32_t find_root(std::vector<std::uint32_t>& parents, std::uint32_t a) {
   while (parents[a] != a) {
@@ -49,11 +85,21 @@ Float3 position(const Contact& contact) {
   return {contact.position.x, contact.position.y, contact.position.z};
 }
 
-Key cell_of(const Contact& contact, const PreparedSolids& solids, float density) {
-  const shader::vec4& centre = solids.records[contact.solid].centre;
+/// The contact's tile, and its cell there.
+std::pair<Key, std::size_t> cell_of(const Contact& contact, const PreparedSolids& solids, float density) {
+  const shader::vec4& middle = solids.records[contact.solid].centre;
   const auto along = [&](float p, float c) { return static_cast<std::int32_t>(std::floor((p - c) * density)); };
-  return {along(contact.position.x, centre.x), along(contact.position.y, centre.y), along(contact.position.z, centre.z),
-          contact.solid};
+  const std::int32_t x = along(contact.position.x, middle.x), y = along(contact.position.y, middle.y),
+                     z = along(contact.position.z, middle.z);
+  return {{x >> 2, y >> 2, z >> 2, contact.solid}, static_cast<std::size_t>((x & 3) + 4 * (y & 3) + 16 * (z & 3))};
+}
+
+std::uint64_t bit(std::size_t cell) {
+  return std::uint64_t{1} << cell;
+}
+
+std::uint32_t number_of(const Tile& tile, std::size_t cell) {
+  return tile.first_cell + static_cast<std::uint32_t>(std::popcount(tile.cells & (bit(cell) - 1)));
 }
 
 /// Finds each contact's cluster: its smallest contact.
@@ -64,9 +110,9 @@ class Clustering {
     sort_into_cells(solids, cells_per_metre(gap));
     std::iota(smallest_.begin(), smallest_.end(), 0U);
     // Cells that touch first: most of the others are then in one cluster already.
-    for (const int reach : {1, 2}) {
-      for (const Cell& cell : cells_)
-        link(cell, reach);
+    for (const std::size_t distance : {0U, 1U}) {
+      for (const Tile& tile : tiles_)
+        link(tile, distance);
     }
     for (const Cell& cell : cells_) {
       const std::uint32_t root = find_root(smallest_, sorted_[cell.begin]);
@@ -79,14 +125,31 @@ class Clustering {
 
  private:
   void sort_into_cells(const PreparedSolids& solids, float density) {
-    std::vector<std::uint32_t> cell_of_contact;
-    cell_of_contact.reserve(contacts_.size());
+    struct Place {
+      std::uint32_t tile, cell;
+    };
+    std::vector<Place> places;
+    places.reserve(contacts_.size());
     for (const Contact& contact : contacts_) {
-      const Key key = cell_of(contact, solids, density);
-      const auto [at, fresh] = by_key_.try_emplace(key, static_cast<std::uint32_t>(cells_.size()));
-      if (fresh) cells_.push_back({key, 0, 0});
-      cell_of_contact.push_back(at->second);
-      ++cells_[at->second].end;
+      const auto [key, cell] = cell_of(contact, solids, density);
+      if (places.empty() || tiles_[places.back().tile].key != key) {
+        const auto [at, fresh] = by_key_.try_emplace(key, static_cast<std::uint32_t>(tiles_.size()));
+        if (fresh) tiles_.push_back({key});
+        places.push_back({at->second, static_cast<std::uint32_t>(cell)});
+      } else {
+        places.push_back({places.back().tile, static_cast<std::uint32_t>(cell)});
+      }
+      tiles_[places.back().tile].cells |= bit(cell);
+    }
+    std::uint32_t cells = 0;
+    for (Tile& tile : tiles_) {
+      tile.first_cell = cells;
+      cells += static_cast<std::uint32_t>(std::popcount(tile.cells));
+    }
+    cells_.resize(cells);
+    for (Place& place : places) {
+      place.cell = number_of(tiles_[place.tile], place.cell);
+      ++cells_[place.cell].end;
     }
     std::uint32_t sum = 0;
     for (Cell& cell : cells_) {
@@ -96,21 +159,38 @@ class Clustering {
     }
     sorted_.resize(contacts_.size());
     for (std::uint32_t i = 0; i < contacts_.size(); ++i)
-      sorted_[cells_[cell_of_contact[i]].end++] = i;
+      sorted_[cells_[places[i].cell].end++] = i;
   }
 
-  /// Unites `cell` with the neighbours that lie `reach` cells away in the widest direction.
-  void link(const Cell& cell, int reach) {
-    for (int place = 63; place < 125; ++place) {  // one half of the 5x5x5 block
-      const int x = place % 5 - 2, y = place / 5 % 5 - 2, z = place / 25 - 2;
-      if (std::max({std::abs(x), std::abs(y), std::abs(z)}) != reach) continue;
-      const auto found = by_key_.find({cell.key.x + x, cell.key.y + y, cell.key.z + z, cell.key.solid});
-      if (found == by_key_.end()) continue;
-      const Cell& other = cells_[found->second];
-      const std::uint32_t a = find_root(smallest_, sorted_[cell.begin]);
-      const std::uint32_t b = find_root(smallest_, sorted_[other.begin]);
-      if (a != b && within_gap(cell, other)) smallest_[std::max(a, b)] = std::min(a, b);
+  /// Unites the tile's cells with those `distance` + 1 cells away in the widest direction, each pair once.
+  void link(const Tile& tile, std::size_t distance) {
+    static constexpr Reach reach = make_reach();
+    for (std::size_t around = centre; around < tiles_around; ++around) {
+      const Tile* other = around == centre ? &tile : nullptr;
+      for (std::uint64_t left = tile.cells; left != 0; left &= left - 1) {
+        const auto cell = static_cast<std::size_t>(std::countr_zero(left));
+        std::uint64_t there = reach[around][cell][distance];
+        if (there == 0) continue;
+        if (other == nullptr) {
+          const int n = static_cast<int>(around);
+          const auto found =
+              by_key_.find({tile.key.x + n % 3 - 1, tile.key.y + n / 3 % 3 - 1, tile.key.z + n / 9 - 1, tile.key.solid});
+          if (found == by_key_.end()) break;
+          other = &tiles_[found->second];
+        }
+        there &= other->cells;
+        if (around == centre) there &= ~(bit(cell) - 1);
+        for (; there != 0; there &= there - 1)
+          unite(cells_[number_of(tile, cell)],
+                cells_[number_of(*other, static_cast<std::size_t>(std::countr_zero(there)))]);
+      }
     }
+  }
+
+  void unite(const Cell& one, const Cell& other) {
+    const std::uint32_t a = find_root(smallest_, sorted_[one.begin]);
+    const std::uint32_t b = find_root(smallest_, sorted_[other.begin]);
+    if (a != b && within_gap(one, other)) smallest_[std::max(a, b)] = std::min(a, b);
   }
 
   bool within_gap(const Cell& a, const Cell& b) const {
@@ -125,7 +205,8 @@ class Clustering {
 
   const std::vector<Contact>& contacts_;
   float limit_;
-  std::unordered_map<Key, std::uint32_t, KeyHash> by_key_;
+  std::unordered_map<Key, std::uint32_t, KeyHash> by_key_;  ///< tiles
+  std::vector<Tile> tiles_;
   std::vector<Cell> cells_;
   std::vector<std::uint32_t> sorted_;    ///< contacts cell by cell, ascending in each
   std::vector<std::uint32_t> smallest_;  ///< union-find over the cells' first contacts; at the end complete

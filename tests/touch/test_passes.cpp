@@ -268,9 +268,10 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                  MEMBER(CrowdedPair, cells_b)},
                 true);
   expect_struct(link, "FingersWork", sizeof(shader::FingersWork),
-                {MEMBER(FingersWork, blocks_x), MEMBER(FingersWork, blocks), MEMBER(FingersWork, links_x),
+                {MEMBER(FingersWork, collect_x), MEMBER(FingersWork, cells), MEMBER(FingersWork, blocks_x),
+                 MEMBER(FingersWork, blocks), MEMBER(FingersWork, links_x), MEMBER(FingersWork, links),
                  MEMBER(FingersWork, crowded_x), MEMBER(FingersWork, crowded), MEMBER(FingersWork, undecided_x),
-                 MEMBER(FingersWork, undecided), MEMBER(FingersWork, rest_x), MEMBER(FingersWork, cells)},
+                 MEMBER(FingersWork, undecided), MEMBER(FingersWork, rest_x), MEMBER(FingersWork, large)},
                 false);
   expect_struct(link, "FingersPush", sizeof(shader::FingersPush),
                 {MEMBER(FingersPush, cells_per_metre), MEMBER(FingersPush, limit), MEMBER(FingersPush, most_contacts),
