@@ -71,7 +71,7 @@ PALPA_CONST fingers_label_texels = 1u << fingers_contacts | 1u << fingers_seen;
 // fingers_select has its own:
 PALPA_CONST select_total = 0u;
 PALPA_CONST select_length = 1u;  // ScanTotal of the skin points
-PALPA_CONST select_large = 2u;  // uint[]: roots of clusters that may be fingers, in any order
+PALPA_CONST select_large = 2u;   // uint[]: roots of clusters that may be fingers, in any order
 PALPA_CONST select_clusters = 3u;
 PALPA_CONST select_contacts = 4u;
 PALPA_CONST select_header = 5u;   // TouchHeader

@@ -39,7 +39,7 @@ struct KeyHash {
 /// 4x4x4 cells; `key` counts tiles.
 struct Tile {
   Key key;
-  std::uint64_t cells = 0;      ///< those that hold contacts, as bits
+  std::uint64_t cells = 0;       ///< those that hold contacts, as bits
   std::uint32_t first_cell = 0;  ///< their numbers follow each other in the order of the bits
 };
 
@@ -173,8 +173,8 @@ class Clustering {
         if (there == 0) continue;
         if (other == nullptr) {
           const int n = static_cast<int>(around);
-          const auto found =
-              by_key_.find({tile.key.x + n % 3 - 1, tile.key.y + n / 3 % 3 - 1, tile.key.z + n / 9 - 1, tile.key.solid});
+          const auto found = by_key_.find(
+              {tile.key.x + n % 3 - 1, tile.key.y + n / 3 % 3 - 1, tile.key.z + n / 9 - 1, tile.key.solid});
           if (found == by_key_.end()) break;
           other = &tiles_[found->second];
         }
