@@ -17,9 +17,10 @@ layout(std430, set = 0, binding = contacts_total) writeonly buffer Total { ScanT
 layout(std430, set = 0, binding = contacts_out) writeonly buffer Contacts { uvec4 contacts[]; };
 layout(push_constant) uniform Push { ContactsPush push; };
 
-const uint segment = 8u;
-shared uint sums[contacts_group];
-shared uint segments[contacts_group / segment];
+const uint sum_threads = contacts_group, sum_row = 8u;
+#include "sum_before.glsl"
+
+shared uint before_group;  // contacts
 
 void main() {
   const uint thread = gl_LocalInvocationIndex;
@@ -34,14 +35,12 @@ void main() {
       }
       total += four.x + four.y + four.z + four.w;
     }
-    segments[0] = first;
+    before_group = first;
     if (group == 0u) {
       const uint groups = (total + contact_group - 1u) / contact_group;
       found = ScanTotal(total, clamp(groups, 1u, contacts_most_groups), 1u, 1u);  // one group sets up even for none
     }
   }
-  barrier();
-  const uint before = segments[0];
 
   const uint count = min(given.total, push.most_points);
   const uint chunk = points_per_chunk(count);
@@ -52,18 +51,9 @@ void main() {
   const uint end = min(begin + run, words);
   uint mine = 0u;
   for (uint w = begin; w < end; ++w) mine += uint(bitCount(masks[first_word + w]));
-  sums[thread] = mine;
-  barrier();
-  if (thread < contacts_group / segment) {
-    uint sum = 0u;
-    for (uint k = 0u; k < segment; ++k) sum += sums[thread * segment + k];
-    segments[thread] = sum;
-  }
-  barrier();
+  uint place = sum_before(mine);  // behind its barriers before_group is there
   if (mine == 0u) return;
-  uint place = before;
-  for (uint k = 0u; k < thread / segment; ++k) place += segments[k];
-  for (uint k = thread / segment * segment; k < thread; ++k) place += sums[k];
+  place += before_group;
 
   for (uint w = begin; w < end; ++w) {
     uint bits = masks[first_word + w];

@@ -11,7 +11,8 @@ layout(std430, set = 0, binding = scan_length) readonly buffer Length { uint ite
 layout(std430, set = 0, binding = scan_total) writeonly buffer Total { ScanTotal result; };
 layout(push_constant) uniform Push { ScanPush push; };
 
-shared uint sums[scan_group];
+const uint sum_threads = scan_group, sum_row = 16u;
+#include "sum_before.glsl"
 
 void main() {
   const uint thread = gl_LocalInvocationIndex;
@@ -25,23 +26,15 @@ void main() {
 
   uint sum = 0u;
   for (uint i = first; i < last; ++i) sum += counts[i];
-  sums[thread] = sum;
-  barrier();
-  for (uint step = 1u; step < scan_group; step <<= 1u) {
-    const uint left = thread >= step ? sums[thread - step] : 0u;
-    barrier();
-    sums[thread] += left;
-    barrier();
-  }
-
-  uint offset = sums[thread] - sum;
+  const uint before = sum_before(sum);
+  uint offset = before;
   for (uint i = first; i < last; ++i) {
     const uint here = counts[i];
     counts[i] = offset;
     offset += here;
   }
   if (thread == scan_group - 1u) {
-    const uint total = min(sums[thread], push.most_total);
+    const uint total = min(before + sum, push.most_total);
     result.total = total;
     result.groups_x = scan_groups_of(total, push.groups);
     result.groups_y = 1u;

@@ -13,7 +13,10 @@ layout(push_constant) uniform Push { SkinPush push; };
 
 #include "skin_point.glsl"
 
-shared uint sums[skin_group];
+// In shared memory rather than by subgroups: not every device has their arithmetic, and none promises their order.
+const uint sum_threads = skin_group, sum_row = 8u;
+#include "sum_before.glsl"
+shared uint eights[skin_group / 8u];
 
 uint find_survivors(uint first_block) {
   const Lens lens = read_lens();
@@ -42,20 +45,9 @@ uint find_survivors(uint first_block) {
 void main() {
   const uint first_block = gl_GlobalInvocationID.x * skin_run_blocks;
   const uint survivors = first_block < push.blocks ? find_survivors(first_block) : 0u;
-
-  // In shared memory rather than by subgroups: not every device has their arithmetic, and none promises their order.
   const uint thread = gl_LocalInvocationIndex;
   const uint count = bitCount(survivors);
-  sums[thread] = count;
-  barrier();
-  for (uint step = 1u; step < skin_group; step <<= 1u) {
-    const uint left = thread >= step ? sums[thread - step] : 0u;
-    barrier();
-    sums[thread] += left;
-    barrier();
-  }
-  const uint before = sums[thread] - count;
-
+  const uint before = sum_before(count);
   const uint group = push.first_group + gl_WorkGroupID.x;
   runs[group * skin_group + thread] = SkinRun(survivors, before);
   if (thread == skin_group - 1u) counts[group] = before + count;
