@@ -17,14 +17,13 @@ PALPA_CONST bridge_unhash = 0x0e8b2f51u;
 PALPA_CONST bridge_sample_total = 0u;     // ScanTotal of the contacts
 PALPA_CONST bridge_sample_parents = 1u;   // uint[]: per contact a number that its cluster alone has
 PALPA_CONST bridge_sample_contacts = 2u;  // ContactRecord[]
-PALPA_CONST bridge_sample_header = 3u;    // TouchHeader
-PALPA_CONST bridge_sample_fingers = 4u;   // FingerRecord[]
-PALPA_CONST bridge_sample_depth = 5u;     // uint[]: raw depths, two per word, the even pixel in the low half
-PALPA_CONST bridge_sample_rays = 6u;      // vec2[]: normalised coordinates per pixel of the padded arrangement
-PALPA_CONST bridge_sample_cameras = 7u;   // BridgeCamera[]
-PALPA_CONST bridge_sample_out = 8u;       // BridgeSample[bridge_fingers * bridge_samples]
-PALPA_CONST bridge_sample_patches = 9u;   // BridgePatch[bridge_fingers]
-PALPA_CONST bridge_sample_buffers = 10u;
+PALPA_CONST bridge_sample_fingers = 3u;   // FingerRecord[]
+PALPA_CONST bridge_sample_depth = 4u;     // uint[]: raw depths, two per word, the even pixel in the low half
+PALPA_CONST bridge_sample_rays = 5u;      // vec2[]: normalised coordinates per pixel of the padded arrangement
+PALPA_CONST bridge_sample_cameras = 6u;   // BridgeCamera[]
+PALPA_CONST bridge_sample_out = 7u;       // BridgeSample[bridge_fingers * bridge_samples]
+PALPA_CONST bridge_sample_patches = 8u;   // BridgePatch[bridge_fingers]
+PALPA_CONST bridge_sample_buffers = 9u;
 // Bindings of bridge_pairs.
 PALPA_CONST bridge_pairs_header = 0u;
 PALPA_CONST bridge_pairs_fingers = 1u;
@@ -38,11 +37,10 @@ PALPA_CONST bridge_pairs_buffers = 7u;
 PALPA_CONST bridge_join_total = 0u;
 PALPA_CONST bridge_join_parents = 1u;
 PALPA_CONST bridge_join_pairs = 2u;
-PALPA_CONST bridge_join_header = 3u;
+PALPA_CONST bridge_join_header = 3u;  // TouchHeader: fingers, clusters and bridge_relabel's dispatch are written
 PALPA_CONST bridge_join_fingers = 4u;
 PALPA_CONST bridge_join_clusters = 5u;  // Cluster[]: per root
-PALPA_CONST bridge_join_work = 6u;      // BridgeWork
-PALPA_CONST bridge_join_buffers = 7u;
+PALPA_CONST bridge_join_buffers = 6u;
 // Bindings of bridge_relabel.
 PALPA_CONST bridge_relabel_total = 0u;
 PALPA_CONST bridge_relabel_parents = 1u;
@@ -125,15 +123,6 @@ struct BridgePair {
   float facing;  // the less, the surer: see facing_away
 };
 PALPA_CHECK_SIZE(BridgePair, 8);
-
-// The indirect dispatch of bridge_relabel.
-struct BridgeWork {
-  uint relabel_x;
-  uint relabel_y;
-  uint relabel_z;
-  uint unused;
-};
-PALPA_CHECK_SIZE(BridgeWork, 16);
 
 PALPA_SHADER_END
 #endif

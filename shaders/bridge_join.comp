@@ -15,7 +15,6 @@ layout(std430, set = 0, binding = bridge_join_pairs) readonly buffer Pairs { Bri
 layout(std430, set = 0, binding = bridge_join_header) buffer Header { TouchHeader header; };
 layout(std430, set = 0, binding = bridge_join_fingers) buffer Fingers { FingerRecord fingers[]; };
 layout(std430, set = 0, binding = bridge_join_clusters) buffer Clusters { Cluster clusters[]; };
-layout(std430, set = 0, binding = bridge_join_work) writeonly buffer Work { BridgeWork work; };
 layout(push_constant) uniform Push { BridgePush push; };
 
 // Sets of patches, as 64 bits. Of each patch: the finger it is in goes by its first patch.
@@ -35,10 +34,6 @@ bool holds(uvec2 set, uint patch_number) { return (set & only(patch_number)) != 
 void main() {
   const uint thread = gl_LocalInvocationIndex;
   const uint count = min(header.fingers, bridge_fingers);
-  if (count < 2u) {
-    if (thread == 0u) work = BridgeWork(0u, 1u, 1u, 0u);
-    return;
-  }
   head[thread] = thread;
   members[thread] = only(thread);
   uvec2 apart = uvec2(0u);
@@ -109,6 +104,6 @@ void main() {
   if (thread == 0u) {
     header.clusters -= count - total;
     header.fingers = total;
-    work = BridgeWork(total < count ? found.groups_x : 0u, 1u, 1u, 0u);
+    header.relabel_x = total < count ? found.groups_x : 0u;
   }
 }

@@ -64,7 +64,6 @@ bool sampled(uint slot, uint samples_a, uint samples_b) {
 shared BridgePair result;
 
 void main() {
-  if (header.fingers < 2u) return;
   const uint thread = gl_LocalInvocationIndex;
   const uint a = gl_WorkGroupID.x;
   const BridgePatch one = patches[a];

@@ -12,7 +12,6 @@ layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = bridge_sample_total) readonly buffer Total { ScanTotal found; };
 layout(std430, set = 0, binding = bridge_sample_parents) readonly buffer Parents { uint parents[]; };
 layout(std430, set = 0, binding = bridge_sample_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
-layout(std430, set = 0, binding = bridge_sample_header) readonly buffer Header { TouchHeader header; };
 layout(std430, set = 0, binding = bridge_sample_fingers) readonly buffer Fingers { FingerRecord fingers[]; };
 layout(std430, set = 0, binding = bridge_sample_depth) readonly buffer Depth { uint depth[]; };
 layout(std430, set = 0, binding = bridge_sample_rays) readonly buffer Rays { vec2 rays[]; };
@@ -24,7 +23,6 @@ layout(push_constant) uniform Push { BridgePush push; };
 #include "bridge_pick.glsl"
 
 void main() {
-  if (header.fingers < 2u) return;
   const uint thread = gl_LocalInvocationIndex;
   const uint finger = gl_WorkGroupID.x;
   const uint count = min(found.total, push.most_contacts);

@@ -163,7 +163,9 @@ struct Cluster {
 };
 PALPA_CHECK_SIZE(Cluster, 8);
 
-// What the host reads first; its first three words dispatch one group per finger.
+// What the host reads first; its first three words dispatch one group per finger. Behind `points` are the dispatches of
+// those who look at the fingers again, with no group where there is nothing for them to do: a software device takes
+// longer to start a group than to see that it is not needed.
 struct TouchHeader {
   uint fingers;
   uint groups_y;
@@ -171,10 +173,32 @@ struct TouchHeader {
   uint clusters;
   uint contacts;
   uint points;
-  uint unused0;
-  uint unused1;
+  uint parts_x;  // split_parts: up to the last finger that is too wide
+  uint parts_y;
+  uint parts_z;
+  uint assign_x;  // split_assign: over the contacts where one is
+  uint assign_y;
+  uint assign_z;
+  uint list_x;  // split_list: where one is too wide or no finger
+  uint list_y;
+  uint list_z;
+  uint patches_x;  // bridge_sample, bridge_pairs: one per finger where there are two
+  uint patches_y;
+  uint patches_z;
+  uint join_x;  // bridge_join: where there are two
+  uint join_y;
+  uint join_z;
+  uint relabel_x;  // bridge_relabel: over the contacts where any two are one
+  uint relabel_y;
+  uint relabel_z;
 };
-PALPA_CHECK_SIZE(TouchHeader, 32);
+PALPA_CHECK_SIZE(TouchHeader, 96);
+PALPA_CHECK_OFFSET(TouchHeader, parts_x, 24);
+PALPA_CHECK_OFFSET(TouchHeader, assign_x, 36);
+PALPA_CHECK_OFFSET(TouchHeader, list_x, 48);
+PALPA_CHECK_OFFSET(TouchHeader, patches_x, 60);
+PALPA_CHECK_OFFSET(TouchHeader, join_x, 72);
+PALPA_CHECK_OFFSET(TouchHeader, relabel_x, 84);
 PALPA_CHECK_OFFSET(TouchHeader, clusters, 12);
 PALPA_CHECK_OFFSET(TouchHeader, points, 20);
 

@@ -103,5 +103,9 @@ void main() {
     fingers[finger].solid = contacts[cluster.smallest].solid;
     fingers[finger].contacts = cluster.size;
   }
-  if (thread == 0u) header = TouchHeader(taken, 1u, 1u, listed, found.total, given.total, 0u, 0u);
+  if (thread == 0u) {
+    const bool several = taken > 1u;
+    header = TouchHeader(taken, 1u, 1u, listed, found.total, given.total, 0u, 1u, 1u, 0u, 1u, 1u, 0u, 1u, 1u, several ? taken : 0u, 1u, 1u,
+                         several ? 1u : 0u, 1u, 1u, 0u, 1u, 1u);
+  }
 }

@@ -21,7 +21,8 @@ PALPA_CONST split_sample_rays = 5u;      // vec2[]: normalised coordinates per p
 PALPA_CONST split_sample_cameras = 6u;   // BridgeCamera[]
 PALPA_CONST split_sample_out = 7u;       // BridgeSample[bridge_fingers * bridge_samples]
 PALPA_CONST split_sample_states = 8u;    // SplitState[bridge_fingers]
-PALPA_CONST split_sample_buffers = 9u;
+PALPA_CONST split_sample_header = 9u;    // TouchHeader: dispatches of the others are written
+PALPA_CONST split_sample_buffers = 10u;
 // Bindings of split_parts.
 PALPA_CONST split_parts_depth = 0u;
 PALPA_CONST split_parts_cameras = 1u;

@@ -96,5 +96,7 @@ void main() {
     }
     header.clusters = header.clusters - count + total;
     header.fingers = min(total, fingers_most);
+    header.patches_x = total > 1u ? header.fingers : 0u;
+    header.join_x = total > 1u ? 1u : 0u;
   }
 }

@@ -17,6 +17,7 @@ layout(std430, set = 0, binding = split_sample_rays) readonly buffer Rays { vec2
 layout(std430, set = 0, binding = split_sample_cameras) readonly buffer Cameras { BridgeCamera cameras[]; };
 layout(std430, set = 0, binding = split_sample_out) writeonly buffer Samples { BridgeSample samples[]; };
 layout(std430, set = 0, binding = split_sample_states) writeonly buffer States { SplitState states[]; };
+layout(std430, set = 0, binding = split_sample_header) buffer Header { TouchHeader header; };
 layout(push_constant) uniform Push { SplitPush push; };
 
 #include "bridge_pick.glsl"
@@ -62,5 +63,10 @@ void main() {
   if (thread == 0u) {
     const uint kind = !supported(seen, firm) ? split_ghost : wide != 0u ? split_wide : split_stays;
     states[finger] = SplitState(kind, count_taken, 0u, 0u, root, 0u, 0u, 0u);
+    if (kind == split_wide) {
+      atomicMax(header.parts_x, finger + 1u);
+      atomicMax(header.assign_x, found.groups_x);
+    }
+    if (kind != split_stays) atomicMax(header.list_x, 1u);
   }
 }

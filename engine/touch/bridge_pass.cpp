@@ -1,9 +1,10 @@
 #include "touch/bridge_pass.hpp"
 
+#include <cstddef>
+
 #include "gpu/barrier.hpp"
 #include "shaders/bridge.h"
 #include "shaders/fingers.h"
-#include "shaders/scan.h"
 #include "spirv/bridge_join.comp.hpp"
 #include "spirv/bridge_pairs.comp.hpp"
 #include "spirv/bridge_relabel.comp.hpp"
@@ -31,7 +32,6 @@ std::vector<gpu::ScratchPiece> BridgePass::scratch() {
   list[samples] = {"bridge samples", fingers * shader::bridge_samples * sizeof(shader::BridgeSample)};
   list[patches] = {"bridge patches", fingers * sizeof(shader::BridgePatch)};
   list[pairs] = {"bridge pairs", fingers * fingers * sizeof(shader::BridgePair)};
-  list[work] = {"bridge work", sizeof(shader::BridgeWork)};
   return list;
 }
 
@@ -39,19 +39,22 @@ void BridgePass::record(VkCommandBuffer commands, const BridgeBindings& b, const
                         const Parameters& parameters) const {
   const auto cameras = static_cast<std::uint32_t>(b.cameras.size / sizeof(shader::BridgeCamera));
   const shader::BridgePush push{room.contacts, cameras, static_cast<float>(parameters.finger_width_m), 0};
-  const gpu::BufferRef per_finger{b.header.buffer, b.header.offset, sizeof(VkDispatchIndirectCommand)};
+  const auto groups = [&](VkDeviceSize at) -> gpu::BufferRef {
+    return {b.header.buffer, b.header.offset + at, sizeof(VkDispatchIndirectCommand)};
+  };
+  constexpr VkDeviceSize per_patch = offsetof(shader::TouchHeader, patches_x);
   sample_.dispatch_indirect(
-      commands,
-      {b.total, b.parents, b.contacts, b.header, b.fingers, b.depth, b.rays, b.cameras, s[samples], s[patches]}, push,
-      per_finger);
+      commands, {b.total, b.parents, b.contacts, b.fingers, b.depth, b.rays, b.cameras, s[samples], s[patches]}, push,
+      groups(per_patch));
   gpu::compute_to_compute(commands);
   pairs_.dispatch_indirect(commands, {b.header, b.fingers, b.depth, b.cameras, s[samples], s[patches], s[pairs]}, push,
-                           per_finger);
+                           groups(per_patch));
   gpu::compute_to_compute(commands);
-  join_.dispatch(commands, {b.total, b.parents, s[pairs], b.header, b.fingers, b.clusters, s[work]}, push, 1);
+  join_.dispatch_indirect(commands, {b.total, b.parents, s[pairs], b.header, b.fingers, b.clusters}, push,
+                          groups(offsetof(shader::TouchHeader, join_x)));
   gpu::compute_to_compute(commands);
   relabel_.dispatch_indirect(commands, {b.total, b.parents, b.clusters}, push,
-                             {s[work].buffer, s[work].offset, sizeof(VkDispatchIndirectCommand)});
+                             groups(offsetof(shader::TouchHeader, relabel_x)));
 }
 
 }  // namespace palpa::touch

@@ -24,7 +24,8 @@ struct BridgeBindings {
   gpu::BufferRef fingers;   ///< in, out: shader::FingerRecord[max_fingers]
 };
 
-/// Pipelines only; four dispatches: sample, pairs, join, relabel. With less than two fingers they do nothing.
+/// Pipelines only; four dispatches: sample, pairs, join, relabel. With less than two fingers none
+/// has a group.
 class BridgePass {
  public:
   explicit BridgePass(const gpu::Device& device);
@@ -37,7 +38,7 @@ class BridgePass {
               const Parameters& parameters) const;
 
  private:
-  enum Piece : std::size_t { samples, patches, pairs, work, pieces };
+  enum Piece : std::size_t { samples, patches, pairs, pieces };
 
   gpu::ComputePipeline sample_, pairs_, join_, relabel_;
 };

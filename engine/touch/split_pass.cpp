@@ -1,8 +1,9 @@
 #include "touch/split_pass.hpp"
 
+#include <cstddef>
+
 #include "gpu/barrier.hpp"
 #include "shaders/fingers.h"
-#include "shaders/scan.h"
 #include "spirv/split_assign.comp.hpp"
 #include "spirv/split_list.comp.hpp"
 #include "spirv/split_parts.comp.hpp"
@@ -35,21 +36,23 @@ void SplitPass::record(VkCommandBuffer commands, const SplitBindings& b, const g
                        const Parameters& parameters) const {
   const auto cameras = static_cast<std::uint32_t>(b.cameras.size / sizeof(shader::BridgeCamera));
   const shader::SplitPush push{room.contacts, cameras, splitting_width(parameters), parameters.min_points};
-  const gpu::BufferRef per_finger{b.header.buffer, b.header.offset, sizeof(VkDispatchIndirectCommand)};
-  const gpu::BufferRef over_contacts{b.total.buffer, b.total.offset + offsetof(shader::ScanTotal, groups_x),
-                                     sizeof(VkDispatchIndirectCommand)};
+  const auto groups = [&](VkDeviceSize at) -> gpu::BufferRef {
+    return {b.header.buffer, b.header.offset + at, sizeof(VkDispatchIndirectCommand)};
+  };
   sample_.dispatch_indirect(
-      commands, {b.total, b.parents, b.contacts, b.fingers, b.depth, b.rays, b.cameras, s[samples], s[states]}, push,
-      per_finger);
+      commands,
+      {b.total, b.parents, b.contacts, b.fingers, b.depth, b.rays, b.cameras, s[samples], s[states], b.header}, push,
+      groups(offsetof(shader::TouchHeader, fingers)));
   gpu::compute_to_compute(commands);
   parts_.dispatch_indirect(commands, {b.depth, b.cameras, s[samples], s[states], s[labels], b.clusters}, push,
-                           per_finger);
+                           groups(offsetof(shader::TouchHeader, parts_x)));
   gpu::compute_to_compute(commands);
   assign_.dispatch_indirect(commands,
                             {b.total, b.header, b.contacts, s[samples], s[states], s[labels], b.parents, b.clusters},
-                            push, over_contacts);
+                            push, groups(offsetof(shader::TouchHeader, assign_x)));
   gpu::compute_to_compute(commands);
-  list_.dispatch(commands, {b.header, b.fingers, s[states], b.clusters}, push, 1);
+  list_.dispatch_indirect(commands, {b.header, b.fingers, s[states], b.clusters}, push,
+                          groups(offsetof(shader::TouchHeader, list_x)));
 }
 
 }  // namespace palpa::touch

@@ -29,7 +29,8 @@ struct SplitBindings {
   gpu::BufferRef fingers;   ///< in, out: shader::FingerRecord[max_fingers], first, solid and contacts
 };
 
-/// Pipelines only; four dispatches: sample, parts, assign, list. The last three do nothing where every finger stays.
+/// Pipelines only; four dispatches: sample, parts, assign, list. The last three have
+/// no group where every finger stays.
 class SplitPass {
  public:
   explicit SplitPass(const gpu::Device& device);

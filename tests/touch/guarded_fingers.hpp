@@ -55,7 +55,11 @@ struct GuardedFingers {
       list[f].solid = finger.solid;
       list[f].contacts = finger.contact_count;
     }
-    const shader::TouchHeader head{touch.finger_count, 1, 1, touch.cluster_count, count};
+    shader::TouchHeader head{touch.finger_count, 1, 1, touch.cluster_count, count};
+    head.parts_y = head.parts_z = head.assign_y = head.assign_z = head.list_y = head.list_z = 1;
+    head.patches_x = touch.finger_count > 1 ? touch.finger_count : 0;
+    head.join_x = touch.finger_count > 1 ? 1 : 0;
+    head.patches_y = head.patches_z = head.join_y = head.join_z = head.relabel_y = head.relabel_z = 1;
     contacts.write(all.data(), all.size() * sizeof(all[0]));
     parents.write(roots.data(), roots.size() * 4);
     clusters.write(sizes.data(), sizes.size() * sizeof(sizes[0]));

@@ -89,7 +89,6 @@ TEST(BridgeShaders, LayOutTheirStructsAsCppDoes) {
                 {MEMBER(BridgePush, most_contacts), MEMBER(BridgePush, cameras), MEMBER(BridgePush, finger_width)});
   const auto join = palpa::test::read_spirv(spirv::bridge_join_comp);
   expect_struct(join, "BridgePair", sizeof(shader::BridgePair), {MEMBER(BridgePair, kind), MEMBER(BridgePair, facing)});
-  expect_struct(join, "BridgeWork", 0, {MEMBER(BridgeWork, relabel_x), MEMBER(BridgeWork, relabel_z)});
 }
 
 TEST(BridgeShaders, HaveTheWorkgroupsThatTheirHeadersName) {

@@ -83,7 +83,7 @@ class Sequence {
     }
     GuardedBuffer fingers = GuardedBuffer::of<shader::FingerRecord>(device, records);
     GuardedBuffer header(device, sizeof(shader::TouchHeader));
-    const shader::TouchHeader words{touch_.finger_count, 1, 1, touch_.finger_count, 0, 0, 0, 0};
+    const shader::TouchHeader words{touch_.finger_count, 1, 1, touch_.finger_count};
     header.write(&words, sizeof(words));
     const std::uint32_t elapsed_us = clock_.elapsed_us(time_s);
     palpa::test::run_on_device([&](VkCommandBuffer commands) {
