@@ -173,7 +173,10 @@ struct TouchHeader {
   uint clusters;
   uint contacts;
   uint points;
-  uint parts_x;  // split_parts: up to the last finger that is too wide
+  uint look_x;  // split_look: up to the last finger that is too wide
+  uint look_y;
+  uint look_z;
+  uint parts_x;  // split_parts: the same
   uint parts_y;
   uint parts_z;
   uint assign_x;  // split_assign: over the contacts where one is
@@ -192,13 +195,14 @@ struct TouchHeader {
   uint relabel_y;
   uint relabel_z;
 };
-PALPA_CHECK_SIZE(TouchHeader, 96);
-PALPA_CHECK_OFFSET(TouchHeader, parts_x, 24);
-PALPA_CHECK_OFFSET(TouchHeader, assign_x, 36);
-PALPA_CHECK_OFFSET(TouchHeader, list_x, 48);
-PALPA_CHECK_OFFSET(TouchHeader, patches_x, 60);
-PALPA_CHECK_OFFSET(TouchHeader, join_x, 72);
-PALPA_CHECK_OFFSET(TouchHeader, relabel_x, 84);
+PALPA_CHECK_SIZE(TouchHeader, 108);
+PALPA_CHECK_OFFSET(TouchHeader, look_x, 24);
+PALPA_CHECK_OFFSET(TouchHeader, parts_x, 36);
+PALPA_CHECK_OFFSET(TouchHeader, assign_x, 48);
+PALPA_CHECK_OFFSET(TouchHeader, list_x, 60);
+PALPA_CHECK_OFFSET(TouchHeader, patches_x, 72);
+PALPA_CHECK_OFFSET(TouchHeader, join_x, 84);
+PALPA_CHECK_OFFSET(TouchHeader, relabel_x, 96);
 PALPA_CHECK_OFFSET(TouchHeader, clusters, 12);
 PALPA_CHECK_OFFSET(TouchHeader, points, 20);
 

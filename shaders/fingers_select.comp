@@ -3,6 +3,7 @@
 #include "contacts.h"
 #include "fingers.h"
 #include "scan.h"
+#include "split.h"
 
 // Clusters large enough to be fingers, in the order of their smallest contacts, by a single group. Of too many the largest, and
 // of those of one size the ones that begin first: what few pixels pretend must not hide a finger.
@@ -105,7 +106,7 @@ void main() {
   }
   if (thread == 0u) {
     const bool several = taken > 1u;
-    header = TouchHeader(taken, 1u, 1u, listed, found.total, given.total, 0u, 1u, 1u, 0u, 1u, 1u, 0u, 1u, 1u, several ? taken : 0u, 1u, 1u,
-                         several ? 1u : 0u, 1u, 1u, 0u, 1u, 1u);
+    header = TouchHeader(taken, 1u, 1u, listed, found.total, given.total, 0u, split_looks, 1u, 0u, 1u, 1u, 0u, 1u, 1u, 0u, 1u, 1u,
+                         several ? taken : 0u, 1u, 1u, several ? 1u : 0u, 1u, 1u, 0u, 1u, 1u);
   }
 }

@@ -6,31 +6,39 @@
 PALPA_SHADER_BEGIN
 
 PALPA_CONST split_group = 64u;  // a thread per sample of a finger, or per finger
+PALPA_CONST split_looks = 4u;   // groups of split_look for each finger
 // A walk from contact to contact looks at no more pixels.
 PALPA_CONST split_steps = 64u;
 // Parts of fingers have numbers of their own beyond those of clusters, this many for each finger.
 PALPA_CONST split_numbers = 64u;
 
 // Bindings of split_sample.
-PALPA_CONST split_sample_total = 0u;     // ScanTotal of the contacts
-PALPA_CONST split_sample_parents = 1u;   // uint[]: per contact a number that its cluster alone has
-PALPA_CONST split_sample_contacts = 2u;  // ContactRecord[]
-PALPA_CONST split_sample_fingers = 3u;   // FingerRecord[]
-PALPA_CONST split_sample_depth = 4u;     // uint[]: raw depths, two per word, the even pixel in the low half
-PALPA_CONST split_sample_rays = 5u;      // vec2[]: normalised coordinates per pixel of the padded arrangement
-PALPA_CONST split_sample_cameras = 6u;   // BridgeCamera[]
-PALPA_CONST split_sample_out = 7u;       // BridgeSample[bridge_fingers * bridge_samples]
-PALPA_CONST split_sample_states = 8u;    // SplitState[bridge_fingers]
-PALPA_CONST split_sample_header = 9u;    // TouchHeader: dispatches of the others are written
-PALPA_CONST split_sample_buffers = 10u;
+PALPA_CONST split_sample_total = 0u;      // ScanTotal of the contacts
+PALPA_CONST split_sample_parents = 1u;    // uint[]: per contact a number that its cluster alone has
+PALPA_CONST split_sample_contacts = 2u;   // ContactRecord[]
+PALPA_CONST split_sample_fingers = 3u;    // FingerRecord[]
+PALPA_CONST split_sample_depth = 4u;      // uint[]: raw depths, two per word, the even pixel in the low half
+PALPA_CONST split_sample_rays = 5u;       // vec2[]: normalised coordinates per pixel of the padded arrangement
+PALPA_CONST split_sample_cameras = 6u;    // BridgeCamera[]
+PALPA_CONST split_sample_out = 7u;        // BridgeSample[bridge_fingers * bridge_samples]
+PALPA_CONST split_sample_states = 8u;     // SplitState[bridge_fingers]
+PALPA_CONST split_sample_header = 9u;     // TouchHeader: dispatches of the others are written
+PALPA_CONST split_sample_evidence = 10u;  // SplitEvidence[bridge_fingers * bridge_samples]: none yet
+PALPA_CONST split_sample_buffers = 11u;
+// Bindings of split_look.
+PALPA_CONST split_look_depth = 0u;
+PALPA_CONST split_look_cameras = 1u;
+PALPA_CONST split_look_samples = 2u;
+PALPA_CONST split_look_states = 3u;
+PALPA_CONST split_look_evidence = 4u;
+PALPA_CONST split_look_buffers = 5u;
 // Bindings of split_parts.
-PALPA_CONST split_parts_depth = 0u;
-PALPA_CONST split_parts_cameras = 1u;
-PALPA_CONST split_parts_samples = 2u;
-PALPA_CONST split_parts_states = 3u;
-PALPA_CONST split_parts_labels = 4u;    // uint[bridge_fingers * bridge_samples]: a sample's part: its first sample
-PALPA_CONST split_parts_clusters = 5u;  // Cluster[]: those of the parts are made empty
-PALPA_CONST split_parts_buffers = 6u;
+PALPA_CONST split_parts_evidence = 0u;
+PALPA_CONST split_parts_samples = 1u;
+PALPA_CONST split_parts_states = 2u;
+PALPA_CONST split_parts_labels = 3u;    // uint[bridge_fingers * bridge_samples]: a sample's part: its first sample
+PALPA_CONST split_parts_clusters = 4u;  // Cluster[]: those of the parts are made empty
+PALPA_CONST split_parts_buffers = 5u;
 // Bindings of split_assign.
 PALPA_CONST split_assign_total = 0u;
 PALPA_CONST split_assign_header = 1u;  // TouchHeader
@@ -56,6 +64,17 @@ struct SplitPush {
 };
 PALPA_CHECK_SIZE(SplitPush, 16);
 PALPA_CHECK_OFFSET(SplitPush, finger_width, 8);
+
+// Of a sample: the others of which a camera that sees both says anything, and those between which and it one sees a
+// valley.
+struct SplitEvidence {
+  uint looked_low;
+  uint looked_high;
+  uint valley_low;
+  uint valley_high;
+};
+PALPA_CHECK_SIZE(SplitEvidence, 16);
+PALPA_CHECK_OFFSET(SplitEvidence, valley_low, 8);
 
 // What becomes of a finger as FingersPass leaves it.
 PALPA_CONST split_stays = 0u;

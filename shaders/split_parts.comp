@@ -8,8 +8,7 @@
 // part goes by its first sample. Sets of samples are 64 bits.
 layout(local_size_x = 64) in;
 
-layout(std430, set = 0, binding = split_parts_depth) readonly buffer Depth { uint depth[]; };
-layout(std430, set = 0, binding = split_parts_cameras) readonly buffer Cameras { BridgeCamera cameras[]; };
+layout(std430, set = 0, binding = split_parts_evidence) readonly buffer Shown { SplitEvidence evidence[]; };
 layout(std430, set = 0, binding = split_parts_samples) readonly buffer Samples { BridgeSample samples[]; };
 layout(std430, set = 0, binding = split_parts_states) buffer States { SplitState states[]; };
 layout(std430, set = 0, binding = split_parts_labels) writeonly buffer Labels { uint labels[]; };
@@ -21,11 +20,6 @@ const uint most = bridge_samples;
 shared Float3 places[most];
 shared Float3 normals[most];
 shared Float3 insides[most];
-shared SplitView views[most];
-// Per sample: the others of which a camera that sees both says anything, and between which one sees a valley.
-shared uint looked[2u * most];
-shared uint valley[2u * most];
-// After all evidence:
 shared uint links[most * most];  // of two groups, by their first samples: pairs that say two, times 2^16, plus those known
 shared uvec2 same[most];
 shared uint head[most];
@@ -53,61 +47,13 @@ uvec2 without_first(uvec2 set) {
   return set.x != 0u ? uvec2(set.x & (set.x - 1u), set.y) : uvec2(0u, set.y & (set.y - 1u));
 }
 
-uint raw_at(BridgeCamera camera, uint u, uint v) {
-  const uint pixel = camera.first_pixel + v * camera.pitch + u;
-  return depth[pixel >> 1u] >> ((pixel & 1u) * 16u) & 0xffffu;
-}
-
-SplitWalk step_on(SplitWalk walk, BridgeCamera camera, SplitView a, SplitView b, uint s) {
-  if (s > walk.steps || walk.state == split_valley) return walk;
-  const uint raw = raw_at(camera, pixel_between(a.u, b.u, s, walk.steps), pixel_between(a.v, b.v, s, walk.steps));
-  if (raw < camera.first_depth) return walked_hole(walk);
-  return walked(walk, line_depth(a.at.z, b.at.z, s, walk.steps), product(float(raw), camera.depth_unit));
-}
-
-// A software device ends all loops of a shader after 65,535 turns together, however many cameras there are: so a turn is
-// four steps here, pairs are dealt out evenly, sums are kept, and sets are walked bit by bit.
-bool is_valley_between(BridgeCamera camera, SplitView a, SplitView b) {
-  SplitWalk walk = walk_between(a, b);
-  for (uint s = 0u; s <= walk.steps && walk.steps > 0u && walk.state != split_valley; s += 4u) {
-    walk = step_on(walk, camera, a, b, s);
-    walk = step_on(walk, camera, a, b, s + 1u);
-    walk = step_on(walk, camera, a, b, s + 2u);
-    walk = step_on(walk, camera, a, b, s + 3u);
-  }
-  return walk.state == split_valley;
-}
-
-void look(uint c, uint count) {
-  const uint thread = gl_LocalInvocationIndex;
-  const BridgeCamera camera = cameras[c];
-  if (thread < count) {
-    const Appearance a = appearance(camera, places[thread]);
-    views[thread] = split_view(camera, a, raw_at(camera, a.u, a.v), places[thread]);
-  }
-  barrier();
-  if (thread < count && views[thread].seen) {
-    // With the half of them that follows, round the circle: each pair once.
-    for (uint along = 1u; 2u * along <= count; ++along) {
-      const uint other = thread + along < count ? thread + along : thread + along - count;
-      if (!views[other].seen || (2u * along == count && other < thread)) continue;
-      const uint a = min(thread, other), b = max(thread, other);
-      if ((valley[2u * a + b / 32u] >> b % 32u & 1u) != 0u) continue;  // another camera has said all that there is to say
-      atomicOr(looked[2u * a + b / 32u], 1u << b % 32u);
-      atomicOr(looked[2u * b + a / 32u], 1u << a % 32u);
-      if (!is_valley_between(camera, views[a], views[b])) continue;
-      atomicOr(valley[2u * a + b / 32u], 1u << b % 32u);
-      atomicOr(valley[2u * b + a / 32u], 1u << a % 32u);
-    }
-  }
-  barrier();
-}
-
 uvec2 looked_of(uint s) {
-  return uvec2(looked[2u * s], looked[2u * s + 1u]);
+  const SplitEvidence e = evidence[gl_WorkGroupID.x * most + s];
+  return uvec2(e.looked_low, e.looked_high);
 }
 uvec2 valley_of(uint s) {
-  return uvec2(valley[2u * s], valley[2u * s + 1u]);
+  const SplitEvidence e = evidence[gl_WorkGroupID.x * most + s];
+  return uvec2(e.valley_low, e.valley_high);
 }
 
 // Members of the groups from their samples' heads.
@@ -288,12 +234,9 @@ void main() {
     normals[thread] = Float3(s.normal_x, s.normal_y, s.normal_z);
     insides[thread] = inside_of(places[thread], normals[thread], push.finger_width);
   }
-  looked[thread] = looked[most + thread] = 0u;
-  valley[thread] = valley[most + thread] = 0u;
   head[thread] = thread;
   members[thread] = thread < count ? only(thread) : uvec2(0u);
   barrier();
-  for (uint c = 0u; c < push.cameras; ++c) look(c, count);
 
   if (thread < count) {
     uvec2 tells = looked_of(thread), says_two = valley_of(thread), one = uvec2(0u);

@@ -18,6 +18,7 @@ layout(std430, set = 0, binding = split_sample_cameras) readonly buffer Cameras 
 layout(std430, set = 0, binding = split_sample_out) writeonly buffer Samples { BridgeSample samples[]; };
 layout(std430, set = 0, binding = split_sample_states) writeonly buffer States { SplitState states[]; };
 layout(std430, set = 0, binding = split_sample_header) buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = split_sample_evidence) writeonly buffer Shown { uvec4 evidence[]; };  // SplitEvidence[]
 layout(push_constant) uniform Push { SplitPush push; };
 
 #include "bridge_pick.glsl"
@@ -45,6 +46,7 @@ void main() {
   const uint finger = gl_WorkGroupID.x;
   const uint root = parents[fingers[finger].first];
   if (thread == 0u) wide = seen = firm = 0u;
+  evidence[finger * bridge_samples + thread] = uvec4(0u);
   pick_samples(root, min(found.total, push.most_contacts));
   if (least[thread] != 0xffffffffu) {
     atomicAdd(seen, 1u);
@@ -64,6 +66,7 @@ void main() {
     const uint kind = !supported(seen, firm) ? split_ghost : wide != 0u ? split_wide : split_stays;
     states[finger] = SplitState(kind, count_taken, 0u, 0u, root, 0u, 0u, 0u);
     if (kind == split_wide) {
+      atomicMax(header.look_x, finger + 1u);
       atomicMax(header.parts_x, finger + 1u);
       atomicMax(header.assign_x, found.groups_x);
     }

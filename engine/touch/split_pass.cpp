@@ -6,6 +6,7 @@
 #include "shaders/fingers.h"
 #include "spirv/split_assign.comp.hpp"
 #include "spirv/split_list.comp.hpp"
+#include "spirv/split_look.comp.hpp"
 #include "spirv/split_parts.comp.hpp"
 #include "spirv/split_sample.comp.hpp"
 #include "touch/split_twin.hpp"
@@ -18,6 +19,7 @@ static_assert(shader::split_numbers >= shader::bridge_samples);
 SplitPass::SplitPass(const gpu::Device& device)
     : sample_(device, "split sample", spirv::split_sample_comp,
               {shader::split_sample_buffers, sizeof(shader::SplitPush)}),
+      look_(device, "split look", spirv::split_look_comp, {shader::split_look_buffers, sizeof(shader::SplitPush)}),
       parts_(device, "split parts", spirv::split_parts_comp, {shader::split_parts_buffers, sizeof(shader::SplitPush)}),
       assign_(device, "split assign", spirv::split_assign_comp,
               {shader::split_assign_buffers, sizeof(shader::SplitPush)}),
@@ -28,6 +30,7 @@ std::vector<gpu::ScratchPiece> SplitPass::scratch() {
   std::vector<gpu::ScratchPiece> list(pieces);
   list[samples] = {"split samples", fingers * shader::bridge_samples * sizeof(shader::BridgeSample)};
   list[states] = {"split states", fingers * sizeof(shader::SplitState)};
+  list[evidence] = {"split evidence", fingers * shader::bridge_samples * sizeof(shader::SplitEvidence)};
   list[labels] = {"split labels", fingers * shader::bridge_samples * sizeof(std::uint32_t)};
   return list;
 }
@@ -39,12 +42,15 @@ void SplitPass::record(VkCommandBuffer commands, const SplitBindings& b, const g
   const auto groups = [&](VkDeviceSize at) -> gpu::BufferRef {
     return {b.header.buffer, b.header.offset + at, sizeof(VkDispatchIndirectCommand)};
   };
-  sample_.dispatch_indirect(
-      commands,
-      {b.total, b.parents, b.contacts, b.fingers, b.depth, b.rays, b.cameras, s[samples], s[states], b.header}, push,
-      groups(offsetof(shader::TouchHeader, fingers)));
+  sample_.dispatch_indirect(commands,
+                            {b.total, b.parents, b.contacts, b.fingers, b.depth, b.rays, b.cameras, s[samples],
+                             s[states], b.header, s[evidence]},
+                            push, groups(offsetof(shader::TouchHeader, fingers)));
   gpu::compute_to_compute(commands);
-  parts_.dispatch_indirect(commands, {b.depth, b.cameras, s[samples], s[states], s[labels], b.clusters}, push,
+  look_.dispatch_indirect(commands, {b.depth, b.cameras, s[samples], s[states], s[evidence]}, push,
+                          groups(offsetof(shader::TouchHeader, look_x)));
+  gpu::compute_to_compute(commands);
+  parts_.dispatch_indirect(commands, {s[evidence], s[samples], s[states], s[labels], b.clusters}, push,
                            groups(offsetof(shader::TouchHeader, parts_x)));
   gpu::compute_to_compute(commands);
   assign_.dispatch_indirect(commands,

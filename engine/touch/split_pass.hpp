@@ -29,7 +29,7 @@ struct SplitBindings {
   gpu::BufferRef fingers;   ///< in, out: shader::FingerRecord[max_fingers], first, solid and contacts
 };
 
-/// Pipelines only; four dispatches: sample, parts, assign, list. The last three have
+/// Pipelines only; five dispatches: sample, look, parts, assign, list. The last four have
 /// no group where every finger stays.
 class SplitPass {
  public:
@@ -43,9 +43,9 @@ class SplitPass {
               const Parameters& parameters) const;
 
  private:
-  enum Piece : std::size_t { samples, states, labels, pieces };
+  enum Piece : std::size_t { samples, states, evidence, labels, pieces };
 
-  gpu::ComputePipeline sample_, parts_, assign_, list_;
+  gpu::ComputePipeline sample_, look_, parts_, assign_, list_;
 };
 
 }  // namespace palpa::touch

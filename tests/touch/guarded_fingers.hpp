@@ -7,6 +7,7 @@
 
 #include "shaders/contacts.h"
 #include "shaders/fingers.h"
+#include "shaders/split.h"
 #include "support/device.hpp"
 #include "touch/bridge_cameras.hpp"
 #include "touch/harness.hpp"
@@ -56,7 +57,8 @@ struct GuardedFingers {
       list[f].contacts = finger.contact_count;
     }
     shader::TouchHeader head{touch.finger_count, 1, 1, touch.cluster_count, count};
-    head.parts_y = head.parts_z = head.assign_y = head.assign_z = head.list_y = head.list_z = 1;
+    head.look_y = shader::split_looks;
+    head.look_z = head.parts_y = head.parts_z = head.assign_y = head.assign_z = head.list_y = head.list_z = 1;
     head.patches_x = touch.finger_count > 1 ? touch.finger_count : 0;
     head.join_x = touch.finger_count > 1 ? 1 : 0;
     head.patches_y = head.patches_z = head.join_y = head.join_z = head.relabel_y = head.relabel_z = 1;

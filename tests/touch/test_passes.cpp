@@ -281,9 +281,9 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
   expect_struct(select, "Cluster", sizeof(shader::Cluster), {MEMBER(Cluster, smallest), MEMBER(Cluster, size)}, true);
   expect_struct(select, "TouchHeader", sizeof(shader::TouchHeader),
                 {MEMBER(TouchHeader, fingers), MEMBER(TouchHeader, clusters), MEMBER(TouchHeader, contacts),
-                 MEMBER(TouchHeader, points), MEMBER(TouchHeader, parts_x), MEMBER(TouchHeader, assign_x),
-                 MEMBER(TouchHeader, list_x), MEMBER(TouchHeader, patches_x), MEMBER(TouchHeader, join_x),
-                 MEMBER(TouchHeader, relabel_x), MEMBER(TouchHeader, relabel_z)},
+                 MEMBER(TouchHeader, points), MEMBER(TouchHeader, look_x), MEMBER(TouchHeader, parts_x),
+                 MEMBER(TouchHeader, assign_x), MEMBER(TouchHeader, list_x), MEMBER(TouchHeader, patches_x),
+                 MEMBER(TouchHeader, join_x), MEMBER(TouchHeader, relabel_x), MEMBER(TouchHeader, relabel_z)},
                 false);
   const auto sections = palpa::test::read_spirv(spirv::sections_axes_comp);
   expect_struct(sections, "FingerRecord", sizeof(shader::FingerRecord),
