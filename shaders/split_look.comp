@@ -66,7 +66,7 @@ void look(uint c, uint count) {
     if (views[thread].seen) seen[atomicAdd(seen_count, 1u)] = thread;
   }
   barrier();
-  // Each with the half that follows, round the circle: each pair once, or twice where they lie opposite.
+  // Each with the half that follows, round the circle: each pair once.
   const uint here = seen_count;
   const uint pairs = here * (here / 2u);
   for (uint p = gl_WorkGroupID.y * split_group + thread; p < pairs; p += split_looks * split_group) {
