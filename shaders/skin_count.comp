@@ -16,7 +16,6 @@ layout(push_constant) uniform Push { SkinPush push; };
 // In shared memory rather than by subgroups: not every device has their arithmetic, and none promises their order.
 const uint sum_threads = skin_group, sum_row = 8u;
 #include "sum_before.glsl"
-shared uint eights[skin_group / 8u];
 
 uint find_survivors(uint first_block) {
   const Lens lens = read_lens();

@@ -4,8 +4,8 @@
 #include "fingers.h"
 #include "split_math.h"
 
-// What the depth pictures show between every two samples of a finger that is too wide: the ways from one to the other, camera by
-// camera, are shared out among split_looks groups. What is found are sets, so that no order matters.
+// What the depth pictures show between every two samples of a finger that is too wide. Camera by camera the ways between those that it
+// sees are shared out among split_looks groups, which all number them alike; what is found are sets, in no order.
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = split_look_depth) readonly buffer Depth { uint depth[]; };
@@ -16,10 +16,13 @@ layout(std430, set = 0, binding = split_look_evidence) buffer Shown { uint evide
 layout(push_constant) uniform Push { SplitPush push; };
 
 const uint most = bridge_samples;
+const uint sum_threads = most, sum_row = 8u;
+#include "sum_before.glsl"
+
 const uint words = 4u;  // of SplitEvidence, those of valleys behind the others
 
 shared SplitView views[most];
-shared uint seen[most];  // samples that the camera sees, in any order
+shared uint seen[most];  // samples that the camera sees, in their order
 shared uint seen_count;
 shared uint found[most * words];
 
@@ -36,7 +39,7 @@ SplitWalk step_on(SplitWalk walk, BridgeCamera camera, SplitView a, SplitView b,
 }
 
 // A software device ends all loops of a shader after 65,535 turns together, however many cameras there are: so a turn is
-// four steps here, pairs are dealt out evenly, sums are kept, and sets are walked bit by bit.
+// four steps here, and pairs are dealt out evenly.
 bool is_valley_between(BridgeCamera camera, SplitView a, SplitView b) {
   SplitWalk walk = walk_between(a, b);
   for (uint s = 0u; s <= walk.steps && walk.steps > 0u && walk.state != split_valley; s += 4u) {
@@ -56,15 +59,17 @@ void put(uint s, uint word, uint other) {
 void look(uint c, uint count) {
   const uint thread = gl_LocalInvocationIndex;
   const BridgeCamera camera = cameras[c];
-  if (thread == 0u) seen_count = 0u;
-  barrier();
+  bool sees = false;
   if (thread < count) {
     const BridgeSample s = samples[gl_WorkGroupID.x * most + thread];
     const Float3 place = Float3(s.x, s.y, s.z);
     const Appearance a = appearance(camera, place);
     views[thread] = split_view(camera, a, raw_at(camera, a.u, a.v), place);
-    if (views[thread].seen) seen[atomicAdd(seen_count, 1u)] = thread;
+    sees = views[thread].seen;
   }
+  const uint before = sum_before(sees ? 1u : 0u);
+  if (sees) seen[before] = thread;
+  if (thread == most - 1u) seen_count = before + (sees ? 1u : 0u);
   barrier();
   // Each with the half that follows, round the circle: each pair once.
   const uint here = seen_count;

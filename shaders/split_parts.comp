@@ -5,7 +5,8 @@
 #include "split_math.h"
 
 // One finger per group, and only where it is too wide: which of its samples are of which finger. A thread per sample; a
-// part goes by its first sample. Sets of samples are 64 bits.
+// part goes by its first sample. Sets of samples are 64 bits. (A software device ends all loops of a shader after 65,535 turns
+// together: so sums are kept, and sets are walked bit by bit.)
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = split_parts_evidence) readonly buffer Shown { SplitEvidence evidence[]; };

@@ -111,12 +111,14 @@ def read_gltf(path):
 
 
 def read_drives(path):
-    """The header and each slot's (amplitude, phase, ...), from docs/files.md."""
+    """The header, the slots' numbers, and of each slot (amplitude, phase, ...), from docs/files.md."""
     with open(path, "rb") as file:
         data = file.read()
     transducers = struct.unpack_from("<I", data, 12)[0]
     size = 8 + 8 * transducers
-    return data[:24], [struct.unpack_from(f"<{2 * transducers}f", data, at + 8) for at in range(24, len(data), size)]
+    records = range(24, len(data), size)
+    slots = [struct.unpack_from("<Q", data, at)[0] for at in records]
+    return data[:24], slots, [struct.unpack_from(f"<{2 * transducers}f", data, at + 8) for at in records]
 
 
 def apart(a, b):
@@ -130,9 +132,9 @@ def apart(a, b):
 
 
 def compare_drives(before, after):
-    head_before, drives_before = read_drives(before)
-    head_after, drives_after = read_drives(after)
-    if head_before != head_after or len(drives_before) != len(drives_after):
+    head_before, slots_before, drives_before = read_drives(before)
+    head_after, slots_after, drives_after = read_drives(after)
+    if head_before != head_after or slots_before != slots_after:
         return None
     return max((apart(b, a) for b, a in zip(drives_before, drives_after)), default=0.0)
 

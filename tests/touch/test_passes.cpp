@@ -28,6 +28,9 @@
 #include "spirv/sections_axes.comp.hpp"
 #include "spirv/sections_count.comp.hpp"
 #include "spirv/sections_group.comp.hpp"
+#include "spirv/split_list.comp.hpp"
+#include "spirv/split_look.comp.hpp"
+#include "spirv/split_parts.comp.hpp"
 #include "spirv/split_sample.comp.hpp"
 #include "support/device.hpp"
 #include "support/spirv.hpp"
@@ -301,6 +304,11 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                 {MEMBER(SplitState, kind), MEMBER(SplitState, samples), MEMBER(SplitState, parts_low),
                  MEMBER(SplitState, parts_high), MEMBER(SplitState, root)},
                 true);
+  const auto parts = palpa::test::read_spirv(spirv::split_parts_comp);
+  expect_struct(parts, "SplitEvidence", sizeof(shader::SplitEvidence),
+                {MEMBER(SplitEvidence, looked_low), MEMBER(SplitEvidence, looked_high),
+                 MEMBER(SplitEvidence, valley_low), MEMBER(SplitEvidence, valley_high)},
+                true);
   const auto follow = palpa::test::read_spirv(spirv::follow_comp);
   expect_struct(follow, "FollowPush", sizeof(shader::FollowPush),
                 {MEMBER(FollowPush, elapsed_us), MEMBER(FollowPush, steady), MEMBER(FollowPush, memory_us)}, false);
@@ -346,6 +354,12 @@ TEST(TouchShaders, HaveTheWorkgroupsThatTheirHeadersName) {
                            std::span<const std::uint32_t>(spirv::fingers_crowded_comp),
                            std::span<const std::uint32_t>(spirv::fingers_undecided_comp)}) {
     EXPECT_EQ(size_of(words), shader::blocks_group);
+  }
+  for (const auto words :
+       {std::span<const std::uint32_t>(spirv::split_sample_comp),
+        std::span<const std::uint32_t>(spirv::split_look_comp), std::span<const std::uint32_t>(spirv::split_parts_comp),
+        std::span<const std::uint32_t>(spirv::split_list_comp)}) {
+    EXPECT_EQ(size_of(words), shader::split_group);
   }
   EXPECT_EQ(size_of(spirv::fingers_select_comp), shader::fingers_select_group);
   EXPECT_EQ(size_of(spirv::sections_count_comp), shader::sections_chunk_group);
