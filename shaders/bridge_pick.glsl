@@ -1,10 +1,12 @@
 // Some contacts of a finger, picked by a hash of their numbers, with the skin's normal there as the depth picture shows it:
 // by a group of 64. Includes need the buffers parents, contacts, depth, rays and cameras, and push.cameras.
 shared uint least[bridge_samples];
-shared uint places[bridge_samples];
 shared uint count_taken;
 shared Float3 positions[bridge_samples];
 shared Float3 normals[bridge_samples];
+
+const uint sum_threads = bridge_samples, sum_row = 8u;
+#include "sum_before.glsl"
 
 struct SeenPixel {
   uint camera, u, v;
@@ -63,22 +65,12 @@ void pick_samples(uint root, uint count) {
     normal = normal_at(contacts[i].point);
     taken = dot3(normal, normal) > 0.0;
   }
-  places[thread] = taken ? 1u : 0u;
-  barrier();
   // Close up, in the order of the hash.
-  if (thread == 0u) {
-    uint place = 0u;
-    for (uint s = 0u; s < bridge_samples; ++s) {
-      const uint one = places[s];
-      places[s] = place;
-      place += one;
-    }
-    count_taken = place;
-  }
-  barrier();
+  const uint place = sum_before(taken ? 1u : 0u);
   if (taken) {
-    positions[places[thread]] = position;
-    normals[places[thread]] = normal;
+    positions[place] = position;
+    normals[place] = normal;
   }
+  if (thread == bridge_samples - 1u) count_taken = place + (taken ? 1u : 0u);
   barrier();
 }
