@@ -16,6 +16,8 @@ layout(std430, set = 0, binding = bridge_pairs_patches) readonly buffer Patches 
 layout(std430, set = 0, binding = bridge_pairs_out) writeonly buffer Pairs { BridgePair pairs[]; };
 layout(push_constant) uniform Push { BridgePush push; };
 
+#include "raw_depth.glsl"
+
 // Of each sample of either patch: how near the other patch is, and the cosines at both ends of that way.
 shared float apart[2u * bridge_samples];
 shared float leaving_a[2u * bridge_samples];
@@ -42,17 +44,12 @@ Float2 look_across(uint slot, uint s, uint first, uint count) {
   return Float2(leaving(here, normal(s), position(there)), leaving(position(there), normal(there), here));
 }
 
-uint raw_at(BridgeCamera camera, Appearance seen) {
-  const uint pixel = camera.first_pixel + seen.v * camera.pitch + seen.u;
-  return depth[pixel >> 1u] >> ((pixel & 1u) * 16u) & 0xffffu;
-}
-
 bool is_seen_empty(Float3 place) {
   bool empty = false;
   for (uint c = 0u; c < push.cameras; ++c) {
     const BridgeCamera camera = cameras[c];
     const Appearance seen = appearance(camera, place);
-    if (seen.depth > 0.0) empty = empty || sees_through(camera, raw_at(camera, seen), seen.depth);
+    if (seen.depth > 0.0) empty = empty || sees_through(camera, raw_at(camera, seen.u, seen.v), seen.depth);
   }
   return empty;
 }

@@ -5,6 +5,8 @@ shared uint count_taken;
 shared Float3 positions[bridge_samples];
 shared Float3 normals[bridge_samples];
 
+#include "raw_depth.glsl"
+
 const uint sum_threads = bridge_samples, sum_row = 8u;
 #include "sum_before.glsl"
 
@@ -17,11 +19,6 @@ SeenPixel pixel_of(uint point) {
   for (uint i = 1u; i < push.cameras; ++i) c = point >= cameras[i].first_index ? i : c;
   const uint v = (point - cameras[c].first_index) / cameras[c].width;
   return SeenPixel(c, point - cameras[c].first_index - v * cameras[c].width, v);
-}
-
-uint raw_at(BridgeCamera camera, uint u, uint v) {
-  const uint pixel = camera.first_pixel + v * camera.pitch + u;
-  return depth[pixel >> 1u] >> ((pixel & 1u) * 16u) & 0xffffu;
 }
 
 Float3 point_of(BridgeCamera camera, uint u, uint v) {

@@ -23,7 +23,7 @@ PALPA_CONST split_sample_cameras = 6u;    // BridgeCamera[]
 PALPA_CONST split_sample_out = 7u;        // BridgeSample[bridge_fingers * bridge_samples]
 PALPA_CONST split_sample_states = 8u;     // SplitState[bridge_fingers]
 PALPA_CONST split_sample_header = 9u;     // TouchHeader: dispatches of the others are written
-PALPA_CONST split_sample_evidence = 10u;  // SplitEvidence[bridge_fingers * bridge_samples]: none yet
+PALPA_CONST split_sample_evidence = 10u;  // SplitEvidence[bridge_fingers * bridge_samples]: none yet, of wide fingers
 PALPA_CONST split_sample_buffers = 11u;
 // Bindings of split_look.
 PALPA_CONST split_look_depth = 0u;

@@ -18,6 +18,7 @@ layout(push_constant) uniform Push { SplitPush push; };
 const uint most = bridge_samples;
 const uint sum_threads = most, sum_row = 8u;
 #include "sum_before.glsl"
+#include "raw_depth.glsl"
 
 const uint words = 4u;  // of SplitEvidence, those of valleys behind the others
 
@@ -25,11 +26,6 @@ shared SplitView views[most];
 shared uint seen[most];  // samples that the camera sees, in their order
 shared uint seen_count;
 shared uint found[most * words];
-
-uint raw_at(BridgeCamera camera, uint u, uint v) {
-  const uint pixel = camera.first_pixel + v * camera.pitch + u;
-  return depth[pixel >> 1u] >> ((pixel & 1u) * 16u) & 0xffffu;
-}
 
 SplitWalk step_on(SplitWalk walk, BridgeCamera camera, SplitView a, SplitView b, uint s) {
   if (s > walk.steps || walk.state == split_valley) return walk;

@@ -46,7 +46,6 @@ void main() {
   const uint finger = gl_WorkGroupID.x;
   const uint root = parents[fingers[finger].first];
   if (thread == 0u) wide = seen = firm = 0u;
-  evidence[finger * bridge_samples + thread] = uvec4(0u);
   pick_samples(root, min(found.total, push.most_contacts));
   if (least[thread] != 0xffffffffu) {
     atomicAdd(seen, 1u);
@@ -62,6 +61,7 @@ void main() {
     }
   }
   barrier();
+  if (wide != 0u) evidence[finger * bridge_samples + thread] = uvec4(0u);
   if (thread == 0u) {
     const uint kind = !supported(seen, firm) ? split_ghost : wide != 0u ? split_wide : split_stays;
     states[finger] = SplitState(kind, count_taken, 0u, 0u, root, 0u, 0u, 0u);

@@ -21,6 +21,11 @@ constexpr std::uint32_t groups_for(std::uint64_t threads, std::uint32_t group_si
   return static_cast<std::uint32_t>((threads + group_size - 1) / group_size);
 }
 
+/// Where a buffer holds the group counts of an indirect dispatch: a VkDispatchIndirectCommand `at` so many bytes.
+inline BufferRef groups_in(const BufferRef& buffer, VkDeviceSize at = 0) {
+  return {buffer.buffer, buffer.offset + at, sizeof(VkDispatchIndirectCommand)};
+}
+
 struct PipelineLayout {
   std::uint32_t buffers = 0;     ///< at set 0, bindings 0..buffers-1
   std::uint32_t push_bytes = 0;  ///< size of the push constant block, a multiple of 4, at most 128
@@ -42,7 +47,7 @@ class ComputePipeline {
   /// of push constants than the layout's, and where there is no pipeline yet.
   void dispatch(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
                 std::uint32_t groups_x, std::uint32_t groups_y = 1, std::uint32_t groups_z = 1) const;
-  /// Group counts are three words at `arguments` (a VkDispatchIndirectCommand).
+  /// `arguments`: groups_in() some buffer.
   void dispatch_indirect(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
                          BufferRef arguments) const;
 

@@ -39,9 +39,7 @@ void BridgePass::record(VkCommandBuffer commands, const BridgeBindings& b, const
                         const Parameters& parameters) const {
   const auto cameras = static_cast<std::uint32_t>(b.cameras.size / sizeof(shader::BridgeCamera));
   const shader::BridgePush push{room.contacts, cameras, static_cast<float>(parameters.finger_width_m), 0};
-  const auto groups = [&](VkDeviceSize at) -> gpu::BufferRef {
-    return {b.header.buffer, b.header.offset + at, sizeof(VkDispatchIndirectCommand)};
-  };
+  const auto groups = [&](VkDeviceSize at) { return gpu::groups_in(b.header, at); };
   constexpr VkDeviceSize per_patch = offsetof(shader::TouchHeader, patches_x);
   sample_.dispatch_indirect(
       commands, {b.total, b.parents, b.contacts, b.fingers, b.depth, b.rays, b.cameras, s[samples], s[patches]}, push,

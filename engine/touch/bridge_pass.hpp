@@ -24,8 +24,7 @@ struct BridgeBindings {
   gpu::BufferRef fingers;   ///< in, out: shader::FingerRecord[max_fingers]
 };
 
-/// Pipelines only; four dispatches: sample, pairs, join, relabel. With less than two fingers none
-/// has a group.
+/// Pipelines only; four dispatches: sample, pairs, join, relabel. With less than two fingers none has a group.
 class BridgePass {
  public:
   explicit BridgePass(const gpu::Device& device);

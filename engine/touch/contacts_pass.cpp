@@ -100,8 +100,7 @@ void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, c
   if (count == 1) push.only = solids.records[0];
   const bool with_deep = parameters.wants_deep();
   const Kernel kernel = kernel_for(solids);
-  const gpu::BufferRef chunks{b.length.buffer, b.length.offset + offsetof(shader::ScanTotal, groups_x),
-                              sizeof(VkDispatchIndirectCommand)};
+  const gpu::BufferRef chunks = gpu::groups_in(b.length, offsetof(shader::ScanTotal, groups_x));
   const gpu::ComputePipeline& find = find_[kernel][count == 1 ? 1 : 0][with_deep ? 1 : 0];
   if (kernel == by_planes) {
     find.dispatch_indirect(

@@ -104,7 +104,7 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, con
     kernel.dispatch_indirect(commands,
                              {total, contacts, b.solids, s[nodes], s[tiles], s[bases], s[places], s[list], s[links],
                               s[groups], s[left], s[work], s[forest], b.parents, b.clusters, s[forest]},
-                             push, {where.buffer, where.offset + at, sizeof(VkDispatchIndirectCommand)});
+                             push, gpu::groups_in(where, at));
     gpu::compute_to_compute(commands);
   };
   constexpr VkDeviceSize per_contact = offsetof(shader::ScanTotal, groups_x);

@@ -126,7 +126,7 @@ class Clustering {
  private:
   void sort_into_cells(const PreparedSolids& solids, float density) {
     struct Place {
-      std::uint32_t tile, cell;
+      std::uint32_t tile, cell;  // the cell first as a bit of its tile, then by its number
     };
     std::vector<Place> places;
     places.reserve(contacts_.size());

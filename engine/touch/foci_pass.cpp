@@ -15,7 +15,7 @@ void FociPass::record(VkCommandBuffer commands, const FociBindings& b, const Par
   const std::uint32_t spacing = parameters.spacing == Spacing::arc ? shader::spacing_arc : shader::spacing_angle;
   const shader::FociPush push{parameters.foci, spacing, 0, 0};
   pipeline_.dispatch_indirect(commands, {b.grouped, b.fingers, b.foci, b.borders, b.of_solid}, push,
-                              {b.header.buffer, b.header.offset, sizeof(VkDispatchIndirectCommand)});
+                              gpu::groups_in(b.header));
 }
 
 }  // namespace palpa::touch

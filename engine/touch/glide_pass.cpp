@@ -11,7 +11,7 @@ GlidePass::GlidePass(const gpu::Device& device)
 
 void GlidePass::record(VkCommandBuffer commands, const GlideBindings& b) const {
   pipeline_.dispatch_indirect(commands, {b.fingers, b.tracks, b.foci, b.homes}, gpu::Push::none(),
-                              {b.header.buffer, b.header.offset, sizeof(VkDispatchIndirectCommand)});
+                              gpu::groups_in(b.header));
 }
 
 }  // namespace palpa::touch

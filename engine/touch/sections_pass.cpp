@@ -35,16 +35,14 @@ void SectionsPass::record(VkCommandBuffer commands, const SectionsBindings& b, c
                           gpu::Timestamps* times) const {
   const shader::SectionsPush push{room.contacts, 0, 0, 0};
   const auto buffers = {b.total, b.parents, b.contacts, b.header, s[counts], b.grouped, b.fingers};
-  const gpu::BufferRef chunks{b.total.buffer, b.total.offset + offsetof(shader::ScanTotal, groups_x),
-                              sizeof(VkDispatchIndirectCommand)};
+  const gpu::BufferRef chunks = gpu::groups_in(b.total, offsetof(shader::ScanTotal, groups_x));
   count_.dispatch_indirect(commands, buffers, push, chunks);
   if (times) times->mark(commands, "count");
   gpu::compute_to_compute(commands);
   group_.dispatch_indirect(commands, buffers, push, chunks);
   if (times) times->mark(commands, "group");
   gpu::compute_to_compute(commands);
-  axes_.dispatch_indirect(commands, buffers, push,
-                          {b.header.buffer, b.header.offset, sizeof(VkDispatchIndirectCommand)});
+  axes_.dispatch_indirect(commands, buffers, push, gpu::groups_in(b.header));
   if (times) times->mark(commands, "sections");
 }
 

@@ -39,9 +39,7 @@ void SplitPass::record(VkCommandBuffer commands, const SplitBindings& b, const g
                        const Parameters& parameters) const {
   const auto cameras = static_cast<std::uint32_t>(b.cameras.size / sizeof(shader::BridgeCamera));
   const shader::SplitPush push{room.contacts, cameras, splitting_width(parameters), parameters.min_points};
-  const auto groups = [&](VkDeviceSize at) -> gpu::BufferRef {
-    return {b.header.buffer, b.header.offset + at, sizeof(VkDispatchIndirectCommand)};
-  };
+  const auto groups = [&](VkDeviceSize at) { return gpu::groups_in(b.header, at); };
   sample_.dispatch_indirect(commands,
                             {b.total, b.parents, b.contacts, b.fingers, b.depth, b.rays, b.cameras, s[samples],
                              s[states], b.header, s[evidence]},
