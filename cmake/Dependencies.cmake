@@ -14,7 +14,7 @@ find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
 find_path(GLM_INCLUDE_DIR glm/glm.hpp REQUIRED)
 pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0)
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
-pkg_check_modules(OPENBLAS REQUIRED IMPORTED_TARGET openblas)
+pkg_check_modules(OPENBLAS REQUIRED openblas)
 pkg_check_modules(QHULL REQUIRED IMPORTED_TARGET qhull_r)
 include(cmake/Vhacd.cmake)
 # The first that can be asked whether a camera is still plugged in.

@@ -14,6 +14,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # fifth sooner.
   target_compile_options(palpa_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-heapsize=1000000>)
 endif()
+# Everywhere, since one library's flags may ask for it, and headers that were parsed without it do not serve a source that has it.
+target_compile_options(palpa_options INTERFACE -pthread)
 if(PALPA_WERROR)
   target_compile_options(palpa_options INTERFACE -Werror)
 endif()
@@ -27,6 +29,21 @@ if(PALPA_UNITS)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(palpa_options INTERFACE $<$<AND:${of_tests},$<COMPILE_LANGUAGE:CXX>>:-Wshadow=local>)
   endif()
+endif()
+# What makes a fault in memory end a program instead of serving whoever caused it: palpa reads files of strangers, and its guard has a
+# board open. None of it asks anything of those who link the installed libraries, beside the C library that they have. Sanitizers
+# look closer by themselves.
+if(NOT PALPA_SANITIZE)
+  target_compile_options(palpa_options INTERFACE -fstack-protector-strong -fstack-clash-protection)
+  target_compile_definitions(palpa_options INTERFACE _GLIBCXX_ASSERTIONS)
+  target_link_options(palpa_options INTERFACE LINKER:-z,relro,-z,now)
+  # The C library's checks of buffers need an optimiser, which Debug builds and tests do without. Distributions define it in other ways.
+  set(fortify 2)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
+    set(fortify 3)
+  endif()
+  target_compile_options(palpa_options INTERFACE
+    "$<$<AND:$<NOT:${of_tests}>,$<NOT:$<CONFIG:Debug>>>:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=${fortify}>")
 endif()
 if(PALPA_SANITIZE)
   # What the last three look for in the tests' own code, AddressSanitizer meets when it happens, or nobody would write there; to be

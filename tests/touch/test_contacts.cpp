@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "support/device.hpp"
 #include "support/instrumented.hpp"
+#include "touch/contacts_pass.hpp"
 #include "touch/harness.hpp"
 
 namespace palpa::touch::test {
@@ -203,6 +204,23 @@ TEST(PreparedSolids, RefusesMoreThanADeviceThatCountsTurnsCanLookAt) {
     EXPECT_NE(std::string(error.what()).find("--backend cpu"), std::string::npos) << error.what();
   }
   EXPECT_EQ(touch_on(Backend::cpu, points, solids, {}).contacts.size(), 1U);
+  // Solids of a file are the file's fault.
+  PreparedSolids many;
+  many.file = "many.glb";
+  many.records.resize(20'000);
+  many.turns = 70'000;
+  ContactsPass pass(palpa::test::test_device());
+  try {
+    pass.prepare(many, {});
+    ADD_FAILURE() << "took them";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Exit::bad_input);
+    EXPECT_TRUE(std::string(error.what()).starts_with("many.glb: the scene's 20000 solids can take 70000 looks"))
+        << error.what();
+  }
+  geometry::Solid filed = cube();
+  filed.file = "one.glb";
+  EXPECT_EQ(prepare_solids({filed}).file, "one.glb");
 }
 
 TEST(PreparedSolids, KeepsTheNearestPlaneOfEveryPoint) {

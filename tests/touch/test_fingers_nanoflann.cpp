@@ -32,6 +32,25 @@ struct Cloud {
 };
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3, std::uint32_t>;
 
+/// Collects what a search meets. nanoflann's own collectors have other types in 1.4 than from 1.5 on; what it asks of
+/// one is the same.
+struct Near {
+  using DistanceType = double;
+
+  double square;
+  std::vector<std::uint32_t> found;
+
+  bool addPoint(double distance, std::uint32_t index) {
+    if (distance < square) found.push_back(index);
+    return true;
+  }
+  std::size_t size() const { return found.size(); }
+  bool empty() const { return found.empty(); }
+  bool full() const { return true; }
+  double worstDist() const { return square; }
+  void sort() {}
+};
+
 /// Grows one region after the other. The tree gives candidates in double precision, a little too many; whether two
 /// contacts are together is decided as the contract states it.
 Clusters grow_regions(const Points& points, double gap_m, std::uint32_t least) {
@@ -41,7 +60,6 @@ Clusters grow_regions(const Points& points, double gap_m, std::uint32_t least) {
   tree.buildIndex();
   Clusters clusters;
   std::vector<bool> taken(points.size(), false);
-  std::vector<std::pair<std::uint32_t, double>> near;
   for (std::uint32_t seed = 0; seed < points.size(); ++seed) {
     if (taken[seed]) continue;
     std::vector<std::uint32_t> region{seed};
@@ -49,9 +67,9 @@ Clusters grow_regions(const Points& points, double gap_m, std::uint32_t least) {
     for (std::size_t next = 0; next < region.size(); ++next) {
       const glm::vec3 from = points[region[next]];
       const std::array<double, 3> query{from.x, from.y, from.z};
-      near.clear();
-      tree.radiusSearch(query.data(), double{limit} * (1 + 1e-6), near, {});
-      for (const auto& [i, square] : near) {
+      Near near{double{limit} * (1 + 1e-6), {}};
+      tree.radiusSearchCustomCallback(query.data(), near);
+      for (const std::uint32_t i : near.found) {
         const glm::vec3 d = points[i] - from;
         if (taken[i] || d.x * d.x + d.y * d.y + d.z * d.z > limit) continue;
         taken[i] = true;

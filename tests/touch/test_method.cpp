@@ -36,12 +36,12 @@ struct Ring {
   double off_plane(const glm::vec3& p) const { return glm::dot(Vec3(p) - centre, glm::cross(u, v)); }
   Touch touch(double from, double to, int count, std::uint32_t foci = 10) const {
     std::mt19937 random(7);
-    std::normal_distribution<double> normal(0, noise);
+    std::normal_distribution<double> normal;  // of width 1, since there is none of width 0
     Touch out;
     out.fingers.resize(1);
     out.finger_count = 1;
     for (int i = 0; i < count; ++i) {
-      const Vec3 p = at(from + (to - from) * i / count) + Vec3(normal(random), normal(random), normal(random));
+      const Vec3 p = at(from + (to - from) * i / count) + noise * Vec3(normal(random), normal(random), normal(random));
       out.contacts.push_back({static_cast<std::uint32_t>(i), 0, 1e-3F, glm::vec3(p)});
       out.fingers[0].contacts.push_back(static_cast<std::uint32_t>(i));
     }

@@ -13,6 +13,8 @@
 #include "sensing/synthetic.hpp"
 #include "support/shared_data.hpp"
 #include "touch/harness.hpp"
+#include "touch/host_stage.hpp"
+#include "touch/pixel_stride.hpp"
 
 namespace palpa::touch::test {
 namespace {
@@ -51,6 +53,65 @@ TEST(Stage, DepthFramesOnTheDeviceAreThoseOfTheTwin) {
     EXPECT_GT(expected.contacts.size(), 50u);
     stage.touch(images, found);
     expect_identical(expected, found);
+  }
+}
+
+TEST(Stage, AStrideLeavesFingersWhereTheyAre) {
+  const Scene scene;
+  DeviceStage stage(scene.solids, scene.cameras);
+  HostStage host(scene.solids, scene.cameras);
+  EXPECT_EQ(stage.stage.most_pixel_stride(), host.most_pixel_stride());
+  ASSERT_GE(host.most_pixel_stride(), 2u);
+  const auto images = scene.frames(3e-3);
+  Touch whole, again;
+  host.touch(images, whole);
+  ASSERT_EQ(whole.finger_count, 1u);
+  for (std::uint32_t stride = 2; stride <= host.most_pixel_stride(); ++stride) {
+    stage.stage.set_pixel_stride(stride);
+    host.set_pixel_stride(stride);
+    Touch expected, found;
+    host.touch(images, expected);
+    stage.touch(images, found);
+    expect_identical(expected, found);
+    const auto fewer = static_cast<double>(whole.contacts.size()) / static_cast<double>(expected.contacts.size());
+    EXPECT_NEAR(fewer, stride * stride, 0.35 * stride * stride);
+    ASSERT_EQ(expected.finger_count, 1u) << stride;
+    EXPECT_LT(glm::length(expected.fingers[0].section.centroid - whole.fingers[0].section.centroid), 1e-3f) << stride;
+    EXPECT_EQ(expected.fingers[0].foci.size(), whole.fingers[0].foci.size());
+  }
+  stage.stage.set_pixel_stride(1);
+  stage.touch(images, again);
+  expect_identical(whole, again);
+}
+
+TEST(Stage, AtAStrideFewerContactsMakeAFinger) {
+  Parameters parameters;
+  parameters.min_points = 5;
+  EXPECT_EQ(at_stride(parameters, 1).min_points, 5u);
+  EXPECT_EQ(at_stride(parameters, 2).min_points, 3u) << "a cross-section needs three";
+  parameters.min_points = 100;
+  EXPECT_EQ(at_stride(parameters, 2).min_points, 25u);
+  EXPECT_EQ(at_stride(parameters, 3).min_points, 12u);
+  parameters.min_points = 1;
+  EXPECT_EQ(at_stride(parameters, 4).min_points, 1u);
+  EXPECT_EQ(at_stride(parameters, 4).finger_gap_m, parameters.finger_gap_m);
+}
+
+TEST(Stage, AStrideNeverTakesPixelsOfOneFingerFartherApartThanTheGap) {
+  Scene scene;
+  Parameters parameters;
+  for (const double gap_m : {0.5e-3, 2e-3, 5e-3, 50e-3}) {
+    parameters.finger_gap_m = gap_m;
+    HostStage host(scene.solids, scene.cameras, {.parameters = parameters});
+    const std::uint32_t most = host.most_pixel_stride();
+    EXPECT_GE(most, 1u);
+    EXPECT_LE(most, 4u);
+    if (gap_m < 1e-3) {
+      EXPECT_EQ(most, 1u);
+    }
+    if (gap_m > 10e-3) {
+      EXPECT_EQ(most, 4u);
+    }
   }
 }
 

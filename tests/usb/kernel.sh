@@ -10,9 +10,7 @@ die() {
   exit 1
 }
 
-# Each needs what stands before it.
-modules=(usb-common usbcore usbip-core vhci-hcd
-  mc videodev videobuf2-common videobuf2-memops videobuf2-v4l2 videobuf2-vmalloc uvcvideo)
+modules=(vhci-hcd uvcvideo)
 # Those that a test loads itself.
 later=(usbserial ftdi_sio)
 all=build/usb/kernel
@@ -28,27 +26,52 @@ download() {
   (cd "$all" && apt-get -q -o APT::Sandbox::User=root download "$package" udev libkmod2 >/dev/null)
 }
 
+# need MODULE LIST: puts it and what it needs into the guest; the list gets all of them, each after what it needs. Kernels differ in
+# what a module needs; it says so itself.
+need() {
+  local name=${1//-/_} list=$2 found other
+  grep -qsx "$name" "$list" && return
+  found=$(find "$in" -name '*.ko*' | awk -v wanted="$name" '{ base = $0; gsub(/.*\/|[.]ko.*/, "", base); gsub(/-/, "_", base) } base == wanted' | head -n 1)
+  [[ -n $found ]] || die "$package has no module $1"
+  case $found in
+    *.xz) xz -dc "$found" >"$in/guest/$name.ko" ;;
+    *.zst) zstd -dcq "$found" >"$in/guest/$name.ko" ;;
+    *) cp "$found" "$in/guest/$name.ko" ;;
+  esac
+  for other in $(LC_ALL=C grep -az '^depends=' "$in/guest/$name.ko" | tr -d '\0' | sed 's/^depends=//' | tr ',' ' '); do
+    need "$other" "$list"
+  done
+  echo "$name" >>"$list"
+}
+
+# The kernel as it was before it was packed: a machine that is emulated takes two seconds to unpack it. More follows than the kernel,
+# which the unpackers report, and which is no error here.
+unpack_kernel() { # FROM TO
+  local at
+  at=$(LC_ALL=C grep -abo $'\xfd7zXZ' "$1" | head -n 1 | cut -d : -f 1) || true
+  if [[ -n $at ]]; then
+    tail -c +$((at + 1)) "$1" | xz -dc --single-stream 2>/dev/null >"$2" || true
+  else
+    at=$(LC_ALL=C grep -abo $'\x28\xb5\x2f\xfd' "$1" | head -n 1 | cut -d : -f 1) || true
+    [[ -n $at ]] || die "$package's kernel is packed with neither xz nor zstd"
+    tail -c +$((at + 1)) "$1" | zstd -dcq 2>/dev/null >"$2" || true
+  fi
+  [[ -s $2 ]] || die "$package's kernel cannot be unpacked"
+}
+
 unpack() {
-  local in=$all/unpacked module packed at
+  local in=$all/unpacked module library
   rm -rf "$in" "${all:?}/$package"
   mkdir -p "$in/guest"
-  dpkg-deb --fsys-tarfile "$all/$package"_*.deb | tar -x -C "$in" --wildcards './boot/vmlinuz*' \
-    './lib/modules/*/kernel/drivers/usb/*' './lib/modules/*/kernel/drivers/media/*'
-  for module in "${modules[@]}" "${later[@]}"; do
-    find "$in/lib/modules" -name "$module.ko" -exec mv {} "$in/guest/" \;
-    [[ -f $in/guest/$module.ko ]] || die "$package has no module $module"
-  done
-  # The kernel as it was before it was packed: a machine that is emulated takes two seconds to unpack it.
-  packed=("$in"/boot/vmlinuz*)
-  at=$(LC_ALL=C grep -abo $'\xfd7zXZ' "${packed[0]}" | head -n 1 | cut -d : -f 1) || true
-  [[ -n $at ]] || die "$package's kernel is not packed with xz"
-  # More follows than the kernel, which xz says and minds.
-  tail -c +$((at + 1)) "${packed[0]}" | xz -dc --single-stream 2>/dev/null >"$in/guest/vmlinux" || true
-  [[ -s $in/guest/vmlinux ]] || die "$package's kernel cannot be unpacked"
+  dpkg-deb -x "$all/$package"_*.deb "$in"
+  for module in "${modules[@]}"; do need "$module" "$in/guest/order"; done
+  for module in "${later[@]}"; do need "$module" "$in/guest/later"; done
+  unpack_kernel "$(echo "$in"/boot/vmlinuz*)" "$in/guest/vmlinux"
   dpkg-deb -x "$all"/udev_*.deb "$in"
   dpkg-deb -x "$all"/libkmod2_*.deb "$in"
-  cp "$in/bin/udevadm" "$in"/usr/lib/*/libkmod.so.2 "$in/guest/"
-  printf '%s\n' "${modules[@]}" >"$in/guest/order"
+  # Debian 13 has all of them below /usr.
+  library=$(find "$in" -name libkmod.so.2)
+  cp "$(find "$in" -path '*/bin/udevadm')" "$library" "$in/guest/"
   mv "$in/guest" "$all/$package"
   rm -rf "$in" "$all"/*.deb
 }

@@ -1,0 +1,188 @@
+#!/usr/bin/env bash
+# run.sh [12|13]...: palpa on a bare Debian, made here with debootstrap; both versions where none is named. In each:
+#   1. An ordinary user with sudo runs the README's two commands in a fresh copy of the project, with nothing installed before.
+#   2. Another user, without sudo and without a home folder that can be written, builds a second copy beside the first one with
+#      clang, every warning an error, and runs the tests: without a network, in 4 GiB of memory, with a locale that is not UTF-8
+#      and a umask of 077.
+#   3. The tests of the twins run on an emulated processor without AVX2.
+# Neither has a terminal, and the path of both copies has a space and a letter that is not ASCII. A compiler's warning in the first
+# copy fails, too: it would be an error for those who change palpa.
+#
+# Needs root (or sudo), Linux and a network; where one of them is missing, it says so and ends with exit code 0. Everything lies in
+# build/bare/VERSION, logs included. PALPA_BARE_LEGS: which of the three to run ["1 2 3"].
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+
+declare -A suites=([12]=bookworm [13]=trixie) clangs=([12]=14 [13]=19)
+folder='/srv/Prüfstand eins' # holds both copies
+
+skip() {
+  printf 'bare: skipped: %s\n' "$*"
+  exit 0
+}
+say() { printf 'bare %s: %s\n' "$version" "$*"; }
+
+for version; do
+  [[ -n ${suites[$version]-} ]] || {
+    echo "bare: there is no Debian $version here; known are ${!suites[*]}" >&2
+    exit 2
+  }
+done
+(($#)) || set -- 12 13
+
+[[ $(uname -s) == Linux ]] || skip "debootstrap needs Linux"
+if ((EUID != 0)); then
+  if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
+    exec sudo --preserve-env=PALPA_BARE_LEGS "$PWD/tests/bare/run.sh" "$@"
+  fi
+  skip "this needs root, or sudo without a password"
+fi
+command -v debootstrap >/dev/null || skip "there is no debootstrap here: apt-get install debootstrap"
+unshare --mount --pid --fork --kill-child true 2>/dev/null || skip "this machine allows no mounts of one's own (unshare)"
+
+# The project's files as they are, also those that are not committed yet.
+pack() {
+  git -c safe.directory="$PWD" ls-files --cached --others --exclude-standard --deduplicate -z |
+    while IFS= read -r -d '' file; do [[ -e $file ]] && printf '%s\0' "$file"; done | tar -c --null -T - -f "$1"
+}
+
+# Namespaces of their own, with which whatever is mounted or started in them ends.
+namespaces=(--mount --pid --fork --kill-child)
+
+# inside COMMAND...: runs it in the new system as root, with what programs expect there.
+inside() {
+  # shellcheck disable=SC2016  # expanded by the shell that is started
+  unshare "${namespaces[@]}" bash -euc '
+    root=$1
+    mkdir -p "$root/dev/pts" "$root/dev/shm"
+    mount -t proc proc "$root/proc"
+    mount -t devpts -o newinstance,ptmxmode=0666 devpts "$root/dev/pts"
+    ln -sf pts/ptmx "$root/dev/ptmx"
+    mount -t tmpfs -o mode=1777 shm "$root/dev/shm"
+    [[ ! -x $root/bin/busybox ]] || chroot "$root" busybox ip link set lo up # down in a new namespace
+    exec chroot "$root" /usr/bin/env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root "${@:2}"
+    ' inside "$root" "$@"
+}
+
+# by USER FOLDER COMMAND: as that user, without a terminal.
+by() {
+  inside setpriv --reuid "$1" --regid "$1" --init-groups env "${environment[@]}" bash -c "cd '$folder/$2' && $3"
+}
+
+# Puts this shell, and what it starts, into a group of at most 4 GiB of memory.
+take_4_gib() {
+  local limit
+  for limit in /sys/fs/cgroup/memory/palpa-bare/memory.limit_in_bytes /sys/fs/cgroup/palpa-bare/memory.max; do
+    mkdir "${limit%/*}" 2>/dev/null || [[ -d ${limit%/*} ]] || continue
+    echo $((4 << 30)) 2>/dev/null >"$limit" && echo "$BASHPID" 2>/dev/null >"${limit%/*}/cgroup.procs" && return
+  done
+  echo "this machine limits no memory by groups: all of it is used"
+}
+
+# offline USER FOLDER COMMAND: as that user, without a network, in 4 GiB.
+offline() (
+  take_4_gib
+  namespaces+=(--net)
+  by "$@"
+)
+
+# step NAME COMMAND...: with a log of its own.
+step() {
+  local begin=$SECONDS log=$base/$1.log
+  if ! "${@:2}" >"$log" 2>&1 </dev/null; then
+    tail -n 60 "$log"
+    say "$1 failed after $((SECONDS - begin)) s; all that it said is in $log"
+    exit 1
+  fi
+  say "$1: passed in $((SECONDS - begin)) s"
+}
+
+bootstrap() {
+  rm -rf "$root"
+  if [[ ! -f $base/system.tar ]]; then
+    rm -rf "$base/system"
+    debootstrap --variant=minbase "${suites[$version]}" "$base/system" >"$base/debootstrap.log" 2>&1 || {
+      tail -n 5 "$base/debootstrap.log"
+      skip "debootstrap could not make Debian $version: is there a network?"
+    }
+    rm -f "$base"/system/var/cache/apt/archives/*.deb
+    tar -C "$base/system" -cf "$base/system.tar.part" .
+    mv "$base/system.tar.part" "$base/system.tar"
+    rm -rf "$base/system"
+  fi
+  mkdir -p "$root"
+  tar -C "$root" -xf "$base/system.tar"
+  cp -L /etc/resolv.conf "$root/etc/resolv.conf"
+  printf '127.0.0.1 localhost\n' >"$root/etc/hosts"
+  # What a person who has a user account and this project on the disk has: sudo, and whatever unpacked it.
+  inside sh -euc '
+    apt-get -q update
+    DEBIAN_FRONTEND=noninteractive apt-get -q -y install --no-install-recommends sudo
+    useradd --create-home --home-dir /srv/ada --shell /bin/bash ada
+    useradd --no-create-home --home-dir /nonexistent --shell /bin/bash ben
+    echo "ada ALL=(ALL) NOPASSWD: ALL" >/etc/sudoers.d/ada
+    ' >"$base/users.log" 2>&1
+}
+
+# copy USER NAME: another copy of the project.
+copy() {
+  local to=$root$folder/$2
+  mkdir -p "$to"
+  tar -C "$to" -xf "$base/palpa.tar"
+  inside chown -R "$1:$1" "$folder/$2"
+}
+
+# The commands did what they are for, whatever their exit codes say.
+ran() { # STEP WORDS
+  grep -q "$2" "$base/$1.log" && return
+  say "$1 ended well, but its log has no line with '$2'"
+  exit 1
+}
+
+no_warnings() {
+  local warned
+  warned=$(grep -hE 'warning:' "$base"/readme-*.log | sort -u | head -n 20) || return 0
+  printf '%s\n' "$warned"
+  say "the compiler warned"
+  exit 1
+}
+
+in_debian() {
+  version=$1
+  base=$PWD/build/bare/$version root=$base/root
+  local legs=" ${PALPA_BARE_LEGS:-1 2 3} " environment begin=$SECONDS
+  mkdir -p "$base"
+  pack "$base/palpa.tar"
+  bootstrap
+  if [[ $legs == *' 1 '* ]]; then
+    copy ada palpa
+    environment=(HOME=/srv/ada USER=ada)
+    step readme-demo by ada palpa './dev demo'
+    step readme-test by ada palpa './dev test'
+    ran readme-demo 'pictures, foci and drives are in'
+    ran readme-test '100% tests passed'
+    no_warnings
+  fi
+  if [[ $legs == *' 2 '* || $legs == *' 3 '* ]]; then
+    local clang=clang-${clangs[$version]}
+    copy ben 'second palpa'
+    step packages inside sh -c "
+      cd '$folder/second palpa' && ./dev deps &&
+      DEBIAN_FRONTEND=noninteractive apt-get -q -y install --no-install-recommends $clang locales qemu-user &&
+      localedef -i de_DE -f ISO-8859-1 de_DE.ISO-8859-1"
+  fi
+  if [[ $legs == *' 2 '* ]]; then
+    environment=(HOME=/nonexistent USER=ben LC_ALL=de_DE.ISO-8859-1 PALPA_WERROR=ON "CC=$clang" "CXX=clang++-${clangs[$version]}")
+    step second-demo offline ben 'second palpa' 'umask 077 && ./dev demo'
+    step second-test offline ben 'second palpa' 'umask 077 && ./dev test'
+    ran second-test '100% tests passed'
+  fi
+  if [[ $legs == *' 3 '* ]]; then
+    environment=(HOME=/nonexistent USER=ben)
+    step no-avx2 by ben 'second palpa' tests/bare/old_processor.sh
+  fi
+  say "all of it: $((SECONDS - begin)) s"
+  rm -rf "$root" "$base/palpa.tar"
+}
+
+for debian; do in_debian "$debian"; done
