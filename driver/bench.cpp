@@ -1,5 +1,7 @@
 #include "driver/bench.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -85,7 +87,7 @@ void measure_links(std::uint32_t runs, std::vector<bench::Row>& rows) {
   StandingClock clock;
   usb::InProcessBus bus(clock);
   for (std::uint32_t i = 0; i < boards; ++i) {
-    sinks.push_back(std::make_unique<Sink>("B" + std::to_string(i)));
+    sinks.push_back(std::make_unique<Sink>(fmt::format("B{}", i)));
     bus.plug(*sinks.back());
     layout.boards.push_back({"openmpd", each * i, each, 0.168, 0.168});
     argument += (i == 0 ? "B" : ",B") + std::to_string(i);

@@ -26,6 +26,7 @@
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
+#include "session/hand_over.hpp"
 
 namespace palpa::driver {
 
@@ -64,6 +65,14 @@ struct BoardPlan {
   array::Modulation modulation = array::Modulation::pressure_sine;
 };
 
+/// How many of the drives and plans that sound have come how far, since the board was opened. What a board plays from a
+/// plan by its own clock counts drive by drive, too, as long as play() names drives that the plan has.
+struct BoardCounts {
+  session::Passed submitted;   ///< the transfer to the device was begun
+  session::Passed completed;   ///< the device has taken all of it
+  std::uint64_t starting = 0;  ///< see session::Carried
+};
+
 class Board {
  public:
   /// Closes the device, and does nothing else with it: silence is all_off() and close().
@@ -90,6 +99,9 @@ class Board {
   /// After all_off(): waits until it has left for the device, 0.85 s at most. False: nobody knows whether it
   /// did.
   virtual bool close() = 0;
+
+  /// Asked for after every round of calls, and after close(): costs next to nothing.
+  virtual BoardCounts counts() const = 0;
 };
 
 /// A kind of board: `name:ARGUMENT` is its link on the command line.
@@ -100,6 +112,11 @@ struct BoardKind {
   /// such device, a layout or a slot that it cannot play. Comes back with the device open and silent.
   std::function<std::unique_ptr<Board>(const BoardSetting&)> open;
   bool plays_plans = false;
+  bool reads_files = false;  ///< it heeds BoardSetting::files
+  /// The built-in layout of the boards that an argument names, for users who do not say how they stand; "": none fits.
+  std::function<std::string(const std::string& argument)> own_layout{};
+  /// The shortest slot in which foci may move; empty: any. Throws as open() does.
+  std::function<double(const std::string& argument, const array::Layout& layout)> least_moving_slot_s{};
 };
 
 /// All that palpa and its guard know.

@@ -13,6 +13,7 @@
 #include "driver/usb/local.hpp"
 #include "driver/v4l2/doctor.hpp"
 #include "driver/v4l2/kernel.hpp"
+#include "driver/v4l2/rig.hpp"
 
 namespace palpa::driver {
 namespace {
@@ -171,6 +172,10 @@ cli::DoctorSection look_at_cameras() {
 }
 
 }  // namespace
+
+cli::CamerasThere cameras_there() {
+  return v4l2::cameras_there(*v4l2::make_kernel());
+}
 
 std::vector<cli::DoctorProbe> doctor_probes() {
   return {look_at_boards, look_at_cameras};

@@ -10,4 +10,7 @@ namespace palpa::driver {
 /// Sections "boards" and "cameras".
 std::vector<cli::DoctorProbe> doctor_probes();
 
+/// The depth cameras that the kernel has.
+cli::CamerasThere cameras_there();
+
 }  // namespace palpa::driver

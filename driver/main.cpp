@@ -24,5 +24,6 @@ int main(int argc, char** argv) {
                            .links = palpa::driver::board_links(),
                            .sources = palpa::driver::camera_sources(),
                            .commands = {palpa::driver::emulate::add_emulate},
+                           .cameras = palpa::driver::cameras_there,
                            .benches = {palpa::driver::measure_links}});
 }

@@ -15,6 +15,7 @@
 #include "driver/autd3/remote.hpp"
 #include "driver/fixed_text.hpp"
 #include "driver/guard/channel.hpp"
+#include "driver/plan_tally.hpp"
 
 namespace palpa::driver::autd3 {
 namespace {
@@ -82,6 +83,8 @@ class Autd3Board final : public Board {
       if (!patterned || !told.silent_at(slot)) silence();
     } else if (patterned) {
       if (std::exchange(sounding_, true) == false && !fresh_) place_ = 0;  // what was silenced comes over once more
+      allow_start(told);
+      tally_.play();
     } else {
       std::transform(drive.begin(), drive.end(), drive_.begin(), emission);
       sounding_ = drive_waits_ = true;
@@ -102,15 +105,19 @@ class Autd3Board final : public Board {
     }
     newest_.encode(plan);
     fresh_ = sounding_ = true;
+    allow_start(newest_);
     advance();
   }
 
+  /// In both memories of patterns: nothing that a device could go over to sounds afterwards.
   void all_off() override {
     silence();
+    wipes_ = true;
     advance();
   }
 
   void tend() override { advance(); }
+  BoardCounts counts() const override { return tally_.counts(); }
 
   std::span<const pollfd> watched() override {
     if (remote_.closed()) return {};
@@ -121,7 +128,7 @@ class Autd3Board final : public Board {
   bool close() override {
     const double until_s = monotonic_s() + close_patience_s;
     retry_at_s_ = 0;
-    while (!silent_ || !remote_.idle()) {
+    while (!silent_ || (wipes_ && !all_silent_) || !remote_.idle()) {
       if (monotonic_s() >= until_s) return false;
       wait();
       advance();
@@ -157,7 +164,16 @@ class Autd3Board final : public Board {
     poll(&one, 1, 5);
   }
 
+  /// What the messages of a plan may take before the first drive of it is heard.
+  void allow_start(const Pattern& pattern) {
+    constexpr double message_s = 2e-3;
+    constexpr std::uint32_t beside = 3;  // what is on its way, silence, a modulation
+    if (pattern.slot_s() > 0)
+      tally_.allow(static_cast<std::uint64_t>(std::ceil((pattern.parts() + beside) * message_s / pattern.slot_s())));
+  }
+
   void silence() {
+    tally_.gone();
     sounding_ = false;
     drive_waits_ = false;
     place_ = 0;    // of a pattern that was under way nothing sounds
@@ -191,7 +207,8 @@ class Autd3Board final : public Board {
     const bool first = !opening && !lost_;  // tried again at once: it may still sound
     stage_ = first_message;
     sent_ = Sent::nothing;
-    silent_ = false;
+    silent_ = all_silent_ = false;
+    tally_.gone();
     place_ = 0;
     retry_at_s_ = first ? now_s : now_s + retry_s;
     if (first) {
@@ -203,7 +220,9 @@ class Autd3Board final : public Board {
   /// What was sent has been acknowledged. False: this is nothing to play with.
   bool acknowledge() {
     const Sent sent = std::exchange(sent_, Sent::nothing);
+    const bool was_silent = silent_;
     silent_ = silent_ && sent == Sent::nothing;
+    all_silent_ = all_silent_ && silent_;
     switch (sent) {
       case Sent::nothing:
         break;
@@ -211,9 +230,14 @@ class Autd3Board final : public Board {
         return acknowledge_startup();
       case Sent::silence:
       case Sent::gain:
-        if (sent == Sent::gain) drives_.end();
+        if (sent == Sent::gain) {
+          drives_.end();
+          tally_.drive_there();
+        }
         segment_ ^= 1;
         silent_ = sent == Sent::silence;
+        if (silent_) tally_.gone();
+        all_silent_ = silent_ && was_silent;  // this time into the other memory
         break;
       case Sent::modulation:
         modulation_segment_ ^= 1;
@@ -222,6 +246,7 @@ class Autd3Board final : public Board {
         if (transition_) {
           segment_ ^= 1;
           plans_.end();
+          tally_.there();
         }
         break;
     }
@@ -245,7 +270,7 @@ class Autd3Board final : public Board {
     }
     if (stage_ == zeros) {
       segment_ ^= 1;
-      silent_ = true;
+      silent_ = all_silent_ = true;  // they were cleared before
       if (std::exchange(lost_, false)) notes_.warning("is there again");
     }
     stage_ = static_cast<Stage>(stage_ + 1);
@@ -262,11 +287,12 @@ class Autd3Board final : public Board {
   bool send_next() {
     if (stage_ != started) return send_startup();
     if (!sounding_) {
-      if (silent_) return false;
+      if (silent_ && (all_silent_ || !wipes_)) return false;
       to_all([&](Message m, std::size_t) { put_silence(m, segment_ ^ 1); });
       sent_ = Sent::silence;
       return true;
     }
+    wipes_ = false;
     const bool between = place_ == 0 || place_ == loading_.parts();
     if (fresh_ && between) {
       std::swap(loading_, newest_);
@@ -278,6 +304,7 @@ class Autd3Board final : public Board {
     if (modulated_hz_ != 0) return send_modulation(0);
     drive_waits_ = false;
     drives_.begin();
+    tally_.drive_sent();
     to_all([&](Message m, std::size_t first) {
       put_gain(m, segment_ ^ 1, std::span(drive_).subspan(first, transducers));
     });
@@ -344,6 +371,7 @@ class Autd3Board final : public Board {
       to_all([&](Message m, std::size_t first) { put_all_foci(m, first / transducers, idle); });
       place_ = parts;
       transition_ = true;
+      tally_.sent();
       sent_ = Sent::part;
       return true;
     }
@@ -362,6 +390,7 @@ class Autd3Board final : public Board {
     });
     place_ += sends;
     transition_ = place_ == parts;
+    if (transition_) tally_.sent();
     sent_ = Sent::part;
     return true;
   }
@@ -445,6 +474,8 @@ class Autd3Board final : public Board {
   Sent sent_ = Sent::nothing;
   bool transition_ = false;  ///< what was sent makes the other segment sound
   bool silent_ = false;
+  bool all_silent_ = false;                            ///< what they could go over to, too
+  bool wipes_ = false;                                 ///< that is asked for
   std::uint8_t segment_ = 0, modulation_segment_ = 0;  ///< that are heard
   double modulated_hz_ = 0;
   array::Modulation modulation_ = array::Modulation::pressure_sine;
@@ -452,6 +483,7 @@ class Autd3Board final : public Board {
   double retry_at_s_ = 0;
 
   Rate plans_, drives_;  ///< drives: that no plan has
+  PlanTally tally_;
 };
 
 }  // namespace

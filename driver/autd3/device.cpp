@@ -337,4 +337,12 @@ bool EmulatedDevice::silent(double now_s) const {
   return std::all_of(all.begin(), all.end(), [](const Output& one) { return one.intensity == 0; });
 }
 
+bool EmulatedDevice::empty() const {
+  return std::all_of(segments_.begin(), segments_.end(), [](const Segment& segment) {
+    return std::all_of(segment.parts.begin(), segment.parts.end(), [](const auto& part) {
+      return std::all_of(part.begin(), part.end(), [](const Output& one) { return one.intensity == 0; });
+    });
+  });
+}
+
 }  // namespace palpa::driver::autd3

@@ -36,6 +36,8 @@ class EmulatedDevice {
   /// What its transducers emit then: the pattern's part times the modulation.
   std::array<Output, transducers> output(double now_s) const;
   bool silent(double now_s) const;
+  /// Nothing sounds in either of its memories of patterns, whichever it goes over to.
+  bool empty() const;
   bool cleared() const { return cleared_; }
   /// Operations that it has understood, and transitions from one segment to the other.
   std::uint64_t operations() const { return operations_; }

@@ -37,12 +37,12 @@ array::Drive heard_drive(const EmulatedServer& server, double now_s) {
 
 }  // namespace
 
-void emulate(const emulate::Options& options) {
+void emulate(const emulate::Options& options, const Outputs& outputs) {
   const array::Layout layout = layout_of(options.layout);
   const double begin_s = device_time_s();
   const emulate::Stop ends;  // until all is said
   EmulatedServer server(layout.boards.size());
-  Listener listener(static_cast<std::uint16_t>(options.port));
+  Listener listener(static_cast<std::uint16_t>(options.port.value_or(emulate::usual_port)));
   const auto violations = emulate::serve(
       options,
       {.address = listener.address(),
@@ -55,7 +55,7 @@ void emulate(const emulate::Options& options) {
        .serve = [&](const auto& stop, auto& lock, const auto& took) { listener.serve(server, stop, lock, took); }});
   const bool sounds = !server.silent(device_time_s());
   const std::uint64_t operations = server.devices()[0].operations();
-  emulate::conclude(options,
+  emulate::conclude(options, outputs,
                     {fmt::format("{} device{}, each told {} operations, {}", server.devices().size(),
                                  server.devices().size() == 1 ? "" : "s", operations, sounds ? "sounding" : "silent"),
                      "operations", operations, sounds, violations, server.violation_count()});

@@ -48,6 +48,7 @@ Listener::Listener(std::uint16_t port) : socket_(socket(AF_INET, SOCK_STREAM | S
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (!socket_) throw failure(fmt::format("127.0.0.1:{}: {}", port, std::strerror(errno)));
   const int yes = 1;
   setsockopt(socket_.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   socklen_t size = sizeof address;

@@ -82,10 +82,12 @@ void Remote::connect(double now_s) {
 void Remote::connect_to_place(double now_s) {
   const Address::Place& place = address_.places[place_];
   socket_ = Descriptor(socket(place.where.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  const int no_socket = socket_ ? 0 : errno;
   const int yes = 1;
   setsockopt(socket_.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
   const int result = ::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&place.where), place.size);
   refused_ = result == 0 || errno == EINPROGRESS ? 0 : errno;
+  if (no_socket != 0) refused_ = no_socket;
   begin(Step::connecting, 0, 0, now_s);
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
@@ -35,7 +36,12 @@ LiveCamera::~LiveCamera() {
 void LiveCamera::look_for_it() {
   if (!beside_.valid()) {
     if (host_.now_s() < retry_s_) return;
-    beside_ = host_.beside([this] { find_and_open(); });
+    try {
+      beside_ = host_.beside([this] { find_and_open(); });
+    } catch (const std::system_error&) {  // no thread now: later
+      retry_s_ = host_.now_s() + look_every_s;
+      return;
+    }
   }
   if (beside_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   beside_.get();
@@ -136,7 +142,10 @@ void LiveCamera::release_through(std::uint32_t frame) {
 void LiveCamera::drop() {
   held_ = 0;
   old_ = std::move(stream_);
-  beside_ = host_.beside([this] { old_.reset(); });
+  try {
+    beside_ = host_.beside([this] { old_.reset(); });
+  } catch (const std::system_error&) {  // no thread now: find_and_open() does it later
+  }
   refusal_.clear();
 }
 

@@ -180,8 +180,10 @@ std::vector<std::string> parse_names(const std::string& argument, const std::str
 
 void check_count(std::size_t named, std::size_t cameras, const std::string& kind, const std::string& rig) {
   if (named == cameras && named <= most_cameras) return;
-  throw bad_usage(fmt::format("source {} names {} camera{} and {} describes {}; give as many, in the same order", kind,
-                              named, named == 1 ? "" : "s", rig, cameras));
+  throw bad_usage(
+      fmt::format("source {} names {} camera{} and {} describes {}; give as many, in the same order "
+                  "(palpa doctor --write-rig FILE writes a rig for the cameras that are plugged in)",
+                  kind, named, named == 1 ? "" : "s", rig, cameras));
 }
 
 std::unique_ptr<sensing::DepthSource> open_cameras(std::unique_ptr<Host> host, std::vector<sensing::Camera> cameras,

@@ -2,7 +2,8 @@
 
 #include <fmt/core.h>
 
-#include <cstdio>
+#include <algorithm>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
@@ -25,7 +26,7 @@ void add_options(CLI::App& app, Options& o) {
   board.text("--serial", o.serials, "SERIAL,...", "of USB boards, one board for each [EMU1]");
   board.flag("--uart", o.uart,
              "USB boards as they come from the shop: their FT232H is a serial port, and palpa refuses it");
-  board.integer("--port", o.port, 0, 65535, "of an AUTD3 server; 0: one that is free");
+  board.integer("--port", o.port, 0, 65535, fmt::format("of an AUTD3 server; 0: one that is free [{}]", usual_port));
   board.flag("--tactile", o.tactile, "a SonicSurface with the tactile firmware");
   board.text("--layout", o.layout, "NAME|FILE", "how the boards stand [one alone, two as a pair]");
   board.text("--board-files", o.files, "DIR",
@@ -35,9 +36,31 @@ void add_options(CLI::App& app, Options& o) {
   shown.flag("--view", o.view, "twice a second, the focus that the bytes on the wire make");
 }
 
+/// Throws bad_usage for an option that this board would ignore.
+void check(const Options& o, const Kind& kind) {
+  for (const auto& [name, given] :
+       {std::pair("--serial", !o.serials.empty()), std::pair("--uart", o.uart), std::pair("--port", o.port.has_value()),
+        std::pair("--tactile", o.tactile), std::pair("--board-files", !o.files.empty())}) {
+    if (!given || std::ranges::find(kind.options, name) != kind.options.end()) continue;
+    std::string others;
+    for (const Kind& other : kinds()) {
+      if (std::ranges::find(other.options, name) != other.options.end())
+        others += (others.empty() ? "" : " and ") + other.name;
+    }
+    throw bad_usage(fmt::format("{} goes with {}: {} has none", name, others, kind.name));
+  }
+  if (!o.files.empty() && !o.view) throw bad_usage("--board-files goes with --view, which shows what the boards play");
+  if (!o.layout.empty() && kind.name == "openmpd" && !o.view)
+    throw bad_usage("--layout goes with --view: how many OpenMPD boards there are, --serial says");
+  setup::refuse_gpu_options(o.common, "palpa emulate uses no GPU");
+}
+
 void run(const Options& o) {
   for (const Kind& kind : kinds()) {
-    if (kind.name == o.board) return kind.run(o);
+    if (kind.name != o.board) continue;
+    check(o, kind);
+    const Outputs outputs({{"--trace", o.trace}, {"--json", o.common.json}});
+    return kind.run(o, outputs);
   }
   std::string names;
   for (const Kind& kind : kinds())
@@ -49,20 +72,20 @@ void run(const Options& o) {
 }  // namespace
 
 std::vector<Kind> kinds() {
-  return {{"autd3", "AUTD3 units behind a server", autd3::emulate},
-          {"openmpd", "OpenMPD boards on USB", openmpd::emulate},
-          {"sonicsurface", "SonicSurface boards on a serial port", sonicsurface::emulate}};
+  return {
+      {"autd3", "AUTD3 units behind a server", autd3::emulate, {"--port"}},
+      {"openmpd", "OpenMPD boards on USB", openmpd::emulate, {"--serial", "--uart", "--board-files"}},
+      {"sonicsurface", "SonicSurface boards on a serial port", sonicsurface::emulate, {"--tactile", "--board-files"}}};
 }
 
 void tell_violations(const Options& options, std::span<const Violation> all, std::size_t& told) {
   for (; told < all.size(); ++told) {
     if (options.common.quiet) continue;
-    fmt::print("at {:.4f} s: {}\n", all[told].time_s, all[told].what);
-    std::fflush(stdout);
+    write_file("-", fmt::format("at {:.4f} s: {}\n", all[told].time_s, all[told].what));
   }
 }
 
-void conclude(const Options& options, const Outcome& outcome) {
+void conclude(const Options& options, const Outputs& outputs, const Outcome& outcome) {
   if (!options.common.json.empty()) {
     JsonWriter json;
     json.begin_object().member(outcome.counted, outcome.count).member("sounds", outcome.sounds);
@@ -75,8 +98,7 @@ void conclude(const Options& options, const Outcome& outcome) {
     json.end_array().end_object();
     write_file(options.common.json, json.take());
   }
-  const Outputs outputs({{"--trace", options.trace}, {"--json", options.common.json}});
-  if (setup::shows_summary(options.common, outputs)) fmt::print("{}\n", outcome.summary);
+  if (setup::shows_summary(options.common, outputs)) write_file("-", outcome.summary + "\n");
   if (outcome.violation_count == 0) return;
   throw failure(fmt::format("{} violation{}, the first at {:.4f} s: {}", outcome.violation_count,
                             outcome.violation_count == 1 ? "" : "s", outcome.violations[0].time_s,

@@ -3,24 +3,29 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "base/outputs.hpp"
 #include "cli/command.hpp"
 #include "driver/emulate/violations.hpp"
 #include "setup/options.hpp"
 
 namespace palpa::driver::emulate {
 
-/// What is given on the line; each board takes what applies to it.
+/// Of an AUTD3 server.
+inline constexpr std::uint32_t usual_port = 8080;
+
+/// What is given on the line. A board that has no use for an option does not get it: run() refuses it.
 struct Options {
   setup::CommonOptions common;
   std::string board;
-  std::string serials;  ///< comma-separated
-  std::string files;    ///< folder with the boards' own calibration
-  std::string layout;   ///< empty: the board's usual one
-  std::uint32_t port = 8080;
+  std::string serials;                ///< comma-separated
+  std::string files;                  ///< folder with the boards' own calibration
+  std::string layout;                 ///< empty: the board's usual one
+  std::optional<std::uint32_t> port;  ///< normally usual_port
   bool tactile = false;
   bool uart = false;  ///< USB boards whose chips are set up as serial ports
   std::string trace;
@@ -39,13 +44,14 @@ struct Outcome {
   std::span<const Violation> violations;  ///< the first of them
   std::size_t violation_count = 0;
 };
-void conclude(const Options& options, const Outcome& outcome);
+void conclude(const Options& options, const Outputs& outputs, const Outcome& outcome);
 
 struct Kind {
   std::string name;
   std::string help;
   /// Until a signal asks for the end. Throws failure() where anything spoke to it against its rules.
-  std::function<void(const Options&)> run;
+  std::function<void(const Options&, const Outputs&)> run;
+  std::vector<std::string> options;  ///< those that only some boards heed, of which this one heeds these
 };
 std::vector<Kind> kinds();
 

@@ -1,8 +1,11 @@
 #include "driver/emulate/live_view.hpp"
 
 #include <chrono>
-#include <cstdio>
+#include <exception>
 #include <utility>
+
+#include "base/output_file.hpp"
+#include "driver/emulate/stop.hpp"
 
 namespace palpa::driver::emulate {
 
@@ -15,9 +18,20 @@ void LiveView::look(const std::stop_token& stop) {
     const std::string picture = view_.picture(heard_());
     if (picture == last_) continue;
     last_ = picture;
-    std::fwrite(picture.data(), 1, picture.size(), stdout);
-    std::fflush(stdout);
+    try {
+      write_file("-", picture);
+    } catch (...) {
+      fault_ = std::current_exception();
+      Stop::ask();
+      return;
+    }
   }
+}
+
+void LiveView::end() {
+  thread_.request_stop();
+  thread_.join();
+  if (fault_) std::rethrow_exception(fault_);
 }
 
 }  // namespace palpa::driver::emulate

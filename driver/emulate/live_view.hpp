@@ -1,6 +1,7 @@
 // `palpa emulate --view`: twice a second, what the boards sound, on stdout.
 #pragma once
 
+#include <exception>
 #include <functional>
 #include <string>
 #include <thread>
@@ -15,6 +16,8 @@ namespace palpa::driver::emulate {
 class LiveView {
  public:
   LiveView(const array::Layout& layout, std::function<array::Drive()> heard);
+  /// Ends it. Throws what it failed with, where stdout could not be written; a Stop was asked for then.
+  void end();
 
  private:
   void look(const std::stop_token& stop);
@@ -22,6 +25,7 @@ class LiveView {
   View view_;
   std::function<array::Drive()> heard_;
   std::string last_;
+  std::exception_ptr fault_;  ///< of its thread, until that is joined
   std::jthread thread_;
 };
 

@@ -1,10 +1,8 @@
 #include "driver/emulate/session.hpp"
 
-#include <fmt/core.h>
-
-#include <cstdio>
 #include <optional>
 
+#include "base/output_file.hpp"
 #include "driver/emulate/live_view.hpp"
 #include "driver/emulate/stop.hpp"
 #include "driver/emulate/trace.hpp"
@@ -15,8 +13,7 @@ std::vector<Violation> serve(const Options& options, const Emulator& emulator) {
   std::optional<TraceFile> file;
   std::optional<ByteTrace> trace;
   if (!options.trace.empty()) trace.emplace(file.emplace(options.trace), emulator.wire);
-  fmt::print("{}\n", emulator.address);
-  std::fflush(stdout);
+  write_file("-", emulator.address + "\n");
 
   std::mutex lock;
   std::optional<LiveView> view;
@@ -31,6 +28,7 @@ std::vector<Violation> serve(const Options& options, const Emulator& emulator) {
     if (trace) trace->bytes(emulator.now_s() - emulator.begin_s, bytes);
     tell_violations(options, since(emulator.begin_s, emulator.violations()), told);
   });
+  if (view) view->end();
   view.reset();
   std::vector<Violation> violations = since(emulator.begin_s, emulator.violations());
   tell_violations(options, violations, told);

@@ -26,6 +26,10 @@ Stop::~Stop() {
     sigaction(signals[i], &before_[i], nullptr);
 }
 
+void Stop::ask() {
+  flag = true;
+}
+
 const std::atomic<bool>& Stop::asked() {
   return flag;
 }

@@ -14,6 +14,8 @@ class Stop {
   Stop(const Stop&) = delete;
   Stop& operator=(const Stop&) = delete;
   static const std::atomic<bool>& asked();
+  /// As a signal would.
+  static void ask();
 
  private:
   struct sigaction before_[4];

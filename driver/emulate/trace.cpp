@@ -1,10 +1,13 @@
 #include "driver/emulate/trace.hpp"
 
+#include <unistd.h>
+
 #include <cerrno>
-#include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/open_output.hpp"
+#include "driver/emulate/stop.hpp"
 
 namespace palpa::driver::emulate {
 namespace {
@@ -21,16 +24,18 @@ void put_hex(std::string& out, std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 TraceFile::TraceFile(const std::string& name)
-    : name_(name), file_(name == "-" ? stdout : std::fopen(name.c_str(), "we"), [](std::FILE* file) {
-        return file == stdout ? 0 : std::fclose(file);
-      }) {
-  if (!file_) throw failure(name_ + ": cannot be created: " + std::generic_category().message(errno));
+    : place_(output_place(name)),
+      file_(stdout, [](std::FILE* file) { return file == stdout ? 0 : std::fclose(file); }) {
+  const WaitUntil until(Stop::asked());
+  const int descriptor = open_output(name, place_);
+  if (descriptor == STDOUT_FILENO) return;
+  file_.reset(::fdopen(descriptor, "w"));
+  if (!file_) throw write_failure(place_.name, errno);
 }
 
 void TraceFile::write(std::string_view line) {
-  if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() || std::fflush(file_.get()) != 0) {
-    throw failure(name_ + ": cannot be written: " + std::generic_category().message(errno));
-  }
+  if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() || std::fflush(file_.get()) != 0)
+    throw write_failure(place_.name, errno);
 }
 
 void ByteTrace::bytes(double now_s, std::span<const std::uint8_t> bytes) {

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "base/json_writer.hpp"
+#include "base/output_place.hpp"
 #include "driver/usb/local_server.hpp"
 
 namespace palpa::driver::emulate {
@@ -23,7 +24,7 @@ class TraceFile {
   void write(std::string_view line);
 
  private:
-  std::string name_;
+  OutputPlace place_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 

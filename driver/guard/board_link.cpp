@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "base/log.hpp"
 #include "driver/guard/guard.hpp"
 #include "driver/guard/process.hpp"
+#include "session/hand_over.hpp"
 
 namespace palpa::driver {
 namespace {
@@ -33,7 +35,10 @@ class BoardLink final : public session::Link {
   }
 
   void plan(const session::ToldPlan& told) override {
-    if (!guard_ || !plays_plans_) return;
+    if (!guard_) return;
+    const double slots = static_cast<double>(told.until_slot - std::min(told.from_slot, told.until_slot));
+    until_s_ = monotonic_s() + slots * told.schedule.slot_s;
+    if (!plays_plans_) return;
     const auto place = guard_->memory().plan(plan_place_);
     if (told.drives.size() > place.drives.size())
       throw failure(fmt::format("{}: a plan of {} drives, more than {}", brief_.kind, told.cycle, most_cycle));
@@ -56,7 +61,7 @@ class BoardLink final : public session::Link {
     if (drive.size() != place.drives.size())
       throw failure(
           fmt::format("{}: a drive of {} transducers, not {}", brief_.kind, drive.size(), place.drives.size()));
-    place.head.slot = slot;
+    place.head = {slot, until_s_};
     std::copy(drive.begin(), drive.end(), place.drives.begin());
     const Turns::Committed committed = guard_->memory().drive_turns().commit(drive_place_);
     drive_place_ = committed.place;
@@ -72,11 +77,16 @@ class BoardLink final : public session::Link {
     while (guard_->wait_for_word(until_s - monotonic_s()) && listen()) {
     }
     const bool ended = guard_->wait_for_exit(std::max(until_s - monotonic_s(), 0.0)).ended;
+    carried_ = guard_->memory().tally().read();
     if (ended && last_word_ == Said::opened) end_without_guard();
     guard_.reset();
     if (!ended) throw failure(brief_.kind + ": palpa-guard still tries to silence the board after 1 s" + advice);
     if (last_word_ == Said::unsure)
       throw failure(brief_.kind + ": nobody knows whether the last silence has reached the board" + advice);
+  }
+
+  std::optional<session::Carried> carried() const override {
+    return guard_ ? guard_->memory().tally().read() : carried_;
   }
 
  private:
@@ -150,6 +160,7 @@ class BoardLink final : public session::Link {
 
   [[noreturn]] void end_without_guard() {
     const GuardProcess::Exit exit = guard_->wait_for_exit(exit_s);
+    carried_ = guard_->memory().tally().read();
     guard_.reset();
     if (last_word_ == Said::told_to_leave)
       throw failure(brief_.kind + ": palpa-guard was told to leave (SIGTERM); it has silenced the board");
@@ -178,15 +189,18 @@ class BoardLink final : public session::Link {
   std::string program_;
   bool plays_plans_;
   std::optional<GuardProcess> guard_;
+  session::Carried carried_;      ///< of a guard that is gone
   Said last_word_ = Said::drive;  ///< the guard's; as yet none
   double sent_s_ = monotonic_s(), unread_s_ = 0;
+  double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest plan may sound; without one drives may
   std::uint32_t drive_place_ = Turns::writers_first, plan_place_ = Turns::writers_first;
 };
 
 }  // namespace
 
 session::LinkKind board_link(const BoardKind& kind, const std::string& program) {
-  return {kind.name, kind.help,
+  return {kind.name,
+          kind.help,
           [name = kind.name, plays_plans = kind.plays_plans, program](const std::string& argument,
                                                                       const session::LinkSetting& setting) {
             if (setting.slot_s > most_slot_s)
@@ -204,7 +218,11 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
                         .ramp_s = setting.ramp_s};
             return std::make_unique<BoardLink>(std::move(brief), program.empty() ? guard_program() : program,
                                                plays_plans);
-          }};
+          },
+          false,
+          kind.reads_files,
+          kind.own_layout,
+          kind.least_moving_slot_s};
 }
 
 std::vector<session::LinkKind> board_links() {

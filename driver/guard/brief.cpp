@@ -10,7 +10,7 @@ namespace palpa::driver {
 namespace {
 
 /// Changes whenever what follows does: palpa and its guard must be of one build.
-constexpr std::uint64_t mark = 0x70616c7061'0003;
+constexpr std::uint64_t mark = 0x70616c7061'0004;
 
 class Writer {
  public:

@@ -19,7 +19,7 @@
 namespace palpa::driver {
 namespace {
 
-constexpr std::uint64_t mark = 0x70616c70'61677561;
+constexpr std::uint64_t mark = 0x70616c70'61677562;
 constexpr std::size_t line = 64;  // a cache line: what the two write lies apart
 
 std::size_t whole_lines(std::size_t size) {
@@ -51,7 +51,25 @@ struct SharedMemory::Head {
   std::uint64_t transducers, most_cycle;
   std::uint64_t drives, drive_size;  ///< the turns, then three places
   std::uint64_t plans, plan_size;
+  std::uint64_t tally;
 };
+
+void Tally::tell(const session::Passed& taken, const BoardCounts& counts) {
+  const std::array now{
+      taken.drives,           taken.plans,    counts.submitted.drives, counts.submitted.plans, counts.completed.drives,
+      counts.completed.plans, counts.starting};
+  // Not all at one instant: whoever reads meanwhile may miss the newest, and asks again.
+  for (std::size_t i = 0; i < now.size(); ++i)
+    values_[i].store(now[i], std::memory_order_relaxed);
+}
+
+session::Carried Tally::read() const {
+  const auto value = [&](std::size_t i) { return values_[i].load(std::memory_order_relaxed); };
+  return {.guard = session::Passed{value(0), value(1)},
+          .submitted = {value(2), value(3)},
+          .completed = {value(4), value(5)},
+          .starting = value(6)};
+}
 
 SharedMemory::SharedMemory(Descriptor fd, std::size_t size) : fd_(std::move(fd)), size_(size) {
   // All of it is there from the start: no drive waits for a page.
@@ -79,7 +97,8 @@ SharedMemory SharedMemory::make(std::span<const std::byte> brief, std::size_t tr
   head.brief_size = brief.size();
   head.drives = head.brief + whole_lines(brief.size());
   head.plans = head.drives + line + 3 * head.drive_size;
-  head.size = head.plans + line + 3 * head.plan_size;
+  head.tally = head.plans + line + 3 * head.plan_size;
+  head.size = head.tally + line;
 
   Descriptor fd(memfd_create("palpa-guard", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   if (!fd || ftruncate(fd.get(), static_cast<off_t>(head.size)) != 0) throw no_memory();
@@ -111,6 +130,10 @@ Turns& SharedMemory::drive_turns() const {
 
 Turns& SharedMemory::plan_turns() const {
   return at<Turns>(head().plans);
+}
+
+Tally& SharedMemory::tally() const {
+  return at<Tally>(head().tally);
 }
 
 SharedMemory::Place<DriveHead> SharedMemory::drive(std::uint32_t place) const {

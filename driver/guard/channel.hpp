@@ -4,6 +4,7 @@
 // gone.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -14,6 +15,8 @@
 
 #include "array/drive.hpp"
 #include "array/schedule.hpp"
+#include "driver/board.hpp"
+#include "session/hand_over.hpp"
 
 namespace palpa::driver {
 
@@ -61,6 +64,7 @@ class Turns {
 
 struct DriveHead {
   std::uint64_t slot;
+  double until_s;  ///< how long it may sound at most, on CLOCK_MONOTONIC
 };
 /// See BoardPlan.
 struct PlanHead {
@@ -68,6 +72,20 @@ struct PlanHead {
   double from_s, slot_s, modulation_hz;
   std::uint32_t cycle, foci;
   array::Modulation modulation;
+};
+
+/// What the guard tells of drives and plans that sound, for the loop to read at any time.
+class Tally {
+ public:
+  /// The guard: `taken` is what it has taken from the loop, the rest its board's.
+  void tell(const session::Passed& taken, const BoardCounts& counts);
+  /// The loop.
+  session::Carried read() const;
+
+ private:
+  static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
+  /// In the order of the hand-overs: drives, then plans of each; then those that came too soon.
+  std::array<std::atomic<std::uint64_t>, 7> values_;
 };
 
 /// The memory: what the guard is told (Brief), drives, and plans where the board plays any.
@@ -98,6 +116,7 @@ class SharedMemory {
   PlanPlace plan(std::uint32_t place) const;
   Turns& drive_turns() const;
   Turns& plan_turns() const;
+  Tally& tally() const;
 
  private:
   struct Head;

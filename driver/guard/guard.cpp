@@ -21,6 +21,7 @@
 #include "base/error.hpp"
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
+#include "session/hand_over.hpp"
 
 namespace palpa::driver {
 namespace {
@@ -87,8 +88,8 @@ void copy_sound(std::span<const array::TransducerDrive> from, std::span<array::T
 /// What goes between a loop and a board.
 class Guard {
  public:
-  Guard(const SharedMemory& memory, bool plays_plans)
-      : memory_(memory), plays_plans_(plays_plans), drive_(memory.drive(0).drives.size()) {
+  Guard(const SharedMemory& memory, bool plays_plans, double slot_s)
+      : memory_(memory), plays_plans_(plays_plans), slot_s_(slot_s), drive_(memory.drive(0).drives.size()) {
     if (!plays_plans) return;
     plan_.resize(memory.plan(0).drives.size());
     foci_.resize(memory.plan(0).foci.size());
@@ -101,13 +102,17 @@ class Guard {
       if (asked_to_leave) return Said::told_to_leave;
       if (!listen()) return Said::silent;
       play_newest(board);
-      if (sounding_ && monotonic_s() >= heard_s_ + heartbeat_s) {
+      if (sounding_ && is_overdue(monotonic_s(), heard_s_, until_s_, slot_s_)) {
         board.all_off();
         sounding_ = false;
       }
       board.tend();
+      tell_counts(board);
     }
   }
+
+  /// For the loop to read.
+  void tell_counts(const Board& board) const { memory_.tally().tell(taken_, board.counts()); }
 
  private:
   static void wait(Board& board) {
@@ -141,7 +146,9 @@ class Guard {
     heart_beats();
     const auto told = memory_.drive(drive_place_);
     if (told.head.slot < planned_from_) return;  // it was told before the plan that is there already
+    until_s_ = told.head.until_s;
     copy_sound(told.drives, drive_);
+    taken_.drives += session::sounds(drive_) ? 1 : 0;
     board.play(told.head.slot, drive_);
   }
 
@@ -160,8 +167,11 @@ class Guard {
     const std::size_t size = drive_.size() * head.cycle;
     if (size > plan_.size()) return;
     planned_from_ = head.from_slot;
+    until_s_ =
+        head.from_s + static_cast<double>(head.until_slot - std::min(head.from_slot, head.until_slot)) * head.slot_s;
     const std::span<array::TransducerDrive> drives(plan_.data(), size);
     copy_sound(told.drives, drives);
+    taken_.plans += head.cycle > 0 ? 1 : 0;
     const std::size_t foci = head.foci == head.cycle ? head.cycle : 0;
     std::copy_n(told.foci.begin(), foci, foci_.begin());
     board.plan({head.from_slot, head.until_slot, head.from_s, head.slot_s, head.cycle, drives,
@@ -171,11 +181,14 @@ class Guard {
 
   const SharedMemory& memory_;
   bool plays_plans_;
+  double slot_s_;
   array::Drive drive_, plan_;
   std::vector<Vec3> foci_;
   std::uint32_t drive_place_ = Turns::readers_first, plan_place_ = Turns::readers_first;
   std::uint64_t planned_from_ = 0;  ///< the newest plan's first slot
+  session::Passed taken_;           ///< that sound
   double heard_s_ = 0;
+  double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest drive's plan may sound
   bool sounding_ = false;
 };
 
@@ -185,7 +198,7 @@ int hold_board(std::span<const BoardKind> kinds) {
   const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const BoardKind& k) { return k.name == brief.kind; });
   if (kind == kinds.end()) throw failure("palpa-guard knows no board " + brief.kind);
   Notes notes;
-  Guard guard(memory, kind->plays_plans);  // all its memory before the board sounds
+  Guard guard(memory, kind->plays_plans, brief.slot_s);  // all its memory before the board sounds
   const auto board = kind->open({brief.argument, brief.files, brief.layout, brief.slot_s, notes, brief.sound_speed_m_s,
                                  brief.foci_move, brief.ramp_s});
   keep_in_memory();
@@ -201,6 +214,7 @@ int hold_board(std::span<const BoardKind> kinds) {
   }
   board->all_off();
   const bool sure = board->close();
+  guard.tell_counts(*board);
   if (fault) std::rethrow_exception(fault);
   say(guard_socket, sure ? end : Said::unsure);
   return sure ? 0 : 1;

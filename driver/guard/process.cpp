@@ -106,6 +106,7 @@ GuardProcess::GuardProcess(const std::string& program, const Brief& brief, std::
 
 GuardProcess::~GuardProcess() {
   hang_up();
+  wake();  // one that was stopped would be left behind, and hold its board
   wait_for_exit(exit_s);
 }
 

@@ -15,6 +15,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "driver/fixed_text.hpp"
+#include "session/hand_over.hpp"
 
 namespace palpa::driver::openmpd {
 namespace {
@@ -168,7 +169,10 @@ void OpenMpdBoard::play(std::uint64_t, std::span<const array::TransducerDrive> d
   if (steps_ > 1) std::copy(drive.begin(), drive.end(), newest_.begin());
   waits_ = true;
   const auto off = [](const Frame& frame) { return frame == all_off_frame; };
-  if (std::all_of(next_.begin(), next_.end(), off)) begin_silence();
+  if (std::all_of(next_.begin(), next_.end(), off)) {
+    begin_silence();
+    faint_ += session::sounds(drive) ? 1 : 0;
+  }
   tend_wires();
   send_next();
 }
@@ -248,7 +252,18 @@ void OpenMpdBoard::send_steps(std::size_t board) {
     encoders_[board].encode(between, frames[step - 1]);
   }
   frames[steps_ - 1] = next_[board];
-  wires_[board]->send(std::span(frames).first(steps_));
+  wires_[board]->send(std::span(frames).first(steps_), true);
+}
+
+/// A drive has come as far as on the board on which it has come least far.
+BoardCounts OpenMpdBoard::counts() const {
+  const auto least = [&](std::uint64_t (Wire::*count)() const) {
+    std::uint64_t fewest = (*wires_.front().*count)();
+    for (const auto& wire : wires_)
+      fewest = std::min(fewest, (*wire.*count)());
+    return fewest + faint_;
+  };
+  return {.submitted = {.drives = least(&Wire::submitted)}, .completed = {.drives = least(&Wire::completed)}};
 }
 
 void OpenMpdBoard::tend_wires(bool may_ask) {
@@ -330,6 +345,7 @@ class OpenBoard final : public Board {
   void all_off() override { board_.all_off(); }
   void tend() override { board_.tend(); }
   bool close() override { return board_.close(); }
+  BoardCounts counts() const override { return board_.counts(); }
 
  private:
   std::unique_ptr<usb::Transport> transport_ = usb::system_transport();
@@ -344,7 +360,13 @@ BoardKind board_kind() {
       "openmpd",
       "openmpd:SERIAL[,SERIAL...]  OpenMPD boards on USB, by the layout's order; SERIAL@BUS-PORT where several share a "
       "serial number",
-      [](const BoardSetting& setting) { return std::make_unique<OpenBoard>(setting); }};
+      [](const BoardSetting& setting) { return std::make_unique<OpenBoard>(setting); },
+      false,
+      true,
+      [](const std::string& argument) -> std::string {
+        const std::size_t boards = parse_addresses(argument).size();
+        return boards == 1 ? "openmpd" : boards == 2 ? "openmpd-pair" : "";
+      }};
 }
 
 }  // namespace palpa::driver::openmpd

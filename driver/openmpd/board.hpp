@@ -50,6 +50,7 @@ class OpenMpdBoard final : public Board {
   void all_off() override;
   void tend() override;
   bool close() override;
+  BoardCounts counts() const override;
 
   bool in_step() const;
   const std::vector<std::unique_ptr<Wire>>& wires() const { return wires_; }
@@ -79,6 +80,7 @@ class OpenMpdBoard final : public Board {
   std::size_t asker_ = 0;               ///< the wire whose turn it is to ask its device
   bool silent_ = true;                  ///< what was sent last is the all-off frame
   double sent_s_ = 0;
+  std::uint64_t faint_ = 0;  ///< drives that sound less than a board's first step: its silence is what they are
   bool troubled_ = false;
   double troubled_s_ = 0;
 };

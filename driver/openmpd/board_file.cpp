@@ -42,16 +42,20 @@ class Tokens {
     double value = 0;
     const auto [end, code] = std::from_chars(token.data(), token.data() + token.size(), value);
     if (code != std::errc{} || end != token.data() + token.size() || !(value >= low && value <= high)) {
-      throw fault(
-          fmt::format("\"{}\" where {} should stand: a number from {} to {}", printable(token, 40), wanted, low, high));
+      // Before its board was recognised it may be any file, of which nothing is to be shown.
+      const std::string there = recognised_ ? fmt::format("\"{}\"", printable(token, 40)) : "something else";
+      throw fault(fmt::format("{} where {} should stand: a number from {} to {}", there, wanted, low, high));
     }
     return value;
   }
   int whole(std::string_view wanted, int low, int high) {
     const double value = number(wanted, low, high);
-    if (value != std::floor(value)) throw fault(fmt::format("{} where {} should stand: a whole number", value, wanted));
+    if (value != std::floor(value))
+      throw fault(fmt::format("something else where {} should stand: a whole number", wanted));
     return static_cast<int>(value);
   }
+  /// What has been read can only be the beginning of a board file.
+  void recognised() { recognised_ = true; }
   Error fault(const std::string& what) const { return bad_input(name_, fmt::format("line {}: {}", line_, what)); }
 
  private:
@@ -61,6 +65,7 @@ class Tokens {
   std::string_view text_;
   std::size_t at_ = 0;
   unsigned line_ = 1;
+  bool recognised_ = false;
 };
 
 void read_positions(Tokens& tokens) {
@@ -98,6 +103,7 @@ BoardFile read_board_file(const std::filesystem::path& file) {
   board.serial = printable(tokens.next("the board's serial number"), 64);
   tokens.whole("the number of transducers", transducers, transducers);
   tokens.whole("the number of phase steps", 128, 128);
+  tokens.recognised();
   read_positions(tokens);
   read_pins(tokens);
   for (std::size_t t = 0; t < transducers; ++t)

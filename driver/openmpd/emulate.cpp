@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -55,6 +54,8 @@ class Viewer {
           const std::lock_guard lock(mutex_);
           return drive_;
         }) {}
+  /// As LiveView has it.
+  void end() { view_.end(); }
   /// What the boards sound now.
   void take() {
     const std::lock_guard lock(mutex_);
@@ -101,8 +102,8 @@ void serve(std::span<const std::unique_ptr<Emulated>> boards, Viewer* viewer, bo
       one->server->go_on(now_s);
       const auto& kept = one->board.violations().kept();
       for (; one->told < kept.size() && !quiet; ++one->told) {
-        fmt::print("{} at {:.4f} s: {}\n", one->serial(), kept[one->told].time_s, kept[one->told].what);
-        std::fflush(stdout);
+        write_file("-",
+                   fmt::format("{} at {:.4f} s: {}\n", one->serial(), kept[one->told].time_s, kept[one->told].what));
       }
     }
     if (viewer != nullptr && now_s > taken_s + 0.1) {
@@ -162,9 +163,8 @@ void judge(std::span<const std::unique_ptr<Emulated>> boards) {
 
 }  // namespace
 
-void emulate(const emulate::Options& options) {
+void emulate(const emulate::Options& options, const Outputs& outputs) {
   const std::vector<Address> addresses = parse_addresses(options.serials.empty() ? "EMU1" : options.serials);
-  const Outputs outputs({{"--trace", options.trace}, {"--json", options.common.json}});
   std::vector<BoardFile> files;
   if (!options.files.empty()) files = read_board_files(options.files);
   std::optional<array::Layout> layout;
@@ -181,20 +181,20 @@ void emulate(const emulate::Options& options) {
                                                 trace ? &*trace : nullptr, addresses.size() == 1));
   }
   for (const auto& one : boards)
-    fmt::print("{}\n", one->server->address().string());
-  std::fflush(stdout);
+    write_file("-", one->server->address().string() + "\n");
 
   std::optional<Viewer> viewer;
   if (layout) viewer.emplace(*layout, boards);
   serve(boards, viewer ? &*viewer : nullptr, options.common.quiet);
+  if (viewer) viewer->end();
   viewer.reset();
 
   if (!options.common.json.empty()) write_file(options.common.json, to_json(boards));
   if (setup::shows_summary(options.common, outputs)) {
     for (const auto& one : boards) {
       const Fpga& fpga = one->board.fpga();
-      fmt::print("{}: {} frames, {}, at most {} bytes waited\n", one->serial(), fpga.frames(),
-                 fpga.sounds() ? "sounds" : "silent", fpga.most_buffered());
+      write_file("-", fmt::format("{}: {} frames, {}, at most {} bytes waited\n", one->serial(), fpga.frames(),
+                                  fpga.sounds() ? "sounds" : "silent", fpga.most_buffered()));
     }
   }
   judge(boards);

@@ -24,8 +24,23 @@ void Fpga::violate(std::int64_t now_ns, const char* what) {
   violations_.add(1e-9 * static_cast<double>(now_ns), what);
 }
 
+namespace {
+
+bool any_sounds(const Pulses& pulses) {
+  return std::any_of(pulses.begin(), pulses.end(), [](const Pulse& pulse) { return pulse.width % 128 != 0; });
+}
+
+}  // namespace
+
 bool Fpga::sounds() const {
-  return std::any_of(front_.begin(), front_.end(), [](const Pulse& pulse) { return pulse.width % 128 != 0; });
+  return any_sounds(front_);
+}
+
+bool Fpga::sounds_behind() const {
+  bool waits = false;
+  for (std::size_t i = 0; i < used_; ++i)
+    waits = waits || (buffer_[(first_ + i) % buffer_bytes] & 0x7f) != 0;
+  return waits || any_sounds(back_);
 }
 
 void Fpga::begin_resync(double now_s) {

@@ -53,6 +53,8 @@ class Fpga {
 
   const Pulses& pulses() const { return front_; }
   bool sounds() const;
+  /// Something waits in its buffer, or in the frame that comes next, that would sound.
+  bool sounds_behind() const;
   unsigned divider() const { return divider_ == 0 ? 256 : divider_; }
   std::uint64_t frames() const { return frames_; }  ///< shown since power-up
   /// Shown since it was brought into step last: boards of one array get equal numbers of these.

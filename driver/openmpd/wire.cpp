@@ -197,11 +197,12 @@ void Wire::tend() {
   }
 }
 
-void Wire::begin(std::span<const std::uint8_t> bytes) {
+void Wire::begin(std::span<const std::uint8_t> bytes, bool sounds) {
   const auto free = std::find_if(flights_.begin(), flights_.end(), [](const Flight& flight) { return !flight.flies; });
   std::copy(bytes.begin(), bytes.end(), free->bytes.begin());
   free->length = bytes.size();
   free->sent = 0;
+  free->sounds = sounds;
   free->turn = ++begun_;
   begun_s_ = clock_.now_s();
   submit(static_cast<unsigned>(free - flights_.begin()));
@@ -215,7 +216,10 @@ bool Wire::submit(unsigned number) {
     fall_out(outcome);
     return false;
   }
-  if (flight.sent == 0) flight.since_s = clock_.now_s();
+  if (flight.sent == 0) {
+    flight.since_s = clock_.now_s();
+    submitted_ += flight.sounds ? 1 : 0;
+  }
   flight.flies = true;
   ++flying_;
   return true;
@@ -227,6 +231,7 @@ void Wire::reap() {
     flight.flies = false;
     --flying_;
     flight.sent += sent->bytes;
+    if (flight.sounds && flight.sent == flight.length) ++completed_;
     if (state_ == State::draining) continue;
     if (sent->outcome != Outcome::done) {
       fall_out(sent->outcome);
@@ -274,9 +279,9 @@ bool Wire::takes() const {
   return state_ == State::in_step && flying_ < usb::most_in_flight;
 }
 
-void Wire::send(std::span<const Frame> frames) {
+void Wire::send(std::span<const Frame> frames, bool sounds) {
   frames_ += frames.size();
-  begin({frames.front().data(), frames.size() * frame_bytes});
+  begin({frames.front().data(), frames.size() * frame_bytes}, sounds);
 }
 
 void Wire::keep_awake() {

@@ -58,8 +58,8 @@ class Wire {
   bool in_step() const { return state_ == State::in_step; }
   /// Whether send() may be called: in step, and a transfer free.
   bool takes() const;
-  /// Begins to send, one frame after the other. Trouble with it is for tend().
-  void send(std::span<const Frame> frames);
+  /// Begins to send, one frame after the other. Trouble with it is for tend(). `sounds`: it is a drive to be counted.
+  void send(std::span<const Frame> frames, bool sounds = false);
   /// Of a board in step that waits for another while nothing is sent: zeros, which begin no frame, where nothing has
   /// left for so long that it might clear its buffer, and cut the next frame.
   void keep_awake();
@@ -76,6 +76,9 @@ class Wire {
   std::string_view trouble() const { return trouble_.view(); }
   unsigned bus() const { return entry_.bus; }
   std::uint64_t frames() const { return frames_; }  ///< given to send()
+  /// Drives that sound: whose transfer was begun, and which the device has taken to the last byte.
+  std::uint64_t submitted() const { return submitted_; }
+  std::uint64_t completed() const { return completed_; }
 
  private:
   /// lost: looked for; found: to be opened; asking: what it is and purges; draining: transfers are being ended;
@@ -87,6 +90,7 @@ class Wire {
     std::uint64_t turn = 0;  ///< in the order in which they were begun
     double since_s = 0;
     bool flies = false;
+    bool sounds = false;  ///< it is a drive to be counted
   };
 
   void look_for_device();
@@ -99,7 +103,7 @@ class Wire {
   void lose(std::string_view trouble);
   void fall_out(usb::Outcome outcome);
   void flush();
-  void begin(std::span<const std::uint8_t> bytes);
+  void begin(std::span<const std::uint8_t> bytes, bool sounds = false);
   bool submit(unsigned number);
   double oldest_s() const;
   void forgive_absence(double now_s);
@@ -122,6 +126,7 @@ class Wire {
   double begun_s_ = 0;       ///< when the last one was
   FixedText<400> trouble_;
   std::uint64_t frames_ = 0;
+  std::uint64_t submitted_ = 0, completed_ = 0;
 };
 
 }  // namespace palpa::driver::openmpd

@@ -4,13 +4,13 @@
 #include <lz4frame.h>
 
 #include <algorithm>
-#include <filesystem>
+#include <array>
 #include <memory>
 #include <optional>
 #include <string_view>
-#include <system_error>
 
 #include "base/error.hpp"
+#include "base/outputs.hpp"
 
 namespace palpa::driver::rosbag {
 namespace {
@@ -73,20 +73,16 @@ struct Bag::Header {
   }
 };
 
-Bag::Bag(std::string file) : file_(std::move(file)) {
-  std::error_code none;
-  if (!std::filesystem::is_regular_file(file_, none)) throw bad_input(file_, "there is no such file");
-  size_ = std::filesystem::file_size(file_, none);
-  in_.open(file_, std::ios::binary);
+Bag::Bag(const std::string& file) : in_(file), size_(in_.size()) {
   std::vector<std::uint8_t> begin;
-  if (!in_ || !read(begin, magic.size()) || Cursor::as_text(begin) != magic) {
-    throw bad_input(file_,
+  if (!read(begin, magic.size()) || Cursor::as_text(begin) != magic) {
+    throw bad_input(file,
                     "is no bag of format 2.0, which begins with #ROSBAG V2.0; RealSense Viewer records such bags");
   }
 }
 
 void Bag::fault(const std::string& what) const {
-  throw bad_input(file_, fmt::format("byte {}: {}", record_at_, what));
+  throw bad_input(file(), fmt::format("byte {}: {}", record_at_, what));
 }
 
 bool Bag::read(std::vector<std::uint8_t>& into, std::uint64_t bytes) {
@@ -96,19 +92,19 @@ bool Bag::read(std::vector<std::uint8_t>& into, std::uint64_t bytes) {
     return false;
   }
   into.resize(bytes);
-  if (!in_.read(reinterpret_cast<char*>(into.data()), static_cast<std::streamsize>(bytes)))
-    throw bad_input(file_, fmt::format("cannot be read from byte {} on", at_));
+  in_.read_at(at_, into);
   at_ += bytes;
   return true;
 }
 
 bool Bag::read_length(std::uint32_t& length) {
-  std::uint8_t bytes[4];
-  if (size_ - at_ < sizeof bytes || !in_.read(reinterpret_cast<char*>(bytes), sizeof bytes)) {
+  std::array<std::uint8_t, 4> bytes{};
+  if (size_ - at_ < bytes.size()) {
     cut_short_ = true;
     return false;
   }
-  at_ += sizeof bytes;
+  in_.read_at(at_, bytes);
+  at_ += bytes.size();
   length = Cursor(bytes).take<std::uint32_t>();
   return true;
 }
@@ -168,7 +164,6 @@ bool Bag::read_record() {
     return false;
   }
   at_ += bytes;
-  in_.seekg(static_cast<std::streamoff>(at_));
   return true;
 }
 

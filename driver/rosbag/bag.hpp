@@ -4,12 +4,12 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
 #include <map>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "base/input_file.hpp"
 #include "driver/rosbag/cursor.hpp"
 
 namespace palpa::driver::rosbag {
@@ -26,8 +26,8 @@ class Bag {
   /// A chunk, compressed or not, is held in memory whole. RealSense Viewer's have a few megabytes.
   static constexpr std::uint64_t most_chunk_bytes = 64u << 20;
 
-  /// Throws bad_input for a missing file and for what is no bag of this format.
-  explicit Bag(std::string file);
+  /// Throws as InputFile does, and bad_input for what is no bag of this format.
+  explicit Bag(const std::string& file);
 
   /// False at the end. Throws bad_input naming file, byte and fault for broken records, chunks above most_chunk_bytes,
   /// and those compressed with anything but lz4.
@@ -35,7 +35,7 @@ class Bag {
   /// The file ends in the middle of a record.
   bool cut_short() const { return cut_short_; }
 
-  const std::string& file() const { return file_; }
+  const std::string& file() const { return in_.name(); }
   /// Where the record began that next() read last, as an Error.
   [[noreturn]] void fault(const std::string& what) const;
 
@@ -49,8 +49,7 @@ class Bag {
   bool read(std::vector<std::uint8_t>& into, std::uint64_t bytes);
   bool read_length(std::uint32_t& length);
 
-  std::string file_;
-  std::ifstream in_;
+  InputFile in_;
   std::uint64_t size_ = 0, at_ = 0, record_at_ = 0;
   bool cut_short_ = false;
   std::map<std::uint32_t, std::string> topics_;  ///< by connection

@@ -58,6 +58,11 @@ class BagSource final : public sensing::DepthSource {
  public:
   BagSource(const std::string& file, const sensing::Camera* posed, bool paced) : bag_(file), paced_(paced) {
     there_ = read(next_);
+    if (!there_ && bag_.cut_short()) {
+      throw bad_input(file,
+                      "ends in the middle of a record, before its first depth image: the recording was cut short; "
+                      "record it again, or copy the whole file");
+    }
     if (!there_)
       throw bad_input(file,
                       "has no depth of a RealSense: no image on a topic like /device_0/sensor_0/Depth_0/image/data");
@@ -109,7 +114,7 @@ class BagSource final : public sensing::DepthSource {
         bag_.fault(fmt::format("topic {}: {}", *message.topic, malformed.what()));
       }
     }
-    if (bag_.cut_short())
+    if (bag_.cut_short() && read_ > 0)
       log::warning(fmt::format("{}: ends in the middle of a record, after {} depth frames; the recording was cut short",
                                bag_.file(), read_));
     return false;
@@ -181,10 +186,12 @@ class BagSource final : public sensing::DepthSource {
   void place(const sensing::Camera* posed) {
     sensing::Camera& camera = cameras_[0];
     if (!posed) {
-      log::warning(
-          fmt::format("{}: nobody says where this camera stood, so it is put at the world's origin; give --rig "
-                      "with one [[camera]] and its T_world_camera",
-                      bag_.file()));
+      log::warning(fmt::format(
+          "{0}: where its camera stood is not known, so it stands at the world's origin; give --rig with one "
+          "[[camera]] and its T_world_camera (palpa doctor --write-rig rig.toml --source bag:{0} writes "
+          "one, and palpa calibrate --rig rig.toml --source bag:TARGET.bag --out calibrated.toml finds the "
+          "pose, from a bag of the same camera in the same place that shows the printed target)",
+          bag_.file()));
       return;
     }
     camera.name = posed->name;

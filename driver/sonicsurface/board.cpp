@@ -8,12 +8,15 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
+#include <sstream>
+#include <string>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/input_file.hpp"
 #include "driver/guard/channel.hpp"
+#include "driver/plan_tally.hpp"
 #include "driver/sonicsurface/line.hpp"
 #include "driver/sonicsurface/wire.hpp"
 
@@ -88,6 +91,9 @@ class SonicSurface final : public Board {
       if (!still || !silent_at(slot)) silence();
     } else if (still) {
       sounding_ = true;
+      tally_.allow(start_drives());
+      pump();
+      return tally_.play();
     } else {
       encoder_.encode(drive, newest_);
       sounding_ = drive_waits_ = true;
@@ -103,6 +109,7 @@ class SonicSurface final : public Board {
     slot_s_ = plan.slot_s;
     hz_ = plan.modulation_hz;
     modulation_ = plan.modulation;
+    tally_.allow(start_drives());
     sounding_ = true;
     drive_waits_ = false;
     pump();
@@ -143,7 +150,16 @@ class SonicSurface final : public Board {
     return true;
   }
 
+  BoardCounts counts() const override { return tally_.counts(); }
+
  private:
+  /// How many drives may pass until a first pattern is there: both buffers silenced, then a frame, and as much again
+  /// for what the line still has.
+  std::uint64_t start_drives() const {
+    const double start_s = 2 * seconds_of(all_off_.size() + encoder_.size());
+    return slot_s_ > 0 ? static_cast<std::uint64_t>(std::ceil(start_s / slot_s_)) : 0;
+  }
+
   bool silent_at(std::uint64_t slot) const {
     const double midpoint_s = (static_cast<double>(slot) + 0.5) * slot_s_;
     return hz_ != 0 && static_cast<float>(array::modulation_gain(modulation_, hz_, midpoint_s)) == 0;
@@ -156,6 +172,8 @@ class SonicSurface final : public Board {
 
   /// What waits is dropped, in the kernel, too; then all off, in both buffers.
   void fall_silent(std::span<const std::uint8_t> off) {
+    tally_.gone();
+    on_its_way_ = Load::none;
     line_.drop();
     line_free_s_ = monotonic_s();
     say(off);
@@ -189,6 +207,7 @@ class SonicSurface final : public Board {
         if (line_.gone()) return lose(now_s);
         if (sent_ < out_.size()) return;
       }
+      if (now_s >= line_free_s_) has_arrived();
       if (!sounding_) return;
       if (now_s < line_free_s_) return wake_at(line_free_s_);
       if (!next(now_s)) return;
@@ -199,13 +218,13 @@ class SonicSurface final : public Board {
   bool next(double now_s) {
     if (drive_waits_) {
       drive_waits_ = false;
-      load(newest_, now_s);
+      load(newest_, now_s, Load::drive);
       return true;
     }
     if (!has_still_) return false;
     const bool differs = loaded_ != still_ || loaded_hz_ != hz_;
     if (hz_ == 0) {
-      if (differs) load(still_, now_s);
+      if (differs) load(still_, now_s, Load::plan);
       return differs;
     }
     if (!front_off_ && !back_off_) {  // what came before was no modulation
@@ -214,7 +233,7 @@ class SonicSurface final : public Board {
     }
     // Only behind a silent front can a pattern be written without being heard half.
     if (differs && front_off_ && (silent_ || now_s >= loaded_s_ + refresh_s)) {
-      load(still_, now_s);
+      load(still_, now_s, Load::plan);
       toggle_s_ = line_free_s_ + 0.5 / hz_;
       return true;
     }
@@ -229,14 +248,24 @@ class SonicSurface final : public Board {
     return true;
   }
 
-  void load(const std::vector<std::uint8_t>& frame, double now_s) {
+  enum class Load { none, drive, plan };
+  void load(const std::vector<std::uint8_t>& frame, double now_s, Load what) {
     say(frame);
+    on_its_way_ = what;
+    what == Load::plan ? tally_.sent() : tally_.drive_sent();
     loaded_ = frame;
     loaded_hz_ = hz_;
     loaded_s_ = now_s;
     back_off_ = front_off_;
     front_off_ = false;
     silent_ = all_silent_ = false;
+  }
+
+  /// What was loaded has left, by the line's speed.
+  void has_arrived() {
+    const Load what = std::exchange(on_its_way_, Load::none);
+    if (what == Load::plan) tally_.there();
+    if (what == Load::drive) tally_.drive_there();
   }
 
   void wake_at(double when_s) const {
@@ -250,6 +279,8 @@ class SonicSurface final : public Board {
     out_.clear();
     sent_ = 0;
     silent_ = all_silent_ = false;
+    tally_.gone();
+    on_its_way_ = Load::none;
     retry_at_s_ = now_s + retry_s;
     if (!std::exchange(lost_, true)) notes_.warning("the serial port is gone");
   }
@@ -295,6 +326,8 @@ class SonicSurface final : public Board {
   double line_free_s_ = 0;  ///< when all that was said has left, by the line's speed
   bool lost_ = false;
   double retry_at_s_ = 0;
+  PlanTally tally_;
+  Load on_its_way_ = Load::none;
 };
 
 }  // namespace
@@ -302,13 +335,21 @@ class SonicSurface final : public Board {
 std::vector<float> read_degrees(const std::string& folder, std::size_t count) {
   if (folder.empty()) return {};
   const std::string file = (std::filesystem::path(folder) / "sonicsurface.txt").string();
-  std::ifstream in(file);
-  if (!in)
+  constexpr std::uint64_t most_bytes = 1 << 20;
+  std::istringstream in;
+  try {
+    in.str(read_file(file, most_bytes));
+  } catch (const Error& error) {
+    if (error.code() != Exit::bad_input) throw;
     throw bad_input(file, fmt::format("cannot be read; it has {} numbers, one per transducer, in degrees", count));
+  }
   std::vector<float> degrees;
   for (float value = 0; in >> value;) {
-    if (!(std::abs(value) <= 360))
-      throw bad_input(file, fmt::format("{} degrees are no phase from -360 to 360", value));
+    if (!(std::abs(value) <= 360)) {
+      // Where no phase came before, it may be any file, of which nothing is to be shown.
+      const std::string what = degrees.empty() ? "its first number is" : fmt::format("{} degrees are", value);
+      throw bad_input(file, what + " no phase from -360 to 360");
+    }
     degrees.push_back(value);
   }
   if (!in.eof()) throw bad_input(file, fmt::format("number {} is none", degrees.size() + 1));
@@ -318,14 +359,20 @@ std::vector<float> read_degrees(const std::string& folder, std::size_t count) {
 }
 
 BoardKind board_kind() {
-  return {"sonicsurface", "sonicsurface:PORT[,tactile]: SonicSurface boards on a serial port",
+  return {"sonicsurface",
+          "sonicsurface:PORT[,tactile]: SonicSurface boards on a serial port",
           [](const BoardSetting& setting) -> std::unique_ptr<Board> {
             const Port port = parse_port(setting.argument);
             const std::size_t boards = boards_of(setting.layout, port.firmware);
             check_pace(setting, boards);
             return std::make_unique<SonicSurface>(setting, port, boards);
           },
-          true};
+          true,
+          true,
+          [](const std::string&) { return std::string("sonicsurface"); },
+          [](const std::string& argument, const array::Layout& layout) {
+            return seconds_of(frame_size(boards_of(layout, parse_port(argument).firmware)));
+          }};
 }
 
 }  // namespace palpa::driver::sonicsurface

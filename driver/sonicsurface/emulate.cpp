@@ -41,7 +41,7 @@ array::Drive heard_drive(const EmulatedBoards& machine, std::span<const float> d
 
 }  // namespace
 
-void emulate(const emulate::Options& options) {
+void emulate(const emulate::Options& options, const Outputs& outputs) {
   const array::Layout layout = layout_of(options);
   const std::vector<float> degrees = read_degrees(options.files, layout.transducers.size());
   const emulate::Stop ends;  // until all is said
@@ -60,8 +60,9 @@ void emulate(const emulate::Options& options) {
        .serve = [&](const auto& stop, auto& lock, const auto& took) { pty.serve(machine, stop, lock, took); }});
   const bool sounds = !machine.all_silent() || !machine.all_silent_behind();
   emulate::conclude(
-      options, {fmt::format("{} bytes, {} swaps, {}", machine.bytes(), machine.swaps(), sounds ? "sounding" : "silent"),
-                "bytes", machine.bytes(), sounds, violations, machine.violations().count()});
+      options, outputs,
+      {fmt::format("{} bytes, {} swaps, {}", machine.bytes(), machine.swaps(), sounds ? "sounding" : "silent"), "bytes",
+       machine.bytes(), sounds, violations, machine.violations().count()});
 }
 
 }  // namespace palpa::driver::sonicsurface

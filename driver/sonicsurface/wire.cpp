@@ -75,7 +75,8 @@ std::vector<std::uint8_t> Encoder::all_off() const {
   std::vector<std::uint8_t> bytes = own_off();  // first: no swap makes them sound after that
   if (firmware_ != Firmware::plain) return bytes;
   if (boards_ == 1) add_off(bytes, {secondary});
-  bytes.push_back(primary);
+  // The tactile firmware takes a selection for a phase, which would wait in its hidden buffer: it is overwritten there.
+  bytes.insert(bytes.end(), {primary, begin, off});
   return bytes;
 }
 

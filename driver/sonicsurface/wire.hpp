@@ -56,6 +56,7 @@ class Encoder {
   void encode(std::span<const array::TransducerDrive> drive, std::span<std::uint8_t> frame) const;
   /// All off, in both buffers, on every board that may be there: one board alone may have been deselected by whoever
   /// had it before, and a second one behind it sounds since it was switched on. The primary one is selected afterwards.
+  /// A board with the tactile firmware that was opened without saying so is silent in both buffers, too.
   std::vector<std::uint8_t> all_off() const;
   /// The same for its own boards alone: enough, and half as long for one, where all_off() has gone before.
   std::vector<std::uint8_t> own_off() const;

@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "autd3_rig.hpp"
 #include "driver/autd3/board.hpp"
 #include "driver/autd3/listen.hpp"
 #include "driver/autd3/remote.hpp"
@@ -26,116 +27,11 @@ namespace palpa::driver::autd3 {
 namespace {
 
 using namespace std::chrono_literals;
+using test::part_heard;
+using Rig = test::Autd3Rig;
+using Serving = test::Autd3Serving;
+using Told = test::Autd3Notes;
 constexpr double pi = std::numbers::pi;
-
-class Told final : public BoardNotes {
- public:
-  void warning(std::string_view line) noexcept override { warnings.emplace_back(line); }
-  void info(std::string_view line) noexcept override { infos.emplace_back(line); }
-  std::vector<std::string> warnings, infos;
-};
-
-/// An emulated server that is there while this lives.
-class Serving {
- public:
-  /// `late` is how long it lets every request wait.
-  explicit Serving(EmulatedServer& server, std::uint16_t port = 0, std::chrono::milliseconds late = 0ms)
-      : listener_(port) {
-    thread_ = std::thread([this, &server, late] {
-      listener_.serve(server, stop_, lock, [late](auto) { std::this_thread::sleep_for(late); });
-    });
-  }
-  ~Serving() {
-    stop_ = true;
-    thread_.join();
-  }
-  Serving(const Serving&) = delete;
-  Serving& operator=(const Serving&) = delete;
-  std::string address() const { return listener_.address(); }
-  std::uint16_t port() const { return listener_.port(); }
-  std::mutex lock;
-
- private:
-  Listener listener_;
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
-};
-
-/// A board on it, as its guard has it.
-struct Rig {
-  array::Layout layout;
-  EmulatedServer server;
-  std::unique_ptr<Serving> serving;
-  std::string argument, files;
-  Told notes;
-  std::unique_ptr<Board> board;
-  array::Drive drives, silence;
-  std::vector<Vec3> foci;
-  std::uint64_t slot = 1000;
-  double sound_speed_m_s = 340;
-
-  explicit Rig(const std::string& name = "autd3")
-      : layout(array::load_layout(name)), server(layout.boards.size()), serving(std::make_unique<Serving>(server)) {
-    argument = serving->address();
-    drives.resize(10 * layout.transducers.size());
-    for (std::size_t i = 0; i < drives.size(); ++i)
-      drives[i] = {static_cast<float>(i % 97 + 1) / 97, static_cast<float>(static_cast<double>(i % 61) / 10 - 3)};
-    silence.assign(layout.transducers.size(), {0.0f, 0.0f});
-  }
-  std::unique_ptr<Board> make(double slot_s = 1.5e-3) {
-    return board_kind().open({argument, files, layout, slot_s, notes, sound_speed_m_s});
-  }
-  void open() { board = make(); }
-  std::span<const array::TransducerDrive> part(std::uint64_t s) const {
-    return std::span(drives).subspan((s % 10) * silence.size(), silence.size());
-  }
-  /// When the plan's first slot begins, as the devices count.
-  double plan(double hz = 0) {
-    double from_s = monotonic_s(), device_s = device_time_s();
-    while (monotonic_s() > from_s + 20e-6) {  // both at one time
-      from_s = monotonic_s();
-      device_s = device_time_s();
-    }
-    board->plan({slot, slot + 1000000, from_s, 1.5e-3, 10, drives, foci, hz, array::Modulation::amplitude_sine});
-    return device_s;
-  }
-  /// As a guard does between drives.
-  template <typename Done>
-  bool tend_until(const Done& done, std::chrono::milliseconds at_most = 3000ms) {
-    for (const auto end = std::chrono::steady_clock::now() + at_most; std::chrono::steady_clock::now() < end;) {
-      board->tend();
-      {
-        const std::lock_guard held(serving->lock);
-        if (done()) return true;
-      }
-      std::this_thread::sleep_for(200us);
-    }
-    return false;
-  }
-  bool silent() const { return server.silent(device_time_s()); }
-  bool falls_silent() {
-    return tend_until([&] { return silent(); });
-  }
-  bool sounds() {
-    return tend_until([&] { return !silent(); });
-  }
-};
-
-/// Each device emits one whole part of the pattern.
-int part_heard(const Rig& rig, double at_s) {
-  for (std::uint64_t p = 0; p < 10; ++p) {
-    bool all = true;
-    for (std::size_t d = 0; d < rig.server.devices().size() && all; ++d) {
-      const auto heard = rig.server.devices()[d].output(at_s);
-      for (std::size_t t = 0; t < transducers && all; ++t) {
-        const Emission e = emission(rig.part(p)[d * transducers + t]);
-        all = heard[t].phase == e.phase && heard[t].intensity == e.intensity;
-      }
-    }
-    if (all) return static_cast<int>(p);
-  }
-  return -1;
-}
 
 TEST(Autd3Board, PlaysAPlanFromTheSlotThatIsRunning) {
   for (const std::string name : {"autd3", "paper"}) {
@@ -203,6 +99,25 @@ TEST(Autd3Board, ADriveOfNothingSilencesUnlessThePatternHasIt) {
   EXPECT_TRUE(rig.silent());
   EXPECT_TRUE(rig.board->close());
   EXPECT_EQ(rig.server.violation_count(), 0u);
+}
+
+TEST(Autd3Board, AllOffLeavesNothingInEitherMemory) {
+  for (const bool foci_as_drives : {false, true}) {
+    Rig rig("paper");
+    rig.open();
+    if (foci_as_drives) {
+      rig.board->play(1, rig.part(1));
+    } else {
+      rig.plan(200);
+    }
+    ASSERT_TRUE(rig.sounds());
+    rig.board->all_off();
+    EXPECT_TRUE(rig.board->close());
+    EXPECT_TRUE(rig.silent());
+    for (const EmulatedDevice& device : rig.server.devices())
+      EXPECT_TRUE(device.empty()) << "a pattern is left that a transition would bring back";
+    EXPECT_EQ(rig.server.violation_count(), 0u) << rig.server.violations()[0].what;
+  }
 }
 
 TEST(Autd3Board, DrivesWithoutAPlanComeOneByOne) {

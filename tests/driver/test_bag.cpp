@@ -131,6 +131,8 @@ TEST(Bag, WithoutAPoseTheCameraStandsAtTheOriginAndThatIsSaid) {
     EXPECT_EQ(source->cameras()[0].T_world_camera, Transform(1.0));
   });
   EXPECT_CONTAINS(said, "give --rig with one [[camera]]");
+  EXPECT_CONTAINS(said, "palpa doctor --write-rig rig.toml --source bag:");
+  EXPECT_CONTAINS(said, "palpa calibrate --rig rig.toml --source bag:");
 }
 
 TEST(Bag, WhatItLacksIsSaid) {
@@ -203,7 +205,9 @@ TEST(Bag, WhatItCannotReadIsRefused) {
   EXPECT_CONTAINS(with([](auto& b) { b.more_topic = std::string(70'000, 'x'); }), "a record's header of 70");
   EXPECT_CONTAINS(with([](auto& b) { b.distortion = {-50, 0, 0, 0, 0}; }), "cannot be undone");
   const sensing::Camera camera = posed();
-  EXPECT_CONTAINS(error_of([&] { open_bag("/nonexistent.bag", &camera, false); }), "there is no such file");
+  EXPECT_CONTAINS(error_of([&] { open_bag("/nonexistent.bag", &camera, false); }), "/nonexistent.bag: no such file");
+  EXPECT_CONTAINS(error_of([&] { open_bag("/dev/zero", &camera, false); }), "/dev/zero: is not a regular file");
+  EXPECT_CONTAINS(error_of([&] { open_bag("/dev", &camera, false); }), "/dev: is a folder, a file is needed");
   EXPECT_CONTAINS(error_of([&] { play({'#', 'R', 'O', 'S'}, &camera); }), "is no bag of format 2.0");
 }
 
@@ -238,6 +242,23 @@ TEST(Bag, CutAnywhereItEndsThereOrSaysWhatIsMissing) {
   EXPECT_EQ(most, 4u);
   const Bytes cut(whole.begin(), whole.end() - 200);
   EXPECT_CONTAINS(stderr_of([&] { play(cut, &camera); }), "ends in the middle of a record, after 3 depth frames");
+}
+
+TEST(Bag, CutBeforeItsFirstImageItSaysThatItWasCut) {
+  const sensing::Camera camera = posed();
+  for (const char* compression : {"lz4", "none"}) {
+    MadeUpBag bag;
+    bag.compression = compression;
+    bag.times_s.clear();
+    const Bytes begin = bag.bytes();
+    bag.times_s = {0.1};
+    const Bytes whole = bag.bytes();
+    for (const std::size_t length : {begin.size() - 20, begin.size() + 60}) {  // in the first chunk, in the image's
+      const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
+      const std::string line = error_of([&] { play(cut, &camera); });
+      EXPECT_CONTAINS(line, "take.bag: ends in the middle of a record, before its first depth image");
+    }
+  }
 }
 
 TEST(Bag, BrokenAnywhereItIsRefusedOrPlayed) {

@@ -15,6 +15,7 @@
 
 #include "driver/made_up_cameras.hpp"
 #include "driver/v4l2/doctor.hpp"
+#include "driver/v4l2/rig.hpp"
 #include "driver/v4l2/source.hpp"
 #include "support/captured.hpp"
 #include "support/thrown.hpp"
@@ -317,6 +318,49 @@ TEST(CameraDoctor, SaysWhatALabFindsOutTooLate) {
   EXPECT_CONTAINS(items[3].advice, "runs at 480 Mbit/s, too slow for 848x480 at 90 Hz");
   EXPECT_FALSE(items[4].ok);
   EXPECT_CONTAINS(items[4].advice, "add yourself to the group video");
+  EXPECT_EQ(machine.open_descriptors, 0);
+}
+
+TEST(CameraDoctor, DescribesTheCamerasThatAreThereForARig) {
+  Machine machine;
+  MadeUpD400 first, second;
+  make_d400(*machine.plug("/dev/video0", "A"), first);
+  machine.plug("/dev/video1", "A")->metadata = true;
+  machine.plugged["/dev/video1"]->offers.clear();
+  const auto both = machine.plug("/dev/video2", "B");
+  make_d400(*both, second);
+  both->offers = {
+      {V4L2_PIX_FMT_Z16, 1280, 720, 30}, {V4L2_PIX_FMT_Z16, 848, 480, 60}, {V4L2_PIX_FMT_Z16, 848, 480, 90}};
+  second.wrong_checksum = true;
+  const auto other = machine.plug("/dev/video4", "");
+  other->offers = {{V4L2_PIX_FMT_Z16, 320, 240, 30}, {V4L2_PIX_FMT_Z16, 640, 480, 15}};
+  machine.plug("/dev/video6", "D")->refuses_to_open = EACCES;
+  const auto kernel = machine.kernel();
+  const cli::CamerasThere there = cameras_there(*kernel);
+  EXPECT_EQ(there.source, "v4l2:/dev/video0,/dev/video2,/dev/video4");
+  EXPECT_CONTAINS(there.problem, "/dev/video6: Permission denied");
+  ASSERT_EQ(there.cameras.size(), 3u);
+  const sensing::Camera& told = there.cameras[0].camera;
+  EXPECT_EQ(told.name, "A");
+  EXPECT_EQ(told.width, 640u);
+  EXPECT_EQ(told.rate_hz, 90);
+  EXPECT_EQ(told.fx, 390.5);
+  EXPECT_EQ(told.cy, 241.75);
+  EXPECT_TRUE(told.device.own_lens);
+  EXPECT_EQ(told.depth_unit_m, 1e-4);
+  EXPECT_EQ(told.T_world_camera, Transform(1.0));
+  EXPECT_CONTAINS(there.cameras[0].note, "the camera's own calibration");
+  const sensing::Camera& guessed = there.cameras[1].camera;
+  EXPECT_EQ(guessed.width, 848u);
+  EXPECT_EQ(guessed.height, 480u);
+  EXPECT_EQ(guessed.rate_hz, 90);
+  EXPECT_NEAR(guessed.fx, 666, 1);
+  EXPECT_FALSE(guessed.device.own_lens);
+  EXPECT_CONTAINS(there.cameras[1].note, "are a guess (the checksum");
+  EXPECT_EQ(there.cameras[2].camera.name, "camera 3");
+  EXPECT_EQ(there.cameras[2].camera.width, 640u);
+  EXPECT_EQ(there.cameras[2].camera.depth_unit_m, 1e-3);
+  EXPECT_CONTAINS(there.cameras[2].note, "depth_unit_m is a guess, too");
   EXPECT_EQ(machine.open_descriptors, 0);
 }
 

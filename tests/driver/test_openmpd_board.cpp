@@ -136,6 +136,87 @@ TEST(OpenMpdBoard, SilenceSoundsWithinFiveMillisecondsAndBuffersStayEmpty) {
   EXPECT_LE(rig.emulators[0]->fpga().most_buffered(), 1536u);
 }
 
+/// How many frames with sound each board has been shown.
+std::vector<std::uint64_t> count_sounding(OpenMpdRig& rig, std::vector<std::uint64_t>& shown) {
+  shown.assign(rig.emulators.size(), 0);
+  for (std::size_t i = 0; i < rig.emulators.size(); ++i) {
+    rig.emulators[i]->fpga().on_shown([&shown, i](double, const openmpd::Pulses& pulses) {
+      shown[i] += std::any_of(pulses.begin(), pulses.end(), [](const auto& pulse) { return pulse.width > 0; }) ? 1 : 0;
+    });
+  }
+  return shown;
+}
+
+TEST(OpenMpdBoard, CountsTheDrivesThatItsBoardsAreShown) {
+  OpenMpdRig rig({"EMU1", "EMU2"});
+  rig.open();
+  std::vector<std::uint64_t> shown;
+  count_sounding(rig, shown);
+  const array::Drive drive = focus_drive(rig.layout), silent(rig.layout.transducers.size(), {0, 0});
+  const array::Drive faint(rig.layout.transducers.size(), {1e-4f, 0});
+  const auto counts = [&] { return rig.board->counts(); };
+  rig.play(drive, 0.15);
+  rig.play(silent, 0.03);
+  EXPECT_EQ(counts().submitted.drives, 100u);
+  EXPECT_EQ(counts().completed.drives, 100u);
+  EXPECT_EQ(shown, (std::vector<std::uint64_t>{100, 100}));
+  rig.play(faint, 0.015);
+  EXPECT_EQ(counts().completed.drives, 110u) << "too faint for a first step: silence is what it asks for";
+  // One board takes nothing for a while: drives are replaced, and both boards miss the same.
+  rig.faults[1]->takes_nothing = true;
+  rig.play(drive, 0.15);
+  EXPECT_LT(counts().completed.drives, 120u);
+  rig.faults[1]->takes_nothing = false;
+  rig.play(silent, 0.03);
+  EXPECT_LT(counts().completed.drives, 120u);
+  EXPECT_EQ(counts().completed.drives, shown[0] + 10);
+  EXPECT_EQ(counts().completed.drives, shown[1] + 10);
+  EXPECT_EQ(counts().submitted.drives, counts().completed.drives);
+  EXPECT_EQ(rig.violations(), "");
+}
+
+TEST(OpenMpdBoard, ADriveOfSeveralStepsIsOne) {
+  OpenMpdRig rig;
+  rig.ramp_s = 20e-3;
+  rig.open();
+  rig.play(focus_drive(rig.layout), 0.15);
+  EXPECT_EQ(rig.board->counts().submitted.drives, 100u);
+  EXPECT_EQ(rig.board->counts().completed.drives, 100u);
+}
+
+TEST(OpenMpdBoard, WhatABoardDidNotTakeToTheLastByteIsNotCompleted) {
+  OpenMpdRig rig;
+  rig.open();
+  const array::Drive drive = focus_drive(rig.layout);
+  rig.play(drive, 0.015);
+  rig.faults[0]->unplug_after = 100;
+  rig.play(drive, 0.15);
+  EXPECT_EQ(rig.board->counts().completed.drives, 10u);
+  EXPECT_EQ(rig.board->counts().submitted.drives, 11u);
+  *rig.faults[0] = {};
+  rig.play(drive, 3);
+  EXPECT_GT(rig.board->counts().completed.drives, 100u) << "it plays on";
+  EXPECT_EQ(rig.board->counts().submitted.drives, rig.board->counts().completed.drives + 1) << "the one that was cut";
+}
+
+TEST(OpenMpdBoard, AtItsEndNothingWaitsThatWouldSound) {
+  for (const double ramp_s : {0.0, 20e-3}) {
+    OpenMpdRig rig({"EMU1", "EMU2"});
+    rig.ramp_s = ramp_s;
+    rig.open();
+    rig.play(focus_drive(rig.layout), 0.02);
+    EXPECT_TRUE(rig.sounds());
+    rig.board->all_off();
+    EXPECT_TRUE(rig.board->close());
+    rig.clock.sleep_s(0.01);
+    rig.look();
+    for (const auto& emulator : rig.emulators) {
+      EXPECT_FALSE(emulator->fpga().sounds());
+      EXPECT_FALSE(emulator->fpga().sounds_behind());
+    }
+  }
+}
+
 TEST(OpenMpdBoard, ARampGoesFromFocusToFocusInSmallSteps) {
   OpenMpdRig rig({"EMU1", "EMU2"}), plain({"EMU1", "EMU2"});
   rig.ramp_s = 20e-3;

@@ -180,8 +180,9 @@ TEST(OpenMpdBoardFile, FaultsNameFileAndLine) {
   EXPECT_EQ(fault_of(good), "");
   expect(fault_of(good.substr(0, good.size() / 2)), "ends where");
   expect(fault_of(good + "1.0"), "goes on");
-  expect(fault_of("S1\n128\n128\n"), "line 2: \"128\"");
-  expect(fault_of("S1\n256\n64\n"), "line 3: \"64\"");
+  // What is no board's file is not shown.
+  expect(fault_of("S1\n128\n128\n"), "line 2: something else where the number of transducers should stand");
+  expect(fault_of("S1\n256\n64\n"), "line 3: something else where the number of phase steps should stand");
   expect(fault_of(board_file_text("S1", {}, 0.001)), "line 4: transducer 0 stands at");
   expect(fault_of(board_file_text("S1", {}, 0, 1)), "wired to pin");
   std::string word = good;

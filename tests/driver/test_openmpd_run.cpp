@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <thread>
@@ -95,6 +96,50 @@ TEST(OpenMpdRun, TwoBoardsHearALoopToItsSilentEnd) {
   }
 }
 
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(OpenMpdRun, WithoutALayoutItIsThatOfTheLinksOwnBoards) {
+  Emulation emulation("openmpd-own-layout", "EMU1,EMU2");
+  RunOptions options;
+  options.environment = emulation.environment();
+  const auto run = [&](const std::string& link, const std::vector<std::string>& more) {
+    return palpa(with({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "3", "--hold", "500ms",
+                       "--link", link, "--log-level", "info", "--backend", "cpu"},
+                      more),
+                 options);
+  };
+  const Result one = run("openmpd:EMU1", {});
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_NE(one.err.find("--link openmpd:EMU1: the array is its own, --layout openmpd,"), std::string::npos) << one.err;
+  const Result two = run("openmpd:EMU1,EMU2", {});
+  EXPECT_EQ(two.exit_code, 0) << two.err;
+  EXPECT_NE(two.err.find("--layout openmpd-pair,"), std::string::npos) << two.err;
+  // A rig without an array says as little.
+  const std::string paper = text_of(source_file("assets/rigs/paper.toml"));
+  const auto rig = emulation.folder() / "rig.toml";
+  write_text(rig, paper.substr(0, paper.find("[array]")));
+  const Result cameras = run("openmpd:EMU1", {"--rig", rig.string()});
+  EXPECT_EQ(cameras.exit_code, 0) << cameras.err;
+  EXPECT_NE(cameras.err.find("nor " + rig.string() + " names one"), std::string::npos) << cameras.err;
+  // What names an array goes first.
+  const Result named = run("openmpd:EMU1", {"--rig", source_file("assets/rigs/paper.toml").string()});
+  EXPECT_EQ(named.exit_code, 2) << named.err;
+  EXPECT_EQ(named.err.find("the array is its own"), std::string::npos) << named.err;
+  const Result nudged = palpa({"calibrate", "--nudge", "--backend", "cpu", "--link", "openmpd:EMU1", "--keys",
+                               "right enter", "--out", (emulation.folder() / "nudged.toml").string()},
+                              options);
+  EXPECT_EQ(nudged.exit_code, 0) << nudged.err;
+  EXPECT_NE(text_of(emulation.folder() / "nudged.toml").find("layout = \"openmpd\""), std::string::npos);
+  const Result tried = palpa(
+      {"link", "test", "--link", "openmpd:EMU1", "--last", "1", "--each", "20ms", "--rest", "0", "--quiet"}, options);
+  EXPECT_EQ(tried.exit_code, 0) << tried.err;
+  int exit_code = -1;
+  emulation.end(exit_code);
+}
+
 /// The bytes of all bulk transfers of a trace, one board's.
 std::string wire_of(const std::filesystem::path& trace) {
   std::string hex;
@@ -112,6 +157,33 @@ bool sounded(const std::string& wire) {
     if (wire.substr(at + 512, 512).find_first_not_of('0') != std::string::npos) return true;
   }
   return false;
+}
+
+TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
+  const auto trace = scratch_folder("openmpd-counts-trace") / "wire.jsonl";
+  Emulation emulation("openmpd-counts", "EMU1", {"--trace", trace.string()});
+  RunOptions options;
+  options.environment = emulation.environment();
+  const Result result =
+      palpa(with(with({"run"}, run_to("openmpd:EMU1", "openmpd")), {"--frames", "30", "--json", "-"}), options);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  int exit_code = -1;
+  emulation.end(exit_code);
+  EXPECT_EQ(exit_code, 0);
+  std::uint64_t heard = 0;
+  const std::string wire = wire_of(trace);
+  for (std::size_t at = 0; at + 1024 <= wire.size(); at += 1024)
+    heard += sounded(wire.substr(at, 1024)) ? 1 : 0;
+  const json drives = json::parse(result.out)["hand_over"]["drives"];
+  EXPECT_EQ(drives["completed"], heard) << drives;
+  EXPECT_GE(drives["submitted"], drives["completed"]);
+  EXPECT_GE(drives["guard"], drives["submitted"]);
+  EXPECT_GE(drives["loop"], drives["guard"]);
+  const auto lost = drives["lost"].get<std::uint64_t>(), loop = drives["loop"].get<std::uint64_t>();
+  EXPECT_EQ(lost, loop - heard);
+  // A busy machine loses some, and says so.
+  EXPECT_EQ(result.err.find("drives were lost between loop and device") != std::string::npos, lost > 8 + loop / 50)
+      << result.err;
 }
 
 TEST(OpenMpdRun, ALoopThatIsKilledLeavesSilence) {
@@ -191,6 +263,7 @@ TEST(PalpaLink, RefusesWhatItCannotTry) {
   expect_failure(palpa({"link"}), 2, "palpa link test");
   expect_failure(palpa({"link", "test", "--layout", "openmpd"}), 2, "--link");
   expect_failure(palpa({"link", "test", "--link", "null"}), 2, "--layout");
+  expect_failure(palpa({"link", "test", "--link", "autd3:127.0.0.1:9"}), 2, "--layout");
   expect_failure(palpa({"link", "test", "--link", "null", "--layout", "openmpd", "--first", "7", "--last", "256"}), 2,
                  "0 to 255");
 }
@@ -199,7 +272,7 @@ TEST(OpenMpdEmulate, RefusesWhatItCannotBe) {
   expect_failure(palpa({"emulate", "matd"}), 2, "no board is called matd");
   expect_failure(palpa({"emulate"}), 2, "which board?");
   expect_failure(palpa({"emulate", "openmpd", "--serial", "A,B,C", "--view"}), 2, "--layout");
-  expect_failure(palpa({"emulate", "openmpd", "--board-files", "/nowhere"}), 4, "/nowhere");
+  expect_failure(palpa({"emulate", "openmpd", "--board-files", "/nowhere", "--view"}), 4, "/nowhere");
 }
 
 }  // namespace

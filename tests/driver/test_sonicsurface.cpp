@@ -23,6 +23,7 @@
 #include "driver/sonicsurface/machine.hpp"
 #include "driver/sonicsurface/pty.hpp"
 #include "driver/sonicsurface/wire.hpp"
+#include "sonicsurface_rig.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
@@ -30,22 +31,10 @@ namespace palpa::driver::sonicsurface {
 namespace {
 
 using namespace std::chrono_literals;
+using test::expected_phase;
+using test::some_drive;
+using Rig = test::SonicSurfaceRig;
 constexpr float pi = std::numbers::pi_v<float>;
-
-array::Drive some_drive(std::size_t boards) {
-  array::Drive drive(boards * transducers);
-  for (std::size_t t = 0; t < drive.size(); ++t)
-    drive[t] = {1.0f,
-                static_cast<float>(static_cast<double>(t * 37 % 128) / 128 * 2 * std::numbers::pi - std::numbers::pi)};
-  drive[5].amplitude = 0;
-  return drive;
-}
-
-int expected_phase(const array::TransducerDrive& t, int steps) {
-  if (t.amplitude == 0) return EmulatedBoards::silent;
-  const double turns = t.phase / (2 * std::numbers::pi);
-  return static_cast<int>(std::floor(steps * (turns - std::floor(turns)) + 0.5)) % steps * (32 / steps);
-}
 
 TEST(SonicSurfaceWire, EachTransducerGetsItsPhase) {
   for (const auto& [boards, firmware] : {std::pair(std::size_t{1}, Firmware::plain),
@@ -83,12 +72,12 @@ TEST(SonicSurfaceWire, IsOfTheBytesThatTheBoardsTake) {
   EXPECT_EQ(Encoder(1, Firmware::tactile).all_off(), expected);
   expected.clear();
   expect({193, 192});
-  expected.push_back(192);
+  expected.insert(expected.end(), {192, 254, 32});
   EXPECT_EQ(Encoder(2, Firmware::plain).all_off(), expected);
   expected.clear();
   expect({192});
   expect({193});
-  expected.push_back(192);
+  expected.insert(expected.end(), {192, 254, 32});
   EXPECT_EQ(Encoder(1, Firmware::plain).all_off(), expected);
   expected.clear();
   expect({192});
@@ -188,69 +177,6 @@ TEST(SonicSurfaceEmulator, ASwapExchangesTheBuffersAndHitsAllBoards) {
   EXPECT_EQ(machine.violations().count(), 0u);
 }
 
-class Told final : public BoardNotes {
- public:
-  void warning(std::string_view line) noexcept override { warnings.emplace_back(line); }
-  void info(std::string_view) noexcept override {}
-  std::vector<std::string> warnings;
-};
-
-/// A board on a pseudo terminal, as its guard has it.
-struct Rig {
-  array::Layout layout = array::load_layout("sonicsurface");
-  EmulatedBoards machine{1, false};
-  Pty pty;
-  std::string argument = pty.path(), files;
-  Told notes;
-  std::mutex lock;
-  std::atomic<bool> stop{false};
-  std::thread thread{[this] { pty.serve(machine, stop, lock); }};
-  std::unique_ptr<Board> board;
-  array::Drive drive = some_drive(1), silence = array::Drive(transducers, {0.0f, 0.0f});
-
-  ~Rig() {
-    stop = true;
-    thread.join();
-  }
-  std::unique_ptr<Board> make(double slot_s, bool foci_move) {
-    return board_kind().open({argument, files, layout, slot_s, notes, 340, foci_move});
-  }
-  void plan(double hz) {
-    board->plan({100, 1000000, monotonic_s(), 1.5e-3, 1, drive, {}, hz, array::Modulation::pressure_sine});
-  }
-  /// As a guard does between drives: waits for what the board watches, 5 ms at most.
-  template <typename Done>
-  bool tend_until(const Done& done, std::chrono::milliseconds at_most = 2000ms) {
-    for (const auto end = std::chrono::steady_clock::now() + at_most; std::chrono::steady_clock::now() < end;) {
-      std::array<pollfd, 2> fds{};
-      const auto watched = board->watched();
-      std::copy(watched.begin(), watched.end(), fds.begin());
-      poll(fds.data(), watched.size(), 5);
-      board->tend();
-      const std::lock_guard held(lock);
-      if (done()) return true;
-    }
-    return false;
-  }
-  bool plays(const array::Drive& wanted) const {
-    for (std::size_t t = 0; t < transducers; ++t) {
-      if (machine.sounding(0, t) != expected_phase(wanted[t], 32)) return false;
-    }
-    return true;
-  }
-  void expect_silent_end() {
-    EXPECT_TRUE(board->close());
-    board.reset();
-    for (int i = 0; i < 500; ++i, std::this_thread::sleep_for(1ms)) {
-      const std::lock_guard held(lock);
-      if (machine.all_silent() && machine.all_silent_behind()) break;
-    }
-    const std::lock_guard held(lock);
-    EXPECT_TRUE(machine.all_silent() && machine.all_silent_behind());
-    EXPECT_EQ(machine.violations().count(), 0u) << machine.violations().kept()[0].what;
-  }
-};
-
 TEST(SonicSurfaceBoard, SilencesABoardThatWasLeftSounding) {
   Rig rig;
   rig.board = rig.make(12e-3, true);
@@ -285,6 +211,37 @@ TEST(SonicSurfaceWire, OneBoardsSilenceReachesASecondOneBehindIt) {
   EXPECT_EQ(machine.violations().count(), 0u);
 }
 
+TEST(SonicSurfaceWire, BothBuffersAreSilentWhateverTheFirmwareIsAndWhateverItWasTakenFor) {
+  struct Case {
+    const char* name;
+    std::size_t boards;  ///< that the line has
+    bool tactile;
+    Encoder encoder;  ///< as it was opened
+  };
+  const Case cases[] = {{"plain as plain", 1, false, Encoder(1, Firmware::plain)},
+                        {"plain as tactile", 1, false, Encoder(1, Firmware::tactile)},
+                        {"tactile as plain", 1, true, Encoder(1, Firmware::plain)},
+                        {"tactile as tactile", 1, true, Encoder(1, Firmware::tactile)},
+                        {"tactile as a pair", 1, true, Encoder(2, Firmware::plain)},
+                        {"a pair as one", 2, false, Encoder(1, Firmware::plain)},
+                        {"a pair as a pair", 2, false, Encoder(2, Firmware::plain)},
+                        {"a pair as tactile", 2, false, Encoder(1, Firmware::tactile)}};
+  for (const Case& c : cases) {
+    std::vector<std::uint8_t> frame(c.encoder.size());
+    c.encoder.encode(some_drive(c.encoder.size() > 300 ? 2 : 1), frame);
+    // Wherever in a frame it was left by whoever had it before.
+    for (std::size_t left_after = 0; left_after <= frame.size(); ++left_after) {
+      EmulatedBoards machine(c.boards, c.tactile);
+      machine.take(0, frame);
+      machine.take(0, std::span(frame).first(left_after));
+      machine.take(0, c.encoder.all_off());
+      ASSERT_TRUE(machine.all_silent() && machine.all_silent_behind()) << c.name << ", left after " << left_after;
+      machine.take(0, std::vector<std::uint8_t>{253});
+      ASSERT_TRUE(machine.all_silent()) << c.name;
+    }
+  }
+}
+
 TEST(SonicSurfaceBoard, PlaysTheNewestDriveAndSilenceAtOnce) {
   Rig rig;
   rig.board = rig.make(12e-3, true);
@@ -317,7 +274,7 @@ TEST(SonicSurfaceBoard, BetweenPatternsItsOwnBoardIsSilencedAtTheEndAllAre) {
   EXPECT_EQ(bytes_of(sound, sounds), 258u);
   EXPECT_EQ(bytes_of([&] { rig.board->play(slot++, rig.silence); }, silent), 2 * 259u);
   EXPECT_EQ(bytes_of(sound, sounds), 258u);
-  EXPECT_EQ(bytes_of([&] { rig.board->all_off(); }, silent), 4 * 259u + 1);
+  EXPECT_EQ(bytes_of([&] { rig.board->all_off(); }, silent), 4 * 259u + 3);
   rig.expect_silent_end();
 }
 
@@ -330,9 +287,9 @@ TEST(SonicSurfaceBoard, SilenceThatIsOnItsWayIsNotBegunAnew) {
   const std::uint64_t before = rig.machine.bytes();
   rig.board->play(1, rig.silence);
   rig.board->all_off();
-  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.bytes() >= before + 6 * 259u + 1; }))
+  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.bytes() >= before + 6 * 259u + 3; }))
       << rig.machine.bytes() - before << " bytes: both buffers of its own board, then of all";
-  EXPECT_EQ(rig.machine.bytes(), before + 6 * 259u + 1);
+  EXPECT_EQ(rig.machine.bytes(), before + 6 * 259u + 3);
   rig.expect_silent_end();
 }
 

@@ -34,16 +34,21 @@ class TraceBoard final : public driver::Board {
     const bool whole = std::all_of(drive.begin(), drive.end(), [&](const auto& t) {
       return t.phase == first && t.amplitude == drive[0].amplitude;
     });
+    written_.drives += session::sounds(drive) ? 1 : 0;
     write_line(whole ? "play %llu %g\n" : "torn %llu %g\n", slot, static_cast<double>(drive[0].amplitude));
     if (slot >= throws_from_slot) throw failure("a board must not throw");
     if (slot == 7) notes_.warning("what it has to say");
   }
 
   void plan(const driver::BoardPlan& plan) override {
+    written_.plans += plan.cycle > 0 ? 1 : 0;
     write_line("plan %llu %g\n", plan.from_slot, static_cast<double>(plan.cycle));
   }
 
   void all_off() override { write("off\n"); }
+
+  /// What is in the file has arrived.
+  driver::BoardCounts counts() const override { return {.submitted = written_, .completed = written_}; }
 
   bool close() override {
     const std::uint64_t since = allocations() - allocations_;
@@ -66,6 +71,7 @@ class TraceBoard final : public driver::Board {
   bool sure_;
   driver::BoardNotes& notes_;
   std::uint64_t allocations_ = 0;
+  session::Passed written_;
 };
 
 }  // namespace

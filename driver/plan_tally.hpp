@@ -1,0 +1,58 @@
+// Counts drives for a board that plays plans by its own clock: a drive has come as far as the plan that it belongs to.
+#pragma once
+
+#include <cstdint>
+
+#include "driver/board.hpp"
+
+namespace palpa::driver {
+
+class PlanTally {
+ public:
+  /// Before a touch's first plan can be there, up to `drives` drives may pass.
+  void allow(std::uint64_t drives) {
+    if (began_) return;
+    began_ = true;
+    allowed_ = drives;
+  }
+  /// All of a plan is on its way.
+  void sent() {
+    if (plan_ == Plan::none) plan_ = Plan::sent;
+    ++counts_.submitted.plans;
+  }
+  /// The device has it.
+  void there() {
+    plan_ = Plan::there;
+    ++counts_.completed.plans;
+  }
+  /// Silence, or no device: a plan is to come over once more before it is heard.
+  void gone() {
+    plan_ = Plan::none;
+    began_ = false;
+  }
+
+  /// A drive that sounds, and that the plan has.
+  void play() {
+    if (plan_ != Plan::there && allowed_ > 0) {
+      --allowed_;
+      ++counts_.starting;
+      return;
+    }
+    counts_.submitted.drives += plan_ != Plan::none ? 1 : 0;
+    counts_.completed.drives += plan_ == Plan::there ? 1 : 0;
+  }
+  /// A drive that no plan has, and that is sent as it is.
+  void drive_sent() { ++counts_.submitted.drives; }
+  void drive_there() { ++counts_.completed.drives; }
+
+  const BoardCounts& counts() const { return counts_; }
+
+ private:
+  enum class Plan { none, sent, there };
+  BoardCounts counts_;
+  Plan plan_ = Plan::none;
+  bool began_ = false;
+  std::uint64_t allowed_ = 0;
+};
+
+}  // namespace palpa::driver

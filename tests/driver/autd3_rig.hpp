@@ -1,0 +1,135 @@
+// AUTD3 units of software behind a server, and a board on it as its guard has it.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "driver/autd3/board.hpp"
+#include "driver/autd3/listen.hpp"
+#include "driver/autd3/server.hpp"
+#include "driver/autd3/wire.hpp"
+#include "driver/guard/channel.hpp"
+
+namespace palpa::test {
+
+class Autd3Notes final : public driver::BoardNotes {
+ public:
+  void warning(std::string_view line) noexcept override { warnings.emplace_back(line); }
+  void info(std::string_view line) noexcept override { infos.emplace_back(line); }
+  std::vector<std::string> warnings, infos;
+};
+
+/// An emulated server that is there while this lives.
+class Autd3Serving {
+ public:
+  /// `late` is how long it lets every request wait.
+  explicit Autd3Serving(driver::autd3::EmulatedServer& server, std::uint16_t port = 0,
+                        std::chrono::milliseconds late = {})
+      : listener_(port) {
+    thread_ = std::thread([this, &server, late] {
+      listener_.serve(server, stop_, lock, [late](auto) { std::this_thread::sleep_for(late); });
+    });
+  }
+  ~Autd3Serving() {
+    stop_ = true;
+    thread_.join();
+  }
+  Autd3Serving(const Autd3Serving&) = delete;
+  Autd3Serving& operator=(const Autd3Serving&) = delete;
+  std::string address() const { return listener_.address(); }
+  std::uint16_t port() const { return listener_.port(); }
+  std::mutex lock;
+
+ private:
+  driver::autd3::Listener listener_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+/// A board on it, as its guard has it.
+struct Autd3Rig {
+  array::Layout layout;
+  driver::autd3::EmulatedServer server;
+  std::unique_ptr<Autd3Serving> serving;
+  std::string argument, files;
+  Autd3Notes notes;
+  std::unique_ptr<driver::Board> board;
+  array::Drive drives, silence;
+  std::vector<Vec3> foci;
+  std::uint64_t slot = 1000;
+  double sound_speed_m_s = 340;
+
+  explicit Autd3Rig(const std::string& name = "autd3")
+      : layout(array::load_layout(name)),
+        server(layout.boards.size()),
+        serving(std::make_unique<Autd3Serving>(server)) {
+    argument = serving->address();
+    drives.resize(10 * layout.transducers.size());
+    for (std::size_t i = 0; i < drives.size(); ++i)
+      drives[i] = {static_cast<float>(i % 97 + 1) / 97, static_cast<float>(static_cast<double>(i % 61) / 10 - 3)};
+    silence.assign(layout.transducers.size(), {0.0f, 0.0f});
+  }
+  std::unique_ptr<driver::Board> make(double slot_s = 1.5e-3) {
+    return driver::autd3::board_kind().open({argument, files, layout, slot_s, notes, sound_speed_m_s});
+  }
+  void open() { board = make(); }
+  std::span<const array::TransducerDrive> part(std::uint64_t s) const {
+    return std::span(drives).subspan((s % 10) * silence.size(), silence.size());
+  }
+  /// When the plan's first slot begins, as the devices count.
+  double plan(double hz = 0) {
+    double from_s = driver::monotonic_s(), device_s = driver::autd3::device_time_s();
+    while (driver::monotonic_s() > from_s + 20e-6) {  // both at one time
+      from_s = driver::monotonic_s();
+      device_s = driver::autd3::device_time_s();
+    }
+    board->plan({slot, slot + 1000000, from_s, 1.5e-3, 10, drives, foci, hz, array::Modulation::amplitude_sine});
+    return device_s;
+  }
+  /// As a guard does between drives.
+  template <typename Done>
+  bool tend_until(const Done& done, std::chrono::milliseconds at_most = std::chrono::milliseconds(3000)) {
+    for (const auto end = std::chrono::steady_clock::now() + at_most; std::chrono::steady_clock::now() < end;) {
+      board->tend();
+      {
+        const std::lock_guard held(serving->lock);
+        if (done()) return true;
+      }
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+    return false;
+  }
+  bool silent() const { return server.silent(driver::autd3::device_time_s()); }
+  bool falls_silent() {
+    return tend_until([&] { return silent(); });
+  }
+  bool sounds() {
+    return tend_until([&] { return !silent(); });
+  }
+};
+
+/// Each device emits one whole part of the pattern.
+inline int part_heard(const Autd3Rig& rig, double at_s) {
+  for (std::uint64_t p = 0; p < 10; ++p) {
+    bool all = true;
+    for (std::size_t d = 0; d < rig.server.devices().size() && all; ++d) {
+      const auto heard = rig.server.devices()[d].output(at_s);
+      for (std::size_t t = 0; t < driver::autd3::transducers && all; ++t) {
+        const driver::autd3::Emission e = driver::autd3::emission(rig.part(p)[d * driver::autd3::transducers + t]);
+        all = heard[t].phase == e.phase && heard[t].intensity == e.intensity;
+      }
+    }
+    if (all) return static_cast<int>(p);
+  }
+  return -1;
+}
+
+}  // namespace palpa::test
