@@ -35,7 +35,7 @@ struct SkinPush {
   vec4 pose_y;
   vec4 pose_z;
   vec4 box_low;      // xyz world; w: depth unit, metres
-  vec4 box_high;     // xyz world
+  vec4 box_high;     // xyz world; w: every how many pixels of a row and rows of the image are looked at, 1 or more
   vec4 pinhole;      // cx, cy, 1 / fx, 1 / fy
   uint first_block;  // of the camera, in the common arrangement
   uint corner;       // the view's first column (low half) and row (high half)

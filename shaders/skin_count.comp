@@ -17,6 +17,15 @@ layout(push_constant) uniform Push { SkinPush push; };
 const uint sum_threads = skin_group, sum_row = 8u;
 #include "sum_before.glsl"
 
+// Which pixels of a block are looked at where only every `stride`-th one is.
+uint wanted_pixels(uvec2 pixel, uint stride) {
+  uint wanted = 0u;
+  for (uint i = 0u; i < 8u; ++i) {
+    if ((pixel.x + i) % stride == 0u) wanted |= 1u << i;
+  }
+  return wanted;
+}
+
 uint find_survivors(uint first_block) {
   const Lens lens = read_lens();
   const uint depth_low = push.depth_range & 0xffffu;
@@ -25,7 +34,13 @@ uint find_survivors(uint first_block) {
   uvec2 pixel = block_pixel(first_block);
   uint survivors = 0u;
   uint bit = 1u;
+  const uint stride = uint(lens.high.w);
   for (uint block = first_block; block < end; ++block) {
+    if (stride > 1u && pixel.y % stride != 0u) {
+      bit <<= 8;
+      pixel = next_block(pixel);
+      continue;
+    }
     const uint place = place_of(pixel);
     const uvec4 words = depth[place];
     for (uint i = 0u; i < 8u; ++i) {
@@ -36,6 +51,7 @@ uint find_survivors(uint first_block) {
       }
       bit <<= 1;
     }
+    if (stride > 1u) survivors &= ~(0xffu << (8u * (block - first_block))) | wanted_pixels(pixel, stride) << (8u * (block - first_block));
     pixel = next_block(pixel);
   }
   return survivors;

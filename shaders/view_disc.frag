@@ -8,6 +8,10 @@ layout(location = 2) flat in float radius;
 layout(location = 3) flat in float ball;
 layout(location = 0) out vec4 colour;
 
+// Soft edges that need no sorting: of a pixel's samples as many are written as the coverage says. Vulkan's alpha to coverage
+// leaves open which, and drivers differ. A pixel of one sample is blended instead.
+int samples_of(float coverage) { return (1 << int(ceil(coverage * float(view_samples)))) - 1; }
+
 void main() {
   const float r = length(place);
   // Pixels per unit of r: exact for discs that face the viewer, measured for foreshortened ones.
@@ -18,4 +22,5 @@ void main() {
   const float rim = push.style.x > 0.0 ? clamp((r - 1.0) * scale + push.style.x + 0.5, 0.0, 1.0) : 0.0;
   const float light = ball > 0.5 && radius > 3.0 ? 1.0 + 0.16 * dot(place, vec2(-0.5, -0.7)) : 1.0;
   colour = vec4(mix(clamp(disc_colour.rgb * light, 0.0, 1.0), disc_colour.rgb * 0.45, rim), coverage * push.style.z);
+  gl_SampleMask[0] = samples_of(colour.a);
 }

@@ -10,6 +10,9 @@ PALPA_CONST view_buffers = 1u;
 PALPA_CONST view_pixels = 1u;
 PALPA_CONST view_image_buffers = 2u;
 
+// Of a pixel, where a picture is drawn with several.
+PALPA_CONST view_samples = 4u;
+
 // A corner of a triangle: three in a row are one, of a mesh those that three indices in a row name.
 struct ViewVertex {
   vec4 position;  // xyz metres; w: its own colour where it has one, (256 red + green) 256 + blue; of an image: x in it

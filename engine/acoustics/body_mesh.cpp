@@ -38,6 +38,8 @@ constexpr double fine_source = 2, coarse_source = 0.5;
 constexpr double needle = 10;
 /// Coordinates beyond have lost what a transducer's wave needs of them.
 constexpr double farthest_m = 100;
+/// Smaller pieces of a body have faces that single precision cannot tell apart.
+constexpr double smallest_m = 1e-6;
 
 /// Of a face: its longest side by its height above that.
 double length_by_height(const Mesh& mesh, std::uint32_t face) {
@@ -48,12 +50,23 @@ double length_by_height(const Mesh& mesh, std::uint32_t face) {
   return longest * longest / glm::length(geometry::area_vector(mesh, face));
 }
 
+/// `what` says whether this is the box of the whole body or of a piece.
+void check_size(const std::string& file, const char* what, const Box& box) {
+  const Vec3 extent = box.high - box.low;
+  const double size = std::max({extent.x, extent.y, extent.z});
+  if (size >= smallest_m) return;
+  throw bad_input(file, fmt::format("{} only {:.4g} m across, near {} m; a body measures at least a micrometre, and "
+                                    "coordinates are metres",
+                                    what, size, geometry::text::point(box.low)));
+}
+
 void check_faces(const std::string& file, const Mesh& mesh) {
   if (mesh.triangles.empty()) throw bad_input(file, "has no faces; a body is a closed surface of triangles");
   for (const Vec3& p : mesh.positions) {
     if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= farthest_m))
       throw bad_input(file, "has a vertex farther than 100 m from the origin; coordinates are metres");
   }
+  check_size(file, "is", geometry::bounds(mesh));  // first: what is smaller may have areas of zero
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     // A thousand times as long as high it has no normal to speak of.
     if (!(length_by_height(mesh, t) < 1e3)) {
@@ -75,6 +88,17 @@ void check_closed(const std::string& file, const Mesh& mesh) {
   if (defects.open > 0) refuse("the mesh is open, at its edge", defects.first_open);
   if (defects.non_manifold > 0) refuse("more than two faces meet at the edge", defects.first_non_manifold);
   if (defects.flipped > 0) refuse("faces of opposite orientation meet at the edge", defects.first_flipped);
+}
+
+/// None of its pieces is too small to be there.
+void check_sizes(const std::string& file, const Mesh& body, const geometry::Shells& shells) {
+  std::vector<Box> boxes(shells.list.size());
+  for (std::size_t t = 0; t < body.triangles.size(); ++t) {
+    for (int i = 0; i < 3; ++i)
+      boxes[shells.of_triangle[t]].add(body.positions[body.triangles[t][i]]);
+  }
+  for (const Box& box : boxes)
+    check_size(file, "has a piece that is", box);
 }
 
 /// None of its pieces within another.
@@ -110,6 +134,7 @@ Mesh body_mesh(const std::string& file, const Mesh& mesh) {
   check_faces(file, mesh.triangles.size() == body.triangles.size() ? body : mesh);
   check_closed(file, body);
   geometry::Shells shells = geometry::find_shells(body, geometry::twins(body));
+  check_sizes(file, body, shells);
   for (const geometry::Shell& shell : shells.list) {
     if (!(std::abs(shell.volume) > 1e-6 * shell.area * std::sqrt(shell.area)))
       throw bad_input(file, "encloses no volume; a body is a closed surface");

@@ -8,6 +8,7 @@
 
 #include "array/drive_pass.hpp"
 #include "base/activity.hpp"
+#include "base/memory.hpp"
 #include "base/parallel.hpp"
 #include "gpu/barrier.hpp"
 #include "gpu/commands.hpp"
@@ -110,6 +111,7 @@ std::size_t field_piece(std::size_t transducers) {
 bool field_on(const gpu::Device& device, const Layout& layout, const Air& air, Directivity directivity,
               std::span<const Vec3> points, std::span<const std::complex<double>> strengths,
               std::vector<std::complex<double>>& pressures, const std::atomic<bool>* give_up) {
+  reserve_large(pressures, points.size());
   pressures.assign(points.size(), 0);
   if (points.empty() || layout.transducers.empty()) return true;
   const std::size_t piece = field_piece(layout.transducers.size());

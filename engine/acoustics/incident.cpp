@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/activity.hpp"
+#include "base/memory.hpp"
 #include "base/parallel.hpp"
 
 namespace palpa::acoustics {
@@ -61,6 +62,7 @@ bool Incident::at(std::span<const Vec3> points, std::span<const Vec3> normals, s
   const std::size_t drives = transducers == 0 ? 0 : strengths.size() / transducers;
   const bool sloped = !normals.empty();
   assert(strengths.size() == drives * transducers && (!sloped || normals.size() == points.size()));
+  reserve_large(waves.pressures, drives * points.size());
   waves.pressures.assign(drives * points.size(), 0);
   waves.slopes.assign(sloped ? drives * points.size() : 0, 0);
   if (drives == 0) return true;

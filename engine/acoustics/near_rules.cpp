@@ -20,6 +20,9 @@ constexpr int most_cuts = 4;
 constexpr double needle = 3;
 /// Products of pieces of two patches, at most: what patches of one size, right on each other, come to by themselves.
 constexpr std::size_t most_products = 1u << 16;
+/// Cuts within each other, those of needles included. Faces of a checked body (body_mesh.hpp) need about forty at most;
+/// pieces that rounding has flattened stay needles however often they are cut.
+constexpr int most_levels = 64;
 constexpr std::array<Vec2, 3> whole{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
 /// Gauss points per variable for patches that touch.
 constexpr std::size_t touching_points = 3;
@@ -121,10 +124,11 @@ class Cutter {
  public:
   Cutter(const Patch& test, const Patch& trial, PairTable& table) : test_(test), trial_(trial), table_(table) {}
 
-  /// `weight`: by which the pieces are smaller than the patches; `cuts` that are left, those of needles not counted.
-  bool cut(const Piece& a, const Piece& b, double weight, int cuts) {
+  /// `weight`: by which the pieces are smaller than the patches; `cuts` that are left, those of needles not counted;
+  /// `levels` that are left.
+  bool cut(const Piece& a, const Piece& b, double weight, int cuts, int levels = most_levels) {
     const bool close = are_close(a, b);
-    if (!close || cuts == 0 || products_ >= most_products) {
+    if (!close || cuts == 0 || levels == 0 || products_ >= most_products) {
       add_product(table_, a, b, weight);
       ++products_;
       return !close;
@@ -134,17 +138,17 @@ class Cutter {
     if (a.size > 2 * b.size) {
       const Parts parts = parts_of(a, test_);
       for (const Piece& piece : parts.all())
-        resolved &= cut(piece, b, weight * parts.weight(), a.slender ? cuts : cuts - 1);
+        resolved &= cut(piece, b, weight * parts.weight(), a.slender ? cuts : cuts - 1, levels - 1);
     } else if (b.size > 2 * a.size) {
       const Parts parts = parts_of(b, trial_);
       for (const Piece& piece : parts.all())
-        resolved &= cut(a, piece, weight * parts.weight(), b.slender ? cuts : cuts - 1);
+        resolved &= cut(a, piece, weight * parts.weight(), b.slender ? cuts : cuts - 1, levels - 1);
     } else {
       const Parts parts = parts_of(a, test_), others = parts_of(b, trial_);
       const double smaller = weight * parts.weight() * others.weight();
       for (const Piece& piece : parts.all()) {
         for (const Piece& other : others.all())
-          resolved &= cut(piece, other, smaller, a.slender && b.slender ? cuts : cuts - 1);
+          resolved &= cut(piece, other, smaller, a.slender && b.slender ? cuts : cuts - 1, levels - 1);
       }
     }
     return resolved;

@@ -5,6 +5,7 @@
 
 #include "acoustics/dense_lu.hpp"
 #include "acoustics/galerkin.hpp"
+#include "base/memory.hpp"
 
 namespace palpa::acoustics {
 namespace {
@@ -26,7 +27,9 @@ class DenseOperator : public SurfaceOperator {
 std::unique_ptr<SurfaceOperator> make_dense_operator(const Patches& body, double wave_number,
                                                      const std::atomic<bool>* give_up) {
   const std::size_t size = body.mesh.positions.size();
-  std::vector<std::complex<float>> matrix(size * size);
+  std::vector<std::complex<float>> matrix;
+  reserve_large(matrix, size * size);
+  matrix.resize(size * size);
   assemble(body, wave_number, matrix, give_up);
   return std::make_unique<DenseOperator>(std::move(matrix), size, give_up);
 }

@@ -15,6 +15,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "base/file_register.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 
@@ -174,7 +175,9 @@ void store_cached(std::string_view kind, const CacheKey& key, std::span<const st
   std::error_code ignored;
   fs::create_directories(where, ignored);
   try {
-    OutputFile file(file_for(where, kind, key));
+    const fs::path path = file_for(where, kind, key);
+    file_register::add_own(path);
+    OutputFile file(path);
     const auto write = [&](const void* data, std::size_t bytes) {
       file.write({static_cast<const char*>(data), bytes});
     };

@@ -201,6 +201,10 @@ void debug(std::string_view line) {
   write(Level::debug, line);
 }
 
+void at_once(std::string_view line) {
+  write(Level::warning, line);
+}
+
 void hold_warnings() {
   start_counting(true);
 }

@@ -30,6 +30,8 @@ void error(std::string_view line);
 void warning(std::string_view line);
 void info(std::string_view line);
 void debug(std::string_view line);
+/// A warning that is not kept back: what the program waits for, which whoever waits for the program has to know.
+void at_once(std::string_view line);
 
 /// From now on warnings are kept instead of written: a program that turns out to fail says only why, one that succeeds
 /// releases them. Long work releases them before it begins. The same warning is then told once, and how often it came;

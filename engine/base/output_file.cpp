@@ -10,6 +10,9 @@
 #include <cerrno>
 #include <utility>
 
+#include "base/file_register.hpp"
+#include "base/open_output.hpp"
+
 namespace palpa {
 namespace {
 
@@ -30,10 +33,10 @@ std::string link_of(int descriptor) {
 
 OutputFile::OutputFile(const std::filesystem::path& file) : place_(output_place(file)) {
   refuse_unwritable(place_);
+  file_register::writes(place_);
   const bool whole = place_.kind == OutputPlace::Kind::absent || place_.kind == OutputPlace::Kind::file;
   if (whole && !place_.open_already && open_beside()) return;
-  descriptor_ = place_.is_stdout ? STDOUT_FILENO : ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) throw write_failure(place_.name, errno);
+  descriptor_ = open_output(file, place_);
 }
 
 /// Without a name where the file system can do that.
@@ -111,8 +114,7 @@ void OutputFile::name_beside() {
 }
 
 void OutputFile::copy_into_place() {
-  const int into = ::open(place_.path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
-  if (into < 0) throw write_failure(place_.name, errno);
+  const int into = reopen_output(place_);
   buffer_.resize(block);
   try {
     for (off_t at = 0;;) {

@@ -22,7 +22,8 @@ namespace palpa {
 /// the program is not in; and one in a folder that takes no new files.
 class OutputFile {
  public:
-  /// "-" is stdout. As everywhere, opening a FIFO waits for its reader. Throws failure() naming the file.
+  /// "-" is stdout. A FIFO's reader is waited for (base/open_output.hpp). Throws failure() naming the file, and what
+  /// the register of files refuses.
   explicit OutputFile(const std::filesystem::path& file);
   /// Without finish(): a file that would have been replaced is as it was, a new one is not there.
   ~OutputFile();

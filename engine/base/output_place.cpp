@@ -51,6 +51,11 @@ void refuse(const OutputPlace& place, bool refused, int code) {
   if (refused) throw write_failure(place.name, code);
 }
 
+/// For a system call, whose errno is read after it: arguments of one call are evaluated in any order.
+void refuse_failed(const OutputPlace& place, bool succeeded) {
+  if (!succeeded) throw write_failure(place.name, errno);
+}
+
 /// Nothing in a device can be overwritten, and many have the same one (/dev/null).
 bool is_stdout(const struct stat& there) {
   struct stat out {};
@@ -98,15 +103,15 @@ void refuse_unwritable(const OutputPlace& place) {
   if (place.open_already) return;
   refuse(place, place.kind == Kind::folder, EISDIR);
   if (place.kind != Kind::absent) {
-    refuse(place, !may(place.path, W_OK), errno);
+    refuse_failed(place, may(place.path, W_OK));
     return;
   }
   const fs::path folder = place.folder();
   struct stat status {};
   refuse(place, ::lstat(place.path.c_str(), &status) == 0, ELOOP);  // still a link after so many
-  refuse(place, ::stat(folder.c_str(), &status) != 0, errno);
+  refuse_failed(place, ::stat(folder.c_str(), &status) == 0);
   refuse(place, !S_ISDIR(status.st_mode), ENOTDIR);
-  refuse(place, !may(folder, W_OK | X_OK), errno);
+  refuse_failed(place, may(folder, W_OK | X_OK));
   refuse(place, !place.path.has_filename(), EISDIR);
 }
 

@@ -3,10 +3,10 @@
 
 #include <sys/types.h>
 
-#include <compare>
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <tuple>
 
 #include "base/error.hpp"
 
@@ -15,7 +15,10 @@ namespace palpa {
 /// What two names of one file have in common, hard and symbolic links included.
 struct FileIdentity {
   std::uint64_t device = 0, inode = 0;
-  auto operator<=>(const FileIdentity&) const = default;
+  bool operator==(const FileIdentity&) const = default;
+  bool operator<(const FileIdentity& other) const {
+    return std::tie(device, inode) < std::tie(other.device, other.inode);
+  }
 };
 
 struct OutputPlace {

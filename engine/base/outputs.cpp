@@ -3,31 +3,15 @@
 #include <fmt/core.h>
 #include <sys/stat.h>
 
-#include <algorithm>
-#include <mutex>
+#include <utility>
 
 #include "base/error.hpp"
+#include "base/file_register.hpp"
 
 namespace palpa {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Claim {
-  const Outputs* owner;
-  FileIdentity identity;
-  std::string option;
-};
-
-/// What must not be read. Inputs are opened on several threads.
-struct Claims {
-  std::mutex mutex;
-  std::vector<Claim> files;
-};
-Claims& claims() {
-  static Claims instance;
-  return instance;
-}
 
 /// An output and where it goes.
 struct Placed {
@@ -103,33 +87,23 @@ Outputs::Outputs(const std::vector<Output>& outputs) {
   }
   for (const Placed& one : all)
     refuse_unusable(one);
-  const std::lock_guard lock(claims().mutex);
-  for (const Placed& one : all) {
-    if (one.place.kind == OutputPlace::Kind::file)
-      claims().files.push_back({this, one.place.identity, one.output->option});
-  }
+  std::vector<file_register::Claim> claims;
+  claims.reserve(all.size());
+  for (Placed& one : all)
+    claims.push_back({this, one.output->option, std::move(one.place), one.output->kind == Output::Kind::folder});
+  file_register::claim(std::move(claims));
 }
 
 Outputs::~Outputs() {
-  const std::lock_guard lock(claims().mutex);
-  std::erase_if(claims().files, [this](const Claim& claim) { return claim.owner == this; });
-}
-
-void refuse_output_as_input(const FileIdentity& identity, const std::string& name) {
-  const std::lock_guard lock(claims().mutex);
-  for (const Claim& claim : claims().files) {
-    if (claim.identity != identity) continue;
-    throw bad_usage(fmt::format("{}: {} is read by this command, name another file", claim.option, name));
-  }
+  file_register::release(this);
 }
 
 void refuse_output_as_input(const fs::path& file) {
-  {
-    const std::lock_guard lock(claims().mutex);
-    if (claims().files.empty()) return;
-  }
+  if (file.empty() || !file_register::is_in_use()) return;
   struct stat status {};
-  if (::stat(file.c_str(), &status) == 0) refuse_output_as_input({status.st_dev, status.st_ino}, file.string());
+  const bool there = ::stat(file.c_str(), &status) == 0;
+  if (there && !S_ISREG(status.st_mode)) return;
+  file_register::reads(file, there ? FileIdentity{status.st_dev, status.st_ino} : FileIdentity{});
 }
 
 }  // namespace palpa

@@ -20,13 +20,14 @@ struct Output {
   Kind kind = Kind::file;
 };
 
-/// The outputs of a command. While it lives, reading one of them is refused (by InputFile and refuse_output_as_input),
-/// under whatever name, so a command that makes this first and opens outputs after all inputs cannot lose an input.
-/// Devices and pipes may be read, and written twice. Where several live, each knows only its own.
+/// The outputs of a command, declared in the register of files (base/file_register.hpp). While it lives, they may be
+/// written, and reading one of them is refused, under whatever name. Devices and pipes may be read, and written twice.
+/// Where several live, as in the viewer, an option of one may name the same file as the same option of another.
 class Outputs {
  public:
   /// Throws, before anything is changed, failure() for an output that cannot be written there, bad_usage for a folder
-  /// that is not empty, for two that are the same file, for one within another's folder, and for two on stdout.
+  /// that is not empty, for two that are the same file, for one that was read, for one within another's folder, and for
+  /// two on stdout.
   explicit Outputs(const std::vector<Output>& outputs);
   ~Outputs();
   Outputs(const Outputs&) = delete;
@@ -39,9 +40,8 @@ class Outputs {
   bool on_stdout_ = false;
 };
 
-/// Throws bad_usage, naming the option, where that file is one of the living Outputs. `name` is for the message.
-void refuse_output_as_input(const FileIdentity& identity, const std::string& name);
-/// The same for a file that an input refers to, and that is read later or not at all; nothing where there is none.
+/// An input that is named now and read later, or not at all: throws bad_usage, naming the option, where it is a
+/// declared output, and remembers it. Nothing for "" and for what is no file.
 void refuse_output_as_input(const std::filesystem::path& file);
 
 }  // namespace palpa

@@ -7,7 +7,10 @@
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
+
+#include "base/start_thread.hpp"
 
 namespace palpa {
 
@@ -42,9 +45,14 @@ void parallel_chunks(std::size_t count, std::size_t size,
     }
   };
   std::vector<std::thread> others;
+  others.reserve(worker_count());
   const std::size_t helpers = std::min<std::size_t>(worker_count(), chunks);
-  for (std::size_t i = 1; i < helpers; ++i)
-    others.emplace_back(run);
+  // Where no more threads are to be had, fewer do the same work.
+  for (std::size_t i = 1; i < helpers; ++i) {
+    std::thread other = try_thread(run);
+    if (!other.joinable()) break;
+    others.push_back(std::move(other));
+  }
   run();
   for (std::thread& thread : others)
     thread.join();

@@ -22,6 +22,7 @@
 
 #include "base/error.hpp"
 #include "base/output_place.hpp"
+#include "base/start_thread.hpp"
 
 namespace palpa {
 namespace {
@@ -177,14 +178,14 @@ void StreamWriter::write_what_comes(const std::shared_ptr<Work>& work) {
   w.end(fault);
 }
 
-StreamWriter::StreamWriter(const std::string& file, std::size_t room) : work_(std::make_shared<Work>()) {
-  work_->name = file == "-" ? "stdout" : file;
-  work_->shared = output_place(file).is_stdout;
-  const int descriptor =
-      work_->shared ? STDOUT_FILENO : ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  begin(descriptor, room);
+StreamWriter::StreamWriter(const std::string& file, std::size_t room, ReaderPatience patience)
+    : work_(std::make_shared<Work>()) {
+  const OutputPlace place = output_place(file);
+  work_->name = place.name;
+  work_->shared = place.is_stdout;
+  begin(open_output(file, place, patience), room);
   work_->may_cut = work_->on_disk;
-  std::thread(write_what_comes, work_).detach();
+  start();
 }
 
 StreamWriter::StreamWriter(int descriptor, const std::string& name, std::size_t room)
@@ -192,7 +193,7 @@ StreamWriter::StreamWriter(int descriptor, const std::string& name, std::size_t 
   work_->name = name;
   work_->shared = true;
   begin(descriptor, room);
-  std::thread(write_what_comes, work_).detach();
+  start();
 }
 
 void StreamWriter::begin(int descriptor, std::size_t room) {
@@ -207,6 +208,15 @@ void StreamWriter::begin(int descriptor, std::size_t room) {
   work_->on_disk = S_ISREG(status.st_mode);
   if (!work_->on_disk && !work_->shared) ::fcntl(descriptor, F_SETFL, O_WRONLY | O_NONBLOCK);
   grow(room);
+}
+
+void StreamWriter::start() {
+  try {
+    start_thread("what is written", [work = work_] { write_what_comes(work); }).detach();
+  } catch (const Error& error) {
+    if (!work_->shared) ::close(work_->descriptor);
+    throw failure(fmt::format("{}: {}", work_->name, error.what()));
+  }
 }
 
 StreamWriter::~StreamWriter() {

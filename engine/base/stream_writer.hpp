@@ -16,6 +16,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/open_output.hpp"
+
 namespace palpa {
 
 class StreamWriter {
@@ -25,9 +27,10 @@ class StreamWriter {
   /// And how long once that was not enough, until it has caught up.
   static constexpr double last_patience_s = 0.2;
 
-  /// Creates or empties the file; "-" is stdout, and so is whatever stdout is open on. As everywhere, opening a FIFO
-  /// waits for its reader. At most `room` bytes will ever wait. Throws failure() naming the file.
-  StreamWriter(const std::string& file, std::size_t room);
+  /// Creates or empties the file; "-" is stdout, and so is whatever stdout is open on. A FIFO's reader is waited for as
+  /// `patience` says. At most `room` bytes will ever wait. Throws failure() naming the file, and what the register of
+  /// files refuses.
+  StreamWriter(const std::string& file, std::size_t room, ReaderPatience patience = std::nullopt);
   /// To what is open already, and stays open. `name` is for messages.
   StreamWriter(int descriptor, const std::string& name, std::size_t room);
   /// What still waits is lost. A thread that a write keeps in the kernel is left behind.
@@ -70,6 +73,7 @@ class StreamWriter {
  private:
   struct Work;
   static void write_what_comes(const std::shared_ptr<Work>& work);
+  void start();
   void begin(int descriptor, std::size_t room);
   bool flush(double seconds, const std::atomic<bool>* stop);
 

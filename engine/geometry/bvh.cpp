@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "base/parallel.hpp"
+#include "base/start_thread.hpp"
 
 namespace palpa::geometry {
 namespace {
@@ -34,8 +35,9 @@ class Builder {
     const std::uint32_t first_leaves = leaves / 2, middle = begin + first_leaves * Bvh::leaf_size;
     split(begin, middle, end);
     const std::uint32_t first = node + 1, second = node + 2 * first_leaves;
-    if (threads > 1) {
-      std::thread other([&] { build(first, begin, middle, threads / 2); });
+    std::thread other;
+    if (threads > 1) other = try_thread([&] { build(first, begin, middle, threads / 2); });
+    if (other.joinable()) {
       build(second, middle, end, threads - threads / 2);
       other.join();
     } else {

@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "base/error.hpp"
+#include "base/reference.hpp"
 #include "geometry/text.hpp"
 
 namespace palpa::geometry::gltf {
@@ -59,8 +60,10 @@ std::vector<unsigned char> load_buffer(const InputFile& file, const std::optiona
     return bytes;
   }
   const std::string path = decode_percent(source.uri).value();
+  ReferenceFolder folder(file.name(), std::filesystem::path(file.name()).parent_path());
+  const std::filesystem::path named = folder.find(path, fmt::format("buffer {}", index));
   try {
-    const InputFile beside(std::filesystem::path(file.name()).parent_path() / path);
+    const InputFile beside(named);
     if (beside.size() < source.length) {
       fail(fmt::format("\"byteLength\" is {}, but {} has {} bytes", source.length, text::quoted(path), beside.size()));
     }

@@ -17,7 +17,8 @@ namespace palpa::geometry::gltf {
 std::optional<std::string> uri_fault(const std::string& uri);
 
 /// Exactly source.length bytes: of the BIN chunk, of a data URI, or of a file beside `file`; `source` is not packed.
-/// Throws bad_input naming `file` and buffer `index`: a missing or irregular file, too few bytes, broken base64.
+/// Throws bad_input naming `file` and buffer `index`: a missing or irregular file, one outside of the folder of `file`
+/// (see ReferenceFolder), too few bytes, broken base64.
 std::vector<unsigned char> load_buffer(const InputFile& file, const std::optional<BinChunk>& bin, std::size_t index,
                                        const BufferSource& source);
 

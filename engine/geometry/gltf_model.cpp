@@ -1,6 +1,7 @@
 #define TINYGLTF_IMPLEMENTATION
 #include "geometry/gltf_model.hpp"
 
+#include <cstddef>
 #include <cstdlib>
 #include <optional>
 #include <string>
@@ -35,13 +36,33 @@ bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const 
   }
 }
 
+// tinygltf calls back for every file that the document names; none of them is opened here. Versions differ in the
+// callbacks that they have, and demand that all of them are set.
+template <typename Callbacks>
+Callbacks callbacks_of(Source& source) {
+  Callbacks callbacks{};
+  callbacks.FileExists = [](const std::string&, void*) { return true; };
+  callbacks.ExpandFilePath = [](const std::string& path, void*) { return path; };
+  callbacks.ReadWholeFile = read_whole_file;
+  callbacks.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+    return false;
+  };
+  // Since tinygltf 2.9, which asks for a file's size before it reads the file. BufferLoader checks sizes itself.
+  if constexpr (requires { callbacks.GetFileSizeInBytes; })
+    callbacks.GetFileSizeInBytes = [](std::size_t* size, std::string*, const std::string&, void*) {
+      *size = 1;
+      return true;
+    };
+  callbacks.user_data = &source;
+  return callbacks;
+}
+
 }  // namespace
 
 tinygltf::Model parse_model(const InputFile& file, const Container& container, const Document& document) {
   Source source{BufferLoader(file, container.bin, document.buffers), std::nullopt};
   tinygltf::TinyGLTF reader;
-  reader.SetFsCallbacks({[](const std::string&, void*) { return true; },
-                         [](const std::string& path, void*) { return path; }, read_whole_file, nullptr, &source});
+  reader.SetFsCallbacks(callbacks_of<tinygltf::FsCallbacks>(source));
   reader.SetImageLoader([](tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int,
                            void*) { return true; },
                         nullptr);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <map>
 #include <utility>
 
@@ -14,7 +15,6 @@ namespace palpa::geometry {
 namespace {
 
 constexpr double crease_cosine = 0.985;  // ten degrees
-constexpr double tukey = 4.685;          // 95 % as good as least squares where there is no outlier
 constexpr double least_slant = 0.2;      // of a ray on a face: below it nobody knows how much a point errs
 constexpr double still = 1e-8;           // metres: steps that are no steps
 
@@ -49,12 +49,15 @@ Mesh creases_of(const Mesh& mesh, const std::vector<Vec3>& normals) {
   return creases;
 }
 
-Transform small_motion(const std::array<double, 6>& step, const Vec3& centre, double lever_m) {
+/// A shift, a turn and, of seven, a change of scale.
+template <std::size_t n>
+Transform small_motion(const std::array<double, n>& step, const Vec3& centre, double lever_m) {
   const Vec3 shift(step[0], step[1], step[2]);
   const Vec3 turn = Vec3(step[3], step[4], step[5]) / lever_m;
   const double angle = glm::length(turn);
   Transform motion = glm::translate(Transform(1.0), centre + shift);
   if (angle > 0) motion = glm::rotate(motion, angle, turn / angle);
+  if constexpr (n == 7) motion = glm::scale(motion, Vec3(1 + step[6] / lever_m));
   return glm::translate(motion, -centre);
 }
 
@@ -93,33 +96,6 @@ double scatter(const auto& hits, std::vector<double>& work) {
   return std::max(1.4826 * *middle, 1e-12);
 }
 
-/// The points' equations, summed: of shifts, and of turns about `centre` times the lever.
-struct Sums {
-  Matrix<6> weighted{};  ///< each over its error squared
-  Matrix<6> bare{};
-  std::array<double, 6> right{};
-  double weights = 0;
-};
-
-Sums sum_up(const auto& hits, const Vec3& centre, double lever_m) {
-  Sums sums;
-  for (const auto& hit : hits) {
-    if (hit.weight <= 0) continue;
-    const Vec3 turn = glm::cross(hit.at - centre, hit.normal) / lever_m;
-    const std::array<double, 6> row{hit.normal.x, hit.normal.y, hit.normal.z, turn.x, turn.y, turn.z};
-    const double weight = hit.weight / (hit.error * hit.error);
-    for (std::size_t i = 0; i < 6; ++i) {
-      for (std::size_t j = 0; j < 6; ++j) {
-        sums.weighted[i][j] += weight * row[i] * row[j];
-        sums.bare[i][j] += hit.weight * row[i] * row[j];
-      }
-      sums.right[i] -= weight * row[i] * hit.residual;
-    }
-    sums.weights += hit.weight;
-  }
-  return sums;
-}
-
 }  // namespace
 
 MeshFit::MeshFit(const Mesh& mesh)
@@ -145,47 +121,110 @@ void MeshFit::find_hits(std::span<const MeasuredPoint> points, const Transform& 
   }
 }
 
-MeshFitted MeshFit::fit(std::span<const MeasuredPoint> points, const Transform& T_guess,
-                        const FitOptions& options) const {
-  MeshFitted out;
-  out.T_mesh_points = T_guess;
-  std::vector<Hit> hits;
-  std::vector<double> work;
-  Vec3 centre(0);
-  Sums sums;
+/// The points' equations, summed: of shifts, of turns about `centre` times the lever and, of seven, of the scale times
+/// the lever.
+template <std::size_t n>
+struct MeshFit::Sums {
+  Matrix<n> weighted{};  ///< each over its error squared
+  Matrix<n> bare{};
+  std::array<double, n> right{};
+  double weights = 0;
+};
+
+template <std::size_t n>
+MeshFit::Sums<n> MeshFit::sum_up(std::span<const Hit> hits, const Vec3& centre, double lever_m) {
+  Sums<n> sums;
+  for (const Hit& hit : hits) {
+    if (hit.weight <= 0) continue;
+    const Vec3 turn = glm::cross(hit.at - centre, hit.normal) / lever_m;
+    std::array<double, n> row{hit.normal.x, hit.normal.y, hit.normal.z, turn.x, turn.y, turn.z};
+    if constexpr (n == 7) row[6] = glm::dot(hit.at - centre, hit.normal) / lever_m;
+    const double weight = hit.weight / (hit.error * hit.error);
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) {
+        sums.weighted[i][j] += weight * row[i] * row[j];
+        sums.bare[i][j] += hit.weight * row[i] * row[j];
+      }
+      sums.right[i] -= weight * row[i] * hit.residual;
+    }
+    sums.weights += hit.weight;
+  }
+  return sums;
+}
+
+template <std::size_t n>
+struct MeshFit::Solution {
+  Transform T_mesh_points{1.0};  ///< first the guess
+  std::vector<Hit> hits{};
+  std::vector<double> work{};
+  Sums<n> sums{};
   double typical = 0;
+};
+
+/// False where too few points are near.
+template <std::size_t n>
+bool MeshFit::solve(std::span<const MeasuredPoint> points, const FitOptions& options, Solution<n>& s) const {
   for (int step = 0;; ++step) {
-    find_hits(points, out.T_mesh_points, options, hits);
-    if (hits.size() < 6) {
-      out.T_mesh_points = T_guess;
-      return out;
-    }
-    typical = scatter(hits, work);
-    centre = Vec3(0);
-    for (Hit& hit : hits) {
-      const double far = hit.residual / (tukey * typical * hit.error);
+    find_hits(points, s.T_mesh_points, options, s.hits);
+    if (s.hits.size() < n) return false;
+    s.typical = scatter(s.hits, s.work);
+    Vec3 centre(0);
+    for (Hit& hit : s.hits) {
+      const double far = hit.residual / (options.tukey * s.typical * hit.error);
       hit.weight = far * far < 1 ? (1 - far * far) * (1 - far * far) : 0;
-      centre += hit.at / static_cast<double>(hits.size());
+      centre += hit.at / static_cast<double>(s.hits.size());
     }
-    sums = sum_up(hits, centre, options.lever_m);
-    if (step == options.steps) break;
-    const EigenPairs<6> eigen = eigen_of(sums.weighted);
+    s.sums = sum_up<n>(s.hits, centre, options.lever_m);
+    if (step == options.steps) return true;
+    const EigenPairs<n> eigen = eigen_of(s.sums.weighted);
     const double most = *std::max_element(eigen.values.begin(), eigen.values.end());
-    std::array<double, 6> move{};
-    for (std::size_t k = 0; k < 6; ++k) {
+    std::array<double, n> move{};
+    for (std::size_t k = 0; k < n; ++k) {
       if (eigen.values[k] < 1e-6 * most) continue;  // free to slide: it stays
       double along = 0;
-      for (std::size_t i = 0; i < 6; ++i)
-        along += eigen.vectors[k][i] * sums.right[i];
-      for (std::size_t i = 0; i < 6; ++i)
+      for (std::size_t i = 0; i < n; ++i)
+        along += eigen.vectors[k][i] * s.sums.right[i];
+      for (std::size_t i = 0; i < n; ++i)
         move[i] += eigen.vectors[k][i] * along / eigen.values[k];
     }
-    out.T_mesh_points = small_motion(move, centre, options.lever_m) * out.T_mesh_points;
+    s.T_mesh_points = small_motion(move, centre, options.lever_m) * s.T_mesh_points;
     double length = 0;
     for (const double m : move)
       length += m * m;
     if (std::sqrt(length) < still) step = options.steps - 1;
   }
+}
+
+ScaleFitted MeshFit::fit_scale(std::span<const MeasuredPoint> points, const Transform& T_guess,
+                               const FitOptions& options) const {
+  ScaleFitted out{.T_mesh_points = T_guess};
+  Solution<7> solution{.T_mesh_points = T_guess};
+  if (!solve(points, options, solution)) return out;
+  out.T_mesh_points = solution.T_mesh_points;
+  out.scale = 1 / std::cbrt(glm::determinant(glm::dmat3(out.T_mesh_points)));
+  const EigenPairs<7> precise = eigen_of(solution.sums.weighted);
+  const double most = *std::max_element(precise.values.begin(), precise.values.end());
+  double variance = 0;
+  for (std::size_t k = 0; k < 7; ++k) {
+    const double part = precise.vectors[k][6] * precise.vectors[k][6];
+    if (precise.values[k] > 1e-6 * most) {
+      variance += part / precise.values[k];
+    } else if (part > 1e-6) {
+      return out;  // nothing holds it
+    }
+  }
+  out.deviation = solution.typical * std::sqrt(options.alike * variance) / options.lever_m;
+  return out;
+}
+
+MeshFitted MeshFit::fit(std::span<const MeasuredPoint> points, const Transform& T_guess,
+                        const FitOptions& options) const {
+  MeshFitted out;
+  out.T_mesh_points = T_guess;
+  Solution<6> solution{.T_mesh_points = T_guess};
+  if (!solve(points, options, solution)) return out;
+  out.T_mesh_points = solution.T_mesh_points;
+  auto& [T_mesh_points, hits, work, sums, typical] = solution;
 
   work.clear();
   double squares = 0;

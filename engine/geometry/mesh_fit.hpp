@@ -2,7 +2,9 @@
 // guess that is a few millimetres and degrees off.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -26,6 +28,8 @@ struct FitOptions {
   double lever_m = 0.05;  ///< a turn by an angle counts like a shift by that angle times this
   double alike = 7;       ///< about so many points err together
   int steps = 12;         ///< at most
+  /// Of Tukey's biweight, in standard deviations: as good as least squares to 95 % where there is no outlier.
+  double tukey = 4.685;
 };
 
 struct MeshFitted {
@@ -36,6 +40,15 @@ struct MeshFitted {
   /// which they hold it least changes their distances from its faces by so many millimetres, rms. 0: it may slide.
   double hold = 0;
   double deviation_m = 0, deviation_rad = 0;  ///< standard deviations where they are largest, from the points' scatter
+};
+
+/// How much larger than the mesh what was measured is.
+struct ScaleFitted {
+  double scale = 1;
+  /// Its standard deviation from the points' scatter; infinite where they say nothing of it: three planes are the same
+  /// at every scale.
+  double deviation = std::numeric_limits<double>::infinity();
+  Transform T_mesh_points{1.0};  ///< with the scale taken out
 };
 
 class MeshFit {
@@ -50,11 +63,24 @@ class MeshFit {
   /// The same points give the same bytes. No points or nothing that holds: 0 of them, and the guess.
   MeshFitted fit(std::span<const MeasuredPoint> points, const Transform& T_guess, const FitOptions& options) const;
 
+  /// The same with a seventh unknown: T_guess is within a few millimetres where what was measured may be some percent
+  /// larger or smaller than the mesh. A target of another scale and a measure of another scale look alike.
+  ScaleFitted fit_scale(std::span<const MeasuredPoint> points, const Transform& T_guess,
+                        const FitOptions& options) const;
+
   /// Metres from the mesh, or `most` where that is less.
   double distance(const Vec3& point, double most) const { return nearest_.distance(point, most); }
 
  private:
   struct Hit;
+  template <std::size_t n>
+  struct Sums;
+  template <std::size_t n>
+  struct Solution;
+  template <std::size_t n>
+  static Sums<n> sum_up(std::span<const Hit> hits, const Vec3& centre, double lever_m);
+  template <std::size_t n>
+  bool solve(std::span<const MeasuredPoint> points, const FitOptions& options, Solution<n>& solution) const;
   void find_hits(std::span<const MeasuredPoint> points, const Transform& T_mesh_points, const FitOptions& options,
                  std::vector<Hit>& hits) const;
 

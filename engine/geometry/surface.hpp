@@ -23,8 +23,8 @@ struct SurfaceOptions {
   std::uint32_t least_cells = 4096;
   /// Steps, nodes of a tree of boxes that are looked at, that filling the grid may take: what a lumpy ball of
   /// 300,000 triangles needs for its deep points.
-  std::uint64_t steps_per_cell = 1400;
-  std::uint64_t spare_steps = 50'000'000;  ///< beyond that
+  std::uint64_t steps_per_cell = 900;
+  std::uint64_t spare_steps = 40'000'000;  ///< beyond that
 };
 
 /// Built once, shared by copies, never changed. All positions are relative to `centre`, in single precision.

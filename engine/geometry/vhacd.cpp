@@ -1,14 +1,19 @@
 #include "geometry/vhacd.hpp"
 
 #include "base/error.hpp"
+#include "base/start_thread.hpp"
 
 #ifdef PALPA_VHACD
 
+#include <pthread.h>
+
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 #define ENABLE_VHACD_IMPLEMENTATION 1
@@ -77,6 +82,30 @@ void run(const std::shared_ptr<Job>& job) {
   job->done = true;
 }
 
+/// V-HACD looks vertices up in a tree that it does not balance, and goes down into it by recursion: at worst one level,
+/// of a bit more than 100 bytes, for each vertex. Its other recursions halve what they are given.
+constexpr std::size_t stack_per_vertex = 256, stack_besides = std::size_t{8} << 20;
+
+void* run_job(void* argument) {
+  const std::unique_ptr<std::shared_ptr<Job>> job(static_cast<std::shared_ptr<Job>*>(argument));
+  run(*job);
+  return nullptr;
+}
+
+/// As std::thread, with a stack as deep as the job may need. Of it, the system gives only what is touched.
+pthread_t start(const std::shared_ptr<Job>& job) {
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes, stack_besides + job->points.size() / 3 * stack_per_vertex);
+  auto own = std::make_unique<std::shared_ptr<Job>>(job);
+  pthread_t thread{};
+  const int fault = pthread_create(&thread, &attributes, run_job, own.get());
+  pthread_attr_destroy(&attributes);
+  if (fault != 0) throw no_thread("taking a mesh apart", std::system_error(fault, std::generic_category()));
+  static_cast<void>(own.release());
+  return thread;
+}
+
 }  // namespace
 
 bool has_vhacd() {
@@ -98,7 +127,7 @@ std::vector<std::vector<Vec3>> vhacd_hulls(const Mesh& mesh, const VhacdOptions&
   p.m_fillMode = VHACD::FillMode::FLOOD_FILL;
   p.m_asyncACD = false;
 
-  std::thread worker(run, job);
+  const pthread_t worker = start(job);
   while (!job->done) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     if (!progress || progress(job->fraction)) continue;
@@ -107,10 +136,10 @@ std::vector<std::vector<Vec3>> vhacd_hulls(const Mesh& mesh, const VhacdOptions&
       const std::lock_guard lock(job->mutex);
       if (job->worker) job->worker->Cancel();
     }
-    worker.detach();
+    pthread_detach(worker);
     return {};
   }
-  worker.join();
+  pthread_join(worker, nullptr);
   if (job->fault) std::rethrow_exception(job->fault);
   return std::move(job->hulls);
 }

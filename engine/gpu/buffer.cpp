@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "gpu/allocation.hpp"
 #include "gpu/barrier.hpp"
 #include "gpu/check.hpp"
 
@@ -46,14 +47,8 @@ Buffer::Buffer(const Device& device, VkDeviceSize size, const char* name, VkMemo
 
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device.get(), buffer, &needs);
-  VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-  allocate.allocationSize = needs.size;
-  allocate.memoryTypeIndex = device.memory_type(needs.memoryTypeBits, required, preferred);
-  VkDeviceMemory memory = VK_NULL_HANDLE;
-  PALPA_VK(vkAllocateMemory(device.get(), &allocate, nullptr, &memory));
-  ++device.memory_allocations;
-  memory_ = Handle<VkDeviceMemory>(device.get(), memory, vkFreeMemory);
-  PALPA_VK(vkBindBufferMemory(device.get(), buffer, memory, 0));
+  memory_ = allocate_memory(device, needs.size, device.memory_type(needs.memoryTypeBits, required, preferred));
+  PALPA_VK(vkBindBufferMemory(device.get(), buffer, memory_.get(), 0));
 }
 
 std::byte* Buffer::map(const Device& device) const {

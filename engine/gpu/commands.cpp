@@ -1,11 +1,10 @@
 #include "gpu/commands.hpp"
 
-#include <fmt/core.h>
-
 #include <exception>
 
 #include "base/error.hpp"
 #include "gpu/check.hpp"
+#include "gpu/patience.hpp"
 
 namespace palpa::gpu {
 
@@ -80,13 +79,9 @@ void Timeline::wait(std::uint64_t value, double timeout_s) const {
   info.pValues = &value;
   // Who has waited in vain once need not do so for all that is still under way.
   if (device_abandoned && !done(value)) throw failure(device_->description().name + ": does not answer");
-  const VkResult result = vkWaitSemaphores(device_->get(), &info, static_cast<std::uint64_t>(timeout_s * 1e9));
-  if (result == VK_TIMEOUT) {
-    device_->lose();
-    device_abandoned = true;
-    throw failure(fmt::format("{}: no answer within {} s; another program may be using the GPU",
-                              device_->description().name, timeout_s));
-  }
+  const VkResult result = wait_patiently(*device_, timeout_s, [&](std::uint64_t nanoseconds) {
+    return vkWaitSemaphores(device_->get(), &info, nanoseconds);
+  });
   check_result(result, "vkWaitSemaphores(...)", __FILE__, __LINE__);
 }
 

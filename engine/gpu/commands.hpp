@@ -40,8 +40,9 @@ class Timeline {
   /// Submits to the device's queue and returns the value that its completion signals; of nothing, when all that the
   /// queue was given before, by whomever, is complete.
   std::uint64_t submit(VkCommandBuffer commands = VK_NULL_HANDLE);
-  /// Blocks until `value` is signalled. Throws Error (Exit::failed) when the device is lost or `timeout_s` passes; then
-  /// the device counts as lost, and as abandoned (gpu/handle.hpp).
+  /// Blocks until `value` is signalled. Throws Error (Exit::failed) when the device is lost, or when it has had
+  /// `timeout_s`, of a software device seconds of processor time (gpu/patience.hpp); then the device counts as lost,
+  /// and as abandoned (gpu/handle.hpp).
   void wait(std::uint64_t value, double timeout_s = 60.0) const;
   bool done(std::uint64_t value) const;
   /// The value of the newest submit.

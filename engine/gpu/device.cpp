@@ -7,15 +7,24 @@
 #include <cctype>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
+#include <mutex>
+#include <new>
 #include <span>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "gpu/check.hpp"
 #include "gpu/handle.hpp"
+#include "gpu/patience.hpp"
+#include "gpu/software.hpp"
 
 namespace palpa::gpu {
 namespace {
+
+/// Vulkan's loader looks for an object's device in its list of all instances, and takes no lock for that (1.4.309 does
+/// not): a name that one thread gives while another makes or destroys an instance or a device was a crash.
+std::mutex loader_mutex;
 
 constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
 std::atomic<std::uint64_t> validation_error_count{0};
@@ -32,9 +41,18 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT
   return VK_FALSE;
 }
 
-bool load_vulkan() {
+/// A driver that runs out of memory while it is loaded throws through Vulkan's loader, which holds a lock then and
+/// never gives it back: whatever asks for it again would wait for ever, and so would the end of the program.
+[[noreturn]] void out_of_memory() {
+  device_abandoned = true;
+  throw Error(Exit::no_device, "no Vulkan device: out of memory: " + driver_advice("close other programs"));
+}
+
+bool load_vulkan() try {
   static const bool loaded = volkInitialize() == VK_SUCCESS;
   return loaded;
+} catch (const std::bad_alloc&) {
+  out_of_memory();
 }
 
 std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
@@ -198,7 +216,7 @@ bool validation_layer_present() {
                      [](const auto& layer) { return std::strcmp(layer.layerName, validation_layer) == 0; });
 }
 
-std::vector<DeviceDescription> list_devices() {
+std::vector<DeviceDescription> list_devices() try {
   if (!load_vulkan()) return {};
   VkApplicationInfo app{VK_STRUCTURE_TYPE_APPLICATION_INFO};
   app.apiVersion = VK_API_VERSION_1_3;
@@ -208,25 +226,38 @@ std::vector<DeviceDescription> list_devices() {
   info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
   VkInstance instance = VK_NULL_HANDLE;
-  if (vkCreateInstance(&info, nullptr, &instance) != VK_SUCCESS) return {};
+  const auto create = [&] {
+    const std::lock_guard lock(loader_mutex);
+    return vkCreateInstance(&info, nullptr, &instance);
+  };
+  if (create() != VK_SUCCESS) return {};
   load_functions(instance);
   std::vector<DeviceDescription> devices;
   for (VkPhysicalDevice physical : physical_devices(instance)) {
     devices.push_back(describe(physical, static_cast<std::uint32_t>(devices.size())));
   }
+  const std::lock_guard lock(loader_mutex);
   vkDestroyInstance(instance, nullptr);
   return devices;
+} catch (const std::bad_alloc&) {
+  out_of_memory();
 }
 
 Device::Device(const DeviceOptions& options) {
   if (!load_vulkan()) {
-    throw Error(Exit::no_device, "no Vulkan loader found: install libvulkan1 and a driver such as mesa-vulkan-drivers");
+    throw Error(Exit::no_device, "no Vulkan loader found: " +
+                                     driver_advice("install libvulkan1 and a driver such as mesa-vulkan-drivers"));
   }
   validation_ = options.validation ? *options.validation : validation_from_environment();
+  const std::vector<int> before = threads_of_process();
   try {
     create_instance(options);
     choose_physical(options);
     create_device(!options.window_extensions.empty());
+    const std::vector<int> after = threads_of_process();
+    std::set_difference(after.begin(), after.end(), before.begin(), before.end(), std::back_inserter(driver_threads_));
+  } catch (const std::bad_alloc&) {
+    out_of_memory();
   } catch (...) {
     destroy();
     throw;
@@ -241,6 +272,7 @@ Device::~Device() {
 
 void Device::destroy() {
   if (device_abandoned) return;
+  const std::lock_guard lock(loader_mutex);
   if (device_) vkDestroyDevice(device_, nullptr);
   if (messenger_) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
   if (instance_) vkDestroyInstance(instance_, nullptr);
@@ -286,10 +318,13 @@ void Device::create_instance(const DeviceOptions& options) {
   info.ppEnabledLayerNames = layers.data();
   info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
-  const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
+  const auto create = [&] {
+    const std::lock_guard lock(loader_mutex);
+    return vkCreateInstance(&info, nullptr, &instance_);
+  };
+  const VkResult result = create();
   if (result != VK_SUCCESS) {
-    throw Error(Exit::no_device, fmt::format("no Vulkan instance ({}): install a driver such as mesa-vulkan-drivers",
-                                             result_name(result)));
+    throw Error(Exit::no_device, fmt::format("no Vulkan instance ({}): {}", result_name(result), driver_advice()));
   }
   load_functions(instance_);
   if (validation_ != Validation::off) {
@@ -327,9 +362,8 @@ void Device::choose_physical(const DeviceOptions& options) {
     }
   }
   if (!best) {
-    throw Error(Exit::no_device, devices.empty()
-                                     ? std::string("no Vulkan device: install a driver such as mesa-vulkan-drivers")
-                                     : fmt::format("no usable Vulkan device: {}", reasons));
+    throw Error(Exit::no_device, devices.empty() ? "no Vulkan device: " + driver_advice()
+                                                 : fmt::format("no usable Vulkan device: {}", reasons));
   }
   description_ = *best;
   physical_ = devices[best->index];
@@ -340,6 +374,7 @@ void Device::choose_physical(const DeviceOptions& options) {
 }
 
 void Device::create_device(bool window) {
+  require_room_for(description_);
   queue_family_ = find_queue_family(physical_).value();
   const std::uint32_t bits = timestamp_bits(physical_, queue_family_);
   timestamp_mask_ = bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
@@ -365,7 +400,11 @@ void Device::create_device(bool window) {
   info.pQueueCreateInfos = &queue;
   info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
-  if (const VkResult result = vkCreateDevice(physical_, &info, nullptr, &device_); result != VK_SUCCESS) {
+  const auto create = [&] {
+    const std::lock_guard lock(loader_mutex);
+    return vkCreateDevice(physical_, &info, nullptr, &device_);
+  };
+  if (const VkResult result = create(); result != VK_SUCCESS) {
     throw Error(Exit::no_device,
                 fmt::format("{} cannot be used: vkCreateDevice returned {}", description_.name, result_name(result)));
   }
@@ -388,6 +427,7 @@ void Device::name(VkObjectType type, std::uint64_t object, const char* name) con
   info.objectType = type;
   info.objectHandle = object;
   info.pObjectName = name;
+  const std::lock_guard lock(loader_mutex);
   vkSetDebugUtilsObjectNameEXT(device_, &info);
 }
 

@@ -50,7 +50,8 @@ struct DeviceDescription {
   std::string unusable;  ///< why palpa cannot use it; empty if it can
 };
 
-/// All physical devices in index order. Empty where there is no Vulkan loader or driver.
+/// All physical devices in index order. Empty where there is no Vulkan loader or driver. Throws Error (Exit::no_device)
+/// where memory does not suffice to load the drivers; no device can be used any more then (gpu/handle.hpp).
 std::vector<DeviceDescription> list_devices();
 bool validation_layer_present();
 
@@ -73,6 +74,8 @@ class Device {
   const DeviceDescription& description() const { return description_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
   Validation validation() const { return validation_; }
+  /// Threads that the driver started for this device; of another thread that was started meanwhile, too.
+  const std::vector<int>& driver_threads() const { return driver_threads_; }
   /// The bits of a timestamp that count; the others are undefined.
   std::uint64_t timestamp_mask() const { return timestamp_mask_; }
 
@@ -108,6 +111,7 @@ class Device {
   VkQueue queue_ = VK_NULL_HANDLE;
   std::uint32_t queue_family_ = 0;
   DeviceDescription description_;
+  std::vector<int> driver_threads_;
   VkPhysicalDeviceLimits limits_{};
   VkPhysicalDeviceMemoryProperties memory_{};
   Validation validation_ = Validation::off;

@@ -61,7 +61,6 @@ GraphicsPipeline::GraphicsPipeline(const Device& device, const char* name, std::
   raster.lineWidth = 1.0f;
   VkPipelineMultisampleStateCreateInfo multisample{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
   multisample.rasterizationSamples = layout.samples;
-  multisample.alphaToCoverageEnable = layout.alpha_to_coverage;
   const VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
   VkPipelineColorBlendAttachmentState attachment{};
   attachment.blendEnable = layout.blend;
@@ -70,8 +69,7 @@ GraphicsPipeline::GraphicsPipeline(const Device& device, const char* name, std::
   attachment.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
   attachment.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
   attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
-  // Alpha of an alpha-to-coverage draw is its coverage, not the image's opacity.
-  if (!layout.alpha_to_coverage) attachment.colorWriteMask |= VK_COLOR_COMPONENT_A_BIT;
+  if (layout.writes_alpha) attachment.colorWriteMask |= VK_COLOR_COMPONENT_A_BIT;
   if (fragment.empty()) attachment.colorWriteMask = 0;
   VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
   blend.attachmentCount = 1;

@@ -24,8 +24,8 @@ struct GraphicsLayout {
   VkFormat colour = VK_FORMAT_UNDEFINED;
   VkFormat depth = VK_FORMAT_UNDEFINED;
   VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
-  bool blend = false;              ///< source over destination, by the fragment's alpha
-  bool alpha_to_coverage = false;  ///< alpha chooses samples: soft edges that need no sorting
+  bool blend = false;        ///< source over destination, by the fragment's alpha
+  bool writes_alpha = true;  ///< false where a fragment's alpha says something else than the image's opacity
 };
 
 /// How one draw treats faces and depth.

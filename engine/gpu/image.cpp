@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "base/error.hpp"
+#include "gpu/allocation.hpp"
 #include "gpu/check.hpp"
 
 namespace palpa::gpu {
@@ -42,17 +43,11 @@ Image::Image(const Device& device, const Options& options, const char* name) : o
   VkMemoryRequirements needs;
   vkGetImageMemoryRequirements(device.get(), image, &needs);
   const bool transient = options.usage & VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
-  VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-  allocate.allocationSize = needs.size;
-  allocate.memoryTypeIndex =
-      device.memory_type(needs.memoryTypeBits, 0,
-                         transient ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_LAZILY_ALLOCATED_BIT
-                                   : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-  VkDeviceMemory memory = VK_NULL_HANDLE;
-  PALPA_VK(vkAllocateMemory(device.get(), &allocate, nullptr, &memory));
-  ++device.memory_allocations;
-  memory_ = Handle<VkDeviceMemory>(device.get(), memory, vkFreeMemory);
-  PALPA_VK(vkBindImageMemory(device.get(), image, memory, 0));
+  const VkMemoryPropertyFlags wanted =
+      VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT |
+      (transient ? static_cast<VkMemoryPropertyFlags>(VK_MEMORY_PROPERTY_LAZILY_ALLOCATED_BIT) : 0);
+  memory_ = allocate_memory(device, needs.size, device.memory_type(needs.memoryTypeBits, 0, wanted));
+  PALPA_VK(vkBindImageMemory(device.get(), image, memory_.get(), 0));
 
   VkImageViewCreateInfo view_info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
   view_info.image = image;

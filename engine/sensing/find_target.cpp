@@ -32,6 +32,9 @@ constexpr int least_hits = 100;                  // samples: 16 square centimetr
 constexpr double least_agreement = 0.8;
 constexpr double rival_share = 0.8;  // of the best score: too near to it
 constexpr std::size_t most_candidates = 8, most_points = 30000;
+constexpr double most_scale = 0.1;             // off by more it would not have been found
+constexpr double wide_gate_m = 6e-3;           // of a target of another scale
+constexpr double scale_off = 0.015, sure = 6;  // what is told, and how many standard deviations it is at least
 constexpr double same_m = 0.01, same_angle = 8 * degree;
 
 struct Sample {
@@ -47,6 +50,15 @@ struct Candidate {
 
 Error refused(const Camera& camera, const std::string& fault) {
   return bad_input(fmt::format("camera \"{}\"", printable(camera.name, 60)), fault);
+}
+
+/// Which images, and how much of them can be used.
+std::string what_is_seen(const StillImage& image) {
+  return fmt::format("{} of its {} pixels have a depth and stand still in {} ({} have a depth)", image.seen,
+                     image.points.size(),
+                     image.first == image.last ? fmt::format("frame {}", image.first)
+                                               : fmt::format("frames {} to {}", image.first, image.last),
+                     image.deep);
 }
 
 /// Evenly over the mesh, but for its underside.
@@ -102,6 +114,7 @@ class Search {
                     "more of the slopes");
     }
     const geometry::MeshFitted fitted = refine(best[0], {}, most_points);
+    const geometry::ScaleFitted scaled = scale_of(best[0]);
     look(best[0]);
     if (fitted.points < least_points) {
       throw refused(camera_,
@@ -116,17 +129,18 @@ class Search {
                                 "and two slopes, each at more than 20 degrees",
                                 fitted.hold));
     }
-    return {glm::inverse(fitted.T_mesh_points), fitted, best[0].agreement()};
+    return {glm::inverse(fitted.T_mesh_points), fitted, best[0].agreement(), scaled.scale, scaled.deviation};
   }
 
  private:
   static constexpr std::uint32_t least_points = 500;
 
   Error not_seen() const {
-    return refused(camera_, fmt::format("does not see the target: of the {} flat patches that it sees no three are "
-                                        "three of its faces; aim it so that it sees the plate and two slopes, nearer "
-                                        "than 0.8 m and with nothing before them",
-                                        patches_.size()));
+    return refused(camera_,
+                   fmt::format("does not see the target: {}, and of their {} flat patches no three are three of "
+                               "the target's faces; aim it so that it sees the plate and two slopes, nearer "
+                               "than 0.8 m and with nothing before them",
+                               what_is_seen(image_), patches_.size()));
   }
 
   /// The best poses by what three patches say.
@@ -234,10 +248,23 @@ class Search {
     return glm::length(Vec3(between[3])) < same_m && std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) < same_angle;
   }
 
-  geometry::MeshFitted refine(Candidate& candidate, const geometry::FitOptions& options, std::size_t most) const {
+  /// From where the candidate is. Three faces fit at every scale, so that all rests on the roof and what else is seen:
+  /// a few points, which are off by so much that they pass for outliers of the others. First nothing does, therefore.
+  geometry::ScaleFitted scale_of(const Candidate& candidate) const {
+    const std::vector<geometry::MeasuredPoint> near = points_near(candidate, wide_gate_m, most_points);
+    const geometry::ScaleFitted first =
+        fit_.fit_scale(near, candidate.T_target_camera, {.gate_m = wide_gate_m, .steps = 6, .tukey = 100});
+    const geometry::ScaleFitted second = fit_.fit_scale(near, first.T_mesh_points, {});
+    // What nothing holds goes anywhere.
+    return std::isfinite(second.deviation) && std::abs(second.scale - 1) < most_scale ? second
+                                                                                      : geometry::ScaleFitted{};
+  }
+
+  /// What is seen of the target's box there, and how much it errs; `most` of it, evenly.
+  std::vector<geometry::MeasuredPoint> points_near(const Candidate& candidate, double gate_m, std::size_t most) const {
     std::vector<geometry::MeasuredPoint> near;
-    const double wide = TargetSize::plate_half + options.gate_m;
-    const double high = TargetSize::plate_thickness + TargetSize::height + options.gate_m;
+    const double wide = TargetSize::plate_half + gate_m;
+    const double high = TargetSize::plate_thickness + TargetSize::height + gate_m;
     for (const glm::vec3& point : image_.points) {
       if (point.z <= 0) continue;
       const Vec3 at = transform_point(candidate.T_target_camera, Vec3(point));
@@ -251,6 +278,11 @@ class Search {
         fewer.push_back(near[i * near.size() / most]);
       near = std::move(fewer);
     }
+    return near;
+  }
+
+  geometry::MeshFitted refine(Candidate& candidate, const geometry::FitOptions& options, std::size_t most) const {
+    const std::vector<geometry::MeasuredPoint> near = points_near(candidate, options.gate_m, most);
     const geometry::MeshFitted fitted = fit_.fit(near, candidate.T_target_camera, options);
     candidate.T_target_camera = fitted.T_mesh_points;
     return fitted;
@@ -267,11 +299,18 @@ class Search {
 
 }  // namespace
 
+bool scale_is_off(const FoundTarget& found) {
+  const double off = std::abs(found.scale - 1);
+  return off >= scale_off && off > sure * found.scale_deviation;
+}
+
 FoundTarget find_target(const Camera& camera, const StillImage& image) {
   if (image.seen < least_seen) {
-    throw refused(camera, fmt::format("only {} of its {} pixels stand still and have a depth: is something before it, "
-                                      "or all of it nearer than {:.2f} m?",
-                                      image.seen, image.points.size(), camera.min_range_m));
+    throw refused(camera, fmt::format("only {}, and {} are needed: {}", what_is_seen(image), least_seen,
+                                      image.deep < least_seen
+                                          ? fmt::format("is something before it, or all of it nearer than {:.2f} m?",
+                                                        camera.min_range_m)
+                                          : "hold the camera and all before it still"));
   }
   return Search(camera, image).run();
 }

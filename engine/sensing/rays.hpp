@@ -68,6 +68,7 @@ struct View {
   std::uint32_t depth_low = 1, depth_high = 0;  ///< raw depths outside [low, high] cannot be in the box, or are no data
   float depth_unit = 0;                         ///< metres
   float rows_of_pose[3][4] = {};                ///< upper three rows of T_world_camera
+  std::uint32_t stride = 1;  ///< only every n-th pixel of every n-th row is looked at, counted from the image's corner
 
   std::uint32_t blocks() const { return blocks_per_row * rows; }
 };

@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/outputs.hpp"
+#include "base/reference.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rig_toml.hpp"
 
@@ -114,20 +115,27 @@ Times read_times(const std::filesystem::path& file, std::size_t cameras) {
   return times;
 }
 
-bool is_file(const std::filesystem::path& file) {
+/// What keeps it from being an image; empty where nothing does.
+std::string fault_of(const std::filesystem::path& file) {
+  namespace fs = std::filesystem;
   std::error_code error;
-  return std::filesystem::is_regular_file(file, error);
+  const fs::file_status status = fs::status(file, error);
+  if (status.type() == fs::file_type::not_found) return "no such image";
+  if (status.type() == fs::file_type::none) return "cannot be opened: " + error.message();
+  if (status.type() == fs::file_type::directory) return "is a folder, an image is needed";
+  return status.type() == fs::file_type::regular ? "" : "is not a regular file";
 }
 
 /// The image of a frame must exist when the recording is opened: a hole in it shows at once, not minutes later.
-void add_files(Recording::Entry& entry, const std::filesystem::path& folder, const std::string& name) {
-  entry.files.push_back(folder / name);
-  if (!is_file(entry.files.back())) throw bad_input(entry.files.back().string(), "no such image");
+void add_files(Recording::Entry& entry, ReferenceFolder& folder, const std::string& name) {
+  entry.files.push_back(folder.find(name, "files"));
+  const std::string fault = fault_of(entry.files.back());
+  if (!fault.empty()) throw bad_input(entry.files.back().string(), fault);
   refuse_output_as_input(entry.files.back());
 }
 
 /// Entries from `files`: one pattern per camera.
-void list_patterns(TomlTable& table, const std::filesystem::path& folder, std::optional<std::uint64_t> frames,
+void list_patterns(TomlTable& table, ReferenceFolder& folder, std::optional<std::uint64_t> frames,
                    Recording& recording) {
   std::vector<Pattern> patterns;
   const std::vector<std::string> texts = table.texts("files");
@@ -144,13 +152,18 @@ void list_patterns(TomlTable& table, const std::filesystem::path& folder, std::o
   if (!frames && table.has("count")) frames = table.whole("count", 1, most_frames);
   if (!frames) {  // as many as there are
     const auto complete = [&](std::uint64_t frame) {
-      return std::all_of(patterns.begin(), patterns.end(),
-                         [&](const Pattern& p) { return is_file(folder / p.name(first + frame)); });
+      return std::all_of(patterns.begin(), patterns.end(), [&](const Pattern& p) {
+        return fault_of(folder.find(p.name(first + frame), "files")).empty();
+      });
     };
     frames = 0;
     while (*frames < most_frames && complete(*frames))
       ++*frames;
-    if (*frames == 0) throw bad_input((folder / patterns[0].name(first)).string(), "no such image");
+    for (std::size_t i = 0; *frames == 0 && i < patterns.size(); ++i) {
+      const std::filesystem::path file = folder.find(patterns[i].name(first), "files");
+      const std::string fault = fault_of(file);
+      if (!fault.empty()) throw bad_input(file.string(), fault);
+    }
   }
   recording.entries.resize(*frames);
   for (std::uint64_t frame = 0; frame < *frames; ++frame) {
@@ -160,7 +173,7 @@ void list_patterns(TomlTable& table, const std::filesystem::path& folder, std::o
 }
 
 /// Entries from `[[frame]]` tables: the names of its images, one per camera.
-void list_frames(std::vector<TomlTable>& tables, const std::filesystem::path& folder, Recording& recording) {
+void list_frames(std::vector<TomlTable>& tables, ReferenceFolder& folder, Recording& recording) {
   for (TomlTable& table : tables) {
     Recording::Entry& entry = recording.entries.emplace_back();
     const std::vector<std::string> names = table.texts("files");
@@ -195,11 +208,12 @@ Recording load_recording(const std::filesystem::path& folder_or_toml) {
   std::error_code error;
   const bool is_folder = std::filesystem::is_directory(folder_or_toml, error);
   const std::filesystem::path toml = is_folder ? folder_or_toml / "recording.toml" : folder_or_toml;
-  const std::filesystem::path folder = toml.parent_path();
+  ReferenceFolder folder(toml.string(), toml.parent_path());
+  if (is_folder) folder.find("recording.toml", "the recording");  // it may be a link
   TomlTable root = TomlTable::load(toml, "a recording", {.bytes = 4u << 20});
   Recording recording;
   recording.file = toml.string();
-  recording.cameras = read_cameras(root, folder);
+  recording.cameras = read_cameras(root, toml.parent_path(), &folder);
   if (recording.cameras.empty()) throw root.fault("", "[[camera]] is missing: a recording needs its cameras");
   auto table = root.table("recording");
   if (!table) throw root.fault("", "[recording] is missing");
@@ -209,7 +223,7 @@ Recording load_recording(const std::filesystem::path& folder_or_toml) {
     throw table->fault("", "files is missing: one pattern per camera, or [[frame]] tables");
   }
   std::optional<Times> times;
-  if (table->has("times")) times = read_times(folder / table->text("times"), recording.cameras.size());
+  if (table->has("times")) times = read_times(folder.find(table->text("times"), "times"), recording.cameras.size());
   if (!frames.empty()) {
     list_frames(frames, folder, recording);
   } else {

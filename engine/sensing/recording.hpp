@@ -56,7 +56,8 @@ struct Recording {
 std::string times_heading(std::size_t cameras);
 
 /// Reads `recording.toml` of a folder, or the named TOML file. Throws bad_input naming file, line and fault: anything
-/// that a rig's cameras may have wrong, no frame at all, a listed image that is missing, times that do not increase or
+/// that a rig's cameras may have wrong, no frame at all, a listed image that is missing, a file outside of the TOML's
+/// folder (see ReferenceFolder), times that do not increase or
 /// lie beyond 1e12 s, a `times.csv` with another heading than times_heading().
 Recording load_recording(const std::filesystem::path& folder_or_toml);
 

@@ -120,7 +120,7 @@ static Camera read_camera(TomlTable& table, std::size_t place) {
   return camera;
 }
 
-std::vector<Camera> read_cameras(TomlTable& root, const std::filesystem::path& folder) {
+std::vector<Camera> read_cameras(TomlTable& root, const std::filesystem::path& folder, ReferenceFolder* references) {
   std::vector<Camera> cameras;
   for (TomlTable& table : root.tables("camera")) {
     if (cameras.size() == most_cameras) throw table.fault("", fmt::format("more than {} cameras", most_cameras));
@@ -131,7 +131,10 @@ std::vector<Camera> read_cameras(TomlTable& root, const std::filesystem::path& f
                                     "palpa takes at most {}",
                                     pixels, block_pixels, most_pixels));
     }
-    if (table.has("mask")) read_mask(table, folder, cameras.back());
+    if (table.has("mask")) {
+      if (references != nullptr) references->find(table.text("mask"), "mask");
+      read_mask(table, folder, cameras.back());
+    }
     table.done();
   }
   return cameras;

@@ -5,13 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "base/reference.hpp"
 #include "base/toml.hpp"
 #include "sensing/camera.hpp"
 
 namespace palpa::sensing {
 
-/// Every [[camera]] of the top-level table, at most 64, with their masks, which are found from `folder`.
-std::vector<Camera> read_cameras(TomlTable& root, const std::filesystem::path& folder);
+/// Every [[camera]] of the top-level table, at most 64, with their masks, which are found from `folder`; where
+/// `references` is given they lie within that.
+std::vector<Camera> read_cameras(TomlTable& root, const std::filesystem::path& folder,
+                                 ReferenceFolder* references = nullptr);
 
 /// One [[camera]] as read_cameras reads it.
 std::string to_toml(const Camera& camera);

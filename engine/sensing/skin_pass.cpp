@@ -26,7 +26,8 @@ shader::SkinPush push_of(const View& view, const CameraTable& table, const Box& 
   std::memcpy(&push.pose_x, view.rows_of_pose, sizeof(view.rows_of_pose));
   push.box_low = {static_cast<float>(box.low.x), static_cast<float>(box.low.y), static_cast<float>(box.low.z),
                   view.depth_unit};
-  push.box_high = {static_cast<float>(box.high.x), static_cast<float>(box.high.y), static_cast<float>(box.high.z), 0};
+  push.box_high = {static_cast<float>(box.high.x), static_cast<float>(box.high.y), static_cast<float>(box.high.z),
+                   static_cast<float>(view.stride)};
   push.pinhole = {table.cx, table.cy, table.per_fx, table.per_fy};
   push.first_block = static_cast<std::uint32_t>(table.first_pixel / block_pixels);
   push.corner = view.first_column | view.first_row << 16;

@@ -16,10 +16,11 @@ void find_in_view(const View& view, const CameraTable& table, std::span<const gl
   const std::uint32_t span = view.depth_high - view.depth_low;
   const std::uint32_t end_column = std::min(view.first_column + view.blocks_per_row * block_pixels, table.width);
   for (std::uint32_t v = view.first_row; v < view.first_row + view.rows; ++v) {
+    if (v % view.stride != 0) continue;
     const std::uint16_t* row = depth.data() + std::size_t{v} * table.width;
     const glm::vec2* ray_row = rays.data() + table.first_pixel + std::size_t{v} * table.pitch;
     for (std::uint32_t u = view.first_column; u < end_column; ++u) {
-      if (row[u] - view.depth_low > span) continue;
+      if (row[u] - view.depth_low > span || u % view.stride != 0) continue;
       const float z = static_cast<float>(row[u]) * view.depth_unit;
       const float x = ray_row[u].x * z, y = ray_row[u].y * z;
       glm::vec3 world;

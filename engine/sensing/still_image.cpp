@@ -58,8 +58,10 @@ std::vector<bool> near_steps(const std::vector<double>& depth, std::uint32_t wid
 
 }  // namespace
 
-void StillFrames::add(std::span<const std::uint16_t> depth) {
+void StillFrames::add(std::span<const std::uint16_t> depth, std::optional<std::uint64_t> number) {
   if (depth.size() != pixel_count(camera_)) throw bad_usage("a depth frame of another size than its camera's");
+  last_ = number.value_or(frames_.empty() ? 0 : last_ + 1);
+  if (frames_.empty()) first_ = last_;
   frames_.emplace_back(depth.begin(), depth.end());
 }
 
@@ -67,6 +69,9 @@ StillImage StillFrames::finish() const {
   StillImage image;
   image.width = camera_.width;
   image.height = camera_.height;
+  image.frames = frames_.size();
+  image.first = first_;
+  image.last = last_;
   image.points.assign(pixel_count(camera_), glm::vec3(0));
   const std::uint32_t first = first_valid_depth(camera_);
   std::vector<double> depth(image.points.size(), 0);
@@ -76,6 +81,7 @@ StillImage StillFrames::finish() const {
     for (const std::vector<std::uint16_t>& frame : frames_) {
       if (frame[i] >= first) values.push_back(frame[i]);
     }
+    image.deep += values.empty() ? 0 : 1;
     depth[i] = middle_depth(values, frames_.size(), camera_.depth_unit_m);
   }
   const std::vector<bool> rim = near_steps(depth, image.width, image.height, std::min(camera_.fx, camera_.fy));

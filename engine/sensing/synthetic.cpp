@@ -1,46 +1,28 @@
 #include "sensing/synthetic.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <iterator>
 #include <utility>
 
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "sensing/crowd.hpp"
 #include "sensing/depth_noise.hpp"
+#include "sensing/triangle_edges.hpp"
 
 namespace palpa::sensing {
 namespace {
 
-struct Triangle {
-  Vec3 a, b, c;  // camera coordinates
-};
-
-/// Edge functions of a triangle over ray directions (Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous
-/// Coordinates", 1997): no clipping, exact under any lens, and neighbours share their edge's value up to the sign, so
-/// that a closed mesh has no cracks.
-struct Edges {
-  std::array<Vec3, 3> edge;
-  double determinant = 0;
-  double per_normal = 0;
-
-  explicit Edges(const Triangle& t) : edge{glm::cross(t.b, t.c), glm::cross(t.c, t.a), glm::cross(t.a, t.b)} {
-    determinant = glm::dot(t.a, edge[0]);
-    const double length = glm::length(edge[0] + edge[1] + edge[2]);
-    per_normal = length > 0 ? 1 / length : 0;
-    if (determinant < 0) {  // seen from behind: same test with all signs turned
-      determinant = -determinant;
-      for (Vec3& e : edge)
-        e = -e;
-    }
-  }
-  bool visible() const { return determinant > 0 && per_normal > 0; }
-};
-
-double along(const Vec3& edge, double x, double y) {
-  return edge.x * x + edge.y * y + edge.z;
-}
+/// From so many rays cast for each pixel of an image on, triangles are drawn as a crowd (crowd.hpp), which costs more
+/// for each of them.
+constexpr std::uint64_t crowded = 16;
+/// Rays that are cast at most: for each pixel of an image, or for a picture of all cameras where that is more; and for
+/// each triangle.
+constexpr std::uint64_t most_looks_per_pixel = 64, most_looks = std::uint64_t{1} << 27, most_looks_per_triangle = 1000;
 
 /// The pixels between two places on an image's axis, and those that the rounding of rays could bring there.
 RowSpan between(double low, double high, std::uint32_t size) {
@@ -71,7 +53,7 @@ static std::vector<Camera> seeing_all(std::vector<Camera> cameras) {
 }
 
 SyntheticRig::SyntheticRig(std::vector<Camera> cameras, const geometry::Mesh& occluders, Noise noise,
-                           std::uint64_t seed)
+                           std::uint64_t seed, const std::string& occluders_name)
     : cameras_(std::move(cameras)),
       tables_(make_rays(seeing_all(cameras_))),
       views_(cameras_.size()),
@@ -81,7 +63,7 @@ SyntheticRig::SyntheticRig(std::vector<Camera> cameras, const geometry::Mesh& oc
     Layer& still = views_[i].still;
     still.depth.assign(pixel_count(cameras_[i]), beyond);
     still.slant.assign(pixel_count(cameras_[i]), 0);
-    draw(i, occluders, Transform(1.0), still);
+    draw(i, occluders, Transform(1.0), occluders_name, still);
     if (noise_ == Noise::d415) finish_still(i);
     views_[i].shown = still;
   }
@@ -108,7 +90,7 @@ void SyntheticRig::finish_still(std::size_t index) {
 }
 
 PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const Transform& T_world_mesh,
-                            Layer& layer) {
+                            const std::string& name, Layer& layer) {
   const Camera& camera = cameras_[index];
   const CameraTable& table = tables_.cameras[index];
   const glm::vec2* rays = tables_.rays.data() + table.first_pixel;
@@ -120,60 +102,78 @@ PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const
   });
 
   PixelBox drawn;
-  const auto draw_box = [&](const Edges& edges, const PixelBox& box) {
-    const auto& [e0, e1, e2] = edges.edge;
+  std::uint64_t looks = 0;
+  std::vector<CrowdTriangle> crowd;  // of those that come when too many rays are cast already
+  const auto draw_box = [&](const TriangleEdges& edges, const PixelBox& box) {
+    drawn = around(drawn, box);
+    looks += std::uint64_t{box.x1 - box.x0} * (box.y1 - box.y0);
     for (std::uint32_t v = box.y0; v < box.y1; ++v) {
       const glm::vec2* ray_row = rays + std::size_t{v} * table.pitch;
       float* depth_row = layer.depth.data() + std::size_t{v} * table.width;
       float* slant_row = layer.slant.data() + std::size_t{v} * table.width;
       for (std::uint32_t u = box.x0; u < box.x1; ++u) {
-        const double x = ray_row[u].x, y = ray_row[u].y;
-        const double a = along(e0, x, y), b = along(e1, x, y), c = along(e2, x, y);
-        if (a < 0 || b < 0 || c < 0) continue;
-        const double sum = a + b + c;
-        const double z = edges.determinant / sum;
-        // A ray within the triangle's own plane has a sum of 0; a pixel without a ray has a huge one and no depth.
-        if (!(z < depth_row[u]) || !(z > 1e-6)) continue;
-        depth_row[u] = static_cast<float>(z);
-        slant_row[u] = static_cast<float>(sum * edges.per_normal);
+        RayHit hit;
+        if (!meets(edges, ray_row[u].x, ray_row[u].y, hit) || !(hit.depth < depth_row[u])) continue;
+        depth_row[u] = static_cast<float>(hit.depth);
+        slant_row[u] = hit.slant;
       }
     }
-    drawn = around(drawn, box);
   };
 
   for (const glm::uvec3& corner : mesh.triangles) {
     const Corner &a = corners_[corner.x], &b = corners_[corner.y], &c = corners_[corner.z];
     const auto [near, far] = std::minmax({a.position.z, b.position.z, c.position.z});
     if (far <= 0) continue;
-    if (near < 1e-6) {  // reaches behind the camera: no bounds
-      const Edges edges({a.position, b.position, c.position});
-      if (edges.visible()) draw_box(edges, {0, 0, table.width, table.height});
-      continue;
-    }
+    const bool is_crowded = looks > crowded * pixel_count(camera);
+    const bool behind = near < 1e-6;  // reaches behind the camera: no bounds
     const auto [low_x, high_x] = std::minmax({a.x, b.x, c.x});
     const auto [low_y, high_y] = std::minmax({a.y, b.y, c.y});
-    if (table.pinhole) {
+    PixelBox box{0, 0, table.width, table.height};
+    if (table.pinhole && !behind) {
       const RowSpan columns = between(low_x * camera.fx + camera.cx, high_x * camera.fx + camera.cx, table.width);
       const RowSpan rows = between(low_y * camera.fy + camera.cy, high_y * camera.fy + camera.cy, table.height);
       // A fine mesh has many triangles between the pixels' centres.
-      const PixelBox box{columns.begin, rows.begin, columns.end, rows.end};
+      box = {columns.begin, rows.begin, columns.end, rows.end};
       if (box.empty()) continue;
-      const Edges edges({a.position, b.position, c.position});
-      if (edges.visible()) draw_box(edges, box);
+    }
+    const TriangleEdges edges(a.position, b.position, c.position);
+    if (!edges.visible()) continue;
+    if (table.pinhole || behind) {
+      if (is_crowded) {
+        drawn = around(drawn, box);
+        crowd.push_back({.edges = edges, .box = box, .near = near});
+      } else {
+        draw_box(edges, box);
+      }
       continue;
     }
-    const Edges edges({a.position, b.position, c.position});
-    if (!edges.visible()) continue;
+    PixelBox tiles;
     for (std::uint32_t ty = 0; ty < table.tiles_y; ++ty) {
       const RayBounds& row = table.tile_rows[ty];
       if (row.low.x > high_x || row.high.x < low_x || row.low.y > high_y || row.high.y < low_y) continue;
       for (std::uint32_t tx = 0; tx < table.tiles_x; ++tx) {
         const RayBounds& tile = table.tiles[std::size_t{ty} * table.tiles_x + tx];
         if (tile.low.x > high_x || tile.high.x < low_x || tile.low.y > high_y || tile.high.y < low_y) continue;
-        draw_box(edges, {tx * tile_pixels, ty * tile_pixels, std::min((tx + 1) * tile_pixels, table.width),
-                         std::min((ty + 1) * tile_pixels, table.height)});
+        const PixelBox here{tx * tile_pixels, ty * tile_pixels, std::min((tx + 1) * tile_pixels, table.width),
+                            std::min((ty + 1) * tile_pixels, table.height)};
+        if (is_crowded) {
+          tiles = around(tiles, here);
+        } else {
+          draw_box(edges, here);
+        }
       }
     }
+    if (tiles.empty()) continue;
+    drawn = around(drawn, tiles);
+    crowd.push_back({edges, tiles, {low_x, low_y}, {high_x, high_y}, near});
+  }
+  const std::uint64_t most = std::max(most_looks / cameras_.size(), most_looks_per_pixel * pixel_count(camera)) +
+                             most_looks_per_triangle * mesh.triangles.size();
+  if (!draw_crowd(table, rays, crowd, layer.depth, layer.slant, most, looks)) {
+    throw bad_input(name, fmt::format("camera \"{}\" sees so many of its triangles through each other that a picture "
+                                      "takes more than {} million rays; leave out what is inside of it, or what lies "
+                                      "upon each other",
+                                      printable(camera.name, 60), most / 1'000'000));
   }
   return drawn;
 }
@@ -186,7 +186,7 @@ void SyntheticRig::show(std::size_t index, std::span<const Posed> skin) {
   view.shown.copy(view.still, before, width);
   view.skin = {};
   for (const Posed& posed : skin)
-    view.skin = around(view.skin, draw(index, *posed.mesh, posed.T_world_mesh, view.shown));
+    view.skin = around(view.skin, draw(index, *posed.mesh, posed.T_world_mesh, posed.name, view.shown));
   if (noise_ == Noise::none) return;
   find_risks(image(index, view.shown), risky(view.skin), view.shown.risks);
   std::copy(view.still_spans.begin() + before.y0, view.still_spans.begin() + before.y1, view.spans.begin() + before.y0);

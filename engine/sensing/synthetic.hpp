@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "geometry/mesh.hpp"
@@ -24,15 +25,18 @@ enum class Noise {
 struct Posed {
   const geometry::Mesh* mesh = nullptr;
   Transform T_world_mesh{1.0};
+  std::string name = "the mesh";  ///< its file, for errors
 };
 
 /// Renders by casting each pixel centre's ray (through the lens' distortion) at the triangles; the nearest hit wins.
 /// What does not move is rendered once, and all that is worked out of it: a frame costs what the skin covers, and the
-/// noise of all that is seen.
+/// noise of all that is seen. Throws bad_input for a mesh of which so much lies behind each other that a picture would
+/// take more rays than 64 for each pixel.
 class SyntheticRig {
  public:
   /// `occluders` (world coordinates, e.g. the array's boards) never move; they are seen and hide what is behind them.
-  SyntheticRig(std::vector<Camera> cameras, const geometry::Mesh& occluders, Noise noise, std::uint64_t seed);
+  SyntheticRig(std::vector<Camera> cameras, const geometry::Mesh& occluders, Noise noise, std::uint64_t seed,
+               const std::string& occluders_name = "the occluders");
 
   const std::vector<Camera>& cameras() const { return cameras_; }
   /// All cameras' frames with `skin` in it. Times are left alone. The same seed, `sequence` and meshes give the same
@@ -52,7 +56,8 @@ class SyntheticRig {
     std::vector<RowSpan> still_spans, spans;  ///< likewise
   };
   DepthImage image(std::size_t camera, const Layer& layer) const;
-  PixelBox draw(std::size_t camera, const geometry::Mesh& mesh, const Transform& T_world_mesh, Layer& layer);
+  PixelBox draw(std::size_t camera, const geometry::Mesh& mesh, const Transform& T_world_mesh, const std::string& name,
+                Layer& layer);
   void finish_still(std::size_t camera);
   void show(std::size_t camera, std::span<const Posed> skin);
 
@@ -82,6 +87,7 @@ struct SyntheticOptions {
   Motion motion = dipping_motion;
   Noise noise = Noise::d415;
   std::uint64_t seed = 1;
+  std::string skin_name = "the mesh", occluders_name = "the occluders";  ///< their files, for errors
   double rate_hz = 0;  ///< 0: the first camera's, or 90 where that says nothing
   /// Frames come in real time at the rate, and those that nobody fetched are dropped; otherwise as fast as asked, none
   /// dropped.

@@ -17,7 +17,7 @@ class SyntheticSource : public DepthSource {
  public:
   SyntheticSource(std::vector<Camera> cameras, geometry::Mesh skin, const geometry::Mesh& occluders,
                   SyntheticOptions options)
-      : rig_(std::move(cameras), occluders, options.noise, options.seed),
+      : rig_(std::move(cameras), occluders, options.noise, options.seed, options.occluders_name),
         skin_(std::move(skin)),
         options_(std::move(options)) {
     if (options_.rate_hz <= 0 && !rig_.cameras().empty()) options_.rate_hz = rig_.cameras().front().rate_hz;
@@ -43,7 +43,7 @@ class SyntheticSource : public DepthSource {
     }
     if (ended()) return false;
     const double time_s = static_cast<double>(next_) / options_.rate_hz;
-    const Posed posed{&skin_, options_.motion(time_s)};
+    const Posed posed{&skin_, options_.motion(time_s), options_.skin_name};
     rig_.render(std::span(&posed, 1), next_, out);
     for (DepthFrame& frame : out.frames)
       frame.time_s = time_s;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"
@@ -45,10 +46,11 @@ ContactsPass::Kernel ContactsPass::kernel_for(const PreparedSolids& solids) {
 
 void ContactsPass::prepare(const PreparedSolids& solids, const Parameters& parameters) {
   if (device_->description().ends_long_loops && solids.turns > shader::contacts_most_turns) {
-    throw bad_usage(
-        fmt::format("the scene's {} solids can take {} looks at one skin point, and {} takes {}: give fewer or simpler "
-                    "ones, or compute on the CPU (--backend cpu)",
-                    solids.records.size(), solids.turns, device_->description().name, shader::contacts_most_turns));
+    const std::string fault = fmt::format(
+        "the scene's {} solids can take {} looks at one skin point, and {} takes {}: give fewer or simpler ones, or "
+        "compute on the CPU (--backend cpu)",
+        solids.records.size(), solids.turns, device_->description().name, shader::contacts_most_turns);
+    throw solids.file.empty() ? bad_usage(fault) : bad_input(solids.file, fault);
   }
   if (!pack_) {
     pack_ = {*device_,

@@ -48,7 +48,8 @@ class ContactsPass {
   explicit ContactsPass(const gpu::Device& device) : device_(&device) {}
 
   /// Makes the pipelines that record() takes for these; those that are there stay. `solids` may move afterwards. Throws
-  /// bad_usage where a device that counts a kernel's turns could not look one point up among so many solids.
+  /// bad_input with the solids' file (bad_usage without one) where a device that counts a kernel's turns could not look
+  /// one point up among so many solids.
   void prepare(const PreparedSolids& solids, const Parameters& parameters);
 
   static std::vector<gpu::ScratchPiece> scratch(const Room& room);

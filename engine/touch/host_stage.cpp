@@ -7,6 +7,7 @@
 #include "touch/depths.hpp"
 #include "touch/fingers_twin.hpp"
 #include "touch/foci_twin.hpp"
+#include "touch/pixel_stride.hpp"
 #include "touch/sections_twin.hpp"
 #include "touch/split_twin.hpp"
 
@@ -24,9 +25,14 @@ HostStage::HostStage(const std::vector<geometry::Solid>& solids, std::span<const
   if (setting.glides()) homes_.emplace();
 }
 
+std::uint32_t HostStage::most_pixel_stride() const {
+  return touch::most_pixel_stride(cameras_, tables_, touchable_box(solids_), setting_.parameters);
+}
+
 void HostStage::touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s, const Mark& mark) {
   const Box box = touchable_box(solids_);
   sensing::plan_views(cameras_, tables_, box, views_);
+  set_stride(views_, stride_);
   sensing::find_skin(tables_, images, box, views_, points_);
   if (mark) mark("skin");
   const Sight sight{bridge_cameras_, tables_, images};
@@ -42,7 +48,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
   const auto done = [&](const char* part) {
     if (mark) mark(part);
   };
-  const Parameters& parameters = setting_.parameters;
+  const Parameters parameters = at_stride(setting_.parameters, stride_);
   find_contacts(points, solids_, parameters, out);
   done("contacts");
   find_fingers(parameters, solids_, out);

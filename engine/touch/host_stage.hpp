@@ -1,6 +1,7 @@
 // The twin of the stage (stage.hpp): from skin to foci through the passes' C++ twins on the calling thread.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -36,6 +37,10 @@ class HostStage {
   /// From the next touch on the solid is where T_world_rest takes it; see touch::set_pose.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(solids_, solid, T_world_rest); }
 
+  /// See Stage.
+  void set_pixel_stride(std::uint32_t stride) { stride_ = stride; }
+  std::uint32_t most_pixel_stride() const;
+
   /// What the frame captured at `time_s` shows: one image per camera, or points whose indices ascend. Where fingers are
   /// followed, frames come in the order of their capture. Throws bad_usage for images that do not fit the cameras.
   void touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s = 0, const Mark& mark = {});
@@ -52,6 +57,7 @@ class HostStage {
   PreparedSolids solids_;
   std::optional<Tracks> tracks_;
   std::optional<Homes> homes_;
+  std::uint32_t stride_ = 1;
   std::vector<sensing::View> views_;        // scratch
   std::vector<sensing::SkinPoint> points_;  // scratch
 };

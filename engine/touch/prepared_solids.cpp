@@ -149,8 +149,10 @@ void add_closed_mesh(PreparedSolids& table, SurfaceBase& next, const geometry::S
   table.T_rest_made.emplace_back(1);
   table.surface_base.push_back(next);
   if (surface.triangles.size() > shader::surface_most_triangles - next.triangles) {
-    throw bad_usage(fmt::format("the scene's solids have more than {} triangles together: give fewer or coarser ones",
-                                shader::surface_most_triangles));
+    const std::string fault =
+        fmt::format("the scene's solids have more than {} triangles together: give fewer or coarser ones",
+                    shader::surface_most_triangles);
+    throw solid.file.empty() ? bad_usage(fault) : bad_input(solid.file, fault);
   }
   next.cells += static_cast<std::uint32_t>(surface.cells.size());
   next.runs += static_cast<std::uint32_t>(surface.runs.size());
@@ -204,6 +206,7 @@ double least_finger_gap(const shader::SolidRecord& solid) {
 
 PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const Parameters& parameters) {
   PreparedSolids table;
+  if (!solids.empty()) table.file = solids[0].file;
   table.foci_of = foci_of_solids(solids);
   std::vector<std::vector<LocalPlane>> local(solids.size());
   for (std::size_t s = 0; s < solids.size(); ++s) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "geometry/solid.hpp"
@@ -38,6 +39,7 @@ struct PreparedSolids {
   std::vector<std::uint32_t> foci_of;  ///< foci_of_solids()
   std::vector<shader::uvec4> parts;    ///< see parts_table.hpp; empty without solids of convex parts
   MadeFor made_for;
+  std::string file;         ///< where the solids are from, for messages; empty where they are not from a file
   std::uint32_t turns = 0;  ///< contact_turns()
 
   /// The solid's delta: its own where it has one.

@@ -6,6 +6,7 @@
 #include "gpu/commands.hpp"
 #include "touch/bridge_cameras.hpp"
 #include "touch/check_parameters.hpp"
+#include "touch/pixel_stride.hpp"
 #include "touch/sector_borders.hpp"
 
 namespace palpa::touch {
@@ -41,10 +42,15 @@ Stage::Stage(Passes& passes, const std::vector<geometry::Solid>& solids, std::sp
   timeline.wait(timeline.submit(recorder.end()));
 }
 
+std::uint32_t Stage::most_pixel_stride() const {
+  return touch::most_pixel_stride(cameras_, tables_, touchable_box(solids_), setting_.parameters);
+}
+
 void Stage::record_skin(VkCommandBuffer commands, StageMemory& memory, gpu::Timestamps* times) const {
   memory.depth_.record(commands);
   const Box box = touchable_box(solids_);
   sensing::plan_views(cameras_, tables_, box, memory.views_);
+  set_stride(memory.views_, stride_);
   passes_.skin_.record(commands,
                        {.depth = memory.depth_.ref(),
                         .rays = rays_.ref(),
@@ -57,7 +63,7 @@ void Stage::record_skin(VkCommandBuffer commands, StageMemory& memory, gpu::Time
 
 void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu::Timestamps* times) {
   const bool cameras = tables_.pixels != 0;
-  const Parameters& parameters = setting_.parameters;
+  const Parameters parameters = at_stride(setting_.parameters, stride_);
   const gpu::BufferRef points = cameras ? m.seen_.ref() : m.points_.ref();
   const gpu::BufferRef length = cameras ? m.seen_total_.ref() : m.given_.ref();
   if (cameras) {

@@ -33,6 +33,7 @@
 // each means.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -74,6 +75,11 @@ class Stage {
   /// From the next record on the solid is where T_world_rest takes it; see touch::set_pose.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(solids_, solid, T_world_rest); }
 
+  /// From the next record on only every n-th pixel of every n-th row becomes a skin point; 1, as at first: all do.
+  void set_pixel_stride(std::uint32_t stride) { stride_ = stride; }
+  /// How large that may be, see touch::most_pixel_stride. Of solids where they are now.
+  std::uint32_t most_pixel_stride() const;
+
   /// Records all that turns the frame's input, captured at `time_s`, into foci, and the readback that the setting asks
   /// for. Where fingers are followed: record frames in the order of their capture, and submit them in the order of
   /// their recording. With `times`, marks the names of SkinPass (depth frames only), ContactsPass, FingersPass,
@@ -95,6 +101,7 @@ class Stage {
   SolidsMemory solids_memory_;
   std::optional<TracksMemory> tracks_;
   std::optional<HomesMemory> homes_;
+  std::uint32_t stride_ = 1;
 };
 
 /// What one frame in flight reads and writes. Give it its input, record, submit, wait, read.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <cstdint>
@@ -158,6 +159,45 @@ TEST(NearPairs, FacesThatFaceEachOtherAreSampledByHowCloseTheyAre) {
   }
   EXPECT_EQ(looked_at, 3);
   EXPECT_TRUE(near_pairs(make_patches(two_cubes(0.05e-3)), 732.7).unresolved);
+}
+
+/// An octahedron whose faces around one corner are halved again and again.
+geometry::Mesh graded(const Vec3& corner, double size, int levels) {
+  geometry::Mesh mesh;
+  mesh.positions = {corner, corner + Vec3(2 * size, 0, 0)};
+  std::array<std::uint32_t, 4> ring{};
+  const auto add_ring = [&](double scale) {
+    std::array<std::uint32_t, 4> added{};
+    const std::array<Vec3, 4> ways{Vec3(1, 1, 0), Vec3(1, 0, 1), Vec3(1, -1, 0), Vec3(1, 0, -1)};
+    for (std::size_t i = 0; i < 4; ++i) {
+      added[i] = static_cast<std::uint32_t>(mesh.positions.size());
+      mesh.positions.push_back(corner + ways[i] * (size * scale));
+    }
+    return added;
+  };
+  ring = add_ring(1);
+  for (std::size_t i = 0; i < 4; ++i)
+    mesh.triangles.emplace_back(1, ring[i], ring[(i + 1) % 4]);
+  double scale = 1;
+  for (int level = 0; level < levels; ++level) {
+    const std::array<std::uint32_t, 4> inner = add_ring(scale /= 2);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::size_t next = (i + 1) % 4;
+      mesh.triangles.emplace_back(ring[i], inner[i], ring[next]);
+      mesh.triangles.emplace_back(ring[next], inner[i], inner[next]);
+    }
+    ring = inner;
+  }
+  for (std::size_t i = 0; i < 4; ++i)
+    mesh.triangles.emplace_back(ring[i], 0, ring[(i + 1) % 4]);
+  return mesh;
+}
+
+TEST(NearPairs, EndOnStronglyGradedMeshes) {
+  for (const Vec3& corner : {Vec3(0), Vec3(0.05, 0.02, 0.01)}) {
+    const geometry::Mesh mesh = graded(corner, 2e-3, corner == Vec3(0) ? 60 : 40);
+    EXPECT_EQ(near_pairs(make_patches(mesh), k).first.size(), mesh.triangles.size() + 1);
+  }
 }
 
 TEST(NearPairs, MemoryIsCountedForUnevenMeshesToo) {

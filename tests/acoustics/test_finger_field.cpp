@@ -118,7 +118,7 @@ std::vector<Complex> asked(const Exact& exact, const Vec3& focus, bool for_finge
   return strengths;
 }
 
-struct Way {
+struct Focused {
   bool for_finger;
   FingerTransfer* transfer;
 };
@@ -128,7 +128,7 @@ TEST(FingerField, IsTheSphereSeriesInFull) {
   FingerTransfer transfer(ball(), around(), still_air(), array::Directivity::omni);
   const std::vector<Vec3> foci = ring(5);
   const std::vector<Vec3> path = path_through(foci, 3);
-  for (const Way way : {Way{false, nullptr}, Way{true, &transfer}}) {
+  for (const Focused way : {Focused{false, nullptr}, Focused{true, &transfer}}) {
     const FingerField field(ball(), around(), still_air(), {.directivity = array::Directivity::omni}, way.transfer);
     std::vector<double> pressures;
     ASSERT_TRUE(field.felt(path, 3, pressures));

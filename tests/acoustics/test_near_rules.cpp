@@ -6,6 +6,7 @@
 #include <complex>
 #include <cstdio>
 #include <glm/geometric.hpp>
+#include <utility>
 #include <vector>
 
 #include "acoustics/dense_lu.hpp"
@@ -78,6 +79,21 @@ TEST(NearRules, CutNeedlesAcross) {
   bool resolved = true;
   EXPECT_LE(rules.apart(needle, upon, cut, resolved).size(), 2400000u);
   EXPECT_FALSE(resolved);
+}
+
+TEST(NearRules, EndWhereRoundingMakesNeedlesOfAllPieces) {
+  const NearRules rules;
+  const Patch face = patch({2e-3, 0, 0}, {0, 2e-3, 0}, {0, 0, 2e-3});
+  for (const double size : {1e-15, 1e-18, 1e-22, 1e-40, 1e-200}) {
+    // Where it stands, doubles are farther apart than its corners, or hardly nearer.
+    const Vec3 at(3e-3, 1e-19, 1e-19);
+    const Patch small = patch(at + Vec3(size, 0, 0), at + Vec3(0, size, 0), at + Vec3(0, 0, size));
+    for (const auto& [test, trial] : {std::pair(face, small), std::pair(small, face), std::pair(small, small)}) {
+      PairTable cut;
+      bool resolved = true;
+      EXPECT_LE(rules.apart(test, trial, cut, resolved).size(), 2400000u) << size;
+    }
+  }
 }
 
 TEST(DenseLu, EndsWhenNobodyWantsIt) {

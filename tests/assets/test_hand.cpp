@@ -2,6 +2,7 @@
 #include <map>
 #include <numbers>
 #include <string>
+#include <string_view>
 
 #include "assets/generators/hand.hpp"
 #include "assets/generators/shape.hpp"
@@ -16,15 +17,15 @@ namespace {
 
 using geometry::Mesh;
 
-const HandPose& pose(const std::string& name) {
+const HandPose& pose(std::string_view name) {
   static std::map<std::string, HandPose> poses;
-  return poses.try_emplace(name, *named_hand_pose(name)).first->second;
+  return poses.try_emplace(std::string(name), *named_hand_pose(name)).first->second;
 }
 
 /// Each pose's hand is made once.
-const Mesh& hand(const std::string& name) {
+const Mesh& hand(std::string_view name) {
   static std::map<std::string, Mesh> hands;
-  auto& mesh = hands[name];
+  Mesh& mesh = hands[std::string(name)];
   if (mesh.positions.empty()) mesh = make_hand(pose(name));
   return mesh;
 }

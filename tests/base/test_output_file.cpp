@@ -17,6 +17,7 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "support/file_size_limit.hpp"
+#include "support/ordinary_user.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
@@ -209,6 +210,24 @@ TEST_F(OutputFileTest, RefusesWhatCannotBeWrittenBeforeAnythingIs) {
   if (geteuid() == 0) GTEST_SKIP() << "skipped: root may write anything";
   chmod(file_.c_str(), 0400);
   EXPECT_NE(fault(file_).find("Permission denied"), std::string::npos);
+}
+
+TEST_F(OutputFileTest, AnOrdinaryUserIsToldOfRightsThatAreMissing) {
+  write_file(file_, "x");
+  fs::create_directory(folder_ / "closed");
+  chmod(file_.c_str(), 0444);
+  chmod((folder_ / "closed").c_str(), 0);
+  chmod(folder_.c_str(), 0555);
+  {
+    const test::OrdinaryUser user;
+    for (const fs::path& file : {file_, folder_ / "new", folder_ / "closed/new"}) {
+      const Error refused = test::thrown_by([&] { refuse_unwritable(output_place(file)); });
+      EXPECT_EQ(refused.what(), file.string() + ": cannot be written: Permission denied");
+      const Error failed = test::thrown_by([&] { write_file(file, "y"); });
+      EXPECT_EQ(failed.what(), file.string() + ": cannot be written: Permission denied");
+    }
+  }
+  chmod(folder_.c_str(), 0755);
 }
 
 TEST_F(OutputFileTest, KnowsAFileByEveryName) {

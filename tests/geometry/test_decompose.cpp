@@ -2,12 +2,17 @@
 #include "geometry/decompose.hpp"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <glm/geometric.hpp>
 #include <random>
 
 #include "geometry/nearest.hpp"
+#include "geometry/vhacd.hpp"
+#include "support/instrumented.hpp"
 #include "support/shapes.hpp"
 #include "support/thrown.hpp"
 
@@ -37,6 +42,34 @@ TEST(Nearest, IsTheLeastOverAllTriangles) {
     ASSERT_LE(found, least + 1e-15);
     ASSERT_GE(found, least - 1e-3);
   }
+}
+
+// V-HACD's search tree has a level for each vertex of this mesh.
+TEST(Vhacd, HasAStackForEachVertex) {
+  NEEDS_VHACD();
+  if (test::instrumented()) GTEST_SKIP() << "skipped: what a level takes of the stack differs here";
+  // Points on three sides of a cube, taken from each in turn, so that each is the least along the axis that is looked
+  // at next.
+  constexpr std::uint32_t side = 45;
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < side * side; ++i) {
+    const double a = (i % side + 0.5) / side, b = (i / side + 0.5) / side;
+    for (const Vec3& p : {Vec3(1, a, b), Vec3(a, 1, b), Vec3(a, b, 1)})
+      mesh.positions.push_back(p);
+    const auto last = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.triangles.emplace_back(last - 3, last - 2, last - 1);
+  }
+  append(mesh, test::box(Vec3(0), Vec3(1)));
+  pthread_attr_t before, small;
+  pthread_getattr_default_np(&before);
+  pthread_attr_init(&small);
+  pthread_attr_setstacksize(&small, std::size_t{256} << 10);
+  pthread_setattr_default_np(&small);
+  const auto hulls = vhacd_hulls(mesh, {.parts = 2, .resolution = 10'000, .error_percent = 50}, {});
+  pthread_setattr_default_np(&before);
+  pthread_attr_destroy(&small);
+  pthread_attr_destroy(&before);
+  EXPECT_FALSE(hulls.empty());
 }
 
 TEST(Decompose, LeavesAConvexMeshAsItIs) {

@@ -111,6 +111,20 @@ TEST(Device, FunctionsAreTheLoadersAndLoadedOnce) {
   EXPECT_EQ(all(), before);
 }
 
+// As a viewer does, whose run begins on a thread of its own. With Debian 13's loader it crashed.
+TEST(Device, NamesItsObjectsWhileOtherThreadsMakeInstances) {
+  const Device& device = test::test_device();
+  std::atomic<bool> done{false};
+  std::thread names([&] {
+    while (!done)
+      const Buffer buffer(device, 64, "named");
+  });
+  for (int i = 0; i < 12; ++i)
+    EXPECT_FALSE(list_devices().empty());
+  done = true;
+  names.join();
+}
+
 TEST(Timeline, ASubmitOfNothingIsDoneWhenAllBeforeItIs) {
   const char* const validation = std::getenv("PALPA_VALIDATION");
   if (validation && std::string_view(validation) == "gpu-assisted")

@@ -42,11 +42,13 @@ struct DeviceResult {
 };
 
 /// One run of the pass, every buffer between guard words, `room` points at most.
-DeviceResult run_pass(const Scene& scene, const Box& box, std::uint64_t room = ~0ull) {
+DeviceResult run_pass(const Scene& scene, const Box& box, std::uint64_t room = ~0ull, std::uint32_t stride = 1) {
   gpu::Device& device = test::test_device();
   const RayTables tables = make_rays(scene.cameras);
   std::vector<View> views;
   plan_views(scene.cameras, tables, box, views);
+  for (View& view : views)
+    view.stride = stride;
 
   std::vector<std::uint16_t> packed(tables.padded_pixels);
   pack_depth(tables, scene.frames, packed);
@@ -152,6 +154,44 @@ TEST(Skin, DeviceGivesTheTwinsBytes) {
     EXPECT_EQ(device.total.groups_x, (twin.size() + 63) / 64);
     EXPECT_EQ(device.total.groups_y, 1u);
   }
+}
+
+TEST(Skin, AStrideTakesEveryNthPixelOfEveryNthRow) {
+  std::mt19937_64 random(23);
+  std::size_t all_points = 0, kept_points = 0;
+  for (int round = 0; round < 10; ++round) {
+    const Scene scene = random_scene(random, test::uniform(random, 1, 4));
+    Box box = test::random_box(random);
+    if (round % 2 == 0) {
+      box.add(Vec3(-2));
+      box.add(Vec3(2));
+    }
+    const RayTables tables = make_rays(scene.cameras);
+    const auto all = find_skin(scene.cameras, scene.frames, box);
+    for (const std::uint32_t stride : {1u, 2u, 3u, 4u}) {
+      std::vector<SkinPoint> expected;
+      for (const SkinPoint& point : all) {
+        std::size_t camera = 0;
+        while (camera + 1 < tables.cameras.size() && point.index >= tables.cameras[camera + 1].first_index)
+          ++camera;
+        const auto place = static_cast<std::uint32_t>(point.index - tables.cameras[camera].first_index);
+        const std::uint32_t width = tables.cameras[camera].width;
+        if (place % width % stride == 0 && place / width % stride == 0) expected.push_back(point);
+      }
+      std::vector<View> views;
+      plan_views(scene.cameras, tables, box, views);
+      for (View& view : views)
+        view.stride = stride;
+      std::vector<SkinPoint> twin;
+      find_skin(tables, scene.frames, box, views, twin);
+      EXPECT_TRUE(same_bytes(expected, twin)) << "round " << round << ", stride " << stride;
+      EXPECT_TRUE(same_bytes(twin, run_pass(scene, box, ~0ull, stride).points)) << round << ", stride " << stride;
+      if (stride == 3) kept_points += twin.size();
+    }
+    all_points += all.size();
+  }
+  EXPECT_GT(kept_points, 0u);
+  EXPECT_NEAR(static_cast<double>(all_points) / static_cast<double>(kept_points), 9, 1.5);
 }
 
 TEST(Skin, WholeImagesAndNothingAtAll) {

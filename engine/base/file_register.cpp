@@ -1,0 +1,196 @@
+#include "base/file_register.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <mutex>
+#include <set>
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace palpa {
+namespace file_register {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What was read.
+struct Input {
+  std::string name;       ///< under which it was read
+  std::int64_t born = 0;  ///< see birth_of()
+};
+
+/// Inputs are opened on several threads.
+struct Register {
+  std::mutex mutex;
+  int keepers = 0;
+  std::vector<Claim> claims;
+  std::map<FileIdentity, Input> inputs;
+  std::set<Entry> own;
+  std::set<Entry> written;  ///< by this program: it may write these again
+};
+Register& the_register() {
+  static Register instance;
+  return instance;
+}
+
+FileIdentity identity_of(const fs::path& file) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) return {};
+  return {status.st_dev, status.st_ino};
+}
+
+/// When the file came to be, nanoseconds; 0 where the file system does not know. It gives the inode of a file that is
+/// gone to another one: what is the same inode, but younger, is another file.
+std::int64_t birth_of(const fs::path& file) {
+  struct statx status {};
+  if (::statx(AT_FDCWD, file.c_str(), 0, STATX_BTIME, &status) != 0 || (status.stx_mask & STATX_BTIME) == 0) return 0;
+  return std::int64_t{status.stx_btime.tv_sec} * 1'000'000'000 + status.stx_btime.tv_nsec;
+}
+
+bool is_other(std::int64_t born, std::int64_t born_too) {
+  return born != 0 && born_too != 0 && born != born_too;
+}
+
+Entry entry_of(const OutputPlace& place) {
+  return {identity_of(place.folder()), place.path.filename().string()};
+}
+
+bool is_known(const FileIdentity& identity) {
+  return identity != FileIdentity{};
+}
+
+/// Not of what is not there, whose identity is its folder's; nor of devices and pipes.
+bool can_be_lost(const OutputPlace& place) {
+  return place.kind == OutputPlace::Kind::file;
+}
+
+/// Whether that file was read, and is still the one that was.
+bool was_read(const Register& r, const OutputPlace& place) {
+  if (!can_be_lost(place)) return false;
+  const auto input = r.inputs.find(place.identity);
+  if (input == r.inputs.end()) return false;
+  const std::int64_t born = birth_of(place.path);
+  if (is_other(born, input->second.born)) return false;
+  return born != 0 || identity_of(input->second.name) == place.identity;
+}
+
+bool is_same(const Claim& a, const Claim& b) {
+  if (a.place.kind == OutputPlace::Kind::other || b.place.kind == OutputPlace::Kind::other) return false;
+  if (can_be_lost(a.place) && can_be_lost(b.place) && a.place.identity == b.place.identity)
+    return !is_other(a.born, b.born);
+  return is_known(a.entry.folder) && a.entry == b.entry;
+}
+
+/// Whether the claim is of that place.
+bool covers(const Claim& claim, const OutputPlace& place, const Entry& entry) {
+  if (claim.entry == entry && is_known(entry.folder)) return true;
+  if (place.kind != OutputPlace::Kind::absent && place.identity == claim.place.identity) return true;
+  if (!claim.is_folder) return false;
+  std::error_code fault;
+  for (fs::path at = fs::canonical(place.folder(), fault); !fault && at != at.root_path(); at = at.parent_path()) {
+    const bool was_there = claim.place.kind == OutputPlace::Kind::folder;
+    if (was_there && claim.place.identity == identity_of(at)) return true;
+    if (claim.entry.name == at.filename() && claim.entry.folder == identity_of(at.parent_path())) return true;
+  }
+  return false;
+}
+
+Error read_by_this_command(const std::string& option, const std::string& name) {
+  return bad_usage(fmt::format("{}: {} is read by this command, name another file", option, name));
+}
+
+}  // namespace
+
+void claim(std::vector<Claim> claims) {
+  Register& r = the_register();
+  for (Claim& claim : claims) {
+    claim.entry = entry_of(claim.place);
+    if (can_be_lost(claim.place)) claim.born = birth_of(claim.place.path);
+  }
+  const std::lock_guard lock(r.mutex);
+  for (const Claim& mine : claims) {
+    if (was_read(r, mine.place)) throw read_by_this_command(mine.option, mine.place.name);
+    for (const Claim& other : r.claims) {
+      if (other.owner == mine.owner || other.option == mine.option || !is_same(other, mine)) continue;
+      throw bad_usage(fmt::format("{} and {} name the same file, {}: give each its own", other.option, mine.option,
+                                  mine.place.name));
+    }
+  }
+  std::ranges::move(claims, std::back_inserter(r.claims));
+}
+
+void release(const void* owner) {
+  Register& r = the_register();
+  const std::lock_guard lock(r.mutex);
+  std::erase_if(r.claims, [owner](const Claim& claim) { return claim.owner == owner; });
+}
+
+bool is_in_use() {
+  Register& r = the_register();
+  const std::lock_guard lock(r.mutex);
+  return r.keepers > 0 || !r.claims.empty();
+}
+
+void reads(const fs::path& file, const FileIdentity& identity) {
+  Register& r = the_register();
+  const Entry entry = entry_of(output_place(file));
+  const std::int64_t born = is_known(identity) ? birth_of(file) : 0;
+  const std::lock_guard lock(r.mutex);
+  // What this program has written itself may be written again, though it was read meanwhile. What is refused is
+  // remembered, too: it must not be written, be it that somebody goes on without having read it.
+  if (r.keepers > 0 && is_known(identity) && !r.own.contains(entry) && !r.written.contains(entry))
+    r.inputs[identity] = {file.string(), born};
+  for (const Claim& claim : r.claims) {
+    if (claim.is_folder || claim.place.kind == OutputPlace::Kind::other) continue;
+    const bool same = can_be_lost(claim.place) && claim.place.identity == identity && !is_other(claim.born, born);
+    if (same || claim.entry == entry) throw read_by_this_command(claim.option, file.string());
+  }
+}
+
+void writes(const OutputPlace& place) {
+  Register& r = the_register();
+  const Entry entry = entry_of(place);
+  const std::lock_guard lock(r.mutex);
+  if (r.keepers == 0 || r.own.contains(entry)) return;
+  if (was_read(r, place)) throw bad_usage(fmt::format("{} is read by this command, name another file", place.name));
+  const bool declared =
+      place.is_stdout || std::ranges::any_of(r.claims, [&](const Claim& one) { return covers(one, place, entry); });
+  if (!declared) {
+    throw failure(
+        fmt::format("{}: is not written, since palpa did not declare it as an output: please report this", place.name));
+  }
+  r.written.insert(entry);
+}
+
+void add_own(const fs::path& file) {
+  const Entry entry = entry_of(output_place(file));
+  Register& r = the_register();
+  const std::lock_guard lock(r.mutex);
+  r.own.insert(entry);
+}
+
+}  // namespace file_register
+
+KeptRegister::KeptRegister() {
+  file_register::Register& r = file_register::the_register();
+  const std::lock_guard lock(r.mutex);
+  ++r.keepers;
+}
+
+KeptRegister::~KeptRegister() {
+  file_register::Register& r = file_register::the_register();
+  const std::lock_guard lock(r.mutex);
+  if (--r.keepers > 0) return;
+  r.inputs.clear();
+  r.own.clear();
+  r.written.clear();
+}
+
+}  // namespace palpa

@@ -1,0 +1,65 @@
+#include "base/reference.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <system_error>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+
+namespace palpa {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::atomic<bool> outside_allowed{false};
+
+/// As many links in a row as the kernel follows.
+constexpr int most_links = 40;
+
+/// Without symbolic links and ".."; what is not there is taken as it is written. Empty where that cannot be found out.
+fs::path resolved(fs::path path) {
+  std::error_code fault;
+  // A link to nothing has to be followed, too: what it leads to may come to be there.
+  for (int i = 0; i < most_links && fs::is_symlink(fs::symlink_status(path, fault)); ++i)
+    path = path.parent_path() / fs::read_symlink(path, fault);
+  fs::path whole = fs::weakly_canonical(fs::absolute(path, fault), fault);
+  return fault ? fs::path() : whole;
+}
+
+bool is_within(const fs::path& path, const fs::path& root) {
+  return std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first == root.end();
+}
+
+}  // namespace
+
+void allow_outside_references(bool allowed) {
+  outside_allowed = allowed;
+}
+
+ReferenceFolder::ReferenceFolder(std::string naming, const fs::path& folder)
+    : naming_(std::move(naming)), folder_(folder), root_(resolved(folder.empty() ? fs::path(".") : folder)) {}
+
+/// Of many references in one folder, only those that are symbolic links are resolved one by one.
+bool ReferenceFolder::holds(const fs::path& path) {
+  if (root_.empty()) return false;
+  std::error_code fault;
+  const bool plain = path.filename() != ".." && path.filename() != "." && path.has_filename() &&
+                     !fs::is_symlink(fs::symlink_status(path, fault));
+  if (!plain) return is_within(resolved(path), root_);
+  const auto [known, is_new] = below_.try_emplace(path.parent_path(), false);
+  if (is_new) known->second = is_within(resolved(path.parent_path().empty() ? "." : path.parent_path()), root_);
+  return known->second;
+}
+
+fs::path ReferenceFolder::find(const std::string& reference, const std::string& what) {
+  fs::path path = folder_ / reference;
+  if (outside_allowed || holds(path)) return path;
+  throw bad_input(naming_, fmt::format("{}: \"{}\" leads out of the folder of this file; --allow-outside lets it", what,
+                                       printable(reference, 60)));
+}
+
+}  // namespace palpa

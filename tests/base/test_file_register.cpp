@@ -1,0 +1,144 @@
+// Nothing that was read is written over, and nothing is written that was not declared.
+#include "base/file_register.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/input_file.hpp"
+#include "base/output_file.hpp"
+#include "base/outputs.hpp"
+#include "base/stream_writer.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa {
+namespace {
+
+namespace fs = std::filesystem;
+
+class RegisterTest : public testing::Test {
+ protected:
+  RegisterTest() {
+    test::write_text(folder_ / "input", "input");
+    fs::create_directory(folder_ / "deep");
+    fs::create_symlink(folder_ / "input", folder_ / "soft");
+    fs::create_hard_link(folder_ / "input", folder_ / "hard");
+    open_ = ::open((folder_ / "input").c_str(), O_RDWR | O_CLOEXEC);
+  }
+  ~RegisterTest() override { ::close(open_); }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::vector<std::string> names() const {
+    return {path("input"),
+            path("soft"),
+            path("hard"),
+            path("deep/../input"),
+            folder_.string() + "//input",
+            "/proc/self/fd/" + std::to_string(open_)};
+  }
+  static std::string refusal(const std::vector<Output>& outputs) {
+    const Error error = test::thrown_by([&] { const Outputs declared(outputs); });
+    EXPECT_EQ(error.code(), Exit::usage) << error.what();
+    return error.what();
+  }
+
+  fs::path folder_ = test::scratch_folder("register");
+  int open_ = -1;
+};
+
+TEST_F(RegisterTest, WhatWasReadIsNoOutputAnyMore) {
+  const KeptRegister kept;
+  read_file(path("input"), 100);
+  for (const std::string& name : names())
+    EXPECT_EQ(refusal({{"--csv", name}}), "--csv: " + name + " is read by this command, name another file");
+  EXPECT_EQ(test::read_text(path("input")), "input");
+}
+
+TEST_F(RegisterTest, WhatIsAnOutputIsNotRead) {
+  for (const std::string& name : names()) {
+    const KeptRegister kept;
+    const Outputs outputs({{"--csv", name}});
+    EXPECT_EQ(test::thrown_by([&] { read_file(path("input"), 100); }).code(), Exit::usage) << name;
+    EXPECT_EQ(test::thrown_by([&] { refuse_output_as_input(path("input")); }).code(), Exit::usage) << name;
+    EXPECT_EQ(test::thrown_by([&] { write_file(name, "x"); }).code(), Exit::usage) << "somebody wants to read it";
+  }
+  const KeptRegister kept;
+  EXPECT_EQ(read_file(path("input"), 100), "input");
+  // Of what comes to be there, its name is known.
+  const Outputs outputs({{"--csv", path("new")}});
+  EXPECT_EQ(test::thrown_by([&] { refuse_output_as_input(path("deep/../new")); }).code(), Exit::usage);
+  write_file(path("new"), "x");
+  EXPECT_EQ(test::thrown_by([&] { read_file(path("deep") + "/../new", 100); }).code(), Exit::usage);
+}
+
+TEST_F(RegisterTest, WritingWhatIsNotDeclaredIsAnErrorOfPalpas) {
+  const std::string part = "palpa did not declare it";
+  EXPECT_NO_THROW(write_file(path("free"), "x")) << "whoever uses the library need not declare anything";
+  const KeptRegister kept;
+  for (const std::string& name : {path("new"), path("free"), path("deep/new"), std::string("/dev/null")}) {
+    EXPECT_NE(std::string(test::thrown_by([&] { write_file(name, "x"); }).what()).find(part), std::string::npos)
+        << name;
+    EXPECT_NE(std::string(test::thrown_by([&] { StreamWriter(name, 100); }).what()).find(part), std::string::npos)
+        << name;
+  }
+  EXPECT_EQ(test::read_text(path("free")), "x");
+  EXPECT_FALSE(fs::exists(path("new")));
+  {
+    const Outputs outputs({{"--csv", path("new")},
+                           {"--json", "/dev/null"},
+                           {"--record", path("take"), Output::Kind::folder},
+                           {"--video", path("deep/"), Output::Kind::folder}});
+    write_file(path("new"), "x");
+    write_file(path("deep/../new"), "y");
+    write_file("/dev/null", "x");
+    fs::create_directory(path("take"));
+    write_file(path("take/one"), "x");
+    write_file(path("deep/one"), "x");
+  }
+  EXPECT_NE(std::string(test::thrown_by([&] { write_file(path("new"), "x"); }).what()).find(part), std::string::npos);
+  EXPECT_NO_THROW(write_file("-", ""));
+}
+
+TEST_F(RegisterTest, WhatPalpaWroteItMayWriteAgainAndSoItsOwnFiles) {
+  const KeptRegister kept;
+  const Outputs outputs({{"save as", path("scene")}});
+  {
+    const Outputs first({{"save as", path("scene2")}});
+    write_file(path("scene2"), "x");
+  }
+  read_file(path("scene2"), 100);
+  const Outputs second({{"save as", path("scene2")}});
+  write_file(path("scene2"), "y");
+  file_register::add_own(path("settings"));
+  write_file(path("settings"), "x");
+  read_file(path("settings"), 100);
+  write_file(path("settings"), "y");
+}
+
+TEST_F(RegisterTest, TwoOwnersHaveDifferentFilesUnlessItIsTheSameOption) {
+  const Outputs first({{"--json", path("soft")}, {"--csv", path("new")}});
+  EXPECT_NE(refusal({{"--events", path("hard")}}).find("--json and --events name the same file"), std::string::npos);
+  EXPECT_NE(refusal({{"--events", path("deep/../new")}}).find("name the same file"), std::string::npos);
+  EXPECT_NO_THROW(Outputs({{"--json", path("input")}, {"--csv", path("new")}}));
+  EXPECT_NO_THROW(Outputs({{"--events", "/dev/null"}, {"--json", "/dev/null"}}));
+}
+
+TEST_F(RegisterTest, WhatWasReadIsKnownWhereItWasMovedTo) {
+  const KeptRegister kept;
+  read_file(path("input"), 100);
+  fs::rename(path("input"), path("moved"));
+  test::write_text(path("input"), "another");
+  refusal({{"--csv", path("moved")}});
+  EXPECT_NO_THROW(Outputs({{"--csv", path("input")}})) << "another file, that nobody has read";
+}
+
+}  // namespace
+}  // namespace palpa

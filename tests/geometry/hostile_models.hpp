@@ -1,0 +1,23 @@
+// Models whose cost would grow faster than their size.
+#pragma once
+
+#include <cstdint>
+
+#include "geometry/mesh.hpp"
+#include "gltf_builder.hpp"
+
+namespace palpa::test::hostile {
+
+/// Parallel rods along a diagonal of the axes: their boxes all overlap, they do not.
+geometry::Mesh rods(int count);
+
+/// Boxes within boxes, facing outwards and inwards in turn, or all outwards.
+geometry::Mesh nested(int count, bool in_turn);
+
+/// A fan of needles around one edge.
+geometry::Mesh needles(std::uint32_t count);
+
+/// A small box with a skin of so many joints, which as many nodes show in the same place.
+GltfBuilder many_bones(int joints);
+
+}  // namespace palpa::test::hostile
