@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "base/parallel.hpp"
+#include "base/start_thread.hpp"
 #include "session/threads.hpp"
 
 namespace palpa::session {
@@ -26,7 +27,7 @@ class Beside {
   /// Called on the thread. It may throw GivenUp soon after `give_up` became true.
   using Work = std::function<Answer(const Question&, const std::atomic<bool>& give_up)>;
 
-  explicit Beside(Work work) : work_(std::move(work)), thread_([this] { go_round(); }) {}
+  explicit Beside(Work work) : work_(std::move(work)), thread_(start_thread("a preview", [this] { go_round(); })) {}
   /// Ends the thread, in the middle of an answer too, as soon as that gives up.
   ~Beside() {
     {

@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <cstdint>
+#include <optional>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -25,12 +27,22 @@ class FociLink : public Link {
     write_foci_line(told.schedule, solid_names_, json_);
     last_s_ = told.schedule.time_s;
     ++lines_;
-    if (sender_.send(json_.finish())) return;
+    heard_ = sender_.send(json_.finish());
+    if (heard_) {
+      lines_with_fingers_ += told.schedule.voice_count > 0 ? 1 : 0;
+      return;
+    }
     ++unsent_;
     send_silence();  // or the foci of the line before would sound on
     sender_.warn();
   }
-  void send(std::uint64_t, std::span<const array::TransducerDrive>) override {}
+  /// A drive counts as played where the line of foci that it belongs to was sent.
+  void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
+    played_ += heard_ && sounds(drive) ? 1 : 0;
+  }
+  std::optional<Carried> carried() const override {
+    return Carried{.completed = {.drives = played_, .plans = lines_with_fingers_}};
+  }
   void finish() override {
     for (int repeat = 0; repeat < 3; ++repeat) {  // the last line may get lost like any other
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -55,6 +67,8 @@ class FociLink : public Link {
   JsonWriter json_;
   double last_s_ = 0;  ///< of the last line
   std::uint64_t lines_ = 0, unsent_ = 0;
+  bool heard_ = false;  ///< the last line was sent
+  std::uint64_t played_ = 0, lines_with_fingers_ = 0;
 };
 
 }  // namespace

@@ -126,6 +126,12 @@ class GpuPlanner : public Planner {
 
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { stage_.set_pose(solid, T_world_rest); }
 
+  void set_effort(const Effort& effort) override {
+    stage_.set_pixel_stride(effort.pixel_stride);
+    scheduler_.thin_foci(effort.foci_part);
+  }
+  Effort most_shed() const override { return {stage_.most_pixel_stride(), most_foci_part}; }
+
  private:
   Flight& flight_of(std::uint64_t frame) { return *flights_[frame % flights_.size()]; }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
+#include "session/hand_over.hpp"
 
 namespace palpa::session {
 
@@ -61,6 +63,10 @@ class Link {
 
   /// After the last drive: hands over what is still buffered. Errors here are reported, too.
   virtual void finish() {}
+
+  /// How much of what it was handed has reached its device, counted from its opening on. Asked about once a second and
+  /// after finish(), also where that threw. Nothing: it does not count.
+  virtual std::optional<Carried> carried() const { return std::nullopt; }
 };
 
 /// A kind of link: `name` or `name:ARGUMENT` on the command line.
@@ -68,7 +74,12 @@ struct LinkKind {
   std::string name;
   std::string help;  ///< "record:FILE  every drive into a file"
   std::function<std::unique_ptr<Link>(const std::string& argument, const LinkSetting&)> open;
-  bool writes_file = false;  ///< the argument is the name of a file that it writes
+  bool writes_file = false;        ///< the argument is the name of a file that it writes
+  bool reads_board_files = false;  ///< it heeds LinkSetting::board_files; open_link() refuses these for others
+  /// The built-in layout of the boards that an argument names; "" where none fits.
+  std::function<std::string(const std::string& argument)> own_layout{};
+  /// The shortest slot in which foci may move from one to the next, for a link that has such a limit. Throws as open().
+  std::function<double(const std::string& argument, const array::Layout& layout)> least_moving_slot_s{};
 };
 
 /// `null`, `record`, `foci`.
@@ -76,6 +87,12 @@ std::vector<LinkKind> builtin_links();
 
 /// Opens "name" or "name:argument". Throws bad_usage with the known names for an unknown one.
 std::unique_ptr<Link> open_link(const std::string& spec, std::span<const LinkKind> kinds, const LinkSetting& setting);
+
+/// The layout of the link's own boards; "" where it has none, or nobody knows.
+std::string layout_of_link(const std::string& spec, std::span<const LinkKind> kinds);
+
+/// The shortest slot in which foci may move on that link; 0 where any will do.
+double least_moving_slot_s(const std::string& spec, std::span<const LinkKind> kinds, const array::Layout& layout);
 
 /// The file that such a link would write; "" where it writes none.
 std::string file_of_link(const std::string& spec, std::span<const LinkKind> kinds);

@@ -13,7 +13,9 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/start_thread.hpp"
 #include "session/early_start.hpp"
+#include "session/effort.hpp"
 #include "session/source_clock.hpp"
 #include "session/threads.hpp"
 
@@ -31,8 +33,8 @@ struct Captured {
 class Worker {
  public:
   template <typename Work>
-  explicit Worker(Work work) {
-    thread_ = std::thread([this, work] {
+  Worker(const char* purpose, Work work) {
+    thread_ = start_thread(purpose, [this, work] {
       try {
         work();
       } catch (...) {
@@ -165,6 +167,9 @@ struct Compute {
   std::deque<Start> under_way{};
   EarlyStart early_start{setting.output.hold_s};
   Overload overload{setting.output.hold_s};
+  EffortControl effort{setting.output.hold_s, setting.every_frame ? Effort{} : planner.most_shed(),
+                       setting.lengthens_hold && !setting.every_frame ? longest_auto_hold_s : 0};
+  ShedReport shed_report{setting.output.hold_s};
   double begin_s = -1;
   double idle_s = -std::numeric_limits<double>::infinity();  ///< since then nothing was under way
   double last_captured_s = -std::numeric_limits<double>::infinity();
@@ -176,6 +181,7 @@ struct Compute {
   bool stopped() const { return stop || output_ended; }
   bool start();
   bool step();
+  void shed(const FrameReport& report, double captured_s);
 };
 
 /// Takes the newest frame in, if there is one and it is its turn.
@@ -213,14 +219,26 @@ bool Compute::step() {
   stats.add_passes(report.passes);
   stats.seconds = report.planned_s - begin_s;
   if (observers.planned) observers.planned(report, plans.back());
+  shed(report, plans.back().captured_s);
   last_captured_s = plans.back().captured_s;
-  overload.planned(report.planned_s - last_captured_s);
+  if (effort.exhausted()) overload.planned(report.planned_s - last_captured_s);
   if (plans.publish()) ++stats.unplayed;
   return true;
 }
 
+/// Where frames are late some of their work is left out from the next one on.
+void Compute::shed(const FrameReport& report, double captured_s) {
+  const FrameTimes times{report.planned_s - captured_s, report.planned_s - report.arrived_s,
+                         captured_s - last_captured_s};
+  if (effort.planned(times)) planner.set_effort(effort.now());
+  shed_report.planned(effort, times.capture_to_plan_s);
+  if (effort.acted()) stats.shed = {effort.least(), effort.most_hold_s(), effort.shed_frames()};
+  plans.back().more_hold_s = effort.hold_s() - setting.output.hold_s;
+}
+
 double Compute::run() {
-  bool alive = false;  // frames are coming
+  bool alive = false;      // frames are coming
+  planner.set_effort({});  // whatever a run before has left
   while (!stopped()) {
     start();
     if (planner.busy()) {
@@ -233,6 +251,8 @@ double Compute::run() {
       if (observers.expired) observers.expired();
     }
   }
+  shed_report.end(effort);
+  planner.set_effort({});  // for whoever uses it next
   return last_captured_s;
 }
 
@@ -268,7 +288,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
       ending.failed = true;
       stop = true;
     };
-    output_thread.emplace([&, fail] {
+    output_thread.emplace("the link", [&, fail] {
       const EndFlag ended(output_ended);
       go_first();  // drives leave on time
       try {
@@ -281,7 +301,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
     // The link gets silence meanwhile, and the source is not asked before frames can be looked at in time.
     planner.warm_up();
     if (observers.record) {
-      recorder_thread.emplace([&, fail] {
+      recorder_thread.emplace("--record", [&, fail] {
         take_turns();  // whoever calls may go first
         try {
           record(recorded, observers);
@@ -291,7 +311,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
         }
       });
     }
-    capture_thread.emplace([&, fail] {
+    capture_thread.emplace("the source", [&, fail] {
       const CloseFrames close(frames);
       take_turns();  // what makes frames itself, or unpacks them, works as long as the touch that waits for them
       try {

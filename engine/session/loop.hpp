@@ -20,6 +20,9 @@ struct LoopSetting {
   /// Off: a frame that comes while another waits replaces it, and so does a plan. On: each waits for the next thread,
   /// so every frame is looked at and every plan is played.
   bool every_frame = false;
+  /// Where frames are late, and all has been shed that can be, they may sound for longer than the hold, up to
+  /// longest_auto_hold_s.
+  bool lengthens_hold = false;
 };
 
 /// What others may look at while the loop runs. They must not throw anything but Error; `planned` must not linger.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "session/hand_over.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
@@ -17,7 +18,7 @@ std::span<const array::TransducerDrive> silence(const OutputSetting& setting, ar
 }
 
 bool expired(const Plan& plan, double now_s, const OutputSetting& setting) {
-  return plan.schedule.voice_count == 0 || now_s >= plan.captured_s + setting.hold_s;
+  return plan.schedule.voice_count == 0 || now_s >= plan.captured_s + setting.hold_s + plan.more_hold_s;
 }
 
 /// How much longer than it should a ramp may take on its way down at the end: its slots may come late.
@@ -26,10 +27,13 @@ constexpr double most_late_s = 0.1;
 /// How often somebody who waits for a slot looks whether its sound must end sooner.
 constexpr double most_sleep_s = 10e-3;
 
+/// How often the output looks how many of its drives have reached the device.
+constexpr double look_every_s = 1;
+
 /// The first slot that begins when the plan has expired, slot 0 having begun at `begin_s`.
 std::uint64_t expiry_slot(const Plan& plan, double begin_s, const OutputSetting& setting) {
   constexpr double most = 1e18;  // a hold without an end
-  const double slot = std::ceil((plan.captured_s + setting.hold_s - begin_s) / setting.slot_s);
+  const double slot = std::ceil((plan.captured_s + setting.hold_s + plan.more_hold_s - begin_s) / setting.slot_s);
   return static_cast<std::uint64_t>(std::clamp(slot, 0.0, most));
 }
 
@@ -76,6 +80,8 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
   std::uint64_t slot = 0;
   const double begin_s = clock.now();
   bool sounding = false;
+  HandOverWatch watch;
+  double look_s = begin_s + look_every_s;
   double fade_end_s = std::numeric_limits<double>::infinity();  // known when the end is asked for
   const auto too_long = [&](double now_s) {
     if (ending.asked()) return ending.failed || now_s >= fade_end_s || std::isinf(fade_end_s);
@@ -111,8 +117,14 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
     const auto running = static_cast<std::uint64_t>(std::floor((clock.now() - begin_s) / setting.slot_s));
     if (running > slot + 1) stats.skipped(running - slot - 1);
     slot = std::max(slot + 1, running);
+    if (now_s >= look_s) {
+      watch.look(safe.handed_over());
+      look_s = now_s + look_every_s;
+    }
   }
   safe.finish();
+  stats.hand_over = safe.handed_over();
+  watch.look(stats.hand_over);
 }
 
 }  // namespace palpa::session

@@ -21,7 +21,8 @@ namespace palpa::session {
 /// one of no finger, or without an array: there is nothing to drive.
 struct Plan {
   array::Schedule schedule;
-  double captured_s = 0;  ///< on the loop's clock
+  double captured_s = 0;   ///< on the loop's clock
+  double more_hold_s = 0;  ///< how much longer than the usual hold it may sound after that
   std::uint32_t cycle = 0;
   double shared_modulation_hz = 0;  ///< 0: none, or not shared
   array::Modulation shared_modulation = array::Modulation::pressure_sine;

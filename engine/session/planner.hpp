@@ -10,6 +10,7 @@
 #include "gpu/timestamps.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/skin_point.hpp"
+#include "session/effort.hpp"
 #include "session/plan.hpp"
 #include "session/setting.hpp"
 #include "touch/stage_setting.hpp"
@@ -51,6 +52,9 @@ class Planner {
   /// Lets the device get ready for every frame to come: drivers compile a kernel when it is first dispatched, which
   /// takes seconds where no cache has it. Changes nothing that frames compute; does nothing after the first of them.
   virtual void warm_up() {}
+  /// From the next start on frames are worked on with that effort. What can be shed at all; by default nothing.
+  virtual void set_effort(const Effort&) {}
+  virtual Effort most_shed() const { return {}; }
   /// From the next start on; see touch::Stage::set_pose.
   virtual void set_pose(std::uint32_t solid, const Transform& T_world_rest) = 0;
 };

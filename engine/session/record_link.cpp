@@ -4,7 +4,9 @@
 
 #include <atomic>
 #include <bit>
+#include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -42,7 +44,8 @@ class RecordLink : public Link {
       : wait_unless_(wait_unless),
         transducers_(setting.layout.transducers.size()),
         record_bytes_(sizeof(std::uint64_t) + transducers_ * sizeof(array::TransducerDrive)),
-        writer_(file, room_of_pipe + 4 * record_bytes_) {
+        writer_(file, room_of_pipe + 4 * record_bytes_,
+                wait_unless ? ReaderPatience() : ReaderPatience(link_patience_s)) {
     if (writer_.on_disk()) writer_.grow(room_of_disk + 4 * record_bytes_);
     Header header{{}, version, static_cast<std::uint32_t>(transducers_), setting.slot_s};
     std::memcpy(header.magic, magic, sizeof(magic));
@@ -59,7 +62,9 @@ class RecordLink : public Link {
     // All of a record or nothing: what follows must stay readable. Room for the silence after a fault is kept free.
     stalled_ = !add();
     if (stalled_) writer_.fail_stalled();
+    written_ += sounds(drive) ? 1 : 0;
   }
+  std::optional<Carried> carried() const override { return Carried{.completed = {.drives = written_}}; }
   void finish() override {
     if (!flush()) {
       close_stalled();
@@ -91,6 +96,7 @@ class RecordLink : public Link {
   StreamWriter writer_;
   std::string record_;  ///< the one that is being written
   bool stalled_ = false;
+  std::uint64_t written_ = 0;  ///< drives that sound
 };
 
 template <typename T>

@@ -16,8 +16,8 @@ namespace palpa::session {
 /// Link "record:FILE"; "-" is stdout. Throws failure() when the file cannot be created or written (a full disk, a
 /// limit): a file on a disk then holds whole drives, as many as it has room for, the last of them silent. The file may
 /// be a FIFO or a terminal; a reader, or a disk, that keeps the link waiting for half a second is a fault, so that it
-/// cannot hold the loop. Where nothing sounds meanwhile, `wait_unless` is given: then it waits for them as long as it
-/// takes, until that becomes true.
+/// cannot hold the loop, and so is a FIFO that nobody has opened for that long. Where nothing sounds meanwhile,
+/// `wait_unless` is given: then it waits for them as long as it takes, until that becomes true.
 std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting,
                                        const std::atomic<bool>* wait_unless = nullptr);
 

@@ -24,10 +24,6 @@ void keep_error(std::exception_ptr& first, Work work) {
   }
 }
 
-bool sounds(std::span<const array::TransducerDrive> drive) {
-  return std::any_of(drive.begin(), drive.end(), [](const array::TransducerDrive& t) { return t.amplitude != 0; });
-}
-
 void scale(std::span<array::TransducerDrive> drives, double factor) {
   for (array::TransducerDrive& transducer : drives)
     transducer.amplitude *= static_cast<float>(factor);
@@ -67,7 +63,7 @@ void SafeLink::plan(const ToldPlan& told) {
   if (ended_) return;
   next_slot_ = std::max(next_slot_, told.from_slot);  // should the link fail, silence comes after what it was told
   nothing_.time_s = told.schedule.time_s;
-  if (plain()) return link_.plan(told);
+  if (plain()) return pass_on(told);
   if (told.schedule.voice_count == 0) {
     on_ = false;
     if (!must_fade()) link_.plan(told);
@@ -81,6 +77,10 @@ void SafeLink::plan(const ToldPlan& told) {
   until_slot_ = told.until_slot;
   on_ = true;
   tell_scaled(told.from_slot, ramped() ? factor(std::min(up_ + 1, ramp_drives_)) : safety_.ceiling);
+}
+
+HandOver SafeLink::handed_over() const {
+  return {passed_, link_.carried()};
 }
 
 void SafeLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
@@ -121,7 +121,7 @@ void SafeLink::tell_scaled(std::uint64_t from_slot, double factor) {
   told_factor_ = factor;
   told_slot_ = from_slot;
   next_slot_ = std::max(next_slot_, from_slot);
-  link_.plan(told(scaled_, transducers_, from_slot, until_slot_));
+  pass_on(told(scaled_, transducers_, from_slot, until_slot_));
 }
 
 void SafeLink::send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
@@ -148,8 +148,14 @@ void SafeLink::send_scaled(std::uint64_t slot, std::span<const array::Transducer
   pass_on(slot, scaled_drive_);
 }
 
+void SafeLink::pass_on(const ToldPlan& told) {
+  if (told.schedule.voice_count > 0) ++passed_.plans;
+  link_.plan(told);
+}
+
 void SafeLink::pass_on(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
   next_slot_ = slot;  // should the link fail, silence takes this drive's place
+  if (sounds(drive)) ++passed_.drives;
   link_.send(slot, drive);
   next_slot_ = slot + 1;
 }

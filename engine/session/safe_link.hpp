@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "session/hand_over.hpp"
 #include "session/link.hpp"
 #include "session/plan.hpp"
 
@@ -40,6 +41,9 @@ class SafeLink final : public Link {
   /// The slot after the last that was sent.
   std::uint64_t next_slot() const { return next_slot_; }
 
+  /// How many drives and plans the link was handed, and what became of them there.
+  HandOver handed_over() const;
+
   /// Nothing is touched any more: tells a plan without voices and sends an all-zero drive for the next slot. With a
   /// ramp sound is only on its way down then.
   void silence();
@@ -56,6 +60,7 @@ class SafeLink final : public Link {
   void tell_scaled(std::uint64_t from_slot, double factor);
   void send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive);
   void send_scaled(std::uint64_t slot, std::span<const array::TransducerDrive> drive, double factor);
+  void pass_on(const ToldPlan& told);
   void pass_on(std::uint64_t slot, std::span<const array::TransducerDrive> drive);
 
   Link& link_;
@@ -65,6 +70,7 @@ class SafeLink final : public Link {
   array::Schedule nothing_;  ///< at the time of what was told last
   array::Drive silence_;
   std::uint64_t next_slot_ = 0;
+  Passed passed_;  ///< what the link was handed
   bool ended_ = false;
 
   // Where amplitudes change.

@@ -1,6 +1,8 @@
 #include "session/scheduler.hpp"
 
 #include <algorithm>
+#include <array>
+#include <numeric>
 #include <optional>
 
 #include "acoustics/asked_field.hpp"
@@ -53,6 +55,7 @@ void Scheduler::make(const touch::Touch& touch, double time_s, array::Schedule& 
     out.tuned.reset();
     touch::place_foci(touch, finger, options_.method, out.placement);
     array::VoiceOptions options = solids_[finger.solid].voice;
+    if (foci_part_ > 1 && !out.placement.still() && !out.placement.together) thin(out.placement, options);
     array::Voice& voice = schedule.add_voice();
     make_voice(out.placement, finger.id, finger.solid, options, voice);
     if (!out.placement.still()) {
@@ -69,6 +72,28 @@ void Scheduler::make(const touch::Touch& touch, double time_s, array::Schedule& 
     schedule.slot_s = std::min(schedule.slot_s, options.dwell_s);
   }
   if (beside_) beside_->end();
+}
+
+void Scheduler::thin(touch::Placement& placement, array::VoiceOptions& voice) const {
+  const auto count = static_cast<std::uint32_t>(placement.foci.size());
+  const std::uint32_t left = std::max(std::min(count, fewest_foci), count / foci_part_);
+  if (left == count) return;
+  // Of a sector without a place the nearest that has one, as make_voice would take.
+  const auto placed = [&](std::uint32_t sector) {
+    for (std::uint32_t away = 0; away < count; ++away) {
+      for (const std::uint32_t one : {(sector + count - away) % count, (sector + away) % count}) {
+        if (placement.has(one)) return one;
+      }
+    }
+    return sector;
+  };
+  std::array<touch::Focus, touch::max_foci> chosen;
+  for (std::uint32_t f = 0; f < left; ++f)
+    chosen[f] = placement.foci[placed(f * count / left)];
+  std::copy_n(chosen.begin(), left, placement.foci.begin());
+  placement.foci.resize(left);
+  // A stride that was asked for may divide what is left.
+  if (voice.stride && std::gcd(*voice.stride, left) != 1) voice.stride = geometry::usual_stride(left);
 }
 
 void Scheduler::tune(const touch::Touch& touch, const touch::Finger& finger, double time_s, std::span<const Vec3> foci,

@@ -70,6 +70,9 @@ class Scheduler {
   /// From the next make on foci sound so far from where they are seen, metres in the world: an array that stands
   /// elsewhere than one thinks is found by it.
   void aim(const Vec3& offset) { aim_ = offset; }
+  /// From the next make on fingers whose foci follow one another have an n-th of them, evenly spread and three at
+  /// least; 1: all.
+  void thin_foci(std::uint32_t part) { foci_part_ = part; }
   /// From now on a thread computes what `field`, which outlives that, makes of the foci, and strides follow it when it
   /// is ready; nullptr ends the thread. Nothing without Tune::stride.
   void tune_beside(const acoustics::ArrayField* field);
@@ -83,6 +86,8 @@ class Scheduler {
   array::Voice common_voice() const;
 
  private:
+  static constexpr std::uint32_t fewest_foci = 3;
+  void thin(touch::Placement& placement, array::VoiceOptions& voice) const;
   void tune(const touch::Touch& touch, const touch::Finger& finger, double time_s, std::span<const Vec3> foci,
             array::VoiceOptions& voice, ScheduledFinger& out);
 
@@ -91,6 +96,7 @@ class Scheduler {
   ScheduleOptions options_;
   double slot_s_;
   Vec3 aim_{0};
+  std::uint32_t foci_part_ = 1;
   acoustics::StrideTuner strides_;
   std::unique_ptr<TuningThread> beside_;
   std::vector<ScheduledFinger> fingers_;

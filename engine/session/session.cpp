@@ -133,7 +133,8 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     run_loop(source, *s.planner, link,
              {.output = {s.setting.layout, s.setting.drive, s.scheduler.slot_s(), s.setting.hold_s, s.setting.safety},
               .frames = options.frames,
-              .every_frame = options.every_frame},
+              .every_frame = options.every_frame,
+              .lengthens_hold = s.setting.lengthens_hold},
              stop, observers, stats);
   } catch (...) {
     const std::exception_ptr fault = std::current_exception();

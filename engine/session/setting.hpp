@@ -37,6 +37,8 @@ struct SessionSetting {
   touch::Smoothing smoothing = touch::Smoothing::one_euro;
   /// What a frame shows lasts that long after its capture if no other comes: then comes silence, and fingers let go.
   double hold_s = 0.1;
+  /// run() may lengthen it to longest_auto_hold_s where frames are late whatever is shed (session/effort.hpp).
+  bool lengthens_hold = false;
   Safety safety;  ///< around whatever link it runs to
   /// It never runs by itself: a frame may then have far more skin in the shell than a loop has room for.
   bool frame_by_frame = false;

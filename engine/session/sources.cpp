@@ -19,8 +19,8 @@ std::unique_ptr<sensing::DepthSource> open_synthetic(const std::string& file, co
   options.seed = setting.seed;
   options.paced = setting.paced;
   options.motion = motion;
-  return sensing::make_synthetic_source(setting.cameras, load_skin(file.empty() ? setting.default_skin : file),
-                                        setting.occluders, options);
+  options.skin_name = file.empty() ? setting.default_skin : file;
+  return sensing::make_synthetic_source(setting.cameras, load_skin(options.skin_name), setting.occluders, options);
 }
 
 std::unique_ptr<sensing::DepthSource> open_recording(const std::string& folder, const SourceSetting& setting) {

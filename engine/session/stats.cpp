@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string_view>
 
 #include "base/json_writer.hpp"
@@ -17,6 +18,29 @@ void add_distribution(JsonWriter& json, std::string_view key, const Samples& sam
   json.key("p99").rounded(samples.quantile(0.99) * scale, digits);
   json.key("p999").rounded(samples.quantile(0.999) * scale, digits);
   json.key("max").rounded(samples.quantile(1.0) * scale, digits);
+  json.end_object();
+}
+
+/// `drives` and, of boards that play them, `plans`: what passed each hand-over.
+void add_hand_over(JsonWriter& json, const HandOver& counts) {
+  json.key("hand_over").begin_object();
+  const auto add = [&](std::string_view key, std::uint64_t Passed::*what, bool drives) {
+    json.key(key).begin_object().member("loop", counts.loop.*what);
+    if (counts.behind) {
+      const Carried& behind = *counts.behind;
+      if (behind.guard) {
+        json.member("guard", (*behind.guard).*what).member("submitted", behind.submitted.*what);
+        json.member("completed", behind.completed.*what);
+        if (drives) json.member("starting", behind.starting);
+      } else {
+        json.member("played", behind.completed.*what);
+      }
+      if (drives) json.member("lost", counts.lost());
+    }
+    json.end_object();
+  };
+  add("drives", &Passed::drives, true);
+  if (counts.behind && counts.behind->completed.plans > 0) add("plans", &Passed::plans, false);
   json.end_object();
 }
 
@@ -60,9 +84,15 @@ std::string to_json(const LoopStats& stats) {
   json.key("drives").begin_object();
   json.member("sent", stats.output.drives).member("silent", stats.output.silent_drives);
   json.member("skipped_slots", stats.output.skipped_slots).end_object();
+  add_hand_over(json, stats.output.hand_over);
   if (stats.events) {
     json.key("events").begin_object();
     json.member("written", stats.events->written).member("dropped", stats.events->dropped).end_object();
+  }
+  if (stats.shed) {
+    json.key("shed").begin_object().member("pixel_stride", stats.shed->least.pixel_stride);
+    json.member("foci_part", stats.shed->least.foci_part).member("hold_s", stats.shed->hold_s);
+    json.member("frames", stats.shed->frames).end_object();
   }
   if (stats.tune) {
     json.key("tune").begin_object().member("field", stats.tune->of_array ? "array" : "spot");

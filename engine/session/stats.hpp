@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "gpu/timestamps.hpp"
+#include "session/effort.hpp"
+#include "session/hand_over.hpp"
 #include "session/pressure_log.hpp"
 
 namespace palpa::session {
@@ -38,6 +40,7 @@ class Samples {
 /// Kept by the output thread.
 struct OutputStats {
   std::uint64_t drives = 0, silent_drives = 0, skipped_slots = 0;
+  HandOver hand_over;          ///< what left for the link, and how far it came
   Samples jitter_s;            ///< how late each drive left
   Samples capture_to_drive_s;  ///< from a frame's capture to its first drive
 
@@ -61,6 +64,13 @@ struct TuneStats {
   std::uint64_t fields = 0;  ///< times that a finger's came to be known
 };
 
+/// Of a run that has shed work.
+struct ShedStats {
+  Effort least;              ///< the least that frames were worked on with
+  double hold_s = 0;         ///< the longest that a frame was allowed to sound
+  std::uint64_t frames = 0;  ///< that were worked on in part
+};
+
 /// The time of one pass over all frames.
 struct PassStats {
   std::string name;
@@ -81,6 +91,7 @@ struct LoopStats {
   OutputStats output;
   std::optional<EventStats> events;
   std::optional<TuneStats> tune;
+  std::optional<ShedStats> shed;
   std::vector<FingerPressure> fingers;  ///< where pressures were asked for
   std::vector<std::string> solids;      ///< the names of theirs
 

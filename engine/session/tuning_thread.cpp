@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "acoustics/asked_field.hpp"
+#include "base/start_thread.hpp"
 #include "session/threads.hpp"
 #include "touch/types.hpp"
 
@@ -16,7 +17,7 @@ TuningThread::TuningThread(const acoustics::ArrayField& field) : field_(field) {
       ring.foci.reserve(touch::max_foci);
   });
   answers_.each([](Answers& answers) { answers.reserve(touch::max_fingers); });
-  thread_ = std::thread([this] { work(); });
+  thread_ = start_thread("--tune", [this] { work(); });
 }
 
 TuningThread::~TuningThread() {

@@ -22,18 +22,19 @@ int connect_udp(const std::string& what, const std::string& host, const std::str
   if (const int fault = getaddrinfo(host.c_str(), port.c_str(), &hints, &found)) {
     throw failure(fmt::format("{}: {}:{} does not resolve: {}", what, host, port, gai_strerror(fault)));
   }
-  int connected = -1;
+  int connected = -1, last_fault = 0;
   for (const addrinfo* address = found; address && connected < 0; address = address->ai_next) {
     const int candidate = ::socket(address->ai_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    if (candidate < 0) continue;
-    if (::connect(candidate, address->ai_addr, address->ai_addrlen) == 0) {
+    if (candidate >= 0 && ::connect(candidate, address->ai_addr, address->ai_addrlen) == 0) {
       connected = candidate;
     } else {
-      ::close(candidate);
+      last_fault = errno;
+      if (candidate >= 0) ::close(candidate);
     }
   }
   freeaddrinfo(found);
-  if (connected < 0) throw failure(fmt::format("{}: cannot send to {}:{}: {}", what, host, port, std::strerror(errno)));
+  if (connected < 0)
+    throw failure(fmt::format("{}: cannot send to {}:{}: {}", what, host, port, std::strerror(last_fault)));
   return connected;
 }
 

@@ -34,6 +34,7 @@ std::unique_ptr<sensing::DepthSource> open_rehearsal(const std::string& file, co
   options.noise = setting.noise ? sensing::Noise::d415 : sensing::Noise::none;
   options.seed = setting.seed;
   options.paced = setting.paced;
+  if (!file.empty()) options.occluders_name = file;
   return sensing::make_synthetic_source(setting.cameras, {}, things, options);
 }
 
@@ -66,7 +67,7 @@ std::vector<sensing::StillFrames> collect_still_frames(sensing::DepthSource& sou
     }
     waited_s = 0;
     for (std::size_t i = 0; i < seen.size(); ++i)
-      seen[i].add(set.frames[i].depth);
+      seen[i].add(set.frames[i].depth, set.sequence);
     done(++taken);
   }
   if (taken == 0) throw failure("--source: it ended before its first frame");

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <iterator>
+#include <numbers>
 #include <string_view>
 
 #include "base/error.hpp"
@@ -19,6 +20,8 @@ namespace {
 
 constexpr std::string_view heading = "index,x,y,z,nx,ny,nz,amplitude,phase";
 constexpr std::size_t columns = 9;
+/// Of a phase: more leaves single precision no digits for the part of a turn that counts.
+constexpr double most_turns = 1e6;
 constexpr std::uint64_t most_bytes = std::uint64_t{array::max_transducers} * 512;
 
 /// Takes the next line off `text`, without its end.
@@ -99,6 +102,12 @@ array::Drive load_drive(const std::filesystem::path& file, const array::Layout& 
     }
     if (row[7] < 0 || row[7] > 1)
       throw bad_input(name, fmt::format("line {}: amplitude {} is not within 0..1", number, row[7]));
+    if (std::abs(row[8]) > most_turns * 2 * std::numbers::pi) {
+      throw bad_input(name,
+                      fmt::format("line {}: phase {} is more than a million turns; phases are in radians, such as "
+                                  "-1.57",
+                                  number, row[8]));
+    }
     drive.push_back({static_cast<float>(row[7]), static_cast<float>(row[8])});
     ++rows;
   }

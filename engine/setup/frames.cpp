@@ -9,6 +9,7 @@
 #include "array/board_mesh.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/reference.hpp"
 #include "session/sources.hpp"
 #include "setup/assets.hpp"
 #include "setup/progress.hpp"
@@ -48,6 +49,7 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .axes = o.axes,
           .smoothing = o.smoothing,
           .hold_s = o.hold_s,
+          .lengthens_hold = o.hold_auto,
           .safety = o.safety};
 }
 
@@ -68,11 +70,14 @@ void add_frame_options(const Group& group, FrameOptions& o, const char* until) {
   group.text("--source", o.source, "SOURCE",
              "synthetic[:MESH], recording:DIR, v4l2:/dev/videoN[,...], realsense:SERIAL[,...] or bag:FILE");
   group.integer("--frames", o.frames, 0, std::uint64_t{1} << 62, until);
+  add_allow_outside(group, o.common);
   add_loop_options(group, o);
 }
 
 void add_loop_options(const Group& group, FrameOptions& o) {
-  group.quantity("--hold", o.hold_s, Quantity::time, positive(10), "silence when no frame came for that long");
+  group.quantity_or_auto("--hold", o.hold_s, o.hold_auto, Quantity::time, positive(10),
+                         "silence when no frame came for that long; auto: the default, and up to 200 ms where frames "
+                         "take too long");
   group.number("--ceiling", o.safety.ceiling, {0, 1}, "NUMBER",
                "multiplies every transducer's amplitude, 0 to 1; the pressure that skin feels follows its square");
   group.quantity("--ramp", o.safety.ramp_s, Quantity::time, {0, session::most_ramp_s},
@@ -103,6 +108,8 @@ void check(const FrameOptions& o) {
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
   check(o.touch);
   if (o.touch.spot_m && !o.touch.tune) throw bad_usage("--spot goes with --tune");
+  if (o.events.empty() && !o.watched && o.event.move_m != session::EventOptions().move_m)
+    throw bad_usage("--event-move goes with --events: it says what is an event");
   // `mouse` is the viewer's.
   const auto rendered = [&](std::string_view kind) {
     return o.source.starts_with(kind) && (o.source.size() == kind.size() || o.source[kind.size()] == ':');
@@ -115,6 +122,7 @@ void check(const FrameOptions& o) {
 
 Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sources, bool paced) {
   const Preparing preparing(o.common.quiet);
+  allow_outside_references(o.common.allow_outside);  // a viewer's next run may differ from its last
   std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene, o.solids);
   check(o.drive, solids);
   const PosedRig rig = load_posed_rig(o.rig);

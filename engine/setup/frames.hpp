@@ -30,6 +30,7 @@ struct FrameOptions {
   DriveOptionsGroup drive;
   session::Safety safety;
   double hold_s = 0.1;
+  bool hold_auto = false;  ///< it may be lengthened
   std::uint64_t frames = 0;
   bool noise_free = false;
   std::string events;

@@ -12,6 +12,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/start_thread.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -35,8 +36,15 @@ void note(int) {
   if (first) sem_post(&first_signal);
 }
 
-/// All that end or stop a program that does not catch them, but for those that nobody can catch (SIGKILL, SIGSTOP) and
-/// for crashes, after which there is nothing left that could end well.
+/// A signal that a write of this process also raises: SIGPIPE where nobody reads, SIGXFSZ where a file may not grow.
+/// Then the write's own error counts, and the signal says nothing new. From anybody else it asks palpa to end.
+void note_from_others(int signal, siginfo_t* from, void*) {
+  if (from->si_pid != getpid()) note(signal);
+}
+
+/// All that end or stop a program that does not catch them, but for those that nobody can catch (SIGKILL, SIGSTOP, the
+/// C library's own 32 and 33), for crashes, after which there is nothing left that could end well, and for those that
+/// a write raises, too.
 std::vector<int> ending_signals() {
   std::vector<int> signals{SIGINT,  SIGTERM, SIGHUP,    SIGQUIT, SIGTSTP, SIGUSR1, SIGUSR2,
                            SIGALRM, SIGXCPU, SIGVTALRM, SIGPROF, SIGIO,   SIGPWR,  SIGSTKFLT};
@@ -84,13 +92,18 @@ Interrupt::Interrupt(std::string late, std::function<void()> came) : deadline_(s
   sem_init(&first_signal, 0, 0);
   deadline_->late = std::move(late);
   deadline_->came = std::move(came);
-  watch_ = std::thread(Deadline::watch, deadline_);
+  watch_ = start_thread("the watch for signals", [deadline = deadline_] { Deadline::watch(deadline); });
   struct sigaction action {};
   action.sa_handler = note;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
   for (const int signal : ending_signals())
     replace(signal, action);
+  action.sa_sigaction = note_from_others;
+  action.sa_flags = SA_RESTART | SA_SIGINFO;
+  for (const int signal : {SIGPIPE, SIGXFSZ})
+    replace(signal, action);
+  action.sa_flags = SA_RESTART;
   // A terminal that stops programs in the background when they write would leave the last drive sounding.
   action.sa_handler = SIG_IGN;
   for (const int signal : {SIGTTOU, SIGTTIN})

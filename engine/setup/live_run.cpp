@@ -3,12 +3,19 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <utility>
 #include <vector>
 
+#include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/open_output.hpp"
+#include "sensing/rig.hpp"
+#include "session/hand_over.hpp"
+#include "session/spec.hpp"
 #include "session/threads.hpp"
+#include "setup/load.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -24,7 +31,16 @@ std::function<void(Arguments...)> both(std::function<void(Arguments...)> first,
   };
 }
 
+LiveOptions settled(LiveOptions options, std::span<const session::LinkKind> own) {
+  const std::vector<session::LinkKind> links = with_builtin(own);
+  take_layout_of_link(options.rig, options.link, links);
+  take_method_of_link(options, links);
+  return options;
+}
+
 Prepared prepare_live(const LiveOptions& options, std::span<const session::SourceKind> sources) {
+  if (options.hold_auto && options.every_frame)
+    throw bad_usage("--hold auto goes without --every-frame, where frames wait for the loop and none is late");
   if (!options.every_frame) session::go_first();  // before the device begins its threads
   return prepare(options, sources, !options.every_frame);
 }
@@ -51,6 +67,30 @@ std::vector<Output> outputs_of(const LiveOptions& o, std::span<const session::Li
           {"--record", o.record, Output::Kind::folder}};
 }
 
+void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<const session::LinkKind> links) {
+  if (!rig.layout.empty()) return;
+  const std::string own = session::layout_of_link(link, links);
+  if (own.empty() || (!rig.rig.empty() && sensing::load_rig(rig.rig).array)) return;
+  rig.layout = own;
+  log::info(fmt::format("--link {}: the array is its own, --layout {}, since neither --layout nor {} names one", link,
+                        own, rig.rig.empty() ? "a --rig" : rig.rig));
+}
+
+void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links) {
+  TouchOptions& touch = options.touch;
+  if (touch.method_given || touch.method.method == touch::Method::single_focus) return;
+  const std::string name = session::parse_spec(options.link).name;
+  if (!session::find_kind(links, name, "link").least_moving_slot_s) return;
+  const double least_s = session::least_moving_slot_s(options.link, links, load_placed_layout(options.rig).layout);
+  if (touch.dwell_s >= least_s) return;
+  log::warning(
+      fmt::format("--link {}: takes {:.1f} ms for each focus, longer than the dwell of {:g} ms, so --method "
+                  "single-focus is played, "
+                  "whose focus rests; give --method single-focus to have it without this line, or --dwell {:g}ms",
+                  options.link, 1e3 * least_s, 1e3 * touch.dwell_s, std::ceil(1e3 * least_s)));
+  touch.method.method = touch::Method::single_focus;
+}
+
 std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links) {
   std::vector<session::LinkKind> all = session::builtin_links();
   std::erase_if(all, [&](const session::LinkKind& own) {
@@ -62,7 +102,8 @@ std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> l
 
 LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind> sources,
                  std::span<const session::LinkKind> links, std::atomic<bool>& stop)
-    : options_(options), stop_(&stop), prepared_(prepare_live(options, sources)) {
+    : options_(settled(options, links)), stop_(&stop), prepared_(prepare_live(options_, sources)) {
+  const WaitUntil until(stop);
   // Last of all: a typing error elsewhere must not leave an empty recording behind, nor an array that is switched on.
   if (!options_.events.empty()) {
     sink_ = session::open_event_sink(options_.events, session().solid_names(), options_.every_frame ? stop_ : nullptr);
@@ -120,7 +161,10 @@ std::string summary(const session::LoopStats& stats) {
       stats.captured, stats.touching, stats.replaced, stats.frame_to_plan_s.quantile(0.5) * 1e3,
       stats.frame_to_plan_s.quantile(0.99) * 1e3, stats.output.drives, stats.output.silent_drives,
       stats.output.skipped_slots);
-  return text + pressures_summary(stats.fingers, stats.solids);
+  const std::string shed = stats.shed ? fmt::format("{}, in {} of {} frames\n", session::to_text(stats.shed->least),
+                                                    stats.shed->frames, stats.planned)
+                                      : "";
+  return text + session::to_text(stats.output.hand_over) + "\n" + shed + pressures_summary(stats.fingers, stats.solids);
 }
 
 }  // namespace palpa::setup

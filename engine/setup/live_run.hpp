@@ -36,6 +36,13 @@ void add_link_options(const Group& group, LiveOptions& options);
 /// All that such a run writes; `links` are all there are.
 std::vector<Output> outputs_of(const LiveOptions& options, std::span<const session::LinkKind> links);
 
+/// Where neither --layout nor the rig says which array it is, that of the link's own boards, if it has any. Says so
+/// (log::info). Throws as sensing::load_rig and the link do.
+void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<const session::LinkKind> links);
+
+/// Where the line names no method and the link cannot follow foci that move so fast, single-focus. Warns.
+void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links);
+
 class LiveRun {
  public:
   /// Loads and opens all of it. `sources` and `links` come beside palpa's own; `stop` is the run's. The calling thread,

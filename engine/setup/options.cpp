@@ -46,6 +46,10 @@ void add_common(CLI::App& app, CommonOptions& options) {
                "of Vulkan calls, normally $PALPA_VALIDATION");
 }
 
+void add_allow_outside(const Group& group, CommonOptions& options) {
+  group.flag("--allow-outside", options.allow_outside, "scenes and recordings may name files elsewhere");
+}
+
 void apply_logging(const CommonOptions& options) {
   log::set_level(options.log_level.value_or(options.quiet ? log::Level::error : log::Level::warning));
   // Whoever asked for more than the default wants every line when it happens.
@@ -61,6 +65,15 @@ gpu::DeviceOptions device_options(const CommonOptions& options) {
   device.select = options.gpu;
   device.validation = options.validation;
   return device;
+}
+
+void refuse_gpu_options(const CommonOptions& options, const std::string& why) {
+  const char* given = !options.gpu.empty() ? "--gpu" : options.validation ? "--validation" : nullptr;
+  if (given) throw bad_usage(fmt::format("{}: {}; leave it out", given, why));
+}
+
+void check(const CommonOptions& options) {
+  if (options.backend == Backend::cpu) refuse_gpu_options(options, "--backend cpu uses no GPU");
 }
 
 void add_solid_options(CLI::App& app, SolidOptions& options) {
@@ -93,7 +106,8 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
   group.integer("--stride", options.stride, 1, 1u << 20,
                 "every which focus is next; coprime to the number of foci, normally what is nearest to 0.3 of it");
   group.quantity("--dwell", options.dwell_s, Quantity::time, {1e-6, 10}, "how long a focus lasts");
-  group.choice("--method", options.method.method, touch::method_words, "how a cross-section becomes foci");
+  group.choice("--method", options.method.method, touch::method_words, "how a cross-section becomes foci",
+               &options.method_given);
   group.choice("--modulation", options.modulation, array::modulation_words,
                "what is a sine where foci stand still, as under single-focus and multi-focus");
   group.quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, {0, 1000},
@@ -136,6 +150,11 @@ void check(const TouchOptions& options) {
   warn_of_dwell(options);
 }
 
+void refuse_finger_width(const TouchOptions& options, const char* goes_with) {
+  if (options.parameters.finger_width_m != touch::Parameters().finger_width_m)
+    throw bad_usage(fmt::format("--finger-width goes with {}: it is for depth images", goes_with));
+}
+
 void add_medium_options(CLI::App& app, MediumOptions& options) {
   const Group group(app, "Air and tone");
   group.number("--temperature", options.celsius, {array::least_celsius, array::most_celsius}, "CELSIUS",
@@ -175,6 +194,16 @@ acoustics::Air air(const MediumOptions& options, const AirOptions& rest) {
   const acoustics::Weather weather{options.celsius.value_or(20.0), rest.humidity_percent, rest.pressure_pa};
   const acoustics::Air air = acoustics::air_of(weather, tone.frequency, tone.sound_speed);
   return rest.absorption != rest.not_normally ? air : acoustics::without_absorption(air);
+}
+
+void refuse_idle_air(const AirOptions& options) {
+  const AirOptions usual;
+  if (options.absorption != options.not_normally) return;
+  const char* given = options.humidity_percent != usual.humidity_percent ? "--humidity"
+                      : options.pressure_pa != usual.pressure_pa         ? "--air-pressure"
+                                                                         : nullptr;
+  if (given)
+    throw bad_usage(fmt::format("{} says what air absorbs, and --no-absorption that it absorbs nothing", given));
 }
 
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh) {

@@ -25,6 +25,8 @@ class App;
 
 namespace palpa::setup {
 
+class Group;
+
 enum class Backend { gpu, cpu };
 
 /// Every subcommand has these.
@@ -36,13 +38,21 @@ struct CommonOptions {
   std::optional<log::Level> log_level;
   std::uint64_t seed = 0;
   std::optional<gpu::Validation> validation;
+  bool allow_outside = false;  ///< see base/reference.hpp
 };
 void add_common(CLI::App& app, CommonOptions& options);
+/// --allow-outside, of the commands that read scenes or recordings.
+void add_allow_outside(const Group& group, CommonOptions& options);
 /// Sets the log level: --log-level, else "error" with --quiet, else "warning". At these, warnings are held until the
 /// outcome is known, since a failing command writes nothing but its error: long work calls log::release_warnings() once
 /// its input is read.
 void apply_logging(const CommonOptions& options);
 gpu::DeviceOptions device_options(const CommonOptions& options);
+/// Throws bad_usage where an option of a GPU is given and `why` none is used: "palpa scatter computes on the
+/// processor".
+void refuse_gpu_options(const CommonOptions& options, const std::string& why);
+/// Throws bad_usage for options of a GPU beside --backend cpu.
+void check(const CommonOptions& options);
 /// Whether a command ends with a summary for people on stdout: unless --quiet, or an output goes there.
 bool shows_summary(const CommonOptions& options, const Outputs& outputs);
 
@@ -60,6 +70,7 @@ struct TouchOptions {
   std::optional<std::uint32_t> stride;  ///< nothing: the usual one of the number of foci
   double dwell_s = 1.5e-3;
   touch::MethodOptions method;  ///< --method
+  bool method_given = false;    ///< on the line; else a link may choose one that it can play
   array::Modulation modulation = array::Modulation::pressure_sine;
   double modulation_hz = 200;
   const char* foci_name = "--foci";  ///< what the option of parameters.foci is called
@@ -71,6 +82,9 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci = 
 /// Throws bad_usage, with a stride that would do, where stride and foci share a divisor (geometry::stride_fault). Warns
 /// of a long dwell.
 void check(const TouchOptions& options);
+/// Throws bad_usage where --finger-width is given, which only depth images heed: `goes_with` says which option has
+/// them.
+void refuse_finger_width(const TouchOptions& options, const char* goes_with);
 
 /// What skin feels of a single touch.
 struct FeltOptions {
@@ -103,6 +117,9 @@ struct AirOptions {
 void add_air_options(CLI::App& app, AirOptions& options);
 /// Beside a sound speed that is given the temperature is 20 degrees Celsius. Throws bad_usage as medium() does.
 acoustics::Air air(const MediumOptions& medium, const AirOptions& options);
+/// Throws bad_usage where no sound is absorbed and humidity or pressure of the air is given; for results that do not
+/// depend on its density either.
+void refuse_idle_air(const AirOptions& options);
 
 /// --solver: one of the engine's, or `adjoint`, which is naive with the transfer of a finger.
 enum class SolverChoice { naive, gs_pat, greedy, adjoint };

@@ -89,7 +89,7 @@ Places plane_of(const PlaceOptions& o) {
   const Vec3 right = grid.plane == Plane::yz ? Vec3(0, 1, 0) : Vec3(1, 0, 0);
   const Vec3 up = grid.plane == Plane::xy ? Vec3(0, 1, 0) : Vec3(0, 0, 1);
   Places places;
-  places.points.reserve(std::size_t{grid.columns} * grid.rows);
+  reserve_large(places.points, std::size_t{grid.columns} * grid.rows);
   for (std::uint32_t j = 0; j < grid.rows; ++j) {
     const Vec3 row = grid.centre + up * (grid.size_m.y * (0.5 - (j + 0.5) / grid.rows));
     for (std::uint32_t i = 0; i < grid.columns; ++i)
@@ -106,7 +106,7 @@ Places line_of(const PlaceOptions& o) {
   check_room(samples);
   Places places;
   places.line = true;
-  places.points.reserve(samples);
+  reserve_large(places.points, samples);
   for (std::uint32_t i = 0; i < samples; ++i) {
     const double t = static_cast<double>(i) / (samples - 1);
     places.points.push_back(from * (1 - t) + to * t);
@@ -130,14 +130,18 @@ Places file_of(const PlaceOptions& o) {
   return places;
 }
 
+void refuse_stray(const PlaceOptions& o) {
+  if (!o.plane && !(o.centre.empty() && o.size.empty() && o.pixels.empty()))
+    throw bad_usage("--centre, --size and --pixels go with --plane");
+  if (o.line[0].empty() && o.samples) throw bad_usage("--samples goes with --line");
+}
+
 void check(const PlaceOptions& o) {
   const int kinds = int{o.plane.has_value()} + int{!o.line[0].empty()} + int{!o.points.empty()};
   if (kinds == 0)
     throw bad_usage("no place to look at: give --plane xy|xz|yz with --size, --line x,y,z x,y,z or --points FILE.ply");
   if (kinds > 1) throw bad_usage("--plane, --line and --points exclude each other: give one of them");
-  if (!o.plane && !(o.centre.empty() && o.size.empty() && o.pixels.empty()))
-    throw bad_usage("--centre, --size and --pixels go with --plane");
-  if (o.line[0].empty() && o.samples) throw bad_usage("--samples goes with --line");
+  refuse_stray(o);
 }
 
 }  // namespace
@@ -145,12 +149,20 @@ void check(const PlaceOptions& o) {
 void add_place_options(CLI::App& app, PlaceOptions& options) {
   const Group group(app, "Where");
   group.choice("--plane", options.plane, plane_words, "a plane: the axes that run to the right and up");
-  group.text("--centre", options.centre, "X,Y,Z", "of the plane [0,0,0]");
-  group.text("--size", options.size, "W,H", "of the plane, such as 60mm,60mm");
-  group.text("--pixels", options.pixels, "N,M", "of the plane: samples are at their centres [256 on the longer side]");
+  group.point("--centre", options.centre, "of the plane [0,0,0]");
+  group.text("--size", options.size, "W,H", "of the plane, such as 60mm,60mm", parse_size);
+  group.text("--pixels", options.pixels, "N,M", "of the plane: samples are at their centres [256 on the longer side]",
+             [](const std::string& text) {
+               Grid grid;
+               set_pixels(text, grid);
+             });
   group.pair("--line", options.line, "X,Y,Z", "a line: its two ends, both included");
   group.integer("--samples", options.samples, 2, 100'000'000, fmt::format("of the line [{}]", usual_samples));
   group.text("--points", options.points, "FILE", "points, or the vertices of a surface, as PLY");
+}
+
+void refuse_without_place(const PlaceOptions& options) {
+  if (!options.given()) refuse_stray(options);
 }
 
 Places load_places(const PlaceOptions& options) {

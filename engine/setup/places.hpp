@@ -48,6 +48,9 @@ struct Places {
   std::vector<glm::uvec3> triangles;  ///< of a file that has faces: these are its vertices
 };
 
+/// Throws bad_usage for options that say how a place is looked at where no place is given.
+void refuse_without_place(const PlaceOptions& options);
+
 /// Throws bad_usage for no place, several of them, a plane without extent, an option that goes with another kind of
 /// place; bad_input for the file; failure where so many points need more than the memory that is free.
 Places load_places(const PlaceOptions& options);

@@ -8,9 +8,12 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <system_error>
 
 #include "base/error.hpp"
+#include "base/file_register.hpp"
 #include "base/log.hpp"
+#include "base/start_thread.hpp"
 #include "base/text.hpp"
 #include "gpu/device.hpp"
 #include "gpu/handle.hpp"
@@ -26,6 +29,25 @@ void guard_standard_streams() {
   }
 }
 
+/// A pipe that nobody reads and a file that may not grow are errors of whoever writes, and no end of the program. Where
+/// whoever started it ignores these signals they stay ignored; else they get a handler, so that setup::Interrupt can
+/// tell the two apart. Sent by another process they end the program as they end any other: a loop that is still opening
+/// its board must not go on and sound.
+void survive_signals_of_writes() {
+  for (const int signal : {SIGPIPE, SIGXFSZ}) {
+    struct sigaction action {};
+    if (sigaction(signal, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
+    action = {};
+    action.sa_sigaction = [](int number, siginfo_t* from, void*) {
+      if (from->si_pid == getpid()) return;
+      std::signal(number, SIG_DFL);
+      raise(number);
+    };
+    action.sa_flags = SA_RESTART | SA_SIGINFO;
+    sigaction(signal, &action, nullptr);
+  }
+}
+
 Exit report(Exit code, const std::string& line) {
   log::drop_warnings();
   log::error(one_line(line));
@@ -36,8 +58,8 @@ Exit report(Exit code, const std::string& line) {
 
 int run_program(const std::function<void()>& body) {
   guard_standard_streams();
-  std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);
+  const KeptRegister all_files;
+  survive_signals_of_writes();
   Exit code = Exit::ok;
   try {
     body();
@@ -47,8 +69,12 @@ int run_program(const std::function<void()>& body) {
     log::release_warnings();
   } catch (const Error& error) {
     code = report(error.code(), error.what());
+  } catch (const std::system_error& error) {  // of a thread that a library starts
+    code = report(Exit::failed, is_no_thread(error) ? no_thread("a library", error).what() : error.what());
   } catch (const std::bad_alloc&) {
     code = report(Exit::failed, "out of memory");
+    // Thrown, perhaps, through a driver or a library that now keeps a lock for ever, for which its end would wait.
+    gpu::device_abandoned = true;
   } catch (const std::exception& error) {
     code = report(Exit::failed, error.what());
   } catch (...) {

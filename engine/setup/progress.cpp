@@ -8,6 +8,7 @@
 
 #include "base/activity.hpp"
 #include "base/log.hpp"
+#include "base/start_thread.hpp"
 #include "base/text.hpp"
 
 namespace palpa::setup {
@@ -56,7 +57,7 @@ void Progress::draw(std::uint64_t done) {
 
 Preparing::Preparing(bool quiet) : terminal_(isatty(STDERR_FILENO) != 0) {
   if (quiet || (!terminal_ && log::level() < log::Level::info)) return;
-  thread_ = std::thread([this] { watch(); });
+  thread_ = try_thread([this] { watch(); });  // what is done goes on without being shown
 }
 
 Preparing::~Preparing() {

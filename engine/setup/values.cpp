@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <CLI/App.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -138,6 +139,25 @@ std::array<double, 3> parse_point(const std::string& option, const std::string& 
   return point;
 }
 
+namespace {
+
+double largest_of(const std::array<double, 3>& numbers) {
+  return std::max({std::abs(numbers[0]), std::abs(numbers[1]), std::abs(numbers[2])});
+}
+
+}  // namespace
+
+std::array<double, 3> parse_direction(const std::string& option, const std::string& text) {
+  std::array<double, 3> way = parse_point(option, text);
+  const double largest = largest_of(way);
+  if (!(largest > 0))
+    throw bad_usage(fmt::format("{}: '{}' is no direction; give one such as 0,0,1", option, shown(text)));
+  if (largest > 1e-100 && largest < 1e100) return way;
+  for (double& number : way)
+    number /= largest;
+  return way;
+}
+
 void Group::add(const std::string& name, const std::string& type, const std::string& initial, const std::string& help,
                 const std::function<void(const std::string&)>& take) const {
   const std::string text = initial.empty() ? help : fmt::format("{} [{}]", help, initial);
@@ -154,6 +174,15 @@ void Group::quantity(const std::string& name, std::optional<double>& target, Qua
                      const std::string& help) const {
   add(name, quantity_type(quantity), target ? format_quantity(*target, quantity) : "", help,
       [name, &target, quantity, range](const auto& text) { target = take_quantity(name, text, quantity, range); });
+}
+
+void Group::quantity_or_auto(const std::string& name, double& target, bool& automatic, Quantity quantity,
+                             const Range& range, const std::string& help) const {
+  add(name, std::string(quantity_type(quantity)) + "|auto", format_quantity(target, quantity), help,
+      [name, usual = target, &target, &automatic, quantity, range](const auto& text) {
+        automatic = text == "auto";
+        target = automatic ? usual : take_quantity(name, text, quantity, range);
+      });
 }
 
 void Group::number(const std::string& name, double& target, const Range& range, const std::string& type,
@@ -204,20 +233,31 @@ void Group::count(const std::string& name, std::uint32_t& target, std::uint32_t 
   add(name, "N", format_count(target), help, take);
 }
 
-void Group::text(const std::string& name, std::string& target, const std::string& type, const std::string& help) const {
-  add(name, type, target, help, [name, type, &target](const std::string& text) {
+void Group::text(const std::string& name, std::string& target, const std::string& type, const std::string& help,
+                 const Check& check) const {
+  add(name, type, target, help, [name, type, &target, check](const std::string& text) {
     if (text.empty()) throw bad_usage(fmt::format("{}: the value is empty, give {}", name, type));
+    if (check) check(text);
     target = text;
   });
 }
 
+void Group::point(const std::string& name, std::string& target, const std::string& help) const {
+  text(name, target, "X,Y,Z", help, [name](const std::string& text) {
+    if (largest_of(parse_point(name, text)) <= farthest_point_m) return;
+    throw bad_usage(fmt::format("{}: '{}' is farther than {} km away, give a point nearer to the origin", name,
+                                shown(text), farthest_point_m / 1e3));
+  });
+}
+
 void Group::texts(const std::string& name, std::vector<std::string>& target, const std::string& type,
-                  const std::string& help) const {
+                  const std::string& help, const Check& check) const {
   app_->add_option_function<std::vector<std::string>>(
           name,
-          [name, type, &target](const std::vector<std::string>& all) {
+          [name, type, &target, check](const std::vector<std::string>& all) {
             for (const std::string& text : all) {
               if (text.empty()) throw bad_usage(fmt::format("{}: the value is empty, give {}", name, type));
+              if (check) check(text);
             }
             target = all;
           },

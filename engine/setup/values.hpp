@@ -44,6 +44,9 @@ class Group {
                 const std::string& help) const;
   void quantity(const std::string& name, std::optional<double>& target, Quantity quantity, const Range& range,
                 const std::string& help) const;
+  /// The same, or "auto", which leaves `target` as it is.
+  void quantity_or_auto(const std::string& name, double& target, bool& automatic, Quantity quantity, const Range& range,
+                        const std::string& help) const;
   /// A number without a unit; `type` is its placeholder in the help.
   void number(const std::string& name, double& target, const Range& range, const std::string& type,
               const std::string& help) const;
@@ -58,19 +61,24 @@ class Group {
   /// A large whole number, which may be given in thousands or millions: 400000, 400k, 1M.
   void count(const std::string& name, std::uint32_t& target, std::uint32_t low, std::uint32_t high,
              const std::string& help) const;
-  /// Any text, such as a file's name; empty is refused.
-  void text(const std::string& name, std::string& target, const std::string& type, const std::string& help) const;
+  /// Any text, such as a file's name; empty is refused. `check` throws bad_usage for what it cannot be, whether or not
+  /// anything reads it later.
+  using Check = std::function<void(const std::string& text)>;
+  void text(const std::string& name, std::string& target, const std::string& type, const std::string& help,
+            const Check& check = {}) const;
+  /// A point "X,Y,Z", as parse_point reads it, no farther from the origin than farthest_point_m along any axis.
+  void point(const std::string& name, std::string& target, const std::string& help) const;
   /// An option that may be given again and again, one value each time.
   void texts(const std::string& name, std::vector<std::string>& target, const std::string& type,
-             const std::string& help) const;
+             const std::string& help, const Check& check = {}) const;
   /// Two texts after one another: "--line A B".
   void pair(const std::string& name, std::array<std::string, 2>& target, const std::string& type,
             const std::string& help) const;
   void flag(const std::string& name, bool& target, const std::string& help) const;
-  /// One of several words, most often those of an enum's table.
+  /// One of several words, most often those of an enum's table. `given`: set where the option is on the line.
   template <typename T, std::size_t count>
   void choice(const std::string& name, T& target, const Word<std::type_identity_t<T>> (&words)[count],
-              const std::string& help) const {
+              const std::string& help, bool* given = nullptr) const {
     std::vector<std::string> names;
     std::vector<T> values;
     std::size_t initial = count;
@@ -79,7 +87,10 @@ class Group {
       names.emplace_back(entry.word);
       values.push_back(entry.value);
     }
-    pick(name, std::move(names), initial, help, [&target, values](std::size_t i) { target = values[i]; });
+    pick(name, std::move(names), initial, help, [&target, values, given](std::size_t i) {
+      target = values[i];
+      if (given) *given = true;
+    });
   }
   template <typename T, std::size_t count>
   void choice(const std::string& name, std::optional<T>& target, const Word<std::type_identity_t<T>> (&words)[count],
@@ -106,7 +117,11 @@ class Group {
 /// "1.5mm", "1.5ms", "40kHz", "343m/s": the shortest text that reads back as `value`, in the unit people would use.
 std::string format_quantity(double value, Quantity quantity);
 
+/// Of Group::point: beyond, nothing is exact any more.
+inline constexpr double farthest_point_m = 1e4;
 /// Three numbers "x,y,z" with optional length units; throws bad_usage naming the option.
 std::array<double, 3> parse_point(const std::string& option, const std::string& text);
+/// A direction "x,y,z", scaled where its squares would be no numbers. Throws bad_usage for 0,0,0.
+std::array<double, 3> parse_direction(const std::string& option, const std::string& text);
 
 }  // namespace palpa::setup

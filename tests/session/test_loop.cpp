@@ -430,7 +430,9 @@ TEST(Stats, QuantilesAndJson) {
                 R"( "passes_ms":{"skin":{"count":2,"median":1,"p99":1,"p999":1,"max":1},)"
                 R"("contacts":{"count":2,"median":2,"p99":2,"p999":2,"max":2}},)"
                 "\n"
-                R"( "drives":{"sent":1,"silent":1,"skipped_slots":0}})"
+                R"( "drives":{"sent":1,"silent":1,"skipped_slots":0},)"
+                "\n"
+                R"( "hand_over":{"drives":{"loop":0}}})"
                 "\n");
 }
 

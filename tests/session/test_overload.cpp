@@ -5,10 +5,13 @@
 #include <deque>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "fakes.hpp"
 #include "session/early_start.hpp"
+#include "session/effort.hpp"
 #include "session/loop.hpp"
+#include "support/captured.hpp"
 
 namespace palpa::session {
 namespace {
@@ -133,6 +136,59 @@ TEST(Overload, IsToldOnceWithBothFigures) {
   EXPECT_TRUE(told.starts_with("palpa: warning: overloaded: from frame to drives takes ")) << told;
   EXPECT_NE(told.find(" ms, longer than the hold of 20 ms"), std::string::npos) << told;
   EXPECT_NE(told.find("give --hold "), std::string::npos) << told;
+}
+
+/// Remembers what it was asked to shed, and is as slow as before.
+struct SheddingPlanner : test::FakePlanner {
+  std::vector<Effort> asked;
+  void set_effort(const Effort& effort) override { asked.push_back(effort); }
+  Effort most_shed() const override { return {2, 2}; }
+};
+
+TEST(Overload, WorkIsShedStepByStepBeforeItIsCalledHopeless) {
+  Loop<SheddingPlanner> loop;
+  loop.source.count = 400;
+  loop.setting.output.hold_s = 0.020;
+  loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(25ms); };
+  const std::string told = test::stderr_of([&] { loop.run(); });
+  EXPECT_EQ(loop.planner.asked, (std::vector<Effort>{{1, 1}, {2, 1}, {2, 2}, {1, 1}}));
+  ASSERT_TRUE(loop.stats.shed);
+  EXPECT_EQ(loop.stats.shed->least, (Effort{2, 2}));
+  EXPECT_GT(loop.stats.shed->frames, 0u);
+  EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 2) << "what was shed, and that it was not enough: " << told;
+  EXPECT_NE(to_json(loop.stats).find(R"("shed":{"pixel_stride":2,"foci_part":2,"hold_s":0.02,"frames":)"),
+            std::string::npos);
+}
+
+TEST(Overload, AHoldIsLengthenedWhereThatIsAskedFor) {
+  for (const bool asked : {false, true}) {
+    Loop<SheddingPlanner> loop;
+    loop.source.count = 400;
+    loop.setting.output.hold_s = 0.020;
+    loop.setting.lengthens_hold = asked;
+    loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(25ms); };
+    test::stderr_of([&] { loop.run(); });
+    ASSERT_TRUE(loop.stats.shed);
+    if (asked) {
+      EXPECT_GT(loop.stats.shed->hold_s, 0.05) << "two frames of 25 ms";
+      EXPECT_GT(loop.link.most, 0.0f) << "it is heard";
+    } else {
+      EXPECT_EQ(loop.stats.shed->hold_s, 0.020);
+      EXPECT_EQ(loop.link.most, 0.0f) << "over before it sounds";
+    }
+  }
+}
+
+TEST(Overload, NothingIsShedWhereEveryFrameIsLookedAt) {
+  Loop<SheddingPlanner> loop;
+  loop.source.count = 20;
+  loop.setting.every_frame = true;
+  loop.setting.output.hold_s = 0.005;
+  loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(8ms); };
+  test::stderr_of([&] { loop.run(); });
+  for (const Effort& effort : loop.planner.asked)
+    EXPECT_TRUE(effort.whole());
+  EXPECT_FALSE(loop.stats.shed);
 }
 
 TEST(Overload, AFrameThatDawdlesIsNone) {

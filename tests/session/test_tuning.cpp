@@ -282,6 +282,7 @@ struct Live {
 
 TEST(Tuning, OfALoopChangesWhileItSoundsAndEndsInTime) {
   Live live(2000);
+  live.setting.hold_s = 10;  // no frame is late: fewer foci would have other strides
   Steady::time_point stopped;
   live.options.planned = [&, look = live.options.planned](const FrameReport& report, const Plan& plan) {
     look(report, plan);

@@ -1,0 +1,266 @@
+// What is shed when frames take too long: decided from made-up times alone.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fakes.hpp"
+#include "session/effort.hpp"
+#include "session/output.hpp"
+#include "session/scheduler.hpp"
+#include "support/captured.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::session {
+namespace {
+
+constexpr double hold_s = 0.1, period_s = 1.0 / 90;
+constexpr Effort most{4, 3};
+
+/// A machine that looks at frames of a camera, the newest one each time, as the loop does.
+struct Machine {
+  /// How long a frame takes that is begun at that time with that effort.
+  std::function<double(double now_s, const Effort&)> work;
+  EffortControl control{hold_s, most};
+  double now_s = 1, captured_s = 0;
+  std::uint64_t frames = 0;
+  std::vector<Effort> changes;
+  double silent_s = 0;  ///< time in which what sounded was over before the next was there
+
+  void run(double seconds) {
+    for (const double end_s = now_s + seconds; now_s < end_s;) {
+      const double before_s = captured_s;
+      captured_s = std::floor(now_s / period_s) * period_s;  // the newest that has come
+      if (captured_s == before_s) now_s = captured_s += period_s;
+      const double takes_s = work(now_s, control.now());
+      now_s += takes_s;
+      ++frames;
+      if (frames > 1) silent_s += std::max(0.0, now_s - (before_s + hold_s));
+      if (control.planned({now_s - captured_s, takes_s, captured_s - before_s})) changes.push_back(control.now());
+    }
+  }
+};
+
+/// Pixels cost most of it, foci the rest.
+std::function<double(double, const Effort&)> costs(double pixels_s, double foci_s) {
+  return [=](double, const Effort& effort) {
+    return pixels_s / (effort.pixel_stride * effort.pixel_stride) + foci_s / effort.foci_part;
+  };
+}
+
+TEST(Effort, IsWholeAsLongAsTheLatencyFits) {
+  for (const double ms : {0.5, 5.0, 11.0, 20.0, 30.0, 34.0}) {
+    Machine machine{costs(0.8e-3 * ms, 0.2e-3 * ms)};
+    machine.run(60);
+    EXPECT_TRUE(machine.changes.empty()) << ms;
+    EXPECT_TRUE(machine.control.least().whole());
+    EXPECT_EQ(machine.control.shed_frames(), 0u);
+    EXPECT_LT(machine.silent_s, 1e-9) << ms;
+  }
+}
+
+TEST(Effort, ShedsPixelsFirstAndThenFociUntilTheLatencyFits) {
+  Machine hand{costs(0.250, 0.010)};  // what a hand in a large box took
+  hand.run(60);
+  EXPECT_EQ(hand.control.now(), (Effort{3, 1}));
+  EXPECT_EQ(hand.changes, (std::vector<Effort>{{2, 1}, {3, 1}}));
+  Machine fingers{costs(0.020, 0.090)};  // many fingers, and a solver
+  fingers.run(60);
+  EXPECT_EQ(fingers.changes.front(), (Effort{2, 1}));
+  EXPECT_EQ(fingers.control.now(), (Effort{4, 3}));
+  for (Machine* machine : {&hand, &fingers}) {
+    const double before_s = machine->silent_s;
+    machine->run(60);
+    EXPECT_EQ(machine->silent_s, before_s) << "no more gaps";
+  }
+}
+
+TEST(Effort, AnswersWithinAFewFrames) {
+  Machine hand{costs(0.250, 0.010)};
+  hand.run(2);
+  EXPECT_EQ(hand.control.now(), (Effort{3, 1}));
+}
+
+TEST(Effort, WhereNothingHelpsEverythingIsShedAndThatIsTheEnd) {
+  Machine hopeless{[](double, const Effort&) { return 1.0; }};
+  hopeless.run(300);
+  EXPECT_EQ(hopeless.control.now(), most);
+  EXPECT_TRUE(hopeless.control.exhausted());
+  EXPECT_EQ(hopeless.changes.size(), 5u);
+}
+
+TEST(Effort, TheHoldIsLengthenedLastAndOnlyWhereThatIsAskedFor) {
+  const auto slow = [](double seconds) { return [=](double, const Effort&) { return seconds; }; };
+  Machine never{slow(0.06)};
+  never.run(60);
+  EXPECT_EQ(never.control.hold_s(), hold_s);
+  EXPECT_EQ(never.control.now(), most);
+  Machine asked{slow(0.06)};
+  asked.control = EffortControl(hold_s, most, longest_auto_hold_s);
+  asked.run(60);
+  EXPECT_EQ(asked.control.now(), most) << "all else first";
+  EXPECT_GT(asked.control.hold_s(), 0.13);
+  EXPECT_LE(asked.control.hold_s(), 0.2);
+  Machine hopeless{slow(1)};
+  hopeless.control = EffortControl(hold_s, most, longest_auto_hold_s);
+  hopeless.run(60);
+  EXPECT_EQ(hopeless.control.hold_s(), 0.2) << "no longer than that";
+  EXPECT_TRUE(hopeless.control.exhausted());
+  Machine busy{[](double now_s, const Effort&) { return now_s < 20 ? 0.06 : 0.005; }};
+  busy.control = EffortControl(hold_s, most, longest_auto_hold_s);
+  busy.run(60);
+  EXPECT_EQ(busy.control.hold_s(), hold_s) << "and no longer than it takes";
+  EXPECT_TRUE(busy.control.now().whole());
+  EXPECT_GT(busy.control.most_hold_s(), hold_s);
+}
+
+TEST(Effort, DoesNotOscillate) {
+  // Just too much for all of it, and easy without: it looks again now and then, and less and less often.
+  for (const double pixels_s : {0.038, 0.045, 0.060, 0.120, 0.2}) {
+    Machine machine{costs(pixels_s, 0.005)};
+    machine.run(3600);
+    EXPECT_LT(machine.changes.size(), 40u) << pixels_s;
+    const std::size_t before = machine.changes.size();
+    machine.run(600);
+    EXPECT_LE(machine.changes.size() - before, 6u) << pixels_s;
+  }
+}
+
+TEST(Effort, IsTakenBackWhenTheMachineIsQuietAgain) {
+  Machine machine{[](double now_s, const Effort& effort) { return costs(now_s < 20 ? 0.25 : 0.01, 0.005)(0, effort); }};
+  machine.run(15);
+  EXPECT_EQ(machine.control.now(), (Effort{3, 1}));
+  machine.run(60);
+  EXPECT_TRUE(machine.control.now().whole());
+  EXPECT_EQ(machine.control.least(), (Effort{3, 1})) << "what was shed is remembered for the report";
+  EXPECT_GT(machine.control.shed_frames(), 0u);
+}
+
+TEST(Effort, AFrameOrTwoThatDawdleAreNothing) {
+  EffortControl control(hold_s, most);
+  for (int i = 0; i < 10'000; ++i) {
+    const double takes_s = i % 50 < 2 ? 0.3 : 0.005;
+    EXPECT_FALSE(control.planned({takes_s, takes_s, period_s}));
+  }
+  EXPECT_TRUE(control.least().whole());
+}
+
+TEST(Effort, ASlowCameraIsNoOverload) {
+  EffortControl control(hold_s, most);
+  for (int i = 0; i < 1000; ++i)
+    EXPECT_FALSE(control.planned({0.020, 0.010, 0.2}));
+}
+
+TEST(Effort, APlannerThatCanShedNothingIsLeftAlone) {
+  EffortControl control(hold_s, {});
+  EXPECT_TRUE(control.exhausted());
+  for (int i = 0; i < 1000; ++i)
+    EXPECT_FALSE(control.planned({1, 1, 1}));
+  EXPECT_EQ(control.shed_frames(), 0u);
+}
+
+TEST(Effort, WhatWasShedIsToldOnceWithWhatWouldHelp) {
+  EffortControl control(hold_s, most);
+  ShedReport report(hold_s);
+  const std::string said = test::stderr_of([&] {
+    for (int i = 0; i < 300; ++i) {
+      const double takes_s = 0.25 / (control.now().pixel_stride * control.now().pixel_stride);
+      control.planned({takes_s, takes_s, takes_s});
+      report.planned(control, takes_s);
+    }
+    report.end(control);
+  });
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+  EXPECT_CONTAINS(said, "from capture to drives took 250 ms, too long for the hold of 100 ms");
+  EXPECT_CONTAINS(said, "only every 3rd pixel of every 3rd row was looked at");
+  EXPECT_CONTAINS(said, "--hold");
+  EXPECT_EQ(to_text(Effort{2, 3}),
+            "only every 2nd pixel of every 2nd row was looked at and fingers had one in 3 of their foci");
+}
+
+/// One finger with ten foci, of which those in `empty` have no contacts.
+touch::Touch ten_foci(const std::vector<std::uint32_t>& empty = {}) {
+  touch::Touch touch;
+  touch.finger_count = 1;
+  touch::Finger& finger = touch.fingers.emplace_back();
+  for (std::uint32_t n = 0; n < 10; ++n) {
+    const double angle = 0.2 * 3.14159265 * n;
+    finger.foci.push_back({{0.004 * std::cos(angle), 0, 0.004 * std::sin(angle)}, 5});
+  }
+  for (const std::uint32_t n : empty)
+    finger.foci[n] = {{std::nanf(""), 0, 0}, 0};
+  return touch;
+}
+
+TEST(Effort, FewerFociAreStillAScheduleOfAllOfThem) {
+  geometry::Solid solid;
+  const std::vector<geometry::Solid> solids{solid};
+  for (const std::uint32_t asked : {0u, 3u, 7u}) {
+    ScheduleOptions options;
+    if (asked != 0) options.voice.stride = asked;
+    Scheduler scheduler("scene", solids, {}, options);
+    array::Schedule schedule;
+    for (const auto& [part, foci] : {std::pair(1u, 10u), {2u, 5u}, {3u, 3u}, {4u, 3u}, {1u, 10u}}) {
+      scheduler.thin_foci(part);
+      scheduler.make(ten_foci(), 1, schedule);
+      ASSERT_EQ(schedule.voice_count, 1u);
+      const array::Voice& voice = schedule.voices[0];
+      EXPECT_EQ(voice.foci.size(), foci);
+      std::vector<std::uint32_t> sorted(voice.order.begin(), voice.order.end()), all(foci);
+      std::sort(sorted.begin(), sorted.end());
+      std::iota(all.begin(), all.end(), 0u);
+      EXPECT_EQ(sorted, all) << "each once: stride " << asked << ", part " << part;
+      EXPECT_EQ(voice.dwell_s, 1.5e-3);
+      EXPECT_EQ(voice.modulation_hz, 0);
+    }
+  }
+}
+
+TEST(Effort, FewerFociOfASectorWithoutContactsAreItsNeighbours) {
+  geometry::Solid solid;
+  const std::vector<geometry::Solid> solids{solid};
+  Scheduler scheduler("scene", solids, {}, {});
+  scheduler.thin_foci(2);
+  array::Schedule schedule;
+  scheduler.make(ten_foci({0, 2, 4, 6, 8}), 1, schedule);
+  ASSERT_EQ(schedule.voices[0].foci.size(), 5u);
+  for (const Vec3& focus : schedule.voices[0].foci)
+    EXPECT_TRUE(std::isfinite(focus.x));
+}
+
+TEST(Effort, NothingSoundsAfterTheHoldHoweverLateItsPlanCame) {
+  const array::Layout layout = test::small_layout();
+  const OutputSetting setting{layout, {}, 1.5e-3, hold_s};
+  Plan plan;
+  plan.schedule = test::touching(Vec3(0, 0.15, 0));
+  SlotWork work;
+  plan_slots(plan, work, nullptr, [&](std::span<const array::SlotFocus> slot_foci, const auto&) {
+    plan.drives.resize(plan.drives.size() + layout.transducers.size());
+    array::drive_for(layout, slot_foci, {}, std::span(plan.drives).last(layout.transducers.size()));
+  });
+  SlotScratch scratch;
+  for (const auto& [takes_s, more_s] :
+       {std::pair(0.005, 0.0), {0.06, 0.0}, {0.09, 0.0}, {0.15, 0.0}, {0.25, 0.0}, {0.15, 0.1}, {0.25, 0.1}}) {
+    plan.more_hold_s = more_s;
+    // A planner that takes that long for each frame, and the slots that play the newest plan that is there.
+    double planned_s = 0;
+    for (std::uint64_t slot = 0; slot < 1000; ++slot) {
+      const double now_s = static_cast<double>(slot) * setting.slot_s;
+      while (planned_s + takes_s <= now_s)
+        planned_s += takes_s;
+      if (planned_s == 0) continue;
+      plan.captured_s = planned_s - takes_s;
+      const bool sounds = test::loudest_of(drive_of_slot(plan, slot, now_s, setting, scratch)) > 0;
+      EXPECT_EQ(sounds, now_s < plan.captured_s + hold_s + more_s) << takes_s << " at " << now_s;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpa::session

@@ -1,0 +1,128 @@
+// How many drives passed each hand-over, what is normal, and that more than that is told once.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "fakes.hpp"
+#include "session/hand_over.hpp"
+#include "session/link.hpp"
+#include "session/safe_link.hpp"
+#include "session/stats.hpp"
+#include "support/captured.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+#include "support/udp_receiver.hpp"
+
+namespace palpa::session {
+namespace {
+
+/// Of a board that took so many of `loop` drives.
+HandOver counts(std::uint64_t loop, std::uint64_t completed, std::uint64_t starting = 0) {
+  return {.loop = {.drives = loop},
+          .behind = Carried{.guard = Passed{.drives = completed},
+                            .submitted = {.drives = completed},
+                            .completed = {.drives = completed},
+                            .starting = starting}};
+}
+
+TEST(HandOver, EightDrivesAndTwoPercentAreNormal) {
+  EXPECT_EQ(counts(680, 452).lost(), 228u);
+  EXPECT_TRUE(counts(680, 452).unusual());
+  EXPECT_TRUE(counts(2721, 2446).unusual());
+  EXPECT_EQ(counts(1000, 972).normal(), 28u);
+  EXPECT_FALSE(counts(1000, 972).unusual());
+  EXPECT_TRUE(counts(1000, 971).unusual());
+  EXPECT_FALSE(counts(8, 0).unusual()) << "a short run";
+  EXPECT_TRUE(counts(9, 0).unusual());
+  EXPECT_FALSE(counts(0, 0).unusual());
+}
+
+TEST(HandOver, DrivesBeforeTheFirstPlanOfATouchAreNotLost) {
+  EXPECT_EQ(counts(100, 60, 40).lost(), 0u);
+  EXPECT_EQ(counts(100, 60, 30).lost(), 10u);
+}
+
+TEST(HandOver, ALinkThatDoesNotCountHasLostNothingThatIsKnown) {
+  const HandOver unknown{.loop = {.drives = 100}};
+  EXPECT_EQ(unknown.lost(), 0u);
+  EXPECT_CONTAINS(to_text(unknown), "100 drives sounded");
+  EXPECT_CONTAINS(to_text(unknown), "does not say");
+}
+
+TEST(HandOver, WhatIsLostIsToldOnceWithEachHandOver) {
+  HandOverWatch watch;
+  EXPECT_EQ(test::stderr_of([&] { watch.look(counts(1000, 990)); }), "");
+  HandOver bad = counts(680, 452);
+  bad.behind->guard->drives = 500;
+  bad.behind->submitted.drives = 460;
+  const std::string said = test::stderr_of([&] {
+    watch.look(bad);
+    watch.look(bad);
+  });
+  EXPECT_CONTAINS(said, "228 of 680 drives were lost between loop and device, where at most 21 are normal");
+  EXPECT_CONTAINS(said, "500 were taken by the guard, 460 were submitted to the board, 452 were completed");
+  EXPECT_EQ(said.find("lost"), said.rfind("lost")) << "once: " << said;
+}
+
+TEST(HandOver, AreInTheStatistics) {
+  LoopStats stats;
+  stats.output.hand_over = counts(680, 452, 10);
+  EXPECT_CONTAINS(to_json(stats),
+                  R"("hand_over":{"drives":{"loop":680,"guard":452,"submitted":452,"completed":452,"starting":10,)"
+                  R"("lost":218}})");
+  stats.output.hand_over.loop.plans = 90;
+  stats.output.hand_over.behind->completed.plans = 80;
+  EXPECT_CONTAINS(to_json(stats), R"("plans":{"loop":90,"guard":0,"submitted":0,"completed":80})");
+  stats.output.hand_over = {.loop = {.drives = 5}, .behind = Carried{.completed = {.drives = 4}}};
+  EXPECT_CONTAINS(to_json(stats), R"("hand_over":{"drives":{"loop":5,"played":4,"lost":1}})");
+  stats.output.hand_over.behind.reset();
+  EXPECT_CONTAINS(to_json(stats), R"("hand_over":{"drives":{"loop":5}})");
+}
+
+TEST(HandOver, LinksThatAreNoBoardsCountWhatTheyPlayed) {
+  const array::Layout layout = test::small_layout();
+  const std::vector<std::string> names;
+  const test::UdpReceiver receiver(std::chrono::milliseconds(50));
+  const auto file = test::scratch_folder("hand-over") / "drives.bin";
+  for (const std::string& spec : {std::string("null"), "record:" + file.string(), "foci:" + receiver.address()}) {
+    const auto link = open_link(spec, builtin_links(), {layout, names});
+    SafeLink safe(*link, layout.transducers.size());
+    array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
+    const array::Drive sounding(layout.transducers.size(), {0.5f, 0.0f}), silent(layout.transducers.size(), {0, 0});
+    safe.plan({.schedule = schedule, .until_slot = 9});
+    for (std::uint64_t slot = 0; slot < 7; ++slot)
+      safe.send(slot, slot < 5 ? sounding : silent);
+    safe.finish();
+    const HandOver passed = safe.handed_over();
+    EXPECT_EQ(passed.loop.drives, 5u) << spec;
+    EXPECT_EQ(passed.loop.plans, 1u) << spec;
+    ASSERT_TRUE(passed.behind) << spec;
+    EXPECT_FALSE(passed.behind->guard) << spec;
+    EXPECT_EQ(passed.behind->completed.drives, 5u) << spec;
+    EXPECT_EQ(passed.lost(), 0u) << spec;
+  }
+}
+
+TEST(HandOver, WhatFadesAndWhatACeilingMutesIsCountedAsItLeaves) {
+  const array::Layout layout = test::small_layout();
+  test::SpyLink spy;
+  SafeLink safe(spy, layout.transducers.size(), {.ramp_s = 6e-3});
+  const array::Drive sounding(layout.transducers.size(), {1.0f, 0.0f}), silent(layout.transducers.size(), {0, 0});
+  array::Schedule schedule = test::touching(Vec3(0, 0.15, 0)), nothing;
+  safe.plan({.schedule = schedule, .until_slot = 9});
+  for (std::uint64_t slot = 0; slot < 5; ++slot)
+    safe.send(slot, sounding);
+  safe.plan({.schedule = nothing});
+  for (std::uint64_t slot = 5; slot < 12; ++slot)
+    safe.send(slot, silent);
+  EXPECT_EQ(safe.handed_over().loop.drives, 5u + 3u) << "the way down sounds, too";
+  EXPECT_FALSE(safe.handed_over().behind) << "the spy does not count";
+  test::SpyLink deaf;
+  SafeLink muted(deaf, layout.transducers.size(), {.ceiling = 0});
+  muted.send(0, sounding);
+  EXPECT_EQ(muted.handed_over().loop.drives, 0u);
+}
+
+}  // namespace
+}  // namespace palpa::session
