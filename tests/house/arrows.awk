@@ -7,6 +7,7 @@ BEGIN {
 
   # driver/ sees the engine through its small interfaces only.
   interface["session/link.hpp"] = interface["session/sources.hpp"] = 1  # how both are named on the command line
+  interface["session/hand_over.hpp"] = 1  # what a link says of what it was handed
   interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor
   interface["bench/row.hpp"] = 1              # its rows of palpa bench

@@ -67,6 +67,9 @@ arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' | x
 # Each source includes what it uses: tests/house/includes.py.
 includes() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' 'tests/*.?pp' | xargs -r python3 tests/house/includes.py; }
 
+# Files are opened where the register of files sees it: tests/house/files.py.
+registered() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' | xargs -r python3 tests/house/files.py; }
+
 # Small files with one job. A longer one is listed with its reason in tests/house/long-files.txt.
 sizes() {
   local file lines found=0
@@ -158,6 +161,7 @@ step "clang-format" format
 step "docs" docs
 step "arrows between rooms" arrows
 step "includes" includes
+step "register of files" registered
 step "file sizes" sizes
 step "machine paths" paths
 step "shaders in use" shaders

@@ -14,6 +14,9 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 #   corpus        meshes of every size
 #   asan          the host's memory and undefined behaviour, in all tests
 #   tsan          races between the host's threads
+#   fuzz          crashes, hangs, costs and overwritten inputs that nobody has thought of: broken files, random options (fuzz.py)
+#   kill          loops that are killed at random moments, with full disks and blocked readers: what a board hears last (kill.py)
+# The last two are programs, not tests: they run side by side, for PALPA_HOSTILE_S seconds (60) and with a fixed seed.
 # One driver thread and subgroups of 8 lanes are what tests/house/suite.sh gives every leg that says nothing else, and ./dev test.
 # The variables that speak to lavapipe are ignored by other drivers.
 legs() {
@@ -24,6 +27,8 @@ gpu-assisted release gpu     PALPA_VALIDATION=gpu-assisted
 corpus       release corpus  PALPA_EXHAUSTIVE=1
 asan         asan    -
 tsan         tsan    threads
+fuzz         release program
+kill         release program
 END
 }
 
@@ -107,10 +112,40 @@ compare_digests() {
   done
 }
 
+# Each waits for most of its time, so together they take hardly longer than one. The viewer's shaders are kept as suite.sh does.
+run_programs() { # NAME...
+  local name pids=() begin=$SECONDS failed=0 cache=$PWD/build/cache/256
+  echo "== $*: tests/house, preset release"
+  cmake --preset release --log-level=WARNING >/dev/null
+  if ! cmake --build --preset release --target palpa palpa-guard palpa-viewer >build/logs/matrix-programs.log 2>&1; then
+    cat build/logs/matrix-programs.log
+    echo "matrix: $* does not build"
+    return 1
+  fi
+  for name; do
+    MESA_SHADER_CACHE_DIR=$cache/mesa XDG_CACHE_HOME=$cache LP_NATIVE_VECTOR_WIDTH=256 \
+      "tests/house/$name.py" --seconds "${PALPA_HOSTILE_S:-60}" --seed 1 >"build/logs/matrix-$name.log" 2>&1 &
+    pids+=($!)
+  done
+  for name; do
+    wait "${pids[0]}" || failed=1
+    pids=("${pids[@]:1}")
+    cat "build/logs/matrix-$name.log"
+  done
+  ((!failed)) || return 1
+  for name; do summary+=("$(printf '%-13s passed, %4d s' "$name" $((SECONDS - begin)))"); done
+}
+
+programs=()
 while read -r name preset label environment; do
   ((!$#)) || [[ " $* " == *" $name "* ]] || continue
+  if [[ $label == program ]]; then
+    programs+=("$name")
+    continue
+  fi
   read -ra variables <<<"$environment"
   run_leg "$name" "$preset" "$label" "${variables[@]}" </dev/null
 done < <(legs)
 compare_digests
+((!${#programs[@]})) || run_programs "${programs[@]}"
 printf '%s\n' "== summary" "${summary[@]}"

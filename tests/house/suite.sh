@@ -3,15 +3,14 @@
 #
 # As many tests side by side as there are cores, and two that wait in the place of one (WAITS in cmake/Room.cmake), each with one
 # rasterizer thread where lavapipe is the driver: two tests of one thread keep two cores busier than one test of two threads. What
-# depends on the number of threads is the matrix's business, which sets LP_NUM_THREADS itself. OpenBLAS starts a thread per core
-# with every program, which waits busily at first; palpa uses none of them. Drivers and layers keep their caches in the build
-# directory; the code that lavapipe compiles depends on the vectors' width only.
+# depends on the number of threads is the matrix's business, which sets LP_NUM_THREADS itself. Drivers and layers keep their caches in
+# the build directory; the code that lavapipe compiles depends on the vectors' width only.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 preset=$1
 shift
-export OPENBLAS_NUM_THREADS=1 LP_NUM_THREADS=${LP_NUM_THREADS:-1} LP_NATIVE_VECTOR_WIDTH=${LP_NATIVE_VECTOR_WIDTH:-256}
+export LP_NUM_THREADS=${LP_NUM_THREADS:-1} LP_NATIVE_VECTOR_WIDTH=${LP_NATIVE_VECTOR_WIDTH:-256}
 cache=$PWD/build/cache/$LP_NATIVE_VECTOR_WIDTH
 mkdir -p "$cache"
 export MESA_SHADER_CACHE_DIR=$cache/mesa XDG_CACHE_HOME=$cache
@@ -33,5 +32,5 @@ if [[ -f build/release/$costs && ! -f build/$preset/$costs ]]; then
   cp "build/release/$costs" "build/$preset/$costs"
 fi
 
-exec "${run[@]}" ctest --test-dir "build/$preset" --output-on-failure --no-tests=error \
-  --parallel "$((2 * ${PALPA_JOBS:-$(nproc)}))" "$@"
+jobs=${PALPA_JOBS:-$(tests/house/jobs.sh tests 1200 "$(nproc)")}
+exec "${run[@]}" ctest --test-dir "build/$preset" --output-on-failure --no-tests=error --parallel "$((2 * jobs))" "$@"

@@ -1,0 +1,456 @@
+#!/usr/bin/env python3
+"""fuzz.py [--seconds N] [--seed S] [--bin FOLDER] [--only CASE]: palpa with broken files and random options.
+
+Each case is one command of palpa. Its files are good ones that palpa has made or that the repository has, some of them
+broken; its options come from the program's own --help, their values from lists of what is usual and what is not. A case
+depends on the seed and its own number only, so that --only repeats it alone and keeps its files.
+
+A case must end by itself with an exit code from 0 to 4 and at most one line of error, in limited memory and processor
+time, must leave all files alone that it was given to read, and must not show what stands in files that are none of its
+business. JSON that it writes must be JSON.
+"""
+import argparse
+import concurrent.futures
+import hashlib
+import json
+import os
+import pathlib
+import random
+import re
+import resource
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+from judged import faults_of_messages, name_of_end
+from mutate import boxes_glb, boxes_ply, mutated, small_bag, sphere_ply
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+COST_S, COST_S_PER_MB = 1.0, 1.0  # of processor time, as docs/limits.md states
+NOISE = 2.0                       # a busy machine's caches and hyperthreads make the same work cost more
+MOST_CPU_S = 60                   # of what has no such limit: it must end all the same
+MOST_MEMORY = 1 << 30
+MOST_ADDRESSES = 6 << 30          # protects the machine that runs this
+STILL_S = 20                      # without any processor time: a hang
+SECRET = "Zq7#vK%9xW@3jH&5"       # stands in files that no case may show
+COMMANDS = {"touch": 10, "drive": 8, "field": 4, "run": 6, "export": 5, "scatter": 3, "simulate": 1, "decompose": 2,
+            "calibrate": 3, "link": 3, "doctor": 0.2, "viewer": 2}
+# Options that make a run endless or long as they should, that look for devices, or that a case sets itself.
+LEFT_ALONE = {"--help", "--gpu", "--backend", "--validation", "--frames", "--runs", "--resolution", "--figure6", "--view",
+              "--version", "--suite", "--source", "--last", "--first", "--nudge", "--keys", "--pixels", "--samples",
+              "--slice", "--write-rig", "--headless", "--size", "--log-level", "--focus", "--touch", "--drive", "--points", "--depth",
+              "--camera", "--plane", "--plane-wave", "--point-source", "--line", "--mesh", "--target", "--reference", "--video", "--interact"}
+# What each file option reads, by the kind of the pool; others are outputs.
+READS = {"--scene": "scene", "--points": "points", "--depth": "depth", "--camera": "camera", "--rig": "rig",
+         "--layout": "layout", "--touch": "touch", "--mesh": "mesh", "--finger": "mesh", "--drive": "drive",
+         "--skin": "points", "--board-files": "boards", "--screen": "rig"}
+NUMBERS = ["0", "-0", "1", "-1", "0.5", "2", "3", "10", "64", "nan", "-nan", "inf", "-inf", "1e300", "-1e300", "1e-300", "1e39", "1e-40",
+           "1e999", "", " ", "x", "0x10", "1e", "--", "9" * 400, "18446744073709551616", "4294967296", "2147483648", "-2147483649",
+           "1,5", "½", "1 ", "\u202e1", "\xff", "%s%n", "1\n2", "1;2"]
+UNITS = {"LENGTH": ["m", "mm", "um", "cm"], "TIME": ["s", "ms", "us"], "FREQUENCY": ["Hz", "kHz"], "SPEED": ["m/s"],
+         "PRESSURE": ["Pa", "kPa"]}
+USUAL = {"LENGTH": ["1.5mm", "5mm", "25mm"], "TIME": ["1.5ms", "12ms", "100ms"], "FREQUENCY": ["40kHz", "200Hz"],
+         "SPEED": ["343m/s"], "PRESSURE": ["2kPa", "101kPa"], "CELSIUS": ["20"], "PERCENT": ["50"], "NUMBER": ["0.5"],
+         "DEGREES": ["30"], "A": ["0.5"], "X,Y,Z": ["0,0,0.1", "0,0,0"], "X,Y,Z[,A]": ["0,0,0.1", "0,5mm,0.1,0.5"]}
+
+
+class Pool:
+    """Good files of each kind, as bytes; a recording is a folder of them."""
+
+    def __init__(self, palpa, folder):
+        assets = ROOT / "assets"
+        rig = (assets / "rigs/paper.toml").read_text()
+        for number, small in {"848": "106", "480": "60", "640.0": "80.0", "423.5": "52.5", "239.5": "29.5"}.items():
+            rig = re.sub(rf"= {re.escape(number)}$", f"= {small}", rig, flags=re.M)
+        (folder / "rig.toml").write_text(rig)
+        cube, finger = assets / "cube.glb", assets / "finger.ply"
+        small = ["--scene", cube, "--backend", "cpu", "--quiet"]
+
+        def make(*arguments):
+            subprocess.run([palpa, *map(str, arguments), "--quiet"], check=True, timeout=300, stdin=subprocess.DEVNULL)
+
+        make("run", *small, "--rig", folder / "rig.toml", "--frames", 2, "--every-frame", "--record", folder / "take")
+        for method in ("cross-section", "multi-focus"):
+            make("touch", *small, "--points", finger, "--penetration", "3mm", "--method", method, "--json",
+                 folder / f"{method}.json")
+        make("drive", "--layout", "openmpd", "--focus", "0,0,0.1", "--csv", folder / "drive.csv", "--backend", "cpu")
+        make("calibrate", "--target", folder / "target.stl", "--layout", "openmpd")
+        self.take = {path.name: path.read_bytes() for path in sorted((folder / "take").iterdir())}
+        camera = rig[:rig.index("[[camera]]", rig.index("[[camera]]") + 1)]
+        units = "\n".join("[[transducer]]\nposition_m = [%g, %g, 0.0]\naxis = [0.0, 0.0, 1.0]" % (0.01 * x, 0.01 * y)
+                          for x in range(4) for y in range(4))
+        binary, text = finger.read_bytes(), sphere_ply(0.004)
+        self.files = {
+            "scene": [("s.glb", (assets / name).read_bytes()) for name in
+                      ("cube.glb", "prism.glb", "pyramid.glb", "button-and-knob.glb", "semi-sphere.glb", "hand.glb")],
+            "points": [("p.ply", binary), ("p.ply", text)],
+            "mesh": [("m.ply", text), ("m.ply", sphere_ply(0.0012))],
+            "rig": [("r.toml", rig.encode())],
+            "camera": [("c.toml", camera.encode())],
+            "layout": [("l.toml", (assets / "layouts/example.toml").read_bytes()), ("l.toml", units.encode())],
+            "touch": [("t.json", (folder / f"{method}.json").read_bytes()) for method in ("cross-section", "multi-focus")],
+            "drive": [("d.csv", (folder / "drive.csv").read_bytes())],
+            "depth": [("d.png", data) for name, data in self.take.items() if name.endswith("0.png")],
+            "foreign": [("f.stl", (folder / "target.stl").read_bytes()), ("f.txt", f"{SECRET}: {SECRET}\n".encode() * 40),
+                        ("f.bin", bytes(range(256)) * 8), ("empty", b""), ("f.json", b'{"a": "' + SECRET.encode() + b'"}')],
+            "bag": [("b.bag", small_bag())],
+        }
+
+
+class Case:
+    """One command: its arguments, and the files that it reads."""
+
+    def __init__(self, number, seed, pool, options, folder):
+        self.random = random.Random(f"{seed}:{number}")
+        self.pool, self.options, self.folder = pool, options, folder
+        self.inputs, self.outputs, self.aliases, self.size = {}, [], [], 0
+        self.judge_cost = True
+        (folder / "in").mkdir(parents=True)
+        (folder / "secret.txt").write_text((SECRET + "\n") * 60)
+        (folder / "in/out-of.bin").symlink_to("../secret.txt")
+        weights = {name: weight for name, weight in COMMANDS.items() if name in options}
+        self.command = self.random.choices(list(weights), list(weights.values()))[0]
+        self.arguments = self.make()
+
+    # ---- files ----
+    def keep(self, name, data):
+        """Writes a file to be read."""
+        path = self.folder / "in" / f"{len(self.inputs)}-{name}"
+        path.write_bytes(data)
+        self.inputs[path] = digest(path)
+        self.size += len(data)
+        return str(path)
+
+    def one_of(self, *values):
+        """One of these; those that are functions are called, so that only the files of the one chosen are made."""
+        value = self.random.choice(values)
+        return value() if callable(value) else value
+
+    def file(self, kind, broken=0.35):
+        draw = self.random
+        if kind == "recording":
+            return self.recording(broken)
+        if kind == "boards":
+            folder = self.folder / "in/boards"
+            folder.mkdir(exist_ok=True)
+            for name in ("board_A.pat", "sonicsurface.txt"):
+                path = folder / name
+                text = " ".join(draw.choice(["0", "180", "-28", "1", "nan", "1e300", "EMU1", "256", "128", SECRET])
+                                for _ in range(draw.choice([0, 3, 256, 2000])))
+                path.write_text(text)
+                self.inputs[path] = digest(path)
+                self.size += len(text)
+            return str(folder)
+        if draw.random() < 0.03:
+            return draw.choice([str(self.folder), "/dev/null", "/nonexistent/file", str(self.folder / "none"), "", "x" * 5000,
+                                str(self.folder / "secret.txt"), "/proc/self/mem", "in\x01\x1b[2J.toml"])
+        if draw.random() < 0.06:
+            kind = draw.choice(sorted(self.pool.files))
+        if kind == "scene" and draw.random() < 0.25:
+            name, data = "boxes.glb", boxes_glb(draw)
+        elif kind in ("mesh", "points") and draw.random() < 0.2:
+            name, data = "boxes.ply", boxes_ply(draw)
+        else:
+            name, data = draw.choice(self.pool.files[kind])
+        for _ in range(draw.choice([1, 1, 1, 2, 5]) if draw.random() < broken else 0):
+            data = mutated(draw, name, data)
+        return self.keep(name, data)
+
+    def recording(self, broken):
+        draw = self.random
+        folder = self.folder / "in/take"
+        folder.mkdir(exist_ok=True)
+        victim = draw.choice([*self.pool.take, "recording.toml", "times.csv"]) if draw.random() < broken else None
+        for name, data in self.pool.take.items():
+            if name == victim:
+                data = mutated(draw, name, data)
+                if name.endswith(".png") and draw.random() < 0.2:
+                    (folder / name).symlink_to("../../secret.txt")
+                    continue
+            (folder / name).write_bytes(data)
+            self.inputs[folder / name] = digest(folder / name)
+            self.size += len(data)
+        return str(folder)
+
+    def out(self, kind):
+        """A place to write to; now and then one of what is read, by another name."""
+        draw = self.random
+        taken = [path for path in self.inputs if path.exists()]
+        if taken and draw.random() < 0.12:
+            path = draw.choice(taken)
+            alias = self.folder / f"alias-{len(self.aliases)}"
+            self.aliases.append(alias)
+            how = draw.randrange(5)
+            if how == 0:
+                alias.symlink_to(path)
+            elif how == 1:
+                os.link(path, alias)
+            return str([alias, alias, path, f"{path.parent}/../{path.parent.name}//{path.name}", f"/proc/self/root{path}"][how])
+        if draw.random() < 0.12:
+            return draw.choice(["-", "/dev/null", "/dev/full", "/nonexistent/x", str(self.folder), "", "/proc/self/x", "y" * 300])
+        path = self.folder / f"out-{len(self.outputs)}{kind}"
+        self.outputs.append(path)
+        return str(path)
+
+    # ---- options ----
+    def value(self, name, what):
+        """What an option of the help is given; what: its placeholder, or the words that it takes."""
+        draw = self.random
+        if name in READS and what != "WORD":
+            if name == "--layout" and draw.random() < 0.6:
+                return draw.choice(["openmpd", "autd3", "paper", "sonicsurface", "openmpd-pair", "nothing"])
+            return self.file(READS[name])
+        if isinstance(what, list):
+            return draw.choice(what) if draw.random() < 0.95 else draw.choice(NUMBERS)
+        if name == "--link":
+            return self.one_of("null", lambda: f"record:{self.out('.bin')}", "foci:udp:127.0.0.1:9", "foci:udp:nowhere.invalid:9", "foci:udp:127.0.0.1:99999",
+                                "openmpd:NO-SUCH-BOARD", "autd3:127.0.0.1:1", "sonicsurface:/dev/null", "record:", "", "x:y")
+        if name == "--events":
+            return self.one_of(lambda: self.out(".jsonl"), "-", "udp:127.0.0.1:9", "udp:", "udp:127.0.0.1:0")
+        if name == "--record":
+            return str(self.folder / draw.choice(["new", "in", "in/../new"]))
+        if "FILE" in what or "-" in what:
+            return self.out({"--png": ".png", "--vtu": ".vtu", "--out": draw.choice([".glb", ".toml"]),
+                             "--foci": draw.choice([".csv", ".json"])}.get(name, ".txt"))
+        if "X,Y,Z" in what or "," in what:
+            if draw.random() < 0.8:
+                return draw.choice(USUAL.get(what, ["60mm,60mm"]))
+            return ",".join(draw.choice(NUMBERS) for _ in range(draw.choice([1, 2, 3, 3, 3, 4, 5])))
+        if draw.random() < 0.75:
+            return draw.choice(USUAL.get(what, ["1", "2", "3", "5", "10"]))
+        return draw.choice(NUMBERS) + (draw.choice(UNITS[what]) if what in UNITS and draw.random() < 0.6 else "")
+
+    def some_options(self, taken, most=4):
+        draw = self.random
+        known = self.options[self.command]
+        names = [name for name in known if name not in LEFT_ALONE | taken]
+        arguments = []
+        for name in draw.sample(names, min(len(names), draw.choice([0, 0, 1, 1, 2, most]))):
+            what = known[name]
+            arguments.append(name)
+            if what is not None:
+                values = [self.value(name, what) for _ in range(2 if name == "--line" else 1)]
+                if len(values) == 1 and values[0].startswith("-"):
+                    arguments[-1] += "=" + values[0]
+                else:
+                    arguments += values
+        if draw.random() < 0.02:
+            arguments.insert(draw.randrange(len(arguments) + 1), draw.choice(["--", "-", "", "--bogus", "-x", "\x1b[0m", "é" * 600]))
+        return arguments
+
+    def source(self):
+        return self.one_of(*[lambda: f"recording:{self.file('recording')}"] * 4, "synthetic", "synthetic", lambda: f"synthetic:{self.file('points')}",
+                           lambda: f"synthetic:{self.file('mesh')}", lambda: f"bag:{self.file('bag', 0.9)}", "bag:/dev/zero", f"bag:{self.folder}",
+                           "v4l2:/dev/null", "realsense:any", "recording:", f"recording:{self.folder}", "nothing:x", "")
+
+    def make(self):
+        draw, command = self.random, self.command
+        frames = ["--frames", draw.choice(["1", "2", "3", "3"])]
+        count = draw.choice(["2", "3", "16", "100"] if draw.random() < 0.9 else NUMBERS)
+        focus = ["--focus", self.value("--focus", "X,Y,Z[,A]")]
+        if command == "touch":
+            if draw.random() < 0.3:
+                skin = ["--depth", self.file("depth"), "--camera", self.file("camera")]
+            else:
+                skin = ["--points", self.file("points"), "--penetration", draw.choice(["3mm", "1mm", "0"])]
+            base = ["touch", "--scene", self.file("scene"), *skin]
+        elif command == "drive":
+            base = ["drive", "--layout", self.value("--layout", "NAME|FILE"),
+                    *(["--touch", self.file("touch")] if draw.random() < 0.5 else focus), "--csv", self.out(".csv")]
+        elif command == "field":
+            where = self.one_of(["--plane", "xz", "--size", "60mm,60mm", "--pixels", f"{count},{count}"],
+                                ["--line", "0,0,0", self.value("--centre", "X,Y,Z"), "--samples", count],
+                                lambda: ["--points", self.file("points")])
+            sound = ["--drive", self.file("drive")] if draw.random() < 0.4 else focus
+            base = ["field", "--layout", "openmpd", *sound, *where, "--csv", self.out(".csv")]
+        elif command in ("run", "export"):
+            base = [command, "--scene", self.file("scene"), "--source", self.source(), *frames,
+                    "--rig", self.file("rig", 0.2) if draw.random() < 0.7 else str(ROOT / "assets/rigs/paper.toml")]
+            if command == "export":
+                base += ["--foci", self.out(draw.choice([".csv", ".json"]))]
+        elif command == "scatter":
+            sound = self.one_of(["--plane-wave", self.value("", "X,Y,Z")], ["--point-source", self.value("", "X,Y,Z")],
+                                lambda: ["--layout", "openmpd", "--drive", self.file("drive")])
+            base = ["scatter", "--mesh", self.file("mesh"), *sound, "--csv", self.out(".csv")]
+        elif command == "simulate":
+            base = ["simulate", "--scene", self.file("scene"), "--finger", self.file("mesh"), "--penetration", "1mm"]
+        elif command == "decompose":
+            base = ["decompose", "--scene", self.file("scene"), "--out", self.out(".glb"), "--resolution", "1000"]
+        elif command == "calibrate":
+            how = draw.random()
+            if how < 0.2:
+                base = ["calibrate", "--nudge", "--keys", draw.choice(["right*2 enter", "q", "up*99999999", "x", ""]), "--scene", self.file("scene"),
+                        "--source", self.source(), *frames, "--rig", self.file("rig"), "--out", self.out(".toml")]
+            elif how < 0.5:
+                base = ["calibrate", "--source", self.source(), *frames, "--rig", self.file("rig"), "--out", self.out(".toml")]
+            else:
+                base = ["calibrate", "--target", self.out(draw.choice([".stl", ".glb"])), "--layout", self.value("--layout", "NAME|FILE")]
+        elif command == "link":
+            base = ["link", "test", "--link", f"record:{self.out('.bin')}", "--layout", self.value("--layout", "NAME|FILE"),
+                    "--first", draw.choice(["0", "0", "1", "-1"]), "--last", draw.choice(["1", "1", "2", "-1"])]
+            for name in ("--each", "--rest"):  # so that it ends soon
+                base += [name, draw.choice(["1ms", "1ms", "2ms", "0", "nan"])]
+        elif command == "doctor":
+            base = ["doctor", "--json", self.out(".json")]
+        else:
+            base = ["--headless", "--size", "64x64", "--screenshot", self.out(".png"), "--scene", self.file("scene"), "--points",
+                    self.file("points"), "--penetration", "1mm"]
+        # Twice the same option is an error, which need not be found each time.
+        more = self.some_options({argument for argument in base if argument.startswith("--") and draw.random() < 0.98})
+        if command not in ("doctor", "viewer"):
+            more += ["--backend", "cpu"]
+        together = " ".join(base + more)
+        # These have costs of their own (docs/limits.md), or a driver's.
+        self.judge_cost = command in ("touch", "drive", "run", "export", "link") and not re.search(
+            r"--surface|--tune|--spectrum|--solver|--transfer|--pressure|--force|autd3|bag:", together)
+        return base + more
+
+
+def digest(path):
+    stat = path.stat()
+    return hashlib.sha256(path.read_bytes()).hexdigest(), stat.st_ino, stat.st_mode
+
+
+def options_of(program, *command):
+    """The options of a command's help: name -> None for a flag, a placeholder, or the words that it takes."""
+    text = subprocess.run([program, *command, "--help"], capture_output=True, text=True, timeout=60, check=True).stdout
+    found = {}
+    for name, what, words in re.findall(r"^ +(?:-\w,)?(--[\w-]+)(?: ([A-Z]\S*|-\S+))?(?:\n)? *(?:.*: ([\w|-]+\|[\w-]+)\b)?", text, re.M):
+        found[name] = words.split("|") if what == "WORD" and words else what or None
+    return found
+
+
+def observed(arguments, folder):
+    """Runs a program: (exit code, what is wrong with how it ran, stderr, stdout, seconds of processor time)"""
+    def limits():
+        resource.setrlimit(resource.RLIMIT_CPU, (MOST_CPU_S, MOST_CPU_S + 2))
+        resource.setrlimit(resource.RLIMIT_AS, (MOST_ADDRESSES, MOST_ADDRESSES))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 28, 1 << 28))
+
+    environment = dict(os.environ, PALPA_CACHE="off", XDG_RUNTIME_DIR=str(folder), LP_NUM_THREADS="1")
+    with open(folder / "stdout", "wb") as out, open(folder / "stderr", "wb") as err:
+        process = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=out, stderr=err, cwd=folder, env=environment,
+                                   preexec_fn=limits, start_new_session=True)
+    faults, pause = [], 0.002
+    spent, since = -1, time.monotonic()
+    while True:
+        pid, status, usage = os.wait4(process.pid, os.WNOHANG)
+        if pid:
+            break
+        with open(f"/proc/{process.pid}/stat") as file:
+            fields = file.read().rpartition(")")[2].split()
+        now = int(fields[11]) + int(fields[12])
+        if now != spent or fields[0] in "RD":
+            spent, since = now, time.monotonic()
+        if time.monotonic() - since > STILL_S and not faults:
+            faults.append(f"hangs: no processor time for {STILL_S} s")
+            process.kill()
+        time.sleep(pause)
+        pause = min(0.05, 1.3 * pause)
+    process.returncode = code = os.waitstatus_to_exitcode(status)
+    if usage.ru_maxrss * 1024 > MOST_MEMORY:
+        faults.append(f"{usage.ru_maxrss // 1024} MB of memory")
+    err, out = ((folder / name).read_bytes() for name in ("stderr", "stdout"))
+    return code, faults, err, out, usage.ru_utime + usage.ru_stime
+
+
+def refuse_constant(name):
+    raise ValueError(f"{name} in JSON")
+
+
+def faults_of(case, program):
+    """Runs a case; what is wrong with it, and its processor time."""
+    code, faults, err, out, cost = observed([program, *case.arguments], case.folder)
+    if not 0 <= code <= 4 and not faults:
+        faults.append(f"ends with {name_of_end(code)} after {cost:.1f} s of processor time")
+    faults += faults_of_messages(err, code)
+    allowed = COST_S + COST_S_PER_MB * case.size / 1e6
+    if case.judge_cost and cost > NOISE * allowed:
+        faults.append(f"{cost:.1f} s of processor time for {case.size / 1e6:.2f} MB; {allowed:.1f} s are allowed")
+    for path, before in case.inputs.items():
+        if not path.exists() or digest(path) != before:
+            faults.append(f"{path.name} was an input and is another file now")
+    said = err + out
+    for argument in case.arguments:
+        said = said.replace(argument.encode(errors="surrogateescape"), b"")
+    secret = SECRET.encode()
+    if any(secret[i:i + 4] in said for i in range(len(secret) - 3)):
+        faults.append("shows what stands in a file that is none of its business")
+    if code == 0:
+        for argument, value in zip(case.arguments, case.arguments[1:]):
+            path = pathlib.Path(value if value.startswith("/") else "/dev/null")
+            if argument == "--json" and path.is_file():
+                try:
+                    json.loads(path.read_text(), parse_constant=refuse_constant)
+                except ValueError as error:
+                    faults.append(f"--json is no JSON: {error}")
+            if argument == "--csv" and path.is_file() and case.command in ("drive", "field") and "nan" in path.read_text():
+                faults.append("nan in --csv")
+    return faults, cost, code
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seconds", type=float, default=60)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
+    parser.add_argument("--only", type=int, help="one case, whose files are kept")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    chosen = parser.parse_args()
+    programs = {command: chosen.bin.resolve() / "palpa" for command in COMMANDS if command != "viewer"}
+    viewer = chosen.bin.resolve() / "palpa-viewer"
+    os.environ.setdefault("PALPA_ASSETS", str(ROOT / "assets"))
+    options = {command: options_of(program, command) for command, program in programs.items()}
+    if viewer.exists():
+        options["viewer"], programs["viewer"] = options_of(viewer), viewer
+    begin, work = time.monotonic(), pathlib.Path(tempfile.mkdtemp(prefix="palpa-fuzz-"))
+    pool = Pool(programs["touch"], work)
+
+    def run(number):
+        folder = work / str(number)
+        case = Case(number, chosen.seed, pool, options, folder)
+        program = str(programs[case.command])
+        try:
+            faults, cost, code = faults_of(case, program)
+        except ValueError as error:  # an argument that no program can be given
+            if "null byte" not in str(error):
+                raise
+            faults, cost, code = [], 0, 0
+        if faults or chosen.only is not None:
+            lines = [f"case {number}: {shlex.join([program, *case.arguments])}", *(f"  {fault}" for fault in faults),
+                     f"  {name_of_end(code)}, {cost:.2f} s", "  stderr: " + repr((folder / "stderr").read_bytes()[:700])[2:-1],
+                     f"  again: tests/house/fuzz.py --seed {chosen.seed} --only {number} --bin {chosen.bin}"]
+            print("\n".join(lines), flush=True)
+        else:
+            shutil.rmtree(folder)
+        return bool(faults), code
+
+    if chosen.only is not None:
+        found, _ = run(chosen.only)
+        print(f"its files are in {work}")
+        return int(found)
+    ends, found, number = {}, 0, 0
+    with concurrent.futures.ThreadPoolExecutor(chosen.jobs) as executor:
+        running = set()
+        while running or time.monotonic() - begin < chosen.seconds:
+            while time.monotonic() - begin < chosen.seconds and len(running) < chosen.jobs:
+                running.add(executor.submit(run, number))
+                number += 1
+            done, running = concurrent.futures.wait(running, return_when=concurrent.futures.FIRST_COMPLETED)
+            for future in done:
+                bad, code = future.result()
+                found += bad
+                ends[code] = ends.get(code, 0) + 1
+    counts = ", ".join(f"{count} with {name_of_end(code)}" for code, count in sorted(ends.items()))
+    print(f"fuzz: seed {chosen.seed}, {number} cases, {counts}; {found} found something" + (f", files in {work}" if found else ""))
+    if not found:
+        shutil.rmtree(work)
+    return int(found > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

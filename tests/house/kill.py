@@ -1,0 +1,412 @@
+#!/usr/bin/env python3
+"""kill.py [--seconds N] [--seed S] [--bin FOLDER] [--only CASE]: loops that are killed, and the silence that must follow.
+
+Each case is a `palpa run` or `palpa link test` that plays to an emulated board, or into a file or a pipe. It has some trouble
+from the start (nobody reads what it writes, its disk is full, its files may not grow) and at a random moment it or its guard
+gets signals. Then, as docs/safety.md promises, the board must fall silent in both of its memories, the loop must end, and none
+of its processes may be left. What a board hears is read from the trace of its emulator by wires.py.
+
+A case depends on the seed and its own number only, but for the moments: how far the program has come by then is the
+machine's business. --only repeats a case alone and keeps its files.
+"""
+import argparse
+import concurrent.futures
+import fcntl
+import json
+import os
+import pathlib
+import random
+import re
+import resource
+import shlex
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+from judged import faults_of_messages, name_of_end, name_of_signal
+from wires import Trace
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+# Seconds, as docs/safety.md states; a case's margin comes on top.
+SILENT_S = 0.15      # after a death, or a stop: 100 ms without a drive, and up to 45 ms on the slowest board's line
+ENDED_S = 1.0        # a run that is told to end
+GUARD_LOST_S = 1.2   # a guard that is stopped is ended by its loop after a second
+OPENED_S = 10.0      # a guard that opens its board may take so long
+MARGIN_S = 2.0       # for a busy machine, beside ten times the longest that this program itself overslept
+# What ends no program, what no program can catch, and what the C library keeps for itself.
+NOTHING = {signal.SIGCHLD, signal.SIGCONT, signal.SIGURG, signal.SIGWINCH, signal.SIGTTIN, signal.SIGTTOU, 32, 33}
+DEATHS = {signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGTRAP, signal.SIGSYS}
+STOPS = {signal.SIGSTOP}
+TROUBLES = ["none"] * 6 + ["stderr", "events", "json", "full record", "full events", "small files"]
+BOARDS = {"openmpd": 3, "autd3": 3, "sonicsurface": 3, "file": 1, "pipe": 1}
+DRIVES_HEAD = struct.Struct("<8sIId")
+
+
+class Clock:
+    """Sleeps, and knows by how much that took too long."""
+
+    def __init__(self):
+        self.overslept = 0.0
+
+    def sleep(self, seconds):
+        begin = time.monotonic()
+        time.sleep(seconds)
+        self.overslept = max(self.overslept, time.monotonic() - begin - seconds)
+
+    def until(self, condition, seconds):
+        """Waits for something, for that long and a margin; how long it took, or None."""
+        begin = time.monotonic()
+        while not condition():
+            if time.monotonic() - begin > seconds + MARGIN_S + 10 * self.overslept:
+                return None
+            self.sleep(0.005)
+        return time.monotonic() - begin
+
+
+def processes(mark):
+    """The living processes that have the mark in their environment: pid -> name."""
+    found = {}
+    for path in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if mark in (path / "environ").read_bytes().split(b"\0"):
+                found[int(path.name)] = (path / "comm").read_text().strip()
+        except OSError:
+            continue  # it has gone, or is another user's
+    return found
+
+
+def filled_pipe(read, write):
+    """A pipe that takes nothing more."""
+    os.set_blocking(write, False)
+    try:
+        while True:
+            os.write(write, b"x" * 4096)
+    except BlockingIOError:
+        os.set_blocking(write, True)
+    return read, write
+
+
+class Case:
+    def __init__(self, number, seed, folder, programs, namespace):
+        self.random = draw = random.Random(f"{seed}:{number}")
+        self.folder, self.programs, self.namespace = folder, programs, namespace
+        self.board = draw.choices(list(BOARDS), list(BOARDS.values()))[0]
+        self.trouble = draw.choice(TROUBLES)
+        self.command = "run" if draw.random() < 0.75 or self.trouble != "none" else "link"
+        self.ramp = draw.choice([0, 0, 0.1, 0.5]) if self.command == "run" else 0
+        self.victim = "guard" if self.board in ("openmpd", "autd3", "sonicsurface") and draw.random() < 0.2 else "loop"
+        self.early = draw.random() < 0.25
+        self.delay = draw.choice([draw.uniform(0, 0.05), draw.uniform(0, 0.6), draw.uniform(0, 2)])
+        if self.victim == "guard":
+            self.signals = [draw.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP])]
+        else:
+            usual = [signal.SIGKILL] * 4 + [signal.SIGSTOP] * 3 + [signal.SIGTERM, signal.SIGINT] * 2 + [signal.SIGXFSZ, signal.SIGPIPE, signal.SIGTSTP]
+            others = [number for number in range(1, signal.NSIG)]
+            self.signals = [draw.choice(usual + [draw.choice(others)] * 5) for _ in range(draw.choice([1, 1, 1, 2]))]
+        if self.early:  # the system stops no process whose terminal has gone
+            self.signals = [signal.SIGTERM if number == signal.SIGTSTP else number for number in self.signals]
+        self.gap = draw.choice([0, 0.01, 0.3])
+        self.clock, self.faults, self.open, self.events = Clock(), [], [], []
+        self.emulator = self.loop = self.trace = None
+        self.mark = f"PALPA_KILL_CASE={os.getpid()}-{folder}".encode()
+        self.environment = dict(os.environ, PALPA_KILL_CASE=f"{os.getpid()}-{folder}", XDG_RUNTIME_DIR=str(folder), PALPA_CACHE="off")
+        folder.mkdir()
+
+    # ---- beginning ----
+    def start_board(self):
+        """Starts the emulator; the link to it."""
+        if self.board == "file":
+            return f"record:{self.folder}/drives.bin"
+        if self.board == "pipe":
+            os.mkfifo(self.folder / "drives")
+            if self.random.random() < 0.8:  # else nobody opens it, which is an error
+                self.open.append(os.open(self.folder / "drives", os.O_RDONLY | os.O_NONBLOCK))
+            return f"record:{self.folder}/drives"
+        more = ["--port", "0"] if self.board == "autd3" else []
+        with open(self.folder / "emulator.err", "wb") as err:
+            self.emulator = subprocess.Popen([self.programs["palpa"], "emulate", self.board, *more, "--trace", self.folder / "wire.jsonl",
+                                              "--json", self.folder / "board.json"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=err,
+                                             cwd=self.folder, env=dict(self.environment, PALPA_KILL_CASE="emulator"), start_new_session=True)
+        address = self.emulator.stdout.readline().decode().strip()
+        if not address:
+            raise RuntimeError(f"the emulator does not start: {(self.folder / 'emulator.err').read_text()}")
+        self.trace = Trace(self.board, self.folder / "wire.jsonl")
+        return "openmpd:EMU1" if self.board == "openmpd" else f"{self.board}:{address}"
+
+    def pipe(self, room):
+        """A pipe that nobody reads, with room for a while or for nothing."""
+        read, write = os.pipe()
+        self.open += [read, write]
+        fcntl.fcntl(write, fcntl.F_SETPIPE_SZ, 4096)
+        return write if room else filled_pipe(read, write)[1]
+
+    def start_loop(self, link):
+        draw, folder = self.random, self.folder
+        layout = ["--layout", self.board if self.trace else "openmpd", "--link", link]
+        out = err = None
+        if self.command == "link":
+            arguments = ["link", "test", *layout, "--each", draw.choice(["30ms", "100s"])]
+        else:
+            arguments = ["run", *layout, "--backend", "cpu", "--scene", str(ROOT / "assets/cube.glb"), "--source", "synthetic",
+                         "--rig", str(self.programs["rig"]), "--hold", draw.choice(["100ms", "500ms", "2s"]), "--ramp", f"{self.ramp}s"]
+            if self.board == "sonicsurface":
+                arguments += ["--method", "single-focus"]
+            arguments += draw.choice([[], ["--every-frame"]]) + draw.choice([[], ["--noise-free"]])
+        before = []
+        if self.trouble == "stderr":
+            err = self.pipe(room=True)
+            arguments += ["--log-level", "debug"]
+        elif self.trouble == "json":
+            out = self.pipe(room=False)
+            arguments += ["--json", "-"]
+        elif self.trouble == "events":
+            os.mkfifo(folder / "events")
+            read = os.open(folder / "events", os.O_RDONLY | os.O_NONBLOCK)
+            write = os.open(folder / "events", os.O_WRONLY)
+            self.open += filled_pipe(read, write)
+            arguments += ["--events", str(folder / "events"), "--event-move", "0"]
+        elif self.trouble.startswith("full") and self.namespace:
+            (folder / "disk").mkdir()
+            place = f"{folder}/disk/" + self.trouble.split()[1]
+            arguments += ["--" + self.trouble.split()[1], place] + (["--event-move", "0"] if "events" in self.trouble else [])
+            mount = f"mount -t tmpfs -o size={draw.choice([4, 64, 256])}k none {shlex.quote(str(folder / 'disk'))} && exec \"$@\""
+            before = [*self.namespace, "sh", "-c", mount, "sh"]
+        elif self.trouble == "small files":
+            arguments += draw.choice([["--record", f"{folder}/take"], ["--events", f"{folder}/events", "--event-move", "0"]])
+        size = draw.choice([100000, 300000, 1000000]) if self.trouble == "small files" else None
+
+        def limits():
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+            signal.pthread_sigmask(signal.SIG_SETMASK, [])
+            if size is not None:
+                resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+        self.line = [*before, str(self.programs["palpa"]), *arguments]
+        with open(folder / "stderr", "wb") as err_file, open(folder / "stdout", "wb") as out_file:
+            self.loop = subprocess.Popen(self.line, stdin=subprocess.DEVNULL, stdout=out or out_file, stderr=err or err_file, cwd=folder,
+                                         env=self.environment, preexec_fn=limits, start_new_session=True)
+
+    # ---- what happens ----
+    def ended(self):
+        return self.loop.poll() is not None
+
+    def sounds(self):
+        if self.trace:
+            return self.trace.look()
+        return False if self.board == "pipe" else self.drives().strip(b"\0") != b""
+
+    def silent(self):
+        return not self.sounds()
+
+    def moment(self):
+        return "its start" if self.early else "the first sound"
+
+    def guards(self):
+        return [pid for pid, name in processes(self.mark).items() if name == "palpa-guard"]
+
+    def send(self, pids, number):
+        """Whether there was anybody to get it."""
+        sent = False
+        for pid in pids:
+            try:
+                os.kill(pid, number)
+                sent = True
+            except ProcessLookupError:
+                pass
+        self.events.append(f"{name_of_signal(number)} to {self.victim}")
+        return sent
+
+    def expect_silence(self, seconds, why):
+        if self.trace and self.clock.until(self.silent, seconds) is None:
+            self.faults.append(f"the board still sounds {seconds} s and a margin after {why}")
+
+    def expect_end(self, seconds, why):
+        took = self.clock.until(self.ended, seconds)
+        if took is None:
+            self.faults.append(f"the loop does not end within {seconds} s and a margin after {why}")
+            self.loop.kill()
+            self.loop.wait()
+        return took
+
+    def run(self):
+        self.start_loop(self.start_board())
+        if not self.early and self.board != "pipe":
+            self.clock.until(lambda: self.ended() or self.sounds(), 4)
+        begin = time.monotonic()
+        while time.monotonic() - begin < self.delay and not self.ended():
+            self.clock.sleep(0.003)
+            self.sounds()
+        killed_guard = False
+        for number in self.signals:
+            if self.ended():
+                break
+            guards = self.guards() if self.victim == "guard" else []
+            if self.victim == "guard" and guards:
+                self.send(guards[:1], number)
+                killed_guard = True
+                why = f"{name_of_signal(number)} to its guard"
+                self.expect_silence(GUARD_LOST_S + SILENT_S, why)
+                opening = self.early and number == signal.SIGSTOP
+                self.expect_end((OPENED_S if opening else GUARD_LOST_S) + ENDED_S, why)
+                break
+            self.victim = "loop"
+            self.send([self.loop.pid], number)
+            self.clock.sleep(self.gap)
+            if number in STOPS:
+                self.expect_silence(SILENT_S, "SIGSTOP")
+                self.send([self.loop.pid], signal.SIGCONT)
+        last = self.signals[-1]
+        if not self.ended() and self.victim == "loop":
+            if all(number in NOTHING or number in STOPS for number in self.signals):
+                self.clock.sleep(0.02)
+                self.send([self.loop.pid], signal.SIGTERM)
+                last = signal.SIGTERM
+            why = name_of_signal(last)
+            self.expect_silence(SILENT_S + self.ramp, why)
+            self.expect_end(ENDED_S, why)
+        elif not self.ended():
+            self.send([self.loop.pid], signal.SIGTERM)
+        self.expect_silence(SILENT_S, "the loop's end")
+        self.after(killed_guard)
+
+    def drives(self):
+        """The last drive of a record: file."""
+        try:
+            with open(self.folder / "drives.bin", "rb") as file:
+                size = 8 + 8 * DRIVES_HEAD.unpack(file.read(DRIVES_HEAD.size))[2]
+                whole = (os.fstat(file.fileno()).st_size - DRIVES_HEAD.size) // size
+                file.seek(DRIVES_HEAD.size + max(0, whole - 1) * size + 8)
+                return file.read(size - 8)
+        except (FileNotFoundError, struct.error):
+            return b""
+
+    # ---- the end ----
+    def after(self, killed_guard):
+        if self.clock.until(lambda: not processes(self.mark), ENDED_S + SILENT_S) is None:
+            left = processes(self.mark)
+            self.faults.append(f"processes are left: {left}")
+            for pid in left:
+                os.kill(pid, signal.SIGKILL)
+        code = self.loop.returncode
+        sent = set(self.signals) | {signal.SIGTERM}
+        if code < 0 and -code not in sent:
+            self.faults.append(f"the loop ends with {name_of_end(code)}, which nobody sent")
+        if code > 4:
+            self.faults.append(f"the loop ends with {code}")
+        if code >= 0 and self.trouble != "stderr":
+            faults = faults_of_messages((self.folder / "stderr").read_bytes(), code)
+            # A program that something keeps after a signal has 50 ms for its line, which a busy machine may not give it.
+            self.faults += [fault for fault in faults if not (self.events and fault.endswith("without an error line"))]
+        if code >= 0 and self.board == "file" and self.drives().strip(b"\0"):
+            self.faults.append("the last drive of its file is not silence")
+        if self.emulator:
+            self.clock.sleep(0.05)
+            self.sounds()
+            self.emulator.send_signal(signal.SIGTERM)
+            try:
+                self.emulator.wait(20)
+            except subprocess.TimeoutExpired:
+                self.faults.append("the emulator does not end")
+                return
+            report = json.loads((self.folder / "board.json").read_text())
+            told = report.get("boards", [report])
+            if self.sounds():
+                self.faults.append("by its wire the board sounds at the end")
+            if self.trace.board.told and any(board["sounds"] for board in told):
+                self.faults.append("by its emulator the board sounds at the end")
+            wrong = sum(board["violation_count"] for board in told)
+            if wrong and not killed_guard:
+                self.faults.append(f"{wrong} violations: {(self.folder / 'emulator.err').read_text()[:300]}")
+
+    def close(self):
+        for process in (self.loop, self.emulator):
+            if process and process.poll() is None:
+                process.kill()
+                process.wait()
+        if self.emulator:
+            self.emulator.stdout.close()
+        for descriptor in self.open:
+            os.close(descriptor)
+
+
+def namespace_command():
+    """What runs a command where it may mount a file system of its own; None where that is not allowed."""
+    for command in (["unshare", "--mount"], ["unshare", "--map-root-user", "--mount"]):
+        try:
+            done = subprocess.run([*command, "sh", "-c", "mount -t tmpfs -o size=64k none /mnt"], capture_output=True, timeout=20)
+            if done.returncode == 0:
+                return command
+        except (OSError, subprocess.TimeoutExpired):
+            continue
+    return None
+
+
+def small_rig(folder):
+    """The paper's cameras with a quarter of their pixels to a side."""
+    rig = (ROOT / "assets/rigs/paper.toml").read_text()
+    for number, small in {"848": "212", "480": "120", "640.0": "160.0", "423.5": "105.5", "239.5": "59.5"}.items():
+        rig = re.sub(rf"= {re.escape(number)}$", f"= {small}", rig, flags=re.M)
+    rig = rig[:rig.index("[array]")]
+    (folder / "rig.toml").write_text(rig)
+    return folder / "rig.toml"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seconds", type=float, default=60)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
+    parser.add_argument("--only", type=int, help="one case, whose files are kept")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() + 1)
+    chosen = parser.parse_args()
+    os.environ.setdefault("PALPA_ASSETS", str(ROOT / "assets"))
+    begin, work = time.monotonic(), pathlib.Path(tempfile.mkdtemp(prefix="pk-"))  # short: sockets' names may have 107 bytes
+    programs, namespace = {"palpa": chosen.bin.resolve() / "palpa", "rig": small_rig(work)}, namespace_command()
+    if namespace is None:
+        print("kill: no file system may be mounted here: full disks are left out")
+
+    def run(number):
+        folder = work / str(number)
+        case = Case(number, chosen.seed, folder, programs, namespace)
+        try:
+            case.run()
+        finally:
+            case.close()
+        if case.faults or chosen.only is not None:
+            err = (folder / "stderr").read_bytes()[-500:]
+            print("\n".join([f"case {number}: {shlex.join(case.line)}", f"  {case.board}, trouble: {case.trouble}, {case.delay:.3f} s after {case.moment()}; {', '.join(case.events)}",
+                             *(f"  {fault}" for fault in case.faults), f"  {name_of_end(case.loop.returncode)}, stderr: {repr(err)[2:-1]}",
+                             f"  again: tests/house/kill.py --seed {chosen.seed} --only {number} --bin {chosen.bin}"]), flush=True)
+        else:
+            shutil.rmtree(folder)
+        return bool(case.faults), bool(case.trace and case.trace.board.told)
+
+    if chosen.only is not None:
+        found, _ = run(chosen.only)
+        print(f"its files are in {work}")
+        return int(found)
+    found = heard = number = 0
+    with concurrent.futures.ThreadPoolExecutor(chosen.jobs) as executor:
+        running = set()
+        while running or time.monotonic() - begin < chosen.seconds:
+            while time.monotonic() - begin < chosen.seconds and len(running) < chosen.jobs:
+                running.add(executor.submit(run, number))
+                number += 1
+            done, running = concurrent.futures.wait(running, return_when=concurrent.futures.FIRST_COMPLETED)
+            for future in done:
+                bad, told = future.result()
+                found += bad
+                heard += told
+    print(f"kill: seed {chosen.seed}, {number} cases, in {heard} a board was played to; {found} found something" +
+          (f", files in {work}" if found else ""))
+    if not found:
+        shutil.rmtree(work)
+    return int(found > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

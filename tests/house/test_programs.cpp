@@ -1,0 +1,159 @@
+// The programs as files: where they look for libraries, and what protects them from faults in memory. Normally those of
+// the build; those in the folders of PALPA_PROGRAMS, with colons between, where that is set (tests/package).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "cli/process.hpp"
+#include "house/elf_file.hpp"
+#include "house/small_body.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Arguments = std::vector<std::string>;
+
+std::vector<fs::path> folders() {
+  const char* const given = std::getenv("PALPA_PROGRAMS");
+  std::vector<fs::path> all;
+  std::istringstream stream(given ? given : PALPA_BUILT_PROGRAMS);
+  for (std::string folder; std::getline(stream, folder, ':');)
+    all.emplace_back(folder);
+  return all;
+}
+
+/// All programs and libraries in the folders.
+std::map<fs::path, ElfFile> files() {
+  std::map<fs::path, ElfFile> found;
+  for (const fs::path& folder : folders()) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (!entry.is_regular_file()) continue;
+      if (const auto elf = read_elf(entry.path())) found.emplace(entry.path(), *elf);
+    }
+  }
+  return found;
+}
+
+/// A test is built with less: nobody gives it bytes of strangers.
+bool of_users(const fs::path& file) {
+  static const std::set<std::string> names{"palpa",      "palpa-guard", "palpa-viewer", "join_pictures", "make_bunny",
+                                           "make_dense", "make_finger", "make_hand",    "make_objects"};
+  return names.contains(file.filename());
+}
+
+bool installed(const fs::path& file) {
+  return file.filename().string().starts_with("palpa");
+}
+
+bool imports(const ElfFile& elf, const std::string& part) {
+  return std::any_of(elf.imported.begin(), elf.imported.end(),
+                     [&](const std::string& name) { return name.find(part) != std::string::npos; });
+}
+
+TEST(Programs, AreThere) {
+  const auto found = files();
+  for (const char* name : {"palpa", "palpa-guard"}) {
+    EXPECT_TRUE(std::any_of(found.begin(), found.end(), [&](const auto& f) { return f.first.filename() == name; }))
+        << name;
+  }
+}
+
+// The system's loader knows where libraries are. An empty entry, which CMake leaves behind, is the current folder.
+TEST(Programs, NameNoFolderOfLibraries) {
+  for (const auto& [file, elf] : files())
+    EXPECT_FALSE(elf.search.has_value()) << file << " looks for libraries in '" << *elf.search << "'";
+}
+
+// What makes a fault in memory end a program instead of serving whoever caused it.
+TEST(Programs, AreLinkedSoThatNothingCanBeTurnedOver) {
+  for (const auto& [file, elf] : files()) {
+    EXPECT_TRUE(elf.position_independent) << file;
+    EXPECT_TRUE(elf.read_only_after_relocation) << file;
+    EXPECT_EQ(elf.executable_stack, false) << file;
+    if (of_users(file)) {
+      EXPECT_TRUE(elf.binds_at_start) << file;
+    }
+  }
+}
+
+TEST(Programs, CheckTheirStackTheirBuffersAndTheirIndices) {
+  for (const auto& [file, elf] : files()) {
+    if (!of_users(file)) continue;
+    EXPECT_TRUE(imports(elf, "__stack_chk_fail")) << file << " has no stack protector";
+    EXPECT_TRUE(imports(elf, "glibcxx_assert_fail")) << file << " is built without _GLIBCXX_ASSERTIONS";
+    if (!installed(file)) continue;
+    const auto fortified = [](const std::string& name) { return name.starts_with("__") && name.ends_with("_chk"); };
+    EXPECT_TRUE(std::any_of(elf.imported.begin(), elf.imported.end(), fortified)) << file << " is not fortified";
+#ifdef __x86_64__
+    // sub $4096,%rsp; orq $0,(%rsp): a large frame of a function is touched page by page.
+    const std::string probe("\x48\x81\xec\x00\x10\x00\x00\x48\x83\x0c\x24\x00", 12);
+    EXPECT_TRUE(elf.code.find(probe) != std::string::npos) << file << " does not probe its stack";
+#endif
+  }
+}
+
+/// What is started, and the exit code that it has with its own libraries.
+struct Start {
+  Arguments arguments;
+  int exit_code = 0;
+};
+
+std::vector<Start> starts(const std::string& name, const std::string& body) {
+  if (name == "palpa") {
+    return {
+        {{"--version"}}, {{"doctor", "--quiet"}}, {{"scatter", "--mesh", body, "--plane-wave", "0,0,1", "--csv", "-"}}};
+  }
+  if (name == "palpa-viewer") return {{{"--version"}}};
+  if (name == "palpa-guard") return {{{}, 1}};
+  return {{{}, 2}};  // one line about how it is used
+}
+
+/// In a folder; a shell goes there first.
+Result run_in(const fs::path& folder, const fs::path& program, const Arguments& arguments) {
+  return run_program("/bin/sh", with({"-c", "cd \"$0\" && exec \"$@\"", folder, program}, arguments),
+                     {.environment = {where_assets_are(), {"PALPA_CACHE", "off"}}});
+}
+
+// Whoever unpacks an archive and starts palpa beside it must not run what was in it.
+TEST(Programs, LoadNothingFromTheCurrentFolder) {
+  const auto found = files();
+  // Those that are opened by name while a program runs, and whatever the others need.
+  std::set<std::string> names{"libvulkan.so.1",   "libopenblas.so.0", "libvulkan_lvp.so", "libudev.so.1",
+                              "libgfortran.so.5", "libGLX.so.0",      "libX11.so.6",      "libwayland-client.so.0"};
+  for (const auto& [file, elf] : found)
+    names.insert(elf.needed.begin(), elf.needed.end());
+  std::size_t started = 0;
+  const fs::path folder = scratch_folder("decoys");
+  const std::string body = write_small_body(folder);
+  const fs::path mark = folder / "a-decoy-was-loaded";
+  for (const std::string& name : names)
+    fs::copy_file(PALPA_DECOY, folder / name);
+  // The trap works: a program that asks for the current folder gets a decoy, and cannot start with it.
+  const Result trapped =
+      run_program("/bin/sh", {"-c", "cd \"$0\" && LD_LIBRARY_PATH=. exec \"$1\" --version", folder, palpa_binary()});
+  ASSERT_TRUE(fs::remove(mark) || trapped.exit_code != 0);
+
+  for (const auto& [file, elf] : found) {
+    if (!elf.program || !of_users(file)) continue;
+    for (const Start& start : starts(file.filename(), body)) {
+      const Result result = run_in(folder, file, start.arguments);
+      const std::string what = file.string() + (start.arguments.empty() ? "" : " " + start.arguments.front());
+      EXPECT_EQ(result.exit_code, start.exit_code) << what << ": " << result.err.substr(0, result.err.find('\n'));
+      EXPECT_FALSE(fs::remove(mark)) << what << " loads a library from the current folder";
+      ++started;
+    }
+  }
+  EXPECT_GE(started, 4u);
+}
+
+}  // namespace
+}  // namespace palpa::test
