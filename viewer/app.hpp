@@ -85,6 +85,8 @@ class App {
   void tell_monitors(std::vector<std::string> names);
   void participant_window_failed(const std::string& fault);
   void try_participant(bool open);
+  /// "save as": the objects as they stand now, and the run goes on with that file. Says what is wrong with it.
+  void save_scene(const std::string& file, double now_s);
   /// How long that took, for those who want to know.
   void drew(double seconds) { desk_.picture_ms = seconds * 1e3; }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/outputs.hpp"
 #include "geometry/gltf_write.hpp"
 #include "viewer/app.hpp"
 #include "viewer/live/live_picture.hpp"
@@ -91,14 +92,19 @@ void App::do_placing(double now_s) {
   if (std::exchange(placed.undo, false)) placing_.undo();
   if (std::exchange(placed.restore, false)) placing_.restore();
   place();
-  if (!std::exchange(placed.save, false) || !scene_) return;
+  if (std::exchange(placed.save, false)) save_scene(placed.file, now_s);
+}
+
+void App::save_scene(const std::string& file, double now_s) {
+  if (!scene_) return;
   try {
-    geometry::write_glb(placed.file, meshes_of(*scene_, placing_.poses()));
+    const Outputs outputs({{"save as", file}});
+    geometry::write_glb(file, meshes_of(*scene_, placing_.poses()));
   } catch (const Error& error) {
     return say(log::Level::error, error.what(), now_s);
   }
-  say(log::Level::info, placed.file + ": is the scene now", now_s);
-  desk_.given["--scene"] = {placed.file};
+  say(log::Level::info, file + ": is the scene now", now_s);
+  desk_.given["--scene"] = {file};
   desk_.given.erase("--gltf-scene");
   // What was moved is in the file now: the run that begins with it moves nothing, be it the same file as before.
   placed_scene_.clear();

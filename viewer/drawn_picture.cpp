@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <map>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "viewer/detail.hpp"
@@ -20,6 +22,24 @@ shader::vec4 pack(const Colour& c, float w) {
 }
 
 constexpr float unbounded = 1e6f;
+
+/// So many surfaces in exactly the same place look as any more of them do: what another layer of a solid's colour
+/// changes is less than a picture's colours can tell apart, but for a few pixels at the rims of lines.
+constexpr std::uint32_t enough_layers = 128;
+
+struct BySurface {
+  bool operator()(const SurfaceMark* a, const SurfaceMark* b) const {
+    const auto order = [](const SurfaceMark& s) {
+      return std::tuple(s.mesh.triangles.size(), s.mesh.positions.size(), s.part);
+    };
+    if (order(*a) != order(*b)) return order(*a) < order(*b);
+    const auto compare = [](const auto& left, const auto& right) {
+      return left.empty() ? 0 : std::memcmp(left.data(), right.data(), left.size() * sizeof(left[0]));
+    };
+    const int positions = compare(a->mesh.positions, b->mesh.positions);
+    return positions != 0 ? positions < 0 : compare(a->mesh.triangles, b->mesh.triangles) < 0;
+  }
+};
 
 }  // namespace
 
@@ -71,10 +91,13 @@ void DrawnPicture::update(const Picture& picture, const ViewState& state) {
   solids_.clear();
   picture_.solids.clear();
   const std::vector<Vec3> ways = apart(picture.solids);
+  std::map<const SurfaceMark*, std::uint32_t, BySurface> layers;
   for (std::size_t i = 0; i < picture.solids.size(); ++i) {
     const SurfaceMark& solid = picture.solids[i];
-    solids_.push_back(add_surface(solid));
-    solids_.back().away = ways[i];
+    if (!solid.colours.empty() || ++layers[&solid] <= enough_layers) {
+      solids_.push_back(add_surface(solid));
+      solids_.back().away = ways[i];
+    }
     picture_.solids.push_back({solid.name, {}, solid.part});
   }
   end_surfaces(solids_memory_, "solids", "solids' corners");

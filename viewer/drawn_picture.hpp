@@ -76,8 +76,8 @@ class DrawnPicture {
   const gpu::Device* device_;
   Picture picture_;  ///< without what is on the device
   ViewState state_;
-  Box everything_;  ///< where there are no solids
-  std::vector<SurfaceItems> solids_;
+  Box everything_;                    ///< where there are no solids
+  std::vector<SurfaceItems> solids_;  ///< of very many in one place only as many as are to be seen
   SurfaceItems skin_;
   bool skin_has_colours_ = false;
   Box points_box_;

@@ -134,10 +134,11 @@ class Parser {
       if (file.empty()) throw line.wrong("shot needs a file");
       add(Interaction::Kind::shot).file = std::move(file);
     } else {
+      // Where nothing was understood before, it may be any file, of which nothing is to be shown.
       throw line.wrong(
-          fmt::format("'{}' is none of move, press, release, click, drag, scroll, key, type, drop, resize, "
+          fmt::format("{} is none of move, press, release, click, drag, scroll, key, type, drop, resize, "
                       "draw, wait and shot",
-                      printable(verb, 40)));
+                      out_.empty() ? "the first word" : "'" + printable(verb, 40) + "'"));
     }
     line.end();
   }

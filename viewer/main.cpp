@@ -6,11 +6,13 @@
 #include <CLI/Formatter.hpp>
 
 #include "base/output_file.hpp"
+#include "base/reference.hpp"
 #include "driver/guard/board_link.hpp"
 #include "driver/sources.hpp"
 #include "setup/parse.hpp"
 #include "setup/program.hpp"
 #include "viewer/run.hpp"
+#include "viewer/settings.hpp"
 #include "viewer/viewer_options.hpp"
 
 namespace palpa::viewer {
@@ -49,8 +51,10 @@ void parse_and_run(int argc, char** argv) {
     return;
   }
   setup::apply_logging(options.common);
+  allow_outside_references(options.common.allow_outside);
   options.given = setup::given_on(app);
   check(options);
+  if (const auto settings = settings_file(); options.headless && settings) warn_of_settings(*settings);
   const LiveSession::Kinds kinds{.sources = driver::camera_sources(), .links = driver::board_links()};
   if (!options.headless) {
     run_window(options, kinds);

@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "gpu/check.hpp"
+#include "shaders/view_scene.h"
 #include "viewer/detail.hpp"
 #include "viewer/field_marks.hpp"
 #include "viewer/overlay.hpp"
@@ -44,6 +45,7 @@ VkFormat pick_depth_format(const gpu::Device& device) {
 VkSampleCountFlagBits pick_samples(const gpu::Device& device) {
   const auto& limits = device.limits();
   const auto both = limits.framebufferColorSampleCounts & limits.framebufferDepthSampleCounts;
+  static_assert(VK_SAMPLE_COUNT_4_BIT == shader::view_samples);
   return both & VK_SAMPLE_COUNT_4_BIT ? VK_SAMPLE_COUNT_4_BIT : VK_SAMPLE_COUNT_1_BIT;
 }
 

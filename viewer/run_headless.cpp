@@ -9,14 +9,13 @@
 #include "viewer/report.hpp"
 #include "viewer/run.hpp"
 #include "viewer/sound/heat.hpp"
+#include "viewer/viewer_files.hpp"
 
 namespace palpa::viewer {
 
 void run_headless(const ViewerOptions& options) {
-  const Outputs outputs({{"--json", options.common.json},
-                         {"--screenshot", options.screenshot},
-                         {"--video", options.video, Output::Kind::folder}});
-  refuse_output_as_input(std::filesystem::path(options.reference));
+  const Outputs outputs(outputs_of(options, Script(options), {}));
+  refuse_outputs_as_inputs(options);
   std::optional<Participant> participant;
   if (options.participant) participant = participant_of(options);
   Show show(options);

@@ -1,7 +1,9 @@
 #include <chrono>
 #include <memory>
+#include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "base/error.hpp"
 #include "setup/touch_run.hpp"
@@ -13,6 +15,7 @@
 #include "viewer/run.hpp"
 #include "viewer/script.hpp"
 #include "viewer/stopper.hpp"
+#include "viewer/viewer_files.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -76,16 +79,34 @@ void draw_frames(App& app, Stage& stage, std::uint32_t frames, const std::functi
   }
 }
 
+/// Pictures for files. While anything is loaded, on whatever thread, a file may turn out to be one that is read: they
+/// are written when it is there.
+class Shots {
+ public:
+  void take(const std::string& file, Pixels pixels) { waiting_.emplace_back(file, std::move(pixels)); }
+  void write(const App& app) {
+    if (app.beginning()) return;
+    for (const auto& [file, pixels] : waiting_)
+      write_png(file, pixels);
+    waiting_.clear();
+  }
+
+ private:
+  std::vector<std::pair<std::string, Pixels>> waiting_;
+};
+
 void play(App& app, Stage& stage, Script script, const std::function<double()>& now) {
   bool behind = app.beginning();  // the last picture, what was asked for
+  Shots shots;
   while (script.busy() && !app.quitting()) {
     script.play(now(), [&](const Interaction& step) {
       if (step.kind == Interaction::Kind::event) app.handle(step.event, stage.size());
       if (step.kind == Interaction::Kind::resize) stage.resize({step.width, step.height});
-      if (step.kind == Interaction::Kind::shot) write_png(step.file, stage.pixels());
+      if (step.kind == Interaction::Kind::shot) shots.take(step.file, stage.pixels());
     });
     behind = app.beginning();
     app.advance(now(), stage.size());
+    shots.write(app);  // it is known now whether anything is loaded
     stage.draw(app, now());
     script.drew();
   }
@@ -94,6 +115,7 @@ void play(App& app, Stage& stage, Script script, const std::function<double()>& 
     app.advance(now(), stage.size());
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
+  shots.write(app);
   if (!behind || app.quitting()) return;
   app.advance(now(), stage.size());
   stage.draw(app, now());
@@ -102,13 +124,11 @@ void play(App& app, Stage& stage, Script script, const std::function<double()>& 
 }  // namespace
 
 void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
-  const Outputs outputs({{"--json", options.common.json},
-                         {"--screenshot", options.screenshot},
-                         {"--video", options.video, Output::Kind::folder}});
-  refuse_output_as_input(std::filesystem::path(options.reference));
+  Script script(options);
+  const Outputs outputs(outputs_of(options, script, kinds));
+  refuse_outputs_as_inputs(options);
   const Clock::time_point begin = Clock::now();
   const auto now = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
-  Script script(options);
   Stopper stopper(options);
   DrawingThreads threads;
   App app(options, picture_size(options),

@@ -18,6 +18,7 @@
 #include "viewer/script.hpp"
 #include "viewer/stopper.hpp"
 #include "viewer/swapchain.hpp"
+#include "viewer/viewer_files.hpp"
 #include "viewer/window.hpp"
 #include "viewer/window_surface.hpp"
 
@@ -80,7 +81,9 @@ Size pixels_of(const Window& window) {
 
 void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   const Size size = picture_size(options);
-  const Outputs outputs({{"--json", options.common.json}, {"--video", options.video, Output::Kind::folder}});
+  Script script(options);
+  const Outputs outputs(outputs_of(options, script, kinds));
+  refuse_outputs_as_inputs(options);
   Window window(size.width, size.height, "palpa");  // first: without a display nothing else is worth doing
   const Clock::time_point begin = Clock::now();
   const auto now = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
@@ -110,7 +113,6 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   DrawnPicture drawn(device);  // outlives the frames that draw it: the presenter's end waits for them
   Presenter presenter(device, surface.get());
   Filming filming(device, options.video);
-  Script script(options);
   app.tell_monitors(Window::monitors());
   std::optional<ParticipantWindow> participant;
   std::vector<WindowEvent> events;
@@ -164,7 +166,8 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     // What moves later is quick, and then nobody is to wait for a driver that compiles.
     if (pictures.ms.count() == 0 && wanted == FinePictures::automatic && presenter.slow())
       presenter.expect(Fineness::quick);
-    const bool shown = presenter.draw(drawn, frame.views, ratio, frame.sheet, fineness, pause);
+    const bool shown =
+        presenter.draw({pixels.width, pixels.height}, drawn, frame.views, ratio, frame.sheet, fineness, pause);
     const double waited_s = pause ? pieces.end() : 0;
     last_drawn_s = now();
     const double took_s = last_drawn_s - started_s - waited_s;

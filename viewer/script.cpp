@@ -1,5 +1,7 @@
 #include "viewer/script.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 #include "base/error.hpp"
@@ -13,6 +15,16 @@ Script::Script(const ViewerOptions& options) {
   if (shot != steps_.end() && !options.headless)
     throw bad_usage("--interact: " + options.interact + ":" + std::to_string(shot->line) +
                     ": shot goes with --headless");
+}
+
+std::vector<Output> Script::outputs() const {
+  std::vector<Output> outputs;
+  for (const Interaction& step : steps_) {
+    if (step.kind != Interaction::Kind::shot) continue;
+    if (std::ranges::find(outputs, step.file, &Output::target) != outputs.end()) continue;
+    outputs.push_back({fmt::format("shot in line {} of --interact", step.line), step.file});
+  }
+  return outputs;
 }
 
 void Script::play(double now_s, const std::function<void(const Interaction&)>& act) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/outputs.hpp"
 #include "viewer/interact.hpp"
 #include "viewer/viewer_options.hpp"
 
@@ -17,6 +18,9 @@ class Script {
   /// Of --interact; without it there is nothing to play. Throws bad_input, bad_usage for a shot in a window.
   explicit Script(const ViewerOptions& options);
   explicit Script(std::vector<Interaction> steps) : steps_(std::move(steps)) {}
+
+  /// What its shots write, each file once.
+  std::vector<Output> outputs() const;
 
   bool busy() const { return next_ < steps_.size() || pictures_ > 0 || until_s_; }
   /// Gives `act` events, sizes and shots until pictures are to be drawn or time is to pass.

@@ -6,6 +6,8 @@
 #include <system_error>
 
 #include "base/error.hpp"
+#include "base/file_register.hpp"
+#include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "base/toml.hpp"
 
@@ -24,8 +26,9 @@ std::optional<std::filesystem::path> settings_file() {
 
 Settings load_settings(const std::filesystem::path& file) {
   Settings settings;
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) return settings;
+  file_register::add_own(file);
+  std::error_code fault;
+  if (!std::filesystem::exists(file, fault) && !fault) return settings;
   TomlTable table = TomlTable::load(file, "the viewer's settings", {.bytes = 1U << 16, .items = 1000});
   settings.dark = table.flag_or("dark", settings.dark);
   settings.panels = table.flag_or("panels", settings.panels);
@@ -52,6 +55,14 @@ Settings load_settings(const std::filesystem::path& file) {
   return settings;
 }
 
+void warn_of_settings(const std::filesystem::path& file) {
+  try {
+    load_settings(file);
+  } catch (const Error& error) {
+    log::warning(fmt::format("{}; a picture without a window does not use it", error.what()));
+  }
+}
+
 void save_settings(const std::filesystem::path& file, const Settings& settings) {
   std::error_code fault;
   std::filesystem::create_directories(file.parent_path(), fault);
@@ -64,6 +75,7 @@ void save_settings(const std::filesystem::path& file, const Settings& settings) 
     const LayerState& state = settings.layers[entry.value];
     text += fmt::format("[layers.{}]\nvisible = {}\nopacity = {}\n", entry.word, state.visible, state.opacity);
   }
+  file_register::add_own(file);
   OutputFile out(file);
   out.write(text);
   out.finish();

@@ -24,6 +24,8 @@ std::optional<std::filesystem::path> settings_file();
 
 /// What the file says; the usual where there is none. Throws bad_input naming file and fault.
 Settings load_settings(const std::filesystem::path& file);
+/// One warning where load_settings() would throw: for pictures without a window, which look the same for everybody.
+void warn_of_settings(const std::filesystem::path& file);
 /// Writes it anew, with the folders it lies in; readers see the old file or the new one. Throws failure().
 void save_settings(const std::filesystem::path& file, const Settings& settings);
 

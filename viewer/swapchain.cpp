@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "gpu/check.hpp"
+#include "gpu/patience.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -78,14 +79,10 @@ void Presenter::finish() {
 }
 
 void Presenter::wait(std::span<const VkFence> fences) {
-  const VkResult result =
-      vkWaitForFences(device_->get(), static_cast<std::uint32_t>(fences.size()), fences.data(), VK_TRUE, patience_ns);
-  if (result == VK_TIMEOUT) {
-    device_->lose();
-    gpu::device_abandoned = true;
-    throw failure(fmt::format("{}: no answer within {} s", device_->description().name, patience_s));
-  }
-  PALPA_VK(result);
+  PALPA_VK(gpu::wait_patiently(*device_, patience_s, [&](std::uint64_t nanoseconds) {
+    return vkWaitForFences(device_->get(), static_cast<std::uint32_t>(fences.size()), fences.data(), VK_TRUE,
+                           nanoseconds);
+  }));
 }
 
 bool Presenter::rebuild(std::uint32_t width, std::uint32_t height) {
@@ -166,9 +163,8 @@ void Presenter::submit(Flight& flight, VkSemaphore acquired, VkSemaphore drawn) 
   PALPA_VK(device_->lost() ? VK_ERROR_DEVICE_LOST : vkQueueSubmit(device_->queue(), 1, &info, fence));
 }
 
-bool Presenter::draw(DrawnPicture& drawn, std::span<const View> views, double ratio, const Sheet* sheet,
-                     Fineness fineness, const std::function<void()>& pause) {
-  const auto [width, height] = views.front().area.extent;
+bool Presenter::draw(VkExtent2D window, DrawnPicture& drawn, std::span<const View> views, double ratio,
+                     const Sheet* sheet, Fineness fineness, const std::function<void()>& pause) {
   const auto record = [&](VkCommandBuffer commands, Flight& flight, const Image& image, const NextPiece& next) {
     const Target target{image.image, image.view.get()};
     if (const std::optional<Fineness> first = std::exchange(expected_, {}))
@@ -179,7 +175,7 @@ bool Presenter::draw(DrawnPicture& drawn, std::span<const View> views, double ra
     flight.time.mark(commands, "picture");
     gpu::transition(commands, image.image, format_.format, gpu::image_use::colour_target, gpu::image_use::presented);
   };
-  return show(width, height, record, pause);
+  return show(window.width, window.height, record, pause);
 }
 
 Canvas& Presenter::canvas(Flight& flight, Fineness fineness) {

@@ -24,12 +24,12 @@ class Presenter {
   Presenter(const Presenter&) = delete;
   Presenter& operator=(const Presenter&) = delete;
 
-  /// Draws and presents one frame; the first view says how large the window is, making the swapchain anew where the
-  /// window has changed. False where nothing could be shown: the window has no area, or it changed again meanwhile;
-  /// draw once more later. With `pause` it is drawn piece by piece, and that called before each, and before it is
-  /// presented.
-  bool draw(DrawnPicture& drawn, std::span<const View> views, double ratio, const Sheet* sheet = nullptr,
-            Fineness fineness = Fineness::fine, const std::function<void()>& pause = {});
+  /// Draws and presents one frame in a window of that size, and makes a new swapchain where the window has changed. On
+  /// Wayland a window is as large as what is shown in it, so `window` is all of it, not what panels leave. False where
+  /// nothing could be shown: the window has no area, or it changed again meanwhile; draw once more later. With `pause`
+  /// it is drawn piece by piece, and that called before each, and before it is presented.
+  bool draw(VkExtent2D window, DrawnPicture& drawn, std::span<const View> views, double ratio,
+            const Sheet* sheet = nullptr, Fineness fineness = Fineness::fine, const std::function<void()>& pause = {});
 
   /// The next picture is drawn with that fineness first, unseen: what a driver makes for that is there from then on.
   void expect(Fineness fineness) { expected_ = fineness; }

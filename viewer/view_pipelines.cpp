@@ -31,7 +31,7 @@ ViewPipelines make_view_pipelines(const gpu::Device& device, VkFormat colour, Vk
   made.image = {device, "view image", spirv::view_image_vert, spirv::view_image_frag, layout};
   layout.buffers = shader::view_buffers;
   layout.blend = samples == VK_SAMPLE_COUNT_1_BIT;
-  layout.alpha_to_coverage = !layout.blend;
+  layout.writes_alpha = layout.blend;
   made.disc = {device, "view disc", spirv::view_disc_vert, spirv::view_disc_frag, layout};
   made.sheets = SheetPainter(device, colour, depth, samples);
   return made;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <glm/geometric.hpp>
+#include <initializer_list>
 
 #include "base/error.hpp"
 #include "sensing/rig.hpp"
@@ -85,6 +86,7 @@ std::string names_of_layers(bool visible) {
 
 void add_options(CLI::App& app, ViewerOptions& o) {
   setup::add_touch_input(app, o.input);
+  setup::add_allow_outside(setup::Group(app, "What touches what"), o.common);
   setup::add_touch_options(app, o.touch);
   setup::add_felt_options(app, o.felt);
   const setup::Group array(app, "Array");
@@ -115,7 +117,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
               "how far apart the convex parts of solids are drawn, 1: by their solid's size");
   what.choice("--slice", o.slice_plane, setup::plane_words,
               "show the sound field of the slot in a plane, normally xz: its axes in the world");
-  what.text("--slice-at", o.slice_at, "X,Y,Z", "the plane's centre [the touch's]");
+  what.point("--slice-at", o.slice_at, "the plane's centre [the touch's]");
   what.quantity("--slice-size", o.slice_size_m, Quantity::length, setup::positive(10), "of the plane's sides");
   what.flag("--dark", o.dark, "dark background");
   what.choice("--fine", o.fine, fine_words,
@@ -125,8 +127,8 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   const setup::Group where(app, "View");
   where.text("--view", o.view, "FROM",
              "front, right, top, iso, or camera: through the first camera of --depth; camera:NAME: through that one");
-  where.text("--eye", o.eye, "X,Y,Z", "in place of --view: the eye, looking at --target");
-  where.text("--target", o.target, "X,Y,Z", "what --eye looks at [0,0,0]");
+  where.point("--eye", o.eye, "in place of --view: the eye, looking at --target");
+  where.point("--target", o.target, "what --eye looks at [0,0,0]");
   where.choice("--frame", o.frame, {{"touch", Extent::touch}, {"objects", Extent::objects}, {"all", Extent::all}},
                "what fills the picture, normally all where an array is drawn, else objects");
   where.flag("--ortho", o.orthographic, "parallel projection");
@@ -164,6 +166,67 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   how.number("--threshold", o.threshold, {0, 1}, "NUMBER",
              "mean difference from --reference above which the exit code is 1 [0.02]");
 }
+
+namespace {
+
+/// Throws bad_usage for the first of these that is given; `reason` follows its name.
+void refuse_given(const ViewerOptions& o, std::initializer_list<const char*> names, const std::string& reason) {
+  for (const char* name : names) {
+    if (o.given.contains(name)) throw bad_usage(fmt::format("{} {}", name, reason));
+  }
+}
+
+/// The same of all options under one of the headings.
+void refuse_headings(const ViewerOptions& o, std::initializer_list<std::string_view> headings,
+                     const std::string& reason) {
+  for (const setup::OptionInfo& info : live_table()) {
+    const bool among = std::ranges::find(headings, info.heading) != headings.end();
+    if (among && o.given.contains(info.name)) throw bad_usage(fmt::format("{} {}", info.name, reason));
+  }
+}
+
+/// Options without an effect in a single picture, which nobody can change afterwards.
+void refuse_idle_in_picture(const ViewerOptions& o) {
+  const Layers layers = first_state(o).layers;
+  if (!layers.shows(Layer::slice)) refuse_given(o, {"--slice-size"}, "goes with --slice or --slice-at");
+  if (!o.eye.empty()) refuse_given(o, {"--frame"}, "goes with --view: --eye says what fills the picture");
+  if (o.participant) {
+    refuse_given(o, {"--view", "--frame", "--ortho"},
+                 "says where the picture is looked at from: a participant looks through the screen");
+    if (o.stereo == Stereo::none) refuse_given(o, {"--eyes-apart"}, "goes with --stereo");
+  } else {
+    refuse_given(o, {"--eyes-apart"}, "goes with --participant");
+  }
+  if (!o.participant || (o.stereo != Stereo::columns && o.stereo != Stereo::rows))
+    refuse_given(o, {"--barrier-pitch", "--barrier-gap", "--barrier-phase"}, "goes with --stereo columns or rows");
+  if (!has_skin(o)) {
+    refuse_headings(o, {"Touch"}, "goes with --points or --depth: nothing is touched without");
+    refuse_given(o, {"--tune-shortest", "--tune-longest"}, "goes with --points or --depth");
+  }
+  if (o.input.scene.empty()) {
+    refuse_headings(o, {"Solids"}, "goes with --scene");
+    refuse_given(o, {"--gltf-scene"}, "goes with --scene");
+  }
+  if (o.layout.empty() && o.input.rig.empty())
+    refuse_headings(o, {"Drives", "Air and tone"}, "goes with --layout or --rig: it is how an array is driven");
+}
+
+void refuse_idle(const ViewerOptions& o) {
+  if (o.headless) refuse_given(o, {"--no-panels"}, "goes with a window: leave it or --headless out");
+  if (!o.headless) refuse_given(o, {"--panels"}, "goes with --headless: a window has panels");
+  if (!o.eye.empty()) refuse_given(o, {"--view"}, "and --eye both say where from: give one of them");
+  if (o.is_live()) {
+    refuse_given(o, {"--camera"}, "goes with --depth: --source has the cameras of --rig");
+    refuse_given(o, {"--tune-shortest", "--tune-longest"},
+                 "goes with --points or --depth: while running, --tune chooses strides alone");
+  } else if (o.headless && o.interact.empty()) {
+    refuse_given(o, {"--panels"}, "goes with --source or --interact where there is no window");
+    refuse_idle_in_picture(o);
+  }
+  if (!o.is_live() && !o.input.points.empty()) setup::refuse_finger_width(o.touch, "--depth or --source");
+}
+
+}  // namespace
 
 void check(const ViewerOptions& o) {
   if (o.input.scene.empty() && o.layout.empty()) {
@@ -217,7 +280,8 @@ void check(const ViewerOptions& o) {
   if (!o.is_live()) {
     for (const setup::OptionInfo& info : live_table()) {
       const bool ours = info.heading == "What to run" || info.heading == "From frame to frame";
-      if (ours && info.name != "--scene" && info.name != "--gltf-scene" && o.given.contains(info.name))
+      const bool of_scene = info.name == "--scene" || info.name == "--gltf-scene" || info.name == "--allow-outside";
+      if (ours && !of_scene && o.given.contains(info.name))
         throw bad_usage(info.name + " goes with --source: it is of a live run");
     }
   }
@@ -234,6 +298,7 @@ void check(const ViewerOptions& o) {
   }
   if (o.threshold && o.reference.empty()) throw bad_usage("--threshold goes with --reference");
   setup::drive_options(o.drive);
+  refuse_idle(o);
 }
 
 Size picture_size(const ViewerOptions& o) {

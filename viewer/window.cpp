@@ -5,6 +5,7 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <string>
 
 #include "base/error.hpp"
@@ -20,6 +21,23 @@ std::string last_fault() {
   glfwGetError(&fault);
   std::string text = fault ? fault : "no reason given";
   return text.substr(0, text.find('\n'));
+}
+
+#ifdef GLFW_PLATFORM
+bool given(const char* variable) {
+  const char* const value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+#endif
+
+/// GLFW 3.4 tries Wayland first, and libwayland complains on stderr where the environment names no compositor. X11 is
+/// then the only display that there can be.
+bool start_glfw() {
+#ifdef GLFW_PLATFORM
+  const bool wayland = given("WAYLAND_SOCKET") || (given("WAYLAND_DISPLAY") && given("XDG_RUNTIME_DIR"));
+  if (!wayland && glfwPlatformSupported(GLFW_PLATFORM_X11)) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
+  return glfwInit() == GLFW_TRUE;
 }
 
 Key key_named(int key) {
@@ -115,7 +133,7 @@ struct Window::State {
 };
 
 Window::Window(std::uint32_t width, std::uint32_t height, const char* title) : state_(std::make_unique<State>()) {
-  if (!glfwInit()) throw Error(Exit::no_device, fmt::format("no display ({}): {}", last_fault(), advice));
+  if (!start_glfw()) throw Error(Exit::no_device, fmt::format("no display ({}): {}", last_fault(), advice));
   ++State::open;
   const auto refuse = [](const std::string& fault) {
     State::close();

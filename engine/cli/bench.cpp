@@ -37,6 +37,7 @@ void add_options(CLI::App& app, BenchCommand& o) {
                "touch: points to foci; surface: solids of many faces; array: drives; acoustics: what they sound like; "
                "loop: depth frames to drives; links: drives to the wire, on the host");
   group.text("--scene", o.scene, "FILE", "glTF model that the surface suite measures, too");
+  add_allow_outside(group, o.common);
   group.integer("--runs", o.runs, 3, 100'000, "timed runs of each case, after a warm-up");
   group.text("--csv", o.csv, "FILE|-", "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver");
 }
@@ -83,8 +84,11 @@ std::string table(const std::vector<bench::Row>& rows, const gpu::DeviceDescript
 
 void run(const BenchCommand& o, const Extensions& extensions) {
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
+  refuse_output_as_input(o.scene);  // it is read late
   if (o.common.backend == setup::Backend::cpu)
     throw bad_usage("bench measures the GPU's passes; --backend cpu has none");
+  if (!o.scene.empty() && o.suite != Suite::all && o.suite != Suite::surface)
+    throw bad_usage("--scene goes with --suite surface, or all");
   const gpu::Device device(setup::device_options(o.common));
   std::vector<bench::Row> rows;
   std::unique_ptr<setup::Progress> bar;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <numbers>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "cli/commands.hpp"
 #include "geometry/gltf_write.hpp"
 #include "geometry/stl.hpp"
+#include "sensing/target.hpp"
 #include "session/sources.hpp"
 #include "setup/calibration.hpp"
 #include "setup/frames.hpp"
@@ -38,14 +40,15 @@ void add_options(CLI::App& app, CalibrateCommand& o) {
   target.text("--target", o.target, "FILE",
               "write the model, .stl for a printer (millimetres, as it lies) or .glb for a viewer (the world, on "
               "its mount), and do no more");
-  target.text("--at", o.at, "X,Y,Z",
-              "where the middle of the target's underside is, in the array's frame [its mount on the layout]");
+  target.point("--at", o.at,
+               "where the middle of the target's underside is, in the array's frame [its mount on the layout]");
   target.number("--turn", o.turn_deg, {-360, 360}, "DEGREES",
                 "of the target about its own z, from above counter-clockwise");
   const setup::Group frames(app, "What is seen, and where it goes");
   frames.text("--source", o.source, "SOURCE",
               "synthetic[:MESH] (a rehearsal), recording:DIR, v4l2:/dev/videoN[,...], realsense:SERIAL[,...] or "
               "bag:FILE [a rehearsal]");
+  add_allow_outside(frames, o.common);
   frames.integer("--frames", o.frames, 0, std::uint64_t{1} << 62,
                  "how many are taken together, 0: 30; with --nudge when to stop, 0: never");
   frames.flag("--noise-free", o.noise_free, "synthetic frames without the sensor's noise");
@@ -71,6 +74,15 @@ void write_target(const CalibrateCommand& o) {
     throw bad_usage("--target " + o.target + ": give a file that ends in .stl or .glb");
   if (!o.out.empty() || o.nudge)
     throw bad_usage("--target writes the model and does no more: leave --out and --nudge out");
+  refuse_nudge_options(o);
+  if (!o.source.empty() || o.frames != 0 || o.noise_free || !o.common.json.empty()) {
+    throw bad_usage(
+        "--target writes the model and does no more: leave --source, --frames, --noise-free and --json out");
+  }
+  if (kind == ".stl" && (!o.at.empty() || o.turn_deg != 0))
+    throw bad_usage(
+        "--at and --turn place a model in the world, as .glb has it: a printer's .stl lies as it is printed");
+  setup::refuse_gpu_options(o.common, "palpa calibrate --target uses no GPU");
   const Outputs outputs({{"--target", o.target}});
   const setup::PlacedLayout placed = setup::load_placed_layout(o.rig);
   geometry::Mesh mesh = sensing::make_target(setup::target_mount(placed.layout).holes);
@@ -102,6 +114,8 @@ std::string to_json(const std::vector<setup::CalibratedCamera>& cameras, std::ui
     json.begin_object(JsonWriter::Style::line).member("name", camera.name).member("points", fit.points);
     json.member("rms_m", fit.rms_m).member("p95_m", fit.p95_m).member("hold", fit.hold);
     json.member("agreement", camera.found.agreement);
+    json.member("scale", camera.found.scale).key("scale_deviation");
+    std::isfinite(camera.found.scale_deviation) ? json.value(camera.found.scale_deviation) : json.null();
     json.member("deviation_m", fit.deviation_m).member("deviation_rad", fit.deviation_rad);
     json.member("moved_m", camera.moved_m).member("turned_rad", camera.turned_rad);
     pose("T_world_camera", camera.T_world_camera);
@@ -109,6 +123,18 @@ std::string to_json(const std::vector<setup::CalibratedCamera>& cameras, std::ui
   }
   json.end_array().end_object();
   return json.take();
+}
+
+/// A target or a camera of another scale puts the camera elsewhere with small distances all the same.
+void warn_of_scale(const setup::CalibratedCamera& camera, double depth_unit_m) {
+  const sensing::FoundTarget& found = camera.found;
+  if (!sensing::scale_is_off(found)) return;
+  log::warning(fmt::format(
+      "camera \"{}\": it sees the target {:.1f} % {} than it is, {:.1f} mm across the plate; the print or the camera's "
+      "measure is off, which look alike: measure the plate, which has 130.0 mm; if it is right, the camera needs "
+      "another depth_unit_m (such as {:.4g}) or a calibration of its own; the pose is off by millimetres until then",
+      camera.name, 100 * std::abs(found.scale - 1), found.scale > 1 ? "larger" : "smaller",
+      1e3 * std::abs(found.scale - 1) * 2 * sensing::TargetSize::plate_half, depth_unit_m / found.scale));
 }
 
 std::string summary(const CalibrateCommand& o, const std::vector<setup::CalibratedCamera>& cameras) {
@@ -130,6 +156,7 @@ void find_poses(const Extensions& extensions, const CalibrateCommand& o) {
   if (o.noise_free && !from.starts_with("synthetic")) throw bad_usage("--noise-free goes with --source synthetic");
   if (!o.out.empty() && o.source.empty())
     throw bad_usage("--out needs --source: a rehearsal finds the poses that the rig says already");
+  setup::refuse_gpu_options(o.common, "palpa calibrate computes on the processor, but for --nudge");
   const Outputs outputs({{"--json", o.common.json}, {"--out", o.out}});
   setup::PosedRig posed = setup::load_posed_rig(o.rig);
   const Transform T_world_target = pose_of_target(o, setup::load_placed_layout(o.rig));
@@ -155,6 +182,7 @@ void find_poses(const Extensions& extensions, const CalibrateCommand& o) {
       setup::calibrate_cameras(posed.rig.cameras, source->cameras(), seen, T_world_target, posed.rig.file);
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     posed.rig.cameras[i].T_world_camera = cameras[i].T_world_camera;
+    warn_of_scale(cameras[i], source->cameras()[i].depth_unit_m);
     if (const double rms_m = cameras[i].found.fit.rms_m; rms_m > usual_rms_m) {
       log::warning(
           fmt::format("camera \"{}\": its points lie {:.1f} mm from the target, rms: was it printed in "

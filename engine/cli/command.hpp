@@ -28,6 +28,8 @@ struct Extensions {
   std::vector<session::LinkKind> links{};
   std::vector<session::SourceKind> sources{};
   std::vector<std::function<void(Program&)>> commands{};  ///< each adds one, as the engine's own do; after these
+  /// The depth cameras that are plugged in, for `palpa doctor --write-rig`. Never throws for what the machine lacks.
+  std::function<CamerasThere()> cameras{};
   /// Rows of `palpa bench`'s suite "links", of that many timed runs.
   std::vector<std::function<void(std::uint32_t runs, std::vector<bench::Row>& rows)>> benches{};
 };

@@ -41,6 +41,7 @@ void add_options(CLI::App& app, DecomposeCommand& o) {
   const setup::Group group(app, "What to take apart");
   group.text("--scene", o.scene, "FILE", "glTF model; each of its meshes that can be touched becomes parts");
   group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000, "scene of the file (default: the file's own)");
+  add_allow_outside(group, o.common);
   group.text("--out", o.out, "FILE.glb|-", "the parts as glTF, which touch, run and palpa-viewer read as --scene");
   const setup::Group how(app, "How");
   how.integer("--parts", o.decompose.parts, 1, geometry::most_parts, "convex parts per solid, at most");
@@ -161,6 +162,7 @@ void run(const DecomposeCommand& given) {
   DecomposeCommand o = given;
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model");
   if (o.out.empty()) throw bad_usage("--out is missing: give a file such as parts.glb");
+  setup::refuse_gpu_options(o.common, "palpa decompose computes on the processor");
   o.decompose.error_percent = o.error_percent.value_or(o.decompose.error_percent);
   const Outputs outputs({{"--json", o.common.json}, {"--out", o.out}});
   std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);

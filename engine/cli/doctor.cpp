@@ -6,25 +6,37 @@
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
+#include "cli/doctor_rig.hpp"
 #include "gpu/device.hpp"
+#include "gpu/software.hpp"
+#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
 
 struct DoctorOptions {
   setup::CommonOptions common;
+  std::string write_rig, source;
 };
 
-constexpr const char* driver_advice =
-    "install a Vulkan driver: apt-get install mesa-vulkan-drivers (it includes a CPU one)";
+void add_options(CLI::App& app, DoctorOptions& o) {
+  const setup::Group group(app, "Cameras");
+  group.text("--write-rig", o.write_rig, "FILE",
+             "write a rig with the depth cameras that are plugged in, to be calibrated; poses are left open");
+  group.text("--source", o.source, "SOURCE", "with --write-rig: recording:DIR or bag:FILE, the cameras of that");
+}
+
+std::string driver_advice() {
+  return gpu::driver_advice("install a Vulkan driver: apt-get install mesa-vulkan-drivers (it includes a CPU one)");
+}
 
 DoctorSection look_at_gpus() {
   DoctorSection section{"gpus", "GPUs", {}, {}};
   for (const gpu::DeviceDescription& device : gpu::list_devices()) {
     DoctorItem item;
     item.title = fmt::format("{} {}", device.index, device.name);
-    item.ok = device.unusable.empty();
-    item.advice = device.unusable;
+    item.advice = device.unusable.empty() ? gpu::lacking_room(device) : device.unusable;
+    item.ok = item.advice.empty();
     item.facts = {{"index", std::int64_t{device.index}},
                   {"name", device.name},
                   {"driver", device.driver},
@@ -32,7 +44,7 @@ DoctorSection look_at_gpus() {
                   {"usable", item.ok}};
     section.items.push_back(std::move(item));
   }
-  if (section.items.empty()) section.note = fmt::format("none found: {}", driver_advice);
+  if (section.items.empty()) section.note = fmt::format("none found: {}", driver_advice());
   return section;
 }
 
@@ -99,10 +111,22 @@ std::string to_json(const std::vector<DoctorSection>& sections, bool ok) {
   return json.take();
 }
 
-void run_doctor(const DoctorOptions& options, const std::vector<DoctorProbe>& probes) {
-  const Outputs outputs({{"--json", options.common.json}});
+/// Says what it has written.
+std::string write_rig(const DoctorOptions& options, const Extensions& extensions) {
+  const CamerasThere there = cameras_there(extensions, options.source);
+  write_file(options.write_rig, rig_of(there, options.write_rig));
+  return fmt::format("{}: {} camera{} of --source {}; palpa calibrate finds out where {}\n", options.write_rig,
+                     there.cameras.size(), there.cameras.size() == 1 ? "" : "s", there.source,
+                     there.cameras.size() == 1 ? "it is" : "they are");
+}
+
+void run_doctor(const DoctorOptions& options, const Extensions& extensions) {
+  if (options.write_rig.empty() && !options.source.empty()) throw bad_usage("--source goes with --write-rig");
+  setup::refuse_gpu_options(options.common, "palpa doctor looks at every GPU");
+  const Outputs outputs({{"--json", options.common.json}, {"--write-rig", options.write_rig}});
+  const std::string written = options.write_rig.empty() ? std::string() : write_rig(options, extensions);
   std::vector<DoctorSection> sections{look_at_gpus(), look_at_validation()};
-  for (const DoctorProbe& probe : probes)
+  for (const DoctorProbe& probe : extensions.doctor)
     sections.push_back(probe());
   const bool ok = usable_gpu(sections.front());
 
@@ -111,10 +135,11 @@ void run_doctor(const DoctorOptions& options, const std::vector<DoctorProbe>& pr
     std::string text;
     for (const DoctorSection& section : sections)
       append_text(text, section);
+    text += written;
     text += ok ? "palpa can run here.\n" : "palpa can only compute on the CPU here (--backend cpu).\n";
     write_file("-", text);
   }
-  if (!ok) throw Error(Exit::no_device, fmt::format("no usable Vulkan device: {}", driver_advice));
+  if (!ok) throw Error(Exit::no_device, fmt::format("no usable Vulkan device: {}", driver_advice()));
 }
 
 }  // namespace
@@ -123,10 +148,9 @@ void add_doctor(Program& program) {
   add_subcommand<DoctorOptions>(
       program,
       {"doctor", "what works on this machine, and what to do about the rest",
-       "  palpa doctor\n  palpa doctor --json -\n"
+       "  palpa doctor\n  palpa doctor --json -\n  palpa doctor --write-rig rig.toml\n"
        "Exit code 0 when there is a GPU that palpa can use (the CPU driver of Mesa counts), else 3."},
-      [](CLI::App&, DoctorOptions&) {},
-      [&program](const DoctorOptions& options) { run_doctor(options, program.extensions.doctor); });
+      add_options, [&program](const DoctorOptions& options) { run_doctor(options, program.extensions); });
 }
 
 }  // namespace palpa::cli

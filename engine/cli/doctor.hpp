@@ -9,6 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include "sensing/camera.hpp"
+
 namespace palpa::cli {
 
 using Fact = std::variant<std::string, std::int64_t, bool>;
@@ -26,6 +28,19 @@ struct DoctorSection {
   std::string heading;  ///< for people: "Boards"
   std::vector<DoctorItem> items;
   std::string note;  ///< what is to be said besides, e.g. why nothing was found; may be empty
+};
+
+/// A depth camera, as a rig can have it. Its pose is not known.
+struct CameraThere {
+  sensing::Camera camera;
+  std::string note;  ///< one line: which it is, and how much of it is known
+};
+
+/// Depth cameras in the order in which a source names them.
+struct CamerasThere {
+  std::string source;  ///< as on the command line: "v4l2:/dev/video0,/dev/video4"
+  std::vector<CameraThere> cameras;
+  std::string problem;  ///< what could not be opened; may be empty
 };
 
 /// Never throws for what the machine lacks: that is what the section's note is for.

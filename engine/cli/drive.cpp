@@ -68,6 +68,7 @@ void add_options(CLI::App& app, DriveCommand& o) {
   group.text("--rig", o.rig, "FILE", "where the array stands for that touch [where --layout stands by default]");
   group.text("--mesh", o.mesh, "FILE",
              "with --transfer finger: that finger, a closed PLY or glTF mesh in the layout's frame");
+  add_allow_outside(group, o.common);
   group.flag("--force", o.force, "focus on a finger that is too coarse for the wavelength, too");
   group.text("--csv", o.csv, "FILE|-", "index,x,y,z,nx,ny,nz,amplitude,phase of every transducer");
   setup::add_drive_options(app, o.drive, setup::FingerMesh::known);

@@ -73,6 +73,7 @@ std::string summary(const session::ReplayStats& stats) {
 }
 
 void check_export(const ExportCommand& o, const Extensions& extensions) {
+  if (o.hold_auto) throw bad_usage("--hold auto goes with palpa run: what is exported is never late");
   check(o);
   if (o.foci.empty() && o.events.empty() && o.drives.empty())
     throw bad_usage("nothing to export: give --foci, --events or --drives");

@@ -22,6 +22,7 @@
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/log.hpp"
+#include "base/memory.hpp"
 #include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
@@ -82,6 +83,7 @@ void check(const FieldCommand& o) {
   }
   if (!o.png.empty() && o.place.given() && !o.place.plane)
     throw bad_usage("--png draws a plane: give --plane, or take --csv or --vtu");
+  setup::refuse_idle_air(o.air);
 }
 
 struct Sound {
@@ -178,6 +180,8 @@ geometry::VtuCells cells_of(const setup::Places& places) {
 
 void write_vtu(const std::string& file, const Field& field) {
   std::vector<float> re, im, amplitude, phase;
+  for (std::vector<float>* values : {&re, &im, &amplitude, &phase})
+    reserve_large(*values, field.pressures.size());
   for (const std::complex<double>& p : field.pressures) {
     re.push_back(static_cast<float>(p.real()));
     im.push_back(static_cast<float>(p.imag()));
@@ -206,7 +210,9 @@ std::string title_of(const FieldCommand& o, const array::Layout& layout, const S
 /// Above the pressure to which linear acoustics holds, colours say no more than what is how large beside the largest.
 void draw_png(const FieldCommand& o, const std::string& title, const acoustics::Air& air, const Field& field) {
   const setup::Grid& grid = *field.places.grid;
-  std::vector<double> sizes(field.pressures.size());
+  std::vector<double> sizes;
+  reserve_large(sizes, field.pressures.size());
+  sizes.resize(field.pressures.size());
   std::ranges::transform(field.pressures, sizes.begin(), [](const std::complex<double>& p) { return std::abs(p); });
   const std::string_view letters = word_of(setup::plane_words, grid.plane);
   const auto axis = [](char letter) { return letter - 'x'; };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -42,7 +41,8 @@ void add_options(CLI::App& app, LinkCommand& o) {
   group.text("what", o.what, "test",
              "test: one transducer after the other, so that one sees, hears or measures which is which");
   group.text("--link", o.link, "LINK", "as of palpa run");
-  group.text("--layout", o.layout, "NAME|FILE", "autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
+  group.text("--layout", o.layout, "NAME|FILE",
+             "autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML [that of the link's own board]");
   group.text("--board-files", o.board_files, "DIR", "with the boards' own files: how their transducers differ");
   constexpr std::uint32_t most = array::max_transducers - 1;
   group.integer("--first", o.first, 0, most, "transducer, in layout order");
@@ -95,17 +95,23 @@ class Sweep {
 void run(const Extensions& extensions, const LinkCommand& o) {
   if (o.what != "test") throw bad_usage("palpa link test: there is nothing else to try out");
   if (o.link.empty()) throw bad_usage("--link: which one? as of palpa run, such as null or a board");
-  if (o.layout.empty()) throw bad_usage("--layout: which array is it? such as openmpd");
-  const array::Layout own = array::load_layout(o.layout);
+  setup::refuse_gpu_options(o.common, "palpa link uses no GPU");
+  std::vector<session::LinkKind> links = session::builtin_links();
+  links.insert(links.end(), extensions.links.begin(), extensions.links.end());
+  std::string layout_name = o.layout;
+  if (layout_name.empty()) {
+    layout_name = session::layout_of_link(o.link, links);
+    if (layout_name.empty()) throw bad_usage("--layout: which array is it? such as openmpd");
+    log::info(fmt::format("--link {}: the array is its own, --layout {}", o.link, layout_name));
+  }
+  const array::Layout own = array::load_layout(layout_name);
   const array::Layout layout = array::transformed(own, own.default_T_world_layout);
   const auto end = static_cast<std::uint32_t>(layout.transducers.size());
   const std::uint32_t last = o.last.value_or(end - 1);
   if (last >= end || o.first > last) {
     throw bad_usage(fmt::format("--first {} --last {}: the layout {} has the transducers 0 to {}", o.first, last,
-                                o.layout, end - 1));
+                                layout_name, end - 1));
   }
-  std::vector<session::LinkKind> links = session::builtin_links();
-  links.insert(links.end(), extensions.links.begin(), extensions.links.end());
   const Outputs outputs({{"--json", o.common.json}, {"--link", session::file_of_link(o.link, links)}});
   const bool tells = setup::shows_summary(o.common, outputs);
   const std::vector<std::string> nothing_solid;
@@ -122,8 +128,7 @@ void run(const Extensions& extensions, const LinkCommand& o) {
   for (std::uint32_t t = o.first; t <= last; ++t) {
     if (tells) {
       const Vec3& at = own.transducers[t].position;
-      fmt::print("{} at {:.1f}, {:.1f}, {:.1f} mm\n", t, 1e3 * at.x, 1e3 * at.y, 1e3 * at.z);
-      std::fflush(stdout);
+      write_file("-", fmt::format("{} at {:.1f}, {:.1f}, {:.1f} mm\n", t, 1e3 * at.x, 1e3 * at.y, 1e3 * at.z));
     }
     if (!sweep.hold(t, layout.transducers[t].position, static_cast<float>(o.amplitude), o.each_s)) break;
     ++played;

@@ -5,6 +5,7 @@
 #include <CLI/Formatter.hpp>
 
 #include "base/output_file.hpp"
+#include "base/reference.hpp"
 #include "cli/commands.hpp"
 #include "setup/parse.hpp"
 #include "setup/program.hpp"
@@ -55,6 +56,8 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
     return;
   }
   setup::apply_logging(*program.common);
+  allow_outside_references(program.common->allow_outside);
+  setup::check(*program.common);
   program.action();
 }
 

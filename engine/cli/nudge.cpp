@@ -19,6 +19,7 @@
 #include "base/json_writer.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "base/start_thread.hpp"
 #include "cli/calibrate.hpp"
 #include "session/threads.hpp"
 #include "setup/assets.hpp"
@@ -155,7 +156,7 @@ class Typing {
  public:
   explicit Typing(Hand& hand) : terminal_(no_terminal), hand_(&hand) {
     terminal_.forget();
-    thread_ = std::thread([this] { listen(); });
+    thread_ = start_thread("the keys", [this] { listen(); });
   }
   ~Typing() {
     ends_ = true;
@@ -279,6 +280,7 @@ void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   const Outputs outputs({{"--json", o.common.json},
                          {"--out", o.out},
                          {"--link", session::file_of_link(o.link, setup::with_builtin(extensions.links))}});
+  setup::take_layout_of_link(o.rig, o.link, setup::with_builtin(extensions.links));
   const setup::PosedRig posed = setup::load_posed_rig(o.rig);
   std::atomic<bool>& stop = setup::Interrupt::flag();
   Nudge nudge;

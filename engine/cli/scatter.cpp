@@ -41,7 +41,7 @@ struct ScatterCommand {
   std::string mesh;
   bool force = false;
   std::string plane_wave, point_source, layout, drive_file;
-  array::Directivity directivity = array::Directivity::t4010a1;
+  std::optional<array::Directivity> directivity;  ///< normally t4010a1
   setup::PlaceOptions place;
   std::string csv;
   setup::MediumOptions medium;
@@ -52,13 +52,14 @@ void add_options(CLI::App& app, ScatterCommand& o) {
   const setup::Group body(app, "What scatters");
   body.text("--mesh", o.mesh, "FILE", "the rigid body, a closed PLY or glTF mesh");
   body.flag("--force", o.force, "scatter by a mesh that is too coarse for the wavelength, or for the source, too");
+  add_allow_outside(body, o.common);
   const setup::Group sound(app, "What sounds");
-  sound.text("--plane-wave", o.plane_wave, "X,Y,Z",
-             "the plane wave that travels along it: 1 Pa, phase 0 at the origin");
-  sound.text("--point-source", o.point_source, "X,Y,Z", "e^{ikr}/r Pa, r metres from there");
+  sound.text("--plane-wave", o.plane_wave, "X,Y,Z", "the plane wave that travels along it: 1 Pa, phase 0 at the origin",
+             [](const std::string& text) { setup::parse_direction("--plane-wave", text); });
+  sound.point("--point-source", o.point_source, "e^{ikr}/r Pa, r metres from there");
   sound.text("--layout", o.layout, "NAME|FILE", "the array of --drive; the mesh is in its frame");
   sound.text("--drive", o.drive_file, "FILE", "the drive of that layout, as palpa drive --csv writes it");
-  sound.choice("--directivity", o.directivity, array::directivity_words, "of the array's transducers");
+  sound.choice("--directivity", o.directivity, array::directivity_words, "of the array's transducers [t4010a1]");
   setup::add_place_options(app, o.place);
   const setup::Group results(app, "Results");
   results.text("--csv", o.csv, "FILE|-",
@@ -76,17 +77,19 @@ void check(const ScatterCommand& o) {
                         : "--plane-wave, --point-source and --drive exclude each other: give one of them");
   }
   if (o.drive_file.empty() != o.layout.empty()) throw bad_usage("--layout and --drive go together: give both");
+  if (o.directivity && o.drive_file.empty())
+    throw bad_usage("--directivity goes with --drive: it is of an array's transducers");
+  setup::refuse_without_place(o.place);
+  setup::refuse_gpu_options(o.common, "palpa scatter computes on the processor");
 }
 
 /// The incident wave, whichever it is.
 class Wave {
  public:
   Wave(const ScatterCommand& o, const acoustics::Air& air, const geometry::Mesh& body)
-      : air_(air), directivity_(o.directivity) {
+      : air_(air), directivity_(o.directivity.value_or(array::Directivity::t4010a1)) {
     if (!o.plane_wave.empty()) {
-      const auto [x, y, z] = setup::parse_point("--plane-wave", o.plane_wave);
-      if (!(glm::length(Vec3(x, y, z)) > 0))
-        throw bad_usage("--plane-wave: 0,0,0 is no direction; give one such as 0,0,1");
+      const auto [x, y, z] = setup::parse_direction("--plane-wave", o.plane_wave);
       direction_ = glm::normalize(Vec3(x, y, z));
     } else if (!o.point_source.empty()) {
       const auto [x, y, z] = setup::parse_point("--point-source", o.point_source);

@@ -56,6 +56,7 @@ void add_options(CLI::App& app, SimulateCommand& o) {
   group.text("--scene", o.scene, "FILE", "glTF model: the solids, in world coordinates");
   group.integer("--gltf-scene", o.gltf_scene, 0, 1u << 30, "scene of that file, if not its default one");
   group.text("--finger", o.finger, "FILE", "the finger, a closed PLY or glTF mesh: tip at the origin, body along +y");
+  add_allow_outside(group, o.common);
   group.quantity("--penetration", o.penetration_m, Quantity::length, {-10, 10},
                  "how far below the solids' top the finger's lowest point is");
   group.choice("--skin", o.skin, skin_words,
@@ -94,7 +95,7 @@ setup::TouchInput seen_skin(const SimulateCommand& o, const setup::PosedRig& rig
                             double dy) {
   if (rig.rig.cameras.empty()) throw bad_input(rig.rig.file, "has no [[camera]]; --skin cameras is what they see");
   sensing::FrameSet seen;
-  const sensing::Posed posed{&finger, glm::translate(Transform(1.0), Vec3(0, dy, 0))};
+  const sensing::Posed posed{&finger, glm::translate(Transform(1.0), Vec3(0, dy, 0)), o.finger};
   sensing::SyntheticRig(rig.rig.cameras, array::board_mesh(rig.layout),
                         o.noise_free ? sensing::Noise::none : sensing::Noise::d415, o.common.seed)
       .render({&posed, 1}, 0, seen);
@@ -374,12 +375,17 @@ std::string summary(const Felt& felt) {
 void check(const SimulateCommand& o) {
   setup::check(o.touch);
   setup::check(o.in_time, o.touch);
-  if (o.noise_free && o.skin != Skin::cameras) throw bad_usage("--noise-free goes with --skin cameras");
+  if (o.skin != Skin::cameras) {
+    if (o.noise_free) throw bad_usage("--noise-free goes with --skin cameras");
+    setup::refuse_finger_width(o.touch, "--skin cameras");
+  }
   if (o.figure6) {
     if (!o.scene.empty() || !o.csv.empty() || !o.vtu.empty() || o.gltf_scene ||
         o.touch.method.method != touch::Method{})
       throw bad_usage(
           "--figure6 is the paper's objects by every method: --scene, --method, --csv and --vtu are of one touch");
+    if (o.solids.surface != geometry::SurfaceKind::mesh || o.solids.parts || o.solids.internal_faces)
+      throw bad_usage("--surface, --parts and --internal-faces go with --scene: --figure6 has the meshes themselves");
     return;
   }
   if (o.scene.empty()) throw bad_usage("--scene is missing: give the glTF model that is touched, or --figure6");

@@ -39,7 +39,9 @@ struct TouchCommand {
 
 void add_options(CLI::App& app, TouchCommand& o) {
   setup::add_touch_input(app, o.input);
-  setup::Group(app, "What touches what").text("--csv", o.csv, "FILE|-", "the contacts: index,x,y,z,depth,finger,solid");
+  const setup::Group group(app, "What touches what");
+  add_allow_outside(group, o.common);
+  group.text("--csv", o.csv, "FILE|-", "the contacts: index,x,y,z,depth,finger,solid");
   setup::add_touch_options(app, o.touch);
   setup::add_felt_options(app, o.felt);
   setup::add_array_options(app, o.array);
@@ -264,6 +266,7 @@ void run(const TouchCommand& o) {
   check(o.input);
   check(o.touch);
   check(o.felt, o.touch);
+  if (o.input.depths.empty()) setup::refuse_finger_width(o.touch, "--depth");
   check(o.array);
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   setup::Stopwatch whole, watch;

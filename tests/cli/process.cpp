@@ -106,6 +106,7 @@ Result run_program(const std::filesystem::path& program, const std::vector<std::
   };
   result.processor_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
   result.peak_mib = static_cast<double>(usage.ru_maxrss) / 1024;
+  result.page_faults = usage.ru_minflt;
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
   if (out[0] >= 0) close(out[0]);

@@ -25,6 +25,7 @@ struct Result {
   std::string out, err;
   double processor_s = 0;  ///< of all its threads
   double peak_mib = 0;     ///< resident memory
+  long page_faults = 0;    ///< pages of memory that it got
 
   /// The lines of stderr.
   std::vector<std::string> err_lines() const;

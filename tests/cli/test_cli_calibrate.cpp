@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -176,6 +177,25 @@ TEST_F(Calibrate, ATargetElsewhereIsToldWhere) {
   EXPECT_GT(glm::distance(Vec3(sensing::load_rig(file("found.toml")).cameras[0].T_world_camera[3]),
                           Vec3(truth.cameras[0].T_world_camera[3])),
             0.02);
+}
+
+TEST_F(Calibrate, WarnsOfATargetOrACameraOfAnotherScale) {
+  const Rig truth = rig_of_a_board();
+  const std::string rig = write("lost.toml", lost(truth));
+  const std::string large = record("large", truth, glm::scale(default_pose_of_target(truth), Vec3(1.03)), {}, 5);
+  const Result result =
+      palpa({"calibrate", "--rig", rig, "--source", large, "--json", file("large.json"), "--out", file("found.toml")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json cameras = json::parse(read_text(file("large.json")))["cameras"];
+  ASSERT_EQ(result.err_lines().size(), cameras.size()) << result.err;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const std::string line = result.err_lines()[i];
+    EXPECT_NEAR(cameras[i]["scale"], 1.03, 0.008) << cameras[i];
+    EXPECT_LT(cameras[i]["scale_deviation"], 0.005);
+    EXPECT_NE(line.find("camera \"" + truth.cameras[i].name + "\": it sees the target"), std::string::npos) << line;
+    EXPECT_NE(line.find("% larger than it is"), std::string::npos) << line;
+    EXPECT_NE(line.find("which look alike"), std::string::npos) << line;
+  }
 }
 
 TEST_F(Calibrate, ACameraThatDoesNotSeeTheTargetIsNamed) {

@@ -1,9 +1,17 @@
 // A subcommand that a room above the engine brings along, as palpa's own are made.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "base/error.hpp"
 #include "cli/commands.hpp"
+#include "sensing/rig.hpp"
 #include "setup/values.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
 
 namespace palpa::test {
 namespace {
@@ -66,6 +74,46 @@ TEST(CliCommands, OneFromAboveFailsAsPalpasOwnDo) {
   EXPECT_EQ(failed.code, static_cast<int>(Exit::failed));
   EXPECT_EQ(failed.err, "palpa: error: board dead: does not answer\n");
   EXPECT_TRUE(usage.pinged.empty() && range.pinged.empty() && failed.pinged.empty());
+}
+
+TEST(CliCommands, DoctorWritesARigForTheCamerasThatAreThere) {
+  const std::string file = (scratch_folder("doctor-rig") / "rig.toml").string();
+  cli::CamerasThere there{.source = "v4l2:/dev/video0,/dev/video4", .cameras = {}, .problem = "/dev/video6: busy"};
+  const auto doctor = [&](const std::vector<const char*>& words) {
+    cli::Extensions extensions;
+    extensions.cameras = [&] { return there; };
+    std::vector<const char*> argv{"palpa", "doctor", "--quiet"};
+    argv.insert(argv.end(), words.begin(), words.end());
+    testing::internal::CaptureStderr();
+    const int code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions);
+    return std::pair(code, testing::internal::GetCapturedStderr());
+  };
+  const auto [nobody, told] = doctor({"--write-rig", file.c_str()});
+  EXPECT_EQ(nobody, static_cast<int>(Exit::failed));
+  EXPECT_EQ(told, "palpa: error: --write-rig: no depth camera is plugged in that can be opened: /dev/video6: busy\n");
+  EXPECT_FALSE(std::filesystem::exists(file));
+  for (const char* name : {"A", "B"}) {
+    cli::CameraThere& camera = there.cameras.emplace_back();
+    camera.camera.name = name;
+    camera.camera.width = 640;
+    camera.camera.height = 480;
+    camera.camera.fx = camera.camera.fy = 500;
+    camera.camera.device.own_lens = true;
+    camera.note = "which it is";
+  }
+  EXPECT_EQ(doctor({"--write-rig", file.c_str()}).second, "");
+  const sensing::Rig rig = sensing::load_rig(file);
+  ASSERT_EQ(rig.cameras.size(), 2u);
+  EXPECT_EQ(rig.cameras[1].name, "B");
+  EXPECT_TRUE(rig.cameras[1].device.own_lens);
+  EXPECT_EQ(rig.cameras[1].T_world_camera, Transform(1.0));
+  const std::string text = read_text(file);
+  EXPECT_NE(text.find("palpa calibrate --rig " + file + " --layout LAYOUT --source v4l2:/dev/video0,/dev/video4"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("T_world_camera is not known yet"), std::string::npos);
+  EXPECT_EQ(doctor({"--source", "bag:x"}).first, static_cast<int>(Exit::usage));
+  EXPECT_EQ(doctor({"--write-rig", file.c_str(), "--source", "synthetic"}).first, static_cast<int>(Exit::usage));
 }
 
 TEST(CliCommands, OneFromAboveStandsInTheHelpBelowTheEngines) {

@@ -8,6 +8,7 @@
 
 #include "geometry/gltf_builder.hpp"
 #include "geometry/gltf_write.hpp"
+#include "geometry/hostile_models.hpp"
 #include "process.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
@@ -19,21 +20,34 @@ namespace {
 
 namespace fs = std::filesystem;
 using geometry::Mesh;
+using hostile::many_bones, hostile::needles, hostile::nested, hostile::rods;
 
 class Cost : public testing::Test {
  protected:
   fs::path folder_ = scratch_folder("cost");
 
   Result touch(const fs::path& scene) const {
+    return within_limit({"touch", "--scene", scene.string(), "--points", source_file("assets/finger.ply").string(),
+                         "--penetration", "3mm", "--backend", "cpu"},
+                        scene);
+  }
+  /// One frame of what the paper's cameras see of it.
+  Result rendered(const Mesh& mesh) const {
+    const geometry::SceneMesh scene{"it", mesh};
+    geometry::write_glb(folder_ / "model.glb", std::span(&scene, 1));
+    return within_limit(
+        {"run", "--scene", source_file("assets/cube.glb"), "--source", "synthetic:" + (folder_ / "model.glb").string(),
+         "--frames", "1", "--every-frame", "--backend", "cpu"},
+        folder_ / "model.glb");
+  }
+  Result within_limit(const std::vector<std::string>& line, const fs::path& file) const {
     RunOptions options;
     options.environment = {{"PALPA_CACHE", "off"}};
-    const Result result = palpa({"touch", "--scene", scene.string(), "--points",
-                                 source_file("assets/finger.ply").string(), "--penetration", "3mm", "--backend", "cpu"},
-                                options);
-    const double megabytes = static_cast<double>(fs::file_size(scene)) / 1e6;
-    // What it takes of the processors: how long one waits depends on who else is there. Sanitizers make all slower and
-    // fatter.
-    EXPECT_LT(result.processor_s, (instrumented() ? 45 : 5) * (1 + megabytes)) << result.err;
+    const Result result = palpa(line, options);
+    const double megabytes = static_cast<double>(fs::file_size(file)) / 1e6;
+    // What it takes of the processors: how long one waits depends on who else is there. On a busy machine it is up to
+    // twice of what docs/limits.md allows. Sanitizers make all slower and fatter.
+    EXPECT_LT(result.processor_s, (instrumented() ? 45 : 2) * (1 + megabytes)) << result.err;
     if (!instrumented()) {
       EXPECT_LT(result.peak_mib, 1e9 / (1 << 20)) << result.err;
     }
@@ -49,46 +63,6 @@ class Cost : public testing::Test {
     expect_failure(result, 4, part);
   }
 };
-
-/// Parallel rods along a diagonal of the axes: their boxes all overlap, they do not.
-Mesh rods(int count) {
-  const int per_side = static_cast<int>(std::ceil(std::sqrt(count)));
-  const Vec3 a = glm::normalize(Vec3(1, -1, 0)), b = glm::normalize(Vec3(1, 1, -2)), d = glm::normalize(Vec3(1, 1, 1));
-  Mesh all;
-  for (int i = 0; i < count; ++i) {
-    Mesh rod = box({0, 0, -1}, {0.15 / per_side, 0.15 / per_side, 1});
-    for (Vec3& p : rod.positions)
-      p = a * (p.x + 0.5 * (i % per_side) / per_side) + b * (p.y + 0.5 * (i / per_side) / per_side) + d * p.z;
-    geometry::append(all, rod);
-  }
-  return all;
-}
-
-/// Boxes within boxes, facing outwards and inwards in turn, or all outwards.
-Mesh nested(int count, bool in_turn) {
-  Mesh all;
-  for (int i = 0; i < count; ++i) {
-    const double half = 0.01 + 0.49 * i / (count - 1);
-    Mesh shell = box(Vec3(-half), Vec3(half));
-    if (in_turn && (count - 1 - i) % 2 == 1) geometry::flip(shell);
-    geometry::append(all, shell);
-  }
-  return all;
-}
-
-/// A fan of needles around one edge.
-Mesh needles(std::uint32_t count) {
-  Mesh fan;
-  for (std::uint32_t k = 0; k < count; ++k) {
-    const double at = (k + 1) * 1e-13;
-    fan.positions.emplace_back(k % 2 == 0 ? -1.0 : 1.0, at, at * (k % 3 + 1));
-    fan.triangles.emplace_back(k, (k + 1) % count, count);
-    fan.triangles.emplace_back((k + 1) % count, k, count + 1);
-  }
-  fan.positions.emplace_back(0, 0, 0);
-  fan.positions.emplace_back(0, 0, 1);
-  return fan;
-}
 
 TEST_F(Cost, OfRodsSideBySide) {
   EXPECT_EQ(touch(rods(500)).exit_code, 0);
@@ -116,31 +90,7 @@ TEST_F(Cost, OfManyNodesThatShowOneMesh) {
 }
 
 TEST_F(Cost, OfManyBones) {
-  GltfBuilder builder;
-  builder.add_mesh(box({0, 0, 0}, {0.1, 0.1, 0.1}));
-  constexpr int joints = 5000;
-  const auto accessor = [&](int view, int component, int count, const char* type) {
-    builder.doc["accessors"].push_back(
-        {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
-    return builder.doc["accessors"].size() - 1;
-  };
-  std::vector<float> weights, inverse;
-  for (int i = 0; i < 8; ++i)
-    weights.insert(weights.end(), {1, 0, 0, 0});
-  for (int i = 0; i < joints; ++i)
-    inverse.insert(inverse.end(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
-  auto& attributes = builder.doc["meshes"][0]["primitives"][0]["attributes"];
-  attributes["JOINTS_0"] = accessor(builder.add_view(std::vector<unsigned char>(32, 0)), 5121, 8, "VEC4");
-  attributes["WEIGHTS_0"] = accessor(builder.add_view(bytes_of(weights)), 5126, 8, "VEC4");
-  GltfBuilder::Json all = GltfBuilder::Json::array();
-  for (int i = 0; i < joints; ++i)
-    all.push_back(builder.add_node({{"name", "joint"}}));
-  builder.doc["skins"] = GltfBuilder::Json::array(
-      {{{"joints", all},
-        {"inverseBindMatrices", accessor(builder.add_view(bytes_of(inverse)), 5126, joints, "MAT4")}}});
-  for (int i = 0; i < joints; ++i)
-    builder.add_node({{"mesh", 0}, {"skin", 0}});
-  EXPECT_EQ(touch(builder.write_glb(folder_ / "model.glb")).exit_code, 0);
+  EXPECT_EQ(touch(many_bones(5000).write_glb(folder_ / "model.glb")).exit_code, 0);
 }
 
 TEST_F(Cost, OfPartsThatAllOverlap) {
@@ -167,6 +117,14 @@ TEST_F(Cost, OfAMillionTriangles) {
   for (Vec3& p : ball.positions)
     p *= 1 + 0.1 * std::sin(120 * p.x) * std::sin(130 * p.y);
   EXPECT_EQ(touch(ball).exit_code, 0);
+}
+
+TEST_F(Cost, OfWhatASyntheticSourceRenders) {
+  if (instrumented()) GTEST_SKIP() << "skipped: rays take too long here";
+  EXPECT_EQ(rendered(nested(4001, true)).exit_code, 0);
+  EXPECT_EQ(rendered(rods(8000)).exit_code, 0);
+  for (const std::uint32_t count : {5000u, 50'000u})
+    expect_failure(rendered(needles(count)), 4, "model.glb: camera \"front left\" sees so many of its triangles");
 }
 
 }  // namespace

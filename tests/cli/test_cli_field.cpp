@@ -13,6 +13,7 @@
 #include "process.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
+#include "support/instrumented.hpp"
 #include "support/json.hpp"
 #include "terminal.hpp"
 
@@ -180,6 +181,22 @@ TEST(Field, SaysWhatIsWrong) {
   };
   for (const auto& [arguments, code, part] : wrong)
     expect_failure(palpa(with({"field"}, arguments)), code, part);
+}
+
+// The system takes back small pages so slowly that a field of gigabytes ended seconds after Ctrl-C.
+TEST(Field, ALargeOneIsInLargePages) {
+  if (instrumented()) GTEST_SKIP() << "skipped: memory means nothing here";
+  std::ifstream file("/sys/kernel/mm/transparent_hugepage/enabled");
+  const std::string enabled{std::istreambuf_iterator<char>(file), {}};
+  if (enabled.empty() || enabled.find("[never]") != std::string::npos) GTEST_SKIP() << "skipped: no large pages here";
+  const auto faults = [](const std::string& pixels) {
+    const Result result = palpa({"field", "--layout", "openmpd", "--focus", "0,0,0.1", "--plane", "xz", "--size",
+                                 "60mm,60mm", "--pixels", pixels, "--backend", "cpu"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.page_faults;
+  };
+  // A million points of 40 bytes: 10,000 small pages, or 20 large ones and what is beside them.
+  EXPECT_LT(faults("1024,1024") - faults("16,16"), 5000);
 }
 
 TEST(Field, LongWorkSaysWhatItDoesAndStopsOnCtrlC) {

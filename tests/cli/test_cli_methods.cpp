@@ -187,8 +187,8 @@ TEST(CliMethods, RunPlaysEveryMethodAndEndsInSilence) {
   const auto folder = scratch_folder("methods");
   for (const std::string method : {"single-focus", "ellipse", "multi-focus"}) {
     const std::string file = (folder / method).string();
-    const Result result = palpa({"run", "--scene", asset("cube.glb"), "--frames", "20", "--method", method, "--tune",
-                                 "--link", "record:" + file, "--quiet"});
+    const Result result = palpa({"run", "--scene", asset("cube.glb"), "--frames", "20", "--hold", "1s", "--method",
+                                 method, "--tune", "--link", "record:" + file, "--quiet"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const session::DriveRecording recording = session::read_drive_recording(file);
     float least = 1, most = 0;

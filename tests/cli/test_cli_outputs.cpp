@@ -226,8 +226,8 @@ TEST_F(CliOutputs, DrivesEndSilentlyWhereTheDiskIsFull) {
     Result result;
     {
       const FileSizeLimit full(limit);
-      result = palpa(
-          {"run", "--scene", scene_, "--frames", "60", "--backend", "cpu", "--link", "record:" + path("drives.bin")});
+      result = palpa({"run", "--scene", scene_, "--frames", "60", "--hold", "1s", "--backend", "cpu", "--link",
+                      "record:" + path("drives.bin")});
     }
     expect_failure(result, 1, path("drives.bin") + ": cannot be written: File too large");
     const session::DriveRecording recording = session::read_drive_recording(path("drives.bin"));

@@ -351,5 +351,22 @@ TEST(Scatter, RefusesWavesThatAreNone) {
   refused({"--plane-wave", "0,0,1", "--absorption"}, "lossless");
 }
 
+TEST(Scatter, BodiesSmallerThanAMicrometreAreBadInput) {
+  const geometry::Mesh octahedron = geometry::icosphere(2e-3, 1);
+  geometry::Mesh two = octahedron;
+  geometry::append(two, transformed(octahedron, [](const Vec3& p) { return p * 5e-16 + Vec3(3e-3, 0, 0); }));
+  const geometry::Ply finger = geometry::read_ply(source_file("assets/finger.ply"));
+  const geometry::Mesh dust =
+      transformed({finger.positions, finger.triangles}, [](const Vec3& p) { return p * 1e-40; });
+  const std::vector<std::pair<std::string, geometry::Mesh>> bodies{{"two", two}, {"dust", dust}};
+  for (const auto& [name, mesh] : bodies) {
+    const std::filesystem::path file = folder() / (name + ".ply");
+    geometry::write_ply(file, mesh.positions, mesh.triangles, geometry::PlyFormat::ascii);
+    const Result result = palpa({"scatter", "--mesh", file, "--plane-wave", "0,0,1"});
+    expect_failure(result, 4, name + ".ply: ");
+    expect_failure(result, 4, "a body measures at least a micrometre");
+  }
+}
+
 }  // namespace
 }  // namespace palpa::test

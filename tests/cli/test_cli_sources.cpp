@@ -82,7 +82,7 @@ TEST(CliSources, FingersThatAreTooManyAreToldOnce) {
   for (const char* backend : {"cpu", "gpu"}) {
     const Outcome outcome =
         run({0, 0.01, 0.02}, 3005,
-            {"--min-points", "1", "--finger-gap", "1mm", "--finger-width", "0", "--backend", backend});
+            {"--min-points", "1", "--finger-gap", "1mm", "--finger-width", "0", "--hold", "1s", "--backend", backend});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(outcome.err,
               "palpa: warning: 17 of 81 clusters of contacts are left out: no more than 64 of a frame are looked at\n");

@@ -9,9 +9,11 @@
 #include <fstream>
 #include <thread>
 
+#include "base/file_register.hpp"
 #include "geometry/icosphere.hpp"
 #include "geometry/ply.hpp"
 #include "heard_link.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "viewer/live/live_line.hpp"
@@ -178,6 +180,32 @@ TEST_F(LiveApp, AnotherSceneIsNotOneThatWasWrittenAnew) {
   ASSERT_TRUE(comes_to(LiveState::running));
   go_round(50);
   EXPECT_EQ(app_->desk().live_state, LiveState::running);
+}
+
+TEST_F(LiveApp, SavesNoSceneOverAFileThatIsRead) {
+  const KeptRegister kept;
+  begin("synthetic:" + test::source_file("assets/finger.ply").string());
+  ASSERT_TRUE(comes_to(LiveState::running));
+  const std::string before = test::read_text(scene_);
+  fs::remove(folder_ / "soft.glb");
+  fs::create_symlink(scene_, folder_ / "soft.glb");
+  for (const std::string& file : {scene_.string(), (folder_ / "soft.glb").string(),
+                                  (folder_ / ".." / folder_.filename() / scene_.filename()).string()}) {
+    app_->save_scene(file, now_s_);
+    EXPECT_EQ(test::read_text(scene_), before) << file;
+  }
+  // Its own files it may write again, also while it reads them.
+  auto last = fs::file_time_type::min();
+  for (int i = 0; i < 2; ++i) {
+    app_->save_scene(folder_ / "mine.glb", now_s_);
+    ASSERT_TRUE(fs::exists(folder_ / "mine.glb")) << i;
+    const fs::file_time_type written = fs::last_write_time(folder_ / "mine.glb");
+    EXPECT_TRUE(written > last) << i;
+    // File systems count time in steps of milliseconds: without this both could be of one.
+    last = written - std::chrono::hours(1);
+    fs::last_write_time(folder_ / "mine.glb", last);
+    EXPECT_TRUE(goes_round_until([&] { return !app_->beginning(); }));
+  }
 }
 
 /// With panels, and a hand on them.

@@ -3,6 +3,7 @@
 
 #include <sys/stat.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "cli/process.hpp"
@@ -50,6 +51,23 @@ TEST_F(Viewer, WritesAScreenshotWithoutADisplay) {
   const drawing::Pixels pixels = drawing::read_png(shot);
   EXPECT_EQ(pixels.width, 320u);
   EXPECT_EQ(pixels.height, 200u);
+}
+
+TEST_F(Viewer, BrokenSettingsAreToldInOneLineWithoutAWindow) {
+  const auto folder = test::scratch_folder("viewer-broken-settings");
+  std::filesystem::create_directory(folder / "palpa");
+  const auto warned = [&](const std::string& text) {
+    std::ofstream(folder / "palpa" / "viewer.toml") << text;
+    const auto run = test::run_program(PALPA_VIEWER_BINARY, {"--headless", "--layout", "openmpd", "--size", "64x64"},
+                                       {{{"DISPLAY", ""}, {"XDG_CONFIG_HOME", folder.string()}}});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.err_lines();
+  };
+  EXPECT_TRUE(warned("dark = true\n").empty());
+  const std::vector<std::string> lines = warned("dark = 3\n");
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("palpa/viewer.toml"), std::string::npos) << lines[0];
+  EXPECT_NE(lines[0].find("does not use it"), std::string::npos) << lines[0];
 }
 
 TEST_F(Viewer, TheSameCommandGivesTheSameBytesOnEitherBackend) {

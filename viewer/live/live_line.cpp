@@ -69,6 +69,7 @@ const std::vector<setup::OptionInfo>& told_table() {
 
 setup::LiveOptions live_options(const setup::Given& given) {
   setup::LiveOptions options = parsed(setup::known_to(live_table(), given));
+  options.watched = true;  // the viewer itself shows events
   check(options);
   return options;
 }

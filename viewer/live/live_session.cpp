@@ -8,7 +8,9 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/open_output.hpp"
 #include "base/outputs.hpp"
+#include "base/start_thread.hpp"
 #include "sensing/skin_twin.hpp"
 #include "session/threads.hpp"
 
@@ -42,7 +44,7 @@ LiveSession::LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bo
   options_.watched = true;
   ++under_way_;
   try {
-    thread_ = std::thread([this] { work(); });
+    thread_ = start_thread("a live run", [this] { work(); });
   } catch (...) {
     --under_way_;
     throw;
@@ -73,6 +75,8 @@ void LiveSession::work() {
     state_ = LiveState::running;
     wake_();
     stats = run.run(looking);
+  } catch (const WaitEnded&) {
+    // Its pipe has found no reader before the user ended it.
   } catch (const std::exception& error) {
     end = LiveState::failed;
     fault = error.what();
@@ -151,6 +155,7 @@ void LiveSession::write_down(const sensing::FrameSet& set) {
       close_recorder();
       if (!folder.empty()) {
         recorded_ = 0;
+        record_outputs_.emplace(std::vector<Output>{{"record", folder, Output::Kind::folder}});
         recorder_.emplace(folder, session_->setting().cameras);
       }
       const std::lock_guard lock(mutex_);
@@ -172,6 +177,7 @@ void LiveSession::write_down(const sensing::FrameSet& set) {
 void LiveSession::close_recorder() {
   if (recorder_) recorder_->discard();  // of a recording without a frame nothing is left
   recorder_.reset();
+  record_outputs_.reset();
 }
 
 // On the compute thread, or before there is one.

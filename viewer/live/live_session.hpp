@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
+#include "base/outputs.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/recording.hpp"
 #include "session/newest.hpp"
@@ -161,6 +162,7 @@ class LiveSession {
   sensing::RayTables rays_;
   std::vector<sensing::View> views_;
   bool modest_ = false;
+  std::optional<Outputs> record_outputs_;  ///< what it writes
   std::optional<sensing::RecordingWriter> recorder_;
   std::uint64_t recordings_seen_ = 0;
   std::atomic<std::uint64_t> placements_{0}, recordings_{0}, recorded_{0};

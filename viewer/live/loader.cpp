@@ -4,12 +4,14 @@
 #include <utility>
 
 #include "base/activity.hpp"
+#include "base/start_thread.hpp"
 #include "session/threads.hpp"
 #include "viewer/live/live_session.hpp"
 
 namespace palpa::viewer {
 
-Loader::Loader(std::function<void()> wake) : wake_(std::move(wake)), thread_([this] { work(); }) {}
+Loader::Loader(std::function<void()> wake)
+    : wake_(std::move(wake)), thread_(start_thread("reading scenes", [this] { work(); })) {}
 
 Loader::~Loader() {
   {

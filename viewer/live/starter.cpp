@@ -2,9 +2,11 @@
 
 #include <utility>
 
+#include "base/start_thread.hpp"
+
 namespace palpa::viewer {
 
-Starter::Starter() : thread_([this] { work(); }) {}
+Starter::Starter() : thread_(start_thread("a live run", [this] { work(); })) {}
 
 Starter::~Starter() {
   {

@@ -1,0 +1,102 @@
+#include "every_command.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "geometry/icosphere.hpp"
+#include "geometry/ply.hpp"
+#include "process.hpp"
+#include "support/files.hpp"
+#include "support/shapes.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+
+std::vector<std::string> every_command() {
+  std::vector<std::string> commands;
+  std::istringstream help(palpa({"--help"}).out);
+  bool listed = false;
+  for (std::string line; std::getline(help, line);) {
+    if (line == "Subcommands:") {
+      listed = true;
+    } else if (line.empty()) {
+      listed = false;
+    } else if (listed) {
+      std::istringstream words(line);
+      words >> commands.emplace_back();
+    }
+  }
+  EXPECT_GE(commands.size(), 13u);
+  return commands;
+}
+
+std::vector<HelpedOption> options_in(const std::string& help) {
+  std::vector<HelpedOption> options;
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("  --")) continue;
+    HelpedOption option;
+    std::istringstream words(line);
+    words >> option.name;
+    // A type follows after one space, the help after several.
+    if (line.size() > option.name.size() + 3 && line[option.name.size() + 3] != ' ') words >> option.type;
+    options.push_back(option);
+  }
+  return options;
+}
+
+QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
+  const std::string scene = source_file("assets/cube.glb"), finger = source_file("assets/finger.ply");
+  const std::string pebble = folder_ / "pebble.ply", tip = folder_ / "tip.ply", recording = folder_ / "recording";
+  const geometry::Mesh ball = geometry::icosphere(1e-3, 1);
+  geometry::write_ply(pebble, ball.positions, ball.triangles);
+  const geometry::Mesh rounded_tip =
+      transformed(sphere(4e-3, 12, 20), [](const Vec3& p) { return p + Vec3(0, 4e-3, 0); });
+  geometry::write_ply(tip, rounded_tip.positions, rounded_tip.triangles);
+  const Result recorded = palpa({"run", "--scene", scene, "--frames", "2", "--every-frame", "--backend", "cpu",
+                                 "--record", recording, "--quiet"});
+  EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
+  lines_ = {
+      {"doctor", {"doctor", "--backend", "cpu"}},
+      {"touch", {"touch", "--scene", scene, "--points", finger, "--penetration", "3mm", "--backend", "cpu"}},
+      {"run",
+       {"run", "--scene", scene, "--source", "recording:" + recording, "--frames", "1", "--every-frame", "--backend",
+        "cpu"}},
+      {"export",
+       {"export", "--scene", scene, "--source", "recording:" + recording, "--backend", "cpu", "--foci",
+        folder_ / "foci.csv"}},
+      {"link",
+       {"link", "test", "--layout", "openmpd", "--link", "null", "--each", "1ms", "--rest", "0", "--last", "1"}},
+      {"calibrate", {"calibrate", "--layout", "paper", "--frames", "2"}},
+      {"drive", {"drive", "--layout", "openmpd", "--focus", "0,0,100mm", "--backend", "cpu"}},
+      {"field",
+       {"field", "--layout", "openmpd", "--focus", "0,0,100mm", "--plane", "xz", "--size", "20mm,20mm", "--pixels",
+        "4,4", "--backend", "cpu"}},
+      {"scatter", {"scatter", "--mesh", pebble, "--point-source", "0,0,100mm", "--backend", "cpu"}},
+      {"simulate",
+       {"simulate", "--scene", scene, "--finger", tip, "--penetration", "1mm", "--layout", "openmpd", "--backend",
+        "cpu"}},
+      {"decompose", {"decompose", "--scene", scene, "--out", folder_ / "parts.glb"}},
+      {"bench", {"bench", "--suite", "links", "--runs", "3"}},
+      {"emulate", {"emulate", "autd3", "--port", "0"}},
+  };
+}
+
+std::vector<std::string> QuickLines::of(const std::string& command) const {
+  const auto found = lines_.find(command);
+  if (found != lines_.end()) return found->second;
+  ADD_FAILURE() << command << " has no quick line here: add one";
+  return {command};
+}
+
+std::vector<std::string> without(std::vector<std::string> line, const std::string& option) {
+  const auto at = std::ranges::find(line, option);
+  if (at == line.end()) return line;
+  const auto end = std::find_if(at + 1, line.end(), [](const std::string& word) { return word.starts_with("--"); });
+  line.erase(at, end);
+  return line;
+}
+
+}  // namespace palpa::test

@@ -1,0 +1,239 @@
+// No command writes over what it reads, nor one output over another, whatever they are called: the same path, symbolic
+// and hard links, "..", "//", /proc/self/fd. All is refused before anything long is begun.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "cli/tiny_files.hpp"
+#include "process.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// An option that names a file that is written: "--link record:" and the name, which ends so.
+struct OutputOption {
+  std::string option, prefix, ending;
+};
+
+struct Line {
+  std::vector<std::string> words;
+  std::vector<std::string> inputs;  ///< files that these words name, or what those refer to
+  std::vector<OutputOption> outputs;
+};
+
+class CliAliases : public testing::Test {
+ protected:
+  CliAliases() {
+    fs::create_directories(folder_ / "deep");
+    fs::create_directories(folder_ / "take");
+    fs::create_directories(folder_ / "boards");
+    write_tetrahedron(folder_ / "corners.bin");
+    write_scene(folder_ / "scene.gltf", "corners.bin");
+    write_text(folder_ / "picture.png", "that nobody looks at");
+    fs::copy_file(source_file("assets/finger.ply"), folder_ / "finger.ply");
+    write_text(folder_ / "layout.toml", "[[transducer]]\nposition_m = [0, 0, -0.1]\naxis = [0, 0, 1]\n");
+    sensing::write_png8(folder_ / "mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
+    write_text(folder_ / "rig.toml",
+               std::string(tiny_camera) + "mask = \"mask.png\"\n[array]\nlayout = \"layout.toml\"\n");
+    write_text(folder_ / "camera.toml", tiny_camera);
+    write_depth(folder_ / "depth.png");
+    write_depth(folder_ / "take/depth-0.png");
+    sensing::write_png8(folder_ / "take/mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
+    write_text(folder_ / "take/times.csv", "sequence,time_0_s\n0,0.5\n");
+    write_recording(folder_ / "take/recording.toml", "files = [\"depth-%d.png\"]\ntimes = \"times.csv\"\n", "mask.png");
+    write_text(folder_ / "drive.csv", "index,x,y,z,nx,ny,nz,amplitude,phase\n0,0,0,-0.1,0,0,1,1,0\n");
+    write_text(folder_ / "touch.json",
+               R"({"fingers":[{"foci_m":[[0,0,0.1]]}],"schedule":{"order":[0],"dwell_s":0.0015}})");
+    write_text(folder_ / "boards/board_A.pat", "A 256 128\n");
+    write_text(folder_ / "boards/sonicsurface.txt", "0\n");
+    write_text(folder_ / "old", "what was");
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+      if (entry.is_regular_file()) contents_[entry.path()] = read_text(entry.path());
+    }
+  }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// Other names of a file, those that can end so with that ending. Descriptors stay open until the test ends.
+  std::vector<std::string> names_of(const std::string& file, const std::string& ending) {
+    const fs::path at(path(file));
+    const std::string soft = path("soft" + ending), hard = path("hard" + ending);
+    fs::remove(soft);
+    fs::remove(hard);
+    fs::create_symlink(at, soft);
+    std::vector<std::string> names{soft};
+    if (fs::exists(at)) {
+      fs::create_hard_link(at, hard);
+      names.push_back(hard);
+    }
+    if (!ending.empty() && !file.ends_with(ending)) return names;
+    names.push_back(at.string());
+    names.push_back(at.parent_path().string() + "/../" + at.parent_path().filename().string() + "/" +
+                    at.filename().string());
+    names.push_back(at.parent_path().string() + "//" + at.filename().string());
+    if (!fs::exists(at) || !ending.empty()) return names;
+    const int open = ::open(at.c_str(), O_RDWR);  // the program inherits it
+    descriptors_.push_back(open);
+    names.push_back("/proc/self/fd/" + std::to_string(open));
+    return names;
+  }
+
+  void expect_refused(const std::vector<std::string>& words, const std::string& part) {
+    std::string line;
+    for (const std::string& word : words)
+      line += word + ' ';
+    SCOPED_TRACE(line);
+    RunOptions options;
+    options.timeout_s = 20;
+    expect_failure(palpa(words, options), 2, part);
+    for (const auto& [file, text] : contents_)
+      ASSERT_EQ(read_text(file), text) << file;
+    ASSERT_FALSE(fs::exists(path("new"))) << "nothing was begun";
+    ASSERT_FALSE(fs::exists(path("new.json")));
+  }
+  ~CliAliases() override {
+    for (const int descriptor : descriptors_)
+      ::close(descriptor);
+  }
+
+  void try_inputs(const Line& line) {
+    const std::string part = "is read by this command, name another file";
+    for (const OutputOption& output : line.outputs) {
+      for (const std::string& input : line.inputs) {
+        // Every kind of name of the last input, links of the others.
+        std::vector<std::string> names = names_of(input, output.ending);
+        if (input != line.inputs.back()) names.resize(1);
+        for (const std::string& name : names)
+          expect_refused(with(line.words, {output.option, output.prefix + name}), part);
+      }
+    }
+  }
+  void try_pairs(const Line& line) {
+    for (const OutputOption& a : line.outputs) {
+      for (const OutputOption& b : line.outputs) {
+        if (&a >= &b || (!a.ending.empty() && !b.ending.empty() && a.ending != b.ending)) continue;
+        const std::string ending = a.ending + b.ending;
+        for (const std::string& file : {"new" + ending, std::string("old")}) {
+          if (file == "old" && !ending.empty()) continue;
+          // Every kind of name of the first two, links of the others.
+          std::vector<std::string> names = names_of(file, ending);
+          if (&a != &line.outputs.front()) names.resize(1);
+          for (const std::string& name : names)
+            expect_refused(with(line.words, {a.option, a.prefix + path(file), b.option, b.prefix + name}),
+                           "name the same file");
+        }
+      }
+    }
+  }
+
+  fs::path folder_ = scratch_folder("aliases");
+  std::map<fs::path, std::string> contents_;
+  std::vector<int> descriptors_;
+  const OutputOption json_{"--json", "", ""}, csv_{"--csv", "", ""}, link_{"--link", "record:", ""},
+      events_{"--events", "", ""}, vtu_{"--vtu", "", ""}, png_{"--png", "", ""}, out_{"--out", "", ""};
+
+  std::vector<Line> lines() const {
+    const std::string scene = path("scene.gltf"), points = path("finger.ply"), rig = path("rig.toml"),
+                      layout = path("layout.toml"), drive = path("drive.csv");
+    const std::vector<std::string> scene_files{"scene.gltf", "picture.png", "corners.bin"},
+        rig_files{"mask.png", "layout.toml", "rig.toml"},
+        take_files{"take/mask.png", "take/times.csv", "take/recording.toml", "take/depth-0.png"};
+    const auto and_also = [](std::vector<std::string> all, const std::vector<std::string>& more) {
+      all.insert(all.end(), more.begin(), more.end());
+      return all;
+    };
+    return {
+        {{"touch", "--scene", scene, "--points", points, "--layout", layout},
+         and_also(scene_files, {"finger.ply", "layout.toml"}),
+         {json_, csv_}},
+        {{"touch", "--scene", scene, "--depth", path("depth.png"), "--camera", path("camera.toml")},
+         {"camera.toml", "depth.png"},
+         {json_}},
+        {{"run", "--scene", scene, "--rig", rig}, and_also(scene_files, rig_files), {json_, events_, link_}},
+        {{"run", "--scene", scene, "--layout", layout, "--source", "recording:" + path("take")},
+         take_files,
+         {json_, events_, link_}},
+        {{"run", "--scene", scene, "--source", "synthetic:" + points}, {"finger.ply"}, {link_}},
+        {{"export", "--scene", scene, "--layout", layout, "--source", "recording:" + path("take"), "--drives",
+          path("new")},
+         and_also(scene_files, take_files),
+         {json_, events_, {"--foci", "", ".json"}}},
+        {{"export", "--scene", scene, "--layout", layout, "--source", "recording:" + path("take"), "--events",
+          path("new")},
+         take_files,
+         {{"--drives", "", ""}}},
+        {{"link", "test", "--layout", layout}, {}, {json_, link_}},
+        {{"link", "test", "--layout", layout}, {"layout.toml"}, {link_}},
+        {{"link", "test", "--layout", layout, "--link", "null"}, {"layout.toml"}, {json_}},
+        {{"calibrate", "--rig", rig}, rig_files, {{"--target", "", ".stl"}}},
+        {{"calibrate", "--rig", rig, "--source", "recording:" + path("take")},
+         and_also(rig_files, take_files),
+         {json_, out_}},
+        {{"calibrate", "--nudge", "--keys", "enter", "--rig", rig, "--scene", scene, "--out", path("new")},
+         and_also(rig_files, scene_files),
+         {json_, link_}},
+        {{"drive", "--layout", layout, "--rig", rig, "--touch", path("touch.json")},
+         {"mask.png", "rig.toml", "layout.toml", "touch.json"},
+         {json_, csv_}},
+        {{"drive", "--layout", layout, "--focus", "0,0,0.1", "--transfer", "finger", "--force", "--mesh", scene},
+         scene_files,
+         {json_, csv_}},
+        {{"field", "--layout", layout, "--drive", drive, "--points", points},
+         {"layout.toml", "drive.csv", "finger.ply"},
+         {json_, csv_, vtu_}},
+        {{"field", "--layout", layout, "--drive", drive, "--plane", "xy", "--size", "1cm,1cm"},
+         {"layout.toml", "drive.csv"},
+         {png_, csv_}},
+        {{"scatter", "--force", "--mesh", scene, "--layout", layout, "--drive", drive},
+         and_also({"layout.toml", "drive.csv"}, scene_files),
+         {json_, csv_}},
+        {{"simulate", "--scene", scene, "--finger", points, "--rig", rig},
+         and_also(and_also(scene_files, rig_files), {"finger.ply"}),
+         {json_, csv_, vtu_, png_}},
+        {{"decompose", "--scene", scene}, {}, {json_, out_}},
+        {{"decompose", "--scene", scene}, scene_files, {out_}},
+        {{"decompose", "--scene", scene, "--out", path("new")}, scene_files, {json_}},
+        {{"bench", "--scene", scene}, {"scene.gltf"}, {json_, csv_}},
+        {{"emulate", "openmpd", "--view", "--layout", layout}, {"layout.toml"}, {json_, {"--trace", "", ""}}},
+        {{"emulate", "openmpd", "--view", "--board-files", path("boards")},
+         {"boards/board_A.pat"},
+         {{"--trace", "", ""}}},
+        {{"emulate", "autd3", "--layout", layout}, {"layout.toml"}, {json_, {"--trace", "", ""}}},
+        {{"emulate", "sonicsurface", "--layout", layout}, {"layout.toml"}, {json_, {"--trace", "", ""}}},
+    };
+  }
+};
+
+TEST_F(CliAliases, OfAnInputAreNoOutput) {
+  for (const Line& line : lines())
+    try_inputs(line);
+}
+
+TEST_F(CliAliases, OfAnOutputAreNoOther) {
+  for (const Line& line : lines())
+    try_pairs(line);
+}
+
+TEST_F(CliAliases, EveryCommandThatWritesIsTried) {
+  // Whoever adds a command, or a file that one writes, adds it above.
+  const Result help = palpa({"--help"});
+  std::vector<Line> all = lines();
+  for (const char* command : {"touch", "run", "export", "link", "calibrate", "drive", "field", "scatter", "simulate",
+                              "decompose", "bench", "emulate"}) {
+    EXPECT_NE(help.out.find(std::string("\n  ") + command), std::string::npos) << command;
+    EXPECT_TRUE(std::ranges::any_of(all, [&](const Line& line) { return line.words[0] == command; })) << command;
+  }
+}
+
+}  // namespace
+}  // namespace palpa::test

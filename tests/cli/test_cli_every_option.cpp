@@ -1,0 +1,168 @@
+// What is tried with every command and every option that help lists: numbers that are none, or far too large, and a
+// stdout that cannot be written.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "array/layout.hpp"
+#include "every_command.hpp"
+#include "process.hpp"
+#include "setup/drive_file.hpp"
+#include "support/instrumented.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What an option takes: an example of each of its parts.
+std::vector<std::string> parts_of(const std::string& type) {
+  static const std::set<std::string> numbers{"LENGTH", "TIME", "FREQUENCY", "SPEED",   "PRESSURE", "N",
+                                             "NUMBER", "A",    "CELSIUS",   "PERCENT", "DEGREES",  "PART"};
+  if (numbers.contains(type)) return {"1"};
+  if (type == "X,Y,Z") return {"10mm", "10mm", "10mm"};
+  if (type == "X,Y,Z[,A]") return {"10mm", "10mm", "10mm", "1"};
+  if (type == "W,H") return {"10mm", "10mm"};
+  if (type == "N,M") return {"4", "4"};
+  return {};
+}
+
+/// Not numbers, so that nothing may take them; and numbers that something may.
+const std::vector<const char*> none_at_all = the_first<const char*>(1, {"nan", "-nan", "inf", "-inf"});
+const std::vector<const char*> extreme = the_first<const char*>(1, {"1e300", "-1e300", "1e-300", "0", "-0"});
+
+std::vector<std::string> values_of(const std::string& type, const std::string& odd) {
+  std::vector<std::string> values;
+  const std::vector<std::string> parts = parts_of(type);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    std::string value;
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      value += (k > 0 ? "," : "") + (k == i ? odd : parts[k]);
+    values.push_back(value);
+  }
+  return values;
+}
+
+std::vector<std::string> with_value(const std::vector<std::string>& line, const std::string& option,
+                                    const std::string& value) {
+  std::vector<std::string> tried = without(line, option);
+  if (option == "--line") return with(tried, {option, value, "0,0,10mm"});
+  return with(tried, {option + "=" + value});
+}
+
+/// It ends by itself, with one line where it fails, and tells no number that is none.
+void expect_sane(const Result& result, const std::string& tried) {
+  EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 2 || result.exit_code == 4)
+      << tried << ": " << result.exit_code << ", signal " << result.signal << ", " << result.err;
+  if (result.exit_code != 0) {
+    EXPECT_EQ(result.err_lines().size(), 1u) << tried << ": " << result.err;
+    EXPECT_TRUE(result.err.starts_with("palpa: error: ")) << tried << ": " << result.err;
+  }
+  static const std::regex not_a_number(R"((^|[^A-Za-z])-?(nan|inf)([^A-Za-z]|$))");
+  EXPECT_FALSE(result.exit_code == 0 && std::regex_search(result.out, not_a_number)) << tried << ": " << result.out;
+}
+
+TEST(EveryOption, RefusesWhatIsNoNumberAndBearsWhatIsFarTooLarge) {
+  const QuickLines lines;
+  int tried = 0;
+  for (const std::string& command : every_command()) {
+    const std::vector<HelpedOption> options = options_in(palpa({command, "--help"}).out);
+    EXPECT_GE(options.size(), 6u) << command;
+    std::vector<std::string> line = lines.of(command);
+    const auto has_json = std::ranges::any_of(options, [](const HelpedOption& o) { return o.name == "--json"; });
+    for (const HelpedOption& option : options) {
+      if (parts_of(option.type).empty()) continue;
+      for (const char* odd : none_at_all) {
+        for (const std::string& value : values_of(option.type, odd)) {
+          const Result result = palpa(with_value(line, option.name, value));
+          expect_failure(result, 2, option.name);
+          ++tried;
+        }
+      }
+      // These have no end that a value could bring about, or take long.
+      if (command == "emulate" || command == "bench") continue;
+      if (command == "calibrate") line = {"calibrate", "--layout", "paper", "--frames", "1000"};
+      for (const char* odd : extreme) {
+        for (const std::string& value : values_of(option.type, odd)) {
+          const std::vector<std::string> all = with_value(line, option.name, value);
+          expect_sane(palpa(has_json ? with(all, {"--json", "-"}) : all), command + " " + option.name + " " + value);
+          ++tried;
+        }
+      }
+    }
+  }
+  EXPECT_GT(tried, instrumented() ? 200 : 1000);
+}
+
+TEST(EveryOption, PlacesAreWithinReachAndDirectionsAreSo) {
+  const QuickLines lines;
+  const std::vector<std::string> scatter = without(lines.of("scatter"), "--point-source");
+  for (const char* far : {"1e300,0,0", "0,-1e300,0", "0,0,10001"})
+    expect_failure(palpa(with(scatter, {"--point-source", far})), 2,
+                   "--point-source: '" + std::string(far) + "' is farther");
+  const auto force_of = [&](const std::string& way) {
+    const Result result = palpa(with(scatter, {"--plane-wave", way, "--json", "-"}));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.out.substr(0, result.out.find("timing_ms"));
+  };
+  EXPECT_EQ(force_of("0,0,1e300"), force_of("0,0,1"));
+  EXPECT_EQ(force_of("0,0,1e-300"), force_of("0,0,1"));
+  // Also where nothing reads them.
+  const fs::path target = scratch_folder("target") / "target.stl";
+  expect_failure(palpa({"calibrate", "--target", target, "--at", "nan"}), 2, "--at");
+  EXPECT_FALSE(fs::exists(target));
+}
+
+TEST(EveryOption, APhaseIsNotMoreThanAMillionTurns) {
+  const array::Layout layout = array::load_layout("openmpd");
+  const fs::path file = scratch_folder("phases") / "drive.csv";
+  for (const char* phase : {"1e30", "-1e30", "1e300", "6283186"}) {
+    std::string text = setup::drive_csv(layout, array::Drive(layout.transducers.size(), {1, 0}));
+    const std::size_t end = text.find('\n', text.find('\n') + 1);
+    text.replace(text.rfind(',', end) + 1, end - text.rfind(',', end) - 1, phase);
+    std::ofstream(file) << text;
+    const Result result = palpa({"field", "--layout", "openmpd", "--drive", file, "--line", "0,0,50mm", "0,0,60mm",
+                                 "--samples", "3", "--csv", "-", "--backend", "cpu"});
+    expect_failure(result, 4, "drive.csv: line 2: phase");
+  }
+}
+
+TEST(EveryOption, AStdoutThatIsFullIsAFailureOfEveryCommand) {
+  RunOptions full;
+  full.stdout_file = "/dev/full";
+  full.timeout_s = 60;
+  const QuickLines lines;
+  const auto expect_full = [&](const std::vector<std::string>& line) {
+    SCOPED_TRACE(testing::PrintToString(line));
+    expect_failure(palpa(line, full), 1, "stdout: cannot be written: No space left on device");
+  };
+  for (const std::string& command : every_command()) {
+    expect_full({command, "--help"});
+    const std::vector<std::string> line = lines.of(command);
+    if (command == "export" || command == "decompose") {
+      // What they print is less than what they write.
+      expect_full(with(line, {"--json", "-"}));
+    } else {
+      expect_full(line);
+    }
+    if (command == "emulate" || command == "bench") continue;  // print before, or take long
+    for (const HelpedOption& option : options_in(palpa({command, "--help"}).out)) {
+      if (option.type.ends_with("|-")) expect_full(with(without(line, option.name), {option.name, "-"}));
+    }
+  }
+  expect_full({"emulate", "openmpd", "--serial", "FULL1"});
+  expect_full({"emulate", "sonicsurface"});
+  expect_full(with(lines.of("run"), {"--events", "-"}));
+  expect_full(with(lines.of("run"), {"--stats", "json"}));
+}
+
+}  // namespace
+}  // namespace palpa::test

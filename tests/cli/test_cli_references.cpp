@@ -1,0 +1,178 @@
+// Scenes and recordings of others: what they refer to stays in their folders, and no message shows what other files
+// hold.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/tiny_files.hpp"
+#include "process.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CliReferences : public testing::Test {
+ protected:
+  CliReferences() {
+    fs::create_directory(folder_);
+    write_text(top_ / "short.bin", "Q7");  // of another, who has secrets
+    write_tetrahedron(top_ / "whole.bin");
+    write_text(folder_ / "beside.bin", "Q7");
+    fs::create_symlink("../short.bin", folder_ / "link.bin");
+    fs::create_symlink("..", folder_ / "up");
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  /// The line is refused where references stay inside, and goes further with --allow-outside: then `further` is told.
+  static void expect_inside(const std::vector<std::string>& line, const std::string& further) {
+    SCOPED_TRACE(line[0] + " " + line.back());
+    expect_failure(palpa(line), 4, "--allow-outside");
+    expect_failure(palpa(with(line, {"--allow-outside"})), 4, further);
+  }
+
+  fs::path top_ = scratch_folder("references"), folder_ = top_ / "theirs";
+  std::string points_ = source_file("assets/finger.ply").string();
+};
+
+TEST_F(CliReferences, OfScenesStayInTheirFolderWhateverReadsThem) {
+  write_scene(folder_ / "model.gltf", "../short.bin");
+  const std::string model = path("model.gltf"), too_short = "has 2 bytes";
+  const std::vector<std::string> sources{"synthetic:" + model};
+  expect_inside({"touch", "--scene", model, "--points", points_}, too_short);
+  expect_inside({"run", "--scene", model}, too_short);
+  expect_inside({"run", "--scene", source_file("assets/cube.glb").string(), "--source", sources[0]}, too_short);
+  expect_inside({"export", "--scene", model, "--frames", "1", "--foci", "-"}, too_short);
+  expect_inside({"decompose", "--scene", model, "--out", "-"}, too_short);
+  expect_inside({"simulate", "--scene", model, "--finger", points_}, too_short);
+  expect_inside({"simulate", "--scene", source_file("assets/cube.glb").string(), "--finger", model}, too_short);
+  expect_inside({"scatter", "--mesh", model, "--plane-wave", "0,0,1"}, too_short);
+  expect_inside({"drive", "--layout", "openmpd", "--focus", "0,0,0.1", "--transfer", "finger", "--mesh", model},
+                too_short);
+  expect_inside({"calibrate", "--source", sources[0]}, too_short);
+  expect_inside({"calibrate", "--nudge", "--scene", model, "--keys", "enter", "--out", path("out.toml")}, too_short);
+}
+
+TEST_F(CliReferences, OfScenesAreResolvedFirst) {
+  for (const char* uri : {"../short.bin", "%2e%2e/short.bin", "..%2Fshort.bin", "link.bin", "up/short.bin",
+                          "./up/theirs/../short.bin", "up/theirs/link.bin"}) {
+    write_scene(folder_ / "model.gltf", uri);
+    expect_inside({"touch", "--scene", path("model.gltf"), "--points", points_}, "has 2 bytes");
+  }
+  for (const char* uri : {"beside.bin", "up/theirs/beside.bin", "%2e/beside.bin"}) {
+    write_scene(folder_ / "model.gltf", uri);
+    expect_failure(palpa({"touch", "--scene", path("model.gltf"), "--points", points_}), 4, "has 2 bytes");
+  }
+  // Pictures are not opened, wherever they are: a pipe would be waited for, a folder refused.
+  ASSERT_EQ(mkfifo((top_ / "pipe").c_str(), 0600), 0);
+  write_scene(folder_ / "model.gltf", "whole.bin", "../pipe");
+  fs::copy_file(top_ / "whole.bin", folder_ / "whole.bin");
+  EXPECT_EQ(palpa({"touch", "--scene", path("model.gltf"), "--points", points_, "--backend", "cpu"}).exit_code, 0);
+  write_scene(folder_ / "model.gltf", "../whole.bin");
+  const std::vector<std::string> touch{"touch",     "--scene", path("model.gltf"), "--points", points_,
+                                       "--backend", "cpu",     "--allow-outside"};
+  EXPECT_EQ(palpa(touch).exit_code, 0);
+}
+
+TEST_F(CliReferences, OfRecordingsStayInTheirFolder) {
+  write_depth(top_ / "depth-0.png");
+  write_depth(folder_ / "depth-0.png");
+  fs::create_symlink("../depth-0.png", folder_ / "link-0.png");
+  write_text(top_ / "times.csv", "Q7 secret\n");
+  write_text(top_ / "mask.png", "Q7 secret\n");
+  const std::vector<std::string> run{"run",
+                                     "--scene",
+                                     source_file("assets/cube.glb").string(),
+                                     "--source",
+                                     "recording:" + folder_.string(),
+                                     "--frames",
+                                     "1",
+                                     "--backend",
+                                     "cpu",
+                                     "--layout",
+                                     "openmpd"};
+  const auto with_keys = [&](const std::string& keys, const std::string& mask = {}) {
+    write_recording(folder_ / "recording.toml", keys, mask);
+    return run;
+  };
+  const auto goes_on = [&](const std::vector<std::string>& line) {
+    const Result result = palpa(line);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+  };
+  goes_on(with_keys("files = [\"depth-%d.png\"]\n"));
+  for (const std::string& name : {std::string("../depth-%d.png"), std::string("up/depth-%d.png"),
+                                  std::string("link-%d.png"), (top_ / "depth-%d.png").string()}) {
+    SCOPED_TRACE(name);
+    expect_failure(palpa(with_keys("files = [\"" + name + "\"]\n")), 4, "--allow-outside");
+    expect_failure(palpa(with_keys("count = 1\nfiles = [\"" + name + "\"]\n")), 4, "--allow-outside");
+    goes_on(with(run, {"--allow-outside"}));
+  }
+  expect_failure(palpa(with_keys("[[frame]]\ntime_s = 1\nfiles = [\"../depth-0.png\"]\n")), 4, "--allow-outside");
+  expect_inside(with_keys("files = [\"depth-%d.png\"]\ntimes = \"../times.csv\"\n"), "expected the heading");
+  expect_inside(with_keys("files = [\"depth-%d.png\"]\n", "../mask.png"), "is not a PNG file");
+  // The recording may be a link itself, out of the folder that the user names.
+  with_keys("files = [\"depth-%d.png\"]\n");
+  fs::rename(folder_ / "recording.toml", top_ / "recording.toml");
+  fs::create_symlink("../recording.toml", folder_ / "recording.toml");
+  expect_failure(palpa(run), 4, "--allow-outside");
+  // Its own name is the user's.
+  std::vector<std::string> named = run;
+  named[4] = "recording:" + path("recording.toml");
+  goes_on(named);
+}
+
+TEST_F(CliReferences, ArePlacedByRigsAndLayoutsAsTheUserLikes) {
+  write_text(top_ / "mine.toml", "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n");
+  sensing::write_png8(top_ / "mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
+  write_text(folder_ / "rig.toml",
+             std::string(tiny_camera) + "mask = \"../mask.png\"\n[array]\nlayout = \"../mine.toml\"\n");
+  const Result result = palpa({"run", "--scene", source_file("assets/cube.glb").string(), "--rig", path("rig.toml"),
+                               "--frames", "1", "--backend", "cpu"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+// Whatever file is given for whatever is wanted: nothing of it is shown.
+TEST_F(CliReferences, NoMessageShowsWhatIsNoFileOfItsKind) {
+  const std::string cube = source_file("assets/cube.glb").string();
+  for (const char* contents :
+       {"Q7Zecret:Q7Zecret:1\n", "Q7Zecret\n", "Q7Zecret = \n", "a = Q7Zecret\n", "a = \"Q7Zecret\nb = 1",
+        "[Q7Zecret\n", "a = 1Q7Zecret\n", "a = '''Q7Zecret", "a = [1, 2 Q7Zecret", "\"\\Q7Zecret\" = 1\n",
+        "a.Q7Zecret = 1\na.Q7Zecret = 1\n", "{Q7Zecret}\n", "{\"a\": Q7Zecret}\n", "sn Q7Zecret 256\n", "1 Q7Zecret\n",
+        "1 2 3 Q7Zecret\n"}) {
+    SCOPED_TRACE(contents);
+    const std::string file = path("theirs");
+    write_text(file, contents);
+    fs::create_directories(folder_ / "board");
+    write_text(folder_ / "board/board_A.pat", contents);
+    write_text(folder_ / "board/sonicsurface.txt", contents);
+    write_text(folder_ / "model.glb", contents);
+    for (const std::vector<std::string>& line : std::vector<std::vector<std::string>>{
+             {"touch", "--scene", path("model.glb"), "--points", points_},
+             {"touch", "--scene", cube, "--points", file},
+             {"touch", "--scene", cube, "--depth", file},
+             {"touch", "--scene", cube, "--depth", file, "--camera", file},
+             {"run", "--scene", cube, "--rig", file},
+             {"run", "--scene", cube, "--source", "recording:" + file},
+             {"run", "--scene", cube, "--source", "bag:" + file},
+             {"drive", "--layout", path("theirs") + "", "--focus", "0,0,0.1"},
+             {"drive", "--layout", "openmpd", "--touch", file},
+             {"field", "--layout", "openmpd", "--drive", file, "--plane", "xy", "--size", "1cm,1cm"},
+             {"field", "--layout", "openmpd", "--focus", "0,0,0.1", "--points", file},
+             {"emulate", "openmpd", "--board-files", path("board")},
+             {"link", "test", "--layout", "sonicsurface", "--link", "sonicsurface:/dev/null", "--board-files",
+              path("board")}}) {
+      const Result result = palpa(with(line, {"--backend", "cpu"}));
+      EXPECT_NE(result.exit_code, 0) << line[0] << ' ' << line[2];
+      EXPECT_EQ((result.err + result.out).find("Q7Z"), std::string::npos)
+          << line[0] << ' ' << line[2] << ": " << result.err;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpa::test

@@ -1,0 +1,203 @@
+// What palpa-viewer and its scripts write is never what they read, whatever it is called.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "cli/process.hpp"
+#include "cli/tiny_files.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa {
+namespace {
+
+namespace fs = std::filesystem;
+
+using test::with;
+using test::write_text;
+
+class ViewerFiles : public testing::Test {
+ protected:
+  ViewerFiles() {
+    fs::create_directories(folder_ / "take");
+    test::write_tetrahedron(folder_ / "corners.bin");
+    test::write_scene(folder_ / "scene.gltf", "corners.bin");
+    write_text(folder_ / "picture.png", "that nobody looks at");
+    fs::copy_file(test::source_file("assets/finger.ply"), folder_ / "finger.ply");
+    fs::copy_file(test::source_file("assets/finger.ply"), folder_ / "skin.ply");
+    fs::copy_file(test::source_file("assets/rigs/paper.toml"), folder_ / "screen.toml");
+    write_text(folder_ / "layout.toml", "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n");
+    sensing::write_png8(folder_ / "mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
+    write_text(folder_ / "rig.toml",
+               std::string(test::tiny_camera) + "mask = \"mask.png\"\n[array]\nlayout = \"layout.toml\"\n");
+    test::write_depth(folder_ / "take/depth-0.png");
+    write_text(folder_ / "take/times.csv", "sequence,time_0_s\n0,0.5\n");
+    test::write_recording(folder_ / "take/recording.toml", "files = [\"depth-%d.png\"]\ntimes = \"times.csv\"\n");
+    write_text(folder_ / "reference.png", "that is compared");
+    write_text(folder_ / "old", "what was");
+  }
+  ~ViewerFiles() override { ::close(open_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  std::vector<std::string> names_of(const std::string& file) {
+    const fs::path at(path(file));
+    fs::remove(path("soft"));
+    fs::remove(path("hard"));
+    ::close(open_);
+    fs::create_symlink(at, path("soft"));
+    const std::string folder = at.parent_path().string();
+    std::vector<std::string> names{
+        path("soft"), at.string(), folder + "//" + at.filename().string(),
+        folder + "/../" + at.parent_path().filename().string() + "/" + at.filename().string()};
+    if (!fs::exists(at)) return names;
+    fs::create_hard_link(at, path("hard"));
+    open_ = ::open(at.c_str(), O_RDWR);  // the program inherits it
+    names.insert(names.end(), {path("hard"), "/proc/self/fd/" + std::to_string(open_)});
+    return names;
+  }
+  std::map<fs::path, std::string> contents() const {
+    std::map<fs::path, std::string> all;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+      if (entry.is_regular_file()) all[entry.path()] = test::read_text(entry.path());
+    }
+    return all;
+  }
+  static test::Result viewer(const std::vector<std::string>& words, double timeout_s = 60) {
+    test::RunOptions options{{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}, test::where_assets_are()}};
+    options.timeout_s = timeout_s;
+    return test::run_program(PALPA_VIEWER_BINARY, with(words, {"--headless", "--size", "64x48"}), options);
+  }
+  /// Refused, and all files are as they were.
+  void expect_refused(const std::vector<std::string>& words, const std::string& part, int code = 2) {
+    SCOPED_TRACE(words[words.size() - 2] + " " + words.back());
+    const auto before = contents();
+    const test::Result result = viewer(words);
+    EXPECT_EQ(result.exit_code, code) << result.err;
+    EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+    EXPECT_TRUE(contents() == before);
+  }
+  /// A script of these lines.
+  std::string script(const std::string& lines) const {
+    write_text(folder_ / "script", lines);
+    return path("script");
+  }
+
+  fs::path folder_ = test::scratch_folder("viewer-files");
+  int open_ = -1;
+  const std::string read_ = "is read by this command, name another file", same_ = "name the same file";
+};
+
+TEST_F(ViewerFiles, ThatAPictureIsMadeOfAreNoOutputs) {
+  script("draw\n");
+  const std::vector<std::string> picture{"--scene",     path("scene.gltf"),    "--points",   path("finger.ply"),
+                                         "--layout",    path("layout.toml"),   "--skin",     path("skin.ply"),
+                                         "--reference", path("reference.png"), "--interact", path("script")};
+  for (const std::string file : {"scene.gltf", "corners.bin", "picture.png", "finger.ply", "layout.toml", "skin.ply",
+                                 "script", "reference.png"}) {
+    std::vector<std::string> names = names_of(file);
+    if (file != "scene.gltf" && file != "reference.png") names.resize(1);
+    for (const std::string& name : names) {
+      expect_refused(with(picture, {"--screenshot", name}), read_);
+      expect_refused(with(picture, {"--json", name}), read_);
+    }
+  }
+  expect_refused({"--scene", path("scene.gltf"), "--participant", "--screen", path("screen.toml"), "--screenshot",
+                  path("screen.toml")},
+                 read_);
+  // Not yet there, and compared with itself.
+  for (const std::string& name : names_of("absent.png"))
+    expect_refused({"--scene", path("scene.gltf"), "--reference", path("absent.png"), "--screenshot", name}, read_);
+}
+
+TEST_F(ViewerFiles, ThatALiveRunReadsAreNoOutputs) {
+  const std::vector<std::string> live{"--scene",        path("scene.gltf"), "--rig",
+                                      path("rig.toml"), "--source",         "recording:" + path("take")};
+  const std::vector<std::pair<std::string, std::string>> outputs{
+      {"--screenshot", ""}, {"--json", ""}, {"--events", ""}, {"--link", "record:"}};
+  for (const std::string file : {"scene.gltf", "rig.toml"}) {
+    std::vector<std::string> names = names_of(file);
+    if (file != "rig.toml") names.resize(1);
+    for (const std::string& name : names) {
+      for (const auto& [option, prefix] : outputs)
+        expect_refused(with(live, {option, prefix + name}), read_);
+    }
+  }
+  for (const std::string file :
+       {"corners.bin", "mask.png", "layout.toml", "take/recording.toml", "take/times.csv", "take/depth-0.png"})
+    expect_refused(with(live, {"--link", "record:" + path(file)}), read_);
+}
+
+TEST_F(ViewerFiles, ThatShotsNameAreNotWhatIsRead) {
+  const std::vector<std::string> touch{"--scene",          path("scene.gltf"), "--points",
+                                       path("finger.ply"), "--interact",       path("script")};
+  script("draw\n");
+  for (const std::string file : {"finger.ply", "corners.bin", "picture.png", "script", "scene.gltf"}) {
+    std::vector<std::string> names = names_of(file);
+    if (file != "script" && file != "scene.gltf") names.resize(1);
+    for (const std::string& name : names) {
+      script("draw\nshot " + name + "\ndraw\n");
+      expect_refused(touch, "shot in line 2 of --interact");
+    }
+  }
+  for (const std::string file : {"new.png", "old"}) {
+    script("draw\n");
+    for (const std::string& name : names_of(file)) {
+      script("draw\nshot " + path(file) + "\nshot " + name + "\n");
+      if (name != path(file)) expect_refused(touch, same_);
+      expect_refused(with(touch, {"--json", name}), same_);
+      expect_refused(with(touch, {"--screenshot", name}), same_);
+    }
+  }
+  // Of a live run, whose files are read while the script is played, and of what is dropped.
+  const std::vector<std::string> live{"--scene",  path("scene.gltf"),          "--rig",      path("rig.toml"),
+                                      "--source", "recording:" + path("take"), "--interact", path("script")};
+  for (const std::string file : {"mask.png", "corners.bin", "layout.toml", "take/depth-0.png"}) {
+    script("draw\nshot " + path(file) + "\ndraw\n");
+    expect_refused(live, read_);
+  }
+  fs::copy_file(folder_ / "scene.gltf", folder_ / "second.gltf");
+  write_text(folder_ / "second.gltf", [&] {
+    std::string text = test::read_text(folder_ / "scene.gltf");
+    return text.replace(text.find("corners.bin"), 11, "dropped.bin");
+  }());
+  test::write_tetrahedron(folder_ / "dropped.bin");
+  script("draw\ndrop " + path("second.gltf") + "\nshot " + path("dropped.bin") + "\ndraw\n");
+  expect_refused(touch, "is read by this command");
+  // What nobody reads is drawn over as often as somebody likes.
+  script("draw\nshot " + path("new.png") + "\ndraw\nshot " + path("new.png") + "\n");
+  EXPECT_EQ(viewer(touch).exit_code, 0);
+  EXPECT_EQ(viewer(touch).exit_code, 0);
+}
+
+TEST_F(ViewerFiles, ThatAModelOrARecordingNamesStayInItsFolder) {
+  write_text(folder_ / "short.bin", "Q7");
+  fs::create_directory(folder_ / "theirs");
+  test::write_scene(folder_ / "theirs/model.gltf", "../short.bin");
+  test::write_recording(folder_ / "theirs/recording.toml", "files = [\"../depth-%d.png\"]\n");
+  const std::vector<std::string> model{"--scene", path("theirs/model.gltf")};
+  expect_refused(model, "--allow-outside", 4);
+  expect_refused(with(model, {"--allow-outside"}), "has 2 bytes", 4);
+  expect_refused(
+      {"--scene", path("scene.gltf"), "--layout", path("layout.toml"), "--source", "recording:" + path("theirs")},
+      "--allow-outside", 4);
+}
+
+TEST_F(ViewerFiles, ThatAreWrittenAreNotWrittenTwice) {
+  for (const std::string file : {"new", "old"}) {
+    for (const std::string& name : names_of(file)) {
+      expect_refused({"--scene", path("scene.gltf"), "--json", path(file), "--screenshot", name}, same_);
+      expect_refused({"--scene", path("scene.gltf"), "--source", "recording:" + path("take"), "--events", path(file),
+                      "--screenshot", name},
+                     same_);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpa
