@@ -320,7 +320,7 @@ Mesh ball_of(int divisions, Shape shape) {
 TEST(Limits, RoundThingsNeedFewSteps) {
   std::mt19937 random(4);
   std::normal_distribution<double> noise(1, 0.003);
-  const SurfaceOptions deep{.deep = true, .steps_per_cell = 1000, .spare_steps = 0};
+  const SurfaceOptions deep{.deep = true, .steps_per_cell = 500, .spare_steps = 0};
   EXPECT_FALSE(make_surface(ball_of(24, [](const Vec3& p) { return 0.03 * p; }), deep).empty());
   EXPECT_FALSE(make_surface(ball_of(24, [](const Vec3& p) { return 0.03 * p * Vec3(1, 1.3, 1); }), deep).empty());
   EXPECT_FALSE(make_surface(ball_of(24, [&](const Vec3& p) { return 0.03 * noise(random) * p; }), deep).empty());
