@@ -45,10 +45,10 @@
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/skin_point.hpp"
+#include "touch/contacts/prepared_solids.hpp"
+#include "touch/contacts/solids_memory.hpp"
 #include "touch/passes.hpp"
-#include "touch/prepared_solids.hpp"
 #include "touch/room.hpp"
-#include "touch/solids_memory.hpp"
 #include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
 

@@ -6,14 +6,14 @@ BEGIN {
   for (i in floor_names) floor_of[floor_names[i]] = i + 0
 
   # driver/ sees the engine through its small interfaces only.
-  interface["session/link.hpp"] = interface["session/sources.hpp"] = 1  # how both are named on the command line
-  interface["session/hand_over.hpp"] = 1  # what a link says of what it was handed
+  interface["session/links/link.hpp"] = interface["session/links/sources.hpp"] = 1  # how both are named on the command line
+  interface["session/links/hand_over.hpp"] = 1  # what a link says of what it was handed
   interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor
   interface["bench/row.hpp"] = 1              # its rows of palpa bench
   interface["cli/command.hpp"] = interface["setup/options.hpp"] = interface["setup/values.hpp"] = 1  # its commands
   interface["array/drive.hpp"] = interface["array/layout.hpp"] = interface["array/schedule.hpp"] = 1
-  interface["acoustics/incident.hpp"] = interface["acoustics/air.hpp"] = 1  # what an emulator's bytes sound like
+  interface["acoustics/field/incident.hpp"] = interface["acoustics/air.hpp"] = 1  # what an emulator's bytes sound like
   bad = 0
 }
 

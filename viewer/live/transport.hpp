@@ -8,8 +8,8 @@
 #include <mutex>
 #include <optional>
 
-#include "session/sources.hpp"
-#include "viewer/desk.hpp"
+#include "session/links/sources.hpp"
+#include "viewer/panels/desk.hpp"
 
 namespace palpa::viewer {
 
