@@ -97,7 +97,7 @@ paths() {
 shaders() {
   local shader name found=0
   while read -r shader; do
-    name=${shader#shaders/}
+    name=${shader##*/}
     if ! grep -rqw --include=CMakeLists.txt "${name//./\\.}" engine viewer driver tests; then
       echo "   no room compiles $shader"
       found=1

@@ -14,6 +14,7 @@
 #include "setup/places.hpp"
 #include "viewer/hands/gizmo.hpp"
 #include "viewer/live/live_session.hpp"
+#include "viewer/live/transport.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/render/participant.hpp"
 #include "viewer/view/view_state.hpp"
@@ -25,15 +26,6 @@ struct Toast {
   std::string text;
   log::Level level = log::Level::info;
   double until_s = 0;  ///< on the application's clock
-};
-
-/// Where a recording is being played.
-struct Playback {
-  std::uint64_t frame = 0, frames = 0;  ///< of so many
-  double time_s = 0, length_s = 0;      ///< since its first frame
-  bool playing = true;
-  double speed = 1;
-  bool loop = true;
 };
 
 /// How far a finger is in.

@@ -9,15 +9,9 @@
 #include "base/math.hpp"
 #include "geometry/haptics.hpp"
 #include "geometry/mesh/mesh.hpp"
+#include "geometry/part_of.hpp"
 
 namespace palpa::geometry {
-
-/// What makes a mesh one convex part of a solid: palpa decompose writes it into the node's `extras`.
-struct PartOf {
-  std::string solid;        ///< the solid's name
-  std::uint32_t group = 0;  ///< tells solids of one name apart
-  double seam_m = 0;        ///< see Parts::seam_m
-};
 
 /// Which of a scene's meshes are the same but for where they are.
 struct CopyOf {

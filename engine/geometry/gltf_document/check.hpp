@@ -7,9 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf_document/container.hpp"
 #include "geometry/gltf_document/meshopt.hpp"
+#include "geometry/haptics.hpp"
+#include "geometry/part_of.hpp"
 
 namespace palpa::geometry::gltf {
 

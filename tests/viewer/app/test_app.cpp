@@ -194,16 +194,14 @@ TEST_F(LiveApp, SavesNoSceneOverAFileThatIsRead) {
     app_->save_scene(file, now_s_);
     EXPECT_EQ(test::read_text(scene_), before) << file;
   }
-  // Its own files it may write again, also while it reads them.
+  // Its own files it may write again, also while it reads them. An hour lies between, since times are in milliseconds.
   auto last = fs::file_time_type::min();
   for (int i = 0; i < 2; ++i) {
     app_->save_scene(folder_ / "mine.glb", now_s_);
     ASSERT_TRUE(fs::exists(folder_ / "mine.glb")) << i;
     const fs::file_time_type written = fs::last_write_time(folder_ / "mine.glb");
     EXPECT_TRUE(written > last) << i;
-    // File systems count time in steps of milliseconds: without this both could be of one.
-    last = written - std::chrono::hours(1);
-    fs::last_write_time(folder_ / "mine.glb", last);
+    fs::last_write_time(folder_ / "mine.glb", last = written - 1h);
     EXPECT_TRUE(goes_round_until([&] { return !app_->beginning(); }));
   }
 }
