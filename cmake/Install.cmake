@@ -14,7 +14,7 @@ install(TARGETS ${rooms} palpa_everything EXPORT palpaTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 
-# Rooms include each other as "touch/types.hpp" and the structs they share with shaders as "shaders/contacts.h".
+# Rooms include each other as "touch/types.hpp" and the structs they share with shaders as "shaders/touch/contacts/contacts.h".
 install(DIRECTORY engine/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpa FILES_MATCHING PATTERN "*.hpp")
 install(DIRECTORY driver viewer shaders DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpa
   FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h")

@@ -1,4 +1,4 @@
-# palpa_shaders(TARGET name.comp ...): compiles shaders/name.comp to SPIR-V at build time, validates it and embeds it as
+# palpa_shaders(TARGET folder/name.comp ...): compiles shaders/folder/name.comp to SPIR-V at build time, validates it and embeds it as
 # `palpa::spirv::name_comp` in the header "spirv/name.comp.hpp" of the build directory. A shader error fails the build;
 # the depfile makes an edited shared header rebuild every shader that includes it.
 find_program(GLSLANG_VALIDATOR glslangValidator REQUIRED)
@@ -10,20 +10,21 @@ set(PALPA_SHADER_EMBED ${CMAKE_CURRENT_LIST_DIR}/EmbedSpirv.cmake)
 function(palpa_shaders TARGET)
   set(dir ${PROJECT_BINARY_DIR}/spirv)
   file(MAKE_DIRECTORY ${dir})
-  foreach(shader IN LISTS ARGN)
+  foreach(source IN LISTS ARGN)
+    cmake_path(GET source FILENAME shader)
     set(spv ${dir}/${shader}.spv)
     set(header ${dir}/${shader}.hpp)
     add_custom_command(
       OUTPUT ${header}
       BYPRODUCTS ${spv}
-      COMMAND ${GLSLANG_VALIDATOR} --quiet --target-env vulkan1.3 -I${PALPA_SHADER_SOURCES} --depfile ${header}.d
-              -o ${spv} ${PALPA_SHADER_SOURCES}/${shader}
+      COMMAND ${GLSLANG_VALIDATOR} --quiet --target-env vulkan1.3 -I${PROJECT_SOURCE_DIR} --depfile ${header}.d
+              -o ${spv} ${PALPA_SHADER_SOURCES}/${source}
       COMMAND ${SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${spv}
-      COMMAND ${CMAKE_COMMAND} -DSPV=${spv} -DHEADER=${header} -DSHADER=${shader} -DDEPFILE=${header}.d
+      COMMAND ${CMAKE_COMMAND} -DSPV=${spv} -DHEADER=${header} -DSHADER=${source} -DDEPFILE=${header}.d
               -P ${PALPA_SHADER_EMBED}
-      DEPENDS ${PALPA_SHADER_SOURCES}/${shader} ${PALPA_SHADER_EMBED}
+      DEPENDS ${PALPA_SHADER_SOURCES}/${source} ${PALPA_SHADER_EMBED}
       DEPFILE ${header}.d
-      COMMENT "Shader ${shader}"
+      COMMENT "Shader ${source}"
       VERBATIM)
     target_sources(${TARGET} PRIVATE ${header})
   endforeach()

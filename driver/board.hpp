@@ -26,7 +26,7 @@
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
-#include "session/hand_over.hpp"
+#include "session/links/hand_over.hpp"
 
 namespace palpa::driver {
 

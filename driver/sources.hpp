@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "session/sources.hpp"
+#include "session/links/sources.hpp"
 
 namespace palpa::driver {
 

@@ -11,9 +11,9 @@
 #include "driver/sources.hpp"
 #include "setup/parse.hpp"
 #include "setup/program.hpp"
-#include "viewer/run.hpp"
-#include "viewer/settings.hpp"
-#include "viewer/viewer_options.hpp"
+#include "viewer/app/settings.hpp"
+#include "viewer/app/viewer_options.hpp"
+#include "viewer/run/run.hpp"
 
 namespace palpa::viewer {
 namespace {

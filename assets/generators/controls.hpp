@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
 
 namespace palpa::assets {
 

@@ -1,7 +1,7 @@
 // A finger of the paper's size (section IV-A: 5 cm from the tip, 4322 faces).
 #pragma once
 
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace palpa::assets {
 

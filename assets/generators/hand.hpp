@@ -11,7 +11,7 @@
 #include <optional>
 #include <string_view>
 
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace palpa::assets {
 

@@ -6,8 +6,8 @@
 #include "assets/generators/finger.hpp"
 #include "assets/generators/program.hpp"
 #include "base/error.hpp"
-#include "geometry/gltf_write.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/write.hpp"
 
 int main(int argc, char** argv) {
   return palpa::assets::run_program([&] {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "assets/generators/program.hpp"
-#include "geometry/gltf_write.hpp"
-#include "geometry/icosphere.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/write.hpp"
+#include "geometry/mesh/icosphere.hpp"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include "assets/generators/controls.hpp"
 #include "assets/generators/objects.hpp"
 #include "assets/generators/program.hpp"
-#include "geometry/gltf_write.hpp"
+#include "geometry/gltf/write.hpp"
 
 int main(int argc, char** argv) {
   return palpa::assets::run_program([&] {

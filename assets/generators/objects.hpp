@@ -1,7 +1,7 @@
 // The paper's four objects (section IV-A): each with its top at y = 0 on the y axis and its body below.
 #pragma once
 
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace palpa::assets {
 

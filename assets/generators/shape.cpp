@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
-#include "geometry/topology.hpp"
+#include "geometry/mesh/topology.hpp"
 
 namespace palpa::assets {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "acoustics/incident.hpp"
+#include "acoustics/field/incident.hpp"
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 

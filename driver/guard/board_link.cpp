@@ -13,7 +13,7 @@
 #include "base/log.hpp"
 #include "driver/guard/guard.hpp"
 #include "driver/guard/process.hpp"
-#include "session/hand_over.hpp"
+#include "session/links/hand_over.hpp"
 
 namespace palpa::driver {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "driver/board.hpp"
-#include "session/link.hpp"
+#include "session/links/link.hpp"
 
 namespace palpa::driver {
 

@@ -16,7 +16,7 @@
 #include "array/drive.hpp"
 #include "array/schedule.hpp"
 #include "driver/board.hpp"
-#include "session/hand_over.hpp"
+#include "session/links/hand_over.hpp"
 
 namespace palpa::driver {
 

@@ -21,7 +21,7 @@
 #include "base/error.hpp"
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
-#include "session/hand_over.hpp"
+#include "session/links/hand_over.hpp"
 
 namespace palpa::driver {
 namespace {

@@ -15,7 +15,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "driver/fixed_text.hpp"
-#include "session/hand_over.hpp"
+#include "session/links/hand_over.hpp"
 
 namespace palpa::driver::openmpd {
 namespace {

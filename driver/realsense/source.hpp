@@ -9,7 +9,7 @@
 #include "driver/cameras/host.hpp"
 #include "driver/realsense/sdk.hpp"
 #include "sensing/depth_source.hpp"
-#include "session/sources.hpp"
+#include "session/links/sources.hpp"
 
 namespace palpa::driver::realsense {
 

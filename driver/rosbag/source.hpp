@@ -9,7 +9,7 @@
 #include <string>
 
 #include "sensing/depth_source.hpp"
-#include "session/sources.hpp"
+#include "session/links/sources.hpp"
 
 namespace palpa::driver::rosbag {
 

@@ -8,7 +8,7 @@
 
 #include "driver/v4l2/kernel.hpp"
 #include "sensing/depth_source.hpp"
-#include "session/sources.hpp"
+#include "session/links/sources.hpp"
 
 namespace palpa::driver::v4l2 {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "array/layout.hpp"
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace palpa::array {
 

@@ -13,7 +13,7 @@
 #include "gpu/buffer.hpp"
 #include "gpu/pipeline.hpp"
 #include "gpu/texel_view.hpp"
-#include "shaders/drive.h"
+#include "shaders/array/drive/drive.h"
 
 namespace palpa::array {
 

@@ -2,7 +2,7 @@
 //
 //   G = D(angle) e^{ikd} / max(d, radius)
 //
-// in double precision but for the directivity D, which is looked up. Twin: shaders/transfer_free.glsl.
+// in double precision but for the directivity D, which is looked up. Twin: shaders/array/drive/transfer_free.glsl.
 #pragma once
 
 #include <vector>

@@ -11,7 +11,7 @@
 #include "gpu/buffer.hpp"
 #include "gpu/pipeline.hpp"
 #include "gpu/scratch.hpp"
-#include "shaders/solve.h"
+#include "shaders/array/solve/solve.h"
 
 namespace palpa::array {
 
@@ -51,8 +51,8 @@ struct SolveBatch {
 /// two phases are equally good to within rounding, device and twin may choose differently and go different ways from
 /// there, to drives that serve the foci equally well.
 ///
-/// The kernels know the transfer between transducers and foci as shaders/transfer_free.glsl has it, by the matrix and
-/// by the columns G of the foci, a transducer at a time: another transfer is another file of the same names.
+/// The kernels know the transfer between transducers and foci as shaders/array/drive/transfer_free.glsl has it, by the
+/// matrix and by the columns G of the foci, a transducer at a time: another transfer is another file of the same names.
 class SolverPass {
  public:
   SolverPass(const gpu::Device& device, Solver solver);

@@ -7,10 +7,10 @@
 #include <complex>
 #include <span>
 
-#include "acoustics/field_pass.hpp"
-#include "acoustics/focus_shape.hpp"
-#include "acoustics/incident.hpp"
-#include "acoustics/pressure.hpp"
+#include "acoustics/field/field_pass.hpp"
+#include "acoustics/field/focus_shape.hpp"
+#include "acoustics/field/incident.hpp"
+#include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "base/error.hpp"

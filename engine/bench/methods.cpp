@@ -4,16 +4,16 @@
 #include <chrono>
 #include <glm/geometric.hpp>
 
-#include "acoustics/array_field.hpp"
-#include "acoustics/tune.hpp"
+#include "acoustics/felt/tune.hpp"
+#include "acoustics/field/array_field.hpp"
 #include "base/error.hpp"
 #include "bench/bench.hpp"
-#include "geometry/ply.hpp"
-#include "session/voice.hpp"
+#include "geometry/files/ply.hpp"
+#include "session/plan/voice.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
+#include "touch/foci/method.hpp"
 #include "touch/host_stage.hpp"
-#include "touch/method.hpp"
 
 namespace palpa::bench {
 namespace {

@@ -13,19 +13,19 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
-#include "acoustics/body_mesh.hpp"
-#include "acoustics/incident.hpp"
-#include "acoustics/radiation.hpp"
-#include "acoustics/rigid_body.hpp"
-#include "acoustics/sphere_series.hpp"
-#include "acoustics/surface_operator.hpp"
-#include "acoustics/waves.hpp"
+#include "acoustics/bodies/body_mesh.hpp"
+#include "acoustics/bodies/radiation.hpp"
+#include "acoustics/bodies/rigid_body.hpp"
+#include "acoustics/bodies/sphere_series.hpp"
+#include "acoustics/boundary/surface_operator.hpp"
+#include "acoustics/field/incident.hpp"
+#include "acoustics/field/waves.hpp"
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "base/error.hpp"
 #include "bench/bench.hpp"
-#include "geometry/icosphere.hpp"
-#include "geometry/load_triangles.hpp"
+#include "geometry/files/load_triangles.hpp"
+#include "geometry/mesh/icosphere.hpp"
 #include "setup/assets.hpp"
 
 namespace palpa::bench {

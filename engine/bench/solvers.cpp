@@ -11,7 +11,7 @@
 #include <string>
 #include <thread>
 
-#include "acoustics/pressure.hpp"
+#include "acoustics/field/pressure.hpp"
 #include "array/drive_pass.hpp"
 #include "base/error.hpp"
 #include "bench/bench.hpp"

@@ -10,8 +10,8 @@
 
 #include "bench/row.hpp"
 #include "cli/doctor.hpp"
-#include "session/link.hpp"
-#include "session/sources.hpp"
+#include "session/links/link.hpp"
+#include "session/links/sources.hpp"
 #include "setup/options.hpp"
 
 namespace CLI {

@@ -1,4 +1,4 @@
-#include "geometry/decompose.hpp"
+#include "geometry/parts/decompose.hpp"
 
 #include <fmt/format.h>
 
@@ -17,8 +17,8 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
-#include "geometry/gltf.hpp"
-#include "geometry/gltf_write.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "geometry/gltf/write.hpp"
 #include "geometry/solid.hpp"
 #include "geometry/text.hpp"
 #include "setup/options.hpp"

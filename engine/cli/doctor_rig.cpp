@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "sensing/rig_toml.hpp"
-#include "session/sources.hpp"
+#include "session/links/sources.hpp"
 #include "setup/frames.hpp"
 
 namespace palpa::cli {

@@ -17,10 +17,10 @@
 #include <utility>
 
 #include "acoustics/air.hpp"
-#include "acoustics/body_mesh.hpp"
-#include "acoustics/finger_transfer.hpp"
-#include "acoustics/pressure.hpp"
-#include "acoustics/rigid_body.hpp"
+#include "acoustics/bodies/body_mesh.hpp"
+#include "acoustics/bodies/finger_transfer.hpp"
+#include "acoustics/bodies/rigid_body.hpp"
+#include "acoustics/field/pressure.hpp"
 #include "array/drive_pass.hpp"
 #include "array/layout.hpp"
 #include "array/resolution.hpp"
@@ -42,7 +42,7 @@
 #include "setup/touch_file.hpp"
 #include "setup/values.hpp"
 #include "setup/warnings.hpp"
-#include "touch/method.hpp"
+#include "touch/foci/method.hpp"
 
 namespace palpa::cli {
 namespace {

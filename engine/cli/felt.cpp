@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "acoustics/skin.hpp"
-#include "acoustics/tune.hpp"
+#include "acoustics/felt/skin.hpp"
+#include "acoustics/felt/tune.hpp"
 #include "base/words.hpp"
 
 namespace palpa::cli {

@@ -4,9 +4,9 @@
 #include <span>
 #include <string>
 
-#include "acoustics/spectrum.hpp"
+#include "acoustics/felt/spectrum.hpp"
 #include "base/json_writer.hpp"
-#include "session/scheduler.hpp"
+#include "session/plan/scheduler.hpp"
 
 namespace palpa::cli {
 

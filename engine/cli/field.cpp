@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
-#include "acoustics/field_pass.hpp"
-#include "acoustics/incident.hpp"
+#include "acoustics/field/field_pass.hpp"
+#include "acoustics/field/incident.hpp"
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
@@ -30,7 +30,7 @@
 #include "cli/foci_drive.hpp"
 #include "drawing/field_picture.hpp"
 #include "drawing/png.hpp"
-#include "geometry/vtu.hpp"
+#include "geometry/files/vtu.hpp"
 #include "gpu/device.hpp"
 #include "setup/drive_file.hpp"
 #include "setup/options.hpp"

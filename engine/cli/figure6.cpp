@@ -12,7 +12,7 @@
 #include "base/output_file.hpp"
 #include "cli/simulate.hpp"
 #include "cli/touch_picture.hpp"
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "setup/assets.hpp"
 #include "setup/progress.hpp"
 #include "setup/warnings.hpp"

@@ -13,7 +13,7 @@
 #include "array/usual.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "session/pressure_log.hpp"
+#include "session/watch/pressure_log.hpp"
 #include "setup/values.hpp"
 
 namespace palpa::cli {

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
-#include "acoustics/body_mesh.hpp"
-#include "acoustics/body_places.hpp"
-#include "acoustics/incident.hpp"
-#include "acoustics/radiation.hpp"
-#include "acoustics/rigid_body.hpp"
-#include "acoustics/waves.hpp"
+#include "acoustics/bodies/body_mesh.hpp"
+#include "acoustics/bodies/body_places.hpp"
+#include "acoustics/bodies/radiation.hpp"
+#include "acoustics/bodies/rigid_body.hpp"
+#include "acoustics/field/incident.hpp"
+#include "acoustics/field/waves.hpp"
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/error.hpp"

@@ -8,18 +8,18 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
-#include "acoustics/body_cache.hpp"
-#include "acoustics/radiation.hpp"
-#include "acoustics/spectrum.hpp"
+#include "acoustics/bodies/body_cache.hpp"
+#include "acoustics/bodies/radiation.hpp"
+#include "acoustics/felt/spectrum.hpp"
 #include "array/schedule.hpp"
 #include "base/json_writer.hpp"
 #include "base/math.hpp"
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "geometry/solid.hpp"
-#include "session/scheduler.hpp"
+#include "session/plan/scheduler.hpp"
 #include "setup/options.hpp"
 #include "setup/touch_run.hpp"
-#include "touch/method.hpp"
+#include "touch/foci/method.hpp"
 
 namespace palpa::cli {
 

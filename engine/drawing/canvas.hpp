@@ -7,7 +7,7 @@
 #include "base/math.hpp"
 #include "drawing/colour.hpp"
 #include "drawing/png.hpp"
-#include "shaders/view_scene.h"
+#include "shaders/viewer/view_scene.h"
 
 namespace palpa::drawing {
 

@@ -15,8 +15,8 @@
 #include "base/activity.hpp"
 #include "base/cache_file.hpp"
 #include "base/error.hpp"
+#include "geometry/mesh/topology.hpp"
 #include "geometry/text.hpp"
-#include "geometry/topology.hpp"
 
 namespace palpa::geometry {
 namespace {

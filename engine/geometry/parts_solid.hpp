@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/decompose.hpp"
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "geometry/parts/decompose.hpp"
 #include "geometry/solid.hpp"
 
 namespace palpa::geometry {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "geometry/convex.hpp"
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "geometry/parts/convex.hpp"
 
 namespace palpa::geometry {
 

@@ -17,12 +17,12 @@
 #include "base/cache_file.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "geometry/mesh/topology.hpp"
 #include "geometry/parts_solid.hpp"
 #include "geometry/rigid_copies.hpp"
 #include "geometry/solid_mesh.hpp"
-#include "geometry/surface_depth.hpp"
+#include "geometry/surface/surface_depth.hpp"
 #include "geometry/text.hpp"
-#include "geometry/topology.hpp"
 
 namespace palpa::geometry {
 namespace {

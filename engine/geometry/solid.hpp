@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "base/words.hpp"
-#include "geometry/convex.hpp"
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "geometry/haptics.hpp"
-#include "geometry/mesh.hpp"
-#include "geometry/parts.hpp"
+#include "geometry/mesh/mesh.hpp"
+#include "geometry/parts/convex.hpp"
+#include "geometry/parts/parts.hpp"
 
 namespace palpa::geometry {
 

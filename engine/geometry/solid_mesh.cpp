@@ -7,13 +7,13 @@
 #include <optional>
 
 #include "base/error.hpp"
-#include "geometry/bvh.hpp"
-#include "geometry/mesh_repair.hpp"
-#include "geometry/self_intersection.hpp"
-#include "geometry/shells.hpp"
-#include "geometry/surface_triangles.hpp"
+#include "geometry/mesh/bvh.hpp"
+#include "geometry/mesh/mesh_repair.hpp"
+#include "geometry/mesh/self_intersection.hpp"
+#include "geometry/mesh/shells.hpp"
+#include "geometry/mesh/topology.hpp"
+#include "geometry/surface/surface_triangles.hpp"
 #include "geometry/text.hpp"
-#include "geometry/topology.hpp"
 
 namespace palpa::geometry {
 namespace {

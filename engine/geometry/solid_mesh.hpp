@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/convex.hpp"
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
+#include "geometry/parts/convex.hpp"
 
 namespace palpa::geometry {
 

@@ -6,7 +6,7 @@
 
 #include "gpu/buffer.hpp"
 #include "gpu/pipeline.hpp"
-#include "shaders/scan.h"
+#include "shaders/shared/scan.h"
 
 namespace palpa::gpu {
 

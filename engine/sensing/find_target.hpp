@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "geometry/mesh_fit.hpp"
+#include "geometry/mesh/mesh_fit.hpp"
 #include "sensing/camera.hpp"
 #include "sensing/still_image.hpp"
 
@@ -24,7 +24,7 @@ bool scale_is_off(const FoundTarget& found);
 
 /// Three flat patches are matched with three of the target's faces, which all meet at other angles; a match is a pose,
 /// and the pose that explains most of what is seen, and puts least of the target where the camera sees past it, is
-/// fitted to all points (geometry/mesh_fit.hpp). Clutter does no harm as long as three faces are seen beside it.
+/// fitted to all points (geometry/mesh/mesh_fit.hpp). Clutter does no harm as long as three faces are seen beside it.
 ///
 /// Throws bad_input, one line that names the camera: hardly any depth; no target; two poses that explain the image
 /// equally well; a view that does not hold the target in all six directions (MeshFitted::hold below least_hold).

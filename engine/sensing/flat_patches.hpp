@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/convex.hpp"
+#include "geometry/parts/convex.hpp"
 #include "sensing/still_image.hpp"
 
 namespace palpa::sensing {

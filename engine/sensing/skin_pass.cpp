@@ -5,7 +5,7 @@
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"
 #include "gpu/commands.hpp"
-#include "shaders/skin.h"
+#include "shaders/sensing/skin.h"
 #include "spirv/skin_count.comp.hpp"
 #include "spirv/skin_scatter.comp.hpp"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "sensing/depth_noise.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"

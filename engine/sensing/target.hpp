@@ -6,8 +6,8 @@
 #include <array>
 #include <vector>
 
-#include "geometry/convex.hpp"
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
+#include "geometry/parts/convex.hpp"
 
 namespace palpa::sensing {
 

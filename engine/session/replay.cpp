@@ -7,8 +7,8 @@
 
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
-#include "session/output.hpp"
-#include "session/safe_link.hpp"
+#include "session/links/safe_link.hpp"
+#include "session/loop/output.hpp"
 
 namespace palpa::session {
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "session/pressure_log.hpp"
 #include "session/session.hpp"
+#include "session/watch/pressure_log.hpp"
 
 namespace palpa::session {
 

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "session/loop.hpp"
-#include "session/pressure_log.hpp"
-#include "session/tuning_thread.hpp"
+#include "session/loop/loop.hpp"
+#include "session/plan/tuning_thread.hpp"
+#include "session/watch/pressure_log.hpp"
 
 namespace palpa::session {
 

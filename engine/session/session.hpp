@@ -19,11 +19,11 @@
 
 #include "gpu/device.hpp"
 #include "sensing/depth_source.hpp"
-#include "session/events.hpp"
-#include "session/link.hpp"
-#include "session/planner.hpp"
-#include "session/setting.hpp"
-#include "session/stats.hpp"
+#include "session/links/link.hpp"
+#include "session/plan/planner.hpp"
+#include "session/plan/setting.hpp"
+#include "session/watch/events.hpp"
+#include "session/watch/stats.hpp"
 
 namespace palpa::session {
 

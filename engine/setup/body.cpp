@@ -1,7 +1,7 @@
 #include "setup/body.hpp"
 
-#include "acoustics/body_mesh.hpp"
-#include "geometry/load_triangles.hpp"
+#include "acoustics/bodies/body_mesh.hpp"
+#include "geometry/files/load_triangles.hpp"
 
 namespace palpa::setup {
 

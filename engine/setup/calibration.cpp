@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "sensing/synthetic.hpp"
 #include "sensing/target.hpp"
 

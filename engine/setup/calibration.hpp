@@ -9,7 +9,7 @@
 #include "sensing/depth_source.hpp"
 #include "sensing/find_target.hpp"
 #include "sensing/still_image.hpp"
-#include "session/sources.hpp"
+#include "session/links/sources.hpp"
 
 namespace palpa::setup {
 

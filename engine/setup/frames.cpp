@@ -10,7 +10,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/reference.hpp"
-#include "session/sources.hpp"
+#include "session/links/sources.hpp"
 #include "setup/assets.hpp"
 #include "setup/progress.hpp"
 #include "setup/touch_schedule.hpp"

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "session/event_sink.hpp"
-#include "session/pressure_log.hpp"
+#include "session/links/sources.hpp"
 #include "session/session.hpp"
-#include "session/sources.hpp"
+#include "session/watch/event_sink.hpp"
+#include "session/watch/pressure_log.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "setup/values.hpp"

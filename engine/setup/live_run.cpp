@@ -12,8 +12,8 @@
 #include "base/log.hpp"
 #include "base/open_output.hpp"
 #include "sensing/rig.hpp"
-#include "session/hand_over.hpp"
-#include "session/spec.hpp"
+#include "session/links/hand_over.hpp"
+#include "session/links/spec.hpp"
 #include "session/threads.hpp"
 #include "setup/load.hpp"
 

@@ -12,10 +12,10 @@
 
 #include "base/outputs.hpp"
 #include "sensing/recording.hpp"
-#include "session/event_sink.hpp"
-#include "session/link.hpp"
+#include "session/links/link.hpp"
+#include "session/links/sources.hpp"
 #include "session/session.hpp"
-#include "session/sources.hpp"
+#include "session/watch/event_sink.hpp"
 #include "setup/frames.hpp"
 
 namespace palpa::setup {

@@ -9,7 +9,7 @@
 #include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "geometry/parts_solid.hpp"
 #include "setup/assets.hpp"
 #include "setup/warnings.hpp"

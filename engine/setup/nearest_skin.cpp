@@ -3,7 +3,7 @@
 #include <limits>
 #include <vector>
 
-#include "geometry/nearest.hpp"
+#include "geometry/mesh/nearest.hpp"
 #include "sensing/skin_twin.hpp"
 
 namespace palpa::setup {

@@ -16,7 +16,7 @@
 #include "base/outputs.hpp"
 #include "geometry/solid.hpp"
 #include "gpu/device.hpp"
-#include "touch/method.hpp"
+#include "touch/foci/method.hpp"
 #include "touch/types.hpp"
 
 namespace CLI {

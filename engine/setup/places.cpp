@@ -11,7 +11,7 @@
 #include "base/error.hpp"
 #include "base/memory.hpp"
 #include "base/units.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
 #include "setup/values.hpp"
 
 namespace palpa::setup {

@@ -12,9 +12,9 @@
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
-#include "geometry/gltf_json.hpp"
-#include "session/voice.hpp"
-#include "touch/method.hpp"
+#include "geometry/gltf_document/json.hpp"
+#include "session/plan/voice.hpp"
+#include "touch/foci/method.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::setup {

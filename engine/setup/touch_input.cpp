@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/rig.hpp"

@@ -6,7 +6,7 @@
 
 #include "base/error.hpp"
 #include "setup/touch_schedule.hpp"
-#include "shaders/contacts.h"
+#include "shaders/touch/contacts/contacts.h"
 
 namespace palpa::setup {
 namespace {

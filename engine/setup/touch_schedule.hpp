@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "acoustics/spectrum.hpp"
-#include "acoustics/tune.hpp"
+#include "acoustics/felt/spectrum.hpp"
+#include "acoustics/felt/tune.hpp"
 #include "array/schedule.hpp"
-#include "session/scheduler.hpp"
+#include "session/plan/scheduler.hpp"
 #include "session/session.hpp"
 #include "setup/options.hpp"
 

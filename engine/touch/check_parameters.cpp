@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/error.hpp"
-#include "shaders/fingers.h"
+#include "shaders/touch/fingers/fingers.h"
 
 namespace palpa::touch {
 

@@ -1,7 +1,7 @@
 // What may be asked of a scene.
 #pragma once
 
-#include "touch/prepared_solids.hpp"
+#include "touch/contacts/prepared_solids.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {

@@ -1,15 +1,15 @@
 #include "touch/host_stage.hpp"
 
 #include "sensing/skin_twin.hpp"
-#include "touch/bridge_cameras.hpp"
+#include "touch/bridge/bridge_cameras.hpp"
 #include "touch/check_parameters.hpp"
-#include "touch/contacts_twin.hpp"
+#include "touch/contacts/contacts_twin.hpp"
+#include "touch/contacts/pixel_stride.hpp"
 #include "touch/depths.hpp"
-#include "touch/fingers_twin.hpp"
-#include "touch/foci_twin.hpp"
-#include "touch/pixel_stride.hpp"
-#include "touch/sections_twin.hpp"
-#include "touch/split_twin.hpp"
+#include "touch/fingers/fingers_twin.hpp"
+#include "touch/foci/foci_twin.hpp"
+#include "touch/sections/sections_twin.hpp"
+#include "touch/split/split_twin.hpp"
 
 namespace palpa::touch {
 

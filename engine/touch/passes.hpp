@@ -5,15 +5,15 @@
 #include <optional>
 
 #include "sensing/skin_pass.hpp"
-#include "touch/bridge_pass.hpp"
-#include "touch/contacts_pass.hpp"
-#include "touch/fingers_pass.hpp"
-#include "touch/foci_pass.hpp"
-#include "touch/follow_pass.hpp"
-#include "touch/glide_pass.hpp"
-#include "touch/prepared_solids.hpp"
-#include "touch/sections_pass.hpp"
-#include "touch/split_pass.hpp"
+#include "touch/bridge/bridge_pass.hpp"
+#include "touch/contacts/contacts_pass.hpp"
+#include "touch/contacts/prepared_solids.hpp"
+#include "touch/fingers/fingers_pass.hpp"
+#include "touch/foci/foci_pass.hpp"
+#include "touch/follow/follow_pass.hpp"
+#include "touch/follow/glide_pass.hpp"
+#include "touch/sections/sections_pass.hpp"
+#include "touch/split/split_pass.hpp"
 #include "touch/stage_setting.hpp"
 
 namespace palpa::touch {

@@ -4,10 +4,10 @@
 
 #include "gpu/barrier.hpp"
 #include "gpu/commands.hpp"
-#include "touch/bridge_cameras.hpp"
+#include "touch/bridge/bridge_cameras.hpp"
 #include "touch/check_parameters.hpp"
-#include "touch/pixel_stride.hpp"
-#include "touch/sector_borders.hpp"
+#include "touch/contacts/pixel_stride.hpp"
+#include "touch/sections/sector_borders.hpp"
 
 namespace palpa::touch {
 namespace {

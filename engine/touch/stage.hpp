@@ -11,7 +11,7 @@
 //   timeline.wait(timeline.submit(recorder.end()));
 //   touch::read(memory, touch);
 //
-// The passes in the order of record(), each with its kernels (shaders/NAME.comp) and what it writes. A point goes on as
+// The passes in the order of record(), each with its kernels (NAME.comp in shaders/touch/) and what it writes. A point goes on as
 // a contact, a contact as a member of a finger, a finger as foci. Split and bridge look at the depth frames again and
 // run where there are cameras and a finger width; follow and glide know of the frames before and run where fingers are
 // followed and foci smoothed.
@@ -45,10 +45,10 @@
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/skin_point.hpp"
+#include "touch/contacts/prepared_solids.hpp"
+#include "touch/contacts/solids_memory.hpp"
 #include "touch/passes.hpp"
-#include "touch/prepared_solids.hpp"
 #include "touch/room.hpp"
-#include "touch/solids_memory.hpp"
 #include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
 

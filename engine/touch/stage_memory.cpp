@@ -5,11 +5,11 @@
 #include <cstring>
 
 #include "base/error.hpp"
-#include "shaders/bridge.h"
-#include "shaders/contacts.h"
-#include "shaders/fingers.h"
-#include "shaders/foci.h"
-#include "shaders/scan.h"
+#include "shaders/shared/scan.h"
+#include "shaders/touch/bridge/bridge.h"
+#include "shaders/touch/contacts/contacts.h"
+#include "shaders/touch/fingers/fingers.h"
+#include "shaders/touch/foci/foci.h"
 #include "touch/depths.hpp"
 #include "touch/stage.hpp"
 

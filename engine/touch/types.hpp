@@ -44,9 +44,9 @@ struct Parameters {
   std::uint32_t min_points = 5;  ///< clusters with fewer contacts are no finger
   std::uint32_t foci = 10;       ///< N, 1 to max_foci; a solid may have its own
   Spacing spacing = Spacing::angle;
-  /// With depth frames: clusters wider than this may be several fingers (touch/split_twin.hpp), patches that are
-  /// together no wider may be one whose skin between them no camera sees (touch/bridge_twin.hpp), and flying pixels are
-  /// none. 0: every cluster is a finger of its own.
+  /// With depth frames: clusters wider than this may be several fingers (touch/split/split_twin.hpp), patches that are
+  /// together no wider may be one whose skin between them no camera sees (touch/bridge/bridge_twin.hpp), and flying
+  /// pixels are none. 0: every cluster is a finger of its own.
   double finger_width_m = 25e-3;
   Cluster cluster = Cluster::contacts;
   bool deep = false;  ///< also find the deep points: inside a solid, delta or deeper

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "base/error.hpp"
-#include "geometry/gltf.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "session/session.hpp"
 
 int main(int argc, char** argv) try {

@@ -10,11 +10,11 @@
 #include <numbers>
 #include <thread>
 
-#include "acoustics/array_field.hpp"
-#include "acoustics/asked_field.hpp"
-#include "acoustics/harmonics.hpp"
-#include "acoustics/pressure.hpp"
-#include "acoustics/tune.hpp"
+#include "acoustics/felt/harmonics.hpp"
+#include "acoustics/felt/tune.hpp"
+#include "acoustics/field/array_field.hpp"
+#include "acoustics/field/asked_field.hpp"
+#include "acoustics/field/pressure.hpp"
 
 namespace palpa::acoustics {
 namespace {

@@ -8,16 +8,16 @@
 #include <cstdint>
 #include <vector>
 
-#include "acoustics/body_mesh.hpp"
-#include "acoustics/body_places.hpp"
-#include "acoustics/near_pairs.hpp"
-#include "acoustics/rigid_body.hpp"
-#include "acoustics/sphere_series.hpp"
-#include "acoustics/surface_operator.hpp"
-#include "acoustics/triangle_rules.hpp"
-#include "acoustics/waves.hpp"
-#include "geometry/icosphere.hpp"
-#include "geometry/topology.hpp"
+#include "acoustics/bodies/body_mesh.hpp"
+#include "acoustics/bodies/body_places.hpp"
+#include "acoustics/bodies/rigid_body.hpp"
+#include "acoustics/bodies/sphere_series.hpp"
+#include "acoustics/boundary/near_pairs.hpp"
+#include "acoustics/boundary/surface_operator.hpp"
+#include "acoustics/boundary/triangle_rules.hpp"
+#include "acoustics/field/waves.hpp"
+#include "geometry/mesh/icosphere.hpp"
+#include "geometry/mesh/topology.hpp"
 #include "support/shapes.hpp"
 
 namespace palpa::acoustics {

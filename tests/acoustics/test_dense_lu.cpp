@@ -1,4 +1,4 @@
-#include "acoustics/dense_lu.hpp"
+#include "acoustics/boundary/dense_lu.hpp"
 
 #include <gtest/gtest.h>
 

@@ -11,9 +11,9 @@
 #include <span>
 #include <vector>
 
-#include "acoustics/field_pass.hpp"
-#include "acoustics/incident.hpp"
-#include "acoustics/pressure.hpp"
+#include "acoustics/field/field_pass.hpp"
+#include "acoustics/field/incident.hpp"
+#include "acoustics/field/pressure.hpp"
 #include "array/drive_pass.hpp"
 #include "gpu/barrier.hpp"
 #include "gpu/texel_view.hpp"

@@ -8,13 +8,13 @@
 #include <numbers>
 #include <vector>
 
-#include "acoustics/array_field.hpp"
-#include "acoustics/finger_field.hpp"
-#include "acoustics/skin.hpp"
-#include "acoustics/spectrum.hpp"
-#include "acoustics/sphere_series.hpp"
-#include "acoustics/tune.hpp"
-#include "geometry/icosphere.hpp"
+#include "acoustics/bodies/finger_field.hpp"
+#include "acoustics/bodies/sphere_series.hpp"
+#include "acoustics/felt/skin.hpp"
+#include "acoustics/felt/spectrum.hpp"
+#include "acoustics/felt/tune.hpp"
+#include "acoustics/field/array_field.hpp"
+#include "geometry/mesh/icosphere.hpp"
 
 namespace palpa::acoustics {
 namespace {

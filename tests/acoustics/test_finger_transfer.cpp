@@ -7,13 +7,13 @@
 #include <complex>
 #include <vector>
 
-#include "acoustics/body_places.hpp"
-#include "acoustics/finger_transfer.hpp"
-#include "acoustics/pressure.hpp"
-#include "acoustics/sphere_series.hpp"
+#include "acoustics/bodies/body_places.hpp"
+#include "acoustics/bodies/finger_transfer.hpp"
+#include "acoustics/bodies/sphere_series.hpp"
+#include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
 #include "array/loudness.hpp"
-#include "geometry/icosphere.hpp"
+#include "geometry/mesh/icosphere.hpp"
 
 namespace palpa::acoustics {
 namespace {

@@ -7,8 +7,8 @@
 #include <complex>
 #include <vector>
 
-#include "acoustics/focus_shape.hpp"
-#include "acoustics/incident.hpp"
+#include "acoustics/field/focus_shape.hpp"
+#include "acoustics/field/incident.hpp"
 
 namespace palpa::acoustics {
 namespace {

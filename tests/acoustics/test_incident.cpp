@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
-#include "acoustics/incident.hpp"
-#include "acoustics/pressure.hpp"
+#include "acoustics/field/incident.hpp"
+#include "acoustics/field/pressure.hpp"
 #include "base/error.hpp"
 
 namespace palpa::acoustics {

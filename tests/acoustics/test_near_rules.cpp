@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "acoustics/dense_lu.hpp"
-#include "acoustics/near_rules.hpp"
-#include "acoustics/triangle_rules.hpp"
+#include "acoustics/boundary/dense_lu.hpp"
+#include "acoustics/boundary/near_rules.hpp"
+#include "acoustics/boundary/triangle_rules.hpp"
 #include "base/parallel.hpp"
 
 namespace palpa::acoustics {

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "acoustics/pressure.hpp"
+#include "acoustics/field/pressure.hpp"
 #include "support/csv.hpp"
 #include "support/shared_data.hpp"
 

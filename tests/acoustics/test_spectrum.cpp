@@ -7,8 +7,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "acoustics/skin.hpp"
-#include "acoustics/spectrum.hpp"
+#include "acoustics/felt/skin.hpp"
+#include "acoustics/felt/spectrum.hpp"
 #include "base/error.hpp"
 
 namespace palpa::acoustics {

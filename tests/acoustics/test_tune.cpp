@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "acoustics/tune.hpp"
+#include "acoustics/felt/tune.hpp"
 
 namespace palpa::acoustics {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "acoustics/pressure.hpp"
+#include "acoustics/field/pressure.hpp"
 #include "array/drive_pass.hpp"
 #include "array/layout.hpp"
 #include "array/loudness.hpp"

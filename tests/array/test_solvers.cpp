@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "acoustics/pressure.hpp"
+#include "acoustics/field/pressure.hpp"
 #include "array/greedy.hpp"
 #include "backends.hpp"
 #include "focus_sets.hpp"

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace palpa::assets {
 

@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "geometry/mesh.hpp"
-#include "geometry/topology.hpp"
+#include "geometry/mesh/mesh.hpp"
+#include "geometry/mesh/topology.hpp"
 
 namespace palpa::assets {
 

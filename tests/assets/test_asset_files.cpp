@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "geometry/gltf.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "geometry/gltf.hpp"
-#include "geometry/gltf_write.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "geometry/gltf/write.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"

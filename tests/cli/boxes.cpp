@@ -2,7 +2,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "geometry/gltf_write.hpp"
+#include "geometry/gltf/write.hpp"
 #include "support/shapes.hpp"
 
 namespace palpa::test {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/math.hpp"
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
 
 namespace palpa::test {
 

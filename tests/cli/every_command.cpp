@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <sstream>
 
-#include "geometry/icosphere.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/mesh/icosphere.hpp"
 #include "process.hpp"
 #include "support/files.hpp"
 #include "support/shapes.hpp"

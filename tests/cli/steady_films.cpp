@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "array/board_mesh.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
 #include "process.hpp"
 #include "sensing/recording.hpp"
 #include "setup/load.hpp"

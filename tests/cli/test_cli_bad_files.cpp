@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "geometry/gltf_write.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/write.hpp"
 #include "process.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"

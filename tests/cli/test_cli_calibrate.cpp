@@ -14,7 +14,7 @@
 
 #include "array/board_mesh.hpp"
 #include "array/layout.hpp"
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "process.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/rig.hpp"

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "geometry/gltf/write.hpp"
 #include "geometry/gltf_builder.hpp"
-#include "geometry/gltf_write.hpp"
 #include "geometry/hostile_models.hpp"
 #include "process.hpp"
 #include "support/files.hpp"

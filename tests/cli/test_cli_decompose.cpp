@@ -6,10 +6,10 @@
 #include <csignal>
 #include <fstream>
 
-#include "geometry/gltf.hpp"
-#include "geometry/gltf_write.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "geometry/gltf/write.hpp"
+#include "geometry/parts/vhacd.hpp"
 #include "geometry/parts_solid.hpp"
-#include "geometry/vhacd.hpp"
 #include "process.hpp"
 #include "support/json.hpp"
 #include "support/shapes.hpp"

@@ -19,7 +19,7 @@
 
 #include "process.hpp"
 #include "sensing/recording.hpp"
-#include "session/record_link.hpp"
+#include "session/links/record_link.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
@@ -284,7 +284,7 @@ TEST(CliEvents, AFifoThatNobodyReadsHoldsNothingUp) {
   const int reader = open_and_wait(events);
   EXPECT_EQ(fcntl(reader, F_SETPIPE_SZ, 4096), 4096);  // full at once
   // A loop that waited would be silent after its hold of 0.1 s.
-  constexpr std::streamoff head_bytes = 24, slot_bytes = 8 + 256 * 8;  // session/record_link.hpp
+  constexpr std::streamoff head_bytes = 24, slot_bytes = 8 + 256 * 8;  // session/links/record_link.hpp
   const auto slots = [&] {
     return (static_cast<std::streamoff>(std::filesystem::file_size(drives)) - head_bytes) / slot_bytes;
   };

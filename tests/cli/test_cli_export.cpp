@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "array/drive.hpp"
-#include "driver/made_up_bag.hpp"
+#include "driver/cameras/made_up_bag.hpp"
 #include "process.hpp"
-#include "session/record_link.hpp"
+#include "session/links/record_link.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "support/files.hpp"

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <vector>
 
-#include "geometry/gltf.hpp"
-#include "geometry/gltf_write.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "geometry/gltf/write.hpp"
 #include "process.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "process.hpp"
-#include "session/record_link.hpp"
+#include "session/links/record_link.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 

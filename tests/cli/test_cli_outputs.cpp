@@ -13,11 +13,11 @@
 #include <utility>
 
 #include "base/text.hpp"
-#include "geometry/gltf.hpp"
-#include "geometry/gltf_write.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "geometry/gltf/write.hpp"
 #include "process.hpp"
 #include "sensing/grey_png.hpp"
-#include "session/record_link.hpp"
+#include "session/links/record_link.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"

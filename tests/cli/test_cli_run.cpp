@@ -14,7 +14,7 @@
 
 #include "boxes.hpp"
 #include "process.hpp"
-#include "session/record_link.hpp"
+#include "session/links/record_link.hpp"
 #include "support/instrumented.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"

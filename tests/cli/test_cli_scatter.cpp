@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "acoustics/sphere_series.hpp"
-#include "geometry/icosphere.hpp"
-#include "geometry/ply.hpp"
+#include "acoustics/bodies/sphere_series.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/mesh/icosphere.hpp"
 #include "process.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"

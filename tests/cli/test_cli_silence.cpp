@@ -9,7 +9,7 @@
 
 #include "live_run.hpp"
 #include "process.hpp"
-#include "session/record_link.hpp"
+#include "session/links/record_link.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/json.hpp"

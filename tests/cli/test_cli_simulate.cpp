@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/icosphere.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/mesh/icosphere.hpp"
 #include "process.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"

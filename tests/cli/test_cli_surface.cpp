@@ -9,9 +9,9 @@
 #include <numbers>
 #include <random>
 
-#include "geometry/gltf.hpp"
-#include "geometry/gltf_write.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "geometry/gltf/write.hpp"
 #include "support/instrumented.hpp"
 #include "support/mesh_oracle.hpp"
 #include "support/shared_data.hpp"

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <sstream>
 
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"

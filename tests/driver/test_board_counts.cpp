@@ -5,9 +5,9 @@
 #include <mutex>
 #include <string>
 
-#include "autd3_rig.hpp"
+#include "driver/autd3/autd3_rig.hpp"
 #include "driver/board.hpp"
-#include "sonicsurface_rig.hpp"
+#include "driver/sonicsurface/sonicsurface_rig.hpp"
 
 namespace palpa::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <string>
 
-#include "driver/openmpd_rig.hpp"
+#include "driver/openmpd/openmpd_rig.hpp"
 #include "driver/umockdev_bus.hpp"
 #include "driver/usb/libusb.hpp"
 #include "support/thrown.hpp"

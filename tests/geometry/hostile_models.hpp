@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "gltf_builder.hpp"
 
 namespace palpa::test::hostile {

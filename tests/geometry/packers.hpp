@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "geometry/gltf_builder.hpp"
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace palpa::test {
 

@@ -1,5 +1,5 @@
 // Decomposition: what needs no V-HACD always, the rest where palpa was built with it.
-#include "geometry/decompose.hpp"
+#include "geometry/parts/decompose.hpp"
 
 #include <gtest/gtest.h>
 #include <pthread.h>
@@ -10,8 +10,8 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "geometry/nearest.hpp"
-#include "geometry/vhacd.hpp"
+#include "geometry/mesh/nearest.hpp"
+#include "geometry/parts/vhacd.hpp"
 #include "support/instrumented.hpp"
 #include "support/shapes.hpp"
 #include "support/thrown.hpp"

@@ -5,11 +5,11 @@
 #include <random>
 
 #include "base/log.hpp"
-#include "geometry/gltf.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
 #include "geometry/memory_file.hpp"
 #include "geometry/packers.hpp"
-#include "geometry/ply.hpp"
 #include "geometry/solid.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"

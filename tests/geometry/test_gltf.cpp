@@ -1,5 +1,5 @@
 // What a well-formed file means: containers, hierarchies, scenes, names.
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
 
 #include <gtest/gtest.h>
 

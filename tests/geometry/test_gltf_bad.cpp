@@ -8,7 +8,7 @@
 #include <functional>
 #include <limits>
 
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
 #include "geometry/solid.hpp"
 #include "support/files.hpp"

@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "geometry/packers.hpp"
 #include "geometry/solid.hpp"
 #include "support/captured.hpp"

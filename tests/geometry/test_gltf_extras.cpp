@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
 #include "geometry/memory_file.hpp"
 #include "support/captured.hpp"

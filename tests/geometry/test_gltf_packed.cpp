@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "geometry/gltf.hpp"
-#include "geometry/gltf_draco.hpp"
+#include "geometry/gltf/draco.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "geometry/memory_file.hpp"
 #include "geometry/packers.hpp"
 #include "support/captured.hpp"

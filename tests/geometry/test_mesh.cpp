@@ -1,4 +1,4 @@
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <numbers>
 #include <random>
 
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "geometry/seeded_hash.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"

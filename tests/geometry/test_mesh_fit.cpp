@@ -1,5 +1,5 @@
 // Where a mesh is, from points measured on it.
-#include "geometry/mesh_fit.hpp"
+#include "geometry/mesh/mesh_fit.hpp"
 
 #include <gtest/gtest.h>
 

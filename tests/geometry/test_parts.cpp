@@ -1,5 +1,5 @@
 // Hulls, and the surface of unions of them, against counting unit cubes and squares.
-#include "geometry/parts.hpp"
+#include "geometry/parts/parts.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <limits>
 #include <random>
 
-#include "geometry/convex_hull.hpp"
+#include "geometry/parts/convex_hull.hpp"
 #include "support/shapes.hpp"
 #include "support/thrown.hpp"
 

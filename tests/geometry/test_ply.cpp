@@ -1,4 +1,4 @@
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -13,7 +13,7 @@
 #include <limits>
 #include <random>
 
-#include "geometry/load_triangles.hpp"
+#include "geometry/files/load_triangles.hpp"
 #include "geometry/memory_file.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"

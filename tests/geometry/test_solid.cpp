@@ -11,7 +11,7 @@
 #include <random>
 #include <tuple>
 
-#include "geometry/topology.hpp"
+#include "geometry/mesh/topology.hpp"
 #include "support/captured.hpp"
 #include "support/shapes.hpp"
 #include "support/thrown.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "shaders/scan.h"
+#include "shaders/shared/scan.h"
 #include "spirv/scan.comp.hpp"
 #include "support/device.hpp"
 #include "support/thrown.hpp"

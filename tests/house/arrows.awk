@@ -1,4 +1,4 @@
-# Checks #include lines against the house: arrows point downward only.
+# Checks #include lines against the house: arrows point downward only, between rooms and between the folders of a room.
 #   awk -f tests/house/arrows.awk FILE...      (paths from the project's root)
 
 BEGIN {
@@ -6,21 +6,46 @@ BEGIN {
   for (i in floor_names) floor_of[floor_names[i]] = i + 0
 
   # driver/ sees the engine through its small interfaces only.
-  interface["session/link.hpp"] = interface["session/sources.hpp"] = 1  # how both are named on the command line
-  interface["session/hand_over.hpp"] = 1  # what a link says of what it was handed
+  interface["session/links/link.hpp"] = interface["session/links/sources.hpp"] = 1  # how both are named on the command line
+  interface["session/links/hand_over.hpp"] = 1  # what a link says of what it was handed
   interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor
   interface["bench/row.hpp"] = 1              # its rows of palpa bench
   interface["cli/command.hpp"] = interface["setup/options.hpp"] = interface["setup/values.hpp"] = 1  # its commands
   interface["array/drive.hpp"] = interface["array/layout.hpp"] = interface["array/schedule.hpp"] = 1
-  interface["acoustics/incident.hpp"] = interface["acoustics/air.hpp"] = 1  # what an emulator's bytes sound like
+  interface["acoustics/field/incident.hpp"] = interface["acoustics/air.hpp"] = 1  # what an emulator's bytes sound like
+
+  # The folders of a room, and the headers at its top that they know, lowest first: each may include those before it.
+  # "." is everything else at the room's top.
+  order("touch", "types stage_setting room contacts fingers bridge split sections follow foci .")
+  order("acoustics", "air lanes field boundary bodies felt .")
+  order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")
+  order("session", "clock newest threads links watch plan loop previews .")
+  order("viewer", "view picture hands render sound live panels app window run .")
   bad = 0
+}
+
+function order(room, names,    i, n, name) {
+  n = split(names, name, " ")
+  for (i = 1; i <= n; i++) step_of[room, name[i]] = i
+}
+
+# Where a file of a room stands: its folder, its own name at the top if the folders know it, or ".".
+function place(room, inside,    part, stem) {
+  if (split(inside, part, "/") > 1) return part[1]
+  stem = inside
+  sub(/\.[a-z]+$/, "", stem)
+  return (room, stem) in step_of ? stem : "."
 }
 
 FNR == 1 {
   split(FILENAME, path, "/")
   house = path[1]                             # engine, driver, viewer, assets
   room = house == "engine" ? path[2] : house
+  inside = FILENAME
+  sub(house == "engine" ? "^engine/[^/]*/" : "^[^/]*/", "", inside)
+  here = place(room, inside)
+  if (((room, ".") in step_of) && !((room, here) in step_of)) fault(here "/ has no place among the folders of " room " (arrows.awk)")
 }
 
 function fault(text) {
@@ -33,6 +58,13 @@ function fault(text) {
   name = substr($0, RSTART + 1, RLENGTH - 2)
   split(name, part, "/")
   target = name ~ /\// ? part[1] : ""
+
+  if (target == room && ((room, ".") in step_of)) {
+    there = substr(name, length(room) + 2)
+    there = place(room, there)
+    if (step_of[room, there] > step_of[room, here])
+      fault(room ": " (here == "." ? "the top" : here) " may not include " name ", which is above it")
+  }
 
   if (name ~ /^(GLFW\/|glfw)/ && FILENAME !~ /^viewer\/.*window/) fault("only the viewer's window may know GLFW")
   if (name ~ /^(volk\.h|vulkan\/)/ && room ~ /^(base|drawing|setup|cli|driver|assets)$/) fault(room " may not know Vulkan")

@@ -97,7 +97,7 @@ paths() {
 shaders() {
   local shader name found=0
   while read -r shader; do
-    name=${shader#shaders/}
+    name=${shader##*/}
     if ! grep -rqw --include=CMakeLists.txt "${name//./\\.}" engine viewer driver tests; then
       echo "   no room compiles $shader"
       found=1
@@ -157,7 +157,31 @@ docs() {
   return "$found"
 }
 
+# The tree in docs/architecture.md is that of the folders.
+tree() {
+  awk '/^    [a-z]/ && !done { inside = 1 } inside && !/^ / { done = 1; inside = 0 }
+       inside { match($0, /^ +/); depth = (RLENGTH - 4) / 2; folder[depth] = $1; path = ""
+                for (i = 0; i <= depth; i++) path = path folder[i]; print path }' docs/architecture.md | sort |
+    diff - <(files 'engine/*' 'viewer/*' 'driver/*' 'shaders/*' 'assets/*' 'examples/*' 'tests/*' | tree_of) && return
+  echo "   the tree in docs/architecture.md (left) is not that of the folders (right)"
+  return 1
+}
+
+# Every folder above the files on stdin. Folders of tests that mirror others stand in no tree, nor do those that hold pictures alone.
+tree_of() {
+  awk -F/ '{ path = ""; for (i = 1; i < NF; i++) { path = path $i "/"; print path } }' | sort -u | while read -r folder; do
+    case $folder in
+      tests/ | tests/tools/ | tests/support/ | tests/house/ | tests/bare/ | tests/usb/ | tests/package/*) printf '%s\n' "$folder" ;;
+      tests/*) mirrored "${folder#tests/}" || echo "$folder" ;;
+      *) printf '%s\n' "$folder" ;;
+    esac
+  done
+}
+
+mirrored() { [[ -d $1 || -d engine/$1 || $1 == viewer/references/ ]]; }
+
 step "clang-format" format
+step "tree of folders" tree
 step "docs" docs
 step "arrows between rooms" arrows
 step "includes" includes

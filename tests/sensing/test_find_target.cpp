@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "random_rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "sensing/target.hpp"

@@ -11,7 +11,7 @@
 #include "gpu/barrier.hpp"
 #include "random_rig.hpp"
 #include "sensing/skin_twin.hpp"
-#include "shaders/skin.h"
+#include "shaders/sensing/skin.h"
 #include "spirv/skin_count.comp.hpp"
 #include "spirv/skin_scatter.comp.hpp"
 #include "support/device.hpp"

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "array/layout.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
 #include "random_rig.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/skin_twin.hpp"

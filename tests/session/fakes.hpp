@@ -9,8 +9,8 @@
 
 #include "base/error.hpp"
 #include "sensing/depth_source.hpp"
-#include "session/link.hpp"
-#include "session/planner.hpp"
+#include "session/links/link.hpp"
+#include "session/plan/planner.hpp"
 
 namespace palpa::test {
 

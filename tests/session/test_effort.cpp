@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "fakes.hpp"
-#include "session/effort.hpp"
-#include "session/output.hpp"
-#include "session/scheduler.hpp"
+#include "session/loop/output.hpp"
+#include "session/plan/scheduler.hpp"
+#include "session/watch/effort.hpp"
 #include "support/captured.hpp"
 #include "support/thrown.hpp"
 

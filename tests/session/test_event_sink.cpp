@@ -13,9 +13,9 @@
 
 #include "base/error.hpp"
 #include "base/stream_writer.hpp"
-#include "session/event_sink.hpp"
-#include "session/link.hpp"
-#include "session/record_link.hpp"
+#include "session/links/link.hpp"
+#include "session/links/record_link.hpp"
+#include "session/watch/event_sink.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"

@@ -5,7 +5,7 @@
 #include <map>
 #include <random>
 
-#include "session/events.hpp"
+#include "session/watch/events.hpp"
 
 namespace palpa::session {
 namespace {

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "fakes.hpp"
-#include "session/hand_over.hpp"
-#include "session/link.hpp"
-#include "session/safe_link.hpp"
-#include "session/stats.hpp"
+#include "session/links/hand_over.hpp"
+#include "session/links/link.hpp"
+#include "session/links/safe_link.hpp"
+#include "session/watch/stats.hpp"
 #include "support/captured.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"

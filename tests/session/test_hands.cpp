@@ -8,16 +8,16 @@
 #include <glm/geometric.hpp>
 
 #include "array/schedule.hpp"
-#include "geometry/gltf_write.hpp"
+#include "geometry/gltf/write.hpp"
 #include "gpu/commands.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rig.hpp"
-#include "session/voice.hpp"
+#include "session/plan/voice.hpp"
 #include "support/device.hpp"
 #include "support/hand_tips.hpp"
 #include "support/shared_data.hpp"
+#include "touch/foci/method.hpp"
 #include "touch/host_stage.hpp"
-#include "touch/method.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::session {

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "session/haptics.hpp"
-#include "session/plan.hpp"
-#include "session/scheduler.hpp"
+#include "session/links/plan.hpp"
+#include "session/plan/haptics.hpp"
+#include "session/plan/scheduler.hpp"
 
 namespace palpa::session {
 namespace {

@@ -6,9 +6,9 @@
 #include <fstream>
 
 #include "base/error.hpp"
-#include "session/foci_link.hpp"
-#include "session/link.hpp"
-#include "session/record_link.hpp"
+#include "session/links/foci_link.hpp"
+#include "session/links/link.hpp"
+#include "session/links/record_link.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "fakes.hpp"
-#include "session/loop.hpp"
-#include "session/source_clock.hpp"
+#include "session/loop/loop.hpp"
+#include "session/loop/source_clock.hpp"
 #include "session/threads.hpp"
 
 namespace palpa::session {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "geometry/gltf.hpp"
-#include "geometry/ply.hpp"
-#include "session/plan.hpp"
-#include "session/scheduler.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "session/links/plan.hpp"
+#include "session/plan/scheduler.hpp"
 #include "support/shared_data.hpp"
 #include "touch/host_stage.hpp"
 

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "fakes.hpp"
-#include "session/output.hpp"
+#include "session/loop/output.hpp"
 
 namespace palpa::session {
 namespace {

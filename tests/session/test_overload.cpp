@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "fakes.hpp"
-#include "session/early_start.hpp"
-#include "session/effort.hpp"
-#include "session/loop.hpp"
+#include "session/loop/early_start.hpp"
+#include "session/loop/loop.hpp"
+#include "session/watch/effort.hpp"
 #include "support/captured.hpp"
 
 namespace palpa::session {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "fakes.hpp"
-#include "session/plan.hpp"
-#include "session/safe_link.hpp"
+#include "session/links/plan.hpp"
+#include "session/links/safe_link.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::session {

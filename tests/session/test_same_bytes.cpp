@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "array/board_mesh.hpp"
-#include "geometry/gltf.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/session.hpp"

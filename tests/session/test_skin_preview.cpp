@@ -12,8 +12,8 @@
 #include <thread>
 
 #include "base/activity.hpp"
-#include "geometry/icosphere.hpp"
-#include "session/skin_preview.hpp"
+#include "geometry/mesh/icosphere.hpp"
+#include "session/previews/skin_preview.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::session {

@@ -17,12 +17,12 @@
 #include <utility>
 
 #include "fakes.hpp"
-#include "geometry/gltf.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
+#include "session/plan/tuning_thread.hpp"
 #include "session/session.hpp"
-#include "session/tuning_thread.hpp"
 #include "support/shared_data.hpp"
 #include "touch/host_stage.hpp"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "session/voice.hpp"
-#include "touch/method.hpp"
+#include "session/plan/voice.hpp"
+#include "touch/foci/method.hpp"
 
 namespace palpa::session {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace palpa::test {
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "geometry/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace palpa::test {
 

@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "geometry/gltf.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "support/shared_data.hpp"

@@ -5,10 +5,10 @@
 #include <cstring>
 
 #include "gpu/barrier.hpp"
-#include "shaders/contacts.h"
-#include "shaders/fingers.h"
-#include "shaders/foci.h"
-#include "shaders/sections.h"
+#include "shaders/touch/contacts/contacts.h"
+#include "shaders/touch/fingers/fingers.h"
+#include "shaders/touch/foci/foci.h"
+#include "shaders/touch/sections/sections.h"
 #include "spirv/contacts_find.comp.hpp"
 #include "spirv/contacts_pack.comp.hpp"
 #include "spirv/contacts_surface.comp.hpp"
@@ -35,7 +35,7 @@
 #include "support/device.hpp"
 #include "support/spirv.hpp"
 #include "touch/harness.hpp"
-#include "touch/sector_borders.hpp"
+#include "touch/sections/sector_borders.hpp"
 
 namespace palpa::touch::test {
 namespace {

@@ -7,14 +7,14 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "geometry/gltf.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "support/shared_data.hpp"
+#include "touch/contacts/pixel_stride.hpp"
 #include "touch/harness.hpp"
 #include "touch/host_stage.hpp"
-#include "touch/pixel_stride.hpp"
 
 namespace palpa::touch::test {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "support/files.hpp"

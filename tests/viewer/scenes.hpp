@@ -2,8 +2,8 @@
 #pragma once
 
 #include "support/shapes.hpp"
-#include "viewer/picture.hpp"
-#include "viewer/viewpoint.hpp"
+#include "viewer/picture/picture.hpp"
+#include "viewer/view/viewpoint.hpp"
 
 namespace palpa::test {
 

@@ -5,7 +5,7 @@
 #include <mutex>
 
 #include "base/math.hpp"
-#include "session/sources.hpp"
+#include "session/links/sources.hpp"
 
 namespace palpa::viewer {
 

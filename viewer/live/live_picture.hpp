@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "session/output.hpp"
+#include "session/loop/output.hpp"
 #include "viewer/live/live_session.hpp"
 #include "viewer/sound/sounding.hpp"
 

@@ -24,7 +24,7 @@
 #include "viewer/live/snapshot.hpp"
 #include "viewer/live/turns.hpp"
 #include "viewer/live/watched_link.hpp"
-#include "viewer/picture.hpp"
+#include "viewer/picture/picture.hpp"
 
 namespace palpa::viewer {
 

@@ -4,7 +4,7 @@
 
 #include <system_error>
 
-#include "session/spec.hpp"
+#include "session/links/spec.hpp"
 
 namespace palpa::viewer {
 namespace {

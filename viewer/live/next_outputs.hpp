@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "session/link.hpp"
+#include "session/links/link.hpp"
 #include "setup/live_run.hpp"
 
 namespace palpa::viewer {

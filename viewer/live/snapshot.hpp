@@ -9,7 +9,7 @@
 
 #include "sensing/depth_source.hpp"
 #include "sensing/skin_point.hpp"
-#include "session/plan.hpp"
+#include "session/links/plan.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::viewer {

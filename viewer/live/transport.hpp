@@ -8,10 +8,18 @@
 #include <mutex>
 #include <optional>
 
-#include "session/sources.hpp"
-#include "viewer/desk.hpp"
+#include "session/links/sources.hpp"
 
 namespace palpa::viewer {
+
+/// Where a recording is being played.
+struct Playback {
+  std::uint64_t frame = 0, frames = 0;  ///< of so many
+  double time_s = 0, length_s = 0;      ///< since its first frame
+  bool playing = true;
+  double speed = 1;
+  bool loop = true;
+};
 
 /// What the viewer's thread says and the capture thread does. Frames that are shown for a second time, or before those
 /// that came before, have times and numbers that go on all the same: to a session they are new.

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "session/link.hpp"
+#include "session/links/link.hpp"
 
 namespace palpa::viewer {
 

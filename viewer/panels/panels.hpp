@@ -1,7 +1,7 @@
 // The panels, drawn with Dear ImGui between Ui::begin() and Ui::end().
 #pragma once
 
-#include "viewer/desk.hpp"
+#include "viewer/panels/desk.hpp"
 
 namespace palpa::viewer {
 

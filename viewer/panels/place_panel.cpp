@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "viewer/palette.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/stroke_font.hpp"
+#include "viewer/picture/palette.hpp"
 
 namespace palpa::viewer {
 namespace {

@@ -8,11 +8,11 @@
 #include <string>
 #include <utility>
 
-#include "acoustics/skin.hpp"
-#include "viewer/chart.hpp"
-#include "viewer/field_marks.hpp"
-#include "viewer/palette.hpp"
+#include "acoustics/felt/skin.hpp"
 #include "viewer/panels/panels.hpp"
+#include "viewer/picture/chart.hpp"
+#include "viewer/picture/field_marks.hpp"
+#include "viewer/picture/palette.hpp"
 
 namespace palpa::viewer {
 namespace {

@@ -1,7 +1,7 @@
 // palpa's own pen strokes as a font of Dear ImGui: sharp at every size, and no file of it can be missing or broken.
 #pragma once
 
-#include "viewer/sheet.hpp"
+#include "viewer/picture/sheet.hpp"
 
 struct ImFontAtlas;
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "viewer/controls.hpp"
-#include "viewer/sheet.hpp"
+#include "viewer/hands/controls.hpp"
+#include "viewer/picture/sheet.hpp"
 
 namespace palpa::viewer {
 

@@ -1,5 +1,5 @@
-// The pressure on the finger, kept up to date beside whoever draws it (session/skin_preview.hpp): a picture that is not
-// of what sounds now says so, and is drawn dimmer until the next is there.
+// The pressure on the finger, kept up to date beside whoever draws it (session/previews/skin_preview.hpp): a picture
+// that is not of what sounds now says so, and is drawn dimmer until the next is there.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,10 @@
 #include <optional>
 #include <string>
 
-#include "geometry/mesh.hpp"
-#include "session/skin_preview.hpp"
-#include "viewer/field_marks.hpp"
-#include "viewer/picture.hpp"
+#include "geometry/mesh/mesh.hpp"
+#include "session/previews/skin_preview.hpp"
+#include "viewer/picture/field_marks.hpp"
+#include "viewer/picture/picture.hpp"
 #include "viewer/sound/sounding.hpp"
 
 namespace palpa::viewer {

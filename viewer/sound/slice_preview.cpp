@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "viewer/field_marks.hpp"
+#include "viewer/picture/field_marks.hpp"
 
 namespace palpa::viewer {
 namespace {

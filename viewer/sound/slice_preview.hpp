@@ -8,8 +8,8 @@
 #include <string>
 
 #include "gpu/device.hpp"
-#include "session/beside.hpp"
-#include "viewer/field_slice.hpp"
+#include "session/previews/beside.hpp"
+#include "viewer/sound/field_slice.hpp"
 #include "viewer/sound/sounding.hpp"
 
 namespace palpa::viewer {

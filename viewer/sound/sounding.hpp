@@ -9,7 +9,7 @@
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "base/math.hpp"
-#include "session/plan.hpp"
+#include "session/links/plan.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::viewer {

@@ -2,7 +2,7 @@
 
 #include <atomic>
 
-#include "acoustics/array_field.hpp"
+#include "acoustics/field/array_field.hpp"
 #include "setup/touch_schedule.hpp"
 
 namespace palpa::viewer {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "acoustics/spectrum.hpp"
-#include "session/beside.hpp"
+#include "acoustics/felt/spectrum.hpp"
+#include "session/previews/beside.hpp"
 #include "viewer/sound/sounding.hpp"
 
 namespace palpa::viewer {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "session/link.hpp"
+#include "session/links/link.hpp"
 
 class ByteLink final : public palpa::session::Link {
  public:

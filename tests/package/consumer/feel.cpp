@@ -6,8 +6,8 @@
 
 #include "array/drive.hpp"
 #include "base/error.hpp"
-#include "geometry/gltf.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "geometry/solid.hpp"
 #include "touch/host_stage.hpp"
 

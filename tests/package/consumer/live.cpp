@@ -11,8 +11,8 @@
 
 #include "array/layout.hpp"
 #include "byte_link.hpp"
-#include "geometry/gltf.hpp"
-#include "geometry/ply.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "sensing/synthetic.hpp"
 
 namespace {

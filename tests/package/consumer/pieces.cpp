@@ -3,9 +3,9 @@
 #include <cstdio>
 
 #include "byte_link.hpp"
-#include "geometry/gltf.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "gpu/device.hpp"
-#include "session/safe_link.hpp"
+#include "session/links/safe_link.hpp"
 #include "session/session.hpp"
 
 bool track(std::vector<glm::vec3>& skin, double& time_s);

@@ -1,0 +1,119 @@
+#include "acoustics/bodies/rigid_body.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+#include <glm/geometric.hpp>
+#include <utility>
+
+#include "acoustics/boundary/triangle_rules.hpp"
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+
+namespace palpa::acoustics {
+
+using Complex = std::complex<double>;
+
+namespace {
+
+constexpr std::size_t samples = 3;
+
+/// The hat function of a corner at one of the samples.
+double hat(std::size_t corner, std::size_t sample) {
+  return corner == sample ? 2.0 / 3 : 1.0 / 6;
+}
+
+}  // namespace
+
+RigidBody::RigidBody(geometry::Mesh mesh, double wave_number, const std::atomic<bool>* give_up)
+    : patches_(make_patches(std::move(mesh))),
+      wave_number_(wave_number),
+      fit_(patches_),
+      operator_(make_dense_operator(patches_, wave_number, give_up)) {
+  for (const Patch& patch : patches_.patches) {
+    for (const TriangleSample& s : three_point_rule()) {
+      const Vec3 area = patch.area_vector(s.u, s.v);
+      const double length = glm::length(area);
+      points_.push_back(patch.at(s.u, s.v));
+      normals_.push_back(area / length);
+      areas_.push_back(s.weight * length);
+    }
+  }
+}
+
+std::vector<std::complex<float>> RigidBody::solve(const Waves& incident) const {
+  assert(incident.slopes.size() == incident.pressures.size());
+  const std::size_t size = mesh().positions.size(), count = incident.pressures.size() / points_.size();
+  std::vector<std::complex<float>> columns(count * size);
+  const Complex slope_part(0, 1 / wave_number_);
+  parallel_chunks(count, 1, [&](std::size_t wave, std::size_t, std::size_t) {
+    std::vector<Complex> sums(size);
+    for (std::size_t point = 0; point < points_.size(); ++point) {
+      const std::size_t at = wave * points_.size() + point;
+      const Complex value = areas_[point] * (incident.pressures[at] + slope_part * incident.slopes[at]);
+      const glm::uvec3& corners = mesh().triangles[point / samples];
+      for (std::size_t c = 0; c < 3; ++c)
+        sums[corners[static_cast<int>(c)]] += hat(c, point % samples) * value;
+    }
+    for (std::size_t v = 0; v < size; ++v)
+      columns[wave * size + v] = std::complex<float>(sums[v]);
+  });
+  operator_->solve(Way::forth, columns);
+  const auto finite = [](const std::complex<float>& p) { return std::isfinite(p.real()) && std::isfinite(p.imag()); };
+  if (!std::ranges::all_of(columns, finite))
+    throw failure("The pressure on the surface is no number: the incident wave is too large or no number itself");
+  return columns;
+}
+
+std::vector<FaceSound> RigidBody::at_faces(std::span<const std::complex<float>> unknowns) const {
+  return fit_.at_faces(unknowns);
+}
+
+std::vector<Complex> RigidBody::at_vertices(std::span<const std::complex<float>> unknowns) const {
+  return fit_.at_vertices(unknowns);
+}
+
+FaceSound RigidBody::at_skin(std::span<const std::complex<float>> unknowns, std::uint32_t face, double u,
+                             double v) const {
+  return fit_.at(face, patches_.patches[face].at(u, v), unknowns);
+}
+
+RigidBody::Row RigidBody::row_on_skin(std::uint32_t face, double u, double v) const {
+  Row row(mesh().positions.size());
+  fit_.add_pressure_row(face, patches_.patches[face].at(u, v), row);
+  return row;
+}
+
+RigidBody::Sources RigidBody::sources_at_faces(std::span<const std::uint32_t> faces) const {
+  std::vector<Row> rows(faces.size(), Row(mesh().positions.size()));
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    fit_.add_pressure_row(faces[i], rows[i]);
+  return sources_of(rows);
+}
+
+RigidBody::Sources RigidBody::sources_of(std::span<const Row> rows) const {
+  const std::size_t size = mesh().positions.size(), count = points_.size();
+  std::vector<std::complex<float>> columns;
+  columns.reserve(rows.size() * size);
+  for (const Row& row : rows)
+    columns.insert(columns.end(), row.begin(), row.end());
+  operator_->solve(Way::back, columns);
+  Sources sources;
+  sources.strengths.resize(rows.size() * count);
+  sources.slopes.resize(rows.size() * count);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t point = 0; point < count; ++point) {
+      const glm::uvec3& corners = mesh().triangles[point / samples];
+      Complex sum = 0;
+      for (std::size_t c = 0; c < 3; ++c)
+        sum += hat(c, point % samples) * Complex(columns[i * size + corners[static_cast<int>(c)]]);
+      sources.strengths[i * count + point] = areas_[point] * sum;
+      sources.slopes[i * count + point] = Complex(0, 1 / wave_number_) * areas_[point] * sum;
+    }
+  }
+  return sources;
+}
+
+}  // namespace palpa::acoustics

@@ -1,0 +1,102 @@
+#include "acoustics/boundary/blas.hpp"
+
+#include <dlfcn.h>
+#include <fmt/core.h>
+#include <sched.h>
+#include <sys/mman.h>
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+#include "base/error.hpp"
+#include "base/memory.hpp"
+
+namespace palpa::acoustics {
+namespace {
+
+constexpr const char* library = "libopenblas.so.0";
+// What each calling thread takes of addresses: the library's own buffer, the thread's stack, and what malloc reserves.
+constexpr std::uint64_t thread_bytes = (128u + 8u + 128u) << 20;
+
+/// While it lives, this thread may run on one processor only. When OpenBLAS is loaded, it starts a thread for each
+/// further one. The environment could tell it not to, but other threads may be reading that.
+class OneProcessor {
+ public:
+  OneProcessor() {
+    if (sched_getaffinity(0, sizeof(before_), &before_) != 0) return;
+    int first = 0;
+    while (first < CPU_SETSIZE && !CPU_ISSET(first, &before_))
+      ++first;
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(first, &one);
+    narrowed_ = first < CPU_SETSIZE && sched_setaffinity(0, sizeof(one), &one) == 0;
+  }
+  ~OneProcessor() {
+    if (narrowed_) sched_setaffinity(0, sizeof(before_), &before_);
+  }
+  OneProcessor(const OneProcessor&) = delete;
+  OneProcessor& operator=(const OneProcessor&) = delete;
+
+ private:
+  cpu_set_t before_;
+  bool narrowed_ = false;
+};
+
+template <typename Function>
+void find(void* handle, const char* name, Function& function) {
+  function = reinterpret_cast<Function>(dlsym(handle, name));
+  if (!function) throw failure(fmt::format("{} has no {}: install libopenblas0-pthread", library, name));
+}
+
+Blas load() {
+  const OneProcessor one;
+  void* const handle = dlopen(library, RTLD_NOW | RTLD_LOCAL);
+  if (!handle) {
+    const char* const reason = dlerror();
+    throw failure(fmt::format("scattering needs OpenBLAS, which cannot be loaded ({}): install libopenblas0-pthread",
+                              reason ? reason : library));
+  }
+  Blas functions{};
+  find(handle, "cblas_cgemm", functions.cgemm);
+  find(handle, "cblas_ctrsm", functions.ctrsm);
+  find(handle, "cgetrf_", functions.cgetrf);
+  find(handle, "cgetrs_", functions.cgetrs);
+  find(handle, "claswp_", functions.claswp);
+  // The threads are palpa's: the library's own would sum in another order for another number of them.
+  void (*set_num_threads)(int) = nullptr;
+  find(handle, "openblas_set_num_threads", set_num_threads);
+  set_num_threads(1);
+  return functions;
+}
+
+/// Whether so many bytes can be had now.
+bool can_have(std::uint64_t bytes) {
+  void* const place = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (place == MAP_FAILED) return false;
+  munmap(place, bytes);
+  return true;
+}
+
+}  // namespace
+
+const Blas& blas(std::size_t threads) {
+  static const Blas functions = load();
+  // The library keeps a buffer for the next caller.
+  static std::mutex mutex;
+  static std::size_t provided = 0;
+  const std::lock_guard lock(mutex);
+  if (threads > provided) {
+    const std::uint64_t bytes = (threads - provided) * thread_bytes;
+    if (!can_have(bytes)) {
+      throw failure(
+          fmt::format("factoring a matrix needs {} of memory, which cannot be had: raise the limit (ulimit -v)",
+                      format_bytes(bytes)));
+    }
+    provided = threads;
+  }
+  return functions;
+}
+
+}  // namespace palpa::acoustics

@@ -1,0 +1,57 @@
+#include "acoustics/felt/skin.hpp"
+
+#include <cmath>
+
+namespace palpa::acoustics {
+
+double vibration_sensitivity(double hz) {
+  if (!(hz > 0)) return 0;
+  const double x = hz / best_felt_hz;
+  return 2 / (x * x + 1 / (x * x));
+}
+
+double flutter_sensitivity(double hz) {
+  if (!(hz > 0)) return 0;
+  constexpr double low_hz = 5, high_hz = 50;
+  const double below = low_hz * low_hz / (hz * hz), above = hz * hz / (high_hz * high_hz);
+  return 1 / std::sqrt((1 + below * below) * (1 + above * above));
+}
+
+double balance(const Felt& felt) {
+  return felt.vibration - flutter_weight * felt.flutter;
+}
+
+Felt felt(const Spectrum& spectrum) {
+  Felt felt;
+  if (!(spectrum.variance > 1e-12)) return felt;
+  for (const Line& line : spectrum.lines) {
+    const double vibration = vibration_sensitivity(line.frequency_hz) * line.around;
+    const double flutter = flutter_sensitivity(line.frequency_hz) * line.around;
+    felt.vibration += vibration * vibration / 2 / spectrum.variance;
+    felt.flutter += flutter * flutter / 2 / spectrum.variance;
+  }
+  return felt;
+}
+
+double band_share(const Spectrum& spectrum, double low_hz, double high_hz) {
+  double inside = 0;
+  for (const Line& line : spectrum.lines) {
+    if (line.frequency_hz >= low_hz && line.frequency_hz <= high_hz) inside += line.around * line.around / 2;
+  }
+  return spectrum.variance > 1e-12 ? inside / spectrum.variance : 0;
+}
+
+std::size_t strongest_felt(const Spectrum& spectrum) {
+  std::size_t best = spectrum.lines.size();
+  double most = 0;
+  for (std::size_t i = 0; i < spectrum.lines.size(); ++i) {
+    const double felt = vibration_sensitivity(spectrum.lines[i].frequency_hz) * spectrum.lines[i].around;
+    if (felt > most * (1 + 1e-9)) {
+      most = felt;
+      best = i;
+    }
+  }
+  return best;
+}
+
+}  // namespace palpa::acoustics

@@ -1,0 +1,42 @@
+// What an array gives around a focus: the radiation pressure of one focus at a time, at places on the path that foci
+// run on. Free field, linear, no absorption, no finger in its way: of the drive q_j that focus j asks for alone
+// (array/drive.hpp) the place y hears
+//
+//   p_j(y) = sum over transducers of q_j D(angle) e^{ikr} / r,   felt in proportion to |p_j(y)|^2.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "acoustics/field/focus_field.hpp"
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+#include "array/reach.hpp"
+#include "base/math.hpp"
+
+namespace palpa::acoustics {
+
+class ArrayField final : public FocusField {
+ public:
+  /// Of this layout as posed where the foci are, which outlives it. Of the drive's options medium, directivity,
+  /// weighting and constraint count: what each transducer does for one focus.
+  ArrayField(const array::Layout& layout, const array::DriveOptions& drive);
+
+  FocusKind kind() const override { return FocusKind::array; }
+  double step_m() const override { return step_m_; }
+
+  /// It has a term for every entry and transducer. Any number of threads may call it at a time.
+  bool felt(std::span<const Vec3> path, std::size_t every, std::vector<double>& pressures,
+            const std::atomic<bool>* give_up = nullptr) const override;
+
+ private:
+  const array::Layout& layout_;
+  array::Weighting weighting_;
+  array::FreeField transfer_;
+  array::Reach reach_;
+  double step_m_;
+};
+
+}  // namespace palpa::acoustics

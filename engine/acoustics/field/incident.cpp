@@ -1,0 +1,147 @@
+#include "acoustics/field/incident.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "base/activity.hpp"
+#include "base/memory.hpp"
+#include "base/parallel.hpp"
+
+namespace palpa::acoustics {
+
+using array::Layout;
+using Complex = std::complex<double>;
+
+Incident::Incident(const Layout& layout, const Air& air, array::Directivity directivity)
+    : layout_(layout), setting_(layout, air, directivity) {}
+
+Strengths strengths_of(std::span<const array::TransducerDrive> drive) {
+  Strengths strengths(drive.size());
+  std::ranges::transform(drive, strengths.begin(), [](const array::TransducerDrive& d) {
+    return std::polar(static_cast<double>(d.amplitude), static_cast<double>(d.phase));
+  });
+  return strengths;
+}
+
+namespace {
+
+/// Transducers whose parts are summed in single precision before they go into the double sum.
+constexpr std::size_t batch = 128;
+/// Transducers whose sound is at hand for all drives: what fits into the fastest cache.
+constexpr std::size_t at_hand = 16;
+static_assert(batch % at_hand == 0);
+
+/// One drive's sum over transducers at a block's points: of a batch in single precision, of all batches in double.
+struct Sum {
+  SumBlock part;
+  BlockOf<double> re{}, im{}, slope_re{}, slope_im{};
+
+  void end_batch() {
+    for (std::size_t i = 0; i < block_points; ++i) {
+      re[i] += static_cast<double>(part.re[i]);
+      im[i] += static_cast<double>(part.im[i]);
+      slope_re[i] += static_cast<double>(part.slope_re[i]);
+      slope_im[i] += static_cast<double>(part.slope_im[i]);
+    }
+    part = {};
+  }
+};
+
+void store(double level, const BlockOf<double>& re, const BlockOf<double>& im, std::span<Complex> into) {
+  for (std::size_t i = 0; i < into.size(); ++i)
+    into[i] = level * Complex(re[i], im[i]);
+}
+
+}  // namespace
+
+bool Incident::at(std::span<const Vec3> points, std::span<const Vec3> normals, std::span<const Complex> strengths,
+                  Waves& waves, const std::atomic<bool>* give_up) const {
+  const std::size_t transducers = layout_.transducers.size();
+  const std::size_t drives = transducers == 0 ? 0 : strengths.size() / transducers;
+  const bool sloped = !normals.empty();
+  assert(strengths.size() == drives * transducers && (!sloped || normals.size() == points.size()));
+  reserve_large(waves.pressures, drives * points.size());
+  waves.pressures.assign(drives * points.size(), 0);
+  waves.slopes.assign(sloped ? drives * points.size() : 0, 0);
+  if (drives == 0) return true;
+
+  std::vector<std::complex<float>> single(strengths.size());
+  std::ranges::transform(strengths, single.begin(), [](const Complex& s) { return std::complex<float>(s); });
+  Activity activity("sums the sound of transducers", points.size());
+  parallel_chunks(points.size(), block_points, [&](std::size_t, std::size_t begin, std::size_t) {
+    if (give_up && *give_up) return;
+    const PointBlock block(points, normals, begin);
+    std::array<TransferBlock, at_hand> sounds;
+    std::vector<Sum> sums(drives);
+    for (std::size_t first = 0; first < transducers; first += at_hand) {
+      const std::size_t count = std::min(at_hand, transducers - first);
+      for (std::size_t i = 0; i < count; ++i)
+        transfer(setting_, layout_.transducers[first + i], block, sloped, sounds[i]);
+      const bool ends = (first + at_hand) % batch == 0 || first + at_hand >= transducers;
+      for (std::size_t d = 0; d < drives; ++d) {
+        add_products(std::span(single).subspan(d * transducers + first, count), std::span(sounds).first(count), sloped,
+                     sums[d].part);
+        if (ends) sums[d].end_batch();
+      }
+    }
+    const double level = layout_.source_level_pa_m;
+    for (std::size_t d = 0; d < drives; ++d) {
+      const std::size_t first = d * points.size() + begin;
+      store(level, sums[d].re, sums[d].im, std::span(waves.pressures).subspan(first, block.count));
+      if (sloped) store(level, sums[d].slope_re, sums[d].slope_im, std::span(waves.slopes).subspan(first, block.count));
+    }
+    activity.advance(block.count);
+  });
+  return !(give_up && *give_up);
+}
+
+namespace {
+
+Complex product(std::span<const Complex> weights, const BlockOf<float>& g_re, const BlockOf<float>& g_im) {
+  double re = 0, im = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const double a = weights[i].real(), b = weights[i].imag(), c = g_re[i], d = g_im[i];
+    re += a * c - b * d;
+    im += a * d + b * c;
+  }
+  return {re, im};
+}
+
+}  // namespace
+
+bool Incident::received(std::span<const Vec3> points, std::span<const Vec3> normals, std::span<const Complex> strengths,
+                        std::span<const Complex> slopes, std::vector<Complex>& received,
+                        const std::atomic<bool>* give_up) const {
+  const std::size_t transducers = layout_.transducers.size(), count = points.size();
+  const std::size_t rows = count == 0 ? 0 : strengths.size() / count;
+  const bool sloped = !slopes.empty();
+  assert(strengths.size() == rows * count && (!sloped || (slopes.size() == rows * count && normals.size() == count)));
+  received.assign(rows * transducers, 0);
+
+  std::vector<PointBlock> blocks;
+  for (std::size_t first = 0; first < count; first += block_points)
+    blocks.emplace_back(points, normals, first);
+  // Each thread has transducers of its own, and adds up the points in their order.
+  Activity activity("sums the sound at transducers", transducers);
+  parallel_chunks(transducers, 16, [&](std::size_t, std::size_t begin, std::size_t end) {
+    if (give_up && *give_up) return;
+    TransferBlock sound;
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      for (std::size_t t = begin; t < end; ++t) {
+        transfer(setting_, layout_.transducers[t], blocks[b], sloped, sound);
+        for (std::size_t row = 0; row < rows; ++row) {
+          const std::size_t first = row * count + b * block_points;
+          Complex sum = product(strengths.subspan(first, blocks[b].count), sound.re, sound.im);
+          if (sloped) sum += product(slopes.subspan(first, blocks[b].count), sound.slope_re, sound.slope_im);
+          received[row * transducers + t] += layout_.source_level_pa_m * sum;
+        }
+      }
+    }
+    activity.advance(end - begin);
+  });
+  return !(give_up && *give_up);
+}
+
+}  // namespace palpa::acoustics

@@ -1,0 +1,57 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <cstring>
+#include <string_view>
+
+#include "base/output_file.hpp"
+#include "geometry/files/ply.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+template <typename T>
+void write_number(OutputFile& out, T number) {
+  static_assert(std::endian::native == std::endian::little);
+  std::array<char, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), &number, sizeof(T));
+  out.write({bytes.data(), bytes.size()});
+}
+
+}  // namespace
+
+void write_ply(const std::filesystem::path& path, std::span<const Vec3> positions,
+               std::span<const glm::uvec3> triangles, PlyFormat format) {
+  const bool ascii = format == PlyFormat::ascii;
+  OutputFile out(path);
+  out.write(fmt::format("ply\nformat {} 1.0\ncomment palpa, metres\nelement vertex {}\n",
+                        ascii ? "ascii" : "binary_little_endian", positions.size()));
+  // A decimal that is to give the same double again belongs to a double.
+  for (const char axis : {'x', 'y', 'z'})
+    out.write(fmt::format("property {} {}\n", ascii ? "double" : "float", axis));
+  if (!triangles.empty()) {
+    out.write(fmt::format("element face {}\nproperty list uchar int vertex_indices\n", triangles.size()));
+  }
+  out.write("end_header\n");
+  for (const Vec3& p : positions) {
+    if (ascii) {
+      out.write(fmt::format("{} {} {}\n", p.x, p.y, p.z));
+    } else {
+      for (int i = 0; i < 3; ++i)
+        write_number(out, static_cast<float>(p[i]));
+    }
+  }
+  for (const glm::uvec3& t : triangles) {
+    if (ascii) {
+      out.write(fmt::format("3 {} {} {}\n", t[0], t[1], t[2]));
+    } else {
+      write_number(out, std::uint8_t{3});
+      for (int i = 0; i < 3; ++i)
+        write_number(out, t[i]);
+    }
+  }
+  out.finish();
+}
+
+}  // namespace palpa::geometry

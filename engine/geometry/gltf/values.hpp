@@ -1,0 +1,36 @@
+// What the accessors of a document hold.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/gltf/accessor.hpp"
+#include "geometry/gltf/model.hpp"
+
+namespace palpa::geometry::gltf {
+
+/// Reads accessors by their index. `file` and `model` outlive it. All throw bad_input naming the accessor.
+class Values {
+ public:
+  Values(const std::string& file, const tinygltf::Model& model) : file_(file), model_(model) {}
+
+  /// `width` numbers per element; bad_input where a sparse index is out of range or not ascending.
+  std::vector<double> numbers(std::size_t accessor, std::size_t width) const;
+  /// An index list of a primitive with so many vertices.
+  std::vector<std::uint32_t> indices(std::size_t accessor, std::size_t vertices) const;
+
+ private:
+  [[noreturn]] void fail(const std::string& fault) const;
+  [[noreturn]] void fail_sparse(std::size_t accessor, std::uint64_t index) const;
+  Column column(int view, std::size_t offset, std::size_t count, std::size_t element, int component) const;
+  Column column(std::size_t accessor, std::size_t width) const;
+  std::optional<Sparse> sparse(std::size_t accessor, std::size_t width) const;
+
+  const std::string& file_;
+  const tinygltf::Model& model_;
+};
+
+}  // namespace palpa::geometry::gltf

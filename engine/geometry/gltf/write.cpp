@@ -1,0 +1,301 @@
+#include "geometry/gltf/write.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/output_file.hpp"
+#include "geometry/text.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "glTF buffers are little endian");
+
+// Values of the glTF specification's enumerations.
+constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
+constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
+constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJsonChunk = 0x4E4F534A, kBinChunk = 0x004E4942;
+
+template <class T>
+void append_value(std::string& bytes, T value) {
+  std::array<char, sizeof(T)> raw{};
+  std::memcpy(raw.data(), &value, sizeof(T));
+  bytes.append(raw.data(), raw.size());
+}
+
+void pad(std::string& bytes, char with) {
+  while (bytes.size() % 4 != 0)
+    bytes += with;
+}
+
+struct View {
+  std::size_t begin, bytes;
+  int target;
+};
+
+struct Accessor {
+  int component_type;
+  std::size_t count;
+  bool triples;                        ///< else single values
+  std::array<float, 3> least, most{};  ///< of triples
+};
+
+/// One mesh, its two views and accessors: first positions, then indices.
+struct Item {
+  const SceneMesh* mesh;
+  std::array<View, 2> views;
+  std::array<Accessor, 2> accessors;
+};
+
+struct Node {
+  std::string_view name;
+  std::optional<std::size_t> mesh;
+  std::vector<std::size_t> children;
+  const Haptics* haptics = nullptr;
+  const PartOf* part = nullptr;
+};
+
+/// A file under construction: what its JSON will say, and its binary chunk.
+struct Document {
+  std::vector<Item> items;
+  std::vector<Node> nodes;
+  std::vector<std::size_t> roots;
+  std::string binary;
+};
+
+std::string told(const std::filesystem::path& file, const SceneMesh& item) {
+  return file.string() + ": mesh " + text::quoted(item.name);
+}
+
+/// From `begin` to the end of the binary chunk.
+View end_view(Document& document, std::size_t begin, int target) {
+  const View view{begin, document.binary.size() - begin, target};
+  pad(document.binary, '\0');
+  return view;
+}
+
+void add_positions(Document& document, Item& item, const std::string& what) {
+  const std::size_t begin = document.binary.size();
+  std::array<float, 3> low{}, high{};
+  low.fill(std::numeric_limits<float>::infinity());
+  high.fill(-std::numeric_limits<float>::infinity());
+  const Mesh& mesh = item.mesh->mesh;
+  for (const Vec3& p : mesh.positions) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double value = p[axis];
+      if (!(std::fabs(value) <= std::numeric_limits<float>::max()))
+        throw failure(what + " has a coordinate that a 32-bit float cannot hold");
+      const float stored = static_cast<float>(value) + 0.0F;  // + 0 makes a negative zero positive
+      low[axis] = std::min(low[axis], stored);
+      high[axis] = std::max(high[axis], stored);
+      append_value(document.binary, stored);
+    }
+  }
+  item.views[0] = end_view(document, begin, kArrayBuffer);
+  item.accessors[0] = {kFloat, mesh.positions.size(), true, low, high};
+}
+
+void add_indices(Document& document, Item& item, const std::string& what) {
+  const Mesh& mesh = item.mesh->mesh;
+  // 65535 is the restart value of 16-bit indices, so the last usable index is 65534.
+  const bool is_short = mesh.positions.size() <= 65535;
+  const std::size_t begin = document.binary.size();
+  for (const glm::uvec3& triangle : mesh.triangles) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::uint32_t index = triangle[corner];
+      if (index >= mesh.positions.size()) throw failure(what + " has an index out of range");
+      if (is_short)
+        append_value(document.binary, static_cast<std::uint16_t>(index));
+      else
+        append_value(document.binary, index);
+    }
+  }
+  item.views[1] = end_view(document, begin, kElementArrayBuffer);
+  item.accessors[1] = {is_short ? kUnsignedShort : kUnsignedInt, 3 * mesh.triangles.size(), false, {}, {}};
+}
+
+/// Returns its index.
+std::size_t add_node(Document& document, Node node) {
+  document.nodes.push_back(std::move(node));
+  return document.nodes.size() - 1;
+}
+
+/// Returns the index of its node.
+std::size_t add_mesh(Document& document, const SceneMesh& mesh, const std::filesystem::path& file) {
+  const std::string what = told(file, mesh);
+  if (mesh.mesh.triangles.empty()) throw failure(what + " has no triangles to write");
+  Item item{&mesh, {}, {}};
+  add_positions(document, item, what);
+  add_indices(document, item, what);
+  document.items.push_back(item);
+  const PartOf* part = mesh.part ? &*mesh.part : nullptr;
+  return add_node(document, {mesh.name, document.items.size() - 1, {}, part ? nullptr : &mesh.haptics, part});
+}
+
+/// The parts of one solid, under a node of the solid's name that says how the solid is to be felt.
+void add_parts(Document& document, std::span<const SceneMesh> parts, const std::filesystem::path& file) {
+  std::vector<std::size_t> children;
+  for (const SceneMesh& part : parts)
+    children.push_back(add_mesh(document, part, file));
+  const SceneMesh& first = parts.front();
+  document.roots.push_back(add_node(document, {first.part->solid, {}, std::move(children), &first.haptics, nullptr}));
+}
+
+/// What a node's `extras` say, as load_gltf() reads it; nothing where that is nothing.
+void write_extras(JsonWriter& json, const Node& node) {
+  if (node.haptics && *node.haptics == Haptics{}) return;
+  json.key("extras").begin_object().key("palpa").begin_object();
+  if (node.part) json.member("part_of", node.part->solid).member("seam_m", node.part->seam_m);
+  if (node.haptics) {
+    const Haptics& haptics = *node.haptics;
+    const auto add = [&](const char* key, const auto& value) {
+      if (value) json.member(key, *value);
+    };
+    if (!haptics.touchable) json.member("touchable", false);
+    add("delta_m", haptics.delta_m);
+    add("foci", haptics.foci);
+    add("stride", haptics.stride);
+    add("dwell_s", haptics.dwell_s);
+    add("intensity", haptics.intensity);
+    add("pressure_pa", haptics.pressure_pa);
+    add("press_depth_m", haptics.press_depth_m);
+  }
+  json.end_object().end_object();
+}
+
+void write_node(JsonWriter& json, const Node& node) {
+  json.begin_object().member("name", node.name);
+  if (node.mesh) json.member("mesh", *node.mesh);
+  if (!node.children.empty()) json.member("children", node.children);
+  write_extras(json, node);
+  json.end_object();
+}
+
+/// Neighbours in the list get colours far apart: hues step by the golden ratio.
+void write_material(JsonWriter& json, std::size_t index) {
+  const double hue = std::fmod(static_cast<double>(index) * 0.618033988749895, 1.0) * 6;
+  json.begin_object().key("pbrMetallicRoughness").begin_object().key("baseColorFactor").begin_array();
+  for (const double at : {5.0, 3.0, 1.0}) {
+    const double k = std::fmod(at + hue, 6.0);
+    json.value(static_cast<float>(0.85 - 0.6 * std::clamp(std::min(k, 4 - k), 0.0, 1.0)));
+  }
+  json.value(1).end_array().member("metallicFactor", 0).member("roughnessFactor", 0.7).end_object().end_object();
+}
+
+void write_accessor(JsonWriter& json, std::size_t view, const Accessor& accessor) {
+  json.begin_object().member("bufferView", view).member("componentType", accessor.component_type);
+  json.member("count", accessor.count).member("type", accessor.triples ? "VEC3" : "SCALAR");
+  if (accessor.triples) {
+    json.member("min", std::span<const float>(accessor.least)).member("max", std::span<const float>(accessor.most));
+  }
+  json.end_object();
+}
+
+void write_view(JsonWriter& json, const View& view) {
+  json.begin_object().member("buffer", 0).member("byteOffset", view.begin).member("byteLength", view.bytes);
+  json.member("target", view.target).end_object();
+}
+
+/// Returns how many materials are used.
+std::size_t write_meshes(JsonWriter& json, const std::vector<Item>& items) {
+  std::size_t materials = 0;
+  json.key("meshes").begin_array();
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    json.begin_object().member("name", items[i].mesh->name).key("primitives").begin_array().begin_object();
+    json.key("attributes").begin_object().member("POSITION", 2 * i).end_object().member("indices", 2 * i + 1);
+    if (items[i].mesh->part) json.member("material", materials++);
+    json.end_object().end_array().end_object();
+  }
+  json.end_array();
+  return materials;
+}
+
+std::string json_of(const Document& document) {
+  JsonWriter json;
+  json.begin_object(JsonWriter::Style::compact);
+  json.key("asset").begin_object().member("version", "2.0").member("generator", "palpa").end_object();
+  json.member("scene", 0).key("scenes").begin_array().begin_object();
+  if (document.items.empty()) {
+    json.end_object().end_array().end_object();
+    return json.take();
+  }
+  json.member("nodes", document.roots).end_object().end_array();
+  json.key("nodes").begin_array();
+  for (const Node& node : document.nodes)
+    write_node(json, node);
+  json.end_array();
+  if (const std::size_t materials = write_meshes(json, document.items); materials > 0) {
+    json.key("materials").begin_array();
+    for (std::size_t i = 0; i < materials; ++i)
+      write_material(json, i);
+    json.end_array();
+  }
+  json.key("accessors").begin_array();
+  for (std::size_t i = 0; i < document.items.size(); ++i) {
+    write_accessor(json, 2 * i, document.items[i].accessors[0]);
+    write_accessor(json, 2 * i + 1, document.items[i].accessors[1]);
+  }
+  json.end_array().key("bufferViews").begin_array();
+  for (const Item& item : document.items) {
+    write_view(json, item.views[0]);
+    write_view(json, item.views[1]);
+  }
+  json.end_array().key("buffers").begin_array().begin_object();
+  json.member("byteLength", document.binary.size()).end_object().end_array().end_object();
+  return json.take();
+}
+
+}  // namespace
+
+void write_glb(const std::filesystem::path& file, std::span<const SceneMesh> meshes) {
+  Document document;
+  for (std::size_t i = 0; i < meshes.size();) {
+    if (!meshes[i].part) {
+      document.roots.push_back(add_mesh(document, meshes[i], file));
+      ++i;
+      continue;
+    }
+    std::size_t end = i + 1;
+    while (end < meshes.size() && meshes[end].part && meshes[end].part->solid == meshes[i].part->solid &&
+           meshes[end].part->group == meshes[i].part->group)
+      ++end;
+    add_parts(document, meshes.subspan(i, end - i), file);
+    i = end;
+  }
+  std::string text = json_of(document);
+  text.pop_back();  // the line break
+  pad(text, ' ');
+
+  const bool has_binary = !document.binary.empty();
+  const std::uint64_t size = 12 + 8 + text.size() + (has_binary ? 8 + document.binary.size() : 0);
+  if (size > std::numeric_limits<std::uint32_t>::max())
+    throw failure(file.string() + ": more than 4 GiB do not fit into a .glb file");
+  std::string bytes;
+  bytes.reserve(size);
+  append_value(bytes, kMagic);
+  append_value(bytes, kVersion);
+  append_value(bytes, static_cast<std::uint32_t>(size));
+  append_value(bytes, static_cast<std::uint32_t>(text.size()));
+  append_value(bytes, kJsonChunk);
+  bytes += text;
+  if (has_binary) {
+    append_value(bytes, static_cast<std::uint32_t>(document.binary.size()));
+    append_value(bytes, kBinChunk);
+    bytes += document.binary;
+  }
+  write_file(file, bytes);
+}
+
+}  // namespace palpa::geometry

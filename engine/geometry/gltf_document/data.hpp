@@ -1,0 +1,71 @@
+// The lowest layer of a glTF document: accessors, buffer views, buffers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "geometry/gltf_document/check.hpp"
+#include "geometry/gltf_document/json.hpp"
+
+namespace palpa::geometry::gltf {
+
+/// What an accessor is used for; each use allows certain types.
+enum class Role : char { unused, position, displacement, indices, joints, weights, bind_matrices, place, rotation };
+
+/// Checks accessors on demand and copies what they need into the reduced document. All throw bad_input.
+class DataChecker {
+ public:
+  DataChecker(const Item& root, const Parsed& parsed, const Container& container);
+
+  /// Puts stand-ins for everything into `clean`, which is also where check() writes.
+  void start(Json& clean);
+  /// The accessor with all it rests on; the number of its elements.
+  std::uint64_t check(std::uint32_t accessor, Role role);
+  /// The accessor without its data, which are in a stream of draco.
+  std::uint64_t check_compressed(std::uint32_t accessor, Role role);
+  /// A buffer view with bytes of a stream of draco, with the buffer it lies in.
+  void check_stream(std::uint32_t view);
+  bool has_data(std::uint32_t accessor) const;
+  std::size_t accessor_count() const { return role_.size(); }
+  std::size_t view_count() const { return view_checked_.size(); }
+  /// The file's, then those that come from packed views.
+  const std::vector<BufferSource>& buffers() const { return buffers_; }
+
+  /// Checks what check() has not met, as far as it can be without a use.
+  void check_rest();
+
+ private:
+  struct View {
+    std::uint64_t length, stride;
+  };
+  // What an accessor is made of.
+  struct Elements {
+    std::uint64_t count, component, size;  // size in bytes
+    Json clean;
+  };
+  Item at(const char* key, const char* name, std::size_t index) const;
+  Elements check_elements(const Item& accessor, Role role) const;
+  void check_role(const Item& accessor, Role role, const std::string& type, std::uint64_t component) const;
+  Json check_sparse(const Item& sparse, std::uint64_t accessor_count, std::uint64_t element);
+  static void check_fit(const Item& item, const View& view, std::uint64_t offset, std::uint64_t count,
+                        std::uint64_t stride, std::uint64_t element);
+  View check_view(std::uint32_t view);
+  void check_packed(const Item& view, std::uint32_t v, std::uint64_t length, std::uint64_t stride);
+  std::uint64_t check_buffer(std::uint32_t buffer);
+  void claim(const Item& item, std::uint64_t bytes);
+
+  const Item& root_;
+  const Parsed& parsed_;
+  const Container& container_;
+  Json* clean_ = nullptr;
+  bool quantized_ = false;  // whether the file uses KHR_mesh_quantization
+  std::size_t buffer_count_ = 0;
+  std::vector<Role> role_;
+  std::vector<char> view_checked_, fallback_;
+  std::vector<BufferSource> buffers_;
+  std::uint64_t total_ = 0;
+};
+
+}  // namespace palpa::geometry::gltf

@@ -1,0 +1,182 @@
+#include "geometry/gltf_document/extras.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <string_view>
+#include <vector>
+
+#include "geometry/text.hpp"
+
+namespace palpa::geometry::gltf {
+namespace {
+
+constexpr std::array<std::string_view, 10> keys{"touchable", "delta_m",     "foci",          "stride",  "dwell_s",
+                                                "intensity", "pressure_pa", "press_depth_m", "part_of", "seam_m"};
+
+struct Range {
+  double low, high;
+  bool open;  // without its low end
+};
+
+// One value with the name its author wrote it under.
+struct Entry {
+  const Item& node;
+  const std::string& name;
+  const Json& value;
+
+  [[noreturn]] void fail(const std::string& fault) const {
+    node.fail(fmt::format("extras: {} {}", text::quoted(name), fault));
+  }
+  std::string shown() const { return printable(value.dump(-1, ' ', false, Json::error_handler_t::replace), 30); }
+
+  double number(const Range& range, const char* unit) const {
+    const std::string right = fmt::format("a number {}{} and at most {}{}", range.open ? "above " : "of at least ",
+                                          range.low, range.high, unit);
+    if (!value.is_number()) fail(fmt::format("is {}; it must be {}", shown(), right));
+    const auto x = value.get<double>();
+    if (!(range.open ? x > range.low : x >= range.low) || !(x <= range.high))
+      fail(fmt::format("is {}; it must be {}", shown(), right));
+    return x;
+  }
+
+  // Blender writes 10.0 where a property was made a float.
+  std::uint32_t whole(std::uint32_t low, std::uint32_t high) const {
+    const double x = value.is_number() ? value.get<double>() : -1;
+    if (!(x >= low && x <= high) || x != std::floor(x))
+      fail(fmt::format("is {}; it must be a whole number from {} to {}", shown(), low, high));
+    return static_cast<std::uint32_t>(x);
+  }
+
+  std::string name_of_solid() const {
+    if (!value.is_string() || value.get_ref<const std::string&>().empty())
+      fail(fmt::format("is {}; it must be the name of the solid that this is a part of", shown()));
+    return value.get<std::string>();
+  }
+
+  bool truth() const {
+    if (value.is_boolean()) return value.get<bool>();
+    if (value.is_number() && value.get<double>() == 0) return false;
+    if (value.is_number() && value.get<double>() == 1) return true;
+    fail(fmt::format("is {}; it must be true or false", shown()));
+  }
+};
+
+// False if the key is unknown.
+bool take(NodeHaptics& into, std::string_view key, const Entry& entry) {
+  Haptics& h = into.values;
+  if (key == "touchable") {
+    into.touchable = entry.truth();
+  } else if (key == "delta_m") {
+    h.delta_m = entry.number({0, 0.1, true}, " metres");
+  } else if (key == "foci") {
+    h.foci = entry.whole(1, 64);
+  } else if (key == "stride") {
+    h.stride = entry.whole(1, 1U << 20);
+  } else if (key == "dwell_s") {
+    h.dwell_s = entry.number({1e-6, 10, false}, " seconds");
+  } else if (key == "intensity") {
+    h.intensity = entry.number({0, 1, false}, "");
+  } else if (key == "pressure_pa") {
+    h.pressure_pa = entry.number({0, 1e5, true}, " pascals");
+  } else if (key == "press_depth_m") {
+    h.press_depth_m = entry.number({0, 1, true}, " metres");
+  } else if (key == "part_of") {
+    into.part_of = entry.name_of_solid();
+  } else if (key == "seam_m") {
+    into.seam_m = entry.number({0, 1, false}, " metres");
+  } else {
+    return false;
+  }
+  return true;
+}
+
+// Letters to insert, remove or replace to come from one to the other.
+std::size_t distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t above = row[j + 1];
+      row[j + 1] = std::min({above + 1, row[j] + 1, diagonal + (a[i] == b[j] ? 0 : 1)});
+      diagonal = above;
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+NodeHaptics read_extras(const Item& node, UnknownKeys& unknown) {
+  NodeHaptics result;
+  const auto found = node.json().find("extras");
+  // Extras may be anything; palpa's are in an object.
+  if (found == node.json().end() || !found->is_object()) return result;
+  const auto remember = [&](const std::string& key) {
+    // A file can have any number of them; one line each is enough, and not for ever.
+    if (unknown.size() < 8) unknown.emplace(key, node.where());
+  };
+  const Json* group = nullptr;
+  if (const auto palpa = found->find("palpa"); palpa != found->end()) {
+    if (!palpa->is_object()) {
+      node.fail(
+          "extras: \"palpa\" is not a JSON object; write {\"palpa\": {\"delta_m\": 0.0015}} or {\"palpa_delta_m\": "
+          "0.0015}");
+    }
+    group = &*palpa;
+    for (const auto& [key, value] : group->items()) {
+      if (!take(result, key, {node, key, value})) remember(key);
+    }
+  }
+  constexpr std::string_view prefix = "palpa_";
+  for (const auto& [name, value] : found->items()) {
+    if (!name.starts_with(prefix)) continue;
+    const std::string key = name.substr(prefix.size());
+    const Entry entry{node, name, value};
+    if (group != nullptr && group->contains(key)) entry.fail(fmt::format("is given in \"palpa\", too; once is enough"));
+    if (!take(result, key, entry)) remember(name);
+  }
+  return result;
+}
+
+Haptics inherit(const Item& node, const NodeHaptics& own, const Haptics& parent) {
+  const Haptics& v = own.values;
+  const auto either = [](const auto& mine, const auto& theirs) { return mine ? mine : theirs; };
+  const Haptics h{own.touchable.value_or(parent.touchable),
+                  either(v.delta_m, parent.delta_m),
+                  either(v.dwell_s, parent.dwell_s),
+                  either(v.intensity, parent.intensity),
+                  either(v.pressure_pa, parent.pressure_pa),
+                  either(v.press_depth_m, parent.press_depth_m),
+                  either(v.foci, parent.foci),
+                  either(v.stride, parent.stride)};
+  if (h.foci && h.stride) {
+    if (const std::string fault = stride_fault(*h.foci, *h.stride); !fault.empty()) node.fail("extras: " + fault);
+  }
+  return h;
+}
+
+bool has_palpa_extras(const Item& item) {
+  const auto found = item.json().find("extras");
+  if (found == item.json().end() || !found->is_object()) return false;
+  for (const auto& [key, value] : found->items()) {
+    if (key == "palpa" || key.starts_with("palpa_")) return true;
+  }
+  return false;
+}
+
+std::string explain_unknown(const std::string& key) {
+  const std::string_view bare = std::string_view(key).substr(key.starts_with("palpa_") ? 6 : 0);
+  // Typing errors, and units left out.
+  for (const std::string_view known : keys) {
+    if (distance(bare, known) <= 2 || (bare.size() >= 4 && known.starts_with(bare)))
+      return fmt::format("did you mean \"{}\"?", known);
+  }
+  return fmt::format("known are {}", fmt::join(keys, ", "));
+}
+
+}  // namespace palpa::geometry::gltf

@@ -1,0 +1,224 @@
+#include "geometry/gltf_document/json.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "base/error.hpp"
+#include "geometry/text.hpp"
+
+namespace palpa::geometry::gltf {
+namespace {
+
+constexpr int deepest = 128;
+constexpr std::size_t longest_string = 4096;
+constexpr std::string_view long_string_mark = "data:long string ";
+constexpr std::size_t most_values = 2'000'000;  // some 80 bytes each, and twice: here and in tinygltf
+
+// The value as a whole number: JSON writers may say 28 or 28.0.
+std::optional<std::uint64_t> as_whole(const Json& value) {
+  if (value.is_number_unsigned()) return value.get<std::uint64_t>();
+  if (value.is_number_float()) {
+    const double number = value.get<double>();
+    if (number >= 0 && number <= 9007199254740992.0 && number == std::floor(number))
+      return static_cast<std::uint64_t>(number);
+  }
+  return std::nullopt;
+}
+
+// The place of the quote that ends the string whose text begins at `from`; text.size() if none does.
+std::size_t end_of_string(const std::string& text, std::size_t from) {
+  for (std::size_t quote = text.find('"', from); quote != std::string::npos; quote = text.find('"', quote + 1)) {
+    std::size_t escapes = 0;
+    while (quote - escapes > from && text[quote - escapes - 1] == '\\')
+      ++escapes;
+    if (escapes % 2 == 0) return quote;
+  }
+  return text.size();
+}
+
+// One pass over the raw text, before anything is built from it: counts, and takes long strings out. (The parser's own
+// callback could count, but its cost grows with the square of an array's length.)
+std::string shortened(const std::string& file, const std::string& text, std::vector<std::string_view>& long_strings) {
+  std::string out;
+  int depth = 0;
+  std::size_t values = 1, copied = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') {
+      const std::size_t end = end_of_string(text, i + 1);
+      if (end - i > longest_string && end < text.size()) {
+        out.append(text, copied, i + 1 - copied).append(long_string_mark).append(std::to_string(long_strings.size()));
+        long_strings.push_back(std::string_view(text).substr(i + 1, end - i - 1));
+        copied = end;
+      }
+      i = end;
+    } else if (c == '[' || c == '{') {
+      ++values;
+      if (++depth > deepest) throw bad_input(file, fmt::format("its JSON is nested more than {} levels deep", deepest));
+    } else if (c == ']' || c == '}') {
+      --depth;
+    } else if (c == ',' || c == ':') {
+      ++values;
+    }
+  }
+  if (values > most_values) throw bad_input(file, fmt::format("its JSON has more than {} values", most_values));
+  return out.append(text, copied);
+}
+
+}  // namespace
+
+Parsed::Parsed(const std::string& file, const std::string& text) {
+  const std::string brief = shortened(file, text, long_strings_);
+  try {
+    json_ = Json::parse(brief);
+  } catch (const Json::parse_error& e) {
+    // Its own text quotes the input, which may be endless and hold anything.
+    const std::size_t end = std::min(e.byte, brief.size());
+    const auto line = std::count(brief.begin(), brief.begin() + static_cast<std::ptrdiff_t>(end), '\n') + 1;
+    throw bad_input(file, fmt::format("its JSON has a syntax error at line {}", line));
+  } catch (const Json::exception&) {
+    throw bad_input(file, "its JSON has a number that no computer holds");
+  }
+}
+
+std::optional<std::string_view> Parsed::long_string(const std::string& value) const {
+  if (!value.starts_with(long_string_mark)) return std::nullopt;
+  std::size_t index = 0;
+  const char* first = value.data() + long_string_mark.size();
+  const char* last = value.data() + value.size();
+  const auto [rest, fault] = std::from_chars(first, last, index);
+  if (fault != std::errc{} || rest != last || index >= long_strings_.size()) return std::nullopt;
+  return long_strings_[index];
+}
+
+std::string Parsed::whole_name(const std::string& value) const {
+  const auto raw = long_string(value);
+  if (!raw) return value;
+  const Json text = Json::parse(fmt::format("\"{}\"", *raw), nullptr, false);
+  return text.is_string() ? text.get<std::string>() : value;
+}
+
+std::string Parsed::whole(const std::string& value) const {
+  const auto long_one = long_string(value);
+  if (!long_one) return value;
+  // "\/" is the one escape that some writers put into base64.
+  const std::string_view raw = *long_one;
+  std::string text;
+  text.reserve(raw.size());
+  std::size_t copied = 0;
+  for (std::size_t at = raw.find("\\/"); at != std::string_view::npos; at = raw.find("\\/", at + 1)) {
+    text.append(raw, copied, at - copied);
+    copied = at + 1;
+  }
+  text.append(raw, copied);
+  return text;
+}
+
+Item::Item(const std::string& file, const Json& value, std::string where)
+    : file_(&file), value_(&value), where_(std::move(where)) {
+  if (!value.is_object()) fail("is not a JSON object");
+}
+
+void Item::fail(const std::string& fault) const {
+  throw bad_input(*file_, where_ + ": " + fault);
+}
+
+std::optional<std::uint64_t> Item::whole(const char* key, std::uint64_t least, std::uint64_t most) const {
+  const auto found = value_->find(key);
+  if (found == value_->end()) return std::nullopt;
+  const auto number = as_whole(*found);
+  if (!number) fail(fmt::format("\"{}\" is not a whole number", key));
+  if (*number < least || *number > most)
+    fail(fmt::format("\"{}\" is {}; it must lie within {} and {}", key, *number, least, most));
+  return number;
+}
+
+std::uint64_t Item::needed_whole(const char* key, std::uint64_t least, std::uint64_t most) const {
+  const auto number = whole(key, least, most);
+  if (!number) fail(fmt::format("\"{}\" is missing", key));
+  return *number;
+}
+
+std::uint64_t Item::checked_index(const Json& value, const char* key, const char* collection, std::size_t count) const {
+  const auto number = as_whole(value);
+  if (!number) fail(fmt::format("\"{}\" is not an index", key));
+  if (*number >= count) fail(fmt::format("\"{}\" names {} {}, but the file has {}", key, collection, *number, count));
+  return *number;
+}
+
+std::optional<std::uint32_t> Item::index(const char* key, const char* collection, std::size_t count) const {
+  const auto found = value_->find(key);
+  if (found == value_->end()) return std::nullopt;
+  return static_cast<std::uint32_t>(checked_index(*found, key, collection, count));
+}
+
+std::uint32_t Item::needed_index(const char* key, const char* collection, std::size_t count) const {
+  const auto number = index(key, collection, count);
+  if (!number) fail(fmt::format("\"{}\" is missing", key));
+  return *number;
+}
+
+std::vector<std::uint32_t> Item::indices(const char* key, const char* collection, std::size_t count) const {
+  std::vector<std::uint32_t> result;
+  const Json* list = array(key);
+  if (list == nullptr) return result;
+  result.reserve(list->size());
+  for (const Json& value : *list)
+    result.push_back(static_cast<std::uint32_t>(checked_index(value, key, collection, count)));
+  std::vector<std::uint32_t> sorted = result;
+  std::sort(sorted.begin(), sorted.end());
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twice != sorted.end()) fail(fmt::format("\"{}\" names {} {} twice", key, collection, *twice));
+  return result;
+}
+
+std::optional<std::vector<double>> Item::numbers(const char* key, std::size_t count) const {
+  const Json* list = array(key);
+  if (list == nullptr) return std::nullopt;
+  if (list->size() != count) fail(fmt::format("\"{}\" has {} values; it needs {}", key, list->size(), count));
+  std::vector<double> result;
+  result.reserve(count);
+  for (const Json& value : *list) {
+    if (!value.is_number()) fail(fmt::format("\"{}\" holds something that is not a number", key));
+    result.push_back(value.get<double>());
+    if (!std::isfinite(result.back())) fail(fmt::format("\"{}\" holds a number that is not finite", key));
+  }
+  return result;
+}
+
+std::optional<std::string> Item::string(const char* key) const {
+  const auto found = value_->find(key);
+  if (found == value_->end()) return std::nullopt;
+  if (!found->is_string()) fail(fmt::format("\"{}\" is not a string", key));
+  return found->get<std::string>();
+}
+
+std::optional<Item> Item::item(const char* key) const {
+  const auto found = value_->find(key);
+  if (found == value_->end()) return std::nullopt;
+  return Item(*file_, *found, where_ + ", " + key);
+}
+
+Item Item::needed_item(const char* key) const {
+  auto found = item(key);
+  if (!found) fail(fmt::format("\"{}\" is missing", key));
+  return *std::move(found);
+}
+
+const Json* Item::array(const char* key) const {
+  const auto found = value_->find(key);
+  if (found == value_->end()) return nullptr;
+  if (!found->is_array()) fail(fmt::format("\"{}\" is not an array", key));
+  return &*found;
+}
+
+bool Item::has_extension(const char* name) const {
+  const auto found = value_->find("extensions");
+  return found != value_->end() && found->is_object() && found->contains(name);
+}
+
+}  // namespace palpa::geometry::gltf

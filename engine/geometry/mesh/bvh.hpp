@@ -1,0 +1,54 @@
+// A mesh's triangles in a binary tree of boxes.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/mesh/mesh.hpp"
+
+namespace palpa::geometry {
+
+class Bvh {
+ public:
+  /// Leaves have at most that many triangles.
+  static constexpr std::uint32_t leaf_size = 4;
+
+  struct Node {
+    Box box;
+    std::uint32_t begin, end;  ///< the triangles below: a range of order()
+    std::uint32_t second;      ///< the first child follows its parent; 0 in leaves
+  };
+
+  /// Splits at the median of the triangles' centres along the longest axis, on all cores; the result is the same for
+  /// any number of them. `mesh` has at least one triangle.
+  explicit Bvh(const Mesh& mesh);
+
+  /// Depth first; the first is the root.
+  std::span<const Node> nodes() const { return nodes_; }
+  /// The mesh's triangles, leaf after leaf: neighbours in space are neighbours here.
+  std::span<const std::uint32_t> order() const { return order_; }
+
+ private:
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> order_;
+};
+
+/// Whether boxes have a point in common.
+inline bool overlap(const Box& a, const Box& b) {
+  return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
+         a.low.z <= b.high.z && b.low.z <= a.high.z;
+}
+
+/// Squared distance of a point from a box; 0 inside.
+inline double distance2(const Box& box, const Vec3& p) {
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double below = box.low[i] - p[i], above = p[i] - box.high[i];
+    const double out = below > above ? below : above;
+    sum += out > 0 ? out * out : 0;
+  }
+  return sum;
+}
+
+}  // namespace palpa::geometry

@@ -1,0 +1,58 @@
+// Who is whose neighbour in a mesh: the tables behind closedness, shells and convexity.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/mesh/mesh.hpp"
+
+namespace palpa::geometry {
+
+/// Side `corner` (0..2) of triangle `triangle`: from its corner to the next one. Sides are numbered 3 * triangle +
+/// corner.
+struct Side {
+  std::uint32_t low, high;  ///< the edge's vertices in ascending order
+  std::uint32_t side;       ///< 3 * triangle + corner
+  bool ascending;           ///< the triangle runs along it from low to high
+};
+
+/// All sides, sorted by edge, then by number: the sides of one edge stand together.
+std::vector<Side> sorted_sides(const Mesh& mesh);
+
+/// For every side the side of the neighbouring triangle on the same edge. The mesh must be closed and oriented.
+std::vector<std::uint32_t> twins(const Mesh& mesh);
+
+/// Number of pieces that hang together by edges, given the twins.
+std::uint32_t count_shells(const std::vector<std::uint32_t>& twin);
+
+/// Start and end vertex of a side.
+inline std::array<std::uint32_t, 2> side_vertices(const Mesh& mesh, std::uint32_t side) {
+  const glm::uvec3& t = mesh.triangles[side / 3];
+  const auto corner = static_cast<int>(side % 3);
+  return {t[corner], t[(corner + 1) % 3]};
+}
+
+/// The triangle's corner that is not on the side.
+inline std::uint32_t opposite_vertex(const Mesh& mesh, std::uint32_t side) {
+  return mesh.triangles[side / 3][static_cast<int>((side + 2) % 3)];
+}
+
+/// Twice the triangle's area times its normal.
+Vec3 area_vector(const Mesh& mesh, std::uint32_t triangle);
+
+/// The triangle's height over its longest side, metres, given twice its area.
+double triangle_width(const Mesh& mesh, std::uint32_t triangle, double twice_area);
+
+/// Groups of indices that are merged step by step; the smallest index stands for its group.
+class UnionFind {
+ public:
+  explicit UnionFind(std::size_t count);
+  std::uint32_t find(std::uint32_t item);
+  void join(std::uint32_t a, std::uint32_t b);
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace palpa::geometry

@@ -1,0 +1,182 @@
+#include "geometry/parts/decompose.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "base/activity.hpp"
+#include "base/error.hpp"
+#include "geometry/mesh/nearest.hpp"
+#include "geometry/mesh/topology.hpp"
+
+namespace palpa::geometry {
+namespace {
+
+constexpr double largest_size = 1e3, smallest_size = 1e-6;  // metres
+constexpr std::uint32_t vertices_per_part = 64;             // V-HACD's own default
+// Cuts run along voxels; their rims are then drawn to the surface, which moves neighbours apart by about a voxel. Of
+// the bunny in 32 parts, 6.6 % of the union's surface is a slit more than 3 mm inside when slits stay open, 0.07 % when
+// those up to 1.5 voxels are closed, and no less with more.
+constexpr double seam_voxels = 1.5;
+constexpr std::uint32_t error_samples = 40'000;
+
+bool is_convex(const Mesh& mesh) {
+  if (!find_defects(mesh).closed_and_oriented()) return false;
+  const std::vector<std::uint32_t> twin = twins(mesh);
+  if (count_shells(twin) != 1 || !(signed_volume(mesh) > 0)) return false;
+  const double tolerance = flatness_tolerance(mesh);
+  return !find_concavity(mesh, twin, find_facets(mesh, twin, tolerance), tolerance);
+}
+
+/// The mesh with each of its holes closed by a fan around the middle of its rim, so that flooding does not leak in.
+Mesh without_holes(const Mesh& mesh) {
+  const std::vector<Side> sides = sorted_sides(mesh);
+  // Along a rim: from where an open side begins to where it ends, against the triangle's direction.
+  std::map<std::uint32_t, std::uint32_t> rim;
+  for (std::size_t i = 0; i < sides.size();) {
+    std::size_t end = i + 1;
+    while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high)
+      ++end;
+    if (end == i + 1) {
+      const auto [from, to] = side_vertices(mesh, sides[i].side);
+      rim.try_emplace(to, from);
+    }
+    i = end;
+  }
+  Mesh closed = mesh;
+  while (!rim.empty()) {
+    std::vector<std::uint32_t> loop;
+    Vec3 middle(0);
+    for (auto next = rim.begin(); next != rim.end(); next = rim.find(loop.back())) {
+      if (loop.empty()) loop.push_back(next->first);
+      middle += mesh.positions[loop.back()];
+      loop.push_back(next->second);
+      rim.erase(next);
+    }
+    const auto centre = static_cast<std::uint32_t>(closed.positions.size());
+    closed.positions.push_back(middle / static_cast<double>(loop.size() - 1));
+    for (std::size_t i = 0; i + 1 < loop.size(); ++i)
+      closed.triangles.emplace_back(loop[i], loop[i + 1], centre);
+  }
+  return closed;
+}
+
+/// The side of V-HACD's voxels, metres: its longest axis has 1.5 times the resolution's cube root of them, or so.
+double voxel_side(const Mesh& mesh, std::uint32_t resolution) {
+  const Box box = bounds(mesh);
+  const Vec3 extent = box.high - box.low;
+  const double along = std::max(32.0, std::floor(1.5 * std::pow(resolution, 0.33)));
+  return std::max({extent.x, extent.y, extent.z}) / (along - 1);
+}
+
+/// splitmix64: small, and the same everywhere.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  /// [0, 1)
+  double next() {
+    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ULL);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// One point in each of `count` stretches of equal area.
+std::vector<Vec3> spread_over(const UnionSurface& surface, std::uint32_t count, std::uint64_t seed) {
+  Random random(seed);
+  const double whole = area(surface);
+  std::vector<Vec3> points;
+  points.reserve(count);
+  double before = 0;
+  auto triangle = surface.triangles.begin();
+  const auto size = [](const UnionSurface::Triangle& t) { return glm::length(glm::cross(t.b - t.a, t.c - t.a)) / 2; };
+  for (std::uint32_t i = 0; i < count && triangle != surface.triangles.end(); ++i) {
+    const double target = (i + random.next()) / count * whole;
+    while (triangle + 1 != surface.triangles.end() && before + size(*triangle) < target) {
+      before += size(*triangle);
+      ++triangle;
+    }
+    const double root = std::sqrt(random.next()), share = random.next();
+    points.push_back(triangle->a * (1 - root) + triangle->b * (root * (1 - share)) + triangle->c * (root * share));
+  }
+  return points;
+}
+
+}  // namespace
+
+std::string unfit_for_parts(const Mesh& mesh) {
+  if (mesh.triangles.empty()) return "has no triangle with an area; there is nothing to take apart";
+  const Box box = bounds(mesh);
+  const Vec3 extent = box.high - box.low;
+  const double size = std::max({extent.x, extent.y, extent.z}), least = std::min({extent.x, extent.y, extent.z});
+  if (!(size <= largest_size) || !(size >= smallest_size)) {
+    return fmt::format("is {:.4g} m across; a solid has a micrometre to a kilometre (glTF's unit is the metre)", size);
+  }
+  if (!(least > 1e-6 * size)) return "is flat: it has no extent along one axis, so there is no solid to take apart";
+  return {};
+}
+
+std::optional<Parts> decompose(const Mesh& mesh, const DecomposeOptions& options, const Progress& progress) {
+  Parts result;
+  if (is_convex(mesh)) {
+    if (std::optional<Part> whole = make_part(mesh.positions)) {
+      result.parts.push_back(std::move(*whole));
+      result.seam_m = smallest_seam(result.parts);
+      return result;
+    }
+  }
+  const VhacdOptions vhacd{options.parts, options.resolution, options.error_percent, vertices_per_part};
+  bool cancelled = false;
+  constexpr std::uint64_t thousandths = 1000;
+  Activity work("cuts it into convex parts", thousandths);
+  const auto hulls = vhacd_hulls(without_holes(mesh), vhacd, [&](double fraction) {
+    work.reach(static_cast<std::uint64_t>(fraction * thousandths));
+    cancelled = progress && !progress(fraction);
+    return !cancelled;
+  });
+  if (cancelled) return std::nullopt;
+  for (const std::vector<Vec3>& corners : hulls) {
+    if (std::optional<Part> part = make_part(corners)) result.parts.push_back(std::move(*part));
+  }
+  if (result.parts.empty()) throw failure("V-HACD found nothing solid in the mesh; a closed mesh is what it needs");
+  result.seam_m = std::max(smallest_seam(result.parts), seam_voxels * voxel_side(mesh, options.resolution));
+  return result;
+}
+
+PartsReport measure(const Mesh& mesh, const Parts& parts, std::uint64_t seed) {
+  const Activity work("measures its parts");
+  PartsReport report;
+  report.parts = static_cast<std::uint32_t>(parts.parts.size());
+  if (find_defects(mesh).closed_and_oriented()) report.mesh_volume_m3 = std::abs(signed_volume(mesh));
+  const UnionSurface surface = union_surface(parts);
+  report.union_volume_m3 = volume(surface);
+  double all = 0;
+  for (const Part& part : parts.parts)
+    all += area(part.mesh);
+  report.internal_share = std::max(0.0, 1 - area(surface) / all);
+  const NearestTriangle nearest(mesh);
+  std::vector<double> errors;
+  Activity sampling("compares their surface with the mesh", error_samples);
+  for (const Vec3& p : spread_over(surface, error_samples, seed)) {
+    errors.push_back(nearest.distance(p));
+    report.error_mean_m += errors.back() / error_samples;
+    sampling.advance();
+  }
+  std::sort(errors.begin(), errors.end());
+  if (!errors.empty()) {
+    report.error_p95_m = errors[errors.size() * 95 / 100];
+    report.error_max_m = errors.back();
+  }
+  return report;
+}
+
+}  // namespace palpa::geometry

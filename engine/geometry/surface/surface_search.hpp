@@ -1,0 +1,37 @@
+// What the cells of a surface's grid ask the tree of boxes for: the nearest triangle, and all that may be.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "geometry/mesh/bvh.hpp"
+#include "geometry/surface/slabs.hpp"
+#include "geometry/surface/surface_contest.hpp"
+#include "geometry/surface/surface_triangles.hpp"
+
+namespace palpa::geometry {
+
+class SurfaceSearch {
+ public:
+  /// The arguments must outlive it. `triangles`, in the tree's order, are relative to `centre`, as are all points here;
+  /// `epsilon` is how far rounding may move a point, metres.
+  SurfaceSearch(const Bvh& bvh, const SurfaceTriangles& triangles, const Vec3& centre, double epsilon);
+
+  /// The triangle nearest to p, the first of several, and its distance; `guess` is one that may be near. Adds the nodes
+  /// that were looked at to `steps`.
+  std::uint32_t nearest(const glm::vec3& p, std::uint32_t guess, float& distance2, std::uint64_t& steps) const;
+
+  /// Appends those that no rival beats in the cell with these corners, ascending. A node counts for each corner.
+  void gather(const Contest& contest, const Corners& corners, std::vector<std::uint32_t>& list,
+              std::uint64_t& steps) const;
+
+ private:
+  const Bvh& bvh_;
+  const SurfaceTriangles& t_;
+  Vec3 centre_;
+  double epsilon_;
+  std::vector<Slab> slabs_;
+};
+
+}  // namespace palpa::geometry

@@ -1,0 +1,116 @@
+#include "session/links/foci_link.hpp"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "session/links/udp.hpp"
+
+namespace palpa::session {
+namespace {
+
+constexpr const char* form = "link foci takes udp:HOST:PORT, for example foci:udp:127.0.0.1:9000";
+
+class FociLink : public Link {
+ public:
+  FociLink(const std::string& address, const LinkSetting& setting)
+      : sender_(address, "link foci", form), solid_names_(setting.solid_names.begin(), setting.solid_names.end()) {}
+
+  void plan(const ToldPlan& told) override {
+    write_foci_line(told.schedule, solid_names_, json_);
+    last_s_ = told.schedule.time_s;
+    ++lines_;
+    heard_ = sender_.send(json_.finish());
+    if (heard_) {
+      lines_with_fingers_ += told.schedule.voice_count > 0 ? 1 : 0;
+      return;
+    }
+    ++unsent_;
+    send_silence();  // or the foci of the line before would sound on
+    sender_.warn();
+  }
+  /// A drive counts as played where the line of foci that it belongs to was sent.
+  void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
+    played_ += heard_ && sounds(drive) ? 1 : 0;
+  }
+  std::optional<Carried> carried() const override {
+    return Carried{.completed = {.drives = played_, .plans = lines_with_fingers_}};
+  }
+  void finish() override {
+    for (int repeat = 0; repeat < 3; ++repeat) {  // the last line may get lost like any other
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      send_silence();
+    }
+    if (unsent_ > 0) {
+      log::warning(
+          fmt::format("link foci: {} of {} lines could not be sent, silence was in their place", unsent_, lines_));
+    }
+  }
+
+ private:
+  void send_silence() {
+    array::Schedule nothing;
+    nothing.time_s = last_s_;
+    write_foci_line(nothing, {}, json_);
+    sender_.send(json_.finish());
+  }
+
+  UdpSender sender_;
+  std::vector<std::string> solid_names_;
+  JsonWriter json_;
+  double last_s_ = 0;  ///< of the last line
+  std::uint64_t lines_ = 0, unsent_ = 0;
+  bool heard_ = false;  ///< the last line was sent
+  std::uint64_t played_ = 0, lines_with_fingers_ = 0;
+};
+
+}  // namespace
+
+void write_order(const array::Voice& voice, JsonWriter& json) {
+  if (voice.foci_per_slot <= 1) {
+    json.value(voice.order);
+    return;
+  }
+  json.begin_array();
+  const std::span<const std::uint32_t> order = voice.order;
+  for (std::size_t at = 0; at + voice.foci_per_slot <= order.size(); at += voice.foci_per_slot)
+    json.value(order.subspan(at, voice.foci_per_slot));
+  json.end_array();
+}
+
+void write_foci_line(const array::Schedule& schedule, std::span<const std::string> solid_names, JsonWriter& json) {
+  json.clear();
+  json.begin_object(JsonWriter::Style::compact).member("time_s", schedule.time_s);
+  json.key("fingers").begin_array();
+  for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
+    const array::Voice& voice = schedule.voices[v];
+    json.begin_object().member("id", voice.id).key("solid");
+    json.value(voice.solid < solid_names.size() ? std::string_view(solid_names[voice.solid]) : "");
+    json.key("foci_m").begin_array();
+    for (const Vec3& focus : voice.foci)
+      json.value(glm::vec3(focus));
+    json.end_array();
+    json.key("order");
+    write_order(voice, json);
+    json.member("dwell_s", voice.dwell_s).member("modulation_hz", voice.modulation_hz);
+    if (voice.modulation_hz != 0) json.member("modulation", word_of(array::modulation_words, voice.modulation));
+    json.member("gain", voice.gain);
+    if (voice.reached_pa) json.member("pressure_pa", *voice.reached_pa);
+    json.end_object();
+  }
+  json.end_array().end_object();
+}
+
+std::unique_ptr<Link> open_foci_link(const std::string& argument, const LinkSetting& setting) {
+  if (!argument.starts_with("udp:")) throw bad_usage(form);
+  return std::make_unique<FociLink>(argument.substr(4), setting);
+}
+
+}  // namespace palpa::session

@@ -1,0 +1,65 @@
+#include "session/links/link.hpp"
+
+#include <cstdint>
+#include <optional>
+
+#include "base/error.hpp"
+#include "session/links/foci_link.hpp"
+#include "session/links/record_link.hpp"
+#include "session/links/spec.hpp"
+
+namespace palpa::session {
+namespace {
+
+/// Takes everything and does nothing: the loop without an array.
+class NullLink : public Link {
+ public:
+  void plan(const ToldPlan&) override {}
+  void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override { played_ += sounds(drive) ? 1 : 0; }
+  std::optional<Carried> carried() const override { return Carried{.completed = {.drives = played_}}; }
+
+ private:
+  std::uint64_t played_ = 0;
+};
+
+}  // namespace
+
+std::vector<LinkKind> builtin_links() {
+  return {{"null", "null: drives go nowhere",
+           [](const std::string& argument, const LinkSetting&) -> std::unique_ptr<Link> {
+             if (!argument.empty()) throw bad_usage("link null takes no argument, not '" + argument + "'");
+             return std::make_unique<NullLink>();
+           }},
+          {"record", "record:FILE: every drive into a file",
+           [](const std::string& file, const LinkSetting& setting) { return open_record_link(file, setting); }, true},
+          {"foci", "foci:udp:HOST:PORT: one JSON line per frame with the foci", open_foci_link}};
+}
+
+std::unique_ptr<Link> open_link(const std::string& spec, std::span<const LinkKind> kinds, const LinkSetting& setting) {
+  const auto [name, argument] = parse_spec(spec);
+  const LinkKind& kind = find_kind(kinds, name, "link");
+  if (!setting.board_files.empty() && !kind.reads_board_files) {
+    throw bad_usage("--board-files goes with a link to boards that have files of their own, such as openmpd:SERIAL; " +
+                    name + " has none");
+  }
+  return kind.open(argument, setting);
+}
+
+std::string layout_of_link(const std::string& spec, std::span<const LinkKind> kinds) {
+  const auto [name, argument] = parse_spec(spec);
+  const LinkKind& kind = find_kind(kinds, name, "link");
+  return kind.own_layout ? kind.own_layout(argument) : std::string();
+}
+
+double least_moving_slot_s(const std::string& spec, std::span<const LinkKind> kinds, const array::Layout& layout) {
+  const auto [name, argument] = parse_spec(spec);
+  const LinkKind& kind = find_kind(kinds, name, "link");
+  return kind.least_moving_slot_s ? kind.least_moving_slot_s(argument, layout) : 0;
+}
+
+std::string file_of_link(const std::string& spec, std::span<const LinkKind> kinds) {
+  const auto [name, argument] = parse_spec(spec);
+  return find_kind(kinds, name, "link").writes_file ? argument : std::string();
+}
+
+}  // namespace palpa::session

@@ -1,0 +1,68 @@
+#include "session/links/plan.hpp"
+
+#include "touch/types.hpp"
+
+namespace palpa::session {
+
+void reserve(array::Schedule& schedule) {
+  schedule.voices.resize(touch::max_fingers);
+  for (array::Voice& voice : schedule.voices) {
+    voice.foci.reserve(touch::max_foci);
+    voice.order.reserve(touch::max_foci);
+  }
+}
+
+void reserve(Plan& plan, std::size_t transducers) {
+  reserve(plan.schedule);
+  plan.drives.reserve(most_cycle * transducers);
+}
+
+const array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness) {
+  array::Schedule& schedule = plan.schedule;
+  const bool shared = array::shared_modulation(schedule);
+  plan.shared_modulation_hz = shared && schedule.voice_count > 0 ? schedule.voices[0].modulation_hz : 0.0;
+  if (plan.shared_modulation_hz != 0) plan.shared_modulation = schedule.voices[0].modulation;
+  array::Schedule* planned = &schedule;
+  if (plan.shared_modulation_hz != 0) {
+    work.unmodulated = schedule;
+    for (std::uint32_t v = 0; v < work.unmodulated.voice_count; ++v)
+      work.unmodulated.voices[v].modulation_hz = 0;
+    planned = &work.unmodulated;
+  }
+  plan.cycle = schedule.voice_count == 0 ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
+  if (loudness == nullptr) return *planned;
+  // Slots that do not repeat soon enough are solved when they play; how loud they are is decided by the first of them.
+  loudness->solve(*planned, plan.cycle > 0 ? plan.cycle : most_cycle);
+  for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
+    schedule.voices[v].target_pa = planned->voices[v].target_pa;
+    schedule.voices[v].reached_pa = planned->voices[v].reached_pa;
+  }
+  return *planned;
+}
+
+void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, SlotWork& work,
+                   array::Loudness* loudness, array::DriveScratch& scratch) {
+  const std::size_t transducers = layout.transducers.size();
+  plan.drives.clear();
+  plan_slots(plan, work, loudness, [&](const auto& foci, const auto& factors) {
+    plan.drives.resize(plan.drives.size() + transducers);
+    const std::span<array::TransducerDrive> out = std::span(plan.drives).last(transducers);
+    if (factors.empty()) {
+      array::drive_for(layout, foci, options, out, scratch);
+    } else {
+      array::drive_by_factors(layout, foci, factors, options, out, scratch);
+    }
+  });
+}
+
+ToldPlan told(const Plan& plan, std::size_t transducers, std::uint64_t from_slot, std::uint64_t until_slot) {
+  return {.schedule = plan.schedule,
+          .from_slot = from_slot,
+          .until_slot = until_slot,
+          .cycle = plan.cycle,
+          .drives = std::span(plan.drives).first(plan.cycle * transducers),
+          .shared_modulation_hz = plan.shared_modulation_hz,
+          .shared_modulation = plan.shared_modulation};
+}
+
+}  // namespace palpa::session

@@ -1,0 +1,147 @@
+#include "session/links/record_link.hpp"
+
+#include <fmt/core.h>
+
+#include <atomic>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "array/layout.hpp"
+#include "base/error.hpp"
+#include "base/input_file.hpp"
+#include "base/stream_writer.hpp"
+
+namespace palpa::session {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the file format is written as memory lies");
+static_assert(sizeof(array::TransducerDrive) == 8);
+
+constexpr char magic[8] = {'p', 'a', 'l', 'p', 'a', 'd', 'r', 'v'};
+constexpr std::uint32_t version = 1;
+
+struct Header {
+  char magic[8];
+  std::uint32_t version;
+  std::uint32_t transducers;
+  double slot_s;
+};
+static_assert(sizeof(Header) == 24);
+
+template <typename T>
+std::string_view text_of(std::span<const T> values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
+}
+
+class RecordLink : public Link {
+ public:
+  RecordLink(const std::string& file, const LinkSetting& setting, const std::atomic<bool>* wait_unless)
+      : wait_unless_(wait_unless),
+        transducers_(setting.layout.transducers.size()),
+        record_bytes_(sizeof(std::uint64_t) + transducers_ * sizeof(array::TransducerDrive)),
+        writer_(file, room_of_pipe + 4 * record_bytes_,
+                wait_unless ? ReaderPatience() : ReaderPatience(link_patience_s)) {
+    if (writer_.on_disk()) writer_.grow(room_of_disk + 4 * record_bytes_);
+    Header header{{}, version, static_cast<std::uint32_t>(transducers_), setting.slot_s};
+    std::memcpy(header.magic, magic, sizeof(magic));
+    writer_.add(text_of(std::span<const Header>(&header, 1)));
+    if (!flush()) writer_.fail_stalled();
+    // Should the disk take no more, what it took must not end with a drive that sounds.
+    writer_.end_in_zeros(transducers_ * sizeof(array::TransducerDrive), sizeof(Header));
+  }
+
+  void plan(const ToldPlan&) override {}
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+    record_ = text_of(std::span<const std::uint64_t>(&slot, 1));
+    record_ += text_of(drive);
+    // All of a record or nothing: what follows must stay readable. Room for the silence after a fault is kept free.
+    stalled_ = !add();
+    if (stalled_) writer_.fail_stalled();
+    written_ += sounds(drive) ? 1 : 0;
+  }
+  std::optional<Carried> carried() const override { return Carried{.completed = {.drives = written_}}; }
+  void finish() override {
+    if (!flush()) {
+      close_stalled();
+      writer_.fail_stalled();
+    }
+    writer_.close();
+  }
+
+ private:
+  bool waits() const { return wait_unless_ && !*wait_unless_; }
+  bool add() {
+    if (waits() && writer_.add_waiting(record_, *wait_unless_)) return true;
+    return stalled_ ? writer_.add(record_) : writer_.add_patiently(record_, record_bytes_);
+  }
+  bool flush() { return (waits() && writer_.flush_waiting(*wait_unless_)) || writer_.flush_patiently(); }
+  /// The file ends in silence now, and not when whoever else is slow has let go of the program.
+  void close_stalled() {
+    try {
+      writer_.close();
+    } catch (const Error&) {  // that it stalled is the error to report
+    }
+  }
+
+  /// A reader that stalls must not hear of drives long after they are over; a disk that stalls must not be heard.
+  static constexpr std::size_t room_of_pipe = 1 << 18, room_of_disk = 1 << 23;
+
+  const std::atomic<bool>* wait_unless_;
+  std::size_t transducers_, record_bytes_;
+  StreamWriter writer_;
+  std::string record_;  ///< the one that is being written
+  bool stalled_ = false;
+  std::uint64_t written_ = 0;  ///< drives that sound
+};
+
+template <typename T>
+std::span<unsigned char> bytes_of(T& value) {
+  return {reinterpret_cast<unsigned char*>(&value), sizeof(value)};
+}
+
+}  // namespace
+
+std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting,
+                                       const std::atomic<bool>* wait_unless) {
+  if (file.empty()) throw bad_usage("link record needs a file: record:FILE");
+  return std::make_unique<RecordLink>(file, setting, wait_unless);
+}
+
+DriveRecording read_drive_recording(const std::filesystem::path& file) {
+  const InputFile in(file);
+  Header header{};
+  if (in.size() >= sizeof(header)) in.read_at(0, bytes_of(header));
+  if (std::memcmp(header.magic, magic, sizeof(magic)) != 0) {
+    throw bad_input(in.name(), "is no recording of drives (it should begin with 'palpadrv')");
+  }
+  if (header.version != version) {
+    throw bad_input(in.name(), fmt::format("has version {}, this palpa reads version {}", header.version, version));
+  }
+  if (header.transducers > array::max_transducers) {
+    throw bad_input(in.name(), fmt::format("claims {} transducers, at most {} are possible", header.transducers,
+                                           array::max_transducers));
+  }
+  DriveRecording recording{header.slot_s, header.transducers, {}};
+  RecordedDrive record;
+  record.drive.resize(header.transducers);
+  const std::span drive(reinterpret_cast<unsigned char*>(record.drive.data()),
+                        record.drive.size() * sizeof(array::TransducerDrive));
+  const std::uint64_t record_size = sizeof(record.slot) + drive.size();
+  std::uint64_t at = sizeof(header);
+  for (; in.size() - at >= record_size; at += record_size) {
+    in.read_at(at, bytes_of(record.slot));
+    in.read_at(at + sizeof(record.slot), drive);
+    recording.drives.push_back(record);
+  }
+  if (at != in.size()) {
+    throw bad_input(in.name(), fmt::format("is cut off in the middle of drive {}", recording.drives.size()));
+  }
+  return recording;
+}
+
+}  // namespace palpa::session

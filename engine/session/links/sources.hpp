@@ -1,0 +1,53 @@
+// Where frames come from, by name: `synthetic[:MESH]`, `recording:DIR`, and what other rooms add (real cameras).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/mesh/mesh.hpp"
+#include "sensing/depth_source.hpp"
+#include "sensing/synthetic.hpp"
+
+namespace palpa::session {
+
+/// What a source is told when it is opened. The referenced values are not kept.
+struct SourceSetting {
+  const std::vector<sensing::Camera>& cameras;  ///< the rig's; a recording brings its own
+  const geometry::Mesh& occluders;              ///< the array's boards in the world: they hide what is behind them
+  std::string default_skin;                     ///< mesh file of a synthetic finger
+  bool noise = true;                            ///< synthetic frames with the depth sensor's noise
+  std::uint64_t seed = 0;
+  bool paced = true;            ///< in real time; otherwise as fast as asked, no frame left out
+  std::string rig = "the rig";  ///< its file, for messages
+};
+
+/// A kind of source: `name` or `name:ARGUMENT` on the command line.
+struct SourceKind {
+  std::string name;
+  std::string help;
+  std::function<std::unique_ptr<sensing::DepthSource>(const std::string& argument, const SourceSetting&)> open;
+  bool ends = false;  ///< by itself, since it was recorded
+};
+
+/// `name`: a rendered fingertip, or another mesh, that moves so.
+SourceKind synthetic_source(std::string name, std::string help, sensing::Motion motion);
+
+/// `synthetic` and `recording`.
+std::vector<SourceKind> builtin_sources();
+
+/// A skin mesh from a PLY or, all its meshes together, from a glTF file. Throws bad_input where there is none in it.
+geometry::Mesh load_skin(const std::string& file);
+
+/// Whether "name" or "name:argument" ends by itself. Throws bad_usage as open_source does.
+bool ends_by_itself(const std::string& spec, std::span<const SourceKind> kinds);
+
+/// Opens "name" or "name:argument". Throws bad_usage with the known names for an unknown one, bad_input for broken
+/// files.
+std::unique_ptr<sensing::DepthSource> open_source(const std::string& spec, std::span<const SourceKind> kinds,
+                                                  const SourceSetting& setting);
+
+}  // namespace palpa::session

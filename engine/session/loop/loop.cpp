@@ -1,0 +1,350 @@
+#include "session/loop/loop.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <exception>
+#include <limits>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "base/start_thread.hpp"
+#include "session/loop/early_start.hpp"
+#include "session/loop/source_clock.hpp"
+#include "session/threads.hpp"
+#include "session/watch/effort.hpp"
+
+namespace palpa::session {
+namespace {
+
+/// A frame with its times on the loop's clock.
+struct Captured {
+  sensing::FrameSet set;
+  double captured_s = 0;
+  double arrived_s = 0;
+};
+
+/// A thread whose error is kept for whoever joins it.
+class Worker {
+ public:
+  template <typename Work>
+  Worker(const char* purpose, Work work) {
+    thread_ = start_thread(purpose, [this, work] {
+      try {
+        work();
+      } catch (...) {
+        fault_ = std::current_exception();
+      }
+    });
+  }
+  ~Worker() {
+    if (thread_.joinable()) thread_.join();
+  }
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  std::exception_ptr join() {
+    thread_.join();
+    return fault_;
+  }
+
+ private:
+  std::exception_ptr fault_;
+  std::thread thread_;
+};
+
+/// Raises a flag on every way out of a thread.
+struct EndFlag {
+  std::atomic<bool>& flag;
+  explicit EndFlag(std::atomic<bool>& raised) : flag(raised) {}
+  ~EndFlag() { flag = true; }
+};
+
+/// Tells the reader that no more frames will come, on every way out of the capture thread.
+struct CloseFrames {
+  Newest<Captured>& frames;
+  explicit CloseFrames(Newest<Captured>& closed) : frames(closed) {}
+  ~CloseFrames() { frames.close(); }
+};
+
+/// How often a thread that waits for another looks whether it still should.
+constexpr std::chrono::milliseconds slice{50};
+
+/// For every_frame: the value before must be in the reader's hands. False where `stopped()` came first.
+template <typename T, typename Stopped>
+bool wait_until_taken(Newest<T>& values, Stopped stopped) {
+  while (!values.wait_taken(slice)) {
+    if (stopped()) return false;
+  }
+  return true;
+}
+
+/// How long a source is asked for a frame before the end is looked for again.
+constexpr double most_wait_s = 0.1;
+
+void capture(sensing::DepthSource& source, Newest<Captured>& frames, Newest<sensing::FrameSet>* recorded,
+             const LoopSetting& setting, const Clock& clock, const std::atomic<bool>& stop,
+             const LoopObservers& observers, LoopStats& stats) {
+  SourceClock source_clock;
+  const auto stopped = [&] { return stop.load(); };
+  double looked_s = clock.now();  // when there was a frame, or it was noted that there was none
+  while (!stop && (setting.frames == 0 || stats.captured < setting.frames)) {
+    Captured& next = frames.back();
+    if (!source.next(next.set, std::min(setting.output.hold_s, most_wait_s))) break;
+    const double now_s = clock.now();
+    if (next.set.frames.empty()) {
+      if (now_s - looked_s < setting.output.hold_s) continue;
+      ++stats.missing;
+      looked_s = now_s;
+      continue;
+    }
+    looked_s = now_s;
+    ++stats.captured;
+    if (setting.every_frame) wait_until_taken(frames, stopped);
+    next.arrived_s = clock.now();
+    next.captured_s = source_clock.capture_time(next.set.time_s, next.arrived_s);
+    if (recorded) {
+      if (setting.every_frame) wait_until_taken(*recorded, stopped);
+      recorded->back() = next.set;
+      if (recorded->publish()) ++stats.unrecorded;
+    }
+    if (observers.arrived) observers.arrived(next.set.sequence);
+    if (frames.publish()) ++stats.replaced;
+  }
+}
+
+void record(Newest<sensing::FrameSet>& frames, const LoopObservers& observers) {
+  while (!frames.closed()) {
+    if (frames.take(std::chrono::milliseconds(100))) observers.record(frames.front());
+  }
+}
+
+/// Says once that frames take longer than they sound.
+class Overload {
+ public:
+  explicit Overload(double hold_s) : hold_s_(hold_s) {}
+
+  void planned(double frame_to_drives_s) {
+    late_ = frame_to_drives_s < hold_s_ ? 0 : late_ + 1;
+    if (late_ < in_a_row || std::exchange(warned_, true)) return;
+    log::warning(
+        fmt::format("overloaded: from frame to drives takes {:.0f} ms, longer than the hold of {:.0f} ms, so "
+                    "that what a frame shows is over before it sounds; give --hold {:.0f}ms, or frames and "
+                    "solids that take less",
+                    frame_to_drives_s * 1e3, hold_s_ * 1e3, std::ceil(frame_to_drives_s * 30) * 100));
+  }
+
+ private:
+  static constexpr int in_a_row = 3;  ///< anything may come late once
+  double hold_s_;
+  int late_ = 0;
+  bool warned_ = false;
+};
+
+/// What the compute thread needs.
+struct Compute {
+  Planner& planner;
+  Newest<Captured>& frames;
+  Newest<Plan>& plans;
+  const Clock& clock;
+  const std::atomic<bool>& stop;
+  const std::atomic<bool>& output_ended;
+  const LoopSetting& setting;
+  const LoopObservers& observers;
+  LoopStats& stats;
+
+  /// Of a frame under way.
+  struct Start {
+    double arrived_s = 0;
+    bool waited = false;  ///< it came while another was under way,
+    bool early = false;   ///< and was started then
+  };
+  std::deque<Start> under_way{};
+  EarlyStart early_start{setting.output.hold_s};
+  Overload overload{setting.output.hold_s};
+  EffortControl effort{setting.output.hold_s, setting.every_frame ? Effort{} : planner.most_shed(),
+                       setting.lengthens_hold && !setting.every_frame ? longest_auto_hold_s : 0};
+  ShedReport shed_report{setting.output.hold_s};
+  double begin_s = -1;
+  double idle_s = -std::numeric_limits<double>::infinity();  ///< since then nothing was under way
+  double last_captured_s = -std::numeric_limits<double>::infinity();
+
+  /// Returns the capture time of the last frame planned, on the loop's clock.
+  double run();
+
+ private:
+  bool stopped() const { return stop || output_ended; }
+  bool start();
+  bool step();
+  void shed(const FrameReport& report, double captured_s);
+};
+
+/// Takes the newest frame in, if there is one and it is its turn.
+bool Compute::start() {
+  const bool early = planner.busy();
+  if (!planner.can_start() || (early && !early_start.now())) return false;
+  // With frames under way the device is the one to wait for, else the camera.
+  if (!frames.take(std::chrono::duration<double>(early ? 0.0 : 0.05))) return false;
+  Captured& frame = frames.front();
+  under_way.push_back({frame.arrived_s, early || frame.arrived_s < idle_s, early});
+  // Frames that wait for the loop have no age of their own.
+  if (setting.every_frame) frame.arrived_s = frame.captured_s = clock.now();
+  if (begin_s < 0) begin_s = frame.arrived_s;
+  planner.start({.images = frame.set.frames,
+                 .sequence = frame.set.sequence,
+                 .time_s = frame.set.time_s,
+                 .captured_s = frame.captured_s,
+                 .arrived_s = frame.arrived_s});
+  return true;
+}
+
+/// Whether another plan is complete.
+bool Compute::step() {
+  if (setting.every_frame && !wait_until_taken(plans, [&] { return stopped(); })) return false;
+  FrameReport report;
+  if (!planner.step(plans.back(), report)) return false;
+  report.planned_s = clock.now();
+  const Start started = under_way.front();
+  under_way.pop_front();
+  if (!planner.busy()) idle_s = report.planned_s;
+  if (started.waited) early_start.took(report.planned_s - started.arrived_s, started.early);
+  ++stats.planned;
+  stats.touching += report.touch->finger_count > 0 ? 1 : 0;
+  stats.frame_to_plan_s.add(report.planned_s - report.arrived_s);
+  stats.add_passes(report.passes);
+  stats.seconds = report.planned_s - begin_s;
+  if (observers.planned) observers.planned(report, plans.back());
+  shed(report, plans.back().captured_s);
+  last_captured_s = plans.back().captured_s;
+  if (effort.exhausted()) overload.planned(report.planned_s - last_captured_s);
+  if (plans.publish()) ++stats.unplayed;
+  return true;
+}
+
+/// Where frames are late some of their work is left out from the next one on.
+void Compute::shed(const FrameReport& report, double captured_s) {
+  const FrameTimes times{report.planned_s - captured_s, report.planned_s - report.arrived_s,
+                         captured_s - last_captured_s};
+  if (effort.planned(times)) planner.set_effort(effort.now());
+  shed_report.planned(effort, times.capture_to_plan_s);
+  if (effort.acted()) stats.shed = {effort.least(), effort.most_hold_s(), effort.shed_frames()};
+  plans.back().more_hold_s = effort.hold_s() - setting.output.hold_s;
+}
+
+double Compute::run() {
+  bool alive = false;      // frames are coming
+  planner.set_effort({});  // whatever a run before has left
+  while (!stopped()) {
+    start();
+    if (planner.busy()) {
+      alive = step() || alive;
+      continue;
+    }
+    if (frames.closed()) break;
+    if (alive && !setting.every_frame && clock.now() >= last_captured_s + setting.output.hold_s) {
+      alive = false;
+      if (observers.expired) observers.expired();
+    }
+  }
+  shed_report.end(effort);
+  planner.set_effort({});  // for whoever uses it next
+  return last_captured_s;
+}
+
+/// Frames that are still under way are not looked at any more; the planner is idle for whoever uses it next.
+void drain(Planner& planner, Plan& plan) {
+  constexpr int most_steps = 16;  // far more than all frames under way take
+  FrameReport report;
+  for (int i = 0; i < most_steps && planner.busy(); ++i) {
+    try {
+      planner.step(plan, report);
+    } catch (...) {  // of a frame that nobody waits for
+    }
+  }
+}
+
+}  // namespace
+
+void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const LoopSetting& setting,
+              std::atomic<bool>& stop, const LoopObservers& observers, LoopStats& stats) {
+  const log::Relay relay;  // what any thread has to say keeps none of them waiting
+  const Clock clock;
+  Newest<Captured> frames;
+  Newest<Plan> plans;
+  plans.each([&](Plan& plan) { reserve(plan, setting.output.layout.transducers.size()); });
+  Newest<sensing::FrameSet> recorded;
+  Ending ending{stop};
+  std::atomic<bool> stop_capture{false}, output_ended{false};
+  std::exception_ptr compute_fault;
+  std::optional<Worker> output_thread, recorder_thread, capture_thread;
+  try {
+    // Whatever breaks ends the loop, and whoever waits within it.
+    const auto fail = [&] {
+      ending.failed = true;
+      stop = true;
+    };
+    output_thread.emplace("the link", [&, fail] {
+      const EndFlag ended(output_ended);
+      go_first();  // drives leave on time
+      try {
+        play(link, plans, setting.output, clock, ending, stats.output);
+      } catch (...) {
+        fail();
+        throw;
+      }
+    });
+    // The link gets silence meanwhile, and the source is not asked before frames can be looked at in time.
+    planner.warm_up();
+    if (observers.record) {
+      recorder_thread.emplace("--record", [&, fail] {
+        take_turns();  // whoever calls may go first
+        try {
+          record(recorded, observers);
+        } catch (...) {
+          fail();  // a recording that cannot go on ends the loop
+          throw;
+        }
+      });
+    }
+    capture_thread.emplace("the source", [&, fail] {
+      const CloseFrames close(frames);
+      take_turns();  // what makes frames itself, or unpacks them, works as long as the touch that waits for them
+      try {
+        capture(source, frames, observers.record ? &recorded : nullptr, setting, clock, stop_capture, observers, stats);
+      } catch (...) {
+        fail();
+        throw;
+      }
+    });
+    Compute compute{planner, frames, plans, clock, stop, output_ended, setting, observers, stats};
+    const double last_s = compute.run();
+    // A source that ended is one whose frames stopped coming: what it last showed is played until it expires.
+    const auto sounds_on = [&] { return clock.now() < last_s + setting.output.hold_s || !plans.wait_taken({}); };
+    while (!stop && !output_ended && !ending.failed && sounds_on()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  } catch (...) {
+    compute_fault = std::current_exception();
+    ending.failed = true;
+    stop = true;
+  }
+  // Silence first: the capture thread may be waiting for a camera, the recorder for a disk.
+  ending.over = true;
+  const std::exception_ptr output_fault = output_thread ? output_thread->join() : nullptr;
+  stop_capture = true;
+  frames.close();
+  const std::exception_ptr capture_fault = capture_thread ? capture_thread->join() : nullptr;
+  recorded.close();
+  drain(planner, plans.back());
+  const std::exception_ptr record_fault = recorder_thread ? recorder_thread->join() : nullptr;
+  for (const std::exception_ptr& fault : {compute_fault, output_fault, record_fault, capture_fault}) {
+    if (fault) std::rethrow_exception(fault);
+  }
+}
+
+}  // namespace palpa::session

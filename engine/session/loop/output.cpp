@@ -1,0 +1,130 @@
+#include "session/loop/output.hpp"
+
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "session/links/hand_over.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::session {
+namespace {
+
+std::span<const array::TransducerDrive> silence(const OutputSetting& setting, array::Drive& scratch) {
+  scratch.assign(setting.layout.transducers.size(), {0.0f, 0.0f});
+  return scratch;
+}
+
+bool expired(const Plan& plan, double now_s, const OutputSetting& setting) {
+  return plan.schedule.voice_count == 0 || now_s >= plan.captured_s + setting.hold_s + plan.more_hold_s;
+}
+
+/// How much longer than it should a ramp may take on its way down at the end: its slots may come late.
+constexpr double most_late_s = 0.1;
+
+/// How often somebody who waits for a slot looks whether its sound must end sooner.
+constexpr double most_sleep_s = 10e-3;
+
+/// How often the output looks how many of its drives have reached the device.
+constexpr double look_every_s = 1;
+
+/// The first slot that begins when the plan has expired, slot 0 having begun at `begin_s`.
+std::uint64_t expiry_slot(const Plan& plan, double begin_s, const OutputSetting& setting) {
+  constexpr double most = 1e18;  // a hold without an end
+  const double slot = std::ceil((plan.captured_s + setting.hold_s + plan.more_hold_s - begin_s) / setting.slot_s);
+  return static_cast<std::uint64_t>(std::clamp(slot, 0.0, most));
+}
+
+}  // namespace
+
+void SlotScratch::reserve(const OutputSetting& setting) {
+  constexpr std::size_t most_foci = std::size_t{touch::max_fingers} * touch::max_foci;
+  drive.reserve(setting.layout.transducers.size());
+  foci.reserve(most_foci);
+  array::reserve(work, setting.layout, setting.drive, most_foci);
+}
+
+std::span<const array::TransducerDrive> drive_of_slot(const Plan& plan, std::uint64_t slot, double now_s,
+                                                      const OutputSetting& setting, SlotScratch& scratch) {
+  if (expired(plan, now_s, setting)) return silence(setting, scratch.drive);
+  const std::size_t transducers = setting.layout.transducers.size();
+  if (plan.cycle == 0) {
+    scratch.drive.resize(transducers);
+    array::foci_of_slot(plan.schedule, slot, scratch.foci);
+    array::drive_for(setting.layout, scratch.foci, setting.drive, scratch.drive, scratch.work);
+    return scratch.drive;
+  }
+  const auto drive = plan.drive(slot, transducers);
+  if (plan.shared_modulation_hz == 0) return drive;
+  scratch.drive.assign(drive.begin(), drive.end());
+  const double midpoint_s = (static_cast<double>(slot) + 0.5) * setting.slot_s;
+  const auto gain =
+      static_cast<float>(array::modulation_gain(plan.shared_modulation, plan.shared_modulation_hz, midpoint_s));
+  for (array::TransducerDrive& transducer : scratch.drive)
+    transducer.amplitude *= gain;
+  return scratch.drive;
+}
+
+void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock, const Ending& ending,
+          OutputStats& stats) {
+  // The kernel may delay a sleeping thread by 50 microseconds to save power; a slot is 1500.
+  prctl(PR_SET_TIMERSLACK, 1000);
+  const std::size_t transducers = setting.layout.transducers.size();
+  SafeLink safe(link, transducers, setting.safety, setting.slot_s);
+  SlotScratch scratch;
+  scratch.reserve(setting);
+  array::Schedule nothing;
+  nothing.slot_s = setting.slot_s;
+  std::uint64_t slot = 0;
+  const double begin_s = clock.now();
+  bool sounding = false;
+  HandOverWatch watch;
+  double look_s = begin_s + look_every_s;
+  double fade_end_s = std::numeric_limits<double>::infinity();  // known when the end is asked for
+  const auto too_long = [&](double now_s) {
+    if (ending.asked()) return ending.failed || now_s >= fade_end_s || std::isinf(fade_end_s);
+    return sounding && expired(plans.front(), now_s, setting);
+  };
+  const auto must_go_on = [&] {
+    if (!ending.asked()) return true;
+    return safe.must_fade() && !ending.failed && clock.now() < fade_end_s;
+  };
+  while (must_go_on()) {
+    const double due_s = begin_s + static_cast<double>(slot) * setting.slot_s;
+    for (double now_s = clock.now(); now_s < due_s && !too_long(now_s); now_s = clock.now())
+      clock.sleep_until(std::min(due_s, now_s + most_sleep_s));
+    if (!must_go_on()) break;
+    const bool stopped = ending.asked();
+    if (stopped && std::isinf(fade_end_s)) fade_end_s = clock.now() + setting.safety.ramp_s + most_late_s;
+    const double now_s = clock.now();
+    const bool fresh = plans.take();
+    const Plan& plan = plans.front();
+    const bool silent = stopped || expired(plan, now_s, setting);
+    if (fresh) stats.first_drive(now_s - plan.captured_s);
+    if (fresh && !silent) {
+      safe.plan(told(plan, transducers, slot, expiry_slot(plan, begin_s, setting)));
+    } else if (fresh || (silent && sounding)) {
+      // Nothing is touched, or frames stopped coming: whoever plays or shows a plan must hear of its end, too.
+      nothing.time_s = plan.schedule.time_s;
+      safe.plan({.schedule = nothing, .from_slot = slot, .until_slot = slot});
+    }
+    sounding = !silent;
+    safe.send(slot, silent ? silence(setting, scratch.drive) : drive_of_slot(plan, slot, now_s, setting, scratch));
+    stats.sent(std::max(now_s - due_s, 0.0), silent);
+    // Overslept by a whole slot or more: the slots between are over.
+    const auto running = static_cast<std::uint64_t>(std::floor((clock.now() - begin_s) / setting.slot_s));
+    if (running > slot + 1) stats.skipped(running - slot - 1);
+    slot = std::max(slot + 1, running);
+    if (now_s >= look_s) {
+      watch.look(safe.handed_over());
+      look_s = now_s + look_every_s;
+    }
+  }
+  safe.finish();
+  stats.hand_over = safe.handed_over();
+  watch.look(stats.hand_over);
+}
+
+}  // namespace palpa::session

@@ -1,0 +1,94 @@
+// The planner through the passes' C++ twins: one frame at a time on the calling
+// thread.
+#include <chrono>
+#include <optional>
+
+#include "session/plan/planner.hpp"
+#include "touch/host_stage.hpp"
+
+namespace palpa::session {
+namespace {
+
+class HostPlanner : public Planner {
+ public:
+  HostPlanner(const SessionSetting& setting, Scheduler& scheduler)
+      : setting_(setting),
+        scheduler_(scheduler),
+        stage_(setting.solids, setting.cameras, stage_setting(setting, scheduler)) {
+    if (scheduler.needs_pressures() && !setting.layout.transducers.empty())
+      loudness_.emplace(setting.layout, setting.drive);
+  }
+
+  bool can_start() const override { return !busy_; }
+  bool busy() const override { return busy_; }
+
+  void start(const SkinFrame& frame) override {
+    passes_.clear();
+    begin_ = Clock::now();
+    const auto mark = [this](const char* pass) { this->mark(pass); };
+    if (setting_.cameras.empty()) {
+      stage_.touch(frame.points, touch_, frame.time_s, mark);
+    } else {
+      stage_.touch(frame.images, touch_, frame.time_s, mark);
+    }
+    captured_s_ = frame.captured_s;
+    report_ = {frame.sequence, frame.time_s, &touch_, {}, frame.arrived_s, 0};
+    busy_ = true;
+  }
+
+  bool step(Plan& plan, FrameReport& report) override {
+    busy_ = false;
+    scheduler_.make(touch_, report_.time_s, plan.schedule);
+    plan.captured_s = captured_s_;
+    make_drives(plan);
+    report = report_;
+    report.passes = passes_;
+    return true;
+  }
+
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { stage_.set_pose(solid, T_world_rest); }
+
+  void set_effort(const Effort& effort) override {
+    stage_.set_pixel_stride(effort.pixel_stride);
+    scheduler_.thin_foci(effort.foci_part);
+  }
+  Effort most_shed() const override { return {stage_.most_pixel_stride(), most_foci_part}; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void mark(const char* pass) {
+    const auto now = Clock::now();
+    passes_.push_back({pass, std::chrono::duration<double, std::milli>(now - begin_).count()});
+    begin_ = now;
+  }
+
+  void make_drives(Plan& plan) {
+    plan.drives.clear();
+    plan.cycle = 0;
+    if (setting_.layout.transducers.empty()) return;
+    drive_on_host(plan, setting_.layout, setting_.drive, slot_work_, loudness_ ? &*loudness_ : nullptr, drive_scratch_);
+  }
+
+  const SessionSetting& setting_;
+  Scheduler& scheduler_;
+  touch::HostStage stage_;
+  bool busy_ = false;
+  double captured_s_ = 0;
+  FrameReport report_;
+  touch::Touch touch_;
+  std::vector<gpu::PassTime> passes_;
+  Clock::time_point begin_;
+
+  SlotWork slot_work_;
+  array::DriveScratch drive_scratch_;
+  std::optional<array::Loudness> loudness_;
+};
+
+}  // namespace
+
+std::unique_ptr<Planner> make_host_planner(const SessionSetting& setting, Scheduler& scheduler) {
+  return std::make_unique<HostPlanner>(setting, scheduler);
+}
+
+}  // namespace palpa::session

@@ -1,0 +1,36 @@
+#include "session/plan/planner.hpp"
+
+#include "session/plan/scheduler.hpp"
+
+namespace palpa::session {
+namespace {
+
+/// Depth frames that come one by one may be of a whole hand in a solid: more contacts than a frame of a loop has.
+constexpr std::uint32_t most_contacts_of_one = 1U << 20;
+
+}  // namespace
+
+void reserve(touch::Touch& touch) {
+  touch.contacts.reserve(touch::max_fingers * contacts_per_finger);
+  touch.deep.reserve(most_deep);
+  touch.fingers.resize(touch::max_fingers);
+  for (touch::Finger& finger : touch.fingers) {
+    finger.contacts.reserve(contacts_per_finger);
+    finger.foci.reserve(touch::max_foci);
+  }
+}
+
+touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler& scheduler) {
+  touch::StageSetting stage{.parameters = setting.touch,
+                            .follow = setting.follow,
+                            .axes = setting.axes,
+                            .smoothing = setting.smoothing,
+                            .memory_s = setting.hold_s};
+  const bool listed = !setting.live() || setting.events || scheduler.needs_contacts();
+  stage.detail = listed ? touch::Detail::contacts : touch::Detail::fingers;
+  stage.most_contacts = setting.live() || setting.cameras.empty() ? 0 : most_contacts_of_one;
+  if (setting.events) stage.parameters.deep = true;
+  return stage;
+}
+
+}  // namespace palpa::session

@@ -1,0 +1,133 @@
+#include "session/plan/scheduler.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <optional>
+
+#include "acoustics/field/asked_field.hpp"
+#include "geometry/haptics.hpp"
+#include "session/plan/tuning_thread.hpp"
+#include "session/plan/voice.hpp"
+
+namespace palpa::session {
+
+static_assert(acoustics::StrideTuner::most_fingers >= touch::max_fingers);
+static_assert(acoustics::most_ring_foci >= touch::max_foci);
+
+Scheduler::Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
+                     const ScheduleOptions& options, const acoustics::FocusField* field)
+    : solids_(resolve_haptics(scene, solids, touch, options.voice)),
+      foci_(touch.foci),
+      options_(options),
+      slot_s_(slot_length(solids_, options.voice)) {
+  acoustics::SpectrumOptions& spectrum = options_.tuning.spectrum;
+  spectrum.field = field;
+  spectrum.fwhm_m = options.spot_m.value_or(spectrum.fwhm_m);
+  strides_ = acoustics::StrideTuner(spectrum);
+  fingers_.resize(touch::max_fingers);
+  for (ScheduledFinger& finger : fingers_)
+    finger.placement.foci.reserve(touch::max_foci);
+}
+
+bool Scheduler::needs_pressures() const {
+  return std::ranges::any_of(solids_, [](const SolidHaptics& solid) { return solid.voice.pressure_pa.has_value(); });
+}
+
+Scheduler::~Scheduler() = default;
+Scheduler::Scheduler(Scheduler&&) noexcept = default;
+Scheduler& Scheduler::operator=(Scheduler&&) noexcept = default;
+
+void Scheduler::tune_beside(const acoustics::ArrayField* field) {
+  beside_ = field && options_.tune == Tune::stride ? std::make_unique<TuningThread>(*field) : nullptr;
+}
+
+void Scheduler::make(const touch::Touch& touch, double time_s, array::Schedule& schedule) {
+  schedule.clear();
+  schedule.slot_s = slot_s_;
+  schedule.time_s = time_s;
+  count_ = touch.finger_count;
+  if (beside_) beside_->begin(strides_);
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+    const touch::Finger& finger = touch.fingers[f];
+    ScheduledFinger& out = fingers_[f];
+    out.perimeter_m = 0;
+    out.tuned.reset();
+    touch::place_foci(touch, finger, options_.method, out.placement);
+    array::VoiceOptions options = solids_[finger.solid].voice;
+    if (foci_part_ > 1 && !out.placement.still() && !out.placement.together) thin(out.placement, options);
+    array::Voice& voice = schedule.add_voice();
+    make_voice(out.placement, finger.id, finger.solid, options, voice);
+    if (!out.placement.still()) {
+      out.perimeter_m = touch::perimeter_of(out.placement);
+      if (options_.tune != Tune::nothing) {
+        tune(touch, finger, time_s, voice.foci, options, out);
+        make_voice(out.placement, finger.id, finger.solid, options, voice);
+      }
+    }
+    if (aim_ != Vec3(0)) {
+      for (Vec3& focus : voice.foci)
+        focus += aim_;
+    }
+    schedule.slot_s = std::min(schedule.slot_s, options.dwell_s);
+  }
+  if (beside_) beside_->end();
+}
+
+void Scheduler::thin(touch::Placement& placement, array::VoiceOptions& voice) const {
+  const auto count = static_cast<std::uint32_t>(placement.foci.size());
+  const std::uint32_t left = std::max(std::min(count, fewest_foci), count / foci_part_);
+  if (left == count) return;
+  // Of a sector without a place the nearest that has one, as make_voice would take.
+  const auto placed = [&](std::uint32_t sector) {
+    for (std::uint32_t away = 0; away < count; ++away) {
+      for (const std::uint32_t one : {(sector + count - away) % count, (sector + away) % count}) {
+        if (placement.has(one)) return one;
+      }
+    }
+    return sector;
+  };
+  std::array<touch::Focus, touch::max_foci> chosen;
+  for (std::uint32_t f = 0; f < left; ++f)
+    chosen[f] = placement.foci[placed(f * count / left)];
+  std::copy_n(chosen.begin(), left, placement.foci.begin());
+  placement.foci.resize(left);
+  // A stride that was asked for may divide what is left.
+  if (voice.stride && std::gcd(*voice.stride, left) != 1) voice.stride = geometry::usual_stride(left);
+}
+
+void Scheduler::tune(const touch::Touch& touch, const touch::Finger& finger, double time_s, std::span<const Vec3> foci,
+                     array::VoiceOptions& voice, ScheduledFinger& out) {
+  const auto count = static_cast<std::uint32_t>(foci.size());
+  const acoustics::Ring ring{out.perimeter_m, count, voice.stride.value_or(geometry::usual_stride(count)),
+                             voice.dwell_s};
+  if (options_.tune == Tune::stride) {
+    voice.stride = strides_.stride_for(finger.id, ring, time_s);
+    if (beside_) beside_->look_at(finger.id, foci, voice.pressure_pa.has_value(), time_s, strides_);
+    return;
+  }
+  acoustics::TuneOptions tuning = options_.tuning;
+  std::optional<acoustics::AskedField> asked;
+  if (voice.pressure_pa && kind_of(tuning.spectrum.field) == acoustics::FocusKind::array)
+    tuning.spectrum.field = &asked.emplace(*tuning.spectrum.field);
+  const acoustics::Tuned& tuned = out.tuned.emplace(acoustics::tune(ring, tuning, foci));
+  voice.stride = tuned.ring.stride;
+  voice.dwell_s = tuned.ring.dwell_s;
+  if (tuned.ring.foci == count) return;
+  touch::MethodOptions method = options_.method;
+  method.foci = tuned.ring.foci;
+  touch::place_foci(touch, finger, method, out.placement);
+  out.perimeter_m = out.tuned->ring.perimeter_m = touch::perimeter_of(out.placement);
+}
+
+array::Voice Scheduler::common_voice() const {
+  touch::Placement placement;
+  placement.complete = true;
+  placement.together = options_.method.method == touch::Method::multi_focus;
+  placement.foci.resize(options_.method.method == touch::Method::single_focus ? 1 : foci_);
+  array::Voice voice;
+  make_voice(placement, 0, 0, options_.voice, voice);
+  return voice;
+}
+
+}  // namespace palpa::session

@@ -1,0 +1,93 @@
+#include "session/previews/skin_pressure.hpp"
+
+#include <algorithm>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "base/parallel.hpp"
+#include "session/loop/output.hpp"
+
+namespace palpa::session {
+namespace {
+
+/// Mean over time of the square of a modulation's gain, as slots sample it.
+double mean_square(const Plan& plan) {
+  if (plan.shared_modulation_hz == 0) return 1;
+  constexpr int slots = 4000;  // whole periods of every usual modulation, six seconds
+  double sum = 0;
+  for (int slot = 0; slot < slots; ++slot) {
+    const double gain =
+        array::modulation_gain(plan.shared_modulation, plan.shared_modulation_hz, (slot + 0.5) * plan.schedule.slot_s);
+    sum += gain * gain;
+  }
+  return sum / slots;
+}
+
+/// Sounds solved in one go: their incident waves are all in memory at a time.
+constexpr std::size_t together = 16;
+
+}  // namespace
+
+Sounds sounds_of(const Plan& plan, const array::Layout& layout, const array::DriveOptions& options) {
+  const std::uint64_t slots = plan.cycle > 0 ? plan.cycle : most_cycle;
+  const double weight = (plan.cycle > 0 ? mean_square(plan) : 1) / static_cast<double>(slots);
+  const OutputSetting output{.layout = layout, .drive = options, .slot_s = plan.schedule.slot_s, .safety = {}};
+  SlotScratch scratch;
+  Sounds sounds;
+  for (std::uint64_t slot = 0; slot < slots; ++slot) {
+    const auto drive = plan.cycle > 0 ? plan.drive(slot, layout.transducers.size())
+                                      : drive_of_slot(plan, slot, plan.captured_s, output, scratch);
+    const acoustics::Strengths strengths = acoustics::strengths_of(drive);
+    sounds.strengths.insert(sounds.strengths.end(), strengths.begin(), strengths.end());
+    sounds.weights.push_back(weight);
+  }
+  return sounds;
+}
+
+acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Incident& incident,
+                                      const acoustics::Air& air, const acoustics::RigidBody& body,
+                                      const std::atomic<bool>* give_up) {
+  acoustics::SkinPressure pressure;
+  const std::size_t vertices = body.mesh().positions.size();
+  const std::size_t transducers = sounds.strengths.size() / sounds.weights.size();
+  acoustics::Waves waves;
+  for (std::size_t first = 0; first < sounds.weights.size(); first += together) {
+    const std::size_t count = std::min(together, sounds.weights.size() - first);
+    incident.at(body.points(), body.normals(),
+                std::span(sounds.strengths).subspan(first * transducers, count * transducers), waves, give_up);
+    stop_if(give_up);
+    const std::vector<std::complex<float>> unknowns = body.solve(waves);
+    for (std::size_t i = 0; i < count; ++i) {
+      acoustics::add_pressure(body.at_faces(std::span(unknowns).subspan(i * vertices, vertices)), air,
+                              sounds.weights[first + i], pressure);
+    }
+  }
+  return pressure;
+}
+
+double bare_elongation(const Sounds& sounds, const acoustics::Incident& incident, const Vec3& centre) {
+  constexpr int steps = 30;
+  constexpr double step_m = 0.5e-3;
+  std::vector<Vec3> points;
+  for (int i = -steps; i <= steps; ++i) {
+    for (int j = -steps; j <= steps; ++j)
+      points.push_back(centre + step_m * Vec3(i, 0, j));
+  }
+  acoustics::Waves waves;
+  incident.at(points, {}, sounds.strengths, waves);
+  std::vector<double> mean(points.size());
+  for (std::size_t sound = 0; sound < sounds.weights.size(); ++sound) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      mean[i] += sounds.weights[sound] * std::norm(waves.pressures[sound * points.size() + i]);
+  }
+  const double half = *std::ranges::max_element(mean) / 2;
+  std::vector<Vec3> above;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (mean[i] > half) above.push_back(points[i]);
+  }
+  return acoustics::elongation_of(above, std::vector<double>(above.size(), step_m * step_m));
+}
+
+}  // namespace palpa::session

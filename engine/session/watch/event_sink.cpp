@@ -1,0 +1,90 @@
+#include "session/watch/event_sink.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "base/stream_writer.hpp"
+#include "session/links/udp.hpp"
+
+namespace palpa::session {
+namespace {
+
+class StreamSink : public EventSink {
+ public:
+  StreamSink(const std::string& file, std::span<const std::string> solid_names, const std::atomic<bool>* wait_unless)
+      : writer_(file, room), solid_names_(solid_names.begin(), solid_names.end()), wait_unless_(wait_unless) {}
+
+  void write(std::span<const Event> events) override {
+    for (const Event& event : events) {
+      write_event_line(event, solid_names_, json_);
+      const std::string_view line = json_.finish();
+      const bool taken = wait_unless_ ? writer_.add_waiting(line, *wait_unless_) : writer_.add(line);
+      written_ += taken ? 1 : 0;
+      drop(taken ? 0 : 1);
+    }
+  }
+
+  void finish() override {
+    if (wait_unless_) writer_.flush_waiting(*wait_unless_);
+    writer_.flush_patiently();
+    writer_.close();  // from here on nothing more is written
+    const std::uint64_t lost = writer_.waiting();
+    written_ -= std::min(lost, written_);
+    drop(lost);
+  }
+
+ private:
+  static constexpr std::size_t room = 1 << 20;
+
+  void drop(std::uint64_t lines) {
+    if (lines > 0 && !std::exchange(warned_, true)) {
+      log::warning(fmt::format("events: {} is read too slowly, lines are left out", writer_.name()));
+    }
+    dropped_ += lines;
+  }
+
+  StreamWriter writer_;
+  std::vector<std::string> solid_names_;
+  const std::atomic<bool>* wait_unless_;
+  bool warned_ = false;
+  JsonWriter json_;
+};
+
+class UdpSink : public EventSink {
+ public:
+  UdpSink(const std::string& address, std::span<const std::string> solid_names)
+      : sender_(address, "events", "--events takes -, a file or udp:HOST:PORT, for example udp:127.0.0.1:9001"),
+        solid_names_(solid_names.begin(), solid_names.end()) {}
+
+  void write(std::span<const Event> events) override {
+    for (const Event& event : events) {
+      write_event_line(event, solid_names_, json_);
+      if (sender_.send(json_.finish())) {
+        ++written_;
+      } else {
+        ++dropped_;
+        sender_.warn();
+      }
+    }
+  }
+
+ private:
+  UdpSender sender_;
+  std::vector<std::string> solid_names_;
+  JsonWriter json_;
+};
+
+}  // namespace
+
+std::unique_ptr<EventSink> open_event_sink(const std::string& target, std::span<const std::string> solid_names,
+                                           const std::atomic<bool>* wait_unless) {
+  if (target.starts_with("udp:")) return std::make_unique<UdpSink>(target.substr(4), solid_names);
+  if (target.empty()) throw bad_usage("--events needs -, a file or udp:HOST:PORT");
+  return std::make_unique<StreamSink>(target, solid_names, wait_unless);
+}
+
+}  // namespace palpa::session

@@ -1,0 +1,106 @@
+#include "session/watch/stats.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+
+#include "base/json_writer.hpp"
+
+namespace palpa::session {
+namespace {
+
+constexpr int digits = 6;
+
+void add_distribution(JsonWriter& json, std::string_view key, const Samples& samples, double scale) {
+  json.key(key).begin_object().member("count", samples.count());
+  json.key("median").rounded(samples.quantile(0.5) * scale, digits);
+  json.key("p99").rounded(samples.quantile(0.99) * scale, digits);
+  json.key("p999").rounded(samples.quantile(0.999) * scale, digits);
+  json.key("max").rounded(samples.quantile(1.0) * scale, digits);
+  json.end_object();
+}
+
+/// `drives` and, of boards that play them, `plans`: what passed each hand-over.
+void add_hand_over(JsonWriter& json, const HandOver& counts) {
+  json.key("hand_over").begin_object();
+  const auto add = [&](std::string_view key, std::uint64_t Passed::*what, bool drives) {
+    json.key(key).begin_object().member("loop", counts.loop.*what);
+    if (counts.behind) {
+      const Carried& behind = *counts.behind;
+      if (behind.guard) {
+        json.member("guard", (*behind.guard).*what).member("submitted", behind.submitted.*what);
+        json.member("completed", behind.completed.*what);
+        if (drives) json.member("starting", behind.starting);
+      } else {
+        json.member("played", behind.completed.*what);
+      }
+      if (drives) json.member("lost", counts.lost());
+    }
+    json.end_object();
+  };
+  add("drives", &Passed::drives, true);
+  if (counts.behind && counts.behind->completed.plans > 0) add("plans", &Passed::plans, false);
+  json.end_object();
+}
+
+}  // namespace
+
+double Samples::quantile(double p) const {
+  if (values_.empty()) return 0;
+  std::vector<float> sorted = values_;
+  const auto at = static_cast<std::ptrdiff_t>(std::lround(p * static_cast<double>(sorted.size() - 1)));
+  std::nth_element(sorted.begin(), sorted.begin() + at, sorted.end());
+  return sorted[static_cast<std::size_t>(at)];
+}
+
+void LoopStats::add_passes(std::span<const gpu::PassTime> times) {
+  for (const gpu::PassTime& time : times) {
+    auto known =
+        std::find_if(passes.begin(), passes.end(), [&](const PassStats& pass) { return pass.name == time.name; });
+    if (known == passes.end()) known = passes.insert(passes.end(), PassStats{time.name, {}});
+    known->ms.add(time.ms);
+  }
+}
+
+std::string to_json(const LoopStats& stats) {
+  JsonWriter json;
+  json.begin_object(JsonWriter::Style::rows);
+  json.key("frames").begin_object();
+  json.member("captured", stats.captured).member("replaced", stats.replaced).member("missing", stats.missing);
+  json.member("unrecorded", stats.unrecorded).member("planned", stats.planned).member("unplayed", stats.unplayed);
+  json.member("touching", stats.touching);
+  json.end_object();
+  json.key("seconds").rounded(stats.seconds, digits);
+  json.key("timing_ms").begin_object();
+  add_distribution(json, "frame_to_plan", stats.frame_to_plan_s, 1e3);
+  add_distribution(json, "capture_to_drive", stats.output.capture_to_drive_s, 1e3);
+  add_distribution(json, "drive_jitter", stats.output.jitter_s, 1e3);
+  json.end_object();
+  json.key("passes_ms").begin_object();
+  for (const PassStats& pass : stats.passes)
+    add_distribution(json, pass.name, pass.ms, 1.0);
+  json.end_object();
+  json.key("drives").begin_object();
+  json.member("sent", stats.output.drives).member("silent", stats.output.silent_drives);
+  json.member("skipped_slots", stats.output.skipped_slots).end_object();
+  add_hand_over(json, stats.output.hand_over);
+  if (stats.events) {
+    json.key("events").begin_object();
+    json.member("written", stats.events->written).member("dropped", stats.events->dropped).end_object();
+  }
+  if (stats.shed) {
+    json.key("shed").begin_object().member("pixel_stride", stats.shed->least.pixel_stride);
+    json.member("foci_part", stats.shed->least.foci_part).member("hold_s", stats.shed->hold_s);
+    json.member("frames", stats.shed->frames).end_object();
+  }
+  if (stats.tune) {
+    json.key("tune").begin_object().member("field", stats.tune->of_array ? "array" : "spot");
+    json.member("fields", stats.tune->fields).end_object();
+  }
+  write_pressures(stats.fingers, stats.solids, json);
+  json.end_object();
+  return json.take();
+}
+
+}  // namespace palpa::session

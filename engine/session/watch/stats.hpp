@@ -1,0 +1,104 @@
+// What a loop measured about itself.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/timestamps.hpp"
+#include "session/links/hand_over.hpp"
+#include "session/watch/effort.hpp"
+#include "session/watch/pressure_log.hpp"
+
+namespace palpa::session {
+
+/// The newest samples of one quantity, up to a fixed number: adding never allocates.
+class Samples {
+ public:
+  static constexpr std::size_t most = 1 << 16;
+  Samples() { values_.reserve(most); }
+
+  void add(double value) {
+    if (values_.size() < most) {
+      values_.push_back(static_cast<float>(value));
+    } else {
+      values_[count_ % most] = static_cast<float>(value);
+    }
+    ++count_;
+  }
+  std::uint64_t count() const { return count_; }
+  /// The value below which a share `p` (0..1) of the kept samples lie; 0 without samples.
+  double quantile(double p) const;
+
+ private:
+  std::vector<float> values_;
+  std::uint64_t count_ = 0;
+};
+
+/// Kept by the output thread.
+struct OutputStats {
+  std::uint64_t drives = 0, silent_drives = 0, skipped_slots = 0;
+  HandOver hand_over;          ///< what left for the link, and how far it came
+  Samples jitter_s;            ///< how late each drive left
+  Samples capture_to_drive_s;  ///< from a frame's capture to its first drive
+
+  void sent(double late_s, bool silent) {
+    ++drives;
+    silent_drives += silent ? 1 : 0;
+    jitter_s.add(late_s);
+  }
+  void skipped(std::uint64_t slots) { skipped_slots += slots; }
+  void first_drive(double latency_s) { capture_to_drive_s.add(latency_s); }
+};
+
+/// Of a run that tells its events.
+struct EventStats {
+  std::uint64_t written = 0, dropped = 0;
+};
+
+/// Of a run that tunes strides.
+struct TuneStats {
+  bool of_array = false;     ///< by the array's field, once it is known; else by spots
+  std::uint64_t fields = 0;  ///< times that a finger's came to be known
+};
+
+/// Of a run that has shed work.
+struct ShedStats {
+  Effort least;              ///< the least that frames were worked on with
+  double hold_s = 0;         ///< the longest that a frame was allowed to sound
+  std::uint64_t frames = 0;  ///< that were worked on in part
+};
+
+/// The time of one pass over all frames.
+struct PassStats {
+  std::string name;
+  Samples ms;
+};
+
+struct LoopStats {
+  std::uint64_t captured = 0;    ///< frames that came from the source
+  std::uint64_t replaced = 0;    ///< of these, not looked at because a newer one had come
+  std::uint64_t missing = 0;     ///< times that the source had nothing within the hold
+  std::uint64_t unrecorded = 0;  ///< frames that the recorder left out, most often since they came too fast
+  std::uint64_t planned = 0;     ///< frames whose drives were made
+  std::uint64_t unplayed = 0;    ///< of these, not played because the drives of a newer one had come
+  std::uint64_t touching = 0;    ///< of those planned, frames with at least one finger
+  double seconds = 0;            ///< from the first frame to the end
+  Samples frame_to_plan_s;       ///< a frame in memory to its drives in memory
+  std::vector<PassStats> passes;
+  OutputStats output;
+  std::optional<EventStats> events;
+  std::optional<TuneStats> tune;
+  std::optional<ShedStats> shed;
+  std::vector<FingerPressure> fingers;  ///< where pressures were asked for
+  std::vector<std::string> solids;      ///< the names of theirs
+
+  void add_passes(std::span<const gpu::PassTime> times);
+};
+
+/// One JSON object, keys as in docs/files.md.
+std::string to_json(const LoopStats& stats);
+
+}  // namespace palpa::session

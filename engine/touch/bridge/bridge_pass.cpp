@@ -1,0 +1,58 @@
+#include "touch/bridge/bridge_pass.hpp"
+
+#include <cstddef>
+
+#include "gpu/barrier.hpp"
+#include "shaders/touch/bridge/bridge.h"
+#include "shaders/touch/fingers/fingers.h"
+#include "spirv/bridge_join.comp.hpp"
+#include "spirv/bridge_pairs.comp.hpp"
+#include "spirv/bridge_relabel.comp.hpp"
+#include "spirv/bridge_sample.comp.hpp"
+
+namespace palpa::touch {
+
+static_assert(shader::bridge_fingers == max_fingers);
+static_assert(shader::bridge_samples == shader::bridge_group && shader::bridge_fingers == shader::bridge_group);
+static_assert(shader::bridge_samples == 1U << (32 - shader::bridge_sample_shift));
+static_assert(shader::bridge_hash * shader::bridge_unhash == 1U);
+
+BridgePass::BridgePass(const gpu::Device& device)
+    : sample_(device, "bridge sample", spirv::bridge_sample_comp,
+              {shader::bridge_sample_buffers, sizeof(shader::BridgePush)}),
+      pairs_(device, "bridge pairs", spirv::bridge_pairs_comp,
+             {shader::bridge_pairs_buffers, sizeof(shader::BridgePush)}),
+      join_(device, "bridge join", spirv::bridge_join_comp, {shader::bridge_join_buffers, sizeof(shader::BridgePush)}),
+      relabel_(device, "bridge relabel", spirv::bridge_relabel_comp,
+               {shader::bridge_relabel_buffers, sizeof(shader::BridgePush)}) {}
+
+std::vector<gpu::ScratchPiece> BridgePass::scratch() {
+  constexpr std::uint64_t fingers = max_fingers;
+  std::vector<gpu::ScratchPiece> list(pieces);
+  list[samples] = {"bridge samples", fingers * shader::bridge_samples * sizeof(shader::BridgeSample)};
+  list[patches] = {"bridge patches", fingers * sizeof(shader::BridgePatch)};
+  list[pairs] = {"bridge pairs", fingers * fingers * sizeof(shader::BridgePair)};
+  return list;
+}
+
+void BridgePass::record(VkCommandBuffer commands, const BridgeBindings& b, const gpu::Scratch& s, const Room& room,
+                        const Parameters& parameters) const {
+  const auto cameras = static_cast<std::uint32_t>(b.cameras.size / sizeof(shader::BridgeCamera));
+  const shader::BridgePush push{room.contacts, cameras, static_cast<float>(parameters.finger_width_m), 0};
+  const auto groups = [&](VkDeviceSize at) { return gpu::groups_in(b.header, at); };
+  constexpr VkDeviceSize per_patch = offsetof(shader::TouchHeader, patches_x);
+  sample_.dispatch_indirect(
+      commands, {b.total, b.parents, b.contacts, b.fingers, b.depth, b.rays, b.cameras, s[samples], s[patches]}, push,
+      groups(per_patch));
+  gpu::compute_to_compute(commands);
+  pairs_.dispatch_indirect(commands, {b.header, b.fingers, b.depth, b.cameras, s[samples], s[patches], s[pairs]}, push,
+                           groups(per_patch));
+  gpu::compute_to_compute(commands);
+  join_.dispatch_indirect(commands, {b.total, b.parents, s[pairs], b.header, b.fingers, b.clusters}, push,
+                          groups(offsetof(shader::TouchHeader, join_x)));
+  gpu::compute_to_compute(commands);
+  relabel_.dispatch_indirect(commands, {b.total, b.parents, b.clusters}, push,
+                             groups(offsetof(shader::TouchHeader, relabel_x)));
+}
+
+}  // namespace palpa::touch

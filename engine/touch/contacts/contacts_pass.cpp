@@ -1,0 +1,131 @@
+#include "touch/contacts/contacts_pass.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "base/error.hpp"
+#include "gpu/barrier.hpp"
+#include "shaders/shared/scan.h"
+#include "shaders/touch/contacts/contacts.h"
+#include "spirv/contacts_find.comp.hpp"
+#include "spirv/contacts_pack.comp.hpp"
+#include "spirv/contacts_surface.comp.hpp"
+
+namespace palpa::touch {
+namespace {
+
+/// Words of 32 points that chunks can cover, of however many rounds: the last one may begin just before the last point.
+std::uint64_t mask_words(std::uint32_t points) {
+  constexpr std::uint32_t longest_round = shader::contacts_chunks * shader::contacts_group;
+  return (std::uint64_t{gpu::groups_for(points, longest_round)} * (longest_round + shader::contacts_group)) / 32;
+}
+
+std::uint32_t whole_fours(std::uint32_t chunks) {
+  return (chunks + 3) / 4 * 4;
+}
+
+/// However few rounds chunks have.
+std::uint32_t most_chunks(std::uint32_t points) {
+  return std::max(shader::contacts_chunks, whole_fours(gpu::groups_for(points, shader::contacts_group)));
+}
+
+bool any_asked_by(const PreparedSolids& solids, std::uint32_t kind) {
+  return std::any_of(solids.records.begin(), solids.records.end(),
+                     [&](const shader::SolidRecord& solid) { return solid.asked_by == kind; });
+}
+
+}  // namespace
+
+ContactsPass::Kernel ContactsPass::kernel_for(const PreparedSolids& solids) {
+  if (any_asked_by(solids, shader::asked_by_parts)) return by_parts;
+  return any_asked_by(solids, shader::asked_by_surface) ? by_surface : by_planes;
+}
+
+void ContactsPass::prepare(const PreparedSolids& solids, const Parameters& parameters) {
+  if (device_->description().ends_long_loops && solids.turns > shader::contacts_most_turns) {
+    const std::string fault = fmt::format(
+        "the scene's {} solids can take {} looks at one skin point, and {} takes {}: give fewer or simpler ones, or "
+        "compute on the CPU (--backend cpu)",
+        solids.records.size(), solids.turns, device_->description().name, shader::contacts_most_turns);
+    throw solids.file.empty() ? bad_usage(fault) : bad_input(solids.file, fault);
+  }
+  if (!pack_) {
+    pack_ = {*device_,
+             "contacts pack",
+             spirv::contacts_pack_comp,
+             {shader::contacts_pack_buffers, sizeof(shader::ContactsPush)}};
+  }
+  const Kernel kernel = kernel_for(solids);
+  const std::uint32_t one = solids.records.size() == 1 ? 1 : 0, deep = parameters.wants_deep() ? 1 : 0;
+  gpu::ComputePipeline& find = find_[kernel][one][deep];
+  if (find) return;
+  const std::array<std::uint32_t, 3> constants{one, deep, kernel == by_parts ? 1U : 0U};
+  if (kernel == by_planes) {
+    find = {*device_,
+            "contacts find",
+            spirv::contacts_find_comp,
+            {shader::contacts_find_buffers, sizeof(shader::ContactsPush), std::span(constants).first(2)}};
+  } else {
+    find = {
+        *device_,
+        kernel == by_parts ? "contacts parts" : "contacts surface",
+        spirv::contacts_surface_comp,
+        {shader::contacts_surface_buffers, sizeof(shader::ContactsPush), constants, shader::contacts_surface_texels}};
+  }
+}
+
+std::vector<gpu::ScratchPiece> ContactsPass::scratch(const Room& room) {
+  std::vector<gpu::ScratchPiece> list(pieces);
+  list[hits] = {"contact hits", std::uint64_t{room.points} * sizeof(shader::Hit)};
+  list[masks] = {"contact masks", mask_words(room.points) * 4};
+  list[counts] = {"contact counts", std::uint64_t{most_chunks(room.points)} * 4};
+  list[deep_masks] = {"deep masks", room.deep == 0 ? 0 : mask_words(room.points) * 4};
+  list[deep_counts] = {"deep counts", room.deep == 0 ? 0 : std::uint64_t{most_chunks(room.points)} * 4};
+  return list;
+}
+
+shader::ScanGroups ContactsPass::groups(const gpu::Device& device, const Room& room, const PreparedSolids& solids) {
+  constexpr std::uint32_t all = shader::contacts_most_points;
+  const std::uint32_t rounds = device.description().ends_long_loops
+                                   ? std::clamp(shader::contacts_most_turns / std::max(solids.turns, 1U), 1U, all)
+                                   : all;
+  return {rounds * shader::contacts_group, shader::contacts_chunks, most_chunks(room.points), 4};
+}
+
+void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, const gpu::Scratch& s, const Room& room,
+                          const PreparedSolids& solids, const Parameters& parameters, gpu::Timestamps* times) const {
+  const auto count = static_cast<std::uint32_t>(solids.records.size());
+  shader::ContactsPush push{{}, count, static_cast<float>(parameters.delta_m), room.points, room.contacts};
+  if (count == 1) push.only = solids.records[0];
+  const bool with_deep = parameters.wants_deep();
+  const Kernel kernel = kernel_for(solids);
+  const gpu::BufferRef chunks = gpu::groups_in(b.length, offsetof(shader::ScanTotal, groups_x));
+  const gpu::ComputePipeline& find = find_[kernel][count == 1 ? 1 : 0][with_deep ? 1 : 0];
+  if (kernel == by_planes) {
+    find.dispatch_indirect(
+        commands,
+        {b.points, b.length, s[hits], s[masks], s[counts], b.solids, b.cells, b.planes, s[deep_masks], s[deep_counts]},
+        push, chunks);
+  } else {
+    find.dispatch_indirect(
+        commands,
+        {b.points, b.length, s[hits], s[masks], s[counts], b.solids, b.cells, b.planes, s[deep_masks], s[deep_counts],
+         b.surface.cells, b.surface.runs, b.surface.triangles, b.surface.signs, b.surface.corners, b.parts},
+        push, chunks);
+  }
+  gpu::compute_to_compute(commands);
+  if (times) times->mark(commands, "contacts find");
+  pack_.dispatch_indirect(commands, {b.points, b.length, s[hits], s[masks], s[counts], b.total, b.contacts}, push,
+                          chunks);
+  if (with_deep) {
+    push.most_contacts = room.deep;
+    pack_.dispatch_indirect(
+        commands, {b.points, b.length, s[hits], s[deep_masks], s[deep_counts], b.deep_total, b.deep}, push, chunks);
+  }
+  if (times) times->mark(commands, "contacts pack");
+}
+
+}  // namespace palpa::touch

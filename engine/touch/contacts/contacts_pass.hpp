@@ -1,0 +1,76 @@
+// Contacts on the device: the skin points in the shell of a solid, Eq. (1) of the paper.
+#pragma once
+
+#include <vector>
+
+#include "gpu/buffer.hpp"
+#include "gpu/pipeline.hpp"
+#include "gpu/scratch.hpp"
+#include "gpu/timestamps.hpp"
+#include "shaders/shared/scan.h"
+#include "touch/contacts/prepared_solids.hpp"
+#include "touch/room.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// The scene's surfaces on the device: with views of texels, see surface_memory.hpp.
+struct SurfaceBindings {
+  gpu::BufferRef cells;      ///< shader::SurfaceCell[], R32G32_UINT
+  gpu::BufferRef runs;       ///< uint[], R32_UINT
+  gpu::BufferRef triangles;  ///< shader::SurfaceTriangle[], R32G32B32A32_SFLOAT
+  gpu::BufferRef signs;      ///< shader::SurfaceSigns[], R32G32B32A32_UINT
+  gpu::BufferRef corners;    ///< vec4[], R32G32B32A32_SFLOAT
+};
+
+struct ContactsBindings {
+  gpu::BufferRef points;  ///< in: vec4 per skin point: x, y, z, the bits of its index
+  gpu::BufferRef length;  ///< in: shader::ScanTotal of the points, cut up as groups() says
+  gpu::BufferRef solids;  ///< in: shader::SolidRecord[]
+  gpu::BufferRef cells;   ///< in: shader::PlaneCell[]
+  gpu::BufferRef planes;  ///< in: vec4[]
+  /// out: shader::ScanTotal: contacts found, also those for which there was no room; its groups are those of the passes
+  /// over contacts, shader::contact_group each, at least one and at most shader::contacts_most_groups
+  gpu::BufferRef total;
+  gpu::BufferRef contacts;  ///< out: shader::ContactRecord[room.contacts], in input order, `finger` unset
+  // Only where a solid is asked by its surface or by its parts; all of them then, be they empty.
+  SurfaceBindings surface = {};  ///< in
+  gpu::BufferRef parts = {};     ///< in: PreparedSolids::parts, uvec4[], with a view of R32G32B32A32_UINT texels
+  // Only where deep points are asked for.
+  gpu::BufferRef deep_total = {};  ///< out: shader::ScanTotal
+  gpu::BufferRef deep = {};        ///< out: shader::ContactRecord[room.deep]
+};
+
+/// Pipelines only; two dispatches: find, pack; three with deep points. Points beyond `room.points` and contacts beyond
+/// `room.contacts` are left out; `length` and `total` tell.
+class ContactsPass {
+ public:
+  explicit ContactsPass(const gpu::Device& device) : device_(&device) {}
+
+  /// Makes the pipelines that record() takes for these; those that are there stay. `solids` may move afterwards. Throws
+  /// bad_input with the solids' file (bad_usage without one) where a device that counts a kernel's turns could not look
+  /// one point up among so many solids.
+  void prepare(const PreparedSolids& solids, const Parameters& parameters);
+
+  static std::vector<gpu::ScratchPiece> scratch(const Room& room);
+
+  /// How the points are to be cut up: so that no thread takes more turns than a device has that counts them.
+  static shader::ScanGroups groups(const gpu::Device& device, const Room& room, const PreparedSolids& solids);
+
+  /// Barriers: expects points and length to be visible to compute, and length as indirect arguments; adds its own
+  /// inside; the caller adds compute_to_compute afterwards. With `times`, marks "contacts find" and "contacts pack".
+  void record(VkCommandBuffer commands, const ContactsBindings& bindings, const gpu::Scratch& scratch, const Room& room,
+              const PreparedSolids& solids, const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
+
+ private:
+  enum Piece : std::size_t { hits, masks, counts, deep_masks, deep_counts, pieces };
+  /// The kernels that look points up: by planes alone, by planes or surfaces, by any.
+  enum Kernel : std::size_t { by_planes, by_surface, by_parts, kernels };
+  static Kernel kernel_for(const PreparedSolids& solids);
+
+  const gpu::Device* device_;
+  gpu::ComputePipeline find_[kernels][2][2];  ///< [kernel][one solid][deep points]
+  gpu::ComputePipeline pack_;
+};
+
+}  // namespace palpa::touch

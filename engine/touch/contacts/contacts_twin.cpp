@@ -1,0 +1,77 @@
+#include "touch/contacts/contacts_twin.hpp"
+
+#include "shaders/touch/contacts/contacts_math.h"
+#include "shaders/touch/contacts/parts_depth.h"
+
+namespace palpa::touch {
+namespace {
+
+using shader::Float3;
+
+bool inside(const Float3& p, const shader::vec4& low, const shader::vec4& high) {
+  return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
+}
+
+/// Eq. (1)'s depth below the nearest plane, 0 outside.
+float plane_depth(const PreparedSolids& solids, std::uint32_t solid, const Float3& p) {
+  float depth = 3.0e38F;
+  for (std::uint32_t m = solids.first_plane[solid]; m < solids.first_plane[solid + 1] && depth > 0; ++m) {
+    const shader::vec4& plane = solids.planes[m];
+    const float d = shader::plane_depth({plane.x, plane.y, plane.z}, plane.w, p);
+    depth = d < depth ? d : depth;
+  }
+  return depth > 0 ? depth : 0;
+}
+
+struct Inside {
+  float depth = 0;  // 0: outside, or of unknown depth
+  bool shell = false;
+};
+
+Inside look(const PreparedSolids& solids, std::uint32_t solid, const Float3& point, const Parameters& parameters) {
+  const shader::SolidRecord& record = solids.records[solid];
+  const Float3 p = shader::turned({record.turn.x, record.turn.y, record.turn.z}, record.turn.w,
+                                  shader::minus(point, {record.centre.x, record.centre.y, record.centre.z}));
+  if (!inside(p, record.low, record.high)) return {};
+  const float delta = record.delta > 0 ? record.delta : static_cast<float>(parameters.delta_m);
+  if (record.asked_by == shader::asked_by_parts) {
+    const std::uint32_t cell = shader::parts_cell(
+        p, {record.low.x, record.low.y, record.low.z},
+        {record.cells_per_metre.x, record.cells_per_metre.y, record.cells_per_metre.z}, record.cells_per_axis);
+    const float depth =
+        shader::parts_depth(solids.parts.data(), record.first_cell, cell, p, parameters.wants_deep() ? 3.0e38F : delta);
+    return {depth, depth > 0 && depth < delta};
+  }
+  if (record.asked_by == shader::asked_by_surface) {
+    const geometry::Place place = geometry::find_place(solids.surfaces[solid], {p.x, p.y, p.z}, delta);
+    if (place.region == geometry::Region::outside) return {};
+    return {place.depth_m, place.region == geometry::Region::shell};
+  }
+  const float depth = plane_depth(solids, solid, p);
+  return {depth, depth > 0 && depth < delta};
+}
+
+}  // namespace
+
+void find_contacts(std::span<const sensing::SkinPoint> points, const PreparedSolids& solids,
+                   const Parameters& parameters, Touch& out) {
+  out.contacts.clear();
+  out.deep.clear();
+  for (const sensing::SkinPoint& skin : points) {
+    const Float3 point{skin.position.x, skin.position.y, skin.position.z};
+    if (!shader::is_finite(point.x) || !shader::is_finite(point.y) || !shader::is_finite(point.z)) continue;
+    Contact found{skin.index, 0, 0, skin.position};
+    bool shell = false;
+    for (std::uint32_t s = 0; s < solids.records.size() && !shell; ++s) {
+      const Inside here = look(solids, s, point, parameters);
+      shell = here.shell;
+      if (here.depth == 0 || (!shell && (!parameters.wants_deep() || found.depth_m > 0))) continue;
+      found.solid = s;
+      found.depth_m = here.depth;
+    }
+    if (found.depth_m == 0) continue;
+    (shell ? out.contacts : out.deep).push_back(found);
+  }
+}
+
+}  // namespace palpa::touch

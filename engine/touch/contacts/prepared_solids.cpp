@@ -1,0 +1,300 @@
+#include "touch/contacts/prepared_solids.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "base/activity.hpp"
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "shaders/touch/fingers/fingers.h"
+#include "touch/contacts/contact_turns.hpp"
+#include "touch/contacts/parts_table.hpp"
+#include "touch/contacts/plane_cells.hpp"
+
+namespace palpa::touch {
+namespace {
+
+/// A solid with more planes than that is asked by its surface, where it has a mesh.
+constexpr std::size_t most_planes = 4096;
+/// All lists of planes of a scene together, at 16 bytes each; a solid that would go beyond keeps one list of all its
+/// planes.
+constexpr std::size_t most_listed = std::size_t{3} << 20;
+
+shader::vec4 to_float(const LocalPlane& p) {
+  return {static_cast<float>(p.normal.x), static_cast<float>(p.normal.y), static_cast<float>(p.normal.z),
+          static_cast<float>(p.offset)};
+}
+
+shader::SolidRecord at_rest() {
+  shader::SolidRecord record{};
+  record.turn = {0, 0, 0, 1};
+  return record;
+}
+
+void add_convex(PreparedSolids& table, std::size_t& listed, const geometry::Solid& solid,
+                const std::vector<LocalPlane>& planes, std::uint32_t first_plane) {
+  const Vec3 extent = solid.bounds.high - solid.bounds.low;
+  const double margin = 1e-6 * (extent.x + extent.y + extent.z) + 1e-9;
+  const Vec3 centre(glm::vec3(solid.bounds.centre()));  // as the shader will have it
+  const Vec3 low = solid.bounds.low - centre - margin, high = solid.bounds.high - centre + margin;
+
+  shader::SolidRecord record = at_rest();
+  record.centre = {static_cast<float>(centre.x), static_cast<float>(centre.y), static_cast<float>(centre.z), 0};
+  record.low = {rounded_down(low.x), rounded_down(low.y), rounded_down(low.z), 0};
+  record.high = {rounded_up(high.x), rounded_up(high.y), rounded_up(high.z), 0};
+  record.delta = static_cast<float>(solid.haptics.delta_m.value_or(0));
+  record.first_cell = static_cast<std::uint32_t>(table.cells.size());
+  const PlaneCells made = make_plane_cells(planes, low, high, most_listed - std::min(most_listed, listed));
+  record.cells_per_axis = made.per_axis;
+  const Vec3 density = static_cast<double>(record.cells_per_axis) / (high - low);
+  record.cells_per_metre = {static_cast<float>(density.x), static_cast<float>(density.y), static_cast<float>(density.z),
+                            0};
+  table.records.push_back(record);
+  table.centres.push_back(centre);
+  const auto base = static_cast<std::uint32_t>(table.planes.size());
+  for (shader::PlaneCell cell : made.cells) {
+    cell.first += base;
+    table.cells.push_back(cell);
+  }
+  for (const std::uint32_t m : made.list)
+    table.planes.push_back(table.planes[first_plane + m]);
+  listed += made.list.size();
+}
+
+bool finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+bool asked_by_surface(const geometry::Solid& solid) {
+  return !solid.mesh.triangles.empty() && (solid.planes.empty() || solid.planes.size() > most_planes);
+}
+
+/// What goes wrong for a solid that a file brought is that file's fault.
+template <typename Make>
+auto made_of(const geometry::Solid& solid, const Make& make) {
+  const Activity work(fmt::format("prepares mesh \"{}\"", printable(solid.name, 60)));
+  try {
+    return make();
+  } catch (const Error& e) {
+    if (solid.file.empty()) throw;
+    throw bad_input(solid.file, fmt::format("mesh \"{}\": {}", printable(solid.name, 60), e.what()));
+  }
+}
+
+/// A file's solid that the finger gap does not fit; check_parameters() speaks of any other.
+void check_size(const geometry::Solid& solid, const shader::SolidRecord& record, const Parameters& parameters) {
+  const double least = least_finger_gap(record), gap = parameters.finger_gap_m;
+  if (solid.file.empty() || !(gap > 0) || gap >= least) return;
+  throw bad_input(solid.file,
+                  fmt::format("mesh \"{}\" is {:.3g} m long; with a finger gap of {} m a solid has at most {:.3g} m "
+                              "(glTF's unit is the metre): scale it, or give --finger-gap {:.3g}m",
+                              printable(solid.name, 60), 2 * half_size(record), gap,
+                              2 * half_size(record) * gap / least, least * 1.01));
+}
+
+/// All grids of surfaces together, in cells that no triangle asks for.
+constexpr std::uint32_t most_least_cells = 1U << 18U, fewest_cells = 64;
+
+geometry::SurfaceOptions surface_options(const std::vector<geometry::Solid>& solids, const Parameters& parameters) {
+  geometry::SurfaceOptions options{.reach_m = parameters.delta_m, .deep = parameters.wants_deep()};
+  const auto surfaces = static_cast<std::uint32_t>(std::count_if(solids.begin(), solids.end(), asked_by_surface));
+  options.least_cells =
+      std::min(options.least_cells, std::max(fewest_cells, most_least_cells / std::max(surfaces, 1U)));
+  return options;
+}
+
+/// Where surfaces are that copies may share: by shape and delta.
+using SharedSurfaces = std::map<std::pair<const void*, double>, std::uint32_t>;
+
+/// A solid that shares the surface of the one at `first`.
+void add_copy(PreparedSolids& table, const std::vector<geometry::Solid>& solids, const geometry::Solid& solid,
+              std::uint32_t first) {
+  const auto s = static_cast<std::uint32_t>(table.records.size());
+  table.records.push_back(table.records[first]);
+  table.records[s].delta = static_cast<float>(solid.haptics.delta_m.value_or(0));
+  table.centres.push_back(table.centres[first]);
+  table.surface_base.push_back(table.surface_base[first]);
+  table.surfaces.push_back(table.surfaces[first]);
+  table.T_rest_made.push_back(solid.copy.T_world_shape * glm::inverse(solids[first].copy.T_world_shape));
+  set_pose(table, s, Transform(1));
+}
+
+void add_closed_mesh(PreparedSolids& table, SurfaceBase& next, const geometry::Solid& solid,
+                     geometry::SurfaceOptions options) {
+  options.reach_m = solid.haptics.delta_m.value_or(options.reach_m);
+  geometry::Surface surface = made_of(solid, [&] { return geometry::make_surface(solid.mesh, options); });
+  shader::SolidRecord record = at_rest();
+  const auto f = [](double v) { return static_cast<float>(v); };
+  record.centre = {f(surface.centre.x), f(surface.centre.y), f(surface.centre.z), 0};
+  record.low = {f(surface.low.x), f(surface.low.y), f(surface.low.z), 0};
+  record.high = {f(surface.high.x), f(surface.high.y), f(surface.high.z), 0};
+  const float density = f(1 / surface.cell_m);
+  record.cells_per_metre = {density, density, density, 0};
+  record.first_cell = next.cells;
+  record.cells_per_axis =
+      surface.grid.x | surface.grid.y << shader::surface_axis_bits | surface.grid.z << 2 * shader::surface_axis_bits;
+  record.delta = f(solid.haptics.delta_m.value_or(0));
+  record.asked_by = shader::asked_by_surface;
+  table.records.push_back(record);
+  table.centres.push_back(surface.centre);
+  table.T_rest_made.emplace_back(1);
+  table.surface_base.push_back(next);
+  if (surface.triangles.size() > shader::surface_most_triangles - next.triangles) {
+    const std::string fault =
+        fmt::format("the scene's solids have more than {} triangles together: give fewer or coarser ones",
+                    shader::surface_most_triangles);
+    throw solid.file.empty() ? bad_usage(fault) : bad_input(solid.file, fault);
+  }
+  next.cells += static_cast<std::uint32_t>(surface.cells.size());
+  next.runs += static_cast<std::uint32_t>(surface.runs.size());
+  next.triangles += static_cast<std::uint32_t>(surface.triangles.size());
+  next.corners += static_cast<std::uint32_t>(surface.corners.size());
+  table.surfaces.push_back(std::move(surface));
+}
+
+bool asked_by_parts(const geometry::Solid& solid) {
+  return !solid.parts.parts.empty();
+}
+
+void add_convex_parts(PreparedSolids& table, const geometry::Solid& solid) {
+  const PartsGrid grid = made_of(solid, [&] { return add_parts(table.parts, solid.parts, solid.internal_faces); });
+  shader::SolidRecord record = at_rest();
+  record.centre = {grid.centre.x, grid.centre.y, grid.centre.z, 0};
+  record.low = {grid.low.x, grid.low.y, grid.low.z, 0};
+  record.high = {grid.high.x, grid.high.y, grid.high.z, 0};
+  record.cells_per_metre = {grid.cells_per_metre.x, grid.cells_per_metre.y, grid.cells_per_metre.z, 0};
+  record.first_cell = grid.base;
+  record.cells_per_axis = grid.cells_per_axis;
+  record.delta = static_cast<float>(solid.haptics.delta_m.value_or(0));
+  record.asked_by = shader::asked_by_parts;
+  table.records.push_back(record);
+  table.centres.emplace_back(grid.centre);
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> foci_of_solids(const std::vector<geometry::Solid>& solids) {
+  std::vector<std::uint32_t> foci;
+  foci.reserve(solids.size());
+  for (const geometry::Solid& solid : solids) {
+    foci.push_back(solid.haptics.foci.value_or(0));
+    if (solid.haptics.foci && (foci.back() < 1 || foci.back() > max_foci)) {
+      throw bad_usage(fmt::format("solid '{}' asks for {} foci: give 1 to {}", solid.name, foci.back(), max_foci));
+    }
+  }
+  return foci;
+}
+
+double half_size(const shader::SolidRecord& solid) {
+  return static_cast<double>(
+      std::max({solid.high.x, solid.high.y, solid.high.z, -solid.low.x, -solid.low.y, -solid.low.z}));
+}
+
+double least_finger_gap(const shader::SolidRecord& solid) {
+  return half_size(solid) * std::numbers::sqrt3 /
+         (2e-3 * shader::fingers_cell_thousandths * shader::fingers_most_blocks);
+}
+
+PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const Parameters& parameters) {
+  PreparedSolids table;
+  if (!solids.empty()) table.file = solids[0].file;
+  table.foci_of = foci_of_solids(solids);
+  std::vector<std::vector<LocalPlane>> local(solids.size());
+  for (std::size_t s = 0; s < solids.size(); ++s) {
+    const geometry::Solid& solid = solids[s];
+    const bool by_surface = asked_by_parts(solid) || asked_by_surface(solid);
+    bool usable = (by_surface || !solid.planes.empty()) && !solid.bounds.empty() && finite(solid.bounds.low) &&
+                  finite(solid.bounds.high);
+    const Vec3 centre(glm::vec3(solid.bounds.centre()));
+    table.first_plane.push_back(static_cast<std::uint32_t>(table.planes.size()));
+    for (const geometry::Plane& plane : solid.planes) {
+      if (by_surface) break;
+      local[s].push_back({plane.normal, plane.offset - glm::dot(plane.normal, centre)});
+      table.planes.push_back(to_float(local[s].back()));
+      usable = usable && finite(plane.normal) && std::isfinite(plane.offset);
+    }
+    if (!usable) throw bad_usage(fmt::format("solid '{}' has no planes or no finite box", solid.name));
+  }
+  table.first_plane.push_back(static_cast<std::uint32_t>(table.planes.size()));
+  std::size_t listed = 0;
+  SurfaceBase next;
+  SharedSurfaces shared;
+  const geometry::SurfaceOptions options = surface_options(solids, parameters);
+  for (std::size_t s = 0; s < solids.size(); ++s) {
+    if (!asked_by_parts(solids[s]) && asked_by_surface(solids[s])) {
+      const std::pair key(solids[s].copy.shape.get(), solids[s].haptics.delta_m.value_or(parameters.delta_m));
+      const auto known = key.first != nullptr ? shared.find(key) : shared.end();
+      if (known != shared.end()) {
+        add_copy(table, solids, solids[s], known->second);
+      } else {
+        add_closed_mesh(table, next, solids[s], options);
+        if (key.first != nullptr) shared.emplace(key, static_cast<std::uint32_t>(s));
+      }
+      continue;
+    }
+    if (asked_by_parts(solids[s])) {
+      add_convex_parts(table, solids[s]);
+    } else {
+      add_convex(table, listed, solids[s], local[s], table.first_plane[s]);
+    }
+    table.T_rest_made.emplace_back(1);
+    table.surfaces.emplace_back();
+    table.surface_base.push_back(next);
+  }
+  for (std::size_t s = 0; s < solids.size(); ++s)
+    check_size(solids[s], table.records[s], parameters);
+  table.made_for = {parameters.delta_m, parameters.wants_deep()};
+  table.turns = contact_turns(table, parameters);
+  return table;
+}
+
+void set_pose(PreparedSolids& solids, std::uint32_t solid, const Transform& T_world_rest) {
+  if (solid >= solids.records.size()) {
+    throw bad_usage(fmt::format("pose of solid {}: the scene has {} solids", solid, solids.records.size()));
+  }
+  const Transform T_world_made = T_world_rest * solids.T_rest_made[solid];
+  const glm::dmat3 R(T_world_made);
+  const glm::dmat3 square = glm::transpose(R) * R - glm::dmat3(1.0);
+  double off = std::abs(T_world_made[0][3]) + std::abs(T_world_made[1][3]) + std::abs(T_world_made[2][3]) +
+               std::abs(T_world_made[3][3] - 1);
+  for (int i = 0; i < 3; ++i)
+    off += std::abs(square[i].x) + std::abs(square[i].y) + std::abs(square[i].z);
+  const Vec3 centre = transform_point(T_world_made, solids.centres[solid]);
+  if (!(off < 1e-6) || !(glm::determinant(R) > 0) || !finite(centre)) {
+    throw bad_usage(fmt::format("pose of solid {}: not a rigid motion (a rotation and a shift)", solid));
+  }
+  // The shader turns the world's axes into the solid's.
+  const glm::dquat q =
+      R == glm::dmat3(1.0) ? glm::dquat(1, 0, 0, 0) : glm::conjugate(glm::normalize(glm::quat_cast(R)));
+  shader::SolidRecord& record = solids.records[solid];
+  const auto f = [](double v) { return static_cast<float>(v); };
+  record.centre = {f(centre.x), f(centre.y), f(centre.z), 0};
+  record.turn = {f(q.x), f(q.y), f(q.z), f(q.w)};
+}
+
+Box touchable_box(const PreparedSolids& solids) {
+  constexpr double hair = 1e-4;
+  Box box;
+  for (const shader::SolidRecord& record : solids.records) {
+    const glm::dquat q(record.turn.w, -record.turn.x, -record.turn.y, -record.turn.z);
+    const Vec3 centre(record.centre.x, record.centre.y, record.centre.z);
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 at((corner & 1) != 0 ? record.high.x : record.low.x, (corner & 2) != 0 ? record.high.y : record.low.y,
+                    (corner & 4) != 0 ? record.high.z : record.low.z);
+      box.add(centre + q * at - hair);
+      box.add(centre + q * at + hair);
+    }
+  }
+  return box;
+}
+
+}  // namespace palpa::touch

@@ -1,0 +1,26 @@
+// The solids of a scene on the device, as the passes bind them.
+#pragma once
+
+#include "gpu/buffer.hpp"
+#include "touch/contacts/prepared_solids.hpp"
+#include "touch/contacts/surface_memory.hpp"
+
+namespace palpa::touch {
+
+/// Written once, read by every frame. Where the solids are goes with each frame.
+class SolidsMemory {
+ public:
+  /// Uploads and waits. Throws failure where a buffer would be larger than the device takes.
+  SolidsMemory(const gpu::Device& device, const PreparedSolids& solids);
+
+  const SurfaceMemory& surfaces() const { return surfaces_; }
+  gpu::BufferRef cells() const { return cells_.ref(); }
+  gpu::BufferRef planes() const { return planes_.ref(); }
+  gpu::BufferRef foci_of() const { return foci_of_.ref(); }
+
+ private:
+  gpu::Upload cells_, planes_, foci_of_;
+  SurfaceMemory surfaces_;
+};
+
+}  // namespace palpa::touch

@@ -1,0 +1,22 @@
+// The cells that contacts are sorted into to find fingers, for the pass and its twin.
+#pragma once
+
+#include <algorithm>
+
+#include "shaders/touch/fingers/fingers.h"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// Density of the cells for a gap; contacts of one cell are within the gap, whatever rounding does.
+inline float cells_per_metre(float gap) {
+  return 1.0F / (static_cast<float>(shader::fingers_cell_thousandths) * 1e-3F * gap);
+}
+
+/// The gap as single precision has it. Beyond every solid it means one cluster per solid; its square must stay a
+/// number.
+inline float float_gap(const Parameters& parameters) {
+  return std::min(static_cast<float>(parameters.finger_gap_m), 1e9F);
+}
+
+}  // namespace palpa::touch

@@ -1,0 +1,14 @@
+// Fingers in plain C++: exact Euclidean clusters of each solid's contacts.
+#pragma once
+
+#include "touch/contacts/prepared_solids.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// C++ twin of FingersPass: fills `out.fingers` (solid and contacts), `finger_count` and `cluster_count` from
+/// `out.contacts`, with Cluster::inside from `out.deep` as well. The distance test is the same single-precision
+/// arithmetic, so the partition is the same. Expects what check_parameters() accepts.
+void find_fingers(const Parameters& parameters, const PreparedSolids& solids, Touch& out);
+
+}  // namespace palpa::touch

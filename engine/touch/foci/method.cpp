@@ -1,0 +1,69 @@
+#include "touch/foci/method.hpp"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "base/math.hpp"
+
+namespace palpa::touch {
+
+bool needs_contacts(const MethodOptions& options) {
+  return options.method == Method::ellipse || options.foci != 0;
+}
+
+namespace {
+
+void place_by_method(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out) {
+  switch (options.method) {
+    case Method::cross_section:
+      return place_cross_section(touch, finger, options, out);
+    case Method::single_focus:
+      return place_single_focus(finger, out);
+    case Method::ellipse:
+      return place_ellipse(touch, finger, options, out);
+    case Method::multi_focus:
+      return place_multi_focus(touch, finger, options, out);
+  }
+}
+
+bool has_any(const Placement& placement) {
+  for (std::size_t i = 0; i < placement.foci.size(); ++i) {
+    if (placement.has(i)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void place_foci(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out) {
+  out.foci.clear();
+  out.complete = out.together = false;
+  if (!finger.point_like) place_by_method(touch, finger, options, out);
+  if (!has_any(out)) {
+    out.together = false;
+    place_single_focus(finger, out);
+  }
+}
+
+double perimeter_of(const Placement& placement) {
+  const Focus* first = nullptr;
+  const Focus* last = nullptr;
+  std::size_t corners = 0;
+  double length = 0;
+  const auto apart = [](const Focus& a, const Focus& b) { return glm::distance(Vec3(a.position), Vec3(b.position)); };
+  for (std::size_t i = 0; i < placement.foci.size(); ++i) {
+    if (!placement.has(i)) continue;
+    const Focus& focus = placement.foci[i];
+    if (last) length += apart(*last, focus);
+    if (!first) first = &focus;
+    last = &focus;
+    ++corners;
+  }
+  if (corners < 3) return 0;
+  length += apart(*last, *first);
+  const double half_step = std::numbers::pi / static_cast<double>(corners);
+  return length * half_step / std::sin(half_step);
+}
+
+}  // namespace palpa::touch

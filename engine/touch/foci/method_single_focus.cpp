@@ -1,0 +1,12 @@
+// The paper's baseline (Sec. IV-C): a single focus at the centroid of the contacts. It stands still on the skin, so
+// that the schedule modulates it.
+#include "touch/foci/method.hpp"
+
+namespace palpa::touch {
+
+void place_single_focus(const Finger& finger, Placement& out) {
+  out.foci.assign(1, {finger.section.centroid, finger.contact_count});
+  out.complete = true;
+}
+
+}  // namespace palpa::touch

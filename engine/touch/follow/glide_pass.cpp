@@ -1,0 +1,17 @@
+#include "touch/follow/glide_pass.hpp"
+
+#include "spirv/glide.comp.hpp"
+
+namespace palpa::touch {
+
+static_assert(shader::glide_group == shader::foci_most);
+
+GlidePass::GlidePass(const gpu::Device& device)
+    : pipeline_(device, "glide", spirv::glide_comp, {shader::glide_buffers, 0}) {}
+
+void GlidePass::record(VkCommandBuffer commands, const GlideBindings& b) const {
+  pipeline_.dispatch_indirect(commands, {b.fingers, b.tracks, b.foci, b.homes}, gpu::Push::none(),
+                              gpu::groups_in(b.header));
+}
+
+}  // namespace palpa::touch

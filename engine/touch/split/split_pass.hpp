@@ -1,0 +1,51 @@
+// Fingers side by side that are one cluster, and clusters that are none, on the device. The rules stand in
+// split_twin.hpp.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gpu/buffer.hpp"
+#include "gpu/pipeline.hpp"
+#include "gpu/scratch.hpp"
+#include "shaders/touch/split/split.h"
+#include "touch/room.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// Records of parts' clusters, beyond those of the clusters.
+inline constexpr std::uint32_t split_clusters = max_fingers * shader::split_numbers;
+
+struct SplitBindings {
+  gpu::BufferRef depth;     ///< in: packed by sensing::pack_depth
+  gpu::BufferRef rays;      ///< in: sensing::upload_rays
+  gpu::BufferRef cameras;   ///< in: bridge_cameras(), one shader::BridgeCamera each
+  gpu::BufferRef total;     ///< in: shader::ScanTotal of the contacts
+  gpu::BufferRef contacts;  ///< in: shader::ContactRecord[]
+  gpu::BufferRef parents;   ///< in, out: as FingersPass leaves it; contacts of a part get a number beyond room.contacts
+  gpu::BufferRef clusters;  ///< in, out: as FingersPass leaves it, and split_clusters more beyond room.contacts
+  gpu::BufferRef header;    ///< in, out: shader::TouchHeader
+  gpu::BufferRef fingers;   ///< in, out: shader::FingerRecord[max_fingers], first, solid and contacts
+};
+
+/// Pipelines only; five dispatches: sample, look, parts, assign, list. The last four have
+/// no group where every finger stays.
+class SplitPass {
+ public:
+  explicit SplitPass(const gpu::Device& device);
+
+  static std::vector<gpu::ScratchPiece> scratch();
+
+  /// Barriers: expects all inputs to be visible to compute and as indirect arguments; adds its own inside; the caller
+  /// adds compute_to_compute afterwards.
+  void record(VkCommandBuffer commands, const SplitBindings& bindings, const gpu::Scratch& scratch, const Room& room,
+              const Parameters& parameters) const;
+
+ private:
+  enum Piece : std::size_t { samples, states, evidence, labels, pieces };
+
+  gpu::ComputePipeline sample_, look_, parts_, assign_, list_;
+};
+
+}  // namespace palpa::touch

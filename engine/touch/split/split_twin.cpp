@@ -1,0 +1,298 @@
+#include "touch/split/split_twin.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "shaders/touch/split/split_math.h"
+
+namespace palpa::touch {
+namespace {
+
+using shader::Float3;
+using shader::SplitLink;
+using shader::SplitView;
+
+constexpr std::size_t most = shader::bridge_samples;
+using Set = std::uint64_t;  ///< of samples
+using Sets = std::array<Set, most>;
+
+constexpr Set only(std::size_t s) {
+  return Set{1} << s;
+}
+std::uint32_t size_of(Set set) {
+  return static_cast<std::uint32_t>(std::popcount(set));
+}
+
+bool is_valley_between(const Sight& sight, std::size_t c, const SplitView& a, const SplitView& b) {
+  const shader::BridgeCamera& camera = sight.cameras[c];
+  shader::SplitWalk walk = walk_between(a, b);
+  if (walk.steps == 0) return false;
+  for (std::uint32_t s = 0; s <= walk.steps && walk.state != shader::split_valley; ++s) {
+    const std::uint32_t raw = raw_at(sight, c, shader::pixel_between(a.u, b.u, s, walk.steps),
+                                     shader::pixel_between(a.v, b.v, s, walk.steps));
+    walk = raw < camera.first_depth ? walked_hole(walk)
+                                    : walked(walk, shader::line_depth(a.at.z, b.at.z, s, walk.steps),
+                                             shader::product(static_cast<float>(raw), camera.depth_unit));
+  }
+  return walk.state == shader::split_valley;
+}
+
+/// Which samples of a wide cluster are of which finger.
+class Parts {
+ public:
+  Parts(const Sight& sight, const std::vector<SkinSample>& samples, float finger_width)
+      : samples_(samples), count_(samples.size()), width_(finger_width) {
+    for (std::size_t c = 0; c < sight.cameras.size(); ++c)
+      look(sight, c);
+    known_ = looked_;
+    two_ = valley_;
+    compare();
+    for (std::size_t s = 0; s < count_; ++s)
+      members_[s] = only(s);
+    grow();
+    for (std::uint32_t round = 0; round < shader::split_votes; ++round)
+      vote();
+    settle();
+  }
+
+  /// The part of a sample: its first sample.
+  std::size_t head(std::size_t s) const {
+    std::size_t h = 0;
+    while ((members_[h] & only(s)) == 0)
+      ++h;
+    return h;
+  }
+  bool is_part(std::size_t head) const { return members_[head] != 0; }
+  bool several() const {
+    return std::count_if(members_.begin(), members_.end(), [](Set set) { return set != 0; }) > 1;
+  }
+
+ private:
+  void look(const Sight& sight, std::size_t c) {
+    std::array<SplitView, most> views{};
+    for (std::size_t s = 0; s < count_; ++s) {
+      const shader::Appearance a = appearance(sight.cameras[c], samples_[s].position);
+      views[s] = split_view(sight.cameras[c], a, raw_at(sight, c, a.u, a.v), samples_[s].position);
+    }
+    for (std::size_t a = 0; a < count_; ++a) {
+      for (std::size_t b = a + 1; b < count_; ++b) {
+        if (!views[a].seen || !views[b].seen) continue;
+        looked_[a] |= only(b);
+        looked_[b] |= only(a);
+        if (!is_valley_between(sight, c, views[a], views[b])) continue;
+        valley_[a] |= only(b);
+        valley_[b] |= only(a);
+      }
+    }
+  }
+
+  /// What the samples' normals add to what was seen between them.
+  void compare() {
+    for (std::size_t s = 0; s < count_; ++s)
+      insides_[s] = shader::inside_of(samples_[s].position, samples_[s].normal, width_);
+    for (std::size_t a = 0; a < count_; ++a) {
+      for (std::size_t b = a + 1; b < count_; ++b) {
+        const bool same = shader::one_inside(insides_[a], insides_[b], width_);
+        if (!same && !shader::face_each_other(samples_[a].position, samples_[a].normal, samples_[b].position,
+                                              samples_[b].normal))
+          continue;
+        for (const auto& [one, other] : {std::pair(a, b), std::pair(b, a)}) {
+          known_[one] |= only(other);
+          two_[one] = same ? two_[one] & ~only(other) : two_[one] | only(other);
+          same_[one] |= same ? only(other) : 0;
+        }
+      }
+    }
+  }
+
+  SplitLink link_between(std::size_t a, std::size_t b, const Sets& known, const Sets& two) const {
+    SplitLink link{0, 0};
+    for (std::size_t s = 0; s < count_; ++s) {
+      if ((members_[a] & only(s)) == 0) continue;
+      link.known += size_of(known[s] & members_[b]);
+      link.two += size_of(two[s] & members_[b]);
+    }
+    return link;
+  }
+
+  void join(std::size_t a, std::size_t b) {
+    members_[a] |= members_[b];
+    members_[b] = 0;
+  }
+
+  /// Groups of samples, the surest pair first.
+  void grow() {
+    for (;;) {
+      std::optional<SplitLink> surest;
+      std::size_t keeps = 0, goes = 0;
+      for (std::size_t a = 0; a < count_; ++a) {
+        for (std::size_t b = a + 1; b < count_ && members_[a] != 0; ++b) {
+          if (members_[b] == 0) continue;
+          const SplitLink link = link_between(a, b, known_, two_);
+          if (!can_grow(link) || (surest && !surer(link, *surest))) continue;
+          surest = link;
+          keeps = a;
+          goes = b;
+        }
+      }
+      if (!surest) return;
+      join(keeps, goes);
+    }
+  }
+
+  /// Each sample goes where most of those with the same inside are.
+  void vote() {
+    Sets chosen{};
+    for (std::size_t s = 0; s < count_; ++s) {
+      std::size_t best = head(s);
+      std::uint32_t most_same = size_of(same_[s] & members_[best]);
+      for (std::size_t h = 0; h < count_; ++h) {
+        const std::uint32_t size = size_of(same_[s] & members_[h]);
+        if (size <= most_same) continue;
+        most_same = size;
+        best = h;
+      }
+      chosen[best] |= only(s);
+    }
+    members_ = {};
+    for (const Set set : chosen) {
+      if (set != 0) members_[static_cast<std::size_t>(std::countr_zero(set))] = set;
+    }
+  }
+
+  /// Joins parts between which no valley is seen, or whose insides are one: the nearest first.
+  void settle() {
+    for (;;) {
+      std::array<Float3, most> means{};
+      for (std::size_t h = 0; h < count_; ++h) {
+        if (members_[h] == 0) continue;
+        Float3 sum{0, 0, 0};
+        for (std::size_t s = 0; s < count_; ++s) {
+          if ((members_[h] & only(s)) != 0) sum = plus(sum, minus(insides_[s], insides_[0]));
+        }
+        means[h] = scaled(sum, 1.0F / static_cast<float>(size_of(members_[h])));
+      }
+      std::optional<float> nearest;
+      std::size_t keeps = 0, goes = 0;
+      for (std::size_t a = 0; a < count_; ++a) {
+        for (std::size_t b = a + 1; b < count_ && members_[a] != 0; ++b) {
+          if (members_[b] == 0) continue;
+          const float square = square_apart(means[a], means[b]);
+          if (are_fingers(link_between(a, b, looked_, valley_), square, width_)) continue;
+          if (nearest && square >= *nearest) continue;
+          nearest = square;
+          keeps = a;
+          goes = b;
+        }
+      }
+      if (!nearest) return;
+      join(keeps, goes);
+    }
+  }
+
+  const std::vector<SkinSample>& samples_;
+  std::size_t count_;
+  float width_;
+  std::array<Float3, most> insides_{};
+  /// Per sample: the others of which a camera that sees both says anything, and between which one sees a valley; after
+  /// all evidence what tells anything, and what says two fingers; those with the same inside.
+  Sets looked_{}, valley_{}, known_{}, two_{}, same_{};
+  Sets members_{};  ///< of the group that begins with that sample
+};
+
+bool is_firm(const Sight& sight, std::uint32_t point) {
+  const SeenPixel p = pixel_of(sight, point);
+  const shader::BridgeCamera& camera = sight.cameras[p.camera];
+  const auto depth_of = [&](std::uint32_t raw) { return shader::product(static_cast<float>(raw), camera.depth_unit); };
+  const float at = depth_of(raw_at(sight, p.camera, p.u, p.v));
+  constexpr std::uint32_t reach = shader::split_reach;
+  std::uint32_t near = 0;
+  for (std::uint32_t v = p.v; v < p.v + shader::split_window; ++v) {
+    for (std::uint32_t u = p.u; u < p.u + shader::split_window; ++u) {  // both by `reach` too much
+      if (u < reach || v < reach || u - reach >= camera.width || v - reach >= camera.height) continue;
+      const std::uint32_t raw = raw_at(sight, p.camera, u - reach, v - reach);
+      if (raw >= camera.first_depth && shader::is_near(at, depth_of(raw))) ++near;
+    }
+  }
+  return near >= shader::split_company;
+}
+
+bool is_supported(const Sight& sight, const Touch& touch, const Finger& finger) {
+  const std::vector<std::uint32_t> sampled = sample_contacts(finger);
+  const auto firm = std::count_if(sampled.begin(), sampled.end(),
+                                  [&](std::uint32_t i) { return is_firm(sight, touch.contacts[i].point); });
+  return shader::supported(static_cast<std::uint32_t>(sampled.size()), static_cast<std::uint32_t>(firm));
+}
+
+bool is_wide(const std::vector<SkinSample>& samples, float finger_width) {
+  for (const SkinSample& a : samples) {
+    for (const SkinSample& b : samples) {
+      if (square_apart(a.position, b.position) > shader::product(finger_width, finger_width)) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+float splitting_width(const Parameters& parameters) {
+  return parameters.cluster == Cluster::inside ? 0 : static_cast<float>(parameters.finger_width_m);
+}
+
+void split_fingers(const Sight& sight, const Parameters& parameters, Touch& out) {
+  const float width = splitting_width(parameters);
+  const std::uint32_t count = out.finger_count;
+  bool changed = false;
+  std::vector<Finger> list;
+  for (std::uint32_t f = 0; f < count; ++f) {
+    Finger& finger = out.fingers[f];
+    if (!is_supported(sight, out, finger)) {
+      changed = true;
+      continue;
+    }
+    const std::vector<SkinSample> samples = sample_skin(sight, out, finger);
+    if (!(width > 0) || !is_wide(samples, width)) {
+      list.push_back(finger);
+      continue;
+    }
+    const Parts parts(sight, samples, width);
+    if (!parts.several()) {
+      list.push_back(finger);
+      continue;
+    }
+    changed = true;
+    std::array<std::vector<std::uint32_t>, most> contacts;
+    for (const std::uint32_t i : finger.contacts) {
+      const glm::vec3& p = out.contacts[i].position;
+      std::size_t nearest = 0;
+      float nearest_square = 3.0e38F;
+      for (std::size_t s = 0; s < samples.size(); ++s) {
+        const float square = square_apart({p.x, p.y, p.z}, samples[s].position);
+        if (square >= nearest_square) continue;
+        nearest_square = square;
+        nearest = s;
+      }
+      contacts[parts.head(nearest)].push_back(i);
+    }
+    for (std::vector<std::uint32_t>& of_part : contacts) {
+      if (of_part.size() < std::max(parameters.min_points, 1U)) continue;
+      Finger& part = list.emplace_back();
+      part.solid = finger.solid;
+      part.contact_count = static_cast<std::uint32_t>(of_part.size());
+      part.contacts = std::move(of_part);
+    }
+  }
+  if (!changed) return;
+  std::sort(list.begin(), list.end(),
+            [](const Finger& a, const Finger& b) { return a.contacts.front() < b.contacts.front(); });
+  out.cluster_count = out.cluster_count - count + static_cast<std::uint32_t>(list.size());
+  out.finger_count = std::min(static_cast<std::uint32_t>(list.size()), max_fingers);
+  if (out.fingers.size() < out.finger_count) out.fingers.resize(out.finger_count);
+  std::move(list.begin(), list.begin() + out.finger_count, out.fingers.begin());
+}
+
+}  // namespace palpa::touch

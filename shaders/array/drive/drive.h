@@ -1,0 +1,83 @@
+// Shared by engine/array/drive_pass.cpp and shaders/drive_*.comp; its structs also by the solvers' (solve.h).
+#ifndef PALPA_SHADERS_DRIVE_H
+#define PALPA_SHADERS_DRIVE_H
+#include "shaders/shared/shared.h"
+PALPA_SHADER_BEGIN
+
+PALPA_CONST drive_group = 32u;  // threads of a workgroup, in both
+// Transducers that a thread of drive_focus keeps in registers, and slots for which it does so: what it loads for a slot
+// serves all of them.
+PALPA_CONST drive_each = 8u;
+PALPA_CONST drive_slots_per_group = 64u;
+PALPA_CONST drive_sum_each = 4u;  // the same for drive_sum
+
+// Bindings of all; the solvers' kernels have the same.
+PALPA_CONST drive_transducers = 0u;  // DrivePoint[], as texels of 16 bytes
+PALPA_CONST drive_foci = 1u;         // DriveFocus[], as texels of 16 bytes
+PALPA_CONST drive_slots = 2u;        // DriveSlot[], as texels of 16 bytes
+PALPA_CONST drive_drives = 3u;       // DriveOut[]: slots x transducers
+PALPA_CONST drive_buffers = 4u;
+PALPA_CONST drive_weights = 4u;  // of drive_weighted only: vec4 per focus, its plain and its heard factor, as texels
+PALPA_CONST drive_weighted_buffers = 5u;
+PALPA_CONST drive_texels = 1u << drive_transducers | 1u << drive_foci | 1u << drive_slots;
+PALPA_CONST drive_weighted_texels = drive_texels | 1u << drive_weights;
+
+// Under `uniform` and `clamp` the transducers of slots of up to so many foci with complex factors turn from their sums
+// on: by how much, in turns, waits in the drives where the phase will be.
+PALPA_CONST drive_turned_foci = 10u;
+
+// Weightings and constraints, as in engine/array/drive.hpp.
+PALPA_CONST drive_by_distance = 0u;
+PALPA_CONST drive_by_nothing = 1u;
+PALPA_CONST drive_normalise = 0u;
+PALPA_CONST drive_uniform = 1u;
+PALPA_CONST drive_clamp = 2u;
+
+PALPA_CONST drive_unsolved = 0xffffffffu;
+PALPA_CONST drive_given = 0xfffffffeu;
+
+// A place in wavelengths, as a multiple of 1/16 plus a rest: the squared difference of two such coarse parts is exact
+// in float up to 256 wavelengths, so that a phase hundreds of turns away is as exact as a near one.
+struct DrivePoint {
+  vec4 coarse;  // x, y, z; w unused
+  vec4 fine;    // x, y, z in -1/32..1/32; w unused
+};
+PALPA_CHECK_SIZE(DrivePoint, 32);
+PALPA_CHECK_OFFSET(DrivePoint, fine, 16);
+
+struct DriveFocus {
+  vec4 coarse;  // x, y, z; w: 1 / distance of the farthest transducer, in wavelengths; 0: every transducer is at the
+                // focus
+  vec4 fine;    // x, y, z; w: gain relative to the slot's, 0..1
+};
+PALPA_CHECK_SIZE(DriveFocus, 32);
+PALPA_CHECK_OFFSET(DriveFocus, fine, 16);
+
+struct DriveSlot {
+  uint first;   // of its foci
+  uint count;   // 0: silence
+  float gain;   // shared by all of its foci, 0..1
+  uint solved;  // drive_unsolved: the plain sum of its foci; drive_given: their factors are given, and nothing turns;
+                // else where its matrix begins, in entries, or with greedy anything
+};
+PALPA_CHECK_SIZE(DriveSlot, 16);
+PALPA_CHECK_OFFSET(DriveSlot, gain, 8);
+
+struct DriveOut {
+  float amplitude;
+  float phase;
+};
+PALPA_CHECK_SIZE(DriveOut, 8);
+PALPA_CHECK_OFFSET(DriveOut, phase, 4);
+
+struct DrivePush {
+  uint transducers;
+  uint slots;
+  uint weighting;
+  uint constraint;
+};
+PALPA_CHECK_SIZE(DrivePush, 16);
+PALPA_CHECK_OFFSET(DrivePush, constraint, 12);
+
+PALPA_SHADER_END
+#endif

@@ -1,0 +1,7 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/array/drive/drive_sum.glsl"
+
+layout(local_size_x = 32) in;
+
+void main() { drive_slot(gl_WorkGroupID.x); }

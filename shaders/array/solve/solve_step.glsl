@@ -1,0 +1,49 @@
+// One step of gs_pat.hpp by a workgroup: factors towards t_j L. All threads call these together.
+#include "shaders/array/solve/solve_rules.glsl"
+#include "shaders/array/solve/solve_near.glsl"
+
+shared vec2 factor[solve_most_foci];
+shared vec2 field[solve_most_foci];    // what they give
+shared float wanted[solve_most_foci];  // t_j
+shared float moved[solve_most_foci];
+shared float level;  // L
+shared float scale;  // of the new magnitudes
+shared bool still;
+
+float new_size(uint j) {
+  return length(factor[j]) * growth(wanted[j] * level, length(field[j]));
+}
+
+// After a barrier behind whoever wrote `field`. `free`: the level is what they give now; `sum` is what the magnitudes
+// add up to afterwards, 0: as it comes. Sets `still` and leaves the factors where the step before moved none of them.
+void step_factors(uint count, bool free, float sum) {
+  const uint thread = gl_LocalInvocationIndex;
+  if (thread == 0u) {
+    float farthest = 0.0;
+    float heard = 0.0;
+    float asked = 0.0;
+    for (uint j = 0u; j < count; ++j) {
+      farthest = max(farthest, moved[j]);
+      heard += length(field[j]);
+      asked += wanted[j];
+    }
+    still = farthest < push.still;
+    if (free) level = asked > 0.0 ? heard / asked : 0.0;
+    float total = 0.0;
+    for (uint j = 0u; j < count; ++j) total += new_size(j);
+    scale = sum > 0.0 && total > 0.0 ? sum / total : 1.0;
+  }
+  barrier();
+  if (!still) {
+    for (uint j = thread; j < count; j += solve_group) {
+      const vec2 next = turned(min(new_size(j) * scale, push.most_weight), field[j], factor[j]);
+      moved[j] = length(next - factor[j]);
+      factor[j] = next;
+    }
+  }
+  barrier();
+}
+
+void forget_moves(uint count) {
+  for (uint j = gl_LocalInvocationIndex; j < count; j += solve_group) moved[j] = 1e30;
+}

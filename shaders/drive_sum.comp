@@ -1,7 +1,0 @@
-#version 460
-#extension GL_GOOGLE_include_directive : require
-#include "drive_sum.glsl"
-
-layout(local_size_x = 32) in;
-
-void main() { drive_slot(gl_WorkGroupID.x); }

@@ -1,8 +1,0 @@
-#version 460
-#extension GL_GOOGLE_include_directive : require
-#define DRIVE_WEIGHTED
-#include "drive_sum.glsl"
-
-layout(local_size_x = 32) in;
-
-void main() { drive_slot(gl_WorkGroupID.x); }

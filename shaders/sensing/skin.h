@@ -1,0 +1,55 @@
+// Shared by engine/sensing/skin_pass.cpp, shaders/sensing/skin_count.comp and shaders/sensing/skin_scatter.comp.
+#ifndef PALPA_SHADERS_SKIN_H
+#define PALPA_SHADERS_SKIN_H
+#include "shaders/shared/shared.h"
+PALPA_SHADER_BEGIN
+
+// A block is 8 pixels of one row: one 16-byte load of depths. One invocation looks at a run of 4 consecutive blocks of
+// its view (row after row), a group at 64 runs.
+PALPA_CONST skin_group = 64u;
+PALPA_CONST skin_run_blocks = 4u;
+
+// Bindings of both shaders.
+PALPA_CONST skin_depth = 0u;   // uvec4[]: blocks of 8 raw depths, two per word, the even pixel in the low half
+PALPA_CONST skin_rays = 1u;    // vec2[]: normalised coordinates, one per pixel of the padded arrangement
+PALPA_CONST skin_runs = 2u;    // SkinRun[]
+PALPA_CONST skin_counts = 3u;  // uint[]: survivors per group, after the scan those before it
+PALPA_CONST skin_points = 4u;  // vec4[]: world position, uintBitsToFloat(index); skin_scatter only
+PALPA_CONST skin_count_buffers = 4u;
+PALPA_CONST skin_scatter_buffers = 5u;
+
+// Specialization constant 0 of both: 1 where rays come from the table, 0 where the camera neither distorts nor ignores
+// pixels, so that ((u - cx) / fx, (v - cy) / fy) is cheaper than two loads.
+PALPA_CONST skin_rays_from_table = 0u;
+
+// What skin_count leaves for skin_scatter.
+struct SkinRun {
+  uint survivors;  // one bit per pixel of the run
+  uint before;     // survivors of the earlier runs of the group
+};
+PALPA_CHECK_SIZE(SkinRun, 8);
+
+// One camera's view.
+struct SkinPush {
+  vec4 pose_x;  // rows of T_world_camera
+  vec4 pose_y;
+  vec4 pose_z;
+  vec4 box_low;      // xyz world; w: depth unit, metres
+  vec4 box_high;     // xyz world; w: every how many pixels of a row and rows of the image are looked at, 1 or more
+  vec4 pinhole;      // cx, cy, 1 / fx, 1 / fy
+  uint first_block;  // of the camera, in the common arrangement
+  uint corner;       // the view's first column (low half) and row (high half)
+  uint row_blocks;   // blocks per row of the view (low half) and of the image (high half)
+  uint blocks;       // of the view
+  uint depth_range;  // lowest (low half) and highest raw depth that can lie in the box; the lowest is at least 1
+  uint first_group;  // of the view, in `counts`
+  uint first_index;  // of the camera's first pixel
+  uint width;        // of the image: index step from row to row
+};
+PALPA_CHECK_SIZE(SkinPush, 128);
+PALPA_CHECK_OFFSET(SkinPush, box_low, 48);
+PALPA_CHECK_OFFSET(SkinPush, first_block, 96);
+PALPA_CHECK_OFFSET(SkinPush, width, 124);
+
+PALPA_SHADER_END
+#endif

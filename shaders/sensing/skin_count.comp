@@ -1,0 +1,69 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/sensing/skin.h"
+
+// Which pixels of a view hold a point inside the box, and how many per group: the first half of the compaction.
+layout(local_size_x = 64) in;
+
+layout(std430, set = 0, binding = skin_depth) readonly buffer Depth { uvec4 depth[]; };
+layout(std430, set = 0, binding = skin_rays) readonly buffer Rays { vec2 rays[]; };
+layout(std430, set = 0, binding = skin_runs) writeonly buffer Runs { SkinRun runs[]; };
+layout(std430, set = 0, binding = skin_counts) writeonly buffer Counts { uint counts[]; };
+layout(push_constant) uniform Push { SkinPush push; };
+
+#include "shaders/sensing/skin_point.glsl"
+
+// In shared memory rather than by subgroups: not every device has their arithmetic, and none promises their order.
+const uint sum_threads = skin_group, sum_row = 8u;
+#include "shaders/shared/sum_before.glsl"
+
+// Which pixels of a block are looked at where only every `stride`-th one is.
+uint wanted_pixels(uvec2 pixel, uint stride) {
+  uint wanted = 0u;
+  for (uint i = 0u; i < 8u; ++i) {
+    if ((pixel.x + i) % stride == 0u) wanted |= 1u << i;
+  }
+  return wanted;
+}
+
+uint find_survivors(uint first_block) {
+  const Lens lens = read_lens();
+  const uint depth_low = push.depth_range & 0xffffu;
+  const uint depth_span = (push.depth_range >> 16) - depth_low;
+  const uint end = min(first_block + skin_run_blocks, push.blocks);
+  uvec2 pixel = block_pixel(first_block);
+  uint survivors = 0u;
+  uint bit = 1u;
+  const uint stride = uint(lens.high.w);
+  for (uint block = first_block; block < end; ++block) {
+    if (stride > 1u && pixel.y % stride != 0u) {
+      bit <<= 8;
+      pixel = next_block(pixel);
+      continue;
+    }
+    const uint place = place_of(pixel);
+    const uvec4 words = depth[place];
+    for (uint i = 0u; i < 8u; ++i) {
+      const uint raw = raw_depth(words, i);
+      if (raw - depth_low <= depth_span) {
+        const vec2 ray = ray_of(lens, uvec2(pixel.x + i, pixel.y), place * 8u + i);
+        if (inside(lens, skin_point(lens, raw, ray))) survivors |= bit;
+      }
+      bit <<= 1;
+    }
+    if (stride > 1u) survivors &= ~(0xffu << (8u * (block - first_block))) | wanted_pixels(pixel, stride) << (8u * (block - first_block));
+    pixel = next_block(pixel);
+  }
+  return survivors;
+}
+
+void main() {
+  const uint first_block = gl_GlobalInvocationID.x * skin_run_blocks;
+  const uint survivors = first_block < push.blocks ? find_survivors(first_block) : 0u;
+  const uint thread = gl_LocalInvocationIndex;
+  const uint count = bitCount(survivors);
+  const uint before = sum_before(count);
+  const uint group = push.first_group + gl_WorkGroupID.x;
+  runs[group * skin_group + thread] = SkinRun(survivors, before);
+  if (thread == skin_group - 1u) counts[group] = before + count;
+}

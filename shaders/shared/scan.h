@@ -1,0 +1,53 @@
+// Shared by engine/gpu/scan_pass.cpp and shaders/shared/scan.comp.
+#ifndef PALPA_SHADERS_SCAN_H
+#define PALPA_SHADERS_SCAN_H
+#include "shaders/shared/shared.h"
+PALPA_SHADER_BEGIN
+
+PALPA_CONST scan_group = 256u;
+
+// Bindings.
+PALPA_CONST scan_counts = 0u;  // uint[]: in place
+PALPA_CONST scan_length = 1u;  // uint[1]: items, where items_per_count > 0
+PALPA_CONST scan_total = 2u;   // ScanTotal
+PALPA_CONST scan_buffers = 3u;
+
+// How an indirect dispatch over items is cut into groups: `size` of them each, but no fewer than `least` nor more than
+// `most` groups, which are both multiples of `step` as their number is.
+struct ScanGroups {
+  uint size;
+  uint least;
+  uint most;
+  uint step;
+};
+PALPA_CHECK_SIZE(ScanGroups, 16);
+
+PALPA_FN uint scan_groups_of(uint items, ScanGroups cut) {
+  const uint asked = items / cut.size + (items % cut.size == 0u ? 0u : 1u);
+  const uint whole = (asked + cut.step - 1u) / cut.step * cut.step;
+  const uint enough = whole < cut.least ? cut.least : whole;
+  return enough < cut.most ? enough : cut.most;
+}
+
+struct ScanPush {
+  uint most_counts;
+  uint items_per_count;  // 0: exactly most_counts counts
+  uint most_total;
+  uint unused0;
+  ScanGroups groups;
+};
+PALPA_CHECK_SIZE(ScanPush, 32);
+PALPA_CHECK_OFFSET(ScanPush, groups, 16);
+
+// The sum, then the arguments of an indirect dispatch over that many items.
+struct ScanTotal {
+  uint total;
+  uint groups_x;
+  uint groups_y;
+  uint groups_z;
+};
+PALPA_CHECK_SIZE(ScanTotal, 16);
+PALPA_CHECK_OFFSET(ScanTotal, groups_x, 4);
+
+PALPA_SHADER_END
+#endif

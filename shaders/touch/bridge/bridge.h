@@ -1,0 +1,128 @@
+// Shared by engine/touch/bridge/bridge_pass.cpp and shaders/bridge_*.comp.
+#ifndef PALPA_SHADERS_BRIDGE_H
+#define PALPA_SHADERS_BRIDGE_H
+#include "shaders/shared/shared.h"
+PALPA_SHADER_BEGIN
+
+PALPA_CONST bridge_group = 64u;
+PALPA_CONST bridge_fingers = 64u;  // as fingers_most
+// Contacts of a finger that stand for all: one for each of so many values of a number's hash.
+PALPA_CONST bridge_samples = 64u;
+PALPA_CONST bridge_sample_shift = 26u;
+// A hash that can be undone: contact = hash * inverse, modulo 2^32.
+PALPA_CONST bridge_hash = 0x9e3779b1u;
+PALPA_CONST bridge_unhash = 0x0e8b2f51u;
+
+// Bindings of bridge_sample.
+PALPA_CONST bridge_sample_total = 0u;     // ScanTotal of the contacts
+PALPA_CONST bridge_sample_parents = 1u;   // uint[]: per contact a number that its cluster alone has
+PALPA_CONST bridge_sample_contacts = 2u;  // ContactRecord[]
+PALPA_CONST bridge_sample_fingers = 3u;   // FingerRecord[]
+PALPA_CONST bridge_sample_depth = 4u;     // uint[]: raw depths, two per word, the even pixel in the low half
+PALPA_CONST bridge_sample_rays = 5u;      // vec2[]: normalised coordinates per pixel of the padded arrangement
+PALPA_CONST bridge_sample_cameras = 6u;   // BridgeCamera[]
+PALPA_CONST bridge_sample_out = 7u;       // BridgeSample[bridge_fingers * bridge_samples]
+PALPA_CONST bridge_sample_patches = 8u;   // BridgePatch[bridge_fingers]
+PALPA_CONST bridge_sample_buffers = 9u;
+// Bindings of bridge_pairs.
+PALPA_CONST bridge_pairs_header = 0u;
+PALPA_CONST bridge_pairs_fingers = 1u;
+PALPA_CONST bridge_pairs_depth = 2u;
+PALPA_CONST bridge_pairs_cameras = 3u;
+PALPA_CONST bridge_pairs_samples = 4u;
+PALPA_CONST bridge_pairs_patches = 5u;
+PALPA_CONST bridge_pairs_out = 6u;  // BridgePair[bridge_fingers * bridge_fingers]: a before b only
+PALPA_CONST bridge_pairs_buffers = 7u;
+// Bindings of bridge_join.
+PALPA_CONST bridge_join_total = 0u;
+PALPA_CONST bridge_join_parents = 1u;
+PALPA_CONST bridge_join_pairs = 2u;
+PALPA_CONST bridge_join_header = 3u;  // TouchHeader: fingers, clusters and bridge_relabel's dispatch are written
+PALPA_CONST bridge_join_fingers = 4u;
+PALPA_CONST bridge_join_clusters = 5u;  // Cluster[]: per root
+PALPA_CONST bridge_join_buffers = 6u;
+// Bindings of bridge_relabel.
+PALPA_CONST bridge_relabel_total = 0u;
+PALPA_CONST bridge_relabel_parents = 1u;
+PALPA_CONST bridge_relabel_clusters = 2u;
+PALPA_CONST bridge_relabel_buffers = 3u;
+
+struct BridgePush {
+  uint most_contacts;
+  uint cameras;
+  float finger_width;  // metres; 0: nothing is joined
+  uint unused;
+};
+PALPA_CHECK_SIZE(BridgePush, 16);
+PALPA_CHECK_OFFSET(BridgePush, finger_width, 8);
+
+// A camera, for looking at its picture from both sides: pixel to point and point to pixel.
+struct BridgeCamera {
+  vec4 pose_x;  // rows of T_world_camera
+  vec4 pose_y;
+  vec4 pose_z;
+  vec4 view_x;  // rows of T_camera_world
+  vec4 view_y;
+  vec4 view_z;
+  vec4 lens;        // fx, fy, cx, cy
+  vec4 distortion;  // k1, k2, p1, p2
+  float k3;
+  float reach;       // the square of the longest ray of the picture: beyond it the lens model may fold back
+  float depth_unit;  // metres
+  uint first_depth;  // raw depths below are no data
+  uint width;
+  uint height;
+  uint pitch;        // pixels from row to row of the padded arrangement
+  uint first_pixel;  // of the padded arrangement
+  uint first_index;  // of the camera's skin points
+  uint unused0;
+  uint unused1;
+  uint unused2;
+};
+PALPA_CHECK_SIZE(BridgeCamera, 176);
+PALPA_CHECK_OFFSET(BridgeCamera, view_x, 48);
+PALPA_CHECK_OFFSET(BridgeCamera, lens, 96);
+PALPA_CHECK_OFFSET(BridgeCamera, k3, 128);
+PALPA_CHECK_OFFSET(BridgeCamera, width, 144);
+PALPA_CHECK_OFFSET(BridgeCamera, first_index, 160);
+
+// A contact and the outward normal of the skin there.
+struct BridgeSample {
+  float x;
+  float y;
+  float z;
+  float normal_x;
+  float normal_y;
+  float normal_z;
+  uint unused0;
+  uint unused1;
+};
+PALPA_CHECK_SIZE(BridgeSample, 32);
+PALPA_CHECK_OFFSET(BridgeSample, normal_x, 12);
+
+// A finger as FingersPass leaves it, which may be one patch of several.
+struct BridgePatch {
+  vec4 low;  // box and mean of its samples
+  vec4 high;
+  vec4 mean;
+  uint samples;
+  uint unused0;
+  uint unused1;
+  uint unused2;
+};
+PALPA_CHECK_SIZE(BridgePatch, 64);
+PALPA_CHECK_OFFSET(BridgePatch, mean, 32);
+PALPA_CHECK_OFFSET(BridgePatch, samples, 48);
+
+// What two patches are to each other.
+PALPA_CONST bridge_unknown = 0u;  // nothing says that they are one finger
+PALPA_CONST bridge_one = 1u;      // patches of one finger
+PALPA_CONST bridge_two = 2u;      // of two, whatever a third says
+struct BridgePair {
+  uint kind;
+  float facing;  // the less, the surer: see facing_away
+};
+PALPA_CHECK_SIZE(BridgePair, 8);
+
+PALPA_SHADER_END
+#endif

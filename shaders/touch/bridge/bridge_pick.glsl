@@ -1,0 +1,73 @@
+// Some contacts of a finger, picked by a hash of their numbers, with the skin's normal there as the depth picture shows it:
+// by a group of 64. Includes need the buffers parents, contacts, depth, rays and cameras, and push.cameras.
+shared uint least[bridge_samples];
+shared uint count_taken;
+shared Float3 positions[bridge_samples];
+shared Float3 normals[bridge_samples];
+
+#include "shaders/sensing/raw_depth.glsl"
+
+const uint sum_threads = bridge_samples, sum_row = 8u;
+#include "shaders/shared/sum_before.glsl"
+
+struct SeenPixel {
+  uint camera, u, v;
+};
+
+SeenPixel pixel_of(uint point) {
+  uint c = 0u;
+  for (uint i = 1u; i < push.cameras; ++i) c = point >= cameras[i].first_index ? i : c;
+  const uint v = (point - cameras[c].first_index) / cameras[c].width;
+  return SeenPixel(c, point - cameras[c].first_index - v * cameras[c].width, v);
+}
+
+Float3 point_of(BridgeCamera camera, uint u, uint v) {
+  const vec2 ray = rays[camera.first_pixel + v * camera.pitch + u];
+  return pixel_point(camera, raw_at(camera, u, v), Float2(ray.x, ray.y));
+}
+
+Float3 normal_at(uint point) {
+  const SeenPixel p = pixel_of(point);
+  const BridgeCamera camera = cameras[p.camera];
+  const uint u = p.u, v = p.v;
+  const Float3 nothing = Float3(0.0, 0.0, 0.0);
+  const uint far = bridge_normal_pixels;
+  const Float3 at = point_of(camera, u, v);
+  Float3 left = nothing, right = nothing, above = nothing, below = nothing;
+  if (u >= far) left = point_of(camera, u - far, v);
+  if (u + far < camera.width) right = point_of(camera, u + far, v);
+  if (v >= far) above = point_of(camera, u, v - far);
+  if (v + far < camera.height) below = point_of(camera, u, v + far);
+  return skin_normal(camera, at, left, right, above, below);
+}
+
+// Fills positions and normals of `count_taken` samples, in the order of the hash, which are those that have a normal. least[]: the
+// hash of each, with or without one.
+void pick_samples(uint root, uint count) {
+  const uint thread = gl_LocalInvocationIndex;
+  least[thread] = 0xffffffffu;
+  barrier();
+  for (uint i = thread; i < count; i += bridge_group) {
+    if (parents[i] != root) continue;
+    const uint hash = i * bridge_hash;
+    atomicMin(least[hash >> bridge_sample_shift], hash);
+  }
+  barrier();
+  bool taken = least[thread] != 0xffffffffu;
+  Float3 position = Float3(0.0, 0.0, 0.0);
+  Float3 normal = position;
+  if (taken) {
+    const uint i = least[thread] * bridge_unhash;
+    position = Float3(contacts[i].x, contacts[i].y, contacts[i].z);
+    normal = normal_at(contacts[i].point);
+    taken = dot3(normal, normal) > 0.0;
+  }
+  // Close up, in the order of the hash.
+  const uint place = sum_before(taken ? 1u : 0u);
+  if (taken) {
+    positions[place] = position;
+    normals[place] = normal;
+  }
+  if (thread == bridge_samples - 1u) count_taken = place + (taken ? 1u : 0u);
+  barrier();
+}

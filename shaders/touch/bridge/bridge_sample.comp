@@ -1,0 +1,50 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/touch/bridge/bridge_math.h"
+#include "shaders/touch/contacts/contacts.h"
+#include "shaders/touch/fingers/fingers.h"
+#include "shaders/shared/scan.h"
+
+// One finger per group: some of its contacts, picked by a hash of their numbers, with the skin's normal there as the depth
+// picture shows it.
+layout(local_size_x = 64) in;
+
+layout(std430, set = 0, binding = bridge_sample_total) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = bridge_sample_parents) readonly buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = bridge_sample_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
+layout(std430, set = 0, binding = bridge_sample_fingers) readonly buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = bridge_sample_depth) readonly buffer Depth { uint depth[]; };
+layout(std430, set = 0, binding = bridge_sample_rays) readonly buffer Rays { vec2 rays[]; };
+layout(std430, set = 0, binding = bridge_sample_cameras) readonly buffer Cameras { BridgeCamera cameras[]; };
+layout(std430, set = 0, binding = bridge_sample_out) writeonly buffer Samples { BridgeSample samples[]; };
+layout(std430, set = 0, binding = bridge_sample_patches) writeonly buffer Patches { BridgePatch patches[]; };
+layout(push_constant) uniform Push { BridgePush push; };
+
+#include "shaders/touch/bridge/bridge_pick.glsl"
+
+void main() {
+  const uint thread = gl_LocalInvocationIndex;
+  const uint finger = gl_WorkGroupID.x;
+  const uint count = min(found.total, push.most_contacts);
+  const uint root = parents[fingers[finger].first];
+  pick_samples(root, count);
+  if (thread < count_taken) {
+    const Float3 position = positions[thread];
+    const Float3 normal = normals[thread];
+    samples[finger * bridge_samples + thread] =
+        BridgeSample(position.x, position.y, position.z, normal.x, normal.y, normal.z, 0u, 0u);
+  }
+  if (thread == 0u && count_taken == 0u) patches[finger] = BridgePatch(vec4(0.0), vec4(0.0), vec4(0.0), 0u, 0u, 0u, 0u);
+  if (thread == 0u && count_taken != 0u) {
+    Float3 low = positions[0], high = low, sum = Float3(0.0, 0.0, 0.0);
+    for (uint s = 0u; s < count_taken; ++s) {
+      const Float3 p = positions[s];
+      low = Float3(min(low.x, p.x), min(low.y, p.y), min(low.z, p.z));
+      high = Float3(max(high.x, p.x), max(high.y, p.y), max(high.z, p.z));
+      sum = plus(sum, minus(p, positions[0]));
+    }
+    const Float3 mean = plus(positions[0], scaled(sum, 1.0 / float(count_taken)));
+    patches[finger] = BridgePatch(vec4(low.x, low.y, low.z, 0.0), vec4(high.x, high.y, high.z, 0.0),
+                                  vec4(mean.x, mean.y, mean.z, 0.0), count_taken, 0u, 0u, 0u);
+  }
+}

@@ -1,0 +1,117 @@
+// Shared by engine/touch/contacts/contacts_pass.cpp, shaders/touch/contacts/contacts_find.comp,
+// shaders/touch/contacts/contacts_surface.comp and shaders/touch/contacts/contacts_pack.comp.
+#ifndef PALPA_SHADERS_CONTACTS_H
+#define PALPA_SHADERS_CONTACTS_H
+#include "shaders/shared/shared.h"
+PALPA_SHADER_BEGIN
+
+// The points are cut into chunks, stretches of whole rounds of a group, one group each: contacts_chunks of them, since
+// starting one costs a software device a microsecond and their counts need no scan of their own; more only where a
+// thread would look at too much, see contacts_most_turns. Always a multiple of four.
+PALPA_CONST contacts_group = 64u;
+PALPA_CONST contacts_chunks = 64u;
+// What a thread may look at: a software device ends all loops of a shader after 65,535 turns together.
+PALPA_CONST contacts_most_turns = 60000u;
+PALPA_CONST contacts_most_words = 2048u;  // of 32 points each, in one chunk
+PALPA_CONST contacts_most_points = 4000000u;
+PALPA_CONST no_finger = 0xffffffffu;
+
+// Passes over contacts: threads stride over them in at most contacts_most_groups groups.
+PALPA_CONST contact_group = 128u;
+PALPA_CONST contacts_most_groups = 128u;
+
+// Bindings of contacts_find and contacts_surface.
+PALPA_CONST contacts_points = 0u;       // uvec4[]: bits of x, y, z; the point's index
+PALPA_CONST contacts_length = 1u;       // ScanTotal of the points
+PALPA_CONST contacts_hits = 2u;         // Hit[]: per point, written for contacts only
+PALPA_CONST contacts_masks = 3u;        // uint[]: which of 32 points are contacts
+PALPA_CONST contacts_counts = 4u;       // uint[]: contacts per chunk
+PALPA_CONST contacts_solids = 5u;       // SolidRecord[]
+PALPA_CONST contacts_cells = 6u;        // PlaneCell[]
+PALPA_CONST contacts_planes = 7u;       // vec4[]: normal, offset
+PALPA_CONST contacts_deep_masks = 8u;   // uint[]: which of 32 points are deep points, where asked for
+PALPA_CONST contacts_deep_counts = 9u;  // uint[]
+PALPA_CONST contacts_find_buffers = 10u;
+// contacts_surface only: texel buffers, see surface.h.
+PALPA_CONST contacts_surface_cells = 10u;      // SurfaceCell[], two words a texel
+PALPA_CONST contacts_surface_runs = 11u;       // uint[]
+PALPA_CONST contacts_surface_triangles = 12u;  // SurfaceTriangle[], four words a texel, as in all that follow
+PALPA_CONST contacts_surface_signs = 13u;      // SurfaceSigns[]
+PALPA_CONST contacts_surface_corners = 14u;    // vec4[]
+PALPA_CONST contacts_parts = 15u;              // uvec4[], see parts_depth.h
+PALPA_CONST contacts_surface_buffers = 16u;
+PALPA_CONST contacts_surface_texels = 0xfc00u;  // a bit per binding
+// Bindings of contacts_pack: the first five of contacts_find (the deep points' masks and counts in place of the
+// contacts'), then
+PALPA_CONST contacts_total = 5u;  // ScanTotal of the contacts
+PALPA_CONST contacts_out = 6u;    // ContactRecord[]
+PALPA_CONST contacts_pack_buffers = 7u;
+
+// A solid. All its numbers are relative to its centre, in the axes that it has at rest: the digits of single precision
+// go to the solid's own size.
+struct SolidRecord {
+  vec4 turn;    // unit quaternion x, y, z, w that turns the world's axes into the solid's
+  vec4 centre;  // world
+  vec4 low;     // box, a little too large
+  vec4 high;
+  vec4 cells_per_metre;
+  uint first_cell;      // in the plane cells, or in the surface cells; of parts, the base in their words
+  uint cells_per_axis;  // of the plane cells; of a surface's grid see surface_axis_bits
+  float delta;          // 0: the push constant's
+  uint asked_by;        // one of the next three
+};
+PALPA_CONST asked_by_planes = 0u;  // convex
+PALPA_CONST asked_by_surface = 1u;
+PALPA_CONST asked_by_parts = 2u;  // of a solid of convex parts
+PALPA_CHECK_SIZE(SolidRecord, 96);
+PALPA_CHECK_OFFSET(SolidRecord, centre, 16);
+PALPA_CHECK_OFFSET(SolidRecord, cells_per_metre, 64);
+PALPA_CHECK_OFFSET(SolidRecord, first_cell, 80);
+PALPA_CHECK_OFFSET(SolidRecord, delta, 88);
+
+struct ContactsPush {
+  SolidRecord only;  // the solid of a scene that has one: devices read push constants faster than buffers
+  uint solids;
+  float delta;
+  uint most_points;
+  uint most_contacts;
+};
+PALPA_CHECK_SIZE(ContactsPush, 112);
+PALPA_CHECK_OFFSET(ContactsPush, solids, 96);
+PALPA_CHECK_OFFSET(ContactsPush, most_contacts, 108);
+
+// A cell of a solid's box: the planes that can be the nearest one somewhere in it, and bounds of Eq. (1)'s depth.
+struct PlaneCell {
+  uint first;  // in the list of planes
+  uint count;
+  float shallowest;
+  float deepest;
+};
+PALPA_CHECK_SIZE(PlaneCell, 16);
+PALPA_CHECK_OFFSET(PlaneCell, shallowest, 8);
+
+struct Hit {
+  uint solid;
+  float depth;
+};
+PALPA_CHECK_SIZE(Hit, 8);
+PALPA_CHECK_OFFSET(Hit, depth, 4);
+
+struct ContactRecord {
+  float x;
+  float y;
+  float z;
+  uint point;
+  uint solid;
+  float depth;
+  uint finger;  // index, or no_finger
+  uint unused0;
+};
+PALPA_CHECK_SIZE(ContactRecord, 32);
+PALPA_CHECK_OFFSET(ContactRecord, point, 12);
+PALPA_CHECK_OFFSET(ContactRecord, solid, 16);
+PALPA_CHECK_OFFSET(ContactRecord, depth, 20);
+PALPA_CHECK_OFFSET(ContactRecord, finger, 24);
+
+PALPA_SHADER_END
+#endif

@@ -1,0 +1,39 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/touch/contacts/contacts.h"
+#include "shaders/touch/contacts/contacts_chunk.glsl"
+#include "shaders/shared/scan.h"
+#include "shaders/touch/contacts/contacts_math.h"
+
+// Eq. (1) for every skin point: inside all planes of a solid, and less than delta below the nearest. Leaves a bit per point,
+// solid and depth of the contacts, and each chunk's count. For scenes of convex solids; contacts_surface.comp is for any.
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const bool one_solid = false;
+layout(constant_id = 1) const bool with_deep = false;
+
+layout(std430, set = 0, binding = contacts_points) readonly buffer Points { uvec4 points[]; };
+layout(std430, set = 0, binding = contacts_length) readonly buffer Length { ScanTotal given; };
+layout(std430, set = 0, binding = contacts_hits) writeonly buffer Hits { Hit hits[]; };
+layout(std430, set = 0, binding = contacts_masks) writeonly buffer Masks { uint masks[]; };
+layout(std430, set = 0, binding = contacts_counts) writeonly buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = contacts_solids) readonly buffer Solids { SolidRecord solids[]; };
+layout(std430, set = 0, binding = contacts_cells) readonly buffer Cells { PlaneCell cells[]; };
+layout(std430, set = 0, binding = contacts_planes) readonly buffer Planes { vec4 planes[]; };
+layout(std430, set = 0, binding = contacts_deep_masks) writeonly buffer DeepMasks { uint deep_masks[]; };
+layout(std430, set = 0, binding = contacts_deep_counts) writeonly buffer DeepCounts { uint deep_counts[]; };
+layout(push_constant) uniform Push { ContactsPush push; };
+
+#include "shaders/touch/contacts/contacts_planes.glsl"
+
+float look(SolidRecord solid, vec3 p, float delta, out bool shell) {
+  const float depth =
+      plane_cell_depth(p, solid.low.xyz, solid.cells_per_metre.xyz, solid.cells_per_axis, solid.first_cell, delta, with_deep);
+  shell = depth < delta;
+  return depth;
+}
+
+#include "shaders/touch/contacts/contacts_walk.glsl"
+
+void main() {
+  walk();
+}

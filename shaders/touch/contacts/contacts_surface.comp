@@ -1,0 +1,64 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/touch/contacts/contacts.h"
+#include "shaders/touch/contacts/contacts_chunk.glsl"
+#include "shaders/shared/scan.h"
+#include "shaders/touch/contacts/surface_math.h"
+#include "shaders/touch/contacts/contacts_math.h"
+
+// As contacts_find, for scenes in which a solid is asked by its surface or by its parts. Each thread looks a point up by itself: points
+// that follow each other lie side by side on the skin, so that their cells and lists are much alike.
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const bool one_solid = false;
+layout(constant_id = 1) const bool with_deep = false;
+layout(constant_id = 2) const bool with_parts = false;
+
+layout(std430, set = 0, binding = contacts_points) readonly buffer Points { uvec4 points[]; };
+layout(std430, set = 0, binding = contacts_length) readonly buffer Length { ScanTotal given; };
+layout(std430, set = 0, binding = contacts_hits) writeonly buffer Hits { Hit hits[]; };
+layout(std430, set = 0, binding = contacts_masks) writeonly buffer Masks { uint masks[]; };
+layout(std430, set = 0, binding = contacts_counts) writeonly buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = contacts_solids) readonly buffer Solids { SolidRecord solids[]; };
+layout(std430, set = 0, binding = contacts_cells) readonly buffer Cells { PlaneCell cells[]; };
+layout(std430, set = 0, binding = contacts_planes) readonly buffer Planes { vec4 planes[]; };
+layout(std430, set = 0, binding = contacts_deep_masks) writeonly buffer DeepMasks { uint deep_masks[]; };
+layout(std430, set = 0, binding = contacts_deep_counts) writeonly buffer DeepCounts { uint deep_counts[]; };
+layout(set = 0, binding = contacts_surface_cells) uniform usamplerBuffer surface_cells;
+layout(set = 0, binding = contacts_surface_runs) uniform usamplerBuffer surface_runs;
+layout(set = 0, binding = contacts_surface_triangles) uniform samplerBuffer surface_triangles;
+layout(set = 0, binding = contacts_surface_signs) uniform usamplerBuffer surface_signs;
+layout(set = 0, binding = contacts_surface_corners) uniform samplerBuffer surface_corners;
+layout(set = 0, binding = contacts_parts) uniform usamplerBuffer parts_words;
+layout(push_constant) uniform Push { ContactsPush push; };
+
+#define PALPA_PARTS_WORD(i) texelFetch(parts_words, int(i))
+#include "shaders/touch/contacts/parts_depth.h"
+
+#include "shaders/touch/contacts/contacts_planes.glsl"
+#include "shaders/touch/contacts/surface_query.glsl"
+
+float look(SolidRecord solid, vec3 p, float delta, out bool shell) {
+  const Float3 at = Float3(p.x, p.y, p.z);
+  float depth;
+  if (with_parts && solid.asked_by == asked_by_parts) {
+    const uint cell = parts_cell(at, Float3(solid.low.x, solid.low.y, solid.low.z),
+                                 Float3(solid.cells_per_metre.x, solid.cells_per_metre.y, solid.cells_per_metre.z),
+                                 solid.cells_per_axis);
+    depth = parts_depth(solid.first_cell, cell, at, with_deep ? 3.0e38 : delta);
+  } else if (one_solid || solid.asked_by == asked_by_surface) {  // a convex solid that is alone has contacts_find
+    const SurfaceCell cell =
+        surface_cell(p, solid.low.xyz, solid.cells_per_metre.x, solid.cells_per_axis, solid.first_cell);
+    return surface_depth(cell, at, delta, shell);
+  } else {
+    depth = plane_cell_depth(p, solid.low.xyz, solid.cells_per_metre.xyz, solid.cells_per_axis, solid.first_cell, delta,
+                             with_deep);
+  }
+  shell = depth < delta;
+  return depth;
+}
+
+#include "shaders/touch/contacts/contacts_walk.glsl"
+
+void main() {
+  walk();
+}

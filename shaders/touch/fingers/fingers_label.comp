@@ -1,0 +1,48 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/touch/contacts/contacts.h"
+#include "shaders/touch/fingers/fingers.h"
+#include "shaders/shared/scan.h"
+
+// Every contact's parent is its cluster's root; at the root: the cluster's smallest contact and its size. Lists the roots of clusters
+// that are large enough to be fingers.
+layout(local_size_x = 128) in;
+layout(constant_id = 0) const bool inside = false;  // deep points are clustered too: they count for no size
+
+layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
+layout(set = 0, binding = fingers_contacts) uniform usamplerBuffer contacts;
+layout(set = 0, binding = fingers_seen) uniform usamplerBuffer seen;
+layout(std430, set = 0, binding = fingers_groups) writeonly buffer Large { uint large[]; };
+layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = fingers_parents) buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = fingers_clusters) coherent buffer Clusters { Cluster clusters[]; };
+layout(push_constant) uniform Push { FingersPush push; };
+
+#include "shaders/touch/fingers/fingers_walk.glsl"
+
+void add(uint root, Cluster run) {
+  if (root == fingers_nothing) return;
+  if (run.smallest < clusters[root].smallest) atomicMin(clusters[root].smallest, run.smallest);
+  if (run.size == 0u) return;
+  const uint least = max(push.min_points, 1u);
+  const uint before = atomicAdd(clusters[root].size, run.size);
+  if (before < least && before + run.size >= least) large[atomicAdd(work.large, 1u)] = root;
+}
+
+void main() {
+  const uint count = min(found.total, push.most_contacts);
+  const uint threads = gl_NumWorkGroups.x * contact_group;
+  Cluster run = Cluster(fingers_nothing, 0u);  // contacts of one cluster that this thread met one after the other
+  uint root_of_run = fingers_nothing;
+  for (uint i = gl_GlobalInvocationID.x; i < count; i += threads) {
+    const uint root = seen_root(parents[i]);
+    parents[i] = root;
+    if (root != root_of_run) {
+      add(root_of_run, run);
+      root_of_run = root;
+      run = Cluster(i, 0u);
+    }
+    if (!inside || texelFetch(contacts, int(2u * i + 1u)).z != fingers_deep) ++run.size;
+  }
+  add(root_of_run, run);
+}

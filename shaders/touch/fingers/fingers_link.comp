@@ -1,0 +1,151 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/touch/contacts/contacts.h"
+#include "shaders/touch/fingers/fingers.h"
+#include "shaders/touch/fingers/fingers_math.h"
+#include "shaders/touch/fingers/fingers_table.glsl"
+#include "shaders/shared/scan.h"
+
+// Unites groups of cells of blocks that touch where they hold two contacts within the gap: one thread per pair of blocks on
+// the list. Groups of two blocks that a few tests leave apart go to fingers_crowded. With `all` every block's every neighbour is
+// looked at, for when one of the lists was too short, and what many tests leave apart goes to fingers_undecided.
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const bool all = false;
+
+layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
+layout(set = 0, binding = fingers_nodes) uniform usamplerBuffer nodes;
+layout(set = 0, binding = fingers_tiles) uniform usamplerBuffer tiles;
+layout(set = 0, binding = fingers_bases) uniform usamplerBuffer bases;
+layout(set = 0, binding = fingers_list) uniform usamplerBuffer list;
+layout(std430, set = 0, binding = fingers_crowded) writeonly buffer Left { uvec4 left[]; };  // CrowdedPair
+layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = fingers_forest) buffer Forest { uint forest[]; };
+layout(set = 0, binding = fingers_seen) uniform usamplerBuffer seen;
+layout(set = 0, binding = fingers_groups) uniform usamplerBuffer groups_of_block;
+layout(set = 0, binding = fingers_links) uniform usamplerBuffer links;
+layout(push_constant) uniform Push { FingersPush push; };
+
+#include "shaders/touch/fingers/fingers_cells.glsl"
+#include "shaders/touch/fingers/fingers_links.glsl"
+#include "shaders/touch/fingers/fingers_neighbours.glsl"
+#include "shaders/touch/fingers/fingers_pairs.glsl"
+#include "shaders/touch/fingers/fingers_undecided.glsl"
+#include "shaders/touch/fingers/fingers_union.glsl"
+
+// Of two blocks that lie apart along these axes, as bits x, y, z: the pairs of cells at most two apart, as pairs_of has them,
+// cells counted from the sides that face each other.
+uvec2 reachable(uint axes) {
+  const uint x = (axes & 1u) != 0u ? 0x55ff55ffu : 0xffffffffu;
+  const uint y = (axes & 2u) != 0u ? 0x3333ffffu : 0xffffffffu;
+  const uint z = (axes & 4u) != 0u ? 0x0f0f0f0fu : 0xffffffffu;
+  return uvec2(x & y, x & y & z);
+}
+
+// A pair for the pass that decides: its four words as one vector, a software device then finds its place only once.
+void defer(uvec4 pair) {
+  if (all) {
+    const uint place = atomicAdd(work.undecided, 1u);
+    if (place >= undecided_room(push.most_contacts)) return;
+    left[place] = pair;
+    atomicMax(work.undecided_x, undecided_groups(place));
+  } else {
+    const uint place = atomicAdd(work.crowded, 1u);
+    if (place >= push.most_contacts * fingers_crowded_per_contact) return;
+    left[place] = pair;
+    if (place % blocks_group == 0u) atomicMax(work.crowded_x, place / blocks_group + 1u);
+  }
+}
+
+bool links_ran_out() { return work.links > links_room(push.most_contacts); }
+
+// How many pairs of blocks there are to look at. A list that ran out has holes, and the last pass looks at everything.
+uint units_of(uint blocks) {
+  if (all) return blocks * 64u;
+  return links_ran_out() ? 0u : work.links;
+}
+
+// Of all that could be: a block and one of its neighbours, if it sees that one and there is one.
+bool found_link(uint unit, uint slots, out uvec2 link) {
+  link = uvec2(0u);
+  const uint entry = texelFetch(list, int(unit >> 6u)).x;
+  const uint beyond = unit >> 3u & 7u;
+  const uint corner = entry & 7u;
+  const uint there = unit & 7u;
+  if ((corners_to_see(corner, beyond) >> there & 1u) == 0u) return false;
+  const int slot = int(entry >> 3u);
+  const uvec4 tile = texelFetch(tiles, slot);
+  const Tile other = tile_beyond(TileKey(tile.x, tile.y), corner, beyond, slots);
+  const Block seen_block = block_of(texelFetch(bases, int(other.slot)).x, other.cells, there);
+  link = link_of(block_of(texelFetch(bases, slot).x, tile.zw, corner).first, seen_block.first, corner, beyond, there);
+  return seen_block.occupied != 0u;
+}
+
+void main() {
+  const uint blocks = work.blocks;
+  const uint units = units_of(blocks);
+  const uint threads = gl_NumWorkGroups.x * blocks_group;
+  const uint slots = table_slots(min(found.total, push.most_contacts));
+  if (!all && gl_GlobalInvocationID.x == 0u && links_ran_out()) work.rest_x = min(blocks, rest_most_groups);
+  for (uint unit = gl_GlobalInvocationID.x; unit < units; unit += threads) {
+    uvec2 packed;
+    if (all) {
+      if (!found_link(unit, slots, packed)) continue;
+    } else {
+      packed = texelFetch(links, int(unit)).xy;
+    }
+    const Link link = link_from(packed);
+    const bool itself = link.first_here == link.first_there;
+    const uint groups_here = texelFetch(groups_of_block, int(link.first_here)).x;
+    const uint groups_there = texelFetch(groups_of_block, int(link.first_there)).x;
+    const Block here = Block(link.first_here, occupied_of(groups_here));
+    const Block there = Block(link.first_there, occupied_of(groups_there));
+    // Cells that face each other first: they are the likeliest to be within the gap.
+    const uint face_here = link.face_here;
+    const uint face_there = link.axes ^ face_here;
+    const uint facing_here = flipped(groups_here, face_here);
+    const uint facing_there = flipped(groups_there, face_there);
+    const uvec2 in_reach_of_each_other =
+        pairs_of(occupied_of(facing_here), occupied_of(facing_there)) & reachable(link.axes);
+    uvec2 apart = pairs_of(first_cells(groups_here), first_cells(groups_there));  // groups; mostly one pair
+    if (itself) apart &= each_pair_once;
+    Search search = search_in(itself ? in_reach_of_each_other & each_pair_once : in_reach_of_each_other);
+    if (all) {  // patience is long: spare it what is together already
+      uvec2 todo = apart;
+      for (uint k = 0u; k < 64u && (todo.x | todo.y) != 0u; ++k) {
+        const uint pair = take_pair(todo);
+        if (seen_root(cell_number(here, pair >> 3u)) != seen_root(cell_number(there, pair & 7u))) continue;
+        leave(search, pairs_of(cells_of_group(facing_here, pair >> 3u), cells_of_group(facing_there, pair & 7u)));
+      }
+    }
+    uvec2 together = uvec2(0u);
+    uint left = more(search) ? (all ? fingers_rest_patience : fingers_patience) : 0u;
+    for (;;) {
+      if (left != 0u) {
+        if (test(search, here, there, face_here, face_there)) {
+          const uint a = group_of(facing_here, search.pair >> 3u);
+          const uint b = group_of(facing_there, search.pair & 7u);
+          const uint cells_a = cells_of_group(facing_here, a);
+          const uint cells_b = cells_of_group(facing_there, b);
+          together |= pairs_of(1u << a, 1u << b);
+          leave(search, pairs_of(cells_a, cells_b));
+          if (itself) leave(search, pairs_of(cells_a | cells_b, cells_a | cells_b));
+        }
+        left = more(search) ? left - 1u : 0u;
+      }
+      if (left == 0u) break;
+    }
+    apart &= more(search) ? ~together : uvec2(0u);
+    for (;;) {
+      if ((together.x | together.y) != 0u) {
+        const uint pair = take_pair(together);
+        unite(cell_number(here, pair >> 3u), cell_number(there, pair & 7u));
+      }
+      if ((together.x | together.y) == 0u) break;
+    }
+    for (uint k = 0u; k < 64u && (apart.x | apart.y) != 0u; ++k) {
+      const uint pair = take_pair(apart);
+      defer(uvec4(here.first, there.first, here.occupied | cells_of_group(groups_here, pair >> 3u) << 8u,
+                  there.occupied | cells_of_group(groups_there, pair & 7u) << 8u));
+    }
+  }
+}

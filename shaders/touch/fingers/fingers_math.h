@@ -1,0 +1,33 @@
+// The arithmetic of fingers, for the shaders, their twin and whoever makes their memory; see exact_math.h.
+#ifndef PALPA_SHADERS_FINGERS_MATH_H
+#define PALPA_SHADERS_FINGERS_MATH_H
+#include "shaders/shared/exact_math.h"
+PALPA_SHADER_BEGIN
+
+// Whether two contacts are no farther apart than the finger gap; `limit` is its square.
+PALPA_FN bool in_reach(Float3 a, Float3 b, float limit) {
+  PALPA_EXACT float x = a.x - b.x;
+  PALPA_EXACT float y = a.y - b.y;
+  PALPA_EXACT float z = a.z - b.z;
+  PALPA_EXACT float square = x * x + y * y + z * z;
+  return square <= limit;
+}
+
+// Slots of the hash table of tiles for so many contacts: half as many again at least, in groups, and no multiple of
+// three; see fingers_table.glsl.
+PALPA_CONST table_group = 64u;
+
+PALPA_FN uint table_slots(uint contacts) {
+  const uint groups = contacts * 3u / (2u * table_group) + 2u;
+  return (groups % 3u == 0u ? groups + 1u : groups) * table_group;
+}
+
+// Room on the list of pairs of blocks that touch. As many as there are of contacts strewn at random, and no more than
+// 128 MiB hold.
+PALPA_FN uint links_room(uint contacts) {
+  const uint most = 1u << 24u;
+  return contacts < most / 6u ? contacts * 6u : most;
+}
+
+PALPA_SHADER_END
+#endif

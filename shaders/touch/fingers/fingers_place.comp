@@ -1,0 +1,36 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/touch/contacts/contacts.h"
+#include "shaders/touch/fingers/fingers.h"
+#include "shaders/shared/scan.h"
+
+// Puts every contact into its cell's list, behind the first. The lists' order may differ from run to run.
+layout(local_size_x = 128) in;
+
+layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
+layout(set = 0, binding = fingers_contacts) uniform usamplerBuffer contacts;
+layout(std430, set = 0, binding = fingers_nodes) buffer Nodes { uint nodes[]; };
+layout(std430, set = 0, binding = fingers_nodes) writeonly buffer Whole { uvec4 whole_nodes[]; };  // the same
+layout(set = 0, binding = fingers_tiles) uniform usamplerBuffer tiles;
+layout(set = 0, binding = fingers_bases) uniform usamplerBuffer bases;
+layout(set = 0, binding = fingers_places) uniform usamplerBuffer places;
+layout(std430, set = 0, binding = fingers_parents) writeonly buffer Parents { uint parents[]; };
+layout(push_constant) uniform Push { FingersPush push; };
+
+#include "shaders/touch/fingers/fingers_cells.glsl"
+
+void main() {
+  const uint count = min(found.total, push.most_contacts);
+  const uint threads = gl_NumWorkGroups.x * contact_group;
+  for (uint i = gl_GlobalInvocationID.x; i < count; i += threads) {
+    const uint place = texelFetch(places, int(i)).x;
+    const int slot = int((place & ~fingers_first) >> 6u);
+    const uint cell = texelFetch(bases, slot).x + count_below(texelFetch(tiles, slot).zw, place & 63u);
+    const bool first = (place & fingers_first) != 0u;
+    const uint node = first ? cell : push.most_contacts + i;
+    const uvec3 point = texelFetch(contacts, int(2u * i)).xyz;
+    whole_nodes[node].xyz = point;
+    if (!first) nodes[4u * node + 3u] = atomicExchange(nodes[4u * cell + 3u], node);
+    parents[i] = cell;
+  }
+}

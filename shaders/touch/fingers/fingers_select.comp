@@ -1,0 +1,112 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/touch/contacts/contacts.h"
+#include "shaders/touch/fingers/fingers.h"
+#include "shaders/shared/scan.h"
+#include "shaders/touch/split/split.h"
+
+// Clusters large enough to be fingers, in the order of their smallest contacts, by a single group. Of too many the largest, and
+// of those of one size the ones that begin first: what few pixels pretend must not hide a finger.
+layout(local_size_x = 256) in;
+
+layout(std430, set = 0, binding = select_total) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = select_length) readonly buffer Length { ScanTotal given; };
+layout(std430, set = 0, binding = select_large) readonly buffer Large { uint large[]; };
+layout(std430, set = 0, binding = select_clusters) readonly buffer Clusters { Cluster clusters[]; };
+layout(std430, set = 0, binding = select_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
+layout(std430, set = 0, binding = select_header) writeonly buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = select_fingers) writeonly buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = select_work) readonly buffer Work { FingersWork work; };
+
+// Sizes and contacts are below 2^24: three digits of eight bits.
+const uint digits = 3u;
+const uint last_contact = 0xffffffu;
+
+shared uint histogram[fingers_select_group];  // of one digit
+shared uint bound;
+shared uint wanted;
+shared uint taken;
+shared Cluster chosen[fingers_most];
+
+// What clusters are sorted by: their sizes; or, with `size`, of those that are so large, how far before the last contact they begin.
+uint number_of(Cluster cluster, uint size) {
+  if (size == 0u) return cluster.size;
+  return cluster.size == size ? last_contact - cluster.smallest : fingers_nothing;
+}
+
+void tally(uint k, uint listed, uint size, uint shift) {
+  if (k >= listed) return;
+  const uint number = number_of(clusters[large[k]], size);
+  if (number >> (shift + 8u) == bound >> (shift + 8u)) atomicAdd(histogram[number >> shift & 0xffu], 1u);
+}
+
+// Of the `wanted` largest numbers the least, into `bound`, digit by digit from the top, and how many of them are just that, into
+// `wanted`.
+void find_bound(uint listed, uint size) {
+  const uint thread = gl_LocalInvocationIndex;
+  barrier();
+  if (thread == 0u) bound = 0u;
+  for (uint digit = digits; digit > 0u; --digit) {
+    const uint shift = 8u * (digit - 1u);
+    histogram[thread] = 0u;
+    barrier();
+    for (uint k = thread; k < listed; k += 4u * fingers_select_group) {
+      tally(k, listed, size, shift);
+      tally(k + fingers_select_group, listed, size, shift);
+      tally(k + 2u * fingers_select_group, listed, size, shift);
+      tally(k + 3u * fingers_select_group, listed, size, shift);
+    }
+    barrier();
+    if (thread == 0u) {
+      uint at = 0xffu;
+      for (; at > 0u && histogram[at] < wanted; --at) wanted -= histogram[at];
+      bound |= at << shift;
+    }
+    barrier();
+  }
+}
+
+// Takes it where it is larger than `size`, or just as large and begins with `last` or before.
+void take(uint k, uint listed, uint size, uint last) {
+  if (k >= listed) return;
+  const Cluster cluster = clusters[large[k]];
+  if (cluster.size > size || (cluster.size == size && cluster.smallest <= last)) chosen[atomicAdd(taken, 1u)] = cluster;
+}
+
+// (A software device ends all loops of a shader after 65,535 turns together: so a turn is four clusters.)
+void main() {
+  const uint thread = gl_LocalInvocationIndex;
+  const uint listed = work.large;
+  uint size = 0u, last = last_contact;
+  if (thread == 0u) {
+    taken = 0u;
+    wanted = fingers_most;
+  }
+  barrier();
+  if (listed > fingers_most) {  // the whole group
+    find_bound(listed, 0u);
+    size = bound;
+    find_bound(listed, size);
+    last = last_contact - bound;
+  }
+  for (uint k = thread; k < listed; k += 4u * fingers_select_group) {
+    take(k, listed, size, last);
+    take(k + fingers_select_group, listed, size, last);
+    take(k + 2u * fingers_select_group, listed, size, last);
+    take(k + 3u * fingers_select_group, listed, size, last);
+  }
+  barrier();
+  if (thread < taken) {
+    const Cluster cluster = chosen[thread];
+    uint finger = 0u;
+    for (uint other = 0u; other < taken; ++other) finger += chosen[other].smallest < cluster.smallest ? 1u : 0u;
+    fingers[finger].first = cluster.smallest;
+    fingers[finger].solid = contacts[cluster.smallest].solid;
+    fingers[finger].contacts = cluster.size;
+  }
+  if (thread == 0u) {
+    const bool several = taken > 1u;
+    header = TouchHeader(taken, 1u, 1u, listed, found.total, given.total, 0u, split_looks, 1u, 0u, 1u, 1u, 0u, 1u, 1u, 0u, 1u, 1u,
+                         several ? taken : 0u, 1u, 1u, several ? 1u : 0u, 1u, 1u, 0u, 1u, 1u);
+  }
+}

@@ -1,0 +1,49 @@
+// Shared by engine/touch/foci/foci_pass.cpp and shaders/touch/foci/foci.comp.
+#ifndef PALPA_SHADERS_FOCI_H
+#define PALPA_SHADERS_FOCI_H
+#include "shaders/shared/shared.h"
+PALPA_SHADER_BEGIN
+
+// One group per finger.
+PALPA_CONST foci_group = 128u;
+PALPA_CONST foci_most = 64u;
+
+PALPA_CONST spacing_angle = 0u;
+PALPA_CONST spacing_arc = 1u;
+// The outline of a cross-section has so many corners, at equal angles.
+PALPA_CONST outline_bins = 64u;
+
+// Bindings.
+PALPA_CONST foci_grouped = 0u;   // uvec4[]: as the sections pass leaves it; read as texels
+PALPA_CONST foci_fingers = 1u;   // FingerRecord[]: `foci` is written
+PALPA_CONST foci_out = 2u;       // FocusRecord[finger * foci_most + n]
+PALPA_CONST foci_borders = 3u;   // Border[]: for N foci the directions 2 pi n / N from N (N - 1) / 2 on
+PALPA_CONST foci_of_solid = 4u;  // uint[]: N of each solid's fingers, or 0 for the push constant's
+PALPA_CONST foci_buffers = 5u;
+
+struct FociPush {
+  uint foci;
+  uint spacing;
+  uint unused0;
+  uint unused1;
+};
+PALPA_CHECK_SIZE(FociPush, 16);
+PALPA_CHECK_OFFSET(FociPush, spacing, 4);
+
+struct FocusRecord {
+  float x;
+  float y;
+  float z;
+  uint points;
+};
+PALPA_CHECK_SIZE(FocusRecord, 16);
+PALPA_CHECK_OFFSET(FocusRecord, points, 12);
+
+struct Border {
+  float x;
+  float y;
+};
+PALPA_CHECK_SIZE(Border, 8);
+
+PALPA_SHADER_END
+#endif

@@ -1,0 +1,52 @@
+// Shared by engine/touch/follow/glide_pass.cpp and shaders/touch/follow/glide.comp.
+#ifndef PALPA_SHADERS_GLIDE_H
+#define PALPA_SHADERS_GLIDE_H
+#include "shaders/shared/shared.h"
+#include "shaders/touch/foci/foci.h"
+#include "shaders/touch/follow/follow.h"
+PALPA_SHADER_BEGIN
+
+// One group per finger, a thread per focus.
+PALPA_CONST glide_group = 64u;
+
+// Bindings.
+PALPA_CONST glide_fingers = 0u;  // FingerRecord[]: steady axes in; placed and held out
+PALPA_CONST glide_tracks = 1u;   // TrackTable
+PALPA_CONST glide_foci = 2u;     // FocusRecord[finger * foci_most + n]: places are written
+PALPA_CONST glide_homes = 3u;    // Home[follow_most_tracks]
+PALPA_CONST glide_buffers = 4u;
+
+// A focus as it was played.
+struct GlidingFocus {
+  float x;  // world
+  float y;
+  float z;
+  uint empty_us;  // for how long its sector has had no contacts
+  float speed_x;  // m/s, smoothed: of what its sector asks for, seen from the finger
+  float speed_y;
+  float speed_z;
+  uint unused0;
+};
+PALPA_CHECK_SIZE(GlidingFocus, 32);
+PALPA_CHECK_OFFSET(GlidingFocus, empty_us, 12);
+PALPA_CHECK_OFFSET(GlidingFocus, speed_x, 16);
+
+// What is kept of a finger's foci from frame to frame, at its track's home.
+struct Home {
+  vec4 centre;    // of the contacts when it was last seen
+  vec4 velocity;  // m/s
+  vec4 axis1;
+  vec4 axis3;
+  uint foci;
+  uint unused0;
+  uint unused1;
+  uint unused2;
+  GlidingFocus focus[foci_most];
+};
+PALPA_CHECK_SIZE(Home, 80 + 32 * 64);
+PALPA_CHECK_OFFSET(Home, axis3, 48);
+PALPA_CHECK_OFFSET(Home, foci, 64);
+PALPA_CHECK_OFFSET(Home, focus, 80);
+
+PALPA_SHADER_END
+#endif

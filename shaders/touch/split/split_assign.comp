@@ -1,0 +1,60 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/touch/contacts/contacts.h"
+#include "shaders/touch/fingers/fingers.h"
+#include "shaders/shared/scan.h"
+#include "shaders/touch/split/split_math.h"
+
+// Contacts of fingers that are split get the number of the part whose sample is nearest; of two equally near, the first.
+layout(local_size_x = 128) in;
+
+layout(std430, set = 0, binding = split_assign_total) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = split_assign_header) readonly buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = split_assign_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
+layout(std430, set = 0, binding = split_assign_samples) readonly buffer Samples { BridgeSample samples[]; };
+layout(std430, set = 0, binding = split_assign_states) readonly buffer States { SplitState states[]; };
+layout(std430, set = 0, binding = split_assign_labels) readonly buffer Labels { uint labels[]; };
+layout(std430, set = 0, binding = split_assign_parents) buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = split_assign_clusters) coherent buffer Clusters { Cluster clusters[]; };
+layout(push_constant) uniform Push { SplitPush push; };
+
+shared uint split[bridge_fingers];
+shared uint splits;
+
+void main() {
+  const uint fingers_here = min(header.fingers, bridge_fingers);
+  if (gl_LocalInvocationIndex == 0u) {
+    uint k = 0u;
+    for (uint f = 0u; f < fingers_here; ++f) {
+      if (states[f].kind == split_several) split[k++] = f;
+    }
+    splits = k;
+  }
+  barrier();
+  if (splits == 0u) return;  // the whole group
+  const uint count = min(found.total, push.most_contacts);
+  const uint threads = gl_NumWorkGroups.x * contact_group;
+  for (uint i = gl_GlobalInvocationID.x; i < count; i += threads) {
+    const uint root = parents[i];
+    for (uint k = 0u; k < splits; ++k) {
+      const uint finger = split[k];
+      if (states[finger].root != root) continue;
+      const Float3 place = Float3(contacts[i].x, contacts[i].y, contacts[i].z);
+      uint nearest = 0u;
+      float nearest_square = 3.0e38;
+      for (uint s = 0u; s < states[finger].samples; ++s) {
+        const BridgeSample there = samples[finger * bridge_samples + s];
+        const float square = square_apart(place, Float3(there.x, there.y, there.z));
+        if (square < nearest_square) {
+          nearest_square = square;
+          nearest = s;
+        }
+      }
+      const uint number = push.most_contacts + finger * split_numbers + labels[finger * bridge_samples + nearest];
+      parents[i] = number;
+      atomicMin(clusters[number].smallest, i);
+      atomicAdd(clusters[number].size, 1u);
+      break;
+    }
+  }
+}

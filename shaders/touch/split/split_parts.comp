@@ -1,0 +1,273 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/touch/contacts/contacts.h"
+#include "shaders/touch/fingers/fingers.h"
+#include "shaders/touch/split/split_math.h"
+
+// One finger per group, and only where it is too wide: which of its samples are of which finger. A thread per sample; a
+// part goes by its first sample. Sets of samples are 64 bits. (A software device ends all loops of a shader after 65,535 turns
+// together: so sums are kept, and sets are walked bit by bit.)
+layout(local_size_x = 64) in;
+
+layout(std430, set = 0, binding = split_parts_evidence) readonly buffer Shown { SplitEvidence evidence[]; };
+layout(std430, set = 0, binding = split_parts_samples) readonly buffer Samples { BridgeSample samples[]; };
+layout(std430, set = 0, binding = split_parts_states) buffer States { SplitState states[]; };
+layout(std430, set = 0, binding = split_parts_labels) writeonly buffer Labels { uint labels[]; };
+layout(std430, set = 0, binding = split_parts_clusters) writeonly buffer Clusters { Cluster clusters[]; };
+layout(push_constant) uniform Push { SplitPush push; };
+
+const uint most = bridge_samples;
+
+shared Float3 places[most];
+shared Float3 normals[most];
+shared Float3 insides[most];
+shared uint links[most * most];  // of two groups, by their first samples: pairs that say two, times 2^16, plus those known
+shared uvec2 same[most];
+shared uint head[most];
+shared uvec2 members[most];
+shared Float3 means[most];
+shared uint best[most];
+shared SplitLink best_link[most];
+shared float best_square[most];
+shared uint joined;
+
+uvec2 only(uint s) {
+  return s < 32u ? uvec2(1u << s, 0u) : uvec2(0u, 1u << (s - 32u));
+}
+bool holds(uvec2 set, uint s) {
+  return (set & only(s)) != uvec2(0u);
+}
+uint size_of(uvec2 set) {
+  return uint(bitCount(set.x) + bitCount(set.y));
+}
+
+uint first_of(uvec2 set) {
+  return set.x != 0u ? uint(findLSB(set.x)) : 32u + uint(findLSB(set.y));
+}
+uvec2 without_first(uvec2 set) {
+  return set.x != 0u ? uvec2(set.x & (set.x - 1u), set.y) : uvec2(0u, set.y & (set.y - 1u));
+}
+
+uvec2 looked_of(uint s) {
+  const SplitEvidence e = evidence[gl_WorkGroupID.x * most + s];
+  return uvec2(e.looked_low, e.looked_high);
+}
+uvec2 valley_of(uint s) {
+  const SplitEvidence e = evidence[gl_WorkGroupID.x * most + s];
+  return uvec2(e.valley_low, e.valley_high);
+}
+
+// Members of the groups from their samples' heads.
+void gather(uint count) {
+  const uint thread = gl_LocalInvocationIndex;
+  uvec2 set = uvec2(0u);
+  for (uint s = 0u; s < count; ++s) {
+    if (head[s] == thread) set |= only(s);
+  }
+  barrier();
+  members[thread] = set;
+  barrier();
+}
+
+// Joins the two groups that thread 0 has chosen, `joined` and its best, which is the later one, and their links.
+void join() {
+  const uint thread = gl_LocalInvocationIndex;
+  const uint keeps = joined, goes = best[joined];
+  const uint sum = links[keeps * most + thread] + links[goes * most + thread];
+  if (head[thread] == goes) head[thread] = keeps;
+  if (thread == 0u) {
+    members[keeps] |= members[goes];
+    members[goes] = uvec2(0u);
+  }
+  barrier();
+  if (thread != keeps && thread != goes) {
+    links[keeps * most + thread] = sum;
+    links[thread * most + keeps] = sum;
+  }
+  barrier();
+}
+
+SplitLink link_between(uint a, uint b) {
+  const uint link = links[a * most + b];
+  return SplitLink(link & 0xffffu, link >> 16u);
+}
+
+// Groups of samples, the surest pair first. A thread keeps the surest group for its own from round to round, since a join changes
+// the links of one group only.
+void grow(uint count) {
+  const uint thread = gl_LocalInvocationIndex;
+  uint found = fingers_nothing;
+  SplitLink found_link = SplitLink(0u, 0u);
+  bool anew = thread < count;
+  for (uint round = 1u; round < count; ++round) {
+    if (anew) {
+      found = fingers_nothing;
+      for (uint b = thread + 1u; b < count; ++b) {
+        const SplitLink link = link_between(thread, b);
+        if (head[b] != b || !can_grow(link) || (found != fingers_nothing && !surer(link, found_link))) continue;
+        found = b;
+        found_link = link;
+      }
+    }
+    best[thread] = found;
+    best_link[thread] = found_link;
+    barrier();
+    if (thread == 0u) {
+      uint a = fingers_nothing;
+      for (uint s = 0u; s < count; ++s) {
+        if (best[s] != fingers_nothing && (a == fingers_nothing || surer(best_link[s], best_link[a]))) a = s;
+      }
+      joined = a;
+    }
+    barrier();
+    if (joined == fingers_nothing) break;  // the whole group
+    const uint keeps = joined, goes = best[joined];
+    join();
+    const bool stays = thread < count && head[thread] == thread;
+    anew = stays && (thread == keeps || found == keeps || found == goes);
+    if (!stays) {
+      found = fingers_nothing;
+    } else if (!anew && thread < keeps) {
+      const SplitLink link = link_between(thread, keeps);
+      const bool is_first = found == fingers_nothing || (keeps < found && !surer(found_link, link));  // of two as sure
+      if (can_grow(link) && (is_first || surer(link, found_link))) {
+        found = keeps;
+        found_link = link;
+      }
+    }
+  }
+  barrier();
+}
+
+// Each sample goes where most of those with the same inside are.
+void vote(uint count) {
+  const uint thread = gl_LocalInvocationIndex;
+  uint chosen = head[thread];
+  if (thread < count) {
+    uint most_same = size_of(same[thread] & members[chosen]);
+    for (uint h = 0u; h < count; ++h) {
+      const uint size = size_of(same[thread] & members[h]);
+      if (size > most_same) {
+        most_same = size;
+        chosen = h;
+      }
+    }
+  }
+  barrier();
+  best[thread] = chosen;
+  barrier();
+  // By its first sample.
+  uint first = thread;
+  for (uint s = count; s > 0u; --s) {
+    if (best[s - 1u] == chosen) first = s - 1u;
+  }
+  head[thread] = thread < count ? first : thread;
+  barrier();
+  gather(count);
+}
+
+// The links between groups, of valleys alone.
+void link_groups(uint count) {
+  const uint thread = gl_LocalInvocationIndex;
+  const uvec2 tells = looked_of(thread), says_two = valley_of(thread);
+  for (uint s = 0u; s < count; ++s) links[thread * most + s] = (holds(says_two, s) ? 65536u : 0u) + (holds(tells, s) ? 1u : 0u);
+  barrier();
+  for (uint s = 0u; s < count; ++s) {
+    if (head[s] != s) links[head[s] * most + thread] += links[s * most + thread];
+  }
+  barrier();
+  for (uint s = 0u; s < count; ++s) {
+    if (head[s] != s) links[thread * most + head[s]] += links[thread * most + s];
+  }
+  barrier();
+}
+
+// Joins parts between which no valley is seen, or whose insides are one: the nearest first.
+void settle(uint count) {
+  const uint thread = gl_LocalInvocationIndex;
+  link_groups(count);
+  for (uint round = 1u; round < count; ++round) {
+    if (thread < count && head[thread] == thread) {
+      Float3 sum = Float3(0.0, 0.0, 0.0);
+      for (uvec2 left = members[thread]; left != uvec2(0u); left = without_first(left)) {
+        sum = plus(sum, minus(insides[first_of(left)], insides[0]));
+      }
+      means[thread] = scaled(sum, 1.0 / float(size_of(members[thread])));
+    }
+    barrier();
+    uint found = fingers_nothing;
+    float found_square = 0.0;
+    if (thread < count && head[thread] == thread) {
+      for (uint b = thread + 1u; b < count; ++b) {
+        if (head[b] != b) continue;
+        const float square = square_apart(means[thread], means[b]);
+        if (are_fingers(link_between(thread, b), square, push.finger_width)) continue;
+        if (found != fingers_nothing && square >= found_square) continue;
+        found = b;
+        found_square = square;
+      }
+    }
+    best[thread] = found;
+    best_square[thread] = found_square;
+    barrier();
+    if (thread == 0u) {
+      uint a = fingers_nothing;
+      for (uint s = 0u; s < count; ++s) {
+        if (best[s] != fingers_nothing && (a == fingers_nothing || best_square[s] < best_square[a])) a = s;
+      }
+      joined = a;
+    }
+    barrier();
+    if (joined == fingers_nothing) break;  // the whole group
+    join();
+  }
+  barrier();
+}
+
+void main() {
+  const uint thread = gl_LocalInvocationIndex;
+  const uint finger = gl_WorkGroupID.x;
+  if (states[finger].kind != split_wide) return;  // the whole group
+  const uint count = min(states[finger].samples, most);
+  if (thread < count) {
+    const BridgeSample s = samples[finger * bridge_samples + thread];
+    places[thread] = Float3(s.x, s.y, s.z);
+    normals[thread] = Float3(s.normal_x, s.normal_y, s.normal_z);
+    insides[thread] = inside_of(places[thread], normals[thread], push.finger_width);
+  }
+  head[thread] = thread;
+  members[thread] = thread < count ? only(thread) : uvec2(0u);
+  barrier();
+
+  if (thread < count) {
+    uvec2 tells = looked_of(thread), says_two = valley_of(thread), one = uvec2(0u);
+    for (uint s = 0u; s < count; ++s) {
+      if (s == thread) continue;
+      const uint a = min(s, thread), b = max(s, thread);
+      if (one_inside(insides[a], insides[b], push.finger_width)) {
+        one |= only(s);
+        tells |= only(s);
+        says_two &= ~only(s);
+      } else if (face_each_other(places[a], normals[a], places[b], normals[b])) {
+        tells |= only(s);
+        says_two |= only(s);
+      }
+    }
+    for (uint s = 0u; s < count; ++s) links[thread * most + s] = (holds(says_two, s) ? 65536u : 0u) + (holds(tells, s) ? 1u : 0u);
+    same[thread] = one;
+  }
+  barrier();
+  grow(count);
+  for (uint round = 0u; round < split_votes; ++round) vote(count);
+  settle(count);
+
+  if (thread < count) labels[finger * bridge_samples + thread] = head[thread];
+  clusters[push.most_contacts + finger * split_numbers + thread] = Cluster(fingers_nothing, 0u);
+  if (thread == 0u) {
+    uvec2 parts = uvec2(0u);
+    for (uint s = 0u; s < count; ++s) parts |= only(head[s]);
+    states[finger].kind = size_of(parts) > 1u ? split_several : split_stays;
+    states[finger].parts_low = parts.x;
+    states[finger].parts_high = parts.y;
+  }
+}

@@ -1,0 +1,62 @@
+// A source of made-up cameras at 90 Hz, and what tests look at of its sets.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "driver/cameras/made_up_cameras.hpp"
+#include "driver/v4l2/source.hpp"
+
+namespace palpa::driver::v4l2::test {
+
+inline constexpr double period_s = 1.0 / 90;
+
+inline sensing::Camera described(const std::string& name) {
+  sensing::Camera camera;
+  camera.name = name;
+  camera.width = 64;
+  camera.height = 48;
+  camera.fx = camera.fy = 50;
+  camera.cx = 32;
+  camera.cy = 24;
+  camera.depth_unit_m = 0.0001;
+  camera.rate_hz = 90;
+  return camera;
+}
+
+inline std::unique_ptr<sensing::DepthSource> open(Machine& machine, const std::vector<std::string>& nodes,
+                                                  std::vector<sensing::Camera> cameras = {}) {
+  while (cameras.size() < nodes.size())
+    cameras.push_back(described("camera " + std::to_string(cameras.size() + 1)));
+  return open_cameras(machine.kernel(), cameras, nodes, "rig.toml");
+}
+
+/// The number of the frame that an image shows whole; 0 where it has no data.
+inline std::uint64_t frame_of(const sensing::DepthFrame& image) {
+  if (image.depth[0] == 0) {
+    for (const std::uint16_t depth : image.depth)
+      EXPECT_EQ(depth, 0);
+    return 0;
+  }
+  const std::uint64_t frame = image.depth[0] - 1u;
+  for (std::uint32_t i = 0; i < image.depth.size(); ++i) {
+    if (image.depth[i] != pixel_of(frame, i)) ADD_FAILURE() << "pixel " << i << " of frame " << frame;
+    if (image.depth[i] != pixel_of(frame, i)) break;
+  }
+  return frame;
+}
+
+/// The next set that came, within that many waits of the loop's 100 ms.
+inline bool next_set(sensing::DepthSource& source, sensing::FrameSet& set, int waits = 1) {
+  for (int i = 0; i < waits; ++i) {
+    EXPECT_TRUE(source.next(set, 0.1));
+    if (!set.frames.empty()) return true;
+  }
+  return false;
+}
+
+}  // namespace palpa::driver::v4l2::test

@@ -1,0 +1,316 @@
+// Recordings of RealSense Viewer: bags as it writes them, cut and broken ones.
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "driver/cameras/made_up_bag.hpp"
+#include "driver/rosbag/source.hpp"
+#include "sensing/grey_png.hpp"
+#include "support/captured.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::driver::rosbag {
+namespace {
+
+using palpa::test::error_of;
+using palpa::test::stderr_of;
+using test::Bytes;
+using test::MadeUpBag;
+using test::put_bytes;
+using test::Record;
+
+std::string written(const Bytes& bytes) {
+  static const std::filesystem::path folder = palpa::test::scratch_folder("bags");
+  const std::filesystem::path file = folder / "take.bag";
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  return file.string();
+}
+
+sensing::Camera posed() {
+  sensing::Camera camera;
+  camera.name = "above";
+  camera.width = 16;
+  camera.height = 8;
+  camera.min_range_m = 0.28;
+  camera.T_world_camera[3] = {1, 2, 3, 1};
+  camera.roi = {1, 1, 5, 5};
+  return camera;
+}
+
+/// All its frames, as fast as asked.
+std::vector<sensing::FrameSet> play(const Bytes& bytes, const sensing::Camera* camera) {
+  const auto source = open_bag(written(bytes), camera, false);
+  std::vector<sensing::FrameSet> sets;
+  for (sensing::FrameSet set; source->next(set, 0.1);)
+    sets.push_back(set);
+  return sets;
+}
+
+std::string refusal(const MadeUpBag& bag) {
+  const sensing::Camera camera = posed();
+  return error_of([&] { play(bag.bytes(), &camera); });
+}
+
+TEST(Bag, FramesComeWithTheirTimesAndTheCameraOfTheBag) {
+  const sensing::Camera camera = posed();
+  for (const char* compression : {"lz4", "none"}) {
+    for (const std::uint32_t padding : {0u, 6u}) {
+      MadeUpBag bag;
+      bag.compression = compression;
+      bag.padding = padding;
+      const auto source = open_bag(written(bag.bytes()), &camera, false);
+      ASSERT_EQ(source->cameras().size(), 1u);
+      const sensing::Camera& found = source->cameras()[0];
+      EXPECT_EQ(found.name, "above");
+      EXPECT_EQ(found.width, 16u);
+      EXPECT_EQ(found.height, 8u);
+      EXPECT_EQ(found.fx, 40);
+      EXPECT_EQ(found.fy, 41);
+      EXPECT_EQ(found.cx, 8);
+      EXPECT_EQ(found.cy, 4);
+      EXPECT_EQ(found.depth_unit_m, 0.0001);
+      EXPECT_EQ(found.rate_hz, 30);
+      EXPECT_EQ(found.min_range_m, 0.28);
+      EXPECT_EQ(found.T_world_camera[3].y, 2);
+      EXPECT_TRUE(found.roi.has_value());
+      sensing::FrameSet set;
+      for (std::size_t i = 0; i < bag.times_s.size(); ++i) {
+        ASSERT_TRUE(source->next(set, 0));
+        ASSERT_EQ(set.frames.size(), 1u);
+        EXPECT_EQ(set.sequence, i);
+        EXPECT_NEAR(set.time_s, bag.times_s[i], 2e-9);
+        for (std::uint32_t p = 0; p < 16 * 8; ++p)
+          ASSERT_EQ(set.frames[0].depth[p], MadeUpBag::depth_of(i, p));
+      }
+      EXPECT_FALSE(source->next(set, 0));
+      EXPECT_FALSE(source->next(set, 0));
+    }
+  }
+}
+
+TEST(Bag, ComesInRealTimeAndLeavesLateFramesOut) {
+  using Clock = std::chrono::steady_clock;
+  const sensing::Camera camera = posed();
+  MadeUpBag bag;
+  bag.times_s = {5, 5.01, 5.02, 5.03, 5.2};
+  const auto source = open_bag(written(bag.bytes()), &camera, true);
+  sensing::FrameSet set;
+  ASSERT_TRUE(source->next(set, 0.1));
+  EXPECT_EQ(set.sequence, 0u);
+  const auto begin = Clock::now();
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  ASSERT_TRUE(source->next(set, 0.1));
+  EXPECT_EQ(set.sequence, 3u) << "the newest that is due";
+  ASSERT_TRUE(source->next(set, 0.02));
+  EXPECT_TRUE(set.frames.empty()) << "not due yet";
+  while (set.frames.empty())
+    ASSERT_TRUE(source->next(set, 0.1));
+  EXPECT_EQ(set.sequence, 4u);
+  EXPECT_GE(std::chrono::duration<double>(Clock::now() - begin).count(), 0.19);
+  EXPECT_FALSE(source->next(set, 0.1));
+}
+
+TEST(Bag, WithoutAPoseTheCameraStandsAtTheOriginAndThatIsSaid) {
+  const std::string said = stderr_of([] {
+    const auto source = open_bag(written(MadeUpBag().bytes()), nullptr, false);
+    EXPECT_EQ(source->cameras()[0].name, "/device_0/sensor_0");
+    EXPECT_EQ(source->cameras()[0].T_world_camera, Transform(1.0));
+  });
+  EXPECT_CONTAINS(said, "give --rig with one [[camera]]");
+  EXPECT_CONTAINS(said, "palpa doctor --write-rig rig.toml --source bag:");
+  EXPECT_CONTAINS(said, "palpa calibrate --rig rig.toml --source bag:");
+}
+
+TEST(Bag, WhatItLacksIsSaid) {
+  const sensing::Camera camera = posed();
+  MadeUpBag bag;
+  bag.unit = false;
+  EXPECT_CONTAINS(stderr_of([&] { EXPECT_EQ(play(bag.bytes(), &camera).size(), 4u); }), "1 mm is taken");
+  bag.another = true;
+  EXPECT_CONTAINS(stderr_of([&] { EXPECT_EQ(play(bag.bytes(), &camera).size(), 4u); }), "several depth cameras");
+  bag.lens = bag.another = false;
+  EXPECT_CONTAINS(refusal(bag), "before the camera_info");
+  bag = {};
+  bag.times_s.clear();
+  EXPECT_CONTAINS(refusal(bag), "has no depth of a RealSense");
+  // A clock that was set back: such frames are left out.
+  bag.times_s = {1, 2, 1.5, 3};
+  EXPECT_EQ(play(bag.bytes(), &camera).size(), 3u);
+}
+
+TEST(Bag, TheDepthUnitUnderEitherNameAndNoOtherLater) {
+  const sensing::Camera camera = posed();
+  MadeUpBag bag;
+  for (const char* name : {"Depth Units", "Depth_Units"}) {
+    bag.unit_topic = fmt::format("/device_0/sensor_0/option/{}/value", name);
+    EXPECT_EQ(open_bag(written(bag.bytes()), &camera, false)->cameras()[0].depth_unit_m, 0.0001) << name;
+  }
+  bag.last_unit_m = bag.unit_m;
+  EXPECT_EQ(play(bag.bytes(), &camera).size(), 4u) << "said again";
+  bag.last_unit_m = 0.001f;
+  EXPECT_CONTAINS(error_of([&] { play(bag.bytes(), &camera); }), "becomes 0.001 m after an image of 0.0001 m");
+}
+
+TEST(Bag, ItsRecorderDied) {
+  const sensing::Camera camera = posed();
+  Bytes bytes = MadeUpBag().bytes();
+  put_bytes(bytes,
+            Record().field<std::uint8_t>("op", 5).field<std::uint32_t>("size", 0).text("compression", "lz4").with({}));
+  put_bytes(bytes, Bytes(500, 0x22));
+  const std::string said = stderr_of([&] { EXPECT_EQ(play(bytes, &camera).size(), 4u); });
+  EXPECT_CONTAINS(said, "ends in the middle of a record, after 4 depth frames");
+}
+
+TEST(Bag, WhatTheRigLeavesOutIsLeftOutOrRefused) {
+  MadeUpBag bag;
+  bag.width = 20;
+  EXPECT_CONTAINS(refusal(bag), "the rig's roi and mask are for 16x8: they cannot be applied");
+}
+
+TEST(Bag, WhatItCannotReadIsRefused) {
+  const auto with = [](const std::function<void(MadeUpBag&)>& change) {
+    MadeUpBag bag;
+    change(bag);
+    const std::string line = refusal(bag);
+    EXPECT_CONTAINS(line, "take.bag: byte ");
+    return line;
+  };
+  EXPECT_CONTAINS(with([](auto& b) { b.compression = "bz2"; }), "compressed with bz2; palpa reads lz4 and none");
+  EXPECT_CONTAINS(with([](auto& b) { b.encoding = "rgb8"; }), "topic /device_0/sensor_0/Depth_0/image/data: depth as");
+  EXPECT_CONTAINS(with([](auto& b) { b.width = 5000; }), "an image of 5000x8 pixels");
+  EXPECT_CONTAINS(with([](auto& b) { b.fx = -1; }), "focal length is -1");
+  EXPECT_CONTAINS(with([](auto& b) { b.fx = std::nan(""); }), "focal length is nan");
+  EXPECT_CONTAINS(with([](auto& b) { b.unit_m = 0; }), "a depth unit of 0 m");
+  EXPECT_CONTAINS(with([](auto& b) { b.rate_hz = 5000; }), "5000 frames per second");
+  EXPECT_CONTAINS(with([](auto& b) {
+                    b.lens_model = "Kannala Brandt4";
+                    b.distortion[0] = 0.1;
+                  }),
+                  "lens model 'Kannala Brandt4'");
+  EXPECT_CONTAINS(with([](auto& b) { b.more_topic = std::string(300, 'x'); }), "a topic has a name of 300 bytes");
+  EXPECT_CONTAINS(with([](auto& b) { b.more_topic = std::string(70'000, 'x'); }), "a record's header of 70");
+  EXPECT_CONTAINS(with([](auto& b) { b.distortion = {-50, 0, 0, 0, 0}; }), "cannot be undone");
+  const sensing::Camera camera = posed();
+  EXPECT_CONTAINS(error_of([&] { open_bag("/nonexistent.bag", &camera, false); }), "/nonexistent.bag: no such file");
+  EXPECT_CONTAINS(error_of([&] { open_bag("/dev/zero", &camera, false); }), "/dev/zero: is not a regular file");
+  EXPECT_CONTAINS(error_of([&] { open_bag("/dev", &camera, false); }), "/dev: is a folder, a file is needed");
+  EXPECT_CONTAINS(error_of([&] { play({'#', 'R', 'O', 'S'}, &camera); }), "is no bag of format 2.0");
+}
+
+TEST(Bag, ASizeThatItDoesNotHaveCostsNoMemory) {
+  const sensing::Camera camera = posed();
+  for (const std::uint32_t claimed : {0xffffffffu, 0x03ffffffu}) {
+    Bytes bytes = MadeUpBag().bytes();
+    // The length of the first chunk's packed data, which its header stands before.
+    Bytes marker{'s', 'i', 'z', 'e', '='};
+    const auto at = std::search(bytes.begin(), bytes.end(), marker.begin(), marker.end()) - bytes.begin() + 5;
+    std::memcpy(bytes.data() + at, &claimed, 4);
+    const std::string line = error_of([&] { play(bytes, &camera); });
+    EXPECT_CONTAINS(line, claimed > (64u << 20) ? "palpa takes at most" : "lz4 data");
+  }
+}
+
+TEST(Bag, CutAnywhereItEndsThereOrSaysWhatIsMissing) {
+  const sensing::Camera camera = posed();
+  const Bytes whole = MadeUpBag().bytes();
+  std::size_t most = 0;
+  stderr_of([&] {
+    for (std::size_t length = 0; length < whole.size(); length += 37) {
+      const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
+      const Error error = palpa::test::thrown_by([&] {
+        const std::size_t frames = play(cut, &camera).size();
+        EXPECT_GE(frames, most) << "a longer piece shows no fewer";
+        most = std::max(most, frames);
+      });
+      EXPECT_TRUE(error.code() == Exit::ok || error.code() == Exit::bad_input) << error.what();
+    }
+  });
+  EXPECT_EQ(most, 4u);
+  const Bytes cut(whole.begin(), whole.end() - 200);
+  EXPECT_CONTAINS(stderr_of([&] { play(cut, &camera); }), "ends in the middle of a record, after 3 depth frames");
+}
+
+TEST(Bag, CutBeforeItsFirstImageItSaysThatItWasCut) {
+  const sensing::Camera camera = posed();
+  for (const char* compression : {"lz4", "none"}) {
+    MadeUpBag bag;
+    bag.compression = compression;
+    bag.times_s.clear();
+    const Bytes begin = bag.bytes();
+    bag.times_s = {0.1};
+    const Bytes whole = bag.bytes();
+    for (const std::size_t length : {begin.size() - 20, begin.size() + 60}) {  // in the first chunk, in the image's
+      const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
+      const std::string line = error_of([&] { play(cut, &camera); });
+      EXPECT_CONTAINS(line, "take.bag: ends in the middle of a record, before its first depth image");
+    }
+  }
+}
+
+TEST(Bag, BrokenAnywhereItIsRefusedOrPlayed) {
+  const sensing::Camera camera = posed();
+  std::mt19937 random(11);
+  std::size_t refused = 0, played = 0;
+  for (const char* compression : {"lz4", "none"}) {
+    MadeUpBag bag;
+    bag.compression = compression;
+    const Bytes whole = bag.bytes();
+    stderr_of([&] {
+      for (int i = 0; i < 250; ++i) {
+        Bytes broken = whole;
+        for (std::uint32_t n = 1 + random() % 3; n > 0; --n) {
+          std::uint8_t& byte = broken[13 + random() % (broken.size() - 13)];
+          byte = random() % 2 == 0 ? static_cast<std::uint8_t>(random())
+                                   : static_cast<std::uint8_t>(byte ^ 1u << random() % 8);
+        }
+        const Error error = palpa::test::thrown_by([&] {
+          for (const sensing::FrameSet& set : play(broken, &camera))
+            EXPECT_EQ(set.frames[0].depth.size() % 8, 0u);
+        });
+        EXPECT_TRUE(error.code() == Exit::ok || error.code() == Exit::bad_input) << error.what();
+        ++(error.code() == Exit::ok ? played : refused);
+      }
+    });
+  }
+  EXPECT_GT(refused, 50u);
+  EXPECT_GT(played, 50u);
+}
+
+TEST(Bag, ARealOneOfADepthCamera) {
+  PALPA_SHARED_OR_SKIP(file, "depth-d435-bag-librealsense/single_depth_color_640x480.bag");
+  sensing::Camera camera = posed();
+  camera.roi.reset();  // that of another size of image
+  const auto source = open_bag(file.string(), &camera, false);
+  const sensing::Camera& found = source->cameras()[0];
+  EXPECT_EQ(found.width, 640u);
+  EXPECT_NEAR(found.fx, 390.4315, 1e-3);
+  EXPECT_NEAR(found.cx, 331.3879, 1e-3);
+  EXPECT_NEAR(found.cy, 242.1873, 1e-3);
+  EXPECT_EQ(found.depth_unit_m, 0.001);
+  EXPECT_EQ(found.rate_hz, 6);
+  sensing::FrameSet set;
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(source->next(set, 0));
+    std::vector<std::uint16_t> extracted;  // by another reader
+    sensing::read_png16(file.parent_path() / ("depth_" + std::to_string(i) + ".png"), 640, 480, extracted);
+    EXPECT_EQ(set.frames[0].depth, extracted);
+  }
+  EXPECT_FALSE(source->next(set, 0));
+}
+
+}  // namespace
+}  // namespace palpa::driver::rosbag

@@ -1,0 +1,325 @@
+// One depth camera through V4L2: made-up cameras on a made-up clock skip, repeat and break frames, and are refused.
+#include <gtest/gtest.h>
+#include <linux/videodev2.h>
+
+#include <cerrno>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "driver/cameras/made_up_rig.hpp"
+#include "driver/v4l2/nodes.hpp"
+#include "driver/v4l2/source.hpp"
+#include "support/captured.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+#include "support/watched_heap.hpp"
+
+namespace palpa::driver::v4l2 {
+namespace {
+
+using palpa::test::allocations_of;
+using palpa::test::error_of;
+using palpa::test::stderr_of;
+using test::described;
+using test::frame_of;
+using test::Machine;
+using test::next_set;
+using test::open;
+using test::period_s;
+
+TEST(V4l2, FramesComeWholeInOrderWithTheirTimes) {
+  for (const std::uint32_t padding : {0u, 32u}) {
+    Machine machine;
+    const auto camera = machine.plug("/dev/video0", "A");
+    camera->padding = padding;
+    const auto source = open(machine, {"/dev/video0"});
+    EXPECT_DOUBLE_EQ(source->cameras()[0].rate_hz, 90);
+    sensing::FrameSet set;
+    std::uint64_t first = 0;
+    for (std::uint64_t i = 0; i < 30; ++i) {
+      ASSERT_TRUE(next_set(*source, set));
+      const std::uint64_t frame = frame_of(set.frames[0]);
+      if (i == 0) first = frame;
+      EXPECT_EQ(frame, first + i);
+      EXPECT_EQ(set.sequence, i);
+      EXPECT_NEAR(set.time_s, static_cast<double>(frame) * period_s, 2e-6);
+      EXPECT_EQ(set.frames[0].time_s, set.time_s);
+    }
+  }
+}
+
+TEST(V4l2, WhoComesLateGetsTheNewestFrame) {
+  Machine machine;
+  machine.plug("/dev/video0", "A");
+  const auto source = open(machine, {"/dev/video0"});
+  sensing::FrameSet set;
+  ASSERT_TRUE(next_set(*source, set));
+  const std::uint64_t sequence = set.sequence;
+  machine.pass(machine.now_s + 5 * period_s);
+  ASSERT_TRUE(next_set(*source, set));
+  EXPECT_LT(machine.now_s - set.time_s, period_s + 1e-6);
+  EXPECT_EQ(set.sequence, sequence + 5);
+}
+
+TEST(V4l2, AllocatesNothingPerFrame) {
+  Machine machine;
+  machine.plug("/dev/video0", "A");
+  machine.plug("/dev/video2", "B")->phase_s = 0.003;
+  const auto source = open(machine, {"/dev/video0", "/dev/video2"});
+  sensing::FrameSet set;
+  ASSERT_TRUE(next_set(*source, set));
+  machine.pass(machine.now_s + 1e-4);
+  for (int i = 0; i < 50; ++i) {
+    machine.pass(machine.now_s + period_s);
+    EXPECT_EQ(allocations_of([&] { source->next(set, 0); }), 0u);
+    ASSERT_EQ(set.frames.size(), 2u);
+    // Nor where none came in time.
+    EXPECT_EQ(allocations_of([&] { source->next(set, 0); }), 0u);
+    ASSERT_TRUE(set.frames.empty());
+  }
+}
+
+TEST(V4l2, FramesThatWereSkippedAreGaps) {
+  Machine machine;
+  const auto camera = machine.plug("/dev/video0", "A");
+  const auto other = machine.plug("/dev/video2", "B");
+  const auto source = open(machine, {"/dev/video0", "/dev/video2"});
+  sensing::FrameSet set;
+  ASSERT_TRUE(next_set(*source, set));
+  camera->skipped = {camera->next + 3, camera->next + 4};
+  other->skipped = {other->next + 7};
+  std::vector<std::uint64_t> sequences;
+  const std::string said = stderr_of([&] {
+    for (int i = 0; i < 12; ++i) {
+      ASSERT_TRUE(next_set(*source, set));
+      sequences.push_back(set.sequence);
+      EXPECT_EQ(frame_of(set.frames[0]), frame_of(set.frames[1])) << "both run at once";
+    }
+  });
+  EXPECT_EQ(sequences, (std::vector<std::uint64_t>{1, 2, 3, 6, 7, 9, 10, 11, 12, 13, 14, 15}));
+  EXPECT_EQ(said, "");
+}
+
+TEST(V4l2, BrokenFramesAreLeftOutAndSaidOnce) {
+  Machine machine;
+  const auto camera = machine.plug("/dev/video0", "A");
+  const auto source = open(machine, {"/dev/video0"});
+  sensing::FrameSet set;
+  ASSERT_TRUE(next_set(*source, set));
+  const std::uint64_t from = camera->next;
+  camera->cut = {from + 1, from + 5, from + 9};
+  camera->damaged = {from + 2, from + 6, from + 10};
+  camera->repeated = {from + 4, from + 8, from + 12};
+  const std::string said = stderr_of([&] {
+    double last_s = set.time_s;
+    for (int i = 0; i < 30; ++i) {
+      ASSERT_TRUE(next_set(*source, set));
+      const std::uint64_t frame = frame_of(set.frames[0]);
+      EXPECT_FALSE(camera->cut.contains(frame) || camera->damaged.contains(frame) || camera->repeated.contains(frame));
+      EXPECT_GT(set.time_s, last_s);
+      last_s = set.time_s;
+    }
+  });
+  EXPECT_CONTAINS(said, "camera 'camera 1' (/dev/video0): 5 frames came short, damaged or twice");
+  EXPECT_EQ(said.find("frames came"), said.rfind("frames came"));
+}
+
+TEST(V4l2, ALonelyCameraThatStopsKeepsNobodyLongerThanAsked) {
+  Machine machine;
+  const auto camera = machine.plug("/dev/video0", "A");
+  const auto source = open(machine, {"/dev/video0"});
+  sensing::FrameSet set;
+  ASSERT_TRUE(next_set(*source, set));
+  camera->frozen = true;
+  stderr_of([&] {
+    for (int i = 0; i < 100; ++i) {
+      const double begin_s = machine.now_s;
+      EXPECT_TRUE(source->next(set, 0.1));
+      EXPECT_TRUE(set.frames.empty());
+      EXPECT_LT(machine.now_s - begin_s, 0.11);
+    }
+  });
+}
+
+TEST(V4l2, NothingStaysOpenOrMapped) {
+  Machine machine;
+  machine.plug("/dev/video0", "A");
+  {
+    const auto source = open(machine, {"/dev/video0"});
+    EXPECT_EQ(machine.open_descriptors, 1);
+    EXPECT_GE(machine.mapped, 3);
+  }
+  EXPECT_EQ(machine.open_descriptors, 0);
+  EXPECT_EQ(machine.mapped, 0);
+  machine.plugged["/dev/video0"]->refuses_to_start = EIO;
+  EXPECT_CONTAINS(error_of([&] { open(machine, {"/dev/video0"}); }), "/dev/video0: the camera does not begin");
+  EXPECT_EQ(machine.open_descriptors, 0);
+  EXPECT_EQ(machine.mapped, 0);
+}
+
+TEST(V4l2, AFailingStreamKeepsNoProcessorBusy) {
+  Machine machine;
+  const auto camera = machine.plug("/dev/video0", "A");
+  const auto source = open(machine, {"/dev/video0"});
+  sensing::FrameSet set;
+  ASSERT_TRUE(next_set(*source, set));
+  camera->failing = true;
+  const std::uint64_t before = machine.calls;
+  stderr_of([&] {
+    for (int i = 0; i < 10; ++i)
+      source->next(set, 0.1);
+  });
+  EXPECT_TRUE(set.frames.empty());
+  EXPECT_LT(machine.calls - before, 15000u) << "in a second";
+}
+
+TEST(V4l2, TheMachineDoesWhatIsBesideOnAnotherThread) {
+  const auto kernel = make_kernel();
+  std::thread::id other;
+  kernel->beside([&] { other = std::this_thread::get_id(); }).get();
+  EXPECT_NE(other, std::thread::id());
+  EXPECT_NE(other, std::this_thread::get_id());
+}
+
+TEST(V4l2, StampsOfAnotherClockAreReplacedByTheArrival) {
+  Machine machine;
+  const auto camera = machine.plug("/dev/video0", "A");
+  camera->monotonic = false;
+  const auto source = open(machine, {"/dev/video0"});
+  sensing::FrameSet set;
+  ASSERT_TRUE(next_set(*source, set));
+  EXPECT_EQ(set.time_s, machine.now_s);
+}
+
+TEST(V4l2, RefusalsNameTheDeviceTheFormatAndWhatWouldBeRight) {
+  Machine machine;
+  const auto camera = machine.plug("/dev/video0", "A");
+  const auto refusal = [&](const std::function<void(sensing::Camera&)>& change) {
+    sensing::Camera wanted = described("left");
+    change(wanted);
+    const std::string line = error_of([&] { open(machine, {"/dev/video0"}, {wanted}); });
+    EXPECT_TRUE(line.starts_with("/dev/video0: ")) << line;
+    EXPECT_EQ(machine.open_descriptors, 0);
+    return line;
+  };
+  EXPECT_CONTAINS(refusal([](auto& c) { c.width = 65; }),
+                  "gives no Z16 of 65x48; it has 64x48, 128x72: set width and height of rig.toml so");
+  EXPECT_CONTAINS(refusal([](auto& c) { c.rate_hz = 75; }),
+                  "does not give Z16 64x48 at 75 Hz; it has 90, 60, 30, 6 Hz: set rate_hz of rig.toml so");
+  for (const auto& [fault, told] : {std::pair(EBUSY, "another program has this camera"),
+                                    {EACCES, "no permission: add yourself to the group video"},
+                                    {EPERM, "no permission: add yourself to the group video"},
+                                    {ENODEV, "there is no such camera"},
+                                    {EIO, "the camera takes no format: Input/output error"}}) {
+    camera->refuses_format = fault;
+    EXPECT_CONTAINS(refusal([](auto&) {}), told);
+  }
+  camera->refuses_format = EINVAL;
+  EXPECT_CONTAINS(refusal([](auto& c) { c.width = 65; }), "gives no Z16 of 65x48; it has 64x48, 128x72");
+  camera->refuses_format = 0;
+  camera->metadata = true;
+  EXPECT_CONTAINS(refusal([](auto&) {}), "metadata, no images");
+  camera->metadata = false;
+  camera->offers = {{V4L2_PIX_FMT_YUYV, 64, 48, 30}, {V4L2_PIX_FMT_GREY, 64, 48, 30}};
+  EXPECT_CONTAINS(refusal([](auto&) {}), "gives no depth, which is the format Z16, but YUYV, GREY");
+  camera->refuses_to_open = EACCES;
+  EXPECT_CONTAINS(refusal([](auto&) {}), "no permission: add yourself to the group video");
+  camera->refuses_to_open = EBUSY;
+  EXPECT_CONTAINS(refusal([](auto&) {}), "another program has this camera");
+  machine.unplug("/dev/video0");
+  EXPECT_CONTAINS(refusal([](auto&) {}), "there is no such camera; palpa doctor lists what is plugged in");
+}
+
+TEST(V4l2, TheArgumentNamesOneNodePerCamera) {
+  EXPECT_EQ(parse_nodes("/dev/video0,/dev/video2"), (std::vector<std::string>{"/dev/video0", "/dev/video2"}));
+  for (const char* bad : {"", ",", "/dev/video0,", "/dev/video0,,/dev/video1"})
+    EXPECT_CONTAINS(error_of([&] { parse_nodes(bad); }, Exit::usage), "v4l2:/dev/video0");
+  EXPECT_CONTAINS(error_of([&] { parse_nodes("/dev/video0,/dev/video0"); }, Exit::usage), "twice");
+  Machine machine;
+  machine.plug("/dev/video0", "A");
+  const auto two = [&] { open(machine, {"/dev/video0"}, {described("left"), described("right")}); };
+  EXPECT_CONTAINS(error_of(two, Exit::usage), "names 1 camera and rig.toml describes 2");
+  machine.links["/dev/v4l/by-id/usb-A"] = "/dev/video0";
+  EXPECT_CONTAINS(error_of(
+                      [&] {
+                        open(machine, {"/dev/v4l/by-id/usb-A", "/dev/video0"});
+                      },
+                      Exit::usage),
+                  "names one camera twice: /dev/v4l/by-id/usb-A and /dev/video0 are both /dev/video0");
+  EXPECT_EQ(machine.open_descriptors, 0);
+}
+
+TEST(V4l2, ACoarseDepthUnitIsWarnedOf) {
+  Machine machine;
+  machine.plug("/dev/video0", "A");
+  sensing::Camera coarse = described("left");
+  coarse.depth_unit_m = 0.001;
+  const std::string said = stderr_of([&] { open(machine, {"/dev/video0"}, {coarse}); });
+  EXPECT_CONTAINS(said, "rig.toml: camera 'left' has a depth unit of 1 mm");
+  EXPECT_EQ(stderr_of([&] { open(machine, {"/dev/video0"}); }), "");
+}
+
+TEST(V4l2Nodes, AreReadFromSysfs) {
+  namespace fs = std::filesystem;
+  const fs::path sys = palpa::test::scratch_folder("v4l2-sys");
+  const fs::path device = sys / "devices/pci0000:00/0000:00:14.0/usb2/2-1/2-1.4";
+  const fs::path classes = sys / "class/video4linux";
+  fs::create_directories(classes);
+  const auto write = [](const fs::path& file, const std::string& text) { std::ofstream(file) << text << '\n'; };
+  for (const auto& [name, index] : {std::pair("video10", "0"), {"video2", "1"}}) {
+    fs::create_directories(device / "2-1.4:1.0/video4linux" / name);
+    fs::create_symlink(device / "2-1.4:1.0/video4linux" / name, classes / name);
+    fs::create_symlink(device / "2-1.4:1.0", classes / name / "device");
+    write(classes / name / "name", "Intel RealSense D415");
+    write(classes / name / "index", index);
+  }
+  fs::create_directories(classes / "v4l-subdev0");
+  fs::create_directories(classes / "video3");  // such as a loopback: no device behind it
+  write(device / "idVendor", "8086");
+  write(device / "idProduct", "0ad3");
+  write(device / "serial", "728612070259");
+  write(device / "speed", "5000");
+  const std::vector<Node> nodes = find_nodes(sys);
+  ASSERT_EQ(nodes.size(), 3u);
+  EXPECT_EQ(nodes[0].path, "/dev/video2");
+  EXPECT_EQ(nodes[1].path, "/dev/video3");
+  EXPECT_EQ(nodes[1].place, "");
+  const Node& node = nodes[2];
+  EXPECT_EQ(node.path, "/dev/video10");
+  EXPECT_EQ(node.name, "Intel RealSense D415");
+  EXPECT_EQ(node.index, 0u);
+  EXPECT_EQ(node.interface, "2-1.4:1.0");
+  EXPECT_EQ(node.place, "2-1.4");
+  EXPECT_EQ(node.bus, "usb2");
+  EXPECT_EQ(node.controller, "0000:00:14.0");
+  EXPECT_EQ(node.serial, "728612070259");
+  EXPECT_EQ(node.vendor, 0x8086);
+  EXPECT_EQ(node.product, 0x0ad3);
+  EXPECT_EQ(node.mbit_s, 5000);
+}
+
+TEST(V4l2Nodes, ACameraIsKnownBySerialNumberElseByPort) {
+  const auto node = [](const char* path, const char* place, const char* serial, unsigned index = 0) {
+    return Node{
+        .path = path, .index = index, .interface = std::string(place) + ":1.0", .place = place, .serial = serial};
+  };
+  const Identity known{"/dev/video0", node("/dev/video0", "2-1", "A")};
+  const std::vector<Node> moved{node("/dev/video0", "2-1", "B"), node("/dev/video1", "2-3", "A", 1),
+                                node("/dev/video4", "2-3", "A")};
+  EXPECT_EQ(find_again(known, moved), "/dev/video4");
+  EXPECT_EQ(find_again(known, std::span(moved).first(2)), "");
+  // Two with one serial number: the one on its port.
+  const std::vector<Node> twins{node("/dev/video2", "2-2", "A"), node("/dev/video6", "2-1", "A")};
+  EXPECT_EQ(find_again(known, twins), "/dev/video6");
+  // Without serial numbers only the port says which.
+  const Identity nameless{"/dev/video0", node("/dev/video0", "2-1", "")};
+  EXPECT_EQ(find_again(nameless, std::vector{node("/dev/video2", "2-2", "")}), "");
+  EXPECT_EQ(find_again(nameless, std::vector{node("/dev/video3", "2-1", "")}), "/dev/video3");
+  EXPECT_EQ(find_again({"/dev/depth", {}}, moved), "/dev/depth");
+}
+
+}  // namespace
+}  // namespace palpa::driver::v4l2

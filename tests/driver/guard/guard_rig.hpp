@@ -1,0 +1,111 @@
+// A link to a board that writes down what it is told, held by a guard of the tests' own.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "driver/guard/board_link.hpp"
+#include "session/links/link.hpp"
+#include "support/shared_data.hpp"
+#include "trace_board.hpp"
+
+namespace palpa::test {
+
+inline void wait(std::chrono::microseconds time) {
+  std::this_thread::sleep_for(time);
+}
+
+/// A link to a board that writes down what it is told.
+struct GuardRig {
+  array::Layout layout;
+  std::vector<std::string> names;
+  std::filesystem::path file = scratch_folder("guard") / "trace";
+  session::LinkSetting setting{layout, names, 1.5e-3};
+  array::Drive drive;
+  std::unique_ptr<session::Link> link;
+
+  explicit GuardRig(std::size_t transducers = 249) : drive(transducers) {
+    layout.name = "some";
+    layout.transducers.assign(transducers, {Vec3(0), Vec3(0, 0, 1)});
+  }
+  std::unique_ptr<session::Link> open(const std::string& argument) const {
+    const auto guard = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "palpa-trace-guard";
+    return driver::board_link({"trace", "trace:FILE", {}, true}, guard.string()).open(argument, setting);
+  }
+  void open() { link = open(file.string()); }
+  void send(std::uint64_t slot) {
+    whole_drive(slot, drive);
+    link->send(slot, drive);
+  }
+  void send_for(std::chrono::milliseconds time, std::uint64_t& slot) {
+    for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;
+         wait(std::chrono::microseconds(1500)))
+      send(slot++);
+  }
+  void plan(std::uint64_t from, std::uint32_t cycle) {
+    array::Schedule schedule;
+    schedule.add_voice().foci = {Vec3(0)};
+    array::Drive drives(cycle * drive.size());
+    link->plan({.schedule = schedule, .from_slot = from, .until_slot = from + 66, .cycle = cycle, .drives = drives});
+  }
+
+  std::vector<std::string> lines() const {
+    std::vector<std::string> all;
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);)
+      all.push_back(line);
+    return all;
+  }
+  std::size_t count(const std::string& begin) const {
+    std::size_t found = 0;
+    for (const std::string& line : lines())
+      found += line.starts_with(begin) ? 1 : 0;
+    return found;
+  }
+  /// Waits until so many lines begin so.
+  bool wrote(const std::string& begin, std::size_t times = 1) const {
+    for (int i = 0; i < 3000; ++i, wait(std::chrono::milliseconds(1))) {
+      if (count(begin) >= times) return true;
+    }
+    return false;
+  }
+  /// Waits until that is its last line.
+  bool ends_with(const std::string& line) const {
+    for (int i = 0; i < 3000; ++i, wait(std::chrono::milliseconds(1))) {
+      const std::vector<std::string> all = lines();
+      if (!all.empty() && all.back() == line) return true;
+    }
+    return false;
+  }
+  void expect_silent_end() const {
+    const std::vector<std::string> all = lines();
+    ASSERT_GE(all.size(), 3u);
+    EXPECT_EQ(all[0], "open");
+    EXPECT_EQ(all[all.size() - 2], "off");
+    EXPECT_EQ(all[all.size() - 1], "close");
+    EXPECT_EQ(count("torn"), 0u);
+    EXPECT_EQ(count("allocated"), 0u);
+  }
+};
+
+/// The guard that this process has started last.
+inline pid_t guard_of_ours() {
+  const std::string task = "/proc/self/task/" + std::to_string(getpid()) + "/children";
+  std::ifstream in(task);
+  pid_t child = -1, last = -1;
+  while (in >> child)
+    last = child;
+  return last;
+}
+
+}  // namespace palpa::test

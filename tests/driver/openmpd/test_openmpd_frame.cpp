@@ -1,0 +1,208 @@
+// What OpenMPD boards are sent, checked against what their pulses sound like and not against the encoder's own
+// formulas.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <fstream>
+#include <limits>
+#include <numbers>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "driver/openmpd/board_file.hpp"
+#include "driver/openmpd/frame.hpp"
+#include "driver/openmpd/openmpd_files.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::test {
+namespace {
+
+namespace openmpd = driver::openmpd;
+constexpr double pi = std::numbers::pi;
+
+array::Drive alike(float amplitude, float phase) {
+  return array::Drive(openmpd::transducers, {amplitude, phase});
+}
+
+/// First harmonic of a transducer that is on during counts [phase, phase + width) of 128, relative to a centred pulse
+/// of half a period: amplitude, and delay as its angle in radians.
+std::complex<double> sound_of(unsigned phase, unsigned width) {
+  std::complex<double> sum = 0;
+  for (unsigned i = 0; i < width; ++i) {
+    const unsigned count = (phase + i) % 128;
+    // A count is on from count to count + 1: its middle is half a count later.
+    sum += std::polar(1.0, 2 * pi * (count + 0.5) / 128);
+  }
+  return sum * std::sin(pi / 128);
+}
+
+TEST(OpenMpdPins, AreAPermutationWiredAsTheBoardsFilesSay) {
+  std::set<int> pins;
+  for (std::size_t t = 0; t < openmpd::transducers; ++t)
+    pins.insert(openmpd::pin_of(t));
+  EXPECT_EQ(pins.size(), openmpd::transducers);
+  // The corners and some neighbours, as every public board file lists them.
+  EXPECT_EQ(openmpd::pin_of(0), 249);
+  EXPECT_EQ(openmpd::pin_of(1), 253);
+  EXPECT_EQ(openmpd::pin_of(16), 248);
+  EXPECT_EQ(openmpd::pin_of(33), 254);
+  EXPECT_EQ(openmpd::pin_of(64), 185);
+  EXPECT_EQ(openmpd::pin_of(15), 197);
+  EXPECT_EQ(openmpd::pin_of(240), 58);
+  EXPECT_EQ(openmpd::pin_of(255), 7);
+}
+
+TEST(OpenMpdFrame, AnAllZeroDriveIsTheAllOffFrame) {
+  openmpd::Frame frame;
+  frame.fill(0xff);
+  openmpd::Encoder(made_up_calibration(1)).encode(alike(0, 2.5f), frame);
+  EXPECT_EQ(frame, openmpd::all_off_frame);
+  EXPECT_EQ(frame[0], 0x80);
+  EXPECT_EQ(std::count(frame.begin() + 1, frame.end(), 0), 511);
+}
+
+TEST(OpenMpdFrame, WidthsFollowTheLawTruncated) {
+  EXPECT_EQ(openmpd::width_of(1), 64);
+  EXPECT_EQ(openmpd::width_of(1.5f), 64);
+  EXPECT_EQ(openmpd::width_of(0), 0);
+  EXPECT_EQ(openmpd::width_of(-1), 0);
+  EXPECT_EQ(openmpd::width_of(std::numeric_limits<float>::quiet_NaN()), 0);
+  EXPECT_EQ(openmpd::width_of(std::numeric_limits<float>::infinity()), 64);
+  for (unsigned i = 0; i <= 300000; ++i) {
+    const float amplitude = static_cast<float>(i) / 300000;
+    const double exact = 64 * (2 / pi) * std::asin(static_cast<double>(amplitude));
+    if (std::abs(exact - std::round(exact)) < 1e-9) continue;  // the formula itself cannot say
+    ASSERT_EQ(openmpd::width_of(amplitude), static_cast<int>(exact)) << amplitude;
+  }
+  for (unsigned width = 1; width < 64; ++width) {  // the floats around every step
+    float amplitude = static_cast<float>(std::sin(width * pi / 128));
+    if (static_cast<double>(amplitude) < std::sin(width * pi / 128)) amplitude = std::nextafter(amplitude, 1.0f);
+    EXPECT_EQ(openmpd::width_of(amplitude), width);
+    EXPECT_EQ(openmpd::width_of(std::nextafter(amplitude, 0.0f)), width - 1);
+  }
+}
+
+TEST(OpenMpdFrame, PulsesSoundAsTheDriveAsks) {
+  const openmpd::Calibration calibration = made_up_calibration(7);
+  const openmpd::Encoder encoder(calibration);
+  std::uint32_t seed = 1;
+  const auto random = [&seed] {
+    seed = seed * 1664525u + 1013904223u;
+    return static_cast<double>(seed >> 8) / (1 << 24);
+  };
+  for (int round = 0; round < 40; ++round) {
+    array::Drive drive(openmpd::transducers);
+    for (auto& [amplitude, phase] : drive) {
+      amplitude = static_cast<float>(random());
+      phase = static_cast<float>(pi * (2 * random() - 1));
+    }
+    openmpd::Frame frame;
+    encoder.encode(drive, frame);
+    for (std::size_t i = 1; i < frame.size(); ++i)
+      ASSERT_LT(frame[i], 0x80) << i;
+    ASSERT_GE(frame[0], 0x80);
+    for (std::size_t t = 0; t < drive.size(); ++t) {
+      const unsigned pin = openmpd::pin_of(t);
+      const auto sound = sound_of(frame[pin] & 0x7f, frame[256 + pin]);
+      const double asked = static_cast<double>(drive[t].amplitude * calibration.factors[t]);
+      ASSERT_LE(std::abs(sound), asked + 1e-6);
+      ASSERT_GT(std::abs(sound), asked - pi / 128 - 1e-6);
+      if (frame[256 + pin] == 0) continue;
+      // The transducer itself sounds late by its offset. A centred pulse of full width lies around count 32 + phase.
+      const double delay = std::arg(sound * std::polar(1.0, calibration.degrees[t] * pi / 180 - pi / 2));
+      const double fault = std::remainder(delay - static_cast<double>(drive[t].phase), 2 * pi);
+      ASSERT_LE(std::abs(fault), pi / 128 + 1e-6) << t;
+    }
+  }
+}
+
+TEST(OpenMpdFrame, PhasesAreDelaysInStepsRoundedUpward) {
+  const openmpd::Encoder encoder;
+  const auto step = [&](double turns) {
+    openmpd::Frame frame;
+    encoder.encode(alike(1, static_cast<float>(2 * pi * turns)), frame);
+    return frame[1] & 0x7f;
+  };
+  EXPECT_EQ(step(0), 0);
+  EXPECT_EQ(step(0.25), 32);
+  EXPECT_EQ(step(0.5), 64);
+  EXPECT_EQ(step(-0.25), 96);
+  EXPECT_EQ(step(-1e-9), 0);
+  EXPECT_EQ(step(-0.6 / 128), 127);
+  EXPECT_EQ(step(-0.4 / 128), 0);
+  EXPECT_EQ(step(std::numeric_limits<double>::quiet_NaN()), 0);
+}
+
+TEST(OpenMpdFrame, TheDividerIsSetOnPurposeAndLightsNever) {
+  const openmpd::Frame frame = openmpd::with_divider(openmpd::all_off_frame, 0xa5);
+  for (unsigned i = 1; i <= 25; ++i)
+    EXPECT_EQ(frame[i], 0) << i;
+  unsigned divider = 0;
+  for (unsigned bit = 0; bit < 8; ++bit)
+    divider |= static_cast<unsigned>(frame[26 + bit] >> 7) << bit;
+  EXPECT_EQ(divider, 0xa5u);
+  EXPECT_EQ(frame[34], 0x80);
+  EXPECT_EQ(std::count(frame.begin() + 35, frame.end(), 0), 512 - 35);
+}
+
+TEST(OpenMpdBoardFile, IsReadByTokens) {
+  const auto folder = scratch_folder("openmpd-files");
+  const openmpd::Calibration calibration = made_up_calibration(3);
+  const auto file = write_text(folder / "board_3.pat", board_file_text("FT43NK5M", calibration));
+  write_text(folder / "board_4.pat", board_file_text("23", {}));
+  const openmpd::BoardFile board = openmpd::read_board_file(file);
+  EXPECT_EQ(board.serial, "FT43NK5M");
+  EXPECT_EQ(board.calibration, calibration);
+  const auto files = openmpd::read_board_files(folder);
+  ASSERT_EQ(files.size(), 2u);
+  EXPECT_EQ(openmpd::calibration_of(files, "FT43NK5M"), calibration);
+  EXPECT_EQ(openmpd::calibration_of(files, "another"), openmpd::Calibration{});
+}
+
+TEST(OpenMpdBoardFile, FaultsNameFileAndLine) {
+  const auto folder = scratch_folder("openmpd-bad-files");
+  const std::string good = board_file_text("S1", {});
+  const auto fault_of = [&](const std::string& text) {
+    const auto file = write_text(folder / "board_9.pat", text);
+    return error_of([&] { openmpd::read_board_file(file); });
+  };
+  const auto expect = [](const std::string& line, const std::string& part) {
+    EXPECT_NE(line.find("board_9.pat"), std::string::npos) << line;
+    EXPECT_NE(line.find(part), std::string::npos) << line;
+  };
+  EXPECT_EQ(fault_of(good), "");
+  expect(fault_of(good.substr(0, good.size() / 2)), "ends where");
+  expect(fault_of(good + "1.0"), "goes on");
+  // What is no board's file is not shown.
+  expect(fault_of("S1\n128\n128\n"), "line 2: something else where the number of transducers should stand");
+  expect(fault_of("S1\n256\n64\n"), "line 3: something else where the number of phase steps should stand");
+  expect(fault_of(board_file_text("S1", {}, 0.001)), "line 4: transducer 0 stands at");
+  expect(fault_of(board_file_text("S1", {}, 0, 1)), "wired to pin");
+  std::string word = good;
+  word.replace(word.rfind("1.0"), 3, "x.0");
+  expect(fault_of(word), "x.000000");
+  std::string loud = good;
+  loud.replace(loud.rfind("1.0"), 3, "2.0");
+  expect(fault_of(loud), "amplitude factor of transducer 255");
+  openmpd::Calibration wild;
+  wild.degrees[0] = 99999;
+  expect(fault_of(board_file_text("S1", wild)), "phase offset of transducer 0");
+
+  write_text(folder / "board_9.pat", good);
+  write_text(folder / "board_8.pat", board_file_text("S1", made_up_calibration(5)));
+  const auto files = openmpd::read_board_files(folder);
+  expect(error_of([&] { openmpd::calibration_of(files, "S1"); }), "has the serial number S1");
+  const auto empty = scratch_folder("openmpd-no-files");
+  EXPECT_NE(error_of([&] { openmpd::read_board_files(empty); }).find("no board files"), std::string::npos);
+  EXPECT_NE(error_of([&] { openmpd::read_board_files(empty / "none"); }).find("cannot be read"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpa::test

@@ -1,0 +1,241 @@
+// OpenMPD boards in real time: what a drive costs, and emulators behind sockets, as other processes have them.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "driver/openmpd/frame.hpp"
+#include "driver/openmpd/openmpd_rig.hpp"
+#include "driver/usb/local.hpp"
+#include "driver/usb/local_server.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+#include "support/watched_heap.hpp"
+
+namespace palpa::test {
+namespace {
+
+namespace openmpd = driver::openmpd;
+namespace usb = driver::usb;
+
+double seconds_of(const auto& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+TEST(OpenMpdCost, ADriveOfSixteenBoardsLeavesWithinAMillisecondAndAllocatesNothing) {
+  std::vector<std::unique_ptr<openmpd::EmulatedBoard>> boards;
+  OpenMpdRig rig;
+  rig.layout.boards.clear();
+  rig.argument.clear();
+  rig.slot_s = 250e-6;
+  for (unsigned i = 0; i < 16; ++i) {
+    boards.push_back(std::make_unique<openmpd::EmulatedBoard>("B" + std::to_string(i)));
+    rig.bus.plug(*boards.back());
+    rig.layout.boards.push_back({"openmpd", 256 * i, 256, 0.168, 0.168});
+    rig.argument += (i == 0 ? "B" : ",B") + std::to_string(i);
+  }
+  rig.layout.transducers.resize(16 * 256);
+  rig.open();
+  array::Drive drive(rig.layout.transducers.size());
+  for (std::size_t i = 0; i < drive.size(); ++i)
+    drive[i] = {static_cast<float>(i % 97) / 96, static_cast<float>(i % 63) / 10 - 3.1f};
+  std::vector<double> times;
+  times.reserve(2000);
+  const std::size_t allocations = allocations_of([&] {
+    for (int i = 0; i < 2000; ++i) {
+      times.push_back(seconds_of([&] { rig.board->play(rig.slot++, drive); }));
+      rig.clock.sleep_s(rig.slot_s);
+    }
+  });
+  EXPECT_EQ(allocations, 0u);
+  EXPECT_TRUE(rig.board->in_step());
+  std::sort(times.begin(), times.end());
+  RecordProperty("median_us", static_cast<int>(1e6 * times[1000]));
+  RecordProperty("p99_us", static_cast<int>(1e6 * times[1980]));
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  // The emulators take their bytes on the same thread. The median: other tests run beside this one.
+  EXPECT_LT(times[1000], 1e-3);
+#endif
+}
+
+/// Says nothing, so that whoever tells it something is the only one to allocate for it.
+class DeafNotes final : public driver::BoardNotes {
+ public:
+  void warning(std::string_view) noexcept override { ++warnings; }
+  void info(std::string_view) noexcept override {}
+  int warnings = 0;
+};
+
+TEST(OpenMpdCost, TroubleAllocatesNothingEither) {
+  OpenMpdRig rig({"EMU1", "EMU2"});
+  DeafNotes notes;
+  rig.board = std::make_unique<openmpd::OpenMpdBoard>(
+      driver::BoardSetting{rig.argument, rig.files, rig.layout, rig.slot_s, notes}, rig.bus, rig.clock);
+  const array::Drive drive(512, {1, 0});
+  rig.play(drive, 0.01);
+  const std::size_t allocations = allocations_of([&] {
+    rig.faults[1]->stalled = true;
+    rig.play(drive, 2);
+    rig.faults[1]->takes_nothing = true;
+    rig.play(drive, 1);
+    rig.faults[1]->takes_nothing = false;
+    rig.faults[0]->refuses_requests = true;
+    rig.play(drive, 1);
+    rig.faults[0]->refuses_requests = false;
+    rig.play(drive, 4);
+    rig.faults[0]->unplugged = true;
+    rig.play(drive, 0.1);  // until it is looked for
+    rig.board->all_off();
+  });
+  EXPECT_EQ(allocations, 0u);
+  EXPECT_EQ(notes.warnings, 5) << "out of step and back, twice, and gone";
+}
+
+/// Emulators behind sockets, with a thread that carries their bytes.
+class Behind {
+ public:
+  explicit Behind(std::vector<openmpd::EmulatedBoard*> boards) {
+    for (auto* board : boards)
+      servers_.push_back(std::make_unique<usb::LocalServer>(*board, nullptr));
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        for (const auto& server : servers_)
+          server->go_on(clock_.now_s() - begin_s_ + 3);
+        clock_.sleep_s(5e-4);
+      }
+    });
+  }
+  std::string address(std::size_t i) const { return servers_[i]->address().string(); }
+
+ private:
+  driver::SteadyClock clock_;
+  double begin_s_ = clock_.now_s();
+  std::vector<std::unique_ptr<usb::LocalServer>> servers_;
+  std::jthread thread_;
+};
+
+bool any(std::uint16_t, std::uint16_t) {
+  return true;
+}
+
+TEST(OpenMpdLocal, BoardsBehindSocketsAreListedAndPlayed) {
+  const auto folder = scratch_folder("runtime");
+  setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
+  openmpd::EmulatedBoard first("EMU1"), second("EMU2");
+  usb::LocalTransport transport;
+  driver::SteadyClock clock;
+  KeptNotes notes;
+  const array::Layout layout = array::load_layout("openmpd-pair");
+  const std::string argument = "EMU2,EMU1", files;
+  {
+    const Behind behind({&first, &second});
+    EXPECT_EQ(behind.address(0), (folder / "palpa" / "usb-1.sock").string());
+    const usb::Listing listing = transport.list(any);
+    ASSERT_EQ(listing.entries.size(), 2u);
+    // Whoever had one open may be followed at once, as a guard that died is.
+    for (int i = 0; i < 20; ++i)
+      transport.open(listing.entries[0], 2).reset();
+    EXPECT_EQ(listing.entries[1].serial, "EMU2");
+    EXPECT_EQ(listing.entries[1].product, 0x6014);
+    EXPECT_EQ(listing.entries[1].place, "emulated-2");
+    openmpd::OpenMpdBoard board({argument, files, layout, 1.5e-3, notes}, transport, clock);
+    EXPECT_NE(error_of([&] { transport.open(listing.entries[0], 2); }, Exit::failed).find("another program"),
+              std::string::npos);
+    array::Drive drive(512, {0, 0});
+    drive[0] = {1, 0};
+    for (std::uint64_t slot = 0; slot < 60; ++slot) {
+      board.play(slot, drive);
+      clock.sleep_s(1.5e-3);
+    }
+    board.all_off();
+    EXPECT_TRUE(board.close());
+    clock.sleep_s(0.01);
+  }
+  EXPECT_TRUE(notes.warnings.empty()) << notes.warnings[0];
+  EXPECT_EQ(first.violations().count(), 0u) << first.violations().kept()[0].what;
+  EXPECT_EQ(second.violations().count(), 0u);
+  EXPECT_EQ(first.fpga().frames(), second.fpga().frames());
+  EXPECT_GE(first.fpga().frames(), 60u);
+  EXPECT_FALSE(second.fpga().sounds());
+  EXPECT_TRUE(transport.list(any).entries.empty());
+}
+
+TEST(OpenMpdLocal, AnEmulatorThatEndsIsABoardThatIsGone) {
+  const auto folder = scratch_folder("runtime-gone");
+  setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
+  usb::LocalTransport transport;
+  openmpd::EmulatedBoard board("EMU1");
+  auto behind = std::make_unique<Behind>(std::vector{&board});
+  const auto device = transport.open(transport.list(any).entries.at(0), 2);
+  for (const usb::Setup& setup : usb::ftdi::ready_requests)
+    EXPECT_EQ(device->request(setup), usb::Outcome::done);
+  behind.reset();
+  const openmpd::Frame frame = openmpd::all_off_frame;
+  usb::Outcome outcome = device->submit(0, frame);
+  if (outcome == usb::Outcome::done) {
+    const auto sent = device->reap();
+    ASSERT_TRUE(sent.has_value());
+    outcome = sent->outcome;
+  }
+  EXPECT_EQ(outcome, usb::Outcome::gone);
+  EXPECT_EQ(device->request(usb::ftdi::reset_request()), usb::Outcome::gone);
+}
+
+TEST(OpenMpdLocal, EmulatorsThatStartTogetherTakeTurns) {
+  const auto folder = scratch_folder("runtime-race");
+  setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
+  const auto first = usb::runtime_folder() / "usb-1.sock";
+  const int lock = open((usb::runtime_folder() / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  ASSERT_EQ(flock(lock, LOCK_EX), 0) << "as one that looks for its address";
+  openmpd::EmulatedBoard board("EMU1"), same("EMU1");
+  std::vector<std::unique_ptr<usb::LocalServer>> servers(2);
+  {
+    std::jthread other([&] { servers[0] = std::make_unique<usb::LocalServer>(board, nullptr); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    EXPECT_FALSE(std::filesystem::exists(first));
+    close(lock);
+  }
+  servers[1] = std::make_unique<usb::LocalServer>(same, nullptr);
+  EXPECT_EQ(servers[0]->address(), first);
+  EXPECT_EQ(servers[1]->address(), usb::runtime_folder() / "usb-2.sock");
+  // What one left behind that was killed is nobody's.
+  const auto third = (usb::runtime_folder() / "usb-3.sock").string();
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  third.copy(name.sun_path, sizeof name.sun_path - 1);
+  const int dead = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(bind(dead, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
+  close(dead);
+  EXPECT_EQ(usb::LocalServer(board, nullptr).address(), third);
+}
+
+TEST(OpenMpdLocal, TheRuntimeFolderMustBeOnesOwn) {
+  const auto folder = scratch_folder("runtime-open");
+  setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
+  EXPECT_EQ(usb::runtime_folder(), folder / "palpa");
+  std::filesystem::permissions(folder / "palpa", std::filesystem::perms(0755));
+  EXPECT_NE(error_of([] { usb::runtime_folder(); }, Exit::failed).find("0700"), std::string::npos);
+  EXPECT_NE(usb::system_transport()->list(any).problem.find("0700"), std::string::npos) << "what is missing is said";
+  const auto missing = folder / "not" / "there";
+  setenv("XDG_RUNTIME_DIR", missing.c_str(), 1);
+  EXPECT_NE(error_of([] { usb::runtime_folder(); }, Exit::failed).find("cannot be made"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpa::test

@@ -1,0 +1,279 @@
+// `palpa run` against `palpa emulate openmpd`: the real programs, a socket between them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cli/live_run.hpp"
+#include "cli/process.hpp"
+#include "driver/openmpd/openmpd_files.hpp"
+#include "support/json.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+
+/// A runtime folder, and emulated boards that live in it.
+class Emulation {
+ public:
+  Emulation(const std::string& name, const std::string& serials, const std::vector<std::string>& more = {})
+      : folder_(scratch_folder(name)) {
+    LiveOptions options;
+    options.environment = environment();
+    options.command = "emulate";
+    run_.emplace(with({"openmpd", "--serial", serials, "--json", report().string()}, more), options);
+    const std::size_t boards = 1 + static_cast<std::size_t>(std::count(serials.begin(), serials.end(), ','));
+    const auto socket = folder_ / "palpa" / ("usb-" + std::to_string(boards) + ".sock");
+    for (int i = 0; i < 400 && !std::filesystem::exists(socket); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_TRUE(std::filesystem::exists(socket));
+  }
+  Environment environment() const { return {{"XDG_RUNTIME_DIR", folder_.string()}}; }
+  const std::filesystem::path& folder() const { return folder_; }
+  /// Ends it; what it reports.
+  json end(int& exit_code) {
+    run_->signal(SIGTERM);
+    const auto end = run_->wait(10);
+    EXPECT_TRUE(end.ended);
+    exit_code = end.exit_code;
+    std::ifstream file(report());
+    return json::parse(file);
+  }
+
+ private:
+  std::filesystem::path report() const { return folder_ / "report.json"; }
+
+  std::filesystem::path folder_;
+  std::optional<LiveRun> run_;
+};
+
+std::vector<std::string> run_to(const std::string& link, const std::string& layout) {
+  return {"--scene",  source_file("assets/cube.glb").string(),
+          "--source", "synthetic",
+          "--hold",   "500ms",
+          "--layout", layout,
+          "--link",   link};
+}
+
+TEST(OpenMpdRun, TwoBoardsHearALoopToItsSilentEnd) {
+  Emulation emulation("openmpd-run", "EMU1,EMU2", {"--trace", "-"});
+  write_text(emulation.folder() / "board_1.pat", board_file_text("EMU1", made_up_calibration(1)));
+  RunOptions options;
+  options.environment = emulation.environment();
+  const Result result = palpa(with(with({"run"}, run_to("openmpd:EMU1,EMU2", "openmpd-pair")),
+                                   {"--frames", "30", "--json", "-", "--board-files", emulation.folder().string()}),
+                              options);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("no file in"), std::string::npos) << "EMU2 has none: " << result.err;
+  // Beside whatever real boards there are.
+  const Result doctor = palpa({"doctor", "--json", "-"}, options);
+  const json seen = json::parse(doctor.out)["boards"];
+  EXPECT_TRUE(std::any_of(seen.begin(), seen.end(), [](const json& board) {
+    return board["serial"] == "EMU2" && board["place"] == "emulated-2" && board["usable"];
+  })) << seen;
+  int exit_code = -1;
+  const json report = emulation.end(exit_code);
+  EXPECT_EQ(exit_code, 0) << report;
+  ASSERT_EQ(report["boards"].size(), 2u);
+  for (const json& board : report["boards"]) {
+    EXPECT_EQ(board["violation_count"], 0) << board;
+    EXPECT_FALSE(board["sounds"].get<bool>());
+    EXPECT_EQ(board["divider"], 4);
+    EXPECT_EQ(board["frames"], report["boards"][0]["frames"]);
+    // What a busy computer leaves out is never sent late.
+    EXPECT_GT(board["frames"].get<std::uint64_t>(), 20u);
+  }
+}
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(OpenMpdRun, WithoutALayoutItIsThatOfTheLinksOwnBoards) {
+  Emulation emulation("openmpd-own-layout", "EMU1,EMU2");
+  RunOptions options;
+  options.environment = emulation.environment();
+  const auto run = [&](const std::string& link, const std::vector<std::string>& more) {
+    return palpa(with({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "3", "--hold", "500ms",
+                       "--link", link, "--log-level", "info", "--backend", "cpu"},
+                      more),
+                 options);
+  };
+  const Result one = run("openmpd:EMU1", {});
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_NE(one.err.find("--link openmpd:EMU1: the array is its own, --layout openmpd,"), std::string::npos) << one.err;
+  const Result two = run("openmpd:EMU1,EMU2", {});
+  EXPECT_EQ(two.exit_code, 0) << two.err;
+  EXPECT_NE(two.err.find("--layout openmpd-pair,"), std::string::npos) << two.err;
+  // A rig without an array says as little.
+  const std::string paper = text_of(source_file("assets/rigs/paper.toml"));
+  const auto rig = emulation.folder() / "rig.toml";
+  write_text(rig, paper.substr(0, paper.find("[array]")));
+  const Result cameras = run("openmpd:EMU1", {"--rig", rig.string()});
+  EXPECT_EQ(cameras.exit_code, 0) << cameras.err;
+  EXPECT_NE(cameras.err.find("nor " + rig.string() + " names one"), std::string::npos) << cameras.err;
+  // What names an array goes first.
+  const Result named = run("openmpd:EMU1", {"--rig", source_file("assets/rigs/paper.toml").string()});
+  EXPECT_EQ(named.exit_code, 2) << named.err;
+  EXPECT_EQ(named.err.find("the array is its own"), std::string::npos) << named.err;
+  const Result nudged = palpa({"calibrate", "--nudge", "--backend", "cpu", "--link", "openmpd:EMU1", "--keys",
+                               "right enter", "--out", (emulation.folder() / "nudged.toml").string()},
+                              options);
+  EXPECT_EQ(nudged.exit_code, 0) << nudged.err;
+  EXPECT_NE(text_of(emulation.folder() / "nudged.toml").find("layout = \"openmpd\""), std::string::npos);
+  const Result tried = palpa(
+      {"link", "test", "--link", "openmpd:EMU1", "--last", "1", "--each", "20ms", "--rest", "0", "--quiet"}, options);
+  EXPECT_EQ(tried.exit_code, 0) << tried.err;
+  int exit_code = -1;
+  emulation.end(exit_code);
+}
+
+/// The bytes of all bulk transfers of a trace, one board's.
+std::string wire_of(const std::filesystem::path& trace) {
+  std::string hex;
+  std::ifstream file(trace);
+  for (std::string line; std::getline(file, line);) {
+    const json entry = json::parse(line, nullptr, false);  // the last line may still be on its way
+    if (!entry.is_discarded() && entry["kind"] == "bulk") hex += entry["hex"].get<std::string>();
+  }
+  return hex;
+}
+
+/// Whether any frame of the wire has an amplitude.
+bool sounded(const std::string& wire) {
+  for (std::size_t at = 0; at + 1024 <= wire.size(); at += 1024) {
+    if (wire.substr(at + 512, 512).find_first_not_of('0') != std::string::npos) return true;
+  }
+  return false;
+}
+
+TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
+  const auto trace = scratch_folder("openmpd-counts-trace") / "wire.jsonl";
+  Emulation emulation("openmpd-counts", "EMU1", {"--trace", trace.string()});
+  RunOptions options;
+  options.environment = emulation.environment();
+  const Result result =
+      palpa(with(with({"run"}, run_to("openmpd:EMU1", "openmpd")), {"--frames", "30", "--json", "-"}), options);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  int exit_code = -1;
+  emulation.end(exit_code);
+  EXPECT_EQ(exit_code, 0);
+  std::uint64_t heard = 0;
+  const std::string wire = wire_of(trace);
+  for (std::size_t at = 0; at + 1024 <= wire.size(); at += 1024)
+    heard += sounded(wire.substr(at, 1024)) ? 1 : 0;
+  const json drives = json::parse(result.out)["hand_over"]["drives"];
+  EXPECT_EQ(drives["completed"], heard) << drives;
+  EXPECT_GE(drives["submitted"], drives["completed"]);
+  EXPECT_GE(drives["guard"], drives["submitted"]);
+  EXPECT_GE(drives["loop"], drives["guard"]);
+  const auto lost = drives["lost"].get<std::uint64_t>(), loop = drives["loop"].get<std::uint64_t>();
+  EXPECT_EQ(lost, loop - heard);
+  // A busy machine loses some, and says so.
+  EXPECT_EQ(result.err.find("drives were lost between loop and device") != std::string::npos, lost > 8 + loop / 50)
+      << result.err;
+}
+
+TEST(OpenMpdRun, ALoopThatIsKilledLeavesSilence) {
+  const auto trace = scratch_folder("openmpd-killed-trace") / "wire.jsonl";
+  Emulation emulation("openmpd-killed", "EMU1", {"--trace", trace.string()});
+  {
+    LiveOptions options;
+    options.environment = emulation.environment();
+    LiveRun loop(run_to("openmpd:EMU1", "openmpd"), options);
+    for (int i = 0; i < 300 && !sounded(wire_of(trace)); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    EXPECT_TRUE(sounded(wire_of(trace)));
+    loop.signal(SIGKILL);
+    EXPECT_EQ(loop.wait(5).by_signal, SIGKILL);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  int exit_code = -1;
+  const json report = emulation.end(exit_code);
+  EXPECT_EQ(exit_code, 0) << report;
+  EXPECT_FALSE(report["boards"][0]["sounds"].get<bool>());
+  EXPECT_EQ(report["boards"][0]["violation_count"], 0) << report;
+}
+
+TEST(OpenMpdRun, LinkTestPlaysOneTransducerAfterTheOther) {
+  const auto trace = scratch_folder("openmpd-trace") / "wire.jsonl";
+  Emulation emulation("openmpd-test", "EMU1", {"--trace", trace.string()});
+  RunOptions options;
+  options.environment = emulation.environment();
+  const Result result = palpa({"link", "test", "--layout", "openmpd", "--link", "openmpd:EMU1", "--first", "64",
+                               "--last", "65", "--each", "60ms", "--rest", "40ms"},
+                              options);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("65 at -36.8, 68.2, 0.0 mm"), std::string::npos) << result.out;
+  int exit_code = -1;
+  const json report = emulation.end(exit_code);
+  EXPECT_EQ(exit_code, 0) << report;
+  const std::string hex = wire_of(trace);
+  ASSERT_EQ(hex.size() % 1024, 0u);
+  // As they come first: a loop that a busy computer keeps for long falls silent in between, and goes on.
+  std::vector<std::string> sounding;
+  for (std::size_t at = 0; at < hex.size(); at += 1024) {
+    const std::string amplitudes = hex.substr(at + 512, 512);
+    if (std::find(sounding.begin(), sounding.end(), amplitudes) == sounding.end()) sounding.push_back(amplitudes);
+  }
+  const auto only = [](std::size_t pin) {
+    std::string amplitudes(512, '0');
+    return amplitudes.replace(2 * pin, 2, "40");
+  };
+  const std::string none(512, '0');
+  // Column 4: the third quarter of the pins; see the boards' own files.
+  EXPECT_EQ(sounding, (std::vector{none, only(185), only(189)}));
+  EXPECT_EQ(hex.substr(hex.size() - 512), none);
+}
+
+TEST(OpenMpdRun, ABoardInSerialModeIsRefusedBeforeItGetsAByte) {
+  const auto trace = scratch_folder("openmpd-uart-trace") / "wire.jsonl";
+  Emulation emulation("openmpd-uart", "EMU1", {"--uart", "--trace", trace.string()});
+  RunOptions options;
+  options.environment = emulation.environment();
+  const Result result = palpa({"link", "test", "--layout", "openmpd", "--link", "openmpd:EMU1"}, options);
+  expect_failure(result, 1, "its EEPROM says serial (UART)");
+  int exit_code = -1;
+  const json report = emulation.end(exit_code);
+  EXPECT_EQ(exit_code, 0) << report;
+  EXPECT_EQ(wire_of(trace), "");
+}
+
+TEST(OpenMpdRun, ABoardThatIsNotThereIsNamed) {
+  const auto folder = scratch_folder("openmpd-none");
+  RunOptions options;
+  options.environment = {{"XDG_RUNTIME_DIR", folder.string()}};
+  const Result result = palpa(with({"run"}, run_to("openmpd:FT43NK5M", "openmpd")), options);
+  expect_failure(result, 1, "no OpenMPD board has the serial number FT43NK5M");
+}
+
+TEST(PalpaLink, RefusesWhatItCannotTry) {
+  expect_failure(palpa({"link"}), 2, "palpa link test");
+  expect_failure(palpa({"link", "test", "--layout", "openmpd"}), 2, "--link");
+  expect_failure(palpa({"link", "test", "--link", "null"}), 2, "--layout");
+  expect_failure(palpa({"link", "test", "--link", "autd3:127.0.0.1:9"}), 2, "--layout");
+  expect_failure(palpa({"link", "test", "--link", "null", "--layout", "openmpd", "--first", "7", "--last", "256"}), 2,
+                 "0 to 255");
+}
+
+TEST(OpenMpdEmulate, RefusesWhatItCannotBe) {
+  expect_failure(palpa({"emulate", "matd"}), 2, "no board is called matd");
+  expect_failure(palpa({"emulate"}), 2, "which board?");
+  expect_failure(palpa({"emulate", "openmpd", "--serial", "A,B,C", "--view"}), 2, "--layout");
+  expect_failure(palpa({"emulate", "openmpd", "--board-files", "/nowhere", "--view"}), 4, "/nowhere");
+}
+
+}  // namespace
+}  // namespace palpa::test

@@ -1,0 +1,51 @@
+// Prints how much foci move from frame to frame, as each frame has them and kept steady; no test, run it by hand. The
+// tables of docs/touch.md are its own. Its argument: foci per finger (default 10).
+#include <cstdio>
+#include <cstdlib>
+
+#include "cli/steady_films.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+void print(const char* how, const Movement& m) {
+  std::printf("  %-22s %5.2f %5.2f %5.2f   %5.2f %5.2f", how, m.share(0.5) * 1e3, m.share(0.95) * 1e3, m.share(1) * 1e3,
+              Movement::at(m.absolute, 0.95) * 1e3, Movement::at(m.absolute, 1) * 1e3);
+}
+
+void run(const std::string& foci) {
+  std::printf(
+      "mm per frame of the focus that moves most: median, 95 %%, most relative to the mean; 95 %%, most in all\n");
+  for (const std::string object : {"cube", "semi-sphere", "pyramid", "prism"}) {
+    std::vector<Film> films{resting(object, 60), dipping(object, 190), sliding(object, false, false), fast(object, 2)};
+    if (object == "prism") films.push_back(sliding(object, true, false));
+    for (const Film& film : films) {
+      const auto folder = scratch_folder("steady_rates") / "film";
+      record(film, folder);
+      std::printf("%s, %s\n", film.object.c_str(), film.name.c_str());
+      const int leave_out = film.name == "dipping" ? 3 : 0;
+      const auto lines = [&](const char* axes, const char* smoothing) {
+        return play("recording:" + folder.string(), film.object,
+                    {"--foci", foci, "--axes", axes, "--smoothing", smoothing});
+      };
+      const auto alone = lines("covariance", "none"), steady = lines("steady", "none");
+      const auto smooth = lines("steady", "one-euro");
+      print("each frame by itself", movement_of(alone, leave_out));
+      std::printf("\n");
+      print("steady axes", movement_of(steady, leave_out));
+      std::printf("\n");
+      print("and smoothing", movement_of(smooth, leave_out));
+      std::printf("   lag %.1f ms, %zu frames\n", lag_of(steady, smooth) * 1e3, smooth.size());
+      std::fflush(stdout);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpa::test
+
+int main(int argc, char** argv) {
+  setenv("PALPA_ASSETS", palpa::test::source_file("assets").c_str(), 1);
+  palpa::test::run(argc > 1 ? argv[1] : "10");
+}

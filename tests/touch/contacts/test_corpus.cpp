@@ -1,0 +1,204 @@
+// The meshes that come with CGAL's demos: good, bad and broken ones. Each is touched right or refused with a reason.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "support/instrumented.hpp"
+#include "support/shared_data.hpp"
+#include "touch/contacts/surface_models.hpp"
+#include "touch/harness.hpp"
+
+namespace palpa::touch::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Object File Format, text: vertices, then polygons, cut into fans. Empty where the file is something else.
+geometry::Mesh read_off(const fs::path& path) {
+  std::ifstream file(path);
+  std::string all, line;
+  while (std::getline(file, line))
+    all += line.substr(0, line.find('#')) + '\n';
+  std::istringstream text(all);
+  std::string word;
+  std::size_t vertices = 0, faces = 0, edges = 0;
+  geometry::Mesh mesh;
+  if (!(text >> word) || word.find("OFF") == std::string::npos || !(text >> vertices >> faces >> edges)) return mesh;
+  std::getline(text, line);
+  // A vertex may be followed by a colour or a normal.
+  while (mesh.positions.size() < vertices && std::getline(text, line)) {
+    std::istringstream numbers(line);
+    Vec3 p;
+    if (numbers >> p.x >> p.y >> p.z) mesh.positions.push_back(p);
+  }
+  for (std::size_t f = 0; f < faces && std::getline(text, line);) {
+    std::istringstream numbers(line);
+    std::size_t corners = 0;
+    if (!(numbers >> corners)) continue;
+    ++f;
+    std::vector<std::uint32_t> v(corners);
+    for (std::uint32_t& index : v)
+      numbers >> index;
+    for (std::size_t i = 2; i < corners; ++i)
+      mesh.triangles.emplace_back(v[0], v[i - 1], v[i]);
+  }
+  for (const glm::uvec3& t : mesh.triangles) {
+    if (t.x >= mesh.positions.size() || t.y >= mesh.positions.size() || t.z >= mesh.positions.size()) return {};
+  }
+  return mesh;
+}
+
+/// 100 mm across, around the origin, in single precision.
+void normalise(geometry::Mesh& mesh) {
+  const Box box = geometry::bounds(mesh);
+  const Vec3 extent = box.high - box.low;
+  const double scale = 0.1 / std::max({extent.x, extent.y, extent.z});
+  for (Vec3& p : mesh.positions) {
+    p = (p - box.centre()) * scale;
+    for (int i = 0; i < 3; ++i) {
+      const volatile auto single = static_cast<float>(p[i]);
+      p[i] = single;
+    }
+  }
+}
+
+/// Whether every edge, by position, has as many triangles along it in one direction as in the other.
+bool balanced(const geometry::Mesh& mesh) {
+  std::map<std::array<double, 6>, int> edges;
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 a = mesh.positions[t[i]] + 0.0, b = mesh.positions[t[(i + 1) % 3]] + 0.0;
+      if (a == b) continue;
+      ++edges[{a.x, a.y, a.z, b.x, b.y, b.z}];
+      --edges[{b.x, b.y, b.z, a.x, a.y, a.z}];
+    }
+  }
+  return std::all_of(edges.begin(), edges.end(), [](const auto& edge) { return edge.second == 0; });
+}
+
+/// The words of an error that say what is wrong with the mesh; empty where it says something else.
+std::string reason_of(const std::string& line) {
+  for (const char* reason : {"open edge", "more than two faces", "opposite orientation", "touches itself", "is flat",
+                             "flat piece", "faces the same way"}) {
+    if (line.find(reason) != std::string::npos) return reason;
+  }
+  return {};
+}
+
+/// A number that two meshes share only if they are the same (64-bit FNV-1a). Packages bring one mesh under several
+/// names.
+std::string number_of(const geometry::Mesh& mesh) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto add = [&](const auto& value) {
+    for (const unsigned char byte : std::bit_cast<std::array<unsigned char, sizeof value>>(value))
+      hash = (hash ^ byte) * 0x100000001b3u;
+  };
+  for (const Vec3& p : mesh.positions) {
+    for (int i = 0; i < 3; ++i)
+      add(p[i]);
+  }
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i)
+      add(t[i]);
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+/// Number and outcome of each mesh of known_meshes.txt.
+std::map<std::string, std::string> known_meshes() {
+  std::ifstream file(palpa::test::source_file("tests/touch/contacts/known_meshes.txt"));
+  std::map<std::string, std::string> known;
+  std::string number, name, outcome;
+  while (file >> number >> name && std::getline(file >> std::ws, outcome))
+    known[number] = outcome;
+  return known;
+}
+
+/// Points around a solid are contacts exactly where every triangle, looked at in double precision, says so.
+void expect_true_contacts(const std::vector<geometry::Solid>& solids, std::uint32_t count) {
+  const auto points = points_near(solids[0].mesh, count, 11);
+  Touch touch;
+  HostStage(solids).touch(indexed(points), touch);
+  std::vector<char> contact(points.size(), 0);
+  for (const Contact& c : touch.contacts)
+    contact[c.point] = 1;
+  const Truth truth(solids[0].mesh);
+  int wrong = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double depth = truth.depth(Vec3(points[i]), i % 100 == 0);
+    if (std::abs(depth) < 1e-6 || std::abs(depth - 1.5e-3) < 1e-6) continue;
+    if ((contact[i] != 0) != (depth > 0 && depth < 1.5e-3) && ++wrong < 3) {
+      ADD_FAILURE() << "point " << points[i].x << " " << points[i].y << " " << points[i].z << " depth " << depth;
+    }
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
+// With PALPA_EXHAUSTIVE also those of more than 30,000 faces, and more points at each. Which meshes the package brings
+// depends on its version: what becomes of each is compared with known_meshes.txt, by the mesh itself. The test prints a
+// line for that file for each mesh that is not in it.
+TEST(Corpus, IsTouchedRightOrRefusedWithAReason) {
+  const fs::path archive = "/usr/share/doc/libcgal-demo/data.tar.gz";
+  if (!fs::exists(archive)) GTEST_SKIP() << "skipped: libcgal-demo is not installed";
+  const fs::path folder = palpa::test::scratch_folder("cgal");
+  ASSERT_EQ(std::system(("tar xzf " + archive.string() + " -C " + folder.string()).c_str()), 0);
+  log::set_level(log::Level::quiet);
+  const bool thorough = std::getenv("PALPA_EXHAUSTIVE") != nullptr;
+  const std::map<std::string, std::string> known = known_meshes();
+  std::set<std::string> recognised;
+  int meshes = 0, touched = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() != ".off") continue;
+    geometry::Mesh mesh = read_off(entry.path());
+    if (mesh.triangles.empty()) continue;
+    if (!thorough && mesh.triangles.size() > 30'000) continue;
+    ++meshes;
+    const std::string number = number_of(mesh);
+    normalise(mesh);
+    const bool is_closed = balanced(mesh);
+    const std::string name = entry.path().stem().string();
+    SCOPED_TRACE(name);
+    std::string outcome = is_closed ? "closed, touched" : "open, touched";
+    try {
+      const std::vector<geometry::Solid> solids = geometry::make_solids({name, {{name, mesh}}});
+      EXPECT_TRUE(is_closed) << "an open mesh was taken";
+      ++touched;
+      expect_true_contacts(solids, thorough ? 20'000 : palpa::test::fewer(1'500));
+    } catch (const Error& error) {
+      const std::string line = error.what(), reason = reason_of(line);
+      EXPECT_EQ(error.code(), Exit::bad_input);
+      EXPECT_EQ(line.find('\n'), std::string::npos);
+      EXPECT_FALSE(reason.empty()) << line;
+      outcome = (is_closed ? "closed, " : "open, ") + reason;
+      if (is_closed || thorough) std::printf("  %s: %s\n", is_closed ? "closed" : "open", line.c_str());
+    }
+    if (const auto at = known.find(number); at != known.end()) {
+      EXPECT_EQ(outcome, at->second);
+      recognised.insert(number);
+    } else {
+      std::printf("  not known: %s %s %s\n", number.c_str(), name.c_str(), outcome.c_str());
+    }
+  }
+  std::printf("%d meshes, %zu of them known and different, %d touched\n", meshes, recognised.size(), touched);
+  // Fewer were recognised only if they were read wrongly: the packages' versions have most of their meshes in common.
+  EXPECT_GE(recognised.size(), 100u);
+  EXPECT_GE(touched, 70);
+  log::set_level(log::Level::warning);
+}
+
+}  // namespace
+}  // namespace palpa::touch::test

@@ -1,0 +1,371 @@
+// Contacts with solids of any shape, on both backends, against an independent double-precision computation.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vector_relational.hpp>
+#include <map>
+#include <mutex>
+#include <random>
+
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "geometry/mesh/icosphere.hpp"
+#include "geometry/surface/surface.hpp"
+#include "shaders/touch/contacts/surface_math.h"
+#include "support/instrumented.hpp"
+#include "support/shared_data.hpp"
+#include "touch/check_parameters.hpp"
+#include "touch/contacts/contacts_twin.hpp"
+#include "touch/contacts/surface_models.hpp"
+#include "touch/harness.hpp"
+
+namespace palpa::touch::test {
+namespace {
+
+/// Metres within which single precision may decide either way.
+constexpr double band = 1e-6;
+
+std::vector<geometry::Solid> solid_of(const geometry::Mesh& mesh) {
+  return geometry::make_solids({"test", {{"object", mesh}}});
+}
+
+geometry::Mesh mesh_of(const std::string& asset) {
+  geometry::Mesh mesh;
+  for (const geometry::SceneMesh& part : geometry::load_gltf(palpa::test::source_file("assets/" + asset)).meshes)
+    geometry::append(mesh, part.mesh);
+  return mesh;
+}
+
+/// A scan of a round thing: from its middle all of it is about as far away.
+geometry::Mesh rough_ball() {
+  geometry::Mesh ball = geometry::icosphere(0.02, 32);
+  std::mt19937 random(6);
+  std::normal_distribution<double> noise(1, 0.003);
+  for (Vec3& p : ball.positions)
+    p *= noise(random);
+  return tilted(ball, {0.01, 0, 0.1});
+}
+
+struct Model {
+  std::string name;
+  geometry::Mesh mesh;
+};
+
+Model model(int which) {
+  switch (which) {
+    case 0:
+      return {"knot", tilted(knot(120, 10), {0.1, -0.2, 0.05})};
+    case 1:
+      return {"notched cube", notched_cube()};
+    case 2:
+      return {"hollow ball", tilted(hollow_ball(), {0, 0, 0.3})};
+    case 3:
+      return {"thin plate", tilted(thin_plate(), {0.02, 0.03, -0.4})};
+    case 4:
+      return {"needle cylinder", tilted(needle_cylinder(400), {0, 0.01, 0})};
+    case 5:
+      return {"hand", mesh_of("hand-relaxed.glb")};
+    case 6: {
+      const geometry::Ply finger = geometry::read_ply(palpa::test::source_file("assets/finger.ply"));
+      return {"finger", {finger.positions, finger.triangles}};
+    }
+    case 7:
+      return {"rough ball", rough_ball()};
+    default:
+      return {"subdivided", tilted(subdivided(subdivided(notched_cube())), {-0.3, 0.2, 0.1})};
+  }
+}
+
+struct Checked {
+  std::size_t contacts = 0, deep = 0, undecided = 0;
+  double worst_deep = 0;
+};
+
+/// Every point that double precision decides by more than the band is decided the same way, with the same depth.
+Checked expect_truth(const Touch& touch, const std::vector<glm::vec3>& points, const Truth& truth, double delta,
+                     bool with_deep) {
+  std::vector<const Contact*> contact(points.size(), nullptr), deep(points.size(), nullptr);
+  for (const Contact& c : touch.contacts)
+    contact.at(c.point) = &c;
+  for (const Contact& c : touch.deep)
+    deep.at(c.point) = &c;
+  std::mutex mutex;
+  Checked all;
+  std::atomic<int> wrong{0};
+  parallel_chunks(points.size(), 1000, [&](std::size_t, std::size_t begin, std::size_t end) {
+    Checked mine;
+    for (std::size_t i = begin; i < end && wrong < 5; ++i) {
+      const double depth = truth.depth(Vec3(points[i]), i % 100 == 0);
+      if (std::abs(depth) < band || std::abs(depth - delta) < band) {
+        ++mine.undecided;
+        continue;
+      }
+      const bool in_shell = depth > 0 && depth < delta, is_deep = with_deep && depth > delta;
+      const bool right = (contact[i] != nullptr) == in_shell && (deep[i] != nullptr) == is_deep;
+      if (!right || (in_shell && std::abs(contact[i]->depth_m - depth) > band)) {
+        ++wrong;
+        const std::lock_guard lock(mutex);
+        ADD_FAILURE() << "point " << i << " at " << points[i].x << " " << points[i].y << " " << points[i].z << " depth "
+                      << depth << " contact " << (contact[i] ? contact[i]->depth_m : 0) << " deep "
+                      << (deep[i] ? deep[i]->depth_m : 0);
+        continue;
+      }
+      mine.contacts += in_shell ? 1 : 0;
+      if (!is_deep) continue;
+      ++mine.deep;
+      if (depth < 7e-3) mine.worst_deep = std::max(mine.worst_deep, deep[i]->depth_m / depth - 1);
+      if (deep[i]->depth_m < std::min(depth, 7e-3) * (1 - 1e-5)) ++wrong;
+    }
+    const std::lock_guard lock(mutex);
+    all.contacts += mine.contacts;
+    all.deep += mine.deep;
+    all.undecided += mine.undecided;
+    all.worst_deep = std::max(all.worst_deep, mine.worst_deep);
+  });
+  EXPECT_EQ(wrong, 0);
+  EXPECT_LT(all.undecided, points.size() / 20);
+  return all;
+}
+
+class Surfaces : public ::testing::TestWithParam<int> {};
+const std::vector<int> models{0, 1, 2, 3, 4, 8, 5, 6, 7};  // those of many triangles last
+INSTANTIATE_TEST_SUITE_P(, Surfaces, ::testing::ValuesIn(palpa::test::the_first(6, models)), [](const auto& which) {
+  std::string name = model(which.param).name;
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+});
+
+TEST_P(Surfaces, AgreeWithBruteForceOnHundredThousandPoints) {
+  const auto solids = solid_of(model(GetParam()).mesh);
+  const auto points = points_near(solids[0].mesh, palpa::test::fewer(100'000), 3);
+  const Touch gpu = touch_on(Backend::gpu, points, solids), cpu = touch_on(Backend::cpu, points, solids);
+  expect_identical(gpu, cpu);
+  EXPECT_TRUE(gpu.deep.empty());
+  const Checked checked = expect_truth(gpu, points, Truth(solids[0].mesh), 1.5e-3, false);
+  EXPECT_GT(checked.contacts, points.size() / 20);
+}
+
+TEST_P(Surfaces, FindDeepPointsWhereAsked) {
+  const auto solids = solid_of(model(GetParam()).mesh);
+  const auto points = points_near(solids[0].mesh, palpa::test::fewer(20'000), 4);
+  const Parameters parameters{.delta_m = 0.8e-3, .deep = true};
+  const Touch gpu = touch_on_device(indexed(points), solids, {.parameters = parameters}, 2);
+  const Touch cpu = touch_on(Backend::cpu, points, solids, parameters);
+  expect_identical(gpu, cpu);
+  ASSERT_EQ(gpu.deep.size(), cpu.deep.size());
+  for (std::size_t i = 0; i < cpu.deep.size(); ++i) {
+    EXPECT_EQ(gpu.deep[i].point, cpu.deep[i].point);
+    EXPECT_EQ(gpu.deep[i].depth_m, cpu.deep[i].depth_m);
+    EXPECT_EQ(gpu.deep[i].position, points[cpu.deep[i].point]);
+  }
+  const Checked checked = expect_truth(cpu, points, Truth(solids[0].mesh), parameters.delta_m, true);
+  EXPECT_LT(checked.worst_deep, 0.0201);
+}
+
+TEST_P(Surfaces, HaveEveryTriangleThatMattersInTheirCells) {
+  const auto solids = solid_of(model(GetParam()).mesh);
+  const geometry::Surface surface = geometry::make_surface(solids[0].mesh, {.reach_m = 2e-3});
+  const auto points = points_near(solids[0].mesh, palpa::test::fewer(2'000), 5);
+  std::size_t inside = 0;
+  for (const glm::vec3& world : points) {
+    const glm::vec3 p = world - glm::vec3(surface.centre);
+    const Vec3 at(p);
+    if (glm::any(glm::lessThan(at, surface.low)) || glm::any(glm::greaterThan(at, surface.high))) continue;
+    float least = 3e38F;
+    for (const shader::SurfaceTriangle& t : surface.triangles)
+      least = std::min(least, shader::surface_distance2(t, {p.x, p.y, p.z}));
+    const geometry::Place place = geometry::find_place(surface, p, 2e-3F);
+    if (place.region != geometry::Region::shell) continue;
+    ++inside;
+    EXPECT_EQ(place.depth_m, std::sqrt(least));
+  }
+  EXPECT_GT(inside, points.size() / 20);
+}
+
+TEST(Surface, IsTheSameForAnyNumberOfThreads) {
+  // Chunks are the same whoever works on them: what could differ is seen when the machine is busy.
+  const geometry::Mesh mesh = solid_of(model(0).mesh)[0].mesh;
+  const geometry::Surface a = geometry::make_surface(mesh, {}), b = geometry::make_surface(mesh, {});
+  ASSERT_EQ(a.cells.size(), b.cells.size());
+  ASSERT_EQ(a.runs.size(), b.runs.size());
+  EXPECT_EQ(std::memcmp(a.cells.data(), b.cells.data(), a.cells.size_bytes()), 0);
+  EXPECT_EQ(std::memcmp(a.runs.data(), b.runs.data(), a.runs.size_bytes()), 0);
+}
+
+/// Moves the points back instead of the solid.
+std::vector<glm::vec3> carried(const Transform& T, const std::vector<glm::vec3>& points) {
+  std::vector<glm::vec3> out;
+  for (const glm::vec3& p : points)
+    out.emplace_back(transform_point(T, Vec3(p)));
+  return out;
+}
+
+TEST(Poses, OfAMovingSolidGiveWhatMovingThePointsBackGives) {
+  std::vector<geometry::Solid> solids = solid_of(model(0).mesh);
+  solids.push_back(cube());
+  PreparedSolids prepared = prepare_solids(solids);
+  const auto skin = points_near(solids[0].mesh, 20'000, 6);
+  for (const double turn : {0.0, 0.3, 2.0}) {
+    Transform T(std::cos(turn), std::sin(turn), 0, 0, -std::sin(turn), std::cos(turn), 0, 0, 0, 0, 1, 0, 0.05, -0.02,
+                turn, 1);
+    set_pose(prepared, 0, T);
+    const auto moved = carried(T, skin);
+    Touch here, there;
+    find_contacts(indexed(moved), prepared, {}, here);
+    HostStage(solids).touch(indexed(skin), there);
+    const Truth truth(solids[0].mesh);
+    const Transform back = glm::inverse(T);
+    std::size_t i = 0;
+    for (std::uint32_t p = 0; p < moved.size(); ++p) {
+      while (i < here.contacts.size() && here.contacts[i].point < p)
+        ++i;
+      const bool contact = i < here.contacts.size() && here.contacts[i].point == p && here.contacts[i].solid == 0;
+      const double depth = truth.depth(transform_point(back, Vec3(moved[p])), false);
+      if (std::abs(depth) < band || std::abs(depth - 1.5e-3) < band) continue;
+      ASSERT_EQ(contact, depth > 0 && depth < 1.5e-3) << "point " << p << " depth " << depth;
+    }
+    EXPECT_GT(here.contacts.size(), 4'000u);
+    const Box box = touchable_box(prepared);
+    for (const Contact& contact : here.contacts)
+      EXPECT_TRUE(glm::all(glm::greaterThan(Vec3(contact.position), box.low)) &&
+                  glm::all(glm::lessThan(Vec3(contact.position), box.high)));
+    if (turn == 0) {
+      EXPECT_NEAR(touchable_box(prepared).high.x, std::max(solids[0].bounds.high.x + 0.05, 0.02), 2e-4);
+    }
+  }
+}
+
+TEST(Poses, AreRigid) {
+  PreparedSolids prepared = prepare_solids({cube()});
+  EXPECT_THROW(set_pose(prepared, 1, Transform(1.0)), Error);
+  EXPECT_THROW(set_pose(prepared, 0, Transform(2.0)), Error);
+  Transform mirror(1.0);
+  mirror[0][0] = -1;
+  EXPECT_THROW(set_pose(prepared, 0, mirror), Error);
+  Transform scaled(1.0);
+  scaled[1][1] = 1.01;
+  EXPECT_THROW(set_pose(prepared, 0, scaled), Error);
+  EXPECT_NO_THROW(set_pose(prepared, 0, Transform(1.0)));
+}
+
+TEST(Deltas, MayBeASolidsOwn) {
+  std::vector<geometry::Solid> solids = solid_of(model(1).mesh);
+  solids[0].haptics.delta_m = 3e-3;
+  const auto points = points_near(solids[0].mesh, 20'000, 7);
+  const Touch gpu = touch_on(Backend::gpu, points, solids), cpu = touch_on(Backend::cpu, points, solids);
+  expect_identical(gpu, cpu);
+  expect_truth(gpu, points, Truth(solids[0].mesh), 3e-3, false);
+  // A table that was made for less is refused, not wrong.
+  const PreparedSolids prepared = prepare_solids(solids);
+  EXPECT_NO_THROW(check_parameters({.delta_m = 5e-3}, prepared));
+  solids[0].haptics.delta_m.reset();
+  EXPECT_THROW(check_parameters({.delta_m = 5e-3}, prepare_solids(solids)), Error);
+  EXPECT_THROW(check_parameters({.deep = true}, prepare_solids(solids)), Error);
+}
+
+TEST(SeveralSurfaces, ShareTheirBuffers) {
+  std::vector<geometry::Solid> solids;
+  std::vector<glm::vec3> points;
+  for (const int which : {1, 2, 0}) {
+    const auto one = solid_of(tilted(model(which).mesh, Vec3(0.1 * which, 0, 0)));
+    solids.push_back(one[0]);
+    const auto near = points_near(one[0].mesh, 6'000, static_cast<unsigned>(which));
+    points.insert(points.end(), near.begin(), near.end());
+  }
+  solids.insert(solids.begin() + 1, cube());
+  const Parameters parameters{.deep = true};
+  const Touch gpu = touch_on_device(indexed(points), solids, {.parameters = parameters}, 2);
+  const Touch cpu = touch_on(Backend::cpu, points, solids, parameters);
+  expect_identical(gpu, cpu);
+  ASSERT_EQ(gpu.deep.size(), cpu.deep.size());
+  std::array<int, 4> of_solid{};
+  for (const Contact& contact : gpu.contacts)
+    ++of_solid[contact.solid];
+  EXPECT_GT(of_solid[0], 500);
+  EXPECT_GT(of_solid[2], 500);
+  EXPECT_GT(of_solid[3], 500);
+}
+
+/// Many copies of one solid, each turned and moved, as a file has them that shows one mesh by many nodes.
+std::vector<geometry::Solid> copies_of(const geometry::Mesh& mesh, std::uint32_t count, bool shared) {
+  geometry::Scene scene{"test.glb", {}};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    Transform T = glm::translate(Transform(1), Vec3(0.09 * (i % 8), 0.09 * (i / 8), 0));
+    T = glm::rotate(T, 0.37 * i, glm::normalize(Vec3(1, -2, 0.5)));
+    geometry::SceneMesh out{"copy", mesh};
+    for (Vec3& p : out.mesh.positions)
+      p = transform_point(T, p);
+    if (shared) out.copy = geometry::CopyOf{0, T};
+    scene.meshes.push_back(std::move(out));
+  }
+  return geometry::make_solids(scene);
+}
+
+TEST(RigidCopies, ShareOneSurfaceAndAnswerAsIfEachHadItsOwn) {
+  constexpr std::uint32_t count = 64;
+  const geometry::Mesh mesh = notched_cube();
+  const std::vector<geometry::Solid> solids = copies_of(mesh, count, true), alone = copies_of(mesh, count, false);
+  const PreparedSolids table = prepare_solids(solids);
+  for (std::uint32_t s = 1; s < count; ++s) {
+    EXPECT_EQ(table.surfaces[s].cells.data(), table.surfaces[0].cells.data());
+    EXPECT_EQ(table.records[s].first_cell, table.records[0].first_cell);
+  }
+  std::vector<glm::vec3> points;
+  for (std::uint32_t s = 0; s < count; s += 5) {
+    const auto near = points_near(solids[s].mesh, 3'000, s);
+    points.insert(points.end(), near.begin(), near.end());
+  }
+  const Touch gpu = touch_on(Backend::gpu, points, solids), cpu = touch_on(Backend::cpu, points, solids);
+  expect_identical(gpu, cpu);
+  const Touch each = touch_on(Backend::cpu, points, alone);
+  std::map<std::uint32_t, const Contact*> known;
+  for (const Contact& contact : each.contacts)
+    known.emplace(contact.point, &contact);
+  std::size_t other = 0;
+  for (const Contact& contact : cpu.contacts) {
+    const auto found = known.find(contact.point);
+    if (found == known.end()) {
+      ++other;  // within rounding of the shell's ends
+      EXPECT_TRUE(contact.depth_m < band || std::abs(contact.depth_m - 1.5e-3) < band) << contact.depth_m;
+      continue;
+    }
+    EXPECT_EQ(contact.solid, found->second->solid);
+    EXPECT_NEAR(contact.depth_m, found->second->depth_m, band);
+  }
+  EXPECT_GT(cpu.contacts.size(), 5'000u);
+  EXPECT_LT(other, cpu.contacts.size() / 100);
+  // They move as any solid does.
+  PreparedSolids moving = prepare_solids(solids), still = prepare_solids(alone);
+  Transform T = glm::rotate(glm::translate(Transform(1), Vec3(0.01, 0.02, 0.03)), 0.5, Vec3(0, 0, 1));
+  set_pose(moving, 17, T);
+  set_pose(still, 17, T);
+  const shader::SolidRecord &a = moving.records[17], &b = still.records[17];
+  const Box around = touchable_box(moving), expected = touchable_box(still);
+  EXPECT_LT(glm::distance(around.low, expected.low) + glm::distance(around.high, expected.high), 0.2);
+  EXPECT_NE(a.first_cell, b.first_cell);
+}
+
+TEST(ManySurfaces, HaveFewerCellsEach) {
+  std::vector<geometry::Solid> solids;
+  const geometry::Mesh mesh = notched_cube();
+  for (int i = 0; i < 300; ++i)
+    solids.push_back(solid_of(tilted(mesh, Vec3(0.1 * i, 0, 0)))[0]);
+  const PreparedSolids many = prepare_solids(solids);
+  std::size_t cells = 0;
+  for (const geometry::Surface& surface : many.surfaces)
+    cells += surface.grid.x * surface.grid.y * surface.grid.z;
+  EXPECT_LT(cells, 500'000u);
+  solids.resize(1);
+  EXPECT_GT(prepare_solids(solids).surfaces[0].cells.size(), 4096u);
+}
+
+}  // namespace
+}  // namespace palpa::touch::test

@@ -1,0 +1,151 @@
+// Fingers side by side that are one cluster, and clusters that are none: the pass and its twin on scenes of
+// finger_scenes.hpp, which know whose each contact is.
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+#include <map>
+#include <optional>
+#include <random>
+
+#include "touch/fingers/finger_scenes.hpp"
+#include "touch/harness.hpp"
+
+namespace palpa::touch::test {
+namespace {
+
+Touch touch_of(Backend backend, const FingerScene& scene, const Parameters& parameters) {
+  Touch out;
+  if (backend == Backend::cpu) {
+    HostStage({scene.solid}, scene.cameras, {.parameters = parameters}).touch(scene.images, out);
+  } else {
+    DeviceStage({scene.solid}, scene.cameras, {.parameters = parameters}).touch(scene.images, out);
+  }
+  return out;
+}
+
+struct Tally {
+  int right = 0, split = 0, found = 0;
+};
+
+/// `trials` scenes of a kind: the same from the pass and from its twin.
+Tally tally_of(SceneKind kind, int cameras, int trials) {
+  std::mt19937 random(23);
+  Tally tally;
+  for (int t = 0; t < trials; ++t) {
+    const FingerScene scene = random_scene(random, kind, cameras);
+    const Touch touch = touch_of(Backend::cpu, scene, scene.parameters);
+    expect_identical(touch, touch_of(Backend::gpu, scene, scene.parameters));
+    const Score score = score_of(scene, touch);
+    tally.right += score.right() ? 1 : 0;
+    tally.split += score.split;
+    tally.found += score.found;
+  }
+  return tally;
+}
+
+TEST(Split, FingersSideBySideAreFingers) {
+  EXPECT_GE(tally_of(SceneKind::pair, 3, 4).right, 4);
+  EXPECT_GE(tally_of(SceneKind::five, 3, 4).right, 3);
+  EXPECT_GE(tally_of(SceneKind::pair_deep, 3, 4).right, 3);
+  EXPECT_GE(tally_of(SceneKind::five_deep, 3, 4).right, 3);
+}
+
+TEST(Split, OneFingerStaysOneHoweverItLies) {
+  for (const SceneKind kind : {SceneKind::single, SceneKind::flat, SceneKind::palm}) {
+    for (const int cameras : {1, 3})
+      EXPECT_EQ(tally_of(kind, cameras, 3).split, 0) << name_of(kind) << ", " << cameras;
+  }
+}
+
+TEST(Split, FlyingPixelsAreNoFingers) {
+  EXPECT_EQ(tally_of(SceneKind::rims, 3, 2).found, 0);
+}
+
+/// The middle of the first camera's picture as so many cameras see it.
+FingerScene seen_by(FingerScene scene, std::size_t cameras) {
+  sensing::Camera camera = scene.cameras.front();
+  const sensing::DepthFrame whole = scene.images.front();
+  const std::uint32_t left = camera.width / 4, top = camera.height / 4, pitch = camera.width;
+  camera.width /= 2;
+  camera.height /= 2;
+  camera.cx -= left;
+  camera.cy -= top;
+  sensing::DepthFrame middle = whole;
+  middle.depth.clear();
+  for (std::uint32_t v = 0; v < camera.height; ++v) {
+    const auto row = whole.depth.begin() + (v + top) * pitch + left;
+    middle.depth.insert(middle.depth.end(), row, row + camera.width);
+  }
+  scene.cameras.assign(cameras, camera);
+  scene.images.assign(cameras, middle);
+  return scene;
+}
+
+TEST(Split, ManyCamerasAreAllHeard) {
+  std::mt19937 random(23);
+  const FingerScene scene = seen_by(random_scene(random, SceneKind::five_deep, 1), 60);
+  const Touch touch = touch_of(Backend::cpu, scene, scene.parameters);
+  EXPECT_GT(touch.finger_count, 1u);
+  expect_identical(touch, touch_of(Backend::gpu, scene, scene.parameters));
+}
+
+class SplitOn : public OnBothBackends {};
+INSTANTIATE_TEST_SUITE_P(, SplitOn, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
+
+TEST_P(SplitOn, NoFingerWidthAndNoPicturesDoNeither) {
+  std::mt19937 random(23);
+  for (const SceneKind kind : {SceneKind::pair_deep, SceneKind::rims}) {
+    const FingerScene scene = random_scene(random, kind, 3);
+    Parameters parameters = scene.parameters;
+    const Touch with = touch_of(GetParam(), scene, parameters);
+    parameters.finger_width_m = 0;
+    const Touch without = touch_of(GetParam(), scene, parameters);
+    std::vector<glm::vec3> points;
+    for (const Contact& contact : without.contacts)
+      points.push_back(contact.position);
+    const Touch cloud = touch_on(GetParam(), points, {scene.solid}, scene.parameters);
+    EXPECT_NE(with.finger_count, without.finger_count);
+    ASSERT_EQ(cloud.finger_count, without.finger_count);
+    for (std::uint32_t f = 0; f < cloud.finger_count; ++f)
+      EXPECT_EQ(cloud.fingers[f].contacts, without.fingers[f].contacts);
+    // Contacts are Eq. (1)'s, whatever becomes of fingers.
+    ASSERT_EQ(with.contacts.size(), without.contacts.size());
+    for (std::size_t i = 0; i < with.contacts.size(); ++i)
+      EXPECT_EQ(with.contacts[i].point, without.contacts[i].point);
+  }
+}
+
+TEST_P(SplitOn, AllSkinInsideIsNotSplit) {
+  std::mt19937 random(23);
+  const FingerScene scene = random_scene(random, SceneKind::pair_deep, 3);
+  EXPECT_EQ(touch_of(GetParam(), scene, {}).finger_count, 2u);
+  EXPECT_EQ(touch_of(GetParam(), scene, {.cluster = Cluster::inside}).finger_count, 1u);
+}
+
+TEST_P(SplitOn, TheSameFingersFromFrameToFrame) {
+  std::mt19937 random(23);
+  FingerScene scene = random_scene(random, SceneKind::pair_deep, 3);
+  const StageSetting setting{.follow = true};
+  HostStage host({scene.solid}, scene.cameras, setting);
+  std::optional<DeviceStage> device;
+  if (GetParam() == Backend::gpu) device.emplace(std::vector{scene.solid}, scene.cameras, setting);
+  std::map<std::uint32_t, Vec3> places;  // of each id, where it was seen first
+  int frames_of_two = 0;
+  for (unsigned k = 0; k < 12; ++k) {
+    see_again(scene, k);  // other noise
+    Touch touch;
+    device ? device->touch(scene.images, touch, k / 90.0) : host.touch(scene.images, touch, k / 90.0);
+    frames_of_two += touch.finger_count == 2 ? 1 : 0;
+    if (touch.finger_count != 2) continue;
+    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+      const Vec3 centroid(touch.fingers[f].section.centroid);
+      const auto [first, fresh] = places.emplace(touch.fingers[f].id, centroid);
+      EXPECT_LT(glm::distance(centroid, first->second), 7e-3) << "they stand still, 16 mm from each other";
+    }
+  }
+  EXPECT_GE(frames_of_two, 11);
+  EXPECT_EQ(places.size(), 2u);
+}
+
+}  // namespace
+}  // namespace palpa::touch::test

@@ -1,0 +1,475 @@
+// Identity and steady axes from frame to frame, on both backends: frames of fingers made up without any contacts.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <random>
+#include <set>
+
+#include "shaders/touch/fingers/fingers.h"
+#include "shaders/touch/follow/follow_math.h"
+#include "support/device.hpp"
+#include "touch/harness.hpp"
+
+namespace palpa::touch::test {
+namespace {
+
+using palpa::test::GuardedBuffer;
+using Ids = std::vector<std::uint32_t>;
+
+/// A finger of about a fingertip's size; `section` as find_sections leaves it.
+Finger finger_at(const glm::vec3& place, std::uint32_t solid = 0) {
+  Finger finger;
+  finger.solid = solid;
+  finger.contacts.resize(100);
+  finger.section.centroid = place;
+  finger.section.axes = {glm::vec3(1, 0, 0), glm::vec3(0, 0, -1), glm::vec3(0, 1, 0)};
+  finger.section.eigenvalues = {16e-6F, 15e-6F, 0.2e-6F};
+  return finger;
+}
+
+/// Frames through the pass or through its twin.
+class Sequence {
+ public:
+  explicit Sequence(Backend backend, double memory_s = 0)
+      : backend_(backend), setting_{.follow = true, .memory_s = memory_s} {}
+
+  const Touch& frame(std::vector<Finger> fingers, double time_s) {
+    touch_.finger_count = static_cast<std::uint32_t>(fingers.size());
+    touch_.fingers = std::move(fingers);
+    if (backend_ == Backend::cpu) {
+      follow_fingers(tracks_, time_s, setting_, touch_);
+    } else {
+      on_device(time_s);
+    }
+    return touch_;
+  }
+  Ids ids(const std::vector<glm::vec3>& places, double time_s, std::uint32_t solid = 0) {
+    std::vector<Finger> fingers;
+    fingers.reserve(places.size());
+    for (const glm::vec3& place : places)
+      fingers.push_back(finger_at(place, solid));
+    frame(std::move(fingers), time_s);
+    Ids ids;
+    for (const Finger& finger : touch_.fingers)
+      ids.push_back(finger.id);
+    return ids;
+  }
+
+ private:
+  void on_device(double time_s) {
+    gpu::Device& device = palpa::test::test_device();
+    static const FollowPass pass(device);
+    if (!table_) table_.emplace(device, sizeof(shader::TrackTable));
+    std::vector<shader::FingerRecord> records(max_fingers);
+    const auto vec4 = [](const glm::vec3& v, float w) { return shader::vec4{v.x, v.y, v.z, w}; };
+    for (std::uint32_t f = 0; f < touch_.finger_count; ++f) {
+      const Finger& finger = touch_.fingers[f];
+      shader::FingerRecord& r = records[f];
+      const CrossSection& s = finger.section;
+      r.solid = finger.solid;
+      r.contacts = static_cast<std::uint32_t>(finger.contacts.size());
+      r.point_like = finger.point_like ? 1 : 0;
+      r.centre = vec4(s.centroid, 0);
+      r.axis1 = vec4(s.axes[0], s.eigenvalues[0]);
+      r.axis2 = vec4(s.axes[1], s.eigenvalues[1]);
+      r.axis3 = vec4(s.axes[2], s.eigenvalues[2]);
+      r.turn = {1, 0, 0, 0};
+      r.lean = vec4(s.lean, 0);
+    }
+    GuardedBuffer fingers = GuardedBuffer::of<shader::FingerRecord>(device, records);
+    GuardedBuffer header(device, sizeof(shader::TouchHeader));
+    const shader::TouchHeader words{touch_.finger_count, 1, 1, touch_.finger_count};
+    header.write(&words, sizeof(words));
+    const std::uint32_t elapsed_us = clock_.elapsed_us(time_s);
+    palpa::test::run_on_device([&](VkCommandBuffer commands) {
+      pass.record(commands, {header.ref(), fingers.ref(), table_->ref()}, elapsed_us, setting_);
+    });
+    ASSERT_TRUE(fingers.intact() && header.intact() && table_->intact());
+    records = fingers.read<shader::FingerRecord>();
+    const auto vec3 = [](const shader::vec4& v) { return glm::vec3(v.x, v.y, v.z); };
+    for (std::uint32_t f = 0; f < touch_.finger_count; ++f) {
+      touch_.fingers[f].id = records[f].id;
+      CrossSection& s = touch_.fingers[f].section;
+      s.axes = {vec3(records[f].axis1), vec3(records[f].axis2), vec3(records[f].axis3)};
+      s.eigenvalues = {records[f].axis1.w, records[f].axis2.w, records[f].axis3.w};
+      s.turn = {records[f].turn.x, records[f].turn.y};
+    }
+  }
+
+  Backend backend_;
+  StageSetting setting_;
+  Touch touch_;
+  Tracks tracks_;
+  FrameClock clock_;
+  std::optional<GuardedBuffer> table_;
+};
+
+class Follow : public OnBothBackends {
+ protected:
+  Sequence sequence_{GetParam()};
+};
+INSTANTIATE_TEST_SUITE_P(, Follow, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
+
+constexpr double frame_90 = 1.0 / 90, frame_15 = 1.0 / 15;
+
+TEST_P(Follow, KeepsIdsWhileTheOrderOfFingersChanges) {
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}, {0.05F, 0, 0}}, 0), (Ids{0, 1}));
+  EXPECT_EQ(sequence_.ids({{0.051F, 0, 0}, {0.002F, 0, 0}}, frame_90), (Ids{1, 0}));
+}
+
+TEST_P(Follow, GivesNewIdsAtBirthAndRemembersForAWhile) {
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 0), (Ids{0}));
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}, {0.03F, 0, 0}}, 0.01), (Ids{0, 1}));
+  EXPECT_EQ(sequence_.ids({{0.03F, 0, 0}}, 0.02), (Ids{1}));
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}, {0.03F, 0, 0}}, 0.29), (Ids{0, 1}));  // away for 0.28 s
+  EXPECT_EQ(sequence_.ids({}, 0.30), Ids{});
+  EXPECT_EQ(sequence_.ids({}, 0.45), Ids{});
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 0.62), (Ids{2}));  // away for 0.33 s
+}
+
+TEST_P(Follow, RemembersForAsLongAsFramesMayBeApart) {
+  Sequence patient(GetParam(), 1.0);
+  EXPECT_EQ(patient.ids({{0, 0, 0}}, 0), (Ids{0}));
+  EXPECT_EQ(patient.ids({{0.003F, 0, 0}}, 0.4), (Ids{0}));
+  EXPECT_EQ(patient.ids({{0, 0, 0}}, 1.3), (Ids{0}));
+  EXPECT_EQ(patient.ids({{0, 0, 0}}, 2.4), (Ids{1}));
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 0), (Ids{0}));
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 0.4), (Ids{1}));
+  EXPECT_EQ(patient.ids({{0, 0, 0}}, 2), (Ids{2})) << "a clock that is set back is older than any memory";
+}
+
+TEST_P(Follow, ForgetsEverythingButTheIdsWhenTimeGoesBackOrStops) {
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 10), (Ids{0}));
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 9), (Ids{1}));
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 9 + 7200), (Ids{2}));
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 9 + 7200), (Ids{2}));  // no time at all is no change
+}
+
+TEST_P(Follow, NeverAcrossSolidsNorTooFar) {
+  sequence_.ids({{0, 0, 0}}, 0, 0);
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}}, frame_90, 1), (Ids{1}));
+  EXPECT_EQ(sequence_.ids({{0.021F, 0, 0}}, 2 * frame_90, 1), (Ids{2}));
+  EXPECT_EQ(sequence_.ids({{0.040F, 0, 0}}, 3 * frame_90, 1), (Ids{2}));
+}
+
+TEST_P(Follow, ABrieflyLostFingerDoesNotTakeASeenOnesPlace) {
+  sequence_.ids({{0, 0, 0}, {0.014F, 0, 0}}, 0);
+  // Finger 0 is gone; finger 1 moves to where that was.
+  EXPECT_EQ(sequence_.ids({{0.014F, 0, 0}}, frame_90), (Ids{1}));
+  EXPECT_EQ(sequence_.ids({{0.0065F, 0, 0}}, 2 * frame_90), (Ids{1}));
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 3 * frame_90), (Ids{1}));
+}
+
+TEST_P(Follow, KeepsARowOfFingersApartAtHandSpeeds) {
+  // Five fingers 20 mm apart, up to 1 m/s, along the row and across it; at 15 Hz a frame is 67 mm: three fingers.
+  for (const double interval : {frame_90, frame_15}) {
+    for (const double speed : {0.1, 0.5, 1.0}) {
+      for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(0, 0, 1), Vec3(-0.6, 0, 0.8)}) {
+        Sequence sequence(GetParam());
+        std::mt19937 random(5);
+        std::normal_distribution<float> jitter(0, 0.3e-3F);
+        for (int k = 0; k < 8; ++k) {
+          std::vector<glm::vec3> places;
+          // A hand speeds up within 60 ms.
+          const double t = k * interval, way = speed * (t < 0.06 ? t * t / 0.12 : t - 0.03);
+          for (int f = 0; f < 5; ++f)
+            places.emplace_back(Vec3(0.02 * f, 0, 0) + direction * way +
+                                Vec3(jitter(random), jitter(random), jitter(random)));
+          EXPECT_EQ(sequence.ids(places, t), (Ids{0, 1, 2, 3, 4}))
+              << 1 / interval << " Hz, " << speed << " m/s, frame " << k;
+        }
+      }
+    }
+  }
+}
+
+TEST_P(Follow, FindsALostFingerWhereItMovedOn) {
+  double t = 0, x = 0;
+  for (int k = 0; k < 20; ++k, t += frame_90, x += 0.4 * frame_90)
+    EXPECT_EQ(sequence_.ids({{x, 0, 0}}, t), (Ids{0}));
+  // Hidden for 80 ms, 32 mm on, another finger where it was lost.
+  const double lost = x;
+  for (int k = 0; k < 7; ++k, t += frame_90, x += 0.4 * frame_90)
+    sequence_.ids({}, t);
+  EXPECT_EQ(sequence_.ids({{lost, 0, 0.012}, {x, 0, 0}}, t), (Ids{1, 0}));
+}
+
+TEST_P(Follow, TakesAsManyFingersAsThereCanBe) {
+  std::vector<glm::vec3> places;
+  Ids expected(max_fingers);
+  std::iota(expected.begin(), expected.end(), 0U);
+  for (std::uint32_t i = 0; i < max_fingers; ++i)
+    places.emplace_back(0.02F * static_cast<float>(i % 8), 0, 0.02F * static_cast<float>(i / 8));
+  EXPECT_EQ(sequence_.ids(places, 0), expected);
+  for (int k = 1; k <= 5; ++k) {
+    for (glm::vec3& place : places)
+      place += glm::vec3(0.005F, 0, 0.004F);
+    std::rotate(places.begin(), places.begin() + 7, places.end());
+    std::rotate(expected.begin(), expected.begin() + 7, expected.end());
+    EXPECT_EQ(sequence_.ids(places, k * frame_90), expected);
+  }
+  // All gone and others instead: as many are remembered as there is room for.
+  for (glm::vec3& place : places)
+    place.y += 0.5F;
+  Ids later = sequence_.ids(places, 6 * frame_90);
+  std::iota(expected.begin(), expected.end(), max_fingers);
+  EXPECT_EQ(later, expected);
+  for (glm::vec3& place : places)
+    place.y += 0.5F;
+  later = sequence_.ids(places, 7 * frame_90);
+  std::iota(expected.begin(), expected.end(), 2 * max_fingers);
+  EXPECT_EQ(later, expected);
+}
+
+/// The least sum of squared distances, in reaches, over all ways to continue tracks or to begin new ones at 2 each.
+double least_cost(const std::vector<glm::vec3>& before, const std::vector<glm::vec3>& now, std::size_t next,
+                  std::vector<bool>& taken, double reach) {
+  if (next == now.size()) return 0;
+  double best = 2 + least_cost(before, now, next + 1, taken, reach);
+  for (std::size_t b = 0; b < before.size(); ++b) {
+    const double apart = glm::distance(Vec3(before[b]), Vec3(now[next])) / reach;
+    if (taken[b] || apart > 1) continue;
+    taken[b] = true;
+    best = std::min(best, apart * apart + least_cost(before, now, next + 1, taken, reach));
+    taken[b] = false;
+  }
+  return best;
+}
+
+TEST_P(Follow, AssignsWithTheLeastSumOfSquares) {
+  const double reach = 0.009 + frame_90;  // the documented 9 mm and 1 m/s
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    Sequence sequence(GetParam());
+    const auto before = random_points(1 + seed % 6, Vec3(0), Vec3(0.03, 0.005, 0.03), seed);
+    const auto now = random_points(1 + seed % 7, Vec3(0), Vec3(0.03, 0.005, 0.03), seed + 1000);
+    sequence.ids(before, 0);
+    const Ids ids = sequence.ids(now, frame_90);
+    double cost = 0;
+    for (std::size_t f = 0; f < now.size(); ++f) {
+      const bool born = ids[f] >= before.size();
+      const double apart = born ? 0 : glm::distance(Vec3(before[ids[f]]), Vec3(now[f])) / reach;
+      EXPECT_LE(apart, 1 + 1e-6);
+      cost += born ? 2 : apart * apart;
+    }
+    std::vector<bool> taken(before.size(), false);
+    EXPECT_NEAR(cost, least_cost(before, now, 0, taken, reach), 1e-5) << "seed " << seed;
+    EXPECT_EQ(std::set<std::uint32_t>(ids.begin(), ids.end()).size(), ids.size());
+  }
+}
+
+/// A rotation about a unit axis.
+glm::vec3 turned(const glm::vec3& v, const glm::vec3& axis, double angle) {
+  const Vec3 a(axis), x(v);
+  return glm::vec3(x * std::cos(angle) + glm::cross(a, x) * std::sin(angle) +
+                   a * glm::dot(a, x) * (1 - std::cos(angle)));
+}
+
+/// A finger with principal axes (by design's rules of sign) about `normal`, the longer one `angle` from some direction.
+Finger with_axes(const glm::vec3& normal, double angle, float l1, float l2) {
+  Finger finger = finger_at({0, 0, 0});
+  const glm::vec3 aside = glm::normalize(glm::cross(normal, glm::vec3(0.9F, 0.1F, -0.42F)));
+  glm::vec3 w3 = normal, w1 = turned(aside, normal, angle);
+  if (w3.y < 0) w3 = -w3;
+  const glm::vec3 size = glm::abs(w1);
+  const int largest = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
+  if (w1[largest] < 0) w1 = -w1;
+  finger.section.axes = {w1, glm::cross(w3, w1), w3};
+  finger.section.eigenvalues = {l1, l2, 0.2e-6F};
+  return finger;
+}
+
+double angle_between(const glm::vec3& a, const glm::vec3& b) {
+  return std::atan2(glm::length(glm::cross(Vec3(a), Vec3(b))), glm::dot(Vec3(a), Vec3(b)));
+}
+
+void expect_frame(const CrossSection& s, const glm::vec3& principal) {
+  EXPECT_NEAR(glm::length(s.axes[0]), 1, 2e-6);
+  EXPECT_NEAR(glm::length(s.axes[2]), 1, 2e-6);
+  EXPECT_NEAR(glm::dot(s.axes[0], s.axes[2]), 0, 2e-6);
+  EXPECT_LE(glm::distance(glm::cross(s.axes[2], s.axes[0]), s.axes[1]), 2e-6);
+  const glm::vec3 along = s.turn.x * s.axes[0] + s.turn.y * s.axes[1];
+  EXPECT_NEAR(std::abs(glm::dot(along, principal)), 1, 4e-6) << "turn is not where the principal direction is";
+}
+
+TEST_P(Follow, LeavesTheFirstFramesAxesAlone) {
+  const Finger finger = with_axes(glm::normalize(glm::vec3(0.3F, 0.2F, -0.8F)), 1.1, 16e-6F, 15e-6F);
+  const Touch& touch = sequence_.frame({finger}, 3);
+  EXPECT_EQ(touch.fingers[0].section.axes, finger.section.axes);
+  EXPECT_EQ(touch.fingers[0].section.turn, glm::vec2(1, 0));
+}
+
+TEST_P(Follow, ARoundCrossSectionsAxesDoNotTurnInTheirPlane) {
+  // Equal eigenvalues but for noise: the principal direction is anywhere. The plane tumbles right through the
+  // horizontal; smallest rotations carry the axes along.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any(0, 2 * std::numbers::pi);
+  std::uniform_real_distribution<float> less(0.85F, 1.0F);
+  glm::vec3 w1{}, w3{};
+  for (int k = 0; k < 120; ++k) {
+    const double tumble = 0.05 * k;
+    const glm::vec3 normal(0.3 * std::cos(tumble), 0.9 * std::cos(tumble), std::sin(tumble));
+    const Finger finger = with_axes(glm::normalize(normal), any(random), 16e-6F, 16e-6F * less(random));
+    const CrossSection s = sequence_.frame({finger}, k * frame_90).fingers[0].section;
+    expect_frame(s, finger.section.axes[0]);
+    EXPECT_NEAR(std::abs(glm::dot(s.axes[2], finger.section.axes[2])), 1, 2e-6);
+    if (k > 0) {
+      const double tilt = angle_between(w3, s.axes[2]);
+      EXPECT_LT(tilt, 0.06) << k;
+      EXPECT_LE(angle_between(w1, s.axes[0]), tilt + 1e-3) << k;
+    }
+    w1 = s.axes[0];
+    w3 = s.axes[2];
+  }
+}
+
+TEST_P(Follow, ALongCrossSectionsAxesAreThePrincipalOnesWithoutFlips) {
+  glm::vec3 w1{};
+  for (int k = 0; k < 200; ++k) {
+    const Finger finger = with_axes({0, 1, 0}, 0.03 * k, 30e-6F, 6e-6F);  // 2.7 rad/s at 90 Hz, almost a whole turn
+    const CrossSection s = sequence_.frame({finger}, k * frame_90).fingers[0].section;
+    expect_frame(s, finger.section.axes[0]);
+    if (k > 0) {
+      EXPECT_NEAR(angle_between(w1, s.axes[0]), 0.03, 1e-4) << k;
+      EXPECT_NEAR(std::abs(s.turn.x), 1, 1e-5);
+    }
+    w1 = s.axes[0];
+  }
+}
+
+TEST_P(Follow, AxesSettleGentlyWhenACrossSectionBecomesLong) {
+  sequence_.frame({with_axes({0, 1, 0}, 0, 16e-6F, 15.9e-6F)}, 0);
+  glm::vec3 w1 = sequence_.frame({with_axes({0, 1, 0}, 0, 16e-6F, 15.9e-6F)}, frame_90).fingers[0].section.axes[0];
+  Finger finger;
+  double largest = 0;
+  CrossSection s;
+  for (int k = 2; k < 60; ++k) {
+    // Suddenly three times as long as wide, at 80 degrees from w1.
+    finger = with_axes({0, 1, 0}, 1.4, 30e-6F, 10e-6F / 3);
+    s = sequence_.frame({finger}, k * frame_90).fingers[0].section;
+    expect_frame(s, finger.section.axes[0]);
+    largest = std::max(largest, angle_between(w1, s.axes[0]));
+    w1 = s.axes[0];
+  }
+  EXPECT_LE(largest, 5.0 / 90 + 1e-4);  // 5 rad/s
+  EXPECT_NEAR(std::abs(s.turn.x), 1, 1e-5);
+}
+
+/// A finger on a ridge along x: as thick across as it is high, in the covariance's eyes. `facing`: where depth grows
+/// least.
+Finger on_a_ridge(double angle, float l2, float l3, const glm::vec3& facing) {
+  Finger finger = with_axes(turned({0, 1, 0}, {1, 0, 0}, angle), 0, 16e-6F, l2);
+  finger.section.axes[0] = {1, 0, 0};
+  finger.section.axes[1] = glm::cross(finger.section.axes[2], finger.section.axes[0]);
+  finger.section.eigenvalues = {16e-6F, l2, l3};
+  // Covariance times gradient, were the gradient 0.2 long.
+  for (int i = 0; i < 3; ++i) {
+    const glm::vec3& w = finger.section.axes[i];
+    finger.section.lean += -0.2F * (finger.section.eigenvalues[i] + 1e-8F) * glm::dot(w, facing) * w;
+  }
+  return finger;
+}
+
+TEST_P(Follow, DepthSaysWhereAFingerFacesThatTheContactsDoNotShow) {
+  // The covariance's thinnest direction is anywhere across the ridge, depth's gradient points upwards.
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> any(-1.5, 1.5);
+  glm::vec3 before{};
+  for (int k = 0; k < 60; ++k) {
+    const Finger finger = on_a_ridge(any(random), 1.0e-6F, 0.9e-6F, {0, 1, 0});
+    const CrossSection s = sequence_.frame({finger}, k * frame_90).fingers[0].section;
+    EXPECT_NEAR(s.axes[2].y, 1, 1e-5) << k;
+    if (k > 0) {
+      EXPECT_LT(angle_between(before, s.axes[0]), 1e-3) << k;
+    }
+    before = s.axes[0];
+  }
+}
+
+TEST_P(Follow, WhatFacesElsewhereTurnsTheLeastThatItMust) {
+  // Depth leans to one side from a frame to the next: w3 goes there within its 0.15 s, at no more than 5 rad/s.
+  const glm::vec3 there = glm::normalize(glm::vec3(0, 1, 0.8F));
+  glm::vec3 before = sequence_.frame({on_a_ridge(0.3, 1.0e-6F, 0.9e-6F, {0, 1, 0})}, 0).fingers[0].section.axes[2];
+  EXPECT_NEAR(before.y, 1, 1e-5);
+  double left = angle_between(before, there);
+  for (int k = 1; k < 80; ++k) {
+    const Touch& touch = sequence_.frame({on_a_ridge(0.1 * k, 1.0e-6F, 0.9e-6F, there)}, k * frame_90);
+    const glm::vec3 w3 = touch.fingers[0].section.axes[2];
+    EXPECT_LE(angle_between(before, w3), 5 * frame_90 + 1e-4) << k;
+    EXPECT_LE(angle_between(w3, there), left + 1e-4) << k;
+    left = angle_between(w3, there);
+    before = w3;
+  }
+  EXPECT_LT(left, 0.01);
+}
+
+TEST_P(Follow, WithoutASlopeOfDepthAFingerFacesAsBefore) {
+  Finger finger = on_a_ridge(0.3, 1.0e-6F, 0.9e-6F, {0, 1, 0});
+  sequence_.frame({finger}, 0);
+  for (int k = 1; k < 20; ++k) {
+    finger = on_a_ridge(0.1 * k, 1.0e-6F, 0.9e-6F, {0, 1, 0});
+    finger.section.lean = glm::vec3(0);
+    EXPECT_NEAR(sequence_.frame({finger}, k * frame_90).fingers[0].section.axes[2].y, 1, 1e-5) << k;
+  }
+}
+
+TEST(FollowTwin, AndPassAgreeBitForBit) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> unit(0, 1);
+  Sequence cpu(Backend::cpu), gpu(Backend::gpu);
+  // A crowd in a small place, so that fingers merge, part, vanish and come back all the time.
+  std::vector<glm::vec3> places, speeds;
+  for (int f = 0; f < 24; ++f) {
+    places.emplace_back(0.1F * unit(random), 0.01F * unit(random), 0.1F * unit(random));
+    speeds.emplace_back(unit(random) - 0.5F, 0, unit(random) - 0.5F);
+  }
+  double t = 0;
+  std::size_t merges = 0;
+  for (int k = 0; k < 250; ++k) {
+    const double interval = k % 50 < 40 ? frame_90 : frame_15;
+    t += interval;
+    std::vector<Finger> fingers;
+    for (std::size_t f = 0; f < places.size(); ++f) {
+      places[f] += speeds[f] * static_cast<float>(interval);
+      for (const int axis : {0, 2}) {
+        if (places[f][axis] < 0 || places[f][axis] > 0.1F) speeds[f][axis] = -speeds[f][axis];
+      }
+      if (unit(random) < 0.05F) continue;
+      bool swallowed = false;
+      for (Finger& other : fingers) {
+        if (glm::distance(other.section.centroid, places[f]) > 0.012F) continue;
+        other.section.centroid = 0.5F * (other.section.centroid + places[f]);
+        other.section.eigenvalues[0] += 20e-6F;
+        other.contacts.resize(other.contacts.size() + 80);
+        swallowed = true;
+        ++merges;
+        break;
+      }
+      if (swallowed) continue;
+      const glm::vec3 normal = glm::normalize(glm::vec3(0.3F * unit(random), 0.1F, unit(random) - 0.5F));
+      Finger finger = with_axes(normal, 6 * unit(random), 16e-6F * (1 + unit(random)), 15e-6F);
+      finger.section.centroid = places[f];
+      finger.point_like = unit(random) < 0.03F;
+      // As clear as not where it faces.
+      finger.section.eigenvalues[2] = 15e-6F * unit(random);
+      finger.section.lean = 1e-6F * glm::vec3(unit(random) - 0.5F, -unit(random), unit(random) - 0.5F);
+      finger.solid = f % 3 == 0 ? 1 : 0;
+      fingers.push_back(finger);
+    }
+    const Touch a = cpu.frame(fingers, t), b = gpu.frame(fingers, t);
+    ASSERT_EQ(a.finger_count, b.finger_count);
+    for (std::uint32_t f = 0; f < a.finger_count; ++f) {
+      ASSERT_EQ(a.fingers[f].id, b.fingers[f].id) << "frame " << k << " finger " << f;
+      ASSERT_EQ(std::memcmp(&a.fingers[f].section, &b.fingers[f].section, sizeof(CrossSection)), 0)
+          << "frame " << k << " finger " << f;
+    }
+  }
+  EXPECT_GT(merges, 100u);
+}
+
+}  // namespace
+}  // namespace palpa::touch::test

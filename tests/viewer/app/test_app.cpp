@@ -1,0 +1,500 @@
+// The viewer without its window, and how a live run begins, ends and begins anew in it.
+#include "viewer/app/app.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "base/file_register.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/mesh/icosphere.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+#include "viewer/live/heard_link.hpp"
+#include "viewer/live/live_line.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+class LiveApp : public testing::Test {
+ protected:
+  explicit LiveApp(bool panels = false)
+      : panels_(panels),
+        folder_(test::scratch_folder("viewer-app")),
+        scene_(folder_ / "cube.glb"),
+        other_(folder_ / "other.glb") {
+    fs::copy_file(test::source_file("assets/cube.glb"), scene_);
+    fs::copy_file(scene_, other_);
+    begin("synthetic");
+  }
+  void begin(const std::string& source, const std::string& shown = {}) {
+    app_.reset();
+    heard_ = std::make_shared<test::Heard>();
+    ViewerOptions options;
+    options.input.scene = scene_;
+    options.shown = shown;
+    options.given = {{"--scene", {scene_}},  {"--gltf-scene", {"0"}}, {"--source", {source}}, {"--layout", {"autd3"}},
+                     {"--backend", {"cpu"}}, {"--noise-free", {}},    {"--hold", {"5s"}},     {"--link", {"heard"}}};
+    Surroundings around;
+    around.kinds.links.push_back(test::heard_link(heard_));
+    around.stop = &stop_;
+    around.panels = panels_;
+    app_ = std::make_unique<App>(options, size_, std::move(around));
+  }
+
+  /// Goes round, a tenth of a second of the application's clock each time.
+  template <typename Condition>
+  bool goes_round_until(Condition condition) {
+    const auto until = std::chrono::steady_clock::now() + 60s;
+    while (!condition()) {
+      if (std::chrono::steady_clock::now() > until) return false;
+      go_round();
+      std::this_thread::sleep_for(2ms);
+    }
+    return true;
+  }
+  void go_round(int times = 1) {
+    for (int i = 0; i < times; ++i)
+      app_->advance(now_s_ += 0.1, size_);
+  }
+  bool comes_to(LiveState state) {
+    return goes_round_until([&] { return app_->desk().live_state == state; });
+  }
+  /// For seconds of its clock: and it would have begun at once.
+  bool stays_off() {
+    go_round(50);
+    return app_->desk().live_state == LiveState::ended && stop_;
+  }
+  void key(char character, bool down = true) {
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::key;
+    event.key = key_of(character);
+    event.down = down;
+    app_->handle(event, size_);
+  }
+  void all_off() { key('o'); }
+  void point_at(const Vec3& world) {
+    const Projected at = project(projection(app_->desk().state.viewpoint, size_.width, size_.height), world);
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::move;
+    event.x = at.x, event.y = at.y;
+    app_->handle(event, size_);
+  }
+  void drop(const fs::path& file) {
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::drop;
+    event.text = file;
+    app_->handle(event, size_);
+  }
+  void button(WindowEvent::Kind kind, double x, double y) {
+    WindowEvent event;
+    event.kind = kind;
+    event.x = x;
+    event.y = y;
+    app_->handle(event, size_);
+  }
+  /// Frames of a finger in the cube.
+  fs::path recording() {
+    const fs::path folder = folder_ / "take";
+    if (fs::exists(folder)) return folder;
+    setup::LiveOptions options;
+    options.scene = scene_;
+    options.frames = 30;
+    options.record = folder;
+    options.common.backend = setup::Backend::cpu;
+    options.noise_free = options.every_frame = true;
+    std::atomic<bool> stop{false};
+    setup::LiveRun(options, {}, {}, stop).run();
+    return folder;
+  }
+  bool opens_other() {
+    return goes_round_until([&] { return given().at("--scene").front() == other_; });
+  }
+  static void write_anew(const fs::path& file) { fs::last_write_time(file, fs::last_write_time(file) + 1s); }
+  const setup::Given& given() const { return app_->desk().given; }
+
+  const bool panels_;
+  const Size size_{400, 300};
+  fs::path folder_, scene_, other_;
+  std::shared_ptr<test::Heard> heard_ = std::make_shared<test::Heard>();
+  std::atomic<bool> stop_{false};
+  double now_s_ = 0;
+  std::unique_ptr<App> app_;
+};
+
+TEST_F(LiveApp, AllOffLastsWhateverChanges) {
+  ASSERT_TRUE(goes_round_until([&] { return heard_->sounded(); }));
+  all_off();
+  ASSERT_TRUE(comes_to(LiveState::ended));
+  EXPECT_TRUE(stays_off());
+  EXPECT_FALSE(heard_->last_sounds);
+  write_anew(scene_);
+  EXPECT_TRUE(stays_off()) << "the scene was written anew";
+  drop(other_);
+  EXPECT_TRUE(stays_off()) << "another scene";
+  EXPECT_TRUE(opens_other()) << "is what Start begins";
+}
+
+TEST_F(LiveApp, AllOffWinsOverARestart) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  drop(other_);
+  ASSERT_TRUE(opens_other());  // the restart is pending: its run has not ended yet, or has just begun
+  all_off();
+  ASSERT_TRUE(comes_to(LiveState::ended));
+  EXPECT_TRUE(stays_off());
+}
+
+TEST_F(LiveApp, AllOffWinsOverWhatIsAskedForWithIt) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  drop(other_);
+  all_off();
+  ASSERT_TRUE(comes_to(LiveState::ended));
+  EXPECT_TRUE(stays_off());
+}
+
+TEST_F(LiveApp, ASceneThatIsWrittenAnewBeginsAnewAndKeepsItsOptions) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  go_round(11);
+  write_anew(scene_);
+  ASSERT_TRUE(comes_to(LiveState::loading));
+  ASSERT_TRUE(comes_to(LiveState::running));
+  EXPECT_TRUE(given().contains("--gltf-scene"));
+}
+
+TEST_F(LiveApp, AnotherSceneIsNotOneThatWasWrittenAnew) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  go_round(11);
+  write_anew(other_);
+  drop(other_);
+  ASSERT_TRUE(opens_other());
+  EXPECT_FALSE(given().contains("--gltf-scene")) << "that was of the one before";
+  ASSERT_TRUE(comes_to(LiveState::loading));
+  ASSERT_TRUE(comes_to(LiveState::running));
+  go_round(50);
+  EXPECT_EQ(app_->desk().live_state, LiveState::running);
+}
+
+TEST_F(LiveApp, SavesNoSceneOverAFileThatIsRead) {
+  const KeptRegister kept;
+  begin("synthetic:" + test::source_file("assets/finger.ply").string());
+  ASSERT_TRUE(comes_to(LiveState::running));
+  const std::string before = test::read_text(scene_);
+  fs::remove(folder_ / "soft.glb");
+  fs::create_symlink(scene_, folder_ / "soft.glb");
+  for (const std::string& file : {scene_.string(), (folder_ / "soft.glb").string(),
+                                  (folder_ / ".." / folder_.filename() / scene_.filename()).string()}) {
+    app_->save_scene(file, now_s_);
+    EXPECT_EQ(test::read_text(scene_), before) << file;
+  }
+  // Its own files it may write again, also while it reads them. An hour lies between, since times are in milliseconds.
+  auto last = fs::file_time_type::min();
+  for (int i = 0; i < 2; ++i) {
+    app_->save_scene(folder_ / "mine.glb", now_s_);
+    ASSERT_TRUE(fs::exists(folder_ / "mine.glb")) << i;
+    const fs::file_time_type written = fs::last_write_time(folder_ / "mine.glb");
+    EXPECT_TRUE(written > last) << i;
+    fs::last_write_time(folder_ / "mine.glb", last = written - 1h);
+    EXPECT_TRUE(goes_round_until([&] { return !app_->beginning(); }));
+  }
+}
+
+/// With panels, and a hand on them.
+class LiveAppWithPanels : public LiveApp {
+ protected:
+  LiveAppWithPanels() : LiveApp(true) {}
+
+  void draw(int pictures = 3) {
+    for (int i = 0; i < pictures; ++i) {
+      go_round();
+      app_->render(size_, 1, now_s_);
+    }
+  }
+  Area all_off_button() { return app_->desk().places.all_off.value_or(Area()); }
+};
+
+TEST_F(LiveAppWithPanels, StartBeginsAgainAfterAllOff) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  draw();
+  all_off();
+  ASSERT_TRUE(comes_to(LiveState::ended));
+  EXPECT_TRUE(stays_off());
+  draw();
+  const std::uint64_t before = heard_->sounding;
+  const Area off = all_off_button();  // Start stands to its right
+  const double x = off.right + 0.3 * (off.right - off.left), y = (off.top + off.bottom) / 2;
+  button(WindowEvent::Kind::move, x, y);
+  draw();
+  button(WindowEvent::Kind::press, x, y);
+  draw(1);
+  button(WindowEvent::Kind::release, x, y);
+  draw(1);
+  ASSERT_TRUE(comes_to(LiveState::running));
+  EXPECT_FALSE(stop_);
+  EXPECT_TRUE(goes_round_until([&] { return heard_->sounding > before; })) << "it sounds again";
+  all_off();
+  ASSERT_TRUE(comes_to(LiveState::ended)) << "and can be switched off again";
+  EXPECT_FALSE(heard_->last_sounds);
+}
+
+/// The run is off, Start is clicked, and before a picture shows that the key is pressed: the last word counts.
+TEST_F(LiveAppWithPanels, AllOffWinsOverAStartThatNoPictureHasShown) {
+  for (const bool pressed_before : {false, true}) {
+    ASSERT_TRUE(comes_to(LiveState::running));
+    draw();
+    all_off();
+    ASSERT_TRUE(comes_to(LiveState::ended));
+    draw();
+    const Area off = all_off_button();
+    const double x = off.right + 0.3 * (off.right - off.left), y = (off.top + off.bottom) / 2;
+    button(WindowEvent::Kind::move, x, y);
+    draw();
+    button(WindowEvent::Kind::press, x, y);
+    if (pressed_before) draw(1);
+    button(WindowEvent::Kind::release, x, y);
+    if (pressed_before) app_->render(size_, 1, now_s_);  // asked for, and not yet done
+    all_off();
+    draw();
+    EXPECT_TRUE(stays_off()) << pressed_before;
+    EXPECT_FALSE(heard_->last_sounds);
+    button(WindowEvent::Kind::press, x, y);
+    draw(1);
+    button(WindowEvent::Kind::release, x, y);
+    draw(1);
+  }
+  EXPECT_TRUE(comes_to(LiveState::running)) << "a click after it does";
+}
+
+TEST_F(LiveAppWithPanels, AllOffWaitsForNoPicture) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  draw();
+  for (int i = 0; i < 50; ++i) {  // keys that are held down, each change of which takes a picture
+    key('.');
+    key('.', false);
+  }
+  const Area off = all_off_button();
+  ASSERT_GT(off.right, off.left);
+  button(WindowEvent::Kind::press, off.left + 2, off.top + 2);
+  EXPECT_TRUE(stop_) << "before anything was drawn";
+  ASSERT_TRUE(comes_to(LiveState::ended));
+  button(WindowEvent::Kind::release, off.left + 2, off.top + 2);
+  draw();
+  EXPECT_TRUE(stays_off());
+}
+
+TEST(UiKeys, AreTextFromThePressOnATextOn) {
+  Ui ui(false);
+  const auto picture = [&] {
+    ui.begin(200, 100, 1, 0.01);
+    ui.end();
+  };
+  const auto typed = [&](Key key) {
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::key;
+    event.key = key;
+    const bool taken = ui.take(event);
+    event.down = false;
+    ui.take(event);
+    return taken;
+  };
+  WindowEvent press;
+  press.kind = WindowEvent::Kind::press;
+  picture();
+  EXPECT_FALSE(typed(key_of('o')));
+  ui.take(press, true);
+  EXPECT_TRUE(typed(key_of('o'))) << "no picture came between";
+  EXPECT_TRUE(typed(Key::enter));
+  EXPECT_FALSE(typed(key_of('o'))) << "that ended it";
+  ui.take(press, true);
+  ui.take(press, false);
+  EXPECT_FALSE(typed(key_of('o'))) << "elsewhere";
+}
+
+TEST(UiKeys, OneThatIsHeldDownIsOneChange) {
+  Ui ui(false);
+  WindowEvent event;
+  event.kind = WindowEvent::Kind::key;
+  event.key = key_of('a');
+  for (int i = 0; i < 100; ++i)
+    ui.take(event);
+  int pictures = 0;
+  for (; ui.restless() && pictures < 100; ++pictures) {
+    ui.begin(200, 100, 1, 0.01);
+    ui.end();
+  }
+  EXPECT_LE(pictures, 3);
+}
+
+TEST_F(LiveApp, ASwitchThatIsHeldDownIsThrownOnce) {
+  WindowEvent event;
+  event.kind = WindowEvent::Kind::key;
+  event.key = key_of('h');
+  app_->handle(event, size_);
+  event.repeat = true;
+  app_->handle(event, size_);
+  EXPECT_TRUE(app_->desk().help);
+  event.key = key_of('-');
+  const double before = app_->desk().state.time.slots_per_s;
+  app_->handle(event, size_);
+  EXPECT_LT(app_->desk().state.time.slots_per_s, before) << "slower and slower";
+}
+
+TEST_F(LiveApp, ABrokenSceneEndsNothing) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  std::ofstream(folder_ / "broken.glb") << "no glTF";
+  drop(folder_ / "broken.glb");
+  ASSERT_TRUE(goes_round_until([&] { return !app_->desk().toasts.empty(); }));
+  EXPECT_CONTAINS(app_->desk().toasts.back().text, "broken.glb");
+  EXPECT_EQ(app_->desk().live_state, LiveState::running);
+  EXPECT_EQ(given().at("--scene").front(), scene_);
+}
+
+TEST_F(LiveApp, ABrokenRecordingEndsNothing) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  fs::create_directory(folder_ / "broken");
+  std::ofstream(folder_ / "broken" / "recording.toml") << "[recording]\n";
+  drop(folder_ / "broken");
+  ASSERT_TRUE(goes_round_until([&] { return !app_->desk().toasts.empty(); }));
+  EXPECT_CONTAINS(app_->desk().toasts.back().text, "recording.toml");
+  go_round(5);
+  EXPECT_EQ(app_->desk().live_state, LiveState::running);
+  EXPECT_EQ(given().at("--source").front(), "synthetic");
+}
+
+TEST_F(LiveApp, WhatIsCancelledIsNotOpened) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  drop(other_);
+  app_->advance(now_s_ += 1e-3, size_);
+  if (!app_->desk().opening) GTEST_SKIP() << "skipped: it was there at once";
+  key(static_cast<char>(Key::escape));
+  go_round(50);
+  std::this_thread::sleep_for(100ms);
+  go_round(50);
+  EXPECT_FALSE(app_->quitting()) << "Escape was for what loads";
+  EXPECT_EQ(given().at("--scene").front(), scene_);
+  EXPECT_EQ(app_->desk().live_state, LiveState::running);
+}
+
+TEST_F(LiveApp, AFingerThatFollowsThePointerTouches) {
+  begin("mouse");
+  ASSERT_TRUE(comes_to(LiveState::running));
+  ASSERT_TRUE(goes_round_until([&] { return app_->showed_frame(); }));
+  go_round(5);
+  EXPECT_FALSE(heard_->sounded()) << "it waits above the cube";
+  point_at({0, -0.002, 0});
+  EXPECT_TRUE(goes_round_until([&] { return heard_->sounded(); }));
+  ASSERT_TRUE(goes_round_until([&] { return app_->picture().fingers.size() == 1; }));
+  point_at({0, 0.02, 0});
+  EXPECT_TRUE(goes_round_until([&] { return app_->picture().fingers.empty(); }));
+}
+
+TEST_F(LiveApp, AHandleThatIsLetGoOfWhileARunBeginsAnewIsLetGoOf) {
+  begin("synthetic", "slice");
+  ASSERT_TRUE(goes_round_until([&] { return app_->desk().state.slice_handles; }));
+  const auto middle = [&] {
+    const ViewState& state = app_->desk().state;
+    return project(projection(state.viewpoint, size_.width, size_.height), place_of(SliceHandle::middle, state.slice));
+  };
+  const Projected at = middle();
+  button(WindowEvent::Kind::press, at.x, at.y);
+  write_anew(scene_);
+  ASSERT_TRUE(goes_round_until([&] { return !app_->desk().state.slice_handles; }));
+  button(WindowEvent::Kind::release, at.x, at.y);
+  ASSERT_TRUE(goes_round_until([&] { return app_->desk().state.slice_handles; }));
+  const SliceState before = app_->desk().state.slice;
+  button(WindowEvent::Kind::move, at.x + 40, at.y + 30);
+  EXPECT_EQ(app_->desk().state.slice, before);
+}
+
+/// The mesh on which pressures are shown is that of the run that plays, not of the one before.
+TEST_F(LiveApp, PressuresAreOnTheFingerOfThisRun) {
+  const std::string open = (folder_ / "open.ply").string();
+  geometry::Mesh mesh = geometry::icosphere(5e-3, 4);
+  mesh.triangles.pop_back();  // a hole: cameras see it, sound has no inside
+  for (Vec3& p : mesh.positions)
+    p.y += 5e-3;
+  geometry::write_ply(open, mesh.positions, mesh.triangles);
+  const auto note = [&] {
+    const auto& bars = app_->picture().bars;
+    const auto bar = std::ranges::find(bars, Layer::heat, &ColourBar::layer);
+    return bar == bars.end() ? std::string() : bar->note;
+  };
+  begin("synthetic:" + open, "heat");
+  ASSERT_TRUE(goes_round_until([&] { return note().find("failed") != std::string::npos; })) << note();
+  ASSERT_FALSE(app_->desk().toasts.empty());
+  EXPECT_CONTAINS(app_->desk().toasts.back().text, "open.ply");
+  drop(recording());
+  ASSERT_TRUE(goes_round_until([&] { return note().find("being computed") != std::string::npos; })) << note();
+}
+
+/// A touch, and a recording that is dropped on it.
+TEST_F(LiveApp, ARecordingOnATouchIsALiveRunWithAllThatIsShownOfIt) {
+  app_.reset();
+  ViewerOptions options;
+  options.input.scene = scene_;
+  options.input.points = test::source_file("assets/finger.ply");
+  options.input.penetration_m = 3e-3;
+  options.common.backend = setup::Backend::cpu;
+  options.layout = "autd3";
+  options.given = {
+      {"--spectrum", {}},         {"--spot", {"4mm"}},    {"--scene", {scene_}},  {"--points", {options.input.points}},
+      {"--penetration", {"3mm"}}, {"--backend", {"cpu"}}, {"--layout", {"autd3"}}};
+  Surroundings around;
+  int went_live = 0;
+  around.stop = &stop_;
+  around.panels = false;
+  around.goes_live = [&] { ++went_live; };
+  app_ = std::make_unique<App>(options, size_, std::move(around));
+  EXPECT_FALSE(app_->desk().live);
+  drop(folder_ / "nowhere.txt");
+  go_round();
+  EXPECT_EQ(went_live, 0);
+  const fs::path take = recording();
+  drop(take);
+  ASSERT_TRUE(comes_to(LiveState::running));
+  EXPECT_EQ(went_live, 1);
+  EXPECT_TRUE(app_->desk().live);
+  EXPECT_TRUE(goes_round_until([&] { return app_->picture().fingers.size() == 1; }));
+  EXPECT_TRUE(app_->picture().driven);
+  EXPECT_EQ(run_command(given()), "palpa run --scene " + scene_.string() + " --source recording:" + take.string() +
+                                      " --layout autd3 --backend cpu");
+  EXPECT_TRUE(app_->finish(10));
+}
+
+TEST(Fingers, OfPressuresAreOfTheSource) {
+  EXPECT_EQ(finger_mesh("", ""), "") << "a touch without --skin";
+  EXPECT_EQ(finger_mesh("skin.ply", "synthetic:made.ply"), "skin.ply");
+  EXPECT_EQ(finger_mesh("", "synthetic:made.ply"), "made.ply");
+  EXPECT_EQ(finger_mesh("", "mouse:held.ply"), "held.ply");
+  EXPECT_TRUE(finger_mesh("", "recording:take").ends_with("finger.ply"));
+}
+
+TEST(AppSettings, OfALineAreNotRemembered) {
+  const fs::path folder = test::scratch_folder("viewer-app-settings"), file = folder / "viewer.toml";
+  Settings before;
+  before.layers[Layer::grid].visible = false;
+  save_settings(file, before);
+  std::atomic<bool> stop{false};
+  ViewerOptions options;
+  options.layout = "autd3";
+  options.shown = "sections";
+  Surroundings around;
+  around.stop = &stop;
+  around.settings = file;
+  around.panels = false;
+  App app(options, {300, 200}, std::move(around));
+  EXPECT_TRUE(app.desk().state.layers.shows(Layer::sections));
+  EXPECT_FALSE(app.desk().state.layers.shows(Layer::grid)) << "of this the line said nothing";
+  EXPECT_TRUE(app.finish(1));
+  EXPECT_EQ(load_settings(file), before);
+}
+
+}  // namespace
+}  // namespace palpa::viewer

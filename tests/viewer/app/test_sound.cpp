@@ -1,0 +1,277 @@
+// Pictures of sound beside whoever draws them: nobody waits, what is not of now says so, and what comes is right.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <iterator>
+
+#include "geometry/files/ply.hpp"
+#include "geometry/mesh/icosphere.hpp"
+#include "setup/touch_schedule.hpp"
+#include "support/shared_data.hpp"
+#include "viewer/hands/slice_hand.hpp"
+#include "viewer/live/played.hpp"
+#include "viewer/sound/sounds.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+using test::Played;
+using test::soon;
+constexpr std::chrono::milliseconds without_rest(0);
+
+std::string ball() {
+  const auto file = test::scratch_folder("viewer-sound") / "ball.ply";
+  const geometry::Mesh mesh = geometry::icosphere(5e-3, 5);
+  geometry::write_ply(file, mesh.positions, mesh.triangles);
+  return file.string();
+}
+
+TEST(Heat, IsOfWhatSoundsOrSaysThatItIsNot) {
+  Played played;
+  played.now.tip = Vec3(0, 0, 0.1);
+  Heat heat(ball(), played.now.air);
+  Picture picture;
+  heat.look(played.now, picture);
+  EXPECT_FALSE(picture.skin) << "nobody waits for it";
+  ASSERT_EQ(picture.bars.size(), 1u);
+  EXPECT_NE(picture.bars[0].note.find("being computed"), std::string::npos);
+  bool skin = false;
+  const auto rests = [&] {
+    skin = heat.look(played.now, picture).skin || skin;
+    return !heat.busy();
+  };
+  ASSERT_TRUE(soon(rests));
+  EXPECT_TRUE(skin);
+  EXPECT_EQ(heat.fault(), "");
+  EXPECT_FALSE(is_stale(picture, Layer::heat));
+  ASSERT_TRUE(picture.skin);
+  // Upright with its lowest vertex at the tip.
+  const Box box = geometry::bounds(picture.skin->mesh);
+  EXPECT_NEAR(box.low.y, 0, 1e-12);
+  EXPECT_NEAR(box.centre().z, 0.1, 1e-9);
+  const std::vector<drawing::Colour> before = picture.skin->colours;
+  ASSERT_EQ(before.size(), picture.skin->mesh.positions.size());
+
+  played.move({0.1e-3, 0, 0.1});
+  EXPECT_FALSE(heat.look(played.now, picture).skin);
+  EXPECT_FALSE(is_stale(picture, Layer::heat)) << "nobody sees a tenth of a millimetre";
+  played.move({0, 4e-3, 0.1});
+  heat.look(played.now, picture);
+  EXPECT_TRUE(is_stale(picture, Layer::heat));
+  EXPECT_TRUE(picture.skin) << "the one before, dimmer";
+  ASSERT_TRUE(soon(rests));
+  EXPECT_FALSE(is_stale(picture, Layer::heat));
+  double difference = 0;
+  for (std::size_t v = 0; v < before.size(); ++v)
+    difference = std::max<double>(difference, std::abs(picture.skin->colours[v].r - before[v].r));
+  EXPECT_GT(difference, 0.1);
+
+  played.now.tip.reset();
+  EXPECT_TRUE(heat.look(played.now, picture).skin);
+  EXPECT_FALSE(picture.skin) << "nobody touches";
+  EXPECT_TRUE(picture.bars.empty());
+}
+
+TEST(Heat, OfAFileThatIsNoFingerFails) {
+  Played played;
+  played.now.tip = Vec3(0, 0, 0.1);
+  Heat heat(test::source_file("README.md").string(), played.now.air);
+  Picture picture;
+  ASSERT_TRUE(soon([&] {
+    heat.look(played.now, picture);
+    return !heat.busy();
+  }));
+  EXPECT_NE(heat.fault().find("README.md"), std::string::npos) << heat.fault();
+  EXPECT_NE(picture.bars.at(0).note.find("failed"), std::string::npos);
+}
+
+TEST(Sounds, TellEachFaultOnce) {
+  Played played;
+  played.now.tip = Vec3(0, 0, 0.1);
+  array::Schedule odd = *played.now.schedule;
+  odd.voices[0].modulation_hz = 123.457;  // repeats after an hour
+  played.now.schedule = &odd;
+  Sounds sounds({.select = "no such device"});
+  sounds.set_finger(test::source_file("README.md").string());
+  ViewState state;
+  state.layers[Layer::heat].visible = state.layers[Layer::slice].visible = true;
+  Picture picture;
+  std::vector<std::string> told;
+  double now_s = 0;
+  const auto look = [&] {
+    sounds.look(played.now, state, true, picture, now_s += 0.1);
+    std::ranges::move(sounds.faults(), std::back_inserter(told));
+  };
+  const auto says = [&](const char* part) {
+    return std::ranges::count_if(told, [&](const std::string& line) { return line.find(part) != std::string::npos; });
+  };
+  ASSERT_TRUE(soon([&] {
+    look();
+    return told.size() >= 3;
+  })) << told.size();
+  for (int i = 0; i < 50; ++i)
+    look();
+  EXPECT_EQ(told.size(), 3u);
+  EXPECT_EQ(says("README.md"), 1) << "the finger";
+  EXPECT_EQ(says("no such device"), 1) << "the plane";
+  EXPECT_EQ(says("does not repeat"), 1) << "the spectrum";
+  sounds.set_finger(test::source_file("LICENSE").string());
+  ASSERT_TRUE(soon([&] {
+    look();
+    return says("LICENSE") > 0;
+  })) << "another finger";
+}
+
+TEST(Spectra, AreThoseOfTheScheduleThatPlays) {
+  Played played;
+  Spectra spectra;
+  double now_s = 0;
+  ASSERT_TRUE(soon([&] { return spectra.look(played.now, now_s += 0.1); }));
+  acoustics::SpectrumOptions options;
+  const acoustics::ArrayField field(*played.now.layout, played.now.drive);
+  options.field = &field;
+  const auto expected = setup::spectra_of(*played.now.schedule, options);
+  ASSERT_EQ(spectra.spectra().size(), 1u);
+  ASSERT_EQ(spectra.spectra()[0].lines.size(), expected[0].lines.size());
+  ASSERT_FALSE(expected[0].lines.empty());
+  EXPECT_EQ(spectra.spectra()[0].field, acoustics::FocusKind::array);
+  for (std::size_t i = 0; i < expected[0].lines.size(); ++i)
+    EXPECT_EQ(spectra.spectra()[0].lines[i].around, expected[0].lines[i].around);
+  EXPECT_FALSE(spectra.look(played.now, now_s += 1)) << "nothing else plays";
+  played.now.schedule = nullptr;
+  EXPECT_TRUE(spectra.look(played.now, now_s += 1));
+  EXPECT_TRUE(spectra.spectra().empty());
+}
+
+TEST(Spectra, AtRestAreTheNewest) {
+  Played played;
+  Spectra spectra;
+  double now_s = 0;
+  for (int i = 0; i < 40; ++i) {
+    played.move({i * 1e-3, 0, 0.1});
+    bool fresh = false;
+    ASSERT_TRUE(soon(
+        [&] {
+          fresh = spectra.look(played.now, now_s += 1) || fresh;
+          return !spectra.busy();
+        },
+        without_rest));
+    EXPECT_TRUE(fresh) << i;
+    EXPECT_FALSE(spectra.look(played.now, now_s += 1)) << i;
+  }
+}
+
+TEST(SlicePreview, AtRestIsTheNewest) {
+  Played played;
+  SlicePreview slices({});
+  Picture picture;
+  SliceState slice;
+  double now_s = 0;
+  for (int i = 0; i < 4; ++i) {
+    played.move({i * 1e-3, 0, 0.1});
+    bool marks = false;
+    ASSERT_TRUE(soon(
+        [&] {
+          marks = slices.look(played.now, slice, picture, now_s += 1).marks || marks;
+          return !slices.busy();
+        },
+        without_rest));
+    EXPECT_TRUE(marks) << i;
+    EXPECT_FALSE(slices.look(played.now, slice, picture, now_s += 1).marks) << i;
+  }
+}
+
+TEST(Sounding, ATipIsTheLowestSkinAroundTheMiddle) {
+  touch::Touch touch;
+  EXPECT_FALSE(tip_of(touch));
+  touch.fingers.resize(1);
+  touch.finger_count = 1;
+  touch.fingers[0].section.centroid = {0.01f, 0, 0};
+  touch.contacts.push_back({.position = {0.012f, -0.001f, 0}});
+  touch.deep.push_back({.position = {0.01f, -0.003f, 0.001f}});
+  touch.deep.push_back({.position = {0.05f, -0.009f, 0}});  // another finger's
+  const std::optional<Vec3> tip = tip_of(touch);
+  ASSERT_TRUE(tip);
+  EXPECT_LT(glm::distance(*tip, Vec3(0.01, -0.003, 0)), 1e-6);
+}
+
+/// A plane before the eye, 40 mm wide, in a picture of 800 x 600.
+class SliceHands : public testing::Test {
+ protected:
+  SliceHands() {
+    sight.viewpoint.azimuth = sight.viewpoint.elevation = 0;
+    sight.viewpoint.distance = 0.3;
+    slice.size_m = {0.04, 0.04};
+  }
+  bool send(WindowEvent::Kind kind, const Vec2& at) {
+    WindowEvent event;
+    event.kind = kind;
+    event.x = at.x;
+    event.y = at.y;
+    return hand.handle(event, sight, slice);
+  }
+  Vec2 pixels(const Vec3& world) const {
+    const Projected p = project(projection(sight.viewpoint, sight.width, sight.height), world);
+    return {p.x, p.y};
+  }
+  Sight sight{.viewpoint = {}, .width = 800, .height = 600, .ratio = 1};
+  SliceState slice;
+  SliceHand hand;
+};
+
+TEST_F(SliceHands, ThePlaneGoesAlongItsNormalWithThePointer) {
+  slice.T_world_slice = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}, {0, 0, 0, 1}};  // level: its normal is up
+  const Vec2 middle = pixels({0, 0, 0});
+  EXPECT_FALSE(send(WindowEvent::Kind::press, middle + Vec2(60, 60))) << "no handle is there";
+  ASSERT_TRUE(send(WindowEvent::Kind::press, middle));
+  EXPECT_TRUE(hand.dragging());
+  const Vec2 to = pixels({0, 0.02, 0});
+  ASSERT_TRUE(send(WindowEvent::Kind::move, to));
+  EXPECT_TRUE(send(WindowEvent::Kind::release, to));
+  EXPECT_NEAR(slice.T_world_slice[3].y, 0.02, 1e-4);
+  EXPECT_NEAR(slice.T_world_slice[3].x, 0, 1e-9);
+  EXPECT_FALSE(send(WindowEvent::Kind::move, middle)) << "let go of";
+}
+
+TEST_F(SliceHands, EscapeLetsGoOfItWhereItWas) {
+  sight.viewpoint.elevation = 1.2;
+  const SliceState before = slice;
+  const Vec2 end = pixels(place_of(SliceHandle::x_end, slice));
+  WindowEvent escape;
+  escape.kind = WindowEvent::Kind::key;
+  escape.key = Key::escape;
+  EXPECT_FALSE(hand.handle(escape, sight, slice)) << "nothing is dragged";
+  ASSERT_TRUE(send(WindowEvent::Kind::press, end));
+  ASSERT_TRUE(send(WindowEvent::Kind::move, end + Vec2(0, 40)));
+  EXPECT_NE(slice, before);
+  EXPECT_TRUE(hand.handle(escape, sight, slice));
+  EXPECT_EQ(slice, before);
+  EXPECT_FALSE(hand.dragging());
+}
+
+TEST_F(SliceHands, AnEndTurnsItAboutTheOtherAxis) {
+  sight.viewpoint.elevation = 1.2;  // from above, so that the end goes about visibly
+  const Vec2 end = pixels(place_of(SliceHandle::x_end, slice));
+  ASSERT_TRUE(send(WindowEvent::Kind::press, end));
+  for (int i = 1; i <= 20; ++i)
+    ASSERT_TRUE(send(WindowEvent::Kind::move, end + Vec2(0, 4.0 * i)));
+  const Vec3 x(slice.T_world_slice[0]), y(slice.T_world_slice[1]), at(slice.T_world_slice[3]);
+  EXPECT_LT(glm::distance(y, Vec3(0, 1, 0)), 1e-9);
+  EXPECT_LT(glm::length(at), 1e-9);
+  EXPECT_GT(x.z, 0.3) << "towards the eye, as the pointer went down";
+  EXPECT_NEAR(glm::length(x), 1, 1e-9);
+  EXPECT_NEAR(pixels(place_of(SliceHandle::x_end, slice)).y, end.y + 80, 20) << "its way is a circle";
+}
+
+TEST_F(SliceHands, SeenAlongItsNormalNothingJumps) {
+  const Vec2 middle = pixels({0, 0, 0});  // its normal points at the eye
+  ASSERT_TRUE(send(WindowEvent::Kind::press, middle));
+  ASSERT_TRUE(send(WindowEvent::Kind::move, middle + Vec2(3, 5)));
+  EXPECT_LT(glm::length(Vec3(slice.T_world_slice[3])), 0.01);
+}
+
+}  // namespace
+}  // namespace palpa::viewer

@@ -1,0 +1,167 @@
+// What hands do to solids and finger.
+#include "viewer/hands/placing.hpp"
+
+#include <gtest/gtest.h>
+
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+
+namespace palpa::viewer {
+namespace {
+
+SurfaceMark box(const char* name, double x, std::uint32_t solid) {
+  SurfaceMark mark{.name = name, .solid = solid};
+  mark.mesh.positions = {{x - 0.01, -0.02, -0.01}, {x + 0.01, 0, 0.01}};
+  return mark;
+}
+
+class PlacingTest : public testing::Test {
+ protected:
+  PlacingTest() {
+    rest.solids = {box("left", -0.03, 0), box("right", 0.03, 1)};
+    rest.tile = {glm::vec3(0.025f, 0, 0.005f), glm::vec3(0.035f, 0, 0.005f), glm::vec3(0.035f, 0, -0.005f),
+                 glm::vec3(0.025f, 0, -0.005f)};
+    rest.tile_solid = 1;
+    sight.viewpoint.azimuth = sight.viewpoint.elevation = 0;  // x to the right, y up
+    placing.begin(rest, true, false);
+  }
+  bool does(WindowEvent::Kind kind, const Vec2& at = {}, Button button = Button::left) {
+    WindowEvent event;
+    event.kind = kind;
+    event.x = at.x, event.y = at.y, event.button = button;
+    return placing.handle(event, sight);
+  }
+  bool key(Key key, bool ctrl = false) {
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::key;
+    event.key = key, event.ctrl = ctrl;
+    return placing.handle(event, sight);
+  }
+  bool scroll(double steps, bool shift = false, bool ctrl = false) {
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::scroll;
+    event.steps = steps, event.shift = shift, event.ctrl = ctrl;
+    return placing.handle(event, sight);
+  }
+  Vec2 pixel(const Vec3& p) const {
+    const Projected at = project(projection(sight.viewpoint, sight.width, sight.height), p);
+    return {at.x, at.y};
+  }
+  Vec3 tip() const { return Vec3(placing.finger()[3]); }
+  /// Along +x by its arrow, as far as 30 pixels go.
+  void drag(const Vec3& middle) {
+    const Gizmo gizmo = gizmo_at(middle, sight);
+    const Vec2 from = pixel(middle + Vec3(0.9 * gizmo.size_m, 0, 0));
+    EXPECT_TRUE(does(WindowEvent::Kind::press, from));
+    EXPECT_TRUE(does(WindowEvent::Kind::move, from + Vec2(30, 4)));
+  }
+
+  Picture rest;
+  Sight sight{.viewpoint = {}, .width = 800, .height = 600, .ratio = 1};
+  Placing placing;
+};
+
+TEST_F(PlacingTest, AFingerWaitsAboveTheHighestSolid) {
+  EXPECT_LT(glm::distance(tip(), Vec3(0.03, 0.004, 0)), 1e-7);
+}
+
+TEST_F(PlacingTest, TheFingersTipIsUnderThePointer) {
+  const double depth = tip().z;
+  for (const Vec2& at : {Vec2(300, 200), Vec2(500, 450)}) {
+    EXPECT_FALSE(does(WindowEvent::Kind::move, at)) << "others may use the pointer, too";
+    EXPECT_LT(glm::distance(pixel(tip()), at), 1e-2);
+    EXPECT_NEAR(tip().z, depth, 1e-9) << "in the plane that faces the viewer";
+  }
+  EXPECT_TRUE(scroll(2));
+  EXPECT_NEAR(tip().z, depth - 2e-3, 1e-12) << "away from the viewer";
+  EXPECT_TRUE(scroll(-1, true));
+  EXPECT_NEAR(tip().z, depth - 1.9e-3, 1e-12);
+  EXPECT_FALSE(scroll(1, false, true)) << "with Ctrl the wheel is the view's";
+}
+
+TEST_F(PlacingTest, TheFingerStaysWhereItIsToldTo) {
+  EXPECT_TRUE(key(key_of('m')));
+  const Vec3 before = tip();
+  does(WindowEvent::Kind::move, {300, 200});
+  EXPECT_FALSE(scroll(1));
+  EXPECT_EQ(tip(), before);
+}
+
+TEST_F(PlacingTest, TheFingerStaysWhileTheViewIsTurned) {
+  does(WindowEvent::Kind::move, {400, 300});
+  const Vec3 before = tip();
+  EXPECT_FALSE(does(WindowEvent::Kind::press, {400, 300}));
+  does(WindowEvent::Kind::move, {500, 300});
+  EXPECT_EQ(tip(), before);
+  does(WindowEvent::Kind::release, {500, 300});
+  does(WindowEvent::Kind::move, {500, 300});
+  EXPECT_NE(tip(), before);
+}
+
+TEST_F(PlacingTest, ARightDragTurnsTheFingerAroundItsTip) {
+  const Transform before = placing.finger();
+  EXPECT_TRUE(does(WindowEvent::Kind::press, {400, 300}, Button::right));
+  EXPECT_TRUE(does(WindowEvent::Kind::move, {550, 300}, Button::right));
+  EXPECT_TRUE(does(WindowEvent::Kind::release, {550, 300}, Button::right));
+  EXPECT_EQ(Vec3(placing.finger()[3]), Vec3(before[3]));
+  EXPECT_LT(glm::distance(Vec3(placing.finger()[1]), Vec3(std::sqrt(0.5), std::sqrt(0.5), 0)), 1e-9)
+      << "its body leans to the right";
+  EXPECT_TRUE(key(key_of('z'), true));
+  EXPECT_EQ(placing.finger(), before);
+}
+
+TEST_F(PlacingTest, AHandleMovesASolidAndUndoTakesItBack) {
+  EXPECT_FALSE(placing.moved());
+  EXPECT_TRUE(key(key_of('g')));
+  EXPECT_EQ(placing.chosen(), 0u);
+  drag({-0.03, -0.01, 0});
+  EXPECT_TRUE(does(WindowEvent::Kind::release));
+  EXPECT_TRUE(placing.moved());
+  const Transform pose = placing.poses()[0];
+  EXPECT_GT(pose[3].x, 1e-3);
+  EXPECT_EQ(Vec2(pose[3].y, pose[3].z), Vec2(0, 0));
+  EXPECT_EQ(placing.poses()[1], Transform(1.0));
+
+  Picture picture = rest;
+  pose_solids(picture, rest, placing.poses());
+  EXPECT_EQ(picture.solids[0].mesh.positions[0].x, rest.solids[0].mesh.positions[0].x + pose[3].x);
+  EXPECT_EQ(picture.solids[1].mesh.positions[0], rest.solids[1].mesh.positions[0]);
+  EXPECT_EQ(*picture.tile, *rest.tile) << "it is on the other";
+
+  drag(transform_point(pose, {-0.03, -0.01, 0}));
+  EXPECT_NE(placing.poses()[0], pose);
+  EXPECT_TRUE(key(Key::escape));
+  EXPECT_EQ(placing.poses()[0], pose) << "Escape lets go of it where it was";
+  EXPECT_TRUE(key(key_of('z'), true));
+  EXPECT_FALSE(placing.moved());
+  EXPECT_TRUE(key(Key::escape)) << "hides the handles";
+  EXPECT_FALSE(placing.chosen());
+  EXPECT_FALSE(key(Key::escape)) << "nobody's here";
+}
+
+TEST_F(PlacingTest, TheFingerHasHandlesAfterTheSolids) {
+  for (int i = 0; i < 3; ++i)
+    key(key_of('g'));
+  EXPECT_EQ(placing.chosen(), 2u);
+  const Vec3 before = tip();
+  does(WindowEvent::Kind::move, {300, 200});
+  EXPECT_EQ(tip(), before) << "it would run away from its handles";
+  drag(before);
+  EXPECT_GT(tip().x, before.x);
+  key(key_of('g'));
+  EXPECT_FALSE(placing.chosen());
+}
+
+TEST_F(PlacingTest, WhatWasMovedStaysInItsScene) {
+  key(key_of('g'));
+  drag({-0.03, -0.01, 0});
+  does(WindowEvent::Kind::release);
+  placing.begin(rest, true, true);
+  EXPECT_TRUE(placing.moved());
+  placing.begin(rest, false, false);
+  EXPECT_FALSE(placing.moved());
+  EXPECT_EQ(placing.names().size(), 2u) << "no finger is held any more";
+}
+
+}  // namespace
+}  // namespace palpa::viewer

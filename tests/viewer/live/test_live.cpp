@@ -1,0 +1,406 @@
+// A session that runs beside the viewer: it is looked at without being waited for, and ends in silence.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <glm/ext/matrix_transform.hpp>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "base/error.hpp"
+#include "geometry/gltf/write.hpp"
+#include "heard_link.hpp"
+#include "session/threads.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "viewer/live/live_line.hpp"
+#include "viewer/live/live_picture.hpp"
+#include "viewer/live/live_session.hpp"
+#include "viewer/live/next_outputs.hpp"
+#include "viewer/live/starter.hpp"
+#include "viewer/run/drawing_threads.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Bench {
+  std::shared_ptr<test::Heard> heard = std::make_shared<test::Heard>();
+  std::atomic<bool> stop{false};
+  std::atomic<int> woken{0};
+  std::uint64_t frames = 0;  ///< after which it ends by itself
+
+  std::unique_ptr<LiveSession> start(Patience patience = {}) {
+    setup::LiveOptions options = live_options({{"--scene", {test::source_file("assets/cube.glb").string()}},
+                                               {"--source", {"synthetic"}},
+                                               {"--layout", {"autd3"}},
+                                               {"--backend", {"cpu"}},
+                                               {"--noise-free", {}},
+                                               {"--hold", {"5s"}},
+                                               {"--link", {"heard"}}});
+    options.frames = frames;
+    LiveSession::Kinds kinds;
+    kinds.links.push_back(test::heard_link(heard));
+    return std::make_unique<LiveSession>(
+        std::move(options), std::move(kinds), stop, [this] { ++woken; }, patience);
+  }
+  bool sounded() { return heard->sounded(); }
+};
+
+template <typename Condition>
+bool soon(LiveSession& live, Condition condition) {
+  const auto until = std::chrono::steady_clock::now() + 60s;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > until) return false;
+    live.look();
+    std::this_thread::sleep_for(2ms);
+  }
+  return true;
+}
+
+TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
+  Bench bench;
+  const auto live = bench.start();
+  bool touched = false;
+  ASSERT_TRUE(soon(*live, [&] {
+    if (live->take()) touched = touched || live->snapshot().touch.finger_count > 0;
+    live->take_seen();
+    return touched && bench.sounded() && !live->seen().points.empty();
+  })) << live->fault();
+  EXPECT_EQ(live->state(), LiveState::running);
+  EXPECT_GT(bench.woken, 0);
+  EXPECT_GT(live->snapshot().numbers.frames, 0u);
+  EXPECT_FALSE(live->snapshot().touch.contacts.empty()) << "contacts come even though nobody asked for events";
+
+  Picture picture = live->scene()->picture;
+  EXPECT_EQ(picture.solids.size(), 1u);
+  EXPECT_EQ(picture.transducers.size(), 249u);
+  show_live(picture, *live->scene(), live->snapshot(), live->seen(), true);
+  EXPECT_EQ(picture.contacts.size(), live->snapshot().touch.contacts.size());
+  EXPECT_FALSE(picture.images.empty());
+
+  live->all_off();
+  ASSERT_TRUE(soon(*live, [&] { return live->over(); }));
+  EXPECT_EQ(live->state(), LiveState::ended);
+  EXPECT_EQ(live->fault(), "");
+  EXPECT_TRUE(bench.heard->finished);
+  EXPECT_FALSE(bench.heard->last_sounds);
+  EXPECT_FALSE(live->link().open || live->link().sounding);
+}
+
+TEST(Live, WhoAsksIsKeptOutOfItsFramesWay) {
+  Bench bench;
+  const auto live = bench.start();
+  double waited_s = 0;
+  ASSERT_TRUE(soon(*live, [&] {
+    waited_s += live->let_run(5e-3, 0.1);
+    return waited_s > 0.02 && live->state() == LiveState::running;
+  })) << live->fault();
+  live->all_off();
+  ASSERT_TRUE(soon(*live, [&] { return live->over(); }));
+  EXPECT_LT(live->let_run(1e-3, 0.2), 0.2) << "no more frames come";
+}
+
+TEST(Live, ASolidThatIsMovedIsFeltWhereItIs) {
+  Bench bench;
+  const auto live = bench.start();
+  const auto touches = [&] { return live->take() && live->snapshot().touch.finger_count > 0; };
+  ASSERT_TRUE(soon(*live, touches)) << live->fault();
+  const std::vector<Transform> away{glm::translate(Transform(1.0), Vec3(0, -0.1, 0))};
+  live->place(away);
+  const auto silent_for_a_period = [&, since = std::chrono::steady_clock::time_point()]() mutable {
+    const auto now = std::chrono::steady_clock::now();
+    if (since == std::chrono::steady_clock::time_point() || touches()) since = now;
+    return now - since > 2500ms;  // the finger dips every 2 s
+  };
+  ASSERT_TRUE(soon(*live, silent_for_a_period));
+  live->place({glm::translate(Transform(1.0), Vec3(0, 0.003, 0))});
+  ASSERT_TRUE(soon(*live, touches));
+  EXPECT_GT(live->snapshot().touch.fingers[0].depth_m, 0);
+
+  const auto folder = test::scratch_folder("viewer-moved");
+  geometry::write_glb(folder / "moved.glb", meshes_of(*live->scene(), away));
+  const std::vector<geometry::Solid> solids = geometry::make_solids(geometry::load_gltf(folder / "moved.glb"));
+  ASSERT_EQ(solids.size(), 1u);
+  EXPECT_NEAR(solids[0].bounds.high.y, -0.1, 1e-7);
+}
+
+TEST(Live, RecordsWhileItRuns) {
+  Bench bench;
+  const auto folder = test::scratch_folder("viewer-recorded");
+  const auto live = bench.start();
+  ASSERT_TRUE(soon(*live, [&] { return live->state() == LiveState::running; })) << live->fault();
+  const std::string taken = (folder / "taken").string(), made = (folder / "made").string();
+  std::filesystem::create_directories(std::filesystem::path(taken) / "something");
+  live->record(taken);  // that is told, and ends nothing
+  std::uint64_t frames = 0;
+  ASSERT_TRUE(soon(*live, [&] { return live->take() && (frames += 1) > 10; }));
+  EXPECT_EQ(live->recorded(), 0u);
+  EXPECT_EQ(live->state(), LiveState::running);
+  live->record(made);
+  ASSERT_TRUE(soon(*live, [&] { return live->recorded() >= 5; })) << live->fault();
+  EXPECT_EQ(live->recording(), made);
+  live->record({});
+  ASSERT_TRUE(soon(*live, [&] { return live->recording().empty(); }));
+  EXPECT_EQ(live->state(), LiveState::running);
+  const sensing::Recording recording = sensing::load_recording(made);
+  EXPECT_GE(recording.entries.size(), 5u);
+  EXPECT_EQ(recording.cameras.size(), live->scene()->cameras.size());
+}
+
+TEST(Live, ARecordingIsWholeWhenItsRunEndsByItself) {
+  Bench bench;
+  bench.frames = 60;
+  const auto folder = test::scratch_folder("viewer-recorded-to-the-end");
+  const std::string made = (folder / "made").string();
+  const auto live = bench.start();
+  live->record(made);
+  ASSERT_TRUE(soon(*live, [&] { return live->over(); }));
+  EXPECT_EQ(live->fault(), "");
+  EXPECT_EQ(live->recording(), "") << "nothing is written any more";
+  EXPECT_GT(live->recorded(), 0u);
+  EXPECT_EQ(sensing::load_recording(made).entries.size(), live->recorded());
+}
+
+TEST(Live, EndsWithTheViewer) {
+  Bench bench;
+  {
+    const auto live = bench.start();
+    ASSERT_TRUE(soon(*live, [&] { return bench.sounded(); })) << live->fault();
+  }  // as when drawing throws
+  EXPECT_TRUE(bench.heard->finished);
+  EXPECT_FALSE(bench.heard->last_sounds);
+}
+
+TEST(Live, AViewerThatNoLongerLooksLeavesSilence) {
+  Bench bench;
+  const auto live = bench.start({.usual = 700ms});
+  ASSERT_TRUE(soon(*live, [&] { return bench.sounded(); })) << live->fault();
+  const auto before = std::chrono::steady_clock::now();
+  while (!live->over() && std::chrono::steady_clock::now() < before + 60s)
+    std::this_thread::sleep_for(10ms);
+  EXPECT_TRUE(live->over());
+  EXPECT_GE(std::chrono::steady_clock::now() - before, 650ms);
+  EXPECT_FALSE(bench.heard->last_sounds);
+}
+
+TEST(Live, AViewerThatNeverBeginsLeavesSilence) {
+  Bench bench;
+  const auto live = bench.start({.beginning = 1ms});
+  const auto until = std::chrono::steady_clock::now() + 60s;
+  while (!live->over() && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(10ms);
+  EXPECT_TRUE(live->over());
+  EXPECT_TRUE(bench.stop);
+  EXPECT_FALSE(bench.heard->last_sounds);
+}
+
+TEST(Live, NeverWritesOverWhatItReads) {
+  Bench bench;
+  const auto scene = test::scratch_folder("live-outputs") / "cube.glb";
+  std::filesystem::copy_file(test::source_file("assets/cube.glb"), scene);
+  const std::string before = test::read_text(scene);
+  LiveSession live(live_options({{"--scene", {scene.string()}}, {"--link", {"record:" + scene.string()}}}), {},
+                   bench.stop, [] {});
+  ASSERT_TRUE(soon(live, [&] { return live.over(); }));
+  EXPECT_NE(live.fault().find("--link: "), std::string::npos) << live.fault();
+  EXPECT_EQ(test::read_text(scene), before);
+}
+
+TEST(Live, ASnapshotOfAnotherArrayDrivesNothing) {
+  LiveScene scene;
+  scene.layout.transducers.resize(3);
+  Picture picture;
+  picture.transducers.resize(3);
+  picture.driven = true;
+  Snapshot snapshot;
+  snapshot.plan.schedule.voice_count = 1;
+  snapshot.plan.cycle = 1;
+  snapshot.plan.drives.resize(2);
+  session::SlotScratch scratch;
+  show_live_slot(picture, scene, snapshot, 0, scratch);
+  EXPECT_FALSE(picture.driven);
+}
+
+/// Two fingers whose dwells differ by a microsecond: the output computes each slot, and so does whoever shows it.
+TEST(Live, AScheduleTooLongToBeListedIsShownAndHeard) {
+  auto scene = std::make_shared<LiveScene>();
+  scene->layout = array::load_layout("openmpd");
+  Snapshot snapshot;
+  array::Schedule& schedule = snapshot.plan.schedule;
+  for (const double dwell : {1.5e-3, 1.501e-3}) {
+    array::Voice& voice = schedule.add_voice();
+    voice.foci = {{0, 0, 0.1}, {5e-3, dwell, 0.1}};
+    voice.order = {0, 1};
+    voice.dwell_s = dwell;
+  }
+  session::SlotWork work;
+  array::DriveScratch drives;
+  session::drive_on_host(snapshot.plan, scene->layout, scene->drive, work, nullptr, drives);
+  ASSERT_EQ(snapshot.plan.cycle, 0u);
+
+  Picture picture;
+  picture.transducers.resize(scene->layout.transducers.size());
+  session::SlotScratch scratch;
+  show_live_slot(picture, *scene, snapshot, 1, scratch);
+  EXPECT_TRUE(picture.driven);
+  const auto drive = drive_of(*scene, snapshot.plan, 1, scratch);
+  std::vector<array::SlotFocus> foci;
+  array::foci_of_slot(schedule, 1, foci);
+  const array::Drive expected = array::drive_for(scene->layout, foci, scene->drive);
+  ASSERT_EQ(drive.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    ASSERT_TRUE(drive[i].phase == expected[i].phase && drive[i].amplitude == expected[i].amplitude) << i;
+  const Sounding sounding = sounding_of(scene, snapshot);
+  EXPECT_EQ(sounding.schedule, &schedule);
+  EXPECT_EQ(sounding.plan, &snapshot.plan);
+}
+
+TEST(Live, AFaultIsToldAndNothingSounds) {
+  Bench bench;
+  setup::LiveOptions options = live_options({{"--scene", {"/nowhere.glb"}}});
+  LiveSession live(std::move(options), {}, bench.stop, [] {});
+  ASSERT_TRUE(soon(live, [&] { return live.over(); }));
+  EXPECT_EQ(live.state(), LiveState::failed);
+  EXPECT_NE(live.fault().find("/nowhere.glb"), std::string::npos) << live.fault();
+  EXPECT_EQ(live.scene(), nullptr);
+}
+
+TEST(Starter, DoesNotGiveWayWithWhoeverMadeIt) {
+  const auto niceness = [] { return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); };
+  const int before = niceness();
+  int maker = 0, started = 0;
+  std::thread([&] {
+    Starter starter;
+    session::give_way();
+    maker = niceness();
+    starter.run([&] { std::thread([&] { started = niceness(); }).join(); });
+    EXPECT_THROW(starter.run([] { throw failure("no"); }), Error);
+  }).join();
+  EXPECT_GE(maker, 10);
+  EXPECT_EQ(started, before);
+}
+
+// A driver's threads are there before a touch goes live.
+TEST(DrawingThreads, GiveWayThoughTheyHaveBegun) {
+  const auto niceness = [](int thread) { return getpriority(PRIO_PROCESS, static_cast<id_t>(thread)); };
+  std::atomic<bool> done{false};
+  std::atomic<int> driver{0}, other{0};
+  const auto stay = [&](std::atomic<int>& number) {
+    number = gettid();
+    number.notify_one();
+    done.wait(false);
+  };
+  std::thread another([&] { stay(other); });
+  other.wait(0);
+  const int before = niceness(other);
+  std::thread maker([&] {
+    DrawingThreads drawing;
+    drawing.expect();
+    std::thread begun([&] { stay(driver); });
+    driver.wait(0);
+    drawing.have_begun();
+    EXPECT_EQ(niceness(driver), before);
+    drawing.give_way();
+    EXPECT_GE(niceness(driver), 10);
+    EXPECT_GE(niceness(gettid()), 10);
+    EXPECT_NE(sched_getscheduler(driver), SCHED_OTHER);
+    EXPECT_EQ(niceness(other), before) << "nobody else's";
+    done = true;
+    done.notify_all();
+    begun.join();
+  });
+  maker.join();
+  another.join();
+}
+
+TEST(NextOutputs, ARunThatBeginsAnewWritesOverNothing) {
+  const auto folder = test::scratch_folder("live-next-outputs");
+  const std::string events = (folder / "events.jsonl").string(), drives = (folder / "drives").string(),
+                    take = (folder / "take.1").string();
+  const std::vector<session::LinkKind> links = session::builtin_links();
+  NextOutputs outputs;
+  const auto begin = [&](bool writes) {
+    setup::LiveOptions options;
+    options.events = events;
+    options.record = take + "/";
+    options.link = "record:" + drives;
+    const auto lines = outputs.name(options, links);
+    if (writes) {
+      test::write_text(options.events, "e");
+      test::write_text(options.link.substr(7), "d");
+      std::filesystem::create_directory(options.record);
+      test::write_text(options.record + "/recording.toml", "r");
+    }
+    return std::pair(options, lines);
+  };
+  EXPECT_TRUE(begin(false).second.empty());
+  EXPECT_TRUE(begin(false).second.empty()) << "nothing was written there";
+  EXPECT_EQ(begin(true).first.record, take);
+  const auto [second, told] = begin(true);
+  EXPECT_EQ(second.events, (folder / "events-2.jsonl").string());
+  EXPECT_EQ(second.link, "record:" + (folder / "drives-2").string());
+  EXPECT_EQ(second.record, (folder / "take.1-2").string());
+  ASSERT_EQ(told.size(), 3u);
+  EXPECT_EQ(told[0], "--events: " + events + " is kept, this run writes " + second.events);
+  test::write_text(folder / "events-3.jsonl", "somebody else's");
+  EXPECT_EQ(begin(true).first.events, (folder / "events-4.jsonl").string());
+
+  setup::LiveOptions streams;
+  streams.events = "-";
+  streams.link = "foci:udp:127.0.0.1:9000";
+  for (int i = 0; i < 2; ++i)
+    EXPECT_TRUE(outputs.name(streams, links).empty());
+  streams.events = "/dev/null";
+  for (int i = 0; i < 2; ++i)
+    EXPECT_TRUE(outputs.name(streams, links).empty());
+}
+
+TEST(LiveLine, GoesThereAndBack) {
+  const setup::Given given{{"--scene", {"a b.glb"}}, {"--delta", {"2mm"}}, {"--every-frame", {}}, {"--dark", {}}};
+  EXPECT_EQ(run_command(given), "palpa run --scene 'a b.glb' --every-frame --delta 2mm");
+  const setup::LiveOptions options = live_options(given);
+  EXPECT_EQ(options.scene, "a b.glb");
+  EXPECT_EQ(options.touch.parameters.delta_m, 2e-3);
+  EXPECT_TRUE(options.every_frame);
+  EXPECT_THROW(live_options({{"--scene", {"a.glb"}}, {"--delta", {"-1"}}}), Error);
+  EXPECT_THROW(live_options({}), Error) << "without a scene";
+}
+
+TEST(LiveLine, WhatACommandTellsIsNoneOfTheViewersOwn) {
+  EXPECT_EQ(run_command({{"--scene", {"a.glb"}}, {"--json", {"of-the-viewer.json"}}, {"--frames", {"3"}}},
+                        {{"--frames", {"300"}}, {"--stats", {"json"}}, {"--quiet", {}}}),
+            "palpa run --scene a.glb --frames 300 --stats json --quiet");
+  check_told({{"--frames", {"300"}}, {"--log-level", {"info"}}});
+  EXPECT_THROW(check_told({{"--frames", {"many"}}}), Error);
+}
+
+TEST(LiveLine, TheTableHasWordsAndDefaults) {
+  bool method = false, delta = false;
+  for (const setup::OptionInfo& info : live_table()) {
+    if (info.name == "--method") method = info.words.size() == 4 && info.initial == "cross-section";
+    if (info.name == "--delta")
+      delta = info.initial == "1.5mm" && info.type == "LENGTH" && info.help.ends_with("may be");
+    EXPECT_EQ(info.type == "WORD", info.words.size() > 1) << info.name;
+  }
+  EXPECT_TRUE(method && delta);
+}
+
+TEST(TimeBins, CountTenthsOfTheBudget) {
+  TimeBins bins;
+  for (int i = 0; i < 99; ++i)
+    bins.add(0.55 * TimeBins::budget_s);
+  bins.add(100);
+  EXPECT_EQ(bins.counts[5], 99u);
+  EXPECT_EQ(bins.counts.back(), 1u);
+  EXPECT_NEAR(bins.quantile(0.5), 0.6 * TimeBins::budget_s, 1e-12);
+  EXPECT_EQ(bins.total(), 100u);
+}
+
+}  // namespace
+}  // namespace palpa::viewer

@@ -1,0 +1,176 @@
+// Sound in the picture: planes, heat on the skin, and their bars.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <glm/geometric.hpp>
+
+#include "acoustics/field/pressure.hpp"
+#include "array/drive.hpp"
+#include "array/schedule.hpp"
+#include "support/device.hpp"
+#include "viewer/picture/palette.hpp"
+#include "viewer/render/drawing_test.hpp"
+#include "viewer/render/offscreen.hpp"
+#include "viewer/scenes.hpp"
+#include "viewer/sound/field_slice.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+using ViewerField = test::DrawingTest;
+using Pressures = std::vector<std::complex<double>>;
+
+constexpr std::uint32_t width = 640, height = 400;
+
+Pixels draw(const Picture& picture, const ViewState& state, const Viewpoint& viewpoint = test::front_viewpoint()) {
+  DrawnPicture drawn(test::test_device());
+  drawn.update(picture, state);
+  Offscreen offscreen(test::test_device(), width, height);
+  offscreen.draw(drawn, viewpoint);
+  return offscreen.pixels();
+}
+
+int distance(const std::uint8_t* pixel, const Colour& colour) {
+  int worst = 0;
+  for (int i = 0; i < 3; ++i)
+    worst = std::max(worst, std::abs(static_cast<int>(to_pixel(colour) >> (8 * i) & 255) - pixel[i]));
+  return worst;
+}
+
+const std::uint8_t* at(const Pixels& pixels, const Vec3& world) {
+  const Projected p = project(projection(test::front_viewpoint(), width, height), world);
+  return pixels.at(static_cast<std::uint32_t>(p.x), static_cast<std::uint32_t>(p.y));
+}
+
+TEST(FieldMarks, SamplesAreThePlanesPixels) {
+  SliceState slice;
+  slice.T_world_slice = {{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {0.1, 0.2, 0.3, 1}};
+  slice.size_m = {0.04, 0.02};
+  const SliceGrid grid = slice_grid(slice, 8);
+  EXPECT_EQ(grid.columns, 8u);
+  EXPECT_EQ(grid.rows, 4u);
+  const std::vector<Vec3> points = slice_points(slice, grid);
+  ASSERT_EQ(points.size(), 32u);
+  // From the top left, half a pixel from the edges: its x axis is the world's z.
+  EXPECT_LT(glm::distance(points[0], Vec3(0.1, 0.2 + 0.0075, 0.3 - 0.0175)), 1e-12);
+  EXPECT_LT(glm::distance(points[7], Vec3(0.1, 0.2 + 0.0075, 0.3 + 0.0175)), 1e-12);
+  EXPECT_LT(glm::distance(points[31], Vec3(0.1, 0.2 - 0.0075, 0.3 + 0.0175)), 1e-12);
+}
+
+TEST(FieldMarks, BarsEndAtRoundNumbers) {
+  for (const auto& [most, end] : {std::pair(1.2, 1.5), {700.0, 700.0}, {701.0, 800.0}, {9.5, 10.0}, {0.0, 1.0}})
+    EXPECT_NEAR(round_up(most), end, 1e-9) << most;
+}
+
+TEST(FieldMarks, LoudPlanesAreByShareOfTheLargest) {
+  Picture picture;
+  const SliceGrid grid{2, 1};
+  const Pressures quiet{{0, 300}, {400, 0}}, loud{{0, 2 * array::linear_pressure_pa}, {0, 0}};
+  show_slice(picture, {}, grid, quiet);
+  ASSERT_EQ(picture.bars.size(), 1u);
+  EXPECT_EQ(picture.bars[0].most, 400);
+  EXPECT_NE(picture.bars[0].title.find("Pa peak"), std::string::npos);
+  EXPECT_EQ(picture.images.at(0).pixels[0], to_pixel(drawing::map_colour(0.75)));
+  EXPECT_EQ(picture.images.at(0).pixels[1], to_pixel(drawing::map_colour(1)));
+  show_slice(picture, {}, grid, loud);
+  ASSERT_EQ(picture.bars.size(), 1u) << "in the place of the one before";
+  ASSERT_EQ(picture.images.size(), 1u);
+  EXPECT_EQ(picture.bars[0].most, 1);
+  EXPECT_NE(picture.bars[0].title.find("20.0 kPa"), std::string::npos);
+  EXPECT_NE(picture.bars[0].title.find("beyond linear acoustics"), std::string::npos);
+  EXPECT_EQ(picture.images[0].pixels[0], to_pixel(drawing::map_colour(1)));
+}
+
+TEST_F(ViewerField, ASliceIsTheFieldWhereItIs) {
+  const array::Layout own = array::load_layout("autd3");
+  const array::Layout layout = array::transformed(own, own.default_T_world_layout);
+  array::DriveOptions options;
+  const std::vector<array::SlotFocus> foci{{.position = Vec3(0.01, 0, 0)}};
+  array::Drive drive(layout.transducers.size());
+  array::DriveScratch scratch;
+  array::drive_for(layout, foci, options, drive, scratch);
+  const acoustics::Air air = acoustics::without_absorption(acoustics::air_of({}));
+  FieldSlice field(test::test_device(), layout, air, array::Directivity::t4010a1, 24);
+  Picture picture;
+  SliceState slice;
+  field.show(picture, slice, drive);
+  // Each pixel is the pressure's, to a step of its colour.
+  const SliceGrid grid = slice_grid(slice, 24);
+  const std::vector<Vec3> points = slice_points(slice, grid);
+  const double most = picture.bars.at(0).most;
+  std::size_t loudest = 0;
+  double peak = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double p = std::abs(acoustics::pressure_at(layout, drive, points[i], air.medium));
+    if (p > peak) {
+      peak = p;
+      loudest = i;
+    }
+    const std::uint32_t expected = to_pixel(drawing::map_colour(p / most)), is = picture.images.at(0).pixels[i];
+    for (int channel = 0; channel < 24; channel += 8)
+      ASSERT_NEAR(expected >> channel & 255, is >> channel & 255, 2) << i;
+  }
+  EXPECT_LT(glm::distance(points[loudest], foci[0].position), 8e-3) << "a focus is long along the way to it";
+  EXPECT_LE(peak, most);
+  // In the picture it stands where the field is, hides what is behind, and has a bar; hidden there is neither.
+  picture.skin_points.emplace_back(-0.02f, -0.01f, -0.01f);
+  ViewState state = test::bare_view();
+  const Pixels without = draw(picture, state);
+  EXPECT_GT(distance(at(without, {-0.02, -0.01, -0.01}), light_theme().background), 10);
+  state.layers[Layer::slice].visible = true;
+  const Pixels with = draw(picture, state);
+  EXPECT_LE(distance(at(with, points[loudest]), drawing::map_colour(peak / most)), 12);
+  EXPECT_GT(distance(at(with, {-0.02, -0.01, -0.01}), light_theme().skin_point), 40);
+}
+
+TEST_F(ViewerField, HeatIsThePressureAtTheVertices) {
+  Picture picture;
+  const geometry::Mesh box = test::box({-0.02, -0.02, -0.02}, {0.02, 0.02, 0.02});
+  std::vector<double> pressure;
+  for (const Vec3& at : box.positions)
+    pressure.push_back(at.x > 0 ? 600 : -100);  // pulled elsewhere: the colour of nothing
+  show_heat(picture, "finger", box, pressure);
+  ASSERT_TRUE(picture.skin);
+  EXPECT_EQ(picture.bars.at(0).layer, Layer::heat);
+  ViewState state = test::bare_view();
+  const Pixels skin = draw(picture, state);
+  state.layers[Layer::heat].visible = true;
+  const Pixels heat = draw(picture, state);
+  // Faintly the skin's own without the layer; with it dark on the left, bright on the right, and nothing shines
+  // through.
+  EXPECT_GT(at(skin, {-0.019, 0.003, 0.02})[1], 170);
+  EXPECT_LT(at(heat, {-0.019, 0.003, 0.02})[1], 60);
+  EXPECT_GT(at(heat, {0.019, 0.003, 0.02})[0], at(heat, {-0.019, 0.003, 0.02})[0] + 100);
+  state.layers[Layer::heat].opacity = 0.3f;
+  EXPECT_GT(at(draw(picture, state), {-0.019, 0.003, 0.02})[1], 120);
+}
+
+TEST_F(ViewerField, BarsStandBetweenAxesAndScale) {
+  Picture picture;
+  show_slice(picture, {}, {2, 1}, Pressures{{100, 0}, {0, 0}});
+  picture.images.clear();
+  ViewState state;
+  state.layers.hide({Layer::grid});
+  const Pixels without = draw(picture, state);
+  state.layers[Layer::slice].visible = true;
+  const Pixels with = draw(picture, state);
+  std::uint32_t left = width, right = 0, top = height;
+  for (std::uint32_t y = 0; y < height; ++y) {
+    for (std::uint32_t x = 0; x < width; ++x) {
+      if (std::equal(with.at(x, y), with.at(x, y) + 4, without.at(x, y))) continue;
+      left = std::min(left, x);
+      right = std::max(right, x);
+      top = std::min(top, y);
+    }
+  }
+  EXPECT_GT(left, 90u);
+  EXPECT_LT(right, width - 200);
+  EXPECT_GT(right, left + 200);
+  EXPECT_GT(top, height - 70);
+  // From dark to light; its middle is the colour of half.
+  const std::uint32_t y = height - 34;
+  EXPECT_LE(distance(with.at((left + right) / 2, y), drawing::map_colour(0.5)), 12);
+}
+
+}  // namespace
+}  // namespace palpa::viewer

@@ -1,0 +1,180 @@
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "session/plan/voice.hpp"
+#include "viewer/picture/palette.hpp"
+#include "viewer/picture/picture.hpp"
+#include "viewer/render/overlay.hpp"
+#include "viewer/scenes.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+/// Two fingers: one with four sectors, the last empty, and one that is a single point; one contact of no finger.
+struct Example {
+  std::vector<geometry::Solid> solids;
+  std::vector<sensing::SkinPoint> points;
+  touch::Touch touch;
+  array::Schedule schedule;
+  std::vector<touch::Placement> placements{2};
+
+  Example() {
+    solids.resize(1);
+    solids[0].name = "block";
+    solids[0].mesh = test::box({-0.02, -0.04, -0.02}, {0.02, 0, 0.02});
+    for (std::uint32_t i = 0; i < 12; ++i)
+      points.push_back({{0.001f * static_cast<float>(i), 0, 0}, 10 * i});
+    for (const std::uint32_t i : {1, 2, 3, 5, 7, 8})
+      touch.contacts.push_back({10 * i, 0, 1e-3f, points[i].position});
+    touch.fingers.resize(3);
+    touch.finger_count = 2;  // the third is left over from an earlier frame
+    touch.fingers[0].contacts = {0, 1, 2};
+    touch.fingers[0].section.axes = {glm::vec3(1, 0, 0), glm::vec3(0, 0, -1), glm::vec3(0, 1, 0)};
+    for (std::uint32_t n = 0; n < 4; ++n) {
+      touch.fingers[0].foci.push_back({{0.001f * static_cast<float>(n), 0, 0.002f}, n == 3 ? 0u : 1u});
+    }
+    touch.fingers[1].contacts = {4, 5};
+    touch.fingers[1].point_like = true;
+    touch.fingers[1].section.centroid = {0.0075f, 0, 0};
+    touch.fingers[1].foci.push_back({{0.0075f, 0, 0}, 2});
+    schedule.slot_s = 1.5e-3;
+    for (std::uint32_t f = 0; f < 2; ++f) {
+      touch::place_foci(touch, touch.fingers[f], {}, placements[f]);
+      session::make_voice(placements[f], f, 0, {.stride = 3}, schedule.add_voice());
+    }
+  }
+};
+
+TEST(Picture, ContactsCarryTheirFingerAndAreNoSkinPoints) {
+  const Example example;
+  Picture picture;
+  show_solids(picture, example.solids);
+  show_touch(picture, example.solids, example.points, example.touch);
+  EXPECT_EQ(picture.skin_points.size(), 6u);
+  ASSERT_EQ(picture.contacts.size(), 6u);
+  EXPECT_EQ(picture.contacts[0].finger, 0u);
+  EXPECT_EQ(picture.contacts[2].finger, 0u);
+  EXPECT_FALSE(picture.contacts[3].finger);
+  EXPECT_EQ(picture.contacts[4].finger, 1u);
+  ASSERT_EQ(picture.fingers.size(), 2u);
+  EXPECT_EQ(picture.fingers[0].solid, "block");
+  EXPECT_EQ(picture.fingers[0].contacts, 3u);
+}
+
+TEST(Picture, FociFollowTheOrderAndTheSlotCounterRunsOn) {
+  const Example example;
+  Picture picture;
+  show_touch(picture, example.solids, example.points, example.touch);
+  show_schedule(picture, example.schedule, example.placements);
+  const auto& foci = picture.fingers[0].foci;
+  ASSERT_EQ(foci.size(), 4u);  // order 0 3 2 1
+  EXPECT_FLOAT_EQ(foci[0].position.x, 0.0f);
+  EXPECT_FLOAT_EQ(foci[2].position.x, 0.002f);
+  EXPECT_FLOAT_EQ(foci[3].position.x, 0.001f);
+  for (std::uint32_t i = 0; i < 4; ++i)
+    EXPECT_EQ(foci[i].number, i + 1);
+  EXPECT_TRUE(foci[0].own);
+  EXPECT_FALSE(foci[1].own);  // sector 3 is empty
+  ASSERT_EQ(picture.fingers[1].foci.size(), 1u);
+  EXPECT_TRUE(picture.fingers[1].foci[0].own);
+
+  for (const std::uint64_t slot : {0ull, 3ull, 4ull, 1'000'000'007ull}) {
+    show_slot(picture, example.schedule, slot);
+    EXPECT_EQ(picture.fingers[0].running, slot % 4);
+    EXPECT_EQ(picture.fingers[1].running, 0u);
+    std::vector<array::SlotFocus> sounding;
+    array::foci_of_slot(example.schedule, slot, sounding);
+    EXPECT_EQ(glm::vec3(sounding[0].position), foci[*picture.fingers[0].running].position) << slot;
+  }
+}
+
+TEST(Picture, TheArrayKeepsItsOrderAndBoards) {
+  const array::Layout layout = array::load_layout("paper");
+  Picture picture;
+  show_array(picture, layout);
+  EXPECT_EQ(picture.transducers.size(), 3984u);
+  EXPECT_EQ(picture.boards.size(), 16u);
+  EXPECT_FALSE(picture.driven);
+  const array::Drive drive = array::drive_for(layout, std::vector<array::SlotFocus>{{{0, 0, 0}, 1}});
+  show_drive(picture, drive);
+  EXPECT_TRUE(picture.driven);
+  EXPECT_EQ(picture.transducers[17].phase, drive[17].phase);
+  EXPECT_EQ(picture.transducers[3983].amplitude, drive[3983].amplitude);
+}
+
+TEST(Picture, CamerasAreFrustaInTheWorld) {
+  sensing::Camera camera;
+  camera.name = "left";
+  camera.width = 800;
+  camera.height = 400;
+  camera.fx = camera.fy = 400;
+  camera.cx = 399.5;
+  camera.cy = 199.5;
+  camera.T_world_camera[3] = Vec4(1, 2, 3, 1);
+  Picture picture;
+  show_cameras(picture, std::span(&camera, 1), 0.1);
+  ASSERT_EQ(picture.cameras.size(), 1u);
+  EXPECT_EQ(picture.cameras[0].apex, glm::vec3(1, 2, 3));
+  EXPECT_NEAR(picture.cameras[0].corners[0].x, 1 - 0.1, 1e-6);
+  EXPECT_NEAR(picture.cameras[0].corners[2].y, 2 + 0.05, 1e-6);
+  EXPECT_NEAR(picture.cameras[0].corners[1].z, 3.1, 1e-6);
+}
+
+TEST(Picture, ExtentsGrowFromTouchToAll) {
+  const Example example;
+  Picture picture;
+  show_solids(picture, example.solids);
+  show_touch(picture, example.solids, example.points, example.touch);
+  picture.skin_points.emplace_back(0, 0.5, 0);  // the far end of the arm
+  show_array(picture, array::load_layout("paper"));
+  const Box touch = extent(picture, Extent::touch), objects = extent(picture, Extent::objects),
+            all = extent(picture, Extent::all);
+  EXPECT_LT(touch.high.x - touch.low.x, 0.012);
+  EXPECT_NEAR(objects.low.y, -0.04, 1e-9);
+  EXPECT_LT(objects.high.y, 0.03);
+  EXPECT_NEAR(all.high.y, 0.5, 1e-6);
+  EXPECT_NEAR(all.low.x, -0.2, 1e-6);
+  EXPECT_TRUE(extent(Picture{}, Extent::touch).empty());
+}
+
+/// Strokes of one colour around a place.
+std::size_t count_near(const std::vector<shader::ViewStroke>& strokes, const Projected& at, double radius,
+                       const Colour& colour) {
+  std::size_t n = 0;
+  for (const auto& s : strokes) {
+    const bool near = std::hypot(s.from.x - at.x, s.from.y - at.y) < radius;
+    n += near && s.colour.x == colour.r && s.colour.y == colour.g && s.colour.z == colour.b;
+  }
+  return n;
+}
+
+TEST(Overlay, MarksEveryFocusWhereItIsAndLeavesEmptySectorsOut) {
+  Picture picture;
+  picture.fingers.resize(1);
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    const double a = 2 * std::numbers::pi * i / 5;
+    picture.fingers[0].foci.push_back({{0.01 * std::cos(a), 0.01 * std::sin(a), 0}, i + 1, i != 3});
+  }
+  const Viewpoint viewpoint = test::front_viewpoint();
+  std::vector<shader::ViewStroke> strokes;
+  build_overlay(picture, {}, viewpoint, {640, 480, 1, false}, strokes);
+  const auto view = projection(viewpoint, 640, 480);
+  for (const FocusMark& focus : picture.fingers[0].foci) {
+    const std::size_t marks = count_near(strokes, project(view, Vec3(focus.position)), 1.0, finger_colour(0));
+    EXPECT_EQ(marks, focus.own ? 1u : 0u) << focus.number;
+  }
+  // The lines that join them, in order and closed.
+  std::size_t lines = 0;
+  for (const auto& s : strokes)
+    lines += s.colour.w == 0.75f;
+  EXPECT_EQ(lines, 5u);
+
+  const std::size_t before = strokes.size();
+  picture.fingers[0].running = 2;
+  build_overlay(picture, {}, viewpoint, {640, 480, 1, false}, strokes);
+  EXPECT_GT(strokes.size(), 2 * before - 10);  // appended, and the running one has its halo
+}
+
+}  // namespace
+}  // namespace palpa::viewer

@@ -1,0 +1,98 @@
+// Recorded input, and how it is played.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "viewer/run/interact.hpp"
+#include "viewer/run/script.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+using Kind = Interaction::Kind;
+
+TEST(Interact, ReadsEveryVerb) {
+  const auto steps = parse_interactions(
+      "# a comment\n\n"
+      "move 10 20.5   # and another\n"
+      "press middle shift\n"
+      "release middle\n"
+      "scroll -2\n"
+      "type a #1 b\n"
+      "drop models/a file#2.glb\n"
+      "resize 640 480\n"
+      "draw 7\n"
+      "wait 1.5\n"
+      "shot out.png\n",
+      "log");
+  ASSERT_EQ(steps.size(), 10u);
+  EXPECT_EQ(steps[0].event.kind, WindowEvent::Kind::move);
+  EXPECT_EQ(steps[0].event.y, 20.5);
+  EXPECT_EQ(steps[0].line, 3u);
+  EXPECT_EQ(steps[1].event.button, Button::middle);
+  EXPECT_TRUE(steps[1].event.shift);
+  EXPECT_EQ(steps[1].event.x, 10) << "where the pointer is";
+  EXPECT_EQ(steps[3].event.steps, -2);
+  EXPECT_EQ(steps[4].event.text, "a") << "what follows a space and a # is a comment";
+  EXPECT_EQ(steps[5].event.text, "models/a file#2.glb");
+  EXPECT_EQ(steps[6].width, 640u);
+  EXPECT_EQ(steps[7].count, 7u);
+  EXPECT_EQ(steps[8].seconds, 1.5);
+  EXPECT_EQ(steps[9].file, "out.png");
+}
+
+TEST(Interact, AKeyIsPressedDrawnAndLetGo) {
+  const auto steps = parse_interactions("key page-up ctrl\nkey 7", "log");
+  ASSERT_EQ(steps.size(), 6u);
+  EXPECT_EQ(steps[0].event.key, Key::page_up);
+  EXPECT_TRUE(steps[0].event.ctrl && steps[0].event.down);
+  EXPECT_EQ(steps[1].kind, Kind::draw);
+  EXPECT_FALSE(steps[2].event.down);
+  EXPECT_EQ(steps[3].event.key, key_of('7'));
+}
+
+TEST(Interact, RefusesWhatItDoesNotUnderstandWithItsLine) {
+  for (const char* wrong : {"jump 1 2", "move 1", "move 1 x", "press up", "key nonsense", "draw 1.5", "draw 0",
+                            "wait -1", "resize 0 5", "type", "shot", "move 1 2 3", "press left alt"}) {
+    try {
+      parse_interactions(std::string("draw\n") + wrong, "some.log");
+      ADD_FAILURE() << wrong;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Exit::bad_input) << wrong;
+      EXPECT_EQ(std::string(error.what()).rfind("some.log:2: ", 0), 0u) << error.what();
+    }
+  }
+}
+
+TEST(Script, StopsForPicturesAndForTime) {
+  Script script(parse_interactions("move 1 1\ndraw 2\nmove 2 2\nwait 0.5\nmove 3 3\n", "log"));
+  std::vector<double> places;
+  const auto play = [&](double now) {
+    script.play(now, [&](const Interaction& step) { places.push_back(step.event.x); });
+    return places.size();
+  };
+  EXPECT_EQ(play(0), 1u);
+  script.drew();
+  EXPECT_EQ(play(0), 1u) << "one more picture";
+  script.drew();
+  EXPECT_EQ(play(1), 2u);
+  EXPECT_EQ(play(1.4), 2u) << "time has not passed";
+  EXPECT_TRUE(script.busy());
+  EXPECT_EQ(play(1.6), 3u);
+  EXPECT_FALSE(script.busy());
+}
+
+TEST(Script, IsBusyUntilItsLastWaitIsOver) {
+  Script script(parse_interactions("wait 2\n", "log"));
+  const auto play = [&](double now) { script.play(now, [](const Interaction&) {}); };
+  play(1);
+  play(2.9);
+  EXPECT_TRUE(script.busy());
+  play(3.1);
+  EXPECT_FALSE(script.busy());
+}
+
+}  // namespace
+}  // namespace palpa::viewer

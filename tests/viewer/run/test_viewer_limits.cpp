@@ -1,0 +1,69 @@
+// What palpa-viewer refuses, and what it costs.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "cli/every_command.hpp"
+#include "cli/process.hpp"
+#include "drawing/png.hpp"
+#include "geometry/hostile_models.hpp"
+#include "support/files.hpp"
+#include "support/instrumented.hpp"
+#include "support/shared_data.hpp"
+#include "viewer/render/drawing_test.hpp"
+
+namespace palpa {
+namespace {
+
+using ViewerLimits = test::DrawingTest;
+
+using test::source_file;
+
+test::Result headless_viewer(const std::vector<std::string>& arguments) {
+  return test::run_program(PALPA_VIEWER_BINARY, arguments, {{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}});
+}
+
+TEST_F(ViewerLimits, WhatIsNoNumberIsRefused) {
+  const std::vector<test::HelpedOption> options = test::options_in(headless_viewer({"--help"}).out);
+  int tried = 0;
+  for (const test::HelpedOption& option : options) {
+    for (const char* odd : test::the_first<const char*>(1, {"nan", "inf", "-inf"})) {
+      const std::string value = option.type == "X,Y,Z" ? std::string("0,") + odd + ",0" : odd;
+      static const std::set<std::string> numbers{"LENGTH", "TIME",    "FREQUENCY", "SPEED", "PRESSURE", "N",
+                                                 "NUMBER", "CELSIUS", "PERCENT",   "PART",  "X,Y,Z"};
+      if (!numbers.contains(option.type)) continue;
+      const auto run =
+          headless_viewer({"--scene", source_file("assets/cube.glb"), "--headless", option.name + "=" + value});
+      EXPECT_EQ(run.exit_code, 2) << option.name << " " << value << ": " << run.err;
+      EXPECT_NE(run.err.find(option.name), std::string::npos) << run.err;
+      ++tried;
+    }
+  }
+  EXPECT_GT(tried, test::instrumented() ? 30 : 90);
+  const auto far = headless_viewer({"--scene", source_file("assets/cube.glb"), "--headless", "--eye", "1e300,0,0"});
+  EXPECT_EQ(far.exit_code, 2) << far.err;
+}
+
+// What lies upon each other by the thousand looks as a hundred of it, and takes no longer.
+TEST_F(ViewerLimits, ManyNodesInOnePlaceCostNoMoreThanTheyWeigh) {
+  if (test::instrumented()) GTEST_SKIP() << "skipped: times and memory mean nothing here";
+  const auto folder = test::scratch_folder("viewer-bones");
+  std::vector<std::string> shots;
+  for (const int count : {130, 12'000}) {
+    const auto scene = test::hostile::many_bones(count).write_glb(folder / "bones.glb");
+    shots.push_back(folder / (std::to_string(count) + ".png"));
+    const auto run = headless_viewer({"--scene", scene, "--headless", "--size", "640x400", "--hide", "legend",
+                                      "--screenshot", shots.back(), "--quiet"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    // Twice of what docs/limits.md allows, for busy machines.
+    EXPECT_LT(run.processor_s, 2 * (1 + static_cast<double>(std::filesystem::file_size(scene)) / 1e6));
+    EXPECT_LT(run.peak_mib, 1e9 / (1 << 20));
+  }
+  EXPECT_EQ(drawing::read_png(shots[0]).rgba, drawing::read_png(shots[1]).rgba);
+}
+
+}  // namespace
+}  // namespace palpa

@@ -1,0 +1,102 @@
+// What the participant sees, and which object.
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "viewer/app/app.hpp"
+
+namespace palpa::viewer {
+
+/// The rig's screen is read when somebody asks for it: a rig needs none.
+void App::open_participant(bool open) {
+  Desk::ParticipantView& view = desk_.participant;
+  view.open = false;
+  if (!open) return;
+  if (!view.setting) {
+    ViewerOptions options = options_;
+    if (const auto rig = desk_.given.find("--rig"); rig != desk_.given.end() && !rig->second.empty())
+      options.input.rig = rig->second.front();
+    view.setting = participant_of(options);
+  }
+  view.open = true;
+  dirty_ = true;
+}
+
+void App::try_participant(bool open) {
+  try {
+    open_participant(open);
+  } catch (const Error& error) {
+    say(log::Level::error, error.what(), now_s_);
+  }
+}
+
+void App::tell_monitors(std::vector<std::string> names) {
+  Desk::ParticipantView& view = desk_.participant;
+  view.monitors = std::move(names);
+  view.monitor = view.monitors.empty() ? 0 : view.monitors.size() - 1;
+  const std::string& wanted = options_.monitor;
+  if (wanted.empty()) return;
+  for (std::size_t i = 0; i < view.monitors.size(); ++i) {
+    const std::string& name = view.monitors[i];
+    if (wanted != std::to_string(i + 1) && wanted != name && wanted != name.substr(0, name.rfind(' '))) continue;
+    view.monitor = i;
+    return;
+  }
+  std::string all;
+  for (std::size_t i = 0; i < view.monitors.size(); ++i)
+    all += (i == 0 ? "" : ", ") + std::to_string(i + 1) + " (" + view.monitors[i] + ")";
+  throw bad_usage("--monitor: there is no '" + wanted + "'; give one of " + all);
+}
+
+void App::participant_window_failed(const std::string& fault) {
+  desk_.participant.open = false;
+  say(log::Level::error, fault, now_s_);
+}
+
+void App::handle_participant(const WindowEvent& event) {
+  if (event.kind != WindowEvent::Kind::key || !event.down || event.repeat) return;
+  if (event.key == Key::escape) return try_participant(false);
+  if (event.key == key_of('o')) return switch_off();
+  participant_key(event.key);
+}
+
+/// What both windows take.
+bool App::participant_key(Key key) {
+  if (key == key_of('v')) {
+    desk_.participant.hidden = !desk_.participant.hidden;
+  } else if (key == Key::page_up || key == Key::page_down) {
+    switch_object(key == Key::page_down ? 1 : -1);
+  } else {
+    return false;
+  }
+  dirty_ = true;
+  return true;
+}
+
+/// The next scene of its folder, by name, or the one before.
+void App::switch_object(int by) {
+  const auto scene = desk_.given.find("--scene");
+  if (scene == desk_.given.end() || scene->second.empty()) return;
+  const std::filesystem::path now(scene->second.front());
+  const std::filesystem::path folder = now.has_parent_path() ? now.parent_path() : ".";
+  std::vector<std::filesystem::path> scenes;
+  std::error_code fault;
+  for (std::filesystem::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault)) {
+    const std::filesystem::path ending = entry->path().extension();
+    if (ending == ".glb" || ending == ".gltf") scenes.push_back(entry->path().filename());
+  }
+  std::ranges::sort(scenes);
+  const auto here = std::ranges::find(scenes, now.filename());
+  if (fault || here == scenes.end() || scenes.size() < 2)
+    return say(log::Level::warning, folder.string() + ": has no other scene to switch to", now_s_);
+  const auto count = static_cast<std::ptrdiff_t>(scenes.size());
+  const std::ptrdiff_t next = (here - scenes.begin() + by + count) % count;
+  open(
+      (now.has_parent_path() ? folder / scenes[static_cast<std::size_t>(next)] : scenes[static_cast<std::size_t>(next)])
+          .string(),
+      now_s_);
+}
+
+}  // namespace palpa::viewer

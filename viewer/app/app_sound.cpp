@@ -1,0 +1,60 @@
+// What the application shows of sound.
+
+#include "base/error.hpp"
+#include "session/links/spec.hpp"
+#include "setup/assets.hpp"
+#include "viewer/app/app.hpp"
+#include "viewer/live/live_picture.hpp"
+
+namespace palpa::viewer {
+
+std::string finger_mesh(const std::string& skin, const std::string& source) {
+  if (!skin.empty() || source.empty()) return skin;
+  const session::Spec spec = session::parse_spec(source);
+  if ((spec.name == "synthetic" || spec.name == "mouse") && !spec.argument.empty()) return spec.argument;
+  try {
+    return setup::find_asset("finger.ply");
+  } catch (const Error&) {  // nothing but the pressure needs it
+    return {};
+  }
+}
+
+Sounding App::sounding() {
+  if (show_) return show_->sounding();
+  if (!live_ || !scene_ || desk_.live_state != LiveState::running) return {};
+  Sounding now = sounding_of(scene_, live_->snapshot());
+  if (desk_.state.layers.shows(Layer::slice))  // nothing else asks for it
+    now.slot = drive_of(*scene_, live_->snapshot().plan, desk_.state.time.slot, slot_);
+  if (now.tip && holds_finger()) now.T_world_finger = finger_.pose();
+  return now;
+}
+
+/// The plane begins in the middle of the first touch, unless somebody has said or dragged it elsewhere.
+void App::place_slice_once() {
+  if (slice_placed_ || !desk_.state.layers.shows(Layer::slice)) return;
+  place_slice(desk_.state, options_, picture());
+  slice_placed_ = !picture().fingers.empty() || !options_.slice_at.empty();
+}
+
+void App::turn_slice(setup::Plane plane) {
+  options_.slice_plane = plane;
+  options_.slice_at.clear();
+  options_.slice_size_m = desk_.state.slice.size_m.x;
+  place_slice(desk_.state, options_, picture());
+  slice_placed_ = !picture().fingers.empty();
+}
+
+void App::listen(double now_s) {
+  place_slice_once();
+  const Sounding now = sounding();
+  desk_.state.slice_handles = now.layout != nullptr;
+  const Change change = sounds_.look(now, desk_.state, desk_.wants_spectrum, shown_picture(), now_s);
+  stale_skin_ = stale_skin_ || change.skin;
+  stale_marks_ = stale_marks_ || change.marks;
+  dirty_ = dirty_ || change.skin || change.marks;
+  desk_.spectra = sounds_.spectra();
+  for (const std::string& fault : sounds_.faults())
+    say(log::Level::error, fault, now_s);
+}
+
+}  // namespace palpa::viewer

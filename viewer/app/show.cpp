@@ -1,0 +1,147 @@
+#include "viewer/app/show.hpp"
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+#include <optional>
+#include <utility>
+
+#include "base/error.hpp"
+#include "geometry/files/ply.hpp"
+#include "sensing/rig.hpp"
+#include "sensing/skin_twin.hpp"
+#include "setup/load.hpp"
+#include "setup/progress.hpp"
+#include "setup/touch_run.hpp"
+#include "setup/touch_schedule.hpp"
+#include "setup/warnings.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+/// Depth images show far more than the hand: only what lies this near the solids is drawn.
+constexpr double skin_reach = 0.12;
+
+std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input, std::span<const geometry::Solid> solids) {
+  if (input.cameras.empty()) return input.points;
+  Box box;
+  for (const geometry::Solid& solid : solids) {
+    box.add(solid.bounds.low - Vec3(skin_reach));
+    box.add(solid.bounds.high + Vec3(skin_reach));
+  }
+  return sensing::find_skin(input.cameras, input.frames, box);
+}
+
+}  // namespace
+
+Show::Show(const ViewerOptions& options)
+    : layout_(std::make_shared<const array::Layout>()),
+      air_(setup::air(options.drive.medium, {})),
+      spot_m_(options.touch.spot_m),
+      drive_options_(setup::drive_options(options.drive, options.touch.method.method)) {
+  picture_.title = options.title;
+  {
+    const setup::Preparing preparing(options.common.quiet);
+    load_array(options);
+    if (!options.input.scene.empty()) load_objects(options);
+  }
+  if (!options.skin.empty() && !picture_.skin) load_skin_surface(options);
+  go_to(options.slot);
+}
+
+void Show::load_objects(const ViewerOptions& options) {
+  std::vector<geometry::Solid> solids =
+      setup::load_solids(options.input.scene, options.input.gltf_scene, options.input.solids);
+  show_solids(picture_, solids);
+  if (options.input.points.empty() && options.input.depths.empty()) return;
+  const setup::TouchInput input = setup::load_touch_input(options.input, solids);
+  setup::StageTimes times;
+  check(options.drive, solids);
+  setup::TouchArray array{.layout = {}, .drive = drive_options_, .pressure_pa = options.drive.pressure_pa};
+  const auto asks = [](const geometry::Solid& solid) { return solid.haptics.pressure_pa.has_value(); };
+  const bool felt = options.felt.spectrum || options.touch.tune || !options.skin.empty();
+  // Only what skin feels in time and what pressures are reached depend on the array; drives come slot by slot.
+  if (felt || array.pressure_pa || std::ranges::any_of(solids, asks)) array.layout = *layout_;
+  const setup::OneTouch one = setup::touch_once(options.common, options.touch, options.felt, options.input.scene,
+                                                std::move(solids), input, std::move(array), times);
+  show_touch(picture_, one.session.solids(), points_near(input, one.session.solids()), one.touch);
+  picture_.skin_count = input.point_count;
+  show_cameras(picture_, input.cameras);
+  show_depth(picture_, input.cameras, input.frames);
+  schedule_ = one.session.schedule();
+  if (!options.skin.empty() && !layout_->transducers.empty()) plan_ = one.session.plan();
+  std::vector<touch::Placement> placements;
+  for (const session::ScheduledFinger& finger : one.session.scheduler().fingers())
+    placements.push_back(finger.placement);
+  show_schedule(picture_, schedule_, placements);
+  if (options.felt.spectrum) show_spectra(picture_, setup::spectra_of(one.session));
+}
+
+void Show::load_skin_surface(const ViewerOptions& options) {
+  const geometry::Ply ply = geometry::read_ply(options.skin);
+  if (ply.triangles.empty())
+    throw bad_input(options.skin, "has no faces; --skin wants a mesh, --points takes points alone");
+  geometry::Mesh mesh = geometry::weld({ply.positions, ply.triangles});
+  if (options.input.penetration_m && !mesh.positions.empty()) {
+    double top = -1e300, lowest = 1e300;
+    for (const SurfaceMark& solid : picture_.solids)
+      top = std::max(top, geometry::bounds(solid.mesh).high.y);
+    for (const Vec3& p : mesh.positions)
+      lowest = std::min(lowest, p.y);
+    skin_lowered_m_ = top - *options.input.penetration_m - lowest;
+    for (Vec3& p : mesh.positions)
+      p.y += skin_lowered_m_;
+  }
+  picture_.skin = SurfaceMark{std::filesystem::path(options.skin).stem().string(), std::move(mesh)};
+}
+
+void Show::load_array(const ViewerOptions& options) {
+  std::string name = options.layout;
+  std::optional<Transform> pose;
+  if (name.empty() && !options.input.rig.empty()) {
+    const sensing::Rig rig = sensing::load_rig(options.input.rig);
+    if (rig.array) {
+      name = rig.array->layout;
+      pose = rig.array->T_world_layout;
+    }
+  }
+  if (name.empty()) return;
+  const array::Layout layout = array::load_layout(name);
+  layout_ =
+      std::make_shared<const array::Layout>(array::transformed(layout, pose.value_or(layout.default_T_world_layout)));
+  setup::warn_of_frequency(*layout_, drive_options_.medium);
+  show_array(picture_, *layout_);
+}
+
+void Show::show_field(FieldSlice& field, const SliceState& slice) {
+  if (!drive_.empty()) field.show(picture_, slice, drive_);
+}
+
+Sounding Show::sounding() const {
+  Sounding now;
+  if (!layout_->transducers.empty()) now.layout = layout_;
+  now.drive = drive_options_;
+  now.air = air_;
+  now.spot_m = spot_m_;
+  if (schedule_.voice_count > 0) now.schedule = &schedule_;
+  if (plan_) now.plan = &*plan_;
+  now.slot = drive_;
+  now.T_world_finger = glm::translate(Transform(1.0), Vec3(0, skin_lowered_m_, 0));
+  return now;
+}
+
+bool Show::changes() const {
+  return std::any_of(picture_.fingers.begin(), picture_.fingers.end(),
+                     [](const FingerMarks& finger) { return finger.foci.size() > 1; });
+}
+
+void Show::go_to(std::uint64_t slot) {
+  if (schedule_.voice_count == 0) return;
+  show_slot(picture_, schedule_, slot);
+  if (picture_.transducers.empty()) return;
+  array::foci_of_slot(schedule_, slot, foci_);
+  drive_.resize(layout_->transducers.size());
+  array::drive_for(*layout_, foci_, drive_options_, drive_, drive_scratch_);
+  show_drive(picture_, drive_);
+}
+
+}  // namespace palpa::viewer

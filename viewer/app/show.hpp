@@ -1,0 +1,57 @@
+// From the command line to a picture, slot by slot: loads what is shown and lets the engine touch it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "array/drive.hpp"
+#include "array/schedule.hpp"
+#include "session/session.hpp"
+#include "viewer/app/viewer_options.hpp"
+#include "viewer/picture/picture.hpp"
+#include "viewer/sound/field_slice.hpp"
+#include "viewer/sound/sounding.hpp"
+
+namespace palpa::viewer {
+
+class Show {
+ public:
+  /// Reads the files and finds contacts, fingers and foci. Throws as the engine does.
+  explicit Show(const ViewerOptions& options);
+
+  const Picture& picture() const { return picture_; }
+  Picture& picture() { return picture_; }
+  /// Whether slots look different from each other.
+  bool changes() const;
+  /// The running foci and the drive of that slot.
+  void go_to(std::uint64_t slot);
+  /// Puts the field of that drive into the picture; nothing where there is none.
+  void show_field(FieldSlice& field, const SliceState& slice);
+
+  /// Of --layout or the rig, in the world.
+  const array::Layout& layout() const { return *layout_; }
+  /// What the slot of go_to() sounds like, and what is felt of all of them; valid as long as this is and no other slot
+  /// is shown. It has a plan where --skin and an array are there.
+  Sounding sounding() const;
+
+ private:
+  void load_objects(const ViewerOptions& options);
+  void load_skin_surface(const ViewerOptions& options);
+  void load_array(const ViewerOptions& options);
+
+  Picture picture_;
+  array::Schedule schedule_;
+  std::shared_ptr<const array::Layout> layout_;  ///< in the world; without transducers where there is none
+  std::optional<session::Plan> plan_;
+  acoustics::Air air_;
+  std::optional<double> spot_m_;
+  double skin_lowered_m_ = 0;
+  array::DriveOptions drive_options_;
+  std::vector<array::SlotFocus> foci_;
+  array::Drive drive_;
+  array::DriveScratch drive_scratch_;
+};
+
+}  // namespace palpa::viewer

@@ -1,0 +1,51 @@
+#include "viewer/picture/colour_bars.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "drawing/field_picture.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+constexpr double left_of_all = 112, right_of_all = 210;        // points: axes and scale
+constexpr double longest = 300, shortest = 150, step_up = 50;  // points
+constexpr double letters = 8, thick = 9;
+
+void draw_bar(drawing::Ink& ink, const ColourBar& bar, const Vec2& at, double length, const Theme& theme) {
+  constexpr int pieces = 96;
+  const std::string title = bar.note.empty() ? bar.title : bar.title + " (" + bar.note + ")";
+  ink.label(title, at + Vec2(length / 2, -ink.px(10)), letters, theme.ink, drawing::Align::centre);
+  if (!(bar.most > 0)) return;
+  for (int i = 0; i < pieces; ++i) {
+    // Strokes have round ends: each reaches under the next, and the last ends where the bar does.
+    const double from = length * i / pieces, to = std::min(length, length * (i + 1.0) / pieces);
+    ink.line(at + Vec2(from, 0), at + Vec2(to, 0), thick, drawing::map_colour((i + 0.5) / pieces));
+  }
+  const std::vector<double> marks = drawing::ticks(0, bar.most, 5);
+  const double step = marks.size() > 1 ? marks[1] - marks[0] : bar.most;
+  for (const double mark : marks) {
+    const Vec2 foot = at + Vec2(length * mark / bar.most, ink.px(thick / 2));
+    ink.line(foot, foot + Vec2(0, ink.px(4)), 1.2, theme.ink);
+    ink.label(drawing::tick_label(mark, step), foot + Vec2(0, ink.px(7 + letters)), letters, theme.ink,
+              drawing::Align::centre);
+  }
+}
+
+}  // namespace
+
+void draw_bars(drawing::Ink& ink, const Picture& picture, const Layers& layers, double width, double height,
+               double chart, const Theme& theme) {
+  const double left = std::max(ink.px(left_of_all), chart * width + ink.px(24));
+  const double room = width - ink.px(right_of_all) - left;
+  if (room < ink.px(shortest)) return;
+  const double length = std::min(room, ink.px(longest));
+  double y = height - ink.px(34);
+  for (const ColourBar& bar : picture.bars) {
+    if (!layers.shows(bar.layer)) continue;
+    draw_bar(ink, bar, {left + (room - length) / 2, y}, length, theme);
+    y -= ink.px(step_up);
+  }
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,166 @@
+// What a picture shows, as plain values: the renderer's whole input besides the viewpoint. Nothing of Vulkan in it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "acoustics/felt/spectrum.hpp"
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+#include "array/schedule.hpp"
+#include "base/math.hpp"
+#include "drawing/colour.hpp"
+#include "geometry/mesh/mesh.hpp"
+#include "geometry/solid.hpp"
+#include "sensing/camera.hpp"
+#include "sensing/depth_source.hpp"
+#include "sensing/skin_point.hpp"
+#include "touch/foci/method.hpp"
+#include "touch/types.hpp"
+#include "viewer/view/frustum.hpp"
+#include "viewer/view/view_state.hpp"
+
+namespace palpa::viewer {
+
+/// A translucent surface in world coordinates, welded.
+struct SurfaceMark {
+  std::string name;
+  geometry::Mesh mesh;
+  std::optional<std::uint32_t> part{};     ///< of a solid of convex parts: which of them; drawn in a colour of its own
+  std::vector<drawing::Colour> colours{};  ///< of the mesh's vertices, for the layer heat; or none
+  std::uint32_t solid = 0;                 ///< of a solid: which of the scene's it is, or is a part of
+};
+
+/// A skin point in a solid's shell, drawn in its finger's colour.
+struct ContactMark {
+  glm::vec3 position{};
+  std::optional<std::uint32_t> finger;  ///< none: its cluster is too small to be a finger
+};
+
+/// One entry of a finger's order. An empty sector plays another sector's focus and has no mark of its own.
+struct FocusMark {
+  glm::vec3 position{};
+  std::uint32_t number = 0;  ///< its place in the order, from 1
+  bool own = true;           ///< false: an empty sector's slot
+};
+
+/// A finger's cross-section: the plane of its contacts, and its principal axes.
+struct SectionMark {
+  glm::vec3 centre{};
+  std::array<glm::vec3, 3> axes{};  ///< in the plane the longer and the shorter, across it; unit vectors
+  glm::vec2 reach{};                ///< along the first two: two standard deviations, metres
+};
+/// Where axis 0, 1 or 2 is drawn to: beyond the plane's rim, so that its name has room.
+glm::vec3 section_tip(const SectionMark& section, std::size_t axis);
+
+struct FingerMarks {
+  std::string solid;  ///< what it touches
+  std::uint32_t contacts = 0;
+  std::vector<FocusMark> foci;  ///< as they play; joined by a line in this order
+  /// Index into `foci` of the focus that sounds now, highlighted.
+  std::optional<std::uint32_t> running;
+  bool together = false;               ///< all of them sound now
+  std::optional<SectionMark> section;  ///< none of a finger that is a single point
+};
+
+/// One line of what skin feels in time, by the mean pressure.
+struct SpectrumMark {
+  double frequency_hz = 0;
+  double around = 0;  ///< its amplitude around the perimeter (acoustics::Line)
+  double felt = 0;    ///< the same by how sensitive skin is to it
+};
+
+struct TransducerMark {
+  glm::vec3 position{}, axis{};
+  float amplitude = 0, phase = 0;  ///< of its drive; brightness and hue
+};
+
+/// A transducer board: corners in order around it.
+using BoardMark = std::array<glm::vec3, 4>;
+
+struct CameraMark {
+  std::string name;
+  glm::vec3 apex{};
+  std::array<glm::vec3, 4> corners{};  ///< where the image's corners are, some way before the apex
+  Frustum frustum{};                   ///< what it sees
+};
+
+/// What the colours of a layer mean, from nothing to `most`.
+struct ColourBar {
+  Layer layer = Layer::slice;
+  std::string title;   ///< with its unit
+  double most = 1;     ///< 0: nobody knows yet, there is the title alone
+  std::string note{};  ///< why the layer is not of what sounds now; else empty
+};
+
+/// A flat image in the world.
+struct ImageMark {
+  Layer layer = Layer::depth;
+  std::array<glm::vec3, 4> corners{};  ///< top left, top right, bottom right, bottom left
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint32_t> pixels;  ///< rows from the top; red in the lowest byte, then green, blue and alpha
+};
+
+struct Picture {
+  std::string title;  ///< above the legend, may be empty
+  std::vector<SurfaceMark> solids;
+  std::optional<std::array<glm::vec3, 4>> tile;  ///< marks the top of the solids; corners in order around it
+  std::uint32_t tile_solid = 0;                  ///< on which it is
+  std::optional<SurfaceMark> skin;               ///< the finger's or hand's surface, drawn faintly
+  std::vector<glm::vec3> skin_points;            ///< those near the solids that are no contacts
+  std::uint64_t skin_count = 0;                  ///< skin points in all, contacts and those far away too
+  std::vector<ContactMark> contacts;
+  std::vector<FingerMarks> fingers;
+  std::vector<TransducerMark> transducers;
+  float transducer_radius_m = 4.2e-3f;
+  bool driven = false;  ///< transducers have a drive; otherwise they are drawn idle
+  std::vector<BoardMark> boards;
+  std::vector<CameraMark> cameras;
+  std::vector<ImageMark> images;
+  std::vector<ColourBar> bars;
+  std::vector<std::vector<SpectrumMark>> spectra;  ///< one per finger, drawn as a chart; or none
+};
+
+// What fills a picture from the engine's values; each replaces its own part only.
+
+/// With a tile of 10 mm on the highest of them, in the middle of its top.
+void show_solids(Picture& picture, std::span<const geometry::Solid> solids);
+/// `points` in ascending order of index; those that are contacts are drawn as contacts only.
+void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::span<const sensing::SkinPoint> points,
+                const touch::Touch& touch);
+/// Foci in playing order, one voice and one placement per finger of `show_touch` and in its order.
+void show_schedule(Picture& picture, const array::Schedule& schedule, std::span<const touch::Placement> placements);
+/// What skin feels of each finger, in the order of `show_touch`.
+void show_spectra(Picture& picture, std::span<const acoustics::Spectrum> spectra);
+/// Which focus sounds in `slot`; the counter never restarts.
+void show_slot(Picture& picture, const array::Schedule& schedule, std::uint64_t slot);
+/// `layout` posed in the world.
+void show_array(Picture& picture, const array::Layout& layout);
+/// The drive of the transducers that show_array put there, in the same order.
+void show_drive(Picture& picture, std::span<const array::TransducerDrive> drive);
+/// Frusta as long as `depth_m`.
+void show_cameras(Picture& picture, std::span<const sensing::Camera> cameras, double depth_m = 0.08);
+/// One image for each camera of show_cameras, at the end of its frustum: the nearer, the lighter, no data as a shade.
+/// Coarser than the frames, so that a live view stays quick.
+void show_depth(Picture& picture, std::span<const sensing::Camera> cameras,
+                std::span<const sensing::DepthFrame> frames);
+
+/// Where the parts of solids go when they are taken apart: one for each surface, nothing for a solid that is whole.
+/// Parts move away from their solid's middle, those at its ends by about its size.
+std::vector<Vec3> apart(std::span<const SurfaceMark> solids);
+
+/// What the view should show.
+enum class Extent {
+  touch,    ///< close up: fingers' contacts and foci; objects where nothing touches
+  objects,  ///< solids, contacts, and the skin up to 3 cm around them
+  all,      ///< everything, array and cameras too
+};
+/// `explode` and whether cameras are shown are those of `state`.
+Box extent(const Picture& picture, Extent extent, const ViewState& state = {});
+
+}  // namespace palpa::viewer

@@ -1,0 +1,223 @@
+#include "viewer/render/drawn_picture.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <map>
+#include <span>
+#include <tuple>
+#include <utility>
+
+#include "viewer/picture/detail.hpp"
+#include "viewer/picture/shape.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+shader::vec4 pack(const glm::vec3& v, float w) {
+  return {v.x, v.y, v.z, w};
+}
+shader::vec4 pack(const Colour& c, float w) {
+  return {c.r, c.g, c.b, w};
+}
+
+constexpr float unbounded = 1e6f;
+
+/// So many surfaces in exactly the same place look as any more of them do: what another layer of a solid's colour
+/// changes is less than a picture's colours can tell apart, but for a few pixels at the rims of lines.
+constexpr std::uint32_t enough_layers = 128;
+
+struct BySurface {
+  bool operator()(const SurfaceMark* a, const SurfaceMark* b) const {
+    const auto order = [](const SurfaceMark& s) {
+      return std::tuple(s.mesh.triangles.size(), s.mesh.positions.size(), s.part);
+    };
+    if (order(*a) != order(*b)) return order(*a) < order(*b);
+    const auto compare = [](const auto& left, const auto& right) {
+      return left.empty() ? 0 : std::memcmp(left.data(), right.data(), left.size() * sizeof(left[0]));
+    };
+    const int positions = compare(a->mesh.positions, b->mesh.positions);
+    return positions != 0 ? positions < 0 : compare(a->mesh.triangles, b->mesh.triangles) < 0;
+  }
+};
+
+}  // namespace
+
+template <typename T>
+void DrawnPicture::fill(gpu::Upload& upload, const std::vector<T>& items, const char* name) {
+  const VkDeviceSize bytes = items.size() * sizeof(T);
+  if (upload.data() == nullptr || upload.ref().size < bytes) {
+    upload = gpu::Upload(*device_, std::max<VkDeviceSize>(bytes + bytes / 2, sizeof(T)), name);
+  }
+  if (bytes != 0) std::memcpy(upload.data(), items.data(), bytes);
+}
+
+void DrawnPicture::begin_surfaces() {
+  new_vertices_.clear();
+  new_corners_.clear();
+}
+
+void DrawnPicture::end_surfaces(SurfaceMemory& memory, const char* name, const char* corners_name) {
+  fill(memory.vertices, new_vertices_, name);
+  fill(memory.corners, new_corners_, corners_name);
+  memory.changed = true;
+}
+
+SurfaceItems DrawnPicture::add_surface(const SurfaceMark& surface) {
+  Shape shape = make_shape(surface.mesh, usual_crease, surface.colours);
+  SurfaceItems range;
+  const auto first_vertex = static_cast<std::uint32_t>(new_vertices_.size());
+  const auto append = [&](std::span<const std::uint32_t> corners) {
+    const Items items{static_cast<std::uint32_t>(new_corners_.size()), static_cast<std::uint32_t>(corners.size())};
+    for (const std::uint32_t corner : corners)
+      new_corners_.push_back(first_vertex + corner);
+    return items;
+  };
+  range.corners = append(shape.corners);
+  // Colours are to be seen everywhere.
+  if (surface.colours.empty()) {
+    for (const Detail& detail : coarser(shape.vertices, shape.corners))
+      range.coarser.push_back({append(detail.corners), detail.error_m});
+  }
+  new_vertices_.insert(new_vertices_.end(), shape.vertices.begin(), shape.vertices.end());
+  range.edges = std::move(shape.edges);
+  range.bounds = geometry::bounds(surface.mesh);
+  range.part = surface.part;
+  return range;
+}
+
+void DrawnPicture::update(const Picture& picture, const ViewState& state) {
+  begin_surfaces();
+  solids_.clear();
+  picture_.solids.clear();
+  const std::vector<Vec3> ways = apart(picture.solids);
+  std::map<const SurfaceMark*, std::uint32_t, BySurface> layers;
+  for (std::size_t i = 0; i < picture.solids.size(); ++i) {
+    const SurfaceMark& solid = picture.solids[i];
+    if (!solid.colours.empty() || ++layers[&solid] <= enough_layers) {
+      solids_.push_back(add_surface(solid));
+      solids_.back().away = ways[i];
+    }
+    picture_.solids.push_back({solid.name, {}, solid.part});
+  }
+  end_surfaces(solids_memory_, "solids", "solids' corners");
+  update_skin(picture, state);
+}
+
+void DrawnPicture::update_skin(const Picture& picture, const ViewState& state) {
+  begin_surfaces();
+  picture_.skin.reset();
+  skin_has_colours_ = false;
+  skin_ = {};
+  if (picture.skin) {
+    skin_ = add_surface(*picture.skin);
+    picture_.skin = SurfaceMark{picture.skin->name, {}};
+    skin_has_colours_ = !picture.skin->colours.empty();
+  }
+  end_surfaces(skin_memory_, "skin", "skin's corners");
+  everything_ = solids_.empty() ? extent(picture, Extent::all) : Box();
+  update_marks(picture, state);
+}
+
+void DrawnPicture::update_marks(const Picture& picture, const ViewState& state) {
+  state_ = state;
+  picture_.title = picture.title;
+  picture_.skin_count = picture.skin_count;
+  picture_.contacts = picture.contacts;
+  picture_.fingers = picture.fingers;
+  picture_.transducers = picture.transducers;
+  picture_.driven = picture.driven;
+  picture_.cameras = picture.cameras;
+  picture_.spectra = picture.spectra;
+  picture_.bars = picture.bars;
+  const Theme& theme = state.dark ? dark_theme() : light_theme();
+  add_discs(picture, theme);
+  build_marks(picture, state, floor(), new_marks_);
+  new_vertices_ = new_marks_.boards;
+  boards_ = {0, static_cast<std::uint32_t>(new_vertices_.size())};
+  const auto append = [&](Items& range, const std::vector<shader::ViewVertex>& faces) {
+    range = {static_cast<std::uint32_t>(new_vertices_.size()), static_cast<std::uint32_t>(faces.size())};
+    new_vertices_.insert(new_vertices_.end(), faces.begin(), faces.end());
+  };
+  append(sections_, new_marks_.sections);
+  append(tile_, new_marks_.tile);
+  add_images(picture);
+  lines_ = {0, static_cast<std::uint32_t>(new_marks_.lines.size())};
+  fill(face_vertices_, new_vertices_, "faces");
+  fill(pixels_, new_pixels_, "images");
+  fill(strokes_, new_marks_.lines, "lines");
+  marks_changed_ = true;
+}
+
+/// The grid lies under the objects, else under everything.
+Box DrawnPicture::floor() const {
+  Box box = everything_;
+  for (const SurfaceItems& solid : solids_) {
+    if (solid.bounds.empty()) continue;
+    box.add(solid.bounds.low + state_.explode * solid.away);
+    box.add(solid.bounds.high + state_.explode * solid.away);
+  }
+  return box;
+}
+
+void DrawnPicture::add_discs(const Picture& picture, const Theme& theme) {
+  new_discs_.clear();
+  const auto begin = [&] { return Items{static_cast<std::uint32_t>(new_discs_.size()), 0}; };
+  const auto end = [&](Items& range) { range.count = static_cast<std::uint32_t>(new_discs_.size()) - range.first; };
+  points_ = begin();
+  points_box_ = {};
+  for (const glm::vec3& p : picture.skin_points) {
+    points_box_.add(Vec3(p));
+    new_discs_.push_back({pack(p, 0.2e-3f), {0, 0, 0, 0.8f}, pack(theme.skin_point, 2.2f)});
+  }
+  end(points_);
+  contacts_ = begin();
+  for (const ContactMark& c : picture.contacts) {
+    const Colour colour = c.finger ? finger_colour(*c.finger) : theme.loose_contact;
+    new_discs_.push_back({pack(c.position, 0.34e-3f), {0, 0, 0, 1.6f}, pack(colour, 4.5f)});
+  }
+  end(contacts_);
+  transducers_ = begin();
+  for (const TransducerMark& t : picture.transducers) {
+    const Colour colour = picture.driven ? drive_colour(t.amplitude, t.phase) : theme.idle_transducer;
+    const glm::vec3 axis = glm::length(t.axis) > 0.5f ? t.axis : glm::vec3(0, 0, 1);
+    new_discs_.push_back({pack(t.position, picture.transducer_radius_m), pack(axis, 0), pack(colour, unbounded)});
+  }
+  end(transducers_);
+  fill(discs_, new_discs_, "points and transducers");
+}
+
+void DrawnPicture::add_images(const Picture& picture) {
+  images_.clear();
+  new_pixels_.clear();
+  for (const ImageMark& image : picture.images) {
+    if (image.pixels.empty() || !state_.layers.shows(image.layer)) continue;
+    images_.push_back({image.layer,
+                       {static_cast<std::uint32_t>(new_vertices_.size()), 6},
+                       static_cast<std::uint32_t>(new_pixels_.size()),
+                       image.width,
+                       image.height});
+    for (const std::size_t corner : {0, 1, 2, 0, 2, 3}) {
+      const float x = corner == 1 || corner == 2 ? 1 : 0, y = corner >= 2 ? 1 : 0;
+      new_vertices_.push_back({pack(image.corners[corner], x), {0, 0, 0, y}});
+    }
+    new_pixels_.insert(new_pixels_.end(), image.pixels.begin(), image.pixels.end());
+  }
+}
+
+void DrawnPicture::record_upload(VkCommandBuffer commands) {
+  for (SurfaceMemory* memory : {&solids_memory_, &skin_memory_}) {
+    if (!std::exchange(memory->changed, false)) continue;
+    memory->vertices.record(commands);
+    memory->corners.record(commands);
+  }
+  if (marks_changed_) {
+    face_vertices_.record(commands);
+    pixels_.record(commands);
+    discs_.record(commands);
+    strokes_.record(commands);
+  }
+  marks_changed_ = false;
+}
+
+}  // namespace palpa::viewer

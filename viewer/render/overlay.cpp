@@ -1,0 +1,324 @@
+#include "viewer/render/overlay.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <string_view>
+
+#include "drawing/ink.hpp"
+#include "viewer/hands/slice_hand.hpp"
+#include "viewer/picture/chart.hpp"
+#include "viewer/picture/colour_bars.hpp"
+#include "viewer/picture/palette.hpp"
+
+namespace palpa::viewer {
+
+using drawing::Align;
+using drawing::Ink;
+using drawing::text_size;
+
+namespace {
+
+struct Placed {
+  Vec2 at;
+  double depth;
+  std::size_t index;
+};
+
+void draw_camera_names(Ink& ink, const Picture& picture, const shader::ViewPush& projection, const Theme& theme) {
+  for (const CameraMark& mark : picture.cameras) {
+    const Projected p = project(projection, Vec3(mark.apex));
+    if (p.visible) ink.label(mark.name, Vec2(p.x, p.y - ink.px(8)), 8, theme.faint_ink, Align::centre);
+  }
+}
+
+/// w1, w2 and w3 at the ends of a cross-section's axes.
+void draw_axis_names(Ink& ink, const Picture& picture, const shader::ViewPush& projection, const Theme& theme) {
+  for (std::size_t f = 0; f < picture.fingers.size(); ++f) {
+    const auto& section = picture.fingers[f].section;
+    if (!section) continue;
+    const Projected centre = project(projection, Vec3(section->centre));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Projected tip = project(projection, Vec3(section_tip(*section, axis)));
+      const Vec2 way(tip.x - centre.x, tip.y - centre.y);
+      // Too short to be told from the others: far away, or seen from its end.
+      if (!tip.visible || !centre.visible || glm::length(way) < ink.px(18)) continue;
+      const Vec2 at = Vec2(tip.x, tip.y) + ink.px(9) * glm::normalize(way);
+      const Colour colour = mix(finger_colour(static_cast<std::uint32_t>(f)), theme.ink, 0.35f);
+      ink.label(fmt::format("w{}", axis + 1), at + Vec2(0, ink.px(3)), 8, colour, Align::centre, 1.2);
+    }
+  }
+}
+
+/// A cross that leaves its middle free.
+void draw_picked(Ink& ink, const Vec3& picked, const shader::ViewPush& projection, const Theme& theme) {
+  const Projected p = project(projection, picked);
+  if (!p.visible) return;
+  const Vec2 at(p.x, p.y);
+  for (const double width : {4.0, 1.4}) {
+    const Colour& colour = width > 2 ? theme.background : theme.ink;
+    ink.ring(at, 6, width, colour);
+    for (const Vec2 way : {Vec2(1, 0), Vec2(0, 1), Vec2(-1, 0), Vec2(0, -1)})
+      ink.line(at + ink.px(6) * way, at + ink.px(12) * way, width, colour);
+  }
+}
+
+/// The handles of a plane that a hand may take, and the frame that they move.
+void draw_slice_handles(Ink& ink, const SliceState& slice, const shader::ViewPush& projection, const Theme& theme) {
+  const auto at = [&](const Vec3& world) { return project(projection, world); };
+  const Projected middle = at(place_of(SliceHandle::middle, slice)), tip = at(normal_tip(slice));
+  const auto line = [&](const Projected& a, const Projected& b) {
+    if (!a.visible || !b.visible) return;
+    for (const double width : {3.6, 1.6})
+      ink.line({a.x, a.y}, {b.x, b.y}, width, width > 2 ? theme.background : theme.ink);
+  };
+  for (const SliceHandle end : {SliceHandle::x_end, SliceHandle::y_end})
+    line(middle, at(place_of(end, slice)));
+  line(middle, tip);
+  for (const SliceHandle handle : slice_handles) {
+    const Projected p = at(place_of(handle, slice));
+    if (!p.visible) continue;
+    ink.disc({p.x, p.y}, 7, theme.background);
+    ink.disc({p.x, p.y}, 5.5, theme.ink);
+    if (handle != SliceHandle::middle) ink.disc({p.x, p.y}, 3, theme.background);
+  }
+}
+
+void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, std::optional<std::uint32_t> chosen,
+                 const shader::ViewPush& projection, const Theme& theme) {
+  const Colour colour = finger_colour(index);
+  std::vector<Placed> placed;
+  for (std::size_t i = 0; i < finger.foci.size(); ++i) {
+    const Projected p = project(projection, Vec3(finger.foci[i].position));
+    if (p.visible) placed.push_back({{p.x, p.y}, p.depth, i});
+  }
+  if (placed.empty()) return;
+  // As large as the gaps between neighbours allow, so that a distant finger is small dots instead of one blot.
+  double nearest = 1e9;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    for (std::size_t j = i + 1; j < placed.size(); ++j) {
+      const double gap = glm::distance(placed[i].at, placed[j].at);
+      if (finger.foci[placed[i].index].own && finger.foci[placed[j].index].own && gap > 1e-3) {
+        nearest = std::min(nearest, gap);
+      }
+    }
+  }
+  double span = 0;
+  for (const Placed& p : placed)
+    span = std::max(span, glm::distance(p.at, placed[0].at));
+  const double radius = std::clamp(std::max(0.46 * nearest, 0.1 * span) / ink.px(1), 2.2, 10.5);
+  const bool numbered = radius >= 6.0;
+
+  for (std::size_t i = 0; i < placed.size() && placed.size() > 1 && !finger.together; ++i) {
+    ink.line(placed[i].at, placed[(i + 1) % placed.size()].at, 1.3, with_alpha(mix(colour, theme.ink, 0.25f), 0.75f));
+  }
+  std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) { return a.depth > b.depth; });
+  // The running focus last: on top.
+  std::stable_partition(placed.begin(), placed.end(), [&](const Placed& p) { return finger.running != p.index; });
+  for (const Placed& p : placed) {
+    const FocusMark& focus = finger.foci[p.index];
+    const bool running = finger.together || finger.running == p.index;
+    if (!focus.own && !running) continue;
+    if (running) ink.disc(p.at, radius + 5.5, with_alpha(colour, 0.30f));
+    ink.disc(p.at, radius + (running ? 1.6 : 0.9), theme.background);
+    ink.disc(p.at, radius + (running ? 0.8 : 0.1), colour);
+    if (!running) ink.disc(p.at, radius - std::min(1.6, 0.4 * radius), rgb(0xffffff));
+    if (chosen == p.index) ink.ring(p.at, radius + 4, 1.6, theme.ink);
+    if (numbered && focus.own && !finger.together) {
+      const std::string number = fmt::format("{}", focus.number);
+      const double size = number.size() > 1 ? radius * 0.80 : radius * 0.95;
+      ink.text(number, p.at + Vec2(0, ink.px(size / 2)), size, running ? rgb(0xffffff) : rgb(0x1f2933), Align::centre,
+               1.1);
+    }
+  }
+}
+
+std::string counted(std::size_t n, std::string_view one) {
+  return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
+}
+
+void draw_legend(Ink& ink, const Picture& picture, const Layers& layers, const Theme& theme) {
+  const double x = ink.px(22), line_height = ink.px(19);
+  double y = ink.px(30);
+  const Vec2 swatch(x + ink.px(5), 0);
+  const auto entry = [&](std::string_view words) {
+    ink.label(words, {x + ink.px(20), y}, text_size, theme.ink);
+    y += line_height;
+  };
+  const auto middle = [&] { return Vec2(swatch.x, y - ink.px(text_size / 2)); };
+  if (!picture.title.empty()) {
+    ink.label(picture.title, {x, y}, text_size * 1.3, theme.ink, Align::left, 1.15);
+    y += line_height * 1.35;
+  }
+  if (!picture.solids.empty() && (layers.shows(Layer::solids) || layers.shows(Layer::edges))) {
+    std::string names;
+    std::size_t named = 0;
+    for (const SurfaceMark& solid : picture.solids) {
+      if (solid.part.value_or(0) != 0) continue;  // named with its first part
+      if (named < 4) names += (named > 0 ? ", " : "") + solid.name.substr(0, 40);
+      ++named;
+    }
+    if (named > 4) names += fmt::format(" and {} more", named - 4);
+    const Vec2 m = middle();
+    ink.swatch(m, theme.solid_rim, theme.edge);
+    entry(names);
+  }
+  if (picture.skin && layers.shows(Layer::skin)) {
+    const Vec2 m = middle();
+    ink.swatch(m, theme.skin_rim, theme.skin_point);
+    entry(picture.skin->name);
+  }
+  if (picture.skin_count > 0 && layers.shows(Layer::points)) {
+    ink.disc(middle(), 3, theme.skin_point);
+    entry(counted(picture.skin_count, "skin point"));
+  }
+  std::size_t loose = 0;
+  for (const ContactMark& c : picture.contacts)
+    loose += c.finger ? 0 : 1;
+  constexpr std::size_t most_fingers = 8;
+  for (std::size_t f = 0; f < std::min(picture.fingers.size(), most_fingers); ++f) {
+    const FingerMarks& finger = picture.fingers[f];
+    const Colour colour = finger_colour(static_cast<std::uint32_t>(f));
+    ink.disc(middle() - Vec2(ink.px(5), 0), 3.4, colour);
+    ink.disc(middle() + Vec2(ink.px(5), 0), 5, colour);
+    ink.disc(middle() + Vec2(ink.px(5), 0), 3.5, rgb(0xffffff));
+    const auto own = std::count_if(finger.foci.begin(), finger.foci.end(), [](const FocusMark& m) { return m.own; });
+    std::string foci = counted(static_cast<std::size_t>(own), "focus");
+    if (own != 1) foci = fmt::format("{} foci {}", own, finger.together ? "at once" : "in order");
+    entry(fmt::format("finger {}: {}, {}", f, counted(finger.contacts, "contact"), foci));
+  }
+  if (picture.fingers.size() > most_fingers)
+    entry(fmt::format("and {} more", counted(picture.fingers.size() - most_fingers, "finger")));
+  if (loose > 0 && layers.shows(Layer::contacts)) {
+    ink.disc(middle(), 3.4, theme.loose_contact);
+    entry(fmt::format("{} of no finger", counted(loose, "contact")));
+  }
+  if (!picture.transducers.empty() && !picture.driven && layers.shows(Layer::transducers)) {
+    ink.disc(middle(), 4, theme.idle_transducer);
+    entry(counted(picture.transducers.size(), "transducer"));
+  }
+}
+
+/// Phase as hue around a wheel, amplitude as brightness from its centre outwards.
+void draw_drive_wheel(Ink& ink, const Picture& picture, double width, const Theme& theme) {
+  const double radius = 26, right = 84;
+  const Vec2 centre(width - ink.px(right), ink.px(64));
+  constexpr int sectors = 96, rings = 9;
+  for (int ring = 0; ring < rings; ++ring) {
+    const double r = ink.px(radius * (ring + 0.5) / rings);
+    for (int s = 0; s < sectors; ++s) {
+      const double from = 2 * std::numbers::pi * s / sectors, to = 2 * std::numbers::pi * (s + 1) / sectors;
+      const Colour c = drive_colour(static_cast<float>((ring + 0.5) / rings), static_cast<float>((from + to) / 2));
+      ink.line(centre + r * Vec2(std::cos(from), -std::sin(from)), centre + r * Vec2(std::cos(to), -std::sin(to)),
+               radius / rings + 0.6, c);
+    }
+  }
+  ink.label("0", centre + Vec2(ink.px(radius + 9), ink.px(4)), 8, theme.ink);
+  ink.label("\u03c0", centre + Vec2(-ink.px(radius + 9), ink.px(4)), 8, theme.ink, Align::right);
+  ink.label("hue: phase", centre + Vec2(0, -ink.px(radius + 8)), 8, theme.ink, Align::centre);
+  ink.label("brightness: amplitude", centre + Vec2(0, ink.px(radius + 18)), 8, theme.faint_ink, Align::centre);
+  ink.label(counted(picture.transducers.size(), "transducer"), centre + Vec2(0, ink.px(radius + 36)), 8, theme.ink,
+            Align::centre);
+}
+
+void draw_axes(Ink& ink, const Viewpoint& viewpoint, double height) {
+  struct Axis {
+    Vec3 direction;
+    const char* name;
+    Colour colour;
+  };
+  const std::array<Axis, 3> axes{Axis{{1, 0, 0}, "x", rgb(0xd55e00)}, Axis{{0, 1, 0}, "y", rgb(0x009e73)},
+                                 Axis{{0, 0, 1}, "z", rgb(0x0072b2)}};
+  const Basis b = basis(viewpoint);
+  const Vec2 origin(ink.px(52), height - ink.px(52));
+  std::array<std::size_t, 3> order{0, 1, 2};
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    return glm::dot(axes[i].direction, b.forward) > glm::dot(axes[j].direction, b.forward);
+  });
+  for (const std::size_t i : order) {
+    const Vec2 d(glm::dot(axes[i].direction, b.right), -glm::dot(axes[i].direction, b.up));
+    if (glm::length(d) < 0.08) continue;  // end-on: a letter on the origin would only blot it
+    ink.line(origin, origin + ink.px(28) * d, 2, axes[i].colour);
+    const Vec2 at = origin + ink.px(28) * d + ink.px(9) * d / glm::length(d);
+    ink.label(axes[i].name, at + Vec2(0, ink.px(3)), text_size, axes[i].colour, Align::centre, 1.2);
+  }
+}
+
+/// At the lower right, above the chart where there is no room beside it.
+void draw_scale(Ink& ink, const Picture& picture, const Viewpoint& viewpoint, const OverlayOptions& options,
+                const Theme& theme) {
+  // As the projection has it, since a frustum is none of the orbit's: metres at the target's depth.
+  const double at_one = projection(viewpoint, options.width, options.height).window.z;
+  const double per_pixel = (viewpoint.orthographic ? 1 : viewpoint.distance) / at_one;
+  const double length = scale_bar_length(std::min(ink.px(150), options.width * 0.3) * per_pixel);
+  const double pixels = length / per_pixel;
+  const double below =
+      options.inset ? 0 : chart_in_the_way(picture, options.width, options.height, options.ratio, pixels + ink.px(40));
+  const Vec2 right(options.width - ink.px(24), options.height - ink.px(28) - below), left = right - Vec2(pixels, 0);
+  const Vec2 tick(0, ink.px(4));
+  ink.line(left, right, 1.6, theme.ink);
+  ink.line(left - tick, left + tick, 1.6, theme.ink);
+  ink.line(right - tick, right + tick, 1.6, theme.ink);
+  ink.label(fmt::format("{:g} mm", length * 1e3), (left + right) * 0.5 - Vec2(0, ink.px(9)), text_size, theme.ink,
+            Align::centre);
+}
+
+}  // namespace
+
+double scale_bar_length(double longest_m) {
+  if (!(longest_m > 1e-9) || longest_m > 1e9) return 1e-3;
+  const double power = std::pow(10.0, std::floor(std::log10(longest_m) + 1e-9));
+  const double mantissa = longest_m / power;
+  return power * (mantissa >= 5 ? 5 : mantissa >= 2 ? 2 : 1);
+}
+
+void build_overlay(const Picture& picture, const ViewState& state, const Viewpoint& viewpoint,
+                   const OverlayOptions& options, std::vector<shader::ViewStroke>& strokes) {
+  const Layers& layers = state.layers;
+  const Theme& theme = state.dark ? dark_theme() : light_theme();
+  Ink ink(options.ratio, theme.background, strokes);
+  const shader::ViewPush view = projection(viewpoint, options.width, options.height);
+  /// The strokes of a layer, as firm as it is.
+  const auto in_layer = [&](Layer layer, const auto& draw) {
+    if (!layers.shows(layer)) return;
+    const std::size_t first = strokes.size();
+    draw();
+    for (std::size_t i = first; i < strokes.size(); ++i)
+      strokes[i].colour.w *= layers.opacity(layer);
+  };
+  in_layer(Layer::cameras, [&] { draw_camera_names(ink, picture, view, theme); });
+  in_layer(Layer::sections, [&] { draw_axis_names(ink, picture, view, theme); });
+  in_layer(Layer::foci, [&] {
+    for (std::size_t f = 0; f < picture.fingers.size(); ++f) {
+      const bool chosen = state.chosen && state.chosen->finger == f;
+      draw_finger(ink, picture.fingers[f], static_cast<std::uint32_t>(f),
+                  chosen ? std::optional(state.chosen->focus) : std::nullopt, view, theme);
+    }
+  });
+  if (state.slice_handles && !options.inset)
+    in_layer(Layer::slice, [&] { draw_slice_handles(ink, state.slice, view, theme); });
+  if (state.picked) draw_picked(ink, *state.picked, view, theme);
+  if (options.inset) {
+    const Vec2 far(options.width, options.height);
+    const std::array<Vec2, 4> corners{Vec2(0, 0), Vec2(far.x, 0), far, Vec2(0, far.y)};
+    for (std::size_t i = 0; i < 4; ++i)
+      ink.line(corners[i], corners[(i + 1) % 4], 2, theme.faint_ink);
+    in_layer(Layer::legend, [&] { draw_scale(ink, picture, viewpoint, options, theme); });
+    return;
+  }
+  in_layer(Layer::legend, [&] {
+    draw_legend(ink, picture, layers, theme);
+    if (picture.driven && layers.shows(Layer::transducers)) draw_drive_wheel(ink, picture, options.width, theme);
+    draw_axes(ink, viewpoint, options.height);
+    draw_scale(ink, picture, viewpoint, options, theme);
+    draw_chart(ink, picture, options.width, options.height, theme);
+    draw_bars(ink, picture, layers, options.width, options.height,
+              chart_share(picture, options.width, options.height, options.ratio), theme);
+  });
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,46 @@
+#include "viewer/render/participant.hpp"
+
+namespace palpa::viewer {
+
+Barrier barrier_of(const Participant& p, std::uint32_t width, std::uint32_t height) {
+  Barrier barrier = usual_barrier(p.screen, eyes_before(p.screen, p.eyes_apart_m), p.stereo, width, height);
+  barrier.pitch_m = p.barrier_pitch_m.value_or(barrier.pitch_m);
+  barrier.gap_m = p.barrier_gap_m.value_or(barrier.gap_m);
+  barrier.phase = p.barrier_phase;
+  return barrier;
+}
+
+ViewState for_participant(const ViewState& state) {
+  ViewState out = state;
+  for (const Word<Layer>& entry : layer_words) {
+    const bool kept = entry.value == Layer::solids || entry.value == Layer::edges;
+    LayerState& layer = out.layers[entry.value];
+    layer.visible = entry.value == Layer::tile || (kept && layer.visible);
+  }
+  out.chosen.reset();
+  out.picked.reset();
+  return out;
+}
+
+Viewpoint eye_view(const sensing::Screen& screen, const Vec3& eye, const Box& objects) {
+  Viewpoint viewpoint;
+  look(viewpoint, onto(screen, eye), objects.empty() ? Vec3(screen.T_world_screen[3]) : objects.centre());
+  return viewpoint;
+}
+
+drawing::Pixels draw(const Participant& participant, const Box& objects, std::uint32_t width, std::uint32_t height,
+                     Offscreen& offscreen, DrawnPicture& drawn) {
+  const auto seen_by = [&](const Vec3& eye) {
+    offscreen.draw(drawn, eye_view(participant.screen, eye, objects));
+    return offscreen.pixels();
+  };
+  if (participant.stereo == Stereo::none) return seen_by(participant.screen.eye_m);
+  const Eyes eyes = eyes_before(participant.screen, participant.eyes_apart_m);
+  const drawing::Pixels left = seen_by(eyes.left);
+  // Where pixels are interleaved, an eye's picture is as large as the whole.
+  const Barrier barrier = barrier_of(participant, offscreen.width(), offscreen.height());
+  return grown_to(combine(left, seen_by(eyes.right), participant.screen, eyes, barrier, participant.stereo), width,
+                  height);
+}
+
+}  // namespace palpa::viewer

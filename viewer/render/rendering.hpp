@@ -1,0 +1,64 @@
+// Drawing into one image, at once or piece by piece: who shares a processor with others lets them go first in between.
+#pragma once
+
+#include <volk.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+
+#include "gpu/graphics_pipeline.hpp"
+#include "viewer/picture/palette.hpp"
+
+namespace palpa::viewer {
+
+/// Ends the commands of a piece and gives them to the device; returns begun ones to go on with, which the device gets
+/// after those. Empty: all is one piece.
+using NextPiece = std::function<VkCommandBuffer()>;
+
+/// One vkCmdBeginRendering, or one for each piece. What is drawn has the same bytes either way.
+class Rendering {
+ public:
+  /// What is drawn to, in the layouts for that. What the images held is lost; afterwards `target` alone is defined.
+  struct Images {
+    VkExtent2D extent{};
+    VkImageView target = VK_NULL_HANDLE;
+    VkImageView samples = VK_NULL_HANDLE;  ///< where there are several for each pixel of the target
+    VkImageView depth = VK_NULL_HANDLE;
+  };
+  /// A piece is of so many `draws`. `next` must outlive it.
+  Rendering(VkCommandBuffer commands, const Images& images, const Colour& background, const NextPiece& next,
+            std::size_t draws = 1);
+
+  /// Of the piece under way.
+  VkCommandBuffer commands() const { return commands_; }
+  /// Viewport and scissor of what is drawn from now on.
+  void set_area(const VkRect2D& area);
+
+  /// As GraphicsPipeline::draw.
+  using Buffers = std::initializer_list<gpu::BufferRef>;
+  void draw(const gpu::GraphicsPipeline& pipeline, Buffers buffers, const gpu::Push& push, const gpu::DrawState& state,
+            std::uint32_t vertices, std::uint32_t first = 0);
+  void draw(const gpu::GraphicsPipeline& pipeline, Buffers buffers, const gpu::Push& push, const gpu::DrawState& state,
+            const gpu::GraphicsPipeline::Run& run);
+
+  /// Once, after all else. Returns the commands of the last piece, outside of any rendering.
+  VkCommandBuffer end();
+
+ private:
+  void begin();
+  void drew();
+  void end_piece();
+  void resolve_at_end();
+
+  VkCommandBuffer commands_;
+  Images images_;
+  const NextPiece* next_;
+  VkRenderingAttachmentInfo colour_{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+  VkRenderingAttachmentInfo depth_{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+  VkRect2D area_{};
+  std::size_t draws_, drawn_ = 0;  ///< of a piece, and of the one under way
+};
+
+}  // namespace palpa::viewer

@@ -1,0 +1,22 @@
+// The two ways to look at a show: pictures without a window, and a window.
+#pragma once
+
+#include "viewer/app/show.hpp"
+#include "viewer/app/viewer_options.hpp"
+#include "viewer/live/live_session.hpp"
+
+namespace palpa::viewer {
+
+/// Draws --frames pictures, a slot each; writes all of them or the last, and compares that. Throws failure() where it
+/// differs from the reference by more than the threshold.
+void run_headless(const ViewerOptions& options);
+
+/// Without a window, but with hands: does what --interact says, or draws --frames pictures of a live run, one for each
+/// of its frames at most; then writes the last and compares it as run_headless does.
+void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds);
+
+/// Opens a window and shows until it is closed or --frames have been drawn. The running focus moves on in slow motion,
+/// a slot every quarter of a second; with --frames, with every frame.
+void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds);
+
+}  // namespace palpa::viewer

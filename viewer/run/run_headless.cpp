@@ -1,0 +1,74 @@
+#include <optional>
+
+#include "acoustics/bodies/body_cache.hpp"
+#include "base/outputs.hpp"
+#include "setup/body.hpp"
+#include "setup/touch_run.hpp"
+#include "viewer/render/offscreen.hpp"
+#include "viewer/run/film.hpp"
+#include "viewer/run/report.hpp"
+#include "viewer/run/run.hpp"
+#include "viewer/run/viewer_files.hpp"
+#include "viewer/sound/heat.hpp"
+
+namespace palpa::viewer {
+
+void run_headless(const ViewerOptions& options) {
+  const Outputs outputs(outputs_of(options, Script(options), {}));
+  refuse_outputs_as_inputs(options);
+  std::optional<Participant> participant;
+  if (options.participant) participant = participant_of(options);
+  Show show(options);
+  const gpu::Device device(setup::device_options(options.common));
+  const Size size = picture_size(options);
+  const double ratio = options.pixel_ratio.value_or(1);
+  const EyeSize eye = eye_size(options.stereo, size.width, size.height);
+  Offscreen offscreen(device, eye.width, eye.height, ratio, fineness_without_window(options));
+  DrawnPicture drawn(device);
+  ViewState state = first_state(options);
+  if (participant) state = for_participant(state);
+  place_slice(state, options, show.picture());
+  if (state.layers.shows(Layer::heat)) {
+    const Sounding now = show.sounding();
+    const geometry::Mesh mesh = setup::load_body(options.skin, now.air, false);
+    const session::SkinQuestion question = skin_question(options.skin, mesh, now);
+    acoustics::BodyCache bodies;
+    show_answer(show.picture(), question, session::answer(question, bodies));
+  }
+  std::optional<FieldSlice> field;
+  if (state.layers.shows(Layer::slice)) {
+    field.emplace(device, show.layout(), setup::air(options.drive.medium, {}), options.drive.directivity);
+    show.show_field(*field, state.slice);
+  }
+  drawn.update(show.picture(), state);
+  const Viewpoint viewpoint = first_viewpoint(options, show.picture(), state, size);
+  Film film(options.video);
+  const auto views = views_from(viewpoint, options, show.picture(), size, ratio);
+  const Box objects = extent(show.picture(), Extent::objects, state);
+  const auto draw_frame = [&] {
+    if (participant) return draw(*participant, objects, size.width, size.height, offscreen, drawn);
+    offscreen.draw(drawn, views);
+    return offscreen.pixels();
+  };
+
+  const std::uint32_t frames = options.frames.value_or(1);
+  PicturesDrawn made;
+  Pixels pixels;
+  setup::Stopwatch watch;
+  for (std::uint32_t i = 0; i < frames; ++i) {
+    if (i > 0 && show.changes()) {
+      show.go_to(options.slot + i);
+      if (field) show.show_field(*field, state.slice);
+      drawn.update_marks(show.picture(), state);
+    }
+    pixels = draw_frame();
+    made.ms.add(watch.lap_ms());
+    if (!film.wanted()) continue;
+    film.add(pixels);
+    watch.lap_ms();  // files are no part of a frame
+  }
+  made.size = {pixels.width, pixels.height};
+  report_picture(options, outputs, pixels, made);
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,159 @@
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "setup/touch_run.hpp"
+#include "viewer/app/app.hpp"
+#include "viewer/render/offscreen.hpp"
+#include "viewer/run/drawing_threads.hpp"
+#include "viewer/run/film.hpp"
+#include "viewer/run/report.hpp"
+#include "viewer/run/run.hpp"
+#include "viewer/run/script.hpp"
+#include "viewer/run/stopper.hpp"
+#include "viewer/run/viewer_files.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Draws wherever its size and time are at the moment.
+class Stage {
+ public:
+  Stage(const ViewerOptions& options, const gpu::Device& device)
+      : device_(&device),
+        ratio_(options.pixel_ratio.value_or(1)),
+        fineness_(fineness_without_window(options)),
+        size_(picture_size(options)),
+        drawn_(device),
+        film_(options.video) {
+    resize(size_);
+  }
+  void resize(const Size& size) {
+    size_ = size;
+    offscreen_ = std::make_unique<Offscreen>(*device_, size.width, size.height, ratio_, fineness_);
+  }
+  const Size& size() const { return size_; }
+  void draw(App& app, double now_s) {
+    setup::Stopwatch watch;
+    app.update(drawn_);
+    const App::Frame frame = app.render(size_, ratio_, now_s);
+    offscreen_->draw(drawn_, frame.views, frame.sheet);
+    const double ms = watch.lap_ms();
+    drew_.ms.add(ms);
+    drew_.size = size_;
+    app.drew(ms / 1e3);
+    if (film_.wanted()) film_.add(pixels());  // files are no part of a frame
+  }
+  Pixels pixels() const { return offscreen_->pixels(); }
+  const PicturesDrawn& drew() const { return drew_; }
+
+ private:
+  const gpu::Device* device_;
+  double ratio_;
+  Fineness fineness_;
+  Size size_;
+  DrawnPicture drawn_;
+  std::unique_ptr<Offscreen> offscreen_;
+  Film film_;
+  PicturesDrawn drew_;
+};
+
+/// A live run's frames as they come; until the end of the run where there are not so many.
+void draw_frames(App& app, Stage& stage, std::uint32_t frames, const std::function<double()>& now) {
+  while (stage.drew().ms.count() < frames && !app.quitting()) {
+    const LiveState state = app.desk().live_state;
+    app.advance(now(), stage.size());
+    if (app.showed_frame()) {
+      stage.draw(app, now());
+    } else if (state == LiveState::failed || state == LiveState::ended) {
+      return;
+    } else {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  }
+}
+
+/// Pictures for files. While anything is loaded, on whatever thread, a file may turn out to be one that is read: they
+/// are written when it is there.
+class Shots {
+ public:
+  void take(const std::string& file, Pixels pixels) { waiting_.emplace_back(file, std::move(pixels)); }
+  void write(const App& app) {
+    if (app.beginning()) return;
+    for (const auto& [file, pixels] : waiting_)
+      write_png(file, pixels);
+    waiting_.clear();
+  }
+
+ private:
+  std::vector<std::pair<std::string, Pixels>> waiting_;
+};
+
+void play(App& app, Stage& stage, Script script, const std::function<double()>& now) {
+  bool behind = app.beginning();  // the last picture, what was asked for
+  Shots shots;
+  while (script.busy() && !app.quitting()) {
+    script.play(now(), [&](const Interaction& step) {
+      if (step.kind == Interaction::Kind::event) app.handle(step.event, stage.size());
+      if (step.kind == Interaction::Kind::resize) stage.resize({step.width, step.height});
+      if (step.kind == Interaction::Kind::shot) shots.take(step.file, stage.pixels());
+    });
+    behind = app.beginning();
+    app.advance(now(), stage.size());
+    shots.write(app);  // it is known now whether anything is loaded
+    stage.draw(app, now());
+    script.drew();
+  }
+  // A run that is still loading may yet fail, and the last picture shows it, and what was dropped.
+  for (; app.beginning() && !app.quitting(); behind = true) {
+    app.advance(now(), stage.size());
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  shots.write(app);
+  if (!behind || app.quitting()) return;
+  app.advance(now(), stage.size());
+  stage.draw(app, now());
+}
+
+}  // namespace
+
+void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
+  Script script(options);
+  const Outputs outputs(outputs_of(options, script, kinds));
+  refuse_outputs_as_inputs(options);
+  const Clock::time_point begin = Clock::now();
+  const auto now = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
+  Stopper stopper(options);
+  DrawingThreads threads;
+  App app(options, picture_size(options),
+          {.kinds = kinds,
+           .stop = &stopper.flag(),
+           .goes_live =
+               [&] {
+                 stopper.begin();
+                 threads.give_way();
+               },
+           .panels = options.panels});
+  if (options.is_live()) threads.give_way();
+  threads.expect();
+  const gpu::Device device(setup::device_options(options.common));
+  threads.have_begun();
+  Stage stage(options, device);
+  const SilentEnd silent_end(stopper.flag());
+  if (options.interact.empty()) {
+    draw_frames(app, stage, options.frames.value_or(1), now);
+  } else {
+    play(app, stage, std::move(script), now);
+  }
+  stopper.end(app);
+  report_picture(options, outputs, stage.pixels(), stage.drew());
+  report_run(options, outputs, app.stats());
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,38 @@
+// Plays a script into whoever draws, picture by picture.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "base/outputs.hpp"
+#include "viewer/app/viewer_options.hpp"
+#include "viewer/run/interact.hpp"
+
+namespace palpa::viewer {
+
+class Script {
+ public:
+  /// Of --interact; without it there is nothing to play. Throws bad_input, bad_usage for a shot in a window.
+  explicit Script(const ViewerOptions& options);
+  explicit Script(std::vector<Interaction> steps) : steps_(std::move(steps)) {}
+
+  /// What its shots write, each file once.
+  std::vector<Output> outputs() const;
+
+  bool busy() const { return next_ < steps_.size() || pictures_ > 0 || until_s_; }
+  /// Gives `act` events, sizes and shots until pictures are to be drawn or time is to pass.
+  void play(double now_s, const std::function<void(const Interaction&)>& act);
+  /// A picture was drawn.
+  void drew() { pictures_ -= pictures_ > 0 ? 1 : 0; }
+
+ private:
+  std::vector<Interaction> steps_;
+  std::size_t next_ = 0;
+  std::uint32_t pictures_ = 0;
+  std::optional<double> until_s_;
+};
+
+}  // namespace palpa::viewer

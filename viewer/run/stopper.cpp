@@ -1,0 +1,68 @@
+#include "viewer/run/stopper.hpp"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Within exit(): the threads of a run that is under way must neither sound on nor meet what exit() takes down.
+void silence_at_exit() {
+  if (!LiveSession::under_way()) return;
+  setup::Interrupt::flag() = true;
+  const auto until = std::chrono::steady_clock::now() + 1s;
+  while (LiveSession::under_way() && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(5ms);
+  ::_exit(static_cast<int>(Exit::failed));
+}
+
+}  // namespace
+
+Stopper::Stopper(const ViewerOptions& options, std::function<void()> wake)
+    : wake_(std::move(wake)), scripted_(!options.interact.empty() || options.frames), windowed_(!options.headless) {
+  if (options.is_live()) begin();
+}
+
+void Stopper::begin() {
+  if (interrupt_) return;
+  [[maybe_unused]] static const int registered = std::atexit(silence_at_exit);
+  relay_.emplace();
+  interrupt_.emplace("ended without finishing, a second after the signal: what it waited for did not answer", wake_);
+}
+
+void Stopper::end(App& app) {
+  constexpr const char* too_early = "ended while the run was loading: nothing of it was shown; give it time to wait";
+  constexpr double patience_s = 3;
+  const bool loading = app.loading();
+  const bool cut = loading && scripted_ && !setup::Interrupt::signalled();
+  const bool over = app.finish(patience_s);
+  if (over && cut) throw failure(too_early);
+  // After a signal there is a second for all of it: a window's device may take longer to be given back.
+  const bool at_once = over && windowed_ && setup::Interrupt::signalled();
+  if (over && !at_once) return app.rethrow();
+  Exit code = cut || !(loading || over) ? Exit::failed : Exit::ok;
+  if (cut) {
+    log::error(too_early);
+  } else if (!loading && !over) {
+    log::error("ended without finishing: what the run waited for did not answer; the array is silent");
+  } else if (at_once) {
+    try {
+      app.rethrow();
+    } catch (const Error& error) {
+      log::error(error.what());
+      code = error.code();
+    }
+  }
+  relay_.reset();
+  ::_exit(static_cast<int>(code));
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,89 @@
+// The viewer's eye: an orbit around a target. Values and arithmetic only; window and pictures share it.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "base/math.hpp"
+#include "base/words.hpp"
+#include "shaders/viewer/view_scene.h"
+#include "viewer/view/frustum.hpp"
+
+namespace palpa::viewer {
+
+struct Viewpoint {
+  Vec3 target{0, 0, 0};           ///< metres, world
+  double azimuth = 0.6;           ///< radians around +y; 0 looks along -z from the front, pi/2 along -x from the right
+  double elevation = 0.45;        ///< radians above the horizon, -pi/2..pi/2
+  glm::dmat3 R_world_orbit{1.0};  ///< of the axes that azimuth and elevation turn around: the world's, or a camera's
+  double distance = 0.3;          ///< metres from eye to target
+  double fov = 0.44;              ///< vertical field of view, radians
+  bool orthographic = false;      ///< parallel projection that shows the target as large as the perspective does
+  /// Shares of the picture's width that something else covers: what is looked at lies in the middle of the rest,
+  /// undistorted (a shifted lens).
+  double covered_left = 0, covered_right = 0;
+  /// In place of all the above but the distance, which says what the scale is of. Whatever moves the viewpoint leaves
+  /// it: the orbit then goes on from there.
+  std::optional<Frustum> frustum;
+};
+
+/// `camera` is what the first camera sees, and needs its pose.
+enum class StandardView { front, right, top, iso, camera };
+inline constexpr Word<StandardView> view_words[] = {{"front", StandardView::front},
+                                                    {"right", StandardView::right},
+                                                    {"top", StandardView::top},
+                                                    {"iso", StandardView::iso},
+                                                    {"camera", StandardView::camera}};
+
+/// Turns the viewpoint to a standard view other than `camera`; target, distance and projection stay.
+void look(Viewpoint& viewpoint, StandardView view);
+/// Puts it into the frustum, at whose eye the orbit stands, too; its target is as far before it as `about`.
+void look(Viewpoint& viewpoint, const Frustum& frustum, const Vec3& about);
+/// Puts the eye at `eye`, looking at `target`. The two must differ.
+void look(Viewpoint& viewpoint, const Vec3& eye, const Vec3& target);
+/// Moves target and distance so that `box` just fits an image of that width / height, with a margin. An empty box or a
+/// point gives a view 10 cm wide.
+void fit(Viewpoint& viewpoint, const Box& box, double aspect);
+
+/// Mouse: turns by a drag in pixels (a drag over `height` pixels is half a turn).
+void orbit(Viewpoint& viewpoint, double dx, double dy, double height);
+/// Moves the target so that what is at its depth follows the mouse.
+void pan(Viewpoint& viewpoint, double dx, double dy, double height);
+/// Positive steps come nearer.
+void zoom(Viewpoint& viewpoint, double steps);
+
+/// From where a picture of that size is looked at.
+struct Sight {
+  Viewpoint viewpoint;
+  double width = 0, height = 0;  ///< pixels
+  double ratio = 1;              ///< pixels per point
+};
+
+struct Basis {
+  Vec3 eye, right, up, forward;  ///< world; the last three are orthonormal
+};
+Basis basis(const Viewpoint& viewpoint);
+/// Metres of the world per pixel at the target's depth, for an image of that height.
+double metres_per_pixel(const Viewpoint& viewpoint, double height);
+
+/// The projection part of the pipelines' push constants for an image of width x height pixels; `depth_bias`, colour and
+/// style are left 0. Depth is reversed: 1 near, 0 far.
+shader::ViewPush projection(const Viewpoint& viewpoint, double width, double height);
+
+/// A half-line; the direction is a unit vector.
+struct Ray {
+  Vec3 from, direction;
+};
+/// What a pixel of such an image shows lies on it: what project() undoes.
+Ray line_of_sight(const Viewpoint& viewpoint, double x, double y, double width, double height);
+/// Where it meets the plane through `point`; nothing where it does not, or within 3 degrees of not doing so.
+std::optional<Vec3> meet(const Ray& ray, const Vec3& point, const Vec3& normal);
+
+struct Projected {
+  double x = 0, y = 0;   ///< pixels from the top left
+  double depth = 0;      ///< metres before the eye
+  bool visible = false;  ///< before the eye
+};
+Projected project(const shader::ViewPush& projection, const Vec3& world);
+
+}  // namespace palpa::viewer

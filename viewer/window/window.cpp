@@ -1,0 +1,297 @@
+#include "viewer/window/window.hpp"
+
+#include <fmt/core.h>
+// After volk.h, so that GLFW declares its Vulkan functions.
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+
+#include "base/error.hpp"
+#include "gpu/check.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+constexpr const char* advice = "use --headless --screenshot FILE.png";
+
+std::string last_fault() {
+  const char* fault = nullptr;
+  glfwGetError(&fault);
+  std::string text = fault ? fault : "no reason given";
+  return text.substr(0, text.find('\n'));
+}
+
+#ifdef GLFW_PLATFORM
+bool given(const char* variable) {
+  const char* const value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+#endif
+
+/// GLFW 3.4 tries Wayland first, and libwayland complains on stderr where the environment names no compositor. X11 is
+/// then the only display that there can be.
+bool start_glfw() {
+#ifdef GLFW_PLATFORM
+  const bool wayland = given("WAYLAND_SOCKET") || (given("WAYLAND_DISPLAY") && given("XDG_RUNTIME_DIR"));
+  if (!wayland && glfwPlatformSupported(GLFW_PLATFORM_X11)) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
+  return glfwInit() == GLFW_TRUE;
+}
+
+Key key_named(int key) {
+  switch (key) {
+    case GLFW_KEY_TAB:
+      return Key::tab;
+    case GLFW_KEY_LEFT:
+      return Key::left;
+    case GLFW_KEY_RIGHT:
+      return Key::right;
+    case GLFW_KEY_UP:
+      return Key::up;
+    case GLFW_KEY_DOWN:
+      return Key::down;
+    case GLFW_KEY_PAGE_UP:
+      return Key::page_up;
+    case GLFW_KEY_PAGE_DOWN:
+      return Key::page_down;
+    case GLFW_KEY_HOME:
+      return Key::home;
+    case GLFW_KEY_END:
+      return Key::end;
+    case GLFW_KEY_DELETE:
+      return Key::del;
+    case GLFW_KEY_BACKSPACE:
+      return Key::backspace;
+    case GLFW_KEY_ENTER:
+    case GLFW_KEY_KP_ENTER:
+      return Key::enter;
+    case GLFW_KEY_ESCAPE:
+      return Key::escape;
+    case GLFW_KEY_F12:
+      return Key::f12;
+    default:
+      return Key::other;
+  }
+}
+
+/// Letters where the keyboard's layout has them, digits also of the number pad.
+Key key_pressed(int key, int code) {
+  if (key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) return key_of(static_cast<char>('0' + key - GLFW_KEY_KP_0));
+  if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) return key_of(static_cast<char>(key));
+  if (key == GLFW_KEY_KP_ADD) return key_of('+');
+  if (key == GLFW_KEY_KP_SUBTRACT) return key_of('-');
+  if (const Key named = key_named(key); named != Key::other) return named;
+  const char* name = glfwGetKeyName(key, code);
+  if (name != nullptr && name[0] > 0 && name[1] == '\0') return key_of(name[0]);
+  return key >= ' ' && key < 127 ? key_of(static_cast<char>(key >= 'A' && key <= 'Z' ? key + 'a' - 'A' : key))
+                                 : Key::other;
+}
+
+std::string utf8(unsigned int code) {
+  const auto byte = [](unsigned int value) { return static_cast<char>(value); };
+  if (code < 0x80) return {byte(code)};
+  if (code < 0x800) return {byte(0xc0 | code >> 6), byte(0x80 | (code & 63))};
+  if (code < 0x10000) return {byte(0xe0 | code >> 12), byte(0x80 | (code >> 6 & 63)), byte(0x80 | (code & 63))};
+  return {byte(0xf0 | code >> 18), byte(0x80 | (code >> 12 & 63)), byte(0x80 | (code >> 6 & 63)),
+          byte(0x80 | (code & 63))};
+}
+
+}  // namespace
+
+struct Window::State {
+  GLFWwindow* window = nullptr;
+  std::vector<WindowEvent> events;
+  inline static int open = 0;  ///< windows
+
+  static void close() {
+    if (--open == 0) glfwTerminate();
+  }
+  void listen();
+  static State& of(GLFWwindow* window) { return *static_cast<State*>(glfwGetWindowUserPointer(window)); }
+
+  /// GLFW counts in screen coordinates, of which one may be several pixels.
+  WindowEvent pointer(WindowEvent::Kind kind) const {
+    int width = 0, height = 0, pixels_x = 0, pixels_y = 0;
+    glfwGetWindowSize(window, &width, &height);
+    glfwGetFramebufferSize(window, &pixels_x, &pixels_y);
+    WindowEvent event;
+    event.kind = kind;
+    glfwGetCursorPos(window, &event.x, &event.y);
+    if (width > 0 && height > 0) {
+      event.x *= static_cast<double>(pixels_x) / width;
+      event.y *= static_cast<double>(pixels_y) / height;
+    }
+    const auto held = [&](int left, int right) {
+      return glfwGetKey(window, left) == GLFW_PRESS || glfwGetKey(window, right) == GLFW_PRESS;
+    };
+    event.shift = held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+    event.ctrl = held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+    return event;
+  }
+};
+
+Window::Window(std::uint32_t width, std::uint32_t height, const char* title) : state_(std::make_unique<State>()) {
+  if (!start_glfw()) throw Error(Exit::no_device, fmt::format("no display ({}): {}", last_fault(), advice));
+  ++State::open;
+  const auto refuse = [](const std::string& fault) {
+    State::close();
+    return Error(Exit::no_device, fmt::format("{}: {}", fault, advice));
+  };
+  if (!glfwVulkanSupported()) throw refuse("this display has no Vulkan surfaces");
+  glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+  state_->window = glfwCreateWindow(static_cast<int>(width), static_cast<int>(height), title, nullptr, nullptr);
+  if (!state_->window) throw refuse(fmt::format("no window ({})", last_fault()));
+  state_->listen();
+}
+
+Window::Window(std::size_t monitor, const char* title) : state_(std::make_unique<State>()) {
+  int count = 0;
+  GLFWmonitor** const all = glfwGetMonitors(&count);
+  if (count < 1) throw failure("there is no monitor for the participant");
+  GLFWmonitor* const chosen = all[std::min(monitor, static_cast<std::size_t>(count) - 1)];
+  const GLFWvidmode* const mode = glfwGetVideoMode(chosen);
+  if (mode == nullptr) throw failure(fmt::format("the participant's monitor says no size ({})", last_fault()));
+  glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+  glfwWindowHint(GLFW_REFRESH_RATE, mode->refreshRate);
+  glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);  // it stays while somebody works in the other
+  state_->window = glfwCreateWindow(mode->width, mode->height, title, chosen, nullptr);
+  glfwDefaultWindowHints();
+  if (!state_->window) throw failure(fmt::format("no window for the participant ({})", last_fault()));
+  ++State::open;
+  glfwSetInputMode(state_->window, GLFW_CURSOR, GLFW_CURSOR_HIDDEN);
+  state_->listen();
+}
+
+void Window::State::listen() {
+  glfwSetWindowUserPointer(window, this);
+  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
+    State& state = State::of(w);
+    WindowEvent event = state.pointer(action == GLFW_PRESS ? WindowEvent::Kind::press : WindowEvent::Kind::release);
+    event.button = button == GLFW_MOUSE_BUTTON_LEFT     ? Button::left
+                   : button == GLFW_MOUSE_BUTTON_MIDDLE ? Button::middle
+                                                        : Button::right;
+    event.shift = mods & GLFW_MOD_SHIFT;
+    event.ctrl = mods & GLFW_MOD_CONTROL;
+    state.events.push_back(event);
+  });
+  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double, double) {
+    State& state = State::of(w);
+    state.events.push_back(state.pointer(WindowEvent::Kind::move));
+  });
+  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double steps) {
+    State& state = State::of(w);
+    WindowEvent event = state.pointer(WindowEvent::Kind::scroll);
+    event.steps = steps;
+    state.events.push_back(event);
+  });
+  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int code, int action, int mods) {
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::key;
+    event.key = key_pressed(key, code);
+    event.down = action != GLFW_RELEASE;
+    event.repeat = action == GLFW_REPEAT;
+    event.shift = mods & GLFW_MOD_SHIFT;
+    event.ctrl = mods & GLFW_MOD_CONTROL;
+    State::of(w).events.push_back(event);
+  });
+  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned int code) {
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::text;
+    event.text = utf8(code);
+    State::of(w).events.push_back(event);
+  });
+  glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+    for (int i = 0; i < count; ++i) {
+      WindowEvent event;
+      event.kind = WindowEvent::Kind::drop;
+      event.text = paths[i];
+      State::of(w).events.push_back(event);
+    }
+  });
+  glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { State::of(w).events.emplace_back(); });
+  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { State::of(w).events.emplace_back(); });
+}
+
+Window::~Window() {
+  glfwDestroyWindow(state_->window);
+  State::close();
+}
+
+std::vector<std::string> Window::monitors() {
+  int count = 0;
+  GLFWmonitor** const all = glfwGetMonitors(&count);
+  std::vector<std::string> names;
+  for (int i = 0; i < count; ++i) {
+    const char* const name = glfwGetMonitorName(all[i]);
+    const GLFWvidmode* const mode = glfwGetVideoMode(all[i]);
+    names.push_back(fmt::format("{} {}x{}", name != nullptr ? name : "?", mode != nullptr ? mode->width : 0,
+                                mode != nullptr ? mode->height : 0));
+  }
+  return names;
+}
+
+std::vector<const char*> Window::extensions() const {
+  std::uint32_t count = 0;
+  const char** names = glfwGetRequiredInstanceExtensions(&count);
+  return {names, names + count};
+}
+
+VkSurfaceKHR Window::make_surface(VkInstance instance) const {
+  VkSurfaceKHR surface = VK_NULL_HANDLE;
+  PALPA_VK(glfwCreateWindowSurface(instance, state_->window, nullptr, &surface));
+  return surface;
+}
+
+VkExtent2D Window::size() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(state_->window, &width, &height);
+  if (glfwGetWindowAttrib(state_->window, GLFW_ICONIFIED)) return {0, 0};
+  return {static_cast<std::uint32_t>(std::max(width, 0)), static_cast<std::uint32_t>(std::max(height, 0))};
+}
+
+double Window::pixel_ratio() const {
+  float x = 1, y = 1;
+  glfwGetWindowContentScale(state_->window, &x, &y);
+  return std::clamp(static_cast<double>(x), 0.5, 4.0);
+}
+
+void Window::wait(double timeout_s, std::vector<WindowEvent>& events) {
+  if (timeout_s < 0) {
+    glfwWaitEvents();
+  } else if (timeout_s == 0) {
+    glfwPollEvents();
+  } else {
+    glfwWaitEventsTimeout(timeout_s);
+  }
+  take(events);
+}
+
+void Window::take(std::vector<WindowEvent>& events) {
+  events.insert(events.end(), state_->events.begin(), state_->events.end());
+  state_->events.clear();
+}
+
+void Window::wake() {
+  glfwPostEmptyEvent();
+}
+
+void Window::resize(std::uint32_t width, std::uint32_t height) {
+  glfwSetWindowSize(state_->window, static_cast<int>(width), static_cast<int>(height));
+}
+
+std::string Window::clipboard() const {
+  const char* text = glfwGetClipboardString(state_->window);
+  return text != nullptr ? text : "";
+}
+
+void Window::set_clipboard(const std::string& text) {
+  glfwSetClipboardString(state_->window, text.c_str());
+}
+
+bool Window::closing() const {
+  return glfwWindowShouldClose(state_->window);
+}
+
+}  // namespace palpa::viewer
