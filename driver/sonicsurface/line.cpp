@@ -2,7 +2,10 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -13,6 +16,22 @@
 #include "base/error.hpp"
 
 namespace palpa::driver::sonicsurface {
+namespace {
+
+/// Keeps other programs from the line until this one closes it or is gone; errno's value where one of them has it.
+int take_alone(int fd) {
+  if (flock(fd, LOCK_EX | LOCK_NB) != 0) return errno == EWOULDBLOCK ? EBUSY : errno;
+  // Programs that ask for no lock are kept out by the kernel. Not of a pseudo terminal: it would stay closed to
+  // ordinary users for as long as its emulator lives.
+  struct stat status {};
+  constexpr unsigned first_pty = 136, last_pty = 143;
+  if (fstat(fd, &status) != 0) return errno;
+  const unsigned driver = major(status.st_rdev);
+  if (driver >= first_pty && driver <= last_pty) return 0;
+  return ioctl(fd, TIOCEXCL) != 0 ? errno : 0;
+}
+
+}  // namespace
 
 Line::Line(std::string path) : path_(std::move(path)) {
   const int fault = open();
@@ -29,11 +48,12 @@ int Line::open() {
   if (!fd) return errno;
   termios setting{};
   if (tcgetattr(fd.get(), &setting) != 0) return errno;
+  if (const int fault = take_alone(fd.get()); fault != 0) return fault;
   cfmakeraw(&setting);
   setting.c_cflag |= CLOCAL | CREAD;
   setting.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS | HUPCL | CSTOPB | PARENB);
   cfsetspeed(&setting, B230400);
-  if (ioctl(fd.get(), TIOCEXCL) != 0 || tcsetattr(fd.get(), TCSANOW, &setting) != 0) return errno;
+  if (tcsetattr(fd.get(), TCSANOW, &setting) != 0) return errno;
   // What a line cannot do it leaves undone without a word.
   if (tcgetattr(fd.get(), &setting) != 0) return errno;
   if (cfgetospeed(&setting) != B230400) return EINVAL;

@@ -56,6 +56,7 @@ bool load_vulkan() try {
 }
 
 std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
+  const std::lock_guard lock(loader_mutex);  // the loader leaves drivers without a device here
   std::uint32_t count = 0;
   if (vkEnumeratePhysicalDevices(instance, &count, nullptr) != VK_SUCCESS) return {};
   std::vector<VkPhysicalDevice> devices(count);

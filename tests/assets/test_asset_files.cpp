@@ -1,4 +1,5 @@
 // What is committed under assets/ is what the generators write, byte for byte.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -13,8 +14,8 @@
 namespace palpa {
 namespace {
 
-int run(const std::string& command) {
-  const int status = std::system((command + " 2> /dev/null").c_str());
+int run(const char* program, const std::string& arguments) {
+  const int status = std::system(fmt::format("'{}' {} 2> /dev/null", program, arguments).c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
@@ -27,7 +28,7 @@ void expect_as_committed(const std::filesystem::path& folder, const std::string&
 
 TEST(AssetFiles, Objects) {
   const auto folder = test::scratch_folder("assets-objects");
-  ASSERT_EQ(run(std::string(MAKE_OBJECTS) + " '" + folder.string() + "'"), 0);
+  ASSERT_EQ(run(MAKE_OBJECTS, "'" + folder.string() + "'"), 0);
   for (const std::string name : {"cube", "semi-sphere", "pyramid", "prism"}) {
     expect_as_committed(folder, name + ".glb");
     const auto scene = geometry::load_gltf(folder / (name + ".glb"));
@@ -46,7 +47,7 @@ TEST(AssetFiles, Objects) {
 
 TEST(AssetFiles, Finger) {
   const auto folder = test::scratch_folder("assets-finger");
-  ASSERT_EQ(run(std::string(MAKE_FINGER) + " '" + folder.string() + "'"), 0);
+  ASSERT_EQ(run(MAKE_FINGER, "'" + folder.string() + "'"), 0);
   expect_as_committed(folder, "finger.glb");
   expect_as_committed(folder, "finger.ply");
   const auto scene = geometry::load_gltf(folder / "finger.glb");
@@ -62,7 +63,7 @@ TEST(AssetFiles, Hands) {
   const std::pair<const char*, const char*> hands[] = {
       {"spread", "hand.glb"}, {"point", "hand-point.glb"}, {"relaxed", "hand-relaxed.glb"}};
   for (const auto& [pose, name] : hands) {
-    ASSERT_EQ(run(std::string(MAKE_HAND) + " --pose " + pose + " -o '" + (folder / name).string() + "'"), 0);
+    ASSERT_EQ(run(MAKE_HAND, std::string("--pose ") + pose + " -o '" + (folder / name).string() + "'"), 0);
     expect_as_committed(folder, name);
     EXPECT_LT(std::filesystem::file_size(folder / name), 1000000U);
   }
@@ -70,11 +71,11 @@ TEST(AssetFiles, Hands) {
 }
 
 TEST(AssetFiles, GeneratorsSayWhatIsWrong) {
-  EXPECT_EQ(run(MAKE_OBJECTS), 2);
-  EXPECT_EQ(run(std::string(MAKE_OBJECTS) + " /nowhere/at/all"), 1);
-  EXPECT_EQ(run(std::string(MAKE_HAND) + " --pose spread"), 2);
-  EXPECT_EQ(run(std::string(MAKE_HAND) + " --pose wave -o /dev/null"), 4);  // no such pose, so a file that is not there
-  EXPECT_EQ(run(std::string(MAKE_HAND) + " --pose point -o /dev/full"), 1);
+  EXPECT_EQ(run(MAKE_OBJECTS, ""), 2);
+  EXPECT_EQ(run(MAKE_OBJECTS, "/nowhere/at/all"), 1);
+  EXPECT_EQ(run(MAKE_HAND, "--pose spread"), 2);
+  EXPECT_EQ(run(MAKE_HAND, "--pose wave -o /dev/null"), 4);  // no such pose, so a file that is not there
+  EXPECT_EQ(run(MAKE_HAND, "--pose point -o /dev/full"), 1);
 }
 
 }  // namespace

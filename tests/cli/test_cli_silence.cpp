@@ -57,7 +57,7 @@ struct Stage {
   /// Takes in so many lines that sound, and so many of any kind.
   void hear(int sounding, int any = 0) {
     for (int heard = 0, all = 0; heard < sounding || all < any; ++all) {
-      const int patience = last.empty() ? 20 : 3;  // a program may take long to start
+      const int patience = last.empty() ? 60 : 3;  // the first of a machine compiles the shaders
       std::string next;
       for (int tries = 0; tries < patience && next.empty(); ++tries)
         next = receiver.next();

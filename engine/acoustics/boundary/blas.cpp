@@ -18,6 +18,8 @@ namespace {
 constexpr const char* library = "libopenblas.so.0";
 // What each calling thread takes of addresses: the library's own buffer, the thread's stack, and what malloc reserves.
 constexpr std::uint64_t thread_bytes = (128u + 8u + 128u) << 20;
+// What the library itself takes of them.
+constexpr std::uint64_t library_bytes = 64u << 20;
 
 /// While it lives, this thread may run on one processor only. When OpenBLAS is loaded, it starts a thread for each
 /// further one. The environment could tell it not to, but other threads may be reading that.
@@ -50,7 +52,18 @@ void find(void* handle, const char* name, Function& function) {
   if (!function) throw failure(fmt::format("{} has no {}: install libopenblas0-pthread", library, name));
 }
 
+/// Throws where so many bytes cannot be had now. OpenBLAS itself asks again and again, for ever.
+void expect_memory(std::uint64_t bytes) {
+  void* const place = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (place == MAP_FAILED) {
+    throw failure(fmt::format("factoring a matrix needs {} of memory, which cannot be had: raise the limit (ulimit -v)",
+                              format_bytes(bytes)));
+  }
+  munmap(place, bytes);
+}
+
 Blas load() {
+  expect_memory(library_bytes + thread_bytes);
   const OneProcessor one;
   void* const handle = dlopen(library, RTLD_NOW | RTLD_LOCAL);
   if (!handle) {
@@ -71,14 +84,6 @@ Blas load() {
   return functions;
 }
 
-/// Whether so many bytes can be had now.
-bool can_have(std::uint64_t bytes) {
-  void* const place = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (place == MAP_FAILED) return false;
-  munmap(place, bytes);
-  return true;
-}
-
 }  // namespace
 
 const Blas& blas(std::size_t threads) {
@@ -88,12 +93,7 @@ const Blas& blas(std::size_t threads) {
   static std::size_t provided = 0;
   const std::lock_guard lock(mutex);
   if (threads > provided) {
-    const std::uint64_t bytes = (threads - provided) * thread_bytes;
-    if (!can_have(bytes)) {
-      throw failure(
-          fmt::format("factoring a matrix needs {} of memory, which cannot be had: raise the limit (ulimit -v)",
-                      format_bytes(bytes)));
-    }
+    expect_memory((threads - provided) * thread_bytes);
     provided = threads;
   }
   return functions;

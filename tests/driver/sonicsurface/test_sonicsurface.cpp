@@ -1,6 +1,7 @@
 // SonicSurface: what the encoder writes is what an independent reading of the bytes hears; and the board on a serial
 // line.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -20,10 +21,12 @@
 
 #include "driver/guard/channel.hpp"
 #include "driver/sonicsurface/board.hpp"
+#include "driver/sonicsurface/line.hpp"
 #include "driver/sonicsurface/machine.hpp"
 #include "driver/sonicsurface/pty.hpp"
 #include "driver/sonicsurface/wire.hpp"
 #include "sonicsurface_rig.hpp"
+#include "support/ordinary_user.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
@@ -360,6 +363,16 @@ TEST(SonicSurfaceBoard, TakesACalibrationFromItsFolder) {
   EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 3); }), "number 2");
   write("0 400 3");
   EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 3); }), "400 degrees");
+}
+
+TEST(SonicSurfaceLine, IsOnePrograms) {
+  const Pty pty;
+  ASSERT_EQ(chmod(pty.path().c_str(), 0666), 0);
+  const test::OrdinaryUser user;  // root gets lines that nobody else gets
+  auto line = std::make_unique<Line>(pty.path());
+  EXPECT_CONTAINS(test::error_of([&] { Line again(pty.path()); }), "another program has it");
+  line.reset();
+  EXPECT_NO_THROW(Line(pty.path())) << "the program before has closed it";
 }
 
 TEST(SonicSurfaceBoard, ALineThatGoesAwayIsToldOnce) {
