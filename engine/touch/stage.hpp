@@ -11,10 +11,10 @@
 //   timeline.wait(timeline.submit(recorder.end()));
 //   touch::read(memory, touch);
 //
-// The passes in the order of record(), each with its kernels (NAME.comp in shaders/touch/) and what it writes. A point goes on as
-// a contact, a contact as a member of a finger, a finger as foci. Split and bridge look at the depth frames again and
-// run where there are cameras and a finger width; follow and glide know of the frames before and run where fingers are
-// followed and foci smoothed.
+// The passes in the order of record(), each with its kernels (NAME.comp in shaders/touch/) and what it writes. A point
+// goes on as a contact, a contact as a member of a finger, a finger as foci. Split and bridge look at the depth frames
+// again and run where there are cameras and a finger width; follow and glide know of the frames before and run where
+// fingers are followed and foci smoothed.
 //
 //   SkinPass      skin_count, scan, skin_scatter: pixels -> points (world x, y, z, pixel) and their total
 //   ContactsPass  contacts_find or contacts_surface (by the scene's solids), contacts_pack: points -> contacts,
