@@ -10,7 +10,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <thread>
 #include <utility>
 
 #include "base/error.hpp"
@@ -34,7 +36,13 @@ int take_alone(int fd) {
 }  // namespace
 
 Line::Line(std::string path) : path_(std::move(path)) {
-  const int fault = open();
+  int fault = open();
+  // The guard of a run that has just ended may still be closing it.
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  while (fault == EBUSY && std::chrono::steady_clock::now() < until) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    fault = open();
+  }
   if (fault == 0) return;
   const char* advice = fault == EACCES   ? "; add yourself to the group dialout and log in again"
                        : fault == ENOTTY ? "; give the board's serial port, such as /dev/ttyUSB0"

@@ -11,7 +11,7 @@ namespace palpa::driver::sonicsurface {
 
 class Line {
  public:
-  /// Throws failure() for what is not there, is no tty, or is held by another.
+  /// Throws failure() for what is not there, is no tty, or is held by another program for a second.
   explicit Line(std::string path);
 
   const std::string& path() const { return path_; }

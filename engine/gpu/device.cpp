@@ -218,7 +218,7 @@ bool validation_layer_present() {
 }
 
 std::vector<DeviceDescription> list_devices() try {
-  if (!load_vulkan()) return {};
+  if (!load_vulkan() || !drivers_fit()) return {};
   VkApplicationInfo app{VK_STRUCTURE_TYPE_APPLICATION_INFO};
   app.apiVersion = VK_API_VERSION_1_3;
   const std::vector<const char*> extensions = with_usual_extensions({});
@@ -249,6 +249,7 @@ Device::Device(const DeviceOptions& options) {
     throw Error(Exit::no_device, "no Vulkan loader found: " +
                                      driver_advice("install libvulkan1 and a driver such as mesa-vulkan-drivers"));
   }
+  if (!drivers_fit()) throw Error(Exit::no_device, "no Vulkan driver can be loaded: " + driver_advice());
   validation_ = options.validation ? *options.validation : validation_from_environment();
   const std::vector<int> before = threads_of_process();
   try {

@@ -17,7 +17,8 @@ namespace {
 // Measured with Mesa 22.3's llvmpipe for what takes most, a live loop: 1.02, 1.17 and 1.47 GB with 1, 2 and 4 threads,
 // of which the process has 0.24 GB when the driver is loaded; 0.24 GB of it are in use.
 constexpr std::uint64_t without_threads = 850'000'000, each_thread = 150'000'000, in_use = 256'000'000;
-constexpr std::uint64_t spare = 100'000'000;  // what is compiled and mapped beside buffers, once at work
+constexpr std::uint64_t spare = 100'000'000;         // what is compiled and mapped beside buffers, once at work
+constexpr std::uint64_t driver_bytes = 220'000'000;  // until one of the drivers, Mesa's with LLVM in it, is loaded
 constexpr unsigned most_threads = 32;
 
 /// As many as Mesa starts.
@@ -66,6 +67,10 @@ void require_room_for(const DeviceDescription& device) {
 void require_room_for(const DeviceDescription& device, std::uint64_t bytes) {
   if (!is_software(device)) return;
   if (const std::string fault = lacking(device, bytes + spare, addresses_left()); !fault.empty()) throw failure(fault);
+}
+
+bool drivers_fit() {
+  return addresses_left() >= driver_bytes;
 }
 
 std::string driver_advice(const std::string& otherwise) {

@@ -23,6 +23,9 @@ void require_room_for(const DeviceDescription& device);
 /// The same for `bytes` more once it is at work. Cheap where there is no limit.
 void require_room_for(const DeviceDescription& device, std::uint64_t bytes);
 
+/// Whether the process's limits leave what drivers take to be loaded. Where they do not, LLVM ends the process.
+bool drivers_fit();
+
 /// What would help where no driver, or none that works, was found: `otherwise`, or to raise the limit of memory.
 std::string driver_advice(const std::string& otherwise = "install a driver such as mesa-vulkan-drivers");
 

@@ -302,10 +302,14 @@ TEST(Limits, PairsThatAreLookedAtAreCounted) {
 TEST(Limits, StepsToASurfacesGridAreCounted) {
   const Mesh mesh = rods(12);
   EXPECT_FALSE(make_surface(mesh, {}).empty());
-  EXPECT_CONTAINS(test::error_of([&] { make_surface(mesh, {.steps_per_cell = 250, .spare_steps = 0}); }, Exit::failed),
-                  "turn it so that its long faces run along an axis");
+  EXPECT_CONTAINS(
+      test::error_of([&] { make_surface(mesh, {.steps_per_cell = 250, .steps_per_triangle = 0, .spare_steps = 0}); },
+                     Exit::failed),
+      "turn it so that its long faces run along an axis");
   // A mesh as they are.
-  EXPECT_FALSE(make_surface(test::torus(0.05, 0.02, 40), {.steps_per_cell = 250, .spare_steps = 0}).empty());
+  EXPECT_FALSE(
+      make_surface(test::torus(0.05, 0.02, 40), {.steps_per_cell = 250, .steps_per_triangle = 0, .spare_steps = 0})
+          .empty());
 }
 
 /// Scales a ball's points: "shape" of unit directions.
@@ -320,7 +324,7 @@ Mesh ball_of(int divisions, Shape shape) {
 TEST(Limits, RoundThingsNeedFewSteps) {
   std::mt19937 random(4);
   std::normal_distribution<double> noise(1, 0.003);
-  const SurfaceOptions deep{.deep = true, .steps_per_cell = 500, .spare_steps = 0};
+  const SurfaceOptions deep{.deep = true, .steps_per_cell = 500, .steps_per_triangle = 0, .spare_steps = 0};
   EXPECT_FALSE(make_surface(ball_of(24, [](const Vec3& p) { return 0.03 * p; }), deep).empty());
   EXPECT_FALSE(make_surface(ball_of(24, [](const Vec3& p) { return 0.03 * p * Vec3(1, 1.3, 1); }), deep).empty());
   EXPECT_FALSE(make_surface(ball_of(24, [&](const Vec3& p) { return 0.03 * noise(random) * p; }), deep).empty());

@@ -3,8 +3,8 @@
 
 #include "base/error.hpp"
 #include "session/links/plan.hpp"
-#include "session/plan/haptics.hpp"
 #include "session/plan/scheduler.hpp"
+#include "session/plan/solid_haptics.hpp"
 
 namespace palpa::session {
 namespace {

@@ -175,7 +175,7 @@ std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh,
       skipped[i] = has_area(mesh, order[i]) ? 0 : 1;
     }
   });
-  constexpr std::size_t chunk = 1024;
+  constexpr std::size_t chunk = 64;  // small: one that is begun is looked at to its end, whatever that costs
   std::vector<std::optional<Crossing>> found(chunk_count(order.size(), chunk));
   std::vector<std::uint64_t> pairs(found.size(), 0);
   std::atomic<std::uint64_t> all_pairs{0};

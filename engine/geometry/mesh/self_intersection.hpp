@@ -21,7 +21,7 @@ struct Crossing {
 
 /// The most pairs of triangles with overlapping boxes that are looked at in a mesh: models have some 20 per triangle.
 constexpr std::uint64_t most_pairs(std::uint64_t triangles) {
-  return 20'000'000 + 100 * triangles;
+  return 10'000'000 + 60 * triangles;
 }
 
 /// The first pair of triangles that meet, in the order of `bvh`, the tree of the welded `mesh`; the same one for any

@@ -21,10 +21,12 @@ struct SurfaceOptions {
   /// The grid has about four cells per triangle, but at least so many: fewer are made sooner and answer the same,
   /// slower.
   std::uint32_t least_cells = 4096;
-  /// Steps, nodes of a tree of boxes that are looked at, that filling the grid may take; twice as many where deep
-  /// points get a depth, which is what a lumpy ball of 300,000 triangles needs for them. A step takes 10 to 20 ns.
-  std::uint64_t steps_per_cell = 450;
-  std::uint64_t spare_steps = 20'000'000;  ///< beyond that
+  /// Steps, nodes of a tree of boxes that are looked at, that filling the grid may take: for each cell, for each
+  /// triangle, and beyond that; twice as many where deep points get a depth. A step takes 10 to 20 ns. A lumpy ball of
+  /// 1,000,000 triangles takes half of them.
+  std::uint64_t steps_per_cell = 300;
+  std::uint64_t steps_per_triangle = 400;
+  std::uint64_t spare_steps = 20'000'000;
 };
 
 /// Built once, shared by copies, never changed. All positions are relative to `centre`, in single precision.

@@ -122,7 +122,9 @@ class Builder {
     constexpr std::size_t chunk = 512;
     std::vector<Piece> pieces(chunk_count(count, chunk));
     const double side = out_.cell_m;
-    const std::uint64_t most_steps = options_.spare_steps + options_.steps_per_cell * (options_.deep ? 2 : 1) * count;
+    const std::uint64_t most_steps =
+        options_.spare_steps +
+        (options_.deep ? 2 : 1) * (options_.steps_per_cell * count + options_.steps_per_triangle * t_.triangles.size());
     std::atomic<std::uint64_t> all_steps{0};
     Activity work("fills its grid", pieces.size());
     parallel_chunks(count, chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {

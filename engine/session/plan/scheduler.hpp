@@ -12,7 +12,7 @@
 #include "acoustics/field/array_field.hpp"
 #include "array/schedule.hpp"
 #include "base/math.hpp"
-#include "session/plan/haptics.hpp"
+#include "session/plan/solid_haptics.hpp"
 #include "touch/foci/method.hpp"
 #include "touch/types.hpp"
 

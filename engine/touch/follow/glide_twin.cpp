@@ -5,6 +5,7 @@
 #include <span>
 
 #include "shaders/touch/follow/glide_math.h"
+#include "touch/sections/nearest_filled.hpp"
 
 namespace palpa::touch {
 namespace {
@@ -27,17 +28,6 @@ shader::Axes frame_of(const Float3& w1, const Float3& w3) {
   return {w1, cross3(w3, w1), w3, 0, 0, 0};
 }
 
-/// The nearest sector by angle that has contacts; of two equally near, the one with the lower index.
-std::size_t nearest_filled(std::span<const Focus> sectors, std::size_t n) {
-  const std::size_t count = sectors.size();
-  for (std::size_t apart = 0; apart <= count / 2; ++apart) {
-    const auto [low, high] = std::minmax({(n + count - apart) % count, (n + apart) % count});
-    if (sectors[low].points != 0) return low;
-    if (sectors[high].points != 0) return high;
-  }
-  return n;
-}
-
 void glide_finger(const shader::Track& track, shader::Home& home, Finger& finger) {
   const auto count = static_cast<std::uint32_t>(finger.foci.size());
   const bool anew = track.since_us == shader::follow_anew || home.foci != count;
@@ -53,7 +43,8 @@ void glide_finger(const shader::Track& track, shader::Home& home, Finger& finger
   for (std::uint32_t n = 0; n < count; ++n) {
     GlidingFocus& focus = home.focus[n];
     const bool empty = sectors[n].points == 0;
-    Float3 target = float3(sectors[nearest_filled(sectors, n)].position);
+    const std::uint32_t near = nearest_filled(n, count, [&](std::uint32_t i) { return sectors[i].points != 0; });
+    Float3 target = float3(sectors[near < count ? near : n].position);
     Gliding now{target, {0, 0, 0}};
     if (anew) {
       focus.empty_us = empty ? shader::hold_us + 1 : 0;

@@ -1,4 +1,4 @@
-#include "session/plan/haptics.hpp"
+#include "session/plan/solid_haptics.hpp"
 
 #include <fmt/core.h>
 
