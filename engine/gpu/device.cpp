@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <iterator>
 #include <mutex>
 #include <new>
 #include <span>
+#include <string_view>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
@@ -160,6 +162,16 @@ std::string why_unusable(VkPhysicalDevice physical, const VkPhysicalDeviceProper
   return {};
 }
 
+/// 22 of "Mesa 22.3.6 (LLVM 15.0.6)"; 0 where it does not say.
+int mesa_version(std::string_view driver_info) {
+  constexpr std::string_view before = "Mesa ";
+  const std::size_t at = driver_info.find(before);
+  int version = 0;
+  if (at != std::string_view::npos)
+    std::from_chars(driver_info.data() + at + before.size(), driver_info.data() + driver_info.size(), version);
+  return version;
+}
+
 DeviceDescription describe(VkPhysicalDevice physical, std::uint32_t index) {
   VkPhysicalDeviceProperties basic;
   vkGetPhysicalDeviceProperties(physical, &basic);
@@ -171,7 +183,7 @@ DeviceDescription describe(VkPhysicalDevice physical, std::uint32_t index) {
   d.name = basic.deviceName;
   d.driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
   d.kind = kind_name(basic.deviceType);
-  d.ends_long_loops = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
+  d.ends_long_loops = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE && mesa_version(driver.driverInfo) < 25;
   d.unusable = why_unusable(physical, basic);
   return d;
 }

@@ -26,7 +26,7 @@ struct SurfaceOptions {
   /// 1,000,000 triangles takes half of them.
   std::uint64_t steps_per_cell = 300;
   std::uint64_t steps_per_triangle = 400;
-  std::uint64_t spare_steps = 20'000'000;
+  std::uint64_t spare_steps = 50'000'000;
 };
 
 /// Built once, shared by copies, never changed. All positions are relative to `centre`, in single precision.
