@@ -125,6 +125,7 @@ class Builder {
     const std::uint64_t most_steps =
         options_.spare_steps +
         (options_.deep ? 2 : 1) * (options_.steps_per_cell * count + options_.steps_per_triangle * t_.triangles.size());
+    if (sampled_steps(count, side) > most_steps * 3 / 2) refuse(most_steps, count);
     std::atomic<std::uint64_t> all_steps{0};
     Activity work("fills its grid", pieces.size());
     parallel_chunks(count, chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
@@ -149,17 +150,36 @@ class Builder {
     log::debug(
         fmt::format("a surface of {} triangles: {} cells, {} steps", t_.triangles.size(), count, all_steps.load()));
     // The sum is the same for any number of threads: either all of it was done, or it was too much.
-    if (all_steps > most_steps) {
-      throw failure(
-          fmt::format("its triangles lie side by side with boxes that overlap too much: to find the nearest "
-                      "ones takes more than the {} steps that palpa spends on a grid of {} cells; turn it so "
-                      "that its long faces run along an axis, or divide them",
-                      most_steps, count));
-    }
+    if (all_steps > most_steps) refuse(most_steps, count);
     collect_lists(pieces);
     for (std::size_t i = 0; i < count; ++i)
       take(pieces[i / chunk].children[i % chunk], static_cast<std::uint32_t>(i), position(i));
     finish_level();
+  }
+
+  [[noreturn]] static void refuse(std::uint64_t most_steps, std::size_t cells) {
+    throw failure(
+        fmt::format("its triangles lie side by side with boxes that overlap too much: to find the nearest "
+                    "ones takes more than the {} steps that palpa spends on a grid of {} cells; turn it so "
+                    "that its long faces run along an axis, or divide them",
+                    most_steps, cells));
+  }
+
+  /// About how many steps the whole grid takes, from one cell in many: what is out of the question is refused soon.
+  /// Somewhat too many, since cells here have no neighbours to start from.
+  std::uint64_t sampled_steps(std::size_t count, double side) const {
+    constexpr std::size_t stride = 127;
+    std::uint64_t steps = 0;
+    Walk walk;
+    std::vector<std::uint32_t> lists;
+    for (std::size_t i = stride / 2; i < count; i += stride) {
+      double spare = 0;
+      lists.clear();
+      const Child child = grid_cell(position(i), side, walk, lists, spare);
+      const std::uint64_t took = std::exchange(walk.steps, 0);
+      if (child.count != 0) steps += took;  // a cell without a list speaks for some that follow
+    }
+    return steps * stride;
   }
 
   glm::uvec3 position(std::size_t i) const {
