@@ -29,7 +29,7 @@ TEST(DriverDoctor, FindsBoardsAndCamerasOnUsb) {
                       << describe({4, 21, "2341", "0042", "85430353531351B0D1E1"})
                       << describe({2, 12, "8086", "0ad3", "728612070259"}) << describe({5, 30, "04d9", "1603", ""});
   const Result result = run_program(mock, {"--device", file.string(), "--", palpa_binary(), "doctor", "--json", "-"},
-                                    {.environment = {{"LC_ALL", "C.UTF-8"}}});  // umockdev-run reads paths as UTF-8
+                                    {.environment = {{"CHARSET", "UTF-8"}}});  // of paths, for umockdev-run
   ASSERT_TRUE(result.exit_code == 0 || result.exit_code == 3) << result.err;
   const json report = json::parse(result.out);
   ASSERT_EQ(report["boards"].size(), 3u) << report["boards"];
@@ -62,7 +62,7 @@ TEST(DriverDoctor, ADeviceThatMayNotBeOpenedIsExplained) {
   camera.erase(camera.find("N: "), camera.find("E: DEVNAME") - camera.find("N: "));
   std::ofstream(file) << device << camera;
   const Result result = run_program(mock, {"--device", file.string(), "--", palpa_binary(), "doctor", "--json", "-"},
-                                    {.environment = {{"LC_ALL", "C.UTF-8"}}});  // umockdev-run reads paths as UTF-8
+                                    {.environment = {{"CHARSET", "UTF-8"}}});  // of paths, for umockdev-run
   const json report = json::parse(result.out);
   ASSERT_EQ(report["boards"].size(), 1u);
   EXPECT_FALSE(report["boards"][0]["usable"].get<bool>());
