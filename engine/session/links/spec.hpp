@@ -21,13 +21,13 @@ inline Spec parse_spec(const std::string& text) {
 
 /// The kind of that name. Throws bad_usage with all kinds' help where there is none; `what` is "link" or "source".
 template <typename Kind>
-const Kind& find_kind(std::span<const Kind> kinds, const std::string& name, const std::string& what) {
+const Kind& find_kind(std::span<const Kind> kinds, const std::string& name, const char* what) {
   std::string known;
   for (const Kind& kind : kinds) {
     if (kind.name == name) return kind;
     known += (known.empty() ? "" : "; ") + kind.help;
   }
-  throw bad_usage("there is no " + what + " '" + name + "'; known are " + known);
+  throw bad_usage(std::string("there is no ") + what + " '" + name + "'; known are " + known);
 }
 
 }  // namespace palpa::session
