@@ -364,6 +364,9 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count() + 1)
     chosen = parser.parse_args()
     os.environ.setdefault("PALPA_ASSETS", str(ROOT / "assets"))
+    # A shell that starts this in the background has it ignore these, and loops would take that over: they play on then.
+    for number in (signal.SIGINT, signal.SIGQUIT):
+        signal.signal(number, signal.SIG_DFL)
     begin, work = time.monotonic(), pathlib.Path(tempfile.mkdtemp(prefix="pk-"))  # short: sockets' names may have 107 bytes
     programs, namespace = {"palpa": chosen.bin.resolve() / "palpa", "rig": small_rig(work)}, namespace_command()
     if namespace is None:
