@@ -45,8 +45,8 @@ struct DeviceDescription {
   std::string name;
   std::string driver;  ///< driver name and version
   std::string kind;    ///< "discrete", "integrated", "virtual", "cpu" or "other"
-  /// Loops of a kernel end after 65,535 turns, wherever they are: Mesa's software device of version 22, and for all
-  /// that is known up to 24; that of 25 ends none.
+  /// Loops of a kernel end after 65,535 turns, wherever they are. Set for Mesa's software device before version 25:
+  /// version 22 was seen to end them and 25 not to; 23 and 24 have not been tried.
   bool ends_long_loops = false;
   std::string unusable;  ///< why palpa cannot use it; empty if it can
 };
