@@ -1,8 +1,9 @@
 # palpa_shaders(TARGET folder/name.comp ...): compiles shaders/folder/name.comp to SPIR-V at build time, validates it and embeds it as
-# `palpa::spirv::name_comp` in the header "spirv/name.comp.hpp" of the build directory. A shader error fails the build;
-# the depfile makes an edited shared header rebuild every shader that includes it.
+# `palpa::spirv::name_comp` in the header "spirv/name.comp.hpp" of the build directory: of a compute shader a gpu::Kernel, of others
+# the words alone. A shader error fails the build; the depfile makes an edited shared header rebuild every shader that includes it.
 find_program(GLSLANG_VALIDATOR glslangValidator REQUIRED)
 find_program(SPIRV_VAL spirv-val REQUIRED)
+find_program(SPIRV_DIS spirv-dis REQUIRED)
 
 set(PALPA_SHADER_SOURCES ${PROJECT_SOURCE_DIR}/shaders)
 set(PALPA_SHADER_EMBED ${CMAKE_CURRENT_LIST_DIR}/EmbedSpirv.cmake)
@@ -21,7 +22,7 @@ function(palpa_shaders TARGET)
               -o ${spv} ${PALPA_SHADER_SOURCES}/${source}
       COMMAND ${SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${spv}
       COMMAND ${CMAKE_COMMAND} -DSPV=${spv} -DHEADER=${header} -DSHADER=${source} -DDEPFILE=${header}.d
-              -P ${PALPA_SHADER_EMBED}
+              -DSPIRV_DIS=${SPIRV_DIS} -P ${PALPA_SHADER_EMBED}
       DEPENDS ${PALPA_SHADER_SOURCES}/${source} ${PALPA_SHADER_EMBED}
       DEPFILE ${header}.d
       COMMENT "Shader ${source}"

@@ -95,7 +95,7 @@ void measure_links(std::uint32_t runs, std::vector<bench::Row>& rows) {
   layout.transducers.resize(boards * openmpd::transducers);
   const std::string files;
   NoNotes notes;
-  openmpd::OpenMpdBoard board({argument, files, layout, slot_s, notes}, bus, clock);
+  openmpd::OpenMpdBoard board({argument, files, layout, slot_s}, notes, bus, clock);
 
   const openmpd::Encoder encoder;
   std::array<openmpd::Frame, boards> frames{};

@@ -27,6 +27,7 @@
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
 #include "session/links/hand_over.hpp"
+#include "session/links/slots.hpp"
 
 namespace palpa::driver {
 
@@ -39,30 +40,34 @@ class BoardNotes {
   virtual void info(std::string_view line) noexcept = 0;     ///< such as the rate that was reached
 };
 
-/// What a board is opened with. The referenced values outlive the board.
-struct BoardSetting {
-  const std::string& argument;  ///< what follows the colon of `--link openmpd:SERIAL,SERIAL`
-  const std::string& files;     ///< folder with the boards' own calibration (`--board-files`); "": none
-  const array::Layout& layout;  ///< as posed in the world
-  double slot_s;                ///< one drive lasts that long
-  BoardNotes& notes;
+/// What a board is opened for. It goes from the link to the guard's Board as one value.
+struct BoardSpec {
+  std::string argument;    ///< what follows the colon of `--link openmpd:SERIAL,SERIAL`
+  std::string files;       ///< folder with the boards' own calibration (`--board-files`); "": none
+  array::Layout layout;    ///< as posed in the world
+  double slot_s = 1.5e-3;  ///< one drive lasts that long
+  bool foci_move = true;   ///< from slot to slot; else a plan is one drive and its modulation
   double sound_speed_m_s = 343.21;
-  bool foci_move = true;  ///< from slot to slot; else a plan is one drive and its modulation
   double ramp_s = 0;  ///< a change from drive to drive takes so long, where the board can and the slot allows; 0: none
 };
 
-/// A pattern for a board that plays by its own clock, valid during the call: from `from_slot` on slot s sounds part
-/// s % cycle of `drives`, until another comes. See session::ToldPlan, which this is on the guard's side.
-struct BoardPlan {
-  std::uint64_t from_slot = 0, until_slot = 0;
-  double from_s = 0;        ///< when from_slot begins, on CLOCK_MONOTONIC; it may be over by some slots
-  double slot_s = 0;        ///< one part lasts that long
-  std::uint32_t cycle = 0;  ///< parts; 0: silence, or drives that come by play() alone
-  std::span<const array::TransducerDrive> drives{};  ///< cycle * transducers
-  /// One per part where each part is one focus, in the frame of BoardSetting::layout; else none.
+/// The slots of a plan on a clock that the loop and its guard share.
+struct TimedSlots {
+  session::Slots slots;
+  double from_s = 0;  ///< when slots.from begins, on CLOCK_MONOTONIC; it may be over by some slots
+  double slot_s = 0;  ///< one slot lasts that long
+
+  /// When slots.until begins.
+  double until_s() const { return from_s + static_cast<double>(slots.count()) * slot_s; }
+};
+
+/// A pattern for a board that plays by its own clock, valid during the call: from slots.from on each slot sounds the
+/// drive that its cycle says, until another plan comes. Where the cycle is not listed there is silence, or drives that
+/// come by play() alone. See session::PlayedPlan, which this is on the guard's side.
+struct BoardPlan : TimedSlots {
+  std::span<const array::TransducerDrive> drives{};  ///< slots.cycle.length * transducers
+  /// One per drive where each drive is one focus, in the frame of BoardSpec::layout; else none.
   std::span<const Vec3> foci{};
-  double modulation_hz = 0;  ///< amplitudes times array::modulation_gain(...) where not 0
-  array::Modulation modulation = array::Modulation::pressure_sine;
 };
 
 /// How many of the drives and plans that sound have come how far, since the board was opened. What a board plays from a
@@ -110,9 +115,10 @@ struct BoardKind {
   std::string help;  ///< "openmpd:SERIAL[,SERIAL...]: OpenMPD boards on USB"
   /// Everything that can be refused is refused here, with one line that says what would be right (palpa::Error): no
   /// such device, a layout or a slot that it cannot play. Comes back with the device open and silent.
-  std::function<std::unique_ptr<Board>(const BoardSetting&)> open;
+  /// The notes outlive the board.
+  std::function<std::unique_ptr<Board>(const BoardSpec&, BoardNotes&)> open;
   bool plays_plans = false;
-  bool reads_files = false;  ///< it heeds BoardSetting::files
+  bool reads_files = false;  ///< it heeds BoardSpec::files
   /// The built-in layout of the boards that an argument names, for users who do not say how they stand; "": none fits.
   std::function<std::string(const std::string& argument)> own_layout{};
   /// The shortest slot in which foci may move; empty: any. Throws as open() does.

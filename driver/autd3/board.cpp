@@ -16,11 +16,11 @@
 #include "driver/fixed_text.hpp"
 #include "driver/guard/channel.hpp"
 #include "driver/plan_tally.hpp"
+#include "session/links/slots.hpp"
 
 namespace palpa::driver::autd3 {
 namespace {
 
-constexpr std::size_t most_parts = 128;
 constexpr double open_patience_s = 3, close_patience_s = 0.5, retry_s = 1;
 
 bool all_zero(std::span<const array::TransducerDrive> drive) {
@@ -56,47 +56,47 @@ std::uint16_t divider_of(double slot_s) {
 
 class Autd3Board final : public Board {
  public:
-  explicit Autd3Board(const BoardSetting& setting)
-      : notes_(setting.notes),
-        divider_(divider_of(setting.slot_s)),
-        count_(setting.layout.transducers.size()),
-        layout_(setting.layout),
-        sound_speed_m_s_(setting.sound_speed_m_s),
-        remote_(resolve(setting.argument), setting.layout),
-        loading_(count_, most_parts),
-        newest_(count_, most_parts),
+  Autd3Board(const BoardSpec& spec, BoardNotes& notes)
+      : notes_(notes),
+        divider_(divider_of(spec.slot_s)),
+        count_(spec.layout.transducers.size()),
+        layout_(spec.layout),
+        sound_speed_m_s_(spec.sound_speed_m_s),
+        remote_(resolve(spec.argument), spec.layout),
+        loading_(count_, session::most_cycle),
+        newest_(count_, session::most_cycle),
         drive_(count_) {
     remote_.connect(monotonic_s());
     const double until_s = monotonic_s() + open_patience_s;
     while (!ready()) {
       if (remote_.closed()) throw failure(std::string(remote_.fault()));
-      if (monotonic_s() >= until_s) throw failure(setting.argument + " does not answer in time");
+      if (monotonic_s() >= until_s) throw failure(spec.argument + " does not answer in time");
       wait();
       advance();
     }
   }
 
   void play(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
-    const Pattern& told = fresh_ ? newest_ : loading_;
-    const bool patterned = !told.empty() && slot < told.until_slot();
+    const Pattern& pattern = fresh_ ? newest_ : loading_;
+    const bool patterned = !pattern.empty() && slot < pattern.until_slot();
     if (all_zero(drive)) {
-      if (!patterned || !told.silent_at(slot)) silence();
+      if (!patterned || !pattern.silent_at(slot)) silence();
     } else if (patterned) {
       if (std::exchange(sounding_, true) == false && !fresh_) place_ = 0;  // what was silenced comes over once more
-      allow_start(told);
+      allow_start(pattern);
       tally_.play();
     } else {
       std::transform(drive.begin(), drive.end(), drive_.begin(), emission);
       sounding_ = drive_waits_ = true;
-      ++drives_.told;
+      ++drives_.given;
     }
     advance();
   }
 
   void plan(const BoardPlan& plan) override {
-    ++plans_.told;
+    ++plans_.given;
     drive_waits_ = false;
-    if (plan.cycle == 0) {
+    if (!plan.slots.cycle.is_listed()) {
       fresh_ = false;
       place_ = 0;
       newest_.clear();
@@ -435,9 +435,9 @@ class Autd3Board final : public Board {
     put_foci(message, segment, divider_, sound_speed_m_s_, std::span(points).first(parts));
   }
 
-  /// How many were told, how many of them came through, and how long these took.
+  /// How many were given, how many of them came through, and how long these took.
   struct Rate {
-    std::uint64_t told = 0, through = 0;
+    std::uint64_t given = 0, through = 0;
     double begun_s = 0, all_s = 0;
     void begin() { begun_s = monotonic_s(); }
     void end() {
@@ -446,16 +446,16 @@ class Autd3Board final : public Board {
     }
   };
   void tell(const Rate& rate, const char* what) {
-    if (rate.told == 0) return;
+    if (rate.given == 0) return;
     const double each_s = rate.through == 0 ? 0.0 : rate.all_s / static_cast<double>(rate.through);
-    notes_.info(
-        FixedText<120>("{} of {} {} brought over, {:.1f} ms each", rate.through, rate.told, what, 1e3 * each_s).view());
+    notes_.info(FixedText<120>("{} of {} {} brought over, {:.1f} ms each", rate.through, rate.given, what, 1e3 * each_s)
+                    .view());
   }
 
   BoardNotes& notes_;
   std::uint16_t divider_;
   std::size_t count_;
-  const array::Layout& layout_;
+  array::Layout layout_;
   double sound_speed_m_s_;
   Remote remote_;
   pollfd watched_{};
@@ -465,7 +465,7 @@ class Autd3Board final : public Board {
   bool fresh_ = false;  ///< newest_ has not been taken
   Pattern loading_, newest_;
   std::uint32_t place_ = 0;  ///< parts of loading_ that have been sent
-  Turn turn_;
+  PartOffset turn_;
   std::vector<Emission> drive_;
   bool drive_waits_ = false;
 
@@ -490,9 +490,9 @@ class Autd3Board final : public Board {
 
 BoardKind board_kind() {
   return {"autd3", "autd3:HOST:PORT: AUTD3 units behind a server of the Remote protocol",
-          [](const BoardSetting& setting) -> std::unique_ptr<Board> {
-            check(setting.layout);
-            return std::make_unique<Autd3Board>(setting);
+          [](const BoardSpec& spec, BoardNotes& notes) -> std::unique_ptr<Board> {
+            check(spec.layout);
+            return std::make_unique<Autd3Board>(spec, notes);
           },
           true};
 }

@@ -9,7 +9,8 @@ Pattern::Pattern(std::size_t count, std::size_t most_parts)
     : transducers_(count), emissions_(count * most_parts), silent_(most_parts), foci_(most_parts) {}
 
 void Pattern::encode(const BoardPlan& plan) {
-  parts_ = std::min<std::uint32_t>(plan.cycle, static_cast<std::uint32_t>(silent_.size()));
+  const session::Cycle& cycle = plan.slots.cycle;
+  parts_ = std::min<std::uint32_t>(cycle.length, static_cast<std::uint32_t>(silent_.size()));
   full_ = true;
   for (std::uint32_t p = 0; p < parts_; ++p) {
     bool silent = true;
@@ -22,11 +23,11 @@ void Pattern::encode(const BoardPlan& plan) {
   }
   foci_count_ = plan.foci.size() == parts_ ? parts_ : 0;
   std::copy_n(plan.foci.begin(), foci_count_, foci_.begin());
-  until_slot_ = plan.until_slot;
-  modulation_hz_ = plan.modulation_hz;
-  modulation_ = plan.modulation;
+  until_slot_ = plan.slots.until;
+  modulation_hz_ = cycle.modulation_hz;
+  modulation_ = cycle.modulation;
   slot_s_ = plan.slot_s;
-  begin_s_ = plan.from_s - static_cast<double>(plan.from_slot) * plan.slot_s;
+  begin_s_ = plan.from_s - static_cast<double>(plan.slots.from) * plan.slot_s;
 }
 
 bool Pattern::silent_at(std::uint64_t slot) const {
@@ -36,14 +37,14 @@ bool Pattern::silent_at(std::uint64_t slot) const {
          static_cast<float>(array::modulation_gain(modulation_, modulation_hz_, midpoint_s)) == 0;
 }
 
-void Turn::follow(double begin_s, double slot_s, double day_s) {
+void PartOffset::follow(double begin_s, double slot_s, double day_s) {
   const double ahead = (begin_s + day_s - epoch_s) / slot_s;  // slot 0's begin as the devices count
   if (known_ && std::abs(ahead - static_cast<double>(ahead_)) <= 1) return;
   ahead_ = std::llround(ahead);
   known_ = true;
 }
 
-std::uint32_t Turn::part_at(std::uint32_t index, std::uint32_t parts) const {
+std::uint32_t PartOffset::part_at(std::uint32_t index, std::uint32_t parts) const {
   const std::int64_t part = (static_cast<std::int64_t>(index) - ahead_) % parts;
   return static_cast<std::uint32_t>(part < 0 ? part + parts : part);
 }

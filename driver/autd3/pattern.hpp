@@ -56,7 +56,7 @@ class Pattern {
 /// How far the devices' count of parts is ahead of the loop's count of slots. Both advance alike, so one number holds
 /// for long: it changes only when the two have come apart by a whole slot. Devices are taken to have this machine's
 /// time of day; where theirs is another, a pattern begins at another part, and goes round all the same.
-class Turn {
+class PartOffset {
  public:
   /// `day_s` is the time of day, since 1970, when CLOCK_MONOTONIC shows 0.
   void follow(double begin_s, double slot_s, double day_s);

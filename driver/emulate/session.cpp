@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "base/output_file.hpp"
-#include "driver/emulate/live_view.hpp"
+#include "driver/emulate/live_sound_picture.hpp"
 #include "driver/emulate/stop.hpp"
 #include "driver/emulate/trace.hpp"
 
@@ -16,7 +16,7 @@ std::vector<Violation> serve(const Options& options, const Emulator& emulator) {
   write_file("-", emulator.address + "\n");
 
   std::mutex lock;
-  std::optional<LiveView> view;
+  std::optional<LiveSoundPicture> view;
   if (options.view) {
     view.emplace(emulator.layout, [&] {
       const std::lock_guard held(lock);

@@ -14,6 +14,7 @@
 #include "driver/guard/guard.hpp"
 #include "driver/guard/process.hpp"
 #include "session/links/hand_over.hpp"
+#include "session/links/slots.hpp"
 
 namespace palpa::driver {
 namespace {
@@ -22,7 +23,6 @@ constexpr double open_s = 10;  // a board that was left in an unknown state take
 constexpr double exit_s = 1;
 constexpr double hang_s = 1;
 constexpr double most_slot_s = heartbeat_s / 2;  // a longer one would be silenced between two drives
-constexpr std::uint32_t most_cycle = 128;        // of plans, as session::most_cycle
 
 class BoardLink final : public session::Link {
  public:
@@ -30,29 +30,24 @@ class BoardLink final : public session::Link {
       : brief_(std::move(brief)),
         program_(std::move(program)),
         plays_plans_(plays_plans),
-        guard_(std::in_place, program_, brief_, plays_plans ? most_cycle : 0) {
+        guard_(std::in_place, program_, brief_, plays_plans ? session::most_cycle : 0) {
     wait_until_open();
   }
 
-  void plan(const session::ToldPlan& told) override {
+  void plan(const session::PlayedPlan& plan) override {
     if (!guard_) return;
-    const double slots = static_cast<double>(told.until_slot - std::min(told.from_slot, told.until_slot));
-    until_s_ = monotonic_s() + slots * told.schedule.slot_s;
+    TimedSlots timed{plan.slots, monotonic_s(), plan.schedule.slot_s};
+    until_s_ = timed.until_s();
     if (!plays_plans_) return;
     const auto place = guard_->memory().plan(plan_place_);
-    if (told.drives.size() > place.drives.size())
-      throw failure(fmt::format("{}: a plan of {} drives, more than {}", brief_.kind, told.cycle, most_cycle));
-    const bool silent = told.schedule.voice_count == 0;
-    place.head = {told.from_slot,
-                  told.until_slot,
-                  monotonic_s(),
-                  told.schedule.slot_s,
-                  told.shared_modulation_hz,
-                  silent ? 0 : told.cycle,
-                  put_foci(told, place.foci),
-                  told.shared_modulation};
-    std::copy(told.drives.begin(), told.drives.end(), place.drives.begin());
-    plan_place_ = guard_->memory().plan_turns().commit(plan_place_).place;
+    if (plan.drives.size() > place.drives.size()) {
+      throw failure(fmt::format("{}: a plan of {} drives, more than {}", brief_.kind, plan.slots.cycle.length,
+                                session::most_cycle));
+    }
+    if (plan.schedule.voice_count == 0) timed.slots.cycle.length = 0;
+    place.head = {timed, put_foci(plan, place.foci)};
+    std::copy(plan.drives.begin(), plan.drives.end(), place.drives.begin());
+    plan_place_ = guard_->memory().plan_buffer().commit(plan_place_).place;
   }
 
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
@@ -63,7 +58,7 @@ class BoardLink final : public session::Link {
           fmt::format("{}: a drive of {} transducers, not {}", brief_.kind, drive.size(), place.drives.size()));
     place.head = {slot, until_s_};
     std::copy(drive.begin(), drive.end(), place.drives.begin());
-    const Turns::Committed committed = guard_->memory().drive_turns().commit(drive_place_);
+    const TripleBuffer::Committed committed = guard_->memory().drive_buffer().commit(drive_place_);
     drive_place_ = committed.place;
     const bool there = say(guard_->socket(), Said::drive);
     if (!listen() || !there || hangs(committed.unread)) end_without_guard();
@@ -94,7 +89,7 @@ class BoardLink final : public session::Link {
   /// slot or two: whoever was stopped together with it is not the guard's judge.
   bool hangs(bool unread) {
     const double now_s = monotonic_s();
-    const double step_s = std::min(now_s - std::exchange(sent_s_, now_s), 2 * brief_.slot_s);
+    const double step_s = std::min(now_s - std::exchange(sent_s_, now_s), 2 * brief_.board.slot_s);
     unread_s_ = unread ? unread_s_ + step_s : 0;
     if (unread_s_ < hang_s) return false;
     guard_->kill();
@@ -103,16 +98,17 @@ class BoardLink final : public session::Link {
 
   static constexpr const char* advice = "; make sure that it does not sound, or switch it off";
 
-  /// Which focus each part is, where one finger's foci follow one another, one per part. Returns how many; 0:
+  /// Which focus each drive is, where one finger's foci follow one another, one per drive. Returns how many; 0:
   /// otherwise.
-  static std::uint32_t put_foci(const session::ToldPlan& told, std::span<Vec3> out) {
-    if (told.schedule.voice_count != 1 || told.cycle > out.size()) return 0;
-    const array::Voice& voice = told.schedule.voices[0];
-    const bool one_by_one = voice.foci_per_slot == 1 && voice.dwell_s == told.schedule.slot_s;
-    if (!one_by_one || told.cycle != voice.order.size()) return 0;
+  static std::uint32_t put_foci(const session::PlayedPlan& plan, std::span<Vec3> out) {
+    const std::uint32_t drives = plan.slots.cycle.length;
+    if (plan.schedule.voice_count != 1 || drives > out.size()) return 0;
+    const array::Voice& voice = plan.schedule.voices[0];
+    const bool one_by_one = voice.foci_per_slot == 1 && voice.dwell_s == plan.schedule.slot_s;
+    if (!one_by_one || drives != voice.order.size()) return 0;
     std::transform(voice.order.begin(), voice.order.end(), out.begin(),
                    [&](std::uint32_t focus) { return voice.foci[focus]; });
-    return told.cycle;
+    return drives;
   }
 
   void wait_until_open() {
@@ -162,7 +158,7 @@ class BoardLink final : public session::Link {
     const GuardProcess::Exit exit = guard_->wait_for_exit(exit_s);
     carried_ = guard_->memory().tally().read();
     guard_.reset();
-    if (last_word_ == Said::told_to_leave)
+    if (last_word_ == Said::asked_to_leave)
       throw failure(brief_.kind + ": palpa-guard was told to leave (SIGTERM); it has silenced the board");
     const std::string what = brief_.kind + ": " + how_it_ended(exit);
     if (silence_once_more()) throw failure(what + "; another has silenced the board");
@@ -193,7 +189,7 @@ class BoardLink final : public session::Link {
   Said last_word_ = Said::drive;  ///< the guard's; as yet none
   double sent_s_ = monotonic_s(), unread_s_ = 0;
   double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest plan may sound; without one drives may
-  std::uint32_t drive_place_ = Turns::writers_first, plan_place_ = Turns::writers_first;
+  std::uint32_t drive_place_ = TripleBuffer::writers_first, plan_place_ = TripleBuffer::writers_first;
 };
 
 }  // namespace
@@ -209,13 +205,13 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
                               "too long for it: at most {} ms",
                               name, 1e3 * heartbeat_s, 1e3 * setting.slot_s, 1e3 * most_slot_s));
             Brief brief{.kind = name,
-                        .argument = argument,
-                        .files = setting.board_files,
-                        .layout = setting.layout,
-                        .slot_s = setting.slot_s,
-                        .foci_move = setting.foci_move,
-                        .sound_speed_m_s = setting.sound_speed_m_s,
-                        .ramp_s = setting.ramp_s};
+                        .board = {.argument = argument,
+                                  .files = setting.board_files,
+                                  .layout = setting.layout,
+                                  .slot_s = setting.slot_s,
+                                  .foci_move = setting.foci_move,
+                                  .sound_speed_m_s = setting.sound_speed_m_s,
+                                  .ramp_s = setting.ramp_s}};
             return std::make_unique<BoardLink>(std::move(brief), program.empty() ? guard_program() : program,
                                                plays_plans);
           },

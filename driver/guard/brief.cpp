@@ -9,8 +9,8 @@
 namespace palpa::driver {
 namespace {
 
-/// Changes whenever what follows does: palpa and its guard must be of one build.
-constexpr std::uint64_t mark = 0x70616c7061'0004;
+/// Changes whenever what follows does, or what the channel holds: palpa and its guard must be of one build.
+constexpr std::uint64_t mark = 0x70616c7061'0005;
 
 class Writer {
  public:
@@ -102,19 +102,35 @@ array::Layout read_layout(Reader& in) {
   return layout;
 }
 
+void write(Writer& out, const BoardSpec& board) {
+  out.text(board.argument);
+  out.text(board.files);
+  write(out, board.layout);
+  out.value(board.slot_s);
+  out.value(std::uint8_t{board.foci_move});
+  out.value(board.sound_speed_m_s);
+  out.value(board.ramp_s);
+}
+
+BoardSpec read_board(Reader& in) {
+  BoardSpec board;
+  board.argument = in.text();
+  board.files = in.text();
+  board.layout = read_layout(in);
+  board.slot_s = in.value<double>();
+  board.foci_move = in.value<std::uint8_t>() != 0;
+  board.sound_speed_m_s = in.value<double>();
+  board.ramp_s = in.value<double>();
+  return board;
+}
+
 }  // namespace
 
 std::vector<std::byte> to_bytes(const Brief& brief) {
   Writer out;
   out.value(mark);
   out.text(brief.kind);
-  out.text(brief.argument);
-  out.text(brief.files);
-  write(out, brief.layout);
-  out.value(brief.slot_s);
-  out.value(std::uint8_t{brief.foci_move});
-  out.value(brief.sound_speed_m_s);
-  out.value(brief.ramp_s);
+  write(out, brief.board);
   out.value(std::uint8_t{brief.only_silence});
   return std::move(out.bytes);
 }
@@ -124,13 +140,7 @@ Brief brief_from(std::span<const std::byte> bytes) {
   if (in.value<std::uint64_t>() != mark) throw failure("palpa-guard was started by another version of palpa");
   Brief brief;
   brief.kind = in.text();
-  brief.argument = in.text();
-  brief.files = in.text();
-  brief.layout = read_layout(in);
-  brief.slot_s = in.value<double>();
-  brief.foci_move = in.value<std::uint8_t>() != 0;
-  brief.sound_speed_m_s = in.value<double>();
-  brief.ramp_s = in.value<double>();
+  brief.board = read_board(in);
   brief.only_silence = in.value<std::uint8_t>() != 0;
   return brief;
 }

@@ -1,4 +1,4 @@
-// What a guard is told when it is started: which board, with what, for which layout. As bytes, for it is another
+// What a guard gets when it is started: which board, with what, for which layout. As bytes, for it is another
 // process.
 #pragma once
 
@@ -7,19 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "array/layout.hpp"
+#include "driver/board.hpp"
 
 namespace palpa::driver {
 
 struct Brief {
-  std::string kind;      ///< of board_kinds()
-  std::string argument;  ///< as in BoardSetting
-  std::string files;
-  array::Layout layout;
-  double slot_s = 1.5e-3;
-  bool foci_move = true;
-  double sound_speed_m_s = 343.21;
-  double ramp_s = 0;
+  std::string kind;  ///< of board_kinds()
+  BoardSpec board;
   bool only_silence = false;  ///< open, all off, close: after a guard that died
 };
 

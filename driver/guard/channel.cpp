@@ -106,8 +106,8 @@ SharedMemory SharedMemory::make(std::span<const std::byte> brief, std::size_t tr
   SharedMemory memory(std::move(fd), head.size);
   std::memcpy(memory.base_, &head, sizeof head);
   std::copy(brief.begin(), brief.end(), memory.base_ + head.brief);
-  memory.drive_turns().init();
-  memory.plan_turns().init();
+  memory.drive_buffer().init();
+  memory.plan_buffer().init();
   return memory;
 }
 
@@ -124,12 +124,12 @@ std::span<const std::byte> SharedMemory::brief() const {
   return {base_ + head().brief, head().brief_size};
 }
 
-Turns& SharedMemory::drive_turns() const {
-  return at<Turns>(head().drives);
+TripleBuffer& SharedMemory::drive_buffer() const {
+  return at<TripleBuffer>(head().drives);
 }
 
-Turns& SharedMemory::plan_turns() const {
-  return at<Turns>(head().plans);
+TripleBuffer& SharedMemory::plan_buffer() const {
+  return at<TripleBuffer>(head().plans);
 }
 
 Tally& SharedMemory::tally() const {

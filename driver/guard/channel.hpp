@@ -14,7 +14,6 @@
 #include <utility>
 
 #include "array/drive.hpp"
-#include "array/schedule.hpp"
 #include "driver/board.hpp"
 #include "session/links/hand_over.hpp"
 
@@ -37,7 +36,7 @@ class Descriptor {
 
 /// Three places for a value in shared memory, taking turns as the writer's, the waiting one and the reader's, as
 /// session::Newest does between threads. Neither waits; what nobody took is replaced.
-class Turns {
+class TripleBuffer {
  public:
   void init() { waiting_ = 1; }
   struct Committed {
@@ -66,12 +65,9 @@ struct DriveHead {
   std::uint64_t slot;
   double until_s;  ///< how long it may sound at most, on CLOCK_MONOTONIC
 };
-/// See BoardPlan.
 struct PlanHead {
-  std::uint64_t from_slot, until_slot;
-  double from_s, slot_s, modulation_hz;
-  std::uint32_t cycle, foci;
-  array::Modulation modulation;
+  TimedSlots timed;
+  std::uint32_t foci;  ///< how many there are, see BoardPlan
 };
 
 /// What the guard tells of drives and plans that sound, for the loop to read at any time.
@@ -110,12 +106,12 @@ class SharedMemory {
   Place<DriveHead> drive(std::uint32_t place) const;
   struct PlanPlace {
     PlanHead& head;
-    std::span<Vec3> foci;  ///< as many as there may be parts
+    std::span<Vec3> foci;  ///< as many as there may be drives
     std::span<array::TransducerDrive> drives;
   };
   PlanPlace plan(std::uint32_t place) const;
-  Turns& drive_turns() const;
-  Turns& plan_turns() const;
+  TripleBuffer& drive_buffer() const;
+  TripleBuffer& plan_buffer() const;
   Tally& tally() const;
 
  private:
@@ -140,9 +136,9 @@ enum class Said : char {
   refused = 'r',  ///< the exit code, then the line of the Error
   warning = 'w',
   info = 'i',
-  told_to_leave = 't',  ///< SIGTERM: the board is silent, and this is the end
-  silent = 's',         ///< the last thing on the wire was all-off
-  unsure = 'u',         ///< it was to be, but nobody knows whether it got there
+  asked_to_leave = 't',  ///< SIGTERM: the board is silent, and this is the end
+  silent = 's',          ///< the last thing on the wire was all-off
+  unsure = 'u',          ///< it was to be, but nobody knows whether it got there
 };
 
 struct Message {

@@ -99,7 +99,7 @@ class Guard {
   Said watch(Board& board) {
     while (true) {
       wait(board);
-      if (asked_to_leave) return Said::told_to_leave;
+      if (asked_to_leave) return Said::asked_to_leave;
       if (!listen()) return Said::silent;
       play_newest(board);
       if (sounding_ && is_overdue(monotonic_s(), heard_s_, until_s_, slot_s_)) {
@@ -139,17 +139,17 @@ class Guard {
 
   void play_newest(Board& board) {
     // The loop tells a plan before the drives that belong to it: taken in the other order none comes before its plan.
-    const std::optional<std::uint32_t> drive = memory_.drive_turns().take(drive_place_);
+    const std::optional<std::uint32_t> drive = memory_.drive_buffer().take(drive_place_);
     if (plays_plans_) take_plan(board);
     if (!drive) return;
     drive_place_ = *drive;
     heart_beats();
-    const auto told = memory_.drive(drive_place_);
-    if (told.head.slot < planned_from_) return;  // it was told before the plan that is there already
-    until_s_ = told.head.until_s;
-    copy_sound(told.drives, drive_);
+    const auto newest = memory_.drive(drive_place_);
+    if (newest.head.slot < planned_from_) return;  // it came before the plan that is there already
+    until_s_ = newest.head.until_s;
+    copy_sound(newest.drives, drive_);
     taken_.drives += session::sounds(drive_) ? 1 : 0;
-    board.play(told.head.slot, drive_);
+    board.play(newest.head.slot, drive_);
   }
 
   /// A plan may make a board sound before its first drive comes.
@@ -159,23 +159,22 @@ class Guard {
   }
 
   void take_plan(Board& board) {
-    const std::optional<std::uint32_t> plan = memory_.plan_turns().take(plan_place_);
+    const std::optional<std::uint32_t> plan = memory_.plan_buffer().take(plan_place_);
     if (!plan) return;
     plan_place_ = *plan;
-    const auto told = memory_.plan(plan_place_);
-    const PlanHead& head = told.head;
-    const std::size_t size = drive_.size() * head.cycle;
+    const auto newest = memory_.plan(plan_place_);
+    const TimedSlots& timed = newest.head.timed;
+    const session::Cycle& cycle = timed.slots.cycle;
+    const std::size_t size = drive_.size() * cycle.length;
     if (size > plan_.size()) return;
-    planned_from_ = head.from_slot;
-    until_s_ =
-        head.from_s + static_cast<double>(head.until_slot - std::min(head.from_slot, head.until_slot)) * head.slot_s;
+    planned_from_ = timed.slots.from;
+    until_s_ = timed.until_s();
     const std::span<array::TransducerDrive> drives(plan_.data(), size);
-    copy_sound(told.drives, drives);
-    taken_.plans += head.cycle > 0 ? 1 : 0;
-    const std::size_t foci = head.foci == head.cycle ? head.cycle : 0;
-    std::copy_n(told.foci.begin(), foci, foci_.begin());
-    board.plan({head.from_slot, head.until_slot, head.from_s, head.slot_s, head.cycle, drives,
-                std::span(foci_).first(foci), head.modulation_hz, head.modulation});
+    copy_sound(newest.drives, drives);
+    taken_.plans += cycle.is_listed() ? 1 : 0;
+    const std::size_t foci = newest.head.foci == cycle.length ? cycle.length : 0;
+    std::copy_n(newest.foci.begin(), foci, foci_.begin());
+    board.plan({timed, drives, std::span(foci_).first(foci)});
     heart_beats();
   }
 
@@ -184,7 +183,7 @@ class Guard {
   double slot_s_;
   array::Drive drive_, plan_;
   std::vector<Vec3> foci_;
-  std::uint32_t drive_place_ = Turns::readers_first, plan_place_ = Turns::readers_first;
+  std::uint32_t drive_place_ = TripleBuffer::readers_first, plan_place_ = TripleBuffer::readers_first;
   std::uint64_t planned_from_ = 0;  ///< the newest plan's first slot
   session::Passed taken_;           ///< that sound
   double heard_s_ = 0;
@@ -198,9 +197,8 @@ int hold_board(std::span<const BoardKind> kinds) {
   const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const BoardKind& k) { return k.name == brief.kind; });
   if (kind == kinds.end()) throw failure("palpa-guard knows no board " + brief.kind);
   Notes notes;
-  Guard guard(memory, kind->plays_plans, brief.slot_s);  // all its memory before the board sounds
-  const auto board = kind->open({brief.argument, brief.files, brief.layout, brief.slot_s, notes, brief.sound_speed_m_s,
-                                 brief.foci_move, brief.ramp_s});
+  Guard guard(memory, kind->plays_plans, brief.board.slot_s);  // all its memory before the board sounds
+  const auto board = kind->open(brief.board, notes);
   keep_in_memory();
   Said end = Said::silent;
   std::exception_ptr fault;

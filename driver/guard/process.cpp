@@ -95,7 +95,7 @@ std::string guard_program() {
 }
 
 GuardProcess::GuardProcess(const std::string& program, const Brief& brief, std::uint32_t most_cycle)
-    : memory_(SharedMemory::make(to_bytes(brief), brief.layout.transducers.size(), most_cycle)) {
+    : memory_(SharedMemory::make(to_bytes(brief), brief.board.layout.transducers.size(), most_cycle)) {
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) throw not_started(program, errno);
   socket_ = Descriptor(ends[0]);

@@ -19,7 +19,7 @@ std::string guard_program();
 class GuardProcess {
  public:
   /// Starts `program` in a session of its own; it inherits nothing but the two ends here and the working directory. For
-  /// a board that plays plans of up to `most_cycle` parts. Throws failure() where it does not start.
+  /// a board that plays plans of up to `most_cycle` drives. Throws failure() where it does not start.
   GuardProcess(const std::string& program, const Brief& brief, std::uint32_t most_cycle);
   /// Ends the socket, and waits for its exit as end() does.
   ~GuardProcess();

@@ -15,6 +15,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "driver/fixed_text.hpp"
+#include "driver/usb/system.hpp"
 #include "session/links/hand_over.hpp"
 
 namespace palpa::driver::openmpd {
@@ -91,20 +92,20 @@ std::uint8_t divider_for(double slot_s) {
   return static_cast<std::uint8_t>(std::min<double>(most, usual_divider));
 }
 
-OpenMpdBoard::OpenMpdBoard(const BoardSetting& setting, usb::Transport& transport, Clock& clock)
-    : notes_(setting.notes), clock_(clock) {
-  const std::vector<Address> addresses = parse_addresses(setting.argument);
-  check_layout(setting.layout, addresses.size());
-  const std::uint8_t divider = divider_for(setting.slot_s);
-  const double chip_need = frame_bytes / setting.slot_s;
+OpenMpdBoard::OpenMpdBoard(const BoardSpec& spec, BoardNotes& notes, usb::Transport& transport, Clock& clock)
+    : notes_(notes), clock_(clock) {
+  const std::vector<Address> addresses = parse_addresses(spec.argument);
+  check_layout(spec.layout, addresses.size());
+  const std::uint8_t divider = divider_for(spec.slot_s);
+  const double chip_need = frame_bytes / spec.slot_s;
   if (chip_need > chip_bytes_per_s) {
     throw bad_usage(
         fmt::format("a board needs {:.1f} MB/s at a dwell of {} ms, and an FT232H carries {:.0f}: use a longer "
                     "--dwell",
-                    1e-6 * chip_need, 1e3 * setting.slot_s, 1e-6 * chip_bytes_per_s));
+                    1e-6 * chip_need, 1e3 * spec.slot_s, 1e-6 * chip_bytes_per_s));
   }
   std::vector<BoardFile> files;
-  if (!setting.files.empty()) files = read_board_files(setting.files);
+  if (!spec.files.empty()) files = read_board_files(spec.files);
   next_.assign(addresses.size(), all_off_frame);
   silences_.assign(addresses.size(), 0);
   encoders_.reserve(addresses.size());
@@ -113,18 +114,18 @@ OpenMpdBoard::OpenMpdBoard(const BoardSetting& setting, usb::Transport& transpor
     encoders_.emplace_back(calibration_of(files, address.serial));
     const auto named = [&](const BoardFile& file) { return file.serial == address.serial; };
     if (!files.empty() && std::none_of(files.begin(), files.end(), named)) {
-      note(notes_, &BoardNotes::warning, "no file in {} is of board {}: it plays without calibration", setting.files,
+      note(notes_, &BoardNotes::warning, "no file in {} is of board {}: it plays without calibration", spec.files,
            address.serial);
     }
     wires_.push_back(std::make_unique<Wire>(address, transport, clock, divider));
   }
   for (const auto& wire : wires_)
     wire->open();
-  const std::size_t carried = check_bandwidth(setting.slot_s);
-  const double ramp_s = std::min(setting.ramp_s, setting.slot_s / 2);
+  const std::size_t carried = check_bandwidth(spec.slot_s);
+  const double ramp_s = std::min(spec.ramp_s, spec.slot_s / 2);
   const auto wanted = static_cast<std::size_t>(ramp_s / (divider * period_s) + 1e-9);
   steps_ = std::clamp<std::size_t>(wanted, 1, std::min(carried, Wire::most_frames));
-  newest_.resize(setting.layout.transducers.size());
+  newest_.resize(spec.layout.transducers.size());
   sounding_.resize(newest_.size());
   const double begin_s = clock_.now_s();
   while (!in_step()) {
@@ -340,7 +341,7 @@ namespace {
 /// A board and what it stands on.
 class OpenBoard final : public Board {
  public:
-  explicit OpenBoard(const BoardSetting& setting) : board_(setting, *transport_, clock_) {}
+  OpenBoard(const BoardSpec& spec, BoardNotes& notes) : board_(spec, notes, *transport_, clock_) {}
   void play(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override { board_.play(slot, drive); }
   void all_off() override { board_.all_off(); }
   void tend() override { board_.tend(); }
@@ -360,7 +361,7 @@ BoardKind board_kind() {
       "openmpd",
       "openmpd:SERIAL[,SERIAL...]  OpenMPD boards on USB, by the layout's order; SERIAL@BUS-PORT where several share a "
       "serial number",
-      [](const BoardSetting& setting) { return std::make_unique<OpenBoard>(setting); },
+      [](const BoardSpec& spec, BoardNotes& notes) { return std::make_unique<OpenBoard>(spec, notes); },
       false,
       true,
       [](const std::string& argument) -> std::string {

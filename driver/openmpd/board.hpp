@@ -43,8 +43,8 @@ std::uint8_t divider_for(double slot_s);
 class OpenMpdBoard final : public Board {
  public:
   /// Opens all of them; comes back when they are in step and silent, after a good second. Throws failure(), bad_usage
-  /// or bad_input for everything that can be refused.
-  OpenMpdBoard(const BoardSetting& setting, usb::Transport& transport, Clock& clock);
+  /// or bad_input for everything that can be refused. Notes, transport and clock outlive it.
+  OpenMpdBoard(const BoardSpec& spec, BoardNotes& notes, usb::Transport& transport, Clock& clock);
 
   void play(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override;
   void all_off() override;

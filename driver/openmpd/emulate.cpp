@@ -18,7 +18,7 @@
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
 #include "driver/clock.hpp"
-#include "driver/emulate/live_view.hpp"
+#include "driver/emulate/live_sound_picture.hpp"
 #include "driver/emulate/stop.hpp"
 #include "driver/emulate/trace.hpp"
 #include "driver/openmpd/board.hpp"
@@ -47,14 +47,14 @@ struct Emulated {
 };
 
 /// What is looked at twice a second, on a thread of its own: the boards have no time for that.
-class Viewer {
+class BoardsPicture {
  public:
-  Viewer(const array::Layout& layout, std::span<const std::unique_ptr<Emulated>> boards)
+  BoardsPicture(const array::Layout& layout, std::span<const std::unique_ptr<Emulated>> boards)
       : boards_(boards), drive_(layout.transducers.size(), {0, 0}), view_(layout, [this] {
           const std::lock_guard lock(mutex_);
           return drive_;
         }) {}
-  /// As LiveView has it.
+  /// As LiveSoundPicture has it.
   void end() { view_.end(); }
   /// What the boards sound now.
   void take() {
@@ -69,7 +69,7 @@ class Viewer {
   std::span<const std::unique_ptr<Emulated>> boards_;
   std::mutex mutex_;
   array::Drive drive_;
-  emulate::LiveView view_;
+  emulate::LiveSoundPicture view_;
 };
 
 array::Layout layout_of(const emulate::Options& options, std::size_t boards) {
@@ -83,7 +83,7 @@ array::Layout layout_of(const emulate::Options& options, std::size_t boards) {
   return layout;
 }
 
-void serve(std::span<const std::unique_ptr<Emulated>> boards, Viewer* viewer, bool quiet) {
+void serve(std::span<const std::unique_ptr<Emulated>> boards, BoardsPicture* viewer, bool quiet) {
   const SteadyClock clock;
   const double begin_s = clock.now_s();
   double taken_s = 0;
@@ -183,7 +183,7 @@ void emulate(const emulate::Options& options, const Outputs& outputs) {
   for (const auto& one : boards)
     write_file("-", one->server->address().string() + "\n");
 
-  std::optional<Viewer> viewer;
+  std::optional<BoardsPicture> viewer;
   if (layout) viewer.emplace(*layout, boards);
   serve(boards, viewer ? &*viewer : nullptr, options.common.quiet);
   if (viewer) viewer->end();

@@ -198,47 +198,48 @@ void Wire::tend() {
 }
 
 void Wire::begin(std::span<const std::uint8_t> bytes, bool sounds) {
-  const auto free = std::find_if(flights_.begin(), flights_.end(), [](const Flight& flight) { return !flight.flies; });
+  const auto free =
+      std::find_if(pending_.begin(), pending_.end(), [](const Pending& pending) { return !pending.flies; });
   std::copy(bytes.begin(), bytes.end(), free->bytes.begin());
   free->length = bytes.size();
   free->sent = 0;
   free->sounds = sounds;
-  free->turn = ++begun_;
+  free->order = ++begun_;
   begun_s_ = clock_.now_s();
-  submit(static_cast<unsigned>(free - flights_.begin()));
+  submit(static_cast<unsigned>(free - pending_.begin()));
 }
 
 bool Wire::submit(unsigned number) {
-  Flight& flight = flights_[number];
+  Pending& pending = pending_[number];
   const Outcome outcome = device_->submit(
-      number, std::span<const std::uint8_t>(flight.bytes).subspan(flight.sent, flight.length - flight.sent));
+      number, std::span<const std::uint8_t>(pending.bytes).subspan(pending.sent, pending.length - pending.sent));
   if (outcome != Outcome::done) {
     fall_out(outcome);
     return false;
   }
-  if (flight.sent == 0) {
-    flight.since_s = clock_.now_s();
-    submitted_ += flight.sounds ? 1 : 0;
+  if (pending.sent == 0) {
+    pending.since_s = clock_.now_s();
+    submitted_ += pending.sounds ? 1 : 0;
   }
-  flight.flies = true;
+  pending.flies = true;
   ++flying_;
   return true;
 }
 
 void Wire::reap() {
   while (const auto sent = device_->reap()) {
-    Flight& flight = flights_[sent->number];
-    flight.flies = false;
+    Pending& pending = pending_[sent->number];
+    pending.flies = false;
     --flying_;
-    flight.sent += sent->bytes;
-    if (flight.sounds && flight.sent == flight.length) ++completed_;
+    pending.sent += sent->bytes;
+    if (pending.sounds && pending.sent == pending.length) ++completed_;
     if (state_ == State::draining) continue;
     if (sent->outcome != Outcome::done) {
       fall_out(sent->outcome);
       if (device_ == nullptr) return;
-    } else if (flight.sent < flight.length) {
+    } else if (pending.sent < pending.length) {
       // The rest follows at its byte, unless what came after it is on its way already, or there: they end in any order.
-      if (flight.turn != begun_) {
+      if (pending.order != begun_) {
         fall_out(Outcome::failed);
       } else if (!submit(sent->number) && device_ == nullptr) {
         return;
@@ -267,8 +268,8 @@ void Wire::resync() {
 
 void Wire::lose(std::string_view trouble) {
   device_.reset();
-  for (Flight& flight : flights_)
-    flight.flies = false;
+  for (Pending& pending : pending_)
+    pending.flies = false;
   flying_ = 0;
   state_ = State::lost;
   due_s_ = clock_.now_s() + retry_s;
@@ -297,14 +298,14 @@ void Wire::forgive_absence(double now_s) {
   constexpr double usual_s = 0.02;
   const double absent_s = now_s - std::exchange(tended_s_, now_s);
   if (absent_s < usual_s) return;
-  for (Flight& flight : flights_)
-    flight.since_s += std::min(absent_s, now_s - flight.since_s);
+  for (Pending& pending : pending_)
+    pending.since_s += std::min(absent_s, now_s - pending.since_s);
 }
 
 double Wire::oldest_s() const {
   double oldest = std::numeric_limits<double>::infinity();
-  for (const Flight& flight : flights_) {
-    if (flight.flies) oldest = std::min(oldest, flight.since_s);
+  for (const Pending& pending : pending_) {
+    if (pending.flies) oldest = std::min(oldest, pending.since_s);
   }
   return oldest;
 }

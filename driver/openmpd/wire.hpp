@@ -84,10 +84,10 @@ class Wire {
   /// lost: looked for; found: to be opened; asking: what it is and purges; draining: transfers are being ended;
   /// flushing and ending: the two bursts.
   enum class State { lost, found, asking, draining, flushing, pausing, ending, in_step };
-  struct Flight {
+  struct Pending {
     std::array<std::uint8_t, most_frames * frame_bytes> bytes{};
     std::size_t length = 0, sent = 0;
-    std::uint64_t turn = 0;  ///< in the order in which they were begun
+    std::uint64_t order = 0;  ///< in which they were begun
     double since_s = 0;
     bool flies = false;
     bool sounds = false;  ///< it is a drive to be counted
@@ -120,9 +120,9 @@ class Wire {
   bool divider_set_ = false;  ///< since the device was opened
   double due_s_ = 0;          ///< when the state's next step may come
   double tended_s_ = 0;       ///< when somebody last looked
-  std::array<Flight, usb::most_in_flight> flights_;
+  std::array<Pending, usb::most_in_flight> pending_;
   unsigned flying_ = 0;
-  std::uint64_t begun_ = 0;  ///< flights
+  std::uint64_t begun_ = 0;  ///< pending
   double begun_s_ = 0;       ///< when the last one was
   FixedText<400> trouble_;
   std::uint64_t frames_ = 0;

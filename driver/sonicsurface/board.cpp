@@ -19,6 +19,7 @@
 #include "driver/plan_tally.hpp"
 #include "driver/sonicsurface/line.hpp"
 #include "driver/sonicsurface/wire.hpp"
+#include "session/links/slots.hpp"
 
 namespace palpa::driver::sonicsurface {
 namespace {
@@ -54,13 +55,13 @@ std::size_t boards_of(const array::Layout& layout, Firmware firmware) {
   return boards;
 }
 
-void check_pace(const BoardSetting& setting, std::size_t boards) {
+void check_pace(const BoardSpec& spec, std::size_t boards) {
   const double frame_s = seconds_of(frame_size(boards));
-  if (!setting.foci_move || setting.slot_s >= frame_s) return;
+  if (!spec.foci_move || spec.slot_s >= frame_s) return;
   throw bad_usage(
       fmt::format("link sonicsurface: a frame takes {:.1f} ms, a slot of {:g} ms is too short; use --dwell {:g}ms, "
                   "or --method single-focus, which needs none",
-                  1e3 * frame_s, 1e3 * setting.slot_s, std::ceil(1e3 * frame_s)));
+                  1e3 * frame_s, 1e3 * spec.slot_s, std::ceil(1e3 * frame_s)));
 }
 
 bool all_zero(std::span<const array::TransducerDrive> drive) {
@@ -69,9 +70,10 @@ bool all_zero(std::span<const array::TransducerDrive> drive) {
 
 class SonicSurface final : public Board {
  public:
-  SonicSurface(const BoardSetting& setting, const Port& port, std::size_t boards)
-      : notes_(setting.notes),
-        encoder_(boards, port.firmware, read_degrees(setting.files, boards * transducers)),
+  /// `notes` outlives it.
+  SonicSurface(const BoardSpec& spec, BoardNotes& notes, const Port& port, std::size_t boards)
+      : notes_(notes),
+        encoder_(boards, port.firmware, read_degrees(spec.files, boards * transducers)),
         line_(port.path),
         timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
         still_(encoder_.size()),
@@ -102,13 +104,14 @@ class SonicSurface final : public Board {
   }
 
   void plan(const BoardPlan& plan) override {
-    has_still_ = plan.cycle == 1;
+    const session::Cycle& cycle = plan.slots.cycle;
+    has_still_ = cycle.length == 1;
     if (!has_still_) return;
     encoder_.encode(plan.drives, still_);
-    until_slot_ = plan.until_slot;
+    until_slot_ = plan.slots.until;
     slot_s_ = plan.slot_s;
-    hz_ = plan.modulation_hz;
-    modulation_ = plan.modulation;
+    hz_ = cycle.modulation_hz;
+    modulation_ = cycle.modulation;
     tally_.allow(start_drives());
     sounding_ = true;
     drive_waits_ = false;
@@ -361,11 +364,11 @@ std::vector<float> read_degrees(const std::string& folder, std::size_t count) {
 BoardKind board_kind() {
   return {"sonicsurface",
           "sonicsurface:PORT[,tactile]: SonicSurface boards on a serial port",
-          [](const BoardSetting& setting) -> std::unique_ptr<Board> {
-            const Port port = parse_port(setting.argument);
-            const std::size_t boards = boards_of(setting.layout, port.firmware);
-            check_pace(setting, boards);
-            return std::make_unique<SonicSurface>(setting, port, boards);
+          [](const BoardSpec& spec, BoardNotes& notes) -> std::unique_ptr<Board> {
+            const Port port = parse_port(spec.argument);
+            const std::size_t boards = boards_of(spec.layout, port.firmware);
+            check_pace(spec, boards);
+            return std::make_unique<SonicSurface>(spec, notes, port, boards);
           },
           true,
           true,

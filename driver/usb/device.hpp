@@ -95,7 +95,4 @@ class Transport {
   virtual std::unique_ptr<Device> open(const Entry& entry, std::uint8_t endpoint) = 0;
 };
 
-/// What a program uses: real devices, and the emulators of this user beside them.
-std::unique_ptr<Transport> system_transport();
-
 }  // namespace palpa::driver::usb

@@ -29,7 +29,7 @@ class InProcessDevice final : public Device {
 
   Outcome submit(unsigned number, std::span<const std::uint8_t> bytes) override {
     if (gone()) return Outcome::gone;
-    flights_[(first_ + flying_) % most_in_flight] = {number, bytes, 0, false, Outcome::done};
+    pending_[(first_ + flying_) % most_in_flight] = {number, bytes, 0, false, Outcome::done};
     ++flying_;
     carry();
     return Outcome::done;
@@ -37,16 +37,16 @@ class InProcessDevice final : public Device {
 
   std::optional<Sent> reap() override {
     carry();
-    if (flying_ == 0 || !flights_[first_].ended) return std::nullopt;
-    const Flight& last = flights_[(first_ + flying_ - 1) % most_in_flight];
+    if (flying_ == 0 || !pending_[first_].ended) return std::nullopt;
+    const Pending& last = pending_[(first_ + flying_ - 1) % most_in_flight];
     if (socket_.faults.reaped_backwards && last.ended) {
       --flying_;
       return Sent{last.number, last.outcome, last.sent};
     }
-    const Flight& flight = flights_[first_];
+    const Pending& pending = pending_[first_];
     first_ = (first_ + 1) % most_in_flight;
     --flying_;
-    return Sent{flight.number, flight.outcome, flight.sent};
+    return Sent{pending.number, pending.outcome, pending.sent};
   }
 
   void cancel() override { end_all(gone() ? Outcome::gone : Outcome::cancelled); }
@@ -58,7 +58,7 @@ class InProcessDevice final : public Device {
   }
 
  private:
-  struct Flight {
+  struct Pending {
     unsigned number = 0;
     std::span<const std::uint8_t> bytes;
     std::size_t sent = 0;
@@ -77,10 +77,10 @@ class InProcessDevice final : public Device {
 
   void end_all(Outcome outcome) {
     for (std::size_t i = 0; i < flying_; ++i) {
-      Flight& flight = flights_[(first_ + i) % most_in_flight];
-      if (flight.ended) continue;
-      flight.ended = true;
-      flight.outcome = outcome;
+      Pending& pending = pending_[(first_ + i) % most_in_flight];
+      if (pending.ended) continue;
+      pending.ended = true;
+      pending.outcome = outcome;
     }
   }
 
@@ -91,15 +91,15 @@ class InProcessDevice final : public Device {
     for (std::size_t i = 0; i < flying_; ++i) {
       if (gone()) return end_all(Outcome::gone);
       if (faults.stalled) return end_all(Outcome::stalled);
-      Flight& flight = flights_[(first_ + i) % most_in_flight];
-      if (flight.ended) continue;
+      Pending& pending = pending_[(first_ + i) % most_in_flight];
+      if (pending.ended) continue;
       if (faults.takes_nothing) return;
-      std::span<const std::uint8_t> rest = flight.bytes.subspan(flight.sent);
-      const bool cut = faults.cut_at != 0 && flight.sent + rest.size() > faults.cut_at;
-      if (cut) rest = rest.first(faults.cut_at - std::min(flight.sent, faults.cut_at));
+      std::span<const std::uint8_t> rest = pending.bytes.subspan(pending.sent);
+      const bool cut = faults.cut_at != 0 && pending.sent + rest.size() > faults.cut_at;
+      if (cut) rest = rest.first(faults.cut_at - std::min(pending.sent, faults.cut_at));
       if (rest.size() > faults.unplug_after) rest = rest.first(faults.unplug_after);
       const std::size_t taken = socket_.peripheral->bulk_out(clock_.now_s(), endpoint_, rest);
-      flight.sent += taken;
+      pending.sent += taken;
       faults.bulk_bytes += taken;
       if (faults.unplug_after != static_cast<std::size_t>(-1)) {
         faults.unplug_after -= taken;
@@ -107,7 +107,7 @@ class InProcessDevice final : public Device {
         continue;
       }
       if (taken < rest.size()) return;
-      flight.ended = true;
+      pending.ended = true;
       if (cut && faults.cuts_once) faults.cut_at = 0;
     }
   }
@@ -116,7 +116,7 @@ class InProcessDevice final : public Device {
   Clock& clock_;
   std::uint8_t endpoint_;
   bool gone_ = false;
-  std::array<Flight, most_in_flight> flights_;
+  std::array<Pending, most_in_flight> pending_;
   std::size_t first_ = 0, flying_ = 0;
 };
 

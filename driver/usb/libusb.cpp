@@ -126,8 +126,8 @@ class LibusbDevice final : public Device {
  public:
   LibusbDevice(std::unique_ptr<Bus> bus, libusb_device_handle* handle, std::uint8_t endpoint)
       : bus_(std::move(bus)), handle_(handle), endpoint_(endpoint) {
-    for (Flight& flight : flights_)
-      flight.transfer = libusb_alloc_transfer(0);
+    for (Pending& pending : pending_)
+      pending.transfer = libusb_alloc_transfer(0);
   }
   ~LibusbDevice() override {
     cancel();
@@ -138,8 +138,8 @@ class LibusbDevice final : public Device {
       static_cast<void>(bus_.release());
       return;
     }
-    for (Flight& flight : flights_)
-      libusb_free_transfer(flight.transfer);
+    for (Pending& pending : pending_)
+      libusb_free_transfer(pending.transfer);
     libusb_release_interface(handle_, 0);
     libusb_close(handle_);
   }
@@ -154,32 +154,32 @@ class LibusbDevice final : public Device {
   }
 
   Outcome submit(unsigned number, std::span<const std::uint8_t> bytes) override {
-    Flight& flight = flights_[number];
-    if (flight.transfer == nullptr) return Outcome::failed;
+    Pending& pending = pending_[number];
+    if (pending.transfer == nullptr) return Outcome::failed;
     // libusb takes what it sends as it takes what it fills.
-    libusb_fill_bulk_transfer(flight.transfer, handle_, endpoint_, const_cast<std::uint8_t*>(bytes.data()),
-                              static_cast<int>(bytes.size()), &LibusbDevice::ended, &flight, 0);
-    flight.landed = false;
-    const int result = libusb_submit_transfer(flight.transfer);
-    flight.flies = result == LIBUSB_SUCCESS;
-    return flight.flies ? Outcome::done : outcome_of_error(result);
+    libusb_fill_bulk_transfer(pending.transfer, handle_, endpoint_, const_cast<std::uint8_t*>(bytes.data()),
+                              static_cast<int>(bytes.size()), &LibusbDevice::ended, &pending, 0);
+    pending.landed = false;
+    const int result = libusb_submit_transfer(pending.transfer);
+    pending.flies = result == LIBUSB_SUCCESS;
+    return pending.flies ? Outcome::done : outcome_of_error(result);
   }
 
   std::optional<Sent> reap() override {
     handle_events(0);
-    for (unsigned number = 0; number < flights_.size(); ++number) {
-      Flight& flight = flights_[number];
-      if (!flight.flies || !flight.landed) continue;
-      flight.flies = false;
-      return Sent{number, outcome_of(flight.transfer->status),
-                  static_cast<std::size_t>(flight.transfer->actual_length)};
+    for (unsigned number = 0; number < pending_.size(); ++number) {
+      Pending& pending = pending_[number];
+      if (!pending.flies || !pending.landed) continue;
+      pending.flies = false;
+      return Sent{number, outcome_of(pending.transfer->status),
+                  static_cast<std::size_t>(pending.transfer->actual_length)};
     }
     return std::nullopt;
   }
 
   void cancel() override {
-    for (Flight& flight : flights_) {
-      if (flight.flies && !flight.landed) libusb_cancel_transfer(flight.transfer);
+    for (Pending& pending : pending_) {
+      if (pending.flies && !pending.landed) libusb_cancel_transfer(pending.transfer);
     }
   }
 
@@ -189,15 +189,17 @@ class LibusbDevice final : public Device {
   }
 
  private:
-  struct Flight {
+  struct Pending {
     libusb_transfer* transfer = nullptr;
     bool flies = false;   ///< begun, and not reaped yet
     bool landed = false;  ///< ended
   };
 
-  static void LIBUSB_CALL ended(libusb_transfer* transfer) { static_cast<Flight*>(transfer->user_data)->landed = true; }
+  static void LIBUSB_CALL ended(libusb_transfer* transfer) {
+    static_cast<Pending*>(transfer->user_data)->landed = true;
+  }
   bool flying() const {
-    return std::any_of(flights_.begin(), flights_.end(), [](const Flight& f) { return f.flies && !f.landed; });
+    return std::any_of(pending_.begin(), pending_.end(), [](const Pending& f) { return f.flies && !f.landed; });
   }
   void handle_events(long microseconds) {
     timeval wait{0, microseconds};
@@ -207,7 +209,7 @@ class LibusbDevice final : public Device {
   std::unique_ptr<Bus> bus_;
   libusb_device_handle* handle_;
   std::uint8_t endpoint_;
-  std::array<Flight, most_in_flight> flights_;
+  std::array<Pending, most_in_flight> pending_;
 };
 
 }  // namespace

@@ -19,7 +19,6 @@
 
 #include "base/error.hpp"
 #include "driver/clock.hpp"
-#include "driver/usb/libusb.hpp"
 
 namespace palpa::driver::usb {
 namespace {
@@ -117,7 +116,7 @@ class LocalDevice final : public Device {
   Outcome submit(unsigned number, std::span<const std::uint8_t> bytes) override {
     if (!connection_.connected()) return Outcome::gone;
     if (bytes.size() > most_local_bytes) return Outcome::failed;
-    flights_[number] = {bytes, next_++, State::waits, {}};
+    pending_[number] = {bytes, next_++, State::waits, {}};
     push();
     return Outcome::done;
   }
@@ -128,24 +127,24 @@ class LocalDevice final : public Device {
     std::size_t none = 0;
     while (connection_.connected() && connection_.receive(message, {}, none) == Connection::Result::done)
       note(message);
-    for (unsigned number = 0; number < flights_.size(); ++number) {
-      Flight& flight = flights_[number];
-      if (flight.state == State::none) continue;
-      if (flight.state != State::ended) {
+    for (unsigned number = 0; number < pending_.size(); ++number) {
+      Pending& pending = pending_[number];
+      if (pending.state == State::none) continue;
+      if (pending.state != State::ended) {
         if (connection_.connected()) continue;
-        flight.sent = {number, Outcome::gone, 0};
+        pending.sent = {number, Outcome::gone, 0};
       }
-      flight.state = State::none;
-      return flight.sent;
+      pending.state = State::none;
+      return pending.sent;
     }
     return std::nullopt;
   }
 
   void cancel() override {
-    for (unsigned number = 0; number < flights_.size(); ++number) {
-      if (flights_[number].state != State::waits) continue;
-      flights_[number].state = State::ended;
-      flights_[number].sent = {number, Outcome::cancelled, 0};
+    for (unsigned number = 0; number < pending_.size(); ++number) {
+      if (pending_[number].state != State::waits) continue;
+      pending_[number].state = State::ended;
+      pending_[number].sent = {number, Outcome::cancelled, 0};
     }
     LocalMessage message;
     message.kind = LocalMessage::cancel;
@@ -154,7 +153,7 @@ class LocalDevice final : public Device {
 
  private:
   enum class State { none, waits, flies, ended };
-  struct Flight {
+  struct Pending {
     std::span<const std::uint8_t> bytes;
     std::uint64_t order = 0;
     State state = State::none;
@@ -164,25 +163,25 @@ class LocalDevice final : public Device {
   /// Hands over what waits, in order.
   void push() {
     for (;;) {
-      Flight* next = nullptr;
-      for (Flight& flight : flights_) {
-        if (flight.state == State::waits && (next == nullptr || flight.order < next->order)) next = &flight;
+      Pending* next = nullptr;
+      for (Pending& pending : pending_) {
+        if (pending.state == State::waits && (next == nullptr || pending.order < next->order)) next = &pending;
       }
       if (next == nullptr) return;
       LocalMessage message;
       message.kind = LocalMessage::bulk;
-      message.number = static_cast<std::uint32_t>(next - flights_.data());
+      message.number = static_cast<std::uint32_t>(next - pending_.data());
       if (connection_.send(message, next->bytes) != Connection::Result::done) return;
       next->state = State::flies;
     }
   }
 
   void note(const LocalMessage& message) {
-    if (message.kind != LocalMessage::bulk || message.number >= flights_.size()) return;
-    Flight& flight = flights_[message.number];
-    if (flight.state != State::flies) return;
-    flight.state = State::ended;
-    flight.sent = {message.number, message.outcome, message.bytes};
+    if (message.kind != LocalMessage::bulk || message.number >= pending_.size()) return;
+    Pending& pending = pending_[message.number];
+    if (pending.state != State::flies) return;
+    pending.state = State::ended;
+    pending.sent = {message.number, message.outcome, message.bytes};
   }
 
   Outcome ask(const LocalMessage& message, std::span<std::uint8_t> in, std::size_t& received) {
@@ -208,7 +207,7 @@ class LocalDevice final : public Device {
   }
 
   Connection connection_;
-  std::array<Flight, most_in_flight> flights_;
+  std::array<Pending, most_in_flight> pending_;
   std::uint64_t next_ = 0;
 };
 
@@ -246,6 +245,10 @@ std::filesystem::path runtime_folder() {
         fmt::format("{}: must be a folder of yours with mode 0700, for the emulators' sockets", folder.string()));
   }
   return folder;
+}
+
+bool is_emulated(const Entry& entry) {
+  return entry.bus >= first_bus;
 }
 
 Listing LocalTransport::list(Wanted wanted) {
@@ -302,33 +305,6 @@ std::unique_ptr<Device> LocalTransport::open(const Entry& entry, std::uint8_t en
                               outcome == Outcome::stalled ? "another program has it" : text_of(outcome)));
   }
   return device;
-}
-
-namespace {
-
-class SystemTransport final : public Transport {
- public:
-  Listing list(Wanted wanted) override {
-    Listing listing = real_.list(wanted);
-    const Listing local = local_.list(wanted);
-    listing.entries.insert(listing.entries.end(), local.entries.begin(), local.entries.end());
-    if (!local.entries.empty()) listing.problem.clear();
-    if (!local.problem.empty()) listing.problem += (listing.problem.empty() ? "" : "; ") + local.problem;
-    return listing;
-  }
-  std::unique_ptr<Device> open(const Entry& entry, std::uint8_t endpoint) override {
-    return entry.bus >= first_bus ? local_.open(entry, endpoint) : real_.open(entry, endpoint);
-  }
-
- private:
-  LibusbTransport real_;
-  LocalTransport local_;
-};
-
-}  // namespace
-
-std::unique_ptr<Transport> system_transport() {
-  return std::make_unique<SystemTransport>();
 }
 
 }  // namespace palpa::driver::usb

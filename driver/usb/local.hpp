@@ -14,6 +14,9 @@ namespace palpa::driver::usb {
 /// it is not there. Throws failure() where it cannot be made, or belongs to somebody else.
 std::filesystem::path runtime_folder();
 
+/// Whether it is one of LocalTransport's.
+bool is_emulated(const Entry& entry);
+
 class LocalTransport final : public Transport {
  public:
   Listing list(Wanted wanted) override;

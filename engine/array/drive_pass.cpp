@@ -29,10 +29,6 @@ static_assert(static_cast<std::uint32_t>(Constraint::clamp) == shader::drive_cla
 namespace {
 constexpr std::uint32_t most_groups = 65535;
 
-gpu::PipelineLayout kernel() {
-  return {shader::drive_buffers, sizeof(shader::DrivePush), {}, shader::drive_texels};
-}
-
 gpu::TexelView floats(const gpu::Device& device, const gpu::BufferRef& buffer, const char* name) {
   return {device, buffer, VK_FORMAT_R32G32B32A32_SFLOAT, name};
 }
@@ -48,10 +44,9 @@ std::size_t most_pass_foci(std::uint32_t transducers) {
 }
 
 DrivePass::DrivePass(const gpu::Device& device)
-    : focus_(device, "drive_focus", spirv::drive_focus_comp, kernel()),
-      sum_(device, "drive_sum", spirv::drive_sum_comp, kernel()),
-      weighted_(device, "drive_weighted", spirv::drive_weighted_comp,
-                {shader::drive_weighted_buffers, sizeof(shader::DrivePush), {}, shader::drive_weighted_texels}) {}
+    : focus_(device, "drive_focus", spirv::drive_focus_comp, sizeof(shader::DrivePush)),
+      sum_(device, "drive_sum", spirv::drive_sum_comp, sizeof(shader::DrivePush)),
+      weighted_(device, "drive_weighted", spirv::drive_weighted_comp, sizeof(shader::DrivePush)) {}
 
 void DrivePass::record(VkCommandBuffer commands, const DriveBindings& bindings, const DriveBatch& batch) const {
   const shader::DrivePush push{batch.transducers, batch.slots, static_cast<std::uint32_t>(batch.weighting),
@@ -64,19 +59,17 @@ void DrivePass::record(VkCommandBuffer commands, const DriveBindings& bindings, 
   const std::uint32_t groups = batch.transducers == 0 ? 0 : batch.slots;
   if (batch.single) {
     apart();
-    focus_.dispatch(commands, {bindings.transducers, bindings.foci, bindings.slots, bindings.drives}, push,
+    focus_.dispatch(commands, spirv::drive_focus_buffers(bindings), push,
                     gpu::groups_for(batch.transducers, shader::drive_group * shader::drive_each),
                     gpu::groups_for(batch.slots, shader::drive_slots_per_group));
   }
   if (batch.several) {
     apart();
-    sum_.dispatch(commands, {bindings.transducers, bindings.foci, bindings.slots, bindings.drives}, push, groups);
+    sum_.dispatch(commands, spirv::drive_sum_buffers(bindings), push, groups);
   }
   if (batch.weighted) {
     apart();
-    weighted_.dispatch(commands,
-                       {bindings.transducers, bindings.foci, bindings.slots, bindings.drives, bindings.weights}, push,
-                       groups);
+    weighted_.dispatch(commands, spirv::drive_weighted_buffers(bindings), push, groups);
   }
 }
 

@@ -71,7 +71,7 @@ inline constexpr std::uint32_t gs_pat_tries = 40;         ///< of even_out,
 inline constexpr std::uint32_t gs_pat_bounded_tries = 8;  ///< or where even_phases goes on
 inline constexpr std::uint32_t gs_pat_phase_tries = 60;   ///< of even_phases
 
-/// gs_pat_phase_tries, or how many fit: a software device ends the loops of a shader after 65,535 turns.
+/// gs_pat_phase_tries, or how many fit: a software device ends the loops of a shader after 65,535 iterations.
 std::uint32_t gs_pat_most_tries(std::size_t transducers);
 
 /// Keeps its storage from call to call.

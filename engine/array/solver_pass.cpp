@@ -45,13 +45,9 @@ static_assert(shader::solve_damping == static_cast<float>(even_damping) &&
 
 namespace {
 
-gpu::ComputePipeline pipeline(const gpu::Device& device, const char* name, std::span<const std::uint32_t> spirv,
+gpu::ComputePipeline pipeline(const gpu::Device& device, const char* name, const gpu::Kernel& kernel,
                               std::initializer_list<std::uint32_t> constants) {
-  return {
-      device,
-      name,
-      spirv,
-      {shader::solve_buffers, sizeof(shader::SolvePush), {constants.begin(), constants.size()}, shader::solve_texels}};
+  return {device, name, kernel, sizeof(shader::SolvePush), {constants.begin(), constants.size()}};
 }
 
 shader::SolvePush push_of(const SolveBatch& batch) {
@@ -78,6 +74,11 @@ std::uint32_t most_foci(const SolveBatch& batch, std::uint32_t fewest, std::uint
 }
 
 }  // namespace
+
+/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+struct SolverPass::Buffers : SolveBindings {
+  gpu::BufferRef matrices = {};
+};
 
 SolverPass::SolverPass(const gpu::Device& device, Solver solver) {
   if (solver == Solver::gs_pat) {
@@ -108,7 +109,7 @@ SolverPass::SolverPass(const gpu::Device& device, Solver solver) {
   }
 }
 
-std::vector<gpu::ScratchPiece> SolverPass::scratch(Solver solver, std::uint32_t most_foci) {
+std::vector<gpu::ScratchBuffer> SolverPass::scratch(Solver solver, std::uint32_t most_foci) {
   // A slot of n foci has n * n entries of two floats, n being at most most_solved_foci.
   const VkDeviceSize entries = solver == Solver::gs_pat ? VkDeviceSize{most_foci} * most_solved_foci : 0;
   return {{"focus matrices", entries * 2 * sizeof(float)}};
@@ -117,38 +118,47 @@ std::vector<gpu::ScratchPiece> SolverPass::scratch(Solver solver, std::uint32_t 
 void SolverPass::record(VkCommandBuffer commands, const SolveBindings& bindings, const gpu::Scratch& scratch,
                         const SolveBatch& batch) const {
   if (batch.transducers == 0 || batch.slots == 0 || batch.sizes == 0) return;
-  const std::initializer_list<gpu::BufferRef> buffers{bindings.transducers, bindings.foci,    bindings.slots,
-                                                      bindings.drives,      bindings.weights, bindings.axes,
-                                                      bindings.directivity, scratch[matrices]};
+  Buffers buffers{bindings};
+  buffers.matrices = scratch[matrices];
   if (!gs_pat_.empty()) record_gs_pat(commands, buffers, batch);
   if (!greedy_.empty()) record_greedy(commands, buffers, batch);
 }
 
-void SolverPass::record_gs_pat(VkCommandBuffer commands, std::initializer_list<gpu::BufferRef> buffers,
-                               const SolveBatch& batch) const {
+void SolverPass::record_gs_pat(VkCommandBuffer commands, const Buffers& buffers, const SolveBatch& batch) const {
   const shader::SolvePush push = push_of(batch);
   bool first = true;
-  const auto run = [&](const gpu::ComputePipeline& kernel, std::uint32_t x, std::uint32_t y = 1) {
+  const auto run = [&](const gpu::ComputePipeline& kernel, const gpu::KernelBuffers& bound, std::uint32_t x,
+                       std::uint32_t y = 1) {
     // Where it is not the step before, it is other slots in the same buffers, which nothing else tells apart.
     if (!std::exchange(first, false)) gpu::compute_to_compute(commands);
-    kernel.dispatch(commands, buffers, push, x, y);
+    kernel.dispatch(commands, bound, push, x, y);
   };
   for (const GsPat& kernels : gs_pat_) {
     const std::uint32_t foci = most_foci(batch, kernels.fewest, kernels.most);
     if (foci == 0) continue;
     const bool few = kernels.most <= shader::solve_finger_foci;
     const std::uint32_t tiles = gpu::groups_for(foci, kernels.tile);
-    run(kernels.diagonal, batch.slots, tiles);
-    if (tiles > 1) run(kernels.mirrored, batch.slots, tiles * (tiles - 1) / 2);
-    run(kernels.weights, few ? gpu::groups_for(batch.slots, shader::solve_weights_few_group) : batch.slots);
+    run(kernels.diagonal, spirv::solve_diagonal_buffers(buffers), batch.slots, tiles);
+    if (tiles > 1) {
+      run(kernels.mirrored, spirv::solve_mirrored_buffers(buffers), batch.slots, tiles * (tiles - 1) / 2);
+    }
+    if (few) {
+      run(kernels.weights, spirv::solve_weights_few_buffers(buffers),
+          gpu::groups_for(batch.slots, shader::solve_weights_few_group));
+    } else {
+      run(kernels.weights, spirv::solve_weights_buffers(buffers), batch.slots);
+    }
     if (batch.constraint == Constraint::normalise) continue;
-    for (std::uint32_t i = 0; i < (few ? 1 : gs_pat_refinings); ++i)
-      run(kernels.refine, batch.slots);
+    if (few) {
+      run(kernels.refine, spirv::solve_even_phases_buffers(buffers), batch.slots);
+    } else {
+      for (std::uint32_t i = 0; i < gs_pat_refinings; ++i)
+        run(kernels.refine, spirv::solve_refine_buffers(buffers), batch.slots);
+    }
   }
 }
 
-void SolverPass::record_greedy(VkCommandBuffer commands, std::initializer_list<gpu::BufferRef> buffers,
-                               const SolveBatch& batch) const {
+void SolverPass::record_greedy(VkCommandBuffer commands, const Buffers& buffers, const SolveBatch& batch) const {
   shader::SolvePush push = push_of(batch);
   bool first = true;
   while (push.begin < batch.transducers) {
@@ -156,7 +166,8 @@ void SolverPass::record_greedy(VkCommandBuffer commands, std::initializer_list<g
     for (const Greedy& kernels : greedy_) {
       if (most_foci(batch, kernels.fewest, kernels.most) == 0) continue;
       if (!std::exchange(first, false)) gpu::compute_to_compute(commands);
-      kernels.choose.dispatch(commands, buffers, push, gpu::groups_for(batch.slots, shader::solve_group));
+      kernels.choose.dispatch(commands, spirv::solve_greedy_buffers(buffers), push,
+                              gpu::groups_for(batch.slots, shader::solve_group));
     }
     push.next = static_cast<std::uint32_t>(std::uint64_t{push.end} * push.stride % batch.transducers);
     push.begin = push.end;

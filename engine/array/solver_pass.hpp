@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <initializer_list>
 #include <span>
 #include <vector>
 
@@ -58,7 +57,7 @@ class SolverPass {
   SolverPass(const gpu::Device& device, Solver solver);
 
   /// For slots of `most_foci` foci in all.
-  static std::vector<gpu::ScratchPiece> scratch(Solver solver, std::uint32_t most_foci);
+  static std::vector<gpu::ScratchBuffer> scratch(Solver solver, std::uint32_t most_foci);
 
   /// Nothing for `naive`. Barriers: expects the inputs to be visible to compute, and whoever used the scratch,
   /// `weights` and `drives` before to be done; the caller makes `weights` or `drives` visible afterwards.
@@ -66,7 +65,7 @@ class SolverPass {
               const SolveBatch& batch) const;
 
  private:
-  enum Piece : std::size_t { matrices, pieces };
+  enum ScratchIndex : std::size_t { matrices, scratch_count };
 
   /// Kernels for slots of `fewest` to `most` foci.
   struct GsPat {
@@ -77,10 +76,9 @@ class SolverPass {
     std::uint32_t fewest = 0, most = 0;
     gpu::ComputePipeline choose;
   };
-  void record_gs_pat(VkCommandBuffer commands, std::initializer_list<gpu::BufferRef> buffers,
-                     const SolveBatch& batch) const;
-  void record_greedy(VkCommandBuffer commands, std::initializer_list<gpu::BufferRef> buffers,
-                     const SolveBatch& batch) const;
+  struct Buffers;
+  void record_gs_pat(VkCommandBuffer commands, const Buffers& buffers, const SolveBatch& batch) const;
+  void record_greedy(VkCommandBuffer commands, const Buffers& buffers, const SolveBatch& batch) const;
 
   std::vector<GsPat> gs_pat_;
   std::vector<Greedy> greedy_;

@@ -67,7 +67,7 @@ bool same_foci(const touch::Touch& a, const touch::Touch& b) {
 }
 
 bool same_drives(const session::Plan& a, const session::Plan& b) {
-  if (a.cycle != b.cycle || a.drives.size() != b.drives.size() || a.drives.empty()) return false;
+  if (a.cycle.length != b.cycle.length || a.drives.size() != b.drives.size() || a.drives.empty()) return false;
   for (std::size_t i = 0; i < a.drives.size(); ++i) {
     const double turn = std::remainder(a.drives[i].phase - b.drives[i].phase, 2 * M_PI);
     // The foci themselves agree within a micrometre, 0.7 mrad.

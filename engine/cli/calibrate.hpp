@@ -6,7 +6,6 @@
 #include "cli/command.hpp"
 #include "sensing/rig.hpp"
 #include "setup/live_run.hpp"
-#include "setup/load.hpp"
 
 namespace palpa::cli {
 
@@ -22,8 +21,6 @@ struct CalibrateCommand : setup::LiveOptions {
   std::string keys;
 };
 
-/// With the array of --layout, where that was given, in place of its own.
-sensing::Rig rig_to_write(const setup::PosedRig& posed, const setup::RigOptions& options);
 void write_rig(const std::string& file, const sensing::Rig& rig);
 
 /// `palpa calibrate --nudge`.

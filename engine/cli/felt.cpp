@@ -7,14 +7,9 @@
 
 #include "acoustics/felt/skin.hpp"
 #include "acoustics/felt/tune.hpp"
-#include "base/words.hpp"
 
 namespace palpa::cli {
 namespace {
-
-double felt(const acoustics::Line& line) {
-  return acoustics::vibration_sensitivity(line.frequency_hz) * line.around;
-}
 
 const char* field_text(acoustics::FocusKind field) {
   switch (field) {
@@ -32,38 +27,6 @@ std::string shares(const acoustics::Felt& felt) {
   return fmt::format("{:.0f} % felt as vibration, {:.0f} % as flutter", 100 * felt.vibration, 100 * felt.flutter);
 }
 
-void add_spectrum(JsonWriter& json, double perimeter_m, const acoustics::Spectrum& spectrum) {
-  json.key("spectrum").begin_object().member("perimeter_m", perimeter_m).member("skin_m", glm::vec3(spectrum.skin));
-  json.member("period_s", spectrum.period_s).member("variance", spectrum.variance);
-  const acoustics::Felt all = acoustics::felt(spectrum);
-  json.member("field", word_of(acoustics::focus_kind_words, spectrum.field));
-  json.member("felt_share", all.vibration).member("flutter_share", all.flutter);
-  json.key("lines").begin_array(JsonWriter::Style::rows);
-  for (const acoustics::Line& line : spectrum.lines) {
-    json.begin_object().member("frequency_hz", line.frequency_hz).member("amplitude", line.amplitude);
-    json.member("phase_rad", line.phase_rad).member("around", line.around).member("hold", line.hold);
-    json.member("felt", felt(line)).end_object();
-  }
-  json.end_array().end_object();
-}
-
-void add_tune(JsonWriter& json, const acoustics::Tuned& tuned) {
-  json.key("tune").begin_object().member("perimeter_m", tuned.ring.perimeter_m).member("foci", tuned.ring.foci);
-  json.member("stride", tuned.ring.stride).member("dwell_s", tuned.ring.dwell_s);
-  json.member("field", word_of(acoustics::focus_kind_words, tuned.field));
-  json.member("felt_share_before", tuned.before.vibration).member("felt_share", tuned.after.vibration);
-  json.member("flutter_share_before", tuned.before.flutter).member("flutter_share", tuned.after.flutter).end_object();
-}
-
-}  // namespace
-
-void add_felt(JsonWriter& json, const session::ScheduledFinger& finger, const acoustics::Spectrum* spectrum) {
-  if (finger.tuned) add_tune(json, *finger.tuned);
-  if (spectrum) add_spectrum(json, finger.perimeter_m, *spectrum);
-}
-
-namespace {
-
 std::string spectrum_table(std::uint32_t finger, double perimeter_m, const acoustics::Spectrum& spectrum) {
   std::string text;
   const auto out = std::back_inserter(text);
@@ -75,12 +38,12 @@ std::string spectrum_table(std::uint32_t finger, double perimeter_m, const acous
   fmt::format_to(out, "      Hz  pressure   phase  around    felt\n");
   double most = 0;
   for (const acoustics::Line& line : spectrum.lines)
-    most = std::max(most, felt(line));
+    most = std::max(most, acoustics::felt_as_vibration(line));
   // What is not felt at all would only hide the rest.
   for (const acoustics::Line& line : spectrum.lines) {
-    if (felt(line) < 0.02 * most) continue;
+    if (acoustics::felt_as_vibration(line) < 0.02 * most) continue;
     fmt::format_to(out, "  {:6.1f}  {:8.3f}  {:6.2f}  {:6.3f}  {:6.3f}\n", line.frequency_hz, line.amplitude,
-                   line.phase_rad, line.around, felt(line));
+                   line.phase_rad, line.around, acoustics::felt_as_vibration(line));
   }
   return text;
 }

@@ -1,4 +1,6 @@
 // The paper's Fig. 6: the finger in each of its objects, as pictures and as a table.
+#include "setup/tasks/figure6.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,67 +12,41 @@
 
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "base/words.hpp"
 #include "cli/simulate.hpp"
-#include "cli/touch_picture.hpp"
-#include "geometry/gltf/gltf.hpp"
-#include "setup/assets.hpp"
+#include "drawing/arrange.hpp"
 #include "setup/progress.hpp"
+#include "setup/tasks/simulate_picture.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {
 
-/// `turned`: a quarter about y, so that the prism's ridge runs along x.
-struct Object {
-  const char* name;
-  const char* asset;
-  bool turned = false;
-};
-constexpr Object objects[]{{"cube", "cube.glb"},
-                           {"semi-sphere", "semi-sphere.glb"},
-                           {"pyramid", "pyramid.glb"},
-                           {"prism", "prism.glb"},
-                           {"prism-along-x", "prism.glb", true}};
-
-struct Entry {
-  const char* object;
-  Felt felt;
-};
-
-std::vector<geometry::Solid> solids_of(const Object& object) {
-  geometry::Scene scene = geometry::load_gltf(setup::find_asset(object.asset));
-  for (geometry::SceneMesh& part : scene.meshes) {
-    if (!object.turned) continue;
-    part.copy.reset();
-    for (Vec3& p : part.mesh.positions)
-      p = Vec3(p.z, p.y, -p.x);
-  }
-  return geometry::make_solids(scene);
-}
-
-std::string table(const std::vector<Entry>& entries) {
+std::string table(const std::vector<setup::Figure6Touch>& touches) {
   std::string text = fmt::format("{:<14} {:<14} {:>9} {:>8} {:>8} {:>8} {:>9} {:>9} {:>8}\n", "object", "method",
                                  "peak Pa", "half mm2", "radius", "elongat.", "of bare", "of |p|^2", "force mN");
-  for (const auto& [object, felt] : entries) {
-    fmt::format_to(
-        std::back_inserter(text), "{:<14} {:<14} {:>9.0f} {:>8.1f} {:>8.2f} {:>8.2f} {:>9.2f} {:>9.2f} {:>8.1f}\n",
-        object, word_of(touch::method_words, felt.method), felt.langevin.peak_pa, felt.langevin.half_area_m2 * 1e6,
-        felt.langevin.half_radius_m * 1e3, felt.langevin.elongation, felt.langevin.elongation / felt.bare_elongation,
-        felt.squared.elongation, glm::length(felt.load.force) * 1e3);
+  for (const auto& [object, result] : touches) {
+    const acoustics::Spot& spot = result.langevin;
+    fmt::format_to(std::back_inserter(text),
+                   "{:<14} {:<14} {:>9.0f} {:>8.1f} {:>8.2f} {:>8.2f} {:>9.2f} {:>9.2f} {:>8.1f}\n", object,
+                   word_of(touch::method_words, result.method), spot.peak_pa, spot.half_area_m2 * 1e6,
+                   spot.half_radius_m * 1e3, spot.elongation, spot.elongation / result.bare_elongation.value_or(1),
+                   result.squared.elongation, glm::length(result.load.force) * 1e3);
   }
   return text;
 }
 
-std::string to_json(const SimulateCommand& o, const std::vector<Entry>& entries) {
-  JsonWriter json;
-  json.begin_array(JsonWriter::Style::block);
-  for (const auto& [object, felt] : entries) {
-    json.begin_object().member("object", object);
-    add_felt(json, o, felt);
-    json.member("bare_elongation", felt.bare_elongation).end_object();
+/// The paper's method: where the foci are, and below them the pressures. The objects' tops are at y = 0.
+drawing::Pixels pictures(const std::vector<setup::Figure6Touch>& touches) {
+  std::vector<drawing::Pixels> foci, pressures;
+  for (const auto& [object, result] : touches) {
+    if (result.method != touch::Method::cross_section) continue;
+    foci.push_back(drawing::halved(foci_picture(result, 0, object)));
+    pressures.push_back(drawing::halved(pressure_picture(result, object)));
   }
-  json.end_array();
-  return json.take();
+  const auto columns = static_cast<std::uint32_t>(foci.size());
+  foci.insert(foci.end(), pressures.begin(), pressures.end());
+  return drawing::side_by_side(foci, columns);
 }
 
 }  // namespace
@@ -78,29 +54,17 @@ std::string to_json(const SimulateCommand& o, const std::vector<Entry>& entries)
 void run_figure6(const SimulateCommand& o) {
   const Outputs outputs({{"--json", o.common.json}, {"--png", o.png}});
   std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
-  Finger finger(o, setup::air(o.drive.medium, o.air));
-  std::vector<Entry> entries;
-  std::vector<drawing::Pixels> foci, pressures;
-  for (const auto& [word, method] : touch::method_words) {
-    for (const Object& object : objects) {
-      entries.push_back({object.name, feel(o, finger, object.asset, solids_of(object), method)});
-      if (method != touch::Method::cross_section || o.png.empty()) continue;
-      foci.push_back(halved(foci_picture(entries.back().felt, 0, object.name)));
-      pressures.push_back(halved(pressure_picture(entries.back().felt, object.name)));
-    }
-  }
+  setup::FingerBody finger = load_finger(o);
+  const std::vector<setup::Figure6Touch> touches = setup::figure6(o.task, finger);
   progress.reset();
-  const auto quiet = std::ranges::find_if(entries, [](const Entry& entry) { return entry.felt.unreached.has_value(); });
-  if (quiet != entries.end()) log::warning(*quiet->felt.unreached);
-  if (!o.png.empty()) {
-    const auto columns = static_cast<std::uint32_t>(foci.size());
-    foci.insert(foci.end(), pressures.begin(), pressures.end());
-    drawing::write_png(o.png, side_by_side(foci, columns));
-  }
-  if (!o.common.json.empty()) write_file(o.common.json, to_json(o, entries));
+  const auto quiet =
+      std::ranges::find_if(touches, [](const auto& touch) { return touch.result.unreached.has_value(); });
+  if (quiet != touches.end()) log::warning(*quiet->result.unreached);
+  if (!o.png.empty()) drawing::write_png(o.png, pictures(touches));
+  if (!o.common.json.empty()) write_file(o.common.json, setup::to_json(touches));
   if (!setup::shows_summary(o.common, outputs)) return;
-  const bool loud = std::ranges::any_of(entries, [](const Entry& entry) { return entry.felt.beyond_linear(); });
-  write_file("-", table(entries) + (loud ? setup::linear_line() : ""));
+  const bool loud = std::ranges::any_of(touches, [](const auto& touch) { return touch.result.beyond_linear(); });
+  write_file("-", table(touches) + (loud ? setup::linear_line() : ""));
 }
 
 }  // namespace palpa::cli

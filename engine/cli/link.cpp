@@ -20,6 +20,7 @@
 #include "session/links/link.hpp"
 #include "session/links/safe_link.hpp"
 #include "setup/interrupt.hpp"
+#include "setup/live_run.hpp"
 #include "setup/options.hpp"
 #include "setup/values.hpp"
 
@@ -72,7 +73,7 @@ class Sweep {
       voice.dwell_s = dwell_s_;
     }
     const auto slots = static_cast<std::uint64_t>(std::max(1.0, seconds / dwell_s_));
-    link_.plan({schedule_, slot_, slot_ + slots, 1, drive_});
+    link_.plan({.schedule = schedule_, .slots = {slot_, slot_ + slots, {.length = 1}}, .drives = drive_});
     for (std::uint64_t i = 0; i < slots; ++i) {
       if (setup::Interrupt::flag()) return false;
       link_.send(slot_, drive_);
@@ -96,8 +97,7 @@ void run(const Extensions& extensions, const LinkCommand& o) {
   if (o.what != "test") throw bad_usage("palpa link test: there is nothing else to try out");
   if (o.link.empty()) throw bad_usage("--link: which one? as of palpa run, such as null or a board");
   setup::refuse_gpu_options(o.common, "palpa link uses no GPU");
-  std::vector<session::LinkKind> links = session::builtin_links();
-  links.insert(links.end(), extensions.links.begin(), extensions.links.end());
+  const std::vector<session::LinkKind> links = setup::with_builtin(extensions.links);
   std::string layout_name = o.layout;
   if (layout_name.empty()) {
     layout_name = session::layout_of_link(o.link, links);

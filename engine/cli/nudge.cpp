@@ -25,7 +25,9 @@
 #include "setup/assets.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/keys.hpp"
+#include "setup/load.hpp"
 #include "setup/progress.hpp"
+#include "setup/tasks/calibrate.hpp"
 #include "setup/values.hpp"
 
 namespace palpa::cli {
@@ -296,7 +298,7 @@ void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   const bool saves = nudge.end() == Nudge::End::save && !setup::Interrupt::signalled();
   const bool left = nudge.end() == Nudge::End::leave || setup::Interrupt::signalled();
   if (!saves && !left) throw failure("--nudge: nothing is saved, for it ended before Enter was pressed");
-  sensing::Rig rig = rig_to_write(posed, o.rig);
+  sensing::Rig rig = setup::rig_to_write(posed, o.rig);
   move_array(*rig.array, posed.T_world_layout, nudge.offset());
   if (saves) write_rig(o.out, rig);
   if (!o.common.json.empty()) write_file(o.common.json, to_json(nudge.offset(), saves, rig));

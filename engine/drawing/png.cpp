@@ -1,18 +1,29 @@
 #include "drawing/png.hpp"
 
 #include <fmt/core.h>
-#include <png.h>
-#include <cmath>
 
+#include <cmath>
 #include <cstdlib>
-#include <memory>
 #include <string>
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/output_file.hpp"
+#include "drawing/libpng.hpp"
 
 namespace palpa::drawing {
+namespace {
+
+PngPicture picture_in(const std::filesystem::path& file, const std::string& bytes) {
+  try {
+    return PngPicture(bytes);
+  } catch (const PngFault& fault) {
+    throw bad_input(file.string(), fmt::format("is no PNG picture ({})", fault.what()));
+  }
+}
+
+}  // namespace
+
 void write_png(const std::filesystem::path& file, const Pixels& pixels) {
   std::vector<std::uint8_t> rgb;
   rgb.reserve(pixels.rgba.size() / 4 * 3);
@@ -20,42 +31,29 @@ void write_png(const std::filesystem::path& file, const Pixels& pixels) {
     rgb.insert(rgb.end(), pixels.rgba.begin() + static_cast<std::ptrdiff_t>(i),
                pixels.rgba.begin() + static_cast<std::ptrdiff_t>(i + 3));
   }
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = pixels.width;
-  image.height = pixels.height;
-  image.format = PNG_FORMAT_RGB;
-  png_alloc_size_t size = 0;
-  if (!png_image_write_to_memory(&image, nullptr, &size, 0, rgb.data(), 0, nullptr)) {
+  std::string bytes;
+  try {
+    bytes = png_of_picture(pixels.width, pixels.height, rgb);
+  } catch (const PngFault& fault) {
     throw failure(
-        fmt::format("{}: cannot encode {}x{} pixels: {}", file.string(), pixels.width, pixels.height, image.message));
+        fmt::format("{}: cannot encode {}x{} pixels: {}", file.string(), pixels.width, pixels.height, fault.what()));
   }
-  std::vector<std::uint8_t> bytes(size);
-  if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, rgb.data(), 0, nullptr)) {
-    throw failure(fmt::format("{}: cannot encode: {}", file.string(), image.message));
-  }
-  write_file(file, {reinterpret_cast<const char*>(bytes.data()), size});
+  write_file(file, bytes);
 }
 
 Pixels read_png(const std::filesystem::path& file) {
   constexpr std::uint32_t most = 16384;
   const std::string bytes = read_file(file, std::uint64_t{most} * most * 4);
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  const std::unique_ptr<png_image, decltype(&png_image_free)> guard(&image, png_image_free);
-  if (!png_image_begin_read_from_memory(&image, bytes.data(), bytes.size())) {
-    throw bad_input(file.string(), fmt::format("is no PNG picture ({})", image.message));
+  PngPicture picture = picture_in(file, bytes);
+  if (picture.width() > most || picture.height() > most) {
+    throw bad_input(file.string(), fmt::format("is {}x{} pixels large: at most {} on a side", picture.width(),
+                                               picture.height(), most));
   }
-  if (image.width > most || image.height > most) {
-    throw bad_input(file.string(),
-                    fmt::format("is {}x{} pixels large: at most {} on a side", image.width, image.height, most));
+  try {
+    return {picture.width(), picture.height(), picture.read_rgba()};
+  } catch (const PngFault& fault) {
+    throw bad_input(file.string(), fmt::format("is a broken PNG picture ({})", fault.what()));
   }
-  image.format = PNG_FORMAT_RGBA;
-  Pixels pixels{image.width, image.height, std::vector<std::uint8_t>(PNG_IMAGE_SIZE(image))};
-  if (!png_image_finish_read(&image, nullptr, pixels.rgba.data(), 0, nullptr)) {
-    throw bad_input(file.string(), fmt::format("is a broken PNG picture ({})", image.message));
-  }
-  return pixels;
 }
 
 double mean_difference(const Pixels& a, const Pixels& b) {

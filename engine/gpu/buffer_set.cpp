@@ -6,10 +6,11 @@
 
 #include "base/error.hpp"
 #include "gpu/check.hpp"
+#include "gpu/kernel.hpp"
 
 namespace palpa::gpu {
 namespace {
-constexpr std::uint32_t most_buffers = 16;
+constexpr std::uint32_t most_buffers = most_kernel_buffers;
 }  // namespace
 
 BufferSet::BufferSet(const Device& device, const char* name, std::uint32_t count, VkShaderStageFlags stages,
@@ -56,7 +57,7 @@ VkDescriptorType BufferSet::type(std::uint32_t binding) const {
 }
 
 void BufferSet::bind(VkCommandBuffer commands, VkPipelineBindPoint point, VkPipelineLayout layout,
-                     std::initializer_list<BufferRef> buffers) const {
+                     std::span<const BufferRef> buffers) const {
   if (buffers.size() != count_) {
     throw failure(
         fmt::format("pipeline '{}' was given {} buffers: its shader binds {}", name_, buffers.size(), count_));

@@ -5,7 +5,7 @@
 #include <volk.h>
 
 #include <cstdint>
-#include <initializer_list>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,7 +29,7 @@ class BufferSet {
   /// `buffers` in binding order, exactly `count` of them, all of them there; those that are read as texels have a view
   /// of them. Throws failure otherwise.
   void bind(VkCommandBuffer commands, VkPipelineBindPoint point, VkPipelineLayout layout,
-            std::initializer_list<BufferRef> buffers) const;
+            std::span<const BufferRef> buffers) const;
 
  private:
   VkDescriptorType type(std::uint32_t binding) const;

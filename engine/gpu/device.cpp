@@ -184,6 +184,7 @@ DeviceDescription describe(VkPhysicalDevice physical, std::uint32_t index) {
   d.driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
   d.kind = kind_name(basic.deviceType);
   d.ends_long_loops = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE && mesa_version(driver.driverInfo) < 25;
+  d.cannot_draw = d.name.find("512 bits") != std::string::npos && mesa_version(driver.driverInfo) == 22;
   d.unusable = why_unusable(physical, basic);
   return d;
 }

@@ -45,9 +45,12 @@ struct DeviceDescription {
   std::string name;
   std::string driver;  ///< driver name and version
   std::string kind;    ///< "discrete", "integrated", "virtual", "cpu" or "other"
-  /// Loops of a kernel end after 65,535 turns, wherever they are. Set for Mesa's software device before version 25:
-  /// version 22 was seen to end them and 25 not to; 23 and 24 have not been tried.
+  /// Loops of a kernel end after 65,535 iterations, wherever they are. Set for Mesa's software device before version
+  /// 25: version 22 was seen to end them and 25 not to; 23 and 24 have not been tried.
   bool ends_long_loops = false;
+  /// The driver dies of a null pointer when it compiles any fragment shader (vkcube does too), so that nothing may be
+  /// drawn with it. Set for Mesa 22's software device with vectors of 512 bits.
+  bool cannot_draw = false;
   std::string unusable;  ///< why palpa cannot use it; empty if it can
 };
 

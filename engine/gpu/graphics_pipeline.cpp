@@ -108,7 +108,7 @@ void GraphicsPipeline::bind(VkCommandBuffer commands, std::initializer_list<Buff
                             const DrawState& state) const {
   check_push_bytes(name_, push_bytes_, push);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
-  set_.bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), buffers);
+  set_.bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), {buffers.begin(), buffers.size()});
   if (push_bytes_ != 0) vkCmdPushConstants(commands, layout_.get(), stages, 0, push_bytes_, push.data());
   vkCmdSetCullMode(commands, state.cull);
   vkCmdSetDepthTestEnable(commands, state.depth_test);

@@ -11,13 +11,24 @@ namespace palpa::gpu {
 namespace {
 // Far more than the dispatches with one pipeline in two frames.
 constexpr std::uint32_t most_in_flight = 512;
+
+/// Bit i: binding i is read as texels.
+std::uint32_t texels_of(const Kernel& kernel) {
+  std::uint32_t texels = 0;
+  for (std::size_t i = 0; i < kernel.bindings.size(); ++i)
+    texels |= (kernel.bindings[i].texels ? 1U : 0U) << i;
+  return texels;
+}
+
 }  // namespace
 
-ComputePipeline::ComputePipeline(const Device& device, const char* name, std::span<const std::uint32_t> spirv,
-                                 const PipelineLayout& layout)
+ComputePipeline::ComputePipeline(const Device& device, const char* name, const Kernel& kernel, std::size_t push_bytes,
+                                 std::span<const std::uint32_t> constants)
     : name_(name),
-      set_(device, name, layout.buffers, VK_SHADER_STAGE_COMPUTE_BIT, most_in_flight, layout.texels),
-      push_bytes_(layout.push_bytes) {
+      kernel_(&kernel),
+      set_(device, name, static_cast<std::uint32_t>(kernel.bindings.size()), VK_SHADER_STAGE_COMPUTE_BIT,
+           most_in_flight, texels_of(kernel)),
+      push_bytes_(static_cast<std::uint32_t>(push_bytes)) {
   const VkDescriptorSetLayout set_layout = set_.layout();
   const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes_};
   VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
@@ -30,18 +41,18 @@ ComputePipeline::ComputePipeline(const Device& device, const char* name, std::sp
   layout_ = Handle<VkPipelineLayout>(device.get(), pipeline_layout, vkDestroyPipelineLayout);
 
   VkShaderModuleCreateInfo module_info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  module_info.codeSize = spirv.size_bytes();
-  module_info.pCode = spirv.data();
+  module_info.codeSize = kernel.words.size_bytes();
+  module_info.pCode = kernel.words.data();
   VkShaderModule shader = VK_NULL_HANDLE;
   PALPA_VK(vkCreateShaderModule(device.get(), &module_info, nullptr, &shader));
   const Handle<VkShaderModule> shader_owner(device.get(), shader, vkDestroyShaderModule);
 
   std::vector<VkSpecializationMapEntry> entries;
-  for (std::uint32_t i = 0; i < layout.constants.size(); ++i) {
+  for (std::uint32_t i = 0; i < constants.size(); ++i) {
     entries.push_back({i, static_cast<std::uint32_t>(i * sizeof(std::uint32_t)), sizeof(std::uint32_t)});
   }
   const VkSpecializationInfo specialization{static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                            layout.constants.size_bytes(), layout.constants.data()};
+                                            constants.size_bytes(), constants.data()};
   VkComputePipelineCreateInfo create{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   create.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
   create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
@@ -56,25 +67,40 @@ ComputePipeline::ComputePipeline(const Device& device, const char* name, std::sp
   device.name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), name);
 }
 
-void ComputePipeline::bind(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push) const {
+void ComputePipeline::check(const KernelBuffers& buffers) const {
+  if (buffers.kernel != kernel_) {
+    throw failure(fmt::format("pipeline '{}' was given the buffers of kernel '{}': its own is '{}'", name_,
+                              buffers.kernel ? buffers.kernel->name : "", kernel_->name));
+  }
+  for (std::size_t i = 0; i < kernel_->bindings.size(); ++i) {
+    const KernelBinding& binding = kernel_->bindings[i];
+    if (binding.texels ? buffers.refs[i].texels != VK_NULL_HANDLE : buffers.refs[i].buffer != VK_NULL_HANDLE) continue;
+    throw failure(fmt::format("pipeline '{}' was given no {} as '{}'", name_, binding.texels ? "texels" : "buffer",
+                              binding.name));
+  }
+}
+
+void ComputePipeline::bind(VkCommandBuffer commands, const KernelBuffers& buffers, const Push& push) const {
   if (!pipeline_) throw failure("a pipeline that was not made cannot be dispatched: prepare its pass for it");
   check_push_bytes(name_, push_bytes_, push);
+  check(buffers);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.get());
-  set_.bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), buffers);
+  set_.bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(),
+            std::span(buffers.refs).first(kernel_->bindings.size()));
   if (push_bytes_ != 0) {
     vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes_, push.data());
   }
 }
 
-void ComputePipeline::dispatch(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
+void ComputePipeline::dispatch(VkCommandBuffer commands, const KernelBuffers& buffers, const Push& push,
                                std::uint32_t groups_x, std::uint32_t groups_y, std::uint32_t groups_z) const {
   if (groups_x == 0 || groups_y == 0 || groups_z == 0) return;
   bind(commands, buffers, push);
   vkCmdDispatch(commands, groups_x, groups_y, groups_z);
 }
 
-void ComputePipeline::dispatch_indirect(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers,
-                                        const Push& push, BufferRef arguments) const {
+void ComputePipeline::dispatch_indirect(VkCommandBuffer commands, const KernelBuffers& buffers, const Push& push,
+                                        BufferRef arguments) const {
   bind(commands, buffers, push);
   vkCmdDispatchIndirect(commands, arguments.buffer, arguments.offset);
 }

@@ -3,8 +3,8 @@
 
 #include <volk.h>
 
+#include <cstddef>
 #include <cstdint>
-#include <initializer_list>
 #include <span>
 #include <string>
 
@@ -12,6 +12,7 @@
 #include "gpu/buffer_set.hpp"
 #include "gpu/device.hpp"
 #include "gpu/handle.hpp"
+#include "gpu/kernel.hpp"
 #include "gpu/push.hpp"
 
 namespace palpa::gpu {
@@ -26,35 +27,32 @@ inline BufferRef groups_in(const BufferRef& buffer, VkDeviceSize at = 0) {
   return {buffer.buffer, buffer.offset + at, sizeof(VkDispatchIndirectCommand)};
 }
 
-struct PipelineLayout {
-  std::uint32_t buffers = 0;     ///< at set 0, bindings 0..buffers-1
-  std::uint32_t push_bytes = 0;  ///< size of the push constant block, a multiple of 4, at most 128
-  /// Values of the specialization constants with ids 0, 1, ...
-  std::span<const std::uint32_t> constants = {};
-  std::uint32_t texels = 0;  ///< bit i: binding i is a uniform texel buffer; the others are storage buffers
-};
-
 class ComputePipeline {
  public:
   /// None yet: false, and not to be dispatched.
   ComputePipeline() = default;
-  /// `spirv` is one of the arrays of namespace palpa::spirv; the entry point is main.
-  ComputePipeline(const Device& device, const char* name, std::span<const std::uint32_t> spirv,
-                  const PipelineLayout& layout);
+  /// `kernel` is one of namespace palpa::spirv and lives longer; the entry point is main. `push_bytes`: the size of its
+  /// push constant block, a multiple of 4, at most 128. `constants`: the values of its specialization constants with
+  /// ids 0, 1, ...
+  ComputePipeline(const Device& device, const char* name, const Kernel& kernel, std::size_t push_bytes,
+                  std::span<const std::uint32_t> constants = {});
   explicit operator bool() const { return static_cast<bool>(pipeline_); }
 
-  /// `buffers` in binding order. At most 65,535 groups per axis. Throws failure for another number of buffers or size
-  /// of push constants than the layout's, and where there is no pipeline yet.
-  void dispatch(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
-                std::uint32_t groups_x, std::uint32_t groups_y = 1, std::uint32_t groups_z = 1) const;
+  /// `buffers`: palpa::spirv::NAME_buffers(...) of the pipeline's kernel, all of them there; those that it reads as
+  /// texels have a view of them. At most 65,535 groups per axis. Throws failure for other buffers, for another size of
+  /// push constants, and where there is no pipeline yet.
+  void dispatch(VkCommandBuffer commands, const KernelBuffers& buffers, const Push& push, std::uint32_t groups_x,
+                std::uint32_t groups_y = 1, std::uint32_t groups_z = 1) const;
   /// `arguments`: groups_in() some buffer.
-  void dispatch_indirect(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
+  void dispatch_indirect(VkCommandBuffer commands, const KernelBuffers& buffers, const Push& push,
                          BufferRef arguments) const;
 
  private:
-  void bind(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push) const;
+  void bind(VkCommandBuffer commands, const KernelBuffers& buffers, const Push& push) const;
+  void check(const KernelBuffers& buffers) const;
 
   std::string name_;
+  const Kernel* kernel_ = nullptr;
   BufferSet set_;
   Handle<VkPipelineLayout> layout_;
   Handle<VkPipeline> pipeline_;

@@ -13,12 +13,18 @@ namespace palpa::gpu {
 /// 64 items per group, however many that are.
 inline constexpr shader::ScanGroups groups_of_64{64, 0, 0xffffffffu, 1};
 
+struct ScanBindings {
+  BufferRef counts;       ///< in, out: uint32 each, replaced by the sum of those before it
+  BufferRef length = {};  ///< in: uint32, see record()
+  BufferRef total;        ///< out: shader::ScanTotal
+};
+
 /// Pipelines only; the caller owns buffers and command buffer.
 class ScanPass {
  public:
   explicit ScanPass(const Device& device);
 
-  /// In place over `counts` (uint32 each, at most `most_counts` of them and at most the buffer's size). With `length`
+  /// In place over `counts` (at most `most_counts` of them and at most the buffer's size). With `length`
   /// the number of counts is ceil(length[0] / items_per_count), read on the device and bounded by `most_counts`; an
   /// empty BufferRef means exactly `most_counts`. Writes to `total` a ScanTotal: the sum, clamped to `most_total`, and
   /// the three group counts of an indirect dispatch that is cut up as `groups` says. Barriers: expects counts and
@@ -29,7 +35,7 @@ class ScanPass {
     std::uint32_t most_total = 0xffffffffu;
     shader::ScanGroups groups = groups_of_64;
   };
-  void record(VkCommandBuffer commands, BufferRef counts, BufferRef length, BufferRef total, const Sizes& sizes) const;
+  void record(VkCommandBuffer commands, ScanBindings bindings, const Sizes& sizes) const;
 
  private:
   ComputePipeline pipeline_;

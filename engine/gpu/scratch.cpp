@@ -15,13 +15,13 @@ VkDeviceSize rounded_up(VkDeviceSize bytes, VkDeviceSize step) {
 
 }  // namespace
 
-Scratch::Scratch(const Device& device, std::vector<ScratchPiece> pieces, const char* name, VkDeviceSize margin)
+Scratch::Scratch(const Device& device, std::vector<ScratchBuffer> pieces, const char* name, VkDeviceSize margin)
     : pieces_(std::move(pieces)) {
   const VkPhysicalDeviceLimits& limits = device.limits();
   const VkDeviceSize step =
       std::max<VkDeviceSize>({16, limits.minStorageBufferOffsetAlignment, limits.minTexelBufferOffsetAlignment});
   VkDeviceSize end = 0;
-  for (ScratchPiece& piece : pieces_) {
+  for (ScratchBuffer& piece : pieces_) {
     piece.bytes = std::max<VkDeviceSize>(rounded_up(piece.bytes, 4), 4);
     if (piece.bytes > limits.maxStorageBufferRange) {
       throw failure(fmt::format("{}: {} bytes of {} exceed the {} that {} binds at once", name, piece.bytes, piece.name,

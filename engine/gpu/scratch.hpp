@@ -11,7 +11,7 @@
 
 namespace palpa::gpu {
 
-struct ScratchPiece {
+struct ScratchBuffer {
   const char* name = "";  ///< a string literal
   VkDeviceSize bytes = 0;
   VkFormat texels = VK_FORMAT_UNDEFINED;  ///< of its view, where a pass reads it as texels
@@ -24,16 +24,16 @@ class Scratch {
   Scratch() = default;
   /// A piece of 0 bytes gets 4, others are rounded up to words. Before, between and after the pieces `margin` bytes at
   /// least lie idle: tests watch them.
-  Scratch(const Device& device, std::vector<ScratchPiece> pieces, const char* name, VkDeviceSize margin = 0);
+  Scratch(const Device& device, std::vector<ScratchBuffer> pieces, const char* name, VkDeviceSize margin = 0);
 
   /// Piece number `piece` of the list, exactly: passes index with an enum of their own.
   BufferRef operator[](std::size_t piece) const { return refs_[piece]; }
   /// As made, the bytes being those of operator[].
-  std::span<const ScratchPiece> pieces() const { return pieces_; }
+  std::span<const ScratchBuffer> pieces() const { return pieces_; }
   BufferRef whole() const { return memory_.ref(); }
 
  private:
-  std::vector<ScratchPiece> pieces_;
+  std::vector<ScratchBuffer> pieces_;
   std::vector<BufferRef> refs_;
   Buffer memory_;
   std::vector<TexelView> texels_;

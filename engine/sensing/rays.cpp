@@ -178,8 +178,8 @@ RayTables make_rays(std::span<const Camera> cameras) {
   return tables;
 }
 
-void plan_views(std::span<const Camera> cameras, const RayTables& tables, const Box& box, std::vector<View>& views) {
-  views.clear();
+void plan_crops(std::span<const Camera> cameras, const RayTables& tables, const Box& box, std::vector<Crop>& crops) {
+  crops.clear();
   if (box.empty()) return;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const Camera& camera = cameras[i];
@@ -200,23 +200,23 @@ void plan_views(std::span<const Camera> cameras, const RayTables& tables, const 
     const double low = std::floor((seen.near * (1 - slack) - slack) / camera.depth_unit_m) - 1;
     const double high = std::ceil((seen.far * (1 + slack) + slack) / camera.depth_unit_m) + 1;
 
-    View view;
-    view.camera = static_cast<std::uint32_t>(i);
-    view.first_column = tiles.x0 * tile_pixels;
-    view.first_row = tiles.y0 * tile_pixels;
+    Crop crop;
+    crop.camera = static_cast<std::uint32_t>(i);
+    crop.first_column = tiles.x0 * tile_pixels;
+    crop.first_row = tiles.y0 * tile_pixels;
     const std::uint32_t end_column = std::min((tiles.x1 + 1) * tile_pixels, table.pitch);
-    view.blocks_per_row = (end_column - view.first_column) / block_pixels;
-    view.rows = std::min((tiles.y1 + 1) * tile_pixels, table.height) - view.first_row;
-    view.depth_low = static_cast<std::uint32_t>(std::clamp(low, static_cast<double>(first_depth), 65536.0));
-    view.depth_high = static_cast<std::uint32_t>(std::clamp(high, 0.0, 65535.0));
-    if (view.depth_low > view.depth_high) continue;  // thus both fit 16 bits
-    view.depth_unit = static_cast<float>(camera.depth_unit_m);
+    crop.blocks_per_row = (end_column - crop.first_column) / block_pixels;
+    crop.rows = std::min((tiles.y1 + 1) * tile_pixels, table.height) - crop.first_row;
+    crop.depth_low = static_cast<std::uint32_t>(std::clamp(low, static_cast<double>(first_depth), 65536.0));
+    crop.depth_high = static_cast<std::uint32_t>(std::clamp(high, 0.0, 65535.0));
+    if (crop.depth_low > crop.depth_high) continue;  // thus both fit 16 bits
+    crop.depth_unit = static_cast<float>(camera.depth_unit_m);
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 4; ++column) {
-        view.rows_of_pose[row][column] = static_cast<float>(camera.T_world_camera[column][row]);
+        crop.rows_of_pose[row][column] = static_cast<float>(camera.T_world_camera[column][row]);
       }
     }
-    views.push_back(view);
+    crops.push_back(crop);
   }
 }
 

@@ -60,7 +60,7 @@ std::uint64_t padded_pixels(std::span<const Camera> cameras);
 RayTables make_rays(std::span<const Camera> cameras);
 
 /// The part of one camera's image that can show a point of the box, and all that turns its depths into points.
-struct View {
+struct Crop {
   std::uint32_t camera = 0;
   std::uint32_t first_column = 0;  ///< a multiple of block_pixels
   std::uint32_t first_row = 0;
@@ -73,9 +73,9 @@ struct View {
   std::uint32_t blocks() const { return blocks_per_row * rows; }
 };
 
-/// Replaces `views` by those cameras' views, in camera order, that can show a point of `box` (world). Conservative: a
-/// pixel outside every view cannot hold a point of the box. Allocates nothing once `views` has room for every camera.
-void plan_views(std::span<const Camera> cameras, const RayTables& tables, const Box& box, std::vector<View>& views);
+/// Replaces `crops` by those cameras' crops, in camera order, that can show a point of `box` (world). Conservative: a
+/// pixel outside every crop cannot hold a point of the box. Allocates nothing once `crops` has room for every camera.
+void plan_crops(std::span<const Camera> cameras, const RayTables& tables, const Box& box, std::vector<Crop>& crops);
 
 /// Copies the frames' depths into the common arrangement (2 bytes per padded pixel), padding 0. Throws bad_usage unless
 /// there is one frame of the right size per camera.

@@ -13,27 +13,32 @@ namespace palpa::sensing {
 namespace {
 
 static_assert(sizeof(glm::vec2) == 8, "a ray is one vec2 on the device");
-static_assert(tile_pixels % block_pixels == 0, "views begin and end at whole blocks");
+static_assert(tile_pixels % block_pixels == 0, "crops begin and end at whole blocks");
+
+/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+struct Buffers : SkinBindings {
+  gpu::BufferRef runs = {}, counts = {};
+};
 
 constexpr std::uint32_t group_blocks = shader::skin_group * shader::skin_run_blocks;
 
-std::uint32_t view_groups(const View& view) {
-  return gpu::groups_for(view.blocks(), group_blocks);
+std::uint32_t crop_groups(const Crop& crop) {
+  return gpu::groups_for(crop.blocks(), group_blocks);
 }
 
-shader::SkinPush push_of(const View& view, const CameraTable& table, const Box& box) {
+shader::SkinPush push_of(const Crop& crop, const CameraTable& table, const Box& box) {
   shader::SkinPush push{};
-  std::memcpy(&push.pose_x, view.rows_of_pose, sizeof(view.rows_of_pose));
+  std::memcpy(&push.pose_x, crop.rows_of_pose, sizeof(crop.rows_of_pose));
   push.box_low = {static_cast<float>(box.low.x), static_cast<float>(box.low.y), static_cast<float>(box.low.z),
-                  view.depth_unit};
+                  crop.depth_unit};
   push.box_high = {static_cast<float>(box.high.x), static_cast<float>(box.high.y), static_cast<float>(box.high.z),
-                   static_cast<float>(view.stride)};
+                   static_cast<float>(crop.stride)};
   push.pinhole = {table.cx, table.cy, table.per_fx, table.per_fy};
   push.first_block = static_cast<std::uint32_t>(table.first_pixel / block_pixels);
-  push.corner = view.first_column | view.first_row << 16;
-  push.row_blocks = view.blocks_per_row | (table.pitch / block_pixels) << 16;
-  push.blocks = view.blocks();
-  push.depth_range = view.depth_low | view.depth_high << 16;
+  push.corner = crop.first_column | crop.first_row << 16;
+  push.row_blocks = crop.blocks_per_row | (table.pitch / block_pixels) << 16;
+  push.blocks = crop.blocks();
+  push.depth_range = crop.depth_low | crop.depth_high << 16;
   push.first_index = static_cast<std::uint32_t>(table.first_index);
   push.width = table.width;
   return push;
@@ -69,11 +74,8 @@ gpu::Buffer upload_rays(const gpu::Device& device, const RayTables& tables) {
 
 SkinPass::Kernels SkinPass::make(const char* count, const char* scatter, std::uint32_t rays_from_table) const {
   const std::span<const std::uint32_t> constants(&rays_from_table, 1);
-  return {{*device_, count, spirv::skin_count_comp, {shader::skin_count_buffers, sizeof(shader::SkinPush), constants}},
-          {*device_,
-           scatter,
-           spirv::skin_scatter_comp,
-           {shader::skin_scatter_buffers, sizeof(shader::SkinPush), constants}}};
+  return {{*device_, count, spirv::skin_count_comp, sizeof(shader::SkinPush), constants},
+          {*device_, scatter, spirv::skin_scatter_comp, sizeof(shader::SkinPush), constants}};
 }
 
 void SkinPass::prepare(const RayTables& tables) {
@@ -84,42 +86,45 @@ void SkinPass::prepare(const RayTables& tables) {
   }
 }
 
-std::vector<gpu::ScratchPiece> SkinPass::scratch(const RayTables& tables) {
+std::vector<gpu::ScratchBuffer> SkinPass::scratch(const RayTables& tables) {
   const std::uint64_t groups = skin_groups(tables);
-  std::vector<gpu::ScratchPiece> list(pieces);
+  std::vector<gpu::ScratchBuffer> list(scratch_count);
   list[runs] = {"skin runs", groups * shader::skin_group * sizeof(shader::SkinRun)};
   list[counts] = {"skin counts", groups * sizeof(std::uint32_t)};
   return list;
 }
 
 void SkinPass::record(VkCommandBuffer commands, const SkinBindings& b, const gpu::Scratch& s, const RayTables& tables,
-                      const Box& box, std::span<const View> views, const shader::ScanGroups& cut,
+                      const Box& box, std::span<const Crop> crops, const shader::ScanGroups& cut,
                       gpu::Timestamps* times) const {
   if (!scan_) throw failure("the skin pass was not prepared for its cameras");
-  const auto kernels = [&](const View& view) -> const Kernels& {
-    return tables.cameras[view.camera].pinhole ? pinhole_ : table_;
+  const auto kernels = [&](const Crop& crop) -> const Kernels& {
+    return tables.cameras[crop.camera].pinhole ? pinhole_ : table_;
   };
+  Buffers buffers{b};
+  buffers.runs = s[runs];
+  buffers.counts = s[counts];
   std::uint32_t groups = 0;
-  for (const View& view : views) {
-    shader::SkinPush push = push_of(view, tables.cameras[view.camera], box);
+  for (const Crop& crop : crops) {
+    shader::SkinPush push = push_of(crop, tables.cameras[crop.camera], box);
     push.first_group = groups;
-    kernels(view).count.dispatch(commands, {b.depth, b.rays, s[runs], s[counts]}, push, view_groups(view));
-    groups += view_groups(view);
+    kernels(crop).count.dispatch(commands, spirv::skin_count_buffers(buffers), push, crop_groups(crop));
+    groups += crop_groups(crop);
   }
   gpu::compute_to_compute(commands);  // counts -> scan
   if (times) times->mark(commands, "skin count");
 
   const auto room = static_cast<std::uint32_t>(b.points.size / sizeof(SkinPoint));
-  scan_->record(commands, s[counts], {}, b.total, {groups, 1, room, cut});
+  scan_->record(commands, {.counts = s[counts], .total = b.total}, {groups, 1, room, cut});
   gpu::compute_to_compute(commands);  // scanned counts, runs -> scatter
   if (times) times->mark(commands, "skin scan");
 
   groups = 0;
-  for (const View& view : views) {
-    shader::SkinPush push = push_of(view, tables.cameras[view.camera], box);
+  for (const Crop& crop : crops) {
+    shader::SkinPush push = push_of(crop, tables.cameras[crop.camera], box);
     push.first_group = groups;
-    kernels(view).scatter.dispatch(commands, {b.depth, b.rays, s[runs], s[counts], b.points}, push, view_groups(view));
-    groups += view_groups(view);
+    kernels(crop).scatter.dispatch(commands, spirv::skin_scatter_buffers(buffers), push, crop_groups(crop));
+    groups += crop_groups(crop);
   }
   if (times) times->mark(commands, "skin scatter");
 }

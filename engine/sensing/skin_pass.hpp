@@ -40,19 +40,19 @@ class SkinPass {
   void prepare(const RayTables& tables);
 
   /// Enough for any box.
-  static std::vector<gpu::ScratchPiece> scratch(const RayTables& tables);
+  static std::vector<gpu::ScratchBuffer> scratch(const RayTables& tables);
 
-  /// Finds the skin points inside `box` (world, compared in float) from the views that plan_views gave for it; who
+  /// Finds the skin points inside `box` (world, compared in float) from the crops that plan_crops gave for it; who
   /// looks at them next does so in `groups`.
   /// Barriers: expects depth and rays to be visible to compute, and earlier readers of points and total to be ordered
   /// before; inside it adds its own; the caller adds compute_to_compute (or writes_to_transfer) afterwards. With
   /// `times`, marks "skin count", "skin scan" and "skin scatter".
   void record(VkCommandBuffer commands, const SkinBindings& bindings, const gpu::Scratch& scratch,
-              const RayTables& tables, const Box& box, std::span<const View> views, const shader::ScanGroups& groups,
+              const RayTables& tables, const Box& box, std::span<const Crop> crops, const shader::ScanGroups& groups,
               gpu::Timestamps* times = nullptr) const;
 
  private:
-  enum Piece : std::size_t { runs, counts, pieces };
+  enum ScratchIndex : std::size_t { runs, counts, scratch_count };
   struct Kernels {
     gpu::ComputePipeline count, scatter;
   };

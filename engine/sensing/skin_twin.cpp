@@ -9,19 +9,19 @@
 namespace palpa::sensing {
 namespace {
 
-void find_in_view(const View& view, const CameraTable& table, std::span<const glm::vec2> rays,
+void find_in_crop(const Crop& crop, const CameraTable& table, std::span<const glm::vec2> rays,
                   std::span<const std::uint16_t> depth, const glm::vec3& low, const glm::vec3& high,
                   std::vector<SkinPoint>& out) {
-  const auto& pose = view.rows_of_pose;
-  const std::uint32_t span = view.depth_high - view.depth_low;
-  const std::uint32_t end_column = std::min(view.first_column + view.blocks_per_row * block_pixels, table.width);
-  for (std::uint32_t v = view.first_row; v < view.first_row + view.rows; ++v) {
-    if (v % view.stride != 0) continue;
+  const auto& pose = crop.rows_of_pose;
+  const std::uint32_t span = crop.depth_high - crop.depth_low;
+  const std::uint32_t end_column = std::min(crop.first_column + crop.blocks_per_row * block_pixels, table.width);
+  for (std::uint32_t v = crop.first_row; v < crop.first_row + crop.rows; ++v) {
+    if (v % crop.stride != 0) continue;
     const std::uint16_t* row = depth.data() + std::size_t{v} * table.width;
     const glm::vec2* ray_row = rays.data() + table.first_pixel + std::size_t{v} * table.pitch;
-    for (std::uint32_t u = view.first_column; u < end_column; ++u) {
-      if (row[u] - view.depth_low > span || u % view.stride != 0) continue;
-      const float z = static_cast<float>(row[u]) * view.depth_unit;
+    for (std::uint32_t u = crop.first_column; u < end_column; ++u) {
+      if (row[u] - crop.depth_low > span || u % crop.stride != 0) continue;
+      const float z = static_cast<float>(row[u]) * crop.depth_unit;
       const float x = ray_row[u].x * z, y = ray_row[u].y * z;
       glm::vec3 world;
       for (int i = 0; i < 3; ++i)
@@ -37,7 +37,7 @@ void find_in_view(const View& view, const CameraTable& table, std::span<const gl
 
 }  // namespace
 
-void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, const Box& box, std::span<const View> views,
+void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, const Box& box, std::span<const Crop> crops,
                std::vector<SkinPoint>& out) {
   out.clear();
   for (std::size_t i = 0; i < tables.cameras.size(); ++i) {
@@ -47,17 +47,17 @@ void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, cons
     }
   }
   const glm::vec3 low(box.low), high(box.high);
-  for (const View& view : views) {
-    find_in_view(view, tables.cameras[view.camera], tables.rays, frames[view.camera].depth, low, high, out);
+  for (const Crop& crop : crops) {
+    find_in_crop(crop, tables.cameras[crop.camera], tables.rays, frames[crop.camera].depth, low, high, out);
   }
 }
 
 std::vector<SkinPoint> find_skin(std::span<const Camera> cameras, std::span<const DepthFrame> frames, const Box& box) {
   const RayTables tables = make_rays(cameras);
-  std::vector<View> views;
-  plan_views(cameras, tables, box, views);
+  std::vector<Crop> crops;
+  plan_crops(cameras, tables, box, crops);
   std::vector<SkinPoint> out;
-  find_skin(tables, frames, box, views, out);
+  find_skin(tables, frames, box, crops, out);
   return out;
 }
 

@@ -10,11 +10,11 @@
 namespace palpa::sensing {
 
 /// C++ twin of SkinPass: the same points in the same order (camera, row, column), computed in float by the same
-/// operations. `views` from plan_views(cameras, tables, box). Throws bad_usage unless there is one frame of the right
+/// operations. `crops` from plan_crops(cameras, tables, box). Throws bad_usage unless there is one frame of the right
 /// size per camera.
-void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, const Box& box, std::span<const View> views,
+void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, const Box& box, std::span<const Crop> crops,
                std::vector<SkinPoint>& out);
-/// The same, for one call: builds tables and views itself.
+/// The same, for one call: builds tables and crops itself.
 std::vector<SkinPoint> find_skin(std::span<const Camera> cameras, std::span<const DepthFrame> frames, const Box& box);
 
 }  // namespace palpa::sensing

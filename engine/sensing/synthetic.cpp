@@ -56,16 +56,16 @@ SyntheticRig::SyntheticRig(std::vector<Camera> cameras, const geometry::Mesh& oc
                            std::uint64_t seed, const std::string& occluders_name)
     : cameras_(std::move(cameras)),
       tables_(make_rays(seeing_all(cameras_))),
-      views_(cameras_.size()),
+      images_(cameras_.size()),
       noise_(noise),
       seed_(seed) {
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    Layer& still = views_[i].still;
+    Layer& still = images_[i].still;
     still.depth.assign(pixel_count(cameras_[i]), beyond);
     still.slant.assign(pixel_count(cameras_[i]), 0);
     draw(i, occluders, Transform(1.0), occluders_name, still);
     if (noise_ == Noise::d415) finish_still(i);
-    views_[i].shown = still;
+    images_[i].shown = still;
   }
 }
 
@@ -75,18 +75,18 @@ DepthImage SyntheticRig::image(std::size_t index, const Layer& layer) const {
 }
 
 void SyntheticRig::finish_still(std::size_t index) {
-  View& view = views_[index];
+  CameraImages& images = images_[index];
   const std::uint32_t width = cameras_[index].width, height = cameras_[index].height;
-  view.still.risks.resize(view.still.depth.size());
-  find_risks(image(index, view.still), {0, 0, width, height}, view.still.risks);
+  images.still.risks.resize(images.still.depth.size());
+  find_risks(image(index, images.still), {0, 0, width, height}, images.still.risks);
   for (std::uint32_t v = 0; v < height; ++v) {
-    const auto row = view.still.depth.begin() + static_cast<std::ptrdiff_t>(std::size_t{v} * width);
+    const auto row = images.still.depth.begin() + static_cast<std::ptrdiff_t>(std::size_t{v} * width);
     const auto seen = [](float z) { return z != beyond; };
     const auto first = std::find_if(row, row + width, seen);
     const auto last = std::find_if(std::reverse_iterator(row + width), std::reverse_iterator(first), seen).base();
-    view.still_spans.push_back({static_cast<std::uint32_t>(first - row), static_cast<std::uint32_t>(last - row)});
+    images.still_spans.push_back({static_cast<std::uint32_t>(first - row), static_cast<std::uint32_t>(last - row)});
   }
-  view.spans = view.still_spans;
+  images.spans = images.still_spans;
 }
 
 PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const Transform& T_world_mesh,
@@ -179,22 +179,23 @@ PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const
 }
 
 void SyntheticRig::show(std::size_t index, std::span<const Posed> skin) {
-  View& view = views_[index];
+  CameraImages& images = images_[index];
   const std::uint32_t width = cameras_[index].width, height = cameras_[index].height;
   const auto risky = [&](const PixelBox& box) { return grown(box, D415::rim_px, width, height); };
-  const PixelBox before = risky(view.skin);
-  view.shown.copy(view.still, before, width);
-  view.skin = {};
+  const PixelBox before = risky(images.skin);
+  images.shown.copy(images.still, before, width);
+  images.skin = {};
   for (const Posed& posed : skin)
-    view.skin = around(view.skin, draw(index, *posed.mesh, posed.T_world_mesh, posed.name, view.shown));
+    images.skin = around(images.skin, draw(index, *posed.mesh, posed.T_world_mesh, posed.name, images.shown));
   if (noise_ == Noise::none) return;
-  find_risks(image(index, view.shown), risky(view.skin), view.shown.risks);
-  std::copy(view.still_spans.begin() + before.y0, view.still_spans.begin() + before.y1, view.spans.begin() + before.y0);
-  for (std::uint32_t v = view.skin.y0; v < view.skin.y1; ++v) {
-    RowSpan& span = view.spans[v];
+  find_risks(image(index, images.shown), risky(images.skin), images.shown.risks);
+  std::copy(images.still_spans.begin() + before.y0, images.still_spans.begin() + before.y1,
+            images.spans.begin() + before.y0);
+  for (std::uint32_t v = images.skin.y0; v < images.skin.y1; ++v) {
+    RowSpan& span = images.spans[v];
     const bool alone = span.begin >= span.end;
-    span = {alone ? view.skin.x0 : std::min(span.begin, view.skin.x0),
-            alone ? view.skin.x1 : std::max(span.end, view.skin.x1)};
+    span = {alone ? images.skin.x0 : std::min(span.begin, images.skin.x0),
+            alone ? images.skin.x1 : std::max(span.end, images.skin.x1)};
   }
 }
 
@@ -203,11 +204,11 @@ void SyntheticRig::render(std::span<const Posed> skin, std::uint64_t sequence, F
   out.sequence = sequence;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     show(i, skin);
-    const View& view = views_[i];
+    const CameraImages& images = images_[i];
     if (noise_ == Noise::none) {
-      quantize(image(i, view.shown), out.frames[i].depth);
+      quantize(image(i, images.shown), out.frames[i].depth);
     } else {
-      noise_maker_.apply(image(i, view.shown), view.shown.risks, view.spans, noise_key(seed_, sequence, i),
+      noise_maker_.apply(image(i, images.shown), images.shown.risks, images.spans, noise_key(seed_, sequence, i),
                          out.frames[i].depth);
     }
   }

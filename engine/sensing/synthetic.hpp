@@ -50,7 +50,7 @@ class SyntheticRig {
     void copy(const Layer& from, const PixelBox& box, std::uint32_t width);
   };
   /// Of one camera.
-  struct View {
+  struct CameraImages {
     Layer still, shown;                       ///< the occluders; these and the skin of the last frame,
     PixelBox skin;                            ///< which is nowhere else
     std::vector<RowSpan> still_spans, spans;  ///< likewise
@@ -63,7 +63,7 @@ class SyntheticRig {
 
   std::vector<Camera> cameras_;
   RayTables tables_;
-  std::vector<View> views_;
+  std::vector<CameraImages> images_;
   DepthNoise noise_maker_;
   Noise noise_;
   std::uint64_t seed_;

@@ -32,12 +32,12 @@ class Player {
     return std::max(slot_, static_cast<std::uint64_t>(std::max(slots, 0.0)));
   }
 
-  /// What is told sounds from here on.
+  /// It sounds from here on.
   void tell(const Plan& plan) {
     sounding_ = plan.schedule.voice_count > 0;
     if (sounding_) {
       const std::uint64_t until = slot_at(plan.captured_s + setting_.hold_s);
-      safe_.plan(told(plan, setting_.layout.transducers.size(), slot_, until));
+      safe_.plan(played(plan, setting_.layout.transducers.size(), slot_, until));
     } else {
       tell_nothing(plan);
     }
@@ -78,7 +78,7 @@ class Player {
  private:
   void tell_nothing(const Plan& plan) {
     nothing_.time_s = plan.schedule.time_s;
-    safe_.plan({.schedule = nothing_, .from_slot = slot_, .until_slot = slot_});
+    safe_.plan({.schedule = nothing_, .slots = {slot_, slot_}});
   }
 
   OutputSetting setting_;

@@ -40,7 +40,7 @@ inline constexpr std::uint64_t most_silent_slots = 10'000;
 /// that is older than the session's hold; of a silence of more than most_silence_s, or most_silent_slots, only the
 /// slots until then are sent. The end comes when the last frame's time to sound is over and a ramp is down; an all-zero
 /// drive is the last that `link` gets, whatever happens. The link is told each frame's plan from the first slot that
-/// begins after its capture, also where the next frame takes its place before that: from_slot may then come twice. A
+/// begins after its capture, also where the next frame takes its place before that: Slots::from may then come twice. A
 /// frame that is no newer than the one before is taken to be as old as that. Ends early when `stop` becomes true, also
 /// by others. The session must be live(), its cameras the source's. Warns once of a pressure that is not reached.
 /// Throws what touching or the link throws.

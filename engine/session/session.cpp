@@ -117,25 +117,24 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   const bool tells = options.events != nullptr;
   if (tells && !s.setting.events) throw bad_usage("a session whose setting has no events cannot tell any");
   PressureLog pressures(s.names);
-  LoopObservers observers;
-  observers.arrived = options.arrived;
-  observers.record = options.record;
-  observers.planned = [&](const FrameReport& report, const Plan& plan) {
+  RunOptions loop = options;
+  loop.planned = [&](const FrameReport& report, const Plan& plan) {
     pressures.planned(plan.schedule);
     if (options.planned) options.planned(report, plan);
     if (tells) options.events(s.tracker.update(*report.touch, report.time_s));
   };
-  if (tells) observers.expired = [&] { options.events(s.tracker.expire()); };
+  loop.expired = [&] {
+    if (options.expired) options.expired();
+    if (tells) options.events(s.tracker.expire());
+  };
   LoopStats stats;
   // When the field is known depends on the machine: where every frame must come out the same on all it is not asked.
   const TunedBeside beside(s.scheduler, options.every_frame || !s.field ? nullptr : &*s.field);
   try {
     run_loop(source, *s.planner, link,
              {.output = {s.setting.layout, s.setting.drive, s.scheduler.slot_s(), s.setting.hold_s, s.setting.safety},
-              .frames = options.frames,
-              .every_frame = options.every_frame,
               .lengthens_hold = s.setting.lengthens_hold},
-             stop, observers, stats);
+             stop, loop, stats);
   } catch (...) {
     const std::exception_ptr fault = std::current_exception();
     try {

@@ -10,7 +10,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
@@ -20,30 +19,13 @@
 #include "gpu/device.hpp"
 #include "sensing/depth_source.hpp"
 #include "session/links/link.hpp"
+#include "session/loop/run_options.hpp"
 #include "session/plan/planner.hpp"
 #include "session/plan/setting.hpp"
 #include "session/watch/events.hpp"
 #include "session/watch/stats.hpp"
 
 namespace palpa::session {
-
-/// How a session runs, and who looks on. Whoever looks on must throw nothing but Error, which ends the run.
-struct RunOptions {
-  std::uint64_t frames = 0;  ///< stop after that many captured frames; 0: at the source's end
-  /// Off: a frame that comes while another waits replaces it. On: capture waits, every frame is looked at.
-  bool every_frame = false;
-  /// On the calling thread, after every frame, also without events, and when fingers let go because no frame comes or
-  /// the run ends. It must not linger.
-  std::function<void(std::span<const Event>)> events{};
-  /// On the calling thread, before a frame's events. It must not linger.
-  std::function<void(const FrameReport&, const Plan&)> planned{};
-  /// Capture thread: a frame with that number has come, and will be planned or replaced by a newer one. Must not
-  /// linger.
-  std::function<void(std::uint64_t sequence)> arrived{};
-  /// On a thread of its own, so that a slow disk delays no touch: every frame, e.g. to be written down. Frames that
-  /// come while it is busy are left out, all but the newest (never with every_frame), and counted as `unrecorded`.
-  std::function<void(const sensing::FrameSet&)> record{};
-};
 
 class Session {
  public:

@@ -125,14 +125,16 @@ std::unique_ptr<session::Link> LiveRun::open_link(std::span<const session::LinkK
 }
 
 session::LoopStats LiveRun::run(const session::RunOptions& looking) {
-  session::RunOptions options{.frames = options_.frames, .every_frame = options_.every_frame};
-  options.planned = looking.planned;
-  options.arrived = looking.arrived;
+  session::RunOptions options = looking;
+  options.frames = options_.frames;
+  options.every_frame = options_.every_frame;
   std::uint64_t out_of_order = 0;  // frames whose time a recording cannot hold; of the recorder's thread
-  if (sink_) options.events = [&](std::span<const session::Event> events) { sink_->write(events); };
-  if (recorder_) options.record = [&](const sensing::FrameSet& set) { out_of_order += recorder_->write(set) ? 0 : 1; };
-  options.events = both(std::move(options.events), looking.events);
-  options.record = both(std::move(options.record), looking.record);
+  std::function<void(std::span<const session::Event>)> write_events;
+  std::function<void(const sensing::FrameSet&)> write_frames;
+  if (sink_) write_events = [&](std::span<const session::Event> events) { sink_->write(events); };
+  if (recorder_) write_frames = [&](const sensing::FrameSet& set) { out_of_order += recorder_->write(set) ? 0 : 1; };
+  options.events = both(std::move(write_events), looking.events);
+  options.record = both(std::move(write_frames), looking.record);
   session::LoopStats stats;
   try {
     stats = session().run(source(), *link_, *stop_, options);

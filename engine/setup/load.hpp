@@ -15,7 +15,7 @@ namespace palpa::setup {
 
 /// The scene's solids. With `options.surface` parts each is taken apart, unless it came as parts. Throws bad_input
 /// naming file and fault; a scene without a solid is one. Throws bad_usage for options of parts where there are none.
-std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene,
+std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene = {},
                                          const SolidOptions& options = {});
 
 /// The physical set-up.

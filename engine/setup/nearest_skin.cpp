@@ -1,5 +1,7 @@
 #include "setup/nearest_skin.hpp"
 
+#include <fmt/core.h>
+
 #include <limits>
 #include <vector>
 
@@ -41,6 +43,12 @@ std::optional<NearestSkin> nearest_skin(std::span<const geometry::Solid> solids,
   }
   if (nearest) nearest->inside = geometry::depth(solids[nearest->solid], at) > 0;
   return nearest;
+}
+
+std::string place_of(const NearestSkin& nearest, std::span<const geometry::Solid> solids) {
+  return fmt::format("{:.1f} mm {} the surface of {}{}", nearest.distance_m * 1e3,
+                     nearest.inside ? "below" : "away from", solids[nearest.solid].name,
+                     nearest.inside ? ", deeper than its shell" : "");
 }
 
 }  // namespace palpa::setup

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "geometry/solid.hpp"
 #include "setup/touch_input.hpp"
@@ -20,5 +21,7 @@ struct NearestSkin {
 /// Nothing without skin. Looks at every skin point, of depth images at every valid pixel, and only at those triangles
 /// that may be the nearest.
 std::optional<NearestSkin> nearest_skin(std::span<const geometry::Solid> solids, const TouchInput& input);
+/// "0.5 mm away from the surface of cube".
+std::string place_of(const NearestSkin& nearest, std::span<const geometry::Solid> solids);
 
 }  // namespace palpa::setup

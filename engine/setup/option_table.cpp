@@ -1,12 +1,11 @@
 #include "setup/option_table.hpp"
 
-#include <fmt/core.h>
-
 #include <CLI/App.hpp>
 #include <algorithm>
 #include <cstddef>
 
-#include "setup/parse.hpp"
+#include "base/error.hpp"
+#include "base/text.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -88,19 +87,21 @@ Given known_to(const std::vector<OptionInfo>& table, const Given& given) {
   return known;
 }
 
-void parse_given(CLI::App& app, const Given& given) {
-  std::vector<std::string> words{app.get_name()};
-  for (const auto& [name, values] : given) {
-    if (values.empty()) words.push_back(name);
-    // Joined, so that a value may begin with a dash.
-    for (const std::string& value : values)
-      words.push_back(fmt::format("{}={}", name, value));
+void read_given(CLI::App& app, const Given& given) {
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_lnames().empty()) continue;
+    const auto found = given.find("--" + option->get_lnames().front());
+    if (found == given.end()) continue;
+    option->clear();
+    if (found->second.empty()) option->add_result(option->get_flag_value(option->get_lnames().front(), {}));
+    for (const std::string& value : found->second)
+      option->add_result(value);
+    try {
+      option->run_callback();
+    } catch (const CLI::ParseError& error) {
+      throw bad_usage(one_line(error.what()));
+    }
   }
-  std::vector<const char*> arguments;
-  arguments.reserve(words.size());
-  for (const std::string& word : words)
-    arguments.push_back(word.c_str());
-  parse(app, static_cast<int>(arguments.size()), arguments.data());
 }
 
 std::string command_line(std::string_view command, const std::vector<OptionInfo>& table, const Given& given) {

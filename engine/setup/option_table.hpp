@@ -34,8 +34,9 @@ Given given_on(const CLI::App& app);
 /// Of `given` what `table` has.
 Given known_to(const std::vector<OptionInfo>& table, const Given& given);
 
-/// Reads `given` with `app` as if it were a line. Throws as parse() does.
-void parse_given(CLI::App& app, const Given& given);
+/// Reads each of `given` into its option's target as if it stood on a line, but without one: in the order of `app`,
+/// whose other options keep their targets as they are. Throws bad_usage as parse() does for values that cannot be.
+void read_given(CLI::App& app, const Given& given);
 
 /// `command` and what is given, in the table's order, as a shell reads it; "'" where it must.
 std::string command_line(std::string_view command, const std::vector<OptionInfo>& table, const Given& given);

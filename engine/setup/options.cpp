@@ -60,19 +60,19 @@ bool shows_summary(const CommonOptions& options, const Outputs& outputs) {
   return !options.quiet && !outputs.on_stdout();
 }
 
-gpu::DeviceOptions device_options(const CommonOptions& options) {
+gpu::DeviceOptions device_options(const ComputeOptions& options) {
   gpu::DeviceOptions device;
   device.select = options.gpu;
   device.validation = options.validation;
   return device;
 }
 
-void refuse_gpu_options(const CommonOptions& options, const std::string& why) {
+void refuse_gpu_options(const ComputeOptions& options, const std::string& why) {
   const char* given = !options.gpu.empty() ? "--gpu" : options.validation ? "--validation" : nullptr;
   if (given) throw bad_usage(fmt::format("{}: {}; leave it out", given, why));
 }
 
-void check(const CommonOptions& options) {
+void check(const ComputeOptions& options) {
   if (options.backend == Backend::cpu) refuse_gpu_options(options, "--backend cpu uses no GPU");
 }
 

@@ -29,15 +29,19 @@ class Group;
 
 enum class Backend { gpu, cpu };
 
-/// Every subcommand has these.
-struct CommonOptions {
+/// On what something is computed, and from which seed.
+struct ComputeOptions {
   std::string gpu;  ///< part of a device's name or its index; empty: the fastest kind present
   Backend backend = Backend::gpu;
+  std::uint64_t seed = 0;
+  std::optional<gpu::Validation> validation;
+};
+
+/// Every subcommand has these.
+struct CommonOptions : ComputeOptions {
   std::string json;  ///< a file, "-" for stdout, empty for none
   bool quiet = false;
   std::optional<log::Level> log_level;
-  std::uint64_t seed = 0;
-  std::optional<gpu::Validation> validation;
   bool allow_outside = false;  ///< see base/reference.hpp
 };
 void add_common(CLI::App& app, CommonOptions& options);
@@ -47,12 +51,12 @@ void add_allow_outside(const Group& group, CommonOptions& options);
 /// outcome is known, since a failing command writes nothing but its error: long work calls log::release_warnings() once
 /// its input is read.
 void apply_logging(const CommonOptions& options);
-gpu::DeviceOptions device_options(const CommonOptions& options);
+gpu::DeviceOptions device_options(const ComputeOptions& options);
 /// Throws bad_usage where an option of a GPU is given and `why` none is used: "palpa scatter computes on the
 /// processor".
-void refuse_gpu_options(const CommonOptions& options, const std::string& why);
+void refuse_gpu_options(const ComputeOptions& options, const std::string& why);
 /// Throws bad_usage for options of a GPU beside --backend cpu.
-void check(const CommonOptions& options);
+void check(const ComputeOptions& options);
 /// Whether a command ends with a summary for people on stdout: unless --quiet, or an output goes there.
 bool shows_summary(const CommonOptions& options, const Outputs& outputs);
 

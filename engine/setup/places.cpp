@@ -60,14 +60,14 @@ std::uint32_t parse_pixel_count(std::string_view text) {
   return fault == std::errc{} && rest == text.data() + text.size() && count <= most_pixels ? count : 0;
 }
 
+void set_square_pixels(Grid& grid) {
+  const double pixel = std::max(grid.size_m.x, grid.size_m.y) / usual_pixels;
+  const auto count = [&](double side) { return static_cast<std::uint32_t>(std::max(1.0, std::round(side / pixel))); };
+  grid.columns = count(grid.size_m.x);
+  grid.rows = count(grid.size_m.y);
+}
+
 void set_pixels(const std::string& text, Grid& grid) {
-  if (text.empty()) {  // square ones
-    const double pixel = std::max(grid.size_m.x, grid.size_m.y) / usual_pixels;
-    const auto count = [&](double side) { return static_cast<std::uint32_t>(std::max(1.0, std::round(side / pixel))); };
-    grid.columns = count(grid.size_m.x);
-    grid.rows = count(grid.size_m.y);
-    return;
-  }
   if (const auto parts = halves(text)) {
     grid.columns = parse_pixel_count(parts->first);
     grid.rows = parse_pixel_count(parts->second);
@@ -83,35 +83,24 @@ Places plane_of(const PlaceOptions& o) {
   grid.plane = *o.plane;
   grid.centre = o.centre.empty() ? Vec3(0) : parse_place("--centre", o.centre);
   grid.size_m = parse_size(o.size);
-  set_pixels(o.pixels, grid);
-  check_room(std::uint64_t{grid.columns} * grid.rows);
-
-  const Vec3 right = grid.plane == Plane::yz ? Vec3(0, 1, 0) : Vec3(1, 0, 0);
-  const Vec3 up = grid.plane == Plane::xy ? Vec3(0, 1, 0) : Vec3(0, 0, 1);
-  Places places;
-  reserve_large(places.points, std::size_t{grid.columns} * grid.rows);
-  for (std::uint32_t j = 0; j < grid.rows; ++j) {
-    const Vec3 row = grid.centre + up * (grid.size_m.y * (0.5 - (j + 0.5) / grid.rows));
-    for (std::uint32_t i = 0; i < grid.columns; ++i)
-      places.points.push_back(row + right * (grid.size_m.x * ((i + 0.5) / grid.columns - 0.5)));
-  }
-  places.grid = grid;
-  return places;
+  if (!o.pixels.empty()) set_pixels(o.pixels, grid);
+  return plane_places(grid);
 }
 
 Places line_of(const PlaceOptions& o) {
   const Vec3 from = parse_place("--line", o.line[0]), to = parse_place("--line", o.line[1]);
   if (from == to) throw bad_usage("--line: both ends are the same point; give two");
-  const std::uint32_t samples = o.samples.value_or(usual_samples);
-  check_room(samples);
-  Places places;
-  places.line = true;
-  reserve_large(places.points, samples);
-  for (std::uint32_t i = 0; i < samples; ++i) {
-    const double t = static_cast<double>(i) / (samples - 1);
-    places.points.push_back(from * (1 - t) + to * t);
-  }
-  return places;
+  return line_places(from, to, o.samples.value_or(usual_samples));
+}
+
+/// What is no number is not near either.
+bool is_near(const Vec3& p) {
+  return std::abs(p.x) <= farthest_m && std::abs(p.y) <= farthest_m && std::abs(p.z) <= farthest_m;
+}
+
+void check_near(const std::string& what, const Vec3& p) {
+  if (is_near(p)) return;
+  throw bad_usage(fmt::format("{} ({}, {}, {}) is not within {} m", what, p.x, p.y, p.z, farthest_m));
 }
 
 Places file_of(const PlaceOptions& o) {
@@ -145,6 +134,65 @@ void check(const PlaceOptions& o) {
 }
 
 }  // namespace
+
+Places plane_places(const Grid& given) {
+  Grid grid = given;
+  check_near("the plane's centre", grid.centre);
+  if (!(grid.size_m.x > 0 && grid.size_m.y > 0 && std::max(grid.size_m.x, grid.size_m.y) <= farthest_m)) {
+    throw bad_usage(fmt::format("the plane's size, {} by {} m, is not above 0 and at most {} m", grid.size_m.x,
+                                grid.size_m.y, farthest_m));
+  }
+  if (grid.columns == 0 && grid.rows == 0) set_square_pixels(grid);
+  if (std::min(grid.columns, grid.rows) == 0 || std::max(grid.columns, grid.rows) > most_pixels) {
+    throw bad_usage(fmt::format("the plane's pixels, {} by {}, are not 1 to {} on each side", grid.columns, grid.rows,
+                                most_pixels));
+  }
+  check_room(std::uint64_t{grid.columns} * grid.rows);
+
+  const Vec3 right = grid.plane == Plane::yz ? Vec3(0, 1, 0) : Vec3(1, 0, 0);
+  const Vec3 up = grid.plane == Plane::xy ? Vec3(0, 1, 0) : Vec3(0, 0, 1);
+  Places places;
+  reserve_large(places.points, std::size_t{grid.columns} * grid.rows);
+  for (std::uint32_t j = 0; j < grid.rows; ++j) {
+    const Vec3 row = grid.centre + up * (grid.size_m.y * (0.5 - (j + 0.5) / grid.rows));
+    for (std::uint32_t i = 0; i < grid.columns; ++i)
+      places.points.push_back(row + right * (grid.size_m.x * ((i + 0.5) / grid.columns - 0.5)));
+  }
+  places.grid = grid;
+  return places;
+}
+
+Places line_places(const Vec3& from, const Vec3& to, std::uint32_t samples) {
+  check_near("the line's end", from);
+  check_near("the line's end", to);
+  if (from == to) throw bad_usage("both ends of the line are the same point; give two");
+  if (samples < 2) throw bad_usage("a line has two samples or more");
+  check_room(samples);
+  Places places;
+  places.line = true;
+  reserve_large(places.points, samples);
+  for (std::uint32_t i = 0; i < samples; ++i) {
+    const double t = static_cast<double>(i) / (samples - 1);
+    places.points.push_back(from * (1 - t) + to * t);
+  }
+  return places;
+}
+
+Places point_places(std::vector<Vec3> points, std::vector<glm::uvec3> triangles) {
+  if (points.empty()) throw bad_usage("there are no points to look at");
+  check_room(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!is_near(points[i])) check_near(fmt::format("point {},", i), points[i]);
+  }
+  for (const glm::uvec3& t : triangles) {
+    if (std::max({t.x, t.y, t.z}) >= points.size())
+      throw bad_usage(fmt::format("a triangle ({}, {}, {}) is not of the {} points", t.x, t.y, t.z, points.size()));
+  }
+  Places places;
+  places.points = std::move(points);
+  places.triangles = std::move(triangles);
+  return places;
+}
 
 void add_place_options(CLI::App& app, PlaceOptions& options) {
   const Group group(app, "Where");

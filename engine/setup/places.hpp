@@ -36,9 +36,9 @@ void add_place_options(CLI::App& app, PlaceOptions& options);
 /// Samples of a plane, at the centres of pixels.
 struct Grid {
   Plane plane = Plane::xy;
-  Vec3 centre{};
-  Vec2 size_m{};  ///< right, up
-  std::uint32_t columns = 0, rows = 0;
+  Vec3 centre{};                        ///< metres
+  Vec2 size_m{};                        ///< right, up
+  std::uint32_t columns = 0, rows = 0;  ///< both 0: square pixels, 256 on the longer side
 };
 
 struct Places {
@@ -47,6 +47,14 @@ struct Places {
   bool line = false;                  ///< each point is joined to the next
   std::vector<glm::uvec3> triangles;  ///< of a file that has faces: these are its vertices
 };
+
+/// The places of a plane, of a line between two points, and points as they are; all within 100 m of the origin. Throw
+/// bad_usage for a plane without extent, for more than 65,536 pixels on a side, for fewer than two samples or a line
+/// without length, for points that are farther away or no numbers, for none, and for triangles of points that are not
+/// there; failure where so many points need more memory than is free.
+Places plane_places(const Grid& grid);
+Places line_places(const Vec3& from, const Vec3& to, std::uint32_t samples);
+Places point_places(std::vector<Vec3> points, std::vector<glm::uvec3> triangles = {});
 
 /// Throws bad_usage for options that say how a place is looked at where no place is given.
 void refuse_without_place(const PlaceOptions& options);

@@ -29,24 +29,33 @@ double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> p
 
 namespace {
 
-void load_points(const TouchInputOptions& options, std::span<const geometry::Solid> solids, TouchInput& input) {
+TouchInput load_points(const TouchInputOptions& options, std::span<const geometry::Solid> solids) {
   std::vector<Vec3> positions = geometry::read_ply(options.points).positions;
   if (options.penetration_m && !positions.empty()) {
     const double dy = lowering(solids, positions, *options.penetration_m);
     for (Vec3& position : positions)
       position.y += dy;
   }
+  return skin_points(options.points, positions);
+}
+
+}  // namespace
+
+TouchInput skin_points(const std::string& file, std::span<const Vec3> positions) {
+  TouchInput input;
   input.points.reserve(positions.size());
   for (const Vec3& p : positions) {
     const glm::vec3 single(p);
     if (!std::isfinite(single.x) || !std::isfinite(single.y) || !std::isfinite(single.z)) {
-      throw bad_input(options.points,
-                      fmt::format("vertex {} lies beyond 3e38 m; coordinates are metres", input.points.size()));
+      throw bad_input(file, fmt::format("vertex {} lies beyond 3e38 m; coordinates are metres", input.points.size()));
     }
     input.points.push_back({single, static_cast<std::uint32_t>(input.points.size())});
   }
   input.point_count = input.points.size();
+  return input;
 }
+
+namespace {
 
 std::vector<sensing::Camera> load_rig_cameras(const TouchInputOptions& options) {
   const std::string rig = options.rig.empty() ? find_asset("rigs/paper.toml") : options.rig;
@@ -79,7 +88,8 @@ std::vector<sensing::Camera> load_cameras(const TouchInputOptions& options) {
   return cameras;
 }
 
-void load_depths(const TouchInputOptions& options, TouchInput& input) {
+TouchInput load_depths(const TouchInputOptions& options) {
+  TouchInput input;
   input.cameras = load_cameras(options);
   for (std::size_t i = 0; i < options.depths.size(); ++i) {
     const sensing::Camera& camera = input.cameras[i];
@@ -88,6 +98,7 @@ void load_depths(const TouchInputOptions& options, TouchInput& input) {
     input.frames.push_back(std::move(frame));
   }
   input.point_count = sensing::count_valid(input.cameras, input.frames);
+  return input;
 }
 
 }  // namespace
@@ -124,13 +135,7 @@ void check(const TouchInputOptions& o) {
 }
 
 TouchInput load_touch_input(const TouchInputOptions& options, std::span<const geometry::Solid> solids) {
-  TouchInput input;
-  if (options.depths.empty()) {
-    load_points(options, solids, input);
-  } else {
-    load_depths(options, input);
-  }
-  return input;
+  return options.depths.empty() ? load_points(options, solids) : load_depths(options);
 }
 
 }  // namespace palpa::setup

@@ -39,6 +39,10 @@ struct TouchInput {
   std::uint64_t point_count = 0;  ///< skin points in all, of depth images the valid pixels
 };
 
+/// Skin points in metres, world; their indices are their places. Throws bad_input naming `file` for coordinates that
+/// no single-precision number can hold.
+TouchInput skin_points(const std::string& file, std::span<const Vec3> positions);
+
 /// Reads the files of the skin, which --penetration shifts by how high `solids` are. Throws bad_input naming file and
 /// fault.
 TouchInput load_touch_input(const TouchInputOptions& options, std::span<const geometry::Solid> solids);

@@ -35,9 +35,9 @@ double Stopwatch::lap_ms() {
   return static_cast<double>(elapsed) / 1e6;
 }
 
-OneTouch touch_once(const CommonOptions& common, const TouchOptions& touch, const FeltOptions& felt,
+OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, const FeltOptions& felt,
                     const std::string& scene, std::vector<geometry::Solid> solids, const TouchInput& input,
-                    TouchArray array, StageTimes& times) {
+                    TouchArray array, StepTimes& times) {
   Stopwatch watch;
   session::SessionSetting setting{.scene = scene,
                                   .solids = std::move(solids),
@@ -51,9 +51,9 @@ OneTouch touch_once(const CommonOptions& common, const TouchOptions& touch, cons
                                   .follow = false,
                                   .frame_by_frame = true};
   setting.schedule.voice.pressure_pa = array.pressure_pa;
-  const bool on_gpu = common.backend == Backend::gpu;
+  const bool on_gpu = compute.backend == Backend::gpu;
   if (on_gpu) check_points(input);
-  std::unique_ptr<gpu::Device> device = on_gpu ? std::make_unique<gpu::Device>(device_options(common)) : nullptr;
+  std::unique_ptr<gpu::Device> device = on_gpu ? std::make_unique<gpu::Device>(device_options(compute)) : nullptr;
   session::Session session =
       device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
   times.emplace_back("setup", watch.lap_ms());

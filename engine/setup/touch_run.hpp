@@ -16,7 +16,7 @@
 namespace palpa::setup {
 
 /// Stages in the order they ran, and how long each took.
-using StageTimes = std::vector<std::pair<std::string, double>>;
+using StepTimes = std::vector<std::pair<std::string, double>>;
 
 /// A session and what its frame touches.
 struct OneTouch {
@@ -36,9 +36,9 @@ struct TouchArray {
 /// Contacts, fingers, foci and schedule of `input`'s skin on `solids`, of which `scene` is the file, and the drives of
 /// `array`; adds the stages' times. Throws bad_usage where there are more points than the backend can hold and on
 /// parameters that do not fit the scene, else as Session does.
-OneTouch touch_once(const CommonOptions& common, const TouchOptions& touch, const FeltOptions& felt,
+OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, const FeltOptions& felt,
                     const std::string& scene, std::vector<geometry::Solid> solids, const TouchInput& input,
-                    TouchArray array, StageTimes& times);
+                    TouchArray array, StepTimes& times);
 
 /// Milliseconds since its construction or the last lap.
 class Stopwatch {

@@ -31,9 +31,9 @@ std::uint32_t HostStage::most_pixel_stride() const {
 
 void HostStage::touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s, const Mark& mark) {
   const Box box = touchable_box(solids_);
-  sensing::plan_views(cameras_, tables_, box, views_);
-  set_stride(views_, stride_);
-  sensing::find_skin(tables_, images, box, views_, points_);
+  sensing::plan_crops(cameras_, tables_, box, crops_);
+  set_stride(crops_, stride_);
+  sensing::find_skin(tables_, images, box, crops_, points_);
   if (mark) mark("skin");
   const Sight sight{bridge_cameras_, tables_, images};
   touch(points_, &sight, out, time_s, mark);

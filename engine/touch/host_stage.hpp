@@ -58,7 +58,7 @@ class HostStage {
   std::optional<Tracks> tracks_;
   std::optional<Homes> homes_;
   std::uint32_t stride_ = 1;
-  std::vector<sensing::View> views_;        // scratch
+  std::vector<sensing::Crop> crops_;        // scratch
   std::vector<sensing::SkinPoint> points_;  // scratch
 };
 

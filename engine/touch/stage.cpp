@@ -49,14 +49,14 @@ std::uint32_t Stage::most_pixel_stride() const {
 void Stage::record_skin(VkCommandBuffer commands, StageMemory& memory, gpu::Timestamps* times) const {
   memory.depth_.record(commands);
   const Box box = touchable_box(solids_);
-  sensing::plan_views(cameras_, tables_, box, memory.views_);
-  set_stride(memory.views_, stride_);
+  sensing::plan_crops(cameras_, tables_, box, memory.crops_);
+  set_stride(memory.crops_, stride_);
   passes_.skin_.record(commands,
                        {.depth = memory.depth_.ref(),
                         .rays = rays_.ref(),
                         .points = memory.seen_.ref(),
                         .total = memory.seen_total_.ref()},
-                       memory.skin_scratch_, tables_, box, memory.views_,
+                       memory.skin_scratch_, tables_, box, memory.crops_,
                        ContactsPass::groups(passes_.device(), memory.room_, solids_), times);
   gpu::compute_to_compute(commands);
 }

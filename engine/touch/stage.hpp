@@ -130,7 +130,7 @@ class StageMemory {
   Room room_;
   gpu::Upload depth_;           // depth frames
   gpu::Upload points_, given_;  // or points, and their total
-  std::vector<sensing::View> views_;
+  std::vector<sensing::Crop> crops_;
   gpu::Upload solids_;             // where they are
   gpu::Buffer seen_, seen_total_;  // skin points of depth frames
   gpu::Buffer total_, parents_, clusters_, grouped_;

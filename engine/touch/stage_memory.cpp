@@ -52,7 +52,7 @@ void StageMemory::make(const Room& room) {
   const std::uint64_t contacts = room.contacts, clustered = room.clustered(), deep = room.deep;
   room_ = room;
   if (cameras) {
-    views_.reserve(tables.cameras.size());
+    crops_.reserve(tables.cameras.size());
     depth_ = gpu::Upload(device, sensing::packed_bytes(tables), "depth frames");
     // For every pixel, so that the total is that of all: read() says when it is beyond the room.
     seen_ = gpu::Buffer(device, tables.pixels * sizeof(sensing::SkinPoint), "skin points");

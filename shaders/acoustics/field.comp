@@ -8,10 +8,10 @@ layout(local_size_x = 32) in;
 layout(constant_id = 0) const uint directional = 1u;  // 0: the same in all directions
 layout(constant_id = 1) const uint absorbing = 1u;    // 0: the air takes nothing
 
-layout(set = 0, binding = field_sources) uniform samplerBuffer sources;
-layout(std430, set = 0, binding = field_points) readonly buffer Points { FieldPoint points[]; };
-layout(set = 0, binding = field_directivity) uniform usamplerBuffer directivity;
-layout(std430, set = 0, binding = field_pressures) writeonly buffer Pressures { FieldPressure pressures[]; };
+layout(set = 0, binding = 0) uniform samplerBuffer sources;
+layout(std430, set = 0, binding = 1) readonly buffer Points { FieldPoint points[]; };
+layout(set = 0, binding = 2) uniform usamplerBuffer directivity;
+layout(std430, set = 0, binding = 3) writeonly buffer Pressures { FieldPressure pressures[]; };
 layout(push_constant) uniform Push { FieldPush push; };
 
 float directivity_at(float cosine) {

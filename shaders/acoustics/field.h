@@ -8,13 +8,6 @@ PALPA_CONST field_group = 32u;  // threads of a workgroup
 // Points that a thread keeps in registers: what it loads of a transducer serves all of them.
 PALPA_CONST field_each = 4u;
 
-PALPA_CONST field_sources = 0u;      // FieldSource[], as texels of 16 bytes
-PALPA_CONST field_points = 1u;       // FieldPoint[]
-PALPA_CONST field_directivity = 2u;  // FieldStep[], as texels of 8 bytes
-PALPA_CONST field_pressures = 3u;    // FieldPressure[]: one per point
-PALPA_CONST field_buffers = 4u;
-PALPA_CONST field_texels = 1u << field_sources | 1u << field_directivity;
-
 PALPA_CONST field_directivity_steps = 2048u;
 
 // Places are in wavelengths, as a multiple of 1/16 plus a rest: differences of the coarse parts are exact.

@@ -5,18 +5,15 @@
 PALPA_SHADER_BEGIN
 
 // A block is 8 pixels of one row: one 16-byte load of depths. One invocation looks at a run of 4 consecutive blocks of
-// its view (row after row), a group at 64 runs.
+// its crop (row after row), a group at 64 runs.
 PALPA_CONST skin_group = 64u;
 PALPA_CONST skin_run_blocks = 4u;
 
-// Bindings of both shaders.
-PALPA_CONST skin_depth = 0u;   // uvec4[]: blocks of 8 raw depths, two per word, the even pixel in the low half
-PALPA_CONST skin_rays = 1u;    // vec2[]: normalised coordinates, one per pixel of the padded arrangement
-PALPA_CONST skin_runs = 2u;    // SkinRun[]
-PALPA_CONST skin_counts = 3u;  // uint[]: survivors per group, after the scan those before it
-PALPA_CONST skin_points = 4u;  // vec4[]: world position, uintBitsToFloat(index); skin_scatter only
-PALPA_CONST skin_count_buffers = 4u;
-PALPA_CONST skin_scatter_buffers = 5u;
+// What the buffers of both shaders hold, beside structs:
+//   depth   uvec4[]: blocks of 8 raw depths, two per word, the even pixel in the low half
+//   rays    vec2[]: normalised coordinates, one per pixel of the padded arrangement
+//   counts  uint[]: survivors per group, after the scan those before it
+//   points  vec4[]: world position, uintBitsToFloat(index)
 
 // Specialization constant 0 of both: 1 where rays come from the table, 0 where the camera neither distorts nor ignores
 // pixels, so that ((u - cx) / fx, (v - cy) / fy) is cheaper than two loads.
@@ -29,7 +26,7 @@ struct SkinRun {
 };
 PALPA_CHECK_SIZE(SkinRun, 8);
 
-// One camera's view.
+// One camera's crop.
 struct SkinPush {
   vec4 pose_x;  // rows of T_world_camera
   vec4 pose_y;
@@ -38,11 +35,11 @@ struct SkinPush {
   vec4 box_high;     // xyz world; w: every how many pixels of a row and rows of the image are looked at, 1 or more
   vec4 pinhole;      // cx, cy, 1 / fx, 1 / fy
   uint first_block;  // of the camera, in the common arrangement
-  uint corner;       // the view's first column (low half) and row (high half)
-  uint row_blocks;   // blocks per row of the view (low half) and of the image (high half)
-  uint blocks;       // of the view
+  uint corner;       // the crop's first column (low half) and row (high half)
+  uint row_blocks;   // blocks per row of the crop (low half) and of the image (high half)
+  uint blocks;       // of the crop
   uint depth_range;  // lowest (low half) and highest raw depth that can lie in the box; the lowest is at least 1
-  uint first_group;  // of the view, in `counts`
+  uint first_group;  // of the crop, in `counts`
   uint first_index;  // of the camera's first pixel
   uint width;        // of the image: index step from row to row
 };

@@ -2,13 +2,13 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/sensing/skin.h"
 
-// Which pixels of a view hold a point inside the box, and how many per group: the first half of the compaction.
+// Which pixels of a crop hold a point inside the box, and how many per group: the first half of the compaction.
 layout(local_size_x = 64) in;
 
-layout(std430, set = 0, binding = skin_depth) readonly buffer Depth { uvec4 depth[]; };
-layout(std430, set = 0, binding = skin_rays) readonly buffer Rays { vec2 rays[]; };
-layout(std430, set = 0, binding = skin_runs) writeonly buffer Runs { SkinRun runs[]; };
-layout(std430, set = 0, binding = skin_counts) writeonly buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Depth { uvec4 depth[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Rays { vec2 rays[]; };
+layout(std430, set = 0, binding = 2) writeonly buffer Runs { SkinRun runs[]; };
+layout(std430, set = 0, binding = 3) writeonly buffer Counts { uint counts[]; };
 layout(push_constant) uniform Push { SkinPush push; };
 
 #include "shaders/sensing/skin_point.glsl"

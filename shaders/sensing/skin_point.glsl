@@ -14,14 +14,14 @@ Lens read_lens() {
   return Lens(push.pose_x, push.pose_y, push.pose_z, push.box_low, push.box_high, push.pinhole);
 }
 
-// Column and row of the first pixel of the view's block number `block`.
+// Column and row of the first pixel of the crop's block number `block`.
 uvec2 block_pixel(uint block) {
   const uint per_row = push.row_blocks & 0xffffu;
   const uint row = block / per_row;
   return uvec2((push.corner & 0xffffu) + (block - row * per_row) * 8u, (push.corner >> 16) + row);
 }
 
-// The block after: the next row begins where the view's rows end.
+// The block after: the next row begins where the crop's rows end.
 uvec2 next_block(uvec2 pixel) {
   const uint begin = push.corner & 0xffffu;
   const uint end = begin + (push.row_blocks & 0xffffu) * 8u;

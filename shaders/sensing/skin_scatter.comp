@@ -5,11 +5,11 @@
 // Writes the surviving points, in input order: the second half of the compaction.
 layout(local_size_x = 64) in;
 
-layout(std430, set = 0, binding = skin_depth) readonly buffer Depth { uvec4 depth[]; };
-layout(std430, set = 0, binding = skin_rays) readonly buffer Rays { vec2 rays[]; };
-layout(std430, set = 0, binding = skin_runs) readonly buffer Runs { SkinRun runs[]; };
-layout(std430, set = 0, binding = skin_counts) readonly buffer Counts { uint counts[]; };
-layout(std430, set = 0, binding = skin_points) writeonly buffer Points { vec4 points[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Depth { uvec4 depth[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Rays { vec2 rays[]; };
+layout(std430, set = 0, binding = 2) readonly buffer Runs { SkinRun runs[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = 4) writeonly buffer Points { vec4 points[]; };
 layout(push_constant) uniform Push { SkinPush push; };
 
 #include "shaders/sensing/skin_point.glsl"

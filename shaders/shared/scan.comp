@@ -6,9 +6,9 @@
 // are scanned in shared memory, then each thread rewrites its run.
 layout(local_size_x = 256) in;
 
-layout(std430, set = 0, binding = scan_counts) buffer Counts { uint counts[]; };
-layout(std430, set = 0, binding = scan_length) readonly buffer Length { uint items; };
-layout(std430, set = 0, binding = scan_total) writeonly buffer Total { ScanTotal result; };
+layout(std430, set = 0, binding = 0) buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Length { uint items; };
+layout(std430, set = 0, binding = 2) writeonly buffer Total { ScanTotal result; };
 layout(push_constant) uniform Push { ScanPush push; };
 
 const uint sum_threads = scan_group, sum_row = 16u;

@@ -6,12 +6,6 @@ PALPA_SHADER_BEGIN
 
 PALPA_CONST scan_group = 256u;
 
-// Bindings.
-PALPA_CONST scan_counts = 0u;  // uint[]: in place
-PALPA_CONST scan_length = 1u;  // uint[1]: items, where items_per_count > 0
-PALPA_CONST scan_total = 2u;   // ScanTotal
-PALPA_CONST scan_buffers = 3u;
-
 // How an indirect dispatch over items is cut into groups: `size` of them each, but no fewer than `least` nor more than
 // `most` groups, which are both multiples of `step` as their number is.
 struct ScanGroups {

@@ -14,6 +14,7 @@
 #include "spirv/drive_focus.comp.hpp"
 #include "spirv/drive_sum.comp.hpp"
 #include "spirv/drive_sum_checked.comp.hpp"
+#include "spirv/drive_weighted.comp.hpp"
 #include "support/device.hpp"
 #include "support/spirv.hpp"
 #include "support/watched_heap.hpp"
@@ -129,11 +130,10 @@ TEST(DrivePass, NoSineOutsideOfAQuarterTurn) {
   sums.single = false;
   const auto plain = run_guarded(inputs, sums);
   const gpu::ComputePipeline checked(test::test_device(), "drive_sum_checked", spirv::drive_sum_checked_comp,
-                                     {shader::drive_buffers, sizeof(shader::DrivePush), {}, shader::drive_texels});
+                                     sizeof(shader::DrivePush));
   const shader::DrivePush push{sums.transducers, sums.slots, shader::drive_by_distance, shader::drive_normalise};
   const auto watched = run_guarded(inputs, [&](VkCommandBuffer commands, const DriveBindings& bindings) {
-    checked.dispatch(commands, {bindings.transducers, bindings.foci, bindings.slots, bindings.drives}, push,
-                     sums.slots);
+    checked.dispatch(commands, spirv::drive_sum_checked_buffers(bindings), push, sums.slots);
   });
   std::size_t summed = 0;
   for (std::size_t s = 0; s < batch.size(); ++s) {
@@ -168,12 +168,10 @@ TEST(DrivePass, TheSameBytesOnEveryRun) {
 }
 
 TEST(DrivePass, LayoutIsWhatTheShadersHave) {
-  for (const auto words : {std::span<const std::uint32_t>(spirv::drive_focus_comp),
-                           std::span<const std::uint32_t>(spirv::drive_sum_comp)}) {
-    const test::SpirvModule module = test::read_spirv(words);
+  for (const gpu::Kernel* kernel : {&spirv::drive_focus_comp, &spirv::drive_sum_comp, &spirv::drive_weighted_comp}) {
+    const test::SpirvModule module = test::read_spirv(*kernel);
     EXPECT_EQ(module.local_size[0], shader::drive_group);
     EXPECT_EQ(module.local_size[1], 1u);
-    EXPECT_EQ(module.bindings, (std::vector<std::uint32_t>{0, 1, 2, 3}));
     EXPECT_EQ(module.structs.at("DrivePush").offsets.at("constraint"), offsetof(shader::DrivePush, constraint));
   }
   // Slots of one focus are written as vectors; transducers, foci and slots are read as texels, word by word in the

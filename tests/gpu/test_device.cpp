@@ -179,12 +179,12 @@ TEST(Device, ALostDeviceIsAnErrorNotACrash) {
                     nullptr, 0, nullptr);
     vkCmdFillBuffer(commands, buffer.ref().buffer, 0, VK_WHOLE_SIZE, 7);
     const std::uint64_t value = timeline.submit(recorder.end());
-    const auto is_told = [&](double patience_s, const std::string& part) {
+    const auto is_copied = [&](double patience_s, const std::string& part) {
       const Error error = palpa::test::thrown_by([&] { timeline.wait(value, patience_s); });
       return std::string(error.what()).find(part) != std::string::npos;
     };
-    told = is_told(0.2, "no answer within 0.2 s");
-    told_again_at_once = is_told(60, "does not answer");
+    told = is_copied(0.2, "no answer within 0.2 s");
+    told_again_at_once = is_copied(60, "does not answer");
   }
   std::_Exit(told && told_again_at_once ? 0 : 1);
 }

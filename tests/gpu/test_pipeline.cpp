@@ -4,12 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <functional>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "base/error.hpp"
+#include "gpu/scan_pass.hpp"
 #include "shaders/shared/scan.h"
 #include "spirv/scan.comp.hpp"
 #include "support/device.hpp"
+#include "support/spirv.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::gpu {
@@ -25,11 +30,11 @@ std::string refusal(const std::function<void(VkCommandBuffer)>& record) {
 
 TEST(ComputePipeline, RefusesPushConstantsOfAnotherSize) {
   Device& device = test::test_device();
-  const ComputePipeline scan(device, "scan", spirv::scan_comp, {shader::scan_buffers, sizeof(shader::ScanPush)});
+  const ComputePipeline scan(device, "scan", spirv::scan_comp, sizeof(shader::ScanPush));
   const Buffer words(device, 64, "words");
   const auto dispatch = [&](const Push& push) {
     return refusal([&](VkCommandBuffer commands) {
-      scan.dispatch(commands, {words.ref(), words.ref(), words.ref()}, push, 1);
+      scan.dispatch(commands, spirv::scan_buffers(ScanBindings{words.ref(), words.ref(), words.ref()}), push, 1);
     });
   };
   EXPECT_EQ(dispatch(shader::ScanPush{}), "");
@@ -41,18 +46,47 @@ TEST(ComputePipeline, RefusesPushConstantsOfAnotherSize) {
   EXPECT_EQ(dispatch(Push::none()), "pipeline 'scan' was given 0 bytes of push constants: its shader has 32");
 }
 
-TEST(ComputePipeline, RefusesAnotherNumberOfBuffers) {
+TEST(ComputePipeline, RefusesTheBuffersOfAnotherKernelAndMissingOnes) {
   Device& device = test::test_device();
-  const ComputePipeline scan(device, "scan", spirv::scan_comp, {shader::scan_buffers, sizeof(shader::ScanPush)});
+  const ComputePipeline scan(device, "scan", spirv::scan_comp, sizeof(shader::ScanPush));
   const Buffer words(device, 64, "words");
-  const auto dispatch = [&](std::initializer_list<BufferRef> buffers) {
+  const auto dispatch = [&](const KernelBuffers& buffers) {
     return refusal([&](VkCommandBuffer commands) { scan.dispatch(commands, buffers, shader::ScanPush{}, 1); });
   };
   const BufferRef ref = words.ref();
-  EXPECT_EQ(dispatch({ref, ref, ref}), "");
-  EXPECT_EQ(dispatch({ref, ref}), "pipeline 'scan' was given 2 buffers: its shader binds 3");
-  EXPECT_EQ(dispatch({ref, ref, ref, ref}), "pipeline 'scan' was given 4 buffers: its shader binds 3");
-  EXPECT_EQ(dispatch({ref, {}, ref}), "pipeline 'scan' was given no buffer at binding 1");
+  KernelBuffers buffers = spirv::scan_buffers(ScanBindings{ref, ref, ref});
+  EXPECT_EQ(dispatch(buffers), "");
+  EXPECT_EQ(dispatch(spirv::scan_buffers(ScanBindings{ref, {}, ref})),
+            "pipeline 'scan' was given no buffer as 'length'");
+  const Kernel other{"other", spirv::scan_comp.words, spirv::scan_comp.bindings};
+  buffers.kernel = &other;
+  EXPECT_EQ(dispatch(buffers), "pipeline 'scan' was given the buffers of kernel 'other': its own is 'scan'");
+  EXPECT_EQ(dispatch({}), "pipeline 'scan' was given the buffers of kernel '': its own is 'scan'");
+}
+
+// Whatever their order in a pass's struct: each goes to the number that the shader's own binding of that name has.
+TEST(Kernel, BindsBuffersByTheNamesThatTheShaderGivesThem) {
+  const struct { BufferRef total, counts, more, length; } from{{.size = 1}, {.size = 2}, {.size = 3}, {.size = 4}};
+  const KernelBuffers buffers = spirv::scan_buffers(from);
+  EXPECT_EQ(buffers.kernel, &spirv::scan_comp);
+  const test::SpirvModule module = test::read_spirv(spirv::scan_comp.words);
+  ASSERT_EQ(module.bindings.size(), 3u);
+  for (const auto& [number, name, texels] : module.bindings) {
+    const VkDeviceSize expected = name == "Total" ? 1 : name == "Counts" ? 2 : 4;
+    EXPECT_EQ(buffers.refs[number].size, expected) << name;
+  }
+}
+
+// What the layout tests of all kernels rely on.
+TEST(Kernel, ATableThatIsNotTheModulesIsNoticed) {
+  const auto read = [](const std::vector<KernelBinding>& bindings) {
+    test::read_spirv(Kernel{"scan", spirv::scan_comp.words, bindings});
+  };
+  EXPECT_NO_THROW(read({{"counts"}, {"length"}, {"total"}}));
+  EXPECT_THROW(read({{"length"}, {"counts"}, {"total"}}), std::runtime_error);
+  EXPECT_THROW(read({{"counts"}, {"length"}, {"total", true}}), std::runtime_error);
+  EXPECT_THROW(read({{"counts"}, {"length"}}), std::runtime_error);
+  EXPECT_THROW(read({{"counts"}, {"length"}, {"total"}, {"more"}}), std::runtime_error);
 }
 
 TEST(ComputePipeline, CannotBeDispatchedBeforeItIsMade) {

@@ -7,6 +7,7 @@ BEGIN {
 
   # driver/ sees the engine through its small interfaces only.
   interface["session/links/link.hpp"] = interface["session/links/sources.hpp"] = 1  # how both are named on the command line
+  interface["session/links/slots.hpp"] = 1      # which slots a plan plays, up to the boards
   interface["session/links/hand_over.hpp"] = 1  # what a link says of what it was handed
   interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor
@@ -21,6 +22,7 @@ BEGIN {
   order("acoustics", "air lanes field boundary bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")
   order("session", "clock newest threads links watch plan loop previews .")
+  order("setup", ". tasks")
   order("viewer", "view picture hands render sound live panels app window run .")
   bad = 0
 }

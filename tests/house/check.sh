@@ -64,6 +64,9 @@ spirv() {
 # Who may include whom: tests/house/arrows.awk.
 arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' | xargs -r awk -f tests/house/arrows.awk; }
 
+# docs/architecture.md's walks lead through the sources: tests/house/walks.py.
+walks() { python3 tests/house/walks.py; }
+
 # Each source includes what it uses: tests/house/includes.py.
 includes() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' 'tests/*.?pp' | xargs -r python3 tests/house/includes.py; }
 
@@ -182,6 +185,7 @@ mirrored() { [[ -d $1 || -d engine/$1 || $1 == viewer/references/ ]]; }
 
 step "clang-format" format
 step "tree of folders" tree
+step "walks" walks
 step "docs" docs
 step "arrows between rooms" arrows
 step "includes" includes

@@ -26,7 +26,7 @@ def scene(name):
 
 
 def cases():
-    """Name, what is compared, arguments; OUT is the file that both write."""
+    """Name, what is compared, arguments; OUT, with an ending or without, is the file that both write."""
     for backend in ["gpu", "cpu"]:
         on = ["--backend", backend]
         for name in OBJECTS:
@@ -66,11 +66,40 @@ def cases():
         for amplitude in ["distance", "uniform"]:
             yield f"drive {layout} {amplitude}", "bytes", [
                 "drive", "--layout", layout, "--focus", "5mm,-3mm,12cm", "--amplitude", amplitude, "--csv", "OUT"]
+    spot = ["--layout", "openmpd", "--focus", "0,0,15cm"]
+    plane = ["--plane", "xz", "--centre", "0,0,15cm", "--size", "4cm,4cm", "--pixels", "41,41"]
+    finger = ["--finger", "assets/finger.ply", "--penetration", "3mm"]
+    for file in ["json", "csv", "vtu", "png"]:
+        kind = "json" if file == "json" else "bytes"
+        yield f"field {file}", kind, ["field", *spot, *plane, f"--{file}", "OUT"]
+        yield f"simulate {file}", kind, ["simulate", *scene("cube"), *finger, f"--{file}", "OUT"]
+    for what, options in {
+        "cameras": ["--skin", "cameras"],
+        "spectrum": ["--spectrum", "--tune"],
+        "transfer": ["--transfer", "finger", "--pressure", "2000"],
+        "multi-focus": ["--method", "multi-focus", "--solver", "gs-pat"],
+    }.items():
+        yield f"simulate {what}", "json", ["simulate", *scene("prism"), *finger, *options, "--json", "OUT"]
+    yield "simulate figure 6", "json", ["simulate", "--figure6", "--json", "OUT"]
+    yield "simulate figure 6 png", "bytes", ["simulate", "--figure6", "--png", "OUT"]
+    scattered = ["scatter", "--mesh", "assets/finger.ply", "--plane-wave", "0,0,1"]
+    yield "scatter json", "json", [*scattered, "--json", "OUT"]
+    yield "scatter faces", "bytes", [*scattered, "--csv", "OUT"]
+    yield "scatter plane", "bytes", [*scattered, *plane, "--csv", "OUT"]
+    yield "drive json", "json", ["drive", "--layout", "paper", "--focus", "0,0,0", "--focus", "2cm,0,0", "--json", "OUT"]
+    yield "drive of a finger", "json", [
+        "drive", "--layout", "paper", "--focus", "0,0.2mm,0", "--transfer", "finger", "--mesh", "assets/finger.ply",
+        "--json", "OUT"]
+    for file in ["csv", "json"]:
+        yield f"export foci {file}", "bytes", ["export", *scene("cube"), "--frames", "20", "--foci", f"OUT.{file}"]
+    yield "export events", "bytes", ["export", *scene("button-and-knob"), "--frames", "40", "--events", "OUT"]
+    yield "target", "bytes", ["calibrate", "--target", "OUT.stl", "--layout", "openmpd"]
+    yield "calibrate", "json", ["calibrate", "--layout", "paper", "--frames", "2", "--json", "OUT"]
     yield "recording", "folder", ["run", *scene("cube"), "--every-frame", "--frames", "5", "--record", "OUT"]
     yield "picture", "viewer", [
         *scene("cube"), *PRESS, "--skin", "assets/finger.ply", "--layout", "paper", "--inset", "--spectrum", "--headless",
         "--screenshot", "OUT"]
-    yield "decompose", "gltf", ["decompose", *scene("cube"), "--parts", "4", "--out", "OUT"]
+    yield "decompose", "gltf", ["decompose", *scene("cube"), "--parts", "4", "--out", "OUT.glb"]
 
 
 def run(binaries, kind, arguments, out):
@@ -81,7 +110,7 @@ def run(binaries, kind, arguments, out):
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 8 << 20)
         receiver.bind(("127.0.0.1", 0))
     link = f"foci:udp:127.0.0.1:{receiver.getsockname()[1]}" if receiver else ""
-    words = [a.replace("OUT", out).replace("UDP", link) for a in arguments] + ["--quiet"]
+    words = [out if a.startswith("OUT") else a.replace("UDP", link) for a in arguments] + ["--quiet"]
     done = subprocess.run([program, *words], cwd=ROOT, capture_output=True, check=False)
     if receiver:
         receiver.settimeout(0.2)
@@ -95,11 +124,16 @@ def run(binaries, kind, arguments, out):
     return done.returncode, done.stderr.decode(errors="replace").strip()
 
 
+def without_times(document):
+    if isinstance(document, dict):
+        return {key: without_times(value) for key, value in document.items() if key != "timing_ms"}
+    return [without_times(value) for value in document] if isinstance(document, list) else document
+
+
 def read_json(path):
     with open(path, encoding="utf-8") as file:
         document = json.load(file)
-    document.pop("timing_ms", None)
-    return document
+    return without_times(document)
 
 
 def read_gltf(path):
@@ -195,7 +229,8 @@ def main():
         for number, (name, kind, arguments) in enumerate(cases()):
             if options.words and not any(word in name for word in options.words):
                 continue
-            outs = [os.path.join(folder, f"{side}{number}" + (".glb" if kind == "gltf" else "")) for side in "ba"]
+            ending = next((word[3:] for word in arguments if word.startswith("OUT")), "")
+            outs = [os.path.join(folder, f"{side}{number}{ending}") for side in "ba"]
             codes = [run(os.path.abspath(side), kind, arguments, out)
                      for side, out in zip((options.before, options.after), outs)]
             if codes[0][0] != codes[1][0]:

@@ -72,11 +72,10 @@ float loudest_of(std::span<const array::TransducerDrive> drive) {
   return loud;
 }
 
-void SpyLink::plan(const session::ToldPlan& plan) {
+void SpyLink::plan(const session::PlayedPlan& plan) {
   const bool touched = plan.schedule.voice_count > 0;
-  told.push_back({plan.schedule.voice_count, plan.from_slot, plan.until_slot, plan.cycle,
-                  touched ? plan.schedule.voices[0].gain : 0, loudest_of(plan.drives), &plan.schedule,
-                  plan.drives.data()});
+  plans.push_back({plan.schedule.voice_count, plan.slots, touched ? plan.schedule.voices[0].gain : 0,
+                   loudest_of(plan.drives), &plan.schedule, plan.drives.data()});
 }
 
 void SpyLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {

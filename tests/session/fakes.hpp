@@ -53,28 +53,27 @@ struct FakePlanner : session::Planner {
 /// The largest amplitude of a drive, or of several.
 float loudest_of(std::span<const array::TransducerDrive> drive);
 
-/// Remembers what it was told and sent.
+/// Remembers the plans and drives that it got.
 struct SpyLink : session::Link {
   std::vector<std::uint64_t> slots;
   std::vector<float> loudest;  ///< largest amplitude of each drive
-  /// What it was told: the first voice's gain, and the loudest of the listed drives.
-  struct Told {
+  /// Of a plan that it got: the first voice's gain, and the loudest of the listed drives.
+  struct Played {
     std::uint32_t voices;
-    std::uint64_t from_slot, until_slot;
-    std::uint32_t cycle;
+    session::Slots slots;
     double gain;
     float loudest;
     const void* schedule;
     const void* drives;
   };
-  std::vector<Told> told;
+  std::vector<Played> plans;
   std::vector<const void*> sent;  ///< where each drive lay
   std::atomic<float> most{0};     ///< the loudest so far, for other threads to look at
   bool finished = false;
   std::uint64_t fail_at = ~0ull;  ///< throws in the n-th send, and in every later one while `broken`
   bool broken = false;
 
-  void plan(const session::ToldPlan& plan) override;
+  void plan(const session::PlayedPlan& plan) override;
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override;
   void finish() override { finished = true; }
   bool ended_silent() const { return !loudest.empty() && loudest.back() == 0.0f; }

@@ -90,7 +90,7 @@ TEST(HandOver, LinksThatAreNoBoardsCountWhatTheyPlayed) {
     SafeLink safe(*link, layout.transducers.size());
     array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
     const array::Drive sounding(layout.transducers.size(), {0.5f, 0.0f}), silent(layout.transducers.size(), {0, 0});
-    safe.plan({.schedule = schedule, .until_slot = 9});
+    safe.plan({.schedule = schedule, .slots = {.until = 9}});
     for (std::uint64_t slot = 0; slot < 7; ++slot)
       safe.send(slot, slot < 5 ? sounding : silent);
     safe.finish();
@@ -110,7 +110,7 @@ TEST(HandOver, WhatFadesAndWhatACeilingMutesIsCountedAsItLeaves) {
   SafeLink safe(spy, layout.transducers.size(), {.ramp_s = 6e-3});
   const array::Drive sounding(layout.transducers.size(), {1.0f, 0.0f}), silent(layout.transducers.size(), {0, 0});
   array::Schedule schedule = test::touching(Vec3(0, 0.15, 0)), nothing;
-  safe.plan({.schedule = schedule, .until_slot = 9});
+  safe.plan({.schedule = schedule, .slots = {.until = 9}});
   for (std::uint64_t slot = 0; slot < 5; ++slot)
     safe.send(slot, sounding);
   safe.plan({.schedule = nothing});

@@ -142,7 +142,7 @@ TEST(Haptics, EveryFingerPlaysAsItsSolidAsks) {
     ++slots;
     EXPECT_EQ(both[0].gain, 0.5F);
   });
-  EXPECT_EQ(plan.cycle, 40U);
+  EXPECT_EQ(plan.cycle.length, 40U);
   EXPECT_EQ(slots, 40U);
 }
 

@@ -37,6 +37,16 @@ array::Schedule one_finger() {
   return schedule;
 }
 
+TEST(Slots, AreCountedFromTheFirstToTheLastThatMaySound) {
+  EXPECT_EQ((Slots{.from = 4, .until = 64}).count(), 60u);
+  EXPECT_EQ((Slots{.from = 64, .until = 64}).count(), 0u);
+  EXPECT_EQ((Slots{.from = 65, .until = 64}).count(), 0u) << "its time was over before it was played";
+  EXPECT_EQ(Slots{}.cycle.slots_to_look_at(), most_cycle);
+  EXPECT_EQ((Cycle{.length = 10}).slots_to_look_at(), 10u);
+  EXPECT_TRUE((Cycle{.length = 10}).is_listed());
+  EXPECT_FALSE((Cycle{.too_long = true}).is_listed());
+}
+
 TEST(Links, UnknownOnesAreRefusedWithTheKnownNames) {
   Setting s;
   const Error error = test::thrown_by([&] { open_link("piano:88", builtin_links(), s.setting); });

@@ -21,12 +21,12 @@ struct Loop {
   test::FakeSource source;
   test::FakePlanner planner;
   test::SpyLink link;
-  LoopSetting setting{{planner.layout, {}, 1.5e-3, 0.1}, 0, false};
+  LoopSetting setting{{planner.layout, {}, 1.5e-3, 0.1}};
   std::atomic<bool> stop{false};
   LoopStats stats;
-  LoopObservers observers;
+  RunOptions options;
 
-  void run() { run_loop(source, planner, link, setting, stop, observers, stats); }
+  void run() { run_loop(source, planner, link, setting, stop, options, stats); }
   std::string fault() {
     try {
       run();
@@ -52,7 +52,7 @@ TEST(Loop, RunsToTheEndOfItsSourceAndEndsSilent) {
 TEST(Loop, StopsAfterTheFramesAskedFor) {
   Loop loop;
   loop.source.count = 1'000'000;
-  loop.setting.frames = 7;
+  loop.options.frames = 7;
   loop.run();
   EXPECT_EQ(loop.stats.captured, 7u);
 }
@@ -61,7 +61,7 @@ TEST(Loop, LooksAtEveryFrameWhenAsked) {
   Loop loop;
   loop.source.count = 25;
   loop.source.period_s = 0;
-  loop.setting.every_frame = true;
+  loop.options.every_frame = true;
   loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(1ms); };
   loop.run();
   std::vector<std::uint64_t> all(25);
@@ -107,11 +107,11 @@ TEST(Loop, DrivesAndTouchGoBeforeTheirSource) {
   std::uint64_t source = 0, compute = 0, driver = 0, recorder = 0;
   loop.source.before = [&](std::uint64_t) { source = slice_ns(); };
   loop.planner.before = [&](std::uint64_t) { compute = slice_ns(); };
-  loop.observers.record = [&](const sensing::FrameSet&) { recorder = slice_ns(); };
+  loop.options.record = [&](const sensing::FrameSet&) { recorder = slice_ns(); };
   std::thread([&] {
     go_first();
     std::thread([&] { driver = slice_ns(); }).join();
-    run_loop(loop.source, loop.planner, link, loop.setting, loop.stop, loop.observers, loop.stats);
+    run_loop(loop.source, loop.planner, link, loop.setting, loop.stop, loop.options, loop.stats);
   }).join();
   EXPECT_LT(compute, usual);
   EXPECT_EQ(driver, compute) << "a device's threads are begun by who computes on it";
@@ -151,7 +151,7 @@ TEST(Loop, FallsSilentWhenFramesStopComing) {
     changes += (loop.link.loudest[i] > 0) != (loop.link.loudest[i - 1] > 0) ? 1 : 0;
   }
   EXPECT_GE(changes, 3);
-  EXPECT_NE(std::count_if(loop.link.told.begin(), loop.link.told.end(), [](const auto& t) { return t.voices == 0; }),
+  EXPECT_NE(std::count_if(loop.link.plans.begin(), loop.link.plans.end(), [](const auto& t) { return t.voices == 0; }),
             0);
 }
 
@@ -167,7 +167,7 @@ TEST(Loop, AfterAnErrorThereIsNoRampAndNoHold) {
     };
     if (fault == Fault::camera) loop.source.before = fail;
     if (fault == Fault::planner) loop.planner.before = fail;
-    if (fault == Fault::disk) loop.observers.record = [&](const sensing::FrameSet& set) { fail(set.sequence); };
+    if (fault == Fault::disk) loop.options.record = [&](const sensing::FrameSet& set) { fail(set.sequence); };
     const auto begin = std::chrono::steady_clock::now();
     EXPECT_EQ(loop.fault(), "it broke");
     EXPECT_TRUE(loop.link.ended_silent());
@@ -181,15 +181,15 @@ TEST(Loop, TellsThatFramesStoppedComingUnlessTheyWaitForIt) {
   for (const bool every_frame : {false, true}) {
     Loop loop;
     loop.source.count = 4;
-    loop.setting.every_frame = every_frame;
+    loop.options.every_frame = every_frame;
     loop.setting.output.hold_s = 0.03;
     loop.source.before = [](std::uint64_t frame) {
       if (frame == 3) std::this_thread::sleep_for(200ms);
     };
     int expired = 0;
     std::uint64_t planned = 0, planned_before = 0;
-    loop.observers.planned = [&](const FrameReport&, const Plan&) { ++planned; };
-    loop.observers.expired = [&] {
+    loop.options.planned = [&](const FrameReport&, const Plan&) { ++planned; };
+    loop.options.expired = [&] {
       EXPECT_GT(planned, planned_before) << "once after a frame";
       planned_before = planned;
       ++expired;
@@ -203,11 +203,11 @@ TEST(Loop, TellsOfEachFrameThatHasComeBeforeItIsPlanned) {
   Loop loop;
   loop.source.count = 30;
   std::atomic<std::uint64_t> arrived{0};
-  loop.observers.arrived = [&](std::uint64_t sequence) {
+  loop.options.arrived = [&](std::uint64_t sequence) {
     std::this_thread::sleep_for(1ms);
     EXPECT_EQ(sequence, arrived++);
   };
-  loop.observers.planned = [&](const FrameReport& report, const Plan&) { EXPECT_LT(report.sequence, arrived); };
+  loop.options.planned = [&](const FrameReport& report, const Plan&) { EXPECT_LT(report.sequence, arrived); };
   loop.run();
   EXPECT_EQ(arrived, 30u);
 }
@@ -217,10 +217,10 @@ TEST(Loop, FallsSilentWhenTheHandLeaves) {
   loop.source.count = 60;
   loop.setting.output.hold_s = 10;
   loop.planner.fingers = [](std::uint64_t frame) { return frame < 20 ? 1u : 0u; };
-  loop.setting.every_frame = true;
+  loop.options.every_frame = true;
   loop.stop = false;
   std::size_t silent_from = 0;
-  loop.observers.planned = [&](const FrameReport& report, const Plan& plan) {
+  loop.options.planned = [&](const FrameReport& report, const Plan& plan) {
     if (report.sequence == 20) silent_from = plan.schedule.voice_count;
     if (report.sequence == 59) loop.stop = true;
   };
@@ -259,7 +259,7 @@ TEST(Loop, ABrokenLinkEndsTheLoopAndIsReported) {
 
 TEST(Loop, AnErrorOfAnObserverIsReportedToo) {
   Loop loop;
-  loop.observers.record = [](const sensing::FrameSet& set) {
+  loop.options.record = [](const sensing::FrameSet& set) {
     // Not "== 3": a recorder that is late gets a newer one.
     if (set.sequence >= 3) throw failure("recording: no space left on device");
   };
@@ -279,7 +279,7 @@ TEST(Loop, GoesDownTheRampBeforeItEndsButNotAfterAnError) {
         if (up()) throw failure("the planner broke");
       };
     } else {
-      loop.observers.planned = [&](const FrameReport&, const Plan&) { loop.stop = up(); };
+      loop.options.planned = [&](const FrameReport&, const Plan&) { loop.stop = up(); };
     }
     EXPECT_EQ(loop.fault(), breaks ? "the planner broke" : "");
     const std::vector<float>& heard = loop.link.loudest;
@@ -313,7 +313,7 @@ TEST(Loop, ASlowRecorderDelaysNoTouchAndSaysWhatItLeftOut) {
   loop.source.count = 40;
   loop.source.period_s = 0.003;
   std::vector<std::uint64_t> written;
-  loop.observers.record = [&](const sensing::FrameSet& set) {
+  loop.options.record = [&](const sensing::FrameSet& set) {
     std::this_thread::sleep_for(30ms);
     written.push_back(set.sequence);
   };
@@ -328,9 +328,9 @@ TEST(Loop, EveryFrameIsRecordedWhenEveryFrameIsLookedAt) {
   Loop loop;
   loop.source.count = 12;
   loop.source.period_s = 0;
-  loop.setting.every_frame = true;
+  loop.options.every_frame = true;
   std::vector<std::uint64_t> written;
-  loop.observers.record = [&](const sensing::FrameSet& set) {
+  loop.options.record = [&](const sensing::FrameSet& set) {
     std::this_thread::sleep_for(3ms);
     written.push_back(set.sequence);
   };
@@ -344,7 +344,7 @@ TEST(Loop, SoundsWhileItLooksAtEveryFrameOfASourceSlowerThanItsClock) {
   loop.source.count = 40;
   loop.source.period_s = 0.01;
   loop.source.clock_rate = 0.1;  // replayed at a tenth of its own speed
-  loop.setting.every_frame = true;
+  loop.options.every_frame = true;
   loop.run();
   EXPECT_LT(loop.stats.output.silent_drives * 3, loop.stats.output.drives);
 }
@@ -354,7 +354,7 @@ TEST(Loop, FollowsASourceWhoseClockRunsSlow) {
   loop.source.count = 500;
   loop.source.clock_rate = 1 - 8e-4;  // in a second as far off as 50 parts in a million make it in 16
   double youngest_s = 1;
-  loop.observers.planned = [&](const FrameReport& report, const Plan& plan) {
+  loop.options.planned = [&](const FrameReport& report, const Plan& plan) {
     if (report.sequence > 250) youngest_s = std::min(youngest_s, report.arrived_s - plan.captured_s);
   };
   loop.run();
@@ -367,7 +367,7 @@ TEST(Loop, SoundsOnWhenTheSourcesClockIsReset) {
   loop.source.count = 100;
   loop.source.reset_at = 20;
   double oldest_s = 0;
-  loop.observers.planned = [&](const FrameReport& report, const Plan& plan) {
+  loop.options.planned = [&](const FrameReport& report, const Plan& plan) {
     oldest_s = std::max(oldest_s, report.arrived_s - plan.captured_s);
   };
   loop.run();

@@ -82,8 +82,8 @@ TEST(Methods, AModulationIsOneGainOverTheWholePlan) {
       EXPECT_EQ(slot[0].gain, 1.0F);
     });
     EXPECT_EQ(slots, 1u);
-    EXPECT_EQ(plan.shared_modulation_hz, 200);
-    EXPECT_EQ(plan.shared_modulation, array::Modulation::pressure_sine);
+    EXPECT_EQ(plan.cycle.modulation_hz, 200);
+    EXPECT_EQ(plan.cycle.modulation, array::Modulation::pressure_sine);
   }
 }
 

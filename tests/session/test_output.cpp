@@ -48,7 +48,7 @@ bool same(const array::Drive& a, const array::Drive& b) {
 TEST(Output, PlaysTheOrderOfTheSlotCounterNotOfTheFrame) {
   Output out;
   const Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)));
-  ASSERT_EQ(plan.cycle, 10u);
+  ASSERT_EQ(plan.cycle.length, 10u);
   const auto order = array::fill_order(10, 3);
   for (const std::uint64_t slot : {0ull, 7ull, 8ull, 12345ull}) {
     const std::vector<array::SlotFocus> focus{{plan.schedule.voices[0].foci[order[slot % 10]], 1.0f}};
@@ -76,7 +76,7 @@ TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
   Output out;
   const Plan plain = out.plan_of(test::touching(Vec3(0, 0.15, 0)));
   const Plan modulated = out.plan_of(test::touching(Vec3(0, 0.15, 0), 200));
-  EXPECT_EQ(modulated.shared_modulation_hz, 200.0);
+  EXPECT_EQ(modulated.cycle.modulation_hz, 200.0);
   float least = 1, most = 0;
   for (std::uint64_t slot = 0; slot < 20; ++slot) {
     const auto a = out.slot(plain, slot, 0), b = out.slot(modulated, slot, 0);
@@ -99,8 +99,8 @@ TEST(Output, FingersThatDifferInModulationAreSummedPerSlot) {
   array::Voice& second = schedule.add_voice();
   second = test::touching(Vec3(0.06, 0.15, 0.02), 200).voices[0];
   const Plan plan = out.plan_of(schedule);
-  EXPECT_EQ(plan.shared_modulation_hz, 0.0);
-  ASSERT_EQ(plan.cycle, 10u) << "200 Hz repeats after ten slots of 1.5 ms";
+  EXPECT_EQ(plan.cycle.modulation_hz, 0.0);
+  ASSERT_EQ(plan.cycle.length, 10u) << "200 Hz repeats after ten slots of 1.5 ms";
   for (const std::uint64_t slot : {0ull, 4ull, 13ull}) {
     std::vector<array::SlotFocus> foci;
     array::foci_of_slot(schedule, slot, foci);
@@ -110,12 +110,23 @@ TEST(Output, FingersThatDifferInModulationAreSummedPerSlot) {
   }
 }
 
+TEST(Output, APlanOfNoFingerIsNotTooLongButHasNothingToDrive) {
+  Output out;
+  Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)));
+  EXPECT_TRUE(plan.cycle.is_listed());
+  EXPECT_FALSE(plan.cycle.too_long);
+  plan = out.plan_of(array::Schedule());
+  EXPECT_FALSE(plan.cycle.is_listed());
+  EXPECT_FALSE(plan.cycle.too_long);
+}
+
 TEST(Output, AScheduleWithoutAShortCycleIsComputedSlotBySlot) {
   Output out;
   array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
   schedule.add_voice() = test::touching(Vec3(0.06, 0.15, 0.02), 199.37).voices[0];
   const Plan plan = out.plan_of(schedule);
-  EXPECT_EQ(plan.cycle, 0u);
+  EXPECT_FALSE(plan.cycle.is_listed());
+  EXPECT_TRUE(plan.cycle.too_long);
   std::vector<array::SlotFocus> foci;
   array::foci_of_slot(schedule, 777, foci);
   array::Drive expected(out.layout.transducers.size());
@@ -160,7 +171,7 @@ TEST(Output, AReservedScratchNeverGrowsWherePressuresAreAskedFor) {
         voice.reached_pa = 10;
       }
       const Plan plan = out.plan_of(schedule);
-      ASSERT_EQ(plan.cycle, 0u);
+      ASSERT_FALSE(plan.cycle.is_listed());
       SlotScratch scratch;
       scratch.reserve(out.setting);
       const auto before = storage_of(scratch);
@@ -178,7 +189,7 @@ TEST(Output, AReservedScratchNeverGrows) {
   array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
   schedule.add_voice() = test::touching(Vec3(0.06, 0.15, 0.02), 199.37).voices[0];
   const Plan plan = out.plan_of(schedule);
-  ASSERT_EQ(plan.cycle, 0u);
+  ASSERT_FALSE(plan.cycle.is_listed());
   for (const array::Solver solver : {array::Solver::naive, array::Solver::gs_pat}) {
     out.setting.drive.solver = solver;
     out.setting.drive.constraint = array::Constraint::uniform;
@@ -211,7 +222,7 @@ TEST(Output, SendsSilenceLastWhenStopped) {
   ASSERT_GT(link.slots.size(), 3u);
   EXPECT_GT(*std::max_element(link.loudest.begin(), link.loudest.end()), 0.9f);
   EXPECT_TRUE(link.ended_silent());
-  EXPECT_EQ(link.told.back().voices, 0u);
+  EXPECT_EQ(link.plans.back().voices, 0u);
   EXPECT_TRUE(link.finished);
   EXPECT_TRUE(std::is_sorted(link.slots.begin(), link.slots.end()));
   EXPECT_EQ(std::adjacent_find(link.slots.begin(), link.slots.end()), link.slots.end()) << "a slot was sent twice";
@@ -223,11 +234,11 @@ TEST(Output, TellsAPlanOnceAndFromWhenUntilWhen) {
   const Clock clock;
   struct TimedLink : test::SpyLink {
     explicit TimedLink(const Clock& clock) : clock_(clock) {}
-    void plan(const ToldPlan& plan) override {
-      if (told.empty()) told_s = clock_.now();
+    void plan(const PlayedPlan& plan) override {
+      if (plans.empty()) plan_s = clock_.now();
       SpyLink::plan(plan);
     }
-    double told_s = 0;  ///< of the first plan
+    double plan_s = 0;  ///< of the first plan
    private:
     const Clock& clock_;
   } link(clock);
@@ -245,22 +256,22 @@ TEST(Output, TellsAPlanOnceAndFromWhenUntilWhen) {
   });
   play(link, plans, out.setting, clock, Ending{stop}, stats);
   stopper.join();
-  ASSERT_EQ(link.told.size(), 3u) << "the plan, that it expired, the end";
-  const test::SpyLink::Told& told = link.told[0];
-  EXPECT_EQ(told.voices, 1u);
-  EXPECT_EQ((std::vector<const void*>{told.schedule, told.drives}), there) << "it was copied";
-  EXPECT_EQ(told.cycle, 10u);
-  EXPECT_EQ(told.from_slot, 0u);
-  // From when the plan was seen; slots are counted from when there was room for them, at most as late as it was told.
-  EXPECT_GE(static_cast<double>(told.until_slot),
-            std::floor((seen_s + out.setting.hold_s - link.told_s) / out.setting.slot_s));
-  EXPECT_LE(told.until_slot, 20u);
-  EXPECT_EQ(link.told[1].voices, 0u);
+  ASSERT_EQ(link.plans.size(), 3u) << "the plan, that it expired, the end";
+  const test::SpyLink::Played& played = link.plans[0];
+  EXPECT_EQ(played.voices, 1u);
+  EXPECT_EQ((std::vector<const void*>{played.schedule, played.drives}), there) << "it was copied";
+  EXPECT_EQ(played.slots.cycle.length, 10u);
+  EXPECT_EQ(played.slots.from, 0u);
+  // From when the plan was seen; slots are counted from when there was room for them, at most as late as the plan came.
+  EXPECT_GE(static_cast<double>(played.slots.until),
+            std::floor((seen_s + out.setting.hold_s - link.plan_s) / out.setting.slot_s));
+  EXPECT_LE(played.slots.until, 20u);
+  EXPECT_EQ(link.plans[1].voices, 0u);
   // In time; a thread that the machine woke too late is silent in the slot in which it wakes.
   const double late_s = stats.jitter_s.quantile(1);
-  EXPECT_GE(static_cast<double>(link.told[1].from_slot) + std::ceil(late_s / out.setting.slot_s),
-            static_cast<double>(told.until_slot));
-  EXPECT_EQ(link.told[2].voices, 0u);
+  EXPECT_GE(static_cast<double>(link.plans[1].slots.from) + std::ceil(late_s / out.setting.slot_s),
+            static_cast<double>(played.slots.until));
+  EXPECT_EQ(link.plans[2].voices, 0u);
 }
 
 TEST(Output, LeavesOutSlotsThatItOversleptInsteadOfSendingThemLate) {

@@ -80,14 +80,15 @@ struct Loop {
   test::FakeSource source;
   SomePlanner planner;
   test::SpyLink link;
-  LoopSetting setting{{planner.layout, {}, 1.5e-3, 0.1}, 0, false};
+  LoopSetting setting{{planner.layout, {}, 1.5e-3, 0.1}};
   std::atomic<bool> stop{false};
+  RunOptions options;
   LoopStats stats;
 
-  void run() { run_loop(source, planner, link, setting, stop, {}, stats); }
-  std::uint64_t plans_told() const {
+  void run() { run_loop(source, planner, link, setting, stop, options, stats); }
+  std::uint64_t plans_with_fingers() const {
     return static_cast<std::uint64_t>(
-        std::count_if(link.told.begin(), link.told.end(), [](const auto& told) { return told.voices > 0; }));
+        std::count_if(link.plans.begin(), link.plans.end(), [](const auto& plan) { return plan.voices > 0; }));
   }
 };
 
@@ -95,7 +96,7 @@ TEST(Overload, AFrameIsNotStartedWhereItsDrivesComeNoSooner) {
   for (const bool every_frame : {false, true}) {
     Loop<SharedPlanner> loop;
     loop.source.count = every_frame ? 60 : 400;
-    loop.setting.every_frame = every_frame;
+    loop.options.every_frame = every_frame;
     loop.run();
     // Two on the device at a time would take 40 ms each.
     EXPECT_LT(loop.stats.frame_to_plan_s.quantile(0.5), 0.035) << every_frame;
@@ -109,19 +110,19 @@ TEST(Overload, PlansThatWereReplacedAreCounted) {
   loop.setting.output.slot_s = 0.02;  // ten frames to a slot
   loop.run();
   EXPECT_GT(loop.stats.unplayed, 0u);
-  EXPECT_EQ(loop.plans_told() + loop.stats.unplayed, loop.stats.planned);
+  EXPECT_EQ(loop.plans_with_fingers() + loop.stats.unplayed, loop.stats.planned);
 }
 
 TEST(Overload, NoPlanIsReplacedWhereEveryFrameIsLookedAt) {
   Loop<test::FakePlanner> loop;
   loop.source.count = 300;
   loop.source.period_s = 0;
-  loop.setting.every_frame = true;
+  loop.options.every_frame = true;
   loop.setting.output.hold_s = 2;  // a thread may be kept waiting for longer than a hold
   loop.run();
   EXPECT_EQ(loop.stats.planned, 300u);
   EXPECT_EQ(loop.stats.unplayed, 0u);
-  EXPECT_EQ(loop.plans_told(), 300u);
+  EXPECT_EQ(loop.plans_with_fingers(), 300u);
 }
 
 TEST(Overload, IsToldOnceWithBothFigures) {
@@ -182,7 +183,7 @@ TEST(Overload, AHoldIsLengthenedWhereThatIsAskedFor) {
 TEST(Overload, NothingIsShedWhereEveryFrameIsLookedAt) {
   Loop<SheddingPlanner> loop;
   loop.source.count = 20;
-  loop.setting.every_frame = true;
+  loop.options.every_frame = true;
   loop.setting.output.hold_s = 0.005;
   loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(8ms); };
   test::stderr_of([&] { loop.run(); });

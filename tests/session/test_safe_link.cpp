@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "fakes.hpp"
 #include "session/links/plan.hpp"
@@ -25,11 +26,11 @@ struct Player {
   Player() {
     touch.schedule = test::touching(Vec3(0, 0.15, 0));
     touch.schedule.time_s = 7;
-    touch.cycle = 2;
+    touch.cycle.length = 2;
     touch.drives = loud;
     touch.drives.insert(touch.drives.end(), loud.begin(), loud.end());
   }
-  static ToldPlan at(const Plan& plan, std::uint64_t slot) { return told(plan, 3, slot, slot + 60); }
+  static PlayedPlan at(const Plan& plan, std::uint64_t slot) { return played(plan, 3, slot, slot + 60); }
 };
 
 TEST(SafeLink, PassesEverythingOnAsItIsAndCopiesNothing) {
@@ -38,12 +39,12 @@ TEST(SafeLink, PassesEverythingOnAsItIsAndCopiesNothing) {
   safe.plan(p.at(p.touch, 4));
   safe.send(4, p.loud);
   safe.send(9, p.silent);
-  ASSERT_EQ(p.spy.told.size(), 1u);
-  EXPECT_EQ(p.spy.told[0].schedule, &p.touch.schedule);
-  EXPECT_EQ(p.spy.told[0].drives, p.touch.drives.data());
-  EXPECT_EQ(p.spy.told[0].from_slot, 4u);
-  EXPECT_EQ(p.spy.told[0].until_slot, 64u);
-  EXPECT_EQ(p.spy.told[0].cycle, 2u);
+  ASSERT_EQ(p.spy.plans.size(), 1u);
+  EXPECT_EQ(p.spy.plans[0].schedule, &p.touch.schedule);
+  EXPECT_EQ(p.spy.plans[0].drives, p.touch.drives.data());
+  EXPECT_EQ(p.spy.plans[0].slots.from, 4u);
+  EXPECT_EQ(p.spy.plans[0].slots.until, 64u);
+  EXPECT_EQ(p.spy.plans[0].slots.cycle.length, 2u);
   EXPECT_EQ(p.spy.sent, (std::vector<const void*>{p.loud.data(), p.silent.data()}));
   EXPECT_EQ(p.spy.slots, (std::vector<std::uint64_t>{4, 9}));
   EXPECT_FALSE(safe.must_fade());
@@ -57,15 +58,27 @@ TEST(SafeLink, SilenceIsTheLastThingThatALinkGets) {
   safe.finish();
   EXPECT_TRUE(p.spy.ended_silent());
   EXPECT_EQ(p.spy.slots.back(), 7u);
-  EXPECT_EQ(p.spy.told.back().voices, 0u);
+  EXPECT_EQ(p.spy.plans.back().voices, 0u);
   EXPECT_TRUE(p.spy.finished);
-  const std::size_t sent = p.spy.slots.size(), told = p.spy.told.size();
+  const std::size_t sent = p.spy.slots.size(), plans = p.spy.plans.size();
   safe.send(8, p.loud);
   safe.plan(p.at(p.touch, 8));
   safe.silence();
   safe.finish();
   EXPECT_EQ(p.spy.slots.size(), sent) << "something came after the silence";
-  EXPECT_EQ(p.spy.told.size(), told);
+  EXPECT_EQ(p.spy.plans.size(), plans);
+}
+
+TEST(SafeLink, ReportsEachDriveThatTheLinkTookTheLastSilenceToo) {
+  Player p;
+  std::vector<bool> sounding;
+  SafeLink safe(p.spy, 3, {.ceiling = 0.5}, slot_s, [&](bool sounds) { sounding.push_back(sounds); });
+  safe.send(0, p.loud);
+  safe.send(1, p.silent);
+  safe.send(2, p.loud);
+  safe.finish();
+  EXPECT_EQ(sounding, (std::vector<bool>{true, false, true, false}));
+  EXPECT_EQ(sounding.size(), p.spy.slots.size());
 }
 
 TEST(SafeLink, SilenceComesWhenItsCallerThrows) {
@@ -79,7 +92,7 @@ TEST(SafeLink, SilenceComesWhenItsCallerThrows) {
   };
   EXPECT_STREQ(palpa::test::thrown_by(player).what(), "the caller broke");
   EXPECT_TRUE(p.spy.ended_silent());
-  EXPECT_EQ(p.spy.told.back().voices, 0u);
+  EXPECT_EQ(p.spy.plans.back().voices, 0u);
   EXPECT_TRUE(p.spy.finished);
 }
 
@@ -115,7 +128,7 @@ TEST(SafeLink, SilenceComesAfterAPlanThatWasToldForLater) {
 
 TEST(SafeLink, AllThreePartsOfTheEndAreTriedAndTheFirstErrorIsThrown) {
   struct Broken : test::SpyLink {
-    void plan(const ToldPlan&) override { throw failure("plan"); }
+    void plan(const PlayedPlan&) override { throw failure("plan"); }
     void finish() override {
       finished = true;
       throw failure("finish");
@@ -133,14 +146,14 @@ TEST(SafeLink, TheCeilingMultipliesAmplitudesAndGains) {
   safe.plan(p.at(p.touch, 0));
   safe.send(0, p.loud);
   safe.send(1, p.silent);
-  EXPECT_EQ(p.spy.told[0].gain, 0.25);
-  EXPECT_EQ(p.spy.told[0].loudest, 0.25f);
-  EXPECT_EQ(p.spy.told[0].until_slot, 60u);
+  EXPECT_EQ(p.spy.plans[0].gain, 0.25);
+  EXPECT_EQ(p.spy.plans[0].loudest, 0.25f);
+  EXPECT_EQ(p.spy.plans[0].slots.until, 60u);
   EXPECT_EQ(p.spy.loudest, (std::vector<float>{0.25f, 0.0f}));
   EXPECT_EQ(p.touch.schedule.voices[0].gain, 1.0) << "what is played is not changed";
   EXPECT_EQ(p.touch.drives[0].amplitude, 1.0f);
   safe.plan(p.at(p.nothing, 1));
-  EXPECT_EQ(p.spy.told.back().voices, 0u);
+  EXPECT_EQ(p.spy.plans.back().voices, 0u);
   EXPECT_FALSE(safe.must_fade()) << "there is no ramp";
 }
 
@@ -149,7 +162,7 @@ TEST(SafeLink, ACeilingOfZeroIsSilence) {
   SafeLink safe(p.spy, 3, {.ceiling = 0});
   safe.plan(p.at(p.touch, 0));
   safe.send(0, p.loud);
-  EXPECT_EQ(p.spy.told[0].gain, 0.0);
+  EXPECT_EQ(p.spy.plans[0].gain, 0.0);
   EXPECT_EQ(p.spy.loudest, (std::vector<float>{0.0f}));
 }
 
@@ -161,21 +174,21 @@ TEST(SafeLink, GoesUpTheRampAndDownAgainAndThenIsSilent) {
     safe.send(slot, p.loud);
     EXPECT_NEAR(p.spy.loudest.back(), 0.5 * std::min(0.1 * (static_cast<double>(slot) + 1), 1.0), 1e-6) << slot;
   }
-  EXPECT_EQ(p.spy.told.back().gain, 0.5);
-  EXPECT_EQ(p.spy.told.back().until_slot, 60u);
+  EXPECT_EQ(p.spy.plans.back().gain, 0.5);
+  EXPECT_EQ(p.spy.plans.back().slots.until, 60u);
   EXPECT_TRUE(safe.must_fade());
 
   safe.plan(p.at(p.nothing, 15));
-  EXPECT_EQ(p.spy.told.back().voices, 1u) << "it is not silent yet";
+  EXPECT_EQ(p.spy.plans.back().voices, 1u) << "it is not silent yet";
   for (std::uint64_t slot = 15; slot < 30; ++slot) {
     safe.send(slot, p.silent);
     const double level = std::max(1 - 0.1 * (static_cast<double>(slot) - 14), 0.0);
     EXPECT_NEAR(p.spy.loudest.back(), 0.5 * level, 1e-6) << slot;
     EXPECT_EQ(safe.must_fade(), slot < 24) << slot;
-    EXPECT_EQ(p.spy.told.back().voices, slot < 24 ? 1u : 0u) << slot;
+    EXPECT_EQ(p.spy.plans.back().voices, slot < 24 ? 1u : 0u) << slot;
   }
   EXPECT_TRUE(p.spy.ended_silent());
-  EXPECT_EQ(p.spy.told.back().from_slot, 24u);
+  EXPECT_EQ(p.spy.plans.back().slots.from, 24u);
   safe.finish();
   EXPECT_TRUE(p.spy.ended_silent());
 }
@@ -187,19 +200,19 @@ TEST(SafeLink, TellsAPlanAnewWhileTheRampMoves) {
   for (std::uint64_t slot = 0; slot < 50; ++slot)
     safe.send(slot, p.loud);
   // Every seventh slot is the first that is 10 ms later; the last when the ramp is up.
-  ASSERT_EQ(p.spy.told.size(), 6u);
+  ASSERT_EQ(p.spy.plans.size(), 6u);
   for (std::size_t i = 0; i < 5; ++i) {
-    EXPECT_EQ(p.spy.told[i].from_slot, 7 * i);
-    EXPECT_NEAR(p.spy.told[i].gain, (static_cast<double>(7 * i) + 1) / 30, 1e-9);
-    EXPECT_NEAR(p.spy.told[i].loudest, p.spy.told[i].gain, 1e-6);
+    EXPECT_EQ(p.spy.plans[i].slots.from, 7 * i);
+    EXPECT_NEAR(p.spy.plans[i].gain, (static_cast<double>(7 * i) + 1) / 30, 1e-9);
+    EXPECT_NEAR(p.spy.plans[i].loudest, p.spy.plans[i].gain, 1e-6);
   }
-  EXPECT_EQ(p.spy.told[5].from_slot, 29u);
-  EXPECT_EQ(p.spy.told[5].gain, 1.0);
+  EXPECT_EQ(p.spy.plans[5].slots.from, 29u);
+  EXPECT_EQ(p.spy.plans[5].gain, 1.0);
   // On the way down it says when it is silent.
   safe.plan(p.at(p.nothing, 50));
   safe.send(50, p.silent);
-  EXPECT_EQ(p.spy.told.back().from_slot, 50u);
-  EXPECT_EQ(p.spy.told.back().until_slot, 79u);
+  EXPECT_EQ(p.spy.plans.back().slots.from, 50u);
+  EXPECT_EQ(p.spy.plans.back().slots.until, 79u);
 }
 
 TEST(SafeLink, SoundThatComesBackGoesUpFromWhereItIs) {
@@ -232,7 +245,7 @@ TEST(SafeLink, SilencesOnDemand) {
   safe.send(0, p.loud);
   safe.silence();
   EXPECT_TRUE(p.spy.ended_silent());
-  EXPECT_EQ(p.spy.told.back().voices, 0u);
+  EXPECT_EQ(p.spy.plans.back().voices, 0u);
   EXPECT_EQ(p.spy.slots.back(), 1u);
   EXPECT_EQ(safe.next_slot(), 2u);
 }

@@ -84,7 +84,7 @@ bool GuardedBuffer::intact() {
          std::all_of(all.end() - static_cast<std::ptrdiff_t>(guard_), all.end(), good);
 }
 
-GuardedScratch::GuardedScratch(gpu::Device& device, std::vector<gpu::ScratchPiece> pieces, std::uint8_t rubbish)
+GuardedScratch::GuardedScratch(gpu::Device& device, std::vector<gpu::ScratchBuffer> pieces, std::uint8_t rubbish)
     : device_(&device),
       scratch_(device, std::move(pieces), "guarded scratch", 1024),
       made_(scratch_.whole().size, guard_byte) {

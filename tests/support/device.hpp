@@ -59,7 +59,7 @@ class GuardedBuffer {
 /// A pass's scratch as the pass declares it, each piece between guard words and filled with `fill` bytes.
 class GuardedScratch {
  public:
-  GuardedScratch(gpu::Device& device, std::vector<gpu::ScratchPiece> pieces, std::uint8_t fill = 0xcd);
+  GuardedScratch(gpu::Device& device, std::vector<gpu::ScratchBuffer> pieces, std::uint8_t fill = 0xcd);
 
   operator const gpu::Scratch&() const { return scratch_; }
   /// Whether every byte that is no piece's still has its pattern.

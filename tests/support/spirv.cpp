@@ -1,6 +1,7 @@
 #include "support/spirv.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <stdexcept>
 
 namespace palpa::test {
@@ -13,7 +14,9 @@ enum : std::uint32_t {
   op_execution_mode = 16,
   op_type_array = 28,
   op_type_runtime_array = 29,
+  op_type_pointer = 32,
   op_constant = 43,
+  op_variable = 59,
   op_decorate = 71,
   op_member_decorate = 72,
   op_execution_mode_id = 331,
@@ -21,7 +24,8 @@ enum : std::uint32_t {
   mode_local_size_id = 38,
   decoration_array_stride = 6,
   decoration_binding = 33,
-  decoration_offset = 35
+  decoration_offset = 35,
+  class_uniform_constant = 0
 };
 
 std::string text(std::span<const std::uint32_t> words) {
@@ -36,6 +40,16 @@ std::string text(std::span<const std::uint32_t> words) {
   return out;
 }
 
+/// DeepMasks: deep_masks.
+std::string in_small_letters(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    if (std::isupper(static_cast<unsigned char>(c)) && !out.empty()) out += '_';
+    out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return out;
+}
+
 }  // namespace
 
 SpirvModule read_spirv(std::span<const std::uint32_t> words) {
@@ -44,7 +58,11 @@ SpirvModule read_spirv(std::span<const std::uint32_t> words) {
   std::map<std::uint32_t, std::string> names;
   std::map<std::uint32_t, std::map<std::uint32_t, std::string>> member_names;
   std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> member_offsets;
-  std::map<std::uint32_t, std::uint32_t> strides, element_types, constants;
+  std::map<std::uint32_t, std::uint32_t> strides, element_types, constants, binding_numbers, pointees;
+  struct Variable {
+    std::uint32_t pointer = 0, storage = 0;
+  };
+  std::map<std::uint32_t, Variable> variables;
   std::vector<std::uint32_t> local_size_ids;
   for (std::size_t at = 5; at < words.size();) {
     const std::uint32_t length = words[at] >> 16, op = words[at] & 0xffff;
@@ -70,8 +88,14 @@ SpirvModule read_spirv(std::span<const std::uint32_t> words) {
       case op_type_runtime_array:
         element_types[w[1]] = w[2];
         break;
+      case op_type_pointer:
+        pointees[w[1]] = w[3];
+        break;
+      case op_variable:
+        variables[w[2]] = {w[1], w[3]};
+        break;
       case op_decorate:
-        if (w[2] == decoration_binding) module.bindings.push_back(w[3]);
+        if (w[2] == decoration_binding) binding_numbers[w[1]] = w[3];
         if (w[2] == decoration_array_stride) strides[w[1]] = w[3];
         break;
       case op_member_decorate:
@@ -84,13 +108,36 @@ SpirvModule read_spirv(std::span<const std::uint32_t> words) {
   }
   for (std::size_t i = 0; i < local_size_ids.size() && i < 3; ++i)
     module.local_size[i] = constants[local_size_ids[i]];
-  std::sort(module.bindings.begin(), module.bindings.end());
+  for (const auto& [id, number] : binding_numbers) {
+    const Variable& variable = variables.at(id);
+    const bool texels = variable.storage == class_uniform_constant;
+    module.bindings.push_back({number, names[texels ? id : pointees.at(variable.pointer)], texels});
+  }
+  std::stable_sort(module.bindings.begin(), module.bindings.end(),
+                   [](const SpirvBinding& a, const SpirvBinding& b) { return a.number < b.number; });
   for (const auto& [id, offsets] : member_offsets) {
     for (const auto& [member, offset] : offsets)
       module.structs[names[id]].offsets[member_names[id][member]] = offset;
   }
   for (const auto& [array, stride] : strides) {
     if (element_types.count(array)) module.array_strides[names[element_types[array]]] = stride;
+  }
+  return module;
+}
+
+SpirvModule read_spirv(const gpu::Kernel& kernel) {
+  SpirvModule module = read_spirv(kernel.words);
+  std::vector<bool> named(kernel.bindings.size());
+  for (const auto& [number, name, texels] : module.bindings) {
+    const std::string spelt = texels ? name : in_small_letters(name);
+    if (number >= named.size() || kernel.bindings[number].texels != texels ||
+        !spelt.starts_with(kernel.bindings[number].name)) {
+      throw std::runtime_error(std::string(kernel.name) + " binds " + name + " elsewhere than its table says");
+    }
+    if (spelt == kernel.bindings[number].name) named[number] = true;
+  }
+  if (std::find(named.begin(), named.end(), false) != named.end()) {
+    throw std::runtime_error(std::string(kernel.name) + " does not bind all that its table names");
   }
   return module;
 }

@@ -9,20 +9,31 @@
 #include <string>
 #include <vector>
 
+#include "gpu/kernel.hpp"
+
 namespace palpa::test {
 
 struct SpirvStruct {
   std::map<std::string, std::uint32_t> offsets;  ///< member name -> bytes
 };
 
+struct SpirvBinding {
+  std::uint32_t number = 0;
+  std::string name;  ///< of a block its own, of a texel buffer the variable's
+  bool texels = false;
+};
+
 struct SpirvModule {
   std::array<std::uint32_t, 3> local_size{};
-  std::vector<std::uint32_t> bindings;                 ///< ascending
+  std::vector<SpirvBinding> bindings;                  ///< their numbers ascend; two blocks may share one
   std::map<std::string, SpirvStruct> structs;          ///< by GLSL name
   std::map<std::string, std::uint32_t> array_strides;  ///< struct name -> stride of arrays of it
 };
 
 /// Throws std::runtime_error on words that are no SPIR-V module.
 SpirvModule read_spirv(std::span<const std::uint32_t> words);
+/// Throws std::runtime_error also where the build's table does not have the module's bindings, by number, name and
+/// kind.
+SpirvModule read_spirv(const gpu::Kernel& kernel);
 
 }  // namespace palpa::test

@@ -1,5 +1,5 @@
-// Counts what the thread under test allocates while it is watched. Included by one source of a program: it replaces the
-// program's operator new.
+// Counts what the thread under test allocates while it is watched. It replaces the program's operator new. Several
+// sources of a program may include it, in one unit (units.py) or in several: its operators are weak.
 #pragma once
 
 #include <cstddef>
@@ -25,15 +25,15 @@ std::size_t allocations_of(const Work& work) {
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 // Not inlined: a compiler that sees only one half of a pair takes malloc and delete for a mismatch.
-[[gnu::noinline]] void* operator new(std::size_t size) {
+[[gnu::noinline, gnu::weak]] void* operator new(std::size_t size) {
   if (palpa::test::heap_watched) ++palpa::test::heap_allocations;
   if (void* memory = std::malloc(size ? size : 1)) return memory;
   throw std::bad_alloc();
 }
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
+[[gnu::noinline, gnu::weak]] void operator delete(void* memory) noexcept {
   std::free(memory);
 }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+[[gnu::noinline, gnu::weak]] void operator delete(void* memory, std::size_t) noexcept {
   std::free(memory);
 }
 #endif

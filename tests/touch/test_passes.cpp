@@ -15,6 +15,7 @@
 #include "spirv/fingers_blocks.comp.hpp"
 #include "spirv/fingers_collect.comp.hpp"
 #include "spirv/fingers_crowded.comp.hpp"
+#include "spirv/fingers_gather.comp.hpp"
 #include "spirv/fingers_insert.comp.hpp"
 #include "spirv/fingers_label.comp.hpp"
 #include "spirv/fingers_link.comp.hpp"
@@ -28,6 +29,7 @@
 #include "spirv/sections_axes.comp.hpp"
 #include "spirv/sections_count.comp.hpp"
 #include "spirv/sections_group.comp.hpp"
+#include "spirv/split_assign.comp.hpp"
 #include "spirv/split_list.comp.hpp"
 #include "spirv/split_look.comp.hpp"
 #include "spirv/split_parts.comp.hpp"
@@ -336,31 +338,24 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
 }
 
 TEST(TouchShaders, HaveTheWorkgroupsThatTheirHeadersName) {
-  const auto size_of = [](std::span<const std::uint32_t> words) {
-    return palpa::test::read_spirv(words).local_size[0];
-  };
+  const auto size_of = [](const gpu::Kernel& kernel) { return palpa::test::read_spirv(kernel).local_size[0]; };
   EXPECT_EQ(size_of(spirv::contacts_find_comp), shader::contacts_group);
   EXPECT_EQ(size_of(spirv::contacts_surface_comp), shader::contacts_group);
   EXPECT_EQ(size_of(spirv::contacts_pack_comp), shader::contacts_group);
-  for (const auto words : {std::span<const std::uint32_t>(spirv::fingers_prepare_comp),
-                           std::span<const std::uint32_t>(spirv::fingers_insert_comp),
-                           std::span<const std::uint32_t>(spirv::fingers_collect_comp),
-                           std::span<const std::uint32_t>(spirv::fingers_place_comp),
-                           std::span<const std::uint32_t>(spirv::fingers_label_comp)}) {
-    EXPECT_EQ(size_of(words), shader::contact_group);
+  for (const gpu::Kernel* kernel :
+       {&spirv::fingers_gather_comp, &spirv::fingers_prepare_comp, &spirv::fingers_insert_comp,
+        &spirv::fingers_collect_comp, &spirv::fingers_place_comp, &spirv::fingers_label_comp}) {
+    EXPECT_EQ(size_of(*kernel), shader::contact_group) << kernel->name;
   }
-  for (const auto words : {std::span<const std::uint32_t>(spirv::fingers_blocks_comp),
-                           std::span<const std::uint32_t>(spirv::fingers_link_comp),
-                           std::span<const std::uint32_t>(spirv::fingers_crowded_comp),
-                           std::span<const std::uint32_t>(spirv::fingers_undecided_comp)}) {
-    EXPECT_EQ(size_of(words), shader::blocks_group);
+  for (const gpu::Kernel* kernel : {&spirv::fingers_blocks_comp, &spirv::fingers_link_comp,
+                                    &spirv::fingers_crowded_comp, &spirv::fingers_undecided_comp}) {
+    EXPECT_EQ(size_of(*kernel), shader::blocks_group) << kernel->name;
   }
-  for (const auto words :
-       {std::span<const std::uint32_t>(spirv::split_sample_comp),
-        std::span<const std::uint32_t>(spirv::split_look_comp), std::span<const std::uint32_t>(spirv::split_parts_comp),
-        std::span<const std::uint32_t>(spirv::split_list_comp)}) {
-    EXPECT_EQ(size_of(words), shader::split_group);
+  for (const gpu::Kernel* kernel :
+       {&spirv::split_sample_comp, &spirv::split_look_comp, &spirv::split_parts_comp, &spirv::split_list_comp}) {
+    EXPECT_EQ(size_of(*kernel), shader::split_group) << kernel->name;
   }
+  EXPECT_EQ(size_of(spirv::split_assign_comp), shader::contact_group);
   EXPECT_EQ(size_of(spirv::fingers_select_comp), shader::fingers_select_group);
   EXPECT_EQ(size_of(spirv::sections_count_comp), shader::sections_chunk_group);
   EXPECT_EQ(size_of(spirv::sections_group_comp), shader::sections_chunk_group);

@@ -3,20 +3,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <exception>
-#include <filesystem>
 #include <string_view>
-#include <system_error>
-#include <thread>
 #include <utility>
 
 #include "base/activity.hpp"
 #include "base/error.hpp"
-#include "setup/interrupt.hpp"
 #include "viewer/app/pick.hpp"
-#include "viewer/live/live_line.hpp"
 #include "viewer/live/live_picture.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/stroke_font.hpp"
@@ -27,11 +21,6 @@ namespace {
 constexpr double toast_s = 6;
 constexpr double tend_s = 1;  ///< how often a live run is looked after at least, see LiveSession::look
 
-bool same_marks(const ViewState& a, const ViewState& b) {
-  return a.layers == b.layers && a.explode == b.explode && a.slice == b.slice && a.slice_handles == b.slice_handles &&
-         a.chosen == b.chosen && a.picked == b.picked && a.dark == b.dark;
-}
-
 /// Keys that go on while they are held down; of all others that would be a switch thrown to and fro.
 bool goes_on(const WindowEvent& event) {
   constexpr std::string_view characters = ",.-+=z";
@@ -39,21 +28,31 @@ bool goes_on(const WindowEvent& event) {
          characters.find(static_cast<char>(event.key)) != std::string_view::npos;
 }
 
+/// The kinds that are there without this window, and those that hands in it play.
+LiveSession::Kinds with_hands(LiveSession::Kinds kinds, RecordingPlayer& recording, HeldFinger& finger) {
+  kinds.sources.push_back(recording.source());
+  kinds.sources.push_back(finger.source());
+  return kinds;
+}
+
 }  // namespace
 
 App::App(const ViewerOptions& options, const Size& size, Surroundings around)
-    : options_(options), around_(std::move(around)), sounds_(setup::device_options(options.common)) {
+    : options_(options),
+      around_(std::move(around)),
+      memory_(around_.settings),
+      run_(with_hands(around_.kinds, player_, moved_.finger()), *around_.stop, around_.wake),
+      opening_(around_.wake),
+      sounds_(setup::device_options(options.common)) {
   desk_.state = first_state(options_);
-  desk_.given = options_.given;
+  desk_.edit = LiveEdit(options_.given);
   desk_.live = options_.is_live();
   desk_.panels = around_.panels;
   recall();
-  loader_ = std::make_unique<Loader>(around_.wake);
-  around_.kinds.sources.push_back(transport_.source());
-  around_.kinds.sources.push_back(finger_.source());
   if (around_.panels) ui_ = std::make_unique<Ui>(desk_.state.dark, around_.copy, around_.paste);
   if (desk_.live) {
-    start();
+    run_.start(desk_.edit.options());
+    begin_run();
   } else {
     show_ = std::make_unique<Show>(options_);
     sounds_.set_finger(finger_mesh(options_.skin, {}));
@@ -65,65 +64,33 @@ App::App(const ViewerOptions& options, const Size& size, Surroundings around)
 }
 
 App::~App() {
-  if (live_) live_->all_off();  // before a disk is waited for
-  remember();
+  if (run_.session()) run_.session()->all_off();  // before a disk is waited for
+  memory_.remember(settings());
 }
 
 /// What the command line says goes first.
 void App::recall() {
-  if (around_.settings.empty()) return;
+  if (!memory_.remembers()) return;
   try {
-    recalled_ = load_settings(around_.settings);
+    memory_.load();
   } catch (const Error& error) {
     say(log::Level::warning, error.what(), 0);
   }
-  desk_.state.layers = first_state(options_, recalled_.layers).layers;
-  desk_.state.dark = desk_.state.dark || recalled_.dark;
-  if (!options_.given.contains("--fine")) desk_.state.fine = recalled_.fine;
-  desk_.state.time.slots_per_s = recalled_.slots_per_s;
-  desk_.panels = desk_.panels && recalled_.panels;
-  began_ = settings();
+  const Settings& recalled = memory_.recalled();
+  desk_.state.layers = first_state(options_, recalled.layers).layers;
+  desk_.state.dark = desk_.state.dark || recalled.dark;
+  if (!options_.given.contains("--fine")) desk_.state.fine = recalled.fine;
+  desk_.state.time.slots_per_s = recalled.slots_per_s;
+  desk_.panels = desk_.panels && recalled.panels;
+  memory_.begin(settings());
 }
 
 Settings App::settings() const {
   return {desk_.state.layers, desk_.state.dark, desk_.panels, desk_.state.fine, desk_.state.time.slots_per_s};
 }
 
-void App::remember() {
-  if (around_.settings.empty()) return;
-  const Settings now = to_remember(recalled_, began_, settings());
-  if (now == recalled_) return;
-  recalled_ = now;  // asked once: where it cannot be written it is told once
-  try {
-    save_settings(around_.settings, now);
-  } catch (const std::exception& error) {
-    log::warning(error.what());
-  }
-}
-
-void App::start() {
-  scene_.reset();
-  *around_.stop = false;
-  if (setup::Interrupt::signalled()) {  // asked after the flag was cleared: it may have come just before
-    *around_.stop = quitting_ = true;
-    return;
-  }
-  running_ = desk_.given;
-  told_ = false;
-  setup::LiveOptions options = live_options(desk_.given);
-  sounds_.set_finger(finger_mesh(options_.skin, options.source));
-  for (const std::string& line : outputs_.name(options, setup::with_builtin(around_.kinds.links)))
-    say(log::Level::info, line, now_s_);
-  starter_.run([&] {
-    live_ = std::make_unique<LiveSession>(
-        std::move(options), around_.kinds, *around_.stop, around_.wake ? around_.wake : [] {});
-  });
-  place_anew();
-  desk_.live_state = LiveState::loading;
-}
-
 void App::say(log::Level level, const std::string& line, double now_s) {
-  dirty_ = true;
+  stale_.redraw();
   if (const auto same = std::ranges::find(desk_.toasts, line, &Toast::text); same != desk_.toasts.end()) {
     same->until_s = now_s + toast_s;  // what is read for a second time warns of the same
     return;
@@ -145,7 +112,7 @@ Size App::beside_panels(const Size& size) const {
 
 void App::handle(const WindowEvent& event, const Size& whole_size) {
   const Size size = beside_panels(whole_size);
-  if (event.kind == WindowEvent::Kind::damage) dirty_ = true;
+  if (event.kind == WindowEvent::Kind::damage) stale_.redraw();
   if (event.kind == WindowEvent::Kind::drop) return open(event.text, now_s_);
   const bool press = event.kind == WindowEvent::Kind::press;
   const auto here = [&](const Area& area) { return area.holds(event.x, event.y); };
@@ -153,29 +120,29 @@ void App::handle(const WindowEvent& event, const Size& whole_size) {
   if (press && desk_.places.all_off && here(*desk_.places.all_off)) switch_off();
   const bool taken =
       ui_ && ui_->take(event, press && event.button == Button::left && std::ranges::any_of(desk_.places.texts, here));
-  if (ui_) dirty_ = true;
+  if (ui_) stale_.redraw();
   if (taken && event.kind != WindowEvent::Kind::release) return;
   if (event.repeat && !goes_on(event)) return;
   // What is held is held until it is let go of, be it while a run begins anew and no handles are there.
   const bool handles = desk_.state.slice_handles && desk_.state.layers.shows(Layer::slice);
-  if ((handles || slice_hand_.dragging()) && slice_hand_.handle(event, sight(size), desk_.state.slice)) {
-    slice_placed_ = dirty_ = true;
-    return;
+  if ((handles || slice_.hand.dragging()) && slice_.hand.handle(event, sight(size), desk_.state.slice)) {
+    slice_.placed = true;
+    return stale_.redraw();
   }
   if (desk_.live) {
-    const bool placed = placing_.handle(event, sight(size));
+    const bool placed = moved_.placing().handle(event, sight(size));
     place();
-    if (placed) return void(dirty_ = true);
+    if (placed) return stale_.redraw();
   }
-  if (event.kind == WindowEvent::Kind::key && event.down) key(event);
+  if (event.kind == WindowEvent::Kind::key && event.down) handle_key(event);
   if (event.kind == WindowEvent::Kind::press && event.ctrl && event.button == Button::left)
     return read_at(event.x, event.y, size);
   const Box home = home_of(options_, picture(), desk_.state);
-  if (controls_.handle(event, desk_.state.viewpoint, home, size.width, size.height) == Reply::redraw) dirty_ = true;
+  if (controls_.handle(event, desk_.state.viewpoint, home, size.width, size.height) == Reply::redraw) stale_.redraw();
 }
 
-void App::key(const WindowEvent& event) {
-  dirty_ = true;
+void App::handle_key(const WindowEvent& event) {
+  stale_.redraw();
   switch (event.key) {
     case Key::space:
       if (desk_.playback) {
@@ -223,7 +190,7 @@ void App::key(const WindowEvent& event) {
       desk_.asked.record = true;
       break;
     case 'c':
-      if (desk_.live) desk_.asked.copy = run_command(desk_.given, desk_.told);
+      if (desk_.live) desk_.asked.copy = true;
       break;
     case ',':
       desk_.asked.slots -= 1;
@@ -246,12 +213,25 @@ void App::key(const WindowEvent& event) {
 void App::read_at(double x, double y, const Size& size) {
   desk_.reading = pick(picture(), desk_.state, x, y, size.width, size.height, ratio_);
   desk_.state.picked = desk_.reading ? std::optional(desk_.reading->at) : std::nullopt;
-  dirty_ = true;
+  stale_.redraw();
 }
 
 void App::advance(double now_s, const Size& whole_size) {
   const Size size = beside_panels(whole_size);
   now_s_ = now_s;
+  advance_log(now_s);
+  advance_opening(now_s);
+  do_asked(now_s, size);
+  if (run_.session()) advance_live(now_s, size);
+  show_doing();
+  if (const std::string scene = desk_.edit.options().scene; scene_watch_.look(scene, now_s)) open(scene, now_s);
+  advance_slots(now_s);
+  listen(now_s);
+  if (std::ranges::any_of(desk_.toasts, [&](const Toast& toast) { return now_s >= toast.until_s; })) stale_.redraw();
+  stale_.look(desk_.state);
+}
+
+void App::advance_log(double now_s) {
   for (const log::Line& line : tail_.take()) {
     if (line.level <= log::Level::warning) {
       say(line.level, line.text, now_s);
@@ -261,29 +241,26 @@ void App::advance(double now_s, const Size& whole_size) {
   }
   while (desk_.log.size() > log::Tail::most)
     desk_.log.pop_front();
-  advance_opening(now_s);
-  do_asked(now_s, size);
-  if (live_) advance_live(now_s, size);
-  tell_doing();
-  if (now_s >= next_reload_s_) reload(now_s);
-  advance_slots(now_s);
-  listen(now_s);
-  if (std::ranges::any_of(desk_.toasts, [&](const Toast& toast) { return now_s >= toast.until_s; })) dirty_ = true;
-  if (!same_marks(desk_.state, drawn_state_)) {
-    if (desk_.state.explode != drawn_state_.explode) ++surfaces_version_;
-    stale_marks_ = dirty_ = true;
-  }
 }
 
 /// What is being loaded, by a run that begins or beside what is shown.
-void App::tell_doing() {
+void App::show_doing() {
   const bool loads = desk_.opening || (desk_.live && desk_.live_state == LiveState::loading);
   const std::optional<Doing> doing = loads ? palpa::doing() : std::nullopt;
   desk_.doing = doing ? doing->what : std::string();
   desk_.done = doing && doing->total > 0
                    ? std::optional(static_cast<double>(doing->done) / static_cast<double>(doing->total))
                    : std::nullopt;
-  if (loads) dirty_ = true;
+  if (loads) stale_.redraw();
+}
+
+/// Silence at once, and nothing begins until somebody starts it.
+void App::switch_off() {
+  if (!run_.session()) return;
+  const bool was_on = run_.switch_off();
+  desk_.asked.start = false;
+  if (ui_) ui_->forget();  // a click on Start that no picture has shown yet
+  if (was_on) say(log::Level::info, "all off", now_s_);
 }
 
 void App::do_asked(double now_s, const Size& size) {
@@ -294,17 +271,15 @@ void App::do_asked(double now_s, const Size& size) {
   if (asked.plane) turn_slice(*asked.plane);
   if (asked.view) look(desk_.state.viewpoint, *asked.view);
   if (asked.frame || asked.view) fit(desk_.state.viewpoint, home_of(options_, picture(), desk_.state), aspect);
-  if (!asked.copy.empty()) {
-    if (around_.copy) around_.copy(asked.copy);
-    say(log::Level::info, asked.copy, now_s);
-    if (placing_.moved()) say(log::Level::warning, "what was moved is not in it: save the scene, then copy", now_s);
-  }
-  if (asked.play) transport_.play(*asked.play);
-  if (asked.go_to) transport_.go_to(*asked.go_to);
+  for (const OptionText& option : asked.options)
+    set_option(option, now_s);
+  if (asked.copy) copy_command(now_s);
+  if (asked.play) player_.play(*asked.play);
+  if (asked.go_to) player_.go_to(*asked.go_to);
   if (asked.participant) try_participant(*asked.participant);
   if (asked.cancel) cancel_opening();
   if (asked.record) record(now_s);
-  if (asked.step != 0) transport_.step(asked.step);
+  if (asked.step != 0) player_.step(asked.step);
   if (asked.slots != 0) {
     SlotTime& time = desk_.state.time;
     time.playing = false;
@@ -313,100 +288,26 @@ void App::do_asked(double now_s, const Size& size) {
         asked.slots > 0 ? time.slot + static_cast<std::uint64_t>(asked.slots) : time.slot - std::min(time.slot, back);
     show_slot_now();
   }
-  if (asked.start || asked.view || asked.frame) dirty_ = true;
-  if (asked.start && !asked.all_off) off_ = false;
-  const bool anew = std::exchange(anew_, false);
-  if (desk_.live && (asked.start || anew || desk_.given != running_)) touch_options(now_s);
-  if (desk_.told != copied_) touch_told(now_s);
+  if (asked.start || asked.view || asked.frame) stale_.redraw();
+  if (asked.start && !asked.all_off && desk_.live) start_run();
 }
 
-/// Silence at once, and nothing begins until somebody starts it.
-void App::switch_off() {
-  if (!live_) return;
-  live_->all_off();
-  restart_ = false;
-  desk_.asked.start = false;
-  if (ui_) ui_->forget();  // a click on Start that no picture has shown yet
-  if (!std::exchange(off_, true)) say(log::Level::info, "all off", now_s_);
-}
-
-/// Options that changed, or a run that is to begin anew: the one that runs ends first. After all off nothing begins
-/// until somebody starts it.
-void App::touch_options(double now_s) {
-  try {
-    live_options(desk_.given);
-  } catch (const Error& error) {
-    say(log::Level::error, error.what(), now_s);
-    desk_.given = running_;  // what runs stays
-    return;
-  }
-  running_ = desk_.given;
-  if (off_) return;
-  if (live_ && !live_->over()) live_->all_off();
-  restart_ = true;
-}
-
-/// What only the copied command has: nothing that runs changes.
-void App::touch_told(double now_s) {
-  try {
-    check_told(desk_.told);
-    copied_ = desk_.told;
-  } catch (const Error& error) {
-    say(log::Level::error, error.what(), now_s);
-    desk_.told = copied_;
-  }
-}
-
-void App::advance_live(double now_s, const Size& size) {
-  if (setup::Interrupt::signalled()) quitting_ = true;
-  live_->look();
-  const LinkWatch& link = live_->link();
-  const bool sounding = link.sounding;
-  if (desk_.sounding != sounding || desk_.live_state != live_->state()) dirty_ = true;
-  desk_.sounding = sounding;
-  desk_.link_open = link.open;
-  desk_.drives = link.drives;
-  desk_.silent_drives = link.silent;
-  desk_.live_state = live_->state();
-  desk_.playback = transport_.now();
-  tell_recording(now_s);
-
-  // Before the scene is asked for: a snapshot's scene is there by then.
-  const bool fresh = live_->take();
-  const bool seen = live_->take_seen();
-  if (auto scene = live_->scene(); scene && scene != scene_) {
-    scene_ = std::move(scene);
-    live_picture_ = scene_->picture;
-    sounds_.forget();
-    surfaces_changed();
-    begin_placing();
-    if (!std::exchange(framed_, true)) desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, size);
-  }
-  fresh_ = fresh_ || fresh;
-  if (scene_ && (fresh || seen)) {
-    show_live(live_picture_, *scene_, live_->snapshot(), live_->seen(), desk_.state.layers.shows(Layer::depth));
-    desk_.numbers = live_->snapshot().numbers;
-    show_slot_now();
-  }
-  if (!live_->over()) return;
-  if (!std::exchange(told_, true)) {
-    dirty_ = true;
-    if (const std::string fault = live_->fault(); !fault.empty()) say(log::Level::error, fault, now_s);
-  }
-  if (!std::exchange(restart_, false) || quitting_) return;
-  tell_recording(now_s);  // it ends with its run
-  live_.reset();
-  start();
+void App::copy_command(double now_s) {
+  const std::string command = desk_.edit.command();
+  if (around_.copy) around_.copy(command);
+  say(log::Level::info, command, now_s);
+  if (moved_.placing().moved())
+    say(log::Level::warning, "what was moved is not in it: save the scene, then copy", now_s);
 }
 
 void App::show_slot_now() {
   const std::uint64_t slot = desk_.state.time.slot;
   if (show_) {
     show_->go_to(slot);
-  } else if (live_ && scene_) {
-    show_live_slot(live_picture_, *scene_, live_->snapshot(), slot, slot_);
+  } else if (run_.scene()) {
+    show_live_slot(live_.picture, *run_.scene(), run_.session()->snapshot(), slot, live_.slot);
   }
-  stale_marks_ = dirty_ = true;
+  stale_.add(Stale::marks);
 }
 
 void App::advance_slots(double now_s) {
@@ -428,23 +329,24 @@ std::optional<double> App::next_s() const {
   if (desk_.state.time.playing && changing()) sooner(next_slot_s_);
   for (const Toast& toast : desk_.toasts)
     sooner(toast.until_s);
-  if (desk_.given.contains("--scene")) sooner(next_reload_s_);
+  if (!desk_.edit.options().scene.empty()) sooner(scene_watch_.next_s());
   if (desk_.opening) sooner(now_s_ + 0.1);
   if (sounds_.busy()) sooner(now_s_ + 0.03);
-  if (live_ && !told_) sooner(now_s_ + (desk_.live_state == LiveState::loading ? 0.1 : tend_s));
+  if (run_.under_way()) sooner(now_s_ + (desk_.live_state == LiveState::loading ? 0.1 : tend_s));
   return next;
 }
 
 void App::update(DrawnPicture& drawn) {
-  if (stale_surfaces_) {
-    drawn.update(picture(), desk_.state);
-  } else if (stale_skin_) {
-    drawn.update_skin(picture(), desk_.state);
-  } else if (stale_marks_) {
-    drawn.update_marks(picture(), desk_.state);
+  switch (stale_.take(desk_.state)) {
+    case Stale::surfaces:
+      return drawn.update(picture(), desk_.state);
+    case Stale::skin:
+      return drawn.update_skin(picture(), desk_.state);
+    case Stale::marks:
+      return drawn.update_marks(picture(), desk_.state);
+    case Stale::nothing:
+      return;
   }
-  stale_surfaces_ = stale_skin_ = stale_marks_ = false;
-  drawn_state_ = desk_.state;
 }
 
 App::Frame App::render(const Size& size, double ratio, double now_s) {
@@ -460,23 +362,14 @@ App::Frame App::render(const Size& size, double ratio, double now_s) {
     frame.sheet = &ui_->end();
   }
   last_render_s_ = now_s;
-  dirty_ = false;
+  stale_.drew();
   frame.views = views_from(desk_.state.viewpoint, options_, picture(), beside_panels(size), ratio);
   return frame;
 }
 
 bool App::finish(double patience_s) {
-  constexpr double while_loading_s = 0.3;  // what loads looks at no flag
-  remember();
-  if (!live_) return true;
-  live_->all_off();
-  const auto begin = std::chrono::steady_clock::now();
-  while (!live_->over()) {
-    const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - begin;
-    if (waited.count() > (loading() ? while_loading_s : patience_s)) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return true;
+  memory_.remember(settings());
+  return run_.finish(patience_s);
 }
 
 }  // namespace palpa::viewer

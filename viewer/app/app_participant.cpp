@@ -11,17 +11,16 @@ namespace palpa::viewer {
 
 /// The rig's screen is read when somebody asks for it: a rig needs none.
 void App::open_participant(bool open) {
-  Desk::ParticipantView& view = desk_.participant;
+  Desk::ParticipantWindowState& view = desk_.participant;
   view.open = false;
   if (!open) return;
   if (!view.setting) {
     ViewerOptions options = options_;
-    if (const auto rig = desk_.given.find("--rig"); rig != desk_.given.end() && !rig->second.empty())
-      options.input.rig = rig->second.front();
+    if (const std::string& rig = desk_.edit.options().rig.rig; !rig.empty()) options.input.rig = rig;
     view.setting = participant_of(options);
   }
   view.open = true;
-  dirty_ = true;
+  stale_.redraw();
 }
 
 void App::try_participant(bool open) {
@@ -33,7 +32,7 @@ void App::try_participant(bool open) {
 }
 
 void App::tell_monitors(std::vector<std::string> names) {
-  Desk::ParticipantView& view = desk_.participant;
+  Desk::ParticipantWindowState& view = desk_.participant;
   view.monitors = std::move(names);
   view.monitor = view.monitors.empty() ? 0 : view.monitors.size() - 1;
   const std::string& wanted = options_.monitor;
@@ -71,15 +70,14 @@ bool App::participant_key(Key key) {
   } else {
     return false;
   }
-  dirty_ = true;
+  stale_.redraw();
   return true;
 }
 
 /// The next scene of its folder, by name, or the one before.
 void App::switch_object(int by) {
-  const auto scene = desk_.given.find("--scene");
-  if (scene == desk_.given.end() || scene->second.empty()) return;
-  const std::filesystem::path now(scene->second.front());
+  const std::filesystem::path now(desk_.edit.options().scene);
+  if (now.empty()) return;
   const std::filesystem::path folder = now.has_parent_path() ? now.parent_path() : ".";
   std::vector<std::filesystem::path> scenes;
   std::error_code fault;

@@ -16,57 +16,32 @@ Sight App::sight(const Size& size) const {
   return {desk_.state.viewpoint, static_cast<double>(size.width), static_cast<double>(size.height), ratio_};
 }
 
-bool App::holds_finger() const {
-  const auto source = running_.find("--source");
-  if (source == running_.end() || source->second.empty()) return false;
-  const std::string& name = source->second.front();
-  return name == "mouse" || name.starts_with("mouse:");
-}
-
-/// A run of another scene begins: what was moved in the one before stays there.
-void App::place_anew() {
-  const std::string path = running_.contains("--scene") ? running_.at("--scene").front() : "";
-  same_scene_ = std::exchange(placed_scene_, path) == path;
-  if (same_scene_) live_->place(placing_.poses());
-}
-
-void App::begin_placing() {
-  placing_.begin(scene_->picture, holds_finger(), same_scene_);
-  same_scene_ = true;
-  finger_.put(placing_.finger());
-  placed_.assign(placing_.poses().size(), Transform(1.0));
-  live_->place(placed_);  // of a scene of other solids it may have been told what the one before had
-  place();
-}
-
 /// Brings what was moved to where it is seen and felt.
 void App::place() {
-  finger_.put(placing_.finger());
-  if (!scene_ || placed_ == placing_.poses()) return;
-  placed_ = placing_.poses();
-  live_->place(placed_);
-  pose_solids(live_picture_, scene_->picture, placed_);
-  surfaces_changed();
+  if (!run_.scene()) return moved_.bring_finger();
+  if (moved_.bring(*run_.session(), run_.scene()->picture, live_.picture)) stale_.add(Stale::surfaces);
 }
 
 void App::show_placing(const Size& size) {
   if (!desk_.live) return;
   const Sight seen = sight(size);
-  desk_.marks = placing_.marks(seen);
+  const Placing& placing = moved_.placing();
+  desk_.marks = placing.marks(seen);
   Desk::Placed& placed = desk_.placed;
-  placed.things = placing_.names();
-  placed.chosen = placing_.chosen();
-  placed.follows = placing_.follows();
-  placed.moved = placing_.moved();
-  placed.tip = placing_.holds_finger() ? std::optional(Vec3(placing_.finger()[3])) : std::nullopt;
+  placed.things = placing.names();
+  placed.chosen = placing.chosen();
+  placed.follows = placing.follows();
+  placed.moved = placing.moved();
+  placed.tip = placing.holds_finger() ? std::optional(Vec3(placing.finger()[3])) : std::nullopt;
   desk_.depths.clear();
-  if (!scene_) return;
-  const touch::Touch& touch = live_->snapshot().touch;
+  const std::shared_ptr<const LiveScene>& scene = run_.scene();
+  if (!scene) return;
+  const touch::Touch& touch = run_.session()->snapshot().touch;
   const shader::ViewPush push = projection(seen.viewpoint, seen.width, seen.height);
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     const touch::Finger& finger = touch.fingers[f];
-    if (finger.solid >= scene_->solid_names.size()) continue;
-    desk_.depths.push_back({scene_->solid_names[finger.solid], finger.depth_m});
+    if (finger.solid >= scene->solid_names.size()) continue;
+    desk_.depths.push_back({scene->solid_names[finger.solid], finger.depth_m});
     const Projected at = project(push, Vec3(finger.section.centroid));
     if (!at.visible) continue;
     // Beside its contacts and foci, and their numbers.
@@ -80,35 +55,35 @@ void App::show_placing(const Size& size) {
   }
 }
 
-/// What panels changed of what show_placing() has just told them.
+/// What panels changed of what show_placing() has just shown them.
 void App::take_placing() {
   if (!desk_.live) return;
-  if (desk_.placed.chosen != placing_.chosen()) placing_.choose(desk_.placed.chosen);
-  placing_.follow(desk_.placed.follows);
+  Placing& placing = moved_.placing();
+  if (desk_.placed.chosen != placing.chosen()) placing.choose(desk_.placed.chosen);
+  placing.follow(desk_.placed.follows);
 }
 
 void App::do_placing(double now_s) {
   Desk::Placed& placed = desk_.placed;
-  if (std::exchange(placed.undo, false)) placing_.undo();
-  if (std::exchange(placed.restore, false)) placing_.restore();
+  if (std::exchange(placed.undo, false)) moved_.placing().undo();
+  if (std::exchange(placed.restore, false)) moved_.placing().restore();
   place();
   if (std::exchange(placed.save, false)) save_scene(placed.file, now_s);
 }
 
 void App::save_scene(const std::string& file, double now_s) {
-  if (!scene_) return;
+  if (!run_.scene()) return;
   try {
     const Outputs outputs({{"save as", file}});
-    geometry::write_glb(file, meshes_of(*scene_, placing_.poses()));
+    geometry::write_glb(file, meshes_of(*run_.scene(), moved_.placing().poses()));
   } catch (const Error& error) {
     return say(log::Level::error, error.what(), now_s);
   }
   say(log::Level::info, file + ": is the scene now", now_s);
-  desk_.given["--scene"] = {file};
-  desk_.given.erase("--gltf-scene");
-  // What was moved is in the file now: the run that begins with it moves nothing, be it the same file as before.
-  placed_scene_.clear();
-  anew_ = true;
+  moved_.forget_scene();
+  LiveEdit edit = desk_.edit;
+  edit.replace_scene(file);
+  change_run(std::move(edit), true);
 }
 
 }  // namespace palpa::viewer

@@ -21,19 +21,21 @@ std::string finger_mesh(const std::string& skin, const std::string& source) {
 
 Sounding App::sounding() {
   if (show_) return show_->sounding();
-  if (!live_ || !scene_ || desk_.live_state != LiveState::running) return {};
-  Sounding now = sounding_of(scene_, live_->snapshot());
+  const std::shared_ptr<const LiveScene>& scene = run_.scene();
+  if (!scene || desk_.live_state != LiveState::running) return {};
+  const Snapshot& snapshot = run_.session()->snapshot();
+  Sounding now = sounding_of(scene, snapshot);
   if (desk_.state.layers.shows(Layer::slice))  // nothing else asks for it
-    now.slot = drive_of(*scene_, live_->snapshot().plan, desk_.state.time.slot, slot_);
-  if (now.tip && holds_finger()) now.T_world_finger = finger_.pose();
+    now.slot = drive_of(*scene, snapshot.plan, desk_.state.time.slot, live_.slot);
+  if (now.tip && HeldFinger::is_held(run_.options().source)) now.T_world_finger = moved_.finger().pose();
   return now;
 }
 
 /// The plane begins in the middle of the first touch, unless somebody has said or dragged it elsewhere.
 void App::place_slice_once() {
-  if (slice_placed_ || !desk_.state.layers.shows(Layer::slice)) return;
+  if (slice_.placed || !desk_.state.layers.shows(Layer::slice)) return;
   place_slice(desk_.state, options_, picture());
-  slice_placed_ = !picture().fingers.empty() || !options_.slice_at.empty();
+  slice_.placed = !picture().fingers.empty() || !options_.slice_at.empty();
 }
 
 void App::turn_slice(setup::Plane plane) {
@@ -41,7 +43,7 @@ void App::turn_slice(setup::Plane plane) {
   options_.slice_at.clear();
   options_.slice_size_m = desk_.state.slice.size_m.x;
   place_slice(desk_.state, options_, picture());
-  slice_placed_ = !picture().fingers.empty();
+  slice_.placed = !picture().fingers.empty();
 }
 
 void App::listen(double now_s) {
@@ -49,9 +51,7 @@ void App::listen(double now_s) {
   const Sounding now = sounding();
   desk_.state.slice_handles = now.layout != nullptr;
   const Change change = sounds_.look(now, desk_.state, desk_.wants_spectrum, shown_picture(), now_s);
-  stale_skin_ = stale_skin_ || change.skin;
-  stale_marks_ = stale_marks_ || change.marks;
-  dirty_ = dirty_ || change.skin || change.marks;
+  stale_.add(change.skin ? Stale::skin : change.marks ? Stale::marks : Stale::nothing);
   desk_.spectra = sounds_.spectra();
   for (const std::string& fault : sounds_.faults())
     say(log::Level::error, fault, now_s);

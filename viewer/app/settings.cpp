@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cstdlib>
+#include <exception>
 #include <system_error>
 
 #include "base/error.hpp"
@@ -95,6 +96,18 @@ Settings to_remember(const Settings& before, const Settings& began, const Settin
     take(out.layers[entry.value].opacity, began.layers[entry.value].opacity, now.layers[entry.value].opacity);
   }
   return out;
+}
+
+void SettingsMemory::remember(const Settings& now) {
+  if (!remembers()) return;
+  const Settings next = to_remember(recalled_, began_, now);
+  if (next == recalled_) return;
+  recalled_ = next;  // asked once: where it cannot be written one warning says so
+  try {
+    save_settings(file_, next);
+  } catch (const std::exception& error) {
+    log::warning(error.what());
+  }
 }
 
 }  // namespace palpa::viewer

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "viewer/view/view_state.hpp"
 
@@ -32,5 +33,25 @@ void save_settings(const std::filesystem::path& file, const Settings& settings);
 /// What to remember of `now`: what was changed since the program `began`, and of all else what was remembered `before`,
 /// so that what a command line says is for its run alone.
 Settings to_remember(const Settings& before, const Settings& began, const Settings& now);
+
+/// The settings of a program from its beginning to its end, in one file.
+class SettingsMemory {
+ public:
+  /// Empty: nothing is remembered.
+  explicit SettingsMemory(std::filesystem::path file) : file_(std::move(file)) {}
+  bool remembers() const { return !file_.empty(); }
+  /// Reads the file. Throws as load_settings() does.
+  void load() { recalled_ = load_settings(file_); }
+  /// As load() has read them or remember() has written them, the usual before.
+  const Settings& recalled() const { return recalled_; }
+  /// The program begins with these: what is recalled, and what the command line says.
+  void begin(const Settings& settings) { began_ = settings; }
+  /// Writes what has been changed since. Warns where that cannot be done, once for the same settings.
+  void remember(const Settings& now);
+
+ private:
+  std::filesystem::path file_;
+  Settings recalled_, began_;
+};
 
 }  // namespace palpa::viewer

@@ -54,7 +54,7 @@ void Show::load_objects(const ViewerOptions& options) {
   show_solids(picture_, solids);
   if (options.input.points.empty() && options.input.depths.empty()) return;
   const setup::TouchInput input = setup::load_touch_input(options.input, solids);
-  setup::StageTimes times;
+  setup::StepTimes times;
   check(options.drive, solids);
   setup::TouchArray array{.layout = {}, .drive = drive_options_, .pressure_pa = options.drive.pressure_pa};
   const auto asks = [](const geometry::Solid& solid) { return solid.haptics.pressure_pa.has_value(); };

@@ -12,6 +12,10 @@ void HeldFinger::put(const Transform& T_world_finger) {
   T_world_finger_ = T_world_finger;
 }
 
+bool HeldFinger::is_held(const std::string& source) {
+  return source == "mouse" || source.starts_with("mouse:");
+}
+
 session::SourceKind HeldFinger::source() {
   return session::synthetic_source("mouse",
                                    "mouse[:MESH]: a rendered fingertip, or another mesh, that follows the pointer",

@@ -3,6 +3,7 @@
 
 #include <glm/ext/matrix_transform.hpp>
 #include <mutex>
+#include <string>
 
 #include "base/math.hpp"
 #include "session/links/sources.hpp"
@@ -17,7 +18,9 @@ class HeldFinger {
   Transform pose() const;
   void put(const Transform& T_world_finger);
 
-  /// The kind `mouse`. The finger outlives what it opens.
+  /// Whether --source is of the kind `mouse`.
+  static bool is_held(const std::string& source);
+  /// That kind. The finger outlives what it opens.
   session::SourceKind source();
 
  private:

@@ -5,9 +5,11 @@
 #include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <iterator>
+#include <mutex>
 #include <string_view>
 
 #include "setup/values.hpp"
+#include "viewer/live/held_finger.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -25,34 +27,44 @@ void add_options(CLI::App& app, LineOptions& o) {
   setup::add_common(app, o.common);
 }
 
-bool is_told(const setup::OptionInfo& info) {
+bool is_copied(const setup::OptionInfo& info) {
   constexpr std::string_view names[] = {"--frames", "--stats", "--json", "--quiet", "--log-level"};
   return std::ranges::find(names, info.name) != std::end(names);
 }
 
+/// Every option with what reads its text. Made once: a panel has texts read again and again.
+class Reader {
+ public:
+  Reader() { add_options(app_, options_); }
+  LineOptions read(const setup::Given& given) {
+    options_ = LineOptions();  // an option that is not given is as usual, whatever it was before
+    setup::read_given(app_, given);
+    return options_;
+  }
+  std::vector<setup::OptionInfo> table() const { return setup::option_table(app_); }
+
+ private:
+  CLI::App app_{"", "palpa-viewer"};
+  LineOptions options_;  ///< what the app's options are read into
+};
+
+LineOptions read(const setup::Given& given) {
+  static Reader reader;
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
+  return reader.read(given);
+}
+
 const std::vector<setup::OptionInfo>& whole_table() {
-  static const std::vector<setup::OptionInfo> table = [] {
-    CLI::App app("", "palpa-viewer");
-    LineOptions options;
-    add_options(app, options);
-    return setup::option_table(app);
-  }();
+  static const std::vector<setup::OptionInfo> table = Reader().table();
   return table;
 }
 
-std::vector<setup::OptionInfo> part_of_table(bool told) {
+std::vector<setup::OptionInfo> part_of_table(bool copied) {
   std::vector<setup::OptionInfo> part;
   std::ranges::copy_if(whole_table(), std::back_inserter(part),
-                       [&](const setup::OptionInfo& info) { return is_told(info) == told; });
+                       [&](const setup::OptionInfo& info) { return is_copied(info) == copied; });
   return part;
-}
-
-LineOptions parsed(const setup::Given& given) {
-  CLI::App app("", "palpa-viewer");
-  LineOptions options;
-  add_options(app, options);
-  setup::parse_given(app, given);
-  return options;
 }
 
 }  // namespace
@@ -62,29 +74,34 @@ const std::vector<setup::OptionInfo>& live_table() {
   return table;
 }
 
-const std::vector<setup::OptionInfo>& told_table() {
+const std::vector<setup::OptionInfo>& copied_table() {
   static const std::vector<setup::OptionInfo> table = part_of_table(true);
   return table;
 }
 
-setup::LiveOptions live_options(const setup::Given& given) {
-  setup::LiveOptions options = parsed(setup::known_to(live_table(), given));
+setup::LiveOptions values_of(const setup::Given& given) {
+  setup::LiveOptions options = read(setup::known_to(live_table(), given));
   options.watched = true;  // the viewer itself shows events
+  return options;
+}
+
+setup::LiveOptions live_options(const setup::Given& given) {
+  setup::LiveOptions options = values_of(given);
   check(options);
   return options;
 }
 
-void check_told(const setup::Given& told) {
-  parsed(setup::known_to(told_table(), told));
+void check_copied(const setup::Given& copied) {
+  read(setup::known_to(copied_table(), copied));
 }
 
-std::string run_command(const setup::Given& given, const setup::Given& told) {
+std::string run_command(const setup::Given& given, const setup::Given& copied) {
   setup::Given there = setup::known_to(live_table(), given);
-  there.merge(setup::known_to(told_table(), told));
-  // A pointer is not there: the same finger dips by itself.
+  there.merge(setup::known_to(copied_table(), copied));
+  // `palpa run` has no pointer to follow, so its finger dips by itself.
   if (const auto source = there.find("--source"); source != there.end() && !source->second.empty()) {
     std::string& name = source->second.front();
-    if (name == "mouse" || name.starts_with("mouse:")) name.replace(0, 5, "synthetic");
+    if (HeldFinger::is_held(name)) name.replace(0, 5, "synthetic");
   }
   return setup::command_line("palpa run", whole_table(), there);
 }

@@ -11,16 +11,19 @@ namespace palpa::viewer {
 
 /// All of them that say what runs, in the order of `palpa run --help`.
 const std::vector<setup::OptionInfo>& live_table();
-/// The others: how long the command goes on, and what it tells. A viewer, which goes on until it is closed and has
-/// panels, only copies them.
-const std::vector<setup::OptionInfo>& told_table();
+/// The others: how long the command runs, and what it reports. The viewer runs until it is closed and reports in its
+/// panels, so it only copies them into the command.
+const std::vector<setup::OptionInfo>& copied_table();
 
-/// Throws bad_usage for what cannot be.
+/// The values of live_table()'s options. It is not checked whether they go together. Throws bad_usage for a text that
+/// is not a value of its option.
+setup::LiveOptions values_of(const setup::Given& given);
+/// The same, and throws bad_usage if the options do not go together.
 setup::LiveOptions live_options(const setup::Given& given);
-/// The same for those of told_table().
-void check_told(const setup::Given& told);
+/// Throws bad_usage for a text that is not a value of its option in copied_table().
+void check_copied(const setup::Given& copied);
 
-/// The command that runs the same without a window, and goes on and tells as `told` says.
-std::string run_command(const setup::Given& given, const setup::Given& told = {});
+/// The `palpa run` command with the options `given`, and with those of copied_table() in `copied`.
+std::string run_command(const setup::Given& given, const setup::Given& copied = {});
 
 }  // namespace palpa::viewer

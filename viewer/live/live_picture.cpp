@@ -36,7 +36,7 @@ namespace {
 /// Whether the plan is of something that sounds, and of this array.
 bool plays(const LiveScene& scene, const session::Plan& plan) {
   const std::size_t transducers = scene.layout.transducers.size();
-  return plan.schedule.voice_count > 0 && transducers > 0 && plan.drives.size() == plan.cycle * transducers;
+  return plan.schedule.voice_count > 0 && transducers > 0 && plan.drives.size() == plan.cycle.length * transducers;
 }
 
 }  // namespace

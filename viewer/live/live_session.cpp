@@ -63,14 +63,16 @@ void LiveSession::work() {
   std::optional<session::LoopStats> stats;
   try {
     const Outputs outputs(setup::outputs_of(options_, setup::with_builtin(kinds_.links)));
-    setup::LiveRun run(options_, kinds_.sources, watched(setup::with_builtin(kinds_.links), link_), *stop_);
+    setup::LiveRun run(options_, kinds_.sources, kinds_.links, *stop_);
+    link_.open = true;
     publish_scene(run);
     session_ = &run.session();
     follow_poses(run.session());
     log::release_warnings();
     session::RunOptions looking;
-    looking.arrived = [this](std::uint64_t sequence) { turns_.arrived(sequence); };
+    looking.arrived = [this](std::uint64_t sequence) { gaps_.arrived(sequence); };
     looking.planned = [this](const session::FrameReport& report, const session::Plan& plan) { planned(report, plan); };
+    looking.sent = [this](bool sounds) { link_.count(sounds); };
     looking.record = [this](const sensing::FrameSet& set) { saw(set); };
     state_ = LiveState::running;
     wake_();
@@ -82,7 +84,8 @@ void LiveSession::work() {
     fault = error.what();
     thrown = std::current_exception();
   }
-  turns_.over();
+  link_.open = link_.sounding = false;
+  gaps_.over();
   close_recorder();  // whatever ended the run: what it has written is whole
   {
     const std::lock_guard lock(mutex_);
@@ -203,7 +206,7 @@ void LiveSession::look_around(const std::vector<sensing::Camera>& cameras) {
     near_.add(here.low - Vec3(skin_reach));
     near_.add(here.high + Vec3(skin_reach));
   }
-  sensing::plan_views(cameras, rays_, near_, views_);
+  sensing::plan_crops(cameras, rays_, near_, crops_);
 }
 
 std::string LiveSession::fault() const {
@@ -263,7 +266,7 @@ void LiveSession::planned(const session::FrameReport& report, const session::Pla
                            std::chrono::duration_cast<std::chrono::seconds>(patience).count()));
   }
   if (wants_snapshot_.exchange(false)) publish_snapshot(report, plan);
-  turns_.planned(report.sequence);
+  gaps_.planned(report.sequence);
 }
 
 void LiveSession::publish_snapshot(const session::FrameReport& report, const session::Plan& plan) {
@@ -282,12 +285,12 @@ void LiveSession::saw(const sensing::FrameSet& set) {
   if (!std::exchange(modest_, true) && options_.record.empty()) session::give_way();
   write_down(set);
   if (!wants_seen_.exchange(false)) return;
-  if (!recorder_ && options_.record.empty() && !options_.every_frame) turns_.wait(skin_s, most_wait_s);
+  if (!recorder_ && options_.record.empty() && !options_.every_frame) gaps_.wait(skin_s, most_wait_s);
   if (looked_around_ != placements_) look_around(session_->setting().cameras);
   Seen& next = seen_.back();
   next.sequence = set.sequence;
   next.images = set;
-  sensing::find_skin(rays_, set.frames, near_, views_, next.points);
+  sensing::find_skin(rays_, set.frames, near_, crops_, next.points);
   seen_.publish();
   wake_();
 }

@@ -21,9 +21,9 @@
 #include "sensing/recording.hpp"
 #include "session/newest.hpp"
 #include "setup/live_run.hpp"
+#include "viewer/live/frame_gaps.hpp"
+#include "viewer/live/link_watch.hpp"
 #include "viewer/live/snapshot.hpp"
-#include "viewer/live/turns.hpp"
-#include "viewer/live/watched_link.hpp"
 #include "viewer/picture/picture.hpp"
 
 namespace palpa::viewer {
@@ -102,7 +102,7 @@ class LiveSession {
   const Seen& seen() { return seen_.front(); }
 
   /// Waits until work of `work_s` is in no frame's way, at most `most_s`; returns how long that was.
-  double let_run(double work_s, double most_s) { return turns_.wait(work_s, most_s); }
+  double let_run(double work_s, double most_s) { return gaps_.wait(work_s, most_s); }
 
   /// From the next frame on each solid is where its pose takes it from its place in the scene; see Session::set_pose.
   void place(std::vector<Transform> poses);
@@ -149,7 +149,7 @@ class LiveSession {
   session::Newest<Snapshot> snapshots_;
   session::Newest<Seen> seen_;
   LinkWatch link_;
-  Turns turns_;
+  FrameGaps gaps_;
   LiveNumbers numbers_;                  ///< of the compute thread
   session::Session* session_ = nullptr;  ///< while it runs
   std::uint64_t placed_ = 0;             ///< poses that it has
@@ -160,7 +160,7 @@ class LiveSession {
   std::uint64_t looked_around_ = 0;
   Box near_;  ///< where skin is drawn
   sensing::RayTables rays_;
-  std::vector<sensing::View> views_;
+  std::vector<sensing::Crop> crops_;
   bool modest_ = false;
   std::optional<Outputs> record_outputs_;  ///< what it writes
   std::optional<sensing::RecordingWriter> recorder_;

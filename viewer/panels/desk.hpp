@@ -10,11 +10,11 @@
 
 #include "acoustics/felt/spectrum.hpp"
 #include "base/log.hpp"
-#include "setup/option_table.hpp"
 #include "setup/places.hpp"
 #include "viewer/hands/gizmo.hpp"
+#include "viewer/live/live_edit.hpp"
 #include "viewer/live/live_session.hpp"
-#include "viewer/live/transport.hpp"
+#include "viewer/live/recording_player.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/render/participant.hpp"
 #include "viewer/view/view_state.hpp"
@@ -47,6 +47,12 @@ struct Area {
   bool holds(double x, double y) const { return x >= left && x < right && y >= top && y < bottom; }
 };
 
+/// What the field of an option says, see LiveEdit::set.
+struct OptionText {
+  std::string option;
+  std::optional<std::string> text;  ///< nothing: as usual
+};
+
 struct Desk {
   // ---- shown -------------------------------------------------------------------------------------------------------
   const Picture* picture = nullptr;
@@ -68,11 +74,10 @@ struct Desk {
   std::vector<Depth> depths;                 ///< of the fingers of a live run
   std::vector<FlatMark> marks;               ///< over the picture
   std::vector<acoustics::Spectrum> spectra;  ///< of each finger, while wanted
+  LiveEdit edit;                             ///< the options of the run; of a touch those that a run of it would have
 
   // ---- changed -----------------------------------------------------------------------------------------------------
   ViewState state;
-  setup::Given given;  ///< the options of the run
-  setup::Given told;   ///< those that only the copied command has (live/live_line.hpp)
   /// What is moved by hand.
   struct Placed {
     std::vector<std::string> things;                   ///< shown: solids, then the finger that is held
@@ -84,7 +89,7 @@ struct Desk {
     bool undo = false, restore = false, save = false;  ///< asked for
   } placed;
   /// What the participant's window shows, and where.
-  struct ParticipantView {
+  struct ParticipantWindowState {
     bool open = false;                   ///< shown
     std::vector<std::string> monitors;   ///< shown
     std::size_t monitor = 0;             ///< of these
@@ -100,7 +105,8 @@ struct Desk {
     bool all_off = false, start = false, frame = false;
     std::optional<StandardView> view;
     std::optional<setup::Plane> plane;   ///< the field's, through the touch
-    std::string copy;                    ///< text for other programs
+    bool copy = false;                   ///< the run, as a command line for other programs
+    std::vector<OptionText> options;     ///< to be as their fields say
     std::optional<Playback> play;        ///< the recording is to play like that; its place is of no account
     std::optional<std::uint64_t> go_to;  ///< a frame of it
     bool cancel = false;                 ///< what is opening

@@ -45,8 +45,8 @@ void tip(const char* text) {
   ImGui::EndTooltip();
 }
 
-double panels_width(double width, double text_height) {
-  return std::round(std::min(19 * text_height, 0.45 * width));
+double panels_width(double width, double line_height) {
+  return std::round(std::min(19 * line_height, 0.45 * width));
 }
 
 void draw_panels(Desk& desk, double now_s) {
@@ -119,14 +119,12 @@ void draw_link_panel(Desk& desk) {
   if (ImGui::Button("Start", {-1, em(2)})) desk.asked.start = true;
   ImGui::EndDisabled();
   tip("Runs again with the options below");
-  const auto given = desk.given.find("--link");
-  const std::string link = given == desk.given.end() || given->second.empty() ? "null" : given->second.front();
   const char* state = desk.live_state == LiveState::loading  ? "loading"
                       : desk.live_state == LiveState::failed ? "failed"
                       : desk.live_state == LiveState::ended  ? "off"
                       : desk.sounding                        ? "SOUNDING"
                                                              : "silent";
-  ImGui::Text("link %s", link.c_str());
+  ImGui::Text("link %s", desk.edit.options().link.c_str());
   ImGui::SameLine();
   const ImVec4 lamp = desk.sounding ? ImVec4{0.80f, 0.36f, 0, 1} : ImVec4{0.35f, 0.35f, 0.38f, 1};
   ImGui::TextColored(lamp, "%s", state);

@@ -5,8 +5,8 @@
 
 namespace palpa::viewer {
 
-/// How much of a picture's width panels take, pixels; `text_height`: of a line, pixels.
-double panels_width(double width, double text_height);
+/// How much of a picture's width panels take, pixels; `line_height`: of a line of text, pixels.
+double panels_width(double width, double line_height);
 
 /// All that the desk says is open; `now_s` is the application's clock.
 void draw_panels(Desk& desk, double now_s);

@@ -44,7 +44,7 @@ void draw_barrier(Participant& setting) {
 }  // namespace
 
 void draw_participant_panel(Desk& desk) {
-  Desk::ParticipantView& view = desk.participant;
+  Desk::ParticipantWindowState& view = desk.participant;
   if (ImGui::SmallButton(view.open ? "close" : "open")) desk.asked.participant = !view.open;
   tip("A second window that fills a monitor: objects and marker tile alone, where they are felt. Key: P; Escape in it");
   ImGui::SameLine();

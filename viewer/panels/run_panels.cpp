@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cfloat>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,20 +20,23 @@ float em(float lines) {
   return lines * ImGui::GetFontSize();
 }
 
-void choose(setup::Given& given, const setup::OptionInfo& info, const std::string& now) {
+using OptionTexts = std::vector<OptionText>;
+
+void choose(OptionTexts& asked, const setup::OptionInfo& info, const std::string& now) {
   const std::string usual = info.initial.empty() ? "as usual" : info.initial;
   if (!ImGui::BeginCombo("##value", now.empty() ? usual.c_str() : now.c_str())) return;
-  if (ImGui::Selectable((usual + " (usual)").c_str(), now.empty())) given.erase(info.name);
+  if (ImGui::Selectable((usual + " (usual)").c_str(), now.empty())) asked.push_back({info.name, std::nullopt});
   for (const std::string& word : info.words) {
-    if (ImGui::Selectable(word.c_str(), word == now)) given[info.name] = {word};
+    if (ImGui::Selectable(word.c_str(), word == now)) asked.push_back({info.name, word});
   }
   ImGui::EndCombo();
 }
 
-void draw_option(Desk& desk, setup::Given& given, const setup::OptionInfo& info) {
-  const auto found = given.find(info.name);
-  const bool set = found != given.end();
-  const std::string now = set && !found->second.empty() ? found->second.front() : std::string();
+void draw_option(Desk& desk, const setup::OptionInfo& info) {
+  OptionTexts& asked = desk.asked.options;
+  const std::optional<std::string> value = desk.edit.text(info.name);
+  const bool set = value.has_value();
+  const std::string now = value.value_or("");
   const char* label = info.name.c_str() + 2;
   ImGui::PushID(info.name.c_str());
   ImGui::TableNextColumn();
@@ -43,9 +47,9 @@ void draw_option(Desk& desk, setup::Given& given, const setup::OptionInfo& info)
   ImGui::SetNextItemWidth(-1);
   if (info.flag) {
     bool on = set;
-    if (ImGui::Checkbox("##value", &on)) on ? void(given[info.name] = {}) : void(given.erase(info.name));
+    if (ImGui::Checkbox("##value", &on)) asked.push_back({info.name, on ? std::optional(std::string()) : std::nullopt});
   } else if (!info.words.empty()) {
-    choose(given, info, now);
+    choose(asked, info, now);
   } else {
     std::string text = now;
     const std::string hint = info.initial.empty() ? info.type : info.initial;
@@ -53,31 +57,31 @@ void draw_option(Desk& desk, setup::Given& given, const setup::OptionInfo& info)
     if (ImGui::IsItemVisible()) desk.places.texts.push_back(last_area());
     // What is being typed is nobody's business until it is done.
     if (ImGui::IsItemDeactivatedAfterEdit() && text != now)
-      text.empty() ? void(given.erase(info.name)) : void(given[info.name] = {text});
+      asked.push_back({info.name, text.empty() ? std::nullopt : std::optional(text)});
   }
   tip(info.help.c_str());
   ImGui::PopID();
 }
 
 /// Two columns: names, values.
-void draw_options(Desk& desk, setup::Given& given, std::span<const setup::OptionInfo> options) {
+void draw_options(Desk& desk, std::span<const setup::OptionInfo> options) {
   if (!ImGui::BeginTable("options", 2, ImGuiTableFlags_SizingStretchSame)) return;
   for (const setup::OptionInfo& info : options)
-    draw_option(desk, given, info);
+    draw_option(desk, info);
   ImGui::EndTable();
 }
 
 }  // namespace
 
 void draw_options_panel(Desk& desk) {
-  if (ImGui::SmallButton("copy as command line")) desk.asked.copy = run_command(desk.given, desk.told);
+  if (ImGui::SmallButton("copy as command line")) desk.asked.copy = true;
   tip("The palpa run that does the same without a window. Key: C");
   const std::vector<setup::OptionInfo>& table = live_table();
   for (auto first = table.begin(); first != table.end();) {
     const auto last =
         std::find_if(first, table.end(), [&](const auto& info) { return info.heading != first->heading; });
     if (ImGui::TreeNode(first->heading.c_str())) {
-      draw_options(desk, desk.given, {first, last});
+      draw_options(desk, {first, last});
       ImGui::TreePop();
     }
     first = last;
@@ -86,7 +90,7 @@ void draw_options_panel(Desk& desk) {
   tip("How long palpa run goes on and what it tells in a terminal: the viewer goes on until it is closed, and has "
       "panels");
   if (!open) return;
-  draw_options(desk, desk.told, told_table());
+  draw_options(desk, copied_table());
   ImGui::TreePop();
 }
 

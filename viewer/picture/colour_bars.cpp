@@ -4,6 +4,7 @@
 #include <string>
 
 #include "drawing/field_picture.hpp"
+#include "viewer/picture/field_marks.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -14,7 +15,7 @@ constexpr double letters = 8, thick = 9;
 
 void draw_bar(drawing::Ink& ink, const ColourBar& bar, const Vec2& at, double length, const Theme& theme) {
   constexpr int pieces = 96;
-  const std::string title = bar.note.empty() ? bar.title : bar.title + " (" + bar.note + ")";
+  const std::string note = note_of(bar), title = note.empty() ? bar.title : bar.title + " (" + note + ")";
   ink.label(title, at + Vec2(length / 2, -ink.px(10)), letters, theme.ink, drawing::Align::centre);
   if (!(bar.most > 0)) return;
   for (int i = 0; i < pieces; ++i) {

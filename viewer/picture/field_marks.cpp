@@ -76,8 +76,7 @@ void show_slice(Picture& picture, const SliceState& slice, const SliceGrid& grid
   replace_bar(picture, {Layer::slice,
                         linear ? "sound pressure in the plane, Pa peak"
                                : fmt::format("beyond linear acoustics: of the largest, {:.1f} kPa", peak / 1e3),
-                        linear ? most : 1,
-                        {}});
+                        linear ? most : 1});
 }
 
 void show_heat(Picture& picture, std::string name, geometry::Mesh body, std::span<const double> values) {
@@ -90,7 +89,7 @@ void show_heat(Picture& picture, std::string name, geometry::Mesh body, std::spa
   for (const double value : values)
     skin.colours.push_back(drawing::map_colour(value / most));
   picture.skin = std::move(skin);
-  replace_bar(picture, {Layer::heat, "mean radiation pressure on the skin, Pa", most, {}});
+  replace_bar(picture, {Layer::heat, "mean radiation pressure on the skin, Pa", most});
 }
 
 bool hide_bar(Picture& picture, Layer layer) {
@@ -106,17 +105,26 @@ bool mark(Picture& picture, Layer layer, const std::string& title, Standing stan
   ColourBar* const bar = bar_of(picture, layer);
   const bool shown = bar != nullptr && bar->most > 0;
   if (standing == Standing::fresh && !shown) return hide_bar(picture, layer);
-  const std::string note = standing == Standing::fresh    ? std::string()
-                           : standing == Standing::failed ? std::string("failed")
-                                                          : (shown ? "stale" : "being computed") + progress;
-  if (bar != nullptr) return std::exchange(bar->note, note) != note;
-  picture.bars.push_back({layer, title, 0, note});
-  return true;
+  const std::string next = standing == Standing::stale ? progress : std::string();
+  if (bar == nullptr) {
+    picture.bars.push_back({layer, title, 0, standing, next});
+    return true;
+  }
+  const bool same = bar->standing == standing && bar->progress == next;
+  bar->standing = standing;
+  bar->progress = next;
+  return !same;
+}
+
+std::string note_of(const ColourBar& bar) {
+  if (bar.standing == Standing::fresh) return {};
+  if (bar.standing == Standing::failed) return "failed";
+  return (bar.most > 0 ? "stale" : "being computed") + bar.progress;
 }
 
 bool is_stale(const Picture& picture, Layer layer) {
   const auto bar = std::ranges::find(picture.bars, layer, &ColourBar::layer);
-  return bar != picture.bars.end() && !bar->note.empty();
+  return bar != picture.bars.end() && bar->standing != Standing::fresh;
 }
 
 }  // namespace palpa::viewer

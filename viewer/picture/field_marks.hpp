@@ -36,12 +36,12 @@ void show_heat(Picture& picture, std::string name, geometry::Mesh body, std::spa
 bool hide_bar(Picture& picture, Layer layer);
 bool hide_slice(Picture& picture);
 
-/// What a layer of sound is, beside what sounds now.
-enum class Standing { fresh, stale, failed };
 /// Says so at the layer's bar, with how far the next is (", 40 %"; may be empty). Where there is no bar yet there is
 /// one of that title and the note alone. Whether the picture has changed.
 bool mark(Picture& picture, Layer layer, const std::string& title, Standing standing, const std::string& progress = {});
-/// Then the layer is drawn dimmer.
+/// What stands beside the bar's title where the layer is not of what sounds now; else empty.
+std::string note_of(const ColourBar& bar);
+/// Whether the layer is not of what sounds now; then it is drawn dimmer.
 bool is_stale(const Picture& picture, Layer layer);
 inline constexpr float stale_opacity = 0.4f;
 

@@ -90,12 +90,16 @@ struct CameraMark {
   Frustum frustum{};                   ///< what it sees
 };
 
+/// What a layer of sound is, beside what sounds now.
+enum class Standing { fresh, stale, failed };
+
 /// What the colours of a layer mean, from nothing to `most`.
 struct ColourBar {
   Layer layer = Layer::slice;
-  std::string title;   ///< with its unit
-  double most = 1;     ///< 0: nobody knows yet, there is the title alone
-  std::string note{};  ///< why the layer is not of what sounds now; else empty
+  std::string title;  ///< with its unit
+  double most = 1;    ///< 0: nobody knows yet, there is the title alone
+  Standing standing = Standing::fresh;
+  std::string progress{};  ///< of a stale layer: how far the next is, ", 40 %"; may be empty
 };
 
 /// A flat image in the world.
@@ -106,24 +110,29 @@ struct ImageMark {
   std::vector<std::uint32_t> pixels;  ///< rows from the top; red in the lowest byte, then green, blue and alpha
 };
 
-struct Picture {
-  std::string title;  ///< above the legend, may be empty
+/// What a picture shows without its surfaces, points and images: labels, legend, chart and bars are made of it, so it
+/// stays on the host when the rest is on the device.
+struct PictureNotes {
+  std::string title;             ///< above the legend, may be empty
+  std::uint64_t skin_count = 0;  ///< skin points in all, contacts and those far away too
+  std::vector<ContactMark> contacts;
+  std::vector<FingerMarks> fingers;
+  std::vector<TransducerMark> transducers;
+  bool driven = false;  ///< transducers have a drive; otherwise they are drawn idle
+  std::vector<CameraMark> cameras;
+  std::vector<ColourBar> bars;
+  std::vector<std::vector<SpectrumMark>> spectra;  ///< one per finger, drawn as a chart; or none
+};
+
+struct Picture : PictureNotes {
   std::vector<SurfaceMark> solids;
   std::optional<std::array<glm::vec3, 4>> tile;  ///< marks the top of the solids; corners in order around it
   std::uint32_t tile_solid = 0;                  ///< on which it is
   std::optional<SurfaceMark> skin;               ///< the finger's or hand's surface, drawn faintly
   std::vector<glm::vec3> skin_points;            ///< those near the solids that are no contacts
-  std::uint64_t skin_count = 0;                  ///< skin points in all, contacts and those far away too
-  std::vector<ContactMark> contacts;
-  std::vector<FingerMarks> fingers;
-  std::vector<TransducerMark> transducers;
   float transducer_radius_m = 4.2e-3f;
-  bool driven = false;  ///< transducers have a drive; otherwise they are drawn idle
   std::vector<BoardMark> boards;
-  std::vector<CameraMark> cameras;
   std::vector<ImageMark> images;
-  std::vector<ColourBar> bars;
-  std::vector<std::vector<SpectrumMark>> spectra;  ///< one per finger, drawn as a chart; or none
 };
 
 // What fills a picture from the engine's values; each replaces its own part only.

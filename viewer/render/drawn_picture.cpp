@@ -121,15 +121,7 @@ void DrawnPicture::update_skin(const Picture& picture, const ViewState& state) {
 
 void DrawnPicture::update_marks(const Picture& picture, const ViewState& state) {
   state_ = state;
-  picture_.title = picture.title;
-  picture_.skin_count = picture.skin_count;
-  picture_.contacts = picture.contacts;
-  picture_.fingers = picture.fingers;
-  picture_.transducers = picture.transducers;
-  picture_.driven = picture.driven;
-  picture_.cameras = picture.cameras;
-  picture_.spectra = picture.spectra;
-  picture_.bars = picture.bars;
+  static_cast<PictureNotes&>(picture_) = picture;
   const Theme& theme = state.dark ? dark_theme() : light_theme();
   add_discs(picture, theme);
   build_marks(picture, state, floor(), new_marks_);

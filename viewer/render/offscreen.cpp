@@ -47,7 +47,7 @@ void Offscreen::draw(DrawnPicture& drawn, const Viewpoint& viewpoint) {
 
 void Offscreen::draw(DrawnPicture& drawn, std::span<const View> views, const Sheet* sheet,
                      const std::function<void()>& pause) {
-  NextPiece next;
+  NextStep next;
   if (pause) {
     next = [&] {
       pause();

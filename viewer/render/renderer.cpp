@@ -49,11 +49,9 @@ VkSampleCountFlagBits pick_samples(const gpu::Device& device) {
   return both & VK_SAMPLE_COUNT_4_BIT ? VK_SAMPLE_COUNT_4_BIT : VK_SAMPLE_COUNT_1_BIT;
 }
 
-/// Mesa 22's llvmpipe dies of a null pointer when it compiles any fragment shader for 512-bit vectors (vkcube does
-/// too).
 void refuse_what_cannot_draw(const gpu::Device& device) {
   const gpu::DeviceDescription& d = device.description();
-  if (d.name.find("512 bits") != std::string::npos && d.driver.find("Mesa 22.") != std::string::npos) {
+  if (d.cannot_draw) {
     throw Error(Exit::no_device,
                 fmt::format("{} ({}) cannot draw: set LP_NATIVE_VECTOR_WIDTH=256, or choose another device with --gpu",
                             d.name, d.driver));
@@ -245,7 +243,7 @@ std::vector<Renderer::EdgeLines> Renderer::upload_edges(VkCommandBuffer commands
 
 VkCommandBuffer Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<const View> views,
                                  Canvas& canvas, const Target& target, double ratio, const Sheet* sheet,
-                                 const NextPiece& next) const {
+                                 const NextStep& next) const {
   const VkExtent2D extent = canvas.extent();
   const Theme& theme = drawn.state_.dark ? dark_theme() : light_theme();
   after_last_draws(commands);

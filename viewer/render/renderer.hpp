@@ -69,7 +69,7 @@ class Renderer {
   /// caller moves it on. With `next` the picture comes in pieces; returns the commands of the last.
   VkCommandBuffer record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<const View> views, Canvas& canvas,
                          const Target& target, double ratio = 1, const Sheet* sheet = nullptr,
-                         const NextPiece& next = {}) const;
+                         const NextStep& next = {}) const;
 
  private:
   VkSampleCountFlagBits samples_of(Fineness fineness) const;

@@ -20,7 +20,7 @@ void after_last_piece(VkCommandBuffer commands) {
 
 }  // namespace
 
-Rendering::Rendering(VkCommandBuffer commands, const Images& images, const Colour& background, const NextPiece& next,
+Rendering::Rendering(VkCommandBuffer commands, const Images& images, const Colour& background, const NextStep& next,
                      std::size_t draws)
     : commands_(commands), images_(images), next_(&next), draws_(draws) {
   const bool several = images.samples != VK_NULL_HANDLE;

@@ -15,7 +15,7 @@ namespace palpa::viewer {
 
 /// Ends the commands of a piece and gives them to the device; returns begun ones to go on with, which the device gets
 /// after those. Empty: all is one piece.
-using NextPiece = std::function<VkCommandBuffer()>;
+using NextStep = std::function<VkCommandBuffer()>;
 
 /// One vkCmdBeginRendering, or one for each piece. What is drawn has the same bytes either way.
 class Rendering {
@@ -28,7 +28,7 @@ class Rendering {
     VkImageView depth = VK_NULL_HANDLE;
   };
   /// A piece is of so many `draws`. `next` must outlive it.
-  Rendering(VkCommandBuffer commands, const Images& images, const Colour& background, const NextPiece& next,
+  Rendering(VkCommandBuffer commands, const Images& images, const Colour& background, const NextStep& next,
             std::size_t draws = 1);
 
   /// Of the piece under way.
@@ -54,7 +54,7 @@ class Rendering {
 
   VkCommandBuffer commands_;
   Images images_;
-  const NextPiece* next_;
+  const NextStep* next_;
   VkRenderingAttachmentInfo colour_{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
   VkRenderingAttachmentInfo depth_{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
   VkRect2D area_{};

@@ -8,7 +8,7 @@
 
 #include "base/error.hpp"
 #include "viewer/app/app.hpp"
-#include "viewer/live/turns.hpp"
+#include "viewer/live/frame_gaps.hpp"
 #include "viewer/render/offscreen.hpp"
 #include "viewer/run/drawing_threads.hpp"
 #include "viewer/run/film.hpp"
@@ -42,7 +42,7 @@ void look_after(std::optional<ParticipantWindow>& participant, App& app, const g
     if (participant->closing()) app.try_participant(false);
   }
   try {
-    const Desk::ParticipantView& view = app.desk().participant;
+    const Desk::ParticipantWindowState& view = app.desk().participant;
     if (view.open && !participant) participant.emplace(device, view.monitor);
     if (!view.open) participant.reset();
     if (participant) participant->show(app);
@@ -119,7 +119,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   Rest rest;
   PicturesDrawn pictures;
   double last_drawn_s = -1;
-  PicturePieces pieces([&](double work_s, double most_s) { return app.let_run(work_s, most_s); });
+  PictureSteps pieces([&](double work_s, double most_s) { return app.let_run(work_s, most_s); });
   const SilentEnd silent_end(stopper.flag());
 
   // Draws only when something has changed: a window that nobody touches costs nothing.

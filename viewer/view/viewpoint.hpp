@@ -35,7 +35,7 @@ inline constexpr Word<StandardView> view_words[] = {{"front", StandardView::fron
                                                     {"iso", StandardView::iso},
                                                     {"camera", StandardView::camera}};
 
-/// Turns the viewpoint to a standard view other than `camera`; target, distance and projection stay.
+/// FrameGaps the viewpoint to a standard view other than `camera`; target, distance and projection stay.
 void look(Viewpoint& viewpoint, StandardView view);
 /// Puts it into the frustum, at whose eye the orbit stands, too; its target is as far before it as `about`.
 void look(Viewpoint& viewpoint, const Frustum& frustum, const Vec3& about);

@@ -21,7 +21,7 @@ void ParticipantWindow::take(std::vector<WindowEvent>& events) {
 }
 
 void ParticipantWindow::show(const App& app) {
-  const Desk::ParticipantView& view = app.desk().participant;
+  const Desk::ParticipantWindowState& view = app.desk().participant;
   const VkExtent2D whole = window_.size();
   if (whole.width < 2 || whole.height < 2 || !view.setting) return;
   const Shown now{

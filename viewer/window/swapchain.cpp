@@ -165,7 +165,7 @@ void Presenter::submit(Flight& flight, VkSemaphore acquired, VkSemaphore drawn) 
 
 bool Presenter::draw(VkExtent2D window, DrawnPicture& drawn, std::span<const View> views, double ratio,
                      const Sheet* sheet, Fineness fineness, const std::function<void()>& pause) {
-  const auto record = [&](VkCommandBuffer commands, Flight& flight, const Image& image, const NextPiece& next) {
+  const auto record = [&](VkCommandBuffer commands, Flight& flight, const Image& image, const NextStep& next) {
     const Target target{image.image, image.view.get()};
     if (const std::optional<Fineness> first = std::exchange(expected_, {}))
       renderer_.record(commands, drawn, views, canvas(flight, *first), target, ratio, sheet);
@@ -199,7 +199,7 @@ bool Presenter::draw(const drawing::Pixels& pixels) {
     stale_ = true;
     return false;
   }
-  const auto record = [&](VkCommandBuffer commands, Flight& flight, const Image& image, const NextPiece&) {
+  const auto record = [&](VkCommandBuffer commands, Flight& flight, const Image& image, const NextStep&) {
     if (!flight.pixels.data()) flight.pixels = gpu::Upload(*device_, pixels.rgba.size(), "window pixels");
     const auto to = flight.pixels.as<std::uint8_t>();
     const bool blue_first = format_.format == VK_FORMAT_B8G8R8A8_UNORM;
@@ -242,7 +242,7 @@ bool Presenter::show(std::uint32_t width, std::uint32_t height, const Record& re
 
   const Image& image = images_[index];
   VkSemaphore unseen = flight.acquired.get();  // by the first piece
-  NextPiece next;
+  NextStep next;
   if (pause) {
     next = [&] {
       pause();

@@ -69,7 +69,7 @@ class Presenter {
   bool rebuild(std::uint32_t width, std::uint32_t height);
   /// What has been recorded: all, or the first or the last piece, or one between.
   void submit(Flight& flight, VkSemaphore acquired, VkSemaphore drawn);
-  using Record = std::function<void(VkCommandBuffer, Flight&, const Image&, const NextPiece&)>;
+  using Record = std::function<void(VkCommandBuffer, Flight&, const Image&, const NextStep&)>;
   bool show(std::uint32_t width, std::uint32_t height, const Record& record, const std::function<void()>& pause = {});
 
   const gpu::Device* device_;

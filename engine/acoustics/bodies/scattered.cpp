@@ -20,13 +20,13 @@ namespace {
 constexpr double near_sides = 2;
 constexpr int most_cuts = 12;
 
-/// What a piece of a patch gives at a point: the patch's pressure is linear in its u and v.
-class Piece {
+/// What a part of a patch gives at a point: the patch's pressure is linear in its u and v.
+class SubPatch {
  public:
-  Piece(const Patch& patch, const std::array<Complex, 3>& at_corners, const Vec3& point, double wave_number)
+  SubPatch(const Patch& patch, const std::array<Complex, 3>& at_corners, const Vec3& point, double wave_number)
       : patch_(patch), at_corners_(at_corners), point_(point), wave_number_(wave_number) {}
 
-  /// Of the piece with these corners in (u, v).
+  /// Of the part with these corners in (u, v).
   Complex sum(const Vec2& a, const Vec2& b, const Vec2& c, int cuts) const {
     const Vec2 middle = (a + b + c) / 3.0;
     const Vec3 pa = at(a), pb = at(b), pc = at(c);
@@ -70,7 +70,7 @@ RigidBody::Row RigidBody::row_in_air(const Vec3& at) const {
   for (std::size_t face = 0; face < mesh().triangles.size(); ++face) {
     for (std::size_t corner = 0; corner < 3; ++corner) {
       sums[mesh().triangles[face][static_cast<int>(corner)]] +=
-          Piece(patches_.patches[face], hats[corner], at, wave_number_).sum({0, 0}, {1, 0}, {0, 1}, 0);
+          SubPatch(patches_.patches[face], hats[corner], at, wave_number_).sum({0, 0}, {1, 0}, {0, 1}, 0);
     }
   }
   return {sums.begin(), sums.end()};
@@ -125,7 +125,8 @@ std::vector<Complex> RigidBody::scattered(std::span<const std::complex<float>> u
           if (glm::dot(way, way) > reach[f] * reach[f]) {
             from_afar += Complex(parts.of[0][lane], parts.of[1][lane]);
           } else {
-            from_near += Piece(patches_.patches[f], corners[f], points[i], wave_number_).sum({0, 0}, {1, 0}, {0, 1}, 0);
+            from_near +=
+                SubPatch(patches_.patches[f], corners[f], points[i], wave_number_).sum({0, 0}, {1, 0}, {0, 1}, 0);
           }
         }
       }

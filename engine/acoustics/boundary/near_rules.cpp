@@ -12,16 +12,16 @@
 namespace palpa::acoustics {
 namespace {
 
-/// Nearer than so many times the longer one's sides two pieces are cut.
+/// Nearer than so many times the longer one's sides two parts are cut.
 constexpr double close_reach = 1.3;
 constexpr int most_cuts = 4;
-/// So many times as long as high a piece is a needle: halved across until it is none, for quarters would be needles,
+/// So many times as long as high a part is a needle: halved across until it is none, for quarters would be needles,
 /// too, and be close to each other again.
 constexpr double needle = 3;
-/// Products of pieces of two patches, at most: what patches of one size, right on each other, come to by themselves.
+/// Products of parts of two patches, at most: what patches of one size, right on each other, come to by themselves.
 constexpr std::size_t most_products = 1u << 16;
 /// Cuts within each other, those of needles included. Faces of a checked body (body_mesh.hpp) need about forty at most;
-/// pieces that rounding has flattened stay needles however often they are cut.
+/// parts that rounding has flattened stay needles however often they are cut.
 constexpr int most_levels = 64;
 constexpr std::array<Vec2, 3> whole{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
 /// Gauss points per variable for patches that touch.
@@ -61,14 +61,14 @@ PairTable touching_table(Touch touch, std::uint32_t first, std::uint32_t other_f
 }
 
 /// A part of a patch: a triangle in its (u, v).
-struct Piece {
+struct SubPatch {
   std::array<Vec2, 3> corners;
   Vec3 centre;
   double size;          // longest side,
   std::size_t longest;  // which begins at that corner
   bool slender;
 
-  Piece(const Patch& patch, const std::array<Vec2, 3>& uv) : corners(uv) {
+  SubPatch(const Patch& patch, const std::array<Vec2, 3>& uv) : corners(uv) {
     const Vec2 middle = (uv[0] + uv[1] + uv[2]) / 3.0;
     centre = patch.at(middle.x, middle.y);
     const Vec3 a = patch.at(uv[0].x, uv[0].y), b = patch.at(uv[1].x, uv[1].y), c = patch.at(uv[2].x, uv[2].y);
@@ -83,34 +83,35 @@ struct Piece {
   }
 };
 
-/// What a piece is cut into: quarters, or halves of a needle.
+/// What a part is cut into: quarters, or halves of a needle.
 struct Parts {
-  std::array<Piece, 4> of;
+  std::array<SubPatch, 4> of;
   std::size_t count;
-  std::span<const Piece> all() const { return std::span(of).first(count); }
+  std::span<const SubPatch> all() const { return std::span(of).first(count); }
   double weight() const { return 1.0 / static_cast<double>(count); }
 };
 
-Parts parts_of(const Piece& piece, const Patch& patch) {
-  const auto& [a, b, c] = piece.corners;
-  if (piece.slender) {
-    const Vec2 from = piece.corners[piece.longest], to = piece.corners[(piece.longest + 1) % 3];
-    const Vec2 tip = piece.corners[(piece.longest + 2) % 3], middle = (from + to) / 2.0;
-    const Piece first(patch, {from, middle, tip}), second(patch, {middle, to, tip});
+Parts parts_of(const SubPatch& part, const Patch& patch) {
+  const auto& [a, b, c] = part.corners;
+  if (part.slender) {
+    const Vec2 from = part.corners[part.longest], to = part.corners[(part.longest + 1) % 3];
+    const Vec2 tip = part.corners[(part.longest + 2) % 3], middle = (from + to) / 2.0;
+    const SubPatch first(patch, {from, middle, tip}), second(patch, {middle, to, tip});
     return {{first, second, first, second}, 2};
   }
   const Vec2 ab = (a + b) / 2.0, bc = (b + c) / 2.0, ca = (c + a) / 2.0;
-  return {{Piece(patch, {a, ab, ca}), Piece(patch, {ab, b, bc}), Piece(patch, {ca, bc, c}), Piece(patch, {bc, ca, ab})},
+  return {{SubPatch(patch, {a, ab, ca}), SubPatch(patch, {ab, b, bc}), SubPatch(patch, {ca, bc, c}),
+           SubPatch(patch, {bc, ca, ab})},
           4};
 }
 
-bool are_close(const Piece& a, const Piece& b) {
+bool are_close(const SubPatch& a, const SubPatch& b) {
   const Vec3 way = a.centre - b.centre;
   const double near = close_reach * std::max(a.size, b.size);
   return glm::dot(way, way) < near * near;
 }
 
-void add_product(PairTable& table, const Piece& a, const Piece& b, double weight) {
+void add_product(PairTable& table, const SubPatch& a, const SubPatch& b, double weight) {
   for (const TriangleSample& s : six_point_rule()) {
     for (const TriangleSample& q : six_point_rule()) {
       const Vec2 at = a.at(s), other = b.at(q);
@@ -119,14 +120,14 @@ void add_product(PairTable& table, const Piece& a, const Piece& b, double weight
   }
 }
 
-/// Cuts two patches until their pieces are apart.
+/// Cuts two patches until their parts are apart.
 class Cutter {
  public:
   Cutter(const Patch& test, const Patch& trial, PairTable& table) : test_(test), trial_(trial), table_(table) {}
 
-  /// `weight`: by which the pieces are smaller than the patches; `cuts` that are left, those of needles not counted;
+  /// `weight`: by which the parts are smaller than the patches; `cuts` that are left, those of needles not counted;
   /// `levels` that are left.
-  bool cut(const Piece& a, const Piece& b, double weight, int cuts, int levels = most_levels) {
+  bool cut(const SubPatch& a, const SubPatch& b, double weight, int cuts, int levels = most_levels) {
     const bool close = are_close(a, b);
     if (!close || cuts == 0 || levels == 0 || products_ >= most_products) {
       add_product(table_, a, b, weight);
@@ -137,18 +138,18 @@ class Cutter {
     bool resolved = true;
     if (a.size > 2 * b.size) {
       const Parts parts = parts_of(a, test_);
-      for (const Piece& piece : parts.all())
-        resolved &= cut(piece, b, weight * parts.weight(), a.slender ? cuts : cuts - 1, levels - 1);
+      for (const SubPatch& part : parts.all())
+        resolved &= cut(part, b, weight * parts.weight(), a.slender ? cuts : cuts - 1, levels - 1);
     } else if (b.size > 2 * a.size) {
       const Parts parts = parts_of(b, trial_);
-      for (const Piece& piece : parts.all())
-        resolved &= cut(a, piece, weight * parts.weight(), b.slender ? cuts : cuts - 1, levels - 1);
+      for (const SubPatch& part : parts.all())
+        resolved &= cut(a, part, weight * parts.weight(), b.slender ? cuts : cuts - 1, levels - 1);
     } else {
       const Parts parts = parts_of(a, test_), others = parts_of(b, trial_);
       const double smaller = weight * parts.weight() * others.weight();
-      for (const Piece& piece : parts.all()) {
-        for (const Piece& other : others.all())
-          resolved &= cut(piece, other, smaller, a.slender && b.slender ? cuts : cuts - 1, levels - 1);
+      for (const SubPatch& part : parts.all()) {
+        for (const SubPatch& other : others.all())
+          resolved &= cut(part, other, smaller, a.slender && b.slender ? cuts : cuts - 1, levels - 1);
       }
     }
     return resolved;
@@ -171,7 +172,7 @@ NearRules::NearRules() : same_(touching_table(Touch::same, 0, 0)) {
       corner_[a][b] = touching_table(Touch::corner, a, b);
     }
   }
-  const Piece any(Patch{}, whole);
+  const SubPatch any(Patch{}, whole);
   add_product(apart_, any, any, 1);
   pad(apart_);
 }
@@ -194,7 +195,7 @@ const PairTable* NearRules::touching(const glm::uvec3& a, const glm::uvec3& b) c
 }
 
 const PairTable& NearRules::apart(const Patch& test, const Patch& trial, PairTable& cut, bool& resolved) const {
-  const Piece a(test, whole), b(trial, whole);
+  const SubPatch a(test, whole), b(trial, whole);
   if (!are_close(a, b)) return apart_;
   for (std::vector<float>* numbers : {&cut.u, &cut.v, &cut.other_u, &cut.other_v, &cut.weight})
     numbers->clear();

@@ -21,11 +21,15 @@ double balance(const Felt& felt) {
   return felt.vibration - flutter_weight * felt.flutter;
 }
 
+double felt_as_vibration(const Line& line) {
+  return vibration_sensitivity(line.frequency_hz) * line.around;
+}
+
 Felt felt(const Spectrum& spectrum) {
   Felt felt;
   if (!(spectrum.variance > 1e-12)) return felt;
   for (const Line& line : spectrum.lines) {
-    const double vibration = vibration_sensitivity(line.frequency_hz) * line.around;
+    const double vibration = felt_as_vibration(line);
     const double flutter = flutter_sensitivity(line.frequency_hz) * line.around;
     felt.vibration += vibration * vibration / 2 / spectrum.variance;
     felt.flutter += flutter * flutter / 2 / spectrum.variance;
@@ -45,7 +49,7 @@ std::size_t strongest_felt(const Spectrum& spectrum) {
   std::size_t best = spectrum.lines.size();
   double most = 0;
   for (std::size_t i = 0; i < spectrum.lines.size(); ++i) {
-    const double felt = vibration_sensitivity(spectrum.lines[i].frequency_hz) * spectrum.lines[i].around;
+    const double felt = felt_as_vibration(spectrum.lines[i]);
     if (felt > most * (1 + 1e-9)) {
       most = felt;
       best = i;

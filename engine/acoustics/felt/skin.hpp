@@ -47,6 +47,8 @@ inline constexpr double flutter_weight = 1;
 /// What a tuning makes large: vibration, less the flutter beside it.
 double balance(const Felt& felt);
 
+/// A line's amplitude around the perimeter, weighted by how vibration is felt at its frequency.
+double felt_as_vibration(const Line& line);
 /// Nothing of either where nothing changes.
 Felt felt(const Spectrum& spectrum);
 /// The share of the energy in lines from `low_hz` to `high_hz`.

@@ -47,7 +47,7 @@ class Lines {
     first_.resize(count);
     square_.resize(count);
     for (std::size_t k = 0; k < pieces; ++k)
-      turns_.push_back(std::conj(at_turn(static_cast<double>(k) / static_cast<double>(pieces))));
+      phasors_.push_back(std::conj(at_turn(static_cast<double>(k) / static_cast<double>(pieces))));
   }
 
   /// The pressures of one skin point, a value per piece; it stands for `weight` of the perimeter.
@@ -62,7 +62,7 @@ class Lines {
       const std::size_t m = i + 1;
       Complex c = 0;
       for (std::size_t k = 0; k < pieces_; ++k)
-        c += pressures[k] * turns_[m * k % pieces_];
+        c += pressures[k] * phasors_[m * k % pieces_];
       const double x = static_cast<double>(m) / n;
       c *= 2 / n * sinc(x) * std::conj(at_turn(x / 2));
       square_[i] += weight * std::norm(c);
@@ -92,9 +92,9 @@ class Lines {
  private:
   std::size_t pieces_;
   double period_s_ = 0;
-  std::vector<Complex> turns_;  ///< e^{-2 pi i k / pieces}
-  std::vector<Complex> first_;  ///< 2 c_m / mean of the first point
-  std::vector<double> square_;  ///< sum of |2 c_m|^2
+  std::vector<Complex> phasors_;  ///< e^{-2 pi i k / pieces}
+  std::vector<Complex> first_;    ///< 2 c_m / mean of the first point
+  std::vector<double> square_;    ///< sum of |2 c_m|^2
   double mean_ = 0, variance_ = 0, weight_ = 0;
   bool begun_ = false;
 };

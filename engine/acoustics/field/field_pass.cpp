@@ -25,10 +25,7 @@ namespace {
 
 gpu::ComputePipeline pipeline(const gpu::Device& device, Directivity directivity, bool absorbing) {
   const std::array<std::uint32_t, 2> constants{directivity != Directivity::omni, absorbing};
-  return {device,
-          "field",
-          spirv::field_comp,
-          {shader::field_buffers, sizeof(shader::FieldPush), constants, shader::field_texels}};
+  return {device, "field", spirv::field_comp, sizeof(shader::FieldPush), constants};
 }
 
 }  // namespace
@@ -39,7 +36,7 @@ FieldPass::FieldPass(const gpu::Device& device, Directivity directivity, bool ab
 void FieldPass::record(VkCommandBuffer commands, const FieldBindings& bindings, const shader::FieldPush& push) const {
   assert(push.points <= most_points);
   if (push.points == 0) return;
-  sum_.dispatch(commands, {bindings.sources, bindings.points, bindings.directivity, bindings.pressures}, push,
+  sum_.dispatch(commands, spirv::field_buffers(bindings), push,
                 gpu::groups_for(push.points, shader::field_group * shader::field_each));
 }
 
@@ -100,7 +97,7 @@ void FieldMemory::read(std::span<std::complex<double>> pressures) const {
                          [](const shader::FieldPressure& p) { return std::complex<double>(p.re, p.im); });
 }
 
-std::size_t field_piece(std::size_t transducers) {
+std::size_t field_batch(std::size_t transducers) {
   // Pairs of a point and a transducer in one submit: about a quarter of a second on two cores.
   constexpr std::size_t pairs = std::size_t{1} << 27, least = std::size_t{shader::field_group} * shader::field_each;
   constexpr std::size_t most = (std::size_t{1} << 20) / least * least;
@@ -114,16 +111,16 @@ bool field_on(const gpu::Device& device, const Layout& layout, const Air& air, D
   reserve_large(pressures, points.size());
   pressures.assign(points.size(), 0);
   if (points.empty() || layout.transducers.empty()) return true;
-  const std::size_t piece = field_piece(layout.transducers.size());
+  const std::size_t batch = field_batch(layout.transducers.size());
   const FieldPass pass(device, directivity, air.absorption_np_m != 0);
-  FieldMemory memory(device, layout, air, directivity, std::min(piece, points.size()));
+  FieldMemory memory(device, layout, air, directivity, std::min(batch, points.size()));
   memory.set(strengths);
   const gpu::Recorder recorder(device, "field");
   gpu::Timeline timeline(device);
   Activity activity("sums the sound of transducers", points.size());
-  for (std::size_t first = 0; first < points.size(); first += piece) {
+  for (std::size_t first = 0; first < points.size(); first += batch) {
     if (give_up && *give_up) return false;
-    const std::size_t count = std::min(piece, points.size() - first);
+    const std::size_t count = std::min(batch, points.size() - first);
     memory.record(recorder.begin(), pass, points.subspan(first, count));
     timeline.wait(timeline.submit(recorder.end()));
     memory.read(std::span(pressures).subspan(first, count));

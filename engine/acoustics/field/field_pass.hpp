@@ -71,7 +71,7 @@ class FieldMemory {
 
 /// How many points field_on has in one submit: what every device addresses, and a fraction of a second on a software
 /// one.
-std::size_t field_piece(std::size_t transducers);
+std::size_t field_batch(std::size_t transducers);
 
 /// The twin's at() on the device, without slopes and of one drive: `pressures` has one per point. Points go in pieces
 /// of a fraction of a second on a software device. False, and nothing of use, if `give_up` became true meanwhile.

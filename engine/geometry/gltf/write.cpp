@@ -40,7 +40,7 @@ void pad(std::string& bytes, char with) {
     bytes += with;
 }
 
-struct View {
+struct BufferView {
   std::size_t begin, bytes;
   int target;
 };
@@ -55,7 +55,7 @@ struct Accessor {
 /// One mesh, its two views and accessors: first positions, then indices.
 struct Item {
   const SceneMesh* mesh;
-  std::array<View, 2> views;
+  std::array<BufferView, 2> views;
   std::array<Accessor, 2> accessors;
 };
 
@@ -80,8 +80,8 @@ std::string told(const std::filesystem::path& file, const SceneMesh& item) {
 }
 
 /// From `begin` to the end of the binary chunk.
-View end_view(Document& document, std::size_t begin, int target) {
-  const View view{begin, document.binary.size() - begin, target};
+BufferView end_view(Document& document, std::size_t begin, int target) {
+  const BufferView view{begin, document.binary.size() - begin, target};
   pad(document.binary, '\0');
   return view;
 }
@@ -203,7 +203,7 @@ void write_accessor(JsonWriter& json, std::size_t view, const Accessor& accessor
   json.end_object();
 }
 
-void write_view(JsonWriter& json, const View& view) {
+void write_view(JsonWriter& json, const BufferView& view) {
   json.begin_object().member("buffer", 0).member("byteOffset", view.begin).member("byteLength", view.bytes);
   json.member("target", view.target).end_object();
 }

@@ -82,7 +82,7 @@ std::vector<unsigned char> load_buffer(const InputFile& file, const std::optiona
 std::vector<unsigned char> BufferLoader::load(std::size_t index) {
   const BufferSource& source = sources_[index];
   if (!source.packed) return load_buffer(file_, bin_, index, source);
-  const MeshoptView& view = *source.packed;
+  const MeshoptBufferView& view = *source.packed;
   auto found = packed_.find(view.buffer);
   if (found == packed_.end())
     found = packed_.emplace(view.buffer, load_buffer(file_, bin_, view.buffer, sources_[view.buffer])).first;

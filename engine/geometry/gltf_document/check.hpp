@@ -16,9 +16,9 @@ namespace palpa::geometry::gltf {
 
 /// Where a buffer's bytes come from.
 struct BufferSource {
-  std::uint64_t length = 0;                          ///< bytes wanted; 0: the scene does not need this buffer
-  std::string uri;                                   ///< a data URI or a relative path; empty: the BIN chunk
-  std::optional<MeshoptView> packed = std::nullopt;  ///< instead of either: to be unpacked from another buffer
+  std::uint64_t length = 0;                                ///< bytes wanted; 0: the scene does not need this buffer
+  std::string uri;                                         ///< a data URI or a relative path; empty: the BIN chunk
+  std::optional<MeshoptBufferView> packed = std::nullopt;  ///< instead of either: to be unpacked from another buffer
 };
 
 /// A primitive of the reduced document whose vertices and triangles are in a stream of draco. It has no indices there.

@@ -159,7 +159,7 @@ std::uint64_t DataChecker::check(std::uint32_t a, Role role) {
   const auto view = accessor.index("bufferView", "buffer view", view_checked_.size());
   const std::uint64_t offset = accessor.whole("byteOffset", 0, any).value_or(0);
   if (view) {
-    const View found = check_view(*view);
+    const BufferView found = check_view(*view);
     if (role == Role::indices && found.stride != 0) accessor.fail("holds indices in a buffer view with a byteStride");
     check_fit(accessor, found, offset, count, found.stride == 0 ? element : found.stride, element);
     if (offset % component_size(component) != 0) {
@@ -192,7 +192,7 @@ Json DataChecker::check_sparse(const Item& sparse, std::uint64_t accessor_count,
   const auto check_part = [&](const Item& part, std::uint64_t size) {
     const std::uint32_t view = part.needed_index("bufferView", "buffer view", view_checked_.size());
     const std::uint64_t offset = part.whole("byteOffset", 0, any).value_or(0);
-    const View found = check_view(view);
+    const BufferView found = check_view(view);
     if (found.stride != 0) part.fail("are in a buffer view with a byteStride");
     check_fit(part, found, offset, count, size, size);
     return Json{{"bufferView", view}, {"byteOffset", offset}};
@@ -202,7 +202,7 @@ Json DataChecker::check_sparse(const Item& sparse, std::uint64_t accessor_count,
   return {{"count", count}, {"indices", std::move(clean_indices)}, {"values", check_part(values, element)}};
 }
 
-void DataChecker::check_fit(const Item& item, const View& view, std::uint64_t offset, std::uint64_t count,
+void DataChecker::check_fit(const Item& item, const BufferView& view, std::uint64_t offset, std::uint64_t count,
                             std::uint64_t stride, std::uint64_t element) {
   if (stride < element)
     item.fail(fmt::format("has elements of {} bytes, but its buffer view a byteStride of {}", element, stride));
@@ -212,7 +212,7 @@ void DataChecker::check_fit(const Item& item, const View& view, std::uint64_t of
   }
 }
 
-DataChecker::View DataChecker::check_view(std::uint32_t v) {
+DataChecker::BufferView DataChecker::check_view(std::uint32_t v) {
   const Item view = at("bufferViews", "buffer view", v);
   const std::uint32_t buffer = view.needed_index("buffer", "buffer", buffer_count_);
   const std::uint64_t offset = view.whole("byteOffset", 0, any).value_or(0);
@@ -244,7 +244,7 @@ void DataChecker::check_stream(std::uint32_t view) {
 
 // A buffer of its own for what is unpacked.
 void DataChecker::check_packed(const Item& item, std::uint32_t v, std::uint64_t length, std::uint64_t stride) {
-  MeshoptView packed;
+  MeshoptBufferView packed;
   packed.buffer = item.needed_index("buffer", "buffer", buffer_count_);
   packed.offset = item.whole("byteOffset", 0, any).value_or(0);
   packed.length = item.needed_whole("byteLength", 1, any);

@@ -37,7 +37,7 @@ class DataChecker {
   void check_rest();
 
  private:
-  struct View {
+  struct BufferView {
     std::uint64_t length, stride;
   };
   // What an accessor is made of.
@@ -49,9 +49,9 @@ class DataChecker {
   Elements check_elements(const Item& accessor, Role role) const;
   void check_role(const Item& accessor, Role role, const std::string& type, std::uint64_t component) const;
   Json check_sparse(const Item& sparse, std::uint64_t accessor_count, std::uint64_t element);
-  static void check_fit(const Item& item, const View& view, std::uint64_t offset, std::uint64_t count,
+  static void check_fit(const Item& item, const BufferView& view, std::uint64_t offset, std::uint64_t count,
                         std::uint64_t stride, std::uint64_t element);
-  View check_view(std::uint32_t view);
+  BufferView check_view(std::uint32_t view);
   void check_packed(const Item& view, std::uint32_t v, std::uint64_t length, std::uint64_t stride);
   std::uint64_t check_buffer(std::uint32_t buffer);
   void claim(const Item& item, std::uint64_t bytes);

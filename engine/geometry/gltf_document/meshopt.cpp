@@ -5,7 +5,7 @@
 
 namespace palpa::geometry::gltf {
 
-std::optional<std::string> meshopt_fault(const MeshoptView& view) {
+std::optional<std::string> meshopt_fault(const MeshoptBufferView& view) {
   const bool attributes = view.mode == MeshoptMode::attributes;
   // The decoders take these for granted.
   if (attributes && (view.stride == 0 || view.stride % 4 != 0 || view.stride > 256))
@@ -22,7 +22,7 @@ std::optional<std::string> meshopt_fault(const MeshoptView& view) {
   return std::nullopt;
 }
 
-std::optional<std::vector<unsigned char>> unpack_meshopt(const MeshoptView& view,
+std::optional<std::vector<unsigned char>> unpack_meshopt(const MeshoptBufferView& view,
                                                          std::span<const unsigned char> packed) {
   std::vector<unsigned char> out(view.stride * view.count);
   int fault = 0;

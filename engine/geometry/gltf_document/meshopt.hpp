@@ -14,7 +14,7 @@ enum class MeshoptMode : char { attributes, triangles, indices };
 enum class MeshoptFilter : char { none, octahedral, quaternion, exponential };
 
 /// What the extension says about one buffer view.
-struct MeshoptView {
+struct MeshoptBufferView {
   std::uint32_t buffer = 0;              ///< the buffer with the packed bytes
   std::uint64_t offset = 0, length = 0;  ///< their place in it
   std::uint64_t stride = 0, count = 0;   ///< unpacked: bytes of an element, elements
@@ -23,11 +23,11 @@ struct MeshoptView {
 };
 
 /// What keeps stride, count, mode and filter from going together; nullopt where nothing does.
-std::optional<std::string> meshopt_fault(const MeshoptView& view);
+std::optional<std::string> meshopt_fault(const MeshoptBufferView& view);
 
 /// The view's stride * count bytes out of its packed ones; `view` must be without fault. nullopt for packed bytes that
 /// are not what the view says, whoever made them. Unpacked indices may be any numbers.
-std::optional<std::vector<unsigned char>> unpack_meshopt(const MeshoptView& view,
+std::optional<std::vector<unsigned char>> unpack_meshopt(const MeshoptBufferView& view,
                                                          std::span<const unsigned char> packed);
 
 }  // namespace palpa::geometry::gltf

@@ -51,7 +51,7 @@ struct Child {
   bool leaf = true;
 };
 
-struct Piece {
+struct ChunkResult {
   std::vector<Child> children;
   std::vector<std::uint32_t> lists;
 };
@@ -103,16 +103,16 @@ class Builder {
  private:
   // ---- the grid: lists from the tree ----
 
-  /// All lists, of which there is never a second copy of more than a piece. A piece keeps no room that it does not
+  /// All lists, of which there is never a second copy of more than a result. A result keeps no room that it does not
   /// need.
-  void collect_lists(std::vector<Piece>& pieces) {
+  void collect_lists(std::vector<ChunkResult>& results) {
     std::size_t listed = 0;
-    for (const Piece& piece : pieces)
-      listed += piece.lists.size();
+    for (const ChunkResult& result : results)
+      listed += result.lists.size();
     next_lists_.reserve(listed);
-    for (Piece& piece : pieces) {
-      next_lists_.insert(next_lists_.end(), piece.lists.begin(), piece.lists.end());
-      std::vector<std::uint32_t>().swap(piece.lists);
+    for (ChunkResult& result : results) {
+      next_lists_.insert(next_lists_.end(), result.lists.begin(), result.lists.end());
+      std::vector<std::uint32_t>().swap(result.lists);
     }
   }
 
@@ -120,40 +120,40 @@ class Builder {
     const std::size_t count = std::size_t{out_.grid.x} * out_.grid.y * out_.grid.z;
     out_.cells.resize(count);
     constexpr std::size_t chunk = 512;
-    std::vector<Piece> pieces(chunk_count(count, chunk));
+    std::vector<ChunkResult> results(chunk_count(count, chunk));
     const double side = out_.cell_m;
     const std::uint64_t most_steps =
         options_.spare_steps +
         (options_.deep ? 2 : 1) * (options_.steps_per_cell * count + options_.steps_per_triangle * t_.triangles.size());
     if (sampled_steps(count, side) > most_steps * 3 / 2) refuse(most_steps, count);
     std::atomic<std::uint64_t> all_steps{0};
-    Activity work("fills its grid", pieces.size());
+    Activity work("fills its grid", results.size());
     parallel_chunks(count, chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
-      Piece& piece = pieces[number];
+      ChunkResult& result = results[number];
       Walk walk;
       // The distance changes by no more than a step's length: a cell far from the surface speaks for some that follow.
       std::size_t same = 0;
       for (std::size_t i = begin; i < end && all_steps <= most_steps; ++i) {
         if (same > 0 && position(i).x != 0) {
           --same;
-          piece.children.push_back(piece.children.back());
+          result.children.push_back(result.children.back());
           continue;
         }
         double spare = 0;
-        piece.children.push_back(grid_cell(position(i), side, walk, piece.lists, spare));
+        result.children.push_back(grid_cell(position(i), side, walk, result.lists, spare));
         same = static_cast<std::size_t>(std::max(spare / side, 0.0));
         all_steps += std::exchange(walk.steps, 0);
       }
-      piece.lists.shrink_to_fit();
+      result.lists.shrink_to_fit();
       work.advance();
     });
     log::debug(
         fmt::format("a surface of {} triangles: {} cells, {} steps", t_.triangles.size(), count, all_steps.load()));
     // The sum is the same for any number of threads: either all of it was done, or it was too much.
     if (all_steps > most_steps) refuse(most_steps, count);
-    collect_lists(pieces);
+    collect_lists(results);
     for (std::size_t i = 0; i < count; ++i)
-      take(pieces[i / chunk].children[i % chunk], static_cast<std::uint32_t>(i), position(i));
+      take(results[i / chunk].children[i % chunk], static_cast<std::uint32_t>(i), position(i));
     finish_level();
   }
 
@@ -266,22 +266,22 @@ class Builder {
       }
     }
     constexpr std::size_t chunk = 256;
-    std::vector<Piece> pieces(chunk_count(divided.size(), chunk));
-    Activity work("divides its grid's cells", pieces.size());
+    std::vector<ChunkResult> results(chunk_count(divided.size(), chunk));
+    Activity work("divides its grid's cells", results.size());
     parallel_chunks(divided.size(), chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
       std::vector<float> scratch;
       for (std::size_t i = begin; i < end; ++i)
-        divide(*divided[i], side, scratch, pieces[number]);
-      pieces[number].lists.shrink_to_fit();
+        divide(*divided[i], side, scratch, results[number]);
+      results[number].lists.shrink_to_fit();
       work.advance();
     });
-    collect_lists(pieces);
+    collect_lists(results);
     for (std::size_t i = 0; i < divided.size(); ++i) {
       const auto first = static_cast<std::uint32_t>(out_.cells.size());
       out_.cells.resize(out_.cells.size() + 8);
       out_.cells[divided[i]->cell] = {first, shader::surface_divided};
       for (std::uint32_t c = 0; c < 8; ++c)
-        take(pieces[i / chunk].children[i % chunk * 8 + c], first + c,
+        take(results[i / chunk].children[i % chunk * 8 + c], first + c,
              divided[i]->at * 2U + glm::uvec3(c & 1U, c >> 1U & 1U, c >> 2U));
     }
     finish_level();
@@ -304,7 +304,7 @@ class Builder {
     return short_list;
   }
 
-  void divide(const Item& item, double side, std::vector<float>& d2, Piece& piece) const {
+  void divide(const Item& item, double side, std::vector<float>& d2, ChunkResult& result) const {
     constexpr std::size_t n = CellSamples::count;
     const CellSamples samples(out_.low + Vec3(item.at) * side, side);
     const std::uint32_t* list = lists_.data() + item.first;
@@ -343,12 +343,12 @@ class Builder {
       const bool inside =
           is_inside(t_.triangles[nearest_of_middle], t_.signs[nearest_of_middle], t_.corners, samples.at(middle));
       if (apart > 4 * epsilon_ && !inside) {
-        piece.children.emplace_back();
+        result.children.emplace_back();
         continue;
       }
       const bool deep = inside && apart >= options_.reach_m + 4 * epsilon_;
       if (deep && !options_.deep) {
-        piece.children.push_back({shader::surface_deep});
+        result.children.push_back({shader::surface_deep});
         continue;
       }
       Corners corners;
@@ -359,7 +359,7 @@ class Builder {
         contest.add(rival(middle), corners, epsilon_, slack);
         for (const std::size_t k : at)
           contest.add(rival(k), corners, epsilon_, slack);
-        const std::size_t before = piece.lists.size();
+        const std::size_t before = result.lists.size();
         std::array<float, 8> d;
         for (std::uint32_t k = 0; k < item.count; ++k) {
           for (std::size_t i = 0; i < 8; ++i)
@@ -367,22 +367,22 @@ class Builder {
           const auto end = contest.triangle.begin() + static_cast<std::ptrdiff_t>(contest.count);
           // With slack two could rule each other out: the rivals themselves stay.
           const bool stays = slack > 0 && std::find(contest.triangle.begin(), end, list[k]) != end;
-          if (stays || !contest.beats(d)) piece.lists.push_back(list[k]);
+          if (stays || !contest.beats(d)) result.lists.push_back(list[k]);
         }
-        return static_cast<std::uint32_t>(piece.lists.size() - before);
+        return static_cast<std::uint32_t>(result.lists.size() - before);
       };
       if (deep) {
         const std::uint32_t kept = filter(slack_of(apart));
         if (kept <= short_deep_list) {
-          piece.children.push_back({shader::surface_deep, kept});
+          result.children.push_back({shader::surface_deep, kept});
           continue;
         }
-        piece.lists.resize(piece.lists.size() - kept);
+        result.lists.resize(result.lists.size() - kept);
       }
       const std::uint32_t kept = filter(0);
       const bool helped = kept < item.count - item.count / 5;
-      piece.children.push_back({deep ? shader::surface_deep : shader::surface_near, kept,
-                                static_cast<std::uint8_t>(helped ? 0 : item.stuck + 1), false});
+      result.children.push_back({deep ? shader::surface_deep : shader::surface_near, kept,
+                                 static_cast<std::uint8_t>(helped ? 0 : item.stuck + 1), false});
     }
   }
 

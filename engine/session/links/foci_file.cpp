@@ -21,12 +21,12 @@ class JsonFile final : public FociFile {
       : out_(file), solid_names_(setting.solid_names.begin(), setting.solid_names.end()) {
     out_.write(fmt::format("{{\"slot_s\":{},\"frames\":[", setting.slot_s));
   }
-  void plan(const ToldPlan& told) override {
-    write_foci_line(told.schedule, solid_names_, json_);
+  void plan(const PlayedPlan& plan) override {
+    write_foci_line(plan.schedule, solid_names_, json_);
     std::string_view line = json_.finish();
     line.remove_prefix(1);  // its brace
     line.remove_suffix(1);  // and its newline
-    out_.write(fmt::format("{}{{\"slot\":{},{}", std::exchange(between_, ",\n"), told.from_slot, line));
+    out_.write(fmt::format("{}{{\"slot\":{},{}", std::exchange(between_, ",\n"), plan.slots.from, line));
   }
   void commit() override {
     out_.write("\n]}\n");
@@ -56,15 +56,15 @@ class CsvFile final : public FociFile {
     for (const std::string& name : setting.solid_names)
       solid_cells_.push_back(cell(name));
   }
-  void plan(const ToldPlan& told) override {
+  void plan(const PlayedPlan& plan) override {
     text_.clear();
-    for (std::uint32_t v = 0; v < told.schedule.voice_count; ++v) {
-      const array::Voice& voice = told.schedule.voices[v];
+    for (std::uint32_t v = 0; v < plan.schedule.voice_count; ++v) {
+      const array::Voice& voice = plan.schedule.voices[v];
       const std::string_view solid =
           voice.solid < solid_cells_.size() ? std::string_view(solid_cells_[voice.solid]) : "";
       for (std::size_t n = 0; n < voice.foci.size(); ++n) {
         const glm::vec3 focus(voice.foci[n]);
-        fmt::format_to(std::back_inserter(text_), "{},{},{},{},{},{},{},{},{}\n", told.from_slot, told.schedule.time_s,
+        fmt::format_to(std::back_inserter(text_), "{},{},{},{},{},{},{},{},{}\n", plan.slots.from, plan.schedule.time_s,
                        voice.id, solid, n, focus.x, focus.y, focus.z, voice.gain);
       }
     }

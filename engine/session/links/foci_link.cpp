@@ -23,13 +23,13 @@ class FociLink : public Link {
   FociLink(const std::string& address, const LinkSetting& setting)
       : sender_(address, "link foci", form), solid_names_(setting.solid_names.begin(), setting.solid_names.end()) {}
 
-  void plan(const ToldPlan& told) override {
-    write_foci_line(told.schedule, solid_names_, json_);
-    last_s_ = told.schedule.time_s;
+  void plan(const PlayedPlan& plan) override {
+    write_foci_line(plan.schedule, solid_names_, json_);
+    last_s_ = plan.schedule.time_s;
     ++lines_;
     heard_ = sender_.send(json_.finish());
     if (heard_) {
-      lines_with_fingers_ += told.schedule.voice_count > 0 ? 1 : 0;
+      lines_with_fingers_ += plan.schedule.voice_count > 0 ? 1 : 0;
       return;
     }
     ++unsent_;

@@ -14,7 +14,7 @@ namespace {
 /// Takes everything and does nothing: the loop without an array.
 class NullLink : public Link {
  public:
-  void plan(const ToldPlan&) override {}
+  void plan(const PlayedPlan&) override {}
   void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override { played_ += sounds(drive) ? 1 : 0; }
   std::optional<Carried> carried() const override { return Carried{.completed = {.drives = played_}}; }
 

@@ -14,6 +14,7 @@
 #include "array/layout.hpp"
 #include "array/schedule.hpp"
 #include "session/links/hand_over.hpp"
+#include "session/links/slots.hpp"
 
 namespace palpa::session {
 
@@ -28,23 +29,14 @@ struct LinkSetting {
   std::string board_files{};                 ///< folder with the boards' own calibration; empty: none
 };
 
-/// What sounds from now on, as a link is told it: enough for a board that plays a pattern by its own clock. What it
+/// What sounds from now on, as a link gets it: enough for a board that plays a pattern by its own clock. What it
 /// refers to is valid during the call; nothing of it is copied for a link that needs none of it.
-struct ToldPlan {
+struct PlayedPlan {
   const array::Schedule& schedule;  ///< whose foci when; no voices: silence. Its slot_s is how long a slot lasts
-  /// The first slot that plays it.
-  std::uint64_t from_slot = 0;
-  /// The slot from which on it may no longer sound: then comes silence, if no other plan came before.
-  std::uint64_t until_slot = 0;
-  /// Slot s plays part s % cycle of `drives`, which has one entry per transducer for each of `cycle` slots. 0: the
-  /// drives do not repeat soon enough to be listed; they come by send() alone, as they all do for whoever only has a
-  /// schedule.
-  std::uint32_t cycle = 0;
-  std::span<const array::TransducerDrive> drives{};
-  /// Where not 0, the amplitudes of slot s are multiplied by array::modulation_gain(shared_modulation,
-  /// shared_modulation_hz, (s + 0.5) * slot_s): `drives` are without the modulation that all fingers share.
-  double shared_modulation_hz = 0;
-  array::Modulation shared_modulation = array::Modulation::pressure_sine;
+  /// Where its cycle is not listed and there are voices, drives come by send() alone, as they all do for a caller that
+  /// only has a schedule.
+  Slots slots{};
+  std::span<const array::TransducerDrive> drives{};  ///< slots.cycle.length drives, one entry per transducer in each
 };
 
 /// All calls come from one thread, the output thread. A link that can fail throws Error: the loop then sends silence,
@@ -55,7 +47,7 @@ class Link {
   virtual ~Link() = default;
 
   /// What sounds from now on: once per frame, before its first drive, and without voices when what sounded has expired.
-  virtual void plan(const ToldPlan& told) = 0;
+  virtual void plan(const PlayedPlan& plan) = 0;
 
   /// The drive of slot `slot`, one entry per transducer in layout order, at the slot's time. Called for every slot;
   /// slots that the output thread overslept are skipped, so numbers ascend but may leap.

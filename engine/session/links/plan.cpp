@@ -19,20 +19,22 @@ void reserve(Plan& plan, std::size_t transducers) {
 
 const array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness) {
   array::Schedule& schedule = plan.schedule;
-  const bool shared = array::shared_modulation(schedule);
-  plan.shared_modulation_hz = shared && schedule.voice_count > 0 ? schedule.voices[0].modulation_hz : 0.0;
-  if (plan.shared_modulation_hz != 0) plan.shared_modulation = schedule.voices[0].modulation;
+  Cycle& cycle = plan.cycle;
+  const bool silent = schedule.voice_count == 0;
+  cycle.modulation_hz = !silent && array::shared_modulation(schedule) ? schedule.voices[0].modulation_hz : 0.0;
+  if (cycle.modulation_hz != 0) cycle.modulation = schedule.voices[0].modulation;
   array::Schedule* planned = &schedule;
-  if (plan.shared_modulation_hz != 0) {
+  if (cycle.modulation_hz != 0) {
     work.unmodulated = schedule;
     for (std::uint32_t v = 0; v < work.unmodulated.voice_count; ++v)
       work.unmodulated.voices[v].modulation_hz = 0;
     planned = &work.unmodulated;
   }
-  plan.cycle = schedule.voice_count == 0 ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
+  cycle.length = silent ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
+  cycle.too_long = !silent && !cycle.is_listed();
   if (loudness == nullptr) return *planned;
   // Slots that do not repeat soon enough are solved when they play; how loud they are is decided by the first of them.
-  loudness->solve(*planned, plan.cycle > 0 ? plan.cycle : most_cycle);
+  loudness->solve(*planned, cycle.slots_to_look_at());
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     schedule.voices[v].target_pa = planned->voices[v].target_pa;
     schedule.voices[v].reached_pa = planned->voices[v].reached_pa;
@@ -55,14 +57,15 @@ void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOp
   });
 }
 
-ToldPlan told(const Plan& plan, std::size_t transducers, std::uint64_t from_slot, std::uint64_t until_slot) {
+PlayedPlan played(const Plan& plan, std::size_t transducers, std::uint64_t from, std::uint64_t until) {
   return {.schedule = plan.schedule,
-          .from_slot = from_slot,
-          .until_slot = until_slot,
-          .cycle = plan.cycle,
-          .drives = std::span(plan.drives).first(plan.cycle * transducers),
-          .shared_modulation_hz = plan.shared_modulation_hz,
-          .shared_modulation = plan.shared_modulation};
+          .slots = {from, until, plan.cycle},
+          .drives = std::span(plan.drives).first(plan.cycle.length * transducers)};
+}
+
+void list_nothing(Plan& plan) {
+  plan.cycle.length = 0;
+  plan.cycle.too_long = false;
 }
 
 }  // namespace palpa::session

@@ -55,7 +55,7 @@ class RecordLink : public Link {
     writer_.end_in_zeros(transducers_ * sizeof(array::TransducerDrive), sizeof(Header));
   }
 
-  void plan(const ToldPlan&) override {}
+  void plan(const PlayedPlan&) override {}
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
     record_ = text_of(std::span<const std::uint64_t>(&slot, 1));
     record_ += text_of(drive);

@@ -5,14 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <utility>
 
 #include "base/error.hpp"
 
 namespace palpa::session {
 namespace {
 
-/// While a ramp moves, a plan is told anew that often: a board with a clock of its own has to load each of them.
-constexpr double retell_s = 10e-3;
+/// While a ramp moves, a plan is passed on again that often: a board with a clock of its own has to load each of them.
+constexpr double replan_s = 10e-3;
 
 /// Runs `work`; the first error of all is kept, later ones are consequences.
 template <typename Work>
@@ -38,8 +39,14 @@ void check_safety(const Safety& safety) {
     throw bad_usage(fmt::format("a link's ramp is from 0 to {} s, not {}", most_ramp_s, safety.ramp_s));
 }
 
-SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, double slot_s)
-    : link_(link), safety_(safety), transducers_(transducers), slot_s_(slot_s), silence_(transducers, {0.0f, 0.0f}) {
+SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, double slot_s,
+                   std::function<void(bool)> sent)
+    : link_(link),
+      safety_(safety),
+      transducers_(transducers),
+      slot_s_(slot_s),
+      sent_(std::move(sent)),
+      silence_(transducers, {0.0f, 0.0f}) {
   check_safety(safety);
   nothing_.slot_s = slot_s;
   if (plain()) return;
@@ -59,24 +66,22 @@ SafeLink::~SafeLink() {
   }
 }
 
-void SafeLink::plan(const ToldPlan& told) {
+void SafeLink::plan(const PlayedPlan& plan) {
   if (ended_) return;
-  next_slot_ = std::max(next_slot_, told.from_slot);  // should the link fail, silence comes after what it was told
-  nothing_.time_s = told.schedule.time_s;
-  if (plain()) return pass_on(told);
-  if (told.schedule.voice_count == 0) {
+  next_slot_ = std::max(next_slot_, plan.slots.from);  // should the link fail, silence comes after this plan
+  nothing_.time_s = plan.schedule.time_s;
+  if (plain()) return pass_on(plan);
+  if (plan.schedule.voice_count == 0) {
     on_ = false;
-    if (!must_fade()) link_.plan(told);
+    if (!must_fade()) link_.plan(plan);
     return;
   }
-  kept_.schedule = told.schedule;
-  kept_.cycle = told.cycle;
-  kept_.drives.assign(told.drives.begin(), told.drives.end());
-  kept_.shared_modulation_hz = told.shared_modulation_hz;
-  kept_.shared_modulation = told.shared_modulation;
-  until_slot_ = told.until_slot;
+  kept_.schedule = plan.schedule;
+  kept_.cycle = plan.slots.cycle;
+  kept_.drives.assign(plan.drives.begin(), plan.drives.end());
+  until_slot_ = plan.slots.until;
   on_ = true;
-  tell_scaled(told.from_slot, ramped() ? factor(std::min(up_ + 1, ramp_drives_)) : safety_.ceiling);
+  pass_on_scaled(plan.slots.from, ramped() ? factor(std::min(up_ + 1, ramp_drives_)) : safety_.ceiling);
 }
 
 HandOver SafeLink::handed_over() const {
@@ -95,7 +100,7 @@ void SafeLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> 
 }
 
 void SafeLink::silence() {
-  plan({.schedule = nothing_, .from_slot = next_slot_, .until_slot = next_slot_});
+  plan({.schedule = nothing_, .slots = {next_slot_, next_slot_}});
   send(next_slot_, silence_);
 }
 
@@ -103,13 +108,13 @@ void SafeLink::finish() {
   if (ended_) return;
   ended_ = true;
   std::exception_ptr fault;
-  keep_error(fault, [&] { link_.plan({.schedule = nothing_, .from_slot = next_slot_, .until_slot = next_slot_}); });
-  keep_error(fault, [&] { link_.send(next_slot_, silence_); });
+  keep_error(fault, [&] { link_.plan({.schedule = nothing_, .slots = {next_slot_, next_slot_}}); });
+  keep_error(fault, [&] { hand_over(next_slot_, silence_, false); });
   keep_error(fault, [&] { link_.finish(); });
   if (fault) std::rethrow_exception(fault);
 }
 
-void SafeLink::tell_scaled(std::uint64_t from_slot, double factor) {
+void SafeLink::pass_on_scaled(std::uint64_t from_slot, double factor) {
   scaled_ = kept_;
   for (std::uint32_t v = 0; v < scaled_.schedule.voice_count; ++v) {
     array::Voice& voice = scaled_.schedule.voices[v];
@@ -118,26 +123,26 @@ void SafeLink::tell_scaled(std::uint64_t from_slot, double factor) {
     if (voice.reached_pa) *voice.reached_pa *= factor;
   }
   scale(scaled_.drives, factor);
-  told_factor_ = factor;
-  told_slot_ = from_slot;
+  passed_factor_ = factor;
+  passed_slot_ = from_slot;
   next_slot_ = std::max(next_slot_, from_slot);
-  pass_on(told(scaled_, transducers_, from_slot, until_slot_));
+  pass_on(played(scaled_, transducers_, from_slot, until_slot_));
 }
 
 void SafeLink::send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
   const bool audible = sounds(drive);
-  on_ = on_ || audible;  // who tells no plans is heard, too
+  on_ = on_ || audible;  // drives without a plan are heard, too
   const bool fading = !on_ && must_fade();
   if (on_ && up_ < ramp_drives_) ++up_;
   if (fading) --up_;
   // A modulation has all-zero drives of its own: what is to fade out is one that sounds.
   if (on_ && audible) last_.assign(drive.begin(), drive.end());
   if (fading && up_ == 0) {
-    link_.plan({.schedule = nothing_, .from_slot = slot, .until_slot = slot});
-  } else if (must_fade() && kept_.schedule.voice_count > 0 && factor(up_) != told_factor_) {
+    link_.plan({.schedule = nothing_, .slots = {slot, slot}});
+  } else if (must_fade() && kept_.schedule.voice_count > 0 && factor(up_) != passed_factor_) {
     if (fading) until_slot_ = slot + up_;
-    const bool due = static_cast<double>(slot - told_slot_) * slot_s_ >= retell_s;
-    if (due || up_ == ramp_drives_) tell_scaled(slot, factor(up_));
+    const bool due = static_cast<double>(slot - passed_slot_) * slot_s_ >= replan_s;
+    if (due || up_ == ramp_drives_) pass_on_scaled(slot, factor(up_));
   }
   send_scaled(slot, fading ? std::span<const array::TransducerDrive>(last_) : drive, factor(up_));
 }
@@ -148,16 +153,22 @@ void SafeLink::send_scaled(std::uint64_t slot, std::span<const array::Transducer
   pass_on(slot, scaled_drive_);
 }
 
-void SafeLink::pass_on(const ToldPlan& told) {
-  if (told.schedule.voice_count > 0) ++passed_.plans;
-  link_.plan(told);
+void SafeLink::pass_on(const PlayedPlan& plan) {
+  if (plan.schedule.voice_count > 0) ++passed_.plans;
+  link_.plan(plan);
 }
 
 void SafeLink::pass_on(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
   next_slot_ = slot;  // should the link fail, silence takes this drive's place
-  if (sounds(drive)) ++passed_.drives;
-  link_.send(slot, drive);
+  const bool audible = sounds(drive);
+  if (audible) ++passed_.drives;
+  hand_over(slot, drive, audible);
   next_slot_ = slot + 1;
+}
+
+void SafeLink::hand_over(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool audible) {
+  link_.send(slot, drive);
+  if (sent_) sent_(audible);
 }
 
 }  // namespace palpa::session

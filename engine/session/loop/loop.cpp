@@ -88,12 +88,12 @@ bool wait_until_taken(Newest<T>& values, Stopped stopped) {
 constexpr double most_wait_s = 0.1;
 
 void capture(sensing::DepthSource& source, Newest<Captured>& frames, Newest<sensing::FrameSet>* recorded,
-             const LoopSetting& setting, const Clock& clock, const std::atomic<bool>& stop,
-             const LoopObservers& observers, LoopStats& stats) {
+             const LoopSetting& setting, const Clock& clock, const std::atomic<bool>& stop, const RunOptions& options,
+             LoopStats& stats) {
   SourceClock source_clock;
   const auto stopped = [&] { return stop.load(); };
   double looked_s = clock.now();  // when there was a frame, or it was noted that there was none
-  while (!stop && (setting.frames == 0 || stats.captured < setting.frames)) {
+  while (!stop && (options.frames == 0 || stats.captured < options.frames)) {
     Captured& next = frames.back();
     if (!source.next(next.set, std::min(setting.output.hold_s, most_wait_s))) break;
     const double now_s = clock.now();
@@ -105,22 +105,22 @@ void capture(sensing::DepthSource& source, Newest<Captured>& frames, Newest<sens
     }
     looked_s = now_s;
     ++stats.captured;
-    if (setting.every_frame) wait_until_taken(frames, stopped);
+    if (options.every_frame) wait_until_taken(frames, stopped);
     next.arrived_s = clock.now();
     next.captured_s = source_clock.capture_time(next.set.time_s, next.arrived_s);
     if (recorded) {
-      if (setting.every_frame) wait_until_taken(*recorded, stopped);
+      if (options.every_frame) wait_until_taken(*recorded, stopped);
       recorded->back() = next.set;
       if (recorded->publish()) ++stats.unrecorded;
     }
-    if (observers.arrived) observers.arrived(next.set.sequence);
+    if (options.arrived) options.arrived(next.set.sequence);
     if (frames.publish()) ++stats.replaced;
   }
 }
 
-void record(Newest<sensing::FrameSet>& frames, const LoopObservers& observers) {
+void record(Newest<sensing::FrameSet>& frames, const RunOptions& options) {
   while (!frames.closed()) {
-    if (frames.take(std::chrono::milliseconds(100))) observers.record(frames.front());
+    if (frames.take(std::chrono::milliseconds(100))) options.record(frames.front());
   }
 }
 
@@ -155,7 +155,7 @@ struct Compute {
   const std::atomic<bool>& stop;
   const std::atomic<bool>& output_ended;
   const LoopSetting& setting;
-  const LoopObservers& observers;
+  const RunOptions& options;
   LoopStats& stats;
 
   /// Of a frame under way.
@@ -167,8 +167,8 @@ struct Compute {
   std::deque<Start> under_way{};
   EarlyStart early_start{setting.output.hold_s};
   Overload overload{setting.output.hold_s};
-  EffortControl effort{setting.output.hold_s, setting.every_frame ? Effort{} : planner.most_shed(),
-                       setting.lengthens_hold && !setting.every_frame ? longest_auto_hold_s : 0};
+  EffortControl effort{setting.output.hold_s, options.every_frame ? Effort{} : planner.most_shed(),
+                       setting.lengthens_hold && !options.every_frame ? longest_auto_hold_s : 0};
   ShedReport shed_report{setting.output.hold_s};
   double begin_s = -1;
   double idle_s = -std::numeric_limits<double>::infinity();  ///< since then nothing was under way
@@ -193,7 +193,7 @@ bool Compute::start() {
   Captured& frame = frames.front();
   under_way.push_back({frame.arrived_s, early || frame.arrived_s < idle_s, early});
   // Frames that wait for the loop have no age of their own.
-  if (setting.every_frame) frame.arrived_s = frame.captured_s = clock.now();
+  if (options.every_frame) frame.arrived_s = frame.captured_s = clock.now();
   if (begin_s < 0) begin_s = frame.arrived_s;
   planner.start({.images = frame.set.frames,
                  .sequence = frame.set.sequence,
@@ -205,7 +205,7 @@ bool Compute::start() {
 
 /// Whether another plan is complete.
 bool Compute::step() {
-  if (setting.every_frame && !wait_until_taken(plans, [&] { return stopped(); })) return false;
+  if (options.every_frame && !wait_until_taken(plans, [&] { return stopped(); })) return false;
   FrameReport report;
   if (!planner.step(plans.back(), report)) return false;
   report.planned_s = clock.now();
@@ -218,7 +218,7 @@ bool Compute::step() {
   stats.frame_to_plan_s.add(report.planned_s - report.arrived_s);
   stats.add_passes(report.passes);
   stats.seconds = report.planned_s - begin_s;
-  if (observers.planned) observers.planned(report, plans.back());
+  if (options.planned) options.planned(report, plans.back());
   shed(report, plans.back().captured_s);
   last_captured_s = plans.back().captured_s;
   if (effort.exhausted()) overload.planned(report.planned_s - last_captured_s);
@@ -246,9 +246,9 @@ double Compute::run() {
       continue;
     }
     if (frames.closed()) break;
-    if (alive && !setting.every_frame && clock.now() >= last_captured_s + setting.output.hold_s) {
+    if (alive && !options.every_frame && clock.now() >= last_captured_s + setting.output.hold_s) {
       alive = false;
-      if (observers.expired) observers.expired();
+      if (options.expired) options.expired();
     }
   }
   shed_report.end(effort);
@@ -271,7 +271,7 @@ void drain(Planner& planner, Plan& plan) {
 }  // namespace
 
 void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const LoopSetting& setting,
-              std::atomic<bool>& stop, const LoopObservers& observers, LoopStats& stats) {
+              std::atomic<bool>& stop, const RunOptions& options, LoopStats& stats) {
   const log::Relay relay;  // what any thread has to say keeps none of them waiting
   const Clock clock;
   Newest<Captured> frames;
@@ -292,7 +292,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
       const EndFlag ended(output_ended);
       go_first();  // drives leave on time
       try {
-        play(link, plans, setting.output, clock, ending, stats.output);
+        play(link, plans, setting.output, clock, ending, stats.output, options.sent);
       } catch (...) {
         fail();
         throw;
@@ -300,11 +300,11 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
     });
     // The link gets silence meanwhile, and the source is not asked before frames can be looked at in time.
     planner.warm_up();
-    if (observers.record) {
+    if (options.record) {
       recorder_thread.emplace("--record", [&, fail] {
         take_turns();  // whoever calls may go first
         try {
-          record(recorded, observers);
+          record(recorded, options);
         } catch (...) {
           fail();  // a recording that cannot go on ends the loop
           throw;
@@ -315,13 +315,13 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
       const CloseFrames close(frames);
       take_turns();  // what makes frames itself, or unpacks them, works as long as the touch that waits for them
       try {
-        capture(source, frames, observers.record ? &recorded : nullptr, setting, clock, stop_capture, observers, stats);
+        capture(source, frames, options.record ? &recorded : nullptr, setting, clock, stop_capture, options, stats);
       } catch (...) {
         fail();
         throw;
       }
     });
-    Compute compute{planner, frames, plans, clock, stop, output_ended, setting, observers, stats};
+    Compute compute{planner, frames, plans, clock, stop, output_ended, setting, options, stats};
     const double last_s = compute.run();
     // A source that ended is one whose frames stopped coming: what it last showed is played until it expires.
     const auto sounds_on = [&] { return clock.now() < last_s + setting.output.hold_s || !plans.wait_taken({}); };

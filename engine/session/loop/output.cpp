@@ -50,29 +50,29 @@ std::span<const array::TransducerDrive> drive_of_slot(const Plan& plan, std::uin
                                                       const OutputSetting& setting, SlotScratch& scratch) {
   if (expired(plan, now_s, setting)) return silence(setting, scratch.drive);
   const std::size_t transducers = setting.layout.transducers.size();
-  if (plan.cycle == 0) {
+  if (!plan.cycle.is_listed()) {
     scratch.drive.resize(transducers);
     array::foci_of_slot(plan.schedule, slot, scratch.foci);
     array::drive_for(setting.layout, scratch.foci, setting.drive, scratch.drive, scratch.work);
     return scratch.drive;
   }
   const auto drive = plan.drive(slot, transducers);
-  if (plan.shared_modulation_hz == 0) return drive;
+  if (plan.cycle.modulation_hz == 0) return drive;
   scratch.drive.assign(drive.begin(), drive.end());
   const double midpoint_s = (static_cast<double>(slot) + 0.5) * setting.slot_s;
   const auto gain =
-      static_cast<float>(array::modulation_gain(plan.shared_modulation, plan.shared_modulation_hz, midpoint_s));
+      static_cast<float>(array::modulation_gain(plan.cycle.modulation, plan.cycle.modulation_hz, midpoint_s));
   for (array::TransducerDrive& transducer : scratch.drive)
     transducer.amplitude *= gain;
   return scratch.drive;
 }
 
 void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock, const Ending& ending,
-          OutputStats& stats) {
+          OutputStats& stats, const std::function<void(bool)>& sent) {
   // The kernel may delay a sleeping thread by 50 microseconds to save power; a slot is 1500.
   prctl(PR_SET_TIMERSLACK, 1000);
   const std::size_t transducers = setting.layout.transducers.size();
-  SafeLink safe(link, transducers, setting.safety, setting.slot_s);
+  SafeLink safe(link, transducers, setting.safety, setting.slot_s, sent);
   SlotScratch scratch;
   scratch.reserve(setting);
   array::Schedule nothing;
@@ -104,11 +104,11 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
     const bool silent = stopped || expired(plan, now_s, setting);
     if (fresh) stats.first_drive(now_s - plan.captured_s);
     if (fresh && !silent) {
-      safe.plan(told(plan, transducers, slot, expiry_slot(plan, begin_s, setting)));
+      safe.plan(played(plan, transducers, slot, expiry_slot(plan, begin_s, setting)));
     } else if (fresh || (silent && sounding)) {
       // Nothing is touched, or frames stopped coming: whoever plays or shows a plan must hear of its end, too.
       nothing.time_s = plan.schedule.time_s;
-      safe.plan({.schedule = nothing, .from_slot = slot, .until_slot = slot});
+      safe.plan({.schedule = nothing, .slots = {slot, slot}});
     }
     sounding = !silent;
     safe.send(slot, silent ? silence(setting, scratch.drive) : drive_of_slot(plan, slot, now_s, setting, scratch));

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 
 #include "array/drive.hpp"
 #include "session/clock.hpp"
@@ -34,9 +35,9 @@ struct Ending {
 /// at once where something failed, and where the link or anything else throws (the error is passed on afterwards). The
 /// slot counter starts at 0 and never restarts; slots that the thread overslept by a whole slot are left out. However
 /// long a slot is, its sound ends when its plan expires or the end is asked for, and a ramp lasts no longer than it
-/// should. It waits for the clock and the link, and for nothing else.
+/// should. It waits for the clock and the link, and for nothing else. `sent`: see RunOptions.
 void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock, const Ending& ending,
-          OutputStats& stats);
+          OutputStats& stats, const std::function<void(bool sounds)>& sent = {});
 
 /// Where the drive of a slot is computed that a plan does not hold; kept from slot to slot.
 struct SlotScratch {

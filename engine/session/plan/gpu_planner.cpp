@@ -157,7 +157,7 @@ class GpuPlanner : public Planner {
   /// The hop over the host: the fingers' schedule, and the foci of each slot of its cycle.
   void plan_on_host(Flight& flight) {
     scheduler_.make(flight.touch, flight.report.time_s, flight.plan.schedule);
-    flight.plan.cycle = 0;
+    list_nothing(flight.plan);
     if (!flight.drive_memory) return;
     array::DriveMemory& memory = *flight.drive_memory;
     memory.clear();
@@ -170,7 +170,7 @@ class GpuPlanner : public Planner {
   void submit_drives(Flight& flight) {
     flight.state = Flight::State::driving;
     flight.submitted = 0;
-    if (flight.plan.cycle == 0) return;
+    if (!flight.plan.cycle.is_listed()) return;
     const VkCommandBuffer commands = flight.drive_recorder.begin();
     flight.drive_times.begin(commands);
     flight.drive_memory->record(commands, *drive_passes_);
@@ -208,12 +208,10 @@ class GpuPlanner : public Planner {
     plan.schedule = flight.plan.schedule;
     plan.captured_s = flight.plan.captured_s;
     plan.cycle = flight.plan.cycle;
-    plan.shared_modulation_hz = flight.plan.shared_modulation_hz;
-    plan.shared_modulation = flight.plan.shared_modulation;
-    plan.drives.resize(plan.cycle * transducers);
+    plan.drives.resize(plan.cycle.length * transducers);
     if (flight.submitted == 0) return;
     timeline_.wait(flight.submitted);
-    for (std::uint32_t slot = 0; slot < plan.cycle; ++slot) {
+    for (std::uint32_t slot = 0; slot < plan.cycle.length; ++slot) {
       const auto drive = flight.drive_memory->drive(slot);
       std::memcpy(plan.drives.data() + slot * transducers, drive.data(), drive.size_bytes());
     }

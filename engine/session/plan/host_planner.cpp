@@ -65,7 +65,7 @@ class HostPlanner : public Planner {
 
   void make_drives(Plan& plan) {
     plan.drives.clear();
-    plan.cycle = 0;
+    list_nothing(plan);
     if (setting_.layout.transducers.empty()) return;
     drive_on_host(plan, setting_.layout, setting_.drive, slot_work_, loudness_ ? &*loudness_ : nullptr, drive_scratch_);
   }

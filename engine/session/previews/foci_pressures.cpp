@@ -22,7 +22,7 @@ double modulation_of(const array::Schedule& schedule, const array::Voice& voice,
 
 std::vector<std::vector<double>> foci_pressures(const Plan& plan, const SessionSetting& setting) {
   const array::Schedule& schedule = plan.schedule;
-  const bool unmodulated = plan.cycle > 0 && plan.shared_modulation_hz != 0;
+  const bool unmodulated = plan.cycle.is_listed() && plan.cycle.modulation_hz != 0;
   constexpr double never = std::numeric_limits<double>::infinity();
   std::vector<std::vector<double>> least;
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v)
@@ -30,10 +30,10 @@ std::vector<std::vector<double>> foci_pressures(const Plan& plan, const SessionS
   const OutputSetting output{.layout = setting.layout, .drive = setting.drive, .slot_s = schedule.slot_s, .safety = {}};
   SlotScratch scratch;
   std::vector<array::SlotFocus> foci;
-  for (std::uint64_t slot = 0; slot < (plan.cycle > 0 ? plan.cycle : most_cycle); ++slot) {
+  for (std::uint64_t slot = 0; slot < plan.cycle.slots_to_look_at(); ++slot) {
     array::foci_of_slot(schedule, slot, foci);
-    const auto drive = plan.cycle > 0 ? plan.drive(slot, setting.layout.transducers.size())
-                                      : drive_of_slot(plan, slot, plan.captured_s, output, scratch);
+    const auto drive = plan.cycle.is_listed() ? plan.drive(slot, setting.layout.transducers.size())
+                                              : drive_of_slot(plan, slot, plan.captured_s, output, scratch);
     for (const array::SlotFocus& focus : foci) {
       const double part = unmodulated ? 1 : modulation_of(schedule, schedule.voices[focus.voice], slot);
       if (part < least_modulation || !array::drivable(focus)) continue;

@@ -13,13 +13,12 @@ namespace palpa::session {
 namespace {
 
 /// Mean over time of the square of a modulation's gain, as slots sample it.
-double mean_square(const Plan& plan) {
-  if (plan.shared_modulation_hz == 0) return 1;
+double mean_square(const Cycle& cycle, double slot_s) {
+  if (cycle.modulation_hz == 0) return 1;
   constexpr int slots = 4000;  // whole periods of every usual modulation, six seconds
   double sum = 0;
   for (int slot = 0; slot < slots; ++slot) {
-    const double gain =
-        array::modulation_gain(plan.shared_modulation, plan.shared_modulation_hz, (slot + 0.5) * plan.schedule.slot_s);
+    const double gain = array::modulation_gain(cycle.modulation, cycle.modulation_hz, (slot + 0.5) * slot_s);
     sum += gain * gain;
   }
   return sum / slots;
@@ -31,14 +30,15 @@ constexpr std::size_t together = 16;
 }  // namespace
 
 Sounds sounds_of(const Plan& plan, const array::Layout& layout, const array::DriveOptions& options) {
-  const std::uint64_t slots = plan.cycle > 0 ? plan.cycle : most_cycle;
-  const double weight = (plan.cycle > 0 ? mean_square(plan) : 1) / static_cast<double>(slots);
+  const std::uint64_t slots = plan.cycle.slots_to_look_at();
+  const double modulated = plan.cycle.is_listed() ? mean_square(plan.cycle, plan.schedule.slot_s) : 1;
+  const double weight = modulated / static_cast<double>(slots);
   const OutputSetting output{.layout = layout, .drive = options, .slot_s = plan.schedule.slot_s, .safety = {}};
   SlotScratch scratch;
   Sounds sounds;
   for (std::uint64_t slot = 0; slot < slots; ++slot) {
-    const auto drive = plan.cycle > 0 ? plan.drive(slot, layout.transducers.size())
-                                      : drive_of_slot(plan, slot, plan.captured_s, output, scratch);
+    const auto drive = plan.cycle.is_listed() ? plan.drive(slot, layout.transducers.size())
+                                              : drive_of_slot(plan, slot, plan.captured_s, output, scratch);
     const acoustics::Strengths strengths = acoustics::strengths_of(drive);
     sounds.strengths.insert(sounds.strengths.end(), strengths.begin(), strengths.end());
     sounds.weights.push_back(weight);

@@ -21,7 +21,7 @@ struct Sounds {
 };
 
 /// Each slot of the cycle, so that foci count by their dwell and their modulation. A plan whose drives are not listed
-/// (cycle 0) is looked at for its first most_cycle slots. `plan` has at least one voice, and is of this layout, driven
+/// is looked at for its first most_cycle slots. `plan` has at least one voice, and is of this layout, driven
 /// by these options.
 Sounds sounds_of(const Plan& plan, const array::Layout& layout, const array::DriveOptions& drive);
 inline Sounds sounds_of(const Plan& plan, const SessionSetting& setting) {

@@ -17,18 +17,22 @@ static_assert(shader::bridge_samples == shader::bridge_group && shader::bridge_f
 static_assert(shader::bridge_samples == 1U << (32 - shader::bridge_sample_shift));
 static_assert(shader::bridge_hash * shader::bridge_unhash == 1U);
 
-BridgePass::BridgePass(const gpu::Device& device)
-    : sample_(device, "bridge sample", spirv::bridge_sample_comp,
-              {shader::bridge_sample_buffers, sizeof(shader::BridgePush)}),
-      pairs_(device, "bridge pairs", spirv::bridge_pairs_comp,
-             {shader::bridge_pairs_buffers, sizeof(shader::BridgePush)}),
-      join_(device, "bridge join", spirv::bridge_join_comp, {shader::bridge_join_buffers, sizeof(shader::BridgePush)}),
-      relabel_(device, "bridge relabel", spirv::bridge_relabel_comp,
-               {shader::bridge_relabel_buffers, sizeof(shader::BridgePush)}) {}
+namespace {
+/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+struct Buffers : BridgeBindings {
+  gpu::BufferRef samples = {}, patches = {}, pairs = {};
+};
+}  // namespace
 
-std::vector<gpu::ScratchPiece> BridgePass::scratch() {
+BridgePass::BridgePass(const gpu::Device& device)
+    : sample_(device, "bridge sample", spirv::bridge_sample_comp, sizeof(shader::BridgePush)),
+      pairs_(device, "bridge pairs", spirv::bridge_pairs_comp, sizeof(shader::BridgePush)),
+      join_(device, "bridge join", spirv::bridge_join_comp, sizeof(shader::BridgePush)),
+      relabel_(device, "bridge relabel", spirv::bridge_relabel_comp, sizeof(shader::BridgePush)) {}
+
+std::vector<gpu::ScratchBuffer> BridgePass::scratch() {
   constexpr std::uint64_t fingers = max_fingers;
-  std::vector<gpu::ScratchPiece> list(pieces);
+  std::vector<gpu::ScratchBuffer> list(scratch_count);
   list[samples] = {"bridge samples", fingers * shader::bridge_samples * sizeof(shader::BridgeSample)};
   list[patches] = {"bridge patches", fingers * sizeof(shader::BridgePatch)};
   list[pairs] = {"bridge pairs", fingers * fingers * sizeof(shader::BridgePair)};
@@ -41,17 +45,18 @@ void BridgePass::record(VkCommandBuffer commands, const BridgeBindings& b, const
   const shader::BridgePush push{room.contacts, cameras, static_cast<float>(parameters.finger_width_m), 0};
   const auto groups = [&](VkDeviceSize at) { return gpu::groups_in(b.header, at); };
   constexpr VkDeviceSize per_patch = offsetof(shader::TouchHeader, patches_x);
-  sample_.dispatch_indirect(
-      commands, {b.total, b.parents, b.contacts, b.fingers, b.depth, b.rays, b.cameras, s[samples], s[patches]}, push,
-      groups(per_patch));
+  Buffers buffers{b};
+  buffers.samples = s[samples];
+  buffers.patches = s[patches];
+  buffers.pairs = s[pairs];
+  sample_.dispatch_indirect(commands, spirv::bridge_sample_buffers(buffers), push, groups(per_patch));
   gpu::compute_to_compute(commands);
-  pairs_.dispatch_indirect(commands, {b.header, b.fingers, b.depth, b.cameras, s[samples], s[patches], s[pairs]}, push,
-                           groups(per_patch));
+  pairs_.dispatch_indirect(commands, spirv::bridge_pairs_buffers(buffers), push, groups(per_patch));
   gpu::compute_to_compute(commands);
-  join_.dispatch_indirect(commands, {b.total, b.parents, s[pairs], b.header, b.fingers, b.clusters}, push,
+  join_.dispatch_indirect(commands, spirv::bridge_join_buffers(buffers), push,
                           groups(offsetof(shader::TouchHeader, join_x)));
   gpu::compute_to_compute(commands);
-  relabel_.dispatch_indirect(commands, {b.total, b.parents, b.clusters}, push,
+  relabel_.dispatch_indirect(commands, spirv::bridge_relabel_buffers(buffers), push,
                              groups(offsetof(shader::TouchHeader, relabel_x)));
 }
 

@@ -29,7 +29,7 @@ class BridgePass {
  public:
   explicit BridgePass(const gpu::Device& device);
 
-  static std::vector<gpu::ScratchPiece> scratch();
+  static std::vector<gpu::ScratchBuffer> scratch();
 
   /// Barriers: expects all inputs to be visible to compute and as indirect arguments; adds its own inside; the caller
   /// adds compute_to_compute afterwards.
@@ -37,7 +37,7 @@ class BridgePass {
               const Parameters& parameters) const;
 
  private:
-  enum Piece : std::size_t { samples, patches, pairs, pieces };
+  enum ScratchIndex : std::size_t { samples, patches, pairs, scratch_count };
 
   gpu::ComputePipeline sample_, pairs_, join_, relabel_;
 };

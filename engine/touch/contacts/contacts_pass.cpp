@@ -17,6 +17,13 @@
 namespace palpa::touch {
 namespace {
 
+/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+struct Buffers : ContactsBindings {
+  gpu::BufferRef hits = {}, masks = {}, counts = {}, deep_masks = {}, deep_counts = {};
+  gpu::BufferRef surface_cells = {}, surface_runs = {}, surface_triangles = {}, surface_signs = {},
+                 surface_corners = {}, parts_words = {};
+};
+
 /// Words of 32 points that chunks can cover, of however many rounds: the last one may begin just before the last point.
 std::uint64_t mask_words(std::uint32_t points) {
   constexpr std::uint32_t longest_round = shader::contacts_chunks * shader::contacts_group;
@@ -45,18 +52,15 @@ ContactsPass::Kernel ContactsPass::kernel_for(const PreparedSolids& solids) {
 }
 
 void ContactsPass::prepare(const PreparedSolids& solids, const Parameters& parameters) {
-  if (device_->description().ends_long_loops && solids.turns > shader::contacts_most_turns) {
+  if (device_->description().ends_long_loops && solids.iterations > shader::contacts_most_iterations) {
     const std::string fault = fmt::format(
         "the scene's {} solids can take {} looks at one skin point, and {} takes {}: give fewer or simpler ones, or "
         "compute on the CPU (--backend cpu)",
-        solids.records.size(), solids.turns, device_->description().name, shader::contacts_most_turns);
+        solids.records.size(), solids.iterations, device_->description().name, shader::contacts_most_iterations);
     throw solids.file.empty() ? bad_usage(fault) : bad_input(solids.file, fault);
   }
   if (!pack_) {
-    pack_ = {*device_,
-             "contacts pack",
-             spirv::contacts_pack_comp,
-             {shader::contacts_pack_buffers, sizeof(shader::ContactsPush)}};
+    pack_ = {*device_, "contacts pack", spirv::contacts_pack_comp, sizeof(shader::ContactsPush)};
   }
   const Kernel kernel = kernel_for(solids);
   const std::uint32_t one = solids.records.size() == 1 ? 1 : 0, deep = parameters.wants_deep() ? 1 : 0;
@@ -64,21 +68,16 @@ void ContactsPass::prepare(const PreparedSolids& solids, const Parameters& param
   if (find) return;
   const std::array<std::uint32_t, 3> constants{one, deep, kernel == by_parts ? 1U : 0U};
   if (kernel == by_planes) {
-    find = {*device_,
-            "contacts find",
-            spirv::contacts_find_comp,
-            {shader::contacts_find_buffers, sizeof(shader::ContactsPush), std::span(constants).first(2)}};
+    find = {*device_, "contacts find", spirv::contacts_find_comp, sizeof(shader::ContactsPush),
+            std::span(constants).first(2)};
   } else {
-    find = {
-        *device_,
-        kernel == by_parts ? "contacts parts" : "contacts surface",
-        spirv::contacts_surface_comp,
-        {shader::contacts_surface_buffers, sizeof(shader::ContactsPush), constants, shader::contacts_surface_texels}};
+    find = {*device_, kernel == by_parts ? "contacts parts" : "contacts surface", spirv::contacts_surface_comp,
+            sizeof(shader::ContactsPush), constants};
   }
 }
 
-std::vector<gpu::ScratchPiece> ContactsPass::scratch(const Room& room) {
-  std::vector<gpu::ScratchPiece> list(pieces);
+std::vector<gpu::ScratchBuffer> ContactsPass::scratch(const Room& room) {
+  std::vector<gpu::ScratchBuffer> list(scratch_count);
   list[hits] = {"contact hits", std::uint64_t{room.points} * sizeof(shader::Hit)};
   list[masks] = {"contact masks", mask_words(room.points) * 4};
   list[counts] = {"contact counts", std::uint64_t{most_chunks(room.points)} * 4};
@@ -89,9 +88,10 @@ std::vector<gpu::ScratchPiece> ContactsPass::scratch(const Room& room) {
 
 shader::ScanGroups ContactsPass::groups(const gpu::Device& device, const Room& room, const PreparedSolids& solids) {
   constexpr std::uint32_t all = shader::contacts_most_points;
-  const std::uint32_t rounds = device.description().ends_long_loops
-                                   ? std::clamp(shader::contacts_most_turns / std::max(solids.turns, 1U), 1U, all)
-                                   : all;
+  const std::uint32_t rounds =
+      device.description().ends_long_loops
+          ? std::clamp(shader::contacts_most_iterations / std::max(solids.iterations, 1U), 1U, all)
+          : all;
   return {rounds * shader::contacts_group, shader::contacts_chunks, most_chunks(room.points), 4};
 }
 
@@ -104,26 +104,31 @@ void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, c
   const Kernel kernel = kernel_for(solids);
   const gpu::BufferRef chunks = gpu::groups_in(b.length, offsetof(shader::ScanTotal, groups_x));
   const gpu::ComputePipeline& find = find_[kernel][count == 1 ? 1 : 0][with_deep ? 1 : 0];
-  if (kernel == by_planes) {
-    find.dispatch_indirect(
-        commands,
-        {b.points, b.length, s[hits], s[masks], s[counts], b.solids, b.cells, b.planes, s[deep_masks], s[deep_counts]},
-        push, chunks);
-  } else {
-    find.dispatch_indirect(
-        commands,
-        {b.points, b.length, s[hits], s[masks], s[counts], b.solids, b.cells, b.planes, s[deep_masks], s[deep_counts],
-         b.surface.cells, b.surface.runs, b.surface.triangles, b.surface.signs, b.surface.corners, b.parts},
-        push, chunks);
-  }
+  Buffers buffers{b};
+  buffers.hits = s[hits];
+  buffers.masks = s[masks];
+  buffers.counts = s[counts];
+  buffers.deep_masks = s[deep_masks];
+  buffers.deep_counts = s[deep_counts];
+  buffers.surface_cells = b.surface.cells;
+  buffers.surface_runs = b.surface.runs;
+  buffers.surface_triangles = b.surface.triangles;
+  buffers.surface_signs = b.surface.signs;
+  buffers.surface_corners = b.surface.corners;
+  buffers.parts_words = b.parts;
+  find.dispatch_indirect(
+      commands, kernel == by_planes ? spirv::contacts_find_buffers(buffers) : spirv::contacts_surface_buffers(buffers),
+      push, chunks);
   gpu::compute_to_compute(commands);
   if (times) times->mark(commands, "contacts find");
-  pack_.dispatch_indirect(commands, {b.points, b.length, s[hits], s[masks], s[counts], b.total, b.contacts}, push,
-                          chunks);
+  pack_.dispatch_indirect(commands, spirv::contacts_pack_buffers(buffers), push, chunks);
   if (with_deep) {
     push.most_contacts = room.deep;
-    pack_.dispatch_indirect(
-        commands, {b.points, b.length, s[hits], s[deep_masks], s[deep_counts], b.deep_total, b.deep}, push, chunks);
+    buffers.masks = s[deep_masks];
+    buffers.counts = s[deep_counts];
+    buffers.total = b.deep_total;
+    buffers.contacts = b.deep;
+    pack_.dispatch_indirect(commands, spirv::contacts_pack_buffers(buffers), push, chunks);
   }
   if (times) times->mark(commands, "contacts pack");
 }

@@ -48,13 +48,13 @@ class ContactsPass {
   explicit ContactsPass(const gpu::Device& device) : device_(&device) {}
 
   /// Makes the pipelines that record() takes for these; those that are there stay. `solids` may move afterwards. Throws
-  /// bad_input with the solids' file (bad_usage without one) where a device that counts a kernel's turns could not look
-  /// one point up among so many solids.
+  /// bad_input with the solids' file (bad_usage without one) where a device that counts a kernel's iterations could not
+  /// look one point up among so many solids.
   void prepare(const PreparedSolids& solids, const Parameters& parameters);
 
-  static std::vector<gpu::ScratchPiece> scratch(const Room& room);
+  static std::vector<gpu::ScratchBuffer> scratch(const Room& room);
 
-  /// How the points are to be cut up: so that no thread takes more turns than a device has that counts them.
+  /// How the points are to be cut up: so that no thread takes more iterations than a device has that counts them.
   static shader::ScanGroups groups(const gpu::Device& device, const Room& room, const PreparedSolids& solids);
 
   /// Barriers: expects points and length to be visible to compute, and length as indirect arguments; adds its own
@@ -63,7 +63,7 @@ class ContactsPass {
               const PreparedSolids& solids, const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
 
  private:
-  enum Piece : std::size_t { hits, masks, counts, deep_masks, deep_counts, pieces };
+  enum ScratchIndex : std::size_t { hits, masks, counts, deep_masks, deep_counts, scratch_count };
   /// The kernels that look points up: by planes alone, by planes or surfaces, by any.
   enum Kernel : std::size_t { by_planes, by_surface, by_parts, kernels };
   static Kernel kernel_for(const PreparedSolids& solids);

@@ -18,20 +18,20 @@ Parameters at_stride(Parameters parameters, std::uint32_t stride) {
 std::uint32_t most_pixel_stride(std::span<const sensing::Camera> cameras, const sensing::RayTables& tables,
                                 const Box& box, const Parameters& parameters) {
   constexpr double most = 4;
-  std::vector<sensing::View> views;
-  sensing::plan_views(cameras, tables, box, views);
+  std::vector<sensing::Crop> crops;
+  sensing::plan_crops(cameras, tables, box, crops);
   double stride = most;
-  for (const sensing::View& view : views) {
-    const sensing::Camera& camera = cameras[view.camera];
-    const double pixel_m = view.depth_high * camera.depth_unit_m / std::min(camera.fx, camera.fy);
+  for (const sensing::Crop& crop : crops) {
+    const sensing::Camera& camera = cameras[crop.camera];
+    const double pixel_m = crop.depth_high * camera.depth_unit_m / std::min(camera.fx, camera.fy);
     stride = std::min(stride, parameters.finger_gap_m / (pixel_m * std::numbers::sqrt2));
   }
   return static_cast<std::uint32_t>(std::max(1.0, std::floor(stride)));
 }
 
-void set_stride(std::span<sensing::View> views, std::uint32_t stride) {
-  for (sensing::View& view : views)
-    view.stride = stride;
+void set_stride(std::span<sensing::Crop> crops, std::uint32_t stride) {
+  for (sensing::Crop& crop : crops)
+    crop.stride = stride;
 }
 
 }  // namespace palpa::touch

@@ -20,7 +20,7 @@ Parameters at_stride(Parameters parameters, std::uint32_t stride);
 std::uint32_t most_pixel_stride(std::span<const sensing::Camera> cameras, const sensing::RayTables& tables,
                                 const Box& box, const Parameters& parameters);
 
-/// The same for all views of a frame.
-void set_stride(std::span<sensing::View> views, std::uint32_t stride);
+/// The same for all crops of a frame.
+void set_stride(std::span<sensing::Crop> crops, std::uint32_t stride);
 
 }  // namespace palpa::touch

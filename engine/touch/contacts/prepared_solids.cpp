@@ -16,7 +16,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "shaders/touch/fingers/fingers.h"
-#include "touch/contacts/contact_turns.hpp"
+#include "touch/contacts/contact_iterations.hpp"
 #include "touch/contacts/parts_table.hpp"
 #include "touch/contacts/plane_cells.hpp"
 
@@ -253,7 +253,7 @@ PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const 
   for (std::size_t s = 0; s < solids.size(); ++s)
     check_size(solids[s], table.records[s], parameters);
   table.made_for = {parameters.delta_m, parameters.wants_deep()};
-  table.turns = contact_turns(table, parameters);
+  table.iterations = contact_iterations(table, parameters);
   return table;
 }
 

@@ -39,8 +39,8 @@ struct PreparedSolids {
   std::vector<std::uint32_t> foci_of;  ///< foci_of_solids()
   std::vector<shader::uvec4> parts;    ///< see parts_table.hpp; empty without solids of convex parts
   MadeFor made_for;
-  std::string file;         ///< where the solids are from, for messages; empty where they are not from a file
-  std::uint32_t turns = 0;  ///< contact_turns()
+  std::string file;              ///< where the solids are from, for messages; empty where they are not from a file
+  std::uint32_t iterations = 0;  ///< contact_iterations()
 
   /// The solid's delta: its own where it has one.
   double delta_m(std::uint32_t solid, const Parameters& parameters) const {

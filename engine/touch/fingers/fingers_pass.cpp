@@ -28,9 +28,16 @@ static_assert(offsetof(shader::SolidRecord, centre) == std::size_t{16} * shader:
 
 namespace {
 
-gpu::ComputePipeline kernel(const gpu::Device& device, const char* name, std::span<const std::uint32_t> spirv,
-                            std::uint32_t texels, std::span<const std::uint32_t> constants = {}) {
-  return {device, name, spirv, {shader::fingers_buffers, sizeof(shader::FingersPush), constants, texels}};
+/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+struct Buffers : FingersBindings {
+  gpu::BufferRef nodes = {}, tiles = {}, bases = {}, places = {}, list = {}, links = {}, groups_of_block = {},
+                 crowded = {}, undecided = {}, left = {}, work = {}, forest = {}, seen = {}, large = {},
+                 inside_total = {}, inside = {};
+};
+
+gpu::ComputePipeline pipeline(const gpu::Device& device, const char* name, const gpu::Kernel& kernel,
+                              std::span<const std::uint32_t> constants = {}) {
+  return {device, name, kernel, sizeof(shader::FingersPush), constants};
 }
 
 constexpr std::uint32_t test_all = 1;
@@ -40,33 +47,29 @@ constexpr std::uint32_t with_deep = 1;
 
 void FingersPass::prepare(const Parameters& parameters) {
   if (!select_) {
-    prepare_ = kernel(*device_, "fingers prepare", spirv::fingers_prepare_comp, 0);
-    insert_ = kernel(*device_, "fingers insert", spirv::fingers_insert_comp, shader::fingers_insert_texels);
-    collect_ = kernel(*device_, "fingers collect", spirv::fingers_collect_comp, shader::fingers_collect_texels);
-    place_ = kernel(*device_, "fingers place", spirv::fingers_place_comp, shader::fingers_place_texels);
-    blocks_ = kernel(*device_, "fingers blocks", spirv::fingers_blocks_comp, shader::fingers_blocks_texels);
-    link_ = kernel(*device_, "fingers link", spirv::fingers_link_comp, shader::fingers_link_texels);
-    crowded_ = kernel(*device_, "fingers crowded", spirv::fingers_crowded_comp, shader::fingers_crowded_texels);
-    rest_ = kernel(*device_, "fingers rest", spirv::fingers_link_comp, shader::fingers_link_texels, {&test_all, 1});
-    undecided_ = kernel(*device_, "fingers undecided", spirv::fingers_undecided_comp, shader::fingers_crowded_texels);
-    select_ = {*device_, "fingers select", spirv::fingers_select_comp, {shader::fingers_select_buffers}};
+    prepare_ = pipeline(*device_, "fingers prepare", spirv::fingers_prepare_comp);
+    insert_ = pipeline(*device_, "fingers insert", spirv::fingers_insert_comp);
+    collect_ = pipeline(*device_, "fingers collect", spirv::fingers_collect_comp);
+    place_ = pipeline(*device_, "fingers place", spirv::fingers_place_comp);
+    blocks_ = pipeline(*device_, "fingers blocks", spirv::fingers_blocks_comp);
+    link_ = pipeline(*device_, "fingers link", spirv::fingers_link_comp);
+    crowded_ = pipeline(*device_, "fingers crowded", spirv::fingers_crowded_comp);
+    rest_ = pipeline(*device_, "fingers rest", spirv::fingers_link_comp, {&test_all, 1});
+    undecided_ = pipeline(*device_, "fingers undecided", spirv::fingers_undecided_comp);
+    select_ = {*device_, "fingers select", spirv::fingers_select_comp, 0};
   }
   if (parameters.cluster != Cluster::inside) {
-    if (!label_) label_ = kernel(*device_, "fingers label", spirv::fingers_label_comp, shader::fingers_label_texels);
+    if (!label_) label_ = pipeline(*device_, "fingers label", spirv::fingers_label_comp);
   } else if (!gather_) {
-    label_inside_ = kernel(*device_, "fingers label inside", spirv::fingers_label_comp, shader::fingers_label_texels,
-                           {&with_deep, 1});
-    gather_ = {*device_,
-               "fingers gather",
-               spirv::fingers_gather_comp,
-               {shader::fingers_gather_buffers, sizeof(shader::GatherPush)}};
+    label_inside_ = pipeline(*device_, "fingers label inside", spirv::fingers_label_comp, {&with_deep, 1});
+    gather_ = {*device_, "fingers gather", spirv::fingers_gather_comp, sizeof(shader::GatherPush)};
   }
 }
 
-std::vector<gpu::ScratchPiece> FingersPass::scratch(const Room& room) {
+std::vector<gpu::ScratchBuffer> FingersPass::scratch(const Room& room) {
   const std::uint64_t points = room.clustered();
   const std::uint64_t slots = shader::table_slots(room.clustered());
-  std::vector<gpu::ScratchPiece> of(pieces);
+  std::vector<gpu::ScratchBuffer> of(scratch_count);
   of[nodes] = {"finger nodes", 2 * points * sizeof(shader::uvec4), VK_FORMAT_R32G32B32A32_UINT};
   of[tiles] = {"finger tiles", slots * sizeof(shader::uvec4), VK_FORMAT_R32G32B32A32_UINT};
   of[bases] = {"finger bases", slots * 4, VK_FORMAT_R32_UINT};
@@ -90,38 +93,53 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, con
                          const Parameters& parameters, gpu::Timestamps* times) const {
   const float gap = float_gap(parameters);
   const bool inside = parameters.cluster == Cluster::inside;
-  const gpu::BufferRef total = inside ? s[inside_total] : b.total, contacts = inside ? s[inside_points] : b.contacts;
   const shader::FingersPush push{cells_per_metre(gap), gap * gap, room.clustered(), parameters.min_points};
+  Buffers given{b};
+  given.nodes = s[nodes];
+  given.tiles = s[tiles];
+  given.bases = s[bases];
+  given.places = s[places];
+  given.list = s[list];
+  given.links = s[links];
+  given.groups_of_block = s[groups];
+  given.crowded = s[crowded];
+  given.undecided = s[links];  // the blocks that touch have been looked at by then
+  given.left = s[crowded];
+  given.work = s[work];
+  given.forest = s[forest];
+  given.seen = s[forest];
+  given.large = s[groups];  // after the last use of the groups
+  given.inside_total = s[inside_total];
+  given.inside = s[inside_points];
+  Buffers clustered = given;
   if (inside) {
     const shader::GatherPush gather{room.contacts, room.deep, 0, 0};
-    gather_.dispatch(commands, {b.total, b.contacts, b.deep_total, b.deep, s[inside_total], s[inside_points]}, gather,
-                     shader::contacts_most_groups / 2);
+    gather_.dispatch(commands, spirv::fingers_gather_buffers(given), gather, shader::contacts_most_groups / 2);
     gpu::compute_to_compute(commands);
+    clustered.total = given.inside_total;
+    clustered.contacts = given.inside;
   }
-  // `left`: where the kernel lists what it leaves undecided.
-  const auto run = [&](const gpu::ComputePipeline& kernel, gpu::BufferRef where, VkDeviceSize at,
-                       Piece left = crowded) {
-    kernel.dispatch_indirect(commands,
-                             {total, contacts, b.solids, s[nodes], s[tiles], s[bases], s[places], s[list], s[links],
-                              s[groups], s[left], s[work], s[forest], b.parents, b.clusters, s[forest]},
-                             push, gpu::groups_in(where, at));
+  const auto run = [&](const gpu::ComputePipeline& kernel, const gpu::KernelBuffers& buffers, gpu::BufferRef where,
+                       VkDeviceSize at) {
+    kernel.dispatch_indirect(commands, buffers, push, gpu::groups_in(where, at));
     gpu::compute_to_compute(commands);
   };
   constexpr VkDeviceSize per_contact = offsetof(shader::ScanTotal, groups_x);
-  run(prepare_, total, per_contact);
-  run(insert_, total, per_contact);
-  run(collect_, s[work], offsetof(shader::FingersWork, collect_x));
-  run(place_, total, per_contact);
+  const gpu::BufferRef total = clustered.total;
+  run(prepare_, spirv::fingers_prepare_buffers(clustered), total, per_contact);
+  run(insert_, spirv::fingers_insert_buffers(clustered), total, per_contact);
+  run(collect_, spirv::fingers_collect_buffers(clustered), s[work], offsetof(shader::FingersWork, collect_x));
+  run(place_, spirv::fingers_place_buffers(clustered), total, per_contact);
   if (times) times->mark(commands, "cells");
-  run(blocks_, s[work], offsetof(shader::FingersWork, blocks_x));
-  run(link_, s[work], offsetof(shader::FingersWork, links_x));
-  run(crowded_, s[work], offsetof(shader::FingersWork, crowded_x));
-  run(rest_, s[work], offsetof(shader::FingersWork, rest_x), links);
-  run(undecided_, s[work], offsetof(shader::FingersWork, undecided_x));
+  run(blocks_, spirv::fingers_blocks_buffers(clustered), s[work], offsetof(shader::FingersWork, blocks_x));
+  run(link_, spirv::fingers_link_buffers(clustered), s[work], offsetof(shader::FingersWork, links_x));
+  run(crowded_, spirv::fingers_crowded_buffers(clustered), s[work], offsetof(shader::FingersWork, crowded_x));
+  clustered.left = clustered.undecided;
+  run(rest_, spirv::fingers_link_buffers(clustered), s[work], offsetof(shader::FingersWork, rest_x));
+  run(undecided_, spirv::fingers_undecided_buffers(clustered), s[work], offsetof(shader::FingersWork, undecided_x));
   if (times) times->mark(commands, "links");
-  run(inside ? label_inside_ : label_, total, per_contact);
-  select_.dispatch(commands, {b.total, b.length, s[groups], b.clusters, b.contacts, b.header, b.fingers, s[work]},
-                   gpu::Push::none(), 1);
+  run(inside ? label_inside_ : label_, spirv::fingers_label_buffers(clustered), total, per_contact);
+  select_.dispatch(commands, spirv::fingers_select_buffers(given), gpu::Push::none(), 1);
   if (times) times->mark(commands, "fingers");
 }
 

@@ -36,8 +36,8 @@ struct FingersBindings {
 
 /// Pipelines only; eleven dispatches, and gather before them for Cluster::inside: prepare, insert, collect, place,
 /// blocks, link, crowded, rest, undecided, label, select. Every loop is bounded; the fingers do not depend on the order
-/// in which anything ran. A software device, which counts a shader's turns, finds them exactly unless more than 20,000
-/// contacts lie in a cube with sides of a gap, and as many beside it.
+/// in which anything ran. A software device, which counts a shader's iterations, finds them exactly unless more than
+/// 20,000 contacts lie in a cube with sides of a gap, and as many beside it.
 class FingersPass {
  public:
   explicit FingersPass(const gpu::Device& device) : device_(&device) {}
@@ -45,7 +45,7 @@ class FingersPass {
   /// Makes the pipelines that record() takes for these; those that are there stay.
   void prepare(const Parameters& parameters);
 
-  static std::vector<gpu::ScratchPiece> scratch(const Room& room);
+  static std::vector<gpu::ScratchBuffer> scratch(const Room& room);
 
   /// Barriers: expects total and contacts to be visible to compute and as indirect arguments; adds its own inside; the
   /// caller adds compute_to_compute afterwards. Expects what check_parameters() accepts. With `times`, marks "cells",
@@ -54,7 +54,7 @@ class FingersPass {
               const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
 
  private:
-  enum Piece : std::size_t {
+  enum ScratchIndex : std::size_t {
     nodes,
     tiles,
     bases,
@@ -67,7 +67,7 @@ class FingersPass {
     forest,
     inside_total,
     inside_points,
-    pieces
+    scratch_count
   };
 
   const gpu::Device* device_;

@@ -66,7 +66,8 @@ std::optional<Matrix> inverse_cholesky(const Matrix& a) {
   return inverse;
 }
 
-/// Eigenvector of the largest eigenvalue of a symmetric matrix: cyclic Jacobi.
+/// Eigenvector of the largest eigenvalue of a symmetric matrix: cyclic Jacobi. geometry::eigen_of multiplies in another
+/// order and stops earlier, so that most vectors would differ in their last bits, and with them the foci.
 Column largest_eigenvector(Matrix a) {
   Matrix v{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   for (int turn_number = 0; turn_number < 60; ++turn_number) {

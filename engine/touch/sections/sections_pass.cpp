@@ -15,18 +15,19 @@ static_assert(shader::sections_most_chunks * shader::sections_groups_per_chunk >
 static_assert(shader::sections_table >= 2 * shader::fingers_most);
 
 namespace {
-constexpr gpu::PipelineLayout layout(std::uint32_t texels) {
-  return {shader::sections_buffers, sizeof(shader::SectionsPush), {}, texels};
-}
+/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+struct Buffers : SectionsBindings {
+  gpu::BufferRef counts = {};
+};
 }  // namespace
 
 SectionsPass::SectionsPass(const gpu::Device& device)
-    : count_(device, "sections count", spirv::sections_count_comp, layout(0)),
-      group_(device, "sections group", spirv::sections_group_comp, layout(shader::sections_group_texels)),
-      axes_(device, "sections axes", spirv::sections_axes_comp, layout(shader::sections_axes_texels)) {}
+    : count_(device, "sections count", spirv::sections_count_comp, sizeof(shader::SectionsPush)),
+      group_(device, "sections group", spirv::sections_group_comp, sizeof(shader::SectionsPush)),
+      axes_(device, "sections axes", spirv::sections_axes_comp, 0) {}
 
-std::vector<gpu::ScratchPiece> SectionsPass::scratch() {
-  std::vector<gpu::ScratchPiece> list(pieces);
+std::vector<gpu::ScratchBuffer> SectionsPass::scratch() {
+  std::vector<gpu::ScratchBuffer> list(scratch_count);
   list[counts] = {"finger counts", std::uint64_t{shader::sections_most_chunks} * shader::fingers_most * 4};
   return list;
 }
@@ -34,15 +35,16 @@ std::vector<gpu::ScratchPiece> SectionsPass::scratch() {
 void SectionsPass::record(VkCommandBuffer commands, const SectionsBindings& b, const gpu::Scratch& s, const Room& room,
                           gpu::Timestamps* times) const {
   const shader::SectionsPush push{room.contacts, 0, 0, 0};
-  const auto buffers = {b.total, b.parents, b.contacts, b.header, s[counts], b.grouped, b.fingers};
+  Buffers buffers{b};
+  buffers.counts = s[counts];
   const gpu::BufferRef chunks = gpu::groups_in(b.total, offsetof(shader::ScanTotal, groups_x));
-  count_.dispatch_indirect(commands, buffers, push, chunks);
+  count_.dispatch_indirect(commands, spirv::sections_count_buffers(buffers), push, chunks);
   if (times) times->mark(commands, "count");
   gpu::compute_to_compute(commands);
-  group_.dispatch_indirect(commands, buffers, push, chunks);
+  group_.dispatch_indirect(commands, spirv::sections_group_buffers(buffers), push, chunks);
   if (times) times->mark(commands, "group");
   gpu::compute_to_compute(commands);
-  axes_.dispatch_indirect(commands, buffers, push, gpu::groups_in(b.header));
+  axes_.dispatch_indirect(commands, spirv::sections_axes_buffers(buffers), gpu::Push::none(), gpu::groups_in(b.header));
   if (times) times->mark(commands, "sections");
 }
 

@@ -27,7 +27,7 @@ class SectionsPass {
  public:
   explicit SectionsPass(const gpu::Device& device);
 
-  static std::vector<gpu::ScratchPiece> scratch();
+  static std::vector<gpu::ScratchBuffer> scratch();
 
   /// Barriers: expects all inputs to be visible to compute and as indirect arguments; adds its own inside; the caller
   /// adds compute_to_compute afterwards. With `times`, marks "count", "group" and "sections".
@@ -35,7 +35,7 @@ class SectionsPass {
               gpu::Timestamps* times = nullptr) const;
 
  private:
-  enum Piece : std::size_t { counts, pieces };
+  enum ScratchIndex : std::size_t { counts, scratch_count };
 
   gpu::ComputePipeline count_, group_, axes_;
 };

@@ -16,18 +16,23 @@ namespace palpa::touch {
 static_assert(shader::split_group == shader::bridge_samples && shader::split_group == max_fingers);
 static_assert(shader::split_numbers >= shader::bridge_samples);
 
-SplitPass::SplitPass(const gpu::Device& device)
-    : sample_(device, "split sample", spirv::split_sample_comp,
-              {shader::split_sample_buffers, sizeof(shader::SplitPush)}),
-      look_(device, "split look", spirv::split_look_comp, {shader::split_look_buffers, sizeof(shader::SplitPush)}),
-      parts_(device, "split parts", spirv::split_parts_comp, {shader::split_parts_buffers, sizeof(shader::SplitPush)}),
-      assign_(device, "split assign", spirv::split_assign_comp,
-              {shader::split_assign_buffers, sizeof(shader::SplitPush)}),
-      list_(device, "split list", spirv::split_list_comp, {shader::split_list_buffers, sizeof(shader::SplitPush)}) {}
+namespace {
+/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+struct Buffers : SplitBindings {
+  gpu::BufferRef samples = {}, states = {}, shown = {}, labels = {};
+};
+}  // namespace
 
-std::vector<gpu::ScratchPiece> SplitPass::scratch() {
+SplitPass::SplitPass(const gpu::Device& device)
+    : sample_(device, "split sample", spirv::split_sample_comp, sizeof(shader::SplitPush)),
+      look_(device, "split look", spirv::split_look_comp, sizeof(shader::SplitPush)),
+      parts_(device, "split parts", spirv::split_parts_comp, sizeof(shader::SplitPush)),
+      assign_(device, "split assign", spirv::split_assign_comp, sizeof(shader::SplitPush)),
+      list_(device, "split list", spirv::split_list_comp, sizeof(shader::SplitPush)) {}
+
+std::vector<gpu::ScratchBuffer> SplitPass::scratch() {
   constexpr std::uint64_t fingers = max_fingers;
-  std::vector<gpu::ScratchPiece> list(pieces);
+  std::vector<gpu::ScratchBuffer> list(scratch_count);
   list[samples] = {"split samples", fingers * shader::bridge_samples * sizeof(shader::BridgeSample)};
   list[states] = {"split states", fingers * sizeof(shader::SplitState)};
   list[evidence] = {"split evidence", fingers * shader::bridge_samples * sizeof(shader::SplitEvidence)};
@@ -40,22 +45,24 @@ void SplitPass::record(VkCommandBuffer commands, const SplitBindings& b, const g
   const auto cameras = static_cast<std::uint32_t>(b.cameras.size / sizeof(shader::BridgeCamera));
   const shader::SplitPush push{room.contacts, cameras, splitting_width(parameters), parameters.min_points};
   const auto groups = [&](VkDeviceSize at) { return gpu::groups_in(b.header, at); };
-  sample_.dispatch_indirect(commands,
-                            {b.total, b.parents, b.contacts, b.fingers, b.depth, b.rays, b.cameras, s[samples],
-                             s[states], b.header, s[evidence]},
-                            push, groups(offsetof(shader::TouchHeader, fingers)));
+  Buffers buffers{b};
+  buffers.samples = s[samples];
+  buffers.states = s[states];
+  buffers.shown = s[evidence];
+  buffers.labels = s[labels];
+  sample_.dispatch_indirect(commands, spirv::split_sample_buffers(buffers), push,
+                            groups(offsetof(shader::TouchHeader, fingers)));
   gpu::compute_to_compute(commands);
-  look_.dispatch_indirect(commands, {b.depth, b.cameras, s[samples], s[states], s[evidence]}, push,
+  look_.dispatch_indirect(commands, spirv::split_look_buffers(buffers), push,
                           groups(offsetof(shader::TouchHeader, look_x)));
   gpu::compute_to_compute(commands);
-  parts_.dispatch_indirect(commands, {s[evidence], s[samples], s[states], s[labels], b.clusters}, push,
+  parts_.dispatch_indirect(commands, spirv::split_parts_buffers(buffers), push,
                            groups(offsetof(shader::TouchHeader, parts_x)));
   gpu::compute_to_compute(commands);
-  assign_.dispatch_indirect(commands,
-                            {b.total, b.header, b.contacts, s[samples], s[states], s[labels], b.parents, b.clusters},
-                            push, groups(offsetof(shader::TouchHeader, assign_x)));
+  assign_.dispatch_indirect(commands, spirv::split_assign_buffers(buffers), push,
+                            groups(offsetof(shader::TouchHeader, assign_x)));
   gpu::compute_to_compute(commands);
-  list_.dispatch_indirect(commands, {b.header, b.fingers, s[states], b.clusters}, push,
+  list_.dispatch_indirect(commands, spirv::split_list_buffers(buffers), push,
                           groups(offsetof(shader::TouchHeader, list_x)));
 }
 

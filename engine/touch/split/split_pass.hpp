@@ -35,7 +35,7 @@ class SplitPass {
  public:
   explicit SplitPass(const gpu::Device& device);
 
-  static std::vector<gpu::ScratchPiece> scratch();
+  static std::vector<gpu::ScratchBuffer> scratch();
 
   /// Barriers: expects all inputs to be visible to compute and as indirect arguments; adds its own inside; the caller
   /// adds compute_to_compute afterwards.
@@ -43,7 +43,7 @@ class SplitPass {
               const Parameters& parameters) const;
 
  private:
-  enum Piece : std::size_t { samples, states, evidence, labels, pieces };
+  enum ScratchIndex : std::size_t { samples, states, evidence, labels, scratch_count };
 
   gpu::ComputePipeline sample_, look_, parts_, assign_, list_;
 };

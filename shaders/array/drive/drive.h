@@ -11,16 +11,13 @@ PALPA_CONST drive_each = 8u;
 PALPA_CONST drive_slots_per_group = 64u;
 PALPA_CONST drive_sum_each = 4u;  // the same for drive_sum
 
-// Bindings of all; the solvers' kernels have the same.
-PALPA_CONST drive_transducers = 0u;  // DrivePoint[], as texels of 16 bytes
-PALPA_CONST drive_foci = 1u;         // DriveFocus[], as texels of 16 bytes
-PALPA_CONST drive_slots = 2u;        // DriveSlot[], as texels of 16 bytes
-PALPA_CONST drive_drives = 3u;       // DriveOut[]: slots x transducers
-PALPA_CONST drive_buffers = 4u;
-PALPA_CONST drive_weights = 4u;  // of drive_weighted only: vec4 per focus, its plain and its heard factor, as texels
-PALPA_CONST drive_weighted_buffers = 5u;
-PALPA_CONST drive_texels = 1u << drive_transducers | 1u << drive_foci | 1u << drive_slots;
-PALPA_CONST drive_weighted_texels = drive_texels | 1u << drive_weights;
+// What the buffers hold, of the solvers' kernels too. Transducers, foci, slots and weights are read as texels of 16
+// bytes.
+//   transducers  DrivePoint[]
+//   foci         DriveFocus[]
+//   slots        DriveSlot[]
+//   drives       DriveOut[]: slots x transducers
+//   weights      vec4[]: per focus its plain and its heard factor
 
 // Under `uniform` and `clamp` the transducers of slots of up to so many foci with complex factors turn from their sums
 // on: by how much, in turns, waits in the drives where the phase will be.

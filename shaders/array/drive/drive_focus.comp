@@ -8,7 +8,7 @@
 layout(local_size_x = 32) in;
 
 // DriveOut[], each written as one vector: a software device then finds its place, and which lanes write, once.
-layout(std430, set = 0, binding = drive_drives) writeonly buffer Drives { vec2 drives[]; };
+layout(std430, set = 0, binding = 3) writeonly buffer Drives { vec2 drives[]; };
 layout(push_constant) uniform Push { DrivePush push; };
 
 void main() {

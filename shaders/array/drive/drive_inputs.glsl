@@ -1,8 +1,8 @@
 // What drives are computed from, read as texels: a software device fetches 16 bytes in one piece.
 
-layout(set = 0, binding = drive_transducers) uniform samplerBuffer transducers;
-layout(set = 0, binding = drive_foci) uniform samplerBuffer foci;
-layout(set = 0, binding = drive_slots) uniform usamplerBuffer slots;
+layout(set = 0, binding = 0) uniform samplerBuffer transducers;
+layout(set = 0, binding = 1) uniform samplerBuffer foci;
+layout(set = 0, binding = 2) uniform usamplerBuffer slots;
 
 DrivePoint transducer_at(uint n) {
   return DrivePoint(texelFetch(transducers, int(2u * n)), texelFetch(transducers, int(2u * n + 1u)));

@@ -5,9 +5,9 @@
 #include "shaders/array/drive/drive_phase.glsl"
 #include "shaders/shared/turns.glsl"
 
-layout(std430, set = 0, binding = drive_drives) buffer Drives { DriveOut drives[]; };
+layout(std430, set = 0, binding = 3) buffer Drives { DriveOut drives[]; };
 #ifdef DRIVE_WEIGHTED
-layout(set = 0, binding = drive_weights) uniform samplerBuffer weights;
+layout(set = 0, binding = 4) uniform samplerBuffer weights;
 #endif
 layout(push_constant) uniform Push { DrivePush push; };
 

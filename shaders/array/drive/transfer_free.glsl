@@ -4,8 +4,8 @@
 //
 // The solvers' kernels know of a transfer these names only: Source, source_of, Place, place_of, Pair, pair_of, ask_of.
 
-layout(set = 0, binding = solve_axes) uniform samplerBuffer axes;
-layout(set = 0, binding = solve_directivity) uniform usamplerBuffer directivity;
+layout(set = 0, binding = 3) uniform samplerBuffer axes;
+layout(set = 0, binding = 4) uniform usamplerBuffer directivity;
 
 // A transducer.
 struct Source {

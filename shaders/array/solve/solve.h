@@ -18,13 +18,10 @@ PALPA_CONST solve_finger_foci = 10u;
 PALPA_CONST solve_tile = 5u;         // rows and columns of a matrix' tile
 PALPA_CONST solve_greedy_few = 16u;  // up to so many, greedy's slots run in the smaller of its two kernels
 
-// Bindings of all, beside the drives' (drive.h); not every kernel uses every one. The solvers write drive_weights:
-// vec4[] per focus, plain and heard factor.
-PALPA_CONST solve_axes = 5u;         // vec4[], as texels: unit vector, w unused
-PALPA_CONST solve_directivity = 6u;  // uint[solve_directivity_steps], as texels: two neighbouring samples, 16 bits each
-PALPA_CONST solve_matrices = 7u;     // vec2[]: of slot s, count * count from its `solved`: [column * count + row]
-PALPA_CONST solve_buffers = 8u;
-PALPA_CONST solve_texels = drive_texels | 1u << solve_axes | 1u << solve_directivity;
+// What the buffers hold, beside those that drive.h describes. The solvers write the weights.
+//   axes         vec4[], as texels: unit vector, w unused
+//   directivity  uint[solve_directivity_steps], as texels: two neighbouring samples, 16 bits each
+//   matrices     vec2[]: of slot s, count * count from its `solved`: [column * count + row]
 
 PALPA_CONST solve_directivity_steps = 2048u;
 PALPA_CONST solve_phases = 16u;   // greedy's

@@ -8,9 +8,9 @@
 // place of its drive, in turns: the amplitude's for what holds, the phase's for what is tried, and in the end holds.
 layout(local_size_x = 16) in;
 
-layout(std430, set = 0, binding = solve_matrices) readonly buffer Matrices { vec2 matrices[]; };
-layout(std430, set = 0, binding = drive_weights) readonly buffer Weights { vec4 weights[]; };
-layout(std430, set = 0, binding = drive_drives) buffer Drives { DriveOut drives[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Matrices { vec2 matrices[]; };
+layout(std430, set = 0, binding = 6) readonly buffer Weights { vec4 weights[]; };
+layout(std430, set = 0, binding = 7) buffer Drives { DriveOut drives[]; };
 
 #include "shaders/array/solve/solve_rules.glsl"
 #include "shaders/array/solve/solve_near.glsl"

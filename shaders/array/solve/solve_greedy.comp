@@ -6,11 +6,11 @@
 // greedy.hpp: each transducer's choice depends on all choices before it, so a slot is one thread's work and slots run side
 // by side. Everything of a focus stays in registers: two kernels, for few foci and for many. A dispatch lets a stretch of
 // the transducers choose; between them a slot's state waits in its foci's weights. (A software driver ends a shader's
-// loops after 65,535 turns in all.)
+// loops after 65,535 iterations in all.)
 layout(local_size_x = 32) in;
 
-layout(std430, set = 0, binding = drive_weights) buffer Weights { vec4 weights[]; };
-layout(std430, set = 0, binding = drive_drives) writeonly buffer Drives { DriveOut drives[]; };
+layout(std430, set = 0, binding = 5) buffer Weights { vec4 weights[]; };
+layout(std430, set = 0, binding = 6) writeonly buffer Drives { DriveOut drives[]; };
 
 const uint together = 4u;  // phases tried per turn of the loop
 const float float_pi = 3.1415925;

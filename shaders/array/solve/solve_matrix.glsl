@@ -7,7 +7,7 @@
 
 layout(constant_id = 2) const uint tile = 5u;
 
-layout(std430, set = 0, binding = solve_matrices) writeonly buffer Matrices { vec2 matrices[]; };
+layout(std430, set = 0, binding = 5) writeonly buffer Matrices { vec2 matrices[]; };
 
 #ifdef SOLVE_MIRRORED
 const uint kinds = 2u;

@@ -7,10 +7,10 @@
 // one workgroup per slot.
 layout(local_size_x = 32) in;
 
-layout(std430, set = 0, binding = solve_matrices) readonly buffer Matrices { vec2 matrices[]; };
-layout(std430, set = 0, binding = drive_weights) buffer Weights { vec4 weights[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Matrices { vec2 matrices[]; };
+layout(std430, set = 0, binding = 6) buffer Weights { vec4 weights[]; };
 // What the transducers do with the factors so far: real and imaginary part wait in the drive's own place.
-layout(std430, set = 0, binding = drive_drives) buffer Drives { DriveOut drives[]; };
+layout(std430, set = 0, binding = 7) buffer Drives { DriveOut drives[]; };
 
 #include "shaders/array/solve/solve_step.glsl"
 

@@ -5,8 +5,8 @@
 // The factors of each slot's foci from its matrix, where they are many: one workgroup per slot, a thread per row (or two).
 layout(local_size_x = 32) in;
 
-layout(std430, set = 0, binding = solve_matrices) readonly buffer Matrices { vec2 matrices[]; };
-layout(std430, set = 0, binding = drive_weights) writeonly buffer Weights { vec4 weights[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Matrices { vec2 matrices[]; };
+layout(std430, set = 0, binding = 6) writeonly buffer Weights { vec4 weights[]; };
 
 #include "shaders/array/solve/solve_step.glsl"
 

@@ -8,8 +8,8 @@
 // it is there once.
 layout(local_size_x = 8) in;
 
-layout(std430, set = 0, binding = solve_matrices) readonly buffer Matrices { vec2 matrices[]; };
-layout(std430, set = 0, binding = drive_weights) writeonly buffer Weights { vec4 weights[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Matrices { vec2 matrices[]; };
+layout(std430, set = 0, binding = 6) writeonly buffer Weights { vec4 weights[]; };
 
 #include "shaders/array/solve/solve_rules.glsl"
 #include "shaders/array/solve/solve_near.glsl"
@@ -62,7 +62,7 @@ float climb(float sum) {
 
 // The damped step of even_out.hpp from `factor` to `tried`. Few of a slot's steps are such; only its inmost loops are
 // written out: with all of them a software device would compile for seconds, and with none it would end the shader, whose
-// loops may take 65,535 turns in all.
+// loops may take 65,535 iterations in all.
 void step_even(float level, float damping) {
   const uint count = focus_count;
   vec2 turn[most];

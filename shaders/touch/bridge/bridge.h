@@ -13,39 +13,14 @@ PALPA_CONST bridge_sample_shift = 26u;
 PALPA_CONST bridge_hash = 0x9e3779b1u;
 PALPA_CONST bridge_unhash = 0x0e8b2f51u;
 
-// Bindings of bridge_sample.
-PALPA_CONST bridge_sample_total = 0u;     // ScanTotal of the contacts
-PALPA_CONST bridge_sample_parents = 1u;   // uint[]: per contact a number that its cluster alone has
-PALPA_CONST bridge_sample_contacts = 2u;  // ContactRecord[]
-PALPA_CONST bridge_sample_fingers = 3u;   // FingerRecord[]
-PALPA_CONST bridge_sample_depth = 4u;     // uint[]: raw depths, two per word, the even pixel in the low half
-PALPA_CONST bridge_sample_rays = 5u;      // vec2[]: normalised coordinates per pixel of the padded arrangement
-PALPA_CONST bridge_sample_cameras = 6u;   // BridgeCamera[]
-PALPA_CONST bridge_sample_out = 7u;       // BridgeSample[bridge_fingers * bridge_samples]
-PALPA_CONST bridge_sample_patches = 8u;   // BridgePatch[bridge_fingers]
-PALPA_CONST bridge_sample_buffers = 9u;
-// Bindings of bridge_pairs.
-PALPA_CONST bridge_pairs_header = 0u;
-PALPA_CONST bridge_pairs_fingers = 1u;
-PALPA_CONST bridge_pairs_depth = 2u;
-PALPA_CONST bridge_pairs_cameras = 3u;
-PALPA_CONST bridge_pairs_samples = 4u;
-PALPA_CONST bridge_pairs_patches = 5u;
-PALPA_CONST bridge_pairs_out = 6u;  // BridgePair[bridge_fingers * bridge_fingers]: a before b only
-PALPA_CONST bridge_pairs_buffers = 7u;
-// Bindings of bridge_join.
-PALPA_CONST bridge_join_total = 0u;
-PALPA_CONST bridge_join_parents = 1u;
-PALPA_CONST bridge_join_pairs = 2u;
-PALPA_CONST bridge_join_header = 3u;  // TouchHeader: fingers, clusters and bridge_relabel's dispatch are written
-PALPA_CONST bridge_join_fingers = 4u;
-PALPA_CONST bridge_join_clusters = 5u;  // Cluster[]: per root
-PALPA_CONST bridge_join_buffers = 6u;
-// Bindings of bridge_relabel.
-PALPA_CONST bridge_relabel_total = 0u;
-PALPA_CONST bridge_relabel_parents = 1u;
-PALPA_CONST bridge_relabel_clusters = 2u;
-PALPA_CONST bridge_relabel_buffers = 3u;
+// What the buffers hold, beside structs:
+//   parents  uint[]: per contact a number that its cluster alone has
+//   depth    uint[]: raw depths, two per word, the even pixel in the low half
+//   rays     vec2[]: normalised coordinates per pixel of the padded arrangement
+//   samples  BridgeSample[bridge_fingers * bridge_samples]
+//   patches  BridgePatch[bridge_fingers]
+//   pairs    BridgePair[bridge_fingers * bridge_fingers]: a before b only
+// Of the TouchHeader bridge_join writes fingers, clusters and the dispatch of bridge_relabel.
 
 struct BridgePush {
   uint most_contacts;

@@ -9,12 +9,12 @@
 // the list of fingers, which stay in the order of their smallest contacts. A single group, one patch per thread.
 layout(local_size_x = 64) in;
 
-layout(std430, set = 0, binding = bridge_join_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = bridge_join_parents) readonly buffer Parents { uint parents[]; };
-layout(std430, set = 0, binding = bridge_join_pairs) readonly buffer Pairs { BridgePair pairs[]; };
-layout(std430, set = 0, binding = bridge_join_header) buffer Header { TouchHeader header; };
-layout(std430, set = 0, binding = bridge_join_fingers) buffer Fingers { FingerRecord fingers[]; };
-layout(std430, set = 0, binding = bridge_join_clusters) buffer Clusters { Cluster clusters[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = 1) readonly buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = 2) readonly buffer Pairs { BridgePair pairs[]; };
+layout(std430, set = 0, binding = 3) buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = 4) buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = 5) buffer Clusters { Cluster clusters[]; };
 layout(push_constant) uniform Push { BridgePush push; };
 
 // Sets of patches, as 64 bits. Of each patch: the finger it is in goes by its first patch.

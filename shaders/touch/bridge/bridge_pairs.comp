@@ -7,13 +7,13 @@
 // Every pair of patches: one group per patch, which goes through those after it.
 layout(local_size_x = 64) in;
 
-layout(std430, set = 0, binding = bridge_pairs_header) readonly buffer Header { TouchHeader header; };
-layout(std430, set = 0, binding = bridge_pairs_fingers) readonly buffer Fingers { FingerRecord fingers[]; };
-layout(std430, set = 0, binding = bridge_pairs_depth) readonly buffer Depth { uint depth[]; };
-layout(std430, set = 0, binding = bridge_pairs_cameras) readonly buffer Cameras { BridgeCamera cameras[]; };
-layout(std430, set = 0, binding = bridge_pairs_samples) readonly buffer Samples { BridgeSample samples[]; };
-layout(std430, set = 0, binding = bridge_pairs_patches) readonly buffer Patches { BridgePatch patches[]; };
-layout(std430, set = 0, binding = bridge_pairs_out) writeonly buffer Pairs { BridgePair pairs[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = 1) readonly buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = 2) readonly buffer Depth { uint depth[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Cameras { BridgeCamera cameras[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Samples { BridgeSample samples[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Patches { BridgePatch patches[]; };
+layout(std430, set = 0, binding = 6) writeonly buffer Pairs { BridgePair pairs[]; };
 layout(push_constant) uniform Push { BridgePush push; };
 
 #include "shaders/sensing/raw_depth.glsl"

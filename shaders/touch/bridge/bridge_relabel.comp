@@ -8,9 +8,9 @@
 // Gives the contacts of joined patches one number: that of the finger's first patch, whose own contacts keep it.
 layout(local_size_x = 128) in;
 
-layout(std430, set = 0, binding = bridge_relabel_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = bridge_relabel_parents) buffer Parents { uint parents[]; };
-layout(std430, set = 0, binding = bridge_relabel_clusters) readonly buffer Clusters { Cluster clusters[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = 1) buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = 2) readonly buffer Clusters { Cluster clusters[]; };
 layout(push_constant) uniform Push { BridgePush push; };
 
 void main() {

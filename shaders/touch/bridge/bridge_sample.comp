@@ -9,15 +9,15 @@
 // picture shows it.
 layout(local_size_x = 64) in;
 
-layout(std430, set = 0, binding = bridge_sample_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = bridge_sample_parents) readonly buffer Parents { uint parents[]; };
-layout(std430, set = 0, binding = bridge_sample_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
-layout(std430, set = 0, binding = bridge_sample_fingers) readonly buffer Fingers { FingerRecord fingers[]; };
-layout(std430, set = 0, binding = bridge_sample_depth) readonly buffer Depth { uint depth[]; };
-layout(std430, set = 0, binding = bridge_sample_rays) readonly buffer Rays { vec2 rays[]; };
-layout(std430, set = 0, binding = bridge_sample_cameras) readonly buffer Cameras { BridgeCamera cameras[]; };
-layout(std430, set = 0, binding = bridge_sample_out) writeonly buffer Samples { BridgeSample samples[]; };
-layout(std430, set = 0, binding = bridge_sample_patches) writeonly buffer Patches { BridgePatch patches[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = 1) readonly buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = 2) readonly buffer Contacts { ContactRecord contacts[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Depth { uint depth[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Rays { vec2 rays[]; };
+layout(std430, set = 0, binding = 6) readonly buffer Cameras { BridgeCamera cameras[]; };
+layout(std430, set = 0, binding = 7) writeonly buffer Samples { BridgeSample samples[]; };
+layout(std430, set = 0, binding = 8) writeonly buffer Patches { BridgePatch patches[]; };
 layout(push_constant) uniform Push { BridgePush push; };
 
 #include "shaders/touch/bridge/bridge_pick.glsl"

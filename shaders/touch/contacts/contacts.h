@@ -7,11 +7,11 @@ PALPA_SHADER_BEGIN
 
 // The points are cut into chunks, stretches of whole rounds of a group, one group each: contacts_chunks of them, since
 // starting one costs a software device a microsecond and their counts need no scan of their own; more only where a
-// thread would look at too much, see contacts_most_turns. Always a multiple of four.
+// thread would look at too much, see contacts_most_iterations. Always a multiple of four.
 PALPA_CONST contacts_group = 64u;
 PALPA_CONST contacts_chunks = 64u;
-// What a thread may look at: a software device ends all loops of a shader after 65,535 turns together.
-PALPA_CONST contacts_most_turns = 60000u;
+// What a thread may look at: a software device ends all loops of a shader after 65,535 iterations together.
+PALPA_CONST contacts_most_iterations = 60000u;
 PALPA_CONST contacts_most_words = 2048u;  // of 32 points each, in one chunk
 PALPA_CONST contacts_most_points = 4000000u;
 PALPA_CONST no_finger = 0xffffffffu;
@@ -20,32 +20,16 @@ PALPA_CONST no_finger = 0xffffffffu;
 PALPA_CONST contact_group = 128u;
 PALPA_CONST contacts_most_groups = 128u;
 
-// Bindings of contacts_find and contacts_surface.
-PALPA_CONST contacts_points = 0u;       // uvec4[]: bits of x, y, z; the point's index
-PALPA_CONST contacts_length = 1u;       // ScanTotal of the points
-PALPA_CONST contacts_hits = 2u;         // Hit[]: per point, written for contacts only
-PALPA_CONST contacts_masks = 3u;        // uint[]: which of 32 points are contacts
-PALPA_CONST contacts_counts = 4u;       // uint[]: contacts per chunk
-PALPA_CONST contacts_solids = 5u;       // SolidRecord[]
-PALPA_CONST contacts_cells = 6u;        // PlaneCell[]
-PALPA_CONST contacts_planes = 7u;       // vec4[]: normal, offset
-PALPA_CONST contacts_deep_masks = 8u;   // uint[]: which of 32 points are deep points, where asked for
-PALPA_CONST contacts_deep_counts = 9u;  // uint[]
-PALPA_CONST contacts_find_buffers = 10u;
-// contacts_surface only: texel buffers, see surface.h.
-PALPA_CONST contacts_surface_cells = 10u;      // SurfaceCell[], two words a texel
-PALPA_CONST contacts_surface_runs = 11u;       // uint[]
-PALPA_CONST contacts_surface_triangles = 12u;  // SurfaceTriangle[], four words a texel, as in all that follow
-PALPA_CONST contacts_surface_signs = 13u;      // SurfaceSigns[]
-PALPA_CONST contacts_surface_corners = 14u;    // vec4[]
-PALPA_CONST contacts_parts = 15u;              // uvec4[], see parts_depth.h
-PALPA_CONST contacts_surface_buffers = 16u;
-PALPA_CONST contacts_surface_texels = 0xfc00u;  // a bit per binding
-// Bindings of contacts_pack: the first five of contacts_find (the deep points' masks and counts in place of the
-// contacts'), then
-PALPA_CONST contacts_total = 5u;  // ScanTotal of the contacts
-PALPA_CONST contacts_out = 6u;    // ContactRecord[]
-PALPA_CONST contacts_pack_buffers = 7u;
+// What the buffers hold, beside structs:
+//   points      uvec4[]: bits of x, y, z; the point's index
+//   length      ScanTotal of the points
+//   hits        Hit[]: per point, written for contacts only
+//   masks       uint[]: which of 32 points are contacts; to contacts_pack also which are deep points
+//   counts      uint[]: contacts per chunk; to contacts_pack also deep points
+//   planes      vec4[]: normal, offset
+//   deep_masks, deep_counts: as masks and counts, of deep points, where asked for
+// contacts_surface reads as texels, see surface.h: surface_cells, two words a texel; surface_runs; and of four words a
+// texel surface_triangles, surface_signs, surface_corners, and parts_words, see parts_depth.h.
 
 // A solid. All its numbers are relative to its centre, in the axes that it has at rest: the digits of single precision
 // go to the solid's own size.

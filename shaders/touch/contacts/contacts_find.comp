@@ -11,16 +11,16 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool one_solid = false;
 layout(constant_id = 1) const bool with_deep = false;
 
-layout(std430, set = 0, binding = contacts_points) readonly buffer Points { uvec4 points[]; };
-layout(std430, set = 0, binding = contacts_length) readonly buffer Length { ScanTotal given; };
-layout(std430, set = 0, binding = contacts_hits) writeonly buffer Hits { Hit hits[]; };
-layout(std430, set = 0, binding = contacts_masks) writeonly buffer Masks { uint masks[]; };
-layout(std430, set = 0, binding = contacts_counts) writeonly buffer Counts { uint counts[]; };
-layout(std430, set = 0, binding = contacts_solids) readonly buffer Solids { SolidRecord solids[]; };
-layout(std430, set = 0, binding = contacts_cells) readonly buffer Cells { PlaneCell cells[]; };
-layout(std430, set = 0, binding = contacts_planes) readonly buffer Planes { vec4 planes[]; };
-layout(std430, set = 0, binding = contacts_deep_masks) writeonly buffer DeepMasks { uint deep_masks[]; };
-layout(std430, set = 0, binding = contacts_deep_counts) writeonly buffer DeepCounts { uint deep_counts[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Points { uvec4 points[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Length { ScanTotal given; };
+layout(std430, set = 0, binding = 2) writeonly buffer Hits { Hit hits[]; };
+layout(std430, set = 0, binding = 3) writeonly buffer Masks { uint masks[]; };
+layout(std430, set = 0, binding = 4) writeonly buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Solids { SolidRecord solids[]; };
+layout(std430, set = 0, binding = 6) readonly buffer Cells { PlaneCell cells[]; };
+layout(std430, set = 0, binding = 7) readonly buffer Planes { vec4 planes[]; };
+layout(std430, set = 0, binding = 8) writeonly buffer DeepMasks { uint deep_masks[]; };
+layout(std430, set = 0, binding = 9) writeonly buffer DeepCounts { uint deep_counts[]; };
 layout(push_constant) uniform Push { ContactsPush push; };
 
 #include "shaders/touch/contacts/contacts_planes.glsl"

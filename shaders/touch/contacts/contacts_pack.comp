@@ -7,14 +7,14 @@
 // Brings the chunks' contacts together, in input order.
 layout(local_size_x = 64) in;
 
-layout(std430, set = 0, binding = contacts_points) readonly buffer Points { uvec4 points[]; };
-layout(std430, set = 0, binding = contacts_length) readonly buffer Length { ScanTotal given; };
-layout(std430, set = 0, binding = contacts_hits) readonly buffer Hits { Hit hits[]; };
-layout(std430, set = 0, binding = contacts_masks) readonly buffer Masks { uint masks[]; };
-layout(std430, set = 0, binding = contacts_counts) readonly buffer Counts { uvec4 counts[]; };  // four chunks each
-layout(std430, set = 0, binding = contacts_total) writeonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = 0) readonly buffer Points { uvec4 points[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Length { ScanTotal given; };
+layout(std430, set = 0, binding = 2) readonly buffer Hits { Hit hits[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Masks { uint masks[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Counts { uvec4 counts[]; };  // four chunks each
+layout(std430, set = 0, binding = 5) writeonly buffer Total { ScanTotal found; };
 // ContactRecord[], each written as two vectors: a software device then finds its place, and which lanes write, once.
-layout(std430, set = 0, binding = contacts_out) writeonly buffer Contacts { uvec4 contacts[]; };
+layout(std430, set = 0, binding = 6) writeonly buffer Contacts { uvec4 contacts[]; };
 layout(push_constant) uniform Push { ContactsPush push; };
 
 const uint sum_threads = contacts_group, sum_row = 8u;

@@ -13,22 +13,22 @@ layout(constant_id = 0) const bool one_solid = false;
 layout(constant_id = 1) const bool with_deep = false;
 layout(constant_id = 2) const bool with_parts = false;
 
-layout(std430, set = 0, binding = contacts_points) readonly buffer Points { uvec4 points[]; };
-layout(std430, set = 0, binding = contacts_length) readonly buffer Length { ScanTotal given; };
-layout(std430, set = 0, binding = contacts_hits) writeonly buffer Hits { Hit hits[]; };
-layout(std430, set = 0, binding = contacts_masks) writeonly buffer Masks { uint masks[]; };
-layout(std430, set = 0, binding = contacts_counts) writeonly buffer Counts { uint counts[]; };
-layout(std430, set = 0, binding = contacts_solids) readonly buffer Solids { SolidRecord solids[]; };
-layout(std430, set = 0, binding = contacts_cells) readonly buffer Cells { PlaneCell cells[]; };
-layout(std430, set = 0, binding = contacts_planes) readonly buffer Planes { vec4 planes[]; };
-layout(std430, set = 0, binding = contacts_deep_masks) writeonly buffer DeepMasks { uint deep_masks[]; };
-layout(std430, set = 0, binding = contacts_deep_counts) writeonly buffer DeepCounts { uint deep_counts[]; };
-layout(set = 0, binding = contacts_surface_cells) uniform usamplerBuffer surface_cells;
-layout(set = 0, binding = contacts_surface_runs) uniform usamplerBuffer surface_runs;
-layout(set = 0, binding = contacts_surface_triangles) uniform samplerBuffer surface_triangles;
-layout(set = 0, binding = contacts_surface_signs) uniform usamplerBuffer surface_signs;
-layout(set = 0, binding = contacts_surface_corners) uniform samplerBuffer surface_corners;
-layout(set = 0, binding = contacts_parts) uniform usamplerBuffer parts_words;
+layout(std430, set = 0, binding = 0) readonly buffer Points { uvec4 points[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Length { ScanTotal given; };
+layout(std430, set = 0, binding = 2) writeonly buffer Hits { Hit hits[]; };
+layout(std430, set = 0, binding = 3) writeonly buffer Masks { uint masks[]; };
+layout(std430, set = 0, binding = 4) writeonly buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Solids { SolidRecord solids[]; };
+layout(std430, set = 0, binding = 6) readonly buffer Cells { PlaneCell cells[]; };
+layout(std430, set = 0, binding = 7) readonly buffer Planes { vec4 planes[]; };
+layout(std430, set = 0, binding = 8) writeonly buffer DeepMasks { uint deep_masks[]; };
+layout(std430, set = 0, binding = 9) writeonly buffer DeepCounts { uint deep_counts[]; };
+layout(set = 0, binding = 10) uniform usamplerBuffer surface_cells;
+layout(set = 0, binding = 11) uniform usamplerBuffer surface_runs;
+layout(set = 0, binding = 12) uniform samplerBuffer surface_triangles;
+layout(set = 0, binding = 13) uniform usamplerBuffer surface_signs;
+layout(set = 0, binding = 14) uniform samplerBuffer surface_corners;
+layout(set = 0, binding = 15) uniform usamplerBuffer parts_words;
 layout(push_constant) uniform Push { ContactsPush push; };
 
 #define PALPA_PARTS_WORD(i) texelFetch(parts_words, int(i))

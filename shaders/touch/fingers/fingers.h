@@ -26,66 +26,34 @@ PALPA_CONST fingers_patience = 32u;
 // Room on that list. When it or that of blocks that touch (links_room() in fingers_math.h) runs out, a pass tests
 // everything again, pair by pair: slow, but no less exact.
 PALPA_CONST fingers_crowded_per_contact = 1u;
-// A software device ends all loops of a shader after 65,535 turns together, and what they were about to say is then
-// anything. So a thread looks at few pairs of contacts and lists what it could not decide; for a pair of groups there,
-// the first one's contacts go to so many groups of blocks_group threads. That is enough for 20,000 contacts in each of
-// the two.
+// A software device ends all loops of a shader after 65,535 iterations together, and what they were about to say is
+// then anything. So a thread looks at few pairs of contacts and lists what it could not decide; for a pair of groups
+// there, the first one's contacts go to so many groups of blocks_group threads. That is enough for 20,000 contacts in
+// each of the two.
 PALPA_CONST fingers_rest_patience = 2048u;
 PALPA_CONST fingers_undecided_parts = 16u;
 
-// Bindings of all shaders but fingers_select. What a pass only reads it reads as texels, see engine/gpu/texel_view.hpp.
-PALPA_CONST fingers_total = 0u;     // ScanTotal of the contacts
-PALPA_CONST fingers_contacts = 1u;  // ContactRecord[]: two texels each
-PALPA_CONST fingers_solids = 2u;    // SolidRecord[]: fingers_solid_texels each
-PALPA_CONST fingers_nodes = 3u;     // uvec4[]: bits of x, y, z and the next one in the cell's list: the first of a cell
-                                    // has the cell's number, the others their contact's plus most_contacts
-PALPA_CONST fingers_tiles = 4u;     // uvec4[]: hash table: a TileKey, see fingers_table.glsl, and 64 cells as bits
-PALPA_CONST fingers_bases = 5u;     // uint[]: per slot its first cell's number
-PALPA_CONST fingers_places = 6u;    // uint[]: per contact its slot times 64, plus its cell there, or fingers_first
-PALPA_CONST fingers_list = 7u;      // uint[]: the blocks that hold contacts: slot times 8, plus the block there
-PALPA_CONST fingers_links = 8u;     // uvec2[]: two blocks that touch, see fingers_links.glsl. Then CrowdedPair[]: those
-                                    // that stayed undecided
-PALPA_CONST fingers_groups = 9u;    // uint[]: per block, at its first cell's number: see fingers_cells.glsl. Then the
-                                    // roots of clusters that may be fingers
-PALPA_CONST fingers_crowded = 10u;  // CrowdedPair[]
-PALPA_CONST fingers_work = 11u;     // FingersWork
-PALPA_CONST fingers_forest = 12u;   // uint[]: union-find over cells
-PALPA_CONST fingers_parents = 13u;  // uint[]: per contact its cell's number; at the end that of its root
-PALPA_CONST fingers_clusters = 14u;  // Cluster[]: per root
-PALPA_CONST fingers_seen = 15u;      // the forest as texels: while others write it perhaps not the newest
-PALPA_CONST fingers_buffers = 16u;
+// What the buffers hold, beside structs. What a shader only reads it reads as texels, see engine/gpu/texel_view.hpp.
+//   nodes            uvec4[]: bits of x, y, z and the next one in the cell's list: the first of a cell has the cell's
+//                    number, the others their contact's plus most_contacts
+//   tiles            uvec4[]: hash table: a TileKey, see fingers_table.glsl, and 64 cells as bits
+//   bases            uint[]: per slot its first cell's number
+//   places           uint[]: per contact its slot times 64, plus its cell there, or fingers_first
+//   list             uint[]: the blocks that hold contacts: slot times 8, plus the block there
+//   links            uvec2[]: two blocks that touch, see fingers_links.glsl
+//   groups_of_block  uint[]: at a block's first cell's number, see fingers_cells.glsl
+//   crowded          CrowdedPair[]
+//   undecided        CrowdedPair[]: those that stayed undecided
+//   left             where fingers_link lists what it leaves: one of these two
+//   forest           uint[]: union-find over cells
+//   seen             the forest as texels: while others write it perhaps not the newest
+//   large            uint[]: roots of clusters that may be fingers, in any order
+//   parents          uint[]: per contact its cell's number; at the end that of its root
+//   clusters         Cluster[]: per root
+//   inside           ContactRecord[]: the contacts, then the deep points, `finger` fingers_deep
 PALPA_CONST fingers_first = 0x80000000u;  // of its cell
 PALPA_CONST fingers_solid_texels = 6u;
 PALPA_CONST fingers_centre_texel = 1u;
-// What each pass binds as texels: a bit per binding.
-PALPA_CONST fingers_insert_texels = 1u << fingers_contacts | 1u << fingers_solids;
-PALPA_CONST fingers_collect_texels = 1u << fingers_tiles;
-PALPA_CONST fingers_place_texels =
-    1u << fingers_contacts | 1u << fingers_tiles | 1u << fingers_bases | 1u << fingers_places;
-PALPA_CONST fingers_blocks_texels =
-    1u << fingers_nodes | 1u << fingers_tiles | 1u << fingers_bases | 1u << fingers_list;
-PALPA_CONST fingers_link_texels =
-    fingers_blocks_texels | 1u << fingers_groups | 1u << fingers_links | 1u << fingers_seen;
-PALPA_CONST fingers_crowded_texels = 1u << fingers_nodes | 1u << fingers_seen;
-PALPA_CONST fingers_label_texels = 1u << fingers_contacts | 1u << fingers_seen;
-// fingers_select has its own:
-PALPA_CONST select_total = 0u;
-PALPA_CONST select_length = 1u;  // ScanTotal of the skin points
-PALPA_CONST select_large = 2u;   // uint[]: roots of clusters that may be fingers, in any order
-PALPA_CONST select_clusters = 3u;
-PALPA_CONST select_contacts = 4u;
-PALPA_CONST select_header = 5u;   // TouchHeader
-PALPA_CONST select_fingers = 6u;  // FingerRecord[fingers_most]
-PALPA_CONST select_work = 7u;     // FingersWork
-PALPA_CONST fingers_select_buffers = 8u;
-// And fingers_gather.
-PALPA_CONST gather_total = 0u;
-PALPA_CONST gather_contacts = 1u;
-PALPA_CONST gather_deep_total = 2u;
-PALPA_CONST gather_deep = 3u;
-PALPA_CONST gather_inside_total = 4u;  // ScanTotal of the contacts and deep points
-PALPA_CONST gather_inside = 5u;        // ContactRecord[]: the contacts, then the deep points, `finger` fingers_deep
-PALPA_CONST fingers_gather_buffers = 6u;
 PALPA_CONST fingers_deep = 0xfffffffeu;
 
 struct GatherPush {

@@ -10,15 +10,15 @@
 // group. Then lists what is left to fingers_link: the block's neighbours, and the block itself where tests are left.
 layout(local_size_x = 64) in;
 
-layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
-layout(set = 0, binding = fingers_nodes) uniform usamplerBuffer nodes;
-layout(set = 0, binding = fingers_tiles) uniform usamplerBuffer tiles;
-layout(set = 0, binding = fingers_bases) uniform usamplerBuffer bases;
-layout(set = 0, binding = fingers_list) uniform usamplerBuffer list;
-layout(std430, set = 0, binding = fingers_links) writeonly buffer Links { uvec2 links[]; };
-layout(std430, set = 0, binding = fingers_groups) writeonly buffer Groups { uint groups_of_block[]; };
-layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
-layout(std430, set = 0, binding = fingers_forest) writeonly buffer Forest { uint forest[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(set = 0, binding = 1) uniform usamplerBuffer nodes;
+layout(set = 0, binding = 2) uniform usamplerBuffer tiles;
+layout(set = 0, binding = 3) uniform usamplerBuffer bases;
+layout(set = 0, binding = 4) uniform usamplerBuffer list;
+layout(std430, set = 0, binding = 5) writeonly buffer Links { uvec2 links[]; };
+layout(std430, set = 0, binding = 6) writeonly buffer GroupsOfBlock { uint groups_of_block[]; };
+layout(std430, set = 0, binding = 7) buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 8) writeonly buffer Forest { uint forest[]; };
 layout(push_constant) uniform Push { FingersPush push; };
 
 #include "shaders/touch/fingers/fingers_cells.glsl"

@@ -10,13 +10,13 @@
 // close together, in whatever order the contacts came.
 layout(local_size_x = 128) in;
 
-layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = fingers_nodes) writeonly buffer Nodes { uint nodes[]; };
-layout(set = 0, binding = fingers_tiles) uniform usamplerBuffer tiles;
-layout(std430, set = 0, binding = fingers_bases) writeonly buffer Bases { uint bases[]; };
-layout(std430, set = 0, binding = fingers_list) writeonly buffer List { uint list[]; };
-layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
-layout(std430, set = 0, binding = fingers_clusters) writeonly buffer Clusters { uvec2 clusters[]; };  // Cluster
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = 1) writeonly buffer Nodes { uint nodes[]; };
+layout(set = 0, binding = 2) uniform usamplerBuffer tiles;
+layout(std430, set = 0, binding = 3) writeonly buffer Bases { uint bases[]; };
+layout(std430, set = 0, binding = 4) writeonly buffer List { uint list[]; };
+layout(std430, set = 0, binding = 5) buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 6) writeonly buffer Clusters { uvec2 clusters[]; };  // Cluster
 layout(push_constant) uniform Push { FingersPush push; };
 
 #include "shaders/touch/fingers/fingers_cells.glsl"

@@ -11,12 +11,12 @@
 // or, if there would be too many of them for one thread, in fingers_undecided.
 layout(local_size_x = 64) in;
 
-layout(set = 0, binding = fingers_nodes) uniform usamplerBuffer nodes;
-layout(std430, set = 0, binding = fingers_links) writeonly buffer Undecided { CrowdedPair undecided[]; };
-layout(std430, set = 0, binding = fingers_crowded) readonly buffer Crowded { CrowdedPair crowded[]; };
-layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
-layout(std430, set = 0, binding = fingers_forest) buffer Forest { uint forest[]; };
-layout(set = 0, binding = fingers_seen) uniform usamplerBuffer seen;
+layout(set = 0, binding = 0) uniform usamplerBuffer nodes;
+layout(std430, set = 0, binding = 1) writeonly buffer Undecided { CrowdedPair undecided[]; };
+layout(std430, set = 0, binding = 2) readonly buffer Crowded { CrowdedPair crowded[]; };
+layout(std430, set = 0, binding = 3) buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 4) buffer Forest { uint forest[]; };
+layout(set = 0, binding = 5) uniform usamplerBuffer seen;
 layout(push_constant) uniform Push { FingersPush push; };
 
 #include "shaders/touch/fingers/fingers_cells.glsl"

@@ -7,12 +7,12 @@
 // Contacts, then deep points, as one list: what --cluster inside clusters.
 layout(local_size_x = 128) in;
 
-layout(std430, set = 0, binding = gather_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = gather_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
-layout(std430, set = 0, binding = gather_deep_total) readonly buffer DeepTotal { ScanTotal found_deep; };
-layout(std430, set = 0, binding = gather_deep) readonly buffer Deep { ContactRecord deep[]; };
-layout(std430, set = 0, binding = gather_inside_total) writeonly buffer InsideTotal { ScanTotal inside_total; };
-layout(std430, set = 0, binding = gather_inside) writeonly buffer Inside { ContactRecord inside[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = 1) readonly buffer Contacts { ContactRecord contacts[]; };
+layout(std430, set = 0, binding = 2) readonly buffer DeepTotal { ScanTotal found_deep; };
+layout(std430, set = 0, binding = 3) readonly buffer Deep { ContactRecord deep[]; };
+layout(std430, set = 0, binding = 4) writeonly buffer InsideTotal { ScanTotal inside_total; };
+layout(std430, set = 0, binding = 5) writeonly buffer Inside { ContactRecord inside[]; };
 layout(push_constant) uniform Push { GatherPush push; };
 
 void main() {

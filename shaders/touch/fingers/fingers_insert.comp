@@ -10,11 +10,11 @@
 // a tile has and who is first in a cell may differ from run to run: nothing that leaves the pass depends on it.
 layout(local_size_x = 128) in;
 
-layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
-layout(set = 0, binding = fingers_contacts) uniform usamplerBuffer contacts;
-layout(set = 0, binding = fingers_solids) uniform samplerBuffer solids;
-layout(std430, set = 0, binding = fingers_tiles) coherent buffer Tiles { uint tiles[]; };
-layout(std430, set = 0, binding = fingers_places) writeonly buffer Places { uint places[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(set = 0, binding = 1) uniform usamplerBuffer contacts;
+layout(set = 0, binding = 2) uniform samplerBuffer solids;
+layout(std430, set = 0, binding = 3) coherent buffer Tiles { uint tiles[]; };
+layout(std430, set = 0, binding = 4) writeonly buffer Places { uint places[]; };
 layout(push_constant) uniform Push { FingersPush push; };
 
 // One half of a slot's key: writes it where there is none yet. What is there then stays.

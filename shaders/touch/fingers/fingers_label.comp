@@ -9,13 +9,13 @@
 layout(local_size_x = 128) in;
 layout(constant_id = 0) const bool inside = false;  // deep points are clustered too: they count for no size
 
-layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
-layout(set = 0, binding = fingers_contacts) uniform usamplerBuffer contacts;
-layout(set = 0, binding = fingers_seen) uniform usamplerBuffer seen;
-layout(std430, set = 0, binding = fingers_groups) writeonly buffer Large { uint large[]; };
-layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
-layout(std430, set = 0, binding = fingers_parents) buffer Parents { uint parents[]; };
-layout(std430, set = 0, binding = fingers_clusters) coherent buffer Clusters { Cluster clusters[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(set = 0, binding = 1) uniform usamplerBuffer contacts;
+layout(set = 0, binding = 2) uniform usamplerBuffer seen;
+layout(std430, set = 0, binding = 3) writeonly buffer Large { uint large[]; };
+layout(std430, set = 0, binding = 4) buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 5) buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = 6) coherent buffer Clusters { Cluster clusters[]; };
 layout(push_constant) uniform Push { FingersPush push; };
 
 #include "shaders/touch/fingers/fingers_walk.glsl"

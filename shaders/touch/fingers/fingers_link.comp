@@ -12,17 +12,17 @@
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool all = false;
 
-layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
-layout(set = 0, binding = fingers_nodes) uniform usamplerBuffer nodes;
-layout(set = 0, binding = fingers_tiles) uniform usamplerBuffer tiles;
-layout(set = 0, binding = fingers_bases) uniform usamplerBuffer bases;
-layout(set = 0, binding = fingers_list) uniform usamplerBuffer list;
-layout(std430, set = 0, binding = fingers_crowded) writeonly buffer Left { uvec4 left[]; };  // CrowdedPair
-layout(std430, set = 0, binding = fingers_work) buffer Work { FingersWork work; };
-layout(std430, set = 0, binding = fingers_forest) buffer Forest { uint forest[]; };
-layout(set = 0, binding = fingers_seen) uniform usamplerBuffer seen;
-layout(set = 0, binding = fingers_groups) uniform usamplerBuffer groups_of_block;
-layout(set = 0, binding = fingers_links) uniform usamplerBuffer links;
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(set = 0, binding = 1) uniform usamplerBuffer nodes;
+layout(set = 0, binding = 2) uniform usamplerBuffer tiles;
+layout(set = 0, binding = 3) uniform usamplerBuffer bases;
+layout(set = 0, binding = 4) uniform usamplerBuffer list;
+layout(std430, set = 0, binding = 5) writeonly buffer Left { uvec4 left[]; };  // CrowdedPair
+layout(std430, set = 0, binding = 6) buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 7) buffer Forest { uint forest[]; };
+layout(set = 0, binding = 8) uniform usamplerBuffer seen;
+layout(set = 0, binding = 9) uniform usamplerBuffer groups_of_block;
+layout(set = 0, binding = 10) uniform usamplerBuffer links;
 layout(push_constant) uniform Push { FingersPush push; };
 
 #include "shaders/touch/fingers/fingers_cells.glsl"

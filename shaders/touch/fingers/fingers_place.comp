@@ -7,14 +7,14 @@
 // Puts every contact into its cell's list, behind the first. The lists' order may differ from run to run.
 layout(local_size_x = 128) in;
 
-layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
-layout(set = 0, binding = fingers_contacts) uniform usamplerBuffer contacts;
-layout(std430, set = 0, binding = fingers_nodes) buffer Nodes { uint nodes[]; };
-layout(std430, set = 0, binding = fingers_nodes) writeonly buffer Whole { uvec4 whole_nodes[]; };  // the same
-layout(set = 0, binding = fingers_tiles) uniform usamplerBuffer tiles;
-layout(set = 0, binding = fingers_bases) uniform usamplerBuffer bases;
-layout(set = 0, binding = fingers_places) uniform usamplerBuffer places;
-layout(std430, set = 0, binding = fingers_parents) writeonly buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(set = 0, binding = 1) uniform usamplerBuffer contacts;
+layout(std430, set = 0, binding = 2) buffer Nodes { uint nodes[]; };
+layout(std430, set = 0, binding = 2) writeonly buffer NodesWhole { uvec4 whole_nodes[]; };  // the same
+layout(set = 0, binding = 3) uniform usamplerBuffer tiles;
+layout(set = 0, binding = 4) uniform usamplerBuffer bases;
+layout(set = 0, binding = 5) uniform usamplerBuffer places;
+layout(std430, set = 0, binding = 6) writeonly buffer Parents { uint parents[]; };
 layout(push_constant) uniform Push { FingersPush push; };
 
 #include "shaders/touch/fingers/fingers_cells.glsl"

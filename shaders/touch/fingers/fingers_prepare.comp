@@ -8,9 +8,9 @@
 // An empty hash table, and nothing to do but collect what will be in it.
 layout(local_size_x = 128) in;
 
-layout(std430, set = 0, binding = fingers_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = fingers_tiles) writeonly buffer Tiles { uvec4 tiles[]; };
-layout(std430, set = 0, binding = fingers_work) writeonly buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = 1) writeonly buffer Tiles { uvec4 tiles[]; };
+layout(std430, set = 0, binding = 2) writeonly buffer Work { FingersWork work; };
 layout(push_constant) uniform Push { FingersPush push; };
 
 void main() {

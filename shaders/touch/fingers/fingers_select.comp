@@ -9,14 +9,14 @@
 // of those of one size the ones that begin first: what few pixels pretend must not hide a finger.
 layout(local_size_x = 256) in;
 
-layout(std430, set = 0, binding = select_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = select_length) readonly buffer Length { ScanTotal given; };
-layout(std430, set = 0, binding = select_large) readonly buffer Large { uint large[]; };
-layout(std430, set = 0, binding = select_clusters) readonly buffer Clusters { Cluster clusters[]; };
-layout(std430, set = 0, binding = select_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
-layout(std430, set = 0, binding = select_header) writeonly buffer Header { TouchHeader header; };
-layout(std430, set = 0, binding = select_fingers) writeonly buffer Fingers { FingerRecord fingers[]; };
-layout(std430, set = 0, binding = select_work) readonly buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = 1) readonly buffer Length { ScanTotal given; };
+layout(std430, set = 0, binding = 2) readonly buffer Large { uint large[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Clusters { Cluster clusters[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Contacts { ContactRecord contacts[]; };
+layout(std430, set = 0, binding = 5) writeonly buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = 6) writeonly buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = 7) readonly buffer Work { FingersWork work; };
 
 // Sizes and contacts are below 2^24: three digits of eight bits.
 const uint digits = 3u;
@@ -73,7 +73,7 @@ void take(uint k, uint listed, uint size, uint last) {
   if (cluster.size > size || (cluster.size == size && cluster.smallest <= last)) chosen[atomicAdd(taken, 1u)] = cluster;
 }
 
-// (A software device ends all loops of a shader after 65,535 turns together: so a turn is four clusters.)
+// (A software device ends all loops of a shader after 65,535 iterations together: so an iteration is four clusters.)
 void main() {
   const uint thread = gl_LocalInvocationIndex;
   const uint listed = work.large;

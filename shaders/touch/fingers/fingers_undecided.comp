@@ -7,14 +7,14 @@
 
 // Pairs of groups that took too many tests for one thread: every contact of the one against every contact of the other, the
 // first one's shared out among fingers_undecided_parts groups of threads. A turn of a loop is several contacts, because a
-// software device counts turns; see fingers.h.
+// software device counts iterations; see fingers.h.
 layout(local_size_x = 64) in;
 
-layout(set = 0, binding = fingers_nodes) uniform usamplerBuffer nodes;
-layout(std430, set = 0, binding = fingers_links) readonly buffer Undecided { CrowdedPair undecided[]; };
-layout(std430, set = 0, binding = fingers_work) readonly buffer Work { FingersWork work; };
-layout(std430, set = 0, binding = fingers_forest) buffer Forest { uint forest[]; };
-layout(set = 0, binding = fingers_seen) uniform usamplerBuffer seen;
+layout(set = 0, binding = 0) uniform usamplerBuffer nodes;
+layout(std430, set = 0, binding = 1) readonly buffer Undecided { CrowdedPair undecided[]; };
+layout(std430, set = 0, binding = 2) readonly buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 3) buffer Forest { uint forest[]; };
+layout(set = 0, binding = 4) uniform usamplerBuffer seen;
 layout(push_constant) uniform Push { FingersPush push; };
 
 #include "shaders/touch/fingers/fingers_cells.glsl"

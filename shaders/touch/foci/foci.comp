@@ -8,11 +8,11 @@
 // does not matter.
 layout(local_size_x = 128) in;
 
-layout(set = 0, binding = foci_grouped) uniform usamplerBuffer grouped;
-layout(std430, set = 0, binding = foci_fingers) buffer Fingers { FingerRecord fingers[]; };
-layout(std430, set = 0, binding = foci_out) writeonly buffer Foci { FocusRecord foci[]; };
-layout(std430, set = 0, binding = foci_borders) readonly buffer Borders { Border borders[]; };
-layout(std430, set = 0, binding = foci_of_solid) readonly buffer OfSolid { uint foci_of[]; };
+layout(set = 0, binding = 0) uniform usamplerBuffer grouped;
+layout(std430, set = 0, binding = 1) buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = 2) writeonly buffer Foci { FocusRecord foci[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Borders { Border borders[]; };
+layout(std430, set = 0, binding = 4) readonly buffer OfSolid { uint foci_of[]; };
 layout(push_constant) uniform Push { FociPush push; };
 
 shared Border border[foci_most];
@@ -49,7 +49,7 @@ void halve(Float2 p, inout uint sector, inout uint beyond) {
   }
 }
 
-// The last of `count` ascending borders that p has reached. No loop: a software device ends all loops of a shader after 65,535 turns
+// The last of `count` ascending borders that p has reached. No loop: a software device ends all loops of a shader after 65,535 iterations
 // together, and a finger may have four million contacts.
 uint sector_of(Float2 p, uint count) {
   uint sector = 0u;

@@ -13,13 +13,11 @@ PALPA_CONST spacing_arc = 1u;
 // The outline of a cross-section has so many corners, at equal angles.
 PALPA_CONST outline_bins = 64u;
 
-// Bindings.
-PALPA_CONST foci_grouped = 0u;   // uvec4[]: as the sections pass leaves it; read as texels
-PALPA_CONST foci_fingers = 1u;   // FingerRecord[]: `foci` is written
-PALPA_CONST foci_out = 2u;       // FocusRecord[finger * foci_most + n]
-PALPA_CONST foci_borders = 3u;   // Border[]: for N foci the directions 2 pi n / N from N (N - 1) / 2 on
-PALPA_CONST foci_of_solid = 4u;  // uint[]: N of each solid's fingers, or 0 for the push constant's
-PALPA_CONST foci_buffers = 5u;
+// What the buffers hold, beside the fingers, of which `foci` is written:
+//   grouped   uvec4[]: as the sections pass leaves it; read as texels
+//   foci      FocusRecord[finger * foci_most + n]
+//   borders   Border[]: for N foci the directions 2 pi n / N from N (N - 1) / 2 on
+//   of_solid  uint[]: N of each solid's fingers, or 0 for the push constant's
 
 struct FociPush {
   uint foci;

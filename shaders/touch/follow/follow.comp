@@ -8,9 +8,9 @@
 // a finger each. The rules are in docs/touch.md.
 layout(local_size_x = 128) in;
 
-layout(std430, set = 0, binding = follow_header) readonly buffer Header { TouchHeader header; };
-layout(std430, set = 0, binding = follow_fingers) buffer Fingers { FingerRecord fingers[]; };
-layout(std430, set = 0, binding = follow_tracks) coherent buffer Tracks { TrackTable table; };
+layout(std430, set = 0, binding = 0) readonly buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = 1) buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = 2) coherent buffer Tracks { TrackTable table; };
 layout(push_constant) uniform Push { FollowPush push; };
 
 const uint most = follow_most_tracks;
@@ -78,7 +78,7 @@ uint column_at(uint place) {
 }
 
 // Least sum of costs; equal ones go to the column whose place comes first. The least of a step is found by atomics: a loop over
-// what threads found costs a software device more than all else here, and more turns than it has.
+// what threads found costs a software device more than all else here, and more iterations than it has.
 void assign(uint count, uint known, float scale) {
   const uint thread = gl_LocalInvocationIndex;
   const uint mine[2] = uint[2](thread, most + thread);

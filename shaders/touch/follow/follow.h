@@ -12,12 +12,6 @@ PALPA_CONST follow_none = 0xffffffffu;
 // finger is new, was in another's cluster since it was last seen by itself, or was missing for longer than it coasts.
 PALPA_CONST follow_anew = 0xffffffffu;
 
-// Bindings.
-PALPA_CONST follow_header = 0u;   // TouchHeader
-PALPA_CONST follow_fingers = 1u;  // FingerRecord[]: principal axes in; id, steady axes and turn out
-PALPA_CONST follow_tracks = 2u;   // TrackTable
-PALPA_CONST follow_buffers = 3u;
-
 struct FollowPush {
   uint elapsed_us;  // from the frame before to this one
   uint steady;      // axes are steadied; 0: they stay the principal ones

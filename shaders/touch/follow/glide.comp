@@ -8,10 +8,10 @@
 // sector has it. The rules are in docs/touch.md.
 layout(local_size_x = 64) in;
 
-layout(std430, set = 0, binding = glide_fingers) buffer Fingers { FingerRecord fingers[]; };
-layout(std430, set = 0, binding = glide_tracks) readonly buffer Tracks { TrackTable table; };
-layout(std430, set = 0, binding = glide_foci) buffer Foci { FocusRecord foci[]; };
-layout(std430, set = 0, binding = glide_homes) buffer Homes { Home homes[]; };
+layout(std430, set = 0, binding = 0) buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Tracks { TrackTable table; };
+layout(std430, set = 0, binding = 2) buffer Foci { FocusRecord foci[]; };
+layout(std430, set = 0, binding = 3) buffer Homes { Home homes[]; };
 
 shared FocusRecord sector[foci_most];
 shared uint held[2];

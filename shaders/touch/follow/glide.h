@@ -9,13 +9,6 @@ PALPA_SHADER_BEGIN
 // One group per finger, a thread per focus.
 PALPA_CONST glide_group = 64u;
 
-// Bindings.
-PALPA_CONST glide_fingers = 0u;  // FingerRecord[]: steady axes in; placed and held out
-PALPA_CONST glide_tracks = 1u;   // TrackTable
-PALPA_CONST glide_foci = 2u;     // FocusRecord[finger * foci_most + n]: places are written
-PALPA_CONST glide_homes = 3u;    // Home[follow_most_tracks]
-PALPA_CONST glide_buffers = 4u;
-
 // A focus as it was played.
 struct GlidingFocus {
   float x;  // world

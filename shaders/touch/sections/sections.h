@@ -16,18 +16,10 @@ PALPA_CONST sections_group = 128u;
 // A hash table of the fingers' roots, twice as long as there can be fingers.
 PALPA_CONST sections_table = 128u;
 
-// Bindings of all three shaders.
-PALPA_CONST sections_total = 0u;     // ScanTotal of the contacts
-PALPA_CONST sections_parents = 1u;   // uint[]: per contact a number that its finger alone has
-PALPA_CONST sections_contacts = 2u;  // ContactRecord[]: `finger` is written
-PALPA_CONST sections_header = 3u;    // TouchHeader
-PALPA_CONST sections_counts = 4u;    // uint[sections_most_chunks * fingers_most]: contacts of a finger in a chunk
-PALPA_CONST sections_grouped = 5u;   // uvec4[]: bits of x, y, z and depth, finger after finger
-PALPA_CONST sections_fingers = 6u;   // FingerRecord[]
-PALPA_CONST sections_buffers = 7u;
-// What two of them only read they read as texels of four words: a bit per binding.
-PALPA_CONST sections_group_texels = 1u << sections_contacts;
-PALPA_CONST sections_axes_texels = 1u << sections_grouped;
+// What the buffers hold, beside structs. What two of the shaders only read they read as texels of four words.
+//   parents  uint[]: per contact a number that its finger alone has
+//   counts   uint[sections_most_chunks * fingers_most]: contacts of a finger in a chunk
+//   grouped  uvec4[]: bits of x, y, z and depth, finger after finger
 
 #ifndef __cplusplus
 uint chunks_of(uint groups) {

@@ -9,8 +9,8 @@
 // its own contacts in theirs, then the threads' sums are added in thread order.
 layout(local_size_x = 128) in;
 
-layout(set = 0, binding = sections_grouped) uniform usamplerBuffer grouped;
-layout(std430, set = 0, binding = sections_fingers) buffer Fingers { FingerRecord fingers[]; };
+layout(set = 0, binding = 0) uniform usamplerBuffer grouped;
+layout(std430, set = 0, binding = 1) buffer Fingers { FingerRecord fingers[]; };
 
 const uint sums = 9u;
 shared float partial[sums][sections_group];

@@ -9,12 +9,12 @@
 // side by side.
 layout(local_size_x = 32) in;
 
-layout(std430, set = 0, binding = sections_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = sections_parents) readonly buffer Parents { uint parents[]; };
-layout(std430, set = 0, binding = sections_contacts) buffer Contacts { ContactRecord contacts[]; };
-layout(std430, set = 0, binding = sections_header) readonly buffer Header { TouchHeader header; };
-layout(std430, set = 0, binding = sections_counts) writeonly buffer Counts { uint counts[]; };
-layout(std430, set = 0, binding = sections_fingers) readonly buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = 1) readonly buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = 2) buffer Contacts { ContactRecord contacts[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = 4) writeonly buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Fingers { FingerRecord fingers[]; };
 layout(push_constant) uniform Push { SectionsPush push; };
 
 shared uint roots[sections_table];

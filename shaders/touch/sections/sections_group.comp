@@ -8,12 +8,12 @@
 // The fingers' contacts one finger after the other, within a finger in their order. Same runs as sections_count.
 layout(local_size_x = 32) in;
 
-layout(std430, set = 0, binding = sections_total) readonly buffer Total { ScanTotal found; };
-layout(set = 0, binding = sections_contacts) uniform usamplerBuffer contacts;  // ContactRecord, in halves
-layout(std430, set = 0, binding = sections_header) readonly buffer Header { TouchHeader header; };
-layout(std430, set = 0, binding = sections_counts) readonly buffer Counts { uint counts[]; };
-layout(std430, set = 0, binding = sections_grouped) writeonly buffer Grouped { uvec4 grouped[]; };
-layout(std430, set = 0, binding = sections_fingers) buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(set = 0, binding = 1) uniform usamplerBuffer contacts;  // ContactRecord, in halves
+layout(std430, set = 0, binding = 2) readonly buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = 3) readonly buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = 4) writeonly buffer Grouped { uvec4 grouped[]; };
+layout(std430, set = 0, binding = 5) buffer Fingers { FingerRecord fingers[]; };
 layout(push_constant) uniform Push { SectionsPush push; };
 
 shared uint sums[fingers_most];

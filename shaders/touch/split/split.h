@@ -12,49 +12,16 @@ PALPA_CONST split_steps = 64u;
 // Parts of fingers have numbers of their own beyond those of clusters, this many for each finger.
 PALPA_CONST split_numbers = 64u;
 
-// Bindings of split_sample.
-PALPA_CONST split_sample_total = 0u;      // ScanTotal of the contacts
-PALPA_CONST split_sample_parents = 1u;    // uint[]: per contact a number that its cluster alone has
-PALPA_CONST split_sample_contacts = 2u;   // ContactRecord[]
-PALPA_CONST split_sample_fingers = 3u;    // FingerRecord[]
-PALPA_CONST split_sample_depth = 4u;      // uint[]: raw depths, two per word, the even pixel in the low half
-PALPA_CONST split_sample_rays = 5u;       // vec2[]: normalised coordinates per pixel of the padded arrangement
-PALPA_CONST split_sample_cameras = 6u;    // BridgeCamera[]
-PALPA_CONST split_sample_out = 7u;        // BridgeSample[bridge_fingers * bridge_samples]
-PALPA_CONST split_sample_states = 8u;     // SplitState[bridge_fingers]
-PALPA_CONST split_sample_header = 9u;     // TouchHeader: dispatches of the others are written
-PALPA_CONST split_sample_evidence = 10u;  // SplitEvidence[bridge_fingers * bridge_samples]: none yet, of wide fingers
-PALPA_CONST split_sample_buffers = 11u;
-// Bindings of split_look.
-PALPA_CONST split_look_depth = 0u;
-PALPA_CONST split_look_cameras = 1u;
-PALPA_CONST split_look_samples = 2u;
-PALPA_CONST split_look_states = 3u;
-PALPA_CONST split_look_evidence = 4u;
-PALPA_CONST split_look_buffers = 5u;
-// Bindings of split_parts.
-PALPA_CONST split_parts_evidence = 0u;
-PALPA_CONST split_parts_samples = 1u;
-PALPA_CONST split_parts_states = 2u;
-PALPA_CONST split_parts_labels = 3u;    // uint[bridge_fingers * bridge_samples]: a sample's part: its first sample
-PALPA_CONST split_parts_clusters = 4u;  // Cluster[]: those of the parts are made empty
-PALPA_CONST split_parts_buffers = 5u;
-// Bindings of split_assign.
-PALPA_CONST split_assign_total = 0u;
-PALPA_CONST split_assign_header = 1u;  // TouchHeader
-PALPA_CONST split_assign_contacts = 2u;
-PALPA_CONST split_assign_samples = 3u;
-PALPA_CONST split_assign_states = 4u;
-PALPA_CONST split_assign_labels = 5u;
-PALPA_CONST split_assign_parents = 6u;
-PALPA_CONST split_assign_clusters = 7u;
-PALPA_CONST split_assign_buffers = 8u;
-// Bindings of split_list.
-PALPA_CONST split_list_header = 0u;
-PALPA_CONST split_list_fingers = 1u;
-PALPA_CONST split_list_states = 2u;
-PALPA_CONST split_list_clusters = 3u;
-PALPA_CONST split_list_buffers = 4u;
+// What the buffers hold, beside structs:
+//   parents   uint[]: per contact a number that its cluster alone has
+//   depth     uint[]: raw depths, two per word, the even pixel in the low half
+//   rays      vec2[]: normalised coordinates per pixel of the padded arrangement
+//   samples   BridgeSample[bridge_fingers * bridge_samples]
+//   states    SplitState[bridge_fingers]
+//   shown     SplitEvidence[bridge_fingers * bridge_samples]: split_sample leaves none, of wide fingers
+//   labels    uint[bridge_fingers * bridge_samples]: a sample's part: its first sample
+//   clusters  Cluster[]: split_parts makes those of the parts empty
+// Into the TouchHeader split_sample writes the dispatches of the others.
 
 struct SplitPush {
   uint most_contacts;

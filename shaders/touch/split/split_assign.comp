@@ -8,14 +8,14 @@
 // Contacts of fingers that are split get the number of the part whose sample is nearest; of two equally near, the first.
 layout(local_size_x = 128) in;
 
-layout(std430, set = 0, binding = split_assign_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = split_assign_header) readonly buffer Header { TouchHeader header; };
-layout(std430, set = 0, binding = split_assign_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
-layout(std430, set = 0, binding = split_assign_samples) readonly buffer Samples { BridgeSample samples[]; };
-layout(std430, set = 0, binding = split_assign_states) readonly buffer States { SplitState states[]; };
-layout(std430, set = 0, binding = split_assign_labels) readonly buffer Labels { uint labels[]; };
-layout(std430, set = 0, binding = split_assign_parents) buffer Parents { uint parents[]; };
-layout(std430, set = 0, binding = split_assign_clusters) coherent buffer Clusters { Cluster clusters[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = 1) readonly buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = 2) readonly buffer Contacts { ContactRecord contacts[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Samples { BridgeSample samples[]; };
+layout(std430, set = 0, binding = 4) readonly buffer States { SplitState states[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Labels { uint labels[]; };
+layout(std430, set = 0, binding = 6) buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = 7) coherent buffer Clusters { Cluster clusters[]; };
 layout(push_constant) uniform Push { SplitPush push; };
 
 shared uint split[bridge_fingers];

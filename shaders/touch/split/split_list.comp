@@ -7,10 +7,10 @@
 // surface supports. A single group, one finger per thread.
 layout(local_size_x = 64) in;
 
-layout(std430, set = 0, binding = split_list_header) buffer Header { TouchHeader header; };
-layout(std430, set = 0, binding = split_list_fingers) buffer Fingers { FingerRecord fingers[]; };
-layout(std430, set = 0, binding = split_list_states) readonly buffer States { SplitState states[]; };
-layout(std430, set = 0, binding = split_list_clusters) readonly buffer Clusters { Cluster clusters[]; };
+layout(std430, set = 0, binding = 0) buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = 1) buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = 2) readonly buffer States { SplitState states[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Clusters { Cluster clusters[]; };
 layout(push_constant) uniform Push { SplitPush push; };
 
 shared uint kinds[bridge_fingers];
@@ -32,7 +32,7 @@ Cluster part_of(uint finger, uint part) {
 }
 
 // How many fingers begin before a contact, which is one of the `count`'s: no more than are looked for. (A software
-// device ends all loops of a shader after 65,535 turns together: so only parts that are there are walked.)
+// device ends all loops of a shader after 65,535 iterations together: so only parts that are there are walked.)
 uint rank_of(uint contact, uint count) {
   uint rank = 0u;
   for (uint f = 0u; f < count && firsts[f] < contact && rank < fingers_most; ++f) {

@@ -8,11 +8,11 @@
 // sees are shared out among split_looks groups, which all number them alike; what is found are sets, in no order.
 layout(local_size_x = 64) in;
 
-layout(std430, set = 0, binding = split_look_depth) readonly buffer Depth { uint depth[]; };
-layout(std430, set = 0, binding = split_look_cameras) readonly buffer Cameras { BridgeCamera cameras[]; };
-layout(std430, set = 0, binding = split_look_samples) readonly buffer Samples { BridgeSample samples[]; };
-layout(std430, set = 0, binding = split_look_states) readonly buffer States { SplitState states[]; };
-layout(std430, set = 0, binding = split_look_evidence) buffer Shown { uint evidence[]; };  // SplitEvidence[]
+layout(std430, set = 0, binding = 0) readonly buffer Depth { uint depth[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Cameras { BridgeCamera cameras[]; };
+layout(std430, set = 0, binding = 2) readonly buffer Samples { BridgeSample samples[]; };
+layout(std430, set = 0, binding = 3) readonly buffer States { SplitState states[]; };
+layout(std430, set = 0, binding = 4) buffer Shown { uint evidence[]; };  // SplitEvidence[]
 layout(push_constant) uniform Push { SplitPush push; };
 
 const uint most = bridge_samples;
@@ -34,7 +34,7 @@ SplitWalk step_on(SplitWalk walk, BridgeCamera camera, SplitView a, SplitView b,
   return walked(walk, line_depth(a.at.z, b.at.z, s, walk.steps), product(float(raw), camera.depth_unit));
 }
 
-// A software device ends all loops of a shader after 65,535 turns together, however many cameras there are: so a turn is
+// A software device ends all loops of a shader after 65,535 iterations together, however many cameras there are: so a turn is
 // four steps here, and pairs are dealt out evenly.
 bool is_valley_between(BridgeCamera camera, SplitView a, SplitView b) {
   SplitWalk walk = walk_between(a, b);

@@ -5,15 +5,15 @@
 #include "shaders/touch/split/split_math.h"
 
 // One finger per group, and only where it is too wide: which of its samples are of which finger. A thread per sample; a
-// part goes by its first sample. Sets of samples are 64 bits. (A software device ends all loops of a shader after 65,535 turns
+// part goes by its first sample. Sets of samples are 64 bits. (A software device ends all loops of a shader after 65,535 iterations
 // together: so sums are kept, and sets are walked bit by bit.)
 layout(local_size_x = 64) in;
 
-layout(std430, set = 0, binding = split_parts_evidence) readonly buffer Shown { SplitEvidence evidence[]; };
-layout(std430, set = 0, binding = split_parts_samples) readonly buffer Samples { BridgeSample samples[]; };
-layout(std430, set = 0, binding = split_parts_states) buffer States { SplitState states[]; };
-layout(std430, set = 0, binding = split_parts_labels) writeonly buffer Labels { uint labels[]; };
-layout(std430, set = 0, binding = split_parts_clusters) writeonly buffer Clusters { Cluster clusters[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Shown { SplitEvidence evidence[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Samples { BridgeSample samples[]; };
+layout(std430, set = 0, binding = 2) buffer States { SplitState states[]; };
+layout(std430, set = 0, binding = 3) writeonly buffer Labels { uint labels[]; };
+layout(std430, set = 0, binding = 4) writeonly buffer Clusters { Cluster clusters[]; };
 layout(push_constant) uniform Push { SplitPush push; };
 
 const uint most = bridge_samples;

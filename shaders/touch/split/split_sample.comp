@@ -8,17 +8,17 @@
 // One finger per group: samples of its skin, whether a surface supports it, and whether it is wider than a finger.
 layout(local_size_x = 64) in;
 
-layout(std430, set = 0, binding = split_sample_total) readonly buffer Total { ScanTotal found; };
-layout(std430, set = 0, binding = split_sample_parents) readonly buffer Parents { uint parents[]; };
-layout(std430, set = 0, binding = split_sample_contacts) readonly buffer Contacts { ContactRecord contacts[]; };
-layout(std430, set = 0, binding = split_sample_fingers) readonly buffer Fingers { FingerRecord fingers[]; };
-layout(std430, set = 0, binding = split_sample_depth) readonly buffer Depth { uint depth[]; };
-layout(std430, set = 0, binding = split_sample_rays) readonly buffer Rays { vec2 rays[]; };
-layout(std430, set = 0, binding = split_sample_cameras) readonly buffer Cameras { BridgeCamera cameras[]; };
-layout(std430, set = 0, binding = split_sample_out) writeonly buffer Samples { BridgeSample samples[]; };
-layout(std430, set = 0, binding = split_sample_states) writeonly buffer States { SplitState states[]; };
-layout(std430, set = 0, binding = split_sample_header) buffer Header { TouchHeader header; };
-layout(std430, set = 0, binding = split_sample_evidence) writeonly buffer Shown { uvec4 evidence[]; };  // SplitEvidence[]
+layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
+layout(std430, set = 0, binding = 1) readonly buffer Parents { uint parents[]; };
+layout(std430, set = 0, binding = 2) readonly buffer Contacts { ContactRecord contacts[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Fingers { FingerRecord fingers[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Depth { uint depth[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Rays { vec2 rays[]; };
+layout(std430, set = 0, binding = 6) readonly buffer Cameras { BridgeCamera cameras[]; };
+layout(std430, set = 0, binding = 7) writeonly buffer Samples { BridgeSample samples[]; };
+layout(std430, set = 0, binding = 8) writeonly buffer States { SplitState states[]; };
+layout(std430, set = 0, binding = 9) buffer Header { TouchHeader header; };
+layout(std430, set = 0, binding = 10) writeonly buffer Shown { uvec4 evidence[]; };  // SplitEvidence[]
 layout(push_constant) uniform Push { SplitPush push; };
 
 #include "shaders/touch/bridge/bridge_pick.glsl"

@@ -78,7 +78,9 @@ struct Autd3Rig {
     silence.assign(layout.transducers.size(), {0.0f, 0.0f});
   }
   std::unique_ptr<driver::Board> make(double slot_s = 1.5e-3) {
-    return driver::autd3::board_kind().open({argument, files, layout, slot_s, notes, sound_speed_m_s});
+    return driver::autd3::board_kind().open(
+        {.argument = argument, .files = files, .layout = layout, .slot_s = slot_s, .sound_speed_m_s = sound_speed_m_s},
+        notes);
   }
   void open() { board = make(); }
   std::span<const array::TransducerDrive> part(std::uint64_t s) const {
@@ -91,7 +93,8 @@ struct Autd3Rig {
       from_s = driver::monotonic_s();
       device_s = driver::autd3::device_time_s();
     }
-    board->plan({slot, slot + 1000000, from_s, 1.5e-3, 10, drives, foci, hz, array::Modulation::amplitude_sine});
+    const session::Cycle cycle{.length = 10, .modulation_hz = hz, .modulation = array::Modulation::amplitude_sine};
+    board->plan({{{slot, slot + 1000000, cycle}, from_s, 1.5e-3}, drives, foci});
     return device_s;
   }
   /// As a guard does between drives.

@@ -30,7 +30,7 @@ using namespace std::chrono_literals;
 using test::part_heard;
 using Rig = test::Autd3Rig;
 using Serving = test::Autd3Serving;
-using Told = test::Autd3Notes;
+using Reported = test::Autd3Notes;
 constexpr double pi = std::numbers::pi;
 
 TEST(Autd3Board, PlaysAPlanFromTheSlotThatIsRunning) {
@@ -39,13 +39,13 @@ TEST(Autd3Board, PlaysAPlanFromTheSlotThatIsRunning) {
     rig.open();
     ASSERT_EQ(rig.server.poses().size(), rig.layout.boards.size());
     EXPECT_TRUE(rig.silent());
-    const double told_s = rig.plan();
+    const double planned_s = rig.plan();
     ASSERT_TRUE(rig.sounds());
     {
       const std::lock_guard held(rig.serving->lock);
       for (int s = 0; s < 25; ++s) {
         // The two clocks are rounded to whole slots: the middle of a slot is within half a slot of the same part.
-        const double middle_s = told_s + (100 + s + 0.5) * 1.5e-3;
+        const double middle_s = planned_s + (100 + s + 0.5) * 1.5e-3;
         const int before = part_heard(rig, middle_s - 0.75e-3), after = part_heard(rig, middle_s + 0.7e-3);
         const int expected = static_cast<int>((rig.slot + 100 + s) % 10);
         EXPECT_TRUE(before == expected || after == expected)
@@ -170,7 +170,7 @@ TEST(Autd3Board, FociOneByOneAtFullAmplitudeAreOneMessage) {
     }
   }
   const std::uint64_t before = rig.server.devices()[0].operations();
-  const double told_s = rig.plan();
+  const double planned_s = rig.plan();
   ASSERT_TRUE(rig.sounds());
   EXPECT_EQ(rig.server.devices()[0].operations() - before, 2u) << "the foci, the transition";
   {
@@ -181,7 +181,7 @@ TEST(Autd3Board, FociOneByOneAtFullAmplitudeAreOneMessage) {
       for (const double off_s : {-0.75e-3, 0.7e-3}) {
         int worst = 0;
         for (std::size_t d = 0; d < 16; ++d) {
-          const auto heard = rig.server.devices()[d].output(told_s + (100 + s + 0.5) * 1.5e-3 + off_s);
+          const auto heard = rig.server.devices()[d].output(planned_s + (100 + s + 0.5) * 1.5e-3 + off_s);
           for (std::size_t t = 0; t < transducers; ++t) {
             const int apart =
                 (heard[t].phase - emission(rig.part(rig.slot + 100 + s)[d * transducers + t]).phase) & 255;

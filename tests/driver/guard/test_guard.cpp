@@ -383,20 +383,27 @@ TEST(Guard, InheritsNothingElse) {
   rig.link->finish();
 }
 
+TEST(GuardPlan, EndsWhereItsLastSlotDoes) {
+  EXPECT_DOUBLE_EQ((TimedSlots{{.from = 10, .until = 14}, 100, 1.5e-3}).until_s(), 100.006);
+  EXPECT_EQ((TimedSlots{{.from = 14, .until = 10}, 100, 1.5e-3}).until_s(), 100) << "it came too late";
+}
+
 TEST(GuardBrief, ComesOverWhole) {
-  Brief brief{"openmpd", "A,B", "some folder", {}, 2e-3, false, 340, 0.01, true};
-  brief.layout.name = "mine";
-  brief.layout.transducers = {{Vec3(1, 2, 3), Vec3(0, 0, 1)}, {Vec3(-1, 0.5, 1e-9), Vec3(1, 0, 0)}};
-  brief.layout.boards = {{"openmpd", 0, 2, 0.1, 0.2, Transform(2.0)}};
-  brief.layout.source_level_pa_m = 3;
+  Brief brief{"openmpd", {"A,B", "some folder", {}, 2e-3, false, 340, 0.01}, true};
+  array::Layout& layout = brief.board.layout;
+  layout.name = "mine";
+  layout.transducers = {{Vec3(1, 2, 3), Vec3(0, 0, 1)}, {Vec3(-1, 0.5, 1e-9), Vec3(1, 0, 0)}};
+  layout.boards = {{"openmpd", 0, 2, 0.1, 0.2, Transform(2.0)}};
+  layout.source_level_pa_m = 3;
   const std::vector<std::byte> bytes = to_bytes(brief);
   const Brief back = brief_from(bytes);
   EXPECT_EQ(to_bytes(back), bytes);
-  EXPECT_EQ(back.argument, "A,B");
-  EXPECT_EQ(back.layout.transducers[1].position, Vec3(-1, 0.5, 1e-9));
-  EXPECT_EQ(back.layout.boards[0].T_layout_board, Transform(2.0));
+  EXPECT_EQ(back.board.argument, "A,B");
+  EXPECT_EQ(back.board.layout.transducers[1].position, Vec3(-1, 0.5, 1e-9));
+  EXPECT_EQ(back.board.layout.boards[0].T_layout_board, Transform(2.0));
   EXPECT_TRUE(back.only_silence);
-  EXPECT_EQ(back.ramp_s, 0.01);
+  EXPECT_FALSE(back.board.foci_move);
+  EXPECT_EQ(back.board.ramp_s, 0.01);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     const std::span<const std::byte> cut(bytes.data(), size);
     EXPECT_CONTAINS(test::error_of([&] { brief_from(cut); }, Exit::failed), "another version");

@@ -50,11 +50,8 @@ std::function<void()> plays(const BoardKind& kind, const std::string& argument, 
     for (std::uint64_t s = 0;; ++s, std::this_thread::sleep_for(std::chrono::duration<double>(schedule.slot_s))) {
       if (s % 8 == 0) {
         link->plan({.schedule = schedule,
-                    .from_slot = s,
-                    .until_slot = s + 60,
-                    .cycle = parts,
-                    .drives = drives,
-                    .shared_modulation_hz = foci_move ? 0.0 : 200.0});
+                    .slots = {s, s + 60, {.length = parts, .modulation_hz = foci_move ? 0.0 : 200.0}},
+                    .drives = drives});
       }
       link->send(s, std::span(drives).subspan(s % parts * count, count));
     }

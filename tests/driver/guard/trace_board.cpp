@@ -20,10 +20,8 @@ namespace {
 
 class TraceBoard final : public driver::Board {
  public:
-  TraceBoard(const std::string& file, bool sure, const driver::BoardSetting& setting)
-      : file_(::open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600)),
-        sure_(sure),
-        notes_(setting.notes) {
+  TraceBoard(const std::string& file, bool sure, driver::BoardNotes& notes)
+      : file_(::open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600)), sure_(sure), notes_(notes) {
     if (!file_) throw failure(file + ": cannot be opened");
     write("open\n");
     allocations_ = allocations();
@@ -41,8 +39,8 @@ class TraceBoard final : public driver::Board {
   }
 
   void plan(const driver::BoardPlan& plan) override {
-    written_.plans += plan.cycle > 0 ? 1 : 0;
-    write_line("plan %llu %g\n", plan.from_slot, static_cast<double>(plan.cycle));
+    written_.plans += plan.slots.cycle.is_listed() ? 1 : 0;
+    write_line("plan %llu %g\n", plan.slots.from, static_cast<double>(plan.slots.cycle.length));
   }
 
   void all_off() override { write("off\n"); }
@@ -78,24 +76,24 @@ class TraceBoard final : public driver::Board {
 
 driver::BoardKind trace_board() {
   return {"trace", "trace:FILE: what a board is told, into a file",
-          [](const driver::BoardSetting& setting) -> std::unique_ptr<driver::Board> {
-            if (setting.argument == "refuse") throw bad_input("trace:refuse", "there is no such board");
-            if (setting.argument == "told")
-              throw bad_input("trace:told", fmt::format("sound at {} m/s, slots of {} s, a ramp of {} s, {}",
-                                                        setting.sound_speed_m_s, setting.slot_s, setting.ramp_s,
-                                                        setting.foci_move ? "foci move" : "foci stand"));
+          [](const driver::BoardSpec& spec, driver::BoardNotes& notes) -> std::unique_ptr<driver::Board> {
+            if (spec.argument == "refuse") throw bad_input("trace:refuse", "there is no such board");
+            if (spec.argument == "told")
+              throw bad_input("trace:told",
+                              fmt::format("sound at {} m/s, slots of {} s, a ramp of {} s, {}", spec.sound_speed_m_s,
+                                          spec.slot_s, spec.ramp_s, spec.foci_move ? "foci move" : "foci stand"));
             const std::string die_once = "die-once:";
-            if (setting.argument.starts_with(die_once)) {
-              const std::string file = setting.argument.substr(die_once.size());
+            if (spec.argument.starts_with(die_once)) {
+              const std::string file = spec.argument.substr(die_once.size());
               const std::string before = file + "-died";
-              if (access(before.c_str(), F_OK) == 0) return std::make_unique<TraceBoard>(file, true, setting);
+              if (access(before.c_str(), F_OK) == 0) return std::make_unique<TraceBoard>(file, true, notes);
               const driver::Descriptor mark(::open(before.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
               static_cast<void>(std::raise(SIGKILL));
             }
             const std::string unsure = "unsure:";
-            const bool sure = !setting.argument.starts_with(unsure);
-            return std::make_unique<TraceBoard>(sure ? setting.argument : setting.argument.substr(unsure.size()), sure,
-                                                setting);
+            const bool sure = !spec.argument.starts_with(unsure);
+            return std::make_unique<TraceBoard>(sure ? spec.argument : spec.argument.substr(unsure.size()), sure,
+                                                notes);
           },
           true};
 }

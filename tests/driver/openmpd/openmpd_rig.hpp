@@ -63,7 +63,8 @@ struct OpenMpdRig {
   void open() { open(bus); }
   void open(driver::usb::Transport& transport) {
     board = std::make_unique<driver::openmpd::OpenMpdBoard>(
-        driver::BoardSetting{argument, files, layout, slot_s, notes, 343.21, true, ramp_s}, transport, clock);
+        driver::BoardSpec{.argument = argument, .files = files, .layout = layout, .slot_s = slot_s, .ramp_s = ramp_s},
+        notes, transport, clock);
   }
   /// One slot after the other, as a guard does it.
   void play(const array::Drive& drive, double seconds) {

@@ -16,12 +16,15 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "base/error.hpp"
 #include "driver/openmpd/frame.hpp"
 #include "driver/openmpd/openmpd_rig.hpp"
 #include "driver/usb/local.hpp"
 #include "driver/usb/local_server.hpp"
+#include "driver/usb/system.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "support/watched_heap.hpp"
@@ -86,7 +89,7 @@ TEST(OpenMpdCost, TroubleAllocatesNothingEither) {
   OpenMpdRig rig({"EMU1", "EMU2"});
   DeafNotes notes;
   rig.board = std::make_unique<openmpd::OpenMpdBoard>(
-      driver::BoardSetting{rig.argument, rig.files, rig.layout, rig.slot_s, notes}, rig.bus, rig.clock);
+      driver::BoardSpec{rig.argument, rig.files, rig.layout, rig.slot_s}, notes, rig.bus, rig.clock);
   const array::Drive drive(512, {1, 0});
   rig.play(drive, 0.01);
   const std::size_t allocations = allocations_of([&] {
@@ -154,7 +157,7 @@ TEST(OpenMpdLocal, BoardsBehindSocketsAreListedAndPlayed) {
     EXPECT_EQ(listing.entries[1].serial, "EMU2");
     EXPECT_EQ(listing.entries[1].product, 0x6014);
     EXPECT_EQ(listing.entries[1].place, "emulated-2");
-    openmpd::OpenMpdBoard board({argument, files, layout, 1.5e-3, notes}, transport, clock);
+    openmpd::OpenMpdBoard board({argument, files, layout, 1.5e-3}, notes, transport, clock);
     EXPECT_NE(error_of([&] { transport.open(listing.entries[0], 2); }, Exit::failed).find("another program"),
               std::string::npos);
     array::Drive drive(512, {0, 0});
@@ -223,6 +226,40 @@ TEST(OpenMpdLocal, EmulatorsThatStartTogetherTakeTurns) {
   ASSERT_EQ(bind(dead, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
   close(dead);
   EXPECT_EQ(usb::LocalServer(board, nullptr).address(), third);
+}
+
+/// Lists what it is made with, and says in its errors who was asked.
+class Listed final : public usb::Transport {
+ public:
+  Listed(std::string name, usb::Listing listing) : name_(std::move(name)), listing_(std::move(listing)) {}
+  usb::Listing list(usb::Wanted) override { return listing_; }
+  std::unique_ptr<usb::Device> open(const usb::Entry&, std::uint8_t) override { throw failure(name_ + " was asked"); }
+
+ private:
+  std::string name_;
+  usb::Listing listing_;
+};
+
+TEST(OpenMpdLocal, EmulatorsAreFoundBesideRealDevices) {
+  usb::Entry real, emulated;
+  real.bus = 3;
+  emulated.bus = 1001;
+  EXPECT_FALSE(usb::is_emulated(real));
+  EXPECT_TRUE(usb::is_emulated(emulated));
+  const auto both = [](usb::Listing of_usb, usb::Listing of_emulators) {
+    return usb::with_emulators(std::make_unique<Listed>("USB", std::move(of_usb)),
+                               std::make_unique<Listed>("an emulator", std::move(of_emulators)));
+  };
+  const auto found = both({{real}, "USB is odd"}, {{emulated}, ""});
+  const usb::Listing listing = found->list(any);
+  ASSERT_EQ(listing.entries.size(), 2u);
+  EXPECT_EQ(listing.entries[0].bus, 3u);
+  EXPECT_EQ(listing.entries[1].bus, 1001u);
+  EXPECT_EQ(listing.problem, "") << "a machine without USB can play to emulators";
+  EXPECT_EQ(error_of([&] { found->open(listing.entries[0], 2); }, Exit::failed), "USB was asked");
+  EXPECT_EQ(error_of([&] { found->open(listing.entries[1], 2); }, Exit::failed), "an emulator was asked");
+  EXPECT_EQ(both({{}, "no USB"}, {})->list(any).problem, "no USB");
+  EXPECT_EQ(both({{}, "no USB"}, {{}, "no folder"})->list(any).problem, "no USB; no folder");
 }
 
 TEST(OpenMpdLocal, TheRuntimeFolderMustBeOnesOwn) {

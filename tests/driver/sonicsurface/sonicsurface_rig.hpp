@@ -66,10 +66,11 @@ struct SonicSurfaceRig {
     thread.join();
   }
   std::unique_ptr<driver::Board> make(double slot_s, bool foci_move) {
-    return driver::sonicsurface::board_kind().open({argument, files, layout, slot_s, notes, 340, foci_move});
+    return driver::sonicsurface::board_kind().open({argument, files, layout, slot_s, foci_move}, notes);
   }
   void plan(double hz) {
-    board->plan({100, 1000000, driver::monotonic_s(), 1.5e-3, 1, drive, {}, hz, array::Modulation::pressure_sine});
+    const session::Cycle cycle{.length = 1, .modulation_hz = hz};
+    board->plan({{{100, 1000000, cycle}, driver::monotonic_s(), 1.5e-3}, drive});
   }
   /// As a guard does between drives: waits for what the board watches, 5 ms at most.
   template <typename Done>

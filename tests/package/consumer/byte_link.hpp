@@ -26,7 +26,7 @@ class ByteLink final : public palpa::session::Link {
   }
 
   // For boards that play a pattern by their own clock; this one plays what it is sent.
-  void plan(const palpa::session::ToldPlan&) override {}
+  void plan(const palpa::session::PlayedPlan&) override {}
 
   void send(std::uint64_t, std::span<const palpa::array::TransducerDrive> drive) override {
     std::size_t at = 0;

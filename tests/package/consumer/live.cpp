@@ -43,7 +43,7 @@ struct Board final : session::Link {
   std::string heard;
 
   explicit Board(ByteLink& link) : bytes(link) {}
-  void plan(const session::ToldPlan& told) override { bytes.plan(told); }
+  void plan(const session::PlayedPlan& plan) override { bytes.plan(plan); }
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
     bytes.send(slot, drive);
     heard += std::any_of(drive.begin(), drive.end(), [](const auto& t) { return t.amplitude > 0; }) ? '+' : '-';
@@ -54,8 +54,8 @@ struct Board final : session::Link {
   }
 };
 
-/// How often an event was told.
-struct Told {
+/// How many events of each kind there were.
+struct Counts {
   int touches = 0, presses = 0, releases = 0;
 
   void add(const session::Event& event) {
@@ -63,7 +63,7 @@ struct Told {
     presses += event.kind == session::EventKind::press;
     releases += event.kind == session::EventKind::release;
   }
-  bool operator==(const Told&) const = default;
+  bool operator==(const Counts&) const = default;
 };
 
 }  // namespace
@@ -85,29 +85,30 @@ int main(int argc, char** argv) try {
     return made;
   };
   int faults = 0;
-  const auto check = [&](const char* what, const Told& told, const Told& wanted, const std::string& heard, bool well) {
-    std::printf("%s: %d touch, %d press, %d release; %s\n", what, told.touches, told.presses, told.releases,
+  const auto check = [&](const char* what, const Counts& counts, const Counts& wanted, const std::string& heard,
+                         bool well) {
+    std::printf("%s: %d touch, %d press, %d release; %s\n", what, counts.touches, counts.presses, counts.releases,
                 heard.c_str());
-    faults += told != wanted || heard.find('+') == std::string::npos || !heard.ends_with("-.") || !well;
+    faults += counts != wanted || heard.find('+') == std::string::npos || !heard.ends_with("-.") || !well;
   };
 
-  const auto run = [&](const char* what, Camera source, const Told& wanted) {
+  const auto run = [&](const char* what, Camera source, const Counts& wanted) {
     ByteLink bytes(argv[4], {layout, {}});
     Board board(bytes);
-    Told told;
+    Counts counts;
     std::string error;
     std::atomic<bool> stop{false};
     session::LoopStats stats;
     try {
       stats =
-          run_live(source, board, solids, layout, true, stop, [&](const session::Event& event) { told.add(event); });
+          run_live(source, board, solids, layout, true, stop, [&](const session::Event& event) { counts.add(event); });
     } catch (const Error& fault) {
       error = fault.what();
     }
     const bool late = source.late_from < source.late_to, broken = source.broken_at != never;
     const std::size_t sounds = std::min(board.heard.find('+'), board.heard.size());
     const bool paused = board.heard.find("-+", sounds) != std::string::npos;
-    check(what, told, wanted, board.heard,
+    check(what, counts, wanted, board.heard,
           (paused || !late) && error.empty() != broken && (broken || stats.planned == stats.captured));
   };
   run("a touch", camera(45), {1, 1, 1});

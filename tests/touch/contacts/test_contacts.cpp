@@ -208,7 +208,7 @@ TEST(PreparedSolids, RefusesMoreThanADeviceThatCountsTurnsCanLookAt) {
   PreparedSolids many;
   many.file = "many.glb";
   many.records.resize(20'000);
-  many.turns = 70'000;
+  many.iterations = 70'000;
   ContactsPass pass(palpa::test::test_device());
   try {
     pass.prepare(many, {});

@@ -1,4 +1,4 @@
-// Millions of contacts, on the device: a software device ends a shader's loops after 65,535 turns together.
+// Millions of contacts, on the device: a software device ends a shader's loops after 65,535 iterations together.
 #include <gtest/gtest.h>
 
 #include <cstdint>

@@ -19,7 +19,7 @@ namespace palpa::touch::test {
 struct GuardedFingers {
   GuardedFingers(gpu::Device& device, const std::vector<sensing::Camera>& cameras, const sensing::RayTables& tables,
                  const std::vector<sensing::DepthFrame>& images, const Touch& touch,
-                 std::vector<gpu::ScratchPiece> pieces, std::uint32_t more_clusters = 0)
+                 std::vector<gpu::ScratchBuffer> pieces, std::uint32_t more_clusters = 0)
       : depth(device, sensing::packed_bytes(tables)),
         rays(palpa::test::GuardedBuffer::of<glm::vec2>(device, tables.rays)),
         records(palpa::test::GuardedBuffer::of<shader::BridgeCamera>(device, bridge_cameras(cameras, tables))),

@@ -92,10 +92,8 @@ TEST(BridgeShaders, LayOutTheirStructsAsCppDoes) {
 }
 
 TEST(BridgeShaders, HaveTheWorkgroupsThatTheirHeadersName) {
-  for (const auto words : {std::span<const std::uint32_t>(spirv::bridge_sample_comp),
-                           std::span<const std::uint32_t>(spirv::bridge_pairs_comp),
-                           std::span<const std::uint32_t>(spirv::bridge_join_comp)}) {
-    EXPECT_EQ(palpa::test::read_spirv(words).local_size[0], shader::bridge_group);
+  for (const gpu::Kernel* kernel : {&spirv::bridge_sample_comp, &spirv::bridge_pairs_comp, &spirv::bridge_join_comp}) {
+    EXPECT_EQ(palpa::test::read_spirv(*kernel).local_size[0], shader::bridge_group) << kernel->name;
   }
   EXPECT_EQ(palpa::test::read_spirv(spirv::bridge_relabel_comp).local_size[0], shader::contact_group);
 }

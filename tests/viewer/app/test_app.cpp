@@ -16,7 +16,7 @@
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "viewer/live/heard_link.hpp"
-#include "viewer/live/live_line.hpp"
+#include "viewer/picture/field_marks.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -47,6 +47,7 @@ class LiveApp : public testing::Test {
     around.kinds.links.push_back(test::heard_link(heard_));
     around.stop = &stop_;
     around.panels = panels_;
+    around.copy = [this](const std::string& text) { copied_ = text; };
     app_ = std::make_unique<App>(options, size_, std::move(around));
   }
 
@@ -116,10 +117,10 @@ class LiveApp : public testing::Test {
     return folder;
   }
   bool opens_other() {
-    return goes_round_until([&] { return given().at("--scene").front() == other_; });
+    return goes_round_until([&] { return options().scene == other_; });
   }
   static void write_anew(const fs::path& file) { fs::last_write_time(file, fs::last_write_time(file) + 1s); }
-  const setup::Given& given() const { return app_->desk().given; }
+  const setup::LiveOptions& options() const { return app_->desk().edit.options(); }
 
   const bool panels_;
   const Size size_{400, 300};
@@ -127,6 +128,7 @@ class LiveApp : public testing::Test {
   std::shared_ptr<test::Heard> heard_ = std::make_shared<test::Heard>();
   std::atomic<bool> stop_{false};
   double now_s_ = 0;
+  std::string copied_;
   std::unique_ptr<App> app_;
 };
 
@@ -166,7 +168,7 @@ TEST_F(LiveApp, ASceneThatIsWrittenAnewBeginsAnewAndKeepsItsOptions) {
   write_anew(scene_);
   ASSERT_TRUE(comes_to(LiveState::loading));
   ASSERT_TRUE(comes_to(LiveState::running));
-  EXPECT_TRUE(given().contains("--gltf-scene"));
+  EXPECT_TRUE(options().gltf_scene);
 }
 
 TEST_F(LiveApp, AnotherSceneIsNotOneThatWasWrittenAnew) {
@@ -175,7 +177,7 @@ TEST_F(LiveApp, AnotherSceneIsNotOneThatWasWrittenAnew) {
   write_anew(other_);
   drop(other_);
   ASSERT_TRUE(opens_other());
-  EXPECT_FALSE(given().contains("--gltf-scene")) << "that was of the one before";
+  EXPECT_FALSE(options().gltf_scene) << "that was of the one before";
   ASSERT_TRUE(comes_to(LiveState::loading));
   ASSERT_TRUE(comes_to(LiveState::running));
   go_round(50);
@@ -203,6 +205,7 @@ TEST_F(LiveApp, SavesNoSceneOverAFileThatIsRead) {
     EXPECT_TRUE(written > last) << i;
     fs::last_write_time(folder_ / "mine.glb", last = written - 1h);
     EXPECT_TRUE(goes_round_until([&] { return !app_->beginning(); }));
+    go_round();  // now it has looked at the scene that it has read
   }
 }
 
@@ -289,49 +292,6 @@ TEST_F(LiveAppWithPanels, AllOffWaitsForNoPicture) {
   EXPECT_TRUE(stays_off());
 }
 
-TEST(UiKeys, AreTextFromThePressOnATextOn) {
-  Ui ui(false);
-  const auto picture = [&] {
-    ui.begin(200, 100, 1, 0.01);
-    ui.end();
-  };
-  const auto typed = [&](Key key) {
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::key;
-    event.key = key;
-    const bool taken = ui.take(event);
-    event.down = false;
-    ui.take(event);
-    return taken;
-  };
-  WindowEvent press;
-  press.kind = WindowEvent::Kind::press;
-  picture();
-  EXPECT_FALSE(typed(key_of('o')));
-  ui.take(press, true);
-  EXPECT_TRUE(typed(key_of('o'))) << "no picture came between";
-  EXPECT_TRUE(typed(Key::enter));
-  EXPECT_FALSE(typed(key_of('o'))) << "that ended it";
-  ui.take(press, true);
-  ui.take(press, false);
-  EXPECT_FALSE(typed(key_of('o'))) << "elsewhere";
-}
-
-TEST(UiKeys, OneThatIsHeldDownIsOneChange) {
-  Ui ui(false);
-  WindowEvent event;
-  event.kind = WindowEvent::Kind::key;
-  event.key = key_of('a');
-  for (int i = 0; i < 100; ++i)
-    ui.take(event);
-  int pictures = 0;
-  for (; ui.restless() && pictures < 100; ++pictures) {
-    ui.begin(200, 100, 1, 0.01);
-    ui.end();
-  }
-  EXPECT_LE(pictures, 3);
-}
-
 TEST_F(LiveApp, ASwitchThatIsHeldDownIsThrownOnce) {
   WindowEvent event;
   event.kind = WindowEvent::Kind::key;
@@ -346,6 +306,19 @@ TEST_F(LiveApp, ASwitchThatIsHeldDownIsThrownOnce) {
   EXPECT_LT(app_->desk().state.time.slots_per_s, before) << "slower and slower";
 }
 
+TEST_F(LiveApp, CopiesTheCommandOfTheRunThatThereIs) {
+  const std::string rest = " --source synthetic --hold 5s --noise-free --link heard --layout autd3 --backend cpu";
+  ASSERT_TRUE(comes_to(LiveState::running));
+  key('c');
+  go_round();
+  EXPECT_EQ(copied_, "palpa run --scene " + scene_.string() + " --gltf-scene 0" + rest);
+  drop(other_);
+  ASSERT_TRUE(opens_other());
+  key('c');
+  go_round();
+  EXPECT_EQ(copied_, "palpa run --scene " + other_.string() + rest);
+}
+
 TEST_F(LiveApp, ABrokenSceneEndsNothing) {
   ASSERT_TRUE(comes_to(LiveState::running));
   std::ofstream(folder_ / "broken.glb") << "no glTF";
@@ -353,7 +326,7 @@ TEST_F(LiveApp, ABrokenSceneEndsNothing) {
   ASSERT_TRUE(goes_round_until([&] { return !app_->desk().toasts.empty(); }));
   EXPECT_CONTAINS(app_->desk().toasts.back().text, "broken.glb");
   EXPECT_EQ(app_->desk().live_state, LiveState::running);
-  EXPECT_EQ(given().at("--scene").front(), scene_);
+  EXPECT_EQ(options().scene, scene_);
 }
 
 TEST_F(LiveApp, ABrokenRecordingEndsNothing) {
@@ -365,7 +338,7 @@ TEST_F(LiveApp, ABrokenRecordingEndsNothing) {
   EXPECT_CONTAINS(app_->desk().toasts.back().text, "recording.toml");
   go_round(5);
   EXPECT_EQ(app_->desk().live_state, LiveState::running);
-  EXPECT_EQ(given().at("--source").front(), "synthetic");
+  EXPECT_EQ(options().source, "synthetic");
 }
 
 TEST_F(LiveApp, WhatIsCancelledIsNotOpened) {
@@ -378,7 +351,7 @@ TEST_F(LiveApp, WhatIsCancelledIsNotOpened) {
   std::this_thread::sleep_for(100ms);
   go_round(50);
   EXPECT_FALSE(app_->quitting()) << "Escape was for what loads";
-  EXPECT_EQ(given().at("--scene").front(), scene_);
+  EXPECT_EQ(options().scene, scene_);
   EXPECT_EQ(app_->desk().live_state, LiveState::running);
 }
 
@@ -424,7 +397,7 @@ TEST_F(LiveApp, PressuresAreOnTheFingerOfThisRun) {
   const auto note = [&] {
     const auto& bars = app_->picture().bars;
     const auto bar = std::ranges::find(bars, Layer::heat, &ColourBar::layer);
-    return bar == bars.end() ? std::string() : bar->note;
+    return bar == bars.end() ? std::string() : note_of(*bar);
   };
   begin("synthetic:" + open, "heat");
   ASSERT_TRUE(goes_round_until([&] { return note().find("failed") != std::string::npos; })) << note();
@@ -463,8 +436,8 @@ TEST_F(LiveApp, ARecordingOnATouchIsALiveRunWithAllThatIsShownOfIt) {
   EXPECT_TRUE(app_->desk().live);
   EXPECT_TRUE(goes_round_until([&] { return app_->picture().fingers.size() == 1; }));
   EXPECT_TRUE(app_->picture().driven);
-  EXPECT_EQ(run_command(given()), "palpa run --scene " + scene_.string() + " --source recording:" + take.string() +
-                                      " --layout autd3 --backend cpu");
+  EXPECT_EQ(app_->desk().edit.command(), "palpa run --scene " + scene_.string() +
+                                             " --source recording:" + take.string() + " --layout autd3 --backend cpu");
   EXPECT_TRUE(app_->finish(10));
 }
 

@@ -13,6 +13,7 @@
 #include "support/shared_data.hpp"
 #include "viewer/hands/slice_hand.hpp"
 #include "viewer/live/played.hpp"
+#include "viewer/picture/field_marks.hpp"
 #include "viewer/sound/sounds.hpp"
 
 namespace palpa::viewer {
@@ -37,7 +38,7 @@ TEST(Heat, IsOfWhatSoundsOrSaysThatItIsNot) {
   heat.look(played.now, picture);
   EXPECT_FALSE(picture.skin) << "nobody waits for it";
   ASSERT_EQ(picture.bars.size(), 1u);
-  EXPECT_NE(picture.bars[0].note.find("being computed"), std::string::npos);
+  EXPECT_NE(note_of(picture.bars[0]).find("being computed"), std::string::npos);
   bool skin = false;
   const auto rests = [&] {
     skin = heat.look(played.now, picture).skin || skin;
@@ -85,7 +86,7 @@ TEST(Heat, OfAFileThatIsNoFingerFails) {
     return !heat.busy();
   }));
   EXPECT_NE(heat.fault().find("README.md"), std::string::npos) << heat.fault();
-  EXPECT_NE(picture.bars.at(0).note.find("failed"), std::string::npos);
+  EXPECT_NE(note_of(picture.bars.at(0)).find("failed"), std::string::npos);
 }
 
 TEST(Sounds, TellEachFaultOnce) {

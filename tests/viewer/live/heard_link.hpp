@@ -1,19 +1,23 @@
-// A link that remembers what it was told.
+// A link that remembers what it was handed, and the options of a live run that plays to it.
 #pragma once
 
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 
+#include "session/links/hand_over.hpp"
 #include "session/links/link.hpp"
+#include "support/shared_data.hpp"
+#include "viewer/live/live_line.hpp"
 
 namespace palpa::test {
 
-/// What a link was told, kept beyond its life.
+/// What a link was handed, kept beyond its life.
 struct Heard {
   std::atomic<std::uint64_t> drives{0}, sounding{0};
   std::atomic<bool> last_sounds{false}, finished{false};
@@ -24,7 +28,7 @@ struct Heard {
 class HeardLink final : public session::Link {
  public:
   explicit HeardLink(std::shared_ptr<Heard> heard) : heard_(std::move(heard)) {}
-  void plan(const session::ToldPlan&) override {}
+  void plan(const session::PlayedPlan&) override {}
   void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
     const bool sounds = std::ranges::any_of(drive, [](const array::TransducerDrive& one) { return one.amplitude > 0; });
     ++heard_->drives;
@@ -32,6 +36,11 @@ class HeardLink final : public session::Link {
     heard_->sounding += sounds ? 1 : 0;
   }
   void finish() override { heard_->finished = true; }
+  /// It loses nothing.
+  std::optional<session::Carried> carried() const override {
+    const session::Passed all{.drives = heard_->sounding};
+    return session::Carried{.guard = {}, .submitted = all, .completed = all};
+  }
 
  private:
   std::shared_ptr<Heard> heard_;
@@ -41,6 +50,19 @@ class HeardLink final : public session::Link {
 inline session::LinkKind heard_link(const std::shared_ptr<Heard>& heard) {
   return {"heard", "",
           [heard](const std::string&, const session::LinkSetting&) { return std::make_unique<HeardLink>(heard); }};
+}
+
+/// A made-up finger in a cube, on the processor, played to "heard" for that many frames; 0: without an end.
+inline setup::LiveOptions heard_options(std::uint64_t frames = 0) {
+  setup::LiveOptions options = viewer::live_options({{"--scene", {source_file("assets/cube.glb").string()}},
+                                                     {"--source", {"synthetic"}},
+                                                     {"--layout", {"autd3"}},
+                                                     {"--backend", {"cpu"}},
+                                                     {"--noise-free", {}},
+                                                     {"--hold", {"5s"}},
+                                                     {"--link", {"heard"}}});
+  options.frames = frames;
+  return options;
 }
 
 }  // namespace palpa::test

@@ -36,18 +36,10 @@ struct Bench {
   std::uint64_t frames = 0;  ///< after which it ends by itself
 
   std::unique_ptr<LiveSession> start(Patience patience = {}) {
-    setup::LiveOptions options = live_options({{"--scene", {test::source_file("assets/cube.glb").string()}},
-                                               {"--source", {"synthetic"}},
-                                               {"--layout", {"autd3"}},
-                                               {"--backend", {"cpu"}},
-                                               {"--noise-free", {}},
-                                               {"--hold", {"5s"}},
-                                               {"--link", {"heard"}}});
-    options.frames = frames;
     LiveSession::Kinds kinds;
     kinds.links.push_back(test::heard_link(heard));
     return std::make_unique<LiveSession>(
-        std::move(options), std::move(kinds), stop, [this] { ++woken; }, patience);
+        test::heard_options(frames), std::move(kinds), stop, [this] { ++woken; }, patience);
   }
   bool sounded() { return heard->sounded(); }
 };
@@ -91,6 +83,13 @@ TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
   EXPECT_TRUE(bench.heard->finished);
   EXPECT_FALSE(bench.heard->last_sounds);
   EXPECT_FALSE(live->link().open || live->link().sounding);
+  EXPECT_EQ(live->link().drives, bench.heard->drives);
+  EXPECT_EQ(live->link().drives - live->link().silent, bench.heard->sounding);
+  const auto stats = live->stats();
+  ASSERT_TRUE(stats);
+  ASSERT_TRUE(stats->output.hand_over.behind) << "what the link knows of its device reaches the run's statistics";
+  EXPECT_EQ(stats->output.hand_over.behind->completed.drives, bench.heard->sounding);
+  EXPECT_EQ(stats->output.hand_over.lost(), 0u);
 }
 
 TEST(Live, WhoAsksIsKeptOutOfItsFramesWay) {
@@ -220,7 +219,7 @@ TEST(Live, ASnapshotOfAnotherArrayDrivesNothing) {
   picture.driven = true;
   Snapshot snapshot;
   snapshot.plan.schedule.voice_count = 1;
-  snapshot.plan.cycle = 1;
+  snapshot.plan.cycle.length = 1;
   snapshot.plan.drives.resize(2);
   session::SlotScratch scratch;
   show_live_slot(picture, scene, snapshot, 0, scratch);
@@ -242,7 +241,7 @@ TEST(Live, AScheduleTooLongToBeListedIsShownAndHeard) {
   session::SlotWork work;
   array::DriveScratch drives;
   session::drive_on_host(snapshot.plan, scene->layout, scene->drive, work, nullptr, drives);
-  ASSERT_EQ(snapshot.plan.cycle, 0u);
+  ASSERT_TRUE(snapshot.plan.cycle.too_long);
 
   Picture picture;
   picture.transducers.resize(scene->layout.transducers.size());
@@ -376,8 +375,8 @@ TEST(LiveLine, WhatACommandTellsIsNoneOfTheViewersOwn) {
   EXPECT_EQ(run_command({{"--scene", {"a.glb"}}, {"--json", {"of-the-viewer.json"}}, {"--frames", {"3"}}},
                         {{"--frames", {"300"}}, {"--stats", {"json"}}, {"--quiet", {}}}),
             "palpa run --scene a.glb --frames 300 --stats json --quiet");
-  check_told({{"--frames", {"300"}}, {"--log-level", {"info"}}});
-  EXPECT_THROW(check_told({{"--frames", {"many"}}}), Error);
+  check_copied({{"--frames", {"300"}}, {"--log-level", {"info"}}});
+  EXPECT_THROW(check_copied({{"--frames", {"many"}}}), Error);
 }
 
 TEST(LiveLine, TheTableHasWordsAndDefaults) {

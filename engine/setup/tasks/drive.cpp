@@ -1,0 +1,286 @@
+#include "setup/tasks/drive.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <complex>
+#include <glm/matrix.hpp>
+#include <utility>
+
+#include "acoustics/air.hpp"
+#include "acoustics/bodies/body_mesh.hpp"
+#include "array/drive_pass.hpp"
+#include "array/schedule.hpp"
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "gpu/commands.hpp"
+#include "setup/body.hpp"
+#include "setup/load.hpp"
+#include "setup/touch_file.hpp"
+#include "setup/warnings.hpp"
+#include "touch/foci/method.hpp"
+
+namespace palpa::setup {
+namespace {
+
+/// Without absorption, as in the solvers.
+acoustics::Air air_of_solvers(const DriveOptionsGroup& drive) {
+  return acoustics::without_absorption(air(drive.medium, {}));
+}
+
+/// What sounds in the touch's slot, in the layout's frame, as a schedule of one slot: a voice per finger, and none for
+/// one that is silent (`gain` 0).
+array::Schedule slot_of_touch(const DriveTask& task, const array::Schedule& touch, const PlacedLayout& placed) {
+  constexpr std::uint64_t longest_cycle = 1u << 20;
+  const std::uint32_t slot = task.slot.value_or(0);
+  if (const std::uint64_t cycle = array::cycle_length(touch, longest_cycle); cycle != 0 && slot >= cycle) {
+    throw bad_usage(fmt::format("--slot: {} is not there: {} has {}", slot, task.touch,
+                                cycle == 1 ? "one slot, 0" : fmt::format("the slots 0 to {}", cycle - 1)));
+  }
+  std::vector<array::SlotFocus> foci;
+  array::foci_of_slot(touch, slot, foci);
+  const Transform T_layout_world = glm::inverse(placed.T_world_layout);
+  array::Schedule schedule;
+  for (const array::SlotFocus& focus : foci) {
+    if (focus.gain == 0) continue;
+    const array::Voice& finger = touch.voices[focus.voice];
+    const bool another = schedule.voice_count == 0 || schedule.voices[schedule.voice_count - 1].id != finger.id;
+    array::Voice& voice = another ? schedule.add_voice() : schedule.voices[schedule.voice_count - 1];
+    if (another) {
+      voice.id = finger.id;
+      voice.gain = finger.gain;
+      voice.pressure_pa = finger.pressure_pa;
+      voice.foci_per_slot = 0;
+    }
+    voice.foci.push_back(transform_point(T_layout_world, focus.position));
+    voice.order.push_back(voice.foci_per_slot++);
+    check_focus(placed.layout, {voice.foci.back(), focus.gain},
+                fmt::format("{}: the focus of finger {}", task.touch, finger.id));
+  }
+  if (schedule.voice_count == 0) throw bad_input(task.touch, "every finger of this touch is silent: its gain is 0");
+  return schedule;
+}
+
+/// Refuses fingers that ask for a pressure beside what it takes the place of.
+void check_pressures(const DriveTask& task, const array::Schedule& touch) {
+  for (const array::Voice& finger : touch.voices) {
+    if (finger.pressure_pa > 0)
+      refuse_beside_pressure(task.drive, fmt::format("finger {} of {} asks for a pressure", finger.id, task.touch));
+  }
+}
+
+/// Of each voice that asks for none itself.
+void ask_for_pressure(const DriveOptionsGroup& drive, array::Schedule& schedule) {
+  for (array::Voice& voice : schedule.voices) {
+    if (voice.pressure_pa == 0) voice.pressure_pa = drive.pressure_pa.value_or(0);
+  }
+}
+
+array::Drive drive_on_gpu(const gpu::Device& device, const array::Layout& layout,
+                          std::span<const array::SlotFocus> foci, std::span<const std::complex<double>> factors,
+                          const array::DriveOptions& options) {
+  const array::DrivePasses passes(device, factors.empty() ? options.solver : array::Solver::naive);
+  array::DriveMemory buffers(device, layout, options, 1, static_cast<std::uint32_t>(foci.size()));
+  const bool fits = factors.empty() ? buffers.add_slot(foci) : buffers.add_slot(foci, factors);
+  if (!fits) throw failure("more foci than the GPU's buffers hold");
+  const gpu::Recorder recorder(device, "drive");
+  gpu::Timeline timeline(device);
+  buffers.record(recorder.begin(), passes);
+  timeline.wait(timeline.submit(recorder.end()));
+  const auto drive = buffers.drive(0);
+  return {drive.begin(), drive.end()};
+}
+
+std::vector<Vec3> aim(FingerInSound& finger, const std::vector<array::SlotFocus>& foci) {
+  std::vector<Vec3> places;
+  places.reserve(foci.size());
+  for (const array::SlotFocus& focus : foci)
+    places.push_back(focus.position);
+  return finger.sound.aim(places);
+}
+
+/// Of each focus, against the drive that free air asks for.
+std::vector<double> gains_over(const array::DriveOptions& in_free_air, const array::Layout& layout,
+                               const FingerInSound& finger, const DriveResult& result) {
+  const array::Drive other = array::drive_for(layout, result.foci, in_free_air);
+  const acoustics::FociPressure before = acoustics::pressure_at_foci(layout, other, result.foci, finger.sound);
+  std::vector<double> gains;
+  gains.reserve(result.foci.size());
+  for (std::size_t j = 0; j < result.foci.size(); ++j)
+    gains.push_back(before.pascals[j] > 0 ? result.pressure.pascals[j] / before.pascals[j] : 0);
+  return gains;
+}
+
+/// Where drives are computed.
+struct Computer {
+  const gpu::Device* device = nullptr;                 ///< there already,
+  const gpu::DeviceOptions* device_options = nullptr;  ///< or to be opened; neither: the processor
+  FingerInSound* finger = nullptr;                     ///< on the processor; its transfer takes the place of free air
+  std::string touch;                                   ///< the file that foci are from, for messages
+};
+
+array::Drive drive_by(const Computer& by, const array::Layout& layout, std::span<const array::SlotFocus> foci,
+                      std::span<const std::complex<double>> factors, const array::DriveOptions& options) {
+  if (by.finger || !(by.device || by.device_options)) return drive_on_cpu(layout, foci, factors, options);
+  if (by.device) return drive_on_gpu(*by.device, layout, foci, factors, options);
+  return drive_on_gpu(gpu::Device(*by.device_options), layout, foci, factors, options);
+}
+
+/// Of slot 0 of the schedule, whose foci, if there is a finger, it was aimed at.
+void drive_slot(const array::Layout& layout, array::Schedule& schedule, const array::DriveOptions& in_free_air,
+                const Computer& by, DriveResult& result) {
+  array::DriveOptions options = in_free_air;
+  if (by.finger) options.transfer = &by.finger->sound;
+  const std::vector<std::complex<double>> factors = factors_for(layout, schedule, options, by.touch);
+  result.layout = layout;
+  result.medium = options.medium;
+  result.pressure_asked = !factors.empty();
+  result.drive = drive_by(by, layout, result.foci, factors, options);
+  result.pressure =
+      by.finger ? acoustics::pressure_at_foci(layout, result.drive, result.foci, by.finger->sound)
+                : acoustics::pressure_at_foci(layout, result.drive, result.foci, options.medium, options.directivity);
+  if (by.finger && factors.empty()) result.over_free_field = gains_over(in_free_air, layout, *by.finger, result);
+  result.unresolved = array::unresolved_pairs(layout, result.foci, options);
+}
+
+/// What a command line refuses while it is read.
+void check_values(const DriveOptionsGroup& drive) {
+  air_of_solvers(drive);  // refuses air and tones that are none
+  if (drive.pressure_pa && !(*drive.pressure_pa > 0 && *drive.pressure_pa <= array::most_pressure_pa)) {
+    throw bad_usage(fmt::format("a pressure of {} Pa at each focus is not above 0 and at most {} Pa",
+                                *drive.pressure_pa, array::most_pressure_pa));
+  }
+}
+
+DriveResult drive_foci(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
+                       const Computer& by) {
+  if (foci.empty()) throw bad_usage("no focus is given");
+  check_values(drive);
+  const array::DriveOptions options =
+      drive_options(drive, touch::Method::cross_section, by.finger ? FingerMesh::known : FingerMesh::unknown);
+  warn_of_frequency(layout, options.medium);
+  array::Schedule schedule = schedule_of(foci, layout);
+  ask_for_pressure(drive, schedule);
+  DriveResult result;
+  array::foci_of_slot(schedule, 0, result.foci);
+  if (by.finger) result.aimed = aim(*by.finger, result.foci);
+  drive_slot(layout, schedule, options, by, result);
+  return result;
+}
+
+}  // namespace
+
+void check(const DriveTask& task) {
+  const std::string asks = asks_for_finger(task.drive);
+  if (!asks.empty() && task.mesh.empty())
+    throw bad_usage(asks + ": --mesh is missing: give the finger's closed mesh, in the layout's frame");
+  if (asks.empty() && (!task.mesh.empty() || task.force))
+    throw bad_usage(fmt::format("{} goes with --transfer finger", task.mesh.empty() ? "--force" : "--mesh"));
+  if (task.touch.empty()) {
+    if (task.slot || !task.rig.empty())
+      throw bad_usage(fmt::format("{} goes with --touch", task.slot ? "--slot" : "--rig"));
+    if (task.layout.empty())
+      throw bad_usage("--layout is missing: give autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
+    if (task.foci.empty()) {
+      throw bad_usage(
+          "--focus is missing: give a point x,y,z in the layout's frame, such as 0,0,150mm, or a --touch FILE");
+    }
+    return;
+  }
+  if (!task.foci.empty()) throw bad_usage("--focus and --touch exclude each other: give one of them");
+  if (task.layout.empty() && task.rig.empty())
+    throw bad_usage("--touch needs an array: give --layout, or the --rig that it stands in");
+}
+
+bool DriveResult::beyond_linear() const {
+  return std::ranges::any_of(pressure.pascals, [](double pascals) { return pascals > array::linear_pressure_pa; });
+}
+
+std::string to_json(const DriveResult& result) {
+  JsonWriter json;
+  json.begin_object()
+      .member("layout", result.layout.name)
+      .member("transducers", std::uint64_t{result.drive.size()})
+      .member("sound_speed_m_s", result.medium.sound_speed)
+      .member("frequency_hz", result.medium.frequency);
+  json.key("foci_m").begin_array();
+  for (const array::SlotFocus& focus : result.foci)
+    json.value(focus.position);
+  json.end_array();
+  if (!result.aimed.empty()) json.member("aimed_m", result.aimed);
+  json.key("gains").begin_array();
+  for (const array::SlotFocus& focus : result.foci)
+    json.value(focus.gain);
+  json.end_array();
+  json.member("pressures_pa", result.pressure.pascals).member("weakest_to_strongest", result.pressure.evenness);
+  if (!result.over_free_field.empty()) json.member("over_free_field", result.over_free_field);
+  json.key("unresolved_pairs").begin_array();
+  for (const array::FocusPair& pair : result.unresolved)
+    json.begin_array().value(std::uint64_t{pair.first}).value(std::uint64_t{pair.second}).end_array();
+  json.end_array();
+  json.key("amplitudes").begin_array();
+  for (const array::TransducerDrive& d : result.drive)
+    json.value(d.amplitude);
+  json.end_array();
+  json.key("phases_rad").begin_array();
+  for (const array::TransducerDrive& d : result.drive)
+    json.value(d.phase);
+  json.end_array().end_object();
+  return json.take();
+}
+
+FingerInSound::FingerInSound(geometry::Mesh mesh, const array::Layout& layout, const DriveOptionsGroup& drive)
+    : body(std::move(mesh), air_of_solvers(drive).wave_number()),
+      sound(body, layout, air_of_solvers(drive), drive.directivity) {}
+
+std::unique_ptr<FingerInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
+                                               const array::Layout& layout, const DriveOptionsGroup& drive,
+                                               bool force) {
+  geometry::Mesh body = body_of(name, mesh, air_of_solvers(drive), force);
+  acoustics::check_clear_of(name, body, layout);
+  return std::make_unique<FingerInSound>(std::move(body), layout, drive);
+}
+
+DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
+                       const gpu::Device* device) {
+  return drive_foci(layout, foci, drive, {.device = device});
+}
+
+DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
+                       FingerInSound& finger) {
+  return drive_foci(layout, foci, drive, {.finger = &finger});
+}
+
+DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const std::function<void()>& finger_read) {
+  check(task);
+  const PlayedTouch played = task.touch.empty() ? PlayedTouch() : load_touch(task.touch);
+  const array::DriveOptions options =
+      drive_options(task.drive, played.together ? touch::Method::multi_focus : touch::Method::cross_section,
+                    task.mesh.empty() ? FingerMesh::unknown : FingerMesh::known);
+  check_pressures(task, played.schedule);
+  const PlacedLayout placed = load_placed_layout({.rig = task.rig, .layout = task.layout});
+  const array::Layout& layout = placed.layout;
+  warn_of_frequency(layout, options.medium);
+  array::Schedule schedule =
+      task.touch.empty() ? schedule_of(task.foci, layout) : slot_of_touch(task, played.schedule, placed);
+  ask_for_pressure(task.drive, schedule);
+  DriveResult result;
+  array::foci_of_slot(schedule, 0, result.foci);
+  std::unique_ptr<FingerInSound> finger;
+  if (!task.mesh.empty()) {
+    geometry::Mesh body = load_body(task.mesh, air_of_solvers(task.drive), task.force);
+    acoustics::check_clear_of(task.mesh, body, layout);
+    if (finger_read) finger_read();
+    finger = std::make_unique<FingerInSound>(std::move(body), layout, task.drive);
+    result.aimed = aim(*finger, result.foci);
+  }
+  const gpu::DeviceOptions device = device_options(common);
+  drive_slot(layout, schedule, options,
+             {.device_options = common.backend == Backend::gpu ? &device : nullptr,
+              .finger = finger.get(),
+              .touch = task.touch},
+             result);
+  return result;
+}
+
+}  // namespace palpa::setup

@@ -1,0 +1,209 @@
+#include "setup/tasks/scatter.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <utility>
+
+#include "acoustics/bodies/body_mesh.hpp"
+#include "acoustics/bodies/body_places.hpp"
+#include "acoustics/field/incident.hpp"
+#include "acoustics/field/waves.hpp"
+#include "array/schedule.hpp"
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/parallel.hpp"
+#include "setup/body.hpp"
+#include "setup/drive_file.hpp"
+#include "setup/values.hpp"
+#include "setup/warnings.hpp"
+
+namespace palpa::setup {
+namespace {
+
+/// An absorbing medium has no plane wave of 1 Pa everywhere.
+void check_absorption(const IncidentSound& sound, const acoustics::Air& air) {
+  if (!std::holds_alternative<ArraySound>(sound) && air.absorption_np_m > 0)
+    throw bad_usage("--absorption goes with --drive: plane wave and point source are those of a lossless air");
+}
+
+/// The task's wave, checked beside the body.
+IncidentSound load_sound(const ScatterTask& task, const acoustics::Air& air, const geometry::Mesh& body) {
+  IncidentSound sound;
+  if (!task.plane_wave.empty()) {
+    const auto [x, y, z] = parse_direction("--plane-wave", task.plane_wave);
+    sound = PlaneWave{{x, y, z}};
+  } else if (!task.point_source.empty()) {
+    const auto [x, y, z] = parse_point("--point-source", task.point_source);
+    acoustics::check_source(body, {x, y, z}, task.force);
+    sound = PointSource{{x, y, z}};
+  } else {
+    array::Layout layout = array::load_layout(task.layout);
+    warn_of_frequency(layout, air.medium);
+    acoustics::check_clear_of(task.mesh, body, layout);
+    array::Drive drive = load_drive(task.drive_file, layout);
+    sound = ArraySound{std::move(layout), std::move(drive), task.directivity.value_or(array::Directivity::t4010a1)};
+  }
+  check_absorption(sound, air);
+  return sound;
+}
+
+void check_sound(const std::string& name, const IncidentSound& sound, const acoustics::Air& air,
+                 const geometry::Mesh& body, bool force) {
+  if (const auto* const plane = std::get_if<PlaneWave>(&sound)) {
+    const double length = glm::length(plane->direction);
+    if (!(length > 0 && std::isfinite(length))) throw bad_usage("a plane wave travels along a direction with a length");
+  } else if (const auto* const point = std::get_if<PointSource>(&sound)) {
+    const Vec3& p = point->position;
+    if (!(std::abs(p.x) <= farthest_point_m && std::abs(p.y) <= farthest_point_m && std::abs(p.z) <= farthest_point_m))
+      throw bad_usage(fmt::format("the point source is not within {} m", farthest_point_m));
+    acoustics::check_source(body, p, force);
+  } else if (const auto* const array = std::get_if<ArraySound>(&sound)) {
+    warn_of_frequency(array->layout, air.medium);
+    acoustics::check_clear_of(name, body, array->layout);
+    if (array->drive.size() != array->layout.transducers.size()) {
+      throw bad_usage(fmt::format("the drive is of another layout: it has {} transducers, {} has {}",
+                                  array->drive.size(), array->layout.name, array->layout.transducers.size()));
+    }
+  }
+  check_absorption(sound, air);
+}
+
+/// The incident wave, whichever it is.
+class Wave {
+ public:
+  /// `sound` outlives it.
+  Wave(const IncidentSound& sound, const acoustics::Air& air) : sound_(sound), air_(air) {
+    if (const auto* const array = std::get_if<ArraySound>(&sound)) strengths_ = acoustics::strengths_of(array->drive);
+  }
+
+  acoustics::Waves at(std::span<const Vec3> points, std::span<const Vec3> normals) const {
+    if (const auto* const plane = std::get_if<PlaneWave>(&sound_))
+      return acoustics::plane_wave(air_.wave_number(), glm::normalize(plane->direction), points, normals);
+    if (const auto* const point = std::get_if<PointSource>(&sound_))
+      return acoustics::point_source(air_.wave_number(), point->position, points, normals);
+    const ArraySound& array = std::get<ArraySound>(sound_);
+    acoustics::Waves waves;
+    acoustics::Incident(array.layout, air_, array.directivity).at(points, normals, strengths_, waves);
+    return waves;
+  }
+
+ private:
+  const IncidentSound& sound_;
+  acoustics::Air air_;
+  acoustics::Strengths strengths_;
+};
+
+using Pressures = std::vector<std::complex<double>>;
+
+/// Total pressure in the air and on the skin; not a number inside of the body.
+Pressures around(const acoustics::RigidBody& body, const Wave& wave, std::span<const std::complex<float>> unknowns,
+                 std::span<const Vec3> points) {
+  using Where = acoustics::BodyPlace::Where;
+  if (points.empty()) return {};
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  Pressures total(points.size(), {nan, nan});
+  const acoustics::BodyPlaces places(body.patches());
+  std::vector<Where> where(points.size());
+  parallel_chunks(points.size(), 256, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const acoustics::BodyPlace place = places.of(points[i]);
+      where[i] = place.where;
+      if (place.where == Where::skin) total[i] = body.at_skin(unknowns, place.face, place.u, place.v).pressure;
+    }
+  });
+  std::vector<Vec3> in_air;
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (where[i] != Where::air) continue;
+    in_air.push_back(points[i]);
+    rows.push_back(i);
+  }
+  const Pressures scattered = body.scattered(unknowns, in_air), incident = wave.at(in_air, {}).pressures;
+  for (std::size_t i = 0; i < in_air.size(); ++i)
+    total[rows[i]] = incident[i] + scattered[i];
+  return total;
+}
+
+/// Of a body and a sound that are checked.
+ScatterResult solve(geometry::Mesh mesh, const IncidentSound& sound, const acoustics::Air& air,
+                    std::vector<Vec3> points) {
+  ScatterResult result;
+  result.points = std::move(points);
+  result.air = air;
+  result.from_array = std::holds_alternative<ArraySound>(sound);
+  const Wave wave(sound, air);
+  Stopwatch watch;
+  const acoustics::RigidBody body(std::move(mesh), air.wave_number());
+  result.times.emplace_back("operator", watch.lap_ms());
+  const acoustics::Waves incident = wave.at(body.points(), body.normals());
+  result.times.emplace_back("incident", watch.lap_ms());
+  const std::vector<std::complex<float>> unknowns = body.solve(incident);
+  result.faces = body.at_faces(unknowns);
+  result.times.emplace_back("solution", watch.lap_ms());
+  result.totals = around(body, wave, unknowns, result.points);
+  if (!result.points.empty()) result.times.emplace_back("places", watch.lap_ms());
+
+  acoustics::SkinPressure pressure;
+  acoustics::add_pressure(result.faces, air, 1, pressure);
+  result.loudest_pa = pressure.loudest_pa;
+  result.body = body.mesh();
+  result.load = acoustics::load_on(result.body, pressure.langevin, {});
+  return result;
+}
+
+}  // namespace
+
+void check(const ScatterTask& task) {
+  if (task.mesh.empty()) throw bad_usage("--mesh is missing: give the rigid body, a closed PLY or glTF mesh");
+  const int waves = !task.plane_wave.empty() + !task.point_source.empty() + !task.drive_file.empty();
+  if (waves != 1) {
+    throw bad_usage(waves == 0
+                        ? "nothing sounds: give --plane-wave x,y,z, --point-source x,y,z, or --layout and --drive"
+                        : "--plane-wave, --point-source and --drive exclude each other: give one of them");
+  }
+  if (task.drive_file.empty() != task.layout.empty()) throw bad_usage("--layout and --drive go together: give both");
+  if (task.directivity && task.drive_file.empty())
+    throw bad_usage("--directivity goes with --drive: it is of an array's transducers");
+  refuse_without_place(task.place);
+}
+
+bool ScatterResult::beyond_linear() const {
+  return from_array && loudest_pa > array::linear_pressure_pa;
+}
+
+std::string to_json(const ScatterResult& result) {
+  JsonWriter json;
+  json.begin_object()
+      .member("faces", std::uint64_t{result.body.triangles.size()})
+      .member("force_N", result.load.force)
+      .member("torque_Nm", result.load.torque)
+      .member("density_kg_m3", result.air.density_kg_m3);
+  json.key("timing_ms").begin_object();
+  for (const auto& [stage, ms] : result.times)
+    json.member(stage, ms);
+  json.end_object().end_object();
+  return json.take();
+}
+
+ScatterResult scatter(const std::string& name, const geometry::Mesh& mesh, const IncidentSound& sound,
+                      const acoustics::Air& air, std::vector<Vec3> points, bool force) {
+  geometry::Mesh body = body_of(name, mesh, air, force);
+  check_sound(name, sound, air, body, force);
+  if (!points.empty()) points = point_places(std::move(points)).points;
+  return solve(std::move(body), sound, air, std::move(points));
+}
+
+ScatterResult scatter(const ScatterTask& task, const std::function<void()>& all_read) {
+  check(task);
+  const acoustics::Air air = setup::air(task.medium, task.air);
+  geometry::Mesh body = load_body(task.mesh, air, task.force);
+  const IncidentSound sound = load_sound(task, air, body);
+  Places places = task.place.given() ? load_places(task.place) : Places();
+  if (all_read) all_read();
+  return solve(std::move(body), sound, air, std::move(places.points));
+}
+
+}  // namespace palpa::setup

@@ -1,0 +1,209 @@
+#include "setup/tasks/touch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <span>
+#include <utility>
+
+#include "array/schedule.hpp"
+#include "base/json_writer.hpp"
+#include "session/links/foci_link.hpp"
+#include "session/previews/foci_pressures.hpp"
+#include "session/watch/pressure_log.hpp"
+#include "setup/frames.hpp"
+#include "setup/load.hpp"
+#include "setup/tasks/felt_json.hpp"
+#include "setup/touch_schedule.hpp"
+#include "setup/warnings.hpp"
+
+namespace palpa::setup {
+
+void check(const TouchSceneOptions& options, bool depth_images) {
+  check(options.compute);
+  check(options.touch);
+  check(options.felt, options.touch);
+  if (!depth_images) refuse_finger_width(options.touch, "--depth");
+  check(options.array);
+}
+
+bool TouchResult::has_own_schedule(std::uint32_t finger) const {
+  const std::optional<acoustics::Tuned>& tuned = session().scheduler().fingers()[finger].tuned;
+  return (tuned && tuned->changed) || session().scheduler().solids()[touch().fingers[finger].solid].own_schedule;
+}
+
+bool TouchResult::beyond_linear() const {
+  return std::ranges::any_of(
+      pressures, [](const auto& foci) { return *std::ranges::max_element(foci) > array::linear_pressure_pa; });
+}
+
+namespace {
+
+TouchArray load_array(const TouchSceneOptions& o, std::span<const geometry::Solid> solids) {
+  TouchArray array{.layout = {},
+                   .drive = drive_options(o.array.drive, o.touch.method.method),
+                   .pressure_pa = o.array.drive.pressure_pa};
+  if (o.array.layout.empty()) return array;
+  check(o.array.drive, solids);
+  array.layout = load_posed_layout(o.array.layout);
+  warn_of_reach(array.layout, solids);
+  warn_of_frequency(array.layout, array.drive.medium);
+  return array;
+}
+
+}  // namespace
+
+TouchResult touch_scene(const TouchSceneOptions& options, const std::string& scene, std::vector<geometry::Solid> solids,
+                        const TouchInput& skin, Stopwatch since) {
+  Stopwatch whole = since;
+  StepTimes times;
+  TouchArray array = load_array(options, solids);
+  times.emplace_back("load", since.lap_ms());
+  TouchResult result{.one = touch_once(options.compute, options.touch, options.felt, scene, std::move(solids), skin,
+                                       std::move(array), times),
+                     .points = skin.point_count};
+  bool warned = false;
+  warn_of_left_out_fingers(result.touch(), warned);
+  const session::Session& session = result.session();
+  if (options.felt.spectrum) result.spectra = spectra_of(session);
+  if (!options.array.layout.empty()) result.pressures = session::foci_pressures(session.plan(), session.setting());
+  result.unreached = session::unreached(session.schedule(), session.solid_names());
+  result.total_ms = whole.lap_ms();
+  result.times = std::move(times);
+  return result;
+}
+
+namespace {
+
+void add_schedule(JsonWriter& json, const array::Voice& voice) {
+  json.key("schedule").begin_object().key("order");
+  session::write_order(voice, json);
+  json.member("dwell_s", voice.dwell_s).end_object();
+}
+
+/// The voice of a finger with its order counted in sectors: foci that sound together are those of its filled ones.
+array::Voice by_sector(array::Voice voice, const touch::Placement& placement) {
+  if (!placement.together) return voice;
+  std::vector<std::uint32_t> filled;
+  for (std::uint32_t i = 0; i < placement.foci.size(); ++i) {
+    if (placement.has(i)) filled.push_back(i);
+  }
+  for (std::uint32_t& entry : voice.order)
+    entry = filled[entry];
+  return voice;
+}
+
+/// What sounds at the foci of a finger, null where a sector has none of its own.
+void add_pressures(JsonWriter& json, const std::vector<double>& pressures, const touch::Placement& placement) {
+  json.member("pressure_pa", *std::ranges::min_element(pressures));
+  json.key("pressures_pa").begin_array();
+  std::size_t filled = 0;  // foci that sound together are those of filled sectors
+  for (std::uint32_t i = 0; i < placement.foci.size(); ++i) {
+    if (placement.has(i)) {
+      json.value(pressures[placement.together ? filled++ : i]);
+    } else {
+      json.null();
+    }
+  }
+  json.end_array();
+}
+
+void add_finger(JsonWriter& json, const TouchResult& result, std::uint32_t index) {
+  const touch::Finger& finger = result.touch().fingers[index];
+  const session::ScheduledFinger& scheduled = result.session().scheduler().fingers()[index];
+  const touch::Placement& placement = scheduled.placement;
+  json.begin_object().member("solid", result.session().solids()[finger.solid].name);
+  json.key("indices").begin_array();
+  for (const std::uint32_t contact : finger.contacts)
+    json.value(result.touch().contacts[contact].point);
+  json.end_array();
+  json.member("centroid_m", finger.section.centroid);
+  json.key("axes").begin_array();
+  for (const glm::vec3& axis : finger.section.axes)
+    json.value(axis);
+  json.end_array();
+  json.key("eigenvalues_m2").begin_array();
+  for (const float eigenvalue : finger.section.eigenvalues)
+    json.value(eigenvalue);
+  json.end_array();
+  json.key("foci_m").begin_array();
+  for (std::size_t i = 0; i < placement.foci.size(); ++i) {
+    if (placement.has(i)) {
+      json.value(placement.foci[i].position);
+    } else {
+      json.null();
+    }
+  }
+  json.end_array();
+  json.key("focus_points").begin_array();
+  for (const touch::Focus& focus : placement.foci)
+    json.value(focus.points);
+  json.end_array();
+  const array::Voice& voice = result.session().schedule().voices[index];
+  if (voice.gain != 1) json.member("gain", voice.gain);
+  if (const double asked = voice.pressure_pa * voice.gain; asked > 0) json.member("asked_pa", asked);
+  if (!result.pressures.empty()) add_pressures(json, result.pressures[index], placement);
+  if (result.has_own_schedule(index)) add_schedule(json, by_sector(voice, placement));
+  add_felt(json, scheduled, result.spectra.empty() ? nullptr : &result.spectra[index]);
+  json.end_object();
+}
+
+}  // namespace
+
+std::string to_json(const TouchResult& result) {
+  const touch::Touch& touch = result.touch();
+  JsonWriter json;
+  json.begin_object().member("points", result.points);
+  json.key("contacts").begin_object().member("count", std::uint64_t{touch.contacts.size()});
+  json.key("indices").begin_array();
+  for (const touch::Contact& contact : touch.contacts)
+    json.value(contact.point);
+  json.end_array();
+  json.key("depths_m").begin_array();
+  for (const touch::Contact& contact : touch.contacts)
+    json.value(contact.depth_m);
+  json.end_array().end_object();
+  json.key("fingers").begin_array(JsonWriter::Style::block);
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f)
+    add_finger(json, result, f);
+  json.end_array();
+  add_schedule(json, result.session().scheduler().common_voice());
+  json.key("timing_ms").begin_object().member("total", result.total_ms);
+  for (const auto& [stage, ms] : result.times)
+    json.member(stage, ms);
+  json.end_object().end_object();
+  return json.take();
+}
+
+namespace {
+
+/// A name as a CSV cell: quoted where it would be taken apart.
+std::string cell(const std::string& name) {
+  if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
+  std::string quoted = "\"";
+  for (const char c : name)
+    quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+}  // namespace
+
+std::string to_csv(const TouchResult& result) {
+  const touch::Touch& touch = result.touch();
+  // A contact whose cluster was too small belongs to no finger.
+  std::vector<int> finger_of(touch.contacts.size(), -1);
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+    for (const std::uint32_t contact : touch.fingers[f].contacts)
+      finger_of[contact] = static_cast<int>(f);
+  }
+  std::string csv = "index,x,y,z,depth,finger,solid\n";
+  for (std::size_t i = 0; i < touch.contacts.size(); ++i) {
+    const touch::Contact& c = touch.contacts[i];
+    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{}\n", c.point, c.position.x, c.position.y, c.position.z,
+                   c.depth_m, finger_of[i], cell(result.session().solids()[c.solid].name));
+  }
+  return csv;
+}
+
+}  // namespace palpa::setup

@@ -1,0 +1,59 @@
+// What `palpa calibrate` computes, called from C++: the same bytes as the command's.
+#include "setup/tasks/calibrate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "command_json.hpp"
+#include "geometry/files/stl.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::test {
+namespace {
+
+TEST(CalibrateTask, ARehearsalIsTheCommands) {
+  setup::CalibrateTask task;
+  task.rig.rig = source_file("assets/rigs/paper.toml");
+  task.frames = 12;
+  task.seed = 3;
+  task.target = {"0,0,1cm", 15};
+  std::uint64_t wanted = 0, taken = 0;
+  bool all = false;
+  const setup::CalibrateResult result = setup::calibrate(task, {},
+                                                         {.opened = [&](std::uint64_t frames) { wanted = frames; },
+                                                          .taken = [&](std::uint64_t done) { taken = done; },
+                                                          .all_taken = [&] { all = true; }});
+  EXPECT_EQ(wanted, 12u);
+  EXPECT_EQ(taken, 12u);
+  EXPECT_TRUE(all);
+  EXPECT_EQ(result.frames, 12u);
+  ASSERT_EQ(result.rig.cameras.size(), result.cameras.size());
+  for (std::size_t i = 0; i < result.cameras.size(); ++i)
+    EXPECT_EQ(result.rig.cameras[i].T_world_camera, result.cameras[i].T_world_camera);
+  EXPECT_EQ(setup::to_json(result), command_json({"calibrate", "--rig", task.rig.rig, "--frames", "12", "--seed", "3",
+                                                  "--at", "0,0,1cm", "--turn", "15"}));
+}
+
+TEST(CalibrateTask, TheTargetIsTheCommands) {
+  const std::filesystem::path folder = scratch_folder("calibrate-task");
+  const std::string theirs = folder / "theirs.stl", ours = folder / "ours.stl";
+  ASSERT_EQ(palpa({"calibrate", "--target", theirs, "--layout", "openmpd"}).exit_code, 0);
+  geometry::write_stl(ours, setup::target_to_print(array::load_layout("openmpd")));
+  EXPECT_EQ(read_text(ours), read_text(theirs));
+}
+
+TEST(CalibrateTask, RefusesWhatCannotBeMeant) {
+  setup::CalibrateTask task;
+  task.frames = 101;
+  EXPECT_CONTAINS(error_of([&] { (void)setup::calibrate(task, {}); }, Exit::usage), "--frames 101: at most 100");
+  task.frames = 0;
+  task.noise_free = true;
+  task.source = "recording:x";
+  EXPECT_CONTAINS(error_of([&] { (void)setup::calibrate(task, {}); }, Exit::usage), "--noise-free goes with");
+}
+
+}  // namespace
+}  // namespace palpa::test

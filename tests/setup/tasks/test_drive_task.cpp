@@ -1,0 +1,148 @@
+// What `palpa drive` computes, called from C++: the same bytes as the command's, of files and of values.
+#include "setup/tasks/drive.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "array/layout.hpp"
+#include "command_json.hpp"
+#include "geometry/files/load_triangles.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/mesh/icosphere.hpp"
+#include "support/device.hpp"
+#include "support/files.hpp"
+#include "support/shapes.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::test {
+namespace {
+
+using setup::AskedFocus;
+using setup::Backend;
+using setup::CommonOptions;
+using setup::DriveOptionsGroup;
+using setup::DriveTask;
+
+const std::vector<AskedFocus> two_foci{{{0, 0, 0}, 1}, {{0.02, 0, 0}, 0.5F}};
+
+CommonOptions computed_on(Backend backend) {
+  CommonOptions common;
+  common.backend = backend;
+  return common;
+}
+
+/// A ball of 6 mm above the openmpd board, as a file.
+std::string ball_file() {
+  const geometry::Mesh mesh =
+      transformed(geometry::icosphere(3e-3, 3), [](const Vec3& p) { return p + Vec3(0, 0, 0.1); });
+  const std::filesystem::path file = scratch_folder("drive-task") / "ball.ply";
+  geometry::write_ply(file, mesh.positions, mesh.triangles);
+  return file;
+}
+
+TEST(DriveTask, OfFociIsTheCommands) {
+  const array::Layout paper = array::load_layout("paper");
+  const std::vector<std::string> line{"drive", "--layout", "paper", "--focus", "0,0,0", "--focus", "20mm,0,0,0.5"};
+  DriveTask task;
+  task.layout = "paper";
+  task.foci = {"0,0,0", "20mm,0,0,0.5"};
+  for (const bool helping : {false, true}) {
+    DriveOptionsGroup drive;
+    if (helping) drive.solver = setup::SolverChoice::gs_pat;
+    task.drive = drive;
+    const std::vector<std::string> more{"--solver", helping ? "gs-pat" : "naive"};
+    const std::string host = command_json(with(with(line, more), {"--backend", "cpu"}));
+    EXPECT_EQ(setup::to_json(make_drive(task, computed_on(Backend::cpu))), host);
+    EXPECT_EQ(setup::to_json(make_drive(paper, two_foci, drive)), host);
+    const std::string device = command_json(with(line, more));
+    EXPECT_EQ(setup::to_json(make_drive(task, computed_on(Backend::gpu))), device);
+    EXPECT_EQ(setup::to_json(make_drive(paper, two_foci, drive, &test_device())), device);
+  }
+}
+
+TEST(DriveTask, WithAPressureIsTheCommands) {
+  DriveOptionsGroup drive;
+  drive.pressure_pa = 2000;
+  drive.medium.celsius = 25;
+  const setup::DriveResult result = setup::make_drive(array::load_layout("paper"), two_foci, drive);
+  EXPECT_TRUE(result.pressure_asked);
+  EXPECT_FALSE(result.beyond_linear());
+  EXPECT_NEAR(result.pressure.pascals[1], 1000, 1);
+  EXPECT_EQ(setup::to_json(result),
+            command_json({"drive", "--layout", "paper", "--focus", "0,0,0", "--focus", "20mm,0,0,0.5", "--pressure",
+                          "2kPa", "--temperature", "25", "--backend", "cpu"}));
+}
+
+TEST(DriveTask, OfATouchIsTheCommands) {
+  DriveTask task;
+  task.touch = scratch_folder("drive-touch") / "touch.json";
+  write_text(task.touch,
+             R"({"fingers": [{"foci_m": [[0, 0, 0], [0.01, 0, 0]]}, {"foci_m": [[0.03, 0, 0]], "gain": 0.5}],
+    "schedule": {"order": [0, 1], "dwell_s": 0.0015}})");
+  task.layout = "openmpd";
+  task.slot = 1;
+  const setup::DriveResult result = setup::make_drive(task, computed_on(Backend::cpu));
+  EXPECT_EQ(result.foci.size(), 2u);
+  EXPECT_EQ(setup::to_json(result),
+            command_json({"drive", "--layout", "openmpd", "--touch", task.touch, "--slot", "1", "--backend", "cpu"}));
+}
+
+TEST(DriveTask, OnAFingerIsTheCommands) {
+  const std::string file = ball_file();
+  DriveTask task;
+  task.layout = "openmpd";
+  task.foci = {"0,0,96mm", "0,1mm,101mm"};
+  task.mesh = file;
+  task.drive.transfer = setup::TransferChoice::finger;
+  bool read = false;
+  const setup::DriveResult result = setup::make_drive(task, computed_on(Backend::gpu), [&] { read = true; });
+  EXPECT_TRUE(read);
+  EXPECT_EQ(result.aimed.size(), 2u);
+  EXPECT_EQ(result.over_free_field.size(), 2u);
+  const std::string json = command_json({"drive", "--layout", "openmpd", "--focus", "0,0,96mm", "--focus",
+                                         "0,1mm,101mm", "--mesh", file, "--transfer", "finger"});
+  EXPECT_EQ(setup::to_json(result), json);
+
+  // One finger for several drives.
+  const array::Layout openmpd = array::load_layout("openmpd");
+  const DriveOptionsGroup usual;
+  const auto finger = setup::finger_in_sound("the ball", geometry::load_triangles(file), openmpd, usual);
+  setup::make_drive(openmpd, std::vector<AskedFocus>{{{0, 0, 0.12}}}, usual, *finger);
+  EXPECT_EQ(setup::to_json(
+                make_drive(openmpd, std::vector<AskedFocus>{{{0, 0, 0.096}}, {{0, 0.001, 0.101}}}, usual, *finger)),
+            json);
+}
+
+TEST(DriveTask, RefusesWhatCannotBeDriven) {
+  const array::Layout openmpd = array::load_layout("openmpd");
+  const auto drive = [&](const AskedFocus& focus, const DriveOptionsGroup& options = {}) {
+    return error_of(
+        [&] {
+          (void)setup::make_drive(openmpd, std::vector<AskedFocus>{{{0, 0, 0.1}}, focus}, options);
+        },
+        Exit::usage);
+  };
+  EXPECT_CONTAINS(drive({{0, 0, 0.1}, 0}), "focus 2: a gain of 0 is not above 0 and at most 1");
+  EXPECT_CONTAINS(drive({{0, 0, 0.1}, 1.5F}), "focus 2: a gain of 1.5");
+  EXPECT_CONTAINS(drive({{0, 0, 1000}}), "focus 2 is farther than 100 m from the array");
+  EXPECT_CONTAINS(drive({openmpd.transducers[7].position}), "focus 2 is where transducer 7 stands");
+  DriveOptionsGroup finger;
+  finger.transfer = setup::TransferChoice::finger;
+  EXPECT_CONTAINS(drive({{0, 0, 0.1}}, finger), "no finger's mesh is known here");
+  DriveOptionsGroup silent, still;
+  silent.pressure_pa = -1;
+  still.medium.frequency = 0;
+  EXPECT_CONTAINS(drive({{0, 0, 0.1}}, silent), "a pressure of -1 Pa at each focus is not above 0");
+  EXPECT_CONTAINS(drive({{0, 0, 0.1}}, still), "a frequency of 0 Hz is not taken");
+  EXPECT_CONTAINS(error_of([&] { (void)setup::make_drive(openmpd, {}, {}); }, Exit::usage), "no focus is given");
+  const geometry::Mesh open{{{0, 0, 0.1}, {1e-3, 0, 0.1}, {0, 1e-3, 0.1}}, {{0, 1, 2}}};
+  EXPECT_CONTAINS(error_of([&] { (void)setup::finger_in_sound("the sheet", open, openmpd, {}); }), "the sheet: ");
+  DriveTask task;
+  EXPECT_CONTAINS(error_of([&] { (void)setup::make_drive(task, {}); }, Exit::usage), "--layout is missing");
+}
+
+}  // namespace
+}  // namespace palpa::test

@@ -1,0 +1,89 @@
+// What `palpa export` computes, called from C++: the same bytes as the command's, and foci without a file.
+#include "setup/tasks/export.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "base/outputs.hpp"
+#include "command_json.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::test {
+namespace {
+
+class ExportOf : public testing::Test {
+ protected:
+  ExportOf() {
+    task.scene = source_file("assets/cube.glb");
+    task.source = "synthetic:" + source_file("assets/finger.ply").string();
+    task.rig.rig = source_file("assets/rigs/paper.toml");
+    task.frames = 12;
+    task.common.backend = setup::Backend::cpu;
+  }
+
+  std::vector<std::string> line(const std::string& csv) const {
+    return {"export",   "--scene", task.scene,  "--source", task.source, "--rig", task.rig.rig,
+            "--frames", "12",      "--backend", "cpu",      "--foci",    csv};
+  }
+
+  std::filesystem::path folder = scratch_folder("export-task");
+  std::string csv = folder / "foci.csv";
+  std::atomic<bool> stop{false};
+  setup::ExportTask task;
+};
+
+TEST_F(ExportOf, FociWithoutAFileAreThoseOfTheCommandsFile) {
+  setup::FocusRows foci;
+  session::Link* const links[]{&foci};
+  check(task, {}, true);
+  setup::ExportRun run(task, {}, stop, links);
+  int frames = 0;
+  const setup::ExportResult result = run.run({.planned = [&](const session::FrameReport&) { ++frames; }});
+  EXPECT_FALSE(result.stopped);
+  EXPECT_EQ(frames, 12);
+  EXPECT_EQ(setup::to_json(result), command_json(line(csv)));
+  std::string text = "slot,time_s,finger,solid,focus,x,y,z,gain\n";
+  for (const setup::FocusRow& row : foci.rows()) {
+    EXPECT_EQ(row.solid, 0u);
+    fmt::format_to(std::back_inserter(text), "{},{},{},cube,{},{},{},{},{}\n", row.slot, row.time_s, row.finger,
+                   row.focus, row.position.x, row.position.y, row.position.z, row.gain);
+  }
+  EXPECT_EQ(text, read_text(csv));
+  EXPECT_GT(foci.rows().size(), 10u);
+}
+
+TEST_F(ExportOf, AFileIsTheCommands) {
+  const std::string ours = folder / "ours.csv";
+  task.foci = ours;
+  check(task, {});
+  const Outputs outputs({{"--foci", ours}});
+  const std::string json = setup::to_json(setup::ExportRun(task, {}, stop).run());
+  EXPECT_EQ(json, command_json(line(csv)));
+  EXPECT_EQ(read_text(ours), read_text(csv));
+}
+
+TEST_F(ExportOf, WhatIsStoppedWritesNoFile) {
+  task.foci = csv;
+  const Outputs outputs({{"--foci", csv}});
+  setup::ExportRun run(task, {}, stop);
+  const setup::ExportResult result = run.run({.planned = [&](const session::FrameReport&) { stop = true; }});
+  EXPECT_TRUE(result.stopped);
+  EXPECT_EQ(result.stats.frames, 1u);
+  EXPECT_FALSE(std::filesystem::exists(csv));
+}
+
+TEST_F(ExportOf, WhatCannotBeExportedIsRefused) {
+  EXPECT_CONTAINS(error_of([&] { check(task, {}); }, Exit::usage), "nothing to export");
+  task.frames = 0;
+  EXPECT_CONTAINS(error_of([&] { check(task, {}, true); }, Exit::usage), "does not end");
+}
+
+}  // namespace
+}  // namespace palpa::test

@@ -1,0 +1,115 @@
+// setup/tasks/touch.hpp: the same bytes as `palpa touch`, from values in memory as well as from files.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "geometry/files/ply.hpp"
+#include "same_json.hpp"
+#include "setup/load.hpp"
+#include "setup/tasks/touch.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::test {
+namespace {
+
+std::string cube() {
+  return source_file("assets/cube.glb");
+}
+std::string finger() {
+  return source_file("assets/finger.ply");
+}
+
+setup::TouchResult touch(const setup::TouchSceneOptions& options, double penetration_m) {
+  setup::check(options, false);
+  std::vector<geometry::Solid> solids = setup::load_solids(cube());
+  setup::TouchInputOptions input;
+  input.points = finger();
+  input.penetration_m = penetration_m;
+  const setup::TouchInput skin = setup::load_touch_input(input, solids);
+  return setup::touch_scene(options, cube(), std::move(solids), skin);
+}
+
+std::vector<std::string> command(const std::vector<std::string>& more) {
+  return with({"touch", "--scene", cube(), "--points", finger(), "--penetration", "3mm"}, more);
+}
+
+TEST(TouchTask, HasTheCommandsBytes) {
+  setup::TouchSceneOptions options;
+  options.compute.backend = setup::Backend::cpu;
+  expect_same_json(to_json(touch(options, 3e-3)), command({"--backend", "cpu"}));
+  options.compute.backend = setup::Backend::gpu;
+  expect_same_json(to_json(touch(options, 3e-3)), command({}));
+  options.compute.backend = setup::Backend::cpu;
+  options.array.layout = "openmpd";
+  options.touch.method.method = touch::Method::multi_focus;
+  options.array.drive.pressure_pa = 1000;
+  expect_same_json(to_json(touch(options, 3e-3)), command({"--backend", "cpu", "--layout", "openmpd", "--method",
+                                                           "multi-focus", "--pressure", "1000"}));
+}
+
+TEST(TouchTask, SpectrumAndTuningHaveTheCommandsBytesToo) {
+  setup::TouchSceneOptions options;
+  options.compute.backend = setup::Backend::cpu;
+  options.felt.spectrum = options.touch.tune = true;
+  const setup::TouchResult result = touch(options, 3e-3);
+  ASSERT_EQ(result.spectra.size(), 1u);
+  expect_same_json(to_json(result), command({"--backend", "cpu", "--spectrum", "--tune"}));
+}
+
+TEST(TouchTask, ItsTableIsTheCommands) {
+  const std::string csv = scratch_folder("touch-task") / "contacts.csv";
+  ASSERT_EQ(palpa(command({"--backend", "cpu", "--csv", csv})).exit_code, 0);
+  setup::TouchSceneOptions options;
+  options.compute.backend = setup::Backend::cpu;
+  const setup::TouchResult result = touch(options, 3e-3);
+  EXPECT_EQ(to_csv(result), read_text(csv));
+  EXPECT_TRUE(result.pressures.empty());
+  EXPECT_FALSE(result.beyond_linear());
+}
+
+TEST(TouchTask, TakesSkinFromMemory) {
+  // The finger as --penetration 3mm places it below the cube's top, y = 0.
+  std::vector<geometry::Solid> solids = setup::load_solids(cube());
+  std::vector<Vec3> points = geometry::read_ply(finger()).positions;
+  const double dy = setup::lowering(solids, points, 3e-3);
+  for (Vec3& point : points)
+    point.y += dy;
+  setup::TouchSceneOptions options;
+  options.compute.backend = setup::Backend::cpu;
+  const setup::TouchResult result =
+      setup::touch_scene(options, cube(), std::move(solids), setup::skin_points("skin", points));
+  EXPECT_EQ(result.points, points.size());
+  EXPECT_EQ(result.touch().finger_count, 1u);
+  EXPECT_EQ(without_times(to_json(result)), without_times(to_json(touch(options, 3e-3))));
+  points[5].x = 1e39;
+  EXPECT_REFUSED(setup::skin_points("skin", points), "skin: vertex 5");
+}
+
+TEST(TouchTask, NothingTouchedIsNoError) {
+  setup::TouchSceneOptions options;
+  options.compute.backend = setup::Backend::cpu;
+  options.array.layout = "openmpd";
+  const setup::TouchResult result = touch(options, -1e-3);
+  EXPECT_TRUE(result.touch().contacts.empty());
+  EXPECT_TRUE(result.pressures.empty());
+  EXPECT_FALSE(result.unreached);
+}
+
+TEST(TouchTask, ChecksWhatDoesNotGoTogether) {
+  setup::TouchSceneOptions options;
+  options.array.drive.weighting = array::Weighting::uniform;
+  EXPECT_CONTAINS(error_of([&] { setup::check(options, false); }, Exit::usage), "goes with --layout");
+  options = {};
+  options.touch.stride = 5;
+  EXPECT_CONTAINS(error_of([&] { setup::check(options, false); }, Exit::usage), "stride");
+  options = {};
+  options.compute = {.gpu = "1", .backend = setup::Backend::cpu};
+  EXPECT_CONTAINS(error_of([&] { setup::check(options, false); }, Exit::usage), "--backend cpu uses no GPU");
+}
+
+}  // namespace
+}  // namespace palpa::test

@@ -1,0 +1,78 @@
+// What of a picture is brought up to date, and when the file of a scene is read again.
+#include "viewer/app/staleness.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "viewer/app/scene_watch.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+TEST(Staleness, EachHasWhatStandsBeforeIt) {
+  ViewState state;
+  Staleness stale;
+  EXPECT_TRUE(stale.dirty());
+  EXPECT_EQ(stale.take(state), Stale::surfaces) << "nothing was drawn yet";
+  stale.drew();
+  EXPECT_EQ(stale.what(), Stale::nothing);
+  stale.add(Stale::nothing);
+  stale.look(state);
+  EXPECT_FALSE(stale.dirty());
+  stale.add(Stale::skin);
+  stale.add(Stale::marks);
+  EXPECT_TRUE(stale.dirty());
+  EXPECT_EQ(stale.take(state), Stale::skin);
+  EXPECT_EQ(stale.take(state), Stale::nothing);
+}
+
+TEST(Staleness, OtherSurfacesHaveAnotherNumber) {
+  ViewState state;
+  Staleness stale;
+  stale.take(state);
+  const std::uint64_t before = stale.surfaces_version();
+  stale.add(Stale::skin);
+  state.dark = true;
+  stale.look(state);
+  EXPECT_EQ(stale.surfaces_version(), before);
+  EXPECT_EQ(stale.take(state), Stale::skin);
+  state.explode = 0.5;
+  stale.look(state);
+  EXPECT_NE(stale.surfaces_version(), before) << "parts are elsewhere";
+  EXPECT_EQ(stale.take(state), Stale::marks);
+  const std::uint64_t apart = stale.surfaces_version();
+  stale.add(Stale::surfaces);
+  EXPECT_NE(stale.surfaces_version(), apart);
+}
+
+TEST(SceneWatch, AFileIsReadAgainOnceItHasSettled) {
+  const fs::path folder = test::scratch_folder("viewer-scene-watch"), scene = folder / "scene.glb",
+                 other = folder / "other.glb";
+  test::write_text(scene, "1");
+  test::write_text(other, "2");
+  const auto write = [](const fs::path& file) { fs::last_write_time(file, fs::last_write_time(file) + 1s); };
+  SceneWatch watch;
+  EXPECT_FALSE(watch.look(scene, 0)) << "it is new";
+  EXPECT_EQ(watch.next_s(), 1);
+  write(scene);
+  EXPECT_FALSE(watch.look(scene, 0.5)) << "too early";
+  EXPECT_FALSE(watch.look(scene, 1)) << "more may come";
+  EXPECT_TRUE(watch.look(scene, 2));
+  EXPECT_FALSE(watch.look(scene, 3)) << "once";
+  write(scene);
+  EXPECT_FALSE(watch.look(scene, 4));
+  EXPECT_FALSE(watch.look(other, 5)) << "another file";
+  EXPECT_FALSE(watch.look(other, 6));
+  EXPECT_FALSE(watch.look({}, 7));
+  EXPECT_FALSE(watch.look(folder / "nowhere.glb", 8));
+}
+
+}  // namespace
+}  // namespace palpa::viewer

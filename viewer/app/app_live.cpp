@@ -1,0 +1,144 @@
+// The live run as a window has it: how it begins, changes and ends, and what is shown of it.
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "base/error.hpp"
+#include "setup/interrupt.hpp"
+#include "viewer/app/app.hpp"
+#include "viewer/live/live_picture.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+/// The first folder of "recording-1", "recording-2", ... that is not there.
+std::string free_folder() {
+  for (int i = 1;; ++i) {
+    std::string name = fmt::format("recording-{}", i);
+    std::error_code ignored;
+    if (!std::filesystem::exists(name, ignored)) return name;
+  }
+}
+
+}  // namespace
+
+/// Begins what is ready to begin. Each run warns of what is unusual.
+void App::begin_run() {
+  setup::check(run_.next());
+  sounds_.set_finger(finger_mesh(options_.skin, run_.next().source));
+  const auto lines = run_.begin();
+  if (!lines) return void(quitting_ = true);
+  for (const std::string& line : *lines)
+    say(log::Level::info, line, now_s_);
+  moved_.begin_run(*run_.session(), run_.options().scene);
+  desk_.live_state = LiveState::loading;
+}
+
+/// The run is to have these options; `again`: another run begins even where they are the same. Where they do not go
+/// together, everything stays as it is.
+void App::change_run(LiveEdit edit, bool again) {
+  const bool other = desk_.live && (again || !edit.runs_as(desk_.edit));
+  if (other && !goes_together(edit)) return;
+  desk_.edit = std::move(edit);
+  if (other) run_.change(desk_.edit.options());
+}
+
+/// Says why not.
+bool App::goes_together(const LiveEdit& edit) {
+  try {
+    edit.check();
+    return true;
+  } catch (const Error& error) {
+    say(log::Level::error, error.what(), now_s_);
+    return false;
+  }
+}
+
+/// Begins again, switched off or not.
+void App::start_run() {
+  if (goes_together(desk_.edit)) run_.start(desk_.edit.options());
+}
+
+/// What a field says; where that is no value of its option, everything stays as it is.
+void App::set_option(const OptionText& asked, double now_s) {
+  LiveEdit edit = desk_.edit;
+  try {
+    edit.set(asked.option, asked.text);
+  } catch (const Error& error) {
+    return say(log::Level::error, error.what(), now_s);
+  }
+  change_run(std::move(edit));
+}
+
+void App::advance_live(double now_s, const Size& size) {
+  if (setup::Interrupt::signalled()) quitting_ = true;
+  LiveSession& session = *run_.session();
+  session.look();
+  show_link(now_s);
+
+  // Before the scene is asked for: a snapshot's scene is there by then.
+  const bool fresh = session.take();
+  const bool seen = session.take_seen();
+  if (run_.take_scene()) {
+    const Picture& rest = run_.scene()->picture;
+    live_.picture = rest;
+    sounds_.forget();
+    stale_.add(Stale::surfaces);
+    moved_.begin_scene(session, rest, run_.options().scene, HeldFinger::is_held(run_.options().source));
+    place();
+    if (!std::exchange(live_.framed, true))
+      desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, size);
+  }
+  live_.fresh = live_.fresh || fresh;
+  if (run_.scene() && (fresh || seen)) {
+    show_live(live_.picture, *run_.scene(), session.snapshot(), session.seen(), desk_.state.layers.shows(Layer::depth));
+    desk_.numbers = session.snapshot().numbers;
+    show_slot_now();
+  }
+  if (const std::optional<std::string> fault = run_.advance()) {
+    stale_.redraw();
+    if (!fault->empty()) say(log::Level::error, *fault, now_s);
+  }
+  if (run_.state() != RunState::ready) return;
+  if (quitting_) return run_.stay();
+  show_recording(now_s);  // it ends with its run
+  begin_run();
+}
+
+/// What the session does, and what leaves for the array.
+void App::show_link(double now_s) {
+  const LiveSession& session = *run_.session();
+  const LinkWatch& link = session.link();
+  const bool sounding = link.sounding;
+  const LiveState state = session.state();
+  if (desk_.sounding != sounding || desk_.live_state != state) stale_.redraw();
+  desk_.sounding = sounding;
+  desk_.link_open = link.open;
+  desk_.drives = link.drives;
+  desk_.silent_drives = link.silent;
+  desk_.live_state = state;
+  desk_.playback = player_.now();
+  show_recording(now_s);
+}
+
+/// What is being written down, and of what has ended how much it is.
+void App::show_recording(double now_s) {
+  const LiveSession& session = *run_.session();
+  std::string folder = session.recording();
+  if (folder != desk_.recording && !desk_.recording.empty())
+    say(log::Level::info, fmt::format("{}: {} frames", desk_.recording, session.recorded()), now_s);
+  desk_.recording = std::move(folder);
+  desk_.recorded = session.recorded();
+}
+
+/// Begins to write down what is seen, or ends it.
+void App::record(double now_s) {
+  if (!run_.session() || desk_.live_state != LiveState::running) return;
+  if (!run_.session()->recording().empty()) return run_.session()->record({});
+  const std::string folder = free_folder();
+  run_.session()->record(folder);
+  say(log::Level::info, folder + ": records what the cameras see", now_s);
+}
+
+}  // namespace palpa::viewer

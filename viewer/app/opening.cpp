@@ -1,0 +1,36 @@
+#include "viewer/app/opening.hpp"
+
+#include <utility>
+
+#include "sensing/recording.hpp"
+#include "setup/load.hpp"
+
+namespace palpa::viewer {
+
+void Opening::begin_scene(const setup::LiveOptions& options, bool same) {
+  opened_ = {.kind = Opened::Kind::scene, .path = options.scene, .same = same};
+  loader_.begin([options] { setup::load_solids(options.scene, options.gltf_scene, options.solids); });
+}
+
+void Opening::begin_touch(const ViewerOptions& options, bool same) {
+  opened_ = {.kind = Opened::Kind::touch, .path = options.input.scene, .same = same, .touch = options};
+  show_ = std::make_shared<std::unique_ptr<Show>>();
+  loader_.begin([show = show_, options] { *show = std::make_unique<Show>(options); });
+}
+
+void Opening::begin_recording(const std::string& path) {
+  opened_ = {.kind = Opened::Kind::recording, .path = path};
+  loader_.begin([path] { sensing::load_recording(path); });
+}
+
+std::optional<Opened> Opening::take() {
+  std::optional<std::string> fault = loader_.take();
+  if (!fault) return std::nullopt;
+  Opened opened = std::exchange(opened_, {});
+  opened.fault = std::move(*fault);
+  if (opened.kind == Opened::Kind::touch) opened.show = std::move(*show_);
+  show_.reset();
+  return opened;
+}
+
+}  // namespace palpa::viewer

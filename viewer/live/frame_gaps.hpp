@@ -1,0 +1,81 @@
+// When a run's frames come and how long each takes, so that who shares its processor works in between. A processor that
+// draws pictures is not taken from them at once when a frame comes: the kernel lets them have it for milliseconds.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "session/clock.hpp"
+
+namespace palpa::viewer {
+
+/// Times in seconds on one clock.
+class Rhythm {
+ public:
+  void arrived(std::uint64_t sequence, double now_s);
+  /// Nor is any under way that had come before it.
+  void planned(std::uint64_t sequence, double now_s);
+  /// Nothing where it is the time to work for `work_s`; else when to ask again, if no frame has come or been planned by
+  /// then. Where frames leave less time than that, work begins when one is planned; where another has always come by
+  /// then, there is no such time. A frame that does not come, or is not planned for long, is not waited for.
+  std::optional<double> wait_until(double now_s, double work_s) const;
+
+ private:
+  std::uint64_t newest_ = 0;
+  bool under_way_ = false;
+  double begun_s_ = 0;
+  std::optional<double> last_s_;
+  double due_s_ = 0;                  ///< when the next comes, where every_s_ is known
+  double every_s_ = 0, takes_s_ = 0;  ///< means; 0: not known
+  int gaps_ = 0;                      ///< since the last frame that came when it was due
+};
+
+/// The same for threads.
+class FrameGaps {
+ public:
+  void arrived(std::uint64_t sequence);
+  void planned(std::uint64_t sequence);
+  /// No more frames come.
+  void over();
+  /// Waits for the time to work for `work_s`, at most `most_s`; returns how long that was.
+  double wait(double work_s, double most_s);
+
+ private:
+  session::Clock clock_;
+  std::mutex mutex_;
+  std::condition_variable news_;
+  Rhythm rhythm_;
+};
+
+/// Of pictures, each of which is drawn piece by piece.
+class PictureSteps {
+ public:
+  /// Waits for the time to work for `work_s`, at most `most_s`; returns how long that was.
+  using LetRun = std::function<double(double work_s, double most_s)>;
+  explicit PictureSteps(LetRun let_run) : let_run_(std::move(let_run)) {}
+
+  /// Another picture: it waits for no more than most_s altogether.
+  void begin();
+  /// Before each piece: waits for the time for one that takes as long as that of the same number in pictures before.
+  void pause();
+  /// After the last; returns how long the picture has waited.
+  double end();
+  static constexpr double most_s = 0.1;
+
+ private:
+  void ends();
+
+  LetRun let_run_;
+  session::Clock clock_;
+  std::vector<double> take_s_;  ///< means
+  std::size_t next_ = 0;
+  double begun_s_ = 0, waited_s_ = 0;
+};
+
+}  // namespace palpa::viewer
