@@ -181,9 +181,23 @@ TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
   EXPECT_GE(drives["loop"], drives["guard"]);
   const auto lost = drives["lost"].get<std::uint64_t>(), loop = drives["loop"].get<std::uint64_t>();
   EXPECT_EQ(lost, loop - heard);
-  // A busy machine loses some, and says so.
-  EXPECT_EQ(result.err.find("drives were lost between loop and device") != std::string::npos, lost > 8 + loop / 50)
-      << result.err;
+  // A busy machine loses some, and says so once: at the first look at which more were lost than is normal. Later drives may
+  // get through, so what the warning says is compared with itself, and only its absence with the end's counts.
+  const std::size_t warned = result.err.find("drives were lost between loop and device");
+  if (warned == std::string::npos) {
+    EXPECT_LE(lost, 8 + loop / 50) << drives;
+  } else {
+    unsigned long long then_lost = 0, then_loop = 0, normal = 0;
+    const std::string line = result.err.substr(result.err.rfind("warning: ", warned));
+    ASSERT_EQ(std::sscanf(line.c_str(),
+                          "warning: %llu of %llu drives were lost between loop and device, where at most %llu are normal",
+                          &then_lost, &then_loop, &normal),
+              3)
+        << line;
+    EXPECT_EQ(normal, 8 + then_loop / 50) << line;
+    EXPECT_GT(then_lost, normal) << line;
+    EXPECT_LE(then_loop, loop) << line;
+  }
 }
 
 TEST(OpenMpdRun, ALoopThatIsKilledLeavesSilence) {
