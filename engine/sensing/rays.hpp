@@ -76,7 +76,8 @@ struct Crop {
 };
 
 /// Replaces `crops` by the crops, in camera order, of those cameras that can show a point of `box` (world).
-/// Conservative: a pixel outside every crop cannot hold a point of the box. Allocates nothing once `crops` has room for every camera.
+/// Conservative: a pixel outside every crop cannot hold a point of the box. Allocates nothing once `crops` has room for
+/// every camera.
 void plan_crops(std::span<const Camera> cameras, const RayTables& tables, const Box& box, std::vector<Crop>& crops);
 
 /// Copies the frames' depths into the shared arrangement (2 bytes per padded pixel), padding 0. Throws bad_usage unless
