@@ -22,7 +22,7 @@ inline constexpr std::uint64_t worth_sharing = 50'000, copy_overhead = 1000;
 /// was made from. Empty if a vertex has none.
 std::vector<std::uint32_t> vertices_of(const Mesh& original, const Mesh& made);
 
-/// Transforms a plane. T is rigid except for a scale, the same as in the plane's current place.
+/// The plane, moved along with the object that it bounds. T is rigid except for a uniform scale.
 Plane moved(const Plane& plane, const Transform& T);
 
 }  // namespace palpa::geometry
