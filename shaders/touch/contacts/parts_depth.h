@@ -1,8 +1,8 @@
-// Depth of a point below the surface of a union of convex parts: included by the shader and by its twin, see
+// The depth of a point below the surface of a union of convex parts. The shader and its twin include it, see
 // engine/touch/contacts/parts_table.hpp. Both give the same bits.
 //
-// The table is one array of 16-byte words. At a solid's `base`: a header word, then two words per cell (x fastest),
-// and anywhere behind them what the cells point to:
+// The table is one array of 16-byte words. At a solid's `base`, there is a header word, then two words per cell (x
+// fastest). The data that the cells point to can be anywhere behind them:
 //   header    x: bits of the tolerance (metres), y: 1 for Eq. (1) of each part alone, cuts included; else 0
 //   cell      x, y: first word and number of its part entries, z, w: of its triangles (first word, number)
 //             second word: x: bits of the least depth that a point of the cell can have
