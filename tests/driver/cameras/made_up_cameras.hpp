@@ -22,14 +22,14 @@ struct MadeUpCamera {
   double rate_hz = 90, phase_s = 0;  ///< frame n is captured at phase_s + n / rate_hz
   std::uint32_t padding = 0;         ///< bytes after each row
   std::uint32_t most_buffers = 8;
-  bool monotonic = true;                                    ///< its stamps are on CLOCK_MONOTONIC
-  bool metadata = false;                                    ///< it is a metadata node
-  int refuses_to_open = 0;                                  ///< an errno
-  int refuses_to_start = 0;                                 ///< an errno
-  int refuses_format = 0;                                   ///< an errno
-  bool frozen = false;                                      ///< gives no frames, and no error
-  bool failing = false;                                     ///< returns each buffer at once, empty and marked as faulty
-  bool eager_einval = false;                                ///< returns EINVAL once before ENODEV after it is unplugged
+  bool monotonic = true;      ///< its stamps are on CLOCK_MONOTONIC
+  bool metadata = false;      ///< it is a metadata node
+  int refuses_to_open = 0;    ///< an errno
+  int refuses_to_start = 0;   ///< an errno
+  int refuses_format = 0;     ///< an errno
+  bool frozen = false;        ///< gives no frames, and no error
+  bool failing = false;       ///< gives each buffer back at once, empty and marked as faulty
+  bool eager_einval = false;  ///< returns EINVAL once before ENODEV after it is unplugged
   std::set<std::uint64_t> skipped, cut, damaged, repeated;  ///< numbers of frames
   /// The answer to a control of its extension unit; -errno for an error. If it is empty, the camera has no such unit.
   std::function<int(std::uint8_t unit, std::uint8_t selector, std::uint8_t query, std::uint8_t* data,
