@@ -2,10 +2,8 @@
 # run.sh [12|13]...: palpa on a bare Debian, made here with debootstrap; on both versions if none is named. In each:
 #   1. An ordinary user with sudo runs the README's two commands in a fresh copy of the project, with nothing installed before.
 #   2. Another user, without sudo and without a writable home folder, builds a second copy beside the first one with
-#   clang, with
-#      every warning an error, and runs the tests: without a network, in 4 GiB of memory, with a locale that is not
-#      UTF-8 and a
-#      umask of 077.
+#      clang, with every warning an error, and runs the tests: without a network, in 4 GiB of memory, with a locale that
+#      is not UTF-8 and a umask of 077.
 #   3. The tests of the twins run on an emulated processor without AVX2.
 # None of them has a terminal, and the path of both copies has a space and a letter that is not ASCII. A compiler
 # warning in the first copy is a failure, too: it would be an error for developers of palpa.

@@ -9,18 +9,16 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 #   threads-2     races between a dispatch's workgroups; subgroups of 16 lanes; memory that is shared, and read before it is
 #                 written. Runs one test at a time, so that its threads have the cores. Nothing is drawn: Mesa 22 cannot.
 #   sync          violations of Vulkan's rules, which core validation alone would show, too, and missing barriers;
-#   subgroups of
-#                 4 lanes; separate host and device memory, with copies between them, as on a discrete GPU, and read
-#                 before they
-#                 are written
+#                 subgroups of 4 lanes; separate host and device memory, with copies between them, as on a discrete GPU,
+#                 and read before they are written
 #   gpu-assisted  accesses outside of a buffer; violations of Vulkan's rules with shared memory
 #   corpus        meshes of every size
 #   asan          errors in the host's memory and undefined behaviour, in all tests
 #   tsan          races between the host's threads
 #   fuzz          crashes, hangs, costs and overwritten inputs that no test foresees: broken files, random options
-#   (fuzz.py)
+#                 (fuzz.py)
 #   kill          loops that are killed at random moments, with full disks and blocked readers: a board's last bytes
-#   (kill.py)
+#                 (kill.py)
 # The last two are programs, not tests: they run side by side, for PALPA_HOSTILE_S seconds (60) and with a fixed seed.
 # tests/house/suite.sh and ./dev test use one driver thread and subgroups of 8 lanes unless a leg sets something else.
 # Other drivers ignore lavapipe's variables.
