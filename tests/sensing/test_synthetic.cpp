@@ -137,9 +137,8 @@ TEST(Synthetic, OccludersHideAndAreSeen) {
   const auto depth = render_one(camera, wall, Noise::none, 0, board);
   EXPECT_EQ(depth[240 * 848 + 200], 5000);
   EXPECT_EQ(depth[240 * 848 + 600], 9000);
-  const Mesh near =
-      square(Vec3(0, 0, 0.27), Vec3(2, 0, 0), Vec3(0, 2, 0));  // nearer than the range: no data, but it hides what is
-                                                               // behind it
+  const Mesh near = square(Vec3(0, 0, 0.27), Vec3(2, 0, 0), Vec3(0, 2, 0));  // nearer than the range: no data, but it
+                                                                             // hides what is behind it
   EXPECT_EQ(render_one(camera, near, Noise::none, 0, board)[240 * 848 + 200], 0);
 }
 
