@@ -15,8 +15,7 @@ constexpr double kRootFade = 10e-3;   ///< over which a finger separates from th
 constexpr double kNever = 30e-3;      ///< moves a cut out of the way
 constexpr double kFar = 20e-3;        ///< no gap this far from a digit
 
-/// The smaller of two distances, rounded off where they differ by less than `width` (cubic, so curvature is
-/// continuous).
+/// The smaller of two distances, rounded off if they differ by less than `width` (cubic, so curvature is continuous).
 double soft_min(double p, double q, double width) {
   const double h = std::max(width - std::fabs(p - q), 0.0) / width;
   return std::min(p, q) - h * h * h * width / 6.0;

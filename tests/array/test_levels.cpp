@@ -47,7 +47,7 @@ TEST(Levels, OneThatCannotBeReachedLowersNobodyElse) {
     // It takes the rest, or nothing if no sound of it arrives.
     EXPECT_NEAR(levels[1], takes > 1e12 ? 0 : 0.1 / takes, 1e-12) << takes;
   }
-  // It does not lower one that needs nearly all, either, from a third too much on.
+  // A finger that needs at least a third too much does not lower one that needs nearly all, either.
   EXPECT_GT(levels_of({{0.999}, {4.0 / 3}})[0], 0.985);
 }
 

@@ -294,7 +294,7 @@ TEST(Convexity, AcceptsSliversButNotWhatTheyHide) {
   const auto solids = solids_of({cube});
   EXPECT_EQ(solids[0].planes.size(), 6U);
   EXPECT_NEAR(depth(solids[0], Vec3(0.5)), 0.5, 1e-6);
-  // An L-shape whose inner corner is bevelled by a strip too narrow for a normal of its own.
+  // An L-shape whose inner corner is bevelled by a strip too narrow to have a normal.
   const double w = 2e-7;
   const std::vector<Vec2> outline{{0, 0}, {2, 0}, {2, 1}, {1 + w, 1}, {1, 1 + w}, {1, 2}, {0, 2}};
   Mesh bevelled;

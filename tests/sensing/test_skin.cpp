@@ -84,7 +84,7 @@ double outside_by(const Box& box, const Vec3& p) {
   return worst;
 }
 
-/// Every pixel's world point in double precision, camera after camera; NaN where there is none.
+/// Every pixel's world point in double precision, camera after camera; NaN if it has none.
 std::vector<Vec3> all_points(const Scene& scene) {
   std::vector<Vec3> points;
   for (std::size_t c = 0; c < scene.cameras.size(); ++c) {

@@ -343,7 +343,7 @@ TEST(Loop, SoundsWhileItLooksAtEveryFrameOfASourceSlowerThanItsClock) {
   Loop loop;
   loop.source.count = 40;
   loop.source.period_s = 0.01;
-  loop.source.clock_rate = 0.1;  // replayed at a tenth of its own speed
+  loop.source.clock_rate = 0.1;  // replayed at a tenth of its speed
   loop.options.every_frame = true;
   loop.run();
   EXPECT_LT(loop.stats.output.silent_drives * 3, loop.stats.output.drives);

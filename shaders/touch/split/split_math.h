@@ -17,7 +17,7 @@ PALPA_SHADER_BEGIN
 #define PALPA_SPLIT_APART 0.45f
 // Skin turned towards other skin by more than this cosine faces that skin.
 #define PALPA_SPLIT_FACING 0.4f
-// Of the pairs of two parts that one camera sees: a group grows while less than 3/8 show two fingers,
+// Limits for the pairs of two parts that one camera sees: a group grows while less than 3/8 show two fingers,
 PALPA_CONST split_most_eighths = 3u;
 // and parts are fingers if a valley is seen in at least half.
 PALPA_CONST split_votes = 2u;  // rounds
