@@ -297,7 +297,7 @@ TEST(Autd3Board, ASlowServerHearsTheNewestPlanAndSilenceInTime) {
   rig.serving = std::make_unique<Serving>(rig.server, 0, 3ms);
   rig.argument = rig.serving->address();
   rig.open();
-  for (int i = 0; i < 40; ++i) {  // a frame every 4 ms; a plan takes 60 frames to arrive
+  for (int i = 0; i < 40; ++i) {  // a frame every 4 ms; a plan takes 60 ms to arrive
     rig.drives[0].amplitude = static_cast<float>(i) / 100;
     rig.plan();
     rig.tend_until([] { return false; }, 4ms);
