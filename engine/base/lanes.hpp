@@ -1,12 +1,12 @@
-// Several floats at a time, by the compiler's vectors. Code that uses them is written once for any width. It is compiled
-// for several kinds of processor, and the kind is asked at run time (for example in galerkin_kernels.cpp). Every width
-// gives the same bits, unless the compiler may fuse multiplications and additions: "avx2" does not allow that, "fma" does.
+// Several floats at a time in compiler vectors. The arithmetic is the same for any width. The calling code compiles its
+// loop for several kinds of processor and chooses one at run time (galerkin_kernels.cpp). Every width gives the same
+// bits unless the kind of processor lets the compiler fuse multiplications with additions: "fma" does, "avx2" does not.
 #pragma once
 
 #include <cstdint>
 #include <cstring>
 
-// Vectors wider than the processor's registers are only passed within one inlined function: no ABI is concerned.
+// Vectors wider than the processor's registers are only passed within one inlined function, so no ABI is affected.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace palpa {

@@ -1,4 +1,4 @@
-// Which triangles can be the nearest somewhere in a cell: those that no rival beats at all of its corners.
+// Which triangles can be the nearest somewhere in a cell: those that no rival beats at all corners of the cell.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace palpa::geometry {
 
 using Corners = std::array<glm::vec3, 8>;
 
-/// A surface point that every triangle of a cell is measured against.
+/// A surface point that every triangle of a cell is compared with.
 struct Rival {
   Vec3 point;
   std::uint32_t triangle;
@@ -29,7 +29,7 @@ struct Contest {
   std::array<std::uint32_t, most_rivals> triangle;
   std::size_t count = 0;
 
-  /// `slack` is what a nearer rival is allowed to be farther away, squared.
+  /// `slack` is a squared distance by which a nearer rival may be farther away.
   void add(const Rival& rival, const Corners& corners, double epsilon, double slack) {
     std::array<float, 8>& own = to_corner[count];
     own = distances(rival.point, corners);
@@ -42,13 +42,13 @@ struct Contest {
     ++count;
   }
 
-  /// Whether something at these squared distances from the corners is nowhere in the cell the nearest: whether a rival
-  /// is nearer to all corners by more than its margin.
+  /// Whether an object at these squared distances from the corners is nearest nowhere in the cell: whether one rival is
+  /// nearer to all corners by more than its margin.
   bool beats(const std::array<float, 8>& distance2) const {
     return beats<Lanes4>({load<Lanes4>(distance2.data()), load<Lanes4>(distance2.data() + 4)});
   }
 
-  /// The same of distances in vectors. Most of the time that a large model takes goes here.
+  /// The same for distances in vectors. Large models spend much of their time here.
   template <class L>
   [[gnu::always_inline]] bool beats(const std::array<typename L::Float, 8 / L::width>& distance2) const {
     for (std::size_t r = 0; r < count; ++r) {
