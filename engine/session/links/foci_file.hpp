@@ -1,7 +1,7 @@
 // The foci of a run as a file.
 //
-// `.json`: {"slot_s": 0.0015, "frames": [{"slot": 0, "time_s": ..., "fingers": [...]}, ...]}. Each of "frames" is a line
-// of the stream of foci (session/links/foci_link.hpp) plus the first slot that plays it.
+// `.json`: {"slot_s": 0.0015, "frames": [{"slot": 0, "time_s": ..., "fingers": [...]}, ...]}. Each of "frames" is a
+// line of the stream of foci (session/links/foci_link.hpp) plus the first slot that plays it.
 //
 // `.csv`: slot,time_s,finger,solid,focus,x,y,z,gain, one row per focus. `focus` is its number in the finger's list of
 // foci; x, y, z are its place in the world, in metres. A frame without fingers has no row.

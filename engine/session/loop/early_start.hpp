@@ -1,9 +1,9 @@
 // Decides whether a frame is started while the previous one is still being computed.
 //
-// A GPU may overlap the two: then a frame that need not wait has its drives sooner. Where they only share what there is
-// - two cores that are the device as well - both come later, each about as late as the two together, and what late
-// drives show may be over before it sounds. Which of them holds is measured: frames that came while another was under
-// way tell how long it took from their arrival to their drives, started early or not.
+// A GPU may overlap the two, so a frame that does not wait has its drives sooner. If the two frames only share the
+// hardware, for example two cores that are also the device, both are late, each by about the time of both together.
+// Late drives may then expire before they sound. So the effect is measured: for frames that came while another was
+// being computed, the time from arrival to drives is compared between early and normal starts.
 #pragma once
 
 #include <cstdint>
