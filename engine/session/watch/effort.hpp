@@ -61,9 +61,9 @@ class EffortControl {
 
   static constexpr double most_of_hold = 0.8;  ///< above it, work is shed
   static constexpr double calm_below = 0.4;    ///< frames that take less might fit without the last step
-  /// frames that take less, with the work of the last step added, certainly fit without it
+  /// Frames below this certainly fit without the last step, even if that step affects all of their work.
   static constexpr double sure_below = 0.6;
-  static constexpr std::uint32_t late_frames = 3;  ///< in a row
+  static constexpr std::uint32_t late_frames = 3;  ///< in a row, before work is shed
   static constexpr std::uint32_t settle = 4;       ///< frames ignored after a change, because they began before it
   static constexpr std::uint32_t first_calm = 90, longest_calm = 90 << 9;
 
