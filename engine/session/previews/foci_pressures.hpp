@@ -13,7 +13,7 @@ namespace palpa::session {
 /// as well. For a modulated finger, it is the value at the modulation's crest. 0 for foci that never sound or have no
 /// position.
 ///
-/// If a plan's drives are not listed, its first most_cycle slots are used.
+/// If a plan's drives are not listed, its first most_cycle slots are evaluated.
 std::vector<std::vector<double>> foci_pressures(const Plan& plan, const SessionSetting& setting);
 
 }  // namespace palpa::session

@@ -173,8 +173,8 @@ class Grid {
         nearest = m;
       }
     }
-    // If a cell is completely inside, this also holds for all cells within it. It has no planes, otherwise all
-    // following planes would be lost.
+    // No planes: the whole cell is inside the part, and so are all cells within it. Otherwise, all that follow would be
+    // lost.
     if (candidate.planes.empty()) shallowest = deepest = std::numeric_limits<double>::infinity();
     if (deepest + margin_ <= -tolerance_) return;
     Candidate kept{candidate.part, {}};
