@@ -15,7 +15,7 @@ namespace palpa::session {
 
 namespace {
 
-/// Refuses values with which sound would never stop or never end, when the session is made.
+/// Refuses times with which the session would never be silent or never end, when the session is made.
 void check_times(const SessionSetting& setting) {
   if (!(setting.hold_s > 0)) throw bad_usage(fmt::format("a hold of {} s: give a positive time", setting.hold_s));
   const double dwell_s = setting.schedule.voice.dwell_s;

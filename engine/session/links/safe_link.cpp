@@ -12,8 +12,7 @@
 namespace palpa::session {
 namespace {
 
-/// Interval at which a plan is passed on again while a ramp moves. It is not shorter because a board with its own clock
-/// has to load each plan.
+/// Interval at which a plan is passed on again while a ramp moves. A board with its own clock has to load each of them.
 constexpr double replan_s = 10e-3;
 
 /// Runs `work` and keeps only the first error; later ones are consequences.

@@ -252,7 +252,7 @@ double Compute::run() {
     }
   }
   shed_report.end(effort);
-  planner.set_effort({});  // for whoever uses it next
+  planner.set_effort({});  // for the next user
   return last_captured_s;
 }
 
