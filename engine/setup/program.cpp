@@ -73,8 +73,8 @@ int run_program(const std::function<void()>& body) {
     code = report(Exit::failed, is_no_thread(error) ? no_thread("a library", error).what() : error.what());
   } catch (const std::bad_alloc&) {
     code = report(Exit::failed, "out of memory");
-    // The error may have passed through a driver or a library that now holds a lock forever. Closing it would wait for
-    // that lock.
+    // The error may have passed through a driver or a library that now holds a lock forever. Its shutdown would wait
+    // for that lock.
     gpu::device_abandoned = true;
   } catch (const std::exception& error) {
     code = report(Exit::failed, error.what());

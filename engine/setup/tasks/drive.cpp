@@ -126,7 +126,7 @@ array::Drive drive_by(const Computer& by, const array::Layout& layout, std::span
   return drive_on_gpu(gpu::Device(*by.device_options), layout, foci, factors, options);
 }
 
-/// Computes the drive of slot 0 of the schedule. If there is a finger, its foci are already aimed at the skin.
+/// Computes the drive of slot 0 of the schedule. If there is a finger, it must already be aimed at the schedule's foci.
 void drive_slot(const array::Layout& layout, array::Schedule& schedule, const array::DriveOptions& in_free_air,
                 const Computer& by, DriveResult& result) {
   array::DriveOptions options = in_free_air;
