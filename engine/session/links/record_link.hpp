@@ -16,8 +16,8 @@ namespace palpa::session {
 /// Link "record:FILE"; "-" is stdout. Throws failure() if the file cannot be created or written (a full disk, a limit).
 /// A file on a disk then holds only complete drives, as many as fit, and the last of them is silent. The file may be a
 /// FIFO or a terminal. So that it cannot block the loop, a reader or a disk that keeps the link waiting for half a
-/// second is an error, and so is a FIFO that nobody has opened for that long. `wait_unless` is for callers with nothing
-/// sounding meanwhile: the link then waits without a limit until that flag becomes true.
+/// second is an error, and so is a FIFO that nobody has opened for that long. `wait_unless` is for callers for which
+/// nothing sounds meanwhile: the link then waits without a limit until that flag becomes true.
 std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting,
                                        const std::atomic<bool>* wait_unless = nullptr);
 

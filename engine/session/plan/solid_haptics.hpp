@@ -25,8 +25,8 @@ std::vector<SolidHaptics> resolve_haptics(const std::string& scene, std::span<co
                                           const touch::Parameters& touch, const array::VoiceOptions& voice);
 
 /// The duration of one drive that suits the dwells of all solids: their greatest common divisor, in whole nanoseconds.
-/// If that is less than shortest_slot_s, the shortest dwell is used, and longer dwells are whole numbers of slots only
-/// on average. Without solids, it is the common dwell.
+/// If that is less than shortest_slot_s, the shortest dwell is used, and longer dwells are then correct only on
+/// average, in whole slots. Without solids, it is the common dwell.
 inline constexpr double shortest_slot_s = 0.25e-3;
 double slot_length(std::span<const SolidHaptics> solids, const array::VoiceOptions& voice);
 
