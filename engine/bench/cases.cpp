@@ -260,7 +260,7 @@ void measure_touch(const Context& context, std::vector<Row>& rows) {
                      box_solid(Vec3(-0.05, -0.1, -0.05), Vec3(side + 0.1, 0, side + 0.1)), plate, rows);
     }
   }
-  // As many fingers as there can be, side by side.
+  // The maximum number of fingers, side by side.
   std::mt19937 random(64);
   std::uniform_real_distribution<double> across(-5e-3, 5e-3), deep(1e-5, 1.4e-3);
   std::vector<glm::vec3> patches;

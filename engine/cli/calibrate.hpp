@@ -9,7 +9,7 @@
 
 namespace palpa::cli {
 
-/// The options of both; a nudge is a live run.
+/// The options of both parts; a nudge is a live run.
 struct CalibrateCommand : setup::LiveOptions {
   CalibrateCommand() { source.clear(); }  // if not given: a rehearsal
 

@@ -2,7 +2,7 @@
 // object on which palpa's own programs and yours are built, for a live loop or frame by frame.
 //
 //   session::Session session({.solids = solids, .cameras = source.cameras(), .layout = layout});
-//   session.run(source, link, stop);      until the source ends or `stop` becomes true; silence is the last that sounds
+//   session.run(source, link, stop);      until the source ends or `stop` becomes true; ends with silence
 //
 //   session::Session session({.solids = solids});
 //   session.touch(skin, time_s);          one frame on the calling thread: fingers, then events() and schedule()

@@ -1,9 +1,9 @@
 // The stream of foci: with it, palpa can drive any other array's SDK, a game engine or a script.
 //
 // One UDP datagram per frame, one JSON object and a newline:
-//   {"time_s": 12.5, "fingers": [{"id": 0, "solid": "cube", "foci_m": [[x,y,z], ...], "order": [0,3,6,...], "dwell_s":
-//   0.0015,
-//    "modulation_hz": 0, "gain": 1}]}
+//   {"time_s": 12.5, "fingers": [{"id": 0, "solid": "cube", "foci_m": [[x,y,z], ...], "order": [0,3,6,...],
+//    "dwell_s": 0.0015, "modulation_hz": 0, "gain": 1}]}
+//
 // Foci that sound together are a list within `order`: [[0,1,2]]. If `modulation_hz` is not 0, `modulation` says which
 // quantity is a sine: "pressure-sine" or "amplitude-sine". Positions are in the world. If a pressure is requested,
 // "pressure_pa" is the part of it that sounds. No fingers mean silence. Silence is also sent when foci expire, and

@@ -82,7 +82,8 @@ void add_schedule(JsonWriter& json, const array::Voice& voice) {
   json.member("dwell_s", voice.dwell_s).end_object();
 }
 
-/// The voice of a finger with its order counted in sectors: foci that sound together are those of its filled ones.
+/// The voice of a finger with its order counted in sectors. The foci that sound together are those of the filled
+/// sectors.
 array::Voice by_sector(array::Voice voice, const touch::Placement& placement) {
   if (!placement.together) return voice;
   std::vector<std::uint32_t> filled;

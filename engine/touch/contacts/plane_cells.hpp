@@ -30,7 +30,7 @@ struct PlaneCells {
 PlaneCells make_plane_cells(const std::vector<LocalPlane>& planes, const Vec3& low, const Vec3& high,
                             std::size_t most_listed);
 
-/// The nearest float that is not greater, not less.
+/// The nearest float that is not greater than `value`, and the nearest that is not less.
 float rounded_down(double value);
 float rounded_up(double value);
 

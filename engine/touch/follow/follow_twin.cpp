@@ -48,7 +48,7 @@ struct Candidate {
   std::uint32_t row = none;    ///< the finger that continues it
   std::uint32_t owner = none;  ///< that finger, or the one whose cluster it is in
   bool merged = false, seen = false;
-  bool stays = false;  ///< remembered, without a finger of its own
+  bool stays = false;  ///< remembered, but without its own finger
 };
 
 /// One frame's work.
