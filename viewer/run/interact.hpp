@@ -9,11 +9,11 @@
 //   drag X0 Y0 X1 Y1 [BUTTON] [shift] [ctrl]    all of a drag, in two moves
 //   scroll STEPS [shift] [ctrl]                 where the pointer is; positive away from the user
 //   key NAME [shift] [ctrl]   a character or tab, left, right, up, down, page-up, page-down, home, end, delete,
-// backspace, enter, escape, space, f12; pressed, drawn, released
+//                             backspace, enter, escape, space, f12; pressed, drawn, released
 //   type TEXT                 what was typed, to the end of the line
 //   drop PATH                 a file or folder, to the end of the line
 //   resize W H                of the window, pixels
-//   draw [N]                  N pictures, 1 where none is given
+//   draw [N]                  N pictures, 1 if none is given
 //   wait SECONDS              of the program's clock, drawing meanwhile: 0 to 600
 //   shot FILE                 what was drawn last, as PNG
 #pragma once
