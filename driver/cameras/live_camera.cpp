@@ -79,7 +79,7 @@ bool LiveCamera::tend() {
   if (!stream_) look_for_it();
   if (!stream_) return false;
   bool any = false;
-  // At most as many as it can have at once, so that an endless one does not hold up the others.
+  // Takes at most as many frames as the camera can have at once, so that an endless camera does not hold up the others.
   for (std::uint32_t i = 0; i < Stream::most_buffers; ++i) {
     Taken taken;
     const Take found = stream_->take(taken);

@@ -188,7 +188,7 @@ class BoardLink final : public session::Link {
   session::Carried carried_;      ///< of a guard that is gone
   Said last_word_ = Said::drive;  ///< from the guard; none yet
   double sent_s_ = monotonic_s(), unread_s_ = 0;
-  double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest plan, or drives without one, may sound
+  double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest plan (or drives) may sound until then
   std::uint32_t drive_place_ = TripleBuffer::writers_first, plan_place_ = TripleBuffer::writers_first;
 };
 

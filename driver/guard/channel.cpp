@@ -161,8 +161,7 @@ bool say(int socket, Said said, std::string_view text) {
 Heard hear(int socket, std::span<char, Message::most + 1> buffer, Message& message) {
   const auto take = [&] { return recv(socket, buffer.data(), buffer.size(), MSG_DONTWAIT); };
   ssize_t size = take();
-  if (size < 0 && errno == ECONNRESET) size = take();  // it left without reading everything; its last messages are
-                                                       // there
+  if (size < 0 && errno == ECONNRESET) size = take();  // it left with unread messages; its last words are there
   if (size < 0) return errno == EAGAIN || errno == EINTR ? Heard::nothing : Heard::gone;
   if (size == 0) return Heard::gone;
   message = {static_cast<Said>(buffer[0]), {buffer.data() + 1, static_cast<std::size_t>(size) - 1}};

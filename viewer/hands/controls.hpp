@@ -46,7 +46,7 @@ struct WindowEvent {
   std::string text{};   ///< of text: what was typed, UTF-8; of drop: a file's or folder's path
 };
 
-/// What the program is to do after an event.
+/// What the program must do after an event.
 enum class Reply { nothing, redraw };
 
 /// Left-drag orbits, the wheel zooms towards the pointer, middle- or shift-drag pans. 1, 3 and 7 are front, right and

@@ -55,7 +55,7 @@ class FrameGaps {
   Rhythm rhythm_;
 };
 
-/// Of pictures, each of which is drawn piece by piece.
+/// Waits during pictures that are drawn piece by piece.
 class PictureSteps {
  public:
   /// Waits, at most `most_s`, for the time to work for `work_s`. Returns how long it waited.

@@ -32,14 +32,14 @@ struct SurfaceMark {
   std::string name;
   geometry::Mesh mesh;
   std::optional<std::uint32_t> part{};     ///< index of a solid's convex part; each has its own colour
-  std::vector<drawing::Colour> colours{};  ///< of the mesh's vertices, for the layer heat; or empty
+  std::vector<drawing::Colour> colours{};  ///< of the mesh's vertices, for the layer heat; else empty
   std::uint32_t solid = 0;                 ///< index of the scene's solid that it is, or is a part of
 };
 
 /// A skin point in a solid's shell, drawn in its finger's colour.
 struct ContactMark {
   glm::vec3 position{};
-  std::optional<std::uint32_t> finger;  ///< none: its cluster is too small to be a finger
+  std::optional<std::uint32_t> finger;  ///< nullopt: its cluster is too small to be a finger
 };
 
 /// One entry of a finger's order. An empty sector plays another sector's focus and has no mark of its own.
@@ -121,7 +121,7 @@ struct PictureNotes {
   bool driven = false;  ///< transducers have a drive; otherwise they are drawn idle
   std::vector<CameraMark> cameras;
   std::vector<ColourBar> bars;
-  std::vector<std::vector<SpectrumMark>> spectra;  ///< one per finger, drawn as a chart; or none
+  std::vector<std::vector<SpectrumMark>> spectra;  ///< one per finger, drawn as a chart; or empty
 };
 
 struct Picture : PictureNotes {

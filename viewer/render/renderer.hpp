@@ -63,7 +63,7 @@ class Renderer {
   /// for an extent of zero or beyond the device's limit.
   Canvas make_canvas(VkExtent2D extent, Fineness fineness = Fineness::fine);
 
-  /// Draws `drawn` into `target`, which must have the canvas' extent; whatever it held is lost. Views are drawn in
+  /// Draws `drawn` into `target`, which must have the canvas' extent. Its old contents are lost. Views are drawn in
   /// order, then the sheet over them. `ratio` is pixels per point (2 on a high-resolution screen). Barriers: the caller
   /// orders earlier users of the target's image before colour-attachment output (by a semaphore's wait, or by waiting
   /// for an earlier submit). Afterwards, the target is a colour target (gpu::image_use::colour_target), and the caller

@@ -10,7 +10,7 @@
 
 namespace palpa::viewer {
 
-/// What it writes: its own pictures and results, a script's shots, and what a live run writes.
+/// What the viewer writes: its own pictures and results, a script's shots, and what a live run writes.
 std::vector<Output> outputs_of(const ViewerOptions& options, const Script& script, const LiveSession::Kinds& kinds);
 
 /// Throws bad_usage if an output has the name of an input. Some inputs are read late or on other threads.
