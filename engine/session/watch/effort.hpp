@@ -31,10 +31,11 @@ struct FrameTimes {
 /// Decides the effort from the times only; any clock may be used.
 ///
 /// A frame sounds until one hold after its capture. For sound without a gap, the next frame's drives must be ready by
-/// then. They come later by the time between frames, or by the frame's work if that takes longer. The latency and this
-/// time together may take four fifths of the hold; after three frames in a row that take more, the next step is taken.
-/// A step is taken back after one second of frames that would certainly have fitted without it, or after many frames
-/// that might have fitted. This number doubles each time the step turns out to be needed.
+/// then. They come later by the time between frames, or by the frame's work if that is shorter: leaving out work does
+/// not make a slow camera faster. The latency and this time together may take four fifths of the hold. After three
+/// frames in a row that take more, the next step is taken. A step is taken back after one second of frames that would
+/// certainly have fitted without it, or after many frames that might have fitted. This number doubles each time the
+/// step turns out to be needed.
 class EffortControl {
  public:
   /// `most` is the maximum that can be shed; {1, 1}: nothing. If that is not enough, the hold may grow to
