@@ -61,7 +61,7 @@ class Remote {
   std::string_view fault() const { return fault_.view(); }
 
   /// Ends the connection with a fault of the caller's.
-  void refuse(std::string_view what) { fail("is not to be driven", what); }
+  void refuse(std::string_view what) { fail("cannot be driven", what); }
 
   pollfd watched() const;
 

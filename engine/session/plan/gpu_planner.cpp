@@ -110,7 +110,7 @@ class GpuPlanner : public Planner {
 
   void warm_up() override {
     if (started_ != 0) return;  // frames have done it
-    const Activity work("compiles shaders, which the driver keeps for the next time");
+    const Activity work("compiling shaders, which the driver keeps for the next time");
     // Two frames without skin, one for each in flight, dispatch all that finds foci; none of it has any work.
     std::vector<sensing::DepthFrame> dark(setting_.cameras.size());
     for (std::size_t c = 0; c < dark.size(); ++c)

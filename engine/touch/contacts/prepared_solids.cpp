@@ -81,7 +81,7 @@ bool asked_by_surface(const geometry::Solid& solid) {
 /// What goes wrong for a solid that a file brought is that file's fault.
 template <typename Make>
 auto made_of(const geometry::Solid& solid, const Make& make) {
-  const Activity work(fmt::format("prepares mesh \"{}\"", printable(solid.name, 60)));
+  const Activity work(fmt::format("preparing mesh \"{}\"", printable(solid.name, 60)));
   try {
     return make();
   } catch (const Error& e) {
