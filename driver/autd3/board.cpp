@@ -39,8 +39,7 @@ void check(const array::Layout& layout) {
   for (const array::Board& board : layout.boards)
     covered += board.type == "autd3" && board.count == transducers && board.first == covered ? board.count : 0;
   if (covered == 0 || covered != layout.transducers.size())
-    throw bad_input("layout " + layout.name,
-                    "link autd3 drives AUTD3 units only, such as those of the layouts autd3 and paper");
+    throw bad_input("layout " + layout.name, "link autd3 drives AUTD3 units only, such as those of autd3 and paper");
 }
 
 std::uint16_t divider_of(double slot_s) {

@@ -90,7 +90,7 @@ void find_poses(const Extensions& extensions, const CalibrateCommand& o) {
   check(task);
   if (!o.out.empty() && o.source.empty())
     throw bad_usage("--out needs --source: a rehearsal finds the poses that the rig already has");
-  setup::refuse_gpu_options(o.common, "palpa calibrate without --nudge computes on the processor");
+  setup::refuse_gpu_options(o.common, "palpa calibrate computes on the processor, except with --nudge");
   const Outputs outputs({{"--json", o.common.json}, {"--out", o.out}});
   std::optional<setup::Progress> progress;
   const auto opened = [&](std::uint64_t frames) {

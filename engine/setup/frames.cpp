@@ -142,9 +142,8 @@ std::string pressures_summary(std::span<const session::FingerPressure> fingers, 
   for (const session::FingerPressure& finger : fingers) {
     most_pa = std::max(most_pa, finger.most_pa);
     const double mean_pa = finger.sum_pa / static_cast<double>(finger.frames);
-    text +=
-        fmt::format("finger {} on {}: {:.0f} Pa on average, {:.0f} to {:.0f} Pa, of the {:.0f} Pa that are asked for\n",
-                    finger.id, solids[finger.solid], mean_pa, finger.least_pa, finger.most_pa, finger.asked_pa);
+    text += fmt::format("finger {} on {}: {:.0f} Pa on average, {:.0f} to {:.0f} Pa, of the {:.0f} Pa asked for\n",
+                        finger.id, solids[finger.solid], mean_pa, finger.least_pa, finger.most_pa, finger.asked_pa);
   }
   return most_pa > array::linear_pressure_pa ? text + linear_line() : text;
 }

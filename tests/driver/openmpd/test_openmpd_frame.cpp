@@ -198,7 +198,7 @@ TEST(OpenMpdBoardFile, FaultsNameFileAndLine) {
   write_text(folder / "board_9.pat", good);
   write_text(folder / "board_8.pat", board_file_text("S1", made_up_calibration(5)));
   const auto files = openmpd::read_board_files(folder);
-  expect(error_of([&] { openmpd::calibration_of(files, "S1"); }), "has the serial number S1");
+  expect(error_of([&] { openmpd::calibration_of(files, "S1"); }), "has the same serial number S1");
   const auto empty = scratch_folder("openmpd-no-files");
   EXPECT_NE(error_of([&] { openmpd::read_board_files(empty); }).find("no board files"), std::string::npos);
   EXPECT_NE(error_of([&] { openmpd::read_board_files(empty / "none"); }).find("cannot be read"), std::string::npos);

@@ -404,8 +404,7 @@ TEST(SonicSurfaceBoard, ALineThatComesBackIsSilencedBeforeItPlays) {
   std::filesystem::create_symlink(rig.pty.path(), port);  // its board sounds since it was switched on
   const bool silenced = rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); });
   EXPECT_TRUE(silenced);
-  EXPECT_EQ(rig.notes.warnings,
-            (std::vector<std::string>{"the serial port is gone", "the serial port is there again"}));
+  EXPECT_EQ(rig.notes.warnings, (std::vector<std::string>{"the serial port is gone", "the serial port is back"}));
   for (std::uint64_t s = 2000; s < 2020; ++s)
     rig.board->play(s, rig.drive);
   EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
