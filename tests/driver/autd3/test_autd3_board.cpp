@@ -58,7 +58,7 @@ TEST(Autd3Board, PlaysAPlanFromTheSlotThatIsRunning) {
     rig.board.reset();
     EXPECT_EQ(rig.server.violation_count(), 0u) << rig.server.violations()[0].what;
     ASSERT_EQ(rig.notes.infos.size(), 1u);
-    EXPECT_CONTAINS(rig.notes.infos[0], "1 of 1 plans brought over");
+    EXPECT_CONTAINS(rig.notes.infos[0], "1 of 1 plans transferred");
     EXPECT_TRUE(rig.notes.warnings.empty());
   }
 }
@@ -133,7 +133,7 @@ TEST(Autd3Board, DrivesWithoutAPlanComeOneByOne) {
   EXPECT_TRUE(rig.board->close());
   EXPECT_EQ(rig.server.violation_count(), 0u);
   ASSERT_EQ(rig.notes.infos.size(), 1u);
-  EXPECT_CONTAINS(rig.notes.infos[0], "of 29 drives brought over");
+  EXPECT_CONTAINS(rig.notes.infos[0], "of 29 drives transferred");
 }
 
 TEST(Autd3Board, FullAmplitudesTakeHalfTheMessagesAndAModulationOneMore) {

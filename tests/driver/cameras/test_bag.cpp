@@ -200,7 +200,7 @@ TEST(Bag, WhatItCannotReadIsRefused) {
                     b.lens_model = "Kannala Brandt4";
                     b.distortion[0] = 0.1;
                   }),
-                  "lens model 'Kannala Brandt4'");
+                  "lens model is 'Kannala Brandt4'");
   EXPECT_CONTAINS(with([](auto& b) { b.more_topic = std::string(300, 'x'); }), "a topic has a name of 300 bytes");
   EXPECT_CONTAINS(with([](auto& b) { b.more_topic = std::string(70'000, 'x'); }), "a record's header has 70");
   EXPECT_CONTAINS(with([](auto& b) { b.distortion = {-50, 0, 0, 0, 0}; }), "cannot be undone");

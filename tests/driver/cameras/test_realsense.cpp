@@ -148,7 +148,7 @@ TEST(RealSense, RefusesWithOneLineThatSaysWhatWouldBeRight) {
   wanted = described("one");
   EXPECT_CONTAINS(refused(wanted, "B"), "realsense:B: is not plugged in; librealsense2 finds A");
   EXPECT_CONTAINS(refused(wanted, "A,A", Exit::usage), "source realsense names A twice");
-  EXPECT_CONTAINS(refused(wanted, "A,B", Exit::usage), "source realsense names 2 cameras and rig.toml describes 1");
+  EXPECT_CONTAINS(refused(wanted, "A,B", Exit::usage), "source realsense names 2 cameras, but rig.toml describes 1");
   EXPECT_CONTAINS(refused(wanted, "", Exit::usage),
                   "source realsense needs cameras: realsense:SERIAL or realsense:any");
   camera.keeps_unit = true;
@@ -158,7 +158,7 @@ TEST(RealSense, RefusesWithOneLineThatSaysWhatWouldBeRight) {
   camera.keeps_unit = false;
   camera.options.erase(Option::hardware_preset);
   wanted.device.preset = 3;
-  EXPECT_CONTAINS(refused(wanted), "realsense:A: has no hardware preset, which hardware_preset of rig.toml is for");
+  EXPECT_CONTAINS(refused(wanted), "realsense:A: has no hardware preset, which hardware_preset of rig.toml would set");
   wanted = described("one");
   const auto other = open(bench, "A");
   EXPECT_CONTAINS(refused(wanted), "realsense:A: the camera does not start to stream: librealsense2: failed to set");

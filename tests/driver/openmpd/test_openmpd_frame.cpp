@@ -181,9 +181,9 @@ TEST(OpenMpdBoardFile, FaultsNameFileAndLine) {
   expect(fault_of(good.substr(0, good.size() / 2)), "ends where");
   expect(fault_of(good + "1.0"), "goes on");
   // What is no board's file is not shown.
-  expect(fault_of("S1\n128\n128\n"), "line 2: something else where the number of transducers should stand");
-  expect(fault_of("S1\n256\n64\n"), "line 3: something else where the number of phase steps should stand");
-  expect(fault_of(board_file_text("S1", {}, 0.001)), "line 4: transducer 0 stands at");
+  expect(fault_of("S1\n128\n128\n"), "line 2: something else where the number of transducers should be");
+  expect(fault_of("S1\n256\n64\n"), "line 3: something else where the number of phase steps should be");
+  expect(fault_of(board_file_text("S1", {}, 0.001)), "line 4: transducer 0 is at");
   expect(fault_of(board_file_text("S1", {}, 0, 1)), "wired to pin");
   std::string word = good;
   word.replace(word.rfind("1.0"), 3, "x.0");
