@@ -360,7 +360,7 @@ TEST(SonicSurfaceBoard, TakesACalibrationFromItsFolder) {
   EXPECT_EQ(read_degrees(folder, 3), (std::vector<float>{0, 180, -90}));
   EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 4); }), "has 3 numbers");
   write("0 x 3");
-  EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 3); }), "value 2");
+  EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 3); }), "value 2 is not a number");
   write("0 400 3");
   EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 3); }), "400 degrees");
 }
