@@ -103,7 +103,7 @@ geometry::Mesh press_finger(const geometry::Mesh& finger, const geometry::Mesh& 
   }
   if (!std::isfinite(nearest)) throw failure("the finger misses the object");
   const Vec3 tip = start + inwards * (nearest + penetration);
-  // The finger's own axes in the world: y against the direction, z as near to the world's as can be.
+  // The finger's own axes in the world: y against the direction, z as near to the world's z as possible.
   const Vec3 y = -inwards;
   const Vec3 towards = std::abs(y.z) < 0.9 ? Vec3(0, 0, 1) : Vec3(1, 0, 0);
   const Vec3 x = glm::normalize(glm::cross(y, towards)), z = glm::cross(x, y);

@@ -8,7 +8,7 @@
 namespace palpa::assets {
 namespace {
 
-/// An upright cylinder of 48 sides, its top's centre at `top`.
+/// An upright cylinder of 48 sides; the centre of its top is at `top`.
 geometry::Mesh disc(const Vec3& top, double radius, double height) {
   constexpr std::uint32_t sides = 48;
   geometry::Mesh mesh;

@@ -14,7 +14,7 @@ namespace {
 using geometry::Mesh;
 
 constexpr double kLength = 0.050;
-constexpr double kTipRadius = 0.008;    ///< of curvature, and of the shaft's beginning
+constexpr double kTipRadius = 0.008;    ///< of curvature, and at the beginning of the shaft
 constexpr double kWidening = 0.03;      ///< radius gained per length
 constexpr double kEndRounding = 0.006;  ///< like kTipRadius, at the closed end
 constexpr double kFlattening = 0.10;    ///< of the shaft along z
@@ -43,7 +43,8 @@ struct Profile {
     const auto upper = std::clamp<std::ptrdiff_t>(std::upper_bound(arc.begin(), arc.end(), s) - arc.begin(), 1,
                                                   static_cast<std::ptrdiff_t>(arc.size()) - 1);
     const double t = (s - arc[upper - 1]) / (arc[upper] - arc[upper - 1]);
-    // Near the ends y grows with the square of the arc; the sine's parameter does too, so a linear step is fine enough.
+    // Near the ends, y grows with the square of the arc length. The sine's parameter does, too, so a linear step is
+    // precise enough.
     return y[upper - 1] + t * (y[upper] - y[upper - 1]);
   }
 };
@@ -65,12 +66,13 @@ struct Row {
   std::uint32_t count;
 };
 
-/// Rows of vertices from the tip to the end, for spacing that grows by `slope` per arc length beyond the fine tip.
+/// Rows of vertices from the tip to the end. Their spacing grows by `slope` per arc length beyond the fine tip.
 std::vector<Row> lay_rows(const Profile& profile, double slope) {
   const auto spacing = [&](double arc) {
     return std::clamp(kTipSpacing + slope * (arc - kFineArc), kTipSpacing, kShaftSpacing);
   };
-  // Row k sits where the integral of 1 / row height reaches k; the whole is stretched to end with a whole row.
+  // Row k lies where the integral of 1 / row height reaches k. All rows are then stretched so that the last one is
+  // whole.
   constexpr int kSteps = 20000;
   std::vector<double> rows_before{0.0};
   const double step = profile.length() / kSteps;
@@ -97,7 +99,8 @@ std::uint32_t vertices_of(const std::vector<Row>& rows) {
   return sum;
 }
 
-/// A growth of the spacing that needs exactly the paper's number of vertices: about 56 micrometres per millimetre.
+/// Finds the growth of the spacing that needs exactly the paper's number of vertices: about 56 micrometres per
+/// millimetre.
 std::vector<Row> find_rows(const Profile& profile) {
   for (double slope = 0.056; slope < 0.2; slope += 0.00002) {
     std::vector<Row> rows = lay_rows(profile, slope);

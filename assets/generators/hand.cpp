@@ -11,7 +11,7 @@
 namespace palpa::assets {
 namespace {
 
-constexpr double kCell = 1.5e-3;  ///< of the first surface: the gap between fingers, 2.6 mm, is its diagonal
+constexpr double kCell = 1.5e-3;  ///< of the first surface; its diagonal is the gap between fingers, 2.6 mm
 constexpr double kFineSize = 1.2e-3, kCoarseSize = 3.0e-3, kGrowth = 0.1, kFineReach = 9e-3;
 
 HandPose make_pose(const ThumbPose& thumb, const FingerPose& index, const FingerPose& middle, const FingerPose& ring,
@@ -47,7 +47,7 @@ geometry::Mesh make_hand(const HandPose& pose) {
       nearest = std::min(nearest, glm::distance(p, tip.position));
     return std::clamp(kFineSize + kGrowth * (nearest - kFineReach), kFineSize, kCoarseSize);
   };
-  // Parts pressed together hard can pinch off a crumb.
+  // Parts that are strongly pressed together can separate a small piece.
   geometry::Mesh mesh = remesh(largest_shell(isosurface(field, skin.bounds(), kCell)), field, sizing);
   round_to_float(mesh);
   return mesh;

@@ -1,9 +1,9 @@
 // A posable right hand, about life size.
 //
-// Frame, the same for every pose: the wrist is fixed, 176 mm along +y from the tip of the straight index finger;
-// fingers point along -y, the palm faces -z, the thumb is on the +x side, the forearm's stub runs along +y and ends
-// rounded. With the index finger straight (all its angles zero, as in the `point` pose) its tip touches the origin and
-// its body runs along +y, so that the hand can stand in for the finger of finger.ply.
+// The frame is the same for every pose: the wrist is fixed, 176 mm along +y from the tip of the straight index finger.
+// Fingers point along -y, the palm faces -z, the thumb is on the +x side, and the forearm's stub runs along +y and has
+// a rounded end. If the index finger is straight (all its angles zero, as in the `point` pose), its tip touches the
+// origin and its body runs along +y, so the hand can replace the finger of finger.ply.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ struct FingerPose {
   double pip = 0;  ///< flexion of the middle joint
   double dip = 0;  ///< flexion of the last joint
   double abduction =
-      0;  ///< sideways at the knuckle, spreading: index and middle towards the thumb, the others away from it
+      0;  ///< sideways at the knuckle, spreading: index and middle finger towards the thumb, the others away from it
 };
 
 struct ThumbPose {
@@ -40,8 +40,8 @@ struct HandPose {
 std::optional<HandPose> named_hand_pose(std::string_view name);
 
 /// A pose from TOML: tables `thumb` (keys cmc, mcp, ip, abduction) and `index`, `middle`, `ring`, `little` (mcp, pip,
-/// dip, abduction), radians; what is absent is zero. Throws bad_input: not TOML, unknown keys, flexion outside -0.5..2
-/// or abduction outside -0.7..0.9.
+/// dip, abduction), in radians. Absent keys are zero. Throws bad_input if it is not TOML or has unknown keys, flexion
+/// outside -0.5..2 or abduction outside -0.7..0.9.
 HandPose read_hand_pose(const std::filesystem::path& file);
 
 struct Fingertip {
@@ -53,11 +53,11 @@ struct Fingertip {
 /// Thumb, index, middle, ring, little.
 std::array<Fingertip, 5> fingertips(const HandPose& pose);
 
-/// The skin: one closed shell without handles or self-intersections, facing outwards; neighbouring vertices 1.2 mm
-/// apart at the fingertips, growing to 3 mm; coordinates are 32-bit floats. Fingers that a pose presses against each
-/// other or against the palm are flattened there and keep a gap. (Where a pose drives parts deep into each other, as no
-/// hand can, handles may remain; the surface is closed and does not cross itself even then.) The same pose gives the
-/// same bytes. About a second.
+/// The skin: one closed shell without handles or self-intersections, facing outwards. Neighbouring vertices are 1.2 mm
+/// apart at the fingertips, growing to 3 mm. Coordinates are 32-bit floats. If a pose presses fingers against each
+/// other or against the palm, they are flattened there and keep a gap. (If a pose drives parts deep into each other, as
+/// no hand can, handles may remain; even then, the surface is closed and does not cross itself.) The same pose gives
+/// the same bytes. It takes about a second.
 geometry::Mesh make_hand(const HandPose& pose);
 
 }  // namespace palpa::assets

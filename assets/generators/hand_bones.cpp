@@ -10,11 +10,11 @@ namespace {
 constexpr double kMm = 1e-3;
 
 struct FingerAnatomy {
-  Vec3 knuckle;                   ///< millimetres, like everything here
+  Vec3 knuckle;                   ///< millimetres, like all lengths here
   Vec3 carpal;                    ///< where its metacarpal begins
   std::array<double, 3> lengths;  ///< of the bones; the last ends at the centre of the tip's ball
   std::array<double, 4> radii;    ///< at knuckle, middle joint, last joint, tip
-  double spread_sign;             ///< +1 where abduction turns towards +x
+  double spread_sign;             ///< +1 if abduction turns towards +x
 };
 
 // Lengths add up so that the straight index finger's skin ends at the origin: 42 + 25 + 15.2 + 7.8 = 90.
@@ -25,17 +25,17 @@ const std::array<FingerAnatomy, 4> kFingers{{
     {{-58, 99, -3}, {-38, 162, -1}, {34, 19.5, 14.5}, {9.0, 8.5, 7.8, 7.0}, -1},
 }};
 constexpr double kCarpalRadius = 12.5;
-constexpr double kWebReach = 0.42;  ///< of the first bone: how far the skin between two fingers follows them
+constexpr double kWebReach = 0.42;  ///< of the first bone: how far the skin between two fingers reaches along them
 
 const Vec3 kThumbRoot{-4, 157, -7};
 constexpr std::array<double, 3> kThumbLengths{48, 32, 18.5};
 constexpr std::array<double, 4> kThumbRadii{12, 11.8, 10.6, 8.9};
-// Straight, the thumb stands off the index finger; flexing, it crosses the palm towards the little finger.
+// When straight, the thumb stands off the index finger; when it flexes, it crosses the palm towards the little finger.
 const Vec3 kThumbDirection{0.66, -0.70, -0.27};
 const Vec3 kThumbFlexesTowards{-0.75, -0.10, -0.65};
 
-/// The skin between thumb and index finger, as rods: where each begins on the thumb's metacarpal and ends on the index
-/// finger's, as fractions, and its radius.
+/// The skin between thumb and index finger, as rods: their beginnings on the thumb's metacarpal and ends on the index
+/// finger's, as fractions, and their radii.
 constexpr std::array<std::array<double, 3>, 5> kThumbWeb{
     {{0.30, 0.36, 10.0}, {0.44, 0.46, 9.2}, {0.58, 0.56, 8.4}, {0.72, 0.66, 7.6}, {0.86, 0.76, 6.8}}};
 
@@ -106,15 +106,15 @@ void add_thumb(HandBones& hand, const ThumbPose& pose) {
 }  // namespace
 
 double distance(const Bone& bone, const Vec3& point) {
-  // In the half plane through the axis: the cone's side touches both balls, so it begins and ends where the slanted
-  // normal meets the axis's ends.
+  // In the half plane through the axis, the cone's side touches both balls. So it begins and ends where the slanted
+  // normal meets the ends of the axis.
   const Vec3 axis = bone.b - bone.a, from_a = point - bone.a;
   const double length = glm::length(axis);
   const double along = glm::dot(from_a, axis) / length;
   const double across = std::sqrt(std::max(0.0, glm::dot(from_a, from_a) - along * along));
   const double sine = (bone.radius_a - bone.radius_b) / length;  // of the side's slant
   const double cosine = std::sqrt(1.0 - sine * sine);
-  const double foot = along - across * sine / cosine;  // the axis's point whose ball is nearest
+  const double foot = along - across * sine / cosine;  // the point of the axis whose ball is nearest
   if (foot <= 0.0) return glm::length(from_a) - bone.radius_a;
   if (foot >= length) return glm::length(point - bone.b) - bone.radius_b;
   return across * cosine + along * sine - bone.radius_a;

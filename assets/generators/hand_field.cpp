@@ -6,17 +6,16 @@
 namespace palpa::assets {
 namespace {
 
-constexpr double kPalmBlend = 10e-3;  ///< how wide two parts of the palm melt into each other
+constexpr double kPalmBlend = 10e-3;  ///< width over which two parts of the palm blend
 constexpr double kJointBlend = 3e-3;  ///< the bones of one finger
 constexpr double kRootBlend = 7e-3;   ///< a finger's root and the palm
-constexpr double kTouchBlend = 1e-3;  ///< parts that merely lie close
-constexpr double kHalfGap = 1.3e-3;   ///< kept between parts that a pose presses together
-constexpr double kRootFade = 10e-3;   ///< over which a finger turns from the palm's flesh into one of its own
-constexpr double kNever = 30e-3;      ///< lifts a cut out of the way
+constexpr double kTouchBlend = 1e-3;  ///< parts that only lie close to each other
+constexpr double kHalfGap = 1.3e-3;   ///< kept between parts that a pose presses together; half of the gap
+constexpr double kRootFade = 10e-3;   ///< over which a finger separates from the palm's flesh
+constexpr double kNever = 30e-3;      ///< moves a cut out of the way
 constexpr double kFar = 20e-3;        ///< no gap this far from a digit
 
-/// The smaller of two distances, rounded off where they differ by less than `width` (cubic, so curvature is
-/// continuous).
+/// The smaller of two distances, rounded off if they differ by less than `width` (cubic, so curvature is continuous).
 double soft_min(double p, double q, double width) {
   const double h = std::max(width - std::fabs(p - q), 0.0) / width;
   return std::min(p, q) - h * h * h * width / 6.0;
@@ -63,8 +62,8 @@ double HandField::operator()(const Vec3& point) const {
   double all = palm;
   for (const DigitDistance& digit : digits)
     all = joined(all, digit);
-  // Where a digit presses against the rest, its root aside, both stop short of the surface midway between them. This
-  // comes last of all, so that nothing melts into the gap.
+  // Where a digit, except its root, presses against the rest, both stop short of the surface midway between them. This
+  // is the last step, so that nothing blends into the gap.
   for (int i = 0; i < 5; ++i) {
     if (digits[i].skin > kFar) continue;
     double rest = palm;

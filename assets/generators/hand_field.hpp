@@ -5,12 +5,13 @@
 
 namespace palpa::assets {
 
-/// Roughly the distance to the skin, negative inside; smooth but for faint creases deep inside and far outside.
+/// Roughly the distance to the skin, negative inside. It is smooth except for faint creases deep inside and far
+/// outside.
 class HandField {
  public:
   explicit HandField(HandBones bones) : bones_(std::move(bones)) {}
   double operator()(const Vec3& point) const;
-  /// A box that the skin keeps well within.
+  /// A box that contains the skin with a wide margin.
   Box bounds() const;
 
  private:

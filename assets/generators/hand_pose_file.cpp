@@ -12,7 +12,7 @@ struct Angle {
   double* value;
 };
 
-/// In radians; what the file does not name stays.
+/// In radians; angles that the file does not name keep their values.
 void read_digit(TomlTable& root, std::string_view name, const std::array<Angle, 4>& angles) {
   auto digit = root.table(name);
   if (!digit) return;

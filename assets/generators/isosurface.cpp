@@ -12,7 +12,7 @@ namespace {
 using geometry::Mesh;
 
 /// Six tetrahedra around a cube's main diagonal, as numbers of corners (bit 0: x, 1: y, 2: z), all of one handedness.
-/// The same cut in every cube, so that neighbours agree on their common face.
+/// Every cube is cut in the same way, so neighbours agree on their common face.
 constexpr std::array<std::array<int, 4>, 6> kTetrahedra{
     {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}}};
 
@@ -21,9 +21,9 @@ constexpr std::array<std::array<int, 4>, 4> kOneFirst{{{0, 1, 2, 3}, {1, 0, 3, 2
 constexpr std::array<std::array<int, 4>, 6> kTwoFirst{
     {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 2, 0, 3}, {1, 3, 2, 0}, {2, 3, 0, 1}}};
 
-constexpr int kBlock = 4;  ///< nodes along the side of a block that is skipped at once
+constexpr int kBlock = 4;  ///< nodes along the side of a block that is skipped as a whole
 constexpr double kSteepest =
-    2.0;  ///< what the field may change by per distance between a block's middle and the surface
+    2.0;  ///< largest change of the field per distance between a block's middle and the surface
 
 class March {
  public:
@@ -56,7 +56,7 @@ class March {
   }
   bool inside(std::uint32_t node) const { return values_[node] < 0.0; }
 
-  /// Samples a block of nodes one by one only where the surface may cross it or its neighbouring edges.
+  /// Samples a block of nodes one by one only if the surface may cross it or its neighbouring edges.
   void sample_block(const Field& field, int x0, int y0, int z0) {
     const double half = 0.5 * (kBlock - 1);
     const double middle = field(low_ + Vec3(x0 + half, y0 + half, z0 + half) * cell_);

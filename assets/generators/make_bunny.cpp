@@ -1,4 +1,4 @@
-// make_bunny BUNNY.js FOLDER: writes the bunny 100 mm high as bunny.glb and, as fingers.ply, one finger that
+// make_bunny BUNNY.js FOLDER: writes the bunny, 100 mm high, as bunny.glb. Also writes fingers.ply: one finger that
 // presses its back from above and one that presses an ear from the side.
 #include <filesystem>
 

@@ -1,5 +1,5 @@
-// make_dense FOLDER: writes what the viewer's speed is measured with, dense.glb, a ball of 69,620 faces, bumpy as a
-// scan is, and dense.ply, 20,000 skin points of a finger that presses it from above.
+// make_dense FOLDER: writes the files for measuring the viewer's speed. dense.glb is a ball of 69,620 faces, bumpy like
+// a scan. dense.ply has 20,000 skin points of a finger that presses it from above.
 #include <cmath>
 #include <filesystem>
 #include <numbers>

@@ -1,5 +1,5 @@
 // make_objects FOLDER: writes the paper's four objects, cube.glb, semi-sphere.glb, pyramid.glb and prism.glb, and the
-// scene of the example, button-and-knob.glb.
+// example's scene, button-and-knob.glb.
 #include <array>
 #include <filesystem>
 #include <string>

@@ -16,8 +16,8 @@ constexpr double kHalfSide = 0.020;
 constexpr double kRadius = 0.020;
 // 45 degrees between opposite faces: each leans 22.5 degrees from the vertical. 1 + sqrt(2) = 1 / tan(22.5 degrees).
 const double kPyramidHeight = kHalfSide * (1.0 + std::numbers::sqrt2);
-// Rows of the dome between pole and rim. A triangle's deepest point is its circumradius squared / (2 R) inside the
-// sphere; with rows of 1.37 mm even a right-angled triangle stays below 30 micrometres.
+// Rows of the dome between pole and rim. A triangle's deepest point is its squared circumradius / (2 R) inside the
+// sphere. With rows of 1.37 mm, even a right-angled triangle stays below 30 micrometres.
 constexpr int kDomeRows = 23;
 
 /// Cuts a convex polygon, given by its corners counter-clockwise seen from outside, into triangles.
@@ -64,12 +64,13 @@ Mesh make_semi_sphere() {
     const bool is_rim = row == kDomeRows;
     const double radius = is_rim ? kRadius : kRadius * std::sin(polar);
     const double y = is_rim ? -kRadius : kRadius * (std::cos(polar) - 1.0);
-    // Neighbours on a ring are about as far apart as makes equilateral triangles with these rows. Counts are multiples
-    // of six: two rings' edges then line up either often and exactly or, as below, nowhere nearly.
+    // The distance between neighbours on a ring is about that of equilateral triangles with these rows. Counts are
+    // multiples of six: the edges of two rings then line up either often and exactly or, as below, nowhere nearly.
     const double spacing = kRadius * std::numbers::pi / (2 * kDomeRows) * 2.0 / std::numbers::sqrt3;
     const auto count = 6 * static_cast<std::uint32_t>(std::lround(2 * std::numbers::pi * radius / spacing / 6));
-    // Two parallel edges of neighbouring rings would span a flat trapezoid. Middles of edges on the two rings differ by
-    // multiples of gcd / (n m) turns, plus what the second ring is turned: half of that keeps them farthest apart.
+    // Two parallel edges of neighbouring rings would span a flat trapezoid. The middles of edges on the two rings
+    // differ by multiples of gcd / (n m) turns, plus the turn of the second ring. A turn by half of that multiple keeps
+    // them farthest apart.
     if (row > 1)
       turn = count * ((0.5 + turn) / above.count - 0.5 * std::gcd(above.count, count) / above.count / count) - 0.5;
     const Ring ring{static_cast<std::uint32_t>(mesh.positions.size()), count};

@@ -1,4 +1,4 @@
-// What every generator's main() does: read one argument, run, turn an error into one line and an exit code.
+// The common part of every generator's main(): reads one argument, runs, turns an error into one line and an exit code.
 #pragma once
 
 #include <cstdio>
@@ -9,13 +9,13 @@
 
 namespace palpa::assets {
 
-/// The program's only argument; throws bad_usage naming it as `what`.
+/// The program's only argument. Throws bad_usage that names it as `what`.
 inline std::string only_argument(int argc, char** argv, const std::string& what) {
   if (argc != 2 || argv[1][0] == '-') throw bad_usage("usage: " + std::string(argv[0]) + ' ' + what);
   return argv[1];
 }
 
-/// Runs `work`; the exit code, with an error's line on stderr.
+/// Runs `work` and returns the exit code; an error is one line on stderr.
 template <class Work>
 int run_program(const Work& work) {
   try {

@@ -71,7 +71,7 @@ class Remesher {
     return all;
   }
 
-  /// The two triangles on an edge, or fewer than two where it is no longer there.
+  /// The two triangles on an edge, or fewer than two if the edge no longer exists.
   Sides triangles_on(Index p, Index q) const {
     Sides found;
     for (const Index t : around_[p]) {
@@ -137,7 +137,8 @@ class Remesher {
     }
   }
 
-  /// Whether q may be merged into p at `place`: no handle pinched off, no triangle turned over, no edge made long.
+  /// Whether q may be merged into p at `place`: this must not pinch off a handle, turn over a triangle or make an edge
+  /// long.
   bool may_collapse(Index p, Index q, const Vec3& place) const {
     const std::vector<Index> ring_p = neighbours(p), ring_q = neighbours(q);
     std::vector<Index> common;
@@ -190,7 +191,7 @@ class Remesher {
     }
   }
 
-  /// Flips edges where that brings the four valences nearer to six and turns no triangle over.
+  /// Flips edges if this brings the four valences nearer to six and turns no triangle over.
   void even_valences() {
     for (const auto& [p, q] : edges()) {
       const Sides sides = triangles_on(p, q);
@@ -241,7 +242,7 @@ class Remesher {
     std::vector<Vec3> moved = positions_;
     for (Index v = 0; v < positions_.size(); ++v) {
       if (around_[v].empty()) continue;
-      // Triangles weigh by area over the wanted area, so that the grading stays.
+      // Triangles are weighted by area over the wanted area, so that the grading stays.
       Vec3 centre(0.0), normal(0.0);
       double weight = 0.0;
       for (const Index t : around_[v]) {
@@ -263,7 +264,7 @@ class Remesher {
     positions_ = std::move(moved);
   }
 
-  /// Without the dead, in the order of first use.
+  /// Without dead triangles and vertices, in the order of first use.
   Mesh finish() {
     Mesh mesh;
     constexpr Index kNone = ~Index{0};
@@ -285,7 +286,7 @@ class Remesher {
   }
 
   std::vector<Vec3> positions_;
-  std::vector<glm::uvec3> triangles_;  ///< {0, 0, 0} where dead
+  std::vector<glm::uvec3> triangles_;  ///< {0, 0, 0} if dead
   std::vector<std::vector<Index>> around_;
   std::vector<double> size_;  ///< wanted edge length at each vertex
   const Field& field_;

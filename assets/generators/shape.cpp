@@ -22,7 +22,7 @@ void sew(Mesh& mesh, Ring a, Ring b) {
   const auto distance = [&](std::uint32_t p, std::uint32_t q) {
     return glm::distance(mesh.positions[p], mesh.positions[q]);
   };
-  // Begin where b is nearest to a's first vertex.
+  // Begins where b is nearest to a's first vertex.
   std::uint32_t start = 0;
   for (std::uint32_t j = 1; j < b.count; ++j) {
     if (distance(at(b, j), a.first) < distance(at(b, start), a.first)) start = j;
@@ -31,7 +31,7 @@ void sew(Mesh& mesh, Ring a, Ring b) {
   for (std::uint32_t i = 0, j = 0; i < steps_a || j < steps_b;) {
     const std::uint32_t from_a = at(a, i), from_b = at(b, start + j);
     const std::uint32_t to_a = at(a, i + 1), to_b = at(b, start + j + 1);
-    // Diagonals of a symmetric piece are equally long: the margin keeps rounding from deciding.
+    // Diagonals of a symmetric piece are equally long: the margin prevents that rounding decides.
     if (j == steps_b || (i < steps_a && distance(to_a, from_b) < (1.0 - 1e-9) * distance(from_a, to_b))) {
       mesh.triangles.emplace_back(from_a, from_b, to_a);
       ++i;

@@ -18,7 +18,7 @@
 namespace palpa::setup {
 namespace {
 
-constexpr std::string_view heading = "index,x,y,z,nx,ny,nz,amplitude,phase";
+constexpr std::string_view first_line = "index,x,y,z,nx,ny,nz,amplitude,phase";
 constexpr std::size_t columns = 9;
 /// Of a phase: more leaves single precision no digits for the part of a turn that counts.
 constexpr double most_turns = 1e6;
@@ -64,7 +64,7 @@ std::string foreign(const Row& row, const array::Transducer& own) {
 }  // namespace
 
 std::string drive_csv(const array::Layout& layout, std::span<const array::TransducerDrive> drive) {
-  std::string csv = fmt::format("{}\n", heading);
+  std::string csv = fmt::format("{}\n", first_line);
   for (std::size_t i = 0; i < drive.size(); ++i) {
     const auto& [p, n] = layout.transducers[i];
     fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{},{},{}\n", i, p.x, p.y, p.z, n.x, n.y, n.z,
@@ -76,9 +76,9 @@ std::string drive_csv(const array::Layout& layout, std::span<const array::Transd
 array::Drive load_drive(const std::filesystem::path& file, const array::Layout& layout) {
   const std::string text = read_file(file, most_bytes), name = file.string();
   std::string_view rest = text;
-  if (next_line(rest) != heading) {
+  if (next_line(rest) != first_line) {
     throw bad_input(name,
-                    fmt::format("is not a drive: its first line is not {}; palpa drive --csv writes one", heading));
+                    fmt::format("is not a drive: its first line is not {}; palpa drive --csv writes one", first_line));
   }
   array::Drive drive;
   const std::size_t transducers = layout.transducers.size();
@@ -89,7 +89,7 @@ array::Drive load_drive(const std::filesystem::path& file, const array::Layout& 
     Row row{};
     if (!parse(line, row)) {
       throw bad_input(
-          name, fmt::format("line {}: '{}' is not {} numbers ({})", number, printable(line, 60), columns, heading));
+          name, fmt::format("line {}: '{}' is not {} numbers ({})", number, printable(line, 60), columns, first_line));
     }
     if (row[0] != static_cast<double>(rows)) {
       throw bad_input(

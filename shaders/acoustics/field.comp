@@ -3,10 +3,10 @@
 #include "shaders/acoustics/field.h"
 #include "shaders/shared/turns.glsl"
 
-// The complex pressure at points of the free field: each thread sums all transducers at points of its own.
+// The complex pressure at points of the free field: each thread sums all transducers for its own points.
 layout(local_size_x = 32) in;
-layout(constant_id = 0) const uint directional = 1u;  // 0: the same in all directions
-layout(constant_id = 1) const uint absorbing = 1u;    // 0: the air takes nothing
+layout(constant_id = 0) const uint directional = 1u;  // 0: the transducers sound equally in all directions
+layout(constant_id = 1) const uint absorbing = 1u;    // 0: the air absorbs nothing
 
 layout(set = 0, binding = 0) uniform samplerBuffer sources;
 layout(std430, set = 0, binding = 1) readonly buffer Points { FieldPoint points[]; };

@@ -5,7 +5,7 @@
 PALPA_SHADER_BEGIN
 
 PALPA_CONST field_group = 32u;  // threads of a workgroup
-// Points that a thread keeps in registers: what it loads of a transducer serves all of them.
+// Points that a thread keeps in registers: each transducer that it loads serves all of them.
 PALPA_CONST field_each = 4u;
 
 PALPA_CONST field_directivity_steps = 2048u;
@@ -43,7 +43,7 @@ struct FieldPush {
   uint points;
   uint sources;
   float nearest;   // the transducers' radius, wavelengths
-  float halvings;  // of the amplitude per wavelength of way
+  float halvings;  // of the amplitude, per wavelength travelled
 };
 PALPA_CHECK_SIZE(FieldPush, 16);
 PALPA_CHECK_OFFSET(FieldPush, halvings, 12);

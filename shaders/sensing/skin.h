@@ -9,17 +9,17 @@ PALPA_SHADER_BEGIN
 PALPA_CONST skin_group = 64u;
 PALPA_CONST skin_run_blocks = 4u;
 
-// What the buffers of both shaders hold, beside structs:
+// Contents of the buffers of both shaders, beside structs:
 //   depth   uvec4[]: blocks of 8 raw depths, two per word, the even pixel in the low half
 //   rays    vec2[]: normalised coordinates, one per pixel of the padded arrangement
-//   counts  uint[]: survivors per group, after the scan those before it
+// counts  uint[]: survivors per group; after the scan, those of the groups before it
 //   points  vec4[]: world position, uintBitsToFloat(index)
 
-// Specialization constant 0 of both: 1 where rays come from the table, 0 where the camera neither distorts nor ignores
-// pixels, so that ((u - cx) / fx, (v - cy) / fy) is cheaper than two loads.
+// Specialization constant 0 of both. 1: rays come from the table. 0: the camera neither distorts nor ignores pixels,
+// and ((u - cx) / fx, (v - cy) / fy) is cheaper than two loads.
 PALPA_CONST skin_rays_from_table = 0u;
 
-// What skin_count leaves for skin_scatter.
+// The result of skin_count for skin_scatter.
 struct SkinRun {
   uint survivors;  // one bit per pixel of the run
   uint before;     // survivors of the earlier runs of the group
@@ -32,7 +32,7 @@ struct SkinPush {
   vec4 pose_y;
   vec4 pose_z;
   vec4 box_low;      // xyz world; w: depth unit, metres
-  vec4 box_high;     // xyz world; w: every how many pixels of a row and rows of the image are looked at, 1 or more
+  vec4 box_high;     // xyz world; w: step between the pixels of a row, and between rows, that are looked at, 1 or more
   vec4 pinhole;      // cx, cy, 1 / fx, 1 / fy
   uint first_block;  // of the camera, in the common arrangement
   uint corner;       // the crop's first column (low half) and row (high half)

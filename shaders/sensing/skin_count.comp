@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/sensing/skin.h"
 
-// Which pixels of a crop hold a point inside the box, and how many per group: the first half of the compaction.
+// Finds the pixels of a crop with a point inside the box, and their number per group: the first half of the compaction.
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Depth { uvec4 depth[]; };
@@ -13,11 +13,11 @@ layout(push_constant) uniform Push { SkinPush push; };
 
 #include "shaders/sensing/skin_point.glsl"
 
-// In shared memory rather than by subgroups: not every device has their arithmetic, and none promises their order.
+// In shared memory, not with subgroups: not every device has subgroup arithmetic, and no device promises its order.
 const uint sum_threads = skin_group, sum_row = 8u;
 #include "shaders/shared/sum_before.glsl"
 
-// Which pixels of a block are looked at where only every `stride`-th one is.
+// The pixels of a block that are looked at if only every `stride`-th one is.
 uint wanted_pixels(uvec2 pixel, uint stride) {
   uint wanted = 0u;
   for (uint i = 0u; i < 8u; ++i) {

@@ -3,7 +3,7 @@
 
 layout(constant_id = 0) const uint rays_from_table = 1u;
 
-// The push constants that every pixel needs, read once: inside branches each use would be a load of its own.
+// The push constants that every pixel needs, read once: inside branches, each use would be a separate load.
 struct Lens {
   vec4 x, y, z;
   vec4 low, high;
@@ -21,7 +21,7 @@ uvec2 block_pixel(uint block) {
   return uvec2((push.corner & 0xffffu) + (block - row * per_row) * 8u, (push.corner >> 16) + row);
 }
 
-// The block after: the next row begins where the crop's rows end.
+// The following block: the next row begins where the crop's row ends.
 uvec2 next_block(uvec2 pixel) {
   const uint begin = push.corner & 0xffffu;
   const uint end = begin + (push.row_blocks & 0xffffu) * 8u;

@@ -1,7 +1,7 @@
-// The arithmetic that decides, included by the shaders and by their twins, so that both give the same answer to "in
-// reach?", "which cell?", "which axes?" and "which sector?": the pieces that all passes share. PALPA_EXACT keeps a
-// compiler from fusing or reordering; the C++ side is built with -ffp-contract=off. Only what C++ and GLSL both
-// understand is used here.
+// The arithmetic that makes decisions, in the pieces that all passes share. The shaders and their twins include it, so
+// that both give the same answer to "in reach?", "which cell?", "which axes?" and "which sector?". PALPA_EXACT keeps a
+// compiler from fusing or reordering; the C++ side is built with -ffp-contract=off. The code uses only what both C++
+// and GLSL understand.
 #ifndef PALPA_SHADERS_EXACT_MATH_H
 #define PALPA_SHADERS_EXACT_MATH_H
 #include "shaders/shared/shared.h"
@@ -43,7 +43,7 @@ PALPA_FN float dot3(Float3 a, Float3 b) {
   return sum;
 }
 
-// A product that no compiler may fuse with the sum it goes into.
+// A product that no compiler may fuse with the sum it is part of.
 PALPA_FN float product(float a, float b) {
   PALPA_EXACT float p = a * b;
   return p;
@@ -59,7 +59,7 @@ PALPA_FN float less(float a, float b) {
   return difference;
 }
 
-// By the bits: a compiler may assume that comparisons never meet a NaN.
+// Checks the bits: a compiler may assume that comparisons never meet a NaN.
 PALPA_FN bool is_finite(float value) {
   return (floatBitsToUint(value) & 0x7f800000u) != 0x7f800000u;
 }

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/scan.h"
 
-// Exclusive prefix sum over a few thousand counts by a single workgroup: each thread sums a contiguous run, the runs' sums
-// are scanned in shared memory, then each thread rewrites its run.
+// Exclusive prefix sum over a few thousand counts by a single workgroup: each thread sums a contiguous run, a scan in
+// shared memory adds up the runs' sums, then each thread rewrites its run.
 layout(local_size_x = 256) in;
 
 layout(std430, set = 0, binding = 0) buffer Counts { uint counts[]; };

@@ -6,8 +6,8 @@ PALPA_SHADER_BEGIN
 
 PALPA_CONST scan_group = 256u;
 
-// How an indirect dispatch over items is cut into groups: `size` of them each, but no fewer than `least` nor more than
-// `most` groups, which are both multiples of `step` as their number is.
+// How an indirect dispatch over items is cut into groups of `size` items each. There are at least `least` and at most
+// `most` groups. The number of groups, `least` and `most` are all multiples of `step`.
 struct ScanGroups {
   uint size;
   uint least;

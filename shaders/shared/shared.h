@@ -1,5 +1,5 @@
 // Lets one header describe a struct to both GLSL (std430) and C++. Use only `uint`, `int`, `float` and `vec4`-sized
-// members and keep every struct a multiple of 16 bytes: then both sides agree without padding rules to remember.
+// members, and keep the size of every struct a multiple of 16 bytes: both sides then agree without padding rules.
 #ifndef PALPA_SHADERS_SHARED_H
 #define PALPA_SHADERS_SHARED_H
 
@@ -11,7 +11,7 @@
 #define PALPA_CONST inline constexpr std::uint32_t
 #define PALPA_CONST_FLOAT inline constexpr float
 #define PALPA_FN inline
-// Size and offsets are proved on the C++ side; a test reads the same numbers back from the SPIR-V.
+// Size and offsets are checked on the C++ side; a test reads the same numbers back from the SPIR-V.
 #define PALPA_CHECK_SIZE(type, bytes) static_assert(sizeof(type) == (bytes), #type " differs from its shader")
 #define PALPA_CHECK_OFFSET(type, member, bytes) \
   static_assert(offsetof(type, member) == (bytes), #type "::" #member " differs from its shader")

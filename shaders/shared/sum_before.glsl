@@ -1,5 +1,6 @@
-// What the threads before this one have together, for all of a group: row by row, by two barriers. (A software device pays for every
-// thread at every barrier.) Needs `sum_threads`, how many threads a group has, and `sum_row`, how many of them are a row.
+// The sum over the threads before this one, for all threads of a group: row by row, with two barriers. (A software
+// device pays for every thread at every barrier.) Needs `sum_threads`, the number of threads in a group, and `sum_row`,
+// the number of threads in a row.
 
 shared uint sum_of_thread[sum_threads];
 shared uint sum_of_row[sum_threads / sum_row];

@@ -1,7 +1,8 @@
-// Sines and cosines of phases in turns. Polynomials, so that every device agrees; a device's own may differ by 2^-11.
+// Sines and cosines of phases in turns. They are polynomials, so that every device agrees; a device's own may differ by
+// 2^-11.
 
 #ifndef promised
-#define promised(x) (x)  // tests put something here that tells where the polynomial is fed what it does not hold for
+#define promised(x) (x)  // tests define this to detect arguments outside the polynomial's range
 #endif
 
 // sin(2 pi x) for x in -1/4..1/4, within 1e-7.

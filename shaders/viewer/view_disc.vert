@@ -9,7 +9,7 @@ layout(location = 2) flat out float radius;  // pixels
 layout(location = 3) flat out float ball;
 
 void main() {
-  // One triangle around the disc costs half of what a square of two does.
+  // One triangle around the disc costs half as much as a square of two triangles.
   const ViewDisc disc = items[gl_VertexIndex / 3 * int(push.style.w)];
   const uint corner = uint(gl_VertexIndex) % 3u;
   const float side = 1.7320508;
@@ -22,12 +22,12 @@ void main() {
   const vec4 centre = to_clip(disc.centre.xyz);
   if (centre.w <= 0.0) return;
   radius = disc_radius(disc, centre.w);
-  place = around * (radius + 1.0) / radius;  // a pixel more, for the soft edge
+  place = around * (radius + 1.0) / radius;  // one pixel more, for the soft edge
   if (dot(disc.axis.xyz, disc.axis.xyz) < 0.5) {
     ball = 1.0;
     gl_Position = centre;
     gl_Position.xy += place * radius * 2.0 / push.window.xy * centre.w;
-  } else if (dot(disc.axis.xyz, towards_viewer(disc.centre.xyz)) > 0.0) {  // seen from behind it would hide the inside
+  } else if (dot(disc.axis.xyz, towards_viewer(disc.centre.xyz)) > 0.0) {  // seen from behind, it would hide the inside
     const vec3 across = abs(disc.axis.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
     const vec3 u = normalize(cross(across, disc.axis.xyz));
     const vec3 v = cross(disc.axis.xyz, u);

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/viewer/view_scene.h"
 
-// A flat image in the world, from pixels in a buffer: between their centres colours are interpolated.
+// A flat image in the world, from pixels in a buffer. Between pixel centres, colours are interpolated.
 layout(std430, set = 0, binding = view_pixels) readonly buffer Pixels { uint pixels[]; };
 layout(location = 0) in vec2 place;
 layout(location = 0) out vec4 colour;

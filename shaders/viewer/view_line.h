@@ -6,8 +6,8 @@ layout(location = 0) flat out vec4 ends;  // both ends, pixels
 layout(location = 1) flat out vec4 line_colour;
 layout(location = 2) flat out float half_width;
 
-// Corner `corner` (0..5) of the two triangles that cover the line between two points in pixels; depths are those of the
-// ends, nearer ones larger.
+// Corner `corner` (0..5) of the two triangles that cover the line between two points in pixels. The depths are those of
+// the ends; larger is nearer.
 void line_corner(uint corner, vec2 a, vec2 b, float depth_a, float depth_b) {
   const float reach = half_width + 1.0;  // room for the soft edge
   const vec2 along = b - a;
@@ -17,7 +17,7 @@ void line_corner(uint corner, vec2 a, vec2 b, float depth_a, float depth_b) {
   const bool at_b = corner == 1u || corner == 2u || corner == 4u;
   const float side = corner == 2u || corner == 4u || corner == 5u ? 1.0 : -1.0;
   const vec2 pixel = (at_b ? b + t * reach : a - t * reach) + s * side * reach;
-  ends = vec4(a, b) + push.style.zwzw;  // where gl_FragCoord will find them
+  ends = vec4(a, b) + push.style.zwzw;  // in the coordinates of gl_FragCoord
   gl_Position = vec4(pixel / push.window.xy * 2.0 - 1.0, clamp(at_b ? depth_b : depth_a, 0.0, 1.0), 1.0);
 }
 
@@ -25,7 +25,7 @@ void line_corner(uint corner, vec2 a, vec2 b, float depth_a, float depth_b) {
 void world_line_corner(uint corner, vec3 from, vec3 to) {
   vec4 a = to_clip(from);
   vec4 b = to_clip(to);
-  const float nearest = 1e-4;  // metres before the eye
+  const float nearest = 1e-4;  // metres in front of the eye
   if (a.w < nearest && b.w < nearest) {
     ends = vec4(0.0);
     gl_Position = nowhere;

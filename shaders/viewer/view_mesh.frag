@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/viewer/view_scene.h"
 
-// Translucent surfaces: soft light from above and from the viewer, denser where the surface turns away, as with glass.
+// Translucent surfaces: soft light from above and from the viewer, denser where the surface turns away, like glass.
 layout(location = 0) in vec3 world;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec3 paint;

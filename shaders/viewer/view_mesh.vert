@@ -3,7 +3,7 @@
 #include "shaders/viewer/view_scene.h"
 
 layout(std430, set = 0, binding = view_items) readonly buffer Items { ViewVertex items[]; };
-// What is drawn for depth alone and then in colour must meet itself.
+// Drawn for depth alone and then in colour, a surface must give the same depth both times.
 invariant gl_Position;
 layout(location = 0) out vec3 world;
 layout(location = 1) out vec3 normal;

@@ -1,4 +1,4 @@
-// Shared by viewer/ and shaders/view_*: what the viewer's pipelines fetch and their common push constants.
+// Shared by viewer/ and shaders/view_*: the data that the viewer's pipelines fetch, and their common push constants.
 #ifndef PALPA_SHADERS_VIEW_SCENE_H
 #define PALPA_SHADERS_VIEW_SCENE_H
 #include "shaders/shared/shared.h"
@@ -10,13 +10,13 @@ PALPA_CONST view_buffers = 1u;
 PALPA_CONST view_pixels = 1u;
 PALPA_CONST view_image_buffers = 2u;
 
-// Of a pixel, where a picture is drawn with several.
+// Samples per pixel in pictures that are drawn with several.
 PALPA_CONST view_samples = 4u;
 
-// A corner of a triangle: three in a row are one, of a mesh those that three indices in a row name.
+// A corner of a triangle. Three consecutive corners form a triangle; in a mesh, three consecutive indices do.
 struct ViewVertex {
-  vec4 position;  // xyz metres; w: its own colour where it has one, (256 red + green) 256 + blue; of an image: x in it
-  vec4 normal;    // xyz unit; w: 1 where it has a colour of its own, else 0; of an image: y in it, 0 to 1 from the top
+  vec4 position;  // xyz metres; w: its own colour if it has one, (256 red + green) 256 + blue; of an image: x in it
+  vec4 normal;    // xyz unit; w: 1 if it has its own colour, else 0; of an image: y in it, 0 to 1 from the top
 };
 PALPA_CHECK_SIZE(ViewVertex, 32);
 PALPA_CHECK_OFFSET(ViewVertex, normal, 16);
@@ -56,11 +56,11 @@ struct ViewPush {
   vec4
       window;  // x, y: size in pixels; z: pixels per metre where clip w = 1; w: depth bias towards the viewer, relative
   vec4 colour;  // mesh, edge: rgb and alpha; stroke, disc: unused
-  // mesh: x alpha at the silhouette, y 1 for shading, 0 for none, z 1 for no corner in a colour of its own;
+  // mesh: x alpha at the silhouette, y 1 for shading, 0 for none, z 1 if no corner has its own colour;
   // image: x its first pixel, y and z its width and height in pixels, w opacity; edge: x half the width in pixels;
-  // stroke: x 1 where coordinates are pixels, y multiplies widths; edge, stroke: z and w where the view begins, pixels;
-  // disc: x outline in pixels, y multiplies radii given in pixels, z opacity, w: only each so-manyth is drawn, counted
-  // from the buffer's first
+  // stroke: x 1 if coordinates are pixels, y multiplies widths; edge, stroke: z and w where the view begins, pixels;
+  // disc: x outline in pixels, y multiplies radii given in pixels, z opacity, w: the step between the discs that are
+  // drawn, counted from the first in the buffer
   vec4 style;
 };
 PALPA_CHECK_SIZE(ViewPush, 128);

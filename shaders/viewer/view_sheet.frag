@@ -8,7 +8,7 @@ layout(location = 0) in vec2 texel;
 layout(location = 1) in vec4 tint;
 layout(location = 0) out vec4 colour;
 
-// Glyphs are drawn pixel by pixel as they are: the nearest texel is the one.
+// Glyphs are drawn pixel by pixel without scaling, so the nearest texel is the right one.
 void main() {
   float coverage = 1.0;
   if (texel.x >= 0.0) {

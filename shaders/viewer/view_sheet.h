@@ -10,7 +10,7 @@ PALPA_CONST sheet_buffers = 2u;
 
 // A corner of a triangle. Three in a row are one triangle.
 struct SheetCorner {
-  vec4 place;   // x, y: pixels from the top left; z, w: texel of the glyphs, or below 0: none, the colour alone
+  vec4 place;   // x, y: pixels from the top left; z, w: texel of the glyphs; below 0: no glyph, the colour alone
   vec4 colour;  // rgb as on the screen, alpha
 };
 PALPA_CHECK_SIZE(SheetCorner, 32);

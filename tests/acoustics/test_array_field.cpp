@@ -1,4 +1,4 @@
-// An array's field around foci, and what it makes of a ring, against plain sums over transducers.
+// An array's field around foci and its spectrum on a ring, against plain sums over transducers.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -22,7 +22,7 @@ namespace {
 using array::Layout;
 constexpr double pi = std::numbers::pi;
 
-/// In the world, where a finger touches an object's top.
+/// In the world, at the height at which a finger touches an object's top.
 Layout posed(const char* name) {
   const Layout layout = array::load_layout(name);
   return array::transformed(layout, layout.default_T_world_layout);
@@ -111,7 +111,7 @@ TEST(ArrayField, GivesUpWhenTold) {
 }
 
 TEST(PathField, GivesUpInTheMiddleOfItsSeries) {
-  // One transducer and many places: the field is there at once, its series takes seconds.
+  // One transducer and many places: the field is ready at once, its series takes seconds.
   Layout layout = posed("autd3");
   layout.transducers.resize(1);
   layout.boards.clear();
@@ -144,8 +144,8 @@ TEST(ArrayField, PathsHaveTheFociInThemAndNoLongStep) {
   EXPECT_EQ(steps_per_side(circle(1, 200), 1e-3), 1u);
 }
 
-/// The share of the energy that is felt as vibration on a ring of ten foci in the paper's order, by nothing but sums:
-/// every transducer's wave at places of a path that is divided finely, and the Fourier integral of its steps.
+/// The share of the energy that is felt as vibration on a ring of ten foci in the paper's order, computed only with
+/// sums: every transducer's wave at places of a finely divided path, and the Fourier integral of its steps.
 double summed_share(const Layout& layout, double radius) {
   constexpr double wavelength = 343.21 / 40e3, dwell = 1.5e-3;
   constexpr int foci = 10, per_side = 5, places = foci * per_side;
@@ -169,7 +169,8 @@ double summed_share(const Layout& layout, double radius) {
     }
     for (int j = 0; j < foci; ++j) {
       const double r = glm::distance(ring[j], t.position);
-      const std::complex<double> q = std::polar(r, -2 * pi * r / wavelength);  // by the farthest one's, below
+      const std::complex<double> q = std::polar(r, -2 * pi * r / wavelength);  // the farthest one's delay is taken off
+                                                                               // below
       for (int i = 0; i < places; ++i)
         waves[j][i] += q * heard[i];
     }
@@ -193,7 +194,7 @@ double summed_share(const Layout& layout, double radius) {
       const double hz = m / (foci * dwell), x = hz / 200;
       std::complex<double> line = 0;
       for (int k = 0; k < foci; ++k) {
-        // The integral of e^{-iwt} over slot k, by the length of all.
+        // The integral of e^{-iwt} over slot k, divided by the length of all slots.
         const std::complex<double> end = std::polar(1.0, -2 * pi * hz * dwell * (k + 1)),
                                    begin = std::polar(1.0, -2 * pi * hz * dwell * k);
         line +=
@@ -242,7 +243,7 @@ TEST(PathField, HasTheHarmonicsOfTheFociThemselves) {
 TEST(PathField, KnowsOtherNumbersOfFociOnItsPath) {
   const Layout layout = posed("openmpd");
   const ArrayField field(layout, {});
-  // The polygon of 24 corners is all but a circle, and so are rings of fewer of them.
+  // The polygon of 24 corners is almost a circle, and so are rings with fewer corners.
   const PathField path(field, circle(6e-3, 24));
   for (const std::uint32_t count : {10u, 13u, 17u}) {
     const Felt expected = felt(spectrum_of(voice_of(circle(6e-3, count), 3), 1.5e-3, {.field = &field}));
@@ -292,7 +293,7 @@ TEST(StrideTuner, FollowsWhatItLearns) {
   EXPECT_EQ(tuner.stride_for(4, ring, 0), 1u);
   EXPECT_TRUE(tuner.wants(4, 0));
   tuner.learn(4, harmonics, 0);
-  tuner.learn(5, harmonics, 0);  // of nobody
+  tuner.learn(5, harmonics, 0);  // of no finger
   EXPECT_FALSE(tuner.wants(4, 0.4));
   EXPECT_EQ(tuner.stride_for(4, ring, 0.02), 3u) << "at once, though it changed a moment ago";
   EXPECT_TRUE(tuner.wants(4, 0.5));

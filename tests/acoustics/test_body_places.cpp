@@ -1,4 +1,4 @@
-// Close to a body and far from it: what lies on its skin, faces that all but touch, points a kilometre away.
+// Points close to a body and far from it: points on its skin, faces that almost touch, points a kilometre away.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -64,14 +64,14 @@ TEST(Scattered, AKilometreAwayPhasesAreWhatTheyAreNearby) {
     const double near = 100, far = 1000;
     const std::vector<Vec3> points{near * direction, far * direction};
     const auto sound = body.scattered(unknowns, points);
-    // What is left of the near field there is k a^2 / r, some 5e-4.
+    // The rest of the near field there is k a^2 / r, about 5e-4.
     const Complex pattern[]{near * sound[0] * std::polar(1.0, -k * near), far * sound[1] * std::polar(1.0, -k * far)};
     worst = std::max(worst, std::abs(pattern[1] - pattern[0]) / radius);
   }
   EXPECT_LE(worst, 1e-3);
 }
 
-/// Two cubes, one so far above the other.
+/// Two cubes, one above the other at this distance.
 geometry::Mesh two_cubes(double gap) {
   constexpr double half = 1e-3;
   geometry::Mesh both;
@@ -114,7 +114,7 @@ double size_of(const Block& block) {
 }
 
 TEST(NearPairs, FacesThatFaceEachOtherAreSampledByHowCloseTheyAre) {
-  // Sides of 1.4 mm, a seventh of that apart.
+  // Sides of 1.4 mm, at a distance of a seventh of that.
   const double gap = 0.2e-3;
   const Patches body = make_patches(two_cubes(gap));
   const NearPairs pairs = near_pairs(body, 732.7);
@@ -161,7 +161,7 @@ TEST(NearPairs, FacesThatFaceEachOtherAreSampledByHowCloseTheyAre) {
   EXPECT_TRUE(near_pairs(make_patches(two_cubes(0.05e-3)), 732.7).unresolved);
 }
 
-/// An octahedron whose faces around one corner are halved again and again.
+/// An octahedron whose faces around one corner are repeatedly halved.
 geometry::Mesh graded(const Vec3& corner, double size, int levels) {
   geometry::Mesh mesh;
   mesh.positions = {corner, corner + Vec3(2 * size, 0, 0)};
@@ -204,7 +204,7 @@ TEST(NearPairs, MemoryIsCountedForUnevenMeshesToo) {
   const geometry::Mesh even = geometry::icosphere(radius, 8);
   EXPECT_EQ(near_pair_count(even), near_pairs(make_patches(even), k).trial.size());
   EXPECT_NEAR(static_cast<double>(near_pair_count(even)) / 1280, 40, 5);
-  // A needle's end in small faces, the rest of it in long ones, which are near to all of them.
+  // A needle's end in small faces, the rest of it in long faces, which are near to all the small ones.
   geometry::Mesh uneven = even;
   for (Vec3& p : uneven.positions)
     p.z *= p.z > 0 ? 100 : 1;

@@ -32,7 +32,7 @@ std::vector<Number> matrix_of(std::size_t size) {
   return matrix;
 }
 
-// OpenBLAS starts a thread per core when it is loaded, or when its user asks for some.
+// OpenBLAS starts a thread per core when it is loaded, or when its user requests threads.
 TEST(DenseLu, SolvesWithoutThreadsOfTheLibrarys) {
   constexpr std::size_t size = 300;
   setenv("OPENBLAS_NUM_THREADS", "4", 1);

@@ -1,5 +1,5 @@
-// The field on the device: against its twin, the definition in doubles and another program's numbers; inside its
-// buffers.
+// The field on the device, against its twin, the definition in doubles and another program's numbers. The pass stays
+// inside its buffers.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -77,7 +77,7 @@ TEST(FieldPass, IsTheTwinsFarAwayAndOnATransducer) {
   points.emplace_back(0, 0, -0.3);
   for (const double radius : {layout.transducer_radius_m, 0.0}) {
     layout.transducer_radius_m = radius;
-    if (radius == 0) points.erase(points.end() - 3);  // no end of sound there
+    if (radius == 0) points.erase(points.end() - 3);  // the sound is unbounded there
     std::vector<Complex> pressures;
     Waves twin;
     const Air air = air_of({});

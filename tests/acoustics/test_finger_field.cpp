@@ -1,4 +1,4 @@
-// What a finger feels of foci that run on it: against the sphere's exact series, summed up here by hand.
+// What a finger feels of foci that move on it, against the sphere's exact series, which this file sums.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ using Complex = std::complex<double>;
 constexpr double radius = 8e-3;
 constexpr double pi = std::numbers::pi;
 
-/// Point sources all around, at least 0.15 m away, some farther than others.
+/// Point sources all around, at different distances of at least 0.15 m.
 array::Layout shell(int count) {
   array::Layout layout;
   layout.transducer_radius_m = 0;
@@ -46,13 +46,13 @@ const Air& still_air() {
   return air;
 }
 
-/// A ball for a finger.
+/// A ball as the finger.
 const RigidBody& ball() {
   static const RigidBody body(geometry::icosphere(radius, 9), still_air().wave_number());
   return body;
 }
 
-/// A ring around the ball's lowest part, within it.
+/// A ring around the ball's lowest part, inside it.
 std::vector<Vec3> ring(int count) {
   std::vector<Vec3> foci;
   for (int i = 0; i < count; ++i) {
@@ -62,7 +62,7 @@ std::vector<Vec3> ring(int count) {
   return foci;
 }
 
-/// The sum over sources of what the sphere makes of each, with its slopes along the surface.
+/// The sum over sources of the sphere's response to each, with its slopes along the surface.
 class Exact {
  public:
   Exact() {
@@ -70,7 +70,7 @@ class Exact {
       series_.push_back(SphereSeries::point_source(still_air().wave_number(), radius, t.position));
   }
 
-  /// Of each source at full amplitude, at the skin over a place.
+  /// For each source at full amplitude, the pressure on the skin over a place.
   std::vector<Complex> transfer(const Vec3& place) const {
     std::vector<Complex> sound;
     for (const SphereSeries& series : series_)
@@ -78,7 +78,7 @@ class Exact {
     return sound;
   }
 
-  /// (|p|^2 - |slope|^2 / k^2) / (4 rho c^2) of these strengths.
+  /// (|p|^2 - |slope|^2 / k^2) / (4 rho c^2) for these strengths.
   double langevin(std::span<const Complex> strengths, const Vec3& place) const {
     const Vec3 normal = glm::normalize(place);
     const Vec3 s = glm::normalize(glm::cross(normal, Vec3(0.3, 0.4, 0.5))), t = glm::cross(normal, s);
@@ -103,7 +103,8 @@ class Exact {
   std::vector<SphereSeries> series_;
 };
 
-/// What a focus asks of each source: as loud as far, delayed by the way, or for this ball by what arrives.
+/// What a focus asks of each source: amplitude in proportion to the distance and the delay of the way; or, for this
+/// ball, from the arriving sound.
 std::vector<Complex> asked(const Exact& exact, const Vec3& focus, bool for_finger) {
   double farthest = 0;
   for (const array::Transducer& t : around().transducers)
@@ -165,7 +166,7 @@ TEST(FingerField, IsWhatASpectrumOfTheFingerIsMadeOf) {
   EXPECT_EQ(spectrum.field, FocusKind::finger);
   EXPECT_NEAR(glm::length(spectrum.skin), radius, 1e-4);
   ASSERT_EQ(spectrum.lines.size(), 10u);
-  // The first focus' own place, by hand.
+  // The first focus' own place, computed here.
   std::vector<double> played;
   for (const std::uint32_t focus : voice.order)
     played.push_back(exact.langevin(asked(exact, voice.foci[focus], false), voice.foci[0]));
@@ -181,7 +182,7 @@ TEST(FingerField, IsWhatASpectrumOfTheFingerIsMadeOf) {
     EXPECT_NEAR(line.frequency_hz, 100.0 * static_cast<double>(m), 1e-6);
     EXPECT_NEAR(line.amplitude, std::abs(c * std::sin(pi * x) / (pi * x)), 0.03) << m;
   }
-  // Not what the same array gives in free air.
+  // It differs from the same array's result in free air.
   const ArrayField free(around(), {.directivity = array::Directivity::omni});
   const double apart = felt(spectrum).vibration - felt(spectrum_of(voice, 2e-3, {.field = &free})).vibration;
   EXPECT_GT(std::abs(apart), 0.01);

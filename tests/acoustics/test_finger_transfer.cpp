@@ -1,5 +1,5 @@
-// What transducers do at places of one finger: against the sound of one transducer after the other, against the
-// sphere's exact series, and what solvers make of it.
+// The sound of transducers at places of one finger: against the sound of one transducer after the other, against the
+// sphere's exact series, and with the solvers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,13 +32,13 @@ array::Layout shell(int count) {
   return layout;
 }
 
-/// A ball for a finger: one operator for all tests.
+/// A ball as the finger: one operator for all tests.
 const RigidBody& ball(const Air& air) {
   static const RigidBody body(geometry::icosphere(radius, 9), air.wave_number());
   return body;
 }
 
-/// What an array that plays `strengths` sounds like on the ball.
+/// The sound on the ball of an array that plays `strengths`.
 std::vector<std::complex<float>> played(const array::Layout& layout, const Air& air, array::Directivity kind,
                                         std::span<const Complex> strengths) {
   Waves waves;
@@ -46,7 +46,7 @@ std::vector<std::complex<float>> played(const array::Layout& layout, const Air& 
   return ball(air).solve(waves);
 }
 
-/// The pressure on the skin that stands for a focus within the ball.
+/// The pressure on the skin at the place of a focus inside the ball.
 double heard(const Air& air, std::span<const std::complex<float>> unknowns, const Vec3& focus) {
   const BodyPlace skin = BodyPlaces(ball(air).patches()).of(focus);
   return std::abs(ball(air).at_skin(unknowns, skin.face, skin.u, skin.v).pressure);
@@ -68,7 +68,7 @@ TEST(FingerTransfer, IsThePressureOfEachTransducerAlone) {
                                   std::pair(air_of({}), array::Directivity::piston)}) {
     const RigidBody& body = ball(air);
     FingerTransfer finger(body, layout, air, kind);
-    // Within the ball; at a face's centre; in the air near and far.
+    // Inside the ball; at a face's centre; in the air, near and far.
     const std::vector<Vec3> foci{
         {1e-3, 2e-3, -3e-3}, body.patches().patches[77].at(1.0 / 3, 1.0 / 3), {0, 9e-3, 0}, {0.02, -0.01, 0.03}};
     const std::vector<Vec3> places = finger.aim(foci);
@@ -152,7 +152,7 @@ TEST(FingerTransfer, InFullNoDriveIsLouder) {
     for (array::TransducerDrive& t : conjugate)
       t.phase = -t.phase;
     EXPECT_LT(pressure(conjugate), 0.5 * now);
-    // It is so in truth, not only by what it was made of.
+    // This is true of the actual sound, not only of the factors that it was made of.
     const auto unknowns = played(layout, air, array::Directivity::t4010a1, strengths_of(drive));
     EXPECT_NEAR(heard(air, unknowns, focus) / now, 1, 1e-4);
   }

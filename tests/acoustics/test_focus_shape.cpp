@@ -1,5 +1,4 @@
-// How large, how far and how strong a focus is: what the formulas give for arrays that others have measured or
-// computed.
+// Size, distance and strength of a focus: the formulas' results for arrays that others have measured or computed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +44,7 @@ TEST(FocusShape, ThePapersIsFourByNineMillimetres) {
   EXPECT_LT(along, 9.5e-3);
 }
 
-/// 18 x 18 transducers, as Hoshi et al. (2010) had them.
+/// 18 x 18 transducers, as in Hoshi et al. (2010).
 TEST(FocusShape, AFlatArraysIsAsMeasured) {
   Layout layout = square_board(18, 10.16e-3);
   layout.source_level_pa_m = 3.4;
@@ -57,14 +56,14 @@ TEST(FocusShape, AFlatArraysIsAsMeasured) {
   EXPECT_GT(fwhm, 12.3e-3);
   EXPECT_LT(fwhm, 13.2e-3);
 
-  // What a wall that reflects all of it would feel on a disc of 20 mm: they measured 16 mN.
+  // The force that a fully reflecting wall would feel on a disc of 20 mm: they measured 16 mN.
   const SlotFocus foci[]{{focus, 1}};
   const double newtons = disc_force(Incident(layout, air_of({}), Directivity::piston),
                                     strengths_of(drive_for(layout, foci, full)), air_of({}), focus, 10e-3);
   EXPECT_NEAR(newtons, 16e-3, 0.3 * 16e-3);
 }
 
-/// A flat array is loudest nearer than where it is focused.
+/// A flat array is loudest nearer than its focal point.
 TEST(FocusShape, AFlatArraysIsNearerThanCommanded) {
   const Layout layout = load_layout("openmpd");
   std::vector<Vec3> line;

@@ -46,7 +46,7 @@ TEST(Air, RefusesWhatIsNoAir) {
   EXPECT_THROW(air_of({}, 40e3, 10), Error);
 }
 
-/// Drives of a layout that differ from each other in everything.
+/// Drives of a layout in which all values differ.
 struct Scene {
   Layout layout;
   std::vector<Drive> drives;
@@ -103,7 +103,7 @@ TEST(Incident, IsTheDefinitionsSum) {
                          (2 * step));
       }
     }
-    // The directivity is looked up.
+    // The directivity is interpolated from a table.
     const double most = kind == Directivity::omni ? 2e-6 : 2e-5;
     EXPECT_LT(relative_error(waves.pressures, pressures), most);
     EXPECT_LT(relative_error(waves.slopes, slopes), kind == Directivity::omni ? 1e-5 : 2e-4);
@@ -148,7 +148,7 @@ TEST(Incident, PointSourcesAreExact) {
   }
 }
 
-/// Sources and receivers change places.
+/// Sources and receivers are exchanged.
 TEST(Incident, ReceivesWhatItSends) {
   const Scene scene("autd3", 3, 131, 0.1);
   const Incident incident(scene.layout, air_of({}), Directivity::piston);

@@ -1,4 +1,4 @@
-// Where faces next to each other are sampled, needles too; and that a matrix is left alone when nobody wants it.
+// Sampling of neighbouring faces, also of needles. A matrix that nobody wants any more is abandoned.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -73,7 +73,7 @@ TEST(NearRules, CutNeedlesAcross) {
     EXPECT_LE(std::abs(off), 1e-3);
     std::printf("  %zu samples, %.1e off\n", table.size(), off);
   }
-  // Right upon each other no cutting helps: it ends, and says so.
+  // For faces that lie exactly on each other, no division helps: it ends and reports this.
   const Patch upon = patch({0, 0, 1e-7}, {5e-3, 0, 1e-7}, {2e-3, 1e-4, 1e-7});
   PairTable cut;
   bool resolved = true;
@@ -85,7 +85,7 @@ TEST(NearRules, EndWhereRoundingMakesNeedlesOfAllPieces) {
   const NearRules rules;
   const Patch face = patch({2e-3, 0, 0}, {0, 2e-3, 0}, {0, 0, 2e-3});
   for (const double size : {1e-15, 1e-18, 1e-22, 1e-40, 1e-200}) {
-    // Where it stands, doubles are farther apart than its corners, or hardly nearer.
+    // At that place, doubles are farther apart than the corners are, or hardly nearer.
     const Vec3 at(3e-3, 1e-19, 1e-19);
     const Patch small = patch(at + Vec3(size, 0, 0), at + Vec3(0, size, 0), at + Vec3(0, 0, size));
     for (const auto& [test, trial] : {std::pair(face, small), std::pair(small, face), std::pair(small, small)}) {

@@ -18,7 +18,7 @@ using namespace array;
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 
-/// A drive and a level of 6 Pa at 1 m, as the reference data has it.
+/// A drive with a level of 6 Pa at 1 m, as in the reference data.
 struct Reference {
   Layout layout = load_layout("openmpd");
   Medium medium{343, 40e3};
@@ -84,7 +84,7 @@ TEST(Pressure, OneTransducerIsTheFormula) {
     EXPECT_LE(std::abs(pressure_at(layout, drive, point, medium, Directivity::piston) - expected),
               1e-9 * std::abs(expected) + 1e-12);
   }
-  // Finite at the transducer: no nearer than its radius.
+  // It is finite at the transducer: a distance counts as at least the radius.
   EXPECT_NEAR(std::abs(pressure_at(layout, drive, layout.transducers[0].position, medium)), 6 * 0.5 / 4.5e-3, 1e-9);
 }
 

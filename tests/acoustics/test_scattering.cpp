@@ -81,14 +81,14 @@ TEST(SphereSeries, IsTheKnownNumbers) {
   EXPECT_LE(std::abs(near.at({1, 0, 0}) / free - Complex(1.2106437982, 0.2030658933)), 2e-10);
   EXPECT_NEAR(sphere_force_function(1), 0.4735790138, 1e-9);
   EXPECT_NEAR(sphere_force_function(5.86), 0.9089863795, 1e-9);
-  // Around the sphere the field goes on as it is on it.
+  // Around the sphere, the field continues the field on its surface.
   const Vec3 place(0.3 * radius, 0.4 * radius, radius * std::sqrt(0.75));
   EXPECT_LE(
       std::abs(SphereSeries::plane_wave(k, radius, along).at(place) - sphere_in_plane_wave(k, radius, along, place)),
       1e-10);
 }
 
-/// Of u^a v^b over the triangle.
+/// The integral of u^a v^b over the triangle.
 double monomial(int a, int b) {
   return std::tgamma(a + 1.0) * std::tgamma(b + 1.0) / std::tgamma(a + b + 3.0);
 }
@@ -115,7 +115,7 @@ TEST(TriangleRules, AreExactForPolynomials) {
 }
 
 TEST(TriangleRules, TakeSingularitiesAway) {
-  // 1/R over a flat square's two halves with each other and themselves: (2/3) (1 + ... ) in closed form.
+  // 1/R over the two halves of a flat square, with each other and with themselves: (2/3) (1 + ... ) in closed form.
   const double square = 4 * (std::log(1 + std::sqrt(2.0)) + (1 - std::sqrt(2.0)) / 3);
   double sum = 0;
   for (const PairSample& s : touching_rule(Touch::same, 5))
@@ -165,13 +165,13 @@ TEST(Scattering, ErrorFallsFasterThanTheFacesSquared) {
 }
 
 TEST(Scattering, InsideNothingResonates) {
-  // Where the sphere's inside does, somewhere in these windows, K or N alone gives whatever it is told a large answer.
-  // A plane wave shows it less than numbers drawn at random.
+  // At frequencies at which the sphere's inside resonates, somewhere in these windows, K or N alone gives a large
+  // response to any input. A plane wave shows it less than random numbers.
   constexpr std::size_t drawn = 4;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   constexpr double step = 0.05;
 #else
-  constexpr double step = 0.005;  // a peak is some 0.02 wide
+  constexpr double step = 0.005;  // a peak is about 0.02 wide
 #endif
   for (const double resonance : {5.6467, 5.7635, 5.9404, 6.2832}) {
     std::vector<double> errors, answers;
@@ -203,7 +203,7 @@ TEST(Scattering, InsideNothingResonates) {
 }
 
 TEST(Scattering, ManySourcesAreTheirSum) {
-  // A drive of point sources around the sphere, as an array's.
+  // A drive of point sources around the sphere, like an array's.
   array::Layout layout;
   layout.source_level_pa_m = 1;
   layout.transducer_radius_m = 0;
@@ -237,7 +237,7 @@ TEST(Scattering, ManySourcesAreTheirSum) {
     });
     EXPECT_LE(error, 0.012);
   }
-  // Reciprocity: what each transducer does at a face of this body, by one solution backwards.
+  // Reciprocity: the effect of each transducer at a face of this body, from one backward solution.
   const std::vector<std::uint32_t> faces{17, 1234};
   const RigidBody::Sources sources = body.sources_at_faces(faces);
   std::vector<Complex> received;
@@ -319,7 +319,7 @@ TEST(Scattering, SourceAndReceiverMayBeExchanged) {
 }
 
 TEST(Scattering, NoEnergyIsLost) {
-  // What is scattered in all directions is what is missing straight ahead (optical theorem).
+  // The energy scattered in all directions is the energy missing straight ahead (optical theorem).
   const double k = 732.7, far = 10;
   const RigidBody body(fine_box(), k);
   const auto unknowns = body.solve(plane_wave(k, along, body.points(), body.normals()));
@@ -357,10 +357,10 @@ TEST(Radiation, PushesASphereAsTheSeriesSays) {
   EXPECT_NEAR(glm::dot(load.force, along) / unit, 0.9089863795, 0.009);
   EXPECT_LE(glm::length(load.force - glm::dot(load.force, along) * along), 0.002 * unit);
   EXPECT_LE(glm::length(load.torque), 0.002 * unit * radius);
-  // Without the air that slides along the skin it would be more by a third.
+  // Without the air that moves along the skin, it would be larger by a third.
   EXPECT_NEAR(glm::dot(load_on(body.mesh(), pressure.squared, {}).force, along) / unit, 1.258, 0.012);
   std::printf("  Y_p %.4f of 0.9090\n", glm::dot(load.force, along) / unit);
-  // Twice a half, and the sum.
+  // Two halves, and their sum.
   SkinPressure twice;
   add_pressure(sound, air, 0.5, twice);
   add_pressure(sound, air, 0.5, twice);

@@ -1,4 +1,5 @@
-// Spectra against direct integration of the simulated pressure, against published ratios, and what skin makes of them.
+// Spectra against direct integration of the simulated pressure and against published ratios, and what skin feels of
+// them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,7 +41,7 @@ const Line& line_at(const Spectrum& spectrum, double hz) {
   return none;
 }
 
-/// 2/T times the integral of the slots' pressures against e^{-2 pi i f t}, by the midpoint rule in fine steps.
+/// 2/T times the integral of the slots' pressures times e^{-2 pi i f t}, by the midpoint rule in fine steps.
 std::complex<double> integrated(const std::vector<double>& slots, double slot_s, double hz) {
   constexpr int fine = 400;
   std::complex<double> sum = 0;
@@ -145,7 +146,7 @@ TEST(Spectrum, OfAVoiceIsThatOfItsSlots) {
 }
 
 TEST(Spectrum, OfAVoiceOnAWideCircleIsThatOfTheRing) {
-  // Where the spot is small against the circle, along it and across it are the same.
+  // If the spot is small compared to the circle, along the circle and across it give the same.
   const Spectrum voice = spectrum_of(circle(0.2), 1.5e-3), ring = spectrum_of(Ring{0.2, 10, 3, 1.5e-3});
   ASSERT_EQ(voice.lines.size(), ring.lines.size());
   for (std::size_t m = 0; m < ring.lines.size(); ++m)
@@ -184,7 +185,7 @@ TEST(Spectrum, APressureSineHasOneLineAndItsImages) {
   EXPECT_NEAR(spectrum.lines[1].frequency_hz, 1400 / 3.0, 1e-9);
   EXPECT_NEAR(spectrum.lines[2].frequency_hz, 2600 / 3.0, 1e-9);
   EXPECT_NEAR(spectrum.lines[0].amplitude, std::sin(0.3 * pi) / (0.3 * pi), 1e-12);
-  // The amplitude's sine has a line that nobody asked for, at 2000/3 - 400 Hz.
+  // The amplitude's sine has an unwanted line at 2000/3 - 400 Hz.
   const Spectrum plain = spectrum_of(still(200, Modulation::amplitude_sine), 1.5e-3);
   EXPECT_GT(line_at(plain, 800 / 3.0).amplitude, 0.2);
 }
@@ -197,7 +198,7 @@ TEST(Spectrum, NothingChangesNothingIsFelt) {
   EXPECT_NEAR(aliased.variance, 0, 1e-12);
   EXPECT_EQ(spectrum_of(Ring{}).lines.size(), 0u);
   EXPECT_EQ(spectrum_of(Voice{}, 1.5e-3).lines.size(), 0u);
-  // All foci in one place: they take turns, but nothing moves.
+  // All foci at one place: they take turns, but nothing moves.
   const Spectrum same = spectrum_of(circle(0), 1.5e-3);
   EXPECT_NEAR(same.variance, 0, 1e-12);
   EXPECT_EQ(felt(same).vibration, 0);

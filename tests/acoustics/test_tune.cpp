@@ -1,4 +1,4 @@
-// What --tune chooses, against trying everything, and that a live finger's stride does not flip.
+// The choices of --tune, against an exhaustive search; and a live finger's stride does not flip.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
@@ -56,7 +56,7 @@ double strongest(const Ring& ring, double low_hz, double high_hz) {
 
 TEST(Tune, DoesNotBuyVibrationWithFlutter) {
   for (const double perimeter : {35e-3, 44e-3, 50e-3}) {
-    // More of the energy is felt as vibration, but beside it is a line of 29 Hz that is about as strong.
+    // More of the energy is felt as vibration, but there is also a line of 29 Hz that is about as strong.
     const Ring tempting = ring(perimeter, 23, 8);
     EXPECT_GT(felt_of(tempting).vibration, 1.05 * felt_of(ring(perimeter)).vibration);
     EXPECT_GT(strongest(tempting, 5, 50), 0.85 * strongest(tempting, 150, 250));
@@ -104,7 +104,7 @@ TEST(Tune, MayChooseTheDwellWithinARange) {
     EXPECT_LE(free.ring.dwell_s, 2e-3);
     EXPECT_NEAR(free.ring.dwell_s * 1e4, std::round(free.ring.dwell_s * 1e4), 1e-9) << "whole tenths";
   }
-  // A dwell outside of the range has to change, whatever it costs.
+  // A dwell outside the range has to change, at any cost.
   options.shortest_dwell_s = options.longest_dwell_s = 1e-2;
   const Tuned slow = tune(ring(15e-3), options);
   EXPECT_TRUE(slow.changed);
@@ -126,7 +126,7 @@ TEST(Tune, AlwaysGivesEveryFocusItsTurnAndNeverLessThanBefore) {
     RC_ASSERT(tuned.changed || (tuned.ring.foci == foci && tuned.ring.stride == stride));
     const Tuned again = tune(ring(perimeter, foci, stride, dwell));
     RC_ASSERT(again.ring.foci == tuned.ring.foci && again.ring.stride == tuned.ring.stride);
-    // Nothing to gain any more.
+    // No further gain is possible.
     RC_ASSERT(!tune(tuned.ring).changed);
   }));
 }
@@ -147,7 +147,7 @@ TEST(StrideTuner, ChoosesAtAFingersFirstFrame) {
   EXPECT_EQ(tuner.stride_for(9, ring(0, 10, 1), 0), 1u) << "no perimeter: what was asked for";
 }
 
-/// Of 16 foci the best stride depends on the perimeter; where two are about equally good.
+/// With 16 foci, the best stride depends on the perimeter: the perimeter at which two are about equally good.
 double border_of(std::uint32_t foci, std::uint32_t& small, std::uint32_t& large) {
   const auto best = [&](double perimeter) { return StrideTuner().stride_for(0, ring(perimeter, foci, 1), 0); };
   small = best(10e-3);
@@ -177,9 +177,9 @@ TEST(StrideTuner, DoesNotFlipWhereTwoAreAsGood) {
 
 TEST(StrideTuner, FollowsALastingChangeOnceItHasRested) {
   StrideTuner tuner;
-  // Seven foci with a dwell of 3 ms: the first harmonic alone, or all.
+  // Seven foci with a dwell of 3 ms: the first harmonic alone, or all harmonics.
   EXPECT_EQ(tuner.stride_for(1, ring(15e-3, 10, 1, 1.5e-3), 0), 3u);
-  // At a slower pace stride 3 of ten is too low; what is best then is taken, but not at once.
+  // With this dwell, stride 3 of ten is wrong. The best stride is then taken, but not at once.
   const std::uint32_t slow = StrideTuner().stride_for(1, ring(15e-3, 10, 3, 0.5e-3), 0);
   ASSERT_EQ(slow, 1u) << "200 Hz is the first line";
   EXPECT_EQ(tuner.stride_for(1, ring(15e-3, 10, 1, 0.5e-3), 0.2), 3u);
@@ -199,7 +199,7 @@ TEST(StrideTuner, ForgetsOldFingersAndKeepsThoseOfNow) {
 
 TEST(StrideTuner, ForgetsTheOneSeenLongestAgoWhateverTheClockSays) {
   const Ring usual = ring(15e-3, 10, 1);
-  // A clock that stands still, and one that is set back when the second half comes.
+  // A clock that stands still, and a clock that is set back before the second half.
   for (const double back_s : {0.0, 5.0}) {
     StrideTuner tuner;
     const auto fingers = [&](std::uint32_t first, std::uint32_t last, double time_s) {

@@ -42,7 +42,7 @@ std::vector<Drive> on_device(const Layout& layout, const std::vector<std::vector
 
 }  // namespace
 
-// One focus: the phase's own rounding to float, twice. Sums: lavapipe's atan is good to 3.5e-6.
+// One focus: the phase's own rounding to float, twice. Sums: lavapipe's atan is exact to 3.5e-6.
 const Backend backends[2] = {{"twin", on_host, 2.5e-7, 1e-7}, {"gpu", on_device, 1e-6, 1e-5}};
 
 double angle_between(double a, double b) {

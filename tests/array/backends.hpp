@@ -14,7 +14,7 @@ struct Backend {
   /// Drives of a batch of slots, in their order.
   std::vector<Drive> (*drives)(const Layout&, const std::vector<std::vector<SlotFocus>>&, const DriveOptions&);
   double phase_tolerance;  ///< rad, one focus within 2 m
-  double sum_tolerance;    ///< of amplitudes where several foci are summed; phases: this over the amplitude
+  double sum_tolerance;    ///< of the amplitudes if several foci are summed; for phases: this divided by the amplitude
   Drive drive(const Layout& layout, const std::vector<SlotFocus>& foci, const DriveOptions& options = {}) const {
     return drives(layout, {foci}, options)[0];
   }
@@ -29,9 +29,9 @@ inline std::string backend_name(const testing::TestParamInfo<Backend>& info) {
   return info.param.name;
 }
 
-/// The smaller of the two angles between them.
+/// The smaller of the two angles between `a` and `b`.
 double angle_between(double a, double b);
-/// NaN, infinite or out of range: what no drive may be. Counts them.
+/// Counts the values that no drive may have: NaN, infinite or out of range.
 std::size_t faults(const Drive& drive);
 std::vector<std::vector<SlotFocus>> random_slots(std::size_t slots, std::size_t most_foci, unsigned seed);
 

@@ -1,4 +1,4 @@
-// Sets of foci as the solvers' figures are stated for.
+// The sets of foci for which the solvers' figures are stated.
 #pragma once
 
 #include <cmath>
@@ -37,7 +37,7 @@ inline std::vector<SlotFocus> ring(std::size_t count, double radius, const Vec3&
   return foci;
 }
 
-/// `count` foci at random in a ball, as near to each other as it comes.
+/// `count` random foci in a ball, with no least distance.
 inline std::vector<SlotFocus> ball(unsigned seed, std::size_t count, double radius, const Vec3& centre) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> place(-1, 1);
@@ -49,7 +49,7 @@ inline std::vector<SlotFocus> ball(unsigned seed, std::size_t count, double radi
   return foci;
 }
 
-/// Ten foci as near to each other as those of a fingertip: rings of 2 to 10 mm radius in any plane, and balls.
+/// Sets of ten foci as near to each other as those of a fingertip: rings of 2 to 10 mm radius in any plane, and balls.
 inline std::vector<std::vector<SlotFocus>> crowds(const Vec3& centre) {
   std::vector<std::vector<SlotFocus>> sets;
   const Vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);

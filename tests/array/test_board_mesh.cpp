@@ -1,4 +1,4 @@
-// The boards as rectangles: sizes, facing, and that the tunnel's do not touch.
+// The boards as rectangles: sizes, facing, and the tunnel's rectangles do not touch.
 #include <gtest/gtest.h>
 
 #include "array/board_mesh.hpp"

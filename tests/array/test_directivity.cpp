@@ -34,7 +34,7 @@ TEST(Directivity, T4010A1IsTheTableAndMonotoneBetween) {
     before = here;
   }
   EXPECT_NEAR(before, 0, 1e-12);
-  // A cubic, no chord: the table's second differences are that large.
+  // A cubic instead of a chord: the table's second differences are that large.
   EXPECT_GT(at_degrees(Directivity::t4010a1, 25), 0.955);
 }
 

@@ -1,4 +1,4 @@
-// What a drive is: formulas in double precision, properties, degenerate input. Each on both backends.
+// Drives: formulas in double precision, properties, degenerate input. Each test runs on both backends.
 #include <rapidcheck.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ constexpr double pi = std::numbers::pi;
 class DriveOn : public testing::TestWithParam<Backend> {};
 INSTANTIATE_TEST_SUITE_P(Backends, DriveOn, testing::ValuesIn(backends), backend_name);
 
-/// A cube of places up to a metre from its middle; nothing regular about it.
+/// Places in a cube up to a metre from its middle, without any regularity.
 Layout scattered(std::size_t count, unsigned seed, double half = 0.5) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> place(-half, half);
@@ -36,7 +36,7 @@ Vec3 somewhere() {
   return {coordinate(), coordinate(), coordinate()};
 }
 
-/// The paper's q_k under e^{-iwt}, written down anew: of every transducer, for one focus.
+/// The paper's q_k under e^{-iwt}, implemented independently: for every transducer, for one focus.
 std::vector<Complex> asked(const Layout& layout, const Vec3& focus, const DriveOptions& options = {}) {
   double farthest = 0;
   for (const Transducer& t : layout.transducers)
@@ -180,7 +180,7 @@ TEST_P(DriveOn, AFocusWithoutGainIsNotHeardButKeepsTheOthersDown) {
     ASSERT_LE(angle_between(drives[0][t].phase, drives[1][t].phase), 3e-5);
     const double ratio = drives[1][t].amplitude / drives[0][t].amplitude;
     if (scale < 0) scale = ratio;
-    // Normalised as when both sound: modulating one finger must not turn the other up.
+    // Normalised as if both sounded: modulating one finger must not make the other louder.
     ASSERT_NEAR(ratio, scale, 1e-5);
   }
   EXPECT_GT(scale, 0.4);
@@ -204,7 +204,7 @@ TEST_P(DriveOn, AWholeWavelengthChangesNothing) {
     options.medium.sound_speed = *rc::gen::inRange(300, 400);
     const double wavelength = 1 / options.medium.turns_per_metre();
     const Vec3 focus = somewhere();
-    // Along one ray, a whole number of wavelengths apart.
+    // Along one ray, at distances of whole wavelengths.
     const Vec3 ray = glm::normalize(somewhere() + Vec3(0.3, 0, 0));
     const double d = *rc::gen::inRange(1000, 500000) * 1e-6;
     Layout layout;
@@ -325,7 +325,7 @@ TEST_P(DriveOn, DegenerateSlots) {
   for (const int sounding : {4, 5, 8, 9, 10})
     EXPECT_NEAR(loudest(sounding), 1, 1e-6) << sounding;
   for (std::size_t t = 0; t < drives[4].size(); ++t) {
-    // A focus that is none changes nothing; three in one place are one.
+    // An invalid focus changes nothing; three at one place act as one.
     ASSERT_EQ(drives[5][t].phase, drives[4][t].phase);
     ASSERT_EQ(drives[8][t].amplitude, drives[4][t].amplitude);
     ASSERT_NEAR(drives[9][t].amplitude, drives[4][t].amplitude, 1e-5);
@@ -337,7 +337,7 @@ TEST_P(DriveOn, DegenerateLayouts) {
   Layout layout;
   EXPECT_TRUE(GetParam().drive(layout, {{{0, 0, 0.1}}}).empty());
   EXPECT_TRUE(GetParam().drive(layout, {{{0, 0, 0.1}}, {{0, 0, 0.2}}}).empty());
-  // One transducer with the focus right on it, and with two foci that cancel there.
+  // One transducer with the focus exactly on it, and with two foci that cancel there.
   layout.transducers.push_back({{0, 0, 0}, {0, 0, 1}});
   const double half_wave = 0.5 / DriveOptions{}.medium.turns_per_metre();
   for (const Weighting weighting : {Weighting::distance, Weighting::uniform}) {

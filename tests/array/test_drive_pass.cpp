@@ -1,4 +1,4 @@
-// The pass itself: stays inside its buffers, gives the same bytes every time, keeps its promises about sines and
+// The pass itself: it stays inside its buffers, gives the same bytes every time, and keeps its promises about sines and
 // layout.
 #include <algorithm>
 #include <chrono>
@@ -24,7 +24,7 @@ namespace {
 
 using test::GuardedBuffer;
 
-/// The pass' inputs, written by its header's words alone.
+/// The pass' inputs, written from its header's description alone.
 struct Inputs {
   std::vector<shader::DrivePoint> transducers;
   std::vector<shader::DriveFocus> foci;
@@ -63,7 +63,7 @@ struct Inputs {
   }
 };
 
-/// Runs `record` on guarded buffers and returns the drives of all slots; fails where a guard word changed.
+/// Runs `record` on guarded buffers and returns the drives of all slots; fails if a guard word changed.
 template <typename Record>
 std::vector<shader::DriveOut> run_guarded(const Inputs& inputs, const Record& record) {
   gpu::Device& device = test::test_device();
@@ -116,9 +116,9 @@ TEST(DrivePass, StaysInsideItsBuffersAtEverySize) {
 }
 
 TEST(DrivePass, NoSineOutsideOfAQuarterTurn) {
-  // drive_sum_checked is drive_sum, but its sines of anything else are NaN: there their polynomial holds.
+  // drive_sum_checked is drive_sum, except that its sines return NaN outside their polynomial's range.
   auto batch = random_slots(40, 6, 11);
-  // Where wrapping is delicate: a transducer at whole and half wavelengths, at the focus and far away.
+  // Places where wrapping is critical: a transducer at whole and half wavelengths, at the focus and far away.
   const double wavelength = 1 / Medium{}.turns_per_metre();
   const Layout layout = load_layout("openmpd");
   for (const double waves : {0.0, 0.25, 0.5, 0.75, 1.0, 10.5, 100.5, 1000.5}) {
@@ -174,8 +174,8 @@ TEST(DrivePass, LayoutIsWhatTheShadersHave) {
     EXPECT_EQ(module.local_size[1], 1u);
     EXPECT_EQ(module.structs.at("DrivePush").offsets.at("constraint"), offsetof(shader::DrivePush, constraint));
   }
-  // Slots of one focus are written as vectors; transducers, foci and slots are read as texels, word by word in the
-  // order that drive.h gives them.
+  // Slots of one focus are written as vectors. Transducers, foci and slots are read as texels, word by word in the
+  // order of drive.h.
   const test::SpirvModule sum = test::read_spirv(spirv::drive_sum_comp);
   EXPECT_EQ(sum.structs.at("DriveOut").offsets.at("phase"), offsetof(shader::DriveOut, phase));
   EXPECT_EQ(sum.array_strides.at("DriveOut"), sizeof(shader::DriveOut));

@@ -1,4 +1,4 @@
-// Drives against numbers that others computed, and against the sound that they make.
+// Drives against numbers that others computed, and against the sound that they give.
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -55,7 +55,7 @@ TEST_P(DriveSoundOn, OpenmpdAgreesWithLevitate) {
   for (const double difference : differences)
     worst = std::max(worst, angle_between(difference, std::arg(common)));
   EXPECT_LE(worst, 5e-5);
-  // There is no common phase either, since both count from the source.
+  // There is no common phase either, because both count from the source.
   EXPECT_LE(std::abs(std::arg(common)), 1e-6);
   std::printf("  %s: phases within %.1e rad, common phase %.1e\n", GetParam().name, worst, std::arg(common));
 
@@ -82,7 +82,7 @@ TEST_P(DriveSoundOn, EveryTransducerArrivesInPhaseAtTheFocus) {
   }
 }
 
-/// Climbs from `at` in steps down to 0.01 mm.
+/// Climbs from `at`, in steps down to 0.01 mm.
 Vec3 peak_near(const Layout& layout, const Drive& drive, Vec3 at) {
   double best = std::abs(pressure(layout, drive, at));
   double step = 2e-3;
@@ -108,7 +108,7 @@ TEST_P(DriveSoundOn, PressurePeaksAtTheFocusInTheTunnel) {
   const Layout layout = load_layout("paper");
   for (const Vec3& focus : {Vec3(0, 0, 0), Vec3(0.02, -0.01, 0.005), Vec3(-0.03, 0.02, -0.01)}) {
     const Drive drive = GetParam().drive(layout, {{focus}});
-    // Nearer walls pull the peak by a tenth of a millimetre off the axis.
+    // The nearer walls move the peak by a tenth of a millimetre off the axis.
     EXPECT_LE(glm::distance(peak_near(layout, drive, focus), focus), glm::length(focus) == 0 ? 2e-5 : 3e-4);
   }
 }

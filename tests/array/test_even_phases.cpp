@@ -1,4 +1,4 @@
-// Evening out by the phases of transducers alone: what it reaches and what it leaves as it is.
+// Evening out by the phases of transducers alone: how even foci become, and what stays unchanged.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ Columns columns_of(const Layout& layout, const std::vector<SlotFocus>& foci) {
   return columns;
 }
 
-/// What the transducers do if every focus just asks.
+/// The transducers' drives if every focus only asks.
 std::vector<Complex> sums_of(const Columns& columns, Constraint constraint) {
   std::vector<Complex> sums(columns.transducers);
   for (std::size_t n = 0; n < sums.size(); ++n) {
@@ -53,7 +53,7 @@ std::vector<double> heard_of(const Columns& columns, const std::vector<Complex>&
   return heard;
 }
 
-// From phases that leave some foci almost silent to even ones, no magnitude touched, the weakest far louder.
+// From phases that leave some foci almost silent to even foci: no magnitude changes, the weakest becomes far louder.
 TEST(EvenPhases, EvenOutWhateverTheAmplitudes) {
   const Layout layout = load_layout("autd3");
   for (const Constraint constraint : {Constraint::uniform, Constraint::clamp}) {
@@ -67,7 +67,8 @@ TEST(EvenPhases, EvenOutWhateverTheAmplitudes) {
       EXPECT_LE(evened.miss, 0.0045);
       EXPECT_LE(evened.tries, 60u);
       const auto before = heard_of(columns, first), after = heard_of(columns, does);
-      EXPECT_LT(*std::ranges::min_element(before), 0.7 * *std::ranges::max_element(before));  // what there is to mend
+      EXPECT_LT(*std::ranges::min_element(before), 0.7 * *std::ranges::max_element(before));  // there is something to
+                                                                                              // improve
       EXPECT_GE(*std::ranges::min_element(after), 0.99 * *std::ranges::max_element(after));
       EXPECT_GT(*std::ranges::min_element(after), 1.2 * *std::ranges::min_element(before));
       for (std::size_t n = 0; n < does.size(); ++n)
@@ -80,7 +81,7 @@ TEST(EvenPhases, TargetsAreRelativeAndMayBeNone) {
   const Layout layout = load_layout("openmpd");
   const Columns columns = columns_of(layout, focus_set(3, 4, {0, 0, 0.15}));
   std::vector<Complex> does = sums_of(columns, Constraint::uniform);
-  does[7] = 0;  // silent, and stays so
+  does[7] = 0;  // silent, and remains so
   PhaseScratch scratch;
   even_phases(columns, std::vector<double>{1, 0.5, 0.8, 0.25}, 0.001, 60, does, scratch);
   const auto heard = heard_of(columns, does);
@@ -93,7 +94,7 @@ TEST(EvenPhases, TargetsAreRelativeAndMayBeNone) {
   EXPECT_EQ(does, first);
 }
 
-// What is even stays to the last bit, and no try is made where none is allowed.
+// Even foci stay the same to the last bit, and with no tries allowed, none is made.
 TEST(EvenPhases, LeavesWhatIsEven) {
   const Layout layout = load_layout("openmpd");
   const Columns columns = columns_of(layout, focus_set(3, 4, {0, 0, 0.15}));

@@ -149,7 +149,7 @@ TEST(Layout, PaperIsATunnelOfSixteenUnits) {
     for (std::uint32_t t = 0; t < 249; ++t) {
       expect_near(layout.transducers[board.first + t].position,
                   transform_point(board.T_layout_board, unit.transducers[t].position));
-      // Every axis meets the tunnel's axis at a right angle... from its own height, as seen along the tunnel.
+      // Seen along the tunnel, every axis points to the tunnel's axis at a right angle, from its own height.
       const Transducer& transducer = layout.transducers[board.first + t];
       expect_near(transducer.axis, z);
       EXPECT_LT(glm::dot(Vec3(transducer.position.x, transducer.position.y, 0), transducer.axis), -0.19);
@@ -160,7 +160,8 @@ TEST(Layout, PaperIsATunnelOfSixteenUnits) {
 TEST(Layout, PaperHasTheTunnelsSymmetries) {
   const Layout layout = load_layout("paper");
   const auto whole = rounded(layout);
-  // A unit has three holes, so a mirror image is none; turning by a quarter about the tunnel's axis keeps all of it.
+  // A unit has three holes, so it is not its own mirror image. A quarter turn about the tunnel's axis maps the layout
+  // to itself.
   const Transform quarter = linear({0, 1, 0}, {-1, 0, 0}, {0, 0, 1});
   EXPECT_EQ(rounded(transformed(layout, quarter)), whole);
   EXPECT_EQ(rounded(transformed(layout, quarter * quarter)), whole);
@@ -220,7 +221,7 @@ TEST(Reach, FindsTheFarthestTransducerOfAll) {
   for (const std::string& name : layout_names()) {
     Layout layout = load_layout(name);
     if (name == "autd3") {
-      // Bare transducers before, between and behind boards are all candidates.
+      // Transducers without a board, before, between and after boards, are all candidates.
       layout.transducers.push_back({{0.5, 0, 0}, {0, 0, 1}});
       add_board(layout, "openmpd", Transform(1.0));
       layout.transducers.push_back({{0, -0.6, 0}, {0, 0, 1}});

@@ -1,4 +1,4 @@
-// Layout TOMLs: what they mean, what is refused and how, and what hostile files do.
+// Layout TOMLs: their meaning, what is rejected and with which message, and the effect of hostile files.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -172,7 +172,7 @@ TEST(LayoutToml, HoldsAsManyTransducersAsAllowedAndNoMore) {
 
 TEST(LayoutToml, HostileShapesAreRefusedAtOnce) {
   const std::size_t big = max_layout_bytes;
-  /// `head`, as many `part`s as fit into `bytes`, `tail`.
+  /// `head`, then as many `part`s as fit into `bytes`, then `tail`.
   const auto repeat = [](std::string_view part, std::size_t bytes, std::string_view head = "",
                          std::string_view tail = "") {
     std::string text(head);
@@ -208,7 +208,7 @@ TEST(LayoutToml, HostileShapesAreRefusedAtOnce) {
     const auto begin = std::chrono::steady_clock::now();
     const std::string fault = fault_of(text);
     EXPECT_NE(fault, "accepted") << name;
-    // A second on an idle machine at full speed; sanitizers and neighbours need more.
+    // A second on an idle machine at full speed; sanitizers and other programs make it longer.
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20)) << name;
     if (testing::Test::HasFailure()) FAIL() << name << ": " << fault;
     std::printf("  %s: %s (%.0f ms)\n", name, fault.c_str(),
@@ -255,7 +255,7 @@ TEST(LayoutToml, FuzzedTextsNeverGetThroughBroken) {
       ASSERT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
     }
   }
-  // The fuzz reaches both sides.
+  // The fuzz reaches both outcomes.
   EXPECT_GT(accepted, 200);
   EXPECT_LT(accepted, 15000);
 }

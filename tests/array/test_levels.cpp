@@ -1,4 +1,4 @@
-// How fingers share an array that cannot give all of them everything.
+// How fingers share an array that cannot give all of them everything that they ask for.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
@@ -44,10 +44,10 @@ TEST(Levels, OneThatCannotBeReachedLowersNobodyElse) {
     const std::vector<double> levels = levels_of({{0.6}, {takes}, {0.3}});
     EXPECT_DOUBLE_EQ(levels[0], 1) << takes;
     EXPECT_DOUBLE_EQ(levels[2], 1) << takes;
-    // It takes what is left, or nothing where nothing of it arrives.
+    // It takes the rest, or nothing if no sound of it arrives.
     EXPECT_NEAR(levels[1], takes > 1e12 ? 0 : 0.1 / takes, 1e-12) << takes;
   }
-  // Nor one that needs nearly all, from a third too much on.
+  // A finger that needs at least a third too much does not lower one that needs nearly all, either.
   EXPECT_GT(levels_of({{0.999}, {4.0 / 3}})[0], 0.985);
 }
 

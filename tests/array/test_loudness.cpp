@@ -1,4 +1,4 @@
-// Fingers that ask for a pressure: what their drives give is computed anew by the forward model.
+// Fingers that ask for a pressure: the forward model computes independently what their drives give.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +36,8 @@ void sound_together(Voice& voice) {
   voice.foci_per_slot = static_cast<std::uint32_t>(voice.foci.size());
 }
 
-/// Of each voice what its foci have in a slot, weakest and strongest over all slots, and the largest amplitude of all.
+/// For each voice, the pressure of its foci in a slot, weakest and strongest over all slots; and the largest amplitude
+/// of all.
 struct Heard {
   std::vector<double> least, most;
   double peak = 0;
@@ -65,7 +66,7 @@ Heard hear(const Layout& layout, const Schedule& schedule, std::uint32_t slots, 
   return heard;
 }
 
-/// Solves ten slots of a schedule and hears them.
+/// Solves ten slots of a schedule and computes their sound.
 Heard solved(const Layout& layout, Schedule& schedule, const DriveOptions& options = {}) {
   Loudness loudness(layout, options);
   loudness.solve(schedule, 10);
@@ -178,7 +179,7 @@ TEST(Loudness, WhoAsksForNothingHasWhatIsLeft) {
   EXPECT_GT(heard.peak, 0.97);
 }
 
-/// Fingers of one focus, a centimetre apart; every other one asks for next to nothing of what it could have.
+/// Fingers of one focus, a centimetre apart. Every second one asks for almost nothing of its possible pressure.
 Schedule crowd_of_points(std::uint32_t fingers) {
   Schedule schedule;
   for (std::uint32_t f = 0; f < fingers; ++f)
@@ -199,7 +200,7 @@ TEST(Loudness, WhoAsksForLittleHasThatBesideManyThatAskForNothing) {
       }
     }
     EXPECT_GT(heard.peak, 0.95) << "all that is left";
-    // The same of a slot that nobody listed.
+    // The same for a slot that is not listed.
     std::vector<SlotFocus> foci;
     foci_of_slot(schedule, 0, foci);
     const Drive drive = drive_for(layout, foci);
@@ -231,7 +232,7 @@ TEST(Loudness, FingersAtOnePlaceShareOneSoundTheLouder) {
   EXPECT_LT(heard.peak, 0.3) << "not twice what one needs";
 }
 
-/// Seven fingers of ten foci, all at once; every other one asks, or all.
+/// Seven fingers of ten foci, all at the same time. Every second one asks, or all of them.
 Schedule crowd(bool all_ask) {
   Schedule schedule;
   for (int f = 0; f < 7; ++f)
@@ -254,7 +255,7 @@ TEST(Loudness, MoreFociThanAreSolvedTogetherAreNeverLouderThanAsked) {
       EXPECT_LE(heard.most[f], 1e3 * 1.001) << f;
       EXPECT_GT(heard.most[f], 200) << f;
     }
-    // The same of a slot that nobody listed.
+    // The same for a slot that is not listed.
     std::vector<SlotFocus> foci;
     foci_of_slot(schedule, 0, foci);
     ASSERT_EQ(foci.size(), 70u);
@@ -363,7 +364,7 @@ TEST(Loudness, TheDeviceAddsUpTheSameDrives) {
     const DrivePasses passes(device, Solver::naive);  // factors come from the host
     DriveMemory memory(device, layout, options, 10, 200);
     std::vector<SlotFocus> foci;
-    for (int times = 0; times < 2; ++times) {  // the second on what the first has left there
+    for (int times = 0; times < 2; ++times) {  // the second one uses the memory as the first left it
       memory.clear();
       for (std::uint32_t slot = 0; slot < 10; ++slot) {
         foci_of_slot(*each, slot, foci);

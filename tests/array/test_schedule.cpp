@@ -117,7 +117,7 @@ TEST(Schedule, AVoicesOwnDwell) {
 }
 
 TEST(Schedule, NoRoundingMakesAStepLate) {
-  // 3 dwells of 0.1 ms are 0.3 ms, which floating point denies.
+  // 3 dwells of 0.1 ms are 0.3 ms, but not in floating point.
   Voice voice = voice_of(7);
   std::vector<SlotFocus> foci;
   for (const double dwell : {1e-4, 1.1e-4, 7e-4, 1.5e-3, 0.3}) {

@@ -1,4 +1,5 @@
-// The solvers' pass: stays inside its buffers at every size, gives the same bytes every time, has its header's layout.
+// The solvers' pass: it stays inside its buffers at every size, gives the same bytes every time, and has its header's
+// layout.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -38,7 +39,7 @@ Layout line(std::size_t count) {
   return layout;
 }
 
-/// R of all slots, as the pass has left it.
+/// R of all slots, as the pass left it.
 std::vector<std::complex<float>> matrices_of(const gpu::Scratch& scratch, std::size_t entries) {
   const gpu::Readback back(test::test_device(), entries * sizeof(std::complex<float>), "matrices");
   test::run_on_device([&](VkCommandBuffer commands) {
@@ -111,7 +112,7 @@ void run_guarded(const Layout& layout, const std::vector<std::vector<SlotFocus>>
   if (solver == Solver::greedy) return;
   for (const float factor : weights.read<float>())
     ASSERT_TRUE(std::isfinite(factor));
-  // The matrix against sums written down anew.
+  // The matrix against sums that are computed here.
   const auto matrix = matrices_of(scratch, entries);
   const double k = 2 * std::numbers::pi * turns;
   for (std::size_t s = 0; s < batch.size(); ++s) {
@@ -146,7 +147,7 @@ TEST(SolverPass, StaysInsideItsBuffersAtEverySize) {
   }
 }
 
-// Of each kernel the least that there is to run: instrumented ones take most of a minute to compile.
+// For each kernel, the smallest case: instrumented kernels take most of a minute to compile.
 TEST(SolverPass, StaysInsideItsBuffers) {
   const std::vector<std::vector<SlotFocus>> batch{focus_set(3, 3, {0.05, 0, 0.1}), focus_set(5, 11, {0.05, 0, 0.1})};
   run_guarded(line(33), batch, Solver::gs_pat, Constraint::uniform);
@@ -181,7 +182,7 @@ TEST(SolverPass, TheSameBytesOnEveryRun) {
 }
 
 TEST(SolverPass, GreedyGoesOnFromStretchToStretch) {
-  // More transducers than choose in one dispatch.
+  // More transducers than a single dispatch handles.
   const Layout layout = line(shader::solve_turns + 700);
   DriveOptions options;
   options.solver = Solver::greedy;

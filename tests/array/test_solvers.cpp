@@ -1,4 +1,4 @@
-// How well the solvers serve several foci, and what never happens. Each on both backends.
+// How well the solvers serve several foci, and what must never happen. Each test runs on both backends.
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -41,7 +41,7 @@ double farthest(const Drive& a, const Drive& b) {
 }
 
 struct Quality {
-  double mean = 0, evenness = 1;  ///< mean of the means; the least
+  double mean = 0, evenness = 1;  ///< mean of the means; smallest evenness
 };
 Quality quality(const Backend& backend, const Layout& layout, const Vec3& centre, unsigned sets,
                 const DriveOptions& options) {
@@ -70,7 +70,7 @@ TEST_P(SolverOn, TenFociInTheTunnelAreEvenAndLoud) {
   std::printf("  %s: normalise %.3f even, %.2f of naive; uniform %.3f even, %.2f of greedy (%.3f even)\n",
               GetParam().name, normalised.evenness, normalised.mean / naive.mean, uniform.evenness,
               uniform.mean / greedy.mean, greedy.evenness);
-  EXPECT_LT(naive.evenness, 0.8);  // what there is to mend
+  EXPECT_LT(naive.evenness, 0.8);  // there is something to improve
   EXPECT_GE(normalised.evenness, 0.97);
   EXPECT_GE(normalised.mean, 0.95 * naive.mean);
   EXPECT_GE(uniform.evenness, 0.95);
@@ -85,13 +85,13 @@ TEST_P(SolverOn, TenFociAboveAFlatBoardToo) {
   const Quality naive = quality(GetParam(), layout, centre, 8, with(Solver::naive));
   const Quality normalised = quality(GetParam(), layout, centre, 8, with(Solver::gs_pat));
   const Quality uniform = quality(GetParam(), layout, centre, 8, with(Solver::gs_pat, Constraint::uniform));
-  // 256 transducers cannot tell foci apart that stand behind each other.
+  // 256 transducers cannot distinguish foci that are behind each other.
   EXPECT_GE(normalised.evenness, 0.93);
   EXPECT_GE(normalised.mean, 0.9 * naive.mean);
   EXPECT_GE(uniform.evenness, 0.8);
 }
 
-/// How even and how loud the crowds are that a solver serves; the weakest pressure of each.
+/// How even and how loud a solver makes the crowds; the weakest pressure of each.
 struct Served {
   std::vector<double> evenness, weakest;
 };
@@ -132,7 +132,7 @@ TEST_P(SolverOn, FociOfAnyDistanceAreAsEvenAsGreedysAboveABoard) {
       const Served served = serve(GetParam(), layout, sets, with(Solver::gs_pat, constraint));
       for (std::size_t s = 0; s < sets.size(); ++s) {
         EXPECT_GE(served.evenness[s], greedy.evenness[s]) << name << " " << s << " " << static_cast<int>(constraint);
-        // What evens them out does not cost the weakest: 1.1 times greedy's in the worst of 600 sets.
+        // Evening out does not weaken the weakest: it has 1.1 times greedy's pressure in the worst of 600 sets.
         if (constraint == Constraint::uniform) {
           EXPECT_GE(served.weakest[s], greedy.weakest[s]) << name << " " << s;
         }
@@ -142,7 +142,7 @@ TEST_P(SolverOn, FociOfAnyDistanceAreAsEvenAsGreedysAboveABoard) {
 }
 
 TEST_P(SolverOn, TwoFociHelpEachOtherAsMuchAsTheyCan) {
-  // By symmetry q_1 + q_2 or q_1 - q_2, whichever is the louder: that in which the cross term has the same sign.
+  // By symmetry, it is q_1 + q_2 or q_1 - q_2, whichever is louder: the one in which the cross term has the same sign.
   const Layout layout = load_layout("openmpd");
   const std::vector<SlotFocus> foci{{{-0.0035, 0, 0.1}}, {{0.0035, 0, 0.1}}};
   DriveOptions options = with(Solver::gs_pat);
@@ -154,7 +154,7 @@ TEST_P(SolverOn, TwoFociHelpEachOtherAsMuchAsTheyCan) {
     const double a = glm::distance(t.position, foci[0].position), b = glm::distance(t.position, foci[1].position);
     cross += std::exp(Complex(0, k * (a - b))) / a;
   }
-  ASSERT_LT(cross.real(), 0);  // against phase
+  ASSERT_LT(cross.real(), 0);  // opposite phases
   std::vector<Complex> sum;
   double largest = 0;
   for (const Transducer& t : layout.transducers) {
@@ -185,14 +185,14 @@ TEST_P(SolverOn, GainsAreRelativeAmplitudes) {
     const FociPressure without = pressure_at_foci(layout, drives[2], equal);
     EXPECT_LT(without.pascals[2], 0.3 * without.pascals[0]);
     if (constraint != Constraint::normalise) continue;
-    // Turning others down leaves the loud one as it was.
+    // Turning down the others leaves the loud one as it was.
     EXPECT_NEAR(soft.pascals[0], full.pascals[0], 0.02 * full.pascals[0]);
     EXPECT_NEAR(without.pascals[0], full.pascals[0], 0.02 * full.pascals[0]);
   }
 }
 
 TEST_P(SolverOn, VeryUnequalGainsAreNotClipped) {
-  // Foci that sound nearly alone take more of some transducers than all of them in full would.
+  // Foci that sound nearly alone need more of some transducers than all of them together at full gain.
   const Layout layout = load_layout("openmpd");
   struct Ring {
     std::size_t foci;
@@ -274,7 +274,7 @@ TEST_P(SolverOn, MoreFociThanItTakesAreNaive) {
 }
 
 TEST_P(SolverOn, SixtyFourFociAtOnce) {
-  // A finger's worth for each of many fingers, wherever they are: nothing breaks, and the foci are heard.
+  // One focus for each of many fingers, wherever they are: nothing breaks, and the foci are heard.
   Layout layout = load_layout("paper");
   std::vector<SlotFocus> foci;
   for (int j = 0; j < 64; ++j)
@@ -297,9 +297,9 @@ TEST_P(SolverOn, DegenerateSlotsAndLayouts) {
                                                   {{place}, a},                // a transducer
                                                   {{{0, 0, -0.1}}, a},         // behind the board
                                                   {{{0, 0, 99}}, a, b},        // out of reach
-                                                  {{{nan, 0, 0}}, a, b},       // none
+                                                  {{{nan, 0, 0}}, a, b},       // invalid
                                                   {{{0, 0, 0.1}, 0}, {{0.02, 0, 0.1}, 0}},  // silent
-                                                  {{{nan, 0, 0}}, a},                       // one left
+                                                  {{{nan, 0, 0}}, a},                       // only one valid focus
                                                   std::vector<SlotFocus>(64, a)};
   for (const Solver solver : {Solver::gs_pat, Solver::greedy}) {
     for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
@@ -310,12 +310,12 @@ TEST_P(SolverOn, DegenerateSlotsAndLayouts) {
       EXPECT_GT(heard(0).mean, 1000);
       const double even = solver == Solver::gs_pat ? 0.9 : 0.6;
       EXPECT_GT(heard(1).evenness, even);
-      // Of several gains at one place the largest counts.
+      // If foci at one place have several gains, the largest counts.
       EXPECT_NEAR(heard(2).pascals[0] / heard(2).pascals[2], 1, 1.05 - even);
       EXPECT_GT(heard(6).evenness, even);
       for (const TransducerDrive& t : drives[7])
         ASSERT_EQ(t.amplitude, 0);
-      // What cannot be reached does not take the others' sound away.
+      // Unreachable foci do not take sound away from the others.
       EXPECT_GT(heard(5).pascals[1], 0.2 * heard(6).pascals[1]) << static_cast<int>(solver);
     }
     Layout layout;
@@ -349,7 +349,8 @@ TEST_P(SolverOn, TheOrderOfTheFociDoesNotMatter) {
   EXPECT_LE(farthest(forward, GetParam().drive(layout, foci, with(Solver::gs_pat))), tolerance);
 }
 
-// What is heard: where foci are near each other several drives serve them as well, and rounding may choose among them.
+// The resulting sound: if foci are near each other, several drives serve them equally well, and rounding may choose
+// among them.
 TEST(Solvers, DeviceAndTwinServeFociNearEachOtherAlike) {
   const Layout layout = load_layout("paper");
   const auto sets = crowds({});
@@ -376,7 +377,8 @@ TEST(Solvers, DeviceAndTwinAgree) {
       slots.push_back(
           focus_set(static_cast<unsigned>(slots.size()), count, {0, 0, layout.boards.size() > 1 ? 0 : 0.15}));
     slots[4][3].gain = 0.3F;
-    // Under `uniform` a transducer whose sum is almost 0 has hardly a phase: in which it is bounded, rounding decides.
+    // Under `uniform`, a transducer whose sum is almost 0 hardly has a phase: rounding decides the phase with which it
+    // is bounded.
     for (const Constraint constraint : {Constraint::normalise, Constraint::clamp}) {
       const auto expected = backends[0].drives(layout, slots, with(Solver::gs_pat, constraint));
       const auto found = backends[1].drives(layout, slots, with(Solver::gs_pat, constraint));

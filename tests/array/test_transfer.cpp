@@ -1,4 +1,4 @@
-// What the solvers are given: the free field's columns against its formula, R against sums written down anew.
+// The solvers' inputs: the free field's columns against its formula, R against sums computed here.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -64,7 +64,7 @@ TEST(FocusMatrix, IsWhatArrivesOfWhatIsAsked) {
   Columns columns;
   field.fill(some_foci(layout), Weighting::distance, columns);
   FocusMatrix matrix;
-  // Twice: it keeps its storage, but nothing of what was there.
+  // Twice: it reuses its storage, but none of the old contents.
   for (int time = 0; time < 2; ++time)
     multiply(columns, matrix);
   ASSERT_EQ(matrix.foci, 3u);

@@ -41,7 +41,8 @@ bool share_a_vertex(const glm::uvec3& s, const glm::uvec3& t) {
 
 std::size_t count_crossings(const geometry::Mesh& mesh, double cell) {
   const auto& p = mesh.positions;
-  std::map<Cell, std::vector<std::size_t>> grid;  // by first corner: a crossing triangle's is at most a cell away
+  std::map<Cell, std::vector<std::size_t>> grid;  // by first corner; the first corner of a crossing triangle is at most
+                                                  // a cell away
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     grid[cell_of(p[mesh.triangles[t].x], cell)].push_back(t);
   std::size_t crossings = 0;

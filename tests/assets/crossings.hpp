@@ -1,4 +1,4 @@
-// Does a surface run through itself?
+// Counts where a surface crosses itself.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,8 @@
 
 namespace palpa::assets {
 
-/// How many pairs of an edge and a triangle that share no vertex cross. Triangles must be smaller than `cell`, metres.
+/// The number of crossing pairs of an edge and a triangle that share no vertex. Triangles must be smaller than `cell`,
+/// metres.
 std::size_t count_crossings(const geometry::Mesh& mesh, double cell);
 
 }  // namespace palpa::assets

@@ -1,4 +1,4 @@
-// Questions that the tests ask every shape.
+// Checks of every shape.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ inline Vec3 unit_normal(const geometry::Mesh& mesh, const glm::uvec3& t) {
       glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]));
 }
 
-/// How far the highest vertex stands above any triangle's plane: 0 for a convex mesh.
+/// The greatest height of any vertex above any triangle's plane: 0 for a convex mesh.
 inline double worst_concavity(const geometry::Mesh& mesh) {
   double worst = 0.0;
   for (const glm::uvec3& t : mesh.triangles) {

@@ -1,4 +1,4 @@
-// What is committed under assets/ is what the generators write, byte for byte.
+// The files in assets/ are what the generators write, byte for byte.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -74,7 +74,8 @@ TEST(AssetFiles, GeneratorsSayWhatIsWrong) {
   EXPECT_EQ(run(MAKE_OBJECTS, ""), 2);
   EXPECT_EQ(run(MAKE_OBJECTS, "/nowhere/at/all"), 1);
   EXPECT_EQ(run(MAKE_HAND, "--pose spread"), 2);
-  EXPECT_EQ(run(MAKE_HAND, "--pose wave -o /dev/null"), 4);  // no such pose, so a file that is not there
+  EXPECT_EQ(run(MAKE_HAND, "--pose wave -o /dev/null"), 4);  // there is no such pose, so it is taken as a file, which
+                                                             // does not exist
   EXPECT_EQ(run(MAKE_HAND, "--pose point -o /dev/full"), 1);
 }
 

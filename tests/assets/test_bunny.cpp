@@ -1,4 +1,4 @@
-// The demo's bunny, without the bunny: what is fetched is a script with two arrays in it.
+// The demo's bunny, without the bunny: the downloaded file is a script with two arrays.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -49,7 +49,7 @@ TEST(Bunny, FingersComeFromWhereTheyAreSent) {
   for (const Vec3& way : {Vec3(0, -1, 0), Vec3(1, 0, 0), Vec3(0, 0, -2)}) {
     const geometry::Mesh pressed = press_finger(finger, cube, Vec3(0, 0.05, 0), way, 0.003);
     const Vec3 inwards = glm::normalize(way);
-    // The tip goes farthest.
+    // The tip moves farthest.
     double farthest = -1;
     for (const Vec3& p : pressed.positions)
       farthest = std::max(farthest, glm::dot(p - Vec3(0, 0.05, 0), inwards));

@@ -39,7 +39,7 @@ TEST_F(Finger, HasATipOf8MillimetresRadius) {
 
 TEST_F(Finger, IsSmoothAndWellShaped) {
   EXPECT_GT(smallest_angle(mesh_), 35 * std::numbers::pi / 180);
-  // No crease: neighbouring triangles bend as little as their size over the least radius of the ends asks for.
+  // No crease: neighbouring triangles bend at most as much as their size and the smallest radius of the ends require.
   const std::vector<std::uint32_t> twin = geometry::twins(mesh_);
   for (std::uint32_t side = 0; side < twin.size(); ++side) {
     const Vec3 n = unit_normal(mesh_, mesh_.triangles[side / 3]),

@@ -57,7 +57,7 @@ TEST_P(EveryPose, HasOneSkinThatDoesNotCrossItself) {
 TEST_P(EveryPose, EndsInRoundFingertips) {
   const Mesh& mesh = hand(GetParam());
   const auto tips = fingertips(pose(GetParam()));
-  // Pointing, the other fingers press against the palm, which flattens them.
+  // In the pose `point`, the other fingers press against the palm, which flattens them.
   const std::size_t free = GetParam() == std::string("point") ? 2 : tips.size();
   for (std::size_t i = 0; i < free; ++i) {
     const Fingertip& tip = tips[i];
@@ -93,7 +93,7 @@ TEST(Hand, PointsAtTheOrigin) {
   const Fingertip index = fingertips(pose("point"))[1];
   EXPECT_NEAR(glm::length(index.position), 0.0, 1e-12);
   EXPECT_NEAR(glm::distance(index.direction, Vec3(0, -1, 0)), 0.0, 1e-12);
-  // The skin: its lowest vertex is beside the origin, at most a chord's depth above it; the finger runs up the y axis.
+  // The skin's lowest vertex is beside the origin, at most a chord's depth above it. The finger runs up the y axis.
   Vec3 lowest(1.0);
   for (const Vec3& p : hand("point").positions) {
     if (p.y < lowest.y) lowest = p;
@@ -110,7 +110,7 @@ TEST(Hand, IsARightHandWithItsPalmTowardsMinusZ) {
   const auto tips = fingertips(pose("spread"));
   for (int i = 0; i + 1 < 5; ++i)
     EXPECT_GT(tips[i].position.x, tips[i + 1].position.x + 5e-3);  // thumb on the +x side
-  // Flexion takes fingertips towards -z, more flexion farther back up.
+  // Flexion moves fingertips towards -z; more flexion moves them farther back up.
   const auto bent = fingertips(pose("relaxed")), fist = fingertips(pose("fist"));
   for (int i = 1; i < 5; ++i) {
     EXPECT_LT(bent[i].position.z, tips[i].position.z - 0.03);
@@ -124,7 +124,7 @@ TEST(Hand, KeepsPressedFingersApart) {
 
 TEST(Hand, StaysWholeInBetweenPoses) {
   if (test::instrumented()) GTEST_SKIP() << "skipped: one more hand is made the same way";
-  // Halfway from spread to fist, as an animation passes through.
+  // Halfway from spread to fist, as in an animation.
   HandPose between = pose("spread");
   const HandPose& fist = pose("fist");
   const auto mix = [](double& a, double b) { a = 0.5 * (a + b); };

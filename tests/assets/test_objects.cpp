@@ -19,7 +19,7 @@ void expect_box(const Mesh& mesh, const Vec3& low, const Vec3& high) {
   }
 }
 
-/// The paper's objects are what they must be for contacts to be asked of them: one convex solid.
+/// The paper's objects have the form that contacts require: one convex solid.
 void expect_solid(const Mesh& mesh, std::size_t planes) {
   expect_sphere_like(mesh);
   EXPECT_LT(worst_concavity(mesh), 1e-9);
@@ -44,7 +44,8 @@ TEST(Pyramid, Has45DegreesBetweenOppositeFaces) {
   for (const glm::uvec3& s : pyramid.triangles) {
     for (const glm::uvec3& t : pyramid.triangles) {
       const Vec3 n = unit_normal(pyramid, s), m = unit_normal(pyramid, t);
-      // Opposite slopes: mirrored in the y axis. The faces enclose 180 degrees less the angle of their normals.
+      // Opposite slopes are mirror images in the y axis. The faces enclose 180 degrees minus the angle of their
+      // normals.
       if (n.y < 0 || glm::distance(n, Vec3(-m.x, m.y, -m.z)) > 1e-6) continue;
       EXPECT_NEAR(std::numbers::pi - std::acos(glm::dot(n, m)), std::numbers::pi / 4, 1e-6);
       ++pairs;
@@ -88,7 +89,7 @@ TEST_F(SemiSphere, IsClosedConvexAndOfItsSize) {
   EXPECT_NEAR(box.low.y, -kRadius, 1e-9);
   EXPECT_GE(mesh_.triangles.size(), 1500U);
   EXPECT_LE(mesh_.triangles.size(), 2500U);
-  // Half a ball, less the slivers between chords and sphere: at most 30 micrometres over the dome.
+  // Half a ball, minus the slivers between chords and sphere: at most 30 micrometres over the dome.
   const double ball = 2.0 / 3.0 * std::numbers::pi * kRadius * kRadius * kRadius;
   EXPECT_LT(geometry::signed_volume(mesh_), ball);
   EXPECT_GT(geometry::signed_volume(mesh_), ball - 30e-6 * 2 * std::numbers::pi * kRadius * kRadius);
@@ -100,7 +101,7 @@ TEST_F(SemiSphere, KeepsWithin30MicrometresOfTheSphere) {
   double deepest = 0.0;
   for (const glm::uvec3& t : mesh_.triangles) {
     if (is_base(t)) continue;
-    // The foot of the perpendicular from the centre is the triangle's deepest point, if it lies within.
+    // If the foot of the perpendicular from the centre lies inside the triangle, it is its deepest point.
     deepest = std::max(deepest, kRadius - glm::dot(unit_normal(mesh_, t), mesh_.positions[t.x] - centre_));
   }
   EXPECT_LT(deepest, 30e-6);
@@ -108,7 +109,7 @@ TEST_F(SemiSphere, KeepsWithin30MicrometresOfTheSphere) {
 }
 
 TEST_F(SemiSphere, IsStrictlyConvexOnTheDome) {
-  // Across every edge of the dome the surface bends by a good part of what two neighbours on a sphere bend.
+  // Across every edge of the dome, the surface bends by a large part of the bend between two neighbours on a sphere.
   const std::vector<std::uint32_t> twin = geometry::twins(mesh_);
   double flattest = 1.0;
   for (std::uint32_t side = 0; side < twin.size(); ++side) {

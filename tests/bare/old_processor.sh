@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# old_processor.sh: the twins on an emulated processor of 2008, without AVX, which computes what they compute here. Expects
-# build/release to be built, and qemu-x86_64 (Debian: qemu-user).
+# old_processor.sh: checks that the twins compute the same on an emulated processor of 2008, without AVX, as on this
+# one. Needs a built build/release and qemu-x86_64 (Debian: qemu-user).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -9,12 +9,12 @@ out=build/bare/old-processor
 mkdir -p "$out"
 export PALPA_ASSETS=$PWD/assets OPENBLAS_NUM_THREADS=1
 
-# The cases of the passes' twins, without those of many solids, which take minutes there; and the kernels of the boundary elements,
-# which have code of their own for processors with AVX2 and AVX-512.
+# The cases of the passes' twins, without those of many solids, which take minutes there; and the kernels of the
+# boundary elements, which have separate code for processors with AVX2 and AVX-512.
 "${old[@]}" "$bin/tests_touch" --gtest_brief=1 --gtest_filter='*/cpu:-*Many*:*Deep*'
 "${old[@]}" "$bin/tests_acoustics" --gtest_brief=1 --gtest_filter='NearPairs.*:NearRules.*:TriangleRules.*:Radiation.*:BodyMesh.*:Incident.*'
 
-# same NAME ARGUMENT...: one command on both processors; what it writes to OUT is the same, byte for byte.
+# same NAME ARGUMENT...: runs one command on both processors. Its output in OUT must be the same, byte for byte.
 same() {
   local name=$1 here=$out/$1-here there=$out/$1-there
   shift

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# run.sh [12|13]...: palpa on a bare Debian, made here with debootstrap; both versions where none is named. In each:
+# run.sh [12|13]...: palpa on a bare Debian, made here with debootstrap; on both versions if none is named. In each:
 #   1. An ordinary user with sudo runs the README's two commands in a fresh copy of the project, with nothing installed before.
-#   2. Another user, without sudo and without a home folder that can be written, builds a second copy beside the first one with
-#      clang, every warning an error, and runs the tests: without a network, in 4 GiB of memory, with a locale that is not UTF-8
-#      and a umask of 077.
+#   2. Another user, without sudo and without a writable home folder, builds a second copy beside the first one with
+#      clang, with every warning an error, and runs the tests: without a network, in 4 GiB of memory, with a locale that
+#      is not UTF-8 and a umask of 077.
 #   3. The tests of the twins run on an emulated processor without AVX2.
-# Neither has a terminal, and the path of both copies has a space and a letter that is not ASCII. A compiler's warning in the first
-# copy fails, too: it would be an error for those who change palpa.
+# None of them has a terminal, and the path of both copies has a space and a letter that is not ASCII. A compiler
+# warning in the first copy is a failure, too: it would be an error for developers of palpa.
 #
-# Needs root (or sudo), Linux and a network; where one of them is missing, it says so and ends with exit code 0. Everything lies in
-# build/bare/VERSION, logs included. PALPA_BARE_LEGS: which of the three to run ["1 2 3"].
+# Needs root (or sudo), Linux and a network. If one of them is missing, it says so and ends with exit code 0. Everything
+# is in build/bare/VERSION, including logs. PALPA_BARE_LEGS: which of the three to run ["1 2 3"].
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -40,16 +40,16 @@ fi
 command -v debootstrap >/dev/null || skip "there is no debootstrap here: apt-get install debootstrap"
 unshare --mount --pid --fork --kill-child true 2>/dev/null || skip "this machine allows no mounts of one's own (unshare)"
 
-# The project's files as they are, also those that are not committed yet.
+# The project's files as they are, also those not yet committed.
 pack() {
   git -c safe.directory="$PWD" ls-files --cached --others --exclude-standard --deduplicate -z |
     while IFS= read -r -d '' file; do [[ -e $file ]] && printf '%s\0' "$file"; done | tar -c --null -T - -f "$1"
 }
 
-# Namespaces of their own, with which whatever is mounted or started in them ends.
+# Separate namespaces: everything that is mounted or started in them ends with them.
 namespaces=(--mount --pid --fork --kill-child)
 
-# inside COMMAND...: runs it in the new system as root, with what programs expect there.
+# inside COMMAND...: runs it in the new system as root, with the environment that programs expect there.
 inside() {
   # shellcheck disable=SC2016  # expanded by the shell that is started
   unshare "${namespaces[@]}" bash -euc '
@@ -64,12 +64,12 @@ inside() {
     ' inside "$root" "$@"
 }
 
-# by USER FOLDER COMMAND: as that user, without a terminal.
+# by USER FOLDER COMMAND: runs it as that user, without a terminal.
 by() {
   inside setpriv --reuid "$1" --regid "$1" --init-groups env "${environment[@]}" bash -c "cd '$folder/$2' && $3"
 }
 
-# Puts this shell, and what it starts, into a group of at most 4 GiB of memory.
+# Puts this shell and its children into a group of at most 4 GiB of memory.
 take_4_gib() {
   local limit
   for limit in /sys/fs/cgroup/memory/palpa-bare/memory.limit_in_bytes /sys/fs/cgroup/palpa-bare/memory.max; do
@@ -79,14 +79,14 @@ take_4_gib() {
   echo "this machine limits no memory by groups: all of it is used"
 }
 
-# offline USER FOLDER COMMAND: as that user, without a network, in 4 GiB.
+# offline USER FOLDER COMMAND: runs it as that user, without a network, in 4 GiB.
 offline() (
   take_4_gib
   namespaces+=(--net)
   by "$@"
 )
 
-# step NAME COMMAND...: with a log of its own.
+# step NAME COMMAND...: runs it with a separate log.
 step() {
   local begin=$SECONDS log=$base/$1.log
   if ! "${@:2}" >"$log" 2>&1 </dev/null; then
@@ -114,7 +114,7 @@ bootstrap() {
   tar -C "$root" -xf "$base/system.tar"
   cp -L /etc/resolv.conf "$root/etc/resolv.conf"
   printf '127.0.0.1 localhost\n' >"$root/etc/hosts"
-  # What a person who has a user account and this project on the disk has: sudo, and whatever unpacked it.
+  # A person with a user account and this project on the disk has sudo, and the program that unpacked the project.
   inside sh -euc '
     apt-get -q update
     DEBIAN_FRONTEND=noninteractive apt-get -q -y install --no-install-recommends sudo
@@ -124,7 +124,7 @@ bootstrap() {
     ' >"$base/users.log" 2>&1
 }
 
-# copy USER NAME: another copy of the project.
+# copy USER NAME: makes another copy of the project.
 copy() {
   local to=$root$folder/$2
   mkdir -p "$to"
@@ -132,7 +132,7 @@ copy() {
   inside chown -R "$1:$1" "$folder/$2"
 }
 
-# The commands did what they are for, whatever their exit codes say.
+# Checks that the commands did their work, whatever their exit codes say.
 ran() { # STEP WORDS
   grep -q "$2" "$base/$1.log" && return
   say "$1 ended well, but its log has no line with '$2'"

@@ -1,4 +1,4 @@
-// What is being done, seen from another place.
+// The current activity, seen from another thread.
 #include <gtest/gtest.h>
 
 #include "base/activity.hpp"

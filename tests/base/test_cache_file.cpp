@@ -1,4 +1,4 @@
-// The cache never gives anything but what was stored, whatever has happened to its files.
+// The cache returns only what was stored, whatever has happened to its files.
 #include "base/cache_file.hpp"
 
 #include <gtest/gtest.h>
@@ -106,7 +106,7 @@ TEST_F(Cache, IgnoresWhatIsNoFile) {
   fs::remove(path);
   fs::create_directory(path);
   EXPECT_FALSE(is_whole());
-  store();  // cannot; says so at the debug level only
+  store();  // fails, and reports it at the debug level only
   fs::remove(path);
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   EXPECT_FALSE(is_whole());

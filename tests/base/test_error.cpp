@@ -24,7 +24,7 @@ TEST(Error, IsCaughtAsAStandardException) {
   EXPECT_THROW(throw bad_input("a", "b"), std::runtime_error);
 }
 
-// Other programs act on these numbers.
+// Other programs depend on these numbers.
 TEST(Error, ExitCodesAreTheContract) {
   EXPECT_EQ(static_cast<int>(Exit::ok), 0);
   EXPECT_EQ(static_cast<int>(Exit::failed), 1);

@@ -1,4 +1,4 @@
-// Nothing that was read is written over, and nothing is written that was not declared.
+// No file that was read is overwritten, and only declared files are written.
 #include "base/file_register.hpp"
 
 #include <fcntl.h>
@@ -72,7 +72,7 @@ TEST_F(RegisterTest, WhatIsAnOutputIsNotRead) {
   }
   const KeptRegister kept;
   EXPECT_EQ(read_file(path("input"), 100), "input");
-  // Of what comes to be there, its name is known.
+  // The names of files that are to be created are known.
   const Outputs outputs({{"--csv", path("new")}});
   EXPECT_EQ(test::thrown_by([&] { refuse_output_as_input(path("deep/../new")); }).code(), Exit::usage);
   write_file(path("new"), "x");

@@ -21,7 +21,7 @@ std::filesystem::path file_with(const std::string& name, const std::string& text
   return folder / name;
 }
 
-/// What is wrong with the file, without its name.
+/// The error of the file, without its name.
 std::string fault_of(const std::filesystem::path& path, std::uint64_t most_bytes = InputFile::any_size) {
   try {
     const InputFile file(path, most_bytes);
@@ -42,7 +42,7 @@ TEST(InputFile, RefusesWhatIsNoFile) {
   EXPECT_EQ(fault_of("/dev/zero"), "is not a regular file");
   EXPECT_EQ(fault_of(file_with("empty", "")), "is empty");
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
-  EXPECT_EQ(fault_of(folder / "pipe"), "is not a regular file");  // and does not wait for a writer
+  EXPECT_EQ(fault_of(folder / "pipe"), "is not a regular file");  // and it does not wait for a writer
   std::filesystem::create_symlink(folder / "loop", folder / "loop");
   EXPECT_EQ(fault_of(folder / "loop"), "cannot be opened: Too many levels of symbolic links");
   if (geteuid() != 0) {

@@ -141,7 +141,7 @@ TEST(Log, LinesHaveAtMost500Bytes) {
   EXPECT_TRUE(line.ends_with("\\xff is wrong: give another\n")) << line;
 }
 
-/// stderr is a pipe that takes no more until it is read.
+/// stderr is a pipe that takes nothing more until it is read.
 class FullStderr {
  public:
   FullStderr() : before_(dup(STDERR_FILENO)) {
@@ -161,7 +161,7 @@ class FullStderr {
   FullStderr(const FullStderr&) = delete;
   FullStderr& operator=(const FullStderr&) = delete;
 
-  /// All that comes until nothing more does.
+  /// Reads until nothing more comes.
   std::string read_all() const {
     std::string text;
     std::array<char, 4096> block;
@@ -190,7 +190,7 @@ TEST(LogRelay, NobodyWaitsForWhoeverDoesNotRead) {
     EXPECT_LT(Clock::now() - begin, std::chrono::seconds(2));
     const std::uint64_t left_out = log::Relay::left_out();
     EXPECT_GT(left_out, 3000u);
-    // Whoever comes back hears what was first, and how much is missing where it is missing.
+    // A reader that comes back gets the beginning, and at the gap the number of missing lines.
     std::string text = full.read_all();
     const auto lines = static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n'));
     EXPECT_EQ(lines + left_out, 5000u);
@@ -214,7 +214,7 @@ TEST(LogRelay, ItsEndWaitsForNobodyLong) {
       log::warning("line " + std::to_string(i) + " of a great many that nobody reads");
   }
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
-  // Whoever reads afterwards hears of it.
+  // A later reader is told of it.
   const std::uint64_t left_out = log::Relay::left_out();
   EXPECT_EQ(left_out, 5000u) << "those that waited to the end are counted, too";
   testing::internal::CaptureStderr();

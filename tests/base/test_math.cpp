@@ -5,10 +5,10 @@
 namespace palpa {
 namespace {
 
-// A quarter turn about z that takes x to y, then a shift: T_a_b as its definition reads.
+// A quarter turn about z that takes x to y, then a shift: T_a_b exactly as defined.
 Transform quarter_turn() {
   Transform T_a_b(0.0);
-  T_a_b[0] = Vec4(0, 1, 0, 0);  // GLM indexes columns: where b's x axis goes
+  T_a_b[0] = Vec4(0, 1, 0, 0);  // GLM indexes columns: the direction of b's x axis in a
   T_a_b[1] = Vec4(-1, 0, 0, 0);
   T_a_b[2] = Vec4(0, 0, 1, 0);
   T_a_b[3] = Vec4(10, 20, 30, 1);

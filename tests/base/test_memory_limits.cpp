@@ -43,7 +43,7 @@ TEST(MemoryLimits, OfTheFirstVersionOnlyTheMemoryControllerCounts) {
   EXPECT_EQ(group_memory_left("4:cpu,cpuacct:/box\n3:hugetlb,memory:/box\n1:name=systemd:/box\n", root), 400u);
 }
 
-// A container may see the host's path to its group, and its group where all groups are on the host.
+// A container may see the host's path of its group, or its group at the place where all groups are on the host.
 TEST(MemoryLimits, AGroupThatIsNotThereIsTheContainersOwn) {
   const fs::path root = test::scratch_folder("groups-2");
   group(root / "memory", "1000", "700", "", true);

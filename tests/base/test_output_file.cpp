@@ -1,4 +1,4 @@
-// Whole files: the old one or the new one, whatever happens between.
+// Complete files: a reader gets the old one or the new one, whatever happens in between.
 #include "base/output_file.hpp"
 
 #include <fcntl.h>
@@ -228,7 +228,7 @@ TEST_F(OutputFileTest, AnOrdinaryUserIsToldOfRightsThatAreMissing) {
     }
   }
   chmod(folder_.c_str(), 0755);
-  chmod((folder_ / "closed").c_str(), 0755);  // whoever removes it may be an ordinary user
+  chmod((folder_ / "closed").c_str(), 0755);  // an ordinary user may have to remove it
 }
 
 TEST_F(OutputFileTest, KnowsAFileByEveryName) {

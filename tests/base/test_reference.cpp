@@ -1,4 +1,4 @@
-// References from file to file stay within the folder of the file that names them, whatever the path is made of.
+// References between files stay inside the folder of the file that names them, whatever the path consists of.
 #include "base/reference.hpp"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ TEST_F(ReferenceTest, WithinTheFolderAreFollowed) {
   for (const char* inside : {"beside", "./beside", "deep/below", "deep/../beside", "deep/deeper/../../beside", "absent",
                              "no/such/file", "link-in", "folder-in/below", "folder-in/../beside", "deep//below"})
     EXPECT_EQ(ReferenceFolder("m", folder_).find(inside, "buffer 0"), folder_ / inside) << inside;
-  // An absolute name of what is inside, and a folder that has another name.
+  // An absolute name of a file inside, and a folder with another name.
   EXPECT_EQ(ReferenceFolder("m", folder_).find((folder_ / "beside").string(), "x"), folder_ / "beside");
   EXPECT_EQ(ReferenceFolder("m", top_ / "scene-link").find("beside", "x"), top_ / "scene-link/beside");
   EXPECT_NO_THROW(ReferenceFolder("m", top_ / "scene-link/deep/..").find("beside", "x"));

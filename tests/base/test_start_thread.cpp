@@ -1,4 +1,4 @@
-// Threads where the system gives none: one line says what is missing, and what can do without goes on.
+// When the system gives no threads: one line says what is missing, and parts that can do without threads continue.
 #include "base/start_thread.hpp"
 
 #include <gtest/gtest.h>
@@ -21,8 +21,7 @@
 namespace palpa {
 namespace {
 
-/// Leaves this process no room for another thread's stack: no more memory, and the stacks that are kept for others in
-/// use.
+/// Leaves no room in this process for another thread's stack: no more memory, and all cached stacks are in use.
 void use_up_threads() {
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;

@@ -32,7 +32,7 @@ TEST(StreamWriter, LinesOfTwoOnOnePipeStayWhole) {
   });
   {
     StreamWriter a(ends[1], "a", 1 << 21), b(ends[1], "b", 1 << 21);
-    // What waits is taken all at once: many lines in one go, and more than a pipe takes.
+    // All waiting lines are taken at once: many lines together, and more than a pipe holds.
     for (auto* const writer : {&a, &b}) {
       std::istringstream lines(lines_of(writer == &a ? 'a' : 'b', count));
       for (std::string line; std::getline(lines, line);)

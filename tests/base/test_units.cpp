@@ -10,7 +10,7 @@ namespace {
 
 using enum Quantity;
 
-// Exactly the double that the SI number reads as: a value must not depend on the unit in which somebody typed it.
+// Exactly the double of the SI number: a value must not depend on the unit in which it is typed.
 TEST(Units, AreExact) {
   EXPECT_EQ(parse_quantity("1.5mm", length), 0.0015);
   EXPECT_EQ(parse_quantity("5mm", length), 0.005);

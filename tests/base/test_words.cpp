@@ -1,4 +1,4 @@
-// The words of enums, both ways.
+// The words of enums, in both directions.
 #include <gtest/gtest.h>
 
 #include "base/words.hpp"

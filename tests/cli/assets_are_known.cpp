@@ -1,5 +1,4 @@
-// Programs that these tests start, and what palpa does in the tests themselves, find palpa's own files in the source
-// tree.
+// Programs that these tests start, and palpa's code in the tests themselves, find palpa's own files in the source tree.
 #include <cstdlib>
 
 #include "support/shared_data.hpp"

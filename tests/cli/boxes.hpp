@@ -1,4 +1,4 @@
-// Boxes as glTF models, put where a test wants a solid.
+// Boxes as glTF models, placed where a test needs a solid.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,9 @@
 
 namespace palpa::test {
 
-/// A box with one face through `on_face`, whose outward normal is `normal`; `depth` thick behind it. `along` is a
-/// direction in that face (made so), along which the box reaches `half_along` to both sides; `half_across` across.
+/// A box with one face through `on_face`, whose outward normal is `normal`. It is `depth` thick behind that face.
+/// `along` is made a direction in that face. The box reaches `half_along` to both sides along it, and `half_across`
+/// across it.
 struct TiltedBox {
   std::string name;
   Vec3 on_face, normal, along;

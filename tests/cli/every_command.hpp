@@ -1,4 +1,4 @@
-// All of palpa's commands and their options, as its own help lists them: what is tried with each forgets none.
+// All of palpa's commands and their options, as its own help lists them, so that a test of all of them leaves none out.
 #pragma once
 
 #include <filesystem>
@@ -13,17 +13,17 @@ std::vector<std::string> every_command();
 
 struct HelpedOption {
   std::string name;  ///< "--delta"
-  std::string type;  ///< what stands for its value, "LENGTH"; empty for a flag
+  std::string type;  ///< the placeholder of its value, "LENGTH"; empty for a flag
 };
-/// `help` is what a program's --help printed.
+/// `help` is the output of a program's --help.
 std::vector<HelpedOption> options_in(const std::string& help);
 
-/// By command, a line that succeeds within a fraction of a second without a GPU, and what it reads; emulate's goes on
-/// until a signal.
+/// For each command, a command line that succeeds within a fraction of a second without a GPU, and its input files.
+/// `emulate` runs until a signal comes.
 class QuickLines {
  public:
   QuickLines();
-  /// Fails the test where a command has none.
+  /// Fails the test if a command has none.
   std::vector<std::string> of(const std::string& command) const;
 
  private:
@@ -31,7 +31,7 @@ class QuickLines {
   std::map<std::string, std::vector<std::string>> lines_;
 };
 
-/// Without an option and its values.
+/// The command line without an option and its values.
 std::vector<std::string> without(std::vector<std::string> line, const std::string& option);
 
 }  // namespace palpa::test

@@ -1,5 +1,5 @@
-// Preloaded into a program: a disk that stops answering. Whoever writes to a file below $HUNG_DISK, once a file
-// $HUNG_DISK/hangs is there, is kept for ever; signals do not help, as with a network file system that is gone.
+// Preloaded into a program: a disk that stops responding. Once a file $HUNG_DISK/hangs exists, a write to a file below
+// $HUNG_DISK blocks for ever. Signals do not help, as with a network file system that is gone.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <unistd.h>

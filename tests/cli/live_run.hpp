@@ -1,4 +1,4 @@
-// `palpa run`, another of its commands or another program, while it lives: nobody reads what it writes.
+// A running `palpa run`, another command of palpa or another program, whose output nobody reads.
 #pragma once
 
 #include <sys/types.h>
@@ -11,14 +11,14 @@
 
 namespace palpa::test {
 
-/// What takes no more, or may not: a pipe, a terminal, a file.
+/// An output that takes nothing more, or may stop to: a pipe, a terminal, a file.
 class Unread {
  public:
   /// A pipe, full and never read.
   static Unread pipe();
-  /// A terminal that Ctrl-S will stop.
+  /// A terminal that Ctrl-S can stop.
   static Unread terminal();
-  /// A file, on a disk that may stop answering.
+  /// A file, on a disk that may stop responding.
   static Unread file(const std::string& name);
   Unread(Unread&& other) noexcept;
   Unread& operator=(Unread&&) = delete;
@@ -27,29 +27,29 @@ class Unread {
   int end() const { return end_; }
   /// Ctrl-S.
   void stop();
-  /// All that has been written so far; the pipe takes more then.
+  /// Everything written so far; afterwards, the pipe takes more.
   std::string read_all();
 
  private:
   Unread(int end, int other) : end_(end), other_(other) {}
   int end_ = -1;    ///< the program's
-  int other_ = -1;  ///< ours
+  int other_ = -1;  ///< the test's
 };
 
 struct LiveOptions {
   const Unread* out = nullptr;  ///< stdout; else /dev/null
   const Unread* err = nullptr;  ///< stderr; else /dev/null
-  bool foreground = false;      ///< `err` is the terminal that it runs on
+  bool foreground = false;      ///< `err` is its terminal, and it runs in the foreground
   Environment environment{};
   const char* command = "run";
-  std::string program{};  ///< in palpa's place; without a command
+  std::string program{};  ///< instead of palpa; without a command
 };
 
 class LiveRun {
  public:
-  /// palpa, or that program, with these arguments.
+  /// Starts palpa, or that program, with these arguments.
   explicit LiveRun(const std::vector<std::string>& arguments, const LiveOptions& options = {});
-  ~LiveRun();  ///< kills what is left
+  ~LiveRun();  ///< kills remaining processes
   LiveRun(const LiveRun&) = delete;
   LiveRun& operator=(const LiveRun&) = delete;
 
@@ -57,12 +57,13 @@ class LiveRun {
   void signal(int signal) const;
 
   struct End {
-    bool ended = false;  ///< in time
-    int exit_code = -1;  ///< -1 where a signal ended it
+    bool ended = false;  ///< within the time limit
+    int exit_code = -1;  ///< -1 if a signal ended it
     int by_signal = 0;
-    double after_s = 0;  ///< since this was asked
+    double after_s = 0;  ///< since the call
   };
-  /// For the program's end, which is its first thread's: not for the system, which takes its memory down after that.
+  /// Waits for the program's end, which is the end of its first thread. The system frees the program's memory only
+  /// after that; this is not waited for.
   End wait(double at_most_s);
 
  private:

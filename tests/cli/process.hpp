@@ -1,4 +1,4 @@
-// Runs the real programs as a shell would, and keeps what they said.
+// Runs the real programs like a shell does, and keeps their output.
 #pragma once
 
 #include <filesystem>
@@ -8,24 +8,24 @@
 
 namespace palpa::test {
 
-/// Names and values, added to this process's.
+/// Names and values that are added to this process's environment.
 using Environment = std::vector<std::pair<std::string, std::string>>;
 
 struct RunOptions {
   Environment environment;
   std::string stdout_file;           ///< where stdout goes instead of into `Result::out`, e.g. /dev/full
   bool close_stdout_reader = false;  ///< stdout is a pipe that nobody reads
-  double timeout_s = 120;            ///< then the program is killed, and `timed_out` is set
+  double timeout_s = 120;            ///< after that, the program is killed and `timed_out` is set
 };
 
 struct Result {
-  int exit_code = -1;  ///< -1 where a signal ended it
+  int exit_code = -1;  ///< -1 if a signal ended it
   int signal = 0;
   bool timed_out = false;
   std::string out, err;
   double processor_s = 0;  ///< of all its threads
   double peak_mib = 0;     ///< resident memory
-  long page_faults = 0;    ///< pages of memory that it got
+  long page_faults = 0;    ///< pages of memory that it was given
 
   /// The lines of stderr.
   std::vector<std::string> err_lines() const;
@@ -34,19 +34,20 @@ struct Result {
 /// `arguments` without the program's own name.
 Result run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                    const RunOptions& options = {});
-/// In a forked child: becomes a program as a shell would start it, with nothing to read.
+/// In a forked child: becomes a program as a shell would start it, with an empty stdin.
 [[noreturn]] void become(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                          const Environment& environment, int out, int err);
-/// For palpa: a build folder may lie outside the source tree, where it does not find its assets by itself.
+/// Tells palpa where its assets are: a build folder may lie outside the source tree, where palpa does not find them by
+/// itself.
 Environment::value_type where_assets_are();
-/// The `palpa` that this build made, and where it is.
+/// The path of this build's `palpa`.
 std::string palpa_binary();
 Result palpa(const std::vector<std::string>& arguments, const RunOptions& options = {});
 
-/// A command line with more behind it.
+/// A command line with further arguments.
 std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more);
 
-/// gtest: the program failed with `code`, said so in one line that contains `part`, and printed no result.
+/// gtest: the program failed with `code`, printed one line of error that contains `part`, and printed no result.
 void expect_failure(const Result& result, int code, const std::string& part);
 
 }  // namespace palpa::test

@@ -1,5 +1,5 @@
-// Films of fingers on the paper's objects before the paper's rig, played by the real `palpa run`, and how its foci
-// move.
+// Films of fingers on the paper's objects in front of the paper's rig, played by the real `palpa run`, and the motion
+// of its foci.
 #pragma once
 
 #include <cstdint>
@@ -12,24 +12,24 @@
 
 namespace palpa::test {
 
-/// What the finger of assets/finger.ply does on an object, 90 frames a second.
+/// The motion of the finger of assets/finger.ply on an object, at 90 frames a second.
 struct Film {
   std::string object;  ///< cube, semi-sphere, pyramid or prism: its top at y = 0 on the y axis
   std::string name;
   sensing::Motion motion;
   int frames = 0;
-  std::string path;  ///< films of one path are the same, whatever object they are played on
+  std::string path;  ///< films with the same path are the same, whatever object they are played on
   sensing::Noise noise = sensing::Noise::d415;
 };
 
-/// At rest near the object's middle, 2, 3 and 4 mm deep, `frames` each, away in between.
+/// At rest near the object's middle, 2, 3 and 4 mm deep, `frames` each, with the finger away in between.
 Film resting(const std::string& object, int frames);
-/// Dips and sways as the synthetic source's own finger does.
+/// Dips and sways like the finger of the synthetic source.
 Film dipping(const std::string& object, int frames);
 /// Slides by 0.25 mm per frame, noise-free: over the cube and its edges, across the prism's ridge or along it and over
-/// its ends, over the pyramid's top, over the semi-sphere and down its sides. `half`: of what is long only the end.
+/// its ends, over the pyramid's top, over the semi-sphere and down its sides. `half`: of long slides, only the end.
 Film sliding(const std::string& object, bool along, bool half);
-/// To and fro at 100 mm/s, 20 ms to get there, so many times.
+/// Back and forth at 100 mm/s, 20 ms each way, this many times.
 Film fast(const std::string& object, int times);
 
 inline constexpr double film_hz = 90;
@@ -37,7 +37,7 @@ inline constexpr double film_hz = 90;
 /// Renders a film into a new folder, as a recording.
 void record(const Film& film, const std::filesystem::path& folder);
 
-/// One line of foci: one frame.
+/// One line of foci, which is one frame.
 struct FociLine {
   double time_s = 0;
   struct Finger {
@@ -47,23 +47,23 @@ struct FociLine {
   std::vector<Finger> fingers;
 };
 
-/// What `palpa run --every-frame --link foci:udp` sends for a source, a line for nearly each of its frames: two that
-/// are ready within one slot have one line. `options` are added to the command line. Fails the test where the program
-/// does.
+/// The output of `palpa run --every-frame --link foci:udp` for a source, a line for nearly each of its frames: two
+/// frames that are ready within one slot have one line. `options` are added to the command line. Fails the test if the
+/// program fails.
 std::vector<FociLine> play(const std::string& source, const std::string& object,
                            const std::vector<std::string>& options = {});
 
-/// From frame to frame, of the focus that moves most: metres. `relative` is less the movement of the foci's mean.
+/// From frame to frame, movement of the focus that moves most: metres. `relative`: without the movement of the foci's
+/// mean.
 struct Movement {
   std::vector<double> relative, absolute;
   double share(double quantile) const { return at(relative, quantile); }
   static double at(std::vector<double> values, double quantile);
 };
-/// Of frames that follow each other; a touch's first `leave_out` frames do not count.
+/// For consecutive frames; a touch's first `leave_out` frames do not count.
 Movement movement_of(const std::vector<FociLine>& lines, int leave_out = 0);
 
-/// By how much the mean of the foci of `late` follows that of `early` later, in seconds: least squares over all
-/// fingers.
+/// The delay of the mean of the foci of `late` behind that of `early`, in seconds: least squares over all fingers.
 double lag_of(const std::vector<FociLine>& early, const std::vector<FociLine>& late);
 
 }  // namespace palpa::test

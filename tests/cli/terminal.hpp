@@ -1,4 +1,4 @@
-// The real program on a terminal of its own, in the foreground, as a person has it.
+// The real program in the foreground of its own terminal, as a person runs it.
 #pragma once
 
 #include <sys/types.h>
@@ -12,18 +12,18 @@ class Terminal {
  public:
   /// `palpa` with these arguments.
   explicit Terminal(const std::vector<std::string>& arguments);
-  /// Another program, found as a shell finds it. The terminal has 80 columns.
+  /// Another program, found like a shell finds it. The terminal has 80 columns.
   Terminal(const std::string& program, const std::vector<std::string>& arguments);
-  /// Ends the program where it has not ended.
+  /// Ends the program if it has not ended.
   ~Terminal();
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
-  /// Waits, at most half a minute, until `part` is among what the program has written.
+  /// Waits, at most half a minute, until the program's output contains `part`.
   bool shows(const std::string& part);
   /// Keys; "\x03" is Ctrl-C.
   void type(const std::string& keys) const;
-  /// The signal that ended the program; 0 where it ended by itself. Waits for it.
+  /// The signal that ended the program; 0 if it ended by itself. Waits for the end.
   int ended_by_signal();
   const std::string& text() const { return text_; }
 

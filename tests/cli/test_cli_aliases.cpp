@@ -1,5 +1,5 @@
-// No command writes over what it reads, nor one output over another, whatever they are called: the same path, symbolic
-// and hard links, "..", "//", /proc/self/fd. All is refused before anything long is begun.
+// No command overwrites its input, or one output with another, under any name: the same path, symbolic and hard links,
+// "..", "//", /proc/self/fd. All of this is rejected before any long work begins.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

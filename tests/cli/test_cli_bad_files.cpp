@@ -1,5 +1,5 @@
-// Broken, hostile and absurd files for every option that takes one: exit code 4 and one line naming the file, within a
-// second and a gigabyte.
+// Broken, hostile and absurd files for every option that takes a file: exit code 4 and one line that names the file,
+// within a second and a gigabyte.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 

@@ -1,4 +1,4 @@
-// A subcommand that a room above the engine brings along, as palpa's own are made.
+// A subcommand that a room above the engine adds works like palpa's own.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-// No file costs more than it weighs: families of models whose cost would grow faster than their size are answered, or
-// refused with the limit that they exceed, within processor time and memory that grow as their size does.
+// The cost of a file is bounded by its size. Families of models whose cost would grow faster than their size are
+// processed, or rejected with the limit that they exceed, within processor time and memory that grow like their size.
 #include <gtest/gtest.h>
 
 #include <cmath>

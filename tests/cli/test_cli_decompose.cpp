@@ -1,4 +1,4 @@
-// `palpa decompose`, and touching what it wrote.
+// `palpa decompose`, and touching its output.
 #include <gtest/gtest.h>
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// `palpa doctor` on whatever machine this is: a GPU, perhaps none; USB, perhaps none.
+// `palpa doctor` on any machine: with or without a GPU, with or without USB.
 #include <gtest/gtest.h>
 
 #include "process.hpp"

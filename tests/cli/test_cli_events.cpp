@@ -1,4 +1,4 @@
-// `palpa run --events` and --hold: a recording of a few pixels, whose touches can be worked out with pencil and paper.
+// `palpa run --events` and --hold: a recording of a few pixels, whose touches can be worked out by hand.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>

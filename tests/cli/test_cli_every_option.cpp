@@ -1,5 +1,5 @@
-// What is tried with every command and every option that help lists: numbers that are none, or far too large, and a
-// stdout that cannot be written.
+// Tests of every command and every option that help lists: invalid or far too large numbers, and a stdout that cannot
+// be written.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// `palpa field`: where it looks, what it writes, that both backends and both ways to a drive agree, what it refuses.
+// `palpa field`: its points, its output, agreement of both backends and of both ways to a drive, and its errors.
 #include <gtest/gtest.h>
 
 #include <algorithm>

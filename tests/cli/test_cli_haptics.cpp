@@ -1,4 +1,4 @@
-// What a scene's author asks for one object, as `palpa touch` and `palpa run` heed it.
+// The haptics of a scene's author for one object, in `palpa touch` and `palpa run`.
 #include <gtest/gtest.h>
 
 #include <array>

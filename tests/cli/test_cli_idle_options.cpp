@@ -1,6 +1,6 @@
-// No option is ignored without a word. Each option of each command is in the list of those that were looked at and
-// always have an effect, or is refused where it has none: a new one belongs to one of the two. (--layout beside --rig
-// is no such case: it takes the place of the rig's array, as each --help says.)
+// No option is ignored silently. Each option of each command is in the list of options that were checked and always
+// have an effect, or is rejected if it has none: a new option needs one of the two. (--layout beside --rig is no
+// exception: it replaces the rig's array, as each --help says.)
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// --method, --modulation, --spectrum and --tune as the real program has them.
+// --method, --modulation, --spectrum and --tune in the real program.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// `palpa calibrate --nudge`: a focus that keys move, and the array where they say it stands.
+// `palpa calibrate --nudge`: keys move a focus, which gives the array's pose.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Outputs never destroy an input or one another, are refused before long work, and end as promised on a full disk; what
-// is said about any of it is short and printable.
+// Outputs never destroy an input or each other, are rejected before long work, and end as promised on a full disk. All
+// messages about them are short and printable.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 

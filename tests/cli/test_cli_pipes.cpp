@@ -1,5 +1,5 @@
-// Named pipes that nobody reads: a link is an error soon, since its array would wait with it; for results palpa waits,
-// says so in a line, and Ctrl-C ends that.
+// Named pipes that nobody reads: for a link, this is soon an error, because its array would wait with it. For results,
+// palpa waits and says so in a line; Ctrl-C ends the wait.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>

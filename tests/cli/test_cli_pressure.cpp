@@ -1,4 +1,4 @@
-// How loud foci are: `palpa touch --layout`, and the pressure that is asked for, as the real program has them.
+// The loudness of foci: `palpa touch --layout`, and the requested pressure, in the real program.
 #include <gtest/gtest.h>
 
 #include <algorithm>

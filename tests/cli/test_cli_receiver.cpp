@@ -1,4 +1,4 @@
-// The receiver that docs/examples offers for copying: it plays what it is told, and nothing that it was not.
+// The receiver in docs/examples that users may copy: it plays what it is sent, and nothing else.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>

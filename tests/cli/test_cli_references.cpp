@@ -1,5 +1,5 @@
-// Scenes and recordings of others: what they refer to stays in their folders, and no message shows what other files
-// hold.
+// Scenes and recordings from other people: their references stay in their folders, and no message shows the contents of
+// other files.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 

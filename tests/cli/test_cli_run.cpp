@@ -1,4 +1,4 @@
-// The live loop as the real program: what it says, what it sends, and that it always ends in silence.
+// The live loop as the real program: its messages, its data, and that it always ends in silence.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>

@@ -1,5 +1,5 @@
-// `palpa scatter`: its tables against the sphere's series, its force, and which meshes it refuses. And `palpa drive`
-// for foci on such a mesh, which are as loud as `scatter` then finds.
+// `palpa scatter`: its tables against the sphere's series, its force, and the meshes that it rejects. Also `palpa
+// drive` for foci on such a mesh, which are as loud as `scatter` then computes.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

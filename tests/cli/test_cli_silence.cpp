@@ -1,4 +1,4 @@
-// Whatever a live loop writes to, and nobody reads: it sounds on, and a signal ends it in silence within a second.
+// Outputs of a live loop that nobody reads: it continues to sound, and a signal ends it in silence within a second.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>

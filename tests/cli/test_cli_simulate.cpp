@@ -1,5 +1,4 @@
-// `palpa simulate`: that its numbers are those of its table, that its averages are those of the drives one by one, and
-// what it refuses.
+// `palpa simulate`: its numbers are those of its table, its averages are those of the single drives, and its errors.
 #include <gtest/gtest.h>
 
 #include <algorithm>

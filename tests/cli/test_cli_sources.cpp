@@ -1,4 +1,4 @@
-// palpa run with a source that a room above the engine brings along, as a camera's does.
+// palpa run with a source that a room above the engine adds, such as a camera's.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

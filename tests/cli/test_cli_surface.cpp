@@ -1,5 +1,5 @@
-// `palpa touch` on models of several kinds against a computation of its own: every point's depth by the nearest of all
-// triangles and the generalized winding number, in double precision.
+// `palpa touch` on models of several kinds, against an independent computation: every point's depth by the nearest of
+// all triangles and the generalized winding number, in double precision.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The contract that every subcommand keeps: exit codes, one-line errors, --help, where results go.
+// The contract that every subcommand keeps: exit codes, one-line errors, --help, the places of results.
 #include <gtest/gtest.h>
 
 #include <algorithm>

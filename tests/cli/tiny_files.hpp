@@ -1,4 +1,4 @@
-// The smallest scene and recording that palpa reads, of files beside one another.
+// The smallest scene and recording that palpa reads, from files next to each other.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ inline void write_tetrahedron(const std::filesystem::path& bin) {
                       std::string(reinterpret_cast<const char*>(faces.data()), sizeof(faces)));
 }
 
-/// A scene of such a tetrahedron, which `uri` holds, and a picture that nobody looks at.
+/// A scene with such a tetrahedron, which is in `uri`, and a picture that nothing uses.
 inline void write_scene(const std::filesystem::path& gltf, const std::string& uri,
                         const std::string& picture = "picture.png") {
   write_text(gltf, R"({"asset":{"version":"2.0"},"images":[{"uri":")" + picture + R"("}],
@@ -40,7 +40,7 @@ inline void write_depth(const std::filesystem::path& png) {
   sensing::write_png16(png, 8, 4, std::vector<std::uint16_t>(32, 300));
 }
 
-/// A recording of one frame; `keys` stand in its [recording], `mask` at its camera.
+/// A recording of one frame; `keys` is text in its [recording], `mask` at its camera.
 inline void write_recording(const std::filesystem::path& toml, const std::string& keys, const std::string& mask = {}) {
   write_text(toml,
              std::string(tiny_camera) + (mask.empty() ? "" : "mask = \"" + mask + "\"\n") + "[recording]\n" + keys);

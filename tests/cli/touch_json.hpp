@@ -1,4 +1,4 @@
-// What `palpa touch --json` printed, checked against the contract while it is read.
+// The output of `palpa touch --json`, checked against the contract while it is read.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct TouchReport {
   std::vector<std::uint32_t> contacts;
   std::vector<double> depths;
   std::vector<TouchFinger> fingers;
-  std::string without_times;  ///< the document less timing_ms, which may differ from run to run
+  std::string without_times;  ///< the document without timing_ms, which may differ from run to run
 };
 
 /// Runs `palpa touch ... --json -`, expects success, and checks keys, their order, types and every relation between

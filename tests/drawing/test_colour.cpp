@@ -1,4 +1,4 @@
-// Colours and the map of values: even, in order, also without colour.
+// Colours and the colour map: even, in order, also without colour.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ double decode(double c) {
   return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
 }
 
-/// From the screen's colours back to Oklab, by the matrices that its author gives for this direction.
+/// From the screen's colours back to Oklab, with its author's matrices for this direction.
 std::array<double, 3> oklab(const Colour& c) {
   const double r = decode(c.r), g = decode(c.g), b = decode(c.b);
   const double l = std::cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);

@@ -1,4 +1,4 @@
-// The picture of a plane: what is where, and that nothing is cut off.
+// The picture of a plane: the places of its parts, and nothing is cut off.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -29,7 +29,7 @@ TEST(Font, HasEveryPrintableCharacterAndAllDiffer) {
     EXPECT_TRUE(drawings.insert(drawing).second) << c << " looks like another character";
   }
   EXPECT_TRUE(strokes_of(" ").empty());
-  EXPECT_EQ(strokes_of("\u4e2d").size(), box.size());  // what it lacks is a box
+  EXPECT_EQ(strokes_of("\u4e2d").size(), box.size());  // a missing glyph is a box
 }
 
 TEST(Font, StaysInsideItsWidthAndHeight) {

@@ -64,7 +64,7 @@ TEST(Libpng, WhatIsBrokenIsAFaultInBothReaders) {
   EXPECT_FALSE(begins_as_png("this is no picture"));
   EXPECT_THROW(PngValues("this is no picture"), PngFault);
   EXPECT_THROW(PngPicture("this is no picture"), PngFault);
-  EXPECT_THROW(PngValues{half}, PngFault);  // a chunk promises more than there is
+  EXPECT_THROW(PngValues{half}, PngFault);  // a chunk that claims to be longer than the file
   EXPECT_THROW(PngPicture(half).read_rgba(), PngFault);
   std::string corrupt = good;
   corrupt[good.size() / 2] = static_cast<char>(corrupt[good.size() / 2] ^ 0x55);

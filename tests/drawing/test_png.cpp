@@ -81,7 +81,7 @@ TEST(Png, MeanDifference) {
   b.rgba[0] = 51;
   EXPECT_DOUBLE_EQ(mean_difference(a, b), 51.0 / 255 / 300);
   b = a;
-  b.rgba[3] = 255;  // alpha does not count
+  b.rgba[3] = 255;  // alpha is ignored
   EXPECT_EQ(mean_difference(a, b), 0);
 }
 

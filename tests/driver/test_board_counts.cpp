@@ -1,4 +1,4 @@
-// How many drives have come how far: what boards and their guard count.
+// How many drives reached which point: the counts of boards and their guard.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -21,7 +21,7 @@ TEST(Autd3Counts, CountsDrivesAsThePlanThatTheyBelongToHasCome) {
       rig.board->play(rig.slot, rig.part(rig.slot));
   };
   {
-    // A server that hangs: what may pass until a plan is there is bounded, what comes after that is lost.
+    // A server that hangs: the data that may wait until a plan arrives is bounded, and later data is lost.
     const std::lock_guard hangs(rig.serving->lock);
     rig.plan();
     play(10);

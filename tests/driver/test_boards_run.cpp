@@ -1,4 +1,4 @@
-// `palpa run` against emulated AUTD3 units and SonicSurface boards: the real programs, a line between them.
+// `palpa run` with emulated AUTD3 units and SonicSurface boards: the real programs, with a line between them.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -30,7 +30,8 @@ std::vector<std::string> run_to(const std::string& link, const std::string& layo
           link};
 }
 
-/// Every hand-over in its order, and nothing that is in none. How many there are is the machine's business.
+/// Checks that the counts of all hand-overs are in order and that no drive is missing. The numbers depend on the
+/// machine.
 void expect_counts(const std::string& results) {
   const json hand_over = json::parse(results)["hand_over"];
   ASSERT_TRUE(hand_over.contains("drives")) << results;
@@ -47,7 +48,7 @@ void expect_counts(const std::string& results) {
 
 TEST(Autd3Run, UnitsHearALoopToItsSilentEnd) {
   const auto folder = scratch_folder("autd3-run");
-  const std::string address = driver::autd3::Listener(0).address();  // free, and nobody else is after it
+  const std::string address = driver::autd3::Listener(0).address();  // free, and nobody else wants it
   const std::string port = address.substr(address.find(':') + 1);
   LiveOptions options;
   options.command = "emulate";
@@ -57,7 +58,7 @@ TEST(Autd3Run, UnitsHearALoopToItsSilentEnd) {
   Result result;
   for (int tries = 0; tries < 50 && result.exit_code != 0; ++tries) {
     result = palpa(with(run_to("autd3:" + address, "autd3"), {"--log-level", "info", "--json", "-"}));
-    if (result.err.find("cannot be reached") == std::string::npos) break;  // else it has not begun to listen
+    if (result.err.find("cannot be reached") == std::string::npos) break;  // otherwise it does not listen yet
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -78,8 +79,8 @@ TEST(Autd3Run, UnitsHearALoopToItsSilentEnd) {
   EXPECT_EQ(first["hex"], "100100415554443352454d4f5445");
 }
 
-/// palpa, again for a while where the guard of the run before still holds the line: on a busy machine it ends a little
-/// later.
+/// palpa, repeated while the guard of the previous run still holds the line: on a busy machine, that guard ends a
+/// little later.
 Result palpa_on_free_line(const std::vector<std::string>& arguments) {
   for (int tries = 0;; ++tries) {
     Result result = palpa(arguments);
@@ -98,7 +99,7 @@ TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
       with(run_to("sonicsurface:" + pty.path(), "sonicsurface"), {"--method", "single-focus", "--json", "-"}));
   const Result refused =
       palpa_on_free_line(with(run_to("sonicsurface:" + pty.path(), "sonicsurface"), {"--method", "cross-section"}));
-  // Nothing but the link says which array it is, and nothing which method.
+  // Only the link says which array it is, and no option gives the method.
   const Result chosen = palpa_on_free_line({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "30",
                                             "--hold", "500ms", "--link", "sonicsurface:" + pty.path()});
   const Result slow =

@@ -1,4 +1,4 @@
-// `palpa doctor` with boards and cameras on a made-up USB: umockdev shows libusb a /sys and /dev that do not exist.
+// `palpa doctor` with boards and cameras on an emulated USB: umockdev shows libusb a /sys and /dev that do not exist.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Ends the test where umockdev cannot be had: it slips in by LD_PRELOAD, which sanitizers do not bear.
+/// Skips the test if umockdev is unavailable: it is loaded by LD_PRELOAD, which sanitizers do not support.
 #define PALPA_UMOCKDEV_OR_SKIP(variable)                                                                         \
   const std::filesystem::path variable = "/usr/bin/umockdev-run";                                                \
   if (!std::filesystem::exists(variable)) GTEST_SKIP() << "skipped: no umockdev-run (apt-get install umockdev)"; \
@@ -44,7 +44,7 @@ TEST(DriverDoctor, FindsBoardsAndCamerasOnUsb) {
   EXPECT_EQ(ft232h["address"], 19);
   EXPECT_EQ(ft232h["serial"], "FTY4PDOI");
   EXPECT_TRUE(ft232h["usable"].get<bool>());
-  // The same chip is in many other things.
+  // Many other devices have the same chip.
   EXPECT_NE(ft232h["advice"].get<std::string>().find("serial number"), std::string::npos);
   EXPECT_EQ(report["boards"][2]["id"], "2341:0042");
   ASSERT_GE(report["cameras"].size(), 1u);
@@ -55,7 +55,7 @@ TEST(DriverDoctor, FindsBoardsAndCamerasOnUsb) {
 TEST(DriverDoctor, ADeviceThatMayNotBeOpenedIsExplained) {
   PALPA_UMOCKDEV_OR_SKIP(mock);
   const auto file = scratch_folder("usb-forbidden") / "usb.umockdev";
-  // The node is announced by sysfs, but is not there to be opened.
+  // sysfs announces the node, but it cannot be opened.
   std::string device = describe({3, 19, "0403", "6014", "FTY4PDOI"});
   device.erase(device.find("N: "), device.find("E: DEVNAME") - device.find("N: "));
   std::string camera = describe({2, 12, "8086", "0ad3", "728612070259"});

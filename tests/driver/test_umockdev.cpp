@@ -1,5 +1,5 @@
-// OpenMPD boards through the real libusb, whose kernel is umockdev and whose board is the emulator: what the bus of
-// this process's own memory (test_openmpd_board.cpp) cannot show is that libusb is asked in the right way.
+// OpenMPD boards through the real libusb, with umockdev as its kernel and the emulator as the board. The bus in this
+// process's memory (test_openmpd_board.cpp) cannot test that libusb is called correctly.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,10 +26,10 @@ class LibusbOnUmockdev : public testing::Test {
     bus = std::make_unique<UmockdevBus>(*rig.emulators[0], rig.clock);
   }
   void TearDown() override {
-    rig.board.reset();  // while there is somebody to answer it
+    rig.board.reset();  // while the bus can still answer it
     bus.reset();
   }
-  /// Plays until the board is in step again and sounds, at most that long.
+  /// Plays until the board is in step again and sounds, at most for that time.
   bool sounds_within(const array::Drive& drive, double seconds) {
     const auto sounds = [&] { return rig.board->in_step() && rig.notes.warnings.size() > 1 && rig.sounds(); };
     for (const double end_s = rig.clock.now_s() + seconds; rig.clock.now_s() < end_s && !sounds();)

@@ -25,7 +25,7 @@ usbdevfs_urb& urb_of(const UMockdevIoctlData* data) {
   return *reinterpret_cast<usbdevfs_urb*>(data->data);
 }
 
-/// What the request's argument points to; null where it points to nothing.
+/// The data that the request's argument points to; null if there is none.
 UMockdevIoctlData* resolve(UMockdevIoctlData* data, std::size_t offset, std::size_t bytes) {
   GError* error = nullptr;
   UMockdevIoctlData* const found = umockdev_ioctl_data_resolve(data, offset, bytes, &error);
@@ -74,7 +74,7 @@ void UmockdevBus::drop(const Transfer& transfer) {
   g_object_unref(transfer.urb);
 }
 
-/// On umockdev's thread, while whoever called libusb waits.
+/// Runs on umockdev's thread, while the caller of libusb waits.
 int UmockdevBus::asked(UMockdevIoctlBase*, UMockdevIoctlClient* client, void* self) {
   static_cast<UmockdevBus*>(self)->answer(client);
   return TRUE;
@@ -128,7 +128,7 @@ int UmockdevBus::submit(UMockdevIoctlData* argument) {
   return 0;
 }
 
-/// Its argument is the transfer's address itself.
+/// Its argument is the address of the transfer itself.
 int UmockdevBus::discard(const UMockdevIoctlData* argument) {
   gulong address = 0;
   std::memcpy(&address, argument->data, sizeof address);
@@ -143,7 +143,7 @@ int UmockdevBus::discard(const UMockdevIoctlData* argument) {
 
 int UmockdevBus::reap(UMockdevIoctlData* argument) {
   peripheral_.advance(clock_.now_s());
-  // A device's endpoint takes one after the other; requests go by it.
+  // A device's endpoint handles one bulk transfer after the other; other requests need not wait.
   bool bulk_waits = false;
   for (auto transfer = begun_.begin(); transfer != begun_.end();) {
     const bool bulk = urb_of(transfer->urb).type == USBDEVFS_URB_TYPE_BULK;

@@ -1,5 +1,5 @@
-// A device made of software under the real libusb: umockdev takes what libusb asks of the kernel's usbfs, and the
-// device answers it.
+// An emulated device under the real libusb: umockdev intercepts libusb's requests to the kernel's usbfs, and the device
+// answers them.
 #pragma once
 
 #include <deque>
@@ -17,17 +17,17 @@ namespace palpa::test {
 
 class UmockdevBus {
  public:
-  /// Plugs it in as an FT232H on port 1-3. The clock is asked while the caller waits for libusb.
+  /// Plugs it in as an FT232H on port 1-3. The clock is read while the caller waits for libusb.
   UmockdevBus(driver::usb::Peripheral& peripheral, driver::Clock& clock);
   ~UmockdevBus();
   UmockdevBus(const UmockdevBus&) = delete;
   UmockdevBus& operator=(const UmockdevBus&) = delete;
 
-  /// Whether umockdev is loaded before libc, without which nothing of this works.
+  /// Whether umockdev is loaded before libc; otherwise nothing here works.
   static bool works();
 
-  bool stalled = false;    ///< the bulk endpoint, until it is cleared
-  bool unplugged = false;  ///< the kernel knows no such device any more
+  bool stalled = false;    ///< the bulk endpoint, until its halt is cleared
+  bool unplugged = false;  ///< the device no longer exists for the kernel
   unsigned clears = 0, resets = 0, bulk_transfers = 0;
 
  private:

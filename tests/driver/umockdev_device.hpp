@@ -12,7 +12,7 @@ struct FakeDevice {
   std::string serial;
 };
 
-/// Low byte first; umockdev wants capitals.
+/// Low byte first; umockdev requires capitals.
 inline std::string swapped(const std::string& hex) {
   std::string bytes = hex.substr(2, 2) + hex.substr(0, 2);
   for (char& c : bytes)

@@ -1,4 +1,4 @@
-// glTF files made in tests, piece by piece, with no help from the reader under test.
+// glTF files made in tests, piece by piece, without the reader under test.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ class GltfBuilder {
   std::string text(const std::string& uri) const;
   std::vector<unsigned char> glb() const;
 
-  /// A data URI inside, a .bin beside it, or a .glb.
+  /// As a data URI inside, with a .bin beside it, or as a .glb.
   std::filesystem::path write_embedded(const std::filesystem::path& file) const;
   std::filesystem::path write_with_bin(const std::filesystem::path& file) const;
   std::filesystem::path write_glb(const std::filesystem::path& file) const;
@@ -38,7 +38,7 @@ class GltfBuilder {
   std::vector<unsigned char> bin;
 };
 
-/// Bytes of numbers, little-endian.
+/// The bytes of numbers, little-endian.
 template <typename T>
 std::vector<unsigned char> bytes_of(const std::vector<T>& values) {
   const auto* first = reinterpret_cast<const unsigned char*>(values.data());

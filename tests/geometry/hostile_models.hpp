@@ -8,7 +8,7 @@
 
 namespace palpa::test::hostile {
 
-/// Parallel rods along a diagonal of the axes: their boxes all overlap, they do not.
+/// Parallel rods along a diagonal of the axes: all their boxes overlap, the rods do not.
 geometry::Mesh rods(int count);
 
 /// Boxes within boxes, facing outwards and inwards in turn, or all outwards.
@@ -17,7 +17,7 @@ geometry::Mesh nested(int count, bool in_turn);
 /// A fan of needles around one edge.
 geometry::Mesh needles(std::uint32_t count);
 
-/// A small box with a skin of so many joints, which as many nodes show in the same place.
+/// A small box with a skin of this many joints, shown by as many nodes in the same place.
 GltfBuilder many_bones(int joints);
 
 }  // namespace palpa::test::hostile

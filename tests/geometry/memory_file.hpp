@@ -19,7 +19,7 @@ class MemoryFile {
   MemoryFile(const MemoryFile&) = delete;
   MemoryFile& operator=(const MemoryFile&) = delete;
 
-  /// Replaces the content; the path to open it by.
+  /// Replaces the content and returns the path to open it by.
   std::filesystem::path write(const void* data, std::size_t size) {
     if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, data, size, 0) != static_cast<ssize_t>(size)) {
       throw std::runtime_error("cannot write to a memory file");

@@ -81,7 +81,7 @@ Quantized quantized_file(const Mesh& mesh, int component, bool normalized) {
       if (component == 5122) put(bytes, static_cast<std::int16_t>(n));
       if (component == 5123) put(bytes, static_cast<std::uint16_t>(n));
     }
-    // Vertices start at multiples of four bytes.
+    // Vertices are aligned to four bytes.
     while (bytes.size() % 4 != 0)
       bytes.push_back(0);
   }

@@ -1,4 +1,4 @@
-// Decomposition: what needs no V-HACD always, the rest where palpa was built with it.
+// Decomposition: the parts that need no V-HACD always, the rest if palpa was built with it.
 #include "geometry/parts/decompose.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ TEST(Nearest, IsTheLeastOverAllTriangles) {
     const Vec3 p(place(random), place(random), place(random));
     double least = 1e300;
     for (const glm::uvec3& t : mesh.triangles) {
-      // Independent of closest_on_triangle: the least over a fine net of the triangle's points bounds it from above.
+      // Independent of closest_on_triangle: the minimum over a fine grid of the triangle's points is an upper bound.
       const Vec3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
       for (int u = 0; u <= 8; ++u) {
         for (int v = 0; u + v <= 8; ++v)
@@ -48,8 +48,8 @@ TEST(Nearest, IsTheLeastOverAllTriangles) {
 TEST(Vhacd, HasAStackForEachVertex) {
   NEEDS_VHACD();
   if (test::instrumented()) GTEST_SKIP() << "skipped: what a level takes of the stack differs here";
-  // Points on three sides of a cube, taken from each in turn, so that each is the least along the axis that is looked
-  // at next.
+  // Points on three sides of a cube, taken from each side in turn, so that each is the smallest along the axis that is
+  // checked next.
   constexpr std::uint32_t side = 45;
   Mesh mesh;
   for (std::uint32_t i = 0; i < side * side; ++i) {
@@ -122,7 +122,7 @@ TEST(Decompose, OfAnEllFindsItsNotch) {
   EXPECT_GT(report.internal_share, 0.05);
   EXPECT_LT(report.internal_share, 0.7);
 
-  // The same bytes again, and by another seed nearly the same figures.
+  // The same bytes again, and with another seed nearly the same numbers.
   const auto again = decompose(mesh, {.parts = 8, .resolution = 50'000});
   ASSERT_EQ(again->parts.size(), parts->parts.size());
   for (std::size_t i = 0; i < parts->parts.size(); ++i)

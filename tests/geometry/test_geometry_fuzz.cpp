@@ -1,5 +1,5 @@
 // Damaged files, the same ones on every run: reading them succeeds or throws palpa::Error, nothing else. Under the
-// sanitizers this is also a search for memory faults.
+// sanitizers, this is also a search for memory faults.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -106,7 +106,7 @@ std::vector<unsigned char> damaged(std::vector<unsigned char> bytes, Random& ran
   return bytes;
 }
 
-// Some value of the document, replaced by one that is wrong in an interesting way.
+// Some value of the document, replaced by a wrong one that is likely to find faults.
 void damage(Json& value, Random& random) {
   Json* at = &value;
   while (at->is_structured() && !at->empty() && random() % 8 != 0) {
@@ -175,7 +175,7 @@ void damage(Json& value, Random& random) {
   }
 }
 
-// One file with a bit of everything.
+// One file with many kinds of content.
 GltfBuilder rich_file() {
   GltfBuilder b;
   b.add_mesh(box(Vec3(0), Vec3(1)));
@@ -236,7 +236,7 @@ TEST(GeometryFuzz, GltfWithDamagedBytes) {
   Tally tally;
   for (int i = 0; i < 3000; ++i)
     try_gltf(damaged(i % 3 == 0 ? plain : binary, random), tally);
-  // Cut off everywhere.
+  // Truncated at many places.
   for (std::size_t length = 1; length < binary.size(); length += 7) {
     try_gltf({binary.begin(), binary.begin() + static_cast<std::ptrdiff_t>(length)}, tally);
   }
@@ -272,8 +272,8 @@ Mesh moved(Mesh mesh, const Vec3& by, double scale = 1) {
   return mesh;
 }
 
-/// Small members of the families whose cost could grow faster than their size: bodies within bodies, bodies side by
-/// side along a diagonal, nodes and instances that share a mesh, a fan of needles, parts that overlap.
+/// Small members of the families whose cost could grow faster than their size: nested bodies, bodies side by side along
+/// a diagonal, nodes and instances that share a mesh, a fan of needles, overlapping parts.
 std::vector<GltfBuilder> families() {
   std::vector<GltfBuilder> all(6);
   const Mesh cube = box(Vec3(-1), Vec3(1));
@@ -344,7 +344,7 @@ TEST(GeometryFuzz, TheFamiliesThemselves) {
   EXPECT_EQ(tally.refused, 1) << "the needles";
 }
 
-// Only the compressed bytes: damage elsewhere is the other tests' business.
+// Only the compressed bytes: other tests damage the rest.
 TEST(GeometryFuzz, DamagedStreams) {
   const Quiet quiet;
   Random random(20240505);
@@ -355,7 +355,7 @@ TEST(GeometryFuzz, DamagedStreams) {
     for (const int bits : {0, 11}) {
       seeds.push_back(test::draco_file(test::draco_stream(ball, bits, sequential, bits == 0), ball.positions.size(),
                                        ball.triangles.size()));
-      // Limits that hold nothing back.
+      // Limits so high that they have no effect.
       seeds.push_back(test::draco_file(test::draco_stream(ball, bits, sequential, bits == 0), 500'000, 500'000));
     }
   }

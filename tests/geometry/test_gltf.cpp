@@ -1,4 +1,4 @@
-// What a well-formed file means: containers, hierarchies, scenes, names.
+// The meaning of well-formed files: containers, hierarchies, scenes, names.
 #include "geometry/gltf/gltf.hpp"
 
 #include <gtest/gtest.h>
@@ -54,7 +54,7 @@ TEST_F(Gltf, EmbeddedBesideAndBinaryGiveTheSame) {
   GltfBuilder builder;
   builder.add_mesh(test::rounded(test::sphere(0.02, 7, 9)));
   builder.add_node({{"mesh", 0}, {"name", "ball"}});
-  // Base64 ends differently for each remainder of the length by three.
+  // The end of base64 differs for each remainder of the length by three.
   for (int extra = 0; extra < 3; ++extra) {
     const Scene a = load_gltf(builder.write_embedded(file("a.gltf")));
     const Scene b = load_gltf(builder.write_with_bin(file("b.gltf")));
@@ -228,7 +228,7 @@ TEST_F(Gltf, ExtensionsThatDoNotMoveTrianglesMayBeRequired) {
   EXPECT_EQ(load(builder).meshes.size(), 1U);
   builder.doc["extensionsRequired"] = {"ACME_new"};
   EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "requires the extension \"ACME_new\"");
-  // By the whole name: what a longer one does nobody knows.
+  // The whole name counts: the effect of a longer name is unknown.
   for (const char* name : {"KHR_mesh_quantization_2", "KHR_materials_", "KHR_materials_displacement", "KHR_xmp_x"}) {
     builder.doc["extensionsRequired"] = {name};
     EXPECT_CONTAINS(test::error_of([&] { load(builder); }), name);

@@ -1,4 +1,4 @@
-// Broken files made here: each fault is an error that names it, at once and without much memory.
+// Broken files made here: each fault gives an error that names it, quickly and with little memory.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -28,9 +28,9 @@ const std::filesystem::path& folder() {
   return path;
 }
 
-// The error of loading, which must name the file and come within a second.
+// The error of loading. It must name the file and come within a second.
 std::string fault_of_file(const std::filesystem::path& file) {
-  [[maybe_unused]] const std::clock_t start = std::clock();  // processor time: other tests may keep this one waiting
+  [[maybe_unused]] const std::clock_t start = std::clock();  // processor time: other tests may hold this one up
   std::string line = test::error_of([&] { make_solids(load_gltf(file)); });
 #ifdef NDEBUG
   EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC) << line;
@@ -76,7 +76,7 @@ TEST(BadGltf, TenGigabytesOfZeros) {
   test::write_text(file, "x");
   std::filesystem::resize_file(file, 10ULL << 30);
   EXPECT_CONTAINS(fault_of_file(file), "neither glTF");
-  // With a beginning that promises something.
+  // With the beginning of a real file.
   for (const std::string& head : {std::string("{"), std::string("glTF\2\0\0\0\xff\xff\xff\xff\xf0\xff\xff\xffJSON", 20),
                                   std::string("glTF\2\0\0\0\xff\xff\xff\xff\0\0\0\1JSON", 20),
                                   std::string("glTF\2\0\0\0\xff\xff\xff\xff\0\0\0\4JSON", 20)}) {
@@ -109,7 +109,7 @@ TEST(BadGltf, VersionsAndExtensions) {
                     "palpa reads glTF 2.0");
   }
   EXPECT_CONTAINS(fault_of_text(R"({"asset": {"version": "2.0", "minVersion": "2.1"}})"), "2.1");
-  // A name from the file cannot break the line.
+  // A name in the file cannot break the error line.
   EXPECT_CONTAINS(fault_of_text(R"({"asset": {"version": "2.0"}, "extensionsRequired": ["A\nB"]})"), "\"A\\nB\"");
 }
 
@@ -148,7 +148,7 @@ TEST(BadGltf, LongStringsCostLittle) {
   EXPECT_CONTAINS(
       fault_of_text(R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 9, "uri": ")" + slashes + "\"}]}"),
       "not a relative path");
-  // A string that looks like what stands for a long one.
+  // A string that looks like the placeholder of a long one.
   builder.doc["buffers"][0]["uri"] = "data:long string 7";
   EXPECT_CONTAINS(fault_of_text(builder.text("")), "its data URI is not");
 }
@@ -237,7 +237,7 @@ const std::vector<Case> cases{
      [](GltfBuilder& b) {
        b.doc["nodes"][0]["translation"] = {1e308, 0, 0};
      },
-     "kilometre"},  // so far out its two ends are in one place
+     "kilometre"},  // so far away that both of its ends round to one place
     {"TranslationFar",
      [](GltfBuilder& b) {
        b.doc["nodes"][0]["translation"] = {1e6, 0, 0};
@@ -372,7 +372,7 @@ TEST(BadGltf, IndicesOutOfRangeAndPrimitiveRestarts) {
   }
 }
 
-// A small file that asks for a great deal.
+// A small file that would need a lot of memory or time.
 TEST(BadGltf, BombsAreRefusedBeforeTheyGoOff) {
   GltfBuilder nodes;
   nodes.add_mesh(test::sphere(1, 100, 200));

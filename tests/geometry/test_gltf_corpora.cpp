@@ -1,4 +1,4 @@
-// Collections of real good and broken files, where they are installed.
+// Collections of real good and broken files, if they are installed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,13 +32,13 @@ std::vector<std::filesystem::path> models_below(const std::filesystem::path& fol
 
 struct Outcome {
   std::size_t triangles = 0, solids = 0;
-  std::string error;  // of reading or of making solids
+  std::string error;  // of reading, or of making solids
   bool read = false;
 };
 
 Outcome try_model(const std::filesystem::path& file) {
   Outcome outcome;
-  [[maybe_unused]] const std::clock_t start = std::clock();  // processor time: other tests may keep this one waiting
+  [[maybe_unused]] const std::clock_t start = std::clock();  // processor time: other tests may hold this one up
   outcome.error = test::error_of([&] {
     const Scene scene = load_gltf(file);
     outcome.read = true;
@@ -55,7 +55,7 @@ Outcome try_model(const std::filesystem::path& file) {
 
 TEST(GltfCorpora, MalformedFilesAreErrorsUnlessTheFaultIsNotInTheGeometry) {
   PALPA_SHARED_OR_SKIP(folder, "gltf-malformed");
-  // A wrong material, a wrong texture index, an animation's accessor: each is a unit cube.
+  // A wrong material, a wrong texture index, a wrong accessor of an animation: each file is still a unit cube.
   const std::set<std::string> cubes{"badObject.gltf", "badUint.gltf", "box_sparse.glb"};
   const auto files = models_below(folder);
   EXPECT_EQ(files.size(), 45U);
@@ -75,7 +75,7 @@ TEST(GltfCorpora, MalformedFilesAreErrorsUnlessTheFaultIsNotInTheGeometry) {
 
 TEST(GltfCorpora, ValidFilesHaveTheTrianglesThatTheValidatorCounts) {
   PALPA_SHARED_OR_SKIP(folder, "gltf-valid");
-  // By folder number, where the scene differs from the sum over the file's meshes: no node shows the mesh; an instance;
+  // By folder number, if the scene differs from the sum over the file's meshes: no node shows the mesh; an instance;
   // one of two scenes.
   const std::map<std::string, std::size_t> shown{{"29", 0}, {"31", 0}, {"33", 0}, {"47", 3542}, {"57", 2}};
   const std::map<std::string, std::size_t> solids{{"01", 1}, {"03", 1}, {"05", 1}, {"07", 1}, {"09", 1},
@@ -95,7 +95,7 @@ TEST(GltfCorpora, ValidFilesHaveTheTrianglesThatTheValidatorCounts) {
     Outcome outcome;
     test::stderr_of([&] { outcome = try_model(file); });
     ++rows;
-    // In a file without nodes, nothing but a fault elsewhere is left to be said.
+    // A file without nodes can only be rejected, for this or another fault.
     EXPECT_TRUE(outcome.read || field.at(7) == "0") << outcome.error;
     const auto known = shown.find(number);
     EXPECT_EQ(outcome.triangles, known != shown.end() ? known->second : std::stoul(field.at(5)))
@@ -105,7 +105,7 @@ TEST(GltfCorpora, ValidFilesHaveTheTrianglesThatTheValidatorCounts) {
   EXPECT_EQ(rows, 29);
 }
 
-// The same model, plain and compressed by somebody else's program.
+// The same model, plain and compressed by another program.
 TEST(GltfCorpora, CompressedModelsAreTheirPlainTwins) {
   const auto mesh_of = [](const std::filesystem::path& file) {
     Mesh all;
@@ -119,7 +119,7 @@ TEST(GltfCorpora, CompressedModelsAreTheirPlainTwins) {
     any = true;
     const Mesh plain = mesh_of(engine / "2CylinderEngine-glTF-Binary/2CylinderEngine.glb");
     const Mesh packed = mesh_of(engine / "draco/2CylinderEngine.gltf");
-    // draco's encoder left out the triangles with two corners in one place.
+    // draco's encoder left out triangles with two corners at one place.
     std::size_t whole = 0;
     for (const SceneMesh& m : load_gltf(engine / "2CylinderEngine-glTF-Binary/2CylinderEngine.glb").meshes)
       whole += weld(m.mesh).triangles.size();

@@ -1,4 +1,4 @@
-// What a modeller writes into a node's custom properties.
+// The haptics that a modeller writes into a node's custom properties.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -70,7 +70,7 @@ TEST(Extras, NothingIsTheDefault) {
 }
 
 TEST(Extras, WhatModellingProgramsMakeOfNumbers) {
-  // Blender: no booleans in old versions, floats where integers are meant, single precision.
+  // Blender: no booleans in old versions, floats in place of integers, single precision.
   EXPECT_FALSE(haptics_of({{"palpa_touchable", 0}}).touchable);
   EXPECT_TRUE(haptics_of({{"palpa_touchable", 1}}).touchable);
   EXPECT_EQ(haptics_of({{"palpa_foci", 10.0}}).foci, 10U);
@@ -132,7 +132,7 @@ TEST(Extras, AMisspeltKeyIsAWarningWithAGuess) {
   EXPECT_CONTAINS(warnings_of({{"palpa_touchabel", false}}), "palpa does not know \"palpa_touchabel\"; did you mean");
   EXPECT_CONTAINS(warnings_of({{"palpa", {{"Foci", 8}}}}), "did you mean \"foci\"?");
   EXPECT_CONTAINS(warnings_of({{"palpa", {{"colour", "red"}}}}), "known are touchable, delta_m");
-  // A file full of them does not fill the screen.
+  // A file full of them prints only a few lines.
   Json many;
   for (int i = 0; i < 1000; ++i)
     many["key" + std::to_string(i)] = i;
@@ -168,7 +168,7 @@ TEST(Extras, ChildrenInheritValueByValue) {
   expected.foci = 4;
   EXPECT_EQ(scene.meshes.at(1).haptics, expected);
   EXPECT_EQ(scene.meshes.at(2).haptics, Haptics{});
-  // What is inherited must fit, too.
+  // Inherited values must also fit.
   builder.doc["nodes"][0]["extras"] = {{"palpa_stride", 2}};
   EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "node 0: extras: stride 2 and 4 foci");
 }

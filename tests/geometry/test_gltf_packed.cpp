@@ -1,5 +1,5 @@
-// Quantized and compressed models: the same triangles as the plain ones, and nothing but an error line from what only
-// claims to be one.
+// Quantized and compressed models have the same triangles as the plain ones. Data that only claims to be such a model
+// gives an error line and nothing else.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,7 +34,7 @@ Mesh mesh_of(const GltfBuilder& builder) {
   EXPECT_EQ(test::stderr_of([&] { mesh = load(builder).meshes.at(0).mesh; }), "");
   return mesh;
 }
-// Not symmetric: exchanged axes or signs would show.
+// Not symmetric, so that exchanged axes or signs are noticed.
 Mesh pebble() {
   return test::rounded(test::transformed(test::sphere(0.02, 9, 14), [](const Vec3& p) {
     return Vec3(p.x + 0.05, 1.5 * p.y - 0.01, 0.8 * p.z + 0.1 * p.x);
@@ -57,7 +57,7 @@ TEST(Quantized, IntegersComeBackWithinAStep) {
 }
 
 TEST(Quantized, TheLowestIntegerIsMinusOneToo) {
-  // glTF 2.0 section 3.6.2.2: -128 and -127 both stand for -1.
+  // glTF 2.0 section 3.6.2.2: -128 and -127 both mean -1.
   GltfBuilder builder;
   const std::vector<std::int8_t> corners{-128, -127, 127, 0, 0, 127, 0, 0, 0, 127, 0, 0};
   builder.doc["accessors"].push_back({{"bufferView", builder.add_view(test::bytes_of(corners), 4)},
@@ -169,7 +169,7 @@ TEST(Draco, OtherNumbersOfVerticesThanPromisedAreAWarningMoreTrianglesAnError) {
   EXPECT_CONTAINS(fault_of(test::draco_file(stream, v, t - 1)), "triangles where the file promises");
 }
 
-// One stream for two primitives: told of once, so decoded once.
+// One stream for two primitives: it is reported once, so it was decoded once.
 TEST(Draco, AStreamIsDecodedOnce) {
   const Mesh plain = pebble();
   const std::size_t v = plain.positions.size(), t = plain.triangles.size();
@@ -182,7 +182,7 @@ TEST(Draco, AStreamIsDecodedOnce) {
   EXPECT_CONTAINS(warning, "where the file promises");
 }
 
-// A stream of 224 bytes whose texture coordinates claim two thousand million orientations.
+// A stream of 224 bytes whose texture coordinates claim two billion orientations.
 TEST(Draco, ClaimsOfPredictionsAreBounded) {
   PALPA_SHARED_OR_SKIP(folder, "hostile");
   EXPECT_CONTAINS(test::error_of([&] { load_gltf(folder / "draco_bomb_100prims.glb"); }), "cannot be decoded");
@@ -238,12 +238,13 @@ TEST(Draco, FaultsAreNamed) {
   }
 }
 
-// Where the counts stand: 11 bytes of header; then by method. Numbers are seven bits a byte, the lowest first.
+// The places of the counts: after 11 bytes of header, depending on the method. Numbers are seven bits a byte, the
+// lowest first.
 TEST(Draco, AbsurdCountsCostNothing) {
   const Mesh plain = pebble();
   std::string fault;
   std::uint64_t spare = gltf::most_draco_bytes;
-  const std::vector<unsigned char> giant{0xff, 0xff, 0xff, 0xff, 0x04};  // 1.3 thousand million
+  const std::vector<unsigned char> giant{0xff, 0xff, 0xff, 0xff, 0x04};  // 1.3 billion
   const auto with = [&](std::vector<unsigned char> stream, std::size_t at) {
     std::size_t end = at;
     while (stream[end] & 0x80)
@@ -332,7 +333,7 @@ TEST(Meshopt, FaultsAreNamed) {
   bad = good;
   bad.doc["bufferViews"][0]["byteStride"] = 16;
   EXPECT_CONTAINS(fault_of(bad), "has a byteStride of 12, the buffer view one of 16");
-  // Indices that name no vertex are found after unpacking, as in a plain file.
+  // Indices to missing vertices are found after unpacking, as in a plain file.
   bad = test::meshopt_file(pebble());
   bad.doc["accessors"][0]["count"] = 100;
   EXPECT_CONTAINS(fault_of(bad), "but there are only 100");

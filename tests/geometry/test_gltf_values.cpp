@@ -1,4 +1,4 @@
-// Numbers out of accessors: modes, widths, strides, sparse values, skins, morph targets.
+// Numbers from accessors: modes, widths, strides, sparse values, skins, morph targets.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ Scene load(const GltfBuilder& builder) {
   return load_gltf(builder.write_glb(folder / "model.glb"));
 }
 
-// Triangles as corner positions: what a mesh shows, however it is indexed.
+// Triangles as corner positions: what a mesh shows, independent of its indices.
 std::vector<std::array<Vec3, 3>> shown(const Mesh& mesh) {
   std::vector<std::array<Vec3, 3>> corners;
   for (const glm::uvec3& t : mesh.triangles) {
@@ -42,7 +42,7 @@ const std::vector<Vec3> zigzag{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 2
 
 TEST(GltfModes, ListsStripsAndFansAsTheSpecificationDrawsThem) {
   for (const int component : {0, 5121, 5123, 5125}) {
-    // Indices run backwards, so that ignoring them would show.
+    // Indices run backwards, so that a reader that ignores them is noticed.
     std::vector<Vec3> stored = zigzag;
     std::vector<std::uint32_t> indices;
     if (component != 0) {
@@ -63,7 +63,7 @@ TEST(GltfModes, ListsStripsAndFansAsTheSpecificationDrawsThem) {
       Scene scene;
       const std::string warning = test::stderr_of([&] { scene = load(builder); });
       EXPECT_EQ(shown(scene.meshes.at(0).mesh), expected) << "mode " << mode << ", component " << component;
-      // Seven corners are no whole number of separate triangles.
+      // Seven corners are not a whole number of separate triangles.
       EXPECT_EQ(warning.empty(), mode != 4);
     }
   }
@@ -202,7 +202,7 @@ class GltfSkin : public ::testing::Test {
     attributes["JOINTS_0"] = 2;
     attributes["WEIGHTS_0"] = 3;
     builder.doc["skins"] = Json::array({{{"joints", {1, 2}}, {"inverseBindMatrices", 4}}});
-    // The node's own place does not count for a skinned mesh.
+    // The node's own transform does not count for a skinned mesh.
     builder.add_node({{"mesh", 0}, {"skin", 0}, {"translation", {100, 0, 0}}});
     builder.add_node({{"children", {2}}, {"translation", {0, 5, 0}}});
     builder.add_node({{"translation", {0, 1, 0}}, {"scale", {2, 2, 2}}}, false);

@@ -169,7 +169,7 @@ TEST(Defects, AgreeWithACountOfPairsOnRandomTriangles) {
   }
 }
 
-// What grows by a piece at a time must not be copied for each of them.
+// Adding many pieces one by one must not copy everything each time.
 TEST(Append, MakesRoomAheadOfTime) {
   Mesh all;
   const Mesh piece = test::box(Vec3(0), Vec3(1));
@@ -183,7 +183,7 @@ TEST(Append, MakesRoomAheadOfTime) {
   EXPECT_LT(moves, 40);
 }
 
-// Positions that a weaker hash puts into a few buckets.
+// Positions for which a weaker hash has few buckets.
 TEST(Weld, PositionsThatAreMadeToCollideDoNot) {
   PALPA_SHARED_OR_SKIP(folder, "hostile");
   const Scene scene = load_gltf(folder / "hashflood_100k.glb");
@@ -198,7 +198,7 @@ TEST(Weld, PositionsThatAreMadeToCollideDoNot) {
     if (!taken[bucket]) ++buckets;
     taken[bucket] = true;
   }
-  // As many as of random numbers: 1 - exp(-n / 2^18) of 2^18.
+  // As many buckets as for random numbers: 1 - exp(-n / 2^18) of 2^18.
   const double n = static_cast<double>(positions.size()), m = static_cast<double>(taken.size());
   EXPECT_GT(static_cast<double>(buckets), 0.95 * m * (1 - std::exp(-n / m)));
 }

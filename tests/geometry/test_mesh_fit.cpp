@@ -1,4 +1,4 @@
-// Where a mesh is, from points measured on it.
+// The pose of a mesh, from points measured on it.
 #include "geometry/mesh/mesh_fit.hpp"
 
 #include <gtest/gtest.h>
@@ -21,8 +21,8 @@ using namespace geometry;
 
 const Vec3 half(0.03, 0.02, 0.025);
 
-/// On those sides of a box of 60 x 40 x 50 mm (0: x, 1: y, 2: z, all towards +) that a ray from (1, 1, 1) meets, each
-/// point off by `noise_m` along it.
+/// Points on these sides of a box of 60 x 40 x 50 mm (0: x, 1: y, 2: z, all towards +), where a ray from (1, 1, 1)
+/// meets them; each point is off by `noise_m` along its ray.
 std::vector<MeasuredPoint> points_on(const std::vector<int>& sides, double noise_m) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(-1, 1);
@@ -63,7 +63,7 @@ TEST(MeshFit, KnowsWhatSlides) {
   EXPECT_LT(fit.fit(points_on({2}, 0), Transform(1.0), {}).hold, 1e-6);
   EXPECT_LT(fit.fit(points_on({0, 2}, 0), Transform(1.0), {}).hold, 1e-6);
   EXPECT_EQ(fit.fit({}, Transform(1.0), {}).points, 0U);
-  // What slides is left where the guess has it.
+  // Free directions keep the values of the initial guess.
   const MeshFitted flat = fit.fit(points_on({2}, 0), glm::translate(Transform(1.0), Vec3(0.003, 0, 0.001)), {});
   EXPECT_NEAR(flat.T_mesh_points[3].x, 0.003, 1e-6);
   EXPECT_NEAR(flat.T_mesh_points[3].z, 0, 1e-9);

@@ -190,7 +190,7 @@ TEST(UnionSurface, ForgetsCutsButNotWhatStandsOut) {
   // A millimetre behind the second cube's left face, in the middle of the first: deep inside.
   EXPECT_NEAR(depth(parts, surface, {0.021, 0.02, 0.02}), 0.02, 1e-9);
   EXPECT_NEAR(depth(parts.parts[1], {0.021, 0.02, 0.02}), 0.001, 1e-9);
-  // A face that is covered in part counts where it is bare.
+  // The bare part of a partly covered face counts.
   const Parts step = parts_of({{{0, 0, 0}, {4, 4, 4}}, {{4, 0, 0}, {6, 2, 4}}}, 0.01);
   const UnionSurface bare = union_surface(step);
   EXPECT_NEAR(depth(step, bare, {0.039, 0.03, 0.02}), 0.001, 1e-9);

@@ -151,7 +151,7 @@ TEST(Ply, LinesMayEndWithACarriageReturn) {
       "ply\rformat ascii 1.0\relement vertex 2\rproperty float x\rproperty float y\rproperty float z\rend_header\r";
   EXPECT_EQ(read(ascii + "1 2 3\r4 5 6\r").positions, (std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}}));
   EXPECT_CONTAINS(test::error_of([&] { read(ascii + "1 2 3\r4 x 6\r"); }), "line 9: \"x\"");
-  // A binary body may begin with what would be the other half of a line's end.
+  // A binary body may begin with the byte that would complete a line end.
   std::string binary = ascii;
   binary.replace(binary.find("ascii"), 5, "binary_little_endian");
   binary.replace(binary.find("vertex 2"), 8, "vertex 1");
@@ -270,7 +270,7 @@ TEST(PlyFaults, Truncation) {
     write_ply(folder() / "whole.ply", ball.positions, ball.triangles, format);
     std::ifstream in(folder() / "whole.ply", std::ios::binary);
     const std::string whole((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-    // The last newline of an ascii file may be missing, and its last number may lose digits unseen.
+    // The last newline of an ascii file may be missing, and its last number may lose digits unnoticed.
     const std::size_t spare = format == PlyFormat::ascii ? 3 : 0;
     for (std::size_t length = 1; length + spare < whole.size(); ++length)
       EXPECT_NE(fault_of(whole.substr(0, length)), "") << length;

@@ -1,4 +1,4 @@
-// Many nodes that show one mesh: what is found about the first holds for all, and they answer as if each were alone.
+// Many nodes that show one mesh: the results for the first hold for all, and each gives the same answers as alone.
 #include "geometry/rigid_copies.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace palpa::geometry {
 namespace {
 
-// So many copies, each turned and moved; every third is twice as large, every fifth mirrored.
+// This many copies, each turned and moved; every third is twice as large, every fifth mirrored.
 Scene copies_of(const Mesh& mesh, std::uint32_t count) {
   Scene scene{"test.glb", {}};
   for (std::uint32_t i = 0; i < count; ++i) {

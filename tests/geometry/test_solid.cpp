@@ -71,7 +71,7 @@ TEST(Solid, DepthIsTheDistanceToTheSurfaceInside) {
   std::uniform_real_distribution<double> uniform(-0.01, 0.01);
   for (int i = 0; i < 100; ++i) {
     const Vec3 p(uniform(random), uniform(random), uniform(random));
-    // Faces lie between the sphere and its sagitta below.
+    // Faces lie between the sphere and their sagitta below it.
     EXPECT_LE(depth(ball, p), 0.02 - glm::length(p) + 1e-9);
     EXPECT_GE(depth(ball, p), 0.02 - glm::length(p) - 5e-5);
   }
@@ -213,7 +213,7 @@ TEST(Solid, RefusesFlatMeshes) {
   EXPECT_CONTAINS(fault_of({sheet}), "flat");
   EXPECT_CONTAINS(fault_of({box(Vec3(0), Vec3(1, 1, 1e-9))}), "flat");
   EXPECT_CONTAINS(fault_of({Mesh{{{1, 2, 3}}, {{0, 0, 0}}}}), "flat");
-  // A sheet of paper is not.
+  // A sheet of paper is accepted as a solid.
   EXPECT_EQ(solids_of({box(Vec3(0), Vec3(0.2, 0.3, 1e-4))})[0].planes.size(), 6U);
 }
 
@@ -277,7 +277,7 @@ TEST(Convexity, FindsAVertexPushedIn) {
   std::mt19937 random(13);
   for (int round = 0; round < 60; ++round) {
     Mesh mesh = test::sphere(0.02, 10 + round % 5, 14);
-    // Past the chord of its neighbours: sagitta of a 26 degree cap is 2.5 % of the radius.
+    // Beyond the chord of its neighbours: the sagitta of a 26 degree cap is 2.5 % of the radius.
     mesh.positions[random() % mesh.positions.size()] *= 0.94;
     EXPECT_TRUE(is_concave(mesh));
   }
@@ -294,7 +294,7 @@ TEST(Convexity, AcceptsSliversButNotWhatTheyHide) {
   const auto solids = solids_of({cube});
   EXPECT_EQ(solids[0].planes.size(), 6U);
   EXPECT_NEAR(depth(solids[0], Vec3(0.5)), 0.5, 1e-6);
-  // An L-shape whose inner corner is bevelled by a strip too narrow for a normal of its own.
+  // An L-shape whose inner corner is bevelled by a strip too narrow to have a normal.
   const double w = 2e-7;
   const std::vector<Vec2> outline{{0, 0}, {2, 0}, {2, 1}, {1 + w, 1}, {1, 1 + w}, {1, 2}, {0, 2}};
   Mesh bevelled;
@@ -314,10 +314,10 @@ TEST(Convexity, AcceptsSliversButNotWhatTheyHide) {
   EXPECT_TRUE(is_concave(bevelled));
 }
 
-// A dent so shallow and so finely divided that no edge of it stands out of rounding.
+// A dent so shallow and so finely divided that none of its edges exceeds rounding.
 TEST(Convexity, FindsADentOfEdgesTooFlatToCall) {
   const Mesh fine = test::transformed(test::sphere(0.02, 400, 800), [](const Vec3& p) {
-    // The polar cap, radius 6 mm, is bent inwards to a bowl of the same curvature: some 1.9 mm deep.
+    // The polar cap, radius 6 mm, is bent inwards to a bowl of the same curvature: about 1.9 mm deep.
     const double limit = 0.019;
     return p.z > limit ? Vec3(p.x, p.y, 2 * limit - p.z) : p;
   });

@@ -1,4 +1,4 @@
-// What a mesh must be to become a solid, and what is mended: predicates, self-intersection, shells, needles,
+// The conditions for a mesh to become a solid, and the repairs: predicates, self-intersection, shells, needles,
 // duplicates.
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ std::string fault_of(const Mesh& mesh) {
 
 TEST(Predicates, AreExactWhereRoundingIsNot) {
   const Vec3 a(0.1, 0.2, 0.3), b(0.7, 0.1, 0.9), c(0.4, 0.8, 0.2);
-  // A point of the plane up to rounding; one step of the last digit along an axis moves it to either side.
+  // A point of the plane up to rounding: one step of the last digit along an axis moves it to one side or the other.
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(-1, 2);
   int up = 0, down = 0;
@@ -89,7 +89,7 @@ TEST(SelfIntersection, KnowsHowTwoTrianglesMeet) {
   EXPECT_TRUE(meet(a, b, c, {-1, -1, 0}, {5, -1, 0}, {-1, 5, 0}));          // in its plane, around
   EXPECT_TRUE(meet(a, b, c, {1, -1, 0}, {1, 1, 0}, {3, 0, 0}));             // in its plane, across
   EXPECT_FALSE(meet(a, b, c, {2, 2, 0}, {3, 2, 0}, {2, 3, 0}));             // in its plane, beside
-  EXPECT_FALSE(meet(a, b, c, {-1, 1, 5e-16}, {3, 1, 5e-16}, {1, 1, 3}));    // a hair above
+  EXPECT_FALSE(meet(a, b, c, {-1, 1, 5e-16}, {3, 1, 5e-16}, {1, 1, 3}));    // just above
   EXPECT_TRUE(meet(a, b, c, {-1, 0.5, 0}, {3, 0.5, 0}, {1, 1, 3}));         // an edge in its plane
 }
 
@@ -165,7 +165,7 @@ TEST(SurfaceChecks, RefuseWhatPassesThroughItself) {
 
 TEST(SurfaceChecks, TurnOnlyWhatIsInsideOut) {
   Mesh mesh = box(Vec3(0), Vec3(1)), other = box(Vec3(3), Vec3(5)), cavity = box(Vec3(3.5), Vec3(4));
-  flip(other);  // with its cavity facing outwards: all of it is inside out
+  flip(other);  // with its cavity facing outwards: the whole mesh is inside out
   append(other, cavity);
   append(mesh, other);
   std::vector<Solid> solids;
@@ -182,7 +182,7 @@ TEST(SurfaceChecks, RefuseANestedShellThatFacesTheSameWay) {
   const std::string line = fault_of(mesh);
   EXPECT_CONTAINS(line, "a shell inside another that faces the same way");
   EXPECT_CONTAINS(line, "(1, 1, 1)");
-  // A body in a cavity of a body is in order again.
+  // A body inside a body's cavity is correct again.
   Mesh deep = box(Vec3(0), Vec3(9)), hole = box(Vec3(1), Vec3(8));
   flip(hole);
   append(deep, hole);
@@ -200,7 +200,7 @@ TEST(SurfaceChecks, LeaveDuplicatedFacesOut) {
   one.triangles.push_back(one.triangles[3]);
   EXPECT_CONTAINS(test::stderr_of([&] { solids = solids_of(one); }), "1 duplicated faces");
   EXPECT_EQ(solids[0].planes.size(), 6U);
-  // Two boxes that share a side: the wall between them is none.
+  // Two boxes that share a side: there is no wall between them.
   Mesh walls = box(Vec3(0), Vec3(1)), next = box(Vec3(0), Vec3(1));
   for (Vec3& p : next.positions)
     p.x = 2 - p.x;  // mirrored, so that both sides are cut along the same diagonal
@@ -274,7 +274,7 @@ TEST(Shells, AnyNumberInEachOther) {
   }
 }
 
-// Long rods side by side along a diagonal: the boxes of all overlap, though nothing meets.
+// Long rods side by side along a diagonal: all their boxes overlap, but no rods meet.
 Mesh rods(int per_side) {
   const Vec3 a = glm::normalize(Vec3(1, -1, 0)), b = glm::normalize(Vec3(1, 1, -2)), along = glm::normalize(Vec3(1));
   Mesh mesh;
@@ -293,7 +293,7 @@ TEST(Limits, PairsThatAreLookedAtAreCounted) {
   EXPECT_FALSE(find_self_intersection(mesh, bvh, 300 * 300));
   EXPECT_CONTAINS(test::error_of([&] { find_self_intersection(mesh, bvh, 1000); }, Exit::failed),
                   "more than 1000 pairs of its 300 triangles");
-  // What crosses before is told.
+  // Crossings that existed before are reported.
   Mesh crossing = mesh;
   append(crossing, test::transformed(mesh, [](const Vec3& p) { return p + Vec3(1e-3); }));
   EXPECT_TRUE(find_self_intersection(crossing, Bvh(crossing), 1'000'000));
@@ -306,7 +306,7 @@ TEST(Limits, StepsToASurfacesGridAreCounted) {
       test::error_of([&] { make_surface(mesh, {.steps_per_cell = 250, .steps_per_triangle = 0, .spare_steps = 0}); },
                      Exit::failed),
       "turn it so that its long faces run along an axis");
-  // A mesh as they are.
+  // A mesh as modellers make them.
   EXPECT_FALSE(
       make_surface(test::torus(0.05, 0.02, 40), {.steps_per_cell = 250, .steps_per_triangle = 0, .spare_steps = 0})
           .empty());

@@ -82,7 +82,8 @@ TEST(Device, StagedAndUnifiedBuffersCarryTheSameBytes) {
   }
 }
 
-// A driver's own would serve no other driver's device; and whoever calls one must not meet another that loads them.
+// The driver's own functions would not work for another driver's device. And a thread that calls one must not collide
+// with a thread that loads them.
 TEST(Device, FunctionsAreTheLoadersAndLoadedOnce) {
   const Device device;
   const auto all = [] {
@@ -111,7 +112,7 @@ TEST(Device, FunctionsAreTheLoadersAndLoadedOnce) {
   EXPECT_EQ(all(), before);
 }
 
-// As a viewer does, whose run begins on a thread of its own. With Debian 13's loader it crashed.
+// As in the viewer, whose run begins on a separate thread. With Debian 13's loader, it crashed.
 TEST(Device, NamesItsObjectsWhileOtherThreadsMakeInstances) {
   const Device& device = test::test_device();
   std::atomic<bool> done{false};
@@ -163,7 +164,7 @@ TEST(Device, ALostDeviceIsAnErrorNotACrash) {
   }
 }
 
-/// Waits for a device whose work never ends, and leaves it behind.
+/// Waits for a device whose work never ends, and abandons it.
 [[noreturn]] void use_a_device_that_does_not_answer() {
   bool told = false, told_again_at_once = false;
   {

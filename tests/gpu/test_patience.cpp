@@ -20,8 +20,8 @@ namespace {
 
 using Work = std::vector<ThreadWork>;
 
-/// Waits in slices of `slice_s`, after each of which `work` says what the threads have done until then, until patience
-/// ends or `longest_s` have passed. The seconds on the wall.
+/// Waits in slices of `slice_s`. After each slice, `work` gives the threads' work so far. Ends when patience ends or
+/// `longest_s` have passed; returns the seconds of real time.
 template <typename Function>
 double waits(Patience& patience, double slice_s, double longest_s, const Function& work) {
   double now_s = 0;
@@ -39,7 +39,7 @@ TEST(Patience, OfAGpuIsAMinuteOfTheClock) {
   EXPECT_EQ(patience.reason(), "no answer within 60 s; another program may be using the GPU");
 }
 
-// SIGSTOP, or a virtual machine that is put aside: when it goes on, the device has had no more time than the program.
+// SIGSTOP, or a suspended virtual machine: when it continues, the device has had no more time than the program.
 TEST(Patience, TimeInWhichTheProgramStoodStillDoesNotCount) {
   for (const bool software : {false, true}) {
     Patience patience(60, software);
@@ -50,13 +50,14 @@ TEST(Patience, TimeInWhichTheProgramStoodStillDoesNotCount) {
   }
 }
 
-// Ten cold starts at once: each driver's threads have a sixteenth of a processor, and compile shaders for 20 s of it.
+// Ten cold starts at once: each driver's threads get a sixteenth of a processor, and compile shaders for 20 s of
+// processor time.
 TEST(Patience, OfASoftwareDeviceHasNoClock) {
   Patience patience(60, true);
   EXPECT_EQ(waits(patience, 1, 320, [](double now_s) { return Work{{now_s / 16, true}, {0.1, false}}; }), 320);
 }
 
-// A shell in the background of a machine that is busy with more urgent things: ready to run, but it does not get to.
+// A background shell on a machine that is busy with more urgent work: ready to run, but it does not get a processor.
 TEST(Patience, AThreadThatWaitsForAProcessorIsAlive) {
   Patience patience(60, true);
   EXPECT_EQ(waits(patience, 1, 600, [](double) { return Work{{5, true}, {0.1, false}}; }), 600);
@@ -68,7 +69,7 @@ TEST(Patience, ASoftwareDeviceThatComputesForEverIsGivenUp) {
   EXPECT_EQ(patience.reason(), "no answer within 60 s of processor time");
 }
 
-// The busiest counts, and not all together: that would be less than a minute on a machine of many cores.
+// The busiest thread counts, not the sum of all: the sum would reach a minute sooner on a machine of many cores.
 TEST(Patience, AMinuteOfAllCoresIsAMinute) {
   Patience patience(60, true);
   EXPECT_NEAR(waits(patience, 1, 1000, [](double now_s) { return Work(32, {now_s, true}); }), 61, 1);
@@ -109,7 +110,7 @@ TEST(Patience, KnowsWhatThreadsOfThisProcessDo) {
   for (const int thread : threads)
     EXPECT_TRUE(std::binary_search(all.begin(), all.end(), thread));
   const Work before = work_of(threads);
-  // However busy the machine is: until it has computed for a while.
+  // However busy the machine is: wait until it has computed for a while.
   while (work_of(threads)[0].processor_s < before[0].processor_s + 0.02)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   while (work_of(threads)[1].may_run)
@@ -132,7 +133,7 @@ TEST(Patience, KnowsTheThreadsOfTheDriver) {
   EXPECT_TRUE(std::includes(all.begin(), all.end(), device.driver_threads().begin(), device.driver_threads().end()));
 }
 
-// 0.24 GB are taken when the driver is loaded: see engine/gpu/software.cpp.
+// Loading the driver takes 0.24 GB: see engine/gpu/software.cpp.
 TEST(Software, NeedsWhatWasMeasured) {
   for (const auto& [threads, measured_kb] : {std::pair(1u, 1'099'124), {2u, 1'246'560}, {4u, 1'541'624}}) {
     const auto needs = static_cast<double>(software_device_bytes(threads)) + 0.24e9;
@@ -141,7 +142,7 @@ TEST(Software, NeedsWhatWasMeasured) {
   }
 }
 
-// A limit that leaves less than what is about to be allocated.
+// A limit that leaves less than the next allocation needs.
 TEST(Software, RefusesWhatItsProcessMayNotHave) {
   const DeviceDescription software{.name = "llvmpipe", .kind = "cpu"}, gpu{.name = "card", .kind = "discrete"};
   constexpr std::uint64_t more_than_any = std::uint64_t{1} << 50;

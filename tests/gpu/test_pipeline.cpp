@@ -1,4 +1,4 @@
-// What a pipeline refuses in every build, before it gets to the driver.
+// Errors that a pipeline reports in every build, before it calls the driver.
 #include "gpu/pipeline.hpp"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ TEST(ComputePipeline, RefusesPushConstantsOfAnotherSize) {
     });
   };
   EXPECT_EQ(dispatch(shader::ScanPush{}), "");
-  EXPECT_EQ(dispatch(std::array<shader::vec4, 2>{}), "");  // as large
+  EXPECT_EQ(dispatch(std::array<shader::vec4, 2>{}), "");  // of the same size
   struct Half {
     std::uint32_t a, b;
   };
@@ -64,7 +64,7 @@ TEST(ComputePipeline, RefusesTheBuffersOfAnotherKernelAndMissingOnes) {
   EXPECT_EQ(dispatch({}), "pipeline 'scan' was given the buffers of kernel '': its own is 'scan'");
 }
 
-// Whatever their order in a pass's struct: each goes to the number that the shader's own binding of that name has.
+// In any order in a pass's struct: each buffer gets the number of the shader's binding with that name.
 TEST(Kernel, BindsBuffersByTheNamesThatTheShaderGivesThem) {
   const struct { BufferRef total, counts, more, length; } from{{.size = 1}, {.size = 2}, {.size = 3}, {.size = 4}};
   const KernelBuffers buffers = spirv::scan_buffers(from);
@@ -77,7 +77,7 @@ TEST(Kernel, BindsBuffersByTheNamesThatTheShaderGivesThem) {
   }
 }
 
-// What the layout tests of all kernels rely on.
+// The layout tests of all kernels rely on this.
 TEST(Kernel, ATableThatIsNotTheModulesIsNoticed) {
   const auto read = [](const std::vector<KernelBinding>& bindings) {
     test::read_spirv(Kernel{"scan", spirv::scan_comp.words, bindings});

@@ -70,7 +70,7 @@ TEST(Scan, AgreesWithTheTwinAndWithStdExclusiveScan) {
 
 TEST(Scan, ReadsItsLengthOnTheDevice) {
   const auto counts = random_counts(100);
-  // 700 items at 64 per count: 11 counts, the rest must stay as they are.
+  // 700 items at 64 per count: 11 counts; the others must stay as they are.
   const Scanned scanned = scan_on_device(counts, 700, {100, 64, 0xffffffffu});
   auto expected = counts;
   gpu::exclusive_scan(std::span(expected).first(11));
@@ -100,8 +100,8 @@ TEST(Scan, CutsTheTotalUpAsAsked) {
     EXPECT_EQ(scan_on_device({items}, 0, {1, 0, 0xffffffffu, cut}).total.groups_x, groups) << items;
 }
 
-// The pass itself is never given as many. Drivers differ in this from version to version, so each is asked here, and
-// DeviceDescription has to say the same.
+// The pass itself never gets this many. Drivers differ in this from version to version, so each is tested here, and
+// DeviceDescription must agree.
 TEST(Scan, ADeviceEndsLoopsAfterSoManyTurnsOnlyWhereItsDescriptionSaysSo) {
   const auto total = [](std::uint32_t turns) {
     const std::uint32_t size = turns * shader::scan_group;

@@ -1,22 +1,24 @@
-# Checks #include lines against the house: arrows point downward only, between rooms and between the folders of a room.
+# Checks #include lines against the layering: includes point downward only, between rooms and between the folders of a
+# room.
 #   awk -f tests/house/arrows.awk FILE...      (paths from the project's root)
 
 BEGIN {
   split("base drawing gpu geometry sensing touch array acoustics session setup bench cli", floor_names)
   for (i in floor_names) floor_of[floor_names[i]] = i + 0
 
-  # driver/ sees the engine through its small interfaces only.
-  interface["session/links/link.hpp"] = interface["session/links/sources.hpp"] = 1  # how both are named on the command line
-  interface["session/links/slots.hpp"] = 1      # which slots a plan plays, up to the boards
-  interface["session/links/hand_over.hpp"] = 1  # what a link says of what it was handed
+  # driver/ uses the engine only through its small interfaces.
+  interface["session/links/link.hpp"] = interface["session/links/sources.hpp"] = 1  # the names of both on the command
+                                                                                    # line
+  interface["session/links/slots.hpp"] = 1      # the slots that a plan plays, up to the boards
+  interface["session/links/hand_over.hpp"] = 1  # a link's messages about what it was given
   interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor
   interface["bench/row.hpp"] = 1              # its rows of palpa bench
   interface["cli/command.hpp"] = interface["setup/options.hpp"] = interface["setup/values.hpp"] = 1  # its commands
   interface["array/drive.hpp"] = interface["array/layout.hpp"] = interface["array/schedule.hpp"] = 1
-  interface["acoustics/field/incident.hpp"] = interface["acoustics/air.hpp"] = 1  # what an emulator's bytes sound like
+  interface["acoustics/field/incident.hpp"] = interface["acoustics/air.hpp"] = 1  # the sound of an emulator's bytes
 
-  # The folders of a room, and the headers at its top that they know, lowest first: each may include those before it.
+  # The folders of a room, and the headers at its top that they know, lowest first: each may include the earlier ones.
   # "." is everything else at the room's top.
   order("touch", "types stage_setting room contacts fingers bridge split sections follow foci .")
   order("acoustics", "air lanes field boundary bodies felt .")
@@ -32,7 +34,7 @@ function order(room, names,    i, n, name) {
   for (i = 1; i <= n; i++) step_of[room, name[i]] = i
 }
 
-# Where a file of a room stands: its folder, its own name at the top if the folders know it, or ".".
+# The place of a room's file: its folder, its own name at the top if the folders know it, or ".".
 function place(room, inside,    part, stem) {
   if (split(inside, part, "/") > 1) return part[1]
   stem = inside

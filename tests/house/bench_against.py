@@ -13,7 +13,7 @@ import subprocess
 import sys
 
 SLOWER = 1.05
-SHORT_MS = 0.02  # what is over sooner is measured by the clock more than by the work
+SHORT_MS = 0.02  # shorter times depend more on the clock than on the work
 
 
 def measure(binaries, arguments):
@@ -38,7 +38,7 @@ def main():
 
     before, after = {}, {}
     for done in range(options.rounds):
-        # Who begins changes, so that neither always meets the warmer machine.
+        # The first build alternates, so that neither always runs on the warmer machine.
         order = [(options.before, before), (options.after, after)]
         for binaries, seen in order if done % 2 == 0 else reversed(order):
             least(seen, measure(binaries, arguments))

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# check.sh [quick]: everything that can be said about the sources without running them; quick: what needs no build, in
-# seconds. The whole expects build/release to be built.
+# check.sh [quick]: all checks of the sources that do not run them. quick: those that need no build; this takes seconds.
+# Without quick, build/release must be built.
 # shellcheck disable=SC2317  # the steps are called by name
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.." || exit
@@ -24,14 +24,14 @@ files() {
     git ls-files --cached --others --exclude-standard --deduplicate -- "$@" | while read -r file; do
       [[ -f $file ]] && printf '%s\n' "$file"
     done
-  else # an unpacked archive: everything but what is built
+  else # an unpacked archive: everything except built files
     local pattern find=()
     for pattern; do find+=(-o -path "./$pattern"); done
     find . -type f \( "${find[@]:1}" \) ! -path './build/*' ! -path './out/*' ! -path './.git/*' | sed 's|^\./||' | sort
   fi
 }
 
-# One version of clang-format for everybody: others disagree about details.
+# One version of clang-format for everybody: versions differ in details.
 format() {
   local version
   version=$(clang-format --version | grep -o '[0-9]\+' | head -n 1)
@@ -50,7 +50,7 @@ shell() {
   shellcheck "${scripts[@]}"
 }
 
-# The build validates each module as it compiles it; this looks at what lies there.
+# The build validates each module as it compiles it; this checks the files that exist.
 spirv() {
   local module count=0
   while read -r module; do
@@ -61,19 +61,19 @@ spirv() {
   ((count > 0))
 }
 
-# Who may include whom: tests/house/arrows.awk.
+# Which room may include which: tests/house/arrows.awk.
 arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' | xargs -r awk -f tests/house/arrows.awk; }
 
-# docs/architecture.md's walks lead through the sources: tests/house/walks.py.
+# The walks of docs/architecture.md match the sources: tests/house/walks.py.
 walks() { python3 tests/house/walks.py; }
 
 # Each source includes what it uses: tests/house/includes.py.
 includes() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' 'tests/*.?pp' | xargs -r python3 tests/house/includes.py; }
 
-# Files are opened where the register of files sees it: tests/house/files.py.
+# Files are opened only where the register of files sees it: tests/house/files.py.
 registered() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' | xargs -r python3 tests/house/files.py; }
 
-# Small files with one job. A longer one is listed with its reason in tests/house/long-files.txt.
+# Files are small and have one job. A longer one is listed with its reason in tests/house/long-files.txt.
 sizes() {
   local file lines found=0
   while read -r file; do
@@ -86,7 +86,7 @@ sizes() {
   return "$found"
 }
 
-# Nothing may lean on one machine's folders.
+# Nothing may depend on one machine's folders.
 paths() {
   local hits
   hits=$(files | grep -v '\.\(png\|glb\|ply\|bin\)$' |
@@ -109,7 +109,7 @@ shaders() {
   return "$found"
 }
 
-# PAGE N FILE: the page's N-th piece of C++ is that file of the package's test.
+# PAGE N FILE: the page's N-th piece of C++ must be that file of the package's test.
 shows() {
   awk -v wanted="$2" '/^```/ { inside = /cpp/ && ++seen == wanted; next } inside' "$1" |
     diff - "tests/package/consumer/$3" && return
@@ -117,13 +117,13 @@ shows() {
   return 1
 }
 
-# PAGE: what its headings are called in links, a line each.
+# PAGE: prints the anchors of its headings, one per line.
 anchors() {
   # shellcheck disable=SC2016  # the pages' backquotes
   sed '/^```/,/^```/d' "$1" | grep -E '^#+ ' | sed -E 's/^#+ +//' | tr '[:upper:]' '[:lower:]' | tr -cd 'a-z0-9_ \n-' | tr ' ' '-'
 }
 
-# Pages point to files, headings and tests that exist, and the examples that they show are those that are compiled.
+# Pages link to files, headings and tests that exist, and all examples that they show are compiled.
 docs() {
   local page target found=0
   # shellcheck disable=SC2016  # the pages' backquotes
@@ -160,7 +160,7 @@ docs() {
   return "$found"
 }
 
-# The tree in docs/architecture.md is that of the folders.
+# The tree in docs/architecture.md is the tree of the folders.
 tree() {
   awk '/^    [a-z]/ && !done { inside = 1 } inside && !/^ / { done = 1; inside = 0 }
        inside { match($0, /^ +/); depth = (RLENGTH - 4) / 2; folder[depth] = $1; path = ""
@@ -170,7 +170,8 @@ tree() {
   return 1
 }
 
-# Every folder above the files on stdin. Folders of tests that mirror others stand in no tree, nor do those that hold pictures alone.
+# Every folder above the files on stdin. Left out are folders of tests that mirror other folders, and folders with
+# pictures only.
 tree_of() {
   awk -F/ '{ path = ""; for (i = 1; i < NF; i++) { path = path $i "/"; print path } }' | sort -u | while read -r folder; do
     case $folder in

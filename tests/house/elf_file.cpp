@@ -10,7 +10,7 @@
 namespace palpa::test {
 namespace {
 
-/// `count` structures of a file, one after the other.
+/// `count` consecutive structures of a file.
 template <typename T>
 std::vector<T> structures(const std::string& bytes, std::size_t offset, std::size_t count) {
   if (offset > bytes.size() || count > (bytes.size() - offset) / sizeof(T)) return {};
@@ -19,7 +19,7 @@ std::vector<T> structures(const std::string& bytes, std::size_t offset, std::siz
   return all;
 }
 
-/// Where in the file the bytes of an address are.
+/// The offset in the file of the bytes at an address.
 std::size_t offset_of(const std::vector<Elf64_Phdr>& segments, Elf64_Addr address) {
   for (const Elf64_Phdr& s : segments) {
     if (s.p_type == PT_LOAD && address >= s.p_vaddr && address - s.p_vaddr < s.p_filesz)

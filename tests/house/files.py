@@ -5,7 +5,7 @@
 import re
 import sys
 
-# Place: what it does, and why the register need not know of it where it does not.
+# Place: its purpose, and the reason if the register need not know of it.
 PLACES = {
     "engine/base/open_output.cpp": "the one place that opens what is written; asks the register",
     "engine/base/output_file.cpp": "puts a file that was written beside its place there; asks the register",
@@ -30,7 +30,7 @@ WAYS = re.compile(
     r"(?<![\w.>])(?:::)?(?:rename|renameat2?|linkat|symlinkat|unlinkat|truncate|ftruncate|mkdirat?|rmdir|copy_file_range)\s*\(|"
     r"(?<!\w)::(?:link|symlink|unlink|remove|mkfifo|mknod)\s*\(|"
     r"\b(?:fs|filesystem)::(?:rename|copy|copy_file|resize_file|remove|remove_all|create_\w+|permissions|last_write_time\([^)]*,[^)]*,)\s*\(")
-# Comments and strings, which may speak of anything; "/dev/null" and the like are not looked at.
+# Comments and strings, which may mention anything; "/dev/null" and the like are not checked.
 SPOKEN = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|^[ \t]*#[ \t]*include[^\n]*', re.S | re.M)
 
 

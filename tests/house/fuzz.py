@@ -29,21 +29,21 @@ from judged import faults_of_messages, name_of_end
 from mutate import boxes_glb, boxes_ply, mutated, small_bag, sphere_ply
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-COST_S, COST_S_PER_MB = 1.0, 1.0  # of processor time, as docs/limits.md states
-NOISE = 2.0                       # a busy machine's caches and hyperthreads make the same work cost more
-MOST_CPU_S = 60                   # of what has no such limit: it must end all the same
+COST_S, COST_S_PER_MB = 1.0, 1.0  # of processor time, as in docs/limits.md
+NOISE = 2.0                       # on a busy machine, caches and hyperthreads make the same work cost more
+MOST_CPU_S = 60                   # for cases without such a limit: they must still end
 MOST_MEMORY = 1 << 30
 MOST_ADDRESSES = 6 << 30          # protects the machine that runs this
-STILL_S = 20                      # without any processor time: a hang
-SECRET = "Zq7#vK%9xW@3jH&5"       # stands in files that no case may show
+STILL_S = 20                      # without using processor time: counts as a hang
+SECRET = "Zq7#vK%9xW@3jH&5"       # in files that no case may show
 COMMANDS = {"touch": 10, "drive": 8, "field": 4, "run": 6, "export": 5, "scatter": 3, "simulate": 1, "decompose": 2,
             "calibrate": 3, "link": 3, "doctor": 0.2, "viewer": 2}
-# Options that make a run endless or long as they should, that look for devices, or that a case sets itself.
+# Options that rightly make a run endless or long, that look for devices, or that a case sets itself.
 LEFT_ALONE = {"--help", "--gpu", "--backend", "--validation", "--frames", "--runs", "--resolution", "--figure6", "--view",
               "--version", "--suite", "--source", "--last", "--first", "--nudge", "--keys", "--pixels", "--samples",
               "--slice", "--write-rig", "--headless", "--size", "--log-level", "--focus", "--touch", "--drive", "--points", "--depth",
               "--camera", "--plane", "--plane-wave", "--point-source", "--line", "--mesh", "--target", "--reference", "--video", "--interact"}
-# What each file option reads, by the kind of the pool; others are outputs.
+# The kind of the pool that each file option reads; all others are outputs.
 READS = {"--scene": "scene", "--points": "points", "--depth": "depth", "--camera": "camera", "--rig": "rig",
          "--layout": "layout", "--touch": "touch", "--mesh": "mesh", "--finger": "mesh", "--drive": "drive",
          "--skin": "points", "--board-files": "boards", "--screen": "rig"}
@@ -291,19 +291,19 @@ class Case:
         elif command == "link":
             base = ["link", "test", "--link", f"record:{self.out('.bin')}", "--layout", self.value("--layout", "NAME|FILE"),
                     "--first", draw.choice(["0", "0", "1", "-1"]), "--last", draw.choice(["1", "1", "2", "-1"])]
-            for name in ("--each", "--rest"):  # so that it ends soon
+            for name in ("--each", "--rest"):  # so that the run ends soon
                 base += [name, draw.choice(["1ms", "1ms", "2ms", "0", "nan"])]
         elif command == "doctor":
             base = ["doctor", "--json", self.out(".json")]
         else:
             base = ["--headless", "--size", "64x64", "--screenshot", self.out(".png"), "--scene", self.file("scene"), "--points",
                     self.file("points"), "--penetration", "1mm"]
-        # Twice the same option is an error, which need not be found each time.
+        # The same option twice is an error, which need not be tested each time.
         more = self.some_options({argument for argument in base if argument.startswith("--") and draw.random() < 0.98})
         if command not in ("doctor", "viewer"):
             more += ["--backend", "cpu"]
         together = " ".join(base + more)
-        # These have costs of their own (docs/limits.md), or a driver's.
+        # These have other costs (docs/limits.md), or a driver's.
         self.judge_cost = command in ("touch", "drive", "run", "export", "link") and not re.search(
             r"--surface|--tune|--spectrum|--solver|--transfer|--pressure|--force|autd3|bag:", together)
         return base + more
@@ -416,7 +416,7 @@ def main():
         program = str(programs[case.command])
         try:
             faults, cost, code = faults_of(case, program)
-        except ValueError as error:  # an argument that no program can be given
+        except ValueError as error:  # an argument that no program can receive
             if "null byte" not in str(error):
                 raise
             faults, cost, code = [], 0, 0

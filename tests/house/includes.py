@@ -10,7 +10,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
-# Header: the names by which a use of it is known. Several headers for one name: any of them will do.
+# Header: the names that show a use of it. If several headers have one name, any of them is enough.
 NAMES = {
     "algorithm": "sort stable_sort find find_if find_if_not any_of all_of none_of count count_if copy copy_n copy_if fill fill_n "
                  "transform max_element min_element minmax_element clamp lower_bound upper_bound equal_range binary_search reverse "
@@ -36,7 +36,7 @@ NAMES = {
     "exception": "exception_ptr current_exception rethrow_exception", "compare": "strong_ordering",
     "cstdint": "uint8_t uint16_t uint32_t uint64_t int8_t int16_t int32_t int64_t uintptr_t",
 }
-OTHERS = [  # pattern, the headers of which one must be there
+OTHERS = [  # pattern, headers of which one must be included
     (r"\bfmt::(?!runtime|format_to_n|memory_buffer|join)\w", r"fmt/"),
     (r"\bfmt::(memory_buffer|join)\b", r"fmt/(format|ranges)\.h"),
     (r"\bglm::\w", r"glm/"),
@@ -59,7 +59,7 @@ OTHERS = [  # pattern, the headers of which one must be there
     (r"\b(SIGINT|SIGTERM|SIGHUP|SIGKILL|SIGPIPE|sigaction|sigset_t)\b", r"csignal|signal\.h"),
     (r"\b(TEST|TEST_F|TEST_P|EXPECT_\w+|ASSERT_\w+)\s*\(", r"gtest/"),
 ]
-# Headers that bring another's names along by what they are.
+# Headers that always provide another header's names.
 ENOUGH = {"cmath": {"complex"}, "cstdint": {"volk.h"}, "iterator": {"fstream", "sstream", "iostream"},
           "string": {"fstream", "sstream", "filesystem"}, "string_view": {"string"}}
 
@@ -75,14 +75,15 @@ def read(path):
     return path.read_text()
 
 
-# What one of palpa's headers declares at a line's beginning, for others to use: types, functions, constants, macros.
+# The names that one of palpa's headers declares at the beginning of a line, for use elsewhere: types, functions,
+# constants, macros.
 TYPE = r"(?:template\s*<[^;{]*>\s*)?(?:struct|class|enum class|enum|union)\s+(\w+)\s*(?:final\s*)?[:{]"
 DECLARED = re.compile(r"^(?:" + TYPE + r"|using (\w+) =|(?! )(?:\[\[\w+\]\] |[\w:<>,*& ])*?[\w>*&] [*&]*(\w+)\(|"
                       r"(?:inline |static |constexpr |const )+[\w:<>,*& ]+?(\w+)(?:\[\w*\])*(?: = |\{|;)|#define (\w+))", re.M)
-# A type, or a function that is called and no member of anything; what stands in a namespace of palpa's, if it says which.
+# A type, or a function that is called and is not a member; or a name in one of palpa's namespaces, if it is qualified.
 USED = re.compile(r"(?:\b([a-z]\w*)::|(?<![\w.>~:]))(?:([A-Z]\w*[a-z]\w*)\b|(\w+)\()")
 SPACE = re.compile(r"^namespace ([\w:]+) \{", re.M)
-SYSTEM = {"open", "read", "write", "close", "poll", "extent"}  # the kernel's and the language's, too
+SYSTEM = {"open", "read", "write", "close", "poll", "extent"}  # also names of the kernel and the language
 NO_TYPES = set("return else case throw new delete not and or co_return const constexpr static inline virtual explicit mutable "
                "public private".split())
 
@@ -116,7 +117,7 @@ def missing_own(path, text, headers):
     if path.suffix != ".cpp":
         return
     known, spaces = homes()
-    text = re.sub(r"\b(?:INSTANTIATE_)?TEST\w*\(\w*, *\w+|\btesting::\w+", "", text)  # a test's names are its own
+    text = re.sub(r"\b(?:INSTANTIATE_)?TEST\w*\(\w*, *\w+|\btesting::\w+", "", text)  # a test's names are not uses
     there = frozenset().union(*(words(header) for header in headers))
     for space, type_name, function in set(USED.findall(text)):
         name = type_name or function

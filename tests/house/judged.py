@@ -2,11 +2,11 @@
 import re
 import signal
 
-# What sanitizers, the C++ library and the C library write when something is broken.
+# Messages of sanitizers, the C++ library and the C library about something broken.
 BROKEN = re.compile(r"Sanitizer|runtime error:|terminate called|what\(\):|bad optional|bad variant|bad_alloc|std::|"
                     r"vector::|basic_string|stack smashing|buffer overflow|[Aa]ssert(ion)? |corrupted|double free|"
                     r"Segmentation|not validated:|VUID|invalid_argument|out_of_range|stoi|stod")
-LONGEST_LINE = 500  # bytes, as docs/limits.md states
+LONGEST_LINE = 500  # bytes, as in docs/limits.md
 # Control characters, marks of direction, and characters without a width.
 UNSEEN = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff]")
 

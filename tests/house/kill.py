@@ -31,13 +31,13 @@ from judged import faults_of_messages, name_of_end, name_of_signal
 from wires import Trace
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# Seconds, as docs/safety.md states; a case's margin comes on top.
+# Seconds, as in docs/safety.md; a case's margin is added.
 SILENT_S = 0.15      # after a death, or a stop: 100 ms without a drive, and up to 45 ms on the slowest board's line
-ENDED_S = 1.0        # a run that is told to end
+ENDED_S = 1.0        # a run that is asked to end
 GUARD_LOST_S = 1.2   # a guard that is stopped is ended by its loop after a second
-OPENED_S = 10.0      # a guard that opens its board may take so long
-MARGIN_S = 2.0       # for a busy machine, beside ten times the longest that this program itself overslept
-# What ends no program, what no program can catch, and what the C library keeps for itself.
+OPENED_S = 10.0      # a guard that opens its board may take this long
+MARGIN_S = 2.0       # for a busy machine, in addition to ten times the longest oversleep of this program
+# Signals that end no program, that no program can catch, or that the C library reserves.
 NOTHING = {signal.SIGCHLD, signal.SIGCONT, signal.SIGURG, signal.SIGWINCH, signal.SIGTTIN, signal.SIGTTOU, 32, 33}
 DEATHS = {signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGTRAP, signal.SIGSYS}
 STOPS = {signal.SIGSTOP}
@@ -75,7 +75,7 @@ def processes(mark):
             if mark in (path / "environ").read_bytes().split(b"\0"):
                 found[int(path.name)] = (path / "comm").read_text().strip()
         except OSError:
-            continue  # it has gone, or is another user's
+            continue  # it has ended, or belongs to another user
     return found
 
 
@@ -107,7 +107,7 @@ class Case:
             usual = [signal.SIGKILL] * 4 + [signal.SIGSTOP] * 3 + [signal.SIGTERM, signal.SIGINT] * 2 + [signal.SIGXFSZ, signal.SIGPIPE, signal.SIGTSTP]
             others = [number for number in range(1, signal.NSIG)]
             self.signals = [draw.choice(usual + [draw.choice(others)] * 5) for _ in range(draw.choice([1, 1, 1, 2]))]
-        if self.early:  # the system stops no process whose terminal has gone
+        if self.early:  # the system stops no process whose terminal is gone
             self.signals = [signal.SIGTERM if number == signal.SIGTSTP else number for number in self.signals]
         self.gap = draw.choice([0, 0.01, 0.3])
         self.clock, self.faults, self.open, self.events = Clock(), [], [], []
@@ -123,7 +123,7 @@ class Case:
             return f"record:{self.folder}/drives.bin"
         if self.board == "pipe":
             os.mkfifo(self.folder / "drives")
-            if self.random.random() < 0.8:  # else nobody opens it, which is an error
+            if self.random.random() < 0.8:  # otherwise nobody opens it, which is an error
                 self.open.append(os.open(self.folder / "drives", os.O_RDONLY | os.O_NONBLOCK))
             return f"record:{self.folder}/drives"
         more = ["--port", "0"] if self.board == "autd3" else []
@@ -299,7 +299,7 @@ class Case:
             self.faults.append(f"the loop ends with {code}")
         if code >= 0 and self.trouble != "stderr":
             faults = faults_of_messages((self.folder / "stderr").read_bytes(), code)
-            # A program that something keeps after a signal has 50 ms for its line, which a busy machine may not give it.
+            # A program that is held up after a signal has 50 ms for its line, which may be too short on a busy machine.
             self.faults += [fault for fault in faults if not (self.events and fault.endswith("without an error line"))]
         if code >= 0 and self.board == "file" and self.drives().strip(b"\0"):
             self.faults.append("the last drive of its file is not silence")
@@ -364,10 +364,11 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count() + 1)
     chosen = parser.parse_args()
     os.environ.setdefault("PALPA_ASSETS", str(ROOT / "assets"))
-    # A shell that starts this in the background has it ignore these, and loops would take that over: they play on then.
+    # A shell that starts this in the background makes it ignore these signals. Loops would inherit that and play on.
     for number in (signal.SIGINT, signal.SIGQUIT):
         signal.signal(number, signal.SIG_DFL)
-    begin, work = time.monotonic(), pathlib.Path(tempfile.mkdtemp(prefix="pk-"))  # short: sockets' names may have 107 bytes
+    begin, work = time.monotonic(), pathlib.Path(tempfile.mkdtemp(prefix="pk-"))  # short: socket names have at most 107
+                                                                                  # bytes
     programs, namespace = {"palpa": chosen.bin.resolve() / "palpa", "rig": small_rig(work)}, namespace_command()
     if namespace is None:
         print("kill: no file system may be mounted here: full disks are left out")

@@ -1,24 +1,27 @@
 #!/usr/bin/env bash
-# matrix.sh [LEG...]: the tests under sanitizers, Vulkan validation, thread counts, vector widths and memory modes, and meshes
-# of every size; all legs without arguments, `matrix.sh list` names them. Stops at the first leg that fails; says at the end how
-# long each took.
+# matrix.sh [LEG...]: the tests under sanitizers, Vulkan validation, thread counts, vector widths and memory modes, and
+# with meshes of every size. Without arguments, it runs all legs; `matrix.sh list` names them. It stops at the first leg
+# that fails. At the end, it prints the duration of each.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
-# Name, preset, the tests (a ctest label, - for all), environment. What each leg shows that no other does:
+# Name, preset, the tests (a ctest label, - for all), environment. The faults that only this leg can show:
 #   threads-2     races between a dispatch's workgroups; subgroups of 16 lanes; memory that is shared, and read before it is
 #                 written. Runs one test at a time, so that its threads have the cores. Nothing is drawn: Mesa 22 cannot.
-#   sync          Vulkan's rules, which core validation alone would show, too, and missing barriers; subgroups of 4 lanes; host and
-#                 device memory apart, with copies between them, as on a discrete GPU, and read before they are written
-#   gpu-assisted  accesses outside of a buffer; Vulkan's rules where memory is shared
+#   sync          violations of Vulkan's rules, which core validation alone would show, too, and missing barriers;
+#                 subgroups of 4 lanes; separate host and device memory, with copies between them, as on a discrete GPU,
+#                 and read before they are written
+#   gpu-assisted  accesses outside of a buffer; violations of Vulkan's rules with shared memory
 #   corpus        meshes of every size
-#   asan          the host's memory and undefined behaviour, in all tests
+#   asan          errors in the host's memory and undefined behaviour, in all tests
 #   tsan          races between the host's threads
-#   fuzz          crashes, hangs, costs and overwritten inputs that nobody has thought of: broken files, random options (fuzz.py)
-#   kill          loops that are killed at random moments, with full disks and blocked readers: what a board hears last (kill.py)
+#   fuzz          crashes, hangs, costs and overwritten inputs that no test foresees: broken files, random options
+#                 (fuzz.py)
+#   kill          loops that are killed at random moments, with full disks and blocked readers: a board's last bytes
+#                 (kill.py)
 # The last two are programs, not tests: they run side by side, for PALPA_HOSTILE_S seconds (60) and with a fixed seed.
-# One driver thread and subgroups of 8 lanes are what tests/house/suite.sh gives every leg that says nothing else, and ./dev test.
-# The variables that speak to lavapipe are ignored by other drivers.
+# tests/house/suite.sh and ./dev test use one driver thread and subgroups of 8 lanes unless a leg sets something else.
+# Other drivers ignore lavapipe's variables.
 legs() {
   cat <<'END'
 threads-2    release gpu     LP_NUM_THREADS=2 PALPA_JOBS=1 LP_NATIVE_VECTOR_WIDTH=512 LVP_POISON_MEMORY=1
@@ -49,7 +52,7 @@ rm -rf "$digests"
 mkdir -p "$digests" build/logs
 summary=()
 
-# The targets of the tests of a label, which have their names, so that a sanitizer builds no more than it runs.
+# The targets of the tests of a label. They have the tests' names. A sanitizer thus builds only what it runs.
 targets_of() { # PRESET LABEL
   ctest --test-dir "build/$1" -N -L "^$2\$" | sed -n 's/^ *Test *#[0-9]*: //p'
 }
@@ -66,10 +69,10 @@ build_leg() { # PRESET LABEL
 run_leg() { # NAME PRESET LABEL [VARIABLE=VALUE...]
   local name=$1 preset=$2 label=$3 filter=() begin=$SECONDS built log=build/logs/matrix-$1.log
   shift 3
-  # The legs of the label gpu are about the driver: the cases of a pass's twin run in ./dev test and under asan.
+  # The legs of the label gpu test the driver: the cases of a pass's twin run in ./dev test and under asan.
   local left_out='*/cpu'
-  # Instrumented kernels are compiled anew for every pass that is made, a solver's for most of a minute: there one test of
-  # test_solver_pass, which runs each once, is all that solves.
+  # Instrumented kernels are compiled again for every pass that is created; a solver's takes most of a minute. So a
+  # single test of test_solver_pass, which runs each kernel once, is the only one that solves.
   [[ $name != gpu-assisted ]] || left_out+=':Backends/SolverOn.*:Solvers.*:SolverPass.*AtEverySize:SolverPass.TheSameBytes*'
   [[ $label != gpu ]] || set -- "$@" "GTEST_FILTER=-$left_out"
   echo "== $name: ${*:+$* }tests $label, preset $preset"
@@ -87,12 +90,12 @@ run_leg() { # NAME PRESET LABEL [VARIABLE=VALUE...]
     echo "matrix: $name fails"
     return 1
   fi
-  # What ctest closes with: passed and failed, labels, time.
+  # The final lines of ctest: passed and failed, labels, time.
   sed -n '/tests passed/,$p' "$log"
   summary+=("$(printf '%-13s passed, %4d s of which build %d s' "$name" $((SECONDS - begin)) "$built")")
 }
 
-# Same input, same bytes: one file per leg and result (tests/support/digest.hpp).
+# The same input gives the same bytes: one file per leg and result (tests/support/digest.hpp).
 compare_digests() {
   local file name leg
   local -A first=() legs=()
@@ -112,7 +115,8 @@ compare_digests() {
   done
 }
 
-# Each waits for most of its time, so together they take hardly longer than one. The viewer's shaders are kept as suite.sh does.
+# Each program waits most of the time, so together they take hardly longer than one. The viewer's shaders are cached as
+# in suite.sh.
 run_programs() { # NAME...
   local name pids=() begin=$SECONDS failed=0 cache=$PWD/build/cache/256
   echo "== $*: tests/house, preset release"

@@ -105,7 +105,7 @@ def json_mutated(draw, data):
     places = places_of(value, []) if isinstance(value, (dict, list)) else []
     if not places:
         return text_mutated(draw, data)
-    # The short lists and objects say more than the thousandth index.
+    # The short lists and objects are more interesting than a thousandth index.
     place = draw.choice(places)
     for _ in range(3):
         if isinstance(place[0], list) and len(place[0]) > 20:

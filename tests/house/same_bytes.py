@@ -195,10 +195,10 @@ def compare(kind, before, after, tolerance):
             return "DIFFERENT files"
         wrong = [n for n in names if compare("bytes", os.path.join(before, n), os.path.join(after, n), 0) != "same"]
         return "same" if not wrong else "DIFFERENT: " + ", ".join(wrong)
-    if kind == "foci":  # the number of closing silences is not what is compared
+    if kind == "foci":  # the number of silences at the end is not compared
         with open(before, "rb") as one, open(after, "rb") as two:
             lines = [[line for line in f.read().splitlines() if b'"fingers":[]' not in line] for f in (one, two)]
-        # A plan that the next one overtook was never sent.
+        # A plan replaced by the next one was never sent.
         known = set(lines[0])
         strange = [line for line in lines[1] if line not in known]
         common = len(lines[1]) - len(strange)

@@ -8,7 +8,7 @@
 
 namespace palpa::test {
 
-/// Writes a tetrahedron of 1 mm into the folder; the file's name.
+/// Writes a tetrahedron of 1 mm into the folder and returns the file's name.
 inline std::string write_small_body(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "body.ply";
   write_text(file,

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # suite.sh PRESET [CTEST ARGUMENT...]: runs the tests of a built preset.
 #
-# As many tests side by side as there are cores, and two that wait in the place of one (WAITS in cmake/Room.cmake), each with one
-# rasterizer thread where lavapipe is the driver: two tests of one thread keep two cores busier than one test of two threads. What
-# depends on the number of threads is the matrix's business, which sets LP_NUM_THREADS itself. Drivers and layers keep their caches in
-# the build directory; the code that lavapipe compiles depends on the vectors' width only.
+# As many tests run side by side as there are cores. Two tests that mostly wait count as one (WAITS in
+# cmake/Room.cmake). With lavapipe, each test has one rasterizer thread: two tests of one thread keep two cores busier
+# than one test of two threads. The matrix tests what depends on the number of threads, and sets LP_NUM_THREADS itself.
+# Drivers and layers have their caches in the build directory; lavapipe's compiled code depends only on the vectors'
+# width.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -15,17 +16,17 @@ cache=$PWD/build/cache/$LP_NATIVE_VECTOR_WIDTH
 mkdir -p "$cache"
 export MESA_SHADER_CACHE_DIR=$cache/mesa XDG_CACHE_HOME=$cache
 
-# For the presets asan and tsan; the others ignore them.
+# For the presets asan and tsan; other presets ignore them.
 export UBSAN_OPTIONS=print_stacktrace=1
 export LSAN_OPTIONS=print_suppressions=0:suppressions=$PWD/tests/house/lsan.supp
 export TSAN_OPTIONS=halt_on_error=1:suppressions=$PWD/tests/house/tsan.supp
 run=()
 if [[ $preset == tsan ]] && setarch --addr-no-randomize true 2>/dev/null; then
-  # Kernels that randomise many bits of addresses put code where GCC 12's ThreadSanitizer wants its shadow.
+  # Kernels that randomise many bits of addresses put code where GCC 12's ThreadSanitizer needs its shadow memory.
   run=(setarch --addr-no-randomize)
 fi
 
-# What the release build's tests took is a good guess of which are long here, so that no long one starts last.
+# The test times of the release build predict which tests are long here, so that no long test starts last.
 costs=Testing/Temporary/CTestCostData.txt
 if [[ -f build/release/$costs && ! -f build/$preset/$costs ]]; then
   mkdir -p "build/$preset/${costs%/*}"

@@ -1,4 +1,4 @@
-// Programs that may have little memory: they do their work or say in a line why not. They never crash and never hang.
+// Programs with little memory: they do their work or report in one line why not. They never crash or hang.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -30,7 +30,7 @@ void expect_work_or_a_line(const Result& result, const std::string& what) {
   EXPECT_EQ(result.err.find(": error: ") != std::string::npos, result.exit_code != 0) << what << ": " << result.err;
 }
 
-/// From where only the programs themselves fit to where all of it does.
+/// From limits in which only the programs themselves fit to limits in which everything fits.
 const std::vector<int> limits{80,  100, 130, 160, 206, 215,  220,  300,  400,
                               500, 600, 700, 800, 900, 1000, 1200, 1500, 2000};
 
@@ -66,7 +66,7 @@ TEST_P(WithLittleMemory, IsEnoughOrIsSaid) {
 
 INSTANTIATE_TEST_SUITE_P(Megabytes, WithLittleMemory, testing::ValuesIn(limits), testing::PrintToStringParamName());
 
-// One that is short of memory for a device says how much that takes.
+// A program with too little memory for a device says how much it needs.
 TEST(LittleMemory, ADeviceThatDoesNotFitSaysWhatItNeeds) {
   const Result result = limited(500, palpa_binary(), {"drive", "--layout", "openmpd", "--focus", "0,0,15cm"});
   if (result.exit_code == 0) GTEST_SKIP() << "a GPU with memory of its own";
@@ -75,7 +75,7 @@ TEST(LittleMemory, ADeviceThatDoesNotFitSaysWhatItNeeds) {
   EXPECT_NE(result.err.find(" MB more"), std::string::npos) << result.err;
 }
 
-// OpenBLAS starts threads that wait busily, and that do not end where memory is short.
+// OpenBLAS starts threads that wait busily, and that do not end if memory is short.
 TEST(LittleMemory, OnlyScatteringLoadsOpenBlas) {
   const auto loads = [](const Arguments& arguments) {
     const Result result = palpa(arguments, {.environment = {{"LD_DEBUG", "files"}, {"PALPA_CACHE", "off"}}});

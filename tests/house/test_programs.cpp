@@ -1,5 +1,5 @@
-// The programs as files: where they look for libraries, and what protects them from faults in memory. Normally those of
-// the build; those in the folders of PALPA_PROGRAMS, with colons between, where that is set (tests/package).
+// The programs as files: where they search for libraries, and their protection against memory faults. Normally, these
+// are the build's programs; if PALPA_PROGRAMS is set, those in its folders, separated by colons (tests/package).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ std::map<fs::path, ElfFile> files() {
   return found;
 }
 
-/// A test is built with less: nobody gives it bytes of strangers.
+/// Tests are built with less protection: nobody gives them untrusted data.
 bool of_users(const fs::path& file) {
   static const std::set<std::string> names{"palpa",      "palpa-guard", "palpa-viewer", "join_pictures", "make_bunny",
                                            "make_dense", "make_finger", "make_hand",    "make_objects"};
@@ -67,13 +67,13 @@ TEST(Programs, AreThere) {
   }
 }
 
-// The system's loader knows where libraries are. An empty entry, which CMake leaves behind, is the current folder.
+// The system's loader knows where libraries are. An empty entry, which CMake leaves behind, means the current folder.
 TEST(Programs, NameNoFolderOfLibraries) {
   for (const auto& [file, elf] : files())
     EXPECT_FALSE(elf.search.has_value()) << file << " looks for libraries in '" << *elf.search << "'";
 }
 
-// What makes a fault in memory end a program instead of serving whoever caused it.
+// With this, a memory fault ends a program instead of helping an attacker.
 TEST(Programs, AreLinkedSoThatNothingCanBeTurnedOver) {
   for (const auto& [file, elf] : files()) {
     EXPECT_TRUE(elf.position_independent) << file;
@@ -94,14 +94,14 @@ TEST(Programs, CheckTheirStackTheirBuffersAndTheirIndices) {
     const auto fortified = [](const std::string& name) { return name.starts_with("__") && name.ends_with("_chk"); };
     EXPECT_TRUE(std::any_of(elf.imported.begin(), elf.imported.end(), fortified)) << file << " is not fortified";
 #ifdef __x86_64__
-    // sub $4096,%rsp; orq $0,(%rsp): a large frame of a function is touched page by page.
+    // sub $4096,%rsp; orq $0,(%rsp): a function's large frame is touched page by page.
     const std::string probe("\x48\x81\xec\x00\x10\x00\x00\x48\x83\x0c\x24\x00", 12);
     EXPECT_TRUE(elf.code.find(probe) != std::string::npos) << file << " does not probe its stack";
 #endif
   }
 }
 
-/// What is started, and the exit code that it has with its own libraries.
+/// The command line, and its exit code with the program's own libraries.
 struct Start {
   Arguments arguments;
   int exit_code = 0;
@@ -114,19 +114,19 @@ std::vector<Start> starts(const std::string& name, const std::string& body) {
   }
   if (name == "palpa-viewer") return {{{"--version"}}};
   if (name == "palpa-guard") return {{{}, 1}};
-  return {{{}, 2}};  // one line about how it is used
+  return {{{}, 2}};  // one line of usage
 }
 
-/// In a folder; a shell goes there first.
+/// Runs it in a folder, to which a shell changes first.
 Result run_in(const fs::path& folder, const fs::path& program, const Arguments& arguments) {
   return run_program("/bin/sh", with({"-c", "cd \"$0\" && exec \"$@\"", folder, program}, arguments),
                      {.environment = {where_assets_are(), {"PALPA_CACHE", "off"}}});
 }
 
-// Whoever unpacks an archive and starts palpa beside it must not run what was in it.
+// A user who unpacks an archive and starts palpa there must not run the archive's contents.
 TEST(Programs, LoadNothingFromTheCurrentFolder) {
   const auto found = files();
-  // Those that are opened by name while a program runs, and whatever the others need.
+  // The libraries that a running program opens by name, and all that the others need.
   std::set<std::string> names{"libvulkan.so.1",   "libopenblas.so.0", "libvulkan_lvp.so", "libudev.so.1",
                               "libgfortran.so.5", "libGLX.so.0",      "libX11.so.6",      "libwayland-client.so.0"};
   for (const auto& [file, elf] : found)
@@ -137,7 +137,7 @@ TEST(Programs, LoadNothingFromTheCurrentFolder) {
   const fs::path mark = folder / "a-decoy-was-loaded";
   for (const std::string& name : names)
     fs::copy_file(PALPA_DECOY, folder / name);
-  // The trap works: a program that asks for the current folder gets a decoy, and cannot start with it.
+  // The test itself works: a program that searches the current folder loads a decoy, and cannot start with it.
   const Result trapped =
       run_program("/bin/sh", {"-c", "cd \"$0\" && LD_LIBRARY_PATH=. exec \"$1\" --version", folder, palpa_binary()});
   ASSERT_TRUE(fs::remove(mark) || trapped.exit_code != 0);

@@ -22,7 +22,7 @@ import sys
 from units import units_of
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-MOST = 30  # sources of a unit: a check takes longer than in proportion to what stands before
+MOST = 30  # sources of a unit: a check takes disproportionately longer the more text precedes it
 
 
 def included_files(build):
@@ -66,7 +66,7 @@ def sources_of(entry, build):
 
 def flags_of(entries):
     """What clang needs of these compile commands together: defines, folders, the language."""
-    kept = {}  # in the order in which they are met
+    kept = {}  # in the order of their first use
     for entry in entries:
         words = shlex.split(entry["command"])
         folders = [("-isystem", words[i + 1]) for i, word in enumerate(words) if word == "-isystem"]
@@ -91,7 +91,7 @@ class Tidy:
         else:
             unit = self.clean / f"{sources[0][1].name}.cpp"
             unit.write_text("\n".join(path.read_text() for path, _ in sources))
-            done = self.run(unit, "-Wno-shadow")  # one source's constants above another's local names
+            done = self.run(unit, "-Wno-shadow")  # one source's constants shadowed by another's local names
             unit.unlink()
         if done.returncode == 0:
             for _, stamp in sources:

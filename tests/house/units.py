@@ -11,14 +11,14 @@ import re
 import sys
 
 TESTS = pathlib.Path(__file__).resolve().parents[1]
-MOST = 8  # sources of a target; each core wants units, and the longest ends last
-# Names that a source brings into its namespace: another's that are not used would go unnoticed beside it.
+MOST = 8  # sources of a target; each core needs units, and the longest ends last
+# Names that a source brings into its namespace: an unused one in another source of the unit would not be noticed.
 BROUGHT = re.compile(r"^using [\w:]+::(\w+);|^namespace (\w+) =", re.M)
-# What a source has for itself, and the names there: types, functions, constants. One name too many costs little.
+# The names that a source defines for itself: types, functions, constants. An extra name costs little.
 OWN = re.compile(r"^namespace \{\n(.*?)^\}  // namespace|^(int main\()", re.S | re.M)
 DEFINED = re.compile(r"^(?:struct|class|enum class|enum|union|using) (\w+)|^\w[\w:<>,*& ]*?[ *&](\w+)\(|"
                      r"^(?:inline |static |constexpr |const )+[\w:<>,*& ]+?(\w+)(?:\[\w*\])*(?: = |\{|;)", re.M)
-# What makes another text of the sources behind it; or a library's source that a program takes only where it has none of its own.
+# Code that affects the sources after it; or a source of a library that a program uses only if it has none of its own.
 ALONE = re.compile(r"^ *# *define |^using namespace (?!std::)|^int main\(", re.M)
 INCLUDED = re.compile(r"^#include (.+)$", re.M)
 WORD = re.compile(r"[A-Za-z_]\w*")

@@ -79,7 +79,7 @@ class Autd3:
 
     def message(self, message):
         if message[0] == self.number:
-            return  # it came again
+            return  # it is a repetition
         self.number = message[0]
         self.operation(message[4:])
         second = int.from_bytes(message[2:4], "little")
@@ -91,7 +91,7 @@ class Autd3:
             self.segments = [False, False]
         elif o[0] == 0x30:  # phase and intensity of 249 transducers
             self.segments[o[1] & 1] = any(o[5:5 + 2 * 249:2])
-        elif o[0] == 0x41:  # a part of a pattern; without amplitudes all are at their most
+        elif o[0] == 0x41:  # a part of a pattern; without amplitudes, all are at their maximum
             index, at = (o[1] >> 3) & 1, 16 if o[1] & 1 else 2
             if o[1] & 1:
                 self.segments[index], self.phases_only = False, o[2] != 0

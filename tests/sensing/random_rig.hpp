@@ -1,4 +1,4 @@
-// Cameras, frames and boxes for the tests of this room, all from one seed.
+// Cameras, frames and boxes for the tests of this room, from a seed.
 #pragma once
 
 #include <cmath>
@@ -63,14 +63,14 @@ inline sensing::Camera random_camera(std::mt19937_64& random) {
   if (uniform(random, 0, 2) == 0) camera.distortion = {};
   camera.depth_unit_m = uniform(random, 0, 1) ? 1e-3 : 1.25e-4;
   camera.min_range_m = uniform(random, 0, 1) ? 0.2 : 0;
-  // Somewhere around the origin, looking roughly at it, rolled anyhow.
+  // Somewhere around the origin, looking roughly at it, with any roll.
   camera.T_world_camera = random_pose(random, 0.1);
   const Vec3 forward(camera.T_world_camera[2]);
   camera.T_world_camera[3] -= Vec4(forward * (0.5 + 0.4 * std::abs(unit(random))), 0);
   return camera;
 }
 
-/// As a file may have it: its lens reaches the whole image.
+/// A camera as a file may have it: its lens covers the whole image.
 inline sensing::Camera random_file_camera(std::mt19937_64& random) {
   sensing::Camera camera = random_camera(random);
   while (sensing::find_blind_pixel(camera)) {

@@ -11,7 +11,7 @@
 namespace palpa::sensing {
 namespace {
 
-/// cv::projectPoints' formulas as its documentation writes them, in long double, sharing nothing with camera.cpp.
+/// cv::projectPoints' formulas as in its documentation, in long double, without code from camera.cpp.
 std::array<long double, 2> opencv_project(const Camera& camera, long double x, long double y) {
   const auto& d = camera.distortion;
   const long double k1 = d[0], k2 = d[1], p1 = d[2], p2 = d[3], k3 = d[4];
@@ -41,13 +41,13 @@ TEST(Camera, UndistortsToWithinANanometreAtOneMetre) {
   int inverted = 0, folded = 0;
   for (int i = 0; i < 20000; ++i) {
     const Camera camera = test::random_camera(random);
-    // From a ray near enough to the axis to be before any fold of these lenses.
+    // From a ray so near the axis that it is before any fold of these lenses.
     const double x = 0.5 * unit(random), y = 0.5 * unit(random);
     const auto pixel = opencv_project(camera, x, y);
     const Vec2 ray = undistort(camera, {static_cast<double>(pixel[0]), static_cast<double>(pixel[1])});
     ASSERT_NEAR(ray.x, x, 1e-9) << i;
     ASSERT_NEAR(ray.y, y, 1e-9) << i;
-    // Any pixel: either a ray that projects back to it, or none.
+    // Any pixel: it has a ray that projects back to it, or none.
     const Vec2 any(camera.width * 1.5 * unit(random), camera.height * 1.5 * unit(random));
     const Vec2 found = undistort(camera, any);
     if (std::isnan(found.x)) {
@@ -60,7 +60,7 @@ TEST(Camera, UndistortsToWithinANanometreAtOneMetre) {
     ++inverted;
   }
   EXPECT_GT(inverted, 12000);
-  EXPECT_GT(folded, 500);  // strong lenses do fold, and say so
+  EXPECT_GT(folded, 500);  // strong lenses do fold, and report it
 }
 
 TEST(Camera, APixelBeyondTheFoldHasNoRay) {

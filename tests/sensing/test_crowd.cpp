@@ -1,5 +1,5 @@
-// Meshes of which much lies behind each other: drawn from near to far they give the same bytes as one triangle after
-// the other, with far fewer rays; and where nothing helps they are refused.
+// Meshes with many triangles behind each other: drawn from near to far, they give the same bytes as one triangle after
+// the other, with far fewer rays. If this does not help, they are rejected.
 #include "sensing/crowd.hpp"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ struct Layer {
   explicit Layer(std::size_t pixels) : depth(pixels, beyond), slant(pixels, 0) {}
 };
 
-/// One triangle after the other, every ray at each.
+/// One triangle after the other, with every ray tested against each.
 void draw_in_order(const CameraTable& table, const glm::vec2* rays, std::span<const CrowdTriangle> triangles,
                    Layer& layer) {
   for (const CrowdTriangle& t : triangles) {
@@ -45,7 +45,8 @@ void draw_in_order(const CameraTable& table, const glm::vec2* rays, std::span<co
   }
 }
 
-/// Triangles in the camera's coordinates: before it, through its image plane, upon each other, thin as a hair.
+/// Triangles in the camera's coordinates: in front of it, through its image plane, on top of each other, thin as a
+/// hair.
 std::vector<CrowdTriangle> soup(std::mt19937_64& random, const CameraTable& table) {
   std::normal_distribution<double> normal;
   const auto near = [&](const Vec3& at, double size) {
@@ -62,7 +63,7 @@ std::vector<CrowdTriangle> soup(std::mt19937_64& random, const CameraTable& tabl
     const Vec3 a = near(at, 0.2), b = near(at, 0.2), c = near(at, 0.2);
     add(a, b, c);
     add(b, a, near(at, 0.2));                        // shares an edge
-    add(a, b, near(c, 1e-9));                        // lies upon it, but for what single precision sees
+    add(a, b, near(c, 1e-9));                        // lies on it, as far as single precision can tell
     add(a, c, b);                                    // the same from behind
     add(a, b, a + 0.7 * (b - a) + near({}, 1e-13));  // a needle
     add(near({}, 0.3), b, c);                        // may reach behind the camera
@@ -78,7 +79,7 @@ TEST(Crowd, IsDrawnAsOneTriangleAfterTheOther) {
     const CameraTable& table = tables.cameras[0];
     const std::vector<CrowdTriangle> triangles = soup(random, table);
     Layer one_by_one(pixel_count(camera)), crowd(pixel_count(camera));
-    // Some of it is there before, as what never moves is.
+    // Some triangles are drawn before, like objects that never move.
     draw_in_order(table, tables.rays.data(), std::span(triangles).first(30), one_by_one);
     crowd = one_by_one;
     draw_in_order(table, tables.rays.data(), std::span(triangles).subspan(30), one_by_one);

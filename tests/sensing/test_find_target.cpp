@@ -1,4 +1,4 @@
-// The calibration target, and finding it in what a depth camera sees.
+// The calibration target, and finding it in a depth camera's images.
 #include "sensing/find_target.hpp"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,8 @@ using namespace sensing;
 
 constexpr double degree = std::numbers::pi / 180;
 
-/// That looks at `to` (target frame: z up) from so far, so high above the horizon, from the side `azimuth`.
+/// A camera that looks at `to` (target frame: z up) from this distance and elevation above the horizon, from the side
+/// `azimuth`.
 Camera looking(const Vec3& to, double distance, double elevation_deg, double azimuth_deg) {
   Camera camera = test::d415(Transform(1.0));
   camera.name = "one";
@@ -43,7 +44,7 @@ Camera looking(const Vec3& to, double distance, double elevation_deg, double azi
   return camera;
 }
 
-/// What it sees of the target at the world's origin and of `rest`, from so many frames.
+/// The camera's image of the target at the world's origin and of `rest`, from this many frames.
 StillImage seen(const Camera& camera, const geometry::Mesh& rest, Noise noise = Noise::d415, int frames = 5,
                 bool target = true, double scale = 1, std::uint64_t seed = 7) {
   SyntheticRig rig({camera}, rest, noise, seed);
@@ -62,7 +63,7 @@ geometry::Mesh board() {
   return box({-0.084, -0.084, -0.01}, {0.084, 0.084, 0});
 }
 
-/// How far a found pose is off: of the target's middle, and the angle.
+/// The error of a found pose: of the target's middle, and the angle.
 struct Off {
   double metres, degrees;
 };
@@ -102,13 +103,13 @@ TEST(FindTarget, ExactDepthsGiveTheExactPose) {
   EXPECT_LT(found.fit.rms_m, 5e-5);
 }
 
-/// What is found in spite of `rest`, within the bounds that calibration promises.
+/// The target is found in spite of `rest`, within the bounds that calibration promises.
 void expect_found(const Camera& camera, const StillImage& image) {
   const FoundTarget found = find_target(camera, image);
   const Off error = off(found.T_camera_target, camera);
   EXPECT_LT(error.metres, 0.5e-3);
   EXPECT_LT(error.degrees, 0.2);
-  // What it says of itself is no boast.
+  // Its own estimate of the error is not too small.
   EXPECT_LT(error.metres, 5 * found.fit.deviation_m);
   EXPECT_LT(error.degrees, 5 * found.fit.deviation_rad / degree);
   EXPECT_GT(found.agreement, 0.95);
@@ -128,7 +129,7 @@ struct Side {
   double elevation, azimuth, far;
 };
 
-/// What is found of a target that is printed that much too large.
+/// The found target if it is printed too large by this factor.
 FoundTarget found_at(const Side& side, double scale) {
   const Camera camera = looking({0.02, -0.03, 0}, side.far, side.elevation, side.azimuth);
   return find_target(camera, seen(camera, board(), Noise::d415, 5, true, scale));
@@ -147,7 +148,7 @@ TEST(FindTarget, TellsATargetOfAnotherScale) {
 }
 
 TEST(FindTarget, FindsNoFaultWithTheScaleOfAGoodOne) {
-  // Where little but three faces is seen the scale hangs on the roof, a square centimetre, and is hardly known.
+  // If little but three faces is seen, the scale depends on the roof, a square centimetre, and is hardly known.
   const std::vector<Side> sides{{40, 150, 0.7}, {30, 10, 0.5}, {25, 135, 0.45}, {45, 20, 0.75}, {80, 20, 0.75}};
   for (const Side& side : test::the_first(1, sides)) {
     SCOPED_TRACE(testing::Message() << side.elevation << " degrees high, from " << side.azimuth);
@@ -156,7 +157,7 @@ TEST(FindTarget, FindsNoFaultWithTheScaleOfAGoodOne) {
   }
 }
 
-/// A table, things with square corners on it, and a hand that hides some of the target.
+/// A table, things with square corners on it, and a hand that covers part of the target.
 geometry::Mesh clutter() {
   geometry::Mesh rest = box({-0.4, -0.3, -0.03}, {0.4, 0.3, -0.01});
   geometry::append(rest, board());
@@ -175,7 +176,7 @@ TEST(FindTarget, AmongClutterAndPartlyHidden) {
   expect_found(camera, seen(camera, clutter()));
 }
 
-/// With one line that names the camera and has `part` in it.
+/// Rejected with one line that names the camera and contains `part`.
 void expect_refused(const Camera& camera, const StillImage& image, const std::string& part) {
   try {
     find_target(camera, image);
@@ -187,7 +188,7 @@ void expect_refused(const Camera& camera, const StillImage& image, const std::st
   }
 }
 
-/// What is left of an image where `keeps` says so of a point in the target's frame.
+/// The image with only those points, in the target's frame, for which `keeps` is true.
 StillImage only(StillImage image, const Camera& camera, const std::function<bool(const Vec3&)>& keeps) {
   image.seen = 0;
   for (glm::vec3& point : image.points) {
@@ -223,11 +224,11 @@ TEST(FindTarget, RefusesWhatDoesNotHoldIt) {
     return std::abs(glm::dot(face.normal, p) - face.offset) < 2e-3;
   };
   const auto flat = [](const Vec3& p) { return p.z < 0.0075; };
-  // A plate alone, and with one slope, slides.
+  // A plate alone can slide, and so can a plate with one slope.
   expect_refused(camera, only(whole, camera, flat), "does not see the target");
   const auto slides = [&](const Vec3& p) { return flat(p) || on(east, p); };
   expect_refused(camera, only(whole, camera, slides), "does not see the target");
-  // So it does, nearly, where the third face is a patch of a centimetre.
+  // So it almost can if the third face is a patch of a centimetre.
   const auto barely = [&](const Vec3& p) {
     return slides(p) || (on(north, p) && std::abs(p.z - 0.022) < 0.0042 && std::abs(p.x) < 0.0055);
   };

@@ -28,7 +28,7 @@ std::filesystem::path scratch(const std::string& name) {
   return folder / name;
 }
 
-/// A PNG of any kind through libpng's other interface.
+/// A PNG of any kind, through libpng's other interface.
 void write_other(const std::filesystem::path& file, std::uint32_t format, std::uint32_t width, std::uint32_t height) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
@@ -132,7 +132,8 @@ TEST(GreyPng, TruncatedAndFlippedFilesAreRefusedOrTheSame) {
     EXPECT_NE(test::error_of([&] { read_png16(scratch("e.png"), 40, 30, out); }), "")
         << length << " bytes of " << good.size();
   }
-  // Every byte of a PNG is under a checksum (or is one): a flip is refused, unless it only touches what nobody needs.
+  // Every byte of a PNG is covered by a checksum (or is part of one): a flipped bit is rejected, unless it affects only
+  // data that nobody needs.
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(4);
   int refused = 0;
   for (int i = 0; i < 3000 && std::chrono::steady_clock::now() < end; ++i) {

@@ -105,11 +105,11 @@ TEST(Recording, KeepsWhatItsCamerasIgnore) {
   EXPECT_FALSE(back.cameras[0].mask || back.cameras[1].roi);
   EXPECT_EQ(back.cameras[1].mask->pixels, pixels);
   EXPECT_EQ(back.cameras[1].mask->file, fs::absolute(folder / "mask-1.png").string());
-  // The images have all that was seen.
+  // The images contain everything that was seen.
   FrameSet set;
   read_entry(back, 1, set);
   expect_same(take.sets[1], set);
-  // Nothing stays of a recording without frames.
+  // Nothing remains of a recording without frames.
   const fs::path none = fresh("mask-none");
   RecordingWriter(none, take.cameras).discard();
   EXPECT_FALSE(fs::exists(none));
@@ -121,7 +121,7 @@ TEST(Recording, WhatIsOnDiskStaysReadableAfterACrash) {
   RecordingWriter writer(folder, take.cameras);
   writer.write(take.sets[0]);
   writer.write(take.sets[1]);
-  // Still open, and a frame was begun: an image, half a line.
+  // Still open, with an incomplete frame: an image, half a line.
   write_png16(folder / "000002-0.png", take.cameras[0].width, take.cameras[0].height, take.sets[2].frames[0].depth);
   const std::string times = test::read_text(folder / "times.csv");
   test::write_text(folder / "times.csv", times + "11,100000.0");
@@ -165,7 +165,7 @@ TEST(Recording, WriterTakesANewOrAnEmptyFolder) {
 TEST(Recording, WriterLeavesWholeFramesOnAFullDisk) {
   const fs::path folder = fresh("full");
   Take take = random_take(3, 11);
-  // Images smaller than times.csv, so that it is the one that does not fit.
+  // Images smaller than times.csv, so that times.csv is the file that does not fit.
   for (std::size_t c = 0; c < 2; ++c) {
     take.cameras[c].width = take.cameras[c].height = 2;
     for (FrameSet& set : take.sets)

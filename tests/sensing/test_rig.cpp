@@ -148,7 +148,7 @@ TEST(Rig, FaultsNameFileLineAndKey) {
   EXPECT_REFUSED(load_text(with("distortion", "distortion = [1, 2, 3, 4, inf]")), "line 9: distortion");
   EXPECT_REFUSED(load_text(with("distortion", "distortion = [1e300, 0, 0, 0, 0]")),
                  "rig.toml: line 9: distortion cannot be undone at pixel (0, 0)");
-  // Folds back on itself before the image's corners.
+  // It folds back on itself before the image's corners.
   EXPECT_REFUSED(load_text(with("distortion", "distortion = [-1, 0, 0, 0, 0]")), "line 9: distortion cannot be undone");
   EXPECT_EQ(test::error_of([&] { load_text(with("distortion", "distortion = [0.1, -0.2, 0.001, 0.002, 0.05]")); }), "");
   std::string wide = with("width", "width = 4096");
@@ -176,7 +176,7 @@ std::string mask_file() {
   return (std::filesystem::path(scratch()).parent_path() / "sleeves.png").string();
 }
 
-/// Writes it: everything is skin but what `ignore` says.
+/// Writes the mask: everything is skin except what `ignore` selects.
 template <typename Ignore>
 void write_mask(std::uint32_t width, std::uint32_t height, const Ignore& ignore) {
   std::vector<std::uint8_t> pixels;
@@ -193,7 +193,7 @@ TEST(Rig, WhatACameraIgnores) {
   const Camera roi = load_text(camera_text + "roi = [100, 0, 748, 480]\n").cameras[0];
   EXPECT_TRUE(is_ignored(roi, 99, 7));
   EXPECT_FALSE(is_ignored(roi, 100, 7) || is_ignored(roi, 847, 479));
-  // The mask is found from the rig.
+  // The mask's path is relative to the rig.
   const Camera mask = load_text(camera_text + "mask = \"sleeves.png\"\n").cameras[0];
   EXPECT_EQ(mask.mask->file, mask_file());
   EXPECT_TRUE(is_ignored(mask, 100, 7));
@@ -315,7 +315,7 @@ TEST(Rig, MutatedFilesLoadOrAreRefused) {
     const std::string line = test::error_of([&] { load_text(text); });
     ++(line.empty() ? loaded : refused);
   }
-  // However few a slow machine got through in the time.
+  // However few a slow machine processed in the time.
   EXPECT_GT(loaded + refused, 10);
   EXPECT_GT(refused, 0);
 }

@@ -41,7 +41,7 @@ struct DeviceResult {
   shader::ScanTotal total{};
 };
 
-/// One run of the pass, every buffer between guard words, `room` points at most.
+/// One run of the pass with room for `room` points; every buffer lies between guard words.
 DeviceResult run_pass(const Scene& scene, const Box& box, std::uint64_t room = ~0ull, std::uint32_t stride = 1) {
   gpu::Device& device = test::test_device();
   const RayTables tables = make_rays(scene.cameras);
@@ -84,7 +84,7 @@ double outside_by(const Box& box, const Vec3& p) {
   return worst;
 }
 
-/// Every pixel's world point in double precision, camera after camera; NaN where there is none.
+/// Every pixel's world point in double precision, camera after camera; NaN if it has none.
 std::vector<Vec3> all_points(const Scene& scene) {
   std::vector<Vec3> points;
   for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
@@ -100,7 +100,7 @@ std::vector<Vec3> all_points(const Scene& scene) {
   return points;
 }
 
-/// Exactly the points inside the box, in order; only those within `band` of its faces may be in or out.
+/// Exactly the points inside the box, in order; only points within `band` of its faces may be in or out.
 void expect_brute_force(const std::vector<Vec3>& all, const Box& box, const std::vector<SkinPoint>& found) {
   constexpr double band = 2e-6;
   std::size_t next = 0;
@@ -139,7 +139,7 @@ TEST(Skin, TwinFindsWhatBruteForceInDoubleFindsForAnyBoxAndDistortion) {
       if (HasFatalFailure()) FAIL() << "round " << round;
     }
   }
-  EXPECT_GT(points, 20000u);  // the boxes are not just empty
+  EXPECT_GT(points, 20000u);  // the boxes are not simply empty
 }
 
 TEST(Skin, DeviceGivesTheTwinsBytes) {
@@ -301,7 +301,7 @@ TEST(Skin, TooLittleRoomKeepsTheFirstPointsAndStaysInside) {
 }
 
 TEST(Skin, MovingRigAndBoxTogetherMovesThePoints) {
-  // Turned by 90 degrees about z, so that the box stays a box.
+  // Turned by 90 degrees about z, so that the box remains a box.
   std::mt19937_64 random(13);
   const Transform motion(Vec4(0, 1, 0, 0), Vec4(-1, 0, 0, 0), Vec4(0, 0, 1, 0), Vec4(0.25, -0.5, 0.125, 1));
   for (int round = 0; round < 20; ++round) {

@@ -137,8 +137,8 @@ TEST(Synthetic, OccludersHideAndAreSeen) {
   const auto depth = render_one(camera, wall, Noise::none, 0, board);
   EXPECT_EQ(depth[240 * 848 + 200], 5000);
   EXPECT_EQ(depth[240 * 848 + 600], 9000);
-  const Mesh near =
-      square(Vec3(0, 0, 0.27), Vec3(2, 0, 0), Vec3(0, 2, 0));  // nearer than the range: no data, but in the way
+  const Mesh near = square(Vec3(0, 0, 0.27), Vec3(2, 0, 0), Vec3(0, 2, 0));  // nearer than the range: no data, but it
+                                                                             // hides what is behind it
   EXPECT_EQ(render_one(camera, near, Noise::none, 0, board)[240 * 848 + 200], 0);
 }
 
@@ -146,7 +146,7 @@ struct Statistics {
   double mean = 0, sigma = 0, lag1 = 0, lag2 = 0, lag3 = 0, lag1_down = 0, holes = 0;
 };
 
-/// Of the errors against `z` in a rectangle of the image.
+/// Statistics of the errors relative to `z` in a rectangle of the image.
 Statistics measure(const std::vector<std::uint16_t>& depth, const Camera& camera, double z) {
   Statistics s;
   std::vector<double> error(depth.size(), NAN);
@@ -188,11 +188,11 @@ TEST(Synthetic, NoiseOnAPlaneIsAsStated) {
   for (const double z : {0.35, 0.45, 0.8}) {
     const Mesh wall = square(Vec3(0, 0, z), Vec3(2, 0, 0), Vec3(0, 2, 0));
     const Statistics s = measure(render_one(camera, wall, Noise::d415, 5), camera, z);
-    // sigma = z^2 * 0.08 px / (fx * 55 mm), plus what the steps of 1/32 px and 0.1 mm add.
+    // sigma = z^2 * 0.08 px / (fx * 55 mm), plus the effect of the steps of 1/32 px and 0.1 mm.
     const double per_pixel = z * z / (640 * 0.055);
     const double expected = std::sqrt(std::pow(0.08 * per_pixel, 2) + std::pow(per_pixel / 32, 2) / 12 + 1e-8 / 12);
     EXPECT_NEAR(s.sigma / expected, 1, 0.02) << z;
-    // Disparity steps beat with depth units, so that a few of them need not round to zero on average.
+    // Disparity steps beat with depth units, so the average of a few need not be zero.
     EXPECT_NEAR(s.mean, 0, 0.03 * expected + camera.depth_unit_m / 5) << z;
     EXPECT_NEAR(s.lag1, 2.0 / 3, 0.03) << z;
     EXPECT_NEAR(s.lag1_down, 2.0 / 3, 0.03) << z;
@@ -244,7 +244,7 @@ TEST(Synthetic, SilhouettesHaveHolesAndFlyingPixels) {
   EXPECT_EQ(elsewhere, 0);
   ASSERT_GT(rim, 20000);
   EXPECT_NEAR(holes / rim, D415::rim_holes, 0.02);
-  EXPECT_NEAR(flying / rim, D415::rim_flying * 0.91, 0.02);  // some of them fly hardly away from their side
+  EXPECT_NEAR(flying / rim, D415::rim_flying * 0.91, 0.02);  // some of them hardly leave their side
 }
 
 TEST(Synthetic, GrazingSurfacesLoseData) {
@@ -278,7 +278,7 @@ TEST(Synthetic, TheSameSeedGivesTheSameBytesOnAnyThread) {
   for (const auto& result : results)
     EXPECT_EQ(result, results[0]);
   EXPECT_NE(render_one(camera, ball, Noise::d415, 8), results[0]);
-  // A rig's own history does not matter.
+  // A rig's own history has no effect.
   SyntheticRig rig({camera}, {}, Noise::d415, 1);
   const Posed posed{&ball, Transform(1.0)};
   FrameSet set;
@@ -368,7 +368,7 @@ TEST(PaperRig, SeesTheContactsOfTheCubeTouch) {
       EXPECT_GE(glm::length(eye - contact), 0.31);
       const Vec2 pixel = project(camera, transform_point(glm::inverse(camera.T_world_camera), contact));
       ASSERT_TRUE(pixel.x > 0 && pixel.y > 0 && pixel.x < 847 && pixel.y < 479);
-      // Nothing before the contact itself, to within a tenth of a millimetre.
+      // Nothing lies in front of the contact itself, to within a tenth of a millimetre.
       const bool visible =
           std::min(nearest_hit(finger, eye, contact - eye), nearest_hit(boards, eye, contact - eye)) > 1 - 3e-4;
       any |= visible;
@@ -384,8 +384,8 @@ TEST(PaperRig, SeesTheContactsOfTheCubeTouch) {
     EXPECT_GT(seen_by[c], 0);
 }
 
-// An object stands where it is felt when each eye sees its places where the line of sight meets the screen: that must
-// be on the screen, and no board between.
+// An object appears where it is felt if each eye sees its places where the line of sight meets the screen. These places
+// must be on the screen, with no board in between.
 TEST(PaperRig, BothEyesSeeAllOfTheWorkspaceOnTheScreen) {
   const Rig rig = load_rig(test::source_file("assets/rigs/paper.toml"));
   const Mesh boards = boards_of(rig);
@@ -430,7 +430,7 @@ TEST(Synthetic, AFrameIsTheSameWhateverWasRenderedBefore) {
   const Rig rig = load_rig(test::source_file("assets/rigs/paper.toml"));
   const Mesh occluders = square(Vec3(0, -0.15, 0), Vec3(0.1, 0, 0), Vec3(0, 0, 0.08)), ball = sphere(0.02, 12, 24);
   const auto at = [](double x, double y, double z) { return glm::translate(Transform(1.0), Vec3(x, y, z)); };
-  // In the middle, moved a little, nobody, at the images' borders, half out of them, two, a large one, nobody.
+  // In the middle, moved a little, none, at the images' borders, half outside, two, a large one, none.
   const std::vector<std::vector<Posed>> scenes{{{&ball, at(0, 0, 0)}},
                                                {{&ball, at(0.001, 0, 0)}},
                                                {},

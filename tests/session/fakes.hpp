@@ -1,4 +1,4 @@
-// A source, a planner and a link that do as the test says.
+// A source, a planner and a link that the test controls.
 #pragma once
 
 #include <atomic>
@@ -23,7 +23,7 @@ struct FakeSource : sensing::DepthSource {
   std::uint64_t count = 10;  ///< frames until the end
   double period_s = 0.002;
   double clock_rate = 1;                      ///< seconds on the source's clock per second of time
-  std::uint64_t reset_at = ~0ull;             ///< with that frame the source's clock starts anew, far back
+  std::uint64_t reset_at = ~0ull;             ///< at this frame, the source's clock restarts, far back
   std::function<void(std::uint64_t)> before;  ///< called before frame n; may sleep or throw
   std::uint64_t given = 0;
   double begin_s = 0;
@@ -57,7 +57,7 @@ float loudest_of(std::span<const array::TransducerDrive> drive);
 struct SpyLink : session::Link {
   std::vector<std::uint64_t> slots;
   std::vector<float> loudest;  ///< largest amplitude of each drive
-  /// Of a plan that it got: the first voice's gain, and the loudest of the listed drives.
+  /// For a plan that it got: the first voice's gain, and the loudest of the listed drives.
   struct Played {
     std::uint32_t voices;
     session::Slots slots;
@@ -67,8 +67,8 @@ struct SpyLink : session::Link {
     const void* drives;
   };
   std::vector<Played> plans;
-  std::vector<const void*> sent;  ///< where each drive lay
-  std::atomic<float> most{0};     ///< the loudest so far, for other threads to look at
+  std::vector<const void*> sent;  ///< the address of each drive
+  std::atomic<float> most{0};     ///< the loudest so far, for other threads
   bool finished = false;
   std::uint64_t fail_at = ~0ull;  ///< throws in the n-th send, and in every later one while `broken`
   bool broken = false;

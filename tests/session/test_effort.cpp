@@ -1,4 +1,4 @@
-// What is shed when frames take too long: decided from made-up times alone.
+// The effort that is dropped if frames take too long, decided only from simulated times.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,20 +23,20 @@ namespace {
 constexpr double hold_s = 0.1, period_s = 1.0 / 90;
 constexpr Effort most{4, 3};
 
-/// A machine that looks at frames of a camera, the newest one each time, as the loop does.
+/// A machine that always processes a camera's newest frame, like the loop.
 struct Machine {
-  /// How long a frame takes that is begun at that time with that effort.
+  /// The duration of a frame that begins at that time with that effort.
   std::function<double(double now_s, const Effort&)> work;
   EffortControl control{hold_s, most};
   double now_s = 1, captured_s = 0;
   std::uint64_t frames = 0;
   std::vector<Effort> changes;
-  double silent_s = 0;  ///< time in which what sounded was over before the next was there
+  double silent_s = 0;  ///< total time in which the sound ended before the next plan was there
 
   void run(double seconds) {
     for (const double end_s = now_s + seconds; now_s < end_s;) {
       const double before_s = captured_s;
-      captured_s = std::floor(now_s / period_s) * period_s;  // the newest that has come
+      captured_s = std::floor(now_s / period_s) * period_s;  // the newest frame that has arrived
       if (captured_s == before_s) now_s = captured_s += period_s;
       const double takes_s = work(now_s, control.now());
       now_s += takes_s;
@@ -47,7 +47,7 @@ struct Machine {
   }
 };
 
-/// Pixels cost most of it, foci the rest.
+/// Pixels take most of the time, foci the rest.
 std::function<double(double, const Effort&)> costs(double pixels_s, double foci_s) {
   return [=](double, const Effort& effort) {
     return pixels_s / (effort.pixel_stride * effort.pixel_stride) + foci_s / effort.foci_part;
@@ -66,7 +66,7 @@ TEST(Effort, IsWholeAsLongAsTheLatencyFits) {
 }
 
 TEST(Effort, ShedsPixelsFirstAndThenFociUntilTheLatencyFits) {
-  Machine hand{costs(0.250, 0.010)};  // what a hand in a large box took
+  Machine hand{costs(0.250, 0.010)};  // the time for a hand in a large box
   hand.run(60);
   EXPECT_EQ(hand.control.now(), (Effort{3, 1}));
   EXPECT_EQ(hand.changes, (std::vector<Effort>{{2, 1}, {3, 1}}));
@@ -121,7 +121,7 @@ TEST(Effort, TheHoldIsLengthenedLastAndOnlyWhereThatIsAskedFor) {
 }
 
 TEST(Effort, DoesNotOscillate) {
-  // Just too much for all of it, and easy without: it looks again now and then, and less and less often.
+  // Slightly too much at full effort, and easy at less: it tries full effort now and then, and less and less often.
   for (const double pixels_s : {0.038, 0.045, 0.060, 0.120, 0.2}) {
     Machine machine{costs(pixels_s, 0.005)};
     machine.run(3600);
@@ -184,7 +184,7 @@ TEST(Effort, WhatWasShedIsToldOnceWithWhatWouldHelp) {
             "only every 2nd pixel of every 2nd row was used and fingers had one in 3 of their foci");
 }
 
-/// One finger with ten foci, of which those in `empty` have no contacts.
+/// A finger with ten foci; those in `empty` have no contacts.
 touch::Touch ten_foci(const std::vector<std::uint32_t>& empty = {}) {
   touch::Touch touch;
   touch.finger_count = 1;
@@ -248,7 +248,7 @@ TEST(Effort, NothingSoundsAfterTheHoldHoweverLateItsPlanCame) {
   for (const auto& [takes_s, more_s] :
        {std::pair(0.005, 0.0), {0.06, 0.0}, {0.09, 0.0}, {0.15, 0.0}, {0.25, 0.0}, {0.15, 0.1}, {0.25, 0.1}}) {
     plan.more_hold_s = more_s;
-    // A planner that takes that long for each frame, and the slots that play the newest plan that is there.
+    // A planner that takes this long for each frame, and slots that play the newest finished plan.
     double planned_s = 0;
     for (std::uint64_t slot = 0; slot < 1000; ++slot) {
       const double now_s = static_cast<double>(slot) * setting.slot_s;

@@ -1,4 +1,4 @@
-// Events on their way out: files, pipes that are read slowly or not at all, datagrams.
+// The output of events: files, pipes that are read slowly or not at all, datagrams.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -28,7 +28,7 @@ namespace {
 using namespace std::chrono_literals;
 using Steady = std::chrono::steady_clock;
 
-// As every program of palpa has it: a closed pipe is an error of a write.
+// As in every program of palpa: a closed pipe is an error of a write.
 [[maybe_unused]] const auto no_sigpipe = std::signal(SIGPIPE, SIG_IGN);
 
 const std::vector<std::string> names{"button"};
@@ -40,7 +40,7 @@ std::vector<Event> events(std::size_t count, std::uint32_t first = 0) {
   return made;
 }
 
-/// A FIFO with a reader that reads only when told to.
+/// A FIFO whose reader reads only on request.
 struct Fifo {
   std::filesystem::path file;
   int reader = -1;
@@ -53,7 +53,7 @@ struct Fifo {
     if (reader >= 0) close(reader);
     reader = -1;
   }
-  /// What is in it now.
+  /// Its current contents.
   std::string read_all() const {
     std::string text;
     char block[4096];
@@ -75,7 +75,7 @@ TEST(EventSink, AFileHoldsEveryLineAtOnce) {
   const auto file = test::scratch_folder("event-file") / "events";
   const auto sink = open_event_sink(file.string(), names);
   sink->write(events(3));
-  // Another thread writes them; nobody has to ask for it.
+  // Another thread writes them; no call is needed.
   std::string text;
   for (int i = 0; i < 1000 && std::count(text.begin(), text.end(), '\n') < 3; ++i) {
     std::this_thread::sleep_for(1ms);
@@ -91,7 +91,7 @@ TEST(EventSink, APipeThatNobodyReadsDelaysNothingAndLosesWholeLines) {
   Fifo fifo("event-slow");
   const auto sink = open_event_sink(fifo.file.string(), names);
   const auto begin = Steady::now();
-  for (std::uint32_t n = 0; n < 20'000; ++n)  // 2 MB; the pipe takes 64 kB, a megabyte waits
+  for (std::uint32_t n = 0; n < 20'000; ++n)  // 2 MB; the pipe holds 64 kB, and a megabyte waits
     sink->write(events(1, n));
   EXPECT_LT(Steady::now() - begin, 5s);
   EXPECT_EQ(sink->written() + sink->dropped(), 20'000U);
@@ -160,7 +160,7 @@ TEST(EventSink, ThatMayWaitStillStops) {
   EXPECT_GT(sink->dropped(), 0U);
 }
 
-/// A write tells what became of those before it, once that is known.
+/// A write reports the result of earlier ones once it is known.
 void write_until_known(EventSink& sink) {
   for (int i = 0; i < 1000; ++i) {
     sink.write(events(1));
@@ -211,7 +211,7 @@ TEST(RecordLink, AFifoThatNobodyReadsIsAFaultAndNotAHang) {
   });
   EXPECT_EQ(stalled.code(), Exit::failed);
   EXPECT_NE(std::string(stalled.what()).find("nobody reads it"), std::string::npos) << stalled.what();
-  // What the loop does then; now the reader is back.
+  // The loop does this then; now the reader is back.
   std::string text;
   std::thread reader([&] {
     for (int quiet = 0; quiet < 40; ++quiet) {
@@ -241,7 +241,7 @@ TEST(RecordLink, WaitsForItsReaderWhereNothingSounds) {
   std::string text;
   std::atomic<bool> over{false};
   std::thread reader([&] {
-    std::this_thread::sleep_for(700ms);  // longer than a link's patience
+    std::this_thread::sleep_for(700ms);  // longer than a link waits
     while (!over) {
       text += fifo.read_all();
       std::this_thread::sleep_for(1ms);

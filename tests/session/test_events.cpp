@@ -1,4 +1,4 @@
-// Touches in, events out, against sequences worked out by hand.
+// Touches in, events out, against sequences that were worked out by hand.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -139,7 +139,7 @@ TEST_F(Events, FramesThatStopComingAreARelease) {
   frame({{0}});
   EXPECT_EQ(told(tracker.expire()), "release 0@button");
   EXPECT_EQ(frame({{0}}), "touch 0@button");
-  // The same when nobody told: a gap in the frames' times longer than the hold of 100 ms.
+  // The same without a report: a gap in the frames' times longer than the hold of 100 ms.
   time_s += 0.2;
   const auto events = tracker.update(touching({{0}}), time_s);
   ASSERT_EQ(told(events), "release 0@button, touch 0@button");
@@ -151,7 +151,7 @@ TEST_F(Events, AClockThatIsSetBackReleasesWhoeverTouchesFirst) {
   frame({{0}, {1, 1}});
   const double last_s = time_s;
   time_s = -1000;
-  // A finger that is there all the time has a new id then.
+  // A finger that is present all the time then has a new id.
   const auto events = tracker.update(touching({{2}}), time_s);
   ASSERT_EQ(told(events), "release 0@button, release 1@knob, touch 2@button");
   EXPECT_EQ(events[0].time_s, last_s);

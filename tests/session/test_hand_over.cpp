@@ -1,4 +1,4 @@
-// How many drives passed each hand-over, what is normal, and that more than that is told once.
+// The number of drives that passed each hand-over, the normal range, and a single report if it is exceeded.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -17,7 +17,7 @@
 namespace palpa::session {
 namespace {
 
-/// Of a board that took so many of `loop` drives.
+/// The counts of a board that took this many of `loop` drives.
 HandOver counts(std::uint64_t loop, std::uint64_t completed, std::uint64_t starting = 0) {
   return {.loop = {.drives = loop},
           .behind = Carried{.guard = Passed{.drives = completed},

@@ -1,5 +1,5 @@
-// Recorded hands on one object: every fingertip has its own foci, and all of them sound in every slot. Camera frame =
-// world. With PALPA_OBJECTS=FOLDER the objects and their cameras go there, for the viewer to show.
+// Recorded hands on one object: every fingertip has its own foci, and all fingertips sound in every slot. Camera frame
+// = world. With PALPA_OBJECTS=FOLDER, the objects and their cameras are written there for the viewer.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,12 +49,12 @@ sensing::Camera recorded_camera(double f, double cx, double cy, double unit_m) {
 sensing::Camera sr305() {
   return recorded_camera(476.007, 313.683, 242.755, 0.000125);
 }
-/// Nominal values of the first Kinect; the recording does not say its own.
+/// Nominal values of the first Kinect; the recording does not contain its own.
 sensing::Camera kinect() {
   return recorded_camera(585, 320, 240, 0.001);
 }
 
-/// Facing outwards, whichever way round it was built.
+/// Facing outwards, whatever its original orientation.
 geometry::Mesh outwards(geometry::Mesh mesh) {
   double volume = 0;
   for (const glm::uvec3& t : mesh.triangles)
@@ -71,8 +71,8 @@ void add_quad(geometry::Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint3
   mesh.triangles.emplace_back(a, c, d);
 }
 
-/// A band between two lines of the picture, point by point, along the camera's rays from depth `near` to `far`: its
-/// walls are edge-on to the camera.
+/// A band between two lines of the picture, point by point, along the camera's rays from depth `near` to `far`: the
+/// camera sees its walls edge-on.
 geometry::Mesh band(const sensing::Camera& camera, const std::vector<Pixel>& inner, const std::vector<Pixel>& outer,
                     double near, double far) {
   geometry::Mesh mesh;
@@ -83,7 +83,7 @@ geometry::Mesh band(const sensing::Camera& camera, const std::vector<Pixel>& inn
       mesh.positions.push_back(point_at(camera, outer[i], z));
     }
   }
-  // Of point i: 4 i inner near, + 1 outer near, + 2 inner far, + 3 outer far.
+  // The indices for point i: 4 i inner near, + 1 outer near, + 2 inner far, + 3 outer far.
   for (std::uint32_t i = 0; i + 1 < count; ++i) {
     const std::uint32_t a = 4 * i, b = a + 4;
     add_quad(mesh, a, b, b + 1, a + 1);
@@ -97,9 +97,10 @@ geometry::Mesh band(const sensing::Camera& camera, const std::vector<Pixel>& inn
   return outwards(std::move(mesh));
 }
 
-/// A body before both hands, whose back has a slope for each: all ten fingertips reach into it, and nothing else.
+/// A body in front of both hands, with a slope of its back for each hand: all ten fingertips reach into it, and nothing
+/// else.
 geometry::Mesh mask(const sensing::Camera& camera, const std::vector<HandTip>& tips) {
-  // Per hand: pointing into the body, and how deep its shallowest tip lies in it.
+  // For each hand: the direction into the body, and the depth of its shallowest tip.
   const std::pair<Vec3, double> slopes[]{{{0.4931, 0.1606, -0.855}, 6e-3}, {{-0.1907, -0.1741, -0.9661}, 4e-3}};
   const auto back = [&](int hand, double x, double y) {
     const Vec3 n = glm::normalize(slopes[hand].first);
@@ -163,7 +164,7 @@ touch::Touch touch_on_device(const Seen& seen, const touch::Parameters& paramete
   return out;
 }
 
-/// Every finger sounds in every slot with one focus of its own, on its own skin, and in ten slots with all of them.
+/// Every finger has its own focus on its own skin in every slot, and all of its foci within ten slots.
 void expect_own_foci(const touch::Touch& touch) {
   array::Schedule schedule;
   touch::Placement placement;
@@ -200,7 +201,7 @@ void expect_own_foci(const touch::Touch& touch) {
   }
 }
 
-/// With all skin inside in the clusters, both backends find the same fingers.
+/// If clusters contain all skin inside, both backends find the same fingers.
 touch::Touch touch_inside(const Seen& seen) {
   const touch::Parameters parameters{.cluster = touch::Cluster::inside};
   touch::Touch twin;
@@ -216,13 +217,13 @@ touch::Touch touch_inside(const Seen& seen) {
 
 TEST(Hands, FiveFingertipsOnOneArch) {
   PALPA_SHARED_OR_SKIP(image, "depth-hand-sr305-ondris/20210326-230536_70.png");
-  // A right hand, spread, palm to the camera; a band around it that every fingertip reaches into and the arm does not.
+  // A right hand, spread, palm to the camera; a band around it into which every fingertip reaches and the arm does not.
   const std::vector<Pixel> inner{{240, 285}, {240, 192}, {300, 192}, {318, 208}, {375, 208}};
   const std::vector<Pixel> outer{{200, 285}, {200, 150}, {300, 150}, {318, 150}, {375, 150}};
   const Seen seen = look("arch", sr305(), band(sr305(), inner, outer, 0.42, 0.72), image);
   const touch::Touch touch = touch_on_device(seen);
   ASSERT_EQ(touch.finger_count, 5u);
-  // Little, ring, middle, index finger and thumb, where they cross the inner line.
+  // Little, ring, middle, index finger and thumb, at the places where they cross the inner line.
   const std::vector<Pixel> expected{{240, 256}, {240, 227}, {240, 204}, {276, 192}, {342, 208}};
   std::vector<bool> met(expected.size());
   for (std::uint32_t f = 0; f < 5; ++f) {
@@ -233,7 +234,7 @@ TEST(Hands, FiveFingertipsOnOneArch) {
   }
   EXPECT_EQ(met, std::vector<bool>(5, true));
   expect_own_foci(touch);
-  // What of them is inside hangs together no more than where they enter.
+  // Their parts inside are connected no more than at the places where they enter.
   const touch::Touch inside = touch_inside(seen);
   ASSERT_EQ(inside.finger_count, 5u);
   for (std::uint32_t f = 0; f < 5; ++f)
@@ -272,8 +273,8 @@ TEST(Hands, TenFingertipsOnOneBody) {
   const Seen seen = look("mask", kinect(), mask(kinect(), tips), folder / "two_hands.png");
   const touch::Touch touch = touch_on_device(seen);
   ASSERT_EQ(touch.finger_count, 10u);
-  // Where a finger enters its ring of contacts may be centimetres from its tip. With a shell as thick as the body, a
-  // cluster is all of a finger that is inside: each holds exactly one labelled tip and one of the rings.
+  // The ring of contacts where a finger enters may be centimetres from its tip. With a shell as thick as the body, a
+  // cluster is the whole part of a finger that is inside: each holds exactly one labelled tip and one of the rings.
   const touch::Parameters thick{.delta_m = 0.5};
   touch::Touch whole;
   touch::HostStage(seen.solids, seen.cameras, {.parameters = thick}).touch(seen.images, whole);

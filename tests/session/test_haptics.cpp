@@ -1,4 +1,4 @@
-// What the haptics of solids ask for, on its way into voices and slots.
+// The haptics of solids, on their way into voices and slots.
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"

@@ -95,7 +95,7 @@ TEST(RecordLink, EndsSilentlyWhereverTheDiskIsFull) {
   const auto file = test::scratch_folder("limited") / "drives.bin";
   const array::Drive loud(3, {1.0f, 0.5f});
   constexpr std::size_t header = 24, record = 8 + 3 * 8, many = 20'000;
-  // At the first drives, where a block ends, and anywhere else; within a record at every byte.
+  // At the first drives, at the end of a block, and anywhere else; within a record at every byte.
   for (const std::size_t records : {0u, 1u, 2u, 8190u, 8191u, 8192u, 8193u, 12'345u}) {
     for (std::size_t rest = 0; rest < record; rest += records < 3 ? 1 : 7) {
       const test::FileSizeLimit limit(header + records * record + rest);
@@ -108,7 +108,7 @@ TEST(RecordLink, EndsSilentlyWhereverTheDiskIsFull) {
       std::uint64_t slot = 0;
       for (; slot < many && first.code() == Exit::ok; ++slot)
         keep_first([&] { link->send(slot, loud); });
-      // As the loop does, whatever happened.
+      // Like the loop, whatever happened.
       keep_first([&] { link->send(slot, array::Drive(3, {0.0f, 0.0f})); });
       keep_first([&] { link->finish(); });
       EXPECT_EQ(first.code(), Exit::failed);
@@ -124,7 +124,7 @@ TEST(RecordLink, EndsSilentlyWhereverTheDiskIsFull) {
   }
 }
 
-/// stdout goes into that file, and is appended to it, while this lives.
+/// While this lives, stdout is appended to that file.
 class AppendedTo {
  public:
   explicit AppendedTo(const std::filesystem::path& file) : before_(dup(STDOUT_FILENO)) {
@@ -223,7 +223,7 @@ TEST(FociLink, SendsOneJsonLinePerFrame) {
   EXPECT_TRUE(nlohmann::json::parse(receiver.next())["fingers"].empty());
 }
 
-/// As many fingers and foci as there may be: about 160 kB of JSON.
+/// The largest number of fingers and foci: about 160 kB of JSON.
 array::Schedule too_long_for_a_datagram() {
   array::Schedule schedule;
   schedule.time_s = 13.5;

@@ -1,4 +1,4 @@
-// The three threads together, with frames, plans and links of the test's making.
+// The three threads together, with frames, plans and links made by the test.
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/syscall.h>
@@ -80,7 +80,7 @@ TEST(Loop, TheNewestFrameWinsWhenComputeIsSlow) {
   EXPECT_EQ(loop.planner.seen.back(), 59u) << "the last frame is the newest";
 }
 
-/// How long a slice the calling thread asks for; 0 where the kernel does not say, before 6.12.
+/// The scheduler slice that the calling thread requests; 0 if the kernel does not report it, before 6.12.
 std::uint64_t slice_ns() {
   struct {
     std::uint32_t size = 48, policy = 0;
@@ -171,7 +171,7 @@ TEST(Loop, AfterAnErrorThereIsNoRampAndNoHold) {
     const auto begin = std::chrono::steady_clock::now();
     EXPECT_EQ(loop.fault(), "it broke");
     EXPECT_TRUE(loop.link.ended_silent());
-    // Twenty frames are 40 ms; the ramp's way down would be 334 drives and the hold 3333.
+    // Twenty frames are 40 ms; the ramp down would be 334 drives and the hold 3333.
     EXPECT_LT(std::chrono::steady_clock::now() - begin, 4s);
     EXPECT_LT(loop.link.slots.size(), 300u) << static_cast<int>(fault);
   }
@@ -260,7 +260,7 @@ TEST(Loop, ABrokenLinkEndsTheLoopAndIsReported) {
 TEST(Loop, AnErrorOfAnObserverIsReportedToo) {
   Loop loop;
   loop.options.record = [](const sensing::FrameSet& set) {
-    // Not "== 3": a recorder that is late gets a newer one.
+    // Not "== 3": a recorder that is late gets a newer frame.
     if (set.sequence >= 3) throw failure("recording: no space left on device");
   };
   EXPECT_EQ(loop.fault(), "recording: no space left on device");
@@ -272,7 +272,7 @@ TEST(Loop, GoesDownTheRampBeforeItEndsButNotAfterAnError) {
     Loop loop;
     loop.source.count = 1'000'000;
     loop.setting.output.safety = {.ceiling = 0.5, .ramp_s = 30e-3};
-    // Once the ramp is up, however long that takes.
+    // When the ramp is at its top, however long that takes.
     const auto up = [&] { return loop.link.most > 0.499f; };
     if (breaks) {
       loop.planner.before = [&](std::uint64_t) {
@@ -343,7 +343,7 @@ TEST(Loop, SoundsWhileItLooksAtEveryFrameOfASourceSlowerThanItsClock) {
   Loop loop;
   loop.source.count = 40;
   loop.source.period_s = 0.01;
-  loop.source.clock_rate = 0.1;  // replayed at a tenth of its own speed
+  loop.source.clock_rate = 0.1;  // replayed at a tenth of its speed
   loop.options.every_frame = true;
   loop.run();
   EXPECT_LT(loop.stats.output.silent_drives * 3, loop.stats.output.drives);
@@ -352,13 +352,13 @@ TEST(Loop, SoundsWhileItLooksAtEveryFrameOfASourceSlowerThanItsClock) {
 TEST(Loop, FollowsASourceWhoseClockRunsSlow) {
   Loop loop;
   loop.source.count = 500;
-  loop.source.clock_rate = 1 - 8e-4;  // in a second as far off as 50 parts in a million make it in 16
+  loop.source.clock_rate = 1 - 8e-4;  // in one second as far off as 50 parts in a million in 16 s
   double youngest_s = 1;
   loop.options.planned = [&](const FrameReport& report, const Plan& plan) {
     if (report.sequence > 250) youngest_s = std::min(youngest_s, report.arrived_s - plan.captured_s);
   };
   loop.run();
-  // Single frames may dawdle on a loaded machine; without the leak none of these is younger than 0.4 ms.
+  // Single frames may be late on a loaded machine; without the leak, none of these is younger than 0.4 ms.
   EXPECT_LT(youngest_s, 0.2e-3);
 }
 

@@ -1,4 +1,4 @@
-// The schedule that each method makes of the same touch, frame after frame.
+// Each method's schedule for the same touch, frame by frame.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -62,7 +62,7 @@ TEST(Methods, EachMakesItsVoice) {
   EXPECT_EQ(ellipse.voices[0].modulation_hz, 0);
   EXPECT_EQ(single.voices[0].modulation_hz, 200);
   EXPECT_EQ(multi.voices[0].modulation_hz, 200);
-  // A finger in a flat face has an all but round ring of contacts: both methods put the foci at the same places.
+  // A finger in a flat face has an almost round ring of contacts: both methods place the foci at the same places.
   for (std::size_t n = 0; n < 10; ++n)
     EXPECT_LT(glm::distance(cross.voices[0].foci[n], ellipse.voices[0].foci[n]), 1e-3) << n;
   std::vector<array::SlotFocus> foci;
@@ -88,7 +88,7 @@ TEST(Methods, AModulationIsOneGainOverTheWholePlan) {
 }
 
 TEST(Methods, TheModulationRunsOnFromFrameToFrame) {
-  // Its time is that of the slot counter, whatever the frame: two frames' schedules have the same gain in a slot.
+  // Its time is that of the slot counter, not of the frame: two frames' schedules have the same gain in a slot.
   const Frame one(3e-3), two(2.5e-3);
   std::vector<array::SlotFocus> a, b;
   const array::Schedule first = schedule_of(one, Method::single_focus), second = schedule_of(two, Method::single_focus);
@@ -106,11 +106,11 @@ TEST(Methods, TuningChangesTheStrideAlone) {
   setting.voice.stride = 1;
   setting.tune = Tune::stride;
   const array::Schedule tuned = schedule_of(frame, setting);
-  // The cube's cross-section is some 30 mm around: 200 Hz is felt best.
+  // The cube's cross-section is about 30 mm around: 200 Hz is felt best.
   EXPECT_EQ(tuned.voices[0].order, array::fill_order(10, 3));
   EXPECT_EQ(tuned.voices[0].foci.size(), 10u);
   EXPECT_EQ(tuned.voices[0].dwell_s, 1.5e-3);
-  // Nothing moves: nothing to tune.
+  // Nothing moves, so there is nothing to tune.
   setting.method.method = Method::multi_focus;
   EXPECT_EQ(schedule_of(frame, setting).voices[0].foci_per_slot, 10u);
   setting.tune = Tune::nothing;

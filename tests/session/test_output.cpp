@@ -1,4 +1,4 @@
-// What the output thread sends when.
+// The data that the output thread sends, and when.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -134,7 +134,7 @@ TEST(Output, AScheduleWithoutAShortCycleIsComputedSlotBySlot) {
   EXPECT_TRUE(same(out.slot(plan, 777, 0), expected));
 }
 
-/// The room that a scratch has, of each of its vectors.
+/// The capacity of each of a scratch's vectors.
 std::vector<std::size_t> storage_of(const SlotScratch& scratch) {
   const array::DriveScratch& work = scratch.work;
   std::vector<std::size_t> room;
@@ -262,12 +262,13 @@ TEST(Output, TellsAPlanOnceAndFromWhenUntilWhen) {
   EXPECT_EQ((std::vector<const void*>{played.schedule, played.drives}), there) << "it was copied";
   EXPECT_EQ(played.slots.cycle.length, 10u);
   EXPECT_EQ(played.slots.from, 0u);
-  // From when the plan was seen; slots are counted from when there was room for them, at most as late as the plan came.
+  // From the time at which the plan was seen. Slots are counted from when there was room for them, at the latest from
+  // the plan's arrival.
   EXPECT_GE(static_cast<double>(played.slots.until),
             std::floor((seen_s + out.setting.hold_s - link.plan_s) / out.setting.slot_s));
   EXPECT_LE(played.slots.until, 20u);
   EXPECT_EQ(link.plans[1].voices, 0u);
-  // In time; a thread that the machine woke too late is silent in the slot in which it wakes.
+  // In time, except that a thread that the machine woke too late is silent in the slot in which it wakes.
   const double late_s = stats.jitter_s.quantile(1);
   EXPECT_GE(static_cast<double>(link.plans[1].slots.from) + std::ceil(late_s / out.setting.slot_s),
             static_cast<double>(played.slots.until));

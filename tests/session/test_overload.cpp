@@ -1,4 +1,4 @@
-// A loop whose frames take longer than they come apart, and longer than they sound.
+// A loop whose frames take longer than the time between them, and longer than they sound.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,8 +18,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// How many of `frames` that all came while another was under way were started early, where that takes `early_s` to
-/// their drives and waiting takes `waiting_s`.
+/// The number of early starts among `frames` that all arrive while another is in progress. With an early start, it
+/// takes `early_s` to their drives; with waiting, `waiting_s`.
 int started_early(EarlyStart& early_start, int frames, double waiting_s, double early_s) {
   int early = 0;
   for (int i = 0; i < frames; ++i) {
@@ -41,7 +41,7 @@ TEST(EarlyStart, WaitsWhereTheDeviceOnlySharesWhatItHas) {
 TEST(EarlyStart, DoesNotWaitWhereTheDeviceOverlaps) {
   EarlyStart early_start(1.0);
   EXPECT_GT(started_early(early_start, 10'000, 0.020, 0.014), 9'000);
-  // Another program takes the device's room: it goes back.
+  // Another program takes part of the device, so it changes back.
   EXPECT_LT(started_early(early_start, 10'000, 0.020, 0.040), 1'000);
 }
 
@@ -50,7 +50,7 @@ TEST(EarlyStart, TriesNothingThatCouldBeOverBeforeItSounds) {
   EXPECT_EQ(started_early(early_start, 10'000, 0.055, 0.110), 0);
 }
 
-/// Two frames under way on a device that works on one after the other.
+/// Two frames in progress on a device that processes one after the other.
 struct SharedPlanner : test::FakePlanner {
   using Clock = std::chrono::steady_clock;
   Clock::duration takes = 20ms;
@@ -98,7 +98,7 @@ TEST(Overload, AFrameIsNotStartedWhereItsDrivesComeNoSooner) {
     loop.source.count = every_frame ? 60 : 400;
     loop.options.every_frame = every_frame;
     loop.run();
-    // Two on the device at a time would take 40 ms each.
+    // Two at a time on the device would take 40 ms each.
     EXPECT_LT(loop.stats.frame_to_plan_s.quantile(0.5), 0.035) << every_frame;
     EXPECT_LT(loop.stats.output.silent_drives * 3, loop.stats.output.drives) << every_frame;
   }
@@ -118,7 +118,7 @@ TEST(Overload, NoPlanIsReplacedWhereEveryFrameIsLookedAt) {
   loop.source.count = 300;
   loop.source.period_s = 0;
   loop.options.every_frame = true;
-  loop.setting.output.hold_s = 2;  // a thread may be kept waiting for longer than a hold
+  loop.setting.output.hold_s = 2;  // a thread may have to wait for longer than a hold
   loop.run();
   EXPECT_EQ(loop.stats.planned, 300u);
   EXPECT_EQ(loop.stats.unplayed, 0u);
@@ -139,7 +139,7 @@ TEST(Overload, IsToldOnceWithBothFigures) {
   EXPECT_NE(told.find("give --hold "), std::string::npos) << told;
 }
 
-/// Remembers what it was asked to shed, and is as slow as before.
+/// Records the requested effort, and is as slow as before.
 struct SheddingPlanner : test::FakePlanner {
   std::vector<Effort> asked;
   void set_effort(const Effort& effort) override { asked.push_back(effort); }

@@ -1,4 +1,4 @@
-// Depth frames to drives through a planner, on the device and through the twins.
+// From depth frames to drives through a planner, on the device and with the twins.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ struct Scene {
   }
 };
 
-/// A planner and what it schedules with.
+/// A planner, and the objects with which it schedules.
 struct Planning {
   Scheduler scheduler;
   std::unique_ptr<Planner> planner;

@@ -1,4 +1,4 @@
-// What reaches a link through what keeps people safe.
+// What reaches a link through the safety layer.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -199,7 +199,7 @@ TEST(SafeLink, TellsAPlanAnewWhileTheRampMoves) {
   safe.plan(p.at(p.touch, 0));
   for (std::uint64_t slot = 0; slot < 50; ++slot)
     safe.send(slot, p.loud);
-  // Every seventh slot is the first that is 10 ms later; the last when the ramp is up.
+  // Every seventh slot is the first one 10 ms later; the last plan comes when the ramp is at its top.
   ASSERT_EQ(p.spy.plans.size(), 6u);
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_EQ(p.spy.plans[i].slots.from, 7 * i);
@@ -208,7 +208,7 @@ TEST(SafeLink, TellsAPlanAnewWhileTheRampMoves) {
   }
   EXPECT_EQ(p.spy.plans[5].slots.from, 29u);
   EXPECT_EQ(p.spy.plans[5].gain, 1.0);
-  // On the way down it says when it is silent.
+  // On the way down, it reports when it is silent.
   safe.plan(p.at(p.nothing, 50));
   safe.send(50, p.silent);
   EXPECT_EQ(p.spy.plans.back().slots.from, 50u);

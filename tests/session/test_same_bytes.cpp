@@ -97,7 +97,7 @@ std::uint64_t digest_of(std::span<const Scene> some) {
       for (const std::uint16_t depth : image.depth)
         digest.add(depth);
     }
-    // Events ask for what a touch's contacts are, and for the skin below them.
+    // Events make a touch contain its contacts and the skin below them.
     Session session(test::test_device(),
                     {.scene = scene.model, .solids = solids, .cameras = rig.cameras, .layout = layout});
     const touch::Touch& touch = session.touch(frame.frames, 0);

@@ -149,7 +149,7 @@ TEST_P(Touching, AsksForAPressureAndTellsWhatItReaches) {
   for (const double pressure : pressures[0])
     EXPECT_NEAR(pressure, 750, 2);
 
-  setting.solids[0].haptics.pressure_pa = 500;  // the solid's own goes first
+  setting.solids[0].haptics.pressure_pa = 500;  // the solid's own value has precedence
   Session own = make(setting);
   own.touch(finger_at({0, -0.003, 0}), 0);
   EXPECT_NEAR(own.schedule().voices[0].reached_pa.value_or(0), 250, 1);

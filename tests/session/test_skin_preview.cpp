@@ -1,4 +1,5 @@
-// The pressure on a finger beside whoever draws it: operators that are kept, and which answer is of what was asked.
+// The pressure on a finger, computed in the background of the drawing: operators are kept, and each answer belongs to
+// its question.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -67,7 +68,7 @@ TEST(SkinPreview, AFingersEquationsAreFactoredOnce) {
   beside.finger.positions[0].x += 1e-5;
   answer(beside, bodies);
   EXPECT_EQ(bodies.made(), 3u);
-  // Nothing sounds: nothing is solved.
+  // Nothing sounds, so nothing is solved.
   beside.finger.positions[0].x += 1e-5;
   beside.plan.schedule.clear();
   EXPECT_EQ(answer(beside, bodies).vertices, std::vector<double>(beside.finger.positions.size(), 0.0));
@@ -94,12 +95,12 @@ TEST(SkinPreview, SaysWhatAnAnswerIsOf) {
   EXPECT_EQ(got->number, 3u);
   EXPECT_EQ(got->fault, "");
   EXPECT_EQ(got->vertices, wanted.vertices);
-  // Sound that is no number has no answer, and the next has one again.
+  // Sound that is not a number has no answer; the next question has one again.
   SkinQuestion bad = question();
   bad.layout.source_level_pa_m = std::numeric_limits<double>::infinity();
   preview.ask(std::move(bad));
   EXPECT_NE(wait()->fault, "");
-  // Nor has the plan of another array.
+  // A plan of another array has no answer, either.
   bad = question();
   bad.layout.transducers.push_back(bad.layout.transducers.front());
   preview.ask(std::move(bad));
@@ -115,7 +116,7 @@ double processor_s() {
 }
 
 TEST(SkinPreview, EndsInTheMiddleOfAnAnswer) {
-  // To the end it would take one or two seconds of processor time.
+  // Computed to the end, it would take one or two seconds of processor time.
   SkinQuestion long_work = question();
   long_work.finger = geometry::icosphere(10e-3, 16);
   for (const std::string stage : {"sampling neighbouring faces", "filling the matrix"}) {

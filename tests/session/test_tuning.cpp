@@ -1,4 +1,4 @@
-// Strides that follow the array's field, which a thread computes beside the loop.
+// Strides that follow the array's field, which a background thread computes.
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/resource.h>
@@ -45,7 +45,8 @@ std::vector<geometry::Solid> cube() {
   return geometry::make_solids(geometry::load_gltf(palpa::test::source_file("assets/cube.glb")));
 }
 
-/// Thirteen foci of 2 ms on the cube: from 1 to 5 mm deep spots have another stride than this array's foci.
+/// Thirteen foci of 2 ms on the cube: from 1 to 5 mm deep, the stride for spots differs from that for this array's
+/// foci.
 ScheduleOptions tuned() {
   ScheduleOptions options;
   options.voice.dwell_s = 2e-3;
@@ -53,7 +54,7 @@ ScheduleOptions tuned() {
   return options;
 }
 const touch::Parameters thirteen{.foci = 13};
-/// 3 mm deep; the usual one is 4.
+/// At a depth of 3 mm; the default stride is 4.
 constexpr std::uint32_t of_spots = 5, of_array = 4;
 
 std::uint32_t stride_of(const array::Schedule& schedule) {
@@ -104,7 +105,7 @@ TEST(Tuning, KeepsSpotsWithoutTheThread) {
     scheduler.make(touch, frame * 0.011, schedule);
     EXPECT_EQ(stride_of(schedule), of_spots);
   }
-  // A spot as wide as this array's focus says as much.
+  // A spot as wide as this array's focus gives the same stride.
   ScheduleOptions wide = tuned();
   wide.spot_m = 9e-3;
   Scheduler told("cube.glb", cube(), thirteen, wide);
@@ -112,7 +113,7 @@ TEST(Tuning, KeepsSpotsWithoutTheThread) {
   EXPECT_EQ(stride_of(schedule), of_array);
 }
 
-/// Of transducers and foci so many that their field takes seconds.
+/// So many transducers and foci that their field takes seconds.
 struct Long {
   array::Layout layout;
   std::vector<Vec3> foci;
@@ -143,16 +144,17 @@ TEST(TuningThread, NeitherKeepsAFrameNorTheEnd) {
         beside.look_at(id, heavy.foci, false, 0.01 * frame, strides);
       }
       beside.end();
-      // The first frame's strides are chosen, others' rest.
+      // In the first frame, strides are chosen; later ones rest.
       if (frame > 0) most = std::max(most, since(begin));
       std::this_thread::sleep_for(std::chrono::milliseconds(3));
     }
-    // In the last frame's time: what had been learned in this film would rest still.
+    // At the last frame's time, something that was learned in this film would still rest.
     EXPECT_TRUE(strides.wants(0, 0.19)) << "it cannot be ready yet";
     end = std::clock();
   }
   EXPECT_LT(most, 0.1) << "what was asked is not waited for";
-  // Of the processor, which others may have for long on a busy machine; eight fingers' fields take many times as much.
+  // Processor time, because other programs may hold it up on a busy machine. Eight fingers' fields take many times as
+  // much.
   EXPECT_LT(static_cast<double>(std::clock() - end) / CLOCKS_PER_SEC, 1.0) << "in the middle of a question";
 }
 
@@ -163,7 +165,7 @@ std::set<pid_t> threads() {
   return ids;
 }
 
-/// Policy and niceness of the thread that a TuningThread started here has, once it has changed its niceness.
+/// The policy and niceness of the thread of a TuningThread that is started here, after it has changed its niceness.
 std::pair<int, int> urgency_of_a_tuning_thread() {
   const array::Layout layout = openmpd();
   const acoustics::ArrayField field(layout, {});
@@ -186,7 +188,7 @@ TEST(TuningThread, GivesWayToWhoStartedIt) {
   std::pair<int, int> usual, of_nicer, of_real_time;
   bool policies = false, real_time = false;
   int nice = 0;
-  // A thread's niceness and policy are its own.
+  // Each thread has its own niceness and policy.
   std::thread([&] {
     policies = sched_setscheduler(0, SCHED_BATCH, &none) == 0 && sched_setscheduler(0, SCHED_OTHER, &none) == 0;
     if (!policies) return;
@@ -239,7 +241,7 @@ TEST(TuningThread, AnswersEveryFingerOnceAndAgainWhenItHasRested) {
   EXPECT_EQ(wanted(0.6), 3) << "fingers move";
 }
 
-/// A finger that stays as it is: what spots make of it never changes.
+/// A finger that does not change, so the result for spots never changes.
 struct StillSource : sensing::DepthSource {
   std::vector<sensing::Camera> rig = sensing::load_rig(palpa::test::source_file("assets/rigs/paper.toml")).cameras;
   sensing::FrameSet picture;
@@ -264,7 +266,7 @@ struct StillSource : sensing::DepthSource {
   }
 };
 
-/// A cube over this array, and that finger in it.
+/// A cube over this array, with that finger in it.
 struct Live {
   StillSource source;
   SessionSetting setting{
@@ -282,7 +284,7 @@ struct Live {
 
 TEST(Tuning, OfALoopChangesWhileItSoundsAndEndsInTime) {
   Live live(2000);
-  live.setting.hold_s = 10;  // no frame is late: fewer foci would have other strides
+  live.setting.hold_s = 10;  // no frame is late: with fewer foci, strides would differ
   Steady::time_point stopped;
   live.options.planned = [&, look = live.options.planned](const FrameReport& report, const Plan& plan) {
     look(report, plan);

@@ -1,4 +1,4 @@
-// Voices from fingers: which foci play, in what order, how modulated.
+// Voices from fingers: the foci that play, their order and their modulation.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
@@ -18,7 +18,7 @@ using array::SlotFocus;
 using array::Voice;
 using array::VoiceOptions;
 
-/// A finger whose sector n lies at x = n; sectors with 0 points are at NaN, as nobody may look there.
+/// A finger whose sector n lies at x = n. Sectors with 0 points are at NaN, because nothing may use them.
 touch::Finger finger_with(const std::vector<std::uint32_t>& points) {
   touch::Finger finger;
   for (std::size_t n = 0; n < points.size(); ++n) {

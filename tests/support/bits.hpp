@@ -1,4 +1,4 @@
-// Equality to the last bit: tells -0 from 0.
+// Equality to the last bit: distinguishes -0 from 0.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace palpa::test {
 
-/// For values made of doubles alone.
+/// For values made only of doubles.
 template <typename T>
 bool same_bits(const T& a, const T& b) {
   using Words = std::array<std::uint64_t, sizeof(T) / sizeof(std::uint64_t)>;

@@ -1,4 +1,4 @@
-// What code under test says.
+// The messages of code under test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -7,14 +7,14 @@
 
 namespace palpa::test {
 
-/// What is written to stderr while `action` runs.
+/// Everything that is written to stderr while `action` runs.
 template <typename Action>
 std::string stderr_of(const Action& action) {
   ::testing::internal::CaptureStderr();
   try {
     action();
   } catch (...) {
-    ::testing::internal::GetCapturedStderr();  // else the next capture ends the program
+    ::testing::internal::GetCapturedStderr();  // otherwise the next capture ends the program
     throw;
   }
   return ::testing::internal::GetCapturedStderr();

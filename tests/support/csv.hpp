@@ -9,7 +9,7 @@
 
 namespace palpa::test {
 
-/// Rows of a CSV file of numbers, without its line of headings.
+/// Rows of a CSV file of numbers, without the header line.
 inline std::vector<std::vector<double>> read_csv(const std::filesystem::path& file) {
   std::ifstream stream(file);
   std::vector<std::vector<double>> rows;

@@ -10,7 +10,7 @@ namespace palpa::test {
 namespace {
 constexpr std::uint8_t guard_byte = 0xa5;
 
-/// All of a buffer from, and to, the host.
+/// Copies all of a buffer from, and to, the host.
 void fill(gpu::Device& device, gpu::BufferRef buffer, const std::vector<std::uint8_t>& bytes) {
   gpu::Upload upload(device, bytes.size(), "guarded upload");
   std::memcpy(upload.data(), bytes.data(), bytes.size());

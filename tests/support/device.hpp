@@ -17,8 +17,9 @@ namespace palpa::test {
 /// The device that the environment selects (PALPA_VALIDATION, PALPA_FORCE_STAGING, VK_DRIVER_FILES, ...).
 gpu::Device& test_device();
 
-/// Submits to test_device() and waits. Says so to the validation layer as well, which otherwise keeps what it knows of
-/// every submit, and compares each with all before it: the layer takes no notice of timelines on which the host waits.
+/// Submits to test_device() and waits. It also waits in a way that the validation layer recognizes. Otherwise the layer
+/// keeps its data on every submit and compares each with all earlier ones: it ignores timelines on which the host
+/// waits.
 void submit_and_wait(VkCommandBuffer commands);
 
 /// Records `record`, submits and waits.
@@ -56,13 +57,13 @@ class GuardedBuffer {
   gpu::Buffer buffer_;
 };
 
-/// A pass's scratch as the pass declares it, each piece between guard words and filled with `fill` bytes.
+/// A pass's scratch as the pass declares it; each piece lies between guard words and is filled with `fill` bytes.
 class GuardedScratch {
  public:
   GuardedScratch(gpu::Device& device, std::vector<gpu::ScratchBuffer> pieces, std::uint8_t fill = 0xcd);
 
   operator const gpu::Scratch&() const { return scratch_; }
-  /// Whether every byte that is no piece's still has its pattern.
+  /// Whether every byte outside the pieces still has its pattern.
   bool intact() const;
 
  private:

@@ -1,4 +1,4 @@
-// A disk that is full from some byte on, as a file sees it.
+// Acts like a disk that is full from some byte on.
 #pragma once
 
 #include <sys/resource.h>
@@ -7,7 +7,7 @@
 
 namespace palpa::test {
 
-/// While it lives, no file of this process can grow beyond so many bytes: writes come up short, then fail with EFBIG.
+/// While it lives, no file of this process can grow beyond this many bytes: writes are short, then fail with EFBIG.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

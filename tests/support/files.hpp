@@ -17,7 +17,7 @@ inline void write_text(const std::filesystem::path& file, const std::string& tex
   EXPECT_TRUE(out.good()) << file;
 }
 
-/// All bytes of a file; none where there is no such file.
+/// All bytes of a file; empty if the file does not exist.
 inline std::string read_text(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};

@@ -1,4 +1,4 @@
-// Builds with sanitizers: programs are many times slower there, and fatter.
+// Builds with sanitizers: programs are many times slower there and need more memory.
 #pragma once
 
 #include <cstddef>
@@ -15,13 +15,13 @@ constexpr bool instrumented() {
 #endif
 }
 
-/// Of samples that all go the same way, a tenth with sanitizers: those show how memory is used, the build without them
-/// that every answer is right.
+/// A tenth of the samples with sanitizers, for samples that all take the same path. Builds with sanitizers check the
+/// use of memory; the build without them checks that every result is right.
 constexpr std::uint32_t fewer(std::uint32_t samples) {
   return instrumented() ? samples / 10 : samples;
 }
 
-/// Of cases that all go the same way, so many of the first with sanitizers.
+/// With sanitizers, only the first cases, this many, of those that all take the same path.
 template <typename Case>
 std::vector<Case> the_first(std::size_t few, std::vector<Case> cases) {
   if (instrumented()) cases.erase(cases.begin() + static_cast<std::ptrdiff_t>(few), cases.end());

@@ -1,6 +1,6 @@
 #pragma once
-// nlohmann::json for tests. What every source would otherwise make for itself, half of its code, is made once, in
-// json.cpp.
+// nlohmann::json for tests. json.cpp instantiates the parts that every source would otherwise instantiate itself, which
+// is half of its code.
 
 #include <map>
 #include <nlohmann/json.hpp>
@@ -12,7 +12,7 @@ extern template class std::map<std::string, nlohmann::json, std::less<>>;
 extern template class std::vector<nlohmann::json>;
 
 namespace nlohmann::detail {
-/// How json::parse reads a string.
+/// The adapter with which json::parse reads a string.
 using TextAdapter = iterator_input_adapter<std::string::const_iterator>;
 extern template class lexer<json, TextAdapter>;
 extern template class parser<json, TextAdapter>;

@@ -1,5 +1,5 @@
-// main() of every test program: fails on any validation error. --of=FILE[,FILE...] runs the tests of these sources
-// alone.
+// main() of every test program: fails on any validation error. --of=FILE[,FILE...] runs only the tests of these
+// sources.
 #include <dlfcn.h>
 #include <fnmatch.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 
 namespace {
 
-// The loader unloads lavapipe at teardown; leak reports would then name an unknown module that no suppression can
+// The loader unloads lavapipe at teardown. Leak reports would then name an unknown module that no suppression can
 // match.
 [[maybe_unused]] void* const keep_driver = dlopen("libvulkan_lvp.so", RTLD_LAZY | RTLD_NODELETE);
 
@@ -22,7 +22,7 @@ bool ends_with(std::string_view path, std::string_view file) {
   return path.size() > file.size() && path.ends_with(file) && path[path.size() - file.size() - 1] == '/';
 }
 
-/// Patterns as --gtest_filter has them, with colons between.
+/// Patterns as in --gtest_filter, separated by colons.
 bool matches(std::string_view patterns, const std::string& name) {
   for (bool more = true; more;) {
     const std::size_t colon = patterns.find(':');
@@ -33,7 +33,7 @@ bool matches(std::string_view patterns, const std::string& name) {
   return false;
 }
 
-/// Whether each of these has tests. What a filter leaves out stays out.
+/// Whether each of these has tests. Tests that a filter leaves out stay out.
 bool keep_tests_of(std::string_view files) {
   const std::string before = GTEST_FLAG_GET(filter);
   const std::size_t left_out = std::min(before.find('-'), before.size());
@@ -61,7 +61,7 @@ bool keep_tests_of(std::string_view files) {
     more = comma != std::string_view::npos;
     files.remove_prefix(more ? comma + 1 : 0);
   }
-  // Of an empty list gtest would run all.
+  // With an empty list, gtest would run all.
   GTEST_FLAG_SET(filter, (kept.empty() ? "none" : kept) + before.substr(left_out));
   return true;
 }
@@ -72,10 +72,10 @@ int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   constexpr std::string_view of = "--of=";
   if (argc > 1 && std::string_view(argv[1]).starts_with(of) && !keep_tests_of(argv[1] + of.size())) return 2;
-  // No test leans on what an earlier one has computed.
+  // No test depends on the results of an earlier one.
   setenv("PALPA_CACHE", "off", 1);
-  // Property tests draw the same cases on every run, so that what fails fails again and nobody's change fails by
-  // chance. Whoever looks for more has RC_PARAMS.
+  // Property tests draw the same cases on every run, so that a failure repeats and no change fails by chance. Set
+  // RC_PARAMS to try other cases.
   setenv("RC_PARAMS", "seed=20240601", 0);
   const int failed = RUN_ALL_TESTS();
   if (palpa::gpu::validation_errors() != 0) {

@@ -26,7 +26,7 @@ double to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return squared(a + t * along - p);
 }
 
-/// Squared distance to the triangle: to its plane where the foot lies inside, else to its edges.
+/// Squared distance to the triangle: to its plane if the foot lies inside, else to its edges.
 double to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = glm::cross(b - a, c - a);
   const bool above = glm::dot(glm::cross(b - a, p - a), normal) >= 0 &&

@@ -1,6 +1,6 @@
-// What is inside a closed mesh and how deep, in double precision and by other means than the engine's: the nearest of
-// all triangles, and the generalized winding number (Jacobson et al. 2013). A tree of boxes leaves out triangles that
-// cannot be the nearest, and sums the winding of far ones as dipoles (Barill et al. 2018).
+// The inside of a closed mesh and the depth in it, in double precision and by other means than the engine's: the
+// nearest of all triangles, and the generalized winding number (Jacobson et al. 2013). A tree of boxes leaves out
+// triangles that cannot be the nearest, and sums the winding of far ones as dipoles (Barill et al. 2018).
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@ class MeshOracle {
  public:
   explicit MeshOracle(const geometry::Mesh& mesh);
 
-  /// Metres to the nearest triangle; `most` where none is nearer than that.
+  /// Metres to the nearest triangle; `most` if none is nearer than that.
   double distance(const Vec3& point, double most = std::numeric_limits<double>::infinity()) const;
-  /// How often the mesh winds around the point: about 1 inside, 0 outside. A node is a dipole where the point is
-  /// farther than `far` times its radius; infinity sums every triangle.
+  /// How often the mesh winds around the point: about 1 inside, 0 outside. A node is treated as a dipole if the point
+  /// is farther than `far` times its radius; infinity sums every triangle.
   double winding(const Vec3& point, double far = 3) const;
 
  private:

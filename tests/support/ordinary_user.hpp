@@ -1,11 +1,11 @@
-// What root may do says nothing about anybody else.
+// Drops root's rights: what works for root says nothing about other users.
 #pragma once
 
 #include <unistd.h>
 
 namespace palpa::test {
 
-/// While it lives, root's tests have the rights of "nobody"; those of anybody else have their own.
+/// While it lives, tests that run as root have the rights of "nobody"; tests of any other user keep theirs.
 class OrdinaryUser {
  public:
   OrdinaryUser() : was_root_(::geteuid() == 0 && ::seteuid(65534) == 0) {}

@@ -27,7 +27,7 @@ std::vector<std::vector<std::uint32_t>> palpas_shaders() {
 }  // namespace
 
 ShaderModules*& ShaderModules::living() {
-  static ShaderModules* modules = nullptr;  // Vulkan hands no context to what stands in for its functions
+  static ShaderModules* modules = nullptr;  // Vulkan passes no context to replacements of its functions
   return modules;
 }
 

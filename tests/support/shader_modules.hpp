@@ -1,4 +1,4 @@
-// Shader modules that all pipelines of a device share, where GPU-assisted validation instruments them.
+// Shader modules that all pipelines of a device share if GPU-assisted validation instruments them.
 #pragma once
 
 #include <volk.h>
@@ -12,10 +12,10 @@
 namespace palpa::test {
 
 /// The layer writes a number into every module that it instruments: how many it has seen before. A driver's cache then
-/// knows no shader again, and compiling an instrumented one takes seconds. While this lives, the device's modules of
-/// the same words are one module; palpa's own are made first and in one order, so that they have their numbers in all
-/// test executables and a leg of the matrix compiles each of them once. (A report names the newest pipeline that has
-/// the module, which may be another than the one that erred.)
+/// never recognizes a shader, and compiling an instrumented one takes seconds. While this object lives, the device's
+/// modules of the same words are one module. palpa's own are created first and in a fixed order, so they have the same
+/// numbers in all test executables, and a leg of the matrix compiles each of them once. (A report names the newest
+/// pipeline with the module, which may be a different one than the one at fault.)
 class ShaderModules {
  public:
   /// One at a time; `device` must outlive it and all pipelines on it.

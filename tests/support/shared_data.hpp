@@ -19,7 +19,7 @@ std::filesystem::path scratch_folder(const std::string& name);
 
 }  // namespace palpa::test
 
-/// Declares `variable` or ends the test as skipped where the data is not there.
+/// Declares `variable`, or ends the test as skipped if the data does not exist.
 #define PALPA_SHARED_OR_SKIP(variable, relative)                               \
   const std::filesystem::path variable = ::palpa::test::shared_data(relative); \
   if (variable.empty()) GTEST_SKIP() << "skipped: no ../shared/data/" << relative

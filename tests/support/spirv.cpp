@@ -7,7 +7,7 @@
 namespace palpa::test {
 namespace {
 
-// The opcodes and decorations of the SPIR-V specification that carry layout.
+// The SPIR-V opcodes and decorations that describe layout.
 enum : std::uint32_t {
   op_name = 5,
   op_member_name = 6,

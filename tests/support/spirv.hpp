@@ -1,4 +1,4 @@
-// Reads back from a SPIR-V module what the C++ side believes about it: bindings, workgroup size, member offsets.
+// Reads back from a SPIR-V module what the C++ side assumes about it: bindings, workgroup size, member offsets.
 #pragma once
 
 #include <array>
@@ -19,21 +19,20 @@ struct SpirvStruct {
 
 struct SpirvBinding {
   std::uint32_t number = 0;
-  std::string name;  ///< of a block its own, of a texel buffer the variable's
+  std::string name;  ///< of a block, its own name; of a texel buffer, the variable's
   bool texels = false;
 };
 
 struct SpirvModule {
   std::array<std::uint32_t, 3> local_size{};
-  std::vector<SpirvBinding> bindings;                  ///< their numbers ascend; two blocks may share one
+  std::vector<SpirvBinding> bindings;                  ///< in ascending order of number; two blocks may share a number
   std::map<std::string, SpirvStruct> structs;          ///< by GLSL name
   std::map<std::string, std::uint32_t> array_strides;  ///< struct name -> stride of arrays of it
 };
 
-/// Throws std::runtime_error on words that are no SPIR-V module.
+/// Throws std::runtime_error if the words are not a SPIR-V module.
 SpirvModule read_spirv(std::span<const std::uint32_t> words);
-/// Throws std::runtime_error also where the build's table does not have the module's bindings, by number, name and
-/// kind.
+/// Also throws std::runtime_error if the build's table does not have the module's bindings, by number, name and kind.
 SpirvModule read_spirv(const gpu::Kernel& kernel);
 
 }  // namespace palpa::test

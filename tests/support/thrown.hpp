@@ -1,4 +1,4 @@
-// The palpa::Error that something throws, and what its line must look like.
+// The palpa::Error that a function throws, and the form that its line must have.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 namespace palpa::test {
 
-/// What `work` throws; an Error with Exit::ok where it throws none.
+/// The Error that `work` throws; an Error with Exit::ok if it throws none.
 template <typename Work>
 Error thrown_by(const Work& work) {
   try {
@@ -20,8 +20,7 @@ Error thrown_by(const Work& work) {
   return Error(Exit::ok, "");
 }
 
-/// The line of the Error that `work` throws, after checking that it is one line with that exit code; "" where it throws
-/// none.
+/// The line of the Error that `work` throws; checks that it is one line with that exit code. "" if it throws none.
 template <typename Work>
 std::string error_of(const Work& work, Exit code = Exit::bad_input) {
   const Error error = thrown_by(work);

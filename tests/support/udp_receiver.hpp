@@ -1,4 +1,4 @@
-// Somebody who listens on a UDP port.
+// A listener on a UDP port.
 #pragma once
 
 #include <arpa/inet.h>
@@ -14,7 +14,7 @@
 
 namespace palpa::test {
 
-/// A socket on the loopback, on a port of the system's choice.
+/// A socket on the loopback, on a port that the system chooses.
 class UdpReceiver {
  public:
   explicit UdpReceiver(std::chrono::milliseconds patience = std::chrono::seconds(5))
@@ -33,12 +33,12 @@ class UdpReceiver {
   UdpReceiver(const UdpReceiver&) = delete;
   UdpReceiver& operator=(const UdpReceiver&) = delete;
 
-  /// "udp:HOST:PORT", as palpa's options take it.
+  /// "udp:HOST:PORT", the form of palpa's options.
   std::string address() const { return "udp:127.0.0.1:" + std::to_string(port_); }
 
-  /// The next datagram; empty when none comes within its patience.
+  /// The next datagram; empty if none comes before its timeout.
   std::string next() const { return receive(0); }
-  /// One that has come already; empty where none has.
+  /// A datagram that has already arrived; empty if there is none.
   std::string waiting() const { return receive(MSG_DONTWAIT); }
 
  private:

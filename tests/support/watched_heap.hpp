@@ -1,4 +1,4 @@
-// Counts what the thread under test allocates while it is watched. It replaces the program's operator new. Several
+// Counts the allocations of the thread under test while it is watched. It replaces the program's operator new. Several
 // sources of a program may include it, in one unit (units.py) or in several: its operators are weak.
 #pragma once
 
@@ -11,7 +11,7 @@ namespace palpa::test {
 inline thread_local bool heap_watched = false;
 inline thread_local std::size_t heap_allocations = 0;
 
-/// How many allocations `work` makes on this thread; always 0 under sanitizers, which have a heap of their own.
+/// The number of allocations of `work` on this thread; always 0 under sanitizers, which replace the heap.
 template <typename Work>
 std::size_t allocations_of(const Work& work) {
   heap_allocations = 0;
@@ -24,7 +24,7 @@ std::size_t allocations_of(const Work& work) {
 }  // namespace palpa::test
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-// Not inlined: a compiler that sees only one half of a pair takes malloc and delete for a mismatch.
+// Not inlined: a compiler that sees only one half of a pair reports malloc and delete as a mismatch.
 [[gnu::noinline, gnu::weak]] void* operator new(std::size_t size) {
   if (palpa::test::heap_watched) ++palpa::test::heap_allocations;
   if (void* memory = std::malloc(size ? size : 1)) return memory;

@@ -1,5 +1,5 @@
-// Prints how often a single fingertip splits and how often two neighbours merge, with bridging and without; no test,
-// run it by hand. Its argument: trials per rig and object (default 12).
+// Prints how often a single fingertip splits and how often two neighbours merge, with and without bridging. It is not a
+// test; run it by hand. Argument: trials per rig and object (default 12).
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -19,7 +19,7 @@ struct Tally {
   }
 };
 
-/// One finger is in pieces, or two are in one.
+/// One finger is split, or two are merged.
 bool is_wrong(const Touch& touch, const Trial& trial) {
   if (trial.presses.size() == 1) return touch.finger_count > 1;
   for (const int presses : presses_in_fingers(touch, trial.presses)) {

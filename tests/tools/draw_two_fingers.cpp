@@ -1,6 +1,6 @@
-// draw_two_fingers OUT.png: how two fingertips are followed that cross (left) and that meet and turn back (right):
-// their place along x downwards in time, one colour for each id, large dots where both are one cluster. For
-// docs/touch.md.
+// draw_two_fingers OUT.png: draws how two fingertips are followed that cross (left), and that meet and turn back
+// (right). Their place along x is drawn downwards in time, with a colour for each id and large dots if both are one
+// cluster. For docs/touch.md.
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -31,7 +31,7 @@ void draw(Ink& ink, double left, const touch::test::Walk& walk, std::string_view
   ink.text(title, {left + 16, 24}, 9, dark);
   ink.text("20 mm", {left + panel / 2.0, 42}, 9, dark, Align::centre);
   ink.line({left + panel / 2.0 - 10 * millimetre, 48}, {left + panel / 2.0 + 10 * millimetre, 48}, 1, dark);
-  for (int finger = 0; finger < 2; ++finger) {  // where the tips really are
+  for (int finger = 0; finger < 2; ++finger) {  // the true places of the tips
     for (std::size_t k = 0; k + 1 < frames.size(); ++k) {
       const double t = frames[k].time_s, next = frames[k + 1].time_s;
       ink.line(place(walk.tips(t)[finger].x, t), place(walk.tips(next)[finger].x, next), 1, faint);

@@ -1,4 +1,4 @@
-// join_pictures LEFT.png RIGHT.png OUT.png: the two side by side.
+// join_pictures LEFT.png RIGHT.png OUT.png: joins the two side by side.
 #include <algorithm>
 #include <cstdio>
 #include <exception>

@@ -1,5 +1,5 @@
-// Prints in how many scenes exactly the fingers that are there are found, without looking at the depth frames again
-// (--finger-width 0) and with it; no test, run it by hand. Its argument: scenes per row (default 60).
+// Prints in how many scenes exactly the real fingers are found, without looking at the depth frames again
+// (--finger-width 0) and with it. It is not a test; run it by hand. Argument: scenes per row (default 60).
 #include <array>
 #include <cstdio>
 #include <cstdlib>

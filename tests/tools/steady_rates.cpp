@@ -1,5 +1,5 @@
-// Prints how much foci move from frame to frame, as each frame has them and kept steady; no test, run it by hand. The
-// tables of docs/touch.md are its own. Its argument: foci per finger (default 10).
+// Prints how much foci move from frame to frame, without and with steady foci. It is not a test; run it by hand. It
+// makes the tables of docs/touch.md. Argument: foci per finger (default 10).
 #include <cstdio>
 #include <cstdlib>
 

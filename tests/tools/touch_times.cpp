@@ -1,4 +1,4 @@
-// Prints the device time of every pass of touching for clouds of several sizes; no test, run it by hand.
+// Prints the device time of every pass of touching for clouds of several sizes. It is not a test; run it by hand.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -20,7 +20,7 @@ void print(const char* what, const std::vector<glm::vec3>& points, const geometr
     std::printf(" %s %.3f", time.name, time.ms);
     sum += time.ms;
   }
-  // On a busy machine only the last is worth reading: the processor time of a software device's threads.
+  // On a busy machine, only the last value is meaningful: the processor time of a software device's threads.
   std::printf(" | sum without the last %.3f ms\n", sum - times.back().ms);
 }
 

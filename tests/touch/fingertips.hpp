@@ -1,4 +1,4 @@
-// Fingertips that press into the paper's objects before rigs of one to three depth cameras.
+// Fingertips that press into the paper's objects in front of rigs of one to three depth cameras.
 #pragma once
 
 #include <array>
@@ -21,33 +21,34 @@ std::vector<sensing::Camera> paper_cameras(int count);
 
 std::vector<geometry::Solid> object(const std::string& name);
 
-/// A finger that leans by `tilt_deg` from the vertical towards `azimuth_deg`, its lowest place `press_m` below (x, y,
-/// z); or one that comes from below, its highest place as far above.
+/// A finger that leans by `tilt_deg` from the vertical towards `azimuth_deg`. Its lowest place is `press_m` below (x,
+/// y, z). If it comes from below, its highest place is as far above.
 struct Press {
   double press_m = 3e-3, tilt_deg = 0, azimuth_deg = 0, x = 0, y = 0, z = 0;
   bool from_below = false;
   double scale = 1;  ///< of the finger, 18 mm thick
 };
 
-/// What the cameras see of these fingers, with the D415's faults.
+/// The images of these fingers by the cameras, with the D415's faults.
 std::vector<sensing::DepthFrame> images_of(const std::vector<sensing::Camera>& cameras,
                                            const std::vector<Press>& presses, std::uint64_t seed);
 
-/// Whose skin each contact is: the press whose finger's surface is nearest.
+/// The press that each contact belongs to: the one whose finger's surface is nearest.
 std::vector<std::uint32_t> owners(const Touch& touch, const std::vector<Press>& presses);
 
-/// Of each finger, how many presses it holds contacts of, those left out that make up less than a tenth of it.
+/// For each finger, the number of presses whose contacts it holds. A press with less than a tenth of the finger's
+/// contacts does not count.
 std::vector<int> presses_in_fingers(const Touch& touch, const std::vector<Press>& presses);
 
 /// One fingertip, or two side by side, 0.5 to 4 mm apart, pressed 1 to 6 mm deep into one of the paper's objects,
-/// upright or leaning up to 65 degrees at any azimuth, before a rig of cameras.
+/// upright or leaning up to 65 degrees at any azimuth, in front of a rig of cameras.
 struct Trial {
   std::vector<sensing::Camera> cameras;
   std::vector<Press> presses;
   std::string object;
   std::vector<sensing::DepthFrame> images;
 };
-/// In place of an elevation: the first cameras of the paper's rig, in place of a ring at any azimuth.
+/// As the elevation, it means: the first cameras of the paper's rig instead of a ring at any azimuth.
 inline constexpr double paper_rig = -99;
 inline constexpr std::array<double, 5> trial_elevations{paper_rig, -30, 0, 20, 35};
 inline constexpr std::array trial_objects{"cube", "semi-sphere", "prism"};

@@ -20,10 +20,10 @@ namespace palpa::touch::test {
 enum class Backend { cpu, gpu };
 std::string backend_name(const ::testing::TestParamInfo<Backend>& info);
 
-/// Same test body on both.
+/// The same test body on both.
 class OnBothBackends : public ::testing::TestWithParam<Backend> {};
 
-/// On the test device, all pipelines that any test of this program needs, each made once.
+/// All pipelines that any test of this program needs, on the test device, each created once.
 Passes& test_passes();
 
 /// A stage on the test device, one frame at a time.
@@ -35,7 +35,7 @@ class DeviceStage {
 
   void touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s = 0);
   void touch(std::span<const sensing::SkinPoint> points, Touch& out, double time_s = 0);
-  /// What is set once more.
+  /// Computes the current input once more.
   void again(Touch& out, double time_s = 0, gpu::Timestamps* times = nullptr);
 
   Stage stage;
@@ -45,7 +45,7 @@ class DeviceStage {
   gpu::Recorder recorder_{test_passes().device(), "touch test"};
 };
 
-/// One touch of points whose index is their place. On the GPU twice, into reused memory: both runs must agree.
+/// One touch of points whose index is their place. On the GPU, it runs twice in reused memory: both runs must agree.
 Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
                const Parameters& parameters = {});
 /// The same on the device for any indices and setting; `times` gets the passes' times of the last of `runs`.
@@ -53,7 +53,7 @@ Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vec
                       const StageSetting& setting, int runs = 1, std::vector<gpu::PassTime>* times = nullptr);
 std::vector<sensing::SkinPoint> indexed(const std::vector<glm::vec3>& points);
 
-/// An axis-aligned box as six planes; the mesh stays empty: touching asks only planes and bounds.
+/// An axis-aligned box as six planes. The mesh stays empty: touching uses only planes and bounds.
 geometry::Solid box(const Vec3& low, const Vec3& high, const std::string& name = "box");
 /// 40 mm cube, top at y = 0 on the y axis.
 geometry::Solid cube();
@@ -64,20 +64,21 @@ geometry::Solid half_ball(const Vec3& centre, double radius, std::uint32_t count
 /// A solid moved by a rigid motion and scaled about the origin.
 geometry::Solid moved(const geometry::Solid& solid, const Transform& T_world_solid, double scale = 1);
 
-/// Points on the skin of a finger of 8 mm radius that dips `depth` below y = 0 at (x, z), 0.35 mm apart or so.
+/// Points on the skin of a finger of 8 mm radius that dips `depth` below y = 0 at (x, z), about 0.35 mm apart.
 std::vector<glm::vec3> fingertip(std::uint32_t count, double depth, double x = 0, double z = 0, unsigned seed = 1);
 /// Evenly random in a box.
 std::vector<glm::vec3> random_points(std::uint32_t count, const Vec3& low, const Vec3& high, unsigned seed = 1);
-/// A box so large, and a delta so thick, that every point near the origin is a contact.
+/// A box so large, with a delta so large, that every point near the origin is a contact.
 geometry::Solid everything();
 Parameters everything_is_contact(double gap = 5e-3, std::uint32_t min_points = 1);
 
-/// Partition as each contact's finger, or -1.
+/// The partition as each contact's finger, or -1.
 std::vector<int> finger_of_contacts(const Touch& touch);
-/// Bit for bit, so that NaN and -0 count.
+/// Compares bit for bit, so that NaN and -0 count.
 void expect_identical(const Touch& a, const Touch& b);
 
-/// The contacts of clusters in the order of their smallest: of more than max_fingers what become fingers.
+/// The contacts of clusters, in the order of their smallest contacts. If there are more than max_fingers, only those
+/// that become fingers.
 std::vector<std::vector<std::uint32_t>> largest(std::vector<std::vector<std::uint32_t>> clusters);
 
 }  // namespace palpa::touch::test

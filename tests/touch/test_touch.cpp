@@ -1,4 +1,4 @@
-// The whole of touching: both backends against each other, and what must be true of any touch.
+// The whole touch computation: both backends against each other, and properties of every touch.
 #include <gtest/gtest.h>
 
 #include <algorithm>

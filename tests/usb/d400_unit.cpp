@@ -10,8 +10,8 @@ namespace {
 
 enum : std::uint8_t { monitor = 1, exposure = 3, preset_control = 6, auto_exposure = 0x0b };
 
-// A letter to the monitor: length of what follows the first four bytes, magic, opcode, four parameters, data. The
-// answer: the opcode again, or a negative number that says what is wrong; data; its length at the end.
+// A letter to the monitor: length of the data after the first four bytes, magic, opcode, four parameters, data. The
+// answer: the opcode again, or a negative number that identifies the error; data; its length at the end.
 constexpr std::size_t letter_bytes = 1024, opcode_at = 4, parameter_at = 8, data_at = 24, length_at = 1020;
 constexpr std::uint16_t magic = 0xcdab;
 enum : std::uint32_t { get_calibration = 0x15, set_advanced = 0x2b, get_advanced = 0x2c };
@@ -88,7 +88,7 @@ std::uint32_t D400Unit::value(std::uint8_t selector, std::size_t size) const {
   return value;
 }
 
-/// The letter in the box gives way to its answer.
+/// The answer replaces the letter in the box.
 void D400Unit::obey() {
   const std::vector<std::uint8_t> letter = controls_[monitor];
   const auto length = number_at<std::uint16_t>(letter, 0);
@@ -117,7 +117,7 @@ void D400Unit::reply(std::uint32_t echo, const std::vector<std::uint8_t>& data) 
   put_at(box, length_at, static_cast<std::uint32_t>(data.size()));
 }
 
-/// A header of 16 bytes, 240 about the two imagers, then a lens for each size; 848x480 is the fourth.
+/// A header of 16 bytes, 240 bytes about the two imagers, then a lens for each size; 848x480 is the fourth.
 std::vector<std::uint8_t> D400Unit::calibration() const {
   constexpr std::size_t header = 16, lenses_at = 256, lens_bytes = 16, all = 512;
   std::vector<std::uint8_t> table(all);

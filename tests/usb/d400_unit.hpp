@@ -1,5 +1,5 @@
-// What a RealSense D400 answers through its extension unit, as librealsense asks it: exposure, preset, and the hardware
-// monitor, a letter box for commands of which it knows those for the depth unit and the calibration.
+// The answers of a RealSense D400's extension unit to librealsense's requests: exposure, preset, and the hardware
+// monitor. The monitor is a mailbox for commands; it supports the commands for the depth unit and the calibration.
 #pragma once
 
 #include <array>
@@ -16,11 +16,11 @@ class D400Unit {
   static constexpr std::uint8_t number = 3;
   D400Unit();
 
-  /// As it stands among the descriptors of the control interface, fed by unit `source`.
+  /// As in the descriptors of the control interface, fed by unit `source`.
   static std::vector<std::uint8_t> descriptor(std::uint8_t source);
   Answer control(const ControlRequest& request, std::vector<std::uint8_t>& bytes);
 
-  // What it was set to. Cameras leave the factory with these.
+  // The current settings. Cameras leave the factory with these.
   std::uint32_t depth_unit_um() const { return depth_table_[0]; }
   std::uint32_t exposure_us() const { return value(3, 4); }
   bool automatic() const { return value(0x0b, 1) != 0; }
@@ -35,7 +35,7 @@ class D400Unit {
   void reply(std::uint32_t echo, const std::vector<std::uint8_t>& data);
   std::vector<std::uint8_t> calibration() const;
 
-  std::map<std::uint8_t, std::vector<std::uint8_t>> controls_;  ///< by selector; each has its own length
+  std::map<std::uint8_t, std::vector<std::uint8_t>> controls_;  ///< by selector; their lengths differ
   std::array<std::uint32_t, 5> depth_table_{1000, 0, 65535, 0, 0};
 };
 

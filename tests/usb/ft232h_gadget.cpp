@@ -12,7 +12,7 @@ using driver::usb::Outcome;
 
 Ft232hGadget::Ft232hGadget(driver::usb::Peripheral& peripheral) : peripheral_(peripheral) {
   const auto& identity = peripheral.identity();
-  // As a real FT232H module says of itself: one interface of the vendor's class, two bulk endpoints, 90 mA.
+  // The descriptors of a real FT232H module: one interface of the vendor's class, two bulk endpoints, 90 mA.
   descriptors_.device = {18,
                          1,
                          0x00,
@@ -47,7 +47,7 @@ Ft232hGadget::Ft232hGadget(driver::usb::Peripheral& peripheral) : peripheral_(pe
 }
 
 Answer Ft232hGadget::control(double now_s, const ControlRequest& request, std::vector<std::uint8_t>& bytes) {
-  // The kernel's own driver asks the chip how long it waits, and sets 16 ms. A board never hears of that.
+  // The kernel's own driver reads the chip's latency and sets 16 ms. A board never gets this request.
   constexpr std::uint8_t get_latency = 10, usual_latency_ms = 16;
   if (request.request == get_latency) {
     bytes = {usual_latency_ms};

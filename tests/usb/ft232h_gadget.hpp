@@ -1,4 +1,4 @@
-// An FT232H with a peripheral behind it (driver/usb/peripheral.hpp), at a port of the kernel, with faults to order.
+// An FT232H with a peripheral behind it (driver/usb/peripheral.hpp), at a port of the kernel. Tests can inject faults.
 #pragma once
 
 #include <atomic>
@@ -23,10 +23,10 @@ class Ft232hGadget final : public Gadget {
   void unplugged(double now_s) override { peripheral_.unplugged(now_s); }
 
   static constexpr std::size_t never = static_cast<std::size_t>(-1);
-  std::atomic<std::size_t> unplug_after{never};  ///< pull the cable when that many more bytes have come
-  std::atomic<bool> stalls{false};               ///< what it is sent is refused until the halt is cleared
+  std::atomic<std::size_t> unplug_after{never};  ///< unplug it after this many more bytes
+  std::atomic<bool> stalls{false};               ///< it refuses data until the halt is cleared
   std::atomic<bool> takes_nothing{false};
-  std::atomic<std::size_t> requests{0};     ///< of the vendor's, so far
+  std::atomic<std::size_t> requests{0};     ///< vendor requests so far
   std::atomic<std::size_t> bytes_taken{0};  ///< so far
 
  private:

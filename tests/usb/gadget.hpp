@@ -1,4 +1,4 @@
-// A USB device made of software as the kernel speaks to it (vhci_port.hpp): descriptors, requests, transfers.
+// An emulated USB device as the kernel sees it (vhci_port.hpp): descriptors, requests, transfers.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@
 
 namespace palpa::test {
 
-/// What the kernel asks for when a device is plugged in.
+/// The data that the kernel requests when a device is plugged in.
 struct Descriptors {
-  std::vector<std::uint8_t> device, configuration;  ///< as they go over the wire
+  std::vector<std::uint8_t> device, configuration;  ///< as on the wire
   std::vector<std::string> strings;                 ///< number 1 first
 };
 
@@ -20,30 +20,30 @@ struct ControlRequest {
   bool to_host() const { return (type & 0x80) != 0; }
 };
 
-/// One of the kernel's transfers, as long as it has not ended.
+/// One of the kernel's transfers, until it ends.
 struct UsbTransfer {
   std::uint32_t number = 0;
-  std::uint8_t endpoint = 0;        ///< with bit 7 where bytes go to the host
-  std::vector<std::uint8_t> bytes;  ///< from the host, or room for what goes there
-  std::size_t done = 0;             ///< of them
+  std::uint8_t endpoint = 0;        ///< with bit 7 set if bytes go to the host
+  std::vector<std::uint8_t> bytes;  ///< from the host, or the buffer for bytes to the host
+  std::size_t done = 0;             ///< bytes transferred so far
 };
 
-/// What becomes of a transfer or a request.
+/// The result of a transfer or a request.
 enum class Answer {
   later,
   done,
   stalled,
-  unplugged,  ///< the cable is pulled, now
+  unplugged,  ///< the cable is unplugged now
 };
 
 class Gadget {
  public:
   virtual ~Gadget() = default;
   virtual const Descriptors& descriptors() const = 0;
-  /// Of its class or vendor. `bytes` came from the host, or are room for what goes there, to be made as long as that
-  /// is.
+  /// A request of its class or vendor. `bytes` came from the host, or are the buffer for the answer, to be resized to
+  /// its length.
   virtual Answer control(double now_s, const ControlRequest& request, std::vector<std::uint8_t>& bytes) = 0;
-  /// Goes on with the oldest transfer of an endpoint.
+  /// Continues the oldest transfer of an endpoint.
   virtual Answer carry(double now_s, UsbTransfer& transfer) = 0;
   virtual void advance(double now_s) = 0;
   virtual void halt_cleared(std::uint8_t endpoint) = 0;

@@ -1,7 +1,7 @@
 #!/bin/busybox sh
 # shellcheck shell=dash
-# The guest's first process: loads modules, runs the tests that /guest/command names, and ends the machine with their status.
-# What they print goes to the second serial port; the first has the kernel's own messages.
+# The guest's first process: loads modules, runs the tests that /guest/command names, and ends the machine with their
+# status. The tests' output goes to the second serial port; the first has the kernel's own messages.
 /bin/busybox --install -s /bin
 export PATH=/bin TMPDIR=/tmp HOME=/tmp
 mount -t proc none /proc
@@ -10,7 +10,7 @@ mount -t devtmpfs none /dev
 chmod 1777 /tmp # mounting something there would hide a project that is built below it
 exec >/dev/ttyS1 2>&1
 
-# Ends the machine: qemu exits with 33 where the status is 0.
+# Ends the machine: qemu exits with 33 if the status is 0.
 leave() {
   # shellcheck disable=SC2059  # the byte itself
   printf "\\$(printf %o $((16 + ($1 != 0))))" | dd of=/dev/port bs=1 seek=244 conv=notrunc 2>/dev/null

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# kernel.sh: prints the folder with Debian's own kernel and udev, which it fetches if it is not there: vmlinux, USB's modules NAME.ko,
-# `order`, the modules as they are to be loaded at the start, udevadm and the library that it needs. The packages are unpacked below
-# build/ and not installed: nothing of this machine changes.
+# kernel.sh: prints the folder with Debian's own kernel and udev, and fetches them if they are missing. The folder has
+# vmlinux, USB's modules NAME.ko, `order` (the modules in the order in which they are loaded at the start), udevadm and
+# the library that it needs. The packages are unpacked below build/ and not installed: nothing on this machine changes.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -11,14 +11,14 @@ die() {
 }
 
 modules=(vhci-hcd uvcvideo)
-# Those that a test loads itself.
+# Modules that a test loads itself.
 later=(usbserial ftdi_sio)
 all=build/usb/kernel
 
-# The package's name has a version in it, and the archive keeps the newest only.
+# The package's name contains a version, and the archive keeps the newest only.
 name() { apt-cache depends linux-image-amd64 2>/dev/null | awk '/Depends: linux-image/ { print $2; exit }'; }
 
-# Sets `package`; its file and udev's, or what has been made of them, are there then.
+# Sets `package`. Afterwards, its file and udev's, or the results made from them, exist.
 download() {
   package=$(name)
   [[ -n $package ]] || return
@@ -26,8 +26,8 @@ download() {
   (cd "$all" && apt-get -q -o APT::Sandbox::User=root download "$package" udev libkmod2 >/dev/null)
 }
 
-# need MODULE LIST: puts it and what it needs into the guest; the list gets all of them, each after what it needs. Kernels differ in
-# what a module needs; it says so itself.
+# need MODULE LIST: puts it and its dependencies into the guest. The list gets all of them, each after its dependencies.
+# Dependencies differ between kernels; each module names its own.
 need() {
   local name=${1//-/_} list=$2 found other
   grep -qsx "$name" "$list" && return
@@ -44,8 +44,8 @@ need() {
   echo "$name" >>"$list"
 }
 
-# The kernel as it was before it was packed: a machine that is emulated takes two seconds to unpack it. More follows than the kernel,
-# which the unpackers report, and which is no error here.
+# The kernel as it was before it was packed: an emulated machine takes two seconds to unpack it. There is more data
+# after the kernel, which the unpackers report, but which is no error here.
 unpack_kernel() { # FROM TO
   local at
   at=$(LC_ALL=C grep -abo $'\xfd7zXZ' "$1" | head -n 1 | cut -d : -f 1) || true
@@ -69,7 +69,7 @@ unpack() {
   unpack_kernel "$(echo "$in"/boot/vmlinuz*)" "$in/guest/vmlinux"
   dpkg-deb -x "$all"/udev_*.deb "$in"
   dpkg-deb -x "$all"/libkmod2_*.deb "$in"
-  # Debian 13 has all of them below /usr.
+  # On Debian 13, all of them are below /usr.
   library=$(find "$in" -name libkmod.so.2)
   cp "$(find "$in" -path '*/bin/udevadm')" "$library" "$in/guest/"
   mv "$in/guest" "$all/$package"
@@ -80,7 +80,7 @@ if ! command -v apt-get >/dev/null || ! command -v dpkg-deb >/dev/null; then
   die "the guest runs Debian's kernel (package linux-image-amd64), and there is no apt-get here to fetch it with"
 fi
 mkdir -p "$all"
-# Package lists may be absent or outdated.
+# Package lists may be missing or out of date.
 if ! download && ! { ((EUID == 0)) && apt-get -q update >&2 && download; }; then
   kept=$(find "$all" -mindepth 2 -maxdepth 2 -name udevadm -printf '%h\n' | sort -V | tail -n 1)
   [[ -n $kept ]] || die "apt-get cannot fetch the kernel (package linux-image-amd64): try apt-get update; is there a network?"

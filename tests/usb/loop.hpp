@@ -1,4 +1,4 @@
-// palpa at work, until the test has seen enough, and all that it says.
+// A running palpa, until the test has seen enough, and its whole output.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ class Loop {
 
   void signal(int signal) const { run_.signal(signal); }
   std::string said() const { return read_text(said_); }
-  /// As Ctrl-C; its exit code, -1 where it does not end.
+  /// Acts like Ctrl-C; returns the exit code, -1 if it does not end.
   int end() {
     signal(SIGINT);
     return wait();
@@ -45,18 +45,18 @@ class Loop {
   LiveRun run_;
 };
 
-/// For `palpa link`: every 60 ms the next transducer, for a quarter of a minute.
+/// For `palpa link`: every 60 ms the next transducer, for 15 seconds.
 inline std::vector<std::string> sweep_of(const std::string& link, const std::string& layout = "openmpd") {
   return {"test", "--layout", layout, "--link", link, "--each", "50ms", "--rest", "10ms", "--dwell", "10ms"};
 }
 
-/// As another user of the guest, "NAME" or "NAME:GROUP".
+/// Runs as another user of the guest, "NAME" or "NAME:GROUP".
 inline Result palpa_as(const std::string& user, const std::vector<std::string>& arguments) {
   const std::vector<std::string> line{"start-stop-daemon", "-S", "-q", "-c", user, "-x", palpa_binary(), "--"};
   return run_program("/bin/busybox", with(line, arguments), {.environment = {where_assets_are()}});
 }
 
-/// How often a text says that.
+/// How often a text contains `part`.
 inline std::size_t times_said(const std::string& text, const std::string& part) {
   std::size_t count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))

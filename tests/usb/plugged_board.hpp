@@ -1,4 +1,4 @@
-// An emulated OpenMPD board on the kernel's USB, and what it was seen to do.
+// An emulated OpenMPD board on the kernel's USB, and a record of its actions.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace palpa::test {
 
-/// Looks again and again; false when the time is up first.
+/// Checks repeatedly; false if the time is up first.
 inline bool eventually(double seconds, const std::function<bool()>& condition) {
   for (int i = 0; i < 100 * seconds; ++i) {
     if (condition()) return true;
@@ -33,7 +33,7 @@ class PluggedBoard {
     port.plug();
   }
 
-  /// Pins that sounded alone, in the order in which they first did.
+  /// Pins that sounded alone, in the order in which they first did so.
   std::vector<std::size_t> pins() {
     const auto held = port.hold();
     return pins_;
@@ -42,8 +42,7 @@ class PluggedBoard {
     const auto held = port.hold();
     return board_.fpga().sounds();
   }
-  /// As whoever looks at a board that nobody has open any more: what it was left with, and all that was against its
-  /// rules.
+  /// Checks a board that no program has open any more: its final state, and all violations of its rules.
   std::vector<std::string> faults_at_the_end() {
     const auto held = port.hold();
     board_.advance(port.now_s());

@@ -1,4 +1,4 @@
-// An emulated depth camera on the kernel's USB, and what it sees.
+// An emulated depth camera on the kernel's USB, and the pictures that it gives.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,12 +22,12 @@ class PluggedCamera {
  public:
   explicit PluggedCamera(const std::string& serial) : gadget(serial), port(gadget) { plug(); }
 
-  /// Comes back when the kernel has made its nodes.
+  /// Returns when the kernel has created its nodes.
   void plug() {
     port.plug();
     EXPECT_TRUE(eventually(5, [&] { return !node().empty(); }));
   }
-  /// "/dev/videoN", that of its frames; empty: there is none.
+  /// "/dev/videoN", the node of its frames; empty if there is none.
   std::string node() const {
     std::error_code none;
     const auto nodes = std::filesystem::path("/sys/bus/usb/devices") / (port.place() + ":1.0") / "video4linux";
@@ -63,7 +63,7 @@ inline std::string written(const sensing::Rig& rig) {
   return file.string();
 }
 
-/// What each of its cameras sees of a fingertip 2 mm inside what has its top at y = 0.
+/// For each of its cameras, the picture of a fingertip 2 mm inside an object with its top at y = 0.
 inline std::vector<Z16Camera::Picture> touching(const sensing::Rig& rig) {
   geometry::Mesh finger;
   for (const geometry::SceneMesh& part : geometry::load_gltf(source_file("assets/finger.glb")).meshes)

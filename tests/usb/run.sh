@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# run.sh [GTEST ARGUMENT...]: boots Debian's kernel in an emulated machine and runs test_usb in it: the programs of this build on
-# the real USB core, libusb and uvcvideo, devices made of software at the kernel's ports. The guest's only file system is made
-# here of what the tests need; it has no disk and no network, and needs no rights here. PALPA_USB_SECONDS: how long it may take [290].
+# run.sh [GTEST ARGUMENT...]: boots Debian's kernel in an emulated machine and runs test_usb in it. There, this build's
+# programs use the real USB core, libusb and uvcvideo, with emulated devices at the kernel's ports. The guest's only
+# file system is made here with the files that the tests need. It has no disk and no network, and needs no privileges on
+# this machine. PALPA_USB_SECONDS: the time limit [290].
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 most_s=${PALPA_USB_SECONDS:-290}
@@ -31,7 +32,7 @@ ln -s /bin/udevadm "$guest/lib/systemd/systemd-udevd"
 echo "nobody:x:65534:65534::/tmp:/bin/sh" >"$guest/etc/passwd"
 printf '%s\n' nogroup:x:65534: plugdev:x:46: >"$guest/etc/group"
 
-# Programs and files are where they are here, since the tests know them by these names.
+# Programs and files have the same paths as on this machine, because the tests know them by these names.
 programs=("$PWD"/build/release/bin/{test_usb,palpa,palpa-guard})
 ldd "${programs[@]}" "$kernel"/{udevadm,libkmod.so.2} | awk '/=> \// { print $3 } /^\t\// { print $1 }' | sort -u |
   xargs cp -L --parents -t "$guest"
@@ -40,9 +41,9 @@ printf 'exec %q' "${programs[0]}" >"$guest/guest/command"
 printf ' %q' --gtest_color=no "$@" >>"$guest/guest/command"
 (cd "$guest" && find . | busybox cpio -o -H newc 2>/dev/null) >build/usb/guest.cpio
 
-# Two machines side by side, each with half of the tests. What the kernel does not know of its command line is its first process's
-# environment. Their clocks count instructions, one each nanosecond, and pass at once where a guest waits: what else this machine
-# has to do changes nothing in them, and most of their time is waiting.
+# Two machines side by side, each with half of the tests. The kernel puts unknown words of its command line into the
+# environment of the first process. The machines' clocks count instructions, one per nanosecond, and advance at once
+# while a guest waits. So the load of this machine changes nothing in them, and most of their time is waiting.
 boot() { # NUMBER
   local status=0 out=build/usb/guest-$1
   : >"$out.console"

@@ -1,4 +1,4 @@
-// palpa and its guard on real libusb, usbfs and the kernel's own USB core, an emulated OpenMPD board at the port.
+// palpa and its guard on real libusb, usbfs and the kernel's own USB core, with an emulated OpenMPD board at the port.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -38,14 +38,14 @@ TEST(BoardOnUsb, PlaysOneTransducerAfterTheOther) {
   EXPECT_EQ(board.faults_at_the_end(), none);
 }
 
-/// Debian's udev with the rules that palpa installs, as long as this lives. Without it the guest has none.
+/// Debian's udev with the rules that palpa installs, while this object lives. Without it, the guest has none.
 class Udev {
  public:
   Udev() { EXPECT_EQ(run_program("/lib/systemd/systemd-udevd", {"--daemon"}, in_guest()).exit_code, 0); }
   ~Udev() { EXPECT_EQ(udevadm({"control", "--exit"}), 0); }
   Udev(const Udev&) = delete;
   Udev& operator=(const Udev&) = delete;
-  /// Comes back when it has done what there was to do.
+  /// Returns when udev has finished all pending work.
   void settle() { EXPECT_EQ(udevadm({"settle"}), 0); }
 
  private:

@@ -1,5 +1,5 @@
-// palpa with depth cameras on the kernel's own UVC driver and V4L2, emulated cameras at the ports; and the whole way
-// from there to an emulated board.
+// palpa with depth cameras on the kernel's own UVC driver and V4L2, with emulated cameras at the ports; and the whole
+// chain from there to an emulated board.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -89,7 +89,7 @@ TEST(CameraOnUsb, IsSetToWhatTheRigAsksFor) {
   EXPECT_EQ((std::vector{seen.fx, seen.fy, seen.cx, seen.cy}), (std::vector<double>{601, 602, 420, 238}));
 }
 
-/// A camera, a board, and a loop between them in which a finger touches.
+/// A camera, a board, and a loop between them with a finger that touches.
 struct Chain {
   Chain() {
     camera.show(touching(rig).at(0));

@@ -1,5 +1,5 @@
-// What goes wrong with a board on a real kernel's USB: each time the program goes on, says so once, recovers by itself
-// or ends, and what the board hears last is silence.
+// Faults of a board on a real kernel's USB. Each time, the program continues, reports it once, recovers by itself or
+// ends, and the last thing that the board gets is silence.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 const std::vector<std::string> none;
 
-/// Whether the board plays on: transducers that it has not played before.
+/// Whether the board continues to play: transducers that it has not played before.
 bool plays_on(PluggedBoard& board) {
   const std::size_t before = board.pins().size();
   return eventually(8, [&] { return board.pins().size() > before + 2; });
@@ -33,7 +33,7 @@ void expect_one_recovery(const Loop& loop, const std::string& trouble) {
   EXPECT_EQ(times_said(said, "\n"), 2u) << said;
 }
 
-/// The process that holds the loop's board, 0: none does.
+/// The process that holds the loop's board; 0 if there is none.
 pid_t guard() {
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
     if (read_text(entry.path() / "comm") == "palpa-guard\n") return std::stoi(entry.path().filename().string());
@@ -138,7 +138,7 @@ TEST(FaultsOnUsb, ABoardInSerialModeIsRefused) {
   EXPECT_EQ(board.gadget.requests, 1u) << "it is asked what it is, and left alone";
 }
 
-/// Has the ids of a board's chip, and knows none of its requests.
+/// Has the ids of a board's chip, and supports none of its requests.
 class Stranger final : public driver::usb::Peripheral {
  public:
   const Identity& identity() const override { return identity_; }
@@ -182,7 +182,7 @@ TEST(FaultsOnUsb, OfTwoWithOneSerialNumberThePlaceSaysWhich) {
   EXPECT_EQ(right.faults_at_the_end(), none);
 }
 
-/// A module of the kernel's, as long as this lives.
+/// A module of the kernel, loaded while this object lives.
 class Module {
  public:
   explicit Module(std::string name) : name_(std::move(name)) {

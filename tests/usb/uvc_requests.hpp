@@ -1,4 +1,4 @@
-// What a host asks of a UVC device's controls (UVC 1.5, table A-8).
+// A host's requests to a UVC device's controls (UVC 1.5, table A-8).
 #pragma once
 
 #include <cstdint>

@@ -79,11 +79,11 @@ bool receive_all(int fd, void* bytes, std::size_t count) {
 
 }  // namespace
 
-/// USB/IP's header, each number with its highest byte first. What stands in `fields` is the command's.
+/// USB/IP's header, each number with its highest byte first. The contents of `fields` depend on the command.
 struct VhciPort::Message {
   std::uint32_t command = 0, number = 0, device = 0, to_host = 0, endpoint = 0;
   /// Submit: flags, length, start frame, packets, interval. Its answer: status, length, start frame, packets, errors.
-  /// Unlink: whose number. Its answer: status.
+  /// Unlink: the number of the transfer. Its answer: status.
   std::array<std::uint32_t, 5> fields{};
   std::array<std::uint8_t, 8> setup{};
 
@@ -105,7 +105,7 @@ void VhciPort::plug() {
   const bool attached = attach.good();
   close(ends[0]);  // the kernel has it
   const std::filesystem::path devices = "/sys/bus/usb/devices";
-  // Its first root hub is that of high-speed ports.
+  // Its first root hub is the one of high-speed ports.
   place_.clear();
   for (const auto& entry : std::filesystem::directory_iterator(controller)) {
     const std::string name = entry.path().filename();
@@ -133,7 +133,7 @@ std::string VhciPort::device_file() const {
 void VhciPort::unplug() {
   ends_ = true;
   if (thread_.joinable()) thread_.join();
-  // The port is free before the device is gone.
+  // The port is free before the device has disappeared.
   const std::filesystem::path device = std::filesystem::path("/sys/bus/usb/devices") / place_;
   static_cast<void>(
       within(5, [&] { return state_of(port_) == 4 && (place_.empty() || !std::filesystem::exists(device)); }));
@@ -195,7 +195,7 @@ void VhciPort::submit(const Message& message) {
   answer(transfer, became == Answer::done);
 }
 
-/// One that has been answered meanwhile is none of ours any more, and is never answered after its unlink.
+/// A transfer that was answered in the meantime is no longer in the list, and is never answered after its unlink.
 void VhciPort::unlink(const Message& message) {
   const std::uint32_t number = message.field(0);
   bool found = false;

@@ -1,6 +1,6 @@
-// A USB port of this machine's own kernel for a device made of software: the module vhci_hcd hands each of the kernel's
-// transfers over a socket, as USB/IP's messages, and takes the answers from there. Everything above the host controller
-// is what a real device meets. Needs root.
+// A USB port of this machine's own kernel for an emulated device. The module vhci_hcd hands over each of the kernel's
+// transfers through a socket, as USB/IP messages, and takes the answers from there. Everything above the host
+// controller is the same as with a real device. Needs root.
 #pragma once
 
 #include <atomic>
@@ -19,25 +19,25 @@ namespace palpa::test {
 
 class VhciPort {
  public:
-  /// The gadget outlives it.
+  /// `gadget` must outlive it.
   explicit VhciPort(Gadget& gadget) : gadget_(gadget) {}
   ~VhciPort() { unplug(); }
   VhciPort(const VhciPort&) = delete;
   VhciPort& operator=(const VhciPort&) = delete;
 
-  /// At the next free port; comes back when the kernel knows the device. Throws std::runtime_error where it does not
+  /// Plugs in at the next free port; returns when the kernel knows the device. Throws std::runtime_error if it does not
   /// within a few seconds.
   void plug();
-  /// The cable is pulled; comes back when the kernel has noticed.
+  /// Unplugs the device; returns when the kernel has noticed.
   void unplug();
   bool plugged() const { return plugged_; }
 
-  /// BUS-PORT, as the kernel names where it is plugged in.
+  /// BUS-PORT, the kernel's name for the place where it is plugged in.
   const std::string& place() const { return place_; }
-  /// Its file of /dev/bus/usb.
+  /// Its file in /dev/bus/usb.
   std::string device_file() const;
 
-  /// While it is held nobody speaks to the gadget.
+  /// While this is held, no other thread calls the gadget.
   [[nodiscard]] std::unique_lock<std::mutex> hold() { return std::unique_lock(mutex_); }
   double now_s() const { return clock_.now_s(); }
 

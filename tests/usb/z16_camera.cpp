@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint8_t streaming_endpoint = 0x82;
 constexpr std::size_t payload_bytes = 16384, header_bytes = 12;
 
-/// Sizes and periods in 100 ns, as a D435 has them.
+/// Sizes, and periods in units of 100 ns, as on a D435.
 struct Frame {
   std::uint16_t width, height;
   std::vector<std::uint32_t> periods;
@@ -23,12 +23,12 @@ const Frame frames_offered[] = {{424, 240, {111111, 166666, 333333, 666666, 1666
                                 {1280, 720, {333333, 666666, 1666665}}};
 constexpr std::uint8_t usual_frame = 2;  // counted from 1
 
-/// UVC's names of descriptors and controls.
+/// UVC's numbers of descriptors and controls.
 enum : std::uint8_t { control_interface = 0, streaming_interface = 1 };
 enum : std::uint8_t { probe_control = 1, commit_control = 2 };
 constexpr std::uint8_t class_interface = 0x24;
 
-/// Where the probe control has its values.
+/// The places of the values in the probe control.
 constexpr std::size_t probe_bytes = 48, format_at = 2, frame_at = 3, period_at = 4, frame_size_at = 18,
                       payload_size_at = 22;
 
@@ -59,7 +59,7 @@ std::uint32_t size_of(const Frame& frame) {
   return 2u * frame.width * frame.height;
 }
 
-/// The camera's way of a picture: from its sensor to USB.
+/// The way of a picture in the camera: from its sensor to USB.
 std::vector<std::uint8_t> control_descriptors() {
   std::vector<std::uint8_t> units;
   append(units, {18, class_interface, 2, 1, 0x01, 0x02, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0});  // 1: a camera
@@ -176,7 +176,7 @@ Answer Z16Camera::carry(double now_s, UsbTransfer& transfer) {
   if (at_ == 0) {
     if (fault == Fault::frozen || now_s < due_s_) return Answer::later;
     const double period_s = 1e-9 * period_ns;
-    due_s_ = std::max(due_s_ + period_s, now_s - period_s);  // what it was late for it leaves out
+    due_s_ = std::max(due_s_ + period_s, now_s - period_s);  // frames that are too late are left out
     sent_ = picture_;
   }
   const std::size_t all = frame_bytes(), room = std::min(transfer.bytes.size(), payload_bytes);
@@ -200,7 +200,7 @@ Answer Z16Camera::carry(double now_s, UsbTransfer& transfer) {
   return Answer::done;
 }
 
-/// How the kernel ends a stream over a bulk endpoint.
+/// The kernel ends a stream over a bulk endpoint by clearing its halt.
 void Z16Camera::halt_cleared(std::uint8_t endpoint) {
   if (endpoint == streaming_endpoint) streams = false;
 }

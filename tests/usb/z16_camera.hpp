@@ -1,5 +1,5 @@
-// A depth camera made of software, as a D435 shows itself on USB: UVC 1.5 with an extension unit, frames of 16-bit
-// depths over one bulk endpoint, 848x480 at 90 Hz among others. Its faults are to order.
+// An emulated depth camera that looks like a D435 on USB: UVC 1.5 with an extension unit, frames of 16-bit depths over
+// one bulk endpoint, 848x480 at 90 Hz among others. Tests can inject faults.
 #pragma once
 
 #include <atomic>
@@ -18,20 +18,20 @@ class Z16Camera final : public Gadget {
  public:
   explicit Z16Camera(const std::string& serial);
 
-  /// Depths, row by row. A frame of another size shows as much of them as there is, and then zeros.
+  /// Depths, row by row. A frame of another size shows the part of them that fits, followed by zeros.
   using Picture = std::vector<std::uint16_t>;
-  /// What frames show that begin from now on. The port must be held.
+  /// The picture of all frames that begin from now on. The port must be held.
   void show(Picture picture) { picture_ = std::make_shared<const Picture>(std::move(picture)); }
 
   enum class Fault {
     none,
     frozen,       ///< frames stop
     short_frame,  ///< every frame ends after its upper half
-    broken_frame  ///< every frame says that it is broken
+    broken_frame  ///< every frame is marked as broken
   };
   std::atomic<Fault> fault{Fault::none};
-  std::atomic<std::uint64_t> frames{0};     ///< whose last byte the kernel has fetched
-  std::atomic<std::uint32_t> period_ns{0};  ///< that was asked for last; 0: nothing was
+  std::atomic<std::uint64_t> frames{0};     ///< frames whose last byte the kernel has fetched
+  std::atomic<std::uint32_t> period_ns{0};  ///< the period that was requested last; 0: none was
   std::atomic<bool> streams{false};
 
   D400Unit unit;  ///< the port must be held
@@ -48,11 +48,11 @@ class Z16Camera final : public Gadget {
   std::size_t frame_bytes() const;
 
   Descriptors descriptors_;
-  std::vector<std::uint8_t> probe_;  ///< what was agreed on last
+  std::vector<std::uint8_t> probe_;  ///< the last agreement
   std::shared_ptr<const Picture> picture_ = std::make_shared<const Picture>();
-  std::shared_ptr<const Picture> sent_;  ///< the frame's that is on its way
-  std::size_t at_ = 0;                   ///< bytes of it that have gone
-  double due_s_ = 0;                     ///< when the next may begin
+  std::shared_ptr<const Picture> sent_;  ///< the picture of the current frame
+  std::size_t at_ = 0;                   ///< bytes of it that have been sent
+  double due_s_ = 0;                     ///< when the next frame may begin
   std::uint8_t toggle_ = 0;              ///< changes from frame to frame
 };
 

@@ -1,4 +1,4 @@
-// Small scenes whose pictures can be foretold.
+// Small scenes whose pictures can be predicted.
 #pragma once
 
 #include "support/shapes.hpp"
@@ -7,7 +7,7 @@
 
 namespace palpa::test {
 
-/// Looked at without grid and legend: a picture of nothing is then background.
+/// A view without grid and legend: a picture of nothing is then background.
 inline viewer::ViewState bare_view() {
   viewer::ViewState state;
   state.layers.hide({viewer::Layer::grid, viewer::Layer::legend});
@@ -20,7 +20,7 @@ inline viewer::Picture cube_picture() {
   return picture;
 }
 
-/// From the front, 0.2 m before the origin.
+/// From the front, 0.2 m in front of the origin.
 inline viewer::Viewpoint front_viewpoint() {
   viewer::Viewpoint viewpoint;
   viewpoint.azimuth = 0;

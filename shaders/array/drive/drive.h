@@ -1,17 +1,17 @@
-// Shared by engine/array/drive_pass.cpp and shaders/drive_*.comp; its structs also by the solvers' (solve.h).
+// Shared by engine/array/drive_pass.cpp and shaders/drive_*.comp. The solvers' shaders (solve.h) use its structs, too.
 #ifndef PALPA_SHADERS_DRIVE_H
 #define PALPA_SHADERS_DRIVE_H
 #include "shaders/shared/shared.h"
 PALPA_SHADER_BEGIN
 
 PALPA_CONST drive_group = 32u;  // threads of a workgroup, in both
-// Transducers that a thread of drive_focus keeps in registers, and slots for which it does so: what it loads for a slot
-// serves all of them.
+// Transducers that a thread of drive_focus keeps in registers, and slots that it computes for them: the data that it
+// loads for a slot serves all these transducers.
 PALPA_CONST drive_each = 8u;
 PALPA_CONST drive_slots_per_group = 64u;
 PALPA_CONST drive_sum_each = 4u;  // the same for drive_sum
 
-// What the buffers hold, of the solvers' kernels too. Transducers, foci, slots and weights are read as texels of 16
+// Contents of the buffers, also for the solvers' kernels. Transducers, foci, slots and weights are read as texels of 16
 // bytes.
 //   transducers  DrivePoint[]
 //   foci         DriveFocus[]
@@ -19,8 +19,8 @@ PALPA_CONST drive_sum_each = 4u;  // the same for drive_sum
 //   drives       DriveOut[]: slots x transducers
 //   weights      vec4[]: per focus its plain and its heard factor
 
-// Under `uniform` and `clamp` the transducers of slots of up to so many foci with complex factors turn from their sums
-// on: by how much, in turns, waits in the drives where the phase will be.
+// Under `uniform` and `clamp`, in slots of at most this many foci with complex factors, the transducers' phases turn
+// away from those of their sums. The angle, in turns, is kept in the drive's phase until the phase is written there.
 PALPA_CONST drive_turned_foci = 10u;
 
 // Weightings and constraints, as in engine/array/drive.hpp.
@@ -33,8 +33,8 @@ PALPA_CONST drive_clamp = 2u;
 PALPA_CONST drive_unsolved = 0xffffffffu;
 PALPA_CONST drive_given = 0xfffffffeu;
 
-// A place in wavelengths, as a multiple of 1/16 plus a rest: the squared difference of two such coarse parts is exact
-// in float up to 256 wavelengths, so that a phase hundreds of turns away is as exact as a near one.
+// A place in wavelengths, as a multiple of 1/16 plus a rest. The squared difference of two such coarse parts is exact
+// in float up to 256 wavelengths, so a phase hundreds of turns away is as exact as a near one.
 struct DrivePoint {
   vec4 coarse;  // x, y, z; w unused
   vec4 fine;    // x, y, z in -1/32..1/32; w unused
@@ -54,8 +54,8 @@ struct DriveSlot {
   uint first;   // of its foci
   uint count;   // 0: silence
   float gain;   // shared by all of its foci, 0..1
-  uint solved;  // drive_unsolved: the plain sum of its foci; drive_given: their factors are given, and nothing turns;
-                // else where its matrix begins, in entries, or with greedy anything
+  uint solved;  // drive_unsolved: the plain sum of its foci; drive_given: their factors are given, and no phase turns;
+                // otherwise where its matrix begins, in entries; with greedy, any other value
 };
 PALPA_CHECK_SIZE(DriveSlot, 16);
 PALPA_CHECK_OFFSET(DriveSlot, gain, 8);

@@ -4,10 +4,10 @@
 #include "shaders/array/drive/drive_inputs.glsl"
 #include "shaders/array/drive/drive_phase.glsl"
 
-// Slots of one focus, and silent ones. No trigonometry: the phase comes straight from the wrapped turns.
+// Slots of one focus, and silent slots. No trigonometry: the phase comes straight from the wrapped turns.
 layout(local_size_x = 32) in;
 
-// DriveOut[], each written as one vector: a software device then finds its place, and which lanes write, once.
+// DriveOut[], each written as one vector: a software device then computes the address and the active lanes only once.
 layout(std430, set = 0, binding = 3) writeonly buffer Drives { vec2 drives[]; };
 layout(push_constant) uniform Push { DrivePush push; };
 

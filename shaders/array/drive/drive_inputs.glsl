@@ -1,4 +1,4 @@
-// What drives are computed from, read as texels: a software device fetches 16 bytes in one piece.
+// The inputs of the drives, read as texels: a software device fetches 16 bytes in one piece.
 
 layout(set = 0, binding = 0) uniform samplerBuffer transducers;
 layout(set = 0, binding = 1) uniform samplerBuffer foci;
@@ -12,5 +12,5 @@ DriveSlot slot_at(uint s) {
   const uvec4 words = texelFetch(slots, int(s));
   return DriveSlot(words.x, words.y, uintBitsToFloat(words.z), words.w);
 }
-// Relative to its slot's.
+// Relative to the gain of the focus' slot.
 float gain_of(uint j) { return texelFetch(foci, int(2u * j + 1u)).w; }

@@ -1,6 +1,6 @@
 // The delay of one transducer for one focus.
 
-// The largest float that is not above pi: pi itself rounds up.
+// The largest float that is not above pi: pi itself would round up.
 const float float_pi = 3.1415925;
 
 struct Path {
@@ -17,7 +17,7 @@ Path path(vec4 from_coarse, vec4 from_fine, vec4 to_coarse, vec4 to_fine) {
   precise const float a = coarse.x * coarse.x + coarse.y * coarse.y + coarse.z * coarse.z;
   precise const float b = fine.x * (2.0 * coarse.x + fine.x) + fine.y * (2.0 * coarse.y + fine.y) +
                           fine.z * (2.0 * coarse.z + fine.z);
-  // d - whole = (d^2 - whole^2) / (d + whole) for any `whole`; with a multiple of 1/16 its square is exact, too.
+  // d - whole = (d^2 - whole^2) / (d + whole) for any `whole`. The square of a multiple of 1/16 is exact, too.
   precise const float whole = floor(near * 16.0 + 0.5) * 0.0625;
   precise const float rest = whole > 0.0 ? ((a - whole * whole) + b) / (near + whole) : near;
   precise float turns = fract(whole) + rest;

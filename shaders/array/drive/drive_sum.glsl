@@ -1,5 +1,5 @@
-// Slots of several foci: each workgroup sums one slot's foci at every transducer, finds the largest sum and scales by it.
-// With DRIVE_WEIGHTED defined, those slots whose foci have complex factors; without, the others.
+// Slots of several foci: each workgroup sums one slot's foci at every transducer, finds the largest sum and scales by
+// it. With DRIVE_WEIGHTED defined, it computes the slots whose foci have complex factors; without, the others.
 #include "shaders/array/drive/drive.h"
 #include "shaders/array/drive/drive_inputs.glsl"
 #include "shaders/array/drive/drive_phase.glsl"
@@ -21,11 +21,12 @@ bool sums(DriveSlot slot) {
 #endif
 }
 
-// What of a sum's size, by what they all go by, is played.
+// The amplitude for a sum of this size, relative to the common scale.
 float amplitude_of(float size, float scale) { return size > 0.0 ? (scale > 0.0 ? min(size / scale, 1.0) : 1.0) : 0.0; }
 
-// The drives of a slot, but under `normalise`, where the scale comes last: there sizes wait in the amplitudes' places
-// until the same thread fetches them. Returns the largest of the thread's sums, with every focus in full and by gains.
+// Writes the drives of a slot. Under `normalise`, the scale comes last, so the amplitudes hold the sizes until the same
+// thread rescales them. Returns the largest of the thread's sums, over both the sums with every focus in full and those
+// with gains.
 float sum_foci(uint base, DriveSlot slot) {
   const bool even = push.weighting != drive_by_distance;
   float most = 0.0;
@@ -74,7 +75,7 @@ float sum_foci(uint base, DriveSlot slot) {
   return most;
 }
 
-// All threads' largest.
+// The largest value of all threads.
 float largest_of(float most) {
   const uint thread = gl_LocalInvocationIndex;
   largest[thread] = most;

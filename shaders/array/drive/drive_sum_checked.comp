@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// For tests: drive_sum whose sines turn into NaN outside of what their polynomial holds for.
+// For tests: drive_sum whose sines return NaN outside the range of their polynomial.
 float only_quarter(float x) { return abs(x) <= 0.25 ? x : uintBitsToFloat(0x7fc00000u); }
 #define promised(x) only_quarter(x)
 #include "shaders/array/drive/drive_sum.glsl"

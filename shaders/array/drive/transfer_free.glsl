@@ -1,8 +1,9 @@
-// The free field: the sound between a transducer and a focus, computed anew wherever it is needed and never stored, in
-// single precision. Half a thousandth of a wavelength of error costs a factor nothing; the drives themselves are
-// computed with more care (drive_phase.glsl).
+// The free field: the sound between a transducer and a focus, recomputed wherever it is needed and never stored, in
+// single precision. A factor tolerates an error of half a thousandth of a wavelength; the drives themselves are
+// computed
+// more precisely (drive_phase.glsl).
 //
-// The solvers' kernels know of a transfer these names only: Source, source_of, Place, place_of, Pair, pair_of, ask_of.
+// The solvers' kernels use only these names of a transfer: Source, source_of, Place, place_of, Pair, pair_of, ask_of.
 
 layout(set = 0, binding = 3) uniform samplerBuffer axes;
 layout(set = 0, binding = 4) uniform usamplerBuffer directivity;
@@ -31,8 +32,8 @@ Place place_of(uint focus) {
 
 struct Pair {
   vec2 unit;    // e^{ikd}
-  float loud;   // what of a full transducer arrives, times the wavelength
-  float asked;  // the amplitude that the focus asks
+  float loud;   // amplitude that arrives from a transducer at full amplitude, times the wavelength
+  float asked;  // the amplitude that the focus asks for
 };
 
 float asked_at(float distance, Place focus) {
@@ -53,7 +54,7 @@ Pair pair_of(Source source, Place focus) {
               asked_at(distance, focus));
 }
 
-// Only what a focus asks: no directivity to look up.
+// Only the part that a focus asks for: needs no lookup of the directivity.
 vec2 ask_of(Source source, Place focus) {
   const vec3 way = (focus.coarse - source.coarse) + (focus.fine - source.fine);
   const float distance = sqrt(way.x * way.x + way.y * way.y + way.z * way.z);

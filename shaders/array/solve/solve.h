@@ -5,20 +5,21 @@
 #include "shaders/shared/shared.h"
 PALPA_SHADER_BEGIN
 
-// Threads of a workgroup. In the kernels of few foci fewer: where a slot is one thread's work a last, nearly empty
-// workgroup costs as much as a full one, and where one step waits for the other a software device pays for each thread
-// that waits.
+// Threads of a workgroup. The kernels for few foci use fewer. If one thread computes a slot, a last, nearly empty
+// workgroup costs as much as a full one. If steps wait for each other, a software device pays for each thread that
+// waits.
 PALPA_CONST solve_group = 32u;
 PALPA_CONST solve_weights_few_group = 8u;
 PALPA_CONST solve_phases_group = 16u;
 PALPA_CONST solve_most_foci = 64u;
-// Up to so many foci a slot is solved with all of them in registers, in kernels for so many; more go tile by tile.
+// Slots of up to this many foci are solved with all foci in registers, by kernels of that size; larger slots are
+// computed tile by tile.
 PALPA_CONST solve_hand_foci = 5u;
 PALPA_CONST solve_finger_foci = 10u;
 PALPA_CONST solve_tile = 5u;         // rows and columns of a matrix' tile
-PALPA_CONST solve_greedy_few = 16u;  // up to so many, greedy's slots run in the smaller of its two kernels
+PALPA_CONST solve_greedy_few = 16u;  // up to this many foci, the smaller of greedy's two kernels computes the slot
 
-// What the buffers hold, beside those that drive.h describes. The solvers write the weights.
+// Contents of the buffers that drive.h does not describe. The solvers write the weights.
 //   axes         vec4[], as texels: unit vector, w unused
 //   directivity  uint[solve_directivity_steps], as texels: two neighbouring samples, 16 bits each
 //   matrices     vec2[]: of slot s, count * count from its `solved`: [column * count + row]
@@ -27,7 +28,7 @@ PALPA_CONST solve_directivity_steps = 2048u;
 PALPA_CONST solve_phases = 16u;   // greedy's
 PALPA_CONST solve_turns = 8192u;  // greedy's in one dispatch
 
-// Of gs_pat.hpp, even_out.hpp and even_phases.hpp, under the same names.
+// From gs_pat.hpp, even_out.hpp and even_phases.hpp, with the same names.
 PALPA_CONST solve_starts = 8u;
 PALPA_CONST solve_sounds = 4u;
 PALPA_CONST solve_climb = 20u;
@@ -55,7 +56,7 @@ struct SolvePush {
   uint slots;
   uint weighting;   // as in drive.h
   uint constraint;  // as in drive.h
-  float nearest;    // in wavelengths: no transducer counts as nearer
+  float nearest;    // in wavelengths: a nearer transducer counts as this far away
   uint stride;      // greedy_stride
   uint steps;       // gs_pat_steps
   uint refinings;   // gs_pat_refinings

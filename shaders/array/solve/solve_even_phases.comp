@@ -3,9 +3,10 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/array/solve/solve_inputs.glsl"
 
-// Few foci under `uniform` and `clamp`: from what the constraint makes of the heard factors' sums on, transducers turn
-// until the foci are even (even_phases.hpp). One workgroup per slot, a transducer and all foci at a time. What each has turned by waits in the
-// place of its drive, in turns: the amplitude's for what holds, the phase's for what is tried, and in the end holds.
+// Few foci under `uniform` and `clamp`. The start is the sums of the heard factors with the constraint applied. From
+// there, transducers turn until the foci are even (even_phases.hpp). There is one workgroup per slot; a thread handles
+// one transducer and all foci at a time. The angle of each transducer, in turns, is kept in its drive: the accepted one
+// in the amplitude, the tried one in the phase. At the end, the phase holds the accepted one.
 layout(local_size_x = 16) in;
 
 layout(std430, set = 0, binding = 5) readonly buffer Matrices { vec2 matrices[]; };
@@ -19,10 +20,10 @@ const uint pairs = most * (most + 1u) / 2u;  // of foci j and k <= j, at j * (j 
 const uint sums = most + pairs;
 
 shared vec2 partial[sums * solve_phases_group];
-shared vec2 tried[sums];     // what the foci hear, then C
-shared vec2 holds[sums];     // the same of what holds
+shared vec2 tried[sums];     // the sums at the foci, then C
+shared vec2 holds[sums];     // the same for the accepted angles
 shared vec2 alike[pairs];    // A
-shared vec2 pull[most];      // y_j u_j* over what focus j is to hear
+shared vec2 pull[most];      // y_j u_j* divided by the amplitude that focus j is to have
 shared float wanted[most];   // t_j
 shared float normal[most * most];
 shared float rest[most];
@@ -41,7 +42,7 @@ void total_tried(vec2 sum[sums]) {
   barrier();
 }
 
-// What a transducer does before it turns, and what of it arrives.
+// A transducer's drive before it turns, and its part that arrives at each focus.
 vec2 unturned_of(uint n, Place places[most], vec2 by[most], out vec2 gives[most]) {
   const Source source = source_of(n);
   vec2 asks = vec2(0.0);
@@ -53,7 +54,7 @@ vec2 unturned_of(uint n, Place places[most], vec2 by[most], out vec2 gives[most]
   return bounded(asks);
 }
 
-// Sums what is heard before transducers turn, and A.
+// Sums the sound at the foci before transducers turn, and A.
 void begin(Place places[most], vec2 by[most], uint base) {
   const uint thread = gl_LocalInvocationIndex;
   vec2 sum[sums];
@@ -81,7 +82,7 @@ void begin(Place places[most], vec2 by[most], uint base) {
   barrier();
 }
 
-// Turns the transducers by the pull and sums what is heard then. `kept`: what was tried before holds.
+// Turns the transducers by the pull and sums the sound at the foci then. `kept`: the angles tried before are accepted.
 void walk(Place places[most], vec2 by[most], uint base, bool kept) {
   const uint thread = gl_LocalInvocationIndex;
   vec2 pulls[most];
@@ -108,7 +109,7 @@ void walk(Place places[most], vec2 by[most], uint base, bool kept) {
   total_tried(sum);
 }
 
-// The pull of the next step, for foci that are to be `more` of the level louder than they are to be.
+// The pull of the next step. Its aim is that each focus is louder than its target by `more` of the level.
 void find_pull(float level, float more, float damping) {
   const uint thread = gl_LocalInvocationIndex;
   const uint count = focus_count;

@@ -3,16 +3,16 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/array/solve/solve_inputs.glsl"
 
-// greedy.hpp: each transducer's choice depends on all choices before it, so a slot is one thread's work and slots run side
-// by side. Everything of a focus stays in registers: two kernels, for few foci and for many. A dispatch lets a stretch of
-// the transducers choose; between them a slot's state waits in its foci's weights. (A software driver ends a shader's
-// loops after 65,535 iterations in all.)
+// greedy.hpp: each transducer's choice depends on all choices before it, so one thread computes a slot, and slots run
+// side by side. All data of a focus stays in registers, so there are two kernels: for few foci and for many. A dispatch
+// lets a range of the transducers choose. Between dispatches, a slot's state is kept in the weights of its foci. (A
+// software driver ends a shader's loops after 65,535 iterations in all.)
 layout(local_size_x = 32) in;
 
 layout(std430, set = 0, binding = 5) buffer Weights { vec4 weights[]; };
 layout(std430, set = 0, binding = 6) writeonly buffer Drives { DriveOut drives[]; };
 
-const uint together = 4u;  // phases tried per turn of the loop
+const uint together = 4u;  // phases tried per iteration of the loop
 const float float_pi = 3.1415925;
 
 void main() {
@@ -24,14 +24,14 @@ void main() {
 
   Place places[most];
   float gains[most];
-  vec2 field[most];  // what has been chosen so far gives
+  vec2 field[most];  // the sound of all choices so far
   float size[most];  // its magnitude
   float level = 0.0;
   float squares = 0.0;
   [[unroll]] for (uint j = 0u; j < most; ++j) {
     const uint focus = slot.first + min(j, count - 1u);
     places[j] = place_of(focus);
-    // A focus that is none asks for nothing and hears nothing.
+    // An entry beyond the slot's foci asks for nothing and hears nothing.
     gains[j] = j < count ? gain_of(focus) : 0.0;
     squares += gains[j] * gains[j];
     const vec4 before = push.begin == 0u ? vec4(0.0) : weights[focus];
@@ -71,7 +71,7 @@ void main() {
           const float gained = (2.0 * dot(field[j], more) + energy[j]) / max(both, 1e-30);
           cost += gained * (gained - 2.0 * lacks[j]);
         }
-        // All phases are alike to the first.
+        // To the first transducer, all phases are equal.
         if (c == 0u || (turn != 0u && cost < least)) {
           least = cost;
           best = c;

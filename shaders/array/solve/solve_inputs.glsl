@@ -1,4 +1,4 @@
-// What every kernel of the solvers reads: slots and foci, and the transfer between transducers and foci.
+// The inputs of every kernel of the solvers: slots and foci, and the transfer between transducers and foci.
 #include "shaders/array/solve/solve.h"
 #include "shaders/array/drive/drive.h"
 #include "shaders/array/drive/drive_inputs.glsl"
@@ -6,7 +6,7 @@
 
 layout(push_constant) uniform Push { SolvePush push; };
 
-// Slots with that many foci are this kernel's.
+// This kernel computes slots of at least this many foci.
 layout(constant_id = 0) const uint fewest = 2u;
 layout(constant_id = 1) const uint most = 64u;
 

@@ -1,6 +1,6 @@
-// R = G B of a slot, tile by tile: one workgroup walks over all transducers for `tile` rows and as many columns, and,
-// where they are different foci, for their mirror image, too. What a transducer and a focus do to each other is
-// computed anew in each tile: reading it back would take longer on every device tried.
+// R = G B of a slot, tile by tile: one workgroup walks over all transducers for `tile` rows and as many columns. If
+// rows and columns are different foci, it also computes their mirror image. The transfer between a transducer and a
+// focus is recomputed in each tile: reading it back would take longer on every device tried.
 //
 // With SOLVE_MIRRORED defined: the tiles off the diagonal; without, those on it.
 #include "shaders/array/solve/solve_inputs.glsl"

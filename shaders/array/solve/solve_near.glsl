@@ -1,12 +1,12 @@
-// What the foci of a slot are to each other, read from its matrix: gs_pat.hpp.
+// The coupling between the foci of a slot, read from its matrix: gs_pat.hpp.
 
-uint focus_base;   // where the slot's matrix begins,
-uint focus_first;  // its first focus,
-uint focus_count;  // and how many there are
+uint focus_base;   // where the slot's matrix begins
+uint focus_first;  // its first focus
+uint focus_count;  // its number of foci
 
 vec2 at(uint row, uint column) { return matrices[focus_base + column * focus_count + row]; }
 
-// What a focus gives at its own place alone.
+// The sound that a focus alone gives at its own place.
 float alone(uint j) { return max(at(j, j).x, 0.0); }
 float loudest_alone() {
   float loudest = 0.0;
@@ -14,7 +14,7 @@ float loudest_alone() {
   return loudest;
 }
 
-// What part of the sound of focus `k` is heard at focus `j`.
+// The part of the sound of focus `k` that is heard at focus `j`.
 float heard_part(uint j, uint k) {
   const float both = alone(j) * alone(k);
   return both > 0.0 ? min(length(at(j, k)) * inversesqrt(both), 1.0) : 0.0;
@@ -28,7 +28,7 @@ bool hear_each_other() {
   return nearest >= solve_hears;
 }
 
-// How loud a focus is to be: its gain times its claim, but at least as loud as what a focus that is the same makes it.
+// The target loudness of a focus: its gain times its claim, but at least the loudness that a coinciding focus gives it.
 float target_of(uint j, float loudest) {
   float gain = gain_of(focus_first + j);
   for (uint k = 0u; k < focus_count; ++k) {

@@ -3,13 +3,13 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/array/solve/solve_inputs.glsl"
 
-// The heard factors, refined once over the whole array for amplitudes as the constraint makes them, where foci are many:
-// one workgroup per slot.
+// For slots of many foci: refines the heard factors once, over the whole array and with the amplitudes that the
+// constraint allows. One workgroup per slot.
 layout(local_size_x = 32) in;
 
 layout(std430, set = 0, binding = 5) readonly buffer Matrices { vec2 matrices[]; };
 layout(std430, set = 0, binding = 6) buffer Weights { vec4 weights[]; };
-// What the transducers do with the factors so far: real and imaginary part wait in the drive's own place.
+// The transducers' drives with the factors so far: real and imaginary part are kept in the drive's own place.
 layout(std430, set = 0, binding = 7) buffer Drives { DriveOut drives[]; };
 
 #include "shaders/array/solve/solve_step.glsl"

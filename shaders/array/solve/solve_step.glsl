@@ -1,9 +1,9 @@
-// One step of gs_pat.hpp by a workgroup: factors towards t_j L. All threads call these together.
+// One step of gs_pat.hpp by a workgroup: moves the factors towards t_j L. All threads call these functions together.
 #include "shaders/array/solve/solve_rules.glsl"
 #include "shaders/array/solve/solve_near.glsl"
 
 shared vec2 factor[solve_most_foci];
-shared vec2 field[solve_most_foci];    // what they give
+shared vec2 field[solve_most_foci];    // their sound at the foci
 shared float wanted[solve_most_foci];  // t_j
 shared float moved[solve_most_foci];
 shared float level;  // L
@@ -14,8 +14,9 @@ float new_size(uint j) {
   return length(factor[j]) * growth(wanted[j] * level, length(field[j]));
 }
 
-// After a barrier behind whoever wrote `field`. `free`: the level is what they give now; `sum` is what the magnitudes
-// add up to afterwards, 0: as it comes. Sets `still` and leaves the factors where the step before moved none of them.
+// Call it after a barrier that follows the writes to `field`. `free`: the level is the present one. `sum`: the sum of
+// the magnitudes after the step; 0: not fixed. If the step before moved no factor, it sets `still` and leaves the
+// factors.
 void step_factors(uint count, bool free, float sum) {
   const uint thread = gl_LocalInvocationIndex;
   if (thread == 0u) {

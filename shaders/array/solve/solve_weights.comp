@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/array/solve/solve_inputs.glsl"
 
-// The factors of each slot's foci from its matrix, where they are many: one workgroup per slot, a thread per row (or two).
+// The factors of each slot's foci from its matrix, for slots of many foci: one workgroup per slot, a thread per row (or
+// two).
 layout(local_size_x = 32) in;
 
 layout(std430, set = 0, binding = 5) readonly buffer Matrices { vec2 matrices[]; };
@@ -30,7 +31,7 @@ void main() {
   const uint base = slot.solved;
   const uint thread = gl_LocalInvocationIndex;
 
-  // As if each sounded alone; phases from the way to the first transducer.
+  // As if each focus sounded alone; the phases come from the distance to the first transducer.
   const float loudest = loudest_alone();
   float shares = 0.0;
   for (uint j = 0u; j < count; ++j) {

@@ -3,9 +3,9 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/array/solve/solve_inputs.glsl"
 
-// The factors of each slot's foci from its matrix, where they are few: a slot is one thread's work, its matrix in
-// registers. One loop hears the factors that are tried and then does whatever comes next, so that the largest part of
-// it is there once.
+// The factors of each slot's foci from its matrix, for slots of few foci: one thread computes a slot, with the matrix
+// in registers. A single loop computes the sound of the tried factors and then does whatever comes next, so the largest
+// part of the code exists only once.
 layout(local_size_x = 8) in;
 
 layout(std430, set = 0, binding = 5) readonly buffer Matrices { vec2 matrices[]; };
@@ -14,12 +14,12 @@ layout(std430, set = 0, binding = 6) writeonly buffer Weights { vec4 weights[]; 
 #include "shaders/array/solve/solve_rules.glsl"
 #include "shaders/array/solve/solve_near.glsl"
 
-// Beyond the slot's count all is 0: such a focus gives nothing, asks for nothing and hears nothing.
+// All entries beyond the slot's count are 0: such a focus gives nothing, asks for nothing and hears nothing.
 vec2 matrix[most * most];  // [column * most + row]
 vec2 tried[most];          // factors
-vec2 field[most];          // what they give
-vec2 factor[most];         // those that were the best so far,
-vec2 heard[most];          // what they give
+vec2 field[most];          // their sound at the foci
+vec2 factor[most];         // the best factors so far
+vec2 heard[most];          // their sound at the foci
 float wanted[most];        // t_j
 float miss[most];
 
@@ -41,7 +41,7 @@ float level_now() {
   return asked > 0.0 ? loud / asked : 0.0;
 }
 
-// One step of gs_pat.hpp, all magnitudes adding up to `sum`. Returns how far the farthest moved.
+// One step of gs_pat.hpp; all magnitudes add up to `sum`. Returns the largest distance that a factor moved.
 float climb(float sum) {
   float moved = 0.0;
   const float level = level_now();
@@ -60,9 +60,9 @@ float climb(float sum) {
   return moved;
 }
 
-// The damped step of even_out.hpp from `factor` to `tried`. Few of a slot's steps are such; only its inmost loops are
-// written out: with all of them a software device would compile for seconds, and with none it would end the shader, whose
-// loops may take 65,535 iterations in all.
+// The damped step of even_out.hpp from `factor` to `tried`. Few of a slot's steps are of this kind. Only the innermost
+// loops are unrolled: with all loops unrolled, a software device would compile for seconds. With none, it would end the
+// shader, whose loops may take 65,535 iterations in all.
 void step_even(float level, float damping) {
   const uint count = focus_count;
   vec2 turn[most];
@@ -78,7 +78,7 @@ void step_even(float level, float damping) {
   float trace = 0.0;
   for (uint a = 0u; a < count; ++a) {
     for (uint b = 0u; b <= a; ++b) {
-      // Re of the sum over q of J_aq and J_bq conjugate; both rows turn as a whole.
+      // The real part of the sum over q of J_aq and the conjugate of J_bq; each row turns as a whole.
       vec2 sum = vec2(0.0);
       [[unroll]] for (uint q = 0u; q < most; ++q) {
         const vec2 x = matrix[q * most + a];
@@ -92,14 +92,14 @@ void step_even(float level, float damping) {
       if (a == b) trace += entry;
     }
   }
-  // What has no slope at all is left where it is.
+  // A direction without any slope is left as it is.
   const float more = max(damping * trace / float(count), 1e-30);
   for (uint a = 0u; a < count; ++a) normal[a * most + a] += more;
   for (uint k = 0u; k < count; ++k) {
     const float inverse = 1.0 / normal[k * most + k];
     for (uint i = k + 1u; i < count; ++i) {
       const float part = normal[i * most + k] * inverse;
-      // What is left of column k is not looked at again.
+      // The rest of column k is not read again.
       [[unroll]] for (uint j = 0u; j < most; ++j) normal[i * most + j] -= part * normal[k * most + j];
       rest[i] -= part * rest[k];
     }
@@ -120,14 +120,14 @@ void step_even(float level, float damping) {
   }
 }
 
-// What the factors take of the array.
+// The power that the factors take from the array.
 float power() {
   float sum = 0.0;
   [[unroll]] for (uint j = 0u; j < most; ++j) sum += dot(factor[j], heard[j]);
   return sum;
 }
 
-// How loud the weakest focus is for the power that the factors take.
+// The loudness of the weakest focus relative to the power that the factors take.
 float merit() {
   float least = -1.0;
   [[unroll]] for (uint j = 0u; j < most; ++j) {
@@ -169,15 +169,15 @@ void main() {
     share[j] = j >= count ? 0.0 : shares > 0.0 ? min(share[j] * float(count) / shares, push.most_weight) : 1.0;
 
   const uint starts = hear_each_other() ? solve_starts : 1u;
-  uint begun = 0u;     // starts
-  bool begins = true;  // the next one
-  bool plainly = false;  // all starts are judged, the best goes the rest of the way
+  uint begun = 0u;     // starts so far
+  bool begins = true;  // the next start begins
+  bool plainly = false;  // all starts are judged; the best one is now completed
   bool again = false;    // the same with gains
   uint climbs = 0u;
   uint tries = 0u;
   uint allowed = 0u;
   bool fresh = true;
-  float kept = 0.0;  // the level, 0: as it comes
+  float kept = 0.0;  // the level; 0: not fixed
   float level = 0.0;
   float damping = 0.0;
   float missed = 0.0;
@@ -204,7 +204,7 @@ void main() {
       allowed = starts > 1u ? solve_look : 0u;
       fresh = true;
     }
-    // A loop of their own: a software device walks through all of a loop's body for each of its turns.
+    // A separate loop: a software device executes the whole body of a loop in each of its iterations.
     for (;;) {
       hear();
       if (climbs == 0u) break;
@@ -240,7 +240,7 @@ void main() {
       ++tries;
       continue;
     }
-    // Here ends what was allowed.
+    // The allowed steps are used up.
     fresh = true;
     allowed = push.constraint == drive_normalise ? solve_tries : solve_bounded_tries;
     if (!plainly) {

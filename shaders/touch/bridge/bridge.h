@@ -6,21 +6,21 @@ PALPA_SHADER_BEGIN
 
 PALPA_CONST bridge_group = 64u;
 PALPA_CONST bridge_fingers = 64u;  // as fingers_most
-// Contacts of a finger that stand for all: one for each of so many values of a number's hash.
+// Number of values of the hash of contact numbers. Of each value, one of a finger's contacts is a sample for all.
 PALPA_CONST bridge_samples = 64u;
 PALPA_CONST bridge_sample_shift = 26u;
-// A hash that can be undone: contact = hash * inverse, modulo 2^32.
+// An invertible hash: contact = hash * inverse, modulo 2^32.
 PALPA_CONST bridge_hash = 0x9e3779b1u;
 PALPA_CONST bridge_unhash = 0x0e8b2f51u;
 
-// What the buffers hold, beside structs:
-//   parents  uint[]: per contact a number that its cluster alone has
+// Contents of the buffers, beside structs:
+//   parents  uint[]: per contact a number unique to its cluster
 //   depth    uint[]: raw depths, two per word, the even pixel in the low half
 //   rays     vec2[]: normalised coordinates per pixel of the padded arrangement
 //   samples  BridgeSample[bridge_fingers * bridge_samples]
 //   patches  BridgePatch[bridge_fingers]
 //   pairs    BridgePair[bridge_fingers * bridge_fingers]: a before b only
-// Of the TouchHeader bridge_join writes fingers, clusters and the dispatch of bridge_relabel.
+// In the TouchHeader, bridge_join writes fingers, clusters and the dispatch of bridge_relabel.
 
 struct BridgePush {
   uint most_contacts;
@@ -31,7 +31,7 @@ struct BridgePush {
 PALPA_CHECK_SIZE(BridgePush, 16);
 PALPA_CHECK_OFFSET(BridgePush, finger_width, 8);
 
-// A camera, for looking at its picture from both sides: pixel to point and point to pixel.
+// A camera with the data to use its picture in both directions: pixel to point and point to pixel.
 struct BridgeCamera {
   vec4 pose_x;  // rows of T_world_camera
   vec4 pose_y;
@@ -89,13 +89,13 @@ PALPA_CHECK_SIZE(BridgePatch, 64);
 PALPA_CHECK_OFFSET(BridgePatch, mean, 32);
 PALPA_CHECK_OFFSET(BridgePatch, samples, 48);
 
-// What two patches are to each other.
-PALPA_CONST bridge_unknown = 0u;  // nothing says that they are one finger
+// The relation between two patches.
+PALPA_CONST bridge_unknown = 0u;  // nothing shows that they are one finger
 PALPA_CONST bridge_one = 1u;      // patches of one finger
-PALPA_CONST bridge_two = 2u;      // of two, whatever a third says
+PALPA_CONST bridge_two = 2u;      // of two fingers, whatever a third patch shows
 struct BridgePair {
   uint kind;
-  float facing;  // the less, the surer: see facing_away
+  float facing;  // the smaller, the more certain: see facing_away
 };
 PALPA_CHECK_SIZE(BridgePair, 8);
 

@@ -5,8 +5,9 @@
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/shared/scan.h"
 
-// Joins patches, the surest pair first, unless a member of the one and a member of the other are two fingers; then closes up
-// the list of fingers, which stay in the order of their smallest contacts. A single group, one patch per thread.
+// Joins patches, the most certain pair first, unless a member of one and a member of the other are two fingers. Then it
+// closes up the list of fingers, which stay in the order of their smallest contacts. A single group, one patch per
+// thread.
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
@@ -17,11 +18,12 @@ layout(std430, set = 0, binding = 4) buffer Fingers { FingerRecord fingers[]; };
 layout(std430, set = 0, binding = 5) buffer Clusters { Cluster clusters[]; };
 layout(push_constant) uniform Push { BridgePush push; };
 
-// Sets of patches, as 64 bits. Of each patch: the finger it is in goes by its first patch.
+// Sets of patches, as 64 bits. For each patch: the first patch of the finger that it is in.
 shared uint head[bridge_fingers];
 shared uvec2 members[bridge_fingers];
 shared uvec2 strangers[bridge_fingers];
-shared uint best[bridge_fingers];  // for each patch the later one that it is most surely one with, or fingers_nothing
+shared uint best[bridge_fingers];  // for each patch, the later one that it is most certainly one with, or
+                                   // fingers_nothing
 shared float sure[bridge_fingers];
 shared uint sizes[bridge_fingers];
 shared uint joined;

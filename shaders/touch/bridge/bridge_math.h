@@ -5,14 +5,14 @@
 #include "shaders/touch/bridge/bridge.h"
 PALPA_SHADER_BEGIN
 
-// Pixels to either side that say how the skin lies; a step in depth of more than this is another thing's edge.
+// Pixels to either side that give the skin's normal. A larger step in depth than this is the edge of another object.
 PALPA_CONST bridge_normal_pixels = 2u;
 #define PALPA_BRIDGE_STEP 4e-3f
-// How much farther than a place a camera must have seen something to say that the place is empty.
+// A place is empty if a camera has seen something farther away than the place by at least this much.
 #define PALPA_BRIDGE_CLEAR 4e-3f
-// No pixel's ray leans this far: tables hold more where there is none.
+// No pixel's ray leans this far. Tables hold a larger value if there is no ray.
 #define PALPA_BRIDGE_NO_RAY 1e17f
-// Contacts this much farther apart than the nearest are no longer those that face each other.
+// Contacts that are farther apart than the nearest ones by this much no longer face each other.
 #define PALPA_BRIDGE_FACING 2e-3f
 
 PALPA_FN Float3 rotated(vec4 x, vec4 y, vec4 z, Float3 v) {
@@ -32,7 +32,7 @@ PALPA_FN Float3 seen_from(BridgeCamera camera, Float3 world) {
   return p;
 }
 
-// Where a point in front of a camera appears: pixel and depth. Outside the picture: depth 0.
+// The pixel and depth at which a point in front of a camera appears. Outside the picture: depth 0.
 struct Appearance {
   uint u, v;
   float depth;
@@ -61,13 +61,14 @@ PALPA_FN Appearance appearance(BridgeCamera camera, Float3 world) {
   return a;
 }
 
-// Whether a camera that has `raw` at a place's pixel looked through that place.
+// Whether a camera whose raw depth at a place's pixel is `raw` looked through that place.
 PALPA_FN bool sees_through(BridgeCamera camera, uint raw, float depth) {
   PALPA_EXACT float seen = float(raw) * camera.depth_unit;
   return raw >= camera.first_depth && seen > depth + PALPA_BRIDGE_CLEAR;
 }
 
-// A pixel's point in camera coordinates; depth 0 where there is no data, no ray, or what its camera ignores.
+// A pixel's point in camera coordinates. The depth is 0 if there is no data or no ray, or if the camera ignores the
+// pixel.
 PALPA_FN Float3 pixel_point(BridgeCamera camera, uint raw, Float2 ray) {
   PALPA_EXACT Float3 p;
   p.z = raw >= camera.first_depth && ray.x < PALPA_BRIDGE_NO_RAY ? float(raw) * camera.depth_unit : 0.0f;
@@ -81,7 +82,7 @@ PALPA_FN bool same_surface(Float3 a, Float3 b) {
   return b.z > 0.0f && abs(step) <= PALPA_BRIDGE_STEP;
 }
 
-// From one neighbour to the other if both are on the surface, else from or to the pixel itself; 0 if neither is.
+// From one neighbour to the other if both are on the surface, else between one of them and the pixel; 0 if neither is.
 PALPA_FN Float3 tangent(Float3 at, Float3 before, Float3 after) {
   const bool has_before = same_surface(at, before);
   const bool has_after = same_surface(at, after);
@@ -92,8 +93,8 @@ PALPA_FN Float3 tangent(Float3 at, Float3 before, Float3 after) {
   return minus(to, from);
 }
 
-// The skin's outward normal in the world, from a pixel's point and its neighbours' (camera coordinates). Zero where
-// they do not tell: such pixels lie on rims or float beside them, and are no samples.
+// The skin's outward normal in the world, from a pixel's point and its neighbours' (camera coordinates). It is zero if
+// they do not give one: such pixels lie on rims or float beside them, and are no samples.
 PALPA_FN Float3 skin_normal(BridgeCamera camera, Float3 at, Float3 left, Float3 right, Float3 above, Float3 below) {
   Float3 normal = cross3(tangent(at, left, right), tangent(at, above, below));
   if (!(dot3(normal, normal) > 1e-16f)) return minus(at, at);
@@ -106,8 +107,8 @@ PALPA_FN float square_apart(Float3 a, Float3 b) {
   return dot3(d, d);
 }
 
-// The cosine between the skin's outward normal at `from` and the way to `to`: below 0 where that way enters the skin,
-// as it does between any two places of one convex fingertip.
+// The cosine between the skin's outward normal at `from` and the way to `to`. It is below 0 if that way enters the
+// skin, which is the case between any two places of one convex fingertip.
 PALPA_FN float leaving(Float3 from, Float3 normal, Float3 to) {
   const Float3 way = minus(to, from);
   const float square = dot3(way, way);
@@ -141,7 +142,7 @@ PALPA_FN float gap_between(float low_a, float high_a, float low_b, float high_b)
   return gap > 0.0f ? gap : 0.0f;
 }
 
-// Whether the patches' boxes are so near that they can be one finger at all.
+// Whether the patches' boxes are near enough that they can be one finger.
 PALPA_FN bool near_enough(BridgePatch a, BridgePatch b, float finger_width) {
   if (a.samples == 0u || b.samples == 0u) return false;
   Float3 gap;
@@ -151,8 +152,8 @@ PALPA_FN bool near_enough(BridgePatch a, BridgePatch b, float finger_width) {
   return dot3(gap, gap) <= product(finger_width, finger_width);
 }
 
-// Chords through the space between two patches: from each sample of the one to some sample of the other, looked at in
-// steps of an eighth; not at their ends, where pictures of rims are least to be trusted.
+// Chords through the space between two patches: from each sample of one patch to some sample of the other, checked in
+// steps of an eighth. Their ends are left out, because pictures of rims are the least reliable there.
 PALPA_CONST bridge_first_step = 2u;
 PALPA_CONST bridge_last_step = 6u;
 PALPA_FN uint chord_end(uint sample_a, uint samples_b) {
@@ -162,7 +163,7 @@ PALPA_FN float chord_share(uint step) {
   return float(step) * 0.125f;
 }
 
-// What the ways between the contacts that face each other say: the cosines at their ends, summed.
+// The evidence of the ways between contacts that face each other: the cosines at their ends, summed.
 struct Evidence {
   float nearest;
   float leaving_a, leaving_b;
@@ -183,7 +184,7 @@ PALPA_FN Evidence with_length(Evidence e, float apart) {
   return e;
 }
 
-// Only once `nearest` is known.
+// Call it only once `nearest` is known.
 PALPA_FN Evidence with_way(Evidence e, float apart, float leaving_a, float leaving_b) {
   if (apart > e.nearest + PALPA_BRIDGE_FACING) return e;
   PALPA_EXACT float a = e.leaving_a + leaving_a;
@@ -194,9 +195,9 @@ PALPA_FN Evidence with_way(Evidence e, float apart, float leaving_a, float leavi
   return e;
 }
 
-// The three questions, the cheapest first; a pair that fails one is two fingers, and needs no further look.
+// The three questions, the cheapest first. A pair that fails one is two fingers and needs no further check.
 
-// `low` and `high`: the samples' least and largest product with the line from mean to mean, whose square is given.
+// `low` and `high`: the samples' smallest and largest product with the line from mean to mean, whose square is given.
 PALPA_FN bool too_wide(float low, float high, float line_square, float finger_width) {
   PALPA_EXACT float width = high - low;
   return width > product(finger_width, sqrt(line_square));
@@ -219,7 +220,7 @@ PALPA_FN BridgePair facing_verdict(Evidence e) {
   return pair;
 }
 
-// Share of places seen empty, of 64, that makes two fingers of two patches.
+// Two patches are two fingers if more of the places between them are seen empty than this, in 64ths.
 PALPA_CONST bridge_most_empty = 6u;
 PALPA_FN bool too_empty(uint empty, uint looked) {
   return empty * 64u > looked * bridge_most_empty;

@@ -4,7 +4,7 @@
 #include "shaders/touch/contacts/contacts.h"
 #include "shaders/touch/fingers/fingers.h"
 
-// Every pair of patches: one group per patch, which goes through those after it.
+// Every pair of patches: one group per patch, which goes through the later patches.
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Header { TouchHeader header; };
@@ -18,7 +18,7 @@ layout(push_constant) uniform Push { BridgePush push; };
 
 #include "shaders/sensing/raw_depth.glsl"
 
-// Of each sample of either patch: how near the other patch is, and the cosines at both ends of that way.
+// For each sample of either patch: how near the other patch is, and the cosines at both ends of the way to it.
 shared float apart[2u * bridge_samples];
 shared float leaving_a[2u * bridge_samples];
 shared float leaving_b[2u * bridge_samples];
@@ -69,14 +69,14 @@ void main() {
     const BridgePatch other = patches[b];
     const uint first_b = b * bridge_samples;
     const Float3 line = minus(Float3(other.mean.x, other.mean.y, other.mean.z), Float3(one.mean.x, one.mean.y, one.mean.z));
-    barrier();  // the pair before has been read
+    barrier();  // all have read the pair before
     if (thread == 0u) {
       const bool near = fingers[a].solid == fingers[b].solid && near_enough(one, other, push.finger_width);
       result = BridgePair(near ? bridge_unknown : bridge_two, 0.0);
     }
     barrier();
 
-    if (result.kind != bridge_two) {  // here and below: the whole group alike
+    if (result.kind != bridge_two) {  // here and below: the same for the whole group
       if (thread < one.samples) along[thread] = dot3(position(first_a + thread), line);
       if (thread < other.samples) along[bridge_samples + thread] = dot3(position(first_b + thread), line);
       barrier();

@@ -1,5 +1,5 @@
-// Some contacts of a finger, picked by a hash of their numbers, with the skin's normal there as the depth picture shows it:
-// by a group of 64. Includes need the buffers parents, contacts, depth, rays and cameras, and push.cameras.
+// Picks some contacts of a finger by a hash of their numbers, with the skin's normal there from the depth picture. A
+// group of 64 does this. The includer needs the buffers parents, contacts, depth, rays and cameras, and push.cameras.
 shared uint least[bridge_samples];
 shared uint count_taken;
 shared Float3 positions[bridge_samples];
@@ -41,8 +41,8 @@ Float3 normal_at(uint point) {
   return skin_normal(camera, at, left, right, above, below);
 }
 
-// Fills positions and normals of `count_taken` samples, in the order of the hash, which are those that have a normal. least[]: the
-// hash of each, with or without one.
+// Fills positions and normals of `count_taken` samples, in the order of the hash. Only contacts with a normal are
+// samples. least[] has the hash of each contact, with or without a normal.
 void pick_samples(uint root, uint count) {
   const uint thread = gl_LocalInvocationIndex;
   least[thread] = 0xffffffffu;
@@ -62,7 +62,7 @@ void pick_samples(uint root, uint count) {
     normal = normal_at(contacts[i].point);
     taken = dot3(normal, normal) > 0.0;
   }
-  // Close up, in the order of the hash.
+  // Closes up the samples, in the order of the hash.
   const uint place = sum_before(taken ? 1u : 0u);
   if (taken) {
     positions[place] = position;

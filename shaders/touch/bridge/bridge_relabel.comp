@@ -5,7 +5,7 @@
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/shared/scan.h"
 
-// Gives the contacts of joined patches one number: that of the finger's first patch, whose own contacts keep it.
+// Gives the contacts of joined patches one number: that of the finger's first patch, whose own contacts keep theirs.
 layout(local_size_x = 128) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };

@@ -5,8 +5,8 @@
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/shared/scan.h"
 
-// One finger per group: some of its contacts, picked by a hash of their numbers, with the skin's normal there as the depth
-// picture shows it.
+// One finger per group: picks some of its contacts by a hash of their numbers, with the skin's normal there from the
+// depth picture.
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };

@@ -5,8 +5,9 @@
 #include "shaders/shared/scan.h"
 #include "shaders/touch/contacts/contacts_math.h"
 
-// Eq. (1) for every skin point: inside all planes of a solid, and less than delta below the nearest. Leaves a bit per point,
-// solid and depth of the contacts, and each chunk's count. For scenes of convex solids; contacts_surface.comp is for any.
+// Eq. (1) for every skin point: inside all planes of a solid, and less than delta below the nearest. The results are a
+// bit per point, solid and depth of the contacts, and each chunk's count. This is for scenes of convex solids;
+// contacts_surface.comp is for any scene.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool one_solid = false;
 layout(constant_id = 1) const bool with_deep = false;

@@ -4,7 +4,7 @@
 #include "shaders/touch/contacts/contacts_chunk.glsl"
 #include "shaders/shared/scan.h"
 
-// Brings the chunks' contacts together, in input order.
+// Brings the contacts of all chunks together, in input order.
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Points { uvec4 points[]; };
@@ -13,7 +13,8 @@ layout(std430, set = 0, binding = 2) readonly buffer Hits { Hit hits[]; };
 layout(std430, set = 0, binding = 3) readonly buffer Masks { uint masks[]; };
 layout(std430, set = 0, binding = 4) readonly buffer Counts { uvec4 counts[]; };  // four chunks each
 layout(std430, set = 0, binding = 5) writeonly buffer Total { ScanTotal found; };
-// ContactRecord[], each written as two vectors: a software device then finds its place, and which lanes write, once.
+// ContactRecord[], each written as two vectors: a software device then computes the address and the active lanes only
+// once.
 layout(std430, set = 0, binding = 6) writeonly buffer Contacts { uvec4 contacts[]; };
 layout(push_constant) uniform Push { ContactsPush push; };
 
@@ -38,26 +39,27 @@ void main() {
     before_group = first;
     if (group == 0u) {
       const uint groups = (total + contact_group - 1u) / contact_group;
-      found = ScanTotal(total, clamp(groups, 1u, contacts_most_groups), 1u, 1u);  // one group sets up even for none
+      found = ScanTotal(total, clamp(groups, 1u, contacts_most_groups), 1u, 1u);  // one group sets up even if there are
+                                                                                  // none
     }
   }
 
   const uint count = min(given.total, push.most_points);
   const uint chunk = points_per_chunk(count);
-  const uint words = group * chunk < count ? chunk / 32u : 0u;  // contacts_find left no masks of empty chunks
+  const uint words = group * chunk < count ? chunk / 32u : 0u;  // contacts_find wrote no masks of empty chunks
   const uint first_word = group * chunk / 32u;
   const uint run = (words + contacts_group - 1u) / contacts_group;
   const uint begin = min(thread * run, words);
   const uint end = min(begin + run, words);
   uint mine = 0u;
   for (uint w = begin; w < end; ++w) mine += uint(bitCount(masks[first_word + w]));
-  uint place = sum_before(mine);  // behind its barriers before_group is there
+  uint place = sum_before(mine);  // its barriers also make before_group valid
   if (mine == 0u) return;
   place += before_group;
 
   for (uint w = begin; w < end; ++w) {
     uint bits = masks[first_word + w];
-    while (bits != 0u && place < push.most_contacts) {  // one bit less each turn
+    while (bits != 0u && place < push.most_contacts) {  // one bit less in each iteration
       const uint i = (first_word + w) * 32u + uint(findLSB(bits));
       bits &= bits - 1u;
       const uvec4 point = points[i];

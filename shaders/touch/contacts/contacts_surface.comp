@@ -6,8 +6,8 @@
 #include "shaders/touch/contacts/surface_math.h"
 #include "shaders/touch/contacts/contacts_math.h"
 
-// As contacts_find, for scenes in which a solid is asked by its surface or by its parts. Each thread looks a point up by itself: points
-// that follow each other lie side by side on the skin, so that their cells and lists are much alike.
+// Like contacts_find, for scenes with a solid that is tested by its surface or by its parts. Each thread looks up its
+// points by itself: consecutive points lie side by side on the skin, so their cells and lists are much alike.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool one_solid = false;
 layout(constant_id = 1) const bool with_deep = false;
@@ -45,7 +45,7 @@ float look(SolidRecord solid, vec3 p, float delta, out bool shell) {
                                  Float3(solid.cells_per_metre.x, solid.cells_per_metre.y, solid.cells_per_metre.z),
                                  solid.cells_per_axis);
     depth = parts_depth(solid.first_cell, cell, at, with_deep ? 3.0e38 : delta);
-  } else if (one_solid || solid.asked_by == asked_by_surface) {  // a convex solid that is alone has contacts_find
+  } else if (one_solid || solid.asked_by == asked_by_surface) {  // a single convex solid uses contacts_find
     const SurfaceCell cell =
         surface_cell(p, solid.low.xyz, solid.cells_per_metre.x, solid.cells_per_axis, solid.first_cell);
     return surface_depth(cell, at, delta, shell);

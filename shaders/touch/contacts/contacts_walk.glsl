@@ -1,14 +1,14 @@
-// What the kernels that look for contacts have in common: a group walks over its stretch of the points and leaves a bit and a Hit for
-// each contact, and how many there are: walk(). Included after this is defined:
+// The common part of the kernels that look for contacts. In walk(), a group goes over its range of the points and
+// leaves a bit and a Hit for each contact, and their number. Include this file after the definition of
 //   float look(SolidRecord solid, vec3 p, float delta, out bool shell)
-// how deep a point of the solid's box, in the solid's coordinates, lies inside the solid, and whether that is less than delta; 0:
-// outside, or deeper where that is not asked for.
+// It returns the depth inside the solid of a point of the solid's box, in the solid's coordinates, and whether it is
+// less than delta. 0: outside, or deeper if deep points are not asked for.
 shared uint found[contacts_most_words];
 shared uint deep_found[contacts_most_words];
 shared uint sum, deep_sum;
 
-// The first solid that the point is a contact of, with its depth; where there is none and deep points are asked for, the first
-// that it is deep inside of. Depth 0: neither.
+// The first solid that the point is a contact of, with its depth. If there is none and deep points are asked for, the
+// first solid in which it is a deep point. Depth 0: neither.
 Hit find(vec3 point, out bool deep) {
   deep = false;
   Hit hit = Hit(0u, 0.0);

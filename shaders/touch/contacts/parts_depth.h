@@ -1,8 +1,8 @@
-// Depth of a point below the surface of a union of convex parts: included by the shader and by its twin, see
+// The depth of a point below the surface of a union of convex parts. The shader and its twin include it, see
 // engine/touch/contacts/parts_table.hpp. Both give the same bits.
 //
-// The table is one array of 16-byte words. At a solid's `base`: a header word, then two words per cell (x fastest),
-// and anywhere behind them what the cells point to:
+// The table is one array of 16-byte words. At a solid's `base`, there is a header word, then two words per cell (x
+// fastest). The data that the cells point to can be anywhere behind them:
 //   header    x: bits of the tolerance (metres), y: 1 for Eq. (1) of each part alone, cuts included; else 0
 //   cell      x, y: first word and number of its part entries, z, w: of its triangles (first word, number)
 //             second word: x: bits of the least depth that a point of the cell can have
@@ -94,9 +94,9 @@ PALPA_FN uint parts_cell(Float3 p, Float3 low, Float3 cells_per_metre, uint per_
   return (z * per_axis + y) * per_axis + x;
 }
 
-// Depth of p (relative to the solid's centre, inside its box) below the surface, 0 where it is in no part. Where the
-// cell tells that it must be at least `limit`, also 0: the caller is not interested. `cell` counts from the solid's
-// first.
+// Depth of p (relative to the solid's centre, inside its box) below the surface; 0 if it is in no part. If the cell
+// shows that the depth is at least `limit`, the result is also 0: the caller does not need it. `cell` counts from the
+// solid's first cell.
 PALPA_FN float parts_depth(PALPA_PARTS_TABLE uint base, uint cell, Float3 p, float limit) {
   const uvec4 header = PALPA_PARTS_WORD(base);
   const uint at = base + parts_header_words + cell * parts_cell_words;
@@ -127,7 +127,7 @@ PALPA_FN float parts_depth(PALPA_PARTS_TABLE uint base, uint cell, Float3 p, flo
     }
   }
   if (each_alone) return inside ? least : 0.0f;
-  // On the cut between two parts a point is inside their union, though in neither of them.
+  // On the cut between two parts, a point is inside their union, but in neither of them.
   if (!inside && beside < 2u) return 0.0f;
   least = 3.0e38f;
   for (uint i = 0u; i < lists.w; ++i) {

@@ -1,6 +1,5 @@
-// The arithmetic that decides how far a point is from a triangle and on which side of the surface it lies: included by
-// the shader, by its twin and by whoever makes the cells, so that all give the same answer. See exact_math.h for the
-// rules.
+// The arithmetic that decides how far a point is from a triangle and on which side of the surface it lies. The shader,
+// its twin and the code that makes the cells include it, so all give the same answer. See exact_math.h for the rules.
 #ifndef PALPA_SHADERS_SURFACE_MATH_H
 #define PALPA_SHADERS_SURFACE_MATH_H
 #include "shaders/shared/exact_math.h"
@@ -31,7 +30,7 @@ PALPA_FN OnAxes on_axes(SurfaceTriangle t, Float3 p) {
   return on;
 }
 
-// How a point lies to a side: how far out of the triangle, and how far along the side from its start.
+// A point's place relative to a side: the distance out of the triangle, and the distance along the side from its start.
 struct ToSide {
   float out_of, along;
 };
@@ -60,22 +59,22 @@ PALPA_FN ToSide to_side2(SurfaceTriangle t, OnAxes on) {
   return to;
 }
 
-// How far past the nearest point of a side of that length: negative before its start, 0 beside it, positive beyond its
+// The distance along a side of that length beyond the side: negative before its start, 0 beside it, positive beyond its
 // end.
 PALPA_FN float past_side(float along, float side) {
   PALPA_EXACT float beyond = along - side;
   return along < 0.0f ? along : (along > side ? beyond : 0.0f);
 }
 
-// In the triangle's plane, squared.
+// The squared distance in the triangle's plane.
 PALPA_FN float side_distance2(ToSide to, float side) {
   const float past = past_side(to.along, side);
   PALPA_EXACT float square = to.out_of * to.out_of + past * past;
   return square;
 }
 
-// The square of a point's distance from a triangle. A point beside the triangle's rim counts as at a side: the same
-// distance.
+// The squared distance of a point from a triangle. A point beside the triangle's rim is treated as at a side, which
+// gives the same distance.
 PALPA_FN float surface_distance2(SurfaceTriangle t, Float3 p) {
   const OnAxes on = on_axes(t, p);
   const ToSide to0 = to_side0(on);
@@ -91,7 +90,7 @@ PALPA_FN float surface_distance2(SurfaceTriangle t, Float3 p) {
   return square;
 }
 
-// Which part of its triangle a point is nearest to. side: 0 to 2, or 3 for the face; past: as past_side gives it.
+// The feature of a triangle that a point is nearest to. side: 0 to 2, or 3 for the face; past: as from past_side.
 struct SurfaceFeature {
   uint side;
   float past, out_of;
@@ -124,7 +123,7 @@ PALPA_FN SurfaceFeature surface_feature(SurfaceTriangle t, OnAxes on) {
   return f;
 }
 
-// The corner that the point is nearest to, 0 to 2; 3 where it is nearest to no corner.
+// The corner that the point is nearest to, 0 to 2; 3 if it is nearest to no corner.
 PALPA_FN uint feature_corner(SurfaceFeature f) {
   if (f.side == 3u || f.past == 0.0f) return 3u;
   const uint next = f.side == 2u ? 0u : f.side + 1u;
@@ -140,7 +139,7 @@ PALPA_FN float side_sign(SurfaceFeature f, OnAxes on, uint word) {
   return sign == 0.0f ? on.above : sign;
 }
 
-// The same for a point nearest to a corner; its pseudonormal, w: what decides alone where the surface is sharp there.
+// The same for a point nearest to a corner. pseudonormal.w alone decides if the surface is sharp there.
 PALPA_FN float corner_sign(SurfaceTriangle t, OnAxes on, uint corner, vec4 pseudonormal) {
   Float3 normal, along, pseudo;
   normal.x = t.normal.x;

@@ -1,5 +1,5 @@
-// Reads a surface's cells and triangles. Included after the texel buffers and with_deep are declared; surface.h says how many texels
-// each of its structs takes.
+// Reads a surface's cells and triangles. Include it after the declarations of the texel buffers and of with_deep.
+// surface.h gives the number of texels of each struct.
 
 SurfaceCell surface_cell_at(uint index) {
   const uvec2 words = texelFetch(surface_cells, int(index)).xy;
@@ -12,7 +12,7 @@ SurfaceTriangle surface_triangle_at(uint index) {
                          texelFetch(surface_triangles, first + 2), texelFetch(surface_triangles, first + 3));
 }
 
-// The cell of a point, relative to the solid's centre.
+// The cell of a point; the point is relative to the solid's centre.
 SurfaceCell surface_cell(vec3 p, vec3 low, float cells_per_metre, uint grid, uint first_cell) {
   precise vec3 rest = (p - low) * cells_per_metre;
   const uint mask = (1u << surface_axis_bits) - 1u;
@@ -29,7 +29,7 @@ SurfaceCell surface_cell(vec3 p, vec3 low, float cells_per_metre, uint grid, uin
   return here;
 }
 
-// The square of the distance from the nearest triangle of the cell's runs, and which one it is.
+// The squared distance from the nearest triangle of the cell's runs, and that triangle.
 float surface_nearest(SurfaceCell cell, Float3 p, out uint nearest) {
   float least = 3.4e38;
   nearest = 0u;
@@ -37,7 +37,7 @@ float surface_nearest(SurfaceCell cell, Float3 p, out uint nearest) {
   const uint end = run + (cell.kind & ~surface_kinds);
   uint triangle = 0u;
   uint left = 0u;
-  while (run < end || left > 0u) {  // each turn takes a triangle of a run
+  while (run < end || left > 0u) {  // each iteration takes a triangle of a run
     if (left == 0u) {
       const uint word = texelFetch(surface_runs, int(run++)).x;
       triangle = word & (surface_most_triangles - 1u);
@@ -70,7 +70,7 @@ bool surface_inside(uint triangle, Float3 p) {
   return (corner == 3u ? beside : at_corner) < 0.0;
 }
 
-// As contacts_walk's look().
+// Does what contacts_walk requires of look().
 float surface_depth(SurfaceCell cell, Float3 p, float delta, out bool shell) {
   shell = false;
   if ((cell.kind & ~surface_kinds) == 0u) return 0.0;

@@ -6,8 +6,8 @@
 #include "shaders/touch/fingers/fingers_table.glsl"
 #include "shaders/shared/scan.h"
 
-// Groups the cells of each block among themselves as far as a few tests show: one thread per block. Most blocks become one
-// group. Then lists what is left to fingers_link: the block's neighbours, and the block itself where tests are left.
+// Groups the cells of each block with each other, as far as a few tests show: one thread per block. Most blocks become
+// one group. The rest is listed for fingers_link: the block's neighbours, and the block itself if tests remain.
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
@@ -28,7 +28,8 @@ layout(push_constant) uniform Push { FingersPush push; };
 
 const uint patience = 32u;
 
-// The blocks that a block sees, as bits: those of its own tile, and a byte for each tile beyond, whose slots these are.
+// The blocks that a block sees, as bits: those of its own tile, and a byte for each tile beyond, with the slots of
+// these tiles.
 struct Near {
   uint here;
   uint beyond;
@@ -53,7 +54,7 @@ Near near_to(uvec4 tile, uint corner, bool itself, uint slots) {
   return near;
 }
 
-// A place on the list for so many links, or fingers_nothing.
+// A place on the list for this many links, or fingers_nothing.
 uint place_for(uint count) {
   if (count == 0u) return fingers_nothing;
   const uint place = atomicAdd(work.links, count);
@@ -63,7 +64,7 @@ uint place_for(uint count) {
   return place;
 }
 
-// Lists a block with these of one tile.
+// Lists a block with these blocks of one tile.
 void list_links(inout uint place, uint first_here, uint corner, uint beyond, uint corners, uint tile_first, uvec2 cells) {
   for (;;) {
     if (corners != 0u) {

@@ -1,4 +1,5 @@
-// A tile's cells that hold contacts are 64 bits, a byte per block; a block's cells are numbered one after the other from `first`.
+// A tile's cells that hold contacts are 64 bits, a byte per block. A block's cells are numbered consecutively from
+// `first`.
 struct Block {
   uint first;
   uint occupied;  // cells, as bits
@@ -6,7 +7,7 @@ struct Block {
 
 uint bits_below(uint bit) { return (1u << bit) - 1u; }
 
-// How many of a tile's cells before this one hold contacts.
+// The number of a tile's cells before this one that hold contacts.
 uint count_below(uvec2 mask, uint bit) {
   const uvec2 below = bit < 32u ? uvec2(bits_below(bit), 0u) : uvec2(0xffffffffu, bits_below(bit & 31u));
   return uint(bitCount(mask.x & below.x) + bitCount(mask.y & below.y));
@@ -37,14 +38,14 @@ const uint ones = 0x11111111u;
 
 uint group_of(uint groups, uint cell) { return groups >> (4u * cell) & 15u; }
 
-// Ones where two words have the same four bits.
+// Ones at each place where two words have the same four bits.
 uint equal_fours(uint a, uint b) {
   uint differ = a ^ b;
   differ |= differ >> 2u;
   return ~(differ | differ >> 1u) & ones;
 }
 
-// The lowest of each four bits, eight times, side by side; and back.
+// The lowest bit of each four bits, eight times, side by side; and back.
 uint gathered(uint fours) {
   fours = (fours | fours >> 3u) & 0x03030303u;
   fours = (fours | fours >> 6u) & 0x000f000fu;
@@ -91,7 +92,7 @@ uint take_pair(inout uvec2 pairs) {
   return uint(findLSB(word)) + (low ? 0u : 32u);
 }
 
-// Groups in the order in which the cells are with their bits x, y, z flipped where `flip` has ones.
+// The groups in the order of the cells after their bits x, y, z are flipped where `flip` has ones.
 uint flipped(uint groups, uint flip) {
   const uint x = 4u * (flip & 1u), y = 4u * (flip & 2u), z = 4u * (flip & 4u);
   groups = (groups & 0x0f0f0f0fu) << x | (groups & 0xf0f0f0f0u) >> x;

@@ -6,8 +6,8 @@
 #include "shaders/touch/fingers/fingers_table.glsl"
 #include "shaders/shared/scan.h"
 
-// Numbers the cells that hold contacts, tile by tile, and lists the blocks that do: what the passes over blocks look at then lies
-// close together, in whatever order the contacts came.
+// Numbers the cells that hold contacts, tile by tile, and lists the blocks with contacts. The data of the passes over
+// blocks then lies close together, in whatever order the contacts came.
 layout(local_size_x = 128) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
@@ -22,7 +22,7 @@ layout(push_constant) uniform Push { FingersPush push; };
 #include "shaders/touch/fingers/fingers_cells.glsl"
 
 const uint run = collect_run;
-const uint apart = 8u;  // between a thread's slots: tiles come in flocks, and threads side by side share one
+const uint apart = 8u;  // between a thread's slots: tiles come in clusters, and adjacent threads share one
 
 void main() {
   const uint slots = table_slots(min(found.total, push.most_contacts));

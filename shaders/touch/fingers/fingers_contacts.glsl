@@ -2,7 +2,7 @@
 
 struct Walk {
   Block block;
-  uint cells;    // yet to come, as bits
+  uint cells;    // still to come, as bits
   uint contact;  // fingers_nothing at the end
 };
 

@@ -5,10 +5,10 @@
 #include "shaders/touch/fingers/fingers_math.h"
 #include "shaders/shared/scan.h"
 
-// Groups of cells with so many contacts that testing pair by pair showed nothing soon: one thread per pair of groups. Bounds
-// first, which look at every contact only once: each side is narrowed down to its contacts near the other side's box, again
-// and again; then a line is looked for along which they are farther apart. Exact: bounds only spare work, tests decide, here
-// or, if there would be too many of them for one thread, in fingers_undecided.
+// Groups of cells with so many contacts that a few tests pair by pair decided nothing: one thread per pair of groups.
+// Bounds come first, which look at every contact only once. Each side is repeatedly narrowed down to its contacts near
+// the other side's box. Then a line is searched along which the sides are farther apart. The result is exact: bounds
+// only save work, tests decide. They are done here or, if they are too many for one thread, in fingers_undecided.
 layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer nodes;
@@ -24,12 +24,12 @@ layout(push_constant) uniform Push { FingersPush push; };
 #include "shaders/touch/fingers/fingers_undecided.glsl"
 #include "shaders/touch/fingers/fingers_union.glsl"
 
-// Bounds are loosened and tightened by far more than rounding.
+// Bounds are loosened and tightened by far more than the rounding error.
 const float loose = 1.0001;
 const float tight = 0.9999;
 
-// Turns of one loop, four contacts each. There are at most 17 loops of keep() and two of farthest() per line, then the tests:
-// together fewer than a software device allows, see fingers.h.
+// Iterations of one loop, four contacts each. There are at most 17 loops of keep() and two of farthest() per line, then
+// the tests: together fewer than a software device allows, see fingers.h.
 const uint most_turns = 1536u;
 const uint most_lines = 8u;
 const uint most_test_turns = 8192u;
@@ -50,7 +50,7 @@ struct Kept {
   vec3 sum;
   uint count;
   bool reached;  // one of them is within the gap of everything in the box
-  bool whole;    // the walk came to its end
+  bool whole;    // the walk reached its end
 };
 
 void keep_next(inout Walk w, inout Kept kept, vec3 low, vec3 high) {
@@ -77,7 +77,7 @@ Kept keep(Walk w, vec3 low, vec3 high) {
   return kept;
 }
 
-// Where the contact of a walk lies, from `origin`, that is the farthest along a direction.
+// Place, relative to `origin`, of the contact of a walk that is farthest along a direction.
 struct Farthest {
   vec3 at;
   float along;
@@ -101,8 +101,8 @@ Farthest farthest(Walk w, vec3 origin, vec3 direction) {
   return best;
 }
 
-// Whether the sides are farther apart than the gap along some line: first along that between their centres, then along the
-// least difference between the two that is known (Gilbert 1966).
+// Whether the sides are farther apart than the gap along some line: first along the line between their centres, then
+// along the smallest known difference between the two (Gilbert 1966).
 bool separated(Walk one, Walk other, Kept a, Kept b) {
   const vec3 origin = a.sum / float(a.count);
   vec3 difference = b.sum / float(b.count) - origin;
@@ -120,7 +120,7 @@ bool separated(Walk one, Walk other, Kept a, Kept b) {
   return false;
 }
 
-// Tests pair by pair, in one loop: a turn takes the next of the one side's contacts or four of the other's.
+// Tests pair by pair, in one loop: an iteration takes the next contact of one side, or four contacts of the other.
 uint tested(Walk one, Walk other, Kept b) {
   Walk rest = Walk(other.block, 0u, fingers_nothing);  // of the other side, for p
   vec3 p = vec3(0.0);

@@ -4,7 +4,7 @@
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/shared/scan.h"
 
-// Contacts, then deep points, as one list: what --cluster inside clusters.
+// Contacts, then deep points, as one list: the input of --cluster inside.
 layout(local_size_x = 128) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };

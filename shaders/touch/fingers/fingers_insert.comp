@@ -6,8 +6,8 @@
 #include "shaders/touch/fingers/fingers_table.glsl"
 #include "shaders/shared/scan.h"
 
-// Every contact's tile and cell: finds the tile in the hash table and marks the cell as one that holds contacts. Which slot
-// a tile has and who is first in a cell may differ from run to run: nothing that leaves the pass depends on it.
+// Every contact's tile and cell: finds the tile in the hash table and marks the cell as one with contacts. A tile's
+// slot and a cell's first contact may differ from run to run, but no result of the pass depends on them.
 layout(local_size_x = 128) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
@@ -17,7 +17,7 @@ layout(std430, set = 0, binding = 3) coherent buffer Tiles { uint tiles[]; };
 layout(std430, set = 0, binding = 4) writeonly buffer Places { uint places[]; };
 layout(push_constant) uniform Push { FingersPush push; };
 
-// One half of a slot's key: writes it where there is none yet. What is there then stays.
+// One half of a slot's key: writes it if there is none yet. An existing key stays.
 bool is_or_becomes(uint word, uint key) {
   uint there = tiles[word];
   if (there == fingers_nothing) there = atomicCompSwap(tiles[word], fingers_nothing, key);

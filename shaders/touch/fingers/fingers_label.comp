@@ -4,10 +4,10 @@
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/shared/scan.h"
 
-// Every contact's parent is its cluster's root; at the root: the cluster's smallest contact and its size. Lists the roots of clusters
-// that are large enough to be fingers.
+// Makes every contact's parent its cluster's root, and writes the cluster's smallest contact and its size at the root.
+// Lists the roots of clusters that are large enough to be fingers.
 layout(local_size_x = 128) in;
-layout(constant_id = 0) const bool inside = false;  // deep points are clustered too: they count for no size
+layout(constant_id = 0) const bool inside = false;  // deep points are clustered, too; they do not count towards sizes
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
 layout(set = 0, binding = 1) uniform usamplerBuffer contacts;
@@ -32,7 +32,7 @@ void add(uint root, Cluster run) {
 void main() {
   const uint count = min(found.total, push.most_contacts);
   const uint threads = gl_NumWorkGroups.x * contact_group;
-  Cluster run = Cluster(fingers_nothing, 0u);  // contacts of one cluster that this thread met one after the other
+  Cluster run = Cluster(fingers_nothing, 0u);  // consecutive contacts of one cluster that this thread met
   uint root_of_run = fingers_nothing;
   for (uint i = gl_GlobalInvocationID.x; i < count; i += threads) {
     const uint root = seen_root(parents[i]);

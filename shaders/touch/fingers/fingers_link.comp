@@ -6,9 +6,10 @@
 #include "shaders/touch/fingers/fingers_table.glsl"
 #include "shaders/shared/scan.h"
 
-// Unites groups of cells of blocks that touch where they hold two contacts within the gap: one thread per pair of blocks on
-// the list. Groups of two blocks that a few tests leave apart go to fingers_crowded. With `all` every block's every neighbour is
-// looked at, for when one of the lists was too short, and what many tests leave apart goes to fingers_undecided.
+// Unites groups of cells of blocks that touch if they hold two contacts within the gap: one thread per pair of blocks
+// on the list. Groups of two blocks that a few tests leave apart go to fingers_crowded. With `all`, every neighbour of
+// every block is looked at: this is for the case that one of the lists was too short. Groups that many tests leave
+// apart then go to fingers_undecided.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool all = false;
 
@@ -32,8 +33,8 @@ layout(push_constant) uniform Push { FingersPush push; };
 #include "shaders/touch/fingers/fingers_undecided.glsl"
 #include "shaders/touch/fingers/fingers_union.glsl"
 
-// Of two blocks that lie apart along these axes, as bits x, y, z: the pairs of cells at most two apart, as pairs_of has them,
-// cells counted from the sides that face each other.
+// For two blocks that lie apart along these axes, as bits x, y, z: the pairs of cells at most two apart, as from
+// pairs_of. Cells are counted from the sides that face each other.
 uvec2 reachable(uint axes) {
   const uint x = (axes & 1u) != 0u ? 0x55ff55ffu : 0xffffffffu;
   const uint y = (axes & 2u) != 0u ? 0x3333ffffu : 0xffffffffu;
@@ -41,7 +42,7 @@ uvec2 reachable(uint axes) {
   return uvec2(x & y, x & y & z);
 }
 
-// A pair for the pass that decides: its four words as one vector, a software device then finds its place only once.
+// A pair for the pass that decides: its four words are one vector, so a software device computes the address only once.
 void defer(uvec4 pair) {
   if (all) {
     const uint place = atomicAdd(work.undecided, 1u);
@@ -58,13 +59,13 @@ void defer(uvec4 pair) {
 
 bool links_ran_out() { return work.links > links_room(push.most_contacts); }
 
-// How many pairs of blocks there are to look at. A list that ran out has holes, and the last pass looks at everything.
+// The number of pairs of blocks to look at. A list that overflowed has holes, and the last pass looks at everything.
 uint units_of(uint blocks) {
   if (all) return blocks * 64u;
   return links_ran_out() ? 0u : work.links;
 }
 
-// Of all that could be: a block and one of its neighbours, if it sees that one and there is one.
+// Of all possible links: a block and one of its neighbours, if it sees that neighbour and the neighbour exists.
 bool found_link(uint unit, uint slots, out uvec2 link) {
   link = uvec2(0u);
   const uint entry = texelFetch(list, int(unit >> 6u)).x;
@@ -99,7 +100,7 @@ void main() {
     const uint groups_there = texelFetch(groups_of_block, int(link.first_there)).x;
     const Block here = Block(link.first_here, occupied_of(groups_here));
     const Block there = Block(link.first_there, occupied_of(groups_there));
-    // Cells that face each other first: they are the likeliest to be within the gap.
+    // Cells that face each other come first: they are the likeliest to be within the gap.
     const uint face_here = link.face_here;
     const uint face_there = link.axes ^ face_here;
     const uint facing_here = flipped(groups_here, face_here);
@@ -109,7 +110,7 @@ void main() {
     uvec2 apart = pairs_of(first_cells(groups_here), first_cells(groups_there));  // groups; mostly one pair
     if (itself) apart &= each_pair_once;
     Search search = search_in(itself ? in_reach_of_each_other & each_pair_once : in_reach_of_each_other);
-    if (all) {  // patience is long: spare it what is together already
+    if (all) {  // this takes many tests: leave out the groups that are already together
       uvec2 todo = apart;
       for (uint k = 0u; k < 64u && (todo.x | todo.y) != 0u; ++k) {
         const uint pair = take_pair(todo);

@@ -1,4 +1,4 @@
-// The arithmetic of fingers, for the shaders, their twin and whoever makes their memory; see exact_math.h.
+// The arithmetic of fingers, for the shaders, their twin and the code that allocates their memory; see exact_math.h.
 #ifndef PALPA_SHADERS_FINGERS_MATH_H
 #define PALPA_SHADERS_FINGERS_MATH_H
 #include "shaders/shared/exact_math.h"
@@ -13,8 +13,8 @@ PALPA_FN bool in_reach(Float3 a, Float3 b, float limit) {
   return square <= limit;
 }
 
-// Slots of the hash table of tiles for so many contacts: half as many again at least, in groups, and no multiple of
-// three; see fingers_table.glsl.
+// Number of slots of the hash table of tiles for this many contacts: at least 1.5 times as many, in groups, and no
+// multiple of three; see fingers_table.glsl.
 PALPA_CONST table_group = 64u;
 
 PALPA_FN uint table_slots(uint contacts) {
@@ -22,8 +22,8 @@ PALPA_FN uint table_slots(uint contacts) {
   return (groups % 3u == 0u ? groups + 1u : groups) * table_group;
 }
 
-// Room on the list of pairs of blocks that touch. As many as there are of contacts strewn at random, and no more than
-// 128 MiB hold.
+// Capacity of the list of pairs of blocks that touch. It suffices for randomly scattered contacts, and is at most 128
+// MiB.
 PALPA_FN uint links_room(uint contacts) {
   const uint most = 1u << 24u;
   return contacts < most / 6u ? contacts * 6u : most;

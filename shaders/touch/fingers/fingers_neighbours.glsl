@@ -1,6 +1,6 @@
-// Finds the blocks that touch a block. A block has a corner of its tile to itself: it touches the tile's seven others, and along
-// any of the three axes its blocks touch those of one tile beyond. A neighbour is the axes along which it lies beyond, as bits
-// x, y, z, times 8, plus its corner there. Needs `tiles`, fingers_cells.glsl and fingers_table.glsl.
+// Finds the blocks that touch a block. A block is one corner of its tile. It touches the tile's seven others, and along
+// any of the three axes its blocks touch those of one tile beyond. A neighbour is the axes along which it lies beyond,
+// as bits x, y, z, times 8, plus its corner there. Needs `tiles`, fingers_cells.glsl and fingers_table.glsl.
 
 // The corners that are neighbours beyond these axes, as bits: those at the other end along these axes.
 uint corners_beyond(uint corner, uint beyond) {
@@ -10,8 +10,9 @@ uint corners_beyond(uint corner, uint beyond) {
   return ((beyond & 1u) != 0u ? x : 0xffu) & ((beyond & 2u) != 0u ? y : 0xffu) & ((beyond & 4u) != 0u ? z : 0xffu);
 }
 
-// Each pair of blocks is looked at from one side only: in its own tile a block sees those after it, and beyond it the tiles along
-// these sets of axes, as bits: for every set one of any two opposite corners, and no corner more than four sets.
+// Each pair of blocks is looked at from one side only. In its own tile, a block sees the later blocks. Outside, it sees
+// the tiles along these sets of axes, as bits. For every set, one of any two opposite corners sees it, and no corner
+// sees more than four sets.
 uint tiles_to_see(uint corner) {
   return (corner < 4u ? 0x78d23c96u : 0x68c22c86u) >> 8u * (corner & 3u) & 0xffu;
 }
@@ -22,13 +23,13 @@ uint corners_to_see(uint corner, uint beyond) {
   return (tiles_to_see(corner) >> beyond & 1u) != 0u ? corners_beyond(corner, beyond) : 0u;
 }
 
-// A tile as its slot has it.
+// A tile as stored in its slot.
 struct Tile {
   uint slot;
-  uvec2 cells;  // none: there is no such tile
+  uvec2 cells;  // none: the tile does not exist
 };
 
-// The tile that a block sees beyond these axes. Solids do not mix.
+// The tile that a block sees beyond these axes. Tiles of different solids are not neighbours.
 Tile tile_beyond(TileKey key, uint corner, uint beyond, uint slots) {
   const uint plus = beyond & corner;
   const uint minus = beyond & ~corner;

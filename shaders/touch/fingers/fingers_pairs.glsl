@@ -1,9 +1,9 @@
-// Looks for contacts within the gap, one from a cell of block a, one from a cell of block b. One loop whose every turn tests
-// one pair of contacts: devices that run a loop for many threads at once then waste little on the short ones. Needs `nodes`,
-// `push.limit` and fingers_cells.glsl.
+// Looks for contacts within the gap, one from a cell of block a, one from a cell of block b. A single loop tests one
+// pair of contacts per iteration: devices that run a loop for many threads at once then waste little on the short ones.
+// Needs `nodes`, `push.limit` and fingers_cells.glsl.
 
 struct Search {
-  uvec2 pairs;  // of cells, yet to do
+  uvec2 pairs;  // of cells, not done yet
   uint pair;    // of cells, being tested
   uvec4 a;      // the contact that is being tested against those of b's cell
   uint next_a;
@@ -28,7 +28,8 @@ void leave(inout Search s, uvec2 pairs) {
 
 Float3 at(uvec4 node) { return Float3(uintBitsToFloat(node.x), uintBitsToFloat(node.y), uintBitsToFloat(node.z)); }
 
-// Tests one pair of contacts more; there are more(). `face_a` and `face_b`: exclusive or with a pair's cells, the blocks'.
+// Tests one more pair of contacts; requires more(). `face_a` and `face_b` are combined by exclusive or with a pair's
+// cells to give the blocks' cells.
 bool test(inout Search s, Block a, Block b, uint face_a, uint face_b) {
   if (s.next_b == fingers_nothing) {
     if (s.next_a == fingers_nothing) {

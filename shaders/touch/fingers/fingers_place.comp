@@ -4,7 +4,7 @@
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/shared/scan.h"
 
-// Puts every contact into its cell's list, behind the first. The lists' order may differ from run to run.
+// Puts every contact into its cell's list, after the first. The lists' order may differ from run to run.
 layout(local_size_x = 128) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };

@@ -5,7 +5,7 @@
 #include "shaders/touch/fingers/fingers_math.h"
 #include "shaders/shared/scan.h"
 
-// An empty hash table, and nothing to do but collect what will be in it.
+// Makes an empty hash table. The only work that follows is to collect its contents.
 layout(local_size_x = 128) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };

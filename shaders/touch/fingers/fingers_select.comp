@@ -5,8 +5,9 @@
 #include "shaders/shared/scan.h"
 #include "shaders/touch/split/split.h"
 
-// Clusters large enough to be fingers, in the order of their smallest contacts, by a single group. Of too many the largest, and
-// of those of one size the ones that begin first: what few pixels pretend must not hide a finger.
+// Clusters large enough to be fingers, in the order of their smallest contacts, by a single group. If there are too
+// many, it takes the largest, and of equally large ones those that begin first: a few wrong pixels must not hide a
+// finger.
 layout(local_size_x = 256) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
@@ -28,7 +29,8 @@ shared uint wanted;
 shared uint taken;
 shared Cluster chosen[fingers_most];
 
-// What clusters are sorted by: their sizes; or, with `size`, of those that are so large, how far before the last contact they begin.
+// The numbers by which clusters are sorted: their sizes. With `size`, for the clusters of this size: the distance of
+// their beginning from the last contact.
 uint number_of(Cluster cluster, uint size) {
   if (size == 0u) return cluster.size;
   return cluster.size == size ? last_contact - cluster.smallest : fingers_nothing;
@@ -40,8 +42,8 @@ void tally(uint k, uint listed, uint size, uint shift) {
   if (number >> (shift + 8u) == bound >> (shift + 8u)) atomicAdd(histogram[number >> shift & 0xffu], 1u);
 }
 
-// Of the `wanted` largest numbers the least, into `bound`, digit by digit from the top, and how many of them are just that, into
-// `wanted`.
+// Finds the smallest of the `wanted` largest numbers, digit by digit from the top, and writes it to `bound`. The number
+// of those that are equal to it goes to `wanted`.
 void find_bound(uint listed, uint size) {
   const uint thread = gl_LocalInvocationIndex;
   barrier();
@@ -66,14 +68,14 @@ void find_bound(uint listed, uint size) {
   }
 }
 
-// Takes it where it is larger than `size`, or just as large and begins with `last` or before.
+// Takes the cluster if it is larger than `size`, or just as large and begins with `last` or before.
 void take(uint k, uint listed, uint size, uint last) {
   if (k >= listed) return;
   const Cluster cluster = clusters[large[k]];
   if (cluster.size > size || (cluster.size == size && cluster.smallest <= last)) chosen[atomicAdd(taken, 1u)] = cluster;
 }
 
-// (A software device ends all loops of a shader after 65,535 iterations together: so an iteration is four clusters.)
+// (A software device ends all loops of a shader after 65,535 iterations together, so an iteration is four clusters.)
 void main() {
   const uint thread = gl_LocalInvocationIndex;
   const uint listed = work.large;

@@ -1,5 +1,5 @@
-// The hash table of tiles: open addressing, a slot per tile that holds contacts. The 4x4x4 tiles of a cube have their slots side
-// by side: neighbours are then looked up in memory that is already near. Needs fingers_math.h.
+// The hash table of tiles: open addressing, a slot per tile that holds contacts. The 4x4x4 tiles of a cube have
+// adjacent slots, so neighbours are looked up in memory that is already near. Needs fingers_math.h.
 
 // A tile's coordinates from the solid's centre, biased by 2^14, 15 bits each, and the solid. Never fingers_nothing.
 struct TileKey {
@@ -7,7 +7,7 @@ struct TileKey {
   uint z_solid;
 };
 
-// Where to look for a tile first.
+// The slot at which the search for a tile begins.
 uint first_slot(TileKey key, uint slots) {
   uint h = (key.xy & ~0x18003u) * 0x9e3779b1u ^ (key.z_solid & ~3u) * 0x85ebca77u;
   h = (h ^ h >> 15u) * 0x2c1b3c6du;
@@ -18,8 +18,8 @@ uint first_slot(TileKey key, uint slots) {
   return group * table_group + (in_cube ^ (h & (table_group - 1u)));
 }
 
-// And then: out of the group, by a power of three. It has no divisor in common with the number of slots, so that every one has
-// its turn.
+// The slot after that: out of the group, by a power of three. It has no common divisor with the number of slots, so the
+// search reaches every slot.
 uint next_slot(uint slot, uint slots) {
   slot += 81u;
   return slot < slots ? slot : slot - slots;

@@ -5,9 +5,9 @@
 #include "shaders/touch/fingers/fingers_math.h"
 #include "shaders/shared/scan.h"
 
-// Pairs of groups that took too many tests for one thread: every contact of the one against every contact of the other, the
-// first one's shared out among fingers_undecided_parts groups of threads. A turn of a loop is several contacts, because a
-// software device counts iterations; see fingers.h.
+// Pairs of groups that took too many tests for one thread: every contact of the first group against every contact of
+// the second. The contacts of the first are shared out among fingers_undecided_parts groups of threads. An iteration of
+// a loop is several contacts, because a software device counts iterations; see fingers.h.
 layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer nodes;

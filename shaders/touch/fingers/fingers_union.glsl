@@ -1,5 +1,5 @@
-// Lock-free union-find over `forest`. Roots are hooked under smaller roots, so that no two hooks can make a ring. Walks go
-// through `seen`, the same memory as texels: what they see may be old, and then they end at what was a root once.
+// Lock-free union-find over `forest`. Roots are hooked under smaller roots, so two hooks can never make a ring. Walks
+// go through `seen`, the same memory as texels. Its values may be out of date; a walk then ends at a former root.
 
 #include "shaders/touch/fingers/fingers_walk.glsl"
 
@@ -17,7 +17,7 @@ void unite(uint a, uint b) {
       const uint low = min(a, b);
       const uint high = max(a, b);
       const uint parent = atomicCompSwap(forest[high], high, low);
-      a = parent == high ? low : parent;  // if `high` was no root any more: on from its parent, which is smaller
+      a = parent == high ? low : parent;  // if `high` is no longer a root: continue from its parent, which is smaller
       b = low;
     }
     if (a == b) break;

@@ -4,8 +4,8 @@
 #include "shaders/touch/foci/foci.h"
 #include "shaders/touch/foci/foci_math.h"
 
-// Eq. (5)-(7) for one finger per group: sectors and foci. What is summed over contacts is an integer, so that the order
-// does not matter.
+// Eq. (5)-(7) for one finger per group: sectors and foci. Sums over contacts are integers, so the order does not
+// matter.
 layout(local_size_x = 128) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer grouped;
@@ -19,7 +19,7 @@ shared Border border[foci_most];
 shared int sums[4][foci_most];
 shared float radius[outline_bins];
 shared Border corner[outline_bins];
-shared float way[outline_bins + 1u];  // along the outline, to each corner and all the way round
+shared float way[outline_bins + 1u];  // along the outline: to each corner, and all the way round
 
 Float3 position(uint place) {
   const uvec4 bits = texelFetch(grouped, int(place));
@@ -37,7 +37,7 @@ void clear_sums() {
   }
 }
 
-// Of the borders from `sector` on and before `beyond`, which ascend, one half: p has reached its first.
+// Halves the ascending borders from `sector` on and before `beyond`; p has reached the first of them.
 void halve(Float2 p, inout uint sector, inout uint beyond) {
   const uint middle = (sector + beyond) / 2u;
   const bool there = reaches(p, Float2(border[middle].x, border[middle].y));
@@ -49,8 +49,8 @@ void halve(Float2 p, inout uint sector, inout uint beyond) {
   }
 }
 
-// The last of `count` ascending borders that p has reached. No loop: a software device ends all loops of a shader after 65,535 iterations
-// together, and a finger may have four million contacts.
+// The last of `count` ascending borders that p has reached. There is no loop: a software device ends all loops of a
+// shader after 65,535 iterations together, and a finger may have four million contacts.
 uint sector_of(Float2 p, uint count) {
   uint sector = 0u;
   uint beyond = p.x == 0.0 && p.y == 0.0 ? 1u : count;

@@ -10,14 +10,14 @@ PALPA_CONST foci_most = 64u;
 
 PALPA_CONST spacing_angle = 0u;
 PALPA_CONST spacing_arc = 1u;
-// The outline of a cross-section has so many corners, at equal angles.
+// Number of corners of the outline of a cross-section, at equal angles.
 PALPA_CONST outline_bins = 64u;
 
-// What the buffers hold, beside the fingers, of which `foci` is written:
+// Contents of the buffers, beside the fingers, whose `foci` is written:
 //   grouped   uvec4[]: as the sections pass leaves it; read as texels
 //   foci      FocusRecord[finger * foci_most + n]
-//   borders   Border[]: for N foci the directions 2 pi n / N from N (N - 1) / 2 on
-//   of_solid  uint[]: N of each solid's fingers, or 0 for the push constant's
+//   borders   Border[]: for N foci, the directions 2 pi n / N from N (N - 1) / 2 on
+//   of_solid  uint[]: N of each solid's fingers, or 0 for the push constant's value
 
 struct FociPush {
   uint foci;

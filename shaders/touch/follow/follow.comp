@@ -4,8 +4,8 @@
 #include "shaders/touch/follow/follow.h"
 #include "shaders/touch/follow/follow_math.h"
 
-// Which finger of this frame is which of the frames before, by one group: a thread per track, and the first 64 also have
-// a finger each. The rules are in docs/touch.md.
+// Matches this frame's fingers with those of earlier frames, by one group: a thread per track, and the first 64 threads
+// also have a finger each. The rules are in docs/touch.md.
 layout(local_size_x = 128) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Header { TouchHeader header; };
@@ -16,7 +16,7 @@ layout(push_constant) uniform Push { FollowPush push; };
 const uint most = follow_most_tracks;
 const uint columns = follow_most_tracks + fingers_most;  // tracks, then one birth per finger
 
-// Of the tracks as they were, moved on to this frame:
+// For the tracks as they were, moved on to this frame:
 shared Float3 place[most];
 shared Float3 velocity[most];
 shared float reach[most];
@@ -25,20 +25,20 @@ shared uint solid[most];
 shared uint owner[most];  // the finger that it becomes, or whose cluster it is in
 shared bool merged[most];
 shared bool remembered[most];
-shared bool seen[most];  // in a cluster that looks like two
+shared bool seen[most];  // in a cluster that looks like two fingers
 shared float stray[most];
 shared uint homes[most / 32u];  // a bit per home that is taken
-// Of the fingers:
+// For the fingers:
 shared Float3 found[fingers_most];
 shared float birth_cost[fingers_most];
 shared uint track_of[fingers_most];
 shared uint solid_of[fingers_most];
-// Of the assignment (Hungarian method by shortest augmenting paths; rows are fingers):
+// For the assignment (Hungarian method by shortest augmenting paths; rows are fingers):
 shared float row_price[fingers_most];
 shared uint row_of[columns];
 shared uint way[columns];
-shared uint shortest[2];        // of this step, and of the next: the least, as ordered() has it,
-shared uint shortest_place[2];  // and which column's that is, as place_of() has it
+shared uint shortest[2];        // of this step, and of the next: the smallest value, as from ordered(),
+shared uint shortest_place[2];  // and its column, as from place_of()
 
 Float3 xyz(vec4 v) {
   return Float3(v.x, v.y, v.z);
@@ -61,7 +61,7 @@ float cost_of(uint finger, uint column, float scale) {
   return follow_cost(found[finger], place[column], reach[column], scale, penalty[column]);
 }
 
-// Numbers in the order of the floats; both zeros are one.
+// Integers in the order of the floats; both zeros are the same.
 uint ordered(float f) {
   const uint bits = floatBitsToUint(f);
   return f < 0.0 ? ~bits : bits | 0x80000000u;
@@ -69,7 +69,7 @@ uint ordered(float f) {
 float from_ordered(uint bits) {
   return uintBitsToFloat(bits >= 0x80000000u ? bits & 0x7fffffffu : ~bits);
 }
-// A column's place among them: track 0, birth 0, track 1, ...
+// A column's rank among them: track 0, birth 0, track 1, ...
 uint place_of(uint column) {
   return column < most ? 2u * column : 2u * (column - most) + 1u;
 }
@@ -77,8 +77,9 @@ uint column_at(uint place) {
   return place / 2u + (place % 2u) * most;
 }
 
-// Least sum of costs; equal ones go to the column whose place comes first. The least of a step is found by atomics: a loop over
-// what threads found costs a software device more than all else here, and more iterations than it has.
+// The smallest sum of costs; equal costs go to the column with the lower rank. Atomics find the smallest value of a
+// step: a loop over the threads' results costs a software device more than everything else here, and more iterations
+// than it allows.
 void assign(uint count, uint known, float scale) {
   const uint thread = gl_LocalInvocationIndex;
   const uint mine[2] = uint[2](thread, most + thread);
@@ -136,7 +137,7 @@ void assign(uint count, uint known, float scale) {
       row = row_of[current];
       if (row == follow_none) break;
     }
-    barrier();  // all have seen that the path ends
+    barrier();  // all have seen the end of the path
     if (thread == 0u) {
       uint column = current;
       for (uint step = 0u; step <= count && column != follow_none; ++step) {
@@ -149,8 +150,8 @@ void assign(uint count, uint known, float scale) {
   barrier();
 }
 
-// The finger into whose cluster an unmatched track has merged, or follow_none: of those whose ellipsoid it is in the one
-// that it is deepest in, else the one that it was in before.
+// The finger into whose cluster an unmatched track has merged, or follow_none. If the track is in the ellipsoids of
+// several, it is the one in which it is deepest; if in none, the one that it was in before.
 uint cluster_around(uint track, uint before, uint count) {
   uint best_finger = before;
   float best = 1.0;
@@ -208,7 +209,7 @@ void move_cluster(uint finger, uint track, uint passengers, uint known, float fr
   }
 }
 
-// The `nth` home that nobody has.
+// The `nth` free home.
 uint free_home(uint nth) {
   uint left = nth;
   for (uint h = 0u; h < most; ++h) {
@@ -216,10 +217,10 @@ uint free_home(uint nth) {
     if (left == 0u) return h;
     --left;
   }
-  return 0u;  // never: there are no more tracks than homes
+  return 0u;  // never reached: there are no more tracks than homes
 }
 
-// What is known of a finger after this frame, the `born`th new one if it is new; its record gets id and steady axes.
+// The track of a finger after this frame, the `born`th new one if it is new; its record gets id and steady axes.
 Track followed(uint finger, uint first_id, uint born, uint known, uint elapsed_us) {
   const FingerRecord record = fingers[finger];
   const Axes axes = axes_of(finger);

@@ -8,14 +8,14 @@ PALPA_CONST follow_group = 128u;  // a single group: a thread per track and per 
 PALPA_CONST follow_most_tracks = 128u;
 PALPA_CONST follow_none = 0xffffffffu;
 
-// For FollowPush::elapsed_us: there is no frame before this one, and no id has been given. For Track::since_us: the
+// In FollowPush::elapsed_us: there is no frame before this one, and no id has been given. In Track::since_us: the
 // finger is new, was in another's cluster since it was last seen by itself, or was missing for longer than it coasts.
 PALPA_CONST follow_anew = 0xffffffffu;
 
 struct FollowPush {
-  uint elapsed_us;  // from the frame before to this one
+  uint elapsed_us;  // from the frame before to this frame
   uint steady;      // axes are steadied; 0: they stay the principal ones
-  uint memory_us;   // a finger that nobody sees is remembered that long
+  uint memory_us;   // an unseen finger is remembered for this time
   uint unused2;
 };
 PALPA_CHECK_SIZE(FollowPush, 16);
@@ -25,17 +25,18 @@ PALPA_CHECK_OFFSET(FollowPush, memory_us, 8);
 PALPA_CONST track_has_axes = 1u;
 PALPA_CONST track_left_home = 2u;  // it has been in another's cluster since it was last seen by itself
 
-// What is known of a finger, past or present. The first tracks are those of the frame's fingers, in their order.
+// The data on a finger, present or past. The first tracks are those of the frame's fingers, in their order.
 struct Track {
   uint id;
   uint solid;
   uint carrier;    // the track into whose cluster this one has merged, or follow_none
-  uint unseen_us;  // since it was last seen, by itself or in a cluster that looks like two
+  uint unseen_us;  // since it was last seen, by itself or in a cluster that looks like two fingers
   uint contacts;   // when it was last seen by itself
   uint flags;
-  uint home;      // 0 to follow_most_tracks - 1, its own for as long as it is known: what passes keep of it lies there
-  uint since_us;  // of this frame's fingers: since it was last seen by itself, or follow_anew
-  vec4 place;     // where its centroid is, or is believed to be; w: its distance from its cluster's
+  uint home;      // 0 to follow_most_tracks - 1, fixed as long as the track is known: passes keep their data on it
+                  // there
+  uint since_us;  // of this frame's fingers: time since it was last seen by itself, or follow_anew
+  vec4 place;     // where its centroid is, or is expected; w: its distance from the centroid of its cluster
   vec4 velocity;  // m/s
   vec4 axis1;     // steady w1
   vec4 axis3;     // steady w3

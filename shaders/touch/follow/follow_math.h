@@ -11,18 +11,18 @@
 #endif
 PALPA_SHADER_BEGIN
 
-// A finger that has merged into another's cluster is remembered that long.
+// A finger that has merged into another's cluster is remembered for this time.
 PALPA_CONST merged_memory_us = 1000000u;
-// An unseen finger is believed to move on that long.
+// An unseen finger is assumed to move on for this time.
 PALPA_CONST coasting_us = 100000u;
 
-PALPA_FLOAT near_m = 0.009f;        // a finger is found that near to where it is expected,
-PALPA_FLOAT surprise_mps = 1.0f;    // and so much farther per second since the frame before: 20 mm at 90 Hz
-PALPA_FLOAT drift_mps = 0.05f;      // and per second that it went unseen
-PALPA_FLOAT velocity_s = 0.03f;     // velocities follow within that time
+PALPA_FLOAT near_m = 0.009f;        // a finger is found within this distance of where it is expected,
+PALPA_FLOAT surprise_mps = 1.0f;    // plus this much per second since the frame before: 20 mm at 90 Hz,
+PALPA_FLOAT drift_mps = 0.05f;      // plus this much per second that it was not seen
+PALPA_FLOAT velocity_s = 0.03f;     // velocities adapt within this time
 PALPA_FLOAT new_finger = 2.0f;      // cost of taking a finger for a new one, in squared reaches
 PALPA_FLOAT second_class = 1.0f;    // a candidate that was not seen in the frame before yields to one that was
-PALPA_FLOAT out_of_reach = 1.0e6f;  // a cost that is never paid
+PALPA_FLOAT out_of_reach = 1.0e6f;  // marks a pair that is never matched
 PALPA_FLOAT no_cost_yet = 1.0e9f;
 
 PALPA_FN float in_seconds(uint us) {
@@ -43,14 +43,14 @@ PALPA_FN Float3 moved(Float3 a, Float3 b, float factor) {
   return r;
 }
 
-// How far from where it is expected a finger may be found.
+// The largest distance of a finger from where it is expected.
 PALPA_FN float reach_of(float frame_s, float unseen_s, float stray) {
   PALPA_EXACT float reach = near_m + surprise_mps * frame_s + drift_mps * unseen_s + stray;
   return reach;
 }
 
-// Cost of taking the finger at `found` for the track expected at `place`: the squared distance, in reaches of a track
-// that was just seen; out_of_reach if it is farther than the track's own reach.
+// Cost of matching the finger at `found` with the track expected at `place`: the squared distance, in reaches of a
+// track that was just seen; out_of_reach if it is farther than the track's own reach.
 PALPA_FN float follow_cost(Float3 found, Float3 place, float reach, float scale, float penalty) {
   const Float3 apart = minus(found, place);
   const float square = dot3(apart, apart);
@@ -59,8 +59,8 @@ PALPA_FN float follow_cost(Float3 found, Float3 place, float reach, float scale,
   return square > most ? out_of_reach : cost;
 }
 
-// Turns a found difference into a change of velocity: divided by the time it took, and by velocity_s more. Two frames
-// of the same time say nothing of it.
+// Factor from a position error to a change of velocity: 1 / (the time that the error took + velocity_s). Two frames of
+// the same time give no change.
 PALPA_FN float velocity_gain(float over_s) {
   PALPA_EXACT float gain = 1.0f / (over_s + velocity_s);
   return over_s > 0.0f ? gain : 0.0f;
@@ -70,8 +70,8 @@ PALPA_FN uint memory_of(bool carried, uint memory_us) {
   return carried && merged_memory_us > memory_us ? merged_memory_us : memory_us;
 }
 
-// Whether a finger's foci may go on from where they were: it was there in the frame before, however long ago that is,
-// or was missing for no longer than it coasts, and what is kept of its foci is of itself.
+// Whether a finger's foci may continue from where they were: the finger was in the frame before, however long ago that
+// is, or was missing for no longer than it coasts, and the data kept of its foci is its own.
 PALPA_FN bool glides_on(uint flags, uint unseen_us, uint since_us) {
   return (flags & track_left_home) == 0u && (unseen_us == 0u || since_us <= coasting_us);
 }
@@ -102,7 +102,7 @@ PALPA_FN Float3 times(Sym3 m, Float3 v) {
   return r;
 }
 
-// Whether a cluster of this spread looks like more than the one finger that it was.
+// Whether a cluster of this spread looks like more than one finger, whose spread alone was `alone`.
 PALPA_FN bool looks_merged(Sym3 cluster, Sym3 alone) {
   PALPA_EXACT float most = 1.3f * trace_of(alone);
   return trace_of(cluster) > most;
@@ -128,11 +128,12 @@ PALPA_FN Float3 kept_inside(Axes a, Float3 from_centroid) {
   return scaled(from_centroid, factor);
 }
 
-// What the shape of a cluster of two fingers says of the way from one to the other. The cluster's covariance is that of
-// the two alone plus share_a share_b r r^T; one step of power iteration from the expected r gives r with its sign kept.
+// The estimate of the way from one finger to the other from the shape of their cluster. The cluster's covariance is
+// that of the two alone plus share_a share_b r r^T. One step of power iteration from the expected r gives r with its
+// sign kept.
 struct Parting {
   Float3 correction;  // to the expected r
-  float trust;        // 0: the two are too near each other to be told apart; 1: clearly apart
+  float trust;        // 0: the two are too near to be distinguished; 1: clearly apart
 };
 
 PALPA_FN Parting parting_of(Sym3 cluster, Sym3 a, Sym3 b, float share_a, float share_b, Float3 expected) {
@@ -162,18 +163,18 @@ PALPA_FN Parting parting_of(Sym3 cluster, Sym3 a, Sym3 b, float share_a, float s
 
 // ---- steady axes ----
 
-PALPA_FLOAT clear_below = 0.15f;     // l3 / l2 of a cross-section whose contacts alone say where it faces,
-PALPA_FLOAT unclear_above = 0.5f;    // and of one where depth says it
-PALPA_FLOAT facing_s = 0.15f;        // how slowly w3 settles there
-PALPA_FLOAT steep = 0.1f;            // a gradient of depth that is believed
+PALPA_FLOAT clear_below = 0.15f;     // l3 / l2 of a cross-section whose contacts alone show where it faces,
+PALPA_FLOAT unclear_above = 0.5f;    // and of one for which depth shows it
+PALPA_FLOAT facing_s = 0.15f;        // how slowly w3 settles in that case
+PALPA_FLOAT steep = 0.1f;            // a gradient of depth that is reliable
 PALPA_FLOAT round_below = 0.1f;      // (l1 - l2) / (l1 + l2) of a cross-section without a preferred direction
-PALPA_FLOAT long_above = 0.5f;       // of one whose axes are the principal ones
-PALPA_FLOAT settling_s = 0.1f;       // how slowly axes settle half way between
-PALPA_FLOAT most_turn_per_s = 5.0f;  // radians; of w3, and of w1 in the plane
+PALPA_FLOAT long_above = 0.5f;       // of one whose axes are the principal axes
+PALPA_FLOAT settling_s = 0.1f;       // how slowly axes settle half way between the two
+PALPA_FLOAT most_turn_per_s = 5.0f;  // radians; for w3, and for w1 in the plane
 
 struct Steady {
   Axes axes;           // eigenvalues: variances along the principal directions of the plane, and along w3
-  float cosine, sine;  // the first of these directions in coordinates of w1 and w2
+  float cosine, sine;  // the first of these directions, in coordinates of w1 and w2
 };
 
 PALPA_FN Float3 nearer(Float3 axis, Float3 before) {
@@ -181,19 +182,19 @@ PALPA_FN Float3 nearer(Float3 axis, Float3 before) {
 }
 
 PALPA_FN float slope_along(Float3 w, float variance, Float3 lean) {
-  PALPA_EXACT float slope = dot3(w, lean) / (variance + 1.0e-8f);  // a spread of 0.1 mm says nothing
+  PALPA_EXACT float slope = dot3(w, lean) / (variance + 1.0e-8f);  // a spread of 0.1 mm gives no gradient
   return slope;
 }
 
-// Depth's gradient over the contacts: the linear function that fits their depths best. On a plane, whatever part of it
-// is touched, it is the plane's normal, of length 1; on several faces it lies between theirs.
+// The depth's gradient over the contacts: that of the linear function that fits their depths best. On a plane, whatever
+// part of it is touched, it is the plane's normal, of length 1. On several faces, it lies between their normals.
 PALPA_FN Float3 depth_gradient(Axes a, Float3 lean) {
   Float3 gradient = scaled(a.w1, slope_along(a.w1, a.l1, lean));
   gradient = moved(gradient, a.w2, slope_along(a.w2, a.l2, lean));
   return moved(gradient, a.w3, slope_along(a.w3, a.l3, lean));
 }
 
-// How far the contacts alone say where a cross-section faces: 1 where they have a thinnest direction, 0 where two
+// How clearly the contacts alone show where a cross-section faces: 1 if they have a thinnest direction, 0 if two
 // eigenvalues are close.
 PALPA_FN float clearness_of(Axes a) {
   PALPA_EXACT float thickness = a.l2 > 0.0f ? a.l3 / a.l2 : 0.0f;
@@ -201,8 +202,8 @@ PALPA_FN float clearness_of(Axes a) {
   return clearness < 0.0f ? 0.0f : (clearness > 1.0f ? 1.0f : clearness);
 }
 
-// Where a cross-section faces that faced `before`: the principal w3 where that is clear, else along depth's gradient;
-// and where depth hardly changes with place, as before.
+// The direction in which a cross-section faces that faced `before`: the principal w3 if it is clear, else the depth's
+// gradient. If depth hardly changes with place, the direction stays as before.
 PALPA_FN Float3 facing_of(Axes principal, Float3 lean, Float3 before) {
   const float clear = clearness_of(principal);
   const Float3 w3 = nearer(principal.w3, before);
@@ -219,8 +220,8 @@ PALPA_FN Float3 facing_of(Axes principal, Float3 lean, Float3 before) {
   return dot3(facing, facing) > 1.0e-6f ? unit(facing) : before;
 }
 
-// Of a cross-section's plane: the variances along its principal directions, and the first direction in coordinates of
-// two axes, that sign of it with cosine >= 0.
+// In a cross-section's plane: the variances along its principal directions, and the first direction in coordinates of
+// two axes, with the sign that makes cosine >= 0.
 struct Principal2 {
   float l1, l2;
   float cosine, sine;
@@ -237,14 +238,14 @@ PALPA_FN Principal2 principal_in_plane(Sym3 m, Float3 w1, Float3 w2) {
   PALPA_EXACT float radius = sqrt(apart * apart + xy * xy);
   PALPA_EXACT float l1 = middle + radius;
   PALPA_EXACT float l2 = middle - radius;
-  PALPA_EXACT float least = 1.0e-6f * l1;  // as is_point_like has it
+  PALPA_EXACT float least = 1.0e-6f * l1;  // as in is_point_like
   Principal2 r;
   r.l1 = l1;
   r.l2 = l2 > least ? l2 : least;
   r.cosine = 1.0f;
   r.sine = 0.0f;
   if (!(radius > 0.0f)) return r;
-  // Of the angle's double.
+  // Of twice the angle.
   PALPA_EXACT float cosine2 = apart / radius;
   PALPA_EXACT float sine2 = xy / radius;
   if (cosine2 >= 0.0f) {
@@ -261,7 +262,7 @@ PALPA_FN Principal2 principal_in_plane(Sym3 m, Float3 w1, Float3 w2) {
   return r;
 }
 
-// The axes of the plane across w3, w1 being `carried` turned by (cosine, sine).
+// The axes of the plane across w3; w1 is `carried` turned by (cosine, sine).
 PALPA_FN Steady axes_across(Sym3 covariance, Principal2 plane, Float3 w3, Float3 carried, Float3 across, float cosine,
                             float sine) {
   Steady r;
@@ -282,7 +283,8 @@ PALPA_FN Steady axes_across(Sym3 covariance, Principal2 plane, Float3 w3, Float3
   return r;
 }
 
-// Of a finger without a frame before: the principal axes, unless depth says better where they face. Signs as theirs.
+// For a finger without an earlier frame: the principal axes, unless depth shows better where they face. Signs as
+// theirs.
 PALPA_FN Steady first_axes(Axes principal, Float3 lean) {
   Steady r;
   r.axes = principal;
@@ -301,7 +303,7 @@ PALPA_FN Steady first_axes(Axes principal, Float3 lean) {
   return axes_across(covariance, plane, w3, carried, across, product(sign, plane.cosine), product(sign, plane.sine));
 }
 
-// `old` turned towards a direction by a share of the way, and by no more than most_turn_per_s.
+// `old` turned towards a direction by a share of the angle, at most by most_turn_per_s.
 PALPA_FN Float3 turned_towards(Float3 old, Float3 direction, float share, float frame_s) {
   const Float3 way = minus(direction, old);
   PALPA_EXACT float chord = sqrt(dot3(way, way));
@@ -312,9 +314,9 @@ PALPA_FN Float3 turned_towards(Float3 old, Float3 direction, float share, float 
   return unit(moved(old, way, factor));
 }
 
-// w3 turns towards where the cross-section faces, at once where that is clear. The old w1 is carried over by the
-// smallest rotation that takes old w3 to the new one, then turned in the plane towards the nearer of its principal
-// directions as far as the cross-section is elongated.
+// w3 turns towards the direction in which the cross-section faces, at once if that is clear. The old w1 is carried over
+// by the smallest rotation that takes the old w3 to the new one. It is then turned in the plane towards the nearer of
+// the principal directions, the more elongated the cross-section, the farther.
 PALPA_FN Steady steady_axes(Axes principal, Float3 lean, Float3 old1, Float3 old3, float frame_s) {
   PALPA_EXACT float slowness = facing_s * (1.0f - clearness_of(principal));
   PALPA_EXACT float settled = frame_s / (frame_s + slowness);

@@ -4,8 +4,8 @@
 #include "shaders/touch/follow/glide.h"
 #include "shaders/touch/follow/glide_math.h"
 
-// Foci that do not jump, for one finger per group: each is carried along with the finger and goes on from there towards where its
-// sector has it. The rules are in docs/touch.md.
+// Foci that do not jump, for one finger per group: each focus is moved along with the finger and goes on from there
+// towards the place where its sector has it. The rules are in docs/touch.md.
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = 0) buffer Fingers { FingerRecord fingers[]; };
@@ -24,7 +24,7 @@ Axes frame_of(vec4 axis1, vec4 axis3) {
   return Axes(xyz(axis1), cross3(xyz(axis3), xyz(axis1)), xyz(axis3), 0.0, 0.0, 0.0);
 }
 
-// The nearest sector by angle that has contacts; of two equally near, the one with the lower index.
+// The nearest sector by angle that has contacts; of two equally near sectors, the one with the lower index.
 uint nearest_filled(uint n, uint count) {
   for (uint apart = 0u; apart <= count / 2u; ++apart) {
     const uint before = (n + count - apart) % count;

@@ -14,8 +14,8 @@ struct GlidingFocus {
   float x;  // world
   float y;
   float z;
-  uint empty_us;  // for how long its sector has had no contacts
-  float speed_x;  // m/s, smoothed: of what its sector asks for, seen from the finger
+  uint empty_us;  // time since its sector has had contacts
+  float speed_x;  // m/s, smoothed: speed of its sector's target relative to the finger
   float speed_y;
   float speed_z;
   uint unused0;
@@ -24,7 +24,7 @@ PALPA_CHECK_SIZE(GlidingFocus, 32);
 PALPA_CHECK_OFFSET(GlidingFocus, empty_us, 12);
 PALPA_CHECK_OFFSET(GlidingFocus, speed_x, 16);
 
-// What is kept of a finger's foci from frame to frame, at its track's home.
+// The data kept of a finger's foci from frame to frame, at its track's home.
 struct Home {
   vec4 centre;    // of the contacts when it was last seen
   vec4 velocity;  // m/s

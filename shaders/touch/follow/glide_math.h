@@ -4,26 +4,27 @@
 #include "shaders/touch/follow/follow_math.h"
 PALPA_SHADER_BEGIN
 
-// A sector that empties keeps its focus that long.
+// A sector that empties keeps its focus for this time.
 PALPA_CONST hold_us = 50000u;
 
-PALPA_FLOAT motion_s = 0.005f;  // the finger's own motion is that of its centroid, within that time
+PALPA_FLOAT motion_s = 0.005f;  // the finger's own motion is that of its centroid, within this time
 PALPA_FLOAT full_turn = 6.2831853f;
 PALPA_FLOAT cutoff_hz = 4.0f;        // of the filter at rest,
-PALPA_FLOAT cutoff_per_m = 500.0f;   // and so much more per m/s that a focus moves, seen from the finger
-PALPA_FLOAT speed_hz = 2.0f;         // cutoff of that speed
-PALPA_FLOAT most_glide_mps = 0.05f;  // a focus moves no faster, seen from the finger
-PALPA_FLOAT astray_m = 0.01f;        // while time stands still: farther than that from where it is to go it begins anew
+PALPA_FLOAT cutoff_per_m = 500.0f;   // plus this much per m/s of a focus relative to the finger
+PALPA_FLOAT speed_hz = 2.0f;         // cutoff for that speed
+PALPA_FLOAT most_glide_mps = 0.05f;  // largest speed of a focus relative to the finger
+PALPA_FLOAT astray_m = 0.01f;        // with no time between frames: a focus farther than this from its target restarts
+                                     // there
 
-// The share of a step that a low-pass filter of that cutoff takes in a frame.
+// The share of a step that a low-pass filter of this cutoff takes in a frame.
 PALPA_FN float low_pass(float hz, float frame_s) {
   PALPA_EXACT float rate = full_turn * hz * frame_s;
   PALPA_EXACT float share = rate / (1.0f + rate);
   return share;
 }
 
-// How far a finger has moved whose centroid went from one place to another: as its velocity has it, and most of what
-// the centroid says beyond that. While time stands still, as the centroid has it.
+// The motion of a finger whose centroid went from one place to another: that of its velocity, plus most of the
+// centroid's motion beyond that. With no time between frames, it is the centroid's motion.
 PALPA_FN Float3 motion_of(Float3 from, Float3 to, Float3 velocity, float frame_s) {
   const float coasting_s = in_seconds(coasting_us);
   const float coasts_s = frame_s < coasting_s ? frame_s : coasting_s;
@@ -44,8 +45,8 @@ struct Gliding {
   Float3 place, speed;
 };
 
-// One step of the One Euro filter (Casiez, Roussel and Vogel, CHI 2012) of a focus that the finger's motion alone would
-// have brought to `carried`, towards where its sector has it.
+// One step of the One Euro filter (Casiez, Roussel and Vogel, CHI 2012) for a focus that the finger's motion alone
+// would have brought to `carried`, towards the place where its sector has it.
 PALPA_FN Gliding glide(Float3 carried, Float3 speed, Float3 target, float frame_s) {
   Gliding r;
   r.place = carried;

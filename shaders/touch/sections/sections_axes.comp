@@ -5,8 +5,9 @@
 #include "shaders/touch/sections/sections.h"
 #include "shaders/touch/sections/sections_math.h"
 
-// Eq. (2)-(4) for one finger per group: centroid, covariance, principal axes; and which way its contacts lie deeper. Sums run in a fixed order: each thread adds
-// its own contacts in theirs, then the threads' sums are added in thread order.
+// Eq. (2)-(4) for one finger per group: centroid, covariance, principal axes; and the direction in which its contacts
+// lie deeper. Sums have a fixed order: each thread adds its own contacts in their order, then the threads' sums are
+// added in thread order.
 layout(local_size_x = 128) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer grouped;

@@ -5,8 +5,8 @@
 #include "shaders/touch/sections/sections.h"
 #include "shaders/shared/scan.h"
 
-// Each contact's finger, and how many contacts of each finger a chunk has. Each thread walks a run of contacts that lie
-// side by side.
+// Each contact's finger, and the number of contacts of each finger in a chunk. Each thread walks a run of consecutive
+// contacts.
 layout(local_size_x = 32) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
@@ -54,7 +54,7 @@ void main() {
   for (uint i = first; i < last; ++i) {
     const uint root = parents[i];
     uint place = place_of(root);
-    // The table is never full, so that an empty place ends every search.
+    // The table is never full, so an empty place ends every search.
     for (uint step = 0u; step < sections_table && owners[place] != no_finger && roots[place] != root; ++step) {
       place = (place + 1u) % sections_table;
     }

@@ -5,7 +5,7 @@
 #include "shaders/touch/sections/sections.h"
 #include "shaders/shared/scan.h"
 
-// The fingers' contacts one finger after the other, within a finger in their order. Same runs as sections_count.
+// Sorts the contacts by finger; within a finger, they keep their order. Runs are the same as in sections_count.
 layout(local_size_x = 32) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };

@@ -1,10 +1,11 @@
-// The arithmetic of cross-sections, for the shaders, their twin and the passes that go on from there; see exact_math.h.
+// The arithmetic of cross-sections, for the shaders, their twin and the passes that continue from there; see
+// exact_math.h.
 #ifndef PALPA_SHADERS_SECTIONS_MATH_H
 #define PALPA_SHADERS_SECTIONS_MATH_H
 #include "shaders/shared/exact_math.h"
 PALPA_SHADER_BEGIN
 
-// A running sum and what rounding has taken from it (Kahan): the error stays at one rounding, however many terms.
+// A running sum and the part that rounding has removed (Kahan): the error stays at one rounding, however many terms.
 struct Sum {
   float sum, lost;
 };
@@ -37,8 +38,8 @@ PALPA_FN float largest_component(Float3 a) {
   return largest;
 }
 
-// An axis with the sign that it has by itself: it points upwards (y >= 0; lying within 1e-6 of the horizontal, z, then
-// x, is positive).
+// An axis with the sign that it has by itself: it points upwards (y >= 0; if it is within 1e-6 of the horizontal, z,
+// then x, is positive).
 PALPA_FN Float3 upwards(Float3 a) {
   float decides = a.y;
   if (abs(decides) < 1e-6f) decides = a.z;

@@ -7,21 +7,21 @@ PALPA_SHADER_BEGIN
 
 PALPA_CONST split_group = 64u;  // a thread per sample of a finger, or per finger
 PALPA_CONST split_looks = 4u;   // groups of split_look for each finger
-// A walk from contact to contact looks at no more pixels.
+// A walk from contact to contact looks at no more pixels than this.
 PALPA_CONST split_steps = 64u;
-// Parts of fingers have numbers of their own beyond those of clusters, this many for each finger.
+// Parts of fingers have numbers beyond those of clusters, this many for each finger.
 PALPA_CONST split_numbers = 64u;
 
-// What the buffers hold, beside structs:
-//   parents   uint[]: per contact a number that its cluster alone has
+// Contents of the buffers, beside structs:
+//   parents   uint[]: per contact a number unique to its cluster
 //   depth     uint[]: raw depths, two per word, the even pixel in the low half
 //   rays      vec2[]: normalised coordinates per pixel of the padded arrangement
 //   samples   BridgeSample[bridge_fingers * bridge_samples]
 //   states    SplitState[bridge_fingers]
-//   shown     SplitEvidence[bridge_fingers * bridge_samples]: split_sample leaves none, of wide fingers
+//   shown     SplitEvidence[bridge_fingers * bridge_samples]: split_sample leaves it empty for wide fingers
 //   labels    uint[bridge_fingers * bridge_samples]: a sample's part: its first sample
 //   clusters  Cluster[]: split_parts makes those of the parts empty
-// Into the TouchHeader split_sample writes the dispatches of the others.
+// In the TouchHeader, split_sample writes the dispatches of the others.
 
 struct SplitPush {
   uint most_contacts;
@@ -32,8 +32,8 @@ struct SplitPush {
 PALPA_CHECK_SIZE(SplitPush, 16);
 PALPA_CHECK_OFFSET(SplitPush, finger_width, 8);
 
-// Of a sample: the others of which a camera that sees both says anything, and those between which and it one sees a
-// valley.
+// For a sample: the other samples for which a camera that sees both gives any evidence, and those with a valley in
+// between.
 struct SplitEvidence {
   uint looked_low;
   uint looked_high;
@@ -43,7 +43,7 @@ struct SplitEvidence {
 PALPA_CHECK_SIZE(SplitEvidence, 16);
 PALPA_CHECK_OFFSET(SplitEvidence, valley_low, 8);
 
-// What becomes of a finger as FingersPass leaves it.
+// What happens to a finger as FingersPass leaves it.
 PALPA_CONST split_stays = 0u;
 PALPA_CONST split_wide = 1u;
 PALPA_CONST split_several = 2u;  // it is split
@@ -51,7 +51,7 @@ PALPA_CONST split_ghost = 3u;    // no surface supports it
 struct SplitState {
   uint kind;
   uint samples;
-  uint parts_low;  // of split_several, a bit per part's number
+  uint parts_low;  // for split_several, a bit per part's number
   uint parts_high;
   uint root;  // of its contacts, as FingersPass leaves it
   uint unused0;

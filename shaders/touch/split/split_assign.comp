@@ -5,7 +5,8 @@
 #include "shaders/shared/scan.h"
 #include "shaders/touch/split/split_math.h"
 
-// Contacts of fingers that are split get the number of the part whose sample is nearest; of two equally near, the first.
+// Contacts of fingers that are split get the number of the part whose sample is nearest; if two are equally near, of
+// the first.
 layout(local_size_x = 128) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };

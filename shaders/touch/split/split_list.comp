@@ -3,8 +3,8 @@
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/touch/split/split_math.h"
 
-// The list of fingers once more, in the order of their smallest contacts: parts in place of what was split, without what no
-// surface supports. A single group, one finger per thread.
+// Writes the list of fingers again, in the order of their smallest contacts: with parts in place of fingers that were
+// split, without fingers that no surface supports. A single group, one finger per thread.
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = 0) buffer Header { TouchHeader header; };
@@ -31,8 +31,8 @@ Cluster part_of(uint finger, uint part) {
   return clusters[push.most_contacts + finger * split_numbers + part];
 }
 
-// How many fingers begin before a contact, which is one of the `count`'s: no more than are looked for. (A software
-// device ends all loops of a shader after 65,535 iterations together: so only parts that are there are walked.)
+// The number of fingers that begin before a contact of one of the `count` fingers, at most fingers_most. (A software
+// device ends all loops of a shader after 65,535 iterations together, so only existing parts are walked.)
 uint rank_of(uint contact, uint count) {
   uint rank = 0u;
   for (uint f = 0u; f < count && firsts[f] < contact && rank < fingers_most; ++f) {

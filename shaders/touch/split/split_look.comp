@@ -4,8 +4,9 @@
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/touch/split/split_math.h"
 
-// What the depth pictures show between every two samples of a finger that is too wide. Camera by camera the ways between those that it
-// sees are shared out among split_looks groups, which all number them alike; what is found are sets, in no order.
+// The evidence of the depth pictures for every two samples of a finger that is too wide. For each camera, the ways
+// between the samples that it sees are shared out among split_looks groups, which all number them alike. The results
+// are sets, so their order does not matter.
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Depth { uint depth[]; };
@@ -20,7 +21,7 @@ const uint sum_threads = most, sum_row = 8u;
 #include "shaders/shared/sum_before.glsl"
 #include "shaders/sensing/raw_depth.glsl"
 
-const uint words = 4u;  // of SplitEvidence, those of valleys behind the others
+const uint words = 4u;  // of SplitEvidence; those of valleys follow the others
 
 shared SplitView views[most];
 shared uint seen[most];  // samples that the camera sees, in their order
@@ -34,8 +35,8 @@ SplitWalk step_on(SplitWalk walk, BridgeCamera camera, SplitView a, SplitView b,
   return walked(walk, line_depth(a.at.z, b.at.z, s, walk.steps), product(float(raw), camera.depth_unit));
 }
 
-// A software device ends all loops of a shader after 65,535 iterations together, however many cameras there are: so a turn is
-// four steps here, and pairs are dealt out evenly.
+// A software device ends all loops of a shader after 65,535 iterations together, however many cameras there are. So an
+// iteration is four steps here, and pairs are shared out evenly.
 bool is_valley_between(BridgeCamera camera, SplitView a, SplitView b) {
   SplitWalk walk = walk_between(a, b);
   for (uint s = 0u; s <= walk.steps && walk.steps > 0u && walk.state != split_valley; s += 4u) {
@@ -47,7 +48,7 @@ bool is_valley_between(BridgeCamera camera, SplitView a, SplitView b) {
   return walk.state == split_valley;
 }
 
-// The set of samples `s`, from `word` on, gets one more.
+// Adds `other` to the set of sample `s` that begins at `word`.
 void put(uint s, uint word, uint other) {
   atomicOr(found[s * words + word + other / 32u], 1u << other % 32u);
 }
@@ -67,7 +68,7 @@ void look(uint c, uint count) {
   if (sees) seen[before] = thread;
   if (thread == most - 1u) seen_count = before + (sees ? 1u : 0u);
   barrier();
-  // Each with the half that follows, round the circle: each pair once.
+  // Each sample with the half that follows it round the circle: this gives each pair once.
   const uint here = seen_count;
   const uint pairs = here * (here / 2u);
   for (uint p = gl_WorkGroupID.y * split_group + thread; p < pairs; p += split_looks * split_group) {

@@ -5,25 +5,24 @@
 #include "shaders/touch/split/split.h"
 PALPA_SHADER_BEGIN
 
-// How deep a valley is at least: metres, and so much more per square metre of distance, as a depth camera's noise
-// grows.
+// The least depth of a valley: metres, and an addition per square metre of distance, as a depth camera's noise grows.
 #define PALPA_SPLIT_VALLEY 1e-3f
 #define PALPA_SPLIT_NOISE 5e-3f
-// Without data over that width it is one as well.
+// A gap without data of this width also counts as a valley.
 #define PALPA_SPLIT_HOLE 2e-3f
-// The inside of a finger lies below its skin by that share of its greatest width; samples with insides nearer than the
-// next are of one finger, and two fingers' insides are no nearer than the last.
+// The inside of a finger lies below its skin by this share of its greatest width. Samples whose insides are nearer than
+// the next constant belong to one finger. Two fingers' insides are at least the last constant apart.
 #define PALPA_SPLIT_INSIDE 0.36f
 #define PALPA_SPLIT_SAME 0.3f
 #define PALPA_SPLIT_APART 0.45f
-// Skin turned towards other skin by more than this cosine faces it.
+// Skin turned towards other skin by more than this cosine faces that skin.
 #define PALPA_SPLIT_FACING 0.4f
-// Of the pairs of two parts that one camera sees, a group grows while less than 3/8 say two,
+// Limits for the pairs of two parts that one camera sees: a group grows while less than 3/8 show two fingers,
 PALPA_CONST split_most_eighths = 3u;
-// and parts are fingers where a valley is seen in at least half.
+// and parts are fingers if a valley is seen in at least half.
 PALPA_CONST split_votes = 2u;  // rounds
 
-// A pixel is firm where so many of the square of pixels around it, itself among them, are about as far away as it is.
+// A pixel is firm if this many pixels of the square around it, including itself, are about as far away as it is.
 PALPA_CONST split_reach = 2u;
 PALPA_CONST split_window = 5u;
 PALPA_CONST split_company = 5u;
@@ -36,7 +35,7 @@ PALPA_FN bool is_near(float at, float other) {
   return abs(less(at, other)) <= noise_at(at);
 }
 
-// Whether a surface supports a cluster of which so many samples are firm.
+// Whether a surface supports a cluster with this many firm samples.
 PALPA_FN bool supported(uint seen, uint firm) {
   return 2u * firm >= seen;
 }
@@ -58,22 +57,22 @@ PALPA_FN SplitView split_view(BridgeCamera camera, Appearance a, uint raw, Float
   return view;
 }
 
-// A walk over the picture from one contact to another: how the skin rises and falls towards the camera over the
-// straight line between the two.
+// A walk over the picture from one contact to another: the skin's height towards the camera, above the straight line
+// between the two.
 PALPA_CONST split_begun = 0u;
 PALPA_CONST split_first = 1u;   // one height is known
 PALPA_CONST split_top = 2u;     // `level` is the highest
-PALPA_CONST split_bottom = 3u;  // it has fallen by `least`: `level` is the lowest since
+PALPA_CONST split_bottom = 3u;  // it has fallen by `least`; `level` is the lowest height since
 PALPA_CONST split_valley = 4u;  // it has risen again by as much
 struct SplitWalk {
   uint steps;
   uint state;
-  float tilt;   // how much of a difference in depth is across the line
+  float tilt;   // the part of a difference in depth that is across the line
   float least;  // depth of a valley
   float stride;
   float level;
   float before;  // the height before
-  float hole;    // how wide the hole is in which the walk is
+  float hole;    // width of the hole that the walk is in
 };
 
 PALPA_FN float quotient(float a, float b) {
@@ -81,7 +80,7 @@ PALPA_FN float quotient(float a, float b) {
   return q;
 }
 
-// The root of a quotient.
+// The square root of a quotient.
 PALPA_FN float root_of(float a, float b) {
   PALPA_EXACT float root = sqrt(a / b);
   return root;
@@ -111,16 +110,16 @@ PALPA_FN SplitWalk walk_between(SplitView a, SplitView b) {
   return w;
 }
 
-// Of the pixels from a to b, `step` of `steps`, rounded. By floats, since vectors have no division of integers: numbers
-// are below 2^24 and a quotient of them is no nearer to the next integer than 1 / 128, so that the half more than what
-// is asked for outweighs rounding.
+// Pixel `step` of `steps` from a to b, rounded. It uses floats, because vectors have no integer division. Numbers are
+// below 2^24, and a quotient of them is no nearer to the next integer than 1 / 128, so the half that is added outweighs
+// rounding.
 PALPA_FN uint pixel_between(int a, int b, uint step, uint steps) {
   const int n = int(steps);
   const float halves = plus(float(2 * (b - a) * int(step) + n), 0.5f);
   return uint(a + int(floor(quotient(halves, float(2 * n)))));
 }
 
-// Depth of the straight line from a to b there.
+// Depth of the straight line from a to b at that step.
 PALPA_FN float line_depth(float a, float b, uint step, uint steps) {
   const float share = quotient(float(step), float(steps));
   return quotient(product(a, b), plus(b, product(share, less(a, b))));
@@ -135,8 +134,8 @@ PALPA_FN SplitWalk walked_hole(SplitWalk w) {
   return w;
 }
 
-// The next place that the camera has data of. Two that follow each other make a height or a depth, so that one pixel
-// alone does not.
+// Adds the next place of which the camera has data. Only two consecutive places make a height or a depth, so a single
+// pixel does not.
 PALPA_FN SplitWalk walked(SplitWalk w, float line, float seen) {
   const float height = product(less(line, seen), w.tilt);
   const float high = height < w.before ? height : w.before;
@@ -178,7 +177,7 @@ PALPA_FN bool face_each_other(Float3 a, Float3 normal_a, Float3 b, Float3 normal
 
 // ---- groups of samples ----
 
-// Of the pairs between two groups: how many tell anything, and how many say two fingers.
+// Of the pairs between two groups: how many give evidence, and how many show two fingers.
 struct SplitLink {
   uint known, two;
 };
@@ -191,7 +190,8 @@ PALPA_FN bool surer(SplitLink link, SplitLink other) {
   return link.two * other.known < other.two * link.known;
 }
 
-// Whether two parts with that distance between their insides, squared, are two fingers; `link` of valleys alone.
+// Whether two parts are two fingers. `square` is the squared distance between their insides; `link` counts valleys
+// alone.
 PALPA_FN bool are_fingers(SplitLink link, float square, float finger_width) {
   const float least = product(PALPA_SPLIT_APART, finger_width);
   return link.two > 0u && 2u * link.two >= link.known && square >= product(least, least);

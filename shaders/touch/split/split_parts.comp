@@ -4,9 +4,9 @@
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/touch/split/split_math.h"
 
-// One finger per group, and only where it is too wide: which of its samples are of which finger. A thread per sample; a
-// part goes by its first sample. Sets of samples are 64 bits. (A software device ends all loops of a shader after 65,535 iterations
-// together: so sums are kept, and sets are walked bit by bit.)
+// One finger per group, only if it is too wide: finds the samples of each of its parts. A thread per sample; a part is
+// named by its first sample. Sets of samples are 64 bits. (A software device ends all loops of a shader after 65,535
+// iterations together, so sums are kept, and sets are walked bit by bit.)
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Shown { SplitEvidence evidence[]; };
@@ -21,7 +21,8 @@ const uint most = bridge_samples;
 shared Float3 places[most];
 shared Float3 normals[most];
 shared Float3 insides[most];
-shared uint links[most * most];  // of two groups, by their first samples: pairs that say two, times 2^16, plus those known
+shared uint links[most * most];  // of two groups, by their first samples: pairs that show two fingers, times 2^16, plus
+                                 // those known
 shared uvec2 same[most];
 shared uint head[most];
 shared uvec2 members[most];
@@ -57,7 +58,7 @@ uvec2 valley_of(uint s) {
   return uvec2(e.valley_low, e.valley_high);
 }
 
-// Members of the groups from their samples' heads.
+// Collects the members of the groups from their samples' heads.
 void gather(uint count) {
   const uint thread = gl_LocalInvocationIndex;
   uvec2 set = uvec2(0u);
@@ -69,7 +70,7 @@ void gather(uint count) {
   barrier();
 }
 
-// Joins the two groups that thread 0 has chosen, `joined` and its best, which is the later one, and their links.
+// Joins the two groups that thread 0 has chosen, `joined` and its best (the later one), and their links.
 void join() {
   const uint thread = gl_LocalInvocationIndex;
   const uint keeps = joined, goes = best[joined];
@@ -92,8 +93,8 @@ SplitLink link_between(uint a, uint b) {
   return SplitLink(link & 0xffffu, link >> 16u);
 }
 
-// Groups of samples, the surest pair first. A thread keeps the surest group for its own from round to round, since a join changes
-// the links of one group only.
+// Groups samples, the most certain pair first. A thread keeps the best partner of its group from round to round,
+// because a join changes the links of one group only.
 void grow(uint count) {
   const uint thread = gl_LocalInvocationIndex;
   uint found = fingers_nothing;
@@ -129,7 +130,8 @@ void grow(uint count) {
       found = fingers_nothing;
     } else if (!anew && thread < keeps) {
       const SplitLink link = link_between(thread, keeps);
-      const bool is_first = found == fingers_nothing || (keeps < found && !surer(found_link, link));  // of two as sure
+      const bool is_first = found == fingers_nothing || (keeps < found && !surer(found_link, link));  // if both are
+                                                                                                      // equally certain
       if (can_grow(link) && (is_first || surer(link, found_link))) {
         found = keeps;
         found_link = link;
@@ -139,7 +141,7 @@ void grow(uint count) {
   barrier();
 }
 
-// Each sample goes where most of those with the same inside are.
+// Each sample goes to the group of most of the samples with the same inside.
 void vote(uint count) {
   const uint thread = gl_LocalInvocationIndex;
   uint chosen = head[thread];
@@ -156,7 +158,7 @@ void vote(uint count) {
   barrier();
   best[thread] = chosen;
   barrier();
-  // By its first sample.
+  // Named by its first sample.
   uint first = thread;
   for (uint s = count; s > 0u; --s) {
     if (best[s - 1u] == chosen) first = s - 1u;
@@ -166,7 +168,7 @@ void vote(uint count) {
   gather(count);
 }
 
-// The links between groups, of valleys alone.
+// The links between groups, for valleys alone.
 void link_groups(uint count) {
   const uint thread = gl_LocalInvocationIndex;
   const uvec2 tells = looked_of(thread), says_two = valley_of(thread);

@@ -33,7 +33,7 @@ bool is_firm(uint point) {
   const float at = product(float(raw_at(camera, p.u, p.v)), camera.depth_unit);
   uint near = 0u;
   for (uint k = 0u; k < split_window * split_window; ++k) {
-    const uint u = p.u + k % split_window, v = p.v + k / split_window;  // both by split_reach too much
+    const uint u = p.u + k % split_window, v = p.v + k / split_window;  // both too large by split_reach
     if (u < split_reach || v < split_reach || u - split_reach >= camera.width || v - split_reach >= camera.height) continue;
     const uint raw = raw_at(camera, u - split_reach, v - split_reach);
     if (raw >= camera.first_depth && is_near(at, product(float(raw), camera.depth_unit))) ++near;

@@ -1,4 +1,4 @@
-// AUTD3 units of software behind a server, and a board on it as its guard has it.
+// Emulated AUTD3 units behind a server, and a board on it as its guard has it.
 #pragma once
 
 #include <atomic>
@@ -27,10 +27,10 @@ class Autd3Notes final : public driver::BoardNotes {
   std::vector<std::string> warnings, infos;
 };
 
-/// An emulated server that is there while this lives.
+/// An emulated server that runs as long as this object lives.
 class Autd3Serving {
  public:
-  /// `late` is how long it lets every request wait.
+  /// `late` is the delay of every request.
   explicit Autd3Serving(driver::autd3::EmulatedServer& server, std::uint16_t port = 0,
                         std::chrono::milliseconds late = {})
       : listener_(port) {
@@ -86,10 +86,10 @@ struct Autd3Rig {
   std::span<const array::TransducerDrive> part(std::uint64_t s) const {
     return std::span(drives).subspan((s % 10) * silence.size(), silence.size());
   }
-  /// When the plan's first slot begins, as the devices count.
+  /// The time at which the plan's first slot begins, in the devices' time.
   double plan(double hz = 0) {
     double from_s = driver::monotonic_s(), device_s = driver::autd3::device_time_s();
-    while (driver::monotonic_s() > from_s + 20e-6) {  // both at one time
+    while (driver::monotonic_s() > from_s + 20e-6) {  // both at the same time
       from_s = driver::monotonic_s();
       device_s = driver::autd3::device_time_s();
     }

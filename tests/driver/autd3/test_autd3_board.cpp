@@ -1,4 +1,4 @@
-// AUTD3: the board over TCP, played to emulated units.
+// AUTD3: the board over TCP, with emulated units.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -90,7 +90,7 @@ TEST(Autd3Board, ADriveOfNothingSilencesUnlessThePatternHasIt) {
   EXPECT_EQ(rig.server.devices()[0].transitions(), transitions) << "the pattern has a pause there";
   rig.board->play(rig.slot + 1, rig.silence);
   EXPECT_TRUE(rig.tend_until([&] { return rig.server.devices()[0].transitions() > transitions && rig.silent(); }));
-  // And it comes back with the next drive that sounds: after SIGCONT nobody tells the plan again.
+  // It returns with the next drive that sounds: after SIGCONT, nobody sends the plan again.
   rig.board->play(rig.slot + 2, rig.part(rig.slot + 2));
   EXPECT_TRUE(rig.sounds());
   rig.board->all_off();
@@ -190,11 +190,11 @@ TEST(Autd3Board, FociOneByOneAtFullAmplitudeAreOneMessage) {
         }
         best = std::min(best, worst);
       }
-      right += best <= 3 ? 1 : 0;  // 0.025 mm are 0.75 steps, tables and roundings cost the rest
+      right += best <= 3 ? 1 : 0;  // 0.025 mm are 0.75 steps; tables and rounding add the rest
     }
     EXPECT_EQ(right, 20);
   }
-  // What is no focus, or not at full amplitude, comes as drives.
+  // Anything that is not a focus, or not at full amplitude, is sent as drives.
   rig.drives[5].amplitude = 0.5f;
   const std::uint64_t transitions = rig.server.devices()[0].transitions();
   rig.plan();
@@ -220,7 +220,7 @@ TEST(Autd3Board, FociInFasterSoundThanADeviceCanBeToldAreDrives) {
     const std::uint64_t before = rig.server.devices()[0].operations();
     rig.plan();
     ASSERT_TRUE(rig.sounds());
-    const std::uint64_t one = 1 + 1, pairs = 5 + 1;  // and the transition
+    const std::uint64_t one = 1 + 1, pairs = 5 + 1;  // plus the transition
     EXPECT_EQ(rig.server.devices()[0].operations() - before, sound_speed_m_s > 1023 ? pairs : one);
     rig.board->all_off();
     EXPECT_TRUE(rig.board->close());
@@ -276,7 +276,7 @@ TEST(Autd3Board, AServerThatComesBackIsSilencedBeforeItSounds) {
   rig.plan();
   ASSERT_TRUE(rig.sounds());
   const std::uint16_t port = rig.serving->port();
-  rig.serving.reset();  // the devices sound on
+  rig.serving.reset();  // the devices continue to sound
   EXPECT_FALSE(rig.silent());
   for (int i = 0; i < 100; ++i, std::this_thread::sleep_for(1ms)) {
     ++rig.slot;
@@ -299,7 +299,7 @@ TEST(Autd3Board, ASlowServerHearsTheNewestPlanAndSilenceInTime) {
   rig.serving = std::make_unique<Serving>(rig.server, 0, 3ms);
   rig.argument = rig.serving->address();
   rig.open();
-  for (int i = 0; i < 40; ++i) {  // a frame each 4 ms, a plan takes 60 to come over
+  for (int i = 0; i < 40; ++i) {  // a frame every 4 ms; a plan takes 60 ms to arrive
     rig.drives[0].amplitude = static_cast<float>(i) / 100;
     rig.plan();
     rig.tend_until([] { return false; }, 4ms);
@@ -318,7 +318,7 @@ TEST(Autd3Board, ASlowServerHearsTheNewestPlanAndSilenceInTime) {
   EXPECT_EQ(rig.server.violation_count(), 0u);
 }
 
-/// A server that answers as it likes, once.
+/// A server that answers once, with anything.
 class Stranger {
  public:
   explicit Stranger(std::string answer, bool stays)
@@ -367,8 +367,8 @@ TEST(Autd3Board, AServerThatLiesOrIsSilentIsGivenUp) {
 
 TEST(Autd3Board, AShortRefusalWithMoreBehindItIsARefusal) {
   Rig rig("paper");
-  // Hello, geometry and a message are answered well; instead of the devices' answers there is a refusal without a text,
-  // and much that nobody asked for.
+  // Hello, geometry and a message are answered well. Instead of the devices' answers, there is a refusal without a
+  // text, and a lot of unrequested data.
   const Stranger stranger(std::string("\0\0\0\xff\0\0\0\0", 8) + std::string(4000, 'x'), true);
   rig.argument = stranger.address();
   EXPECT_CONTAINS(test::error_of([&] { rig.make(); }, Exit::failed), "refuses");

@@ -1,4 +1,4 @@
-// AUTD3: what the encoder writes is what an independent reading of the protocol hears.
+// AUTD3: an independent implementation of the protocol decodes what the encoder writes.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -33,7 +33,7 @@ TEST(Autd3Wire, PhasesAreDelaysAndIntensitiesAmplitudes) {
   EXPECT_EQ(emission({1.0f, 2 * pi * 1.51f / 256}).phase, 2);
 }
 
-/// A device that has been told to begin.
+/// A device that was told to begin.
 EmulatedDevice begun() {
   EmulatedDevice device;
   Bytes bytes{};
@@ -145,7 +145,7 @@ TEST(Autd3Wire, FociSoundAsTheFirmwareComputesThem) {
   const auto sine = read("sin.dat"), angle = read("atan.dat");
   ASSERT_EQ(sine.size(), 256u);
   ASSERT_EQ(angle.size(), 16384u);
-  std::vector<std::array<int, 2>> places;  // of the transducers, by the published table
+  std::vector<std::array<int, 2>> places;  // of the transducers, from the published table
   std::ifstream table(folder / "autd3_unit_transducers.csv");
   std::string line;
   std::getline(table, line);
@@ -168,7 +168,7 @@ TEST(Autd3Wire, FociSoundAsTheFirmwareComputesThem) {
       const int q = (distance << 14) / speed;
       EXPECT_EQ(heard[t].phase, angle[(sine[q & 255] >> 1) << 7 | sine[(q + 64) & 255] >> 1]) << f << ", " << t;
       EXPECT_EQ(heard[t].intensity, 255);
-      const double turns = -distance * fixed_unit_m * 40e3 / 343.21;  // and a delay it is
+      const double turns = -distance * fixed_unit_m * 40e3 / 343.21;  // and it is a delay
       const int apart = (heard[t].phase - static_cast<int>(std::lround(256 * (turns - std::floor(turns))))) & 255;
       EXPECT_LE(std::min(apart, 256 - apart), 2);
     }
@@ -180,7 +180,7 @@ TEST(Autd3Wire, FociSoundAsTheFirmwareComputesThem) {
 }
 
 TEST(Autd3Emulator, ComputesAFocusAsItsFirmwareDoes) {
-  // By the firmware's own tables, transducers 0, 19, 32, 124 and 248, and sums over all.
+  // From the firmware's own tables: transducers 0, 19, 32, 124 and 248, and sums over all.
   struct Known {
     FixedPoint focus;
     std::array<int, 5> some;

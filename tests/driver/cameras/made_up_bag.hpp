@@ -1,4 +1,4 @@
-// A ROS bag as RealSense Viewer writes it, but small, and broken where a test says so.
+// A ROS bag as RealSense Viewer writes it, but small, and broken in the ways that a test asks for.
 #pragma once
 
 #include <lz4frame.h>
@@ -28,7 +28,7 @@ inline void put_text(Bytes& out, const std::string& text) {
   out.insert(out.end(), text.begin(), text.end());
 }
 
-/// One record: fields "name=value", then data, each with its length before it.
+/// One record: fields "name=value", then data, each preceded by its length.
 class Record {
  public:
   template <typename Number>
@@ -71,8 +71,8 @@ struct MadeUpBag {
   std::vector<double> distortion{0, 0, 0, 0, 0};
   double fx = 40;
   std::string unit_topic = "/device_0/sensor_0/option/Depth_Units/value", more_topic = "/more";
-  float last_unit_m = 0;                           ///< told before the last image; 0: not
-  bool lens = true, unit = true, another = false;  ///< what it has; `another` depth camera
+  float last_unit_m = 0;                           ///< given before the last image; 0: not given
+  bool lens = true, unit = true, another = false;  ///< what the bag has; `another`: a second depth camera
   std::vector<double> times_s{0.1, 0.1333, 0.1667, 0.2};
 
   static std::uint16_t depth_of(std::size_t frame, std::uint32_t pixel) {

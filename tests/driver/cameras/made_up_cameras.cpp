@@ -151,7 +151,7 @@ class MadeUpKernel final : public Kernel {
     const auto link = machine_.links.find(path);
     return link == machine_.links.end() ? path : link->second;
   }
-  /// No thread: it is done when its time is over.
+  /// There is no thread: the work is done when its time is over.
   std::future<void> beside(std::function<void()> work) override {
     const auto task = std::make_shared<std::packaged_task<void()>>(std::move(work));
     if (machine_.beside_s == 0)
@@ -175,7 +175,7 @@ class MadeUpKernel final : public Kernel {
     return 0;
   }
 
-  /// The index-th of different values that `value(offer)` has among the offers that `fits` takes.
+  /// The index-th of the distinct values of `value(offer)` among the offers that `fits` accepts.
   template <typename Value, typename Fits, typename Put>
   static int list(const MadeUpCamera& camera, std::uint32_t index, Value value, Fits fits, Put put) {
     std::vector<decltype(value(Offer{}))> seen;
@@ -210,7 +210,7 @@ class MadeUpKernel final : public Kernel {
         });
   }
 
-  /// As uvcvideo: what it does not have becomes the first that it has.
+  /// Like uvcvideo: an unsupported value becomes the first supported one.
   static int set(MadeUpCamera& camera, v4l2_format& format) {
     v4l2_pix_format& pix = format.fmt.pix;
     const Offer* best = &camera.offers.front();
@@ -270,7 +270,7 @@ class MadeUpKernel final : public Kernel {
 
 std::shared_ptr<MadeUpCamera> Machine::plug(const std::string& path, const std::string& serial) {
   auto camera = std::make_shared<MadeUpCamera>();
-  camera->queued.reserve(16);  // whoever counts allocations counts none of these
+  camera->queued.reserve(16);  // so that tests that count allocations count none of these
   camera->filled.reserve(16);
   const std::string port = "2-" + std::to_string(plugged.size() + 1);
   camera->node = {.path = path,

@@ -1,4 +1,4 @@
-// Cameras made of software behind the seam of system calls, on a clock that passes only while somebody waits.
+// Emulated cameras behind the interface of system calls, on a clock that advances only while something waits.
 #pragma once
 
 #include <cstddef>
@@ -28,24 +28,24 @@ struct MadeUpCamera {
   int refuses_to_start = 0;   ///< an errno
   int refuses_format = 0;     ///< an errno
   bool frozen = false;        ///< gives no frames, and no error
-  bool failing = false;       ///< gives each buffer back at once, empty and marked as wrong
-  bool eager_einval = false;  ///< says EINVAL once before ENODEV when it has gone
+  bool failing = false;       ///< gives each buffer back at once, empty and marked as faulty
+  bool eager_einval = false;  ///< returns EINVAL once before ENODEV after it is unplugged
   std::set<std::uint64_t> skipped, cut, damaged, repeated;  ///< numbers of frames
-  /// The answer to a control of its extension unit; -errno. Without one it has no such unit.
+  /// The answer to a control of its extension unit; -errno for an error. If it is empty, the camera has no such unit.
   std::function<int(std::uint8_t unit, std::uint8_t selector, std::uint8_t query, std::uint8_t* data,
                     std::uint16_t size)>
       extension;
 
-  // What becomes of it.
+  // State.
   int fd = -1;
   bool streaming = false;
   std::uint64_t starts = 0, delivered = 0;
   std::uint32_t width = 0, height = 0;
   double set_rate_hz = 0;
-  double stamp_s = 0;      ///< of the frame before
+  double stamp_s = 0;      ///< of the previous frame
   std::uint64_t next = 0;  ///< number of the next frame
   std::vector<std::vector<std::byte>> buffers;
-  std::vector<std::uint32_t> queued;  ///< oldest first, as are those below
+  std::vector<std::uint32_t> queued;  ///< oldest first, like those below
   struct Filled {
     std::uint32_t buffer, bytes, flags;
     double time_s;
@@ -53,27 +53,27 @@ struct MadeUpCamera {
   std::vector<Filled> filled;
 };
 
-/// Every pixel of frame n of a camera.
+/// The value of every pixel of frame n of a camera.
 inline std::uint16_t pixel_of(std::uint64_t frame, std::uint32_t pixel) {
   return static_cast<std::uint16_t>(1 + frame % 60000 + pixel % 5);
 }
 
-/// What happens on the machine. Outlives the Kernel that looks at it, which the source owns.
+/// The emulated machine. It outlives the Kernel that uses it, which the source owns.
 struct Machine {
   double now_s = 100;
   std::uint64_t calls = 0, polls = 0;
   int open_descriptors = 0, mapped = 0;
-  double beside_s = 0;                                                          ///< what is done beside takes so long
+  double beside_s = 0;                                                          ///< duration of background tasks
   std::map<std::string, std::shared_ptr<MadeUpCamera>> plugged;                 ///< by path
   std::map<std::string, std::string> links;                                     ///< other names of nodes
   std::map<int, std::pair<std::string, std::shared_ptr<MadeUpCamera>>> opened;  ///< by descriptor
-  std::vector<std::pair<double, std::function<void()>>> later;                  ///< what happens when, in order
+  std::vector<std::pair<double, std::function<void()>>> later;                  ///< events and their times, in order
 
   std::shared_ptr<MadeUpCamera> plug(const std::string& path, const std::string& serial);
   void plug(const std::string& path, std::shared_ptr<MadeUpCamera> camera);
   void unplug(const std::string& path) { plugged.erase(path); }
   void at(double time_s, std::function<void()> what) { later.emplace_back(time_s, std::move(what)); }
-  /// Frames come and things happen until then.
+  /// Lets frames come and events happen until then.
   void pass(double until_s);
   std::unique_ptr<Kernel> kernel();
 };

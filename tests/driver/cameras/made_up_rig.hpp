@@ -1,4 +1,4 @@
-// A source of made-up cameras at 90 Hz, and what tests look at of its sets.
+// A source of emulated cameras at 90 Hz, and the properties of its sets that tests check.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ inline std::unique_ptr<sensing::DepthSource> open(Machine& machine, const std::v
   return open_cameras(machine.kernel(), cameras, nodes, "rig.toml");
 }
 
-/// The number of the frame that an image shows whole; 0 where it has no data.
+/// The number of the frame that an image shows completely; 0 if it has no data.
 inline std::uint64_t frame_of(const sensing::DepthFrame& image) {
   if (image.depth[0] == 0) {
     for (const std::uint16_t depth : image.depth)
@@ -50,7 +50,7 @@ inline std::uint64_t frame_of(const sensing::DepthFrame& image) {
   return frame;
 }
 
-/// The next set that came, within that many waits of the loop's 100 ms.
+/// The next set, if it comes within this many of the loop's waits of 100 ms.
 inline bool next_set(sensing::DepthSource& source, sensing::FrameSet& set, int waits = 1) {
   for (int i = 0; i < waits; ++i) {
     EXPECT_TRUE(source.next(set, 0.1));

@@ -1,4 +1,4 @@
-// A librealsense2 made of software, on a clock that passes only while somebody waits.
+// An emulated librealsense2, on a clock that advances only while something waits.
 #pragma once
 
 #include <poll.h>
@@ -21,7 +21,8 @@
 
 namespace palpa::driver::realsense::test {
 
-/// What is plugged in under one serial number. Frame n is captured at phase_s + n / rate and arrives delay_s later.
+/// The camera that is plugged in under one serial number. Frame n is captured at phase_s + n / rate and arrives delay_s
+/// later.
 struct MadeUpCamera {
   std::vector<cameras::Offer> offers{{0, 64, 48, 90}, {0, 64, 48, 30}, {0, 128, 72, 30}};
   std::map<Option, double> options{{Option::depth_unit_m, 0.001},
@@ -33,19 +34,19 @@ struct MadeUpCamera {
   cameras::Lens lens{50, 50.5, 31.5, 23.5, {}};
   double phase_s = 0, delay_s = 0.004;
   std::uint32_t padding = 0;  ///< bytes after each row
-  double clock_ahead_s = 0;   ///< the host's clock was set: stamps are wrong by that
-  std::uint64_t cut = 0;      ///< that frame comes short
+  double clock_ahead_s = 0;   ///< the host's clock was set: stamps are wrong by this much
+  std::uint64_t cut = 0;      ///< this frame is too short
   bool plugged = true, noticed = true, frozen = false;
 
-  // What becomes of it.
+  // State.
   std::function<void(const Image&)> taker;
   cameras::Offer streamed;
   std::vector<std::pair<Option, double>> set;
   std::uint64_t next = 0, starts = 0;
-  int given = 0, streams = 0;  ///< frames that are with palpa
+  int given = 0, streams = 0;  ///< frames that palpa holds
 };
 
-/// Every pixel of frame n of a camera.
+/// The value of every pixel of frame n of a camera.
 inline std::uint16_t pixel_of(std::uint64_t frame, std::uint32_t pixel) {
   return static_cast<std::uint16_t>(1 + frame % 60000 + pixel % 5);
 }
@@ -53,7 +54,7 @@ inline std::uint16_t pixel_of(std::uint64_t frame, std::uint32_t pixel) {
 struct Bench {
   double now_s = 100;
   std::map<std::string, std::shared_ptr<MadeUpCamera>> cameras;
-  std::vector<std::pair<double, std::function<void()>>> later;  ///< what happens when, in order
+  std::vector<std::pair<double, std::function<void()>>> later;  ///< events and their times, in order
 
   MadeUpCamera& plug(const std::string& serial) {
     cameras[serial] = std::make_shared<MadeUpCamera>();
@@ -61,7 +62,7 @@ struct Bench {
   }
   void unplug(const std::string& serial) { cameras.at(serial)->plugged = false; }
 
-  /// A millisecond; frames that are due then arrive.
+  /// Advances by a millisecond; frames that are due then arrive.
   void step() {
     now_s += 1e-3;
     while (!later.empty() && later.front().first <= now_s) {
@@ -157,7 +158,7 @@ class MadeUpSdk final : public Sdk {
   Bench& bench_;
 };
 
-/// Waits for real descriptors in made-up time.
+/// Waits for real descriptors in emulated time.
 class MadeUpHost final : public cameras::Host {
  public:
   explicit MadeUpHost(Bench& bench) : bench_(bench) {}

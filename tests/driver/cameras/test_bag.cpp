@@ -1,4 +1,4 @@
-// Recordings of RealSense Viewer: bags as it writes them, cut and broken ones.
+// RealSense Viewer's recordings: bags as it writes them, and bags that are cut or broken.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -51,7 +51,7 @@ sensing::Camera posed() {
   return camera;
 }
 
-/// All its frames, as fast as asked.
+/// All its frames, as fast as they are requested.
 std::vector<sensing::FrameSet> play(const Bytes& bytes, const sensing::Camera* camera) {
   const auto source = open_bag(written(bytes), camera, false);
   std::vector<sensing::FrameSet> sets;
@@ -147,7 +147,7 @@ TEST(Bag, WhatItLacksIsSaid) {
   bag = {};
   bag.times_s.clear();
   EXPECT_CONTAINS(refusal(bag), "has no depth of a RealSense");
-  // A clock that was set back: such frames are left out.
+  // A clock that was set back: frames with earlier times are left out.
   bag.times_s = {1, 2, 1.5, 3};
   EXPECT_EQ(play(bag.bytes(), &camera).size(), 3u);
 }
@@ -215,7 +215,7 @@ TEST(Bag, ASizeThatItDoesNotHaveCostsNoMemory) {
   const sensing::Camera camera = posed();
   for (const std::uint32_t claimed : {0xffffffffu, 0x03ffffffu}) {
     Bytes bytes = MadeUpBag().bytes();
-    // The length of the first chunk's packed data, which its header stands before.
+    // The length of the first chunk's packed data; the chunk's header is before it.
     Bytes marker{'s', 'i', 'z', 'e', '='};
     const auto at = std::search(bytes.begin(), bytes.end(), marker.begin(), marker.end()) - bytes.begin() + 5;
     std::memcpy(bytes.data() + at, &claimed, 4);
@@ -293,7 +293,7 @@ TEST(Bag, BrokenAnywhereItIsRefusedOrPlayed) {
 TEST(Bag, ARealOneOfADepthCamera) {
   PALPA_SHARED_OR_SKIP(file, "depth-d435-bag-librealsense/single_depth_color_640x480.bag");
   sensing::Camera camera = posed();
-  camera.roi.reset();  // that of another size of image
+  camera.roi.reset();  // it is that of another image size
   const auto source = open_bag(file.string(), &camera, false);
   const sensing::Camera& found = source->cameras()[0];
   EXPECT_EQ(found.width, 640u);
@@ -305,7 +305,7 @@ TEST(Bag, ARealOneOfADepthCamera) {
   sensing::FrameSet set;
   for (int i = 0; i < 2; ++i) {
     ASSERT_TRUE(source->next(set, 0));
-    std::vector<std::uint16_t> extracted;  // by another reader
+    std::vector<std::uint16_t> extracted;  // from another reader
     sensing::read_png16(file.parent_path() / ("depth_" + std::to_string(i) + ".png"), 640, 480, extracted);
     EXPECT_EQ(set.frames[0].depth, extracted);
   }

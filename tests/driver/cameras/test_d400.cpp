@@ -1,5 +1,4 @@
-// RealSense's extension unit on a made-up camera that answers as librealsense expects it, and what doctor says of
-// nodes.
+// RealSense's extension unit on an emulated camera that answers as librealsense expects, and doctor's report on nodes.
 #include <gtest/gtest.h>
 #include <linux/usb/video.h>
 #include <linux/videodev2.h>
@@ -28,15 +27,15 @@ using palpa::test::stderr_of;
 using test::Machine;
 using test::MadeUpCamera;
 
-/// What a D400 holds behind its extension unit.
+/// The state of a D400 behind its extension unit.
 struct MadeUpD400 {
   std::uint32_t unit_um = 1000;
   float fx = 390.5f;  ///< at 640x480
   bool keeps_unit = false, wrong_checksum = false;
-  int busy = 0;  ///< so many requests are refused before one is taken
+  int busy = 0;  ///< this many requests are refused before one is accepted
   std::uint8_t automatic = 1, preset = 0;
   std::uint32_t exposure_us = 0;
-  std::vector<std::uint8_t> request;  ///< of the hardware monitor
+  std::vector<std::uint8_t> request;  ///< to the hardware monitor
 
   static std::uint32_t word(const std::uint8_t* data) {
     std::uint32_t value = 0;
@@ -49,7 +48,7 @@ struct MadeUpD400 {
       out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
   }
 
-  /// 512 bytes; that of 640x480, which is the third, differs from the others.
+  /// 512 bytes. The entry for 640x480, the third one, differs from the others.
   std::vector<std::uint8_t> calibration() const {
     std::vector<std::uint8_t> table(512, 0);
     for (int size = 0; size < 12; ++size) {

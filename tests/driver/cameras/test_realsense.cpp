@@ -1,4 +1,4 @@
-// Depth cameras through librealsense2, as far as it can be seen without one: a made-up SDK on a made-up clock.
+// Depth cameras through librealsense2, as far as this can be tested without one: an emulated SDK on an emulated clock.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,7 +41,7 @@ std::unique_ptr<sensing::DepthSource> open(Bench& bench, const std::string& seri
                       std::move(cameras), serials, "rig.toml");
 }
 
-/// The next set, of which the first image shows a whole frame; its number.
+/// Gets the next set whose first image is a whole frame; returns its number.
 std::uint64_t next_frame(sensing::DepthSource& source, sensing::FrameSet& set) {
   EXPECT_TRUE(source.next(set, 0.1));
   if (set.frames.empty()) return 0;

@@ -1,5 +1,5 @@
-// Depth cameras through the installed librealsense2: a device made of software within the SDK, which is opened, set up,
-// streamed from and lost as a camera is.
+// Depth cameras through the installed librealsense2: a software device of the SDK is opened, set up, streamed from and
+// lost like a camera.
 #include <gtest/gtest.h>
 #include <librealsense2/h/rs_internal.h>
 
@@ -25,7 +25,7 @@ using palpa::test::error_of;
 
 constexpr int width = 848, height = 480, rate_hz = 90;
 
-/// Frames of pixels that all say their number, at 90 Hz from a thread of its own.
+/// Frames whose pixels all hold the frame's number, at 90 Hz from a separate thread.
 class SoftwareCamera {
  public:
   explicit SoftwareCamera(rs2_context* context) {
@@ -41,7 +41,7 @@ class SoftwareCamera {
         {RS2_STREAM_DEPTH, 0, 1, width, height, rate_hz, 2, RS2_FORMAT_Z16,
          rs2_intrinsics{width, height, 423.5f, 239.5f, 641, 642, RS2_DISTORTION_BROWN_CONRADY, {0.01f, 0, 0, 0, 0}}},
         &error_);
-    // The context itself forgets at once whatever nobody else holds.
+    // The context itself at once forgets everything that nothing else holds.
     rs2_set_devices_changed_callback(
         context,
         [](rs2_device_list* removed, rs2_device_list* added, void* self) {

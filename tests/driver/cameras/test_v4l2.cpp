@@ -1,4 +1,4 @@
-// One depth camera through V4L2: made-up cameras on a made-up clock skip, repeat and break frames, and are refused.
+// One depth camera through V4L2: emulated cameras on an emulated clock skip, repeat and break frames, and are rejected.
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>
 
@@ -76,7 +76,7 @@ TEST(V4l2, AllocatesNothingPerFrame) {
     machine.pass(machine.now_s + period_s);
     EXPECT_EQ(allocations_of([&] { source->next(set, 0); }), 0u);
     ASSERT_EQ(set.frames.size(), 2u);
-    // Nor where none came in time.
+    // The same if no set came in time.
     EXPECT_EQ(allocations_of([&] { source->next(set, 0); }), 0u);
     ASSERT_TRUE(set.frames.empty());
   }
@@ -279,7 +279,7 @@ TEST(V4l2Nodes, AreReadFromSysfs) {
     write(classes / name / "index", index);
   }
   fs::create_directories(classes / "v4l-subdev0");
-  fs::create_directories(classes / "video3");  // such as a loopback: no device behind it
+  fs::create_directories(classes / "video3");  // such as a loopback: it has no device
   write(device / "idVendor", "8086");
   write(device / "idProduct", "0ad3");
   write(device / "serial", "728612070259");
@@ -313,10 +313,10 @@ TEST(V4l2Nodes, ACameraIsKnownBySerialNumberElseByPort) {
                                 node("/dev/video4", "2-3", "A")};
   EXPECT_EQ(find_again(known, moved), "/dev/video4");
   EXPECT_EQ(find_again(known, std::span(moved).first(2)), "");
-  // Two with one serial number: the one on its port.
+  // Two with the same serial number: the one on the right port.
   const std::vector<Node> twins{node("/dev/video2", "2-2", "A"), node("/dev/video6", "2-1", "A")};
   EXPECT_EQ(find_again(known, twins), "/dev/video6");
-  // Without serial numbers only the port says which.
+  // Without serial numbers, only the port identifies it.
   const Identity nameless{"/dev/video0", node("/dev/video0", "2-1", "")};
   EXPECT_EQ(find_again(nameless, std::vector{node("/dev/video2", "2-2", "")}), "");
   EXPECT_EQ(find_again(nameless, std::vector{node("/dev/video3", "2-1", "")}), "/dev/video3");

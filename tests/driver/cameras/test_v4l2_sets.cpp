@@ -1,5 +1,5 @@
-// Several depth cameras through V4L2: which of their frames go together, and that one that stops, goes, is slow or
-// comes back keeps none of the others.
+// Several depth cameras through V4L2: which of their frames form a set. A camera that stops, is unplugged, is slow or
+// comes back holds up none of the others.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ TEST(V4l2Sets, FramesOfSeveralCamerasAreWithinHalfAFrame) {
   machine.plug("/dev/video0", "A");
   machine.plug("/dev/video2", "B")->phase_s = 0.7 * period_s;
   const auto drifting = machine.plug("/dev/video4", "C");
-  drifting->rate_hz = 90.2;  // its clock is fast: it goes through every phase
+  drifting->rate_hz = 90.2;  // its clock is fast: it passes through every phase
   drifting->phase_s = 0.4 * period_s;
   const auto source = open(machine, {"/dev/video0", "/dev/video2", "/dev/video4"});
   sensing::FrameSet set;
@@ -93,7 +93,7 @@ TEST(V4l2Sets, BackUnderAnotherNumberAfterItWasUnplugged) {
     const double begin_s = machine.now_s;
     machine.at(begin_s + 1, [&] { machine.unplug("/dev/video2"); });
     machine.at(begin_s + 2, [&] {
-      // Another camera of the same kind takes its name meanwhile, and it comes back on another port.
+      // Meanwhile, another camera of the same kind takes its name, and the first one returns on another port.
       machine.plug("/dev/video2", "C");
       const auto again = machine.plug("/dev/video7", "B");
       again->phase_s = 0.002;
@@ -138,7 +138,7 @@ TEST(V4l2Sets, TheCameraKeepsBuffersWhileItsFramesWaitForAnothers) {
     const auto camera = machine.plug("/dev/video0", "A");
     camera->most_buffers = buffers;
     const auto late = machine.plug("/dev/video2", "B");
-    late->frozen = true;  // for less long than is waited for its first frame
+    late->frozen = true;  // for less than the wait for its first frame
     const auto source = open(machine, {"/dev/video0", "/dev/video2"});
     sensing::FrameSet set;
     for (const double begin_s = machine.now_s; machine.now_s < begin_s + 1.5;) {
@@ -185,7 +185,7 @@ TEST(V4l2Sets, CamerasThatAreSlowInTheDarkGiveSetsAllTheSame) {
 
 TEST(V4l2Sets, FramesThatNeverFitTogetherAreSaidOnce) {
   Machine machine;
-  // Two frames of each at a time, 2 ms apart, by turns.
+  // Two frames of each at a time, 2 ms apart, alternating.
   for (const char* path : {"/dev/video0", "/dev/video2"}) {
     const auto camera = machine.plug(path, path);
     camera->rate_hz = 500;
@@ -214,7 +214,7 @@ TEST(V4l2Sets, WhileACameraIsOpenedAgainTheOthersGoOn) {
   const auto source = open(machine, {"/dev/video0", "/dev/video2"});
   sensing::FrameSet set;
   ASSERT_TRUE(next_set(*source, set));
-  machine.beside_s = 4;  // a device that does not answer
+  machine.beside_s = 4;  // a device that does not respond
   const double begin_s = machine.now_s;
   machine.at(begin_s + 0.5, [&] { machine.unplug("/dev/video2"); });
   machine.at(begin_s + 1, [&] { machine.plug("/dev/video2", camera); });

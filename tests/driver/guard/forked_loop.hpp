@@ -1,4 +1,4 @@
-// A loop in a process of its own, which a test may stop, continue and kill.
+// A loop in a separate process, which a test may stop, continue and kill.
 #pragma once
 
 #include <sys/wait.h>
@@ -13,7 +13,7 @@ namespace palpa::test {
 
 class ForkedLoop {
  public:
-  /// `loop` goes on until the process is killed, and is quiet.
+  /// `loop` runs until the process is killed, and prints nothing.
   explicit ForkedLoop(const std::function<void()>& loop) : id_(fork()) {
     if (id_ != 0) return;
     log::set_level(log::Level::quiet);

@@ -1,4 +1,4 @@
-// A link to a board that writes down what it is told, held by a guard of the tests' own.
+// A link to a board that records its commands, held by a guard of the tests' own.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ inline void wait(std::chrono::microseconds time) {
   std::this_thread::sleep_for(time);
 }
 
-/// A link to a board that writes down what it is told.
+/// A link to a board that records its commands.
 struct GuardRig {
   array::Layout layout;
   std::vector<std::string> names;
@@ -72,14 +72,14 @@ struct GuardRig {
       found += line.starts_with(begin) ? 1 : 0;
     return found;
   }
-  /// Waits until so many lines begin so.
+  /// Waits until this many lines begin with `begin`.
   bool wrote(const std::string& begin, std::size_t times = 1) const {
     for (int i = 0; i < 3000; ++i, wait(std::chrono::milliseconds(1))) {
       if (count(begin) >= times) return true;
     }
     return false;
   }
-  /// Waits until that is its last line.
+  /// Waits until `line` is its last line.
   bool ends_with(const std::string& line) const {
     for (int i = 0; i < 3000; ++i, wait(std::chrono::milliseconds(1))) {
       const std::vector<std::string> all = lines();
@@ -98,7 +98,7 @@ struct GuardRig {
   }
 };
 
-/// The guard that this process has started last.
+/// The guard that this process started last.
 inline pid_t guard_of_ours() {
   const std::string task = "/proc/self/task/" + std::to_string(getpid()) + "/children";
   std::ifstream in(task);

@@ -1,4 +1,4 @@
-// What the last thing on the wire is, whatever becomes of the loop or of the guard.
+// The last bytes on the wire, whatever happens to the loop or the guard.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -36,7 +36,7 @@ using test::guard_of_ours;
 using test::wait;
 using Rig = test::GuardRig;
 
-/// What a loop does to its end: a drive in every slot, a plan now and then.
+/// What a loop does until it ends: a drive in every slot, a plan now and then.
 std::function<void()> plays(Rig& rig, std::chrono::microseconds slot) {
   return [&rig, slot] {
     rig.open();
@@ -58,7 +58,7 @@ TEST(Guard, PlaysWhatIsSentAndEndsInSilence) {
   rig.link->finish();
   rig.expect_silent_end();
   std::vector<std::string> all = rig.lines();
-  std::erase(all, "off");  // a busy machine may have let it wait
+  std::erase(all, "off");  // on a busy machine, it may have waited
   EXPECT_EQ(all, (std::vector<std::string>{"open", "plan 0 10", "play 0 0.0625", "play 1 0.125", "play 2 0.1875",
                                            "play 3 0.25", "play 4 0.3125", "close"}));
   EXPECT_EQ(guard_of_ours(), -1);
@@ -184,7 +184,7 @@ TEST(Guard, AGuardThatIsKilledIsFollowedByOneThatSilences) {
   EXPECT_EQ(line, "trace: signal 9 ended palpa-guard; a second palpa-guard has silenced the board");
   EXPECT_EQ(rig.count("open"), 2u);
   rig.expect_silent_end();
-  EXPECT_NO_THROW(rig.link->send(slot, rig.drive));  // what SafeLink tries afterwards goes nowhere
+  EXPECT_NO_THROW(rig.link->send(slot, rig.drive));  // what SafeLink tries afterwards has no effect
   EXPECT_NO_THROW(rig.link->finish());
 }
 
@@ -217,7 +217,7 @@ TEST(Guard, ALoopThatWasStoppedTogetherWithItDoesNotEndIt) {
   const pid_t guard = guard_of_ours();
   kill(guard, SIGSTOP);
   rig.send(slot++);
-  wait(1200ms);  // as good as stopped
+  wait(1200ms);  // equivalent to stopped
   rig.send(slot++);
   kill(guard, SIGCONT);
   rig.send_for(20ms, slot);
@@ -359,7 +359,7 @@ TEST(Guard, ADriveCostsLittleOnBothSides) {
 }
 
 TEST(Guard, GoesBeforeOtherProgramsWhereThatIsAllowed) {
-  const pid_t asks = fork();  // whoever has gone first need not be allowed to go back
+  const pid_t asks = fork();  // in a child, which need not be allowed to go back afterwards
   if (asks == 0) _exit(setpriority(PRIO_PROCESS, 0, -10) == 0 ? 1 : 0);
   int status = 0;
   waitpid(asks, &status, 0);

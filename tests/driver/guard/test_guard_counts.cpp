@@ -1,4 +1,4 @@
-// How many drives have come how far: what a guard tells its loop.
+// How many drives reached which point: a guard's report to its loop.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -60,7 +60,8 @@ TEST(GuardCounts, SilenceIsNotCounted) {
 TEST(GuardTime, ADriveThatNobodyFollowsUpEndsWithItsPlan) {
   using driver::is_overdue;
   constexpr double captured_s = 50, hold_s = 0.1, until_s = captured_s + hold_s, slot_s = 1.5e-3;
-  // A loop that hangs at any time before the hold is over: silent 20 ms after it at the latest, and not before it.
+  // A loop that hangs at any time before the hold is over: silence comes at most 20 ms after the hold, and not before
+  // its end.
   for (int ms = 0; ms < 100; ++ms) {
     const double heard_s = captured_s + 1e-3 * ms;
     EXPECT_TRUE(is_overdue(until_s + 0.010, heard_s, until_s, slot_s)) << ms;

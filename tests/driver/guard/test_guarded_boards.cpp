@@ -1,5 +1,5 @@
-// Boards held by the guard that palpa installs, on lines that listen: whatever ends the loop, the last thing on the
-// wire is the board's own silence.
+// Boards held by the guard that palpa installs, on recorded lines: however the loop ends, the last bytes on the wire
+// are the board's own silence.
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -30,7 +30,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What a loop does to its end: tells a plan as often as a camera sees, and sends its drives.
+/// What a loop does until it ends: sends a plan as often as a camera has frames, and sends its drives.
 std::function<void()> plays(const BoardKind& kind, const std::string& argument, const std::string& layout_name,
                             bool foci_move) {
   return [=] {
@@ -58,7 +58,7 @@ std::function<void()> plays(const BoardKind& kind, const std::string& argument, 
   };
 }
 
-/// Serves on a thread of its own, and is asked under the lock.
+/// Serves on a separate thread; queries take the lock.
 class Serving {
  public:
   explicit Serving(const std::function<void(const std::atomic<bool>&, std::mutex&)>& serve)
@@ -83,7 +83,7 @@ class Serving {
   std::thread thread_;
 };
 
-/// Through a stop and a continuation to its end.
+/// Through a stop and a continuation until the loop's end.
 void expect_silence_after(test::ForkedLoop& loop, Serving& serving, const std::function<bool()>& silent) {
   const auto sounds = [&] { return !silent(); };
   ASSERT_TRUE(serving.becomes(sounds));
@@ -128,7 +128,7 @@ TEST(GuardedBoards, Autd3UnitsFallSilentWithTheirLoop) {
   test::ForkedLoop loop(plays(autd3::board_kind(), listener.address(), "paper", true));
   Serving serving([&](const auto& stop, std::mutex& lock) { listener.serve(server, stop, lock); });
   expect_silence_after(loop, serving, [&] { return server.silent(autd3::device_time_s()); });
-  // It has said goodbye, too.
+  // It has also said goodbye.
   EXPECT_TRUE(serving.becomes([&] { return !server.connected(); }));
   EXPECT_EQ(server.violation_count(), 0u) << server.violations()[0].what;
 }
@@ -138,7 +138,7 @@ TEST(GuardedBoards, SonicSurfaceFallsSilentWithItsLoop) {
   sonicsurface::Pty pty;
   test::ForkedLoop loop(plays(sonicsurface::board_kind(), pty.path(), "sonicsurface", false));
   Serving serving([&](const auto& stop, std::mutex& lock) { pty.serve(boards, stop, lock); });
-  // The modulation has its pauses: silent is where nothing waits behind, either.
+  // The modulation has pauses, so silence also requires that nothing waits behind.
   const auto silent = [&] { return boards.all_silent() && boards.all_silent_behind(); };
   ASSERT_TRUE(serving.becomes(silent)) << "it sounds when it is switched on, until somebody opens it";
   expect_silence_after(loop, serving, silent);

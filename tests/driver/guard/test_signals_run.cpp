@@ -1,4 +1,4 @@
-// Every signal of the system, sent to a loop that plays to an emulated board: what the last thing on its wire is.
+// Every signal of the system, sent to a loop that plays to an emulated board: the last bytes on its wire.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -22,7 +22,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A board that is always there; it sounds from when it is switched on.
+/// A board that is always present and sounds from power-up.
 class LiveBoard {
  public:
   LiveBoard() : thread_([this] { pty_.serve(boards_, stop_, lock_); }) {}
@@ -41,11 +41,11 @@ class LiveBoard {
     }
     return false;
   }
-  /// Of its pattern, between its pauses.
+  /// Whether its pattern sounds, between its pauses.
   bool sounds() {
     return becomes([](const auto& boards) { return !boards.all_silent(); });
   }
-  /// In both of its buffers.
+  /// Whether both of its buffers fall silent.
   bool falls_silent() {
     return becomes([](const auto& boards) { return boards.all_silent() && boards.all_silent_behind(); });
   }
@@ -63,8 +63,9 @@ enum class Means {
   end,      ///< the loop ends by itself
   death,    ///< the system ends it; its guard silences the board
   stop,     ///< the system stops it; its guard silences the board
-  nothing,  ///< it sounds on
-  either    ///< death or nothing: the C library's own, which no program can catch, and which it may have caught itself
+  nothing,  ///< it continues to sound
+  either    ///< death or nothing: a signal of the C library, which no program can catch; the library may have caught it
+            ///< itself
 };
 
 Means meaning_of(int signal) {
@@ -95,7 +96,7 @@ Means meaning_of(int signal) {
   }
 }
 
-/// Sends it to a loop that sounds.
+/// Sends the signal to a loop that sounds.
 void expect_silence(LiveBoard& board, const std::vector<std::string>& command, int signal) {
   SCOPED_TRACE("signal " + std::to_string(signal) + " (" + strsignal(signal) + "), palpa " + command.front());
   LiveOptions options;

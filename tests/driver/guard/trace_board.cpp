@@ -45,7 +45,7 @@ class TraceBoard final : public driver::Board {
 
   void all_off() override { write("off\n"); }
 
-  /// What is in the file has arrived.
+  /// Everything in the file has arrived.
   driver::BoardCounts counts() const override { return {.submitted = written_, .completed = written_}; }
 
   bool close() override {

@@ -1,4 +1,4 @@
-// A guard that knows the tests' board, and counts what it allocates.
+// A guard that knows the tests' board and counts its own allocations.
 #include <atomic>
 #include <cstdlib>
 #include <new>

@@ -11,7 +11,8 @@
 
 namespace palpa::test {
 
-/// As a board of random polarity has it: offsets in two clusters half a period apart, one transducer that is dead.
+/// A calibration as of a board with random polarity: offsets in two clusters half a period apart, and one dead
+/// transducer.
 inline driver::openmpd::Calibration made_up_calibration(std::uint32_t seed) {
   driver::openmpd::Calibration calibration;
   for (std::size_t t = 0; t < driver::openmpd::transducers; ++t) {
@@ -23,7 +24,7 @@ inline driver::openmpd::Calibration made_up_calibration(std::uint32_t seed) {
   return calibration;
 }
 
-/// The text of such a file; `pin_shift` and `position_shift` make it one of another board's.
+/// The text of such a file; `pin_shift` and `position_shift` turn it into that of a different board.
 inline std::string board_file_text(const std::string& serial, const driver::openmpd::Calibration& calibration,
                                    double position_shift = 0, int pin_shift = 0) {
   std::string text = serial + "\n256\n128\n";
@@ -34,7 +35,7 @@ inline std::string board_file_text(const std::string& serial, const driver::open
   text += "\n";
   for (std::size_t t = 0; t < 256; ++t) {
     text += std::to_string((driver::openmpd::pin_of(t) + pin_shift) % 256) + ",";
-    if (t % 100 == 99) text += "\n";  // some boards' lists run over lines
+    if (t % 100 == 99) text += "\n";  // some boards' lists extend over several lines
   }
   text += "\n";
   for (const int degrees : calibration.degrees)

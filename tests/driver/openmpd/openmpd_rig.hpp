@@ -1,4 +1,4 @@
-// OpenMPD boards of software on a bus of this process, in a time that passes only where a test lets it.
+// Emulated OpenMPD boards on a bus of this process, in a time that advances only when a test lets it.
 #pragma once
 
 #include <cmath>
@@ -29,7 +29,7 @@ class TestClock final : public driver::Clock {
     now_s_ += seconds;
     if (now_s_ >= then_s_) std::exchange(then_, [] {})();
   }
-  /// Once, when it is that late.
+  /// Calls `then` once, at that time.
   void at(double then_s, std::function<void()> then) {
     then_s_ = then_s;
     then_ = std::move(then);
@@ -66,7 +66,7 @@ struct OpenMpdRig {
         driver::BoardSpec{.argument = argument, .files = files, .layout = layout, .slot_s = slot_s, .ramp_s = ramp_s},
         notes, transport, clock);
   }
-  /// One slot after the other, as a guard does it.
+  /// Plays one slot after the other, like a guard.
   void play(const array::Drive& drive, double seconds) {
     for (const double end_s = clock.now_s() + seconds; clock.now_s() < end_s - 1e-9;) {
       board->play(slot++, drive);
@@ -76,7 +76,7 @@ struct OpenMpdRig {
     }
     look();
   }
-  /// The boards' own time catches up.
+  /// Brings the boards' own time up to date.
   void look() {
     for (auto& emulator : emulators)
       emulator->advance(clock.now_s());

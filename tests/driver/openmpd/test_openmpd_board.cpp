@@ -1,4 +1,4 @@
-// OpenMPD boards as a guard plays on them, against emulators on a bus in memory: what they sound.
+// OpenMPD boards as a guard plays to them, with emulators on a bus in memory: what they sound.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace openmpd = driver::openmpd;
 constexpr double pi = std::numbers::pi;
 constexpr double wave_number = 2 * pi * 40e3 / 343.21;
 
-/// By hand, omnidirectional.
+/// Computed here, omnidirectional.
 std::complex<double> pressure_at(const array::Layout& layout, const array::Drive& drive, const Vec3& place) {
   std::complex<double> sum = 0;
   for (std::size_t i = 0; i < drive.size(); ++i) {
@@ -53,14 +53,14 @@ Vec3 peak_near(const array::Layout& layout, const array::Drive& drive, Vec3 at) 
   return at;
 }
 
-/// The drive put through the board's quantisation as its documentation has it.
+/// The drive after the board's quantisation, as documented.
 array::Drive quantised(const array::Drive& drive) {
   array::Drive out(drive.size());
   for (std::size_t i = 0; i < drive.size(); ++i) {
     const int width = static_cast<int>(std::trunc(64 * (2 / pi) * std::asin(static_cast<double>(drive[i].amplitude))));
     const double turns = static_cast<double>(drive[i].phase) / (2 * pi);
     const double step = std::floor(128 * (turns - std::floor(turns)) + (64 - width) / 2.0 + 0.5);
-    // A pulse whose first count is `step`, so that its middle lies (64 - width) / 2 before that of a full one's.
+    // A pulse whose first count is `step`: its middle is (64 - width) / 2 before that of a full pulse.
     out[i] = {static_cast<float>(std::sin(width * pi / 128)),
               static_cast<float>(2 * pi * (step - (64 - width) / 2.0) / 128)};
   }
@@ -132,11 +132,11 @@ TEST(OpenMpdBoard, SilenceSoundsWithinFiveMillisecondsAndBuffersStayEmpty) {
   rig.clock.sleep_s(1);
   rig.look();
   EXPECT_EQ(rig.violations(), "");
-  // The opening's burst is three frames; after that one at a time.
+  // The burst at the opening is three frames; afterwards, there is one at a time.
   EXPECT_LE(rig.emulators[0]->fpga().most_buffered(), 1536u);
 }
 
-/// How many frames with sound each board has been shown.
+/// The number of sounding frames that each board has shown.
 std::vector<std::uint64_t> count_sounding(OpenMpdRig& rig, std::vector<std::uint64_t>& shown) {
   shown.assign(rig.emulators.size(), 0);
   for (std::size_t i = 0; i < rig.emulators.size(); ++i) {
@@ -162,7 +162,7 @@ TEST(OpenMpdBoard, CountsTheDrivesThatItsBoardsAreShown) {
   EXPECT_EQ(shown, (std::vector<std::uint64_t>{100, 100}));
   rig.play(faint, 0.015);
   EXPECT_EQ(counts().completed.drives, 110u) << "too faint for a first step: silence is what it asks for";
-  // One board takes nothing for a while: drives are replaced, and both boards miss the same.
+  // One board takes nothing for a while: drives are replaced, and both boards miss the same ones.
   rig.faults[1]->takes_nothing = true;
   rig.play(drive, 0.15);
   EXPECT_LT(counts().completed.drives, 120u);
@@ -254,7 +254,7 @@ TEST(OpenMpdBoard, ARampGoesFromFocusToFocusInSmallSteps) {
   EXPECT_FALSE(rig.sounds());
   EXPECT_EQ(rig.emulators[0]->fpga().frames(), rig.emulators[1]->fpga().frames());
   EXPECT_EQ(rig.violations(), "");
-  // Where slots are too short for two frames a drive is one.
+  // If slots are too short for two frames, a drive is one frame.
   OpenMpdRig fast;
   fast.ramp_s = 20e-3;
   fast.slot_s = 250e-6;
@@ -289,7 +289,7 @@ TEST(OpenMpdBoard, KeepsABoardThatGetsNothingFromCuttingTheNextFrame) {
   rig.look();
   EXPECT_GE(rig.emulators[0]->fpga().frames(), before + 7);
   EXPECT_FALSE(rig.sounds());
-  // Not while something sounds: the loop is asked for its drives, and its end is the guard's business.
+  // Not while something sounds: then the loop provides the drives, and the guard handles the loop's end.
   rig.play(focus_drive(rig.layout), 0.1);
   const std::uint64_t playing = rig.emulators[0]->fpga().frames();
   for (int i = 0; i < 100; ++i) {
@@ -323,7 +323,7 @@ TEST(OpenMpdBoard, RefusesWhatCannotBePlayed) {
   EXPECT_EQ(openmpd::divider_for(250e-6), 4);
   EXPECT_EQ(openmpd::divider_for(100e-6), 2);
   EXPECT_EQ(openmpd::divider_for(50e-6), 1);
-  // Sixteen boards at 10 kHz are more than a bus carries; at 4 kHz they are not, and on two buses neither.
+  // Sixteen boards at 10 kHz exceed a bus. At 4 kHz they do not, nor on two buses.
   for (const auto& [slot_s, buses, fits] : {std::tuple{100e-6, 1u, false}, {250e-6, 1u, true}, {200e-6, 2u, true}}) {
     std::vector<std::unique_ptr<openmpd::EmulatedBoard>> more;
     OpenMpdRig rig;

@@ -1,4 +1,4 @@
-// The emulated OpenMPD board has the real one's traps.
+// The emulated OpenMPD board has the same pitfalls as the real one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace openmpd = driver::openmpd;
 namespace ftdi = driver::usb::ftdi;
 using driver::usb::Outcome;
 
-/// A whole frame of `phase`, full on.
+/// A whole frame of `phase` at full amplitude.
 openmpd::Frame plain_frame(std::uint8_t phase) {
   openmpd::Frame frame;
   std::fill_n(frame.begin(), 256, phase);
@@ -129,7 +129,7 @@ TEST(OpenMpdFpga, OneLostByteLosesEveryOtherFrameUntilItIsResynchronised) {
     EXPECT_EQ(shown[i + 1] - shown[i], 2u) << "every other frame is lost";
   EXPECT_GE(board.violations.count(), 4u);
 
-  // A frame that fills a block and zeros before it: in step again, wherever the parser stood.
+  // A frame that fills a block, with zeros before it: in step again, whatever the parser's state was.
   board.fpga.begin_resync(board.now_s);
   board.pass(1.1);
   board.give(std::vector<std::uint8_t>(512, 0));
@@ -144,7 +144,7 @@ TEST(OpenMpdFpga, OneLostByteLosesEveryOtherFrameUntilItIsResynchronised) {
 TEST(OpenMpdFpga, ZerosFlushTheParserFromEveryState) {
   for (std::size_t state = 0; state < 512; ++state) {
     Board board;
-    // So many bytes of a frame that never goes on: filled up to blocks with zeros that came before it.
+    // This many bytes of a frame that stops there: filled up to blocks with zeros before it.
     std::vector<std::uint8_t> bytes(512 - state, 0);
     const openmpd::Frame frame = plain_frame(3);
     bytes.insert(bytes.end(), frame.begin(), frame.begin() + static_cast<std::ptrdiff_t>(state));
@@ -203,7 +203,7 @@ TEST(OpenMpdChip, WantsItsRequestsInOrderAndDropsBytesBeforeThePurge) {
   EXPECT_EQ(board.bulk_out(3, 2, plain_frame(1)), 512u);
   EXPECT_EQ(board.violations().count(), 1u);
   EXPECT_EQ(board.fpga().buffered(), 0u);
-  EXPECT_EQ(ask({0x40, 9, 2, 0}), Outcome::done);  // the latency before the bit mode
+  EXPECT_EQ(ask({0x40, 9, 2, 0}), Outcome::done);  // the latency, before the bit mode
   EXPECT_EQ(board.violations().count(), 2u);
   EXPECT_EQ(ask({0x40, 3, 0x4138, 0}), Outcome::stalled);  // a baud rate
   EXPECT_EQ(board.violations().count(), 3u);
@@ -228,7 +228,7 @@ TEST(OpenMpdChip, TakesAKibibyteMoreThanTheBoardDoes) {
                             ftdi::purge_to_device_request(), ftdi::purge_to_host_request()})
     board.control(3, setup, {}, filled);
   const std::vector<std::uint8_t> zeros(20000, 0);
-  // The first block leaves at once, and one is read per 0.1 ms.
+  // The first block leaves at once, and one is read every 0.1 ms.
   EXPECT_EQ(board.bulk_out(3, 2, zeros), 512u + 14336 + 1024);
   EXPECT_EQ(board.bulk_out(3.00011, 2, zeros), 512u);
 }

@@ -1,5 +1,5 @@
-// OpenMPD boards with which something goes wrong, against emulators on a bus in memory: silence, one line that says
-// what happened, and in step again.
+// OpenMPD boards with faults, with emulators on a bus in memory: silence, one line that describes the fault, and in
+// step again.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 namespace openmpd = driver::openmpd;
 namespace ftdi = driver::usb::ftdi;
 
-/// After trouble: silent, said once, and playing again within three seconds.
+/// After a fault: silent, reported once, and playing again within three seconds.
 void expect_recovery(OpenMpdRig& rig, const array::Drive& drive, const std::string& said) {
   ASSERT_FALSE(rig.notes.warnings.empty());
   EXPECT_NE(rig.notes.warnings[0].find(said), std::string::npos) << rig.notes.warnings[0];
@@ -46,7 +46,7 @@ TEST(OpenMpdFaults, UnpluggedAtAnyByteAndPluggedInAgain) {
       silent.push_back(std::all_of(pulses.begin(), pulses.end(), [](const auto& pulse) { return pulse.width == 0; }));
     });
     expect_recovery(rig, drive, "gone");
-    // What was left of the cut frame may show once, half silent; then all-off frames before anything sounds.
+    // The rest of the cut frame may show once, half silent. Then all-off frames come before anything sounds.
     const auto first_off = std::find(silent.begin(), silent.end(), true);
     EXPECT_LE(first_off - silent.begin(), 1) << bytes;
     EXPECT_LE(std::find(first_off, silent.end(), false) - first_off, 4);
@@ -66,7 +66,7 @@ TEST(OpenMpdFaults, OneBoardOfTwoUnpluggedSilencesBoth) {
   EXPECT_FALSE(rig.emulators[0]->fpga().sounds());
   *rig.faults[1] = {};
   expect_recovery(rig, drive, "EMU2");
-  // Since they were silenced both have had the same frames, the one that went having missed the burst of its trouble.
+  // Since they were silenced, both have had the same frames; the unplugged one missed the burst after its fault.
   EXPECT_EQ(rig.emulators[0]->fpga().shown_s(), rig.emulators[1]->fpga().shown_s());
   EXPECT_GT(rig.emulators[0]->fpga().frames_in_step(), 500u);
   EXPECT_EQ(rig.emulators[0]->fpga().frames_in_step(), rig.emulators[1]->fpga().frames_in_step());
@@ -114,7 +114,7 @@ TEST(OpenMpdFaults, WhatIsLeftOfAFrameNeverComesBehindTheNext) {
     rig.play(drive, 0.02);
     EXPECT_EQ(rig.faults[0]->cut_at, 0u) << "it was cut";
     EXPECT_FALSE(rig.sounds());
-    // The two were on their way: they came as one that is none. No more came after them.
+    // The two were on their way: they arrived as one invalid frame. No more came after them.
     const std::size_t violations = rig.emulators[0]->violations().count();
     ASSERT_EQ(rig.notes.warnings.size(), 1u);
     rig.play(drive, 3);
@@ -148,7 +148,7 @@ TEST(OpenMpdFaults, SilenceThatIsStuckForAMomentAtTheEndStillComes) {
     rig.board->all_off();
     rig.clock.at(rig.clock.now_s() + stuck_s, [&] { rig.faults[0]->takes_nothing = false; });
     EXPECT_TRUE(rig.board->close()) << stuck_s;
-    rig.clock.sleep_s(5e-3);  // what is with the kernel sounds within that
+    rig.clock.sleep_s(5e-3);  // frames already in the kernel sound within that time
     rig.look();
     EXPECT_FALSE(rig.sounds()) << stuck_s;
     EXPECT_EQ(rig.violations(), "") << stuck_s;
@@ -283,7 +283,7 @@ TEST(OpenMpdFaults, TimeInWhichNobodyLookedIsNotTheBoards) {
   rig.play(drive, 0.05);
   rig.faults[0]->takes_nothing = true;
   rig.board->play(rig.slot++, drive);
-  rig.clock.sleep_s(3);  // the computer was asleep
+  rig.clock.sleep_s(3);  // the computer was suspended
   rig.board->tend();
   rig.faults[0]->takes_nothing = false;
   rig.play(drive, 0.05);

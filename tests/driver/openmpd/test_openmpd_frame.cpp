@@ -1,5 +1,4 @@
-// What OpenMPD boards are sent, checked against what their pulses sound like and not against the encoder's own
-// formulas.
+// The data for OpenMPD boards, checked against the sound of its pulses and not against the encoder's own formulas.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -78,7 +77,7 @@ TEST(OpenMpdFrame, WidthsFollowTheLawTruncated) {
   for (unsigned i = 0; i <= 300000; ++i) {
     const float amplitude = static_cast<float>(i) / 300000;
     const double exact = 64 * (2 / pi) * std::asin(static_cast<double>(amplitude));
-    if (std::abs(exact - std::round(exact)) < 1e-9) continue;  // the formula itself cannot say
+    if (std::abs(exact - std::round(exact)) < 1e-9) continue;  // the formula itself is ambiguous
     ASSERT_EQ(openmpd::width_of(amplitude), static_cast<int>(exact)) << amplitude;
   }
   for (unsigned width = 1; width < 64; ++width) {  // the floats around every step
@@ -115,7 +114,7 @@ TEST(OpenMpdFrame, PulsesSoundAsTheDriveAsks) {
       ASSERT_LE(std::abs(sound), asked + 1e-6);
       ASSERT_GT(std::abs(sound), asked - pi / 128 - 1e-6);
       if (frame[256 + pin] == 0) continue;
-      // The transducer itself sounds late by its offset. A centred pulse of full width lies around count 32 + phase.
+      // The transducer's sound is late by its offset. A centred pulse of full width lies around count 32 + phase.
       const double delay = std::arg(sound * std::polar(1.0, calibration.degrees[t] * pi / 180 - pi / 2));
       const double fault = std::remainder(delay - static_cast<double>(drive[t].phase), 2 * pi);
       ASSERT_LE(std::abs(fault), pi / 128 + 1e-6) << t;
@@ -179,8 +178,8 @@ TEST(OpenMpdBoardFile, FaultsNameFileAndLine) {
   };
   EXPECT_EQ(fault_of(good), "");
   expect(fault_of(good.substr(0, good.size() / 2)), "ends where");
-  expect(fault_of(good + "1.0"), "goes on");
-  // What is no board's file is not shown.
+  expect(fault_of(good + "1.0"), "continues after the 256 amplitude factors");
+  // Files that are no board's are not shown.
   expect(fault_of("S1\n128\n128\n"), "line 2: something else where the number of transducers should be");
   expect(fault_of("S1\n256\n64\n"), "line 3: something else where the number of phase steps should be");
   expect(fault_of(board_file_text("S1", {}, 0.001)), "line 4: transducer 0 is at");

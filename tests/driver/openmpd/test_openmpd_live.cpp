@@ -1,4 +1,4 @@
-// OpenMPD boards in real time: what a drive costs, and emulators behind sockets, as other processes have them.
+// OpenMPD boards in real time: the cost of a drive, and emulators behind sockets, as other processes use them.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
@@ -72,12 +72,12 @@ TEST(OpenMpdCost, ADriveOfSixteenBoardsLeavesWithinAMillisecondAndAllocatesNothi
   RecordProperty("median_us", static_cast<int>(1e6 * times[1000]));
   RecordProperty("p99_us", static_cast<int>(1e6 * times[1980]));
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  // The emulators take their bytes on the same thread. The median: other tests run beside this one.
+  // The emulators take their bytes on the same thread. The median, because other tests run at the same time.
   EXPECT_LT(times[1000], 1e-3);
 #endif
 }
 
-/// Says nothing, so that whoever tells it something is the only one to allocate for it.
+/// Prints nothing, so any allocation for its messages comes from the caller.
 class DeafNotes final : public driver::BoardNotes {
  public:
   void warning(std::string_view) noexcept override { ++warnings; }
@@ -103,7 +103,7 @@ TEST(OpenMpdCost, TroubleAllocatesNothingEither) {
     rig.faults[0]->refuses_requests = false;
     rig.play(drive, 4);
     rig.faults[0]->unplugged = true;
-    rig.play(drive, 0.1);  // until it is looked for
+    rig.play(drive, 0.1);  // until it is noticed
     rig.board->all_off();
   });
   EXPECT_EQ(allocations, 0u);
@@ -151,7 +151,7 @@ TEST(OpenMpdLocal, BoardsBehindSocketsAreListedAndPlayed) {
     EXPECT_EQ(behind.address(0), (folder / "palpa" / "usb-1.sock").string());
     const usb::Listing listing = transport.list(any);
     ASSERT_EQ(listing.entries.size(), 2u);
-    // Whoever had one open may be followed at once, as a guard that died is.
+    // After one process had a board open, the next may open it at once, like the guard after one that died.
     for (int i = 0; i < 20; ++i)
       transport.open(listing.entries[0], 2).reset();
     EXPECT_EQ(listing.entries[1].serial, "EMU2");
@@ -217,7 +217,7 @@ TEST(OpenMpdLocal, EmulatorsThatStartTogetherTakeTurns) {
   servers[1] = std::make_unique<usb::LocalServer>(same, nullptr);
   EXPECT_EQ(servers[0]->address(), first);
   EXPECT_EQ(servers[1]->address(), usb::runtime_folder() / "usb-2.sock");
-  // What one left behind that was killed is nobody's.
+  // The socket of a killed process belongs to nobody.
   const auto third = (usb::runtime_folder() / "usb-3.sock").string();
   sockaddr_un name{};
   name.sun_family = AF_UNIX;
@@ -228,7 +228,7 @@ TEST(OpenMpdLocal, EmulatorsThatStartTogetherTakeTurns) {
   EXPECT_EQ(usb::LocalServer(board, nullptr).address(), third);
 }
 
-/// Lists what it is made with, and says in its errors who was asked.
+/// Lists the devices that it was created with, and says in its errors which transport was asked.
 class Listed final : public usb::Transport {
  public:
   Listed(std::string name, usb::Listing listing) : name_(std::move(name)), listing_(std::move(listing)) {}

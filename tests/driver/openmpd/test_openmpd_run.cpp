@@ -1,4 +1,4 @@
-// `palpa run` against `palpa emulate openmpd`: the real programs, a socket between them.
+// `palpa run` with `palpa emulate openmpd`: the real programs, with a socket between them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ namespace {
 
 using nlohmann::json;
 
-/// A runtime folder, and emulated boards that live in it.
+/// A runtime folder, and emulated boards that use it.
 class Emulation {
  public:
   Emulation(const std::string& name, const std::string& serials, const std::vector<std::string>& more = {})
@@ -41,7 +41,7 @@ class Emulation {
   }
   Environment environment() const { return {{"XDG_RUNTIME_DIR", folder_.string()}}; }
   const std::filesystem::path& folder() const { return folder_; }
-  /// Ends it; what it reports.
+  /// Ends it and returns its report.
   json end(int& exit_code) {
     run_->signal(SIGTERM);
     const auto end = run_->wait(10);
@@ -76,7 +76,7 @@ TEST(OpenMpdRun, TwoBoardsHearALoopToItsSilentEnd) {
                               options);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("no file in"), std::string::npos) << "EMU2 has none: " << result.err;
-  // Beside whatever real boards there are.
+  // In addition to any real boards.
   const Result doctor = palpa({"doctor", "--json", "-"}, options);
   const json seen = json::parse(doctor.out)["boards"];
   EXPECT_TRUE(std::any_of(seen.begin(), seen.end(), [](const json& board) {
@@ -91,7 +91,7 @@ TEST(OpenMpdRun, TwoBoardsHearALoopToItsSilentEnd) {
     EXPECT_FALSE(board["sounds"].get<bool>());
     EXPECT_EQ(board["divider"], 4);
     EXPECT_EQ(board["frames"], report["boards"][0]["frames"]);
-    // What a busy computer leaves out is never sent late.
+    // Drives that a busy computer leaves out are never sent late.
     EXPECT_GT(board["frames"].get<std::uint64_t>(), 20u);
   }
 }
@@ -118,14 +118,14 @@ TEST(OpenMpdRun, WithoutALayoutItIsThatOfTheLinksOwnBoards) {
   const Result two = run("openmpd:EMU1,EMU2", {});
   EXPECT_EQ(two.exit_code, 0) << two.err;
   EXPECT_NE(two.err.find("--layout openmpd-pair,"), std::string::npos) << two.err;
-  // A rig without an array says as little.
+  // A rig without an array names no array, either.
   const std::string paper = text_of(source_file("assets/rigs/paper.toml"));
   const auto rig = emulation.folder() / "rig.toml";
   write_text(rig, paper.substr(0, paper.find("[array]")));
   const Result cameras = run("openmpd:EMU1", {"--rig", rig.string()});
   EXPECT_EQ(cameras.exit_code, 0) << cameras.err;
   EXPECT_NE(cameras.err.find("nor " + rig.string() + " names one"), std::string::npos) << cameras.err;
-  // What names an array goes first.
+  // An option that names an array has precedence.
   const Result named = run("openmpd:EMU1", {"--rig", source_file("assets/rigs/paper.toml").string()});
   EXPECT_EQ(named.exit_code, 2) << named.err;
   EXPECT_EQ(named.err.find("the link's own array"), std::string::npos) << named.err;
@@ -146,7 +146,7 @@ std::string wire_of(const std::filesystem::path& trace) {
   std::string hex;
   std::ifstream file(trace);
   for (std::string line; std::getline(file, line);) {
-    const json entry = json::parse(line, nullptr, false);  // the last line may still be on its way
+    const json entry = json::parse(line, nullptr, false);  // the last line may be incomplete
     if (!entry.is_discarded() && entry["kind"] == "bulk") hex += entry["hex"].get<std::string>();
   }
   return hex;
@@ -183,7 +183,8 @@ TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
   const auto lost = drives["lost"].get<std::uint64_t>(), loop = drives["loop"].get<std::uint64_t>();
   EXPECT_EQ(lost, loop - heard);
   // A busy machine loses some, and says so once: at the first look at which more were lost than is normal. Later drives
-  // may get through, so what the warning says is compared with itself, and only its absence with the end's counts.
+  // may get through. So the warning's numbers are compared with each other, and only a missing warning with the end's
+  // counts.
   const std::size_t warned = result.err.find("drives were lost between loop and device");
   if (warned == std::string::npos) {
     EXPECT_LE(lost, 8 + loop / 50) << drives;
@@ -237,7 +238,7 @@ TEST(OpenMpdRun, LinkTestPlaysOneTransducerAfterTheOther) {
   EXPECT_EQ(exit_code, 0) << report;
   const std::string hex = wire_of(trace);
   ASSERT_EQ(hex.size() % 1024, 0u);
-  // As they come first: a loop that a busy computer keeps for long falls silent in between, and goes on.
+  // In the order of their first sound: a loop that a busy computer holds up falls silent in between, and continues.
   std::vector<std::string> sounding;
   for (std::size_t at = 0; at < hex.size(); at += 1024) {
     const std::string amplitudes = hex.substr(at + 512, 512);

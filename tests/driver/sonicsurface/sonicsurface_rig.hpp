@@ -72,7 +72,7 @@ struct SonicSurfaceRig {
     const session::Cycle cycle{.length = 1, .modulation_hz = hz};
     board->plan({{{100, 1000000, cycle}, driver::monotonic_s(), 1.5e-3}, drive});
   }
-  /// As a guard does between drives: waits for what the board watches, 5 ms at most.
+  /// Does what a guard does between drives: waits for what the board watches, 5 ms at most.
   template <typename Done>
   bool tend_until(const Done& done, std::chrono::milliseconds at_most = std::chrono::milliseconds(2000)) {
     for (const auto end = std::chrono::steady_clock::now() + at_most; std::chrono::steady_clock::now() < end;) {

@@ -1,5 +1,4 @@
-// SonicSurface: what the encoder writes is what an independent reading of the bytes hears; and the board on a serial
-// line.
+// SonicSurface: an independent decoder reads the encoder's bytes; and the board on a serial line.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -122,7 +121,7 @@ TEST(SonicSurfaceWire, ACeilingMutesTransducersEvenly) {
   std::vector<std::uint8_t> frame(encoder.size());
   for (const float ceiling : {0.9f, 0.5f, 0.25f, 0.1f}) {
     array::Drive drive(transducers, {ceiling, 0.0f});
-    drive[7].amplitude *= 0.7f;  // amplitudes that differ are taken as uniform
+    drive[7].amplitude *= 0.7f;  // different amplitudes are played as uniform
     encoder.encode(drive, frame);
     EmulatedBoards machine(1, false);
     machine.take(0, frame);
@@ -191,7 +190,7 @@ TEST(SonicSurfaceBoard, ABoardThatWasDeselectedHearsItAllTheSame) {
   Rig rig;
   {
     const std::lock_guard held(rig.lock);
-    rig.machine.take(0, std::vector<std::uint8_t>{193});  // by a pair's last frame
+    rig.machine.take(0, std::vector<std::uint8_t>{193});  // from a pair's last frame
   }
   rig.board = rig.make(12e-3, true);
   EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
@@ -217,9 +216,9 @@ TEST(SonicSurfaceWire, OneBoardsSilenceReachesASecondOneBehindIt) {
 TEST(SonicSurfaceWire, BothBuffersAreSilentWhateverTheFirmwareIsAndWhateverItWasTakenFor) {
   struct Case {
     const char* name;
-    std::size_t boards;  ///< that the line has
+    std::size_t boards;  ///< on the line
     bool tactile;
-    Encoder encoder;  ///< as it was opened
+    Encoder encoder;  ///< as it was when it was opened
   };
   const Case cases[] = {{"plain as plain", 1, false, Encoder(1, Firmware::plain)},
                         {"plain as tactile", 1, false, Encoder(1, Firmware::tactile)},
@@ -232,7 +231,7 @@ TEST(SonicSurfaceWire, BothBuffersAreSilentWhateverTheFirmwareIsAndWhateverItWas
   for (const Case& c : cases) {
     std::vector<std::uint8_t> frame(c.encoder.size());
     c.encoder.encode(some_drive(c.encoder.size() > 300 ? 2 : 1), frame);
-    // Wherever in a frame it was left by whoever had it before.
+    // At any place of a frame at which the previous program may have left it.
     for (std::size_t left_after = 0; left_after <= frame.size(); ++left_after) {
       EmulatedBoards machine(c.boards, c.tactile);
       machine.take(0, frame);
@@ -319,7 +318,7 @@ TEST(SonicSurfaceBoard, WhatStandsStillIsModulatedByOneByte) {
   const double rate_hz = static_cast<double>(rig.machine.swaps() - swaps) / after_s;
   EXPECT_LE(rate_hz, 400 * 1.1) << "none in a burst";
   EXPECT_GT(rate_hz, 40) << "400, less what a busy machine is late";
-  // Another pattern comes within a refresh, and never half.
+  // A different pattern comes within a refresh, and never partly.
   rig.drive[3].phase += 1;
   rig.plan(200);
   EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
@@ -328,7 +327,7 @@ TEST(SonicSurfaceBoard, WhatStandsStillIsModulatedByOneByte) {
   const std::uint64_t at_rest = rig.machine.bytes();
   rig.tend_until([] { return false; }, 50ms);
   EXPECT_EQ(rig.machine.bytes(), at_rest) << "nothing more is said";
-  rig.board->play(slot, rig.drive);  // and with the next drive it goes on
+  rig.board->play(slot, rig.drive);  // and it continues with the next drive
   EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
   rig.board->all_off();
   rig.expect_silent_end();
@@ -368,7 +367,7 @@ TEST(SonicSurfaceBoard, TakesACalibrationFromItsFolder) {
 TEST(SonicSurfaceLine, IsOnePrograms) {
   const Pty pty;
   ASSERT_EQ(chmod(pty.path().c_str(), 0666), 0);
-  const test::OrdinaryUser user;  // root gets lines that nobody else gets
+  const test::OrdinaryUser user;  // root can open lines that other users cannot
   auto line = std::make_unique<Line>(pty.path());
   EXPECT_CONTAINS(test::error_of([&] { Line again(pty.path()); }, Exit::failed), "another program has it");
   line.reset();
@@ -401,7 +400,7 @@ TEST(SonicSurfaceBoard, ALineThatComesBackIsSilencedBeforeItPlays) {
   std::filesystem::remove(port);
   for (std::uint64_t s = 0; rig.notes.warnings.empty() && s < 1000; ++s, std::this_thread::sleep_for(1ms))
     rig.board->play(s, rig.drive);
-  std::filesystem::create_symlink(rig.pty.path(), port);  // its board sounds since it was switched on
+  std::filesystem::create_symlink(rig.pty.path(), port);  // its board has sounded since it was switched on
   const bool silenced = rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); });
   EXPECT_TRUE(silenced);
   EXPECT_EQ(rig.notes.warnings, (std::vector<std::string>{"the serial port is gone", "the serial port is back"}));

@@ -1,5 +1,5 @@
-// A user's loop: depth frames from a source, drives to a link of its own, events to the program. First as it should be,
-// then with a camera that is late for a while, then with one that breaks down in the middle of a touch.
+// A user's loop: depth frames from a source, drives to the user's own link, events to the program. First without
+// faults, then with a camera that is late for a while, then with a camera that fails in the middle of a touch.
 //   live MODEL.glb FINGER.ply RIG.toml DRIVES
 #include "live.hpp"
 

@@ -1,5 +1,5 @@
-// The pieces of C++ on the pages that are no files of their own. Each is compiled as it is printed, in a function that
-// has what is the reader's.
+// The C++ pieces of the pages that are not separate files. Each is compiled as it is printed, in a function that has
+// the names that the reader provides.
 #include <cstdio>
 
 #include "byte_link.hpp"

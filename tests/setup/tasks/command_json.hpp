@@ -1,4 +1,4 @@
-// What a command writes with --json, to compare with what the function under it gives.
+// The output of a command with --json, to compare it with the result of the function that the command calls.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,13 +11,13 @@
 
 namespace palpa::test {
 
-/// The same text without the numbers of its times, which no two runs share.
+/// The same text without its times, which differ from run to run.
 inline std::string untimed(const std::string& json) {
   static const std::regex times(R"re(("timing_ms": \{)[^}]*\}|("seconds": )[0-9.e+-]+)re");
   return std::regex_replace(json, times, "$1$2");
 }
 
-/// What the command writes with --json -, without times, after checking that it succeeds.
+/// The output of the command with --json -, without times; checks that the command succeeds.
 inline std::string command_json(const std::vector<std::string>& arguments) {
   const Result result = palpa(with(arguments, {"--json", "-"}));
   EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -1,4 +1,4 @@
-// A task's JSON beside its command's.
+// Compares a task's JSON with its command's.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 namespace palpa::test {
 
-/// A document less the contents of each "timing_ms", which may differ from run to run.
+/// A document without the contents of each "timing_ms", which may differ from run to run.
 inline std::string without_times(std::string json) {
   const std::string key = "\"timing_ms\": {";
   for (std::size_t at = json.find(key); at != std::string::npos; at = json.find(key, at + key.size())) {
@@ -20,7 +20,7 @@ inline std::string without_times(std::string json) {
   return json;
 }
 
-/// gtest: the command with --json - prints these bytes, but for times.
+/// gtest: the command with --json - prints these bytes, except for times.
 inline void expect_same_json(const std::string& json, const std::vector<std::string>& command) {
   const Result result = palpa(with(command, {"--json", "-"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;

@@ -1,4 +1,4 @@
-// What `palpa calibrate` computes, called from C++: the same bytes as the command's.
+// The results of `palpa calibrate`, called from C++: the same bytes as the command's.
 #include "setup/tasks/calibrate.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What `palpa decompose` computes, called from C++: the same bytes as the command's.
+// The results of `palpa decompose`, called from C++: the same bytes as the command's.
 #include "setup/tasks/decompose.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 TEST(DecomposeTask, IsTheCommands) {
   const std::filesystem::path folder = scratch_folder("decompose-task");
-  // Convex ones, which need no V-HACD.
+  // Convex boxes, which need no V-HACD.
   const std::vector<geometry::SceneMesh> boxes{{"low", box({0, 0, 0}, {0.04, 0.02, 0.04})},
                                                {"high", box({0, 0.05, 0}, {0.04, 0.06, 0.03})}};
   setup::DecomposeTask task;

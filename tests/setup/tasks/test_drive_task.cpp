@@ -1,4 +1,4 @@
-// What `palpa drive` computes, called from C++: the same bytes as the command's, of files and of values.
+// The results of `palpa drive`, called from C++: the same bytes as the command's, from files and from values.
 #include "setup/tasks/drive.hpp"
 
 #include <gtest/gtest.h>

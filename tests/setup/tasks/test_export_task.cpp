@@ -1,4 +1,4 @@
-// What `palpa export` computes, called from C++: the same bytes as the command's, and foci without a file.
+// The results of `palpa export`, called from C++: the same bytes as the command's, and foci without a file.
 #include "setup/tasks/export.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// What `palpa field` computes, called from C++: the same bytes as the command's, of files and of values.
+// The results of `palpa field`, called from C++: the same bytes as the command's, from files and from values.
 #include "setup/tasks/field.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What `palpa scatter` computes, called from C++: the same bytes as the command's, of files and of values.
+// The results of `palpa scatter`, called from C++: the same bytes as the command's, from files and from values.
 #include "setup/tasks/scatter.hpp"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ class ScatterOf : public testing::Test {
     task.mesh = file;
   }
 
-  /// Of files, of values and of the command.
+  /// From files, from values and from the command.
   void expect_the_same(const ScatterResult& of_values, const std::vector<std::string>& arguments) const {
     bool read = false;
     const ScatterResult of_files = setup::scatter(task, [&] { read = true; });

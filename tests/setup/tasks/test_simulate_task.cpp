@@ -106,7 +106,7 @@ TEST(SimulateTask, TakesAFingerFromMemoryAndKeepsItsEquations) {
   EXPECT_GT(result.load.force.y, 0);
   EXPECT_NEAR(result.tip.y, -1.5e-3, 1e-12);
   EXPECT_EQ(finger.standing(result.tip.y).get(), finger.standing(result.tip.y).get());
-  // Where nothing is touched it says how much is missing.
+  // If nothing is touched, it says how much is missing.
   setup::SimulateOptions above = options;
   above.penetration_m = -2e-3;
   EXPECT_REFUSED(setup::simulate(above, finger, cube(), setup::load_solids(cube())),

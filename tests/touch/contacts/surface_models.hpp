@@ -1,4 +1,4 @@
-// Meshes of many kinds, and how deep a point lies in one by an independent double-precision computation.
+// Meshes of many kinds, and the depth of a point in a mesh by an independent double-precision computation.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace palpa::touch::test {
 
-/// A tube around a (2,3) torus knot, some 40 mm across.
+/// A tube around a (2,3) torus knot, about 40 mm across.
 geometry::Mesh knot(int around, int across);
 /// A 40 mm cube with a notch of 15 mm cut out of its top, along z.
 geometry::Mesh notched_cube();
@@ -24,24 +24,23 @@ geometry::Mesh subdivided(const geometry::Mesh& mesh);
 /// Turned about all axes, shifted, and rounded to single precision as a file has it.
 geometry::Mesh tilted(geometry::Mesh mesh, const Vec3& shift);
 
-/// Points within some 3 mm of the surface, on both sides, evenly over its area.
+/// Points within about 3 mm of the surface, on both sides, evenly over its area.
 std::vector<glm::vec3> points_near(const geometry::Mesh& mesh, std::uint32_t count, unsigned seed);
 
 /// Signed distance in double precision: the nearest triangle, and the generalized winding number (Jacobson 2013). Plain
-/// bins spare looking at triangles that cannot matter; the inside is told by the parity of crossings along x, and by
-/// the winding number over all triangles where `thorough` or where that line grazes an edge. Shares nothing with the
-/// engine.
+/// bins leave out triangles that cannot matter. The parity of crossings along x decides the inside. If `thorough`, or
+/// if that line grazes an edge, the winding number over all triangles decides. It shares no code with the engine.
 class Truth {
  public:
   explicit Truth(const geometry::Mesh& mesh);
-  /// Positive inside. Points farther than 8 mm from the surface may be given any depth beyond that, with the right
-  /// sign.
+  /// Positive inside. For points farther than 8 mm from the surface, the result may be any depth beyond that, with the
+  /// right sign.
   double depth(const Vec3& p, bool thorough) const;
 
  private:
   double distance(const Vec3& p) const;
   bool winds(const Vec3& p) const;
-  int crossings(const Vec3& p) const;  // -1: cannot tell
+  int crossings(const Vec3& p) const;  // -1: undecided
   std::size_t bin(int y, int z) const;
   std::size_t cell(int x, int y, int z) const;
 

@@ -1,4 +1,4 @@
-// The meshes that come with CGAL's demos: good, bad and broken ones. Each is touched right or refused with a reason.
+// The meshes of CGAL's demos: good, bad and broken ones. Each is touched correctly or rejected with a reason.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// What SplitPass and BridgePass work on, between guard words.
+// The data that SplitPass and BridgePass work on, between guard words.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace palpa::touch::test {
 
-/// What FingersPass leaves of a touch that is neither split nor bridged, as buffers exactly as large as the contract
+/// The output of FingersPass for a touch that is neither split nor bridged, as buffers exactly as large as the contract
 /// says.
 struct GuardedFingers {
   GuardedFingers(gpu::Device& device, const std::vector<sensing::Camera>& cameras, const sensing::RayTables& tables,
@@ -48,7 +48,7 @@ struct GuardedFingers {
     std::vector<shader::FingerRecord> list(max_fingers);
     for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
       const Finger& finger = touch.fingers[f];
-      // Any member may be the root: here the last.
+      // Any member may be the root: here, it is the last one.
       for (const std::uint32_t i : finger.contacts)
         roots[i] = finger.contacts.back();
       sizes[finger.contacts.back()] = {finger.contacts.front(), finger.contact_count};

@@ -1,5 +1,5 @@
-// Euclidean clusters against region growing over nanoflann's k-d tree: another structure, another traversal, other
-// people's code. Random and adversarial clouds, in any order of their points.
+// Euclidean clusters against region growing over nanoflann's k-d tree: a different structure, a different traversal,
+// and code of other people. Random and adversarial clouds, with their points in any order.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>

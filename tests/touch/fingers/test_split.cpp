@@ -1,5 +1,5 @@
-// Fingers side by side that are one cluster, and clusters that are none: the pass and its twin on scenes of
-// finger_scenes.hpp, which know whose each contact is.
+// Fingers side by side that are one cluster, and clusters that are not fingers: the pass and its twin on scenes of
+// finger_scenes.hpp, which know the finger of each contact.
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>

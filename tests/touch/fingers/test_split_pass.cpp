@@ -1,4 +1,4 @@
-// SplitPass by itself, between guard words: many cameras, and as many clusters cut to pieces as there are fingers.
+// SplitPass by itself, between guard words: many cameras, and as many split clusters as there can be fingers.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Methods: where each places the foci of the same finger, point-like fingers, fallbacks.
+// Methods: the places of each method's foci for the same finger, point-like fingers, fallbacks.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Frames of points through a stage that follows fingers, and how their foci move.
+// Frames of points through a stage that follows fingers, and the motion of their foci.
 #pragma once
 
 #include <algorithm>
@@ -41,7 +41,7 @@ inline StageSetting setting_of(std::uint32_t foci, Smoothing smoothing, Axes axe
   return {.parameters = {.finger_gap_m = 0.02, .foci = foci}, .follow = true, .axes = axes, .smoothing = smoothing};
 }
 
-/// Of the focus that moves most, relative to the foci's mean.
+/// For the focus that moves most, relative to the foci's mean.
 inline double step_between(const Finger& a, const Finger& b) {
   Vec3 mean(0);
   for (std::size_t n = 0; n < a.foci.size(); ++n)

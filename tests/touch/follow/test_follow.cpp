@@ -1,4 +1,5 @@
-// Identity and steady axes from frame to frame, on both backends: frames of fingers made up without any contacts.
+// Identity and steady axes from frame to frame, on both backends, with synthetic frames of fingers without any
+// contacts.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Axes that are steady and foci that glide: the passes, their twins, and a computation of its own in double precision.
+// Steady axes and gliding foci: the passes, their twins, and an independent computation in double precision.
 #include <gtest/gtest.h>
 
 #include <algorithm>

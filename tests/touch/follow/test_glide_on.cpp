@@ -1,4 +1,4 @@
-// Foci that glide, over what frames' times and other fingers do to them.
+// Gliding foci with unusual frame times and other fingers.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Foci glide: a finger that slides, leans and is seen with the D415's noise, followed and not; and equal arc lengths.
+// Foci glide: a finger that slides, leans and is seen with the D415's noise, with and without following; and equal arc
+// lengths.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Two fingers that cross, merge and part, as one and three D415 see them: who is who in the end?
+// Two fingers that cross, merge and part, as one and three D415 see them: are they still identified correctly at the
+// end?
 #include <gtest/gtest.h>
 
 #include <optional>

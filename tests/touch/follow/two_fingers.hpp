@@ -1,4 +1,4 @@
-// Two fingertips that move about on a plate before depth cameras, and how they are followed.
+// Two fingertips that move on a plate in front of depth cameras, and how they are followed.
 #pragma once
 
 #include <array>
@@ -13,14 +13,14 @@
 
 namespace palpa::touch::test {
 
-/// Where the two tips are on the plate (x, z) at a time, from 0 to `seconds`.
+/// The places of the two tips on the plate (x, z) at a time, from 0 to `seconds`.
 struct Walk {
   std::string name;
   double seconds = 0;
   std::function<std::array<Vec3, 2>(double time_s)> tips;
 };
 
-/// Past each other along x at `speed` each, their tracks `aside` apart.
+/// Past each other along x at `speed` each; their tracks are `aside` apart.
 Walk crossing(double speed, double rate_hz, double aside);
 /// Towards each other, slowing down, together for `hold_s` with their tips 13 mm apart, and back again.
 Walk bouncing(double speed, double rate_hz, double hold_s);
@@ -28,7 +28,7 @@ Walk bouncing(double speed, double rate_hz, double hold_s);
 /// The plate that they touch: its top is y = 0.
 std::vector<geometry::Solid> plate();
 
-/// What the first `cameras` of the paper's rig see of it, with the D415's faults.
+/// The images of the first `cameras` of the paper's rig, with the D415's faults.
 std::vector<sensing::FrameSet> film(const Walk& walk, int cameras, double rate_hz, std::uint64_t seed);
 /// The same, written as a recording and read back.
 std::vector<sensing::FrameSet> through_recording(const std::vector<sensing::FrameSet>& frames, int cameras,
@@ -39,7 +39,7 @@ struct Sighting {
   double time_s = 0;
   glm::vec3 centroid{};
   std::uint32_t id = 0;
-  std::array<bool, 2> skin{};  ///< whose contacts it has, at least a fifth of them
+  std::array<bool, 2> skin{};  ///< the fingers whose contacts it has, at least a fifth of them each
   bool both() const { return skin[0] && skin[1]; }
 };
 

@@ -1,4 +1,4 @@
-// The viewer without its window, and how a live run begins, ends and begins anew in it.
+// The viewer without its window: a live run starts, ends and restarts in it.
 #include "viewer/app/app.hpp"
 
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ class LiveApp : public testing::Test {
     app_ = std::make_unique<App>(options, size_, std::move(around));
   }
 
-  /// Goes round, a tenth of a second of the application's clock each time.
+  /// Runs the loop, with steps of a tenth of a second of the application's clock.
   template <typename Condition>
   bool goes_round_until(Condition condition) {
     const auto until = std::chrono::steady_clock::now() + 60s;
@@ -69,7 +69,7 @@ class LiveApp : public testing::Test {
   bool comes_to(LiveState state) {
     return goes_round_until([&] { return app_->desk().live_state == state; });
   }
-  /// For seconds of its clock: and it would have begun at once.
+  /// For seconds of its clock; otherwise it would have started at once.
   bool stays_off() {
     go_round(50);
     return app_->desk().live_state == LiveState::ended && stop_;
@@ -148,7 +148,7 @@ TEST_F(LiveApp, AllOffLastsWhateverChanges) {
 TEST_F(LiveApp, AllOffWinsOverARestart) {
   ASSERT_TRUE(comes_to(LiveState::running));
   drop(other_);
-  ASSERT_TRUE(opens_other());  // the restart is pending: its run has not ended yet, or has just begun
+  ASSERT_TRUE(opens_other());  // the restart is pending: the old run has not ended yet, or the new one has just begun
   all_off();
   ASSERT_TRUE(comes_to(LiveState::ended));
   EXPECT_TRUE(stays_off());
@@ -196,7 +196,8 @@ TEST_F(LiveApp, SavesNoSceneOverAFileThatIsRead) {
     app_->save_scene(file, now_s_);
     EXPECT_EQ(test::read_text(scene_), before) << file;
   }
-  // Its own files it may write again, also while it reads them. An hour lies between, since times are in milliseconds.
+  // It may overwrite its own files, even while it reads them. An hour lies in between, because times are in
+  // milliseconds.
   auto last = fs::file_time_type::min();
   for (int i = 0; i < 2; ++i) {
     app_->save_scene(folder_ / "mine.glb", now_s_);
@@ -205,11 +206,11 @@ TEST_F(LiveApp, SavesNoSceneOverAFileThatIsRead) {
     EXPECT_TRUE(written > last) << i;
     fs::last_write_time(folder_ / "mine.glb", last = written - 1h);
     EXPECT_TRUE(goes_round_until([&] { return !app_->beginning(); }));
-    go_round();  // now it has looked at the scene that it has read
+    go_round();  // now it has checked the scene that it has read
   }
 }
 
-/// With panels, and a hand on them.
+/// With panels, and a hand that operates them.
 class LiveAppWithPanels : public LiveApp {
  protected:
   LiveAppWithPanels() : LiveApp(true) {}
@@ -231,7 +232,7 @@ TEST_F(LiveAppWithPanels, StartBeginsAgainAfterAllOff) {
   EXPECT_TRUE(stays_off());
   draw();
   const std::uint64_t before = heard_->sounding;
-  const Area off = all_off_button();  // Start stands to its right
+  const Area off = all_off_button();  // Start is to the right of it
   const double x = off.right + 0.3 * (off.right - off.left), y = (off.top + off.bottom) / 2;
   button(WindowEvent::Kind::move, x, y);
   draw();
@@ -247,7 +248,7 @@ TEST_F(LiveAppWithPanels, StartBeginsAgainAfterAllOff) {
   EXPECT_FALSE(heard_->last_sounds);
 }
 
-/// The run is off, Start is clicked, and before a picture shows that the key is pressed: the last word counts.
+/// The run is off, Start is clicked, and the key is pressed before a picture shows this: the last input counts.
 TEST_F(LiveAppWithPanels, AllOffWinsOverAStartThatNoPictureHasShown) {
   for (const bool pressed_before : {false, true}) {
     ASSERT_TRUE(comes_to(LiveState::running));
@@ -262,7 +263,7 @@ TEST_F(LiveAppWithPanels, AllOffWinsOverAStartThatNoPictureHasShown) {
     button(WindowEvent::Kind::press, x, y);
     if (pressed_before) draw(1);
     button(WindowEvent::Kind::release, x, y);
-    if (pressed_before) app_->render(size_, 1, now_s_);  // asked for, and not yet done
+    if (pressed_before) app_->render(size_, 1, now_s_);  // requested, but not done yet
     all_off();
     draw();
     EXPECT_TRUE(stays_off()) << pressed_before;
@@ -278,7 +279,7 @@ TEST_F(LiveAppWithPanels, AllOffWinsOverAStartThatNoPictureHasShown) {
 TEST_F(LiveAppWithPanels, AllOffWaitsForNoPicture) {
   ASSERT_TRUE(comes_to(LiveState::running));
   draw();
-  for (int i = 0; i < 50; ++i) {  // keys that are held down, each change of which takes a picture
+  for (int i = 0; i < 50; ++i) {  // keys that are held down; each change takes a picture
     key('.');
     key('.', false);
   }
@@ -386,11 +387,11 @@ TEST_F(LiveApp, AHandleThatIsLetGoOfWhileARunBeginsAnewIsLetGoOf) {
   EXPECT_EQ(app_->desk().state.slice, before);
 }
 
-/// The mesh on which pressures are shown is that of the run that plays, not of the one before.
+/// Pressures are shown on the mesh of the run that plays, not on the mesh of the previous run.
 TEST_F(LiveApp, PressuresAreOnTheFingerOfThisRun) {
   const std::string open = (folder_ / "open.ply").string();
   geometry::Mesh mesh = geometry::icosphere(5e-3, 4);
-  mesh.triangles.pop_back();  // a hole: cameras see it, sound has no inside
+  mesh.triangles.pop_back();  // a hole: cameras can see it, but for sound it has no inside
   for (Vec3& p : mesh.positions)
     p.y += 5e-3;
   geometry::write_ply(open, mesh.positions, mesh.triangles);
@@ -407,7 +408,7 @@ TEST_F(LiveApp, PressuresAreOnTheFingerOfThisRun) {
   ASSERT_TRUE(goes_round_until([&] { return note().find("being computed") != std::string::npos; })) << note();
 }
 
-/// A touch, and a recording that is dropped on it.
+/// A recording is dropped on a touch.
 TEST_F(LiveApp, ARecordingOnATouchIsALiveRunWithAllThatIsShownOfIt) {
   app_.reset();
   ViewerOptions options;

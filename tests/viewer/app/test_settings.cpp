@@ -1,4 +1,4 @@
-// What the viewer remembers.
+// The settings that the viewer stores.
 #include <gtest/gtest.h>
 
 #include <fstream>

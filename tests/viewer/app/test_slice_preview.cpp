@@ -1,4 +1,4 @@
-// The field in a plane beside whoever draws it.
+// The field in a plane, computed in the background of the drawing.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Pictures of sound beside whoever draws them: nobody waits, what is not of now says so, and what comes is right.
+// Pictures of sound, computed in the background of the drawing: nothing waits, outdated pictures say so, and results
+// are right.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -199,7 +200,7 @@ TEST(Sounding, ATipIsTheLowestSkinAroundTheMiddle) {
   EXPECT_LT(glm::distance(*tip, Vec3(0.01, -0.003, 0)), 1e-6);
 }
 
-/// A plane before the eye, 40 mm wide, in a picture of 800 x 600.
+/// A plane in front of the eye, 40 mm wide, in a picture of 800 x 600.
 class SliceHands : public testing::Test {
  protected:
   SliceHands() {
@@ -254,7 +255,7 @@ TEST_F(SliceHands, EscapeLetsGoOfItWhereItWas) {
 }
 
 TEST_F(SliceHands, AnEndTurnsItAboutTheOtherAxis) {
-  sight.viewpoint.elevation = 1.2;  // from above, so that the end goes about visibly
+  sight.viewpoint.elevation = 1.2;  // from above, so that the end visibly moves around
   const Vec2 end = pixels(place_of(SliceHandle::x_end, slice));
   ASSERT_TRUE(send(WindowEvent::Kind::press, end));
   for (int i = 1; i <= 20; ++i)

@@ -1,4 +1,4 @@
-// What of a picture is brought up to date, and when the file of a scene is read again.
+// The parts of a picture that are updated, and when the file of a scene is read again.
 #include "viewer/app/staleness.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Handles: where they are, and what drags of them do.
+// Handles: their places, and the effect of dragging them.
 #include "viewer/hands/gizmo.hpp"
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ TEST(LineOfSight, MeetsNoPlaneThatItRunsAlong) {
   EXPECT_EQ(*at, Vec3(1, -3, 2));
 }
 
-/// Two places on each handle of a gizmo of size 1 around the origin, the second where a drag may go.
+/// Two places on each handle of a gizmo of size 1 around the origin; a drag may end at the second one.
 struct Way {
   Handle handle;
   Vec3 from, to;

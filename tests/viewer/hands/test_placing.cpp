@@ -1,4 +1,4 @@
-// What hands do to solids and finger.
+// Moving solids and the finger by hand.
 #include "viewer/hands/placing.hpp"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ class PlacingTest : public testing::Test {
     return {at.x, at.y};
   }
   Vec3 tip() const { return Vec3(placing.finger()[3]); }
-  /// Along +x by its arrow, as far as 30 pixels go.
+  /// Drags along +x by its arrow, for 30 pixels.
   void drag(const Vec3& middle) {
     const Gizmo gizmo = gizmo_at(middle, sight);
     const Vec2 from = pixel(middle + Vec3(0.9 * gizmo.size_m, 0, 0));

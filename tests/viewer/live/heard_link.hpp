@@ -1,4 +1,4 @@
-// A link that remembers what it was handed, and the options of a live run that plays to it.
+// A link that records what it is given, and the options of a live run that plays to it.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace palpa::test {
 
-/// What a link was handed, kept beyond its life.
+/// Everything that a link was given; it outlives the link.
 struct Heard {
   std::atomic<std::uint64_t> drives{0}, sounding{0};
   std::atomic<bool> last_sounds{false}, finished{false};
@@ -52,7 +52,8 @@ inline session::LinkKind heard_link(const std::shared_ptr<Heard>& heard) {
           [heard](const std::string&, const session::LinkSetting&) { return std::make_unique<HeardLink>(heard); }};
 }
 
-/// A made-up finger in a cube, on the processor, played to "heard" for that many frames; 0: without an end.
+/// A synthetic finger in a cube, computed on the processor and played to "heard" for that many frames; 0: without an
+/// end.
 inline setup::LiveOptions heard_options(std::uint64_t frames = 0) {
   setup::LiveOptions options = viewer::live_options({{"--scene", {source_file("assets/cube.glb").string()}},
                                                      {"--source", {"synthetic"}},

@@ -1,4 +1,4 @@
-// Something that sounds, without a session, and patience for what is computed beside.
+// A sounding schedule without a session, and a wait for background computations.
 #pragma once
 
 #include <chrono>
@@ -38,7 +38,7 @@ class Played {
   session::Plan plan_;
 };
 
-/// `rest`: between two looks; none, so that an answer comes at any moment of a look.
+/// `rest`: pause between two checks; with none, an answer may come at any moment of a check.
 template <typename Condition>
 bool soon(Condition condition, std::chrono::milliseconds rest = std::chrono::milliseconds(2)) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);

@@ -1,4 +1,4 @@
-// Who draws and who computes touch, one after the other.
+// Drawing and the computation of touch take turns.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double every_s = 1.0 / 15, takes_s = 5e-3;
 
-/// After so many frames, the last of which has come at 0 s; they are planned 5 ms later.
+/// After this many frames. The last one arrived at 0 s; frames are planned after 5 ms.
 Rhythm after(int frames, double between_s = every_s) {
   Rhythm rhythm;
   for (int i = 0; i < frames; ++i) {
@@ -96,11 +96,11 @@ TEST(FrameGaps, TheNextFrameIsDueByThoseThatWereOnTime) {
 
 TEST(FrameGaps, WhoWaitsIsWokenWhenTheFrameIsPlanned) {
   using namespace std::chrono_literals;
-  // Before the frame would be given up.
+  // Before the frame would be abandoned.
   const auto in_time = [](double waited_s) { return waited_s < 0.2; };
   for (const bool ends : {false, true}) {
     bool woken = false;
-    for (int attempt = 0; attempt < 20 && !woken; ++attempt) {  // this thread, too, has to be let run
+    for (int attempt = 0; attempt < 20 && !woken; ++attempt) {  // this thread must get a chance to run, too
       FrameGaps turns;
       EXPECT_TRUE(in_time(turns.wait(1e-3, 0.2)));
       turns.arrived(0);
@@ -128,7 +128,7 @@ TEST(FrameGaps, APieceIsExpectedToTakeAsLongAsInThePicturesBefore) {
     mosts_s.clear();
     pieces.begin();
     pieces.pause();
-    pieces.pause();  // after what took nothing
+    pieces.pause();  // after a piece that took no time
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     pieces.pause();
     pieces.pause();

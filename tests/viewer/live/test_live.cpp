@@ -1,4 +1,4 @@
-// A session that runs beside the viewer: it is looked at without being waited for, and ends in silence.
+// A session in the background of the viewer: it is observed without waiting, and ends in silence.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -33,7 +33,7 @@ struct Bench {
   std::shared_ptr<test::Heard> heard = std::make_shared<test::Heard>();
   std::atomic<bool> stop{false};
   std::atomic<int> woken{0};
-  std::uint64_t frames = 0;  ///< after which it ends by itself
+  std::uint64_t frames = 0;  ///< ends by itself after this many
 
   std::unique_ptr<LiveSession> start(Patience patience = {}) {
     LiveSession::Kinds kinds;
@@ -136,7 +136,7 @@ TEST(Live, RecordsWhileItRuns) {
   ASSERT_TRUE(soon(*live, [&] { return live->state() == LiveState::running; })) << live->fault();
   const std::string taken = (folder / "taken").string(), made = (folder / "made").string();
   std::filesystem::create_directories(std::filesystem::path(taken) / "something");
-  live->record(taken);  // that is told, and ends nothing
+  live->record(taken);  // this is reported, and ends nothing
   std::uint64_t frames = 0;
   ASSERT_TRUE(soon(*live, [&] { return live->take() && (frames += 1) > 10; }));
   EXPECT_EQ(live->recorded(), 0u);
@@ -171,7 +171,7 @@ TEST(Live, EndsWithTheViewer) {
   {
     const auto live = bench.start();
     ASSERT_TRUE(soon(*live, [&] { return bench.sounded(); })) << live->fault();
-  }  // as when drawing throws
+  }  // as if drawing had thrown
   EXPECT_TRUE(bench.heard->finished);
   EXPECT_FALSE(bench.heard->last_sounds);
 }
@@ -226,7 +226,7 @@ TEST(Live, ASnapshotOfAnotherArrayDrivesNothing) {
   EXPECT_FALSE(picture.driven);
 }
 
-/// Two fingers whose dwells differ by a microsecond: the output computes each slot, and so does whoever shows it.
+/// Two fingers whose dwells differ by a microsecond: the output computes each slot, and so does the display.
 TEST(Live, AScheduleTooLongToBeListedIsShownAndHeard) {
   auto scene = std::make_shared<LiveScene>();
   scene->layout = array::load_layout("openmpd");
@@ -285,7 +285,7 @@ TEST(Starter, DoesNotGiveWayWithWhoeverMadeIt) {
   EXPECT_EQ(started, before);
 }
 
-// A driver's threads are there before a touch goes live.
+// A driver's threads exist before a touch goes live.
 TEST(DrawingThreads, GiveWayThoughTheyHaveBegun) {
   const auto niceness = [](int thread) { return getpriority(PRIO_PROCESS, static_cast<id_t>(thread)); };
   std::atomic<bool> done{false};

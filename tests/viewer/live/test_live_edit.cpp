@@ -1,4 +1,4 @@
-// Options of a live run that are changed while it runs: values and command line go together.
+// Options of a live run that change during the run: values and command line stay consistent.
 #include "viewer/live/live_edit.hpp"
 
 #include <gtest/gtest.h>
@@ -107,7 +107,7 @@ TEST(LiveEdit, OptionsOfTheCopiedCommandAreNoneOfTheRun) {
   EXPECT_EQ(edit.command(), "palpa run --scene b.glb --frames 300 --noise-free --delta 2mm --quiet");
 }
 
-/// Functions and fields say the same: the values are those of the line that the command has.
+/// Functions and fields agree: the values are those of the command line.
 TEST(LiveEdit, ValuesAreThoseOfTheLine) {
   LiveEdit edit(line), typed(line);
   edit.play_recording("take");

@@ -1,4 +1,4 @@
-// A recording under somebody's hand.
+// A recording that a user controls.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -34,7 +34,7 @@ std::unique_ptr<sensing::DepthSource> open(RecordingPlayer& player, const char* 
   return player.source().open(folder.string(), {.cameras = none, .occluders = geometry::Mesh()});
 }
 
-/// The number of the next frame; 0 where none comes.
+/// The number of the next frame; 0 if none comes.
 std::uint64_t next(sensing::DepthSource& source, double timeout_s = 5) {
   sensing::FrameSet set;
   if (!source.next(set, timeout_s) || set.frames.empty()) return 0;
@@ -70,7 +70,7 @@ TEST(RecordingPlayer, StopsAndGoesOnWhereItIs) {
   RecordingPlayer player;
   const auto source = open(player, "viewer-player-space");
   EXPECT_EQ(next(*source), 1u);
-  Playback seen = *player.now();  // as the last picture showed it
+  Playback seen = *player.now();  // as in the last picture
   EXPECT_EQ(next(*source), 2u);
   EXPECT_EQ(next(*source), 3u);
   seen.playing = false;
@@ -86,7 +86,7 @@ TEST(RecordingPlayer, TimesAndNumbersGoOnWhereverItIs) {
   const auto source = open(player, "viewer-player-times");
   sensing::FrameSet set;
   double last_s = -1;
-  for (std::uint64_t i = 0; i < 2 * frames; ++i) {  // it begins anew at its end
+  for (std::uint64_t i = 0; i < 2 * frames; ++i) {  // it restarts at its end
     ASSERT_TRUE(source->next(set, 5));
     ASSERT_FALSE(set.frames.empty());
     EXPECT_EQ(set.frames.front().depth.front(), i % frames + 1);

@@ -1,4 +1,4 @@
-// What follows a session: every state that a live run can be in, and what leads from one to another.
+// The states that a live run can be in, and the transitions between them.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -18,7 +18,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A run of a made-up finger in a cube, on the processor.
+/// A run of a synthetic finger in a cube, on the processor.
 class RunControls : public testing::Test {
  protected:
   RunControls() {
@@ -28,7 +28,7 @@ class RunControls : public testing::Test {
   }
   static setup::LiveOptions broken() { return live_options({{"--scene", {"/nowhere.glb"}}}); }
 
-  /// Goes round as a viewer does, but begins nothing.
+  /// Runs the loop like a viewer, but starts nothing.
   bool comes_to(RunState state) {
     const auto until = std::chrono::steady_clock::now() + 60s;
     while (run_->state() != state) {
@@ -39,7 +39,7 @@ class RunControls : public testing::Test {
     }
     return true;
   }
-  /// From none or over to running.
+  /// From no run, or an ended one, to a running one.
   bool runs(const setup::LiveOptions& options) {
     run_->start(options);
     return run_->begin() && comes_to(RunState::running);
@@ -48,7 +48,7 @@ class RunControls : public testing::Test {
   std::shared_ptr<test::Heard> heard_ = std::make_shared<test::Heard>();
   std::atomic<bool> stop_{false};
   std::unique_ptr<RunControl> run_;
-  std::vector<std::string> ends_;  ///< the fault of each session that is over
+  std::vector<std::string> ends_;  ///< the fault of each session that has ended
 };
 
 TEST_F(RunControls, BeginsWhenItIsAskedTo) {

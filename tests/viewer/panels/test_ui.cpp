@@ -1,4 +1,4 @@
-// Which keys panels take for text.
+// The keys that panels take as text.
 #include "viewer/panels/ui.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The chart of what skin feels: where it is drawn, how high its bars are, and where it is not drawn.
+// The chart of what skin feels: its place, the heights of its bars, and when it is not drawn.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -63,7 +63,7 @@ TEST(Chart, TheScaleStandsBesideItOrAboveIt) {
 }
 
 TEST(Chart, BarsAreAsHighAsTheirLines) {
-  // 200 Hz as high as the chart, 100 Hz half, of which half is felt.
+  // 200 Hz as high as the chart, 100 Hz half as high; half of the latter is felt.
   const auto strokes = chart(with({{{100, 0.5, 0.25}, {200, 1, 1}, {300, 0, 0}}}));
   std::vector<double> felt, pressure;
   for (const auto& s : strokes) {

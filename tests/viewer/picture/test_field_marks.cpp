@@ -1,4 +1,4 @@
-// Sound in the picture: planes, heat on the skin, and their bars.
+// Sound in the picture: planes, colours on the skin, and their colour bars.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -51,7 +51,7 @@ TEST(FieldMarks, SamplesAreThePlanesPixels) {
   EXPECT_EQ(grid.rows, 4u);
   const std::vector<Vec3> points = slice_points(slice, grid);
   ASSERT_EQ(points.size(), 32u);
-  // From the top left, half a pixel from the edges: its x axis is the world's z.
+  // From the top left, half a pixel from the edges: its x axis is the world's z axis.
   EXPECT_LT(glm::distance(points[0], Vec3(0.1, 0.2 + 0.0075, 0.3 - 0.0175)), 1e-12);
   EXPECT_LT(glm::distance(points[7], Vec3(0.1, 0.2 + 0.0075, 0.3 + 0.0175)), 1e-12);
   EXPECT_LT(glm::distance(points[31], Vec3(0.1, 0.2 - 0.0075, 0.3 + 0.0175)), 1e-12);
@@ -94,7 +94,7 @@ TEST_F(ViewerField, ASliceIsTheFieldWhereItIs) {
   Picture picture;
   SliceState slice;
   field.show(picture, slice, drive);
-  // Each pixel is the pressure's, to a step of its colour.
+  // Each pixel has its pressure's colour, to one step.
   const SliceGrid grid = slice_grid(slice, 24);
   const std::vector<Vec3> points = slice_points(slice, grid);
   const double most = picture.bars.at(0).most;
@@ -112,7 +112,8 @@ TEST_F(ViewerField, ASliceIsTheFieldWhereItIs) {
   }
   EXPECT_LT(glm::distance(points[loudest], foci[0].position), 8e-3) << "a focus is long along the way to it";
   EXPECT_LE(peak, most);
-  // In the picture it stands where the field is, hides what is behind, and has a bar; hidden there is neither.
+  // In the picture, it lies where the field is, hides what is behind it, and has a colour bar. If it is hidden, both
+  // disappear.
   picture.skin_points.emplace_back(-0.02f, -0.01f, -0.01f);
   ViewState state = test::bare_view();
   const Pixels without = draw(picture, state);
@@ -128,7 +129,7 @@ TEST_F(ViewerField, HeatIsThePressureAtTheVertices) {
   const geometry::Mesh box = test::box({-0.02, -0.02, -0.02}, {0.02, 0.02, 0.02});
   std::vector<double> pressure;
   for (const Vec3& at : box.positions)
-    pressure.push_back(at.x > 0 ? 600 : -100);  // pulled elsewhere: the colour of nothing
+    pressure.push_back(at.x > 0 ? 600 : -100);  // pulled elsewhere: the colour of zero
   show_heat(picture, "finger", box, pressure);
   ASSERT_TRUE(picture.skin);
   EXPECT_EQ(picture.bars.at(0).layer, Layer::heat);
@@ -136,8 +137,8 @@ TEST_F(ViewerField, HeatIsThePressureAtTheVertices) {
   const Pixels skin = draw(picture, state);
   state.layers[Layer::heat].visible = true;
   const Pixels heat = draw(picture, state);
-  // Faintly the skin's own without the layer; with it dark on the left, bright on the right, and nothing shines
-  // through.
+  // Without the layer, the skin has faintly its own colour. With the layer, it is dark on the left and bright on the
+  // right, and nothing shines through.
   EXPECT_GT(at(skin, {-0.019, 0.003, 0.02})[1], 170);
   EXPECT_LT(at(heat, {-0.019, 0.003, 0.02})[1], 60);
   EXPECT_GT(at(heat, {0.019, 0.003, 0.02})[0], at(heat, {-0.019, 0.003, 0.02})[0] + 100);
@@ -167,7 +168,7 @@ TEST_F(ViewerField, BarsStandBetweenAxesAndScale) {
   EXPECT_LT(right, width - 200);
   EXPECT_GT(right, left + 200);
   EXPECT_GT(top, height - 70);
-  // From dark to light; its middle is the colour of half.
+  // From dark to light; its middle has the colour of half the maximum.
   const std::uint32_t y = height - 34;
   EXPECT_LE(distance(with.at((left + right) / 2, y), drawing::map_colour(0.5)), 12);
 }

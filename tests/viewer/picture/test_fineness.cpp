@@ -1,4 +1,4 @@
-// When pictures are fine.
+// When pictures are drawn finely.
 #include <gtest/gtest.h>
 
 #include "viewer/view/fineness.hpp"

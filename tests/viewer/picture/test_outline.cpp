@@ -25,11 +25,11 @@ TEST(Outline, OfABallIsTheCircleWhereSightGrazesIt) {
   double length = 0;
   for (const shader::ViewEdge& line : lines) {
     length += glm::distance(xyz(line.from), xyz(line.to));
-    EXPECT_NEAR(line.from.z, radius * radius / away, 0.06 * radius);  // where the ray is a tangent
+    EXPECT_NEAR(line.from.z, radius * radius / away, 0.06 * radius);  // where the ray is tangent
   }
   const double circle = 2 * 3.14159265 * std::sqrt(radius * radius - std::pow(radius * radius / away, 2));
   EXPECT_GT(length, circle);
-  EXPECT_LT(length, 1.4 * circle);  // it goes along edges, in a zigzag
+  EXPECT_LT(length, 1.4 * circle);  // it follows edges, in a zigzag
   EXPECT_LT(lines.size(), ball.edges.folds.size() / 20);
 
   const std::size_t before = lines.size();
@@ -64,7 +64,7 @@ TEST(Detail, CoarserFormsLieWhereTheySayAndFaceOutwards) {
                  b = xyz(shape.vertices[detail.corners[t + 1]].position),
                  c = xyz(shape.vertices[detail.corners[t + 2]].position);
       const Vec3 middle = (a + b + c) / 3.0;
-      EXPECT_GT(glm::dot(glm::cross(b - a, c - a), middle), -1e-11);  // but for slivers
+      EXPECT_GT(glm::dot(glm::cross(b - a, c - a), middle), -1e-11);  // except slivers
       EXPECT_GT(glm::length(middle), 0.05 - 3e-3);
     }
   }

@@ -11,7 +11,8 @@
 namespace palpa::viewer {
 namespace {
 
-/// Two fingers: one with four sectors, the last empty, and one that is a single point; one contact of no finger.
+/// Two fingers, one with four sectors, the last of them empty, and one that is a single point; and a contact of no
+/// finger.
 struct Example {
   std::vector<geometry::Solid> solids;
   std::vector<sensing::SkinPoint> points;
@@ -28,7 +29,7 @@ struct Example {
     for (const std::uint32_t i : {1, 2, 3, 5, 7, 8})
       touch.contacts.push_back({10 * i, 0, 1e-3f, points[i].position});
     touch.fingers.resize(3);
-    touch.finger_count = 2;  // the third is left over from an earlier frame
+    touch.finger_count = 2;  // the third is a leftover from an earlier frame
     touch.fingers[0].contacts = {0, 1, 2};
     touch.fingers[0].section.axes = {glm::vec3(1, 0, 0), glm::vec3(0, 0, -1), glm::vec3(0, 1, 0)};
     for (std::uint32_t n = 0; n < 4; ++n) {
@@ -173,7 +174,7 @@ TEST(Overlay, MarksEveryFocusWhereItIsAndLeavesEmptySectorsOut) {
   const std::size_t before = strokes.size();
   picture.fingers[0].running = 2;
   build_overlay(picture, {}, viewpoint, {640, 480, 1, false}, strokes);
-  EXPECT_GT(strokes.size(), 2 * before - 10);  // appended, and the running one has its halo
+  EXPECT_GT(strokes.size(), 2 * before - 10);  // added; the running one has its halo
 }
 
 }  // namespace

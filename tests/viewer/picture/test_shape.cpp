@@ -26,7 +26,7 @@ TEST(Shape, ACubeHasTwelveCreasesAndFlatFaces) {
   EXPECT_EQ(shape.vertices.size(), 24u);  // four for each face
   EXPECT_EQ(shape.corners.size(), 36u);
   EXPECT_EQ(creases(shape), 12u);
-  EXPECT_TRUE(shape.edges.folds.empty());  // the faces' diagonals are no edges
+  EXPECT_TRUE(shape.edges.folds.empty());  // the faces' diagonals are not edges
   for (const auto& v : shape.vertices) {
     EXPECT_NEAR(std::max({std::abs(v.normal.x), std::abs(v.normal.y), std::abs(v.normal.z)}), 1, 1e-6);
     EXPECT_GT(glm::dot(xyz(v.normal), xyz(v.position)), 0.9);  // outwards
@@ -52,7 +52,7 @@ TEST(Shape, AFineCylinderIsSmoothAroundAndSharpAtItsRims) {
   }
   const Shape shape = make_shape(mesh);
   EXPECT_EQ(creases(shape), 2 * n);
-  EXPECT_EQ(shape.edges.folds.size(), n);  // the upright ones, for the outline
+  EXPECT_EQ(shape.edges.folds.size(), n);  // the vertical ones, for the outline
   for (const auto& v : shape.vertices) {
     if (std::abs(v.normal.y) < 0.5) {  // on the side: radial
       EXPECT_NEAR(glm::distance(xyz(v.normal), Vec3(v.position.x, 0, v.position.z)), 0, 0.06);
@@ -60,7 +60,7 @@ TEST(Shape, AFineCylinderIsSmoothAroundAndSharpAtItsRims) {
   }
 }
 
-// A ball whose surface a scanner got wrong in one place: the fold is there, but it is no line to be drawn.
+// A ball with a scanner's error at one place: the fold exists, but no line must be drawn there.
 TEST(Shape, ShortFoldsThatEndAreNoCreases) {
   constexpr unsigned rings = 24, segments = 48;
   const auto ball_with_bump = [](double height) {
@@ -99,7 +99,7 @@ TEST(Shape, ShortFoldsThatEndAreNoCreases) {
   EXPECT_GT(folds, 0);
 }
 
-// As many triangles as a scan has: hardly more vertices than places, and what lies side by side shares them.
+// As many triangles as in a scan: hardly more vertices than places, and neighbouring triangles share them.
 TEST(Shape, ASmoothMeshHasOneVertexForEachPlaceInAnOrderThatSharesThem) {
   const geometry::Mesh mesh = geometry::icosphere(0.05, 20);
   const Shape shape = make_shape(mesh);

@@ -1,4 +1,4 @@
-// What a participant sees: geometry of screen and eyes, and how two pictures become one.
+// The participant's view: geometry of screen and eyes, and how two pictures are combined.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@
 namespace palpa::viewer {
 namespace {
 
-/// Leaning back and turned, so that none of its axes is the world's.
+/// Tilted back and turned, so that none of its axes is one of the world's.
 sensing::Screen leaning_screen() {
   sensing::Screen screen;
   screen.width_m = 0.345;
@@ -26,7 +26,7 @@ sensing::Screen leaning_screen() {
   return screen;
 }
 
-/// Where the eye sees a point of the world, pixels of a picture of the whole screen.
+/// The place where the eye sees a point of the world, in pixels of a picture of the whole screen.
 Vec2 seen(const sensing::Screen& screen, const Vec3& eye, const Vec3& world) {
   const Projected p = project(projection(eye_view(screen, eye, {}), 1920, 1080), world);
   EXPECT_TRUE(p.visible);
@@ -56,7 +56,7 @@ TEST(Stereo, WhatIsInMidairIsOnTheLineFromTheEye) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> draw(-1, 1);
   for (int i = 0; i < 100; ++i) {
-    // Before the screen, and behind it.
+    // In front of the screen, and behind it.
     const Vec3 at(0.06 * draw(random), 0.04 * draw(random), 0.3 * draw(random));
     const Vec3 world = transform_point(screen.T_world_screen, at);
     for (const Vec3& eye : {eyes.left, eyes.right}) {
@@ -64,7 +64,7 @@ TEST(Stereo, WhatIsInMidairIsOnTheLineFromTheEye) {
       const Vec3 on = e + (at - e) * (e.z / (e.z - at.z));  // where the line meets the screen
       EXPECT_LT(glm::distance(seen(screen, eye, world), pixel_at(screen, Vec2(on))), 0.05);
     }
-    // Before the screen the left eye sees it farther to the right, behind it farther to the left.
+    // In front of the screen, the left eye sees it farther to the right; behind it, farther to the left.
     const double shift = seen(screen, eyes.left, world).x - seen(screen, eyes.right, world).x;
     EXPECT_EQ(shift > 0, at.z > 0) << at.z;
   }
@@ -92,14 +92,14 @@ TEST(Stereo, ThroughEverySlitEachEyeSeesItsOwnPixels) {
       for (const bool left : {true, false}) {
         const Vec3 e = transform_point(glm::inverse(screen.T_world_screen), left ? eyes.left : eyes.right);
         const double on = e.x + (u - e.x) * e.z / (e.z - shifted.gap_m);
-        // All that the middle half of the slit lets through.
+        // Everything that the middle half of the slit lets through.
         for (const double beside : {-0.24, 0.0, 0.24})
           EXPECT_EQ(is_left(screen, eyes, shifted, Stereo::columns, on + beside * column), left)
               << slit << " " << phase;
       }
     }
   }
-  // Half a pitch on, every place is the other eye's.
+  // Half a pitch further, every place belongs to the other eye.
   Barrier half = barrier;
   half.phase = 0.5;
   for (int i = 0; i < 1000; ++i) {

@@ -70,11 +70,11 @@ TEST(Viewpoint, ThroughACameraItSeesWhatTheCameraSees) {
     const Vec3 world = transform_point(T_world_camera, at);
     const Vec2 pixel = sensing::project(camera, at);
     const Projected p = project(projection(viewpoint, 800, 600), world);
-    // Pixel centres are whole numbers there, and halves in a picture.
+    // Pixel centres are whole numbers in the camera, and half-integers in a picture.
     EXPECT_NEAR(p.x, pixel.x + 0.5, 1e-3);
     EXPECT_NEAR(p.y, pixel.y + 0.5, 1e-3);
     EXPECT_NEAR(p.depth, at.z, 1e-6);
-    // A wider picture has more on both sides, as large as before; a narrower one is smaller and has more above.
+    // A wider picture shows more on both sides at the same size. A narrower one is smaller and shows more above.
     const Projected wide = project(projection(viewpoint, 1000, 600), world);
     EXPECT_NEAR(wide.x, pixel.x + 0.5 + 100, 1e-3);
     EXPECT_NEAR(wide.y, pixel.y + 0.5, 1e-3);
@@ -83,7 +83,8 @@ TEST(Viewpoint, ThroughACameraItSeesWhatTheCameraSees) {
   const Basis b = basis(viewpoint);
   EXPECT_LT(glm::distance(b.eye, Vec3(T_world_camera[3])), 1e-12);
   EXPECT_LT(glm::distance(b.up, Vec3(0, -1, 0)), 1e-12);
-  // A drag goes on from there, and upside down turns as it does upright; a standard view is the world's again.
+  // A drag continues from there; upside down, it turns in the same way as upright. A standard view uses the world's
+  // axes again.
   Viewpoint still = viewpoint;
   orbit(still, 0, 0, 600);
   EXPECT_FALSE(still.frustum);
@@ -105,7 +106,7 @@ TEST(Viewpoint, ProjectsAsAPinholeDoes) {
   EXPECT_NEAR(centre.x, 400, 1e-3);
   EXPECT_NEAR(centre.y, 300, 1e-3);
   EXPECT_NEAR(centre.depth, 0.5, 1e-6);
-  const Projected p = project(view, {0.03, 0.05, 0.1});  // 0.4 m before the eye
+  const Projected p = project(view, {0.03, 0.05, 0.1});  // 0.4 m in front of the eye
   EXPECT_NEAR(p.x, 400 + focal * 0.03 / 0.4, 1e-2);
   EXPECT_NEAR(p.y, 300 - focal * 0.05 / 0.4, 1e-2);
   EXPECT_FALSE(project(view, {0, 0, 1}).visible);

@@ -1,4 +1,4 @@
-// What tests that draw have in common.
+// The common part of tests that draw.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 namespace palpa::test {
 
-/// Skips where the renderer refuses the driver, see gpu::DeviceDescription::cannot_draw.
+/// Skips the test if the renderer refuses the driver, see gpu::DeviceDescription::cannot_draw.
 class DrawingTest : public testing::Test {
  protected:
   void SetUp() override {

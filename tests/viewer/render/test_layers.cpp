@@ -1,4 +1,4 @@
-// What layers, parts taken apart, sections and images look like.
+// The look of layers, separated parts, sections and images.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -38,12 +38,12 @@ int distance(const std::uint8_t* pixel, const Colour& colour) {
   return worst;
 }
 
-/// How far the two are from each other on average, of 255.
+/// The mean difference of the two, in steps of 255.
 double change(const Pixels& a, const Pixels& b) {
   return 255 * drawing::mean_difference(a, b);
 }
 
-/// Something of every layer that has items of its own.
+/// Some content for every layer with its own items.
 Picture everything() {
   Picture picture = test::cube_picture();
   picture.skin = SurfaceMark{"finger", test::box({0.012, -0.01, -0.01}, {0.035, 0.01, 0.01})};
@@ -86,7 +86,7 @@ TEST_F(ViewerLayers, EachIsShownHiddenAndFaded) {
   };
   const Pixels whole = draw(all);
   for (const Word<Layer>& entry : layer_words) {
-    if (entry.value == Layer::slice || entry.value == Layer::heat) continue;  // of a field: tests of their own
+    if (entry.value == Layer::slice || entry.value == Layer::heat) continue;  // of a field: they have their own tests
     ViewState without = all, faint = all, none = all;
     without.layers[entry.value].visible = false;
     faint.layers[entry.value].opacity = 0.5f;
@@ -149,7 +149,8 @@ TEST_F(ViewerLayers, AnImageHasItsPixelsWhereItsCornersAre) {
   const Colour red = rgb(0xff0000), green = rgb(0x00ff00), blue = rgb(0x0000ff), grey = rgb(0x808080, 0.5f);
   image.pixels = {to_pixel(red), to_pixel(green), to_pixel(blue), to_pixel(grey)};
   picture.images = {{image.layer, image.corners, 1, 1, {to_pixel(rgb(0))}}, image};
-  picture.images[0].corners.fill(glm::vec3(0.5, 0, 0));  // elsewhere: the other's pixels come after its own
+  picture.images[0].corners.fill(glm::vec3(0.5, 0, 0));  // at another place: the pixels of the other image come after
+                                                         // its own
   ViewState state = test::bare_view();
   state.layers[Layer::depth].visible = true;
   const Pixels pixels = draw(picture, state);

@@ -1,6 +1,6 @@
-// Whole pictures beside those in references/: what a person would see change. After a change that is meant,
+// Compares whole pictures with those in references/, for changes that a person would see. After an intended change,
 //   PALPA_DRAW_REFERENCES=1 build/release/bin/tests_viewer --gtest_filter='References.*'
-// draws them anew; look at them before they are committed.
+// draws them again; look at them before you commit them.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -17,7 +17,7 @@ namespace {
 using References = test::DrawingTest;
 using test::source_file;
 
-/// Mean difference of a channel: drivers and vector widths differ by a tenth of it, a missing outline by more.
+/// Mean difference of a channel: drivers and vector widths differ by a tenth of this, a missing outline by more.
 constexpr const char* threshold = "0.0006";
 
 test::Result draw(const std::string& asset, const std::vector<std::string>& more) {

@@ -84,7 +84,8 @@ TEST_F(Renderer, ACubeIsWhereItShouldBeAndTranslucent) {
   const Colour lit{theme.solid.r * light, theme.solid.g * light, theme.solid.b * light, 1};
   const Colour expected = mix(mix(theme.background, lit, theme.solid.a), lit, theme.solid.a);
   EXPECT_LE(distance(at(pixels, viewpoint, {0.003, 0.004, 0.02}), expected), 3);
-  // Its front face ends at 0.02 m, 0.18 m before the eye; just outside there is nothing, on the rim a dark edge.
+  // Its front face ends at 0.02 m, 0.18 m in front of the eye. Just outside, there is background; on the rim, a dark
+  // edge.
   EXPECT_LE(distance(at(pixels, viewpoint, {0.0225, 0.004, 0.02}), theme.background), 1);
   EXPECT_LE(distance(at(pixels, viewpoint, {0.018, 0.004, 0.02}), expected), 40);
   EXPECT_LT(at(pixels, viewpoint, {0.02, 0.005, 0.02})[0], 140);
@@ -94,7 +95,8 @@ TEST_F(Renderer, ACubeIsWhereItShouldBeAndTranslucent) {
 TEST_F(Renderer, HiddenEdgesAreFaint) {
   const Viewpoint viewpoint = test::front_viewpoint();
   const Pixels pixels = draw(test::cube_picture(), viewpoint);
-  // The back face's edges show through the front face, lighter than the front's own and darker than the face.
+  // The back face's edges show through the front face: lighter than the front face's own edges, and darker than the
+  // face.
   const int face = at(pixels, viewpoint, {0.003, 0.004, 0.02})[0];
   const int hidden = at(pixels, viewpoint, {0.0, 0.02, -0.02})[0];
   const int shown = at(pixels, viewpoint, {0.0, 0.02, 0.02})[0];
@@ -152,7 +154,7 @@ TEST_F(Renderer, ContactsHaveTheirFingersColour) {
 TEST_F(Renderer, AContactInsideASolidShowsThroughItAndOneBehindItToo) {
   Picture picture = test::cube_picture();
   picture.contacts.push_back({{0.005f, 0.005f, 0.01f}, 0u});
-  picture.contacts.push_back({{-0.008f, 0.005f, 0.03f}, 0u});  // before the front face
+  picture.contacts.push_back({{-0.008f, 0.005f, 0.03f}, 0u});  // in front of the front face
   const Viewpoint viewpoint = test::front_viewpoint();
   const Pixels pixels = draw(picture, viewpoint, 640, 480);
   const std::uint8_t* inside = at(pixels, viewpoint, {0.005, 0.005, 0.01});
@@ -173,7 +175,7 @@ TEST_F(Renderer, FociLieOnTopWithTheRunningOneFilled) {
     const Projected q = project(view, p);
     return pixels.at(static_cast<std::uint32_t>(q.x + dx), static_cast<std::uint32_t>(q.y));
   };
-  // Seven pixels from its centre: inside the disc, clear of the number.
+  // Seven pixels from its centre: inside the disc, beside the number.
   EXPECT_LE(distance(beside({-0.012, 0, 0}, -7), rgb(0xffffff)), 8);
   EXPECT_LE(distance(beside({0.012, 0, 0}, 7), finger_colour(0)), 8);
   // The numbers: dark on the waiting ones, white on the running one.
@@ -237,7 +239,7 @@ TEST_F(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {
   EXPECT_NE(offscreen.pixels().rgba, first.rgba);
   drawn.update_marks(picture);
   offscreen.draw(drawn, viewpoint);
-  // But for the floor, which follows the solids: they are the same.
+  // They are the same except for the floor, which follows the solids.
   EXPECT_EQ(offscreen.pixels().rgba, first.rgba);
 }
 
@@ -265,7 +267,7 @@ TEST_F(Renderer, ASkinThatChangesLeavesSolidsAlone) {
   EXPECT_EQ(offscreen.pixels().rgba, draw(test::cube_picture(), viewpoint).rgba);
 }
 
-// Lines, rings and points are soft by themselves; what one sample leaves rough are edges of surfaces.
+// Lines, rings and points have soft edges by themselves. With a single sample, only edges of surfaces are rough.
 TEST_F(Renderer, AQuickPictureIsTheFineOneButForEdges) {
   Picture picture = test::cube_picture();
   picture.skin_points = {{0.03f, 0, 0.02f}, {0.031f, 0.001f, 0.02f}};
@@ -292,7 +294,7 @@ TEST_F(Renderer, AQuickPictureIsTheFineOneButForEdges) {
 }
 
 TEST_F(Renderer, AQuickPictureHasOfVeryManyPointsEachSoManyth) {
-  const auto drawn_of = [](int side, Fineness fineness) {  // so many points along a side, four pixels apart
+  const auto drawn_of = [](int side, Fineness fineness) {  // this many points along a side, four pixels apart
     Picture picture;
     for (int i = 0; i < side * side; ++i)
       picture.skin_points.emplace_back((i % side - side / 2) * 4e-4f, (i / side - side / 2) * 4e-4f, 0);
@@ -340,7 +342,7 @@ TEST_F(Renderer, ASettledSceneAllocatesNothing) {
 TEST_F(Renderer, AnInsetIsAPictureInThePicture) {
   Picture picture = test::cube_picture();
   picture.fingers.resize(1);
-  picture.fingers[0].foci = {{{0, 0, 0}, 1, false}};  // the running one has no number to hide its colour
+  picture.fingers[0].foci = {{{0, 0, 0}, 1, false}};  // the current one has no number to hide its colour
   picture.fingers[0].running = 0;
   DrawnPicture drawn(test::test_device());
   drawn.update(picture, test::bare_view());
@@ -368,7 +370,7 @@ TEST_F(Renderer, AnInsetIsAPictureInThePicture) {
     }
   }
   EXPECT_EQ(outside, 0u);
-  // Its overlay lies where it lies: the border, and a focus in its middle.
+  // Its overlay is in the same place: the border, and a focus in its middle.
   EXPECT_LT(both.at(x, y + area.extent.height / 2)[0], 170);
   EXPECT_LE(distance(both.at(x + area.extent.width / 2, y + area.extent.height / 2), finger_colour(0)), 8);
   // The close-up shows the cube's middle all over: no background inside its border.
@@ -400,8 +402,8 @@ TEST_F(Renderer, LinesAreCutWhereTheyPassBehindTheEye) {
     return dark;
   };
   EXPECT_LT(darkest(end.x + 4, end.x + 8), 200);
-  EXPECT_LT(darkest(width - 6, width - 1), 200);  // on to the picture's edge
-  EXPECT_EQ(darkest(0, end.x - 8), 255);          // and not to the other side
+  EXPECT_LT(darkest(width - 6, width - 1), 200);  // continues to the picture's edge
+  EXPECT_EQ(darkest(0, end.x - 8), 255);          // and does not reach the other side
 }
 
 TEST_F(Renderer, AbsurdSizesAreFailures) {

@@ -1,4 +1,4 @@
-// What palpa-viewer and its scripts write is never what they read, whatever it is called.
+// palpa-viewer and its scripts never write a file that they read, whatever its name is.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -73,7 +73,7 @@ class ViewerFiles : public testing::Test {
     options.timeout_s = timeout_s;
     return test::run_program(PALPA_VIEWER_BINARY, with(words, {"--headless", "--size", "64x48"}), options);
   }
-  /// Refused, and all files are as they were.
+  /// Rejected, and all files are unchanged.
   void expect_refused(const std::vector<std::string>& words, const std::string& part, int code = 2) {
     SCOPED_TRACE(words[words.size() - 2] + " " + words.back());
     const auto before = contents();
@@ -82,7 +82,7 @@ class ViewerFiles : public testing::Test {
     EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
     EXPECT_TRUE(contents() == before);
   }
-  /// A script of these lines.
+  /// A script with these lines.
   std::string script(const std::string& lines) const {
     write_text(folder_ / "script", lines);
     return path("script");
@@ -110,7 +110,7 @@ TEST_F(ViewerFiles, ThatAPictureIsMadeOfAreNoOutputs) {
   expect_refused({"--scene", path("scene.gltf"), "--participant", "--screen", path("screen.toml"), "--screenshot",
                   path("screen.toml")},
                  read_);
-  // Not yet there, and compared with itself.
+  // A file that does not exist yet, compared with itself.
   for (const std::string& name : names_of("absent.png"))
     expect_refused({"--scene", path("scene.gltf"), "--reference", path("absent.png"), "--screenshot", name}, read_);
 }
@@ -154,7 +154,7 @@ TEST_F(ViewerFiles, ThatShotsNameAreNotWhatIsRead) {
       expect_refused(with(touch, {"--screenshot", name}), same_);
     }
   }
-  // Of a live run, whose files are read while the script is played, and of what is dropped.
+  // Files of a live run, which are read while the script is played, and dropped files.
   const std::vector<std::string> live{"--scene",  path("scene.gltf"),          "--rig",      path("rig.toml"),
                                       "--source", "recording:" + path("take"), "--interact", path("script")};
   for (const std::string file : {"mask.png", "corners.bin", "layout.toml", "take/depth-0.png"}) {
@@ -169,7 +169,7 @@ TEST_F(ViewerFiles, ThatShotsNameAreNotWhatIsRead) {
   test::write_tetrahedron(folder_ / "dropped.bin");
   script("draw\ndrop " + path("second.gltf") + "\nshot " + path("dropped.bin") + "\ndraw\n");
   expect_refused(touch, "is read by this command");
-  // What nobody reads is drawn over as often as somebody likes.
+  // A file that nothing reads may be overwritten any number of times.
   script("draw\nshot " + path("new.png") + "\ndraw\nshot " + path("new.png") + "\n");
   EXPECT_EQ(viewer(touch).exit_code, 0);
   EXPECT_EQ(viewer(touch).exit_code, 0);

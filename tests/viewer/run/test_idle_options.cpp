@@ -1,4 +1,4 @@
-// palpa-viewer ignores no option without a word.
+// palpa-viewer never ignores an option silently.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,4 +1,4 @@
-// Recorded input, and how it is played.
+// Recorded input and its playback.
 #include <gtest/gtest.h>
 
 #include <string>

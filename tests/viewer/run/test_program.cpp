@@ -28,7 +28,7 @@ using Viewer = test::DrawingTest;
 using test::source_file;
 
 test::Result viewer(const std::vector<std::string>& arguments) {
-  // No display of any kind: headless must not care.
+  // No display of any kind: headless runs must not need one.
   return test::run_program(PALPA_VIEWER_BINARY, arguments, {{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}});
 }
 
@@ -87,8 +87,8 @@ TEST_F(Viewer, TheSpectrumIsAChartInItsCornerBesideWhatIsLookedAt) {
   ASSERT_EQ(viewer(cube_touch(test::with(more, {a}), "640x400")).exit_code, 0);
   ASSERT_EQ(viewer(cube_touch(test::with(more, {b, "--spectrum"}), "640x400")).exit_code, 0);
   const drawing::Pixels without = drawing::read_png(a), with = drawing::read_png(b);
-  // The chart is in its corner, and no part of the cube is: right of it there is more than was there, left of it
-  // nothing but the legend at the top.
+  // The chart is in its corner, and no part of the cube is there. To the right, there is more than before. To the left,
+  // there is only the legend at the top.
   const auto drawn = [](const drawing::Pixels& pixels, std::uint32_t x0, std::uint32_t y0, std::uint32_t x1,
                         std::uint32_t y1) {
     std::size_t count = 0;
@@ -222,7 +222,7 @@ TEST_F(Viewer, ThePressureOnTheFingerIsHeat) {
                                        "heat"};
   const auto run = viewer(test::with(touch, {"--layout", "autd3", "--screenshot", file}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  // Near black where there is nothing to feel, lighter where there is most.
+  // Almost black where nothing is felt, lightest where most is felt.
   const drawing::Pixels pixels = drawing::read_png(file);
   std::size_t dark = 0, light = 0;
   for (std::uint32_t y = 0; y < pixels.height; ++y) {
@@ -251,7 +251,7 @@ TEST_F(Viewer, AParticipantSeesTheObjectWithEitherEye) {
   const drawing::Pixels both = shot("both.png", {"--stereo", "side-by-side"});
   const drawing::Pixels tile = shot("tile.png", {"--stereo", "side-by-side", "--hide", "solids,edges"});
   EXPECT_EQ(both.width, 320u);
-  // The tile is the same in both, farther to the right for the left eye since it stands before the screen.
+  // The tile is the same in both; for the left eye, it is farther to the right, because it is in front of the screen.
   const auto middle = [&](std::uint32_t first) {
     double sum = 0, count = 0;
     for (std::uint32_t y = 0; y < 180; ++y) {
@@ -297,7 +297,7 @@ TEST_F(Viewer, AScriptThatEndsWhileARunLoadsIsNoSuccess) {
   };
   const std::string cube = source_file("assets/cube.glb").string(), pipe = (folder / "pipe").string();
   test::expect_failure(run("draw\n", {"--scene", (folder / "absent.glb").string()}), 4, "absent.glb");
-  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);  // nobody will ever read from it
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);  // nobody ever reads from it
   test::expect_failure(run("draw\nkey q\n", {"--scene", cube, "--events", pipe}), 1, "while the run was loading");
   const auto waited = run("draw\n", {"--scene", cube});
   EXPECT_EQ(waited.exit_code, 0) << waited.err;
@@ -438,7 +438,7 @@ TEST_F(Viewer, LooksThroughTheCameraOfThatName) {
   EXPECT_EQ(run("camera:from above", {"--screenshot", a, "--hide", "legend,grid"}).exit_code, 0);
   EXPECT_EQ(run("camera", {"--screenshot", b, "--hide", "legend,grid", "--show", "depth"}).exit_code, 0);
   EXPECT_EQ(test::read_text(a), test::read_text(b)) << "its own image does not hide what it sees";
-  // The cube's top is 40 mm wide and 0.2 m away: 100 pixels of the picture, in its middle.
+  // The cube's top is 40 mm wide and 0.2 m away: 100 pixels in the middle of the picture.
   const drawing::Pixels pixels = drawing::read_png(a);
   EXPECT_GT(pixels.at(110 - 8, 120)[0], 250);
   EXPECT_LT(pixels.at(110 + 8, 120)[0], 240);

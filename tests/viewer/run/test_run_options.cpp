@@ -1,4 +1,4 @@
-// The Run panel's options beside those of the real `palpa run`.
+// The Run panel's options compared with those of the real `palpa run`.
 #include <gtest/gtest.h>
 
 #include <regex>

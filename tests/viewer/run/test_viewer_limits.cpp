@@ -1,4 +1,4 @@
-// What palpa-viewer refuses, and what it costs.
+// Inputs that palpa-viewer rejects, and its costs.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -47,7 +47,7 @@ TEST_F(ViewerLimits, WhatIsNoNumberIsRefused) {
   EXPECT_EQ(far.exit_code, 2) << far.err;
 }
 
-// What lies upon each other by the thousand looks as a hundred of it, and takes no longer.
+// Thousands of objects at one place look like a hundred of them, and take no longer.
 TEST_F(ViewerLimits, ManyNodesInOnePlaceCostNoMoreThanTheyWeigh) {
   if (test::instrumented()) GTEST_SKIP() << "skipped: times and memory mean nothing here";
   const auto folder = test::scratch_folder("viewer-bones");
@@ -58,7 +58,7 @@ TEST_F(ViewerLimits, ManyNodesInOnePlaceCostNoMoreThanTheyWeigh) {
     const auto run = headless_viewer({"--scene", scene, "--headless", "--size", "640x400", "--hide", "legend",
                                       "--screenshot", shots.back(), "--quiet"});
     ASSERT_EQ(run.exit_code, 0) << run.err;
-    // Twice of what docs/limits.md allows, for busy machines.
+    // Twice the limit in docs/limits.md, for busy machines.
     EXPECT_LT(run.processor_s, 2 * (1 + static_cast<double>(std::filesystem::file_size(scene)) / 1e6));
     EXPECT_LT(run.peak_mib, 1e9 / (1 << 20));
   }

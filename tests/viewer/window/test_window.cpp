@@ -1,4 +1,4 @@
-// The window, on a private X server; skipped where there is none.
+// The window, on a private X server; skipped if there is none.
 #include <gtest/gtest.h>
 
 #include <sys/stat.h>
@@ -45,7 +45,7 @@ test::Result viewer(const test::XServer& server, const std::vector<std::string>&
                            {{{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", "/dev/null"}}});
 }
 
-/// With every call checked, where the layer is installed. It leaks by itself, which a leak checker would report.
+/// With every call checked, if the layer is installed. The layer itself leaks, which a leak checker would report.
 std::string validation() {
   return gpu::validation_layer_present() && !test::instrumented() ? "sync" : "off";
 }
@@ -70,7 +70,7 @@ TEST_F(Window, SurvivesResizingAndHidingAndClosesWhenAsked) {
     std::this_thread::sleep_for(400ms);
     hand.resize(width, height);
   }
-  // A storm of sizes, faster than frames.
+  // Many changes of size, faster than frames.
   for (unsigned i = 0; i < 60; ++i) {
     hand.resize(300 + 5 * i, 500 - 5 * i);
     std::this_thread::sleep_for(7ms);
@@ -87,7 +87,8 @@ TEST_F(Window, SurvivesResizingAndHidingAndClosesWhenAsked) {
   EXPECT_EQ(run.err, "");
 }
 
-/// Of the one child of this process that has that name: processor seconds of all its threads so far; below 0: no such.
+/// For the only child of this process with that name: processor seconds of all its threads so far; below 0 if there is
+/// none.
 double processor_s_of(const std::string& name) {
   namespace fs = std::filesystem;
   for (const fs::directory_entry& process : fs::directory_iterator("/proc")) {
@@ -120,7 +121,7 @@ TEST_F(Window, CostsNothingWhereNothingChangesNorMinimised) {
   test::XHand hand(server.name());
   ASSERT_TRUE(hand.connected());
   ASSERT_TRUE(hand.find("palpa", 60));
-  const auto rests = [] {  // for half a second with less than a hundredth of a core, soon
+  const auto rests = [] {  // less than a hundredth of a core for half a second, reached soon
     for (int i = 0; i < 60; ++i) {
       const double before = processor_s_of("palpa-viewer");
       std::this_thread::sleep_for(500ms);
@@ -135,7 +136,7 @@ TEST_F(Window, CostsNothingWhereNothingChangesNorMinimised) {
   EXPECT_EQ(running.get().exit_code, 0);
 }
 
-// What it shows at rest is what --headless draws, quick as pictures in motion are; with --fine never it stays quick.
+// At rest, it shows what --headless draws; in motion, quick pictures. With --fine never, it stays quick.
 TEST_F(Window, WhatRestsIsDrawnFinely) {
   const test::XServer server;
   if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
@@ -157,7 +158,7 @@ TEST_F(Window, WhatRestsIsDrawnFinely) {
   const test::XHand::Picture fine = drawn("auto"), quick = drawn("never");
   EXPECT_EQ(fine, drawn("always"));
   EXPECT_FALSE(fine == quick);
-  const test::XHand stays(server.name());  // a server that loses its last client begins anew
+  const test::XHand stays(server.name());  // a server that loses its last client restarts
   for (const std::string wanted : {"auto", "never"}) {
     auto running = std::async(std::launch::async, [&] {
       return test::run_program(PALPA_VIEWER_BINARY, test::with(scene, {"--fine", wanted, "--no-panels"}), screen);
@@ -180,7 +181,7 @@ TEST_F(Window, WhatRestsIsDrawnFinely) {
   }
 }
 
-/// A viewer whose array sounds, and what is heard of it.
+/// A viewer whose array sounds, and the data that arrives from it.
 class Sounding {
  public:
   explicit Sounding(const std::string& display)
@@ -198,7 +199,7 @@ class Sounding {
       last_ = receiver_.next();
     return !last_.empty() && sounds();
   }
-  /// Listens until the program has ended.
+  /// Listens until the program ends.
   test::Result end() {
     while (running_.wait_for(10ms) == std::future_status::timeout)
       drain();
@@ -233,7 +234,7 @@ TEST_F(Window, ClosingItWhileTheArraySoundsLeavesSilence) {
   EXPECT_FALSE(viewer.sounds()) << viewer.last();
 }
 
-// Xlib ends a program whose server is gone by exit().
+// Xlib calls exit() in a program whose server has gone.
 TEST_F(Window, LosingTheServerWhileTheArraySoundsLeavesSilence) {
   test::XServer server;
   if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
@@ -245,7 +246,7 @@ TEST_F(Window, LosingTheServerWhileTheArraySoundsLeavesSilence) {
   EXPECT_FALSE(viewer.sounds()) << viewer.last();
 }
 
-/// What Ctrl-C ends, that long after its window shows something.
+/// Ends it with Ctrl-C, this long after its window shows something.
 void expect_a_clean_end(const char* name, const std::vector<std::string>& more, const std::string& script,
                         std::chrono::milliseconds after, const std::string& says = {}) {
   const test::XServer server;
@@ -276,10 +277,10 @@ void expect_a_clean_end(const char* name, const std::vector<std::string>& more, 
   test::XHand hand(server.name());
   ASSERT_TRUE(hand.connected());
   ASSERT_TRUE(hand.find("palpa", 60));
-  // What a driver compiles for the first picture is not what is measured here.
+  // The driver's compilation for the first picture is not measured here.
   for (int i = 0; i < 600 && hand.picture().colours() < 20; ++i)
     std::this_thread::sleep_for(100ms);
-  // Nor for what comes next: what rests is drawn finely.
+  // Nor is the next work: at rest, pictures are drawn finely.
   test::XHand::Picture before = hand.picture();
   for (int i = 0, same = 0; i < 40 && same < 8; ++i) {
     std::this_thread::sleep_for(100ms);
@@ -302,7 +303,7 @@ TEST_F(Window, CtrlCEndsItCleanlyWhileTheArrayIsOff) {
 TEST_F(Window, CtrlCEndsItCleanlyWhileItLoads) {
   const auto folder = test::scratch_folder("viewer-fifo");
   const std::string pipe = (folder / "pipe").string();
-  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);  // nobody will ever read from it
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);  // nobody ever reads from it
   expect_a_clean_end("viewer-loading", {"--events", pipe}, "draw\n", 500ms,
                      "palpa: warning: " + pipe + ": palpa waits for somebody to read this pipe\n");
 }
@@ -369,7 +370,7 @@ TEST_F(Window, TheParticipantHasAWindowOfItsOwn) {
     pyramid = participant.picture();
     return pyramid != cube && pyramid != tile;
   })) << "the next object";
-  participant.resize(1279, 717);  // that the two halves do not fill
+  participant.resize(1279, 717);  // the two halves do not fill it
   EXPECT_TRUE(comes_to([&] {
     const test::XHand::Picture odd = participant.picture();
     return odd.width == 1279 && odd.colours() > 20;

@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// What libX11 calls a ClientMessage event, inside its 24 longs.
+/// The layout of libX11's ClientMessage event, inside its 24 longs.
 struct ClientMessage {
   int type;
   unsigned long serial;
@@ -29,7 +29,7 @@ struct ClientMessage {
   int format;
   long data[5];
 };
-/// Its KeyPress and KeyRelease.
+/// The layout of its KeyPress and KeyRelease.
 struct KeyEvent {
   int type;
   unsigned long serial;
@@ -40,7 +40,7 @@ struct KeyEvent {
   unsigned state, keycode;
   int same_screen;
 };
-/// How its XImage begins.
+/// The beginning of its XImage.
 struct Image {
   int width, height, xoffset, format;
   char* data;
@@ -63,7 +63,7 @@ XServer::XServer() {
   if (process_ == 0) {
     close(ready[0]);
     const std::string descriptor = std::to_string(ready[1]);
-    // It must neither live longer than the test nor keep anybody waiting who reads what the test says.
+    // It must not live longer than the test, and must not hold up a program that reads the test's output.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     freopen("/dev/null", "w", stdout);
     freopen("/dev/null", "w", stderr);
@@ -72,7 +72,7 @@ XServer::XServer() {
     _exit(127);
   }
   close(ready[1]);
-  // Writes its number and a newline once it takes clients.
+  // Writes its number and a newline once it accepts clients.
   std::string number;
   pollfd wait{ready[0], POLLIN, 0};
   char c = 0;
@@ -103,7 +103,7 @@ F* XHand::function(const char* name) const {
 XHand::XHand(const std::string& display) {
   library_ = dlopen("libX11.so.6", RTLD_NOW);
   if (!library_) return;
-  // The window may be on its way there or away: libX11 itself would end the program. What was asked for is empty then.
+  // The window may just be appearing or disappearing: libX11 itself would end the program. The result is then empty.
   function<void*(int (*)(void*, void*))>("XSetErrorHandler")([](void*, void*) { return 0; });
   display_ = function<void*(const char*)>("XOpenDisplay")(display.c_str());
 }
@@ -159,7 +159,7 @@ void XHand::press(const char* key) {
   event.key.same_screen = 1;
   for (const int type : {key_press, key_release}) {
     event.key.type = type;
-    event.key.time = time_ += 100;  // two of one time are one
+    event.key.time = time_ += 100;  // two events at one time would count as one
     function<int(void*, unsigned long, int, long, XEvent*)>("XSendEvent")(display_, window_, 0, 0, &event);
   }
   function<int(void*, int)>("XSync")(display_, 0);

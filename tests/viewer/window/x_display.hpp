@@ -1,5 +1,5 @@
-// A private X server for the window's tests, and a hand that moves its windows. libX11 is loaded at run time, so that
-// nothing is needed to build the tests.
+// A private X server for the window's tests, and a client that controls its windows. libX11 is loaded at run time, so
+// that building the tests needs nothing.
 #pragma once
 
 #include <sys/types.h>
@@ -11,7 +11,7 @@
 
 namespace palpa::test {
 
-/// An Xvfb of its own, ended with the object. `name()` is empty where Xvfb is not installed or does not start.
+/// A separate Xvfb, which ends with the object. `name()` is empty if Xvfb is not installed or does not start.
 class XServer {
  public:
   XServer();
@@ -19,7 +19,7 @@ class XServer {
   XServer(const XServer&) = delete;
   XServer& operator=(const XServer&) = delete;
   const std::string& name() const { return name_; }
-  /// Ends it at once, as when it crashes.
+  /// Ends it at once, like a crash.
   void kill();
 
  private:
@@ -27,7 +27,7 @@ class XServer {
   std::string name_;
 };
 
-/// A client of the server beside the one under test.
+/// A client of the server in addition to the one under test.
 class XHand {
  public:
   explicit XHand(const std::string& display);
@@ -38,24 +38,24 @@ class XHand {
   bool connected() const { return display_ != nullptr; }
   /// Waits up to `timeout_s` for a window with that title.
   bool find(const std::string& title, double timeout_s);
-  /// Whether it is still there.
+  /// Whether the window still exists.
   bool there() const;
-  /// A key by its X name: "v", "Next", "Escape".
+  /// Presses a key, by its X name: "v", "Next", "Escape".
   void press(const char* key);
   struct Picture {
     unsigned width = 0;
     std::vector<std::uint32_t> pixels;  ///< 0xrrggbb, rows from the top
-    std::size_t colours() const;        ///< how many different ones
+    std::size_t colours() const;        ///< the number of different colours
     bool operator==(const Picture&) const = default;
   };
-  /// What it shows; empty where it is not visible.
+  /// The window's picture; empty if it is not visible.
   Picture picture() const;
-  /// Wipes away what it shows and tells it so, as when another window was in its way.
+  /// Clears the window's content and notifies it, as if another window had covered it.
   void damage();
   void resize(unsigned width, unsigned height);
   void iconify();
   void restore();
-  /// As a window manager does when the user clicks its cross.
+  /// Does what a window manager does when the user clicks the close button.
   void close();
 
  private:
