@@ -24,15 +24,15 @@ define_property(DIRECTORY PROPERTY PALPA_OF_TESTS INHERITED)
 define_property(TARGET PROPERTY PALPA_OF_TESTS INHERITED)
 set(of_tests $<BOOL:$<TARGET_PROPERTY:PALPA_OF_TESTS>>)
 if(PALPA_UNITS)
-  # Of tests, one source's constants may stand above another's local names; local names above each other are seen all the same.
+  # In a unit of tests, constants of one source may stand above local names of another. Shadowed local names are still reported.
   target_compile_options(palpa_options INTERFACE $<${of_tests}:-Wno-shadow>)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(palpa_options INTERFACE $<$<AND:${of_tests},$<COMPILE_LANGUAGE:CXX>>:-Wshadow=local>)
   endif()
 endif()
-# What makes a fault in memory end a program instead of serving whoever caused it: palpa reads files of strangers, and its guard has a
-# board open. None of it asks anything of those who link the installed libraries, beside the C library that they have. Sanitizers
-# look closer by themselves.
+# These options make a memory fault end a program instead of serving an attacker: palpa reads files of strangers, and its guard has a
+# board open. A program that links the installed libraries needs only the C library that it has anyway. Sanitizers check more
+# closely by themselves.
 if(NOT PALPA_SANITIZE)
   target_compile_options(palpa_options INTERFACE -fstack-protector-strong -fstack-clash-protection)
   target_compile_definitions(palpa_options INTERFACE _GLIBCXX_ASSERTIONS)

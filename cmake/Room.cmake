@@ -94,7 +94,7 @@ function(palpa_test NAME)
   list(JOIN of "," of)
   add_test(NAME ${NAME} COMMAND ${program} --of=${of})
   set_tests_properties(${NAME} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT 600)
-  # Of the two places of each core that tests/house/suite.sh gives.
+  # tests/house/suite.sh gives two places per core; such a test takes both.
   if(NOT TEST_WAITS)
     set_tests_properties(${NAME} PROPERTIES PROCESSORS 2)
   endif()

@@ -310,7 +310,7 @@ TEST_F(CliOutputs, MessagesAreShortAndPrintable) {
     EXPECT_EQ(printable(told), told);
   }
   const std::string told = palpa({"touch", "--scene", path("wild.glb"), "--points", points_}).err;
-  EXPECT_NE(told.find("mesh \"\\x1b[31m"), std::string::npos) << "the name's beginning is told: " << told;
+  EXPECT_NE(told.find("mesh \"\\x1b[31m"), std::string::npos) << "the name's beginning is printed: " << told;
   EXPECT_NE(told.find("closed and consistently oriented"), std::string::npos) << "and what would be right: " << told;
 }
 

@@ -81,7 +81,7 @@ TEST(CliRun, SoundsFromTheFirstFramesAlsoWhereNoShaderHasBeenCompiledBefore) {
                                "record:" + (folder / "d.bin").string(), "--stats", "json", "--log-level", "info"},
                               {.environment = {{"MESA_SHADER_CACHE_DISABLE", "true"}}});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("compiling shaders"), std::string::npos) << "nobody is told what they wait for";
+  EXPECT_NE(result.err.find("compiling shaders"), std::string::npos) << "users do not learn what they wait for";
   // The source is real time: frames that wait for a compiler are replaced, and what is planned for them comes too late.
   EXPECT_GT(json::parse(result.out)["frames"]["planned"], 10);
   const session::DriveRecording recording = session::read_drive_recording(folder / "d.bin");

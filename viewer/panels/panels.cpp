@@ -161,7 +161,7 @@ void draw_view_panel(Desk& desk) {
     }
     ImGui::EndCombo();
   }
-  tip("Four samples for each pixel. auto: if they take long, one sample while the picture moves, and four when it "
+  tip("Four samples for each pixel. auto: if drawing is slow, one sample while the picture moves, and four when it "
       "rests");
   auto explode = static_cast<float>(desk.state.explode);
   ImGui::SetNextItemWidth(em(7));

@@ -86,7 +86,7 @@ void draw_options_panel(Desk& desk) {
     }
     first = last;
   }
-  const bool open = ImGui::TreeNode("Of the copied command alone");
+  const bool open = ImGui::TreeNode("Only in the copied command");
   tip("How long palpa run runs and what it prints in a terminal: the viewer runs until it is closed, and has panels");
   if (!open) return;
   draw_options(desk, copied_table());

@@ -115,7 +115,7 @@ TEST(V4l2Sets, BackUnderAnotherNumberAfterItWasUnplugged) {
     EXPECT_GT(frame_of(set.frames[1]), 0u);
     EXPECT_CONTAINS(said, "camera 'camera 2' (/dev/video2): unplugged; palpa continues without it");
     EXPECT_CONTAINS(said, "camera 'camera 2' (/dev/video7): is back");
-    EXPECT_EQ(machine.open_descriptors, 2) << "whoever unplugs it again finds nothing left open";
+    EXPECT_EQ(machine.open_descriptors, 2) << "nothing is left open when it is unplugged again";
   }
 }
 

@@ -326,7 +326,7 @@ TEST(SonicSurfaceBoard, WhatStandsStillIsModulatedByOneByte) {
   EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
   const std::uint64_t at_rest = rig.machine.bytes();
   rig.tend_until([] { return false; }, 50ms);
-  EXPECT_EQ(rig.machine.bytes(), at_rest) << "nothing more is said";
+  EXPECT_EQ(rig.machine.bytes(), at_rest) << "nothing more is sent";
   rig.board->play(slot, rig.drive);  // and it continues with the next drive
   EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
   rig.board->all_off();
