@@ -24,10 +24,10 @@ struct Known {
   std::uint16_t vendor;
   int product;
   const char* chip;
-  const char* remark;  ///< what speaks through it
+  const char* remark;  ///< what uses the chip
 };
 
-/// The USB chips of the open 40 kHz arrays. Each is also found in other things: a board is never opened by its id
+/// The USB chips of the open 40 kHz arrays. Each is also found in other devices, so a board is never opened by its id
 /// alone.
 constexpr Known boards[]{
     {0x0403, 0x6014, "FT232H", "OpenMPD board; also JTAG probes and others: tell them apart by the serial number"},
@@ -53,7 +53,7 @@ const Known* find(const Known (&table)[N], std::uint16_t vendor, std::uint16_t p
   return nullptr;
 }
 
-/// Whether udev reads that file, by udev(7): whatever the prefix that palpa is installed under, it looks here alone.
+/// Whether udev reads that file, according to udev(7). udev looks only in these folders, whatever palpa's prefix is.
 constexpr bool udev_reads(std::string_view rules) {
   for (const std::string_view folder : {"/etc", "/run", "/usr/local/lib", "/usr/lib", "/lib"}) {
     if (rules.starts_with(folder) && rules.substr(folder.size()).starts_with("/udev/rules.d/")) return true;
@@ -63,7 +63,7 @@ constexpr bool udev_reads(std::string_view rules) {
 static_assert(udev_reads("/usr/local/lib/udev/rules.d/70-palpa.rules"));
 static_assert(!udev_reads("/opt/palpa/lib/udev/rules.d/70-palpa.rules"));
 
-/// What to do about it.
+/// What to do about missing permission.
 std::string no_permission() {
   constexpr std::string_view rules = PALPA_UDEV_RULES;
   std::error_code ignored;
@@ -78,7 +78,7 @@ std::string no_permission() {
       copy);
 }
 
-/// Which driver of the kernel's has a device's first interface; empty: none.
+/// The kernel driver that has a device's first interface; empty: none.
 std::string kernel_driver(const std::string& place) {
   if (place.empty()) return {};
   std::error_code ignored;
@@ -113,7 +113,8 @@ cli::DoctorItem describe(const usb::Entry& device, const Known& known) {
   return item;
 }
 
-/// Devices that palpa opens itself, or that the kernel opens for it: then it needs no right of its own.
+/// Devices that palpa opens itself, or that the kernel opens for it. For the latter, palpa needs no permission of its
+/// own.
 enum class Opened { by_palpa, by_kernel };
 
 template <std::size_t N>
@@ -130,7 +131,7 @@ void add_usb(cli::DoctorSection& section, const Known (&table)[N], usb::Wanted w
   section.note = listing.problem;
 }
 
-/// Boards made of software that listen now (palpa emulate).
+/// Adds the emulated boards that listen now (palpa emulate).
 void add_emulators(cli::DoctorSection& section) {
   const usb::Listing listing = usb::LocalTransport().list([](std::uint16_t, std::uint16_t) { return true; });
   if (!listing.problem.empty()) section.note += (section.note.empty() ? "" : "; ") + listing.problem;

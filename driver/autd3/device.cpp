@@ -10,7 +10,7 @@
 namespace palpa::driver::autd3 {
 namespace {
 
-// The firmware's own numbers, written down apart from those of the encoder.
+// The firmware's own numbers, written down independently of the encoder's.
 constexpr std::uint8_t no_error = 0, unknown_tag = 1, bad_id = 2, bad_version_type = 3, bad_pattern_mode = 4,
                        bad_segment = 5, bad_silencer = 7, bad_transition = 8;
 constexpr std::uint8_t sync_index = 0x00, system_time = 0x01, gpio = 0x02, external = 0xf0, none = 0xfe,
@@ -21,7 +21,7 @@ std::uint16_t u16(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
 }
 
-/// What the firmware has as tables.
+/// The firmware's tables.
 struct Tables {
   std::array<std::uint8_t, 256> sine{};
   std::array<std::uint8_t, 16384> angle{};  ///< 128 sines by 128 cosines
@@ -63,7 +63,7 @@ void EmulatedDevice::receive(double now_s, std::span<const std::uint8_t> message
   now_s_ = now_s;
   if (message.size() != message_size)
     return violate(fmt::format("a message of the wrong size, {} bytes", message.size()));
-  if (message[0] == id_) return;  // it came again
+  if (message[0] == id_) return;  // a repeated message
   id_ = message[0];
   error_ = no_error;
   if (id_ > 0x0f) {
@@ -133,7 +133,7 @@ std::uint8_t EmulatedDevice::tell_version(std::uint8_t which) {
       return no_error;
     case 5:
       data_ = 0x80;
-      return no_error;  // an emulator
+      return no_error;  // this is an emulator
     case 6:
       data_ = 0;
       return no_error;
@@ -158,7 +158,7 @@ bool EmulatedDevice::wrong_transition(std::uint8_t current, std::uint8_t segment
 std::uint8_t EmulatedDevice::take_modulation(std::span<const std::uint8_t> o) {
   const std::uint8_t flags = o[1];
   const std::uint8_t segment = (flags & 8) != 0 ? 1 : 0;
-  // Its first message may be its only one; palpa's always is.
+  // A modulation's first message may be its only one; palpa's always is.
   if ((flags & 3) != 3) {
     violate("a modulation in several messages, which this emulator does not support");
     return unknown_tag;

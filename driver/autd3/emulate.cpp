@@ -22,7 +22,7 @@ array::Layout layout_of(const std::string& name) {
   return layout;
 }
 
-/// The pulse of a device is centred, and as wide as makes its first harmonic the intensity.
+/// A device's pulse is centred, and so wide that its first harmonic is the intensity.
 array::Drive heard_drive(const EmulatedServer& server, double now_s) {
   array::Drive drive;
   for (const EmulatedDevice& device : server.devices()) {
@@ -40,7 +40,7 @@ array::Drive heard_drive(const EmulatedServer& server, double now_s) {
 void emulate(const emulate::Options& options, const Outputs& outputs) {
   const array::Layout layout = layout_of(options.layout);
   const double begin_s = device_time_s();
-  const emulate::Stop ends;  // until all is said
+  const emulate::Stop ends;  // until everything is printed
   EmulatedServer server(layout.boards.size());
   Listener listener(static_cast<std::uint16_t>(options.port.value_or(emulate::usual_port)));
   const auto violations = emulate::serve(

@@ -28,7 +28,7 @@ void EmulatedServer::farewell(double now_s) {
   welcome();
 }
 
-/// How many bytes the request has that has begun, as far as is known.
+/// The size of the request that has begun, as far as it is known.
 std::size_t EmulatedServer::needed() const {
   switch (request_[0]) {
     case ask_hello:

@@ -22,7 +22,7 @@ namespace {
 constexpr double open_s = 10;  // a board that was left in an unknown state takes seconds to come back
 constexpr double exit_s = 1;
 constexpr double hang_s = 1;
-constexpr double most_slot_s = heartbeat_s / 2;  // a longer one would be silenced between two drives
+constexpr double most_slot_s = heartbeat_s / 2;  // a longer slot would be silenced between two drives
 
 class BoardLink final : public session::Link {
  public:
@@ -85,8 +85,8 @@ class BoardLink final : public session::Link {
   }
 
  private:
-  /// Whether the guard has taken nothing for so long that it is stopped or hangs: it is ended then. A step counts as a
-  /// slot or two: whoever was stopped together with it is not the guard's judge.
+  /// Whether the guard has taken nothing for so long that it is stopped or hangs. It is then killed. A step counts as
+  /// two slots at most, so that a loop that was stopped together with the guard does not blame the guard.
   bool hangs(bool unread) {
     const double now_s = monotonic_s();
     const double step_s = std::min(now_s - std::exchange(sent_s_, now_s), 2 * brief_.board.slot_s);
@@ -98,7 +98,7 @@ class BoardLink final : public session::Link {
 
   static constexpr const char* advice = "; make sure that the board is silent, or switch it off";
 
-  /// Which focus each drive is, where one finger's foci follow one another, one per drive. Returns how many; 0:
+  /// Writes the focus of each drive, if one finger's foci follow one another, one per drive. Returns how many; 0
   /// otherwise.
   static std::uint32_t put_foci(const session::PlayedPlan& plan, std::span<Vec3> out) {
     const std::uint32_t drives = plan.slots.cycle.length;
@@ -120,7 +120,7 @@ class BoardLink final : public session::Link {
     }
   }
 
-  /// Takes what the guard has said. False: it is gone.
+  /// Takes the guard's messages. Returns false if the guard is gone.
   bool listen() {
     std::array<char, Message::most + 1> buffer{};
     Message message{};
@@ -186,9 +186,9 @@ class BoardLink final : public session::Link {
   bool plays_plans_;
   std::optional<GuardProcess> guard_;
   session::Carried carried_;      ///< of a guard that is gone
-  Said last_word_ = Said::drive;  ///< the guard's; as yet none
+  Said last_word_ = Said::drive;  ///< from the guard; none yet
   double sent_s_ = monotonic_s(), unread_s_ = 0;
-  double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest plan may sound; without one drives may
+  double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest plan (or drives) may sound until then
   std::uint32_t drive_place_ = TripleBuffer::writers_first, plan_place_ = TripleBuffer::writers_first;
 };
 

@@ -24,12 +24,11 @@ namespace {
 constexpr double period_s = 25e-6;
 constexpr std::uint8_t usual_divider = 4;
 constexpr double opening_patience_s = 5;
-/// At the end: more than a transfer that gets stuck, the purge after it and a request are waited for, one after the
-/// other.
+/// At the end: longer than the waits for a stuck transfer, the purge after it and a request, one after the other.
 constexpr double closing_patience_s = 0.75, flight_patience_s = 0.1;
 constexpr double asking_s = 2e-3;
 
-/// Formats without allocating; what is too long is cut.
+/// Formats without allocating. Text that is too long is cut.
 template <typename... Args>
 void note(BoardNotes& notes, void (BoardNotes::*level)(std::string_view) noexcept, fmt::format_string<Args...> text,
           Args&&... args) {
@@ -186,7 +185,7 @@ void OpenMpdBoard::all_off() {
 void OpenMpdBoard::begin_silence() {
   waits_ = false;
   std::fill(sounding_.begin(), sounding_.end(), array::TransducerDrive{0.0f, 0.0f});
-  // Where one is still waiting for its last one nothing has been played since.
+  // If a board is still waiting for its last all-off frame, nothing has been played since.
   if (send_silences()) std::fill(silences_.begin(), silences_.end(), std::uint8_t{1});
 }
 
@@ -200,7 +199,7 @@ void OpenMpdBoard::tend() {
   send_next();
 }
 
-/// Sends what silences to the boards that take it. False: some do not.
+/// Sends the all-off frame to the boards that take it. Returns false if some do not.
 bool OpenMpdBoard::send_silences() {
   bool all = true;
   for (std::size_t i = 0; i < wires_.size(); ++i) {
@@ -217,9 +216,9 @@ bool OpenMpdBoard::send_silences() {
   return all;
 }
 
-/// A drive: all boards or none, they get the same number of frames.
+/// Sends a drive to all boards or to none, so that they get the same number of frames.
 void OpenMpdBoard::send_next() {
-  if (!in_step()) {  // boards on their way back in step are silent, and drives go on coming
+  if (!in_step()) {  // boards on their way back into step are silent, while drives go on coming
     waits_ = false;
     std::fill(silences_.begin(), silences_.end(), std::uint8_t{0});
     std::fill(sounding_.begin(), sounding_.end(), array::TransducerDrive{0.0f, 0.0f});
@@ -255,7 +254,7 @@ void OpenMpdBoard::send_steps(std::size_t board) {
   wires_[board]->send(std::span(frames).first(steps_), true);
 }
 
-/// A drive has come as far as on the board on which it has come least far.
+/// A drive has got as far as on the slowest board.
 BoardCounts OpenMpdBoard::counts() const {
   const auto least = [&](std::uint64_t (Wire::*count)() const) {
     std::uint64_t fewest = (*wires_.front().*count)();
@@ -270,8 +269,8 @@ void OpenMpdBoard::tend_wires(bool may_ask) {
   for (const auto& wire : wires_) {
     if (!wire->asks()) wire->tend();
   }
-  // A device that does not answer keeps whoever asks it: those that are well come first, and of the others the next has
-  // its turn next time.
+  // A device that does not answer holds up its caller. Healthy devices therefore come first, and the others take turns,
+  // one each time.
   const double until_s = clock_.now_s() + (may_ask ? asking_s : 0);
   const auto ask = [&](Wire& wire) {
     while (wire.asks() && clock_.now_s() < until_s)
@@ -288,7 +287,7 @@ void OpenMpdBoard::tend_wires(bool may_ask) {
   tell();
 }
 
-/// Something changed for the worse or the better.
+/// Reports a change for the worse or the better.
 void OpenMpdBoard::tell() {
   if (!troubled_) {
     troubled_ = silent_ = true;
@@ -299,8 +298,8 @@ void OpenMpdBoard::tell() {
              wire->trouble(), wires_.size() > 1 ? "all boards are silent" : "silent");
       }
     }
-    // The others are silenced by the same way: they have had as many frames as the one that is lost when they play
-    // again.
+    // The others are silenced in the same way, so that all have had the same number of frames as the lost one when they
+    // play again.
     for (const auto& wire : wires_)
       wire->resync();
   } else {
@@ -324,12 +323,12 @@ bool OpenMpdBoard::close() {
   for (const auto& wire : wires_)
     wire->hurry();
   for (const double begin_s = clock_.now_s();;) {
-    // What is asked last is waited for within the patience, too.
+    // The wait for the last request must also fit into the patience.
     tend_wires(clock_.now_s() - begin_s < closing_patience_s - usb::request_patience_s);
     send_next();
     if (silenced()) return true;
     const double waited_s = clock_.now_s() - begin_s;
-    // One that is in trouble is given up; bytes that others are taking are not.
+    // A board in trouble is given up, but not the bytes that others are still taking.
     if (waited_s > closing_patience_s + (healthy_wire_flies() ? flight_patience_s : 0)) return false;
     clock_.sleep_s(5e-4);
   }
@@ -337,7 +336,7 @@ bool OpenMpdBoard::close() {
 
 namespace {
 
-/// A board and what it stands on.
+/// A board together with its transport and clock.
 class OpenBoard final : public Board {
  public:
   OpenBoard(const BoardSpec& spec, BoardNotes& notes) : board_(spec, notes, *transport_, clock_) {}

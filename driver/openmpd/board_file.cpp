@@ -42,7 +42,7 @@ class Tokens {
     double value = 0;
     const auto [end, code] = std::from_chars(token.data(), token.data() + token.size(), value);
     if (code != std::errc{} || end != token.data() + token.size() || !(value >= low && value <= high)) {
-      // Before its board was recognised it may be any file, of which nothing is to be shown.
+      // Until it is recognised as a board file, it may be any file, and nothing of it must be shown.
       const std::string there = recognised_ ? fmt::format("\"{}\"", printable(token, 40)) : "something else";
       throw fault(fmt::format("{} where {} should be, a number from {} to {}", there, wanted, low, high));
     }
@@ -54,7 +54,7 @@ class Tokens {
       throw fault(fmt::format("something else where {} should be, a whole number", wanted));
     return static_cast<int>(value);
   }
-  /// What has been read can only be the beginning of a board file.
+  /// Call when what has been read can only be the beginning of a board file.
   void recognised() { recognised_ = true; }
   Error fault(const std::string& what) const { return bad_input(name_, fmt::format("line {}: {}", line_, what)); }
 

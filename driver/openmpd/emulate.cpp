@@ -43,10 +43,10 @@ struct Emulated {
   Calibration calibration;
   std::optional<emulate::UsbTrace> tap;
   std::unique_ptr<usb::LocalServer> server;
-  std::size_t told = 0;  ///< of its violations
+  std::size_t told = 0;  ///< how many of its violations have been printed
 };
 
-/// What is looked at twice a second, on a thread of its own: the boards have no time for that.
+/// The picture that is shown twice a second, on its own thread, because the boards have no time for that.
 class BoardsPicture {
  public:
   BoardsPicture(const array::Layout& layout, std::span<const std::unique_ptr<Emulated>> boards)
@@ -54,9 +54,9 @@ class BoardsPicture {
           const std::lock_guard lock(mutex_);
           return drive_;
         }) {}
-  /// As LiveSoundPicture has it.
+  /// As LiveSoundPicture::end().
   void end() { view_.end(); }
-  /// What the boards sound now.
+  /// Takes what the boards sound now.
   void take() {
     const std::lock_guard lock(mutex_);
     for (std::size_t i = 0; i < boards_.size(); ++i) {
@@ -111,7 +111,7 @@ void serve(std::span<const std::unique_ptr<Emulated>> boards, BoardsPicture* vie
       taken_s = now_s;
     }
   }
-  // What was let go of in the last moment may sound on only so long.
+  // A board that was released at the last moment may sound on only for this long.
   for (const auto& one : boards)
     one->board.advance(clock.now_s() - begin_s + 0.1);
 }
@@ -141,7 +141,7 @@ std::string to_json(std::span<const std::unique_ptr<Emulated>> boards) {
   return json.take();
 }
 
-/// Throws where anything was wrong.
+/// Throws if anything was wrong.
 void judge(std::span<const std::unique_ptr<Emulated>> boards) {
   for (const auto& one : boards) {
     const auto& violations = one->board.violations();

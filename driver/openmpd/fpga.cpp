@@ -67,7 +67,7 @@ void Fpga::advance(double now_s) {
   step_to(std::max(now_ns_, nanoseconds(now_s)));
 }
 
-/// Goes from event to event: the end of the start, a block that is due, the buffer's clearing.
+/// Goes from event to event: the end of the start, a block that is due, a clear of the buffer.
 void Fpga::step_to(std::int64_t now_ns) {
   constexpr auto never = std::numeric_limits<std::int64_t>::max();
   for (;;) {
@@ -106,7 +106,7 @@ void Fpga::read_block(std::int64_t now_ns) {
     parse(byte, now_ns);
   }
   if (swapping_ && now_ns >= resync_from_ns_ + second_ns) resyncing_ = false;
-  swapping_ = false;  // a swap at the block's end has its clock before the next block comes
+  swapping_ = false;  // a swap at the block's end is over before the next block comes
   used_ -= block_bytes;
   if (used_ < block_bytes) below_since_ns_ = now_ns;
   reader_ = Reader::counting;

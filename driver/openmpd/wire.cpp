@@ -31,7 +31,7 @@ std::string name_of(const usb::Entry& entry) {
   return printable(entry.serial.empty() ? "(no serial number)@" + entry.place : entry.serial, 80);
 }
 
-/// Throws where it is not exactly one.
+/// Throws if there is not exactly one.
 usb::Entry find(const usb::Listing& listing, const Address& address) {
   std::vector<usb::Entry> found;
   std::string others, places;
@@ -94,13 +94,13 @@ void Wire::look_for_device() {
     } else {
       take_device();
     }
-  } catch (const std::exception& error) {  // no memory, too: then later
+  } catch (const std::exception& error) {  // also without memory: try again later
     lose(error.what());
   }
 }
 
-/// Of a device that was just opened what it is, then what readies it. After trouble the purges alone, then what
-/// silences the board however it stands.
+/// For a device that was just opened: asks what it is, then makes it ready. After trouble: only the purges. Then sends
+/// the frames that silence the board in any state.
 void Wire::ask() {
   if (halted_) {
     halted_ = false;
@@ -238,7 +238,8 @@ void Wire::reap() {
       fall_out(sent->outcome);
       if (device_ == nullptr) return;
     } else if (pending.sent < pending.length) {
-      // The rest follows at its byte, unless what came after it is on its way already, or there: they end in any order.
+      // The rest of the transfer follows at its byte, unless a later transfer is already on its way or done: they end
+      // in any order.
       if (pending.order != begun_) {
         fall_out(Outcome::failed);
       } else if (!submit(sent->number) && device_ == nullptr) {
@@ -255,10 +256,10 @@ void Wire::fall_out(Outcome outcome) {
 }
 
 void Wire::start_over(std::string_view trouble) {
-  // Out of step again while it is being resynchronised: not at once, or it would be asked without end.
+  // If it falls out of step again during a resynchronisation, wait, or it would be asked without end.
   due_s_ = clock_.now_s() + (state_ == State::in_step ? 0 : retry_s);
   state_ = State::draining;
-  if (trouble_.empty()) trouble_.assign(trouble);  // what came first is why
+  if (trouble_.empty()) trouble_.assign(trouble);  // the first trouble is the reason
   if (flying_ > 0) device_->cancel();
 }
 
@@ -293,7 +294,7 @@ bool Wire::silenced() const {
   return flying_ == 0 && state_ >= State::flushing;
 }
 
-/// Time in which nobody could look, as when the computer was busy or asleep, is not the device's.
+/// Time without calls, because the computer was busy or asleep, does not count against the device.
 void Wire::forgive_absence(double now_s) {
   constexpr double usual_s = 0.02;
   const double absent_s = now_s - std::exchange(tended_s_, now_s);

@@ -49,7 +49,7 @@ std::unique_ptr<cameras::Stream> Device::start(std::unique_ptr<Sensor> sensor) {
   }
 }
 
-/// Without a rate in the rig the quickest one.
+/// Without a rate in the rig, chooses the highest one.
 cameras::Offer Device::choose(Sensor& sensor) const {
   const std::vector<cameras::Offer> offers = sensor.offers();
   cameras::Offer best;
@@ -93,7 +93,7 @@ void Device::set_up(Sensor& sensor) const {
   try {
     if (sensor.has(Option::global_time)) sensor.set(Option::global_time, 1);
   } catch (const Error&) {
-    // Frames then count from when they arrive.
+    // The frames' times are then their times of arrival.
   }
 }
 
@@ -114,7 +114,7 @@ void Device::set_depth_unit(Sensor& sensor) {
   } catch (const Error& error) {
     why = fmt::format(" ({})", error.what());
   }
-  // Ten times too deep is a hand elsewhere.
+  // With depths ten times too large, the hand would be elsewhere.
   const double unit_m = sensor.get(Option::depth_unit_m);
   if (!is_wanted(unit_m)) {
     throw bad_input(address_, fmt::format("keeps its depth unit of {:g} mm{}; set depth_unit_m = {:g} in {}",

@@ -11,7 +11,7 @@
 namespace palpa::driver::realsense {
 namespace {
 
-/// Which camera stands where is the rig's to say, so that of several each has to be named.
+/// The rig says which camera stands where, so if there are several, each must be named.
 std::string find_only(Sdk& sdk) {
   const std::vector<std::string> there = sdk.serials();
   if (there.empty()) {

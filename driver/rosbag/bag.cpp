@@ -26,7 +26,7 @@ void check_header(std::size_t bytes) {
 
 enum Operation : std::uint8_t { message_data = 2, chunk_of_records = 5, connection = 7 };
 
-/// Fills `out`, which has the size that the chunk says, from LZ4 frames.
+/// Fills `out`, which has the size given by the chunk, from LZ4 frames.
 void unpack_lz4(std::span<const std::uint8_t> packed, std::span<std::uint8_t> out) {
   LZ4F_dctx* made = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&made, LZ4F_VERSION))) throw Malformed("lz4 cannot be started");
@@ -87,7 +87,7 @@ void Bag::fault(const std::string& what) const {
 }
 
 bool Bag::read(std::vector<std::uint8_t>& into, std::uint64_t bytes) {
-  // What a length says is not believed before the file is known to have it.
+  // A length is not trusted until the file is known to have that many bytes.
   if (bytes > size_ - at_) {
     cut_short_ = true;
     return false;
@@ -121,7 +121,7 @@ void Bag::add_connection(const Header& header) {
 
 void Bag::open_chunk(const Header& header, std::uint32_t bytes) {
   if (!header.size) throw Malformed("a chunk does not say its size");
-  if (*header.size == 0 && bytes == 0) {  // its recorder would have written them at its end
+  if (*header.size == 0 && bytes == 0) {  // its recorder would have written both at its end
     cut_short_ = true;
     return;
   }

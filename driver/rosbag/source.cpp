@@ -27,7 +27,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::string_view image_part = "/image/data", depth_part = "/Depth_", info_part = "/info",
                            lens_part = "/info/camera_info";
-/// librealsense writes names of options with underscores since 2.20; before, as they are.
+/// Since 2.20, librealsense writes option names with underscores; before that, as they are.
 constexpr std::string_view unit_parts[] = {"/option/Depth_Units/value", "/option/Depth Units/value"};
 constexpr std::size_t most_sensors = 64;
 
@@ -42,7 +42,7 @@ bool is_depth(std::string_view topic) {
   return topic.substr(sensor_of(topic).size()).starts_with(depth_part);
 }
 
-/// What the bag says of a sensor that has depth.
+/// What the bag says about a sensor that has depth.
 struct Sensor {
   sensing::Camera camera;
   bool has_lens = false, has_unit = false;
@@ -89,7 +89,7 @@ class BagSource final : public sensing::DepthSource {
   }
 
  private:
-  /// Until the next frame is due. Whoever comes late gets the newest; the last one of all is not dropped.
+  /// Waits until the next frame is due. A late caller gets the newest frame, but the very last one is never dropped.
   bool wait(double timeout_s) {
     if (!start_) start_ = Clock::now();
     const double elapsed_s = std::chrono::duration<double>(Clock::now() - *start_).count();
@@ -106,7 +106,7 @@ class BagSource final : public sensing::DepthSource {
     more_ = more_ && read(after_);
   }
 
-  /// The next depth image of the bag; what else there is about its sensor is noted on the way.
+  /// Reads the bag's next depth image, and notes everything about its sensor on the way.
   bool read(Frame& frame) {
     for (Message message; bag_.next(message);) {
       try {
@@ -143,7 +143,7 @@ class BagSource final : public sensing::DepthSource {
     const double unit_m = static_cast<double>(read_float(message));
     if (!(unit_m >= 1e-9 && unit_m <= 1))
       throw Malformed(fmt::format("the depth unit is {:.4g} m, not 1e-9 to 1", unit_m));
-    // It is a float in the bag: 0.0001f is meant to be 0.0001.
+    // The bag has it as a float: 0.0001f is meant to be 0.0001.
     const double meant_m = std::round(unit_m * 1e9) * 1e-9;
     if (!chosen_.empty() && sensor_of(chosen_) == sensor_of(topic) && cameras_[0].depth_unit_m != meant_m)
       throw Malformed(fmt::format("the depth unit changes to {:g} m after an image with {:g} m", meant_m,

@@ -44,7 +44,7 @@ array::Drive heard_drive(const EmulatedBoards& machine, std::span<const float> d
 void emulate(const emulate::Options& options, const Outputs& outputs) {
   const array::Layout layout = layout_of(options);
   const std::vector<float> degrees = read_degrees(options.files, layout.transducers.size());
-  const emulate::Stop ends;  // until all is said
+  const emulate::Stop ends;  // until everything is printed
   const double begin_s = monotonic_s();
   EmulatedBoards machine(layout.boards.size(), options.tactile);
   const Pty pty;

@@ -8,11 +8,11 @@
 namespace palpa::driver::sonicsurface {
 namespace {
 
-// Apart from the encoder's numbers.
+// Written down independently of the encoder's numbers.
 constexpr std::uint8_t phases_follow = 0xfe, exchange = 0xfd, stop_shifting = 150, start_shifting = 151,
                        first_board = 192, second_board = 193, no_sound = 0x20;
 
-/// Which transducer a wire's slot drives: the columns in fours, the rows in pairs, and within these a fixed order.
+/// The transducer that a slot on the wire drives: columns in fours, rows in pairs, and a fixed order within these.
 std::size_t transducer_at(std::size_t slot) {
   // (column, row) of the eight places of four columns and two rows.
   constexpr std::array<std::array<std::size_t, 2>, 8> inside{

@@ -23,7 +23,7 @@
 namespace palpa::driver::usb {
 namespace {
 
-/// Emulators are on a bus of their own each, beyond all real ones.
+/// Each emulator is on its own bus, beyond all real ones.
 constexpr unsigned first_bus = 1000;
 
 class Connection {
@@ -61,7 +61,7 @@ class Connection {
     connected_ = false;
     return Result::gone;
   }
-  /// How much came behind the message is in `filled`.
+  /// `filled` gets the number of bytes that came behind the message.
   Result receive(LocalMessage& message, std::span<std::uint8_t> into, std::size_t& filled) {
     iovec parts[]{{&message, sizeof message}, {into.data(), into.size()}};
     msghdr packet{};
@@ -160,7 +160,7 @@ class LocalDevice final : public Device {
     Sent sent{};
   };
 
-  /// Hands over what waits, in order.
+  /// Sends what waits, in order.
   void push() {
     for (;;) {
       Pending* next = nullptr;
@@ -187,7 +187,7 @@ class LocalDevice final : public Device {
   Outcome ask(const LocalMessage& message, std::span<std::uint8_t> in, std::size_t& received) {
     received = 0;
     if (connection_.send(message) != Connection::Result::done) return Outcome::gone;
-    // Transfers that end meanwhile answer in between.
+    // Answers of transfers that end meanwhile come in between.
     for (int tries = 0; tries < 200; ++tries) {
       LocalMessage answer;
       switch (connection_.receive(answer, in, received)) {
@@ -254,7 +254,7 @@ bool is_emulated(const Entry& entry) {
 Listing LocalTransport::list(Wanted wanted) {
   Listing listing;
   std::error_code code;
-  if (!std::filesystem::exists(runtime_place(), code)) return listing;  // nobody listens, and nothing is made for it
+  if (!std::filesystem::exists(runtime_place(), code)) return listing;  // nothing listens, and no folder is made
   std::filesystem::path folder;
   try {
     folder = runtime_folder();
@@ -262,7 +262,7 @@ Listing LocalTransport::list(Wanted wanted) {
     listing.problem = error.what();
     return listing;
   }
-  // Whoever does not answer is left out, and all of them together keep nobody for longer than one device does.
+  // An emulator that does not answer is left out. All of them together take no longer than one device may.
   double patience_s = request_patience_s;
   const SteadyClock clock;
   for (std::filesystem::directory_iterator file(folder, code), end; !code && file != end; file.increment(code)) {

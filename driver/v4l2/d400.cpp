@@ -34,7 +34,7 @@ constexpr std::size_t table_header_bytes = 16, crc_at = 12, lenses_at = 256, len
 struct Size {
   std::uint32_t width, height;
 };
-/// In the order in which the calibration has them.
+/// In the calibration's order.
 constexpr Size sizes[]{{1920, 1080}, {1280, 720}, {640, 480}, {848, 480},  {640, 360},
                        {424, 240},   {320, 240},  {480, 270}, {1280, 800}, {960, 540}};
 
@@ -58,7 +58,7 @@ void query(Kernel& kernel, int fd, std::uint8_t selector, std::uint8_t kind, std
   request.query = kind;
   request.size = static_cast<__u16>(data.size());
   request.data = data.data();
-  constexpr int attempts = 5;  // it is busy now and then
+  constexpr int attempts = 5;  // the camera is sometimes busy
   int result = 0;
   for (int i = 0; i < attempts; ++i) {
     result = kernel.ioctl(fd, UVCIOC_CTRL_QUERY, &request);
@@ -69,7 +69,7 @@ void query(Kernel& kernel, int fd, std::uint8_t selector, std::uint8_t kind, std
     throw failure(fmt::format("the camera does not {}: {}", what, std::generic_category().message(-result)));
 }
 
-/// What the camera answers to `opcode`, without the echo of it.
+/// The camera's answer to `opcode`, without the echoed opcode.
 std::vector<std::uint8_t> ask(Kernel& kernel, int fd, Opcode opcode, std::uint32_t parameter,
                               std::span<const std::uint8_t> data, const char* what) {
   std::array<std::uint8_t, monitor_bytes> bytes{};

@@ -42,7 +42,7 @@ Seen look_at(Kernel& kernel, const Node& node) {
     try {
       seen.depth_unit_m = d400::read_depth_unit(kernel, fd);
     } catch (const Error&) {
-      // It is busy, or no D400: then nobody knows.
+      // It is busy, or not a D400, so this is not known.
     }
   }
   kernel.close(fd);

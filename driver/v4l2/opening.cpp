@@ -79,7 +79,7 @@ struct Setup {
       return;
     }
     known.unit_read = true;
-    // Ten times too deep is a hand elsewhere.
+    // With depths ten times too large, the hand would be elsewhere.
     if (!is_wanted(unit_m)) {
       throw bad_input(path, fmt::format("keeps its depth unit of {:g} mm; set depth_unit_m = {:g} in {}", unit_m * 1e3,
                                         unit_m, description.rig));

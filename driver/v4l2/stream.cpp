@@ -17,7 +17,7 @@ namespace palpa::driver::v4l2 {
 namespace {
 
 constexpr std::uint32_t capture = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-constexpr std::uint32_t asked_buffers = 6;  ///< two or three wait to be matched, the others are the camera's
+constexpr std::uint32_t asked_buffers = 6;  ///< two or three wait to be matched, the camera has the others
 constexpr std::uint32_t fewest_buffers = 3;
 
 std::string say(int error) {
@@ -100,7 +100,7 @@ void Stream::set_format(const Wanted& wanted, const std::string& rig) {
   format.fmt.pix.height = wanted.height;
   format.fmt.pix.field = V4L2_FIELD_NONE;
   const int result = kernel_.ioctl(fd_, VIDIOC_S_FMT, &format);
-  // A driver that has no such format takes another, or says EINVAL; anything else is another trouble.
+  // A driver without this format takes another, or returns EINVAL. Anything else is another problem.
   if (result < 0 && result != -EINVAL) {
     const bool known = result == -EBUSY || result == -ENODEV || result == -EACCES || result == -EPERM;
     throw bad_input(path_, known ? refusal(-result) : fmt::format("the camera accepts no format: {}", say(-result)));
@@ -212,7 +212,7 @@ Take Stream::take(Taken& taken) {
   v4l2_buffer buffer = mapped_buffer(0);
   if (const int result = kernel_.ioctl(fd_, VIDIOC_DQBUF, &buffer); result < 0) {
     if (result == -EAGAIN) return Take::nothing;
-    // A device that goes while it is asked says EINVAL once, and ENODEV from then on.
+    // A device that disappears during a request returns EINVAL once, and ENODEV from then on.
     v4l2_capability capability{};
     const int now = kernel_.ioctl(fd_, VIDIOC_QUERYCAP, &capability);
     return lost(now < 0 ? -now : -result);

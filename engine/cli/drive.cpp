@@ -46,7 +46,7 @@ void add_options(CLI::App& app, DriveCommand& o) {
   setup::add_drive_options(app, o.task.drive, setup::FingerMesh::known);
 }
 
-/// Closer than the array resolves: said of the two that are heard at each other the most.
+/// A message about foci that are closer than the array resolves. It names the two that affect each other the most.
 std::string unresolved_line(const setup::DriveResult& result) {
   const std::vector<array::FocusPair>& pairs = result.unresolved;
   const array::FocusPair& worst = *std::ranges::max_element(pairs, {}, &array::FocusPair::part);
@@ -57,7 +57,7 @@ std::string unresolved_line(const setup::DriveResult& result) {
       glm::distance(result.foci[worst.first].position, result.foci[worst.second].position) * 1e3, worst.second + 1);
 }
 
-/// What is different on a finger.
+/// The differences on a finger.
 std::string finger_line(const setup::DriveResult& result, std::size_t focus) {
   const Vec3& at = result.aimed[focus];
   std::string text = "  on the finger";

@@ -54,7 +54,7 @@ void add_options(CLI::App& app, LinkCommand& o) {
   group.number("--amplitude", o.amplitude, {0, 1}, "A", "of the one that sounds");
 }
 
-/// One transducer sounds, or none, for some slots. False once the end is asked for.
+/// Sounds one transducer, or none, for some slots. Returns false once the end is requested.
 class Sweep {
  public:
   Sweep(session::SafeLink& link, std::size_t transducers, double dwell_s)
@@ -78,7 +78,7 @@ class Sweep {
       if (setup::Interrupt::flag()) return false;
       link_.send(slot_, drive_);
       clock_.sleep_until(static_cast<double>(++slot_) * dwell_s_);
-      // Slots that were overslept are left out, as in the loop.
+      // Missed slots are skipped, as in the loop.
       slot_ = std::max(slot_, static_cast<std::uint64_t>(clock_.now() / dwell_s_));
     }
     return true;

@@ -20,11 +20,11 @@ namespace {
 
 constexpr std::string_view first_line = "index,x,y,z,nx,ny,nz,amplitude,phase";
 constexpr std::size_t columns = 9;
-/// Of a phase: more leaves single precision no digits for the part of a turn that counts.
+/// Limit of a phase: for larger values, single precision has no digits left for the relevant fraction of a turn.
 constexpr double most_turns = 1e6;
 constexpr std::uint64_t most_bytes = std::uint64_t{array::max_transducers} * 512;
 
-/// Takes the next line off `text`, without its end.
+/// Removes the next line from `text` and returns it without its line end.
 std::string_view next_line(std::string_view& text) {
   const std::size_t end = text.find('\n');
   std::string_view line = text.substr(0, end);
@@ -35,7 +35,7 @@ std::string_view next_line(std::string_view& text) {
 
 using Row = std::array<double, columns>;
 
-/// False where the line is anything but so many finite numbers.
+/// Returns false unless the line is exactly this many finite numbers.
 bool parse(std::string_view line, Row& row) {
   for (std::size_t i = 0; i < columns; ++i) {
     const std::string_view cell = line.substr(0, line.find(','));
@@ -51,7 +51,7 @@ std::string place(const Vec3& p) {
   return fmt::format("({}, {}, {})", p.x, p.y, p.z);
 }
 
-/// Why that row is not of this transducer; empty where it is.
+/// The reason why that row does not belong to this transducer; empty if it does.
 std::string foreign(const Row& row, const array::Transducer& own) {
   const Vec3 position(row[1], row[2], row[3]), axis(row[4], row[5], row[6]);
   if (glm::distance(position, own.position) > drive_tolerance)

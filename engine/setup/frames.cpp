@@ -110,7 +110,7 @@ void check(const FrameOptions& o) {
   if (o.touch.spot_m && !o.touch.tune) throw bad_usage("--spot goes with --tune");
   if (o.events.empty() && !o.watched && o.event.move_m != session::EventOptions().move_m)
     throw bad_usage("--event-move goes with --events: it sets how far a finger moves before that is an event");
-  // `mouse` is the viewer's.
+  // `mouse` belongs to the viewer.
   const auto rendered = [&](std::string_view kind) {
     return o.source.starts_with(kind) && (o.source.size() == kind.size() || o.source[kind.size()] == ':');
   };
@@ -121,7 +121,7 @@ void check(const FrameOptions& o) {
 
 Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sources, bool paced) {
   const Preparing preparing(o.common.quiet);
-  allow_outside_references(o.common.allow_outside);  // a viewer's next run may differ from its last
+  allow_outside_references(o.common.allow_outside);  // in the viewer, the next run may differ from the last
   std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene, o.solids);
   check(o.drive, solids);
   const PosedRig rig = load_posed_rig(o.rig);

@@ -20,7 +20,7 @@
 namespace palpa::setup {
 namespace {
 
-/// Both, one after the other; `first` alone where there is no second.
+/// Calls both, one after the other; only `first` if there is no second.
 template <typename... Arguments>
 std::function<void(Arguments...)> both(std::function<void(Arguments...)> first,
                                        std::function<void(Arguments...)> second) {
@@ -42,7 +42,7 @@ Prepared prepare_live(const LiveOptions& options, std::span<const session::Sourc
   if (options.hold_auto && options.every_frame)
     throw bad_usage(
         "--hold auto goes without --every-frame, which makes frames wait for the loop, so that none is late");
-  if (!options.every_frame) session::go_first();  // before the device begins its threads
+  if (!options.every_frame) session::go_first();  // before the device starts its threads
   return prepare(options, sources, !options.every_frame);
 }
 
@@ -105,7 +105,7 @@ LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind
                  std::span<const session::LinkKind> links, std::atomic<bool>& stop)
     : options_(settled(options, links)), stop_(&stop), prepared_(prepare_live(options_, sources)) {
   const WaitUntil until(stop);
-  // Last of all: a typing error elsewhere must not leave an empty recording behind, nor an array that is switched on.
+  // Opened last: a typing error elsewhere must not leave an empty recording or a switched-on array behind.
   if (!options_.events.empty()) {
     sink_ = session::open_event_sink(options_.events, session().solid_names(), options_.every_frame ? stop_ : nullptr);
   }
@@ -113,7 +113,7 @@ LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind
   link_ = open_link(links);
 }
 
-/// Where it cannot be opened there will be no frames, and no recording without any is left.
+/// If the link cannot be opened, there will be no frames, so an empty recording is removed.
 std::unique_ptr<session::Link> LiveRun::open_link(std::span<const session::LinkKind> links) {
   try {
     session::LinkSetting setting = session().link_setting();
@@ -129,7 +129,7 @@ session::LoopStats LiveRun::run(const session::RunOptions& looking) {
   session::RunOptions options = looking;
   options.frames = options_.frames;
   options.every_frame = options_.every_frame;
-  std::uint64_t out_of_order = 0;  // frames whose time a recording cannot hold; of the recorder's thread
+  std::uint64_t out_of_order = 0;  // frames whose time cannot be recorded; used by the recorder's thread
   std::function<void(std::span<const session::Event>)> write_events;
   std::function<void(const sensing::FrameSet&)> write_frames;
   if (sink_) write_events = [&](std::span<const session::Event> events) { sink_->write(events); };

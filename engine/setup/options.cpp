@@ -52,7 +52,7 @@ void add_allow_outside(const Group& group, CommonOptions& options) {
 
 void apply_logging(const CommonOptions& options) {
   log::set_level(options.log_level.value_or(options.quiet ? log::Level::error : log::Level::warning));
-  // Whoever asked for more than the default wants every line when it happens.
+  // With a more verbose level than the default, every line is shown at once.
   if (log::level() <= log::Level::warning) log::hold_warnings();
 }
 

@@ -13,7 +13,7 @@
 namespace palpa::setup {
 namespace {
 
-/// What is being read when the line goes wrong: the subcommand, or else the program.
+/// The app whose options are being parsed when an error occurs: the subcommand, or otherwise the program.
 CLI::App& reading(CLI::App& app) {
   const std::vector<CLI::App*> chosen = app.get_subcommands();
   return chosen.empty() ? app : *chosen.front();
@@ -27,7 +27,7 @@ std::string shown(const std::string& word) {
   return printable(word, 60);
 }
 
-/// The first word of the line that nothing took; the parser keeps them in an order of its own.
+/// The first unused word of the line. The parser keeps unused words in a different order.
 std::string first_left(const CLI::App& app, int argc, const char* const* argv) {
   const std::vector<std::string> left = app.remaining(true);
   for (int i = 1; i < argc; ++i) {
@@ -90,7 +90,7 @@ void parse(CLI::App& app, int argc, const char* const* argv) {
   } catch (const CLI::ArgumentMismatch& error) {
     fail(mismatch(reading(app), error.what()));
   } catch (const CLI::RequiredError&) {
-    // With a word that is no subcommand the parser misses the subcommand first.
+    // For a word that is not a subcommand, the parser first reports the missing subcommand.
     fail(app.remaining(true).empty() ? "a subcommand is required" : unexpected(app, argc, argv));
   } catch (const CLI::ParseError& error) {
     fail(one_line(error.what()));

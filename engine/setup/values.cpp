@@ -13,7 +13,7 @@
 namespace palpa::setup {
 namespace {
 
-/// The text of a value in a message: control characters and endless values would spoil its one line.
+/// The text of a value in a message. Control characters and very long values must not break its single line.
 std::string shown(const std::string& text) {
   constexpr std::size_t most = 60;
   return text.size() <= most ? text : text.substr(0, most) + "...";
@@ -116,7 +116,7 @@ std::string format_quantity(double value, Quantity quantity) {
   }
   std::string scaled = fmt::format("{}{}", value * unit.per_si, unit.name);
   if (parse_quantity(scaled, quantity) == value) return scaled;
-  // Scaling rounded: then the SI number itself is the shortest exact text.
+  // If scaling rounds the value, the SI number itself is the shortest exact text.
   return fmt::format("{}", value);
 }
 
@@ -264,7 +264,7 @@ void Group::texts(const std::string& name, std::vector<std::string>& target, con
           help)
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->allow_extra_args(false)  // else "[a,b]" would be taken apart
+      ->allow_extra_args(false)  // otherwise, "[a,b]" would be split
       ->type_name(type)
       ->group(heading_);
 }

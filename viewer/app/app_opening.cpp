@@ -1,5 +1,4 @@
-// What is opened while something is shown: files that are dropped, scenes that are written again, recordings that are
-// made.
+// Opens things while something is shown: dropped files, scenes that were written again, recordings that were made.
 #include <fmt/core.h>
 
 #include <filesystem>
@@ -22,7 +21,7 @@ void App::open(const std::string& path, double now_s) {
   opening_.begin_recording(path);
 }
 
-/// What runs, or is shown, goes on until the scene is there and was found to be one.
+/// The run or the picture stays until the file is loaded and found to be a scene.
 void App::open_scene(const std::string& path) {
   stale_.redraw();
   LiveEdit edit = desk_.edit;
@@ -62,7 +61,8 @@ void App::cancel_opening() {
   say(log::Level::info, "loading was cancelled", now_s_);
 }
 
-/// A live run goes on with it, a touch becomes one: what was said of the touch alone is of no account any more.
+/// A live run goes on with the recording. A touch becomes a live run, and options that only concern the touch are
+/// ignored from then on.
 void App::play_recording(const std::string& path) {
   LiveEdit edit = desk_.edit;
   edit.play_recording(path);

@@ -26,7 +26,7 @@ Vec3 point(const std::string& option, const std::string& text) {
   return {p[0], p[1], p[2]};
 }
 
-/// What --view says before a colon.
+/// The part of --view before a colon.
 std::string_view standard_view(const ViewerOptions& o) {
   const std::string_view view = o.view;
   return view.starts_with("camera:") ? view.substr(0, 6) : view;
@@ -42,7 +42,7 @@ const CameraMark& camera_of(const ViewerOptions& o, const Picture& picture) {
   throw bad_usage(fmt::format("--view: unknown camera '{}'; give one of {}", name.substr(1), names));
 }
 
-/// The parts of "a,b,c"; none of an empty text.
+/// The parts of "a,b,c". An empty text has none.
 std::vector<std::string_view> items_of(std::string_view text) {
   std::vector<std::string_view> items;
   if (text.empty()) return items;
@@ -73,7 +73,7 @@ std::optional<double> number_in(std::string_view text) {
   return value;
 }
 
-/// Those that are normally visible, or those that are not.
+/// The layers that are normally visible, or those that are not.
 std::string names_of_layers(bool visible) {
   std::string names;
   for (const Word<Layer>& entry : layer_words) {

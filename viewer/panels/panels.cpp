@@ -31,7 +31,7 @@ bool heading(const char* name, bool open, const char* about) {
 
 Area last_area() {
   const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-  const ImDrawList& list = *ImGui::GetWindowDrawList();  // what has been scrolled away is not there
+  const ImDrawList& list = *ImGui::GetWindowDrawList();  // what is scrolled out of sight has no area
   const ImVec2 least = list.GetClipRectMin(), most = list.GetClipRectMax();
   return {std::max(low.x, least.x), std::max(low.y, least.y), std::min(high.x, most.x), std::min(high.y, most.y)};
 }
@@ -65,7 +65,7 @@ void draw_panels(Desk& desk, double now_s) {
     if (desk.live) {
       draw_link_panel(desk);
     }
-    ImGui::BeginChild("below");  // what is above stays in sight
+    ImGui::BeginChild("below");  // everything above stays in sight
     if (desk.live) {
       if (heading("Run", false, "What runs: the options of palpa run")) draw_options_panel(desk);
     }

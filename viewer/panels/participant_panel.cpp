@@ -11,7 +11,7 @@ namespace {
 
 constexpr float mm = 1e-3f;
 
-/// By dragging alone: nothing is typed, so that keys stay keys.
+/// Only by dragging: nothing is typed, so keys stay keys.
 bool drag(const char* label, double& value, float unit, float speed, float low, float high, const char* format) {
   auto shown = static_cast<float>(value) / unit;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.5f);
@@ -23,7 +23,7 @@ bool drag(const char* label, double& value, float unit, float speed, float low, 
 }
 
 void draw_barrier(Participant& setting) {
-  // As for a screen of full HD; what is shown is computed with the window's own pixels.
+  // For a full HD screen. The picture itself is computed with the window's own pixels.
   Barrier barrier = barrier_of(setting, 1920, 1080);
   if (drag("pitch", barrier.pitch_m, mm, 1e-4f, 0.01f, 5, "%.4f mm")) setting.barrier_pitch_m = barrier.pitch_m;
   tip("Distance from slit to slit; with rows, of two rows");

@@ -1,4 +1,4 @@
-// How deep fingers are, what is moved by hand, and what lies flat on the picture.
+// How deep fingers are, moving things by hand, and marks that lie flat on the picture.
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
@@ -12,7 +12,7 @@ namespace palpa::viewer {
 namespace {
 
 ImU32 colour_of(const drawing::Colour& colour) {
-  return to_pixel(colour);  // red in the lowest byte, as there
+  return to_pixel(colour);  // red in the lowest byte, as in ImGui
 }
 
 ImVec2 place(const Vec2& p) {

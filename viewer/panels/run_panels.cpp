@@ -55,7 +55,7 @@ void draw_option(Desk& desk, const setup::OptionInfo& info) {
     const std::string hint = info.initial.empty() ? info.type : info.initial;
     ImGui::InputTextWithHint("##value", hint.c_str(), &text);
     if (ImGui::IsItemVisible()) desk.places.texts.push_back(last_area());
-    // What is being typed is nobody's business until it is done.
+    // Typed text is not used until it is finished.
     if (ImGui::IsItemDeactivatedAfterEdit() && text != now)
       asked.push_back({info.name, text.empty() ? std::nullopt : std::optional(text)});
   }

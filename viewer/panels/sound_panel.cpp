@@ -20,7 +20,7 @@ namespace {
 constexpr double lowest_hz = 4, highest_hz = 600;
 constexpr std::size_t most_fingers = 4;
 
-/// Of skin.hpp: where each kind of afferents feels.
+/// The frequency bands in which each kind of afferents feels, from skin.hpp.
 struct Band {
   const char* name;
   double low_hz, high_hz;
@@ -38,7 +38,7 @@ ImU32 packed(const Colour& colour, float alpha = 1) {
 /// Frequencies by octaves to the right, amplitudes upwards.
 struct Plot {
   ImVec2 low, high;  ///< top left, bottom right
-  double most = 1;   ///< what the top stands for
+  double most = 1;   ///< the value at the top
 
   float x(double hz) const {
     const double part = std::log(std::clamp(hz, lowest_hz, highest_hz) / lowest_hz) / std::log(highest_hz / lowest_hz);
@@ -53,7 +53,7 @@ void centred(ImDrawList& draw, const ImVec2& top, ImU32 colour, const std::strin
 
 void draw_ground(ImDrawList& draw, const Plot& plot, const Theme& theme) {
   for (std::size_t i = 0; i < bands.size(); ++i) {
-    // One above the other: they overlap.
+    // One above the other, because they overlap.
     const float top = plot.low.y - em(1.15f) * static_cast<float>(bands.size() - i);
     const ImVec2 from{plot.x(bands[i].low_hz), top}, to{plot.x(bands[i].high_hz), top + em(1.05f)};
     const ImU32 shade = packed(finger_colour(static_cast<std::uint32_t>(i) + 4), 0.35f);

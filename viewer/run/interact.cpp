@@ -134,7 +134,7 @@ class Parser {
       if (file.empty()) throw line.wrong("shot needs a file");
       add(Interaction::Kind::shot).file = std::move(file);
     } else {
-      // Where nothing was understood before, it may be any file, of which nothing is to be shown.
+      // If no line was understood before, this may be any file, and nothing of it must be shown.
       throw line.wrong(fmt::format(
           "{} is not one of move, press, release, click, drag, scroll, key, type, drop, resize, draw, wait and shot",
           out_.empty() ? "the first word" : "'" + printable(verb, 40) + "'"));
@@ -167,7 +167,7 @@ class Parser {
   void click(Line& line) {
     const double x = line.number("place", -most_pixels, most_pixels);
     go(x, line.number("place", -most_pixels, most_pixels));
-    add(Interaction::Kind::draw);  // what lies under the pointer is known once it was drawn with the pointer there
+    add(Interaction::Kind::draw);  // what lies under the pointer is known only after a picture with the pointer there
     add(pointer(WindowEvent::Kind::press));
     add(Interaction::Kind::draw);
     add(pointer(WindowEvent::Kind::release));

@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Within exit(): the threads of a run that is under way must neither sound on nor meet what exit() takes down.
+/// Called within exit(): the threads of a run under way must not sound on, and must not use what exit() destroys.
 void silence_at_exit() {
   if (!LiveSession::under_way()) return;
   setup::Interrupt::flag() = true;
@@ -46,7 +46,7 @@ void Stopper::end(App& app) {
   const bool cut = loading && scripted_ && !setup::Interrupt::signalled();
   const bool over = app.finish(patience_s);
   if (over && cut) throw failure(too_early);
-  // After a signal there is a second for all of it: a window's device may take longer to be given back.
+  // After a signal, there is one second for everything, but releasing a window's device may take longer.
   const bool at_once = over && windowed_ && setup::Interrupt::signalled();
   if (over && !at_once) return app.rethrow();
   Exit code = cut || !(loading || over) ? Exit::failed : Exit::ok;

@@ -17,6 +17,7 @@
 #include "base/log.hpp"
 #include "base/parallel.hpp"
 #include "geometry/surface/surface_contest.hpp"
+#include "geometry/surface/surface_keep.hpp"
 #include "geometry/surface/surface_samples.hpp"
 #include "geometry/surface/surface_search.hpp"
 
@@ -359,17 +360,8 @@ class Builder {
         contest.add(rival(middle), corners, epsilon_, slack);
         for (const std::size_t k : at)
           contest.add(rival(k), corners, epsilon_, slack);
-        const std::size_t before = result.lists.size();
-        std::array<float, 8> d;
-        for (std::uint32_t k = 0; k < item.count; ++k) {
-          for (std::size_t i = 0; i < 8; ++i)
-            d[i] = d2[k * n + at[i]];
-          const auto end = contest.triangle.begin() + static_cast<std::ptrdiff_t>(contest.count);
-          // With slack, two triangles could exclude each other, so the rivals themselves stay.
-          const bool stays = slack > 0 && std::find(contest.triangle.begin(), end, list[k]) != end;
-          if (stays || !contest.beats(d)) result.lists.push_back(list[k]);
-        }
-        return static_cast<std::uint32_t>(result.lists.size() - before);
+        // With slack, two triangles could exclude each other, so the rivals themselves stay.
+        return keep_unbeaten(contest, slack > 0, {list, item.count}, d2.data() + corner, n, result.lists);
       };
       if (deep) {
         const std::uint32_t kept = filter(slack_of(apart));

@@ -11,7 +11,7 @@
 namespace palpa::session {
 namespace {
 
-/// Takes everything and does nothing: the loop without an array.
+/// Accepts all calls and does nothing, for a loop without an array.
 class NullLink : public Link {
  public:
   void plan(const PlayedPlan&) override {}

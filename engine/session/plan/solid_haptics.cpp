@@ -54,7 +54,7 @@ double slot_length(std::span<const SolidHaptics> solids, const array::VoiceOptio
     common = std::gcd(common, nanoseconds(solid.voice.dwell_s));
     shortest = std::min(shortest, solid.voice.dwell_s);
   }
-  // A dwell that all share is the slot, however short.
+  // If the shortest dwell divides all others, it is the slot, however short.
   if (common == nanoseconds(shortest) || common < nanoseconds(shortest_slot_s)) return shortest;
   return static_cast<double>(common) * 1e-9;
 }

@@ -10,7 +10,7 @@
 namespace palpa::session {
 namespace {
 
-/// How much longer than it needs to be a hold is made, so that the next frame need not change it.
+/// Factor by which a hold is made longer than necessary, so that the next frame need not change it.
 constexpr double spare = 1.1;
 
 }  // namespace
@@ -36,7 +36,7 @@ bool EffortControl::shed(double reach_s) {
     steady_ = calm_ = sure_ = 0;
     return true;
   }
-  // What was taken back was needed: it is tried less often from now on.
+  // The step that was taken back is needed, so taking it back is tried less often from now on.
   if (taken_back_) calm_needed_ = std::min(2 * calm_needed_, longest_calm);
   taken_back_ = false;
   now_.pixel_stride < most_.pixel_stride ? ++now_.pixel_stride : ++now_.foci_part;
@@ -59,7 +59,7 @@ bool EffortControl::take_back() {
   return true;
 }
 
-/// How much longer a frame may take without the last step, if all of its work is what that step has shed.
+/// Factor by which a frame may take longer without the last step, if that step affects all of its work.
 double EffortControl::more_without_last_step() const {
   if (hold_s_ > usual_hold_s_) return 1;
   const auto more = [](std::uint32_t n) { return n > 1 ? static_cast<double>(n) / (n - 1) : 1.0; };

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint64_t usual_frames = 30, most_frames = 100;
 constexpr double degree = std::numbers::pi / 180;
-/// More than that is no camera's noise within a metre.
+/// More than any camera's noise within a metre.
 constexpr double usual_rms_m = 1e-3;
 
 std::uint64_t frames_of(const CalibrateTask& task) {
@@ -33,7 +33,7 @@ std::string source_of(const CalibrateTask& task) {
   return task.source.empty() ? "synthetic" : task.source;
 }
 
-/// In the world.
+/// The target's pose in the world.
 Transform pose_of_target(const TargetPlace& place, const PlacedLayout& placed) {
   const TargetMount mount = target_mount(placed.layout);
   Vec3 origin(mount.T_layout_target[3]);
@@ -44,7 +44,7 @@ Transform pose_of_target(const TargetPlace& place, const PlacedLayout& placed) {
   return placed.T_world_layout * moved_mount(mount, origin, place.turn_deg * degree);
 }
 
-/// A target or a camera of another scale puts the camera elsewhere with small distances all the same.
+/// If the target or the camera has another scale, the camera's pose is wrong although the distances are small.
 void warn_of_scale(const CalibratedCamera& camera, double depth_unit_m) {
   const sensing::FoundTarget& found = camera.found;
   if (!sensing::scale_is_off(found)) return;

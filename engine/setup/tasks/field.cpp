@@ -24,7 +24,7 @@ double milliseconds_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-/// That of the file, or one that is made for the foci, which `result` then has.
+/// The drive of the file, or one that is made for the foci. The foci are then added to `result`.
 array::Drive drive_of(const FieldTask& task, const array::Layout& layout, FieldResult& result) {
   if (!task.drive_file.empty()) return load_drive(task.drive_file, layout);
   const array::DriveOptions options = drive_options(task.drive);
@@ -35,7 +35,7 @@ array::Drive drive_of(const FieldTask& task, const array::Layout& layout, FieldR
   return drive_on_cpu(layout, result.foci, factors_for(layout, schedule, options), options);
 }
 
-/// Of the places that `result` has, in its air.
+/// Computes the field at the places of `result`, in its air.
 void sum(const array::Layout& layout, std::span<const array::TransducerDrive> drive, array::Directivity directivity,
          const gpu::Device* device, FieldResult& result) {
   const acoustics::Strengths strengths = acoustics::strengths_of(drive);

@@ -19,10 +19,10 @@
 namespace palpa::setup {
 namespace {
 
-/// Nearer than this a focus stands on a transducer, and the direction of its sound means nothing.
+/// Below this distance, a focus is on a transducer, and the direction of its sound is meaningless.
 constexpr double on_transducer_m = 1e-6;
 
-/// "x,y,z,a" as "x,y,z" and a; without a fourth part a is 1.
+/// Splits "x,y,z,a" into "x,y,z" and a; without a fourth part, a is 1.
 std::pair<std::string, float> split_gain(const std::string& text) {
   if (std::ranges::count(text, ',') != 3) return {text, 1.0F};
   const std::size_t comma = text.rfind(',');

@@ -29,7 +29,7 @@ void check_absorption(const IncidentSound& sound, const acoustics::Air& air) {
     throw bad_usage("--absorption goes with --drive: the plane wave and the point source are computed in lossless air");
 }
 
-/// The task's wave, checked beside the body.
+/// Loads the task's wave and checks it against the body.
 IncidentSound load_sound(const ScatterTask& task, const acoustics::Air& air, const geometry::Mesh& body) {
   IncidentSound sound;
   if (!task.plane_wave.empty()) {
@@ -71,10 +71,10 @@ void check_sound(const std::string& name, const IncidentSound& sound, const acou
   check_absorption(sound, air);
 }
 
-/// The incident wave, whichever it is.
+/// The incident wave, of any kind.
 class Wave {
  public:
-  /// `sound` outlives it.
+  /// `sound` must outlive it.
   Wave(const IncidentSound& sound, const acoustics::Air& air) : sound_(sound), air_(air) {
     if (const auto* const array = std::get_if<ArraySound>(&sound)) strengths_ = acoustics::strengths_of(array->drive);
   }
@@ -127,7 +127,7 @@ Pressures around(const acoustics::RigidBody& body, const Wave& wave, std::span<c
   return total;
 }
 
-/// Of a body and a sound that are checked.
+/// Computes the result for a checked body and a checked sound.
 ScatterResult solve(geometry::Mesh mesh, const IncidentSound& sound, const acoustics::Air& air,
                     std::vector<Vec3> points) {
   ScatterResult result;

@@ -17,14 +17,15 @@
 namespace palpa::touch {
 namespace {
 
-/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+/// The buffers that the kernels bind, by name: those of the caller and the scratch.
 struct Buffers : ContactsBindings {
   gpu::BufferRef hits = {}, masks = {}, counts = {}, deep_masks = {}, deep_counts = {};
   gpu::BufferRef surface_cells = {}, surface_runs = {}, surface_triangles = {}, surface_signs = {},
                  surface_corners = {}, parts_words = {};
 };
 
-/// Words of 32 points that chunks can cover, of however many rounds: the last one may begin just before the last point.
+/// The maximum number of words of 32 points that chunks can cover, for any number of rounds: the last chunk may begin
+/// just before the last point.
 std::uint64_t mask_words(std::uint32_t points) {
   constexpr std::uint32_t longest_round = shader::contacts_chunks * shader::contacts_group;
   return (std::uint64_t{gpu::groups_for(points, longest_round)} * (longest_round + shader::contacts_group)) / 32;
@@ -34,7 +35,7 @@ std::uint32_t whole_fours(std::uint32_t chunks) {
   return (chunks + 3) / 4 * 4;
 }
 
-/// However few rounds chunks have.
+/// The maximum for any number of rounds per chunk.
 std::uint32_t most_chunks(std::uint32_t points) {
   return std::max(shader::contacts_chunks, whole_fours(gpu::groups_for(points, shader::contacts_group)));
 }
