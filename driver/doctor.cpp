@@ -30,8 +30,9 @@ struct Known {
 /// The USB chips of the open 40 kHz arrays. Each is also found in other devices, so a board is never opened by its id
 /// alone.
 constexpr Known boards[]{
-    {0x0403, 0x6014, "FT232H", "OpenMPD board; also JTAG probes and others: say which by its serial number"},
-    {0x0403, 0x6010, "FT2232H", "two-channel FTDI array; also JTAG probes and others: say which by its serial number"},
+    {0x0403, 0x6014, "FT232H", "OpenMPD board; also JTAG probes and others: tell them apart by the serial number"},
+    {0x0403, 0x6010, "FT2232H",
+     "two-channel FTDI array; also JTAG probes and others: tell them apart by the serial number"},
     {0x0403, 0x6001, "FT232R", "SonicSurface on an FTDI serial adapter"},
     {0x1a86, 0x7523, "CH340", "SonicSurface or an Arduino clone on a CH340 serial adapter"},
     {0x10c4, 0xea60, "CP210x", "SonicSurface on a CP210x serial adapter"},
@@ -72,8 +73,8 @@ std::string no_permission() {
                                : fmt::format("copy {} to /etc/udev/rules.d, ",
                                              there ? std::string(rules) : "driver/70-palpa.rules of palpa's sources");
   return fmt::format(
-      "no permission: as root, {}run udevadm control --reload, plug the device in again; if you are not at the machine "
-      "itself (ssh), be in the group plugdev",
+      "no permission: as root, {}run udevadm control --reload, then plug the device in again; if you work over ssh, "
+      "join the group plugdev",
       copy);
 }
 
@@ -107,7 +108,7 @@ cli::DoctorItem describe(const usb::Entry& device, const Known& known) {
   } else if (const std::string driver = kernel_driver(device.place); !driver.empty()) {
     item.facts.push_back({"kernel_driver", driver});
     if (device.product == usb::ftdi::product_232h && driver == "ftdi_sio")
-      item.advice += "; the kernel has made it a serial port, which palpa ends while it has it open";
+      item.advice += "; the kernel uses it as a serial port, which palpa removes while it has the device open";
   }
   return item;
 }

@@ -47,8 +47,8 @@ std::uint16_t divider_of(double slot_s) {
   const double periods = slot_s * period_hz;
   if (!(std::abs(periods - std::round(periods)) < 1e-6 && periods > 0.5 && periods <= most)) {
     throw bad_usage(
-        fmt::format("link autd3: a slot of {:g} ms is no whole number of periods of 0.025 ms; choose --dwell "
-                    "so that it is, such as {:g}ms",
+        fmt::format("link autd3: a slot of {:g} ms is not a whole number of periods of 0.025 ms; choose a --dwell that "
+                    "is, such as {:g}ms",
                     1e3 * slot_s, std::max(1.0, std::round(periods)) * 0.025));
   }
   return static_cast<std::uint16_t>(std::lround(periods));
@@ -257,7 +257,7 @@ class Autd3Board final : public Board {
     if (stage_ == cpu_major || stage_ == fpga_major) {
       for (std::size_t d = 0; d < remote_.devices(); ++d) {
         if (remote_.data(d) != known_firmware) {
-          remote_.refuse(FixedText<120>("device {} has firmware 0x{:02x}, not 0x{:02x}, which is 12.1", d,
+          remote_.refuse(FixedText<120>("device {} has firmware 0x{:02x}; palpa needs 0x{:02x}, which is 12.1", d,
                                         remote_.data(d), known_firmware)
                              .view());
           return false;
@@ -271,7 +271,7 @@ class Autd3Board final : public Board {
     if (stage_ == zeros) {
       segment_ ^= 1;
       silent_ = all_silent_ = true;  // they were cleared before
-      if (std::exchange(lost_, false)) notes_.warning("is there again");
+      if (std::exchange(lost_, false)) notes_.warning("the server is back");
     }
     stage_ = static_cast<Stage>(stage_ + 1);
     return true;
@@ -448,8 +448,8 @@ class Autd3Board final : public Board {
   void tell(const Rate& rate, const char* what) {
     if (rate.given == 0) return;
     const double each_s = rate.through == 0 ? 0.0 : rate.all_s / static_cast<double>(rate.through);
-    notes_.info(FixedText<120>("{} of {} {} brought over, {:.1f} ms each", rate.through, rate.given, what, 1e3 * each_s)
-                    .view());
+    notes_.info(
+        FixedText<120>("{} of {} {} transferred, {:.1f} ms each", rate.through, rate.given, what, 1e3 * each_s).view());
   }
 
   BoardNotes& notes_;

@@ -18,7 +18,7 @@ namespace {
 array::Layout layout_of(const std::string& name) {
   array::Layout layout = array::load_layout(name.empty() ? "autd3" : name);
   if (layout.boards.empty() || layout.boards.size() * EmulatedDevice::transducers != layout.transducers.size())
-    throw bad_usage(fmt::format("the layout {} is not of AUTD3 units: name one with --layout that is", name));
+    throw bad_usage(fmt::format("the layout {} does not consist of AUTD3 units: give --layout one that does", name));
   return layout;
 }
 
@@ -56,7 +56,7 @@ void emulate(const emulate::Options& options, const Outputs& outputs) {
   const bool sounds = !server.silent(device_time_s());
   const std::uint64_t operations = server.devices()[0].operations();
   emulate::conclude(options, outputs,
-                    {fmt::format("{} device{}, each told {} operations, {}", server.devices().size(),
+                    {fmt::format("{} device{}, {} operations each, {}", server.devices().size(),
                                  server.devices().size() == 1 ? "" : "s", operations, sounds ? "sounding" : "silent"),
                      "operations", operations, sounds, violations, server.violation_count()});
 }

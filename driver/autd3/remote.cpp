@@ -143,13 +143,13 @@ Remote::Progress Remote::fail(std::string_view what, std::string_view detail) {
 }
 
 Remote::Progress Remote::connected(double now_s) {
-  if (refused_ != 0) return not_there("is not there", std::strerror(refused_), now_s);
+  if (refused_ != 0) return not_there("cannot be reached", std::strerror(refused_), now_s);
   pollfd one{socket_.get(), POLLOUT, 0};
   if (poll(&one, 1, 0) <= 0) return Progress::nothing;
   int fault = 0;
   socklen_t size = sizeof fault;
   getsockopt(socket_.get(), SOL_SOCKET, SO_ERROR, &fault, &size);
-  if (fault != 0) return not_there("is not there", std::strerror(fault), now_s);
+  if (fault != 0) return not_there("cannot be reached", std::strerror(fault), now_s);
   out_ = hello_request;
   begin(Step::hello, out_.size(), 1, now_s);
   return Progress::done;
@@ -186,7 +186,7 @@ Remote::Progress Remote::transfer_reply() {
       return fail("refuses", {reinterpret_cast<const char*>(reply_.data()) + error_head, whole - error_head});
     }
     const ssize_t size = recv(socket_.get(), reply_.data() + received_, whole - received_, 0);
-    if (size == 0) return fail("has ended the connection");
+    if (size == 0) return fail("closed the connection");
     if (size < 0) {
       if (errno == EAGAIN || errno == EINTR) return Progress::nothing;
       return fail("is gone", std::strerror(errno));
@@ -245,8 +245,8 @@ Remote::Progress Remote::pump(double now_s) {
       // Nothing is expected now: anything that comes is the end, or this is not a server of this kind.
       std::uint8_t byte = 0;
       const ssize_t size = recv(socket_.get(), &byte, 1, 0);
-      if (size == 0) return fail("has ended the connection");
-      if (size > 0) return fail("says what nobody asked for");
+      if (size == 0) return fail("closed the connection");
+      if (size > 0) return fail("sent data that palpa did not ask for");
       if (errno != EAGAIN && errno != EINTR) return fail("is gone", std::strerror(errno));
       return Progress::nothing;
     }

@@ -62,7 +62,7 @@ class Remote {
   std::string_view fault() const { return fault_.view(); }
 
   /// Ends the connection with a fault that the caller gives.
-  void refuse(std::string_view what) { fail("is not to be driven", what); }
+  void refuse(std::string_view what) { fail("cannot be driven", what); }
 
   pollfd watched() const;
 

@@ -152,9 +152,8 @@ void LiveCamera::drop() {
 void LiveCamera::count_broken() {
   if (++broken_ != said_broken) return;
   log::warning(
-      fmt::format("camera '{}' ({}): {} frames came short, damaged or twice and were left out; a cable of 2 m at most "
-                  "and a port of "
-                  "its own help",
+      fmt::format("camera '{}' ({}): {} frames arrived incomplete, damaged or twice and were dropped; use a cable of "
+                  "at most 2 m and a separate USB port",
                   name_, device_->address(), broken_));
 }
 
@@ -163,8 +162,8 @@ void LiveCamera::say_lost(const std::string& how) {
   lost_ = true;
   lost_s_ = host_.now_s();
   refusal_said_ = false;
-  log::warning(
-      fmt::format("camera '{}' ({}): {}; palpa goes on without it and looks for it", name_, device_->address(), how));
+  log::warning(fmt::format("camera '{}' ({}): {}; palpa continues without it and keeps looking for it", name_,
+                           device_->address(), how));
 }
 
 void LiveCamera::say_back() {

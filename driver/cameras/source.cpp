@@ -42,7 +42,7 @@ class Cameras final : public sensing::DepthSource {
       nominal_s_ = std::max(nominal_s_, live_.back().period_s());
       if (camera.depth_unit_m >= coarse_m) {
         log::warning(
-            fmt::format("{}: camera '{}' has a depth unit of {:g} mm, coarse against a shell of 1.5 mm; set "
+            fmt::format("{}: camera '{}' has a depth unit of {:g} mm, which is coarse for a shell of 1.5 mm; set "
                         "depth_unit_m = 0.0001",
                         rig, camera.name, camera.depth_unit_m * 1e3));
       }
@@ -134,8 +134,8 @@ class Cameras final : public sensing::DepthSource {
     if (unmatched_said_ || now_s - unmatched_since_s_ < unmatched_s) return;
     unmatched_said_ = true;
     log::warning(
-        fmt::format("the cameras' frames do not fit together: for {:g} s none were captured within {:.1f} ms of "
-                    "each other; give all of them one rate_hz and a fixed exposure_s in {}",
+        fmt::format("the cameras' frames do not fit together: for {:g} s, none were captured within {:.1f} ms of each "
+                    "other; give all cameras the same rate_hz and a fixed exposure_s in {}",
                     unmatched_s, (period_s / 2 + stamp_jitter_s) * 1e3, rig_));
   }
 
@@ -172,7 +172,7 @@ std::vector<std::string> parse_names(const std::string& argument, const std::str
     std::string name = argument.substr(begin, end - begin);
     if (name.empty()) throw bad_usage(fmt::format("source {0} needs cameras: {0}:{1}", kind, example));
     if (std::find(names.begin(), names.end(), name) != names.end())
-      throw bad_usage(fmt::format("source {} names {} twice; each camera of the rig has its own", kind, name));
+      throw bad_usage(fmt::format("source {} names {} twice; name each camera of the rig once", kind, name));
     names.push_back(std::move(name));
     begin = end + 1;
   }
@@ -182,8 +182,8 @@ std::vector<std::string> parse_names(const std::string& argument, const std::str
 void check_count(std::size_t named, std::size_t cameras, const std::string& kind, const std::string& rig) {
   if (named == cameras && named <= most_cameras) return;
   throw bad_usage(
-      fmt::format("source {} names {} camera{} and {} describes {}; give as many, in the same order "
-                  "(palpa doctor --write-rig FILE writes a rig for the cameras that are plugged in)",
+      fmt::format("source {} names {} camera{}, but {} describes {}; name as many cameras as the rig has, in the same "
+                  "order (palpa doctor --write-rig FILE writes a rig for the cameras that are plugged in)",
                   kind, named, named == 1 ? "" : "s", rig, cameras));
 }
 

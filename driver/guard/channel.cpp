@@ -27,7 +27,7 @@ std::size_t whole_lines(std::size_t size) {
 }
 
 Error no_memory() {
-  return failure(fmt::format("no memory to share with palpa-guard: {}", std::strerror(errno)));
+  return failure(fmt::format("there is no memory to share with palpa-guard: {}", std::strerror(errno)));
 }
 
 }  // namespace
@@ -113,7 +113,7 @@ SharedMemory SharedMemory::make(std::span<const std::byte> brief, std::size_t tr
 
 SharedMemory SharedMemory::of(Descriptor fd) {
   struct stat status {};
-  const Error wrong = failure("palpa-guard is started by palpa, not by hand");
+  const Error wrong = failure("palpa-guard must be started by palpa, not by hand");
   if (fstat(fd.get(), &status) != 0 || static_cast<std::size_t>(status.st_size) < sizeof(Head)) throw wrong;
   SharedMemory memory(std::move(fd), static_cast<std::size_t>(status.st_size));
   if (memory.head().mark != mark || memory.head().size != memory.size_) throw wrong;

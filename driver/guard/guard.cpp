@@ -198,7 +198,7 @@ int hold_board(std::span<const BoardKind> kinds) {
   const SharedMemory memory = SharedMemory::of(Descriptor(guard_memory));
   const Brief brief = brief_from(memory.brief());
   const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const BoardKind& k) { return k.name == brief.kind; });
-  if (kind == kinds.end()) throw failure("palpa-guard knows no board " + brief.kind);
+  if (kind == kinds.end()) throw failure("palpa-guard does not know the board " + brief.kind);
   Notes notes;
   Guard guard(memory, kind->plays_plans, brief.board.slot_s);  // takes all its memory before the board sounds
   const auto board = kind->open(brief.board, notes);

@@ -90,7 +90,7 @@ std::string guard_program() {
   for (const auto& program : {beside, installed}) {
     if (!fault && access(program.c_str(), X_OK) == 0) return program.string();
   }
-  throw failure(fmt::format("no board without palpa-guard, which is neither {} nor {}: install palpa as a whole",
+  throw failure(fmt::format("a board needs palpa-guard, which is neither at {} nor at {}: install all of palpa",
                             beside.string(), installed.lexically_normal().string()));
 }
 

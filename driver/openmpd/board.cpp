@@ -43,14 +43,14 @@ void check_layout(const array::Layout& layout, std::size_t addresses) {
   }
   if (next != layout.transducers.size()) {
     throw bad_usage(
-        fmt::format("the layout {} is not of OpenMPD boards alone: --layout openmpd, openmpd-pair or one whose "
-                    "units are all of type openmpd",
+        fmt::format("the layout {} does not consist of OpenMPD boards only: give --layout openmpd, openmpd-pair or one "
+                    "whose units are all of type openmpd",
                     layout.name));
   }
   if (layout.boards.size() != addresses) {
     throw bad_usage(
-        fmt::format("the layout {} has {} OpenMPD boards, and {} serial numbers are given: one for each, in the "
-                    "layout's order",
+        fmt::format("the layout {} has {} OpenMPD boards, but {} serial numbers are given: give one for each board, in "
+                    "the layout's order",
                     layout.name, layout.boards.size(), addresses));
   }
 }
@@ -66,12 +66,12 @@ std::vector<Address> parse_addresses(const std::string& argument) {
     Address address{one.substr(0, sign), sign == std::string::npos ? "" : one.substr(sign + 1)};
     if (address.serial.empty() || (sign != std::string::npos && address.place.empty())) {
       throw bad_usage(
-          "openmpd: needs the boards' serial numbers, openmpd:SERIAL[,SERIAL...], or SERIAL@BUS-PORT where "
-          "several have the same");
+          "link openmpd needs the boards' serial numbers, openmpd:SERIAL[,SERIAL...], or SERIAL@BUS-PORT if several "
+          "boards have the same one");
     }
     for (const Address& other : addresses) {
       if (other.text() == address.text()) {
-        throw bad_usage(fmt::format("openmpd: the board {} is named twice", printable(address.text(), 80)));
+        throw bad_usage(fmt::format("link openmpd names the board {} twice", printable(address.text(), 80)));
       }
     }
     addresses.push_back(std::move(address));
@@ -84,8 +84,8 @@ std::uint8_t divider_for(double slot_s) {
   const double most = std::floor(slot_s / 2 / period_s + 1e-9);
   if (most < 1) {
     throw bad_usage(
-        fmt::format("OpenMPD boards take a frame every 0.025 ms at best, and a slot must last two: a dwell of {} "
-                    "ms is shorter than 0.05 ms",
+        fmt::format("OpenMPD boards take at most one frame every 0.025 ms, and a slot must last two frames: a dwell of "
+                    "{} ms is shorter than 0.05 ms",
                     1e3 * slot_s));
   }
   return static_cast<std::uint8_t>(std::min<double>(most, usual_divider));
@@ -99,8 +99,7 @@ OpenMpdBoard::OpenMpdBoard(const BoardSpec& spec, BoardNotes& notes, usb::Transp
   const double chip_need = frame_bytes / spec.slot_s;
   if (chip_need > chip_bytes_per_s) {
     throw bad_usage(
-        fmt::format("a board needs {:.1f} MB/s at a dwell of {} ms, and an FT232H carries {:.0f}: use a longer "
-                    "--dwell",
+        fmt::format("a board needs {:.1f} MB/s at a dwell of {} ms, but an FT232H carries {:.0f}: use a longer --dwell",
                     1e-6 * chip_need, 1e3 * spec.slot_s, 1e-6 * chip_bytes_per_s));
   }
   std::vector<BoardFile> files;
@@ -113,8 +112,8 @@ OpenMpdBoard::OpenMpdBoard(const BoardSpec& spec, BoardNotes& notes, usb::Transp
     encoders_.emplace_back(calibration_of(files, address.serial));
     const auto named = [&](const BoardFile& file) { return file.serial == address.serial; };
     if (!files.empty() && std::none_of(files.begin(), files.end(), named)) {
-      note(notes_, &BoardNotes::warning, "no file in {} is of board {}: it plays without calibration", spec.files,
-           address.serial);
+      note(notes_, &BoardNotes::warning, "no file in {} belongs to board {}, so it plays without calibration",
+           spec.files, address.serial);
     }
     wires_.push_back(std::make_unique<Wire>(address, transport, clock, divider));
   }
@@ -149,8 +148,8 @@ std::size_t OpenMpdBoard::check_bandwidth(double slot_s) const {
     const double need = boards * frame_bytes / slot_s;
     if (need > bus_bytes_per_s) {
       throw bad_usage(
-          fmt::format("{} boards on bus {} need {:.1f} MB/s at a dwell of {} ms, and a USB 2 bus carries {:.0f}: "
-                      "use a dwell of at least {:.3f} ms, or more USB controllers",
+          fmt::format("{} boards on bus {} need {:.1f} MB/s at a dwell of {} ms, but a USB 2 bus carries {:.0f}: use a "
+                      "dwell of at least {:.3f} ms, or more USB controllers",
                       boards, bus, 1e-6 * need, 1e3 * slot_s, 1e-6 * bus_bytes_per_s,
                       1e3 * boards * frame_bytes / bus_bytes_per_s));
     }
@@ -306,7 +305,7 @@ void OpenMpdBoard::tell() {
   } else {
     troubled_ = false;
     sent_s_ = clock_.now_s();
-    note(notes_, &BoardNotes::warning, "all boards are in step again after {:.1f} s, and play on",
+    note(notes_, &BoardNotes::warning, "all boards are in step again after {:.1f} s and continue to play",
          sent_s_ - troubled_s_);
   }
 }

@@ -76,9 +76,9 @@ array::Layout layout_of(const emulate::Options& options, std::size_t boards) {
   const std::string name = !options.layout.empty() ? options.layout : boards == 2 ? "openmpd-pair" : "openmpd";
   array::Layout layout = array::load_layout(name);
   if (layout.boards.size() != boards || layout.transducers.size() != boards * transducers) {
-    throw bad_usage(
-        fmt::format("the layout {} is not of {} OpenMPD board{}: name one with --layout that is, or leave --view out",
-                    name, boards, boards == 1 ? "" : "s"));
+    throw bad_usage(fmt::format(
+        "the layout {} does not consist of {} OpenMPD board{}: give --layout one that does, or leave --view out", name,
+        boards, boards == 1 ? "" : "s"));
   }
   return layout;
 }
@@ -154,8 +154,8 @@ void judge(std::span<const std::unique_ptr<Emulated>> boards) {
     const std::uint64_t first = boards[0]->board.fpga().frames_in_step(), its = one->board.fpga().frames_in_step();
     if (its != first) {
       throw failure(
-          fmt::format("{} was shown {} frames and {} {} since they were brought into step: boards of one array get "
-                      "equal numbers",
+          fmt::format("{} received {} frames and {} received {} since they were brought into step: the boards of one "
+                      "array must receive the same number",
                       boards[0]->serial(), first, one->serial(), its));
     }
   }

@@ -45,7 +45,8 @@ Outcome EmulatedBoard::control(double now_s, const Setup& setup, std::span<std::
     return Outcome::done;
   }
   const auto follows = [&](Step before, Step after, const char* what) {
-    if (step_ != before) violate(now_s, fmt::format("{} out of order: reset, bit mode, latency, purge is right", what));
+    if (step_ != before)
+      violate(now_s, fmt::format("{} out of order: the right order is reset, bit mode, latency, purge", what));
     step_ = after;
   };
   if (setup == ftdi::reset_request()) {
@@ -75,7 +76,7 @@ Outcome EmulatedBoard::control(double now_s, const Setup& setup, std::span<std::
 std::size_t EmulatedBoard::bulk_out(double now_s, std::uint8_t endpoint, std::span<const std::uint8_t> bytes) {
   advance(now_s);
   if (endpoint != ftdi::endpoint_out) {
-    violate(now_s, fmt::format("bytes for endpoint {}, which is none", endpoint));
+    violate(now_s, fmt::format("bytes for endpoint {}, which does not exist", endpoint));
     return bytes.size();
   }
   if (step_ != Step::purged) {
@@ -90,7 +91,7 @@ std::size_t EmulatedBoard::bulk_out(double now_s, std::uint8_t endpoint, std::sp
               chip_.begin() + static_cast<std::ptrdiff_t>(waiting_));
   waiting_ += room;
   if (fpga_.dividers_set() > dividers_at_reset_ + 1) {
-    violate(now_s, "the divider set again since the board was opened");
+    violate(now_s, "the divider was set twice since the board was opened");
     dividers_at_reset_ = fpga_.dividers_set() - 1;
   }
   return taken + room;
@@ -108,7 +109,7 @@ void EmulatedBoard::advance(double now_s) {
   if (waiting_ > 0) drain(now_s);
   if (closed_s_ >= 0 && now_s >= closed_s_ + last_frames_s) {
     closed_s_ = -1;
-    if (fpga_.sounds()) violate(now_s, "left sounding by whoever had it open");
+    if (fpga_.sounds()) violate(now_s, "left sounding by the program that had it open");
   }
 }
 

@@ -137,7 +137,7 @@ void Fpga::parse(std::uint8_t byte, std::int64_t now_ns) {
         divider_ = divider_bits_;
         ++dividers_set_;
       } else if (divider_bits_ != 0 && !resyncing_) {
-        violate(now_ns, "a frame has bits of the divider and does not set it");
+        violate(now_ns, "a frame has bits of the divider but does not set it");
       }
     }
     if (at_ > divider_apply && bit) violate(now_ns, "a phase of more than 127");
@@ -156,7 +156,7 @@ void Fpga::finish_frame(std::int64_t now_ns) {
   front_ = back_;
   ++frames_;
   if (!resyncing_) ++frames_in_step_;
-  if (resyncing_ && sounds() && ++sounding_frames_ == 2) violate(now_ns, "sound before it was resynchronised");
+  if (resyncing_ && sounds() && ++sounding_frames_ == 2) violate(now_ns, "sound before the board was resynchronised");
   const std::int64_t edge_ns = (now_ns / period_ns + 1) * period_ns;
   shown_s_ = 1e-9 * static_cast<double>(edge_ns);
   if (shown_) shown_(shown_s_, front_);

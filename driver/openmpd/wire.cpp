@@ -44,13 +44,13 @@ usb::Entry find(const usb::Listing& listing, const Address& address) {
     }
   }
   if (found.empty()) {
-    std::string there = others.empty() ? "no FT232H is plugged in" : "there are: " + shortened(others, 200);
+    std::string there = others.empty() ? "no FT232H is plugged in" : "these are plugged in: " + shortened(others, 200);
     if (!listing.problem.empty()) there += "; " + printable(listing.problem);
     throw failure(fmt::format("no OpenMPD board has the serial number {}: {}", printable(address.text(), 80), there));
   }
   if (found.size() > 1) {
-    throw bad_usage(fmt::format("{} boards have the serial number {}: say which by where they are plugged in: {}",
-                                found.size(), printable(address.serial, 80), shortened(places, 200)));
+    throw bad_usage(fmt::format("{} boards have the serial number {}: choose one by its USB port: {}", found.size(),
+                                printable(address.serial, 80), shortened(places, 200)));
   }
   return found.front();
 }
@@ -111,7 +111,7 @@ void Wire::ask() {
   const Outcome outcome = device_->request(ftdi::ready_requests[asked_ - 1]);
   if (outcome != Outcome::done) {
     const bool readied = asked_ > ftdi::first_purge;
-    if (!readied) return lose(FixedText<80>("cannot be readied: {}", usb::text_of(outcome)).view());
+    if (!readied) return lose(FixedText<80>("cannot be set up: {}", usb::text_of(outcome)).view());
     if (outcome == Outcome::gone || outcome == Outcome::failed) return lose(usb::text_of(outcome));
     return start_over(usb::text_of(outcome));
   }
@@ -127,13 +127,13 @@ void Wire::check_channel() {
   ftdi::Channel channel{};
   const Outcome outcome = ftdi::read_channel(*device_, channel);
   if (outcome != Outcome::done)
-    return lose(FixedText<80>("cannot be readied: its EEPROM: {}", usb::text_of(outcome)).view());
+    return lose(FixedText<80>("cannot be set up: its EEPROM: {}", usb::text_of(outcome)).view());
   if (entry_.release != ftdi::release_232h || channel != ftdi::Channel::fifo) {
-    return lose(FixedText<400>("the device at {} is no OpenMPD board, or is not set up as one: its EEPROM says {}, a "
-                               "board's says 245 FIFO (set it with FTDI's FT_PROG, or give the serial number of the "
-                               "board)",
-                               entry_.place, ftdi::text_of(channel))
-                    .view());
+    return lose(
+        FixedText<400>("the device at {} is not an OpenMPD board, or is not set up as one: its EEPROM says {}, but a "
+                       "board's says 245 FIFO (set it with FTDI's FT_PROG, or give the serial number of the board)",
+                       entry_.place, ftdi::text_of(channel))
+            .view());
   }
   asked_ = 1;
 }
@@ -167,7 +167,7 @@ void Wire::tend() {
         state_ = State::asking;
         asked_ = 1 + ftdi::first_purge;
       } else if (flying_ > 0 && now_s - oldest_s() > 10 * transfer_patience_s) {
-        lose("its transfers cannot be ended");
+        lose("its transfers cannot be cancelled");
       }
       break;
     case State::flushing:

@@ -105,8 +105,9 @@ class DepthSensor final : public Sensor {
     const bool none = std::all_of(std::begin(found.coeffs), std::end(found.coeffs), [](float c) { return c == 0; });
     if (none) return lens;
     if (found.model != RS2_DISTORTION_BROWN_CONRADY) {
-      throw failure(fmt::format("its lens has the distortion {}, which palpa does not have; set calibration = \"file\"",
-                                rs2_distortion_to_string(found.model)));
+      throw failure(
+          fmt::format("its lens has the distortion {}, which palpa does not support; set calibration = \"file\"",
+                      rs2_distortion_to_string(found.model)));
     }
     std::copy(std::begin(found.coeffs), std::end(found.coeffs), lens.distortion.begin());
     return lens;

@@ -18,10 +18,9 @@ std::string find_only(Sdk& sdk) {
     throw bad_input("realsense:any", "librealsense2 finds no camera; palpa doctor says what is plugged in");
   }
   if (there.size() > 1) {
-    throw bad_usage(
-        fmt::format("source realsense: {} cameras are plugged in; name those of the rig, in its order: "
-                    "realsense:{}",
-                    there.size(), fmt::join(there, ",")));
+    throw bad_usage(fmt::format(
+        "source realsense: {} cameras are plugged in; name the rig's cameras, in the rig's order: realsense:{}",
+        there.size(), fmt::join(there, ",")));
   }
   return there.front();
 }

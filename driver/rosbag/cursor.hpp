@@ -32,7 +32,7 @@ class Cursor {
     return value;
   }
   std::span<const std::uint8_t> bytes(std::size_t count) {
-    if (count > bytes_.size()) throw Malformed("a value reaches beyond the end of what holds it");
+    if (count > bytes_.size()) throw Malformed("a value extends past the end of its container");
     const auto taken = bytes_.first(count);
     bytes_ = bytes_.subspan(count);
     return taken;

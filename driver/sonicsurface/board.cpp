@@ -59,8 +59,8 @@ void check_pace(const BoardSpec& spec, std::size_t boards) {
   const double frame_s = seconds_of(frame_size(boards));
   if (!spec.foci_move || spec.slot_s >= frame_s) return;
   throw bad_usage(
-      fmt::format("link sonicsurface: a frame takes {:.1f} ms, a slot of {:g} ms is too short; use --dwell {:g}ms, "
-                  "or --method single-focus, which needs none",
+      fmt::format("link sonicsurface: a frame takes {:.1f} ms, so a slot of {:g} ms is too short; use --dwell {:g}ms, "
+                  "or --method single-focus, whose focus does not move",
                   1e3 * frame_s, 1e3 * spec.slot_s, std::ceil(1e3 * frame_s)));
 }
 
@@ -296,7 +296,7 @@ class SonicSurface final : public Board {
     if (!line_.reopen()) return false;
     lost_ = false;
     fall_silent(all_off_);
-    notes_.warning("the serial port is there again");
+    notes_.warning("the serial port is back");
     return true;
   }
 
@@ -345,20 +345,21 @@ std::vector<float> read_degrees(const std::string& folder, std::size_t count) {
     in.str(read_file(file, most_bytes));
   } catch (const Error& error) {
     if (error.code() != Exit::bad_input) throw;
-    throw bad_input(file, fmt::format("cannot be read; it has {} numbers, one per transducer, in degrees", count));
+    throw bad_input(file,
+                    fmt::format("cannot be read; it must have {} numbers, one per transducer, in degrees", count));
   }
   std::vector<float> degrees;
   for (float value = 0; in >> value;) {
     if (!(std::abs(value) <= 360)) {
       // If no phase came before, it may be any file, and nothing of it must be shown.
-      const std::string what = degrees.empty() ? "its first number is" : fmt::format("{} degrees are", value);
-      throw bad_input(file, what + " no phase from -360 to 360");
+      const std::string what = degrees.empty() ? "its first number is" : fmt::format("{} degrees is", value);
+      throw bad_input(file, what + " not a phase from -360 to 360");
     }
     degrees.push_back(value);
   }
-  if (!in.eof()) throw bad_input(file, fmt::format("number {} is none", degrees.size() + 1));
+  if (!in.eof()) throw bad_input(file, fmt::format("value {} is not a number", degrees.size() + 1));
   if (degrees.size() != count)
-    throw bad_input(file, fmt::format("has {} numbers; the boards have {} transducers", degrees.size(), count));
+    throw bad_input(file, fmt::format("has {} numbers, but the boards have {} transducers", degrees.size(), count));
   return degrees;
 }
 

@@ -21,7 +21,7 @@ array::Layout layout_of(const emulate::Options& options) {
   const std::size_t boards = layout.boards.size();
   if (boards == 0 || boards > (options.tactile ? 1 : 2) ||
       boards * EmulatedBoards::slots != layout.transducers.size()) {
-    throw bad_usage(fmt::format("the layout {} is not of {}: name one with --layout that is", options.layout,
+    throw bad_usage(fmt::format("the layout {} does not consist of {}: give --layout one that does", options.layout,
                                 options.tactile ? "one SonicSurface board" : "one or two SonicSurface boards"));
   }
   return layout;

@@ -43,7 +43,7 @@ Pty::Pty() : master_(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
   std::array<char, 64> name{};
   if (!master_ || grantpt(master_.get()) != 0 || unlockpt(master_.get()) != 0 ||
       ptsname_r(master_.get(), name.data(), name.size()) != 0)
-    throw failure(fmt::format("no pseudo terminal: {}", std::strerror(errno)));
+    throw failure(fmt::format("cannot open a pseudo terminal: {}", std::strerror(errno)));
   path_ = name.data();
   termios raw{};
   tcgetattr(master_.get(), &raw);

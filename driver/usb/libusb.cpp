@@ -31,7 +31,7 @@ class Bus {
     }
     count_ = libusb_get_device_list(context_, &devices_);
     if (count_ < 0) {
-      problem_ = fmt::format("no list of USB devices: {}", text_of_error(static_cast<int>(count_)));
+      problem_ = fmt::format("USB devices cannot be listed: {}", text_of_error(static_cast<int>(count_)));
       count_ = 0;
     }
   }
@@ -254,7 +254,7 @@ std::unique_ptr<Device> LibusbTransport::open(const Entry& entry, std::uint8_t e
     libusb_set_auto_detach_kernel_driver(handle, 1);  // if the platform supports it
     if (const int claimed = libusb_claim_interface(handle, 0); claimed != LIBUSB_SUCCESS) {
       libusb_close(handle);
-      throw failure(fmt::format("USB device {} at {} cannot be taken: {}; another program or a kernel driver has it",
+      throw failure(fmt::format("USB device {} at {} cannot be claimed: {}; another program or a kernel driver has it",
                                 entry.serial, entry.place, text_of_error(claimed)));
     }
     return std::make_unique<LibusbDevice>(std::move(bus), handle, endpoint);

@@ -235,14 +235,14 @@ std::filesystem::path address_of(unsigned number) {
 std::filesystem::path runtime_folder() {
   std::filesystem::path folder = runtime_place();
   if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
-    throw failure(fmt::format("{}: cannot be made for the emulators' sockets: {}", folder.string(),
+    throw failure(fmt::format("{}: cannot be created for the emulators' sockets: {}", folder.string(),
                               std::generic_category().message(errno)));
   }
   struct stat status {};
   if (lstat(folder.c_str(), &status) != 0 || !S_ISDIR(status.st_mode) || status.st_uid != getuid() ||
       (status.st_mode & 0077) != 0) {
     throw failure(
-        fmt::format("{}: must be a folder of yours with mode 0700, for the emulators' sockets", folder.string()));
+        fmt::format("{}: must be a folder that you own, with mode 0700, for the emulators' sockets", folder.string()));
   }
   return folder;
 }
@@ -301,7 +301,7 @@ std::unique_ptr<Device> LocalTransport::open(const Entry& entry, std::uint8_t en
   }
   auto device = std::make_unique<LocalDevice>(std::move(connection));
   if (const Outcome outcome = device->claim(endpoint); outcome != Outcome::done) {
-    throw failure(fmt::format("emulated device {} at {} cannot be taken: {}", entry.serial, entry.place,
+    throw failure(fmt::format("emulated device {} at {} cannot be claimed: {}", entry.serial, entry.place,
                               outcome == Outcome::stalled ? "another program has it" : text_of(outcome)));
   }
   return device;

@@ -92,7 +92,7 @@ std::vector<std::uint8_t> ask(Kernel& kernel, int fd, Opcode opcode, std::uint32
 }
 
 std::vector<std::uint8_t> read_depth_table(Kernel& kernel, int fd) {
-  const char* what = "tell its depth unit";
+  const char* what = "report its depth unit";
   std::vector<std::uint8_t> table = ask(kernel, fd, get_advanced, depth_table, {}, what);
   if (table.size() < depth_table_bytes)
     throw failure(fmt::format("the camera does not {}: its answer has {} bytes", what, table.size()));
@@ -124,11 +124,11 @@ double read_depth_unit(Kernel& kernel, int fd) {
 void write_depth_unit(Kernel& kernel, int fd, double metres) {
   std::vector<std::uint8_t> table = read_depth_table(kernel, fd);
   put_at(table, 0, static_cast<std::uint32_t>(std::lround(metres * 1e6)));
-  ask(kernel, fd, set_advanced, depth_table, table, "take a depth unit");
+  ask(kernel, fd, set_advanced, depth_table, table, "accept a depth unit");
 }
 
 cameras::Lens read_lens(Kernel& kernel, int fd, std::uint32_t width, std::uint32_t height) {
-  const char* what = "tell its calibration";
+  const char* what = "report its calibration";
   const std::vector<std::uint8_t> table = ask(kernel, fd, read_calibration, coefficients_table, {}, what);
   const auto size = std::find_if(std::begin(sizes), std::end(sizes),
                                  [&](const Size& s) { return s.width == width && s.height == height; });
@@ -153,16 +153,16 @@ cameras::Lens read_lens(Kernel& kernel, int fd, std::uint32_t width, std::uint32
 
 void write_exposure(Kernel& kernel, int fd, double seconds) {
   std::array<std::uint8_t, 1> automatic{static_cast<std::uint8_t>(seconds == 0)};
-  query(kernel, fd, auto_exposure, UVC_SET_CUR, automatic, "take an exposure");
+  query(kernel, fd, auto_exposure, UVC_SET_CUR, automatic, "accept an exposure");
   if (seconds == 0) return;
   std::array<std::uint8_t, 4> microseconds{};
   put_at(microseconds, 0, static_cast<std::uint32_t>(std::lround(seconds * 1e6)));
-  query(kernel, fd, exposure, UVC_SET_CUR, microseconds, "take an exposure");
+  query(kernel, fd, exposure, UVC_SET_CUR, microseconds, "accept an exposure");
 }
 
 void write_hardware_preset(Kernel& kernel, int fd, std::uint8_t preset) {
   std::array<std::uint8_t, 1> value{preset};
-  query(kernel, fd, hardware_preset, UVC_SET_CUR, value, "take a hardware preset");
+  query(kernel, fd, hardware_preset, UVC_SET_CUR, value, "accept a hardware preset");
 }
 
 }  // namespace palpa::driver::v4l2::d400

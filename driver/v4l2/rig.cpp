@@ -47,7 +47,7 @@ void guess_lens(sensing::Camera& camera) {
 /// Describes what is known of the lens, as text.
 std::string read_lens(Kernel& kernel, int fd, const Node& node, sensing::Camera& camera) {
   guess_lens(camera);
-  std::string why = "only a RealSense tells it";
+  std::string why = "only a RealSense reports them";
   if (d400::is_realsense(node)) {
     try {
       const cameras::Lens lens = d400::read_lens(kernel, fd, camera.width, camera.height);
@@ -62,7 +62,7 @@ std::string read_lens(Kernel& kernel, int fd, const Node& node, sensing::Camera&
       why = error.what();
     }
   }
-  return fmt::format("fx, fy, cx and cy are a guess ({}): put those of a calibration here", why);
+  return fmt::format("fx, fy, cx and cy are a guess ({}): replace them by those of a calibration", why);
 }
 
 }  // namespace

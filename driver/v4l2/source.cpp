@@ -52,8 +52,7 @@ void refuse_twice(Kernel& kernel, const std::vector<std::string>& nodes) {
     const auto [before, first] = named.emplace(kernel.resolve(node), node);
     if (first) continue;
     throw bad_usage(
-        fmt::format("source v4l2 names one camera twice: {} and {} are both {}; each camera of the rig has "
-                    "its own",
+        fmt::format("source v4l2 names one camera twice: {} and {} are both {}; name each camera of the rig once",
                     before->second, node, before->first));
   }
 }

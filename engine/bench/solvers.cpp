@@ -130,7 +130,7 @@ std::string quality(const Case& which, const Heard& heard, const Yardsticks& yar
     least = std::min(least, heard.weakest_pa[s] / yardsticks.greedy_weakest_pa[s]);
     behind += heard.even[s] < yardsticks.greedy_even[s];
   }
-  return text + fmt::format("; weakest at least {:.2f} of greedy's; {} of {} sets less even than greedy's", least,
+  return text + fmt::format("; weakest at least {:.2f} of greedy's; {} of {} sets are less even than greedy's", least,
                             behind, heard.even.size());
 }
 

@@ -51,7 +51,7 @@ std::string spectrum_table(std::uint32_t finger, double perimeter_m, const acous
 std::string tune_line(std::uint32_t finger, const acoustics::Tuned& tuned) {
   const acoustics::Ring& ring = tuned.ring;
   if (!tuned.changed) {
-    return fmt::format("finger {}: {} foci, stride {} and {} ms stay, {}: {}\n", finger, ring.foci, ring.stride,
+    return fmt::format("finger {}: keeps {} foci, stride {} and {} ms, {}: {}\n", finger, ring.foci, ring.stride,
                        ring.dwell_s * 1e3, field_text(tuned.field), shares(tuned.after));
   }
   return fmt::format(

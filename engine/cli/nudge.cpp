@@ -36,7 +36,7 @@ namespace {
 constexpr double step_m = 1e-3, fine_step_m = 1e-4;
 constexpr double farthest_m = 0.05;  // limit along each axis: more is not a nudge
 constexpr const char* no_terminal =
-    "--nudge: stdin is no terminal, so there are no keys to press; give them as --keys \"right*3 enter\"";
+    "--nudge: stdin is not a terminal, so keys cannot be pressed; give them as --keys \"right*3 enter\"";
 
 /// The state that the keys determine.
 class Nudge {
@@ -195,7 +195,7 @@ void move_array(sensing::ArrayPlacement& array, const Transform& T_world_layout,
 }
 
 void check(const CalibrateCommand& o) {
-  if (o.out.empty()) throw bad_usage("--nudge: --out is missing: give a file for the rig that comes of it");
+  if (o.out.empty()) throw bad_usage("--nudge: --out is missing: give a file for the new rig");
   if (!o.at.empty() || o.turn_deg != 0) throw bad_usage("--at and --turn are for the target; --nudge needs none");
   if (o.keys.empty() && isatty(STDIN_FILENO) == 0) throw bad_usage(no_terminal);
 }
@@ -214,7 +214,7 @@ std::string to_json(const Vec3& offset, bool saved, const sensing::Rig& rig) {
 void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<bool>& stop, Nudge& nudge) {
   const log::Relay relay;
   const setup::Interrupt interrupt(
-      "ended without finishing, a second after the signal: what it waited for did not answer");
+      "ended without finishing, one second after the signal: a link, device or file did not answer");
   Hand hand(nudge, stop, o.common.quiet);
   std::optional<Typing> typing;
   std::vector<setup::KeyPress> script;
@@ -264,7 +264,7 @@ void refuse_nudge_options(const CalibrateCommand& o) {
         std::pair("--board-files", !o.board_files.empty()), std::pair("--keys", !o.keys.empty()),
         std::pair("--hold", o.hold_s != usual.hold_s), std::pair("--ceiling", o.safety.ceiling != usual.safety.ceiling),
         std::pair("--ramp", o.safety.ramp_s != usual.safety.ramp_s),
-        std::pair("how fast sound is", !(o.drive.medium == usual.drive.medium))}) {
+        std::pair("--temperature, --sound-speed or --frequency", !(o.drive.medium == usual.drive.medium))}) {
     if (given) throw bad_usage(fmt::format("{} goes with --nudge", name));
   }
 }
@@ -274,7 +274,7 @@ void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   check(o);
   // Check before anything is opened.
   if (!o.keys.empty() && setup::parse_keys("--keys", o.keys).empty())
-    throw bad_usage("--keys names no key: for example \"right*3 enter\"");
+    throw bad_usage("--keys has no key: give keys such as \"right*3 enter\"");
   if (o.source.empty()) o.source = "synthetic";
   if (o.scene.empty()) o.scene = setup::find_asset("cube.glb");
   o.touch.method.method = touch::Method::single_focus;
@@ -298,7 +298,7 @@ void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   }
   const bool saves = nudge.end() == Nudge::End::save && !setup::Interrupt::signalled();
   const bool left = nudge.end() == Nudge::End::leave || setup::Interrupt::signalled();
-  if (!saves && !left) throw failure("--nudge: nothing is saved, for it ended before Enter was pressed");
+  if (!saves && !left) throw failure("--nudge: nothing is saved, because it ended before Enter was pressed");
   sensing::Rig rig = setup::rig_to_write(posed, o.rig);
   move_array(*rig.array, posed.T_world_layout, nudge.offset());
   if (saves) write_rig(o.out, rig);

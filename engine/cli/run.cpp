@@ -52,13 +52,12 @@ void report(const RunCommand& o, const Outputs& outputs, const session::LoopStat
 
 /// The message if something keeps palpa from ending.
 std::string late_line(const RunCommand& o) {
-  std::string waits = o.common.backend == setup::Backend::gpu ? "the GPU" : "a frame that takes long";
+  std::string waits = o.common.backend == setup::Backend::gpu ? "the GPU" : "a slow frame";
   for (const auto& [option, target] : {std::pair("--link", o.link), std::pair("--events", o.events),
                                        std::pair("--record", o.record), std::pair("--json", o.common.json)}) {
     if (!target.empty() && target != "null") waits += fmt::format(", {} {}", option, target);
   }
-  return fmt::format("ended without finishing, a second after the signal: what it waited for did not answer ({})",
-                     waits);
+  return fmt::format("ended without finishing, one second after the signal: one of these did not answer: {}", waits);
 }
 
 void run(const Extensions& extensions, const RunCommand& o) {

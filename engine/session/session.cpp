@@ -112,10 +112,10 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   if (!s.setting.live())
     throw bad_usage("a session without cameras or without an array, or one of single frames, cannot run");
   if (s.setting.schedule.tune == Tune::all) {
-    throw bad_usage("a session that runs can tune strides only: how long a slot lasts stays as it is");
+    throw bad_usage("a session that runs can tune strides only: the length of its slots is fixed");
   }
   const bool tells = options.events != nullptr;
-  if (tells && !s.setting.events) throw bad_usage("a session whose setting has no events cannot tell any");
+  if (tells && !s.setting.events) throw bad_usage("a session whose setting has no events cannot report any");
   PressureLog pressures(s.names);
   RunOptions loop = options;
   loop.planned = [&](const FrameReport& report, const Plan& plan) {

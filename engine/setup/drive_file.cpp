@@ -55,9 +55,9 @@ std::string place(const Vec3& p) {
 std::string foreign(const Row& row, const array::Transducer& own) {
   const Vec3 position(row[1], row[2], row[3]), axis(row[4], row[5], row[6]);
   if (glm::distance(position, own.position) > drive_tolerance)
-    return fmt::format("stands at {} there and at {} here", place(position), place(own.position));
+    return fmt::format("is at {} in the drive and at {} in the layout", place(position), place(own.position));
   if (glm::distance(axis, own.axis) > drive_tolerance)
-    return fmt::format("looks along {} there and along {} here", place(axis), place(own.axis));
+    return fmt::format("points along {} in the drive and along {} in the layout", place(axis), place(own.axis));
   return {};
 }
 
@@ -77,7 +77,8 @@ array::Drive load_drive(const std::filesystem::path& file, const array::Layout& 
   const std::string text = read_file(file, most_bytes), name = file.string();
   std::string_view rest = text;
   if (next_line(rest) != first_line) {
-    throw bad_input(name, fmt::format("is no drive: its first line is not {}; palpa drive --csv writes one", first_line));
+    throw bad_input(name,
+                    fmt::format("is not a drive: its first line is not {}; palpa drive --csv writes one", first_line));
   }
   array::Drive drive;
   const std::size_t transducers = layout.transducers.size();
@@ -91,13 +92,14 @@ array::Drive load_drive(const std::filesystem::path& file, const array::Layout& 
           name, fmt::format("line {}: '{}' is not {} numbers ({})", number, printable(line, 60), columns, first_line));
     }
     if (row[0] != static_cast<double>(rows)) {
-      throw bad_input(name, fmt::format("line {}: transducer {} where {} is due: rows are in layout order, from 0",
-                                        number, row[0], rows));
+      throw bad_input(
+          name, fmt::format("line {}: transducer {} where {} should be: rows must be in layout order, from 0", number,
+                            row[0], rows));
     }
     if (rows < transducers) {
       if (const std::string fault = foreign(row, layout.transducers[rows]); !fault.empty()) {
-        throw bad_input(name, fmt::format("line {}: is the drive of another layout than {}: transducer {} {}", number,
-                                          layout.name, rows, fault));
+        throw bad_input(name, fmt::format("line {}: the drive belongs to another layout than {}: transducer {} {}",
+                                          number, layout.name, rows, fault));
       }
     }
     if (row[7] < 0 || row[7] > 1)
@@ -112,7 +114,7 @@ array::Drive load_drive(const std::filesystem::path& file, const array::Layout& 
     ++rows;
   }
   if (rows != transducers) {
-    throw bad_input(name, fmt::format("is the drive of another layout: it has {} transducers, {} has {}", rows,
+    throw bad_input(name, fmt::format("belongs to another layout: it has {} transducers, but {} has {}", rows,
                                       layout.name, transducers));
   }
   return drive;

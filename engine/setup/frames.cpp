@@ -109,14 +109,13 @@ void check(const FrameOptions& o) {
   check(o.touch);
   if (o.touch.spot_m && !o.touch.tune) throw bad_usage("--spot goes with --tune");
   if (o.events.empty() && !o.watched && o.event.move_m != session::EventOptions().move_m)
-    throw bad_usage("--event-move goes with --events: it says what is an event");
+    throw bad_usage("--event-move goes with --events: it sets how far a finger moves before that is an event");
   // `mouse` belongs to the viewer.
   const auto rendered = [&](std::string_view kind) {
     return o.source.starts_with(kind) && (o.source.size() == kind.size() || o.source[kind.size()] == ':');
   };
   if (o.noise_free && !rendered("synthetic") && !rendered("mouse")) {
-    throw bad_usage(
-        "--noise-free goes with --source synthetic: a recording has the noise that it has, and so has a camera");
+    throw bad_usage("--noise-free goes with --source synthetic: recordings and cameras have their own noise");
   }
 }
 
@@ -159,7 +158,7 @@ void finish(session::EventSink* sink, bool after_error) {
 
 void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned) {
   if (touch.cluster_count <= touch.finger_count || std::exchange(warned, true)) return;
-  log::warning(fmt::format("{} of {} clusters of contacts are left out: no more than {} of a frame are looked at",
+  log::warning(fmt::format("{} of {} clusters of contacts are left out: palpa uses at most {} of a frame",
                            touch.cluster_count - touch.finger_count, touch.cluster_count, touch::max_fingers));
 }
 

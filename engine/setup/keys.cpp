@@ -35,8 +35,8 @@ constexpr Named named[] = {{"left", Key::left, true}, {"right", Key::right, true
 
 Error unknown(const std::string& option, std::string_view word) {
   return bad_usage(
-      fmt::format("{}: there is no key '{}'; known are left, right, up, down, pageup, pagedown, shift+ any of "
-                  "these, f, 0, enter, q and wait, each with *TIMES",
+      fmt::format("{}: unknown key '{}'; known are left, right, up, down, pageup, pagedown, any of these with shift+, "
+                  "f, 0, enter, q and wait, each with *TIMES",
                   option, printable(word, 40)));
 }
 

@@ -40,7 +40,8 @@ LiveOptions settled(LiveOptions options, std::span<const session::LinkKind> own)
 
 Prepared prepare_live(const LiveOptions& options, std::span<const session::SourceKind> sources) {
   if (options.hold_auto && options.every_frame)
-    throw bad_usage("--hold auto goes without --every-frame, where frames wait for the loop and none is late");
+    throw bad_usage(
+        "--hold auto goes without --every-frame, which makes frames wait for the loop, so that none is late");
   if (!options.every_frame) session::go_first();  // before the device starts its threads
   return prepare(options, sources, !options.every_frame);
 }
@@ -72,8 +73,9 @@ void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<con
   const std::string own = session::layout_of_link(link, links);
   if (own.empty() || (!rig.rig.empty() && sensing::load_rig(rig.rig).array)) return;
   rig.layout = own;
-  log::info(fmt::format("--link {}: the array is its own, --layout {}, since neither --layout nor {} names one", link,
-                        own, rig.rig.empty() ? "a --rig" : rig.rig));
+  log::info(
+      fmt::format("--link {}: palpa uses the link's own array, --layout {}, because neither --layout nor {} names one",
+                  link, own, rig.rig.empty() ? "a --rig" : rig.rig));
 }
 
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links) {
@@ -83,11 +85,10 @@ void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind
   if (!session::find_kind(links, name, "link").least_moving_slot_s) return;
   const double least_s = session::least_moving_slot_s(options.link, links, load_placed_layout(options.rig).layout);
   if (touch.dwell_s >= least_s) return;
-  log::warning(
-      fmt::format("--link {}: takes {:.1f} ms for each focus, longer than the dwell of {:g} ms, so --method "
-                  "single-focus is played, "
-                  "whose focus rests; give --method single-focus to have it without this line, or --dwell {:g}ms",
-                  options.link, 1e3 * least_s, 1e3 * touch.dwell_s, std::ceil(1e3 * least_s)));
+  log::warning(fmt::format(
+      "--link {}: takes {:.1f} ms for each focus, longer than the dwell of {:g} ms, so palpa plays --method "
+      "single-focus, whose focus does not move; give --method single-focus to avoid this warning, or --dwell {:g}ms",
+      options.link, 1e3 * least_s, 1e3 * touch.dwell_s, std::ceil(1e3 * least_s)));
   touch.method.method = touch::Method::single_focus;
 }
 
@@ -149,7 +150,7 @@ session::LoopStats LiveRun::run(const session::RunOptions& looking) {
                              options_.record, stats.unrecorded, stats.captured));
   }
   if (out_of_order > 0) {
-    log::warning(fmt::format("{}: {} of {} frames are not in it, since the source's clock stepped back",
+    log::warning(fmt::format("{}: {} of {} frames are missing, because the source's clock stepped back",
                              options_.record, out_of_order, stats.captured));
     stats.unrecorded += out_of_order;
   }

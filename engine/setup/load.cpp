@@ -18,7 +18,7 @@ namespace palpa::setup {
 namespace {
 
 geometry::Scene read_scene(const std::string& file, const std::optional<int>& index) {
-  const Activity work("reads " + file);
+  const Activity work("reading " + file);
   return geometry::load_gltf(file, index);
 }
 

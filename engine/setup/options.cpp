@@ -167,7 +167,7 @@ void add_medium_options(CLI::App& app, MediumOptions& options) {
 
 array::Medium medium(const MediumOptions& options) {
   if (options.celsius && options.sound_speed) {
-    throw bad_usage("--temperature and --sound-speed both say how fast sound is: give one of them");
+    throw bad_usage("--temperature and --sound-speed both set the speed of sound: give one of them");
   }
   array::Medium air;
   air.sound_speed = options.sound_speed ? *options.sound_speed : array::sound_speed_at(options.celsius.value_or(20.0));
@@ -203,7 +203,8 @@ void refuse_idle_air(const AirOptions& options) {
                       : options.pressure_pa != usual.pressure_pa         ? "--air-pressure"
                                                                          : nullptr;
   if (given)
-    throw bad_usage(fmt::format("{} says what air absorbs, and --no-absorption that it absorbs nothing", given));
+    throw bad_usage(fmt::format(
+        "{} sets how much air absorbs, and --no-absorption that it absorbs nothing: give one of them", given));
 }
 
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh) {
@@ -228,7 +229,7 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mes
 }
 
 void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string& who) {
-  if (options.constraint) throw bad_usage("--constraint: " + who + ", which takes its place; leave one of them out");
+  if (options.constraint) throw bad_usage("--constraint: " + who + ", which replaces it; leave one of them out");
   if (options.solver == SolverChoice::greedy)
     throw bad_usage("--solver greedy: " + who + ", but it drives all transducers in full; take gs-pat or naive");
 }
@@ -247,12 +248,11 @@ std::string asks_for_finger(const DriveOptionsGroup& options) {
 
 array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Method method, FingerMesh mesh) {
   if (options.solver == SolverChoice::adjoint && options.transfer == TransferChoice::free)
-    throw bad_usage("--solver adjoint is naive with --transfer finger: leave --transfer free out");
+    throw bad_usage("--solver adjoint means naive with --transfer finger: leave --transfer free out");
   if (const std::string asks = asks_for_finger(options); !asks.empty() && mesh == FingerMesh::unknown) {
-    throw bad_usage(asks +
-                    ": no finger's mesh is known here; palpa drive --mesh and palpa simulate focus on that of theirs");
+    throw bad_usage(asks + ": this command has no finger's mesh; palpa drive --mesh and palpa simulate have one");
   }
-  if (options.pressure_pa) refuse_beside_pressure(options, "--pressure says how loud foci are");
+  if (options.pressure_pa) refuse_beside_pressure(options, "--pressure sets how loud foci are");
   array::DriveOptions drive;
   drive.weighting = options.weighting;
   drive.constraint = options.constraint.value_or(array::Constraint::normalise);
@@ -273,7 +273,7 @@ void add_array_options(CLI::App& app, ArrayOptions& options) {
 
 void check(const ArrayOptions& options) {
   if (options.layout.empty() && options.drive != DriveOptionsGroup())
-    throw bad_usage("how an array is driven goes with --layout: give the array, such as paper");
+    throw bad_usage("options for driving an array go with --layout: give the array, such as paper");
 }
 
 void add_rig_options(CLI::App& app, RigOptions& options) {

@@ -52,13 +52,13 @@ std::string unexpected(CLI::App& app, int argc, const char* const* argv) {
   const bool option = word.size() > 1 && word.front() == '-';
   const bool has_commands = !app.get_subcommands([](const CLI::App*) { return true; }).empty();
   const CLI::App& command = reading(app);
-  if (!option && has_commands && &command == &app) return fmt::format("there is no subcommand '{}'", shown(word));
-  if (!option) return fmt::format("'{}' belongs to no option: each value follows its own", shown(word));
+  if (!option && has_commands && &command == &app) return fmt::format("unknown subcommand '{}'", shown(word));
+  if (!option) return fmt::format("'{}' does not belong to an option: each value follows its own option", shown(word));
   if (&command == &app || !is_option_of(command, word))
     return fmt::format("{} has no option '{}'", name_of(app, command), shown(word));
   if (comes_before_subcommand(command, word, argc, argv))
     return fmt::format("'{}' comes before the subcommand: give it after", shown(word));
-  return fmt::format("'{}' is not read here: what comes before it ends the options", shown(word));
+  return fmt::format("'{}' is not read here: the argument before it ends the options", shown(word));
 }
 
 /// The parser's sentence begins with the option's name; a flag's lacks its dashes.
@@ -67,7 +67,7 @@ std::string mismatch(const CLI::App& command, const std::string& sentence) {
   if (!name.starts_with('-')) name.insert(0, "--");
   const CLI::Option* option = command.get_option_no_throw(name);
   if (option == nullptr) return one_line(sentence);
-  if (option->get_expected_max() == 0) return fmt::format("{} takes no value: it is on when it is given", name);
+  if (option->get_expected_max() == 0) return fmt::format("{} takes no value: give it alone", name);
   const std::size_t given = option->results().size() / static_cast<std::size_t>(option->get_expected_max());
   if (given > 1) return fmt::format("{} is given {} times: give it once", name, given);
   return fmt::format("{}: the value is missing, give {}", name, option->get_type_name());

@@ -186,7 +186,8 @@ Places point_places(std::vector<Vec3> points, std::vector<glm::uvec3> triangles)
   }
   for (const glm::uvec3& t : triangles) {
     if (std::max({t.x, t.y, t.z}) >= points.size())
-      throw bad_usage(fmt::format("a triangle ({}, {}, {}) is not of the {} points", t.x, t.y, t.z, points.size()));
+      throw bad_usage(fmt::format("a triangle ({}, {}, {}) uses a point that is not among the {} given", t.x, t.y, t.z,
+                                  points.size()));
   }
   Places places;
   places.points = std::move(points);

@@ -114,7 +114,7 @@ PlayedTouch load_touch(const std::filesystem::path& file) {
   const Json& json = parsed.json();
   const auto has = [&](const char* key, Json::value_t type) { return json.contains(key) && json[key].type() == type; };
   if (!json.is_object() || !has("fingers", Json::value_t::array) || !has("schedule", Json::value_t::object))
-    throw bad_input(name, "is no touch: give what palpa touch --json wrote");
+    throw bad_input(name, "is not a touch: give a file that palpa touch --json wrote");
   if (json["fingers"].empty()) throw bad_input(name, "the touch has no finger: nothing sounds");
   if (json["fingers"].size() > touch::max_fingers) {
     throw bad_input(name, fmt::format("the touch has {} fingers; palpa touch writes at most {}", json["fingers"].size(),

@@ -151,7 +151,7 @@ std::array<double, 3> parse_direction(const std::string& option, const std::stri
   std::array<double, 3> way = parse_point(option, text);
   const double largest = largest_of(way);
   if (!(largest > 0))
-    throw bad_usage(fmt::format("{}: '{}' is no direction; give one such as 0,0,1", option, shown(text)));
+    throw bad_usage(fmt::format("{}: '{}' is not a direction; give one such as 0,0,1", option, shown(text)));
   if (largest > 1e-100 && largest < 1e100) return way;
   for (double& number : way)
     number /= largest;
@@ -303,7 +303,7 @@ void Group::pick(const std::string& name, std::vector<std::string> words, std::s
         for (std::size_t i = 0; i < words.size(); ++i) {
           if (words[i] == text) return chosen(i);
         }
-        throw bad_usage(fmt::format("{}: '{}' is none of {}", name, shown(text), list));
+        throw bad_usage(fmt::format("{}: '{}' is not one of {}", name, shown(text), list));
       });
 }
 

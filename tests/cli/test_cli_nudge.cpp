@@ -163,8 +163,8 @@ TEST_F(Nudge, NothingIsSavedWithoutEnter) {
 TEST_F(Nudge, RefusesWhatCannotBeMeant) {
   std::vector<std::string> line = nudge("right");
   line.resize(line.size() - 2);
-  expect_failure(palpa(line), 2, "stdin is no terminal");
-  expect_failure(palpa(nudge("rigth")), 2, "there is no key 'rigth'");
+  expect_failure(palpa(line), 2, "stdin is not a terminal");
+  expect_failure(palpa(nudge("rigth")), 2, "unknown key 'rigth'");
   expect_failure(palpa({"calibrate", "--nudge", "--keys", "enter"}), 2, "--out is missing");
   expect_failure(palpa(with(nudge("enter"), {"--at", "0,0,0"})), 2, "--at");
 }

@@ -379,7 +379,7 @@ def faults_of(case, program):
         said = said.replace(argument.encode(errors="surrogateescape"), b"")
     secret = SECRET.encode()
     if any(secret[i:i + 4] in said for i in range(len(secret) - 3)):
-        faults.append("shows what stands in a file that is none of its business")
+        faults.append("shows the content of a file that it should not read out")
     if code == 0:
         for argument, value in zip(case.arguments, case.arguments[1:]):
             path = pathlib.Path(value if value.startswith("/") else "/dev/null")

@@ -94,7 +94,8 @@ TEST(Haptics, AStrideThatLeavesFociOutIsTheFilesFault) {
   EXPECT_EQ(fault({{}, nine}), "") << "nobody asks for a stride";
   EXPECT_EQ(resolve_haptics("scene.glb", solids({{}, nine}), parameters, voice)[0].voice.stride, 3U);
   EXPECT_EQ(resolve_haptics("scene.glb", solids({{}, nine}), parameters, voice)[1].voice.stride, 2U);
-  EXPECT_THROW(resolve_haptics("scene.glb", {}, parameters, {.stride = 5}), Error) << "of what holds for all";
+  EXPECT_THROW(resolve_haptics("scene.glb", {}, parameters, {.stride = 5}), Error)
+      << "among the values that hold for all";
 }
 
 /// A finger whose focus n stands at x = n millimetres, y = its solid.

@@ -297,7 +297,7 @@ void App::copy_command(double now_s) {
   if (around_.copy) around_.copy(command);
   say(log::Level::info, command, now_s);
   if (moved_.placing().moved())
-    say(log::Level::warning, "what was moved is not in it: save the scene, then copy", now_s);
+    say(log::Level::warning, "the command line does not have the moved things: save the scene, then copy", now_s);
 }
 
 void App::show_slot_now() {

@@ -138,7 +138,7 @@ void App::record(double now_s) {
   if (!run_.session()->recording().empty()) return run_.session()->record({});
   const std::string folder = free_folder();
   run_.session()->record(folder);
-  say(log::Level::info, folder + ": records what the cameras see", now_s);
+  say(log::Level::info, folder + ": recording what the cameras see", now_s);
 }
 
 }  // namespace palpa::viewer

@@ -14,9 +14,9 @@ void App::open(const std::string& path, double now_s) {
   std::error_code ignored;
   if (ending == ".glb" || ending == ".gltf") return open_scene(path);
   if (!std::filesystem::is_directory(file, ignored) && file.filename() != "recording.toml")
-    return say(log::Level::warning, fmt::format("{}: is no .glb, .gltf or recording", path), now_s);
+    return say(log::Level::warning, fmt::format("{}: is not a .glb, a .gltf or a recording", path), now_s);
   if (!desk_.live && !around_.goes_live)
-    return say(log::Level::warning, "a recording needs --source: start with one", now_s);
+    return say(log::Level::warning, "a recording needs --source: start palpa-viewer with it", now_s);
   stale_.redraw();
   opening_.begin_recording(path);
 }
@@ -58,7 +58,7 @@ void App::advance_opening(double now_s) {
 void App::cancel_opening() {
   opening_.cancel();
   desk_.opening = false;
-  say(log::Level::info, "what was being loaded is not opened", now_s_);
+  say(log::Level::info, "loading was cancelled", now_s_);
 }
 
 /// A live run goes on with the recording. A touch becomes a live run, and options that only concern the touch are

@@ -46,7 +46,7 @@ void App::tell_monitors(std::vector<std::string> names) {
   std::string all;
   for (std::size_t i = 0; i < view.monitors.size(); ++i)
     all += (i == 0 ? "" : ", ") + std::to_string(i + 1) + " (" + view.monitors[i] + ")";
-  throw bad_usage("--monitor: there is no '" + wanted + "'; give one of " + all);
+  throw bad_usage("--monitor: unknown monitor '" + wanted + "'; give one of " + all);
 }
 
 void App::participant_window_failed(const std::string& fault) {

@@ -79,7 +79,7 @@ void App::save_scene(const std::string& file, double now_s) {
   } catch (const Error& error) {
     return say(log::Level::error, error.what(), now_s);
   }
-  say(log::Level::info, file + ": is the scene now", now_s);
+  say(log::Level::info, file + ": is now the scene", now_s);
   moved_.forget_scene();
   LiveEdit edit = desk_.edit;
   edit.replace_scene(file);

@@ -79,7 +79,7 @@ void Show::load_objects(const ViewerOptions& options) {
 void Show::load_skin_surface(const ViewerOptions& options) {
   const geometry::Ply ply = geometry::read_ply(options.skin);
   if (ply.triangles.empty())
-    throw bad_input(options.skin, "has no faces; --skin wants a mesh, --points takes points alone");
+    throw bad_input(options.skin, "has no faces; --skin needs a mesh, --points takes points without faces");
   geometry::Mesh mesh = geometry::weld({ply.positions, ply.triangles});
   if (options.input.penetration_m && !mesh.positions.empty()) {
     double top = -1e300, lowest = 1e300;

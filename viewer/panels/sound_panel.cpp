@@ -109,7 +109,7 @@ void say_what_is_felt(const acoustics::Spectrum& spectrum, std::size_t finger) {
                         100 * felt.vibration, 100 * felt.flutter);
   }
   ImGui::TextWrapped("%s", text.c_str());
-  tip("The line that is felt most; of the energy of what changes, what each kind of afferents feels. Good for "
+  tip("The line that is felt most, and the share of the changing energy that each kind of afferents feels. Good for "
       "comparing schedules");
 }
 
@@ -135,8 +135,8 @@ void draw_spectrum_panel(const Desk& desk) {
   for (std::size_t f = 0; f < fingers; ++f)
     draw_lines(draw, plot, desk.spectra[f], f, fingers, theme);
   ImGui::Dummy({width, above + em(8.4f)});
-  tip("How strongly the pressure around the foci changes, by its mean, at each frequency in Hz; firm: what is felt of "
-      "it");
+  tip("How strongly the pressure around the foci changes, by its mean, at each frequency in Hz; in full colour: the "
+      "part that is felt");
   for (std::size_t f = 0; f < fingers; ++f)
     say_what_is_felt(desk.spectra[f], f);
 }
@@ -148,7 +148,7 @@ void draw_sound_panel(Desk& desk) {
     if (is_stale(*desk.picture, which) && desk.state.layers.shows(which)) {
       ImGui::SameLine();
       ImGui::TextDisabled("stale");
-      tip("It is not of what sounds now: the next is being computed");
+      tip("Out of date: the next one is being computed");
     }
   };
   layer("pressure on the finger", Layer::heat, "Mean radiation pressure, on the mesh of --skin");

@@ -35,11 +35,12 @@ void Stopper::begin() {
   if (interrupt_) return;
   [[maybe_unused]] static const int registered = std::atexit(silence_at_exit);
   relay_.emplace();
-  interrupt_.emplace("ended without finishing, a second after the signal: what it waited for did not answer", wake_);
+  interrupt_.emplace("ended without finishing, one second after the signal: a link, device or file did not answer",
+                     wake_);
 }
 
 void Stopper::end(App& app) {
-  constexpr const char* too_early = "ended while the run was loading: nothing of it was shown; give it time to wait";
+  constexpr const char* too_early = "ended while the run was loading, before anything was shown; give it more time";
   constexpr double patience_s = 3;
   const bool loading = app.loading();
   const bool cut = loading && scripted_ && !setup::Interrupt::signalled();
@@ -52,7 +53,7 @@ void Stopper::end(App& app) {
   if (cut) {
     log::error(too_early);
   } else if (!loading && !over) {
-    log::error("ended without finishing: what the run waited for did not answer; the array is silent");
+    log::error("ended without finishing: a link, device or file did not answer; the array is silent");
   } else if (at_once) {
     try {
       app.rethrow();

@@ -69,8 +69,8 @@ Frustum onto(const sensing::Screen& screen, const Vec3& eye) {
   const Vec3 e = on_screen(screen, eye);
   if (!(e.z > nearest_eye_m))
     throw bad_usage(
-        fmt::format("the eye at {:g},{:g},{:g} is not before the screen: give an eye on the side that its z "
-                    "axis points to",
+        fmt::format("the eye at {:g},{:g},{:g} is not in front of the screen: give an eye on the side that the "
+                    "screen's z axis points to",
                     eye.x, eye.y, eye.z));
   Frustum frustum;
   frustum.T_world_eye = screen.T_world_screen;

@@ -152,7 +152,8 @@ Window::Window(std::size_t monitor, const char* title) : state_(std::make_unique
   if (count < 1) throw failure("there is no monitor for the participant");
   GLFWmonitor* const chosen = all[std::min(monitor, static_cast<std::size_t>(count) - 1)];
   const GLFWvidmode* const mode = glfwGetVideoMode(chosen);
-  if (mode == nullptr) throw failure(fmt::format("the participant's monitor says no size ({})", last_fault()));
+  if (mode == nullptr)
+    throw failure(fmt::format("the participant's monitor does not report its size ({})", last_fault()));
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
   glfwWindowHint(GLFW_REFRESH_RATE, mode->refreshRate);
   glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);  // it stays while the other window is in use

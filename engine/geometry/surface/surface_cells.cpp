@@ -127,7 +127,7 @@ class Builder {
         (options_.deep ? 2 : 1) * (options_.steps_per_cell * count + options_.steps_per_triangle * t_.triangles.size());
     if (sampled_steps(count, side) > most_steps * 3 / 2) refuse(most_steps, count);
     std::atomic<std::uint64_t> all_steps{0};
-    Activity work("fills its grid", results.size());
+    Activity work("filling its grid", results.size());
     parallel_chunks(count, chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
       ChunkResult& result = results[number];
       Walk walk;
@@ -159,11 +159,10 @@ class Builder {
   }
 
   [[noreturn]] static void refuse(std::uint64_t most_steps, std::size_t cells) {
-    throw failure(
-        fmt::format("its triangles lie side by side with boxes that overlap too much: to find the nearest "
-                    "ones takes more than the {} steps that palpa spends on a grid of {} cells; turn it so "
-                    "that its long faces run along an axis, or divide them",
-                    most_steps, cells));
+    throw failure(fmt::format(
+        "the boxes of its triangles overlap too much: finding the nearest triangles takes more than the {} steps that "
+        "palpa spends on a grid of {} cells; turn it so that its long faces run along an axis, or divide them",
+        most_steps, cells));
   }
 
   /// Estimates the steps for the whole grid from one cell in many, so that impossible grids are refused early. Slightly
@@ -269,7 +268,7 @@ class Builder {
     }
     constexpr std::size_t chunk = 256;
     std::vector<ChunkResult> results(chunk_count(divided.size(), chunk));
-    Activity work("divides its grid's cells", results.size());
+    Activity work("dividing its grid's cells", results.size());
     parallel_chunks(divided.size(), chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
       std::vector<float> scratch;
       for (std::size_t i = begin; i < end; ++i)

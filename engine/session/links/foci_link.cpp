@@ -50,7 +50,7 @@ class FociLink : public Link {
     }
     if (unsent_ > 0) {
       log::warning(
-          fmt::format("link foci: {} of {} lines could not be sent, silence was in their place", unsent_, lines_));
+          fmt::format("link foci: {} of {} lines could not be sent; there was silence instead", unsent_, lines_));
     }
   }
 

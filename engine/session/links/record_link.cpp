@@ -118,7 +118,7 @@ DriveRecording read_drive_recording(const std::filesystem::path& file) {
   Header header{};
   if (in.size() >= sizeof(header)) in.read_at(0, bytes_of(header));
   if (std::memcmp(header.magic, magic, sizeof(magic)) != 0) {
-    throw bad_input(in.name(), "is no recording of drives (it should begin with 'palpadrv')");
+    throw bad_input(in.name(), "is not a recording of drives (it should begin with 'palpadrv')");
   }
   if (header.version != version) {
     throw bad_input(in.name(), fmt::format("has version {}, this palpa reads version {}", header.version, version));

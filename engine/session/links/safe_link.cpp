@@ -34,9 +34,9 @@ void scale(std::span<array::TransducerDrive> drives, double factor) {
 
 void check_safety(const Safety& safety) {
   if (!(safety.ceiling >= 0 && safety.ceiling <= 1))
-    throw bad_usage(fmt::format("a link's ceiling is from 0 to 1, not {}", safety.ceiling));
+    throw bad_usage(fmt::format("a link's ceiling must be from 0 to 1, not {}", safety.ceiling));
   if (!(safety.ramp_s >= 0 && safety.ramp_s <= most_ramp_s))
-    throw bad_usage(fmt::format("a link's ramp is from 0 to {} s, not {}", most_ramp_s, safety.ramp_s));
+    throw bad_usage(fmt::format("a link's ramp must be from 0 to {} s, not {}", most_ramp_s, safety.ramp_s));
 }
 
 SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, double slot_s,

@@ -27,7 +27,7 @@ const Kind& find_kind(std::span<const Kind> kinds, const std::string& name, cons
     if (kind.name == name) return kind;
     known += (known.empty() ? "" : "; ") + kind.help;
   }
-  throw bad_usage(std::string("there is no ") + what + " '" + name + "'; known are " + known);
+  throw bad_usage(std::string("unknown ") + what + " '" + name + "'; known are " + known);
 }
 
 }  // namespace palpa::session

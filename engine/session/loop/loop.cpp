@@ -133,9 +133,8 @@ class Overload {
     late_ = frame_to_drives_s < hold_s_ ? 0 : late_ + 1;
     if (late_ < in_a_row || std::exchange(warned_, true)) return;
     log::warning(
-        fmt::format("overloaded: from frame to drives takes {:.0f} ms, longer than the hold of {:.0f} ms, so "
-                    "that what a frame shows is over before it sounds; give --hold {:.0f}ms, or frames and "
-                    "solids that take less",
+        fmt::format("overloaded: from frame to drives takes {:.0f} ms, longer than the hold of {:.0f} ms, so a frame "
+                    "is out of date before it sounds; give --hold {:.0f}ms, or smaller frames or simpler solids",
                     frame_to_drives_s * 1e3, hold_s_ * 1e3, std::ceil(frame_to_drives_s * 30) * 100));
   }
 

@@ -71,7 +71,7 @@ std::string to_text(const Effort& effort) {
   constexpr const char* nth[] = {"", "", "2nd", "3rd", "4th"};
   std::string text;
   if (effort.pixel_stride > 1)
-    text = fmt::format("only every {0} pixel of every {0} row was looked at", nth[effort.pixel_stride]);
+    text = fmt::format("only every {0} pixel of every {0} row was used", nth[effort.pixel_stride]);
   if (effort.foci_part > 1) {
     text += fmt::format("{}fingers had one in {} of their foci", text.empty() ? "" : " and ", effort.foci_part);
   }
@@ -91,10 +91,10 @@ void ShedReport::tell(const EffortControl& control) {
   if (std::exchange(told_, true)) return;
   std::string what = to_text(control.least());
   if (control.most_hold_s() > hold_s_)
-    what += fmt::format(", and what a frame shows sounded for up to {:.0f} ms", 1e3 * control.most_hold_s());
+    what += fmt::format(", and a frame sounded for up to {:.0f} ms", 1e3 * control.most_hold_s());
   log::warning(
-      fmt::format("overloaded: from capture to drives took {:.0f} ms, too long for the hold of {:.0f} ms, so that {}; "
-                  "what helps: fewer or smaller solids, a smaller roi, no other programs, or a longer --hold",
+      fmt::format("overloaded: from capture to drives took {:.0f} ms, too long for the hold of {:.0f} ms, so {}; use "
+                  "fewer or smaller solids, a smaller roi or a longer --hold, or end other programs",
                   1e3 * whole_s_, 1e3 * hold_s_, what));
 }
 

@@ -26,7 +26,7 @@ std::string in_quotes(const std::string& name) {
 std::vector<geometry::Solid> load_solids_to_decompose(const DecomposeTask& task) {
   const std::optional<int> index = task.gltf_scene ? std::optional(static_cast<int>(*task.gltf_scene)) : std::nullopt;
   geometry::Scene scene = [&] {
-    const Activity work("reads " + task.scene);
+    const Activity work("reading " + task.scene);
     return geometry::load_gltf(task.scene, index);
   }();
   std::erase_if(scene.meshes, [](const geometry::SceneMesh& mesh) { return !mesh.haptics.touchable; });

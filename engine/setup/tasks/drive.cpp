@@ -34,7 +34,7 @@ array::Schedule slot_of_touch(const DriveTask& task, const array::Schedule& touc
   constexpr std::uint64_t longest_cycle = 1u << 20;
   const std::uint32_t slot = task.slot.value_or(0);
   if (const std::uint64_t cycle = array::cycle_length(touch, longest_cycle); cycle != 0 && slot >= cycle) {
-    throw bad_usage(fmt::format("--slot: {} is not there: {} has {}", slot, task.touch,
+    throw bad_usage(fmt::format("--slot: {} does not exist: {} has {}", slot, task.touch,
                                 cycle == 1 ? "one slot, 0" : fmt::format("the slots 0 to {}", cycle - 1)));
   }
   std::vector<array::SlotFocus> foci;

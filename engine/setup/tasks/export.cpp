@@ -43,7 +43,7 @@ class ExportRun::Links final : public session::Link {
 };
 
 void check(const ExportTask& task, std::span<const session::SourceKind> sources, bool own_links) {
-  if (task.hold_auto) throw bad_usage("--hold auto goes with palpa run: what is exported is never late");
+  if (task.hold_auto) throw bad_usage("--hold auto goes with palpa run: exported frames are never late");
   check(task);
   if (task.foci.empty() && task.events.empty() && task.drives.empty() && !own_links)
     throw bad_usage("nothing to export: give --foci, --events or --drives");

@@ -93,7 +93,7 @@ std::vector<std::complex<double>> factors_for(const array::Layout& layout, array
     if (session::is_reached(asked, reached)) continue;
     const std::string who =
         touch.empty() ? fmt::format("--pressure: focus {}", v + 1) : fmt::format("{}: finger {}", touch, voice.id);
-    log::warning(fmt::format("{} has {:.0f} Pa of the {:.0f} Pa that are asked for: more the array does not give", who,
+    log::warning(fmt::format("{} has {:.0f} Pa of the {:.0f} Pa that are asked for: the array cannot give more", who,
                              reached, asked));
   }
   const auto factors = loudness.factors(0);

@@ -73,7 +73,7 @@ TouchInput skin_of(const geometry::Mesh& finger, double dy) {
 
 /// The points of the mesh that the rig's cameras see; the array's boards hide parts of it.
 TouchInput seen_skin(const SimulateOptions& o, const PosedRig& rig, const FingerBody& finger, double dy) {
-  if (rig.rig.cameras.empty()) throw bad_input(rig.rig.file, "has no [[camera]]; --skin cameras is what they see");
+  if (rig.rig.cameras.empty()) throw bad_input(rig.rig.file, "has no [[camera]]; --skin cameras needs one");
   sensing::FrameSet seen;
   const sensing::Posed posed{&finger.as_given(), glm::translate(Transform(1.0), Vec3(0, dy, 0)), finger.name()};
   sensing::SyntheticRig(rig.rig.cameras, array::board_mesh(rig.layout),

@@ -55,7 +55,7 @@ ContactsPass::Kernel ContactsPass::kernel_for(const PreparedSolids& solids) {
 void ContactsPass::prepare(const PreparedSolids& solids, const Parameters& parameters) {
   if (device_->description().ends_long_loops && solids.iterations > shader::contacts_most_iterations) {
     const std::string fault = fmt::format(
-        "the scene's {} solids can take {} looks at one skin point, and {} takes {}: give fewer or simpler ones, or "
+        "the scene's {} solids can take {} looks at one skin point, but {} allows {}: give fewer or simpler solids, or "
         "compute on the CPU (--backend cpu)",
         solids.records.size(), solids.iterations, device_->description().name, shader::contacts_most_iterations);
     throw solids.file.empty() ? bad_usage(fault) : bad_input(solids.file, fault);

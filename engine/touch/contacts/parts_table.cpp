@@ -130,8 +130,8 @@ class Grid {
     looked_at_ += surface.size();
     if (looked_at_ > most_) {
       throw failure(
-          fmt::format("its {} convex parts overlap so much that telling which are near takes more than {} "
-                      "looks at their planes and faces; leave out those that lie within others",
+          fmt::format("its {} convex parts overlap so much that finding the near ones takes more than {} looks at "
+                      "their planes and faces; leave out those that lie within others",
                       parts_.size(), most_));
     }
     // The margin of a hundredth of a cell covers points that rounding moves across a cell's side.
@@ -363,7 +363,7 @@ PartsGrid add_parts(std::vector<shader::uvec4>& words, const geometry::Parts& pa
   const std::size_t cells = std::size_t{grid.cells_per_axis} * grid.cells_per_axis * grid.cells_per_axis;
   words.resize(words.size() + shader::parts_header_words + shader::parts_cell_words * cells);
   words[grid.base] = {bits(tolerance), faces == InternalFaces::keep ? 1U : 0U, 0, 0};
-  const Activity work("fills the grid of its parts");
+  const Activity work("filling the grid of its parts");
   Grid(local, triangles, grid, faces, tolerance, words).build();
   return grid;
 }

@@ -81,7 +81,7 @@ bool asked_by_surface(const geometry::Solid& solid) {
 /// An error with a solid from a file is reported with that file.
 template <typename Make>
 auto made_of(const geometry::Solid& solid, const Make& make) {
-  const Activity work(fmt::format("prepares mesh \"{}\"", printable(solid.name, 60)));
+  const Activity work(fmt::format("preparing mesh \"{}\"", printable(solid.name, 60)));
   try {
     return make();
   } catch (const Error& e) {

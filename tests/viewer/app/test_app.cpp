@@ -139,7 +139,7 @@ TEST_F(LiveApp, AllOffLastsWhateverChanges) {
   EXPECT_TRUE(stays_off());
   EXPECT_FALSE(heard_->last_sounds);
   write_anew(scene_);
-  EXPECT_TRUE(stays_off()) << "the scene was written anew";
+  EXPECT_TRUE(stays_off()) << "the scene was written again";
   drop(other_);
   EXPECT_TRUE(stays_off()) << "another scene";
   EXPECT_TRUE(opens_other()) << "is what Start begins";
