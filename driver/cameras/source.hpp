@@ -27,7 +27,7 @@ void check_count(std::size_t named, std::size_t cameras, const std::string& kind
 /// messages. Throws Error for what is refused: see Device::open(). The source owns `host`, which outlives the devices.
 ///
 /// Once each of its caller's sets has been used, next() allocates nothing while no camera is gone. It waits no longer
-/// than it is told: a camera that is gone is looked for and opened again in the background. The source's destructor
+/// than `timeout_s`: a camera that is gone is looked for and opened again in the background. The source's destructor
 /// waits for that.
 std::unique_ptr<sensing::DepthSource> open_cameras(std::unique_ptr<Host> host, std::vector<sensing::Camera> cameras,
                                                    std::vector<std::unique_ptr<Device>> devices,

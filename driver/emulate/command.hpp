@@ -39,7 +39,7 @@ void tell_violations(const Options& options, std::span<const Violation> all, std
 struct Outcome {
   std::string summary;
   std::string counted;      ///< what `count` counts
-  std::uint64_t count = 0;  ///< of what has come
+  std::uint64_t count = 0;  ///< how many have come
   bool sounds = false;
   std::span<const Violation> violations;  ///< the first of them
   std::size_t violation_count = 0;

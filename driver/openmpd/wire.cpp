@@ -256,7 +256,8 @@ void Wire::fall_out(Outcome outcome) {
 }
 
 void Wire::start_over(std::string_view trouble) {
-  // If it falls out of step again during a resynchronisation, wait, or it would be asked without end.
+  // If it falls out of step again during a resynchronisation, wait. Otherwise resynchronisations would follow each
+  // other without a pause.
   due_s_ = clock_.now_s() + (state_ == State::in_step ? 0 : retry_s);
   state_ = State::draining;
   if (trouble_.empty()) trouble_.assign(trouble);  // the first trouble is the reason

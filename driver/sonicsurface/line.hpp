@@ -29,7 +29,7 @@ class Line {
   bool drained() const;
 
  private:
-  /// Returns 0, or the errno of what is wrong.
+  /// Returns 0, or the errno of the fault.
   int open();
   std::string path_;
   Descriptor fd_;

@@ -37,9 +37,9 @@ inline constexpr double most_silence_s = 10;
 inline constexpr std::uint64_t most_silent_slots = 10'000;
 
 /// Slot s begins s slots after the first frame's capture. It plays the newest frame captured by then, or silence if
-/// that frame is older than the session's hold. Of a silence longer than most_silence_s or most_silent_slots, only the
-/// slots up to that limit are sent. The replay ends when the last frame's hold is over and the ramp is down. The last
-/// drive that `link` gets is all-zero, whatever happens. The link gets each frame's plan from the first slot that
+/// that frame is older than the session's hold. If a silence is longer than most_silence_s or most_silent_slots, only
+/// the slots up to that limit are sent. The replay ends when the last frame's hold is over and the ramp is down. The
+/// last drive that `link` gets is all-zero, whatever happens. The link gets each frame's plan from the first slot that
 /// begins after its capture, even if the next frame replaces it before that slot; Slots::from may then occur twice. A
 /// frame that is not newer than the previous one gets the previous frame's time. Ends early when `stop` becomes true;
 /// others may set it. The session must be live(), with the source's cameras. Warns once of a pressure that is not

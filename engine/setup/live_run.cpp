@@ -50,7 +50,7 @@ Prepared prepare_live(const LiveOptions& options, std::span<const session::Sourc
 
 void add_link_options(const Group& group, LiveOptions& o) {
   group.text("--link", o.link, "LINK",
-             "null, record:FILE, foci:udp:HOST:PORT, or a board; a name that is none lists them all");
+             "null, record:FILE, foci:udp:HOST:PORT, or a board; any other name lists them all");
   group.text("--board-files", o.board_files, "DIR", "with the boards' own files: how their transducers differ");
   group.flag("--every-frame", o.every_frame, "look at every frame, however long it takes, instead of the newest");
   group.text("--record", o.record, "DIR", "write every frame into a new folder, to be replayed as recording:DIR");

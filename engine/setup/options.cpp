@@ -95,8 +95,8 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
                  "contacts no farther apart than this are in one finger");
   group.integer("--min-points", p.min_points, 1, 1u << 30, "contacts that make a finger");
   group.quantity("--finger-width", p.finger_width_m, Quantity::length, {0, 1},
-                 "depth cameras: what is wider is several fingers, patches of one finger are joined, flying pixels are "
-                 "dropped; 0: none of it");
+                 "depth cameras: wider clusters are split at valleys, patches of one finger are joined, flying pixels "
+                 "are dropped; 0: all three off");
   group.choice("--cluster", p.cluster, touch::cluster_words,
                "what is clustered into fingers: contacts, or all skin inside a solid");
   options.foci_name = foci;
@@ -104,7 +104,7 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
   group.choice("--spacing", p.spacing, touch::spacing_words,
                "foci at equal angles, or at equal lengths along the cross-section");
   group.integer("--stride", options.stride, 1, 1u << 20,
-                "every which focus is next; coprime to the number of foci, normally what is nearest to 0.3 of it");
+                "step from a focus to the next; coprime to the number of foci, normally the nearest to 0.3 of it");
   group.quantity("--dwell", options.dwell_s, Quantity::time, {1e-6, 10}, "how long a focus lasts");
   group.choice("--method", options.method.method, touch::method_words, "how a cross-section becomes foci",
                &options.method_given);

@@ -35,7 +35,7 @@ using setup::KeyPress;
 TEST(Keys, AreReadFromATerminalsBytes) {
   std::vector<KeyPress> keys;
   setup::KeyReader reader;
-  // Arrows in both of a terminal's modes, one of them in two pieces; shift; keys that are none; an escape that is none.
+  // Arrows in both of a terminal's modes, one of them in two pieces; shift; keys without a meaning; an unknown escape.
   reader.feed("\x1b[A\x1bOB\x1b", keys);
   reader.feed("[C\x1b[D\x1b[1;2A\x1b[5~\x1b[6~\x1b[6;2~x\x1b[3~\x1b\x1b[C\x1bqf0\rq", keys);
   const std::vector<KeyPress> expected{{Key::up},   {Key::down},   {Key::right},        {Key::left},  {Key::up, true},

@@ -160,7 +160,7 @@ TEST(CliRun, SignalsEndItInSilence) {
   // A terminal that would stop a program in the background: it goes on.
   const std::size_t before = ends_in_silence("cpu", {SIGTERM});
   EXPECT_GT(ends_in_silence("cpu", {SIGTTOU, SIGTTIN, SIGTERM}), before + 50);
-  // What whoever started it ignores, as nohup does, is ignored.
+  // A signal that the parent ignores, as nohup does, is ignored.
   const auto handler = signal(SIGHUP, SIG_IGN);
   EXPECT_GT(ends_in_silence("cpu", {SIGHUP, SIGTERM}), before + 30);
   signal(SIGHUP, handler);

@@ -113,7 +113,7 @@ TEST(Tuning, KeepsSpotsWithoutTheThread) {
   EXPECT_EQ(stride_of(schedule), of_array);
 }
 
-/// So many transducers and foci that their field takes seconds.
+/// As many transducers and foci as are allowed: their field takes seconds.
 struct Long {
   array::Layout layout;
   std::vector<Vec3> foci;

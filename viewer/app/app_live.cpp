@@ -132,7 +132,7 @@ void App::show_recording(double now_s) {
   desk_.recorded = session.recorded();
 }
 
-/// Begins or ends a recording of what is seen.
+/// Begins or ends a recording of the frames.
 void App::record(double now_s) {
   if (!run_.session() || desk_.live_state != LiveState::running) return;
   if (!run_.session()->recording().empty()) return run_.session()->record({});

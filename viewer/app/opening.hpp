@@ -41,7 +41,7 @@ class Opening {
   void begin_recording(const std::string& path);
   void cancel() { loader_.cancel(); }
   bool busy() const { return loader_.busy(); }
-  /// The result of what began last, returned once.
+  /// The result of the load that began last, returned once.
   std::optional<Opened> take();
 
  private:

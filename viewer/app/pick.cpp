@@ -21,7 +21,7 @@ std::optional<double> hit(const Ray& ray, const Vec3& a, const Vec3& b, const Ve
   return t;
 }
 
-/// Of the places offered, the one nearest to the pointer.
+/// The place nearest to the pointer among those offered.
 class Nearest {
  public:
   Nearest(const ViewState& state, double x, double y, double width, double height, double reach)

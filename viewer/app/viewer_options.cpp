@@ -121,8 +121,8 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   what.quantity("--slice-size", o.slice_size_m, Quantity::length, setup::positive(10), "of the plane's sides");
   what.flag("--dark", o.dark, "dark background");
   what.choice("--fine", o.fine, fine_words,
-              "pictures with four samples for each pixel; auto: where they take long, of what rests; without a window, "
-              "of all");
+              "pictures with four samples for each pixel; auto: on slow devices, only while nothing moves; always "
+              "without a window");
 
   const setup::Group where(app, "View");
   where.text("--view", o.view, "FROM",

@@ -1,4 +1,4 @@
-// The panels of what runs: its options, its time, its numbers.
+// The panels of the run: its options, its time, its numbers.
 #include <fmt/core.h>
 #include <imgui.h>
 #include <imgui_stdlib.h>

@@ -1,5 +1,5 @@
-// How finely pictures are drawn, and when. Four samples for each pixel keep edges smooth, but take long on a device
-// that is slow or a processor. There, a picture in motion has one sample, and a picture at rest is drawn again with
+// How finely pictures are drawn, and when. Four samples for each pixel keep edges smooth, but take a long time on a
+// slow device or a processor. There, a picture in motion has one sample, and a picture at rest is drawn again with
 // four.
 #pragma once
 
@@ -33,7 +33,7 @@ class Rest {
   static constexpr double rest_s = 0.15;
 
   /// The fineness of the next picture, at `now_s`. `changed`: it differs from the last one. `slow`: fine pictures take
-  /// long.
+  /// a long time.
   Fineness next(FinePictures wanted, bool slow, bool changed, double now_s) const {
     if (wanted != FinePictures::automatic) return wanted == FinePictures::always ? Fineness::fine : Fineness::quick;
     const bool moves = changed && drawn_s_ && now_s < *drawn_s_ + rest_s;

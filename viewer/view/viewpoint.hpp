@@ -74,7 +74,7 @@ shader::ViewPush projection(const Viewpoint& viewpoint, double width, double hei
 struct Ray {
   Vec3 from, direction;
 };
-/// The half-line of what a pixel of such an image shows; the inverse of project().
+/// The half-line through a pixel of such an image; the inverse of project().
 Ray line_of_sight(const Viewpoint& viewpoint, double x, double y, double width, double height);
 /// Where the ray meets the plane through `point`. nullopt if it does not, or if it is within 3 degrees of the plane's
 /// direction.

@@ -45,7 +45,7 @@ class Presenter {
 
   /// Whether the device is a processor.
   bool on_processor() const { return device_->description().kind == "cpu"; }
-  /// Whether a fine picture takes long: the device is a processor, or took longer than slow_picture_ms for the last
+  /// Whether fine pictures are slow: the device is a processor, or took longer than slow_picture_ms for the last
   /// one.
   bool slow() const { return slow_; }
 

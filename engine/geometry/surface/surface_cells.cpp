@@ -24,7 +24,7 @@
 namespace palpa::geometry {
 namespace {
 
-/// A list this short is not worth dividing, nor is a cell smaller than smallest_cell, in metres.
+/// Neither a list this short nor a cell smaller than smallest_cell (metres) is worth dividing.
 constexpr std::uint32_t short_list = 8, short_deep_list = 24;
 constexpr double smallest_cell = 1e-5;
 /// Factor for the total length of all children's lists when a cell is divided. An estimate from measurements, rather

@@ -25,7 +25,7 @@ bool is_rival(const Contest& contest, std::uint32_t triangle) {
   return std::find(contest.triangle.begin(), end, triangle) != end;
 }
 
-/// Returns the end of what was written.
+/// Returns the end of the written list.
 template <class L>
 [[gnu::always_inline]] inline std::uint32_t* keep_with(const Contest& contest, bool rivals_stay,
                                                        std::span<const std::uint32_t> list, const float* d2,

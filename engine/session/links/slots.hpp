@@ -1,5 +1,5 @@
 // The slots that a plan plays, and the drive of each of them. Planner, output, links, guards and boards all use this
-// one value; none of them copies its fields one by one.
+// one value and do not copy its fields one by one.
 #pragma once
 
 #include <algorithm>

@@ -106,7 +106,7 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
     if (fresh && !silent) {
       safe.plan(played(plan, transducers, slot, expiry_slot(plan, begin_s, setting)));
     } else if (fresh || (silent && sounding)) {
-      // Nothing is touched, or frames stopped coming. A link that plays or shows a plan must also be told of its end.
+      // Nothing is touched, or frames stopped coming. A link that plays or shows a plan must also learn of its end.
       nothing.time_s = plan.schedule.time_s;
       safe.plan({.schedule = nothing, .slots = {slot, slot}});
     }

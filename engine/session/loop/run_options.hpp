@@ -32,8 +32,8 @@ struct RunOptions {
   /// Called on the output thread after every drive that the link took, including the last silence: whether it sounds.
   /// Must return quickly.
   std::function<void(bool sounds)> sent{};
-  /// Called with every frame, e.g. to record it, on a separate thread, so that a slow disk does not delay touches. Of
-  /// the frames that come while it is busy, all but the newest are left out (never with every_frame) and counted as
+  /// Called with every frame, e.g. to record it, on a separate thread, so that a slow disk does not delay touches. If
+  /// frames come while it is busy, all except the newest are left out (never with every_frame) and counted as
   /// `unrecorded`.
   std::function<void(const sensing::FrameSet&)> record{};
 };

@@ -113,7 +113,7 @@ class GpuPlanner : public Planner {
   void warm_up() override {
     if (started_ != 0) return;  // done by earlier frames
     const Activity work("compiling shaders, which the driver keeps for the next time");
-    // Two frames without skin, one for each in flight, dispatch all kernels up to the foci; none of them has any work.
+    // Two frames without skin, one for each in flight, dispatch all kernels up to the foci. The kernels have no work.
     std::vector<sensing::DepthFrame> dark(setting_.cameras.size());
     for (std::size_t c = 0; c < dark.size(); ++c)
       dark[c].depth.assign(std::size_t{setting_.cameras[c].width} * setting_.cameras[c].height, 0);

@@ -16,7 +16,7 @@
 namespace palpa::session {
 
 /// One question at a time goes to the thread. It covers all fingers whose harmonics are needed. The next question is
-/// sent when the answer has arrived. All calls come from the compute thread; none of them waits. The thread sleeps
+/// sent when the answer has arrived. All calls come from the compute thread, and no call waits. The thread sleeps
 /// while there is no question, and it yields to all other threads: it is not real-time (SCHED_BATCH) even if the thread
 /// that starts it is, and its nice value is higher by ten. It takes no signals.
 class TuningThread {

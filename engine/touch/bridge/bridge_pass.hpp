@@ -24,7 +24,7 @@ struct BridgeBindings {
   gpu::BufferRef fingers;   ///< in, out: shader::FingerRecord[max_fingers]
 };
 
-/// Pipelines only; four dispatches: sample, pairs, join, relabel. With fewer than two fingers, none of them runs a
+/// Pipelines only; four dispatches: sample, pairs, join, relabel. With fewer than two fingers, no dispatch runs a
 /// group.
 class BridgePass {
  public:

@@ -49,7 +49,7 @@ struct Cell {
 
 constexpr int tile_side = 4;
 constexpr std::size_t tile_cells = 64;
-/// The number of tiles that touch a tile, including the tile itself, which is `centre`. Of two opposite tiles, one
+/// The number of tiles that touch a tile, including the tile itself, which is `centre`. One tile of each opposite pair
 /// comes after it.
 constexpr std::size_t tiles_around = 27, centre = 13;
 
