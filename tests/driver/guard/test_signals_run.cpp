@@ -161,7 +161,7 @@ TEST(SignalsRun, ThoseThatAWriteRaisesEndARunToo) {
                         small_frames()),
                    signal);
   };
-  side_by_side({[&] { ends(SIGXFSZ); }, [&] { ends(SIGPIPE); }, [&] { ends(SIGTERM); }});
+  side_by_side(3, std::vector{SIGXFSZ, SIGPIPE, SIGTERM}, ends);
 }
 
 TEST(SignalsRun, WhatWhoeverStartedItIgnoresStaysIgnored) {
@@ -180,7 +180,7 @@ TEST(SignalsRun, WhatWhoeverStartedItIgnoresStaysIgnored) {
     EXPECT_TRUE(loop.wait(10).ended);
     EXPECT_TRUE(board.falls_silent());
   };
-  side_by_side({[&] { goes_on(SIGXFSZ); }, [&] { goes_on(SIGPIPE); }, [&] { goes_on(SIGHUP); }});
+  side_by_side(3, std::vector{SIGXFSZ, SIGPIPE, SIGHUP}, goes_on);
 }
 
 }  // namespace
