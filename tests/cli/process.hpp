@@ -47,6 +47,10 @@ Result palpa(const std::vector<std::string>& arguments, const RunOptions& option
 /// A command line with further arguments.
 std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more);
 
+/// Options of a live loop that may see anything as long as it sees the fingertip: frames of small_rig.toml without
+/// noise, which cost a twelfth of the paper's.
+std::vector<std::string> small_frames();
+
 /// gtest: the program failed with `code`, printed one line of error that contains `part`, and printed no result.
 void expect_failure(const Result& result, int code, const std::string& part);
 

@@ -7,13 +7,19 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
+#include <optional>
+#include <span>
 #include <thread>
+#include <utility>
 
 #include "array/board_mesh.hpp"
 #include "geometry/files/ply.hpp"
 #include "process.hpp"
 #include "sensing/recording.hpp"
+#include "session/session.hpp"
 #include "setup/load.hpp"
+#include "setup/touch_schedule.hpp"
+#include "support/device.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/udp_receiver.hpp"
@@ -52,9 +58,75 @@ FociLine line_of(const nlohmann::json& json) {
     FociLine::Finger& f = line.fingers.emplace_back();
     f.id = finger["id"];
     for (const auto& focus : finger["foci_m"])
-      f.foci.emplace_back(focus[0], focus[1], focus[2]);
+      f.foci.emplace_back(focus[0].get<float>(), focus[1].get<float>(), focus[2].get<float>());
   }
   return line;
+}
+
+/// As a link of foci sends it.
+FociLine line_of(const array::Schedule& schedule) {
+  FociLine line{schedule.time_s, {}};
+  for (const array::Voice& voice : std::span(schedule.voices).first(schedule.voice_count)) {
+    FociLine::Finger& f = line.fingers.emplace_back();
+    f.id = voice.id;
+    for (const Vec3& focus : voice.foci)
+      f.foci.emplace_back(glm::vec3(focus));
+  }
+  return line;
+}
+
+/// A film before the paper's rig, frame by frame.
+class Rendering {
+ public:
+  explicit Rendering(Film film) : film_(std::move(film)), cameras_(cameras_of(film_)) {
+    geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
+    finger_ = {std::move(ply.positions), std::move(ply.triangles)};
+  }
+
+  const std::vector<sensing::Camera>& cameras() const { return cameras_.cameras(); }
+  int frames() const { return film_.frames; }
+
+  /// Valid until the next one.
+  const sensing::FrameSet& frame(int k) {
+    const sensing::Posed posed{&finger_, film_.motion(k / film_hz)};
+    set_.sequence = static_cast<std::uint64_t>(k);
+    set_.time_s = k / film_hz;
+    cameras_.render(std::span(&posed, 1), set_.sequence, set_);
+    for (sensing::DepthFrame& frame : set_.frames)
+      frame.time_s = set_.time_s;
+    return set_;
+  }
+
+ private:
+  static sensing::SyntheticRig cameras_of(const Film& film) {
+    const setup::PosedRig rig = setup::load_posed_rig({});
+    return {rig.rig.cameras, array::board_mesh(rig.layout), film.noise, film.seed};
+  }
+
+  Film film_;
+  sensing::SyntheticRig cameras_;
+  geometry::Mesh finger_;
+  sensing::FrameSet set_;
+};
+
+constexpr double hold_s = 1;  ///< a busy machine's frames may be old before they are told
+
+session::Session session_for(const Play& play, const std::vector<sensing::Camera>& cameras) {
+  const std::string scene = source_file("assets/" + play.object + ".glb").string();
+  session::SessionSetting setting{.scene = scene,
+                                  .solids = setup::load_solids(scene),
+                                  .cameras = cameras,
+                                  .schedule = setup::schedule_options({}),
+                                  .events = std::nullopt,
+                                  .axes = play.axes,
+                                  .smoothing = play.smoothing,
+                                  .hold_s = hold_s};
+  setting.touch.foci = play.foci;
+  // Foci do not depend on the array; drives, which nobody looks at here, take the longer the larger it is.
+  setting.layout.transducers.push_back({Vec3(0, -0.15, 0), Vec3(0, 1, 0)});
+  session::Session session(test_device(), std::move(setting));
+  session.warm_up();
+  return session;
 }
 
 /// Whether the second line is of the frame after the first's.
@@ -111,25 +183,30 @@ Film fast(const std::string& object, int times) {
 }
 
 void record(const Film& film, const std::filesystem::path& folder) {
-  const geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
-  const geometry::Mesh finger{ply.positions, ply.triangles};
-  const setup::PosedRig rig = setup::load_posed_rig({});
-  sensing::SyntheticRig cameras(rig.rig.cameras, array::board_mesh(rig.layout), film.noise, 5);
-  sensing::RecordingWriter writer(folder, cameras.cameras());
-  sensing::FrameSet set;
-  for (int k = 0; k < film.frames; ++k) {
-    const sensing::Posed posed{&finger, film.motion(k / film_hz)};
-    set.sequence = static_cast<std::uint64_t>(k);
-    set.time_s = k / film_hz;
-    cameras.render(std::span(&posed, 1), set.sequence, set);
-    for (sensing::DepthFrame& frame : set.frames)
-      frame.time_s = set.time_s;
-    writer.write(set);
-  }
+  Rendering rendering(film);
+  sensing::RecordingWriter writer(folder, rendering.cameras());
+  for (int k = 0; k < rendering.frames(); ++k)
+    writer.write(rendering.frame(k));
 }
 
-std::vector<FociLine> play(const std::string& source, const std::string& object,
-                           const std::vector<std::string>& options) {
+std::vector<std::vector<FociLine>> played(const Film& film, const std::vector<Play>& plays) {
+  Rendering rendering(film);
+  std::vector<session::Session> sessions;
+  for (const Play& play : plays)
+    sessions.push_back(session_for(play, rendering.cameras()));
+  std::vector<std::vector<FociLine>> lines(plays.size());
+  for (int k = 0; k < rendering.frames(); ++k) {
+    const sensing::FrameSet& set = rendering.frame(k);
+    for (std::size_t i = 0; i < sessions.size(); ++i) {
+      sessions[i].touch(set.frames, set.time_s);
+      lines[i].push_back(line_of(sessions[i].schedule()));
+    }
+  }
+  return lines;
+}
+
+std::vector<FociLine> sent_by_palpa(const std::string& source, const std::string& object,
+                                    const std::vector<std::string>& options) {
   const UdpReceiver receiver(std::chrono::milliseconds(50));
   std::vector<FociLine> lines;
   std::atomic<bool> ended{false};
@@ -153,8 +230,8 @@ std::vector<FociLine> play(const std::string& source, const std::string& object,
                                      "--link",
                                      "foci:" + receiver.address(),
                                      "--quiet",
-                                     "--hold",  // a busy machine's frames may be old before they are told
-                                     "1s"};
+                                     "--hold",
+                                     std::to_string(hold_s)};
   arguments.insert(arguments.end(), options.begin(), options.end());
   const Result result = palpa(arguments);
   ended = true;

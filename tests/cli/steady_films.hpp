@@ -9,6 +9,7 @@
 
 #include "base/math.hpp"
 #include "sensing/synthetic.hpp"
+#include "touch/types.hpp"
 
 namespace palpa::test {
 
@@ -20,6 +21,7 @@ struct Film {
   int frames = 0;
   std::string path;  ///< films with the same path are the same, whatever object they are played on
   sensing::Noise noise = sensing::Noise::d415;
+  std::uint64_t seed = 5;
 };
 
 /// At rest near the object's middle, 2, 3 and 4 mm deep, `frames` each, with the finger away in between.
@@ -43,15 +45,28 @@ struct FociLine {
   struct Finger {
     std::uint32_t id = 0;
     std::vector<Vec3> foci;
+    bool operator==(const Finger&) const = default;
   };
   std::vector<Finger> fingers;
 };
 
-/// The output of `palpa run --every-frame --link foci:udp` for a source, a line for nearly each of its frames: two
-/// frames that are ready within one slot have one line. `options` are added to the command line. Fails the test if the
-/// program fails.
-std::vector<FociLine> play(const std::string& source, const std::string& object,
-                           const std::vector<std::string>& options = {});
+/// On what a film is played, and how foci are kept from jumping there.
+struct Play {
+  std::string object;
+  touch::Axes axes = touch::Axes::steady;
+  touch::Smoothing smoothing = touch::Smoothing::one_euro;
+  std::uint32_t foci = 10;
+};
+
+/// What sessions on the tests' device make of a film, one session for each play: a line for each frame. The film is
+/// rendered once for all of them.
+std::vector<std::vector<FociLine>> played(const Film& film, const std::vector<Play>& plays);
+
+/// What `palpa run --every-frame --link foci:udp` sends for a source, a line for nearly each of its frames: two that
+/// are ready within one slot have one line. `options` are added to the command line. Fails the test where the program
+/// does.
+std::vector<FociLine> sent_by_palpa(const std::string& source, const std::string& object,
+                                    const std::vector<std::string>& options = {});
 
 /// From frame to frame, movement of the focus that moves most: metres. `relative`: without the movement of the foci's
 /// mean.

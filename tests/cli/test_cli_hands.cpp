@@ -1,15 +1,25 @@
-// Hands, most of them recorded: `palpa touch` finds exactly the fingers that a person sees in the depth picture. Camera
-// frame = world.
+// Hands, most of them recorded: a touch finds exactly the fingers that a person sees in the depth picture, in the
+// tests' own process and as `palpa touch`. Camera frame = world.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <glm/geometric.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "boxes.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rig.hpp"
+#include "session/session.hpp"
+#include "setup/load.hpp"
+#include "setup/tasks/touch.hpp"
+#include "setup/touch_input.hpp"
+#include "support/device.hpp"
 #include "support/hand_tips.hpp"
 #include "support/shared_data.hpp"
 #include "touch/fingertips.hpp"
@@ -59,12 +69,28 @@ TiltedBox beside_line(const Lens& lens, const std::string& name, const Pixel& fr
 
 class Hands : public testing::TestWithParam<std::string> {
  protected:
+  /// What `palpa touch` prints of it, computed in the tests' own process and on their device.
   TouchReport touch(const fs::path& scene, const fs::path& image, const Lens& lens, double delta = 1.5e-3,
-                    const std::string& cluster = "contacts") {
-    const fs::path camera = write_camera(scene.parent_path(), lens);
-    return run_touch({"--scene", scene.string(), "--depth", image.string(), "--camera", camera.string(), "--backend",
-                      GetParam(), "--delta", std::to_string(delta), "--cluster", cluster},
-                     delta);
+                    touch::Cluster cluster = touch::Cluster::contacts) {
+    std::vector<geometry::Solid> solids = setup::load_solids(scene.string());
+    setup::TouchInputOptions files;
+    files.depths = {image.string()};
+    files.cameras = {write_camera(scene.parent_path(), lens).string()};
+    const setup::TouchInput input = setup::load_touch_input(files, solids);
+    session::SessionSetting setting{.scene = scene.string(),
+                                    .solids = std::move(solids),
+                                    .cameras = input.cameras,
+                                    .events = std::nullopt,
+                                    .follow = false,
+                                    .frame_by_frame = true};
+    setting.touch.delta_m = delta;
+    setting.touch.cluster = cluster;
+    session::Session session = GetParam() == "gpu" ? session::Session(test_device(), std::move(setting))
+                                                   : session::Session(std::move(setting));
+    const touch::Touch& found = session.touch(input.frames, 0);
+    const setup::TouchResult result{
+        .one = {nullptr, std::move(session), found}, .points = input.point_count, .times = {{"in all", 0.0}}};
+    return read_touch(to_json(result), delta);
   }
 };
 
@@ -77,6 +103,10 @@ TEST_P(Hands, Sr305ThreeFingersReachIntoOneBox) {
   const fs::path scene = scratch_folder("hand-one-box") / "box.glb";
   write_boxes(scene, {beside_line(sr305, "box", {240, 290}, {240, 150}, 0.57)});
   const TouchReport report = touch(scene, image, sr305);
+  // And the real program finds the same.
+  const TouchReport command = run_touch({"--scene", scene.string(), "--depth", image.string(), "--camera",
+                                         (scene.parent_path() / "camera.toml").string(), "--backend", GetParam()});
+  EXPECT_EQ(command.without_times, report.without_times);
   ASSERT_EQ(report.fingers.size(), 3u);
   // From the top of the picture: middle, ring, little.
   const double rows[]{204, 227, 256};
@@ -108,12 +138,13 @@ TEST_P(Hands, Sr305SkinInsideIsThreeFingersOrTheWholeHand) {
                  palm = scratch_folder("hand-inside") / "box.glb";
   write_boxes(ends, {beside_line(sr305, "box", {240, 290}, {240, 150}, 0.57)});
   write_boxes(palm, {beside_line(sr305, "box", {240, 150}, {240, 290}, 0.57)});
-  const TouchReport contacts = touch(ends, image, sr305), inside = touch(ends, image, sr305, 1.5e-3, "inside");
+  const TouchReport contacts = touch(ends, image, sr305),
+                    inside = touch(ends, image, sr305, 1.5e-3, touch::Cluster::inside);
   EXPECT_EQ(inside.contacts, contacts.contacts);
   ASSERT_EQ(inside.fingers.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i)
     EXPECT_EQ(inside.fingers[i].indices, contacts.fingers[i].indices);
-  const TouchReport rings = touch(palm, image, sr305), hand = touch(palm, image, sr305, 1.5e-3, "inside");
+  const TouchReport rings = touch(palm, image, sr305), hand = touch(palm, image, sr305, 1.5e-3, touch::Cluster::inside);
   EXPECT_GE(rings.fingers.size(), 3u);
   ASSERT_EQ(hand.fingers.size(), 1u);
   EXPECT_EQ(hand.contacts, rings.contacts);

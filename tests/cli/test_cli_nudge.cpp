@@ -62,19 +62,28 @@ class Nudge : public testing::Test {
     rig_.array = sensing::ArrayPlacement{"openmpd", array::load_layout("openmpd").default_T_world_layout, {}};
     (*rig_.array->T_world_layout)[3] = Vec4(0.004, -0.145, 0.003, 1);
     write_text(file("rig.toml"), sensing::to_toml(rig_));
-    const geometry::Ply finger = geometry::read_ply(assets / "finger.ply");
-    const geometry::Mesh mesh{finger.positions, finger.triangles};
-    const sensing::Posed posed{&mesh, glm::translate(Transform(1.0), Vec3(0, -0.003, 0))};
-    sensing::SyntheticRig synthetic(rig_.cameras, {}, sensing::Noise::none, 1);
-    sensing::RecordingWriter writer(file("still"), rig_.cameras), stuck(file("stuck"), rig_.cameras);
-    sensing::FrameSet set;
-    for (int i = 0; i < 24; ++i) {
-      synthetic.render(std::span(&posed, 1), static_cast<std::uint64_t>(i), set);
-      set_time(set, i / 90.0);
-      writer.write(set);
-      if (i == 22) set_time(set, 1000);
-      if (i >= 21 && i < 23) stuck.write(set);
-    }
+  }
+  /// The folder of the recordings, which are made once: the resting fingertip, and one of two frames far apart.
+  static const std::filesystem::path& takes() {
+    static const std::filesystem::path made = [] {
+      const std::filesystem::path folder = scratch_folder("nudge-takes"), assets = where_assets_are().second;
+      const sensing::Rig rig = sensing::load_rig(assets / "rigs/paper.toml");
+      const geometry::Ply finger = geometry::read_ply(assets / "finger.ply");
+      const geometry::Mesh mesh{finger.positions, finger.triangles};
+      const sensing::Posed posed{&mesh, glm::translate(Transform(1.0), Vec3(0, -0.003, 0))};
+      sensing::SyntheticRig synthetic(rig.cameras, {}, sensing::Noise::none, 1);
+      sensing::RecordingWriter writer(folder / "still", rig.cameras), stuck(folder / "stuck", rig.cameras);
+      sensing::FrameSet set;
+      for (int i = 0; i < 24; ++i) {
+        synthetic.render(std::span(&posed, 1), static_cast<std::uint64_t>(i), set);
+        set_time(set, i / 90.0);
+        writer.write(set);
+        if (i == 22) set_time(set, 1000);
+        if (i >= 21 && i < 23) stuck.write(set);
+      }
+      return folder;
+    }();
+    return made;
   }
   static void set_time(sensing::FrameSet& set, double time_s) {
     for (sensing::DepthFrame& frame : set.frames)
@@ -82,10 +91,10 @@ class Nudge : public testing::Test {
     set.time_s = time_s;
   }
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  static std::string recording(const char* take) { return "recording:" + (takes() / take).string(); }
   std::vector<std::string> nudge(const std::string& keys) const {
-    return {"calibrate", "--nudge",           "--backend", "cpu",
-            "--rig",     file("rig.toml"),    "--source",  "recording:" + file("still"),
-            "--out",     file("nudged.toml"), "--keys",    keys};
+    return {"calibrate",        "--nudge", "--backend",         "cpu",    "--rig", file("rig.toml"), "--source",
+            recording("still"), "--out",   file("nudged.toml"), "--keys", keys};
   }
   /// The last drive of a recorded run that sounds.
   array::Drive last_sound(const std::string& name) const {
@@ -127,7 +136,7 @@ TEST_F(Nudge, TheFocusMovesByWhatTheKeysSayAndARunWithTheNewRigPutsItThere) {
 
   // Where the fingertip is seen.
   const std::vector<std::string> same{"--backend", "cpu",          "--scene",  where_assets_are().second + "/cube.glb",
-                                      "--method",  "single-focus", "--source", "recording:" + file("still")};
+                                      "--method",  "single-focus", "--source", recording("still")};
   const Result exported = palpa(with({"export", "--foci", file("foci.json"), "--rig", file("rig.toml")}, same));
   ASSERT_EQ(exported.exit_code, 0) << exported.err;
   const json frames = json::parse(read_text(file("foci.json")))["frames"];
@@ -145,7 +154,7 @@ TEST_F(Nudge, TheFocusMovesByWhatTheKeysSayAndARunWithTheNewRigPutsItThere) {
   EXPECT_LT(glm::length(Vec3((*nudged.array->T_world_layout)[3]) - (Vec3(T_world_layout[3]) - offset)), 1e-12);
   EXPECT_EQ(nudged.cameras.size(), rig_.cameras.size());
   const Result run = palpa(with(
-      {"run", "--every-frame", "--rig", file("nudged.toml"), "--link", "record:" + file("run.bin"), "--hold", "10s"},
+      {"run", "--every-frame", "--rig", file("nudged.toml"), "--link", "record:" + file("run.bin"), "--hold", "1s"},
       same));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_LT(off(last_sound("run.bin"), T_world_layout, seen + offset), 2e-3);
@@ -211,7 +220,7 @@ TEST_F(Nudge, ATerminalIsAsItWasBeforeOnEveryWayOut) {
 }
 
 TEST_F(Nudge, KeysAreReadWhileNoFrameComes) {
-  Terminal terminal("sh", {"-c", shell_line(" --out " + file("nudged.toml") + " --source recording:" + file("stuck"))});
+  Terminal terminal("sh", {"-c", shell_line(" --out " + file("nudged.toml") + " --source " + recording("stuck"))});
   ASSERT_TRUE(terminal.shows("x +0.0")) << terminal.text();
   terminal.type("\x1b[C");
   EXPECT_TRUE(terminal.shows("x +1.0")) << terminal.text();

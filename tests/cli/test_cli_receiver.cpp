@@ -22,6 +22,7 @@
 
 #include "process.hpp"
 #include "support/shared_data.hpp"
+#include "support/side_by_side.hpp"
 #include "terminal.hpp"
 
 extern char** environ;
@@ -134,8 +135,9 @@ TEST(Receiver, PlaysWhatItIsTold) {
   const PythonReceiver receiver(sender.port(), scratch_folder("receiver") / "out");
   ASSERT_TRUE(receiver.says("listening"));
 
-  const Result result = palpa({"run", "--scene", cube(), "--frames", "40", "--quiet", "--link",
-                               "foci:udp:127.0.0.1:" + std::to_string(sender.port())});
+  const Result result = palpa(with({"run", "--scene", cube(), "--frames", "40", "--quiet", "--link",
+                                    "foci:udp:127.0.0.1:" + std::to_string(sender.port())},
+                                   small_frames()));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   ASSERT_TRUE(receiver.says(": silent", 10));
   const std::size_t before = receiver.lines().size();
@@ -180,7 +182,7 @@ TEST(Receiver, PlaysWhatItIsTold) {
 TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
   if (without_python()) GTEST_SKIP() << "skipped: no python3";
   const Sender sender;
-  const PythonReceiver receiver(sender.port(), scratch_folder("receiver") / "out", "1");
+  const PythonReceiver receiver(sender.port(), scratch_folder("receiver") / "out", "0.8");
   ASSERT_TRUE(receiver.says("listening"));
   const std::string line =
       R"({"time_s": 1, "fingers": [{"id": 1, "solid": "cube", "foci_m": [[0, 0, 0]], "order": [0],)"
@@ -190,7 +192,7 @@ TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
     return changed.replace(changed.find(what), what.size(), other);
   };
   sender.send("before the first line nothing ends it");
-  std::this_thread::sleep_for(1200ms);
+  std::this_thread::sleep_for(950ms);
   sender.send(line);
   ASSERT_TRUE(receiver.has_said("on cube: amplitude 1.000"));
   const std::vector<std::string> strays{"hello",
@@ -222,7 +224,7 @@ TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
     std::this_thread::sleep_for(10ms);
   }
   EXPECT_TRUE(receiver.says(": silent", 3)) << receiver.lines().back();
-  EXPECT_TRUE(receiver.has_said("no line for 1 s"));
+  EXPECT_TRUE(receiver.has_said("no line for 0.8 s"));
   EXPECT_TRUE(receiver.says(std::to_string(strays.size() + 1) + " datagrams were no lines of foci"))
       << receiver.lines().back();
 }
@@ -269,16 +271,20 @@ TEST(Receiver, ShowsOneLineOnATerminalAndTellsWhatItIgnored) {
 
 TEST(Receiver, GoesSilentWhenPalpaCrashes) {
   if (without_python()) GTEST_SKIP() << "skipped: no python3";
-  for (const int crash : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGKILL, SIGSTOP}) {
+  const std::filesystem::path folder = scratch_folder("receiver");
+  const auto falls_silent = [&](int crash) {
     const Sender sender;
-    const PythonReceiver receiver(sender.port(), scratch_folder("receiver") / "out");
+    const PythonReceiver receiver(sender.port(), folder / std::to_string(crash));
     ASSERT_TRUE(receiver.says("listening"));
-    const Child run(palpa_binary(), {"run", "--scene", cube(), "--backend", "cpu", "--quiet", "--link",
-                                     "foci:udp:127.0.0.1:" + std::to_string(sender.port())});
+    const Child run(palpa_binary(), with({"run", "--scene", cube(), "--backend", "cpu", "--quiet", "--link",
+                                          "foci:udp:127.0.0.1:" + std::to_string(sender.port())},
+                                         small_frames()));
     ASSERT_TRUE(receiver.has_said("on cube: amplitude 1.000"));
     run.signal(crash);
     EXPECT_TRUE(receiver.says(": silent", 3)) << "signal " << crash;
-  }
+  };
+  side_by_side(3, std::vector{SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGKILL, SIGSTOP},
+               falls_silent);
 }
 
 }  // namespace

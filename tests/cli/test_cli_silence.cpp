@@ -1,11 +1,14 @@
 // Outputs of a live loop that nobody reads: it continues to sound, and a signal ends it in silence within a second.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <functional>
+#include <thread>
 
 #include "live_run.hpp"
 #include "process.hpp"
@@ -14,6 +17,7 @@
 #include "support/instrumented.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
+#include "support/side_by_side.hpp"
 #include "support/udp_receiver.hpp"
 
 namespace palpa::test {
@@ -27,6 +31,14 @@ constexpr double a_second = 1.5;
 
 std::string cube() {
   return source_file("assets/cube.glb").string();
+}
+
+/// Waits until it is so, for as long as the first loop of a machine needs to compile the shaders; whether it was.
+bool becomes(const std::function<bool()>& so) {
+  for (int i = 0; i < 12'000; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
+    if (so()) return true;
+  }
+  return false;
 }
 
 /// The cube under another name.
@@ -50,9 +62,8 @@ struct Stage {
 
   explicit Stage(const std::string& name) : folder(scratch_folder(name)) {}
 
-  std::vector<std::string> line(std::vector<std::string> more) const {
-    more.insert(more.begin(), {"--scene", cube(), "--link", "foci:" + receiver.address()});
-    return more;
+  std::vector<std::string> line(const std::vector<std::string>& more, const std::string& scene = cube()) const {
+    return with(with({"--scene", scene, "--link", "foci:" + receiver.address()}, small_frames()), more);
   }
   /// Takes in so many lines that sound, and so many of any kind.
   void hear(int sounding, int any = 0) {
@@ -66,9 +77,9 @@ struct Stage {
       heard += json::parse(last)["fingers"].empty() ? 0 : 1;
     }
   }
-  /// And all that are left.
+  /// And all that are left of a program that sends no more.
   void hear_the_end() {
-    for (std::string next = last; !next.empty(); next = receiver.next())
+    for (std::string next = last; !next.empty(); next = receiver.waiting())
       last = next;
   }
   void expect_silent_end(LiveRun& run, int signal = SIGTERM) {
@@ -88,7 +99,7 @@ TEST(CliSilence, NobodyReadsWhatItWarnsOf) {
   const Unread full = Unread::pipe();
   // A line that no datagram holds: silence goes in its place, and there is a warning.
   const fs::path scene = named_cube(stage.folder, std::string(66'000, 'n'));
-  LiveRun run({"--scene", scene.string(), "--link", "foci:" + stage.receiver.address()}, {.err = &full});
+  LiveRun run(stage.line({}, scene), {.err = &full});
   stage.hear(0, 60);
   stage.expect_silent_end(run);
 }
@@ -121,33 +132,40 @@ TEST(CliSilence, ItsTerminalIsStopped) {
 }
 
 TEST(CliSilence, NobodyReadsItsEvents) {
-  Stage stage("silence-events");
-  const fs::path fifo = stage.folder / "events";
-  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
-  const int reader = open(fifo.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-  for (const bool every_frame : {false, true}) {
-    std::vector<std::string> line = stage.line({"--events", fifo.string(), "--event-move", "0"});
-    if (every_frame) line.emplace_back("--every-frame");
-    LiveRun run(line);
+  Stage newest("silence-events"), every_frame("silence-events-every-frame");
+  const auto sounds_on = [](Stage& stage, const std::vector<std::string>& options) {
+    const fs::path fifo = stage.folder / "events";
+    ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+    const int reader = open(fifo.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    LiveRun run(with(stage.line({"--events", fifo.string(), "--event-move", "0"}), options));
     stage.hear(40);
     stage.expect_silent_end(run);
-  }
-  close(reader);
+    close(reader);
+  };
+  side_by_side({[&] { sounds_on(newest, {}); }, [&] { sounds_on(every_frame, {"--every-frame"}); }});
 }
 
 TEST(CliSilence, NobodyReadsItsDrives) {
   Stage stage("silence-drives");
-  const fs::path fifo = stage.folder / "drives";
-  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
-  const int reader = open(fifo.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-  // Twice: the loop may not sound yet, or may just be waiting for the link.
-  for (const int ms : {0, 1500}) {
-    LiveRun run({"--scene", cube(), "--link", "record:" + fifo.string()});
-    run.wait(0.3 + ms * 1e-3);
+  const auto ends = [&](const char* name, const std::function<void(LiveRun&, int)>& wait_until) {
+    const fs::path fifo = stage.folder / name;
+    ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+    const int reader = open(fifo.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    LiveRun run(with({"--scene", cube(), "--link", "record:" + fifo.string()}, small_frames()));
+    wait_until(run, reader);
     run.signal(SIGTERM);
     EXPECT_LT(run.wait(10).after_s, a_second * (instrumented() ? 3 : 1));
-  }
-  close(reader);
+    close(reader);
+  };
+  const auto before_it_sounds = [&] { ends("early", [](LiveRun& run, int) { run.wait(0.3); }); };
+  const auto while_it_waits = [&] {
+    ends("late", [](LiveRun& run, int reader) {
+      int bytes = 0;  // two drives fill it
+      EXPECT_TRUE(becomes([&] { return ioctl(reader, FIONREAD, &bytes) == 0 && bytes > 60'000; }));
+      run.wait(0.3);
+    });
+  };
+  side_by_side({before_it_sounds, while_it_waits});
 }
 
 /// With a disk in `folder` that answers until hang() is called.
@@ -175,38 +193,43 @@ TEST(CliSilence, TheDiskOfItsRecordingDoesNotAnswer) {
 
 TEST(CliSilence, TheDiskOfItsEventsOrOfItsMessagesDoesNotAnswer) {
   if (instrumented()) GTEST_SKIP() << "skipped: a sanitizer's own preloads come first";
-  Stage stage("silence-events-disk");
-  const HungDisk disk{fs::canonical(stage.folder)};
-  {
-    LiveRun run(stage.line({"--events", (disk.folder / "events").string(), "--event-move", "0"}),
+  Stage told("silence-events-disk"), warned("silence-messages-disk");
+  const auto events = [&] {
+    const HungDisk disk{fs::canonical(told.folder)};
+    LiveRun run(told.line({"--events", (disk.folder / "events").string(), "--event-move", "0"}),
                 {.environment = disk.environment()});
-    stage.hear(10);
+    told.hear(10);
     disk.hang();
-    stage.hear(60);
-    stage.expect_silent_end(run);
-  }
-  const Unread messages = Unread::file((disk.folder / "messages").string());
-  const fs::path scene = named_cube(stage.folder, std::string(66'000, 'n'));  // there will be a warning
-  LiveRun run({"--scene", scene.string(), "--link", "foci:" + stage.receiver.address()},
-              {.err = &messages, .environment = disk.environment()});
-  stage.hear(0, 60);
-  stage.expect_silent_end(run);
+    told.hear(60);
+    told.expect_silent_end(run);
+  };
+  const auto messages = [&] {
+    const HungDisk disk{fs::canonical(warned.folder)};
+    const Unread file = Unread::file((disk.folder / "messages").string());
+    const fs::path scene = named_cube(warned.folder, std::string(66'000, 'n'));  // there will be a warning
+    disk.hang();
+    LiveRun run(warned.line({}, scene), {.err = &file, .environment = disk.environment()});
+    warned.hear(0, 60);
+    warned.expect_silent_end(run);
+  };
+  side_by_side({events, messages});
 }
 
 TEST(CliSilence, TheDiskOfItsDrivesDoesNotAnswer) {
   if (instrumented()) GTEST_SKIP() << "skipped: a sanitizer's own preloads come first";
-  Stage stage("silence-drives-disk");
-  const HungDisk disk{fs::canonical(stage.folder)};
-  for (const double after_s : {0.05, 1.5}) {
-    fs::remove(disk.folder / "hangs");
-    LiveRun run({"--scene", cube(), "--link", "record:" + (disk.folder / "drives").string()},
+  Stage soon("silence-drives-disk"), later("silence-drives-disk-later");
+  const auto ends = [](const Stage& stage, double after_s) {
+    const HungDisk disk{fs::canonical(stage.folder)};
+    const fs::path drives = disk.folder / "drives";
+    LiveRun run(with({"--scene", cube(), "--link", "record:" + drives.string()}, small_frames()),
                 {.environment = disk.environment()});
-    run.wait(1);
+    EXPECT_TRUE(becomes([&] { return fs::exists(drives) && fs::file_size(drives) > 10'000'000; })) << "half a second";
     disk.hang();
     run.wait(after_s);
     run.signal(SIGTERM);
     EXPECT_LT(run.wait(10).after_s, a_second);
-  }
+  };
+  side_by_side({[&] { ends(soon, 0.05); }, [&] { ends(later, 1.5); }});
 }
 
 TEST(CliSilence, AProgramThatWasStoppedGoesOnInSilence) {
@@ -214,11 +237,12 @@ TEST(CliSilence, AProgramThatWasStoppedGoesOnInSilence) {
   LiveRun run(stage.line({"--quiet"}));
   stage.hear(10);
   run.signal(SIGSTOP);
+  run.wait(0.5);  // five times as long as anything sounds
   stage.hear_the_end();
   run.signal(SIGCONT);
   const std::string first = stage.receiver.next();
   ASSERT_FALSE(first.empty());
-  EXPECT_TRUE(json::parse(first)["fingers"].empty()) << "what was seen a second ago: " << first;
+  EXPECT_TRUE(json::parse(first)["fingers"].empty()) << "what was seen half a second ago: " << first;
   stage.hear(10);
   stage.expect_silent_end(run);
 }
@@ -226,11 +250,12 @@ TEST(CliSilence, AProgramThatWasStoppedGoesOnInSilence) {
 TEST(CliSilence, LeavesNoRecordingWhereItsLinkCannotBeOpened) {
   const fs::path folder = scratch_folder("silence-discarded");
   const fs::path take = folder / "take";
-  const Result result = palpa({"run", "--scene", cube(), "--record", take.string(), "--link", "foci:udp:nowhere"});
-  expect_failure(result, 2, "link foci takes udp:HOST:PORT");
+  const std::vector<std::string> line{"run",      "--scene",     cube(),   "--backend",       "cpu",
+                                      "--record", take.string(), "--link", "foci:udp:nowhere"};
+  expect_failure(palpa(line), 2, "link foci takes udp:HOST:PORT");
   EXPECT_FALSE(fs::exists(take));
   fs::create_directory(take);
-  palpa({"run", "--scene", cube(), "--record", take.string(), "--link", "foci:udp:nowhere"});
+  expect_failure(palpa(line), 2, "link foci takes udp:HOST:PORT");
   EXPECT_TRUE(fs::is_empty(take));
 }
 

@@ -1,7 +1,12 @@
-// Foci do not jump: fingers at rest, dipping, sliding and fast on all four objects, through the real program.
+// Foci do not jump: fingers at rest, dipping, sliding and fast on all four objects, as a session has them, and the real
+// program as well.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
+#include <algorithm>
+#include <future>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "steady_films.hpp"
 #include "support/instrumented.hpp"
@@ -10,54 +15,103 @@
 namespace palpa::test {
 namespace {
 
-class SteadyFociOn : public ::testing::Test {
- protected:
-  /// As a source. Rendering takes longer than playing: each path is rendered once.
-  static std::string recorded(const Film& film) {
-    static const std::filesystem::path folder = scratch_folder("steady");
-    const auto at = folder / (film.path + " " + std::to_string(film.frames));
-    if (!exists(at)) record(film, at);
-    return "recording:" + at.string();
-  }
-};
-class SteadyFoci : public SteadyFociOn, public ::testing::WithParamInterface<const char*> {};
-INSTANTIATE_TEST_SUITE_P(, SteadyFoci,
-                         ::testing::ValuesIn(the_first<const char*>(1, {"cube", "semi-sphere", "pyramid", "prism"})),
-                         [](const auto& object) { return std::string(object.param).substr(0, 4); });
-
-TEST_P(SteadyFoci, OfAFingerAtRest) {
-  const Movement m = movement_of(play(recorded(resting(GetParam(), 20)), GetParam()));
-  EXPECT_GT(m.relative.size(), 45u);
-  EXPECT_LE(m.share(0.95), 0.6e-3);
-  EXPECT_LE(m.share(1), 1.2e-3);
+/// A film on all of these objects, which its path does not tell apart: their names, and what their sessions make of it.
+std::vector<std::pair<std::string, std::vector<FociLine>>> on_each(const std::vector<std::string>& objects,
+                                                                   const Film& film) {
+  std::vector<Play> plays;
+  for (const std::string& object : objects)
+    plays.push_back({object});
+  std::vector<std::vector<FociLine>> lines = played(film, plays);
+  std::vector<std::pair<std::string, std::vector<FociLine>>> each;
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    each.emplace_back(objects[i], std::move(lines[i]));
+  return each;
 }
 
-TEST_P(SteadyFoci, OfTheDippingFinger) {
-  const Movement m = movement_of(play("synthetic", GetParam(), {"--frames", "95"}), 3);
+std::vector<std::string> all_objects() {
+  return the_first<std::string>(1, {"cube", "semi-sphere", "pyramid", "prism"});
+}
+
+/// What `palpa run --source synthetic --frames 95` sees, on each object.
+const std::vector<std::pair<std::string, std::vector<FociLine>>>& synthetic_on_each() {
+  Film film = dipping("cube", 95);
+  film.seed = 0;
+  static const auto each = on_each(all_objects(), film);
+  return each;
+}
+
+TEST(SteadyFoci, OfAFingerAtRest) {
+  for (const auto& [object, lines] : on_each(all_objects(), resting("cube", 20))) {
+    SCOPED_TRACE(object);
+    const Movement m = movement_of(lines);
+    EXPECT_GT(m.relative.size(), 45u);
+    EXPECT_LE(m.share(0.95), 0.6e-3);
+    EXPECT_LE(m.share(1), 1.2e-3);
+  }
+}
+
+void expect_steady_while_dipping(const std::vector<FociLine>& lines) {
+  const Movement m = movement_of(lines, 3);
   EXPECT_GT(m.relative.size(), 40u);
   EXPECT_LE(m.share(0.95), 0.8e-3);
   EXPECT_LE(m.share(1), 1.6e-3);
 }
 
-TEST_P(SteadyFoci, OfAFingerThatSlidesOverEdges) {
-  const Film film = sliding(GetParam(), false, true);
-  const Movement m = movement_of(play(recorded(film), GetParam()));
-  EXPECT_GT(m.relative.size(), 20u);
-  EXPECT_LE(m.share(1), 3 * 0.25e-3);
+TEST(SteadyFoci, OfTheDippingFinger) {
+  for (const auto& [object, lines] : synthetic_on_each()) {
+    SCOPED_TRACE(object);
+    expect_steady_while_dipping(lines);
+  }
 }
 
-TEST_F(SteadyFociOn, OfAFastFingerAreNotLate) {
-  const std::string source = recorded(fast("cube", 1));
-  const auto smooth = play(source, "cube"), raw = play(source, "cube", {"--smoothing", "none"});
+TEST(SteadyFoci, OfAFingerThatSlidesOverEdges) {
+  // Pyramid and prism have the same path.
+  const std::vector<std::vector<std::string>> paths{{"cube"}, {"semi-sphere"}, {"pyramid", "prism"}};
+  for (const std::vector<std::string>& objects : the_first(1, paths)) {
+    for (const auto& [object, lines] : on_each(objects, sliding(objects.front(), false, true))) {
+      SCOPED_TRACE(object);
+      const Movement m = movement_of(lines);
+      EXPECT_GT(m.relative.size(), 20u);
+      EXPECT_LE(m.share(1), 3 * 0.25e-3);
+    }
+  }
+}
+
+TEST(SteadyFoci, OfAFastFingerAreNotLate) {
+  const auto lines = played(fast("cube", 1), {{"cube"}, {.object = "cube", .smoothing = touch::Smoothing::none}});
+  const auto &smooth = lines[0], &raw = lines[1];
   EXPECT_GT(movement_of(raw).relative.size(), 30u);
   EXPECT_LE(lag_of(raw, smooth), 5e-3);
 }
 
-TEST_F(SteadyFociOn, AreNotSoWithoutSteadyAxesAndSmoothing) {
-  // What the other tests would say if they measured nothing.
-  const Movement m =
-      movement_of(play(recorded(resting("prism", 8)), "prism", {"--axes", "covariance", "--smoothing", "none"}));
-  EXPECT_GT(m.share(0.95), 2e-3);
+/// Each line of foci that was sent is what a session makes of that frame, and hardly one is missing.
+void expect_sent(const std::vector<FociLine>& sent, const std::vector<FociLine>& computed) {
+  const auto sounds = [](const FociLine& line) { return !line.fingers.empty(); };
+  for (const FociLine& line : sent) {
+    if (!sounds(line)) continue;
+    const auto same = std::find_if(computed.begin(), computed.end(),
+                                   [&](const FociLine& other) { return other.time_s == line.time_s; });
+    ASSERT_NE(same, computed.end()) << line.time_s;
+    EXPECT_EQ(same->fingers, line.fingers) << line.time_s;
+  }
+  EXPECT_GE(static_cast<double>(std::count_if(sent.begin(), sent.end(), sounds)),
+            0.9 * static_cast<double>(std::count_if(computed.begin(), computed.end(), sounds)));
+}
+
+TEST(SteadyFoci, OfTheRealProgramAreThoseOfASession) {
+  // And how foci jump without steady axes and smoothing: what the other tests would say if they measured nothing.
+  const Film film = resting("prism", 8);
+  const auto take = scratch_folder("steady") / "take";
+  record(film, take);
+  auto replayed = std::async(std::launch::async, [&] {
+    return sent_by_palpa("recording:" + take.string(), "prism", {"--axes", "covariance", "--smoothing", "none"});
+  });
+  const std::vector<FociLine> steady = sent_by_palpa("synthetic", "cube", {"--frames", "95"});
+  const std::vector<FociLine> jumping = replayed.get();
+  expect_steady_while_dipping(steady);
+  expect_sent(steady, synthetic_on_each().front().second);
+  EXPECT_GT(movement_of(jumping).share(0.95), 2e-3);
+  expect_sent(jumping, played(film, {{"prism", touch::Axes::covariance, touch::Smoothing::none}})[0]);
 }
 
 }  // namespace

@@ -116,15 +116,9 @@ void check_document(const Json& document, double delta, std::size_t foci) {
 
 }  // namespace
 
-TouchReport run_touch(std::vector<std::string> arguments, double delta, std::size_t foci, const RunOptions& options) {
-  arguments.insert(arguments.begin(), "touch");
-  arguments.insert(arguments.end(), {"--json", "-"});
-  const Result result = palpa(arguments, options);
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(result.err, "");
+TouchReport read_touch(const std::string& text, double delta, std::size_t foci) {
   TouchReport report;
-  if (result.exit_code != 0) return report;
-  Json document = Json::parse(result.out);
+  Json document = Json::parse(text);
   check_document(document, delta, foci);
   report.points = document["points"].get<std::uint64_t>();
   report.contacts = document["contacts"]["indices"].get<std::vector<std::uint32_t>>();
@@ -133,8 +127,17 @@ TouchReport run_touch(std::vector<std::string> arguments, double delta, std::siz
     report.fingers.push_back(
         {finger["solid"], finger["indices"].get<std::vector<std::uint32_t>>(), vector_of(finger["centroid_m"])});
   }
-  report.without_times = result.out.substr(0, result.out.find("\"timing_ms\""));
+  report.without_times = text.substr(0, text.find("\"timing_ms\""));
   return report;
+}
+
+TouchReport run_touch(std::vector<std::string> arguments, double delta, std::size_t foci, const RunOptions& options) {
+  arguments.insert(arguments.begin(), "touch");
+  arguments.insert(arguments.end(), {"--json", "-"});
+  const Result result = palpa(arguments, options);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  return result.exit_code == 0 ? read_touch(result.out, delta, foci) : TouchReport();
 }
 
 }  // namespace palpa::test

@@ -25,8 +25,11 @@ struct TouchReport {
   std::string without_times;  ///< the document without timing_ms, which may differ from run to run
 };
 
-/// Runs `palpa touch ... --json -`, expects success, and checks keys, their order, types and every relation between
-/// values that the contract states. `delta` and `foci` are those of the command line.
+/// What `palpa touch --json` wrote. Checks keys, their order, types and every relation between values that the contract
+/// states. `delta` and `foci` are those of the command line.
+TouchReport read_touch(const std::string& text, double delta = 1.5e-3, std::size_t foci = 10);
+
+/// Runs `palpa touch ... --json -`, expects success, and reads it so.
 TouchReport run_touch(std::vector<std::string> arguments, double delta = 1.5e-3, std::size_t foci = 10,
                       const RunOptions& options = {});
 

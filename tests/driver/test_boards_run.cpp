@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <fstream>
 #include <mutex>
 #include <string>
@@ -16,6 +17,7 @@
 #include "driver/sonicsurface/pty.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
+#include "support/side_by_side.hpp"
 
 namespace palpa::test {
 namespace {
@@ -23,11 +25,9 @@ namespace {
 using nlohmann::json;
 
 std::vector<std::string> run_to(const std::string& link, const std::string& layout) {
-  return {"run",      "--scene",   source_file("assets/cube.glb").string(),
-          "--source", "synthetic", "--frames",
-          "30",       "--hold",    "500ms",
-          "--layout", layout,      "--link",
-          link};
+  return with({"run", "--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--frames", "30",
+               "--hold", "500ms", "--layout", layout, "--link", link},
+              small_frames());
 }
 
 /// Checks that the counts of all hand-overs are in order and that no drive is missing. The numbers depend on the
@@ -89,35 +89,65 @@ Result palpa_on_free_line(const std::vector<std::string>& arguments) {
   }
 }
 
+/// A board at the end of a line.
+class Line {
+ public:
+  Line() : thread_([this] { pty_.serve(boards_, stop_, lock_); }) {}
+  ~Line() { end(); }
+  Line(const Line&) = delete;
+  Line& operator=(const Line&) = delete;
+
+  std::string link() const { return "sonicsurface:" + pty_.path(); }
+  void end() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  /// What it has heard when it has ended.
+  const driver::sonicsurface::EmulatedBoards& boards() const { return boards_; }
+
+ private:
+  driver::sonicsurface::EmulatedBoards boards_{1, false};
+  driver::sonicsurface::Pty pty_;
+  std::atomic<bool> stop_{false};
+  std::mutex lock_;
+  std::thread thread_;
+};
+
 TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
-  driver::sonicsurface::EmulatedBoards boards(1, false);
-  const driver::sonicsurface::Pty pty;
-  std::atomic<bool> stop{false};
-  std::mutex lock;
-  std::thread thread([&] { pty.serve(boards, stop, lock); });
-  const Result result = palpa_on_free_line(
-      with(run_to("sonicsurface:" + pty.path(), "sonicsurface"), {"--method", "single-focus", "--json", "-"}));
-  const Result refused =
-      palpa_on_free_line(with(run_to("sonicsurface:" + pty.path(), "sonicsurface"), {"--method", "cross-section"}));
-  // Only the link says which array it is, and no option gives the method.
-  const Result chosen = palpa_on_free_line({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "30",
-                                            "--hold", "500ms", "--link", "sonicsurface:" + pty.path()});
-  const Result slow =
-      palpa_on_free_line(with(run_to("sonicsurface:" + pty.path(), "sonicsurface"), {"--dwell", "12ms"}));
+  Line line, of_the_link_alone, of_long_dwells;
+  const auto as_asked = [&] {
+    const Result result =
+        palpa_on_free_line(with(run_to(line.link(), "sonicsurface"), {"--method", "single-focus", "--json", "-"}));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    expect_counts(result.out);
+    const Result refused = palpa_on_free_line(with(run_to(line.link(), "sonicsurface"), {"--method", "cross-section"}));
+    expect_failure(refused, 2, "a frame takes 11.3 ms");
+  };
+  // Nothing but the link says which array it is, and nothing which method.
+  const auto as_the_link_says = [&] {
+    const Result chosen = palpa({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "30", "--hold",
+                                 "500ms", "--link", of_the_link_alone.link()});
+    EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
+    EXPECT_NE(chosen.err.find("takes 11.3 ms for each focus"), std::string::npos) << chosen.err;
+    EXPECT_NE(chosen.err.find("palpa plays --method single-focus"), std::string::npos) << chosen.err;
+  };
+  const auto slowly = [&] {
+    const Result slow = palpa(with(run_to(of_long_dwells.link(), "sonicsurface"), {"--dwell", "12ms"}));
+    EXPECT_EQ(slow.exit_code, 0) << slow.err;
+    EXPECT_EQ(slow.err.find("single-focus"), std::string::npos) << "what was asked for can be played: " << slow.err;
+  };
+  side_by_side({as_asked, as_the_link_says, slowly});
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  stop = true;
-  thread.join();
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  expect_failure(refused, 2, "a frame takes 11.3 ms");
-  expect_counts(result.out);
-  EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
-  EXPECT_NE(chosen.err.find("takes 11.3 ms for each focus"), std::string::npos) << chosen.err;
-  EXPECT_NE(chosen.err.find("palpa plays --method single-focus"), std::string::npos) << chosen.err;
-  EXPECT_EQ(slow.exit_code, 0) << slow.err;
-  EXPECT_EQ(slow.err.find("single-focus"), std::string::npos) << "what was asked for can be played: " << slow.err;
-  EXPECT_TRUE(boards.all_silent() && boards.all_silent_behind());
-  EXPECT_GT(boards.swaps(), 10u);
-  EXPECT_EQ(boards.violations().count(), 0u) << boards.violations().kept()[0].what;
+  std::uint64_t swaps = 0;
+  for (Line* const each : {&line, &of_the_link_alone, &of_long_dwells}) {
+    each->end();
+    const driver::sonicsurface::EmulatedBoards& boards = each->boards();
+    EXPECT_TRUE(boards.all_silent() && boards.all_silent_behind());
+    EXPECT_EQ(boards.violations().count(), 0u) << boards.violations().kept()[0].what;
+    EXPECT_GT(boards.swaps(), 0u);
+    swaps += boards.swaps();
+  }
+  EXPECT_GT(swaps, 10u);
 }
 
 TEST(BoardsRun, WhatIsNotThereIsNamed) {

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cstdint>
 #include <deque>
 #include <string>
 #include <thread>
@@ -12,6 +14,7 @@
 #include "session/loop/loop.hpp"
 #include "session/watch/effort.hpp"
 #include "support/captured.hpp"
+#include "support/side_by_side.hpp"
 
 namespace palpa::session {
 namespace {
@@ -93,15 +96,15 @@ struct Loop {
 };
 
 TEST(Overload, AFrameIsNotStartedWhereItsDrivesComeNoSooner) {
-  for (const bool every_frame : {false, true}) {
+  test::side_by_side(2, std::vector{0, 1}, [](int every_frame) {
     Loop<SharedPlanner> loop;
-    loop.source.count = every_frame ? 60 : 400;
-    loop.options.every_frame = every_frame;
+    loop.source.count = every_frame != 0 ? 60 : 400;
+    loop.options.every_frame = every_frame != 0;
     loop.run();
     // Two at a time on the device would take 40 ms each.
     EXPECT_LT(loop.stats.frame_to_plan_s.quantile(0.5), 0.035) << every_frame;
     EXPECT_LT(loop.stats.output.silent_drives * 3, loop.stats.output.drives) << every_frame;
-  }
+  });
 }
 
 TEST(Overload, PlansThatWereReplacedAreCounted) {
@@ -113,16 +116,30 @@ TEST(Overload, PlansThatWereReplacedAreCounted) {
   EXPECT_EQ(loop.plans_with_fingers() + loop.stats.unplayed, loop.stats.planned);
 }
 
+/// Ends the loop when it has got so many plans with fingers.
+struct EndingLink : test::SpyLink {
+  std::atomic<bool>& stop;
+  std::uint64_t wanted, got = 0;
+
+  EndingLink(std::atomic<bool>& ends, std::uint64_t at) : stop(ends), wanted(at) {}
+  void plan(const PlayedPlan& plan) override {
+    SpyLink::plan(plan);
+    got += plan.schedule.voice_count > 0 ? 1 : 0;
+    if (got == wanted) stop = true;
+  }
+};
+
 TEST(Overload, NoPlanIsReplacedWhereEveryFrameIsLookedAt) {
   Loop<test::FakePlanner> loop;
   loop.source.count = 300;
   loop.source.period_s = 0;
   loop.options.every_frame = true;
-  loop.setting.output.hold_s = 2;  // a thread may have to wait for longer than a hold
-  loop.run();
+  loop.setting.output.hold_s = 2;   // a thread may be kept waiting for longer than a hold
+  EndingLink link(loop.stop, 300);  // or it would wait for as long at the end
+  run_loop(loop.source, loop.planner, link, loop.setting, loop.stop, loop.options, loop.stats);
   EXPECT_EQ(loop.stats.planned, 300u);
   EXPECT_EQ(loop.stats.unplayed, 0u);
-  EXPECT_EQ(loop.plans_with_fingers(), 300u);
+  EXPECT_EQ(link.got, 300u);
 }
 
 TEST(Overload, IsToldOnceWithBothFigures) {
@@ -162,22 +179,23 @@ TEST(Overload, WorkIsShedStepByStepBeforeItIsCalledHopeless) {
 }
 
 TEST(Overload, AHoldIsLengthenedWhereThatIsAskedFor) {
-  for (const bool asked : {false, true}) {
+  const auto expect_hold = [](int asked) {
     Loop<SheddingPlanner> loop;
     loop.source.count = 400;
     loop.setting.output.hold_s = 0.020;
-    loop.setting.lengthens_hold = asked;
+    loop.setting.lengthens_hold = asked != 0;
     loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(25ms); };
-    test::stderr_of([&] { loop.run(); });
+    loop.run();
     ASSERT_TRUE(loop.stats.shed);
-    if (asked) {
+    if (asked != 0) {
       EXPECT_GT(loop.stats.shed->hold_s, 0.05) << "two frames of 25 ms";
       EXPECT_GT(loop.link.most, 0.0f) << "it is heard";
     } else {
       EXPECT_EQ(loop.stats.shed->hold_s, 0.020);
       EXPECT_EQ(loop.link.most, 0.0f) << "over before it sounds";
     }
-  }
+  };
+  test::stderr_of([&] { test::side_by_side(2, std::vector{0, 1}, expect_hold); });
 }
 
 TEST(Overload, NothingIsShedWhereEveryFrameIsLookedAt) {

@@ -26,6 +26,10 @@ class UdpReceiver {
     socklen_t size = sizeof(address);
     EXPECT_EQ(getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size), 0);
     port_ = ntohs(address.sin_port);
+    // As much room as the system gives: on a busy machine whoever listens may be late.
+    const int room = 8 << 20;
+    if (setsockopt(socket_, SOL_SOCKET, SO_RCVBUFFORCE, &room, sizeof(room)) != 0)
+      setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &room, sizeof(room));
     const timeval time{patience.count() / 1000, patience.count() % 1000 * 1000};
     EXPECT_EQ(setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &time, sizeof(time)), 0);
   }

@@ -14,23 +14,19 @@ void print(const char* how, const Movement& m) {
               Movement::at(m.absolute, 0.95) * 1e3, Movement::at(m.absolute, 1) * 1e3);
 }
 
-void run(const std::string& foci) {
+void run(std::uint32_t foci) {
   std::printf(
       "mm per frame of the focus that moves most: median, 95 %%, most relative to the mean; 95 %%, most in all\n");
   for (const std::string object : {"cube", "semi-sphere", "pyramid", "prism"}) {
     std::vector<Film> films{resting(object, 60), dipping(object, 190), sliding(object, false, false), fast(object, 2)};
     if (object == "prism") films.push_back(sliding(object, true, false));
     for (const Film& film : films) {
-      const auto folder = scratch_folder("steady_rates") / "film";
-      record(film, folder);
       std::printf("%s, %s\n", film.object.c_str(), film.name.c_str());
       const int leave_out = film.name == "dipping" ? 3 : 0;
-      const auto lines = [&](const char* axes, const char* smoothing) {
-        return play("recording:" + folder.string(), film.object,
-                    {"--foci", foci, "--axes", axes, "--smoothing", smoothing});
-      };
-      const auto alone = lines("covariance", "none"), steady = lines("steady", "none");
-      const auto smooth = lines("steady", "one-euro");
+      const auto lines = played(film, {{object, touch::Axes::covariance, touch::Smoothing::none, foci},
+                                       {object, touch::Axes::steady, touch::Smoothing::none, foci},
+                                       {object, touch::Axes::steady, touch::Smoothing::one_euro, foci}});
+      const auto &alone = lines[0], &steady = lines[1], &smooth = lines[2];
       print("each frame by itself", movement_of(alone, leave_out));
       std::printf("\n");
       print("steady axes", movement_of(steady, leave_out));
@@ -47,5 +43,5 @@ void run(const std::string& foci) {
 
 int main(int argc, char** argv) {
   setenv("PALPA_ASSETS", palpa::test::source_file("assets").c_str(), 1);
-  palpa::test::run(argc > 1 ? argv[1] : "10");
+  palpa::test::run(argc > 1 ? static_cast<std::uint32_t>(std::stoul(argv[1])) : 10);
 }

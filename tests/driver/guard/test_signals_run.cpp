@@ -16,6 +16,7 @@
 #include "driver/sonicsurface/pty.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
+#include "support/side_by_side.hpp"
 
 namespace palpa::test {
 namespace {
@@ -142,26 +143,32 @@ std::vector<std::string> sweep(const LiveBoard& board) {
 }
 
 TEST(SignalsRun, EverySignalOfTheSystemLeavesABoardSilent) {
-  LiveBoard board;
-  for (int signal = 1; signal < NSIG; ++signal)
-    expect_silence(board, sweep(board), signal);
+  std::atomic<int> next{1};
+  const auto one_after_the_other = [&] {
+    LiveBoard board;
+    for (int signal = next++; signal < NSIG; signal = next++)
+      expect_silence(board, sweep(board), signal);
+  };
+  side_by_side(std::vector<std::function<void()>>(4, one_after_the_other));
 }
 
 TEST(SignalsRun, ThoseThatAWriteRaisesEndARunToo) {
-  LiveBoard board;
-  for (const int signal : {SIGXFSZ, SIGPIPE, SIGTERM}) {
+  const auto ends = [](int signal) {
+    LiveBoard board;
     expect_silence(board,
-                   {"run", "--scene", source_file("assets/cube.glb").string(), "--backend", "cpu", "--source",
-                    "synthetic", "--hold", "500ms", "--layout", "sonicsurface", "--link",
-                    "sonicsurface:" + board.path(), "--method", "single-focus"},
+                   with({"run", "--scene", source_file("assets/cube.glb").string(), "--backend", "cpu", "--source",
+                         "synthetic", "--hold", "500ms", "--layout", "sonicsurface", "--link",
+                         "sonicsurface:" + board.path(), "--method", "single-focus"},
+                        small_frames()),
                    signal);
-  }
+  };
+  side_by_side(3, std::vector{SIGXFSZ, SIGPIPE, SIGTERM}, ends);
 }
 
 TEST(SignalsRun, WhatWhoeverStartedItIgnoresStaysIgnored) {
-  LiveBoard board;
-  for (const int signal : {SIGXFSZ, SIGPIPE, SIGHUP}) {
+  const auto goes_on = [](int signal) {
     SCOPED_TRACE(strsignal(signal));
+    LiveBoard board;
     LiveOptions options;
     options.program = "/bin/sh";
     LiveRun loop(with({"-c", R"(trap '' XFSZ PIPE HUP; exec "$0" "$@")", palpa_binary()}, sweep(board)), options);
@@ -173,7 +180,8 @@ TEST(SignalsRun, WhatWhoeverStartedItIgnoresStaysIgnored) {
     loop.signal(SIGTERM);
     EXPECT_TRUE(loop.wait(10).ended);
     EXPECT_TRUE(board.falls_silent());
-  }
+  };
+  side_by_side(3, std::vector{SIGXFSZ, SIGPIPE, SIGHUP}, goes_on);
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "driver/openmpd/openmpd_files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
+#include "support/side_by_side.hpp"
 
 namespace palpa::test {
 namespace {
@@ -59,11 +60,9 @@ class Emulation {
 };
 
 std::vector<std::string> run_to(const std::string& link, const std::string& layout) {
-  return {"--scene",  source_file("assets/cube.glb").string(),
-          "--source", "synthetic",
-          "--hold",   "500ms",
-          "--layout", layout,
-          "--link",   link};
+  return with({"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--hold", "500ms",
+               "--layout", layout, "--link", link},
+              small_frames());
 }
 
 TEST(OpenMpdRun, TwoBoardsHearALoopToItsSilentEnd) {
@@ -102,41 +101,52 @@ std::string text_of(const std::filesystem::path& path) {
 }
 
 TEST(OpenMpdRun, WithoutALayoutItIsThatOfTheLinksOwnBoards) {
-  Emulation emulation("openmpd-own-layout", "EMU1,EMU2");
+  Emulation emulation("openmpd-own-layout", "EMU1,EMU2,EMU3,EMU4,EMU5");
   RunOptions options;
   options.environment = emulation.environment();
   const auto run = [&](const std::string& link, const std::vector<std::string>& more) {
-    return palpa(with({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "3", "--hold", "500ms",
-                       "--link", link, "--log-level", "info", "--backend", "cpu"},
+    return palpa(with({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "3", "--link", link,
+                       "--log-level", "info", "--backend", "cpu"},
                       more),
                  options);
   };
-  const Result one = run("openmpd:EMU1", {});
-  EXPECT_EQ(one.exit_code, 0) << one.err;
-  EXPECT_NE(one.err.find("--link openmpd:EMU1: palpa uses the link's own array, --layout openmpd,"), std::string::npos)
-      << one.err;
-  const Result two = run("openmpd:EMU1,EMU2", {});
-  EXPECT_EQ(two.exit_code, 0) << two.err;
-  EXPECT_NE(two.err.find("--layout openmpd-pair,"), std::string::npos) << two.err;
-  // A rig without an array names no array, either.
+  const auto of_one_board = [&] {
+    const Result one = run("openmpd:EMU1", {});
+    EXPECT_EQ(one.exit_code, 0) << one.err;
+    EXPECT_NE(one.err.find("--link openmpd:EMU1: palpa uses the link's own array, --layout openmpd,"),
+              std::string::npos)
+        << one.err;
+    const Result tried = palpa(
+        {"link", "test", "--link", "openmpd:EMU1", "--last", "1", "--each", "20ms", "--rest", "0", "--quiet"}, options);
+    EXPECT_EQ(tried.exit_code, 0) << tried.err;
+  };
+  const auto of_two_boards = [&] {
+    const Result two = run("openmpd:EMU2,EMU3", {});
+    EXPECT_EQ(two.exit_code, 0) << two.err;
+    EXPECT_NE(two.err.find("--layout openmpd-pair,"), std::string::npos) << two.err;
+  };
   const std::string paper = text_of(source_file("assets/rigs/paper.toml"));
   const auto rig = emulation.folder() / "rig.toml";
   write_text(rig, paper.substr(0, paper.find("[array]")));
-  const Result cameras = run("openmpd:EMU1", {"--rig", rig.string()});
-  EXPECT_EQ(cameras.exit_code, 0) << cameras.err;
-  EXPECT_NE(cameras.err.find("nor " + rig.string() + " names one"), std::string::npos) << cameras.err;
-  // An option that names an array has precedence.
-  const Result named = run("openmpd:EMU1", {"--rig", source_file("assets/rigs/paper.toml").string()});
-  EXPECT_EQ(named.exit_code, 2) << named.err;
-  EXPECT_EQ(named.err.find("the link's own array"), std::string::npos) << named.err;
-  const Result nudged = palpa({"calibrate", "--nudge", "--backend", "cpu", "--link", "openmpd:EMU1", "--keys",
-                               "right enter", "--out", (emulation.folder() / "nudged.toml").string()},
-                              options);
-  EXPECT_EQ(nudged.exit_code, 0) << nudged.err;
-  EXPECT_NE(text_of(emulation.folder() / "nudged.toml").find("layout = \"openmpd\""), std::string::npos);
-  const Result tried = palpa(
-      {"link", "test", "--link", "openmpd:EMU1", "--last", "1", "--each", "20ms", "--rest", "0", "--quiet"}, options);
-  EXPECT_EQ(tried.exit_code, 0) << tried.err;
+  const auto beside_a_rig = [&] {
+    // A rig without an array says as little.
+    const Result cameras = run("openmpd:EMU4", {"--rig", rig.string()});
+    EXPECT_EQ(cameras.exit_code, 0) << cameras.err;
+    EXPECT_NE(cameras.err.find("nor " + rig.string() + " names one"), std::string::npos) << cameras.err;
+    // What names an array goes first.
+    const Result named = run("openmpd:EMU4", {"--rig", source_file("assets/rigs/paper.toml").string()});
+    EXPECT_EQ(named.exit_code, 2) << named.err;
+    EXPECT_EQ(named.err.find("the link's own array"), std::string::npos) << named.err;
+  };
+  const auto of_a_nudge = [&] {
+    const auto nudged = emulation.folder() / "nudged.toml";
+    const Result result = palpa({"calibrate", "--nudge", "--backend", "cpu", "--link", "openmpd:EMU5", "--keys",
+                                 "right enter", "--out", nudged.string()},
+                                options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(text_of(nudged).find("layout = \"openmpd\""), std::string::npos);
+  };
+  side_by_side({of_one_board, of_two_boards, beside_a_rig, of_a_nudge});
   int exit_code = -1;
   emulation.end(exit_code);
 }
@@ -152,12 +162,22 @@ std::string wire_of(const std::filesystem::path& trace) {
   return hex;
 }
 
-/// Whether any frame of the wire has an amplitude.
+/// Whether the frame of the wire that begins there has an amplitude.
+bool sounds(const std::string& wire, std::size_t at) {
+  return wire.substr(at + 512, 512).find_first_not_of('0') != std::string::npos;
+}
+
+/// Whether any frame of the wire has one.
 bool sounded(const std::string& wire) {
   for (std::size_t at = 0; at + 1024 <= wire.size(); at += 1024) {
-    if (wire.substr(at + 512, 512).find_first_not_of('0') != std::string::npos) return true;
+    if (sounds(wire, at)) return true;
   }
   return false;
+}
+
+/// Whether the last frame of the wire has none.
+bool ended_silent(const std::string& wire) {
+  return wire.size() >= 1024 && !sounds(wire, wire.size() / 1024 * 1024 - 1024);
 }
 
 TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
@@ -174,7 +194,7 @@ TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
   std::uint64_t heard = 0;
   const std::string wire = wire_of(trace);
   for (std::size_t at = 0; at + 1024 <= wire.size(); at += 1024)
-    heard += sounded(wire.substr(at, 1024)) ? 1 : 0;
+    heard += sounds(wire, at) ? 1 : 0;
   const json drives = json::parse(result.out)["hand_over"]["drives"];
   EXPECT_EQ(drives["completed"], heard) << drives;
   EXPECT_GE(drives["submitted"], drives["completed"]);
@@ -209,13 +229,16 @@ TEST(OpenMpdRun, ALoopThatIsKilledLeavesSilence) {
     LiveOptions options;
     options.environment = emulation.environment();
     LiveRun loop(run_to("openmpd:EMU1", "openmpd"), options);
-    for (int i = 0; i < 300 && !sounded(wire_of(trace)); ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    for (int i = 0; i < 1500 && !sounded(wire_of(trace)); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
     EXPECT_TRUE(sounded(wire_of(trace)));
     loop.signal(SIGKILL);
     EXPECT_EQ(loop.wait(5).by_signal, SIGKILL);
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  for (int i = 0; i < 25 && !ended_silent(wire_of(trace)); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_TRUE(ended_silent(wire_of(trace))) << "half a second later";
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // and it stays so
   int exit_code = -1;
   const json report = emulation.end(exit_code);
   EXPECT_EQ(exit_code, 0) << report;
