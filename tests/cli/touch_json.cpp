@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "here.hpp"
+
 namespace palpa::test {
 namespace {
 
@@ -114,12 +116,7 @@ void check_document(const Json& document, double delta, std::size_t foci) {
     EXPECT_EQ(order[n], n) << "the order is no permutation";
 }
 
-}  // namespace
-
-TouchReport run_touch(std::vector<std::string> arguments, double delta, std::size_t foci, const RunOptions& options) {
-  arguments.insert(arguments.begin(), "touch");
-  arguments.insert(arguments.end(), {"--json", "-"});
-  const Result result = palpa(arguments, options);
+TouchReport report_of(const Result& result, double delta, std::size_t foci) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "");
   TouchReport report;
@@ -135,6 +132,20 @@ TouchReport run_touch(std::vector<std::string> arguments, double delta, std::siz
   }
   report.without_times = result.out.substr(0, result.out.find("\"timing_ms\""));
   return report;
+}
+
+std::vector<std::string> touch_line(const std::vector<std::string>& arguments) {
+  return with(with({"touch"}, arguments), {"--json", "-"});
+}
+
+}  // namespace
+
+TouchReport run_touch(const std::vector<std::string>& arguments, double delta, std::size_t foci) {
+  return report_of(palpa_here(touch_line(arguments)), delta, foci);
+}
+
+TouchReport run_touch_program(const std::vector<std::string>& arguments, const RunOptions& options) {
+  return report_of(palpa(touch_line(arguments), options), 1.5e-3, 10);
 }
 
 }  // namespace palpa::test
