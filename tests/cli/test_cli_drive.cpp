@@ -21,11 +21,10 @@ using nlohmann::json;
 using Rows = std::vector<std::vector<double>>;
 
 /// Rows of numbers below a header line.
-Rows read_rows(std::istream& stream, std::string* header = nullptr) {
+Rows read_rows(std::istream& stream) {
   Rows rows;
   std::string line;
   std::getline(stream, line);
-  if (header) *header = line;
   while (std::getline(stream, line)) {
     std::vector<double> row;
     std::istringstream cells(line);
@@ -42,17 +41,17 @@ double wrapped(double radians) {
 
 class Drive : public testing::TestWithParam<std::string> {
  protected:
-  Rows csv(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), "drive");
-    arguments.insert(arguments.end(), {"--backend", GetParam(), "--csv", "-"});
-    const Result result = palpa_here(arguments);
+  /// What the command prints as a table.
+  std::string table(const std::vector<std::string>& arguments) {
+    const Result result = palpa_here(with(with({"drive"}, arguments), {"--backend", GetParam(), "--csv", "-"}));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
-    std::istringstream text(result.out);
-    std::string header;
-    Rows rows = read_rows(text, &header);
-    EXPECT_EQ(header, "index,x,y,z,nx,ny,nz,amplitude,phase");
-    return rows;
+    EXPECT_TRUE(result.out.starts_with("index,x,y,z,nx,ny,nz,amplitude,phase\n0,")) << result.out.substr(0, 80);
+    return result.out;
+  }
+  Rows csv(const std::vector<std::string>& arguments) {
+    std::istringstream text(table(arguments));
+    return read_rows(text);
   }
 };
 
@@ -156,15 +155,15 @@ TEST_P(Drive, JsonSaysTheSameAsCsv) {
 TEST_P(Drive, SolversServeSeveralFociAndSayHowWell) {
   const std::vector<std::vector<double>> foci{{0, 0, 0}, {0.02, 0, 0.005}, {-0.01, 0.015, 0}, {0, -0.02, -0.01}};
   const std::vector<double> gains{1, 1, 0.5, 1};
-  const std::string table = scratch_folder("solved-" + GetParam()) / "table.csv";
+  const std::string file = scratch_folder("solved-" + GetParam()) / "table.csv";
   for (const std::string solver : {"naive", "gs-pat", "greedy"}) {
     const std::vector<std::string> line{"--layout",      "paper",         "--focus",      "0,0,0",
                                         "--focus",       "20mm,0,5mm",    "--focus",      "-10mm,15mm,0,0.5",
                                         "--focus",       "0,-20mm,-10mm", "--solver",     solver,
                                         "--directivity", "omni",          "--constraint", "uniform"};
-    const Result result = palpa_here(with({"drive", "--backend", GetParam(), "--csv", table, "--json", "-"}, line));
+    const Result result = palpa_here(with({"drive", "--backend", GetParam(), "--csv", file, "--json", "-"}, line));
     ASSERT_EQ(result.exit_code, 0) << result.err;
-    std::ifstream stream(table);
+    std::ifstream stream(file);
     const Rows rows = read_rows(stream);
     ASSERT_EQ(rows.size(), 3984u);
     const json report = json::parse(result.out);
@@ -243,14 +242,16 @@ TEST_P(Drive, ASlotOfATouchIsItsFocusMovedIntoTheLayout) {
     const json& focus = foci.at(touch["schedule"]["order"].at(slot).get<std::size_t>());
     const double x = metres(focus[0]), y = metres(focus[1]), z = metres(focus[2]);
     const std::string number = std::to_string(slot);
-    EXPECT_EQ(csv({"--layout", "openmpd", "--touch", file, "--slot", number}),
-              csv({"--layout", "openmpd", "--focus", word(x, -z, y + 0.15)}));
-    EXPECT_EQ(csv({"--rig", rig, "--touch", file, "--slot", number}),
-              csv({"--layout", "openmpd", "--focus", word(-(z - 0.02), y - 0.01, x + 0.2)}));
-    EXPECT_EQ(csv({"--layout", "paper", "--rig", rig, "--touch", file, "--slot", number}),
-              csv({"--layout", "paper", "--focus", word(x, y, z)}));
+    const auto expect_same = [&](const std::vector<std::string>& touching, const std::vector<std::string>& aimed) {
+      EXPECT_TRUE(table(with(touching, {"--touch", file, "--slot", number})) == table(aimed))
+          << testing::PrintToString(aimed) << " in slot " << slot;
+    };
+    expect_same({"--layout", "openmpd"}, {"--layout", "openmpd", "--focus", word(x, -z, y + 0.15)});
+    expect_same({"--rig", rig}, {"--layout", "openmpd", "--focus", word(-(z - 0.02), y - 0.01, x + 0.2)});
+    expect_same({"--layout", "paper", "--rig", rig}, {"--layout", "paper", "--focus", word(x, y, z)});
   }
-  EXPECT_EQ(csv({"--layout", "paper", "--touch", file}), csv({"--layout", "paper", "--touch", file, "--slot", "0"}));
+  EXPECT_TRUE(table({"--layout", "paper", "--touch", file}) ==
+              table({"--layout", "paper", "--touch", file, "--slot", "0"}));
 }
 
 TEST_P(Drive, EveryFingerOfATouchSoundsAsLoudAsItIs) {
@@ -266,8 +267,9 @@ TEST_P(Drive, EveryFingerOfATouchSoundsAsLoudAsItIs) {
   const std::pair<std::string, std::string> slots[]{
       {word(0, 0, 0), second}, {word(0, 0.01F, 0), second}, {word(0.01F, 0, 0), first}, {word(0.01F, 0, 0), first}};
   for (std::size_t slot = 0; slot < std::size(slots); ++slot) {
-    EXPECT_EQ(csv({"--layout", "paper", "--touch", file, "--slot", std::to_string(slot)}),
-              csv({"--layout", "paper", "--focus", slots[slot].first, "--focus", slots[slot].second, "--focus", still}))
+    EXPECT_TRUE(
+        table({"--layout", "paper", "--touch", file, "--slot", std::to_string(slot)}) ==
+        table({"--layout", "paper", "--focus", slots[slot].first, "--focus", slots[slot].second, "--focus", still}))
         << slot;
   }
   expect_failure(palpa_here({"drive", "--layout", "paper", "--touch", file, "--slot", "4"}), 2,
@@ -276,9 +278,10 @@ TEST_P(Drive, EveryFingerOfATouchSoundsAsLoudAsItIs) {
   std::ofstream(file) << R"({"fingers": [{"foci_m": [[0, 0, 0], null, [0.01, 0, 0]]}],
     "schedule": {"order": [[0, 1, 2]], "dwell_s": 0.0015}})";
   for (const std::string solver : {"gs-pat", "naive"}) {
-    const Rows alike = csv({"--layout", "paper", "--focus", "0,0,0", "--focus", word(0.01F, 0, 0), "--solver", solver});
-    EXPECT_EQ(csv({"--layout", "paper", "--touch", file, "--solver", solver}), alike);
-    EXPECT_EQ(csv({"--layout", "paper", "--touch", file}) == alike, solver == "gs-pat");
+    const std::string alike =
+        table({"--layout", "paper", "--focus", "0,0,0", "--focus", word(0.01F, 0, 0), "--solver", solver});
+    EXPECT_TRUE(table({"--layout", "paper", "--touch", file, "--solver", solver}) == alike);
+    EXPECT_EQ(table({"--layout", "paper", "--touch", file}) == alike, solver == "gs-pat");
   }
   expect_failure(palpa_here({"drive", "--layout", "paper", "--touch", file, "--slot", "1"}), 2, "has one slot, 0");
 }
