@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <numeric>
 
+#include "here.hpp"
 #include "process.hpp"
 #include "session/links/record_link.hpp"
 #include "support/json.hpp"
@@ -29,7 +30,7 @@ std::vector<std::string> touch(const std::vector<std::string>& more, const std::
 
 json document(std::vector<std::string> more, const std::string& penetration = "3mm") {
   more.insert(more.end(), {"--json", "-"});
-  const Result result = palpa(touch(more, penetration));
+  const Result result = palpa_here(touch(more, penetration));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   return json::parse(result.out);
 }
@@ -69,11 +70,11 @@ TEST(CliMethods, AnEllipseTakesEqualAnglesOrArcs) {
 }
 
 TEST(CliMethods, UnknownOnesAreRefused) {
-  expect_failure(palpa(touch({"--method", "loud"})), 2, "multi-focus");
-  expect_failure(palpa(touch({"--modulation", "square"})), 2, "pressure-sine");
-  expect_failure(palpa(touch({"--tune", "--tune-shortest", "1ms"})), 2, "--tune-longest");
-  expect_failure(palpa(touch({"--tune-shortest", "1ms", "--tune-longest", "2ms"})), 2, "--tune");
-  expect_failure(palpa(touch({"--tune", "--tune-shortest", "2ms", "--tune-longest", "1ms"})), 2, "tenth");
+  expect_failure(palpa_here(touch({"--method", "loud"})), 2, "multi-focus");
+  expect_failure(palpa_here(touch({"--modulation", "square"})), 2, "pressure-sine");
+  expect_failure(palpa_here(touch({"--tune", "--tune-shortest", "1ms"})), 2, "--tune-longest");
+  expect_failure(palpa_here(touch({"--tune-shortest", "1ms", "--tune-longest", "2ms"})), 2, "--tune");
+  expect_failure(palpa_here(touch({"--tune", "--tune-shortest", "2ms", "--tune-longest", "1ms"})), 2, "tenth");
 }
 
 TEST(CliMethods, TheSpectrumComesWhereItIsAskedFor) {
@@ -149,11 +150,11 @@ TEST(CliMethods, ARunSaysWhatItsStridesFollow) {
 }
 
 TEST(CliMethods, ASpotThatNothingUsesIsRefused) {
-  expect_failure(palpa(touch({"--spot", "2mm"})), 2, "--spot goes with --spectrum or --tune");
-  EXPECT_EQ(palpa(touch({"--spot", "2mm", "--tune"})).exit_code, 0);
+  expect_failure(palpa_here(touch({"--spot", "2mm"})), 2, "--spot goes with --spectrum or --tune");
+  EXPECT_EQ(palpa_here(touch({"--spot", "2mm", "--tune"})).exit_code, 0);
   const std::vector<std::string> run{"run",      "--scene", asset("cube.glb"), "--backend", "cpu",
                                      "--frames", "2",       "--spot",          "2mm",       "--quiet"};
-  expect_failure(palpa(run), 2, "--spot goes with --tune");
+  expect_failure(palpa_here(run), 2, "--spot goes with --tune");
   EXPECT_EQ(palpa(with(run, {"--tune"})).exit_code, 0);
 }
 
