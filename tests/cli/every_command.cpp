@@ -53,7 +53,7 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
   const geometry::Mesh ball = geometry::icosphere(1e-3, 1);
   geometry::write_ply(pebble, ball.positions, ball.triangles);
   const geometry::Mesh rounded_tip =
-      transformed(sphere(4e-3, 12, 20), [](const Vec3& p) { return p + Vec3(0, 4e-3, 0); });
+      transformed(sphere(2e-3, 8, 12), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); });
   geometry::write_ply(tip, rounded_tip.positions, rounded_tip.triangles);
   const Result recorded = palpa({"run", "--scene", scene, "--frames", "2", "--every-frame", "--backend", "cpu",
                                  "--record", recording, "--quiet"});
