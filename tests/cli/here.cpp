@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
+#include <thread>
 
 #include "base/log.hpp"
 #include "cli/commands.hpp"
@@ -88,7 +89,10 @@ Result palpa_here(const std::vector<std::string>& arguments, const std::string& 
     const Redirected stdin_there(STDIN_FILENO, nothing), stdout_there(STDOUT_FILENO, out),
         stderr_there(STDERR_FILENO, err);
     alarm(patience_s);
-    result.exit_code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions_of_the_program());
+    // On a thread of its own, with which ends what a loop asks of the system for the thread that it runs on.
+    std::thread([&] {
+      result.exit_code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions_of_the_program());
+    }).join();
     alarm(0);
   }
   if (stdout_file.empty()) result.out = out.text();
