@@ -3,7 +3,11 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <unistd.h>
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/common_interface_defs.h>
+#endif
 
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
@@ -71,6 +75,14 @@ class Redirected {
   int descriptor_, before_;
 };
 
+/// What a sanitizer finds must not go into what is kept of a line, which ends with the process.
+void let_sanitizers_report_outside() {
+#ifdef __SANITIZE_ADDRESS__
+  static const std::intptr_t outside = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  __sanitizer_set_report_fd(reinterpret_cast<void*>(outside));
+#endif
+}
+
 }  // namespace
 
 Result palpa_here(const std::vector<std::string>& arguments, const std::string& stdout_file) {
@@ -83,6 +95,7 @@ Result palpa_here(const std::vector<std::string>& arguments, const std::string& 
   // As a program begins, whatever the last line said.
   log::drop_warnings();
   log::set_level(log::Level::warning);
+  let_sanitizers_report_outside();
   const Target nothing("/dev/null"), out(stdout_file), err;
   Result result;
   {
