@@ -133,6 +133,10 @@ std::vector<std::string> with(std::vector<std::string> arguments, const std::vec
   return arguments;
 }
 
+std::vector<std::string> small_frames() {
+  return {"--rig", source_file("tests/cli/small_rig.toml").string(), "--noise-free"};
+}
+
 void expect_failure(const Result& result, int code, const std::string& part) {
   EXPECT_EQ(result.exit_code, code) << result.err;
   EXPECT_EQ(result.signal, 0);

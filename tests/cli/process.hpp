@@ -46,6 +46,10 @@ Result palpa(const std::vector<std::string>& arguments, const RunOptions& option
 /// A command line with more behind it.
 std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more);
 
+/// Options of a live loop of which it does not matter what it sees, as long as that is the fingertip: its frames are
+/// small_rig.toml's, without noise, which cost a twelfth of the paper's.
+std::vector<std::string> small_frames();
+
 /// gtest: the program failed with `code`, said so in one line that contains `part`, and printed no result.
 void expect_failure(const Result& result, int code, const std::string& part);
 

@@ -279,7 +279,7 @@ TEST(SurfaceProgram, TellsTheSameContacts) {
   geometry::write_glb(scene, std::vector<geometry::SceneMesh>{{"model", mesh}});
   geometry::write_ply(cloud, points_about(mesh, fewer(30'000), 3));
   const TouchReport report =
-      run_touch_program({"--scene", scene, "--points", cloud, "--backend", "cpu", "--finger-gap", "20mm"});
+      run_touch({"--scene", scene, "--points", cloud, "--backend", "cpu", "--finger-gap", "20mm"});
   EXPECT_EQ(report.points, fewer(30'000));
   const std::vector<touch::Contact> contacts = contacts_of(scene, cloud, setup::Backend::cpu, 1.5e-3);
   ASSERT_EQ(report.contacts.size(), contacts.size());

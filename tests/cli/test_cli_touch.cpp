@@ -13,6 +13,7 @@
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
+#include "touch_here.hpp"
 #include "touch_json.hpp"
 
 namespace palpa::test {
@@ -52,7 +53,7 @@ class Touch : public testing::TestWithParam<std::string> {
 };
 
 TEST_P(Touch, ContactsOnTheCubeAreThoseOfEquationOne) {
-  const TouchReport report = run_touch(here(cube_touch()));
+  const TouchReport report = run_touch_here(here(cube_touch()));
   const std::vector<Vec3> points = lowered_finger();
   EXPECT_EQ(report.points, points.size());
   std::vector<std::uint32_t> expected;
@@ -79,7 +80,7 @@ TEST_P(Touch, ContactsOnTheCubeAreThoseOfEquationOne) {
 TEST_P(Touch, EveryObjectOfThePaperFeelsTheFinger) {
   for (const char* object : {"cube.glb", "semi-sphere.glb", "pyramid.glb", "prism.glb"}) {
     const TouchReport report =
-        run_touch(here({"--scene", asset(object), "--points", asset("finger.ply"), "--penetration", "3mm"}));
+        run_touch_here(here({"--scene", asset(object), "--points", asset("finger.ply"), "--penetration", "3mm"}));
     ASSERT_EQ(report.fingers.size(), 1u) << object;
     EXPECT_GE(report.contacts.size(), 15u) << object;
   }
@@ -111,7 +112,7 @@ TEST_P(Touch, OptionsReachTheJson) {
 
 TEST_P(Touch, NoTouchIsNoError) {
   const TouchReport report =
-      run_touch(here({"--scene", asset("cube.glb"), "--points", asset("finger.ply"), "--penetration", "-1mm"}));
+      run_touch_here(here({"--scene", asset("cube.glb"), "--points", asset("finger.ply"), "--penetration", "-1mm"}));
   EXPECT_TRUE(report.contacts.empty());
   EXPECT_TRUE(report.fingers.empty());
 }
@@ -126,7 +127,7 @@ TEST_P(Touch, TwoFingersAreTwo) {
   }
   const auto file = scratch_folder("two-fingers") / "two.ply";
   geometry::write_ply(file, points);
-  const TouchReport report = run_touch(here({"--scene", asset("cube.glb"), "--points", file.string()}));
+  const TouchReport report = run_touch_here(here({"--scene", asset("cube.glb"), "--points", file.string()}));
   ASSERT_EQ(report.fingers.size(), 2u);
   EXPECT_LT(report.fingers[0].indices.back(), one);
   EXPECT_GE(report.fingers[1].indices.front(), one);
@@ -142,7 +143,7 @@ TEST_P(Touch, OneAndTwoContactsGiveFiniteNumbers) {
     geometry::write_ply(file, points);
     // run_touch fails on any null where a number must be.
     const TouchReport report =
-        run_touch(here({"--scene", asset("cube.glb"), "--points", file.string(), "--min-points", "1"}));
+        run_touch_here(here({"--scene", asset("cube.glb"), "--points", file.string(), "--min-points", "1"}));
     ASSERT_EQ(report.fingers.size(), 1u) << points.size();
     EXPECT_LT(glm::distance(report.fingers[0].centroid, (points.front() + points.back()) / 2.0), 1e-6);
   }
@@ -152,7 +153,8 @@ TEST_P(Touch, AnEmptyPointCloudIsNoError) {
   const auto file = scratch_folder("empty") / "empty.ply";
   geometry::write_ply(file, {});
   for (const auto& more : {std::vector<std::string>{}, {"--penetration", "3mm"}}) {
-    const TouchReport report = run_touch(here(with({"--scene", asset("cube.glb"), "--points", file.string()}, more)));
+    const TouchReport report =
+        run_touch_here(here(with({"--scene", asset("cube.glb"), "--points", file.string()}, more)));
     EXPECT_EQ(report.points, 0u);
     EXPECT_TRUE(report.contacts.empty());
   }
@@ -176,9 +178,9 @@ TEST_P(Touch, MoreThan64FingersIsAWarning) {
 }
 
 TEST_P(Touch, TheSameBytesOnEveryRun) {
-  const std::string usual = run_touch(here(cube_touch())).without_times;
+  const std::string usual = run_touch_here(here(cube_touch())).without_times;
   ASSERT_FALSE(usual.empty());
-  EXPECT_EQ(run_touch_program(here(cube_touch())).without_times, usual) << "a second run";
+  EXPECT_EQ(run_touch(here(cube_touch())).without_times, usual) << "a second run";
   if (GetParam() == "cpu") return;  // what follows speaks to a driver
   for (const Environment& environment : {Environment{{"LP_NUM_THREADS", "1"}},
                                          {{"LP_NUM_THREADS", "2"}},
@@ -188,14 +190,14 @@ TEST_P(Touch, TheSameBytesOnEveryRun) {
                                          {{"LVP_POISON_MEMORY", "1"}}}) {
     RunOptions options;
     options.environment = environment;
-    EXPECT_EQ(run_touch_program(here(cube_touch()), options).without_times, usual)
+    EXPECT_EQ(run_touch(here(cube_touch()), 1.5e-3, 10, options).without_times, usual)
         << environment[0].first + "=" + environment[0].second;
   }
 }
 
 TEST_P(Touch, CsvListsEveryContactWithItsFinger) {
   const auto file = scratch_folder("csv") / "contacts.csv";
-  const TouchReport report = run_touch(here(with(cube_touch(), {"--csv", file.string()})));
+  const TouchReport report = run_touch_here(here(with(cube_touch(), {"--csv", file.string()})));
   std::ifstream stream(file);
   std::string line;
   std::getline(stream, line);
@@ -225,8 +227,8 @@ TEST(TouchBackends, Agree) {
   for (const char* object : {"cube.glb", "semi-sphere.glb", "pyramid.glb", "prism.glb"}) {
     const std::vector<std::string> line{"--scene",           asset(object),   "--points",
                                         asset("finger.ply"), "--penetration", "3mm"};
-    const TouchReport cpu = run_touch(with(line, {"--backend", "cpu"})),
-                      gpu = run_touch(with(line, {"--backend", "gpu"}));
+    const TouchReport cpu = run_touch_here(with(line, {"--backend", "cpu"})),
+                      gpu = run_touch_here(with(line, {"--backend", "gpu"}));
     EXPECT_EQ(cpu.contacts, gpu.contacts) << object;
     ASSERT_EQ(cpu.fingers.size(), gpu.fingers.size());
     for (std::size_t i = 0; i < cpu.fingers.size(); ++i) {

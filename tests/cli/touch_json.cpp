@@ -9,8 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "here.hpp"
-
 namespace palpa::test {
 namespace {
 
@@ -116,12 +114,11 @@ void check_document(const Json& document, double delta, std::size_t foci) {
     EXPECT_EQ(order[n], n) << "the order is no permutation";
 }
 
-TouchReport report_of(const Result& result, double delta, std::size_t foci) {
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(result.err, "");
+}  // namespace
+
+TouchReport read_touch(const std::string& text, double delta, std::size_t foci) {
   TouchReport report;
-  if (result.exit_code != 0) return report;
-  Json document = Json::parse(result.out);
+  Json document = Json::parse(text);
   check_document(document, delta, foci);
   report.points = document["points"].get<std::uint64_t>();
   report.contacts = document["contacts"]["indices"].get<std::vector<std::uint32_t>>();
@@ -130,22 +127,17 @@ TouchReport report_of(const Result& result, double delta, std::size_t foci) {
     report.fingers.push_back(
         {finger["solid"], finger["indices"].get<std::vector<std::uint32_t>>(), vector_of(finger["centroid_m"])});
   }
-  report.without_times = result.out.substr(0, result.out.find("\"timing_ms\""));
+  report.without_times = text.substr(0, text.find("\"timing_ms\""));
   return report;
 }
 
-std::vector<std::string> touch_line(const std::vector<std::string>& arguments) {
-  return with(with({"touch"}, arguments), {"--json", "-"});
-}
-
-}  // namespace
-
-TouchReport run_touch(const std::vector<std::string>& arguments, double delta, std::size_t foci) {
-  return report_of(palpa_here(touch_line(arguments)), delta, foci);
-}
-
-TouchReport run_touch_program(const std::vector<std::string>& arguments, const RunOptions& options) {
-  return report_of(palpa(touch_line(arguments), options), 1.5e-3, 10);
+TouchReport run_touch(std::vector<std::string> arguments, double delta, std::size_t foci, const RunOptions& options) {
+  arguments.insert(arguments.begin(), "touch");
+  arguments.insert(arguments.end(), {"--json", "-"});
+  const Result result = palpa(arguments, options);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  return result.exit_code == 0 ? read_touch(result.out, delta, foci) : TouchReport();
 }
 
 }  // namespace palpa::test

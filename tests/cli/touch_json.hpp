@@ -25,10 +25,12 @@ struct TouchReport {
   std::string without_times;  ///< the document less timing_ms, which may differ from run to run
 };
 
-/// Runs `palpa touch ... --json -` in this process, expects success, and checks keys, their order, types and every
-/// relation between values that the contract states. `delta` and `foci` are those of the command line.
-TouchReport run_touch(const std::vector<std::string>& arguments, double delta = 1.5e-3, std::size_t foci = 10);
-/// The same by the program, whose delta and foci are the usual ones.
-TouchReport run_touch_program(const std::vector<std::string>& arguments, const RunOptions& options = {});
+/// What `palpa touch --json` wrote. Checks keys, their order, types and every relation between values that the contract
+/// states. `delta` and `foci` are those of the command line.
+TouchReport read_touch(const std::string& text, double delta = 1.5e-3, std::size_t foci = 10);
+
+/// Runs `palpa touch ... --json -`, expects success, and reads it so.
+TouchReport run_touch(std::vector<std::string> arguments, double delta = 1.5e-3, std::size_t foci = 10,
+                      const RunOptions& options = {});
 
 }  // namespace palpa::test
