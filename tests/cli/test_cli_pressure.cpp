@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <future>
 #include <numbers>
 
 #include "array/board_mesh.hpp"
@@ -26,6 +25,7 @@
 #include "session/links/record_link.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
+#include "support/side_by_side.hpp"
 #include "support/udp_receiver.hpp"
 
 namespace palpa::test {
@@ -181,10 +181,8 @@ Played play(const std::string& scene, const std::string& take, const std::vector
   };
   Played played;
   const UdpReceiver receiver(std::chrono::milliseconds(50));  // who sends has ended before anybody looks
-  // Both at once, since they wait for most of their time.
-  std::future<Result> told = std::async(std::launch::async, run, "foci:" + receiver.address());
-  const Result result = run("record:" + file.string());
-  told.get();
+  Result result;
+  side_by_side({[&] { result = run("record:" + file.string()); }, [&] { run("foci:" + receiver.address()); }});
   played.warnings = result.err_lines();
   played.stats = json::parse(result.out);
   played.drives = session::read_drive_recording(file);
