@@ -55,9 +55,9 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
   const geometry::Mesh rounded_tip =
       transformed(sphere(2e-3, 8, 12), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); });
   geometry::write_ply(tip, rounded_tip.positions, rounded_tip.triangles);
-  const Result recorded = palpa(with({"run", "--scene", scene, "--frames", "2", "--every-frame", "--backend", "cpu",
-                                      "--record", recording, "--quiet"},
-                                     small_frames()));
+  const Result recorded = palpa(with(
+      {"run", "--scene", scene, "--frames", "2", "--every-frame", "--backend", "cpu", "--record", recording, "--quiet"},
+      small_frames()));
   EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
   lines_ = {
       {"doctor", {"doctor", "--backend", "cpu"}},

@@ -176,7 +176,7 @@ TEST_F(CliOutputs, ThatCannotBeWrittenAreRefusedAtTheStart) {
   expect_untouched(run({"--record", path("used/notes.txt")}), 1, "name a new folder");
   expect_untouched(run({"--record", path("no/such")}), 1, path("no/such") + ": cannot be written: ");
   fs::create_directory(path("empty"));
-  EXPECT_EQ(palpa(run({"--record", path("empty/")})).exit_code, 0);
+  EXPECT_EQ(palpa(run(with(small_frames(), {"--record", path("empty/")}))).exit_code, 0);
   EXPECT_TRUE(fs::exists(path("empty/recording.toml")));
 }
 
@@ -190,7 +190,7 @@ TEST_F(CliOutputs, DecomposeWritesToStdout) {
 }
 
 TEST_F(CliOutputs, DrivesOnStdoutAreAlone) {
-  const Result result = palpa(run({"--link", "record:-"}));
+  const Result result = palpa(run(with(small_frames(), {"--link", "record:-"})));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   std::ofstream(path("drives.bin"), std::ios::binary) << result.out;
   const session::DriveRecording recording = session::read_drive_recording(path("drives.bin"));
@@ -234,8 +234,9 @@ TEST_F(CliOutputs, DrivesEndSilentlyWhereTheDiskIsFull) {
     Result result;
     {
       const FileSizeLimit full(limit);
-      result = palpa({"run", "--scene", scene_, "--frames", "60", "--hold", "1s", "--backend", "cpu", "--link",
-                      "record:" + path("drives.bin")});
+      result = palpa(with({"run", "--scene", scene_, "--frames", "60", "--hold", "1s", "--backend", "cpu", "--link",
+                           "record:" + path("drives.bin")},
+                          small_frames()));
     }
     expect_failure(result, 1, path("drives.bin") + ": cannot be written: File too large");
     const session::DriveRecording recording = session::read_drive_recording(path("drives.bin"));
