@@ -26,6 +26,7 @@
 #include "support/json.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
+#include "support/side_by_side.hpp"
 #include "terminal.hpp"
 
 namespace palpa::test {
@@ -260,17 +261,17 @@ TEST_F(CliOutputs, LongPreparationSaysWhatItDoesAndStopsOnCtrlC) {
   geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
   const auto before = contents();
   setenv("PALPA_CACHE", "off", 1);
-  for (const std::vector<std::string>& line :
-       {std::vector<std::string>{"touch", "--scene", path("ball.glb"), "--points", points_, "--backend", "cpu",
-                                 "--json", path("out.json")},
-        {"run", "--scene", path("ball.glb"), "--backend", "cpu", "--link", "record:" + path("drives.bin")}}) {
-    Terminal terminal(line);
-    EXPECT_TRUE(terminal.shows("checks mesh \"ball\" of 404100 triangles")) << terminal.text();
-    EXPECT_TRUE(terminal.shows("prepares mesh \"ball\": ")) << terminal.text();
-    EXPECT_TRUE(terminal.shows(" %")) << terminal.text();
+  Terminal touch(
+      {"touch", "--scene", path("ball.glb"), "--points", points_, "--backend", "cpu", "--json", path("out.json")}),
+      run({"run", "--scene", path("ball.glb"), "--backend", "cpu", "--link", "record:" + path("drives.bin")});
+  for (const char* part : {"checks mesh \"ball\" of 404100 triangles", "prepares mesh \"ball\": ", " %"}) {
+    for (Terminal* terminal : {&touch, &run})
+      EXPECT_TRUE(terminal->shows(part)) << terminal->text();
+  }
+  for (Terminal* terminal : {&touch, &run}) {
     const auto begin = std::chrono::steady_clock::now();
-    terminal.type("\x03");
-    EXPECT_EQ(terminal.ended_by_signal(), SIGINT) << terminal.text();
+    terminal->type("\x03");
+    EXPECT_EQ(terminal->ended_by_signal(), SIGINT) << terminal->text();
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
     EXPECT_TRUE(contents() == before) << "nothing was written";
   }
@@ -284,13 +285,15 @@ TEST_F(CliOutputs, LongPreparationTellsALogEachStep) {
   fresh.environment = {{"PALPA_CACHE", "off"}};
   const std::vector<std::string> with_ball{"touch", "--scene",     path("ball.glb"), "--points", points_, "--backend",
                                            "cpu",   "--log-level", "info",           "--json",   "-"};
-  const Result told = palpa(with_ball, fresh);
-  EXPECT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_NE(told.err.find("palpa: info: "), std::string::npos) << told.err;
-  EXPECT_NE(told.err.find("prepares mesh \"ball\""), std::string::npos) << told.err;
   std::vector<std::string> silent = with_ball;
   silent[8] = "warning";
-  EXPECT_EQ(palpa(silent, fresh).err, "");
+  side_by_side({[&] {
+                  const Result told = palpa(with_ball, fresh);
+                  EXPECT_EQ(told.exit_code, 0) << told.err;
+                  EXPECT_NE(told.err.find("palpa: info: "), std::string::npos) << told.err;
+                  EXPECT_NE(told.err.find("prepares mesh \"ball\""), std::string::npos) << told.err;
+                },
+                [&] { EXPECT_EQ(palpa(silent, fresh).err, ""); }});
 }
 
 TEST_F(CliOutputs, MessagesAreShortAndPrintable) {
