@@ -77,15 +77,6 @@ TEST_P(Touch, ContactsOnTheCubeAreThoseOfEquationOne) {
   EXPECT_LT(glm::distance(report.fingers[0].centroid, sum / static_cast<double>(at)), 1e-6);
 }
 
-TEST_P(Touch, EveryObjectOfThePaperFeelsTheFinger) {
-  for (const char* object : {"cube.glb", "semi-sphere.glb", "pyramid.glb", "prism.glb"}) {
-    const TouchReport report =
-        run_touch_here(here({"--scene", asset(object), "--points", asset("finger.ply"), "--penetration", "3mm"}));
-    ASSERT_EQ(report.fingers.size(), 1u) << object;
-    EXPECT_GE(report.contacts.size(), 15u) << object;
-  }
-}
-
 TEST_P(Touch, OptionsReachTheJson) {
   const auto document = [&](const std::vector<std::string>& more) {
     const Result result = palpa_here(with(with({"touch"}, here(cube_touch())), with(more, {"--json", "-"})));
@@ -223,18 +214,18 @@ TEST_P(Touch, CsvListsEveryContactWithItsFinger) {
 
 INSTANTIATE_TEST_SUITE_P(Backends, Touch, testing::Values("cpu", "gpu"), [](const auto& test) { return test.param; });
 
-TEST(TouchBackends, Agree) {
+TEST(TouchBackends, AgreeThatEveryObjectOfThePaperFeelsTheFinger) {
   for (const char* object : {"cube.glb", "semi-sphere.glb", "pyramid.glb", "prism.glb"}) {
     const std::vector<std::string> line{"--scene",           asset(object),   "--points",
                                         asset("finger.ply"), "--penetration", "3mm"};
     const TouchReport cpu = run_touch_here(with(line, {"--backend", "cpu"})),
                       gpu = run_touch_here(with(line, {"--backend", "gpu"}));
     EXPECT_EQ(cpu.contacts, gpu.contacts) << object;
-    ASSERT_EQ(cpu.fingers.size(), gpu.fingers.size());
-    for (std::size_t i = 0; i < cpu.fingers.size(); ++i) {
-      EXPECT_EQ(cpu.fingers[i].indices, gpu.fingers[i].indices);
-      EXPECT_LT(glm::distance(cpu.fingers[i].centroid, gpu.fingers[i].centroid), 1e-7);
-    }
+    EXPECT_GE(cpu.contacts.size(), 15u) << object;
+    ASSERT_EQ(cpu.fingers.size(), 1u) << object;
+    ASSERT_EQ(gpu.fingers.size(), 1u) << object;
+    EXPECT_EQ(cpu.fingers[0].indices, gpu.fingers[0].indices);
+    EXPECT_LT(glm::distance(cpu.fingers[0].centroid, gpu.fingers[0].centroid), 1e-7);
   }
 }
 
@@ -251,8 +242,8 @@ TEST(TouchSummary, SaysHowFarSkinIsFromTouchingAndNoOrder) {
   const auto folder = scratch_folder("no-touch");
   const auto summary = [&](const std::vector<Vec3>& points) {
     geometry::write_ply(folder / "points.ply", points);
-    const Result result =
-        palpa_here({"touch", "--scene", asset("cube.glb"), "--points", (folder / "points.ply").string()});
+    const Result result = palpa_here(
+        {"touch", "--scene", asset("cube.glb"), "--points", (folder / "points.ply").string(), "--backend", "cpu"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_NE(result.out.find("0 fingers"), std::string::npos) << result.out;
     EXPECT_EQ(result.out.find("order"), std::string::npos) << result.out;
@@ -265,7 +256,7 @@ TEST(TouchSummary, SaysHowFarSkinIsFromTouchingAndNoOrder) {
 }
 
 TEST(TouchErrors, AStrideThatLeavesFociOutIsRefusedWithABetterOne) {
-  const std::vector<std::string> line = with({"touch"}, cube_touch());
+  const std::vector<std::string> line = with(with({"touch"}, cube_touch()), {"--backend", "cpu"});
   expect_failure(palpa_here(with(line, {"--stride", "5"})), 2, "give a stride such as");
   expect_failure(palpa_here(with(line, {"--foci", "12", "--stride", "3"})), 2, "give a stride such as");
   EXPECT_EQ(palpa_here(with(line, {"--foci", "12", "--quiet"})).exit_code, 0);
