@@ -56,14 +56,14 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
       transformed(sphere(2e-3, 8, 12), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); });
   geometry::write_ply(tip, rounded_tip.positions, rounded_tip.triangles);
   const Result recorded = palpa(with(
-      {"run", "--scene", scene, "--frames", "2", "--every-frame", "--backend", "cpu", "--record", recording, "--quiet"},
+      {"run", "--scene", scene, "--frames", "3", "--every-frame", "--backend", "cpu", "--record", recording, "--quiet"},
       small_frames()));
   EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
   lines_ = {
       {"doctor", {"doctor", "--backend", "cpu"}},
       {"touch", {"touch", "--scene", scene, "--points", finger, "--penetration", "3mm", "--backend", "cpu"}},
       {"run",
-       {"run", "--scene", scene, "--source", "recording:" + recording, "--frames", "1", "--every-frame", "--backend",
+       {"run", "--scene", scene, "--source", "recording:" + recording, "--frames", "3", "--every-frame", "--backend",
         "cpu"}},
       {"export",
        {"export", "--scene", scene, "--source", "recording:" + recording, "--backend", "cpu", "--foci",

@@ -279,7 +279,7 @@ TEST_F(CliOutputs, LongPreparationSaysWhatItDoesAndStopsOnCtrlC) {
 }
 
 TEST_F(CliOutputs, LongPreparationTellsALogEachStep) {
-  const geometry::SceneMesh ball = bumpy_ball(instrumented() ? 80 : 200);  // takes some seconds
+  const geometry::SceneMesh ball = bumpy_ball(instrumented() ? 80 : 110);  // takes some tenths of a second
   geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
   RunOptions fresh;
   fresh.environment = {{"PALPA_CACHE", "off"}};
