@@ -101,7 +101,7 @@ Served serve(const Backend& backend, const Layout& layout, const std::vector<std
   Served served;
   for (std::size_t s = 0; s < sets.size(); ++s) {
     EXPECT_EQ(faults(drives[s]), 0u);
-    const FociPressure heard = pressure_at_foci(layout, drives[s], sets[s]);
+    const FociPressure heard = pressure_at_foci(layout, drives[s], sets[s], options.medium, options.directivity);
     served.evenness.push_back(heard.evenness);
     served.weakest.push_back(*std::ranges::min_element(heard.pascals));
   }
@@ -121,6 +121,44 @@ TEST_P(SolverOn, FociOfAnyDistanceAreEvenInTheTunnel) {
       }
     }
   }
+}
+
+// Ten foci as near to each other as those around a fingertip: no weaker one among them, and no louder way with every
+// amplitude at 1. Of transducers that sound to all sides alike.
+TEST_P(SolverOn, RingsOfAFingertipAreEvenUnderEveryConstraint) {
+  const Layout layout = load_layout("paper");
+  std::vector<std::vector<SlotFocus>> rings;
+  for (const double radius : {2.5e-3, 4e-3, 5e-3})
+    rings.push_back(ring(10, radius, {}, {1, 0, 0}, {0, 0, 1}));
+  const auto served_by = [&](Solver solver, Constraint constraint) {
+    DriveOptions options = with(solver, constraint);
+    options.directivity = Directivity::omni;
+    return serve(GetParam(), layout, rings, options);
+  };
+  const Served greedy = served_by(Solver::greedy, Constraint::uniform);
+  for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+    const Served served = served_by(Solver::gs_pat, constraint);
+    for (std::size_t s = 0; s < rings.size(); ++s) {
+      EXPECT_GE(served.evenness[s], 0.95) << s << " " << static_cast<int>(constraint);
+      if (constraint == Constraint::uniform) {
+        EXPECT_GE(served.weakest[s], 0.95 * greedy.weakest[s]) << s;
+      }
+    }
+  }
+}
+
+// Rings that lie aslant, whose best phases run once around them or change sides: from those of a single way to the
+// foci nobody climbs there.
+TEST_P(SolverOn, TiltedRingsHaveTheirBestPhases) {
+  const Layout layout = load_layout("paper");
+  const std::vector<std::vector<SlotFocus>> rings{
+      ring(10, 2e-3, {}, {-0.8267, 0, -0.5626}, {-0.2759, -0.8715, 0.4054}),
+      ring(10, 3.4e-3, {}, {-0.9062, 0, -0.4229}, {-0.06726, -0.9873, 0.1441}),
+      ring(10, 6.6e-3, {}, {0.6112, 0, 0.7915}, {0.02378, -0.9995, -0.01836})};
+  const Served greedy = serve(GetParam(), layout, rings, with(Solver::greedy, Constraint::uniform));
+  const Served served = serve(GetParam(), layout, rings, with(Solver::gs_pat, Constraint::uniform));
+  for (std::size_t s = 0; s < rings.size(); ++s)
+    EXPECT_GE(served.weakest[s], 0.95 * greedy.weakest[s]) << s;
 }
 
 TEST_P(SolverOn, FociOfAnyDistanceAreAsEvenAsGreedysAboveABoard) {

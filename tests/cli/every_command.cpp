@@ -53,23 +53,24 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
   const geometry::Mesh ball = geometry::icosphere(1e-3, 1);
   geometry::write_ply(pebble, ball.positions, ball.triangles);
   const geometry::Mesh rounded_tip =
-      transformed(sphere(4e-3, 12, 20), [](const Vec3& p) { return p + Vec3(0, 4e-3, 0); });
+      transformed(sphere(2e-3, 8, 12), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); });
   geometry::write_ply(tip, rounded_tip.positions, rounded_tip.triangles);
-  const Result recorded = palpa({"run", "--scene", scene, "--frames", "2", "--every-frame", "--backend", "cpu",
-                                 "--record", recording, "--quiet"});
+  const Result recorded = palpa(with(
+      {"run", "--scene", scene, "--frames", "3", "--every-frame", "--backend", "cpu", "--record", recording, "--quiet"},
+      small_frames()));
   EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
   lines_ = {
       {"doctor", {"doctor", "--backend", "cpu"}},
       {"touch", {"touch", "--scene", scene, "--points", finger, "--penetration", "3mm", "--backend", "cpu"}},
       {"run",
-       {"run", "--scene", scene, "--source", "recording:" + recording, "--frames", "1", "--every-frame", "--backend",
+       {"run", "--scene", scene, "--source", "recording:" + recording, "--frames", "3", "--every-frame", "--backend",
         "cpu"}},
       {"export",
        {"export", "--scene", scene, "--source", "recording:" + recording, "--backend", "cpu", "--foci",
         folder_ / "foci.csv"}},
       {"link",
        {"link", "test", "--layout", "openmpd", "--link", "null", "--each", "1ms", "--rest", "0", "--last", "1"}},
-      {"calibrate", {"calibrate", "--layout", "paper", "--frames", "2"}},
+      {"calibrate", {"calibrate", "--rig", source_file("tests/cli/small_rig.toml"), "--frames", "2"}},
       {"drive", {"drive", "--layout", "openmpd", "--focus", "0,0,100mm", "--backend", "cpu"}},
       {"field",
        {"field", "--layout", "openmpd", "--focus", "0,0,100mm", "--plane", "xz", "--size", "20mm,20mm", "--pixels",

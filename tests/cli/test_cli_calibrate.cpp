@@ -15,6 +15,7 @@
 #include "array/board_mesh.hpp"
 #include "array/layout.hpp"
 #include "geometry/gltf/gltf.hpp"
+#include "here.hpp"
 #include "process.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/rig.hpp"
@@ -64,7 +65,7 @@ class Calibrate : public testing::Test {
 
   /// What a rig's cameras see, as a recording: the target where `T_world_target` has it, the boards, and `clutter`.
   std::string record(const std::string& name, const Rig& rig, const Transform& T_world_target,
-                     const geometry::Mesh& clutter = {}, int frames = 6) const {
+                     const geometry::Mesh& clutter = {}, int frames = 4) const {
     const array::Layout own = array::load_layout(rig.array->layout);
     geometry::Mesh things =
         array::board_mesh(transformed(own, rig.array->T_world_layout.value_or(own.default_T_world_layout)));
@@ -121,7 +122,7 @@ TEST_F(Calibrate, FindsThePapersCameras) {
   const Rig truth = sensing::load_rig(std::filesystem::path(where_assets_are().second) / "rigs/paper.toml");
   const std::string source = record("seen", truth, default_pose_of_target(truth));
   const Result result = palpa({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", source, "--out",
-                               file("found.toml"), "--json", file("found.json"), "--frames", "5"});
+                               file("found.toml"), "--json", file("found.json"), "--frames", "3"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "");
   const Rig found = sensing::load_rig(file("found.toml"));
@@ -129,7 +130,7 @@ TEST_F(Calibrate, FindsThePapersCameras) {
   EXPECT_EQ(found.array->layout, "paper");
   EXPECT_TRUE(found.screen.has_value());
   const json said = json::parse(read_text(file("found.json")));
-  EXPECT_EQ(said["frames"], 5);
+  EXPECT_EQ(said["frames"], 3);
   ASSERT_EQ(said["cameras"].size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) {
     const json& camera = said["cameras"][i];
@@ -170,10 +171,10 @@ TEST_F(Calibrate, ATargetElsewhereIsToldWhere) {
   const std::string source = record("seen", truth, elsewhere);
   const std::string rig = write("lost.toml", lost(truth));
   const std::vector<std::string> line{"calibrate", "--rig", rig, "--source", source, "--out", file("found.toml")};
-  ASSERT_EQ(palpa(with(line, {"--at", "10mm,5mm,20mm", "--turn", "90"})).exit_code, 0);
+  ASSERT_EQ(palpa_here(with(line, {"--at", "10mm,5mm,20mm", "--turn", "90"})).exit_code, 0);
   expect_poses(sensing::load_rig(file("found.toml")), truth);
   // On a mount that it is not on, it is believed all the same: the poses are off by as much.
-  ASSERT_EQ(palpa(line).exit_code, 0);
+  ASSERT_EQ(palpa_here(line).exit_code, 0);
   EXPECT_GT(glm::distance(Vec3(sensing::load_rig(file("found.toml")).cameras[0].T_world_camera[3]),
                           Vec3(truth.cameras[0].T_world_camera[3])),
             0.02);
@@ -182,9 +183,9 @@ TEST_F(Calibrate, ATargetElsewhereIsToldWhere) {
 TEST_F(Calibrate, WarnsOfATargetOrACameraOfAnotherScale) {
   const Rig truth = rig_of_a_board();
   const std::string rig = write("lost.toml", lost(truth));
-  const std::string large = record("large", truth, glm::scale(default_pose_of_target(truth), Vec3(1.03)), {}, 5);
-  const Result result =
-      palpa({"calibrate", "--rig", rig, "--source", large, "--json", file("large.json"), "--out", file("found.toml")});
+  const std::string large = record("large", truth, glm::scale(default_pose_of_target(truth), Vec3(1.03)));
+  const Result result = palpa_here(
+      {"calibrate", "--rig", rig, "--source", large, "--json", file("large.json"), "--out", file("found.toml")});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const json cameras = json::parse(read_text(file("large.json")))["cameras"];
   ASSERT_EQ(result.err_lines().size(), cameras.size()) << result.err;
@@ -203,8 +204,8 @@ TEST_F(Calibrate, ACameraThatDoesNotSeeTheTargetIsNamed) {
   truth.cameras[1].T_world_camera = looking({0.2, 0.2, -0.25}, {0.5, -0.2, -0.8});
   const std::string source =
       record("seen", truth, default_pose_of_target(truth), box({-1, -0.25, -1}, {1, -0.21, 1}), 2);
-  const Result result =
-      palpa({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", source, "--out", file("found.toml")});
+  const Result result = palpa_here(
+      {"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", source, "--out", file("found.toml")});
   expect_failure(result, 4, "camera \"right\": does not see the target");
   EXPECT_FALSE(std::filesystem::exists(file("found.toml")));
 }
@@ -212,16 +213,16 @@ TEST_F(Calibrate, ACameraThatDoesNotSeeTheTargetIsNamed) {
 TEST_F(Calibrate, RefusesWhatCannotBeMeant) {
   const Rig truth = rig_of_a_board();
   const std::string rig = write("rig.toml", truth);
-  expect_failure(palpa({"calibrate", "--rig", rig, "--out", rig}), 2, "--out");
-  expect_failure(palpa({"calibrate", "--rig", rig, "--out", file("found.toml")}), 2, "--source");
-  expect_failure(palpa({"calibrate", "--target", "target.obj"}), 2, ".stl or .glb");
-  expect_failure(palpa({"calibrate", "--rig", rig, "--at", "1,2"}), 2, "--at");
-  expect_failure(palpa({"calibrate", "--rig", rig, "--frames", "101"}), 2, "--frames");
-  expect_failure(palpa({"calibrate", "--rig", rig, "--keys", "enter"}), 2, "--keys goes with --nudge");
+  expect_failure(palpa_here({"calibrate", "--rig", rig, "--out", rig}), 2, "--out");
+  expect_failure(palpa_here({"calibrate", "--rig", rig, "--out", file("found.toml")}), 2, "--source");
+  expect_failure(palpa_here({"calibrate", "--target", "target.obj"}), 2, ".stl or .glb");
+  expect_failure(palpa_here({"calibrate", "--rig", rig, "--at", "1,2"}), 2, "--at");
+  expect_failure(palpa_here({"calibrate", "--rig", rig, "--frames", "101"}), 2, "--frames");
+  expect_failure(palpa_here({"calibrate", "--rig", rig, "--keys", "enter"}), 2, "--keys goes with --nudge");
   Rig one = truth;
   one.cameras.pop_back();
   const std::string source = record("seen", truth, default_pose_of_target(truth), {}, 1);
-  expect_failure(palpa({"calibrate", "--rig", write("one.toml", one), "--source", source}), 4,
+  expect_failure(palpa_here({"calibrate", "--rig", write("one.toml", one), "--source", source}), 4,
                  "has 1 [[camera]], and the source has 2");
 }
 
@@ -249,7 +250,7 @@ TEST_F(Calibrate, TheTargetsHolesStandOverGapsBetweenTransducers) {
 
 TEST_F(Calibrate, WritesTheTargetForAPrinter) {
   ASSERT_EQ(palpa({"calibrate", "--target", file("t.stl"), "--layout", "openmpd"}).exit_code, 0);
-  ASSERT_EQ(palpa({"calibrate", "--target", file("t.glb"), "--layout", "openmpd"}).exit_code, 0);
+  ASSERT_EQ(palpa_here({"calibrate", "--target", file("t.glb"), "--layout", "openmpd"}).exit_code, 0);
   const std::string stl = read_text(file("t.stl"));
   const geometry::Scene scene = geometry::load_gltf(file("t.glb"));
   ASSERT_EQ(scene.meshes.size(), 1U);

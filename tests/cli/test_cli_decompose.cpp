@@ -10,6 +10,7 @@
 #include "geometry/gltf/write.hpp"
 #include "geometry/parts/vhacd.hpp"
 #include "geometry/parts_solid.hpp"
+#include "here.hpp"
 #include "process.hpp"
 #include "support/json.hpp"
 #include "support/shapes.hpp"
@@ -52,7 +53,7 @@ class DecomposeConvex : public testing::Test {
   json touch(const std::vector<std::string>& arguments) const {
     std::vector<std::string> line{"touch", "--backend", "cpu", "--json", "-"};
     line.insert(line.end(), arguments.begin(), arguments.end());
-    const Result result = palpa(line);
+    const Result result = palpa_here(line);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return result.exit_code == 0 ? json::parse(result.out) : json();
   }
@@ -221,7 +222,7 @@ TEST_F(Decompose, RefusesWhatIsNoPart) {
   const geometry::PartOf part{"thing", 0, 0};
   const std::string ply = points({{0, -0.001, 0}});
   const auto fault = [&](const geometry::Mesh& mesh, const std::string& words) {
-    expect_failure(palpa({"touch", "--scene", scene("bad.glb", {{"a part", mesh, {}, part}}), "--points", ply}), 4,
+    expect_failure(palpa_here({"touch", "--scene", scene("bad.glb", {{"a part", mesh, {}, part}}), "--points", ply}), 4,
                    words);
   };
   fault(ell(), "\"a part\", a part of \"thing\", is concave");
@@ -241,23 +242,23 @@ TEST_F(Decompose, RefusesWhatIsNoPart) {
 TEST_F(Decompose, SaysWhatIsWrongWithTheLine) {
   const std::string cube = source_file("assets/cube.glb");
   const std::string out = file("out.glb");
-  expect_failure(palpa({"decompose", "--out", out}), 2, "--scene is missing");
-  expect_failure(palpa({"decompose", "--scene", cube}), 2, "--out is missing");
-  expect_failure(palpa({"decompose", "--scene", cube, "--out", out, "--parts", "0"}), 2, "from 1 to 1024");
-  expect_failure(palpa({"decompose", "--scene", cube, "--out", out, "--parts", "1025"}), 2, "from 1 to 1024");
-  expect_failure(palpa({"decompose", "--scene", cube, "--out", out, "--resolution", "10"}), 2, "such as 400k");
-  expect_failure(palpa({"decompose", "--scene", cube, "--out", out, "--resolution", "4.5k x"}), 2, "such as 400k");
-  expect_failure(palpa({"decompose", "--scene", cube, "--out", out, "--error", "0"}), 2, "--error");
-  expect_failure(palpa({"decompose", "--scene", file("none.glb"), "--out", out}), 4, "none.glb");
-  expect_failure(palpa({"decompose", "--scene", cube, "--out", (folder_ / "no" / "where.glb").string()}), 1,
+  expect_failure(palpa_here({"decompose", "--out", out}), 2, "--scene is missing");
+  expect_failure(palpa_here({"decompose", "--scene", cube}), 2, "--out is missing");
+  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", out, "--parts", "0"}), 2, "from 1 to 1024");
+  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", out, "--parts", "1025"}), 2, "from 1 to 1024");
+  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", out, "--resolution", "10"}), 2, "such as 400k");
+  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", out, "--resolution", "4.5k x"}), 2, "such as 400k");
+  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", out, "--error", "0"}), 2, "--error");
+  expect_failure(palpa_here({"decompose", "--scene", file("none.glb"), "--out", out}), 4, "none.glb");
+  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", (folder_ / "no" / "where.glb").string()}), 1,
                  "cannot be written");
-  expect_failure(palpa({"decompose", "--scene", cube, "--out", "/dev/full"}), 1, "cannot be written");
+  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", "/dev/full"}), 1, "cannot be written");
   const std::string scenery = scene("scenery.glb", {{"table", ell(), {.touchable = false}}});
-  expect_failure(palpa({"decompose", "--scene", scenery, "--out", out}), 4, "touched");
+  expect_failure(palpa_here({"decompose", "--scene", scenery, "--out", out}), 4, "touched");
   geometry::Mesh flat;
   flat.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   flat.triangles = {{0, 1, 2}};
-  expect_failure(palpa({"decompose", "--scene", scene("flat.glb", {{"leaf", flat}}), "--out", out}), 4,
+  expect_failure(palpa_here({"decompose", "--scene", scene("flat.glb", {{"leaf", flat}}), "--out", out}), 4,
                  "mesh \"leaf\" is flat");
   EXPECT_FALSE(std::filesystem::exists(out));
   EXPECT_FALSE(std::filesystem::exists(out + ".unfinished"));

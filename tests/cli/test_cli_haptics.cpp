@@ -8,6 +8,7 @@
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
+#include "here.hpp"
 #include "process.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
@@ -62,7 +63,7 @@ TEST(CliHaptics, AFingerCarriesTheScheduleItsSolidAsksFor) {
     const std::string file = (folder / "touch.json").string();
     std::ofstream(file) << result.out;
     const Result drive =
-        palpa({"drive", "--layout", "paper", "--touch", file, "--slot", "2", "--backend", backend, "--json", "-"});
+        palpa_here({"drive", "--layout", "paper", "--touch", file, "--slot", "2", "--backend", backend, "--json", "-"});
     ASSERT_EQ(drive.exit_code, 0) << drive.err;
     EXPECT_EQ(json::parse(drive.out)["gains"], (json{1, 0.7}));
     using Place = std::array<float, 3>;
@@ -78,11 +79,11 @@ TEST(CliHaptics, AStrideThatLeavesFociOutIsNamedWithOneThatWouldDo) {
   const std::string scene = with_knob(folder, nine).string(), points = two_fingers(folder).string();
   const std::string fault = "node 'knob': stride 3 and 9 foci share the divisor 3";
   const std::vector<std::string> touch{"touch", "--scene", scene, "--points", points, "--backend", "cpu"};
-  expect_failure(palpa(with(touch, {"--stride", "3"})), 4, fault);
-  expect_failure(palpa(with(touch, {"--stride", "3"})), 4, "such as 2");
-  expect_failure(palpa({"run", "--scene", scene, "--frames", "3", "--stride", "3"}), 4, fault);
-  EXPECT_EQ(palpa(with(touch, {"--stride", "7"})).exit_code, 0);
-  const Result usual = palpa(with(touch, {"--json", "-"}));
+  expect_failure(palpa_here(with(touch, {"--stride", "3"})), 4, fault);
+  expect_failure(palpa_here(with(touch, {"--stride", "3"})), 4, "such as 2");
+  expect_failure(palpa_here({"run", "--scene", scene, "--frames", "3", "--stride", "3"}), 4, fault);
+  EXPECT_EQ(palpa_here(with(touch, {"--stride", "7"})).exit_code, 0);
+  const Result usual = palpa_here(with(touch, {"--json", "-"}));
   ASSERT_EQ(usual.exit_code, 0) << usual.err;
   EXPECT_EQ(json::parse(usual.out)["fingers"][1]["schedule"]["order"], (json{0, 2, 4, 6, 8, 1, 3, 5, 7}));
 }

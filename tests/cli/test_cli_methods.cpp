@@ -5,11 +5,15 @@
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
+#include <string>
+#include <vector>
 
+#include "here.hpp"
 #include "process.hpp"
 #include "session/links/record_link.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
+#include "support/side_by_side.hpp"
 
 namespace palpa::test {
 namespace {
@@ -29,7 +33,7 @@ std::vector<std::string> touch(const std::vector<std::string>& more, const std::
 
 json document(std::vector<std::string> more, const std::string& penetration = "3mm") {
   more.insert(more.end(), {"--json", "-"});
-  const Result result = palpa(touch(more, penetration));
+  const Result result = palpa_here(touch(more, penetration));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   return json::parse(result.out);
 }
@@ -69,11 +73,11 @@ TEST(CliMethods, AnEllipseTakesEqualAnglesOrArcs) {
 }
 
 TEST(CliMethods, UnknownOnesAreRefused) {
-  expect_failure(palpa(touch({"--method", "loud"})), 2, "multi-focus");
-  expect_failure(palpa(touch({"--modulation", "square"})), 2, "pressure-sine");
-  expect_failure(palpa(touch({"--tune", "--tune-shortest", "1ms"})), 2, "--tune-longest");
-  expect_failure(palpa(touch({"--tune-shortest", "1ms", "--tune-longest", "2ms"})), 2, "--tune");
-  expect_failure(palpa(touch({"--tune", "--tune-shortest", "2ms", "--tune-longest", "1ms"})), 2, "tenth");
+  expect_failure(palpa_here(touch({"--method", "loud"})), 2, "multi-focus");
+  expect_failure(palpa_here(touch({"--modulation", "square"})), 2, "pressure-sine");
+  expect_failure(palpa_here(touch({"--tune", "--tune-shortest", "1ms"})), 2, "--tune-longest");
+  expect_failure(palpa_here(touch({"--tune-shortest", "1ms", "--tune-longest", "2ms"})), 2, "--tune");
+  expect_failure(palpa_here(touch({"--tune", "--tune-shortest", "2ms", "--tune-longest", "1ms"})), 2, "tenth");
 }
 
 TEST(CliMethods, TheSpectrumComesWhereItIsAskedFor) {
@@ -136,25 +140,29 @@ TEST(CliMethods, TheSameTouchIsFeltOtherwiseOnEveryArray) {
 
 TEST(CliMethods, ARunSaysWhatItsStridesFollow) {
   const auto tune = [](const std::vector<std::string>& more) {
-    const Result result = palpa(with({"run", "--scene", asset("cube.glb"), "--backend", "cpu", "--frames", "2",
-                                      "--layout", "openmpd", "--stats", "json"},
-                                     more));
+    const std::vector<std::string> line{"run", "--scene",  asset("cube.glb"), "--backend", "cpu", "--frames",
+                                        "2",   "--layout", "openmpd",         "--stats",   "json"};
+    const Result result = palpa(with(with(line, small_frames()), more));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return json::parse(result.out).value("tune", json());
   };
-  EXPECT_TRUE(tune({}).is_null());
-  EXPECT_EQ(tune({"--tune"})["field"], "array");
-  EXPECT_EQ(tune({"--tune", "--every-frame"}), (json{{"field", "spot"}, {"fields", 0}}));
-  EXPECT_EQ(tune({"--tune", "--spot", "5mm"}), (json{{"field", "spot"}, {"fields", 0}}));
+  const json spots{{"field", "spot"}, {"fields", 0}};
+  side_by_side({[&] { EXPECT_TRUE(tune({}).is_null()); }, [&] { EXPECT_EQ(tune({"--tune"})["field"], "array"); },
+                [&] {
+                  EXPECT_EQ(tune({"--tune", "--every-frame"}), spots);
+                },
+                [&] {
+                  EXPECT_EQ(tune({"--tune", "--spot", "5mm"}), spots);
+                }});
 }
 
 TEST(CliMethods, ASpotThatNothingUsesIsRefused) {
-  expect_failure(palpa(touch({"--spot", "2mm"})), 2, "--spot goes with --spectrum or --tune");
-  EXPECT_EQ(palpa(touch({"--spot", "2mm", "--tune"})).exit_code, 0);
+  expect_failure(palpa_here(touch({"--spot", "2mm"})), 2, "--spot goes with --spectrum or --tune");
+  EXPECT_EQ(palpa_here(touch({"--spot", "2mm", "--tune"})).exit_code, 0);
   const std::vector<std::string> run{"run",      "--scene", asset("cube.glb"), "--backend", "cpu",
                                      "--frames", "2",       "--spot",          "2mm",       "--quiet"};
-  expect_failure(palpa(run), 2, "--spot goes with --tune");
-  EXPECT_EQ(palpa(with(run, {"--tune"})).exit_code, 0);
+  expect_failure(palpa_here(run), 2, "--spot goes with --tune");
+  EXPECT_EQ(palpa(with(with(run, {"--tune"}), small_frames())).exit_code, 0);
 }
 
 TEST(CliMethods, TuningSaysWhatItChoseAndGivesTheFingerItsOwnSchedule) {
@@ -185,10 +193,11 @@ TEST(CliMethods, TuningSaysWhatItChoseAndGivesTheFingerItsOwnSchedule) {
 
 TEST(CliMethods, RunPlaysEveryMethodAndEndsInSilence) {
   const auto folder = scratch_folder("methods");
-  for (const std::string method : {"single-focus", "ellipse", "multi-focus"}) {
+  const auto play = [&](const std::string& method) {
     const std::string file = (folder / method).string();
-    const Result result = palpa({"run", "--scene", asset("cube.glb"), "--frames", "20", "--hold", "1s", "--method",
-                                 method, "--tune", "--link", "record:" + file, "--quiet"});
+    const Result result = palpa(with({"run", "--scene", asset("cube.glb"), "--frames", "20", "--hold", "1s", "--method",
+                                      method, "--tune", "--link", "record:" + file, "--quiet"},
+                                     small_frames()));
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const session::DriveRecording recording = session::read_drive_recording(file);
     float least = 1, most = 0;
@@ -204,7 +213,8 @@ TEST(CliMethods, RunPlaysEveryMethodAndEndsInSilence) {
     EXPECT_NEAR(least, method == "ellipse" ? 1.0 : std::sin(M_PI / 10), 0.02) << method;
     for (const array::TransducerDrive& t : recording.drives.back().drive)
       ASSERT_EQ(t.amplitude, 0);
-  }
+  };
+  side_by_side({[&] { play("single-focus"); }, [&] { play("ellipse"); }, [&] { play("multi-focus"); }});
 }
 
 TEST(CliMethods, FociThatSoundTogetherAreSolvedUnlessToldOtherwise) {
@@ -212,9 +222,10 @@ TEST(CliMethods, FociThatSoundTogetherAreSolvedUnlessToldOtherwise) {
   // Phases of the first frame's drive: all foci sound in every slot, so that they are the same whichever slot it is.
   const auto phases = [&](const std::string& name, const std::vector<std::string>& options) {
     const std::string file = (folder / name).string();
-    const Result result = palpa(with({"run", "--scene", asset("cube.glb"), "--backend", "cpu", "--every-frame",
-                                      "--hold", "1s", "--frames", "3", "--link", "record:" + file, "--quiet"},
-                                     options));
+    const std::vector<std::string> line{"run",    "--scene", asset("cube.glb"), "--backend", "cpu",    "--every-frame",
+                                        "--hold", "1s",      "--frames",        "3",         "--link", "record:" + file,
+                                        "--quiet"};
+    const Result result = palpa(with(with(line, small_frames()), options));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     std::vector<float> of_first;
     for (const session::RecordedDrive& recorded : session::read_drive_recording(file).drives) {
@@ -228,9 +239,18 @@ TEST(CliMethods, FociThatSoundTogetherAreSolvedUnlessToldOtherwise) {
     EXPECT_FALSE(of_first.empty());
     return of_first;
   };
-  const auto left_out = phases("left out", {"--method", "multi-focus"});
-  EXPECT_TRUE(left_out == phases("gs-pat", {"--method", "multi-focus", "--solver", "gs-pat"}));
-  EXPECT_FALSE(left_out == phases("naive", {"--method", "multi-focus", "--solver", "naive"}));
+  std::vector<float> left_out, gs_pat, naive;
+  side_by_side({[&] {
+                  left_out = phases("left out", {"--method", "multi-focus"});
+                },
+                [&] {
+                  gs_pat = phases("gs-pat", {"--method", "multi-focus", "--solver", "gs-pat"});
+                },
+                [&] {
+                  naive = phases("naive", {"--method", "multi-focus", "--solver", "naive"});
+                }});
+  EXPECT_TRUE(left_out == gs_pat);
+  EXPECT_FALSE(left_out == naive);
 }
 
 }  // namespace

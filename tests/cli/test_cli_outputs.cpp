@@ -10,11 +10,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <utility>
 
 #include "base/text.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
+#include "here.hpp"
 #include "process.hpp"
 #include "sensing/grey_png.hpp"
 #include "session/links/record_link.hpp"
@@ -24,6 +26,7 @@
 #include "support/json.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
+#include "support/side_by_side.hpp"
 #include "terminal.hpp"
 
 namespace palpa::test {
@@ -65,12 +68,18 @@ class CliOutputs : public testing::Test {
     return line;
   }
   /// The line is refused, and every file is as it was.
-  void expect_untouched(const std::vector<std::string>& line, int code, const std::string& part) const {
+  void expect_untouched(const std::vector<std::string>& line, int code, const std::string& part) {
     SCOPED_TRACE(line[0] + " " + line[line.size() - 2] + " " + line.back());
     const auto before = contents();
+    expect_failure(palpa_here(line), code, part);
+    EXPECT_TRUE(contents() == before);
+    // And the first of a test's lines of each command by the program itself.
+    if (!programs_.insert(line[0]).second) return;
     expect_failure(palpa(line), code, part);
-    EXPECT_EQ(contents(), before);
+    EXPECT_TRUE(contents() == before);
   }
+
+  std::set<std::string> programs_;
 };
 
 TEST_F(CliOutputs, NeverTakeThePlaceOfAnInput) {
@@ -112,7 +121,7 @@ TEST_F(CliOutputs, NorOfWhatAnInputRefersTo) {
     all.insert(all.end(), more.begin(), more.end());
     return all;
   };
-  EXPECT_EQ(palpa(line).exit_code, 0);
+  EXPECT_EQ(palpa_here(line).exit_code, 0);
   expect_untouched(with(line, {"--csv", path("part s.bin")}), 2, "is read by this command");
   expect_untouched(with(line, {"--json", path("picture.png")}), 2, "is read by this command");
 
@@ -132,7 +141,7 @@ TEST_F(CliOutputs, NorOfWhatAnInputRefersTo) {
   expect_untouched(run({"--rig", rig, "--layout", "autd3", "--json", path("sleeves.png")}), 2,
                    "is read by this command");
 
-  ASSERT_EQ(palpa(run({"--rig", rig, "--layout", "autd3", "--record", path("take")})).exit_code, 0);
+  ASSERT_EQ(palpa_here(run({"--rig", rig, "--layout", "autd3", "--record", path("take")})).exit_code, 0);
   for (const char* file : {"take/recording.toml", "take/times.csv", "take/000001-1.png", "take/mask-0.png"})
     expect_untouched(run({"--source", "recording:" + path("take"), "--link", "record:" + path(file)}), 2,
                      "is read by this command");
@@ -148,7 +157,7 @@ TEST_F(CliOutputs, NeverTakeThePlaceOfOneAnother) {
   expect_untouched(run({"--events", path("out"), "--link", "record:" + path("out")}), 2, "name the same file");
   fs::create_directory(path("empty"));
   expect_untouched(run({"--record", path("empty"), "--json", path("empty/times.csv")}), 2, "lies in the folder");
-  const Result both = palpa(touch({"--json", "/dev/null", "--csv", "/dev/null"}));
+  const Result both = palpa_here(touch({"--json", "/dev/null", "--csv", "/dev/null"}));
   EXPECT_EQ(both.exit_code, 0) << both.err;
 }
 
@@ -168,7 +177,7 @@ TEST_F(CliOutputs, ThatCannotBeWrittenAreRefusedAtTheStart) {
   expect_untouched(run({"--record", path("used/notes.txt")}), 1, "name a new folder");
   expect_untouched(run({"--record", path("no/such")}), 1, path("no/such") + ": cannot be written: ");
   fs::create_directory(path("empty"));
-  EXPECT_EQ(palpa(run({"--record", path("empty/")})).exit_code, 0);
+  EXPECT_EQ(palpa(run(with(small_frames(), {"--record", path("empty/")}))).exit_code, 0);
   EXPECT_TRUE(fs::exists(path("empty/recording.toml")));
 }
 
@@ -178,11 +187,11 @@ TEST_F(CliOutputs, DecomposeWritesToStdout) {
   std::ofstream(path("parts.glb"), std::ios::binary) << result.out;
   EXPECT_FALSE(geometry::load_gltf(path("parts.glb")).meshes.empty());
   EXPECT_FALSE(fs::exists("-"));
-  expect_failure(palpa({"decompose", "--scene", scene_, "--out", "-", "--json", "-"}), 2, "would mix on stdout");
+  expect_failure(palpa_here({"decompose", "--scene", scene_, "--out", "-", "--json", "-"}), 2, "would mix on stdout");
 }
 
 TEST_F(CliOutputs, DrivesOnStdoutAreAlone) {
-  const Result result = palpa(run({"--link", "record:-"}));
+  const Result result = palpa(run(with(small_frames(), {"--link", "record:-"})));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   std::ofstream(path("drives.bin"), std::ios::binary) << result.out;
   const session::DriveRecording recording = session::read_drive_recording(path("drives.bin"));
@@ -199,7 +208,7 @@ TEST_F(CliOutputs, DrivesOnStdoutAreAlone) {
 
 TEST_F(CliOutputs, AnyNameOfStdoutIsStdout) {
   const std::vector<std::string> drive{"drive", "--layout", "openmpd", "--focus", "0,0,150mm", "--backend", "cpu"};
-  ASSERT_EQ(palpa(with(drive, {"--csv", path("alone.csv")})).exit_code, 0);
+  ASSERT_EQ(palpa_here(with(drive, {"--csv", path("alone.csv")})).exit_code, 0);
   const std::string alone = read_text(path("alone.csv"));
   for (const std::string& name : {std::string("/dev/stdout"), path("out.csv")}) {
     SCOPED_TRACE(name);
@@ -226,8 +235,9 @@ TEST_F(CliOutputs, DrivesEndSilentlyWhereTheDiskIsFull) {
     Result result;
     {
       const FileSizeLimit full(limit);
-      result = palpa({"run", "--scene", scene_, "--frames", "60", "--hold", "1s", "--backend", "cpu", "--link",
-                      "record:" + path("drives.bin")});
+      result = palpa(with({"run", "--scene", scene_, "--frames", "60", "--hold", "1s", "--backend", "cpu", "--link",
+                           "record:" + path("drives.bin")},
+                          small_frames()));
     }
     expect_failure(result, 1, path("drives.bin") + ": cannot be written: File too large");
     const session::DriveRecording recording = session::read_drive_recording(path("drives.bin"));
@@ -251,17 +261,17 @@ TEST_F(CliOutputs, LongPreparationSaysWhatItDoesAndStopsOnCtrlC) {
   geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
   const auto before = contents();
   setenv("PALPA_CACHE", "off", 1);
-  for (const std::vector<std::string>& line :
-       {std::vector<std::string>{"touch", "--scene", path("ball.glb"), "--points", points_, "--backend", "cpu",
-                                 "--json", path("out.json")},
-        {"run", "--scene", path("ball.glb"), "--backend", "cpu", "--link", "record:" + path("drives.bin")}}) {
-    Terminal terminal(line);
-    EXPECT_TRUE(terminal.shows("checking mesh \"ball\" of 404100 triangles")) << terminal.text();
-    EXPECT_TRUE(terminal.shows("preparing mesh \"ball\": ")) << terminal.text();
-    EXPECT_TRUE(terminal.shows(" %")) << terminal.text();
+  Terminal touch(
+      {"touch", "--scene", path("ball.glb"), "--points", points_, "--backend", "cpu", "--json", path("out.json")}),
+      run({"run", "--scene", path("ball.glb"), "--backend", "cpu", "--link", "record:" + path("drives.bin")});
+  for (const char* part : {"checking mesh \"ball\" of 404100 triangles", "preparing mesh \"ball\": ", " %"}) {
+    for (Terminal* terminal : {&touch, &run})
+      EXPECT_TRUE(terminal->shows(part)) << terminal->text();
+  }
+  for (Terminal* terminal : {&touch, &run}) {
     const auto begin = std::chrono::steady_clock::now();
-    terminal.type("\x03");
-    EXPECT_EQ(terminal.ended_by_signal(), SIGINT) << terminal.text();
+    terminal->type("\x03");
+    EXPECT_EQ(terminal->ended_by_signal(), SIGINT) << terminal->text();
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
     EXPECT_TRUE(contents() == before) << "nothing was written";
   }
@@ -269,19 +279,21 @@ TEST_F(CliOutputs, LongPreparationSaysWhatItDoesAndStopsOnCtrlC) {
 }
 
 TEST_F(CliOutputs, LongPreparationTellsALogEachStep) {
-  const geometry::SceneMesh ball = bumpy_ball(instrumented() ? 80 : 200);  // takes some seconds
+  const geometry::SceneMesh ball = bumpy_ball(instrumented() ? 80 : 110);  // takes some tenths of a second
   geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
   RunOptions fresh;
   fresh.environment = {{"PALPA_CACHE", "off"}};
   const std::vector<std::string> with_ball{"touch", "--scene",     path("ball.glb"), "--points", points_, "--backend",
                                            "cpu",   "--log-level", "info",           "--json",   "-"};
-  const Result told = palpa(with_ball, fresh);
-  EXPECT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_NE(told.err.find("palpa: info: "), std::string::npos) << told.err;
-  EXPECT_NE(told.err.find("preparing mesh \"ball\""), std::string::npos) << told.err;
   std::vector<std::string> silent = with_ball;
   silent[8] = "warning";
-  EXPECT_EQ(palpa(silent, fresh).err, "");
+  side_by_side({[&] {
+                  const Result told = palpa(with_ball, fresh);
+                  EXPECT_EQ(told.exit_code, 0) << told.err;
+                  EXPECT_NE(told.err.find("palpa: info: "), std::string::npos) << told.err;
+                  EXPECT_NE(told.err.find("preparing mesh \"ball\""), std::string::npos) << told.err;
+                },
+                [&] { EXPECT_EQ(palpa(silent, fresh).err, ""); }});
 }
 
 TEST_F(CliOutputs, MessagesAreShortAndPrintable) {
@@ -302,7 +314,7 @@ TEST_F(CliOutputs, MessagesAreShortAndPrintable) {
         {"run", "--scene", scene_, "--link", std::string(100'000, '\n')},
         {"drive", "--layout", "autd3", "--focus", std::string(100'000, '\x9b')},
         {"drive", "--" + std::string(100'000, 'a') + wild}}) {
-    const Result result = palpa(line);
+    const Result result = palpa_here(line);
     EXPECT_NE(result.exit_code, 0);
     ASSERT_EQ(result.err_lines().size(), 1u) << result.err;
     const std::string told = result.err_lines()[0];

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/tiny_files.hpp"
+#include "here.hpp"
 #include "process.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
@@ -32,8 +33,8 @@ class CliReferences : public testing::Test {
   /// The line is refused where references stay inside, and goes further with --allow-outside, to the error `further`.
   static void expect_inside(const std::vector<std::string>& line, const std::string& further) {
     SCOPED_TRACE(line[0] + " " + line.back());
-    expect_failure(palpa(line), 4, "--allow-outside");
-    expect_failure(palpa(with(line, {"--allow-outside"})), 4, further);
+    expect_failure(palpa_here(line), 4, "--allow-outside");
+    expect_failure(palpa_here(with(line, {"--allow-outside"})), 4, further);
   }
 
   fs::path top_ = scratch_folder("references"), folder_ = top_ / "theirs";
@@ -66,17 +67,17 @@ TEST_F(CliReferences, OfScenesAreResolvedFirst) {
   }
   for (const char* uri : {"beside.bin", "up/theirs/beside.bin", "%2e/beside.bin"}) {
     write_scene(folder_ / "model.gltf", uri);
-    expect_failure(palpa({"touch", "--scene", path("model.gltf"), "--points", points_}), 4, "has 2 bytes");
+    expect_failure(palpa_here({"touch", "--scene", path("model.gltf"), "--points", points_}), 4, "has 2 bytes");
   }
   // Pictures are not opened, wherever they are: a pipe would be waited for, a folder refused.
   ASSERT_EQ(mkfifo((top_ / "pipe").c_str(), 0600), 0);
   write_scene(folder_ / "model.gltf", "whole.bin", "../pipe");
   fs::copy_file(top_ / "whole.bin", folder_ / "whole.bin");
-  EXPECT_EQ(palpa({"touch", "--scene", path("model.gltf"), "--points", points_, "--backend", "cpu"}).exit_code, 0);
+  EXPECT_EQ(palpa_here({"touch", "--scene", path("model.gltf"), "--points", points_, "--backend", "cpu"}).exit_code, 0);
   write_scene(folder_ / "model.gltf", "../whole.bin");
   const std::vector<std::string> touch{"touch",     "--scene", path("model.gltf"), "--points", points_,
                                        "--backend", "cpu",     "--allow-outside"};
-  EXPECT_EQ(palpa(touch).exit_code, 0);
+  EXPECT_EQ(palpa_here(touch).exit_code, 0);
 }
 
 TEST_F(CliReferences, OfRecordingsStayInTheirFolder) {
@@ -101,25 +102,25 @@ TEST_F(CliReferences, OfRecordingsStayInTheirFolder) {
     return run;
   };
   const auto goes_on = [&](const std::vector<std::string>& line) {
-    const Result result = palpa(line);
+    const Result result = palpa_here(line);
     EXPECT_EQ(result.exit_code, 0) << result.err;
   };
   goes_on(with_keys("files = [\"depth-%d.png\"]\n"));
   for (const std::string& name : {std::string("../depth-%d.png"), std::string("up/depth-%d.png"),
                                   std::string("link-%d.png"), (top_ / "depth-%d.png").string()}) {
     SCOPED_TRACE(name);
-    expect_failure(palpa(with_keys("files = [\"" + name + "\"]\n")), 4, "--allow-outside");
-    expect_failure(palpa(with_keys("count = 1\nfiles = [\"" + name + "\"]\n")), 4, "--allow-outside");
+    expect_failure(palpa_here(with_keys("files = [\"" + name + "\"]\n")), 4, "--allow-outside");
+    expect_failure(palpa_here(with_keys("count = 1\nfiles = [\"" + name + "\"]\n")), 4, "--allow-outside");
     goes_on(with(run, {"--allow-outside"}));
   }
-  expect_failure(palpa(with_keys("[[frame]]\ntime_s = 1\nfiles = [\"../depth-0.png\"]\n")), 4, "--allow-outside");
+  expect_failure(palpa_here(with_keys("[[frame]]\ntime_s = 1\nfiles = [\"../depth-0.png\"]\n")), 4, "--allow-outside");
   expect_inside(with_keys("files = [\"depth-%d.png\"]\ntimes = \"../times.csv\"\n"), "expected the heading");
   expect_inside(with_keys("files = [\"depth-%d.png\"]\n", "../mask.png"), "is not a PNG file");
   // The recording may be a link itself, out of the folder that the user names.
   with_keys("files = [\"depth-%d.png\"]\n");
   fs::rename(folder_ / "recording.toml", top_ / "recording.toml");
   fs::create_symlink("../recording.toml", folder_ / "recording.toml");
-  expect_failure(palpa(run), 4, "--allow-outside");
+  expect_failure(palpa_here(run), 4, "--allow-outside");
   // Its own name is the user's.
   std::vector<std::string> named = run;
   named[4] = "recording:" + path("recording.toml");
@@ -131,8 +132,8 @@ TEST_F(CliReferences, ArePlacedByRigsAndLayoutsAsTheUserLikes) {
   sensing::write_png8(top_ / "mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
   write_text(folder_ / "rig.toml",
              std::string(tiny_camera) + "mask = \"../mask.png\"\n[array]\nlayout = \"../mine.toml\"\n");
-  const Result result = palpa({"run", "--scene", source_file("assets/cube.glb").string(), "--rig", path("rig.toml"),
-                               "--frames", "1", "--backend", "cpu"});
+  const Result result = palpa_here({"run", "--scene", source_file("assets/cube.glb").string(), "--rig",
+                                    path("rig.toml"), "--frames", "1", "--backend", "cpu"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
 }
 
@@ -166,7 +167,9 @@ TEST_F(CliReferences, NoMessageShowsWhatIsNoFileOfItsKind) {
              {"emulate", "openmpd", "--board-files", path("board")},
              {"link", "test", "--layout", "sonicsurface", "--link", "sonicsurface:/dev/null", "--board-files",
               path("board")}}) {
-      const Result result = palpa(with(line, {"--backend", "cpu"}));
+      const std::vector<std::string> all = with(line, {"--backend", "cpu"});
+      // A board is held by a process that the program starts from its own folder.
+      const Result result = line[0] == "link" ? palpa(all) : palpa_here(all);
       EXPECT_NE(result.exit_code, 0) << line[0] << ' ' << line[2];
       EXPECT_EQ((result.err + result.out).find("Q7Z"), std::string::npos)
           << line[0] << ' ' << line[2] << ": " << result.err;

@@ -15,6 +15,7 @@
 #include "acoustics/bodies/sphere_series.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
+#include "here.hpp"
 #include "process.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
@@ -55,7 +56,7 @@ struct Scattered {
 
 Scattered scatter(const std::vector<std::string>& arguments, const std::string& head) {
   const std::string csv = folder() / "out.csv", file = folder() / "out.json";
-  const Result result = palpa(with({"scatter", "--csv", csv, "--json", file, "--sound-speed", "343"}, arguments));
+  const Result result = palpa_here(with({"scatter", "--csv", csv, "--json", file, "--sound-speed", "343"}, arguments));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "");
   EXPECT_TRUE(read_text(csv).starts_with(head)) << read_text(csv).substr(0, 80);
@@ -121,8 +122,9 @@ TEST(Scatter, OnTheMeshItselfIsTheSkin) {
 
 TEST(Scatter, AnArrayLiftsWhatIsAboveIt) {
   const std::string drive = folder() / "drive.csv";
-  ASSERT_EQ(
-      palpa({"drive", "--layout", "openmpd", "--focus", "0,0,100mm", "--csv", drive, "--backend", "cpu"}).exit_code, 0);
+  ASSERT_EQ(palpa_here({"drive", "--layout", "openmpd", "--focus", "0,0,100mm", "--csv", drive, "--backend", "cpu"})
+                .exit_code,
+            0);
   geometry::Mesh above = geometry::icosphere(radius, 5);
   for (Vec3& p : above.positions)
     p.z += 0.105;
@@ -135,15 +137,18 @@ TEST(Scatter, AnArrayLiftsWhatIsAboveIt) {
   const double less = scatter(with(arguments, {"--absorption"}), "face,x,y,z,re,im\n").results["force_N"][2];
   EXPECT_LT(less, 0.99 * force);
   EXPECT_GT(less, 0.9 * force);
-  expect_failure(palpa({"scatter", "--mesh", sphere_file(), "--layout", "openmpd", "--drive", drive, "--csv", "-"}), 4,
-                 "stands in the array");
-  expect_failure(palpa({"scatter", "--mesh", arguments[1], "--layout", "sonicsurface", "--drive", drive, "--csv", "-"}),
-                 4, "drive.csv");
+  expect_failure(
+      palpa_here({"scatter", "--mesh", sphere_file(), "--layout", "openmpd", "--drive", drive, "--csv", "-"}), 4,
+      "stands in the array");
+  expect_failure(
+      palpa_here({"scatter", "--mesh", arguments[1], "--layout", "sonicsurface", "--drive", drive, "--csv", "-"}), 4,
+      "drive.csv");
 }
 
 TEST(Scatter, RefusesWhatIsNoBody) {
   const auto refused = [](const std::string& name, const geometry::Mesh& mesh, const std::string& why) {
-    expect_failure(palpa({"scatter", "--mesh", ply_of(name, mesh), "--plane-wave", "0,0,1", "--csv", "-"}), 4, why);
+    expect_failure(palpa_here({"scatter", "--mesh", ply_of(name, mesh), "--plane-wave", "0,0,1", "--csv", "-"}), 4,
+                   why);
   };
   const geometry::Mesh sphere = geometry::icosphere(radius, 4);
   geometry::Mesh open = sphere, crossing = sphere, needle = sphere;
@@ -161,15 +166,16 @@ TEST(Scatter, RefusesWhatIsNoBody) {
   refused("swapped", swapped, "opposite orientation");
   refused("points", {sphere.positions, {}}, "has no faces");
   refused("coarse", test::box({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01}), "too coarse");
-  const Result forced = palpa({"scatter", "--mesh", ply_of("coarse", box({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01})),
-                               "--plane-wave", "0,0,1", "--force", "--json", "-"});
+  const Result forced =
+      palpa_here({"scatter", "--mesh", ply_of("coarse", box({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01})), "--plane-wave",
+                  "0,0,1", "--force", "--json", "-"});
   EXPECT_EQ(forced.exit_code, 0);
   EXPECT_NE(forced.err.find("coarse"), std::string::npos);
   // Turned over it is a body.
   geometry::Mesh inwards = sphere;
   geometry::flip(inwards);
   const Result turned =
-      palpa({"scatter", "--mesh", ply_of("inwards", inwards), "--plane-wave", "0,0,1", "--json", "-"});
+      palpa_here({"scatter", "--mesh", ply_of("inwards", inwards), "--plane-wave", "0,0,1", "--json", "-"});
   EXPECT_EQ(turned.exit_code, 0);
   EXPECT_NE(turned.err.find("its faces point inwards"), std::string::npos);
   EXPECT_GT(json::parse(turned.out)["force_N"][2].get<double>(), 0);
@@ -197,14 +203,14 @@ TEST(Scatter, PiecesFaceOutwardsAndLieBesideEachOther) {
     return ply_of("pieces", both);
   };
   for (const bool flipped : {false, true}) {
-    expect_failure(
-        palpa({"scatter", "--mesh", with_sphere(radius / 2, Vec3(0), flipped), "--plane-wave", "0,0,1", "--json", "-"}),
-        4, "a piece within another");
+    expect_failure(palpa_here({"scatter", "--mesh", with_sphere(radius / 2, Vec3(0), flipped), "--plane-wave", "0,0,1",
+                               "--json", "-"}),
+                   4, "a piece within another");
   }
   const Vec3 beside(3 * radius, 0, 0);
   const Scattered right = scatter({"--mesh", with_sphere(radius, beside, false), "--plane-wave", "0,0,1"}, "face,");
-  const Result turned = palpa({"scatter", "--mesh", with_sphere(radius, beside, true), "--plane-wave", "0,0,1",
-                               "--sound-speed", "343", "--json", "-"});
+  const Result turned = palpa_here({"scatter", "--mesh", with_sphere(radius, beside, true), "--plane-wave", "0,0,1",
+                                    "--sound-speed", "343", "--json", "-"});
   EXPECT_NE(turned.err.find("1 of its 2 pieces face inwards"), std::string::npos) << turned.err;
   const double force = right.results["force_N"][2];
   EXPECT_NEAR(json::parse(turned.out)["force_N"][2].get<double>() / force, 1, 1e-3);
@@ -213,7 +219,7 @@ TEST(Scatter, PiecesFaceOutwardsAndLieBesideEachOther) {
 TEST(Scatter, ASourceCloseToTheMeshIsToldOrRefused) {
   // Sides of 1.2 mm or so.
   const auto from = [](const std::string& z, const std::vector<std::string>& more = {}) {
-    return palpa(with({"scatter", "--mesh", sphere_file(), "--point-source", "0,0," + z, "--json", "-"}, more));
+    return palpa_here(with({"scatter", "--mesh", sphere_file(), "--point-source", "0,0," + z, "--json", "-"}, more));
   };
   EXPECT_EQ(from("9mm").err, "");
   const Result near = from("6.2mm");
@@ -225,13 +231,15 @@ TEST(Scatter, ASourceCloseToTheMeshIsToldOrRefused) {
 
 TEST(Scatter, AnArraysTransducersAreAWall) {
   const std::string drive = folder() / "drive.csv";
-  ASSERT_EQ(
-      palpa({"drive", "--layout", "openmpd", "--focus", "0,0,100mm", "--csv", drive, "--backend", "cpu"}).exit_code, 0);
+  ASSERT_EQ(palpa_here({"drive", "--layout", "openmpd", "--focus", "0,0,100mm", "--csv", drive, "--backend", "cpu"})
+                .exit_code,
+            0);
   const auto at = [&](const std::string& name, double size, const Vec3& place) {
     geometry::Mesh mesh = geometry::icosphere(size, 4);
     for (Vec3& p : mesh.positions)
       p += place;
-    return palpa({"scatter", "--mesh", ply_of(name, mesh), "--layout", "openmpd", "--drive", drive, "--json", "-"});
+    return palpa_here(
+        {"scatter", "--mesh", ply_of(name, mesh), "--layout", "openmpd", "--drive", drive, "--json", "-"});
   };
   // A board's middle lies between four transducers: a thin body there is nearer to none than its radius.
   expect_failure(at("through", 1.5e-3, {0, 0, 0}), 4, "behind its wall");
@@ -243,12 +251,13 @@ TEST(Scatter, AnArraysTransducersAreAWall) {
 TEST(Scatter, LoudDrivesAreBeyondLinearAcoustics) {
   const std::string drive = folder() / "loud.csv";
   const auto told = [&](const std::string& layout) {
-    EXPECT_EQ(palpa({"drive", "--layout", layout, "--focus", "0,0,50mm", "--csv", drive, "--backend", "cpu"}).exit_code,
-              0);
+    EXPECT_EQ(
+        palpa_here({"drive", "--layout", layout, "--focus", "0,0,50mm", "--csv", drive, "--backend", "cpu"}).exit_code,
+        0);
     geometry::Mesh mesh = geometry::icosphere(radius, 4);
     for (Vec3& p : mesh.positions)
       p.z += 0.055;
-    const Result result = palpa({"scatter", "--mesh", ply_of("loud", mesh), "--layout", layout, "--drive", drive});
+    const Result result = palpa_here({"scatter", "--mesh", ply_of("loud", mesh), "--layout", layout, "--drive", drive});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return result.out.find("linear acoustics no longer holds") != std::string::npos;
   };
@@ -302,13 +311,13 @@ TEST(DriveOnAFinger, IsAsLoudAsWhatScattersSays) {
     const Scattered got = scatter({"--mesh", above.file, "--layout", "openmpd", "--drive", csv}, "face,x,y,z,re,im\n");
     const double loud = std::hypot(got.rows[face][4], got.rows[face][5]);
     EXPECT_NEAR(results["pressures_pa"][0].get<double>() / loud, 1, 5e-3);
-    ASSERT_EQ(palpa(with(here, {"--solver", "adjoint", "--csv", other})).exit_code, 0);
+    ASSERT_EQ(palpa_here(with(here, {"--solver", "adjoint", "--csv", other})).exit_code, 0);
     EXPECT_EQ(read_text(other), read_text(csv));
     // A pressure that is asked for is there.
     const std::vector<std::string> asked{"drive",   "--layout",  "openmpd", "--sound-speed", "343",
                                          "--focus", above.focus, "--mesh",  above.file,      "--pressure",
                                          "500Pa",   "--solver",  "adjoint", "--csv",         csv};
-    ASSERT_EQ(palpa(asked).exit_code, 0);
+    ASSERT_EQ(palpa_here(asked).exit_code, 0);
     const Scattered even = scatter({"--mesh", above.file, "--layout", "openmpd", "--drive", csv}, "face,x,y,z,re,im\n");
     EXPECT_NEAR(std::hypot(even.rows[face][4], even.rows[face][5]), 500, 3);
   }
@@ -317,7 +326,7 @@ TEST(DriveOnAFinger, IsAsLoudAsWhatScattersSays) {
 TEST(DriveOnAFinger, RefusesWhatHasNoFinger) {
   const Above above = fingertip(5);
   const auto refused = [](const std::vector<std::string>& arguments, int code, const std::string& why) {
-    expect_failure(palpa(arguments), code, why);
+    expect_failure(palpa_here(arguments), code, why);
   };
   const std::vector<std::string> drive{"drive", "--layout", "openmpd", "--focus", above.focus, "--csv", "-"};
   refused(with(drive, {"--transfer", "finger"}), 2, "--mesh is missing");
@@ -341,7 +350,7 @@ TEST(DriveOnAFinger, RefusesWhatHasNoFinger) {
 TEST(Scatter, RefusesWavesThatAreNone) {
   const std::string mesh = sphere_file();
   const auto refused = [&](const std::vector<std::string>& arguments, const std::string& why) {
-    expect_failure(palpa(with({"scatter", "--mesh", mesh, "--csv", "-"}, arguments)), 2, why);
+    expect_failure(palpa_here(with({"scatter", "--mesh", mesh, "--csv", "-"}, arguments)), 2, why);
   };
   refused({}, "nothing sounds");
   refused({"--plane-wave", "0,0,1", "--point-source", "0,0,1"}, "exclude each other");
@@ -362,7 +371,7 @@ TEST(Scatter, BodiesSmallerThanAMicrometreAreBadInput) {
   for (const auto& [name, mesh] : bodies) {
     const std::filesystem::path file = folder() / (name + ".ply");
     geometry::write_ply(file, mesh.positions, mesh.triangles, geometry::PlyFormat::ascii);
-    const Result result = palpa({"scatter", "--mesh", file, "--plane-wave", "0,0,1"});
+    const Result result = palpa_here({"scatter", "--mesh", file, "--plane-wave", "0,0,1"});
     expect_failure(result, 4, name + ".ply: ");
     expect_failure(result, 4, "a body measures at least a micrometre");
   }

@@ -13,6 +13,7 @@
 
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
+#include "here.hpp"
 #include "process.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
@@ -54,7 +55,7 @@ struct Simulated {
 
 Simulated simulate(const std::vector<std::string>& arguments) {
   const std::string csv = folder() / "out.csv", file = folder() / "out.json";
-  const Result result = palpa(with(arguments, {"--csv", csv, "--json", file}));
+  const Result result = palpa_here(with(arguments, {"--csv", csv, "--json", file}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(read_text(csv).starts_with("face,x,y,z,area,langevin,squared\n"));
   return {json::parse(read_text(file)), read_csv(csv)};
@@ -118,8 +119,9 @@ TEST(Simulate, AModulatedFocusIsHalfOfItsDrive) {
   const auto place = [](const json& p) { return p[0].dump() + "," + p[1].dump() + "," + p[2].dump(); };
   const std::string drive = folder() / "drive.csv";
   ASSERT_EQ(
-      palpa({"drive", "--layout", "paper", "--focus", place(focus), "--csv", drive, "--backend", "cpu"}).exit_code, 0);
-  const Result alone = palpa(
+      palpa_here({"drive", "--layout", "paper", "--focus", place(focus), "--csv", drive, "--backend", "cpu"}).exit_code,
+      0);
+  const Result alone = palpa_here(
       {"scatter", "--mesh", finger_file("lowered", -1.5e-3), "--layout", "paper", "--drive", drive, "--json", "-"});
   ASSERT_EQ(alone.exit_code, 0) << alone.err;
   const double up = json::parse(alone.out)["force_N"][1];
@@ -140,7 +142,7 @@ TEST(Simulate, CamerasSeeTheSameTouch) {
   }
   EXPECT_EQ(seen({"--seed", "7"})["foci_m"], noisy["foci_m"]);
   EXPECT_NE(seen({"--seed", "8"})["foci_m"], noisy["foci_m"]);
-  expect_failure(palpa(with(cube, {"--noise-free", "--json", "-"})), 2, "--skin cameras");
+  expect_failure(palpa_here(with(cube, {"--noise-free", "--json", "-"})), 2, "--skin cameras");
 }
 
 TEST(Simulate, FocusesOnTheFingerItself) {
@@ -212,25 +214,26 @@ TEST(Simulate, SpectrumAndTuneAreOfTheSoundOnTheFinger) {
                                      "--spectrum",
                                      "--json",
                                      "-"};
-  EXPECT_EQ(json::parse(palpa(air).out)["fingers"][0]["spectrum"]["field"], "array");
-  expect_failure(palpa(with(touch, {"--spot", "4mm", "--json", "-"})), 2, "--spot goes with");
+  EXPECT_EQ(json::parse(palpa_here(air).out)["fingers"][0]["spectrum"]["field"], "array");
+  expect_failure(palpa_here(with(touch, {"--spot", "4mm", "--json", "-"})), 2, "--spot goes with");
 }
 
 TEST(Simulate, SaysOnceThatAPressureIsNotReached) {
   const std::vector<std::string> touch = with(touch_of("cube"), {"--penetration", "1.5mm", "--layout", "openmpd"});
   for (const char* const transfer : {"free", "finger"}) {
-    const Result loud = palpa(with(touch, {"--transfer", transfer, "--pressure", "50kPa"}));
+    const Result loud = palpa_here(with(touch, {"--transfer", transfer, "--pressure", "50kPa"}));
     EXPECT_EQ(loud.exit_code, 0);
     ASSERT_EQ(loud.err_lines().size(), 1u) << loud.err;
     EXPECT_NE(loud.err.find("50000 Pa"), std::string::npos) << loud.err;
-    EXPECT_EQ(palpa(with(touch, {"--transfer", transfer, "--pressure", "500Pa"})).err, "");
+    EXPECT_EQ(palpa_here(with(touch, {"--transfer", transfer, "--pressure", "500Pa"})).err, "");
   }
 }
 
 /// The paper's rig with every seventeenth of its transducers: the same focus for less time.
 std::string sparse_rig() {
   const std::string drive = folder() / "all.csv";
-  EXPECT_EQ(palpa({"drive", "--layout", "paper", "--focus", "0,0,0", "--csv", drive, "--backend", "cpu"}).exit_code, 0);
+  EXPECT_EQ(
+      palpa_here({"drive", "--layout", "paper", "--focus", "0,0,0", "--csv", drive, "--backend", "cpu"}).exit_code, 0);
   std::ofstream layout(folder() / "sparse.toml");
   const auto rows = read_csv(drive);
   for (std::size_t i = 0; i < rows.size(); i += 17) {
@@ -271,7 +274,7 @@ TEST(Simulate, TheFigureIsThePapers) {
   EXPECT_GT(area(3), 1.1 * area(2));
   EXPECT_GT(paper[3]["squared"]["elongation"], paper[4]["squared"]["elongation"]);
   EXPECT_TRUE(read_text(png).starts_with("\x89PNG"));
-  expect_failure(palpa({"simulate", "--figure6", "--scene", "a.glb"}), 2, "--figure6");
+  expect_failure(palpa_here({"simulate", "--figure6", "--scene", "a.glb"}), 2, "--figure6");
 }
 
 TEST(Simulate, LongWorkSaysWhatItDoesAndStopsOnCtrlC) {
@@ -291,17 +294,17 @@ TEST(Simulate, LongWorkSaysWhatItDoesAndStopsOnCtrlC) {
 
 TEST(Simulate, RefusesWhatCannotBe) {
   const std::vector<std::string> cube = touch_of("cube");
-  expect_failure(palpa(with(cube, {"--penetration", "-2mm", "--json", "-"})), 4, "touches nothing there");
-  expect_failure(palpa({"simulate", "--finger", finger_file("tip", 0)}), 2, "--scene is missing");
-  expect_failure(palpa({"simulate", "--scene", source_file("assets/cube.glb")}), 2, "--finger is missing");
-  expect_failure(palpa(with(cube, {"--layout", "openmpd", "--penetration", "153mm", "--json", "-"})), 4,
+  expect_failure(palpa_here(with(cube, {"--penetration", "-2mm", "--json", "-"})), 4, "touches nothing there");
+  expect_failure(palpa_here({"simulate", "--finger", finger_file("tip", 0)}), 2, "--scene is missing");
+  expect_failure(palpa_here({"simulate", "--scene", source_file("assets/cube.glb")}), 2, "--finger is missing");
+  expect_failure(palpa_here(with(cube, {"--layout", "openmpd", "--penetration", "153mm", "--json", "-"})), 4,
                  "stands in the array");
   geometry::Mesh open = geometry::icosphere(5e-3, 5);
   open.triangles.pop_back();
   const std::filesystem::path file = folder() / "open.ply";
   geometry::write_ply(file, open.positions, open.triangles);
-  expect_failure(palpa({"simulate", "--scene", source_file("assets/cube.glb"), "--finger", file, "--json", "-"}), 4,
-                 "the mesh is open");
+  expect_failure(palpa_here({"simulate", "--scene", source_file("assets/cube.glb"), "--finger", file, "--json", "-"}),
+                 4, "the mesh is open");
 }
 
 }  // namespace

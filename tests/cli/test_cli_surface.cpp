@@ -4,17 +4,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
+#include "geometry/solid.hpp"
+#include "setup/load.hpp"
+#include "setup/tasks/touch.hpp"
+#include "setup/touch_input.hpp"
 #include "support/instrumented.hpp"
 #include "support/mesh_oracle.hpp"
 #include "support/shared_data.hpp"
+#include "touch/types.hpp"
 #include "touch_json.hpp"
 
 namespace palpa::test {
@@ -22,7 +31,6 @@ namespace {
 
 using geometry::Mesh;
 
-constexpr std::size_t point_count = fewer(100'000);
 constexpr double boundary_m = 1e-6;  ///< that near to a boundary either answer is right
 constexpr double pi = std::numbers::pi;
 
@@ -146,7 +154,7 @@ float rounded(double value) {
 }
 
 /// Most of them within a few millimetres of faces, corners and edges; some anywhere in and around the model.
-std::vector<Vec3> points_about(const Mesh& mesh, std::uint64_t seed) {
+std::vector<Vec3> points_about(const Mesh& mesh, std::size_t point_count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   std::normal_distribution<double> near(0, 0.0015);
@@ -187,16 +195,33 @@ void PrintTo(const Model& model, std::ostream* out) {
   *out << model.name;
 }
 
+/// The contacts of these files' points, as the command computes them.
+std::vector<touch::Contact> contacts_of(const std::string& scene, const std::string& cloud, setup::Backend backend,
+                                        double delta) {
+  setup::TouchSceneOptions options;
+  options.compute.backend = backend;
+  options.touch.parameters.delta_m = delta;
+  options.touch.parameters.finger_gap_m = 0.02;  // thin clouds would be more fingers than are looked at
+  setup::check(options, false);
+  setup::TouchInputOptions input;
+  input.scene = scene;
+  input.points = cloud;
+  std::vector<geometry::Solid> solids = setup::load_solids(scene);
+  const setup::TouchInput skin = setup::load_touch_input(input, solids);
+  return setup::touch_scene(options, scene, std::move(solids), skin).touch().contacts;
+}
+
 class Surface : public testing::TestWithParam<Model> {};
 
 TEST_P(Surface, ContactsAreThoseOfTheNearestTriangleAndTheWindingNumber) {
+  const std::size_t point_count = std::getenv("PALPA_EXHAUSTIVE") ? 100'000 : fewer(30'000);
   Mesh mesh = GetParam().make();
   for (Vec3& p : mesh.positions)
     p = Vec3(rounded(p.x), rounded(p.y), rounded(p.z));
   const auto folder = scratch_folder("surface");
-  const auto scene = folder / "model.glb", cloud = folder / "points.ply";
+  const std::string scene = folder / "model.glb", cloud = folder / "points.ply";
   geometry::write_glb(scene, std::vector<geometry::SceneMesh>{{"model", mesh}});
-  const std::vector<Vec3> points = points_about(mesh, 17);
+  const std::vector<Vec3> points = points_about(mesh, point_count, 17);
   geometry::write_ply(cloud, points);
 
   const MeshOracle oracle(mesh);
@@ -209,14 +234,11 @@ TEST_P(Surface, ContactsAreThoseOfTheNearestTriangleAndTheWindingNumber) {
     const double distance = oracle.distance(point, 2 * delta);
     depths.push_back(distance < 2 * delta && oracle.winding(point) < 0.5 ? -distance : distance);
   }
-  for (const char* backend : {"gpu", "cpu"}) {
-    const TouchReport report =
-        run_touch({"--scene", scene.string(), "--points", cloud.string(), "--backend", backend, "--finger-gap", "20mm"},
-                  delta, 10);  // thin clouds would be more fingers than are looked at
-    ASSERT_EQ(report.points, points.size());
+  for (const setup::Backend backend : {setup::Backend::gpu, setup::Backend::cpu}) {
+    const char* const name = backend == setup::Backend::gpu ? "gpu" : "cpu";
     std::vector<double> found(points.size(), 0);
-    for (std::size_t i = 0; i < report.contacts.size(); ++i)
-      found[report.contacts[i]] = report.depths[i];
+    for (const touch::Contact& contact : contacts_of(scene, cloud, backend, delta))
+      found.at(contact.point) = contact.depth_m;
     std::size_t wrong = 0, contacts = 0, undecided = 0;
     double worst = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -227,13 +249,13 @@ TEST_P(Surface, ContactsAreThoseOfTheNearestTriangleAndTheWindingNumber) {
       }
       const bool contact = depth > 0 && depth < delta;
       if (contact != (found[i] != 0) && ++wrong <= 5) {
-        ADD_FAILURE() << backend << ": point " << i << " is " << depth << " m deep, reported " << found[i];
+        ADD_FAILURE() << name << ": point " << i << " is " << depth << " m deep, reported " << found[i];
       }
       if (contact && found[i] != 0) worst = std::max(worst, std::abs(depth - found[i]));
       contacts += contact ? 1 : 0;
     }
-    EXPECT_EQ(wrong, 0U) << backend;
-    EXPECT_LT(worst, boundary_m) << backend;
+    EXPECT_EQ(wrong, 0U) << name;
+    EXPECT_LT(worst, boundary_m) << name;
     EXPECT_GT(contacts, point_count / 20) << "too few contacts to show anything";
     EXPECT_LT(undecided, point_count / 500);
   }
@@ -249,24 +271,39 @@ const std::vector<Model> models{{"torus", torus},
 INSTANTIATE_TEST_SUITE_P(Models, Surface, testing::ValuesIn(the_first(3, models)),
                          [](const auto& model) { return std::string(model.param.name); });
 
+TEST(SurfaceProgram, TellsTheSameContacts) {
+  const Mesh mesh = torus();
+  const auto folder = scratch_folder("surface-program");
+  const std::string scene = folder / "model.glb", cloud = folder / "points.ply";
+  geometry::write_glb(scene, std::vector<geometry::SceneMesh>{{"model", mesh}});
+  geometry::write_ply(cloud, points_about(mesh, fewer(30'000), 3));
+  const TouchReport report =
+      run_touch({"--scene", scene, "--points", cloud, "--backend", "cpu", "--finger-gap", "20mm"});
+  EXPECT_EQ(report.points, fewer(30'000));
+  const std::vector<touch::Contact> contacts = contacts_of(scene, cloud, setup::Backend::cpu, 1.5e-3);
+  ASSERT_EQ(report.contacts.size(), contacts.size());
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    ASSERT_EQ(report.contacts[i], contacts[i].point);
+    ASSERT_EQ(static_cast<float>(report.depths[i]), contacts[i].depth_m);
+  }
+}
+
 TEST(Oracle, ItsTreeSaysWhatAllTrianglesSay) {
   for (const Model& model : models) {
     const Mesh mesh = model.make();
     const MeshOracle oracle(mesh);
-    const std::vector<Vec3> points = points_about(mesh, 5);
-    for (std::size_t i = 0; i < points.size(); i += points.size() / fewer(100)) {
-      const Vec3& p = points[i];
-      const double exact = oracle.winding(p, 1e300);
+    const std::vector<Vec3> points = points_about(mesh, fewer(100), 5);
+    std::vector<double> least(points.size(), 1e300);
+    for (const glm::uvec3& t : mesh.triangles) {
+      const MeshOracle one({{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}, {{0, 1, 2}}});
+      for (std::size_t i = 0; i < points.size(); ++i)
+        least[i] = std::min(least[i], one.distance(points[i]));
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double exact = oracle.winding(points[i], 1e300);
       EXPECT_NEAR(exact, std::round(exact), 1e-6) << model.name;
-      EXPECT_NEAR(oracle.winding(p), exact, 0.25) << model.name;
-      double least = 1e300;
-      for (const glm::uvec3& t : mesh.triangles) {
-        const Mesh one{{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}, {{0, 1, 2}}};
-        if (i % 20 == 0) least = std::min(least, MeshOracle(one).distance(p));
-      }
-      if (i % 20 == 0) {
-        EXPECT_NEAR(oracle.distance(p), least, 1e-12) << model.name;
-      }
+      EXPECT_NEAR(oracle.winding(points[i]), exact, 0.25) << model.name;
+      EXPECT_NEAR(oracle.distance(points[i]), least[i], 1e-12) << model.name;
     }
   }
 }

@@ -9,9 +9,11 @@
 #include <sstream>
 
 #include "geometry/files/ply.hpp"
+#include "here.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
+#include "touch_here.hpp"
 #include "touch_json.hpp"
 
 namespace palpa::test {
@@ -51,7 +53,7 @@ class Touch : public testing::TestWithParam<std::string> {
 };
 
 TEST_P(Touch, ContactsOnTheCubeAreThoseOfEquationOne) {
-  const TouchReport report = run_touch(here(cube_touch()));
+  const TouchReport report = run_touch_here(here(cube_touch()));
   const std::vector<Vec3> points = lowered_finger();
   EXPECT_EQ(report.points, points.size());
   std::vector<std::uint32_t> expected;
@@ -75,18 +77,9 @@ TEST_P(Touch, ContactsOnTheCubeAreThoseOfEquationOne) {
   EXPECT_LT(glm::distance(report.fingers[0].centroid, sum / static_cast<double>(at)), 1e-6);
 }
 
-TEST_P(Touch, EveryObjectOfThePaperFeelsTheFinger) {
-  for (const char* object : {"cube.glb", "semi-sphere.glb", "pyramid.glb", "prism.glb"}) {
-    const TouchReport report =
-        run_touch(here({"--scene", asset(object), "--points", asset("finger.ply"), "--penetration", "3mm"}));
-    ASSERT_EQ(report.fingers.size(), 1u) << object;
-    EXPECT_GE(report.contacts.size(), 15u) << object;
-  }
-}
-
 TEST_P(Touch, OptionsReachTheJson) {
   const auto document = [&](const std::vector<std::string>& more) {
-    const Result result = palpa(with(with({"touch"}, here(cube_touch())), with(more, {"--json", "-"})));
+    const Result result = palpa_here(with(with({"touch"}, here(cube_touch())), with(more, {"--json", "-"})));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return json::parse(result.out);
   };
@@ -110,7 +103,7 @@ TEST_P(Touch, OptionsReachTheJson) {
 
 TEST_P(Touch, NoTouchIsNoError) {
   const TouchReport report =
-      run_touch(here({"--scene", asset("cube.glb"), "--points", asset("finger.ply"), "--penetration", "-1mm"}));
+      run_touch_here(here({"--scene", asset("cube.glb"), "--points", asset("finger.ply"), "--penetration", "-1mm"}));
   EXPECT_TRUE(report.contacts.empty());
   EXPECT_TRUE(report.fingers.empty());
 }
@@ -125,7 +118,7 @@ TEST_P(Touch, TwoFingersAreTwo) {
   }
   const auto file = scratch_folder("two-fingers") / "two.ply";
   geometry::write_ply(file, points);
-  const TouchReport report = run_touch(here({"--scene", asset("cube.glb"), "--points", file.string()}));
+  const TouchReport report = run_touch_here(here({"--scene", asset("cube.glb"), "--points", file.string()}));
   ASSERT_EQ(report.fingers.size(), 2u);
   EXPECT_LT(report.fingers[0].indices.back(), one);
   EXPECT_GE(report.fingers[1].indices.front(), one);
@@ -141,7 +134,7 @@ TEST_P(Touch, OneAndTwoContactsGiveFiniteNumbers) {
     geometry::write_ply(file, points);
     // run_touch fails on any null where a number must be.
     const TouchReport report =
-        run_touch(here({"--scene", asset("cube.glb"), "--points", file.string(), "--min-points", "1"}));
+        run_touch_here(here({"--scene", asset("cube.glb"), "--points", file.string(), "--min-points", "1"}));
     ASSERT_EQ(report.fingers.size(), 1u) << points.size();
     EXPECT_LT(glm::distance(report.fingers[0].centroid, (points.front() + points.back()) / 2.0), 1e-6);
   }
@@ -151,7 +144,8 @@ TEST_P(Touch, AnEmptyPointCloudIsNoError) {
   const auto file = scratch_folder("empty") / "empty.ply";
   geometry::write_ply(file, {});
   for (const auto& more : {std::vector<std::string>{}, {"--penetration", "3mm"}}) {
-    const TouchReport report = run_touch(here(with({"--scene", asset("cube.glb"), "--points", file.string()}, more)));
+    const TouchReport report =
+        run_touch_here(here(with({"--scene", asset("cube.glb"), "--points", file.string()}, more)));
     EXPECT_EQ(report.points, 0u);
     EXPECT_TRUE(report.contacts.empty());
   }
@@ -165,8 +159,8 @@ TEST_P(Touch, MoreThan64FingersIsAWarning) {
   }
   const auto file = scratch_folder("many") / "many.ply";
   geometry::write_ply(file, points);
-  const Result result = palpa(with({"touch"}, here({"--scene", asset("cube.glb"), "--points", file.string(),
-                                                    "--min-points", "1", "--finger-gap", "1mm", "--json", "-"})));
+  const Result result = palpa_here(with({"touch"}, here({"--scene", asset("cube.glb"), "--points", file.string(),
+                                                         "--min-points", "1", "--finger-gap", "1mm", "--json", "-"})));
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(json::parse(result.out)["fingers"].size(), 64u);
   ASSERT_EQ(result.err_lines().size(), 1u) << result.err;
@@ -175,11 +169,11 @@ TEST_P(Touch, MoreThan64FingersIsAWarning) {
 }
 
 TEST_P(Touch, TheSameBytesOnEveryRun) {
-  const std::string usual = run_touch(here(cube_touch())).without_times;
+  const std::string usual = run_touch_here(here(cube_touch())).without_times;
   ASSERT_FALSE(usual.empty());
-  using Environment = std::vector<std::pair<std::string, std::string>>;
-  for (const Environment& environment : {Environment{},
-                                         {{"LP_NUM_THREADS", "1"}},
+  EXPECT_EQ(run_touch(here(cube_touch())).without_times, usual) << "a second run";
+  if (GetParam() == "cpu") return;  // what follows speaks to a driver
+  for (const Environment& environment : {Environment{{"LP_NUM_THREADS", "1"}},
                                          {{"LP_NUM_THREADS", "2"}},
                                          {{"LP_NATIVE_VECTOR_WIDTH", "128"}},
                                          {{"LP_NATIVE_VECTOR_WIDTH", "512"}},
@@ -188,13 +182,13 @@ TEST_P(Touch, TheSameBytesOnEveryRun) {
     RunOptions options;
     options.environment = environment;
     EXPECT_EQ(run_touch(here(cube_touch()), 1.5e-3, 10, options).without_times, usual)
-        << (environment.empty() ? "a second run" : environment[0].first + "=" + environment[0].second);
+        << environment[0].first + "=" + environment[0].second;
   }
 }
 
 TEST_P(Touch, CsvListsEveryContactWithItsFinger) {
   const auto file = scratch_folder("csv") / "contacts.csv";
-  const TouchReport report = run_touch(here(with(cube_touch(), {"--csv", file.string()})));
+  const TouchReport report = run_touch_here(here(with(cube_touch(), {"--csv", file.string()})));
   std::ifstream stream(file);
   std::string line;
   std::getline(stream, line);
@@ -220,18 +214,18 @@ TEST_P(Touch, CsvListsEveryContactWithItsFinger) {
 
 INSTANTIATE_TEST_SUITE_P(Backends, Touch, testing::Values("cpu", "gpu"), [](const auto& test) { return test.param; });
 
-TEST(TouchBackends, Agree) {
+TEST(TouchBackends, AgreeThatEveryObjectOfThePaperFeelsTheFinger) {
   for (const char* object : {"cube.glb", "semi-sphere.glb", "pyramid.glb", "prism.glb"}) {
     const std::vector<std::string> line{"--scene",           asset(object),   "--points",
                                         asset("finger.ply"), "--penetration", "3mm"};
-    const TouchReport cpu = run_touch(with(line, {"--backend", "cpu"})),
-                      gpu = run_touch(with(line, {"--backend", "gpu"}));
+    const TouchReport cpu = run_touch_here(with(line, {"--backend", "cpu"})),
+                      gpu = run_touch_here(with(line, {"--backend", "gpu"}));
     EXPECT_EQ(cpu.contacts, gpu.contacts) << object;
-    ASSERT_EQ(cpu.fingers.size(), gpu.fingers.size());
-    for (std::size_t i = 0; i < cpu.fingers.size(); ++i) {
-      EXPECT_EQ(cpu.fingers[i].indices, gpu.fingers[i].indices);
-      EXPECT_LT(glm::distance(cpu.fingers[i].centroid, gpu.fingers[i].centroid), 1e-7);
-    }
+    EXPECT_GE(cpu.contacts.size(), 15u) << object;
+    ASSERT_EQ(cpu.fingers.size(), 1u) << object;
+    ASSERT_EQ(gpu.fingers.size(), 1u) << object;
+    EXPECT_EQ(cpu.fingers[0].indices, gpu.fingers[0].indices);
+    EXPECT_LT(glm::distance(cpu.fingers[0].centroid, gpu.fingers[0].centroid), 1e-7);
   }
 }
 
@@ -241,14 +235,15 @@ TEST(TouchSummary, SpeaksToPeople) {
   EXPECT_EQ(result.err, "");
   EXPECT_NE(result.out.find("2163"), std::string::npos) << result.out;
   EXPECT_NE(result.out.find("1 finger"), std::string::npos) << result.out;
-  EXPECT_EQ(palpa(with(with({"touch"}, cube_touch()), {"--quiet"})).out, "");
+  EXPECT_EQ(palpa_here(with(with({"touch"}, cube_touch()), {"--quiet"})).out, "");
 }
 
 TEST(TouchSummary, SaysHowFarSkinIsFromTouchingAndNoOrder) {
   const auto folder = scratch_folder("no-touch");
   const auto summary = [&](const std::vector<Vec3>& points) {
     geometry::write_ply(folder / "points.ply", points);
-    const Result result = palpa({"touch", "--scene", asset("cube.glb"), "--points", (folder / "points.ply").string()});
+    const Result result = palpa_here(
+        {"touch", "--scene", asset("cube.glb"), "--points", (folder / "points.ply").string(), "--backend", "cpu"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_NE(result.out.find("0 fingers"), std::string::npos) << result.out;
     EXPECT_EQ(result.out.find("order"), std::string::npos) << result.out;
@@ -261,17 +256,17 @@ TEST(TouchSummary, SaysHowFarSkinIsFromTouchingAndNoOrder) {
 }
 
 TEST(TouchErrors, AStrideThatLeavesFociOutIsRefusedWithABetterOne) {
-  const std::vector<std::string> line = with({"touch"}, cube_touch());
-  expect_failure(palpa(with(line, {"--stride", "5"})), 2, "give a stride such as");
-  expect_failure(palpa(with(line, {"--foci", "12", "--stride", "3"})), 2, "give a stride such as");
-  EXPECT_EQ(palpa(with(line, {"--foci", "12", "--quiet"})).exit_code, 0);
-  EXPECT_EQ(palpa(with(line, {"--foci", "1", "--quiet"})).exit_code, 0);
-  EXPECT_EQ(palpa(with(line, {"--foci", "64", "--quiet"})).exit_code, 0);
+  const std::vector<std::string> line = with(with({"touch"}, cube_touch()), {"--backend", "cpu"});
+  expect_failure(palpa_here(with(line, {"--stride", "5"})), 2, "give a stride such as");
+  expect_failure(palpa_here(with(line, {"--foci", "12", "--stride", "3"})), 2, "give a stride such as");
+  EXPECT_EQ(palpa_here(with(line, {"--foci", "12", "--quiet"})).exit_code, 0);
+  EXPECT_EQ(palpa_here(with(line, {"--foci", "1", "--quiet"})).exit_code, 0);
+  EXPECT_EQ(palpa_here(with(line, {"--foci", "64", "--quiet"})).exit_code, 0);
 }
 
 TEST(TouchErrors, RangesAreChecked) {
   const auto refused = [](const char* option, const char* value) {
-    expect_failure(palpa(with(with({"touch"}, cube_touch()), {option, value})), 2, option);
+    expect_failure(palpa_here(with(with({"touch"}, cube_touch()), {option, value})), 2, option);
   };
   for (const char* value : {"0", "-1mm", "nan", "inf", "1.5ms", "thick", "1e9", ""})
     refused("--delta", value);
@@ -291,7 +286,7 @@ TEST(TouchErrors, RangesAreChecked) {
 
 TEST(TouchWarnings, OfADwellThatSkinFeelsAsJumps) {
   const auto told = [](const char* dwell) {
-    const Result result = palpa(with(with({"touch"}, cube_touch()), {"--backend", "cpu", "--dwell", dwell}));
+    const Result result = palpa_here(with(with({"touch"}, cube_touch()), {"--backend", "cpu", "--dwell", dwell}));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return result.err;
   };
@@ -303,17 +298,18 @@ TEST(TouchWarnings, OfADwellThatSkinFeelsAsJumps) {
 
 TEST(TouchErrors, WhatIsMissingOrTooMuch) {
   const std::string scene = asset("cube.glb"), points = asset("finger.ply");
-  expect_failure(palpa({"touch", "--points", points}), 2, "--scene");
-  expect_failure(palpa({"touch", "--scene", scene}), 2, "--points");
-  expect_failure(palpa({"touch", "--scene", scene, "--depth", "d.png"}), 2, "--camera");
-  expect_failure(palpa({"touch", "--scene", scene, "--points", points, "--depth", "d.png", "--camera", "c.toml"}), 2,
-                 "--depth");
-  expect_failure(palpa({"touch", "--scene", scene, "--points", points, "--camera", "c.toml"}), 2, "--camera");
-  expect_failure(palpa({"touch", "--scene", scene, "--depth", "d.png", "--camera", "c.toml", "--penetration", "3mm"}),
-                 2, "--penetration");
-  expect_failure(palpa({"touch", "--scene", scene, "--depth", "d.png", "--camera", "c.toml", "--rig", "r.toml"}), 2,
-                 "--rig");
-  expect_failure(palpa({"touch", "--scene", scene, "--points", points, "--gltf-scene", "7"}), 4, "cube.glb");
+  expect_failure(palpa_here({"touch", "--points", points}), 2, "--scene");
+  expect_failure(palpa_here({"touch", "--scene", scene}), 2, "--points");
+  expect_failure(palpa_here({"touch", "--scene", scene, "--depth", "d.png"}), 2, "--camera");
+  expect_failure(palpa_here({"touch", "--scene", scene, "--points", points, "--depth", "d.png", "--camera", "c.toml"}),
+                 2, "--depth");
+  expect_failure(palpa_here({"touch", "--scene", scene, "--points", points, "--camera", "c.toml"}), 2, "--camera");
+  expect_failure(
+      palpa_here({"touch", "--scene", scene, "--depth", "d.png", "--camera", "c.toml", "--penetration", "3mm"}), 2,
+      "--penetration");
+  expect_failure(palpa_here({"touch", "--scene", scene, "--depth", "d.png", "--camera", "c.toml", "--rig", "r.toml"}),
+                 2, "--rig");
+  expect_failure(palpa_here({"touch", "--scene", scene, "--points", points, "--gltf-scene", "7"}), 4, "cube.glb");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "here.hpp"
 #include "process.hpp"
 #include "support/shared_data.hpp"
 
@@ -49,7 +50,7 @@ TEST(Usage, ABadLineIsOneLineAndExitCode2) {
 
 TEST(Usage, EveryKindOfBadLineIsToldInOneWording) {
   const auto refused = [](const std::vector<std::string>& line, const std::string& told) {
-    const Result result = palpa(line);
+    const Result result = palpa_here(line);
     expect_failure(result, 2, told);
     for (const char* foreign : {"required but", "At Most", "expected", "override", "extras"})
       EXPECT_EQ(result.err.find(foreign), std::string::npos) << result.err;
@@ -81,7 +82,7 @@ TEST(Usage, EveryKindOfBadLineIsToldInOneWording) {
 }
 
 TEST(Usage, AValueInBracketsIsOneValue) {
-  expect_failure(palpa(with(drive, {"--focus", "[0,0,0.1]"})), 2, "'[0,0,0.1]' is not a point");
+  expect_failure(palpa_here(with(drive, {"--focus", "[0,0,0.1]"})), 2, "'[0,0,0.1]' is not a point");
 }
 
 TEST(Usage, WhatCanHardlyBeMeantIsWarnedOfInOneLine) {
@@ -103,7 +104,7 @@ TEST(Usage, WhatCanHardlyBeMeantIsWarnedOfInOneLine) {
 
 TEST(Usage, ABadValueNamesOptionValueAndRemedy) {
   const auto refused = [](const std::string& option, const std::string& value, const std::string& remedy) {
-    const Result result = palpa({"drive", "--layout", "openmpd", "--focus", "0,0,0.15", option, value});
+    const Result result = palpa_here({"drive", "--layout", "openmpd", "--focus", "0,0,0.15", option, value});
     expect_failure(result, 2, option);
     expect_failure(result, 2, remedy);
     if (value.size() < 60) expect_failure(result, 2, value);
@@ -130,8 +131,8 @@ TEST(Usage, ABadValueNamesOptionValueAndRemedy) {
 }
 
 TEST(Usage, UnitsAreReadAndABareNumberIsSi) {
-  const Result units = palpa(with(drive, {"--sound-speed", "343m/s", "--frequency", "40kHz", "--json", "-"}));
-  const Result bare = palpa(with(drive, {"--sound-speed", "343", "--frequency", "40000", "--json", "-"}));
+  const Result units = palpa_here(with(drive, {"--sound-speed", "343m/s", "--frequency", "40kHz", "--json", "-"}));
+  const Result bare = palpa_here(with(drive, {"--sound-speed", "343", "--frequency", "40000", "--json", "-"}));
   EXPECT_EQ(units.exit_code, 0) << units.err;
   EXPECT_EQ(units.out, bare.out);
 }

@@ -17,7 +17,7 @@ namespace {
 TEST(CalibrateTask, ARehearsalIsTheCommands) {
   setup::CalibrateTask task;
   task.rig.rig = source_file("assets/rigs/paper.toml");
-  task.frames = 12;
+  task.frames = 3;
   task.seed = 3;
   task.target = {"0,0,1cm", 15};
   std::uint64_t wanted = 0, taken = 0;
@@ -26,14 +26,14 @@ TEST(CalibrateTask, ARehearsalIsTheCommands) {
                                                          {.opened = [&](std::uint64_t frames) { wanted = frames; },
                                                           .taken = [&](std::uint64_t done) { taken = done; },
                                                           .all_taken = [&] { all = true; }});
-  EXPECT_EQ(wanted, 12u);
-  EXPECT_EQ(taken, 12u);
+  EXPECT_EQ(wanted, 3u);
+  EXPECT_EQ(taken, 3u);
   EXPECT_TRUE(all);
-  EXPECT_EQ(result.frames, 12u);
+  EXPECT_EQ(result.frames, 3u);
   ASSERT_EQ(result.rig.cameras.size(), result.cameras.size());
   for (std::size_t i = 0; i < result.cameras.size(); ++i)
     EXPECT_EQ(result.rig.cameras[i].T_world_camera, result.cameras[i].T_world_camera);
-  EXPECT_EQ(setup::to_json(result), command_json({"calibrate", "--rig", task.rig.rig, "--frames", "12", "--seed", "3",
+  EXPECT_EQ(setup::to_json(result), command_json({"calibrate", "--rig", task.rig.rig, "--frames", "3", "--seed", "3",
                                                   "--at", "0,0,1cm", "--turn", "15"}));
 }
 

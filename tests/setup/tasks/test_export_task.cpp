@@ -24,13 +24,13 @@ class ExportOf : public testing::Test {
     task.scene = source_file("assets/cube.glb");
     task.source = "synthetic:" + source_file("assets/finger.ply").string();
     task.rig.rig = source_file("assets/rigs/paper.toml");
-    task.frames = 12;
+    task.frames = 6;
     task.common.backend = setup::Backend::cpu;
   }
 
   std::vector<std::string> line(const std::string& csv) const {
     return {"export",   "--scene", task.scene,  "--source", task.source, "--rig", task.rig.rig,
-            "--frames", "12",      "--backend", "cpu",      "--foci",    csv};
+            "--frames", "6",       "--backend", "cpu",      "--foci",    csv};
   }
 
   std::filesystem::path folder = scratch_folder("export-task");
@@ -47,7 +47,7 @@ TEST_F(ExportOf, FociWithoutAFileAreThoseOfTheCommandsFile) {
   int frames = 0;
   const setup::ExportResult result = run.run({.planned = [&](const session::FrameReport&) { ++frames; }});
   EXPECT_FALSE(result.stopped);
-  EXPECT_EQ(frames, 12);
+  EXPECT_EQ(frames, 6);
   EXPECT_EQ(setup::to_json(result), command_json(line(csv)));
   std::string text = "slot,time_s,finger,solid,focus,x,y,z,gain\n";
   for (const setup::FocusRow& row : foci.rows()) {

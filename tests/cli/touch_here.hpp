@@ -1,0 +1,24 @@
+// `palpa touch` in this process, read as the program's results are.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "here.hpp"
+#include "touch_json.hpp"
+
+namespace palpa::test {
+
+/// run_touch (touch_json.hpp) without a program.
+inline TouchReport run_touch_here(const std::vector<std::string>& arguments, double delta = 1.5e-3,
+                                  std::size_t foci = 10) {
+  const Result result = palpa_here(with(with({"touch"}, arguments), {"--json", "-"}));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  return result.exit_code == 0 ? read_touch(result.out, delta, foci) : TouchReport();
+}
+
+}  // namespace palpa::test
