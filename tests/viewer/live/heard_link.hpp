@@ -52,14 +52,15 @@ inline session::LinkKind heard_link(const std::shared_ptr<Heard>& heard) {
           [heard](const std::string&, const session::LinkSetting&) { return std::make_unique<HeardLink>(heard); }};
 }
 
-/// A made-up finger in a cube, on the processor, played to "heard" for that many frames; 0: without an end.
+/// A made-up finger in a cube, on the processor, played to "heard" for that many frames; 0: without an end. Slow frames
+/// are still heard, but a run that ends by itself plays its last frame no longer than it has to.
 inline setup::LiveOptions heard_options(std::uint64_t frames = 0) {
   setup::LiveOptions options = viewer::live_options({{"--scene", {source_file("assets/cube.glb").string()}},
                                                      {"--source", {"synthetic"}},
                                                      {"--layout", {"autd3"}},
                                                      {"--backend", {"cpu"}},
                                                      {"--noise-free", {}},
-                                                     {"--hold", {"5s"}},
+                                                     {"--hold", {frames > 0 ? "50ms" : "5s"}},
                                                      {"--link", {"heard"}}});
   options.frames = frames;
   return options;
