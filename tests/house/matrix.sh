@@ -11,7 +11,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 #   sync          Vulkan's rules, which core validation alone would show, too, and missing barriers; subgroups of 4 lanes; host and
 #                 device memory apart, with copies between them, as on a discrete GPU, and read before they are written
 #   gpu-assisted  accesses outside of a buffer; Vulkan's rules where memory is shared
-#   corpus        meshes of every size
+#   corpus        meshes of every size, and more samples of what other legs look at (tests/support/exhaustive.hpp)
 #   asan          the host's memory and undefined behaviour, in all tests
 #   tsan          races between the host's threads
 #   fuzz          crashes, hangs, costs and overwritten inputs that nobody has thought of: broken files, random options (fuzz.py)
