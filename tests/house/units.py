@@ -20,6 +20,8 @@ BROUGHT = re.compile(r"^using ([\w:]+)::(\w+);|^namespace (\w+) = ([\w:]+);", re
 OWN = re.compile(r"^namespace \{\n(.*?)^\}  // namespace|^(int main\()", re.S | re.M)
 DEFINED = re.compile(r"^(?:struct|class|enum class|enum|union) (\w+)|^using (\w+) =|^\w[\w:<>,*& ]*?[ *&](\w+)\(|"
                      r"^(?:inline |static |constexpr |const )+[\w:<>,*& ]+?(\w+)(?:\[\w*\])*(?: = |\{|;)", re.M)
+# Constants that stand in one line, but for the first of them.
+FURTHER = re.compile(r"^(?:inline |static |constexpr |const )+[^;(){}]*;", re.M), re.compile(r", (\w+)(?:\[\w*\])* = ")
 # What makes another text of the sources behind it; or a library's source that a program takes only where it has none of its own.
 ALONE = re.compile(r"^ *# *define |^using namespace (?!std::)|^int main\(", re.M)
 INCLUDED = re.compile(r"^#include (.+)$", re.M)
@@ -30,6 +32,7 @@ def own_names(text, share):
     """The names that a source defines or brings for itself -> where from, where two may share it; else ''"""
     own = "".join(part[0] or part[1] for part in OWN.findall(text))
     names = {name: "" for found in DEFINED.findall(own) for name in found if name}
+    names |= {name: "" for line in FURTHER[0].findall(own) for name in FURTHER[1].findall(line)}
     for room, name, alias, meant in BROUGHT.findall(text):
         names[name or alias] = room + meant if share else ""
     return names
