@@ -105,4 +105,9 @@ function(palpa_test NAME)
   if(TEST_COST)
     set_tests_properties(${NAME} PROPERTIES COST ${TEST_COST})
   endif()
+  # A driver that compiles on the processor keeps what it has compiled. What starts palpa waits until one run of it has done so: else
+  # the first few topics would all compile the same shaders. Sanitizers find them compiled by the build without.
+  if(TEST_LINKS MATCHES "palpa_test_(cli|steady|touch_json)" AND NOT PALPA_SANITIZE)
+    set_tests_properties(${NAME} PROPERTIES FIXTURES_REQUIRED shaders)
+  endif()
 endfunction()

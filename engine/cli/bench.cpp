@@ -24,7 +24,7 @@ struct BenchCommand {
   std::string csv, scene;
 };
 
-void add_options(CLI::App& app, BenchCommand& o) {
+void add_options_of_bench(CLI::App& app, BenchCommand& o) {
   const setup::Group group(app, "What to measure");
   group.choice("--suite", o.suite,
                {{"all", Suite::all},
@@ -42,7 +42,7 @@ void add_options(CLI::App& app, BenchCommand& o) {
   group.text("--csv", o.csv, "FILE|-", "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver");
 }
 
-std::string to_csv(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device) {
+std::string bench_csv(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device) {
   std::string csv = "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver\n";
   for (const bench::Row& row : rows) {
     csv += fmt::format("{},{},{},{:.5g},{:.5g},{:.5g},{},{:.6g},{},\"{}\",\"{}\"\n", row.suite, row.name, row.stage,
@@ -52,7 +52,8 @@ std::string to_csv(const std::vector<bench::Row>& rows, const gpu::DeviceDescrip
   return csv;
 }
 
-std::string to_json(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device, std::uint64_t resident) {
+std::string bench_json(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device,
+                       std::uint64_t resident) {
   JsonWriter json;
   json.begin_object().member("device", device.name).member("driver", device.driver);
   json.member("peak_resident_bytes", resident).key("rows").begin_array();
@@ -69,7 +70,8 @@ std::string to_json(const std::vector<bench::Row>& rows, const gpu::DeviceDescri
   return json.take();
 }
 
-std::string table(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device, std::uint64_t resident) {
+std::string bench_table(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device,
+                        std::uint64_t resident) {
   std::string text = fmt::format("{}, {}\n{:<9} {:<28} {:<14} {:>10} {:>10} {:>10}\n", device.name, device.driver,
                                  "suite", "case", "stage", "median ms", "p99 ms", "min ms");
   for (const bench::Row& row : rows) {
@@ -82,7 +84,7 @@ std::string table(const std::vector<bench::Row>& rows, const gpu::DeviceDescript
   return text + fmt::format("resident memory at most {} MB\n", resident / 1'000'000);
 }
 
-void run(const BenchCommand& o, const Extensions& extensions) {
+void run_bench(const BenchCommand& o, const Extensions& extensions) {
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   refuse_output_as_input(o.scene);  // it is read late
   if (o.common.backend == setup::Backend::cpu)
@@ -123,10 +125,10 @@ void run(const BenchCommand& o, const Extensions& extensions) {
   bar.reset();
 
   const std::uint64_t resident = bench::peak_resident_bytes();
-  if (!o.csv.empty()) write_file(o.csv, to_csv(rows, device.description()));
-  if (!o.common.json.empty()) write_file(o.common.json, to_json(rows, device.description(), resident));
+  if (!o.csv.empty()) write_file(o.csv, bench_csv(rows, device.description()));
+  if (!o.common.json.empty()) write_file(o.common.json, bench_json(rows, device.description(), resident));
   if (setup::shows_summary(o.common, outputs)) {
-    write_file("-", table(rows, device.description(), resident));
+    write_file("-", bench_table(rows, device.description(), resident));
   }
 }
 
@@ -138,8 +140,8 @@ void add_bench(Program& program) {
                                 "  palpa bench\n"
                                 "  palpa bench --suite loop --runs 1000 --csv loop.csv\n"
                                 "  palpa bench --gpu 1 --json -"},
-                               add_options,
-                               [&extensions = program.extensions](const BenchCommand& o) { run(o, extensions); });
+                               add_options_of_bench,
+                               [&extensions = program.extensions](const BenchCommand& o) { run_bench(o, extensions); });
 }
 
 }  // namespace palpa::cli

@@ -24,7 +24,7 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-void add_options(CLI::App& app, CalibrateCommand& o) {
+void add_options_of_calibrate(CLI::App& app, CalibrateCommand& o) {
   const setup::Group target(app, "The target");
   target.text("--target", o.target, "FILE",
               "write the model, .stl for a printer (millimetres, as it lies) or .glb for a viewer (the world, on "
@@ -69,7 +69,7 @@ void write_target(const CalibrateCommand& o) {
   }
 }
 
-std::string summary(const CalibrateCommand& o, const std::vector<setup::CalibratedCamera>& cameras) {
+std::string summary_of_calibrate(const CalibrateCommand& o, const std::vector<setup::CalibratedCamera>& cameras) {
   std::string text;
   for (const setup::CalibratedCamera& camera : cameras) {
     const geometry::MeshFitted& fit = camera.found.fit;
@@ -103,10 +103,10 @@ void find_poses(const Extensions& extensions, const CalibrateCommand& o) {
                                                    .all_taken = [&] { progress.reset(); }});
   if (!o.out.empty()) write_rig(o.out, result.rig);
   if (!o.common.json.empty()) write_file(o.common.json, to_json(result));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(o, result.cameras));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_calibrate(o, result.cameras));
 }
 
-void run(const Extensions& extensions, const CalibrateCommand& o) {
+void run_calibrate(const Extensions& extensions, const CalibrateCommand& o) {
   if (!o.target.empty()) return write_target(o);
   if (o.nudge) return run_nudge(extensions, o);
   refuse_nudge_options(o);
@@ -128,7 +128,7 @@ void add_calibrate(Program& program) {
        "  palpa calibrate --rig rig.toml --layout openmpd --source v4l2:/dev/video0,/dev/video4 --out calibrated.toml\n"
        "  palpa calibrate --nudge --rig calibrated.toml --source v4l2:/dev/video0,/dev/video4 --link openmpd:FT43NK5M "
        "--out nudged.toml"},
-      add_options, [&extensions](const CalibrateCommand& o) { run(extensions, o); });
+      add_options_of_calibrate, [&extensions](const CalibrateCommand& o) { run_calibrate(extensions, o); });
 }
 
 }  // namespace palpa::cli

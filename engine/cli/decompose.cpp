@@ -27,7 +27,7 @@ struct DecomposeCommand {
   std::optional<double> error_percent;
 };
 
-void add_options(CLI::App& app, DecomposeCommand& o) {
+void add_options_of_decompose(CLI::App& app, DecomposeCommand& o) {
   const setup::Group group(app, "What to take apart");
   group.text("--scene", o.task.scene, "FILE", "glTF model; each of its meshes that can be touched becomes parts");
   group.integer("--gltf-scene", o.task.gltf_scene, 0, 1'000'000, "scene of the file (default: the file's own)");
@@ -43,7 +43,7 @@ void add_options(CLI::App& app, DecomposeCommand& o) {
              "volume by which a part may exceed its voxels before it is cut again");
 }
 
-std::string summary(const DecomposeCommand& o, const std::vector<setup::Decomposed>& all) {
+std::string summary_of_decompose(const DecomposeCommand& o, const std::vector<setup::Decomposed>& all) {
   std::string text;
   for (const setup::Decomposed& taken : all) {
     const geometry::PartsReport& r = taken.report;
@@ -57,7 +57,7 @@ std::string summary(const DecomposeCommand& o, const std::vector<setup::Decompos
   return text + fmt::format("written to {}\n", o.out);
 }
 
-void run(const DecomposeCommand& o) {
+void run_decompose(const DecomposeCommand& o) {
   if (o.task.scene.empty()) throw bad_usage("--scene is missing: give a glTF model");
   if (o.out.empty()) throw bad_usage("--out is missing: give a file such as parts.glb");
   setup::refuse_gpu_options(o.common, "palpa decompose computes on the processor");
@@ -70,7 +70,7 @@ void run(const DecomposeCommand& o) {
   preparing.reset();
   geometry::write_glb(o.out, setup::part_meshes(all));
   if (!o.common.json.empty()) write_file(o.common.json, setup::to_json(all, o.out));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(o, all));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_decompose(o, all));
 }
 
 }  // namespace
@@ -82,7 +82,7 @@ void add_decompose(Program& program) {
        "  palpa decompose --scene bunny.glb --parts 32 --out parts.glb\n"
        "  palpa touch --scene parts.glb --points assets/finger.ply --penetration 3mm\n"
        "V-HACD cuts the model; the report says how far the parts' surface lies from the model's."},
-      add_options, run);
+      add_options_of_decompose, run_decompose);
 }
 
 }  // namespace palpa::cli

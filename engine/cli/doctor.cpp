@@ -19,7 +19,7 @@ struct DoctorOptions {
   std::string write_rig, source;
 };
 
-void add_options(CLI::App& app, DoctorOptions& o) {
+void add_options_of_doctor(CLI::App& app, DoctorOptions& o) {
   const setup::Group group(app, "Cameras");
   group.text("--write-rig", o.write_rig, "FILE",
              "write a rig with the depth cameras that are plugged in, to be calibrated; poses are left open");
@@ -98,7 +98,7 @@ void append_json(JsonWriter& json, const DoctorSection& section) {
   json.end_array();
 }
 
-std::string to_json(const std::vector<DoctorSection>& sections, bool ok) {
+std::string doctor_json(const std::vector<DoctorSection>& sections, bool ok) {
   JsonWriter json;
   json.begin_object().member("ok", ok);
   for (const DoctorSection& section : sections)
@@ -112,7 +112,7 @@ std::string to_json(const std::vector<DoctorSection>& sections, bool ok) {
 }
 
 /// Returns a message about the written file.
-std::string write_rig(const DoctorOptions& options, const Extensions& extensions) {
+std::string write_found_rig(const DoctorOptions& options, const Extensions& extensions) {
   const CamerasThere there = cameras_there(extensions, options.source);
   write_file(options.write_rig, rig_of(there, options.write_rig));
   return fmt::format("{}: {} camera{} of --source {}; palpa calibrate finds out where {}\n", options.write_rig,
@@ -124,13 +124,13 @@ void run_doctor(const DoctorOptions& options, const Extensions& extensions) {
   if (options.write_rig.empty() && !options.source.empty()) throw bad_usage("--source goes with --write-rig");
   setup::refuse_gpu_options(options.common, "palpa doctor looks at every GPU");
   const Outputs outputs({{"--json", options.common.json}, {"--write-rig", options.write_rig}});
-  const std::string written = options.write_rig.empty() ? std::string() : write_rig(options, extensions);
+  const std::string written = options.write_rig.empty() ? std::string() : write_found_rig(options, extensions);
   std::vector<DoctorSection> sections{look_at_gpus(), look_at_validation()};
   for (const DoctorProbe& probe : extensions.doctor)
     sections.push_back(probe());
   const bool ok = usable_gpu(sections.front());
 
-  if (!options.common.json.empty()) write_file(options.common.json, to_json(sections, ok));
+  if (!options.common.json.empty()) write_file(options.common.json, doctor_json(sections, ok));
   if (setup::shows_summary(options.common, outputs)) {
     std::string text;
     for (const DoctorSection& section : sections)
@@ -150,7 +150,7 @@ void add_doctor(Program& program) {
       {"doctor", "what works on this machine, and what to do about the rest",
        "  palpa doctor\n  palpa doctor --json -\n  palpa doctor --write-rig rig.toml\n"
        "Exit code 0 when there is a GPU that palpa can use (the CPU driver of Mesa counts), else 3."},
-      add_options, [&program](const DoctorOptions& options) { run_doctor(options, program.extensions); });
+      add_options_of_doctor, [&program](const DoctorOptions& options) { run_doctor(options, program.extensions); });
 }
 
 }  // namespace palpa::cli

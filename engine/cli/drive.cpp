@@ -29,7 +29,7 @@ struct DriveCommand {
   std::string csv;
 };
 
-void add_options(CLI::App& app, DriveCommand& o) {
+void add_options_of_drive(CLI::App& app, DriveCommand& o) {
   const setup::Group group(app, "What to drive");
   group.text("--layout", o.task.layout, "NAME|FILE",
              "autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
@@ -69,7 +69,7 @@ std::string finger_line(const setup::DriveResult& result, std::size_t focus) {
   return text + "\n";
 }
 
-std::string summary(const setup::DriveResult& result) {
+std::string summary_of_drive(const setup::DriveResult& result) {
   const std::vector<array::SlotFocus>& foci = result.foci;
   float least = 1, most = 0;
   for (const array::TransducerDrive& d : result.drive) {
@@ -95,7 +95,7 @@ std::string summary(const setup::DriveResult& result) {
   return text + (result.pressure_asked && result.beyond_linear() ? setup::linear_line() : "");
 }
 
-void run(const DriveCommand& o) {
+void run_drive(const DriveCommand& o) {
   check(o.task);
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   std::optional<setup::Preparing> progress;
@@ -106,7 +106,7 @@ void run(const DriveCommand& o) {
   progress.reset();
   if (!o.csv.empty()) write_file(o.csv, setup::drive_csv(result.layout, result.drive));
   if (!o.common.json.empty()) write_file(o.common.json, to_json(result));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(result));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_drive(result));
 }
 
 }  // namespace
@@ -120,7 +120,7 @@ void add_drive(Program& program) {
        "  palpa drive --layout paper --touch touch.json --slot 3 --csv drive.csv\n"
        "  palpa drive --layout paper --focus 0,0.2mm,0 --transfer finger --mesh assets/finger.ply\n"
        "Phases are delays in radians (time factor e^-iwt), amplitudes lie in 0..1."},
-      add_options, run);
+      add_options_of_drive, run_drive);
 }
 
 }  // namespace palpa::cli

@@ -16,7 +16,7 @@
 namespace palpa::cli {
 namespace {
 
-void add_options(CLI::App& app, setup::ExportTask& o) {
+void add_options_of_export(CLI::App& app, setup::ExportTask& o) {
   const setup::Group group(app, "What to export");
   add_frame_options(group, o, "stop after that many frames; 0: at the recording's end");
   group.text("--foci", o.foci, "FILE", "foci of each frame, .csv or .json; how many: --foci-count");
@@ -24,13 +24,13 @@ void add_options(CLI::App& app, setup::ExportTask& o) {
   add_session_options(app, o, "--foci-count");
 }
 
-std::string summary(const session::ReplayStats& stats) {
+std::string summary_of_export(const session::ReplayStats& stats) {
   return fmt::format("{} frames, {} with a touch; {} drives of {} ms, {} of them silent\n", stats.frames,
                      stats.touching, stats.drives, stats.slot_s * 1e3, stats.silent_drives) +
          setup::pressures_summary(stats.fingers, stats.solids);
 }
 
-void run(const Extensions& extensions, const setup::ExportTask& o) {
+void run_export(const Extensions& extensions, const setup::ExportTask& o) {
   check(o, extensions.sources);
   const Outputs outputs({{"--json", o.common.json},
                          {"--foci", o.foci},
@@ -52,7 +52,7 @@ void run(const Extensions& extensions, const setup::ExportTask& o) {
                               o.foci.empty() ? "" : fmt::format(": {} is not written", o.foci)));
   }
   if (!o.common.json.empty()) write_file(o.common.json, to_json(result));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(result.stats));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_export(result.stats));
 }
 
 }  // namespace
@@ -65,7 +65,7 @@ void add_export(Program& program) {
        "  palpa export --scene assets/cube.glb --source recording:take1 --foci foci.csv\n"
        "  palpa export --scene assets/cube.glb --source recording:take1 --drives drives.bin --events events.jsonl\n"
        "  palpa export --scene assets/cube.glb --frames 90 --foci foci.json --foci-count 8"},
-      add_options, [&extensions](const setup::ExportTask& o) { run(extensions, o); });
+      add_options_of_export, [&extensions](const setup::ExportTask& o) { run_export(extensions, o); });
 }
 
 }  // namespace palpa::cli

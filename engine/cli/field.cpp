@@ -32,7 +32,7 @@ struct FieldCommand {
   std::string csv, vtu, png;
 };
 
-void add_options(CLI::App& app, FieldCommand& o) {
+void add_options_of_field(CLI::App& app, FieldCommand& o) {
   const setup::Group group(app, "What sounds");
   group.text("--layout", o.task.layout, "NAME|FILE",
              "autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
@@ -104,7 +104,7 @@ void write_vtu(const std::string& file, const setup::FieldResult& field) {
   geometry::write_vtu(file, field.places.points, cells_of(field.places), values);
 }
 
-std::string summary(const setup::FieldResult& field) {
+std::string summary_of_field(const setup::FieldResult& field) {
   const Vec3 at = field.places.points[field.loudest] * 1e3;
   const acoustics::Air& air = field.air;
   std::string text = fmt::format("{} points in {:.2f} s: at most {:.0f} Pa, at ({:.2f}, {:.2f}, {:.2f}) mm\n",
@@ -114,7 +114,7 @@ std::string summary(const setup::FieldResult& field) {
   return text + (field.beyond_linear() ? setup::linear_line() : "");
 }
 
-void run(const FieldCommand& o) {
+void run_field(const FieldCommand& o) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   check(o.task, !o.png.empty());
@@ -131,7 +131,7 @@ void run(const FieldCommand& o) {
   if (!o.png.empty()) draw_field(o.png, field, o.task);
   field.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   if (!o.common.json.empty()) write_file(o.common.json, to_json(field));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(field));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_field(field));
 }
 
 }  // namespace
@@ -146,7 +146,7 @@ void add_field(Program& program) {
        "  palpa field --layout autd3 --focus 0,0,200mm --points assets/finger.ply --vtu finger.vtu --directivity "
        "piston\n"
        "In the layout's own frame. Pressures are peak, time factor e^-iwt; free field, no finger in the way."},
-      add_options, run);
+      add_options_of_field, run_field);
 }
 
 }  // namespace palpa::cli

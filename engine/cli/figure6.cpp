@@ -22,7 +22,7 @@
 namespace palpa::cli {
 namespace {
 
-std::string table(const std::vector<setup::Figure6Touch>& touches) {
+std::string table_of_figure(const std::vector<setup::Figure6Touch>& touches) {
   std::string text = fmt::format("{:<14} {:<14} {:>9} {:>8} {:>8} {:>8} {:>9} {:>9} {:>8}\n", "object", "method",
                                  "peak Pa", "half mm2", "radius", "elongat.", "of bare", "of |p|^2", "force mN");
   for (const auto& [object, result] : touches) {
@@ -64,7 +64,7 @@ void run_figure6(const SimulateCommand& o) {
   if (!o.common.json.empty()) write_file(o.common.json, setup::to_json(touches));
   if (!setup::shows_summary(o.common, outputs)) return;
   const bool loud = std::ranges::any_of(touches, [](const auto& touch) { return touch.result.beyond_linear(); });
-  write_file("-", table(touches) + (loud ? setup::linear_line() : ""));
+  write_file("-", table_of_figure(touches) + (loud ? setup::linear_line() : ""));
 }
 
 }  // namespace palpa::cli

@@ -37,7 +37,7 @@ struct LinkCommand {
   double amplitude = 1;
 };
 
-void add_options(CLI::App& app, LinkCommand& o) {
+void add_options_of_link(CLI::App& app, LinkCommand& o) {
   const setup::Group group(app, "What to try out");
   group.text("what", o.what, "test",
              "test: one transducer after the other, so that one sees, hears or measures which is which");
@@ -93,7 +93,7 @@ class Sweep {
   std::uint64_t slot_ = 0;
 };
 
-void run(const Extensions& extensions, const LinkCommand& o) {
+void run_link(const Extensions& extensions, const LinkCommand& o) {
   if (o.what != "test") throw bad_usage("give palpa link test: nothing else can be tried out");
   if (o.link.empty()) throw bad_usage("--link is missing: give a link of palpa run, such as null or a board");
   setup::refuse_gpu_options(o.common, "palpa link uses no GPU");
@@ -151,7 +151,7 @@ void add_link(Program& program) {
                               {"link", "try a link out: one transducer after the other",
                                "  palpa link test --layout openmpd --link openmpd:FT43NK5M --each 1s\n"
                                "  palpa link test --layout openmpd --link openmpd:EMU1 --first 16 --last 31"},
-                              add_options, [&extensions](const LinkCommand& o) { run(extensions, o); });
+                              add_options_of_link, [&extensions](const LinkCommand& o) { run_link(extensions, o); });
 }
 
 }  // namespace palpa::cli

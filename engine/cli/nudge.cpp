@@ -194,13 +194,13 @@ void move_array(sensing::ArrayPlacement& array, const Transform& T_world_layout,
   array.T_world_layout = glm::translate(Transform(1.0), -offset) * T_world_layout;
 }
 
-void check(const CalibrateCommand& o) {
+void check_nudge(const CalibrateCommand& o) {
   if (o.out.empty()) throw bad_usage("--nudge: --out is missing: give a file for the new rig");
   if (!o.at.empty() || o.turn_deg != 0) throw bad_usage("--at and --turn are for the target; --nudge needs none");
   if (o.keys.empty() && isatty(STDIN_FILENO) == 0) throw bad_usage(no_terminal);
 }
 
-std::string to_json(const Vec3& offset, bool saved, const sensing::Rig& rig) {
+std::string nudge_json(const Vec3& offset, bool saved, const sensing::Rig& rig) {
   JsonWriter json;
   json.begin_object().member("offset_m", offset).member("saved", saved).key("T_world_layout").begin_array();
   const Transform& T = *rig.array->T_world_layout;
@@ -271,8 +271,8 @@ void refuse_nudge_options(const CalibrateCommand& o) {
 
 void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   CalibrateCommand o = given;
-  check(o);
-  // Check before anything is opened.
+  check_nudge(o);
+  // Before anything is opened.
   if (!o.keys.empty() && setup::parse_keys("--keys", o.keys).empty())
     throw bad_usage("--keys has no key: give keys such as \"right*3 enter\"");
   if (o.source.empty()) o.source = "synthetic";
@@ -302,7 +302,7 @@ void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   sensing::Rig rig = setup::rig_to_write(posed, o.rig);
   move_array(*rig.array, posed.T_world_layout, nudge.offset());
   if (saves) write_rig(o.out, rig);
-  if (!o.common.json.empty()) write_file(o.common.json, to_json(nudge.offset(), saves, rig));
+  if (!o.common.json.empty()) write_file(o.common.json, nudge_json(nudge.offset(), saves, rig));
   if (setup::shows_summary(o.common, outputs)) {
     const Vec3 mm = nudge.offset() * 1e3;
     write_file("-", fmt::format("x {:+.1f}, y {:+.1f}, z {:+.1f} mm; {}\n", mm.x, mm.y, mm.z,

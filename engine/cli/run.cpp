@@ -26,7 +26,7 @@ struct RunCommand : setup::LiveOptions {
   StatsFormat stats = StatsFormat::none;
 };
 
-void add_options(CLI::App& app, RunCommand& o) {
+void add_options_of_run(CLI::App& app, RunCommand& o) {
   const setup::Group group(app, "What to run");
   add_frame_options(group, o, "stop after that many frames; 0: at the source's end or Ctrl-C");
   add_link_options(group, o);
@@ -60,7 +60,7 @@ std::string late_line(const RunCommand& o) {
   return fmt::format("ended without finishing, one second after the signal: one of these did not answer: {}", waits);
 }
 
-void run(const Extensions& extensions, const RunCommand& o) {
+void run_live(const Extensions& extensions, const RunCommand& o) {
   check(o);
   const Outputs outputs(outputs_of(o, setup::with_builtin(extensions.links)));
   setup::LiveRun live(o, extensions.sources, extensions.links, setup::Interrupt::flag());
@@ -94,7 +94,7 @@ void add_run(Program& program) {
        "  palpa run --scene assets/cube.glb --source synthetic --link null --frames 300 --stats json\n"
        "  palpa run --scene assets/cube.glb --link foci:udp:127.0.0.1:9000 --events - --pressure 8kPa --record take1\n"
        "  palpa run --scene assets/cube.glb --source recording:take1 --link record:drives.bin"},
-      add_options, [&extensions](const RunCommand& o) { run(extensions, o); });
+      add_options_of_run, [&extensions](const RunCommand& o) { run_live(extensions, o); });
 }
 
 }  // namespace palpa::cli

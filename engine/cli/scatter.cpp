@@ -29,7 +29,7 @@ struct ScatterCommand {
   std::string csv;
 };
 
-void add_options(CLI::App& app, ScatterCommand& o) {
+void add_options_of_scatter(CLI::App& app, ScatterCommand& o) {
   const setup::Group body(app, "What scatters");
   body.text("--mesh", o.task.mesh, "FILE", "the rigid body, a closed PLY or glTF mesh");
   body.flag("--force", o.task.force, "scatter by a mesh that is too coarse for the wavelength, or for the source, too");
@@ -71,7 +71,7 @@ void write_points(const std::string& file, const setup::ScatterResult& result) {
   csv.finish();
 }
 
-std::string summary(const setup::ScatterResult& result) {
+std::string summary_of_scatter(const setup::ScatterResult& result) {
   std::size_t loudest = 0;
   double ms = 0;
   for (std::size_t face = 0; face < result.faces.size(); ++face) {
@@ -89,7 +89,7 @@ std::string summary(const setup::ScatterResult& result) {
          (result.beyond_linear() ? setup::linear_line() : "");
 }
 
-void run(const ScatterCommand& o) {
+void run_scatter(const ScatterCommand& o) {
   check(o.task);
   setup::refuse_gpu_options(o.common, "palpa scatter computes on the processor");
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
@@ -104,7 +104,7 @@ void run(const ScatterCommand& o) {
     }
   }
   if (!o.common.json.empty()) write_file(o.common.json, to_json(result));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(result));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_scatter(result));
 }
 
 }  // namespace
@@ -118,7 +118,7 @@ void add_scatter(Program& program) {
        "  palpa scatter --mesh sphere.ply --point-source 0,0,100mm --plane xz --centre 0,0,0 --size 60mm,60mm --csv "
        "f.csv\n"
        "Total pressures, peak, time factor e^-iwt; force and torque, about the origin, of the radiation pressure."},
-      add_options, run);
+      add_options_of_scatter, run_scatter);
 }
 
 }  // namespace palpa::cli

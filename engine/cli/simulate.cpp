@@ -26,7 +26,7 @@ namespace {
 
 constexpr Word<setup::Skin> skin_words[] = {{"vertices", setup::Skin::vertices}, {"cameras", setup::Skin::cameras}};
 
-void add_options(CLI::App& app, SimulateCommand& o) {
+void add_options_of_simulate(CLI::App& app, SimulateCommand& o) {
   const setup::Group group(app, "What touches what");
   group.text("--scene", o.scene, "FILE", "glTF model: the solids, in world coordinates");
   group.integer("--gltf-scene", o.gltf_scene, 0, 1u << 30, "scene of that file, if not its default one");
@@ -61,7 +61,7 @@ std::string spot_line(const char* name, const acoustics::Spot& spot) {
       name, spot.peak_pa, at.x, at.y, at.z, spot.half_area_m2 * 1e6, spot.half_radius_m * 1e3, spot.elongation);
 }
 
-std::string summary(const setup::SimulateResult& result) {
+std::string summary_of_simulate(const setup::SimulateResult& result) {
   double ms = 0;
   for (const auto& stage : result.times)
     ms += stage.second;
@@ -73,7 +73,7 @@ std::string summary(const setup::SimulateResult& result) {
          felt_lines(result.fingers, result.spectra) + (result.beyond_linear() ? setup::linear_line() : "");
 }
 
-void check(const SimulateCommand& o) {
+void check_simulate(const SimulateCommand& o) {
   setup::check(o.task);
   if (o.figure6) {
     if (!o.scene.empty() || !o.csv.empty() || !o.vtu.empty() || o.gltf_scene ||
@@ -106,13 +106,13 @@ void run_one(const SimulateCommand& o) {
                    {foci_picture(result, result.top_m, "Foci"), pressure_picture(result, "Radiation pressure")}, 2));
   }
   if (!o.common.json.empty()) write_file(o.common.json, to_json(result));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(result));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_simulate(result));
 }
 
-void run(const SimulateCommand& given) {
+void run_simulate(const SimulateCommand& given) {
   SimulateCommand o = given;
   o.task.compute = o.common;
-  check(o);
+  check_simulate(o);
   if (o.figure6 && o.finger.empty()) o.finger = setup::find_asset("finger.ply");
   if (o.figure6) {
     run_figure6(o);
@@ -135,7 +135,7 @@ void add_simulate(Program& program) {
        "  palpa simulate --scene assets/pyramid.glb --finger assets/finger.ply --method single-focus --json -\n"
        "  palpa simulate --figure6 --png figure6.png --json figure6.json\n"
        "A rigid finger, linear sound; pressures are time averages over the schedule. Coordinates in the world."},
-      add_options, run);
+      add_options_of_simulate, run_simulate);
 }
 
 }  // namespace palpa::cli

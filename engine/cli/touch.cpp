@@ -30,7 +30,7 @@ struct TouchCommand {
   std::string csv;
 };
 
-void add_options(CLI::App& app, TouchCommand& o) {
+void add_options_of_touch(CLI::App& app, TouchCommand& o) {
   setup::add_touch_input(app, o.input);
   const setup::Group group(app, "What touches what");
   add_allow_outside(group, o.common);
@@ -52,8 +52,8 @@ const char* manner(const touch::Placement& placement) {
   return placement.together ? " at once" : placement.still() ? ", at its centroid" : "";
 }
 
-std::string summary(const setup::TouchResult& result, const setup::TouchInput& skin,
-                    const setup::TouchOptions& options) {
+std::string summary_of_touch(const setup::TouchResult& result, const setup::TouchInput& skin,
+                             const setup::TouchOptions& options) {
   const touch::Touch& touch = result.touch();
   const session::Session& session = result.session();
   std::string text;
@@ -98,7 +98,7 @@ std::string summary(const setup::TouchResult& result, const setup::TouchInput& s
   return text;
 }
 
-void run(const TouchCommand& given) {
+void run_touch(const TouchCommand& given) {
   TouchCommand o = given;
   o.task.compute = o.common;
   check(o.input);
@@ -113,7 +113,7 @@ void run(const TouchCommand& given) {
   if (result.unreached) log::warning(*result.unreached);
   if (!o.csv.empty()) write_file(o.csv, to_csv(result));
   if (!o.common.json.empty()) write_file(o.common.json, to_json(result));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", summary(result, skin, o.task.touch));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_touch(result, skin, o.task.touch));
 }
 
 }  // namespace
@@ -126,7 +126,7 @@ void add_touch(Program& program) {
        "  palpa touch --scene model.glb --depth hand.png --camera camera.toml --json touch.json\n"
        "  palpa touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm --layout paper\n"
        "Depths and coordinates are metres in the world (glTF's axes, +y up)."},
-      add_options, run);
+      add_options_of_touch, run_touch);
 }
 
 }  // namespace palpa::cli

@@ -3,7 +3,8 @@
 
 Those that define the same name for themselves are kept apart; palpa's own are, too, where one defines what stands anywhere in the
 other, since a local name above it would be a warning (-Wshadow). As a program it groups the sources of each target: a line
-"TARGET|SOURCE|..." of absolute paths on stdin; a line "TARGET|SOURCE|UNIT" on stdout for each that is in a unit (cmake/Units.cmake).
+"TARGET|FOLDER|SOURCE|..." of absolute paths on stdin; a line "TARGET|SOURCE|UNIT" on stdout for each that is in a unit
+(cmake/Units.cmake).
 """
 import collections
 import pathlib
@@ -11,37 +12,49 @@ import re
 import sys
 
 TESTS = pathlib.Path(__file__).resolve().parents[1]
-MOST = 8  # sources of a target; each core needs units, and the longest ends last
-# Names that a source brings into its namespace: an unused one in another source of the unit would not be noticed.
-BROUGHT = re.compile(r"^using [\w:]+::(\w+);|^namespace (\w+) =", re.M)
+MOST = 8  # sources of a target; each core wants units, and the longest ends last
+# Names that a source brings into its namespace, and where from. Two may bring the same; but who looks for names that nobody uses
+# keeps these apart, since another's would go unnoticed beside them.
+BROUGHT = re.compile(r"^using ([\w:]+)::(\w+);|^namespace (\w+) = ([\w:]+);", re.M)
 # The names that a source defines for itself: types, functions, constants. An extra name costs little.
 OWN = re.compile(r"^namespace \{\n(.*?)^\}  // namespace|^(int main\()", re.S | re.M)
-DEFINED = re.compile(r"^(?:struct|class|enum class|enum|union|using) (\w+)|^\w[\w:<>,*& ]*?[ *&](\w+)\(|"
+DEFINED = re.compile(r"^(?:struct|class|enum class|enum|union) (\w+)|^using (\w+) =|^\w[\w:<>,*& ]*?[ *&](\w+)\(|"
                      r"^(?:inline |static |constexpr |const )+[\w:<>,*& ]+?(\w+)(?:\[\w*\])*(?: = |\{|;)", re.M)
+# Constants that stand in one line, but for the first of them.
+FURTHER = re.compile(r"^(?:inline |static |constexpr |const )+[^;(){}]*;", re.M), re.compile(r", (\w+)(?:\[\w*\])* = ")
 # Code that affects the sources after it; or a source of a library that a program uses only if it has none of its own.
 ALONE = re.compile(r"^ *# *define |^using namespace (?!std::)|^int main\(", re.M)
 INCLUDED = re.compile(r"^#include (.+)$", re.M)
 WORD = re.compile(r"[A-Za-z_]\w*")
 
 
-def own_names(text):
-    """The names that a source defines or brings for itself."""
+def own_names(text, share):
+    """The names that a source defines or brings for itself -> where from, where two may share it; else ''"""
     own = "".join(part[0] or part[1] for part in OWN.findall(text))
-    return {name for found in DEFINED.findall(own) + BROUGHT.findall(text) for name in found if name}
+    names = {name: "" for found in DEFINED.findall(own) for name in found if name}
+    names |= {name: "" for line in FURTHER[0].findall(own) for name in FURTHER[1].findall(line)}
+    for room, name, alias, meant in BROUGHT.findall(text):
+        names[name or alias] = room + meant if share else ""
+    return names
 
 
-def units_of(sources, headers, most, shadows):
+def clash(names, others):
+    """Whether a name stands in both, unless both have brought it from the same place."""
+    return any(name in names and not (room and room == names[name]) for name, room in others.items())
+
+
+def units_of(sources, headers, most, shadows, share=False):
     """Lists of the sources, paths, none with a name twice, those that include the same together. headers: source -> what it
-    includes; shadows: whether one's name may stand in another's text"""
+    includes; shadows: whether one's name may stand in another's text; share: whether two may bring the same name"""
     texts = {source: source.read_text() for source in sources}
-    names = {source: own_names(text) for source, text in texts.items()}
-    words = {source: names[source] if shadows else set(WORD.findall(text)) for source, text in texts.items()}
+    names = {source: own_names(text, share) for source, text in texts.items()}
+    words = {source: names[source] if shadows else dict.fromkeys(WORD.findall(text), "") for source, text in texts.items()}
     units = []  # (sources, names, words, headers)
     for source in sorted(sources, key=lambda source: (-len(names[source]), source)):
         fitting = [unit for unit in units
-                   if len(unit[0]) < most and not unit[1] & words[source] and not unit[2] & names[source]]
+                   if len(unit[0]) < most and not clash(unit[1], words[source]) and not clash(unit[2], names[source])]
         if not fitting:
-            fitting = [([], set(), set(), set())]
+            fitting = [([], {}, {}, set())]
             units += fitting
         unit = min(fitting, key=lambda unit: len(headers[source] - unit[3]))
         unit[0].append(source)
@@ -53,13 +66,14 @@ def units_of(sources, headers, most, shadows):
 
 def main():
     targets = [line.split("|") for line in sys.stdin.read().splitlines()]
-    times = collections.Counter(path for _, *paths in targets for path in paths)
-    for target, *paths in targets:
-        texts = {pathlib.Path(path): pathlib.Path(path).read_text() for path in paths if times[path] == 1}
+    # What several targets of a folder compile would be in the unit of one.
+    times = collections.Counter((folder, path) for _, folder, *paths in targets for path in set(paths))
+    for target, folder, *paths in targets:
+        texts = {pathlib.Path(path): pathlib.Path(path).read_text() for path in sorted(set(paths)) if times[folder, path] == 1}
         sources = [path for path, text in texts.items() if not ALONE.search(text)]
         headers = {path: set(INCLUDED.findall(texts[path])) for path in sources}
         shadows = all(path.is_relative_to(TESTS) for path in sources)
-        for number, unit in enumerate(units_of(sources, headers, MOST, shadows)):
+        for number, unit in enumerate(units_of(sources, headers, MOST, shadows, share=shadows)):
             for source in unit if len(unit) > 1 else []:
                 print(f"{target}|{source}|{number}")
 

@@ -20,6 +20,7 @@
 #include "random_rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "sensing/target.hpp"
+#include "support/exhaustive.hpp"
 #include "support/instrumented.hpp"
 #include "support/shapes.hpp"
 
@@ -117,8 +118,9 @@ void expect_found(const Camera& camera, const StillImage& image) {
 }
 
 TEST(FindTarget, WithNoiseFromAllSides) {
-  const std::vector<std::pair<double, double>> sides{{30, 10}, {30, 190}, {50, 100}, {40, 150}, {50, 280}, {90, 40}};
-  for (const auto& [elevation, azimuth] : test::the_first(2, sides)) {
+  std::vector<std::pair<double, double>> sides{{30, 10}, {50, 280}, {90, 40}, {40, 150}, {30, 190}, {50, 100}};
+  if (!test::exhaustive()) sides.resize(4);
+  for (const auto& [elevation, azimuth] : test::the_first(1, sides)) {
     SCOPED_TRACE(testing::Message() << elevation << " degrees high, from " << azimuth);
     const Camera camera = looking({0.02, -0.03, 0}, 0.5, elevation, azimuth);
     expect_found(camera, seen(camera, board()));
@@ -136,20 +138,22 @@ FoundTarget found_at(const Side& side, double scale) {
 }
 
 TEST(FindTarget, TellsATargetOfAnotherScale) {
-  const std::vector<Side> sides{{30, 190, 0.4}, {90, 40, 0.5}};
-  for (const Side& side : test::the_first(1, sides)) {
-    for (const double scale : {0.95, 0.97, 1.03, 1.05}) {
-      SCOPED_TRACE(testing::Message() << side.elevation << " degrees high, " << scale);
-      const FoundTarget found = found_at(side, scale);
-      EXPECT_NEAR(found.scale, scale, 3e-3);
-      EXPECT_TRUE(scale_is_off(found));
-    }
+  const Side low{30, 190, 0.4}, above{90, 40, 0.5};
+  std::vector<std::pair<Side, double>> seen_as{{low, 0.97}, {above, 1.03}, {low, 1.05},   {above, 0.95},
+                                               {low, 0.95}, {low, 1.03},   {above, 0.97}, {above, 1.05}};
+  if (!test::exhaustive()) seen_as.resize(4);
+  for (const auto& [side, scale] : test::the_first(2, seen_as)) {
+    SCOPED_TRACE(testing::Message() << side.elevation << " degrees high, " << scale);
+    const FoundTarget found = found_at(side, scale);
+    EXPECT_NEAR(found.scale, scale, 3e-3);
+    EXPECT_TRUE(scale_is_off(found));
   }
 }
 
 TEST(FindTarget, FindsNoFaultWithTheScaleOfAGoodOne) {
-  // If little but three faces is seen, the scale depends on the roof, a square centimetre, and is hardly known.
-  const std::vector<Side> sides{{40, 150, 0.7}, {30, 10, 0.5}, {25, 135, 0.45}, {45, 20, 0.75}, {80, 20, 0.75}};
+  // Where little but three faces is seen the scale hangs on the roof, a square centimetre, and is hardly known.
+  std::vector<Side> sides{{40, 150, 0.7}, {25, 135, 0.45}, {80, 20, 0.75}, {30, 10, 0.5}, {45, 20, 0.75}};
+  if (!test::exhaustive()) sides.resize(3);
   for (const Side& side : test::the_first(1, sides)) {
     SCOPED_TRACE(testing::Message() << side.elevation << " degrees high, from " << side.azimuth);
     const FoundTarget found = found_at(side, 1);
@@ -176,15 +180,16 @@ TEST(FindTarget, AmongClutterAndPartlyHidden) {
   expect_found(camera, seen(camera, clutter()));
 }
 
-/// Rejected with one line that names the camera and contains `part`.
-void expect_refused(const Camera& camera, const StillImage& image, const std::string& part) {
+/// With one line that names the camera and has these parts in it.
+void expect_refused(const Camera& camera, const StillImage& image, const std::vector<std::string>& parts) {
   try {
     find_target(camera, image);
     ADD_FAILURE() << "found";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), Exit::bad_input);
     EXPECT_TRUE(std::string(error.what()).starts_with("camera \"one\": ")) << error.what();
-    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    for (const std::string& part : parts)
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
   }
 }
 
@@ -200,12 +205,10 @@ StillImage only(StillImage image, const Camera& camera, const std::function<bool
 
 TEST(FindTarget, WithoutOneItSaysSo) {
   const Camera camera = looking({0, 0, 0.02}, 0.5, 45, 60);
-  expect_refused(camera, seen(camera, clutter(), Noise::d415, 5, false), "does not see the target");
-  expect_refused(camera, seen(camera, clutter(), Noise::d415, 5, false), "stand still in frames 0 to 4 (");
-  expect_refused(camera, seen(camera, clutter(), Noise::d415, 5, false), "nearer than 0.8 m");
+  expect_refused(camera, seen(camera, clutter(), Noise::d415, 5, false),
+                 {"does not see the target", "stand still in frames 0 to 4 (", "nearer than 0.8 m"});
   const StillImage nothing = seen(camera, {}, Noise::d415, 1, false);
-  expect_refused(camera, nothing, "stand still in frame 0 (0 have a depth)");
-  expect_refused(camera, nothing, "only 0 of its 407040 pixels");
+  expect_refused(camera, nothing, {"stand still in frame 0 (0 have a depth)", "only 0 of its 407040 pixels"});
   // The target's mirror image is another solid.
   const geometry::Mesh mirrored = [] {
     geometry::Mesh mesh = transformed(make_target(), [](const Vec3& p) { return Vec3(p.y, p.x, p.z); });
@@ -213,7 +216,7 @@ TEST(FindTarget, WithoutOneItSaysSo) {
     return mesh;
   }();
   const Camera steep = looking({0, 0, 0.02}, 0.5, 90, 0);
-  expect_refused(steep, seen(steep, mirrored, Noise::d415, 5, false), "does not see the target");
+  expect_refused(steep, seen(steep, mirrored, Noise::d415, 5, false), {"does not see the target"});
 }
 
 TEST(FindTarget, RefusesWhatDoesNotHoldIt) {
@@ -224,15 +227,15 @@ TEST(FindTarget, RefusesWhatDoesNotHoldIt) {
     return std::abs(glm::dot(face.normal, p) - face.offset) < 2e-3;
   };
   const auto flat = [](const Vec3& p) { return p.z < 0.0075; };
-  // A plate alone can slide, and so can a plate with one slope.
-  expect_refused(camera, only(whole, camera, flat), "does not see the target");
+  // A plate alone, and with one slope, slides.
+  expect_refused(camera, only(whole, camera, flat), {"does not see the target"});
   const auto slides = [&](const Vec3& p) { return flat(p) || on(east, p); };
-  expect_refused(camera, only(whole, camera, slides), "does not see the target");
-  // So it almost can if the third face is a patch of a centimetre.
+  expect_refused(camera, only(whole, camera, slides), {"does not see the target"});
+  // So it does, nearly, where the third face is a patch of a centimetre.
   const auto barely = [&](const Vec3& p) {
     return slides(p) || (on(north, p) && std::abs(p.z - 0.022) < 0.0042 && std::abs(p.x) < 0.0055);
   };
-  expect_refused(camera, only(whole, camera, barely), "does not fix the target in all six directions");
+  expect_refused(camera, only(whole, camera, barely), {"does not fix the target in all six directions"});
 }
 
 TEST(StillFrames, LeavesOutWhatMovesAndWhatIsSeldomSeen) {

@@ -144,7 +144,7 @@ geometry::Solid moved(const geometry::Solid& solid, const Transform& T_world_sol
   return out;
 }
 
-std::vector<glm::vec3> fingertip(std::uint32_t count, double depth, double x, double z, unsigned seed) {
+std::vector<glm::vec3> fingertip(std::uint32_t count, double depth, double x, double z, unsigned seed, double highest) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   const double radius = 8e-3, length = 50e-3;
@@ -154,6 +154,7 @@ std::vector<glm::vec3> fingertip(std::uint32_t count, double depth, double x, do
     const double around = 2 * std::numbers::pi * unit(random);
     const double share = unit(random);
     const double along = share < tip_share ? unit(random) * radius : radius + unit(random) * (length - radius);
+    if (along - depth > highest) continue;
     const double wide = along < radius ? std::sqrt(radius * radius - (radius - along) * (radius - along)) : radius;
     points.emplace_back(x + wide * std::cos(around), along - depth, z + wide * std::sin(around));
   }

@@ -18,7 +18,7 @@ struct LineOptions : setup::LiveOptions {
   setup::StatsFormat stats = setup::StatsFormat::none;
 };
 
-void add_options(CLI::App& app, LineOptions& o) {
+void add_live_options(CLI::App& app, LineOptions& o) {
   const setup::Group group(app, "What to run");
   add_frame_options(group, o, "stop after that many frames; 0: at the source's end");
   add_link_options(group, o);
@@ -35,7 +35,7 @@ bool is_copied(const setup::OptionInfo& info) {
 /// Every option with the parser of its text. Made once, because a panel reads texts again and again.
 class Reader {
  public:
-  Reader() { add_options(app_, options_); }
+  Reader() { add_live_options(app_, options_); }
   LineOptions read(const setup::Given& given) {
     options_ = LineOptions();  // an option that is not given has its default, whatever it was before
     setup::read_given(app_, given);

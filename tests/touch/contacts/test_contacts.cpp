@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "support/device.hpp"
-#include "support/instrumented.hpp"
+#include "support/exhaustive.hpp"
 #include "touch/contacts/contacts_pass.hpp"
 #include "touch/harness.hpp"
 
@@ -169,7 +169,7 @@ TEST_P(Contacts, OfManySmallSolidsAreAllThere) {
     const Vec3 at(0.01 * (i % 38), 0.01 * static_cast<int>(i / 38), 0);
     dots.push_back(box(at, at + Vec3(2e-3), "dot"));
   }
-  const std::uint32_t count = GetParam() == Backend::cpu ? palpa::test::fewer(100'000) : 100'000;
+  const std::uint32_t count = GetParam() == Backend::cpu ? palpa::test::samples(20'000, 100'000) : 100'000;
   const auto points = random_points(count, Vec3(0, 0, 0), Vec3(0.38, 0.38, 2e-3));
   const double delta = 0.5e-3;
   const Touch touch = once_on(GetParam(), points, dots, {.delta_m = delta, .finger_gap_m = 2e-3});
@@ -186,7 +186,8 @@ TEST_P(Contacts, OfManySmallSolidsAreAllThere) {
 
 TEST_P(Contacts, DeepInABallOfManyPlanesAreAllThere) {
   // Deep cells list every plane of the ball: more looks for a thread's points than a software device has turns for.
-  const auto points = random_points(70'000, Vec3(-0.04), Vec3(0.04));
+  const std::uint32_t count = GetParam() == Backend::cpu ? palpa::test::samples(10'000, 70'000) : 70'000;
+  const auto points = random_points(count, Vec3(-0.04), Vec3(0.04));
   const Touch touch = once_on(GetParam(), points, {ball({0, 0, 0}, 0.1, 4096)},
                               {.finger_gap_m = 5e-3, .cluster = Cluster::inside, .deep = true});
   EXPECT_EQ(touch.deep.size(), points.size());

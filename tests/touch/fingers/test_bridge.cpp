@@ -10,6 +10,7 @@
 #include "gpu/commands.hpp"
 #include "sensing/skin_twin.hpp"
 #include "support/device.hpp"
+#include "support/instrumented.hpp"
 #include "touch/fingertips.hpp"
 #include "touch/harness.hpp"
 
@@ -108,13 +109,14 @@ TEST_P(Bridge, NeighboursWhoseFacingSidesAreHiddenStayTwo) {
 TEST_P(Bridge, NeighboursSeenFromAboveStayTwo) {
   // Fingertips that reach sideways into a wall, 2 to 6 mm apart, one camera above: the tops of two rings.
   const std::vector<geometry::Solid> wall{box({-0.1, -0.1, -0.1}, {-0.006, 0.1, 0.1}, "wall")};
-  for (const double gap : {20.5e-3, 22e-3, 24.5e-3}) {
+  for (const double gap : palpa::test::the_first<double>(1, {20.5e-3, 22e-3, 24.5e-3})) {
     const std::vector<Press> presses{{.tilt_deg = 90, .z = -gap / 2}, {.tilt_deg = 90, .z = gap / 2}};
     for (const double elevation : {89.0, 60.0, 30.0}) {
       const Cameras camera = ring_of_cameras(1, elevation, 190);
-      const Touch touch = touch_on(GetParam(), wall, camera, images_of(camera, presses, 4));
+      const Images images = images_of(camera, presses, 4);
+      const Touch touch = touch_on(GetParam(), wall, camera, images);
       ASSERT_GE(touch.finger_count, 2u) << gap << ' ' << elevation;
-      const Touch before = touch_on(GetParam(), wall, camera, images_of(camera, presses, 4), unbridged());
+      const Touch before = touch_on(GetParam(), wall, camera, images, unbridged());
       EXPECT_EQ(touch.finger_count, before.finger_count) << gap << ' ' << elevation;
     }
   }
@@ -122,7 +124,7 @@ TEST_P(Bridge, NeighboursSeenFromAboveStayTwo) {
 
 TEST_P(Bridge, ThumbAndIndexThatPinchAPlateStayTwo) {
   const std::vector<geometry::Solid> plate{box({-0.03, -0.009, -0.03}, {0.03, 0, 0.03}, "plate")};
-  for (const double elevation : {-20.0, 0.0, 20.0}) {
+  for (const double elevation : palpa::test::the_first<double>(1, {-20, 0, 20})) {
     for (const int count : {1, 2, 3}) {
       const Cameras cameras = ring_of_cameras(count, elevation, 15);
       const std::vector<Press> presses{{.press_m = 4e-3}, {.press_m = 4e-3, .y = -9e-3, .from_below = true}};
@@ -137,7 +139,7 @@ TEST_P(Bridge, ThumbAndIndexThatPinchAPlateStayTwo) {
 TEST_P(Bridge, CrossingFingersStayTwo) {
   const auto solids = object("cube");
   for (const int count : {1, 2, 3}) {
-    for (const double elevation : {-30.0, 0.0, 20.0}) {
+    for (const double elevation : palpa::test::the_first<double>(1, {0, -30, 20})) {
       const Cameras cameras = ring_of_cameras(count, elevation, 40);
       // Each leans over the other.
       const std::vector<Press> presses{{.press_m = 4e-3, .tilt_deg = 50, .azimuth_deg = 30, .x = -8e-3, .z = -9e-3},
@@ -160,7 +162,7 @@ TEST(BridgeRates, FingertipsStayWholeAndNeighboursApart) {
   // Where the underside is hidden. tests/touch/bridge_rates prints the rates of many more; docs/touch.md has them.
   std::mt19937 random(11);
   int split_before = 0, split_after = 0, merged_by_bridging = 0;
-  for (int t = 0; t < 40; ++t) {
+  for (int t = 0; t < (palpa::test::instrumented() ? 16 : 40); ++t) {
     const Trial trial = random_trial(random, 2, t % 4 < 2 ? 0 : 20, trial_objects[t % 3], t % 2 == 0 ? 1 : 2);
     const auto solids = object(trial.object);
     const Touch before = touch_on(Backend::cpu, solids, trial.cameras, trial.images, unbridged());
@@ -176,14 +178,14 @@ TEST(BridgeRates, FingertipsStayWholeAndNeighboursApart) {
     };
     merged_by_bridging += merged(after) > merged(before) ? 1 : 0;
   }
-  EXPECT_GE(split_before, 5);
+  EXPECT_GE(split_before, palpa::test::instrumented() ? 1 : 5);
   EXPECT_LE(split_after * 5, split_before);
   EXPECT_EQ(merged_by_bridging, 0);
 }
 
 TEST(BridgeOnDevice, DecidesAsTheTwin) {
   std::mt19937 random(12);
-  for (int t = 0; t < 12; ++t) {
+  for (int t = 0; t < (palpa::test::instrumented() ? 4 : 12); ++t) {
     const Trial trial = any_trial(random, 1 + t % 2);
     const auto solids = object(trial.object);
     expect_identical(touch_on(Backend::cpu, solids, trial.cameras, trial.images),

@@ -169,7 +169,7 @@ std::vector<glm::vec3> skin_of(const Walk& walk, int k, double t) {
   // The prism's ridge and the pyramid's top are sharp: the finger leaves them within 2 mm.
   const double reach = walk.object == "cube" ? 0.016 : 0.6e-3, along = walk.object == "pyramid" ? 0.6e-3 : 6e-3;
   return fingertip(walk.points, walk.depth + 0.5e-3 * std::sin(9 * t), reach * std::sin(3 * t),
-                   along * std::sin(2.1 * t), static_cast<unsigned>(k / 2));
+                   along * std::sin(2.1 * t), static_cast<unsigned>(k / 2), 0.5e-3);
 }
 
 double step_of(int k) {
@@ -337,7 +337,7 @@ TEST_P(Glide, OnARodThatMovesAndTurnsInTheFinger) {
         Transform T(Vec4(std::cos(turn), 0, -std::sin(turn), 0), Vec4(0, 1, 0, 0),
                     Vec4(std::sin(turn), 0, std::cos(turn), 0), Vec4(3e-3 * std::sin(3 * t), 0, 2e-3 * std::cos(t), 1));
         stream.set_pose(T);
-        const Touch& touch = stream.frame(fingertip(8000, 5e-3, 0, 0, 3), t);
+        const Touch& touch = stream.frame(fingertip(8000, 5e-3, 0, 0, 3, 2.5e-3), t);
         ASSERT_EQ(touch.finger_count, 1u);
         const Finger& finger = touch.fingers[0];
         if (before && before->foci.size() == finger.foci.size()) {

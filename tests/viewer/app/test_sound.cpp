@@ -167,12 +167,12 @@ TEST(Spectra, AtRestAreTheNewest) {
 }
 
 TEST(SlicePreview, AtRestIsTheNewest) {
-  Played played;
+  Played played({0, 0, 0.1}, 16);
   SlicePreview slices({});
   Picture picture;
   SliceState slice;
   double now_s = 0;
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 8; ++i) {
     played.move({i * 1e-3, 0, 0.1});
     bool marks = false;
     ASSERT_TRUE(soon(

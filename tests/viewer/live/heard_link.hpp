@@ -53,14 +53,14 @@ inline session::LinkKind heard_link(const std::shared_ptr<Heard>& heard) {
 }
 
 /// A synthetic finger in a cube, computed on the processor and played to "heard" for that many frames; 0: without an
-/// end.
+/// end. Slow frames are still heard, but a run that ends by itself plays its last frame no longer than necessary.
 inline setup::LiveOptions heard_options(std::uint64_t frames = 0) {
   setup::LiveOptions options = viewer::live_options({{"--scene", {source_file("assets/cube.glb").string()}},
                                                      {"--source", {"synthetic"}},
                                                      {"--layout", {"autd3"}},
                                                      {"--backend", {"cpu"}},
                                                      {"--noise-free", {}},
-                                                     {"--hold", {"5s"}},
+                                                     {"--hold", {frames > 0 ? "50ms" : "5s"}},
                                                      {"--link", {"heard"}}});
   options.frames = frames;
   return options;

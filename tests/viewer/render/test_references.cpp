@@ -10,6 +10,7 @@
 #include "cli/process.hpp"
 #include "drawing_test.hpp"
 #include "support/shared_data.hpp"
+#include "viewer/run/viewer_here.hpp"
 
 namespace palpa {
 namespace {
@@ -20,15 +21,18 @@ using test::source_file;
 /// Mean difference of a channel: drivers and vector widths differ by a tenth of this, a missing outline by more.
 constexpr const char* threshold = "0.0006";
 
+std::vector<std::string> line_of(const std::string& asset, const std::vector<std::string>& more) {
+  const std::vector<std::string> arguments{"--scene",       source_file("assets/" + asset).string(),
+                                           "--points",      source_file("assets/finger.ply").string(),
+                                           "--skin",        source_file("assets/finger.ply").string(),
+                                           "--penetration", "3mm",
+                                           "--headless",    "--size",
+                                           "480x300"};
+  return test::with(arguments, more);
+}
+
 test::Result draw(const std::string& asset, const std::vector<std::string>& more) {
-  std::vector<std::string> arguments{"--scene",       source_file("assets/" + asset).string(),
-                                     "--points",      source_file("assets/finger.ply").string(),
-                                     "--skin",        source_file("assets/finger.ply").string(),
-                                     "--penetration", "3mm",
-                                     "--headless",    "--size",
-                                     "480x300"};
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  return test::run_program(PALPA_VIEWER_BINARY, arguments, {{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}});
+  return test::run_program(PALPA_VIEWER_BINARY, line_of(asset, more), {{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}});
 }
 
 void expect_as_ever(const std::string& name, const std::string& asset, const std::vector<std::string>& more) {
@@ -41,7 +45,7 @@ void expect_as_ever(const std::string& name, const std::string& asset, const std
   const std::vector<std::string> compared = test::with(more, {"--reference", file, "--threshold", threshold});
   const auto run = draw(asset, compared);
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  const auto other = draw(asset, test::with(compared, {"--hide", "edges"}));
+  const auto other = test::viewer_here(line_of(asset, test::with(compared, {"--backend", "cpu", "--hide", "edges"})));
   EXPECT_EQ(other.exit_code, 1) << "without a line there is a difference";
 }
 

@@ -6,12 +6,14 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/process.hpp"
 #include "cli/tiny_files.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "viewer_here.hpp"
 
 namespace palpa {
 namespace {
@@ -57,7 +59,7 @@ class ViewerFiles : public testing::Test {
         folder + "/../" + at.parent_path().filename().string() + "/" + at.filename().string()};
     if (!fs::exists(at)) return names;
     fs::create_hard_link(at, path("hard"));
-    open_ = ::open(at.c_str(), O_RDWR);  // the program inherits it
+    open_ = ::open(at.c_str(), O_RDWR);  // a program inherits it
     names.insert(names.end(), {path("hard"), "/proc/self/fd/" + std::to_string(open_)});
     return names;
   }
@@ -68,10 +70,12 @@ class ViewerFiles : public testing::Test {
     }
     return all;
   }
-  static test::Result viewer(const std::vector<std::string>& words, double timeout_s = 60) {
-    test::RunOptions options{{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}, test::where_assets_are()}};
-    options.timeout_s = timeout_s;
-    return test::run_program(PALPA_VIEWER_BINARY, with(words, {"--headless", "--size", "64x48"}), options);
+  /// A test's first line is the program's, the others are read and drawn in this process.
+  test::Result viewer(const std::vector<std::string>& words) {
+    const std::vector<std::string> line = with(words, {"--headless", "--size", "64x48"});
+    if (!std::exchange(first_, false)) return test::viewer_here(line);
+    return test::run_program(PALPA_VIEWER_BINARY, line,
+                             {{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}, test::where_assets_are()}});
   }
   /// Rejected, and all files are unchanged.
   void expect_refused(const std::vector<std::string>& words, const std::string& part, int code = 2) {
@@ -90,6 +94,7 @@ class ViewerFiles : public testing::Test {
 
   fs::path folder_ = test::scratch_folder("viewer-files");
   int open_ = -1;
+  bool first_ = true;
   const std::string read_ = "is read by this command, name another file", same_ = "name the same file";
 };
 
@@ -134,8 +139,8 @@ TEST_F(ViewerFiles, ThatALiveRunReadsAreNoOutputs) {
 }
 
 TEST_F(ViewerFiles, ThatShotsNameAreNotWhatIsRead) {
-  const std::vector<std::string> touch{"--scene",          path("scene.gltf"), "--points",
-                                       path("finger.ply"), "--interact",       path("script")};
+  const std::vector<std::string> touch{"--scene", path("scene.gltf"), "--points",    path("finger.ply"), "--backend",
+                                       "cpu",     "--interact",       path("script")};
   script("draw\n");
   for (const std::string file : {"finger.ply", "corners.bin", "picture.png", "script", "scene.gltf"}) {
     std::vector<std::string> names = names_of(file);
@@ -154,9 +159,12 @@ TEST_F(ViewerFiles, ThatShotsNameAreNotWhatIsRead) {
       expect_refused(with(touch, {"--screenshot", name}), same_);
     }
   }
-  // Files of a live run, which are read while the script is played, and dropped files.
-  const std::vector<std::string> live{"--scene",  path("scene.gltf"),          "--rig",      path("rig.toml"),
-                                      "--source", "recording:" + path("take"), "--interact", path("script")};
+  // Of a live run, whose files are read while the script is played, and of what is dropped.
+  const std::vector<std::string> live{"--scene",    path("scene.gltf"),
+                                      "--rig",      path("rig.toml"),
+                                      "--source",   "recording:" + path("take"),
+                                      "--backend",  "cpu",
+                                      "--interact", path("script")};
   for (const std::string file : {"mask.png", "corners.bin", "layout.toml", "take/depth-0.png"}) {
     script("draw\nshot " + path(file) + "\ndraw\n");
     expect_refused(live, read_);
@@ -171,6 +179,7 @@ TEST_F(ViewerFiles, ThatShotsNameAreNotWhatIsRead) {
   expect_refused(touch, "is read by this command");
   // A file that nothing reads may be overwritten any number of times.
   script("draw\nshot " + path("new.png") + "\ndraw\nshot " + path("new.png") + "\n");
+  first_ = true;
   EXPECT_EQ(viewer(touch).exit_code, 0);
   EXPECT_EQ(viewer(touch).exit_code, 0);
 }

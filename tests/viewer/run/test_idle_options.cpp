@@ -6,6 +6,7 @@
 
 #include "cli/process.hpp"
 #include "support/shared_data.hpp"
+#include "viewer_here.hpp"
 
 namespace palpa::test {
 namespace {
@@ -59,8 +60,10 @@ TEST(ViewerOptions, ThatWouldBeIgnoredAreRefused) {
            {{"--layout", "openmpd"}, {"--screenshot", "x.png"}, "--screenshot goes with --headless"},
        }) {
     SCOPED_TRACE(idle.given[0]);
-    expect_failure(run_program(PALPA_VIEWER_BINARY, with(idle.line, idle.given), {{{"DISPLAY", ""}}}), 2, idle.told);
+    expect_failure(viewer_here(with(idle.line, idle.given)), 2, idle.told);
   }
+  expect_failure(run_program(PALPA_VIEWER_BINARY, with(touch, {"--no-panels"}), {{{"DISPLAY", ""}}}), 2,
+                 "--no-panels goes with a window");
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// palpa-viewer itself, without a window.
+// palpa-viewer without a window: a line of each test is the program's, and others that draw or are refused in the same
+// way are looked at in this process.
 #include <gtest/gtest.h>
 
 #include <sys/stat.h>
@@ -19,6 +20,7 @@
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/render/drawing_test.hpp"
+#include "viewer_here.hpp"
 
 namespace palpa {
 namespace {
@@ -26,6 +28,7 @@ namespace {
 using Viewer = test::DrawingTest;
 
 using test::source_file;
+using test::viewer_here;
 
 test::Result viewer(const std::vector<std::string>& arguments) {
   // No display of any kind: headless runs must not need one.
@@ -39,6 +42,11 @@ std::vector<std::string> cube_touch(const std::vector<std::string>& more, const 
                                      "--size",        size};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
+}
+
+/// The same, touched on the processor: where nothing is drawn but what the device would have found, too.
+std::vector<std::string> host_touch(const std::vector<std::string>& more, const std::string& size = "320x200") {
+  return cube_touch(test::with({"--headless", "--backend", "cpu"}, more), size);
 }
 
 TEST_F(Viewer, WritesAScreenshotWithoutADisplay) {
@@ -75,7 +83,7 @@ TEST_F(Viewer, TheSameCommandGivesTheSameBytesOnEitherBackend) {
   const std::string a = (folder / "a.png").string(), b = (folder / "b.png").string(), c = (folder / "c.png").string();
   ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", a, "--quiet"})).exit_code, 0);
   ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", b, "--quiet"})).exit_code, 0);
-  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", c, "--quiet", "--backend", "cpu"})).exit_code, 0);
+  ASSERT_EQ(viewer_here(host_touch({"--screenshot", c, "--quiet"})).exit_code, 0);
   EXPECT_EQ(test::read_text(a), test::read_text(b));
   EXPECT_LT(drawing::mean_difference(drawing::read_png(a), drawing::read_png(c)), 1e-4);
 }
@@ -83,9 +91,9 @@ TEST_F(Viewer, TheSameCommandGivesTheSameBytesOnEitherBackend) {
 TEST_F(Viewer, TheSpectrumIsAChartInItsCornerBesideWhatIsLookedAt) {
   const auto folder = test::scratch_folder("viewer-spectrum");
   const std::string a = (folder / "a.png").string(), b = (folder / "b.png").string();
-  const std::vector<std::string> more{"--headless", "--quiet", "--hide", "grid", "--screenshot"};
-  ASSERT_EQ(viewer(cube_touch(test::with(more, {a}), "640x400")).exit_code, 0);
-  ASSERT_EQ(viewer(cube_touch(test::with(more, {b, "--spectrum"}), "640x400")).exit_code, 0);
+  const std::vector<std::string> more{"--quiet", "--hide", "grid", "--screenshot"};
+  ASSERT_EQ(viewer_here(host_touch(test::with(more, {a}), "640x400")).exit_code, 0);
+  ASSERT_EQ(viewer(host_touch(test::with(more, {b, "--spectrum"}), "640x400")).exit_code, 0);
   const drawing::Pixels without = drawing::read_png(a), with = drawing::read_png(b);
   // The chart is in its corner, and no part of the cube is there. To the right, there is more than before. To the left,
   // there is only the legend at the top.
@@ -119,31 +127,36 @@ TEST_F(Viewer, ALiveRunIsDrawnAndScripted) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(drawing::read_png(shot).width, 400u);
   EXPECT_NE(run.out.find("frame to drives: median "), std::string::npos) << "as palpa run ends: " << run.out;
-  const auto scripted = viewer(test::with(live, {"--panels", "--interact", (folder / "log").string()}));
+  const auto scripted = viewer_here(
+      test::with(live, {"--backend", "cpu", "--quiet", "--panels", "--interact", (folder / "log").string()}));
   EXPECT_EQ(scripted.exit_code, 0) << scripted.err;
   EXPECT_GT(drawing::mean_difference(drawing::read_png(shot), drawing::read_png(early)), 0.02) << "panels and sheet";
 
   test::expect_failure(viewer({"--scene", "/nowhere.glb", "--source", "synthetic", "--headless"}), 4, "/nowhere.glb");
-  test::expect_failure(viewer(test::with(live, {"--points", "x.ply"})), 2, "--source");
-  test::expect_failure(viewer({"--scene", source_file("assets/cube.glb").string(), "--link", "null", "--headless"}), 2,
-                       "--source");
+  test::expect_failure(viewer_here(test::with(live, {"--points", "x.ply"})), 2, "--source");
+  test::expect_failure(
+      viewer_here({"--scene", source_file("assets/cube.glb").string(), "--link", "null", "--headless"}), 2, "--source");
   std::ofstream(folder / "bad") << "draw\njump\n";
-  test::expect_failure(viewer(test::with(live, {"--interact", (folder / "bad").string()})), 4, ":2: ");
+  test::expect_failure(viewer_here(test::with(live, {"--interact", (folder / "bad").string()})), 4, ":2: ");
 }
 
 TEST_F(Viewer, FramesAdvanceTheRunningFocus) {
   const auto folder = test::scratch_folder("viewer-slots");
+  const auto arguments = [](const std::vector<std::string>& more) {
+    return host_touch(test::with({"--quiet", "--frame", "touch"}, more));
+  };
   const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {
     const std::string file = (folder / name).string();
-    auto arguments = cube_touch({"--headless", "--screenshot", file, "--quiet", "--frame", "touch"});
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    EXPECT_EQ(viewer(arguments).exit_code, 0);
+    EXPECT_EQ(viewer_here(test::with(arguments(more), {"--screenshot", file})).exit_code, 0);
     return test::read_text(file);
   };
-  const std::string first = shot("1.png", {});
-  EXPECT_NE(shot("2.png", {"--frames", "2"}), first);
-  EXPECT_EQ(shot("11.png", {"--frames", "11"}), first);  // ten foci: around once
-  EXPECT_EQ(shot("s.png", {"--slot", "1"}), test::read_text(folder / "2.png"));
+  const std::string first = shot("1.png", {}), second = shot("2.png", {"--frames", "2"});
+  EXPECT_NE(second, first);
+  EXPECT_EQ(shot("s.png", {"--slot", "1"}), second);
+  const auto filmed = viewer(arguments({"--frames", "11", "--video", (folder / "film").string()}));
+  ASSERT_EQ(filmed.exit_code, 0) << filmed.err;
+  EXPECT_EQ(test::read_text(folder / "film/000010.png"), first);  // ten foci: around once
+  EXPECT_EQ(test::read_text(folder / "film/000001.png"), second);
 }
 
 TEST_F(Viewer, AVideoIsEveryFrame) {
@@ -156,12 +169,12 @@ TEST_F(Viewer, AVideoIsEveryFrame) {
   const std::string first = test::read_text(folder / "frames/000000.png");
   EXPECT_NE(first, test::read_text(folder / "frames/000001.png"));
   EXPECT_EQ(test::read_text(folder / "frames/000002.png"), test::read_text(shot));
-  test::expect_failure(viewer(cube_touch({"--headless", "--video", video})), 2, "not empty");
-  test::expect_failure(viewer(cube_touch({"--headless", "--video", "/no/such/folder"})), 1, "/no/such/folder");
+  test::expect_failure(viewer_here(host_touch({"--video", video})), 2, "not empty");
+  test::expect_failure(viewer_here(host_touch({"--video", "/no/such/folder"})), 1, "/no/such/folder");
   const std::string live = (folder / "live").string();
-  const auto filmed = viewer({"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic",
-                              "--noise-free", "--layout", "autd3", "--backend", "cpu", "--headless", "--size",
-                              "320x200", "--frames", "3", "--video", live, "--screenshot", shot});
+  const auto filmed = viewer_here({"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic",
+                                   "--noise-free", "--layout", "autd3", "--backend", "cpu", "--headless", "--quiet",
+                                   "--size", "320x200", "--frames", "3", "--video", live, "--screenshot", shot});
   ASSERT_EQ(filmed.exit_code, 0) << filmed.err;
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(live), {}), 3);
   EXPECT_EQ(test::read_text(folder / "live/000002.png"), test::read_text(shot));
@@ -171,15 +184,19 @@ TEST_F(Viewer, LayersAreShownAndHidden) {
   const auto folder = test::scratch_folder("viewer-layers");
   const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {
     const std::string file = (folder / name).string();
-    EXPECT_EQ(viewer(cube_touch(test::with({"--headless", "--quiet", "--screenshot", file}, more))).exit_code, 0);
+    EXPECT_EQ(viewer_here(host_touch(test::with({"--quiet", "--screenshot", file}, more))).exit_code, 0);
     return test::read_text(file);
   };
   const std::string usual = shot("usual.png", {}), bare = shot("bare.png", {"--hide", "grid,legend"});
+  ASSERT_EQ(
+      viewer(host_touch({"--quiet", "--hide", "grid,legend", "--screenshot", (folder / "b.png").string()})).exit_code,
+      0);
+  EXPECT_EQ(test::read_text(folder / "b.png"), bare);
   EXPECT_NE(shot("sections.png", {"--show", "sections"}), usual);
   EXPECT_NE(bare, usual);
   EXPECT_EQ(shot("none.png", {"--opacity", "grid=0,legend=0"}), bare);
   const auto refused = [&](const std::vector<std::string>& more, const char* part) {
-    test::expect_failure(viewer(cube_touch(test::with({"--headless"}, more))), 2, part);
+    test::expect_failure(viewer_here(host_touch(more)), 2, part);
   };
   refused({"--hide", "grid,nonsense"}, "'nonsense' is not a layer; give solids");
   refused({"--show", "grid,"}, "--show");
@@ -190,11 +207,17 @@ TEST_F(Viewer, LayersAreShownAndHidden) {
 
 TEST_F(Viewer, TheFieldOfTheSlotStandsInAPlane) {
   const auto folder = test::scratch_folder("viewer-slice");
+  const std::string layout = (folder / "four.toml").string();
+  {
+    std::ofstream file(layout);
+    for (const char* place : {"-0.05, -0.05", "0.05, -0.05", "-0.05, 0.05", "0.05, 0.05"})
+      file << "[[transducer]]\nposition_m = [" << place << ", 0]\naxis = [0, 0, 1]\n";
+  }
   const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {
     const std::string file = (folder / name).string();
-    const std::vector<std::string> all{"--headless", "--quiet", "--layout", "autd3",        "--frame",
-                                       "touch",      "--hide",  "array",    "--screenshot", file};
-    EXPECT_EQ(viewer(cube_touch(test::with(all, more))).exit_code, 0);
+    const std::vector<std::string> all{"--quiet", "--layout", layout,         "--frame", "touch",
+                                       "--hide",  "array",    "--screenshot", file};
+    EXPECT_EQ(viewer_here(host_touch(test::with(all, more))).exit_code, 0);
     return test::read_text(file);
   };
   const std::string slice = shot("xz.png", {"--slice", "xz", "--slice-size", "20mm"});
@@ -202,8 +225,12 @@ TEST_F(Viewer, TheFieldOfTheSlotStandsInAPlane) {
   EXPECT_NE(shot("xy.png", {"--slice", "xy", "--slice-size", "20mm"}), slice);
   EXPECT_NE(shot("at.png", {"--slice-at", "0,-1mm,0", "--slice-size", "20mm"}), slice);
   EXPECT_NE(shot("next.png", {"--slice", "xz", "--slice-size", "20mm", "--slot", "1"}), slice);
-  test::expect_failure(viewer(cube_touch({"--headless", "--slice", "xz"})), 2, "--slice goes with --layout or --rig");
-  test::expect_failure(viewer({"--headless", "--layout", "paper", "--slice", "xz"}), 2, "it needs a touch");
+  const auto whole = viewer(cube_touch({"--headless", "--layout", "autd3", "--slice", "xz", "--screenshot",
+                                        (folder / "whole.png").string(), "--quiet"}));
+  EXPECT_EQ(whole.exit_code, 0) << whole.err;
+  EXPECT_EQ(whole.err, "");
+  test::expect_failure(viewer_here(host_touch({"--slice", "xz"})), 2, "--slice goes with --layout or --rig");
+  test::expect_failure(viewer_here({"--headless", "--layout", "paper", "--slice", "xz"}), 2, "it needs a touch");
 }
 
 TEST_F(Viewer, ThePressureOnTheFingerIsHeat) {
@@ -218,6 +245,7 @@ TEST_F(Viewer, ThePressureOnTheFingerIsHeat) {
                                        "--size",        "320x200",
                                        "--frame",       "touch",
                                        "--hide",        "array,legend",
+                                       "--backend",     "cpu",
                                        "--headless",    "--show",
                                        "heat"};
   const auto run = viewer(test::with(touch, {"--layout", "autd3", "--screenshot", file}));
@@ -233,8 +261,8 @@ TEST_F(Viewer, ThePressureOnTheFingerIsHeat) {
   }
   EXPECT_GT(dark, 2000u);
   EXPECT_GT(light, 200u);
-  test::expect_failure(viewer(touch), 2, "--show heat goes with --layout or --rig");
-  test::expect_failure(viewer(cube_touch({"--headless", "--layout", "autd3", "--show", "heat"})), 2, "--skin");
+  test::expect_failure(viewer_here(touch), 2, "--show heat goes with --layout or --rig");
+  test::expect_failure(viewer_here(host_touch({"--layout", "autd3", "--show", "heat"})), 2, "--skin");
 }
 
 TEST_F(Viewer, AParticipantSeesTheObjectWithEitherEye) {
@@ -245,7 +273,7 @@ TEST_F(Viewer, AParticipantSeesTheObjectWithEitherEye) {
   };
   const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {
     const std::string file = (folder / name).string();
-    EXPECT_EQ(viewer(test::with(arguments(more), {"--screenshot", file})).exit_code, 0) << name;
+    EXPECT_EQ(viewer_here(test::with(arguments(more), {"--screenshot", file})).exit_code, 0) << name;
     return drawing::read_png(file);
   };
   const drawing::Pixels both = shot("both.png", {"--stereo", "side-by-side"});
@@ -276,14 +304,14 @@ TEST_F(Viewer, AParticipantSeesTheObjectWithEitherEye) {
     EXPECT_TRUE(odd.width == 321 && odd.height == 181) << odd.width << "x" << odd.height;
   }
   const auto refused = [&](const std::vector<std::string>& more, int code, const char* part) {
-    test::expect_failure(viewer(arguments(more)), code, part);
+    test::expect_failure(viewer_here(arguments(more)), code, part);
   };
   refused({"--eye", "0,0,-1"}, 2, "not in front of the screen");
   refused({"--stereo", "nonsense"}, 2, "--stereo");
   const std::string rig = (folder / "bare.toml").string();
   std::ofstream(rig) << sensing::to_toml(sensing::Rig{});
   refused({"--screen", rig}, 4, "bare.toml");
-  test::expect_failure(viewer({"--scene", scene, "--headless", "--stereo", "rows"}), 2, "--participant");
+  test::expect_failure(viewer_here({"--scene", scene, "--headless", "--stereo", "rows"}), 2, "--participant");
 }
 
 TEST_F(Viewer, AScriptThatEndsWhileARunLoadsIsNoSuccess) {
@@ -311,7 +339,7 @@ TEST_F(Viewer, ARecordingThatIsDroppedOnATouchIsALiveRun) {
                     live = (folder / "live.png").string(), script = (folder / "script").string();
   const auto recorded = viewer({"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic",
                                 "--noise-free", "--backend", "cpu", "--layout", "autd3", "--record", take, "--headless",
-                                "--quiet", "--size", "320x200", "--frames", "40"});
+                                "--quiet", "--size", "64x48", "--frames", "40"});
   ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
   test::write_text(script, "draw\nshot " + touch + "\ndrop " + take + "\ndraw\n");
   const std::vector<std::string> line{"--layout", "autd3",      "--backend", "cpu",        "--hide",
@@ -322,26 +350,26 @@ TEST_F(Viewer, ARecordingThatIsDroppedOnATouchIsALiveRun) {
   EXPECT_EQ(dropped.err, "");
   EXPECT_GT(drawing::mean_difference(drawing::read_png(touch), drawing::read_png(live)), 1e-4) << "what cameras saw";
   test::write_text(folder / "take" / "times.csv", "no times\n");
-  const auto broken = viewer(cube_touch(line));
+  const auto broken = viewer_here(cube_touch(line));
   EXPECT_EQ(broken.exit_code, 0) << broken.err << "the touch stays";
 }
 
 TEST_F(Viewer, ComparesWithAReference) {
   const auto folder = test::scratch_folder("viewer-reference");
   const std::string shot = (folder / "p.png").string(), other = (folder / "other.png").string();
-  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", shot, "--quiet"})).exit_code, 0);
-  EXPECT_EQ(viewer(cube_touch({"--headless", "--reference", shot, "--threshold", "0", "--quiet"})).exit_code, 0);
-  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", other, "--quiet", "--dark"})).exit_code, 0);
-  test::expect_failure(viewer(cube_touch({"--headless", "--reference", other})), 1, "other.png");
-  EXPECT_EQ(viewer(cube_touch({"--headless", "--reference", other, "--threshold", "0.99"})).exit_code, 0);
-  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", other, "--quiet"}, "300x200")).exit_code, 0);
-  test::expect_failure(viewer(cube_touch({"--headless", "--reference", other})), 4, "300x200");
+  ASSERT_EQ(viewer_here(host_touch({"--screenshot", shot, "--quiet"})).exit_code, 0);
+  EXPECT_EQ(viewer(host_touch({"--reference", shot, "--threshold", "0", "--quiet"})).exit_code, 0);
+  ASSERT_EQ(viewer_here(host_touch({"--screenshot", other, "--quiet", "--dark"})).exit_code, 0);
+  test::expect_failure(viewer(host_touch({"--reference", other})), 1, "other.png");
+  EXPECT_EQ(viewer_here(host_touch({"--reference", other, "--threshold", "0.99", "--quiet"})).exit_code, 0);
+  ASSERT_EQ(viewer_here(host_touch({"--screenshot", other, "--quiet"}, "300x200")).exit_code, 0);
+  test::expect_failure(viewer_here(host_touch({"--reference", other})), 4, "300x200");
 }
 
 TEST_F(Viewer, DrawsAnArrayAloneAndWithATouch) {
   const auto folder = test::scratch_folder("viewer-array");
   const std::string alone = (folder / "alone.png").string(), driven = (folder / "driven.png").string();
-  EXPECT_EQ(viewer({"--layout", "sonicsurface", "--headless", "--screenshot", alone, "--quiet"}).exit_code, 0);
+  EXPECT_EQ(viewer_here({"--layout", "sonicsurface", "--headless", "--screenshot", alone, "--quiet"}).exit_code, 0);
   EXPECT_EQ(drawing::read_png(alone).width, 1280u);
   EXPECT_EQ(
       viewer(cube_touch({"--layout", "paper", "--headless", "--screenshot", driven, "--quiet", "--inset"})).exit_code,
@@ -349,7 +377,7 @@ TEST_F(Viewer, DrawsAnArrayAloneAndWithATouch) {
 }
 
 TEST_F(Viewer, ReportsAsJson) {
-  const auto run = viewer(cube_touch({"--headless", "--frames", "2", "--json", "-"}));
+  const auto run = viewer(host_touch({"--frames", "2", "--json", "-"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto json = nlohmann::json::parse(run.out);
   EXPECT_EQ(json["frames"], 2);
@@ -365,15 +393,15 @@ TEST_F(Viewer, WithoutADisplayItSaysSoAndSuggestsHeadless) {
 TEST_F(Viewer, BadUsage) {
   test::expect_failure(viewer({}), 2, "--scene");
   test::expect_failure(viewer(cube_touch({"--screenshot", "p.png"})), 2, "--headless");
-  test::expect_failure(viewer(cube_touch({"--headless"}, "12x")), 2, "--size");
-  test::expect_failure(viewer(cube_touch({"--headless"}, "1x1")), 2, "--size");
-  test::expect_failure(viewer(cube_touch({"--headless", "--view", "below"})), 2, "--view");
-  test::expect_failure(viewer(cube_touch({"--headless", "--stride", "5"})), 2, "--stride");
-  test::expect_failure(viewer(cube_touch({"--headless", "--eye", "0,0,0"})), 2, "--eye");
-  test::expect_failure(viewer(cube_touch({"--headless", "--threshold", "0.1"})), 2, "--reference");
-  test::expect_failure(viewer(cube_touch({"--headless", "--frames", "0"})), 2, "--frames");
-  test::expect_failure(viewer(cube_touch({"--headless", "--nonsense"})), 2, "--nonsense");
-  test::expect_failure(viewer({"--headless", "--layout", "paper", "--penetration", "3mm"}), 2, "--penetration");
+  test::expect_failure(viewer_here(cube_touch({"--headless"}, "12x")), 2, "--size");
+  test::expect_failure(viewer_here(cube_touch({"--headless"}, "1x1")), 2, "--size");
+  test::expect_failure(viewer_here(cube_touch({"--headless", "--view", "below"})), 2, "--view");
+  test::expect_failure(viewer_here(cube_touch({"--headless", "--stride", "5"})), 2, "--stride");
+  test::expect_failure(viewer_here(cube_touch({"--headless", "--eye", "0,0,0"})), 2, "--eye");
+  test::expect_failure(viewer_here(cube_touch({"--headless", "--threshold", "0.1"})), 2, "--reference");
+  test::expect_failure(viewer_here(cube_touch({"--headless", "--frames", "0"})), 2, "--frames");
+  test::expect_failure(viewer_here(cube_touch({"--headless", "--nonsense"})), 2, "--nonsense");
+  test::expect_failure(viewer_here({"--headless", "--layout", "paper", "--penetration", "3mm"}), 2, "--penetration");
 }
 
 TEST_F(Viewer, NoSuchDevice) {
@@ -388,10 +416,10 @@ TEST_F(Viewer, BadInput) {
          "end_header\n0 0 0\n";
   std::ofstream(text) << "no model";
   test::expect_failure(viewer({"--scene", text, "--headless"}), 4, "text.glb");
-  test::expect_failure(viewer({"--scene", (folder / "absent.glb").string(), "--headless"}), 4, "absent.glb");
-  test::expect_failure(viewer(cube_touch({"--headless", "--skin", cloud})), 4, "cloud.ply");
-  test::expect_failure(viewer(cube_touch({"--headless", "--layout", "nonsense"})), 4, "nonsense");
-  test::expect_failure(viewer(cube_touch({"--headless", "--reference", text})), 4, "text.glb");
+  test::expect_failure(viewer_here({"--scene", (folder / "absent.glb").string(), "--headless"}), 4, "absent.glb");
+  test::expect_failure(viewer_here(host_touch({"--skin", cloud})), 4, "cloud.ply");
+  test::expect_failure(viewer_here(host_touch({"--layout", "nonsense"})), 4, "nonsense");
+  test::expect_failure(viewer_here(host_touch({"--reference", text})), 4, "text.glb");
 }
 
 TEST_F(Viewer, AStrideThatLeavesFociOutIsTheScenesFault) {
@@ -425,24 +453,27 @@ TEST_F(Viewer, LooksThroughTheCameraOfThatName) {
   camera.T_world_camera = {{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}, {0, 0.2, 0, 1}};  // columns: it looks down
   std::ofstream(folder / "camera.toml") << sensing::to_toml(sensing::Rig{"", {camera}, {}, {}});
   sensing::write_png16(folder / "depth.png", 64, 48, std::vector<std::uint16_t>(64 * 48, 199));  // in the cube
-  const auto run = [&](const std::string& view, const std::vector<std::string>& more) {
+  const auto line = [&](const std::string& view, const std::vector<std::string>& more) {
     const std::vector<std::string> all{"--scene",   source_file("assets/cube.glb").string(),
                                        "--camera",  (folder / "camera.toml").string(),
                                        "--depth",   (folder / "depth.png").string(),
                                        "--view",    view,
                                        "--size",    "320x240",
+                                       "--backend", "cpu",
                                        "--headless"};
-    return viewer(test::with(all, more));
+    return test::with(all, more);
   };
   const std::string a = (folder / "a.png").string(), b = (folder / "b.png").string();
-  EXPECT_EQ(run("camera:from above", {"--screenshot", a, "--hide", "legend,grid"}).exit_code, 0);
-  EXPECT_EQ(run("camera", {"--screenshot", b, "--hide", "legend,grid", "--show", "depth"}).exit_code, 0);
+  EXPECT_EQ(viewer(line("camera:from above", {"--screenshot", a, "--hide", "legend,grid"})).exit_code, 0);
+  EXPECT_EQ(
+      viewer_here(line("camera", {"--screenshot", b, "--hide", "legend,grid", "--show", "depth", "--quiet"})).exit_code,
+      0);
   EXPECT_EQ(test::read_text(a), test::read_text(b)) << "its own image does not hide what it sees";
   // The cube's top is 40 mm wide and 0.2 m away: 100 pixels in the middle of the picture.
   const drawing::Pixels pixels = drawing::read_png(a);
   EXPECT_GT(pixels.at(110 - 8, 120)[0], 250);
   EXPECT_LT(pixels.at(110 + 8, 120)[0], 240);
-  test::expect_failure(run("camera:from below", {}), 2, "unknown camera 'from below'; give one of from above");
+  test::expect_failure(viewer_here(line("camera:from below", {})), 2, "no camera 'from below'; give one of from above");
 }
 
 TEST_F(Viewer, AnUnwritableScreenshotIsAFailure) {

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
-#include <set>
 #include <thread>
 
 namespace palpa::test {
@@ -184,21 +183,25 @@ XHand::Picture XHand::picture() const {
           "XGetImage")(display_, window_, 0, 0, width, height, ~0ul, pixmaps));
   if (!image || image->bits_per_pixel != 32) return out;
   out.width = width;
-  for (unsigned row = 0; row < height; ++row) {
-    for (unsigned column = 0; column < width; ++column) {
-      std::uint32_t pixel = 0;
-      std::memcpy(&pixel, image->data + std::size_t{row} * static_cast<unsigned>(image->bytes_per_line) + 4 * column,
-                  sizeof pixel);
-      out.pixels.push_back(pixel & 0xffffff);
-    }
-  }
+  out.pixels.resize(std::size_t{width} * height);
+  for (unsigned row = 0; row < height; ++row)
+    std::memcpy(out.pixels.data() + std::size_t{row} * width,
+                image->data + std::size_t{row} * static_cast<unsigned>(image->bytes_per_line), std::size_t{4} * width);
+  for (std::uint32_t& pixel : out.pixels)
+    pixel &= 0xffffff;
   function<int(void*)>("XFree")(image->data);
   function<int(void*)>("XFree")(image);
   return out;
 }
 
 std::size_t XHand::Picture::colours() const {
-  return std::set(pixels.begin(), pixels.end()).size();
+  std::vector<char> seen(std::size_t{1} << 24);
+  std::size_t count = 0;
+  for (const std::uint32_t pixel : pixels) {
+    count += seen[pixel] == 0 ? 1 : 0;
+    seen[pixel] = 1;
+  }
+  return count;
 }
 
 void XHand::iconify() {

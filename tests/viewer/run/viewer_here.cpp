@@ -1,0 +1,46 @@
+#include "viewer_here.hpp"
+
+#include <thread>
+
+#include "base/error.hpp"
+#include "base/file_register.hpp"
+#include "base/log.hpp"
+#include "base/reference.hpp"
+#include "base/text.hpp"
+#include "viewer/run/command.hpp"
+
+namespace palpa::test {
+namespace {
+
+void draw(const std::vector<std::string>& words) {
+  std::vector<const char*> line{"palpa-viewer"};
+  for (const std::string& word : words)
+    line.push_back(word.c_str());
+  const auto options = viewer::read_line(static_cast<int>(line.size()), line.data());
+  if (!options) return;
+  if (!options->headless) throw failure("a window is opened by the program alone");
+  viewer::run_without_window(*options, {});
+}
+
+}  // namespace
+
+Result viewer_here(const std::vector<std::string>& words) {
+  Result result;
+  result.exit_code = 0;
+  // On a thread of its own, since whoever draws a live run gives way to it from then on.
+  std::thread([&] {
+    const KeptRegister all_files;
+    try {
+      draw(words);
+    } catch (const Error& error) {
+      result.exit_code = static_cast<int>(error.code());
+      result.err = "palpa: error: " + one_line(error.what()) + "\n";
+    }
+  }).join();
+  log::drop_warnings();
+  log::set_level(log::Level::warning);
+  allow_outside_references(false);
+  return result;
+}
+
+}  // namespace palpa::test
